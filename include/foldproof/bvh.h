@@ -1,0 +1,61 @@
+/// Hierarchy: connected surface patches at the leaves, built once per topology, refitted per step.
+#pragma once
+
+#include <vector>
+
+#include "foldproof/mesh.h"
+
+namespace foldproof {
+
+struct HierarchySettings {
+  Index leaf_triangles = 16;  ///< Triangles per leaf patch, roughly.
+};
+
+/// The tree over one topology. Immutable once built; any number of threads may use it.
+///
+/// Nodes stand in depth-first order, the root first, a parent before its children; leaves are numbered from
+/// left to right and own consecutive runs of triangles, edges and vertices in *leaf order*, so a subtree owns a
+/// consecutive run of each as well. Every triangle, every edge and every vertex that a triangle uses has
+/// exactly one owner; that is what makes each feature pair appear once.
+class Hierarchy {
+ public:
+  struct Node {
+    Index right = 0;       ///< Right child; the left child is the next node. 0 for a leaf.
+    Index leaf_begin = 0;  ///< Leaves below this node: [leaf_begin, leaf_end).
+    Index leaf_end = 0;
+    bool is_leaf() const { return right == 0; }
+  };
+  /// First owned triangle, edge and vertex of a leaf, as positions in leaf order. One extra entry at the end.
+  struct Leaf {
+    Index triangles, edges, vertices;
+  };
+
+  /// `positions`: vertex_count x 3, row-major, the pose that decides how patches are split (any pose does).
+  /// Error when positions have the wrong size or are not finite. Cost: O(n log n), about 1 us per triangle.
+  static Result<Hierarchy> build(Topology topology, std::span<const double> positions,
+                                 const HierarchySettings& settings = {});
+
+  const Topology& topology() const { return topology_; }
+  std::span<const Node> nodes() const { return nodes_; }
+  std::span<const Leaf> leaves() const { return leaves_; }
+  Index leaf_count() const { return static_cast<Index>(leaves_.size()) - 1; }
+
+  /// Leaf order -> the user's id.
+  std::span<const Index> vertex_ids() const { return vertex_ids_; }
+  std::span<const Index> edge_ids() const { return edge_ids_; }
+  std::span<const Index> triangle_ids() const { return triangle_ids_; }
+
+  /// Edges and triangles in leaf order, naming vertices by their place in leaf order.
+  std::span<const Edge> edges() const { return edges_; }
+  std::span<const Triangle> triangles() const { return triangles_; }
+
+ private:
+  Topology topology_;
+  std::vector<Node> nodes_;
+  std::vector<Leaf> leaves_;
+  std::vector<Index> vertex_ids_, edge_ids_, triangle_ids_;
+  std::vector<Edge> edges_;
+  std::vector<Triangle> triangles_;
+};
+
+}  // namespace foldproof

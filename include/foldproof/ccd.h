@@ -1,0 +1,67 @@
+/// Narrow phase: one pair of features, moving along straight lines for t in [0,1], or standing still.
+#pragma once
+
+#include "foldproof/base.h"
+
+namespace foldproof {
+
+/// What is known of a pair of features during a step.
+enum class Answer : std::uint8_t {
+  Separated,  ///< Proven, in floating point: never closer than or equal to `thickness` during [0, latest].
+  Hit,        ///< At `toi` the distance is at most thickness + tolerance, and nothing touches before.
+  Undecided,  ///< The iteration limit was reached at `toi`; nothing touches before. Counts as a hit upstream.
+};
+
+struct CcdSettings {
+  double thickness = 0;    ///< Mesh units, >= 0. Closer than or equal to this is a collision.
+  double tolerance = 0;    ///< Mesh units, >= 0. How far beyond `thickness` a Hit may be. Raised to what double
+                           ///< arithmetic can tell apart for these positions (see ccd_resolution).
+  double latest = 1;       ///< Stop when proven free until here; then the answer is Separated. In [0,1].
+  int max_iterations = 100000;
+};
+
+struct CcdResult {
+  Answer answer = Answer::Separated;
+  double toi = 1;  ///< Proven free of contact on [0, toi). At toi itself: see Answer. 1 when Separated.
+};
+
+/// Positions of the four vertices of a pair at one end of the step, in mesh units.
+/// Vertex-face: v f0 f1 f2. Edge-edge: ea0 ea1 eb0 eb1.
+using FourPoints = std::array<Vec3, 4>;
+
+/// Vertex against triangle. Degenerate triangles (segments, points) are fine.
+/// Precondition: finite coordinates. Cost: about 50 ns when far apart, microseconds when close. Thread-safe.
+/// Soundness: docs/soundness.md, "Narrow phase".
+CcdResult vertex_face_ccd(const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings);
+
+/// Edge against edge. Degenerate edges (points) and parallel edges are fine. Otherwise as vertex_face_ccd.
+CcdResult edge_edge_ccd(const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings);
+
+/// The smallest tolerance, in mesh units, that double arithmetic supports for a pair whose coordinates,
+/// relative to its own first vertex at t=0, reach `extent` (mesh units).
+double ccd_resolution(double extent);
+
+/// A closest pair of points of two features that stand still.
+struct Closest {
+  double distance;   ///< Mesh units.
+  Vec3 difference;   ///< Point on the first feature minus point on the second.
+};
+Closest vertex_face_closest(const FourPoints& x);
+Closest edge_edge_closest(const FourPoints& x);
+
+/// Sign of the signed volume of (a, b, c, d): +1 when d lies on the side of plane abc from which abc is seen
+/// clockwise, -1 on the other side, 0 when exactly coplanar. Exact for all finite doubles.
+int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+/// Exact test whether two closed triangles have a point in common; degenerate triangles are the segments or
+/// points that they are. Touching counts.
+bool triangles_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);
+
+/// Exact test whether a closed segment and a closed triangle have a point in common.
+bool segment_intersects_triangle(const std::array<Vec3, 2>& s, const std::array<Vec3, 3>& t);
+
+/// Exact test for two triangles abc, abd that share the edge ab: folded flat onto each other, that is coplanar
+/// with c and d on the same side of ab. Degenerate ones: any common point away from the edge.
+bool triangles_fold(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+}  // namespace foldproof

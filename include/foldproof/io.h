@@ -1,0 +1,69 @@
+/// Reading and writing what people have: one topology and frames.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "foldproof/mesh.h"
+
+namespace foldproof {
+
+/// A motion that is read frame by frame; memory holds a frame or two, never the sequence.
+class Motion {
+ public:
+  virtual ~Motion() = default;
+  /// For people: the file or directory it came from.
+  virtual const std::string& name() const = 0;
+  virtual const Topology& topology() const = 0;
+  /// At least 1.
+  virtual Index frame_count() const = 0;
+  /// Fills `out` (vertex_count x 3, row-major, mesh units) with frame `k` < frame_count(). Any order, any number
+  /// of times. Error: the file changed or is bad at this frame (topology, NaN, truncation). Not thread-safe.
+  virtual Result<void> read_frame(Index k, std::span<double> out) = 0;
+};
+
+struct ReadOptions {
+  double fps = 24;    ///< Sampling rate for animated glTF, frames per second.
+  bool weld = false;  ///< Merge vertices that have exactly equal coordinates in the first frame.
+};
+
+/// Opens what a command line names. An OBJ, OFF or PLY file followed by its .pc2 or .mdd is one motion; every other
+/// argument is a motion of its own: a mesh file (one frame), a directory or quoted glob of mesh files (a frame each,
+/// natural order), a .gltf, .glb or .npz file.
+Result<std::vector<std::unique_ptr<Motion>>> open_motions(std::span<const std::string> arguments,
+                                                          const ReadOptions& options = {});
+
+/// A motion that is already in memory: `frames`, each vertex_count x 3.
+std::unique_ptr<Motion> memory_motion(std::string name, Topology topology, std::vector<std::vector<double>> frames);
+
+/// A file that appears under its name only when `commit` is called; otherwise nothing is left behind.
+/// The temporary stands beside the target, so the final rename is atomic.
+class FileWriter {
+ public:
+  static Result<FileWriter> open(const std::string& path);
+  FileWriter(FileWriter&&) noexcept;
+  FileWriter& operator=(FileWriter&&) noexcept;
+  ~FileWriter();
+  Result<void> write(std::span<const char> bytes);
+  Result<void> write(const std::string& text) { return write(std::span<const char>(text.data(), text.size())); }
+  Result<void> commit();
+
+ private:
+  FileWriter() = default;
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Binary little-endian PLY with double positions and, per face, one unsigned byte property `mark`
+/// (`marks` may be empty: no property).
+Result<void> write_ply(const std::string& path, const Topology& topology, std::span<const double> positions,
+                       std::span<const std::uint8_t> marks);
+
+/// OBJ of the first frame and PC2 (float32) of all frames, streamed from `motion`.
+Result<void> write_obj_pc2(const std::string& obj_path, const std::string& pc2_path, Motion& motion);
+
+/// NPZ with `faces` (triangles x 3, int32) and `vertices` (frames x n x 3, float64), streamed from `motion`.
+Result<void> write_npz(const std::string& path, Motion& motion);
+
+}  // namespace foldproof

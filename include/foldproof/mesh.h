@@ -1,0 +1,49 @@
+/// Topology: the triangles that all frames of a motion share.
+#pragma once
+
+#include <vector>
+
+#include "foldproof/base.h"
+
+namespace foldproof {
+
+/// Three vertex ids, in the order the user gave them.
+using Triangle = std::array<Index, 3>;
+/// Two vertex ids, the smaller first.
+using Edge = std::array<Index, 2>;
+
+/// Triangles over `vertex_count` vertices, with the edges between them. Immutable once made.
+///
+/// Anything goes: open borders, non-manifold edges, duplicate triangles, triangle soups, several components,
+/// vertices in no triangle. A triangle that names a vertex twice is kept as the segment or point that it is.
+class Topology {
+ public:
+  /// Error when a triangle names a vertex >= vertex_count, or there are no triangles.
+  /// Cost: O(triangles log triangles).
+  static Result<Topology> make(Index vertex_count, std::vector<Triangle> triangles);
+
+  Index vertex_count() const { return vertex_count_; }
+  std::span<const Triangle> triangles() const { return triangles_; }
+
+  /// Every undirected edge once, in lexicographic order.
+  std::span<const Edge> edges() const { return edges_; }
+
+  /// Per triangle, the ids of edges (0,1), (1,2), (2,0); kNoIndex where both ends are the same vertex.
+  std::span<const std::array<Index, 3>> triangle_edges() const { return triangle_edges_; }
+
+  /// Same vertex count and the same triangles in the same order.
+  bool operator==(const Topology& other) const {
+    return vertex_count_ == other.vertex_count_ && triangles_ == other.triangles_;
+  }
+
+ private:
+  Index vertex_count_ = 0;
+  std::vector<Triangle> triangles_;
+  std::vector<Edge> edges_;
+  std::vector<std::array<Index, 3>> triangle_edges_;
+};
+
+/// True when two triangles name a common vertex.
+bool share_vertex(const Triangle& a, const Triangle& b);
+
+}  // namespace foldproof
