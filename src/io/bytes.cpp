@@ -1,0 +1,80 @@
+#include "io/bytes.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+namespace foldproof::io {
+namespace {
+
+std::string reason(int code) { return std::generic_category().message(code); }
+
+}  // namespace
+
+Result<InputFile> InputFile::open(const std::string& path) {
+  InputFile file;
+  file.path_ = path;
+  // Without O_NONBLOCK, opening a named pipe would wait for ever.
+  file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file.descriptor_ < 0) {
+    return fail(path, "cannot be opened: " + reason(errno), "check the name and the permissions");
+  }
+  struct stat status {};
+  if (::fstat(file.descriptor_, &status) != 0) {
+    return fail(path, "cannot be examined: " + reason(errno), "check the name and the permissions");
+  }
+  if (!S_ISREG(status.st_mode)) {
+    return fail(path, "is not a regular file", "save the data to a file and name that");
+  }
+  file.size_ = static_cast<std::uint64_t>(status.st_size);
+  return file;
+}
+
+InputFile::InputFile(InputFile&& other) noexcept
+    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)), size_(other.size_) {}
+
+InputFile& InputFile::operator=(InputFile&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(size_, other.size_);
+  return *this;
+}
+
+InputFile::~InputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Result<void> InputFile::read_at(std::uint64_t offset, std::span<char> out) const {
+  std::size_t done = 0;
+  while (done < out.size()) {
+    const ssize_t count =
+        ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return fail(path_, "cannot be read: " + reason(errno), "check the disk it is on");
+    if (count == 0) {
+      return fail(at_byte(path_, offset + done), "the file ends here, but more was expected",
+                  "copy or export it again");
+    }
+    done += static_cast<std::size_t>(count);
+  }
+  return {};
+}
+
+Result<std::vector<char>> read_file(const std::string& path) {
+  auto file = InputFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  std::vector<char> bytes(file->size());
+  if (auto read = file->read_at(0, bytes); !read) return tl::unexpected(read.error());
+  return bytes;
+}
+
+std::string at_byte(const std::string& path, std::uint64_t offset) {
+  return fmt::format("{}, byte {}", path, offset);
+}
+
+}  // namespace foldproof::io

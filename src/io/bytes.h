@@ -1,0 +1,50 @@
+/// Files and the bytes in them: every read is checked against the real size of the file first.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <vector>
+
+#include "foldproof/base.h"
+
+namespace foldproof::io {
+
+/// A regular file, open for reading at any offset.
+class InputFile {
+ public:
+  static Result<InputFile> open(const std::string& path);
+  InputFile(InputFile&& other) noexcept;
+  InputFile& operator=(InputFile&& other) noexcept;
+  ~InputFile();
+
+  const std::string& path() const { return path_; }
+  std::uint64_t size() const { return size_; }
+
+  /// Fills `out` from `offset`. Error: the file ends before.
+  Result<void> read_at(std::uint64_t offset, std::span<char> out) const;
+
+ private:
+  InputFile() = default;
+  std::string path_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+/// The whole of a regular file.
+Result<std::vector<char>> read_file(const std::string& path);
+
+/// A number that stands at any address in the given byte order.
+template <class T>
+T load(const char* bytes, std::endian order) {
+  std::array<char, sizeof(T)> raw;
+  std::memcpy(raw.data(), bytes, sizeof(T));
+  if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
+  return std::bit_cast<T>(raw);
+}
+
+/// The place of a byte: "walk.pc2, byte 32".
+std::string at_byte(const std::string& path, std::uint64_t offset);
+
+}  // namespace foldproof::io

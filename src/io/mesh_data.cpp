@@ -1,0 +1,68 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "io/bytes.h"
+#include "io/readers.h"
+
+namespace foldproof::io {
+
+void MeshData::add_polygon(std::span<const Index> polygon) {
+  if (polygon.size() > 3 && faces.empty()) {
+    faces.resize(triangles.size());
+    std::iota(faces.begin(), faces.end(), Index{0});
+  }
+  const bool mixed = polygon.size() > 3 || !faces.empty();
+  const Index face = faces.empty() ? static_cast<Index>(triangles.size()) : faces.back() + 1;
+  for (std::size_t k = 2; k < polygon.size(); ++k) {
+    triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
+    if (mixed) faces.push_back(face);
+  }
+}
+
+Result<MeshData> read_mesh(const std::string& path, MeshFormat format) {
+  auto file = read_file(path);
+  if (!file) return tl::unexpected(file.error());
+  const std::string_view bytes(file->data(), file->size());
+  if (format == MeshFormat::Obj) return parse_obj(path, bytes);
+  if (format == MeshFormat::Off) return parse_off(path, bytes);
+  return parse_ply(path, bytes);
+}
+
+Result<void> check_mesh(const std::string& path, const MeshData& mesh) {
+  if (mesh.positions.size() / 3 > kMaxVertices || mesh.triangles.size() > kMaxTriangles) {
+    return fail(path, fmt::format("has more than {} vertices or {} triangles", kMaxVertices, kMaxTriangles),
+                "split the mesh");
+  }
+  if (mesh.positions.empty()) return fail(path, "has no vertices", "export the mesh again");
+  if (mesh.triangles.empty()) return fail(path, "has no faces", "export the mesh with its faces");
+  return {};
+}
+
+Result<void> check_finite(const std::string& where, std::span<const double> positions) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (!std::isfinite(positions[i])) {
+      return fail(fmt::format("{}, vertex {}", where, i / 3), "a coordinate is not finite",
+                  "export the mesh without NaN or infinite coordinates");
+    }
+  }
+  return {};
+}
+
+Result<void> check_request(const Motion& motion, Index frame, std::span<const double> out) {
+  if (frame >= motion.frame_count()) {
+    return fail(fmt::format("{} (frame {})", motion.name(), frame),
+                fmt::format("does not exist: there are {} frames, counting from 0", motion.frame_count()),
+                "ask for an earlier frame");
+  }
+  const std::size_t needed = std::size_t{3} * motion.topology().vertex_count();
+  if (out.size() != needed) {
+    return fail(motion.name(),
+                fmt::format("a frame is {} numbers, but the buffer holds {}", needed, out.size()),
+                "pass a buffer of vertex_count x 3");
+  }
+  return {};
+}
+
+}  // namespace foldproof::io

@@ -1,0 +1,102 @@
+// Wavefront OBJ. Written here because the libraries at hand give no line number for an error and stop at
+// indices that only later lines make valid.
+#include <fmt/format.h>
+
+#include "io/readers.h"
+#include "io/text.h"
+
+namespace foldproof::io {
+namespace {
+
+class ObjParser {
+ public:
+  ObjParser(const std::string& path, std::string_view text)
+      : path_(path), cursor_(text, {.comment = '#', .continuation = true}) {}
+
+  Result<MeshData> parse() {
+    for (; cursor_.skip_to_content(); cursor_.next_line()) {
+      const std::string_view keyword = cursor_.word();
+      Result<void> read;
+      if (keyword == "v") {
+        read = read_vertex();
+      } else if (keyword == "f" || keyword == "fo") {  // "fo" is how old files say "f"
+        read = read_face();
+      }  // everything else neither moves nor connects a vertex
+      if (!read) return tl::unexpected(read.error());
+    }
+    if (highest_.index >= mesh_.vertex_count()) {
+      return fail(
+          at_line(path_, highest_.line),
+          fmt::format("face refers to vertex {}, but there are {}", highest_.index + 1, mesh_.vertex_count()),
+          "export the mesh again");
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  // Columns after the third (a weight or a colour) are ignored.
+  Result<void> read_vertex() {
+    for (int k = 0; k < 3; ++k) {
+      double x;
+      if (const Scan scan = cursor_.number(x); scan != Scan::Ok) {
+        return tl::unexpected(
+            scan_error(scan, at_line(path_, cursor_.line()),
+                       fmt::format("coordinate {} of vertex {}", "xyz"[k], mesh_.positions.size() / 3 + 1)));
+      }
+      mesh_.positions.push_back(x);
+    }
+    return {};
+  }
+
+  Result<void> read_face() {
+    polygon_.clear();
+    const std::uint64_t line = cursor_.line();
+    while (!cursor_.at_line_end()) {
+      std::int64_t number;
+      if (const Scan scan = cursor_.leading_integer(number); scan != Scan::Ok) {
+        return tl::unexpected(scan_error(scan, at_line(path_, cursor_.line()), "a vertex of the face"));
+      }
+      // What follows a slash is a texture coordinate or a normal.
+      if (const std::string_view rest = cursor_.tail(); !rest.empty() && rest[0] != '/') {
+        return tl::unexpected(
+            scan_error(Scan::Malformed, at_line(path_, cursor_.line()), "a vertex of the face"));
+      }
+      const auto count = static_cast<std::int64_t>(mesh_.positions.size() / 3);
+      const std::int64_t index = number < 0 ? count + number : number - 1;
+      if (number == 0 || index < 0 || index > static_cast<std::int64_t>(kMaxVertices)) {
+        return fail(at_line(path_, cursor_.line()),
+                    fmt::format("face refers to vertex {}, but there are {}", number, count),
+                    "export the mesh again");
+      }
+      if (highest_.line == 0 || index > highest_.index) highest_ = {index, line};
+      polygon_.push_back(static_cast<Index>(index));
+    }
+    if (polygon_.size() < 3) {
+      return fail(at_line(path_, line), fmt::format("face has {} vertices", polygon_.size()),
+                  "remove faces with fewer than three vertices");
+    }
+    mesh_.add_polygon(polygon_);
+    return {};
+  }
+
+  const std::string& path_;
+  TextCursor cursor_;
+  MeshData mesh_;
+  std::vector<Index> polygon_;
+  // Faces may stand before their vertices, so ranges are checked at the end, for the highest index.
+  struct {
+    std::int64_t index = -1;
+    std::uint64_t line = 0;
+  } highest_;
+};
+
+}  // namespace
+
+Result<MeshData> parse_obj(const std::string& path, std::string_view bytes) {
+  auto mesh = ObjParser(path, bytes).parse();
+  if (!mesh) return mesh;
+  if (auto checked = check_mesh(path, *mesh); !checked) return tl::unexpected(checked.error());
+  return mesh;
+}
+
+}  // namespace foldproof::io

@@ -1,0 +1,130 @@
+// Object File Format (Geomview), ASCII. Written here: a dozen lines of grammar that no packaged reader
+// reports errors for.
+#include <fmt/format.h>
+
+#include "io/readers.h"
+#include "io/text.h"
+
+namespace foldproof::io {
+namespace {
+
+class OffParser {
+ public:
+  OffParser(const std::string& path, std::string_view text)
+      : path_(path), cursor_(text, {.comment = '#', .continuation = false}) {}
+
+  Result<MeshData> parse() {
+    if (auto read = read_header(); !read) return tl::unexpected(read.error());
+    mesh_.positions.reserve(static_cast<std::size_t>(vertices_) * 3);
+    mesh_.triangles.reserve(static_cast<std::size_t>(faces_));
+    for (std::int64_t i = 0; i < vertices_; ++i) {
+      if (auto read = read_vertex(i); !read) return tl::unexpected(read.error());
+    }
+    for (std::int64_t i = 0; i < faces_; ++i) {
+      if (auto read = read_face(i); !read) return tl::unexpected(read.error());
+    }
+    if (cursor_.skip_to_content()) {
+      return fail(here(), "there is more data than the header announces", "export the mesh again");
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  std::string here() const { return at_line(path_, cursor_.line()); }
+
+  // [ST][C][N]OFF, with the counts on the same line or the next.
+  Result<void> read_header() {
+    cursor_.skip_to_content();
+    std::string_view word = cursor_.word();
+    for (const std::string_view prefix : {"ST", "C", "N"}) {
+      if (word.starts_with(prefix)) word.remove_prefix(prefix.size());
+    }
+    if (word != "OFF") {
+      return fail(here(), "does not start with OFF (or COFF, NOFF, STOFF)", "export the mesh as OFF again");
+    }
+    if (!cursor_.at_line_end() && cursor_.rest().starts_with("BINARY")) {
+      return fail(here(), "is a binary OFF file", "export the mesh as ASCII OFF, or as binary PLY");
+    }
+    cursor_.skip_to_content();
+    if (cursor_.integer(vertices_) != Scan::Ok || cursor_.integer(faces_) != Scan::Ok || vertices_ < 0 ||
+        faces_ < 0) {
+      return fail(here(), "the numbers of vertices and faces are missing", "export the mesh as OFF again");
+    }
+    std::int64_t edges;  // nobody keeps this number right; old files leave it out
+    if (!cursor_.at_line_end() && (cursor_.integer(edges) != Scan::Ok || !cursor_.at_line_end())) {
+      return fail(here(), "the line of counts is not understood", "export the mesh as OFF again");
+    }
+    // A vertex takes 6 bytes ("0 0 0" and a line end), a face 8; the last line end may be missing.
+    const std::uint64_t left = cursor_.rest().size() + 1;
+    if (static_cast<std::uint64_t>(vertices_) > left / 6 || static_cast<std::uint64_t>(faces_) > left / 8) {
+      return fail(here(),
+                  fmt::format("header announces {} vertices and {} faces, but the file ends before",
+                              vertices_, faces_),
+                  "copy or export the mesh again");
+    }
+    cursor_.next_line();
+    return {};
+  }
+
+  // Normals, colours and texture coordinates after the position are ignored.
+  Result<void> read_vertex(std::int64_t vertex) {
+    cursor_.skip_to_content();
+    for (int k = 0; k < 3; ++k) {
+      double x;
+      if (const Scan scan = cursor_.number(x); scan != Scan::Ok) {
+        return tl::unexpected(
+            scan_error(scan, here(), fmt::format("coordinate {} of vertex {}", "xyz"[k], vertex)));
+      }
+      mesh_.positions.push_back(x);
+    }
+    cursor_.next_line();
+    return {};
+  }
+
+  // Colours after the vertices are ignored.
+  Result<void> read_face(std::int64_t face) {
+    cursor_.skip_to_content();
+    std::int64_t corners;
+    if (const Scan scan = cursor_.integer(corners); scan != Scan::Ok) {
+      return tl::unexpected(scan_error(scan, here(), fmt::format("the size of face {}", face)));
+    }
+    if (corners < 3) {
+      return fail(here(), fmt::format("face {} has {} vertices", face, corners),
+                  "remove faces with fewer than three vertices");
+    }
+    polygon_.clear();
+    for (std::int64_t i = 0; i < corners; ++i) {
+      std::int64_t v;
+      if (const Scan scan = cursor_.integer(v); scan != Scan::Ok) {
+        return tl::unexpected(scan_error(scan, here(), fmt::format("vertex {} of face {}", i, face)));
+      }
+      if (v < 0 || v >= vertices_) {
+        return fail(here(),
+                    fmt::format("face {} refers to vertex {}, but there are {} (counting from 0)", face, v,
+                                vertices_),
+                    "export the mesh again");
+      }
+      polygon_.push_back(static_cast<Index>(v));
+    }
+    mesh_.add_polygon(polygon_);
+    cursor_.next_line();
+    return {};
+  }
+
+  const std::string& path_;
+  TextCursor cursor_;
+  MeshData mesh_;
+  std::int64_t vertices_ = 0, faces_ = 0;
+  std::vector<Index> polygon_;
+};
+
+}  // namespace
+
+Result<MeshData> parse_off(const std::string& path, std::string_view bytes) {
+  auto mesh = OffParser(path, bytes).parse();
+  if (!mesh) return mesh;
+  if (auto checked = check_mesh(path, *mesh); !checked) return tl::unexpected(checked.error());
+  return mesh;
+}
+
+}  // namespace foldproof::io

@@ -1,0 +1,163 @@
+// From what a command line names to motions: formats by extension, directories, globs, point caches.
+#include <fmt/format.h>
+#include <glob.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <new>
+#include <optional>
+
+#include "io/readers.h"
+
+namespace foldproof {
+namespace io {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The extension in lower case, with its dot.
+std::string extension_of(const std::string& path) {
+  std::string extension = fs::path(path).extension().string();
+  for (char& c : extension) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return extension;
+}
+
+std::optional<MeshFormat> mesh_format(const std::string& path) {
+  const std::string extension = extension_of(path);
+  if (extension == ".obj") return MeshFormat::Obj;
+  if (extension == ".off") return MeshFormat::Off;
+  if (extension == ".ply") return MeshFormat::Ply;
+  return std::nullopt;
+}
+
+bool is_point_cache(const std::string& path) {
+  const std::string extension = extension_of(path);
+  return extension == ".pc2" || extension == ".mdd";
+}
+
+bool is_animated(const std::string& path) {
+  const std::string extension = extension_of(path);
+  return extension == ".gltf" || extension == ".glb" || extension == ".npz";
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// The run of digits that starts at `i`, without leading zeros; moves `i` behind it.
+std::string_view digit_run(std::string_view text, std::size_t& i) {
+  while (i < text.size() && text[i] == '0') ++i;
+  const std::size_t begin = i;
+  while (i < text.size() && is_digit(text[i])) ++i;
+  return text.substr(begin, i - begin);
+}
+
+/// frame9 before frame10: runs of digits compare as numbers, everything else byte by byte.
+bool natural_less(const std::string& a, const std::string& b) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[j])) {
+      const std::string_view x = digit_run(a, i), y = digit_run(b, j);
+      if (x.size() != y.size()) return x.size() < y.size();
+      if (x != y) return x < y;
+    } else {
+      if (a[i] != b[j]) return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
+      ++i;
+      ++j;
+    }
+  }
+  if (a.size() - i != b.size() - j) return a.size() - i < b.size() - j;
+  return a < b;  // only leading zeros differ
+}
+
+/// The files among `paths` as the frames of one motion.
+Result<std::unique_ptr<Motion>> open_frames(const std::string& name, std::vector<std::string> paths) {
+  std::erase_if(
+      paths, [](const std::string& p) { return !mesh_format(p) && !is_point_cache(p) && !is_animated(p); });
+  std::sort(paths.begin(), paths.end(), natural_less);
+  const auto mesh = std::find_if(paths.begin(), paths.end(), mesh_format);
+  if (mesh == paths.end()) {
+    return fail(name, "holds no OBJ, OFF or PLY files", "name mesh files, or a directory that holds them");
+  }
+  for (const std::string& p : paths) {
+    if (mesh_format(p) != mesh_format(*mesh)) {
+      return fail(name, fmt::format("mixes formats: {} and {}", *mesh, p),
+                  "name one of them, or keep one format in a directory");
+    }
+  }
+  if (paths.size() >= kNoIndex) return fail(name, "holds too many files", "name fewer frames");
+  const MeshFormat format = *mesh_format(*mesh);
+  return open_sequence(name, std::move(paths), format);
+}
+
+Result<std::unique_ptr<Motion>> open_directory(const std::string& path) {
+  std::error_code status;
+  std::vector<std::string> paths;
+  for (fs::directory_iterator at(path, status), end; !status && at != end; at.increment(status)) {
+    const std::string name = at->path().filename().string();
+    std::error_code ignored;
+    if (!name.starts_with('.') && !at->is_directory(ignored)) paths.push_back(at->path().string());
+  }
+  if (status) return fail(path, "cannot be listed: " + status.message(), "check the permissions");
+  return open_frames(path, std::move(paths));
+}
+
+Result<std::unique_ptr<Motion>> open_glob(const std::string& pattern) {
+  ::glob_t matches{};
+  const int status = ::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &matches);
+  std::vector<std::string> paths(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
+  ::globfree(&matches);
+  if (status != 0 && status != GLOB_NOMATCH) {
+    return fail(pattern, "cannot be expanded", "check the permissions of the directories");
+  }
+  if (paths.empty()) return fail(pattern, "matches no files", "check the pattern");
+  return open_frames(pattern, std::move(paths));
+}
+
+Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const ReadOptions&) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(argument, ignored);
+  if (fs::is_directory(status)) return open_directory(argument);
+  if (!fs::exists(status) && argument.find_first_of("*?[") != std::string::npos) return open_glob(argument);
+  if (const auto format = mesh_format(argument)) return open_sequence(argument, {argument}, *format);
+  if (is_point_cache(argument)) {
+    return fail(argument, "is a point cache without a mesh", "name its OBJ, OFF or PLY file right before it");
+  }
+  return fail(argument, "is not a format that is read here",
+              "give .obj, .off, .ply, .gltf, .glb or .npz, or a mesh followed by its .pc2 or .mdd");
+}
+
+Result<std::vector<std::unique_ptr<Motion>>> open_all(std::span<const std::string> arguments,
+                                                      const ReadOptions& options) {
+  std::vector<std::unique_ptr<Motion>> motions;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& argument = arguments[i];
+    Result<std::unique_ptr<Motion>> motion;
+    const auto format = mesh_format(argument);
+    if (format && i + 1 < arguments.size() && is_point_cache(arguments[i + 1])) {
+      const std::string& cache = arguments[++i];
+      motion = extension_of(cache) == ".pc2" ? open_pc2(argument, *format, cache)
+                                             : open_mdd(argument, *format, cache);
+    } else {
+      motion = open_one(argument, options);
+    }
+    if (!motion) return tl::unexpected(motion.error());
+    motions.push_back(std::move(*motion));
+  }
+  return motions;
+}
+
+}  // namespace
+}  // namespace io
+
+Result<std::vector<std::unique_ptr<Motion>>> open_motions(std::span<const std::string> arguments,
+                                                          const ReadOptions& options) {
+  if (arguments.empty()) return fail("arguments", "no motion is named", "name a mesh file or a directory");
+  try {
+    return io::open_all(arguments, options);
+  } catch (const std::bad_alloc&) {
+    return fail(arguments.front(), "does not fit into memory", "use a smaller mesh or a larger machine");
+  }
+}
+
+}  // namespace foldproof

@@ -1,0 +1,375 @@
+// Stanford PLY, ASCII and binary. Written here because no packaged reader checks a header's counts against
+// the size of the file before it allocates.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "io/bytes.h"
+#include "io/readers.h"
+#include "io/text.h"
+
+namespace foldproof::io {
+namespace {
+
+struct PlyType {
+  int size;
+  bool is_float;
+  bool is_signed;
+};
+
+std::optional<PlyType> ply_type(std::string_view name) {
+  if (name == "char" || name == "int8") return PlyType{1, false, true};
+  if (name == "uchar" || name == "uint8") return PlyType{1, false, false};
+  if (name == "short" || name == "int16") return PlyType{2, false, true};
+  if (name == "ushort" || name == "uint16") return PlyType{2, false, false};
+  if (name == "int" || name == "int32") return PlyType{4, false, true};
+  if (name == "uint" || name == "uint32") return PlyType{4, false, false};
+  if (name == "float" || name == "float32") return PlyType{4, true, true};
+  if (name == "double" || name == "float64") return PlyType{8, true, true};
+  return std::nullopt;
+}
+
+/// What the file's property is to a mesh. Roles X, Y, Z come first: they are the coordinate's number as well.
+enum class Role : std::uint8_t { X, Y, Z, Polygon, None };
+
+struct Property {
+  PlyType type;
+  std::optional<PlyType> count;  ///< Of a list.
+  Role role = Role::None;
+};
+
+struct Element {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+
+  bool has(Role role) const {
+    return std::any_of(properties.begin(), properties.end(),
+                       [=](const Property& p) { return p.role == role; });
+  }
+};
+
+enum class Encoding : std::uint8_t { Ascii, Little, Big };
+
+struct Header {
+  Encoding encoding = Encoding::Ascii;
+  std::vector<Element> elements;
+  std::size_t size = 0;  ///< Bytes, with the line end after end_header.
+  std::uint64_t lines = 0;
+  std::uint64_t vertices = 0;
+};
+
+class HeaderParser {
+ public:
+  HeaderParser(const std::string& path, std::string_view bytes)
+      : path_(path), bytes_(bytes), cursor_(bytes, {.comment = '\0', .continuation = false}) {}
+
+  Result<Header> parse() {
+    if (cursor_.word() != "ply" || !cursor_.at_line_end()) {
+      return fail(at_line(path_, 1), "does not start with the line 'ply'", "export the mesh as PLY again");
+    }
+    cursor_.next_line();
+    for (; cursor_.skip_to_content(); cursor_.next_line()) {
+      const std::string_view keyword = cursor_.word();
+      if (keyword == "end_header") return finish();
+      Result<void> read;
+      if (keyword == "format") {
+        read = read_format();
+      } else if (keyword == "element") {
+        read = read_element();
+      } else if (keyword == "property") {
+        read = read_property();
+      } else if (keyword != "comment" && keyword != "obj_info") {
+        read = error("header has an unknown keyword");
+      }
+      if (!read) return tl::unexpected(read.error());
+    }
+    return error("the file ends before 'end_header'");
+  }
+
+ private:
+  tl::unexpected<Error> error(std::string problem) const {
+    return fail(at_line(path_, cursor_.line()), std::move(problem), "export the mesh as PLY again");
+  }
+
+  Result<void> read_format() {
+    const std::string_view name = cursor_.word();
+    if (name == "ascii") {
+      header_.encoding = Encoding::Ascii;
+    } else if (name == "binary_little_endian") {
+      header_.encoding = Encoding::Little;
+    } else if (name == "binary_big_endian") {
+      header_.encoding = Encoding::Big;
+    } else {
+      return error("format is not ascii, binary_little_endian or binary_big_endian");
+    }
+    has_format_ = true;
+    return {};
+  }
+
+  Result<void> read_element() {
+    Element element;
+    element.name = cursor_.word();
+    std::int64_t count;
+    if (cursor_.integer(count) != Scan::Ok || count < 0) return error("element has no proper count");
+    element.count = static_cast<std::uint64_t>(count);
+    for (const Element& other : header_.elements) {
+      if (other.name == element.name)
+        return error(fmt::format("element '{}' is declared twice", element.name));
+    }
+    if (element.name == "vertex") header_.vertices = element.count;
+    header_.elements.push_back(std::move(element));
+    return {};
+  }
+
+  Result<void> read_property() {
+    if (header_.elements.empty()) return error("property stands before any element");
+    Element& element = header_.elements.back();
+    Property property{};
+    std::string_view type = cursor_.word();
+    if (type == "list") {
+      property.count = ply_type(cursor_.word());
+      if (!property.count || property.count->is_float)
+        return error("the count of a list is not an integer type");
+      type = cursor_.word();
+    }
+    const auto value = ply_type(type);
+    if (!value) return error("property has an unknown type");
+    property.type = *value;
+    const std::string_view name = cursor_.word();
+    property.role = Role::None;
+    if (element.name == "vertex" && !property.count && name.size() == 1 && name[0] >= 'x' && name[0] <= 'z') {
+      property.role = static_cast<Role>(name[0] - 'x');
+    }
+    if (element.name == "face" && (name == "vertex_indices" || name == "vertex_index")) {
+      if (!property.count || value->is_float)
+        return error("the vertices of a face are not a list of integers");
+      property.role = Role::Polygon;
+    }
+    if (property.role != Role::None && element.has(property.role)) {
+      return error(fmt::format("property '{}' is declared twice", name));
+    }
+    element.properties.push_back(property);
+    return {};
+  }
+
+  Result<Header> finish() {
+    if (!has_format_) return error("header has no line 'format'");
+    bool positions = false, polygons = false;
+    for (const Element& e : header_.elements) {
+      if (e.name == "vertex") positions = e.has(Role::X) && e.has(Role::Y) && e.has(Role::Z);
+      if (e.name == "face") polygons = e.has(Role::Polygon);
+    }
+    if (!positions) return error("header declares no vertices with x, y and z");
+    if (!polygons) {
+      return fail(at_line(path_, cursor_.line()), "header declares no faces with vertex_indices",
+                  "export the mesh with its faces");
+    }
+    // Not next_line(): after CR a binary file may start with a byte that happens to be LF.
+    const std::string_view rest = cursor_.rest();
+    const std::size_t end = rest.substr(0, 2) == "\r\n" ? 2 : std::min<std::size_t>(rest.size(), 1);
+    header_.size = bytes_.size() - rest.size() + end;
+    header_.lines = cursor_.line();
+    return std::move(header_);
+  }
+
+  const std::string& path_;
+  std::string_view bytes_;
+  TextCursor cursor_;
+  Header header_;
+  bool has_format_ = false;
+};
+
+/// Values of a binary body.
+class BinarySource {
+ public:
+  BinarySource(const std::string& path, std::string_view bytes, const Header& header)
+      : path_(path),
+        bytes_(bytes),
+        at_(header.size),
+        order_(header.encoding == Encoding::Little ? std::endian::little : std::endian::big) {}
+
+  /// Smallest size of one record, for checking counts.
+  static std::uint64_t least_bytes(const Property& p) {
+    return static_cast<std::uint64_t>(p.count ? p.count->size : p.type.size);
+  }
+  std::uint64_t left() const { return bytes_.size() - at_; }
+  std::string place() const { return at_byte(path_, last_); }
+  bool begin_record() { return true; }
+  bool end_record() { return true; }
+  bool at_end() const { return bytes_.find_first_not_of(std::string_view("\0\r\n", 3), at_) == bytes_.npos; }
+
+  Scan value(PlyType type, double& out) {
+    last_ = at_;
+    if (left() < static_cast<std::uint64_t>(type.size)) return Scan::Missing;
+    const char* bytes = bytes_.data() + at_;
+    at_ += static_cast<std::size_t>(type.size);
+    if (type.is_float) {
+      out = type.size == 4 ? static_cast<double>(load<float>(bytes, order_)) : load<double>(bytes, order_);
+      return std::isfinite(out) ? Scan::Ok : Scan::NotFinite;
+    }
+    switch (type.size) {
+      case 1:
+        out = type.is_signed ? load<std::int8_t>(bytes, order_) : load<std::uint8_t>(bytes, order_);
+        break;
+      case 2:
+        out = type.is_signed ? load<std::int16_t>(bytes, order_) : load<std::uint16_t>(bytes, order_);
+        break;
+      default:
+        out = type.is_signed ? static_cast<double>(load<std::int32_t>(bytes, order_))
+                             : static_cast<double>(load<std::uint32_t>(bytes, order_));
+    }
+    return Scan::Ok;
+  }
+
+ private:
+  const std::string& path_;
+  std::string_view bytes_;
+  std::size_t at_;
+  std::size_t last_ = 0;  // where the value read last begins
+  std::endian order_;
+};
+
+/// Values of an ASCII body: one record a line.
+class AsciiSource {
+ public:
+  AsciiSource(const std::string& path, std::string_view bytes, const Header& header)
+      : path_(path),
+        header_lines_(header.lines),
+        cursor_(bytes.substr(header.size), {.comment = '\0', .continuation = false}) {}
+
+  static std::uint64_t least_bytes(const Property&) { return 2; }
+  std::uint64_t left() const { return cursor_.rest().size() + 1; }  // the last line may have no line end
+  std::string place() const { return at_line(path_, header_lines_ + cursor_.line()); }
+  bool begin_record() { return cursor_.skip_to_content(); }
+  bool end_record() {
+    if (!cursor_.at_line_end()) return false;
+    cursor_.next_line();
+    return true;
+  }
+  bool at_end() { return !cursor_.skip_to_content(); }
+  Scan value(PlyType type, double& out) {
+    if (type.is_float) return cursor_.number(out);
+    std::int64_t integer = 0;
+    const Scan scan = cursor_.integer(integer);
+    out = static_cast<double>(integer);
+    return scan;
+  }
+
+ private:
+  const std::string& path_;
+  std::uint64_t header_lines_;
+  TextCursor cursor_;
+};
+
+template <class Source>
+class BodyParser {
+ public:
+  BodyParser(const std::string& path, const Header& header, Source source)
+      : path_(path), header_(header), source_(std::move(source)) {}
+
+  Result<MeshData> parse() {
+    for (const Element& element : header_.elements) {
+      if (element.properties.empty()) continue;  // nothing to read, whatever the count
+      std::uint64_t least = 0;
+      for (const Property& p : element.properties) least += Source::least_bytes(p);
+      if (element.count > source_.left() / least) {
+        return fail(source_.place(),
+                    fmt::format("header announces {} of element '{}', but the file ends before",
+                                element.count, element.name),
+                    "copy or export the mesh again");
+      }
+      if (element.name == "vertex") mesh_.positions.reserve(element.count * 3);
+      if (element.name == "face") mesh_.triangles.reserve(element.count);
+      for (std::uint64_t i = 0; i < element.count; ++i) {
+        if (auto read = read_record(element, i); !read) return tl::unexpected(read.error());
+      }
+    }
+    if (!source_.at_end()) {
+      return fail(source_.place(), "there is more data than the header announces", "export the mesh again");
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  tl::unexpected<Error> error(Scan scan, const Element& element, std::uint64_t record) const {
+    return tl::unexpected(
+        scan_error(scan, source_.place(), fmt::format("a value of {} {}", element.name, record)));
+  }
+
+  Result<void> read_record(const Element& element, std::uint64_t record) {
+    std::array<double, 3> position{};
+    if (!source_.begin_record()) return error(Scan::Missing, element, record);
+    for (const Property& property : element.properties) {
+      if (property.count) {
+        if (auto read = read_list(element, property, record); !read) return read;
+        continue;
+      }
+      double value = 0;
+      const Scan scan = source_.value(property.type, value);
+      const bool wanted = property.role != Role::None;
+      if (scan != Scan::Ok && (wanted || scan != Scan::NotFinite)) return error(scan, element, record);
+      if (wanted) position[static_cast<std::size_t>(property.role)] = value;
+    }
+    if (!source_.end_record()) {
+      return fail(source_.place(), fmt::format("{} {} has more values than declared", element.name, record),
+                  "export the mesh again");
+    }
+    if (element.name == "vertex") {
+      mesh_.positions.insert(mesh_.positions.end(), position.begin(), position.end());
+    }
+    return {};
+  }
+
+  Result<void> read_list(const Element& element, const Property& property, std::uint64_t record) {
+    double count = 0;
+    const Scan scan = source_.value(*property.count, count);
+    if (scan != Scan::Ok) return error(scan, element, record);
+    const bool polygon = property.role == Role::Polygon;
+    if (count < (polygon ? 3 : 0)) {
+      return fail(source_.place(), fmt::format("{} {} has a list of {} values", element.name, record, count),
+                  "remove faces with fewer than three vertices");
+    }
+    polygon_.clear();
+    for (double i = 0; i < count; ++i) {
+      double value = 0;
+      const Scan item = source_.value(property.type, value);
+      if (item != Scan::Ok && (polygon || item != Scan::NotFinite)) return error(item, element, record);
+      if (!polygon) continue;
+      if (value < 0 || value >= static_cast<double>(header_.vertices)) {
+        return fail(source_.place(),
+                    fmt::format("face {} refers to vertex {}, but there are {} (counting from 0)", record,
+                                value, header_.vertices),
+                    "export the mesh again");
+      }
+      polygon_.push_back(static_cast<Index>(value));
+    }
+    if (polygon) mesh_.add_polygon(polygon_);
+    return {};
+  }
+
+  const std::string& path_;
+  const Header& header_;
+  Source source_;
+  MeshData mesh_;
+  std::vector<Index> polygon_;
+};
+
+}  // namespace
+
+Result<MeshData> parse_ply(const std::string& path, std::string_view bytes) {
+  const auto header = HeaderParser(path, bytes).parse();
+  if (!header) return tl::unexpected(header.error());
+  if (header->vertices > kMaxVertices) {
+    return fail(path, fmt::format("header announces {} vertices", header->vertices), "split the mesh");
+  }
+  auto mesh = header->encoding == Encoding::Ascii
+                  ? BodyParser(path, *header, AsciiSource(path, bytes, *header)).parse()
+                  : BodyParser(path, *header, BinarySource(path, bytes, *header)).parse();
+  if (!mesh) return mesh;
+  if (auto checked = check_mesh(path, *mesh); !checked) return tl::unexpected(checked.error());
+  return mesh;
+}
+
+}  // namespace foldproof::io

@@ -1,0 +1,139 @@
+// Point caches beside a mesh: PC2 and MDD. One pread a frame; the header's counts are compared with the size
+// of the file before anything is allocated.
+#include <fmt/format.h>
+
+#include "io/bytes.h"
+#include "io/readers.h"
+
+namespace foldproof::io {
+namespace {
+
+/// Where the frames stand in the file.
+struct Layout {
+  std::uint64_t vertices = 0;
+  std::uint64_t frames = 0;
+  std::uint64_t data = 0;  ///< Byte of the first frame.
+  std::endian order = std::endian::little;
+};
+
+class PointCache final : public Motion {
+ public:
+  PointCache(std::string name, Topology topology, InputFile file, Layout layout)
+      : name_(std::move(name)), topology_(std::move(topology)), file_(std::move(file)), layout_(layout) {}
+
+  const std::string& name() const override { return name_; }
+  const Topology& topology() const override { return topology_; }
+  Index frame_count() const override { return static_cast<Index>(layout_.frames); }
+
+  Result<void> read_frame(Index k, std::span<double> out) override {
+    if (auto checked = check_request(*this, k, out); !checked) return checked;
+    buffer_.resize(out.size() * sizeof(float));
+    if (auto read = file_.read_at(layout_.data + k * std::uint64_t{buffer_.size()}, buffer_); !read)
+      return read;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      out[i] = static_cast<double>(load<float>(buffer_.data() + i * sizeof(float), layout_.order));
+    }
+    return check_finite(fmt::format("{}, frame {}", file_.path(), k), out);
+  }
+
+ private:
+  std::string name_;
+  Topology topology_;
+  InputFile file_;
+  Layout layout_;
+  std::vector<char> buffer_;
+};
+
+Result<void> check_layout(const InputFile& file, const Layout& layout, Index mesh_vertices,
+                          const std::string& mesh_path) {
+  if (layout.frames == 0) return fail(file.path(), "holds no frames", "export the point cache again");
+  if (layout.vertices != mesh_vertices) {
+    return fail(
+        file.path(),
+        fmt::format("moves {} points, but {} has {} vertices", layout.vertices, mesh_path, mesh_vertices),
+        "name the mesh that this point cache was made from");
+  }
+  const std::uint64_t stride = layout.vertices * 3 * sizeof(float);
+  const std::uint64_t bytes = file.size() - std::min(file.size(), layout.data);
+  if (bytes % stride != 0 || bytes / stride != layout.frames) {
+    return fail(file.path(),
+                fmt::format("header announces {} frames of {} bytes, but {} bytes follow it", layout.frames,
+                            stride, bytes),
+                "copy or export the point cache again");
+  }
+  return {};
+}
+
+Result<Layout> read_pc2_header(const InputFile& file) {
+  constexpr std::size_t kSize = 32;
+  std::array<char, kSize> header;
+  if (file.size() < kSize)
+    return fail(file.path(), "is too short for a PC2 header", "export the cache again");
+  if (auto read = file.read_at(0, header); !read) return tl::unexpected(read.error());
+  if (std::string_view(header.data(), 12) != std::string_view("POINTCACHE2\0", 12)) {
+    return fail(at_byte(file.path(), 0), "does not start with POINTCACHE2", "export the cache as PC2 again");
+  }
+  const auto integer = [&](std::size_t at) {
+    return load<std::int32_t>(header.data() + at, std::endian::little);
+  };
+  if (integer(12) != 1) {
+    return fail(at_byte(file.path(), 12), fmt::format("PC2 version {} is not known", integer(12)),
+                "export the cache as PC2 version 1");
+  }
+  if (integer(16) < 0)
+    return fail(at_byte(file.path(), 16), "the number of points is negative", "export the cache again");
+  if (integer(28) < 0)
+    return fail(at_byte(file.path(), 28), "the number of frames is negative", "export the cache again");
+  return Layout{static_cast<std::uint64_t>(integer(16)), static_cast<std::uint64_t>(integer(28)), kSize,
+                std::endian::little};
+}
+
+Result<Layout> read_mdd_header(const InputFile& file) {
+  constexpr std::size_t kSize = 8;
+  std::array<char, kSize> header;
+  if (file.size() < kSize)
+    return fail(file.path(), "is too short for an MDD header", "export the cache again");
+  if (auto read = file.read_at(0, header); !read) return tl::unexpected(read.error());
+  const auto integer = [&](std::size_t at) {
+    return load<std::int32_t>(header.data() + at, std::endian::big);
+  };
+  if (integer(0) < 0)
+    return fail(at_byte(file.path(), 0), "the number of frames is negative", "export the cache again");
+  if (integer(4) < 0)
+    return fail(at_byte(file.path(), 4), "the number of points is negative", "export the cache again");
+  const auto frames = static_cast<std::uint64_t>(integer(0));
+  // A table of times, one a frame, stands before the points.
+  return Layout{static_cast<std::uint64_t>(integer(4)), frames, kSize + frames * sizeof(float),
+                std::endian::big};
+}
+
+Result<std::unique_ptr<Motion>> open_cache(const std::string& mesh_path, MeshFormat format,
+                                           const std::string& cache_path,
+                                           Result<Layout> (*read_header)(const InputFile&)) {
+  auto file = InputFile::open(cache_path);
+  if (!file) return tl::unexpected(file.error());
+  const auto layout = read_header(*file);
+  if (!layout) return tl::unexpected(layout.error());
+  auto mesh = read_mesh(mesh_path, format);
+  if (!mesh) return tl::unexpected(mesh.error());
+  if (auto checked = check_layout(*file, *layout, mesh->vertex_count(), mesh_path); !checked) {
+    return tl::unexpected(checked.error());
+  }
+  auto topology = Topology::make(mesh->vertex_count(), std::move(mesh->triangles));
+  if (!topology) return tl::unexpected(topology.error());
+  return std::make_unique<PointCache>(cache_path, std::move(*topology), std::move(*file), *layout);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, MeshFormat format,
+                                         const std::string& cache_path) {
+  return open_cache(mesh_path, format, cache_path, read_pc2_header);
+}
+
+Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, MeshFormat format,
+                                         const std::string& cache_path) {
+  return open_cache(mesh_path, format, cache_path, read_mdd_header);
+}
+
+}  // namespace foldproof::io

@@ -1,0 +1,56 @@
+/// What the readers of the single formats share.
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "foldproof/io.h"
+
+namespace foldproof::io {
+
+/// One mesh as a file gives it. Polygons become fans around their first vertex: (0,1,2), (0,2,3), ... The
+/// choice looks at ids alone, so it is the same in every frame.
+struct MeshData {
+  std::vector<double> positions;  ///< vertex_count x 3.
+  std::vector<Triangle> triangles;
+  std::vector<Index> faces;  ///< The file's face of each triangle; empty while every face is a triangle.
+
+  Index vertex_count() const { return static_cast<Index>(positions.size() / 3); }
+  /// At least three vertices.
+  void add_polygon(std::span<const Index> polygon);
+  /// The file's face that triangle `i` came from.
+  Index face_of(Index i) const { return faces.empty() ? i : faces[i]; }
+};
+
+/// Ids must fit an Index, edges (three per triangle) included.
+inline constexpr std::uint64_t kMaxVertices = kNoIndex - 1;
+inline constexpr std::uint64_t kMaxTriangles = kNoIndex / 3 - 1;
+
+/// Mesh files that a frame may be.
+enum class MeshFormat : std::uint8_t { Obj, Off, Ply };
+
+/// Parses the bytes of a mesh file; `path` is for errors. On success there are vertices and triangles, every
+/// index is in range and every coordinate is finite.
+Result<MeshData> parse_obj(const std::string& path, std::string_view bytes);
+Result<MeshData> parse_off(const std::string& path, std::string_view bytes);
+Result<MeshData> parse_ply(const std::string& path, std::string_view bytes);
+Result<MeshData> read_mesh(const std::string& path, MeshFormat format);
+
+/// Error when the mesh is empty or too large to be numbered.
+Result<void> check_mesh(const std::string& path, const MeshData& mesh);
+/// Error at the first coordinate that is not finite: "<where>, vertex 7".
+Result<void> check_finite(const std::string& where, std::span<const double> positions);
+/// Error when a caller asks for a frame that is not there or gives a buffer of the wrong size.
+Result<void> check_request(const Motion& motion, Index frame, std::span<const double> out);
+
+/// Mesh files as frames, in the order given; one file is a motion of one frame.
+Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths,
+                                              MeshFormat format);
+/// A mesh and its point cache.
+Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, MeshFormat format,
+                                         const std::string& cache_path);
+Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, MeshFormat format,
+                                         const std::string& cache_path);
+
+}  // namespace foldproof::io

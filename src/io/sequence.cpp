@@ -1,0 +1,96 @@
+// Mesh files as the frames of a motion.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "io/readers.h"
+
+namespace foldproof::io {
+namespace {
+
+class MeshSequence final : public Motion {
+ public:
+  MeshSequence(std::string name, std::vector<std::string> paths, MeshFormat format)
+      : name_(std::move(name)), paths_(std::move(paths)), format_(format) {}
+
+  Result<void> open() {
+    auto first = read(0);
+    if (!first) return tl::unexpected(first.error());
+    auto topology = Topology::make(first->vertex_count(), std::move(first->triangles));
+    if (!topology) return tl::unexpected(topology.error());
+    topology_ = std::move(*topology);
+    first_ = std::move(first->positions);
+    return {};
+  }
+
+  const std::string& name() const override { return name_; }
+  const Topology& topology() const override { return topology_; }
+  Index frame_count() const override { return static_cast<Index>(paths_.size()); }
+
+  Result<void> read_frame(Index k, std::span<double> out) override {
+    if (auto checked = check_request(*this, k, out); !checked) return checked;
+    if (k == 0) {
+      std::copy(first_.begin(), first_.end(), out.begin());
+      return {};
+    }
+    const auto mesh = read(k);
+    if (!mesh) return tl::unexpected(mesh.error());
+    if (auto same = check_same(k, *mesh); !same) return same;
+    std::copy(mesh->positions.begin(), mesh->positions.end(), out.begin());
+    return {};
+  }
+
+ private:
+  std::string with_frame(std::string where, Index k) const {
+    return paths_.size() > 1 ? fmt::format("{} (frame {})", where, k) : where;
+  }
+
+  Result<MeshData> read(Index k) const {
+    auto mesh = read_mesh(paths_[k], format_);
+    if (!mesh) mesh.error().where = with_frame(std::move(mesh.error().where), k);
+    return mesh;
+  }
+
+  Result<void> check_same(Index k, const MeshData& mesh) const {
+    const auto different = [&](std::string problem) {
+      return fail(with_frame(paths_[k], k), std::move(problem),
+                  "give frames of one mesh, with the same faces in the same order");
+    };
+    if (mesh.vertex_count() != topology_.vertex_count()) {
+      return different(fmt::format("has {} vertices, but the first frame has {}", mesh.vertex_count(),
+                                   topology_.vertex_count()));
+    }
+    const auto expected = topology_.triangles();
+    const std::span<const Triangle> found = mesh.triangles;
+    for (Index i = 0; i < std::min(found.size(), expected.size()); ++i) {
+      if (found[i] == expected[i]) continue;
+      return different(
+          fmt::format("face {} differs from the first frame's: triangle ({} {} {}) instead of ({} {} {}), "
+                      "counting from 0",
+                      mesh.face_of(i), found[i][0], found[i][1], found[i][2], expected[i][0], expected[i][1],
+                      expected[i][2]));
+    }
+    if (found.size() != expected.size()) {
+      return different(
+          fmt::format("has {} triangles, but the first frame has {}", found.size(), expected.size()));
+    }
+    return {};
+  }
+
+  std::string name_;
+  std::vector<std::string> paths_;
+  MeshFormat format_;
+  Topology topology_;
+  std::vector<double> first_;  // opening has read it already
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths,
+                                              MeshFormat format) {
+  auto motion = std::make_unique<MeshSequence>(std::move(name), std::move(paths), format);
+  if (auto opened = motion->open(); !opened) return tl::unexpected(opened.error());
+  return motion;
+}
+
+}  // namespace foldproof::io

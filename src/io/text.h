@@ -1,0 +1,61 @@
+/// Reading text formats: lines, words and numbers, with the line number for errors.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "foldproof/base.h"
+
+namespace foldproof::io {
+
+/// What came of reading a number. Missing: the line ends first.
+enum class Scan : std::uint8_t { Ok, Missing, Malformed, NotFinite };
+
+/// Walks through a text. Lines end with LF, CR LF or CR.
+class TextCursor {
+ public:
+  struct Dialect {
+    char comment = '#';         ///< Runs to the end of the line; '\0': none.
+    bool continuation = false;  ///< A backslash at the end of a line joins the next one to it.
+  };
+  TextCursor(std::string_view text, Dialect dialect)
+      : at_(text.data()), end_(text.data() + text.size()), dialect_(dialect) {}
+
+  bool at_end() const { return at_ == end_; }
+  /// Counts from 1.
+  std::uint64_t line() const { return line_; }
+  /// The part that has not been read.
+  std::string_view rest() const { return {at_, static_cast<std::size_t>(end_ - at_)}; }
+
+  /// Skips blanks; true when nothing but a comment is left on this line.
+  bool at_line_end();
+  /// Goes to the start of the next line.
+  void next_line();
+  /// Skips empty lines and comments; false when the text ends first.
+  bool skip_to_content();
+  /// The next word on this line, empty at its end.
+  std::string_view word();
+
+  Scan number(double& value);
+  Scan integer(std::int64_t& value);
+  /// What is left of the word that the last number was the head of; empty when nothing is.
+  std::string_view tail();
+  /// An integer that may be the head of a longer word, as in "12/4/7".
+  Scan leading_integer(std::int64_t& value);
+
+ private:
+  bool skip_continuation();
+  bool at_word_end() const;
+  const char* at_;
+  const char* end_;
+  Dialect dialect_;
+  std::uint64_t line_ = 1;
+};
+
+/// The place of a line: "walk.obj:12".
+std::string at_line(const std::string& path, std::uint64_t line);
+
+/// Why a number could not be read; `what` is it: "a coordinate of vertex 3".
+Error scan_error(Scan scan, std::string where, const std::string& what);
+
+}  // namespace foldproof::io
