@@ -1,0 +1,125 @@
+/// Reports: a check of whole motions, step by step, and the files that hold its answer.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "foldproof/io.h"
+#include "foldproof/query.h"
+
+namespace foldproof {
+
+/// Frames as a Python slice selects them: `begin` counts, `end` does not, negative ones count from the end, ends
+/// beyond the motion are cut.
+struct FrameRange {
+  std::optional<std::int64_t> begin, end;
+  Index step = 1;  ///< At least 1.
+};
+
+/// Reads "A:B", "A:B:STEP" with any of them left out, or a single frame "A". Error: anything else.
+Result<FrameRange> parse_frame_range(const std::string& text);
+
+/// The selected frames, ascending. Empty when the range selects none.
+std::vector<Index> select_frames(const FrameRange& range, Index frame_count);
+
+struct CheckSettings {
+  StepSettings step;
+  bool poses = false;  ///< Crossing triangles of each selected frame, instead of collisions between frames.
+  FrameRange frames;
+  Index substeps = 1;  ///< Linear parts that each step between two frames is cut into; at least 1.
+};
+
+using Motions = std::span<const std::unique_ptr<Motion>>;
+
+/// How many collisions, by kind.
+struct CollisionCounts {
+  std::uint64_t vertex_face = 0, edge_edge = 0, triangle_triangle = 0;
+  std::uint64_t sum() const { return vertex_face + edge_edge + triangle_triangle; }
+};
+
+/// Where in the motion a step stands.
+struct StepPlace {
+  std::uint64_t number = 0;  ///< Counts the checked steps from 0.
+  Index frame = 0;           ///< The step goes from this frame ...
+  Index next_frame = 0;      ///< ... to this one; the same for a pose.
+  Index substep = 0;         ///< Which of the linear parts between them, from 0.
+};
+
+/// One answered step, as writers see it. Everything it points to lasts only for the call.
+struct CheckedStep {
+  StepPlace place;
+  CollisionCounts collisions;
+  double earliest_toi = 0;  ///< In [0,1] of the step; 1 when nothing collides, 0 for a pose.
+  Work work;
+  StageTimes milliseconds;
+  Positions x0, x1;                      ///< Ends of the step; the same for a pose.
+  const StepResult* step = nullptr;      ///< Null for a pose.
+  const StaticResult* pose = nullptr;    ///< Null for a step.
+};
+
+/// The whole check in numbers.
+struct CheckTotals {
+  Index first_frame = 0, last_frame = 0;
+  std::uint64_t steps = 0, steps_with_collisions = 0;
+  CollisionCounts collisions;
+  std::optional<StepPlace> worst;     ///< The step with the most collisions, the first of several.
+  CollisionCounts worst_collisions;
+  std::optional<StepPlace> earliest;  ///< The first step with a collision, and its time of impact.
+  double earliest_toi = 0;
+  double tolerance = 0;               ///< The largest that a step used, mesh units.
+  Work work;
+  StageTimes milliseconds;            ///< Sums over the steps.
+  double slowest_step = 0;            ///< Milliseconds.
+  bool cancelled = false;             ///< Stopped by request; the numbers cover what was done until then.
+
+  bool clean() const { return collisions.sum() == 0; }
+};
+
+/// Takes answered steps in order. A file writer leaves a file only after `finish`.
+class ReportWriter {
+ public:
+  virtual ~ReportWriter() = default;
+  virtual Result<void> step(const CheckedStep& step) = 0;
+  virtual Result<void> finish(const CheckTotals& totals) = 0;
+};
+using Writers = std::span<const std::unique_ptr<ReportWriter>>;
+
+struct CheckHooks {
+  /// Called after every step with the totals so far and the number of steps there will be.
+  std::function<void(const CheckTotals&, std::uint64_t)> progress;
+  /// Looked at before every step; true stops the check without finishing the writers.
+  const std::atomic<bool>* cancel = nullptr;
+};
+
+/// Checks `motions` and hands each answer to all writers. Memory holds two frames per object (four with
+/// substeps) and one answer. Error: no motions, different frame counts, a range that selects too few frames, a
+/// frame that cannot be read, a writer's error.
+Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Writers writers,
+                              const CheckHooks& hooks = {});
+
+/// What a report says about its input, besides the motions.
+struct ReportInfo {
+  CheckSettings settings;
+  ReadOptions read;
+  bool pairs = false;  ///< JSON only: list every colliding pair.
+};
+
+/// The JSON report (docs/formats.md). Steps go to the file as they come.
+Result<std::unique_ptr<ReportWriter>> json_report(const std::string& path, Motions motions,
+                                                  const ReportInfo& info);
+
+/// A row per collision: frame,substep,kind,object_a,a0,a1,object_b,b0,b1,toi,answer. Kind vf: a0 is the vertex, b0
+/// the face; ee: a0 a1 and b0 b1 are the edges' vertices; tt: a0 and b0 are triangles, without toi.
+Result<std::unique_ptr<ReportWriter>> csv_report(const std::string& path);
+
+/// All objects in one PLY, faces that take part in a collision marked 1, in the pose of the step's first contact.
+/// Without '%' in `path` one file: the worst step, or the first step unmarked when nothing collides. With "%d" or
+/// "%04d" in `path` one file for every step with collisions; the number is frame x substeps + substep.
+Result<std::unique_ptr<ReportWriter>> ply_report(const std::string& path, Motions motions,
+                                                 const CheckSettings& settings);
+
+}  // namespace foldproof

@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+"""Shows that tools/check_layers finds what it is there to find, by running it on small bad trees."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+TOOL = pathlib.Path(__file__).resolve().parents[2] / "tools" / "check_layers"
+
+
+def check(files):
+    """Runs the tool on a tree of {path: text}; returns (exit code, output)."""
+    with tempfile.TemporaryDirectory() as root:
+        for path, text in files.items():
+            file = pathlib.Path(root) / path
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text)
+        run = subprocess.run([sys.executable, str(TOOL), root], capture_output=True, text=True)
+        return run.returncode, run.stdout
+
+
+def function(lines):
+    return "int f() {\n" + "  g();\n" * (lines - 2) + "}\n"
+
+
+class CheckLayers(unittest.TestCase):
+    def accepts(self, files):
+        code, output = check(files)
+        self.assertEqual(code, 0, output)
+
+    def refuses(self, files, *words):
+        code, output = check(files)
+        self.assertEqual(code, 1, output)
+        for word in words:
+            self.assertIn(word, output)
+
+    def test_includes_of_earlier_rooms_pass(self):
+        self.accepts({
+            "include/foldproof/query.h": '#include "foldproof/bvh.h"\n',
+            "include/foldproof/bvh.h": '#include "foldproof/base.h"\n',
+            "include/foldproof/base.h": "#include <vector>\n",
+            "src/query/check.cpp": '#include "foldproof/query.h"\n#include "query/pairs.h"\n#include "bvh/boxes.h"\n',
+            "apps/main.cpp": '#include "foldproof/query.h"\n#include "commands.h"\n',
+            "apps/commands.h": "",
+        })
+
+    def test_upward_include_is_found_with_its_line(self):
+        self.refuses({"src/mesh/a.cpp": '#include <vector>\n\n#include "foldproof/query.h"\n'}, "src/mesh/a.cpp:3", "query")
+
+    def test_upward_include_of_a_public_header_is_found(self):
+        self.refuses({"include/foldproof/bvh.h": '#include "foldproof/query.h"\n'}, "include/foldproof/bvh.h:1")
+
+    def test_rooms_of_one_level_do_not_see_each_other(self):
+        self.refuses({"src/io/a.cpp": '#include "foldproof/bvh.h"\n'}, "'io' must not see 'bvh'")
+
+    def test_ccd_and_statistics_never_see_mesh(self):
+        self.refuses({"src/ccd/a.cpp": '#include "foldproof/mesh.h"\n'}, "'ccd' must not see 'mesh'")
+        self.refuses({"src/statistics/a.cpp": '#include "foldproof/mesh.h"\n'}, "'statistics' must not see 'mesh'")
+
+    def test_nothing_in_the_library_sees_the_programs(self):
+        self.refuses({"src/report/a.cpp": '#include "apps/terminal.h"\n'}, "'report' must not see 'apps'")
+
+    def test_unknown_rooms_are_found(self):
+        self.refuses({"src/mesh/a.cpp": '#include "attic/old.h"\n'}, "belongs to no room")
+        self.refuses({"src/attic/a.cpp": ""}, "room 'attic' has no level")
+
+    def test_sizes(self):
+        self.accepts({"src/mesh/a.cpp": "\n" * 600, "include/foldproof/mesh.h": "\n" * 300})
+        self.refuses({"src/mesh/a.cpp": "\n" * 601}, "601 lines")
+        self.refuses({"include/foldproof/mesh.h": "\n" * 301}, "301 lines")
+
+    def test_function_lengths(self):
+        self.accepts({"src/mesh/a.cpp": "namespace n {\n" + function(60) + function(60) + "}\n"})
+        self.refuses({"src/mesh/a.cpp": "namespace n {\n" + function(3) + function(61) + "}\n"}, "src/mesh/a.cpp:5", "61 lines")
+
+    def test_methods_constructors_and_trailing_returns_are_functions(self):
+        body = "  g();\n" * 60
+        for head in ("int f() const", "explicit C(int a) : a_(a), b_()", "auto f(int a) -> int",
+                     "template <class T>\nint f(T x) noexcept"):
+            self.refuses({"src/mesh/a.cpp": f"class C {{\n{head} {{\n{body}}}\n}};\n"}, "a function of")
+
+    def test_long_classes_and_namespaces_are_not_functions(self):
+        self.accepts({"src/mesh/a.cpp": "namespace n {\nclass C : public B {\n" + "  int f();\n" * 100 + "};\n}\n"})
+
+    def test_braces_in_text_do_not_count(self):
+        self.accepts({"src/mesh/a.cpp": 'void f() {\n  g("{", \'{\');  // {\n  /* { */\n}\n' + function(60)})
+
+
+if __name__ == "__main__":
+    unittest.main()
