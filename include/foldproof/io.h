@@ -47,6 +47,8 @@ class FileWriter {
   ~FileWriter();
   Result<void> write(std::span<const char> bytes);
   Result<void> write(const std::string& text) { return write(std::span<const char>(text.data(), text.size())); }
+  /// Replaces bytes that have been written already. Error: the target is a pipe or a terminal.
+  Result<void> rewrite(std::uint64_t offset, std::span<const char> bytes);
   Result<void> commit();
 
  private:

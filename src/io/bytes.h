@@ -44,6 +44,14 @@ T load(const char* bytes, std::endian order) {
   return std::bit_cast<T>(raw);
 }
 
+/// The opposite: appends the bytes of `value` in the given order.
+template <class T>
+void append(std::vector<char>& bytes, T value, std::endian order = std::endian::little) {
+  auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
+  if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
+  bytes.insert(bytes.end(), raw.begin(), raw.end());
+}
+
 /// The place of a byte: "walk.pc2, byte 32".
 std::string at_byte(const std::string& path, std::uint64_t offset);
 

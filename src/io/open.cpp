@@ -114,12 +114,14 @@ Result<std::unique_ptr<Motion>> open_glob(const std::string& pattern) {
   return open_frames(pattern, std::move(paths));
 }
 
-Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const ReadOptions&) {
+Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const ReadOptions& options) {
   std::error_code ignored;
   const fs::file_status status = fs::status(argument, ignored);
   if (fs::is_directory(status)) return open_directory(argument);
   if (!fs::exists(status) && argument.find_first_of("*?[") != std::string::npos) return open_glob(argument);
   if (const auto format = mesh_format(argument)) return open_sequence(argument, {argument}, *format);
+  const std::string extension = extension_of(argument);
+  if (extension == ".npz") return open_npz(argument);
   if (is_point_cache(argument)) {
     return fail(argument, "is a point cache without a mesh", "name its OBJ, OFF or PLY file right before it");
   }
@@ -141,6 +143,7 @@ Result<std::vector<std::unique_ptr<Motion>>> open_all(std::span<const std::strin
     } else {
       motion = open_one(argument, options);
     }
+    if (motion && options.weld) motion = weld(std::move(*motion));
     if (!motion) return tl::unexpected(motion.error());
     motions.push_back(std::move(*motion));
   }

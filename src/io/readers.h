@@ -53,4 +53,13 @@ Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, MeshForma
 Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, MeshFormat format,
                                          const std::string& cache_path);
 
+/// NumPy archive with `faces` and `vertices`.
+Result<std::unique_ptr<Motion>> open_npz(const std::string& path);
+/// glTF or GLB, sampled at `fps`.
+Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps);
+
+/// The same motion with vertices merged that stand at exactly the same place in its first frame; of those the
+/// first is kept, and the order of the rest stays.
+Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion);
+
 }  // namespace foldproof::io

@@ -1,0 +1,138 @@
+#include "io/npy.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <optional>
+
+#include "io/bytes.h"
+
+namespace foldproof::io {
+namespace {
+
+constexpr std::string_view kMagic("\x93NUMPY", 6);
+
+/// Reads the Python dictionary that is the header's text, as numpy writes it.
+class DictionaryParser {
+ public:
+  explicit DictionaryParser(std::string_view text) : text_(text) {}
+
+  bool parse(NpyHeader& header) {
+    bool has_type = false, has_order = false, has_shape = false;
+    if (!accept('{')) return false;
+    while (!accept('}')) {
+      const auto key = string();
+      if (!key || !accept(':')) return false;
+      if (*key == "descr") {
+        has_type = parse_type(header);
+        if (!has_type) return false;
+      } else if (*key == "fortran_order") {
+        has_order = parse_bool(header.fortran_order);
+        if (!has_order) return false;
+      } else if (*key == "shape") {
+        has_shape = parse_shape(header.shape);
+        if (!has_shape) return false;
+      } else {
+        return false;
+      }
+      if (!accept(',') && !peek('}')) return false;
+    }
+    return has_type && has_order && has_shape;
+  }
+
+ private:
+  void skip_blanks() { text_.remove_prefix(std::min(text_.find_first_not_of(" \t\n"), text_.size())); }
+  bool peek(char c) {
+    skip_blanks();
+    return !text_.empty() && text_[0] == c;
+  }
+  bool accept(char c) {
+    if (!peek(c)) return false;
+    text_.remove_prefix(1);
+    return true;
+  }
+  std::optional<std::string_view> string() {
+    const char quote = peek('"') ? '"' : '\'';
+    if (!accept(quote)) return std::nullopt;
+    const std::size_t end = text_.find(quote);
+    if (end == text_.npos) return std::nullopt;
+    const std::string_view value = text_.substr(0, end);
+    text_.remove_prefix(end + 1);
+    return value;
+  }
+  bool parse_bool(bool& value) {
+    skip_blanks();
+    value = text_.starts_with("True");
+    if (!value && !text_.starts_with("False")) return false;
+    text_.remove_prefix(value ? 4 : 5);
+    return true;
+  }
+  bool parse_type(NpyHeader& header) {
+    const auto type = string();
+    if (!type || type->size() != 3) return false;
+    const char order = (*type)[0], digit = (*type)[2];
+    if (order == '>') {
+      header.order = std::endian::big;
+    } else if (order == '=') {
+      header.order = std::endian::native;
+    } else if (order != '<' && order != '|') {
+      return false;
+    }
+    header.kind = (*type)[1];
+    header.item_bytes = static_cast<std::size_t>(digit - '0');
+    return digit == '1' || digit == '2' || digit == '4' || digit == '8';
+  }
+  bool parse_shape(std::vector<std::uint64_t>& shape) {
+    if (!accept('(')) return false;
+    while (!accept(')')) {
+      skip_blanks();
+      std::uint64_t size = 0;
+      const auto [end, status] = std::from_chars(text_.data(), text_.data() + text_.size(), size);
+      if (status != std::errc()) return false;
+      text_.remove_prefix(static_cast<std::size_t>(end - text_.data()));
+      shape.push_back(size);
+      if (!accept(',') && !peek(')')) return false;
+    }
+    return true;
+  }
+
+  std::string_view text_;
+};
+
+}  // namespace
+
+Result<NpyHeader> parse_npy_header(const std::string& where, std::string_view bytes) {
+  const auto bad = [&](const char* problem) {
+    return fail(where, problem, "save the archive with numpy.savez again");
+  };
+  if (bytes.size() < 12 || !bytes.starts_with(kMagic)) return bad("is not a NumPy array");
+  const int version = bytes[6];
+  if (version < 1 || version > 3) return bad("has an unknown array format version");
+  const std::size_t start = version == 1 ? 10 : 12;
+  const std::size_t length = version == 1 ? load<std::uint16_t>(bytes.data() + 8, std::endian::little)
+                                          : load<std::uint32_t>(bytes.data() + 8, std::endian::little);
+  if (length > kNpyHeaderLimit - start) return bad("has an array header that is too long");
+  if (length > bytes.size() - start) return bad("ends within its array header");
+  NpyHeader header;
+  header.data = start + length;
+  if (!DictionaryParser(bytes.substr(start, length)).parse(header)) {
+    return bad("has an array header that is not understood");
+  }
+  return header;
+}
+
+std::string npy_header(std::string_view type, std::span<const std::uint64_t> shape) {
+  std::string text =
+      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, fmt::join(shape, ", "));
+  constexpr std::size_t kPrefix = 10, kAlignment = 64;
+  text.append((kAlignment - (kPrefix + text.size() + 1) % kAlignment) % kAlignment, ' ');
+  text += '\n';
+  std::vector<char> bytes(kMagic.begin(), kMagic.end());
+  bytes.push_back(1);
+  bytes.push_back(0);
+  append(bytes, static_cast<std::uint16_t>(text.size()));
+  return std::string(bytes.begin(), bytes.end()) + text;
+}
+
+}  // namespace foldproof::io

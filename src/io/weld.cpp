@@ -1,0 +1,81 @@
+// Merges vertices that stand at exactly the same place in the first frame.
+#include <algorithm>
+#include <numeric>
+
+#include "io/readers.h"
+
+namespace foldproof::io {
+namespace {
+
+class WeldedMotion final : public Motion {
+ public:
+  WeldedMotion(std::unique_ptr<Motion> motion, Topology topology, std::vector<Index> kept)
+      : motion_(std::move(motion)), topology_(std::move(topology)), kept_(std::move(kept)) {}
+
+  const std::string& name() const override { return motion_->name(); }
+  const Topology& topology() const override { return topology_; }
+  Index frame_count() const override { return motion_->frame_count(); }
+
+  Result<void> read_frame(Index k, std::span<double> out) override {
+    if (auto checked = check_request(*this, k, out); !checked) return checked;
+    frame_.resize(std::size_t{3} * motion_->topology().vertex_count());
+    if (auto read = motion_->read_frame(k, frame_); !read) return read;
+    for (std::size_t v = 0; v < kept_.size(); ++v) {
+      std::copy_n(frame_.begin() + std::ptrdiff_t{3} * kept_[v], 3,
+                  out.begin() + static_cast<std::ptrdiff_t>(3 * v));
+    }
+    return {};
+  }
+
+ private:
+  std::unique_ptr<Motion> motion_;
+  Topology topology_;
+  std::vector<Index> kept_;  // new vertex -> the first of the old ones that it stands for
+  std::vector<double> frame_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion) {
+  const Topology& topology = motion->topology();
+  const Index count = topology.vertex_count();
+  std::vector<double> positions(std::size_t{3} * count);
+  if (auto read = motion->read_frame(0, positions); !read) return tl::unexpected(read.error());
+  // Comparing numbers, not bits: -0 and 0 are the same place.
+  const auto compare = [&](Index a, Index b) {
+    const double *p = &positions[std::size_t{3} * a], *q = &positions[std::size_t{3} * b];
+    for (int k = 0; k < 3; ++k) {
+      if (p[k] != q[k]) return p[k] < q[k] ? -1 : 1;
+    }
+    return 0;
+  };
+  std::vector<Index> order(count);
+  std::iota(order.begin(), order.end(), Index{0});
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+    const int sign = compare(a, b);
+    return sign != 0 ? sign < 0 : a < b;
+  });
+  std::vector<Index> first(count);  // the first vertex at the same place
+  for (Index i = 0; i < count; ++i) {
+    const bool same = i > 0 && compare(order[i - 1], order[i]) == 0;
+    first[order[i]] = same ? first[order[i - 1]] : order[i];
+  }
+  std::vector<Index> kept, renumbered(count);
+  for (Index v = 0; v < count; ++v) {
+    if (first[v] == v) {
+      renumbered[v] = static_cast<Index>(kept.size());
+      kept.push_back(v);
+    } else {
+      renumbered[v] = renumbered[first[v]];
+    }
+  }
+  std::vector<Triangle> triangles(topology.triangles().begin(), topology.triangles().end());
+  for (Triangle& t : triangles) {
+    for (Index& v : t) v = renumbered[v];
+  }
+  auto welded = Topology::make(static_cast<Index>(kept.size()), std::move(triangles));
+  if (!welded) return tl::unexpected(welded.error());
+  return std::make_unique<WeldedMotion>(std::move(motion), std::move(*welded), std::move(kept));
+}
+
+}  // namespace foldproof::io

@@ -1,0 +1,103 @@
+// Writers: PLY with marks, OBJ with PC2.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "io/bytes.h"
+#include "io/readers.h"
+
+namespace foldproof {
+namespace {
+
+using io::append;
+
+// Most programs count and index with signed 32-bit integers; PC2 has no others.
+constexpr Index kMostSigned = 0x7fffffff;
+
+Result<void> write_pc2(FileWriter& file, Motion& motion, const std::string& path,
+                       std::vector<double>& positions) {
+  std::vector<char> bytes;
+  for (const char c : std::string_view("POINTCACHE2\0", 12)) bytes.push_back(c);
+  append<std::int32_t>(bytes, 1);
+  append<std::int32_t>(bytes, static_cast<std::int32_t>(motion.topology().vertex_count()));
+  append<float>(bytes, 0);  // first frame
+  append<float>(bytes, 1);  // frames between samples
+  append<std::int32_t>(bytes, static_cast<std::int32_t>(motion.frame_count()));
+  for (Index k = 0; k < motion.frame_count(); ++k) {
+    if (auto read = motion.read_frame(k, positions); !read) return read;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const auto narrow = static_cast<float>(positions[i]);
+      if (!std::isfinite(narrow)) {
+        return fail(fmt::format("{}, frame {}, vertex {}", path, k, i / 3),
+                    "a coordinate is too large for PC2, which holds 32-bit floats", "write NPZ instead");
+      }
+      append(bytes, narrow);
+    }
+    if (auto written = file.write(bytes); !written) return written;
+    bytes.clear();
+  }
+  return {};
+}
+
+Result<void> write_obj(FileWriter& file, const Topology& topology, std::span<const double> positions) {
+  std::string text;
+  // 17 digits would do as well; fmt's default is the shortest text that reads back as the same double.
+  for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
+    text += fmt::format("v {} {} {}\n", positions[i], positions[i + 1], positions[i + 2]);
+  }
+  for (const Triangle& t : topology.triangles())
+    text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  return file.write(text);
+}
+
+}  // namespace
+
+Result<void> write_ply(const std::string& path, const Topology& topology, std::span<const double> positions,
+                       std::span<const std::uint8_t> marks) {
+  const auto triangles = topology.triangles();
+  if (positions.size() != std::size_t{3} * topology.vertex_count() ||
+      (!marks.empty() && marks.size() != triangles.size())) {
+    return fail(
+        path,
+        fmt::format("a mesh of {} vertices and {} triangles is to be written from {} numbers and {} marks",
+                    topology.vertex_count(), triangles.size(), positions.size(), marks.size()),
+        "pass three numbers a vertex and one mark a triangle, or no marks");
+  }
+  auto file = FileWriter::open(path);
+  if (!file) return tl::unexpected(file.error());
+  const std::string header = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
+      "property double z\nelement face {}\nproperty list uchar {} vertex_indices\n{}end_header\n",
+      topology.vertex_count(), triangles.size(), topology.vertex_count() <= kMostSigned ? "int" : "uint",
+      marks.empty() ? "" : "property uchar mark\n");
+  if (auto written = file->write(header); !written) return written;
+  std::vector<char> bytes;
+  for (const double x : positions) append(bytes, x);
+  if (auto written = file->write(bytes); !written) return written;
+  bytes.clear();
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    bytes.push_back(3);
+    for (const Index v : triangles[i]) append(bytes, v);
+    if (!marks.empty()) bytes.push_back(static_cast<char>(marks[i]));
+  }
+  if (auto written = file->write(bytes); !written) return written;
+  return file->commit();
+}
+
+Result<void> write_obj_pc2(const std::string& obj_path, const std::string& pc2_path, Motion& motion) {
+  if (motion.topology().vertex_count() > kMostSigned || motion.frame_count() > kMostSigned) {
+    return fail(pc2_path, "the motion has more vertices or frames than PC2 can count", "write NPZ instead");
+  }
+  auto obj = FileWriter::open(obj_path);
+  if (!obj) return tl::unexpected(obj.error());
+  auto pc2 = FileWriter::open(pc2_path);
+  if (!pc2) return tl::unexpected(pc2.error());
+  std::vector<double> positions(std::size_t{3} * motion.topology().vertex_count());
+  if (auto read = motion.read_frame(0, positions); !read) return read;
+  if (auto written = write_obj(*obj, motion.topology(), positions); !written) return written;
+  if (auto written = write_pc2(*pc2, motion, pc2_path, positions); !written) return written;
+  if (auto committed = pc2->commit(); !committed) return committed;
+  return obj->commit();
+}
+
+}  // namespace foldproof
