@@ -45,11 +45,15 @@ class Hierarchy {
   std::span<const Index> edge_ids() const { return edge_ids_; }
   std::span<const Index> triangle_ids() const { return triangle_ids_; }
 
-  /// Edges and triangles in leaf order, naming vertices by their place in leaf order.
+  /// Edges and triangles in leaf order, naming vertices by their place in leaf order. Edges keep the order of
+  /// their ends that the topology has, triangles that of the user.
   std::span<const Edge> edges() const { return edges_; }
   std::span<const Triangle> triangles() const { return triangles_; }
 
  private:
+  void split(std::span<const double> positions, Index leaf_triangles);
+  void assign_owners();
+
   Topology topology_;
   std::vector<Node> nodes_;
   std::vector<Leaf> leaves_;

@@ -41,7 +41,7 @@ struct TriangleCrossing {
 };
 
 /// What a query did. Depends on input and settings only, never on the machine or the number of threads, except
-/// candidates and undecided with `earliest_only`.
+/// undecided with `earliest_only`.
 struct Work {
   std::uint64_t node_tests = 0;          ///< Pairs of nodes visited.
   std::uint64_t certificate_tests = 0;   ///< Certificates evaluated.

@@ -1,0 +1,202 @@
+#include "bvh/kinetic.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE  // Highway compiles this file once per instruction set
+#define HWY_TARGET_INCLUDE "bvh/kinetic.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace foldproof::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// The box of the vertices with these ids; at least one.
+void FitBox(const MovingVertex* vertices, std::span<const Index> ids, KineticBox& box) {
+  const hn::CappedTag<float, 4> d;
+  for (int end = 0; end < 2; ++end) {
+    for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
+      const std::size_t offset = 4 * end + lane;
+      auto lower = hn::Load(d, vertices[ids[0]].x + offset), upper = lower;
+      for (const Index id : ids.subspan(1)) {
+        const auto p = hn::Load(d, vertices[id].x + offset);
+        lower = hn::Min(lower, p);
+        upper = hn::Max(upper, p);
+      }
+      hn::Store(lower, d, box.x[end][0] + lane);
+      hn::Store(hn::Neg(upper), d, box.x[end][1] + lane);
+    }
+  }
+}
+
+void FitLeaves(const MovingVertex* vertices, std::span<const LeafVertices> leaves, KineticBox* boxes) {
+  for (const LeafVertices& leaf : leaves) FitBox(vertices, leaf.vertices, boxes[leaf.node]);
+}
+
+// Children stand behind their parents: one sweep from the back closes the tree.
+void UniteInnerNodes(std::span<const Hierarchy::Node> nodes, KineticBox* boxes) {
+  const hn::CappedTag<float, 16> d;
+  for (std::size_t i = nodes.size(); i-- > 0;) {
+    if (nodes[i].is_leaf()) continue;
+    const float *a = boxes[i + 1].x[0][0], *b = boxes[nodes[i].right].x[0][0];
+    for (std::size_t lane = 0; lane < 16; lane += hn::Lanes(d)) {
+      hn::Store(hn::Min(hn::Load(d, a + lane), hn::Load(d, b + lane)), d, boxes[i].x[0][0] + lane);
+    }
+  }
+}
+
+// Boxes of up to eight features with N vertices each; empty lanes get a box that is apart from everything.
+template <int N>
+void FillBlock(const MovingVertex* vertices, const IdBlock<N>& ids, Index used, BoxBlock& block) {
+  const hn::CappedTag<float, 8> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
+    for (int component = 0; component < 8; ++component) {
+      if (component % 4 == 3) continue;
+      const float* base = vertices->x + component;
+      auto lower = hn::GatherIndex(
+          d, base, hn::ShiftLeft<3>(hn::Load(di, reinterpret_cast<const std::int32_t*>(ids.v[0] + lane))));
+      auto upper = lower;
+      for (int k = 1; k < N; ++k) {
+        const auto p = hn::GatherIndex(
+            d, base, hn::ShiftLeft<3>(hn::Load(di, reinterpret_cast<const std::int32_t*>(ids.v[k] + lane))));
+        lower = hn::Min(lower, p);
+        upper = hn::Max(upper, p);
+      }
+      hn::Store(lower, d, block.x[component / 4][0][component % 4] + lane);
+      hn::Store(hn::Neg(upper), d, block.x[component / 4][1][component % 4] + lane);
+    }
+  }
+  for (Index lane = used; lane < 8; ++lane) {
+    for (float* row = &block.x[0][0][0][0]; row <= block.x[1][1][2]; row += 8) {
+      row[lane] = std::numeric_limits<float>::infinity();
+    }
+  }
+}
+
+template <int N>
+void FillBlocks(const MovingVertex* vertices, FeatureBlocks<N>& features, Index leaf) {
+  for (Index b = features.begin[leaf]; b < features.begin[leaf + 1]; ++b) {
+    FillBlock<N>(vertices, features.ids[b], features.used[b], features.boxes[b]);
+  }
+}
+
+void FillLeafFeatures(KineticTree& tree, Index leaf) {
+  FillBlocks(tree.vertices.data(), tree.vertex_blocks, leaf);
+  FillBlocks(tree.vertices.data(), tree.edge_blocks, leaf);
+  FillBlocks(tree.vertices.data(), tree.face_blocks, leaf);
+}
+
+}  // namespace foldproof::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace foldproof {
+
+HWY_EXPORT(FitLeaves);
+HWY_EXPORT(UniteInnerNodes);
+HWY_EXPORT(FillLeafFeatures);
+
+namespace {
+
+// Lays out features [begin(leaf), begin(leaf + 1)) of every leaf in blocks of eight.
+template <int N, class BeginOf, class VerticesOf>
+FeatureBlocks<N> lay_out(Index leaf_count, BeginOf begin_of, VerticesOf vertices_of) {
+  FeatureBlocks<N> features;
+  features.begin.push_back(0);
+  for (Index leaf = 0; leaf < leaf_count; ++leaf) {
+    const Index end = begin_of(leaf + 1);
+    for (Index first = begin_of(leaf); first < end; first += 8) {
+      const Index used = std::min<Index>(8, end - first);
+      IdBlock<N>& ids = features.ids.emplace_back();
+      for (Index lane = 0; lane < 8; ++lane) {
+        const auto vertices = vertices_of(first + (lane < used ? lane : 0));
+        for (int k = 0; k < N; ++k) ids.v[k][lane] = vertices[k];
+      }
+      features.first.push_back(first);
+      features.used.push_back(static_cast<std::uint8_t>(used));
+    }
+    features.begin.push_back(static_cast<Index>(features.ids.size()));
+  }
+  features.boxes.resize(features.ids.size());
+  return features;
+}
+
+}  // namespace
+
+KineticTree::KineticTree(std::shared_ptr<const Hierarchy> tree) : hierarchy(std::move(tree)) {
+  const Hierarchy& h = *hierarchy;
+  const auto leaves = h.leaves();
+  vertices.resize(h.vertex_ids().size());
+  boxes.resize(h.nodes().size());
+  vertex_blocks = lay_out<1>(
+      h.leaf_count(), [&](Index leaf) { return leaves[leaf].vertices; },
+      [](Index v) { return std::array<Index, 1>{v}; });
+  edge_blocks = lay_out<2>(
+      h.leaf_count(), [&](Index leaf) { return leaves[leaf].edges; }, [&](Index e) { return h.edges()[e]; });
+  face_blocks = lay_out<3>(
+      h.leaf_count(), [&](Index leaf) { return leaves[leaf].triangles; },
+      [&](Index t) { return h.triangles()[t]; });
+  list_leaf_vertices();
+}
+
+void KineticTree::list_leaf_vertices() {
+  const Hierarchy& h = *hierarchy;
+  std::vector<std::size_t> begins{0};
+  for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
+    const std::size_t begin = begins.back();
+    for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
+      leaf_vertex_ids_.insert(leaf_vertex_ids_.end(), h.triangles()[t].begin(), h.triangles()[t].end());
+    }
+    std::sort(leaf_vertex_ids_.begin() + begin, leaf_vertex_ids_.end());
+    leaf_vertex_ids_.erase(std::unique(leaf_vertex_ids_.begin() + begin, leaf_vertex_ids_.end()),
+                           leaf_vertex_ids_.end());
+    begins.push_back(leaf_vertex_ids_.size());
+  }
+  leaf_vertex_ids_.shrink_to_fit();
+  for (Index node = 0; node < h.nodes().size(); ++node) {
+    if (!h.nodes()[node].is_leaf()) continue;
+    const Index leaf = h.nodes()[node].leaf_begin;
+    leaves_.push_back(
+        {std::span(leaf_vertex_ids_).subspan(begins[leaf], begins[leaf + 1] - begins[leaf]), node});
+  }
+}
+
+void KineticTree::refit(const Frame& frame, std::span<const double> x0, std::span<const double> x1) {
+  const auto ids = hierarchy->vertex_ids();
+  using Range = tbb::blocked_range<std::size_t>;
+  tbb::parallel_for(Range(0, ids.size(), 4096), [&](const Range& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const double* ends[2] = {&x0[3 * std::size_t{ids[i]}], &x1[3 * std::size_t{ids[i]}]};
+      for (int end = 0; end < 2; ++end) {
+        for (int axis = 0; axis < 3; ++axis) {
+          vertices[i].x[4 * end + axis] =
+              static_cast<float>((ends[end][axis] - frame.center[axis]) * frame.scale);
+        }
+        vertices[i].x[4 * end + 3] = 0;
+      }
+    }
+  });
+  tbb::parallel_for(Range(0, leaves_.size(), 512), [&](const Range& range) {
+    HWY_DYNAMIC_DISPATCH(FitLeaves)
+    (vertices.data(), std::span(leaves_).subspan(range.begin(), range.size()), boxes.data());
+  });
+  HWY_DYNAMIC_DISPATCH(UniteInnerNodes)(hierarchy->nodes(), boxes.data());
+}
+
+void KineticTree::fill_features(Index leaf) { HWY_DYNAMIC_DISPATCH(FillLeafFeatures)(*this, leaf); }
+
+float separation_margin(const Frame& frame, double distance) {
+  constexpr double kRounding = 0x1.1p-22;  // docs/soundness.md, B2
+  const double margin = distance * frame.scale * (1 + 0x1p-50) + kRounding;
+  // Never infinite: the infinite boxes of empty lanes must stay apart.
+  if (!(margin < 0x1p127)) return std::numeric_limits<float>::max();
+  return std::nextafter(static_cast<float>(margin), std::numeric_limits<float>::infinity());
+}
+
+}  // namespace foldproof
+#endif  // HWY_ONCE

@@ -1,0 +1,85 @@
+/// Kinetic boxes: boxes whose sides slide linearly during a step, so that they hold linearly moving vertices at
+/// every time (docs/soundness.md, Theorem 1). Single precision in a frame of the scene's own.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "foldproof/bvh.h"
+
+namespace foldproof {
+
+/// Where single-precision coordinates live: y = (x - center) * scale, with every |y| <= 1 and scale a power of two.
+struct Frame {
+  Vec3 center = Vec3::Zero();
+  double scale = 1;
+};
+
+/// Both ends of a vertex' step: x y z 0 at t=0, then x y z 0 at t=1.
+struct alignas(32) MovingVertex {
+  float x[8];
+};
+
+/// Per end of the step: the lower corner and the negated upper corner, each padded with 0. The union of two boxes is
+/// then a minimum of sixteen floats, and a + swapped b > margin says that one side is apart.
+struct alignas(64) KineticBox {
+  float x[2][2][4];  // [end][lower, negated upper][axis]
+};
+
+/// Boxes of eight features, one per lane. Lanes beyond the last feature are apart from everything.
+struct alignas(32) BoxBlock {
+  float x[2][2][3][8];  // [end][lower, negated upper][axis][lane]
+};
+
+/// Vertices of eight features, in leaf order; empty lanes repeat the first.
+template <int N>
+struct alignas(32) IdBlock {
+  Index v[N][8];
+};
+
+/// Features of all leaves in blocks of eight. A leaf's blocks are [begin[leaf], begin[leaf + 1]).
+template <int N>
+struct FeatureBlocks {
+  std::vector<Index> begin;
+  std::vector<IdBlock<N>> ids;
+  std::vector<Index> first;        ///< Per block: its first feature in leaf order; lanes follow on.
+  std::vector<std::uint8_t> used;  ///< Per block: lanes that hold a feature.
+  std::vector<BoxBlock> boxes;
+};
+
+/// Every vertex of a leaf's triangles, owned by the leaf or not.
+struct LeafVertices {
+  std::span<const Index> vertices;
+  Index node;
+};
+
+/// Everything about one object that changes with the step. Scratch: made once, refitted every step.
+struct KineticTree {
+  explicit KineticTree(std::shared_ptr<const Hierarchy> tree);
+  KineticTree(KineticTree&&) = default;  // moving a vector keeps its elements' addresses
+  KineticTree& operator=(KineticTree&&) = default;
+
+  /// Reads both ends of the step and refits all node boxes. Uses the caller's oneTBB arena.
+  void refit(const Frame& frame, std::span<const double> x0, std::span<const double> x1);
+  /// Fills the feature boxes of one leaf. Different leaves may be filled by different threads.
+  void fill_features(Index leaf);
+  Index leaf_node(Index leaf) const { return leaves_[leaf].node; }
+
+  std::shared_ptr<const Hierarchy> hierarchy;
+  std::vector<MovingVertex> vertices;  ///< Leaf order.
+  std::vector<KineticBox> boxes;       ///< One per node.
+  FeatureBlocks<1> vertex_blocks;
+  FeatureBlocks<2> edge_blocks;
+  FeatureBlocks<3> face_blocks;
+
+ private:
+  void list_leaf_vertices();
+  std::vector<Index> leaf_vertex_ids_;
+  std::vector<LeafVertices> leaves_;  // spans into leaf_vertex_ids_
+};
+
+/// Two floats in the frame whose difference exceeds this belong to coordinates that differ by more than `distance`
+/// mesh units: covers the rounding into single precision and that of the difference (docs/soundness.md, B2).
+float separation_margin(const Frame& frame, double distance);
+
+}  // namespace foldproof

@@ -1,0 +1,227 @@
+// Continuous collision of one pair of features. The proofs behind every bound stand in docs/soundness.md,
+// section "Narrow phase"; the numbers N1..N6 below are its statements.
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ccd/patch.h"
+#include "foldproof/ccd.h"
+
+namespace foldproof {
+namespace {
+
+constexpr double kUnit = 0x1p-53;
+
+// N1: what the evaluated difference of two moving points, projected on a direction no longer than 1 + 4 units,
+// can be wrong by, per unit of the largest coordinate.
+constexpr double kDotError = 32 * kUnit;
+// N3: the same for a determinant of three differences, per unit of the product of the axes' largest coordinates.
+constexpr double kDetError = 256 * kUnit;
+constexpr double kDetUnderflow = 1e-300;
+// Resolution: tolerances below this many units of the extent are raised to it.
+constexpr double kResolution = 512 * kUnit;
+
+// The Minkowski difference of two features, moving: corner k goes from a[k] to e[k]. The features touch when the
+// origin lies in the convex hull of the corners: of 3 for vertex-face, of 4 for edge-edge (a parallelogram).
+struct MovingPatch {
+  PatchCorners a, e;
+  int corners;
+  double extent = 0;  // largest coordinate of any corner at either end
+
+  Vec3 corner(int k, double t) const { return (1 - t) * a[k] + t * e[k]; }
+
+  PatchCorners at(double t) const {
+    PatchCorners d;
+    for (int k = 0; k < corners; ++k) d[k] = corner(k, t);
+    return d;
+  }
+};
+
+MovingPatch make_patch(const FourPoints& x0, const FourPoints& x1, bool edge_edge, double scale) {
+  MovingPatch patch;
+  patch.corners = edge_edge ? 4 : 3;
+  for (int end = 0; end < 2; ++end) {
+    const FourPoints& x = end == 0 ? x0 : x1;
+    PatchCorners& d = end == 0 ? patch.a : patch.e;
+    const PatchCorners raw = edge_edge ? edge_edge_corners(x, scale) : vertex_face_corners(x, scale);
+    for (int k = 0; k < patch.corners; ++k) {
+      d[k] = raw[k];
+      patch.extent = std::max(patch.extent, d[k].cwiseAbs().maxCoeff());
+    }
+  }
+  return patch;
+}
+
+// N3. True when the origin is never coplanar with the first three corners between a and e, so that the features
+// cannot touch: all four Bernstein coefficients of the determinant have one sign.
+bool never_coplanar(const PatchCorners& a, const PatchCorners& e) {
+  const Vec3 aa = a[1].cross(a[2]);
+  const Vec3 ae = a[1].cross(e[2]) + e[1].cross(a[2]);
+  const Vec3 ee = e[1].cross(e[2]);
+  const double b0 = a[0].dot(aa);
+  const double b1 = (e[0].dot(aa) + a[0].dot(ae)) / 3;
+  const double b2 = (e[0].dot(ae) + a[0].dot(ee)) / 3;
+  const double b3 = e[0].dot(ee);
+  Vec3 size = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) size = size.cwiseMax(a[k].cwiseAbs()).cwiseMax(e[k].cwiseAbs());
+  const double error = kDetError * (size.x() * size.y() * size.z()) + kDetUnderflow;
+  return (b0 > error && b1 > error && b2 > error && b3 > error) ||
+         (b0 < -error && b1 < -error && b2 < -error && b3 < -error);
+}
+
+// Advances a time before which nothing touches until the pair is within tolerance, or the step is over (N4).
+class March {
+ public:
+  March(const MovingPatch& patch, double thickness, double tolerance)
+      : patch_(patch),
+        thickness_(thickness),
+        apart_(thickness * (1 + 8 * kUnit) + kDotError * patch.extent),
+        target_(thickness + tolerance / 4),
+        hit_(thickness + tolerance / 2) {}
+
+  CcdResult run(double latest, int max_iterations) {
+    stride_ = 1;
+    for (int i = 0; i < max_iterations; ++i) {
+      if (t_ > latest) return {Answer::Separated, 1};
+      now_ = patch_.at(t_);
+      const PatchClosest here = closest_to_origin(now_, patch_.corners);
+      if (here.distance <= hit_) return {Answer::Hit, t_};
+      if (t_ >= 1 || advance(here.normal)) return {Answer::Separated, 1};
+      if (stuck_) break;
+    }
+    return {Answer::Undecided, t_};
+  }
+
+ private:
+  // Moves t_ forward as far as something proves; true when that is to the end of the step.
+  bool advance(const Vec3& normal) {
+    const double plane_end = plane_reach(normal);
+    if (plane_end >= 1) return true;
+    const double left = 1 - t_;
+    if (plane_end - t_ >= left / 8) {
+      t_ = plane_end;
+      return false;
+    }
+    // The plane alone gets nowhere fast: try longer intervals with proofs that follow a turning pair.
+    const double end = stride_ >= left ? 1 : t_ + stride_;
+    if (end > plane_end) {
+      if (free_until(end, normal)) {
+        t_ = end;
+        stride_ *= 2;
+        return t_ >= 1;
+      }
+      stride_ = (end - t_) / 4;
+    }
+    stuck_ = !(end > t_) && !(plane_end > t_);
+    if (plane_end > t_) {
+      t_ = plane_end;
+      stride_ = std::max(stride_, 0x1p-50);
+    }
+    return false;
+  }
+
+  // N2. The latest time until which one plane with this normal separates; t_ when it does not separate now.
+  double plane_reach(const Vec3& normal) const {
+    double reach = 1;
+    bool to_end = true;
+    for (int k = 0; k < patch_.corners; ++k) {
+      const double g0 = normal.dot(now_[k]), g1 = normal.dot(patch_.e[k]);
+      if (!(g0 > apart_)) return t_;
+      if (g1 > apart_) continue;
+      to_end = false;
+      reach = std::min(reach, (g0 - target_) / (g0 - g1));
+    }
+    if (to_end) return 1;
+    const double end = t_ + (1 - t_) * reach;
+    if (!(end > t_) || !(end < 1)) return t_;
+    for (int k = 0; k < patch_.corners; ++k) {
+      if (!(normal.dot(patch_.corner(k, end)) > apart_)) return t_;
+    }
+    return end;
+  }
+
+  // N3 and N5 on [t_, end].
+  bool free_until(double end, const Vec3& normal) const {
+    const PatchCorners then = patch_.at(end);
+    if (thickness_ == 0 && never_coplanar(now_, then)) return true;
+    const Vec3 other = closest_to_origin(then, patch_.corners).normal;
+    for (int k = 0; k < patch_.corners; ++k) {
+      if (!(normal.dot(now_[k]) > apart_) || !(other.dot(then[k]) > apart_)) return false;
+      if (!((normal.dot(then[k]) + other.dot(now_[k])) / 2 > apart_)) return false;
+    }
+    return true;
+  }
+
+  const MovingPatch& patch_;
+  const double thickness_;
+  const double apart_;   // a projection above this is proven to be above the thickness
+  const double target_;  // where a plane's reach ends: short of `hit_`, so that the next look decides
+  const double hit_;
+  double t_ = 0;
+  double stride_ = 1;
+  bool stuck_ = false;
+  PatchCorners now_;
+};
+
+// A power of two that brings a pair out of the range where products overflow or underflow; 1 for ordinary sizes.
+double rescue_scale(const FourPoints& x0, const FourPoints& x1, double thickness) {
+  double size = thickness;
+  for (int i = 0; i < 4; ++i) {
+    size = std::max({size, x0[i].cwiseAbs().maxCoeff(), x1[i].cwiseAbs().maxCoeff()});
+  }
+  if (size == 0) return 1;
+  // Stay within the exponent range of double, so that the scale itself is a finite normal number.
+  return std::ldexp(1.0, -std::clamp(std::ilogb(size), -1000, 1000));
+}
+
+CcdResult patch_ccd(const FourPoints& x0, const FourPoints& x1, bool edge_edge, const CcdSettings& settings) {
+  constexpr double kLarge = 1e60, kSmall = 1e-60;
+  double scale = 1;
+  MovingPatch patch = make_patch(x0, x1, edge_edge, scale);
+  const double size = std::max(patch.extent, settings.thickness);
+  if (!(size < kLarge) || size < kSmall) {
+    scale = rescue_scale(x0, x1, settings.thickness);
+    patch = make_patch(x0, x1, edge_edge, scale);
+    if (patch.extent > 0 && patch.extent < kSmall && settings.thickness * scale < kSmall) {
+      // Far from the origin, yet tiny: the differences are exact, and can be scaled once more.
+      const double again = std::ldexp(1.0, -std::max(std::ilogb(patch.extent), -1000));
+      for (int k = 0; k < patch.corners; ++k) {
+        patch.a[k] *= again;
+        patch.e[k] *= again;
+      }
+      patch.extent *= again;
+      scale *= again;
+    }
+  }
+  const double thickness = settings.thickness * scale;
+  const double tolerance =
+      std::max(settings.tolerance * scale, kResolution * std::max(patch.extent, thickness));
+  if (thickness == 0 && never_coplanar(patch.a, patch.e)) return {Answer::Separated, 1};
+  return March(patch, thickness, tolerance).run(settings.latest, settings.max_iterations);
+}
+
+}  // namespace
+
+CcdResult vertex_face_ccd(const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings) {
+  return patch_ccd(x0, x1, false, settings);
+}
+
+CcdResult edge_edge_ccd(const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings) {
+  return patch_ccd(x0, x1, true, settings);
+}
+
+double ccd_resolution(double extent) { return kResolution * extent; }
+
+Closest vertex_face_closest(const FourPoints& x) {
+  const PatchClosest c = closest_to_origin(vertex_face_corners(x, 1), 3);
+  return {c.distance, c.difference};
+}
+
+Closest edge_edge_closest(const FourPoints& x) {
+  const PatchClosest c = closest_to_origin(edge_edge_corners(x, 1), 4);
+  return {c.distance, c.difference};
+}
+
+}  // namespace foldproof
