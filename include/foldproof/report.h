@@ -13,8 +13,8 @@
 
 namespace foldproof {
 
-/// Frames as a Python slice selects them: `begin` counts, `end` does not, negative ones count from the end, ends
-/// beyond the motion are cut.
+/// Frames as a Python slice selects them: `begin` counts, `end` does not, negative ones count from the end,
+/// ends beyond the motion are cut.
 struct FrameRange {
   std::optional<std::int64_t> begin, end;
   Index step = 1;  ///< At least 1.
@@ -56,9 +56,9 @@ struct CheckedStep {
   double earliest_toi = 0;  ///< In [0,1] of the step; 1 when nothing collides, 0 for a pose.
   Work work;
   StageTimes milliseconds;
-  Positions x0, x1;                      ///< Ends of the step; the same for a pose.
-  const StepResult* step = nullptr;      ///< Null for a pose.
-  const StaticResult* pose = nullptr;    ///< Null for a step.
+  Positions x0, x1;                    ///< Ends of the step; the same for a pose.
+  const StepResult* step = nullptr;    ///< Null for a pose.
+  const StaticResult* pose = nullptr;  ///< Null for a step.
 };
 
 /// The whole check in numbers.
@@ -66,15 +66,15 @@ struct CheckTotals {
   Index first_frame = 0, last_frame = 0;
   std::uint64_t steps = 0, steps_with_collisions = 0;
   CollisionCounts collisions;
-  std::optional<StepPlace> worst;     ///< The step with the most collisions, the first of several.
+  std::optional<StepPlace> worst;  ///< The step with the most collisions, the first of several.
   CollisionCounts worst_collisions;
   std::optional<StepPlace> earliest;  ///< The first step with a collision, and its time of impact.
   double earliest_toi = 0;
-  double tolerance = 0;               ///< The largest that a step used, mesh units.
+  double tolerance = 0;  ///< The largest that a step used, mesh units.
   Work work;
-  StageTimes milliseconds;            ///< Sums over the steps.
-  double slowest_step = 0;            ///< Milliseconds.
-  bool cancelled = false;             ///< Stopped by request; the numbers cover what was done until then.
+  StageTimes milliseconds;  ///< Sums over the steps.
+  double slowest_step = 0;  ///< Milliseconds.
+  bool cancelled = false;   ///< Stopped by request; the numbers cover what was done until then.
 
   bool clean() const { return collisions.sum() == 0; }
 };
@@ -96,8 +96,8 @@ struct CheckHooks {
 };
 
 /// Checks `motions` and hands each answer to all writers. Memory holds two frames per object (four with
-/// substeps) and one answer. Error: no motions, different frame counts, a range that selects too few frames, a
-/// frame that cannot be read, a writer's error.
+/// substeps) and one answer. Error: no motions, different frame counts, a range that selects too few frames,
+/// a frame that cannot be read, a writer's error.
 Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Writers writers,
                               const CheckHooks& hooks = {});
 
@@ -112,12 +112,14 @@ struct ReportInfo {
 Result<std::unique_ptr<ReportWriter>> json_report(const std::string& path, Motions motions,
                                                   const ReportInfo& info);
 
-/// A row per collision: frame,substep,kind,object_a,a0,a1,object_b,b0,b1,toi,answer. Kind vf: a0 is the vertex, b0
-/// the face; ee: a0 a1 and b0 b1 are the edges' vertices; tt: a0 and b0 are triangles, without toi.
+/// A row per collision: frame,substep,kind,object_a,a0,a1,object_b,b0,b1,toi,answer. Kind vf: a0 is the
+/// vertex, b0 the face; ee: a0 a1 and b0 b1 are the edges' vertices; tt: a0 and b0 are triangles, without
+/// toi.
 Result<std::unique_ptr<ReportWriter>> csv_report(const std::string& path);
 
-/// All objects in one PLY, faces that take part in a collision marked 1, in the pose of the step's first contact.
-/// Without '%' in `path` one file: the worst step, or the first step unmarked when nothing collides. With "%d" or
+/// All objects in one PLY, in the pose of the step's first contact; marked 1 are faces that take part in a
+/// collision, those around a colliding vertex or edge included. Without '%' in `path` one file: the worst
+/// step, or the first step unmarked when nothing collides. With "%d" or
 /// "%04d" in `path` one file for every step with collisions; the number is frame x substeps + substep.
 Result<std::unique_ptr<ReportWriter>> ply_report(const std::string& path, Motions motions,
                                                  const CheckSettings& settings);

@@ -1,0 +1,20 @@
+/// The program's subcommands, one file each.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "foldproof/base.h"
+
+namespace foldproof {
+
+/// What a subcommand does once its arguments are read: its exit code, or why it could not.
+using Command = std::function<Result<int>()>;
+
+/// Exit codes that scripts rely on.
+inline constexpr int kExitClean = 0, kExitCollisions = 1, kExitError = 2, kExitInterrupted = 130;
+
+/// Adds `foldproof check` to the command line; gives what to run if it is chosen.
+Command add_check(CLI::App& program);
+
+}  // namespace foldproof

@@ -1,0 +1,75 @@
+#include <fmt/format.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <sstream>
+
+#include "commands.h"
+#include "terminal.h"
+
+namespace foldproof {
+namespace {
+
+constexpr const char* kAbout =
+    "Finds every collision of moving triangle meshes, with themselves and with each other, between frames "
+    "too.";
+
+/// CLI11's complaints may have several lines; a person gets one, with what to do.
+Error command_line_error(const CLI::App& program, const CLI::ParseError& error) {
+  std::string command = "foldproof";
+  for (const CLI::App* chosen : program.get_subcommands()) command += " " + chosen->get_name();
+  std::string problem = error.what();
+  while (!problem.empty() && problem.back() == '\n') problem.pop_back();
+  return {"command line", problem, fmt::format("'{} --help' shows what there is", command)};
+}
+
+Result<int> run(int argc, char** argv) {
+  CLI::App program(kAbout);
+  program.name("foldproof");
+  program.set_version_flag("--version", std::string("foldproof ") + version());
+  program.require_subcommand(1);
+  program.footer("Try:\n  foldproof check walk.glb\n  foldproof check --help");
+  const std::vector<std::pair<std::string, Command>> commands = {{"check", add_check(program)}};
+
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // --help or --version
+    std::ostringstream text;
+    program.exit(asked, text, text);
+    print_output(text.str());
+    return kExitClean;
+  } catch (const CLI::ParseError& error) {
+    return tl::unexpected(command_line_error(program, error));
+  }
+  for (const auto& [name, command] : commands) {
+    if (program.got_subcommand(name)) return command();
+  }
+  return kExitClean;
+}
+
+int finish(const Result<int>& result) {
+  if (result) {
+    if (const auto done = flush_output(); !done) return finish(tl::unexpected(done.error()));
+    return *result;
+  }
+  print_error(result.error());
+  return kExitError;
+}
+
+}  // namespace
+}  // namespace foldproof
+
+int main(int argc, char** argv) {
+  // A reader that goes away, as in `foldproof check ... | head`, must not kill the check.
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    return foldproof::finish(foldproof::run(argc, argv));
+  } catch (const std::bad_alloc&) {
+    return foldproof::finish(
+        foldproof::fail("memory", "there is not enough", "check fewer objects or smaller meshes at a time"));
+  } catch (const std::exception& error) {
+    return foldproof::finish(
+        foldproof::fail("foldproof", std::string("internal error: ") + error.what(), "please report this"));
+  }
+}

@@ -1,0 +1,208 @@
+#include "terminal.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <iterator>
+#include <system_error>
+
+namespace foldproof {
+
+void print_error(const Error& error) {
+  const std::string line = "foldproof: " + error.line() + "\n";
+  std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+namespace {
+
+/// Why standard output first failed, as an errno; 0 while it works.
+int output_failure = 0;
+
+}  // namespace
+
+void print_output(const std::string& text) {
+  if (output_failure == 0 && std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
+    output_failure = errno;
+}
+
+Result<void> flush_output() {
+  if (output_failure == 0 && std::fflush(stdout) != 0) output_failure = errno;
+  if (output_failure == 0 || output_failure == EPIPE) return {};
+  return fail("standard output", "cannot be written: " + std::generic_category().message(output_failure),
+              "check where it goes and the free space");
+}
+
+ProgressBar::ProgressBar(bool wanted) : wanted_(wanted && ::isatty(STDERR_FILENO) == 1) {}
+
+void ProgressBar::show(const CheckTotals& totals, std::uint64_t expected) {
+  if (!wanted_ || expected == 0) return;
+  const Clock::time_point now = Clock::now();
+  // Ten times a second is enough, and nothing for what is over at once.
+  if (now - last_ < std::chrono::milliseconds(100)) return;
+  last_ = now;
+  constexpr int kWidth = 30;
+  const double part = static_cast<double>(totals.steps) / static_cast<double>(expected);
+  const double spent = std::chrono::duration<double>(now - start_).count();
+  const auto left = static_cast<std::int64_t>(spent / part - spent + 0.5);
+  const int filled = static_cast<int>(part * kWidth);
+  const std::string line = fmt::format(
+      "\r\x1b[K[{:#<{}}{:.<{}}] {} of {} steps, {} with collisions, {}:{:02} left", "", filled, "",
+      kWidth - filled, totals.steps, expected, totals.steps_with_collisions, left / 60, left % 60);
+  std::fwrite(line.data(), 1, line.size(), stderr);
+  shown_ = true;
+}
+
+void ProgressBar::clear() {
+  if (shown_) std::fputs("\r\x1b[K", stderr);
+  shown_ = false;
+}
+
+namespace {
+
+using Text = std::back_insert_iterator<std::string>;
+
+/// 1234567 -> "1,234,567".
+std::string grouped(std::uint64_t number) {
+  std::string digits = std::to_string(number);
+  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, 1, ',');
+  return digits;
+}
+
+/// "1 step", "2 steps".
+std::string counted(std::uint64_t number, const char* noun) {
+  return fmt::format("{} {}{}", grouped(number), noun, number == 1 ? "" : "s");
+}
+
+/// A name for one table cell: its end, which tells files apart, and nothing that moves the cursor.
+std::string cell(std::string name) {
+  constexpr std::size_t kLongest = 48;
+  for (char& c : name) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  if (name.size() > kLongest) {
+    std::size_t from = name.size() - (kLongest - 3);
+    while (from < name.size() && (static_cast<unsigned char>(name[from]) & 0xc0) == 0x80)
+      ++from;  // inside a character
+    name = "..." + name.substr(from);
+  }
+  return name;
+}
+
+std::string place_name(const StepPlace& place, const CheckSettings& settings) {
+  if (settings.poses) return fmt::format("frame {}", place.frame);
+  std::string name = fmt::format("frame {} to {}", place.frame, place.next_frame);
+  if (settings.substeps > 1) name += fmt::format(", part {} of {}", place.substep + 1, settings.substeps);
+  return name;
+}
+
+std::string objects_table(Motions motions) {
+  const auto continues_character = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; };
+  std::size_t width = 6;
+  for (const auto& motion : motions) {
+    const std::string name = cell(motion->name());
+    width = std::max<std::size_t>(width,
+                                  name.size() - std::count_if(name.begin(), name.end(), continues_character));
+  }
+  std::string text =
+      fmt::format("\n{:<{}}  {:>12}  {:>12}  {:>8}\n", "object", width, "vertices", "triangles", "frames");
+  for (const auto& motion : motions) {
+    fmt::format_to(Text(text), "{:<{}}  {:>12}  {:>12}  {:>8}\n", cell(motion->name()), width,
+                   grouped(motion->topology().vertex_count()), grouped(motion->topology().triangles().size()),
+                   grouped(motion->frame_count()));
+  }
+  return text;
+}
+
+std::string closing_sentence(const CheckSettings& settings, const CheckTotals& totals) {
+  const char* step = settings.poses ? "frame" : "step";
+  if (totals.clean()) {
+    return fmt::format("\nNo collisions: {} proven free.\n",
+                       totals.steps == 1 ? fmt::format("the one {} is", step)
+                                         : fmt::format("all {} are", counted(totals.steps, step)));
+  }
+  std::string when = place_name(*totals.earliest, settings);
+  if (!settings.poses) when += fmt::format(", {:.4g} of the way", totals.earliest_toi);
+  return fmt::format("\nCollisions in {} of {}, the first at {}.\n", grouped(totals.steps_with_collisions),
+                     counted(totals.steps, step), when);
+}
+
+}  // namespace
+
+std::string summary(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
+  std::string text = objects_table(motions) + "\n";
+  const auto row = [&](const char* label, const std::string& value) {
+    fmt::format_to(Text(text), "{:<24}{}\n", label, value);
+  };
+  const CollisionCounts& found = totals.collisions;
+  row(settings.poses ? "frames checked" : "steps checked",
+      fmt::format("{}  (frames {} to {})", grouped(totals.steps), totals.first_frame, totals.last_frame));
+  row("  with collisions", grouped(totals.steps_with_collisions));
+  row("colliding pairs", settings.poses
+                             ? grouped(found.sum()) + "  (triangles that cross)"
+                             : fmt::format("{}  (vertex-face {}, edge-edge {})", grouped(found.sum()),
+                                           grouped(found.vertex_face), grouped(found.edge_edge)));
+  if (!totals.clean()) {
+    row("worst", fmt::format("{}: {}", place_name(*totals.worst, settings),
+                             counted(totals.worst_collisions.sum(), "pair")));
+    std::string earliest = place_name(*totals.earliest, settings);
+    if (!settings.poses) earliest += fmt::format(", time of impact {:.6g}", totals.earliest_toi);
+    row("earliest", earliest);
+  }
+  if (!settings.poses) {
+    row("undecided pairs",
+        grouped(totals.work.undecided) + (totals.work.undecided ? "  (counted as collisions)" : ""));
+    row("tolerance", fmt::format("{:.3g} mesh units", totals.tolerance));
+  }
+  row(settings.poses ? "time per frame" : "time per step",
+      fmt::format("{:.3g} ms, the slowest {:.3g} ms  (reading files not counted)",
+                  totals.milliseconds.total / static_cast<double>(std::max<std::uint64_t>(totals.steps, 1)),
+                  totals.slowest_step));
+  return text + closing_sentence(settings, totals);
+}
+
+namespace {
+
+class PairListing : public ReportWriter {
+ public:
+  explicit PairListing(Motions motions) : motions_(motions) {}
+
+  Result<void> step(const CheckedStep& step) override {
+    if (step.collisions.sum() == 0) return {};
+    print_output(fmt::format("frame {} substep {}\n", step.place.frame, step.place.substep));
+    if (step.pose) {
+      for (const TriangleCrossing& c : step.pose->crossings) {
+        print_output(fmt::format("  face {}{} crosses face {}{}\n", c.triangle_a, of(c.object_a),
+                                 c.triangle_b, of(c.object_b)));
+      }
+      return {};
+    }
+    for (const VertexFaceCollision& c : step.step->vertex_face) {
+      print_output(fmt::format("  vertex {}{} meets face {}{} at {:.6g}\n", c.vertex, of(c.vertex_object),
+                               c.face, of(c.face_object), c.toi));
+    }
+    for (const EdgeEdgeCollision& c : step.step->edge_edge) {
+      print_output(fmt::format("  edge {}-{}{} meets edge {}-{}{} at {:.6g}\n", c.a[0], c.a[1],
+                               of(c.object_a), c.b[0], c.b[1], of(c.object_b), c.toi));
+    }
+    return {};
+  }
+
+  Result<void> finish(const CheckTotals&) override { return {}; }
+
+ private:
+  /// Names the object only where there are several.
+  std::string of(Index object) const {
+    return motions_.size() < 2 ? "" : fmt::format(" of object {}", object);
+  }
+
+  Motions motions_;
+};
+
+}  // namespace
+
+std::unique_ptr<ReportWriter> pair_listing(Motions motions) { return std::make_unique<PairListing>(motions); }
+
+}  // namespace foldproof

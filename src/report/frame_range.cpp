@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "foldproof/report.h"
+
+namespace foldproof {
+namespace {
+
+tl::unexpected<Error> bad_range(const std::string& text) {
+  return fail("--frames", fmt::format("'{}' is not A:B or A:B:STEP", text),
+              "give whole numbers as in a Python slice, such as 0:10, 5:, :-1 or ::2");
+}
+
+/// A whole number that fills all of `text`, or none when `text` is empty.
+Result<std::optional<std::int64_t>> parse_part(std::string_view part, const std::string& text) {
+  if (part.empty()) return std::nullopt;
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+  if (error != std::errc() || end != part.data() + part.size()) return bad_range(text);
+  return value;
+}
+
+/// Python's rule for one end of a slice.
+std::int64_t place_end(std::int64_t end, std::int64_t count) {
+  return std::clamp<std::int64_t>(end < 0 ? end + count : end, 0, count);
+}
+
+}  // namespace
+
+Result<FrameRange> parse_frame_range(const std::string& text) {
+  std::vector<std::optional<std::int64_t>> parts;
+  std::string_view rest = text;
+  for (;;) {
+    const std::size_t colon = rest.find(':');
+    const auto part = parse_part(rest.substr(0, colon), text);
+    if (!part) return tl::unexpected(part.error());
+    parts.push_back(*part);
+    if (colon == std::string_view::npos) break;
+    rest.remove_prefix(colon + 1);
+  }
+  if (parts.size() > 3 || (parts.size() == 1 && !parts[0])) return bad_range(text);
+
+  FrameRange range{.begin = parts[0], .end = {}, .step = 1};
+  if (parts.size() == 1) {
+    // A single frame; after -1, the last one, there is no end to name.
+    if (*range.begin != -1) range.end = *range.begin + 1;
+    return range;
+  }
+  range.end = parts[1];
+  if (parts.size() == 3 && parts[2]) {
+    if (*parts[2] < 1 || *parts[2] > 0xffffffffll) {
+      return fail("--frames", fmt::format("the step in '{}' is not 1 or more", text),
+                  "motions are checked forward in time");
+    }
+    range.step = static_cast<Index>(*parts[2]);
+  }
+  return range;
+}
+
+std::vector<Index> select_frames(const FrameRange& range, Index frame_count) {
+  const std::int64_t begin = place_end(range.begin.value_or(0), frame_count);
+  const std::int64_t end = place_end(range.end.value_or(frame_count), frame_count);
+  std::vector<Index> frames;
+  for (std::int64_t frame = begin; frame < end; frame += range.step)
+    frames.push_back(static_cast<Index>(frame));
+  return frames;
+}
+
+}  // namespace foldproof

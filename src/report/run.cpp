@@ -1,0 +1,243 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "foldproof/report.h"
+
+namespace foldproof {
+namespace {
+
+/// Positions of every object at one time, and the spans that a query takes.
+class Pose {
+ public:
+  explicit Pose(Motions motions) {
+    for (const auto& motion : motions)
+      objects_.emplace_back(std::size_t{motion->topology().vertex_count()} * 3);
+    for (const auto& object : objects_) spans_.emplace_back(object);
+  }
+  Pose(Pose&&) = default;
+  Pose& operator=(Pose&&) = default;
+  Pose(const Pose&) = delete;
+  Pose& operator=(const Pose&) = delete;
+
+  Positions positions() const { return spans_; }
+
+  Result<void> read(Motions motions, Index frame) {
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      if (const auto done = motions[i]->read_frame(frame, objects_[i]); !done) return done;
+    }
+    return {};
+  }
+
+  /// The pose at `t` of the way from `a` to `b`. Keeps a vertex that stands still exactly where it is.
+  void blend(const Pose& a, const Pose& b, double t) {
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      for (std::size_t k = 0; k < objects_[i].size(); ++k) {
+        objects_[i][k] = std::lerp(a.objects_[i][k], b.objects_[i][k], t);
+      }
+    }
+  }
+
+ private:
+  // Moving a vector keeps its heap block, so the spans stay valid.
+  std::vector<std::vector<double>> objects_;
+  std::vector<std::span<const double>> spans_;
+};
+
+Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings& settings) {
+  if (motions.empty()) return fail("motions", "none given", "name at least one");
+  const Index count = motions[0]->frame_count();
+  for (const auto& motion : motions) {
+    if (motion->frame_count() == count) continue;
+    return fail(motion->name(),
+                fmt::format("has {} frames, but {} has {}", motion->frame_count(), motions[0]->name(), count),
+                "objects that are checked together need equally many frames");
+  }
+  if (settings.step.between && !settings.step.within && motions.size() < 2) {
+    return fail(motions[0]->name(), "is the only object, so there is nothing between objects to check",
+                "name a second motion, or leave --between out");
+  }
+  std::vector<Index> frames = select_frames(settings.frames, count);
+  const std::size_t needed = settings.poses ? 1 : 2;
+  if (frames.size() >= needed) return frames;
+  if (count < needed) {
+    return fail(motions[0]->name(), "has 1 frame, and a step goes from one frame to the next",
+                "use --static to find the crossing triangles of a single pose");
+  }
+  return fail("--frames",
+              fmt::format("selects {} of {} frames, and {} needed", frames.size(), count,
+                          needed == 1 ? "one is" : "two are"),
+              "select more; frames count from 0 and the end of A:B is not included");
+}
+
+Result<StepChecker> make_checker(Motions motions, const Pose& first) {
+  std::vector<std::shared_ptr<const Hierarchy>> objects;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    auto hierarchy = Hierarchy::build(motions[i]->topology(), first.positions()[i]);
+    if (!hierarchy) {
+      Error error = hierarchy.error();
+      error.where = motions[i]->name() + ": " + error.where;
+      return tl::unexpected(std::move(error));
+    }
+    objects.push_back(std::make_shared<const Hierarchy>(std::move(*hierarchy)));
+  }
+  return StepChecker(std::move(objects));
+}
+
+void add(Work& sum, const Work& more) {
+  sum.node_tests += more.node_tests;
+  sum.certificate_tests += more.certificate_tests;
+  sum.certificate_passes += more.certificate_passes;
+  sum.leaf_pairs += more.leaf_pairs;
+  sum.candidates_vf += more.candidates_vf;
+  sum.candidates_ee += more.candidates_ee;
+  sum.undecided += more.undecided;
+}
+
+void add(CheckTotals& totals, const CheckedStep& step) {
+  ++totals.steps;
+  totals.collisions.vertex_face += step.collisions.vertex_face;
+  totals.collisions.edge_edge += step.collisions.edge_edge;
+  totals.collisions.triangle_triangle += step.collisions.triangle_triangle;
+  if (step.collisions.sum() > 0) {
+    ++totals.steps_with_collisions;
+    if (!totals.earliest) {
+      totals.earliest = step.place;
+      totals.earliest_toi = step.earliest_toi;
+    }
+    if (step.collisions.sum() > totals.worst_collisions.sum()) {
+      totals.worst = step.place;
+      totals.worst_collisions = step.collisions;
+    }
+  }
+  if (step.step) totals.tolerance = std::max(totals.tolerance, step.step->tolerance);
+  add(totals.work, step.work);
+  totals.milliseconds.total += step.milliseconds.total;
+  totals.milliseconds.update += step.milliseconds.update;
+  totals.milliseconds.traverse += step.milliseconds.traverse;
+  totals.milliseconds.narrow += step.milliseconds.narrow;
+  totals.slowest_step = std::max(totals.slowest_step, step.milliseconds.total);
+}
+
+/// A check that is under way.
+class Run {
+ public:
+  Run(Motions motions, const CheckSettings& settings, Writers writers, const CheckHooks& hooks,
+      std::vector<Index> frames)
+      : motions_(motions), settings_(settings), writers_(writers), hooks_(hooks), frames_(std::move(frames)) {
+    totals_.first_frame = frames_.front();
+    totals_.last_frame = frames_.back();
+    expected_ = settings.poses ? frames_.size() : (frames_.size() - 1) * std::uint64_t{settings.substeps};
+  }
+
+  Result<CheckTotals> poses() {
+    Pose pose(motions_);
+    std::optional<StepChecker> checker;
+    StaticResult result;
+    for (const Index frame : frames_) {
+      if (const auto done = pose.read(motions_, frame); !done) return tl::unexpected(done.error());
+      if (!checker) {
+        auto made = make_checker(motions_, pose);
+        if (!made) return tl::unexpected(made.error());
+        checker = std::move(*made);
+      }
+      if (stop_requested()) return totals_;
+      if (const auto done = checker->check_static(pose.positions(), settings_.step, result); !done) {
+        return tl::unexpected(done.error());
+      }
+      const CheckedStep step{.place = {totals_.steps, frame, frame, 0},
+                             .collisions = {.triangle_triangle = result.crossings.size()},
+                             .work = result.work,
+                             .milliseconds = result.milliseconds,
+                             .x0 = pose.positions(),
+                             .x1 = pose.positions(),
+                             .pose = &result};
+      if (const auto done = deliver(step); !done) return tl::unexpected(done.error());
+    }
+    return finish();
+  }
+
+  Result<CheckTotals> steps() {
+    Pose from(motions_), to(motions_);
+    if (const auto done = from.read(motions_, frames_[0]); !done) return tl::unexpected(done.error());
+    auto checker = make_checker(motions_, from);
+    if (!checker) return tl::unexpected(checker.error());
+    std::optional<Pose> near, far;  // Ends of a part of a step.
+    if (settings_.substeps > 1) {
+      near.emplace(motions_);
+      far.emplace(motions_);
+    }
+    for (std::size_t i = 1; i < frames_.size(); ++i) {
+      if (const auto done = to.read(motions_, frames_[i]); !done) return tl::unexpected(done.error());
+      for (Index part = 0; part < settings_.substeps; ++part) {
+        if (stop_requested()) return totals_;
+        const bool first = part == 0, last = part + 1 == settings_.substeps;
+        if (!last) far->blend(from, to, static_cast<double>(part + 1) / settings_.substeps);
+        const StepPlace place{totals_.steps, frames_[i - 1], frames_[i], part};
+        const auto done = check(*checker, place, first ? from : *near, last ? to : *far);
+        if (!done) return tl::unexpected(done.error());
+        if (!last) std::swap(near, far);
+      }
+      std::swap(from, to);
+    }
+    return finish();
+  }
+
+ private:
+  Result<void> check(StepChecker& checker, const StepPlace& place, const Pose& x0, const Pose& x1) {
+    const auto done = checker.check(x0.positions(), x1.positions(), settings_.step, result_);
+    if (!done) return done;
+    return deliver({.place = place,
+                    .collisions = {result_.vertex_face.size(), result_.edge_edge.size(), 0},
+                    .earliest_toi = result_.earliest_toi,
+                    .work = result_.work,
+                    .milliseconds = result_.milliseconds,
+                    .x0 = x0.positions(),
+                    .x1 = x1.positions(),
+                    .step = &result_});
+  }
+
+  Result<void> deliver(const CheckedStep& step) {
+    add(totals_, step);
+    for (const auto& writer : writers_) {
+      if (const auto done = writer->step(step); !done) return done;
+    }
+    if (hooks_.progress) hooks_.progress(totals_, expected_);
+    return {};
+  }
+
+  bool stop_requested() {
+    totals_.cancelled = hooks_.cancel && hooks_.cancel->load(std::memory_order_relaxed);
+    return totals_.cancelled;
+  }
+
+  Result<CheckTotals> finish() {
+    if (stop_requested()) return totals_;
+    for (const auto& writer : writers_) {
+      if (const auto done = writer->finish(totals_); !done) return tl::unexpected(done.error());
+    }
+    return totals_;
+  }
+
+  Motions motions_;
+  const CheckSettings& settings_;
+  Writers writers_;
+  const CheckHooks& hooks_;
+  std::vector<Index> frames_;
+  std::uint64_t expected_ = 0;
+  StepResult result_;
+  CheckTotals totals_;
+};
+
+}  // namespace
+
+Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Writers writers,
+                              const CheckHooks& hooks) {
+  auto frames = frames_to_check(motions, settings);
+  if (!frames) return tl::unexpected(frames.error());
+  Run run(motions, settings, writers, hooks, std::move(*frames));
+  return settings.poses ? run.poses() : run.steps();
+}
+
+}  // namespace foldproof

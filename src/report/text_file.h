@@ -1,0 +1,42 @@
+/// A text file that is written in large pieces and appears only when it is complete.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "foldproof/io.h"
+
+namespace foldproof {
+
+class TextFile {
+ public:
+  explicit TextFile(FileWriter file) : file_(std::move(file)) {}
+
+  template <class... Args>
+  void add(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
+  }
+
+  /// Writes what was added once it is worth a call. To be called now and then between `add`s.
+  Result<void> flush_if_large() { return text_.size() < kPiece ? Result<void>{} : flush(); }
+
+  Result<void> commit() {
+    if (const auto done = flush(); !done) return done;
+    return file_.commit();
+  }
+
+ private:
+  static constexpr std::size_t kPiece = 1 << 16;
+
+  Result<void> flush() {
+    const auto done = file_.write(std::span<const char>(text_.data(), text_.size()));
+    text_.clear();
+    return done;
+  }
+
+  FileWriter file_;
+  fmt::memory_buffer text_;
+};
+
+}  // namespace foldproof
