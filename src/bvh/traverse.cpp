@@ -110,8 +110,8 @@ HWY_INLINE unsigned IncidentLanes(const IdBlock<NA>& a, int lane_a, const IdBloc
 
 struct LeafTest {
   float margin;
-  bool same_object;  // look for common vertices
-  bool same_leaf;    // each unordered pair of edges once
+  bool drop_incident;  // leave out pairs with a common vertex
+  bool halve;          // one set with itself: each unordered pair once
 };
 
 HWY_INLINE void CopyBox(const KineticBox& box, float (&one)[12]) {
@@ -135,11 +135,10 @@ HWY_INLINE void TestFeatures(const FeatureBlocks<NA>& fa, Index leaf_a, const Fe
       const int lane_a = __builtin_ctz(lanes);
       const Index feature_a = fa.first[ia] + static_cast<Index>(lane_a);
       CopyLane(fa.boxes[ia], lane_a, one);
-      const bool halve = test.same_leaf && NA == NB;
-      for (Index ib = halve ? ia : fb.begin[leaf_b]; ib < fb.begin[leaf_b + 1]; ++ib) {
+      for (Index ib = test.halve ? ia : fb.begin[leaf_b]; ib < fb.begin[leaf_b + 1]; ++ib) {
         unsigned near = NearLanes(one, fb.boxes[ib], test.margin);
-        if (halve && ib == ia) near &= ~((2u << lane_a) - 1);
-        if (near != 0 && test.same_object) near &= ~IncidentLanes(fa.ids[ia], lane_a, fb.ids[ib]);
+        if (test.halve && ib == ia) near &= ~((2u << lane_a) - 1);
+        if (near != 0 && test.drop_incident) near &= ~IncidentLanes(fa.ids[ia], lane_a, fb.ids[ib]);
         for (; near != 0; near &= near - 1) {
           out.push_back({feature_a, fb.first[ib] + static_cast<Index>(__builtin_ctz(near))});
         }
@@ -148,19 +147,25 @@ HWY_INLINE void TestFeatures(const FeatureBlocks<NA>& fa, Index leaf_a, const Fe
   }
 }
 
-void FindCandidates(const Traversal& traversal, NodePair leaves, const KineticBox& box_a, const KineticBox& box_b,
-                    CandidateBuffer& out) {
+void FindCandidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
   const KineticTree &a = *traversal.a, &b = *traversal.b;
+  const KineticBox &box_a = a.boxes[a.leaf_node(leaves.a)], &box_b = b.boxes[b.leaf_node(leaves.b)];
   const bool same_object = &a == &b, same_leaf = same_object && leaves.a == leaves.b;
-  const LeafTest test{traversal.margin, same_object, same_leaf};
+  const LeafTest test{traversal.margin, same_object, false}, edge_test{traversal.margin, same_object, same_leaf};
   TestFeatures(a.vertex_blocks, leaves.a, b.face_blocks, leaves.b, box_b, test, out.vertex_face);
-  TestFeatures(a.edge_blocks, leaves.a, b.edge_blocks, leaves.b, box_b, test, out.edge_edge);
+  TestFeatures(a.edge_blocks, leaves.a, b.edge_blocks, leaves.b, box_b, edge_test, out.edge_edge);
   if (same_leaf) return;
   auto& other = same_object ? out.vertex_face : out.face_vertex;
   const std::size_t begin = other.size();
   TestFeatures(b.vertex_blocks, leaves.b, a.face_blocks, leaves.a, box_a, test, other);
   if (same_object) return;
   for (std::size_t i = begin; i < other.size(); ++i) std::swap(other[i].a, other[i].b);
+}
+
+void FindFacePairs(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
+  const KineticTree &a = *traversal.a, &b = *traversal.b;
+  const LeafTest test{traversal.margin, false, &a == &b && leaves.a == leaves.b};
+  TestFeatures(a.face_blocks, leaves.a, b.face_blocks, leaves.b, b.boxes[b.leaf_node(leaves.b)], test, out.face_face);
 }
 
 }  // namespace foldproof::HWY_NAMESPACE
@@ -172,6 +177,7 @@ namespace foldproof {
 HWY_EXPORT(DescendOnce);
 HWY_EXPORT(Traverse);
 HWY_EXPORT(FindCandidates);
+HWY_EXPORT(FindFacePairs);
 
 void descend_once(const Traversal& traversal, std::vector<NodePair>& front, TraversalResult& out) {
   HWY_DYNAMIC_DISPATCH(DescendOnce)(traversal, front, out);
@@ -182,9 +188,11 @@ void traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>&
 }
 
 void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
-  const KineticTree &a = *traversal.a, &b = *traversal.b;
-  HWY_DYNAMIC_DISPATCH(FindCandidates)
-  (traversal, leaves, a.boxes[a.leaf_node(leaves.a)], b.boxes[b.leaf_node(leaves.b)], out);
+  HWY_DYNAMIC_DISPATCH(FindCandidates)(traversal, leaves, out);
+}
+
+void find_face_pairs(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
+  HWY_DYNAMIC_DISPATCH(FindFacePairs)(traversal, leaves, out);
 }
 
 }  // namespace foldproof

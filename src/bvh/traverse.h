@@ -29,7 +29,8 @@ void descend_once(const Traversal& traversal, std::vector<NodePair>& front, Trav
 /// Follows a pair down to the leaves. `stack` is scratch. Order of `out` depends on the input only.
 void traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack, TraversalResult& out);
 
-/// Feature pairs whose kinetic boxes are not apart and that share no vertex, in leaf order of their objects.
+/// Feature pairs whose kinetic boxes are not apart, in leaf order of their objects. Vertex-face and edge-edge pairs
+/// that share a vertex are left out.
 struct CandidateBuffer {
   struct Pair {
     Index a, b;
@@ -37,14 +38,20 @@ struct CandidateBuffer {
   std::vector<Pair> vertex_face;  ///< Vertex of a, face of b.
   std::vector<Pair> face_vertex;  ///< Face of a, vertex of b; empty within one object (all are in vertex_face).
   std::vector<Pair> edge_edge;    ///< Edge of a, edge of b.
+  std::vector<Pair> face_face;    ///< Face of a, face of b; incident pairs included.
   void clear() {
     vertex_face.clear();
+    face_face.clear();
     face_vertex.clear();
     edge_edge.clear();
   }
 };
 
-/// Tests the features of two leaves whose features have been filled, or of a leaf with itself.
+/// Tests vertices against faces and edges against edges of two leaves whose features have been filled, or of a leaf
+/// with itself.
 void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out);
+
+/// Tests faces against faces, for static queries.
+void find_face_pairs(const Traversal& traversal, NodePair leaves, CandidateBuffer& out);
 
 }  // namespace foldproof

@@ -2,45 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <tuple>
 
-#include "query/scene.h"
+#include "query/checker.h"
 
 namespace foldproof {
 namespace {
-
-class Stopwatch {
- public:
-  /// Milliseconds since the last call.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
-    return ms;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
-// Leaf pairs that one task tests, with what it finds. Reused.
-struct Chunk {
-  std::span<const LeafPairRef> pairs;
-  // Candidates stand pair after pair; `ends` says where each pair's end.
-  CandidateBuffer candidates;
-  struct Ends {
-    std::size_t vertex_face, face_vertex, edge_edge;
-  };
-  std::vector<Ends> ends;
-  std::vector<VertexFaceCollision> vertex_face;
-  std::vector<EdgeEdgeCollision> edge_edge;
-  std::uint64_t undecided = 0;
-};
-
-constexpr std::size_t kPairsPerChunk = 32;
-constexpr std::size_t kChunksPerRound = 256;  // bounds the memory that candidates take
 
 auto key(const VertexFaceCollision& c) { return std::tuple(c.vertex_object, c.vertex, c.face_object, c.face); }
 auto key(const EdgeEdgeCollision& c) { return std::tuple(c.object_a, c.a, c.object_b, c.b); }
@@ -52,8 +20,6 @@ struct Step {
   CcdSettings ccd;
   std::atomic<double>* earliest;  // null unless only the earliest is wanted
 };
-
-Vec3 at(std::span<const double> x, Index vertex) { return Eigen::Map<const Vec3>(&x[3 * std::size_t{vertex}]); }
 
 // Lowers `earliest` to a collision's time. Later candidates stop as soon as they are proven free until then.
 void note_earliest(const Step& step, double toi) {
@@ -74,7 +40,7 @@ void test_vertex_face(const Step& step, Index vertex_object, Index vertex, Index
   const Triangle& t = step.scene.hierarchy(face_object).topology().triangles()[f];
   const auto points = [&](Positions x) {
     const auto of_face = x[face_object];
-    return FourPoints{at(x[vertex_object], v), at(of_face, t[0]), at(of_face, t[1]), at(of_face, t[2])};
+    return FourPoints{position(x[vertex_object], v), position(of_face, t[0]), position(of_face, t[1]), position(of_face, t[2])};
   };
   const CcdResult result = vertex_face_ccd(points(step.x0), points(step.x1), settings_now(step));
   if (result.answer == Answer::Separated) return;
@@ -93,7 +59,7 @@ void test_edge_edge(const Step& step, Index object_a, Index place_a, Index objec
   if (object_a == object_b && b < a) std::swap(a, b);
   const auto points = [&](Positions x) {
     const auto xa = x[object_a], xb = x[object_b];
-    return FourPoints{at(xa, a[0]), at(xa, a[1]), at(xb, b[0]), at(xb, b[1])};
+    return FourPoints{position(xa, a[0]), position(xa, a[1]), position(xb, b[0]), position(xb, b[1])};
   };
   const CcdResult result = edge_edge_ccd(points(step.x0), points(step.x1), settings_now(step));
   if (result.answer == Answer::Separated) return;
@@ -167,6 +133,23 @@ void finish(const StepSettings& settings, StepResult& out) {
   if (settings.earliest_only && !out.clean()) keep_earliest(out);
 }
 
+// First all candidates of a round, then the narrow phase on them.
+void test_round(const Step& step, std::span<Chunk> chunks, Stopwatch& watch, StepResult& out) {
+  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) { gather(step.scene, chunks[i]); });
+  out.milliseconds.traverse += watch.lap();
+  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) { narrow(step, chunks[i]); });
+  for (Chunk& c : chunks) {
+    out.work.candidates_vf += c.candidates.vertex_face.size() + c.candidates.face_vertex.size();
+    out.work.candidates_ee += c.candidates.edge_edge.size();
+    out.work.undecided += std::exchange(c.undecided, 0);
+    out.vertex_face.insert(out.vertex_face.end(), c.vertex_face.begin(), c.vertex_face.end());
+    out.edge_edge.insert(out.edge_edge.end(), c.edge_edge.begin(), c.edge_edge.end());
+    c.vertex_face.clear();
+    c.edge_edge.clear();
+  }
+  out.milliseconds.narrow += watch.lap();
+}
+
 Result<void> check_settings(const StepSettings& settings) {
   for (const auto& [name, value] : {std::pair("thickness", settings.thickness), std::pair("tolerance", settings.tolerance)}) {
     if (!(value >= 0) || !std::isfinite(value)) return fail(name, "is not a length", "give a number of at least 0");
@@ -175,40 +158,6 @@ Result<void> check_settings(const StepSettings& settings) {
 }
 
 }  // namespace
-
-struct StepChecker::Impl {
-  Scene scene;
-  std::vector<Chunk> chunks;
-
-  void test_leaf_pairs(const Step& step, Stopwatch& watch, StepResult& out);
-};
-
-// Rounds of a bounded number of leaf pairs: first all candidates, then the narrow phase on them.
-void StepChecker::Impl::test_leaf_pairs(const Step& step, Stopwatch& watch, StepResult& out) {
-  auto left = scene.leaf_pairs();
-  while (!left.empty()) {
-    std::size_t count = 0;
-    for (; count < kChunksPerRound && !left.empty(); ++count) {
-      if (count == chunks.size()) chunks.emplace_back();
-      chunks[count].pairs = left.first(std::min(kPairsPerChunk, left.size()));
-      left = left.subspan(chunks[count].pairs.size());
-    }
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { gather(scene, chunks[i]); });
-    out.milliseconds.traverse += watch.lap();
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { narrow(step, chunks[i]); });
-    for (std::size_t i = 0; i < count; ++i) {
-      Chunk& c = chunks[i];
-      out.work.candidates_vf += c.candidates.vertex_face.size() + c.candidates.face_vertex.size();
-      out.work.candidates_ee += c.candidates.edge_edge.size();
-      out.work.undecided += std::exchange(c.undecided, 0);
-      out.vertex_face.insert(out.vertex_face.end(), c.vertex_face.begin(), c.vertex_face.end());
-      out.edge_edge.insert(out.edge_edge.end(), c.edge_edge.begin(), c.edge_edge.end());
-      c.vertex_face.clear();
-      c.edge_edge.clear();
-    }
-    out.milliseconds.narrow += watch.lap();
-  }
-}
 
 StepChecker::StepChecker(std::vector<std::shared_ptr<const Hierarchy>> objects)
     : impl_(new Impl{Scene(std::move(objects)), {}}) {}
@@ -239,7 +188,7 @@ Result<void> StepChecker::check(Positions x0, Positions x1, const StepSettings& 
   Step step{scene, x0, x1, {}, settings.earliest_only ? &earliest : nullptr};
   step.ccd.thickness = settings.thickness;
   step.ccd.tolerance = out.tolerance;
-  impl_->test_leaf_pairs(step, watch, out);
+  impl_->in_rounds([&](std::size_t count) { test_round(step, std::span(impl_->chunks).first(count), watch, out); });
   finish(settings, out);
   out.milliseconds.narrow += watch.lap();
   out.milliseconds.total = total.lap();
