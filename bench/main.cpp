@@ -1,0 +1,162 @@
+/// foldproof-bench: what a step costs, foldproof's complete answer beside other software's candidates.
+#include <oneapi/tbb/global_control.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+
+#include "machine.h"
+#include "memory.h"
+#include "report.h"
+
+namespace foldproof::bench {
+namespace {
+
+struct Options {
+  std::vector<std::string> scenes, peers;
+  std::string size = "both", json, markdown, memory_of, command;
+  bool list = false, no_memory = false;
+  int cpu = -1;
+  Plan plan;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  Plan& plan = options.plan;
+  app.add_option("--scene", options.scenes, "Scenes to run (default: all whose files are there)");
+  app.add_option("--size", options.size, "Whole steps, tenth steps or both")
+      ->check(CLI::IsMember({"full", "tenth", "both"}));
+  app.add_option("--steps", plan.sampling.steps, "Steps per scene, evenly spread")
+      ->check(CLI::Range(1, 1000000));
+  app.add_flag("--all-steps", plan.sampling.all, "Every step of every scene");
+  app.add_flag("--consecutive", plan.sampling.consecutive,
+               "Steps that follow each other, as in a simulation");
+  app.add_option("--rounds", plan.rounds, "Run all steps this often; a step's time is its fastest round")
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--peers", options.peers, "Libraries to compare with (default: all; none: foldproof alone)")
+      ->delimiter(',');
+  app.add_option("--threads", plan.threads, "Threads for foldproof; peers have one")
+      ->check(CLI::Range(1, 1024));
+  app.add_option("--leaf", plan.hierarchy.leaf_triangles, "Triangles per leaf of foldproof's hierarchy");
+  app.add_option("--cpu", options.cpu, "Processor to stay on (default: where it starts)");
+  app.add_flag("--verify", plan.verify, "Check that all candidates agree and contain foldproof's answer");
+  app.add_flag("--no-memory", options.no_memory, "Do not measure peak memory");
+  app.add_flag("--peer-memory", plan.peer_memory, "Measure the peers' peak memory as well");
+  app.add_option("--json", options.json, "Write all figures to this file");
+  app.add_option("--markdown", options.markdown, "Write the tables to this file");
+  app.add_flag("--list", options.list, "Name the scenes and peers, and stop");
+  app.add_option("--memory-of", options.memory_of,
+                 "Print the peak memory of one competitor on one scene, and stop");
+}
+
+void print_list() {
+  for (const SceneInfo& scene : all_scenes())
+    fmt::print("scene {}{}\n", scene.name, is_available(scene) ? "" : " (its files are missing)");
+  for (const PeerEntry& peer : peers()) fmt::print("peer {} ({} {})\n", peer.name, peer.family, peer.version);
+}
+
+Result<std::vector<PeerEntry>> chosen_peers(const std::vector<std::string>& names) {
+  std::vector<PeerEntry> all = peers(), chosen;
+  if (names.empty()) return all;
+  if (names == std::vector<std::string>{"none"}) return chosen;
+  for (const std::string& name : names) {
+    const auto count = chosen.size();
+    std::copy_if(all.begin(), all.end(), std::back_inserter(chosen),
+                 [&](const PeerEntry& peer) { return peer.family == name || peer.name == name; });
+    if (chosen.size() == count) return fail("--peers", "there is no peer called " + name, "see --list");
+  }
+  return chosen;
+}
+
+Result<std::vector<SceneInfo>> chosen_scenes(const std::vector<std::string>& names) {
+  std::vector<SceneInfo> chosen;
+  for (const std::string& name : names) {
+    const auto& all = all_scenes();
+    const auto scene =
+        std::find_if(all.begin(), all.end(), [&](const SceneInfo& s) { return s.name == name; });
+    if (scene == all.end()) return fail("--scene", "there is no scene called " + name, "see --list");
+    chosen.push_back(*scene);
+  }
+  if (!names.empty()) return chosen;
+  std::vector<std::string> missing;
+  for (const SceneInfo& scene : all_scenes())
+    if (is_available(scene))
+      chosen.push_back(scene);
+    else
+      missing.push_back(scene.name);
+  if (!missing.empty())
+    fmt::print(stderr, "Left out, for their files are not in {} (set FOLDPROOF_DATA): {}\n",
+               data_directory().string(), fmt::join(missing, ", "));
+  return chosen;
+}
+
+Result<void> write_text(const std::string& path, const std::string& text) {
+  auto file = FileWriter::open(path);
+  if (!file) return tl::unexpected(file.error());
+  if (auto written = file->write(text); !written) return written;
+  return file->commit();
+}
+
+Result<void> run_all(const Options& options, Report& report) {
+  const auto scenes = chosen_scenes(options.scenes);
+  if (!scenes) return tl::unexpected(scenes.error());
+  const bool narrate = isatty(STDERR_FILENO) != 0;
+  for (const SceneInfo& scene : *scenes) {
+    if (narrate) fmt::print(stderr, "\r\033[K{} ...", scene.name);
+    auto records = measure(scene, report.plan);
+    if (!records) return tl::unexpected(records.error());
+    std::move(records->begin(), records->end(), std::back_inserter(report.records));
+  }
+  if (narrate) fmt::print(stderr, "\r\033[K");
+  return {};
+}
+
+Result<void> run(Options& options) {
+  if (options.list) {
+    print_list();
+    return {};
+  }
+  Plan& plan = options.plan;
+  plan.memory = !options.no_memory;
+  if (options.size != "both") plan.sizes = {options.size == "full" ? StepSize::Full : StepSize::Tenth};
+  if (plan.threads == 1 && !pin_to_one_cpu(options.cpu))
+    return fail("--cpu", "the system does not let this program stay there", "name another processor");
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(plan.threads));
+  if (!options.memory_of.empty()) {
+    if (options.scenes.size() != 1) return fail("--memory-of", "needs one scene", "add --scene NAME");
+    return print_peak_bytes({options.scenes.front(), options.memory_of, plan.sizes.front(), plan.sampling,
+                             plan.hierarchy, plan.threads});
+  }
+  auto peers = chosen_peers(options.peers);
+  if (!peers) return tl::unexpected(peers.error());
+  plan.peers = std::move(*peers);
+  Report report{machine_facts(plan.peers), plan, options.command, {}};
+  if (auto done = run_all(options, report); !done) return done;
+  fmt::print("{}", format_tables(report, Style::Text));
+  if (!options.json.empty())
+    if (auto written = write_text(options.json, format_json(report)); !written) return written;
+  if (options.markdown.empty()) return {};
+  return write_text(options.markdown, format_tables(report, Style::Markdown));
+}
+
+}  // namespace
+}  // namespace foldproof::bench
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Times foldproof's complete answer beside other software's candidates, on the same steps in the same "
+      "run.");
+  foldproof::bench::Options options;
+  foldproof::bench::add_options(app, options);
+  options.command = fmt::format("foldproof-bench {}", fmt::join(argv + 1, argv + argc, " "));
+  CLI11_PARSE(app, argc, argv);
+  if (const auto done = foldproof::bench::run(options); !done) {
+    fmt::print(stderr, "foldproof-bench: {}\n", done.error().line());
+    return 2;
+  }
+  return 0;
+}
