@@ -1,0 +1,182 @@
+#include "oracle/brute_force.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+namespace foldproof::oracle {
+namespace {
+
+Vec3 point(std::span<const double> x, Index v) { return {x[3 * v], x[3 * v + 1], x[3 * v + 2]}; }
+
+std::vector<Index> used_vertices(const Topology& topology) {
+  std::set<Index> used;
+  for (const Triangle& t : topology.triangles()) used.insert(t.begin(), t.end());
+  return {used.begin(), used.end()};
+}
+
+bool wanted(std::size_t object_a, std::size_t object_b, const StepSettings& settings) {
+  return object_a == object_b ? settings.within : settings.between;
+}
+
+class StepSweep {
+ public:
+  StepSweep(const Scene& scene, const StepSettings& settings, double tolerance)
+      : scene_(scene), settings_(settings) {
+    narrow_.thickness = settings.thickness;
+    narrow_.tolerance = tolerance;
+    result_.tolerance = tolerance;
+  }
+
+  StepResult run() {
+    for (Index a = 0; a < scene_.topologies.size(); ++a) {
+      for (Index b = 0; b < scene_.topologies.size(); ++b) {
+        if (!wanted(a, b, settings_)) continue;
+        vertices_and_faces(a, b);
+        if (a <= b) edges_and_edges(a, b);
+      }
+    }
+    keep_earliest();
+    return std::move(result_);
+  }
+
+ private:
+  void vertices_and_faces(Index a, Index b) {
+    const auto triangles = scene_.topologies[b].triangles();
+    for (const Index v : used_vertices(scene_.topologies[a])) {
+      for (Index f = 0; f < triangles.size(); ++f) {
+        const Triangle& t = triangles[f];
+        if (a == b && (v == t[0] || v == t[1] || v == t[2])) continue;
+        VertexFaceCollision pair{a, v, b, f, 1, Answer::Separated};
+        const PairPoints p = points_of(pair, scene_);
+        const CcdResult r = vertex_face_ccd(p.x0, p.x1, narrow_);
+        if (r.answer == Answer::Separated) continue;
+        pair.toi = r.toi;
+        pair.answer = r.answer;
+        result_.vertex_face.push_back(pair);
+      }
+    }
+  }
+
+  void edges_and_edges(Index a, Index b) {
+    const auto edges_a = scene_.topologies[a].edges(), edges_b = scene_.topologies[b].edges();
+    for (std::size_t i = 0; i < edges_a.size(); ++i) {
+      for (std::size_t j = a == b ? i + 1 : 0; j < edges_b.size(); ++j) {
+        const Edge &e = edges_a[i], &g = edges_b[j];
+        if (a == b && (e[0] == g[0] || e[0] == g[1] || e[1] == g[0] || e[1] == g[1])) continue;
+        EdgeEdgeCollision pair{a, e, b, g, 1, Answer::Separated};
+        const PairPoints p = points_of(pair, scene_);
+        const CcdResult r = edge_edge_ccd(p.x0, p.x1, narrow_);
+        if (r.answer == Answer::Separated) continue;
+        pair.toi = r.toi;
+        pair.answer = r.answer;
+        result_.edge_edge.push_back(pair);
+      }
+    }
+  }
+
+  void keep_earliest() {
+    for (const auto& pair : result_.vertex_face)
+      result_.earliest_toi = std::min(result_.earliest_toi, pair.toi);
+    for (const auto& pair : result_.edge_edge)
+      result_.earliest_toi = std::min(result_.earliest_toi, pair.toi);
+  }
+
+  const Scene& scene_;
+  const StepSettings& settings_;
+  CcdSettings narrow_;
+  StepResult result_;
+};
+
+bool boxes_apart(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+  const Vec3 a_lo = a[0].cwiseMin(a[1]).cwiseMin(a[2]), a_hi = a[0].cwiseMax(a[1]).cwiseMax(a[2]);
+  const Vec3 b_lo = b[0].cwiseMin(b[1]).cwiseMin(b[2]), b_hi = b[0].cwiseMax(b[1]).cwiseMax(b[2]);
+  return (a_lo.array() > b_hi.array()).any() || (b_lo.array() > a_hi.array()).any();
+}
+
+std::array<Vec3, 3> corners(const Triangle& t, std::span<const double> x) {
+  return {point(x, t[0]), point(x, t[1]), point(x, t[2])};
+}
+
+// The vertices of a triangle that are (or are not) among those of another, each once.
+std::vector<Index> split(const Triangle& t, const Triangle& other, bool shared) {
+  std::set<Index> result;
+  for (const Index v : t) {
+    if ((v == other[0] || v == other[1] || v == other[2]) == shared) result.insert(v);
+  }
+  return {result.begin(), result.end()};
+}
+
+}  // namespace
+
+PairPoints points_of(const VertexFaceCollision& pair, const Scene& scene) {
+  const Triangle& t = scene.topologies[pair.face_object].triangles()[pair.face];
+  const auto at = [&](const std::vector<std::vector<double>>& x) {
+    const std::vector<double>& f = x[pair.face_object];
+    return FourPoints{point(x[pair.vertex_object], pair.vertex), point(f, t[0]), point(f, t[1]),
+                      point(f, t[2])};
+  };
+  return {at(scene.x0), at(scene.x1)};
+}
+
+PairPoints points_of(const EdgeEdgeCollision& pair, const Scene& scene) {
+  const auto at = [&](const std::vector<std::vector<double>>& x) {
+    const std::vector<double>&a = x[pair.object_a], &b = x[pair.object_b];
+    return FourPoints{point(a, pair.a[0]), point(a, pair.a[1]), point(b, pair.b[0]), point(b, pair.b[1])};
+  };
+  return {at(scene.x0), at(scene.x1)};
+}
+
+StepResult brute_force_step(const Scene& scene, const StepSettings& settings, double tolerance) {
+  return StepSweep(scene, settings, tolerance).run();
+}
+
+bool triangles_cross(const Triangle& a, const Triangle& b, std::span<const double> x) {
+  const std::vector<Index> common = split(a, b, true);
+  const std::vector<Index> only_a = split(a, b, false), only_b = split(b, a, false);
+  if (common.empty()) {
+    const std::array<Vec3, 3> p = corners(a, x), q = corners(b, x);
+    return hulls_intersect(p, q);
+  }
+  const auto last = [&](const std::vector<Index>& ids, std::size_t i, Index otherwise) {
+    return point(x, i < ids.size() ? ids[i] : otherwise);
+  };
+  if (common.size() == 1) {
+    // A triangle that names a vertex twice has fewer others; the common vertex stands in.
+    const Index v = common[0];
+    return meet_beyond_vertex(point(x, v), {last(only_a, 0, v), last(only_a, 1, v)},
+                              {last(only_b, 0, v), last(only_b, 1, v)});
+  }
+  if (common.size() == 2) {
+    return meet_beyond_edge(point(x, common[0]), point(x, common[1]), last(only_a, 0, common[0]),
+                            last(only_b, 0, common[0]));
+  }
+  // The same triangle twice: everything inside is common, unless there is no inside.
+  const std::array<Vec3, 3> p = corners(a, x);
+  return !collinear(p[0], p[1], p[2]);
+}
+
+StaticResult brute_force_static(const Scene& scene, const StepSettings& settings) {
+  StaticResult result;
+  for (Index a = 0; a < scene.topologies.size(); ++a) {
+    for (Index b = a; b < scene.topologies.size(); ++b) {
+      if (!wanted(a, b, settings)) continue;
+      const auto ta = scene.topologies[a].triangles(), tb = scene.topologies[b].triangles();
+      for (Index i = 0; i < ta.size(); ++i) {
+        for (Index j = a == b ? i + 1 : 0; j < tb.size(); ++j) {
+          const std::array<Vec3, 3> p = corners(ta[i], scene.x0[a]), q = corners(tb[j], scene.x0[b]);
+          if (boxes_apart(p, q)) continue;
+          const bool cross = a == b ? triangles_cross(ta[i], tb[j], scene.x0[a]) : hulls_intersect(p, q);
+          if (cross) result.crossings.push_back({a, i, b, j});
+        }
+      }
+    }
+  }
+  return result;
+}
+
+PairKey key(const VertexFaceCollision& p) { return {p.vertex_object, p.vertex, p.face_object, p.face, 0, 0}; }
+PairKey key(const EdgeEdgeCollision& p) { return {p.object_a, p.a[0], p.a[1], p.object_b, p.b[0], p.b[1]}; }
+PairKey key(const TriangleCrossing& p) { return {p.object_a, p.triangle_a, p.object_b, p.triangle_b, 0, 0}; }
+
+}  // namespace foldproof::oracle

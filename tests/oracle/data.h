@@ -1,0 +1,42 @@
+/// Where the real data is, and its single queries.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "foldproof/io.h"
+#include "oracle/oracle.h"
+
+namespace foldproof::oracle {
+
+/// The directory named by FOLDPROOF_DATA, else `../shared/data` beside the source tree; nothing when it is
+/// absent.
+std::optional<std::filesystem::path> data_directory();
+
+/// For GTEST_SKIP when data_directory() is empty.
+inline constexpr const char* kNoData =
+    "The real motions are not here. Set FOLDPROOF_DATA to the directory that holds them to run this test.";
+
+struct Query {
+  Kind kind;
+  FourPoints x0, x1;
+  bool collides;
+  std::string source;  ///< File and number, for messages.
+};
+
+/// Every single query of ccd-ground-truth/queries. Throws when a file is not as its README says.
+std::vector<Query> read_queries(const std::filesystem::path& data);
+
+/// One pair of a truth list: the rows of truth_vf.csv have two ids, those of truth_ee.csv four.
+struct ListedPair {
+  std::vector<Index> ids;
+  bool collides;
+};
+std::vector<ListedPair> read_truth(const std::filesystem::path& csv);
+
+/// Opens one motion; throws with the reader's message when that fails.
+std::unique_ptr<Motion> open_motion(const std::vector<std::string>& arguments);
+
+}  // namespace foldproof::oracle

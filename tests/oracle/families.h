@@ -1,0 +1,27 @@
+/// Named families of moving pairs, made from a seed. Each mixes hits and misses.
+#pragma once
+
+#include <random>
+#include <span>
+
+#include "oracle/oracle.h"
+
+namespace foldproof::oracle {
+
+using Rng = std::mt19937_64;
+
+struct Case {
+  FourPoints x0, x1;
+};
+
+struct Family {
+  const char* name;
+  Case (*make)(Kind kind, Rng& rng);
+  bool integers;  ///< All coordinates are integers below 2^20 in magnitude: exact transforms stay exact.
+};
+
+/// All families. Between 30 and 70 of 100 cases of each touch, for either kind; the tests of the oracle check
+/// it.
+std::span<const Family> families();
+
+}  // namespace foldproof::oracle
