@@ -104,8 +104,8 @@ struct Limb {
 
 // Places read off the mesh: x to its left and right, y up, -z where it looks.
 const Limb kLimbs[] = {
-    {{-52, 75, -42}, 16, {-30, 58, -2}, {0.1, -1, 0}, 1.05},  // hands swing in and meet before the snout
-    {{52, 75, -42}, 16, {30, 58, -2}, {0.1, 1, 0}, 1.05},
+    {{-52, 75, -42}, 16, {-30, 58, -2}, {0.1, -1, 0}, 1.3},  // hands swing in and meet before the snout
+    {{52, 75, -42}, 16, {30, 58, -2}, {0.1, 1, 0}, 1.3},
     {{-35, -48, 12}, 22, {-25, 12, 12}, {-1, 0, 0.25}, 0.8},  // one leg swings back
     {{35, -48, 12}, 22, {25, 12, 12}, {1, 0, 0}, 0},          // the standing foot
     {{0, -8, 52}, 12, {0, 5, 32}, {0, 1, 0}, 0.9},            // the tail wags
