@@ -1,0 +1,250 @@
+#include <gmock/gmock.h>
+
+#include "report/needle.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// Remembers what it was told.
+struct Recorder : ReportWriter {
+  struct Seen {
+    StepPlace place;
+    CollisionCounts collisions;
+    double earliest_toi;
+    std::vector<std::vector<double>> x0, x1;
+  };
+  struct Log {
+    std::vector<Seen> steps;
+    int finished = 0;
+  };
+  explicit Recorder(Log& log) : log(log) {}
+  Result<void> step(const CheckedStep& s) override {
+    Seen seen{s.place, s.collisions, s.earliest_toi, {}, {}};
+    for (const auto& x : s.x0) seen.x0.emplace_back(x.begin(), x.end());
+    for (const auto& x : s.x1) seen.x1.emplace_back(x.begin(), x.end());
+    log.steps.push_back(std::move(seen));
+    return {};
+  }
+  Result<void> finish(const CheckTotals&) override {
+    ++log.finished;
+    return {};
+  }
+  Log& log;
+};
+
+struct Checked {
+  Result<CheckTotals> totals;
+  Recorder::Log log;
+};
+
+Checked check(Motions motions, const CheckSettings& settings = {}, const CheckHooks& hooks = {}) {
+  Checked checked;
+  std::vector<std::unique_ptr<ReportWriter>> writers;
+  writers.push_back(std::make_unique<Recorder>(checked.log));
+  checked.totals = run_check(motions, settings, writers, hooks);
+  return checked;
+}
+
+CheckSettings with_frames(const std::string& range, CheckSettings settings = {}) {
+  settings.frames = *parse_frame_range(range);
+  return settings;
+}
+
+TEST(RunCheck, FindsEachVertexThatPassesTheFloorAndWhen) {
+  const auto [totals, log] = check(list(needle(kSinking)));
+  ASSERT_TRUE(totals) << totals.error().line();
+  ASSERT_EQ(log.steps.size(), 4u);
+  EXPECT_EQ(log.finished, 1);
+  const std::uint64_t hits[] = {0, 1, 2, 0};
+  for (Index k = 0; k < 4; ++k) {
+    const auto& step = log.steps[k];
+    EXPECT_EQ(step.place.number, k);
+    EXPECT_EQ(step.place.frame, k);
+    EXPECT_EQ(step.place.next_frame, k + 1);
+    EXPECT_EQ(step.collisions.vertex_face, hits[k]) << k;
+    EXPECT_EQ(step.collisions.edge_edge, 0u) << k;
+    EXPECT_NEAR(step.earliest_toi, hits[k] ? 0.6 : 1, 1e-6);
+    EXPECT_EQ(step.x0[0], needle_frame(kSinking[k]));
+    EXPECT_EQ(step.x1[0], needle_frame(kSinking[k + 1]));
+  }
+  EXPECT_EQ(totals->steps, 4u);
+  EXPECT_EQ(totals->steps_with_collisions, 2u);
+  EXPECT_EQ(totals->collisions.sum(), 3u);
+  EXPECT_EQ(totals->earliest->frame, 1u);
+  EXPECT_NEAR(totals->earliest_toi, 0.6, 1e-6);
+  EXPECT_EQ(totals->worst->frame, 2u);
+  EXPECT_EQ(totals->worst_collisions.vertex_face, 2u);
+  EXPECT_GT(totals->tolerance, 0);
+  EXPECT_FALSE(totals->clean());
+  EXPECT_FALSE(totals->cancelled);
+}
+
+TEST(RunCheck, ACleanMotionIsClean) {
+  const auto totals = check(list(needle({3, 2, 1}))).totals;
+  ASSERT_TRUE(totals);
+  EXPECT_TRUE(totals->clean());
+  EXPECT_FALSE(totals->earliest);
+  EXPECT_FALSE(totals->worst);
+}
+
+TEST(RunCheck, LooksOnlyAtTheSelectedFrames) {
+  auto log = check(list(needle(kSinking)), with_frames("2:5")).log;
+  ASSERT_EQ(log.steps.size(), 2u);
+  EXPECT_EQ(log.steps[0].place.frame, 2u);
+  EXPECT_EQ(log.steps[0].place.number, 0u);
+
+  // Every second frame: a step goes from frame 0 to 2 and from 2 to 4.
+  log = check(list(needle(kSinking)), with_frames("::2")).log;
+  ASSERT_EQ(log.steps.size(), 2u);
+  EXPECT_EQ(log.steps[0].place.next_frame, 2u);
+  EXPECT_NEAR(log.steps[0].earliest_toi, 0.8, 1e-6);
+  EXPECT_EQ(log.steps[1].x1[0], needle_frame(kSinking[4]));
+}
+
+TEST(RunCheck, SubstepsCutAStepIntoPartsThatMeetExactly) {
+  CheckSettings settings = with_frames("1:3");
+  settings.substeps = 7;
+  const auto log = check(list(needle(kSinking)), settings).log;
+  ASSERT_EQ(log.steps.size(), 7u);
+  EXPECT_EQ(log.steps.front().x0[0], needle_frame(kSinking[1]));
+  EXPECT_EQ(log.steps.back().x1[0], needle_frame(kSinking[2]));
+  for (Index k = 0; k < 7; ++k) {
+    EXPECT_EQ(log.steps[k].place.frame, 1u);
+    EXPECT_EQ(log.steps[k].place.substep, k);
+    if (k > 0) {
+      EXPECT_EQ(log.steps[k].x0, log.steps[k - 1].x1);
+    }
+    EXPECT_NEAR(log.steps[k].x0[0][11], 0.6 - k / 7.0, 1e-12);
+    // What stands still must not tremble.
+    for (int c = 0; c < 9; ++c) EXPECT_EQ(log.steps[k].x0[0][c], needle_frame(0)[c]);
+    EXPECT_EQ(log.steps[k].collisions.vertex_face, k == 4 ? 1u : 0u) << k;  // 0.6 is 4.2 of 7 parts
+  }
+  EXPECT_NEAR(log.steps[4].earliest_toi, 0.2, 1e-6);
+}
+
+TEST(RunCheck, PosesFindCrossingTriangles) {
+  CheckSettings settings;
+  settings.poses = true;
+  const auto [totals, log] = check(list(needle(kSinking)), settings);
+  ASSERT_TRUE(totals) << totals.error().line();
+  ASSERT_EQ(log.steps.size(), 5u);
+  std::vector<std::uint64_t> crossings;
+  for (const auto& step : log.steps) crossings.push_back(step.collisions.triangle_triangle);
+  EXPECT_THAT(crossings, ElementsAre(0, 0, 1, 0, 0));
+  EXPECT_EQ(totals->worst->frame, 2u);
+  EXPECT_EQ(totals->collisions.triangle_triangle, 1u);
+}
+
+TEST(RunCheck, ASinglePoseNeedsNoSecondFrame) {
+  CheckSettings settings;
+  settings.poses = true;
+  const auto totals = check(list(needle({-0.4})), settings).totals;
+  ASSERT_TRUE(totals);
+  EXPECT_EQ(totals->collisions.triangle_triangle, 1u);
+
+  const auto step = check(list(needle({-0.4}))).totals;
+  ASSERT_FALSE(step);
+  EXPECT_THAT(step.error().line(), HasSubstr("--static"));
+}
+
+TEST(RunCheck, WithinAndBetweenSelectObjectPairs) {
+  CheckSettings within, between;
+  within.step.between = false;
+  between.step.within = false;
+  const auto objects = list(lone_floor(5), lone_needle(kSinking));
+  EXPECT_EQ(check(objects, within).totals->collisions.sum(), 0u);
+  EXPECT_EQ(check(objects, between).totals->collisions.sum(), 3u);
+  EXPECT_EQ(check(objects).totals->collisions.sum(), 3u);
+  const auto alone = check(list(needle(kSinking)), between).totals;
+  ASSERT_FALSE(alone);
+  EXPECT_THAT(alone.error().line(), HasSubstr("nothing between"));
+}
+
+TEST(RunCheck, RefusesWhatCannotBeChecked) {
+  EXPECT_FALSE(check({}).totals);
+  const auto counts = check(list(lone_floor(4), lone_needle(kSinking))).totals;
+  ASSERT_FALSE(counts);
+  EXPECT_THAT(counts.error().line(), HasSubstr("lone needle: has 5 frames, but lone floor has 4"));
+  for (const char* range : {"3:3", "3:4", "9:", "2"}) {
+    const auto totals = check(list(needle(kSinking)), with_frames(range)).totals;
+    ASSERT_FALSE(totals) << range;
+    EXPECT_THAT(totals.error().line(), HasSubstr("--frames: selects")) << range;
+  }
+}
+
+/// Fails to read one of its frames.
+struct BrokenMotion : Motion {
+  explicit BrokenMotion(std::unique_ptr<Motion> inner) : inner(std::move(inner)) {}
+  const std::string& name() const override { return inner->name(); }
+  const Topology& topology() const override { return inner->topology(); }
+  Index frame_count() const override { return inner->frame_count(); }
+  Result<void> read_frame(Index k, std::span<double> out) override {
+    if (k == 3) return fail("frame 3", "is broken", "mend it");
+    return inner->read_frame(k, out);
+  }
+  std::unique_ptr<Motion> inner;
+};
+
+TEST(RunCheck, AFrameThatCannotBeReadEndsTheCheckUnfinished) {
+  const auto [totals, log] =
+      check(list<std::unique_ptr<Motion>>(std::make_unique<BrokenMotion>(needle(kSinking))));
+  ASSERT_FALSE(totals);
+  EXPECT_EQ(totals.error().where, "frame 3");
+  EXPECT_EQ(log.steps.size(), 2u);
+  EXPECT_EQ(log.finished, 0);
+}
+
+TEST(RunCheck, AWriterThatFailsEndsTheCheck) {
+  struct Full : ReportWriter {
+    Result<void> step(const CheckedStep& s) override {
+      return s.place.number < 2 ? Result<void>{} : fail("disk", "is full", "empty it");
+    }
+    Result<void> finish(const CheckTotals&) override { return {}; }
+  };
+  std::vector<std::unique_ptr<ReportWriter>> writers;
+  writers.push_back(std::make_unique<Full>());
+  const auto totals = run_check(list(needle(kSinking)), {}, writers);
+  ASSERT_FALSE(totals);
+  EXPECT_EQ(totals.error().where, "disk");
+}
+
+TEST(RunCheck, TellsItsProgressAndStopsWhenAsked) {
+  std::atomic<bool> stop = false;
+  std::vector<std::uint64_t> done;
+  CheckHooks hooks;
+  hooks.cancel = &stop;
+  hooks.progress = [&](const CheckTotals& totals, std::uint64_t expected) {
+    EXPECT_EQ(expected, 8u);
+    done.push_back(totals.steps);
+    if (totals.steps == 3) stop = true;
+  };
+  CheckSettings settings;
+  settings.substeps = 2;
+  const auto [totals, log] = check(list(needle(kSinking)), settings, hooks);
+  ASSERT_TRUE(totals);
+  EXPECT_TRUE(totals->cancelled);
+  EXPECT_THAT(done, ElementsAre(1, 2, 3));
+  EXPECT_EQ(log.finished, 0);
+}
+
+TEST(RunCheck, OnlyTheEarliestWhenAsked) {
+  CheckSettings settings = with_frames("2:4");
+  settings.step.earliest_only = true;
+  EXPECT_EQ(check(list(needle(kSinking)), settings).totals->collisions.sum(), 1u);
+}
+
+TEST(RunCheck, ThicknessCountsWhatComesClose) {
+  CheckSettings settings = with_frames("0:2");  // the tip comes down to 0.6
+  EXPECT_TRUE(check(list(needle(kSinking)), settings).totals->clean());
+  settings.step.thickness = 0.7;
+  const auto totals = check(list(needle(kSinking)), settings).totals;
+  EXPECT_EQ(totals->collisions.vertex_face, 1u);
+  EXPECT_NEAR(totals->earliest_toi, 0.9, 1e-6);
+}
+
+}  // namespace
+}  // namespace foldproof

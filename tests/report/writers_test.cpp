@@ -1,0 +1,232 @@
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "report/needle.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+using WriterList = std::vector<std::unique_ptr<ReportWriter>>;
+
+WriterList one(Result<std::unique_ptr<ReportWriter>> writer) {
+  WriterList writers;
+  EXPECT_TRUE(writer) << writer.error().line();
+  if (writer) writers.push_back(std::move(*writer));
+  return writers;
+}
+
+CheckSettings poses() {
+  CheckSettings settings;
+  settings.poses = true;
+  return settings;
+}
+
+json json_of(Motions motions, const CheckSettings& settings, bool pairs) {
+  const TemporaryDirectory directory;
+  const auto writers = one(json_report(directory / "report.json", motions, {settings, {}, pairs}));
+  EXPECT_TRUE(run_check(motions, settings, writers));
+  return json::parse(read_file(directory / "report.json"));
+}
+
+std::vector<std::string> keys(const json& object) {
+  std::vector<std::string> keys;
+  for (const auto& item : object.items()) keys.push_back(item.key());
+  return keys;  // sorted, as nlohmann::json keeps them
+}
+
+TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
+  const json report = json_of(list(needle(kSinking, "name with \"quotes\"")), {}, true);
+  EXPECT_THAT(keys(report), ElementsAre("clean", "foldproof", "objects", "settings", "steps", "totals"));
+  EXPECT_EQ(report["foldproof"], version());
+  EXPECT_EQ(report["objects"],
+            json::parse(R"([{"name":"name with \"quotes\"","vertices":6,"triangles":2,"frames":5}])"));
+  EXPECT_EQ(report["clean"], false);
+  ASSERT_EQ(report["steps"].size(), 4u);
+  for (const json& step : report["steps"]) {
+    EXPECT_THAT(keys(step), ElementsAre("collisions", "earliest_toi", "frame", "milliseconds", "pairs",
+                                        "substep", "work"));
+    EXPECT_THAT(keys(step["collisions"]), ElementsAre("ee", "vf"));
+    EXPECT_THAT(keys(step["milliseconds"]), ElementsAre("narrow", "total", "traverse", "update"));
+    EXPECT_THAT(keys(step["work"]),
+                ElementsAre("candidates_ee", "candidates_vf", "certificate_passes", "certificate_tests",
+                            "leaf_pairs", "node_tests", "undecided"));
+    EXPECT_THAT(keys(step["pairs"]), ElementsAre("ee", "vf"));
+  }
+  const json& hit = report["steps"][1];
+  EXPECT_EQ(hit["frame"], 1);
+  EXPECT_EQ(hit["substep"], 0);
+  EXPECT_EQ(hit["collisions"], json::parse(R"({"vf":1,"ee":0})"));
+  ASSERT_EQ(hit["pairs"]["vf"].size(), 1u);
+  const json& pair = hit["pairs"]["vf"][0];  // object, vertex, object, face, toi
+  ASSERT_EQ(pair.size(), 5u);
+  EXPECT_EQ((std::vector<int>{pair[0], pair[1], pair[2], pair[3]}), (std::vector<int>{0, 3, 0, 0}));
+  EXPECT_EQ(pair[4], hit["earliest_toi"]);
+  EXPECT_EQ(report["steps"][0]["earliest_toi"], 1);
+  const json& totals = report["totals"];
+  EXPECT_EQ(totals["steps"], 4);
+  EXPECT_EQ(totals["steps_with_collisions"], 2);
+  EXPECT_EQ(totals["collisions"], json::parse(R"({"vf":3,"ee":0})"));
+  EXPECT_EQ(totals["earliest"]["frame"], 1);
+  EXPECT_EQ(totals["worst"]["frame"], 2);
+}
+
+TEST(JsonReport, ListsPairsOnlyWhenAsked) {
+  for (const json& step : json_of(list(needle(kSinking)), {}, false)["steps"])
+    EXPECT_FALSE(step.contains("pairs"));
+}
+
+TEST(JsonReport, ACleanCheckHasNoEarliestAndNoWorst) {
+  const json report = json_of(list(needle({3, 2})), {}, true);
+  EXPECT_EQ(report["clean"], true);
+  EXPECT_TRUE(report["totals"]["earliest"].is_null());
+  EXPECT_TRUE(report["totals"]["worst"].is_null());
+}
+
+TEST(JsonReport, PosesCountTriangles) {
+  const json report = json_of(list(lone_floor(5), lone_needle(kSinking)), poses(), true);
+  ASSERT_EQ(report["steps"].size(), 5u);
+  EXPECT_EQ(report["settings"]["static"], true);
+  EXPECT_EQ(report["steps"][2]["collisions"], json::parse(R"({"vf":0,"ee":0,"tt":1})"));
+  EXPECT_EQ(report["steps"][2]["pairs"], json::parse(R"({"vf":[],"ee":[],"tt":[[0,0,1,0]]})"));
+  EXPECT_EQ(report["steps"][1]["pairs"]["tt"], json::array());
+}
+
+TEST(JsonReport, SaysWithWhatSettingsItWasMade) {
+  CheckSettings settings;
+  settings.frames = *parse_frame_range("1:-1:2");
+  settings.substeps = 3;
+  settings.step.thickness = 0.25;
+  settings.step.within = false;
+  const json report = json_of(list(lone_floor(5), lone_needle(kSinking)), settings, false);
+  EXPECT_EQ(report["settings"],
+            json::parse(R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,
+      "within":false,"between":true,"thickness":0.25,"tolerance":0.0,"first":false,"weld":false,"fps":24.0})"));
+  EXPECT_EQ(report["steps"][2]["substep"], 2);
+}
+
+TEST(JsonReport, ANameNeedNotBeUtf8) {
+  const json report = json_of(list(needle(kSinking, "caf\xe9\n.obj")), {}, false);
+  EXPECT_EQ(report["objects"][0]["name"], "caf\xef\xbf\xbd\n.obj");
+}
+
+TEST(Reports, LeaveNoFileUnlessFinished) {
+  const TemporaryDirectory directory;
+  const auto motions = list(needle(kSinking));
+  {
+    WriterList writers;
+    writers.push_back(std::move(*json_report(directory / "a.json", motions, {})));
+    writers.push_back(std::move(*csv_report(directory / "a.csv")));
+    writers.push_back(std::move(*ply_report(directory / "a.ply", motions, {})));
+    const std::atomic<bool> stop = true;
+    EXPECT_TRUE(run_check(motions, {}, writers, {.progress = {}, .cancel = &stop})->cancelled);
+  }
+  EXPECT_THAT(directory.names(), IsEmpty());
+}
+
+TEST(Reports, SayAtOnceThatAFileCannotBeWritten) {
+  const auto motions = list(needle(kSinking));
+  EXPECT_FALSE(json_report("/nowhere/a.json", motions, {}));
+  EXPECT_FALSE(csv_report("/nowhere/a.csv"));
+  EXPECT_FALSE(ply_report("/nowhere/a.ply", motions, {}));
+  EXPECT_FALSE(ply_report("/nowhere/a%d.ply", motions, {}));
+}
+
+TEST(CsvReport, HasARowPerCollision) {
+  const TemporaryDirectory directory;
+  const auto motions = list(needle(kSinking));
+  ASSERT_TRUE(run_check(motions, {}, one(csv_report(directory / "a.csv"))));
+  const std::string text = read_file(directory / "a.csv");
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 4);
+  EXPECT_THAT(text,
+              HasSubstr("frame,substep,kind,object_a,a0,a1,object_b,b0,b1,toi,answer\n1,0,vf,0,3,,0,0,,0."));
+  EXPECT_THAT(text, HasSubstr(",hit\n2,0,vf,0,4,,0,0,,0."));
+
+  ASSERT_TRUE(run_check(motions, poses(), one(csv_report(directory / "b.csv"))));
+  EXPECT_EQ(read_file(directory / "b.csv"),
+            "frame,substep,kind,object_a,a0,a1,object_b,b0,b1,toi,answer\n2,0,tt,0,0,,0,1,,,crossing\n");
+}
+
+TEST(CsvReport, EdgePairsNameTheirVertices) {
+  // Two triangles standing upright at right angles; one falls so that only the long edges cross.
+  const std::vector<double> x0 = {-1, 0, 0, 1, 0, 0, 0, 0, -1, 0, -1, 1, 0, 1, 1, 0, 0, 2};
+  std::vector<double> x1 = x0;
+  for (int v = 3; v < 6; ++v) x1[v * 3 + 2] -= 1.5;
+  const auto motions = list(memory_motion("edges", *Topology::make(6, {{0, 1, 2}, {3, 4, 5}}), {x0, x1}));
+  const TemporaryDirectory directory;
+  ASSERT_TRUE(run_check(motions, {}, one(csv_report(directory / "a.csv"))));
+  EXPECT_THAT(read_file(directory / "a.csv"), HasSubstr("0,0,ee,0,0,1,0,3,4,0.66"));
+}
+
+TEST(PlyReport, MarksTheWorstStepInThePoseOfFirstContact) {
+  const TemporaryDirectory directory;
+  // A third triangle far away takes part in nothing.
+  std::vector<std::vector<double>> frames;
+  for (const double height : kSinking) {
+    frames.push_back(needle_frame(height));
+    frames.back().insert(frames.back().end(), {99, 0, 0, 99, 1, 0, 99, 0, 1});
+  }
+  const auto motions =
+      list(memory_motion("three", *Topology::make(9, {{6, 7, 8}, {3, 4, 5}, {0, 1, 2}}), frames));
+  ASSERT_TRUE(run_check(motions, {}, one(ply_report(directory / "a.ply", motions, {}))));
+  EXPECT_THAT(directory.names(), ElementsAre("a.ply"));
+  EXPECT_THAT(read_marks(directory / "a.ply", 3), ElementsAre(0, 1, 1));
+
+  const std::string path[] = {directory / "a.ply"};
+  const auto written = open_motions(path);
+  ASSERT_TRUE(written) << written.error().line();
+  EXPECT_EQ(written->front()->topology(), motions[0]->topology());
+  std::vector<double> positions(27);
+  ASSERT_TRUE(written->front()->read_frame(0, positions));
+  EXPECT_NEAR(positions[4 * 3 + 2], 0, 1e-6);  // vertices 4 and 5 touch the floor
+  EXPECT_NEAR(positions[3 * 3 + 2], -1, 1e-6);
+}
+
+TEST(PlyReport, WithoutCollisionsShowsTheFirstPoseUnmarked) {
+  const TemporaryDirectory directory;
+  const auto motions = list(needle({3, 2, 1}));
+  ASSERT_TRUE(run_check(motions, {}, one(ply_report(directory / "a.ply", motions, {}))));
+  EXPECT_THAT(read_marks(directory / "a.ply", 2), ElementsAre(0, 0));
+}
+
+TEST(PlyReport, JoinsObjectsAndMarksTheFacesOfEach) {
+  const TemporaryDirectory directory;
+  const auto motions = list(lone_needle({9, 9, 9, 9, 9}), lone_floor(5), lone_needle(kSinking));
+  ASSERT_TRUE(run_check(motions, poses(), one(ply_report(directory / "a.ply", motions, poses()))));
+  EXPECT_THAT(read_marks(directory / "a.ply", 3), ElementsAre(0, 1, 1));
+}
+
+TEST(PlyReport, APercentSignGivesAFilePerStepWithCollisions) {
+  const TemporaryDirectory directory;
+  const auto motions = list(needle(kSinking));
+  ASSERT_TRUE(run_check(motions, {}, one(ply_report(directory / "a%03d.ply", motions, {}))));
+  EXPECT_THAT(directory.names(), ElementsAre("a001.ply", "a002.ply"));
+
+  CheckSettings parts;
+  parts.substeps = 10;
+  ASSERT_TRUE(run_check(motions, parts, one(ply_report(directory / "b%d.ply", motions, parts))));
+  // Hit at 0.6 of frame 1 and of frame 2: where parts 5 and 6 meet, so one or both of them.
+  for (const std::string& name : directory.names()) {
+    if (name[0] == 'b') {
+      EXPECT_THAT(name, ::testing::AnyOf("b15.ply", "b16.ply", "b25.ply", "b26.ply"));
+    }
+  }
+  EXPECT_GE(directory.names().size(), 4u);
+}
+
+TEST(PlyReport, RefusesOtherPercentSigns) {
+  const auto motions = list(needle(kSinking));
+  for (const char* path :
+       {"a%s.ply", "a%", "a%%d.ply", "a%d%d.ply", "a%4d.ply", "a%099d.ply", "a%04.ply", "a%-3d.ply"}) {
+    EXPECT_FALSE(ply_report(path, motions, {})) << path;
+  }
+}
+
+}  // namespace
+}  // namespace foldproof
