@@ -184,13 +184,30 @@ Rational to_rational(const Fraction& f, int exponent) {
          power_of_two(exponent);
 }
 
+// value / 2^exponent, exactly.
+Dyadic scaled_down(double value, int exponent) {
+  Dyadic result = Dyadic::from_double(value);
+  if (exponent >= 0) {
+    result.exponent += static_cast<unsigned>(exponent);
+  } else {
+    result.numerator <<= static_cast<unsigned>(-exponent);
+  }
+  return result;
+}
+
+Dyadic sum(const Dyadic& a, const Dyadic& b) {
+  const unsigned exponent = std::max(a.exponent, b.exponent);
+  return {(a.numerator << (exponent - a.exponent)) + (b.numerator << (exponent - b.exponent)), exponent};
+}
+
 // Searches the step for a time within the bound, always splitting intervals that cannot be ruled out.
 class ApproachSearch {
  public:
-  ApproachSearch(const MovingPair& pair, const Rational& bound, const Rational& margin)
+  ApproachSearch(const MovingPair& pair, double bound, double margin)
       : pair_(pair),
-        bound_(bound / power_of_two(pair.exponent)),
-        margin_(margin / power_of_two(pair.exponent)) {
+        bound_(scaled_down(bound, pair.exponent)),
+        half_margin_(scaled_down(margin, pair.exponent)) {
+    half_margin_.exponent += 1;
     for (const MovingTriangle& triangle : pair.triangles) {
       for (const MovingPoint& m : triangle) {
         const IntPoint v = m.end - m.start;
@@ -212,12 +229,14 @@ class ApproachSearch {
       const auto [a, b] = open_intervals.back();
       open_intervals.pop_back();
       const Dyadic m = midpoint(a, b);
-      if (at_most(m, bound_)) return Approach::Within;
+      const Fraction distance2 = pair_distance2(pair_, m);
+      if (at_most(distance2, m, bound_)) return Approach::Within;
       // No point moves further than this between m and an end of the interval, so the distance cannot change
       // more.
-      const Rational reach = Rational(boost::multiprecision::cpp_int(speed_)) * width(a, b) / 2;
-      if (!at_most(m, bound_ + reach)) continue;
-      if (reach <= margin_ / 2) {
+      Dyadic reach = sum(m, Dyadic{-a.numerator, a.exponent});
+      reach.numerator *= speed_;
+      if (!at_most(distance2, m, sum(bound_, reach))) continue;
+      if (compare(reach, half_margin_) <= 0) {
         close = true;
         continue;
       }
@@ -230,21 +249,17 @@ class ApproachSearch {
  private:
   static constexpr int kMaxIntervals = 4000;
 
-  static Rational width(const Dyadic& a, const Dyadic& b) {
-    const Rational lo(boost::multiprecision::cpp_int(a.numerator), boost::multiprecision::cpp_int(1)
-                                                                       << a.exponent);
-    const Rational hi(boost::multiprecision::cpp_int(b.numerator), boost::multiprecision::cpp_int(1)
-                                                                       << b.exponent);
-    return hi - lo;
+  static bool at_most(const Fraction& distance2, const Dyadic& t, const Dyadic& bound) {
+    const Int distance_side = distance2.numerator << (2 * bound.exponent);
+    return distance_side <= (bound.numerator * bound.numerator * distance2.denominator) << (2 * t.exponent);
   }
-
-  bool at_most(const Dyadic& t, const Rational& bound) const {
-    return to_rational(pair_distance2(pair_, t), -2 * static_cast<int>(t.exponent)) <= bound * bound;
+  bool at_most(const Dyadic& t, const Dyadic& bound) const {
+    return at_most(pair_distance2(pair_, t), t, bound);
   }
 
   const MovingPair& pair_;
-  Rational bound_, margin_;  // In units of 2^pair.exponent.
-  Int speed_ = 0;            // No corner moves further than this during the step.
+  Dyadic bound_, half_margin_;  // In units of 2^pair.exponent.
+  Int speed_ = 0;               // No corner moves further than this during the step.
 };
 
 }  // namespace
@@ -268,8 +283,7 @@ bool within_distance(Kind kind, const FourPoints& x0, const FourPoints& x1, doub
 Approach approach(Kind kind, const FourPoints& x0, const FourPoints& x1, double bound, double margin,
                   const Span& span) {
   const MovingPair pair = differences(kind, x0, x1);
-  return ApproachSearch(pair, Rational(bound), Rational(margin))
-      .run(Dyadic{}, Dyadic::from_double(span.latest), span.open);
+  return ApproachSearch(pair, bound, margin).run(Dyadic{}, Dyadic::from_double(span.latest), span.open);
 }
 
 }  // namespace foldproof::oracle

@@ -1,6 +1,7 @@
 /// Named families of moving pairs, made from a seed. Each mixes hits and misses.
 #pragma once
 
+#include <ostream>
 #include <random>
 #include <span>
 
@@ -19,6 +20,9 @@ struct Family {
   Case (*make)(Kind kind, Rng& rng);
   bool integers;  ///< All coordinates are integers below 2^20 in magnitude: exact transforms stay exact.
 };
+
+/// For GoogleTest's messages.
+inline void PrintTo(const Family& family, std::ostream* out) { *out << family.name; }
 
 /// All families. Between 30 and 70 of 100 cases of each touch, for either kind; the tests of the oracle check
 /// it.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <ostream>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct MeshFamily {
   const char* name;
   Mesh (*make)(Rng& rng);  ///< A few dozen to a few hundred triangles, about one mesh unit across.
 };
+
+/// For GoogleTest's messages.
+inline void PrintTo(const MeshFamily& family, std::ostream* out) { *out << family.name; }
 
 /// Sphere, cylinder, folded cloth, soup, non-manifold, several components, degenerate triangles and
 /// duplicates.
