@@ -122,6 +122,7 @@ Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const Read
   if (const auto format = mesh_format(argument)) return open_sequence(argument, {argument}, *format);
   const std::string extension = extension_of(argument);
   if (extension == ".npz") return open_npz(argument);
+  if (extension == ".gltf" || extension == ".glb") return open_gltf(argument, options.fps);
   if (is_point_cache(argument)) {
     return fail(argument, "is a point cache without a mesh", "name its OBJ, OFF or PLY file right before it");
   }

@@ -1,0 +1,258 @@
+// glTF and GLB as a motion: every frame is evaluated from the scene at its time.
+//
+// The JSON and the buffers are read here, not with tinygltf: it reports no places, opens files wherever a uri
+// points, and leaves every range to its caller, which is the larger part of the work.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "io/gltf_scene.h"
+#include "io/readers.h"
+
+namespace foldproof::io {
+namespace {
+
+constexpr double kMostFrames = 1e6;
+constexpr std::uint64_t kMostInstanced = std::uint64_t{1}
+                                         << 27;  // vertices or triangles, all copies together
+
+/// A node of the scene that shows a vertex set.
+struct Instance {
+  std::size_t node;
+  const GltfVertexSet* vertices;
+  std::size_t first_vertex;
+};
+
+class GltfMotion final : public Motion {
+ public:
+  GltfMotion(GltfDocument document, GltfScene scene, double fps)
+      : document_(std::move(document)), scene_(std::move(scene)), fps_(fps) {}
+
+  Result<void> open() {
+    // Keys are stored as floats, so the last one may lie a little behind the frame it belongs to.
+    constexpr double kRounding = 1e-4;
+    const double frames = std::ceil(scene_.seconds * fps_ - kRounding) + 1;
+    if (!(frames <= kMostFrames)) {
+      return fail(name(),
+                  fmt::format("{} seconds at {} frames a second are too many frames", scene_.seconds, fps_),
+                  "choose a lower --fps");
+    }
+    frames_ = static_cast<Index>(std::max(frames, 1.0));
+    std::vector<Triangle> triangles;
+    for (const std::size_t node : scene_.shown) {
+      if (auto placed = place(node, triangles); !placed) return placed;
+    }
+    if (triangles.empty()) return fail(name(), "shows no triangles", "export a scene with triangle meshes");
+    auto topology = Topology::make(static_cast<Index>(vertex_count_), std::move(triangles));
+    if (!topology) return tl::unexpected(topology.error());
+    topology_ = std::move(*topology);
+    return {};
+  }
+
+  const std::string& name() const override { return document_.path(); }
+  const Topology& topology() const override { return topology_; }
+  Index frame_count() const override { return frames_; }
+
+  Result<void> read_frame(Index k, std::span<double> out) override {
+    if (auto checked = check_request(*this, k, out); !checked) return checked;
+    pose(std::min(k / fps_, scene_.seconds));
+    const std::string where = fmt::format("{}, frame {}", name(), k);
+    for (const Instance& instance : instances_) {
+      const auto positions = out.subspan(3 * instance.first_vertex, 3 * instance.vertices->position.count());
+      morph(instance, positions);
+      const GltfNode& node = scene_.nodes[instance.node];
+      if (!node.skin) {
+        transform(world_[instance.node], positions);
+      } else if (auto done = apply_skin(instance, scene_.skins[*node.skin], where, positions); !done) {
+        return done;
+      }
+    }
+    return check_finite(where, out);
+  }
+
+ private:
+  /// Adds the vertices and triangles of a node's mesh.
+  Result<void> place(std::size_t node, std::vector<Triangle>& triangles) {
+    const std::size_t mesh_index = *scene_.nodes[node].mesh;
+    const GltfMesh& mesh = scene_.meshes[mesh_index];
+    std::vector<std::size_t> first;
+    for (const GltfVertexSet& set : mesh.vertex_sets) {
+      instances_.push_back({node, &set, vertex_count_});
+      first.push_back(vertex_count_);
+      vertex_count_ += set.position.count();
+      if (vertex_count_ > kMostInstanced) return too_large();
+    }
+    for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
+      const GltfPrimitive& primitive = mesh.primitives[p];
+      const std::uint64_t vertices = mesh.vertex_sets[primitive.vertex_set].position.count();
+      const std::uint64_t corners = primitive.indices ? primitive.indices->count() : vertices;
+      const std::string where = fmt::format("{}, meshes[{}].primitives[{}]", name(), mesh_index, p);
+      if (primitive.mode == 4 ? corners % 3 != 0 : corners < 3) {
+        return fail(where, fmt::format("has {} corners, which are not whole triangles", corners),
+                    "export the file again");
+      }
+      const std::uint64_t count = primitive.mode == 4 ? corners / 3 : corners - 2;
+      if (triangles.size() + count > kMostInstanced) return too_large();
+      for (std::uint64_t i = 0; i < count; ++i) {
+        Triangle triangle;
+        const auto corner = triangle_corners(primitive.mode, i);
+        for (std::size_t c = 0; c < 3; ++c) {
+          const std::uint64_t v = primitive.indices ? index_at(*primitive.indices, corner[c]) : corner[c];
+          if (v >= vertices) {
+            return fail(where,
+                        fmt::format("triangle {} refers to vertex {}, but there are {} (counting from 0)", i,
+                                    v, vertices),
+                        "export the file again");
+          }
+          triangle[c] = static_cast<Index>(first[primitive.vertex_set] + v);
+        }
+        triangles.push_back(triangle);
+      }
+    }
+    return {};
+  }
+
+  /// Which corners of the primitive make triangle `i`. A strip turns every other triangle over.
+  static std::array<std::uint64_t, 3> triangle_corners(std::uint64_t mode, std::uint64_t i) {
+    if (mode == 4) return {3 * i, 3 * i + 1, 3 * i + 2};
+    if (mode == 5) return {i, i + 1 + i % 2, i + 2 - i % 2};
+    return {i + 1, i + 2, 0};
+  }
+
+  static std::uint64_t index_at(const GltfAccessor& indices, std::uint64_t i) {
+    return static_cast<std::uint64_t>(indices.get(i, 0));
+  }
+
+  tl::unexpected<Error> too_large() const {
+    return fail(name(), fmt::format("shows more than {} vertices or triangles", kMostInstanced),
+                "export fewer copies of its meshes");
+  }
+
+  /// Local and world transforms and morph weights at a time.
+  void pose(double time) {
+    posed_ = scene_.nodes;
+    for (const GltfChannel& channel : scene_.channels) {
+      GltfNode& node = posed_[channel.node];
+      switch (channel.path) {
+        case GltfPath::Translation:
+          sample_channel(channel, time, {node.translation.data(), 3});
+          break;
+        case GltfPath::Rotation:
+          sample_channel(channel, time, {node.rotation.coeffs().data(), 4});
+          break;
+        case GltfPath::Scale:
+          sample_channel(channel, time, {node.scale.data(), 3});
+          break;
+        case GltfPath::Weights:
+          node.weights.resize(scene_.meshes[*node.mesh].targets);
+          sample_channel(channel, time, node.weights);
+          break;
+      }
+    }
+    world_.resize(posed_.size());
+    for (const std::size_t i : scene_.parents_first) {
+      const GltfNode& node = posed_[i];
+      const Eigen::Matrix4d local = node.matrix ? *node.matrix
+                                                : (Eigen::Translation3d(node.translation) *
+                                                   node.rotation.normalized() * Eigen::Scaling(node.scale))
+                                                      .matrix();
+      world_[i] = node.parent ? Eigen::Matrix4d(world_[*node.parent] * local) : local;
+    }
+  }
+
+  void morph(const Instance& instance, std::span<double> positions) const {
+    const GltfVertexSet& set = *instance.vertices;
+    const std::size_t count = set.position.count();
+    for (std::size_t v = 0; v < count; ++v) {
+      for (int c = 0; c < 3; ++c) positions[3 * v + static_cast<std::size_t>(c)] = set.position.get(v, c);
+    }
+    const GltfNode& node = posed_[instance.node];
+    const std::vector<double>& weights =
+        node.weights.empty() ? scene_.meshes[*node.mesh].weights : node.weights;
+    for (std::size_t t = 0; t < weights.size(); ++t) {
+      if (weights[t] == 0) continue;
+      const GltfAccessor& target = set.targets[t];
+      // Without a buffer only the replaced elements are not zero.
+      const bool sparse = target.base.bytes == nullptr;
+      const std::uint64_t entries = sparse ? target.replaced.count : count;
+      for (std::uint64_t e = 0; e < entries; ++e) {
+        const std::uint64_t v = sparse ? target.replaced.integer(e, 0) : e;
+        for (int c = 0; c < 3; ++c) {
+          const double delta = sparse ? target.values.get(e, c) : target.get(v, c);
+          positions[3 * v + static_cast<std::size_t>(c)] += weights[t] * delta;
+        }
+      }
+    }
+  }
+
+  static void transform(const Eigen::Matrix4d& matrix, std::span<double> positions) {
+    const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
+    const Eigen::Vector3d offset = matrix.topRightCorner<3, 1>();
+    for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
+      Eigen::Map<Eigen::Vector3d> p(&positions[i]);
+      p = (linear * p + offset).eval();
+    }
+  }
+
+  /// Linear blend skinning. Weights are divided by their sum, as stored ones rarely sum to 1 exactly; a
+  /// vertex without weights follows the first joint.
+  Result<void> apply_skin(const Instance& instance, const GltfSkin& skin, const std::string& where,
+                          std::span<double> positions) {
+    using Affine = Eigen::Matrix<double, 3, 4>;
+    std::vector<Affine> joints;
+    for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+      Eigen::Matrix4d bind = Eigen::Matrix4d::Identity();
+      for (int c = 0; skin.inverse_bind && c < 16; ++c) bind.data()[c] = skin.inverse_bind->get(j, c);
+      joints.push_back((world_[skin.joints[j]] * bind).topRows<3>());
+    }
+    for (std::size_t v = 0; v < positions.size() / 3; ++v) {
+      Affine blend = Affine::Zero();
+      double sum = 0;
+      for (const auto& [ids, weights] : instance.vertices->influences) {
+        for (int c = 0; c < 4; ++c) {
+          const double weight = weights.get(v, c);
+          if (weight == 0) continue;
+          const auto joint = static_cast<std::size_t>(ids.get(v, c));
+          if (joint >= joints.size()) {
+            return fail(fmt::format("{}, vertex {}", where, instance.first_vertex + v),
+                        fmt::format("refers to joint {}, but the skin has {}", joint, joints.size()),
+                        "export the file again");
+          }
+          blend += weight * joints[joint];
+          sum += weight;
+        }
+      }
+      blend = sum == 0 ? joints[0] : Affine(blend / sum);
+      Eigen::Map<Eigen::Vector3d> p(&positions[3 * v]);
+      p = (blend.leftCols<3>() * p + blend.col(3)).eval();
+    }
+    return {};
+  }
+
+  GltfDocument document_;
+  GltfScene scene_;
+  double fps_;
+  Index frames_ = 1;
+  std::size_t vertex_count_ = 0;
+  std::vector<Instance> instances_;
+  Topology topology_;
+  std::vector<GltfNode> posed_;
+  std::vector<Eigen::Matrix4d> world_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps) {
+  if (!(fps > 0) || !std::isfinite(fps)) {
+    return fail("--fps", fmt::format("{} is not a sampling rate", fps), "give a number above zero");
+  }
+  auto document = GltfDocument::read(path);
+  if (!document) return tl::unexpected(document.error());
+  auto scene = read_gltf_scene(*document);
+  if (!scene) return tl::unexpected(scene.error());
+  auto motion = std::make_unique<GltfMotion>(std::move(*document), std::move(*scene), fps);
+  if (auto opened = motion->open(); !opened) return tl::unexpected(opened.error());
+  return motion;
+}
+
+}  // namespace foldproof::io

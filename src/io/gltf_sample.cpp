@@ -1,0 +1,69 @@
+// Interpolation between the keys of an animation (glTF 2.0 specification, appendix C).
+#include <cmath>
+
+#include "io/gltf_scene.h"
+
+namespace foldproof::io {
+namespace {
+
+/// The shorter way round the sphere.
+void slerp(std::span<const double> from, std::span<const double> to, double s, std::span<double> out) {
+  const Eigen::Quaterniond a(Eigen::Map<const Eigen::Vector4d>(from.data()));
+  const Eigen::Quaterniond b(Eigen::Map<const Eigen::Vector4d>(to.data()));
+  Eigen::Map<Eigen::Vector4d>(out.data()) = a.normalized().slerp(s, b.normalized()).coeffs();
+}
+
+}  // namespace
+
+void sample_channel(const GltfChannel& channel, double time, std::span<double> out) {
+  const bool cubic = channel.interpolation == GltfInterpolation::CubicSpline;
+  const std::uint64_t keys = channel.times.count();
+  // Values of a key: one element for a transform, one element a target for weights; a spline has its
+  // in-tangent before and its out-tangent after.
+  const bool scalars = channel.path == GltfPath::Weights;
+  const std::uint64_t elements = scalars ? out.size() : 1;
+  const auto value = [&](std::uint64_t key, std::uint64_t part, std::size_t i) {
+    const std::uint64_t element = (key * (cubic ? 3 : 1) + part) * elements;
+    return scalars ? channel.values.get(element + i, 0) : channel.values.get(element, static_cast<int>(i));
+  };
+  const std::uint64_t middle = cubic ? 1 : 0;
+  std::uint64_t next = 0;  // the first key after `time`
+  for (std::uint64_t high = keys; next < high;) {
+    const std::uint64_t probe = (next + high) / 2;
+    if (channel.times.get(probe, 0) <= time) {
+      next = probe + 1;
+    } else {
+      high = probe;
+    }
+  }
+  if (next == 0 || next == keys || channel.interpolation == GltfInterpolation::Step) {
+    const std::uint64_t key = next == 0 ? 0 : next - 1;
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = value(key, middle, i);
+    return;
+  }
+  const std::uint64_t key = next - 1;
+  const double t0 = channel.times.get(key, 0), span = channel.times.get(next, 0) - t0;
+  const double s = (time - t0) / span;
+  if (channel.path == GltfPath::Rotation && !cubic) {
+    std::array<double, 4> from, to;
+    for (std::size_t i = 0; i < 4; ++i) {
+      from[i] = value(key, 0, i);
+      to[i] = value(next, 0, i);
+    }
+    slerp(from, to, s, out);
+    return;
+  }
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double a = value(key, middle, i), b = value(next, middle, i);
+    if (!cubic) {
+      out[i] = a + s * (b - a);
+      continue;
+    }
+    const double leaving = span * value(key, 2, i), arriving = span * value(next, 0, i);
+    const double s2 = s * s, s3 = s2 * s;
+    out[i] = (2 * s3 - 3 * s2 + 1) * a + (s3 - 2 * s2 + s) * leaving + (3 * s2 - 2 * s3) * b +
+             (s3 - s2) * arriving;
+  }
+}
+
+}  // namespace foldproof::io

@@ -1,0 +1,356 @@
+#include "io/gltf_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace foldproof::io {
+namespace {
+
+using Json = GltfDocument::Json;
+
+class SceneReader {
+ public:
+  explicit SceneReader(GltfDocument& document) : document_(document) {}
+
+  Result<GltfScene> read() {
+    read_nodes();
+    if (!failed()) order_nodes();
+    if (!failed()) read_meshes();
+    if (!failed()) read_skins();
+    if (!failed()) check_shown();
+    if (!failed()) read_animations();
+    if (failed()) return tl::unexpected(*document_.error());
+    return std::move(scene_);
+  }
+
+ private:
+  bool failed() const { return document_.error().has_value(); }
+
+  void read_nodes() {
+    const Json& nodes = document_.list("nodes");
+    scene_.nodes.resize(nodes.size());
+    for (std::size_t i = 0; i < nodes.size() && !failed(); ++i) {
+      read_node(nodes[i], i, fmt::format("nodes[{}]", i));
+    }
+  }
+
+  void read_node(const Json& json, std::size_t i, const std::string& place) {
+    GltfNode& node = scene_.nodes[i];
+    Eigen::Matrix4d matrix;  // glTF and Eigen both store columns
+    if (document_.numbers(json, "matrix", {matrix.data(), 16}, place)) node.matrix = matrix;
+    document_.numbers(json, "translation", {node.translation.data(), 3}, place);
+    document_.numbers(json, "rotation", {node.rotation.coeffs().data(), 4}, place);
+    document_.numbers(json, "scale", {node.scale.data(), 3}, place);
+    node.mesh = document_.optional_index(json, "mesh", "meshes", place);
+    node.skin = document_.optional_index(json, "skin", "skins", place);
+    node.weights = read_weights(json, place);
+    for (const Json& child : document_.list(json, "children", place)) {
+      const std::size_t c = document_.checked_index(child, "nodes", place);
+      if (failed()) return;
+      if (scene_.nodes[c].parent) {
+        document_.complain(place, fmt::format("nodes[{}] has two parents", c));
+        return;
+      }
+      scene_.nodes[c].parent = i;
+      node.children.push_back(c);
+    }
+  }
+
+  std::vector<double> read_weights(const Json& json, const std::string& place) {
+    std::vector<double> weights(document_.list(json, "weights", place).size());
+    if (!weights.empty()) document_.numbers(json, "weights", weights, place);
+    return weights;
+  }
+
+  /// Depth first from `roots`; every node has at most one parent, so nothing is visited twice.
+  std::vector<std::size_t> descend(const std::vector<std::size_t>& roots) const {
+    std::vector<std::size_t> order, stack(roots.rbegin(), roots.rend());
+    while (!stack.empty()) {
+      const std::size_t i = stack.back();
+      stack.pop_back();
+      order.push_back(i);
+      const auto& children = scene_.nodes[i].children;
+      stack.insert(stack.end(), children.rbegin(), children.rend());
+    }
+    return order;
+  }
+
+  void order_nodes() {
+    std::vector<std::size_t> roots;
+    for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
+      if (!scene_.nodes[i].parent) roots.push_back(i);
+    }
+    scene_.parents_first = descend(roots);
+    if (scene_.parents_first.size() != scene_.nodes.size()) {
+      document_.complain("nodes", "a node is its own ancestor");
+      return;
+    }
+    std::vector<std::size_t> shown = scene_.parents_first;
+    if (const auto index = document_.optional_index(document_.json(), "scene", "scenes", "file")) {
+      const std::string place = fmt::format("scenes[{}]", *index);
+      std::set<std::size_t> scene_roots;
+      roots.clear();
+      for (const Json& root : document_.list(document_.list("scenes")[*index], "nodes", place)) {
+        const std::size_t r = document_.checked_index(root, "nodes", place);
+        if (failed()) return;
+        if (scene_.nodes[r].parent || !scene_roots.insert(r).second) {
+          document_.complain(place, fmt::format("nodes[{}] is not a root, or is named twice", r));
+          return;
+        }
+        roots.push_back(r);
+      }
+      shown = descend(roots);
+    }
+    for (const std::size_t i : shown) {
+      if (scene_.nodes[i].mesh) scene_.shown.push_back(i);
+    }
+  }
+
+  void read_meshes() {
+    const Json& meshes = document_.list("meshes");
+    for (std::size_t i = 0; i < meshes.size() && !failed(); ++i) {
+      const std::string place = fmt::format("meshes[{}]", i);
+      GltfMesh mesh;
+      std::map<std::vector<std::size_t>, std::size_t> sets;
+      std::size_t number = 0;
+      for (const Json& primitive : document_.list(meshes[i], "primitives", place)) {
+        read_primitive(primitive, fmt::format("{}.primitives[{}]", place, number++), mesh, sets);
+        if (failed()) return;
+      }
+      mesh.weights = read_weights(meshes[i], place);
+      scene_.meshes.push_back(std::move(mesh));
+    }
+  }
+
+  void read_primitive(const Json& json, const std::string& place, GltfMesh& mesh,
+                      std::map<std::vector<std::size_t>, std::size_t>& sets) {
+    GltfPrimitive primitive;
+    primitive.mode = document_.optional_count(json, "mode", place).value_or(4);
+    if (primitive.mode < 4) return;  // points and lines
+    if (primitive.mode > 6) document_.complain(place, "'mode' is not known");
+    const auto attributes = json.find("attributes");
+    if (attributes == json.end() || !attributes->contains("POSITION")) {
+      document_.complain(place, "has no positions");
+      return;
+    }
+    // Primitives that name the same accessors share their vertices; a mesh is often cut by material only.
+    const std::vector<std::size_t> key = vertex_key(*attributes, json, place);
+    if (failed()) return;
+    const auto [found, is_new] = sets.emplace(key, mesh.vertex_sets.size());
+    if (is_new) mesh.vertex_sets.push_back(read_vertex_set(*attributes, json, place));
+    if (failed()) return;
+    primitive.vertex_set = found->second;
+    if (const auto indices = document_.optional_index(json, "indices", "accessors", place)) {
+      primitive.indices = document_.accessor(*indices, "SCALAR", place);
+      if (failed()) return;
+      if (!primitive.indices->is_unsigned() || primitive.indices->base.bytes == nullptr) {
+        document_.complain(place, "indices are not unsigned integers in a buffer");
+      }
+    }
+    const std::size_t targets = mesh.vertex_sets[primitive.vertex_set].targets.size();
+    if (!mesh.primitives.empty() && targets != mesh.targets) {
+      document_.complain(place, "has another number of morph targets than the primitive before");
+    }
+    mesh.targets = targets;
+    mesh.primitives.push_back(std::move(primitive));
+  }
+
+  std::vector<std::size_t> vertex_key(const Json& attributes, const Json& json, const std::string& place) {
+    std::vector<std::size_t> key{document_.index(attributes, "POSITION", "accessors", place)};
+    for (const Json& target : document_.list(json, "targets", place)) {
+      key.push_back(target.contains("POSITION") ? document_.index(target, "POSITION", "accessors", place) + 1
+                                                : 0);
+    }
+    key.push_back(key.size());  // so that targets and joints cannot be taken for each other
+    for (std::size_t set = 0; attributes.contains(fmt::format("JOINTS_{}", set)); ++set) {
+      key.push_back(document_.index(attributes, fmt::format("JOINTS_{}", set).c_str(), "accessors", place));
+      key.push_back(document_.index(attributes, fmt::format("WEIGHTS_{}", set).c_str(), "accessors", place));
+    }
+    return key;
+  }
+
+  GltfVertexSet read_vertex_set(const Json& attributes, const Json& json, const std::string& place) {
+    GltfVertexSet set;
+    const auto read = [&](const Json& from, const std::string& key, std::string_view type) {
+      return document_.accessor(document_.index(from, key.c_str(), "accessors", place), type, place);
+    };
+    set.position = read(attributes, "POSITION", "VEC3");
+    const std::uint64_t count = set.position.count();
+    // An accessor without a buffer is all zero, whatever its count: nothing checks that count against the
+    // file.
+    if (set.position.base.bytes == nullptr || count == 0)
+      document_.complain(place, "positions are not in a buffer");
+    const auto check_count = [&](const GltfAccessor& accessor) {
+      if (accessor.count() != count) document_.complain(place, "accessors of its vertices differ in count");
+    };
+    for (const Json& target : document_.list(json, "targets", place)) {
+      GltfAccessor accessor;
+      accessor.base.count = count;
+      if (target.contains("POSITION")) accessor = read(target, "POSITION", "VEC3");
+      check_count(accessor);
+      set.targets.push_back(std::move(accessor));
+    }
+    for (std::size_t i = 0; attributes.contains(fmt::format("JOINTS_{}", i)) && !failed(); ++i) {
+      std::array<GltfAccessor, 2> influence{read(attributes, fmt::format("JOINTS_{}", i), "VEC4"),
+                                            read(attributes, fmt::format("WEIGHTS_{}", i), "VEC4")};
+      check_count(influence[0]);
+      check_count(influence[1]);
+      if (!influence[0].is_unsigned()) document_.complain(place, "joints are not unsigned integers");
+      set.influences.push_back(std::move(influence));
+    }
+    return set;
+  }
+
+  void read_skins() {
+    const Json& skins = document_.list("skins");
+    for (std::size_t i = 0; i < skins.size() && !failed(); ++i) {
+      const std::string place = fmt::format("skins[{}]", i);
+      GltfSkin skin;
+      for (const Json& joint : document_.list(skins[i], "joints", place)) {
+        skin.joints.push_back(document_.checked_index(joint, "nodes", place));
+      }
+      if (const auto index = document_.optional_index(skins[i], "inverseBindMatrices", "accessors", place)) {
+        skin.inverse_bind = document_.accessor(*index, "MAT4", place);
+        if (skin.inverse_bind->count() < skin.joints.size()) {
+          document_.complain(place, "has fewer inverse bind matrices than joints");
+        }
+      }
+      if (skin.joints.empty()) document_.complain(place, "has no joints");
+      scene_.skins.push_back(std::move(skin));
+    }
+  }
+
+  void check_shown() {
+    for (const std::size_t i : scene_.shown) {
+      const GltfNode& node = scene_.nodes[i];
+      const GltfMesh& mesh = scene_.meshes[*node.mesh];
+      const std::string place = fmt::format("nodes[{}]", i);
+      for (const auto* weights : {&node.weights, &mesh.weights}) {
+        if (!weights->empty() && weights->size() != mesh.targets) {
+          document_.complain(
+              place, fmt::format("{} weights are given for {} morph targets", weights->size(), mesh.targets));
+        }
+      }
+      for (const GltfVertexSet& set : mesh.vertex_sets) {
+        if (node.skin && set.influences.empty())
+          document_.complain(place, "has a skin, but its mesh has no joints");
+      }
+    }
+  }
+
+  void read_animations() {
+    const Json& animations = document_.list("animations");
+    std::vector<std::vector<GltfChannel>> all;
+    for (std::size_t i = 0; i < animations.size() && !failed(); ++i) {
+      all.push_back(read_animation(animations[i], fmt::format("animations[{}]", i)));
+    }
+    if (failed()) return;
+    // All play together from time 0. Where two drive the same property, as clips of one figure do, the
+    // longest wins.
+    const auto seconds = [](const std::vector<GltfChannel>& animation) {
+      double last = 0;
+      for (const GltfChannel& c : animation) last = std::max(last, c.times.get(c.times.count() - 1, 0));
+      return last;
+    };
+    std::stable_sort(all.begin(), all.end(),
+                     [&](const auto& a, const auto& b) { return seconds(a) > seconds(b); });
+    std::set<std::pair<std::size_t, GltfPath>> driven;
+    for (auto& animation : all) {
+      scene_.seconds = std::max(scene_.seconds, seconds(animation));
+      for (GltfChannel& channel : animation) {
+        if (driven.emplace(channel.node, channel.path).second) scene_.channels.push_back(std::move(channel));
+      }
+    }
+  }
+
+  std::vector<GltfChannel> read_animation(const Json& json, const std::string& place) {
+    std::vector<GltfChannel> channels;
+    const Json& samplers = document_.list(json, "samplers", place);
+    std::size_t number = 0;
+    for (const Json& entry : document_.list(json, "channels", place)) {
+      const std::string where = fmt::format("{}.channels[{}]", place, number++);
+      const auto target = entry.find("target");
+      const std::uint64_t sampler = document_.count(entry, "sampler", where);
+      if (target == entry.end() || sampler >= samplers.size()) {
+        document_.complain(where, "has no target, or a sampler that does not exist");
+      }
+      if (failed()) return {};
+      const auto node = document_.optional_index(*target, "node", "nodes", where);
+      if (!node) continue;  // the specification lets a channel without a node have no effect
+      GltfChannel channel;
+      channel.node = *node;
+      const std::string path = document_.text(*target, "path", "");
+      if (path == "weights" && !scene_.nodes[*node].mesh) continue;
+      read_sampler(samplers[sampler], path, where, channel);
+      if (failed()) return {};
+      channels.push_back(std::move(channel));
+    }
+    return channels;
+  }
+
+  void read_sampler(const Json& json, const std::string& path, const std::string& place,
+                    GltfChannel& channel) {
+    static const std::map<std::string, GltfPath> kPaths{{"translation", GltfPath::Translation},
+                                                        {"rotation", GltfPath::Rotation},
+                                                        {"scale", GltfPath::Scale},
+                                                        {"weights", GltfPath::Weights}};
+    static const std::map<std::string, GltfInterpolation> kInterpolations{
+        {"LINEAR", GltfInterpolation::Linear},
+        {"STEP", GltfInterpolation::Step},
+        {"CUBICSPLINE", GltfInterpolation::CubicSpline}};
+    const auto known_path = kPaths.find(path);
+    const auto interpolation = kInterpolations.find(document_.text(json, "interpolation", "LINEAR"));
+    if (known_path == kPaths.end() || interpolation == kInterpolations.end()) {
+      document_.complain(place, "its path or interpolation is not known");
+      return;
+    }
+    channel.path = known_path->second;
+    channel.interpolation = interpolation->second;
+    const bool rotation = channel.path == GltfPath::Rotation, weights = channel.path == GltfPath::Weights;
+    channel.times = document_.accessor(document_.index(json, "input", "accessors", place), "SCALAR", place);
+    channel.values = document_.accessor(document_.index(json, "output", "accessors", place),
+                                        weights ? "SCALAR" : (rotation ? "VEC4" : "VEC3"), place);
+    if (failed()) return;
+    const GltfNode& node = scene_.nodes[channel.node];
+    if (node.matrix && !weights) {
+      document_.complain(place, "moves a node that has a matrix");
+      return;
+    }
+    const std::uint64_t each = (channel.interpolation == GltfInterpolation::CubicSpline ? 3 : 1) *
+                               (weights ? scene_.meshes[*node.mesh].targets : 1);
+    if (channel.times.base.bytes == nullptr || channel.times.count() == 0 ||
+        channel.values.count() != channel.times.count() * each) {
+      document_.complain(
+          place, fmt::format("has {} times for {} values", channel.times.count(), channel.values.count()));
+      return;
+    }
+    check_times(document_.index(json, "input", "accessors", place), channel.times);
+  }
+
+  void check_times(std::size_t index, const GltfAccessor& times) {
+    if (!checked_times_.insert(index).second) return;
+    for (std::uint64_t i = 0; i < times.count(); ++i) {
+      const double time = times.get(i, 0);
+      if (!std::isfinite(time) || time < 0 || (i > 0 && time <= times.get(i - 1, 0))) {
+        document_.complain(
+            fmt::format("accessors[{}]", index),
+            fmt::format("time {} of an animation is not finite, negative or not ascending", i));
+        return;
+      }
+    }
+  }
+
+  GltfDocument& document_;
+  GltfScene scene_;
+  std::set<std::size_t> checked_times_;  // many channels share one list of times
+};
+
+}  // namespace
+
+Result<GltfScene> read_gltf_scene(GltfDocument& document) { return SceneReader(document).read(); }
+
+}  // namespace foldproof::io

@@ -1,0 +1,72 @@
+/// What moves in a glTF file: nodes, meshes, skins and animations, all references checked.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "foldproof/mesh.h"
+#include "io/gltf_document.h"
+
+namespace foldproof::io {
+
+struct GltfNode {
+  std::optional<Eigen::Matrix4d> matrix;  ///< When given, instead of the three below.
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+  std::optional<std::size_t> parent, mesh, skin;
+  std::vector<std::size_t> children;
+  std::vector<double> weights;  ///< Of its mesh's morph targets.
+};
+
+/// Vertices that the primitives of one mesh share.
+struct GltfVertexSet {
+  GltfAccessor position;
+  std::vector<GltfAccessor> targets;
+  std::vector<std::array<GltfAccessor, 2>> influences;  ///< Joints and weights, four a vertex each.
+};
+
+struct GltfPrimitive {
+  std::size_t vertex_set = 0;
+  std::optional<GltfAccessor> indices;
+  std::uint64_t mode = 4;  ///< 4 triangles, 5 strip, 6 fan.
+};
+
+struct GltfMesh {
+  std::vector<GltfVertexSet> vertex_sets;
+  std::vector<GltfPrimitive> primitives;  ///< Of triangles only.
+  std::vector<double> weights;
+  std::size_t targets = 0;
+};
+
+struct GltfSkin {
+  std::vector<std::size_t> joints;
+  std::optional<GltfAccessor> inverse_bind;
+};
+
+enum class GltfPath : std::uint8_t { Translation, Rotation, Scale, Weights };
+enum class GltfInterpolation : std::uint8_t { Linear, Step, CubicSpline };
+
+struct GltfChannel {
+  std::size_t node = 0;
+  GltfPath path = GltfPath::Translation;
+  GltfInterpolation interpolation = GltfInterpolation::Linear;
+  GltfAccessor times, values;
+};
+
+struct GltfScene {
+  std::vector<GltfNode> nodes;
+  std::vector<std::size_t> parents_first;  ///< All nodes.
+  std::vector<std::size_t> shown;          ///< Nodes with a mesh in the scene, depth first.
+  std::vector<GltfMesh> meshes;
+  std::vector<GltfSkin> skins;
+  std::vector<GltfChannel> channels;  ///< At most one for a path of a node.
+  double seconds = 0;                 ///< Last key of any channel.
+};
+
+/// Error: the document's first complaint.
+Result<GltfScene> read_gltf_scene(GltfDocument& document);
+
+/// `out.size()` numbers of a channel at a time: interpolated, before any normalization.
+void sample_channel(const GltfChannel& channel, double time, std::span<double> out);
+
+}  // namespace foldproof::io
