@@ -28,7 +28,7 @@ Result<int> run(int argc, char** argv) {
   CLI::App program(kAbout);
   program.name("foldproof");
   program.set_version_flag("--version", std::string("foldproof ") + version());
-  program.require_subcommand(1);
+  program.require_subcommand(0, 1);  // that none is too few is said below, after unknown words were named
   program.footer("Try:\n  foldproof check walk.glb\n  foldproof check --help");
   const std::vector<std::pair<std::string, Command>> commands = {{"check", add_check(program)}};
 
@@ -45,7 +45,7 @@ Result<int> run(int argc, char** argv) {
   for (const auto& [name, command] : commands) {
     if (program.got_subcommand(name)) return command();
   }
-  return kExitClean;
+  return fail("command line", "names no command", "'foldproof --help' shows what there is");
 }
 
 int finish(const Result<int>& result) {

@@ -1,0 +1,336 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "apps/program.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// The needle as OBJ frames in "sink", a clean motion in "clean", a single pose in "pose.obj".
+struct Scene : TemporaryDirectory {
+  Scene() {
+    write_frames(path() + "/sink", *needle(kSinking));
+    write_frames(path() + "/clean", *needle({3, 2, 1}));
+    write_frames(path() + "/floor", *lone_floor(5));
+    write_frames(path() + "/tip", *lone_needle(kSinking));
+    std::filesystem::copy_file(path() + "/sink/frame2.obj", path() + "/pose.obj");
+  }
+  json report(const std::string& name) const { return json::parse(read_file(*this / name)); }
+};
+
+// --- Answers
+// ------------------------------------------------------------------------------------------------------
+
+TEST(Check, ExitCodesTellTheAnswer) {
+  const Scene scene;
+  EXPECT_EQ(check_in(scene, {"clean"}).code, 0);
+  EXPECT_EQ(check_in(scene, {"sink"}).code, 1);
+  EXPECT_EQ(check_in(scene, {"nothing.obj"}).code, 2);
+  EXPECT_EQ(check_in(scene, {"pose.obj", "--static"}).code, 1);
+  EXPECT_EQ(check_in(scene, {"sink/frame0.obj", "--static"}).code, 0);
+  EXPECT_EQ(check_in(scene, {"sink", "--frames", ":2"}).code, 0);
+  EXPECT_EQ(check_in(scene, {"sink", "--frames", "1:3"}).code, 1);
+}
+
+TEST(Check, SummaryTellsWhatAPersonAsks) {
+  const Scene scene;
+  const Outcome found = check_in(scene, {"sink"});
+  for (const char* part :
+       {"object", "vertices", "triangles", "frames", "sink", "steps checked", "vertex-face 3, edge-edge 0",
+        "frame 2 to 3: 2 pairs", "frame 1 to 2, time of impact 0.", "undecided", "time per step",
+        "Collisions in 2 of 4 steps, the first at frame 1 to 2, 0."}) {
+    EXPECT_THAT(found.out, HasSubstr(part));
+  }
+  EXPECT_EQ(found.err, "");  // not a terminal: no progress bar
+  EXPECT_THAT(check_in(scene, {"clean"}).out, HasSubstr("No collisions: all 2 steps are proven free."));
+}
+
+TEST(Check, QuietPrintsNothing) {
+  const Scene scene;
+  const Outcome found = check_in(scene, {"sink", "--quiet", "--pairs"});
+  EXPECT_EQ(found.code, 1);
+  EXPECT_EQ(found.out, "");
+  EXPECT_EQ(found.err, "");
+}
+
+TEST(Check, ReportsGoWhereTheyAreWanted) {
+  const Scene scene;
+  const Outcome found =
+      check_in(scene, {"sink", "--json", "a.json", "--pairs", "--csv", "a.csv", "--ply", "a.ply"});
+  EXPECT_EQ(found.code, 1);
+  const json report = scene.report("a.json");
+  EXPECT_EQ(report["objects"][0]["name"], "sink");
+  EXPECT_EQ(report["totals"]["collisions"]["vf"], 3);
+  EXPECT_EQ(report["steps"][1]["pairs"]["vf"][0][1], 3);
+  EXPECT_THAT(read_file(scene / "a.csv"), HasSubstr("\n1,0,vf,0,3,,0,0,,0."));
+  EXPECT_THAT(read_marks(scene / "a.ply", 2), ElementsAre(1, 1));
+  EXPECT_THAT(found.out, Not(HasSubstr("vertex 3")));  // the pairs went to the file
+}
+
+TEST(Check, PairsWithoutAFileAreListed) {
+  const Scene scene;
+  EXPECT_THAT(check_in(scene, {"sink", "--pairs"}).out,
+              HasSubstr("frame 1 substep 0\n  vertex 3 meets face 0 at 0."));
+  EXPECT_THAT(check_in(scene, {"floor", "tip", "--pairs"}).out,
+              HasSubstr("vertex 0 of object 1 meets face 0 of object 0 at 0."));
+  EXPECT_THAT(check_in(scene, {"pose.obj", "--static", "--pairs"}).out, HasSubstr("face 0 crosses face 1"));
+}
+
+TEST(Check, OptionsReachTheQuery) {
+  const Scene scene;
+  const auto settings = [&](std::vector<std::string> options) {
+    options.insert(options.end(), {"--json", "a.json", "--quiet"});
+    EXPECT_NE(check_in(scene, options).code, 2);
+    return scene.report("a.json")["settings"];
+  };
+  const json all =
+      settings({"floor", "tip", "--between", "--frames=-4:-1:2", "--substeps", "3", "--thickness", "0.5",
+                "--tolerance", "1e-3", "--first", "--weld", "--fps", "30", "--threads", "1"});
+  EXPECT_EQ(all,
+            json::parse(R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,"within":false,
+      "between":true,"thickness":0.5,"tolerance":0.001,"first":true,"weld":true,"fps":30.0})"));
+  EXPECT_EQ(settings({"sink", "--static", "--within"})["static"], true);
+  EXPECT_EQ(settings({"sink", "--within"})["between"], false);
+  EXPECT_EQ(settings({"sink", "--frames", "-3:"})["frames"], json::parse(R"({"first":2,"last":4,"step":1})"));
+}
+
+TEST(Check, WithinAndBetween) {
+  const Scene scene;
+  EXPECT_EQ(check_in(scene, {"floor", "tip"}).code, 1);
+  EXPECT_EQ(check_in(scene, {"floor", "tip", "--between"}).code, 1);
+  EXPECT_EQ(check_in(scene, {"floor", "tip", "--within"}).code, 0);
+}
+
+TEST(Check, HelpAndVersion) {
+  for (const auto& arguments : {std::vector<std::string>{"--help"}, {"check", "--help"}, {"check", "-h"}}) {
+    const Outcome help = run_program(arguments);
+    EXPECT_EQ(help.code, 0);
+    EXPECT_THAT(help.out, HasSubstr("foldproof check walk.glb"));
+    EXPECT_EQ(help.err, "");
+  }
+  EXPECT_EQ(run_program({"--version"}).out, std::string("foldproof ") + version() + "\n");
+}
+
+// --- Errors
+// -------------------------------------------------------------------------------------------------------
+
+struct Mistake {
+  std::vector<std::string> arguments;
+  const char* said;
+};
+
+void PrintTo(const Mistake& mistake, std::ostream* out) {
+  for (const auto& argument : mistake.arguments) *out << argument << ' ';
+}
+
+class CheckMistakes : public ::testing::TestWithParam<Mistake> {};
+
+TEST_P(CheckMistakes, GetOneLineAndExitCode2) {
+  const Scene scene;
+  write_file(scene / "truncated.ply",
+             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+             "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n");
+  write_file(scene / "nan.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n");
+  write_file(scene / "range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99\n");
+  write_file(scene / "empty.obj", "");
+  write_file(scene / "points.obj", "v 0 0 0\n");
+  std::filesystem::create_directory(scene / "nobody");
+  write_frames(scene / "changed", *needle({3, 2}));
+  write_file(scene / "changed/frame1.obj", read_file(scene / "floor/frame0.obj"));
+
+  const Outcome outcome = run_program(GetParam().arguments, {.directory = scene.path()});
+  EXPECT_EQ(outcome.code, 2) << outcome.out << outcome.err;
+  EXPECT_EQ(outcome.signal, 0);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, StartsWith("foldproof: "));
+  EXPECT_THAT(outcome.err, HasSubstr(GetParam().said));
+  EXPECT_THAT(outcome.err, HasSubstr("; "));  // what to do about it
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_EQ(outcome.err.back(), '\n');
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    CommandLine, CheckMistakes,
+    ::testing::Values(Mistake{{}, "foldproof --help"}, Mistake{{"chekc"}, "chekc"},
+                      Mistake{{"check"}, "MOTION"},
+                      Mistake{{"check", "sink", "--frobnicate"}, "--frobnicate"},
+                      Mistake{{"check", "sink", "--frames"}, "--frames"},
+                      Mistake{{"check", "sink", "--frames", "a:b"}, "'a:b'"},
+                      Mistake{{"check", "sink", "--frames", "::0"}, "'::0'"},
+                      Mistake{{"check", "sink", "--frames", "9:"}, "selects 0 of 5 frames"},
+                      Mistake{{"check", "sink", "--frames", "3"}, "selects 1 of 5 frames"},
+                      Mistake{{"check", "sink", "--substeps", "0"}, "--substeps"},
+                      Mistake{{"check", "sink", "--substeps", "-1"}, "--substeps"},
+                      Mistake{{"check", "sink", "--substeps", "many"}, "many"},
+                      Mistake{{"check", "sink", "--thickness", "-1"}, "--thickness"},
+                      Mistake{{"check", "sink", "--thickness", "nan"}, "--thickness"},
+                      Mistake{{"check", "sink", "--tolerance", "inf"}, "--tolerance"},
+                      Mistake{{"check", "sink", "--fps", "0"}, "--fps"},
+                      Mistake{{"check", "sink", "--threads", "-2"}, "--threads"},
+                      Mistake{{"check", "sink", "--within", "--between"}, "--within"},
+                      Mistake{{"check", "sink", "--between"}, "nothing between"},
+                      Mistake{{"check", "sink", "--static", "--thickness", "1"}, "--static"},
+                      Mistake{{"check", "sink", "--static", "--substeps", "2"}, "--static"},
+                      Mistake{{"check", "sink", "--static", "--first"}, "--static"},
+                      Mistake{{"check", "sink", "clean"}, "has 3 frames, but sink has 5"},
+                      Mistake{{"check", "pose.obj"}, "use --static"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, CheckMistakes,
+    ::testing::Values(Mistake{{"check", "missing.obj"}, "missing.obj"},
+                      Mistake{{"check", "truncated.ply", "--static"}, "truncated.ply"},
+                      Mistake{{"check", "nan.obj", "--static"}, "nan.obj:2"},
+                      Mistake{{"check", "range.obj", "--static"}, "range.obj"},
+                      Mistake{{"check", "empty.obj", "--static"}, "empty.obj"},
+                      Mistake{{"check", "points.obj", "--static"}, "points.obj"},
+                      Mistake{{"check", "nobody"}, "nobody"},
+                      Mistake{{"check", "changed"}, "changed/frame1.obj"},
+                      Mistake{{"check", "pose.xyz"}, "pose.xyz"},
+                      Mistake{{"check", "sink", "--json", "no/where.json"}, "no/where.json"},
+                      Mistake{{"check", "sink", "--csv", "no/where.csv"}, "no/where.csv"},
+                      Mistake{{"check", "sink", "--ply", "no/where.ply"}, "no/where.ply"},
+                      Mistake{{"check", "sink", "--ply", "a%s.ply"}, "a%s.ply"},
+                      Mistake{{"check", "sink", "--json", "sink"}, "sink"},
+                      Mistake{{"check", "sink", "--json", "x", "--csv", "x"}, "x: is named for two outputs"},
+                      Mistake{{"check", "sink", "--json", "/dev/full"}, "/dev/full"},
+                      Mistake{{"check", "sink", "--csv", "/dev/full"}, "/dev/full"},
+                      Mistake{{"check", "sink", "--ply", "/dev/full"}, "/dev/full"}));
+
+TEST(Check, AnErrorLeavesNoFileBehind) {
+  const Scene scene;
+  const auto before = scene.names();
+  EXPECT_EQ(check_in(scene, {"sink", "--json", "a.json", "--csv", "a.csv", "--ply", "no/where.ply"}).code, 2);
+  EXPECT_EQ(scene.names(), before);
+}
+
+TEST(Check, AnErrorLeavesAnEarlierReportAlone) {
+  const Scene scene;
+  write_file(scene / "a.json", "mine");
+  write_file(scene / "sink/frame4.obj", "v 0 0 0\n");
+  EXPECT_EQ(check_in(scene, {"sink", "--json", "a.json"}).code, 2);
+  EXPECT_EQ(read_file(scene / "a.json"), "mine");
+}
+
+// --- Ends that come early
+// -----------------------------------------------------------------------------------------
+
+class CheckInterrupted : public ::testing::TestWithParam<int> {};
+
+TEST_P(CheckInterrupted, LeavesNoPartialFile) {
+  const Scene scene;
+  const auto before = scene.names();
+  RunOptions options{.directory = scene.path()};
+  options.while_it_runs = [&](pid_t child) {
+    // Its files are open once something new stands in the directory.
+    for (int tries = 0; tries < 3000 && scene.names() == before; ++tries) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    EXPECT_NE(scene.names(), before);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    ::kill(child, GetParam());
+  };
+  // Far too many steps to finish.
+  const Outcome outcome = run_program(
+      {"check", "sink", "--substeps", "4000000000", "--json", "a.json", "--csv", "a.csv", "--ply", "a.ply"},
+      options);
+  EXPECT_EQ(outcome.signal, 0);
+  EXPECT_EQ(outcome.code, 130);
+  EXPECT_THAT(outcome.err, StartsWith("foldproof: interrupted: after "));
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(scene.names(), before);
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, CheckInterrupted, ::testing::Values(SIGINT, SIGTERM));
+
+TEST(Check, AClosedPipeIsNoError) {
+  const Scene scene;
+  int ends[2];
+  ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+  ::close(ends[0]);
+  const Outcome outcome = run_program({"check", "sink", "--pairs", "--json", "a.json"},
+                                      {.directory = scene.path(), .output = ends[1]});
+  ::close(ends[1]);
+  EXPECT_EQ(outcome.signal, 0);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(scene.report("a.json")["clean"], false);
+}
+
+TEST(Check, AFullDiskBehindStandardOutputIsAnError) {
+  const Scene scene;
+  const int full = ::open("/dev/full", O_WRONLY | O_CLOEXEC);
+  ASSERT_GE(full, 0);
+  const Outcome outcome = run_program({"check", "sink"}, {.directory = scene.path(), .output = full});
+  ::close(full);
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, StartsWith("foldproof: standard output: "));
+}
+
+// --- Threads
+// ------------------------------------------------------------------------------------------------------
+
+/// Two wavy sheets that pass through each other, so that many pairs collide.
+std::unique_ptr<Motion> waves(double phase, double direction) {
+  constexpr Index kSide = 40;
+  std::vector<Triangle> triangles;
+  for (Index i = 0; i + 1 < kSide; ++i) {
+    for (Index j = 0; j + 1 < kSide; ++j) {
+      const Index v = i * kSide + j;
+      triangles.push_back({v, v + 1, v + kSide});
+      triangles.push_back({v + 1, v + kSide + 1, v + kSide});
+    }
+  }
+  std::vector<std::vector<double>> frames(4);
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    for (Index i = 0; i < kSide; ++i) {
+      for (Index j = 0; j < kSide; ++j) {
+        const double height = 0.5 * std::sin(0.4 * i + phase) * std::cos(0.3 * j + phase);
+        frames[k].insert(frames[k].end(), {0.1 * i + 0.03 * phase, 0.1 * j,
+                                           height + direction * (1.0 - 0.5 * static_cast<double>(k))});
+      }
+    }
+  }
+  return memory_motion("waves", *Topology::make(kSide * kSide, std::move(triangles)), std::move(frames));
+}
+
+/// Without the values that a clock makes.
+std::string without_times(std::string text) {
+  const std::string key = "\"milliseconds\":{";
+  for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + key.size())) {
+    text.erase(at + key.size(), text.find('}', at) - at - key.size());
+  }
+  return text;
+}
+
+TEST(Check, TheAnswerIsTheSameForAnyNumberOfThreads) {
+  const TemporaryDirectory directory;
+  ASSERT_TRUE(write_npz(directory / "up.npz", *waves(0, 1)));
+  ASSERT_TRUE(write_npz(directory / "down.npz", *waves(1, -1)));
+  std::vector<std::string> reports;
+  for (const char* threads : {"1", "2", "7"}) {
+    const std::string name = std::string("threads") + threads;
+    EXPECT_EQ(check_in(directory, {"up.npz", "down.npz", "--threads", threads, "--pairs", "--json", name,
+                                   "--csv", name + ".csv"})
+                  .code,
+              1);
+    reports.push_back(without_times(read_file(directory / name)) + read_file(directory / (name + ".csv")));
+  }
+  EXPECT_GT(std::count(reports[0].begin(), reports[0].end(), '\n'), 1000);
+  EXPECT_EQ(reports[0], reports[1]);
+  EXPECT_EQ(reports[0], reports[2]);
+}
+
+}  // namespace
+}  // namespace foldproof

@@ -1,0 +1,90 @@
+/// Runs build/foldproof as a person does and catches what it says.
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "report/needle.h"
+
+namespace foldproof::testing {
+
+struct Outcome {
+  int code = -1;   ///< Exit code; -1 when it did not exit.
+  int signal = 0;  ///< What killed it, if anything did.
+  std::string out, err;
+};
+
+struct RunOptions {
+  std::string directory = ".";                    ///< Where it runs.
+  int output = -1;                                ///< Takes its standard output instead of `Outcome::out`.
+  std::function<void(pid_t)> while_it_runs = {};  ///< Called once, right after the start.
+};
+
+inline Outcome run_program(std::vector<std::string> arguments, const RunOptions& options = {}) {
+  const TemporaryDirectory capture;
+  const std::string out_path = capture / "out", err_path = capture / "err";
+  arguments.insert(arguments.begin(), FOLDPROOF_PROGRAM);
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, options.directory.c_str());
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err_path.c_str(), O_WRONLY | O_CREAT, 0600);
+  if (options.output >= 0) {
+    posix_spawn_file_actions_adddup2(&actions, options.output, STDOUT_FILENO);
+  } else {
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out_path.c_str(), O_WRONLY | O_CREAT, 0600);
+  }
+  pid_t child = 0;
+  const int failed = ::posix_spawn(&child, FOLDPROOF_PROGRAM, &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  EXPECT_EQ(failed, 0) << "could not start " << FOLDPROOF_PROGRAM;
+  if (failed != 0) return {};
+  if (options.while_it_runs) options.while_it_runs(child);
+  int status = 0;
+  EXPECT_EQ(::waitpid(child, &status, 0), child);
+
+  Outcome outcome;
+  if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);
+  if (options.output < 0) outcome.out = read_file(out_path);
+  outcome.err = read_file(err_path);
+  return outcome;
+}
+
+/// Runs `foldproof check` with what a person would type, in `directory`.
+inline Outcome check_in(const TemporaryDirectory& directory, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "check");
+  return run_program(std::move(arguments), {.directory = directory.path()});
+}
+
+inline void write_file(const std::string& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+/// A directory of OBJ frames, as a person has them.
+inline void write_frames(const std::string& directory, Motion& motion) {
+  std::filesystem::create_directories(directory);
+  std::vector<double> x(std::size_t{motion.topology().vertex_count()} * 3);
+  for (Index frame = 0; frame < motion.frame_count(); ++frame) {
+    ASSERT_TRUE(motion.read_frame(frame, x));
+    std::ofstream file(directory + "/frame" + std::to_string(frame) + ".obj");
+    for (std::size_t k = 0; k < x.size(); k += 3)
+      file << "v " << x[k] << ' ' << x[k + 1] << ' ' << x[k + 2] << '\n';
+    for (const Triangle& t : motion.topology().triangles()) {
+      file << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+    }
+  }
+}
+
+}  // namespace foldproof::testing
