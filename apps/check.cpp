@@ -47,64 +47,72 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it"
 
 extern "C" void interrupt(int) { interrupted = true; }
 
-void add_options(CLI::App& check, CheckArguments& a) {
-  check.add_option("MOTION", a.motions, "What to check (see below)")->required();
-
-  const char* what = "What counts";
+void add_query_options(CLI::App& check, CheckArguments& a) {
+  const char* group = "What counts";
   auto* poses =
       check.add_flag("--static", a.poses, "Crossing triangles of each frame instead, decided exactly")
-          ->group(what);
+          ->group(group);
   auto* within =
-      check.add_flag("--within", a.within, "Only collisions of each object with itself")->group(what);
-  check.add_flag("--between", a.between, "Only collisions between objects")->group(what)->excludes(within);
+      check.add_flag("--within", a.within, "Only collisions of each object with itself")->group(group);
+  check.add_flag("--between", a.between, "Only collisions between objects")->group(group)->excludes(within);
   check
       .add_option("--thickness", a.thickness,
                   "Closer than or equal to this is a collision, in mesh units [0]")
       ->type_name("D")
-      ->group(what)
+      ->group(group)
       ->excludes(poses);
   check
       .add_option(
           "--tolerance", a.tolerance,
           "How far beyond the thickness a reported pair may be, in mesh units [2^-30 of the scene's size]")
       ->type_name("D")
-      ->group(what)
+      ->group(group)
       ->excludes(poses);
   check.add_flag("--first", a.first, "Of each step only the earliest collision")
-      ->group(what)
+      ->group(group)
       ->excludes(poses);
+}
 
-  const char* which = "Which part of the motion";
+void add_motion_options(CLI::App& check, CheckArguments& a) {
+  const char* group = "Which part of the motion";
   check
       .add_option("--frames", a.frames,
                   "Frames A up to, not including, B, every STEP-th; negative ones count from the end")
       ->type_name("A:B[:STEP]")
-      ->group(which);
+      ->group(group);
   check.add_option("--substeps", a.substeps, "Cut each step into N linear parts [1]")
       ->type_name("N")
-      ->group(which)
-      ->excludes(poses);
+      ->group(group)
+      ->excludes(check.get_option("--static"));
   check.add_option("--fps", a.read.fps, "Sampling rate for animated glTF, frames per second [24]")
       ->type_name("RATE")
-      ->group(which);
+      ->group(group);
   check
       .add_flag("--weld", a.read.weld,
                 "Merge vertices that coincide in the first frame (changes vertex numbers)")
-      ->group(which);
+      ->group(group);
+}
 
-  const char* answers = "Where the answer goes";
-  check.add_option("--json", a.json, "The whole answer, step by step")->type_name("FILE")->group(answers);
+void add_report_options(CLI::App& check, CheckArguments& a) {
+  const char* group = "Where the answer goes";
+  check.add_option("--json", a.json, "The whole answer, step by step")->type_name("FILE")->group(group);
   check.add_flag("--pairs", a.pairs, "List every colliding pair: in the JSON file, or here without --json")
-      ->group(answers);
-  check.add_option("--csv", a.csv, "A row per collision")->type_name("FILE")->group(answers);
+      ->group(group);
+  check.add_option("--csv", a.csv, "A row per collision")->type_name("FILE")->group(group);
   check
       .add_option(
           "--ply", a.ply,
           "The worst step's mesh, colliding faces marked 1; with %04d in FILE one per step with collisions")
       ->type_name("FILE")
-      ->group(answers);
-  check.add_flag("--quiet", a.quiet, "Print nothing but errors")->group(answers);
+      ->group(group);
+  check.add_flag("--quiet", a.quiet, "Print nothing but errors")->group(group);
+}
 
+void add_options(CLI::App& check, CheckArguments& a) {
+  check.add_option("MOTION", a.motions, "What to check (see below)")->type_name("")->required();
+  add_query_options(check, a);
+  add_motion_options(check, a);
+  add_report_options(check, a);
   check
       .add_option("--threads", a.threads,
                   "At most N threads; the answer is the same for any number [all cores]")

@@ -24,9 +24,19 @@ Error command_line_error(const CLI::App& program, const CLI::ParseError& error) 
   return {"command line", problem, fmt::format("'{} --help' shows what there is", command)};
 }
 
+/// Help without the notes on which options exclude which: they drown the descriptions.
+struct HelpFormatter : CLI::Formatter {
+  std::string make_option_opts(const CLI::Option* option) const override {
+    return option->get_type_name().empty() ? "" : " " + option->get_type_name();
+  }
+};
+
 Result<int> run(int argc, char** argv) {
   CLI::App program(kAbout);
   program.name("foldproof");
+  const auto formatter = std::make_shared<HelpFormatter>();
+  formatter->column_width(26);
+  program.formatter(formatter);
   program.set_version_flag("--version", std::string("foldproof ") + version());
   program.require_subcommand(0, 1);  // that none is too few is said below, after unknown words were named
   program.footer("Try:\n  foldproof check walk.glb\n  foldproof check --help");
