@@ -166,9 +166,12 @@ class HeaderParser {
       return fail(at_line(path_, cursor_.line()), "header declares no faces with vertex_indices",
                   "export the mesh with its faces");
     }
-    // Not next_line(): after CR a binary file may start with a byte that happens to be LF.
+    // Not next_line(): where lines end with CR alone, a binary body may start with a byte that happens to be
+    // LF.
+    const std::size_t first = std::min(bytes_.find_first_of("\r\n"), bytes_.size());
+    const bool lone_cr = bytes_.substr(first, 1) == "\r" && bytes_.substr(first, 2) != "\r\n";
     const std::string_view rest = cursor_.rest();
-    const std::size_t end = rest.substr(0, 2) == "\r\n" ? 2 : std::min<std::size_t>(rest.size(), 1);
+    const std::size_t end = !lone_cr && rest.starts_with("\r\n") ? 2 : std::min<std::size_t>(rest.size(), 1);
     header_.size = bytes_.size() - rest.size() + end;
     header_.lines = cursor_.line();
     return std::move(header_);
@@ -196,9 +199,13 @@ class BinarySource {
   }
   std::uint64_t left() const { return bytes_.size() - at_; }
   std::string place() const { return at_byte(path_, last_); }
+  void begin_element() { last_ = at_; }
   bool begin_record() { return true; }
   bool end_record() { return true; }
-  bool at_end() const { return bytes_.find_first_not_of(std::string_view("\0\r\n", 3), at_) == bytes_.npos; }
+  bool at_end() {
+    last_ = at_;
+    return bytes_.find_first_not_of(std::string_view("\0\r\n", 3), at_) == bytes_.npos;
+  }
 
   Scan value(PlyType type, double& out) {
     last_ = at_;
@@ -242,6 +249,7 @@ class AsciiSource {
   static std::uint64_t least_bytes(const Property&) { return 2; }
   std::uint64_t left() const { return cursor_.rest().size() + 1; }  // the last line may have no line end
   std::string place() const { return at_line(path_, header_lines_ + cursor_.line()); }
+  void begin_element() {}
   bool begin_record() { return cursor_.skip_to_content(); }
   bool end_record() {
     if (!cursor_.at_line_end()) return false;
@@ -272,6 +280,7 @@ class BodyParser {
   Result<MeshData> parse() {
     for (const Element& element : header_.elements) {
       if (element.properties.empty()) continue;  // nothing to read, whatever the count
+      source_.begin_element();
       std::uint64_t least = 0;
       for (const Property& p : element.properties) least += Source::least_bytes(p);
       if (element.count > source_.left() / least) {

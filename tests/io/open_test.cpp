@@ -1,0 +1,154 @@
+// Arguments to motions: directories, globs, the order of frames, mixed formats, welding.
+#include "io/support.h"
+
+namespace foldproof::testing {
+namespace {
+
+std::string obj_at(double z) { return "v 0 0 " + std::to_string(z) + "\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"; }
+
+using OpenTest = IoTest;
+
+TEST_F(OpenTest, EveryArgumentIsAMotionOfItsOwn) {
+  const std::string a = files.write("a.obj", obj_at(1)), b = files.write("b.OBJ", obj_at(2));
+  const std::vector<std::string> arguments{a, b, a};
+  const auto motions = open_motions(arguments);
+  ASSERT_TRUE(motions);
+  ASSERT_EQ(motions->size(), 3u);
+  EXPECT_EQ((*motions)[1]->name(), b);
+  EXPECT_EQ(frame(*(*motions)[1], 0)[2], 2);
+  EXPECT_EQ(frame(*(*motions)[2], 0)[2], 1);
+}
+
+TEST_F(OpenTest, FramesStandInNaturalOrder) {
+  const std::vector<std::string> names{"f1.obj",  "f2.obj",   "f09.obj",   "f9.obj",
+                                       "f10.obj", "f100.obj", "g.obj",     "g0.obj",
+                                       "g00.obj", "g1a3.obj", "g1a20.obj", "g18446744073709551617.obj"};
+  // Written back to front, so that the order of the directory is of no help.
+  for (std::size_t i = names.size(); i-- > 0;) files.write("run/" + names[i], obj_at(static_cast<double>(i)));
+  files.write("run/readme.txt", "not a mesh");
+  files.write("run/.hidden.obj", "not a mesh");
+  files.write("run/deeper/f1.obj", obj_at(99));
+  for (const std::string& argument :
+       {files.path("run"), files.path("run/"), files.path("run/*"), files.path("ru?/*.obj")}) {
+    SCOPED_TRACE(argument);
+    const auto motion = open({argument});
+    ASSERT_TRUE(motion);
+    EXPECT_EQ(motion->name(), argument);
+    ASSERT_EQ(motion->frame_count(), names.size());
+    std::vector<std::string> found;
+    for (Index k = 0; k < motion->frame_count(); ++k)
+      found.push_back(names[static_cast<std::size_t>(frame(*motion, k)[2])]);
+    EXPECT_THAT(found, ::testing::ElementsAre("f1.obj", "f2.obj", "f09.obj", "f9.obj", "f10.obj", "f100.obj",
+                                              "g.obj", "g0.obj", "g00.obj", "g1a3.obj", "g1a20.obj",
+                                              "g18446744073709551617.obj"));
+  }
+}
+
+TEST_F(OpenTest, ANameWithGlobCharactersThatExistsIsAFile) {
+  const auto motion = open({files.write("a[1].obj", obj_at(4))});
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(frame(*motion, 0)[2], 4);
+}
+
+TEST_F(OpenTest, NamesWhatCannotBeAMotion) {
+  files.write("empty/readme.txt", "nothing");
+  files.write("mixed/a.obj", obj_at(1));
+  files.write("mixed/b.ply", "ply");
+  files.write("cached/a.obj", obj_at(1));
+  files.write("cached/a.pc2", "POINTCACHE2");
+  const std::string no_mesh =
+      ": holds no OBJ, OFF or PLY files; name mesh files, or a directory that holds them";
+  const std::string one = "; name one of them, or keep one format in a directory";
+  EXPECT_EQ(open_error({files.path("empty")}), "empty" + no_mesh);
+  EXPECT_EQ(open_error({files.path("empty/*")}), "empty/*" + no_mesh);
+  EXPECT_EQ(open_error({files.path("mixed")}), "mixed: mixes formats: mixed/a.obj and mixed/b.ply" + one);
+  EXPECT_EQ(open_error({files.path("mixed/?.*")}),
+            "mixed/?.*: mixes formats: mixed/a.obj and mixed/b.ply" + one);
+  EXPECT_EQ(open_error({files.path("cached")}), "cached: mixes formats: cached/a.obj and cached/a.pc2" + one);
+  EXPECT_EQ(open_error({files.path("none/*.obj")}), "none/*.obj: matches no files; check the pattern");
+  const std::string check =
+      ": cannot be opened: No such file or directory; check the name and the permissions";
+  EXPECT_EQ(open_error({files.path("none.obj")}), "none.obj" + check);
+  EXPECT_EQ(open_error({files.path("none.gltf")}), "none.gltf" + check);
+  EXPECT_EQ(open_error({files.path("none.npz")}), "none.npz" + check);
+  EXPECT_EQ(open_error({files.write("a.stl", "solid")}),
+            "a.stl: is not a format that is read here; give .obj, .off, .ply, .gltf, .glb or .npz, or a mesh "
+            "followed by "
+            "its .pc2 or .mdd");
+  EXPECT_EQ(open_error({}), "arguments: no motion is named; name a mesh file or a directory");
+  std::filesystem::create_directory(files.path("dir.obj"));
+  EXPECT_EQ(open_error({files.path("dir.obj")}), "dir.obj" + no_mesh);
+}
+
+TEST_F(OpenTest, APipeIsRefusedAtOnce) {
+  ASSERT_EQ(::mkfifo(files.path("pipe.obj").c_str(), 0600), 0);
+  EXPECT_EQ(open_error({files.path("pipe.obj")}),
+            "pipe.obj: is not a regular file; save the data to a file and name that");
+}
+
+TEST_F(OpenTest, NamesTheFirstFaceThatChanges) {
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  files.write("run/0.obj", points + "f 1 2 3 4\nf 1 2 3\nf 2 3 4\n");
+  files.write("run/1.obj", points + "f 1 2 3\nf 1 3 4\nf 1 2 3\nf 2 3 4\n");
+  files.write("run/2.obj", points + "f 1 2 3 4\nf 1 2 3\nf 2 4 3\n");
+  files.write("run/3.obj", points + "v 0 0 0\nf 1 2 3 4\nf 1 2 3\nf 2 3 4\n");
+  files.write("run/4.obj", points + "f 1 2 3 4\nf 1 2 3\n");
+  files.write("run/5.obj", points + "f 1 2 3 4\nf 1 2 3\nf 2 3 4\nf 1 2 3\n");
+  files.write("run/6.obj", points + "f 1 2 3 9\n");
+  files.write("run/7.obj", "v 0 0 nan\n");
+  const auto motion = open({files.path("run")});
+  ASSERT_TRUE(motion);
+  const std::string mend = "; give frames of one mesh, with the same faces in the same order";
+  EXPECT_EQ(frame_error(*motion, 0), "no error");
+  EXPECT_EQ(frame_error(*motion, 1), "no error") << "the same triangles";
+  EXPECT_EQ(frame_error(*motion, 2),
+            "run/2.obj (frame 2): face 2 differs from the first frame's: triangle (1 3 2) instead of (1 2 "
+            "3), counting "
+            "from 0" +
+                mend);
+  EXPECT_EQ(frame_error(*motion, 3), "run/3.obj (frame 3): has 5 vertices, but the first frame has 4" + mend);
+  EXPECT_EQ(frame_error(*motion, 4),
+            "run/4.obj (frame 4): has 3 triangles, but the first frame has 4" + mend);
+  EXPECT_EQ(frame_error(*motion, 5),
+            "run/5.obj (frame 5): has 5 triangles, but the first frame has 4" + mend);
+  EXPECT_EQ(frame_error(*motion, 6),
+            "run/6.obj:5 (frame 6): face refers to vertex 9, but there are 4; export the mesh again");
+  EXPECT_EQ(frame_error(*motion, 7),
+            "run/7.obj:1 (frame 7): coordinate z of vertex 1 is not finite; "
+            "export the mesh without NaN or infinite coordinates");
+  std::filesystem::remove(files.path("run/7.obj"));
+  EXPECT_EQ(
+      frame_error(*motion, 7),
+      "run/7.obj (frame 7): cannot be opened: No such file or directory; check the name and the permissions");
+}
+
+TEST_F(OpenTest, WeldMergesEqualVerticesOfTheFirstFrame) {
+  // Two triangles as a soup: vertices 3 and 5 repeat 1 and 2; -0 and 0 are the same place. Vertex 6 is
+  // unused.
+  const std::string faces = "f 1 2 3\nf 4 5 6\n";
+  files.write("run/0.obj", "v 9 9 9\nv 1 0 0\nv 0 1 0\nv 1 -0 0\nv 1 1 0\nv 0 1 -0\nv 5 5 5\n" + faces);
+  files.write("run/1.obj", "v 8 8 8\nv 2 0 0\nv 0 2 0\nv 7 7 7\nv 2 2 0\nv 6 6 6\nv 4 4 4\n" + faces);
+  const auto motion = open({files.path("run")}, {.weld = true});
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(motion->topology().vertex_count(), 5u);
+  EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}}));
+  EXPECT_EQ(frame(*motion, 0), (std::vector<double>{9, 9, 9, 1, 0, 0, 0, 1, 0, 1, 1, 0, 5, 5, 5}));
+  EXPECT_EQ(frame(*motion, 1), (std::vector<double>{8, 8, 8, 2, 0, 0, 0, 2, 0, 2, 2, 0, 4, 4, 4}));
+  const auto plain = open({files.path("run")});
+  EXPECT_EQ(plain->topology().vertex_count(), 7u) << "never without being asked";
+}
+
+TEST_F(OpenTest, MemoryMotionGivesBackItsFrames) {
+  auto topology = Topology::make(3, {{0, 1, 2}});
+  const auto motion =
+      memory_motion("mine", *topology, {kTrianglePositions, {9, 8, 7, 6, 5, 4, 3, 2, 1}, {1, 2, 3}});
+  EXPECT_EQ(motion->name(), "mine");
+  EXPECT_EQ(motion->frame_count(), 3u);
+  EXPECT_EQ(frame(*motion, 0), kTrianglePositions);
+  EXPECT_EQ(frame(*motion, 1)[0], 9);
+  EXPECT_EQ(frame_error(*motion, 2),
+            "mine, frame 2: holds 3 numbers instead of 9; give every frame vertex_count x 3 numbers");
+}
+
+}  // namespace
+}  // namespace foldproof::testing
