@@ -93,7 +93,7 @@ std::string cell(std::string name) {
 
 std::string place_name(const StepPlace& place, const CheckSettings& settings) {
   if (settings.poses) return fmt::format("frame {}", place.frame);
-  std::string name = fmt::format("frame {} to {}", place.frame, place.next_frame);
+  std::string name = fmt::format("frames {} to {}", place.frame, place.next_frame);
   if (settings.substeps > 1) name += fmt::format(", part {} of {}", place.substep + 1, settings.substeps);
   return name;
 }
@@ -125,7 +125,7 @@ std::string closing_sentence(const CheckSettings& settings, const CheckTotals& t
   }
   std::string when = place_name(*totals.earliest, settings);
   if (!settings.poses) when += fmt::format(", {:.4g} of the way", totals.earliest_toi);
-  return fmt::format("\nCollisions in {} of {}, the first at {}.\n", grouped(totals.steps_with_collisions),
+  return fmt::format("\nCollisions in {} of {}, the first in {}.\n", grouped(totals.steps_with_collisions),
                      counted(totals.steps, step), when);
 }
 

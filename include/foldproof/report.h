@@ -108,7 +108,7 @@ struct ReportInfo {
   bool pairs = false;  ///< JSON only: list every colliding pair.
 };
 
-/// The JSON report (docs/formats.md). Steps go to the file as they come.
+/// The JSON report (docs/reports.md). Steps go to the file as they come.
 Result<std::unique_ptr<ReportWriter>> json_report(const std::string& path, Motions motions,
                                                   const ReportInfo& info);
 

@@ -48,8 +48,8 @@ TEST(Check, SummaryTellsWhatAPersonAsks) {
   const Outcome found = check_in(scene, {"sink"});
   for (const char* part :
        {"object", "vertices", "triangles", "frames", "sink", "steps checked", "vertex-face 3, edge-edge 0",
-        "frame 2 to 3: 2 pairs", "frame 1 to 2, time of impact 0.", "undecided", "time per step",
-        "Collisions in 2 of 4 steps, the first at frame 1 to 2, 0."}) {
+        "frames 2 to 3: 2 pairs", "frames 1 to 2, time of impact 0.", "undecided", "time per step",
+        "Collisions in 2 of 4 steps, the first in frames 1 to 2, 0."}) {
     EXPECT_THAT(found.out, HasSubstr(part));
   }
   EXPECT_EQ(found.err, "");  // not a terminal: no progress bar
