@@ -38,7 +38,7 @@ CcdResult vertex_face_ccd(const FourPoints& x0, const FourPoints& x1, const CcdS
 CcdResult edge_edge_ccd(const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings);
 
 /// The smallest tolerance, in mesh units, that double arithmetic supports for a pair whose coordinates,
-/// relative to its own first vertex at t=0, reach `extent` (mesh units).
+/// relative to each other, reach `extent` (mesh units). Never below 2^-1060.
 double ccd_resolution(double extent);
 
 /// A closest pair of points of two features that stand still.

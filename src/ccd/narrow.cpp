@@ -22,6 +22,8 @@ constexpr double kDetError = 256 * kUnit;
 constexpr double kDetUnderflow = 1e-300;
 // Resolution: tolerances below this many units of the extent are raised to it.
 constexpr double kResolution = 512 * kUnit;
+// Nor can distances be told apart among the last denormal numbers.
+constexpr double kLeastTolerance = 0x1p-1060;
 
 // The Minkowski difference of two features, moving: corner k goes from a[k] to e[k]. The features touch when the
 // origin lies in the convex hull of the corners: of 3 for vertex-face, of 4 for edge-edge (a parallelogram).
@@ -54,21 +56,65 @@ MovingPatch make_patch(const FourPoints& x0, const FourPoints& x1, bool edge_edg
   return patch;
 }
 
-// N3. True when the origin is never coplanar with the first three corners between a and e, so that the features
-// cannot touch: all four Bernstein coefficients of the determinant have one sign.
-bool never_coplanar(const PatchCorners& a, const PatchCorners& e) {
+// The signed volume that the origin spans with the first three corners, while they go from a to e: Bernstein
+// coefficients of a cubic over that interval, each within `error` of the truth (N3).
+struct Volume {
+  std::array<double, 4> b;
+  double error;
+
+  // One strict sign throughout: the origin is never coplanar with the corners, so the features cannot touch.
+  bool keeps_sign() const {
+    return (b[0] > error && b[1] > error && b[2] > error && b[3] > error) ||
+           (b[0] < -error && b[1] < -error && b[2] < -error && b[3] < -error);
+  }
+};
+
+Volume volume_between(const PatchCorners& a, const PatchCorners& e) {
   const Vec3 aa = a[1].cross(a[2]);
   const Vec3 ae = a[1].cross(e[2]) + e[1].cross(a[2]);
   const Vec3 ee = e[1].cross(e[2]);
-  const double b0 = a[0].dot(aa);
-  const double b1 = (e[0].dot(aa) + a[0].dot(ae)) / 3;
-  const double b2 = (e[0].dot(ae) + a[0].dot(ee)) / 3;
-  const double b3 = e[0].dot(ee);
   Vec3 size = Vec3::Zero();
   for (int k = 0; k < 3; ++k) size = size.cwiseMax(a[k].cwiseAbs()).cwiseMax(e[k].cwiseAbs());
-  const double error = kDetError * (size.x() * size.y() * size.z()) + kDetUnderflow;
-  return (b0 > error && b1 > error && b2 > error && b3 > error) ||
-         (b0 < -error && b1 < -error && b2 < -error && b3 < -error);
+  return {{a[0].dot(aa), (e[0].dot(aa) + a[0].dot(ae)) / 3, (e[0].dot(ae) + a[0].dot(ee)) / 3, e[0].dot(ee)},
+          kDetError * (size.x() * size.y() * size.z()) + kDetUnderflow};
+}
+
+// About where a cubic in Bernstein form first reaches zero on [0,1]; 1 when it does not seem to. Only a guess is
+// needed: whoever uses it proves what lies before.
+double guess_first_zero(const std::array<double, 4>& b) {
+  const double c0 = b[0], c1 = 3 * (b[1] - b[0]), c2 = 3 * (b[2] - 2 * b[1] + b[0]), c3 = b[3] - 3 * (b[2] - b[1]) - b[0];
+  const auto value = [&](double t) { return c0 + t * (c1 + t * (c2 + t * c3)); };
+  // Between zeros of the derivative the cubic is monotone.
+  std::array<double, 3> ends{1, 1, 1};
+  const double q = c2 * c2 - 3 * c1 * c3;
+  if (q > 0) {
+    const double w = -(c2 + std::copysign(std::sqrt(q), c2));
+    double r0 = w / (3 * c3), r1 = c1 / w;
+    if (r1 < r0) std::swap(r0, r1);
+    int count = 0;
+    for (const double r : {r0, r1}) {
+      if (r > 0 && r < 1) ends[count++] = r;
+    }
+  }
+  double low = 0;
+  for (double high : ends) {
+    if (value(high) * c0 > 0) {
+      low = high;
+      continue;
+    }
+    double t = (low + high) / 2;
+    for (int i = 0; i < 40 && high - low > 1e-16; ++i) {
+      const double f = value(t);
+      (f * c0 > 0 ? low : high) = t;
+      const double slope = c1 + t * (2 * c2 + t * 3 * c3);
+      const double newton = t - f / slope;
+      const double next = newton > low && newton < high ? newton : (low + high) / 2;
+      if (std::abs(next - t) < 1e-15) return next;
+      t = next;
+    }
+    return t;
+  }
+  return 1;
 }
 
 // Advances a time before which nothing touches until the pair is within tolerance, or the step is over (N4).
@@ -79,7 +125,11 @@ class March {
         thickness_(thickness),
         apart_(thickness * (1 + 8 * kUnit) + kDotError * patch.extent),
         target_(thickness + tolerance / 4),
-        hit_(thickness + tolerance / 2) {}
+        hit_(thickness + tolerance / 2) {
+    double speed = 0;
+    for (int k = 0; k < patch.corners; ++k) speed = std::max(speed, (patch.e[k] - patch.a[k]).norm());
+    short_of_contact_ = tolerance / (8 * speed);
+  }
 
   CcdResult run(double latest, int max_iterations) {
     stride_ = 1;
@@ -103,6 +153,15 @@ class March {
     if (plane_end - t_ >= left / 8) {
       t_ = plane_end;
       return false;
+    }
+    if (thickness_ == 0) {
+      const Volume volume = volume_between(now_, patch_.e);
+      if (volume.keeps_sign()) return true;
+      const double end = t_ + left * guess_first_zero(volume.b) - short_of_contact_;
+      if (end > plane_end && end < 1 && volume_between(now_, patch_.at(end)).keeps_sign()) {
+        t_ = end;
+        return false;
+      }
     }
     // The plane alone gets nowhere fast: try longer intervals with proofs that follow a turning pair.
     const double end = stride_ >= left ? 1 : t_ + stride_;
@@ -145,7 +204,7 @@ class March {
   // N3 and N5 on [t_, end].
   bool free_until(double end, const Vec3& normal) const {
     const PatchCorners then = patch_.at(end);
-    if (thickness_ == 0 && never_coplanar(now_, then)) return true;
+    if (thickness_ == 0 && volume_between(now_, then).keeps_sign()) return true;
     const Vec3 other = closest_to_origin(then, patch_.corners).normal;
     for (int k = 0; k < patch_.corners; ++k) {
       if (!(normal.dot(now_[k]) > apart_) || !(other.dot(then[k]) > apart_)) return false;
@@ -159,6 +218,7 @@ class March {
   const double apart_;   // a projection above this is proven to be above the thickness
   const double target_;  // where a plane's reach ends: short of `hit_`, so that the next look decides
   const double hit_;
+  double short_of_contact_;  // time in which nothing moves farther than an eighth of the tolerance
   double t_ = 0;
   double stride_ = 1;
   bool stuck_ = false;
@@ -197,9 +257,16 @@ CcdResult patch_ccd(const FourPoints& x0, const FourPoints& x1, bool edge_edge, 
   }
   const double thickness = settings.thickness * scale;
   const double tolerance =
-      std::max(settings.tolerance * scale, kResolution * std::max(patch.extent, thickness));
-  if (thickness == 0 && never_coplanar(patch.a, patch.e)) return {Answer::Separated, 1};
+      std::max(std::max(settings.tolerance, kLeastTolerance) * scale, kResolution * std::max(patch.extent, thickness));
+  if (thickness == 0 && volume_between(patch.a, patch.e).keeps_sign()) return {Answer::Separated, 1};
   return March(patch, thickness, tolerance).run(settings.latest, settings.max_iterations);
+}
+
+Closest closest(const FourPoints& x, bool edge_edge) {
+  const double scale = rescue_scale(x, x, 0);
+  const PatchCorners corners = edge_edge ? edge_edge_corners(x, scale) : vertex_face_corners(x, scale);
+  const PatchClosest c = closest_to_origin(corners, edge_edge ? 4 : 3);
+  return {c.distance / scale, c.difference / scale};
 }
 
 }  // namespace
@@ -212,16 +279,10 @@ CcdResult edge_edge_ccd(const FourPoints& x0, const FourPoints& x1, const CcdSet
   return patch_ccd(x0, x1, true, settings);
 }
 
-double ccd_resolution(double extent) { return kResolution * extent; }
+double ccd_resolution(double extent) { return std::max(kResolution * extent, kLeastTolerance); }
 
-Closest vertex_face_closest(const FourPoints& x) {
-  const PatchClosest c = closest_to_origin(vertex_face_corners(x, 1), 3);
-  return {c.distance, c.difference};
-}
+Closest vertex_face_closest(const FourPoints& x) { return closest(x, false); }
 
-Closest edge_edge_closest(const FourPoints& x) {
-  const PatchClosest c = closest_to_origin(edge_edge_corners(x, 1), 4);
-  return {c.distance, c.difference};
-}
+Closest edge_edge_closest(const FourPoints& x) { return closest(x, true); }
 
 }  // namespace foldproof

@@ -3,33 +3,43 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace foldproof {
 namespace {
 
-// Point of the segment p-q nearest to the origin; a segment of no length is its end.
-Vec3 nearest_on_segment(const Vec3& p, const Vec3& q) {
-  const Vec3 side = q - p;
-  const double length2 = side.squaredNorm();
-  if (length2 == 0) return p;
-  return p + std::clamp(-p.dot(side) / length2, 0.0, 1.0) * side;
-}
+// Nearest point of the border, as the segment it lies on.
+struct BorderPoint {
+  Vec3 point;
+  double distance2 = std::numeric_limits<double>::infinity();
+  const Vec3 *p = nullptr, *q = nullptr;
+  bool at_corner = false;
 
-Vec3 nearest_on_border(const PatchCorners& d, int corners) {
-  const int far = corners == 4 ? 3 : 2;
-  Vec3 best = nearest_on_segment(d[0], d[1]);
-  double best2 = best.squaredNorm();
-  const auto consider = [&](const Vec3& p, const Vec3& q) {
-    const Vec3 point = nearest_on_segment(p, q);
-    const double length2 = point.squaredNorm();
-    if (length2 < best2) {
-      best = point;
-      best2 = length2;
-    }
-  };
-  consider(d[0], d[2]);
-  consider(d[1], d[far]);
-  if (corners == 4) consider(d[2], d[3]);
+  void consider(const Vec3& from, const Vec3& to) {
+    const Vec3 side = to - from;
+    const double length2 = side.squaredNorm();
+    const double s = length2 > 0 ? std::clamp(-from.dot(side) / length2, 0.0, 1.0) : 0;
+    const Vec3 candidate = s < 1 ? Vec3(from + s * side) : to;
+    const double candidate2 = candidate.squaredNorm();
+    if (candidate2 < distance2) *this = {candidate, candidate2, &from, &to, s == 0 || s == 1};
+  }
+
+  // Inside a side, the difference of nearly equal vectors would leave `point` with a wild direction; made from the
+  // side itself, the direction is across it to the last digits.
+  Vec3 direction() const {
+    const Vec3 side = *q - *p;
+    const Vec3 along = at_corner ? point : Vec3(side.cross(p->cross(side)));
+    const double length = along.norm();
+    return length > 0 ? Vec3(along / length) : Vec3::UnitX();
+  }
+};
+
+BorderPoint nearest_on_border(const PatchCorners& d, int corners) {
+  BorderPoint best;
+  best.consider(d[0], d[1]);
+  best.consider(d[0], d[2]);
+  best.consider(d[1], d[corners == 4 ? 3 : 2]);
+  if (corners == 4) best.consider(d[2], d[3]);
   return best;
 }
 
@@ -38,8 +48,6 @@ double smallest_projection(const Vec3& n, const PatchCorners& d, int corners) {
   for (int k = 1; k < corners; ++k) least = std::min(least, n.dot(d[k]));
   return least;
 }
-
-Vec3 direction_of(const Vec3& v, double length) { return length > 0 ? Vec3(v / length) : Vec3::UnitX(); }
 
 }  // namespace
 
@@ -61,11 +69,11 @@ PatchClosest closest_to_origin(const PatchCorners& d, int corners) {
     best.normal = across * ((across.dot(d[0]) < 0 ? -1 : 1) / length);
     if (!slender) return best;
   }
-  const Vec3 border = nearest_on_border(d, corners);
-  const double border_distance = border.norm();
-  const Vec3 border_normal = direction_of(border, border_distance);
+  const BorderPoint border = nearest_on_border(d, corners);
+  const double border_distance = std::sqrt(border.distance2);
+  const Vec3 border_normal = border.direction();
   if (!(inside && across2 > 0) || border_distance <= best.distance) {
-    best = {border_distance, border, border_normal};
+    best = {border_distance, border.point, border_normal};
   } else if (smallest_projection(border_normal, d, corners) > smallest_projection(best.normal, d, corners)) {
     best.normal = border_normal;
   }

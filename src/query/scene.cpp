@@ -88,15 +88,16 @@ Result<void> Scene::update(Positions x0, Positions x1) {
 void Scene::start_tasks(const StepSettings& settings, float margin, Work& work) {
   constexpr std::size_t kEnoughTasks = 64;  // per pair of objects; a constant, so that the order never depends on threads
   task_count_ = 0;
-  const auto add = [&](const TraversalTask& like, std::vector<NodePair>& leaves, NodePair start) {
+  const auto add = [&](const TraversalTask& like, NodePair start) -> TraversalTask& {
     if (task_count_ == tasks_.size()) tasks_.emplace_back();
     TraversalTask& task = tasks_[task_count_++];
     task.traversal = like.traversal;
     task.object_a = like.object_a;
     task.object_b = like.object_b;
     task.start = start;
-    task.found.leaf_pairs.swap(leaves);
+    task.found.leaf_pairs.clear();
     task.found.node_tests = 0;
+    return task;
   };
   TraversalResult above;
   for (Index a = 0; a < trees_.size(); ++a) {
@@ -107,12 +108,11 @@ void Scene::start_tasks(const StepSettings& settings, float margin, Work& work) 
       for (int level = 0; level < 12 && !front_.empty() && front_.size() < kEnoughTasks; ++level) {
         descend_once(like.traversal, front_, above);
       }
-      std::vector<NodePair> none;
-      if (!above.leaf_pairs.empty()) add(like, above.leaf_pairs, {kNoIndex, kNoIndex});
-      for (const NodePair start : front_) {
-        none.clear();
-        add(like, none, start);
+      if (!above.leaf_pairs.empty()) {
+        add(like, {kNoIndex, kNoIndex}).found.leaf_pairs = above.leaf_pairs;
+        above.leaf_pairs.clear();
       }
+      for (const NodePair start : front_) add(like, start);
     }
   }
   work.node_tests += above.node_tests;
