@@ -413,7 +413,8 @@ Result<std::vector<char>> GltfDocument::load_uri(const std::string& uri, const s
   const fs::path target = status ? fs::path() : fs::weakly_canonical(directory / name, status);
   const fs::path relative = target.lexically_relative(directory);
   if (name.empty() || name.find('\0') != name.npos || name.find("://") != name.npos ||
-      fs::path(name).is_absolute() || status || relative.empty() || *relative.begin() == "..") {
+      fs::path(name).is_absolute() || status || relative.empty() || relative == "." ||
+      *relative.begin() == "..") {
     return fail(where, fmt::format("'{}' is not a file beside this one", uri.substr(0, 200)),
                 "put the buffer beside it, or export GLB");
   }

@@ -1,0 +1,174 @@
+#include <zip.h>
+
+#include "io/support.h"
+
+namespace foldproof::testing {
+namespace {
+
+std::string npy(const std::string& type, const std::string& shape, const std::string& data, int version = 1) {
+  std::string text = "{'descr': '" + type + "', 'fortran_order': False, 'shape': (" + shape + "), }\n";
+  const auto size = static_cast<std::uint32_t>(text.size());
+  return std::string("\x93NUMPY", 6) + static_cast<char>(version) + '\0' +
+         (version == 1 ? bytes_of(static_cast<std::uint16_t>(size)) : bytes_of(size)) + text + data;
+}
+
+template <class T>
+std::string array(const std::vector<T>& values, std::endian order = std::endian::little) {
+  std::string bytes;
+  for (const T x : values) bytes += bytes_of(x, order);
+  return bytes;
+}
+
+const std::vector<double> kFrames{1, 2, 3, 4, 5, 6, 7, 8, 9, -1, -2, -3, -4, -5, -6, -7, -8, -9};
+const std::string kFaces = npy("<i4", "1, 3", array<std::int32_t>({0, 1, 2}));
+const std::string kVertices = npy("<f8", "2, 3, 3", array(kFrames));
+
+class NpzTest : public IoTest {
+ protected:
+  std::string npz(const std::vector<std::pair<std::string, std::string>>& members, bool packed = false) {
+    const std::string path = files.path("a.npz");
+    std::filesystem::remove(path);
+    zip_t* archive = zip_open(path.c_str(), ZIP_CREATE, nullptr);
+    for (const auto& [name, data] : members) {
+      zip_source_t* source = zip_source_buffer(archive, data.data(), data.size(), 0);
+      const auto index = zip_file_add(archive, name.c_str(), source, 0);
+      zip_set_file_compression(archive, static_cast<zip_uint64_t>(index),
+                               packed ? ZIP_CM_DEFLATE : ZIP_CM_STORE, 0);
+    }
+    EXPECT_EQ(zip_close(archive), 0);
+    return path;
+  }
+  std::string npz_of(const std::string& faces, const std::string& vertices, bool packed = false) {
+    return npz({{"faces.npy", faces}, {"vertices.npy", vertices}}, packed);
+  }
+  std::string npz_error(const std::string& faces, const std::string& vertices) {
+    return open_error({npz_of(faces, vertices)});
+  }
+};
+
+TEST_F(NpzTest, ReadsStoredAndPackedFramesInAnyOrder) {
+  for (const bool packed : {false, true}) {
+    SCOPED_TRACE(packed);
+    const auto motion = open({npz_of(kFaces, kVertices, packed)});
+    ASSERT_TRUE(motion);
+    EXPECT_EQ(motion->frame_count(), 2u);
+    EXPECT_EQ(triangles(*motion), kOneTriangle);
+    EXPECT_EQ(frame(*motion, 1), (std::vector<double>{-1, -2, -3, -4, -5, -6, -7, -8, -9}));
+    EXPECT_EQ(frame(*motion, 0), (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
+    EXPECT_EQ(frame(*motion, 1)[0], -1);
+  }
+}
+
+TEST_F(NpzTest, ReadsEveryTypeOrderAndHeaderVersion) {
+  const auto big = std::endian::big;
+  for (const auto& [faces, vertices] : std::vector<std::pair<std::string, std::string>>{
+           {npy("|u1", "1, 3", array<std::uint8_t>({0, 1, 2})),
+            npy(">f8", "1, 3, 3", array(kTrianglePositions, big))},
+           {npy("|i1", "1,3", array<std::int8_t>({0, 1, 2})), npy("<f8", "3, 3,", array(kTrianglePositions))},
+           {npy(">u2", "1, 3", array<std::uint16_t>({0, 1, 2}, big)),
+            npy("<f4", "3, 3", array<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}), 2)},
+           {npy("<i2", "1, 3", array<std::int16_t>({0, 1, 2}), 3),
+            npy(">f4", "1, 3, 3", array<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, big))},
+           {npy(">i4", "1, 3", array<std::int32_t>({0, 1, 2}, big)),
+            npy("=f8", "3, 3", array(kTrianglePositions))},
+           {npy("<u4", "1, 3", array<std::uint32_t>({0, 1, 2})),
+            npy("<f8", "3, 3", array(kTrianglePositions))},
+           {npy("<i8", "1, 3", array<std::int64_t>({0, 1, 2})),
+            npy("<f8", "3, 3", array(kTrianglePositions))},
+           {npy(">u8", "1, 3", array<std::uint64_t>({0, 1, 2}, big)),
+            npy("<f8", "3, 3", array(kTrianglePositions))},
+       }) {
+    SCOPED_TRACE(faces + vertices);
+    const auto motion = open({npz_of(faces, vertices)});
+    ASSERT_TRUE(motion);
+    EXPECT_EQ(triangles(*motion), kOneTriangle);
+    EXPECT_EQ(motion->frame_count(), 1u);
+    EXPECT_EQ(frame(*motion, 0), kTrianglePositions);
+  }
+}
+
+TEST_F(NpzTest, NamesArrayAndMend) {
+  const std::string again = "; save the archive with numpy.savez again";
+  EXPECT_EQ(open_error({npz({{"faces.npy", kFaces}})}),
+            "a.npz: holds no array 'vertices'; save arrays named 'faces' and 'vertices'");
+  EXPECT_EQ(open_error({npz({{"f.npy", kFaces}})}),
+            "a.npz: holds no array 'faces'; save arrays named 'faces' and 'vertices'");
+  EXPECT_EQ(open_error({files.write("b.npz", "PK")}),
+            "b.npz: is not a whole ZIP archive; copy the file again, or save it with numpy.savez");
+  EXPECT_EQ(npz_error("hello", kVertices), "a.npz, array 'faces': is not a NumPy array" + again);
+  EXPECT_EQ(npz_error(kFaces.substr(0, 40), kVertices),
+            "a.npz, array 'faces': ends within its array header" + again);
+  EXPECT_EQ(npz_error(npy("<i4", "1, 3", "", 4), kVertices),
+            "a.npz, array 'faces': has an unknown array format version" + again);
+  EXPECT_EQ(npz_error(npy("<i4", std::string(5000, ' ') + "1, 3", ""), kVertices),
+            "a.npz, array 'faces': has an array header that is too long" + again);
+  EXPECT_EQ(npz_error(npy("<i4", "1, x", ""), kVertices),
+            "a.npz, array 'faces': has an array header that is not understood" + again);
+  EXPECT_EQ(npz_error(npy("<f4", "1, 3", std::string(12, '\0')), kVertices),
+            "a.npz, array 'faces': does not hold integers; save faces.astype('int32')");
+  EXPECT_EQ(npz_error(npy("<i4", "1, 4", std::string(16, '\0')), kVertices),
+            "a.npz, array 'faces': is not of shape triangles x 3; triangulate the faces and reshape them");
+  EXPECT_EQ(npz_error(npy("<i4", "0, 3", ""), kVertices),
+            "a.npz, array 'faces': is empty; save at least one triangle and one frame");
+  EXPECT_EQ(npz_error(kFaces, npy("<f8", "0, 3, 3", "")),
+            "a.npz, array 'vertices': is empty; save at least one triangle and one frame");
+  EXPECT_EQ(npz_error(kFaces, npy("<f2", "3, 3", std::string(18, '\0'))),
+            "a.npz, array 'vertices': is not float32 or float64; save vertices.astype('float64')");
+  EXPECT_EQ(npz_error(kFaces, npy("<f8", "9", array(kTrianglePositions))),
+            "a.npz, array 'vertices': is not of shape frames x n x 3 (or n x 3); reshape it before saving");
+  EXPECT_EQ(npz_error(kFaces, npy("<f8", "2, 3, 3", array(kTrianglePositions))),
+            "a.npz, array 'vertices': its shape does not fit its 72 bytes" + again);
+  EXPECT_EQ(npz_error(kFaces, npy("<f8", "1, 2, 3", array(kTrianglePositions))),
+            "a.npz, array 'vertices': its shape does not fit its 72 bytes" + again);
+  EXPECT_EQ(npz_error(kFaces, npy("<f8", "1099511627776, 1099511627776, 3", array(kTrianglePositions))),
+            "a.npz, array 'vertices': its shape does not fit its 72 bytes" + again);
+  std::string fortran = kVertices;
+  fortran.replace(fortran.find("False"), 5, "True ");
+  EXPECT_EQ(npz_error(kFaces, fortran),
+            "a.npz, array 'vertices': is in Fortran order; save numpy.ascontiguousarray(array)");
+  for (const std::int64_t bad :
+       {std::int64_t{3}, std::int64_t{-1}, std::int64_t{1} << 32, std::int64_t{-1} << 32}) {
+    EXPECT_EQ(
+        npz_error(npy("<i8", "2, 3", array<std::int64_t>({0, 1, 2, 0, 1, bad})), kVertices),
+        "a.npz, array 'faces', face 1: refers to a vertex that does not exist: there are 3, counting from 0" +
+            again);
+  }
+  auto values = kFrames;
+  values[17] = std::numeric_limits<double>::infinity();
+  const auto motion = open({npz_of(kFaces, npy("<f8", "2, 3, 3", array(values)))});
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(frame_error(*motion, 1),
+            "a.npz, array 'vertices', frame 1, vertex 2: a coordinate is not finite; "
+            "export the mesh without NaN or infinite coordinates");
+}
+
+TEST_F(NpzTest, RefusesASizeThatPackedBytesCannotGive) {
+  std::string bytes = read_bytes(npz_of(kFaces, kVertices, true));
+  // The size of 'vertices' in the directory, the last entry: 24 bytes after its signature.
+  const std::size_t entry = bytes.rfind("PK\1\2");
+  bytes.replace(entry + 24, 4, bytes_of(std::uint32_t{0xf0000000}));
+  const std::string error = open_error({files.write("b.npz", bytes)});
+  EXPECT_THAT(
+      error, ::testing::HasSubstr("b.npz, array 'vertices': announces 4026531840 bytes, but the file holds"));
+  EXPECT_THAT(error, ::testing::EndsWith("packed bytes for it; copy or save the archive again"));
+}
+
+TEST_F(NpzTest, NoticesDamagedPackedData) {
+  std::string vertices = npy("<f8", "2000, 3, 3", [] {
+    std::vector<double> values(18000);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i * i % 977) / 7;
+    return array(values);
+  }());
+  std::string bytes = read_bytes(npz_of(kFaces, vertices, true));
+  for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 50; ++i)
+    bytes[i] = static_cast<char>(~bytes[i]);
+  const auto motion = open({files.write("b.npz", bytes)});
+  ASSERT_TRUE(motion);
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    EXPECT_EQ(frame_error(*motion, 1999),
+              "b.npz, array 'vertices': the packed data is damaged; save the archive with numpy.savez again");
+  }
+}
+
+}  // namespace
+}  // namespace foldproof::testing
