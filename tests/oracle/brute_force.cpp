@@ -138,18 +138,25 @@ bool triangles_cross(const Triangle& a, const Triangle& b, std::span<const doubl
     const std::array<Vec3, 3> p = corners(a, x), q = corners(b, x);
     return hulls_intersect(p, q);
   }
-  const auto last = [&](const std::vector<Index>& ids, std::size_t i, Index otherwise) {
-    return point(x, i < ids.size() ? ids[i] : otherwise);
-  };
+  // A triangle that names a vertex twice may have none of its own: then it is a side or a corner of the
+  // other.
+  const bool part_of_other = only_a.empty() != only_b.empty() || (only_a.empty() && common.size() < 3);
+  if (part_of_other) return false;
   if (common.size() == 1) {
-    // A triangle that names a vertex twice has fewer others; the common vertex stands in.
-    const Index v = common[0];
-    return meet_beyond_vertex(point(x, v), {last(only_a, 0, v), last(only_a, 1, v)},
-                              {last(only_b, 0, v), last(only_b, 1, v)});
+    // Two proper triangles meet away from their common vertex exactly when the side opposite to it in one
+    // meets the other triangle. With degenerate ones the same rule counts a vertex that lies on the common
+    // one without being it. A triangle that names a vertex twice has one far vertex for a side.
+    const auto far_side_meets = [&](const std::vector<Index>& far, const Triangle& other) {
+      std::vector<Vec3> side;
+      for (const Index v : far) side.push_back(point(x, v));
+      const std::array<Vec3, 3> q = corners(other, x);
+      return hulls_intersect(side, q);
+    };
+    return far_side_meets(only_a, b) || far_side_meets(only_b, a);
   }
   if (common.size() == 2) {
-    return meet_beyond_edge(point(x, common[0]), point(x, common[1]), last(only_a, 0, common[0]),
-                            last(only_b, 0, common[0]));
+    return meet_beyond_edge(point(x, common[0]), point(x, common[1]), point(x, only_a[0]),
+                            point(x, only_b[0]));
   }
   // The same triangle twice: everything inside is common, unless there is no inside.
   const std::array<Vec3, 3> p = corners(a, x);

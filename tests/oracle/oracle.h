@@ -55,9 +55,6 @@ bool hulls_intersect(std::span<const Vec3> a, std::span<const Vec3> b);
 /// Exactly: are the three points on one line?
 bool collinear(const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// Exactly: do the triangles (v, a, b) and (v, c, d) have a point in common other than v?
-bool meet_beyond_vertex(const Vec3& v, const std::array<Vec3, 2>& ab, const std::array<Vec3, 2>& cd);
-
 /// Exactly: do the triangles (a, b, c) and (a, b, d) have a point in common outside the segment ab?
 bool meet_beyond_edge(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 

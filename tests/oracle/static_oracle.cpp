@@ -20,11 +20,12 @@ bool solid_tetrahedron_holds_origin(const IntPoint& a, const IntPoint& b, const 
          determinant(a, b, d).sign() * whole >= 0 && determinant(a, c, b).sign() * whole >= 0;
 }
 
-bool hull_holds_origin(const std::vector<IntPoint>& p) {
+bool hull_holds_origin(std::vector<IntPoint> p) {
+  while (p.size() < 3) p.push_back(p.back());
   const std::size_t n = p.size();
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = i; j < n; ++j) {
-      for (std::size_t k = j; k < n; ++k) {
+    for (std::size_t j = i + 1; j < n; ++j) {
+      for (std::size_t k = j + 1; k < n; ++k) {
         if (triangle_holds_origin(p[i], p[j], p[k])) return true;
         for (std::size_t l = k + 1; l < n; ++l) {
           if (solid_tetrahedron_holds_origin(p[i], p[j], p[k], p[l])) return true;
@@ -33,21 +34,6 @@ bool hull_holds_origin(const std::vector<IntPoint>& p) {
     }
   }
   return false;
-}
-
-// Do the triangles (0, a, b) and (0, c, d) meet away from 0, when 0 is on neither ab nor cd?
-bool meet_beyond_origin(const IntPoint& a, const IntPoint& b, const IntPoint& c, const IntPoint& d) {
-  const IntPoint zero{};
-  const auto meet = [&](const IntPoint& s0, const IntPoint& s1, const IntPoint& t0, const IntPoint& t1) {
-    std::vector<IntPoint> differences;
-    for (const IntPoint& s : {s0, s1}) {
-      for (const IntPoint& t : {zero, t0, t1}) differences.push_back(s - t);
-    }
-    return hull_holds_origin(differences);
-  };
-  // A common point can be pushed away from 0 until it leaves one of the triangles, through the side opposite
-  // 0.
-  return meet(a, b, c, d) || meet(c, d, a, b);
 }
 
 }  // namespace
@@ -74,27 +60,6 @@ bool collinear(const Vec3& a, const Vec3& b, const Vec3& c) {
   const std::array<Vec3, 3> points = {a, b, c};
   const std::vector<IntPoint> p = to_grid(points).points;
   return is_zero(cross(p[1] - p[0], p[2] - p[0]));
-}
-
-bool meet_beyond_vertex(const Vec3& v, const std::array<Vec3, 2>& ab, const std::array<Vec3, 2>& cd) {
-  const std::array<Vec3, 5> points = {v, ab[0], ab[1], cd[0], cd[1]};
-  const std::vector<IntPoint> p = to_grid(points).points;
-  // A triangle whose opposite side runs through v is two segments that start at v (or fewer, where they are
-  // points).
-  const auto parts = [&](const IntPoint& s, const IntPoint& t) {
-    std::vector<std::array<IntPoint, 2>> result;
-    if (!segment_holds_origin(s, t)) return std::vector<std::array<IntPoint, 2>>{{s, t}};
-    for (const IntPoint& end : {s, t}) {
-      if (!is_zero(end)) result.push_back({end, end});
-    }
-    return result;
-  };
-  for (const auto& first : parts(p[1] - p[0], p[2] - p[0])) {
-    for (const auto& second : parts(p[3] - p[0], p[4] - p[0])) {
-      if (meet_beyond_origin(first[0], first[1], second[0], second[1])) return true;
-    }
-  }
-  return false;
 }
 
 bool meet_beyond_edge(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
