@@ -8,7 +8,7 @@
 namespace foldproof {
 
 struct HierarchySettings {
-  Index leaf_triangles = 16;  ///< Triangles per leaf patch, roughly.
+  Index leaf_triangles = 16;  ///< Triangles per leaf patch, roughly: up to a quarter more.
 };
 
 /// The tree over one topology. Immutable once built; any number of threads may use it.
@@ -31,7 +31,8 @@ class Hierarchy {
   };
 
   /// `positions`: vertex_count x 3, row-major, the pose that decides how patches are split (any pose does).
-  /// Error when positions have the wrong size or are not finite. Cost: O(n log n), about 1 us per triangle.
+  /// Error when positions have the wrong size or are not finite. Cost: O(n log^2 n), a few microseconds per
+  /// triangle.
   static Result<Hierarchy> build(Topology topology, std::span<const double> positions,
                                  const HierarchySettings& settings = {});
 

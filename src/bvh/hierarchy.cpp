@@ -9,9 +9,10 @@
 namespace foldproof {
 namespace {
 
-// Splits triangles into halves that are connected where the surface is: by the difference of the distances, in
-// steps over shared edges, from two far ends of the piece. Going towards the first end never raises that difference,
-// so the part below any threshold hangs together.
+// Splits triangles into halves that are connected where the surface is: by the difference of the distances over the
+// surface from two far ends of the piece. Going towards the first end never raises that difference, so the part below
+// any threshold hangs together, and so does the rest; but for dead ends, all of one difference, that a threshold cuts:
+// what it cuts off goes to the other half.
 class Splitter {
  public:
   Splitter(const Topology& topology, std::span<const double> positions)
@@ -23,35 +24,28 @@ class Splitter {
       for (const Index v : t) sum += Eigen::Map<const Vec3>(&positions[3 * std::size_t{v}]) / 3;
       centers_.push_back(sum);
     }
-    near_.resize(triangles_.size());
+    distance_.resize(triangles_.size());
     key_.resize(triangles_.size());
   }
 
-  // Reorders `piece` so that the first `left` triangles are one half.
-  void split(std::span<Index> piece, std::size_t left) {
+  // Reorders `piece` so that its first triangles are one half, about `left` of them; returns how many.
+  std::size_t split(std::span<Index> piece, std::size_t left) {
     ++round_;
     for (const Index t : piece) mark_[t] = 2 * round_;
     if (flood(piece.front(), 2 * round_) < piece.size()) {
       order_components(piece, left);
-      return;
+      return left;
     }
     const Index first = queue_.back();
-    flood(first, 2 * round_ + 1);
-    for (const Index t : piece) key_[t] = static_cast<double>(near_[t]);
-    const Index second = queue_.back();
-    ++round_;
-    for (const Index t : piece) mark_[t] = 2 * round_;
-    flood(second, 2 * round_);
-    // Hops tie in whole bands; inside a band the direction from end to end decides.
-    const Vec3 direction = centers_[second] - centers_[first];
-    const double length2 = std::max(direction.squaredNorm(), std::numeric_limits<double>::min());
-    for (const Index t : piece) {
-      const double along = (centers_[t] - centers_[first]).dot(direction) / length2;
-      key_[t] -= static_cast<double>(near_[t]);
-      if (std::isfinite(along)) key_[t] += 0.25 * std::clamp(along, -1.0, 2.0);
-    }
+    measure(piece, first);
+    for (const Index t : piece) key_[t] = distance_[t];
+    const Index second = *std::max_element(piece.begin(), piece.end(),
+                                           [&](Index a, Index b) { return distance_[a] < distance_[b]; });
+    measure(piece, second);
+    for (const Index t : piece) key_[t] -= distance_[t];
     std::nth_element(piece.begin(), piece.begin() + left, piece.end(),
                      [&](Index a, Index b) { return std::pair(key_[a], a) < std::pair(key_[b], b); });
+    return exchange_fragments(piece, left, first, second);
   }
 
  private:
@@ -74,12 +68,11 @@ class Splitter {
     sides_ = sides;
   }
 
-  // Breadth first over triangles with this mark; raises the mark by one, fills near_ and queue_.
+  // Breadth first over triangles with this mark; raises the mark by one and fills queue_.
   std::size_t flood(Index start, std::uint32_t mark) {
     queue_.clear();
     queue_.push_back(start);
     mark_[start] = mark + 1;
-    near_[start] = 0;
     for (std::size_t i = 0; i < queue_.size(); ++i) {
       const Index t = queue_[i];
       for (const Index e : sides_[t]) {
@@ -88,12 +81,53 @@ class Splitter {
           const Index other = edge_triangles_[k];
           if (mark_[other] != mark) continue;
           mark_[other] = mark + 1;
-          near_[other] = near_[t] + 1;
           queue_.push_back(other);
         }
       }
     }
     return queue_.size();
+  }
+
+  // Moves what does not hang together with `first` in the left half, or with `second` in the right one, across.
+  std::size_t exchange_fragments(std::span<Index> piece, std::size_t left, Index first, Index second) {
+    round_ += 2;
+    const std::uint32_t in_left = 2 * round_ - 2, in_right = 2 * round_;
+    for (std::size_t i = 0; i < piece.size(); ++i) mark_[piece[i]] = i < left ? in_left : in_right;
+    if (mark_[first] != in_left || mark_[second] != in_right) return left;
+    flood(first, in_left);
+    for (const Index t : piece.first(left)) {
+      if (mark_[t] == in_left) mark_[t] = in_right;
+    }
+    flood(second, in_right);
+    const auto middle = std::partition(piece.begin(), piece.end(), [&](Index t) { return mark_[t] != in_right + 1; });
+    return static_cast<std::size_t>(middle - piece.begin());
+  }
+
+  // Shortest paths from triangle to triangle, centre to centre over shared edges, from `start` to all of the piece.
+  void measure(std::span<const Index> piece, Index start) {
+    const std::uint32_t inside = mark_[start];
+    for (const Index t : piece) distance_[t] = std::numeric_limits<double>::max();
+    using Entry = std::pair<double, Index>;
+    heap_.assign(1, {0.0, start});
+    distance_[start] = 0;
+    while (!heap_.empty()) {
+      const auto [d, t] = heap_.front();
+      std::pop_heap(heap_.begin(), heap_.end(), std::greater<Entry>());
+      heap_.pop_back();
+      if (d > distance_[t]) continue;
+      for (const Index e : sides_[t]) {
+        if (e == kNoIndex) continue;
+        for (Index k = edge_begin_[e]; k < edge_begin_[e + 1]; ++k) {
+          const Index other = edge_triangles_[k];
+          if (mark_[other] != inside) continue;
+          const double through = d + (centers_[other] - centers_[t]).norm();
+          if (!(through < distance_[other])) continue;
+          distance_[other] = through;
+          heap_.emplace_back(through, other);
+          std::push_heap(heap_.begin(), heap_.end(), std::greater<Entry>());
+        }
+      }
+    }
   }
 
   // A piece of several components: they are kept whole where that balances, and stand sorted along the longest
@@ -142,8 +176,9 @@ class Splitter {
   std::vector<Index> edge_begin_, edge_triangles_;
   std::vector<Vec3> centers_;
   std::vector<std::uint32_t> mark_;
-  std::vector<Index> near_, queue_;
-  std::vector<double> key_;
+  std::vector<Index> queue_;
+  std::vector<std::pair<double, Index>> heap_;
+  std::vector<double> distance_, key_;
   std::uint32_t round_ = 0;
 };
 
@@ -192,14 +227,15 @@ void Hierarchy::split(std::span<const double> positions, Index leaf_triangles) {
     node.leaf_begin = static_cast<Index>(leaves_.size());
     nodes_.push_back(node);
     const std::size_t size = task.end - task.begin;
-    if (size <= leaf_triangles) {
+    // A few more than asked for is better than two leaves half full.
+    if (size <= leaf_triangles + leaf_triangles / 4) {
       leaves_.push_back({static_cast<Index>(task.begin), 0, 0});
       continue;
     }
     // Whole leaves on the left, so that leaves come out full.
-    const std::size_t leaves = (size + leaf_triangles - 1) / leaf_triangles;
-    const std::size_t left = leaves / 2 * (size / leaves);
-    splitter.split(std::span(triangle_ids_).subspan(task.begin, size), left);
+    const std::size_t leaves = std::max<std::size_t>((size + leaf_triangles / 2) / leaf_triangles, 2);
+    const std::size_t left =
+        splitter.split(std::span(triangle_ids_).subspan(task.begin, size), leaves / 2 * (size / leaves));
     tasks.push_back({task.begin + left, task.end, id});
     tasks.push_back({task.begin, task.begin + left, kNoIndex});
   }

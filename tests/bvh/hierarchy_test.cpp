@@ -1,0 +1,163 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "bvh/meshes.h"
+
+namespace foldproof {
+namespace {
+
+using foldproof::testing::Mesh;
+using ::testing::HasSubstr;
+
+Hierarchy build(const Mesh& mesh, Index leaf_triangles = 16) {
+  auto tree = Hierarchy::build(mesh.topology, mesh.positions, {leaf_triangles});
+  EXPECT_TRUE(tree) << tree.error().line();
+  return std::move(*tree);
+}
+
+std::vector<Mesh> all_meshes() {
+  return {testing::cloth(1), testing::cloth(40), testing::soup(300, 1), testing::soup(1, 2), testing::odd()};
+}
+
+// Each id once: the order is a permutation of the ids that should be there.
+void expect_permutation(std::span<const Index> ids, const std::set<Index>& expected) {
+  EXPECT_EQ(ids.size(), expected.size());
+  EXPECT_EQ(std::set<Index>(ids.begin(), ids.end()), expected);
+}
+
+TEST(Hierarchy, EveryFeatureHasExactlyOneOwner) {
+  for (const Mesh& mesh : all_meshes()) {
+    const Hierarchy tree = build(mesh, 8);
+    std::set<Index> vertices, edges, triangles;
+    for (Index t = 0; t < mesh.topology.triangles().size(); ++t) {
+      triangles.insert(t);
+      for (const Index v : mesh.topology.triangles()[t]) vertices.insert(v);
+    }
+    for (Index e = 0; e < mesh.topology.edges().size(); ++e) edges.insert(e);
+    expect_permutation(tree.vertex_ids(), vertices);
+    expect_permutation(tree.edge_ids(), edges);
+    expect_permutation(tree.triangle_ids(), triangles);
+  }
+}
+
+TEST(Hierarchy, LeafOrderNamesTheUsersFeatures) {
+  for (const Mesh& mesh : all_meshes()) {
+    const Hierarchy tree = build(mesh);
+    for (std::size_t k = 0; k < tree.triangles().size(); ++k) {
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_EQ(tree.vertex_ids()[tree.triangles()[k][c]],
+                  mesh.topology.triangles()[tree.triangle_ids()[k]][c]);
+      }
+    }
+    for (std::size_t k = 0; k < tree.edges().size(); ++k) {
+      const Edge& user = mesh.topology.edges()[tree.edge_ids()[k]];
+      EXPECT_EQ(tree.vertex_ids()[tree.edges()[k][0]], user[0]);
+      EXPECT_EQ(tree.vertex_ids()[tree.edges()[k][1]], user[1]);
+    }
+  }
+}
+
+// A leaf owns only features of its own triangles, so a box around the triangles holds all it owns.
+TEST(Hierarchy, LeavesOwnFeaturesOfTheirTriangles) {
+  for (const Mesh& mesh : all_meshes()) {
+    const Hierarchy tree = build(mesh, 4);
+    for (Index leaf = 0; leaf < tree.leaf_count(); ++leaf) {
+      const auto begin = tree.leaves()[leaf], end = tree.leaves()[leaf + 1];
+      std::set<Index> vertices;
+      std::set<Edge> edges;
+      for (Index t = begin.triangles; t < end.triangles; ++t) {
+        for (int c = 0; c < 3; ++c) {
+          const Index a = tree.triangles()[t][c], b = tree.triangles()[t][(c + 1) % 3];
+          vertices.insert(a);
+          edges.insert({std::min(a, b), std::max(a, b)});
+        }
+      }
+      for (Index v = begin.vertices; v < end.vertices; ++v) EXPECT_TRUE(vertices.count(v));
+      for (Index e = begin.edges; e < end.edges; ++e) {
+        const Edge edge = tree.edges()[e];
+        EXPECT_TRUE(edges.count({std::min(edge[0], edge[1]), std::max(edge[0], edge[1])}));
+      }
+    }
+  }
+}
+
+TEST(Hierarchy, NodesNestAndCoverTheLeaves) {
+  for (const Mesh& mesh : all_meshes()) {
+    const Hierarchy tree = build(mesh, 4);
+    EXPECT_EQ(tree.nodes()[0].leaf_begin, 0u);
+    EXPECT_EQ(tree.nodes()[0].leaf_end, tree.leaf_count());
+    for (Index i = 0; i < tree.nodes().size(); ++i) {
+      const auto& node = tree.nodes()[i];
+      if (node.is_leaf()) {
+        EXPECT_EQ(node.leaf_end, node.leaf_begin + 1);
+        continue;
+      }
+      ASSERT_GT(node.right, i + 1);
+      EXPECT_EQ(tree.nodes()[i + 1].leaf_begin, node.leaf_begin);
+      EXPECT_EQ(tree.nodes()[i + 1].leaf_end, tree.nodes()[node.right].leaf_begin);
+      EXPECT_EQ(tree.nodes()[node.right].leaf_end, node.leaf_end);
+    }
+  }
+}
+
+TEST(Hierarchy, LeavesAreFullAndNeverTooLarge) {
+  const Mesh mesh = testing::cloth(50);
+  const Hierarchy tree = build(mesh, 16);
+  for (Index leaf = 0; leaf < tree.leaf_count(); ++leaf) {
+    EXPECT_LE(tree.leaves()[leaf + 1].triangles - tree.leaves()[leaf].triangles, 20u);
+  }
+  EXPECT_LE(tree.leaf_count(), 5000u / 16 * 9 / 8);
+}
+
+// Components of a leaf's triangles over common edges.
+int pieces_of_leaf(const Hierarchy& tree, Index leaf) {
+  const Index begin = tree.leaves()[leaf].triangles, end = tree.leaves()[leaf + 1].triangles;
+  std::vector<Index> group(end - begin);
+  for (Index i = 0; i < group.size(); ++i) group[i] = i;
+  int pieces = static_cast<int>(group.size());
+  for (Index i = 0; i < group.size(); ++i) {
+    for (Index k = 0; k < i; ++k) {
+      int common = 0;
+      for (const Index v : tree.triangles()[begin + i]) {
+        for (const Index w : tree.triangles()[begin + k]) common += v == w;
+      }
+      if (common < 2 || group[i] == group[k]) continue;
+      --pieces;
+      const Index old = group[i];
+      for (Index& g : group) g = g == old ? group[k] : g;
+    }
+  }
+  return pieces;
+}
+
+TEST(Hierarchy, LeavesAreConnectedPiecesOfSurface) {
+  const Hierarchy tree = build(testing::cloth(50), 16);
+  int connected = 0;
+  for (Index leaf = 0; leaf < tree.leaf_count(); ++leaf) connected += pieces_of_leaf(tree, leaf) == 1;
+  EXPECT_GE(connected, 0.95 * tree.leaf_count());
+}
+
+TEST(Hierarchy, RefusesBadPositions) {
+  Mesh mesh = testing::cloth(2);
+  mesh.positions[7] = std::nan("");
+  auto tree = Hierarchy::build(mesh.topology, mesh.positions);
+  ASSERT_FALSE(tree);
+  EXPECT_THAT(tree.error().line(), HasSubstr("vertex 2: has a coordinate that is not finite"));
+  mesh.positions.pop_back();
+  tree = Hierarchy::build(mesh.topology, mesh.positions);
+  ASSERT_FALSE(tree);
+  EXPECT_THAT(tree.error().line(), HasSubstr("26 numbers for 9 vertices"));
+}
+
+TEST(Hierarchy, TakesTheLargestCoordinatesThatDoublesHave) {
+  Mesh mesh = testing::cloth(8);
+  for (double& c : mesh.positions) c = (c - 0.5) * 1.7e308;
+  EXPECT_EQ(build(mesh, 4).triangle_ids().size(), 128u);
+}
+
+}  // namespace
+}  // namespace foldproof

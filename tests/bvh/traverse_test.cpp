@@ -1,0 +1,186 @@
+#include "bvh/traverse.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "bvh/meshes.h"
+
+namespace foldproof {
+namespace {
+
+using foldproof::testing::Mesh;
+
+struct Moving {
+  KineticTree tree;
+  std::vector<double> x0, x1;
+};
+
+Moving moving(const Mesh& mesh, double amount, std::uint32_t seed, Index leaf_triangles, const Frame& frame = {}) {
+  auto hierarchy = Hierarchy::build(mesh.topology, mesh.positions, {leaf_triangles});
+  Moving m{KineticTree(std::make_shared<Hierarchy>(std::move(*hierarchy))), mesh.positions,
+           testing::shaken(mesh.positions, amount, seed)};
+  m.tree.refit(frame, m.x0, m.x1);
+  for (Index leaf = 0; leaf < m.tree.hierarchy->leaf_count(); ++leaf) m.tree.fill_features(leaf);
+  return m;
+}
+
+using Ids = std::vector<Index>;
+
+// The gap that kinetic boxes see, computed plainly in double: the largest over the six sides of the smaller end.
+double plain_gap(const Moving& a, const Ids& feature_a, const Moving& b, const Ids& feature_b) {
+  double best = -1e300;
+  for (int axis = 0; axis < 3; ++axis) {
+    double above = 1e300, below = 1e300;
+    for (const auto& [xa, xb] : {std::pair(&a.x0, &b.x0), std::pair(&a.x1, &b.x1)}) {
+      double low_a = 1e300, high_a = -1e300, low_b = 1e300, high_b = -1e300;
+      for (const Index v : feature_a) {
+        low_a = std::min(low_a, (*xa)[3 * v + axis]);
+        high_a = std::max(high_a, (*xa)[3 * v + axis]);
+      }
+      for (const Index v : feature_b) {
+        low_b = std::min(low_b, (*xb)[3 * v + axis]);
+        high_b = std::max(high_b, (*xb)[3 * v + axis]);
+      }
+      above = std::min(above, low_b - high_a);
+      below = std::min(below, low_a - high_b);
+    }
+    best = std::max({best, above, below});
+  }
+  return best;
+}
+
+bool share(const Ids& a, const Ids& b) {
+  return std::any_of(a.begin(), a.end(), [&](Index v) { return std::count(b.begin(), b.end(), v) > 0; });
+}
+
+// All features by the user's ids: vertices, edges or triangles.
+std::vector<Ids> features(const Moving& m, int corners) {
+  std::vector<Ids> all;
+  const Hierarchy& h = *m.tree.hierarchy;
+  if (corners == 1) for (const Index v : h.vertex_ids()) all.push_back({v});
+  if (corners == 2) for (const Index e : h.edge_ids()) all.push_back({h.topology().edges()[e][0], h.topology().edges()[e][1]});
+  if (corners == 3) {
+    for (const Index t : h.triangle_ids()) {
+      const Triangle& v = h.topology().triangles()[t];
+      all.push_back({v[0], v[1], v[2]});
+    }
+  }
+  return all;  // leaf order
+}
+
+CandidateBuffer all_candidates(const Moving& a, const Moving& b, float margin) {
+  CandidateBuffer found;
+  const Traversal traversal{&a.tree, &b.tree, margin};
+  std::vector<NodePair> stack;
+  TraversalResult result;
+  traverse(traversal, {0, 0}, stack, result);
+  EXPECT_GE(result.node_tests, result.leaf_pairs.size());
+  for (const NodePair leaves : result.leaf_pairs) find_candidates(traversal, leaves, found);
+  return found;
+}
+
+// Every pair whose gap is below the distance is found, exactly once; none that is clearly farther; none incident.
+void expect_complete(const Moving& a, const Moving& b, int corners_a, int corners_b, double distance,
+                     const std::vector<CandidateBuffer::Pair>& found) {
+  const bool same = &a == &b;
+  const auto fa = features(a, corners_a), fb = features(b, corners_b);
+  std::map<std::pair<Index, Index>, int> times;
+  for (auto [i, k] : found) {
+    if (same && corners_a == corners_b && k < i) std::swap(i, k);
+    ++times[{i, k}];
+  }
+  std::size_t near = 0;
+  for (Index i = 0; i < fa.size(); ++i) {
+    for (Index k = same && corners_a == corners_b ? i + 1 : 0; k < fb.size(); ++k) {
+      const int seen = times.count({i, k}) ? times[{i, k}] : 0;
+      const double gap = plain_gap(a, fa[i], b, fb[k]);
+      if (same && share(fa[i], fb[k])) {
+        EXPECT_EQ(seen, 0);
+      } else if (gap <= distance) {
+        ++near;
+        EXPECT_EQ(seen, 1) << "missed, or produced twice";
+      } else if (gap > distance + 4e-6) {
+        EXPECT_EQ(seen, 0) << "gap " << gap << " is wide";
+      }
+    }
+  }
+  EXPECT_GT(near, 0u);
+}
+
+TEST(Traverse, FindsEachNearPairOfFeaturesOnceWithinAnObject) {
+  for (const Index leaf : {1u, 5u, 16u}) {
+    for (const Mesh& mesh : {testing::cloth(9), testing::soup(120, 3)}) {
+      for (const double distance : {0.0, 0.03}) {
+        const Moving m = moving(mesh, 0.15, 7, leaf);
+        const auto found = all_candidates(m, m, separation_margin({}, distance));
+        EXPECT_TRUE(found.face_vertex.empty());
+        expect_complete(m, m, 1, 3, distance, found.vertex_face);
+        expect_complete(m, m, 2, 2, distance, found.edge_edge);
+      }
+    }
+  }
+}
+
+TEST(Traverse, FindsEachNearPairOfFeaturesOnceBetweenObjects) {
+  const Moving a = moving(testing::cloth(7), 0.2, 1, 4), b = moving(testing::soup(90, 5), 0.2, 2, 16);
+  auto found = all_candidates(a, b, separation_margin({}, 0.01));
+  expect_complete(a, b, 1, 3, 0.01, found.vertex_face);
+  expect_complete(a, b, 2, 2, 0.01, found.edge_edge);
+  expect_complete(a, b, 3, 1, 0.01, found.face_vertex);
+}
+
+TEST(Traverse, DescendingByLevelsFindsTheSameLeafPairs) {
+  const Moving m = moving(testing::cloth(20), 0.05, 3, 4);
+  const Traversal traversal{&m.tree, &m.tree, separation_margin({}, 0)};
+  std::vector<NodePair> stack, front{{0, 0}};
+  TraversalResult whole, cut;
+  traverse(traversal, {0, 0}, stack, whole);
+  for (int level = 0; level < 5; ++level) descend_once(traversal, front, cut);
+  for (const NodePair start : front) traverse(traversal, start, stack, cut);
+  const auto sorted = [](const std::vector<NodePair>& pairs) {
+    std::multiset<std::pair<Index, Index>> set;
+    for (const NodePair p : pairs) set.insert({p.a, p.b});
+    return set;
+  };
+  EXPECT_EQ(sorted(whole.leaf_pairs), sorted(cut.leaf_pairs));
+  EXPECT_EQ(whole.node_tests, cut.node_tests);
+}
+
+// Theorem 1: at every time the sliding box holds what it bounds, up to the rounding that the margin covers.
+TEST(KineticBox, HoldsItsVerticesAtEveryTime) {
+  const Frame frame{{0.5, 0.5, 0}, 0.25};
+  const Moving m = moving(testing::cloth(12), 0.4, 11, 8, frame);
+  const Hierarchy& h = *m.tree.hierarchy;
+  for (Index node = 0; node < h.nodes().size(); ++node) {
+    const auto& box = m.tree.boxes[node].x;
+    const Index first = h.leaves()[h.nodes()[node].leaf_begin].triangles;
+    const Index last = h.leaves()[h.nodes()[node].leaf_end].triangles;
+    for (Index t = first; t < last; ++t) {
+      for (const Index v : h.topology().triangles()[h.triangle_ids()[t]]) {
+        for (int axis = 0; axis < 3; ++axis) {
+          for (const double time : {0.0, 0.3, 0.5, 0.9, 1.0}) {
+            const double x = (1 - time) * m.x0[3 * v + axis] + time * m.x1[3 * v + axis];
+            const double y = (x - frame.center[axis]) * frame.scale;
+            EXPECT_GE(y, (1 - time) * box[0][0][axis] + time * box[1][0][axis] - 1e-7);
+            EXPECT_LE(y, -((1 - time) * box[0][1][axis] + time * box[1][1][axis]) + 1e-7);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(SeparationMargin, IsNeverBelowTheDistanceInTheFrame) {
+  for (const double distance : {0.0, 1e-12, 0.3, 1e20}) {
+    const Frame frame{Vec3::Zero(), 0.125};
+    EXPECT_GE(separation_margin(frame, distance), distance * 0.125);
+    EXPECT_GT(separation_margin(frame, distance), 0x1p-22);
+  }
+  EXPECT_LT(separation_margin({}, 1e300), std::numeric_limits<float>::infinity());
+}
+
+}  // namespace
+}  // namespace foldproof
