@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <iterator>
 #include <system_error>
@@ -46,7 +47,7 @@ void ProgressBar::show(const CheckTotals& totals, std::uint64_t expected) {
   constexpr int kWidth = 30;
   const double part = static_cast<double>(totals.steps) / static_cast<double>(expected);
   const double spent = std::chrono::duration<double>(now - start_).count();
-  const auto left = static_cast<std::int64_t>(spent / part - spent + 0.5);
+  const std::int64_t left = std::llround(spent / part - spent);
   const int filled = static_cast<int>(part * kWidth);
   const std::string line = fmt::format(
       "\r\x1b[K[{:#<{}}{:.<{}}] {} of {} steps, {} with collisions, {}:{:02} left", "", filled, "",

@@ -18,19 +18,19 @@ class CsvReport : public ReportWriter {
       for (const TriangleCrossing& c : step.pose->crossings) {
         file_.add("{},{},tt,{},{},,{},{},,,crossing\n", at.frame, at.substep, c.object_a, c.triangle_a,
                   c.object_b, c.triangle_b);
-        if (const auto done = file_.flush_if_large(); !done) return done;
+        if (auto done = file_.flush_if_large(); !done) return done;
       }
       return {};
     }
     for (const VertexFaceCollision& c : step.step->vertex_face) {
       file_.add("{},{},vf,{},{},,{},{},,{},{}\n", at.frame, at.substep, c.vertex_object, c.vertex,
                 c.face_object, c.face, c.toi, answer_name(c.answer));
-      if (const auto done = file_.flush_if_large(); !done) return done;
+      if (auto done = file_.flush_if_large(); !done) return done;
     }
     for (const EdgeEdgeCollision& c : step.step->edge_edge) {
       file_.add("{},{},ee,{},{},{},{},{},{},{},{}\n", at.frame, at.substep, c.object_a, c.a[0], c.a[1],
                 c.object_b, c.b[0], c.b[1], c.toi, answer_name(c.answer));
-      if (const auto done = file_.flush_if_large(); !done) return done;
+      if (auto done = file_.flush_if_large(); !done) return done;
     }
     return {};
   }

@@ -85,7 +85,7 @@ class JsonReport : public ReportWriter {
     file_.add("{}\n{}", step.place.number == 0 ? "" : ",", text);
     if (pairs_) {
       file_.add(",\"pairs\":{{");
-      const auto done = step.pose ? add_pairs(*step.pose) : add_pairs(*step.step);
+      auto done = step.pose ? add_pairs(*step.pose) : add_pairs(*step.step);
       if (!done) return done;
       file_.add("}}");
     }
@@ -123,7 +123,7 @@ class JsonReport : public ReportWriter {
     for (const VertexFaceCollision& c : result.vertex_face) {
       file_.add("{}[{},{},{},{},{}]", separator, c.vertex_object, c.vertex, c.face_object, c.face, c.toi);
       separator = ",";
-      if (const auto done = file_.flush_if_large(); !done) return done;
+      if (auto done = file_.flush_if_large(); !done) return done;
     }
     file_.add("],\"ee\":[");
     separator = "";
@@ -131,7 +131,7 @@ class JsonReport : public ReportWriter {
       file_.add("{}[{},{},{},{},{},{},{}]", separator, c.object_a, c.a[0], c.a[1], c.object_b, c.b[0], c.b[1],
                 c.toi);
       separator = ",";
-      if (const auto done = file_.flush_if_large(); !done) return done;
+      if (auto done = file_.flush_if_large(); !done) return done;
     }
     file_.add("]");
     return {};
@@ -143,7 +143,7 @@ class JsonReport : public ReportWriter {
     for (const TriangleCrossing& c : result.crossings) {
       file_.add("{}[{},{},{},{}]", separator, c.object_a, c.triangle_a, c.object_b, c.triangle_b);
       separator = ",";
-      if (const auto done = file_.flush_if_large(); !done) return done;
+      if (auto done = file_.flush_if_large(); !done) return done;
     }
     file_.add("]");
     return {};

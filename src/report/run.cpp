@@ -25,7 +25,7 @@ class Pose {
 
   Result<void> read(Motions motions, Index frame) {
     for (std::size_t i = 0; i < objects_.size(); ++i) {
-      if (const auto done = motions[i]->read_frame(frame, objects_[i]); !done) return done;
+      if (auto done = motions[i]->read_frame(frame, objects_[i]); !done) return done;
     }
     return {};
   }
@@ -186,7 +186,7 @@ class Run {
 
  private:
   Result<void> check(StepChecker& checker, const StepPlace& place, const Pose& x0, const Pose& x1) {
-    const auto done = checker.check(x0.positions(), x1.positions(), settings_.step, result_);
+    auto done = checker.check(x0.positions(), x1.positions(), settings_.step, result_);
     if (!done) return done;
     return deliver({.place = place,
                     .collisions = {result_.vertex_face.size(), result_.edge_edge.size(), 0},
@@ -201,7 +201,7 @@ class Run {
   Result<void> deliver(const CheckedStep& step) {
     add(totals_, step);
     for (const auto& writer : writers_) {
-      if (const auto done = writer->step(step); !done) return done;
+      if (auto done = writer->step(step); !done) return done;
     }
     if (hooks_.progress) hooks_.progress(totals_, expected_);
     return {};

@@ -22,7 +22,7 @@ class TextFile {
   Result<void> flush_if_large() { return text_.size() < kPiece ? Result<void>{} : flush(); }
 
   Result<void> commit() {
-    if (const auto done = flush(); !done) return done;
+    if (auto done = flush(); !done) return done;
     return file_.commit();
   }
 
@@ -30,7 +30,7 @@ class TextFile {
   static constexpr std::size_t kPiece = 1 << 16;
 
   Result<void> flush() {
-    const auto done = file_.write(std::span<const char>(text_.data(), text_.size()));
+    auto done = file_.write(std::span<const char>(text_.data(), text_.size()));
     text_.clear();
     return done;
   }
