@@ -38,6 +38,7 @@ class GltfMotion final : public Motion {
                   "choose a lower --fps");
     }
     frames_ = static_cast<Index>(std::max(frames, 1.0));
+    if (auto checked = check_size(); !checked) return checked;
     std::vector<Triangle> triangles;
     for (const std::size_t node : scene_.shown) {
       if (auto placed = place(node, triangles); !placed) return placed;
@@ -71,6 +72,27 @@ class GltfMotion final : public Motion {
   }
 
  private:
+  /// A small file can show a mesh very often, so all copies are counted before the first is made.
+  Result<void> check_size() const {
+    std::uint64_t vertices = 0, corners = 0;
+    for (const std::size_t node : scene_.shown) {
+      const GltfMesh& mesh = scene_.meshes[*scene_.nodes[node].mesh];
+      for (const GltfVertexSet& set : mesh.vertex_sets) vertices += set.position.count();
+      for (const GltfPrimitive& primitive : mesh.primitives) corners += corner_count(mesh, primitive);
+      if (vertices > kMostInstanced || corners > kMostInstanced) {
+        return fail(name(),
+                    fmt::format("shows more than {} vertices or corners of triangles", kMostInstanced),
+                    "export fewer copies of its meshes");
+      }
+    }
+    return {};
+  }
+
+  static std::uint64_t corner_count(const GltfMesh& mesh, const GltfPrimitive& primitive) {
+    return primitive.indices ? primitive.indices->count()
+                             : mesh.vertex_sets[primitive.vertex_set].position.count();
+  }
+
   /// Adds the vertices and triangles of a node's mesh.
   Result<void> place(std::size_t node, std::vector<Triangle>& triangles) {
     const std::size_t mesh_index = *scene_.nodes[node].mesh;
@@ -80,19 +102,17 @@ class GltfMotion final : public Motion {
       instances_.push_back({node, &set, vertex_count_});
       first.push_back(vertex_count_);
       vertex_count_ += set.position.count();
-      if (vertex_count_ > kMostInstanced) return too_large();
     }
     for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
       const GltfPrimitive& primitive = mesh.primitives[p];
       const std::uint64_t vertices = mesh.vertex_sets[primitive.vertex_set].position.count();
-      const std::uint64_t corners = primitive.indices ? primitive.indices->count() : vertices;
+      const std::uint64_t corners = corner_count(mesh, primitive);
       const std::string where = fmt::format("{}, meshes[{}].primitives[{}]", name(), mesh_index, p);
       if (primitive.mode == 4 ? corners % 3 != 0 : corners < 3) {
         return fail(where, fmt::format("has {} corners, which are not whole triangles", corners),
                     "export the file again");
       }
       const std::uint64_t count = primitive.mode == 4 ? corners / 3 : corners - 2;
-      if (triangles.size() + count > kMostInstanced) return too_large();
       for (std::uint64_t i = 0; i < count; ++i) {
         Triangle triangle;
         const auto corner = triangle_corners(primitive.mode, i);
@@ -121,11 +141,6 @@ class GltfMotion final : public Motion {
 
   static std::uint64_t index_at(const GltfAccessor& indices, std::uint64_t i) {
     return static_cast<std::uint64_t>(indices.get(i, 0));
-  }
-
-  tl::unexpected<Error> too_large() const {
-    return fail(name(), fmt::format("shows more than {} vertices or triangles", kMostInstanced),
-                "export fewer copies of its meshes");
   }
 
   /// Local and world transforms and morph weights at a time.

@@ -418,7 +418,11 @@ Result<std::vector<char>> GltfDocument::load_uri(const std::string& uri, const s
     return fail(where, fmt::format("'{}' is not a file beside this one", uri.substr(0, 200)),
                 "put the buffer beside it, or export GLB");
   }
-  return read_file(target.string());
+  auto bytes = read_file(target.string());
+  if (!bytes)
+    return fail(where, fmt::format("buffer '{}' {}", uri.substr(0, 200), bytes.error().problem),
+                bytes.error().mend);
+  return bytes;
 }
 
 }  // namespace foldproof::io

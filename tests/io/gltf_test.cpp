@@ -403,9 +403,9 @@ TEST_F(GltfTest, ReadsBuffersBesideTheFileOnly) {
             ::testing::EndsWith("' is not a file beside this one; put the buffer beside it, or export GLB")))
         << uri;
   }
-  EXPECT_EQ(
-      open_error({files.write("inner/a.gltf", b.gltf_beside("none.bin"))}),
-      "inner/none.bin: cannot be opened: No such file or directory; check the name and the permissions");
+  EXPECT_EQ(open_error({files.write("inner/a.gltf", b.gltf_beside("none.bin"))}),
+            "inner/a.gltf, buffers[0]: buffer 'none.bin' cannot be opened: No such file or directory; "
+            "check the name and the permissions");
 }
 
 TEST_F(GltfTest, NamesWhatIsWrongWithAGlb) {

@@ -19,7 +19,10 @@ namespace foldproof::testing {
 class ScratchDirectory {
  public:
   ScratchDirectory() {
-    std::string name = (std::filesystem::temp_directory_path() / "foldproof-test-XXXXXX").string();
+    // In memory where there is such a place: some tests write tens of thousands of files.
+    const bool memory = std::filesystem::is_directory("/dev/shm");
+    const auto parent = memory ? std::filesystem::path("/dev/shm") : std::filesystem::temp_directory_path();
+    std::string name = (parent / "foldproof-test-XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no scratch directory");
     path_ = name;
   }
