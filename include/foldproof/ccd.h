@@ -53,6 +53,9 @@ Closest edge_edge_closest(const FourPoints& x);
 /// clockwise, -1 on the other side, 0 when exactly coplanar. Exact for all finite doubles.
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
+/// Exact test whether three points are not on one line.
+bool triangle_has_area(const Vec3& a, const Vec3& b, const Vec3& c);
+
 /// Exact test whether two closed triangles have a point in common; degenerate triangles are the segments or
 /// points that they are. Touching counts.
 bool triangles_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);

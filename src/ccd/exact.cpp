@@ -145,6 +145,8 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return orient3d_exact(a, b, c, d);
 }
 
+bool triangle_has_area(const Vec3& a, const Vec3& b, const Vec3& c) { return flattening_axis(a, b, c) >= 0; }
+
 bool segment_intersects_triangle(const std::array<Vec3, 2>& s, const std::array<Vec3, 3>& t) {
   const auto& [p, q] = s;
   const auto& [a, b, c] = t;

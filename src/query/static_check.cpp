@@ -32,10 +32,9 @@ bool neighbours_cross(const Pose& pose, Index object, const Triangle& s, const T
   }
   const auto p = [&](Index v) { return position(pose.x[object], v); };
   if (common == 0) return triangles_intersect(pose.corners(object, s), pose.corners(object, t));
-  if (rest_s == 0 || rest_t == 0) {
-    // The same triangle twice; or one that names a vertex twice, and then is a side or corner of the other.
-    return rest_s == 0 && rest_t == 0 && s[0] != s[1] && s[1] != s[2] && s[2] != s[0];
-  }
+  // The same triangle twice covers itself; one that names a vertex twice is a side or corner of the other.
+  if (rest_s == 0 && rest_t == 0) return triangle_has_area(p(s[0]), p(s[1]), p(s[2]));
+  if (rest_s == 0 || rest_t == 0) return false;
   if (rest_s == 1 && rest_t == 1) return triangles_fold(p(shared[0]), p(shared[1]), p(only_s[0]), p(only_t[0]));
   // One common vertex: they meet elsewhere only where the opposite side of one meets the other. A triangle that
   // names a vertex twice has one far vertex, and its far side is that point.
