@@ -36,6 +36,8 @@ void add_options(CLI::App& app, Options& options) {
                "Steps that follow each other, as in a simulation");
   app.add_option("--rounds", plan.rounds, "Run all steps this often; a step's time is its fastest round")
       ->check(CLI::Range(1, 1000));
+  app.add_flag("--processor-time", plan.processor_time,
+               "Processor time instead of wall time, for a busy machine");
   app.add_option("--peers", options.peers, "Libraries to compare with (default: all; none: foldproof alone)")
       ->delimiter(',');
   app.add_option("--threads", plan.threads, "Threads for foldproof; peers have one")

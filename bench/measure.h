@@ -21,6 +21,8 @@ struct Plan {
   bool verify = false;  ///< Compare the candidates of all peers with each other and with foldproof's answer.
   bool memory = true;   ///< Measure foldproof's peak memory.
   bool peer_memory = false;
+  bool processor_time =
+      false;        ///< Not wall time: what a busy machine gave this process, all threads together.
   int threads = 1;  ///< For foldproof; peers always have one.
 };
 

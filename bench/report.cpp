@@ -139,10 +139,14 @@ Table main_table(const Report& report) {
   for (const std::string& family : families(report.plan)) table.headers.push_back(family + "/us");
   for (const SceneRecord& record : report.records) table.rows.push_back(main_row(record, report.plan));
   table.rows.push_back({});
+  const bool has_truth =
+      std::any_of(report.records.begin(), report.records.end(),
+                  [](const SceneRecord& record) { return record.kind == SceneKind::GroundTruth; });
   for (const StepSize size : report.plan.sizes) {
     add_mean_row(table, report, "motions", size, [](SceneKind kind) { return kind == SceneKind::Motion; });
-    add_mean_row(table, report, "with ground truth", size,
-                 [](SceneKind kind) { return kind != SceneKind::Generated; });
+    if (has_truth)
+      add_mean_row(table, report, "with ground truth", size,
+                   [](SceneKind kind) { return kind != SceneKind::Generated; });
     add_mean_row(table, report, "generated", size,
                  [](SceneKind kind) { return kind == SceneKind::Generated; });
   }
@@ -195,9 +199,10 @@ std::string steps_sentence(const Plan& plan) {
   const std::string rounds =
       plan.rounds > 1 ? fmt::format(", each the fastest of {} rounds", plan.rounds) : "";
   return fmt::format(
-      "Medians over {} of each motion (as many as it has){}; foldproof on {} thread{}, peers on one. "
+      "Medians over {} of each motion (as many as it has){}; foldproof on {} thread{}, peers on one; {} "
+      "time. "
       "\"tenth\" is a tenth of a step. Foldproof: the complete answer; peers: candidates only.",
-      which, rounds, plan.threads, plan.threads == 1 ? "" : "s");
+      which, rounds, plan.threads, plan.threads == 1 ? "" : "s", plan.processor_time ? "processor" : "wall");
 }
 
 nlohmann::json json_of(const StepRecord& step, const Plan& plan) {
@@ -246,6 +251,7 @@ std::string format_json(const Report& report) {
   nlohmann::json json;
   for (const auto& [name, value] : report.machine) json["machine"][name] = value;
   json["command"] = report.command;
+  json["processor_time"] = report.plan.processor_time;
   json["threads"] = report.plan.threads;
   json["rounds"] = report.plan.rounds;
   json["leaf_triangles"] = report.plan.hierarchy.leaf_triangles;
