@@ -30,7 +30,8 @@ constexpr double kLeastTolerance = 0x1p-1060;
 struct MovingPatch {
   PatchCorners a, e;
   int corners;
-  double extent = 0;  // largest coordinate of any corner at either end
+  Vec3 size = Vec3::Zero();  // per axis, the largest coordinate of any corner at either end
+  double extent = 0;         // the largest of these
 
   Vec3 corner(int k, double t) const { return (1 - t) * a[k] + t * e[k]; }
 
@@ -50,33 +51,34 @@ MovingPatch make_patch(const FourPoints& x0, const FourPoints& x1, bool edge_edg
     const PatchCorners raw = edge_edge ? edge_edge_corners(x, scale) : vertex_face_corners(x, scale);
     for (int k = 0; k < patch.corners; ++k) {
       d[k] = raw[k];
-      patch.extent = std::max(patch.extent, d[k].cwiseAbs().maxCoeff());
+      patch.size = patch.size.cwiseMax(d[k].cwiseAbs());
     }
   }
+  patch.extent = patch.size.maxCoeff();
   return patch;
 }
 
 // The signed volume that the origin spans with the first three corners, while they go from a to e: Bernstein
-// coefficients of a cubic over that interval, each within `error` of the truth (N3).
+// coefficients of a cubic over that interval.
 struct Volume {
   std::array<double, 4> b;
-  double error;
 
-  // One strict sign throughout: the origin is never coplanar with the corners, so the features cannot touch.
-  bool keeps_sign() const {
+  Volume(const PatchCorners& a, const PatchCorners& e) {
+    const Vec3 aa = a[1].cross(a[2]);
+    const Vec3 ae = a[1].cross(e[2]) + e[1].cross(a[2]);
+    const Vec3 ee = e[1].cross(e[2]);
+    b = {a[0].dot(aa), (e[0].dot(aa) + a[0].dot(ae)) / 3, (e[0].dot(ae) + a[0].dot(ee)) / 3, e[0].dot(ee)};
+  }
+
+  // N3. One strict sign throughout: the origin is never coplanar with the corners, so the features cannot touch.
+  bool keeps_sign(double error) const {
     return (b[0] > error && b[1] > error && b[2] > error && b[3] > error) ||
            (b[0] < -error && b[1] < -error && b[2] < -error && b[3] < -error);
   }
 };
 
-Volume volume_between(const PatchCorners& a, const PatchCorners& e) {
-  const Vec3 aa = a[1].cross(a[2]);
-  const Vec3 ae = a[1].cross(e[2]) + e[1].cross(a[2]);
-  const Vec3 ee = e[1].cross(e[2]);
-  Vec3 size = Vec3::Zero();
-  for (int k = 0; k < 3; ++k) size = size.cwiseMax(a[k].cwiseAbs()).cwiseMax(e[k].cwiseAbs());
-  return {{a[0].dot(aa), (e[0].dot(aa) + a[0].dot(ae)) / 3, (e[0].dot(ae) + a[0].dot(ee)) / 3, e[0].dot(ee)},
-          kDetError * (size.x() * size.y() * size.z()) + kDetUnderflow};
+double volume_error(const MovingPatch& patch) {
+  return kDetError * (patch.size.x() * patch.size.y() * patch.size.z()) + kDetUnderflow;
 }
 
 // About where a cubic in Bernstein form first reaches zero on [0,1]; 1 when it does not seem to. Only a guess is
@@ -124,6 +126,7 @@ class March {
       : patch_(patch),
         thickness_(thickness),
         apart_(thickness * (1 + 8 * kUnit) + kDotError * patch.extent),
+        volume_error_(volume_error(patch)),
         target_(thickness + tolerance / 4),
         hit_(thickness + tolerance / 2) {
     double speed = 0;
@@ -155,10 +158,10 @@ class March {
       return false;
     }
     if (thickness_ == 0) {
-      const Volume volume = volume_between(now_, patch_.e);
-      if (volume.keeps_sign()) return true;
+      const Volume volume(now_, patch_.e);
+      if (volume.keeps_sign(volume_error_)) return true;
       const double end = t_ + left * guess_first_zero(volume.b) - short_of_contact_;
-      if (end > plane_end && end < 1 && volume_between(now_, patch_.at(end)).keeps_sign()) {
+      if (end > plane_end && end < 1 && Volume(now_, patch_.at(end)).keeps_sign(volume_error_)) {
         t_ = end;
         return false;
       }
@@ -204,7 +207,7 @@ class March {
   // N3 and N5 on [t_, end].
   bool free_until(double end, const Vec3& normal) const {
     const PatchCorners then = patch_.at(end);
-    if (thickness_ == 0 && volume_between(now_, then).keeps_sign()) return true;
+    if (thickness_ == 0 && Volume(now_, then).keeps_sign(volume_error_)) return true;
     const Vec3 other = closest_to_origin(then, patch_.corners).normal;
     for (int k = 0; k < patch_.corners; ++k) {
       if (!(normal.dot(now_[k]) > apart_) || !(other.dot(then[k]) > apart_)) return false;
@@ -216,6 +219,7 @@ class March {
   const MovingPatch& patch_;
   const double thickness_;
   const double apart_;   // a projection above this is proven to be above the thickness
+  const double volume_error_;
   const double target_;  // where a plane's reach ends: short of `hit_`, so that the next look decides
   const double hit_;
   double short_of_contact_;  // time in which nothing moves farther than an eighth of the tolerance
@@ -237,7 +241,7 @@ double rescue_scale(const FourPoints& x0, const FourPoints& x1, double thickness
 }
 
 CcdResult patch_ccd(const FourPoints& x0, const FourPoints& x1, bool edge_edge, const CcdSettings& settings) {
-  constexpr double kLarge = 1e60, kSmall = 1e-60;
+  constexpr double kLarge = 1e30, kSmall = 1e-30;
   double scale = 1;
   MovingPatch patch = make_patch(x0, x1, edge_edge, scale);
   const double size = std::max(patch.extent, settings.thickness);
@@ -251,6 +255,7 @@ CcdResult patch_ccd(const FourPoints& x0, const FourPoints& x1, bool edge_edge, 
         patch.a[k] *= again;
         patch.e[k] *= again;
       }
+      patch.size *= again;
       patch.extent *= again;
       scale *= again;
     }
@@ -258,7 +263,7 @@ CcdResult patch_ccd(const FourPoints& x0, const FourPoints& x1, bool edge_edge, 
   const double thickness = settings.thickness * scale;
   const double tolerance =
       std::max(std::max(settings.tolerance, kLeastTolerance) * scale, kResolution * std::max(patch.extent, thickness));
-  if (thickness == 0 && volume_between(patch.a, patch.e).keeps_sign()) return {Answer::Separated, 1};
+  if (thickness == 0 && Volume(patch.a, patch.e).keeps_sign(volume_error(patch))) return {Answer::Separated, 1};
   return March(patch, thickness, tolerance).run(settings.latest, settings.max_iterations);
 }
 

@@ -27,7 +27,7 @@ struct BorderPoint {
   // Inside a side, the difference of nearly equal vectors would leave `point` with a wild direction; made from the
   // side itself, the direction is across it to the last digits.
   Vec3 direction() const {
-    const Vec3 side = *q - *p;
+    const Vec3 side = (*q - *p).normalized();
     const Vec3 along = at_corner ? point : Vec3(side.cross(p->cross(side)));
     const double length = along.norm();
     return length > 0 ? Vec3(along / length) : Vec3::UnitX();

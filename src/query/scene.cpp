@@ -48,7 +48,7 @@ Frame frame_around(const Bounds& b, double& largest_side) {
   largest_side = std::min(2 * half, std::numeric_limits<double>::max());
   // The centre is rounded, hence a little room.
   const double reach = half * (1 + 0x1p-50) + frame.center.cwiseAbs().maxCoeff() * 0x1p-52;
-  frame.scale = reach > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(reach) + 1, -1022, 1022)) : 1;
+  frame.scale = reach > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(reach) + 1, -1022, 1024)) : 1;
   return frame;
 }
 
