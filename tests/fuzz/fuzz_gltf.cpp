@@ -1,0 +1,6 @@
+// GLB as well: the first bytes tell which it is.
+#include "file_target.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  return foldproof::fuzz::read_as(".gltf", data, size);
+}
