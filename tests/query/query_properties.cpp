@@ -290,7 +290,7 @@ TEST_P(QueryProperties, RigidMotionAndScaleThatAreExact) {
 
 TEST_P(QueryProperties, Renumbering) {
   Rng rng(59);
-  const Scene scene = scenes(rng, 1)[2];
+  const Scene scene = scenes(rng, 1)[3];
   const Topology& topology = scene.topologies[0];
   std::vector<Index> new_vertex(topology.vertex_count()), new_face(topology.triangles().size());
   for (Index i = 0; i < new_vertex.size(); ++i) new_vertex[i] = i;
