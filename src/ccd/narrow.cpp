@@ -144,6 +144,7 @@ class March {
       if (t_ >= 1 || advance(here.normal)) return {Answer::Separated, 1};
       if (stuck_) break;
     }
+    if (t_ > latest) return {Answer::Separated, 1};
     return {Answer::Undecided, t_};
   }
 
