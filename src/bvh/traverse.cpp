@@ -53,11 +53,11 @@ HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<Nod
   }
 }
 
-void DescendOnce(const Traversal& traversal, std::vector<NodePair>& front, TraversalResult& out) {
-  std::vector<NodePair> below;
-  below.reserve(3 * front.size());
-  for (const NodePair pair : front) Visit(traversal, pair, below, out);
-  front.swap(below);
+void DescendOnce(const Traversal& traversal, std::vector<NodePair>& front, std::vector<NodePair>& scratch,
+                 TraversalResult& out) {
+  scratch.clear();
+  for (const NodePair pair : front) Visit(traversal, pair, scratch, out);
+  front.swap(scratch);
 }
 
 void Traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack, TraversalResult& out) {
@@ -179,8 +179,9 @@ HWY_EXPORT(Traverse);
 HWY_EXPORT(FindCandidates);
 HWY_EXPORT(FindFacePairs);
 
-void descend_once(const Traversal& traversal, std::vector<NodePair>& front, TraversalResult& out) {
-  HWY_DYNAMIC_DISPATCH(DescendOnce)(traversal, front, out);
+void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std::vector<NodePair>& scratch,
+                  TraversalResult& out) {
+  HWY_DYNAMIC_DISPATCH(DescendOnce)(traversal, front, scratch, out);
 }
 
 void traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack, TraversalResult& out) {

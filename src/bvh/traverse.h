@@ -23,8 +23,9 @@ struct TraversalResult {
 };
 
 /// Replaces every pair in `front` by what lies one level below it; pairs that are apart vanish, pairs of leaves go
-/// to `out`. Used to cut the traversal into tasks.
-void descend_once(const Traversal& traversal, std::vector<NodePair>& front, TraversalResult& out);
+/// to `out`. Used to cut the traversal into tasks. `scratch` is overwritten.
+void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std::vector<NodePair>& scratch,
+                  TraversalResult& out);
 
 /// Follows a pair down to the leaves. `stack` is scratch. Order of `out` depends on the input only.
 void traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack, TraversalResult& out);

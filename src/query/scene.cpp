@@ -1,13 +1,15 @@
 #include "query/scene.h"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <cmath>
 
 namespace foldproof {
 namespace {
+
+// Tasks per pair of objects; a constant, so that the order of the answer never depends on the threads.
+constexpr std::size_t kEnoughTasks = 64;
 
 struct Bounds {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
@@ -59,6 +61,9 @@ Scene::Scene(std::vector<std::shared_ptr<const Hierarchy>> objects) {
     leaf_needed_.emplace_back(hierarchy->leaf_count(), std::uint8_t{0});
     trees_.emplace_back(std::move(hierarchy));
   }
+  // Their contents are swapped, so both must have the room from the start.
+  front_.reserve(3 * kEnoughTasks);
+  below_.reserve(3 * kEnoughTasks);
 }
 
 Result<void> Scene::update(Positions x0, Positions x1) {
@@ -86,7 +91,6 @@ Result<void> Scene::update(Positions x0, Positions x1) {
 }
 
 void Scene::start_tasks(const StepSettings& settings, float margin, Work& work) {
-  constexpr std::size_t kEnoughTasks = 64;  // per pair of objects; a constant, so that the order never depends on threads
   task_count_ = 0;
   const auto add = [&](const TraversalTask& like, NodePair start) -> TraversalTask& {
     if (task_count_ == tasks_.size()) tasks_.emplace_back();
@@ -99,31 +103,31 @@ void Scene::start_tasks(const StepSettings& settings, float margin, Work& work) 
     task.found.node_tests = 0;
     return task;
   };
-  TraversalResult above;
+  above_.leaf_pairs.clear();
+  above_.node_tests = 0;
   for (Index a = 0; a < trees_.size(); ++a) {
     for (Index b = a; b < trees_.size(); ++b) {
       if (!(a == b ? settings.within : settings.between)) continue;
       const TraversalTask like{{&trees_[a], &trees_[b], margin}, a, b, {}, {}};
       front_.assign(1, {0, 0});
       for (int level = 0; level < 12 && !front_.empty() && front_.size() < kEnoughTasks; ++level) {
-        descend_once(like.traversal, front_, above);
+        descend_once(like.traversal, front_, below_, above_);
       }
-      if (!above.leaf_pairs.empty()) {
-        add(like, {kNoIndex, kNoIndex}).found.leaf_pairs = above.leaf_pairs;
-        above.leaf_pairs.clear();
+      if (!above_.leaf_pairs.empty()) {
+        add(like, {kNoIndex, kNoIndex}).found.leaf_pairs = above_.leaf_pairs;
+        above_.leaf_pairs.clear();
       }
       for (const NodePair start : front_) add(like, start);
     }
   }
-  work.node_tests += above.node_tests;
+  work.node_tests += above_.node_tests;
 }
 
 void Scene::traverse(const StepSettings& settings, double distance, Work& work) {
   start_tasks(settings, separation_margin(frame_, distance), work);
-  tbb::enumerable_thread_specific<std::vector<NodePair>> stacks;
   tbb::parallel_for(std::size_t{0}, task_count_, [&](std::size_t k) {
     TraversalTask& task = tasks_[k];
-    if (task.start.a != kNoIndex) foldproof::traverse(task.traversal, task.start, stacks.local(), task.found);
+    if (task.start.a != kNoIndex) foldproof::traverse(task.traversal, task.start, stacks_.local(), task.found);
   });
   leaf_pairs_.clear();
   for (std::size_t k = 0; k < task_count_; ++k) {

@@ -1,6 +1,8 @@
 /// What all queries on a set of objects share: validated input, the scene's frame, and the pairs of leaves.
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include "bvh/traverse.h"
 #include "foldproof/query.h"
 
@@ -53,7 +55,9 @@ class Scene {
   std::vector<LeafPairRef> leaf_pairs_;
   std::vector<std::vector<std::uint8_t>> leaf_needed_;
   std::vector<std::pair<Index, Index>> leaves_to_fill_;
-  std::vector<NodePair> front_;
+  std::vector<NodePair> front_, below_;
+  TraversalResult above_;
+  tbb::enumerable_thread_specific<std::vector<NodePair>> stacks_;
 };
 
 }  // namespace foldproof

@@ -135,10 +135,10 @@ TEST(Traverse, FindsEachNearPairOfFeaturesOnceBetweenObjects) {
 TEST(Traverse, DescendingByLevelsFindsTheSameLeafPairs) {
   const Moving m = moving(testing::cloth(20), 0.05, 3, 4);
   const Traversal traversal{&m.tree, &m.tree, separation_margin({}, 0)};
-  std::vector<NodePair> stack, front{{0, 0}};
+  std::vector<NodePair> stack, scratch, front{{0, 0}};
   TraversalResult whole, cut;
   traverse(traversal, {0, 0}, stack, whole);
-  for (int level = 0; level < 5; ++level) descend_once(traversal, front, cut);
+  for (int level = 0; level < 5; ++level) descend_once(traversal, front, scratch, cut);
   for (const NodePair start : front) traverse(traversal, start, stack, cut);
   const auto sorted = [](const std::vector<NodePair>& pairs) {
     std::multiset<std::pair<Index, Index>> set;
