@@ -170,6 +170,30 @@ TEST_P(QueryProperties, SeveralObjectsEqualBruteForce) {
   EXPECT_GT(hits, 50u);
 }
 
+// Boxes may be kept in single precision, which ends near 1e38 and has steps of 1e5 far from the origin.
+TEST_P(QueryProperties, AnyScaleAndPlaceEqualsBruteForce) {
+  Rng rng(60);
+  const Scene unit = scenes(rng, 2)[1];
+  std::size_t hits = 0;
+  for (const double scale : {0x1p-1000, 0x1p-500, 0x1p-140, 0x1p120, 0x1p140, 0x1p500, 0x1p1000}) {
+    for (const double shift : {0.0, 0x1p40}) {
+      Scene scene = unit;
+      for (auto* x : {&scene.x0, &scene.x1}) {
+        for (auto& object : *x) {
+          for (double& coordinate : object) coordinate = (coordinate + shift) * scale;
+        }
+      }
+      if (scale == 0x1p1000 && shift != 0) continue;  // Not finite.
+      const StepResult actual = run(scene, {}, 16);
+      const StepResult expected = brute_force_step(scene, {}, actual.tolerance);
+      expect_identical(actual, expected);
+      hits += expected.vertex_face.size() + expected.edge_edge.size();
+      ASSERT_FALSE(HasFailure()) << "scale " << scale << ", shift " << shift;
+    }
+  }
+  EXPECT_GT(hits, 50u);
+}
+
 TEST_P(QueryProperties, AnyNumberOfThreadsGivesTheSameBits) {
   Rng rng(54);
   for (const Scene& scene : scenes(rng, 2)) {

@@ -234,6 +234,23 @@ TEST_P(GeneratedPoses, CrossingsEqualCgalsAndTheOracle) {
   EXPECT_GT(crossings, 100u);
 }
 
+// Exact predicates see a power of two as nothing; the boxes before them must not either.
+TEST_P(GeneratedPoses, EveryScaleCrossesAlike) {
+  Rng rng(63);
+  const Mesh mesh = GetParam().make(rng);
+  Scene scene;
+  scene.topologies.push_back(mesh.topology());
+  scene.x0.push_back(deformed(mesh.positions, 0.5, 1.0 / 64, rng));
+  StepChecker checker(scene.hierarchies(16));
+  const Crossings expected = by_foldproof(checker, scene.x0[0]);
+  EXPECT_GT(expected.size(), 5u);
+  for (const double scale : {0x1p-1000, 0x1p-400, 0x1p-140, 0x1p127, 0x1p400, 0x1p1000}) {
+    std::vector<double> x = scene.x0[0];
+    for (double& coordinate : x) coordinate *= scale;
+    expect_equal(by_foldproof(checker, x), expected, fmt::format("scale {}", scale));
+  }
+}
+
 TEST_P(GeneratedPoses, SeveralObjectsEqualTheOracle) {
   Rng rng(62);
   Scene scene;
