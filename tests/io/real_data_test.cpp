@@ -57,7 +57,10 @@ INSTANTIATE_TEST_SUITE_P(
         Expected{{"elephant/elephant-poses.obj", "elephant/elephant-poses.pc2"}, 42321, 84638, 11},
         Expected{{"elephant/elephant-gallop.obj", "elephant/elephant-gallop.pc2"}, 42321, 84638, 25},
         Expected{{"samba/samba.obj", "samba/samba.pc2"}, 9971, 19938, 120},
-        Expected{{"rumba/rumba.obj", "rumba/rumba.pc2"}, 12811, 25472, 80}));
+        Expected{{"rumba/rumba.obj", "rumba/rumba.pc2"}, 12811, 25472, 80},
+        Expected{{"ccd-ground-truth/cloth-ball/frame_*.ply"}, 46598, 92230, 2},
+        Expected{{"ccd-ground-truth/rod-twist/frame_*.ply"}, 39940, 79864, 2},
+        Expected{{"ccd-ground-truth/cloth-funnel/frame_*.ply"}, 9450, 18484, 2}));
 
 }  // namespace
 }  // namespace foldproof
