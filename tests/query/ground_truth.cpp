@@ -39,7 +39,7 @@ PairKey edge_key(const std::vector<Index>& ids) {
 }
 
 struct Count {
-  int listed = 0, missed = 0, extra = 0, extra_true = 0, extra_false = 0, undecided = 0;
+  int listed = 0, missed = 0, extra = 0, extra_true = 0, extra_false = 0;
 };
 
 template <class Collision>
@@ -58,7 +58,6 @@ Count compare(const std::vector<Collision>& reported, const std::set<PairKey>& t
     const PairPoints p = points_of(pair, scene);
     const Verdict verdict = judge(kind, p.x0, p.x1, settings, {pair.answer, pair.toi});
     EXPECT_EQ(verdict.complaint, "") << describe(kind, p.x0, p.x1, settings);
-    count.undecided += pair.answer == Answer::Undecided;
     ++(verdict.touched ? count.extra_true : count.extra_false);
   }
   for (const PairKey& pair : truth) {
@@ -73,9 +72,8 @@ Count compare(const std::vector<Collision>& reported, const std::set<PairKey>& t
 void print(const char* scene, const char* kind, const Count& c) {
   fmt::print(
       "{:13} {}: {:6} listed, {} missed; {} beyond the list: {} touch by the exact oracle, {} within "
-      "tolerance only "
-      "({} of the {} undecided)\n",
-      scene, kind, c.listed, c.missed, c.extra, c.extra_true, c.extra_false, c.undecided, c.extra);
+      "tolerance only\n",
+      scene, kind, c.listed, c.missed, c.extra, c.extra_true, c.extra_false);
 }
 
 class GroundTruth : public ::testing::TestWithParam<const char*> {};
