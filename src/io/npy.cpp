@@ -107,7 +107,7 @@ Result<NpyHeader> parse_npy_header(const std::string& where, std::string_view by
     return fail(where, problem, "save the archive with numpy.savez again");
   };
   if (bytes.size() < 12 || !bytes.starts_with(kMagic)) return bad("is not a NumPy array");
-  const int version = bytes[6];
+  const int version = static_cast<unsigned char>(bytes[6]);
   if (version < 1 || version > 3) return bad("has an unknown array format version");
   const std::size_t start = version == 1 ? 10 : 12;
   const std::size_t length = version == 1 ? load<std::uint16_t>(bytes.data() + 8, std::endian::little)

@@ -279,10 +279,10 @@ class BodyParser {
 
   Result<MeshData> parse() {
     for (const Element& element : header_.elements) {
-      if (element.properties.empty()) continue;  // nothing to read, whatever the count
       source_.begin_element();
       std::uint64_t least = 0;
       for (const Property& p : element.properties) least += Source::least_bytes(p);
+      if (least == 0) continue;  // no properties: nothing to read, whatever the count
       if (element.count > source_.left() / least) {
         return fail(source_.place(),
                     fmt::format("header announces {} of element '{}', but the file ends before",
@@ -341,7 +341,7 @@ class BodyParser {
                   "remove faces with fewer than three vertices");
     }
     polygon_.clear();
-    for (double i = 0; i < count; ++i) {
+    for (std::uint64_t left = static_cast<std::uint64_t>(count); left > 0; --left) {
       double value = 0;
       const Scan item = source_.value(property.type, value);
       if (item != Scan::Ok && (polygon || item != Scan::NotFinite)) return error(item, element, record);
