@@ -14,8 +14,8 @@ struct HierarchySettings {
 /// The tree over one topology. Immutable once built; any number of threads may use it.
 ///
 /// Nodes stand in depth-first order, the root first, a parent before its children; leaves are numbered from
-/// left to right and own consecutive runs of triangles, edges and vertices in *leaf order*, so a subtree owns a
-/// consecutive run of each as well. Every triangle, every edge and every vertex that a triangle uses has
+/// left to right and own consecutive runs of triangles, edges and vertices in *leaf order*, so a subtree owns
+/// a consecutive run of each as well. Every triangle, every edge and every vertex that a triangle uses has
 /// exactly one owner; that is what makes each feature pair appear once.
 class Hierarchy {
  public:

@@ -13,10 +13,10 @@ enum class Answer : std::uint8_t {
 };
 
 struct CcdSettings {
-  double thickness = 0;    ///< Mesh units, >= 0. Closer than or equal to this is a collision.
-  double tolerance = 0;    ///< Mesh units, >= 0. How far beyond `thickness` a Hit may be. Raised to what double
-                           ///< arithmetic can tell apart for these positions (see ccd_resolution).
-  double latest = 1;       ///< Stop when proven free until here; then the answer is Separated. In [0,1].
+  double thickness = 0;  ///< Mesh units, >= 0. Closer than or equal to this is a collision.
+  double tolerance = 0;  ///< Mesh units, >= 0. How far beyond `thickness` a Hit may be. Raised to what double
+                         ///< arithmetic can tell apart for these positions (see ccd_resolution).
+  double latest = 1;     ///< Stop when proven free until here; then the answer is Separated. In [0,1].
   int max_iterations = 100000;
 };
 
@@ -43,8 +43,8 @@ double ccd_resolution(double extent);
 
 /// A closest pair of points of two features that stand still.
 struct Closest {
-  double distance;   ///< Mesh units.
-  Vec3 difference;   ///< Point on the first feature minus point on the second.
+  double distance;  ///< Mesh units.
+  Vec3 difference;  ///< Point on the first feature minus point on the second.
 };
 Closest vertex_face_closest(const FourPoints& x);
 Closest edge_edge_closest(const FourPoints& x);
@@ -63,8 +63,8 @@ bool triangles_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>
 /// Exact test whether a closed segment and a closed triangle have a point in common.
 bool segment_intersects_triangle(const std::array<Vec3, 2>& s, const std::array<Vec3, 3>& t);
 
-/// Exact test for two triangles abc, abd that share the edge ab: folded flat onto each other, that is coplanar
-/// with c and d on the same side of ab. Degenerate ones: any common point away from the edge.
+/// Exact test for two triangles abc, abd that share the edge ab: folded flat onto each other, that is
+/// coplanar with c and d on the same side of ab. Degenerate ones: any common point away from the edge.
 bool triangles_fold(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 }  // namespace foldproof

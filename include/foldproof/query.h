@@ -15,17 +15,19 @@ struct StepSettings {
   double thickness = 0;  ///< Mesh units, >= 0. Closer than or equal to this is a collision.
   double tolerance = 0;  ///< Mesh units. How far beyond `thickness` a reported pair may be. 0: 2^-30 of the
                          ///< largest side of the box around everything during the step.
-  bool earliest_only = false;  ///< Report only the pair with the earliest time of impact (ties: smallest ids).
+  bool earliest_only =
+      false;  ///< Report only the pair with the earliest time of impact (ties: smallest ids).
 };
 
 /// Vertex and face, by the user's ids.
 struct VertexFaceCollision {
   Index vertex_object, vertex, face_object, face;
-  double toi;      ///< In [0,1] of the step. Proven free of contact before it.
-  Answer answer;   ///< Hit or Undecided.
+  double toi;     ///< In [0,1] of the step. Proven free of contact before it.
+  Answer answer;  ///< Hit or Undecided.
 };
 
-/// Two edges as vertex ids, the smaller first in each; within one object the lexicographically smaller edge is a.
+/// Two edges as vertex ids, the smaller first in each; within one object the lexicographically smaller edge
+/// is a.
 struct EdgeEdgeCollision {
   Index object_a;
   Edge a;
@@ -40,16 +42,16 @@ struct TriangleCrossing {
   Index object_a, triangle_a, object_b, triangle_b;
 };
 
-/// What a query did. Depends on input and settings only, never on the machine or the number of threads, except
-/// undecided with `earliest_only`.
+/// What a query did. Depends on input and settings only, never on the machine or the number of threads,
+/// except undecided with `earliest_only`.
 struct Work {
   std::uint64_t node_tests = 0;          ///< Pairs of nodes visited.
   std::uint64_t certificate_tests = 0;   ///< Certificates evaluated.
   std::uint64_t certificate_passes = 0;  ///< Certificates that proved their pair apart.
-  std::uint64_t leaf_pairs = 0;          ///< Pairs of leaves, a leaf with itself included, whose features are tested.
-  std::uint64_t candidates_vf = 0;       ///< Feature pairs passed to the narrow phase.
+  std::uint64_t leaf_pairs = 0;  ///< Pairs of leaves, a leaf with itself included, whose features are tested.
+  std::uint64_t candidates_vf = 0;  ///< Feature pairs passed to the narrow phase.
   std::uint64_t candidates_ee = 0;
-  std::uint64_t undecided = 0;           ///< Narrow-phase answers that count as hits without being shown to be one.
+  std::uint64_t undecided = 0;  ///< Narrow-phase answers that count as hits without being shown to be one.
 };
 
 /// Time of one query, in milliseconds. Traverse and narrow are summed over threads and scaled to the wall.
@@ -78,7 +80,8 @@ struct StaticResult {
   bool clean() const { return crossings.empty(); }
 };
 
-/// Positions of all objects at one time: one span of vertex_count x 3 row-major doubles per object, mesh units.
+/// Positions of all objects at one time: one span of vertex_count x 3 row-major doubles per object, mesh
+/// units.
 using Positions = std::span<const std::span<const double>>;
 
 /// Answers queries on a fixed set of objects. Owns the scratch, so a second step of the same size allocates
@@ -91,15 +94,16 @@ class StepChecker {
   StepChecker(StepChecker&&) noexcept;
   StepChecker& operator=(StepChecker&&) noexcept;
 
-  /// Every vertex-face and edge-edge pair without a common vertex that comes into contact while all vertices go
-  /// from x0 to x1 along straight lines. Soundness: no pair that touches is missing; a reported pair comes
+  /// Every vertex-face and edge-edge pair without a common vertex that comes into contact while all vertices
+  /// go from x0 to x1 along straight lines. Soundness: no pair that touches is missing; a reported pair comes
   /// within thickness + tolerance (docs/soundness.md). Error: wrong sizes, coordinates that are not finite.
   Result<void> check(Positions x0, Positions x1, const StepSettings& settings, StepResult& out);
 
-  /// Every pair of triangles that has a point in common beyond the vertices and edges they share, decided with
-  /// exact arithmetic. `thickness`, `tolerance` and `earliest_only` do not apply. Of two triangles with a common
-  /// edge: folded flat onto each other. With one common vertex: the side opposite to it meets the other triangle,
-  /// so that another vertex at the common vertex's place counts. The same triangle twice: when it has an area.
+  /// Every pair of triangles that has a point in common beyond the vertices and edges they share, decided
+  /// with exact arithmetic. `thickness`, `tolerance` and `earliest_only` do not apply. Of two triangles with
+  /// a common edge: folded flat onto each other. With one common vertex: the side opposite to it meets the
+  /// other triangle, so that another vertex at the common vertex's place counts. The same triangle twice:
+  /// when it has an area.
   Result<void> check_static(Positions x, const StepSettings& settings, StaticResult& out);
 
  private:

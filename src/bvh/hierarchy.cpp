@@ -9,10 +9,10 @@
 namespace foldproof {
 namespace {
 
-// Splits triangles into halves that are connected where the surface is: by the difference of the distances over the
-// surface from two far ends of the piece. Going towards the first end never raises that difference, so the part below
-// any threshold hangs together, and so does the rest; but for dead ends, all of one difference, that a threshold cuts:
-// what it cuts off goes to the other half.
+// Splits triangles into halves that are connected where the surface is: by the difference of the distances
+// over the surface from two far ends of the piece. Going towards the first end never raises that difference,
+// so the part below any threshold hangs together, and so does the rest; but for dead ends, all of one
+// difference, that a threshold cuts: what it cuts off goes to the other half.
 class Splitter {
  public:
   Splitter(const Topology& topology, std::span<const double> positions)
@@ -88,7 +88,8 @@ class Splitter {
     return queue_.size();
   }
 
-  // Moves what does not hang together with `first` in the left half, or with `second` in the right one, across.
+  // Moves what does not hang together with `first` in the left half, or with `second` in the right one,
+  // across.
   std::size_t exchange_fragments(std::span<Index> piece, std::size_t left, Index first, Index second) {
     round_ += 2;
     const std::uint32_t in_left = 2 * round_ - 2, in_right = 2 * round_;
@@ -99,11 +100,13 @@ class Splitter {
       if (mark_[t] == in_left) mark_[t] = in_right;
     }
     flood(second, in_right);
-    const auto middle = std::partition(piece.begin(), piece.end(), [&](Index t) { return mark_[t] != in_right + 1; });
+    const auto middle =
+        std::partition(piece.begin(), piece.end(), [&](Index t) { return mark_[t] != in_right + 1; });
     return static_cast<std::size_t>(middle - piece.begin());
   }
 
-  // Shortest paths from triangle to triangle, centre to centre over shared edges, from `start` to all of the piece.
+  // Shortest paths from triangle to triangle, centre to centre over shared edges, from `start` to all of the
+  // piece.
   void measure(std::span<const Index> piece, Index start) {
     const std::uint32_t inside = mark_[start];
     for (const Index t : piece) distance_[t] = std::numeric_limits<double>::max();
@@ -130,8 +133,8 @@ class Splitter {
     }
   }
 
-  // A piece of several components: they are kept whole where that balances, and stand sorted along the longest
-  // axis of their centres. The queue holds the first one already.
+  // A piece of several components: they are kept whole where that balances, and stand sorted along the
+  // longest axis of their centres. The queue holds the first one already.
   void order_components(std::span<Index> piece, std::size_t left) {
     struct Component {
       std::vector<Index> triangles;
@@ -184,12 +187,14 @@ class Splitter {
 
 Result<void> check_positions(const Topology& topology, std::span<const double> positions) {
   if (positions.size() != 3 * std::size_t{topology.vertex_count()}) {
-    return fail("positions", fmt::format("{} numbers for {} vertices", positions.size(), topology.vertex_count()),
+    return fail("positions",
+                fmt::format("{} numbers for {} vertices", positions.size(), topology.vertex_count()),
                 "give three coordinates per vertex");
   }
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (!std::isfinite(positions[i])) {
-      return fail(fmt::format("vertex {}", i / 3), "has a coordinate that is not finite", "repair the positions");
+      return fail(fmt::format("vertex {}", i / 3), "has a coordinate that is not finite",
+                  "repair the positions");
     }
   }
   return {};

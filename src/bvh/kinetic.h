@@ -1,5 +1,5 @@
-/// Kinetic boxes: boxes whose sides slide linearly during a step, so that they hold linearly moving vertices at
-/// every time (docs/soundness.md, Theorem 1). Single precision in a frame of the scene's own.
+/// Kinetic boxes: boxes whose sides slide linearly during a step, so that they hold linearly moving vertices
+/// at every time (docs/soundness.md, Theorem 1). Single precision in a frame of the scene's own.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,8 @@
 
 namespace foldproof {
 
-/// Where single-precision coordinates live: y = (x - center) * scale, with every |y| <= 1 and scale a power of two.
+/// Where single-precision coordinates live: y = (x - center) * scale, with every |y| <= 1 and scale a power
+/// of two.
 struct Frame {
   Vec3 center = Vec3::Zero();
   double scale = 1;
@@ -20,8 +21,8 @@ struct alignas(32) MovingVertex {
   float x[8];
 };
 
-/// Per end of the step: the lower corner and the negated upper corner, each padded with 0. The union of two boxes is
-/// then a minimum of sixteen floats, and a + swapped b > margin says that one side is apart.
+/// Per end of the step: the lower corner and the negated upper corner, each padded with 0. The union of two
+/// boxes is then a minimum of sixteen floats, and a + swapped b > margin says that one side is apart.
 struct alignas(64) KineticBox {
   float x[2][2][4];  // [end][lower, negated upper][axis]
 };
@@ -78,8 +79,9 @@ struct KineticTree {
   std::vector<LeafVertices> leaves_;  // spans into leaf_vertex_ids_
 };
 
-/// Two floats in the frame whose difference exceeds this belong to coordinates that differ by more than `distance`
-/// mesh units: covers the rounding into single precision and that of the difference (docs/soundness.md, B2).
+/// Two floats in the frame whose difference exceeds this belong to coordinates that differ by more than
+/// `distance` mesh units: covers the rounding into single precision and that of the difference
+/// (docs/soundness.md, B2).
 float separation_margin(const Frame& frame, double distance);
 
 }  // namespace foldproof

@@ -17,7 +17,9 @@ HWY_INLINE bool Apart(const KineticBox& a, const KineticBox& b, float margin) {
   const auto m = hn::Set(d, margin);
   bool apart = false;
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
-    const auto load = [&](const KineticBox& box, int end, int side) { return hn::Load(d, box.x[end][side] + lane); };
+    const auto load = [&](const KineticBox& box, int end, int side) {
+      return hn::Load(d, box.x[end][side] + lane);
+    };
     const auto above = hn::Min(hn::Add(load(b, 0, 0), load(a, 0, 1)), hn::Add(load(b, 1, 0), load(a, 1, 1)));
     const auto below = hn::Min(hn::Add(load(a, 0, 0), load(b, 0, 1)), hn::Add(load(a, 1, 0), load(b, 1, 1)));
     apart |= !hn::AllFalse(d, hn::Or(hn::Gt(above, m), hn::Gt(below, m)));
@@ -60,7 +62,8 @@ void DescendOnce(const Traversal& traversal, std::vector<NodePair>& front, std::
   front.swap(scratch);
 }
 
-void Traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack, TraversalResult& out) {
+void Traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack,
+              TraversalResult& out) {
   stack.assign(1, start);
   while (!stack.empty()) {
     const NodePair pair = stack.back();
@@ -124,8 +127,8 @@ HWY_INLINE void CopyLane(const BoxBlock& block, int lane, float (&one)[12]) {
 
 // All pairs of a feature of leaf `leaf_a` and one of leaf `leaf_b`; `box_b` holds the whole of leaf b.
 template <int NA, int NB>
-HWY_INLINE void TestFeatures(const FeatureBlocks<NA>& fa, Index leaf_a, const FeatureBlocks<NB>& fb, Index leaf_b,
-                             const KineticBox& box_b, const LeafTest& test,
+HWY_INLINE void TestFeatures(const FeatureBlocks<NA>& fa, Index leaf_a, const FeatureBlocks<NB>& fb,
+                             Index leaf_b, const KineticBox& box_b, const LeafTest& test,
                              std::vector<CandidateBuffer::Pair>& out) {
   float one[12];
   for (Index ia = fa.begin[leaf_a]; ia < fa.begin[leaf_a + 1]; ++ia) {
@@ -151,7 +154,8 @@ void FindCandidates(const Traversal& traversal, NodePair leaves, CandidateBuffer
   const KineticTree &a = *traversal.a, &b = *traversal.b;
   const KineticBox &box_a = a.boxes[a.leaf_node(leaves.a)], &box_b = b.boxes[b.leaf_node(leaves.b)];
   const bool same_object = &a == &b, same_leaf = same_object && leaves.a == leaves.b;
-  const LeafTest test{traversal.margin, same_object, false}, edge_test{traversal.margin, same_object, same_leaf};
+  const LeafTest test{traversal.margin, same_object, false},
+      edge_test{traversal.margin, same_object, same_leaf};
   TestFeatures(a.vertex_blocks, leaves.a, b.face_blocks, leaves.b, box_b, test, out.vertex_face);
   TestFeatures(a.edge_blocks, leaves.a, b.edge_blocks, leaves.b, box_b, edge_test, out.edge_edge);
   if (same_leaf) return;
@@ -165,7 +169,8 @@ void FindCandidates(const Traversal& traversal, NodePair leaves, CandidateBuffer
 void FindFacePairs(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
   const KineticTree &a = *traversal.a, &b = *traversal.b;
   const LeafTest test{traversal.margin, false, &a == &b && leaves.a == leaves.b};
-  TestFeatures(a.face_blocks, leaves.a, b.face_blocks, leaves.b, b.boxes[b.leaf_node(leaves.b)], test, out.face_face);
+  TestFeatures(a.face_blocks, leaves.a, b.face_blocks, leaves.b, b.boxes[b.leaf_node(leaves.b)], test,
+               out.face_face);
 }
 
 }  // namespace foldproof::HWY_NAMESPACE
@@ -184,7 +189,8 @@ void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std:
   HWY_DYNAMIC_DISPATCH(DescendOnce)(traversal, front, scratch, out);
 }
 
-void traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack, TraversalResult& out) {
+void traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack,
+              TraversalResult& out) {
   HWY_DYNAMIC_DISPATCH(Traverse)(traversal, start, stack, out);
 }
 

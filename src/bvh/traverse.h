@@ -22,24 +22,25 @@ struct TraversalResult {
   std::uint64_t node_tests = 0;
 };
 
-/// Replaces every pair in `front` by what lies one level below it; pairs that are apart vanish, pairs of leaves go
-/// to `out`. Used to cut the traversal into tasks. `scratch` is overwritten.
+/// Replaces every pair in `front` by what lies one level below it; pairs that are apart vanish, pairs of
+/// leaves go to `out`. Used to cut the traversal into tasks. `scratch` is overwritten.
 void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std::vector<NodePair>& scratch,
                   TraversalResult& out);
 
 /// Follows a pair down to the leaves. `stack` is scratch. Order of `out` depends on the input only.
 void traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack, TraversalResult& out);
 
-/// Feature pairs whose kinetic boxes are not apart, in leaf order of their objects. Vertex-face and edge-edge pairs
-/// that share a vertex are left out.
+/// Feature pairs whose kinetic boxes are not apart, in leaf order of their objects. Vertex-face and edge-edge
+/// pairs that share a vertex are left out.
 struct CandidateBuffer {
   struct Pair {
     Index a, b;
   };
   std::vector<Pair> vertex_face;  ///< Vertex of a, face of b.
-  std::vector<Pair> face_vertex;  ///< Face of a, vertex of b; empty within one object (all are in vertex_face).
-  std::vector<Pair> edge_edge;    ///< Edge of a, edge of b.
-  std::vector<Pair> face_face;    ///< Face of a, face of b; incident pairs included.
+  std::vector<Pair>
+      face_vertex;              ///< Face of a, vertex of b; empty within one object (all are in vertex_face).
+  std::vector<Pair> edge_edge;  ///< Edge of a, edge of b.
+  std::vector<Pair> face_face;  ///< Face of a, face of b; incident pairs included.
   void clear() {
     vertex_face.clear();
     face_face.clear();
@@ -48,8 +49,8 @@ struct CandidateBuffer {
   }
 };
 
-/// Tests vertices against faces and edges against edges of two leaves whose features have been filled, or of a leaf
-/// with itself.
+/// Tests vertices against faces and edges against edges of two leaves whose features have been filled, or of
+/// a leaf with itself.
 void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out);
 
 /// Tests faces against faces, for static queries.

@@ -1,7 +1,7 @@
 // Exact predicates: a rounding filter first, integers of any size where it cannot tell.
 
-#include <boost/multiprecision/cpp_int.hpp>
 #include <algorithm>
+#include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <limits>
 
@@ -41,7 +41,8 @@ std::array<Big, N> to_integers(const std::array<double, N>& values) {
 }
 
 int orient3d_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const auto v = to_integers<12>({a.x(), a.y(), a.z(), b.x(), b.y(), b.z(), c.x(), c.y(), c.z(), d.x(), d.y(), d.z()});
+  const auto v =
+      to_integers<12>({a.x(), a.y(), a.z(), b.x(), b.y(), b.z(), c.x(), c.y(), c.z(), d.x(), d.y(), d.z()});
   const Big ax = v[0] - v[9], ay = v[1] - v[10], az = v[2] - v[11];
   const Big bx = v[3] - v[9], by = v[4] - v[10], bz = v[5] - v[11];
   const Big cx = v[6] - v[9], cy = v[7] - v[10], cz = v[8] - v[11];
@@ -109,7 +110,8 @@ bool segments_meet_2d(const Vec2& p, const Vec2& q, const Vec2& r, const Vec2& s
 
 bool segments_meet(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
   if (orient3d(p, q, r, s) != 0) return false;
-  for (const auto& [a, b, c] : {std::array{p, q, r}, std::array{p, q, s}, std::array{r, s, p}, std::array{r, s, q}}) {
+  for (const auto& [a, b, c] :
+       {std::array{p, q, r}, std::array{p, q, s}, std::array{r, s, p}, std::array{r, s, q}}) {
     const int axis = flattening_axis(a, b, c);
     if (axis >= 0) return segments_meet_2d(drop(p, axis), drop(q, axis), drop(r, axis), drop(s, axis));
   }
@@ -136,7 +138,8 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 size = ad.cwiseAbs().cwiseMax(bd.cwiseAbs()).cwiseMax(cd.cwiseAbs());
   if (size.minCoeff() == 0) return 0;  // all four on a plane across an axis
   if (filter_applies(size.minCoeff(), size.maxCoeff())) {
-    const double det = ad.x() * (bd.y() * cd.z() - bd.z() * cd.y()) - ad.y() * (bd.x() * cd.z() - bd.z() * cd.x()) +
+    const double det = ad.x() * (bd.y() * cd.z() - bd.z() * cd.y()) -
+                       ad.y() * (bd.x() * cd.z() - bd.z() * cd.x()) +
                        ad.z() * (bd.x() * cd.y() - bd.y() * cd.x());
     const double error = 64 * 0x1p-53 * (size.x() * size.y() * size.z());  // docs/soundness.md, E1
     if (det > error) return 1;

@@ -6,27 +6,16 @@
 #include <cmath>
 #include <limits>
 
+#include "ccd/bounds.h"
 #include "ccd/patch.h"
 #include "foldproof/ccd.h"
 
 namespace foldproof {
 namespace {
 
-constexpr double kUnit = 0x1p-53;
-
-// N1: what the evaluated difference of two moving points, projected on a direction no longer than 1 + 4 units,
-// can be wrong by, per unit of the largest coordinate.
-constexpr double kDotError = 32 * kUnit;
-// N3: the same for a determinant of three differences, per unit of the product of the axes' largest coordinates.
-constexpr double kDetError = 256 * kUnit;
-constexpr double kDetUnderflow = 1e-300;
-// Resolution: tolerances below this many units of the extent are raised to it.
-constexpr double kResolution = 512 * kUnit;
-// Nor can distances be told apart among the last denormal numbers.
-constexpr double kLeastTolerance = 0x1p-1060;
-
-// The Minkowski difference of two features, moving: corner k goes from a[k] to e[k]. The features touch when the
-// origin lies in the convex hull of the corners: of 3 for vertex-face, of 4 for edge-edge (a parallelogram).
+// The Minkowski difference of two features, moving: corner k goes from a[k] to e[k]. The features touch when
+// the origin lies in the convex hull of the corners: of 3 for vertex-face, of 4 for edge-edge (a
+// parallelogram).
 struct MovingPatch {
   PatchCorners a, e;
   int corners;
@@ -58,6 +47,9 @@ MovingPatch make_patch(const FourPoints& x0, const FourPoints& x1, bool edge_edg
   return patch;
 }
 
+// In one stated order, which the batch keeps too.
+double dot(const Vec3& a, const Vec3& b) { return a.x() * b.x() + a.y() * b.y() + a.z() * b.z(); }
+
 // The signed volume that the origin spans with the first three corners, while they go from a to e: Bernstein
 // coefficients of a cubic over that interval.
 struct Volume {
@@ -67,10 +59,12 @@ struct Volume {
     const Vec3 aa = a[1].cross(a[2]);
     const Vec3 ae = a[1].cross(e[2]) + e[1].cross(a[2]);
     const Vec3 ee = e[1].cross(e[2]);
-    b = {a[0].dot(aa), (e[0].dot(aa) + a[0].dot(ae)) / 3, (e[0].dot(ae) + a[0].dot(ee)) / 3, e[0].dot(ee)};
+    b = {dot(a[0], aa), (dot(e[0], aa) + dot(a[0], ae)) / 3, (dot(e[0], ae) + dot(a[0], ee)) / 3,
+         dot(e[0], ee)};
   }
 
-  // N3. One strict sign throughout: the origin is never coplanar with the corners, so the features cannot touch.
+  // N3. One strict sign throughout: the origin is never coplanar with the corners, so the features cannot
+  // touch.
   bool keeps_sign(double error) const {
     return (b[0] > error && b[1] > error && b[2] > error && b[3] > error) ||
            (b[0] < -error && b[1] < -error && b[2] < -error && b[3] < -error);
@@ -81,10 +75,11 @@ double volume_error(const MovingPatch& patch) {
   return kDetError * (patch.size.x() * patch.size.y() * patch.size.z()) + kDetUnderflow;
 }
 
-// About where a cubic in Bernstein form first reaches zero on [0,1]; 1 when it does not seem to. Only a guess is
-// needed: whoever uses it proves what lies before.
+// About where a cubic in Bernstein form first reaches zero on [0,1]; 1 when it does not seem to. Only a guess
+// is needed: whoever uses it proves what lies before.
 double guess_first_zero(const std::array<double, 4>& b) {
-  const double c0 = b[0], c1 = 3 * (b[1] - b[0]), c2 = 3 * (b[2] - 2 * b[1] + b[0]), c3 = b[3] - 3 * (b[2] - b[1]) - b[0];
+  const double c0 = b[0], c1 = 3 * (b[1] - b[0]), c2 = 3 * (b[2] - 2 * b[1] + b[0]),
+               c3 = b[3] - 3 * (b[2] - b[1]) - b[0];
   const auto value = [&](double t) { return c0 + t * (c1 + t * (c2 + t * c3)); };
   // Between zeros of the derivative the cubic is monotone.
   std::array<double, 3> ends{1, 1, 1};
@@ -219,7 +214,7 @@ class March {
 
   const MovingPatch& patch_;
   const double thickness_;
-  const double apart_;   // a projection above this is proven to be above the thickness
+  const double apart_;  // a projection above this is proven to be above the thickness
   const double volume_error_;
   const double target_;  // where a plane's reach ends: short of `hit_`, so that the next look decides
   const double hit_;
@@ -230,7 +225,8 @@ class March {
   PatchCorners now_;
 };
 
-// A power of two that brings a pair out of the range where products overflow or underflow; 1 for ordinary sizes.
+// A power of two that brings a pair out of the range where products overflow or underflow; 1 for ordinary
+// sizes.
 double rescue_scale(const FourPoints& x0, const FourPoints& x1, double thickness) {
   double size = thickness;
   for (int i = 0; i < 4; ++i) {
@@ -242,7 +238,6 @@ double rescue_scale(const FourPoints& x0, const FourPoints& x1, double thickness
 }
 
 CcdResult patch_ccd(const FourPoints& x0, const FourPoints& x1, bool edge_edge, const CcdSettings& settings) {
-  constexpr double kLarge = 1e30, kSmall = 1e-30;
   double scale = 1;
   MovingPatch patch = make_patch(x0, x1, edge_edge, scale);
   const double size = std::max(patch.extent, settings.thickness);
@@ -262,9 +257,10 @@ CcdResult patch_ccd(const FourPoints& x0, const FourPoints& x1, bool edge_edge, 
     }
   }
   const double thickness = settings.thickness * scale;
-  const double tolerance =
-      std::max(std::max(settings.tolerance, kLeastTolerance) * scale, kResolution * std::max(patch.extent, thickness));
-  if (thickness == 0 && Volume(patch.a, patch.e).keeps_sign(volume_error(patch))) return {Answer::Separated, 1};
+  const double tolerance = std::max(std::max(settings.tolerance, kLeastTolerance) * scale,
+                                    kResolution * std::max(patch.extent, thickness));
+  if (thickness == 0 && Volume(patch.a, patch.e).keeps_sign(volume_error(patch)))
+    return {Answer::Separated, 1};
   return March(patch, thickness, tolerance).run(settings.latest, settings.max_iterations);
 }
 

@@ -24,8 +24,8 @@ struct BorderPoint {
     if (candidate2 < distance2) *this = {candidate, candidate2, &from, &to, s == 0 || s == 1};
   }
 
-  // Inside a side, the difference of nearly equal vectors would leave `point` with a wild direction; made from the
-  // side itself, the direction is across it to the last digits.
+  // Inside a side, the difference of nearly equal vectors would leave `point` with a wild direction; made
+  // from the side itself, the direction is across it to the last digits.
   Vec3 direction() const {
     const Vec3 side = (*q - *p).normalized();
     const Vec3 along = at_corner ? point : Vec3(side.cross(p->cross(side)));

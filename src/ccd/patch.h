@@ -19,9 +19,9 @@ inline PatchCorners edge_edge_corners(const FourPoints& x, double scale) {
 }
 
 struct PatchClosest {
-  double distance;   ///< Length of `difference`.
-  Vec3 difference;   ///< A point of the patch, nearest to the origin as far as doubles can tell.
-  Vec3 normal;       ///< Direction, of length one, along which the patch lies farthest from the origin (N6).
+  double distance;  ///< Length of `difference`.
+  Vec3 difference;  ///< A point of the patch, nearest to the origin as far as doubles can tell.
+  Vec3 normal;      ///< Direction, of length one, along which the patch lies farthest from the origin (N6).
 };
 
 /// `corners` is 3 or 4.

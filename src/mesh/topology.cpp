@@ -39,8 +39,9 @@ Result<Topology> Topology::make(Index vertex_count, std::vector<Triangle> triang
     for (int k = 0; k < 3; ++k) {
       const Index a = t[k], b = t[(k + 1) % 3];
       const Edge edge{std::min(a, b), std::max(a, b)};
-      ids[k] = a == b ? kNoIndex
-                      : static_cast<Index>(std::lower_bound(edges.begin(), edges.end(), edge) - edges.begin());
+      ids[k] = a == b
+                   ? kNoIndex
+                   : static_cast<Index>(std::lower_bound(edges.begin(), edges.end(), edge) - edges.begin());
     }
     mesh.triangle_edges_.push_back(ids);
   }

@@ -127,12 +127,14 @@ void Scene::traverse(const StepSettings& settings, double distance, Work& work) 
   start_tasks(settings, separation_margin(frame_, distance), work);
   tbb::parallel_for(std::size_t{0}, task_count_, [&](std::size_t k) {
     TraversalTask& task = tasks_[k];
-    if (task.start.a != kNoIndex) foldproof::traverse(task.traversal, task.start, stacks_.local(), task.found);
+    if (task.start.a != kNoIndex)
+      foldproof::traverse(task.traversal, task.start, stacks_.local(), task.found);
   });
   leaf_pairs_.clear();
   for (std::size_t k = 0; k < task_count_; ++k) {
     work.node_tests += tasks_[k].found.node_tests;
-    for (const NodePair leaves : tasks_[k].found.leaf_pairs) leaf_pairs_.push_back({static_cast<Index>(k), leaves});
+    for (const NodePair leaves : tasks_[k].found.leaf_pairs)
+      leaf_pairs_.push_back({static_cast<Index>(k), leaves});
   }
   work.leaf_pairs += leaf_pairs_.size();
   fill_features();

@@ -35,9 +35,10 @@ bool neighbours_cross(const Pose& pose, Index object, const Triangle& s, const T
   // The same triangle twice covers itself; one that names a vertex twice is a side or corner of the other.
   if (rest_s == 0 && rest_t == 0) return triangle_has_area(p(s[0]), p(s[1]), p(s[2]));
   if (rest_s == 0 || rest_t == 0) return false;
-  if (rest_s == 1 && rest_t == 1) return triangles_fold(p(shared[0]), p(shared[1]), p(only_s[0]), p(only_t[0]));
-  // One common vertex: they meet elsewhere only where the opposite side of one meets the other. A triangle that
-  // names a vertex twice has one far vertex, and its far side is that point.
+  if (rest_s == 1 && rest_t == 1)
+    return triangles_fold(p(shared[0]), p(shared[1]), p(only_s[0]), p(only_t[0]));
+  // One common vertex: they meet elsewhere only where the opposite side of one meets the other. A triangle
+  // that names a vertex twice has one far vertex, and its far side is that point.
   const auto far_side = [&](const std::array<Index, 3>& only, int count) {
     return std::array<Vec3, 2>{p(only[0]), p(only[count - 1])};
   };
@@ -91,12 +92,13 @@ Result<void> StepChecker::check_static(Positions x, const StepSettings& settings
       found.clear();
     }
   });
-  std::sort(out.crossings.begin(), out.crossings.end(), [](const TriangleCrossing& a, const TriangleCrossing& b) {
-    const auto key = [](const TriangleCrossing& c) {
-      return std::tuple(c.object_a, c.triangle_a, c.object_b, c.triangle_b);
-    };
-    return key(a) < key(b);
-  });
+  std::sort(out.crossings.begin(), out.crossings.end(),
+            [](const TriangleCrossing& a, const TriangleCrossing& b) {
+              const auto key = [](const TriangleCrossing& c) {
+                return std::tuple(c.object_a, c.triangle_a, c.object_b, c.triangle_b);
+              };
+              return key(a) < key(b);
+            });
   out.milliseconds.narrow = watch.lap();
   out.milliseconds.total = total.lap();
   return {};

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <tuple>
 
+#include "ccd/batch.h"
 #include "query/checker.h"
 
 namespace foldproof {
 namespace {
 
-auto key(const VertexFaceCollision& c) { return std::tuple(c.vertex_object, c.vertex, c.face_object, c.face); }
+auto key(const VertexFaceCollision& c) {
+  return std::tuple(c.vertex_object, c.vertex, c.face_object, c.face);
+}
 auto key(const EdgeEdgeCollision& c) { return std::tuple(c.object_a, c.a, c.object_b, c.b); }
 
 // What the narrow phase needs to know about the step.
@@ -34,39 +37,96 @@ CcdSettings settings_now(const Step& step) {
   return ccd;
 }
 
-void test_vertex_face(const Step& step, Index vertex_object, Index vertex, Index face_object, Index face, Chunk& out) {
-  const Index v = step.scene.hierarchy(vertex_object).vertex_ids()[vertex];
-  const Index f = step.scene.hierarchy(face_object).triangle_ids()[face];
-  const Triangle& t = step.scene.hierarchy(face_object).topology().triangles()[f];
-  const auto points = [&](Positions x) {
-    const auto of_face = x[face_object];
-    return FourPoints{position(x[vertex_object], v), position(of_face, t[0]), position(of_face, t[1]), position(of_face, t[2])};
-  };
-  const CcdResult result = vertex_face_ccd(points(step.x0), points(step.x1), settings_now(step));
-  if (result.answer == Answer::Separated) return;
-  if (step.earliest != nullptr) note_earliest(step, result.toi);
-  out.undecided += result.answer == Answer::Undecided;
-  out.vertex_face.push_back({vertex_object, v, face_object, f, result.toi, result.answer});
+FourPoints vertex_face_points(Positions x, const VertexFaceCollision& pair, const Triangle& t) {
+  const auto face = x[pair.face_object];
+  return {position(x[pair.vertex_object], pair.vertex), position(face, t[0]), position(face, t[1]),
+          position(face, t[2])};
 }
 
-void test_edge_edge(const Step& step, Index object_a, Index place_a, Index object_b, Index place_b, Chunk& out) {
+FourPoints edge_edge_points(Positions x, const EdgeEdgeCollision& pair) {
+  const auto a = x[pair.object_a], b = x[pair.object_b];
+  return {position(a, pair.a[0]), position(a, pair.a[1]), position(b, pair.b[0]), position(b, pair.b[1])};
+}
+
+VertexFaceCollision vertex_face_pair(const Step& step, Index vertex_object, Index vertex, Index face_object,
+                                     Index face) {
+  return {vertex_object,
+          step.scene.hierarchy(vertex_object).vertex_ids()[vertex],
+          face_object,
+          step.scene.hierarchy(face_object).triangle_ids()[face],
+          1,
+          Answer::Separated};
+}
+
+EdgeEdgeCollision edge_edge_pair(const Step& step, Index object_a, Index place_a, Index object_b,
+                                 Index place_b) {
   const auto edge_of = [&](Index object, Index place) {
     const Hierarchy& h = step.scene.hierarchy(object);
     return h.topology().edges()[h.edge_ids()[place]];
   };
-  Edge a = edge_of(object_a, place_a), b = edge_of(object_b, place_b);
+  EdgeEdgeCollision pair{object_a, edge_of(object_a, place_a), object_b, edge_of(object_b, place_b),
+                         1,        Answer::Separated};
   // One order of the two, whatever the hierarchy: the answer to a pair is then a property of the pair.
-  if (object_a == object_b && b < a) std::swap(a, b);
-  const auto points = [&](Positions x) {
-    const auto xa = x[object_a], xb = x[object_b];
-    return FourPoints{position(xa, a[0]), position(xa, a[1]), position(xb, b[0]), position(xb, b[1])};
-  };
-  const CcdResult result = edge_edge_ccd(points(step.x0), points(step.x1), settings_now(step));
-  if (result.answer == Answer::Separated) return;
-  if (step.earliest != nullptr) note_earliest(step, result.toi);
-  out.undecided += result.answer == Answer::Undecided;
-  out.edge_edge.push_back({object_a, a, object_b, b, result.toi, result.answer});
+  if (object_a == object_b && pair.b < pair.a) std::swap(pair.a, pair.b);
+  return pair;
 }
+
+// Collects pairs of one kind until there are eight, drops those that the first test proves apart, and follows
+// the rest.
+template <class Pair>
+class Narrow {
+ public:
+  Narrow(const Step& step, std::vector<Pair>& hits, std::uint64_t& undecided)
+      : step_(step), hits_(hits), undecided_(undecided) {}
+
+  void add(const Pair& pair) {
+    pairs_[count_] = pair;
+    x0_[count_] = points(step_.x0, pair);
+    x1_[count_] = points(step_.x1, pair);
+    if (++count_ == 8) flush();
+  }
+
+  void flush() {
+    unsigned left = (1u << count_) - 1;
+    if (step_.ccd.thickness == 0 && count_ > 0) {
+      for (int lane = 0; lane < 8; ++lane) batch_.set(lane, x0_[lane % count_], x1_[lane % count_]);
+      left &= ~never_coplanar(batch_, kEdgeEdge);
+    }
+    for (; left != 0; left &= left - 1) follow(__builtin_ctz(left));
+    count_ = 0;
+  }
+
+ private:
+  static constexpr bool kEdgeEdge = std::is_same_v<Pair, EdgeEdgeCollision>;
+
+  FourPoints points(Positions x, const Pair& pair) const {
+    if constexpr (kEdgeEdge) {
+      return edge_edge_points(x, pair);
+    } else {
+      return vertex_face_points(x, pair,
+                                step_.scene.hierarchy(pair.face_object).topology().triangles()[pair.face]);
+    }
+  }
+
+  void follow(int lane) {
+    const auto ccd = kEdgeEdge ? edge_edge_ccd : vertex_face_ccd;
+    const CcdResult result = ccd(x0_[lane], x1_[lane], settings_now(step_));
+    if (result.answer == Answer::Separated) return;
+    if (step_.earliest != nullptr) note_earliest(step_, result.toi);
+    undecided_ += result.answer == Answer::Undecided;
+    Pair& hit = hits_.emplace_back(pairs_[lane]);
+    hit.toi = result.toi;
+    hit.answer = result.answer;
+  }
+
+  const Step& step_;
+  std::vector<Pair>& hits_;
+  std::uint64_t& undecided_;
+  int count_ = 0;
+  std::array<Pair, 8> pairs_;
+  std::array<FourPoints, 8> x0_, x1_;
+  PairBatch batch_;
+};
 
 void gather(const Scene& scene, Chunk& chunk) {
   chunk.candidates.clear();
@@ -79,6 +139,8 @@ void gather(const Scene& scene, Chunk& chunk) {
 }
 
 void narrow(const Step& step, Chunk& chunk) {
+  Narrow<VertexFaceCollision> vertex_face(step, chunk.vertex_face, chunk.undecided);
+  Narrow<EdgeEdgeCollision> edge_edge(step, chunk.edge_edge, chunk.undecided);
   Chunk::Ends done{0, 0, 0};
   for (std::size_t i = 0; i < chunk.pairs.size(); ++i) {
     const TraversalTask& task = step.scene.task(chunk.pairs[i].task);
@@ -86,17 +148,19 @@ void narrow(const Step& step, Chunk& chunk) {
     const CandidateBuffer& c = chunk.candidates;
     for (; done.vertex_face < chunk.ends[i].vertex_face; ++done.vertex_face) {
       const auto pair = c.vertex_face[done.vertex_face];
-      test_vertex_face(step, a, pair.a, b, pair.b, chunk);
+      vertex_face.add(vertex_face_pair(step, a, pair.a, b, pair.b));
     }
     for (; done.face_vertex < chunk.ends[i].face_vertex; ++done.face_vertex) {
       const auto pair = c.face_vertex[done.face_vertex];
-      test_vertex_face(step, b, pair.b, a, pair.a, chunk);
+      vertex_face.add(vertex_face_pair(step, b, pair.b, a, pair.a));
     }
     for (; done.edge_edge < chunk.ends[i].edge_edge; ++done.edge_edge) {
       const auto pair = c.edge_edge[done.edge_edge];
-      test_edge_edge(step, a, pair.a, b, pair.b, chunk);
+      edge_edge.add(edge_edge_pair(step, a, pair.a, b, pair.b));
     }
   }
+  vertex_face.flush();
+  edge_edge.flush();
 }
 
 // Sorts by ids, so that neither the hierarchy nor the threads show in the answer.
@@ -151,8 +215,10 @@ void test_round(const Step& step, std::span<Chunk> chunks, Stopwatch& watch, Ste
 }
 
 Result<void> check_settings(const StepSettings& settings) {
-  for (const auto& [name, value] : {std::pair("thickness", settings.thickness), std::pair("tolerance", settings.tolerance)}) {
-    if (!(value >= 0) || !std::isfinite(value)) return fail(name, "is not a length", "give a number of at least 0");
+  for (const auto& [name, value] :
+       {std::pair("thickness", settings.thickness), std::pair("tolerance", settings.tolerance)}) {
+    if (!(value >= 0) || !std::isfinite(value))
+      return fail(name, "is not a length", "give a number of at least 0");
   }
   return {};
 }
@@ -188,7 +254,8 @@ Result<void> StepChecker::check(Positions x0, Positions x1, const StepSettings& 
   Step step{scene, x0, x1, {}, settings.earliest_only ? &earliest : nullptr};
   step.ccd.thickness = settings.thickness;
   step.ccd.tolerance = out.tolerance;
-  impl_->in_rounds([&](std::size_t count) { test_round(step, std::span(impl_->chunks).first(count), watch, out); });
+  impl_->in_rounds(
+      [&](std::size_t count) { test_round(step, std::span(impl_->chunks).first(count), watch, out); });
   finish(settings, out);
   out.milliseconds.narrow += watch.lap();
   out.milliseconds.total = total.lap();

@@ -18,7 +18,8 @@ struct Moving {
   std::vector<double> x0, x1;
 };
 
-Moving moving(const Mesh& mesh, double amount, std::uint32_t seed, Index leaf_triangles, const Frame& frame = {}) {
+Moving moving(const Mesh& mesh, double amount, std::uint32_t seed, Index leaf_triangles,
+              const Frame& frame = {}) {
   auto hierarchy = Hierarchy::build(mesh.topology, mesh.positions, {leaf_triangles});
   Moving m{KineticTree(std::make_shared<Hierarchy>(std::move(*hierarchy))), mesh.positions,
            testing::shaken(mesh.positions, amount, seed)};
@@ -29,7 +30,8 @@ Moving moving(const Mesh& mesh, double amount, std::uint32_t seed, Index leaf_tr
 
 using Ids = std::vector<Index>;
 
-// The gap that kinetic boxes see, computed plainly in double: the largest over the six sides of the smaller end.
+// The gap that kinetic boxes see, computed plainly in double: the largest over the six sides of the smaller
+// end.
 double plain_gap(const Moving& a, const Ids& feature_a, const Moving& b, const Ids& feature_b) {
   double best = -1e300;
   for (int axis = 0; axis < 3; ++axis) {
@@ -60,8 +62,11 @@ bool share(const Ids& a, const Ids& b) {
 std::vector<Ids> features(const Moving& m, int corners) {
   std::vector<Ids> all;
   const Hierarchy& h = *m.tree.hierarchy;
-  if (corners == 1) for (const Index v : h.vertex_ids()) all.push_back({v});
-  if (corners == 2) for (const Index e : h.edge_ids()) all.push_back({h.topology().edges()[e][0], h.topology().edges()[e][1]});
+  if (corners == 1)
+    for (const Index v : h.vertex_ids()) all.push_back({v});
+  if (corners == 2)
+    for (const Index e : h.edge_ids())
+      all.push_back({h.topology().edges()[e][0], h.topology().edges()[e][1]});
   if (corners == 3) {
     for (const Index t : h.triangle_ids()) {
       const Triangle& v = h.topology().triangles()[t];
@@ -82,7 +87,8 @@ CandidateBuffer all_candidates(const Moving& a, const Moving& b, float margin) {
   return found;
 }
 
-// Every pair whose gap is below the distance is found, exactly once; none that is clearly farther; none incident.
+// Every pair whose gap is below the distance is found, exactly once; none that is clearly farther; none
+// incident.
 void expect_complete(const Moving& a, const Moving& b, int corners_a, int corners_b, double distance,
                      const std::vector<CandidateBuffer::Pair>& found) {
   const bool same = &a == &b;

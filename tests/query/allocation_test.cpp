@@ -32,8 +32,8 @@ void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::fre
 namespace foldproof {
 namespace {
 
-// A strip that rolls up: it passes through itself, so that all stages have work. (Static queries allocate where exact
-// integers decide.)
+// A strip that rolls up: it passes through itself, so that all stages have work. (Static queries allocate
+// where exact integers decide.)
 std::vector<double> strip(int length, double turn) {
   std::vector<double> x;
   for (int i = 0; i <= length; ++i) {
