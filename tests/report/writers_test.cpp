@@ -78,8 +78,9 @@ TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
 }
 
 TEST(JsonReport, ListsPairsOnlyWhenAsked) {
-  for (const json& step : json_of(list(needle(kSinking)), {}, false)["steps"])
-    EXPECT_FALSE(step.contains("pairs"));
+  const json report = json_of(list(needle(kSinking)), {}, false);
+  ASSERT_EQ(report["steps"].size(), 4u);
+  for (const json& step : report["steps"]) EXPECT_FALSE(step.contains("pairs"));
 }
 
 TEST(JsonReport, ACleanCheckHasNoEarliestAndNoWorst) {
