@@ -18,8 +18,9 @@ class Motion {
   virtual const Topology& topology() const = 0;
   /// At least 1.
   virtual Index frame_count() const = 0;
-  /// Fills `out` (vertex_count x 3, row-major, mesh units) with frame `k` < frame_count(). Any order, any number
-  /// of times. Error: the file changed or is bad at this frame (topology, NaN, truncation). Not thread-safe.
+  /// Fills `out` (vertex_count x 3, row-major, mesh units) with frame `k` < frame_count(). Any order, any
+  /// number of times. Error: the file changed or is bad at this frame (topology, NaN, truncation). Not
+  /// thread-safe.
   virtual Result<void> read_frame(Index k, std::span<double> out) = 0;
 };
 
@@ -28,14 +29,15 @@ struct ReadOptions {
   bool weld = false;  ///< Merge vertices that have exactly equal coordinates in the first frame.
 };
 
-/// Opens what a command line names. An OBJ, OFF or PLY file followed by its .pc2 or .mdd is one motion; every other
-/// argument is a motion of its own: a mesh file (one frame), a directory or quoted glob of mesh files (a frame each,
-/// natural order), a .gltf, .glb or .npz file.
+/// Opens what a command line names. An OBJ, OFF or PLY file followed by its .pc2 or .mdd is one motion; every
+/// other argument is a motion of its own: a mesh file (one frame), a directory or quoted glob of mesh files
+/// (a frame each, natural order), a .gltf, .glb or .npz file.
 Result<std::vector<std::unique_ptr<Motion>>> open_motions(std::span<const std::string> arguments,
                                                           const ReadOptions& options = {});
 
 /// A motion that is already in memory: `frames`, each vertex_count x 3.
-std::unique_ptr<Motion> memory_motion(std::string name, Topology topology, std::vector<std::vector<double>> frames);
+std::unique_ptr<Motion> memory_motion(std::string name, Topology topology,
+                                      std::vector<std::vector<double>> frames);
 
 /// A file that appears under its name only when `commit` is called; otherwise nothing is left behind.
 /// The temporary stands beside the target, so the final rename is atomic.
@@ -46,7 +48,9 @@ class FileWriter {
   FileWriter& operator=(FileWriter&&) noexcept;
   ~FileWriter();
   Result<void> write(std::span<const char> bytes);
-  Result<void> write(const std::string& text) { return write(std::span<const char>(text.data(), text.size())); }
+  Result<void> write(const std::string& text) {
+    return write(std::span<const char>(text.data(), text.size()));
+  }
   /// Replaces bytes that have been written already. Error: the target is a pipe or a terminal.
   Result<void> rewrite(std::uint64_t offset, std::span<const char> bytes);
   Result<void> commit();
