@@ -1,4 +1,5 @@
-// A second step of the same size allocates nothing. This file replaces operator new for its whole program.
+// A second step of the same size allocates nothing. This file replaces operator new, so it is a
+// program of its own.
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -24,6 +25,9 @@ void* count_and_allocate(std::size_t size, std::size_t alignment) {
 
 void* operator new(std::size_t size) { return count_and_allocate(size, alignof(std::max_align_t)); }
 void* operator new(std::size_t size, std::align_val_t a) { return count_and_allocate(size, std::size_t(a)); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return count_and_allocate(size, alignof(std::max_align_t));
+}
 void operator delete(void* p) noexcept { std::free(p); }
 void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
