@@ -54,7 +54,7 @@ struct Work {
   std::uint64_t undecided = 0;  ///< Narrow-phase answers that count as hits without being shown to be one.
 };
 
-/// Time of one query, in milliseconds. Traverse and narrow are summed over threads and scaled to the wall.
+/// Wall time of one query and of its stages, in milliseconds.
 struct StageTimes {
   double total = 0, update = 0, traverse = 0, narrow = 0;
 };

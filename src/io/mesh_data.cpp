@@ -7,6 +7,26 @@
 #include "io/readers.h"
 
 namespace foldproof::io {
+namespace {
+
+// Error when the mesh is empty or too large to be numbered.
+Result<void> check_mesh(const std::string& path, const MeshData& mesh) {
+  if (mesh.positions.size() / 3 > kMaxVertices || mesh.triangles.size() > kMaxTriangles) {
+    return fail(path, fmt::format("has more than {} vertices or {} triangles", kMaxVertices, kMaxTriangles),
+                "split the mesh");
+  }
+  if (mesh.positions.empty()) return fail(path, "has no vertices", "export the mesh again");
+  if (mesh.triangles.empty()) return fail(path, "has no faces", "export the mesh with its faces");
+  return {};
+}
+
+Result<MeshData> parse(const std::string& path, std::string_view bytes, MeshFormat format) {
+  if (format == MeshFormat::Obj) return parse_obj(path, bytes);
+  if (format == MeshFormat::Off) return parse_off(path, bytes);
+  return parse_ply(path, bytes);
+}
+
+}  // namespace
 
 void MeshData::add_polygon(std::span<const Index> polygon) {
   if (polygon.size() > 3 && faces.empty()) {
@@ -25,19 +45,10 @@ Result<MeshData> read_mesh(const std::string& path, MeshFormat format) {
   auto file = read_file(path);
   if (!file) return tl::unexpected(file.error());
   const std::string_view bytes(file->data(), file->size());
-  if (format == MeshFormat::Obj) return parse_obj(path, bytes);
-  if (format == MeshFormat::Off) return parse_off(path, bytes);
-  return parse_ply(path, bytes);
-}
-
-Result<void> check_mesh(const std::string& path, const MeshData& mesh) {
-  if (mesh.positions.size() / 3 > kMaxVertices || mesh.triangles.size() > kMaxTriangles) {
-    return fail(path, fmt::format("has more than {} vertices or {} triangles", kMaxVertices, kMaxTriangles),
-                "split the mesh");
-  }
-  if (mesh.positions.empty()) return fail(path, "has no vertices", "export the mesh again");
-  if (mesh.triangles.empty()) return fail(path, "has no faces", "export the mesh with its faces");
-  return {};
+  auto mesh = parse(path, bytes, format);
+  if (!mesh) return mesh;
+  if (auto checked = check_mesh(path, *mesh); !checked) return tl::unexpected(checked.error());
+  return mesh;
 }
 
 Result<void> check_finite(const std::string& where, std::span<const double> positions) {

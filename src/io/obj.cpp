@@ -93,10 +93,7 @@ class ObjParser {
 }  // namespace
 
 Result<MeshData> parse_obj(const std::string& path, std::string_view bytes) {
-  auto mesh = ObjParser(path, bytes).parse();
-  if (!mesh) return mesh;
-  if (auto checked = check_mesh(path, *mesh); !checked) return tl::unexpected(checked.error());
-  return mesh;
+  return ObjParser(path, bytes).parse();
 }
 
 }  // namespace foldproof::io

@@ -121,10 +121,7 @@ class OffParser {
 }  // namespace
 
 Result<MeshData> parse_off(const std::string& path, std::string_view bytes) {
-  auto mesh = OffParser(path, bytes).parse();
-  if (!mesh) return mesh;
-  if (auto checked = check_mesh(path, *mesh); !checked) return tl::unexpected(checked.error());
-  return mesh;
+  return OffParser(path, bytes).parse();
 }
 
 }  // namespace foldproof::io

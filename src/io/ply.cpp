@@ -373,12 +373,9 @@ Result<MeshData> parse_ply(const std::string& path, std::string_view bytes) {
   if (header->vertices > kMaxVertices) {
     return fail(path, fmt::format("header announces {} vertices", header->vertices), "split the mesh");
   }
-  auto mesh = header->encoding == Encoding::Ascii
-                  ? BodyParser(path, *header, AsciiSource(path, bytes, *header)).parse()
-                  : BodyParser(path, *header, BinarySource(path, bytes, *header)).parse();
-  if (!mesh) return mesh;
-  if (auto checked = check_mesh(path, *mesh); !checked) return tl::unexpected(checked.error());
-  return mesh;
+  return header->encoding == Encoding::Ascii
+             ? BodyParser(path, *header, AsciiSource(path, bytes, *header)).parse()
+             : BodyParser(path, *header, BinarySource(path, bytes, *header)).parse();
 }
 
 }  // namespace foldproof::io

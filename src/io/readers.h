@@ -30,15 +30,15 @@ inline constexpr std::uint64_t kMaxTriangles = kNoIndex / 3 - 1;
 /// Mesh files that a frame may be.
 enum class MeshFormat : std::uint8_t { Obj, Off, Ply };
 
-/// Parses the bytes of a mesh file; `path` is for errors. On success there are vertices and triangles, every
-/// index is in range and every coordinate is finite.
+/// Parses the bytes of a mesh file; `path` is for errors. On success every index is in range and every
+/// coordinate is finite; the mesh may be empty.
 Result<MeshData> parse_obj(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_off(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_ply(const std::string& path, std::string_view bytes);
+/// Reads and parses a mesh file. On success there are vertices and triangles besides, few enough to be
+/// numbered.
 Result<MeshData> read_mesh(const std::string& path, MeshFormat format);
 
-/// Error when the mesh is empty or too large to be numbered.
-Result<void> check_mesh(const std::string& path, const MeshData& mesh);
 /// Error at the first coordinate that is not finite: "<where>, vertex 7".
 Result<void> check_finite(const std::string& where, std::span<const double> positions);
 /// Error when a caller asks for a frame that is not there or gives a buffer of the wrong size.

@@ -26,10 +26,9 @@ class Scene {
  public:
   explicit Scene(std::vector<std::shared_ptr<const Hierarchy>> objects);
 
-  Index object_count() const { return static_cast<Index>(trees_.size()); }
   const Hierarchy& hierarchy(Index object) const { return *trees_[object].hierarchy; }
 
-  /// Checks sizes and numbers, then refits every object. After it `frame` and `largest_side` are valid.
+  /// Checks sizes and numbers, then refits every object. After it `largest_side` is valid.
   Result<void> update(Positions x0, Positions x1);
 
   /// Finds the pairs of leaves that come closer than `distance` and fills their features.
