@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "foldproof/bvh.h"
 #include "foldproof/ccd.h"
+#include "foldproof/certificate.h"
 
 namespace foldproof {
 
@@ -15,6 +15,7 @@ struct StepSettings {
   double thickness = 0;  ///< Mesh units, >= 0. Closer than or equal to this is a collision.
   double tolerance = 0;  ///< Mesh units. How far beyond `thickness` a reported pair may be. 0: 2^-30 of the
                          ///< largest side of the box around everything during the step.
+  bool certificates = true;  ///< Leave out what certificates prove. Never changes the answer, only the work.
   bool earliest_only =
       false;  ///< Report only the pair with the earliest time of impact (ties: smallest ids).
 };
@@ -89,7 +90,10 @@ using Positions = std::span<const std::span<const double>>;
 /// tbb::global_control or a task arena of your own.
 class StepChecker {
  public:
-  explicit StepChecker(std::vector<std::shared_ptr<const Hierarchy>> objects);
+  /// `charts`: trained charts for each object, null where there are none; or empty. Their hierarchies are the
+  /// objects'.
+  explicit StepChecker(std::vector<std::shared_ptr<const Hierarchy>> objects,
+                       std::vector<std::shared_ptr<const ChartLibrary>> charts = {});
   ~StepChecker();
   StepChecker(StepChecker&&) noexcept;
   StepChecker& operator=(StepChecker&&) noexcept;

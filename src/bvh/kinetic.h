@@ -65,6 +65,8 @@ struct KineticTree {
   /// Fills the feature boxes of one leaf. Different leaves may be filled by different threads.
   void fill_features(Index leaf);
   Index leaf_node(Index leaf) const { return leaves_[leaf].node; }
+  /// Every vertex of a leaf's triangles, in leaf order.
+  std::span<const Index> leaf_vertices(Index leaf) const { return leaves_[leaf].vertices; }
 
   std::shared_ptr<const Hierarchy> hierarchy;
   std::vector<MovingVertex> vertices;  ///< Leaf order.

@@ -56,14 +56,16 @@ Frame frame_around(const Bounds& b, double& largest_side) {
 
 }  // namespace
 
-Scene::Scene(std::vector<std::shared_ptr<const Hierarchy>> objects) {
-  for (auto& hierarchy : objects) {
-    leaf_needed_.emplace_back(hierarchy->leaf_count(), std::uint8_t{0});
-    trees_.emplace_back(std::move(hierarchy));
+Scene::Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
+             std::vector<std::shared_ptr<const ChartLibrary>> charts) {
+  charts.resize(objects.size());
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    leaf_needed_.emplace_back(objects[i]->leaf_count(), std::uint8_t{0});
+    const auto slots = charts[i] ? charts[i]->slots() : std::make_shared<const PatchSlots>(objects[i]);
+    books_.push_back(std::make_unique<ChartBook>(slots, std::move(charts[i])));
+    leaf_proofs_.emplace_back(objects[i]->leaf_count());
+    trees_.emplace_back(std::move(objects[i]));
   }
-  // Their contents are swapped, so both must have the room from the start.
-  front_.reserve(3 * kEnoughTasks);
-  below_.reserve(3 * kEnoughTasks);
 }
 
 Result<void> Scene::update(Positions x0, Positions x1) {
@@ -90,45 +92,99 @@ Result<void> Scene::update(Positions x0, Positions x1) {
   return {};
 }
 
-void Scene::start_tasks(const StepSettings& settings, float margin, Work& work) {
-  task_count_ = 0;
-  const auto add = [&](const TraversalTask& like, NodePair start) -> TraversalTask& {
-    if (task_count_ == tasks_.size()) tasks_.emplace_back();
-    TraversalTask& task = tasks_[task_count_++];
-    task.traversal = like.traversal;
-    task.object_a = like.object_a;
-    task.object_b = like.object_b;
-    task.start = start;
+// Goes down from the root through the pairs of a node with itself. Leaves in front_ the pairs of children
+// below those nodes that are not proven, and in above_ the leaves.
+void Scene::descend_selves(Index object, const StepSettings& settings, double gap, Work& work) {
+  ChartBook& book = *books_[object];
+  const auto nodes = hierarchy(object).nodes();
+  auto& leaf_proofs = leaf_proofs_[object];
+  std::fill(leaf_proofs.begin(), leaf_proofs.end(), NodeProof::None);
+  selves_.assign(nodes.empty() ? 0 : 1, 0);
+  while (!selves_.empty()) {
+    work.node_tests += selves_.size();
+    self_proofs_.assign(selves_.size(), NodeProof::None);
+    if (settings.certificates) prove_selves(object, gap);
+    selves_below_.clear();
+    for (std::size_t i = 0; i < selves_.size(); ++i) {
+      const Index self = selves_[i];
+      const Hierarchy::Node& node = nodes[self];
+      if (self_proofs_[i] != NodeProof::None) {
+        std::fill(leaf_proofs.begin() + node.leaf_begin, leaf_proofs.begin() + node.leaf_end,
+                  self_proofs_[i]);
+        continue;
+      }
+      if (settings.certificates) book.want_node(self);
+      if (node.is_leaf()) {
+        above_.leaf_pairs.push_back({node.leaf_begin, node.leaf_begin});
+      } else {
+        front_.push_back({self + 1, node.right});
+        selves_below_.push_back(self + 1);
+        selves_below_.push_back(node.right);
+      }
+    }
+    selves_.swap(selves_below_);
+  }
+}
+
+// Deals the pairs in front_ out to tasks, after going down until there are enough of them; leaf pairs found
+// on the way get a task of their own.
+void Scene::start_tasks(Index a, Index b, float margin, Work& work) {
+  const Traversal traversal{&trees_[a], &trees_[b], margin};
+  for (int level = 0; level < 12 && !front_.empty() && front_.size() < 4 * kEnoughTasks; ++level) {
+    descend_once(traversal, front_, below_, above_);
+  }
+  const std::size_t count = std::min(kEnoughTasks, front_.size()), first = task_count_;
+  task_count_ += count + 1;
+  if (tasks_.size() < task_count_) tasks_.resize(task_count_);
+  for (std::size_t k = first; k < task_count_; ++k) {
+    TraversalTask& task = tasks_[k];
+    task.traversal = traversal;
+    task.object_a = a;
+    task.object_b = b;
+    task.starts.clear();
     task.found.leaf_pairs.clear();
     task.found.node_tests = 0;
-    return task;
-  };
-  above_.leaf_pairs.clear();
-  above_.node_tests = 0;
-  for (Index a = 0; a < trees_.size(); ++a) {
-    for (Index b = a; b < trees_.size(); ++b) {
-      if (!(a == b ? settings.within : settings.between)) continue;
-      const TraversalTask like{{&trees_[a], &trees_[b], margin}, a, b, {}, {}};
-      front_.assign(1, {0, 0});
-      for (int level = 0; level < 12 && !front_.empty() && front_.size() < kEnoughTasks; ++level) {
-        descend_once(like.traversal, front_, below_, above_);
-      }
-      if (!above_.leaf_pairs.empty()) {
-        add(like, {kNoIndex, kNoIndex}).found.leaf_pairs = above_.leaf_pairs;
-        above_.leaf_pairs.clear();
-      }
-      for (const NodePair start : front_) add(like, start);
-    }
   }
-  work.node_tests += above_.node_tests;
+  for (std::size_t i = 0; i < front_.size(); ++i) tasks_[first + i % count].starts.push_back(front_[i]);
+  tasks_[first + count].found.leaf_pairs = above_.leaf_pairs;
+  above_.leaf_pairs.clear();
+  work.node_tests += std::exchange(above_.node_tests, 0);
+}
+
+// Charts are drawn from the second step on: who asks only once should not pay for them. The budget keeps
+// drawing, about 0.2 us a triangle, well below what the pairs of leaves took that were tested in the step
+// before, about 1 us each.
+void Scene::begin_learning(const StepSettings& settings) {
+  constexpr std::size_t kTrianglesPerLeafPair = 3;
+  ++steps_;
+  const std::size_t budget = settings.certificates ? kTrianglesPerLeafPair * last_leaf_pairs_ : 0;
+  for (std::size_t i = 0; i < books_.size(); ++i)
+    books_[i]->begin_step(trees_[i].vertices, budget / books_.size());
 }
 
 void Scene::traverse(const StepSettings& settings, double distance, Work& work) {
-  start_tasks(settings, separation_margin(frame_, distance), work);
+  const float margin = separation_margin(frame_, distance);
+  const double gap = distance * frame_.scale * (1 + 0x1p-50);
+  for (Local& local : locals_) local.tests = local.passes = local.tester.tests = 0;
+  begin_learning(settings);
+  task_count_ = 0;
+  for (Index a = 0; a < trees_.size(); ++a) {
+    for (Index b = a; b < trees_.size(); ++b) {
+      if (!(a == b ? settings.within : settings.between)) continue;
+      front_.clear();
+      if (a == b) {
+        descend_selves(a, settings, gap, work);
+      } else {
+        front_.push_back({0, 0});
+      }
+      start_tasks(a, b, margin, work);
+    }
+  }
   tbb::parallel_for(std::size_t{0}, task_count_, [&](std::size_t k) {
     TraversalTask& task = tasks_[k];
-    if (task.start.a != kNoIndex)
-      foldproof::traverse(task.traversal, task.start, stacks_.local(), task.found);
+    for (const NodePair start : task.starts) {
+      foldproof::traverse(task.traversal, start, locals_.local().stack, task.found);
+    }
   });
   leaf_pairs_.clear();
   for (std::size_t k = 0; k < task_count_; ++k) {
@@ -136,7 +192,13 @@ void Scene::traverse(const StepSettings& settings, double distance, Work& work) 
     for (const NodePair leaves : tasks_[k].found.leaf_pairs)
       leaf_pairs_.push_back({static_cast<Index>(k), leaves});
   }
+  if (settings.certificates) prove_leaf_pairs(gap);
+  for (const Local& local : locals_) {
+    work.certificate_tests += local.tests + local.tester.tests;
+    work.certificate_passes += local.passes;
+  }
   work.leaf_pairs += leaf_pairs_.size();
+  last_leaf_pairs_ = leaf_pairs_.size();
   fill_features();
 }
 

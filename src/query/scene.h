@@ -4,15 +4,18 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "bvh/traverse.h"
+#include "certificate/book.h"
+#include "certificate/separating_plane.h"
 #include "foldproof/query.h"
 
 namespace foldproof {
 
-/// One object with itself or two objects, cut into tasks that run in parallel and in a fixed order.
+/// A share of the traversal of one object with itself or of two objects. Tasks run in parallel; what they
+/// find does not depend on the threads.
 struct TraversalTask {
   Traversal traversal;
   Index object_a, object_b;
-  NodePair start;
+  std::vector<NodePair> starts;
   TraversalResult found;
 };
 
@@ -24,15 +27,16 @@ struct LeafPairRef {
 
 class Scene {
  public:
-  explicit Scene(std::vector<std::shared_ptr<const Hierarchy>> objects);
+  Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
+        std::vector<std::shared_ptr<const ChartLibrary>> charts);
 
   const Hierarchy& hierarchy(Index object) const { return *trees_[object].hierarchy; }
 
   /// Checks sizes and numbers, then refits every object. After it `largest_side` is valid.
   Result<void> update(Positions x0, Positions x1);
 
-  /// Finds the pairs of leaves that come closer than `distance` and fills their features.
-  /// Adds to `work.node_tests` and `work.leaf_pairs`.
+  /// Finds the pairs of leaves that come closer than `distance` and that no certificate proves apart, and
+  /// fills their features. Adds to `work`.
   void traverse(const StepSettings& settings, double distance, Work& work);
 
   /// Of the last traversal, in an order that depends on the input only.
@@ -43,20 +47,44 @@ class Scene {
   double largest_side() const { return largest_side_; }
 
  private:
-  void start_tasks(const StepSettings& settings, float margin, Work& work);
+  // Scratch of one thread.
+  struct Local {
+    std::vector<NodePair> stack;
+    ChartTester tester;
+    PlaneScratch plane;
+    std::uint64_t tests = 0, passes = 0;
+  };
+  void begin_learning(const StepSettings& settings);
+  void prove_selves(Index object, double gap);
+  void descend_selves(Index object, const StepSettings& settings, double gap, Work& work);
+  void start_tasks(Index a, Index b, float margin, Work& work);
+  void prove_leaf_pairs(double gap);
+  bool proves(const LeafPairRef& pair, double gap, Local& local);
+  void note_unproven(const LeafPairRef& pair);
   void fill_features();
+  std::uint8_t& plane_patience(const LeafPairRef& pair);
 
   std::vector<KineticTree> trees_;
+  std::vector<std::unique_ptr<ChartBook>> books_;
+  std::vector<std::vector<NodeProof>>
+      leaf_proofs_;  // per object and leaf: what the charts of a node above it prove
   Frame frame_;
   double largest_side_ = 0;
+  std::size_t steps_ = 0, last_leaf_pairs_ = 0;
+
   std::vector<TraversalTask> tasks_;
   std::size_t task_count_ = 0;
+  std::vector<NodePair> front_, below_;
+  std::vector<Index> selves_, selves_below_;
+  std::vector<NodeProof> self_proofs_;
+  std::vector<std::uint8_t> proven_;
+  TraversalResult above_;
+
   std::vector<LeafPairRef> leaf_pairs_;
+  std::vector<std::uint8_t> plane_patience_;
   std::vector<std::vector<std::uint8_t>> leaf_needed_;
   std::vector<std::pair<Index, Index>> leaves_to_fill_;
-  std::vector<NodePair> front_, below_;
-  TraversalResult above_;
-  tbb::enumerable_thread_specific<std::vector<NodePair>> stacks_;
+  tbb::enumerable_thread_specific<Local> locals_;
 };
 
 }  // namespace foldproof

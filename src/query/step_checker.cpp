@@ -225,8 +225,9 @@ Result<void> check_settings(const StepSettings& settings) {
 
 }  // namespace
 
-StepChecker::StepChecker(std::vector<std::shared_ptr<const Hierarchy>> objects)
-    : impl_(new Impl{Scene(std::move(objects)), {}}) {}
+StepChecker::StepChecker(std::vector<std::shared_ptr<const Hierarchy>> objects,
+                         std::vector<std::shared_ptr<const ChartLibrary>> charts)
+    : impl_(new Impl{Scene(std::move(objects), std::move(charts)), {}}) {}
 StepChecker::~StepChecker() = default;
 StepChecker::StepChecker(StepChecker&&) noexcept = default;
 StepChecker& StepChecker::operator=(StepChecker&&) noexcept = default;

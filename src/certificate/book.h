@@ -1,0 +1,97 @@
+/// The charts that a query uses on one object: those that were trained, and those that it draws on the way.
+#pragma once
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include "certificate/chart_test.h"
+
+namespace foldproof {
+
+/// Scratch of whoever tests: one per thread.
+struct ChartTester {
+  ChartScratch scratch;
+  std::uint64_t tests = 0;
+};
+
+/// What is proven about the leaves below a node.
+enum class NodeProof : std::uint8_t {
+  None,
+  Inside,     ///< Against each other.
+  WithCollar  ///< Against each other and against all leaves with which they have a vertex in common.
+};
+
+struct LearnSettings {
+  Index most_triangles = 4096;   ///< Of a patch; larger ones hardly ever lie in one plane.
+  std::uint8_t most_charts = 2;  ///< Of a slot; further ones replace the oldest.
+};
+
+class ChartBook {
+ public:
+  ChartBook(std::shared_ptr<const PatchSlots> slots, std::shared_ptr<const ChartLibrary> trained,
+            const LearnSettings& settings = {});
+
+  const PatchSlots& slots() const { return *own_.slots(); }
+  const ChartLibrary& own() const { return own_; }
+
+  /// What the charts of a node prove during the step of `vertices` (see chart_holds). Different nodes may be
+  /// asked by different threads.
+  NodeProof prove_node(Index node, std::span<const MovingVertex> vertices, double gap, ChartTester& tester);
+  /// Whether two leaves with a vertex in common are proven against each other; `slot` is that of the pair.
+  bool prove_pair(Index slot, std::span<const MovingVertex> vertices, double gap, ChartTester& tester);
+
+  /// Says that a node or a pair was not proven and would have saved work. One thread only.
+  void want_node(Index node);
+  void want_pair(Index slot);
+
+  /// Begins a step. Draws charts of what was wanted in the step before, in the pose at the step's begin: the
+  /// larger patches first, as long as their triangles together do not exceed `budget`.
+  void begin_step(std::span<const MovingVertex> vertices, std::size_t budget);
+
+ private:
+  // How often drawing a slot was of no use, and the step before which it is not tried again.
+  struct Patience {
+    std::uint32_t until = 0;
+    std::uint8_t failures = 0;
+    std::uint8_t drawn = 0;  // own charts
+  };
+  struct Workshop {
+    explicit Workshop(const PatchSlots& slots) : reader(slots) {}
+    PatchReader reader;
+    ChartMaker maker;
+    std::vector<std::array<float, 3>> positions;
+  };
+  struct Order {
+    Index slot;
+    Patch patch;
+    Drawing drawing;
+    ChartOutcome outcome;
+  };
+  struct LeafNormal {
+    Eigen::Vector3f direction;
+    std::uint32_t step = 0;
+  };
+  bool any_holds(Index slot, std::span<const MovingVertex> vertices, double gap, ChartTester& tester);
+  void draw_nodes(std::span<const MovingVertex> vertices, std::size_t& budget);
+  void draw_pairs(std::span<const MovingVertex> vertices, std::size_t& budget);
+  const Eigen::Vector3f& leaf_normal(Index leaf, std::span<const MovingVertex> vertices);
+  bool looks_flat(Index node, std::span<const MovingVertex> vertices);
+  void order(Index slot);
+  void draw_orders(std::span<const MovingVertex> vertices);
+  void draw(Order& order, std::span<const MovingVertex> vertices);
+  void enter(const Order& order);
+  void lose_patience(Index slot);
+
+  LearnSettings settings_;
+  std::shared_ptr<const ChartLibrary> trained_;
+  ChartLibrary own_;
+  std::vector<Patience> patience_;
+  std::vector<Index> wanted_nodes_, wanted_pairs_;
+  std::vector<Order> orders_;
+  std::size_t order_count_ = 0;
+  std::vector<std::uint8_t> drawn_;  // per leaf: a node above it has been drawn in this step
+  std::vector<LeafNormal> leaf_normals_;
+  tbb::enumerable_thread_specific<Workshop> workshops_;
+  std::uint32_t step_ = 0;
+};
+
+}  // namespace foldproof

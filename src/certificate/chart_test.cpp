@@ -1,0 +1,279 @@
+#include "certificate/chart_test.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE  // Highway compiles this file once per instruction set
+#define HWY_TARGET_INCLUDE "certificate/chart_test.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef FOLDPROOF_CHART_TEST_ONCE
+#define FOLDPROOF_CHART_TEST_ONCE
+namespace foldproof {
+
+/// Moments of a patch at both ends of the step, relative to its first vertex.
+struct Moments {
+  alignas(32) float sum[8], with[3][8], reach[8];
+};
+
+/// 4 det > 0, with room for the rounding of the products.
+inline constexpr float kNearlyFour = 4 * (1 - 0x1p-18f);
+
+/// W of Theorem 2 and the margin lambda.
+struct PullBack {
+  float column[2][3];
+  float margin;
+};
+
+}  // namespace foldproof
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace foldproof::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Offsets from the first vertex, and their moments with the places. Only sums, products and maxima in one
+// order: the same numbers on every machine.
+void Gather(const ChartView& chart, std::span<const MovingVertex> vertices, ChartScratch& scratch,
+            Moments& m) {
+  const hn::CappedTag<float, 8> d;
+  const std::size_t n = chart.vertices.size();
+  for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
+    const auto origin = hn::Load(d, vertices[chart.vertices[0]].x + lane);
+    auto sum = hn::Zero(d), with_x = sum, with_y = sum, with_z = sum, reach = sum;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto offset = hn::Sub(hn::Load(d, vertices[chart.vertices[i]].x + lane), origin);
+      hn::Store(offset, d, scratch.offsets[i].x + lane);
+      sum = hn::Add(sum, offset);
+      with_x = hn::Add(with_x, hn::Mul(offset, hn::Set(d, chart.points[i][0])));
+      with_y = hn::Add(with_y, hn::Mul(offset, hn::Set(d, chart.points[i][1])));
+      with_z = hn::Add(with_z, hn::Mul(offset, hn::Set(d, chart.points[i][2])));
+      reach = hn::Max(reach, hn::Abs(offset));
+    }
+    hn::Store(sum, d, m.sum + lane);
+    hn::Store(with_x, d, m.with[0] + lane);
+    hn::Store(with_y, d, m.with[1] + lane);
+    hn::Store(with_z, d, m.with[2] + lane);
+    hn::Store(reach, d, m.reach + lane);
+  }
+  for (std::size_t i = 0; i < chart.points.size(); ++i) {
+    float* twice = scratch.places[i].x;
+    twice[0] = twice[2] = chart.points[i][0];
+    twice[1] = twice[3] = chart.points[i][1];
+  }
+}
+
+// W^T x - lambda place for every vertex at both ends: x y of t = 0, x y of t = 1.
+void Draw(const PullBack& w, std::size_t count, ChartScratch& scratch) {
+  const hn::CappedTag<float, 8> d;
+  const std::size_t step = hn::Lanes(d);
+  const float* offsets = scratch.offsets[0].x;
+  float* drawn = scratch.drawn[0].x;
+  const float* places = scratch.places[0].x;
+  const auto margin = hn::Set(d, w.margin);
+  for (std::size_t row = 0; row < 2 * count; row += step) {  // a row: one vertex at one end
+    hn::Vec<decltype(d)> x, y, z, zero;
+    hn::LoadInterleaved4(d, offsets + 4 * row, x, y, z, zero);
+    const auto along = [&](const float(&c)[3]) {
+      return hn::Add(hn::Add(hn::Mul(x, hn::Set(d, c[0])), hn::Mul(y, hn::Set(d, c[1]))),
+                     hn::Mul(z, hn::Set(d, c[2])));
+    };
+    hn::StoreInterleaved2(along(w.column[0]), along(w.column[1]), d, drawn + 2 * row);
+    for (std::size_t k = 2 * row; k < 2 * row + 2 * step; k += step) {
+      hn::StoreU(hn::Sub(hn::LoadU(d, drawn + k), hn::Mul(margin, hn::LoadU(d, places + k))), d, drawn + k);
+    }
+  }
+}
+
+// The corners have no substance and may be anywhere at both ends: here as if they were drawn in their places,
+// moved with the mean of the patch.
+void DrawCorners(const ChartView& chart, const Moments& m, const PullBack& w, ChartScratch& scratch) {
+  const std::size_t count = chart.vertices.size();
+  for (int end = 0; end < 2; ++end) {
+    for (int k = 0; k < 2; ++k) {
+      float mean = 0;
+      for (int axis = 0; axis < 3; ++axis) mean += w.column[k][axis] * m.sum[4 * end + axis];
+      const float shift = mean / static_cast<float>(count) - chart.fit.mean[k];
+      for (std::size_t i = count; i < chart.points.size(); ++i) {
+        const float place = chart.points[i][k];
+        scratch.drawn[i].x[2 * end + k] = (place + shift) - w.margin * place;
+      }
+    }
+  }
+}
+
+// Theorem 2's test: the symmetric part of E^T eta is positive definite for every triangle at both ends.
+#if HWY_TARGET == HWY_SCALAR
+bool AllForward(const ChartView& chart, const ChartScratch& scratch) {
+  for (const auto& t : chart.triangles) {
+    const auto side = [&](const std::vector<ChartScratch::Quad>& rows, int k, int c) {
+      return rows[t[k]].x[c] - rows[t[0]].x[c];
+    };
+    for (int end = 0; end < 4; end += 2) {
+      const auto form = [&](int i, int k) {
+        return side(scratch.places, i, end) * side(scratch.drawn, k, end) +
+               side(scratch.places, i, end + 1) * side(scratch.drawn, k, end + 1);
+      };
+      const auto& e = scratch.places;
+      const auto& y = scratch.drawn;
+      const float k11 = form(1, 1), k22 = form(2, 2);
+      const float k12 =
+          (side(e, 1, end) * side(y, 2, end) + side(e, 2, end) * side(y, 1, end)) +
+          (side(e, 1, end + 1) * side(y, 2, end + 1) + side(e, 2, end + 1) * side(y, 1, end + 1));
+      if (!(k11 > 0 && k22 > 0 && k11 * k22 * kNearlyFour > k12 * k12)) return false;
+    }
+  }
+  return true;
+}
+#else
+bool AllForward(const ChartView& chart, const ChartScratch& scratch) {
+  const hn::FixedTag<float, 4> d;
+  const auto zero = hn::Zero(d), most = hn::Set(d, kNearlyFour);
+  auto forward = hn::Eq(zero, zero);
+  std::size_t until_look = 8;
+  for (const auto& t : chart.triangles) {
+    const auto y0 = hn::Load(d, scratch.drawn[t[0]].x), p0 = hn::Load(d, scratch.places[t[0]].x);
+    const auto eta1 = hn::Sub(hn::Load(d, scratch.drawn[t[1]].x), y0);
+    const auto eta2 = hn::Sub(hn::Load(d, scratch.drawn[t[2]].x), y0);
+    const auto e1 = hn::Sub(hn::Load(d, scratch.places[t[1]].x), p0);
+    const auto e2 = hn::Sub(hn::Load(d, scratch.places[t[2]].x), p0);
+    const auto a = hn::Mul(e1, eta1), b = hn::Mul(e2, eta2);
+    const auto c = hn::Add(hn::Mul(e1, eta2), hn::Mul(e2, eta1));
+    // k11(0) k11(1) k22(0) k22(1); twice: 2 k12(0) 2 k12(1)
+    const auto k = hn::Add(hn::ConcatEven(d, b, a), hn::ConcatOdd(d, b, a));
+    const auto k12 = hn::Add(hn::ConcatEven(d, c, c), hn::ConcatOdd(d, c, c));
+    const auto product = hn::Mul(hn::Mul(k, hn::Shuffle1032(k)), most);
+    forward = hn::And(forward, hn::And(hn::Gt(k, zero), hn::Gt(product, hn::Mul(k12, k12))));
+    if (--until_look == 0) {
+      if (!hn::AllTrue(d, forward)) return false;
+      until_look = 8;
+    }
+  }
+  return hn::AllTrue(d, forward);
+}
+#endif
+
+}  // namespace foldproof::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace foldproof {
+
+HWY_EXPORT(Gather);
+HWY_EXPORT(Draw);
+HWY_EXPORT(DrawCorners);
+HWY_EXPORT(AllForward);
+
+namespace {
+
+// W^T = the first two rows of A^-1, with A the affine map that takes places and heights to the mean of both
+// ends most nearly. Any W is valid; this one draws back to its places whatever is an affine image of the pose
+// that the chart was drawn in. Where the patch is flat, heights say nothing about A's third column; there the
+// ridge makes it the normal.
+bool pull_back(const ChartLibrary::Fit& fit, const Moments& m, PullBack& w) {
+  Vec3 with[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double sum = (double{m.sum[axis]} + m.sum[4 + axis]) / 2;
+    for (int k = 0; k < 3; ++k) {
+      with[k][axis] = (double{m.with[k][axis]} + m.with[k][4 + axis]) / 2 - sum * fit.mean[k];
+    }
+  }
+  const Vec3 flat_x = with[0] * fit.flat[0] + with[1] * fit.flat[1];
+  const Vec3 flat_y = with[0] * fit.flat[1] + with[1] * fit.flat[2];
+  const Vec3 normal = flat_x.cross(flat_y);
+  const double area = normal.norm();
+  if (!(area > 0)) return false;
+  with[2] += normal * (fit.ridge / std::sqrt(area));
+  const float* s = fit.solid;
+  const Vec3 a_x = with[0] * s[0] + with[1] * s[1] + with[2] * s[2];
+  const Vec3 a_y = with[0] * s[1] + with[1] * s[3] + with[2] * s[4];
+  const Vec3 a_z = with[0] * s[2] + with[1] * s[4] + with[2] * s[5];
+  const Vec3 row_x = a_y.cross(a_z), row_y = a_z.cross(a_x);
+  const double det = a_x.dot(row_x);
+  if (!(det > 0)) return false;
+  for (int axis = 0; axis < 3; ++axis) {
+    w.column[0][axis] = static_cast<float>(row_x[axis] / det);
+    w.column[1][axis] = static_cast<float>(row_y[axis] / det);
+  }
+  return true;
+}
+
+// lambda: what the form must exceed for the gap and for every rounding (docs/soundness.md, S3). Rounded up.
+float margin_of(const PullBack& w, const Moments& m, double least_altitude, double gap) {
+  double square = 0, largest_sum = 0;
+  for (const auto& column : w.column) {
+    double sum = 0;
+    for (const float c : column) {
+      square += double{c} * c;
+      sum += std::abs(double{c});
+    }
+    largest_sum = std::max(largest_sum, sum);
+  }
+  const double reach = *std::max_element(m.reach, m.reach + 8);
+  const double rounding = largest_sum * 0x1p-24 * (3 + 64 * reach);
+  const double margin = (gap * std::sqrt(square) + 3 * rounding) / least_altitude * 1.03;
+  return static_cast<float>(margin) * (1 + 0x1p-20f);
+}
+
+}  // namespace
+
+ChartLibrary::Fit fit_of(std::span<const std::array<float, 3>> points,
+                         std::span<const std::array<std::uint16_t, 3>> triangles) {
+  ChartLibrary::Fit fit;
+  Vec3 mean = Vec3::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  const auto at = [&](std::size_t i) { return Vec3(points[i][0], points[i][1], points[i][2]); };
+  const std::size_t count = points.size() - kChartCorners.size();
+  for (std::size_t i = 0; i < count; ++i) mean += at(i) / static_cast<double>(count);
+  for (std::size_t i = 0; i < count; ++i) second += (at(i) - mean) * (at(i) - mean).transpose();
+  const double ridge = 1e-4 * (second(0, 0) + second(1, 1));
+  second(2, 2) += ridge;
+  const Eigen::Matrix2d flat = second.topLeftCorner<2, 2>().inverse();
+  const Eigen::Matrix3d solid = second.inverse();
+  for (int k = 0; k < 3; ++k) fit.mean[k] = static_cast<float>(mean[k]);
+  fit.flat[0] = static_cast<float>(flat(0, 0));
+  fit.flat[1] = static_cast<float>(flat(0, 1));
+  fit.flat[2] = static_cast<float>(flat(1, 1));
+  for (int k = 0, i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) fit.solid[k++] = static_cast<float>(solid(i, j));
+  }
+  fit.ridge = static_cast<float>(ridge);
+  double altitude = kChartCorners[0][0];
+  for (const auto& t : triangles) {
+    double longest = 0, twice_area = 0;
+    for (int k = 0; k < 3; ++k) {
+      const auto &a = points[t[k]], &b = points[t[(k + 1) % 3]];
+      const double x = double{b[0]} - a[0], y = double{b[1]} - a[1];
+      longest = std::max(longest, x * x + y * y);
+      twice_area += double{a[0]} * b[1] - double{a[1]} * b[0];
+    }
+    altitude = std::min(altitude, twice_area / std::sqrt(longest));
+  }
+  fit.least_altitude = static_cast<float>(altitude) * (1 - 0x1p-20f);
+  return fit;
+}
+
+bool chart_holds(const ChartView& chart, std::span<const MovingVertex> vertices, double gap,
+                 ChartScratch& scratch) {
+  // Draw works on whole vectors of rows; what lies behind the last vertex is never read by a triangle.
+  const std::size_t padded = (chart.points.size() + 7) / 8 * 8;
+  if (scratch.offsets.size() < padded) {
+    scratch.offsets.resize(padded);
+    scratch.places.resize(padded);
+    scratch.drawn.resize(padded);
+  }
+  Moments moments;
+  HWY_DYNAMIC_DISPATCH(Gather)(chart, vertices, scratch, moments);
+  PullBack w;
+  if (!pull_back(chart.fit, moments, w)) return false;
+  w.margin = margin_of(w, moments, chart.fit.least_altitude, gap);
+  if (!(w.margin < 1)) return false;
+  HWY_DYNAMIC_DISPATCH(Draw)(w, chart.vertices.size(), scratch);
+  HWY_DYNAMIC_DISPATCH(DrawCorners)(chart, moments, w, scratch);
+  return HWY_DYNAMIC_DISPATCH(AllForward)(chart, scratch);
+}
+
+}  // namespace foldproof
+#endif  // HWY_ONCE

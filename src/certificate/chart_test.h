@@ -1,0 +1,37 @@
+/// Theorem 2: whether a chart proves its patch free of contact during a step.
+#pragma once
+
+#include "bvh/kinetic.h"
+#include "foldproof/certificate.h"
+
+namespace foldproof {
+
+ChartLibrary::Fit fit_of(std::span<const std::array<float, 3>> points,
+                         std::span<const std::array<std::uint16_t, 3>> triangles);
+
+/// A chart as the test reads it.
+struct ChartView {
+  std::span<const Index> vertices;
+  std::span<const std::array<float, 3>> points;
+  std::span<const std::array<std::uint16_t, 3>> triangles;  ///< Of the patch and fillers.
+  const ChartLibrary::Fit& fit;
+};
+
+/// Scratch of a test: one per thread.
+struct ChartScratch {
+  struct alignas(32) Row {
+    float x[8];
+  };
+  struct alignas(16) Quad {
+    float x[4];
+  };
+  std::vector<Row> offsets;         // per vertex: from the first vertex, at both ends
+  std::vector<Quad> places, drawn;  // per vertex: place twice; pulled back to the plane at both ends
+};
+
+/// True: during the step all features of the patch without a common vertex stay farther apart than `gap` (in
+/// the frame of `vertices`), and no two of its triangles meet beyond what they share. False promises nothing.
+bool chart_holds(const ChartView& chart, std::span<const MovingVertex> vertices, double gap,
+                 ChartScratch& scratch);
+
+}  // namespace foldproof

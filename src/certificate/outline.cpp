@@ -1,0 +1,240 @@
+#include "certificate/outline.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace foldproof {
+namespace {
+
+constexpr std::uint16_t kNone = 0xFFFF;
+
+// Orders directions by the angle counterclockwise from `back`, with `back` itself last.
+bool before_counterclockwise(Direction back, Direction a, Direction b) {
+  const auto half = [&](Direction d) {
+    const std::int64_t side = cross(back, d);
+    if (side > 0 || (side == 0 && dot(back, d) < 0)) return 0;
+    return side < 0 ? 1 : 2;
+  };
+  const int ha = half(a), hb = half(b);
+  return ha != hb ? ha < hb : cross(a, b) > 0;
+}
+
+}  // namespace
+
+// Edges of one triangle only; the patch lies to their left.
+bool OutlineFiller::find_outline(const Patch& patch) {
+  directed_.reset(3 * patch.triangles.size());
+  for (const auto& t : patch.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      if (!directed_.insert(t[k], t[(k + 1) % 3])) return false;
+    }
+  }
+  edges_.clear();
+  first_from_.assign(patch.vertices.size(), kNone);
+  for (const auto& t : patch.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      const std::uint16_t from = t[k], to = t[(k + 1) % 3];
+      if (directed_.contains(to, from)) continue;
+      if (edges_.size() == kNone) return false;
+      const auto self = static_cast<std::uint16_t>(edges_.size());
+      edges_.push_back({from, to, first_from_[from], false});
+      first_from_[from] = self;
+    }
+  }
+  return edges_.size() >= 3;
+}
+
+// Where two parts of the patch touch in one vertex, the walk stays outside: it takes the first edge that it
+// meets when it turns counterclockwise from where it came.
+std::size_t OutlineFiller::next_edge(const Edge& in, const Drawing& drawing) const {
+  std::size_t best = first_from_[in.to];
+  if (best == kNone || edges_[best].next_from_same == kNone) return best;
+  const auto& places = drawing.places;
+  const Direction back = places[in.from] - places[in.to];
+  for (std::size_t e = edges_[best].next_from_same; e != kNone; e = edges_[e].next_from_same) {
+    if (before_counterclockwise(back, places[edges_[e].to] - places[in.to],
+                                places[edges_[best].to] - places[in.to])) {
+      best = e;
+    }
+  }
+  return best;
+}
+
+bool OutlineFiller::walk(std::size_t first, const Drawing& drawing) {
+  loop_.clear();
+  for (std::size_t e = first; !edges_[e].walked;) {
+    edges_[e].walked = true;
+    loop_.push_back(edges_[e].from);
+    e = next_edge(edges_[e], drawing);
+    if (e == kNone || (edges_[e].walked && e != first)) return false;
+  }
+  return true;
+}
+
+// Whether no vertex of the loop lies in a triangle, its border included, but for its own corners.
+bool OutlineFiller::is_empty(Place a, Place b, Place c, const Drawing& drawing) const {
+  return std::none_of(loop_.begin(), loop_.end(), [&](std::uint16_t v) {
+    const Place p = drawing.places[v];
+    return p != a && p != b && p != c && turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
+  });
+}
+
+// Cuts off vertices where the outline turns in, until it does so nowhere.
+void OutlineFiller::fill_bays(Drawing& drawing) {
+  const auto& places = drawing.places;
+  std::size_t since_last = 0;
+  for (std::size_t i = 0; since_last < loop_.size() && loop_.size() > 3;) {
+    const std::size_t n = loop_.size();
+    i %= n;
+    const std::uint16_t before = loop_[(i + n - 1) % n], v = loop_[i], after = loop_[(i + 1) % n];
+    const Place a = places[after], b = places[v], c = places[before];
+    if (turn(a, b, c) > 0 && is_empty(a, b, c, drawing)) {
+      drawing.fillers.push_back({after, v, before});
+      loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(i));
+      i += loop_.size() - 1;  // look at the vertex before again
+      since_last = 0;
+    } else {
+      ++i;
+      ++since_last;
+    }
+  }
+}
+
+// Goes round the loop and the square at once and joins them by the shorter of the two next diagonals.
+bool OutlineFiller::join_square(Drawing& drawing) {
+  const auto& places = drawing.places;
+  const auto first_corner = static_cast<std::uint16_t>(places.size());
+  const auto length = [](Direction d) { return dot(d, d); };
+  std::size_t start = 0;
+  for (std::size_t i = 1; i < loop_.size(); ++i) {
+    if (length(places[loop_[i]] - kChartCorners[0]) < length(places[loop_[start]] - kChartCorners[0]))
+      start = i;
+  }
+  const std::size_t n = loop_.size();
+  std::size_t inner = 0, outer = 0;
+  while (inner < n || outer < 4) {
+    const std::uint16_t p = loop_[(start + inner) % n], q = loop_[(start + inner + 1) % n];
+    const auto corner = static_cast<std::uint16_t>(first_corner + outer % 4),
+               next = static_cast<std::uint16_t>(first_corner + (outer + 1) % 4);
+    const Place at = kChartCorners[outer % 4], then = kChartCorners[(outer + 1) % 4];
+    const bool inner_fits = inner < n && turn(places[q], places[p], at) > 0;
+    // The diagonal to the next corner stays outside when that corner sees the loop's next side.
+    const bool outer_fits =
+        outer < 4 && turn(places[p], at, then) > 0 && (inner == n || turn(places[q], places[p], then) > 0);
+    if (!inner_fits && !outer_fits) return false;
+    if (inner_fits && (!outer_fits || length(at - places[q]) <= length(then - places[p]))) {
+      drawing.fillers.push_back({q, p, corner});
+      ++inner;
+    } else {
+      drawing.fillers.push_back({p, corner, next});
+      ++outer;
+    }
+  }
+  return true;
+}
+
+// Cuts the vertices of a hole off one by one, the thickest triangle first.
+bool OutlineFiller::fill_hole(Drawing& drawing) {
+  const auto& places = drawing.places;
+  std::reverse(loop_.begin(), loop_.end());
+  while (loop_.size() >= 3) {
+    const std::size_t n = loop_.size();
+    std::size_t best = n;
+    double best_shape = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Place a = places[loop_[(i + n - 1) % n]], b = places[loop_[i]], c = places[loop_[(i + 1) % n]];
+      const double shape =
+          static_cast<double>(turn(a, b, c)) /
+          static_cast<double>(std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)}));
+      if (shape <= best_shape || !is_empty(a, b, c, drawing)) continue;
+      best = i;
+      best_shape = shape;
+    }
+    if (best == n) return false;
+    drawing.fillers.push_back({loop_[(best + n - 1) % n], loop_[best], loop_[(best + 1) % n]});
+    loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(best));
+  }
+  return true;
+}
+
+// Turns the diagonal of two fillers round when d lies in the circle through a, b and c, which makes them
+// thicker. Which one it is decides nothing but how much the chart will prove, so doubles do.
+bool OutlineFiller::flip(Drawing& drawing, std::uint16_t from, std::uint16_t to) {
+  const std::uint32_t left = owners_.owner(from, to), right = owners_.owner(to, from);
+  if (left == EdgeOwners::kNobody || right == EdgeOwners::kNobody) return false;
+  const auto apex = [&](std::uint32_t filler) {
+    for (const std::uint16_t v : drawing.fillers[filler]) {
+      if (v != from && v != to) return v;
+    }
+    return from;
+  };
+  const std::uint16_t c = apex(left), d = apex(right);
+  const auto place = [&](std::uint16_t v) {
+    return v < drawing.places.size() ? drawing.places[v] : kChartCorners[v - drawing.places.size()];
+  };
+  const Place pa = place(from), pb = place(to), pc = place(c), pd = place(d);
+  if (turn(pc, pa, pd) <= 0 || turn(pd, pb, pc) <= 0) return false;
+  const Direction ca = pa - pc, cb = pb - pc, da = pa - pd, db = pb - pd;
+  const auto real = [](std::int64_t i) { return static_cast<double>(i); };
+  const double in_circle = real(dot(ca, cb)) * real(cross(da, db)) - real(cross(ca, cb)) * real(dot(da, db));
+  if (!(in_circle > 1e-9 * std::abs(real(dot(ca, cb)) * real(cross(da, db))))) return false;
+  drawing.fillers[left] = {c, from, d};
+  drawing.fillers[right] = {d, to, c};
+  owners_.set(from, to, EdgeOwners::kNobody);
+  owners_.set(to, from, EdgeOwners::kNobody);
+  for (const std::uint32_t filler : {left, right}) {
+    const auto& t = drawing.fillers[filler];
+    for (int k = 0; k < 3; ++k) {
+      owners_.set(t[k], t[(k + 1) % 3], filler);
+      suspects_.push_back({t[k], t[(k + 1) % 3]});
+    }
+  }
+  return true;
+}
+
+// Makes the triangulation of what lies outside of the patch Delaunay, as far as the patch lets it (Lawson's
+// flips).
+void OutlineFiller::fatten(Drawing& drawing) {
+  owners_.reset(12 * drawing.fillers.size());
+  suspects_.clear();
+  for (std::uint32_t filler = 0; filler < drawing.fillers.size(); ++filler) {
+    const auto& t = drawing.fillers[filler];
+    for (int k = 0; k < 3; ++k) {
+      owners_.set(t[k], t[(k + 1) % 3], filler);
+      suspects_.push_back({t[k], t[(k + 1) % 3]});
+    }
+  }
+  std::size_t flips_left = 4 * drawing.fillers.size();
+  while (!suspects_.empty() && flips_left > 0) {
+    const auto [from, to] = suspects_.back();
+    suspects_.pop_back();
+    flips_left -= flip(drawing, from, to);
+  }
+}
+
+bool OutlineFiller::fill(const Patch& patch, Drawing& drawing) {
+  if (!find_outline(patch)) return false;
+  const auto& places = drawing.places;
+  std::uint16_t leftmost = edges_[0].from;
+  for (const Edge& e : edges_) {
+    if (places[e.from] < places[leftmost]) leftmost = e.from;
+  }
+  // As if the walk came down to the leftmost vertex from above, outside of everything.
+  std::size_t first = first_from_[leftmost];
+  for (std::size_t e = first; e != kNone; e = edges_[e].next_from_same) {
+    if (before_counterclockwise({-1, 0}, places[edges_[e].to] - places[leftmost],
+                                places[edges_[first].to] - places[leftmost])) {
+      first = e;
+    }
+  }
+  if (!walk(first, drawing)) return false;
+  fill_bays(drawing);
+  if (!join_square(drawing)) return false;
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    if (!edges_[e].walked && (!walk(e, drawing) || !fill_hole(drawing))) return false;
+  }
+  fatten(drawing);
+  return true;
+}
+
+}  // namespace foldproof

@@ -1,0 +1,111 @@
+// Which patches there are, and what is in them.
+
+#include <algorithm>
+
+#include "foldproof/certificate.h"
+
+namespace foldproof {
+
+PatchSlots::PatchSlots(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(std::move(hierarchy)) {
+  const Hierarchy& h = *hierarchy_;
+  const auto leaves = h.leaves();
+  const auto for_each_corner = [&](Index leaf, auto visit) {
+    for (Index t = leaves[leaf].triangles; t < leaves[leaf + 1].triangles; ++t) {
+      for (const Index v : h.triangles()[t]) visit(v);
+    }
+  };
+  // Leaves at each vertex, ascending.
+  std::vector<Index> begin(h.vertex_ids().size() + 1, 0);
+  for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) for_each_corner(leaf, [&](Index v) { ++begin[v + 1]; });
+  for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
+  std::vector<Index> end(begin.begin(), begin.end() - 1), leaves_at(begin.back());
+  for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
+    for_each_corner(leaf, [&](Index v) {
+      if (end[v] == begin[v] || leaves_at[end[v] - 1] != leaf) leaves_at[end[v]++] = leaf;
+    });
+  }
+  begin_.push_back(0);
+  for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
+    const auto first = static_cast<std::ptrdiff_t>(neighbour_.size());
+    for_each_corner(leaf, [&](Index v) {
+      for (Index k = begin[v]; k < end[v]; ++k) {
+        if (leaves_at[k] != leaf) neighbour_.push_back(leaves_at[k]);
+      }
+    });
+    std::sort(neighbour_.begin() + first, neighbour_.end());
+    neighbour_.erase(std::unique(neighbour_.begin() + first, neighbour_.end()), neighbour_.end());
+    row_.resize(neighbour_.size(), leaf);
+    begin_.push_back(static_cast<Index>(neighbour_.size()));
+  }
+  neighbour_.shrink_to_fit();
+  row_.shrink_to_fit();
+}
+
+Index PatchSlots::of_leaves(Index leaf_a, Index leaf_b) const {
+  const auto [a, b] = std::minmax(leaf_a, leaf_b);
+  for (Index k = begin_[a]; k < begin_[a + 1]; ++k) {
+    if (neighbour_[k] == b) return 2 * node_count() + k;
+  }
+  return kNoIndex;
+}
+
+Index PatchSlots::size_of(Index slot) const {
+  const auto leaves = hierarchy_->leaves();
+  const auto triangles = [&](Index begin, Index end) {
+    return leaves[end].triangles - leaves[begin].triangles;
+  };
+  if (is_pair(slot)) {
+    const auto [a, b] = leaves_of(slot);
+    return triangles(a, a + 1) + triangles(b, b + 1);
+  }
+  const Hierarchy::Node& node = hierarchy_->nodes()[node_of(slot)];
+  const Index size = triangles(node.leaf_begin, node.leaf_end);
+  return is_collared(slot) ? size + size / 2 : size;
+}
+
+PatchReader::PatchReader(const PatchSlots& slots)
+    : slots_(slots),
+      number_(slots.hierarchy()->vertex_ids().size()),
+      owner_(slots.hierarchy()->vertex_ids().size(), 0),
+      leaf_owner_(slots.hierarchy()->leaf_count(), 0) {}
+
+void PatchReader::add_leaves(Index begin, Index end, Patch& out) {
+  const Hierarchy& h = *slots_.hierarchy();
+  for (Index t = h.leaves()[begin].triangles; t < h.leaves()[end].triangles; ++t) {
+    auto& local = out.triangles.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      const Index v = h.triangles()[t][k];
+      if (owner_[v] != patch_) {
+        owner_[v] = patch_;
+        number_[v] = static_cast<std::uint16_t>(out.vertices.size());
+        out.vertices.push_back(v);
+      }
+      local[k] = number_[v];
+    }
+  }
+}
+
+void PatchReader::add_collar(Index begin, Index end, Patch& out) {
+  for (Index leaf = begin; leaf < end; ++leaf) {
+    for (const Index other : slots_.neighbours(leaf)) {
+      if ((begin <= other && other < end) || leaf_owner_[other] == patch_) continue;
+      leaf_owner_[other] = patch_;
+      add_leaves(other, other + 1, out);
+    }
+  }
+}
+
+void PatchReader::read(Index slot, Patch& out) {
+  out.vertices.clear();
+  out.triangles.clear();
+  ++patch_;
+  if (slots_.is_pair(slot)) {
+    for (const Index leaf : slots_.leaves_of(slot)) add_leaves(leaf, leaf + 1, out);
+    return;
+  }
+  const Hierarchy::Node& node = slots_.hierarchy()->nodes()[slots_.node_of(slot)];
+  add_leaves(node.leaf_begin, node.leaf_end, out);
+  if (slots_.is_collared(slot)) add_collar(node.leaf_begin, node.leaf_end, out);
+}
+
+}  // namespace foldproof

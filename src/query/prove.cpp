@@ -1,0 +1,90 @@
+// Which pairs of leaves certificates prove apart.
+
+#include <tbb/parallel_for.h>
+
+#include <bit>
+
+#include "query/scene.h"
+
+namespace foldproof {
+namespace {
+
+// For how many steps a pair of leaves is not asked again for a plane after it had none. A byte per pair, by a
+// hash of the pair: two pairs that share a byte only lose a chance.
+constexpr std::uint8_t kPlanePatience = 3;
+
+}  // namespace
+
+void Scene::prove_selves(Index object, double gap) {
+  tbb::parallel_for(std::size_t{0}, selves_.size(), [&](std::size_t i) {
+    Local& local = locals_.local();
+    self_proofs_[i] = books_[object]->prove_node(selves_[i], trees_[object].vertices, gap, local.tester);
+    local.passes += self_proofs_[i] != NodeProof::None;
+  });
+}
+
+std::uint8_t& Scene::plane_patience(const LeafPairRef& pair) {
+  const TraversalTask& task = tasks_[pair.task];
+  std::uint64_t hash = (std::uint64_t{pair.leaves.a} << 32 | pair.leaves.b) * 0x9E3779B97F4A7C15u;
+  hash = (hash ^ (std::uint64_t{task.object_a} << 16 | task.object_b)) * 0x9E3779B97F4A7C15u;
+  return plane_patience_[hash >> 20 & (plane_patience_.size() - 1)];
+}
+
+bool Scene::proves(const LeafPairRef& pair, double gap, Local& local) {
+  const TraversalTask& task = tasks_[pair.task];
+  const auto [a, b] = pair.leaves;
+  if (task.object_a == task.object_b) {
+    if (a == b) return false;  // asked on the way down
+    const auto& proofs = leaf_proofs_[task.object_a];
+    ChartBook& book = *books_[task.object_a];
+    const Index slot = book.slots().of_leaves(a, b);
+    if (slot != kNoIndex) {
+      return proofs[a] == NodeProof::WithCollar || proofs[b] == NodeProof::WithCollar ||
+             book.prove_pair(slot, trees_[task.object_a].vertices, gap, local.tester);
+    }
+  }
+  if (plane_patience(pair) != 0) return false;
+  ++local.tests;
+  const KineticTree &tree_a = *task.traversal.a, &tree_b = *task.traversal.b;
+  return plane_separates(tree_a.vertices, tree_a.leaf_vertices(pair.leaves.a), tree_b.vertices,
+                         tree_b.leaf_vertices(pair.leaves.b), gap, local.plane);
+}
+
+// What a pair that was not proven leaves for the steps to come.
+void Scene::note_unproven(const LeafPairRef& pair) {
+  const TraversalTask& task = tasks_[pair.task];
+  const auto [a, b] = pair.leaves;
+  if (task.object_a == task.object_b) {
+    if (a == b) return;
+    const Index slot = books_[task.object_a]->slots().of_leaves(a, b);
+    if (slot != kNoIndex) return books_[task.object_a]->want_pair(slot);
+  }
+  std::uint8_t& patience = plane_patience(pair);
+  patience = patience == 0 ? kPlanePatience : patience - 1;
+}
+
+void Scene::prove_leaf_pairs(double gap) {
+  if (plane_patience_.empty()) {
+    std::size_t leaves = 0;
+    for (const KineticTree& tree : trees_) leaves += tree.hierarchy->leaf_count();
+    plane_patience_.resize(std::bit_ceil(std::max<std::size_t>(16, 4 * leaves)));
+  }
+  proven_.assign(leaf_pairs_.size(), 0);
+  using Range = tbb::blocked_range<std::size_t>;
+  tbb::parallel_for(Range(0, leaf_pairs_.size(), 64), [&](const Range& range) {
+    Local& local = locals_.local();
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      proven_[i] = proves(leaf_pairs_[i], gap, local);
+      local.passes += proven_[i];
+    }
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < leaf_pairs_.size(); ++i) {
+    if (proven_[i]) continue;
+    note_unproven(leaf_pairs_[i]);
+    leaf_pairs_[kept++] = leaf_pairs_[i];
+  }
+  leaf_pairs_.resize(kept);
+}
+
+}  // namespace foldproof
