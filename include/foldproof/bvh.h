@@ -36,6 +36,12 @@ class Hierarchy {
   static Result<Hierarchy> build(Topology topology, std::span<const double> positions,
                                  const HierarchySettings& settings = {});
 
+  /// A hierarchy that was built before, from what tells it: its triangle_ids(), and for every node in
+  /// depth-first order the number of triangles that it owns as a leaf, 0 for an inner node. Error when they
+  /// do not make one over this topology.
+  static Result<Hierarchy> from_parts(Topology topology, std::vector<Index> triangle_ids,
+                                      std::span<const Index> leaf_sizes);
+
   const Topology& topology() const { return topology_; }
   std::span<const Node> nodes() const { return nodes_; }
   std::span<const Leaf> leaves() const { return leaves_; }
@@ -53,6 +59,8 @@ class Hierarchy {
 
  private:
   void split(std::span<const double> positions, Index leaf_triangles);
+  bool plant(std::span<const Index> leaf_sizes);
+  void close_ranges();
   void assign_owners();
 
   Topology topology_;

@@ -212,6 +212,52 @@ Result<Hierarchy> Hierarchy::build(Topology topology, std::span<const double> po
   return tree;
 }
 
+Result<Hierarchy> Hierarchy::from_parts(Topology topology, std::vector<Index> triangle_ids,
+                                        std::span<const Index> leaf_sizes) {
+  const std::size_t count = topology.triangles().size();
+  std::vector<bool> seen(count, false);
+  bool permutation = triangle_ids.size() == count;
+  for (std::size_t k = 0; permutation && k < count; ++k) {
+    permutation = triangle_ids[k] < count && !seen[triangle_ids[k]];
+    if (permutation) seen[triangle_ids[k]] = true;
+  }
+  if (!permutation) return fail("triangle order", "does not name every triangle once", "build it anew");
+  Hierarchy tree;
+  tree.topology_ = std::move(topology);
+  tree.triangle_ids_ = std::move(triangle_ids);
+  if (!tree.plant(leaf_sizes)) return fail("nodes", "do not form a tree over the triangles", "build it anew");
+  tree.assign_owners();
+  return tree;
+}
+
+// Nodes and leaves from the number of triangles per node in depth-first order. False when they are no tree.
+bool Hierarchy::plant(std::span<const Index> leaf_sizes) {
+  const std::size_t count = topology_.triangles().size();
+  std::size_t planted = 0;
+  std::vector<Index> open;  // inner nodes whose right child is still to come
+  for (Index id = 0; id < leaf_sizes.size(); ++id) {
+    if (id > 0 && nodes_[id - 1].leaf_begin != leaves_.size()) {  // what precedes is a leaf, not the parent
+      if (open.empty()) return false;
+      nodes_[open.back()].right = id;
+      open.pop_back();
+    }
+    Node node;
+    node.leaf_begin = static_cast<Index>(leaves_.size());
+    nodes_.push_back(node);
+    if (leaf_sizes[id] == 0) {
+      open.push_back(id);
+      continue;
+    }
+    if (leaf_sizes[id] > count - planted) return false;
+    leaves_.push_back({static_cast<Index>(planted), 0, 0});
+    planted += leaf_sizes[id];
+  }
+  if (nodes_.empty() || !open.empty() || planted != count || leaf_sizes.back() == 0) return false;
+  leaves_.push_back({static_cast<Index>(count), 0, 0});
+  close_ranges();
+  return true;
+}
+
 void Hierarchy::split(std::span<const double> positions, Index leaf_triangles) {
   const std::size_t count = topology_.triangles().size();
   triangle_ids_.resize(count);
@@ -245,7 +291,11 @@ void Hierarchy::split(std::span<const double> positions, Index leaf_triangles) {
     tasks.push_back({task.begin, task.begin + left, kNoIndex});
   }
   leaves_.push_back({static_cast<Index>(count), 0, 0});
-  // Children stand after their parents, so one sweep from the back closes every range of leaves.
+  close_ranges();
+}
+
+// Children stand after their parents, so one sweep from the back closes every range of leaves.
+void Hierarchy::close_ranges() {
   for (std::size_t i = nodes_.size(); i-- > 0;) {
     Node& node = nodes_[i];
     node.leaf_end = node.is_leaf() ? node.leaf_begin + 1 : nodes_[node.right].leaf_end;

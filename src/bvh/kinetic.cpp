@@ -190,6 +190,17 @@ void KineticTree::refit(const Frame& frame, std::span<const double> x0, std::spa
 
 void KineticTree::fill_features(Index leaf) { HWY_DYNAMIC_DISPATCH(FillLeafFeatures)(*this, leaf); }
 
+// Halves first, so that the largest doubles do not overflow.
+Frame frame_around(const Vec3& low, const Vec3& high) {
+  Frame frame;
+  frame.center = low / 2 + high / 2;
+  // The centre is rounded, hence a little room.
+  const double half = (high / 2 - low / 2).maxCoeff();
+  const double reach = half * (1 + 0x1p-50) + frame.center.cwiseAbs().maxCoeff() * 0x1p-52;
+  frame.scale = reach > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(reach) + 1, -1022, 1024)) : 1;
+  return frame;
+}
+
 float separation_margin(const Frame& frame, double distance) {
   constexpr double kRounding = 0x1.1p-22;  // docs/soundness.md, B2
   const double margin = distance * frame.scale * (1 + 0x1p-50) + kRounding;

@@ -16,6 +16,9 @@ struct Frame {
   double scale = 1;
 };
 
+/// The frame of what lies between two corners; finite ones, however far apart.
+Frame frame_around(const Vec3& low, const Vec3& high);
+
 /// Both ends of a vertex' step: x y z 0 at t=0, then x y z 0 at t=1.
 struct alignas(32) MovingVertex {
   float x[8];
