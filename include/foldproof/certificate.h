@@ -50,8 +50,14 @@ class ChartMaker {
   ~ChartMaker();
   ChartMaker(ChartMaker&&) noexcept;
 
-  /// `positions`: of the patch' vertices, any unit. What is Made has been checked by chart_is_valid.
-  ChartOutcome draw(const Patch& patch, std::span<const std::array<float, 3>> positions, Drawing& out);
+  /// A direction that all triangles face, as squarely as may be; zero when there is none. `positions`: of the
+  /// patch' vertices, any unit.
+  Eigen::Vector3f facing(const Patch& patch, std::span<const std::array<float, 3>> positions);
+  /// Whether a triangle faces a direction squarely enough to be drawn along it.
+  static bool faces(const Eigen::Vector3f& direction, const Eigen::Vector3f (&corners)[3]);
+  /// Draws the patch as it looks along `facing`. What is Made has been checked by chart_is_valid.
+  ChartOutcome draw(const Patch& patch, std::span<const std::array<float, 3>> positions,
+                    const Eigen::Vector3f& facing, Drawing& out);
 
  private:
   struct Scratch;
@@ -62,33 +68,26 @@ class ChartMaker {
 /// way. Exact. This is all that Theorem 2 asks of a chart, wherever it came from.
 bool chart_is_valid(const Patch& patch, const Drawing& drawing);
 
-/// Numbers the patches of a hierarchy that may have charts. There are three kinds: the leaves below a node;
-/// those with their collar, which is every leaf that has a vertex in common with one of them; and two leaves
+/// Numbers the patches of a hierarchy that may have charts: the leaves below each node, and every two leaves
 /// that have a vertex in common. Immutable.
 class PatchSlots {
  public:
   explicit PatchSlots(std::shared_ptr<const Hierarchy> hierarchy);
 
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return hierarchy_; }
-  Index count() const { return 2 * node_count() + static_cast<Index>(neighbour_.size()); }
+  Index count() const { return node_count() + static_cast<Index>(neighbour_.size()); }
   Index of_node(Index node) const { return node; }
-  Index of_collared(Index node) const { return node_count() + node; }
   /// kNoIndex when the leaves are the same or have no vertex in common.
   Index of_leaves(Index leaf_a, Index leaf_b) const;
-
-  bool is_pair(Index slot) const { return slot >= 2 * node_count(); }
-  bool is_collared(Index slot) const { return !is_pair(slot) && slot >= node_count(); }
-  /// Of a slot that is not a pair's.
-  Index node_of(Index slot) const { return is_collared(slot) ? slot - node_count() : slot; }
+  bool is_pair(Index slot) const { return slot >= node_count(); }
   std::array<Index, 2> leaves_of(Index pair_slot) const {
-    return {row_[pair_slot - 2 * node_count()], neighbour_[pair_slot - 2 * node_count()]};
+    return {row_[pair_slot - node_count()], neighbour_[pair_slot - node_count()]};
   }
   /// Leaves with a vertex in common with this one, ascending.
   std::span<const Index> neighbours(Index leaf) const {
     return std::span(neighbour_).subspan(begin_[leaf], begin_[leaf + 1] - begin_[leaf]);
   }
-  /// In triangles; of a collar a guess.
-  Index size_of(Index slot) const;
+  Index triangles_of(Index slot) const;  ///< How many.
 
  private:
   Index node_count() const { return static_cast<Index>(hierarchy_->nodes().size()); }
@@ -101,22 +100,26 @@ class PatchSlots {
 class PatchReader {
  public:
   explicit PatchReader(const PatchSlots& slots);
+  /// The patch of a slot.
   void read(Index slot, Patch& out);
+  /// Adds a leaf to the patch that was read last.
+  void add_leaf(Index leaf, Patch& out);
 
  private:
   void add_leaves(Index begin, Index end, Patch& out);
-  void add_collar(Index begin, Index end, Patch& out);
   const PatchSlots& slots_;
   std::vector<std::uint16_t> number_;  // per vertex; means something only where owner_ is the current patch
-  std::vector<std::uint32_t> owner_, leaf_owner_;
+  std::vector<std::uint32_t> owner_;
   std::uint32_t patch_ = 0;
 };
 
-/// Charts by slot; a slot may have several, from different poses.
+/// Charts by slot; a slot may have several, from different poses. A node's chart may show more than its own
+/// leaves: its collar is a choice of leaves that have a vertex in common with them.
 class ChartLibrary {
  public:
   explicit ChartLibrary(std::shared_ptr<const PatchSlots> slots);
 
+  /// What a test needs to know about a drawing.
   struct Fit {
     float least_altitude =
         0;  ///< Of all triangles, rounded down: features without a common vertex are this far apart.
@@ -126,42 +129,49 @@ class ChartLibrary {
         {};  ///< xx, xy, xz, yy, yz, zz of the same with heights, whose own moment has `ridge` added.
     float ridge = 0;
   };
+  /// A run of entries in one of the library's arrays, with room for more.
+  struct Run {
+    Index begin = 0, count = 0, room = 0;
+  };
   struct Chart {
     Index next = kNoIndex;  ///< The slot's next chart.
     Index slot = 0;
     Index source = 0;  ///< Where it was drawn: a pose' number, for those who ask.
-    Index vertices = 0, points = 0, vertex_count = 0;
-    Index triangles = 0, triangle_count = 0, patch_triangles = 0;
-    Index room = 0;  ///< For this many triangles.
+    Run vertices, points, triangles, collar;
     Fit fit;
   };
 
-  /// Adds a valid drawing (see chart_is_valid) of the slot's patch as its first chart.
-  void add(Index slot, Index source, const Patch& patch, const Drawing& drawing);
-  /// Draws a chart's patch anew, in its place.
-  void replace(Index chart, Index source, const Drawing& drawing);
+  /// Adds a valid drawing (see chart_is_valid) of the slot's patch with a collar, as the slot's first chart.
+  void add(Index slot, Index source, const Patch& patch, std::span<const Index> collar,
+           const Drawing& drawing);
+  /// Puts another drawing of the same slot in a chart's place.
+  void replace(Index chart, Index source, const Patch& patch, std::span<const Index> collar,
+               const Drawing& drawing);
 
   const std::shared_ptr<const PatchSlots>& slots() const { return slots_; }
   std::span<const Chart> charts() const { return charts_; }
   Index first(Index slot) const { return first_[slot]; }
 
-  std::span<const Index> vertices(const Chart& c) const {
-    return std::span(vertices_).subspan(c.vertices, c.vertex_count);
-  }
+  std::span<const Index> vertices(const Chart& c) const { return part(vertices_, c.vertices); }
   /// Places and heights, those of the square's corners behind those of the vertices.
-  std::span<const std::array<float, 3>> points(const Chart& c) const {
-    return std::span(points_).subspan(c.points, c.vertex_count + kChartCorners.size());
-  }
+  std::span<const std::array<float, 3>> points(const Chart& c) const { return part(points_, c.points); }
+  /// Of the patch, then fillers.
   std::span<const std::array<std::uint16_t, 3>> triangles(const Chart& c) const {
-    return std::span(triangles_).subspan(c.triangles, c.triangle_count);
+    return part(triangles_, c.triangles);
   }
+  std::span<const Index> collar(const Chart& c) const { return part(collars_, c.collar); }
 
  private:
-  void fill(Chart& chart, const Drawing& drawing);
+  template <class T>
+  static std::span<const T> part(const std::vector<T>& all, Run run) {
+    return std::span(all).subspan(run.begin, run.count);
+  }
+  void fill(Chart& chart, const Patch& patch, std::span<const Index> collar, const Drawing& drawing);
+
   std::shared_ptr<const PatchSlots> slots_;
   std::vector<Index> first_;
   std::vector<Chart> charts_;
-  std::vector<Index> vertices_;
+  std::vector<Index> vertices_, collars_;
   std::vector<std::array<float, 3>> points_;
   std::vector<std::array<std::uint16_t, 3>> triangles_;
 };

@@ -9,8 +9,8 @@
 namespace foldproof {
 namespace {
 
-// After a slot was drawn in vain it rests for 4 steps, then for 8, and so on up to 4 * 2^5.
-constexpr std::uint32_t kRest = 4;
+// After a slot was drawn in vain it rests for 8 steps, then for 16, and so on up to 8 * 2^5.
+constexpr std::uint32_t kRest = 8;
 constexpr std::uint8_t kMostFailures = 5;
 // How far the leaves of a node that is worth drawing must face its plane at least, as a cosine.
 constexpr float kFlatEnough = 0.3f;
@@ -27,36 +27,25 @@ ChartBook::ChartBook(std::shared_ptr<const PatchSlots> slots, std::shared_ptr<co
       leaf_normals_(slots->hierarchy()->leaf_count()),
       workshops_(std::cref(*slots)) {}
 
-bool ChartBook::any_holds(Index slot, std::span<const MovingVertex> vertices, double gap,
-                          ChartTester& tester) {
-  const auto any = [&](const ChartLibrary& library) {
-    for (Index c = library.first(slot); c != kNoIndex; c = library.charts()[c].next) {
-      const ChartLibrary::Chart& chart = library.charts()[c];
+ChartBook::Proof ChartBook::prove(Index slot, std::span<const MovingVertex> vertices, double gap,
+                                  ChartTester& tester) {
+  for (const ChartLibrary* library : {static_cast<const ChartLibrary*>(&own_), trained_.get()}) {
+    if (library == nullptr) continue;
+    for (Index c = library->first(slot); c != kNoIndex; c = library->charts()[c].next) {
+      const ChartLibrary::Chart& chart = library->charts()[c];
       ++tester.tests;
-      const ChartView view{library.vertices(chart), library.points(chart), library.triangles(chart),
+      const ChartView view{library->vertices(chart), library->points(chart), library->triangles(chart),
                            chart.fit};
-      if (chart_holds(view, vertices, gap, tester.scratch)) return true;
+      if (!chart_holds(view, vertices, gap, tester.scratch)) continue;
+      patience_[slot].failures = 0;
+      return {library, c};
     }
-    return false;
-  };
-  if (!any(own_) && !(trained_ && any(*trained_))) return false;
-  patience_[slot].failures = 0;
-  return true;
-}
-
-NodeProof ChartBook::prove_node(Index node, std::span<const MovingVertex> vertices, double gap,
-                                ChartTester& tester) {
-  if (any_holds(slots().of_collared(node), vertices, gap, tester)) return NodeProof::WithCollar;
-  return any_holds(slots().of_node(node), vertices, gap, tester) ? NodeProof::Inside : NodeProof::None;
-}
-
-bool ChartBook::prove_pair(Index slot, std::span<const MovingVertex> vertices, double gap,
-                           ChartTester& tester) {
-  return any_holds(slot, vertices, gap, tester);
+  }
+  return {};
 }
 
 void ChartBook::want_node(Index node) {
-  if (patience_[node].until > step_ || slots().size_of(node) > settings_.most_triangles) return;
+  if (patience_[node].until > step_ || slots().triangles_of(node) > settings_.most_triangles) return;
   wanted_nodes_.push_back(node);
 }
 
@@ -75,21 +64,57 @@ void ChartBook::order(Index slot) {
   orders_[order_count_++].slot = slot;
 }
 
+// Neighbours that face the same way, so that the seam between nodes is mostly covered from both sides.
+void ChartBook::add_collar(Order& order, const Eigen::Vector3f& facing,
+                           std::span<const MovingVertex> vertices, Workshop& shop) const {
+  const Hierarchy& h = *slots().hierarchy();
+  const Hierarchy::Node& node = h.nodes()[order.slot];
+  ++shop.orders;
+  const auto faces = [&](Index leaf) {
+    for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
+      Eigen::Vector3f corners[3];
+      for (int k = 0; k < 3; ++k)
+        corners[k] = Eigen::Map<const Eigen::Vector3f>(vertices[h.triangles()[t][k]].x);
+      if (!ChartMaker::faces(facing, corners)) return false;
+    }
+    return true;
+  };
+  for (Index leaf = node.leaf_begin; leaf < node.leaf_end; ++leaf) {
+    for (const Index other : slots().neighbours(leaf)) {
+      if ((node.leaf_begin <= other && other < node.leaf_end) || shop.seen[other] == shop.orders) continue;
+      shop.seen[other] = shop.orders;
+      if (!faces(other)) continue;
+      order.collar.push_back(other);
+      shop.reader.add_leaf(other, order.patch);
+    }
+  }
+}
+
 void ChartBook::draw(Order& order, std::span<const MovingVertex> vertices) {
   Workshop& shop = workshops_.local();
-  const auto attempt = [&] {
-    shop.reader.read(order.slot, order.patch);
+  const auto read_positions = [&] {
     shop.positions.clear();
     for (const Index v : order.patch.vertices) {
       const float* x = vertices[v].x;
       shop.positions.push_back({x[0], x[1], x[2]});
     }
-    order.outcome = shop.maker.draw(order.patch, shop.positions, order.drawing);
   };
-  attempt();
-  if (order.outcome == ChartOutcome::Made || !slots().is_collared(order.slot)) return;
-  order.slot = slots().node_of(order.slot);
-  attempt();
+  order.collar.clear();
+  shop.reader.read(order.slot, order.patch);
+  read_positions();
+  const Eigen::Vector3f facing = shop.maker.facing(order.patch, shop.positions);
+  order.outcome = ChartOutcome::TooCurved;
+  if (facing.isZero()) return;
+  if (!slots().is_pair(order.slot)) {
+    add_collar(order, facing, vertices, shop);
+    read_positions();
+  }
+  order.outcome = shop.maker.draw(order.patch, shop.positions, facing, order.drawing);
+  if (order.outcome == ChartOutcome::Made || order.collar.empty()) return;
+  order.collar.clear();
+  shop.reader.read(order.slot, order.patch);
+  read_positions();
+  order.outcome = shop.maker.draw(order.patch, shop.positions, facing, order.drawing);
 }
 
 void ChartBook::draw_orders(std::span<const MovingVertex> vertices) {
@@ -99,11 +124,11 @@ void ChartBook::draw_orders(std::span<const MovingVertex> vertices) {
 
 void ChartBook::enter(const Order& order) {
   // Counts as a failure until a test holds: a chart that is drawn again and again is of no use.
-  lose_patience(slots().is_pair(order.slot) ? order.slot : slots().node_of(order.slot));
+  lose_patience(order.slot);
   if (order.outcome != ChartOutcome::Made) return;
   Patience& patience = patience_[order.slot];
   if (patience.drawn < settings_.most_charts) {
-    own_.add(order.slot, step_, order.patch, order.drawing);
+    own_.add(order.slot, step_, order.patch, order.collar, order.drawing);
     ++patience.drawn;
     return;
   }
@@ -111,7 +136,7 @@ void ChartBook::enter(const Order& order) {
   for (Index c = oldest; c != kNoIndex; c = own_.charts()[c].next) {
     if (own_.charts()[c].source < own_.charts()[oldest].source) oldest = c;
   }
-  own_.replace(oldest, step_, order.drawing);
+  own_.replace(oldest, step_, order.patch, order.collar, order.drawing);
 }
 
 const Eigen::Vector3f& ChartBook::leaf_normal(Index leaf, std::span<const MovingVertex> vertices) {
@@ -151,7 +176,7 @@ bool ChartBook::looks_flat(Index node, std::span<const MovingVertex> vertices) {
 void ChartBook::draw_nodes(std::span<const MovingVertex> vertices, std::size_t& budget) {
   const auto nodes = slots().hierarchy()->nodes();
   std::stable_sort(wanted_nodes_.begin(), wanted_nodes_.end(),
-                   [&](Index a, Index b) { return slots().size_of(a) > slots().size_of(b); });
+                   [&](Index a, Index b) { return slots().triangles_of(a) > slots().triangles_of(b); });
   std::fill(drawn_.begin(), drawn_.end(), 0);
   const auto mark = [&](Index node, std::uint8_t value) {
     std::fill(drawn_.begin() + nodes[node].leaf_begin, drawn_.begin() + nodes[node].leaf_end, value);
@@ -160,7 +185,7 @@ void ChartBook::draw_nodes(std::span<const MovingVertex> vertices, std::size_t& 
     order_count_ = 0;
     std::size_t kept = 0;
     for (const Index node : wanted_nodes_) {
-      const std::size_t cost = slots().size_of(slots().of_collared(node));
+      const std::size_t cost = slots().triangles_of(node) * 3 / 2;  // with a collar, more or less
       if (cost > budget) continue;
       if (drawn_[nodes[node].leaf_begin]) {
         wanted_nodes_[kept++] = node;
@@ -169,14 +194,14 @@ void ChartBook::draw_nodes(std::span<const MovingVertex> vertices, std::size_t& 
       } else {
         budget -= cost;
         mark(node, 1);
-        order(slots().of_collared(node));
+        order(node);
       }
     }
     if (order_count_ == 0) break;
     wanted_nodes_.resize(kept);
     draw_orders(vertices);
     for (std::size_t i = 0; i < order_count_; ++i) {
-      if (orders_[i].outcome != ChartOutcome::Made) mark(slots().node_of(orders_[i].slot), 0);
+      if (orders_[i].outcome != ChartOutcome::Made) mark(orders_[i].slot, 0);
     }
   }
   wanted_nodes_.clear();
@@ -186,7 +211,7 @@ void ChartBook::draw_pairs(std::span<const MovingVertex> vertices, std::size_t& 
   order_count_ = 0;
   for (const Index slot : wanted_pairs_) {
     const auto [a, b] = slots().leaves_of(slot);
-    const std::size_t cost = slots().size_of(slot);
+    const std::size_t cost = slots().triangles_of(slot);
     if (cost > budget) break;
     // A new chart of a node above may prove the pair.
     if (drawn_[a] || drawn_[b]) continue;

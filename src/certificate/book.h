@@ -13,13 +13,6 @@ struct ChartTester {
   std::uint64_t tests = 0;
 };
 
-/// What is proven about the leaves below a node.
-enum class NodeProof : std::uint8_t {
-  None,
-  Inside,     ///< Against each other.
-  WithCollar  ///< Against each other and against all leaves with which they have a vertex in common.
-};
-
 struct LearnSettings {
   Index most_triangles = 4096;   ///< Of a patch; larger ones hardly ever lie in one plane.
   std::uint8_t most_charts = 2;  ///< Of a slot; further ones replace the oldest.
@@ -33,11 +26,15 @@ class ChartBook {
   const PatchSlots& slots() const { return *own_.slots(); }
   const ChartLibrary& own() const { return own_; }
 
-  /// What the charts of a node prove during the step of `vertices` (see chart_holds). Different nodes may be
-  /// asked by different threads.
-  NodeProof prove_node(Index node, std::span<const MovingVertex> vertices, double gap, ChartTester& tester);
-  /// Whether two leaves with a vertex in common are proven against each other; `slot` is that of the pair.
-  bool prove_pair(Index slot, std::span<const MovingVertex> vertices, double gap, ChartTester& tester);
+  /// The first of a slot's charts that proves its patch, collar included, during the step of `vertices` (see
+  /// chart_holds). Different slots may be asked by different threads.
+  struct Proof {
+    const ChartLibrary* library = nullptr;  ///< null: none of them does
+    Index chart = 0;
+    explicit operator bool() const { return library != nullptr; }
+    std::span<const Index> collar() const { return library->collar(library->charts()[chart]); }
+  };
+  Proof prove(Index slot, std::span<const MovingVertex> vertices, double gap, ChartTester& tester);
 
   /// Says that a node or a pair was not proven and would have saved work. One thread only.
   void want_node(Index node);
@@ -55,14 +52,17 @@ class ChartBook {
     std::uint8_t drawn = 0;  // own charts
   };
   struct Workshop {
-    explicit Workshop(const PatchSlots& slots) : reader(slots) {}
+    explicit Workshop(const PatchSlots& slots) : reader(slots), seen(slots.hierarchy()->leaf_count(), 0) {}
     PatchReader reader;
     ChartMaker maker;
     std::vector<std::array<float, 3>> positions;
+    std::vector<std::uint32_t> seen;  // per leaf: the last order that looked at it
+    std::uint32_t orders = 0;
   };
   struct Order {
     Index slot;
     Patch patch;
+    std::vector<Index> collar;
     Drawing drawing;
     ChartOutcome outcome;
   };
@@ -70,7 +70,6 @@ class ChartBook {
     Eigen::Vector3f direction;
     std::uint32_t step = 0;
   };
-  bool any_holds(Index slot, std::span<const MovingVertex> vertices, double gap, ChartTester& tester);
   void draw_nodes(std::span<const MovingVertex> vertices, std::size_t& budget);
   void draw_pairs(std::span<const MovingVertex> vertices, std::size_t& budget);
   const Eigen::Vector3f& leaf_normal(Index leaf, std::span<const MovingVertex> vertices);
@@ -78,6 +77,8 @@ class ChartBook {
   void order(Index slot);
   void draw_orders(std::span<const MovingVertex> vertices);
   void draw(Order& order, std::span<const MovingVertex> vertices);
+  void add_collar(Order& order, const Eigen::Vector3f& facing, std::span<const MovingVertex> vertices,
+                  Workshop& shop) const;
   void enter(const Order& order);
   void lose_patience(Index slot);
 

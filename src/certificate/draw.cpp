@@ -86,13 +86,21 @@ void project(std::span<const std::array<float, 3>> x, const Vec3f& facing, std::
 
 }  // namespace
 
+Vec3f ChartMaker::facing(const Patch& patch, std::span<const std::array<float, 3>> positions) {
+  return facing_direction(patch, positions, scratch_->normals);
+}
+
+bool ChartMaker::faces(const Vec3f& direction, const Vec3f (&corners)[3]) {
+  const Vec3f area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+  return area.dot(direction) > kLeastCosine * area.norm();
+}
+
 ChartOutcome ChartMaker::draw(const Patch& patch, std::span<const std::array<float, 3>> positions,
-                              Drawing& out) {
+                              const Vec3f& facing, Drawing& out) {
   out.places.clear();
   out.heights.clear();
   out.fillers.clear();
   if (patch.vertices.size() > 0xFFF0) return ChartOutcome::TooLarge;
-  const Vec3f facing = facing_direction(patch, positions, scratch_->normals);
   if (facing.isZero()) return ChartOutcome::TooCurved;
   project(positions, facing, scratch_->turned, out);
   if (!scratch_->filler.fill(patch, out) || !chart_is_valid(patch, out)) return ChartOutcome::Tangled;

@@ -44,30 +44,26 @@ PatchSlots::PatchSlots(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(
 Index PatchSlots::of_leaves(Index leaf_a, Index leaf_b) const {
   const auto [a, b] = std::minmax(leaf_a, leaf_b);
   for (Index k = begin_[a]; k < begin_[a + 1]; ++k) {
-    if (neighbour_[k] == b) return 2 * node_count() + k;
+    if (neighbour_[k] == b) return node_count() + k;
   }
   return kNoIndex;
 }
 
-Index PatchSlots::size_of(Index slot) const {
+Index PatchSlots::triangles_of(Index slot) const {
   const auto leaves = hierarchy_->leaves();
-  const auto triangles = [&](Index begin, Index end) {
-    return leaves[end].triangles - leaves[begin].triangles;
-  };
+  const auto count = [&](Index begin, Index end) { return leaves[end].triangles - leaves[begin].triangles; };
   if (is_pair(slot)) {
     const auto [a, b] = leaves_of(slot);
-    return triangles(a, a + 1) + triangles(b, b + 1);
+    return count(a, a + 1) + count(b, b + 1);
   }
-  const Hierarchy::Node& node = hierarchy_->nodes()[node_of(slot)];
-  const Index size = triangles(node.leaf_begin, node.leaf_end);
-  return is_collared(slot) ? size + size / 2 : size;
+  const Hierarchy::Node& node = hierarchy_->nodes()[slot];
+  return count(node.leaf_begin, node.leaf_end);
 }
 
 PatchReader::PatchReader(const PatchSlots& slots)
     : slots_(slots),
       number_(slots.hierarchy()->vertex_ids().size()),
-      owner_(slots.hierarchy()->vertex_ids().size(), 0),
-      leaf_owner_(slots.hierarchy()->leaf_count(), 0) {}
+      owner_(slots.hierarchy()->vertex_ids().size(), 0) {}
 
 void PatchReader::add_leaves(Index begin, Index end, Patch& out) {
   const Hierarchy& h = *slots_.hierarchy();
@@ -85,27 +81,18 @@ void PatchReader::add_leaves(Index begin, Index end, Patch& out) {
   }
 }
 
-void PatchReader::add_collar(Index begin, Index end, Patch& out) {
-  for (Index leaf = begin; leaf < end; ++leaf) {
-    for (const Index other : slots_.neighbours(leaf)) {
-      if ((begin <= other && other < end) || leaf_owner_[other] == patch_) continue;
-      leaf_owner_[other] = patch_;
-      add_leaves(other, other + 1, out);
-    }
-  }
-}
+void PatchReader::add_leaf(Index leaf, Patch& out) { add_leaves(leaf, leaf + 1, out); }
 
 void PatchReader::read(Index slot, Patch& out) {
   out.vertices.clear();
   out.triangles.clear();
   ++patch_;
   if (slots_.is_pair(slot)) {
-    for (const Index leaf : slots_.leaves_of(slot)) add_leaves(leaf, leaf + 1, out);
-    return;
+    for (const Index leaf : slots_.leaves_of(slot)) add_leaf(leaf, out);
+  } else {
+    const Hierarchy::Node& node = slots_.hierarchy()->nodes()[slot];
+    add_leaves(node.leaf_begin, node.leaf_end, out);
   }
-  const Hierarchy::Node& node = slots_.hierarchy()->nodes()[slots_.node_of(slot)];
-  add_leaves(node.leaf_begin, node.leaf_end, out);
-  if (slots_.is_collared(slot)) add_collar(node.leaf_begin, node.leaf_end, out);
 }
 
 }  // namespace foldproof

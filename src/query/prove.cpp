@@ -18,8 +18,8 @@ constexpr std::uint8_t kPlanePatience = 3;
 void Scene::prove_selves(Index object, double gap) {
   tbb::parallel_for(std::size_t{0}, selves_.size(), [&](std::size_t i) {
     Local& local = locals_.local();
-    self_proofs_[i] = books_[object]->prove_node(selves_[i], trees_[object].vertices, gap, local.tester);
-    local.passes += self_proofs_[i] != NodeProof::None;
+    self_proofs_[i] = books_[object]->prove(selves_[i], trees_[object].vertices, gap, local.tester);
+    local.passes += static_cast<bool>(self_proofs_[i]);
   });
 }
 
@@ -36,11 +36,11 @@ bool Scene::proves(const LeafPairRef& pair, double gap, Local& local) {
   if (task.object_a == task.object_b) {
     if (a == b) return false;  // asked on the way down
     const auto& proofs = leaf_proofs_[task.object_a];
+    if (proofs[a].meets(proofs[b])) return true;
     ChartBook& book = *books_[task.object_a];
     const Index slot = book.slots().of_leaves(a, b);
     if (slot != kNoIndex) {
-      return proofs[a] == NodeProof::WithCollar || proofs[b] == NodeProof::WithCollar ||
-             book.prove_pair(slot, trees_[task.object_a].vertices, gap, local.tester);
+      return static_cast<bool>(book.prove(slot, trees_[task.object_a].vertices, gap, local.tester));
     }
   }
   if (plane_patience(pair) != 0) return false;

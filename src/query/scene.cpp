@@ -42,6 +42,18 @@ Result<void> check_numbers(Index object, const char* end, std::span<const double
   return {};
 }
 
+// y = (x - center) * scale lies in [-1, 1]; halves first, so that the largest doubles do not overflow.
+Frame frame_around(const Bounds& b, double& largest_side) {
+  Frame frame;
+  frame.center = b.low / 2 + b.high / 2;
+  const double half = (b.high / 2 - b.low / 2).maxCoeff();
+  largest_side = std::min(2 * half, std::numeric_limits<double>::max());
+  // The centre is rounded, hence a little room.
+  const double reach = half * (1 + 0x1p-50) + frame.center.cwiseAbs().maxCoeff() * 0x1p-52;
+  frame.scale = reach > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(reach) + 1, -1022, 1024)) : 1;
+  return frame;
+}
+
 }  // namespace
 
 Scene::Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
@@ -75,8 +87,7 @@ Result<void> Scene::update(Positions x0, Positions x1) {
       all.high = all.high.cwiseMax(b.high);
     }
   }
-  frame_ = frame_around(all.low, all.high);
-  largest_side_ = std::min(2 * (all.high / 2 - all.low / 2).maxCoeff(), std::numeric_limits<double>::max());
+  frame_ = frame_around(all, largest_side_);
   for (std::size_t i = 0; i < trees_.size(); ++i) trees_[i].refit(frame_, x0[i], x1[i]);
   return {};
 }
@@ -87,19 +98,19 @@ void Scene::descend_selves(Index object, const StepSettings& settings, double ga
   ChartBook& book = *books_[object];
   const auto nodes = hierarchy(object).nodes();
   auto& leaf_proofs = leaf_proofs_[object];
-  std::fill(leaf_proofs.begin(), leaf_proofs.end(), NodeProof::None);
+  for (LeafProofs& proofs : leaf_proofs) proofs.count = 0;
   selves_.assign(nodes.empty() ? 0 : 1, 0);
   while (!selves_.empty()) {
     work.node_tests += selves_.size();
-    self_proofs_.assign(selves_.size(), NodeProof::None);
+    self_proofs_.assign(selves_.size(), {});
     if (settings.certificates) prove_selves(object, gap);
     selves_below_.clear();
     for (std::size_t i = 0; i < selves_.size(); ++i) {
       const Index self = selves_[i];
       const Hierarchy::Node& node = nodes[self];
-      if (self_proofs_[i] != NodeProof::None) {
-        std::fill(leaf_proofs.begin() + node.leaf_begin, leaf_proofs.begin() + node.leaf_end,
-                  self_proofs_[i]);
+      if (self_proofs_[i]) {
+        for (Index leaf = node.leaf_begin; leaf < node.leaf_end; ++leaf) leaf_proofs[leaf].add(self);
+        for (const Index leaf : self_proofs_[i].collar()) leaf_proofs[leaf].add(self);
         continue;
       }
       if (settings.certificates) book.want_node(self);

@@ -25,6 +25,23 @@ struct LeafPairRef {
   NodePair leaves;
 };
 
+/// Which proven patches of this step a leaf belongs to. Two leaves with a patch in common are proven apart.
+struct LeafProofs {
+  std::array<Index, 7> patch;
+  Index count = 0;
+  void add(Index proven_patch) {
+    if (count < patch.size()) patch[count++] = proven_patch;
+  }
+  bool meets(const LeafProofs& other) const {
+    for (Index i = 0; i < count; ++i) {
+      for (Index k = 0; k < other.count; ++k) {
+        if (patch[i] == other.patch[k]) return true;
+      }
+    }
+    return false;
+  }
+};
+
 class Scene {
  public:
   Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
@@ -66,8 +83,7 @@ class Scene {
 
   std::vector<KineticTree> trees_;
   std::vector<std::unique_ptr<ChartBook>> books_;
-  std::vector<std::vector<NodeProof>>
-      leaf_proofs_;  // per object and leaf: what the charts of a node above it prove
+  std::vector<std::vector<LeafProofs>> leaf_proofs_;  // per object and leaf
   Frame frame_;
   double largest_side_ = 0;
   std::size_t steps_ = 0, last_leaf_pairs_ = 0;
@@ -76,7 +92,7 @@ class Scene {
   std::size_t task_count_ = 0;
   std::vector<NodePair> front_, below_;
   std::vector<Index> selves_, selves_below_;
-  std::vector<NodeProof> self_proofs_;
+  std::vector<ChartBook::Proof> self_proofs_;
   std::vector<std::uint8_t> proven_;
   TraversalResult above_;
 
