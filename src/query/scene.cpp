@@ -42,18 +42,6 @@ Result<void> check_numbers(Index object, const char* end, std::span<const double
   return {};
 }
 
-// y = (x - center) * scale lies in [-1, 1]; halves first, so that the largest doubles do not overflow.
-Frame frame_around(const Bounds& b, double& largest_side) {
-  Frame frame;
-  frame.center = b.low / 2 + b.high / 2;
-  const double half = (b.high / 2 - b.low / 2).maxCoeff();
-  largest_side = std::min(2 * half, std::numeric_limits<double>::max());
-  // The centre is rounded, hence a little room.
-  const double reach = half * (1 + 0x1p-50) + frame.center.cwiseAbs().maxCoeff() * 0x1p-52;
-  frame.scale = reach > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(reach) + 1, -1022, 1024)) : 1;
-  return frame;
-}
-
 }  // namespace
 
 Scene::Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
@@ -87,7 +75,8 @@ Result<void> Scene::update(Positions x0, Positions x1) {
       all.high = all.high.cwiseMax(b.high);
     }
   }
-  frame_ = frame_around(all, largest_side_);
+  frame_ = frame_around(all.low, all.high);
+  largest_side_ = std::min(2 * (all.high / 2 - all.low / 2).maxCoeff(), std::numeric_limits<double>::max());
   for (std::size_t i = 0; i < trees_.size(); ++i) trees_[i].refit(frame_, x0[i], x1[i]);
   return {};
 }
