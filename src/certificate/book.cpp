@@ -25,7 +25,7 @@ ChartBook::ChartBook(std::shared_ptr<const PatchSlots> slots, std::shared_ptr<co
       patience_(slots->count()),
       drawn_(slots->hierarchy()->leaf_count(), 0),
       leaf_normals_(slots->hierarchy()->leaf_count()),
-      workshops_(std::cref(*slots)) {}
+      drawers_(std::cref(*slots)) {}
 
 ChartBook::Proof ChartBook::prove(Index slot, std::span<const MovingVertex> vertices, double gap,
                                   ChartTester& tester) {
@@ -64,65 +64,13 @@ void ChartBook::order(Index slot) {
   orders_[order_count_++].slot = slot;
 }
 
-// Neighbours that face the same way, so that the seam between nodes is mostly covered from both sides.
-void ChartBook::add_collar(Order& order, const Eigen::Vector3f& facing,
-                           std::span<const MovingVertex> vertices, Workshop& shop) const {
-  const Hierarchy& h = *slots().hierarchy();
-  const Hierarchy::Node& node = h.nodes()[order.slot];
-  ++shop.orders;
-  const auto faces = [&](Index leaf) {
-    for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
-      Eigen::Vector3f corners[3];
-      for (int k = 0; k < 3; ++k)
-        corners[k] = Eigen::Map<const Eigen::Vector3f>(vertices[h.triangles()[t][k]].x);
-      if (!ChartMaker::faces(facing, corners)) return false;
-    }
-    return true;
-  };
-  for (Index leaf = node.leaf_begin; leaf < node.leaf_end; ++leaf) {
-    for (const Index other : slots().neighbours(leaf)) {
-      if ((node.leaf_begin <= other && other < node.leaf_end) || shop.seen[other] == shop.orders) continue;
-      shop.seen[other] = shop.orders;
-      if (!faces(other)) continue;
-      order.collar.push_back(other);
-      shop.reader.add_leaf(other, order.patch);
-    }
-  }
-}
-
-void ChartBook::draw(Order& order, std::span<const MovingVertex> vertices) {
-  Workshop& shop = workshops_.local();
-  const auto read_positions = [&] {
-    shop.positions.clear();
-    for (const Index v : order.patch.vertices) {
-      const float* x = vertices[v].x;
-      shop.positions.push_back({x[0], x[1], x[2]});
-    }
-  };
-  order.collar.clear();
-  shop.reader.read(order.slot, order.patch);
-  read_positions();
-  const Eigen::Vector3f facing = shop.maker.facing(order.patch, shop.positions);
-  order.outcome = ChartOutcome::TooCurved;
-  if (facing.isZero()) return;
-  if (!slots().is_pair(order.slot)) {
-    add_collar(order, facing, vertices, shop);
-    read_positions();
-  }
-  order.outcome = shop.maker.draw(order.patch, shop.positions, facing, order.drawing);
-  if (order.outcome == ChartOutcome::Made || order.collar.empty()) return;
-  order.collar.clear();
-  shop.reader.read(order.slot, order.patch);
-  read_positions();
-  order.outcome = shop.maker.draw(order.patch, shop.positions, facing, order.drawing);
-}
-
 void ChartBook::draw_orders(std::span<const MovingVertex> vertices) {
-  tbb::parallel_for(std::size_t{0}, order_count_, [&](std::size_t i) { draw(orders_[i], vertices); });
+  tbb::parallel_for(std::size_t{0}, order_count_,
+                    [&](std::size_t i) { drawers_.local().draw(vertices, orders_[i]); });
   for (std::size_t i = 0; i < order_count_; ++i) enter(orders_[i]);
 }
 
-void ChartBook::enter(const Order& order) {
+void ChartBook::enter(const DrawnPatch& order) {
   // Counts as a failure until a test holds: a chart that is drawn again and again is of no use.
   lose_patience(order.slot);
   if (order.outcome != ChartOutcome::Made) return;

@@ -4,6 +4,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "certificate/chart_test.h"
+#include "certificate/patch_drawer.h"
 
 namespace foldproof {
 
@@ -51,21 +52,6 @@ class ChartBook {
     std::uint8_t failures = 0;
     std::uint8_t drawn = 0;  // own charts
   };
-  struct Workshop {
-    explicit Workshop(const PatchSlots& slots) : reader(slots), seen(slots.hierarchy()->leaf_count(), 0) {}
-    PatchReader reader;
-    ChartMaker maker;
-    std::vector<std::array<float, 3>> positions;
-    std::vector<std::uint32_t> seen;  // per leaf: the last order that looked at it
-    std::uint32_t orders = 0;
-  };
-  struct Order {
-    Index slot;
-    Patch patch;
-    std::vector<Index> collar;
-    Drawing drawing;
-    ChartOutcome outcome;
-  };
   struct LeafNormal {
     Eigen::Vector3f direction;
     std::uint32_t step = 0;
@@ -76,10 +62,7 @@ class ChartBook {
   bool looks_flat(Index node, std::span<const MovingVertex> vertices);
   void order(Index slot);
   void draw_orders(std::span<const MovingVertex> vertices);
-  void draw(Order& order, std::span<const MovingVertex> vertices);
-  void add_collar(Order& order, const Eigen::Vector3f& facing, std::span<const MovingVertex> vertices,
-                  Workshop& shop) const;
-  void enter(const Order& order);
+  void enter(const DrawnPatch& order);
   void lose_patience(Index slot);
 
   LearnSettings settings_;
@@ -87,11 +70,11 @@ class ChartBook {
   ChartLibrary own_;
   std::vector<Patience> patience_;
   std::vector<Index> wanted_nodes_, wanted_pairs_;
-  std::vector<Order> orders_;
+  std::vector<DrawnPatch> orders_;
   std::size_t order_count_ = 0;
   std::vector<std::uint8_t> drawn_;  // per leaf: a node above it has been drawn in this step
   std::vector<LeafNormal> leaf_normals_;
-  tbb::enumerable_thread_specific<Workshop> workshops_;
+  tbb::enumerable_thread_specific<PatchDrawer> drawers_;
   std::uint32_t step_ = 0;
 };
 
