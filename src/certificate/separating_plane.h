@@ -5,18 +5,9 @@
 
 namespace foldproof {
 
-/// Scratch: one per thread.
-struct PlaneScratch {
-  struct alignas(32) Eight {
-    float x[8];
-  };
-  std::vector<Eight> rows[2];
-};
-
 /// True: during the step the convex hulls of the two sets of vertices stay farther apart than `gap` (in the
 /// frame of the vertices). False promises nothing. The sets are not empty.
 bool plane_separates(std::span<const MovingVertex> vertices_a, std::span<const Index> a,
-                     std::span<const MovingVertex> vertices_b, std::span<const Index> b, double gap,
-                     PlaneScratch& scratch);
+                     std::span<const MovingVertex> vertices_b, std::span<const Index> b, double gap);
 
 }  // namespace foldproof

@@ -47,7 +47,7 @@ bool Scene::proves(const LeafPairRef& pair, double gap, Local& local) {
   ++local.tests;
   const KineticTree &tree_a = *task.traversal.a, &tree_b = *task.traversal.b;
   return plane_separates(tree_a.vertices, tree_a.leaf_vertices(pair.leaves.a), tree_b.vertices,
-                         tree_b.leaf_vertices(pair.leaves.b), gap, local.plane);
+                         tree_b.leaf_vertices(pair.leaves.b), gap);
 }
 
 // What a pair that was not proven leaves for the steps to come.

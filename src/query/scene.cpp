@@ -144,7 +144,7 @@ void Scene::start_tasks(Index a, Index b, float margin, Work& work) {
 // drawing, about 0.2 us a triangle, well below what the pairs of leaves took that were tested in the step
 // before, about 1 us each.
 void Scene::begin_learning(const StepSettings& settings) {
-  constexpr std::size_t kTrianglesPerLeafPair = 3;
+  constexpr std::size_t kTrianglesPerLeafPair = 2;
   ++steps_;
   const std::size_t budget = settings.certificates ? kTrianglesPerLeafPair * last_leaf_pairs_ : 0;
   for (std::size_t i = 0; i < books_.size(); ++i)

@@ -68,7 +68,6 @@ class Scene {
   struct Local {
     std::vector<NodePair> stack;
     ChartTester tester;
-    PlaneScratch plane;
     std::uint64_t tests = 0, passes = 0;
   };
   void begin_learning(const StepSettings& settings);
