@@ -11,7 +11,9 @@ namespace {
 
 // After a slot was drawn in vain it rests for 8 steps, then for 16, and so on up to 8 * 2^5.
 constexpr std::uint32_t kRest = 8;
-constexpr std::uint8_t kMostFailures = 5;
+constexpr std::uint8_t kMostVainDraws = 5;
+// After its charts failed twice in a row a slot is asked every second step, then every fourth.
+constexpr std::uint8_t kMostVainTests = 3;
 // How far the leaves of a node that is worth drawing must face its plane at least, as a cosine.
 constexpr float kFlatEnough = 0.3f;
 
@@ -22,41 +24,62 @@ ChartBook::ChartBook(std::shared_ptr<const PatchSlots> slots, std::shared_ptr<co
     : settings_(settings),
       trained_(std::move(trained)),
       own_(slots),
-      patience_(slots->count()),
+      memory_(slots->count()),
       drawn_(slots->hierarchy()->leaf_count(), 0),
       leaf_normals_(slots->hierarchy()->leaf_count()),
       drawers_(std::cref(*slots)) {}
 
+bool ChartBook::holds(const ChartLibrary& library, Index chart, std::span<const MovingVertex> vertices,
+                      double gap, ChartTester& tester) const {
+  const ChartLibrary::Chart& c = library.charts()[chart];
+  ++tester.tests;
+  return chart_holds({library.vertices(c), library.points(c), library.triangles(c), c.fit}, vertices, gap,
+                     tester.scratch);
+}
+
+// The chart that held last is asked first. A slot whose charts fail again and again is asked less and less
+// often.
 ChartBook::Proof ChartBook::prove(Index slot, std::span<const MovingVertex> vertices, double gap,
                                   ChartTester& tester) {
+  Memory& memory = memory_[slot];
+  if (memory.test_from > step_) return {};
+  const std::uint64_t tests_before = tester.tests;
+  const auto found = [&](const ChartLibrary& library, Index chart) -> Proof {
+    memory.last = chart;
+    memory.last_was_trained = &library == trained_.get();
+    memory.vain_draws = memory.vain_tests = 0;
+    return {&library, chart};
+  };
+  const ChartLibrary* last = memory.last_was_trained ? trained_.get() : &own_;
+  if (memory.last != kNoIndex && holds(*last, memory.last, vertices, gap, tester))
+    return found(*last, memory.last);
   for (const ChartLibrary* library : {static_cast<const ChartLibrary*>(&own_), trained_.get()}) {
     if (library == nullptr) continue;
     for (Index c = library->first(slot); c != kNoIndex; c = library->charts()[c].next) {
-      const ChartLibrary::Chart& chart = library->charts()[c];
-      ++tester.tests;
-      const ChartView view{library->vertices(chart), library->points(chart), library->triangles(chart),
-                           chart.fit};
-      if (!chart_holds(view, vertices, gap, tester.scratch)) continue;
-      patience_[slot].failures = 0;
-      return {library, c};
+      if (library == last && c == memory.last) continue;
+      if (holds(*library, c, vertices, gap, tester)) return found(*library, c);
     }
+  }
+  if (tester.tests > tests_before) {
+    memory.vain_tests = std::min<std::uint8_t>(memory.vain_tests + 1, kMostVainTests);
+    memory.test_from = step_ + (1u << memory.vain_tests) / 2;
   }
   return {};
 }
 
 void ChartBook::want_node(Index node) {
-  if (patience_[node].until > step_ || slots().triangles_of(node) > settings_.most_triangles) return;
+  if (memory_[node].draw_from > step_ || slots().triangles_of(node) > settings_.most_triangles) return;
   wanted_nodes_.push_back(node);
 }
 
 void ChartBook::want_pair(Index slot) {
-  if (patience_[slot].until <= step_) wanted_pairs_.push_back(slot);
+  if (memory_[slot].draw_from <= step_) wanted_pairs_.push_back(slot);
 }
 
-void ChartBook::lose_patience(Index slot) {
-  Patience& patience = patience_[slot];
-  patience.until = step_ + (kRest << patience.failures);
-  patience.failures = std::min<std::uint8_t>(patience.failures + 1, kMostFailures);
+void ChartBook::rest_from_drawing(Index slot) {
+  Memory& memory = memory_[slot];
+  memory.draw_from = step_ + (kRest << memory.vain_draws);
+  memory.vain_draws = std::min<std::uint8_t>(memory.vain_draws + 1, kMostVainDraws);
 }
 
 void ChartBook::order(Index slot) {
@@ -72,12 +95,14 @@ void ChartBook::draw_orders(std::span<const MovingVertex> vertices) {
 
 void ChartBook::enter(const DrawnPatch& order) {
   // Counts as a failure until a test holds: a chart that is drawn again and again is of no use.
-  lose_patience(order.slot);
+  rest_from_drawing(order.slot);
   if (order.outcome != ChartOutcome::Made) return;
-  Patience& patience = patience_[order.slot];
-  if (patience.drawn < settings_.most_charts) {
+  Memory& memory = memory_[order.slot];
+  memory.vain_tests = 0;
+  memory.test_from = step_;
+  if (memory.drawn < settings_.most_charts) {
     own_.add(order.slot, step_, order.patch, order.collar, order.drawing);
-    ++patience.drawn;
+    ++memory.drawn;
     return;
   }
   Index oldest = own_.first(order.slot);
@@ -138,7 +163,7 @@ void ChartBook::draw_nodes(std::span<const MovingVertex> vertices, std::size_t& 
       if (drawn_[nodes[node].leaf_begin]) {
         wanted_nodes_[kept++] = node;
       } else if (!looks_flat(node, vertices)) {
-        lose_patience(node);
+        rest_from_drawing(node);
       } else {
         budget -= cost;
         mark(node, 1);

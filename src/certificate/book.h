@@ -46,11 +46,13 @@ class ChartBook {
   void begin_step(std::span<const MovingVertex> vertices, std::size_t budget);
 
  private:
-  // How often drawing a slot was of no use, and the step before which it is not tried again.
-  struct Patience {
-    std::uint32_t until = 0;
-    std::uint8_t failures = 0;
+  // What is known about a slot from earlier steps.
+  struct Memory {
+    std::uint32_t draw_from = 0, test_from = 0;  // not drawn, not tested before these steps
+    std::uint8_t vain_draws = 0, vain_tests = 0;
     std::uint8_t drawn = 0;  // own charts
+    bool last_was_trained = false;
+    Index last = kNoIndex;  // the chart that held last
   };
   struct LeafNormal {
     Eigen::Vector3f direction;
@@ -63,12 +65,14 @@ class ChartBook {
   void order(Index slot);
   void draw_orders(std::span<const MovingVertex> vertices);
   void enter(const DrawnPatch& order);
-  void lose_patience(Index slot);
+  void rest_from_drawing(Index slot);
+  bool holds(const ChartLibrary& library, Index chart, std::span<const MovingVertex> vertices, double gap,
+             ChartTester& tester) const;
 
   LearnSettings settings_;
   std::shared_ptr<const ChartLibrary> trained_;
   ChartLibrary own_;
-  std::vector<Patience> patience_;
+  std::vector<Memory> memory_;
   std::vector<Index> wanted_nodes_, wanted_pairs_;
   std::vector<DrawnPatch> orders_;
   std::size_t order_count_ = 0;
