@@ -1,23 +1,16 @@
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
-#include <atomic>
-#include <cmath>
-#include <csignal>
+#include <algorithm>
 #include <set>
 
 #include "commands.h"
-#include "foldproof/report.h"
+#include "options.h"
 #include "terminal.h"
 
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter = R"(A MOTION is one topology and its frames:
-  walk.glb  walk.gltf  walk.npz   an animation; NPZ holds 'faces' and 'vertices' (frames x n x 3)
-  walk.obj walk.pc2               a mesh (OBJ, OFF, PLY) followed by its point cache (.pc2, .mdd)
-  frames/  'frames/*.ply'         a directory or a quoted glob of meshes, a frame each, in natural order
-  pose.obj                        a single frame, for --static
+constexpr const char* kFooter = R"(  pose.obj                        a single frame, for --static
 Several motions are several objects, and need equally many frames.
 
 Exit code: 0 no collision, 1 collisions, 2 error.
@@ -28,24 +21,21 @@ Examples:
   foldproof check walk.glb --frames 10:21         the ten steps from frame 10 to frame 20
   foldproof check walk.glb --substeps 10          each step in ten straight parts
   foldproof check pose.obj --static               triangles that cross in one pose
+  foldproof check walk.glb --model body.model     faster, with what 'foldproof train' found out
   foldproof check cloth/ --thickness 0.001        closer than 0.001 mesh units counts
   foldproof check walk.glb --json a.json --pairs  every pair with its time of impact, to a file
   foldproof check walk.glb --ply worst.ply        the worst step's mesh, colliding faces marked 1)";
 
 struct CheckArguments {
-  std::vector<std::string> motions;
-  std::string frames, json, csv, ply;
+  std::vector<std::string> motions, models;
+  std::string json, csv, ply;
   Index substeps = 1;
   int threads = 0;
   double thickness = 0, tolerance = 0;
   bool poses = false, within = false, between = false, first = false, pairs = false, quiet = false;
-  ReadOptions read;
+  bool no_certificates = false;
+  MotionOptions motion;
 };
-
-std::atomic<bool> interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
-
-extern "C" void interrupt(int) { interrupted = true; }
 
 void add_query_options(CLI::App& check, CheckArguments& a) {
   const char* group = "What counts";
@@ -73,24 +63,29 @@ void add_query_options(CLI::App& check, CheckArguments& a) {
       ->excludes(poses);
 }
 
-void add_motion_options(CLI::App& check, CheckArguments& a) {
-  const char* group = "Which part of the motion";
-  check
-      .add_option("--frames", a.frames,
-                  "Frames A up to, not including, B, every STEP-th; negative ones count from the end")
-      ->type_name("A:B[:STEP]")
-      ->group(group);
+void add_part_options(CLI::App& check, CheckArguments& a) {
+  add_motion_options(check, a.motion);
   check.add_option("--substeps", a.substeps, "Cut each step into N linear parts [1]")
       ->type_name("N")
-      ->group(group)
+      ->group(kMotionGroup)
       ->excludes(check.get_option("--static"));
-  check.add_option("--fps", a.read.fps, "Sampling rate for animated glTF, frames per second [24]")
-      ->type_name("RATE")
-      ->group(group);
-  check
-      .add_flag("--weld", a.read.weld,
-                "Merge vertices that coincide in the first frame (changes vertex numbers)")
-      ->group(group);
+}
+
+void add_speed_options(CLI::App& check, CheckArguments& a) {
+  const char* group = "Speed (the answer is the same with any of these)";
+  auto* model =
+      check
+          .add_option("--model", a.models,
+                      "What 'foldproof train' found out: once for all objects of that mesh, or once "
+                      "for each object in order")
+          ->type_name("FILE")
+          ->allow_extra_args(false)
+          ->group(group);
+  check.add_flag("--no-certificates", a.no_certificates, "Test everything, also what can be proven free")
+      ->group(group)
+      ->excludes(model);
+  add_threads_option(check, a.threads, "At most N threads [all cores]");
+  check.get_option("--threads")->group(group);
 }
 
 void add_report_options(CLI::App& check, CheckArguments& a) {
@@ -111,20 +106,9 @@ void add_report_options(CLI::App& check, CheckArguments& a) {
 void add_options(CLI::App& check, CheckArguments& a) {
   check.add_option("MOTION", a.motions, "What to check (see below)")->type_name("")->required();
   add_query_options(check, a);
-  add_motion_options(check, a);
+  add_part_options(check, a);
+  add_speed_options(check, a);
   add_report_options(check, a);
-  check
-      .add_option("--threads", a.threads,
-                  "At most N threads; the answer is the same for any number [all cores]")
-      ->type_name("N");
-}
-
-Result<void> require_number(const char* option, double value, bool zero_allowed) {
-  if (std::isfinite(value) && (value > 0 || (zero_allowed && value == 0))) return {};
-  return fail(
-      option,
-      fmt::format("{} is not a {} number", value, zero_allowed ? "finite, not negative" : "finite, positive"),
-      "give another");
 }
 
 Result<void> require_distinct_files(const CheckArguments& a) {
@@ -142,11 +126,9 @@ Result<CheckSettings> settings_of(const CheckArguments& a) {
     return tl::unexpected(ok.error());
   if (const auto ok = require_number("--tolerance", a.tolerance, true); !ok)
     return tl::unexpected(ok.error());
-  if (const auto ok = require_number("--fps", a.read.fps, false); !ok) return tl::unexpected(ok.error());
+  const auto frames = frame_range_of(a.motion);
+  if (!frames) return tl::unexpected(frames.error());
   if (a.substeps < 1) return fail("--substeps", "0 parts are none", "give 1 or more");
-  if (a.threads < 0 || a.threads > 4096)
-    return fail("--threads", fmt::format("{} is not between 1 and 4096", a.threads),
-                "give another, or leave it out to use all cores");
   if (const auto ok = require_distinct_files(a); !ok) return tl::unexpected(ok.error());
 
   CheckSettings settings;
@@ -156,16 +138,14 @@ Result<CheckSettings> settings_of(const CheckArguments& a) {
                    .between = !a.within,
                    .thickness = a.thickness,
                    .tolerance = a.tolerance,
+                   .certificates = !a.no_certificates,
                    .earliest_only = a.first};
-  if (!a.frames.empty()) {
-    const auto range = parse_frame_range(a.frames);
-    if (!range) return tl::unexpected(range.error());
-    settings.frames = *range;
-  }
+  settings.frames = *frames;
   return settings;
 }
 
 using WriterList = std::vector<std::unique_ptr<ReportWriter>>;
+using ModelList = std::vector<std::shared_ptr<const Model>>;
 
 Result<void> append(WriterList& writers, Result<std::unique_ptr<ReportWriter>> writer) {
   if (!writer) return tl::unexpected(writer.error());
@@ -176,7 +156,7 @@ Result<void> append(WriterList& writers, Result<std::unique_ptr<ReportWriter>> w
 Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& settings, Motions motions) {
   WriterList writers;
   if (!a.json.empty()) {
-    const auto ok = append(writers, json_report(a.json, motions, {settings, a.read, a.pairs}));
+    const auto ok = append(writers, json_report(a.json, motions, {settings, a.motion.read, a.pairs}));
     if (!ok) return tl::unexpected(ok.error());
   }
   if (!a.csv.empty()) {
@@ -190,24 +170,48 @@ Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& se
   return writers;
 }
 
-Result<int> check(const CheckArguments& a) {
-  const auto settings = settings_of(a);
-  if (!settings) return tl::unexpected(settings.error());
-  std::optional<tbb::global_control> limit;
-  if (a.threads > 0)
-    limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(a.threads));
+/// A model per motion. One for all serves those whose mesh it is of, and there must be one.
+Result<ModelList> load_models(const CheckArguments& a, Motions motions) {
+  ModelList models;
+  for (const std::string& path : a.models) {
+    auto model = load_model(path);
+    if (!model) return tl::unexpected(model.error());
+    models.push_back(std::make_shared<const Model>(std::move(*model)));
+  }
+  if (models.size() != 1 || motions.size() < 2) return models;
+  const auto model = models[0];
+  const auto fits = [&](const auto& motion) { return model->hierarchy()->topology() == motion->topology(); };
+  if (std::none_of(motions.begin(), motions.end(), fits)) {
+    return fail(a.models[0], "is a model of none of these meshes", "train a model on one of them");
+  }
+  models.clear();
+  for (const auto& motion : motions) models.push_back(fits(motion) ? model : nullptr);
+  return models;
+}
 
-  const auto motions = open_motions(a.motions, a.read);
+Result<int> check(const CheckArguments& a) {
+  auto settings = settings_of(a);
+  if (!settings) return tl::unexpected(settings.error());
+  ThreadLimit limit;
+  if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
+
+  const auto motions = open_motions(a.motions, a.motion.read);
   if (!motions) return tl::unexpected(motions.error());
+  auto models = load_models(a, *motions);
+  if (!models) return tl::unexpected(models.error());
+  settings->models = std::move(*models);
   // From here on files are open that must not stay behind half written.
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  const std::atomic<bool>& interrupted = watch_for_interrupt();
   const auto writers = open_writers(a, *settings, *motions);
   if (!writers) return tl::unexpected(writers.error());
 
   ProgressBar bar(!a.quiet);
   CheckHooks hooks;
-  hooks.progress = [&](const CheckTotals& totals, std::uint64_t expected) { bar.show(totals, expected); };
+  hooks.progress = [&](const CheckTotals& totals, std::uint64_t expected) {
+    bar.show(static_cast<double>(totals.steps) / static_cast<double>(expected),
+             fmt::format("{} of {} steps, {} with collisions", totals.steps, expected,
+                         totals.steps_with_collisions));
+  };
   hooks.cancel = &interrupted;
   const auto totals = run_check(*motions, *settings, *writers, hooks);
   bar.clear();
@@ -224,7 +228,7 @@ Result<int> check(const CheckArguments& a) {
 
 Command add_check(CLI::App& program) {
   CLI::App* command = program.add_subcommand("check", "Find every collision of one or more motions");
-  command->footer(kFooter);
+  command->footer(std::string(kMotionHelp) + kFooter);
   const auto arguments = std::make_shared<CheckArguments>();
   add_options(*command, *arguments);
   return [arguments] { return check(*arguments); };

@@ -14,7 +14,9 @@ using Command = std::function<Result<int>()>;
 /// Exit codes that scripts rely on.
 inline constexpr int kExitClean = 0, kExitCollisions = 1, kExitError = 2, kExitInterrupted = 130;
 
-/// Adds `foldproof check` to the command line; gives what to run if it is chosen.
+/// Adds a subcommand to the command line; gives what to run if it is chosen.
 Command add_check(CLI::App& program);
+Command add_train(CLI::App& program);
+Command add_info(CLI::App& program);
 
 }  // namespace foldproof

@@ -38,20 +38,18 @@ Result<void> flush_output() {
 
 ProgressBar::ProgressBar(bool wanted) : wanted_(wanted && ::isatty(STDERR_FILENO) == 1) {}
 
-void ProgressBar::show(const CheckTotals& totals, std::uint64_t expected) {
-  if (!wanted_ || expected == 0) return;
+void ProgressBar::show(double part, const std::string& text) {
+  if (!wanted_) return;
   const Clock::time_point now = Clock::now();
   // Ten times a second is enough, and nothing for what is over at once.
   if (now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
   constexpr int kWidth = 30;
-  const double part = static_cast<double>(totals.steps) / static_cast<double>(expected);
   const double spent = std::chrono::duration<double>(now - start_).count();
   const std::int64_t left = std::llround(spent / part - spent);
   const int filled = static_cast<int>(part * kWidth);
-  const std::string line = fmt::format(
-      "\r\x1b[K[{:#<{}}{:.<{}}] {} of {} steps, {} with collisions, {}:{:02} left", "", filled, "",
-      kWidth - filled, totals.steps, expected, totals.steps_with_collisions, left / 60, left % 60);
+  const std::string line = fmt::format("\r\x1b[K[{:#<{}}{:.<{}}] {}, {}:{:02} left", "", filled, "",
+                                       kWidth - filled, text, left / 60, left % 60);
   std::fwrite(line.data(), 1, line.size(), stderr);
   shown_ = true;
 }
@@ -61,23 +59,16 @@ void ProgressBar::clear() {
   shown_ = false;
 }
 
-namespace {
-
-using Text = std::back_insert_iterator<std::string>;
-
-/// 1234567 -> "1,234,567".
 std::string grouped(std::uint64_t number) {
   std::string digits = std::to_string(number);
   for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, 1, ',');
   return digits;
 }
 
-/// "1 step", "2 steps".
 std::string counted(std::uint64_t number, const char* noun) {
   return fmt::format("{} {}{}", grouped(number), noun, number == 1 ? "" : "s");
 }
 
-/// A name for one table cell: its end, which tells files apart, and nothing that moves the cursor.
 std::string cell(std::string name) {
   constexpr std::size_t kLongest = 48;
   for (char& c : name) {
@@ -91,6 +82,10 @@ std::string cell(std::string name) {
   }
   return name;
 }
+
+namespace {
+
+using Text = std::back_insert_iterator<std::string>;
 
 std::string place_name(const StepPlace& place, const CheckSettings& settings) {
   if (settings.poses) return fmt::format("frame {}", place.frame);

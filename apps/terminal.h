@@ -25,7 +25,8 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  void show(const CheckTotals& totals, std::uint64_t expected);
+  /// `part` of the work is done, in (0,1]; `text` says it in words.
+  void show(double part, const std::string& text);
   /// Takes the bar off the screen, so that other text can follow.
   void clear();
 
@@ -34,6 +35,15 @@ class ProgressBar {
   bool wanted_, shown_ = false;
   Clock::time_point start_ = Clock::now(), last_ = start_;
 };
+
+/// 1234567 -> "1,234,567".
+std::string grouped(std::uint64_t number);
+
+/// "1 step", "2 steps".
+std::string counted(std::uint64_t number, const char* noun);
+
+/// A name for one table cell: its end, which tells files apart, and nothing that moves the cursor.
+std::string cell(std::string name);
 
 /// The tables and the closing sentence of a finished check.
 std::string summary(Motions motions, const CheckSettings& settings, const CheckTotals& totals);

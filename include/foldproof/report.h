@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "foldproof/io.h"
+#include "foldproof/model.h"
 #include "foldproof/query.h"
 
 namespace foldproof {
@@ -31,6 +31,7 @@ struct CheckSettings {
   bool poses = false;  ///< Crossing triangles of each selected frame, instead of collisions between frames.
   FrameRange frames;
   Index substeps = 1;  ///< Linear parts that each step between two frames is cut into; at least 1.
+  std::vector<std::shared_ptr<const Model>> models;  ///< One per motion, null where there is none; or empty.
 };
 
 using Motions = std::span<const std::unique_ptr<Motion>>;
@@ -96,8 +97,8 @@ struct CheckHooks {
 };
 
 /// Checks `motions` and hands each answer to all writers. Memory holds two frames per object (four with
-/// substeps) and one answer. Error: no motions, different frame counts, a range that selects too few frames,
-/// a frame that cannot be read, a writer's error.
+/// substeps) and one answer. Error: no motions, different frame counts, a model of another mesh, a range that
+/// selects too few frames, a frame that cannot be read, a writer's error.
 Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Writers writers,
                               const CheckHooks& hooks = {});
 

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -63,6 +64,29 @@ Result<void> InputFile::read_at(std::uint64_t offset, std::span<char> out) const
     done += static_cast<std::size_t>(count);
   }
   return {};
+}
+
+Result<MappedFile> MappedFile::open(const std::string& path) {
+  const auto file = InputFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  MappedFile mapped;
+  if (file->size() == 0) return mapped;  // which cannot be mapped
+  const auto size = static_cast<std::size_t>(file->size());
+  void* bytes = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file->descriptor_, 0);
+  if (bytes == MAP_FAILED) return fail(path, "cannot be mapped: " + reason(errno), "copy it to a local disk");
+  mapped.bytes_ = {static_cast<const std::uint8_t*>(bytes), size};
+  return mapped;
+}
+
+MappedFile::MappedFile(MappedFile&& other) noexcept : bytes_(std::exchange(other.bytes_, {})) {}
+
+MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
+  std::swap(bytes_, other.bytes_);
+  return *this;
+}
+
+MappedFile::~MappedFile() {
+  if (!bytes_.empty()) ::munmap(const_cast<std::uint8_t*>(bytes_.data()), bytes_.size());
 }
 
 Result<std::vector<char>> read_file(const std::string& path) {

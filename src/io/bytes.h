@@ -26,10 +26,26 @@ class InputFile {
   Result<void> read_at(std::uint64_t offset, std::span<char> out) const;
 
  private:
+  friend class MappedFile;
   InputFile() = default;
   std::string path_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
+};
+
+/// The bytes of a regular file, fetched as they are looked at. Nobody may shorten it meanwhile.
+class MappedFile {
+ public:
+  static Result<MappedFile> open(const std::string& path);
+  MappedFile(MappedFile&& other) noexcept;
+  MappedFile& operator=(MappedFile&& other) noexcept;
+  ~MappedFile();
+
+  std::span<const std::uint8_t> bytes() const { return bytes_; }
+
+ private:
+  MappedFile() = default;
+  std::span<const std::uint8_t> bytes_;
 };
 
 /// The whole of a regular file.

@@ -34,13 +34,16 @@ Json to_json(const Work& work) {
           {"undecided", work.undecided}};
 }
 
-Json objects_json(Motions motions) {
+Json objects_json(Motions motions, const CheckSettings& settings) {
   Json objects = Json::array();
-  for (const auto& motion : motions) {
-    objects.push_back({{"name", motion->name()},
-                       {"vertices", motion->topology().vertex_count()},
-                       {"triangles", motion->topology().triangles().size()},
-                       {"frames", motion->frame_count()}});
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const Motion& motion = *motions[i];
+    const Model* model = i < settings.models.size() ? settings.models[i].get() : nullptr;
+    objects.push_back({{"name", motion.name()},
+                       {"vertices", motion.topology().vertex_count()},
+                       {"triangles", motion.topology().triangles().size()},
+                       {"frames", motion.frame_count()},
+                       {"model", model ? Json(model->name) : Json(nullptr)}});
   }
   return objects;
 }
@@ -60,6 +63,7 @@ Json settings_json(const ReportInfo& info, Index frame_count) {
       {"thickness", settings.step.thickness},
       {"tolerance", settings.step.tolerance},
       {"first", settings.step.earliest_only},
+      {"certificates", settings.step.certificates},
       {"weld", info.read.weld},
       {"fps", info.read.fps}};
 }
@@ -70,7 +74,7 @@ class JsonReport : public ReportWriter {
       : file_(std::move(file)), pairs_(info.pairs), poses_(info.settings.poses) {
     const Index frame_count = motions.empty() ? 0 : motions[0]->frame_count();
     file_.add("{{\"foldproof\":{},\n\"objects\":{},\n\"settings\":{},\n\"steps\":[", dump(version()),
-              dump(objects_json(motions)), dump(settings_json(info, frame_count)));
+              dump(objects_json(motions, info.settings)), dump(settings_json(info, frame_count)));
   }
 
   Result<void> step(const CheckedStep& step) override {

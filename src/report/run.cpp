@@ -71,9 +71,29 @@ Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings&
               "select more; frames count from 0 and the end of A:B is not included");
 }
 
-Result<StepChecker> make_checker(Motions motions, const Pose& first) {
-  std::vector<std::shared_ptr<const Hierarchy>> objects;
+Result<void> require_models_of(Motions motions, const CheckSettings& settings) {
+  if (settings.models.empty()) return {};
+  if (settings.models.size() != motions.size()) {
+    return fail("models", fmt::format("are {} for {} motions", settings.models.size(), motions.size()),
+                "give one for all, or one for each");
+  }
   for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (!settings.models[i]) continue;
+    auto ok = require_model_of(*settings.models[i], motions[i]->topology(), motions[i]->name());
+    if (!ok) return ok;
+  }
+  return {};
+}
+
+Result<StepChecker> make_checker(Motions motions, const CheckSettings& settings, const Pose& first) {
+  std::vector<std::shared_ptr<const Hierarchy>> objects;
+  std::vector<std::shared_ptr<const ChartLibrary>> charts(motions.size());
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (!settings.models.empty() && settings.models[i]) {
+      objects.push_back(settings.models[i]->hierarchy());
+      charts[i] = settings.models[i]->charts;
+      continue;
+    }
     auto hierarchy = Hierarchy::build(motions[i]->topology(), first.positions()[i]);
     if (!hierarchy) {
       Error error = hierarchy.error();
@@ -82,7 +102,7 @@ Result<StepChecker> make_checker(Motions motions, const Pose& first) {
     }
     objects.push_back(std::make_shared<const Hierarchy>(std::move(*hierarchy)));
   }
-  return StepChecker(std::move(objects));
+  return StepChecker(std::move(objects), std::move(charts));
 }
 
 void add(Work& sum, const Work& more) {
@@ -138,7 +158,7 @@ class Run {
     for (const Index frame : frames_) {
       if (const auto done = pose.read(motions_, frame); !done) return tl::unexpected(done.error());
       if (!checker) {
-        auto made = make_checker(motions_, pose);
+        auto made = make_checker(motions_, settings_, pose);
         if (!made) return tl::unexpected(made.error());
         checker = std::move(*made);
       }
@@ -161,7 +181,7 @@ class Run {
   Result<CheckTotals> steps() {
     Pose from(motions_), to(motions_);
     if (const auto done = from.read(motions_, frames_[0]); !done) return tl::unexpected(done.error());
-    auto checker = make_checker(motions_, from);
+    auto checker = make_checker(motions_, settings_, from);
     if (!checker) return tl::unexpected(checker.error());
     std::optional<Pose> near, far;  // Ends of a part of a step.
     if (settings_.substeps > 1) {
@@ -236,6 +256,7 @@ Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Wr
                               const CheckHooks& hooks) {
   auto frames = frames_to_check(motions, settings);
   if (!frames) return tl::unexpected(frames.error());
+  if (auto ok = require_models_of(motions, settings); !ok) return tl::unexpected(ok.error());
   Run run(motions, settings, writers, hooks, std::move(*frames));
   return settings.poses ? run.poses() : run.steps();
 }

@@ -1,0 +1,196 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "foldproof/model.h"
+#include "terminal.h"
+
+namespace foldproof {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kFooter =
+    R"(Shown are the poses it was trained on, sizes, and how far it proves the mesh free of
+contact with itself:
+
+  proven    share of leaves (patches of 16 triangles or so) and of pairs of neighbouring leaves that the charts prove
+            in a pose. What is not proven is tested instead; no answer depends on it.
+  kappa     steepness of charts: how many times longer a path on the surface may be than the straight line below it in
+            the picture. 1 is flat. The steeper, the less the patch may bend before the chart proves nothing any more.
+  hard      leaves that no chart of their own or of a level above proved in a reference pose, and why.
+
+Examples:
+  foldproof info body.model
+  foldproof info body.model --json body.json)";
+
+struct InfoArguments {
+  std::string model, json;
+};
+
+/// How many of the hardest leaves are listed.
+constexpr std::size_t kListed = 8;
+
+const char* reason(Obstacle obstacle) {
+  switch (obstacle) {
+    case Obstacle::TooCurved:
+      return "too curved";
+    case Obstacle::Tangled:
+      return "tangled";
+    case Obstacle::TooThin:
+      return "too thin";
+  }
+  return "";
+}
+
+/// Those hard in most references first.
+std::vector<HardLeaf> hardest(const Model& model) {
+  std::vector<HardLeaf> leaves = model.hard_leaves;
+  std::stable_sort(leaves.begin(), leaves.end(),
+                   [](const HardLeaf& a, const HardLeaf& b) { return a.references > b.references; });
+  return leaves;
+}
+
+std::span<const Index> triangles_of(const Model& model, const HardLeaf& hard) {
+  const Hierarchy& h = *model.hierarchy();
+  const Index begin = h.leaves()[hard.leaf].triangles, end = h.leaves()[hard.leaf + 1].triangles;
+  return h.triangle_ids().subspan(begin, end - begin);
+}
+
+/// Two digits, rounded up: a bound stays one.
+double rounded_up(double kappa) { return std::ceil(kappa * 100) / 100; }
+
+std::string overview(const Model& model, const ModelSummary& s, std::uint64_t bytes) {
+  const Topology& mesh = model.hierarchy()->topology();
+  std::string text;
+  const auto row = [&](const char* label, const std::string& value) {
+    text += fmt::format("{:<24}{}\n", label, value);
+  };
+  row("model", cell(model.name));
+  row("trained by", "foldproof " + cell(model.program));
+  row("mesh", fmt::format("{} triangles, {} vertices, hash {:016x}", grouped(mesh.triangles().size()),
+                          grouped(mesh.vertex_count()), topology_hash(mesh)));
+  row("size",
+      fmt::format("{:.3g} MB  ({:.3g} bytes per triangle and reference)", static_cast<double>(bytes) / 1e6,
+                  static_cast<double>(bytes) / static_cast<double>(mesh.triangles().size()) /
+                      std::max<Index>(s.references, 1)));
+  row("charts", grouped(model.charts->charts().size()));
+  row("poses", fmt::format("{}  ({} drawn in)", grouped(model.poses.size()), grouped(s.references)));
+  row("proven", fmt::format("{:.1f} %", 100 * s.proven));
+  return text;
+}
+
+std::string pose_table(const Model& model) {
+  std::string text = fmt::format("\n{:>8}  reference  pose\n", "proven");
+  for (const TrainedPose& pose : model.poses) {
+    text += fmt::format("{:>6.1f} %  {:<9}  {}\n", 100 * pose.proven, pose.reference ? "yes" : "",
+                        cell(pose.name));
+  }
+  return text;
+}
+
+std::string level_table(const ModelSummary& s) {
+  std::string text = fmt::format("\n{:<8}{:>10}{:>12}{:>10}{:>14}{:>12}\n", "level", "nodes", "with chart",
+                                 "charts", "kappa, median", "largest");
+  const auto row = [&](const std::string& name, const ModelSummary::Level& level) {
+    text += fmt::format("{:<8}{:>10}{:>12}{:>10}", name, grouped(level.slots), grouped(level.charted),
+                        grouped(level.charts));
+    if (level.charts > 0)
+      text += fmt::format("{:>14.2f}{:>12.2f}", rounded_up(level.kappa_median), rounded_up(level.kappa_most));
+    text += "\n";
+  };
+  for (std::size_t k = 0; k < s.levels.size(); ++k) row(std::to_string(k), s.levels[k]);
+  row("pairs", s.pairs);
+  return text;
+}
+
+std::string hard_table(const Model& model, const ModelSummary& s) {
+  if (model.hard_leaves.empty()) return "\nEvery leaf is proven in every reference pose.\n";
+  const std::vector<HardLeaf> leaves = hardest(model);
+  const auto always = std::count_if(leaves.begin(), leaves.end(),
+                                    [&](const HardLeaf& leaf) { return leaf.references == s.references; });
+  std::string text = fmt::format(
+      "\nHard to prove: {} of {} in some reference pose, {} in every one.\n", grouped(leaves.size()),
+      counted(model.hierarchy()->leaf_count(), "leaf patch"), grouped(static_cast<std::uint64_t>(always)));
+  text += fmt::format("{:>10}  {:<10}  triangles\n", "poses", "why");
+  for (std::size_t k = 0; k < std::min(leaves.size(), kListed); ++k) {
+    const auto ids = triangles_of(model, leaves[k]);
+    text += fmt::format("{:>10}  {:<10}  {}{}\n", fmt::format("{} of {}", leaves[k].references, s.references),
+                        reason(leaves[k].obstacle),
+                        fmt::join(ids.first(std::min<std::size_t>(ids.size(), 6)), " "),
+                        ids.size() > 6 ? fmt::format(" and {} more", ids.size() - 6) : "");
+  }
+  return text;
+}
+
+Json to_json(const ModelSummary::Level& level) {
+  Json json = {{"nodes", level.slots}, {"with_chart", level.charted}, {"charts", level.charts}};
+  json["kappa_median"] = level.charts ? Json(rounded_up(level.kappa_median)) : Json(nullptr);
+  json["kappa_largest"] = level.charts ? Json(rounded_up(level.kappa_most)) : Json(nullptr);
+  return json;
+}
+
+Json to_json(const Model& model, const ModelSummary& s, std::uint64_t bytes) {
+  const Topology& mesh = model.hierarchy()->topology();
+  Json poses = Json::array(), levels = Json::array(), hard = Json::array();
+  for (const TrainedPose& pose : model.poses) {
+    poses.push_back({{"name", pose.name}, {"reference", pose.reference}, {"proven", pose.proven}});
+  }
+  for (const ModelSummary::Level& level : s.levels) levels.push_back(to_json(level));
+  for (const HardLeaf& leaf : hardest(model)) {
+    hard.push_back(
+        {{"references", leaf.references}, {"why", reason(leaf.obstacle)}, {"triangles", Json::array()}});
+    for (const Index id : triangles_of(model, leaf)) hard.back()["triangles"].push_back(id);
+  }
+  return {{"foldproof", version()},
+          {"model", model.name},
+          {"trained_by", model.program},
+          {"vertices", mesh.vertex_count()},
+          {"triangles", mesh.triangles().size()},
+          {"topology_hash", fmt::format("{:016x}", topology_hash(mesh))},
+          {"bytes", bytes},
+          {"charts", model.charts->charts().size()},
+          {"leaves", model.hierarchy()->leaf_count()},
+          {"references", s.references},
+          {"proven", s.proven},
+          {"poses", poses},
+          {"levels", levels},
+          {"pairs", to_json(s.pairs)},
+          {"hard_leaves", hard}};
+}
+
+Result<int> info(const InfoArguments& a) {
+  const auto model = load_model(a.model);
+  if (!model) return tl::unexpected(model.error());
+  std::error_code unknown;
+  const std::uint64_t bytes = std::filesystem::file_size(a.model, unknown);
+  const ModelSummary s = summarize(*model);
+  if (a.json.empty()) {
+    print_output(overview(*model, s, bytes) + pose_table(*model) + level_table(s) + hard_table(*model, s));
+    return kExitClean;
+  }
+  auto file = FileWriter::open(a.json);
+  if (!file) return tl::unexpected(file.error());
+  const std::string text =
+      to_json(*model, s, bytes).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (const auto done = file->write(text); !done) return tl::unexpected(done.error());
+  if (const auto done = file->commit(); !done) return tl::unexpected(done.error());
+  return kExitClean;
+}
+
+}  // namespace
+
+Command add_info(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("info", "Show what is inside a model");
+  command->footer(kFooter);
+  const auto a = std::make_shared<InfoArguments>();
+  command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote")->type_name("")->required();
+  command->add_option("--json", a->json, "All of it as JSON, to a file")->type_name("FILE");
+  return [a] { return info(*a); };
+}
+
+}  // namespace foldproof

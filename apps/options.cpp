@@ -1,0 +1,67 @@
+#include "options.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <csignal>
+
+namespace foldproof {
+namespace {
+
+std::atomic<bool> interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+
+extern "C" void interrupt(int) { interrupted = true; }
+
+}  // namespace
+
+const std::atomic<bool>& watch_for_interrupt() {
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  return interrupted;
+}
+
+void add_motion_options(CLI::App& command, MotionOptions& options) {
+  command
+      .add_option("--frames", options.frames,
+                  "Frames A up to, not including, B, every STEP-th; negative ones count from the end")
+      ->type_name("A:B[:STEP]")
+      ->group(kMotionGroup);
+  command.add_option("--fps", options.read.fps, "Sampling rate for animated glTF, frames per second [24]")
+      ->type_name("RATE")
+      ->group(kMotionGroup);
+  command
+      .add_flag("--weld", options.read.weld,
+                "Merge vertices that coincide in the first frame (changes vertex numbers)")
+      ->group(kMotionGroup);
+}
+
+Result<FrameRange> frame_range_of(const MotionOptions& options) {
+  if (const auto ok = require_number("--fps", options.read.fps, false); !ok)
+    return tl::unexpected(ok.error());
+  return options.frames.empty() ? FrameRange{} : parse_frame_range(options.frames);
+}
+
+void add_threads_option(CLI::App& command, int& threads, const char* description) {
+  command.add_option("--threads", threads, description)->type_name("N");
+}
+
+Result<void> limit_threads(int threads, ThreadLimit& limit) {
+  if (threads < 0 || threads > 4096) {
+    return fail("--threads", fmt::format("{} is not between 1 and 4096", threads),
+                "give another, or leave it out to use all cores");
+  }
+  if (threads > 0)
+    limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  return {};
+}
+
+Result<void> require_number(const char* option, double value, bool zero_allowed) {
+  if (std::isfinite(value) && (value > 0 || (zero_allowed && value == 0))) return {};
+  return fail(
+      option,
+      fmt::format("{} is not a {} number", value, zero_allowed ? "finite, not negative" : "finite, positive"),
+      "give another");
+}
+
+}  // namespace foldproof

@@ -1,0 +1,51 @@
+/// What several subcommands ask for.
+#pragma once
+
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <optional>
+
+#include "foldproof/report.h"
+
+namespace foldproof {
+
+/// How motions are read.
+struct MotionOptions {
+  std::string frames;
+  ReadOptions read;
+};
+
+inline constexpr const char* kMotionGroup = "Which part of the motion";
+
+/// What a motion is, for the footer of a help text.
+inline constexpr const char* kMotionHelp = R"(A MOTION is one topology and its frames:
+  walk.glb  walk.gltf  walk.npz   an animation; NPZ holds 'faces' and 'vertices' (frames x n x 3)
+  walk.obj walk.pc2               a mesh (OBJ, OFF, PLY) followed by its point cache (.pc2, .mdd)
+  frames/  'frames/*.ply'         a directory or a quoted glob of meshes, a frame each, in natural order
+)";
+
+/// Adds --frames, --fps and --weld.
+void add_motion_options(CLI::App& command, MotionOptions& options);
+
+/// The frames that --frames names, once --fps is found to be good.
+Result<FrameRange> frame_range_of(const MotionOptions& options);
+
+/// Adds --threads; 0 stands for all cores.
+void add_threads_option(CLI::App& command, int& threads, const char* description);
+
+/// Limits oneTBB for as long as it lives.
+using ThreadLimit = std::optional<tbb::global_control>;
+
+/// Error: no sensible number.
+Result<void> limit_threads(int threads, ThreadLimit& limit);
+
+/// Error: not finite, negative, or zero where that is not allowed.
+Result<void> require_number(const char* option, double value, bool zero_allowed);
+
+/// From now on SIGINT and SIGTERM set this instead of ending the program, so that no file stays behind half
+/// written.
+const std::atomic<bool>& watch_for_interrupt();
+
+}  // namespace foldproof

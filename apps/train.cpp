@@ -1,0 +1,121 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "commands.h"
+#include "options.h"
+#include "terminal.h"
+
+namespace foldproof {
+namespace {
+
+constexpr const char* kFooter = R"(  pose.obj                        a single pose
+Several motions are more poses of the same mesh: same triangles, same order. What they do to the mesh matters, not how
+long they are: give poses in which it bends as far as it ever will. Poses in which it touches or crosses itself do too.
+
+The model holds proofs of where the mesh cannot meet itself as long as it stays near a pose it was trained on. 'check'
+only works less with it: no model, however poor, can change an answer.
+
+Examples:
+  foldproof train walk.glb -o body.model             learn from all frames (the 16 that differ most)
+  foldproof train poses/ walk.glb -o body.model      from separate poses and a motion
+  foldproof train walk.glb --frames ::10 -o b.model  from every tenth frame
+  foldproof train walk.glb --references 40 -o b.model  a larger model that proves a little more
+  foldproof check run.glb --model body.model         use it
+  foldproof info body.model                          look into it)";
+
+struct TrainArguments {
+  std::vector<std::string> poses;
+  std::string model;
+  MotionOptions motion;
+  Index references = 0;
+  int threads = 0;
+  bool quiet = false;
+};
+
+std::string summary(const TrainArguments& a, const Model& model, double seconds) {
+  const ModelSummary s = summarize(model);
+  std::error_code unknown;
+  const auto bytes = static_cast<double>(std::filesystem::file_size(a.model, unknown));
+  const std::uint64_t triangles = model.hierarchy()->triangles().size();
+  std::string text;
+  const auto row = [&](const char* label, const std::string& value) {
+    text += fmt::format("{:<24}{}\n", label, value);
+  };
+  row("triangles", grouped(triangles));
+  row("poses", fmt::format("{}  ({} drawn in)", grouped(model.poses.size()), grouped(s.references)));
+  row("charts", grouped(model.charts->charts().size()));
+  if (!unknown) {
+    row("size", fmt::format("{:.3g} MB  ({:.3g} bytes per triangle and reference)", bytes / 1e6,
+                            bytes / static_cast<double>(triangles) / s.references));
+  }
+  row("time", fmt::format("{:.3g} s", seconds));
+  row("proven in these poses",
+      fmt::format("{:.1f} % of leaves and of pairs of neighbouring leaves", 100 * s.proven));
+  return text;
+}
+
+Result<std::vector<TrainPose>> poses_of(Motions motions, const FrameRange& range) {
+  std::vector<TrainPose> poses;
+  for (const auto& motion : motions) {
+    for (const Index frame : select_frames(range, motion->frame_count()))
+      poses.push_back({motion.get(), frame});
+  }
+  if (!poses.empty()) return poses;
+  return fail("--frames", "selects none",
+              "select more; frames count from 0 and the end of A:B is not included");
+}
+
+Result<int> train(const TrainArguments& a) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto range = frame_range_of(a.motion);
+  if (!range) return tl::unexpected(range.error());
+  ThreadLimit limit;
+  if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
+  const auto motions = open_motions(a.poses, a.motion.read);
+  if (!motions) return tl::unexpected(motions.error());
+  const auto poses = poses_of(*motions, *range);
+  if (!poses) return tl::unexpected(poses.error());
+
+  const std::atomic<bool>& interrupted = watch_for_interrupt();
+  ProgressBar bar(!a.quiet);
+  TrainHooks hooks;
+  hooks.progress = [&](double part) {
+    bar.show(part, fmt::format("training on {}", counted(poses->size(), "pose")));
+  };
+  hooks.cancel = &interrupted;
+  const auto model = train_model(*poses, {.references = a.references}, hooks);
+  bar.clear();
+  if (!model && interrupted) {
+    print_error({"interrupted", "training was not finished", "no model was written"});
+    return kExitInterrupted;
+  }
+  if (!model) return tl::unexpected(model.error());
+  if (const auto saved = save_model(*model, a.model); !saved) return tl::unexpected(saved.error());
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  if (!a.quiet) print_output(summary(a, *model, seconds.count()));
+  return kExitClean;
+}
+
+}  // namespace
+
+Command add_train(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("train", "Learn from poses of a mesh what makes its checks faster");
+  command->footer(std::string(kMotionHelp) + kFooter);
+  const auto a = std::make_shared<TrainArguments>();
+  command->add_option("POSES", a->poses, "What to learn from: any motions of one mesh (see below)")
+      ->type_name("")
+      ->required();
+  command->add_option("-o,--output", a->model, "The model to write")->type_name("FILE")->required();
+  command->add_option("--references", a->references, "Draw in N poses that differ most [all, at most 16]")
+      ->type_name("N");
+  add_motion_options(*command, a->motion);
+  add_threads_option(*command, a->threads,
+                     "At most N threads; the model is the same for any number [all cores]");
+  command->add_flag("--quiet", a->quiet, "Print nothing but errors");
+  return [a] { return train(*a); };
+}
+
+}  // namespace foldproof

@@ -1,0 +1,112 @@
+#include "model/format.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace foldproof {
+
+std::uint64_t topology_hash(const Topology& topology) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto mix = [&](Index number) {
+    for (int byte = 0; byte < 4; ++byte) {
+      hash = (hash ^ (number >> (8 * byte) & 0xff)) * 0x100000001b3u;
+    }
+  };
+  mix(topology.vertex_count());
+  for (const Triangle& t : topology.triangles()) {
+    for (const Index v : t) mix(v);
+  }
+  return hash;
+}
+
+Result<void> require_model_of(const Model& model, const Topology& topology, const std::string& mesh) {
+  const Topology& own = model.hierarchy()->topology();
+  if (own == topology) return {};
+  const auto size = [](const Topology& t) {
+    return fmt::format("{} triangles over {} vertices", t.triangles().size(), t.vertex_count());
+  };
+  std::string problem =
+      fmt::format("is a model of another mesh: {}, but {} has {}", size(own), mesh, size(topology));
+  if (own.vertex_count() == topology.vertex_count() &&
+      own.triangles().size() == topology.triangles().size()) {
+    const auto [mine, theirs] =
+        std::mismatch(own.triangles().begin(), own.triangles().end(), topology.triangles().begin());
+    problem = fmt::format("is a model of another mesh: triangle {} of {} has other vertices",
+                          mine - own.triangles().begin(), mesh);
+  }
+  return fail(model.name.empty() ? "model" : model.name, problem, "train a model on this one");
+}
+
+double chart_kappa(const ChartLibrary& library, const ChartLibrary::Chart& chart) {
+  const auto points = library.points(chart);
+  const auto triangles = library.triangles(chart);
+  double steepest = 0;  // square of the tangent
+  for (const auto& t :
+       triangles.first(patch_triangles(*library.slots(), chart.slot, library.collar(chart)))) {
+    const auto side = [&](int to) {
+      const auto &a = points[t[0]], &b = points[t[to]];
+      return Vec3(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+    };
+    const Vec3 normal = side(1).cross(side(2));  // exact: products of numbers below 2^17
+    const double across = normal.head<2>().squaredNorm(), up = normal.z() * normal.z();
+    steepest = std::max(steepest, across / up);
+  }
+  return std::sqrt(1 + steepest) * (1 + 0x1p-48);
+}
+
+namespace {
+
+/// Kappas of one level's charts.
+struct Kappas {
+  std::vector<double> all;
+  void fill(ModelSummary::Level& level) {
+    level.charts = static_cast<Index>(all.size());
+    if (all.empty()) return;
+    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+    std::nth_element(all.begin(), middle, all.end());
+    level.kappa_median = *middle;
+    level.kappa_most = *std::max_element(middle, all.end());
+  }
+};
+
+}  // namespace
+
+ModelSummary summarize(const Model& model) {
+  const ChartLibrary& library = *model.charts;
+  const auto nodes = model.hierarchy()->nodes();
+  std::vector<Index> depth(nodes.size(), 0);
+  Index deepest = 0;
+  for (Index n = 0; n < nodes.size(); ++n) {
+    deepest = std::max(deepest, depth[n]);
+    if (!nodes[n].is_leaf()) depth[n + 1] = depth[nodes[n].right] = depth[n] + 1;
+  }
+  ModelSummary summary;
+  summary.levels.resize(deepest + 1);
+  const auto level_of = [&](Index slot) -> ModelSummary::Level& {
+    return library.slots()->is_pair(slot) ? summary.pairs : summary.levels[depth[slot]];
+  };
+  for (Index slot = 0; slot < library.slots()->count(); ++slot) {
+    ++level_of(slot).slots;
+    level_of(slot).charted += library.first(slot) != kNoIndex;
+  }
+  summary.pairs.slots /= 2;  // each pair has a slot in either direction, and uses one
+  std::vector<Kappas> kappas(summary.levels.size() + 1);
+  for (const ChartLibrary::Chart& chart : library.charts()) {
+    const std::size_t level =
+        library.slots()->is_pair(chart.slot) ? summary.levels.size() : depth[chart.slot];
+    kappas[level].all.push_back(chart_kappa(library, chart));
+  }
+  for (std::size_t k = 0; k < summary.levels.size(); ++k) kappas[k].fill(summary.levels[k]);
+  kappas.back().fill(summary.pairs);
+  for (const TrainedPose& pose : model.poses) {
+    summary.references += pose.reference;
+    summary.proven += pose.proven / static_cast<double>(model.poses.size());
+  }
+  return summary;
+}
+
+}  // namespace foldproof

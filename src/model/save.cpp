@@ -1,0 +1,126 @@
+#include <fmt/format.h>
+
+#include "model/format.h"
+
+namespace foldproof {
+namespace {
+
+using flatbuffers::FlatBufferBuilder;
+template <class T>
+using Structs = flatbuffers::Offset<flatbuffers::Vector<const T*>>;
+
+std::span<const std::array<std::uint16_t, 3>> fillers_of(const ChartLibrary& library,
+                                                         const ChartLibrary::Chart& chart) {
+  return library.triangles(chart).subspan(
+      patch_triangles(*library.slots(), chart.slot, library.collar(chart)));
+}
+
+struct ChartVectors {
+  Structs<file::Chart> charts;
+  flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> collars;
+  Structs<file::Place> places;
+  flatbuffers::Offset<flatbuffers::Vector<std::int16_t>> heights;
+  Structs<file::Filler> fillers;
+};
+
+ChartVectors write_charts(FlatBufferBuilder& builder, const ChartLibrary& library) {
+  std::vector<file::Chart> charts;
+  std::vector<std::uint32_t> collars;
+  std::vector<file::Place> places;
+  std::vector<std::int16_t> heights;
+  std::vector<file::Filler> fillers;
+  for (const ChartLibrary::Chart& chart : library.charts()) {
+    const auto collar = library.collar(chart);
+    const auto filler = fillers_of(library, chart);
+    const auto points = library.points(chart).first(library.vertices(chart).size());
+    charts.emplace_back(chart.slot, chart.source, static_cast<Index>(collar.size()),
+                        static_cast<Index>(points.size()), static_cast<Index>(filler.size()));
+    collars.insert(collars.end(), collar.begin(), collar.end());
+    for (const auto& [x, y, height] : points) {  // whole numbers, as they were drawn
+      places.emplace_back(static_cast<std::int16_t>(x), static_cast<std::int16_t>(y));
+      heights.push_back(static_cast<std::int16_t>(height));
+    }
+    for (const auto& [a, b, c] : filler) fillers.emplace_back(a, b, c);
+  }
+  return {builder.CreateVectorOfStructs(charts), builder.CreateVector(collars),
+          builder.CreateVectorOfStructs(places), builder.CreateVector(heights),
+          builder.CreateVectorOfStructs(fillers)};
+}
+
+/// Bytes of the file, a little more rather than less.
+std::uint64_t bound_of_bytes(const Model& model) {
+  std::uint64_t bytes = 1 << 16;
+  for (const ChartLibrary::Chart& chart : model.charts->charts()) {
+    bytes += sizeof(file::Chart) + 4 * std::uint64_t{chart.collar.count} +
+             6 * std::uint64_t{chart.vertices.count} +
+             sizeof(file::Filler) * fillers_of(*model.charts, chart).size();
+  }
+  for (const TrainedPose& pose : model.poses) bytes += pose.name.size() + 32;
+  return bytes + sizeof(file::HardLeaf) * model.hard_leaves.size() +
+         16 * model.hierarchy()->triangles().size() + 4 * model.hierarchy()->nodes().size();
+}
+
+void build(FlatBufferBuilder& builder, const Model& model) {
+  const Hierarchy& h = *model.hierarchy();
+  const ChartVectors charts = write_charts(builder, *model.charts);
+  std::vector<std::string> names;
+  for (const TrainedPose& pose : model.poses) names.push_back(pose.name);
+  const auto pose_names = builder.CreateVectorOfStrings(names);
+  std::vector<file::Pose> poses;
+  for (const TrainedPose& pose : model.poses) poses.emplace_back(pose.reference, pose.proven);
+  std::vector<file::Triangle> triangles;
+  for (const auto& [a, b, c] : h.topology().triangles()) triangles.emplace_back(a, b, c);
+  std::vector<Index> leaf_sizes;
+  for (const Hierarchy::Node& node : h.nodes()) {
+    const Index leaf = node.leaf_begin;
+    leaf_sizes.push_back(node.is_leaf() ? h.leaves()[leaf + 1].triangles - h.leaves()[leaf].triangles : 0);
+  }
+  std::vector<file::HardLeaf> hard;
+  for (const HardLeaf& leaf : model.hard_leaves) {
+    hard.emplace_back(leaf.leaf, leaf.references, static_cast<std::uint32_t>(leaf.obstacle));
+  }
+  const auto program = builder.CreateString(model.program);
+  const auto pose_vector = builder.CreateVectorOfStructs(poses);
+  const auto triangle_vector = builder.CreateVectorOfStructs(triangles);
+  const auto order = builder.CreateVector(h.triangle_ids().data(), h.triangle_ids().size());
+  const auto sizes = builder.CreateVector(leaf_sizes);
+  const auto hard_vector = builder.CreateVectorOfStructs(hard);
+  file::ModelBuilder root(builder);
+  root.add_version(kModelVersion);
+  root.add_program(program);
+  root.add_references(model.settings.references);
+  root.add_most_triangles(model.settings.most_triangles);
+  root.add_pose_names(pose_names);
+  root.add_poses(pose_vector);
+  root.add_vertex_count(h.topology().vertex_count());
+  root.add_triangles(triangle_vector);
+  root.add_topology_hash(topology_hash(h.topology()));
+  root.add_triangle_order(order);
+  root.add_leaf_sizes(sizes);
+  root.add_hard_leaves(hard_vector);
+  root.add_charts(charts.charts);
+  root.add_collars(charts.collars);
+  root.add_places(charts.places);
+  root.add_heights(charts.heights);
+  root.add_fillers(charts.fillers);
+  builder.FinishSizePrefixed(root.Finish(), file::ModelIdentifier());
+}
+
+}  // namespace
+
+Result<void> save_model(const Model& model, const std::string& path) {
+  auto writer = FileWriter::open(path);
+  if (!writer) return tl::unexpected(writer.error());
+  const std::uint64_t bytes = bound_of_bytes(model);
+  if (bytes >= FLATBUFFERS_MAX_BUFFER_SIZE) {
+    return fail(path, fmt::format("would have {} MB, and a model may have 2,000", bytes >> 20),
+                "train with fewer references");
+  }
+  FlatBufferBuilder builder(bytes);
+  build(builder, model);
+  const auto* begin = reinterpret_cast<const char*>(builder.GetBufferPointer());
+  if (auto done = writer->write(std::span(begin, builder.GetSize())); !done) return done;
+  return writer->commit();
+}
+
+}  // namespace foldproof

@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include "model/limits.h"
+#include "model/references.h"
+#include "model/trainer.h"
+
+namespace foldproof {
+namespace {
+
+// Without a number from the user: charts from more poses prove little more, and the file grows.
+constexpr Index kReferences = 16;
+
+// What it costs to draw in a pose, in terms of what it costs to look at one.
+constexpr std::size_t kDrawingWork = 8;
+
+std::string name_of(const TrainPose& pose) {
+  if (pose.motion->frame_count() == 1) return pose.motion->name();
+  return fmt::format("{}, frame {}", pose.motion->name(), pose.frame);
+}
+
+Result<void> require_one_mesh(std::span<const TrainPose> poses) {
+  if (poses.empty()) return fail("poses", "are none", "name at least one");
+  const Motion& first = *poses[0].motion;
+  const Motion* last = &first;
+  for (const TrainPose& pose : poses) {
+    if (std::exchange(last, pose.motion) == pose.motion) continue;
+    if (pose.motion->topology() == first.topology()) continue;
+    return fail(
+        pose.motion->name(),
+        fmt::format("has other triangles than {}: {} over {} vertices instead of {} over {}", first.name(),
+                    pose.motion->topology().triangles().size(), pose.motion->topology().vertex_count(),
+                    first.topology().triangles().size(), first.topology().vertex_count()),
+        "train one model per mesh, with the same triangles in the same order in every pose");
+  }
+  return require_few_loose_vertices(first.topology(), first.name());
+}
+
+/// Training that is under way.
+class Run {
+ public:
+  Run(std::span<const TrainPose> poses, const TrainSettings& settings, const TrainHooks& hooks)
+      : poses_(poses), settings_(settings), hooks_(hooks) {
+    wanted_ = std::min<std::size_t>(settings.references ? settings.references : kReferences, poses.size());
+    expected_ = poses.size() + wanted_ * kDrawingWork + (wanted_ < poses.size() ? poses.size() : 0);
+  }
+
+  Result<Model> run() {
+    positions_.resize(std::size_t{3} * poses_[0].motion->topology().vertex_count());
+    if (auto read = enter(0); !read) return tl::unexpected(read.error());
+    auto hierarchy = Hierarchy::build(poses_[0].motion->topology(), positions_);
+    const std::string name = poses_[0].motion->name();
+    if (!hierarchy) return tl::unexpected(hierarchy.error());
+    if (auto ok = require_few_neighbours(*hierarchy, name); !ok) return tl::unexpected(ok.error());
+    const auto slots =
+        std::make_shared<const PatchSlots>(std::make_shared<const Hierarchy>(std::move(*hierarchy)));
+    const auto references = choose(*slots);
+    if (!references) return tl::unexpected(references.error());
+    return learn(slots, *references);
+  }
+
+ private:
+  /// Reads a pose, unless the user has had enough.
+  Result<void> enter(Index pose) {
+    if (hooks_.cancel && hooks_.cancel->load(std::memory_order_relaxed)) {
+      return fail("training", "was stopped", "there is no model");
+    }
+    return poses_[pose].motion->read_frame(poses_[pose].frame, positions_);
+  }
+
+  void finish(std::size_t work) {
+    done_ += work;
+    if (hooks_.progress) hooks_.progress(static_cast<double>(done_) / static_cast<double>(expected_));
+  }
+
+  Result<std::vector<Index>> choose(const PatchSlots& slots) {
+    std::vector<Index> chosen;
+    if (wanted_ == poses_.size()) {
+      for (Index k = 0; k < poses_.size(); ++k) chosen.push_back(k);
+      return chosen;
+    }
+    const BendDescriptor descriptor(slots);
+    std::vector<std::vector<float>> descriptors;
+    for (Index k = 0; k < poses_.size(); ++k) {
+      if (auto read = enter(k); !read) return tl::unexpected(read.error());
+      descriptors.push_back(descriptor.of(positions_));
+      finish(1);
+    }
+    return choose_references(descriptors, static_cast<Index>(wanted_));
+  }
+
+  Result<Model> learn(const std::shared_ptr<const PatchSlots>& slots, std::span<const Index> references) {
+    Trainer trainer(slots, settings_);
+    Model model;
+    for (const TrainPose& pose : poses_) model.poses.push_back({name_of(pose), false, 0});
+    for (const Index k : references) {
+      if (auto read = enter(k); !read) return tl::unexpected(read.error());
+      trainer.learn(k, positions_);
+      model.poses[k].reference = true;
+      finish(kDrawingWork);
+    }
+    for (Index k = 0; k < poses_.size(); ++k) {
+      if (auto read = enter(k); !read) return tl::unexpected(read.error());
+      model.poses[k].proven = trainer.prove(positions_);
+      finish(1);
+    }
+    model.program = version();
+    model.settings = settings_;
+    model.hard_leaves = trainer.hard_leaves();
+    model.charts = trainer.charts();
+    return model;
+  }
+
+  std::span<const TrainPose> poses_;
+  const TrainSettings& settings_;
+  const TrainHooks& hooks_;
+  std::size_t wanted_ = 0, expected_ = 0, done_ = 0;
+  std::vector<double> positions_;
+};
+
+}  // namespace
+
+Result<Model> train_model(std::span<const TrainPose> poses, const TrainSettings& settings,
+                          const TrainHooks& hooks) {
+  if (auto ok = require_one_mesh(poses); !ok) return tl::unexpected(ok.error());
+  return Run(poses, settings, hooks).run();
+}
+
+}  // namespace foldproof
