@@ -19,7 +19,7 @@ struct Moments {
 };
 
 /// 4 det > 0, with room for the rounding of the products.
-inline constexpr float kNearlyFour = 4 * (1 - 0x1p-18f);
+inline constexpr double kNearlyFour = 4 * (1 - 0x1p-48);
 
 /// W of Theorem 2 and the margin lambda.
 struct PullBack {
@@ -104,12 +104,14 @@ void DrawCorners(const ChartView& chart, const Moments& m, const PullBack& w, Ch
   }
 }
 
-// Theorem 2's test: the symmetric part of E^T eta is positive definite for every triangle at both ends.
+// Theorem 2's test: the symmetric part of E^T eta is positive definite for every triangle at both ends. Sides
+// are floats, so their products are exact in double; in float, rounding could hide a thin triangle that is
+// turned over (docs/soundness.md, S3).
 #if HWY_TARGET == HWY_SCALAR
 bool AllForward(const ChartView& chart, const ChartScratch& scratch) {
   for (const auto& t : chart.triangles) {
     const auto side = [&](const std::vector<ChartScratch::Quad>& rows, int k, int c) {
-      return rows[t[k]].x[c] - rows[t[0]].x[c];
+      return double{rows[t[k]].x[c] - rows[t[0]].x[c]};
     };
     for (int end = 0; end < 4; end += 2) {
       const auto form = [&](int i, int k) {
@@ -118,8 +120,8 @@ bool AllForward(const ChartView& chart, const ChartScratch& scratch) {
       };
       const auto& e = scratch.places;
       const auto& y = scratch.drawn;
-      const float k11 = form(1, 1), k22 = form(2, 2);
-      const float k12 =
+      const double k11 = form(1, 1), k22 = form(2, 2);
+      const double k12 =
           (side(e, 1, end) * side(y, 2, end) + side(e, 2, end) * side(y, 1, end)) +
           (side(e, 1, end + 1) * side(y, 2, end + 1) + side(e, 2, end + 1) * side(y, 1, end + 1));
       if (!(k11 > 0 && k22 > 0 && k11 * k22 * kNearlyFour > k12 * k12)) return false;
@@ -129,23 +131,27 @@ bool AllForward(const ChartView& chart, const ChartScratch& scratch) {
 }
 #else
 bool AllForward(const ChartView& chart, const ChartScratch& scratch) {
-  const hn::FixedTag<float, 4> d;
+  const hn::CappedTag<double, 4> d;
+  const hn::Rebind<float, decltype(d)> df;
   const auto zero = hn::Zero(d), most = hn::Set(d, kNearlyFour);
   auto forward = hn::Eq(zero, zero);
   std::size_t until_look = 8;
   for (const auto& t : chart.triangles) {
-    const auto y0 = hn::Load(d, scratch.drawn[t[0]].x), p0 = hn::Load(d, scratch.places[t[0]].x);
-    const auto eta1 = hn::Sub(hn::Load(d, scratch.drawn[t[1]].x), y0);
-    const auto eta2 = hn::Sub(hn::Load(d, scratch.drawn[t[2]].x), y0);
-    const auto e1 = hn::Sub(hn::Load(d, scratch.places[t[1]].x), p0);
-    const auto e2 = hn::Sub(hn::Load(d, scratch.places[t[2]].x), p0);
-    const auto a = hn::Mul(e1, eta1), b = hn::Mul(e2, eta2);
-    const auto c = hn::Add(hn::Mul(e1, eta2), hn::Mul(e2, eta1));
-    // k11(0) k11(1) k22(0) k22(1); twice: 2 k12(0) 2 k12(1)
-    const auto k = hn::Add(hn::ConcatEven(d, b, a), hn::ConcatOdd(d, b, a));
-    const auto k12 = hn::Add(hn::ConcatEven(d, c, c), hn::ConcatOdd(d, c, c));
-    const auto product = hn::Mul(hn::Mul(k, hn::Shuffle1032(k)), most);
-    forward = hn::And(forward, hn::And(hn::Gt(k, zero), hn::Gt(product, hn::Mul(k12, k12))));
+    for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {  // both ends at once, or one after the other
+      const auto side = [&](const std::vector<ChartScratch::Quad>& rows, int k) {
+        return hn::PromoteTo(d,
+                             hn::Sub(hn::Load(df, rows[t[k]].x + lane), hn::Load(df, rows[t[0]].x + lane)));
+      };
+      const auto e1 = side(scratch.places, 1), e2 = side(scratch.places, 2);
+      const auto eta1 = side(scratch.drawn, 1), eta2 = side(scratch.drawn, 2);
+      const auto a = hn::Mul(e1, eta1), b = hn::Mul(e2, eta2);
+      const auto c = hn::Add(hn::Mul(e1, eta2), hn::Mul(e2, eta1));
+      // k11(0) k22(0) k11(1) k22(1); twice: 2 k12(0) 2 k12(1)
+      const auto k = hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
+      const auto k12 = hn::Add(hn::InterleaveLower(d, c, c), hn::InterleaveUpper(d, c, c));
+      const auto product = hn::Mul(hn::Mul(k, hn::Shuffle01(k)), most);
+      forward = hn::And(forward, hn::And(hn::Gt(k, zero), hn::Gt(product, hn::Mul(k12, k12))));
+    }
     if (--until_look == 0) {
       if (!hn::AllTrue(d, forward)) return false;
       until_look = 8;
