@@ -6,10 +6,11 @@ PatchDrawer::PatchDrawer(const PatchSlots& slots)
     : slots_(slots), reader_(slots), seen_(slots.hierarchy()->leaf_count(), 0) {}
 
 void PatchDrawer::read_positions(std::span<const MovingVertex> vertices, const Patch& patch) {
+  // Half way through the step: where a patch turns fast, both ends are then equally far.
   positions_.clear();
   for (const Index v : patch.vertices) {
     const float* x = vertices[v].x;
-    positions_.push_back({x[0], x[1], x[2]});
+    positions_.push_back({(x[0] + x[4]) / 2, (x[1] + x[5]) / 2, (x[2] + x[6]) / 2});
   }
 }
 
