@@ -20,6 +20,9 @@ struct Moments {
 
 /// 4 det > 0, with room for the rounding of the products.
 inline constexpr double kNearlyFour = 4 * (1 - 0x1p-48);
+/// Bounds that the margin counts on (S3): thinner charts and more extreme pull-backs prove nothing.
+inline constexpr float kLeastAltitude = 4;
+inline constexpr double kMostDrawn = 0x1p18;
 
 /// W of Theorem 2 and the margin lambda.
 struct PullBack {
@@ -104,9 +107,9 @@ void DrawCorners(const ChartView& chart, const Moments& m, const PullBack& w, Ch
   }
 }
 
-// Theorem 2's test: the symmetric part of E^T eta is positive definite for every triangle at both ends. Sides
-// are floats, so their products are exact in double; in float, rounding could hide a thin triangle that is
-// turned over (docs/soundness.md, S3).
+// Theorem 2's test (S1): the symmetric part of E^T eta is positive definite for every triangle at both ends.
+// Sides are floats, so their products are exact in double; in float, rounding could hide a thin triangle that
+// is turned over (docs/soundness.md, S3).
 #if HWY_TARGET == HWY_SCALAR
 bool AllForward(const ChartView& chart, const ChartScratch& scratch) {
   for (const auto& t : chart.triangles) {
@@ -174,10 +177,10 @@ HWY_EXPORT(AllForward);
 
 namespace {
 
-// W^T = the first two rows of A^-1, with A the affine map that takes places and heights to the mean of both
-// ends most nearly. Any W is valid; this one draws back to its places whatever is an affine image of the pose
-// that the chart was drawn in. Where the patch is flat, heights say nothing about A's third column; there the
-// ridge makes it the normal.
+// S2. W^T = the first two rows of A^-1, with A the affine map that takes places and heights to the mean of
+// both ends most nearly. Any W is valid; this one draws back to its places whatever is an affine image of the
+// pose that the chart was drawn in. Where the patch is flat, heights say nothing about A's third column;
+// there the ridge makes it the normal.
 bool pull_back(const ChartLibrary::Fit& fit, const Moments& m, PullBack& w) {
   Vec3 with[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -206,7 +209,8 @@ bool pull_back(const ChartLibrary::Fit& fit, const Moments& m, PullBack& w) {
   return true;
 }
 
-// lambda: what the form must exceed for the gap and for every rounding (docs/soundness.md, S3). Rounded up.
+// lambda: what the form must exceed for the gap and for every rounding (docs/soundness.md, S3). Rounded up;
+// infinite when the numbers are beyond the proof.
 float margin_of(const PullBack& w, const Moments& m, double least_altitude, double gap) {
   double square = 0, largest_sum = 0;
   for (const auto& column : w.column) {
@@ -218,12 +222,11 @@ float margin_of(const PullBack& w, const Moments& m, double least_altitude, doub
     largest_sum = std::max(largest_sum, sum);
   }
   const double reach = *std::max_element(m.reach, m.reach + 8);
+  if (!(largest_sum * reach < kMostDrawn && least_altitude >= kLeastAltitude)) return INFINITY;
   const double rounding = largest_sum * 0x1p-24 * (3 + 64 * reach);
-  const double margin = (gap * std::sqrt(square) + 3 * rounding) / least_altitude * 1.03;
+  const double margin = (gap * std::sqrt(square) + 3 * rounding + 0x1p-13) / least_altitude * 1.03;
   return static_cast<float>(margin) * (1 + 0x1p-20f);
 }
-
-}  // namespace
 
 ChartLibrary::Fit fit_of(std::span<const std::array<float, 3>> points,
                          std::span<const std::array<std::uint16_t, 3>> triangles) {
