@@ -228,6 +228,8 @@ float margin_of(const PullBack& w, const Moments& m, double least_altitude, doub
   return static_cast<float>(margin) * (1 + 0x1p-20f);
 }
 
+}  // namespace
+
 ChartLibrary::Fit fit_of(std::span<const std::array<float, 3>> points,
                          std::span<const std::array<std::uint16_t, 3>> triangles) {
   ChartLibrary::Fit fit;
