@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include "certificates.h"
 #include "machine.h"
 #include "memory.h"
 #include "report.h"
@@ -19,7 +20,7 @@ namespace {
 struct Options {
   std::vector<std::string> scenes, peers;
   std::string size = "both", json, markdown, memory_of, command;
-  bool list = false, no_memory = false;
+  bool list = false, no_memory = false, certificates = false;
   int cpu = -1;
   Plan plan;
 };
@@ -49,6 +50,8 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--peer-memory", plan.peer_memory, "Measure the peers' peak memory as well");
   app.add_option("--json", options.json, "Write all figures to this file");
   app.add_option("--markdown", options.markdown, "Write the tables to this file");
+  app.add_flag("--certificates", options.certificates,
+               "Compare foldproof with itself, with certificates and without, after different trainings");
   app.add_flag("--list", options.list, "Name the scenes and peers, and stop");
   app.add_option("--memory-of", options.memory_of,
                  "Print the peak memory of one competitor on one scene, and stop");
@@ -116,6 +119,17 @@ Result<void> run_all(const Options& options, Report& report) {
   return {};
 }
 
+Result<void> run_certificates(const Options& options) {
+  const auto scenes = chosen_scenes(options.scenes);
+  if (!scenes) return tl::unexpected(scenes.error());
+  CertificatePlan plan;
+  plan.processor_time = options.plan.processor_time;
+  const auto table = compare_certificates(*scenes, plan);
+  if (!table) return tl::unexpected(table.error());
+  fmt::print("{}", table->text());
+  return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
+}
+
 Result<void> run(Options& options) {
   if (options.list) {
     print_list();
@@ -133,6 +147,7 @@ Result<void> run(Options& options) {
     return print_peak_bytes({options.scenes.front(), options.memory_of, plan.sizes.front(), plan.sampling,
                              plan.hierarchy, plan.threads});
   }
+  if (options.certificates) return run_certificates(options);
   auto peers = chosen_peers(options.peers);
   if (!peers) return tl::unexpected(peers.error());
   plan.peers = std::move(*peers);

@@ -1,0 +1,307 @@
+#include "certificates.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "foldproof/model.h"
+#include "foldproof/query.h"
+
+namespace foldproof::bench {
+namespace {
+
+enum class Training { None, EveryTenthFrame, OwnPoses };
+
+const char* name_of(Training training) {
+  switch (training) {
+    case Training::None:
+      return "none";
+    case Training::EveryTenthFrame:
+      return "every 10th frame";
+    case Training::OwnPoses:
+      return "separate poses";
+  }
+  return "";
+}
+
+// Poses of the same mesh that are not of the motion.
+std::vector<std::string> separate_poses(const std::string& scene) {
+  static const std::map<std::string, std::vector<std::string>> files = {
+      {"elephant-gallop", {"elephant/elephant-poses.obj", "elephant/elephant-poses.pc2"}},
+      {"horse-gallop", {"horse-poses/pose_*.obj"}},
+      {"hand-anim", {"hand/hand-poses.obj", "hand/hand-poses.pc2"}}};
+  const auto found = files.find(scene);
+  return found == files.end() ? std::vector<std::string>{} : found->second;
+}
+
+double now_milliseconds(bool processor_time) {
+  timespec now{};
+  clock_gettime(processor_time ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) / 1e6;
+}
+
+struct Row {
+  std::string scene;
+  SceneKind kind = SceneKind::Motion;
+  StepSize size = StepSize::Full;
+  Training training = Training::None;
+  Index triangles = 0, references = 0, steps = 0;
+  double train_seconds = 0, model_bytes = 0;  // per triangle and reference
+  std::vector<double> on, off;                // milliseconds a step
+  double pairs_on = 0, pairs_off = 0, colliding = 0, tests = 0;
+
+  static double median(std::vector<double> values) {
+    if (values.empty()) return 0;
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+  }
+  double removed() const { return 1 - (pairs_on - colliding) / std::max(1.0, pairs_off - colliding); }
+  double ratio() const { return median(off) / median(on); }
+};
+
+// Which leaf owns each feature, to tell pairs of leaves that truly collide from the others.
+class LeafOwners {
+ public:
+  explicit LeafOwners(const Hierarchy& h)
+      : vertex_(h.topology().vertex_count()), face_(h.topology().triangles().size()) {
+    for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
+      const auto &begin = h.leaves()[leaf], &end = h.leaves()[leaf + 1];
+      for (Index i = begin.vertices; i < end.vertices; ++i) vertex_[h.vertex_ids()[i]] = leaf;
+      for (Index i = begin.triangles; i < end.triangles; ++i) face_[h.triangle_ids()[i]] = leaf;
+      for (Index i = begin.edges; i < end.edges; ++i) edge_[h.topology().edges()[h.edge_ids()[i]]] = leaf;
+    }
+  }
+  double colliding_pairs(const StepResult& result) const {
+    std::set<std::pair<Index, Index>> pairs;
+    for (const auto& c : result.vertex_face) pairs.insert(std::minmax(vertex_[c.vertex], face_[c.face]));
+    for (const auto& c : result.edge_edge) pairs.insert(std::minmax(edge_.at(c.a), edge_.at(c.b)));
+    return static_cast<double>(pairs.size());
+  }
+
+ private:
+  std::vector<Index> vertex_, face_;
+  std::map<Edge, Index> edge_;
+};
+
+bool same(const StepResult& a, const StepResult& b) {
+  const auto vf = [](const VertexFaceCollision& x, const VertexFaceCollision& y) {
+    return x.vertex == y.vertex && x.face == y.face && x.toi == y.toi && x.answer == y.answer;
+  };
+  const auto ee = [](const EdgeEdgeCollision& x, const EdgeEdgeCollision& y) {
+    return x.a == y.a && x.b == y.b && x.toi == y.toi && x.answer == y.answer;
+  };
+  return std::equal(a.vertex_face.begin(), a.vertex_face.end(), b.vertex_face.begin(), b.vertex_face.end(),
+                    vf) &&
+         std::equal(a.edge_edge.begin(), a.edge_edge.end(), b.edge_edge.begin(), b.edge_edge.end(), ee);
+}
+
+// Trains as a user would: on every tenth frame of the motion itself, or on other poses of the mesh.
+Result<std::shared_ptr<const ChartLibrary>> trained(const SceneInfo& scene, Motion& motion, Row& row) {
+  std::shared_ptr<const ChartLibrary> none;
+  if (row.training == Training::None) return none;
+  std::vector<std::unique_ptr<Motion>> others;
+  std::vector<TrainPose> poses;
+  if (row.training == Training::EveryTenthFrame) {
+    for (Index frame = 0; frame < motion.frame_count(); frame += 10) poses.push_back({&motion, frame});
+  } else {
+    std::vector<std::string> files;
+    for (const std::string& file : separate_poses(scene.name))
+      files.push_back((data_directory() / file).string());
+    auto opened = open_motions(files);
+    if (!opened) return tl::unexpected(opened.error());
+    others = std::move(*opened);
+    for (const auto& other : others) {
+      for (Index frame = 0; frame < other->frame_count(); ++frame) poses.push_back({other.get(), frame});
+    }
+  }
+  const double start = now_milliseconds(false);
+  auto model = train_model(poses, {});
+  if (!model) return tl::unexpected(model.error());
+  row.train_seconds = (now_milliseconds(false) - start) / 1e3;
+  row.references = summarize(*model).references;
+  const auto file =
+      std::filesystem::temp_directory_path() / fmt::format("foldproof-bench-{}.model", getpid());
+  if (auto saved = save_model(*model, file.string()); !saved) return tl::unexpected(saved.error());
+  row.model_bytes = static_cast<double>(std::filesystem::file_size(file)) / row.triangles / row.references;
+  std::filesystem::remove(file);
+  return model->charts;
+}
+
+// Both checkers take the same steps, one after the other.
+Result<void> run_steps(Motion& motion, const std::shared_ptr<const Hierarchy>& hierarchy,
+                       const std::shared_ptr<const ChartLibrary>& charts, const CertificatePlan& plan,
+                       Row& row) {
+  StepChecker with({hierarchy}, {charts}), without({hierarchy});
+  StepSettings on, off;
+  off.certificates = false;
+  StepResult result_on, result_off;
+  StepLoader loader(motion);
+  const LeafOwners owners(*hierarchy);
+  const Index parts = row.size == StepSize::Tenth ? 10 : 1, all = (motion.frame_count() - 1) * parts;
+  // What learns on the way gets its time; a motion too short for that is measured over its second half.
+  const Index first = all == 1                         ? 0
+                      : row.training == Training::None ? std::min(plan.learning_steps, all / 2)
+                                                       : 1;
+  for (Index k = 0; k < std::min(all, first + plan.steps); ++k) {
+    const int part = row.size == StepSize::Tenth ? static_cast<int>(k % parts) : -1;
+    if (auto loaded = loader.load({k / parts, part}); !loaded) return loaded;
+    const std::span<const double> x0[] = {loader.x0()}, x1[] = {loader.x1()};
+    const double start = now_milliseconds(plan.processor_time);
+    if (auto done = without.check(x0, x1, off, result_off); !done) return done;
+    const double middle = now_milliseconds(plan.processor_time);
+    if (auto done = with.check(x0, x1, on, result_on); !done) return done;
+    const double end = now_milliseconds(plan.processor_time);
+    if (!same(result_on, result_off))
+      return fail(fmt::format("{}, step {}", row.scene, k), "has another answer with certificates",
+                  "report this, please");
+    if (k < first) continue;
+    row.off.push_back(middle - start);
+    row.on.push_back(end - middle);
+    row.pairs_on += static_cast<double>(result_on.work.leaf_pairs);
+    row.pairs_off += static_cast<double>(result_off.work.leaf_pairs);
+    row.tests += static_cast<double>(result_on.work.certificate_tests);
+    row.colliding += owners.colliding_pairs(result_off);
+    ++row.steps;
+  }
+  return {};
+}
+
+// A motion of one step leaves nothing to learn: new checkers take it a few times, and the fastest counts.
+Result<void> run_single(Motion& motion, const std::shared_ptr<const Hierarchy>& hierarchy,
+                        const std::shared_ptr<const ChartLibrary>& charts, const CertificatePlan& plan,
+                        Row& row) {
+  Row best;
+  for (int round = 0; round < 5; ++round) {
+    Row once = row;
+    if (auto done = run_steps(motion, hierarchy, charts, plan, once); !done) return done;
+    if (round > 0) {
+      once.on[0] = std::min(once.on[0], best.on[0]);
+      once.off[0] = std::min(once.off[0], best.off[0]);
+    }
+    best = std::move(once);
+  }
+  row = std::move(best);
+  return {};
+}
+
+Result<Row> measure_row(const SceneInfo& scene, StepSize size, Training training,
+                        const CertificatePlan& plan) {
+  auto motion = open_scene(scene);
+  if (!motion) return tl::unexpected(motion.error());
+  Row row;
+  row.scene = scene.name;
+  row.kind = scene.kind;
+  row.size = size;
+  row.training = training;
+  row.triangles = static_cast<Index>((*motion)->topology().triangles().size());
+  auto charts = trained(scene, **motion, row);
+  if (!charts) return tl::unexpected(charts.error());
+  std::shared_ptr<const Hierarchy> hierarchy;
+  if (*charts) {
+    hierarchy = (*charts)->slots()->hierarchy();
+  } else {
+    std::vector<double> x(std::size_t{3} * (*motion)->topology().vertex_count());
+    if (auto read = (*motion)->read_frame(0, x); !read) return tl::unexpected(read.error());
+    auto built = Hierarchy::build((*motion)->topology(), x);
+    if (!built) return tl::unexpected(built.error());
+    hierarchy = std::make_shared<const Hierarchy>(std::move(*built));
+  }
+  const auto run = size == StepSize::Full && (*motion)->frame_count() == 2 ? run_single : run_steps;
+  if (auto done = run(**motion, hierarchy, *charts, plan, row); !done) return tl::unexpected(done.error());
+  return row;
+}
+
+std::vector<std::string> cells(const Row& row) {
+  const double n = row.steps;
+  return {row.scene + (row.kind == SceneKind::Generated ? " (generated)" : ""),
+          row.size == StepSize::Full ? "full" : "tenth",
+          name_of(row.training),
+          fmt::format("{}", row.references),
+          fmt::format("{}", row.steps),
+          fmt::format("{:.0f}", row.pairs_off / n),
+          fmt::format("{:.0f}", row.colliding / n),
+          fmt::format("{:.0f}", row.pairs_on / n),
+          fmt::format("{:.1f}", 100 * row.removed()),
+          fmt::format("{:.0f}", row.tests / n),
+          fmt::format("{:.2f}", Row::median(row.off)),
+          fmt::format("{:.2f}", Row::median(row.on)),
+          fmt::format("{:.2f}", row.ratio()),
+          row.references ? fmt::format("{:.2f}", row.train_seconds / row.references) : "",
+          row.references ? fmt::format("{:.0f}", row.model_bytes) : ""};
+}
+
+std::vector<std::string> mean_of(const std::vector<Row>& rows, SceneKind kind, StepSize size,
+                                 Training training) {
+  double removed = 0, ratio = 0, count = 0;
+  for (const Row& row : rows) {
+    if (row.kind != kind || row.size != size || row.training != training) continue;
+    removed += std::log(std::max(1e-3, row.removed()));
+    ratio += std::log(row.ratio());
+    ++count;
+  }
+  if (count < 2) return {};
+  const char* what = kind == SceneKind::Motion      ? "motions"
+                     : kind == SceneKind::Generated ? "generated"
+                                                    : "ground truth";
+  std::vector<std::string> mean(15);
+  mean[0] = fmt::format("geometric mean of {:.0f} {}", count, what);
+  mean[1] = size == StepSize::Full ? "full" : "tenth";
+  mean[2] = name_of(training);
+  mean[8] = fmt::format("{:.1f}", 100 * std::exp(removed / count));
+  mean[12] = fmt::format("{:.2f}", std::exp(ratio / count));
+  return mean;
+}
+
+}  // namespace
+
+Result<Table> compare_certificates(const std::vector<SceneInfo>& scenes, const CertificatePlan& plan) {
+  Table table;
+  table.headers = {"with and without certificates",
+                   "step",
+                   "training",
+                   "references",
+                   "steps",
+                   "leaf pairs",
+                   "colliding",
+                   "left",
+                   "removed %",
+                   "tests",
+                   "without ms",
+                   "with ms",
+                   "without/with",
+                   "s/reference",
+                   "B/triangle"};
+  std::vector<Row> rows;
+  constexpr Training kTrainings[] = {Training::None, Training::EveryTenthFrame, Training::OwnPoses};
+  for (const SceneInfo& scene : scenes) {
+    for (const StepSize size : {StepSize::Full, StepSize::Tenth}) {
+      for (const Training training : kTrainings) {
+        if (training == Training::OwnPoses && separate_poses(scene.name).empty()) continue;
+        if (training == Training::EveryTenthFrame && scene.kind == SceneKind::GroundTruth) continue;
+        auto row = measure_row(scene, size, training, plan);
+        if (!row) return tl::unexpected(row.error());
+        table.rows.push_back(cells(*row));
+        rows.push_back(std::move(*row));
+      }
+    }
+  }
+  table.rows.push_back({});
+  for (const SceneKind kind : {SceneKind::Motion, SceneKind::GroundTruth, SceneKind::Generated}) {
+    for (const Training training : kTrainings) {
+      for (const StepSize size : {StepSize::Full, StepSize::Tenth}) {
+        if (auto mean = mean_of(rows, kind, size, training); !mean.empty())
+          table.rows.push_back(std::move(mean));
+      }
+    }
+  }
+  return table;
+}
+
+}  // namespace foldproof::bench

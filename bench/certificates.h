@@ -1,0 +1,19 @@
+/// What certificates save: the same steps with and without them, after different trainings.
+#pragma once
+
+#include "scene.h"
+#include "table.h"
+
+namespace foldproof::bench {
+
+struct CertificatePlan {
+  Index steps = 40;           ///< Measured steps of each motion at most; they follow each other.
+  Index learning_steps = 20;  ///< Steps before the first that counts, where nothing was trained.
+  bool processor_time = false;
+};
+
+/// One row per scene, step size and training, and geometric means. Error: a scene cannot be read, or an
+/// answer with certificates differs from the one without.
+Result<Table> compare_certificates(const std::vector<SceneInfo>& scenes, const CertificatePlan& plan);
+
+}  // namespace foldproof::bench
