@@ -1,6 +1,7 @@
 /// Queries: every collision of a set of moving objects during one step, or every crossing in one pose.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct StepSettings {
   bool certificates = true;  ///< Leave out what certificates prove. Never changes the answer, only the work.
   bool earliest_only =
       false;  ///< Report only the pair with the earliest time of impact (ties: smallest ids).
+  /// Say what certificates did: fills the answer's `explanation`, else left as it is. Takes about as long
+  /// again as finding the pairs of leaves; the answer's times leave that out.
+  bool explain = false;
 };
 
 /// Vertex and face, by the user's ids.
@@ -60,6 +64,39 @@ struct StageTimes {
   double total = 0, update = 0, traverse = 0, narrow = 0;
 };
 
+/// Why the features of a leaf were tested. Of several reasons the last one in this list is told.
+enum class Reason : std::uint8_t {
+  Certified,   ///< They were not: each pair of leaves is proven apart, by certificates or by its boxes.
+  NotDrawn,    ///< There is no chart of the patch yet: its turn is still to come.
+  TestFailed,  ///< The patch has charts, and none of them holds in this step.
+  Tangled,     ///< When last tried, no chart could be drawn: ChartOutcome::Tangled.
+  TooCurved,   ///< The same: ChartOutcome::TooCurved.
+  NearOther,  ///< A leaf without a common vertex, maybe of another object, is near, and no plane between them
+              ///< was found.
+  Off,        ///< StepSettings::certificates is false.
+};
+inline constexpr std::array<const char*, 7> kReasonNames{"certified",  "not_drawn",  "test_failed", "tangled",
+                                                         "too_curved", "near_other", "off"};
+/// A number per reason.
+using ReasonCounts = std::array<std::uint64_t, kReasonNames.size()>;
+
+/// What certificates did in a query. Reused: buffers are kept.
+struct Explanation {
+  /// By the user's triangles; those of one leaf have everything in common.
+  struct Object {
+    /// Depth in the hierarchy, the root's is 0, of the node whose chart proves that nothing below it touches
+    /// anything else below it, this triangle's leaf included; the highest there is. 127 stands for all from
+    /// there on. -1 when no node does, or when nobody asked: certificates off, or only collisions between
+    /// objects wanted.
+    std::vector<std::int8_t> level;
+    std::vector<Reason> reason;
+  };
+  std::vector<Object> objects;
+  /// Of the pairs of leaves whose boxes are not apart, a leaf with itself included, those tested for each
+  /// reason; their sum is Work::leaf_pairs. Under Certified: those not tested.
+  ReasonCounts leaf_pairs{};
+};
+
 /// Answer of a step. Sorted by ids; bit-identical for any number of threads. Reuse it: its buffers are kept.
 struct StepResult {
   std::vector<VertexFaceCollision> vertex_face;
@@ -68,6 +105,7 @@ struct StepResult {
   double earliest_toi = 1;  ///< 1 when nothing collides.
   Work work;
   StageTimes milliseconds;
+  Explanation explanation;  ///< With StepSettings::explain.
 
   bool clean() const { return vertex_face.empty() && edge_edge.empty(); }
 };
@@ -77,6 +115,7 @@ struct StaticResult {
   std::vector<TriangleCrossing> crossings;
   Work work;
   StageTimes milliseconds;
+  Explanation explanation;  ///< With StepSettings::explain.
 
   bool clean() const { return crossings.empty(); }
 };

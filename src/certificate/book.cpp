@@ -76,8 +76,9 @@ void ChartBook::want_pair(Index slot) {
   if (memory_[slot].draw_from <= step_) wanted_pairs_.push_back(slot);
 }
 
-void ChartBook::rest_from_drawing(Index slot) {
+void ChartBook::rest_from_drawing(Index slot, ChartOutcome outcome) {
   Memory& memory = memory_[slot];
+  memory.outcome = outcome;
   memory.draw_from = step_ + (kRest << memory.vain_draws);
   memory.vain_draws = std::min<std::uint8_t>(memory.vain_draws + 1, kMostVainDraws);
 }
@@ -95,7 +96,7 @@ void ChartBook::draw_orders(std::span<const MovingVertex> vertices) {
 
 void ChartBook::enter(const DrawnPatch& order) {
   // Counts as a failure until a test holds: a chart that is drawn again and again is of no use.
-  rest_from_drawing(order.slot);
+  rest_from_drawing(order.slot, order.outcome);
   if (order.outcome != ChartOutcome::Made) return;
   Memory& memory = memory_[order.slot];
   memory.vain_tests = 0;
@@ -163,7 +164,7 @@ void ChartBook::draw_nodes(std::span<const MovingVertex> vertices, std::size_t& 
       if (drawn_[nodes[node].leaf_begin]) {
         wanted_nodes_[kept++] = node;
       } else if (!looks_flat(node, vertices)) {
-        rest_from_drawing(node);
+        rest_from_drawing(node, ChartOutcome::TooCurved);
       } else {
         budget -= cost;
         mark(node, 1);

@@ -37,6 +37,12 @@ class ChartBook {
   };
   Proof prove(Index slot, std::span<const MovingVertex> vertices, double gap, ChartTester& tester);
 
+  bool has_charts(Index slot) const {
+    return own_.first(slot) != kNoIndex || (trained_ && trained_->first(slot) != kNoIndex);
+  }
+  /// Why the last attempt to draw a slot that has no charts came to nothing; Made when there was none.
+  ChartOutcome last_drawing(Index slot) const { return memory_[slot].outcome; }
+
   /// Says that a node or a pair was not proven and would have saved work. One thread only.
   void want_node(Index node);
   void want_pair(Index slot);
@@ -52,7 +58,8 @@ class ChartBook {
     std::uint8_t vain_draws = 0, vain_tests = 0;
     std::uint8_t drawn = 0;  // own charts
     bool last_was_trained = false;
-    Index last = kNoIndex;  // the chart that held last
+    ChartOutcome outcome = ChartOutcome::Made;  // of the last drawing, if there was one
+    Index last = kNoIndex;                      // the chart that held last
   };
   struct LeafNormal {
     Eigen::Vector3f direction;
@@ -65,7 +72,7 @@ class ChartBook {
   void order(Index slot);
   void draw_orders(std::span<const MovingVertex> vertices);
   void enter(const DrawnPatch& order);
-  void rest_from_drawing(Index slot);
+  void rest_from_drawing(Index slot, ChartOutcome outcome);
   bool holds(const ChartLibrary& library, Index chart, std::span<const MovingVertex> vertices, double gap,
              ChartTester& tester) const;
 

@@ -89,7 +89,7 @@ void Scene::descend_selves(Index object, const StepSettings& settings, double ga
   auto& leaf_proofs = leaf_proofs_[object];
   for (LeafProofs& proofs : leaf_proofs) proofs.count = 0;
   selves_.assign(nodes.empty() ? 0 : 1, 0);
-  while (!selves_.empty()) {
+  for (Index level = 0; !selves_.empty(); ++level) {
     work.node_tests += selves_.size();
     self_proofs_.assign(selves_.size(), {});
     if (settings.certificates) prove_selves(object, gap);
@@ -98,6 +98,7 @@ void Scene::descend_selves(Index object, const StepSettings& settings, double ga
       const Index self = selves_[i];
       const Hierarchy::Node& node = nodes[self];
       if (self_proofs_[i]) {
+        if (settings.explain) proven_nodes_.push_back({object, self, level});
         for (Index leaf = node.leaf_begin; leaf < node.leaf_end; ++leaf) leaf_proofs[leaf].add(self);
         for (const Index leaf : self_proofs_[i].collar()) leaf_proofs[leaf].add(self);
         continue;
@@ -157,6 +158,7 @@ void Scene::traverse(const StepSettings& settings, double distance, Work& work) 
   for (Local& local : locals_) local.tests = local.passes = local.tester.tests = 0;
   begin_learning(settings);
   task_count_ = 0;
+  proven_nodes_.clear();
   for (Index a = 0; a < trees_.size(); ++a) {
     for (Index b = a; b < trees_.size(); ++b) {
       if (!(a == b ? settings.within : settings.between)) continue;

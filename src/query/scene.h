@@ -56,6 +56,9 @@ class Scene {
   /// fills their features. Adds to `work`.
   void traverse(const StepSettings& settings, double distance, Work& work);
 
+  /// Says what certificates did in the last traversal, which had the same settings and distance.
+  void explain(const StepSettings& settings, double distance, Explanation& out);
+
   /// Of the last traversal, in an order that depends on the input only.
   std::span<const LeafPairRef> leaf_pairs() const { return leaf_pairs_; }
   const TraversalTask& task(Index k) const { return tasks_[k]; }
@@ -69,6 +72,11 @@ class Scene {
     std::vector<NodePair> stack;
     ChartTester tester;
     std::uint64_t tests = 0, passes = 0;
+    TraversalResult counted;
+  };
+  // A node that a chart proved, for explanations.
+  struct ProvenNode {
+    Index object, node, level;
   };
   void begin_learning(const StepSettings& settings);
   void prove_selves(Index object, double gap);
@@ -78,6 +86,8 @@ class Scene {
   bool proves(const LeafPairRef& pair, double gap, Local& local);
   void note_unproven(const LeafPairRef& pair);
   void fill_features();
+  std::uint64_t count_near_leaves(const StepSettings& settings, double distance);
+  Reason reason_of(const LeafPairRef& pair) const;
   std::uint8_t& plane_patience(const LeafPairRef& pair);
 
   std::vector<KineticTree> trees_;
@@ -92,6 +102,7 @@ class Scene {
   std::vector<NodePair> front_, below_;
   std::vector<Index> selves_, selves_below_;
   std::vector<ChartBook::Proof> self_proofs_;
+  std::vector<ProvenNode> proven_nodes_;  // only when explanations are wanted
   std::vector<std::uint8_t> proven_;
   TraversalResult above_;
 

@@ -101,6 +101,7 @@ Result<void> StepChecker::check_static(Positions x, const StepSettings& settings
             });
   out.milliseconds.narrow = watch.lap();
   out.milliseconds.total = total.lap();
+  if (settings.explain) scene.explain(settings, 0, out.explanation);
   return {};
 }
 

@@ -260,6 +260,7 @@ Result<void> StepChecker::check(Positions x0, Positions x1, const StepSettings& 
   finish(settings, out);
   out.milliseconds.narrow += watch.lap();
   out.milliseconds.total = total.lap();
+  if (settings.explain) scene.explain(settings, settings.thickness + out.tolerance, out.explanation);
   return {};
 }
 

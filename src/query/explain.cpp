@@ -1,0 +1,104 @@
+// What certificates did in a traversal, and why they did not do more.
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <span>
+
+#include "query/scene.h"
+
+namespace foldproof {
+namespace {
+
+Reason reason_of_slot(const ChartBook& book, Index slot) {
+  if (book.has_charts(slot)) return Reason::TestFailed;
+  switch (book.last_drawing(slot)) {
+    case ChartOutcome::TooCurved:
+      return Reason::TooCurved;
+    case ChartOutcome::Tangled:
+      return Reason::Tangled;
+    case ChartOutcome::Made:
+    case ChartOutcome::TooLarge:
+      break;
+  }
+  return Reason::NotDrawn;
+}
+
+void at_least(std::span<Reason> reasons, const Hierarchy& h, Index leaf, Reason reason) {
+  for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
+    Reason& now = reasons[h.triangle_ids()[t]];
+    now = std::max(now, reason);
+  }
+}
+
+}  // namespace
+
+// The pairs of leaves that there are when certificates are off.
+std::uint64_t Scene::count_near_leaves(const StepSettings& settings, double distance) {
+  const float margin = separation_margin(frame_, distance);
+  std::atomic<std::uint64_t> count{0};
+  const auto follow = [&](const Traversal& traversal, NodePair start) {
+    Local& local = locals_.local();
+    local.counted.leaf_pairs.clear();
+    foldproof::traverse(traversal, start, local.stack, local.counted);
+    count += local.counted.leaf_pairs.size();
+  };
+  for (Index a = 0; a < trees_.size(); ++a) {
+    const auto nodes = hierarchy(a).nodes();
+    if (settings.within) {
+      count += hierarchy(a).leaf_count();
+      const Traversal traversal{&trees_[a], &trees_[a], margin};
+      tbb::parallel_for(Index{0}, static_cast<Index>(nodes.size()), [&](Index n) {
+        if (!nodes[n].is_leaf()) follow(traversal, {n + 1, nodes[n].right});
+      });
+    }
+    if (settings.between) {
+      tbb::parallel_for(a + 1, static_cast<Index>(trees_.size()), [&](Index b) {
+        follow({&trees_[a], &trees_[b], margin}, {0, 0});
+      });
+    }
+  }
+  return count;
+}
+
+Reason Scene::reason_of(const LeafPairRef& pair) const {
+  const TraversalTask& task = tasks_[pair.task];
+  if (task.object_a != task.object_b) return Reason::NearOther;
+  const auto [a, b] = pair.leaves;
+  const ChartBook& book = *books_[task.object_a];
+  if (a == b) return reason_of_slot(book, book.slots().of_node(trees_[task.object_a].leaf_node(a)));
+  const Index slot = book.slots().of_leaves(a, b);
+  return slot == kNoIndex ? Reason::NearOther : reason_of_slot(book, slot);
+}
+
+void Scene::explain(const StepSettings& settings, double distance, Explanation& out) {
+  out.objects.resize(trees_.size());
+  for (Index i = 0; i < trees_.size(); ++i) {
+    const std::size_t triangles = hierarchy(i).topology().triangles().size();
+    out.objects[i].level.assign(triangles, -1);
+    out.objects[i].reason.assign(triangles, settings.certificates ? Reason::Certified : Reason::Off);
+  }
+  for (const auto& [object, node, level] : proven_nodes_) {
+    const Hierarchy& h = hierarchy(object);
+    const auto shown =
+        static_cast<std::int8_t>(std::min<Index>(level, std::numeric_limits<std::int8_t>::max()));
+    const Index begin = h.leaves()[h.nodes()[node].leaf_begin].triangles;
+    const Index end = h.leaves()[h.nodes()[node].leaf_end].triangles;
+    for (Index t = begin; t < end; ++t) out.objects[object].level[h.triangle_ids()[t]] = shown;
+  }
+  out.leaf_pairs = {};
+  for (const LeafPairRef& pair : leaf_pairs_) {
+    const Reason reason = settings.certificates ? reason_of(pair) : Reason::Off;
+    ++out.leaf_pairs[static_cast<std::size_t>(reason)];
+    const TraversalTask& task = tasks_[pair.task];
+    at_least(out.objects[task.object_a].reason, hierarchy(task.object_a), pair.leaves.a, reason);
+    at_least(out.objects[task.object_b].reason, hierarchy(task.object_b), pair.leaves.b, reason);
+  }
+  if (!settings.certificates) return;  // everything was tested
+  out.leaf_pairs[static_cast<std::size_t>(Reason::Certified)] =
+      count_near_leaves(settings, distance) - leaf_pairs_.size();
+}
+
+}  // namespace foldproof
