@@ -114,8 +114,8 @@ std::string hard_table(const Model& model, const ModelSummary& s) {
   const auto always = std::count_if(leaves.begin(), leaves.end(),
                                     [&](const HardLeaf& leaf) { return leaf.references == s.references; });
   std::string text = fmt::format(
-      "\nHard to prove: {} of {} in some reference pose, {} in every one.\n", grouped(leaves.size()),
-      counted(model.hierarchy()->leaf_count(), "leaf patch"), grouped(static_cast<std::uint64_t>(always)));
+      "\nHard to prove: {} of {} leaves in some reference pose, {} in every one.\n", grouped(leaves.size()),
+      grouped(model.hierarchy()->leaf_count()), grouped(static_cast<std::uint64_t>(always)));
   text += fmt::format("{:>10}  {:<10}  triangles\n", "poses", "why");
   for (std::size_t k = 0; k < std::min(leaves.size(), kListed); ++k) {
     const auto ids = triangles_of(model, leaves[k]);

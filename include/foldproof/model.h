@@ -68,7 +68,7 @@ struct TrainPose {
 };
 
 struct TrainHooks {
-  std::function<void(double)> progress;  ///< Called with the share of the work that is done.
+  std::function<void(double)> progress = {};  ///< Called with the share of the work that is done.
   const std::atomic<bool>* cancel =
       nullptr;  ///< Looked at before every pose; true ends training in an error.
 };

@@ -3,6 +3,17 @@
 #include <tbb/parallel_for.h>
 
 namespace foldproof {
+namespace {
+
+// What charts take in a file, in bytes per triangle and reference: spare ones are drawn while they fit. It
+// leaves 20 for everything else.
+constexpr std::int64_t kBytesPerTriangle = 100;
+constexpr std::size_t kBytesPerChart = 20;
+
+// Slots that are looked at together; memory holds a drawing for each.
+constexpr std::size_t kBatch = 1024;
+
+}  // namespace
 
 Trainer::Trainer(std::shared_ptr<const PatchSlots> slots, const TrainSettings& settings)
     : slots_(std::move(slots)),
@@ -25,7 +36,9 @@ std::vector<HardLeaf> Trainer::hard_leaves() const {
 
 void Trainer::learn(Index pose, std::span<const double> positions) {
   pose_ = pose;
+  budget_ += kBytesPerTriangle * static_cast<std::int64_t>(slots_->hierarchy()->triangles().size());
   enter(positions);
+  draw_spares();
 }
 
 float Trainer::prove(std::span<const double> positions) {
@@ -49,48 +62,56 @@ void Trainer::enter(std::span<const double> positions) {
   cover_pairs();
 }
 
-bool Trainer::holds(const ChartLibrary& library, Index first, Local& local, Finding& out) const {
+Index Trainer::first_that_holds(const ChartLibrary& library, Index first, ChartScratch& scratch) const {
   for (Index c = first; c != kNoIndex; c = library.charts()[c].next) {
     const ChartLibrary::Chart& chart = library.charts()[c];
     const ChartView view{library.vertices(chart), library.points(chart), library.triangles(chart), chart.fit};
-    if (!chart_holds(view, tree_.vertices, 0, local.scratch)) continue;
-    out.collar = library.collar(chart);
-    return true;
+    if (chart_holds(view, tree_.vertices, 0, scratch)) return c;
   }
-  return false;
+  return kNoIndex;
 }
 
 void Trainer::look_at(Index slot, Finding& out) {
   Local& local = locals_.local();
-  out.is_new = false;
-  out.holds = holds(*charts_, charts_->first(slot), local, out);
-  if (out.holds || pose_ == kNoIndex || slots_->triangles_of(slot) > settings_.most_triangles) return;
-  out.drawn.slot = slot;
-  local.drawer.draw(tree_.vertices, out.drawn);
-  if (out.drawn.outcome != ChartOutcome::Made) {
-    out.obstacle = out.drawn.outcome == ChartOutcome::Tangled ? Obstacle::Tangled : Obstacle::TooCurved;
+  out.drawn_holds = false;
+  out.held = first_that_holds(*charts_, charts_->first(slot), local.scratch);
+  if (out.holds() || pose_ == kNoIndex || slots_->triangles_of(slot) > settings_.most_triangles) return;
+  DrawnPatch& drawn = out.drawn;
+  drawn.slot = slot;
+  local.drawer.draw(tree_.vertices, drawn);
+  if (drawn.outcome != ChartOutcome::Made) {
+    out.obstacle = drawn.outcome == ChartOutcome::Tangled ? Obstacle::Tangled : Obstacle::TooCurved;
     return;
   }
   // A drawing that proves nothing in the pose it was made in is of no use.
   if (local.trial.charts().empty()) {
-    local.trial.add(slot, pose_, out.drawn.patch, out.drawn.collar, out.drawn.drawing);
+    local.trial.add(slot, pose_, drawn.patch, drawn.collar, drawn.drawing);
   } else {
-    local.trial.replace(0, pose_, out.drawn.patch, out.drawn.collar, out.drawn.drawing);
+    local.trial.replace(0, pose_, drawn.patch, drawn.collar, drawn.drawing);
   }
-  out.holds = out.is_new = holds(local.trial, 0, local, out);
-  out.collar = out.drawn.collar;
+  out.drawn_holds = first_that_holds(local.trial, 0, local.scratch) != kNoIndex;
   out.obstacle = Obstacle::TooThin;
 }
 
-// Fills findings_. What is found depends on the slots' order only, never on the threads.
-void Trainer::look_at(std::span<const Index> slots) {
-  if (findings_.size() < slots.size()) findings_.resize(slots.size());
-  tbb::parallel_for(std::size_t{0}, slots.size(), [&](std::size_t i) { look_at(slots[i], findings_[i]); });
+// Visits slots and findings in order: what is found never depends on the threads.
+template <class Visit>
+void Trainer::look_at(std::span<const Index> slots, Visit visit) {
+  findings_.resize(kBatch);
+  for (std::size_t first = 0; first < slots.size(); first += kBatch) {
+    const auto batch = slots.subspan(first, std::min(kBatch, slots.size() - first));
+    tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t i) { look_at(batch[i], findings_[i]); });
+    for (std::size_t i = 0; i < batch.size(); ++i) visit(batch[i], findings_[i]);
+  }
 }
 
-void Trainer::keep(const Finding& finding) {
-  if (!finding.is_new) return;
-  charts_->add(finding.drawn.slot, pose_, finding.drawn.patch, finding.drawn.collar, finding.drawn.drawing);
+void Trainer::keep(const Finding& finding, bool spare) {
+  if (!finding.drawn_holds) return;
+  const auto& [slot, patch, collar, drawing, outcome] = finding.drawn;
+  const std::size_t bytes =
+      kBytesPerChart + 4 * collar.size() + 6 * (drawing.places.size() + drawing.fillers.size());
+  if (spare && budget_ < static_cast<std::int64_t>(bytes)) return;
+  budget_ -= static_cast<std::int64_t>(bytes);
+  charts_->add(slot, pose_, patch, collar, drawing);
 }
 
 // Marks every pair of leaves that lies in a proven patch.
@@ -114,22 +135,22 @@ void Trainer::cover_nodes() {
   const auto nodes = slots_->hierarchy()->nodes();
   covered_.assign(slots_->count(), 0);
   patch_of_.assign(slots_->hierarchy()->leaf_count(), kNoIndex);
+  tops_.clear();
   for (level_.assign(1, 0); !level_.empty(); level_.swap(below_)) {
-    look_at(level_);
     below_.clear();
-    for (std::size_t i = 0; i < level_.size(); ++i) {
-      const Index node = level_[i];
-      if (findings_[i].holds) {
-        cover(node, findings_[i].collar);
+    look_at(level_, [&](Index node, const Finding& found) {
+      if (found.holds()) {
+        cover(node, found.drawn_holds ? found.drawn.collar : charts_->collar(charts_->charts()[found.held]));
+        tops_.push_back(node);
       } else if (!nodes[node].is_leaf()) {
         below_.insert(below_.end(), {node + 1, nodes[node].right});
       } else if (pose_ != kNoIndex) {
         HardLeaf& hard = hard_[nodes[node].leaf_begin];
         ++hard.references;
-        hard.obstacle = findings_[i].obstacle;
+        hard.obstacle = found.obstacle;
       }
-    }
-    for (std::size_t i = 0; i < level_.size(); ++i) keep(findings_[i]);
+      keep(found, false);
+    });
   }
 }
 
@@ -144,11 +165,28 @@ void Trainer::cover_pairs() {
       if (!covered_[slot]) level_.push_back(slot);
     }
   }
-  look_at(level_);
-  for (std::size_t i = 0; i < level_.size(); ++i) {
-    proven_ += findings_[i].holds;
-    keep(findings_[i]);
+  look_at(level_, [&](Index, const Finding& found) {
+    proven_ += found.holds();
+    keep(found, false);
+  });
+}
+
+// Smaller patches prove more: where a large one fails in a pose to come, those inside it may not. So what
+// lies below the proven nodes is drawn as well, and then the pairs of leaves that their patches cover.
+void Trainer::draw_spares() {
+  const auto nodes = slots_->hierarchy()->nodes();
+  for (level_.swap(tops_); !level_.empty() && budget_ > 0; level_.swap(below_)) {
+    below_.clear();
+    for (const Index node : level_) {
+      if (!nodes[node].is_leaf()) below_.insert(below_.end(), {node + 1, nodes[node].right});
+    }
+    look_at(below_, [&](Index, const Finding& found) { keep(found, true); });
   }
+  level_.clear();
+  for (Index slot = static_cast<Index>(nodes.size()); slot < covered_.size(); ++slot) {
+    if (covered_[slot]) level_.push_back(slot);
+  }
+  if (budget_ > 0) look_at(level_, [&](Index, const Finding& found) { keep(found, true); });
 }
 
 }  // namespace foldproof

@@ -30,20 +30,22 @@ class Trainer {
   };
   /// What came of looking at a slot.
   struct Finding {
-    std::span<const Index> collar;  // of the chart that holds
-    bool holds = false;
-    bool is_new = false;  // the chart that holds is the drawn one
+    Index held = kNoIndex;  // the library's chart that holds
+    bool drawn_holds = false;
     Obstacle obstacle = Obstacle::TooCurved;
     DrawnPatch drawn;
+    bool holds() const { return held != kNoIndex || drawn_holds; }
   };
   void enter(std::span<const double> positions);
-  void look_at(std::span<const Index> slots);
+  template <class Visit>
+  void look_at(std::span<const Index> slots, Visit visit);
   void look_at(Index slot, Finding& out);
-  bool holds(const ChartLibrary& library, Index first, Local& local, Finding& out) const;
-  void keep(const Finding& finding);
+  Index first_that_holds(const ChartLibrary& library, Index first, ChartScratch& scratch) const;
+  void keep(const Finding& finding, bool spare);
   void cover_nodes();
   void cover_pairs();
   void cover(Index node, std::span<const Index> collar);
+  void draw_spares();
 
   std::shared_ptr<const PatchSlots> slots_;
   TrainSettings settings_;
@@ -51,13 +53,15 @@ class Trainer {
   KineticTree tree_;
   std::vector<HardLeaf> hard_;  // one per leaf; without references not hard
 
+  std::int64_t budget_ = 0;  // bytes that charts may still take
+
   // Of the current pose.
-  Index pose_ = kNoIndex;              // kNoIndex: nothing is drawn
-  std::size_t proven_ = 0;             // neighbourhoods
-  std::vector<std::uint8_t> covered_;  // per slot of a pair, behind those of nodes
-  std::vector<Index> patch_of_;        // per leaf: the proven node whose patch was covered last
-  std::vector<Index> level_, below_;   // slots to look at
-  std::vector<Finding> findings_;      // of the slots that were looked at last
+  Index pose_ = kNoIndex;                    // kNoIndex: nothing is drawn
+  std::size_t proven_ = 0;                   // neighbourhoods
+  std::vector<std::uint8_t> covered_;        // per slot of a pair, behind those of nodes
+  std::vector<Index> patch_of_;              // per leaf: the proven node whose patch was covered last
+  std::vector<Index> level_, below_, tops_;  // slots to look at; the proven nodes
+  std::vector<Finding> findings_;
   tbb::enumerable_thread_specific<Local> locals_;
 };
 

@@ -1,0 +1,240 @@
+// Models as files: what is written reads back, and what somebody else wrote is refused or harmless.
+#include <gmock/gmock.h>
+
+#include "foldproof/query.h"
+#include "io/support.h"
+#include "model/cylinder.h"
+
+namespace foldproof::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string golden_path(int version) {
+  return std::string(FOLDPROOF_SOURCE_DIR) + "/tests/model/golden/version" + std::to_string(version) +
+         ".model";
+}
+
+/// Where the number of the format version stands: the root table's first field.
+std::size_t version_at(const std::string& bytes) {
+  const auto load = [&]<class T>(std::size_t at, T value) {
+    std::memcpy(&value, bytes.data() + at, sizeof(T));
+    return value;
+  };
+  const std::size_t root = 4 + load(4, std::uint32_t{});
+  return root + load(root - load(root, std::int32_t{}) + 4, std::uint16_t{});
+}
+
+class ModelFileTest : public ::testing::Test {
+ protected:
+  std::string saved(const Model& model) {
+    const auto done = save_model(model, files.path("a.model"));
+    EXPECT_TRUE(done) << done.error().line();
+    return read_bytes(files.path("a.model"));
+  }
+  Result<Model> loaded(std::string_view bytes) { return load_model(files.write("b.model", bytes)); }
+  std::string load_error(std::string_view bytes) {
+    const auto model = loaded(bytes);
+    if (model) return "no error";
+    EXPECT_EQ(model.error().line().find('\n'), std::string::npos);
+    EXPECT_FALSE(model.error().mend.empty());
+    EXPECT_THAT(model.error().where, StartsWith(files.path("b.model")));
+    return model.error().line().substr(files.path("").size());
+  }
+  ScratchDirectory files;
+};
+
+void expect_same(const Model& a, const Model& b) {
+  EXPECT_EQ(a.program, b.program);
+  EXPECT_EQ(a.settings.references, b.settings.references);
+  EXPECT_EQ(a.settings.most_triangles, b.settings.most_triangles);
+  ASSERT_EQ(a.poses.size(), b.poses.size());
+  for (std::size_t k = 0; k < a.poses.size(); ++k) {
+    EXPECT_EQ(a.poses[k].name, b.poses[k].name);
+    EXPECT_EQ(a.poses[k].reference, b.poses[k].reference);
+    EXPECT_EQ(a.poses[k].proven, b.poses[k].proven);
+  }
+  ASSERT_EQ(a.hard_leaves.size(), b.hard_leaves.size());
+  for (std::size_t k = 0; k < a.hard_leaves.size(); ++k) {
+    EXPECT_EQ(a.hard_leaves[k].leaf, b.hard_leaves[k].leaf);
+    EXPECT_EQ(a.hard_leaves[k].references, b.hard_leaves[k].references);
+    EXPECT_EQ(a.hard_leaves[k].obstacle, b.hard_leaves[k].obstacle);
+  }
+  EXPECT_EQ(a.hierarchy()->topology(), b.hierarchy()->topology());
+  EXPECT_TRUE(std::ranges::equal(a.hierarchy()->triangle_ids(), b.hierarchy()->triangle_ids()));
+  EXPECT_TRUE(std::ranges::equal(a.hierarchy()->vertex_ids(), b.hierarchy()->vertex_ids()));
+  EXPECT_TRUE(std::ranges::equal(a.hierarchy()->edge_ids(), b.hierarchy()->edge_ids()));
+  const ChartLibrary &ca = *a.charts, &cb = *b.charts;
+  ASSERT_EQ(ca.charts().size(), cb.charts().size());
+  for (std::size_t k = 0; k < ca.charts().size(); ++k) {
+    const auto &x = ca.charts()[k], &y = cb.charts()[k];
+    EXPECT_EQ(x.slot, y.slot);
+    EXPECT_EQ(x.next, y.next);
+    EXPECT_EQ(x.source, y.source);
+    EXPECT_TRUE(std::ranges::equal(ca.vertices(x), cb.vertices(y)));
+    EXPECT_TRUE(std::ranges::equal(ca.points(x), cb.points(y)));
+    EXPECT_TRUE(std::ranges::equal(ca.triangles(x), cb.triangles(y)));
+    EXPECT_TRUE(std::ranges::equal(ca.collar(x), cb.collar(y)));
+  }
+}
+
+TEST_F(ModelFileTest, ReadsBackAsItWas) {
+  Model model = trained(*bending_tube(kTube, {0, 0.5, 1, 2, 4}, "tube \xff\n"), {.references = 3});
+  ASSERT_GT(model.charts->charts().size(), 50u);
+  const std::string bytes = saved(model);
+  const auto read = loaded(bytes);
+  ASSERT_TRUE(read) << read.error().line();
+  EXPECT_EQ(read->name, files.path("b.model"));
+  expect_same(model, *read);
+  EXPECT_EQ(saved(*read), bytes);
+}
+
+TEST_F(ModelFileTest, HardLeavesReadBack) {
+  Model model = small_model();
+  model.hard_leaves = {{0, 1, Obstacle::Tangled}, {2, 2, Obstacle::TooThin}};
+  const auto read = loaded(saved(model));
+  ASSERT_TRUE(read) << read.error().line();
+  expect_same(model, *read);
+}
+
+TEST_F(ModelFileTest, DISABLED_WriteGolden) { ASSERT_TRUE(save_model(small_model(), golden_path(1))); }
+
+TEST_F(ModelFileTest, GoldenVersion1IsStillRead) {
+  const auto model = load_model(golden_path(1));
+  ASSERT_TRUE(model) << model.error().line();
+  EXPECT_EQ(model->program, "0.1.0");
+  EXPECT_EQ(model->hierarchy()->topology(), tube(kSmallTube.around, kSmallTube.along));
+  EXPECT_EQ(model->hierarchy()->leaf_count(), 12u);
+  ASSERT_EQ(model->poses.size(), 2u);
+  EXPECT_EQ(model->poses[1].name, "tube, frame 1");
+  EXPECT_TRUE(model->poses[1].reference);
+  EXPECT_EQ(model->charts->charts().size(), 34u);
+  EXPECT_EQ(saved(*model), read_bytes(golden_path(1)));
+}
+
+TEST_F(ModelFileTest, CutAtEveryLengthIsAnError) {
+  const std::string bytes = saved(small_model());
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    EXPECT_NE(load_error(bytes.substr(0, length)), "no error") << length;
+  }
+  EXPECT_NE(load_error(bytes + '\0'), "no error");
+}
+
+/// Everything a tube reports that bends until it meets itself.
+StepResult answer(const std::shared_ptr<const Hierarchy>& hierarchy,
+                  std::shared_ptr<const ChartLibrary> charts) {
+  const auto x0 = bent(kSmallTube.around, kSmallTube.along, 5.9),
+             x1 = bent(kSmallTube.around, kSmallTube.along, 6.5);
+  const std::span<const double> from[] = {x0}, to[] = {x1};
+  StepResult result;
+  EXPECT_TRUE(StepChecker({hierarchy}, {std::move(charts)}).check(from, to, {}, result));
+  return result;
+}
+
+TEST_F(ModelFileTest, EveryByteMayBeSpoiled) {
+  const Model model = small_model();
+  const std::string bytes = saved(model);
+  const StepResult truth = answer(model.hierarchy(), nullptr);
+  ASSERT_GT(truth.edge_edge.size(), 10u);
+  std::size_t refused = 0, tries = 0;
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    std::string spoiled = bytes;
+    spoiled[at] = static_cast<char>(spoiled[at] ^ (1 << at * 5 % 8));
+    ++tries;
+    const auto read = loaded(spoiled);
+    if (!read) {
+      ++refused;
+      EXPECT_EQ(read.error().line().find('\n'), std::string::npos);
+      continue;
+    }
+    const StepResult found = answer(read->hierarchy(), read->charts);
+    ASSERT_EQ(found.vertex_face.size(), truth.vertex_face.size()) << at;
+    ASSERT_EQ(found.edge_edge.size(), truth.edge_edge.size()) << at;
+  }
+  EXPECT_GT(refused, tries / 4);
+  EXPECT_LT(refused, tries);
+}
+
+TEST_F(ModelFileTest, ForeignFilesAreRefused) {
+  EXPECT_THAT(load_error(""), HasSubstr("is not a Foldproof model; make one with 'foldproof train'"));
+  EXPECT_THAT(load_error("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), HasSubstr("is not a Foldproof model"));
+  EXPECT_THAT(load_error(std::string(5000, '\0')), HasSubstr("is not a Foldproof model"));
+  EXPECT_THAT(load_error(std::string("\4\0\0\0\4\0\0\0FPMD", 12)), HasSubstr("is damaged or cut off"));
+  EXPECT_FALSE(load_model(files.path("missing.model")));
+  EXPECT_FALSE(load_model(files.path("")));
+}
+
+TEST_F(ModelFileTest, OtherVersionsAreNamed) {
+  std::string bytes = saved(small_model());
+  ASSERT_EQ(bytes[version_at(bytes)], 1);
+  bytes[version_at(bytes)] = 9;
+  EXPECT_THAT(load_error(bytes),
+              HasSubstr("has format version 9, and this program reads 1; use the version"));
+}
+
+TEST_F(ModelFileTest, ADrawingThatOverlapsIsRefused) {
+  Model model = small_model();
+  const auto& slots = model.charts->slots();
+  Patch patch;
+  PatchReader(*slots).read(0, patch);
+  Drawing drawing;
+  drawing.places.resize(patch.vertices.size());
+  drawing.heights.resize(patch.vertices.size());
+  drawing.fillers.resize(2 * patch.vertices.size() + 2 - patch.triangles.size());
+  const auto charts = std::make_shared<ChartLibrary>(slots);
+  charts->add(0, 0, patch, {}, drawing);
+  model.charts = charts;
+  EXPECT_THAT(load_error(saved(model)), HasSubstr("chart 0: is no drawing of its patch"));
+}
+
+TEST_F(ModelFileTest, ContentsThatMakeNoSenseAreRefused) {
+  const Model good = small_model();
+  const auto error_of = [&](auto change) {
+    Model model = good;
+    change(model);
+    return load_error(saved(model));
+  };
+  EXPECT_THAT(error_of([](Model& m) { m.poses[0].reference = m.poses[1].reference = false; }),
+              HasSubstr("chart 0: comes from no reference pose"));
+  EXPECT_THAT(error_of([](Model& m) { m.poses[1].proven = NAN; }), HasSubstr("pose 1: has a share"));
+  EXPECT_THAT(error_of([](Model& m) {
+                m.hard_leaves = {{99, 1, Obstacle::Tangled}};
+              }),
+              HasSubstr("hard leaf 0: makes no sense"));
+  EXPECT_THAT(error_of([](Model& m) {
+                m.hard_leaves = {{1, 1, Obstacle::Tangled}, {1, 1, Obstacle::Tangled}};
+              }),
+              HasSubstr("hard leaf 1: makes no sense"));
+  EXPECT_THAT(error_of([](Model& m) {
+                m.hard_leaves = {{1, 3, Obstacle::Tangled}};
+              }),
+              HasSubstr("makes no sense"));
+}
+
+TEST_F(ModelFileTest, NothingStaysBehindWhereNothingCanBeWritten) {
+  EXPECT_FALSE(save_model(small_model(), files.path("no/where.model")));
+  EXPECT_FALSE(save_model(small_model(), "/dev/full"));
+  EXPECT_TRUE(std::filesystem::is_empty(files.path("")));
+}
+
+TEST_F(ModelFileTest, AModelOfAnotherMeshSaysSo) {
+  Model model = small_model();
+  model.name = "tube.model";
+  EXPECT_TRUE(require_model_of(model, tube(12, 8), "same.obj"));
+  const auto other = require_model_of(model, tube(12, 9), "long.obj");
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().line(),
+            "tube.model: is a model of another mesh: 192 triangles over 108 vertices, but long.obj has 216 "
+            "triangles over 120 vertices; train a model on this one");
+  std::vector<Triangle> turned(model.hierarchy()->topology().triangles().begin(),
+                               model.hierarchy()->topology().triangles().end());
+  std::swap(turned[5][0], turned[5][1]);
+  const auto near = require_model_of(model, *Topology::make(108, turned), "near.obj");
+  ASSERT_FALSE(near);
+  EXPECT_THAT(near.error().line(), HasSubstr("triangle 5 of near.obj has other vertices"));
+  EXPECT_NE(topology_hash(tube(12, 8)), topology_hash(*Topology::make(108, turned)));
+}
+
+}  // namespace
+}  // namespace foldproof::testing
