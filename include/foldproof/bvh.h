@@ -8,7 +8,7 @@
 namespace foldproof {
 
 struct HierarchySettings {
-  Index leaf_triangles = 16;  ///< Triangles per leaf patch, roughly: up to a quarter more.
+  Index leaf_triangles = 12;  ///< Triangles per leaf patch, roughly: up to a quarter more.
 };
 
 /// The tree over one topology. Immutable once built; any number of threads may use it.

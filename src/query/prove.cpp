@@ -43,7 +43,7 @@ bool Scene::proves(const LeafPairRef& pair, double gap, Local& local) {
       return static_cast<bool>(book.prove(slot, trees_[task.object_a].vertices, gap, local.tester));
     }
   }
-  if (plane_patience(pair) != 0) return false;
+  if (!ask_for_planes_ || plane_patience(pair) != 0) return false;
   ++local.tests;
   const KineticTree &tree_a = *task.traversal.a, &tree_b = *task.traversal.b;
   return plane_separates(tree_a.vertices, tree_a.leaf_vertices(pair.leaves.a), tree_b.vertices,

@@ -146,7 +146,7 @@ void Scene::start_tasks(Index a, Index b, float margin, Work& work) {
 // before, about 1 us each.
 void Scene::begin_learning(const StepSettings& settings) {
   constexpr std::size_t kTrianglesPerLeafPair = 2;
-  ++steps_;
+  ask_for_planes_ = steps_++ > 0;
   const std::size_t budget = settings.certificates ? kTrianglesPerLeafPair * last_leaf_pairs_ : 0;
   for (std::size_t i = 0; i < books_.size(); ++i)
     books_[i]->begin_step(trees_[i].vertices, budget / books_.size());

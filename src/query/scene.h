@@ -96,6 +96,8 @@ class Scene {
   Frame frame_;
   double largest_side_ = 0;
   std::size_t steps_ = 0, last_leaf_pairs_ = 0;
+  bool ask_for_planes_ =
+      false;  // not in the first step: where few pairs have one, it only pays once it is known which
 
   std::vector<TraversalTask> tasks_;
   std::size_t task_count_ = 0;
