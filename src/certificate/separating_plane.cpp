@@ -98,8 +98,11 @@ bool Separates(const VertexSet& a, const VertexSet& b, float gap) {
     const Least least_a = FindLeast(a, along_a), least_b = FindLeast(b, along_b);
     const float along[2] = {least_a.along[0] + least_b.along[0], least_a.along[1] + least_b.along[1]};
     const int worst = along[1] < along[0];
+    const float square_n = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    // Shorter ones lose digits when they are squared, or vanish.
+    if (!(square_n > 1e-30f)) return false;
     // Theorem 1 along n.
-    if (along[worst] > gap * std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])) return true;
+    if (along[worst] > gap * std::sqrt(square_n)) return true;
     // The point of the segment from n to the difference found that is nearest to the origin.
     const float* from = a.at(least_a.at[worst]).x + 4 * worst;
     const float* to = b.at(least_b.at[worst]).x + 4 * worst;

@@ -1,0 +1,146 @@
+// What plane_separates promises, held against exact arithmetic.
+#include "certificate/separating_plane.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "certificate/contacts.h"
+#include "certificate/patches.h"
+
+namespace foldproof::testing {
+namespace {
+
+struct Cloud {
+  std::vector<Index> a, b;
+  Step step;
+};
+
+// Two clouds of points, of any shape, at distances around `distance`, that move together and by themselves.
+Cloud random_cloud(double size, double distance, Rng& rng) {
+  std::vector<Vec3> x0, x1;
+  std::vector<Index> ids[2];
+  const Vec3 axis = random_direction(rng), offset = uniform(rng, -0.2, 0.2) * random_direction(rng);
+  const int kind = static_cast<int>(rng() % 3);
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t count = 1 + rng() % 20;
+    const Vec3 middle = offset + (side - 0.5) * (distance + size) * axis;
+    const Vec3 motion = uniform(rng, 0, 0.4) * random_direction(rng) * (kind == 1 ? 1 : 0.1);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vec3 p = size * uniform(rng, 0, 0.5) * random_direction(rng);
+      ids[side].push_back(static_cast<Index>(x0.size()));
+      x0.push_back(middle + p);
+      x1.push_back(middle + motion + p + 0.2 * size * random_direction(rng));
+    }
+  }
+  if (kind == 2) x1 = moved(x1, uniform(rng, 0, 2), 0.1, rng);
+  fit_into_frame(x0, x1);
+  return {ids[0], ids[1], Step(std::move(x0), std::move(x1))};
+}
+
+// Hulls of moving points come near each other at some time exactly when some features do; to leave no doubt,
+// and as points are few, the moving points are taken as all triangles and edges that they span.
+std::string find_contact_of_hulls(const Cloud& cloud, double gap) {
+  const auto &x0 = cloud.step.x0, &x1 = cloud.step.x1;
+  const auto at = [](const std::vector<Index>& ids, std::size_t i) { return ids[i % ids.size()]; };
+  CcdSettings settings;
+  settings.thickness = gap;
+  Rng rng(5);
+  const auto look = [&](const FeaturePair& pair) {
+    const FourPoints from = points_of(pair, x0), to = points_of(pair, x1);
+    const CcdResult r = pair.kind == oracle::Kind::VertexFace ? vertex_face_ccd(from, to, settings)
+                                                              : edge_edge_ccd(from, to, settings);
+    return r.answer != Answer::Separated && comes_within(pair, x0, x1, gap);
+  };
+  for (int k = 0; k < 60; ++k) {
+    const bool swap = rng() % 2;
+    const auto &s = swap ? cloud.b : cloud.a, &t = swap ? cloud.a : cloud.b;
+    const auto id = [&](const std::vector<Index>& ids) { return static_cast<std::uint16_t>(at(ids, rng())); };
+    if (look({oracle::Kind::VertexFace, {id(s), id(t), id(t), id(t)}}) ||
+        look({oracle::Kind::EdgeEdge, {id(s), id(s), id(t), id(t)}}))
+      return fmt::format("features of the hulls meet at gap {}", gap);
+  }
+  return {};
+}
+
+// The hulls at both ends and in between do not meet: exact, on positions that are doubles.
+bool hulls_meet_at(const Cloud& cloud, double t) {
+  std::vector<Vec3> p, q;
+  const auto at = [&](Index v) { return Vec3((1 - t) * cloud.step.x0[v] + t * cloud.step.x1[v]); };
+  for (const Index v : cloud.a) p.push_back(at(v));
+  for (const Index v : cloud.b) q.push_back(at(v));
+  // The exact answer takes time that grows with the fourth power: only small clouds.
+  if (p.size() > 5) p.resize(5);
+  if (q.size() > 5) q.resize(5);
+  return oracle::hulls_intersect(p, q);
+}
+
+TEST(PlaneSeparates, WhatIsSeparatedStaysFartherApartThanTheGap) {
+  Rng rng(51);
+  int passes = 0, tries = 0, contacts = 0;
+  for (const double size : {0.3, 0.05, 1e-3}) {
+    for (const double gap : {0.0, 1e-5, 1e-3, 0.1}) {
+      HalfPass control(0.1);
+      for (int k = 0; k < 60; ++k, ++tries) {
+        // Closer after every success.
+        const double distance = gap + size * (1 - control.size());
+        const Cloud cloud = random_cloud(size, distance, rng);
+        const bool separated =
+            plane_separates(cloud.step.vertices, cloud.a, cloud.step.vertices, cloud.b, gap);
+        control.tell(separated);
+        const std::string contact = find_contact_of_hulls(cloud, gap);
+        if (!separated) {
+          contacts += !contact.empty();
+          continue;
+        }
+        ++passes;
+        ASSERT_EQ(contact, "") << "size " << size;
+        if (k % 4 != 0) continue;
+        for (const double t : {0.0, 0.5, 1.0}) ASSERT_FALSE(hulls_meet_at(cloud, t));
+      }
+    }
+  }
+  EXPECT_GT(passes, 0.3 * tries);
+  EXPECT_LT(passes, 0.7 * tries);
+  EXPECT_GT(contacts, 50);
+}
+
+// Touching, by exact numbers: never separated, not even by nothing.
+TEST(PlaneSeparates, TouchingIsNotApart) {
+  Rng rng(52);
+  for (int k = 0; k < 500; ++k) {
+    Cloud cloud = random_cloud(0.2, 0.05, rng);
+    const Index a = cloud.a[rng() % cloud.a.size()], b = cloud.b[rng() % cloud.b.size()];
+    auto x0 = cloud.step.x0, x1 = cloud.step.x1;
+    (rng() % 2 ? x0 : x1)[b] = (rng() % 2 ? x0 : x1)[a];
+    x0[b] = x0[a];
+    const Step step(x0, x1);
+    ASSERT_FALSE(plane_separates(step.vertices, cloud.a, step.vertices, cloud.b, 0));
+  }
+}
+
+// Coordinates near the smallest numbers: products vanish, lengths become zero.
+TEST(PlaneSeparates, VanishingNumbersAreNotApart) {
+  Rng rng(53);
+  for (int k = 0; k < 20000; ++k) {
+    const double size = log_uniform(rng, 1e-45, 5e-7);
+    std::vector<Vec3> x0, x1;
+    for (int v = 0; v < 4; ++v) {
+      Vec3 p = size * random_direction(rng), q = size * random_direction(rng);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (rng() % 3 == 0) p[axis] = 0;
+        if (rng() % 3 == 0) q[axis] = rng() % 2 ? p[axis] : 0;
+      }
+      x0.push_back(p);
+      x1.push_back(q);
+    }
+    const Step step(x0, x1);
+    const std::vector<Index> a{0, 1}, b{2, 3};
+    ASSERT_FALSE(plane_separates(step.vertices, a, step.vertices, b, 0)) << size;
+  }
+}
+
+}  // namespace
+}  // namespace foldproof::testing
