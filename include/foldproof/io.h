@@ -66,6 +66,18 @@ class FileWriter {
 Result<void> write_ply(const std::string& path, const Topology& topology, std::span<const double> positions,
                        std::span<const std::uint8_t> marks);
 
+/// Numbers per face, a PLY property.
+struct FaceProperty {
+  const char* type;  ///< "uchar" or "char".
+  const char* name;
+  std::span<const std::uint8_t> values;  ///< One per triangle, the bytes of `type`.
+};
+
+/// The same with any properties.
+Result<void> write_ply_properties(const std::string& path, const Topology& topology,
+                                  std::span<const double> positions,
+                                  std::span<const FaceProperty> properties);
+
 /// OBJ of the first frame and PC2 (float32) of all frames, streamed from `motion`.
 Result<void> write_obj_pc2(const std::string& obj_path, const std::string& pc2_path, Motion& motion);
 

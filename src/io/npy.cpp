@@ -123,8 +123,8 @@ Result<NpyHeader> parse_npy_header(const std::string& where, std::string_view by
 }
 
 std::string npy_header(std::string_view type, std::span<const std::uint64_t> shape) {
-  std::string text =
-      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, fmt::join(shape, ", "));
+  std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}{}), }}", type,
+                                 fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
   constexpr std::size_t kPrefix = 10, kAlignment = 64;
   text.append((kAlignment - (kPrefix + text.size() + 1) % kAlignment) % kAlignment, ' ');
   text += '\n';

@@ -1,16 +1,14 @@
 // NumPy archives. The vertices stay in the file: stored members are sought, deflated ones are unpacked once
 // into a temporary file that has no name.
 #include <fmt/format.h>
-#include <unistd.h>
 #include <zip.h>
 
-#include <cerrno>
-#include <filesystem>
-#include <system_error>
+#include <optional>
 
 #include "io/bytes.h"
 #include "io/npy.h"
 #include "io/readers.h"
+#include "io/spool.h"
 
 namespace foldproof::io {
 namespace {
@@ -26,60 +24,19 @@ struct CloseMember {
 using Archive = std::unique_ptr<zip_t, CloseArchive>;
 using OpenMember = std::unique_ptr<zip_file_t, CloseMember>;
 
-/// A file without a name, gone when closed.
-class Spool {
- public:
-  Spool() = default;
-  Spool(const Spool&) = delete;
-  Spool& operator=(const Spool&) = delete;
-  ~Spool() {
-    if (descriptor_ >= 0) ::close(descriptor_);
+Result<Spool> unpack(zip_file_t* member, std::uint64_t bytes, const std::string& where) {
+  auto spool = Spool::open(where);
+  if (!spool) return spool;
+  std::vector<char> block(std::size_t{1} << 20);
+  while (bytes > 0) {
+    const zip_int64_t count = zip_fread(member, block.data(), std::min<std::uint64_t>(block.size(), bytes));
+    if (count <= 0) return fail(where, "the packed data is damaged", kSaveAgain);
+    const auto written = spool->append(std::span(block).first(static_cast<std::size_t>(count)));
+    if (!written) return tl::unexpected(written.error());
+    bytes -= static_cast<std::uint64_t>(count);
   }
-  bool ready() const { return ready_; }
-
-  Result<void> fill(zip_file_t* member, std::uint64_t bytes, const std::string& where) {
-    std::error_code status;
-    std::string name = (std::filesystem::temp_directory_path(status) / "foldproof-XXXXXX").string();
-    if (descriptor_ >= 0) ::close(descriptor_);  // an earlier attempt failed half-way
-    descriptor_ = ::mkstemp(name.data());
-    if (descriptor_ < 0) return space_error(where);
-    ::unlink(name.c_str());
-    std::vector<char> block(std::size_t{1} << 20);
-    while (bytes > 0) {
-      const zip_int64_t count = zip_fread(member, block.data(), std::min<std::uint64_t>(block.size(), bytes));
-      if (count <= 0) return fail(where, "the packed data is damaged", kSaveAgain);
-      for (zip_int64_t done = 0; done < count;) {
-        const ssize_t written =
-            ::write(descriptor_, block.data() + done, static_cast<std::size_t>(count - done));
-        if (written < 0 && errno != EINTR) return space_error(where);
-        done += std::max<ssize_t>(written, 0);
-      }
-      bytes -= static_cast<std::uint64_t>(count);
-    }
-    ready_ = true;
-    return {};
-  }
-
-  bool read_at(std::uint64_t offset, std::span<char> out) const {
-    while (!out.empty()) {
-      const ssize_t count = ::pread(descriptor_, out.data(), out.size(), static_cast<off_t>(offset));
-      if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) return false;
-      out = out.subspan(static_cast<std::size_t>(count));
-      offset += static_cast<std::uint64_t>(count);
-    }
-    return true;
-  }
-
- private:
-  static tl::unexpected<Error> space_error(const std::string& where) {
-    return fail(
-        where, "cannot be unpacked: " + std::generic_category().message(errno),
-        "free space in the temporary directory, or save with numpy.savez instead of savez_compressed");
-  }
-  int descriptor_ = -1;
-  bool ready_ = false;
-};
+  return spool;
+}
 
 /// One array of the archive.
 class Array {
@@ -113,14 +70,16 @@ class Array {
       }
       return {};
     }
-    if (!spool_.ready()) {
+    if (!spool_) {
       // The header has been read from it, and a packed stream does not go back.
       member_.reset(zip_fopen_index(archive_, index_, 0));
       if (!member_) return damaged();
       const std::uint64_t bytes = header_.data + elements_ * header_.item_bytes;
-      if (auto filled = spool_.fill(member_.get(), bytes, where_); !filled) return filled;
+      auto spool = unpack(member_.get(), bytes, where_);
+      if (!spool) return tl::unexpected(spool.error());
+      spool_ = std::move(*spool);
     }
-    if (!spool_.read_at(offset, out)) return damaged();
+    if (!spool_->read_at(offset, out)) return damaged();
     return {};
   }
 
@@ -192,7 +151,7 @@ class Array {
   zip_uint64_t index_ = 0;
   bool stored_ = false;
   OpenMember member_;
-  Spool spool_;
+  std::optional<Spool> spool_;  // what a packed member holds, once it was needed
 };
 
 /// The id at `bytes`, or kNoIndex when it is none.

@@ -50,27 +50,43 @@ Result<void> write_obj(FileWriter& file, const Topology& topology, std::span<con
   return file.write(text);
 }
 
+Result<void> require_sizes(const std::string& path, const Topology& topology,
+                           std::span<const double> positions, std::span<const FaceProperty> properties) {
+  const std::size_t vertices = topology.vertex_count(), triangles = topology.triangles().size();
+  const auto wrong = [&](const std::string& given) {
+    return fail(path,
+                fmt::format("a mesh of {} vertices and {} triangles is to be written from {}", vertices,
+                            triangles, given),
+                "pass three numbers a vertex and one value a triangle");
+  };
+  if (positions.size() != 3 * vertices) return wrong(fmt::format("{} numbers", positions.size()));
+  for (const FaceProperty& p : properties) {
+    if (p.values.size() != triangles) return wrong(fmt::format("{} values of '{}'", p.values.size(), p.name));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<void> write_ply(const std::string& path, const Topology& topology, std::span<const double> positions,
                        std::span<const std::uint8_t> marks) {
+  const FaceProperty mark{"uchar", "mark", marks};
+  return write_ply_properties(path, topology, positions, std::span(&mark, marks.empty() ? 0 : 1));
+}
+
+Result<void> write_ply_properties(const std::string& path, const Topology& topology,
+                                  std::span<const double> positions,
+                                  std::span<const FaceProperty> properties) {
   const auto triangles = topology.triangles();
-  if (positions.size() != std::size_t{3} * topology.vertex_count() ||
-      (!marks.empty() && marks.size() != triangles.size())) {
-    return fail(
-        path,
-        fmt::format("a mesh of {} vertices and {} triangles is to be written from {} numbers and {} marks",
-                    topology.vertex_count(), triangles.size(), positions.size(), marks.size()),
-        "pass three numbers a vertex and one mark a triangle, or no marks");
-  }
+  if (auto fits = require_sizes(path, topology, positions, properties); !fits) return fits;
   auto file = FileWriter::open(path);
   if (!file) return tl::unexpected(file.error());
-  const std::string header = fmt::format(
+  std::string header = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
-      "property double z\nelement face {}\nproperty list uchar {} vertex_indices\n{}end_header\n",
-      topology.vertex_count(), triangles.size(), topology.vertex_count() <= kMostSigned ? "int" : "uint",
-      marks.empty() ? "" : "property uchar mark\n");
-  if (auto written = file->write(header); !written) return written;
+      "property double z\nelement face {}\nproperty list uchar {} vertex_indices\n",
+      topology.vertex_count(), triangles.size(), topology.vertex_count() <= kMostSigned ? "int" : "uint");
+  for (const FaceProperty& p : properties) header += fmt::format("property {} {}\n", p.type, p.name);
+  if (auto written = file->write(header + "end_header\n"); !written) return written;
   std::vector<char> bytes;
   for (const double x : positions) append(bytes, x);
   if (auto written = file->write(bytes); !written) return written;
@@ -78,7 +94,7 @@ Result<void> write_ply(const std::string& path, const Topology& topology, std::s
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     bytes.push_back(3);
     for (const Index v : triangles[i]) append(bytes, v);
-    if (!marks.empty()) bytes.push_back(static_cast<char>(marks[i]));
+    for (const FaceProperty& p : properties) bytes.push_back(static_cast<char>(p.values[i]));
   }
   if (auto written = file->write(bytes); !written) return written;
   return file->commit();

@@ -114,8 +114,8 @@ TEST_F(WriterTest, PlyKeepsPositionsTrianglesAndMarks) {
   const auto wrong = write_ply(files.path("b.ply"), *topology, positions, three);
   ASSERT_FALSE(wrong);
   EXPECT_EQ(shown(wrong.error()),
-            "b.ply: a mesh of 3 vertices and 2 triangles is to be written from 9 numbers and 3 marks; "
-            "pass three numbers a vertex and one mark a triangle, or no marks");
+            "b.ply: a mesh of 3 vertices and 2 triangles is to be written from 3 values of 'mark'; "
+            "pass three numbers a vertex and one value a triangle");
   EXPECT_FALSE(std::filesystem::exists(files.path("b.ply")));
 }
 
