@@ -153,6 +153,63 @@ TEST(Hierarchy, RefusesBadPositions) {
   EXPECT_THAT(tree.error().line(), HasSubstr("26 numbers for 9 vertices"));
 }
 
+// What from_parts asks for.
+std::vector<Index> leaf_sizes(const Hierarchy& tree) {
+  std::vector<Index> sizes;
+  for (const Hierarchy::Node& node : tree.nodes()) {
+    const Index leaf = node.leaf_begin;
+    sizes.push_back(node.is_leaf() ? tree.leaves()[leaf + 1].triangles - tree.leaves()[leaf].triangles : 0);
+  }
+  return sizes;
+}
+
+std::vector<Index> triangle_order(const Hierarchy& tree) {
+  return {tree.triangle_ids().begin(), tree.triangle_ids().end()};
+}
+
+TEST(Hierarchy, IsTheSameAgainFromItsParts) {
+  for (const Mesh& mesh : all_meshes()) {
+    const Hierarchy tree = build(mesh, 8);
+    const auto again = Hierarchy::from_parts(mesh.topology, triangle_order(tree), leaf_sizes(tree));
+    ASSERT_TRUE(again) << again.error().line();
+    EXPECT_EQ(again->topology(), tree.topology());
+    EXPECT_TRUE(std::ranges::equal(again->vertex_ids(), tree.vertex_ids()));
+    EXPECT_TRUE(std::ranges::equal(again->edge_ids(), tree.edge_ids()));
+    EXPECT_TRUE(std::ranges::equal(again->triangle_ids(), tree.triangle_ids()));
+    EXPECT_TRUE(std::ranges::equal(again->triangles(), tree.triangles()));
+    EXPECT_TRUE(std::ranges::equal(again->edges(), tree.edges()));
+    const auto same_leaf = [](const Hierarchy::Leaf& a, const Hierarchy::Leaf& b) {
+      return a.triangles == b.triangles && a.edges == b.edges && a.vertices == b.vertices;
+    };
+    EXPECT_TRUE(std::ranges::equal(again->leaves(), tree.leaves(), same_leaf));
+    const auto same_node = [](const Hierarchy::Node& a, const Hierarchy::Node& b) {
+      return a.right == b.right && a.leaf_begin == b.leaf_begin && a.leaf_end == b.leaf_end;
+    };
+    EXPECT_TRUE(std::ranges::equal(again->nodes(), tree.nodes(), same_node));
+  }
+}
+
+TEST(Hierarchy, RefusesPartsThatMakeNoTree) {
+  const Mesh mesh = testing::cloth(2);  // 8 triangles
+  const std::vector<Index> order{0, 1, 2, 3, 4, 5, 6, 7};
+  const auto error_of = [&](std::vector<Index> triangles, std::vector<Index> sizes) {
+    const auto tree = Hierarchy::from_parts(mesh.topology, std::move(triangles), sizes);
+    return tree ? "no error" : tree.error().line();
+  };
+  EXPECT_EQ(error_of(order, {8}), "no error");
+  EXPECT_EQ(error_of(order, {0, 0, 1, 2, 5}), "no error");
+  EXPECT_EQ(error_of(order, {0, 1, 0, 2, 5}), "no error");
+  const std::vector<std::vector<Index>> bad{
+      {},        {0},          {0, 8}, {8, 0},       {4, 4}, {0, 4, 3},    {0, 4, 5},         {0, 4, 0},
+      {0, 0, 8}, {0, 2, 2, 4}, {7},    {0, 0, 3, 5}, {9},    {0, 4, 4, 0}, {0, 0xffffffff, 9}};
+  for (const auto& sizes : bad) {
+    EXPECT_THAT(error_of(order, sizes), HasSubstr("nodes: do not form a tree")) << sizes.size();
+  }
+  EXPECT_THAT(error_of({0, 1, 2, 3, 4, 5, 6, 6}, {8}), HasSubstr("does not name every triangle once"));
+  EXPECT_THAT(error_of({0, 1, 2, 3, 4, 5, 6, 8}, {8}), HasSubstr("does not name every triangle once"));
+  EXPECT_THAT(error_of({0, 1, 2}, {3}), HasSubstr("does not name every triangle once"));
+}
+
 TEST(Hierarchy, TakesTheLargestCoordinatesThatDoublesHave) {
   Mesh mesh = testing::cloth(8);
   for (double& c : mesh.positions) c = (c - 0.5) * 1.7e308;

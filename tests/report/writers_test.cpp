@@ -45,8 +45,9 @@ TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
   const json report = json_of(list(needle(kSinking, "name with \"quotes\"")), {}, true);
   EXPECT_THAT(keys(report), ElementsAre("clean", "foldproof", "objects", "settings", "steps", "totals"));
   EXPECT_EQ(report["foldproof"], version());
-  EXPECT_EQ(report["objects"],
-            json::parse(R"([{"name":"name with \"quotes\"","vertices":6,"triangles":2,"frames":5}])"));
+  EXPECT_EQ(
+      report["objects"],
+      json::parse(R"([{"name":"name with \"quotes\"","vertices":6,"triangles":2,"frames":5,"model":null}])"));
   EXPECT_EQ(report["clean"], false);
   ASSERT_EQ(report["steps"].size(), 4u);
   for (const json& step : report["steps"]) {
@@ -108,7 +109,8 @@ TEST(JsonReport, SaysWithWhatSettingsItWasMade) {
   const json report = json_of(list(lone_floor(5), lone_needle(kSinking)), settings, false);
   EXPECT_EQ(report["settings"],
             json::parse(R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,
-      "within":false,"between":true,"thickness":0.25,"tolerance":0.0,"first":false,"weld":false,"fps":24.0})"));
+      "within":false,"between":true,"thickness":0.25,"tolerance":0.0,"first":false,"certificates":true,
+      "weld":false,"fps":24.0})"));
   EXPECT_EQ(report["steps"][2]["substep"], 2);
 }
 
