@@ -57,9 +57,10 @@ struct CheckedStep {
   double earliest_toi = 0;  ///< In [0,1] of the step; 1 when nothing collides, 0 for a pose.
   Work work;
   StageTimes milliseconds;
-  Positions x0, x1;                    ///< Ends of the step; the same for a pose.
-  const StepResult* step = nullptr;    ///< Null for a pose.
-  const StaticResult* pose = nullptr;  ///< Null for a step.
+  Positions x0, x1;                          ///< Ends of the step; the same for a pose.
+  const StepResult* step = nullptr;          ///< Null for a pose.
+  const StaticResult* pose = nullptr;        ///< Null for a step.
+  const Explanation* explanation = nullptr;  ///< Null unless StepSettings::explain is set.
 };
 
 /// The whole check in numbers.
@@ -73,9 +74,10 @@ struct CheckTotals {
   double earliest_toi = 0;
   double tolerance = 0;  ///< The largest that a step used, mesh units.
   Work work;
-  StageTimes milliseconds;  ///< Sums over the steps.
-  double slowest_step = 0;  ///< Milliseconds.
-  bool cancelled = false;   ///< Stopped by request; the numbers cover what was done until then.
+  StageTimes milliseconds;    ///< Sums over the steps.
+  double slowest_step = 0;    ///< Milliseconds.
+  ReasonCounts leaf_pairs{};  ///< Explanation::leaf_pairs, sums over the steps; zeros when none was wanted.
+  bool cancelled = false;     ///< Stopped by request; the numbers cover what was done until then.
 
   bool clean() const { return collisions.sum() == 0; }
 };
@@ -124,5 +126,11 @@ Result<std::unique_ptr<ReportWriter>> csv_report(const std::string& path);
 /// "%04d" in `path` one file for every step with collisions; the number is frame x substeps + substep.
 Result<std::unique_ptr<ReportWriter>> ply_report(const std::string& path, Motions motions,
                                                  const CheckSettings& settings);
+
+/// What certificates did, per triangle and step (docs/reports.md). `path` ends in .npz: everything; .csv:
+/// counts; .ply: the step that left most to test, coloured. Precondition: settings.step.explain. Error:
+/// another ending.
+Result<std::unique_ptr<ReportWriter>> explain_report(const std::string& path, Motions motions,
+                                                     const CheckSettings& settings);
 
 }  // namespace foldproof

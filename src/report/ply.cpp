@@ -1,41 +1,11 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <cmath>
 
-#include "foldproof/report.h"
+#include "report/joined.h"
 
 namespace foldproof {
 namespace {
-
-/// All objects as one mesh; `first_vertex` and `first_face` are where each object starts in it.
-struct Joined {
-  Topology topology;
-  std::vector<std::size_t> first_vertex, first_face;
-};
-
-Result<Joined> join(Motions motions) {
-  Joined joined;
-  std::size_t vertices = 0;
-  std::vector<Triangle> triangles;
-  for (const auto& motion : motions) {
-    joined.first_vertex.push_back(vertices);
-    joined.first_face.push_back(triangles.size());
-    const auto offset = static_cast<Index>(vertices);
-    for (const Triangle& t : motion->topology().triangles()) {
-      triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-    }
-    vertices += motion->topology().vertex_count();
-    if (vertices >= kNoIndex || triangles.size() >= kNoIndex) {
-      return fail("--ply", "all objects together are too large for one mesh",
-                  "check fewer objects at a time");
-    }
-  }
-  auto topology = Topology::make(static_cast<Index>(vertices), std::move(triangles));
-  if (!topology) return tl::unexpected(topology.error());
-  joined.topology = std::move(*topology);
-  return joined;
-}
 
 /// A path with at most one "%d" or "%04d" in it.
 struct Pattern {
@@ -87,13 +57,7 @@ class PlyReport : public ReportWriter {
 
  private:
   void keep(const CheckedStep& step) {
-    positions_.resize(std::size_t{joined_.topology.vertex_count()} * 3);
-    const double contact = step.collisions.sum() > 0 ? step.earliest_toi : 0;
-    for (std::size_t object = 0; object < step.x0.size(); ++object) {
-      const std::span<const double> x0 = step.x0[object], x1 = step.x1[object];
-      double* out = positions_.data() + joined_.first_vertex[object] * 3;
-      for (std::size_t k = 0; k < x0.size(); ++k) out[k] = std::lerp(x0[k], x1[k], contact);
-    }
+    joined_.pose(step, step.collisions.sum() > 0 ? step.earliest_toi : 0, positions_);
     marks_.assign(joined_.topology.triangles().size(), 0);
     if (step.pose) {
       for (const TriangleCrossing& c : step.pose->crossings) {
@@ -156,7 +120,7 @@ Result<std::unique_ptr<ReportWriter>> ply_report(const std::string& path, Motion
   if (!pattern) return tl::unexpected(pattern.error());
   // The mesh is written at the end of a check that may be long: see now that it can be.
   if (const auto probe = FileWriter::open(pattern->name(0)); !probe) return tl::unexpected(probe.error());
-  auto joined = join(motions);
+  auto joined = join(motions, "--ply");
   if (!joined) return tl::unexpected(joined.error());
   return std::make_unique<PlyReport>(std::move(*pattern), std::move(*joined), settings.substeps);
 }

@@ -133,6 +133,8 @@ void add(CheckTotals& totals, const CheckedStep& step) {
   }
   if (step.step) totals.tolerance = std::max(totals.tolerance, step.step->tolerance);
   add(totals.work, step.work);
+  for (std::size_t i = 0; step.explanation && i < totals.leaf_pairs.size(); ++i)
+    totals.leaf_pairs[i] += step.explanation->leaf_pairs[i];
   totals.milliseconds.total += step.milliseconds.total;
   totals.milliseconds.update += step.milliseconds.update;
   totals.milliseconds.traverse += step.milliseconds.traverse;
@@ -172,7 +174,8 @@ class Run {
                              .milliseconds = result.milliseconds,
                              .x0 = pose.positions(),
                              .x1 = pose.positions(),
-                             .pose = &result};
+                             .pose = &result,
+                             .explanation = explanation_in(result)};
       if (const auto done = deliver(step); !done) return tl::unexpected(done.error());
     }
     return finish();
@@ -215,7 +218,13 @@ class Run {
                     .milliseconds = result_.milliseconds,
                     .x0 = x0.positions(),
                     .x1 = x1.positions(),
-                    .step = &result_});
+                    .step = &result_,
+                    .explanation = explanation_in(result_)});
+  }
+
+  template <class Answer>
+  const Explanation* explanation_in(const Answer& answer) const {
+    return settings_.step.explain ? &answer.explanation : nullptr;
   }
 
   Result<void> deliver(const CheckedStep& step) {

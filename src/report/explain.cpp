@@ -1,0 +1,183 @@
+// What certificates did, for people who tune and for pictures.
+#include <algorithm>
+#include <cctype>
+
+#include "io/npz_table.h"
+#include "report/joined.h"
+#include "report/text_file.h"
+
+namespace foldproof {
+namespace {
+
+constexpr std::size_t kReasons = kReasonNames.size();
+
+std::span<const char> bytes_of(const auto& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])};
+}
+
+/// Everything: a row per step.
+class ExplainNpz : public ReportWriter {
+ public:
+  static Result<std::unique_ptr<ReportWriter>> open(const std::string& path, Motions motions) {
+    std::vector<io::NpzTable::Column> columns{{"frame", "<u4", 4, {}}, {"substep", "<u4", 4, {}}};
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      const std::string suffix = motions.size() > 1 ? fmt::format("_{}", i) : "";
+      const std::uint64_t triangles = motions[i]->topology().triangles().size();
+      columns.push_back({"level" + suffix, "|i1", 1, {triangles}});
+      columns.push_back({"reason" + suffix, "|u1", 1, {triangles}});
+    }
+    auto table = io::NpzTable::open(path, std::move(columns));
+    if (!table) return tl::unexpected(table.error());
+    return std::make_unique<ExplainNpz>(std::move(*table));
+  }
+  explicit ExplainNpz(io::NpzTable table) : table_(std::move(table)) {}
+
+  Result<void> step(const CheckedStep& step) override {
+    table_.add(bytes_of(std::array{step.place.frame, step.place.substep}));
+    for (const Explanation::Object& object : step.explanation->objects) {
+      table_.add(bytes_of(object.level));
+      table_.add(bytes_of(object.reason));
+    }
+    return table_.end_row();
+  }
+
+  Result<void> finish(const CheckTotals&) override { return table_.commit("reasons", kReasonNames); }
+
+ private:
+  io::NpzTable table_;
+};
+
+/// How many: a row per step, object, reason and level that occur together, and one per step and reason for
+/// pairs of leaves.
+class ExplainCsv : public ReportWriter {
+ public:
+  static Result<std::unique_ptr<ReportWriter>> open(const std::string& path) {
+    auto file = FileWriter::open(path);
+    if (!file) return tl::unexpected(file.error());
+    return std::make_unique<ExplainCsv>(std::move(*file));
+  }
+  explicit ExplainCsv(FileWriter file) : file_(std::move(file)) {
+    file_.add("frame,substep,kind,object,reason,level,count\n");
+  }
+
+  Result<void> step(const CheckedStep& step) override {
+    for (std::size_t i = 0; i < step.explanation->objects.size(); ++i)
+      add_triangles(step.place, i, step.explanation->objects[i]);
+    for (std::size_t reason = 0; reason < kReasons; ++reason) {
+      const std::uint64_t count = step.explanation->leaf_pairs[reason];
+      if (count == 0) continue;
+      file_.add("{},{},leaf_pairs,,{},,{}\n", step.place.frame, step.place.substep, kReasonNames[reason],
+                count);
+    }
+    return file_.flush_if_large();
+  }
+
+  Result<void> finish(const CheckTotals&) override { return file_.commit(); }
+
+ private:
+  void add_triangles(const StepPlace& place, std::size_t object, const Explanation::Object& explained) {
+    for (auto& of_reason : counts_) of_reason.fill(0);
+    for (std::size_t t = 0; t < explained.level.size(); ++t)
+      ++counts_[static_cast<std::size_t>(explained.reason[t])][explained.level[t] + 1];
+    for (std::size_t reason = 0; reason < kReasons; ++reason) {
+      for (std::size_t k = 0; k < counts_[reason].size(); ++k) {
+        if (counts_[reason][k] == 0) continue;
+        file_.add("{},{},triangles,{},{},{},{}\n", place.frame, place.substep, object, kReasonNames[reason],
+                  static_cast<int>(k) - 1, counts_[reason][k]);
+      }
+    }
+  }
+
+  TextFile file_;
+  std::array<std::array<std::uint64_t, 129>, kReasons> counts_;  // by reason and level + 1
+};
+
+using Colour = std::array<std::uint8_t, 3>;
+
+/// Certified is blue, the paler the deeper the level; pale grey when nothing had to be proven on the way down.
+/// The rest are colours that remain apart for the colour-blind (Okabe and Ito, Color Universal Design, 2008).
+Colour colour_of(Reason reason, int level) {
+  switch (reason) {
+    case Reason::Certified: {
+      if (level < 0) return {221, 221, 221};
+      const int pale = std::min(level, 15) * 12;
+      return {static_cast<std::uint8_t>(pale), static_cast<std::uint8_t>(60 + pale),
+              static_cast<std::uint8_t>(128 + pale * 2 / 3)};
+    }
+    case Reason::NotDrawn:
+      return {240, 228, 66};
+    case Reason::TestFailed:
+      return {230, 159, 0};
+    case Reason::Tangled:
+      return {0, 158, 115};
+    case Reason::TooCurved:
+      return {204, 121, 167};
+    case Reason::NearOther:
+      return {213, 94, 0};
+    case Reason::Off:
+      break;
+  }
+  return {128, 128, 128};
+}
+
+/// A picture of the step that left most pairs of leaves to test.
+class ExplainPly : public ReportWriter {
+ public:
+  static Result<std::unique_ptr<ReportWriter>> open(const std::string& path, Motions motions) {
+    // The mesh is written at the end of a check that may be long: see now that it can be.
+    if (const auto probe = FileWriter::open(path); !probe) return tl::unexpected(probe.error());
+    auto joined = join(motions, "--explain");
+    if (!joined) return tl::unexpected(joined.error());
+    return std::make_unique<ExplainPly>(path, std::move(*joined));
+  }
+  ExplainPly(std::string path, Joined joined) : path_(std::move(path)), joined_(std::move(joined)) {}
+
+  Result<void> step(const CheckedStep& step) override {
+    if (!positions_.empty() && step.work.leaf_pairs <= most_tested_) return {};
+    most_tested_ = step.work.leaf_pairs;
+    joined_.pose(step, 0, positions_);
+    for (auto& property : properties_) property.clear();
+    for (const Explanation::Object& object : step.explanation->objects) {
+      for (std::size_t t = 0; t < object.level.size(); ++t) add_face(object.reason[t], object.level[t]);
+    }
+    return {};
+  }
+
+  Result<void> finish(const CheckTotals&) override {
+    static constexpr std::array<const char*, 5> kNames{"level", "reason", "red", "green", "blue"};
+    std::vector<FaceProperty> properties;
+    for (std::size_t i = 0; i < kNames.size(); ++i)
+      properties.push_back({i == 0 ? "char" : "uchar", kNames[i], properties_[i]});
+    return write_ply_properties(path_, joined_.topology, positions_, properties);
+  }
+
+ private:
+  void add_face(Reason reason, std::int8_t level) {
+    properties_[0].push_back(static_cast<std::uint8_t>(level));
+    properties_[1].push_back(static_cast<std::uint8_t>(reason));
+    const Colour colour = colour_of(reason, level);
+    for (std::size_t k = 0; k < 3; ++k) properties_[2 + k].push_back(colour[k]);
+  }
+
+  std::string path_;
+  Joined joined_;
+  std::uint64_t most_tested_ = 0;
+  std::vector<double> positions_;
+  std::array<std::vector<std::uint8_t>, 5> properties_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ReportWriter>> explain_report(const std::string& path, Motions motions,
+                                                     const CheckSettings& settings) {
+  if (!settings.step.explain) return fail(path, "has nothing to tell", "set StepSettings::explain");
+  std::string ending = path.substr(std::min(path.rfind('.'), path.size()));
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".npz") return ExplainNpz::open(path, motions);
+  if (ending == ".csv") return ExplainCsv::open(path);
+  if (ending == ".ply") return ExplainPly::open(path, motions);
+  return fail("--explain", fmt::format("'{}' ends in none of .npz, .csv and .ply", path),
+              "name a file that does: all values, counts, or a coloured mesh of one step");
+}
+
+}  // namespace foldproof

@@ -1,0 +1,38 @@
+#include "report/joined.h"
+
+#include <cmath>
+
+namespace foldproof {
+
+void Joined::pose(const CheckedStep& step, double t, std::vector<double>& out) const {
+  out.resize(std::size_t{topology.vertex_count()} * 3);
+  for (std::size_t object = 0; object < step.x0.size(); ++object) {
+    const std::span<const double> x0 = step.x0[object], x1 = step.x1[object];
+    double* place = out.data() + first_vertex[object] * 3;
+    for (std::size_t k = 0; k < x0.size(); ++k) place[k] = std::lerp(x0[k], x1[k], t);
+  }
+}
+
+Result<Joined> join(Motions motions, const char* option) {
+  Joined joined;
+  std::size_t vertices = 0;
+  std::vector<Triangle> triangles;
+  for (const auto& motion : motions) {
+    joined.first_vertex.push_back(vertices);
+    joined.first_face.push_back(triangles.size());
+    const auto offset = static_cast<Index>(vertices);
+    for (const Triangle& t : motion->topology().triangles()) {
+      triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+    }
+    vertices += motion->topology().vertex_count();
+    if (vertices >= kNoIndex || triangles.size() >= kNoIndex) {
+      return fail(option, "all objects together are too large for one mesh", "check fewer objects at a time");
+    }
+  }
+  auto topology = Topology::make(static_cast<Index>(vertices), std::move(triangles));
+  if (!topology) return tl::unexpected(topology.error());
+  joined.topology = std::move(*topology);
+  return joined;
+}
+
+}  // namespace foldproof

@@ -1,0 +1,19 @@
+/// All objects as one mesh, for pictures.
+#pragma once
+
+#include "foldproof/report.h"
+
+namespace foldproof {
+
+struct Joined {
+  Topology topology;
+  std::vector<std::size_t> first_vertex, first_face;  ///< Where each object starts in it.
+
+  /// Fills `out` with the pose at `t` of the step.
+  void pose(const CheckedStep& step, double t, std::vector<double>& out) const;
+};
+
+/// `option`: for the error, when they are too large together.
+Result<Joined> join(Motions motions, const char* option);
+
+}  // namespace foldproof
