@@ -149,8 +149,11 @@ bool ChartBook::looks_flat(Index node, std::span<const MovingVertex> vertices) {
 // lies below one that could not has its turn in the next round.
 void ChartBook::draw_nodes(std::span<const MovingVertex> vertices, std::size_t& budget) {
   const auto nodes = slots().hierarchy()->nodes();
-  std::stable_sort(wanted_nodes_.begin(), wanted_nodes_.end(),
-                   [&](Index a, Index b) { return slots().triangles_of(a) > slots().triangles_of(b); });
+  // Unlike std::stable_sort this allocates nothing.
+  std::sort(wanted_nodes_.begin(), wanted_nodes_.end(), [&](Index a, Index b) {
+    const Index size_a = slots().triangles_of(a), size_b = slots().triangles_of(b);
+    return size_a != size_b ? size_a > size_b : a < b;
+  });
   std::fill(drawn_.begin(), drawn_.end(), 0);
   const auto mark = [&](Index node, std::uint8_t value) {
     std::fill(drawn_.begin() + nodes[node].leaf_begin, drawn_.begin() + nodes[node].leaf_end, value);

@@ -23,6 +23,7 @@ struct ChartMaker::Scratch {
   std::vector<Vec3f> normals;
   std::vector<Vec3f> turned;
   OutlineFiller filler;
+  DirectedEdges edges;
 };
 
 ChartMaker::ChartMaker() : scratch_(new Scratch) {}
@@ -103,7 +104,8 @@ ChartOutcome ChartMaker::draw(const Patch& patch, std::span<const std::array<flo
   if (patch.vertices.size() > 0xFFF0) return ChartOutcome::TooLarge;
   if (facing.isZero()) return ChartOutcome::TooCurved;
   project(positions, facing, scratch_->turned, out);
-  if (!scratch_->filler.fill(patch, out) || !chart_is_valid(patch, out)) return ChartOutcome::Tangled;
+  if (!scratch_->filler.fill(patch, out) || !chart_is_valid(patch, out, scratch_->edges))
+    return ChartOutcome::Tangled;
   return ChartOutcome::Made;
 }
 

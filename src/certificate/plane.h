@@ -37,6 +37,9 @@ class DirectedEdges {
   int shift_ = 31;
 };
 
+/// chart_is_valid with scratch of the caller's.
+bool chart_is_valid(const Patch& patch, const Drawing& drawing, DirectedEdges& scratch);
+
 /// Which triangle has a directed edge.
 class EdgeOwners {
  public:

@@ -11,12 +11,11 @@ using Corners = std::array<std::uint16_t, 3>;
 
 }  // namespace
 
-bool chart_is_valid(const Patch& patch, const Drawing& drawing) {
+bool chart_is_valid(const Patch& patch, const Drawing& drawing, DirectedEdges& edges) {
   const auto& places = drawing.places;
   const std::size_t corner = places.size(), count = corner + kChartCorners.size();
   if (corner != patch.vertices.size() || count > 0xFFFF) return false;
   const auto place = [&](std::uint16_t i) { return i < corner ? places[i] : kChartCorners[i - corner]; };
-  DirectedEdges edges;
   edges.reset(3 * (patch.triangles.size() + drawing.fillers.size()));
   const std::span<const Corners> groups[2] = {patch.triangles, drawing.fillers};
   for (const auto group : groups) {
@@ -41,6 +40,11 @@ bool chart_is_valid(const Patch& patch, const Drawing& drawing) {
     }
   }
   return alone == kChartCorners.size();
+}
+
+bool chart_is_valid(const Patch& patch, const Drawing& drawing) {
+  DirectedEdges scratch;
+  return chart_is_valid(patch, drawing, scratch);
 }
 
 }  // namespace foldproof
