@@ -24,11 +24,12 @@ Examples:
   foldproof check walk.glb --model body.model     faster, with what 'foldproof train' found out
   foldproof check cloth/ --thickness 0.001        closer than 0.001 mesh units counts
   foldproof check walk.glb --json a.json --pairs  every pair with its time of impact, to a file
-  foldproof check walk.glb --ply worst.ply        the worst step's mesh, colliding faces marked 1)";
+  foldproof check walk.glb --ply worst.ply        the worst step's mesh, colliding faces marked 1
+  foldproof check walk.glb --explain why.csv      what could be proven free, and why not the rest)";
 
 struct CheckArguments {
   std::vector<std::string> motions, models;
-  std::string json, csv, ply;
+  std::string json, csv, ply, explain;
   Index substeps = 1;
   int threads = 0;
   double thickness = 0, tolerance = 0;
@@ -100,6 +101,12 @@ void add_report_options(CLI::App& check, CheckArguments& a) {
           "The worst step's mesh, colliding faces marked 1; with %04d in FILE one per step with collisions")
       ->type_name("FILE")
       ->group(group);
+  check
+      .add_option("--explain", a.explain,
+                  "Which triangles were proven free, or why not: .npz all, .csv counts, .ply a coloured mesh "
+                  "of the step with most left to test")
+      ->type_name("FILE")
+      ->group(group);
   check.add_flag("--quiet", a.quiet, "Print nothing but errors")->group(group);
 }
 
@@ -113,7 +120,7 @@ void add_options(CLI::App& check, CheckArguments& a) {
 
 Result<void> require_distinct_files(const CheckArguments& a) {
   std::set<std::string> files;
-  for (const std::string* path : {&a.json, &a.csv, &a.ply}) {
+  for (const std::string* path : {&a.json, &a.csv, &a.ply, &a.explain}) {
     if (!path->empty() && !files.insert(*path).second) {
       return fail(*path, "is named for two outputs", "give each its own file");
     }
@@ -139,7 +146,8 @@ Result<CheckSettings> settings_of(const CheckArguments& a) {
                    .thickness = a.thickness,
                    .tolerance = a.tolerance,
                    .certificates = !a.no_certificates,
-                   .earliest_only = a.first};
+                   .earliest_only = a.first,
+                   .explain = !a.explain.empty()};
   settings.frames = *frames;
   return settings;
 }
@@ -164,6 +172,10 @@ Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& se
   }
   if (!a.ply.empty()) {
     if (const auto ok = append(writers, ply_report(a.ply, motions, settings)); !ok)
+      return tl::unexpected(ok.error());
+  }
+  if (!a.explain.empty()) {
+    if (const auto ok = append(writers, explain_report(a.explain, motions, settings)); !ok)
       return tl::unexpected(ok.error());
   }
   if (a.pairs && a.json.empty() && !a.quiet) writers.push_back(pair_listing(motions));
