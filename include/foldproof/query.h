@@ -66,9 +66,10 @@ struct StageTimes {
 
 /// Why the features of a leaf were tested. Of several reasons the last one in this list is told.
 enum class Reason : std::uint8_t {
-  Certified,   ///< They were not: each pair of leaves is proven apart, by certificates or by its boxes.
-  NotDrawn,    ///< There is no chart of the patch yet: its turn is still to come.
-  TestFailed,  ///< The patch has charts, and none of them holds in this step.
+  Certified,  ///< They were not: each pair of leaves is proven apart, by certificates or by its boxes.
+  NotDrawn,  ///< Nothing has been tried yet: there is no chart of the patch or of one around it, and its turn
+             ///< is still to come. So it is with everything in a checker's first step.
+  TestFailed,  ///< The patch or one around it has charts, and none of them holds in this step.
   Tangled,     ///< When last tried, no chart could be drawn: ChartOutcome::Tangled.
   TooCurved,   ///< The same: ChartOutcome::TooCurved.
   NearOther,  ///< A leaf without a common vertex, maybe of another object, is near, and no plane between them

@@ -128,7 +128,7 @@ Result<std::unique_ptr<ReportWriter>> ply_report(const std::string& path, Motion
                                                  const CheckSettings& settings);
 
 /// What certificates did, per triangle and step (docs/reports.md). `path` ends in .npz: everything; .csv:
-/// counts; .ply: the step that left most to test, coloured. Precondition: settings.step.explain. Error:
+/// counts; .ply: the worst step, coloured. Precondition: settings.step.explain. Error:
 /// another ending.
 Result<std::unique_ptr<ReportWriter>> explain_report(const std::string& path, Motions motions,
                                                      const CheckSettings& settings);

@@ -57,9 +57,9 @@ class ChartBook {
     std::uint32_t draw_from = 0, test_from = 0;  // not drawn, not tested before these steps
     std::uint8_t vain_draws = 0, vain_tests = 0;
     std::uint8_t drawn = 0;  // own charts
-    bool last_was_trained = false;
-    ChartOutcome outcome = ChartOutcome::Made;  // of the last drawing, if there was one
-    Index last = kNoIndex;                      // the chart that held last
+    bool last_was_trained : 1 = false;
+    ChartOutcome outcome : 2 = ChartOutcome::Made;  // of the last drawing, if there was one
+    Index last = kNoIndex;                          // the chart that held last
   };
   struct LeafNormal {
     Eigen::Vector3f direction;

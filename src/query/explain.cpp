@@ -26,6 +26,19 @@ Reason reason_of_slot(const ChartBook& book, Index slot) {
   return Reason::NotDrawn;
 }
 
+// Whether a node with both leaves below it has charts.
+bool has_charts_around(const ChartBook& book, NodePair leaves) {
+  const auto nodes = book.slots().hierarchy()->nodes();
+  const auto [first, last] = std::minmax(leaves.a, leaves.b);
+  for (Index node = 0;;) {
+    if (book.has_charts(book.slots().of_node(node))) return true;
+    if (nodes[node].is_leaf()) return false;
+    const Index middle = nodes[nodes[node].right].leaf_begin;
+    if (first < middle && middle <= last) return false;
+    node = first < middle ? node + 1 : nodes[node].right;
+  }
+}
+
 void at_least(std::span<Reason> reasons, const Hierarchy& h, Index leaf, Reason reason) {
   for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
     Reason& now = reasons[h.triangle_ids()[t]];
@@ -65,12 +78,15 @@ std::uint64_t Scene::count_near_leaves(const StepSettings& settings, double dist
 
 Reason Scene::reason_of(const LeafPairRef& pair) const {
   const TraversalTask& task = tasks_[pair.task];
-  if (task.object_a != task.object_b) return Reason::NearOther;
+  const Reason no_plane = ask_for_planes_ ? Reason::NearOther : Reason::NotDrawn;
+  if (task.object_a != task.object_b) return no_plane;
   const auto [a, b] = pair.leaves;
   const ChartBook& book = *books_[task.object_a];
-  if (a == b) return reason_of_slot(book, book.slots().of_node(trees_[task.object_a].leaf_node(a)));
-  const Index slot = book.slots().of_leaves(a, b);
-  return slot == kNoIndex ? Reason::NearOther : reason_of_slot(book, slot);
+  const Index slot =
+      a == b ? book.slots().of_node(trees_[task.object_a].leaf_node(a)) : book.slots().of_leaves(a, b);
+  if (slot == kNoIndex) return no_plane;
+  const Reason reason = reason_of_slot(book, slot);
+  return reason == Reason::NotDrawn && has_charts_around(book, pair.leaves) ? Reason::TestFailed : reason;
 }
 
 void Scene::explain(const StepSettings& settings, double distance, Explanation& out) {

@@ -94,8 +94,9 @@ class ExplainCsv : public ReportWriter {
 
 using Colour = std::array<std::uint8_t, 3>;
 
-/// Certified is blue, the paler the deeper the level; pale grey when nothing had to be proven on the way down.
-/// The rest are colours that remain apart for the colour-blind (Okabe and Ito, Color Universal Design, 2008).
+/// Certified is blue, the paler the deeper the level; pale grey when nothing had to be proven on the way
+/// down. The rest are colours that remain apart for the colour-blind (Okabe and Ito, Color Universal Design,
+/// 2008).
 Colour colour_of(Reason reason, int level) {
   switch (reason) {
     case Reason::Certified: {
@@ -120,7 +121,8 @@ Colour colour_of(Reason reason, int level) {
   return {128, 128, 128};
 }
 
-/// A picture of the step that left most pairs of leaves to test.
+/// A picture of the step that left most pairs of leaves to test, those apart whose turn was still to come:
+/// they tell about the beginning, not about the mesh.
 class ExplainPly : public ReportWriter {
  public:
   static Result<std::unique_ptr<ReportWriter>> open(const std::string& path, Motions motions) {
@@ -133,8 +135,10 @@ class ExplainPly : public ReportWriter {
   ExplainPly(std::string path, Joined joined) : path_(std::move(path)), joined_(std::move(joined)) {}
 
   Result<void> step(const CheckedStep& step) override {
-    if (!positions_.empty() && step.work.leaf_pairs <= most_tested_) return {};
-    most_tested_ = step.work.leaf_pairs;
+    const std::uint64_t tested =
+        step.work.leaf_pairs - step.explanation->leaf_pairs[static_cast<std::size_t>(Reason::NotDrawn)];
+    if (!positions_.empty() && tested <= most_tested_) return {};
+    most_tested_ = tested;
     joined_.pose(step, 0, positions_);
     for (auto& property : properties_) property.clear();
     for (const Explanation::Object& object : step.explanation->objects) {

@@ -1,0 +1,278 @@
+// What a query says about its certificates, on generated meshes whose answer is known.
+#include <gmock/gmock.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "bvh/meshes.h"
+#include "foldproof/query.h"
+#include "oracle/meshes.h"
+
+namespace foldproof {
+namespace {
+
+using ::testing::Each;
+using testing::Mesh;
+
+constexpr std::size_t at(Reason reason) { return static_cast<std::size_t>(reason); }
+
+std::size_t count(const std::vector<Reason>& reasons, Reason wanted) {
+  return static_cast<std::size_t>(std::count(reasons.begin(), reasons.end(), wanted));
+}
+
+/// An open tube that is bent into a part of a ring.
+Mesh tube(double bend) {
+  constexpr Index kAround = 24, kAlong = 60;
+  std::vector<Triangle> triangles;
+  std::vector<double> x;
+  for (Index j = 0; j <= kAlong; ++j) {
+    for (Index i = 0; i < kAround; ++i) {
+      const double around = 2 * std::numbers::pi * i / kAround, along = 1.0 * j / kAlong - 0.5;
+      const double out = 0.1 * std::cos(around), radius = 1 / bend;
+      x.insert(x.end(), {(radius + out) * std::cos(bend * along) - radius,
+                         (radius + out) * std::sin(bend * along), 0.1 * std::sin(around)});
+    }
+  }
+  for (Index j = 0; j < kAlong; ++j) {
+    for (Index i = 0; i < kAround; ++i) {
+      const Index a = j * kAround + i, b = j * kAround + (i + 1) % kAround;
+      triangles.push_back({a, b, b + kAround});
+      triangles.push_back({a, b + kAround, a + kAround});
+    }
+  }
+  return {*Topology::make(kAround * (kAlong + 1), std::move(triangles)), std::move(x)};
+}
+
+/// A single object and its steps.
+class Stepper {
+ public:
+  explicit Stepper(const Mesh& mesh, StepSettings settings = {}, HierarchySettings leaves = {})
+      : settings_(settings),
+        tree(std::make_shared<const Hierarchy>(*Hierarchy::build(mesh.topology, mesh.positions, leaves))),
+        checker_({tree}),
+        now_(mesh.positions) {
+    settings_.explain = true;
+  }
+
+  const Explanation& step(const std::vector<double>& next) {
+    const std::span<const double> from[] = {now_}, to[] = {next};
+    EXPECT_TRUE(checker_.check(from, to, settings_, result));
+    now_ = next;
+    return result.explanation;
+  }
+
+ private:
+  StepSettings settings_;
+
+ public:
+  const std::shared_ptr<const Hierarchy> tree;
+  StepResult result;
+
+ private:
+  StepChecker checker_;
+  std::vector<double> now_;
+};
+
+std::uint64_t tested(const Explanation& e) {
+  return std::accumulate(e.leaf_pairs.begin() + 1, e.leaf_pairs.end(), std::uint64_t{0});
+}
+
+TEST(Explanation, ABendingTubeIsCertifiedOnceItsChartsAreDrawn) {
+  Stepper tube_steps(tube(0.5));
+  StepSettings off;
+  off.certificates = false;
+  Stepper all_tested(tube(0.5), off);
+  for (int k = 1; k <= 20; ++k) {
+    const std::vector<double> next = tube(0.5 + 0.02 * k).positions;
+    const Explanation& explained = tube_steps.step(next);
+    const auto& [level, reason] = explained.objects.at(0);
+    const std::size_t triangles = tube_steps.tree->topology().triangles().size();
+    ASSERT_EQ(level.size(), triangles);
+    ASSERT_EQ(reason.size(), triangles);
+    // Pairs that are tested, and those without certificates.
+    EXPECT_EQ(tested(explained), tube_steps.result.work.leaf_pairs);
+    all_tested.step(next);
+    EXPECT_EQ(explained.leaf_pairs[at(Reason::Certified)] + tested(explained),
+              all_tested.result.work.leaf_pairs);
+    if (k == 1) {
+      EXPECT_THAT(level, Each(-1)) << "charts are drawn from the second step on";
+      EXPECT_THAT(reason, Each(Reason::NotDrawn));
+    }
+  }
+  const auto& [level, reason] = tube_steps.result.explanation.objects[0];
+  EXPECT_GT(count(reason, Reason::Certified), level.size() * 3 / 4);
+  for (std::size_t t = 0; t < level.size(); ++t) {
+    if (reason[t] == Reason::Certified) {
+      ASSERT_GE(level[t], 0);
+    }
+  }
+}
+
+TEST(Explanation, ALevelIsThatOfANodeWithEverythingBelowIt) {
+  Stepper steps(tube(0.5));
+  for (int k = 1; k <= 10; ++k) steps.step(tube(0.5 + 0.02 * k).positions);
+  const Hierarchy& h = *steps.tree;
+  const auto& level = steps.result.explanation.objects[0].level;
+  std::size_t proven = 0;
+  for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
+    const int depth = level[h.triangle_ids()[h.leaves()[leaf].triangles]];
+    if (depth < 0) continue;
+    Index node = 0;
+    for (int k = 0; k < depth; ++k) {
+      ASSERT_FALSE(h.nodes()[node].is_leaf());
+      node = leaf < h.nodes()[h.nodes()[node].right].leaf_begin ? node + 1 : h.nodes()[node].right;
+    }
+    const Index begin = h.leaves()[h.nodes()[node].leaf_begin].triangles;
+    const Index end = h.leaves()[h.nodes()[node].leaf_end].triangles;
+    for (Index t = begin; t < end; ++t) EXPECT_EQ(level[h.triangle_ids()[t]], depth);
+    ++proven;
+  }
+  EXPECT_GT(proven, h.leaf_count() / 2);
+}
+
+TEST(Explanation, WhatCollidesIsNeverCalledCertified) {
+  oracle::Rng rng(7);
+  std::size_t collisions = 0, certified = 0;
+  for (const oracle::MeshFamily& family : oracle::mesh_families()) {
+    const oracle::Mesh mesh = family.make(rng);
+    Stepper steps({mesh.topology(), mesh.positions});
+    for (int k = 0; k < 12; ++k) {
+      // Gentle steps, so that there are charts, and then some that are not.
+      steps.step(oracle::deformed(mesh.positions, k % 4 == 3 ? 0.4 : 0.01, 0, rng));
+      const auto& reason = steps.result.explanation.objects[0].reason;
+      for (const VertexFaceCollision& c : steps.result.vertex_face) {
+        EXPECT_NE(reason[c.face], Reason::Certified) << family.name;
+      }
+      collisions += steps.result.vertex_face.size();
+      certified += count(reason, Reason::Certified);
+      EXPECT_EQ(count(reason, Reason::Off), 0u);
+    }
+  }
+  EXPECT_GT(collisions, 100u);
+  EXPECT_GT(certified, 100u);
+}
+
+/// A sheet that is folded in two; its halves are `gap` apart, upside down when that is negative.
+Mesh folded(double gap) {
+  Mesh sheet = testing::cloth(24);
+  for (std::size_t i = 0; i < sheet.positions.size(); i += 3) {
+    const double u = sheet.positions[i], side = u < 0.5 ? -1 : 1;
+    sheet.positions[i] = std::abs(u - 0.5) * 2;
+    sheet.positions[i + 2] = side * gap * std::min(1.0, 4 * sheet.positions[i]);
+  }
+  return sheet;
+}
+
+TEST(Explanation, PartsThatPassThroughEachOtherAreNear) {
+  Stepper steps(folded(0.05));
+  for (int k = 0; k < 6; ++k) steps.step(folded(0.05 - 0.001 * k).positions);
+  EXPECT_LT(count(steps.result.explanation.objects[0].reason, Reason::NearOther), 300u);
+  const Explanation& through = steps.step(folded(-0.05).positions);
+  EXPECT_FALSE(steps.result.clean());
+  EXPECT_GT(count(through.objects[0].reason, Reason::NearOther), 900u);  // of 1,152
+  EXPECT_GT(through.leaf_pairs[at(Reason::NearOther)], 0u);
+}
+
+TEST(Explanation, WhatShakesTooMuchFailsItsCharts) {
+  const Mesh sheet = testing::cloth(24);
+  Stepper steps(sheet);
+  std::uint64_t gentle = 0, wild = 0;
+  for (std::uint32_t k = 0; k < 20; ++k) {
+    const std::uint64_t failed = steps.step(testing::shaken(sheet.positions, k < 10 ? 0.001 : 0.03, k))
+                                     .leaf_pairs[at(Reason::TestFailed)];
+    if (k < 8) continue;  // charts are being drawn
+    (k < 10 ? gentle : wild) = std::max(k < 10 ? gentle : wild, failed);
+  }
+  EXPECT_GT(wild, 100u);
+  EXPECT_LT(gentle, wild / 5);
+}
+
+TEST(Explanation, AClosedLeafIsTooCurved) {
+  // Eight octahedra far apart, a leaf each.
+  std::vector<Triangle> triangles;
+  std::vector<double> x;
+  for (Index k = 0; k < 8; ++k) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double side : {-1.0, 1.0}) {
+        double corner[3] = {10.0 * k, 0, 0};
+        corner[axis] += side;
+        x.insert(x.end(), std::begin(corner), std::end(corner));
+      }
+    }
+    for (Index corner = 0; corner < 8; ++corner) {
+      Triangle t{6 * k + (corner & 1), 6 * k + 2 + (corner >> 1 & 1), 6 * k + 4 + (corner >> 2)};
+      if (((corner & 1) + (corner >> 1 & 1) + (corner >> 2)) % 2 == 0) std::swap(t[0], t[1]);
+      triangles.push_back(t);
+    }
+  }
+  Stepper steps({*Topology::make(48, std::move(triangles)), x}, {}, {.leaf_triangles = 8});
+  ASSERT_EQ(steps.tree->leaf_count(), 8u);
+  EXPECT_THAT(steps.step(x).objects[0].reason, Each(Reason::NotDrawn));
+  for (int k = 0; k < 3; ++k) steps.step(x);
+  EXPECT_THAT(steps.result.explanation.objects[0].reason, Each(Reason::TooCurved));
+  EXPECT_THAT(steps.result.explanation.objects[0].level, Each(-1));
+  EXPECT_EQ(steps.result.explanation.leaf_pairs[at(Reason::TooCurved)], 8u);
+}
+
+TEST(Explanation, WithoutCertificatesEverythingIsOff) {
+  StepSettings settings;
+  settings.certificates = false;
+  Stepper steps(tube(0.5), settings);
+  for (int k = 1; k <= 3; ++k) {
+    const Explanation& explained = steps.step(tube(0.5 + 0.02 * k).positions);
+    EXPECT_THAT(explained.objects[0].level, Each(-1));
+    EXPECT_THAT(explained.objects[0].reason, Each(Reason::Off));
+    EXPECT_EQ(explained.leaf_pairs[at(Reason::Off)], steps.result.work.leaf_pairs);
+    EXPECT_EQ(explained.leaf_pairs[at(Reason::Certified)], 0u);
+  }
+}
+
+/// Answers to ten steps of two tubes that cross, and a pose.
+std::vector<Explanation> two_tubes(int threads) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const Mesh first = tube(0.5);
+  const auto tree = std::make_shared<const Hierarchy>(*Hierarchy::build(first.topology, first.positions));
+  StepChecker checker({tree, tree});
+  StepSettings settings;
+  settings.explain = true;
+  std::vector<Explanation> all;
+  const auto place = [](int k) { return tube(0.5 + 0.02 * k).positions; };
+  const auto across = [&](int k) {
+    std::vector<double> x = place(k);
+    for (std::size_t i = 0; i < x.size(); i += 3) std::swap(x[i + 1], x[i + 2]);
+    return x;
+  };
+  StepResult result;
+  StaticResult pose;
+  for (int k = 0; k < 10; ++k) {
+    const auto a0 = place(k), b0 = across(k), a1 = place(k + 1), b1 = across(k + 1);
+    const std::span<const double> from[] = {a0, b0}, to[] = {a1, b1};
+    EXPECT_TRUE(checker.check(from, to, settings, result));
+    all.push_back(result.explanation);
+    EXPECT_TRUE(checker.check_static(to, settings, pose));
+    EXPECT_EQ(tested(pose.explanation), pose.work.leaf_pairs);
+    all.push_back(pose.explanation);
+  }
+  return all;
+}
+
+TEST(Explanation, IsTheSameForAnyNumberOfThreadsAndTellsObjectsApart) {
+  const auto one = two_tubes(1), many = two_tubes(4);
+  ASSERT_EQ(one.size(), many.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    ASSERT_EQ(one[i].objects.size(), 2u);
+    const Reason crossing = i == 0 ? Reason::NotDrawn : Reason::NearOther;
+    EXPECT_EQ(one[i].leaf_pairs, many[i].leaf_pairs);
+    for (int object = 0; object < 2; ++object) {
+      EXPECT_EQ(one[i].objects[object].level, many[i].objects[object].level);
+      EXPECT_EQ(one[i].objects[object].reason, many[i].objects[object].reason);
+      EXPECT_GT(count(one[i].objects[object].reason, crossing), 0u);
+    }
+  }
+  EXPECT_GT(count(one.back().objects[1].reason, Reason::Certified), 1000u);
+}
+
+}  // namespace
+}  // namespace foldproof
