@@ -163,7 +163,6 @@ void Scene::start_tasks(Index a, Index b, float margin, Work& work) {
     task.front.clear();
     task.found.leaf_pairs.clear();
     task.found.node_tests = 0;
-    task.found.front = front != nullptr ? &task.front : nullptr;
   }
   // Runs of a front lie near each other; starts from the root differ in size, the largest first.
   for (std::size_t i = 0; i < front_.size(); ++i) {
@@ -216,6 +215,7 @@ void Scene::traverse(const StepSettings& settings, double distance, Work& work) 
   }
   tbb::parallel_for(std::size_t{0}, task_count_, [&](std::size_t k) {
     TraversalTask& task = tasks_[k];
+    task.found.front = front_of(task.object_a, task.object_b) != nullptr ? &task.front : nullptr;
     for (const NodePair start : task.starts) {
       foldproof::traverse(task.traversal, start, locals_.local().stack, task.found);
     }
