@@ -18,8 +18,8 @@ constexpr const char* kFooter =
     R"(Shown are the poses it was trained on, sizes, and how far it proves the mesh free of
 contact with itself:
 
-  proven    share of leaves (patches of 16 triangles or so) and of pairs of neighbouring leaves that the charts prove
-            in a pose. What is not proven is tested instead; no answer depends on it.
+  proven    share of leaves (patches of a dozen triangles or so) and of pairs of neighbouring leaves that the charts
+            prove in a pose. What is not proven is tested instead; no answer depends on it.
   kappa     steepness of charts: how many times longer a path on the surface may be than the straight line below it in
             the picture. 1 is flat. The steeper, the less the patch may bend before the chart proves nothing any more.
   hard      leaves that no chart of their own or of a level above proved in a reference pose, and why.
