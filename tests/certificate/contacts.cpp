@@ -68,7 +68,7 @@ double rough_distance(const FeaturePair& pair, std::span<const Vec3> x0, std::sp
 bool comes_within(const FeaturePair& pair, std::span<const Vec3> x0, std::span<const Vec3> x1, double gap) {
   const FourPoints from = points_of(pair, x0), to = points_of(pair, x1);
   if (gap == 0) return oracle::touches(pair.kind, from, to);
-  return oracle::approach(pair.kind, from, to, gap, gap * 0x1p-40) == oracle::Approach::Within;
+  return oracle::approach(pair.kind, from, to, gap, gap * 0x1p-24) == oracle::Approach::Within;
 }
 
 std::string find_contact(const Patch& patch, std::span<const Vec3> x0, std::span<const Vec3> x1, double gap) {

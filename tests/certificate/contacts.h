@@ -23,7 +23,7 @@ FourPoints points_of(const FeaturePair& pair, std::span<const Vec3> x);
 double rough_distance(const FeaturePair& pair, std::span<const Vec3> x0, std::span<const Vec3> x1);
 
 /// Exactly: does the pair come as close as `gap` or closer? Undecided by exact brackets, which end at a
-/// relative 2^-40, counts as no.
+/// relative 2^-24, counts as no.
 bool comes_within(const FeaturePair& pair, std::span<const Vec3> x0, std::span<const Vec3> x1, double gap);
 
 /// The first pair that comes within `gap`, with its coordinates; empty when there is none. The narrow phase,
