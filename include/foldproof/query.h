@@ -47,8 +47,8 @@ struct TriangleCrossing {
   Index object_a, triangle_a, object_b, triangle_b;
 };
 
-/// What a query did. Depends on input and settings only, never on the machine or the number of threads,
-/// except undecided with `earliest_only`.
+/// What a query did. Depends on settings and input only, with certificates also on that of earlier steps;
+/// never on the machine or the number of threads, except undecided with `earliest_only`.
 struct Work {
   std::uint64_t node_tests = 0;          ///< Pairs of nodes visited.
   std::uint64_t certificate_tests = 0;   ///< Certificates evaluated.
@@ -126,8 +126,8 @@ struct StaticResult {
 using Positions = std::span<const std::span<const double>>;
 
 /// Answers queries on a fixed set of objects. Owns the scratch, so a second step of the same size allocates
-/// nothing; use one checker per thread. Threads inside a query come from oneTBB: limit them with
-/// tbb::global_control or a task arena of your own.
+/// nothing; with certificates, once charts are drawn and no more are wanted. Use one checker per thread.
+/// Threads inside a query come from oneTBB: limit them with tbb::global_control or a task arena of your own.
 class StepChecker {
  public:
   /// `charts`: trained charts for each object, null where there are none; or empty. Their hierarchies are the

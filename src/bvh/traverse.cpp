@@ -43,8 +43,12 @@ HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<Nod
     }
     return;
   }
-  if (Apart(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin)) return;
+  if (Apart(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin)) {
+    if (out.front != nullptr) out.front->push_back(pair);
+    return;
+  }
   if (a.is_leaf() && b.is_leaf()) {
+    if (out.front != nullptr) out.front->push_back(pair);
     out.leaf_pairs.push_back({a.leaf_begin, b.leaf_begin});
   } else if (a.leaf_end - a.leaf_begin >= b.leaf_end - b.leaf_begin) {
     below.push_back({a.right, pair.b});

@@ -20,6 +20,9 @@ struct Traversal {
 struct TraversalResult {
   std::vector<NodePair> leaf_pairs;
   std::uint64_t node_tests = 0;
+  /// Where given: the pairs at which the traversal stopped, apart or leaves, are appended. Together they
+  /// cover what was started from, so that the next step may start from them.
+  std::vector<NodePair>* front = nullptr;
 };
 
 /// Replaces every pair in `front` by what lies one level below it; pairs that are apart vanish, pairs of

@@ -10,6 +10,11 @@ namespace {
 
 // Tasks per pair of objects; a constant, so that the order of the answer never depends on the threads.
 constexpr std::size_t kEnoughTasks = 64;
+// There is one front per pair of objects; of many objects only those with themselves, as most others never
+// meet.
+constexpr std::size_t kManyObjects = 16;
+// A front is used for so many steps.
+constexpr int kFrontUses = 15;
 
 struct Bounds {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
@@ -54,6 +59,7 @@ Scene::Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
     leaf_proofs_.emplace_back(objects[i]->leaf_count());
     trees_.emplace_back(std::move(objects[i]));
   }
+  fronts_.resize(trees_.size() > kManyObjects ? trees_.size() : trees_.size() * trees_.size());
 }
 
 Result<void> Scene::update(Positions x0, Positions x1) {
@@ -98,6 +104,7 @@ void Scene::descend_selves(Index object, const StepSettings& settings, double ga
       const Index self = selves_[i];
       const Hierarchy::Node& node = nodes[self];
       if (self_proofs_[i]) {
+        proven_selves_.push_back(self);
         if (settings.explain) proven_nodes_.push_back({object, self, level});
         for (Index leaf = node.leaf_begin; leaf < node.leaf_end; ++leaf) leaf_proofs[leaf].add(self);
         for (const Index leaf : self_proofs_[i].collar()) leaf_proofs[leaf].add(self);
@@ -116,12 +123,35 @@ void Scene::descend_selves(Index object, const StepSettings& settings, double ga
   }
 }
 
-// Deals the pairs in front_ out to tasks, after going down until there are enough of them; leaf pairs found
-// on the way get a task of their own.
+// Null where none is kept.
+Front* Scene::front_of(Index a, Index b) {
+  const std::size_t n = trees_.size();
+  if (!keeps_fronts_) return nullptr;
+  if (n > kManyObjects) return a == b ? &fronts_[a] : nullptr;
+  return &fronts_[a * n + b];
+}
+
+// Deals the pairs in front_ out to tasks, or those of the last step's front when the same nodes were proven
+// as then. Else it goes down until there are enough of them; leaf pairs found on the way get a task of their
+// own.
 void Scene::start_tasks(Index a, Index b, float margin, Work& work) {
   const Traversal traversal{&trees_[a], &trees_[b], margin};
-  for (int level = 0; level < 12 && !front_.empty() && front_.size() < 4 * kEnoughTasks; ++level) {
-    descend_once(traversal, front_, below_, above_);
+  Front* front = front_of(a, b);
+  const bool again = front != nullptr && front->uses_left > 0 && front->proven == proven_selves_;
+  front_above_.clear();
+  if (again) {
+    front_.swap(front->pairs);
+    --front->uses_left;
+  } else {
+    above_.front = &front_above_;
+    for (int level = 0; level < 12 && !front_.empty() && front_.size() < 4 * kEnoughTasks; ++level) {
+      descend_once(traversal, front_, below_, above_);
+    }
+    if (front != nullptr) front->uses_left = kFrontUses;
+  }
+  if (front != nullptr) {
+    front->proven = proven_selves_;
+    front->pairs.assign(front_above_.begin(), front_above_.end());
   }
   const std::size_t count = std::min(kEnoughTasks, front_.size()), first = task_count_;
   task_count_ += count + 1;
@@ -132,13 +162,26 @@ void Scene::start_tasks(Index a, Index b, float margin, Work& work) {
     task.object_a = a;
     task.object_b = b;
     task.starts.clear();
+    task.front.clear();
     task.found.leaf_pairs.clear();
     task.found.node_tests = 0;
   }
-  for (std::size_t i = 0; i < front_.size(); ++i) tasks_[first + i % count].starts.push_back(front_[i]);
+  // Runs of a front lie near each other; starts from the root differ in size, the largest first.
+  for (std::size_t i = 0; i < front_.size(); ++i) {
+    tasks_[first + (again ? i * count / front_.size() : i % count)].starts.push_back(front_[i]);
+  }
   tasks_[first + count].found.leaf_pairs = above_.leaf_pairs;
   above_.leaf_pairs.clear();
   work.node_tests += std::exchange(above_.node_tests, 0);
+}
+
+void Scene::keep_fronts() {
+  for (std::size_t k = 0; k < task_count_; ++k) {
+    const TraversalTask& task = tasks_[k];
+    if (Front* front = front_of(task.object_a, task.object_b)) {
+      front->pairs.insert(front->pairs.end(), task.front.begin(), task.front.end());
+    }
+  }
 }
 
 // Charts are drawn from the second step on: who asks only once should not pay for them. The budget keeps
@@ -157,12 +200,14 @@ void Scene::traverse(const StepSettings& settings, double distance, Work& work) 
   const double gap = distance * frame_.scale * (1 + 0x1p-50);
   for (Local& local : locals_) local.tests = local.passes = local.tester.tests = 0;
   begin_learning(settings);
+  keeps_fronts_ = settings.certificates;
   task_count_ = 0;
   proven_nodes_.clear();
   for (Index a = 0; a < trees_.size(); ++a) {
     for (Index b = a; b < trees_.size(); ++b) {
       if (!(a == b ? settings.within : settings.between)) continue;
       front_.clear();
+      proven_selves_.clear();
       if (a == b) {
         descend_selves(a, settings, gap, work);
       } else {
@@ -173,10 +218,12 @@ void Scene::traverse(const StepSettings& settings, double distance, Work& work) 
   }
   tbb::parallel_for(std::size_t{0}, task_count_, [&](std::size_t k) {
     TraversalTask& task = tasks_[k];
+    task.found.front = front_of(task.object_a, task.object_b) != nullptr ? &task.front : nullptr;
     for (const NodePair start : task.starts) {
       foldproof::traverse(task.traversal, start, locals_.local().stack, task.found);
     }
   });
+  keep_fronts();
   leaf_pairs_.clear();
   for (std::size_t k = 0; k < task_count_; ++k) {
     work.node_tests += tasks_[k].found.node_tests;

@@ -15,8 +15,15 @@ namespace foldproof {
 struct TraversalTask {
   Traversal traversal;
   Index object_a, object_b;
-  std::vector<NodePair> starts;
+  std::vector<NodePair> starts, front;
   TraversalResult found;
+};
+
+/// Where the traversal of one object with itself or of two objects stopped in the step before.
+struct Front {
+  std::vector<Index> proven;  ///< The nodes of the object that were left out, being proven.
+  std::vector<NodePair> pairs;
+  int uses_left = 0;  ///< Then it is made anew from the root, as it only ever gets finer.
 };
 
 /// A leaf pair to be tested, with the task it came from.
@@ -82,6 +89,8 @@ class Scene {
   void prove_selves(Index object, double gap);
   void descend_selves(Index object, const StepSettings& settings, double gap, Work& work);
   void start_tasks(Index a, Index b, float margin, Work& work);
+  Front* front_of(Index a, Index b);
+  void keep_fronts();
   void prove_leaf_pairs(double gap);
   bool proves(const LeafPairRef& pair, double gap, Local& local);
   void note_unproven(const LeafPairRef& pair);
@@ -101,7 +110,11 @@ class Scene {
 
   std::vector<TraversalTask> tasks_;
   std::size_t task_count_ = 0;
-  std::vector<NodePair> front_, below_;
+  std::vector<NodePair> front_, below_, front_above_;
+  std::vector<Front> fronts_;
+  bool keeps_fronts_ =
+      false;  // only with certificates: without them a step's work is a matter of that step alone
+  std::vector<Index> proven_selves_;
   std::vector<Index> selves_, selves_below_;
   std::vector<ChartBook::Proof> self_proofs_;
   std::vector<ProvenNode> proven_nodes_;  // only when explanations are wanted
