@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #undef HWY_TARGET_INCLUDE  // Highway compiles this file once per instruction set
 #define HWY_TARGET_INCLUDE "certificate/chart_test.cpp"
@@ -266,8 +267,11 @@ ChartLibrary::Fit fit_of(std::span<const std::array<float, 3>> points,
   return fit;
 }
 
-bool chart_holds(const ChartView& chart, std::span<const MovingVertex> vertices, double gap,
-                 ChartScratch& scratch) {
+namespace {
+
+// Draws the patch back to the plane at both ends, into the scratch; nothing when that says nothing.
+std::optional<PullBack> pull_patch_back(const ChartView& chart, std::span<const MovingVertex> vertices,
+                                        double gap, ChartScratch& scratch) {
   // Draw works on whole vectors of rows; what lies behind the last vertex is never read by a triangle.
   const std::size_t padded = (chart.points.size() + 7) / 8 * 8;
   if (scratch.offsets.size() < padded) {
@@ -278,12 +282,47 @@ bool chart_holds(const ChartView& chart, std::span<const MovingVertex> vertices,
   Moments moments;
   HWY_DYNAMIC_DISPATCH(Gather)(chart, vertices, scratch, moments);
   PullBack w;
-  if (!pull_back(chart.fit, moments, w)) return false;
+  if (!pull_back(chart.fit, moments, w)) return std::nullopt;
   w.margin = margin_of(w, moments, chart.fit.least_altitude, gap);
-  if (!(w.margin < 1)) return false;
+  if (!(w.margin < 1)) return std::nullopt;
   HWY_DYNAMIC_DISPATCH(Draw)(w, chart.vertices.size(), scratch);
   HWY_DYNAMIC_DISPATCH(DrawCorners)(chart, moments, w, scratch);
-  return HWY_DYNAMIC_DISPATCH(AllForward)(chart, scratch);
+  return w;
+}
+
+// The least eigenvalue of the symmetric part of the map that takes a triangle's picture to what is drawn.
+double least_stretch(const ChartScratch& scratch, const std::array<std::uint16_t, 3>& t, int end) {
+  Eigen::Matrix2d e, eta;
+  for (int k = 0; k < 2; ++k) {
+    for (int axis = 0; axis < 2; ++axis) {
+      const int c = end + axis;
+      e(axis, k) = double{scratch.places[t[k + 1]].x[c]} - scratch.places[t[0]].x[c];
+      eta(axis, k) = double{scratch.drawn[t[k + 1]].x[c]} - scratch.drawn[t[0]].x[c];
+    }
+  }
+  const Eigen::Matrix2d map = eta * e.inverse();
+  const double mean = map.trace() / 2, skew = (map(0, 0) - map(1, 1)) / 2,
+               shear = (map(0, 1) + map(1, 0)) / 2;
+  return mean - std::sqrt(skew * skew + shear * shear);
+}
+
+}  // namespace
+
+bool chart_holds(const ChartView& chart, std::span<const MovingVertex> vertices, double gap,
+                 ChartScratch& scratch) {
+  return pull_patch_back(chart, vertices, gap, scratch).has_value() &&
+         HWY_DYNAMIC_DISPATCH(AllForward)(chart, scratch);
+}
+
+double chart_margin(const ChartView& chart, std::span<const MovingVertex> vertices, ChartScratch& scratch,
+                    double enough) {
+  if (!pull_patch_back(chart, vertices, 0, scratch)) return -1;
+  double least = 1;
+  for (const auto& t : chart.triangles) {
+    for (const int end : {0, 2}) least = std::min(least, least_stretch(scratch, t, end));
+    if (!(least > enough)) return std::max(least, -1.);
+  }
+  return least;
 }
 
 }  // namespace foldproof

@@ -34,4 +34,11 @@ struct ChartScratch {
 bool chart_holds(const ChartView& chart, std::span<const MovingVertex> vertices, double gap,
                  ChartScratch& scratch);
 
+/// How far a chart is from failing that test without a gap: the least eigenvalue of the symmetric part of
+/// W^T G_T over all triangles at both ends, less the room that rounding takes. 1 in the pose that it was
+/// drawn in, or nearly; positive when it holds; never below -1, and -1 where nothing can be said. For
+/// statistics, not for proofs. Stops with what it has where that is `enough` or less.
+double chart_margin(const ChartView& chart, std::span<const MovingVertex> vertices, ChartScratch& scratch,
+                    double enough = -1);
+
 }  // namespace foldproof

@@ -3,6 +3,7 @@
 // The library's file once more, under other names, so that its inner functions can be called.
 #define HWY_COMPILE_ONLY_STATIC
 #define chart_holds chart_holds_again
+#define chart_margin chart_margin_again
 #define fit_of fit_again
 #define Gather GatherAgain
 #define Draw DrawAgain
@@ -10,6 +11,7 @@
 #define AllForward AllForwardAgain
 namespace foldproof {
 bool chart_holds(const ChartView&, std::span<const MovingVertex>, double, ChartScratch&);
+double chart_margin(const ChartView&, std::span<const MovingVertex>, ChartScratch&, double);
 ChartLibrary::Fit fit_of(std::span<const std::array<float, 3>>,
                          std::span<const std::array<std::uint16_t, 3>>);
 }  // namespace foldproof

@@ -190,5 +190,34 @@ TEST(Margins, LeastAltitudeIsNotAboveAnyDistanceInThePicture) {
   }
 }
 
+// What statistics are told about a chart agrees with what is tested.
+TEST(Margins, TheNumberForStatisticsIsPositiveWhereTheChartHolds) {
+  Rng rng(34);
+  ChartScratch scratch;
+  int holds = 0, fails = 0;
+  for (int round = 0; round < 20; ++round) {
+    for (const PosedPatch& p : drawable_patches(rng)) {
+      Drawing drawing;
+      if (draw(p.patch, p.x, drawing) != ChartOutcome::Made) continue;
+      const Chart chart(p.patch, drawing);
+      const Step step = random_step(p, log_uniform(rng, 0.01, 1), rng);
+      const double margin = chart_margin(chart.view(), step.vertices, scratch);
+      const bool held = chart_holds(chart.view(), step.vertices, 0, scratch);
+      EXPECT_GE(margin, -1) << p.name;
+      EXPECT_LE(margin, 1) << p.name;
+      if (std::abs(margin) > 1e-9) {
+        EXPECT_EQ(margin > 0, held) << p.name << ": " << margin;
+        ++(held ? holds : fails);
+      }
+      if (margin > 0) {  // stopping early never makes it larger than it is allowed to be
+        EXPECT_LE(chart_margin(chart.view(), step.vertices, scratch, margin + 0.5), margin + 0.5);
+        EXPECT_EQ(chart_margin(chart.view(), step.vertices, scratch, margin / 2), margin);
+      }
+    }
+  }
+  EXPECT_GT(holds, 20);
+  EXPECT_GT(fails, 20);
+}
+
 }  // namespace
 }  // namespace foldproof::testing
