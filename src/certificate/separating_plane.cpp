@@ -87,7 +87,8 @@ Least FindLeast(const VertexSet& set, const float (&n)[8]) {
 // Gilbert's search for the point of the difference of both sets that is nearest to the origin; it stops as
 // soon as its direction separates them at both ends.
 bool Separates(const VertexSet& a, const VertexSet& b, float gap) {
-  constexpr int kMostRounds = 8;
+  constexpr int kMostRounds =
+      24;  // curved sheets that lie on each other need more than 8; costs no more time
   float n[3];
   for (int axis = 0; axis < 3; ++axis) {
     n[axis] = (a.at(0).x[axis] + a.at(0).x[4 + axis]) / 2 - (b.at(0).x[axis] + b.at(0).x[4 + axis]) / 2;
