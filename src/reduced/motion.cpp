@@ -1,0 +1,103 @@
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "foldproof/reduced.h"
+
+namespace foldproof {
+namespace {
+
+constexpr Index kMostModes = 1024;
+
+Result<void> check_subspace(const Hierarchy& hierarchy, const Pca& subspace) {
+  const auto expected = 3 * static_cast<Eigen::Index>(hierarchy.topology().vertex_count());
+  if (subspace.mean.size() != expected || subspace.basis.rows() != expected) {
+    return fail("subspace",
+                fmt::format("{} numbers per shape for a mesh of {}", subspace.mean.size(), expected),
+                "use the subspace of this mesh");
+  }
+  if (subspace.modes() < 1 || subspace.modes() > kMostModes)
+    return fail("subspace", fmt::format("{} modes", subspace.modes()),
+                fmt::format("keep 1 to {}", kMostModes));
+  if (subspace.deviations.size() != subspace.basis.cols())
+    return fail("subspace", "has not one deviation per mode", "build it anew");
+  // Single precision must hold the basis as well.
+  const double most = std::numeric_limits<float>::max();
+  const bool finite = subspace.mean.allFinite() && subspace.basis.allFinite() &&
+                      subspace.deviations.allFinite() && subspace.basis.cwiseAbs().maxCoeff() < most;
+  if (!finite || !(subspace.deviations.minCoeff() > 0))
+    return fail("subspace", "has numbers that are not finite, or deviations that are not positive",
+                "build it anew");
+  return {};
+}
+
+}  // namespace
+
+Result<ReducedMotion> ReducedMotion::make(std::shared_ptr<const Hierarchy> hierarchy, const Pca& subspace) {
+  if (const auto ok = check_subspace(*hierarchy, subspace); !ok) return tl::unexpected(ok.error());
+  ReducedMotion motion;
+  const Index count = hierarchy->topology().vertex_count(), modes = subspace.modes();
+  motion.modes_ = modes;
+  motion.ids_.assign(hierarchy->vertex_ids().begin(), hierarchy->vertex_ids().end());
+  std::vector<bool> used(count, false);
+  for (const Index id : motion.ids_) used[id] = true;
+  for (Index id = 0; id < count; ++id) {
+    if (!used[id]) motion.ids_.push_back(id);
+  }
+  motion.mean_.resize(3 * std::size_t{count});
+  motion.basis_.resize(3 * std::size_t{count} * modes);
+  motion.largest_.assign(modes, 0);
+  for (std::size_t place = 0; place < count; ++place) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Index from = 3 * Eigen::Index{motion.ids_[place]} + axis;
+      motion.mean_[3 * place + axis] = subspace.mean[from];
+      motion.largest_mean_ = std::max(motion.largest_mean_, std::abs(subspace.mean[from]));
+      for (Index k = 0; k < modes; ++k) {
+        const auto value = static_cast<float>(subspace.basis(from, k));
+        motion.basis_[(place * modes + k) * 3 + axis] = value;
+        motion.largest_[k] = std::max(motion.largest_[k], std::abs(double{value}));
+      }
+    }
+  }
+  motion.deviations_.assign(subspace.deviations.data(), subspace.deviations.data() + modes);
+  motion.hierarchy_ = std::move(hierarchy);
+  motion.list_leaf_vertices();
+  return motion;
+}
+
+void ReducedMotion::list_leaf_vertices() {
+  const Hierarchy& h = *hierarchy_;
+  leaf_begin_.push_back(0);
+  for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
+    const auto begin = static_cast<std::ptrdiff_t>(leaf_vertices_.size());
+    for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t)
+      leaf_vertices_.insert(leaf_vertices_.end(), h.triangles()[t].begin(), h.triangles()[t].end());
+    std::sort(leaf_vertices_.begin() + begin, leaf_vertices_.end());
+    leaf_vertices_.erase(std::unique(leaf_vertices_.begin() + begin, leaf_vertices_.end()),
+                         leaf_vertices_.end());
+    leaf_begin_.push_back(static_cast<Index>(leaf_vertices_.size()));
+  }
+  leaf_vertices_.shrink_to_fit();
+}
+
+void ReducedMotion::positions(std::span<const double> p, std::span<double> out) const {
+  using Range = tbb::blocked_range<std::size_t>;
+  tbb::parallel_for(Range(0, ids_.size(), 1024), [&](const Range& range) {
+    for (std::size_t place = range.begin(); place < range.end(); ++place) {
+      double x[3];
+      vertex(static_cast<Index>(place), p, x);
+      std::copy(x, x + 3, &out[3 * std::size_t{ids_[place]}]);
+    }
+  });
+}
+
+// docs/soundness.md, R5: one rounding per product and per sum, each relative to what is summed.
+double ReducedMotion::rounding(std::span<const double> p) const {
+  double size = largest_mean_;
+  for (Index k = 0; k < modes_; ++k) size += largest_[k] * std::abs(p[k]);
+  return size * (modes_ + 2) * 0x1p-52;
+}
+
+}  // namespace foldproof
