@@ -56,7 +56,8 @@ Result<Pca> pca(const MatrixView& samples, const SubspaceSize& size = {});
 /// It works on the samples' coordinates in their own linear span, so its run time does not depend on the size
 /// of a sample once x is in coordinates of the span.
 struct KernelPca {
-  Pca span;                    ///< Every direction of the samples that has any spread.
+  Pca span;  ///< Of the samples: every direction with any spread; of more than 256 samples, 0.99999 of the
+             ///< energy.
   Eigen::MatrixXd samples;     ///< The samples in coordinates of the span, a column each.
   double width = 0;            ///< Of the kernel, in the unit of x.
   Eigen::MatrixXd weights;     ///< Samples x modes: p = weights^T (centred kernel values).
@@ -115,8 +116,8 @@ Result<Clusters> cluster(const MatrixView& points, Index most);
 /// Canonical correlation analysis as a predictor of y from x (paper, Eq. 3).
 ///
 /// The canonical variates of x are weights^T (x - mean_x); y is predicted by ridge regression on the leading
-/// ones. With all of them it is the minimum of |F (X - mean_x) - (Y - mean_y)|^2 + ridge |F|^2, Eq. 3 with a
-/// ridge.
+/// ones. With all of them it is the minimum of |F (X - mean_x) - (Y - mean_y)|^2 plus a multiple of |F|^2,
+/// Eq. 3 with a ridge.
 struct Cca {
   Eigen::VectorXd mean_x, mean_y;
   Eigen::MatrixXd weights;       ///< Size of x, by dimensions.

@@ -1,0 +1,276 @@
+#include "statistics/span.h"
+
+#include <fmt/format.h>
+
+#include <Spectra/SymEigsSolver.h>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace foldproof {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kSpread = 1e-7;  // Of the largest value: what a mode must have.
+constexpr double kIndependent =
+    1e-3;  // Of the largest value: above, products of a Gram matrix are orthogonal.
+constexpr Eigen::Index kBlock = 1 << 17;  // Numbers that are centred at a time: a megabyte.
+
+// The samples minus their mean, made block by block, so that no second copy of all samples is needed.
+class Centred {
+ public:
+  explicit Centred(const MatrixView& samples) : samples_(samples) {
+    // Relative to the first sample, so that equal samples have exactly that mean.
+    mean_ = samples.col(0);
+    VectorXd sum = VectorXd::Zero(samples.rows());
+    for (Eigen::Index k = 1; k < samples.cols(); ++k) sum += samples.col(k) - mean_;
+    mean_ += sum / static_cast<double>(samples.cols());
+  }
+
+  const VectorXd& mean() const { return mean_; }
+  Eigen::Index size() const { return samples_.rows(); }
+  Eigen::Index count() const { return samples_.cols(); }
+
+  // visit(first row, rows of the centred samples)
+  template <class Visit>
+  void for_rows(Visit&& visit) const {
+    const Eigen::Index step = std::max<Eigen::Index>(1, kBlock / count());
+    MatrixXd block;
+    for (Eigen::Index first = 0; first < size(); first += step) {
+      const Eigen::Index rows = std::min(step, size() - first);
+      block = samples_.middleRows(first, rows).colwise() - mean_.segment(first, rows);
+      visit(first, std::as_const(block));
+    }
+  }
+
+  // visit(first column, columns of the centred samples)
+  template <class Visit>
+  void for_columns(Visit&& visit) const {
+    const Eigen::Index step = std::max<Eigen::Index>(1, kBlock / size());
+    MatrixXd block;
+    for (Eigen::Index first = 0; first < count(); first += step) {
+      const Eigen::Index columns = std::min(step, count() - first);
+      block = samples_.middleCols(first, columns).colwise() - mean_;
+      visit(first, std::as_const(block));
+    }
+  }
+
+  double total() const {
+    double total = 0;
+    for_rows([&](Eigen::Index, const MatrixXd& rows) { total += rows.squaredNorm(); });
+    return total;
+  }
+
+  MatrixXd gram() const {
+    MatrixXd lower = MatrixXd::Zero(count(), count());
+    for_rows([&](Eigen::Index, const MatrixXd& rows) {
+      lower.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+    });
+    return lower.selfadjointView<Eigen::Lower>();
+  }
+
+  MatrixXd scatter() const {
+    MatrixXd lower = MatrixXd::Zero(size(), size());
+    for_columns([&](Eigen::Index, const MatrixXd& columns) {
+      lower.selfadjointView<Eigen::Lower>().rankUpdate(columns);
+    });
+    return lower.selfadjointView<Eigen::Lower>();
+  }
+
+  MatrixXd times(const MatrixXd& v) const {
+    MatrixXd out(size(), v.cols());
+    for_rows([&](Eigen::Index first, const MatrixXd& rows) {
+      out.middleRows(first, rows.rows()).noalias() = rows * v;
+    });
+    return out;
+  }
+
+  MatrixXd transposed_times(const MatrixXd& u) const {
+    MatrixXd out(count(), u.cols());
+    for_columns([&](Eigen::Index first, const MatrixXd& columns) {
+      out.middleRows(first, columns.cols()).noalias() = columns.transpose() * u;
+    });
+    return out;
+  }
+
+  // out = gram() v, without the matrix.
+  void gram_times(const Eigen::Map<const VectorXd>& v, Eigen::Map<VectorXd>& out) const {
+    out.setZero();
+    VectorXd part;
+    for_rows([&](Eigen::Index, const MatrixXd& rows) {
+      part.noalias() = rows * v;
+      out.noalias() += rows.transpose() * part;
+    });
+  }
+
+ private:
+  const MatrixView& samples_;
+  VectorXd mean_;
+};
+
+// Columns that should be orthogonal, and are but for what the squaring in a Gram matrix has cost: makes them
+// orthonormal, returns their lengths and leaves out those that are not above `floor`.
+VectorXd normalise(MatrixXd& columns, MatrixXd& partners, double floor) {
+  VectorXd values(columns.cols());
+  Eigen::Index kept = 0;
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    VectorXd column = columns.col(k);
+    const double largest = kept > 0 ? values[0] : column.norm();
+    if (kept > 0 && column.norm() < kIndependent * largest) {
+      column -= columns.leftCols(kept) * (columns.leftCols(kept).transpose() * column);
+    }
+    const double length = column.norm();
+    if (!(length > std::max(floor, kSpread * largest))) continue;
+    columns.col(kept) = column / length;
+    partners.col(kept) = partners.col(k);
+    values[kept++] = length;
+  }
+  columns.conservativeResize(Eigen::NoChange, kept);
+  partners.conservativeResize(Eigen::NoChange, kept);
+  values.conservativeResize(kept);
+  return values;
+}
+
+// What rounding the samples' numbers may leave as the length of all differences together.
+double rounding_floor(const MatrixView& samples) {
+  const double largest = samples.cwiseAbs().maxCoeff();
+  return 4 * std::numeric_limits<double>::epsilon() * largest *
+         std::sqrt(static_cast<double>(samples.size()));
+}
+
+// Spectra's view of a product. The shift keeps its relative test of convergence meaningful for eigenvalue 0.
+struct ShiftedProduct {
+  using Scalar = double;
+  static constexpr double kShift = 1e-3;
+
+  Eigen::Index n;
+  const Product* product;
+  double trace;
+
+  Eigen::Index rows() const { return n; }
+  Eigen::Index cols() const { return n; }
+  void perform_op(const double* in, double* out) const {
+    const Eigen::Map<const VectorXd> v(in, n);
+    Eigen::Map<VectorXd> result(out, n);
+    (*product)(v, result);
+    result = result / trace + kShift * v;
+  }
+};
+
+}  // namespace
+
+Eigenpairs dense_eigenpairs(const MatrixXd& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(symmetric);
+  return {solver.eigenvalues().reverse(), solver.eigenvectors().rowwise().reverse()};
+}
+
+std::optional<Eigenpairs> leading_eigenpairs(Eigen::Index n, const Product& product, double trace,
+                                             const SubspaceSize& size) {
+  if (!(trace > 0)) return std::nullopt;
+  const bool counted = size.modes > 0;
+  Eigen::Index wanted = counted ? size.modes : size.energy < 1 ? 16 : n;
+  for (; 2 * wanted < n; wanted *= 2) {
+    ShiftedProduct operation{n, &product, trace};
+    Spectra::SymEigsSolver<ShiftedProduct> solver(
+        operation, wanted, std::min<Eigen::Index>(n, std::max<Eigen::Index>(2 * wanted + 1, 20)));
+    solver.init();
+    solver.compute(Spectra::SortRule::LargestAlge, 200, 1e-11);
+    if (solver.info() != Spectra::CompInfo::Successful) return std::nullopt;
+    Eigenpairs pairs{(solver.eigenvalues().array() - ShiftedProduct::kShift).max(0.0) * trace,
+                     solver.eigenvectors()};
+    if (counted || pairs.values.sum() >= size.energy * trace) return pairs;
+  }
+  return std::nullopt;
+}
+
+VectorXd cumulative_share(const VectorXd& variances, double total) {
+  VectorXd share(variances.size());
+  double sum = 0;
+  for (Eigen::Index k = 0; k < variances.size(); ++k) share[k] = std::min(1.0, (sum += variances[k]) / total);
+  return share;
+}
+
+Eigen::Index modes_wanted(const VectorXd& variances, double total, const SubspaceSize& size) {
+  if (size.modes > 0) return std::min<Eigen::Index>(size.modes, variances.size());
+  if (size.energy >= 1) return variances.size();
+  double sum = 0;
+  Eigen::Index modes = 0;
+  while (modes < variances.size() && sum < size.energy * total) sum += variances[modes++];
+  return modes;
+}
+
+double sign_of(const VectorView& direction) {
+  Eigen::Index largest = 0;
+  direction.cwiseAbs().maxCoeff(&largest);
+  return direction[largest] < 0 ? -1 : 1;
+}
+
+Span span_of(const MatrixView& samples, const SubspaceSize& size) {
+  const Centred centred(samples);
+  Span span;
+  span.mean = centred.mean();
+  span.total = centred.total();
+  const double floor = rounding_floor(samples);
+
+  // The dense ways look at all modes first; the iterative one makes no more than it must.
+  const auto leading = [&](Eigenpairs pairs) {
+    const Eigen::Index modes = modes_wanted(pairs.values.cwiseMax(0), span.total, size);
+    return MatrixXd(pairs.vectors.leftCols(modes));
+  };
+  std::optional<Eigenpairs> of_gram;
+  if (std::min(centred.count(), centred.size()) > kDenseSide) {
+    const auto product = [&](const auto& v, auto& out) { centred.gram_times(v, out); };
+    of_gram = leading_eigenpairs(centred.count(), product, span.total, size);
+  }
+  if (!of_gram && centred.count() <= centred.size()) of_gram = dense_eigenpairs(centred.gram());
+  if (of_gram) {
+    span.scores = leading(*std::move(of_gram));
+    span.directions = centred.times(span.scores);
+    span.values = normalise(span.directions, span.scores, floor);
+  } else {
+    span.directions = leading(dense_eigenpairs(centred.scatter()));
+    span.scores = centred.transposed_times(span.directions);
+    span.values = normalise(span.scores, span.directions, floor);
+  }
+  for (Eigen::Index k = 0; k < span.rank(); ++k) {
+    const double sign = sign_of(span.directions.col(k));
+    span.directions.col(k) *= sign;
+    span.scores.col(k) *= sign;
+  }
+  return span;
+}
+
+Pca to_pca(Span span) {
+  Pca result;
+  const double degrees = static_cast<double>(std::max<Eigen::Index>(1, span.scores.rows() - 1));
+  result.mean = std::move(span.mean);
+  result.basis = span.directions.cast<float>().cast<double>();
+  result.deviations = span.values / std::sqrt(degrees);
+  result.energy = cumulative_share(span.values.cwiseAbs2(), span.total);
+  return result;
+}
+
+Result<void> check_columns(const MatrixView& columns, const char* what) {
+  if (columns.cols() == 0 || columns.rows() == 0) {
+    return fail(fmt::format("{}s", what), "there are none", fmt::format("give at least one {}", what));
+  }
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    if (columns.col(k).allFinite()) continue;
+    Eigen::Index row = 0;
+    while (std::isfinite(columns(row, k))) ++row;
+    return fail(fmt::format("{} {}", what, k), fmt::format("number {} is not finite", row),
+                fmt::format("leave this {} out or repair it", what));
+  }
+  return {};
+}
+
+Result<void> check_size(const SubspaceSize& size) {
+  if (size.modes > 0 || (size.energy > 0 && size.energy <= 1)) return {};
+  return fail("energy", fmt::format("{} is not a share of the variance", size.energy),
+              "give a number above 0 and at most 1");
+}
+
+}  // namespace foldproof
