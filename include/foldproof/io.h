@@ -78,10 +78,30 @@ Result<void> write_ply_properties(const std::string& path, const Topology& topol
                                   std::span<const double> positions,
                                   std::span<const FaceProperty> properties);
 
+/// OBJ of one pose.
+Result<void> write_obj(const std::string& path, const Topology& topology, std::span<const double> positions);
+
 /// OBJ of the first frame and PC2 (float32) of all frames, streamed from `motion`.
 Result<void> write_obj_pc2(const std::string& obj_path, const std::string& pc2_path, Motion& motion);
 
 /// NPZ with `faces` (triangles x 3, int32) and `vertices` (frames x n x 3, float64), streamed from `motion`.
 Result<void> write_npz(const std::string& path, Motion& motion);
+
+/// Finite numbers from a file.
+struct NumberTable {
+  std::vector<std::uint64_t> shape;  ///< Rows first; at least one number in all.
+  std::vector<std::string> names;    ///< Of the columns, where a CSV says them; else empty.
+  std::vector<double> values;        ///< Row-major.
+};
+
+/// Text with a row per line and commas between numbers; the first line may hold names. Empty lines and those
+/// that begin with '#' are skipped. Shape: rows x columns.
+Result<NumberTable> read_csv(const std::string& path);
+
+/// An array of float32 or float64 from an NPZ, of any shape. Memory holds all of it.
+Result<NumberTable> read_npz_numbers(const std::string& path, const std::string& array);
+
+/// Whether an NPZ has an array of this name.
+Result<bool> npz_holds(const std::string& path, const std::string& array);
 
 }  // namespace foldproof

@@ -39,7 +39,7 @@ Result<void> write_pc2(FileWriter& file, Motion& motion, const std::string& path
   return {};
 }
 
-Result<void> write_obj(FileWriter& file, const Topology& topology, std::span<const double> positions) {
+Result<void> write_obj_text(FileWriter& file, const Topology& topology, std::span<const double> positions) {
   std::string text;
   // 17 digits would do as well; fmt's default is the shortest text that reads back as the same double.
   for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
@@ -100,6 +100,14 @@ Result<void> write_ply_properties(const std::string& path, const Topology& topol
   return file->commit();
 }
 
+Result<void> write_obj(const std::string& path, const Topology& topology, std::span<const double> positions) {
+  if (auto fits = require_sizes(path, topology, positions, {}); !fits) return fits;
+  auto file = FileWriter::open(path);
+  if (!file) return tl::unexpected(file.error());
+  if (auto written = write_obj_text(*file, topology, positions); !written) return written;
+  return file->commit();
+}
+
 Result<void> write_obj_pc2(const std::string& obj_path, const std::string& pc2_path, Motion& motion) {
   if (motion.topology().vertex_count() > kMostSigned || motion.frame_count() > kMostSigned) {
     return fail(pc2_path, "the motion has more vertices or frames than PC2 can count", "write NPZ instead");
@@ -110,7 +118,7 @@ Result<void> write_obj_pc2(const std::string& obj_path, const std::string& pc2_p
   if (!pc2) return tl::unexpected(pc2.error());
   std::vector<double> positions(std::size_t{3} * motion.topology().vertex_count());
   if (auto read = motion.read_frame(0, positions); !read) return read;
-  if (auto written = write_obj(*obj, motion.topology(), positions); !written) return written;
+  if (auto written = write_obj_text(*obj, motion.topology(), positions); !written) return written;
   if (auto written = write_pc2(*pc2, motion, pc2_path, positions); !written) return written;
   if (auto committed = pc2->commit(); !committed) return committed;
   return obj->commit();

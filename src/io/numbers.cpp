@@ -1,0 +1,135 @@
+// Tables of numbers: CSV text and single arrays of a NumPy archive.
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "foldproof/io.h"
+#include "io/bytes.h"
+#include "io/npz_array.h"
+#include "io/text.h"
+
+namespace foldproof {
+namespace {
+
+using namespace io;
+
+constexpr const char* kOneRowPerLine = "write one row per line, numbers with commas between them";
+
+std::string_view trimmed(std::string_view text) {
+  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '"'; };
+  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::vector<std::string_view> fields_of(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(',', begin), line.size());
+    fields.push_back(trimmed(line.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return fields;
+}
+
+bool parse_number(std::string_view text, double& value) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto [stop, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return status == std::errc() && stop == text.data() + text.size() && std::isfinite(value);
+}
+
+class CsvReader {
+ public:
+  explicit CsvReader(const std::string& path) : path_(path) {}
+
+  Result<NumberTable> read(std::string_view text) {
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // what some spreadsheets begin with
+    for (std::size_t begin = 0; begin < text.size();) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size());
+      std::string_view line = text.substr(begin, end - begin);
+      if (line.ends_with('\r')) line.remove_suffix(1);
+      begin = end + 1;
+      ++line_;
+      if (trimmed(line).empty() || trimmed(line).front() == '#') continue;
+      if (auto added = add(fields_of(line)); !added) return tl::unexpected(added.error());
+    }
+    if (rows_ == 0) return fail(path_, "holds no numbers", kOneRowPerLine);
+    table_.shape = {rows_, columns_};
+    return std::move(table_);
+  }
+
+ private:
+  Result<void> add(const std::vector<std::string_view>& fields) {
+    double value = 0;
+    if (columns_ == 0) {
+      columns_ = fields.size();
+      if (!parse_number(fields[0], value)) {
+        table_.names.assign(fields.begin(), fields.end());
+        return {};
+      }
+    }
+    const std::string where = at_line(path_, line_);
+    if (fields.size() != columns_) {
+      return fail(where, fmt::format("has {} numbers, and the first line has {}", fields.size(), columns_),
+                  kOneRowPerLine);
+    }
+    for (const std::string_view field : fields) {
+      if (!parse_number(field, value)) {
+        return fail(where, fmt::format("'{}' is not a finite number", field), kOneRowPerLine);
+      }
+      table_.values.push_back(value);
+    }
+    ++rows_;
+    return {};
+  }
+
+  const std::string& path_;
+  NumberTable table_;
+  std::uint64_t line_ = 0, rows_ = 0, columns_ = 0;
+};
+
+}  // namespace
+
+Result<NumberTable> read_csv(const std::string& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return CsvReader(path).read({bytes->data(), bytes->size()});
+}
+
+Result<NumberTable> read_npz_numbers(const std::string& path, const std::string& array) {
+  std::uint64_t bytes = 0;
+  const auto archive = open_archive(path, bytes);
+  if (!archive) return tl::unexpected(archive.error());
+  NpzArray numbers;
+  const std::string mend = fmt::format("save an array of that name, with numpy.savez(file, {}=...)", array);
+  if (auto opened = numbers.open(archive->get(), path, bytes, array.c_str(), mend.c_str()); !opened) {
+    return tl::unexpected(opened.error());
+  }
+  const NpyHeader& header = numbers.header();
+  if (header.kind != 'f' || header.item_bytes < 4) {
+    return fail(numbers.where(), "is not float32 or float64", "save its .astype('float64')");
+  }
+  std::vector<char> raw(numbers.elements() * header.item_bytes);
+  if (auto read = numbers.read_at(0, raw); !read) return tl::unexpected(read.error());
+  NumberTable table{header.shape, {}, {}};
+  table.values.reserve(numbers.elements());
+  for (std::uint64_t i = 0; i < numbers.elements(); ++i) {
+    const char* at = raw.data() + i * header.item_bytes;
+    table.values.push_back(header.item_bytes == 8 ? load<double>(at, header.order)
+                                                  : static_cast<double>(load<float>(at, header.order)));
+    if (!std::isfinite(table.values.back())) {
+      return fail(numbers.where(), fmt::format("number {} is not finite", i), "save finite numbers");
+    }
+  }
+  return table;
+}
+
+Result<bool> npz_holds(const std::string& path, const std::string& array) {
+  std::uint64_t bytes = 0;
+  const auto archive = open_archive(path, bytes);
+  if (!archive) return tl::unexpected(archive.error());
+  return zip_name_locate(archive->get(), fmt::format("{}.npy", array).c_str(), 0) >= 0;
+}
+
+}  // namespace foldproof
