@@ -52,8 +52,7 @@ struct ChartBall::Corners {
 
 // S2 with the heights left out: the pose is the one that the chart was drawn in, so that W^T x are the
 // places again, but for their rounding. Any W is valid.
-bool ChartBall::pull_back(const CentrePose& pose, const Patch& patch, const Drawing& drawing,
-                          const Eigen::Vector3f& facing) {
+bool ChartBall::pull_back(const CentrePose& pose, const Patch& patch, const Eigen::Vector3f& facing) {
   const Vec3 normal = facing.cast<double>().normalized();
   const Vec3 along = normal.unitOrthogonal(), across = normal.cross(along);
   const auto count = static_cast<double>(patch.vertices.size());
@@ -103,10 +102,13 @@ void ChartBall::draw(const ReducedMotion& motion, const CentrePose& pose, const 
       to[modes_ + k] = w_.row(1).dot(d);
     }
   }
-  // Differences of floats are exact in double but for one rounding; products and sums carry a few more.
-  still_error_ = w_sum_ * (8 * 0x1p-53 * (reach + pose.largest) + 2 * pose.rounding);
-  moving_error_ = w_sum_ * 8 * 0x1p-53 * moving_reach;
   draw_corners(drawing);
+  double drawn_reach = 0, moved_reach = 0;
+  for (const Eigen::Vector2d& d : drawn_) drawn_reach = std::max(drawn_reach, d.cwiseAbs().maxCoeff());
+  for (const double m : moved_) moved_reach = std::max(moved_reach, std::abs(m));
+  // R5: offsets and W times them, then differences and their products with the sides.
+  still_error_ = w_sum_ * (0x1p-50 * (reach + pose.largest) + 2 * pose.rounding) + 0x1p-49 * drawn_reach;
+  moving_error_ = w_sum_ * 0x1p-50 * moving_reach + 0x1p-49 * moved_reach;
 }
 
 // The square's corners have no substance: they move as the patch does on the whole, by least squares.
@@ -185,7 +187,7 @@ double ChartBall::radius(const ReducedMotion& motion, const CentrePose& pose, co
   for (const Place p : drawing.places) places_.emplace_back(p[0], p[1]);
   for (const Place p : kChartCorners) places_.emplace_back(p[0], p[1]);
   const double altitude = least_altitude(patch, drawing);
-  if (!(altitude >= kLeastAltitude) || !pull_back(pose, patch, drawing, facing)) return 0;
+  if (!(altitude >= kLeastAltitude) || !pull_back(pose, patch, facing)) return 0;
   draw(motion, pose, patch, drawing);
   const double slack = gap * w_norm_ / altitude * (1 + kSumError) + 8 * still_error_ / altitude + kSumError;
   const double error = 8 * std::sqrt(static_cast<double>(modes_)) * moving_error_ / altitude;

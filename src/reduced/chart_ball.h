@@ -17,8 +17,7 @@ class ChartBall {
 
  private:
   struct Corners;
-  bool pull_back(const CentrePose& pose, const Patch& patch, const Drawing& drawing,
-                 const Eigen::Vector3f& facing);
+  bool pull_back(const CentrePose& pose, const Patch& patch, const Eigen::Vector3f& facing);
   void draw(const ReducedMotion& motion, const CentrePose& pose, const Patch& patch, const Drawing& drawing);
   void draw_corners(const Drawing& drawing);
   double least_altitude(const Patch& patch, const Drawing& drawing) const;

@@ -4,8 +4,8 @@
 
 namespace foldproof {
 
-CentrePose::CentrePose(const ReducedMotion& motion, std::span<const double> p)
-    : rounding(motion.rounding(p)) {
+CentrePose::CentrePose(const ReducedMotion& motion, std::vector<double> centre)
+    : p(std::move(centre)), rounding(motion.rounding(p)) {
   const auto count = static_cast<Index>(motion.hierarchy()->vertex_ids().size());
   x.resize(3 * std::size_t{count});
   for (Index place = 0; place < count; ++place) {

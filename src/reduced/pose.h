@@ -6,10 +6,11 @@
 namespace foldproof {
 
 struct CentrePose {
-  CentrePose(const ReducedMotion& motion, std::span<const double> p);
+  CentrePose(const ReducedMotion& motion, std::vector<double> centre);
 
   Vec3 at(Index place) const { return Eigen::Map<const Vec3>(&x[3 * std::size_t{place}]); }
 
+  std::vector<double> p;
   std::vector<double> x;  ///< Of the vertices in leaf order.
   double largest = 0;     ///< Coordinate of x, magnitude.
   double rounding = 0;    ///< Of any coordinate of x.

@@ -1,0 +1,78 @@
+#include "reduced/pair_balls.h"
+
+#include <algorithm>
+
+namespace foldproof {
+namespace {
+
+// Sets of vertices larger than this are left to their children when they need a plane: it costs more than it
+// proves.
+constexpr std::size_t kMostVerticesOfPlane = 100'000;
+
+// A chart numbers its vertices in 16 bits; a patch has at most three per triangle, and mostly half of one.
+constexpr std::size_t kMostVerticesOfChart = 0xFFF0;
+
+}  // namespace
+
+bool PairBalls::are_neighbours(NodePairIds pair) const {
+  const auto nodes = input_.motion.hierarchy()->nodes();
+  const auto size = [&](Index node) { return nodes[node].leaf_end - nodes[node].leaf_begin; };
+  const auto [large, small] = size(pair[0]) >= size(pair[1]) ? pair : NodePairIds{pair[1], pair[0]};
+  for (Index leaf = nodes[small].leaf_begin; leaf < nodes[small].leaf_end; ++leaf) {
+    const auto around = input_.slots.neighbours(leaf);
+    const auto at = std::lower_bound(around.begin(), around.end(), nodes[large].leaf_begin);
+    if (at != around.end() && *at < nodes[large].leaf_end) return true;
+  }
+  return false;
+}
+
+// The patch of both nodes. False when it is too large.
+bool PairBalls::read(NodePairIds pair) {
+  const Hierarchy& h = *input_.motion.hierarchy();
+  std::size_t triangles = 0, vertices = 0;
+  const auto count = [&](const Hierarchy::Node& node) {
+    const auto &begin = h.leaves()[node.leaf_begin], &end = h.leaves()[node.leaf_end];
+    triangles += end.triangles - begin.triangles;
+    vertices += end.vertices - begin.vertices;
+  };
+  count(h.nodes()[pair[0]]);
+  if (pair[1] != pair[0]) count(h.nodes()[pair[1]]);
+  // Vertices on the rim belong to others; the reader cannot number more than a chart holds.
+  if (triangles > input_.most_triangles || vertices > kMostVerticesOfChart) return false;
+  reader_.read(input_.slots.of_node(pair[0]), patch_);
+  if (pair[1] != pair[0]) {
+    const Hierarchy::Node& node = h.nodes()[pair[1]];
+    for (Index leaf = node.leaf_begin; leaf < node.leaf_end; ++leaf) reader_.add_leaf(leaf, patch_);
+  }
+  return patch_.vertices.size() <= kMostVerticesOfChart;
+}
+
+double PairBalls::chart_radius(NodePairIds pair, Index centre) {
+  if (!read(pair)) return 0;
+  const CentrePose& pose = input_.poses[centre];
+  const Vec3 first = pose.at(patch_.vertices[0]);
+  positions_.clear();
+  for (const Index v : patch_.vertices) {
+    const Eigen::Vector3f x = (pose.at(v) - first).cast<float>();
+    positions_.push_back({x.x(), x.y(), x.z()});
+  }
+  const Eigen::Vector3f facing = maker_.facing(patch_, positions_);
+  if (facing.isZero() || maker_.draw(patch_, positions_, facing, drawing_) != ChartOutcome::Made) return 0;
+  return chart_.radius(input_.motion, pose, patch_, drawing_, facing, input_.gap);
+}
+
+double PairBalls::radius(NodePairIds pair, Index centre, double enough) {
+  if (pair[0] == pair[1]) return chart_radius(pair, centre);
+  const double apart = balls_apart_radius(input_.nodes, pair[0], pair[1], centre, input_.poses[centre].p,
+                                          input_.motion.deviations(), input_.gap, 1e6);
+  if (apart >= enough) return apart;
+  if (are_neighbours(pair)) return std::max(apart, chart_radius(pair, centre));
+  const auto nodes = input_.motion.hierarchy()->nodes();
+  node_vertices(input_.motion, nodes[pair[0]], vertices_a_);
+  node_vertices(input_.motion, nodes[pair[1]], vertices_b_);
+  if (vertices_a_.size() + vertices_b_.size() > kMostVerticesOfPlane) return apart;
+  return std::max(apart,
+                  plane_.radius(input_.motion, input_.poses[centre], vertices_a_, vertices_b_, input_.gap));
+}
+
+}  // namespace foldproof

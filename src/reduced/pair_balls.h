@@ -1,0 +1,48 @@
+/// The ball of a pair of nodes by every proof that fits it, without looking at what lies below them.
+#pragma once
+
+#include "foldproof/certificate.h"
+#include "reduced/chart_ball.h"
+#include "reduced/node_motion.h"
+#include "reduced/plane_ball.h"
+
+namespace foldproof {
+
+/// Nodes of the hierarchy; the same one twice for a node with itself.
+using NodePairIds = std::array<Index, 2>;
+
+/// What all balls of a shape are made from. Immutable.
+struct BallInput {
+  const ReducedMotion& motion;
+  const NodeMotions& nodes;
+  const PatchSlots& slots;
+  std::span<const CentrePose> poses;
+  double gap;
+  Index most_triangles;
+};
+
+/// Scratch: one per thread.
+class PairBalls {
+ public:
+  explicit PairBalls(const BallInput& input) : input_(input), reader_(input.slots) {}
+
+  /// The largest radius that one proof gives around a centre; `enough`: more need not be looked for.
+  double radius(NodePairIds pair, Index centre, double enough);
+
+ private:
+  bool read(NodePairIds pair);
+  double chart_radius(NodePairIds pair, Index centre);
+  bool are_neighbours(NodePairIds pair) const;
+
+  const BallInput& input_;
+  PatchReader reader_;
+  ChartMaker maker_;
+  ChartBall chart_;
+  PlaneBall plane_;
+  Patch patch_;
+  Drawing drawing_;
+  std::vector<std::array<float, 3>> positions_;
+  std::vector<Index> vertices_a_, vertices_b_;
+};
+
+}  // namespace foldproof
