@@ -24,13 +24,20 @@ struct BallInput {
 /// Scratch: one per thread.
 class PairBalls {
  public:
-  explicit PairBalls(const BallInput& input) : input_(input), reader_(input.slots) {}
+  explicit PairBalls(const BallInput& input)
+      : input_(input),
+        reader_(input.slots),
+        hops_a_(input.motion.hierarchy()->leaf_count(), kFar),
+        hops_b_(input.motion.hierarchy()->leaf_count(), kFar) {}
 
   /// The largest radius that one proof gives around a centre; `enough`: more need not be looked for.
   double radius(NodePairIds pair, Index centre, double enough);
 
  private:
+  static constexpr std::uint8_t kFar = 255;
   bool read(NodePairIds pair);
+  void count_hops(Index from, Index to, Index most, std::vector<std::uint8_t>& hops);
+  bool find_bridge(NodePairIds pair, Index slack);
   double chart_radius(NodePairIds pair, Index centre);
   bool are_neighbours(NodePairIds pair) const;
 
@@ -43,6 +50,9 @@ class PairBalls {
   Drawing drawing_;
   std::vector<std::array<float, 3>> positions_;
   std::vector<Index> vertices_a_, vertices_b_;
+  std::vector<Index> bridge_;                  // leaves between two nodes
+  std::vector<std::uint8_t> hops_a_, hops_b_;  // per leaf, from a node; kFar where not counted
+  std::vector<Index> reached_, queue_;
 };
 
 }  // namespace foldproof
