@@ -1,0 +1,18 @@
+/// From key points to certificates: how the map is made.
+#pragma once
+
+#include "foldproof/learned.h"
+
+namespace foldproof {
+
+/// `keys`: key positions, a column per pose; `anchor` those of the mean. Null when there are no nodes. Error:
+/// numbers that are not finite.
+Result<std::shared_ptr<const CertificateMap>> make_certificate_map(const Hierarchy& hierarchy,
+                                                                   const LearnInput& input,
+                                                                   const Eigen::MatrixXd& keys,
+                                                                   const Eigen::VectorXd& anchor);
+
+/// Per node of the hierarchy: how far it is below the root.
+std::vector<Index> depths_of(const Hierarchy& hierarchy);
+
+}  // namespace foldproof

@@ -1,0 +1,78 @@
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <limits>
+
+#include "certificate/chart_test.h"
+#include "learned/certificates.h"
+
+namespace foldproof {
+
+std::vector<Index> depths_of(const Hierarchy& hierarchy) {
+  const auto nodes = hierarchy.nodes();
+  std::vector<Index> depths(nodes.size(), 0);
+  for (Index n = 0; n < nodes.size(); ++n) {
+    if (!nodes[n].is_leaf()) depths[n + 1] = depths[nodes[n].right] = depths[n] + 1;
+  }
+  return depths;
+}
+
+std::vector<Index> predictable_nodes(const ChartLibrary& charts, Index most) {
+  const Hierarchy& h = *charts.slots()->hierarchy();
+  const std::vector<Index> depths = depths_of(h);
+  std::vector<Index> on_level;
+  for (Index n = 0; n < depths.size(); ++n) {
+    if (charts.first(n) == kNoIndex) continue;
+    if (on_level.size() <= depths[n]) on_level.resize(depths[n] + 1, 0);
+    ++on_level[depths[n]];
+  }
+  Index levels = 0, count = 0;
+  while (levels < on_level.size() && count + on_level[levels] <= most) count += on_level[levels++];
+  std::vector<Index> nodes;
+  for (Index n = 0; n < depths.size(); ++n) {
+    if (depths[n] < levels && charts.first(n) != kNoIndex) nodes.push_back(n);
+  }
+  return nodes;
+}
+
+struct MarginMeter::Scratch {
+  explicit Scratch(std::shared_ptr<const ChartLibrary> library)
+      : charts(std::move(library)), tree(charts->slots()->hierarchy()) {}
+
+  double margin(Index node) {
+    double best = -1;
+    for (Index c = charts->first(node); c != kNoIndex; c = charts->charts()[c].next) {
+      const ChartLibrary::Chart& chart = charts->charts()[c];
+      const ChartView view{charts->vertices(chart), charts->points(chart), charts->triangles(chart),
+                           chart.fit};
+      best = std::max(best, chart_margin(view, tree.vertices, locals.local(), best));
+    }
+    return best;
+  }
+
+  std::shared_ptr<const ChartLibrary> charts;
+  KineticTree tree;
+  tbb::enumerable_thread_specific<ChartScratch> locals;
+};
+
+MarginMeter::MarginMeter(std::shared_ptr<const ChartLibrary> charts)
+    : scratch_(std::make_unique<Scratch>(std::move(charts))) {}
+MarginMeter::~MarginMeter() = default;
+MarginMeter::MarginMeter(MarginMeter&&) noexcept = default;
+
+Eigen::VectorXd MarginMeter::of(std::span<const Index> nodes, std::span<const double> positions) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (std::size_t i = 0; i < positions.size(); i += 3) {
+    const Eigen::Map<const Vec3> x(&positions[i]);
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  scratch_->tree.refit(frame_around(low, high), positions, positions);
+  Eigen::VectorXd margins(static_cast<Eigen::Index>(nodes.size()));
+  tbb::parallel_for(std::size_t{0}, nodes.size(), [&](std::size_t k) {
+    margins[static_cast<Eigen::Index>(k)] = scratch_->margin(nodes[k]);
+  });
+  return margins;
+}
+
+}  // namespace foldproof
