@@ -13,6 +13,7 @@
 
 #include "foldproof/model.h"
 #include "foldproof/query.h"
+#include "subdivide.h"
 
 namespace foldproof::bench {
 namespace {
@@ -31,11 +32,13 @@ const char* name_of(Training training) {
   return "";
 }
 
-// Poses of the same mesh that are not of the motion.
+// Poses of the same mesh that are not of the motion; the lion's are of the mesh that lion-anim was subdivided
+// from.
 std::vector<std::string> separate_poses(const std::string& scene) {
   static const std::map<std::string, std::vector<std::string>> files = {
       {"elephant-gallop", {"elephant/elephant-poses.obj", "elephant/elephant-poses.pc2"}},
       {"horse-gallop", {"horse-poses/pose_*.obj"}},
+      {"lion-anim", {"lion-poses/pose_*.obj"}},
       {"hand-anim", {"hand/hand-poses.obj", "hand/hand-poses.pc2"}}};
   const auto found = files.find(scene);
   return found == files.end() ? std::vector<std::string>{} : found->second;
@@ -117,7 +120,12 @@ Result<std::shared_ptr<const ChartLibrary>> trained(const SceneInfo& scene, Moti
     auto opened = open_motions(files);
     if (!opened) return tl::unexpected(opened.error());
     others = std::move(*opened);
-    for (const auto& other : others) {
+    for (auto& other : others) {
+      if (other->topology().vertex_count() < motion.topology().vertex_count()) {
+        auto fine = subdivide_like(motion.topology(), *other);
+        if (!fine) return tl::unexpected(fine.error());
+        other = std::move(*fine);
+      }
       for (Index frame = 0; frame < other->frame_count(); ++frame) poses.push_back({other.get(), frame});
     }
   }
