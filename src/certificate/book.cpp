@@ -20,7 +20,7 @@ constexpr float kFlatEnough = 0.3f;
 }  // namespace
 
 ChartBook::ChartBook(std::shared_ptr<const PatchSlots> slots, std::shared_ptr<const ChartLibrary> trained,
-                     const LearnSettings& settings)
+                     const BookSettings& settings)
     : settings_(settings),
       trained_(std::move(trained)),
       own_(slots),

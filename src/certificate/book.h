@@ -14,7 +14,7 @@ struct ChartTester {
   std::uint64_t tests = 0;
 };
 
-struct LearnSettings {
+struct BookSettings {
   Index most_triangles = 4096;   ///< Of a patch; larger ones hardly ever lie in one plane.
   std::uint8_t most_charts = 2;  ///< Of a slot; further ones replace the oldest.
 };
@@ -22,7 +22,7 @@ struct LearnSettings {
 class ChartBook {
  public:
   ChartBook(std::shared_ptr<const PatchSlots> slots, std::shared_ptr<const ChartLibrary> trained,
-            const LearnSettings& settings = {});
+            const BookSettings& settings = {});
 
   const PatchSlots& slots() const { return *own_.slots(); }
   const ChartLibrary& own() const { return own_; }
@@ -76,7 +76,7 @@ class ChartBook {
   bool holds(const ChartLibrary& library, Index chart, std::span<const MovingVertex> vertices, double gap,
              ChartTester& tester) const;
 
-  LearnSettings settings_;
+  BookSettings settings_;
   std::shared_ptr<const ChartLibrary> trained_;
   ChartLibrary own_;
   std::vector<Memory> memory_;
