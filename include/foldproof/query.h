@@ -7,6 +7,7 @@
 
 #include "foldproof/ccd.h"
 #include "foldproof/certificate.h"
+#include "foldproof/reduced.h"
 
 namespace foldproof {
 
@@ -149,6 +150,43 @@ class StepChecker {
   /// other triangle, so that another vertex at the common vertex's place counts. The same triangle twice:
   /// when it has an area.
   Result<void> check_static(Positions x, const StepSettings& settings, StaticResult& out);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// One object of a reduced motion at one end of a step: its vertices are at rotation x(p) + translation.
+///
+/// Evaluated in double, one rounding per operation: coordinate i is ((r_i0 x + r_i1 y) + r_i2 z) + t_i with
+/// x, y, z from ReducedMotion. Without a placement that is x(p) itself.
+struct ReducedPose {
+  std::span<const double> p;  ///< One number per mode.
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Vec3 translation = Vec3::Zero();
+};
+
+/// All vertices of a placed shape, by the user's ids: 3 * vertex_count numbers. Precondition: sizes fit.
+void place_vertices(const ReducedMotion& motion, const ReducedPose& pose, std::span<double> out);
+
+/// Answers queries on objects that move in reduced coordinates. It looks at no vertex where nothing is near:
+/// its cost does not depend on the size of the meshes. Owns scratch of their size; one checker per thread.
+class ReducedChecker {
+ public:
+  explicit ReducedChecker(std::vector<std::shared_ptr<const ReducedShape>> objects);
+  ~ReducedChecker();
+  ReducedChecker(ReducedChecker&&) noexcept;
+  ReducedChecker& operator=(ReducedChecker&&) noexcept;
+
+  /// What StepChecker::check answers, bit for bit, when it is given the vertices of all objects at both ends
+  /// (place_vertices) and the tolerance of this answer. The automatic tolerance is 2^-30 of a box that holds
+  /// everything but is found without looking at vertices, hence up to a few times larger. All vertices go
+  /// straight between the ends, also where rotations differ. Balls serve objects whose rotation is the same
+  /// at both ends, and thickness plus tolerance up to the shape's clearance; what is beyond goes by boxes.
+  /// StepSettings::explain has no effect. Error: wrong sizes, numbers that are not finite, a rotation that is
+  /// none.
+  Result<void> check(std::span<const ReducedPose> begin, std::span<const ReducedPose> end,
+                     const StepSettings& settings, StepResult& out);
 
  private:
   struct Impl;

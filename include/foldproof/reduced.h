@@ -49,6 +49,8 @@ class ReducedMotion {
   std::span<const Index> leaf_vertices(Index leaf) const {
     return std::span(leaf_vertices_).subspan(leaf_begin_[leaf], leaf_begin_[leaf + 1] - leaf_begin_[leaf]);
   }
+  /// No coordinate of x(p) is larger, mesh units.
+  double reach(std::span<const double> p) const;
   /// What a computed coordinate of x(p) may be off by, mesh units.
   double rounding(std::span<const double> p) const;
 

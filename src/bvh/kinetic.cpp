@@ -171,14 +171,7 @@ void KineticTree::refit(const Frame& frame, std::span<const double> x0, std::spa
   using Range = tbb::blocked_range<std::size_t>;
   tbb::parallel_for(Range(0, ids.size(), 4096), [&](const Range& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const double* ends[2] = {&x0[3 * std::size_t{ids[i]}], &x1[3 * std::size_t{ids[i]}]};
-      for (int end = 0; end < 2; ++end) {
-        for (int axis = 0; axis < 3; ++axis) {
-          vertices[i].x[4 * end + axis] =
-              static_cast<float>((ends[end][axis] - frame.center[axis]) * frame.scale);
-        }
-        vertices[i].x[4 * end + 3] = 0;
-      }
+      move_vertex(frame, static_cast<Index>(i), &x0[3 * std::size_t{ids[i]}], &x1[3 * std::size_t{ids[i]}]);
     }
   });
   tbb::parallel_for(Range(0, leaves_.size(), 512), [&](const Range& range) {
@@ -186,6 +179,21 @@ void KineticTree::refit(const Frame& frame, std::span<const double> x0, std::spa
     (vertices.data(), std::span(leaves_).subspan(range.begin(), range.size()), boxes.data());
   });
   HWY_DYNAMIC_DISPATCH(UniteInnerNodes)(hierarchy->nodes(), boxes.data());
+}
+
+void KineticTree::move_vertex(const Frame& frame, Index place, const double* x0, const double* x1) {
+  const double* ends[2] = {x0, x1};
+  for (int end = 0; end < 2; ++end) {
+    for (int axis = 0; axis < 3; ++axis) {
+      vertices[place].x[4 * end + axis] =
+          static_cast<float>((ends[end][axis] - frame.center[axis]) * frame.scale);
+    }
+    vertices[place].x[4 * end + 3] = 0;
+  }
+}
+
+void KineticTree::fit_leaf(Index leaf) {
+  HWY_DYNAMIC_DISPATCH(FitLeaves)(vertices.data(), std::span(leaves_).subspan(leaf, 1), boxes.data());
 }
 
 void KineticTree::fill_features(Index leaf) { HWY_DYNAMIC_DISPATCH(FillLeafFeatures)(*this, leaf); }

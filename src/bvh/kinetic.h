@@ -65,6 +65,10 @@ struct KineticTree {
 
   /// Reads both ends of the step and refits all node boxes. Uses the caller's oneTBB arena.
   void refit(const Frame& frame, std::span<const double> x0, std::span<const double> x1);
+  /// The same for single vertices, places in leaf order, and leaves: for those who need few of them. A leaf's
+  /// vertices come first, then its box, then its features.
+  void move_vertex(const Frame& frame, Index place, const double* x0, const double* x1);
+  void fit_leaf(Index leaf);
   /// Fills the feature boxes of one leaf. Different leaves may be filled by different threads.
   void fill_features(Index leaf);
   Index leaf_node(Index leaf) const { return leaves_[leaf].node; }

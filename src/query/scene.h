@@ -3,33 +3,17 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
-#include "bvh/traverse.h"
 #include "certificate/book.h"
 #include "certificate/separating_plane.h"
-#include "foldproof/query.h"
+#include "query/narrow.h"
 
 namespace foldproof {
-
-/// A share of the traversal of one object with itself or of two objects. Tasks run in parallel; what they
-/// find does not depend on the threads.
-struct TraversalTask {
-  Traversal traversal;
-  Index object_a, object_b;
-  std::vector<NodePair> starts, front;
-  TraversalResult found;
-};
 
 /// Where the traversal of one object with itself or of two objects stopped in the step before.
 struct Front {
   std::vector<Index> proven;  ///< The nodes of the object that were left out, being proven.
   std::vector<NodePair> pairs;
   int uses_left = 0;  ///< Then it is made anew from the root, as it only ever gets finer.
-};
-
-/// A leaf pair to be tested, with the task it came from.
-struct LeafPairRef {
-  Index task;
-  NodePair leaves;
 };
 
 /// Which proven patches of this step a leaf belongs to. Two leaves with a patch in common are proven apart.
@@ -68,7 +52,8 @@ class Scene {
 
   /// Of the last traversal, in an order that depends on the input only.
   std::span<const LeafPairRef> leaf_pairs() const { return leaf_pairs_; }
-  const TraversalTask& task(Index k) const { return tasks_[k]; }
+  std::span<const TraversalTask> tasks() const { return tasks_; }
+  std::span<const KineticTree> trees() const { return trees_; }
 
   /// The largest side of the box around everything during the step, in mesh units.
   double largest_side() const { return largest_side_; }

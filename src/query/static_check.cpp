@@ -73,13 +73,13 @@ Result<void> StepChecker::check_static(Positions x, const StepSettings& settings
   out.milliseconds.traverse = watch.lap();
 
   const Pose pose{scene, x};
-  impl_->in_rounds([&](std::size_t count) {
+  in_rounds(scene.leaf_pairs(), impl_->chunks, [&](std::size_t count) {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       Chunk& chunk = impl_->chunks[i];
       chunk.candidates.clear();
       std::size_t done = 0;
       for (const LeafPairRef& pair : chunk.pairs) {
-        const TraversalTask& task = scene.task(pair.task);
+        const TraversalTask& task = scene.tasks()[pair.task];
         find_face_pairs(task.traversal, pair.leaves, chunk.candidates);
         for (; done < chunk.candidates.face_face.size(); ++done) {
           test_pair(pose, task, chunk.candidates.face_face[done], chunk.crossings);

@@ -93,11 +93,13 @@ void ReducedMotion::positions(std::span<const double> p, std::span<double> out) 
   });
 }
 
-// docs/soundness.md, R5: one rounding per product and per sum, each relative to what is summed.
-double ReducedMotion::rounding(std::span<const double> p) const {
+double ReducedMotion::reach(std::span<const double> p) const {
   double size = largest_mean_;
   for (Index k = 0; k < modes_; ++k) size += largest_[k] * std::abs(p[k]);
-  return size * (modes_ + 2) * 0x1p-52;
+  return size * (1 + 0x1p-40);
 }
+
+// docs/soundness.md, R5: one rounding per product and per sum, each relative to what is summed.
+double ReducedMotion::rounding(std::span<const double> p) const { return reach(p) * (modes_ + 2) * 0x1p-52; }
 
 }  // namespace foldproof

@@ -54,7 +54,8 @@ inline ReducedMesh bending_tube(Index around, Index along, double bend, Index mo
         // Bent in the plane of `angle`, about the middle, with a soft joint.
         const double u = r * std::cos(phi - angle), w = r * std::sin(phi - angle);
         const double turn = bent * std::tanh(s / 2) / 2;
-        const double along_x = s - u * std::sin(turn), up = u * std::cos(turn) + (std::cosh(0.2 * s) - 1) * bent;
+        const double along_x = s - u * std::sin(turn),
+                     up = u * std::cos(turn) + (std::cosh(0.2 * s) - 1) * bent;
         x.insert(x.end(), {along_x, up * std::cos(angle) - w * std::sin(angle),
                            up * std::sin(angle) + w * std::cos(angle)});
       }
