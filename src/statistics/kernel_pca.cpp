@@ -129,8 +129,15 @@ Result<KernelPca> kernel_pca(const MatrixView& samples, const SubspaceSize& size
   Span all = span_of(samples, samples.cols() <= kDenseSide ? kAllModes : SubspaceSize{0, kKernelSpanEnergy});
 
   KernelPca result;
-  result.samples = all.values.asDiagonal() * all.scores.transpose();
+  const MatrixXd exact = all.values.asDiagonal() * all.scores.transpose();
+  const MatrixXd directions = all.directions;
   result.span = to_pca(std::move(all));
+  // What span.project gives for the samples, so that a sample's distance from itself is 0 in spite of the
+  // rounding.
+  const MatrixXd to_rounded = result.span.basis.transpose() * directions;
+  const MatrixXd gram = result.span.basis.transpose() * result.span.basis;
+  result.samples = to_rounded * exact;
+  result.samples += to_rounded * exact - gram * result.samples;
   result.width = width > 0 ? width : median_distance(result.samples);
   result.weights.resize(samples.cols(), 0);
   result.row_means = VectorXd::Ones(samples.cols());
