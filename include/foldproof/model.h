@@ -1,6 +1,7 @@
 /// Models: what training found out about a mesh, kept in a file. A model is a hierarchy with charts
 /// (certificate.h) drawn in reference poses, so that a query knows from its first step on what it can prove
-/// free. A model never changes an answer, whatever is in it: charts are checked exactly when a file is read.
+/// free, and with what was learned about the mesh's shapes (learned.h). A model never changes an answer,
+/// whatever is in it: charts are checked exactly when a file is read.
 #pragma once
 
 #include <atomic>
@@ -12,12 +13,15 @@
 
 #include "foldproof/certificate.h"
 #include "foldproof/io.h"
+#include "foldproof/learned.h"
 
 namespace foldproof {
 
 struct TrainSettings {
   Index references = 0;         ///< Poses to draw charts in, chosen to differ most. 0: all poses, at most 16.
   Index most_triangles = 4096;  ///< Of a patch; larger ones hardly ever lie in one plane.
+  bool learn = true;            ///< Model::learned too, where there are at least 3 poses.
+  LearnSettings learning = {};
 };
 
 /// Why no chart proved a leaf free of contact with itself.
@@ -50,6 +54,8 @@ struct Model {
   std::vector<TrainedPose> poses;
   std::vector<HardLeaf> hard_leaves;           ///< By leaf, ascending.
   std::shared_ptr<const ChartLibrary> charts;  ///< Never null. A chart's source is the number of its pose.
+  std::shared_ptr<const Learned> learned;      ///< Null when nothing was learned.
+  std::string not_learned;                     ///< For people, right after training: why nothing was.
 
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return charts->slots()->hierarchy(); }
 };
@@ -73,9 +79,12 @@ struct TrainHooks {
       nullptr;  ///< Looked at before every pose; true ends training in an error.
 };
 
-/// Draws charts. The same input gives the same model for any number of threads. Memory holds one pose, and
-/// one short descriptor per pose when references have to be chosen. Error: no poses, poses of different
-/// topologies, a mesh beyond a model's limits (docs/model.md), a frame that cannot be read.
+/// Draws charts, and learns what learned.h tells of. The same input gives the same model for any number of
+/// threads. Memory holds one pose and one short descriptor per pose when references have to be chosen; to
+/// learn, as many poses as fit into 512 MB, at most LearnSettings::most_poses, evenly taken, and working
+/// space of about four times as much. Poses from which nothing can be learned (all the same, or far too large
+/// to compute with) get a model without. Error: no poses, poses of different topologies, a mesh beyond a
+/// model's limits (docs/model.md), a frame that cannot be read, settings beyond their range.
 Result<Model> train_model(std::span<const TrainPose> poses, const TrainSettings& settings,
                           const TrainHooks& hooks = {});
 

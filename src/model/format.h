@@ -7,7 +7,11 @@
 namespace foldproof {
 
 /// Of the file. Also numbers and order of patches are part of it: those of PatchSlots and PatchReader.
-inline constexpr std::uint32_t kModelVersion = 1;
+inline constexpr std::uint32_t kModelVersion = 2;
+/// Models without a learned part; read as what they are.
+inline constexpr std::uint32_t kOldestModelVersion = 1;
+
+inline constexpr const char* kCopyAgain = "copy the model again, or train it anew";
 
 /// How many of a chart's triangles belong to its patch; fillers follow.
 inline Index patch_triangles(const PatchSlots& slots, Index slot, std::span<const Index> collar) {

@@ -8,6 +8,7 @@
 
 #include "io/bytes.h"
 #include "model/format.h"
+#include "model/learned_file.h"
 #include "model/limits.h"
 
 namespace foldproof {
@@ -30,12 +31,17 @@ class Reader {
     auto charts = read_charts(model, *hierarchy);
     if (!charts) return tl::unexpected(charts.error());
     model.charts = std::move(*charts);
+    if (file_.learned()) {
+      auto learned = read_learned(*file_.learned(), *model.hierarchy(), model.poses.size(), path_);
+      if (!learned) return tl::unexpected(learned.error());
+      model.learned = std::move(*learned);
+    }
     return model;
   }
 
  private:
   tl::unexpected<Error> bad(const std::string& place, const std::string& problem) const {
-    return fail(fmt::format("{}, {}", path_, place), problem, "copy the model again, or train it anew");
+    return fail(fmt::format("{}, {}", path_, place), problem, kCopyAgain);
   }
 
   template <class T>
@@ -203,11 +209,13 @@ Result<Model> load_model(const std::string& path) {
       !file::SizePrefixedModelBufferHasIdentifier(bytes.data())) {
     return fail(path, "is not a Foldproof model", "make one with 'foldproof train'");
   }
-  const auto damaged = fail(path, "is damaged or cut off", "copy the model again, or train it anew");
+  const auto damaged = fail(path, "is damaged or cut off", kCopyAgain);
   if (!has_structure<file::Header>(bytes)) return damaged;
   const auto version = flatbuffers::GetSizePrefixedRoot<file::Header>(bytes.data())->version();
-  if (version != kModelVersion) {
-    return fail(path, fmt::format("has format version {}, and this program reads {}", version, kModelVersion),
+  if (version < kOldestModelVersion || version > kModelVersion) {
+    return fail(path,
+                fmt::format("has format version {}, and this program reads {} to {}", version,
+                            kOldestModelVersion, kModelVersion),
                 "use the version of Foldproof that wrote it, or train it anew");
   }
   if (!has_structure<file::Model>(bytes)) return damaged;

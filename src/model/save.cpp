@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "model/format.h"
+#include "model/learned_file.h"
 
 namespace foldproof {
 namespace {
@@ -56,6 +57,7 @@ std::uint64_t bound_of_bytes(const Model& model) {
              sizeof(file::Filler) * fillers_of(*model.charts, chart).size();
   }
   for (const TrainedPose& pose : model.poses) bytes += pose.name.size() + 32;
+  if (model.learned) bytes += bound_of_learned_bytes(*model.learned);
   return bytes + sizeof(file::HardLeaf) * model.hard_leaves.size() +
          16 * model.hierarchy()->triangles().size() + 4 * model.hierarchy()->nodes().size();
 }
@@ -85,6 +87,7 @@ void build(FlatBufferBuilder& builder, const Model& model) {
   const auto order = builder.CreateVector(h.triangle_ids().data(), h.triangle_ids().size());
   const auto sizes = builder.CreateVector(leaf_sizes);
   const auto hard_vector = builder.CreateVectorOfStructs(hard);
+  const auto learned = model.learned ? write_learned(builder, *model.learned) : 0;
   file::ModelBuilder root(builder);
   root.add_version(kModelVersion);
   root.add_program(program);
@@ -103,6 +106,7 @@ void build(FlatBufferBuilder& builder, const Model& model) {
   root.add_places(charts.places);
   root.add_heights(charts.heights);
   root.add_fillers(charts.fillers);
+  if (model.learned) root.add_learned(learned);
   builder.FinishSizePrefixed(root.Finish(), file::ModelIdentifier());
 }
 

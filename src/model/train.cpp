@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <cmath>
+#include <optional>
+
 #include "model/limits.h"
 #include "model/references.h"
 #include "model/trainer.h"
@@ -12,6 +15,12 @@ constexpr Index kReferences = 16;
 
 // What it costs to draw in a pose, in terms of what it costs to look at one.
 constexpr std::size_t kDrawingWork = 8;
+// The same for learning from one.
+constexpr std::size_t kLearningWork = 6;
+
+// Of the poses that learning holds.
+constexpr std::uint64_t kMostSampleBytes = std::uint64_t{512} << 20;
+constexpr std::size_t kFewestPoses = 3;
 
 std::string name_of(const TrainPose& pose) {
   if (pose.motion->frame_count() == 1) return pose.motion->name();
@@ -35,6 +44,48 @@ Result<void> require_one_mesh(std::span<const TrainPose> poses) {
   return require_few_loose_vertices(first.topology(), first.name());
 }
 
+Result<void> require_shares(const LearnSettings& learning) {
+  const auto check = [](const char* what, double value) -> Result<void> {
+    if (value > 0 && value <= 1) return {};
+    return fail(what, fmt::format("{} is not a share: above 0 and at most 1", value), "give another");
+  };
+  if (auto ok = check("energy", learning.size.energy); !ok) return ok;
+  if (auto ok = check("key points", learning.key_points.most_share); !ok) return ok;
+  return check("first key points", learning.key_points.first_share);
+}
+
+/// What learning collects while the poses are looked at.
+class Collection {
+ public:
+  /// Which of so many poses: evenly taken where they are too many.
+  Collection(std::size_t poses, Index vertices, const LearnSettings& settings) {
+    const std::uint64_t fit = kMostSampleBytes / (sizeof(double) * 3 * std::uint64_t{vertices});
+    const std::size_t count = std::min<std::uint64_t>({poses, settings.most_poses, fit});
+    for (std::size_t k = 0; k < count; ++k) input_.poses.push_back(static_cast<Index>(k * poses / count));
+  }
+  std::size_t count() const { return input_.poses.size(); }
+
+  void begin(const std::shared_ptr<const ChartLibrary>& charts) {
+    meter_.emplace(charts);
+    input_.nodes = predictable_nodes(*charts);
+    const auto columns = static_cast<Eigen::Index>(count());
+    input_.samples.resize(3 * Eigen::Index{charts->slots()->hierarchy()->topology().vertex_count()}, columns);
+    input_.margins.resize(static_cast<Eigen::Index>(input_.nodes.size()), columns);
+  }
+  void look_at(Index pose, std::span<const double> positions) {
+    if (taken_ == count() || input_.poses[taken_] != pose) return;
+    const auto column = static_cast<Eigen::Index>(taken_++);
+    std::copy(positions.begin(), positions.end(), input_.samples.col(column).data());
+    input_.margins.col(column) = meter_->of(input_.nodes, positions);
+  }
+  const LearnInput& input() const { return input_; }
+
+ private:
+  LearnInput input_;
+  std::optional<MarginMeter> meter_;
+  std::size_t taken_ = 0;
+};
+
 /// Training that is under way.
 class Run {
  public:
@@ -42,6 +93,10 @@ class Run {
       : poses_(poses), settings_(settings), hooks_(hooks) {
     wanted_ = std::min<std::size_t>(settings.references ? settings.references : kReferences, poses.size());
     expected_ = poses.size() + wanted_ * kDrawingWork + (wanted_ < poses.size() ? poses.size() : 0);
+    if (!settings.learn) return;
+    collection_.emplace(poses.size(), poses[0].motion->topology().vertex_count(), settings.learning);
+    if (collection_->count() < kFewestPoses) collection_.reset();
+    if (collection_) expected_ += collection_->count() * kLearningWork;
   }
 
   Result<Model> run() {
@@ -98,22 +153,48 @@ class Run {
       model.poses[k].reference = true;
       finish(kDrawingWork);
     }
+    if (collection_) collection_->begin(trainer.charts());
     for (Index k = 0; k < poses_.size(); ++k) {
       if (auto read = enter(k); !read) return tl::unexpected(read.error());
       model.poses[k].proven = trainer.prove(positions_);
+      if (collection_) collection_->look_at(k, positions_);
       finish(1);
     }
     model.program = version();
     model.settings = settings_;
     model.hard_leaves = trainer.hard_leaves();
     model.charts = trainer.charts();
+    if (auto learned = add_learned(model); !learned) return tl::unexpected(learned.error());
     return model;
+  }
+
+  Result<void> add_learned(Model& model) {
+    if (!collection_) {
+      model.not_learned = settings_.learn ? "too few poses" : "not wanted";
+      return {};
+    }
+    LearnHooks hooks;
+    hooks.cancel = hooks_.cancel;
+    const std::size_t before = done_, work = collection_->count() * kLearningWork;
+    hooks.progress = [&](double part) {
+      finish(before + static_cast<std::size_t>(std::lround(part * static_cast<double>(work))) - done_);
+    };
+    auto learned = foldproof::learn(*model.hierarchy(), collection_->input(), settings_.learning, hooks);
+    if (learned) {
+      model.learned = std::make_shared<const Learned>(std::move(*learned));
+    } else if (hooks_.cancel && hooks_.cancel->load(std::memory_order_relaxed)) {
+      return tl::unexpected(learned.error());
+    } else {
+      model.not_learned = learned.error().problem;
+    }
+    return {};
   }
 
   std::span<const TrainPose> poses_;
   const TrainSettings& settings_;
   const TrainHooks& hooks_;
   std::size_t wanted_ = 0, expected_ = 0, done_ = 0;
+  std::optional<Collection> collection_;
   std::vector<double> positions_;
 };
 
@@ -122,6 +203,7 @@ class Run {
 Result<Model> train_model(std::span<const TrainPose> poses, const TrainSettings& settings,
                           const TrainHooks& hooks) {
   if (auto ok = require_one_mesh(poses); !ok) return tl::unexpected(ok.error());
+  if (auto ok = require_shares(settings.learning); !ok) return tl::unexpected(ok.error());
   return Run(poses, settings, hooks).run();
 }
 
