@@ -1,0 +1,255 @@
+// Reduced queries against StepChecker on the meshes rebuilt from the same coordinates: the same pairs with
+// the same times, bit for bit.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <cstring>
+
+#include "foldproof/query.h"
+#include "oracle/brute_force.h"
+#include "oracle/data.h"
+#include "reduced/shapes.h"
+
+namespace foldproof::testing {
+namespace {
+
+using oracle::key;
+using ShapePointer = std::shared_ptr<const ReducedShape>;
+
+ShapePointer shape_of(const ReducedMesh& mesh, const ReducedSettings& settings = {},
+                      std::size_t extra_centres = 0) {
+  const auto motion = mesh.motion();
+  std::vector<ReducedCentre> centres{{std::vector<double>(motion->modes(), 0.0)}};
+  std::mt19937 random(3);
+  for (std::size_t k = 0; k < extra_centres; ++k) {
+    centres.push_back({random_direction(*motion, random)});
+    for (double& c : centres.back().p) c *= 1.5;
+  }
+  return std::make_shared<const ReducedShape>(ReducedShape::build(motion, centres, settings).value());
+}
+
+// Coordinates and placements of all objects at both ends of a step.
+struct Step {
+  std::vector<std::vector<double>> p0, p1;
+  std::vector<ReducedPose> begin, end;
+};
+
+Step random_step(const std::vector<ShapePointer>& shapes, double distance, double stride,
+                 std::mt19937& random) {
+  Step step;
+  for (const ShapePointer& shape : shapes) {
+    auto p = random_direction(*shape->motion(), random), q = random_direction(*shape->motion(), random);
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      p[k] *= distance;
+      q[k] = p[k] + stride * q[k];
+    }
+    step.p0.push_back(p);
+    step.p1.push_back(q);
+  }
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    step.begin.push_back({step.p0[i]});
+    step.end.push_back({step.p1[i]});
+  }
+  return step;
+}
+
+template <class Collision>
+void expect_same(const std::vector<Collision>& a, const std::vector<Collision>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(key(a[i]), key(b[i]));
+    EXPECT_EQ(std::memcmp(&a[i].toi, &b[i].toi, sizeof a[i].toi), 0);
+    EXPECT_EQ(a[i].answer, b[i].answer);
+  }
+}
+
+// Runs both checkers; gives the reduced one's answer.
+StepResult expect_same_answer(const std::vector<ShapePointer>& shapes, const Step& step,
+                              StepSettings settings) {
+  ReducedChecker reduced(shapes);
+  StepResult answer, expected;
+  const auto done = reduced.check(step.begin, step.end, settings, answer);
+  EXPECT_TRUE(done) << (done ? "" : done.error().line());
+  std::vector<std::shared_ptr<const Hierarchy>> objects;
+  std::vector<std::vector<double>> x0, x1;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const ReducedMotion& motion = *shapes[i]->motion();
+    objects.push_back(motion.hierarchy());
+    for (auto* x : {&x0, &x1})
+      x->emplace_back(3 * std::size_t{motion.hierarchy()->topology().vertex_count()});
+    place_vertices(motion, step.begin[i], x0.back());
+    place_vertices(motion, step.end[i], x1.back());
+  }
+  settings.tolerance = answer.tolerance;
+  StepChecker checker(objects);
+  const std::vector<std::span<const double>> from(x0.begin(), x0.end()), to(x1.begin(), x1.end());
+  EXPECT_TRUE(checker.check(from, to, settings, expected));
+  EXPECT_EQ(answer.tolerance, expected.tolerance);
+  expect_same(answer.vertex_face, expected.vertex_face);
+  expect_same(answer.edge_edge, expected.edge_edge);
+  EXPECT_EQ(answer.earliest_toi, expected.earliest_toi);
+  return answer;
+}
+
+std::size_t pairs_in(const StepResult& answer) { return answer.vertex_face.size() + answer.edge_edge.size(); }
+
+TEST(ReducedChecker, AnswersAsStepCheckerWithinOneObject) {
+  std::size_t hits = 0, clean = 0;
+  for (const auto& mesh : {bending_tube(16, 40, 0.6), waving_cloth(16)}) {
+    for (const std::size_t extra_centres : {0, 2}) {
+      const std::vector<ShapePointer> shapes{shape_of(mesh, {}, extra_centres)};
+      std::mt19937 random(21);
+      for (const double distance : {0.5, 2.0, 6.0, 80.0}) {
+        for (int round = 0; round < 4; ++round) {
+          const Step step = random_step(shapes, distance, 0.4 * distance, random);
+          const StepResult answer = expect_same_answer(shapes, step, {});
+          hits += pairs_in(answer);
+          clean += answer.clean();
+          StepSettings without;
+          without.certificates = false;
+          StepResult by_boxes;
+          ASSERT_TRUE(ReducedChecker(shapes).check(step.begin, step.end, without, by_boxes));
+          expect_same(by_boxes.vertex_face, answer.vertex_face);
+          expect_same(by_boxes.edge_edge, answer.edge_edge);
+          EXPECT_LE(answer.work.leaf_pairs, by_boxes.work.leaf_pairs);
+        }
+      }
+    }
+  }
+  EXPECT_GT(hits, 0u);
+  EXPECT_GT(clean, 0u);
+}
+
+TEST(ReducedChecker, LooksAtOnePairOfNodesInsideTheRootsBall) {
+  const std::vector<ShapePointer> shapes{shape_of(bending_tube(32, 80, 0.4))};
+  ASSERT_GT(shapes[0]->radius(0), 0.5);
+  ASSERT_TRUE(shapes[0]->always_open().empty());
+  std::mt19937 random(22);
+  const Step step = random_step(shapes, 0.4 * shapes[0]->radius(0), 0.1, random);
+  StepSettings settings;
+  settings.between = false;
+  const StepResult answer = expect_same_answer(shapes, step, settings);
+  EXPECT_EQ(answer.work.certificate_tests, 1u);
+  EXPECT_EQ(answer.work.node_tests, 0u);
+  EXPECT_EQ(answer.work.leaf_pairs, 0u);
+}
+
+TEST(ReducedChecker, AnswersWithThicknessUpToTheClearanceAndBeyond) {
+  ReducedSettings settings;
+  settings.clearance = 0.02;
+  const std::vector<ShapePointer> shapes{shape_of(waving_cloth(16), settings)};
+  std::mt19937 random(23);
+  std::size_t hits = 0;
+  for (const double thickness : {0.0, 0.01, 0.03}) {
+    for (const double distance : {0.3, 1.0, 3.0, 5.0}) {
+      const Step step = random_step(shapes, distance, 0.2, random);
+      StepSettings query;
+      query.thickness = thickness;
+      const StepResult answer = expect_same_answer(shapes, step, query);
+      hits += pairs_in(answer);
+      EXPECT_EQ(answer.work.certificate_tests > 0, thickness < settings.clearance);
+    }
+  }
+  EXPECT_GT(hits, 0u);
+}
+
+Eigen::Matrix3d random_rotation(std::mt19937& random) {
+  std::normal_distribution<double> normal(0, 1);
+  return Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
+      .normalized()
+      .toRotationMatrix();
+}
+
+TEST(ReducedChecker, AnswersForSeveralPlacedObjects) {
+  const auto tube = shape_of(bending_tube(12, 30, 0.5)), cloth = shape_of(waving_cloth(12));
+  const std::vector<ShapePointer> shapes{tube, cloth, cloth};
+  std::mt19937 random(24);
+  std::normal_distribution<double> normal(0, 1);
+  std::size_t within = 0, between = 0;
+  for (int round = 0; round < 12; ++round) {
+    Step step = random_step(shapes, round % 3 + 0.5, 0.5, random);
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      step.begin[i].rotation = random_rotation(random);
+      step.begin[i].translation = Vec3(normal(random), normal(random), normal(random)) * 0.7;
+      step.end[i].rotation = round % 2 ? random_rotation(random) : step.begin[i].rotation;
+      step.end[i].translation =
+          step.begin[i].translation + Vec3(normal(random), normal(random), normal(random)) * 0.2;
+    }
+    StepSettings settings;
+    settings.earliest_only = round == 11;
+    const StepResult answer = expect_same_answer(shapes, step, settings);
+    for (const auto& c : answer.vertex_face) ++(c.vertex_object == c.face_object ? within : between);
+    EXPECT_EQ(answer.work.certificate_tests > 0, round % 2 == 0) << "balls serve what does not turn";
+  }
+  EXPECT_GT(within, 0u);
+  EXPECT_GT(between, 0u);
+}
+
+TEST(ReducedChecker, RefusesWhatItCannotCheck) {
+  const std::vector<ShapePointer> shapes{shape_of(waving_cloth(6))};
+  ReducedChecker checker(shapes);
+  StepResult answer;
+  std::mt19937 random(25);
+  const Step good = random_step(shapes, 1, 0.1, random);
+  ASSERT_TRUE(checker.check(good.begin, good.end, {}, answer));
+  const auto refused = [&](const ReducedPose& pose) {
+    const std::vector<ReducedPose> bad{pose};
+    return !checker.check(good.begin, bad, {}, answer) && !checker.check(bad, good.end, {}, answer);
+  };
+  ReducedPose pose = good.begin[0];
+  EXPECT_FALSE(refused(pose));
+  auto p = good.p0[0];
+  p[0] = std::nan("");
+  pose.p = p;
+  EXPECT_TRUE(refused(pose));
+  p[0] = 1e300;
+  EXPECT_TRUE(refused(pose));
+  pose = good.begin[0];
+  pose.p = pose.p.first(2);
+  EXPECT_TRUE(refused(pose));
+  pose = good.begin[0];
+  pose.rotation(0, 0) = 1.1;
+  EXPECT_TRUE(refused(pose));
+  pose = good.begin[0];
+  pose.translation[1] = INFINITY;
+  EXPECT_TRUE(refused(pose));
+  EXPECT_FALSE(checker.check({}, {}, {}, answer));
+  StepSettings settings;
+  settings.thickness = -1;
+  EXPECT_FALSE(checker.check(good.begin, good.end, settings, answer));
+}
+
+// The horse's separate poses: a subspace of real shapes, and steps between them.
+TEST(ReducedChecker, AnswersAsStepCheckerOnRealPoses) {
+  const auto data = oracle::data_directory();
+  if (!data) GTEST_SKIP() << oracle::kNoData;
+  const auto motion = oracle::open_motion({(*data / "horse-poses").string()});
+  const Index frames = motion->frame_count();
+  std::vector<double> x(3 * std::size_t{motion->topology().vertex_count()});
+  Eigen::MatrixXd samples(static_cast<Eigen::Index>(x.size()), frames);
+  for (Index k = 0; k < frames; ++k) {
+    ASSERT_TRUE(motion->read_frame(k, x));
+    samples.col(k) = Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+  }
+  ReducedMesh mesh{motion->topology(), x, pca(samples, {.modes = 5}).value()};
+  const std::vector<ShapePointer> shapes{shape_of(mesh)};
+  std::size_t proven = 0;
+  for (const auto& [from, to] : {std::pair(0, 1), std::pair(3, 7)}) {
+    Step step;
+    const Eigen::VectorXd a = mesh.subspace.project(samples.col(from)),
+                          b = mesh.subspace.project(samples.col(to));
+    for (const double share : {0.1, 0.2}) {
+      const Eigen::VectorXd p = a + share * (b - a);
+      (share < 0.15 ? step.p0 : step.p1).emplace_back(p.data(), p.data() + p.size());
+    }
+    step.begin.push_back({step.p0[0]});
+    step.end.push_back({step.p1[0]});
+    const StepResult answer = expect_same_answer(shapes, step, {});
+    proven += answer.work.certificate_passes;
+  }
+  EXPECT_GT(proven, 0u);
+}
+
+}  // namespace
+}  // namespace foldproof::testing
