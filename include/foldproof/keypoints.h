@@ -12,9 +12,12 @@ struct KeyPointSettings {
   double first_share = 0.02;  ///< Of the vertices, in the first set.
   double most_share = 0.04;   ///< Of the vertices, in all.
   /// Rounds end when the rebuilt training poses are this near, root mean square over vertices and poses, as a
-  /// share of the size (largest side of the box around `positions`). 0: only the budget ends them.
+  /// share of the size (largest side of the box around `positions`). 0: not by this.
   double tolerance = 0;
   Index most_rounds = 32;  ///< After the first set.
+  /// Rounds also end after so many without a gain (a thousandth of the error), and those after the one of
+  /// least error are taken back: what is outside the subspace, no key point mends. 0: never.
+  Index patience = 4;
 };
 
 struct KeyPoints {
@@ -31,7 +34,7 @@ struct KeyPoints {
 /// residual that the training poses have when rebuilt from the key points alone. For a basis vector, seen as
 /// a 3-vector V_k per vertex, it adds i = argmax |V_i| (Eq. 6) and j = argmin V_i . V_j (Eq. 7, when that is
 /// negative), both among the vertices that are not key points yet. Rounds end at the tolerance, at the budget
-/// of `most_share`, after `most_rounds`, or when the residual is rounding only.
+/// of `most_share`, after `most_rounds`, when they gain nothing, or when the residual is rounding only.
 ///
 /// `samples`: the training poses, x0 y0 z0 x1 ... in columns. A round takes basis vectors up to 95 % of the
 /// residual's energy, at most 16; its cost is O(size * samples * (samples + modes)). Error: sizes do not fit,
@@ -45,13 +48,19 @@ std::vector<Index> thin_by_radius(std::span<const double> positions, Index count
 
 /// From the key points' positions to p: least squares on their rows of the subspace (Eq. 2), factorised once.
 ///
-/// When the key points do not tell all modes apart (a singular value of the rows of the basis below 1e-4 of
-/// the largest), the square of that bound is added as a ridge: modes that the key points do not see then stay
-/// near 0 instead of exploding.
+/// A key point counts as often as there are vertices nearest to it in the mean pose, so that the fit
+/// comes near to one over all vertices. Unweighted, the clusters of key points that rounds make pull the fit
+/// towards themselves: on held-out frames of a hand (35,148 vertices, 21 modes) the error was 1.19 times that
+/// of all vertices, and grew with every round; weighted it is 1.01 times.
+///
+/// When the key points do not tell all modes apart (a singular value of their weighted rows below 1e-4 of the
+/// largest), the square of that bound is added as a ridge: modes that key points do not see then stay near 0
+/// instead of exploding.
 class KeyPointMap {
  public:
   KeyPointMap() = default;
-  /// `vertices` < size of the subspace's mean / 3; a caller's bug otherwise. Cost: O(key points * modes^2).
+  /// `vertices` < size of the subspace's mean / 3; a caller's bug otherwise.
+  /// Cost: O(size * log(key points) + key points * modes^2).
   KeyPointMap(const Pca& subspace, std::span<const Index> vertices);
 
   std::span<const Index> vertices() const { return vertices_; }

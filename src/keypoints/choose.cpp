@@ -14,6 +14,7 @@ using Eigen::VectorXd;
 constexpr SubspaceSize kResidualEnergy{0, 0.95};
 constexpr SubspaceSize kMostPerRound{16, 1.0};
 constexpr Eigen::Index kMostPoses = 128;
+constexpr double kGain = 1e-3;  // Of the error: what a round must gain to count as one.
 
 // Rounds look at no more poses than that, evenly taken, so that the cost of one stays bounded.
 MatrixXd centred_poses(const MatrixView& samples, const VectorXd& mean) {
@@ -50,7 +51,9 @@ class Chooser {
 
   // Ends a round: what is left of the poses when they are rebuilt from the key points chosen so far.
   void end_round() {
-    const MatrixXd inverse = least_squares(rows_of(subspace_.basis, chosen_.vertices)).inverse;
+    const MatrixXd inverse = least_squares(rows_of(subspace_.basis, chosen_.vertices),
+                                           shares_of_vertices(subspace_.mean, chosen_.vertices))
+                                 .inverse;
     residual_ = poses_;
     residual_.noalias() -= subspace_.basis * (inverse * rows_of(poses_, chosen_.vertices)).eval();
     const double numbers = static_cast<double>(residual_.size()) / 3;
@@ -68,6 +71,22 @@ class Chooser {
     while (kept < modes->basis.cols() && (kept == 0 || modes->energy[kept - 1] < kResidualEnergy.energy))
       ++kept;
     return MatrixXd(modes->basis.leftCols(kept));
+  }
+
+  // True when none of the last `patience` rounds was better than all before them by more than a thousandth.
+  bool stuck(Index patience) const {
+    const auto& errors = chosen_.errors;
+    if (patience == 0 || errors.size() <= patience) return false;
+    const auto recent = errors.end() - patience;
+    return *std::min_element(recent, errors.end()) > (1 - kGain) * *std::min_element(errors.begin(), recent);
+  }
+
+  // Takes back what came after the round of least error.
+  void take_back() {
+    const auto best = std::min_element(chosen_.errors.begin(), chosen_.errors.end()) - chosen_.errors.begin();
+    chosen_.errors.resize(best + 1);
+    chosen_.round_ends.resize(best + 1);
+    chosen_.vertices.resize(chosen_.round_ends.back());
   }
 
   bool full() const { return chosen_.vertices.size() >= budget_; }
@@ -154,7 +173,8 @@ Result<KeyPoints> choose_key_points(std::span<const double> positions, const Mat
   for (const Index v : thin_by_radius(positions, count(settings.first_share))) chooser.add(v);
   chooser.end_round();
   const auto done = [&] {
-    return chooser.full() || chooser.chosen().errors.back() <= settings.tolerance * size;
+    return chooser.full() || chooser.chosen().errors.back() <= settings.tolerance * size ||
+           chooser.stuck(settings.patience);
   };
   for (Index round = 0; round < settings.most_rounds && !done(); ++round) {
     const std::size_t before = chooser.chosen().vertices.size();
@@ -171,6 +191,7 @@ Result<KeyPoints> choose_key_points(std::span<const double> positions, const Mat
     }
     chooser.end_round();
   }
+  if (settings.patience > 0) chooser.take_back();
   return chooser.take();
 }
 

@@ -1,5 +1,3 @@
-#include <cassert>
-
 #include "keypoints/least_squares.h"
 #include "statistics/span.h"
 
@@ -38,7 +36,8 @@ Result<std::vector<PoseError>> leave_one_out(const MatrixView& samples, const Su
     const Span rest = span_of(without_column(coordinates, k), size);
     const VectorXd x = coordinates.col(k) - rest.mean;
     const VectorXd best = rest.directions * (rest.directions.transpose() * x);
-    const VectorXd key_point_p = least_squares(key_rows * rest.directions).inverse * (key_rows * x);
+    const VectorXd shares = shares_of_vertices(span.mean + span.directions * rest.mean, vertices);
+    const VectorXd key_point_p = least_squares(key_rows * rest.directions, shares).inverse * (key_rows * x);
     const VectorXd from_key_points = rest.directions * key_point_p;
     MatrixXd fields(x.size(), 3);
     fields << x - best, best - from_key_points, x - from_key_points;

@@ -1,15 +1,13 @@
-#include <cassert>
-
 #include "keypoints/least_squares.h"
 
 namespace foldproof {
 
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 KeyPointMap::KeyPointMap(const Pca& subspace, std::span<const Index> vertices)
     : vertices_(vertices.begin(), vertices.end()), mean_(gather(subspace.mean)) {
-  LeastSquares solved = least_squares(rows_of(subspace.basis, vertices_));
+  LeastSquares solved =
+      least_squares(rows_of(subspace.basis, vertices_), shares_of_vertices(subspace.mean, vertices_));
   inverse_ = std::move(solved.inverse);
   rank_deficient_ = solved.rank_deficient;
 }

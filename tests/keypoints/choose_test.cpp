@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "foldproof/keypoints.h"
@@ -38,7 +39,7 @@ struct ChooseTest : ::testing::Test {
 };
 
 TEST_F(ChooseTest, KeepsTheBookOfItsRounds) {
-  const KeyPoints chosen = made(rest, poses, subspace, {0.01, 0.2, 0, 4});
+  const KeyPoints chosen = made(rest, poses, subspace, {0.01, 0.2, 0, 4, 0});
   const std::set<Index> different(chosen.vertices.begin(), chosen.vertices.end());
   EXPECT_EQ(different.size(), chosen.vertices.size());
   EXPECT_LT(*different.rbegin(), 600u);
@@ -66,17 +67,30 @@ TEST_F(ChooseTest, RoundsBringDownTheError) {
 }
 
 TEST_F(ChooseTest, StopsAtTheBudgetTheToleranceAndTheRounds) {
-  EXPECT_EQ(made(rest, poses, subspace, {0.02, 0.04, 0, 32}).vertices.size(), 24u);
+  EXPECT_EQ(made(rest, poses, subspace, {0.02, 0.04, 0, 32, 0}).vertices.size(), 24u);
   EXPECT_EQ(made(rest, poses, subspace, {0.02, 0.04, 0, 0}).round_ends.size(), 1u);
   EXPECT_EQ(made(rest, poses, subspace, {0.02, 0.02, 0, 32}).vertices.size(), 12u);
-  const KeyPoints free = made(rest, poses, subspace, {0.004, 0.5, 0, 32});
+  const KeyPoints free = made(rest, poses, subspace, {0.004, 0.5, 0, 32, 0});
   const double size = 4;  // The cylinder's length.
   const double between = (free.errors[1] + free.errors[2]) / 2;
-  const KeyPoints stopped = made(rest, poses, subspace, {0.004, 0.5, between / size, 32});
+  const KeyPoints stopped = made(rest, poses, subspace, {0.004, 0.5, between / size, 32, 0});
   ASSERT_EQ(stopped.errors.size(), 3u);
   EXPECT_GT(stopped.errors[1], between);
   EXPECT_LE(stopped.errors[2], between);
   EXPECT_TRUE(std::equal(stopped.vertices.begin(), stopped.vertices.end(), free.vertices.begin()));
+}
+
+TEST_F(ChooseTest, TakesBackRoundsThatGainNothing) {
+  const KeyPoints all = made(rest, poses, subspace, {0.004, 0.9, 0, 20, 0});
+  const KeyPoints kept = made(rest, poses, subspace, {0.004, 0.9, 0, 20, 3});
+  ASSERT_LT(kept.errors.size() + 3, all.errors.size());
+  EXPECT_EQ(kept.errors.back(), *std::min_element(kept.errors.begin(), kept.errors.end()));
+  EXPECT_EQ(kept.vertices.size(), kept.round_ends.back());
+  EXPECT_TRUE(std::equal(kept.errors.begin(), kept.errors.end(), all.errors.begin()));
+  EXPECT_TRUE(std::equal(kept.vertices.begin(), kept.vertices.end(), all.vertices.begin()));
+  // The three after it were no better than by a thousandth.
+  const auto after = all.errors.begin() + static_cast<std::ptrdiff_t>(kept.errors.size());
+  EXPECT_GT(*std::min_element(after, after + 3), 0.999 * kept.errors.back());
 }
 
 TEST_F(ChooseTest, EndsWhenNothingIsLeftToMend) {
@@ -94,12 +108,12 @@ TEST_F(ChooseTest, TakesTheLargestAndTheMostOpposed) {
   one.basis.col(0).segment<3>(600) << -0.3, 0.1, 0;
   one.basis.col(0).segment<3>(900) << -0.1, 0.5, 0;
   one.basis.col(0).segment<3>(1200) << 0.7, 0, 0;
-  const KeyPoints chosen = made(rest, poses, one, {0.004, 0.5, 0, 1});
+  const KeyPoints chosen = made(rest, poses, one, {0.004, 0.5, 0, 1, 0});
   const std::vector<Index> added(chosen.vertices.begin() + chosen.round_ends[0], chosen.vertices.end());
   EXPECT_EQ(added, (std::vector<Index>{100, 200}));
   one.basis.col(0).segment<3>(600).setZero();
   one.basis.col(0).segment<3>(900).setZero();  // Nothing moves against it now.
-  const KeyPoints single = made(rest, poses, one, {0.004, 0.5, 0, 1});
+  const KeyPoints single = made(rest, poses, one, {0.004, 0.5, 0, 1, 0});
   EXPECT_EQ(single.vertices.size(), single.round_ends[0] + 1u);
 }
 
@@ -107,7 +121,7 @@ TEST_F(ChooseTest, LaterRoundsLookAtTheResidual) {
   // Vertex 321 leaves the mesh in one pose only, far from what the five modes know.
   MatrixXd torn = poses;
   torn.col(6).segment<3>(3 * 321) += Vec3(0, 0, 30);
-  const KeyPoints chosen = made(rest, torn, subspace, {0.004, 0.5, 0, 2});
+  const KeyPoints chosen = made(rest, torn, subspace, {0.004, 0.5, 0, 2, 0});
   EXPECT_EQ(chosen.vertices[chosen.round_ends[1]], 321u);
 }
 
@@ -119,7 +133,7 @@ TEST_F(ChooseTest, WorksWithoutModesOrMotion) {
   // Poses that the subspace knows nothing of: rounds go by what is left, and more than 128 poses are too many
   // to look at.
   const Pca nothing = *pca(poses.leftCols(1));
-  EXPECT_EQ(made(rest, bent(rest, 150, 3), nothing, {0.02, 0.04, 0, 32}).vertices.size(), 24u);
+  EXPECT_EQ(made(rest, bent(rest, 150, 3), nothing, {0.02, 0.04, 0, 32, 0}).vertices.size(), 24u);
 }
 
 TEST_F(ChooseTest, GivesTheSameTwice) {

@@ -17,6 +17,24 @@ MatrixXd key_rows(const MatrixXd& matrix, const std::vector<Index>& vertices) {
   return rows;
 }
 
+// A weight per row: the root of the number of vertices nearest to the key point, found one by one.
+VectorXd weights(const VectorXd& pose, const std::vector<Index>& vertices) {
+  VectorXd counts = VectorXd::Zero(vertices.size());
+  for (Eigen::Index v = 0; v < pose.size(); v += 3) {
+    std::size_t nearest = 0;
+    const auto distance = [&](std::size_t k) {
+      return (pose.segment<3>(3 * vertices[k]) - pose.segment<3>(v)).norm();
+    };
+    for (std::size_t k = 1; k < vertices.size(); ++k) {
+      if (distance(k) < distance(nearest)) nearest = k;
+    }
+    counts[nearest] += 1;
+  }
+  VectorXd result(3 * vertices.size());
+  for (Eigen::Index k = 0; k < result.size(); ++k) result[k] = std::sqrt(counts[k / 3]);
+  return result;
+}
+
 struct MapTest : ::testing::Test {
   std::vector<double> rest = cylinder(16, 20);
   MatrixXd poses = bent(rest, 15, 1);
@@ -30,16 +48,17 @@ TEST_F(MapTest, FindsTheCoordinatesOfAPoseInTheSubspace) {
   EXPECT_LE((map.coordinates(map.gather(x)) - p).norm(), 1e-9 * p.norm());
 }
 
-TEST_F(MapTest, SolvesLeastSquaresOnTheKeyPointsAlone) {
+TEST_F(MapTest, SolvesLeastSquaresWeightedByShares) {
   const std::vector<Index> vertices{300, 5, 77, 160, 161, 12};
   const KeyPointMap map(subspace, vertices);
   VectorXd x = poses.col(3);
   x.array() += VectorXd::LinSpaced(x.size(), -0.3, 0.4).array().sin();
   const VectorXd keys = key_rows(x, vertices);
   EXPECT_EQ(map.gather(x), keys);
-  const VectorXd expected = key_rows(subspace.basis, vertices)
-                                .colPivHouseholderQr()
-                                .solve(keys - key_rows(subspace.mean, vertices));
+  const VectorXd weight = weights(subspace.mean, vertices);
+  const MatrixXd rows = weight.asDiagonal() * key_rows(subspace.basis, vertices);
+  const VectorXd expected =
+      rows.colPivHouseholderQr().solve(weight.asDiagonal() * (keys - key_rows(subspace.mean, vertices)));
   EXPECT_LE((map.coordinates(keys) - expected).norm(), 1e-9 * expected.norm());
 }
 
@@ -63,6 +82,15 @@ TEST_F(MapTest, LeavesAModeThatKeyPointsDoNotSeeAtZero) {
   const KeyPointMap map(blind, std::vector<Index>{4, 90, 200});
   EXPECT_TRUE(map.rank_deficient());
   EXPECT_LE(std::abs(map.coordinates(map.gather(poses.col(1)))[2]), 1e-9);
+}
+
+TEST_F(MapTest, CrowdsOfKeyPointsDoNotOutvoteTheRest) {
+  // Sixteen neighbours against six that are spread out; the pose is not in the subspace, so it matters.
+  std::vector<Index> vertices{300, 5, 77, 160, 210, 12};
+  const VectorXd x = bent(rest, 1, 99).col(0);
+  const double spread_out = pose_error(subspace, KeyPointMap(subspace, vertices), x).total.mean;
+  for (Index v = 304; v < 320; ++v) vertices.push_back(v);
+  EXPECT_LT(pose_error(subspace, KeyPointMap(subspace, vertices), x).total.mean, 1.1 * spread_out);
 }
 
 TEST_F(MapTest, WorksWithoutKeyPointsOrModes) {
