@@ -10,6 +10,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double kWidths = 4;  // Median distances; the header says what was measured.
 constexpr int kMostIterations = 100;
 constexpr int kMostHalvings = 30;
 constexpr double kRounding = 1e-10;            // Of the largest eigenvalue of the kernel matrix.
@@ -138,7 +139,7 @@ Result<KernelPca> kernel_pca(const MatrixView& samples, const SubspaceSize& size
   const MatrixXd gram = result.span.basis.transpose() * result.span.basis;
   result.samples = to_rounded * exact;
   result.samples += to_rounded * exact - gram * result.samples;
-  result.width = width > 0 ? width : median_distance(result.samples);
+  result.width = width > 0 ? width : kWidths * median_distance(result.samples);
   result.weights.resize(samples.cols(), 0);
   result.row_means = VectorXd::Ones(samples.cols());
   if (result.span.modes() == 0) return result;
