@@ -18,5 +18,7 @@ inline constexpr int kExitClean = 0, kExitCollisions = 1, kExitError = 2, kExitI
 Command add_check(CLI::App& program);
 Command add_train(CLI::App& program);
 Command add_info(CLI::App& program);
+Command add_predict(CLI::App& program);
+Command add_suggest(CLI::App& program);
 
 }  // namespace foldproof

@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "foldproof/model.h"
+#include "learned_text.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -23,6 +24,9 @@ contact with itself:
   kappa     steepness of charts: how many times longer a path on the surface may be than the straight line below it in
             the picture. 1 is flat. The steeper, the less the patch may bend before the chart proves nothing any more.
   hard      leaves that no chart of their own or of a level above proved in a reference pose, and why.
+  projection, cueing, leave one out
+            how far vertices are from their place when a training pose is rebuilt from the subspace; what rebuilding it
+            from key points adds to that; and how far they are when it is rebuilt from what the other poses teach.
 
 Examples:
   foldproof info body.model
@@ -81,7 +85,7 @@ std::string overview(const Model& model, const ModelSummary& s, std::uint64_t by
   row("charts", grouped(model.charts->charts().size()));
   row("poses", fmt::format("{}  ({} drawn in)", grouped(model.poses.size()), grouped(s.references)));
   row("proven", fmt::format("{:.1f} %", 100 * s.proven));
-  return text;
+  return text + learned_summary(model);
 }
 
 std::string pose_table(const Model& model) {
@@ -160,7 +164,8 @@ Json to_json(const Model& model, const ModelSummary& s, std::uint64_t bytes) {
           {"poses", poses},
           {"levels", levels},
           {"pairs", to_json(s.pairs)},
-          {"hard_leaves", hard}};
+          {"hard_leaves", hard},
+          {"learned", learned_json(model)}};
 }
 
 Result<int> info(const InfoArguments& a) {
@@ -170,7 +175,8 @@ Result<int> info(const InfoArguments& a) {
   const std::uint64_t bytes = std::filesystem::file_size(a.model, unknown);
   const ModelSummary s = summarize(*model);
   if (a.json.empty()) {
-    print_output(overview(*model, s, bytes) + pose_table(*model) + level_table(s) + hard_table(*model, s));
+    print_output(overview(*model, s, bytes) + pose_table(*model) + level_table(s) + hard_table(*model, s) +
+                 learned_tables(*model));
     return kExitClean;
   }
   auto file = FileWriter::open(a.json);

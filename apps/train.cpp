@@ -2,20 +2,29 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 
 #include "commands.h"
+#include "learned_text.h"
 #include "options.h"
 #include "terminal.h"
 
 namespace foldproof {
 namespace {
 
+constexpr const char* kLearningGroup = "What is learned about shapes (3 poses or more)";
+
 constexpr const char* kFooter = R"(  pose.obj                        a single pose
 Several motions are more poses of the same mesh: same triangles, same order. What they do to the mesh matters, not how
 long they are: give poses in which it bends as far as it ever will. Poses in which it touches or crosses itself do too.
 
 The model holds proofs of where the mesh cannot meet itself as long as it stays near a pose it was trained on. 'check'
-only works less with it: no model, however poor, can change an answer.
+only works less with it: no model, however poor, can change an answer. It also holds what is learned about the mesh's
+shapes: a subspace, key points that tell a shape, groups of poses, and how well all that fits.
+
+  projection error     how far vertices are from their place in a training pose rebuilt from the subspace
+  cueing error         what rebuilding from key points alone adds to that
+  leave-one-out error  how far they are in a pose rebuilt from what the other poses teach
 
 Examples:
   foldproof train walk.glb -o body.model             learn from all frames (the 16 that differ most)
@@ -23,13 +32,19 @@ Examples:
   foldproof train walk.glb --frames ::10 -o b.model  from every tenth frame
   foldproof train walk.glb --references 40 -o b.model  a larger model that proves a little more
   foldproof check run.glb --model body.model         use it
-  foldproof info body.model                          look into it)";
+  foldproof info body.model                          look into it
+  foldproof predict body.model tracks.csv -o run.npz rebuild shapes from key points
+  foldproof suggest body.model run.glb               which pose to add)";
 
 struct TrainArguments {
   std::vector<std::string> poses;
   std::string model;
   MotionOptions motion;
   Index references = 0;
+  LearnSettings learning;
+  std::string subspace = "pca";
+  std::optional<double> energy, key_points;
+  bool no_learning = false;
   int threads = 0;
   bool quiet = false;
 };
@@ -53,7 +68,7 @@ std::string summary(const TrainArguments& a, const Model& model, double seconds)
   row("time", fmt::format("{:.3g} s", seconds));
   row("proven in these poses",
       fmt::format("{:.1f} % of leaves and of pairs of neighbouring leaves", 100 * s.proven));
-  return text;
+  return text + learned_summary(model);
 }
 
 Result<std::vector<TrainPose>> poses_of(Motions motions, const FrameRange& range) {
@@ -67,10 +82,36 @@ Result<std::vector<TrainPose>> poses_of(Motions motions, const FrameRange& range
               "select more; frames count from 0 and the end of A:B is not included");
 }
 
+Result<TrainSettings> settings_of(const TrainArguments& a) {
+  TrainSettings settings{.references = a.references, .learn = !a.no_learning, .learning = a.learning};
+  LearnSettings& learning = settings.learning;
+  if (a.subspace != "pca" && a.subspace != "kernel-pca") {
+    return fail("--subspace", fmt::format("'{}' is not known", a.subspace), "give pca or kernel-pca");
+  }
+  if (a.subspace == "kernel-pca") learning.subspace = SubspaceKind::KernelPca;
+  const auto is_share = [](double x) { return x > 0 && x <= 1; };
+  if (a.energy && !is_share(*a.energy)) {
+    return fail("--energy", fmt::format("{} is not a share of the variance", *a.energy),
+                "give a number above 0 and at most 1");
+  }
+  if (a.energy) learning.size.energy = *a.energy;
+  if (a.key_points && !is_share(*a.key_points)) {
+    return fail("--key-points", fmt::format("{} is not a share of the vertices", *a.key_points),
+                "give a number above 0 and at most 1");
+  }
+  if (a.key_points) {
+    learning.key_points.most_share = *a.key_points;
+    learning.key_points.first_share = *a.key_points / 2;
+  }
+  return settings;
+}
+
 Result<int> train(const TrainArguments& a) {
   const auto start = std::chrono::steady_clock::now();
   const auto range = frame_range_of(a.motion);
   if (!range) return tl::unexpected(range.error());
+  const auto settings = settings_of(a);
+  if (!settings) return tl::unexpected(settings.error());
   ThreadLimit limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
   const auto motions = open_motions(a.poses, a.motion.read);
@@ -85,7 +126,7 @@ Result<int> train(const TrainArguments& a) {
     bar.show(part, fmt::format("training on {}", counted(poses->size(), "pose")));
   };
   hooks.cancel = &interrupted;
-  const auto model = train_model(*poses, {.references = a.references}, hooks);
+  const auto model = train_model(*poses, *settings, hooks);
   bar.clear();
   if (!model && interrupted) {
     print_error({"interrupted", "training was not finished", "no model was written"});
@@ -111,6 +152,20 @@ Command add_train(CLI::App& program) {
   command->add_option("-o,--output", a->model, "The model to write")->type_name("FILE")->required();
   command->add_option("--references", a->references, "Draw in N poses that differ most [all, at most 16]")
       ->type_name("N");
+  command->add_option("--modes", a->learning.size.modes, "Modes of the subspace [as the energy asks]")
+      ->type_name("N")
+      ->group(kLearningGroup);
+  command->add_option("--energy", a->energy, "Share of the variance that the subspace keeps [0.999]")
+      ->type_name("SHARE")
+      ->group(kLearningGroup);
+  command
+      ->add_option("--subspace", a->subspace, "pca, or kernel-pca, which keeps shapes near the poses [pca]")
+      ->type_name("KIND")
+      ->group(kLearningGroup);
+  command->add_option("--key-points", a->key_points, "Key points, at most, as a share of the vertices [0.04]")
+      ->type_name("SHARE")
+      ->group(kLearningGroup);
+  command->add_flag("--no-learning", a->no_learning, "Draw charts only")->group(kLearningGroup);
   add_motion_options(*command, a->motion);
   add_threads_option(*command, a->threads,
                      "At most N threads; the model is the same for any number [all cores]");

@@ -87,6 +87,10 @@ Result<void> write_obj_pc2(const std::string& obj_path, const std::string& pc2_p
 /// NPZ with `faces` (triangles x 3, int32) and `vertices` (frames x n x 3, float64), streamed from `motion`.
 Result<void> write_npz(const std::string& path, Motion& motion);
 
+/// A motion in the format that the extension names: .npz; .obj, with all frames in a .pc2 beside it when
+/// there are several; .ply, for one frame.
+Result<void> write_motion(const std::string& path, Motion& motion);
+
 /// Finite numbers from a file.
 struct NumberTable {
   std::vector<std::uint64_t> shape;  ///< Rows first; at least one number in all.

@@ -84,6 +84,12 @@ struct Learned {
   std::vector<LearnedRegion> regions;                  ///< Some 64 that make up the mesh, by node.
 };
 
+/// What the other poses represent badly when it is left out: a mean distance of more than twice the median.
+/// Places in Learned::poses, worst first.
+std::vector<Index> badly_represented_poses(const Learned& learned);
+/// The same for regions: places in Learned::regions.
+std::vector<Index> badly_represented_regions(const Learned& learned);
+
 /// Vertices that are rebuilt from key points, or p.
 class Predictor {
  public:

@@ -174,7 +174,32 @@ class Learner {
   Learned learned_;
 };
 
+std::vector<Index> far_above_median(const std::vector<double>& distances) {
+  if (distances.empty()) return {};
+  std::vector<double> sorted = distances;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  std::vector<Index> far;
+  for (Index k = 0; k < distances.size(); ++k) {
+    if (distances[k] > 2 * *middle) far.push_back(k);
+  }
+  std::stable_sort(far.begin(), far.end(), [&](Index a, Index b) { return distances[a] > distances[b]; });
+  return far;
+}
+
 }  // namespace
+
+std::vector<Index> badly_represented_poses(const Learned& learned) {
+  std::vector<double> distances;
+  for (const LearnedPose& pose : learned.poses) distances.push_back(pose.left_out.projection.mean);
+  return far_above_median(distances);
+}
+
+std::vector<Index> badly_represented_regions(const Learned& learned) {
+  std::vector<double> distances;
+  for (const LearnedRegion& region : learned.regions) distances.push_back(region.mean);
+  return far_above_median(distances);
+}
 
 Result<Learned> learn(const Hierarchy& hierarchy, const LearnInput& input, const LearnSettings& settings,
                       const LearnHooks& hooks) {

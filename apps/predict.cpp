@@ -1,0 +1,204 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <numeric>
+
+#include "commands.h"
+#include "foldproof/model.h"
+#include "learned_text.h"
+#include "options.h"
+#include "terminal.h"
+
+namespace foldproof {
+namespace {
+
+constexpr const char* kFooter = R"(KEYPOINTS says where the model's key points are, frame by frame:
+  tracks.csv  with the columns frame, vertex, x, y, z, in any order of rows
+  tracks.csv  or with x y z of every key point in a row, a row per frame
+  tracks.npz  or the array 'keypoints', frames x points x 3
+  walk.glb    or a whole motion of the mesh, from which only the key points are read
+In the last two the key points come in the order in which --list-key-points has them.
+
+Given a whole motion, there or with --truth, the prediction is held against it: from key points, and from all points,
+which is the best that the subspace can do.
+
+Examples:
+  foldproof predict body.model --list-key-points         which vertices to track
+  foldproof predict body.model tracks.csv -o walk.npz    rebuild the mesh
+  foldproof predict body.model walk.glb                  how well the key points tell this motion
+  foldproof predict body.model tracks.npz --truth walk.glb -o walk.obj)";
+
+struct PredictArguments {
+  std::string model, output;
+  std::vector<std::string> key_points, truth;
+  MotionOptions motion;
+  bool list = false, quiet = false;
+  int threads = 0;
+};
+
+Result<std::unique_ptr<Motion>> open_whole_motion(const std::vector<std::string>& arguments,
+                                                  const Model& model, const ReadOptions& options) {
+  auto motions = open_motions(arguments, options);
+  if (!motions) return tl::unexpected(motions.error());
+  if (motions->size() != 1) {
+    return fail(arguments[0], fmt::format("and what follows are {} motions", motions->size()), "give one");
+  }
+  Motion& motion = *motions->front();
+  if (const auto ok = require_model_of(model, motion.topology(), motion.name()); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  return std::move(motions->front());
+}
+
+/// Whether it holds tracks of points, not a motion.
+Result<bool> holds_tracks(const std::vector<std::string>& arguments) {
+  if (arguments.size() != 1) return false;
+  std::string extension = std::filesystem::path(arguments[0]).extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (extension == ".npz") return npz_holds(arguments[0], "keypoints");
+  return extension == ".csv";
+}
+
+/// What is known of the motion.
+struct Input {
+  KeyPointTracks tracks;
+  std::unique_ptr<Motion> truth;
+  std::vector<Index> frames;  ///< Of the truth.
+};
+
+Result<Input> read_input(const PredictArguments& a, const Model& model) {
+  const auto range = frame_range_of(a.motion);
+  if (!range) return tl::unexpected(range.error());
+  const auto tracked = holds_tracks(a.key_points);
+  if (!tracked) return tl::unexpected(tracked.error());
+  Input input;
+  if (!*tracked && !a.truth.empty()) {
+    return fail("--truth", "is given, but the key points come from a whole motion already", "leave it out");
+  }
+  const auto& whole = *tracked ? a.truth : a.key_points;
+  if (!whole.empty()) {
+    auto motion = open_whole_motion(whole, model, a.motion.read);
+    if (!motion) return tl::unexpected(motion.error());
+    input.truth = std::move(*motion);
+    input.frames = select_frames(*range, input.truth->frame_count());
+    if (input.frames.empty()) return fail("--frames", "selects none", "select more; frames count from 0");
+  }
+  const auto& vertices = model.learned->key_points.vertices;
+  auto tracks = *tracked ? read_key_point_tracks(a.key_points[0], vertices)
+                         : tracks_of(*input.truth, vertices, input.frames);
+  if (!tracks) return tl::unexpected(tracks.error());
+  input.tracks = std::move(*tracks);
+  if (input.truth && input.tracks.frames != input.frames.size()) {
+    return fail(a.key_points[0],
+                fmt::format("has {}, and {} of {} are to compare with", counted(input.tracks.frames, "frame"),
+                            input.frames.size(), input.truth->name()),
+                "choose them with --frames");
+  }
+  return input;
+}
+
+/// Of all frames.
+struct Comparison {
+  double mean = 0;
+  VertexDistance worst;
+  Index worst_frame = 0;
+  void add(const VertexDistance& d, Index frame, std::size_t frames) {
+    mean += d.mean / static_cast<double>(frames);
+    if (d.worst < worst.worst) return;
+    worst = d;
+    worst_frame = frame;
+  }
+  std::string text(double size) const {
+    return fmt::format("mean {}, worst {} at vertex {} in frame {}", distance_text(mean, size),
+                       distance_text(worst.worst, size), worst.worst_vertex, worst_frame);
+  }
+};
+
+Result<std::string> compare(const Input& input, Motion& predicted, const Predictor& predictor,
+                            const std::atomic<bool>& interrupted) {
+  Comparison keys, all;
+  Eigen::VectorXd x(3 * Eigen::Index{predicted.topology().vertex_count()}), y(x.size());
+  const auto numbers = [](Eigen::VectorXd& v) {
+    return std::span(v.data(), static_cast<std::size_t>(v.size()));
+  };
+  for (Index k = 0; k < predicted.frame_count(); ++k) {
+    if (interrupted) return fail("interrupted", "the prediction was not finished", "run it again");
+    const Index frame = input.frames[k];
+    if (auto read = input.truth->read_frame(frame, numbers(x)); !read) return tl::unexpected(read.error());
+    if (auto read = predicted.read_frame(k, numbers(y)); !read) return tl::unexpected(read.error());
+    keys.add(vertex_distance(x, y), frame, input.frames.size());
+    all.add(vertex_distance(x, predictor.from_all_points(x)), frame, input.frames.size());
+  }
+  const double size = predictor.learned().size;
+  std::string text = fmt::format("{:<24}{}\n", "from key points", keys.text(size));
+  text += fmt::format("{:<24}{}\n", "from all points", all.text(size));
+  if (all.mean > 0) {
+    text += fmt::format("{:<24}{:.3g} times as far off as all points, on average\n", "key points are",
+                        keys.mean / all.mean);
+  }
+  return text;
+}
+
+Result<int> predict(const PredictArguments& a) {
+  ThreadLimit limit;
+  if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
+  const auto model = load_model(a.model);
+  if (!model) return tl::unexpected(model.error());
+  if (!model->learned) {
+    return fail(a.model, "has learned no shapes", "train it anew with at least 3 poses that differ");
+  }
+  if (a.list) {
+    print_output(fmt::format("{}\n", fmt::join(model->learned->key_points.vertices, "\n")));
+    return kExitClean;
+  }
+  if (a.key_points.empty())
+    return fail("KEYPOINTS", "is missing", "'foldproof predict --help' shows what it may be");
+  const std::atomic<bool>& interrupted = watch_for_interrupt();
+  auto input = read_input(a, *model);
+  if (!input) return tl::unexpected(input.error());
+  if (!input->truth && a.output.empty()) {
+    return fail("-o", "is missing", "say where the motion is to be written, or compare it with --truth");
+  }
+  const auto predictor = std::make_shared<const Predictor>(model->learned);
+  const auto predicted =
+      predicted_motion(a.key_points[0], model->hierarchy()->topology(), predictor, input->tracks);
+  if (!a.output.empty()) {
+    if (const auto done = write_motion(a.output, *predicted); !done) return tl::unexpected(done.error());
+  }
+  if (a.quiet) return kExitClean;
+  const auto& keys = model->learned->key_points.vertices;
+  std::string text =
+      fmt::format("{:<24}{}\n{:<24}{}  ({:.2g} % of the vertices)\n", "frames", grouped(input->tracks.frames),
+                  "key points", grouped(keys.size()),
+                  100.0 * static_cast<double>(keys.size()) / model->hierarchy()->topology().vertex_count());
+  if (input->truth) {
+    const auto compared = compare(*input, *predicted, *predictor, interrupted);
+    if (!compared) return tl::unexpected(compared.error());
+    text += *compared;
+  }
+  print_output(text);
+  return kExitClean;
+}
+
+}  // namespace
+
+Command add_predict(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("predict", "Rebuild a mesh from its key points");
+  command->footer(kFooter);
+  const auto a = std::make_shared<PredictArguments>();
+  command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote")->type_name("")->required();
+  command->add_option("KEYPOINTS", a->key_points, "Where key points are (see below)")->type_name("");
+  command
+      ->add_option("-o,--output", a->output, "The motion to write: .npz, .obj with .pc2, .ply for one frame")
+      ->type_name("FILE");
+  command->add_option("--truth", a->truth, "A whole motion to compare with")
+      ->type_name("MOTION")
+      ->expected(1, 2);
+  command->add_flag("--list-key-points", a->list, "Print the vertices to track, and end");
+  add_motion_options(*command, a->motion);
+  add_threads_option(*command, a->threads, "At most N threads [all cores]");
+  command->add_flag("--quiet", a->quiet, "Print nothing but errors");
+  return [a] { return predict(*a); };
+}
+
+}  // namespace foldproof
