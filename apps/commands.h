@@ -20,5 +20,6 @@ Command add_train(CLI::App& program);
 Command add_info(CLI::App& program);
 Command add_predict(CLI::App& program);
 Command add_suggest(CLI::App& program);
+Command add_render(CLI::App& program);
 
 }  // namespace foldproof

@@ -44,7 +44,8 @@ Result<int> run(int argc, char** argv) {
                                                                  {"train", add_train(program)},
                                                                  {"info", add_info(program)},
                                                                  {"predict", add_predict(program)},
-                                                                 {"suggest", add_suggest(program)}};
+                                                                 {"suggest", add_suggest(program)},
+                                                                 {"render", add_render(program)}};
 
   try {
     program.parse(argc, argv);

@@ -133,4 +133,14 @@ Result<std::unique_ptr<ReportWriter>> ply_report(const std::string& path, Motion
 Result<std::unique_ptr<ReportWriter>> explain_report(const std::string& path, Motions motions,
                                                      const CheckSettings& settings);
 
+/// Per face of an object, 1 when it takes part in a collision; those around a colliding vertex or edge do,
+/// too.
+std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object, const StepResult& answer);
+std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object, const StaticResult& answer);
+
+/// Red, green and blue for what an Explanation says of a face. Certified is blue, the paler the deeper the
+/// level; pale grey when nothing had to be proven on the way down. The rest are colours that remain apart for
+/// the colour-blind (Okabe and Ito, Color Universal Design, 2008).
+std::array<std::uint8_t, 3> explanation_colour(Reason reason, int level);
+
 }  // namespace foldproof

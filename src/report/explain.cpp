@@ -92,35 +92,6 @@ class ExplainCsv : public ReportWriter {
   std::array<std::array<std::uint64_t, 129>, kReasons> counts_;  // by reason and level + 1
 };
 
-using Colour = std::array<std::uint8_t, 3>;
-
-/// Certified is blue, the paler the deeper the level; pale grey when nothing had to be proven on the way
-/// down. The rest are colours that remain apart for the colour-blind (Okabe and Ito, Color Universal Design,
-/// 2008).
-Colour colour_of(Reason reason, int level) {
-  switch (reason) {
-    case Reason::Certified: {
-      if (level < 0) return {221, 221, 221};
-      const int pale = std::min(level, 15) * 12;
-      return {static_cast<std::uint8_t>(pale), static_cast<std::uint8_t>(60 + pale),
-              static_cast<std::uint8_t>(128 + pale * 2 / 3)};
-    }
-    case Reason::NotDrawn:
-      return {240, 228, 66};
-    case Reason::TestFailed:
-      return {230, 159, 0};
-    case Reason::Tangled:
-      return {0, 158, 115};
-    case Reason::TooCurved:
-      return {204, 121, 167};
-    case Reason::NearOther:
-      return {213, 94, 0};
-    case Reason::Off:
-      break;
-  }
-  return {128, 128, 128};
-}
-
 /// A picture of the step that left most pairs of leaves to test, those apart whose turn was still to come:
 /// they tell about the beginning, not about the mesh.
 class ExplainPly : public ReportWriter {
@@ -159,7 +130,7 @@ class ExplainPly : public ReportWriter {
   void add_face(Reason reason, std::int8_t level) {
     properties_[0].push_back(static_cast<std::uint8_t>(level));
     properties_[1].push_back(static_cast<std::uint8_t>(reason));
-    const Colour colour = colour_of(reason, level);
+    const auto colour = explanation_colour(reason, level);
     for (std::size_t k = 0; k < 3; ++k) properties_[2 + k].push_back(colour[k]);
   }
 

@@ -36,8 +36,8 @@ Result<Pattern> parse_pattern(const std::string& path) {
 
 class PlyReport : public ReportWriter {
  public:
-  PlyReport(Pattern pattern, Joined joined, Index substeps)
-      : pattern_(std::move(pattern)), joined_(std::move(joined)), substeps_(substeps) {}
+  PlyReport(Pattern pattern, Motions motions, Joined joined, Index substeps)
+      : pattern_(std::move(pattern)), motions_(motions), joined_(std::move(joined)), substeps_(substeps) {}
 
   Result<void> step(const CheckedStep& step) override {
     const std::uint64_t collisions = step.collisions.sum();
@@ -58,46 +58,13 @@ class PlyReport : public ReportWriter {
  private:
   void keep(const CheckedStep& step) {
     joined_.pose(step, step.collisions.sum() > 0 ? step.earliest_toi : 0, positions_);
-    marks_.assign(joined_.topology.triangles().size(), 0);
-    if (step.pose) {
-      for (const TriangleCrossing& c : step.pose->crossings) {
-        mark_face(c.object_a, c.triangle_a);
-        mark_face(c.object_b, c.triangle_b);
-      }
-    } else {
-      mark_features(*step.step);
+    marks_.clear();
+    for (Index object = 0; object < motions_.size(); ++object) {
+      const Topology& topology = motions_[object]->topology();
+      const auto marks = step.pose ? colliding_faces(topology, object, *step.pose)
+                                   : colliding_faces(topology, object, *step.step);
+      marks_.insert(marks_.end(), marks.begin(), marks.end());
     }
-  }
-
-  void mark_face(Index object, Index face) { marks_[joined_.first_face[object] + face] = 1; }
-
-  /// Marks the faces of a step's collisions, and those around its vertices and edges.
-  void mark_features(const StepResult& result) {
-    vertex_hit_.assign(joined_.topology.vertex_count(), 0);
-    edge_hit_.assign(joined_.topology.edges().size(), 0);
-    for (const VertexFaceCollision& c : result.vertex_face) {
-      mark_face(c.face_object, c.face);
-      vertex_hit_[joined_.first_vertex[c.vertex_object] + c.vertex] = 1;
-    }
-    for (const EdgeEdgeCollision& c : result.edge_edge) {
-      mark_edge(c.object_a, c.a);
-      mark_edge(c.object_b, c.b);
-    }
-    const auto triangles = joined_.topology.triangles();
-    const auto triangle_edges = joined_.topology.triangle_edges();
-    for (std::size_t face = 0; face < triangles.size(); ++face) {
-      for (int k = 0; k < 3; ++k) {
-        const Index edge = triangle_edges[face][k];
-        if (vertex_hit_[triangles[face][k]] || (edge != kNoIndex && edge_hit_[edge])) marks_[face] = 1;
-      }
-    }
-  }
-
-  void mark_edge(Index object, Edge edge) {
-    const auto offset = static_cast<Index>(joined_.first_vertex[object]);
-    const auto edges = joined_.topology.edges();
-    const auto found = std::lower_bound(edges.begin(), edges.end(), Edge{edge[0] + offset, edge[1] + offset});
-    edge_hit_[static_cast<std::size_t>(found - edges.begin())] = 1;
   }
 
   Result<void> write(std::uint64_t number) const {
@@ -105,11 +72,12 @@ class PlyReport : public ReportWriter {
   }
 
   Pattern pattern_;
+  Motions motions_;
   Joined joined_;
   Index substeps_;
   std::uint64_t most_collisions_ = 0;
   std::vector<double> positions_;
-  std::vector<std::uint8_t> marks_, vertex_hit_, edge_hit_;
+  std::vector<std::uint8_t> marks_;
 };
 
 }  // namespace
@@ -122,7 +90,7 @@ Result<std::unique_ptr<ReportWriter>> ply_report(const std::string& path, Motion
   if (const auto probe = FileWriter::open(pattern->name(0)); !probe) return tl::unexpected(probe.error());
   auto joined = join(motions, "--ply");
   if (!joined) return tl::unexpected(joined.error());
-  return std::make_unique<PlyReport>(std::move(*pattern), std::move(*joined), settings.substeps);
+  return std::make_unique<PlyReport>(std::move(*pattern), motions, std::move(*joined), settings.substeps);
 }
 
 }  // namespace foldproof

@@ -1,0 +1,99 @@
+// What an answer says about faces.
+#include <algorithm>
+
+#include "foldproof/report.h"
+
+namespace foldproof {
+namespace {
+
+/// Faces of one object that collisions name, and those around the vertices and edges that they name.
+class Marks {
+ public:
+  Marks(const Topology& topology, Index object)
+      : topology_(topology),
+        object_(object),
+        faces_(topology.triangles().size()),
+        vertex_hit_(topology.vertex_count()),
+        edge_hit_(topology.edges().size()) {}
+
+  void face(Index object, Index face) {
+    if (object == object_) faces_[face] = 1;
+  }
+  void vertex(Index object, Index vertex) {
+    if (object == object_) vertex_hit_[vertex] = 1;
+  }
+  void edge(Index object, Edge edge) {
+    if (object != object_) return;
+    const auto edges = topology_.edges();
+    edge_hit_[static_cast<std::size_t>(std::lower_bound(edges.begin(), edges.end(), edge) - edges.begin())] =
+        1;
+  }
+
+  std::vector<std::uint8_t> finish() {
+    const auto triangles = topology_.triangles();
+    const auto triangle_edges = topology_.triangle_edges();
+    for (std::size_t face = 0; face < triangles.size(); ++face) {
+      for (int k = 0; k < 3; ++k) {
+        const Index edge = triangle_edges[face][k];
+        if (vertex_hit_[triangles[face][k]] || (edge != kNoIndex && edge_hit_[edge])) faces_[face] = 1;
+      }
+    }
+    return std::move(faces_);
+  }
+
+ private:
+  const Topology& topology_;
+  Index object_;
+  std::vector<std::uint8_t> faces_, vertex_hit_, edge_hit_;
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object, const StepResult& answer) {
+  Marks marks(topology, object);
+  for (const VertexFaceCollision& c : answer.vertex_face) {
+    marks.face(c.face_object, c.face);
+    marks.vertex(c.vertex_object, c.vertex);
+  }
+  for (const EdgeEdgeCollision& c : answer.edge_edge) {
+    marks.edge(c.object_a, c.a);
+    marks.edge(c.object_b, c.b);
+  }
+  return marks.finish();
+}
+
+std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object,
+                                          const StaticResult& answer) {
+  Marks marks(topology, object);
+  for (const TriangleCrossing& c : answer.crossings) {
+    marks.face(c.object_a, c.triangle_a);
+    marks.face(c.object_b, c.triangle_b);
+  }
+  return marks.finish();
+}
+
+std::array<std::uint8_t, 3> explanation_colour(Reason reason, int level) {
+  switch (reason) {
+    case Reason::Certified: {
+      if (level < 0) return {221, 221, 221};
+      const int pale = std::min(level, 15) * 12;
+      return {static_cast<std::uint8_t>(pale), static_cast<std::uint8_t>(60 + pale),
+              static_cast<std::uint8_t>(128 + pale * 2 / 3)};
+    }
+    case Reason::NotDrawn:
+      return {240, 228, 66};
+    case Reason::TestFailed:
+      return {230, 159, 0};
+    case Reason::Tangled:
+      return {0, 158, 115};
+    case Reason::TooCurved:
+      return {204, 121, 167};
+    case Reason::NearOther:
+      return {213, 94, 0};
+    case Reason::Off:
+      break;
+  }
+  return {128, 128, 128};
+}
+
+}  // namespace foldproof
