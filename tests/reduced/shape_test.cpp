@@ -1,0 +1,196 @@
+// Whole shapes: Eq. 8 at the root and below, several centres, what is left out, and what is refused.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <set>
+
+#include "foldproof/query.h"
+#include "oracle/brute_force.h"
+#include "reduced/shape.h"
+#include "reduced/shapes.h"
+
+namespace foldproof::testing {
+namespace {
+
+std::vector<double> zeros(const ReducedMotion& motion) { return std::vector<double>(motion.modes(), 0.0); }
+
+std::vector<double> at_distance(const ReducedMotion& motion, double distance, std::mt19937& random) {
+  auto p = random_direction(motion, random);
+  for (double& c : p) c *= distance;
+  return p;
+}
+
+// Every pair of features of the rebuilt meshes.
+bool touches(const ReducedMesh& mesh, const ReducedMotion& motion, std::span<const double> p0,
+             std::span<const double> p1) {
+  oracle::Scene scene;
+  scene.topologies.push_back(mesh.topology);
+  for (const auto& [p, x] : {std::pair(p0, &scene.x0), std::pair(p1, &scene.x1)}) {
+    x->emplace_back(mesh.rest.size());
+    motion.positions(p, x->back());
+  }
+  return !oracle::brute_force_step(scene, {}, 1e-9).clean();
+}
+
+TEST(ReducedShape, NothingTouchesWithinTheRadius) {
+  for (const ReducedMesh& mesh : {bending_tube(20, 30, 0.4), waving_cloth(14)}) {
+    const auto motion = mesh.motion(4);
+    const auto shape = ReducedShape::build(motion, {{zeros(*motion)}}).value();
+    ASSERT_GT(shape.radius(0), 0.3);
+    ASSERT_TRUE(shape.always_open().empty());
+    std::mt19937 random(31);
+    ReducedShape::Scratch scratch;
+    for (int round = 0; round < 4; ++round) {
+      const auto p0 = at_distance(*motion, 0.9999 * shape.radius(0), random);
+      const auto p1 = at_distance(*motion, 0.9999 * shape.radius(0), random);
+      EXPECT_EQ(shape.proven_free(p0, p1, scratch), ReducedProof::Free);
+      EXPECT_EQ(scratch.visits, 1u) << "inside the root's ball one look is enough";
+      EXPECT_FALSE(touches(mesh, *motion, p0, p1));
+    }
+  }
+}
+
+// Far beyond the radius some steps are still proven, pair by pair, and those are free.
+TEST(ReducedShape, ProvenStepsBeyondTheRadiusAreFree) {
+  const ReducedMesh mesh = waving_cloth(12);
+  const auto motion = mesh.motion();
+  std::mt19937 random(32);
+  std::vector<ReducedCentre> centres{{zeros(*motion)}};
+  for (int k = 0; k < 3; ++k) centres.push_back({at_distance(*motion, 2, random)});
+  const auto shape = ReducedShape::build(motion, centres).value();
+  ReducedShape::Scratch scratch;
+  int proven = 0, open = 0;
+  for (int round = 0; round < 40; ++round) {
+    auto p0 = at_distance(*motion, 1.5 * shape.radius(0), random), p1 = p0;
+    for (double& c : p1) c *= 0.98;
+    const ReducedProof answer = shape.proven_free(p0, p1, scratch);
+    EXPECT_EQ(answer, shape.find_open(p0, p1, scratch));
+    EXPECT_EQ(answer == ReducedProof::Open, !scratch.open.empty());
+    (answer == ReducedProof::Free ? proven : open) += 1;
+    if (answer == ReducedProof::Free && proven <= 6) EXPECT_FALSE(touches(mesh, *motion, p0, p1));
+  }
+  EXPECT_GT(proven, 0);
+  EXPECT_GT(open, 0);
+}
+
+// A cloth whose mean lies folded through itself: the pairs that touch there are named, and the rest has a
+// radius.
+TEST(ReducedShape, NamesWhatTouchesAtTheCentre) {
+  ReducedMesh mesh = waving_cloth(12);
+  // One corner's vertex is pulled below the middle of the sheet, its neighbour stands above.
+  const Index row = 13;
+  mesh.subspace.mean[3 + 2] += 0.1;
+  for (int axis = 0; axis < 3; ++axis)
+    mesh.subspace.mean[axis] = mesh.subspace.mean[3 * (6 * row + 6) + axis] - (axis == 2 ? 0.05 : 0.01);
+  const auto motion = mesh.motion();
+  const auto shape = ReducedShape::build(motion, {{zeros(*motion)}}).value();
+  EXPECT_GT(shape.radius(0), 0);
+  ASSERT_FALSE(shape.left_out(0).empty());
+  std::vector<double> x(mesh.rest.size());
+  motion->positions(zeros(*motion), x);
+  StepChecker checker({motion->hierarchy()});
+  StaticResult crossings;
+  const std::span<const double> pose[] = {x};
+  ASSERT_TRUE(checker.check_static(pose, {}, crossings));
+  ASSERT_FALSE(crossings.clean());
+  const Hierarchy& h = *motion->hierarchy();
+  std::vector<Index> leaf_of(h.triangles().size());
+  for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
+    for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t)
+      leaf_of[h.triangle_ids()[t]] = leaf;
+  }
+  std::set<std::array<Index, 2>> crossing, named;
+  for (const auto& c : crossings.crossings)
+    crossing.insert({std::min(leaf_of[c.triangle_a], leaf_of[c.triangle_b]),
+                     std::max(leaf_of[c.triangle_a], leaf_of[c.triangle_b])});
+  for (const LeftOut& out : shape.left_out(0)) {
+    if (out.touches) named.insert({out.leaf_a, out.leaf_b});
+  }
+  EXPECT_EQ(crossing, named);
+  ReducedShape::Scratch scratch;
+  EXPECT_EQ(shape.proven_free(zeros(*motion), zeros(*motion), scratch), ReducedProof::FreeButLeft);
+}
+
+TEST(ReducedShape, IsTheSameForAnyNumberOfThreads) {
+  const auto motion = bending_tube(12, 24, 0.4).motion();
+  const auto build = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return ReducedShape::build(motion, {{zeros(*motion)}}).value();
+  };
+  const auto one = build(1), four = build(4);
+  EXPECT_EQ(one.impl().tree.balls, four.impl().tree.balls);
+  EXPECT_EQ(one.impl().tree.nodes.size(), four.impl().tree.nodes.size());
+}
+
+TEST(ReducedShape, WorksWithOneMode) {
+  const ReducedMesh mesh = bending_tube(12, 24, 0.4, 1);
+  const auto motion = mesh.motion(4);
+  ASSERT_EQ(motion->modes(), 1u);
+  const auto shape = ReducedShape::build(motion, {{{0.0}}}).value();
+  ReducedShape::Scratch scratch;
+  const std::vector<double> p0{-0.9 * shape.radius(0) * motion->deviations()[0]}, p1{-p0[0]};
+  EXPECT_EQ(shape.proven_free(p0, p1, scratch), ReducedProof::Free);
+  EXPECT_FALSE(touches(mesh, *motion, p0, p1));
+  EXPECT_EQ(shape.distance(0, p0), shape.distance(0, p1));
+  EXPECT_GE(shape.distance(0, p0), 0.9 * shape.radius(0));
+}
+
+TEST(ReducedShape, ProvesNothingFromWhatIsNoCoordinate) {
+  const auto motion = waving_cloth(6).motion();
+  const auto shape = ReducedShape::build(motion, {{zeros(*motion)}}).value();
+  ReducedShape::Scratch scratch;
+  const auto good = zeros(*motion);
+  auto bad = good;
+  for (const double number : {std::nan(""), double{INFINITY}, 1e308}) {
+    bad[1] = number;
+    EXPECT_EQ(shape.proven_free(good, bad, scratch), ReducedProof::Open);
+    EXPECT_EQ(shape.proven_free(bad, good, scratch), ReducedProof::Open);
+  }
+  EXPECT_EQ(shape.proven_free(good, std::span(good).first(1), scratch), ReducedProof::Open);
+  EXPECT_EQ(shape.proven_free({}, {}, scratch), ReducedProof::Open);
+}
+
+TEST(ReducedShape, RefusesWhatItCannotBuild) {
+  const ReducedMesh mesh = waving_cloth(6);
+  const auto motion = mesh.motion();
+  EXPECT_FALSE(ReducedShape::build(motion, {}));
+  EXPECT_FALSE(ReducedShape::build(motion, {{{1.0}}}));
+  EXPECT_FALSE(ReducedShape::build(motion, {{std::vector<double>(motion->modes(), NAN)}}));
+  EXPECT_FALSE(ReducedShape::build(motion, {{zeros(*motion), -1}}));
+  EXPECT_FALSE(ReducedShape::build(motion, {{zeros(*motion)}}, {-1.0}));
+  const std::atomic<bool> cancel{true};
+  EXPECT_FALSE(ReducedShape::build(motion, {{zeros(*motion)}}, {}, {{}, &cancel}));
+  const auto refused = [&](auto spoil) {
+    Pca subspace = mesh.subspace;
+    spoil(subspace);
+    return !ReducedMotion::make(mesh.hierarchy(), subspace);
+  };
+  EXPECT_FALSE(refused([](Pca&) {}));
+  EXPECT_TRUE(refused([](Pca& s) { s.mean.conservativeResize(s.mean.size() - 3); }));
+  EXPECT_TRUE(refused([](Pca& s) { s.basis.conservativeResize(Eigen::NoChange, 0); }));
+  EXPECT_TRUE(refused([](Pca& s) { s.deviations[0] = 0; }));
+  EXPECT_TRUE(refused([](Pca& s) { s.deviations.conservativeResize(1); }));
+  EXPECT_TRUE(refused([](Pca& s) { s.basis(3, 0) = NAN; }));
+  EXPECT_TRUE(refused([](Pca& s) { s.basis(3, 0) = 1e39; }));
+}
+
+TEST(ReducedMotion, IsMeanPlusBasisTimesCoordinates) {
+  const ReducedMesh mesh = waving_cloth(6);
+  const auto motion = mesh.motion();
+  std::mt19937 random(33);
+  const auto p = at_distance(*motion, 3, random);
+  std::vector<double> x(mesh.rest.size());
+  motion->positions(p, x);
+  const Eigen::VectorXd expected =
+      mesh.subspace.rebuild(Eigen::Map<const Eigen::VectorXd>(p.data(), static_cast<Eigen::Index>(p.size())));
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(x[i], expected[static_cast<Eigen::Index>(i)], 1e-12);
+  for (Index place = 0; place < motion->hierarchy()->vertex_ids().size(); ++place) {
+    double alone[3];
+    motion->vertex(place, p, alone);
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(alone[axis], x[3 * motion->hierarchy()->vertex_ids()[place] + axis]);
+  }
+}
+
+}  // namespace
+}  // namespace foldproof::testing
