@@ -67,9 +67,10 @@ std::string badly_represented(const Model& model) {
 std::string certificate_row(const Learned& learned) {
   if (!learned.certificates) return "";
   const CertificateMap& map = *learned.certificates;
-  return row("certificates",
-             fmt::format("{:.1f} % of {} nodes told right for poses left out  ({:.1f} % by habit)",
-                         100 * map.right, grouped(map.nodes.size()), 100 * map.guessed));
+  return row(
+      "certificates",
+      fmt::format("{} nodes, {:.0f} % told right for poses left out  ({:.0f} % by habit, 50 % by chance)",
+                  grouped(map.nodes.size()), 100 * map.right, 100 * map.guessed));
 }
 
 Json to_json(const VertexDistance& d, double size) {

@@ -59,9 +59,11 @@ struct CertificateMap {
   Cca cca;                         ///< From key positions in place() to margins, one per node.
   std::vector<double> thresholds;  ///< Per node: a predicted margin above it is taken for proven.
   std::vector<Source> sources;     ///< Per node.
-  double right = 0;     ///< Share of pairs of pose and node that predictions from other poses get right.
-  double guessed = 0;   ///< The same for the node's more frequent answer in the other poses.
-  double believed = 0;  ///< Share of pairs taken for proven in that trial that were not.
+  // How well poses are told that stay out while the map is made, an eighth of them at a time; over nodes that
+  // are proven in some poses and not in others, both kinds counting alike. 0.5 is a coin's.
+  double right = 0;     ///< Share told right.
+  double guessed = 0;   ///< Share that is right when every node is said to do what it does more often.
+  double believed = 0;  ///< Share not proven of what is taken for proven.
 
   /// Key positions moved rigidly onto the anchor (least squares; Umeyama 1991): the prediction does not
   /// depend on where the mesh stands and how it is turned.

@@ -2,6 +2,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
+#include <optional>
 
 namespace foldproof {
 namespace {
@@ -11,6 +13,8 @@ using Eigen::VectorXd;
 
 // Predictions of poses that the map has not seen come from so many trials, each without some poses.
 constexpr Eigen::Index kTrials = 8;
+// Of the margins' map: with few poses hardly anything is certain, so much has to be smoothed.
+constexpr double kRidges[] = {0.01, 0.1, 1, 10};
 // So many poses of either kind a node needs for a threshold of its own.
 constexpr Eigen::Index kOfEachKind = 3;
 
@@ -29,34 +33,41 @@ MatrixXd without(const MatrixXd& all, const Trial& trial) {
   return rest;
 }
 
-Result<Cca> fit(const MatrixXd& keys, const MatrixXd& margins) {
-  return cca(keys, margins, static_cast<Index>(keys.cols()));
-}
-
-/// Predictions for every pose from poses that are not beside it, and how often the more frequent answer of
-/// those is right.
+/// Predictions for every pose from poses that are not beside it, with the ridge that makes them best, and
+/// what each node does more often in those other poses.
 struct Unseen {
+  double ridge = 0;
   MatrixXd predicted;
-  double guessed = 0;
+  MatrixXd usual;  // 1: proven more often than not
 };
 
-Result<Unseen> predict_unseen(const MatrixXd& keys, const MatrixXd& margins) {
-  Unseen unseen{MatrixXd::Zero(margins.rows(), margins.cols())};
+Result<Unseen> predict_unseen(const MatrixXd& keys, const MatrixXd& margins, double ridge) {
+  Unseen unseen{ridge, MatrixXd(margins.rows(), margins.cols()), MatrixXd(margins.rows(), margins.cols())};
   const Eigen::Index trials = std::min(kTrials, keys.cols());
-  Eigen::Index guessed = 0;
   for (Eigen::Index k = 0; k < trials; ++k) {
     const Trial trial = trial_of(k, trials, keys.cols());
     const MatrixXd seen = without(margins, trial);
-    const auto map = fit(without(keys, trial), seen);
+    const auto map = cca(without(keys, trial), seen, static_cast<Index>(seen.cols()), ridge);
     if (!map) return tl::unexpected(map.error());
-    const VectorXd usual = (seen.array() > 0).cast<double>().rowwise().mean();
+    const VectorXd often = (seen.array() > 0).cast<double>().rowwise().mean();
     for (Eigen::Index pose = trial.begin; pose < trial.end; ++pose) {
       unseen.predicted.col(pose) = map->predict(keys.col(pose));
-      guessed += ((margins.col(pose).array() > 0) == (usual.array() > 0.5)).count();
+      unseen.usual.col(pose) = (often.array() > 0.5).cast<double>();
     }
   }
-  unseen.guessed = static_cast<double>(guessed) / static_cast<double>(margins.size());
   return unseen;
+}
+
+Result<Unseen> predict_unseen(const MatrixXd& keys, const MatrixXd& margins) {
+  std::optional<Unseen> best;
+  for (const double ridge : kRidges) {
+    auto unseen = predict_unseen(keys, margins, ridge);
+    if (!unseen) return unseen;
+    const bool better =
+        !best || (unseen->predicted - margins).squaredNorm() < (best->predicted - margins).squaredNorm();
+    if (better) best = std::move(*unseen);
+  }
+  return std::move(*best);
 }
 
 /// The cut between predicted margins of proven and of other pairs of pose and node; none when there is none.
@@ -112,19 +123,40 @@ void find_thresholds(const Hierarchy& hierarchy, const MatrixXd& predicted, cons
   }
 }
 
-void judge(const MatrixXd& predicted, const MatrixXd& margins, CertificateMap& map) {
-  const Eigen::Map<const VectorXd> cuts(map.thresholds.data(),
-                                        static_cast<Eigen::Index>(map.thresholds.size()));
-  Eigen::Index right = 0, taken = 0, wrongly = 0;
-  for (Eigen::Index pose = 0; pose < margins.cols(); ++pose) {
-    const auto proven = (margins.col(pose).array() > 0).eval();
-    const auto expected = (predicted.col(pose).array() > cuts.array()).eval();
-    right += (proven == expected).count();
-    taken += expected.count();
-    wrongly += (expected && !proven).count();
+/// How often answers are right, proven pairs and others counting alike.
+class Tally {
+ public:
+  void add(bool proven, bool expected) {
+    ++pairs_[proven];
+    right_[proven] += proven == expected;
+    wrongly_ += expected && !proven;
+    taken_ += expected;
   }
-  map.right = static_cast<double>(right) / static_cast<double>(margins.size());
-  map.believed = taken ? static_cast<double>(wrongly) / static_cast<double>(taken) : 0;
+  double right() const {
+    if (pairs_[0] == 0 || pairs_[1] == 0) return 1;
+    return (share(right_[0], pairs_[0]) + share(right_[1], pairs_[1])) / 2;
+  }
+  double believed() const { return share(wrongly_, taken_); }
+
+ private:
+  static double share(Index part, Index all) { return all ? static_cast<double>(part) / all : 0; }
+  std::array<Index, 2> pairs_{}, right_{};
+  Index wrongly_ = 0, taken_ = 0;
+};
+
+void judge(const Unseen& unseen, const MatrixXd& margins, CertificateMap& map) {
+  Tally told, usual;
+  for (Eigen::Index node = 0; node < margins.rows(); ++node) {
+    const auto proven = (margins.row(node).array() > 0).eval();
+    if (proven.all() || !proven.any()) continue;
+    for (Eigen::Index pose = 0; pose < margins.cols(); ++pose) {
+      told.add(proven[pose], unseen.predicted(node, pose) > map.thresholds[static_cast<std::size_t>(node)]);
+      usual.add(proven[pose], unseen.usual(node, pose) > 0);
+    }
+  }
+  map.right = told.right();
+  map.guessed = usual.right();
+  map.believed = told.believed();
 }
 
 }  // namespace
@@ -152,14 +184,13 @@ Result<std::shared_ptr<const CertificateMap>> make_certificate_map(const Hierarc
   map.anchor = anchor;
   MatrixXd placed(keys.rows(), keys.cols());
   for (Eigen::Index k = 0; k < keys.cols(); ++k) placed.col(k) = map.place(keys.col(k));
-  auto made = fit(placed, input.margins);
-  if (!made) return tl::unexpected(made.error());
-  map.cca = std::move(*made);
   const auto unseen = predict_unseen(placed, input.margins);
   if (!unseen) return tl::unexpected(unseen.error());
-  map.guessed = unseen->guessed;
+  auto made = cca(placed, input.margins, static_cast<Index>(placed.cols()), unseen->ridge);
+  if (!made) return tl::unexpected(made.error());
+  map.cca = std::move(*made);
   find_thresholds(hierarchy, unseen->predicted, input.margins, map);
-  judge(unseen->predicted, input.margins, map);
+  judge(*unseen, input.margins, map);
   return std::make_shared<const CertificateMap>(std::move(map));
 }
 

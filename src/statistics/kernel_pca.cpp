@@ -89,7 +89,8 @@ VectorXd KernelPca::rebuild_span(const VectorView& p) const {
   const auto pull = [&](const VectorXd& y) -> VectorXd {
     return gamma.array() * (squared_distances(samples, y) / (-2 * width * width)).array().exp();
   };
-  VectorXd y;
+  // Stays when p is so large that nothing can be compared.
+  VectorXd y = VectorXd::Constant(samples.rows(), std::numeric_limits<double>::quiet_NaN());
   double near = -std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < samples.cols(); ++k) {
     const double value = pull(samples.col(k)).sum();

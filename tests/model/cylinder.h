@@ -66,7 +66,13 @@ inline Model trained(Motion& motion, const TrainSettings& settings = {}) {
   return std::move(*model);
 }
 
-/// The model in golden/: save_model wrote it when its format version was new.
+/// The models in golden/: save_model wrote them when their format version was new. Version 1 has no learned
+/// part.
 inline Model small_model() { return trained(*bending_tube(kSmallTube, {0, 1.5})); }
+inline Model small_learned_model(SubspaceKind kind = SubspaceKind::Pca) {
+  TrainSettings settings{.references = 1};
+  settings.learning.subspace = kind;
+  return trained(*bending_tube(kSmallTube, {0, 0.5, 1, 1.5}), settings);
+}
 
 }  // namespace foldproof::testing

@@ -1,0 +1,216 @@
+// What is learned from poses whose shapes are known, and what it is good for.
+#include <gmock/gmock.h>
+
+#include "learned/scene.h"
+#include "oracle/data.h"
+
+namespace foldproof::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TrainSettings all_energy() {
+  TrainSettings settings;
+  settings.learning.size.energy = 1;
+  settings.learning.key_points = {.first_share = 0.05, .most_share = 0.1};
+  return settings;
+}
+
+const std::vector<std::array<double, 2>> kAngles = {{0, 0},    {0.5, 0},     {1, 0.5},  {1.5, -0.5},
+                                                    {-1, 0.5}, {-1.5, -0.5}, {-0.5, 0}, {0.8, 0.2}};
+
+TEST(Learn, TrainingPosesComeBack) {
+  const auto motion = bending_twice(kSmallTubeToLearn, kAngles);
+  const Model model = trained(*motion, all_energy());
+  ASSERT_TRUE(model.learned) << model.not_learned;
+  const Learned& learned = *model.learned;
+  EXPECT_LE(learned.pca.modes(), 7u);
+  EXPECT_EQ(learned.coordinates.cols(), 8);
+  EXPECT_LE(learned.key_points.vertices.size(), 30u);
+  const Predictor predictor(model.learned);
+  for (Index k = 0; k < 8; ++k) {
+    const Eigen::VectorXd x = frame_of(*motion, k);
+    const PoseError error = predictor.error(x);
+    EXPECT_LT(error.total.worst, 1e-3 * learned.size) << k;
+    EXPECT_LT(error.projection.worst, 1e-5 * learned.size) << k;
+    EXPECT_LT((learned.pca.rebuild(learned.coordinates.col(k)) - x).norm(), 1e-5 * x.norm());
+    EXPECT_GT(learned.poses[k].left_out.projection.mean, learned.poses[k].trained.projection.mean);
+  }
+  // The pose that goes farthest is told worst by the others.
+  ASSERT_EQ(learned.poses.size(), 8u);
+}
+
+TEST(Learn, KernelPcaKeepsToTheTrainingPoses) {
+  TrainSettings settings = all_energy();
+  settings.learning.subspace = SubspaceKind::KernelPca;
+  const auto motion = bending_twice(kSmallTubeToLearn, kAngles);
+  const Model model = trained(*motion, settings);
+  ASSERT_TRUE(model.learned) << model.not_learned;
+  ASSERT_TRUE(model.learned->kernel);
+  const Predictor predictor(model.learned);
+  for (Index k = 0; k < 8; ++k) {
+    EXPECT_LT(predictor.error(frame_of(*motion, k)).total.mean, 0.02 * model.learned->size) << k;
+  }
+}
+
+TEST(Learn, MarginsFromKeyPointsDoNotDependOnThePlace) {
+  const auto motion = bending_twice(kSmallTubeToLearn, kAngles);
+  const Model model = trained(*motion, all_energy());
+  ASSERT_TRUE(model.learned && model.learned->certificates);
+  const CertificateMap& map = *model.learned->certificates;
+  EXPECT_EQ(map.nodes, predictable_nodes(*model.charts));
+  EXPECT_THAT(map.nodes, Contains(model.hierarchy()->nodes().size() - 1));
+  const KeyPointMap keys(model.learned->pca, model.learned->key_points.vertices);
+  const Eigen::VectorXd k = keys.gather(frame_of(*motion, 2));
+  Eigen::VectorXd moved = k;
+  for (Eigen::Index i = 0; i < k.size(); i += 3) moved.segment<3>(i) << 5 - k[i + 1], k[i] + 7, k[i + 2] - 2;
+  EXPECT_LT((map.margins(k) - map.margins(moved)).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_GT((map.place(k) - map.place(keys.gather(frame_of(*motion, 5)))).norm(), 1);  // shapes still differ
+}
+
+// The margin is what tells whether a chart holds, so it agrees with what training counts as proven.
+TEST(Learn, MarginsArePositiveWhereLeavesAreProven) {
+  const auto motion = bending_tube(kTube, {0, 1, 2, 6.2});
+  const Model model = trained(*motion, {.references = 1, .learn = false});
+  MarginMeter meter(model.charts);
+  const auto nodes = predictable_nodes(*model.charts);
+  ASSERT_GT(nodes.size(), 100u);
+  const Eigen::VectorXd straight = frame_of(*motion, 0), curled = frame_of(*motion, 3);
+  const auto of = [&](const Eigen::VectorXd& x) {
+    return meter.of(nodes, std::span(x.data(), static_cast<std::size_t>(x.size())));
+  };
+  const Eigen::VectorXd at_home = of(straight), away = of(curled);
+  EXPECT_GT(at_home.minCoeff(), 0);
+  EXPECT_LE(at_home.maxCoeff(), 1);
+  EXPECT_LT(away.minCoeff(), 0);
+  EXPECT_GT(at_home.sum(), away.sum());
+}
+
+TEST(Learn, CertificatesAreToldBetterThanByHabit) {
+  std::vector<double> angles;
+  for (int k = 0; k < 24; ++k) angles.push_back(7.0 * ((k * 7) % 24) / 24);
+  const Model model = trained(*bending_tube(kTube, angles), {.references = 1});
+  ASSERT_TRUE(model.learned && model.learned->certificates);
+  EXPECT_GT(model.learned->certificates->right, 0.9);
+  EXPECT_GT(model.learned->certificates->right, model.learned->certificates->guessed + 0.1);
+}
+
+TEST(Learn, RegionsMakeUpTheMeshAndTheWorstIsWherePosesDiffer) {
+  // Only the far end of the tube does something that no other pose shows.
+  auto frames = std::vector<std::vector<double>>{};
+  for (int k = 0; k < 6; ++k) frames.push_back(bent_twice(kSmallTubeToLearn, 0.1 * k, 0));
+  const std::size_t last_ring = frames[3].size() - 3 * kSmallTubeToLearn.around;
+  for (std::size_t i = last_ring; i < frames[3].size(); i += 3) frames[3][i + 2] += 0.5;
+  const auto motion = memory_motion("tube", tube(kSmallTubeToLearn.around, kSmallTubeToLearn.along), frames);
+  const Model model = trained(*motion, all_energy());
+  ASSERT_TRUE(model.learned);
+  const Learned& learned = *model.learned;
+  Index leaves = 0;
+  for (const LearnedRegion& r : learned.regions) {
+    const auto& node = model.hierarchy()->nodes()[r.node];
+    leaves += node.leaf_end - node.leaf_begin;
+  }
+  EXPECT_EQ(leaves, model.hierarchy()->leaf_count());
+  const auto bad = badly_represented_regions(learned);
+  ASSERT_FALSE(bad.empty());
+  EXPECT_GE(3 * learned.regions[bad[0]].worst_vertex, last_ring);
+  EXPECT_EQ(learned.regions[bad[0]].worst_pose, 3u);
+  EXPECT_NEAR(learned.regions[bad[0]].worst, 0.5, 0.1);
+  const auto poses = badly_represented_poses(learned);
+  ASSERT_FALSE(poses.empty());
+  EXPECT_EQ(poses[0], 3u);
+}
+
+TEST(Learn, SaysWhyNothingWasLearned) {
+  const auto model_of = [](const std::vector<double>& angles, bool learn = true) {
+    return trained(*bending_tube(kSmallTube, angles), {.learn = learn});
+  };
+  EXPECT_EQ(model_of({0, 1}).learned, nullptr);
+  EXPECT_EQ(model_of({0, 1}).not_learned, "too few poses");
+  EXPECT_EQ(model_of({0, 1, 2}, false).not_learned, "not wanted");
+  EXPECT_THAT(model_of({1, 1, 1}).not_learned, HasSubstr("are all the same"));
+  EXPECT_EQ(model_of({0, 1, 2}).not_learned, "");
+}
+
+TEST(Learn, ManyPosesAreThinned) {
+  std::vector<double> angles;
+  for (int k = 0; k < 20; ++k) angles.push_back(0.1 * k);
+  TrainSettings settings;
+  settings.learning.most_poses = 7;
+  const Model model = trained(*bending_tube(kSmallTube, angles), settings);
+  ASSERT_EQ(model.learned->poses.size(), 7u);
+  EXPECT_EQ(model.learned->poses[3].pose, 8u);
+}
+
+TEST(Suggest, FindsTheFrameThatGoesWhereNoPoseWent) {
+  const auto poses = bending_twice(kSmallTubeToLearn, {{0, 0}, {0.5, 0}, {1, 0}, {-0.5, 0}, {-1, 0}});
+  const Model model = trained(*poses, all_energy());
+  const auto run = bending_twice(kSmallTubeToLearn, {{0.2, 0}, {0.4, 0.1}, {0.1, 1}, {0.3, 0.6}, {-0.2, 0}});
+  const std::vector<Index> frames = {0, 1, 2, 3, 4};
+  const auto found = suggest_frames(*model.learned, *run, frames, 4);
+  ASSERT_TRUE(found) << found.error().line();
+  ASSERT_GE(found->size(), 1u);
+  EXPECT_EQ(found->front().number, 2u);
+  EXPECT_EQ(found->front().why, Suggestion::Why::Frame);
+  const Eigen::VectorXd x = frame_of(*run, 2);
+  EXPECT_EQ(found->front().positions, std::vector<double>(x.begin(), x.end()));
+  // One pose teaches nearly all of the direction.
+  EXPECT_LT(found->front().left, 0.05 * found->front().distance.mean);
+  EXPECT_NEAR(found->front().distance.worst, 1, 0.1);
+}
+
+TEST(Suggest, FindsTheSideThatPosesNeverTake) {
+  const auto poses =
+      bending_twice(kSmallTubeToLearn, {{0, 0}, {0, 0}, {0, 0.5}, {0, -0.5}, {0, 0}, {0, 0}, {0, 0}, {1, 0}});
+  const Model model = trained(*poses, all_energy());
+  const auto found = suggest_poses(*model.learned, 99);
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found[0].why, Suggestion::Why::OneSided);
+  // The suggested pose bends away from where the poses bend.
+  const Eigen::VectorXd far = frame_of(*poses, 7), home = frame_of(*poses, 0);
+  const Eigen::Map<const Eigen::VectorXd> other(found[0].positions.data(), far.size());
+  EXPECT_LT((other - home).dot(far - home), 0);
+  EXPECT_GT((other - home).norm(), 0.5 * (far - home).norm());
+  EXPECT_TRUE(std::any_of(found.begin(), found.end(), [](const Suggestion& s) {
+    return s.why == Suggestion::Why::OneExample && s.number == 7;
+  }));
+  EXPECT_EQ(suggest_poses(*model.learned, 1).size(), 1u);
+}
+
+TEST(Suggest, NothingWhereAllIsKnown) {
+  const auto poses = bending_twice(kSmallTubeToLearn, kAngles);
+  const Model model = trained(*poses, all_energy());
+  const std::vector<Index> frames = {0, 3, 5};
+  const auto found = suggest_frames(*model.learned, *poses, frames, 3);
+  ASSERT_TRUE(found);
+  EXPECT_THAT(*found, IsEmpty());
+  const auto other = bending_tube(kSmallTube, {0});
+  const auto wrong = suggest_frames(*model.learned, *other, std::vector<Index>{0}, 1);
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(wrong.error().line(), HasSubstr("has 108 vertices, and the model has 300"));
+}
+
+TEST(Learn, TheHandIsToldFromKeyPoints) {
+  const auto data = oracle::data_directory();
+  if (!data) GTEST_SKIP() << oracle::kNoData;
+  const auto open = [&](const std::string& name) {
+    return oracle::open_motion({*data / "hand" / (name + ".obj"), *data / "hand" / (name + ".pc2")});
+  };
+  const auto train = open("hand-train"), run = open("hand-anim");
+  std::vector<TrainPose> poses;
+  for (Index k = 0; k < 10; ++k) poses.push_back({train.get(), 4 * k});
+  const auto model = train_model(poses, {.references = 1, .most_triangles = 64});
+  ASSERT_TRUE(model) << model.error().line();
+  const Predictor predictor(model->learned);
+  EXPECT_LE(model->learned->key_points.vertices.size(), 35148 * 0.04);
+  for (const Index frame : {0, 36, 72}) {
+    const PoseError error = predictor.error(frame_of(*run, frame));
+    EXPECT_LT(error.total.mean, 2 * error.projection.mean) << frame;
+    EXPECT_GT(error.projection.mean, 0) << frame;
+  }
+}
+
+}  // namespace
+}  // namespace foldproof::testing
