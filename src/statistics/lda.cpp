@@ -53,7 +53,7 @@ VectorXd discriminant(const MatrixXd& coordinates, std::span<const std::uint8_t>
   for (int c = 0; c < 2; ++c) means[c] /= sizes[c];
   MatrixXd within = coordinates;
   for (std::size_t k = 0; k < is_class_1.size(); ++k) within.col(k) -= means[is_class_1[k] != 0];
-  const VectorXd apart = means[1] - means[0];
+  VectorXd apart = means[1] - means[0];
   if (apart.norm() <= 1e-12 * coordinates.norm()) return VectorXd::Zero(rank);
 
   const double degrees = std::max(1.0, static_cast<double>(is_class_1.size()) - 2);
