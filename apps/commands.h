@@ -21,5 +21,7 @@ Command add_info(CLI::App& program);
 Command add_predict(CLI::App& program);
 Command add_suggest(CLI::App& program);
 Command add_render(CLI::App& program);
+Command add_reproduce(CLI::App& program);
+Command add_radius(CLI::App& program);
 
 }  // namespace foldproof

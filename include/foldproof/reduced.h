@@ -146,4 +146,8 @@ class ReducedShape {
   std::shared_ptr<const Impl> impl_;
 };
 
+/// The share of a normal distribution with the modes' deviations that lies within a radius of its mean: the
+/// chi-square distribution with that many degrees of freedom, at radius^2.
+double normal_share(double radius, Index modes);
+
 }  // namespace foldproof

@@ -145,6 +145,20 @@ double ReducedShape::distance(Index centre, std::span<const double> p) const {
   return double{impl_->distance(centre, p)};
 }
 
+// The regularised incomplete gamma function P(modes / 2, radius^2 / 2) by its series, whose terms are all
+// positive (Abramowitz and Stegun 6.5.29).
+double normal_share(double radius, Index modes) {
+  const double a = modes / 2.0, x = radius * radius / 2;
+  if (!(x > 0)) return 0;
+  if (x > 2 * a + 200) return 1;
+  double term = 1, sum = 1;
+  for (int n = 1; term > sum * 1e-17; ++n) {
+    term *= x / (a + n);
+    sum += term;
+  }
+  return std::min(1.0, sum * std::exp(a * std::log(x) - x - std::lgamma(a + 1)));
+}
+
 namespace {
 
 // The two centres that hold both ends nearest, and how near.

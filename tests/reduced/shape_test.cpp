@@ -174,6 +174,18 @@ TEST(ReducedShape, RefusesWhatItCannotBuild) {
   EXPECT_TRUE(refused([](Pca& s) { s.basis(3, 0) = 1e39; }));
 }
 
+// Tabled values of the chi-square distribution: 1 to 3 standard deviations of one number, and the median and the
+// 95th percentile of more.
+TEST(NormalShare, IsTheChiSquareDistribution) {
+  EXPECT_NEAR(normal_share(1, 1), 0.682689, 1e-6);
+  EXPECT_NEAR(normal_share(3, 1), 0.997300, 1e-6);
+  EXPECT_NEAR(normal_share(std::sqrt(1.386294), 2), 0.5, 1e-6);
+  EXPECT_NEAR(normal_share(std::sqrt(18.307038), 10), 0.95, 1e-6);
+  EXPECT_NEAR(normal_share(std::sqrt(124.342113), 100), 0.95, 1e-6);
+  EXPECT_EQ(normal_share(0, 5), 0);
+  EXPECT_EQ(normal_share(1e6, 5), 1);
+}
+
 TEST(ReducedMotion, IsMeanPlusBasisTimesCoordinates) {
   const ReducedMesh mesh = waving_cloth(6);
   const auto motion = mesh.motion();

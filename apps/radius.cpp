@@ -1,0 +1,253 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <random>
+
+#include "commands.h"
+#include "foldproof/model.h"
+#include "foldproof/reduced.h"
+#include "options.h"
+#include "terminal.h"
+
+namespace foldproof {
+namespace {
+
+constexpr const char* kFooter =
+    R"(Within the radius of a centre no combination of modes makes the surface touch itself: proven, not sampled. Distances are
+in standard deviations of the training poses (Mahalanobis). Regions that touch in the centre's own pose, or that no proof
+was found for, are left out of that and named.
+
+Examples:
+  foldproof radius body.model                        how far from the mean, and from each cluster
+  foldproof radius body.model --sample 20 -o s.npz   twenty certified shapes, as a motion
+  foldproof radius body.model --ply left.ply         the mean, triangles that are left out marked 1)";
+
+struct RadiusArguments {
+  std::string model, output, ply;
+  Index samples = 0;
+  double clearance = 0;
+  int threads = 0;
+  bool quiet = false;
+};
+
+struct Centres {
+  std::vector<ReducedCentre> list;
+  std::vector<std::string> names;
+};
+
+// The mean, and the clusters where there are several. Balls reach as far as any training pose lies.
+Centres centres_of(const Learned& learned, const ReducedMotion& motion) {
+  Centres centres;
+  const auto add = [&](std::string name, const Eigen::VectorXd& p) {
+    double farthest = std::sqrt(motion.modes()) + 4.0;
+    for (Eigen::Index k = 0; k < learned.coordinates.cols(); ++k)
+      farthest = std::max(farthest, 1.1 * learned.pca.mahalanobis(learned.coordinates.col(k) - p));
+    centres.list.push_back({{p.data(), p.data() + p.size()}, farthest});
+    centres.names.push_back(std::move(name));
+  };
+  add("mean", Eigen::VectorXd::Zero(motion.modes()));
+  if (learned.clusters.count() > 1) {
+    for (Index c = 0; c < learned.clusters.count(); ++c)
+      add(fmt::format("cluster {}", c), learned.clusters.centres.col(c));
+  }
+  return centres;
+}
+
+std::string table(const ReducedShape& shape, const Centres& centres, const Learned& learned) {
+  std::string text = fmt::format("{:<12}{:>10}{:>17}{:>23}{:>26}\n", "centre", "radius", "share of normal",
+                                 "training poses inside", "pairs of leaves left out");
+  const auto inside = [&](Index centre, Eigen::Index pose) {
+    const Eigen::VectorXd p = learned.coordinates.col(pose);
+    return shape.distance(centre, std::span(p.data(), static_cast<std::size_t>(p.size()))) <
+           shape.radius(centre);
+  };
+  const Eigen::Index poses = learned.coordinates.cols();
+  Index in_any = 0;
+  for (Eigen::Index k = 0; k < poses; ++k) {
+    bool any = false;
+    for (Index c = 0; c < centres.list.size() && !any; ++c) any = inside(c, k);
+    in_any += any;
+  }
+  for (Index c = 0; c < centres.list.size(); ++c) {
+    Index count = 0;
+    for (Eigen::Index k = 0; k < poses; ++k) count += inside(c, k);
+    const auto left = shape.left_out(c);
+    const auto touching = std::count_if(left.begin(), left.end(), [](const LeftOut& l) { return l.touches; });
+    // The normal distribution is around the mean only.
+    const std::string share =
+        c == 0 ? fmt::format("{:.2f} %", 100 * normal_share(shape.radius(c), shape.motion()->modes())) : "";
+    text += fmt::format("{:<12}{:>10.4g}{:>17}{:>23}{:>26}\n", centres.names[c], shape.radius(c), share,
+                        fmt::format("{} of {}", count, poses),
+                        left.empty() ? "none" : fmt::format("{}, {} touch", grouped(left.size()), touching));
+  }
+  return text + fmt::format("Of {} training poses {} lie within a radius.\n", poses, in_any);
+}
+
+// Leaves that hang together by pairs that are left out.
+struct Region {
+  std::vector<Index> leaves;
+  bool touches = false;
+};
+
+std::vector<Region> regions_of(std::span<const LeftOut> left, Index leaf_count) {
+  std::vector<Index> parent(leaf_count);
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto root = [&](Index leaf) {
+    while (parent[leaf] != leaf) leaf = parent[leaf] = parent[parent[leaf]];
+    return leaf;
+  };
+  for (const LeftOut& l : left) parent[root(l.leaf_a)] = root(l.leaf_b);
+  std::map<Index, Region> regions;
+  for (const LeftOut& l : left) {
+    Region& region = regions[root(l.leaf_a)];
+    region.touches |= l.touches;
+    region.leaves.insert(region.leaves.end(), {l.leaf_a, l.leaf_b});
+  }
+  std::vector<Region> sorted;
+  for (auto& [_, region] : regions) {
+    std::sort(region.leaves.begin(), region.leaves.end());
+    region.leaves.erase(std::unique(region.leaves.begin(), region.leaves.end()), region.leaves.end());
+    sorted.push_back(std::move(region));
+  }
+  std::stable_sort(sorted.begin(), sorted.end(), [](const Region& a, const Region& b) {
+    return std::pair(a.touches, a.leaves.size()) > std::pair(b.touches, b.leaves.size());
+  });
+  return sorted;
+}
+
+std::string region_list(const ReducedShape& shape, const Centres& centres) {
+  constexpr std::size_t kMost = 12;
+  const Hierarchy& h = *shape.motion()->hierarchy();
+  std::string text;
+  for (Index c = 0; c < centres.list.size(); ++c) {
+    const auto regions = regions_of(shape.left_out(c), h.leaf_count());
+    if (regions.empty()) continue;
+    std::vector<double> x(3 * std::size_t{h.topology().vertex_count()});
+    shape.motion()->positions(centres.list[c].p, x);
+    text += fmt::format("\nLeft out around {}: nothing is said of what happens inside these {}.\n",
+                        centres.names[c], counted(regions.size(), "region"));
+    for (std::size_t k = 0; k < std::min(kMost, regions.size()); ++k) {
+      Index triangles = 0;
+      for (const Index leaf : regions[k].leaves)
+        triangles += h.leaves()[leaf + 1].triangles - h.leaves()[leaf].triangles;
+      const Index first = h.triangle_ids()[h.leaves()[regions[k].leaves[0]].triangles];
+      const Index v = h.topology().triangles()[first][0];
+      text += fmt::format("  {} around triangle {} at ({:.4g}, {:.4g}, {:.4g}): {}\n",
+                          counted(triangles, "triangle"), first, x[3 * v], x[3 * v + 1], x[3 * v + 2],
+                          regions[k].touches ? "touches already" : "no proof was found");
+    }
+    if (regions.size() > kMost) text += fmt::format("  and {} smaller ones\n", regions.size() - kMost);
+  }
+  return text;
+}
+
+Result<void> write_left_out(const std::string& path, const ReducedShape& shape) {
+  const Hierarchy& h = *shape.motion()->hierarchy();
+  std::vector<std::uint8_t> marks(h.triangles().size(), 0);
+  for (const LeftOut& l : shape.left_out(0)) {
+    for (const Index leaf : {l.leaf_a, l.leaf_b}) {
+      for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t)
+        marks[h.triangle_ids()[t]] = 1;
+    }
+  }
+  std::vector<double> x(3 * std::size_t{h.topology().vertex_count()});
+  shape.motion()->positions(shape.centres()[0].p, x);
+  return write_ply(path, h.topology(), x, marks);
+}
+
+// Evenly from the balls of all centres in turn, by volume within each; always the same ones.
+Result<void> write_samples(const RadiusArguments& a, const ReducedShape& shape) {
+  const ReducedMotion& motion = *shape.motion();
+  std::vector<Index> usable;
+  for (Index c = 0; c < shape.centres().size(); ++c) {
+    if (shape.radius(c) > 0) usable.push_back(c);
+  }
+  if (usable.empty())
+    return fail(a.output, "no shape is certified", "see which regions touch at the centres");
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal(0, 1);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<std::vector<double>> frames;
+  for (Index k = 0; k < a.samples; ++k) {
+    const Index c = usable[k % usable.size()];
+    std::vector<double> q(motion.modes()), p = shape.centres()[c].p;
+    double square = 0;
+    for (double& z : q) {
+      z = normal(random);
+      square += z * z;
+    }
+    const double radius = 0.999 * shape.radius(c) * std::pow(uniform(random), 1.0 / motion.modes());
+    for (std::size_t m = 0; m < q.size(); ++m)
+      p[m] += radius * q[m] / std::sqrt(square) * motion.deviations()[m];
+    motion.positions(p, frames.emplace_back(3 * std::size_t{motion.hierarchy()->topology().vertex_count()}));
+  }
+  const auto sampled = memory_motion("samples", motion.hierarchy()->topology(), std::move(frames));
+  return write_motion(a.output, *sampled);
+}
+
+Result<int> radius(const RadiusArguments& a) {
+  ThreadLimit limit;
+  if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
+  if (const auto ok = require_number("--clearance", a.clearance, true); !ok)
+    return tl::unexpected(ok.error());
+  if ((a.samples > 0) == a.output.empty()) return fail("--sample", "goes with -o", "give both, or neither");
+  const auto model = load_model(a.model);
+  if (!model) return tl::unexpected(model.error());
+  if (!model->learned)
+    return fail(a.model, "has learned no shapes", "train it anew with at least 3 poses that differ");
+  auto motion = ReducedMotion::make(model->hierarchy(), model->learned->pca);
+  if (!motion) return tl::unexpected(motion.error());
+  const Centres centres = centres_of(*model->learned, *motion);
+  ProgressBar bar(!a.quiet);
+  ReducedHooks hooks;
+  hooks.progress = [&](double part) { bar.show(part, "proving"); };
+  hooks.cancel = &watch_for_interrupt();
+  const auto shape = ReducedShape::build(std::make_shared<const ReducedMotion>(std::move(*motion)),
+                                         centres.list, {.clearance = a.clearance}, hooks);
+  bar.clear();
+  if (!shape) {
+    if (!*hooks.cancel) return tl::unexpected(shape.error());
+    print_error({"interrupted", "while proving", "nothing was written"});
+    return kExitInterrupted;
+  }
+  if (!a.ply.empty()) {
+    if (const auto done = write_left_out(a.ply, *shape); !done) return tl::unexpected(done.error());
+  }
+  if (a.samples > 0) {
+    if (const auto done = write_samples(a, *shape); !done) return tl::unexpected(done.error());
+  }
+  if (!a.quiet) {
+    print_output(fmt::format("{}: {}, {}; farther apart than {:.3g} mesh units\n", cell(a.model),
+                             counted(shape->motion()->modes(), "mode"),
+                             counted(model->hierarchy()->triangles().size(), "triangle"),
+                             shape->clearance()) +
+                 table(*shape, centres, *model->learned) + region_list(*shape, centres));
+  }
+  return kExitClean;
+}
+
+}  // namespace
+
+Command add_radius(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("radius", "Prove how far a model's shapes may go without touching themselves");
+  command->footer(kFooter);
+  const auto a = std::make_shared<RadiusArguments>();
+  command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote")->type_name("")->required();
+  command->add_option("--sample", a->samples, "Draw N certified shapes, evenly from the balls")
+      ->type_name("N");
+  command->add_option("-o,--output", a->output, "Write them as a motion: .npz, .obj or .ply")
+      ->type_name("FILE");
+  command->add_option("--ply", a->ply, "Write the mean with what is left out marked 1")->type_name("FILE");
+  command
+      ->add_option("--clearance", a->clearance,
+                   "Prove that features stay farther apart than D, in mesh units [2^-24 of the size]")
+      ->type_name("D");
+  add_threads_option(*command, a->threads, "At most N threads [all cores]");
+  command->add_flag("--quiet", a->quiet, "Print nothing but errors");
+  return [a] { return radius(*a); };
+}
+
+}  // namespace foldproof
