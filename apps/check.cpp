@@ -29,10 +29,10 @@ Examples:
 
 struct CheckArguments {
   std::vector<std::string> motions, models;
-  std::string json, csv, ply, explain;
+  std::string json, csv, ply, explain, mode = "proven";
   Index substeps = 1;
   int threads = 0;
-  double thickness = 0, tolerance = 0;
+  double thickness = 0, tolerance = 0, miss_rate = 0.01;
   bool poses = false, within = false, between = false, first = false, pairs = false, quiet = false;
   bool no_certificates = false;
   MotionOptions motion;
@@ -89,6 +89,26 @@ void add_speed_options(CLI::App& check, CheckArguments& a) {
   check.get_option("--threads")->group(group);
 }
 
+void add_mode_options(CLI::App& check, CheckArguments& a) {
+  const char* group = "How far the answer can be relied on";
+  check
+      .add_option("--mode", a.mode,
+                  "proven: no collision is missing. paper: STATISTICAL, can miss collisions; believes what "
+                  "key points "
+                  "predict, as the paper does, and counts what that misses [proven]")
+      ->type_name("proven|paper")
+      ->check(CLI::IsMember({"proven", "paper"}))
+      ->group(group);
+  check
+      .add_option(
+          "--miss-rate", a.miss_rate,
+          "With --mode paper: believe only as much as left at most this share of beliefs wrong on poses that "
+          "training held out [0.01]")
+      ->type_name("SHARE")
+      ->check(CLI::Range(0.0, 1.0))
+      ->group(group);
+}
+
 void add_report_options(CLI::App& check, CheckArguments& a) {
   const char* group = "Where the answer goes";
   check.add_option("--json", a.json, "The whole answer, step by step")->type_name("FILE")->group(group);
@@ -115,6 +135,7 @@ void add_options(CLI::App& check, CheckArguments& a) {
   add_query_options(check, a);
   add_part_options(check, a);
   add_speed_options(check, a);
+  add_mode_options(check, a);
   add_report_options(check, a);
 }
 
@@ -128,6 +149,25 @@ Result<void> require_distinct_files(const CheckArguments& a) {
   return {};
 }
 
+// Only outputs that say on them that they are statistical may hold such an answer.
+Result<void> require_mode_fits(const CheckArguments& a) {
+  if (a.mode != "paper") return {};
+  const auto conflict = [](const char* option) {
+    return fail("--mode paper", fmt::format("does not go with {}", option),
+                "leave one of them away; --json marks its answer as statistical");
+  };
+  if (!a.csv.empty()) return conflict("--csv");
+  if (!a.ply.empty()) return conflict("--ply");
+  if (!a.explain.empty()) return conflict("--explain");
+  if (a.pairs && a.json.empty()) return conflict("--pairs without --json");
+  if (a.first) return conflict("--first");
+  if (a.no_certificates) return conflict("--no-certificates");
+  if (a.models.empty())
+    return fail("--mode paper", "needs a model",
+                "give --model one that 'foldproof train' made of at least 3 poses");
+  return {};
+}
+
 Result<CheckSettings> settings_of(const CheckArguments& a) {
   if (const auto ok = require_number("--thickness", a.thickness, true); !ok)
     return tl::unexpected(ok.error());
@@ -138,6 +178,8 @@ Result<CheckSettings> settings_of(const CheckArguments& a) {
   if (a.substeps < 1) return fail("--substeps", "0 parts are none", "give 1 or more");
   if (const auto ok = require_distinct_files(a); !ok) return tl::unexpected(ok.error());
 
+  if (const auto ok = require_mode_fits(a); !ok) return tl::unexpected(ok.error());
+
   CheckSettings settings;
   settings.poses = a.poses;
   settings.substeps = a.substeps;
@@ -145,6 +187,8 @@ Result<CheckSettings> settings_of(const CheckArguments& a) {
                    .between = !a.within,
                    .thickness = a.thickness,
                    .tolerance = a.tolerance,
+                   .mode = a.mode == "paper" ? Mode::Paper : Mode::Proven,
+                   .most_wrong = a.miss_rate,
                    .certificates = !a.no_certificates,
                    .earliest_only = a.first,
                    .explain = !a.explain.empty()};

@@ -139,6 +139,11 @@ std::string certified_share(const ReasonCounts& leaf_pairs) {
 
 std::string closing_sentence(const CheckSettings& settings, const CheckTotals& totals) {
   const char* step = settings.poses ? "frame" : "step";
+  if (settings.step.mode == Mode::Paper) {
+    return fmt::format(
+        "\nSTATISTICAL: the mode paper found {} of {}. Leave --mode away for the proven answer.\n",
+        grouped(totals.collisions.sum()), counted(totals.collisions.sum() + totals.missed, "colliding pair"));
+  }
   if (totals.clean()) {
     return fmt::format("\nNo collisions: {} proven free.\n",
                        totals.steps == 1 ? fmt::format("the one {} is", step)
@@ -158,6 +163,13 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
     fmt::format_to(Text(text), "{:<24}{}\n", label, value);
   };
   const CollisionCounts& found = totals.collisions;
+  const double steps = static_cast<double>(std::max<std::uint64_t>(totals.steps, 1));
+  if (settings.step.mode == Mode::Paper) {
+    row("mode",
+        fmt::format(
+            "paper: STATISTICAL, can miss collisions (at most {:g} % of beliefs wrong on poses held out)",
+            100 * settings.step.most_wrong));
+  }
   row(settings.poses ? "frames checked" : "steps checked",
       fmt::format("{}  (frames {} to {})", grouped(totals.steps), totals.first_frame, totals.last_frame));
   row("  with collisions", grouped(totals.steps_with_collisions));
@@ -165,7 +177,16 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
                              ? grouped(found.sum()) + "  (triangles that cross)"
                              : fmt::format("{}  (vertex-face {}, edge-edge {})", grouped(found.sum()),
                                            grouped(found.vertex_face), grouped(found.edge_edge)));
-  if (!totals.clean()) {
+  if (settings.step.mode == Mode::Paper) {
+    const std::uint64_t all = found.sum() + totals.missed;
+    row("missed",
+        fmt::format("{} of the {} in the proven answer ({:.3g} %)", grouped(totals.missed), grouped(all),
+                    all ? 100.0 * static_cast<double>(totals.missed) / static_cast<double>(all) : 0.0));
+    row("proven answer", fmt::format("{:.3g} ms per {}, {:.2f} times as long",
+                                     totals.proven_milliseconds / steps, settings.poses ? "frame" : "step",
+                                     totals.proven_milliseconds / std::max(1e-9, totals.milliseconds.total)));
+  }
+  if (totals.worst) {
     row("worst", fmt::format("{}: {}", place_name(*totals.worst, settings),
                              counted(totals.worst_collisions.sum(), "pair")));
     std::string earliest = place_name(*totals.earliest, settings);
@@ -180,8 +201,7 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
   if (settings.step.explain) row("certified", certified_share(totals.leaf_pairs));
   row(settings.poses ? "time per frame" : "time per step",
       fmt::format("{:.3g} ms, the slowest {:.3g} ms  (reading files not counted)",
-                  totals.milliseconds.total / static_cast<double>(std::max<std::uint64_t>(totals.steps, 1)),
-                  totals.slowest_step));
+                  totals.milliseconds.total / steps, totals.slowest_step));
   return text + closing_sentence(settings, totals);
 }
 

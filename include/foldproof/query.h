@@ -7,9 +7,18 @@
 
 #include "foldproof/ccd.h"
 #include "foldproof/certificate.h"
+#include "foldproof/learned.h"
 #include "foldproof/reduced.h"
 
 namespace foldproof {
+
+/// How far an answer can be relied on.
+enum class Mode : std::uint8_t {
+  Proven,  ///< No collision is missing.
+  /// STATISTICAL, can miss collisions: the certificates of nodes are predicted from key points and believed,
+  /// as the paper has it (Eq. 3 and 8). Nothing is proven but what boxes keep apart. For comparison.
+  Paper,
+};
 
 struct StepSettings {
   bool within = true;    ///< Collisions of each object with itself.
@@ -17,6 +26,10 @@ struct StepSettings {
   double thickness = 0;  ///< Mesh units, >= 0. Closer than or equal to this is a collision.
   double tolerance = 0;  ///< Mesh units. How far beyond `thickness` a reported pair may be. 0: 2^-30 of the
                          ///< largest side of the box around everything during the step.
+  Mode mode = Mode::Proven;
+  /// Mode::Paper: believe only as much as made at most this share of beliefs wrong on poses that had been
+  /// held out (CertificateMap::Trust). In [0,1].
+  double most_wrong = 0.01;
   bool certificates = true;  ///< Leave out what certificates prove. Never changes the answer, only the work.
   bool earliest_only =
       false;  ///< Report only the pair with the earliest time of impact (ties: smallest ids).
@@ -132,9 +145,11 @@ using Positions = std::span<const std::span<const double>>;
 class StepChecker {
  public:
   /// `charts`: trained charts for each object, null where there are none; or empty. Their hierarchies are the
-  /// objects'.
+  /// objects'. `learned`, from the same training: Mode::Paper needs it for every object that is checked
+  /// within.
   explicit StepChecker(std::vector<std::shared_ptr<const Hierarchy>> objects,
-                       std::vector<std::shared_ptr<const ChartLibrary>> charts = {});
+                       std::vector<std::shared_ptr<const ChartLibrary>> charts = {},
+                       std::vector<std::shared_ptr<const Learned>> learned = {});
   ~StepChecker();
   StepChecker(StepChecker&&) noexcept;
   StepChecker& operator=(StepChecker&&) noexcept;

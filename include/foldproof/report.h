@@ -61,6 +61,9 @@ struct CheckedStep {
   const StepResult* step = nullptr;          ///< Null for a pose.
   const StaticResult* pose = nullptr;        ///< Null for a step.
   const Explanation* explanation = nullptr;  ///< Null unless StepSettings::explain is set.
+  /// Mode::Paper: collisions of the proven answer that this one misses, and what that answer took. Else 0.
+  std::uint64_t missed = 0;
+  double proven_milliseconds = 0;
 };
 
 /// The whole check in numbers.
@@ -77,9 +80,11 @@ struct CheckTotals {
   StageTimes milliseconds;    ///< Sums over the steps.
   double slowest_step = 0;    ///< Milliseconds.
   ReasonCounts leaf_pairs{};  ///< Explanation::leaf_pairs, sums over the steps; zeros when none was wanted.
-  bool cancelled = false;     ///< Stopped by request; the numbers cover what was done until then.
+  std::uint64_t missed = 0;   ///< Mode::Paper: sums over the steps.
+  double proven_milliseconds = 0;  ///< The same.
+  bool cancelled = false;          ///< Stopped by request; the numbers cover what was done until then.
 
-  bool clean() const { return collisions.sum() == 0; }
+  bool clean() const { return collisions.sum() == 0 && missed == 0; }
 };
 
 /// Takes answered steps in order. A file writer leaves a file only after `finish`.
@@ -98,7 +103,8 @@ struct CheckHooks {
   const std::atomic<bool>* cancel = nullptr;
 };
 
-/// Checks `motions` and hands each answer to all writers. Memory holds two frames per object (four with
+/// Checks `motions` and hands each answer to all writers. With Mode::Paper every step is answered a second
+/// time, proven, to count what was missed. Memory holds two frames per object (four with
 /// substeps) and one answer. Error: no motions, different frame counts, a model of another mesh, a range that
 /// selects too few frames, a frame that cannot be read, a writer's error.
 Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Writers writers,

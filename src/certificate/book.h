@@ -37,6 +37,12 @@ class ChartBook {
   };
   Proof prove(Index slot, std::span<const MovingVertex> vertices, double gap, ChartTester& tester);
 
+  /// The first of a slot's trained charts, untested; false where there is none.
+  Proof trained(Index slot) const {
+    const Index chart = trained_ ? trained_->first(slot) : kNoIndex;
+    return chart == kNoIndex ? Proof{} : Proof{trained_.get(), chart};
+  }
+
   bool has_charts(Index slot) const {
     return own_.first(slot) != kNoIndex || (trained_ && trained_->first(slot) != kNoIndex);
   }

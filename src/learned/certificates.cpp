@@ -144,6 +144,29 @@ class Tally {
   Index wrongly_ = 0, taken_ = 0;
 };
 
+/// Of what is taken for proven, how much is wrong, and how much of that a higher excess avoids.
+std::vector<CertificateMap::Trust> trust_of(const Unseen& unseen, const MatrixXd& margins,
+                                            const std::vector<double>& thresholds) {
+  constexpr std::size_t kEntries = 64;
+  std::vector<std::pair<double, bool>> taken;  // excess, and whether it is proven
+  for (Eigen::Index node = 0; node < margins.rows(); ++node) {
+    for (Eigen::Index pose = 0; pose < margins.cols(); ++pose) {
+      const double excess = unseen.predicted(node, pose) - thresholds[static_cast<std::size_t>(node)];
+      if (excess > 0) taken.emplace_back(excess, margins(node, pose) > 0);
+    }
+  }
+  std::sort(taken.begin(), taken.end());
+  std::vector<std::size_t> wrong_from(taken.size() + 1, 0);  // how many from here on are not proven
+  for (std::size_t i = taken.size(); i-- > 0;) wrong_from[i] = wrong_from[i + 1] + !taken[i].second;
+  std::vector<CertificateMap::Trust> trust;
+  for (std::size_t k = 0; k < kEntries && k < taken.size(); ++k) {
+    const std::size_t first = k * taken.size() / kEntries;
+    trust.push_back({first == 0 ? 0 : taken[first - 1].first,
+                     static_cast<double>(wrong_from[first]) / static_cast<double>(taken.size() - first)});
+  }
+  return trust;
+}
+
 void judge(const Unseen& unseen, const MatrixXd& margins, CertificateMap& map) {
   Tally told, usual;
   for (Eigen::Index node = 0; node < margins.rows(); ++node) {
@@ -157,6 +180,7 @@ void judge(const Unseen& unseen, const MatrixXd& margins, CertificateMap& map) {
   map.right = told.right();
   map.guessed = usual.right();
   map.believed = told.believed();
+  map.trust = trust_of(unseen, margins, map.thresholds);
 }
 
 }  // namespace
@@ -172,6 +196,13 @@ VectorXd CertificateMap::place(const VectorView& key_positions) const {
   const Eigen::Matrix3d turn = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
   const Eigen::Matrix3Xd placed = (turn * (given.colwise() - from)).colwise() + to;
   return Eigen::Map<const VectorXd>(placed.data(), placed.size());
+}
+
+std::optional<double> CertificateMap::excess_for(double most_wrong) const {
+  for (const Trust& t : trust) {
+    if (t.wrong <= most_wrong) return t.excess;
+  }
+  return std::nullopt;
 }
 
 Result<std::shared_ptr<const CertificateMap>> make_certificate_map(const Hierarchy& hierarchy,

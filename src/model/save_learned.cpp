@@ -61,8 +61,15 @@ Offset<file::Certificates> write(FlatBufferBuilder& builder, const CertificateMa
              loads = numbers(builder, map.cca.loads), correlations = numbers(builder, map.cca.correlations);
   const auto thresholds = builder.CreateVector(map.thresholds);
   const auto source_vector = builder.CreateVector(sources);
+  std::vector<double> excess, wrong;
+  for (const CertificateMap::Trust& trust : map.trust) {
+    excess.push_back(trust.excess);
+    wrong.push_back(trust.wrong);
+  }
+  const auto excesses = builder.CreateVector(excess), wrongs = builder.CreateVector(wrong);
   return file::CreateCertificates(builder, nodes, anchor, mean_x, mean_y, weights, loads, correlations,
-                                  thresholds, source_vector, map.right, map.guessed, map.believed);
+                                  thresholds, source_vector, map.right, map.guessed, map.believed, excesses,
+                                  wrongs);
 }
 
 std::uint64_t bytes_of(const Pca& pca) {
@@ -110,7 +117,7 @@ std::uint64_t bound_of_learned_bytes(const Learned& learned) {
     const CertificateMap& map = *learned.certificates;
     numbers += static_cast<std::uint64_t>(map.cca.weights.size() + map.cca.loads.size() +
                                           2 * map.anchor.size() + map.cca.correlations.size()) +
-               4 * map.nodes.size();
+               4 * map.nodes.size() + 2 * map.trust.size();
   }
   return bytes + 8 * numbers;
 }

@@ -23,6 +23,12 @@ void Scene::prove_selves(Index object, double gap) {
   });
 }
 
+void Scene::believe_selves(Index object) {
+  for (std::size_t i = 0; i < selves_.size(); ++i) {
+    if (beliefs_[object]->holds(selves_[i])) self_proofs_[i] = books_[object]->trained(selves_[i]);
+  }
+}
+
 std::uint8_t& Scene::plane_patience(const LeafPairRef& pair) {
   const TraversalTask& task = tasks_[pair.task];
   std::uint64_t hash = (std::uint64_t{pair.leaves.a} << 32 | pair.leaves.b) * 0x9E3779B97F4A7C15u;
@@ -37,13 +43,14 @@ bool Scene::proves(const LeafPairRef& pair, double gap, Local& local) {
     if (a == b) return false;  // asked on the way down
     const auto& proofs = leaf_proofs_[task.object_a];
     if (proofs[a].meets(proofs[b])) return true;
+    if (believes_) return false;
     ChartBook& book = *books_[task.object_a];
     const Index slot = book.slots().of_leaves(a, b);
     if (slot != kNoIndex) {
       return static_cast<bool>(book.prove(slot, trees_[task.object_a].vertices, gap, local.tester));
     }
   }
-  if (!ask_for_planes_ || plane_patience(pair) != 0) return false;
+  if (believes_ || !ask_for_planes_ || plane_patience(pair) != 0) return false;
   ++local.tests;
   const KineticTree &tree_a = *task.traversal.a, &tree_b = *task.traversal.b;
   return plane_separates(tree_a.vertices, tree_a.leaf_vertices(pair.leaves.a), tree_b.vertices,
@@ -81,7 +88,7 @@ void Scene::prove_leaf_pairs(double gap) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < leaf_pairs_.size(); ++i) {
     if (proven_[i]) continue;
-    note_unproven(leaf_pairs_[i]);
+    if (!believes_) note_unproven(leaf_pairs_[i]);
     leaf_pairs_[kept++] = leaf_pairs_[i];
   }
   leaf_pairs_.resize(kept);

@@ -50,19 +50,24 @@ Result<void> check_numbers(Index object, const char* end, std::span<const double
 }  // namespace
 
 Scene::Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
-             std::vector<std::shared_ptr<const ChartLibrary>> charts) {
+             std::vector<std::shared_ptr<const ChartLibrary>> charts,
+             std::vector<std::shared_ptr<const Learned>> learned) {
   charts.resize(objects.size());
+  learned.resize(objects.size());
   for (std::size_t i = 0; i < objects.size(); ++i) {
     leaf_needed_.emplace_back(objects[i]->leaf_count(), std::uint8_t{0});
     const auto slots = charts[i] ? charts[i]->slots() : std::make_shared<const PatchSlots>(objects[i]);
     books_.push_back(std::make_unique<ChartBook>(slots, std::move(charts[i])));
+    const bool predicted = learned[i] && learned[i]->certificates;
+    beliefs_.push_back(
+        predicted ? std::make_unique<Beliefs>(std::move(learned[i]), objects[i]->nodes().size()) : nullptr);
     leaf_proofs_.emplace_back(objects[i]->leaf_count());
     trees_.emplace_back(std::move(objects[i]));
   }
   fronts_.resize(trees_.size() > kManyObjects ? trees_.size() : trees_.size() * trees_.size());
 }
 
-Result<void> Scene::update(Positions x0, Positions x1) {
+Result<void> Scene::update(Positions x0, Positions x1, const StepSettings& settings) {
   if (x0.size() != trees_.size() || x1.size() != trees_.size()) {
     return fail("positions", fmt::format("given for {} and {} objects", x0.size(), x1.size()),
                 fmt::format("give them for all {}", trees_.size()));
@@ -84,6 +89,18 @@ Result<void> Scene::update(Positions x0, Positions x1) {
   frame_ = frame_around(all.low, all.high);
   largest_side_ = std::min(2 * (all.high / 2 - all.low / 2).maxCoeff(), std::numeric_limits<double>::max());
   for (std::size_t i = 0; i < trees_.size(); ++i) trees_[i].refit(frame_, x0[i], x1[i]);
+  return predict(x0, x1, settings);
+}
+
+Result<void> Scene::predict(Positions x0, Positions x1, const StepSettings& settings) {
+  believes_ = settings.mode == Mode::Paper;
+  if (!believes_ || !settings.within) return {};
+  for (Index i = 0; i < trees_.size(); ++i) {
+    if (!beliefs_[i])
+      return fail(fmt::format("object {}", i), "has nothing learned that predicts its certificates",
+                  "train a model on at least 3 poses that differ, or leave the mode paper");
+    beliefs_[i]->look(x0[i], x1[i], settings.most_wrong);
+  }
   return {};
 }
 
@@ -98,7 +115,11 @@ void Scene::descend_selves(Index object, const StepSettings& settings, double ga
   for (Index level = 0; !selves_.empty(); ++level) {
     work.node_tests += selves_.size();
     self_proofs_.assign(selves_.size(), {});
-    if (settings.certificates) prove_selves(object, gap);
+    if (believes_) {
+      believe_selves(object);
+    } else if (settings.certificates) {
+      prove_selves(object, gap);
+    }
     selves_below_.clear();
     for (std::size_t i = 0; i < selves_.size(); ++i) {
       const Index self = selves_[i];
@@ -110,7 +131,7 @@ void Scene::descend_selves(Index object, const StepSettings& settings, double ga
         for (const Index leaf : self_proofs_[i].collar()) leaf_proofs[leaf].add(self);
         continue;
       }
-      if (settings.certificates) book.want_node(self);
+      if (settings.certificates && !believes_) book.want_node(self);
       if (node.is_leaf()) {
         above_.leaf_pairs.push_back({node.leaf_begin, node.leaf_begin});
       } else {
@@ -190,7 +211,8 @@ void Scene::keep_fronts() {
 void Scene::begin_learning(const StepSettings& settings) {
   constexpr std::size_t kTrianglesPerLeafPair = 2;
   ask_for_planes_ = steps_++ > 0;
-  const std::size_t budget = settings.certificates ? kTrianglesPerLeafPair * last_leaf_pairs_ : 0;
+  const std::size_t budget =
+      settings.certificates && !believes_ ? kTrianglesPerLeafPair * last_leaf_pairs_ : 0;
   for (std::size_t i = 0; i < books_.size(); ++i)
     books_[i]->begin_step(trees_[i].vertices, budget / books_.size());
 }
@@ -230,7 +252,7 @@ void Scene::traverse(const StepSettings& settings, double distance, Work& work) 
     for (const NodePair leaves : tasks_[k].found.leaf_pairs)
       leaf_pairs_.push_back({static_cast<Index>(k), leaves});
   }
-  if (settings.certificates) prove_leaf_pairs(gap);
+  if (settings.certificates || believes_) prove_leaf_pairs(gap);
   for (const Local& local : locals_) {
     work.certificate_tests += local.tests + local.tester.tests;
     work.certificate_passes += local.passes;

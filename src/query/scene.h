@@ -5,6 +5,7 @@
 
 #include "certificate/book.h"
 #include "certificate/separating_plane.h"
+#include "query/beliefs.h"
 #include "query/narrow.h"
 
 namespace foldproof {
@@ -36,12 +37,14 @@ struct LeafProofs {
 class Scene {
  public:
   Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
-        std::vector<std::shared_ptr<const ChartLibrary>> charts);
+        std::vector<std::shared_ptr<const ChartLibrary>> charts,
+        std::vector<std::shared_ptr<const Learned>> learned);
 
   const Hierarchy& hierarchy(Index object) const { return *trees_[object].hierarchy; }
 
-  /// Checks sizes and numbers, then refits every object. After it `largest_side` is valid.
-  Result<void> update(Positions x0, Positions x1);
+  /// Checks sizes and numbers, then refits every object. After it `largest_side` is valid. Mode::Paper: makes
+  /// its predictions, or says what is missing.
+  Result<void> update(Positions x0, Positions x1, const StepSettings& settings);
 
   /// Finds the pairs of leaves that come closer than `distance` and that no certificate proves apart, and
   /// fills their features. Adds to `work`.
@@ -70,6 +73,8 @@ class Scene {
   struct ProvenNode {
     Index object, node, level;
   };
+  Result<void> predict(Positions x0, Positions x1, const StepSettings& settings);
+  void believe_selves(Index object);
   void begin_learning(const StepSettings& settings);
   void prove_selves(Index object, double gap);
   void descend_selves(Index object, const StepSettings& settings, double gap, Work& work);
@@ -86,6 +91,8 @@ class Scene {
 
   std::vector<KineticTree> trees_;
   std::vector<std::unique_ptr<ChartBook>> books_;
+  std::vector<std::unique_ptr<Beliefs>> beliefs_;     // null where nothing was learned
+  bool believes_ = false;                             // Mode::Paper
   std::vector<std::vector<LeafProofs>> leaf_proofs_;  // per object and leaf
   Frame frame_;
   double largest_side_ = 0;

@@ -67,7 +67,7 @@ Result<void> StepChecker::check_static(Positions x, const StepSettings& settings
   out.work = {};
   out.milliseconds = {};
   Scene& scene = impl_->scene;
-  if (auto ok = scene.update(x, x); !ok) return ok;
+  if (auto ok = scene.update(x, x, settings); !ok) return ok;
   out.milliseconds.update = watch.lap();
   scene.traverse(settings, 0, out.work);
   out.milliseconds.traverse = watch.lap();

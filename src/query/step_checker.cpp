@@ -5,8 +5,9 @@
 namespace foldproof {
 
 StepChecker::StepChecker(std::vector<std::shared_ptr<const Hierarchy>> objects,
-                         std::vector<std::shared_ptr<const ChartLibrary>> charts)
-    : impl_(new Impl{Scene(std::move(objects), std::move(charts)), {}}) {}
+                         std::vector<std::shared_ptr<const ChartLibrary>> charts,
+                         std::vector<std::shared_ptr<const Learned>> learned)
+    : impl_(new Impl{Scene(std::move(objects), std::move(charts), std::move(learned)), {}}) {}
 StepChecker::~StepChecker() = default;
 StepChecker::StepChecker(StepChecker&&) noexcept = default;
 StepChecker& StepChecker::operator=(StepChecker&&) noexcept = default;
@@ -16,7 +17,7 @@ Result<void> StepChecker::check(Positions x0, Positions x1, const StepSettings& 
   clear(out);
   if (auto ok = check_settings(settings); !ok) return ok;
   Scene& scene = impl_->scene;
-  if (auto ok = scene.update(x0, x1); !ok) return ok;
+  if (auto ok = scene.update(x0, x1, settings); !ok) return ok;
   out.milliseconds.update = watch.lap();
 
   out.tolerance = tolerance_for(settings, scene.largest_side());

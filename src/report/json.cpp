@@ -54,7 +54,7 @@ Json settings_json(const ReportInfo& info, Index frame_count) {
   const auto end_frame = [&](bool last) {
     return frames.empty() ? 0 : last ? frames.back() : frames.front();
   };
-  return {
+  Json json = {
       {"static", settings.poses},
       {"frames", {{"first", end_frame(false)}, {"last", end_frame(true)}, {"step", settings.frames.step}}},
       {"substeps", settings.substeps},
@@ -66,24 +66,33 @@ Json settings_json(const ReportInfo& info, Index frame_count) {
       {"certificates", settings.step.certificates},
       {"weld", info.read.weld},
       {"fps", info.read.fps}};
+  if (settings.step.mode == Mode::Paper) {
+    json["mode"] = "paper (STATISTICAL: can miss collisions)";
+    json["most_wrong"] = settings.step.most_wrong;
+  }
+  return json;
 }
 
 class JsonReport : public ReportWriter {
  public:
   JsonReport(FileWriter file, Motions motions, const ReportInfo& info)
-      : file_(std::move(file)), pairs_(info.pairs), poses_(info.settings.poses) {
+      : file_(std::move(file)),
+        pairs_(info.pairs),
+        poses_(info.settings.poses),
+        statistical_(info.settings.step.mode == Mode::Paper) {
     const Index frame_count = motions.empty() ? 0 : motions[0]->frame_count();
     file_.add("{{\"foldproof\":{},\n\"objects\":{},\n\"settings\":{},\n\"steps\":[", dump(version()),
               dump(objects_json(motions, info.settings)), dump(settings_json(info, frame_count)));
   }
 
   Result<void> step(const CheckedStep& step) override {
-    const Json json = {{"frame", step.place.frame},
-                       {"substep", step.place.substep},
-                       {"collisions", to_json(step.collisions, poses_)},
-                       {"earliest_toi", step.earliest_toi},
-                       {"milliseconds", to_json(step.milliseconds)},
-                       {"work", to_json(step.work)}};
+    Json json = {{"frame", step.place.frame},
+                 {"substep", step.place.substep},
+                 {"collisions", to_json(step.collisions, poses_)},
+                 {"earliest_toi", step.earliest_toi},
+                 {"milliseconds", to_json(step.milliseconds)},
+                 {"work", to_json(step.work)}};
+    add_misses(json, step.missed, step.proven_milliseconds);
     std::string text = dump(json);
     text.pop_back();  // The pairs may follow before the closing brace.
     file_.add("{}\n{}", step.place.number == 0 ? "" : ",", text);
@@ -106,6 +115,7 @@ class JsonReport : public ReportWriter {
                  {"tolerance", totals.tolerance},
                  {"milliseconds", to_json(totals.milliseconds)},
                  {"work", to_json(totals.work)}};
+    add_misses(json, totals.missed, totals.proven_milliseconds);
     if (totals.earliest) {
       json["earliest"] = {{"frame", totals.earliest->frame},
                           {"substep", totals.earliest->substep},
@@ -121,6 +131,12 @@ class JsonReport : public ReportWriter {
   }
 
  private:
+  void add_misses(Json& json, std::uint64_t missed, double proven_milliseconds) const {
+    if (!statistical_) return;
+    json["missed"] = missed;
+    json["proven_milliseconds"] = proven_milliseconds;
+  }
+
   Result<void> add_pairs(const StepResult& result) {
     file_.add("\"vf\":[");
     const char* separator = "";
@@ -154,7 +170,7 @@ class JsonReport : public ReportWriter {
   }
 
   TextFile file_;
-  bool pairs_, poses_;
+  bool pairs_, poses_, statistical_;
 };
 
 }  // namespace

@@ -88,10 +88,12 @@ Result<void> require_models_of(Motions motions, const CheckSettings& settings) {
 Result<StepChecker> make_checker(Motions motions, const CheckSettings& settings, const Pose& first) {
   std::vector<std::shared_ptr<const Hierarchy>> objects;
   std::vector<std::shared_ptr<const ChartLibrary>> charts(motions.size());
+  std::vector<std::shared_ptr<const Learned>> learned(motions.size());
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (!settings.models.empty() && settings.models[i]) {
       objects.push_back(settings.models[i]->hierarchy());
       charts[i] = settings.models[i]->charts;
+      learned[i] = settings.models[i]->learned;
       continue;
     }
     auto hierarchy = Hierarchy::build(motions[i]->topology(), first.positions()[i]);
@@ -102,7 +104,20 @@ Result<StepChecker> make_checker(Motions motions, const CheckSettings& settings,
     }
     objects.push_back(std::make_shared<const Hierarchy>(std::move(*hierarchy)));
   }
-  return StepChecker(std::move(objects), std::move(charts));
+  return StepChecker(std::move(objects), std::move(charts), std::move(learned));
+}
+
+// Nobody can predict certificates of an object without a model.
+Result<void> require_predictions(Motions motions, const CheckSettings& settings) {
+  if (settings.step.mode != Mode::Paper) return {};
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const Model* model = settings.models.empty() ? nullptr : settings.models[i].get();
+    if (model && model->learned && model->learned->certificates) continue;
+    return fail(motions[i]->name(),
+                "has no model that predicts its certificates, and the mode paper needs one",
+                "give --model one trained on at least 3 poses that differ");
+  }
+  return {};
 }
 
 void add(Work& sum, const Work& more) {
@@ -135,6 +150,8 @@ void add(CheckTotals& totals, const CheckedStep& step) {
   add(totals.work, step.work);
   for (std::size_t i = 0; step.explanation && i < totals.leaf_pairs.size(); ++i)
     totals.leaf_pairs[i] += step.explanation->leaf_pairs[i];
+  totals.missed += step.missed;
+  totals.proven_milliseconds += step.proven_milliseconds;
   totals.milliseconds.total += step.milliseconds.total;
   totals.milliseconds.update += step.milliseconds.update;
   totals.milliseconds.traverse += step.milliseconds.traverse;
@@ -155,18 +172,23 @@ class Run {
 
   Result<CheckTotals> poses() {
     Pose pose(motions_);
-    std::optional<StepChecker> checker;
-    StaticResult result;
+    std::optional<StepChecker> checker, proven;
+    StaticResult result, proven_result;
     for (const Index frame : frames_) {
       if (const auto done = pose.read(motions_, frame); !done) return tl::unexpected(done.error());
       if (!checker) {
         auto made = make_checker(motions_, settings_, pose);
         if (!made) return tl::unexpected(made.error());
         checker = std::move(*made);
+        if (compares()) proven = std::move(*make_checker(motions_, settings_, pose));
       }
       if (stop_requested()) return totals_;
       if (const auto done = checker->check_static(pose.positions(), settings_.step, result); !done) {
         return tl::unexpected(done.error());
+      }
+      if (proven) {
+        const auto done = proven->check_static(pose.positions(), proven_settings(), proven_result);
+        if (!done) return tl::unexpected(done.error());
       }
       const CheckedStep step{.place = {totals_.steps, frame, frame, 0},
                              .collisions = {.triangle_triangle = result.crossings.size()},
@@ -175,7 +197,9 @@ class Run {
                              .x0 = pose.positions(),
                              .x1 = pose.positions(),
                              .pose = &result,
-                             .explanation = explanation_in(result)};
+                             .explanation = explanation_in(result),
+                             .missed = proven ? proven_result.crossings.size() - result.crossings.size() : 0,
+                             .proven_milliseconds = proven_result.milliseconds.total};
       if (const auto done = deliver(step); !done) return tl::unexpected(done.error());
     }
     return finish();
@@ -186,6 +210,7 @@ class Run {
     if (const auto done = from.read(motions_, frames_[0]); !done) return tl::unexpected(done.error());
     auto checker = make_checker(motions_, settings_, from);
     if (!checker) return tl::unexpected(checker.error());
+    if (compares()) proven_ = std::move(*make_checker(motions_, settings_, from));
     std::optional<Pose> near, far;  // Ends of a part of a step.
     if (settings_.substeps > 1) {
       near.emplace(motions_);
@@ -211,6 +236,10 @@ class Run {
   Result<void> check(StepChecker& checker, const StepPlace& place, const Pose& x0, const Pose& x1) {
     auto done = checker.check(x0.positions(), x1.positions(), settings_.step, result_);
     if (!done) return done;
+    if (proven_) {
+      done = proven_->check(x0.positions(), x1.positions(), proven_settings(), proven_result_);
+      if (!done) return done;
+    }
     return deliver({.place = place,
                     .collisions = {result_.vertex_face.size(), result_.edge_edge.size(), 0},
                     .earliest_toi = result_.earliest_toi,
@@ -219,7 +248,22 @@ class Run {
                     .x0 = x0.positions(),
                     .x1 = x1.positions(),
                     .step = &result_,
-                    .explanation = explanation_in(result_)});
+                    .explanation = explanation_in(result_),
+                    .missed = proven_ ? count(proven_result_) - count(result_) : 0,
+                    .proven_milliseconds = proven_result_.milliseconds.total});
+  }
+
+  // The statistical answer is always part of the proven one: both pass the same pairs to the same narrow
+  // phase.
+  static std::uint64_t count(const StepResult& result) {
+    return result.vertex_face.size() + result.edge_edge.size();
+  }
+
+  bool compares() const { return settings_.step.mode == Mode::Paper; }
+  StepSettings proven_settings() const {
+    StepSettings proven = settings_.step;
+    proven.mode = Mode::Proven;
+    return proven;
   }
 
   template <class Answer>
@@ -255,7 +299,8 @@ class Run {
   const CheckHooks& hooks_;
   std::vector<Index> frames_;
   std::uint64_t expected_ = 0;
-  StepResult result_;
+  StepResult result_, proven_result_;
+  std::optional<StepChecker> proven_;  // Mode::Paper: what it is compared with
   CheckTotals totals_;
 };
 
@@ -266,6 +311,7 @@ Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Wr
   auto frames = frames_to_check(motions, settings);
   if (!frames) return tl::unexpected(frames.error());
   if (auto ok = require_models_of(motions, settings); !ok) return tl::unexpected(ok.error());
+  if (auto ok = require_predictions(motions, settings); !ok) return tl::unexpected(ok.error());
   Run run(motions, settings, writers, hooks, std::move(*frames));
   return settings.poses ? run.poses() : run.steps();
 }

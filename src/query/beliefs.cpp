@@ -1,0 +1,28 @@
+#include "query/beliefs.h"
+
+#include <algorithm>
+
+namespace foldproof {
+
+Beliefs::Beliefs(std::shared_ptr<const Learned> learned, std::size_t node_count)
+    : learned_(std::move(learned)), believed_(node_count, 0) {}
+
+Eigen::VectorXd Beliefs::margins_at(std::span<const double> x) const {
+  const auto& vertices = learned_->key_points.vertices;
+  Eigen::Matrix3Xd keys(3, static_cast<Eigen::Index>(vertices.size()));
+  for (Eigen::Index i = 0; i < keys.cols(); ++i)
+    keys.col(i) = Eigen::Map<const Vec3>(&x[3 * std::size_t{vertices[static_cast<std::size_t>(i)]}]);
+  return learned_->certificates->margins(Eigen::Map<const Eigen::VectorXd>(keys.data(), keys.size()));
+}
+
+void Beliefs::look(std::span<const double> x0, std::span<const double> x1, double most_wrong) {
+  const CertificateMap& map = *learned_->certificates;
+  const auto excess = map.excess_for(most_wrong);
+  const Eigen::VectorXd least = margins_at(x0).cwiseMin(margins_at(x1));
+  for (std::size_t k = 0; k < map.nodes.size(); ++k) {
+    believed_[map.nodes[k]] =
+        excess && least[static_cast<Eigen::Index>(k)] > map.thresholds[k] + *excess ? 1 : 0;
+  }
+}
+
+}  // namespace foldproof
