@@ -132,10 +132,11 @@ std::string learned_summary(const Model& model) {
   }
   const Learned& learned = *model.learned;
   const auto& keys = learned.key_points;
+  const auto& energy = learned.kernel ? learned.kernel->energy : learned.pca.energy;
   std::string text =
       row("subspace", fmt::format("{}, {}  ({:.4g} % of the variance)", name(learned.settings.subspace),
-                                  counted(learned.pca.modes(), "mode"),
-                                  100 * learned.pca.energy[learned.pca.energy.size() - 1]));
+                                  counted(static_cast<std::uint64_t>(energy.size()), "mode"),
+                                  100 * energy[energy.size() - 1]));
   text += row("key points", fmt::format("{}  ({:.2g} % of the vertices, {})", grouped(keys.vertices.size()),
                                         100.0 * static_cast<double>(keys.vertices.size()) /
                                             model.hierarchy()->topology().vertex_count(),

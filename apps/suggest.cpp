@@ -45,9 +45,14 @@ std::string what(const Suggestion& s, const Model& model) {
   return "";
 }
 
+const char* nothing(bool frames) {
+  return frames ? "The model can tell every frame"
+                : "No direction has a single example, and no mode leans to one side";
+}
+
 std::string table(const std::vector<Suggestion>& suggestions, const Model& model, bool frames) {
   const double size = model.learned->size;
-  if (suggestions.empty()) return "The model can tell all of it: no pose would help.\n";
+  if (suggestions.empty()) return std::string(nothing(frames)) + ".\n";
   std::string text = fmt::format("{:>22}{:>22}{:>10}{}  what\n", "unknown, mean", "worst vertex", "there",
                                  frames ? fmt::format("{:>22}", "left after it, mean") : "");
   for (const Suggestion& s : suggestions) {
@@ -92,7 +97,9 @@ Result<int> suggest(const SuggestArguments& a) {
   const auto suggestions = find(a, *model);
   if (!suggestions) return tl::unexpected(suggestions.error());
   if (!a.output.empty()) {
-    if (suggestions->empty()) return fail(a.output, "no pose would help", "nothing was written");
+    if (suggestions->empty())
+      return fail(a.output, fmt::format("is not written: {}", nothing(!a.motion.empty())),
+                  "there is no pose to suggest");
     const auto pose =
         memory_motion("suggestion", model->hierarchy()->topology(), {suggestions->front().positions});
     if (const auto done = write_motion(a.output, *pose); !done) return tl::unexpected(done.error());

@@ -1,0 +1,183 @@
+// train, info, predict and suggest as a person uses them to learn shapes.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/program.h"
+#include "learned/scene.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// Poses of a tube, a run of it that goes elsewhere, and another mesh.
+struct Scene : TemporaryDirectory {
+  Scene() {
+    const auto poses =
+        bending_twice(kSmallTubeToLearn, {{0, 0}, {0.5, 0}, {1, 0}, {-0.5, 0}, {-1, 0}, {2, 0}});
+    const auto run = bending_twice(kSmallTubeToLearn, {{0.2, 0}, {0.1, 1}, {0.7, 0.2}});
+    EXPECT_TRUE(write_npz(path() + "/poses.npz", *poses));
+    EXPECT_TRUE(write_npz(path() + "/run.npz", *run));
+    EXPECT_TRUE(write_npz(path() + "/other.npz", *bending_tube(kSmallTube, {0, 1, 2})));
+    EXPECT_EQ(this->run({"train", "poses.npz", "-o", "tube.model", "--energy", "1", "--quiet"}).code, 0);
+  }
+  Outcome run(std::vector<std::string> arguments) const {
+    return run_program(std::move(arguments), {.directory = path()});
+  }
+  /// The model's key points in a motion of this scene, as a table.
+  void write_table(const std::string& name, Motion& motion) const {
+    std::istringstream list(run({"predict", "tube.model", "--list-key-points"}).out);
+    std::string text = "frame,vertex,x,y,z\n";
+    for (Index v; list >> v;) {
+      for (Index k = 0; k < motion.frame_count(); ++k) {
+        const Eigen::VectorXd x = frame_of(motion, k);
+        text += std::to_string(k) + "," + std::to_string(v);
+        for (int axis = 0; axis < 3; ++axis) text += "," + std::to_string(x[3 * v + axis]);
+        text += "\n";
+      }
+    }
+    write_file(*this / name, text);
+  }
+};
+
+TEST(LearnedProgram, TrainReportsWhatWasLearned) {
+  const Scene scene;
+  const Outcome trained =
+      scene.run({"train", "poses.npz", "-o", "a.model", "--modes", "2", "--key-points", "0.1"});
+  EXPECT_EQ(trained.code, 0) << trained.err;
+  for (const char* part : {"subspace                PCA, 2 modes  (", "% of the vertices, ",
+                           "clusters of poses ", "certificates ", "projection error        mean ",
+                           "cueing error            mean ", "leave-one-out error     mean ", " %)"}) {
+    EXPECT_THAT(trained.out, HasSubstr(part));
+  }
+  const Outcome shown = scene.run({"info", "a.model", "--json", "a.json"});
+  EXPECT_EQ(shown.code, 0);
+  const json learned = json::parse(read_file(scene / "a.json"))["learned"];
+  EXPECT_EQ(learned["modes"], 2);
+  EXPECT_EQ(learned["poses"].size(), 6u);
+  EXPECT_LE(learned["key_points"].size(), 30u);
+  EXPECT_GT(learned["poses"][5]["left_out"]["projection"]["mean"],
+            learned["poses"][5]["trained"]["projection"]["mean"]);
+  EXPECT_GT(learned["poses"][0]["trained"]["projection"]["mean_share"], 0);
+  EXPECT_GT(learned["regions"].size(), 3u);
+  const Outcome told = scene.run({"info", "a.model"});
+  EXPECT_THAT(told.out, HasSubstr("leave one out"));
+  EXPECT_THAT(told.out, HasSubstr("regions that the other poses tell worst"));
+}
+
+TEST(LearnedProgram, LearningCanBeLeftOut) {
+  const Scene scene;
+  EXPECT_THAT(scene.run({"train", "poses.npz", "-o", "a.model", "--no-learning"}).out,
+              HasSubstr("learned                 nothing: not wanted\n"));
+  EXPECT_THAT(scene.run({"train", "poses.npz", "--frames", ":2", "-o", "b.model"}).out,
+              HasSubstr("learned                 nothing: too few poses\n"));
+  EXPECT_THAT(scene.run({"train", "poses.npz", "-o", "c.model", "--subspace", "kernel-pca"}).out,
+              HasSubstr("subspace                kernel PCA, "));
+  EXPECT_THAT(scene.run({"info", "a.model"}).out, HasSubstr("learned                 nothing\n"));
+}
+
+TEST(LearnedProgram, PredictRebuildsTrainingPosesFromTracks) {
+  const Scene scene;
+  const auto poses = bending_twice(kSmallTubeToLearn, {{0, 0}, {0.5, 0}, {1, 0}, {-0.5, 0}, {-1, 0}, {2, 0}});
+  scene.write_table("tracks.csv", *poses);
+  const Outcome done =
+      scene.run({"predict", "tube.model", "tracks.csv", "-o", "back.npz", "--truth", "poses.npz"});
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("frames                  6\n"));
+  EXPECT_THAT(done.out, HasSubstr("from key points         mean "));
+  EXPECT_THAT(done.out, HasSubstr("from all points         mean "));
+  const auto back = open_motions(std::vector<std::string>{scene / "back.npz"});
+  ASSERT_TRUE(back) << back.error().line();
+  for (Index k = 0; k < 6; ++k) {
+    const VertexDistance far = vertex_distance(frame_of(*back->front(), k), frame_of(*poses, k));
+    EXPECT_LT(far.worst, 1e-3) << k;  // the tube is 6 long
+  }
+}
+
+TEST(LearnedProgram, PredictWritesAndComparesWholeMotions) {
+  const Scene scene;
+  const Outcome compared = scene.run({"predict", "tube.model", "run.npz", "--frames", "1:"});
+  EXPECT_EQ(compared.code, 0) << compared.err;
+  EXPECT_THAT(compared.out, HasSubstr("frames                  2\n"));
+  EXPECT_THAT(compared.out, HasSubstr(" in frame 1\n"));
+  EXPECT_EQ(scene.run({"predict", "tube.model", "run.npz", "-o", "a.obj", "--quiet"}).out, "");
+  EXPECT_EQ(scene.run({"predict", "tube.model", "run.npz", "-o", "a.ply", "--frames", "2"}).code, 0);
+  EXPECT_EQ(scene.run({"predict", "tube.model", "a.obj", "a.pc2"}).code, 0);
+  EXPECT_TRUE(open_motions(std::vector<std::string>{scene / "a.ply"}));
+}
+
+TEST(LearnedProgram, SuggestNamesAndWritesThePose) {
+  const Scene scene;
+  const Outcome found = scene.run({"suggest", "tube.model", "run.npz", "-o", "pose.obj"});
+  EXPECT_EQ(found.code, 0) << found.err;
+  EXPECT_THAT(found.out, HasSubstr("frame 1\n"));
+  const auto pose = open_motions(std::vector<std::string>{scene / "pose.obj"});
+  ASSERT_TRUE(pose);
+  const auto run = bending_twice(kSmallTubeToLearn, {{0.1, 1}});
+  EXPECT_EQ(frame_of(*pose->front(), 0), frame_of(*run, 0));
+  // With that frame among the poses nothing as large is left.
+  ASSERT_EQ(scene.run({"train", "poses.npz", "pose.obj", "-o", "more.model", "--quiet"}).code, 0);
+  EXPECT_THAT(scene.run({"suggest", "more.model", "run.npz", "--count", "1"}).out,
+              Not(HasSubstr("frame 1\n")));
+  const Outcome alone = scene.run({"suggest", "tube.model", "--count", "2", "-o", "pose.ply"});
+  EXPECT_EQ(alone.code, 0) << alone.err;
+  EXPECT_THAT(alone.out, HasSubstr("one"));
+  EXPECT_EQ(std::count(alone.out.begin(), alone.out.end(), '\n'), 3);
+  const Outcome known = scene.run({"suggest", "tube.model", "poses.npz"});
+  EXPECT_EQ(known.out, "The model can tell every frame.\n");
+  EXPECT_EQ(scene.run({"suggest", "tube.model", "poses.npz", "-o", "pose.obj"}).code, 2);
+}
+
+TEST(LearnedProgram, HelpTeaches) {
+  const Scene scene;
+  for (const char* command : {"predict", "suggest"}) {
+    const Outcome help = scene.run({command, "--help"});
+    EXPECT_EQ(help.code, 0);
+    EXPECT_THAT(help.out, HasSubstr("Examples:"));
+  }
+}
+
+TEST(LearnedProgram, MistakesGetOneLineAndLeaveNoFile) {
+  const Scene scene;
+  ASSERT_EQ(scene.run({"train", "poses.npz", "-o", "bare.model", "--no-learning", "--quiet"}).code, 0);
+  write_file(scene / "short.csv", "0,0,1,2,3\n");
+  const auto before = scene.names();
+  const std::vector<std::pair<std::vector<std::string>, std::string>> mistakes = {
+      {{"train", "poses.npz", "-o", "a.model", "--energy", "1.5"},
+       "--energy: 1.5 is not a share of the variance"},
+      {{"train", "poses.npz", "-o", "a.model", "--key-points", "0"}, "--key-points: 0 is not a share"},
+      {{"train", "poses.npz", "-o", "a.model", "--subspace", "lda"}, "--subspace: 'lda' is not known"},
+      {{"train", "poses.npz", "-o", "a.model", "--modes", "-1"}, "--modes"},
+      {{"predict"}, "MODEL"},
+      {{"predict", "tube.model"}, "KEYPOINTS: is missing"},
+      {{"predict", "bare.model", "run.npz"}, "bare.model: has learned no shapes; train it anew"},
+      {{"predict", "tube.model", "short.csv"}, "short.csv: lacks key points, for example in frame 0"},
+      {{"predict", "tube.model", "other.npz"}, "tube.model: is a model of another mesh"},
+      {{"predict", "tube.model", "run.npz", "run.npz"}, "are 2 motions; give one"},
+      {{"predict", "tube.model", "run.npz", "--truth", "run.npz"}, "--truth: is given, but"},
+      {{"predict", "tube.model", "run.npz", "-o", "a.xyz"}, "a.xyz: is not a format that is written here"},
+      {{"predict", "tube.model", "run.npz", "-o", "a.ply"}, "a.ply: is PLY, which holds one frame"},
+      {{"predict", "tube.model", "run.npz", "--frames", "9:"}, "--frames: selects none"},
+      {{"suggest", "bare.model"}, "bare.model: has learned no shapes"},
+      {{"suggest", "tube.model", "other.npz"}, "tube.model: is a model of another mesh"},
+      {{"suggest", "tube.model", "--count", "0"}, "--count: is 0"},
+      {{"suggest", "tube.model", "poses.npz", "-o", "no/where.obj"}, "no/where.obj"},
+      {{"suggest", "missing.model"}, "missing.model"}};
+  for (const auto& [arguments, said] : mistakes) {
+    const Outcome outcome = scene.run(arguments);
+    EXPECT_EQ(outcome.code, 2) << said << outcome.out << outcome.err;
+    EXPECT_EQ(outcome.out, "") << said;
+    EXPECT_THAT(outcome.err, StartsWith("foldproof: "));
+    EXPECT_THAT(outcome.err, HasSubstr(said));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  EXPECT_EQ(scene.names(), before);
+}
+
+}  // namespace
+}  // namespace foldproof
