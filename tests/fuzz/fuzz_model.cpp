@@ -24,6 +24,18 @@ void require_same_answer(const foldproof::Model& model) {
   if (with.edge_edge.size() != without.edge_edge.size()) std::abort();
 }
 
+/// Whatever was learned may be used: numbers of any size, but none missing.
+void use(const foldproof::Model& model) {
+  using namespace foldproof;
+  const Predictor predictor(model.learned);
+  const Eigen::VectorXd keys = predictor.key_point_map().gather(model.learned->pca.mean);
+  if (predictor.from_key_points(keys).size() != model.learned->pca.mean.size()) std::abort();
+  if (const auto& map = model.learned->certificates) {
+    if (map->margins(keys).size() != static_cast<Eigen::Index>(map->nodes.size())) std::abort();
+  }
+  if (model.learned->poses.size() < 16) suggest_poses(*model.learned, 3);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -42,5 +54,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   foldproof::summarize(*model);
   if (!foldproof::save_model(*model, copy.path()) || !foldproof::load_model(copy.path())) std::abort();
   if (model->hierarchy()->triangles().size() < 1000) require_same_answer(*model);
+  if (model->learned) use(*model);
   return 0;
 }
