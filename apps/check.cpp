@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "check_reduced.h"
 #include "commands.h"
 #include "options.h"
 #include "terminal.h"
@@ -12,6 +13,11 @@ namespace {
 
 constexpr const char* kFooter = R"(  pose.obj                        a single frame, for --static
 Several motions are several objects, and need equally many frames.
+With --reduced, instead of motions: MODEL COORDINATES for each object, coordinates of the model's subspace by frame:
+  p.csv                           a row per frame: one number per mode, then maybe a placement: a quaternion w x y z
+                                  and a translation x y z
+  p.npz                           the array 'p', frames x modes, maybe 'rotation', frames x 3 x 3, and 'translation'
+  tracks.csv  tracks.npz          or tracks of the model's key points, as 'foldproof predict' takes them
 
 Exit code: 0 no collision, 1 collisions, 2 error.
 
@@ -23,6 +29,7 @@ Examples:
   foldproof check pose.obj --static               triangles that cross in one pose
   foldproof check walk.glb --model body.model     faster, with what 'foldproof train' found out
   foldproof check cloth/ --thickness 0.001        closer than 0.001 mesh units counts
+  foldproof check --reduced body.model p.csv      a motion told by coordinates of the model's subspace
   foldproof check walk.glb --json a.json --pairs  every pair with its time of impact, to a file
   foldproof check walk.glb --ply worst.ply        the worst step's mesh, colliding faces marked 1
   foldproof check walk.glb --explain why.csv      what could be proven free, and why not the rest)";
@@ -34,7 +41,7 @@ struct CheckArguments {
   int threads = 0;
   double thickness = 0, tolerance = 0, miss_rate = 0.01;
   bool poses = false, within = false, between = false, first = false, pairs = false, quiet = false;
-  bool no_certificates = false;
+  bool no_certificates = false, reduced = false;
   MotionOptions motion;
 };
 
@@ -132,6 +139,7 @@ void add_report_options(CLI::App& check, CheckArguments& a) {
 
 void add_options(CLI::App& check, CheckArguments& a) {
   check.add_option("MOTION", a.motions, "What to check (see below)")->type_name("")->required();
+  check.add_flag("--reduced", a.reduced, "Coordinates of a model's subspace instead of motions (see below)");
   add_query_options(check, a);
   add_part_options(check, a);
   add_speed_options(check, a);
@@ -245,12 +253,26 @@ Result<ModelList> load_models(const CheckArguments& a, Motions motions) {
   return models;
 }
 
+// What --reduced does not do, rather than doing something else.
+Result<void> require_reduced(const CheckArguments& a) {
+  const bool other = a.poses || a.substeps != 1 || !a.models.empty() || !a.motion.frames.empty() || a.pairs ||
+                     !a.json.empty() || !a.ply.empty() || !a.explain.empty();
+  if (!other) return {};
+  return fail("--reduced",
+              "does not go with --static, --substeps, --model, --frames, --pairs, --json, --ply or --explain",
+              "leave them out, or check the motion that 'foldproof predict' writes");
+}
+
 Result<int> check(const CheckArguments& a) {
   auto settings = settings_of(a);
   if (!settings) return tl::unexpected(settings.error());
   ThreadLimit limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
 
+  if (a.reduced) {
+    if (const auto ok = require_reduced(a); !ok) return tl::unexpected(ok.error());
+    return check_reduced({a.motions, settings->step, a.csv, a.quiet});
+  }
   const auto motions = open_motions(a.motions, a.motion.read);
   if (!motions) return tl::unexpected(motions.error());
   auto models = load_models(a, *motions);

@@ -1,0 +1,254 @@
+#include "check_reduced.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <filesystem>
+
+#include "commands.h"
+#include "foldproof/report.h"
+#include "terminal.h"
+
+namespace foldproof {
+namespace {
+
+// One object's coordinates and placements, frame by frame.
+struct Track {
+  Index frames = 0, modes = 0;
+  std::vector<double> p;  // frames x modes
+  std::vector<Eigen::Matrix3d> rotation;
+  std::vector<Vec3> translation;
+
+  ReducedPose pose(Index frame) const {
+    return {std::span(p).subspan(std::size_t{frame} * modes, modes), rotation[frame], translation[frame]};
+  }
+};
+
+Result<void> wrong_columns(const std::string& path, std::uint64_t columns, Index modes) {
+  return fail(path, fmt::format("has {} columns", columns),
+              fmt::format("give {0}, one per mode, or {1} with a placement behind them", modes, modes + 7));
+}
+
+// p, then optionally a quaternion w x y z and a translation x y z per row.
+Result<Track> from_csv(const std::string& path, Index modes) {
+  const auto table = read_csv(path);
+  if (!table) return tl::unexpected(table.error());
+  const std::uint64_t columns = table->shape[1];
+  if (columns != modes && columns != modes + 7)
+    return tl::unexpected(wrong_columns(path, columns, modes).error());
+  Track track{static_cast<Index>(table->shape[0]), modes, {}, {}, {}};
+  for (Index k = 0; k < track.frames; ++k) {
+    const double* row = &table->values[k * columns];
+    track.p.insert(track.p.end(), row, row + modes);
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+    Vec3 translation = Vec3::Zero();
+    if (columns > modes) {
+      const double* q = row + modes;
+      const Eigen::Quaternion<double> turn(q[0], q[1], q[2], q[3]);
+      if (!(turn.norm() > 0)) return fail(path, fmt::format("row {} has no quaternion", k), "give w x y z");
+      rotation = turn.normalized().toRotationMatrix();
+      translation = {q[4], q[5], q[6]};
+    }
+    track.rotation.push_back(rotation);
+    track.translation.push_back(translation);
+  }
+  return track;
+}
+
+Result<Track> from_tracks(const std::string& path, const Learned& learned) {
+  const auto tracks = read_key_point_tracks(path, learned.key_points.vertices);
+  if (!tracks) return tl::unexpected(tracks.error());
+  const KeyPointMap map(learned.pca, learned.key_points.vertices);
+  Track track{tracks->frames, learned.pca.modes(), {}, {}, {}};
+  const std::size_t width = std::size_t{tracks->points} * 3;
+  for (Index k = 0; k < track.frames; ++k) {
+    const Eigen::VectorXd p = map.coordinates(
+        Eigen::Map<const Eigen::VectorXd>(&tracks->positions[k * width], static_cast<Eigen::Index>(width)));
+    track.p.insert(track.p.end(), p.data(), p.data() + p.size());
+  }
+  track.rotation.assign(track.frames, Eigen::Matrix3d::Identity());
+  track.translation.assign(track.frames, Vec3::Zero());
+  return track;
+}
+
+// Arrays p (frames x modes), and optionally rotation (frames x 3 x 3) and translation (frames x 3).
+Result<Track> from_npz(const std::string& path, Index modes) {
+  const auto p = read_npz_numbers(path, "p");
+  if (!p) return tl::unexpected(p.error());
+  if (p->shape.size() != 2 || p->shape[1] != modes)
+    return fail(path, "'p' has not one column per mode", fmt::format("give frames x {}", modes));
+  Track track{static_cast<Index>(p->shape[0]), modes, p->values, {}, {}};
+  track.rotation.assign(track.frames, Eigen::Matrix3d::Identity());
+  track.translation.assign(track.frames, Vec3::Zero());
+  for (const auto& [name, numbers] : {std::pair("rotation", 9u), std::pair("translation", 3u)}) {
+    const auto there = npz_holds(path, name);
+    if (!there) return tl::unexpected(there.error());
+    if (!*there) continue;
+    const auto array = read_npz_numbers(path, name);
+    if (!array) return tl::unexpected(array.error());
+    if (array->values.size() != std::size_t{track.frames} * numbers)
+      return fail(path, fmt::format("'{}' has not {} numbers per frame", name, numbers),
+                  "give them for all frames");
+    for (Index k = 0; k < track.frames; ++k) {
+      const double* from = &array->values[std::size_t{k} * numbers];
+      if (numbers == 9) {
+        track.rotation[k] = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(from);
+      } else {
+        track.translation[k] = Eigen::Map<const Vec3>(from);
+      }
+    }
+  }
+  return track;
+}
+
+Result<Track> read_track(const std::string& path, const Learned& learned) {
+  const Index modes = learned.pca.modes();
+  if (std::filesystem::path(path).extension() == ".npz") {
+    const auto tracked = npz_holds(path, "keypoints");
+    if (!tracked) return tl::unexpected(tracked.error());
+    return *tracked ? from_tracks(path, learned) : from_npz(path, modes);
+  }
+  const auto table = read_csv(path);
+  if (!table) return tl::unexpected(table.error());
+  const bool tracked =
+      (!table->names.empty() && table->names[0] == "frame") ||
+      (table->shape.size() == 2 && table->shape[1] == 3 * learned.key_points.vertices.size());
+  return tracked ? from_tracks(path, learned) : from_csv(path, modes);
+}
+
+// The mean, and the clusters where there are several.
+Result<std::shared_ptr<const ReducedShape>> shape_of(const Model& model, double thickness,
+                                                     const ReducedHooks& hooks) {
+  auto motion = ReducedMotion::make(model.hierarchy(), model.learned->pca);
+  if (!motion) return tl::unexpected(motion.error());
+  std::vector<ReducedCentre> centres{{std::vector<double>(motion->modes(), 0.0)}};
+  const Clusters& clusters = model.learned->clusters;
+  for (Index c = 0; clusters.count() > 1 && c < clusters.count(); ++c) {
+    const auto centre = clusters.centres.col(c);
+    centres.push_back({{centre.data(), centre.data() + centre.size()}});
+  }
+  // Room for the thickness and for a tolerance in proportion.
+  ReducedSettings settings;
+  if (thickness > 0) settings.clearance = thickness * 1.001 + model.learned->size * 0x1p-24;
+  auto shape = ReducedShape::build(std::make_shared<const ReducedMotion>(std::move(*motion)),
+                                   std::move(centres), settings, hooks);
+  if (!shape) return tl::unexpected(shape.error());
+  return std::make_shared<const ReducedShape>(std::move(*shape));
+}
+
+struct Objects {
+  std::vector<std::shared_ptr<const ReducedShape>> shapes;
+  std::vector<Track> tracks;
+};
+
+Result<Objects> open_objects(const ReducedCheckArguments& a, const ReducedHooks& hooks) {
+  if (a.files.size() % 2 != 0)
+    return fail("--reduced", "takes a model and coordinates for each object",
+                "give MODEL COORDINATES in turn");
+  Objects objects;
+  for (std::size_t i = 0; i < a.files.size(); i += 2) {
+    const auto model = load_model(a.files[i]);
+    if (!model) return tl::unexpected(model.error());
+    if (!model->learned)
+      return fail(a.files[i], "has learned no shapes", "train it anew with at least 3 poses that differ");
+    auto track = read_track(a.files[i + 1], *model->learned);
+    if (!track) return tl::unexpected(track.error());
+    if (track->frames < 2) return fail(a.files[i + 1], "has no step", "give at least two frames");
+    if (!objects.tracks.empty() && objects.tracks[0].frames != track->frames) {
+      return fail(a.files[i + 1],
+                  fmt::format("has {} frames, not {}", track->frames, objects.tracks[0].frames),
+                  "give all objects equally many");
+    }
+    auto shape = shape_of(*model, a.step.thickness, hooks);
+    if (!shape) return tl::unexpected(shape.error());
+    objects.shapes.push_back(std::move(*shape));
+    objects.tracks.push_back(std::move(*track));
+  }
+  return objects;
+}
+
+std::string summary_of(const CheckTotals& totals) {
+  std::string text =
+      fmt::format("{}, {} with collisions\n", counted(totals.steps, "step"), totals.steps_with_collisions);
+  text += fmt::format("{} of vertex and face, {} of two edges\n", grouped(totals.collisions.vertex_face),
+                      grouped(totals.collisions.edge_edge));
+  if (totals.worst) {
+    text += fmt::format("worst step {}: {}\n", totals.worst->frame,
+                        counted(totals.worst_collisions.sum(), "collision"));
+    text += fmt::format("first contact at {:.3f} of step {}\n", totals.earliest_toi, totals.earliest->frame);
+  }
+  return text + fmt::format("{} looked at, {} tested, {:.3g} ms in all\n",
+                            counted(totals.work.certificate_tests + totals.work.node_tests, "pair of nodes"),
+                            counted(totals.work.leaf_pairs, "pair of leaves"), totals.milliseconds.total);
+}
+
+void count(const StepPlace& place, const StepResult& found, CheckTotals& totals) {
+  const CollisionCounts counts{found.vertex_face.size(), found.edge_edge.size(), 0};
+  ++totals.steps;
+  totals.steps_with_collisions += counts.sum() > 0;
+  totals.collisions.vertex_face += counts.vertex_face;
+  totals.collisions.edge_edge += counts.edge_edge;
+  if (counts.sum() > totals.worst_collisions.sum()) {
+    totals.worst = place;
+    totals.worst_collisions = counts;
+  }
+  if (counts.sum() > 0 && !totals.earliest) {
+    totals.earliest = place;
+    totals.earliest_toi = found.earliest_toi;
+  }
+  totals.tolerance = std::max(totals.tolerance, found.tolerance);
+  totals.work.certificate_tests += found.work.certificate_tests;
+  totals.work.node_tests += found.work.node_tests;
+  totals.work.leaf_pairs += found.work.leaf_pairs;
+  totals.milliseconds.total += found.milliseconds.total;
+}
+
+Result<void> run(const Objects& objects, const ReducedCheckArguments& a, ReportWriter* csv,
+                 CheckTotals& totals) {
+  ReducedChecker checker(objects.shapes);
+  StepResult found;
+  std::vector<ReducedPose> begin, end;
+  for (Index k = 0; k + 1 < objects.tracks[0].frames; ++k) {
+    begin.clear();
+    end.clear();
+    for (const Track& track : objects.tracks) {
+      begin.push_back(track.pose(k));
+      end.push_back(track.pose(k + 1));
+    }
+    if (auto done = checker.check(begin, end, a.step, found); !done) {
+      done.error().where = fmt::format("step {}, {}", k, done.error().where);
+      return done;
+    }
+    const StepPlace place{k, k, k + 1, 0};
+    count(place, found, totals);
+    if (csv == nullptr) continue;
+    CheckedStep step;
+    step.place = place;
+    step.step = &found;
+    if (auto done = csv->step(step); !done) return done;
+  }
+  return csv != nullptr ? csv->finish(totals) : Result<void>{};
+}
+
+}  // namespace
+
+Result<int> check_reduced(const ReducedCheckArguments& a) {
+  ProgressBar bar(!a.quiet);
+  ReducedHooks hooks;
+  hooks.progress = [&](double part) { bar.show(part, "proving balls"); };
+  const auto objects = open_objects(a, hooks);
+  bar.clear();
+  if (!objects) return tl::unexpected(objects.error());
+  std::unique_ptr<ReportWriter> csv;
+  if (!a.csv.empty()) {
+    auto writer = csv_report(a.csv);
+    if (!writer) return tl::unexpected(writer.error());
+    csv = std::move(*writer);
+  }
+  CheckTotals totals;
+  if (auto done = run(*objects, a, csv.get(), totals); !done) return tl::unexpected(done.error());
+  if (!a.quiet) print_output(summary_of(totals));
+  return totals.clean() ? kExitClean : kExitCollisions;
+}
+
+}  // namespace foldproof

@@ -1,0 +1,21 @@
+/// `foldproof check --reduced`: motions told by coordinates of a model's subspace.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "foldproof/query.h"
+
+namespace foldproof {
+
+struct ReducedCheckArguments {
+  std::vector<std::string> files;  ///< MODEL COORDINATES, once per object.
+  StepSettings step;
+  std::string csv;
+  bool quiet = false;
+};
+
+/// Checks all steps and prints what was found; the exit code.
+Result<int> check_reduced(const ReducedCheckArguments& arguments);
+
+}  // namespace foldproof

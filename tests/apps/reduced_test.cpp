@@ -1,0 +1,96 @@
+// The program on reduced motion: how far a model's shapes may go, and motions told by coordinates.
+#include <fstream>
+
+#include "apps/program.h"
+#include "foldproof/io.h"
+#include "foldproof/model.h"
+#include "reduced/shapes.h"
+
+namespace foldproof::testing {
+namespace {
+
+class Reduced : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const ReducedMesh mesh = waving_cloth(12, 2);
+    const auto motion = mesh.motion();
+    std::mt19937 random(41);
+    std::vector<std::vector<double>> poses;
+    for (int k = 0; k < 10; ++k) {
+      auto p = random_direction(*motion, random);
+      motion->positions(p, poses.emplace_back(mesh.rest.size()));
+    }
+    ASSERT_TRUE(write_npz(directory_ / "poses.npz", *memory_motion("poses", mesh.topology, poses)));
+    const Outcome trained = run({"train", "poses.npz", "-o", "cloth.model", "--quiet"});
+    ASSERT_EQ(trained.code, 0) << trained.err;
+    modes_ = load_model(directory_ / "cloth.model").value().learned->pca.modes();
+    deviation_ = load_model(directory_ / "cloth.model").value().learned->pca.deviations[0];
+  }
+  Outcome run(std::vector<std::string> arguments) {
+    RunOptions options;
+    options.directory = directory_.path();
+    return run_program(std::move(arguments), options);
+  }
+  // Frames along the first mode, in deviations, each row followed by `more`.
+  void write_coordinates(const std::string& name, const std::vector<double>& frames,
+                         const std::string& more = "") {
+    std::ofstream file(directory_ / name);
+    for (const double f : frames) {
+      file << f * deviation_;
+      for (Index k = 1; k < modes_; ++k) file << ",0";
+      file << more << "\n";
+    }
+  }
+  TemporaryDirectory directory_;
+  Index modes_ = 0;
+  double deviation_ = 0;
+};
+
+TEST_F(Reduced, RadiusSaysHowFarAndItsSamplesAreFree) {
+  const Outcome said =
+      run({"radius", "cloth.model", "--sample", "6", "-o", "samples.npz", "--ply", "left.ply"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("\nmean "), std::string::npos) << said.out;
+  EXPECT_NE(said.out.find("training poses lie within a radius"), std::string::npos) << said.out;
+  EXPECT_EQ(run({"check", "samples.npz", "--static", "--quiet"}).code, 0);
+  EXPECT_EQ(run({"check", "samples.npz", "--quiet"}).code, 0) << "from shape to shape";
+  EXPECT_TRUE(std::ifstream(directory_ / "left.ply").good());
+}
+
+TEST_F(Reduced, CheckFollowsCoordinatesAndPlacements) {
+  write_coordinates("p.csv", {0, 0.5, -0.5});
+  const Outcome alone = run({"check", "--reduced", "cloth.model", "p.csv"});
+  EXPECT_EQ(alone.code, 0) << alone.err;
+  EXPECT_NE(alone.out.find("2 steps, 0 with collisions"), std::string::npos) << alone.out;
+  // Another cloth, turned upright, stands through the first.
+  write_coordinates("upright.csv", {0, 0.1, 0.2}, ",0.7071067811865476,0.7071067811865476,0,0,0,0,0");
+  const Outcome both =
+      run({"check", "--reduced", "cloth.model", "p.csv", "cloth.model", "upright.csv", "--csv", "pairs.csv"});
+  EXPECT_EQ(both.code, 1) << both.err;
+  EXPECT_TRUE(std::ifstream(directory_ / "pairs.csv").good());
+  write_coordinates("away.csv", {0, 0.1, 0.2}, ",1,0,0,0,0,0,5");
+  EXPECT_EQ(run({"check", "--reduced", "cloth.model", "p.csv", "cloth.model", "away.csv"}).code, 0);
+}
+
+TEST_F(Reduced, RefusesInOneLine) {
+  write_coordinates("p.csv", {0, 0.5});
+  write_coordinates("one.csv", {0});
+  write_coordinates("wide.csv", {0, 1}, ",1,2");
+  for (const std::vector<std::string>& wrong :
+       std::vector<std::vector<std::string>>{{"check", "--reduced", "cloth.model"},
+                                             {"check", "--reduced", "cloth.model", "missing.csv"},
+                                             {"check", "--reduced", "cloth.model", "one.csv"},
+                                             {"check", "--reduced", "cloth.model", "wide.csv"},
+                                             {"check", "--reduced", "cloth.model", "p.csv", "--static"},
+                                             {"check", "--reduced", "poses.npz", "p.csv"},
+                                             {"radius", "poses.npz"},
+                                             {"radius", "cloth.model", "--sample", "3"},
+                                             {"radius", "cloth.model", "--clearance", "-1"}}) {
+    const Outcome outcome = run(wrong);
+    EXPECT_EQ(outcome.code, 2) << outcome.out;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace foldproof::testing
