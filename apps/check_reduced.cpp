@@ -110,9 +110,11 @@ Result<Track> read_track(const std::string& path, const Learned& learned) {
   }
   const auto table = read_csv(path);
   if (!table) return tl::unexpected(table.error());
-  const bool tracked =
-      (!table->names.empty() && table->names[0] == "frame") ||
-      (table->shape.size() == 2 && table->shape[1] == 3 * learned.key_points.vertices.size());
+  // A row of as many numbers as coordinates have is one of coordinates, unless names say otherwise.
+  const std::uint64_t columns = table->shape[1];
+  const bool named = !table->names.empty() && table->names[0] == "frame";
+  const bool coordinates = columns == modes || columns == modes + 7;
+  const bool tracked = named || (!coordinates && columns == 3 * learned.key_points.vertices.size());
   return tracked ? from_tracks(path, learned) : from_csv(path, modes);
 }
 

@@ -82,7 +82,7 @@ std::string table(const ReducedShape& shape, const Centres& centres, const Learn
                         fmt::format("{} of {}", count, poses),
                         left.empty() ? "none" : fmt::format("{}, {} touch", grouped(left.size()), touching));
   }
-  return text + fmt::format("Of {} training poses {} lie within a radius.\n", poses, in_any);
+  return text + fmt::format("{} of {} training poses lie within a radius.\n", in_any, poses);
 }
 
 // Leaves that hang together by pairs that are left out.
