@@ -40,7 +40,7 @@ struct TrainArguments {
   std::vector<std::string> poses;
   std::string model;
   MotionOptions motion;
-  Index references = 0;
+  Index references = 0, made = 0;
   LearnSettings learning;
   std::string subspace = "pca";
   std::optional<double> energy, key_points;
@@ -83,7 +83,8 @@ Result<std::vector<TrainPose>> poses_of(Motions motions, const FrameRange& range
 }
 
 Result<TrainSettings> settings_of(const TrainArguments& a) {
-  TrainSettings settings{.references = a.references, .learn = !a.no_learning, .learning = a.learning};
+  TrainSettings settings{
+      .references = a.references, .made = a.made, .learn = !a.no_learning, .learning = a.learning};
   LearnSettings& learning = settings.learning;
   if (a.subspace != "pca" && a.subspace != "kernel-pca") {
     return fail("--subspace", fmt::format("'{}' is not known", a.subspace), "give pca or kernel-pca");
@@ -150,6 +151,11 @@ Command add_train(CLI::App& program) {
       ->type_name("")
       ->required();
   command->add_option("-o,--output", a->model, "The model to write")->type_name("FILE")->required();
+  command
+      ->add_option(
+          "--made", a->made,
+          "Draw in N shapes as well that are made from the learned subspace, where poses are few [0]")
+      ->type_name("N");
   command->add_option("--references", a->references, "Draw in N poses that differ most [all, at most 16]")
       ->type_name("N");
   command->add_option("--modes", a->learning.size.modes, "Modes of the subspace [as the energy asks]")

@@ -20,7 +20,10 @@ namespace foldproof {
 struct TrainSettings {
   Index references = 0;         ///< Poses to draw charts in, chosen to differ most. 0: all poses, at most 16.
   Index most_triangles = 4096;  ///< Of a patch; larger ones hardly ever lie in one plane.
-  bool learn = true;            ///< Model::learned too, where there are at least 3 poses.
+  /// Shapes made from the learned subspace, at random as the poses are distributed in it, to draw charts in
+  /// as well where those of the poses prove too little. None where nothing is learned.
+  Index made = 0;
+  bool learn = true;  ///< Model::learned too, where there are at least 3 poses.
   LearnSettings learning = {};
 };
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <optional>
+#include <random>
 
 #include "model/limits.h"
 #include "model/references.h"
@@ -94,9 +95,10 @@ class Run {
     wanted_ = std::min<std::size_t>(settings.references ? settings.references : kReferences, poses.size());
     expected_ = poses.size() + wanted_ * kDrawingWork + (wanted_ < poses.size() ? poses.size() : 0);
     if (!settings.learn) return;
-    collection_.emplace(poses.size(), poses[0].motion->topology().vertex_count(), settings.learning);
+    collection_ = std::make_unique<Collection>(poses.size(), poses[0].motion->topology().vertex_count(),
+                                               settings.learning);
     if (collection_->count() < kFewestPoses) collection_.reset();
-    if (collection_) expected_ += collection_->count() * kLearningWork;
+    if (collection_) expected_ += collection_->count() * kLearningWork + settings.made * kDrawingWork;
   }
 
   Result<Model> run() {
@@ -162,10 +164,35 @@ class Run {
     }
     model.program = version();
     model.settings = settings_;
-    model.hard_leaves = trainer.hard_leaves();
     model.charts = trainer.charts();
     if (auto learned = add_learned(model); !learned) return tl::unexpected(learned.error());
+    if (auto made = learn_from_made(trainer, model); !made) return tl::unexpected(made.error());
+    model.hard_leaves = trainer.hard_leaves();
     return model;
+  }
+
+  /// Every coordinate is a sum of four uniform numbers: nearly normal, and never farther than 3.5 deviations.
+  Result<void> learn_from_made(Trainer& trainer, Model& model) {
+    if (!model.learned) return {};
+    const Pca& subspace = model.learned->pca;
+    std::mt19937_64 random(1);
+    for (Index k = 0; k < settings_.made; ++k) {
+      if (hooks_.cancel && hooks_.cancel->load(std::memory_order_relaxed))
+        return fail("training", "was stopped", "there is no model");
+      Eigen::VectorXd p = subspace.deviations;
+      for (double& coordinate : p) {
+        double sum = -2;
+        for (int i = 0; i < 4; ++i) sum += static_cast<double>(random() >> 11) * 0x1p-53;
+        coordinate *= std::sqrt(3.0) * sum;
+      }
+      const Eigen::VectorXd x = subspace.rebuild(p);
+      const std::span positions(x.data(), static_cast<std::size_t>(x.size()));
+      trainer.learn(static_cast<Index>(model.poses.size()), positions);
+      model.poses.push_back({fmt::format("made from the subspace, {} of {}", k + 1, settings_.made), true,
+                             trainer.prove(positions)});
+      finish(kDrawingWork);
+    }
+    return {};
   }
 
   Result<void> add_learned(Model& model) {
@@ -194,7 +221,7 @@ class Run {
   const TrainSettings& settings_;
   const TrainHooks& hooks_;
   std::size_t wanted_ = 0, expected_ = 0, done_ = 0;
-  std::optional<Collection> collection_;
+  std::unique_ptr<Collection> collection_;
   std::vector<double> positions_;
 };
 

@@ -61,6 +61,24 @@ TEST(Train, AModelLeavesTheAnswerAsItIs) {
   for (std::size_t k = 0; k < on.edge_edge.size(); ++k) EXPECT_EQ(on.edge_edge[k].toi, off.edge_edge[k].toi);
 }
 
+TEST(Train, DrawsInShapesThatAreMadeFromTheSubspace) {
+  const auto motion = bending_tube(kTube, {-2.5, 0, 2.5});
+  TrainSettings settings;
+  const Model few = *train_model(all_poses(*motion), settings);
+  settings.made = 12;
+  const Model more = *train_model(all_poses(*motion), settings);
+  ASSERT_EQ(more.poses.size(), 15u);
+  EXPECT_THAT(more.poses[3].name, HasSubstr("made"));
+  EXPECT_EQ(summarize(more).references, 15u);
+  EXPECT_GT(more.charts->charts().size(), few.charts->charts().size());
+  for (const TrainedPose& pose : more.poses) EXPECT_GT(pose.proven, 0.9) << pose.name;
+  const auto [on, off] = with_and_without(more, 5, 8);
+  ASSERT_GT(off.edge_edge.size(), 50u);
+  EXPECT_EQ(on.edge_edge.size(), off.edge_edge.size());
+  EXPECT_EQ(on.vertex_face.size(), off.vertex_face.size());
+  EXPECT_EQ(bytes_of_file(more), bytes_of_file(*train_model(all_poses(*motion), settings)));
+}
+
 TEST(Train, TheModelIsTheSameForAnyNumberOfThreads) {
   const auto motion = bending_tube(kTube, {0, 1, 2, 3});
   std::vector<std::string> models;
