@@ -12,6 +12,7 @@
 #include "certificates.h"
 #include "machine.h"
 #include "memory.h"
+#include "reduced.h"
 #include "report.h"
 
 namespace foldproof::bench {
@@ -20,7 +21,7 @@ namespace {
 struct Options {
   std::vector<std::string> scenes, peers;
   std::string size = "both", json, markdown, memory_of, command;
-  bool list = false, no_memory = false, certificates = false;
+  bool list = false, no_memory = false, certificates = false, reduced = false;
   int cpu = -1;
   Plan plan;
 };
@@ -52,6 +53,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--markdown", options.markdown, "Write the tables to this file");
   app.add_flag("--certificates", options.certificates,
                "Compare foldproof with itself, with certificates and without, after different trainings");
+  app.add_flag(
+      "--reduced", options.reduced,
+      "Steps told by coordinates of a subspace: one generated shape at 10,000 to 1,000,000 triangles");
   app.add_flag("--list", options.list, "Name the scenes and peers, and stop");
   app.add_option("--memory-of", options.memory_of,
                  "Print the peak memory of one competitor on one scene, and stop");
@@ -130,6 +134,15 @@ Result<void> run_certificates(const Options& options) {
   return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
 }
 
+Result<void> run_reduced(const Options& options) {
+  ReducedPlan plan;
+  plan.processor_time = options.plan.processor_time;
+  const auto table = measure_reduced(plan);
+  if (!table) return tl::unexpected(table.error());
+  fmt::print("{}", table->text());
+  return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
+}
+
 Result<void> run(Options& options) {
   if (options.list) {
     print_list();
@@ -148,6 +161,7 @@ Result<void> run(Options& options) {
                              plan.hierarchy, plan.threads});
   }
   if (options.certificates) return run_certificates(options);
+  if (options.reduced) return run_reduced(options);
   auto peers = chosen_peers(options.peers);
   if (!peers) return tl::unexpected(peers.error());
   plan.peers = std::move(*peers);
