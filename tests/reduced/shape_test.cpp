@@ -174,8 +174,8 @@ TEST(ReducedShape, RefusesWhatItCannotBuild) {
   EXPECT_TRUE(refused([](Pca& s) { s.basis(3, 0) = 1e39; }));
 }
 
-// Tabled values of the chi-square distribution: 1 to 3 standard deviations of one number, and the median and the
-// 95th percentile of more.
+// Tabled values of the chi-square distribution: 1 to 3 standard deviations of one number, and the median and
+// the 95th percentile of more.
 TEST(NormalShare, IsTheChiSquareDistribution) {
   EXPECT_NEAR(normal_share(1, 1), 0.682689, 1e-6);
   EXPECT_NEAR(normal_share(3, 1), 0.997300, 1e-6);
