@@ -21,7 +21,8 @@ struct Subject {
   std::unique_ptr<Motion> poses = nullptr, motion = nullptr;
   bool pictures = true;  ///< False: for the table alone.
   View view = {};
-  Index bent = 0;  ///< Of the motion: a frame in which a limb is bent inwards.
+  Index bent = 0;         ///< Of the motion: the frame to be shown and rebuilt.
+  std::string limb = {};  ///< What is bent inwards in that frame; empty: no limb.
 };
 
 /// How large the generated meshes are.
@@ -38,7 +39,7 @@ Result<std::vector<std::vector<double>>> read_frames(Motion& motion);
 
 /// A way to answer steps, measured over a motion. What it gives is held against plain hierarchies, step by
 /// step.
-struct Mode {
+struct ModeRow {
   std::string name;
   double milliseconds = 0;  ///< Median over the steps but the first.
   double leaf_pairs = 0;    ///< Mean per step, without the first.
@@ -56,8 +57,9 @@ struct WorstStep {
 
 struct Measured {
   Index steps = 0;
-  std::vector<Mode> modes;    ///< Plain hierarchies first.
-  std::vector<Mode> reduced;  ///< The same for the motion in the subspace; empty where nothing was learned.
+  std::vector<ModeRow> modes;  ///< Plain hierarchies first.
+  std::vector<ModeRow>
+      reduced;  ///< The same for the motion in the subspace; empty where nothing was learned.
   Index reduced_modes = 0;
   WorstStep worst;
 };

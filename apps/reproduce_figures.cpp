@@ -157,6 +157,7 @@ Result<Figure> Figures::key_points(Subject& subject, const Model& model) const {
   const KeyPoints& keys = model.learned->key_points;
   const std::span<const Index> ids = keys.vertices;
   std::vector<Panel> panels;
+  std::string shown;
   for (const std::size_t round : shown_rounds(keys.round_ends.size())) {
     const Index end = keys.round_ends[round], begin = round == 0 ? 0 : keys.round_ends[round - 1];
     Panel panel{.meshes = {{&subject.poses->topology(), *x}}, .view = subject.view};
@@ -164,18 +165,21 @@ Result<Figure> Figures::key_points(Subject& subject, const Model& model) const {
     panel.points.push_back(
         {vertices(*x, ids.subspan(begin, end - begin)), round == 0 ? colours::kRed : colours::kBlue});
     panels.push_back(std::move(panel));
+    shown += round == 0   ? "the first set, evenly spread by radius thinning"
+             : round == 1 ? ", then after the first round"
+                          : ", and after the last";
   }
   const std::string file = subject.id + "-key-points.png";
   if (auto done = write(file, panels, {.width = 960, .height = 300, .columns = 3}); !done)
     return tl::unexpected(done.error());
+  const std::string added =
+      panels.size() == 1
+          ? ""
+          : " Red is what earlier rounds chose, blue what this one adds: of each basis vector the "
+            "vertex that moves most, and the one that moves most against it.";
   return Figure{
       {file},
-      fmt::format(
-          "{}: the first set, evenly spread by radius thinning; after the first round; after "
-          "the "
-          "last. Red is what earlier rounds chose, blue what this one adds: of each basis vector the vertex "
-          "that moves most, and the one that moves most against it.\n\n{}",
-          subject.name, round_table(keys, model.learned->size))};
+      fmt::format("{}: {}.{}\n\n{}", subject.name, shown, added, round_table(keys, model.learned->size))};
 }
 
 Result<Figure> Figures::training_poses(Subject& subject) const {
@@ -226,6 +230,7 @@ Result<Figure> Figures::prediction(Subject& subject, const Model& model) const {
 }
 
 Result<Figure> Figures::bent(Subject& subject, const Model& model) const {
+  if (subject.limb.empty()) return Figure{};
   const auto rest = read(*subject.poses, 0), bent = read(*subject.motion, subject.bent);
   if (!rest) return tl::unexpected(rest.error());
   if (!bent) return tl::unexpected(bent.error());
@@ -244,9 +249,9 @@ Result<Figure> Figures::bent(Subject& subject, const Model& model) const {
     return tl::unexpected(done.error());
   return Figure{
       {file},
-      fmt::format("{}: left as it is, right with a limb bent inwards (frame {} of the motion). Red: faces "
+      fmt::format("{}: left as it is, right with {} bent inwards (frame {} of the motion). Red: faces "
                   "that cross, {} pairs.",
-                  subject.name, subject.bent, answer.crossings.size())};
+                  subject.name, subject.limb, subject.bent, answer.crossings.size())};
 }
 
 Result<Figure> Figures::collision(Subject& subject, const WorstStep& worst) const {
@@ -275,7 +280,8 @@ Result<Figure> Figures::collision(Subject& subject, const WorstStep& worst) cons
   const std::vector<Panel> panels{{.meshes = {mesh}, .view = subject.view},
                                   {.meshes = {mesh}, .view = *near}};
   const std::string file = subject.id + "-collision.png";
-  if (auto done = write(file, panels, {.width = 800, .height = 400, .columns = 2}); !done)
+  if (auto done = write(file, panels, {.width = 800, .height = 400, .columns = 2, .same_scale = false});
+      !done)
     return tl::unexpected(done.error());
   return Figure{
       {file},
@@ -308,7 +314,7 @@ Result<Figure> Figures::rebuilt(Subject& subject, const Model& model) const {
       {.meshes = {{.topology = &topology, .positions = keys, .vertex_colours = key_colours}},
        .view = subject.view}};
   const std::string file = subject.id + "-rebuilt.png";
-  if (auto done = write(file, panels, {.width = 960, .height = 600, .columns = 3}); !done)
+  if (auto done = write(file, panels, {.width = 840, .height = 520, .columns = 3}); !done)
     return tl::unexpected(done.error());
   const auto errors = errors_over(*subject.motion, predictor);
   if (!errors) return tl::unexpected(errors.error());

@@ -49,8 +49,8 @@ class Comparison {
  public:
   Comparison(Index steps, const Hooks& hooks) : steps_(steps), hooks_(hooks) {}
 
-  Result<Mode> run(const Way& way) {
-    Mode mode{.name = way.name, .statistical = way.statistical};
+  Result<ModeRow> run(const Way& way) {
+    ModeRow mode{.name = way.name, .statistical = way.statistical};
     const bool first = truth_.empty();
     std::vector<double> milliseconds;
     for (Index step = 0; step < steps_; ++step) {
@@ -77,8 +77,8 @@ class Comparison {
     return mode;
   }
 
-  Result<std::vector<Mode>> run(std::span<const Way> ways) {
-    std::vector<Mode> modes;
+  Result<std::vector<ModeRow>> run(std::span<const Way> ways) {
+    std::vector<ModeRow> modes;
     for (const Way& way : ways) {
       auto mode = run(way);
       if (!mode) return tl::unexpected(mode.error());
@@ -115,8 +115,8 @@ Way full_way(std::string name, StepChecker checker, const Frames& frames, const 
 }
 
 /// The modes that take any motion.
-Result<std::vector<Mode>> measure_full(const Frames& frames, const Model& model, const Hooks& hooks,
-                                       WorstStep& worst) {
+Result<std::vector<ModeRow>> measure_full(const Frames& frames, const Model& model, const Hooks& hooks,
+                                          WorstStep& worst) {
   const auto& hierarchy = model.hierarchy();
   Way plain = full_way("plain hierarchies", StepChecker({hierarchy}), frames, {.certificates = false});
   const auto answer = plain.answer;
@@ -129,9 +129,14 @@ Result<std::vector<Mode>> measure_full(const Frames& frames, const Model& model,
     }
     return {};
   };
-  const std::vector<Way> ways{
+  std::vector<Way> ways{
       plain, full_way("certificates, no model", StepChecker({hierarchy}), frames, {}),
       full_way("certificates, model", StepChecker({hierarchy}, {model.charts}), frames, {})};
+  if (model.learned && model.learned->certificates) {
+    ways.push_back(full_way("paper", StepChecker({hierarchy}, {model.charts}, {model.learned}), frames,
+                            {.mode = Mode::Paper}));
+    ways.back().statistical = true;
+  }
   return Comparison(static_cast<Index>(frames.size() - 1), hooks).run(ways);
 }
 
@@ -163,7 +168,7 @@ std::vector<ReducedCentre> centres_of(const Learned& learned) {
   return centres;
 }
 
-Result<std::vector<Mode>> measure_reduced(const Frames& frames, const Model& model, const Hooks& hooks) {
+Result<std::vector<ModeRow>> measure_reduced(const Frames& frames, const Model& model, const Hooks& hooks) {
   auto made = ReducedMotion::make(model.hierarchy(), model.learned->pca);
   if (!made) return tl::unexpected(made.error());
   const auto motion = std::make_shared<const ReducedMotion>(std::move(*made));
@@ -210,12 +215,12 @@ std::string removed_text(double share) {
                     : fmt::format("none, {:.2g} times as many", 1 - share);
 }
 
-std::string rows_of(const std::vector<Mode>& modes) {
+std::string rows_of(const std::vector<ModeRow>& modes) {
   std::string text =
       "| mode | ms per step | leaf pairs per step | removed | steps without any | collisions | missed | "
       "extra |\n"
       "|---|---|---|---|---|---|---|---|\n";
-  for (const Mode& mode : modes) {
+  for (const ModeRow& mode : modes) {
     text += fmt::format("| {}{} | {:.3g} | {} | {} | {} | {} | {} | {} |\n", mode.name,
                         mode.statistical ? " (statistical)" : "", mode.milliseconds,
                         grouped(static_cast<std::uint64_t>(std::llround(mode.leaf_pairs))),

@@ -75,8 +75,8 @@ Creature::Turns creature_frame(double t) {
   swing(Creature::kForeLeftThigh, 0.5, 1 - bent);
   swing(Creature::kHindRightThigh, 0.5, 1);
   swing(Creature::kHindLeftThigh, 0, 1);
-  turns[Creature::kForeRightThigh].x() = 0.24 * bent;
-  turns[Creature::kForeRightShin].x() = 0.8 * bent;
+  turns[Creature::kForeRightThigh].x() = 0.2 * bent;
+  turns[Creature::kForeRightShin].x() = 0.75 * bent;
   turns[Creature::kTail].y() = 0.6 * std::sin(4 * pi * t);
   turns[Creature::kNeck].y() = 0.2 * std::sin(2 * pi * t);
   return turns;
@@ -98,7 +98,8 @@ Subject creature(Size size) {
           .poses = memory_motion("creature poses", mesh.topology(), std::move(poses)),
           .motion = memory_motion("creature", mesh.topology(), std::move(motion)),
           .view = {.from = {1.2, 0.35, 1}},
-          .bent = frames - 1};
+          .bent = frames - 1,
+          .limb = "its right foreleg"};
 }
 
 // --- Data of others
