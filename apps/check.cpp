@@ -101,16 +101,15 @@ void add_mode_options(CLI::App& check, CheckArguments& a) {
   check
       .add_option("--mode", a.mode,
                   "proven: no collision is missing. paper: STATISTICAL, can miss collisions; believes what "
-                  "key points "
-                  "predict, as the paper does, and counts what that misses [proven]")
+                  "key points predict, as the paper does, and counts what that misses [proven]")
       ->type_name("proven|paper")
       ->check(CLI::IsMember({"proven", "paper"}))
       ->group(group);
   check
       .add_option(
           "--miss-rate", a.miss_rate,
-          "With --mode paper: believe only as much as left at most this share of beliefs wrong on poses that "
-          "training held out [0.01]")
+          "With --mode paper: believe only as much as would have missed at most this share of what was not "
+          "proven in poses that training held out [0.01]")
       ->type_name("SHARE")
       ->check(CLI::Range(0.0, 1.0))
       ->group(group);
@@ -196,7 +195,7 @@ Result<CheckSettings> settings_of(const CheckArguments& a) {
                    .thickness = a.thickness,
                    .tolerance = a.tolerance,
                    .mode = a.mode == "paper" ? Mode::Paper : Mode::Proven,
-                   .most_wrong = a.miss_rate,
+                   .miss_rate = a.miss_rate,
                    .certificates = !a.no_certificates,
                    .earliest_only = a.first,
                    .explain = !a.explain.empty()};

@@ -166,9 +166,8 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
   const double steps = static_cast<double>(std::max<std::uint64_t>(totals.steps, 1));
   if (settings.step.mode == Mode::Paper) {
     row("mode",
-        fmt::format(
-            "paper: STATISTICAL, can miss collisions (at most {:g} % of beliefs wrong on poses held out)",
-            100 * settings.step.most_wrong));
+        fmt::format("paper: STATISTICAL, can miss collisions (tuned to miss {:g} % on poses held out)",
+                    100 * settings.step.miss_rate));
   }
   row(settings.poses ? "frames checked" : "steps checked",
       fmt::format("{}  (frames {} to {})", grouped(totals.steps), totals.first_frame, totals.last_frame));

@@ -65,14 +65,15 @@ struct CertificateMap {
   double guessed = 0;   ///< Share that is right when every node is said to do what it does more often.
   double believed = 0;  ///< Share not proven of what is taken for proven.
 
-  /// What belief costs: of all pairs of pose and node whose predicted margin, while the pose stays out, is
-  /// more than `excess` above the node's threshold, the share `wrong` is not proven.
+  /// What belief costs, tried on poses that stay out: who believes a margin that is predicted more than
+  /// `excess` above the node's threshold, believes the share `missed` of all pairs of pose and node that are
+  /// not proven. One wrong belief more is counted than there was: few examples do not show small shares.
   struct Trust {
-    double excess, wrong;
+    double excess, missed;
   };
-  std::vector<Trust> trust;  ///< Excess ascending from 0.
-  /// The least excess at which at most that share is wrong; none when no excess is enough.
-  std::optional<double> excess_for(double most_wrong) const;
+  std::vector<Trust> trust;  ///< Excess ascending from 0, `missed` falling.
+  /// The least excess at which at most that share is missed; none when no excess is enough.
+  std::optional<double> excess_for(double miss_rate) const;
 
   /// Key positions moved rigidly onto the anchor (least squares; Umeyama 1991): the prediction does not
   /// depend on where the mesh stands and how it is turned.

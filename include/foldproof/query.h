@@ -27,9 +27,9 @@ struct StepSettings {
   double tolerance = 0;  ///< Mesh units. How far beyond `thickness` a reported pair may be. 0: 2^-30 of the
                          ///< largest side of the box around everything during the step.
   Mode mode = Mode::Proven;
-  /// Mode::Paper: believe only as much as made at most this share of beliefs wrong on poses that had been
-  /// held out (CertificateMap::Trust). In [0,1].
-  double most_wrong = 0.01;
+  /// Mode::Paper: believe only as much as would have missed at most this share of what was not proven in
+  /// poses that training held out (CertificateMap::Trust). In [0,1].
+  double miss_rate = 0.01;
   bool certificates = true;  ///< Leave out what certificates prove. Never changes the answer, only the work.
   bool earliest_only =
       false;  ///< Report only the pair with the earliest time of impact (ties: smallest ids).

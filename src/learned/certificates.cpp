@@ -144,25 +144,24 @@ class Tally {
   Index wrongly_ = 0, taken_ = 0;
 };
 
-/// Of what is taken for proven, how much is wrong, and how much of that a higher excess avoids.
+/// Excesses at which ever fewer of the unproven pairs are taken for proven.
 std::vector<CertificateMap::Trust> trust_of(const Unseen& unseen, const MatrixXd& margins,
                                             const std::vector<double>& thresholds) {
-  constexpr std::size_t kEntries = 64;
-  std::vector<std::pair<double, bool>> taken;  // excess, and whether it is proven
+  constexpr double kFewer = 0.8;
+  std::vector<double> wrong;  // how far unproven pairs were above their thresholds
   for (Eigen::Index node = 0; node < margins.rows(); ++node) {
     for (Eigen::Index pose = 0; pose < margins.cols(); ++pose) {
       const double excess = unseen.predicted(node, pose) - thresholds[static_cast<std::size_t>(node)];
-      if (excess > 0) taken.emplace_back(excess, margins(node, pose) > 0);
+      if (excess > 0 && !(margins(node, pose) > 0)) wrong.push_back(excess);
     }
   }
-  std::sort(taken.begin(), taken.end());
-  std::vector<std::size_t> wrong_from(taken.size() + 1, 0);  // how many from here on are not proven
-  for (std::size_t i = taken.size(); i-- > 0;) wrong_from[i] = wrong_from[i + 1] + !taken[i].second;
-  std::vector<CertificateMap::Trust> trust;
-  for (std::size_t k = 0; k < kEntries && k < taken.size(); ++k) {
-    const std::size_t first = k * taken.size() / kEntries;
-    trust.push_back({first == 0 ? 0 : taken[first - 1].first,
-                     static_cast<double>(wrong_from[first]) / static_cast<double>(taken.size() - first)});
+  std::sort(wrong.begin(), wrong.end());
+  const auto unproven = static_cast<double>((margins.array() <= 0).count());
+  const auto missed_by = [&](std::size_t count) { return (static_cast<double>(count) + 1) / (unproven + 1); };
+  std::vector<CertificateMap::Trust> trust{{0, missed_by(wrong.size())}};
+  for (std::size_t left = wrong.size(); left > 0;) {
+    left = static_cast<std::size_t>(kFewer * static_cast<double>(left));
+    trust.push_back({wrong[wrong.size() - left - 1], missed_by(left)});
   }
   return trust;
 }
@@ -198,9 +197,9 @@ VectorXd CertificateMap::place(const VectorView& key_positions) const {
   return Eigen::Map<const VectorXd>(placed.data(), placed.size());
 }
 
-std::optional<double> CertificateMap::excess_for(double most_wrong) const {
+std::optional<double> CertificateMap::excess_for(double miss_rate) const {
   for (const Trust& t : trust) {
-    if (t.wrong <= most_wrong) return t.excess;
+    if (t.missed <= miss_rate) return t.excess;
   }
   return std::nullopt;
 }

@@ -206,12 +206,12 @@ class LearnedReader {
 
   void read_trust(const file::Certificates& file, CertificateMap& out) {
     const char* const part = "certificates";
-    if (!require(size_of(file.trust_excess()) == size_of(file.trust_wrong()), part)) return;
+    if (!require(size_of(file.trust_excess()) == size_of(file.trust_missed()), part)) return;
     for (Eigen::Index k = 0; k < size_of(file.trust_excess()); ++k) {
       const auto at = static_cast<flatbuffers::uoffset_t>(k);
-      const CertificateMap::Trust trust{file.trust_excess()->Get(at), file.trust_wrong()->Get(at)};
+      const CertificateMap::Trust trust{file.trust_excess()->Get(at), file.trust_missed()->Get(at)};
       const bool ordered = out.trust.empty() || trust.excess >= out.trust.back().excess;
-      require(std::isfinite(trust.excess) && trust.excess >= 0 && is_share(trust.wrong) && ordered, part);
+      require(std::isfinite(trust.excess) && trust.excess >= 0 && is_share(trust.missed) && ordered, part);
       out.trust.push_back(trust);
     }
   }

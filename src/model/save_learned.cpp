@@ -61,15 +61,15 @@ Offset<file::Certificates> write(FlatBufferBuilder& builder, const CertificateMa
              loads = numbers(builder, map.cca.loads), correlations = numbers(builder, map.cca.correlations);
   const auto thresholds = builder.CreateVector(map.thresholds);
   const auto source_vector = builder.CreateVector(sources);
-  std::vector<double> excess, wrong;
+  std::vector<double> excess, missed;
   for (const CertificateMap::Trust& trust : map.trust) {
     excess.push_back(trust.excess);
-    wrong.push_back(trust.wrong);
+    missed.push_back(trust.missed);
   }
-  const auto excesses = builder.CreateVector(excess), wrongs = builder.CreateVector(wrong);
+  const auto excesses = builder.CreateVector(excess), misses = builder.CreateVector(missed);
   return file::CreateCertificates(builder, nodes, anchor, mean_x, mean_y, weights, loads, correlations,
                                   thresholds, source_vector, map.right, map.guessed, map.believed, excesses,
-                                  wrongs);
+                                  misses);
 }
 
 std::uint64_t bytes_of(const Pca& pca) {

@@ -15,9 +15,9 @@ Eigen::VectorXd Beliefs::margins_at(std::span<const double> x) const {
   return learned_->certificates->margins(Eigen::Map<const Eigen::VectorXd>(keys.data(), keys.size()));
 }
 
-void Beliefs::look(std::span<const double> x0, std::span<const double> x1, double most_wrong) {
+void Beliefs::look(std::span<const double> x0, std::span<const double> x1, double miss_rate) {
   const CertificateMap& map = *learned_->certificates;
-  const auto excess = map.excess_for(most_wrong);
+  const auto excess = map.excess_for(miss_rate);
   const Eigen::VectorXd least = margins_at(x0).cwiseMin(margins_at(x1));
   for (std::size_t k = 0; k < map.nodes.size(); ++k) {
     believed_[map.nodes[k]] =

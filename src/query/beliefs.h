@@ -15,8 +15,8 @@ class Beliefs {
   /// `learned` has certificates.
   Beliefs(std::shared_ptr<const Learned> learned, std::size_t node_count);
 
-  /// Predicts. Cost: see CertificateMap::margins. `most_wrong`: see StepSettings.
-  void look(std::span<const double> x0, std::span<const double> x1, double most_wrong);
+  /// Predicts. Cost: see CertificateMap::margins. `miss_rate`: see StepSettings.
+  void look(std::span<const double> x0, std::span<const double> x1, double miss_rate);
   /// Whether the node's certificate is believed at both ends; never without a prediction.
   bool holds(Index node) const { return believed_[node] != 0; }
 

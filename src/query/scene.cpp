@@ -99,7 +99,7 @@ Result<void> Scene::predict(Positions x0, Positions x1, const StepSettings& sett
     if (!beliefs_[i])
       return fail(fmt::format("object {}", i), "has nothing learned that predicts its certificates",
                   "train a model on at least 3 poses that differ, or leave the mode paper");
-    beliefs_[i]->look(x0[i], x1[i], settings.most_wrong);
+    beliefs_[i]->look(x0[i], x1[i], settings.miss_rate);
   }
   return {};
 }

@@ -68,7 +68,7 @@ Json settings_json(const ReportInfo& info, Index frame_count) {
       {"fps", info.read.fps}};
   if (settings.step.mode == Mode::Paper) {
     json["mode"] = "paper (STATISTICAL: can miss collisions)";
-    json["most_wrong"] = settings.step.most_wrong;
+    json["miss_rate"] = settings.step.miss_rate;
   }
   return json;
 }

@@ -36,7 +36,7 @@ class PaperMode : public ::testing::Test {
   std::shared_ptr<const Model> model_;
 };
 
-StepSettings paper(double most_wrong) { return {.mode = Mode::Paper, .most_wrong = most_wrong}; }
+StepSettings paper(double miss_rate) { return {.mode = Mode::Paper, .miss_rate = miss_rate}; }
 
 TEST_F(PaperMode, FindsAPartOfTheProvenAnswerWithLessWork) {
   StepChecker both = checker();
@@ -65,11 +65,11 @@ TEST_F(PaperMode, FindsAPartOfTheProvenAnswerWithLessWork) {
 TEST_F(PaperMode, BelievesLessTheLessMayBeWrong) {
   StepChecker paper_checker = checker();
   std::uint64_t last = 0;
-  for (const double most_wrong : {1.0, 0.1, 0.01, 0.0}) {
+  for (const double miss_rate : {1.0, 0.1, 0.01, 0.0}) {
     std::uint64_t pairs = 0;
     for (double angle = 1; angle < 7; ++angle)
-      pairs += answer(paper_checker, angle, angle + 0.4, paper(most_wrong)).work.leaf_pairs;
-    EXPECT_GE(pairs, last) << most_wrong;
+      pairs += answer(paper_checker, angle, angle + 0.4, paper(miss_rate)).work.leaf_pairs;
+    EXPECT_GE(pairs, last) << miss_rate;
     last = pairs;
   }
 }
