@@ -1,10 +1,13 @@
 // Reduced queries against StepChecker on the meshes rebuilt from the same coordinates: the same pairs with
 // the same times, bit for bit.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 
+#include <cstdlib>
 #include <cstring>
+#include <string>
 
 #include "foldproof/query.h"
 #include "oracle/brute_force.h"
@@ -223,11 +226,28 @@ TEST(ReducedChecker, RefusesWhatItCannotCheck) {
   EXPECT_FALSE(checker.check(good.begin, good.end, settings, answer));
 }
 
-// The horse's separate poses: a subspace of real shapes, and steps between them.
-TEST(ReducedChecker, AnswersAsStepCheckerOnRealPoses) {
+// Separate poses of real meshes: a subspace of their shapes, and steps between them. `files` name a motion in
+// the data.
+struct PoseSet {
+  const char* name;
+  std::vector<const char*> files;
+};
+void PrintTo(const PoseSet& set, std::ostream* out) { *out << set.name; }
+
+class ReducedPoseSets : public ::testing::TestWithParam<PoseSet> {};
+
+// Every pose to the next one, in full and a small part of the way from the mean; unless
+// FOLDPROOF_ALL_FRAMES=1, one such pair of poses.
+TEST_P(ReducedPoseSets, AnswerAsStepChecker) {
   const auto data = oracle::data_directory();
   if (!data) GTEST_SKIP() << oracle::kNoData;
-  const auto motion = oracle::open_motion({(*data / "horse-poses").string()});
+  const char* all = std::getenv("FOLDPROOF_ALL_FRAMES");
+  const bool every = all != nullptr && std::string(all) == "1";
+  if (!every && GetParam().name != std::string("horse_poses"))
+    GTEST_SKIP() << "Building the balls takes long. Set FOLDPROOF_ALL_FRAMES=1 to run this test.";
+  std::vector<std::string> files;
+  for (const char* file : GetParam().files) files.push_back((*data / file).string());
+  const auto motion = oracle::open_motion(files);
   const Index frames = motion->frame_count();
   std::vector<double> x(3 * std::size_t{motion->topology().vertex_count()});
   Eigen::MatrixXd samples(static_cast<Eigen::Index>(x.size()), frames);
@@ -237,22 +257,38 @@ TEST(ReducedChecker, AnswersAsStepCheckerOnRealPoses) {
   }
   ReducedMesh mesh{motion->topology(), x, pca(samples, {.modes = 5}).value()};
   const std::vector<ShapePointer> shapes{shape_of(mesh)};
-  std::size_t proven = 0;
-  for (const auto& [from, to] : {std::pair(0, 1), std::pair(3, 7)}) {
-    Step step;
-    const Eigen::VectorXd a = mesh.subspace.project(samples.col(from)),
-                          b = mesh.subspace.project(samples.col(to));
-    for (const double share : {0.1, 0.2}) {
-      const Eigen::VectorXd p = a + share * (b - a);
-      (share < 0.15 ? step.p0 : step.p1).emplace_back(p.data(), p.data() + p.size());
+  std::size_t proven = 0, found = 0, steps = 0;
+  for (Index k = 0; k + 1 < (every ? frames : 2); ++k) {
+    const Eigen::VectorXd a = mesh.subspace.project(samples.col(k)),
+                          b = mesh.subspace.project(samples.col(k + 1));
+    const std::pair<Eigen::VectorXd, Eigen::VectorXd> ends[] = {
+        {a, b}, {0.1 * a, 0.12 * a}, {a + 0.1 * (b - a), a + 0.2 * (b - a)}};
+    for (const auto& [from, to] : ends) {
+      Step step;
+      step.p0.emplace_back(from.data(), from.data() + from.size());
+      step.p1.emplace_back(to.data(), to.data() + to.size());
+      step.begin.push_back({step.p0[0]});
+      step.end.push_back({step.p1[0]});
+      const StepResult answer = expect_same_answer(shapes, step, {});
+      ASSERT_FALSE(HasFailure()) << "pose " << k;
+      proven += answer.work.certificate_passes;
+      found += pairs_in(answer);
+      ++steps;
     }
-    step.begin.push_back({step.p0[0]});
-    step.end.push_back({step.p1[0]});
-    const StepResult answer = expect_same_answer(shapes, step, {});
-    proven += answer.work.certificate_passes;
   }
   EXPECT_GT(proven, 0u);
+  fmt::print("{:14} {:3} steps, {:7} collisions, all as on the rebuilt meshes; radius {:.3f}\n",
+             GetParam().name, steps, found, shapes[0]->radius(0));
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    Real, ReducedPoseSets,
+    ::testing::Values(PoseSet{"horse_poses", {"horse-poses"}}, PoseSet{"lion_poses", {"lion-poses"}},
+                      PoseSet{"hand_poses", {"hand/hand-poses.obj", "hand/hand-poses.pc2"}},
+                      PoseSet{"hand_train", {"hand/hand-train.obj", "hand/hand-train.pc2"}},
+                      PoseSet{"elephant_poses",
+                              {"elephant/elephant-poses.obj", "elephant/elephant-poses.pc2"}}),
+    [](const auto& instance) { return std::string(instance.param.name); });
 
 }  // namespace
 }  // namespace foldproof::testing
