@@ -133,9 +133,12 @@ Result<std::vector<ModeRow>> measure_full(const Frames& frames, const Model& mod
       plain, full_way("certificates, no model", StepChecker({hierarchy}), frames, {}),
       full_way("certificates, model", StepChecker({hierarchy}, {model.charts}), frames, {})};
   if (model.learned && model.learned->certificates) {
-    ways.push_back(full_way("paper", StepChecker({hierarchy}, {model.charts}, {model.learned}), frames,
-                            {.mode = Mode::Paper}));
-    ways.back().statistical = true;
+    for (const double rate : {0.01, 0.1, 1.0}) {
+      ways.push_back(full_way(fmt::format("paper, miss rate {:.0f} %", 100 * rate),
+                              StepChecker({hierarchy}, {model.charts}, {model.learned}), frames,
+                              {.mode = Mode::Paper, .miss_rate = rate}));
+      ways.back().statistical = true;
+    }
   }
   return Comparison(static_cast<Index>(frames.size() - 1), hooks).run(ways);
 }

@@ -153,7 +153,7 @@ TEST(ReproduceProgram, MakesPicturesAndTablesOfGeneratedMeshes) {
   }
   for (const auto& row : rows(page, "certificates, model")) EXPECT_GT(std::stod(row[3]), 50);
   for (const auto& row : rows(page, "paper")) EXPECT_THAT(row[0], EndsWith("(statistical)"));
-  EXPECT_EQ(rows(page, "paper").size(), 2u);
+  EXPECT_EQ(rows(page, "paper").size(), 6u);
 
   const Outcome again = directory.run({"-o", "out", "--quick"});
   EXPECT_EQ(again.code, 2);
