@@ -1,7 +1,7 @@
 /// Reduced motion: shapes that are told by a few numbers p, and how far p may go before anything can touch.
 ///
 /// x(p) = mean + basis p. Around a centre in the space of p every pair of nodes of the hierarchy has a ball
-/// inside which a proof holds that the two do not touch (paper, Eq. 8; docs/soundness.md, R1-R6). Balls are
+/// inside which a proof holds that the two do not touch (paper, Eq. 8; docs/soundness.md, R1-R7). Balls are
 /// convex, so a step whose two ends lie inside is free all the way, and no vertex has to be looked at.
 #pragma once
 
@@ -88,7 +88,8 @@ struct ReducedHooks {
   const std::atomic<bool>* cancel = nullptr;  ///< true ends the work in an error.
 };
 
-/// Two leaves, or one with itself, that no ball around a centre proves apart.
+/// Two leaves, or one with itself, that no ball around a centre proves apart: they touch there, or come nearer
+/// to each other than the clearance.
 struct LeftOut {
   Index leaf_a, leaf_b;
   bool touches;  ///< In the centre's pose two of their triangles meet beyond what they share.

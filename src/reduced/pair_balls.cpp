@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "reduced/touch_test.h"
+
 namespace foldproof {
 namespace {
 
@@ -120,14 +122,23 @@ double PairBalls::radius(NodePairIds pair, Index centre, double enough) {
     node_vertices(input_.motion, nodes[pair[0]], vertices_a_);
     node_vertices(input_.motion, nodes[pair[1]], vertices_b_);
     if (vertices_a_.size() + vertices_b_.size() <= kMostVerticesOfPlane) {
-      best = std::max(
-          best, plane_.radius(input_.motion, input_.poses[centre], vertices_a_, vertices_b_, input_.gap));
+      best = std::max(best, plane_.radius(input_.motion, input_.poses[centre], {vertices_a_, vertices_b_},
+                                          input_.gap, enough));
     }
   }
   for (Index slack = 0; slack < 2 && best < enough; ++slack) {
     if (find_bridge(pair, slack)) best = std::max(best, chart_radius(pair, centre));
   }
   return best;
+}
+
+double PairBalls::feature_radius(NodePairIds pair, Index centre, double at_least, double enough) {
+  const auto nodes = input_.motion.hierarchy()->nodes();
+  const std::array<Index, 2> leaves{nodes[pair[0]].leaf_begin, nodes[pair[1]].leaf_begin};
+  // An edge that pierces a face meets neither its corners nor its sides: features alone would not tell.
+  const TouchTest test(*input_.motion.hierarchy(), input_.poses[centre]);
+  if (test.leaves_touch(leaves[0], leaves[1])) return 0;
+  return features_.radius(input_.motion, input_.poses[centre], leaves, input_.gap, at_least, enough);
 }
 
 }  // namespace foldproof

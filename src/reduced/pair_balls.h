@@ -3,6 +3,7 @@
 
 #include "foldproof/certificate.h"
 #include "reduced/chart_ball.h"
+#include "reduced/feature_ball.h"
 #include "reduced/node_motion.h"
 #include "reduced/plane_ball.h"
 
@@ -32,6 +33,9 @@ class PairBalls {
 
   /// The largest radius that one proof gives around a centre; `enough`: more need not be looked for.
   double radius(NodePairIds pair, Index centre, double enough);
+  /// Of two leaves, or one with itself: what their features give one by one, 0 where triangles meet at the
+  /// centre. At most `at_least`: no more than that was found.
+  double feature_radius(NodePairIds pair, Index centre, double at_least, double enough);
 
  private:
   static constexpr std::uint8_t kFar = 255;
@@ -46,6 +50,7 @@ class PairBalls {
   ChartMaker maker_;
   ChartBall chart_;
   PlaneBall plane_;
+  FeatureBall features_;
   Patch patch_;
   Drawing drawing_;
   std::vector<std::array<float, 3>> positions_;

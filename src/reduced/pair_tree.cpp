@@ -12,6 +12,9 @@ namespace {
 // Pairs that are split together; a constant, so that the tree does not depend on the number of threads.
 constexpr std::size_t kBatch = 64;
 
+// Bounds the pairs of leaves that are looked at feature by feature; the worst come first.
+constexpr std::size_t kRefinedPerLeaf = 2;
+
 class Grower {
  public:
   Grower(const BallInput& input, std::span<const ReducedCentre> centres)
@@ -23,22 +26,30 @@ class Grower {
   }
 
   Result<void> grow(std::size_t most_pairs, const ReducedHooks& hooks) {
+    const std::size_t most_refined = kRefinedPerLeaf * std::size_t{input_.motion.hierarchy()->leaf_count()};
     add({0, 0});
     measure(0);
-    std::vector<Index> batch;
-    while (!open_.empty() && tree_.nodes.size() < most_pairs) {
+    std::size_t refined = 0;
+    while (!open_.empty() && (tree_.nodes.size() < most_pairs || refined < most_refined)) {
       if (hooks.cancel != nullptr && *hooks.cancel)
         return fail("cancelled", "the work was ended", "start again");
       if (hooks.progress)
-        hooks.progress(static_cast<double>(tree_.nodes.size()) / static_cast<double>(most_pairs));
-      batch.clear();
-      while (!open_.empty() && batch.size() < kBatch) {
-        batch.push_back(open_.top().pair);
+        hooks.progress(static_cast<double>(tree_.nodes.size() + refined) /
+                       static_cast<double>(most_pairs + most_refined));
+      batch_.clear();
+      refined_.clear();
+      while (!open_.empty() && batch_.size() + refined_.size() < kBatch) {
+        const Index pair = open_.top().pair;
         open_.pop();
+        (is_leaf_pair(tree_.nodes[pair]) ? refined_ : batch_).push_back(pair);
       }
       const std::size_t first = tree_.nodes.size();
-      for (const Index pair : batch) split(pair);
-      measure(first);
+      if (first < most_pairs) {
+        for (const Index pair : batch_) split(pair);
+        measure(first);
+      }
+      if (refined < most_refined) refine();
+      refined += refined_.size();
     }
     return {};
   }
@@ -63,6 +74,7 @@ class Grower {
   void add(NodePairIds pair) { tree_.nodes.push_back({pair[0], pair[1]}); }
   void split(Index pair);
   void measure(std::size_t first);
+  void refine();
   bool is_proven(std::size_t node) const {
     const float* own = &tree_.balls[node * centres_.size()];
     return std::any_of(own, own + centres_.size(), [](float ball) { return ball > 0; });
@@ -75,6 +87,7 @@ class Grower {
   tbb::enumerable_thread_specific<PairBalls> makers_;
   PairTree tree_;
   std::priority_queue<Open> open_;
+  std::vector<Index> batch_, refined_;  // to be split, to be looked at feature by feature
 };
 
 void Grower::split(Index pair) {
@@ -106,12 +119,25 @@ void Grower::measure(std::size_t first) {
       tree_.balls[i * width + c] = round_down(makers_.local().radius(pair, c, centres_[c].reach));
   });
   for (std::size_t i = first; i < count; ++i) {
-    if (is_leaf_pair(tree_.nodes[i])) continue;
     float share = 1;
     for (std::size_t c = 0; c < width; ++c)
       share = std::min(share, tree_.balls[i * width + c] / static_cast<float>(centres_[c].reach));
     if (share < 1) open_.push({share, static_cast<Index>(i)});
   }
+}
+
+// Leaf pairs have nothing below them but their features.
+void Grower::refine() {
+  const std::size_t width = centres_.size();
+  tbb::parallel_for(std::size_t{0}, refined_.size(), [&](std::size_t i) {
+    const NodePairIds pair{tree_.nodes[refined_[i]].a, tree_.nodes[refined_[i]].b};
+    for (Index c = 0; c < width; ++c) {
+      float& ball = tree_.balls[refined_[i] * width + c];
+      if (ball >= centres_[c].reach) continue;
+      const double found = makers_.local().feature_radius(pair, c, ball, centres_[c].reach);
+      ball = std::max(ball, round_down(found));
+    }
+  });
 }
 
 // The same over the tree for one centre alone, with all that this centre does not prove left out.

@@ -30,21 +30,27 @@ Vec3 scaled(const ReducedMotion& motion, std::span<const float> row, Index k) {
   return Vec3(row[3 * k], row[3 * k + 1], row[3 * k + 2]) * motion.deviations()[k];
 }
 
+constexpr double kMostRadius = 1e6;
+
+// At this radius no turn pays.
+constexpr double kStraight = 1e3;
+constexpr int kMostFits = 4;
+
 // Largest radius with a - b rho - c rho^2 >= 0.
 double reach_of(double a, double b, double c) {
-  return a > 0 ? std::min(1e6, 2 * a / (b + std::sqrt(b * b + 4 * a * c) + 1e-300)) : 0;
+  return a > 0 ? std::min(kMostRadius, 2 * a / (b + std::sqrt(b * b + 4 * a * c) + 1e-300)) : 0;
 }
 
 }  // namespace
 
 // Gilbert's search for the shortest difference of both sets; keeps the direction of the widest gap.
-bool PlaneBall::find_plane(const CentrePose& pose, std::span<const Index> a, std::span<const Index> b) {
+bool PlaneBall::find_plane(const CentrePose& pose, const TwoSets& sets) {
   constexpr int kMostRounds = 16;
-  Vec3 n = mean_of(pose, a) - mean_of(pose, b);
+  Vec3 n = sets.apart.isZero() ? Vec3(mean_of(pose, sets.a) - mean_of(pose, sets.b)) : sets.apart;
   double widest = 0;
   for (int round = 0; round < kMostRounds && n.squaredNorm() > 0; ++round) {
     const Vec3 unit = n.normalized();
-    const Least near_a = least_along(pose, a, unit), near_b = least_along(pose, b, -unit);
+    const Least near_a = least_along(pose, sets.a, unit), near_b = least_along(pose, sets.b, -unit);
     const double gap = near_a.along + near_b.along;
     if (gap > widest) {
       widest = gap;
@@ -60,57 +66,98 @@ bool PlaneBall::find_plane(const CentrePose& pose, std::span<const Index> a, std
   return widest > 0;
 }
 
+// Each set counts half.
+void PlaneBall::mean_motion(const ReducedMotion& motion, const TwoSets& sets) {
+  mean_.assign(motion.modes(), Vec3::Zero());
+  for (const auto set : {sets.a, sets.b}) {
+    const double weight = 0.5 / static_cast<double>(set.size());
+    for (const Index v : set) {
+      const auto row = motion.row(v);
+      for (Index k = 0; k < motion.modes(); ++k) mean_[k] += weight * scaled(motion, row, k);
+    }
+  }
+}
+
 // The rotation per mode that takes part in the motion of both sets, by least squares; each set counts half.
-void PlaneBall::fit_rotation(const ReducedMotion& motion, const CentrePose& pose, std::span<const Index> a,
-                             std::span<const Index> b) {
+void PlaneBall::fit_rotation(const ReducedMotion& motion, const CentrePose& pose, const TwoSets& sets) {
   const Index modes = motion.modes();
-  Vec3 mean = (mean_of(pose, a) + mean_of(pose, b)) / 2;
+  const Vec3 mean = (mean_of(pose, sets.a) + mean_of(pose, sets.b)) / 2;
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-  std::vector<Vec3> moment(modes, Vec3::Zero());
-  shift_.assign(modes, Vec3::Zero());
-  for (const auto set : {a, b}) {
+  turn_.assign(modes, Vec3::Zero());
+  for (const auto set : {sets.a, sets.b}) {
     const double weight = 0.5 / static_cast<double>(set.size());
     for (const Index v : set) {
       const Vec3 d = pose.at(v) - mean;
       const auto row = motion.row(v);
       inertia += weight * (d.squaredNorm() * Eigen::Matrix3d::Identity() - d * d.transpose());
-      for (Index k = 0; k < modes; ++k) {
-        const Vec3 s = weight * scaled(motion, row, k);
-        shift_[k] += s;
-        moment[k] += d.cross(s);
-      }
+      for (Index k = 0; k < modes; ++k) turn_[k] += d.cross(weight * scaled(motion, row, k));
     }
   }
   inertia.diagonal().array() += 1e-9 * inertia.trace() + 1e-300;
   const Eigen::Matrix3d inverse = inertia.inverse();
-  turn_.resize(modes);
+  shift_ = mean_;
   for (Index k = 0; k < modes; ++k) {
-    const Vec3 omega = inverse * moment[k];
+    const Vec3 omega = inverse * turn_[k];
     turn_[k] = omega.cross(normal_);
     shift_[k] += omega.cross(origin_ - mean);
     if (!turn_[k].allFinite() || !shift_[k].allFinite()) turn_[k] = shift_[k] = Vec3::Zero();
   }
 }
 
-double PlaneBall::radius(const ReducedMotion& motion, const CentrePose& pose, std::span<const Index> a,
-                         std::span<const Index> b, double gap) {
-  if (!find_plane(pose, a, b)) return 0;
-  fit_rotation(motion, pose, a, b);
+// The turn and shift per mode that change the distances of both sets from the plane least, as shares of what
+// they are; a turn costs what it does in second order at the radius `at`.
+void PlaneBall::fit_sides(const ReducedMotion& motion, const CentrePose& pose, const TwoSets& sets,
+                          double at) {
+  const Index modes = motion.modes();
+  Eigen::Matrix4d normal_matrix = Eigen::Matrix4d::Zero();
+  sides_.assign(modes, Eigen::Vector4d::Zero());
+  double second_order = 0;
+  for (const auto set : {sets.a, sets.b}) {
+    for (const Index v : set) {
+      const Vec3 d = pose.at(v) - origin_;
+      const auto row = motion.row(v);
+      const double height = normal_.dot(d), weight = 1 / (height * height);
+      const Eigen::Vector4d unknown(d.x(), d.y(), d.z(), -1);
+      normal_matrix += weight * unknown * unknown.transpose();
+      double size = 0;
+      for (Index k = 0; k < modes; ++k) {
+        const Vec3 offset = scaled(motion, row, k) - mean_[k];
+        size += offset.squaredNorm();
+        sides_[k] -= weight * normal_.dot(offset) * unknown;
+      }
+      second_order += weight * size;
+    }
+  }
+  normal_matrix.diagonal().head<3>().array() += at * at * second_order;
+  normal_matrix.diagonal().array() *= 1 + 1e-9;
+  const Eigen::Matrix4d inverse = normal_matrix.inverse();
+  turn_.resize(modes);
+  shift_.resize(modes);
+  for (Index k = 0; k < modes; ++k) {
+    const Eigen::Vector4d found = inverse * sides_[k];
+    const bool finite = found.allFinite();
+    turn_[k] = finite ? Vec3(found.head<3>()) : Vec3::Zero();
+    shift_[k] = mean_[k] + (finite ? found[3] : 0.0) * normal_;
+  }
+}
+
+// The radius with the plane's motion as it is set, or something below `at_least`.
+double PlaneBall::radius_of(const ReducedMotion& motion, const CentrePose& pose, const TwoSets& sets,
+                            double gap, double at_least) {
   double turn = 0, largest_row = 0;
   for (const Vec3& t : turn_) turn += t.squaredNorm();
   turn = std::sqrt(turn) * (1 + kSumError);
   const double still_error = kSumError * pose.largest + 2 * pose.rounding;
-  double turning = 1e6, straight = 1e6;
+  double radius = kMostRadius;
   for (const double side : {1.0, -1.0}) {
-    for (const Index v : side > 0 ? a : b) {
+    for (const Index v : side > 0 ? sets.a : sets.b) {
       const Vec3 d = pose.at(v) - origin_;
       const auto row = motion.row(v);
-      double both = 0, plain = 0, size = 0, row_size = 0;
+      double first_order = 0, size = 0, row_size = 0;
       for (Index k = 0; k < motion.modes(); ++k) {
         const Vec3 own = scaled(motion, row, k), offset = own - shift_[k];
-        const double along = normal_.dot(offset), with_turn = along + turn_[k].dot(d);
-        both += with_turn * with_turn;
-        plain += along * along;
+        const double along = normal_.dot(offset) + turn_[k].dot(d);
+        first_order += along * along;
         size += offset.squaredNorm();
         row_size += own.squaredNorm();
       }
@@ -118,13 +165,34 @@ double PlaneBall::radius(const ReducedMotion& motion, const CentrePose& pose, st
       largest_row = std::max(largest_row, row_size);
       const double error = kSumError * (std::sqrt(largest_row) + std::sqrt(size) + turn * d.norm());
       const double above = side * normal_.dot(d) - gap / 2 * (1 + kSumError) - still_error;
-      turning = std::min(turning, reach_of(above, std::sqrt(both) + error + (gap / 2 + still_error) * turn,
-                                           turn * std::sqrt(size) * (1 + kSumError)));
-      straight = std::min(straight, reach_of(above, std::sqrt(plain) + error, 0));
-      if (turning == 0) return 0;
+      radius =
+          std::min(radius, reach_of(above, std::sqrt(first_order) + error + (gap / 2 + still_error) * turn,
+                                    turn * std::sqrt(size) * (1 + kSumError)));
+      if (!(radius > at_least)) return radius;
     }
   }
-  return std::max(turning, straight) * (1 - kRadiusMargin);
+  return radius;
+}
+
+double PlaneBall::radius(const ReducedMotion& motion, const CentrePose& pose, const TwoSets& sets, double gap,
+                         double enough) {
+  if (!find_plane(pose, sets)) return 0;
+  mean_motion(motion, sets);
+  fit_rotation(motion, pose, sets);
+  double best = radius_of(motion, pose, sets, gap, 0);
+  const auto fit = [&](double at) {
+    fit_sides(motion, pose, sets, at);
+    const double found = radius_of(motion, pose, sets, gap, best);
+    const bool grew = found > 1.05 * best;
+    best = std::max(best, found);
+    return grew;
+  };
+  if (best < enough) fit(kStraight);
+  if (best < enough) fit(1);
+  // What a turn costs depends on the radius, which depends on the turn.
+  for (int round = 0; round < kMostFits && best < enough && fit(1.5 * best); ++round) {
+  }
+  return best * (1 - kRadiusMargin);
 }
 
 }  // namespace foldproof

@@ -67,7 +67,9 @@ TEST(ReducedShape, ProvenStepsBeyondTheRadiusAreFree) {
     EXPECT_EQ(answer, shape.find_open(p0, p1, scratch));
     EXPECT_EQ(answer == ReducedProof::Open, !scratch.open.empty());
     (answer == ReducedProof::Free ? proven : open) += 1;
-    if (answer == ReducedProof::Free && proven <= 6) EXPECT_FALSE(touches(mesh, *motion, p0, p1));
+    if (answer == ReducedProof::Free && proven <= 6) {
+      EXPECT_FALSE(touches(mesh, *motion, p0, p1));
+    }
   }
   EXPECT_GT(proven, 0);
   EXPECT_GT(open, 0);
