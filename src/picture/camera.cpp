@@ -1,8 +1,8 @@
 #include "picture/camera.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 
 namespace foldproof {
 namespace picture {
@@ -72,11 +72,15 @@ Result<View> parse_view(const std::string& text) {
   if (text == "side") return View{.from = {1, 0, 0}};
   if (text == "top") return View{.from = {0, 1, 0}, .up = {0, 0, -1}};
   View view;
-  int used = 0;
-  const bool read =
-      std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &view.from[0], &view.from[1], &view.from[2], &used) == 3;
-  if (!read || static_cast<std::size_t>(used) != text.size() || !view.from.allFinite() ||
-      view.from.isZero(0)) {
+  const char *at = text.data(), *const end = at + text.size();
+  bool read = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axis > 0) read = read && at != end && *at++ == ',';
+    const auto number = std::from_chars(at, end, view.from[axis]);
+    read = read && number.ec == std::errc{};
+    at = number.ptr;
+  }
+  if (!read || at != end || !view.from.allFinite() || view.from.isZero(0)) {
     return fail("--view", "'" + text + "' is no view",
                 "give front, back, side, top, or a direction to the eye as x,y,z");
   }
