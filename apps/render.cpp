@@ -210,6 +210,7 @@ Result<void> colour_error(const RenderArguments& a, const Objects& motions, Colo
   }
   const double scale = a.scale > 0 ? a.scale : worst;
   std::vector<Colour> colours;
+  colours.reserve(errors.size());
   for (const double error : errors)
     colours.push_back(map_colour(ColourMap::Error, scale > 0 ? error / scale : 0));
   out.vertices.push_back(std::move(colours));

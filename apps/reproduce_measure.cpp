@@ -2,7 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <tuple>
 
 #include "reproduce.h"
 #include "terminal.h"
