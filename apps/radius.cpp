@@ -16,18 +16,20 @@ namespace {
 
 constexpr const char* kFooter =
     R"(Within the radius of a centre no combination of modes makes the surface touch itself: proven, not sampled. Distances are
-in standard deviations of the training poses (Mahalanobis). Regions that touch in the centre's own pose, or that no proof
-was found for, are left out of that and named.
+in standard deviations of the training poses (Mahalanobis). Regions that touch in the centre's own pose, or come nearer to
+themselves than the clearance, are left out of that and named. A region that nearly touches makes the radius small for all;
+with --at-least such regions are left out and named as well, with how far they reach.
 
 Examples:
   foldproof radius body.model                        how far from the mean, and from each cluster
+  foldproof radius body.model --at-least 0.5         how far the rest reaches, and what stays behind
   foldproof radius body.model --sample 20 -o s.npz   twenty certified shapes, as a motion
   foldproof radius body.model --ply left.ply         the mean, triangles that are left out marked 1)";
 
 struct RadiusArguments {
   std::string model, output, ply;
   Index samples = 0;
-  double clearance = 0;
+  double clearance = 0, at_least = 0;
   int threads = 0;
   bool quiet = false;
 };
@@ -35,6 +37,7 @@ struct RadiusArguments {
 struct Centres {
   std::vector<ReducedCentre> list;
   std::vector<std::string> names;
+  std::vector<CertifiedRadius> certified;
 };
 
 // The mean, and the clusters where there are several. Balls reach as far as any training pose lies.
@@ -61,7 +64,7 @@ std::string table(const ReducedShape& shape, const Centres& centres, const Learn
   const auto inside = [&](Index centre, Eigen::Index pose) {
     const Eigen::VectorXd p = learned.coordinates.col(pose);
     return shape.distance(centre, std::span(p.data(), static_cast<std::size_t>(p.size()))) <
-           shape.radius(centre);
+           centres.certified[centre].radius;
   };
   const Eigen::Index poses = learned.coordinates.cols();
   Index in_any = 0;
@@ -73,12 +76,12 @@ std::string table(const ReducedShape& shape, const Centres& centres, const Learn
   for (Index c = 0; c < centres.list.size(); ++c) {
     Index count = 0;
     for (Eigen::Index k = 0; k < poses; ++k) count += inside(c, k);
-    const auto left = shape.left_out(c);
+    const auto& [radius, left] = centres.certified[c];
     const auto touching = std::count_if(left.begin(), left.end(), [](const LeftOut& l) { return l.touches; });
     // The normal distribution is around the mean only.
     const std::string share =
-        c == 0 ? fmt::format("{:.2f} %", 100 * normal_share(shape.radius(c), shape.motion()->modes())) : "";
-    text += fmt::format("{:<12}{:>10.4g}{:>17}{:>23}{:>26}\n", centres.names[c], shape.radius(c), share,
+        c == 0 ? fmt::format("{:.2f} %", 100 * normal_share(radius, shape.motion()->modes())) : "";
+    text += fmt::format("{:<12}{:>10.4g}{:>17}{:>23}{:>26}\n", centres.names[c], radius, share,
                         fmt::format("{} of {}", count, poses),
                         left.empty() ? "none" : fmt::format("{}, {} touch", grouped(left.size()), touching));
   }
@@ -89,6 +92,7 @@ std::string table(const ReducedShape& shape, const Centres& centres, const Learn
 struct Region {
   std::vector<Index> leaves;
   bool touches = false;
+  double radius = std::numeric_limits<double>::infinity();  // within which nothing in it touches
 };
 
 std::vector<Region> regions_of(std::span<const LeftOut> left, Index leaf_count) {
@@ -103,6 +107,7 @@ std::vector<Region> regions_of(std::span<const LeftOut> left, Index leaf_count) 
   for (const LeftOut& l : left) {
     Region& region = regions[root(l.leaf_a)];
     region.touches |= l.touches;
+    region.radius = std::min(region.radius, l.radius);
     region.leaves.insert(region.leaves.end(), {l.leaf_a, l.leaf_b});
   }
   std::vector<Region> sorted;
@@ -112,9 +117,15 @@ std::vector<Region> regions_of(std::span<const LeftOut> left, Index leaf_count) 
     sorted.push_back(std::move(region));
   }
   std::stable_sort(sorted.begin(), sorted.end(), [](const Region& a, const Region& b) {
-    return std::pair(a.touches, a.leaves.size()) > std::pair(b.touches, b.leaves.size());
+    return std::tuple(b.touches, a.radius, b.leaves.size()) <
+           std::tuple(a.touches, b.radius, a.leaves.size());
   });
   return sorted;
+}
+
+std::string state(const Region& region) {
+  if (region.touches) return "touches already";
+  return region.radius > 0 ? fmt::format("proven up to {:.4g}", region.radius) : "nearer than the clearance";
 }
 
 std::string region_list(const ReducedShape& shape, const Centres& centres) {
@@ -122,11 +133,11 @@ std::string region_list(const ReducedShape& shape, const Centres& centres) {
   const Hierarchy& h = *shape.motion()->hierarchy();
   std::string text;
   for (Index c = 0; c < centres.list.size(); ++c) {
-    const auto regions = regions_of(shape.left_out(c), h.leaf_count());
+    const auto regions = regions_of(centres.certified[c].left_out, h.leaf_count());
     if (regions.empty()) continue;
     std::vector<double> x(3 * std::size_t{h.topology().vertex_count()});
     shape.motion()->positions(centres.list[c].p, x);
-    text += fmt::format("\nLeft out around {}: nothing is said of what happens inside these {}.\n",
+    text += fmt::format("\nLeft out around {}: the radius says nothing of what happens inside these {}.\n",
                         centres.names[c], counted(regions.size(), "region"));
     for (std::size_t k = 0; k < std::min(kMost, regions.size()); ++k) {
       Index triangles = 0;
@@ -136,17 +147,17 @@ std::string region_list(const ReducedShape& shape, const Centres& centres) {
       const Index v = h.topology().triangles()[first][0];
       text += fmt::format("  {} around triangle {} at ({:.4g}, {:.4g}, {:.4g}): {}\n",
                           counted(triangles, "triangle"), first, x[3 * v], x[3 * v + 1], x[3 * v + 2],
-                          regions[k].touches ? "touches already" : "no proof was found");
+                          state(regions[k]));
     }
     if (regions.size() > kMost) text += fmt::format("  and {} smaller ones\n", regions.size() - kMost);
   }
   return text;
 }
 
-Result<void> write_left_out(const std::string& path, const ReducedShape& shape) {
+Result<void> write_left_out(const std::string& path, const ReducedShape& shape, const Centres& centres) {
   const Hierarchy& h = *shape.motion()->hierarchy();
   std::vector<std::uint8_t> marks(h.triangles().size(), 0);
-  for (const LeftOut& l : shape.left_out(0)) {
+  for (const LeftOut& l : centres.certified[0].left_out) {
     for (const Index leaf : {l.leaf_a, l.leaf_b}) {
       for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t)
         marks[h.triangle_ids()[t]] = 1;
@@ -158,11 +169,11 @@ Result<void> write_left_out(const std::string& path, const ReducedShape& shape) 
 }
 
 // Evenly from the balls of all centres in turn, by volume within each; always the same ones.
-Result<void> write_samples(const RadiusArguments& a, const ReducedShape& shape) {
+Result<void> write_samples(const RadiusArguments& a, const ReducedShape& shape, const Centres& centres) {
   const ReducedMotion& motion = *shape.motion();
   std::vector<Index> usable;
   for (Index c = 0; c < shape.centres().size(); ++c) {
-    if (shape.radius(c) > 0) usable.push_back(c);
+    if (centres.certified[c].radius > 0) usable.push_back(c);
   }
   if (usable.empty())
     return fail(a.output, "no shape is certified", "see which regions touch at the centres");
@@ -178,7 +189,8 @@ Result<void> write_samples(const RadiusArguments& a, const ReducedShape& shape) 
       z = normal(random);
       square += z * z;
     }
-    const double radius = 0.999 * shape.radius(c) * std::pow(uniform(random), 1.0 / motion.modes());
+    const double radius =
+        0.999 * centres.certified[c].radius * std::pow(uniform(random), 1.0 / motion.modes());
     for (std::size_t m = 0; m < q.size(); ++m)
       p[m] += radius * q[m] / std::sqrt(square) * motion.deviations()[m];
     motion.positions(p, frames.emplace_back(3 * std::size_t{motion.hierarchy()->topology().vertex_count()}));
@@ -192,6 +204,7 @@ Result<int> radius(const RadiusArguments& a) {
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
   if (const auto ok = require_number("--clearance", a.clearance, true); !ok)
     return tl::unexpected(ok.error());
+  if (const auto ok = require_number("--at-least", a.at_least, true); !ok) return tl::unexpected(ok.error());
   if ((a.samples > 0) == a.output.empty()) return fail("--sample", "goes with -o", "give both, or neither");
   const auto model = load_model(a.model);
   if (!model) return tl::unexpected(model.error());
@@ -199,7 +212,7 @@ Result<int> radius(const RadiusArguments& a) {
     return fail(a.model, "has learned no shapes", "train it anew with at least 3 poses that differ");
   auto motion = ReducedMotion::make(model->hierarchy(), model->learned->pca);
   if (!motion) return tl::unexpected(motion.error());
-  const Centres centres = centres_of(*model->learned, *motion);
+  Centres centres = centres_of(*model->learned, *motion);
   ProgressBar bar(!a.quiet);
   ReducedHooks hooks;
   hooks.progress = [&](double part) { bar.show(part, "proving"); };
@@ -212,11 +225,13 @@ Result<int> radius(const RadiusArguments& a) {
     print_error({"interrupted", "while proving", "nothing was written"});
     return kExitInterrupted;
   }
+  for (Index c = 0; c < centres.list.size(); ++c)
+    centres.certified.push_back(shape->certified(c, a.at_least));
   if (!a.ply.empty()) {
-    if (const auto done = write_left_out(a.ply, *shape); !done) return tl::unexpected(done.error());
+    if (const auto done = write_left_out(a.ply, *shape, centres); !done) return tl::unexpected(done.error());
   }
   if (a.samples > 0) {
-    if (const auto done = write_samples(a, *shape); !done) return tl::unexpected(done.error());
+    if (const auto done = write_samples(a, *shape, centres); !done) return tl::unexpected(done.error());
   }
   if (!a.quiet) {
     print_output(fmt::format("{}: {}, {}; farther apart than {:.3g} mesh units\n", cell(a.model),
@@ -245,6 +260,10 @@ Command add_radius(CLI::App& program) {
       ->add_option("--clearance", a->clearance,
                    "Prove that features stay farther apart than D, in mesh units [2^-24 of the size]")
       ->type_name("D");
+  command
+      ->add_option("--at-least", a->at_least,
+                   "Leave out, and name, pairs of leaves that are not proven as far as R as well [0]")
+      ->type_name("R");
   add_threads_option(*command, a->threads, "At most N threads [all cores]");
   command->add_flag("--quiet", a->quiet, "Print nothing but errors");
   return [a] { return radius(*a); };

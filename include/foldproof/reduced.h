@@ -52,7 +52,9 @@ class ReducedMotion {
   /// No coordinate of x(p) is larger, mesh units.
   double reach(std::span<const double> p) const;
   /// What a computed coordinate of x(p) may be off by, mesh units.
-  double rounding(std::span<const double> p) const;
+  double rounding(std::span<const double> p) const { return rounding_at(reach(p)); }
+  /// The same from what reach() gives.
+  double rounding_at(double reach) const;
 
  private:
   void list_leaf_vertices();
@@ -88,11 +90,18 @@ struct ReducedHooks {
   const std::atomic<bool>* cancel = nullptr;  ///< true ends the work in an error.
 };
 
-/// Two leaves, or one with itself, that no ball around a centre proves apart: they touch there, or come nearer
-/// to each other than the clearance.
+/// Two leaves, or one with itself, that no ball around a centre proves apart: they touch there, or come
+/// nearer to each other than the clearance.
 struct LeftOut {
   Index leaf_a, leaf_b;
-  bool touches;  ///< In the centre's pose two of their triangles meet beyond what they share.
+  bool touches;       ///< In the centre's pose two of their triangles meet beyond what they share.
+  double radius = 0;  ///< Within which they are proven apart nevertheless.
+};
+
+/// How far a centre reaches, and without which pairs of leaves.
+struct CertifiedRadius {
+  double radius;
+  std::vector<LeftOut> left_out;  ///< Ascending.
 };
 
 /// What is known of a step from its ends in the space of p alone.
@@ -124,6 +133,10 @@ class ReducedShape {
   double distance(Index centre, std::span<const double> p) const;
   /// What radius() leaves out. Ascending.
   std::span<const LeftOut> left_out(Index centre) const;
+  /// The same when pairs of leaves that reach less far than `at_least` are left out as well, so that a few
+  /// that nearly touch do not speak for the whole shape. More than `at_least` where that is all that limits.
+  /// Cost: O(pairs of nodes).
+  CertifiedRadius certified(Index centre, double at_least) const;
   /// Pairs of leaves that no centre proves; queries always test them.
   std::span<const std::array<Index, 2>> always_open() const;
 

@@ -49,36 +49,38 @@ ReducedObject::ReducedObject(std::shared_ptr<const ReducedShape> shape) : shape_
   leaf_step_.resize(h.leaf_count(), 0);
 }
 
-Result<void> ReducedObject::check_pose(Index object, const ReducedPose& pose) const {
-  const auto where = fmt::format("object {}", object);
+Result<void> ReducedObject::check_pose(Index object, const ReducedPose& pose, double& reach) const {
+  const auto where = [&] { return fmt::format("object {}", object); };
   const Index modes = shape_->motion()->modes();
   if (pose.p.size() != modes)
-    return fail(where, fmt::format("has {} coordinates", pose.p.size()),
+    return fail(where(), fmt::format("has {} coordinates", pose.p.size()),
                 fmt::format("give {}, one per mode", modes));
   for (const double p : pose.p) {
-    if (!std::isfinite(p)) return fail(where, "has a coordinate that is not finite", "repair it");
+    if (!std::isfinite(p)) return fail(where(), "has a coordinate that is not finite", "repair it");
   }
+  reach = shape_->motion()->reach(pose.p);
   const Eigen::Matrix3d square = pose.rotation.transpose() * pose.rotation;
   if (!pose.translation.allFinite() ||
       !(((square - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff()) < kLeastOrthogonal))
-    return fail(where, "has a placement that is no rotation and translation", "give an orthogonal matrix");
-  if (!std::isfinite(shape_->motion()->reach(pose.p)))
-    return fail(where, "has coordinates that are too large", "make them smaller");
+    return fail(where(), "has a placement that is no rotation and translation", "give an orthogonal matrix");
+  if (!std::isfinite(reach)) return fail(where(), "has coordinates that are too large", "make them smaller");
   return {};
 }
 
 Result<void> ReducedObject::begin_step(Index object, const ReducedPose& begin, const ReducedPose& end) {
-  poses_ = {begin, end};
+  poses_[0] = begin;  // one by one, so that their memory is kept
+  poses_[1] = end;
   if (++step_ == 0) {  // the counter went round: what it marked is of old
     for (auto* marks : {&box_step_, &vertex_step_, &leaf_step_}) std::fill(marks->begin(), marks->end(), 0u);
     step_ = 1;
   }
   const ReducedMotion& motion = *shape_->motion();
   for (int e = 0; e < 2; ++e) {
-    if (auto ok = check_pose(object, poses_[e]); !ok) return ok;
+    double reach = 0;
+    if (auto ok = check_pose(object, poses_[e], reach); !ok) return ok;
     // R5: x(p), and three products and sums on it.
-    rounding_[e] = 2 * motion.rounding(poses_[e].p) +
-                   0x1p-50 * (2 * motion.reach(poses_[e].p) + poses_[e].translation.cwiseAbs().maxCoeff());
+    rounding_[e] =
+        2 * motion.rounding_at(reach) + 0x1p-50 * (2 * reach + poses_[e].translation.cwiseAbs().maxCoeff());
     distance_[e] = std::numeric_limits<double>::infinity();
     for (Index c = 0; c < shape_->centres().size(); ++c) {
       const double d = shape_->distance(c, poses_[e].p);

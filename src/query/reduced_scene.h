@@ -34,7 +34,7 @@ class ReducedObject {
   std::span<const double> positions(int end) const { return x_[end]; }
 
  private:
-  Result<void> check_pose(Index object, const ReducedPose& pose) const;
+  Result<void> check_pose(Index object, const ReducedPose& pose, double& reach) const;
 
   std::shared_ptr<const ReducedShape> shape_;
   std::array<ReducedPose, 2> poses_;

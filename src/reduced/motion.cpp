@@ -100,6 +100,6 @@ double ReducedMotion::reach(std::span<const double> p) const {
 }
 
 // docs/soundness.md, R5: one rounding per product and per sum, each relative to what is summed.
-double ReducedMotion::rounding(std::span<const double> p) const { return reach(p) * (modes_ + 2) * 0x1p-52; }
+double ReducedMotion::rounding_at(double reach) const { return reach * (modes_ + 2) * 0x1p-52; }
 
 }  // namespace foldproof

@@ -81,6 +81,33 @@ double ReducedShape::radius(Index centre) const { return impl_->radius[centre]; 
 std::span<const LeftOut> ReducedShape::left_out(Index centre) const { return impl_->left_out[centre]; }
 std::span<const std::array<Index, 2>> ReducedShape::always_open() const { return impl_->always_open; }
 
+// A ball in the tree is the larger of the pair's own and the smallest below it. Taking pairs out makes the
+// smallest below larger, and the larger of that and what stood there is again a ball.
+CertifiedRadius ReducedShape::certified(Index centre, double at_least) const {
+  const PairTree& tree = impl_->tree;
+  const auto nodes = impl_->motion->hierarchy()->nodes();
+  CertifiedRadius result{0, impl_->left_out[centre]};
+  std::vector<float> radius(tree.nodes.size());
+  for (std::size_t i = tree.nodes.size(); i-- > 0;) {
+    const PairTree::Node& node = tree.nodes[i];
+    radius[i] = tree.balls[i * tree.centres + centre];
+    if (node.count > 0) {
+      const auto below = radius.begin() + node.begin;
+      radius[i] = std::max(radius[i], *std::min_element(below, below + node.count));
+    } else if (nodes[node.a].is_leaf() && nodes[node.b].is_leaf() &&
+               (radius[i] < at_least || radius[i] == 0)) {
+      const auto [a, b] = std::minmax(nodes[node.a].leaf_begin, nodes[node.b].leaf_begin);
+      if (radius[i] > 0) result.left_out.push_back({a, b, false, radius[i]});
+      radius[i] = std::numeric_limits<float>::infinity();
+    }
+  }
+  std::sort(result.left_out.begin(), result.left_out.end(), [](const LeftOut& x, const LeftOut& y) {
+    return std::tuple(x.leaf_a, x.leaf_b) < std::tuple(y.leaf_a, y.leaf_b);
+  });
+  result.radius = std::min(double{radius[0]}, impl_->centres[centre].reach);
+  return result;
+}
+
 // Each term carries a few roundings, the sum one per mode; the margin is far above them.
 float ReducedShape::Impl::distance(Index centre, std::span<const double> p) const {
   const std::vector<double>& c = centres[centre].p;

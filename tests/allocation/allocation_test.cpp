@@ -50,13 +50,17 @@ std::vector<double> strip(int length, double turn) {
 
 constexpr int kLength = 400;
 
-StepChecker checker_of_strip() {
+Topology strip_topology() {
   std::vector<Triangle> triangles;
   for (Index i = 0; i < kLength; ++i) {
     triangles.push_back({2 * i, 2 * i + 1, 2 * i + 2});
     triangles.push_back({2 * i + 1, 2 * i + 3, 2 * i + 2});
   }
-  auto tree = Hierarchy::build(Topology::make(2 * kLength + 2, triangles).value(), strip(kLength, 5)).value();
+  return Topology::make(2 * kLength + 2, triangles).value();
+}
+
+StepChecker checker_of_strip() {
+  auto tree = Hierarchy::build(strip_topology(), strip(kLength, 5)).value();
   return StepChecker({std::make_shared<const Hierarchy>(std::move(tree))});
 }
 
@@ -102,6 +106,61 @@ TEST(StepChecker, AllocatesNothingForChartsOnceTheyHaveSettled) {
   EXPECT_EQ(run(800, 1000), 0);
   EXPECT_GT(passes, 0u);
   EXPECT_GT(pairs, 0u);
+}
+
+// The same strip told by two numbers: how far it is rolled up, and how far it is pulled apart.
+std::shared_ptr<const ReducedShape> reduced_strip() {
+  auto hierarchy =
+      std::make_shared<const Hierarchy>(Hierarchy::build(strip_topology(), strip(kLength, 5)).value());
+  const auto rest = strip(kLength, 5), rolled = strip(kLength, 8);
+  Pca subspace;
+  const auto count = static_cast<Eigen::Index>(rest.size());
+  subspace.mean = Eigen::Map<const Eigen::VectorXd>(rest.data(), count);
+  subspace.basis.resize(count, 2);
+  subspace.basis.col(0) = Eigen::Map<const Eigen::VectorXd>(rolled.data(), count) - subspace.mean;
+  for (Eigen::Index i = 0; i < count; ++i) subspace.basis(i, 1) = i % 3 == 2 ? 0.0 : subspace.mean[i];
+  subspace.deviations = subspace.basis.colwise().norm().transpose();
+  subspace.basis.colwise().normalize();
+  auto motion =
+      std::make_shared<const ReducedMotion>(ReducedMotion::make(std::move(hierarchy), subspace).value());
+  return std::make_shared<const ReducedShape>(ReducedShape::build(std::move(motion), {{{0.0, 0.0}}}).value());
+}
+
+// Inside a ball, outside with pairs of leaves to look at, and into itself.
+TEST(ReducedChecker, AllocatesNothingFromTheSecondStepOn) {
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const auto shape = reduced_strip();
+  ASSERT_GT(shape->radius(0), 0);
+  ReducedChecker checker({shape});
+  StepResult step;
+  std::uint64_t pairs = 0, free = 0;
+  const auto run = [&](double distance) {
+    const std::vector<double> p0{0, 0}, p1{distance * shape->motion()->deviations()[0], 0};
+    const ReducedPose from{p0}, to{p1};
+    ASSERT_TRUE(checker.check({&from, 1}, {&to, 1}, {}, step));
+    const long before = allocations;
+    ASSERT_TRUE(checker.check({&from, 1}, {&to, 1}, {}, step));
+    EXPECT_EQ(allocations - before, 0) << distance;
+    pairs += step.vertex_face.size() + step.edge_edge.size();
+    free += step.work.leaf_pairs == 0;
+  };
+  ASSERT_LT(2 * shape->radius(0), 1);
+  for (const double distance : {0.5 * shape->radius(0), 2 * shape->radius(0), 1.0}) run(distance);
+  EXPECT_GT(pairs, 0u);
+  EXPECT_GT(free, 0u);
+}
+
+TEST(ReducedShape, ProvesWithoutAllocating) {
+  const auto shape = reduced_strip();
+  ReducedShape::Scratch scratch;
+  const std::vector<double> p0{0, 0}, near{0.5 * shape->radius(0) * shape->motion()->deviations()[0], 0},
+      far{40 * near[0], 0};
+  EXPECT_EQ(shape->proven_free(p0, near, scratch), ReducedProof::Free);
+  EXPECT_EQ(shape->find_open(p0, far, scratch), ReducedProof::Open);
+  const long before = allocations;
+  shape->proven_free(p0, near, scratch);
+  shape->find_open(p0, far, scratch);
+  EXPECT_EQ(allocations - before, 0);
 }
 
 }  // namespace

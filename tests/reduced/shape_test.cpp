@@ -6,8 +6,8 @@
 
 #include "foldproof/query.h"
 #include "oracle/brute_force.h"
+#include "reduced/features.h"
 #include "reduced/shape.h"
-#include "reduced/shapes.h"
 
 namespace foldproof::testing {
 namespace {
@@ -111,6 +111,45 @@ TEST(ReducedShape, NamesWhatTouchesAtTheCentre) {
   EXPECT_EQ(crossing, named);
   ReducedShape::Scratch scratch;
   EXPECT_EQ(shape.proven_free(zeros(*motion), zeros(*motion), scratch), ReducedProof::FreeButLeft);
+}
+
+// What reaches less far can be left out and is named; the rest then keeps apart as far as it says.
+TEST(ReducedShape, LeavesOutWhatReachesLessFar) {
+  ReducedMesh mesh = waving_cloth(12);
+  // One corner's vertex hangs just above the middle of the sheet.
+  const Index row = 13, middle = 6 * row + 6;
+  for (int axis = 0; axis < 3; ++axis)
+    mesh.subspace.mean[axis] = mesh.subspace.mean[3 * middle + axis] + (axis == 2 ? 0.02 : 0.01);
+  const auto motion = mesh.motion();
+  const auto shape = ReducedShape::build(motion, {{zeros(*motion)}}).value();
+  const auto all = shape.certified(0, 0);
+  EXPECT_EQ(all.radius, shape.radius(0));
+  EXPECT_EQ(all.left_out.size(), shape.left_out(0).size());
+  const double at_least = 1.5 * all.radius;
+  const auto most = shape.certified(0, at_least);
+  EXPECT_GE(most.radius, at_least);
+  ASSERT_GT(most.left_out.size(), all.left_out.size());
+  std::set<std::array<Index, 2>> left;
+  for (const LeftOut& l : most.left_out) {
+    left.insert({l.leaf_a, l.leaf_b});
+    EXPECT_LT(l.radius, at_least);
+  }
+  const Hierarchy& h = *motion->hierarchy();
+  std::vector<Index> leaf_node(h.leaf_count());
+  for (Index n = 0; n < h.nodes().size(); ++n) {
+    if (h.nodes()[n].is_leaf()) leaf_node[h.nodes()[n].leaf_begin] = n;
+  }
+  std::mt19937 random(35);
+  for (int round = 0; round < 3; ++round) {
+    const auto p0 = at_distance(*motion, 0.999 * most.radius, random);
+    const auto p1 = at_distance(*motion, 0.999 * most.radius, random);
+    for (Index a = 0; a < h.leaf_count(); ++a) {
+      for (Index b = a; b < h.leaf_count(); ++b) {
+        if (left.contains({a, b})) continue;
+        ASSERT_FALSE(Features(*motion, {leaf_node[a], leaf_node[b]}).touch(p0, p1)) << a << " " << b;
+      }
+    }
+  }
 }
 
 TEST(ReducedShape, IsTheSameForAnyNumberOfThreads) {
