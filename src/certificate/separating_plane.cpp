@@ -84,29 +84,53 @@ Least FindLeast(const VertexSet& set, const float (&n)[8]) {
 }
 #endif
 
+// How far a direction separates the sets at each end, and where they come nearest along it.
+struct Separation {
+  Least a, b;
+  float along[2];
+  int worst;
+  float square;  // of the direction's length
+};
+
+Separation LookAlong(const VertexSet& a, const VertexSet& b, const float (&n)[3]) {
+  const float along_a[8] = {n[0], n[1], n[2], 0, n[0], n[1], n[2], 0};
+  const float along_b[8] = {-n[0], -n[1], -n[2], 0, -n[0], -n[1], -n[2], 0};
+  Separation apart{
+      FindLeast(a, along_a), FindLeast(b, along_b), {}, 0, n[0] * n[0] + n[1] * n[1] + n[2] * n[2]};
+  for (int end = 0; end < 2; ++end) apart.along[end] = apart.a.along[end] + apart.b.along[end];
+  apart.worst = apart.along[1] < apart.along[0];
+  return apart;
+}
+
+// Theorem 1 along a direction. Shorter ones lose digits when they are squared, or vanish.
+bool Separate(const Separation& apart, float gap) {
+  return apart.square > 1e-30f && apart.along[apart.worst] > gap * std::sqrt(apart.square);
+}
+
 // Gilbert's search for the point of the difference of both sets that is nearest to the origin; it stops as
 // soon as its direction separates them at both ends.
-bool Separates(const VertexSet& a, const VertexSet& b, float gap) {
-  constexpr int kMostRounds =
-      24;  // curved sheets that lie on each other need more than 8; costs no more time
+bool Separates(const VertexSet& a, const VertexSet& b, float gap, PlaneNormal* normal) {
+  // Curved sheets that lie on each other need more than 8; with 24 the pairs that have none cost too much.
+  constexpr int kMostRounds = 12;
   float n[3];
+  if (normal != nullptr && *normal != PlaneNormal{}) {
+    std::copy(normal->begin(), normal->end(), n);
+    if (Separate(LookAlong(a, b, n), gap)) return true;
+  }
   for (int axis = 0; axis < 3; ++axis) {
     n[axis] = (a.at(0).x[axis] + a.at(0).x[4 + axis]) / 2 - (b.at(0).x[axis] + b.at(0).x[4 + axis]) / 2;
   }
   for (int round = 0; round < kMostRounds; ++round) {
-    const float along_a[8] = {n[0], n[1], n[2], 0, n[0], n[1], n[2], 0};
-    const float along_b[8] = {-n[0], -n[1], -n[2], 0, -n[0], -n[1], -n[2], 0};
-    const Least least_a = FindLeast(a, along_a), least_b = FindLeast(b, along_b);
-    const float along[2] = {least_a.along[0] + least_b.along[0], least_a.along[1] + least_b.along[1]};
-    const int worst = along[1] < along[0];
-    const float square_n = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    // Shorter ones lose digits when they are squared, or vanish.
-    if (!(square_n > 1e-30f)) return false;
-    // Theorem 1 along n.
-    if (along[worst] > gap * std::sqrt(square_n)) return true;
+    const Separation apart = LookAlong(a, b, n);
+    if (Separate(apart, gap)) {
+      if (normal != nullptr) *normal = {n[0], n[1], n[2]};
+      return true;
+    }
+    if (!(apart.square > 1e-30f)) return false;
     // The point of the segment from n to the difference found that is nearest to the origin.
-    const float* from = a.at(least_a.at[worst]).x + 4 * worst;
-    const float* to = b.at(least_b.at[worst]).x + 4 * worst;
+    const int worst = apart.worst;
+    const float* from = a.at(apart.a.at[worst]).x + 4 * worst;
+    const float* to = b.at(apart.b.at[worst]).x + 4 * worst;
     float way[3], dot = 0, square = 0;
     for (int axis = 0; axis < 3; ++axis) {
       way[axis] = (from[axis] - to[axis]) - n[axis];
@@ -129,10 +153,11 @@ namespace foldproof {
 HWY_EXPORT(Separates);
 
 bool plane_separates(std::span<const MovingVertex> vertices_a, std::span<const Index> a,
-                     std::span<const MovingVertex> vertices_b, std::span<const Index> b, double gap) {
+                     std::span<const MovingVertex> vertices_b, std::span<const Index> b, double gap,
+                     PlaneNormal* normal) {
   // What rounding may add: docs/soundness.md, S4.
   const float bound = static_cast<float>(gap * (1 + 0x1p-20) + 0x1p-19);
-  return HWY_DYNAMIC_DISPATCH(Separates)({vertices_a, a}, {vertices_b, b}, bound);
+  return HWY_DYNAMIC_DISPATCH(Separates)({vertices_a, a}, {vertices_b, b}, bound, normal);
 }
 
 }  // namespace foldproof

@@ -9,17 +9,20 @@
 namespace foldproof {
 namespace {
 
-// For how many steps a pair of leaves is not asked again for a plane after it had none. A byte per pair, by a
-// hash of the pair: two pairs that share a byte only lose a chance.
-constexpr std::uint8_t kPlanePatience = 3;
+// A pair of leaves that had no plane is not asked again for 7 steps, then for 15, then for 31. The memory is
+// found by a hash of the pair: two pairs that share one only lose a chance.
+constexpr std::uint8_t kMostVain = 3;
 
 }  // namespace
 
 void Scene::prove_selves(Index object, double gap) {
-  tbb::parallel_for(std::size_t{0}, selves_.size(), [&](std::size_t i) {
+  using Range = tbb::blocked_range<std::size_t>;
+  tbb::parallel_for(Range(0, selves_.size(), 8), [&](const Range& range) {
     Local& local = locals_.local();
-    self_proofs_[i] = books_[object]->prove(selves_[i], trees_[object].vertices, gap, local.tester);
-    local.passes += static_cast<bool>(self_proofs_[i]);
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      self_proofs_[i] = books_[object]->prove(selves_[i], trees_[object].vertices, gap, local.tester);
+      local.passes += static_cast<bool>(self_proofs_[i]);
+    }
   });
 }
 
@@ -29,14 +32,15 @@ void Scene::believe_selves(Index object) {
   }
 }
 
-std::uint8_t& Scene::plane_patience(const LeafPairRef& pair) {
+Scene::PlaneMemory& Scene::plane_memory(const LeafPairRef& pair) {
   const TraversalTask& task = tasks_[pair.task];
   std::uint64_t hash = (std::uint64_t{pair.leaves.a} << 32 | pair.leaves.b) * 0x9E3779B97F4A7C15u;
   hash = (hash ^ (std::uint64_t{task.object_a} << 16 | task.object_b)) * 0x9E3779B97F4A7C15u;
-  return plane_patience_[hash >> 20 & (plane_patience_.size() - 1)];
+  return plane_memory_[hash >> 20 & (plane_memory_.size() - 1)];
 }
 
-bool Scene::proves(const LeafPairRef& pair, double gap, Local& local) {
+// `found`: the plane that proved it, else left alone.
+bool Scene::proves(const LeafPairRef& pair, double gap, Local& local, PlaneNormal& found) {
   const TraversalTask& task = tasks_[pair.task];
   const auto [a, b] = pair.leaves;
   if (task.object_a == task.object_b) {
@@ -50,11 +54,14 @@ bool Scene::proves(const LeafPairRef& pair, double gap, Local& local) {
       return static_cast<bool>(book.prove(slot, trees_[task.object_a].vertices, gap, local.tester));
     }
   }
-  if (believes_ || !ask_for_planes_ || plane_patience(pair) != 0) return false;
+  if (believes_ || !ask_for_planes_) return false;
+  const PlaneMemory& memory = plane_memory(pair);
+  if (memory.rest != 0) return false;
   ++local.tests;
+  found = memory.normal;
   const KineticTree &tree_a = *task.traversal.a, &tree_b = *task.traversal.b;
   return plane_separates(tree_a.vertices, tree_a.leaf_vertices(pair.leaves.a), tree_b.vertices,
-                         tree_b.leaf_vertices(pair.leaves.b), gap);
+                         tree_b.leaf_vertices(pair.leaves.b), gap, &found);
 }
 
 // What a pair that was not proven leaves for the steps to come.
@@ -66,28 +73,37 @@ void Scene::note_unproven(const LeafPairRef& pair) {
     const Index slot = books_[task.object_a]->slots().of_leaves(a, b);
     if (slot != kNoIndex) return books_[task.object_a]->want_pair(slot);
   }
-  std::uint8_t& patience = plane_patience(pair);
-  patience = patience == 0 ? kPlanePatience : patience - 1;
+  PlaneMemory& memory = plane_memory(pair);
+  if (memory.rest > 0) {
+    --memory.rest;
+  } else {
+    memory.vain = std::min<std::uint8_t>(memory.vain + 1, kMostVain);
+    memory.rest = static_cast<std::uint8_t>((4u << memory.vain) - 1);
+  }
 }
 
 void Scene::prove_leaf_pairs(double gap) {
-  if (plane_patience_.empty()) {
+  if (plane_memory_.empty()) {
     std::size_t leaves = 0;
     for (const KineticTree& tree : trees_) leaves += tree.hierarchy->leaf_count();
-    plane_patience_.resize(std::bit_ceil(std::max<std::size_t>(16, 4 * leaves)));
+    plane_memory_.resize(std::bit_ceil(std::max<std::size_t>(16, 4 * leaves)));
   }
   proven_.assign(leaf_pairs_.size(), 0);
+  plane_found_.assign(leaf_pairs_.size(), PlaneNormal{});
   using Range = tbb::blocked_range<std::size_t>;
   tbb::parallel_for(Range(0, leaf_pairs_.size(), 64), [&](const Range& range) {
     Local& local = locals_.local();
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      proven_[i] = proves(leaf_pairs_[i], gap, local);
+      proven_[i] = proves(leaf_pairs_[i], gap, local, plane_found_[i]);
       local.passes += proven_[i];
     }
   });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < leaf_pairs_.size(); ++i) {
-    if (proven_[i]) continue;
+    if (proven_[i]) {
+      if (plane_found_[i] != PlaneNormal{}) plane_memory(leaf_pairs_[i]) = {plane_found_[i]};
+      continue;
+    }
     if (!believes_) note_unproven(leaf_pairs_[i]);
     leaf_pairs_[kept++] = leaf_pairs_[i];
   }

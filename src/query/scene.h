@@ -69,6 +69,11 @@ class Scene {
     std::uint64_t tests = 0, passes = 0;
     TraversalResult counted;
   };
+  // What is known from earlier steps of a pair of leaves that was asked for a plane.
+  struct PlaneMemory {
+    PlaneNormal normal{};             // the last that separated it
+    std::uint8_t rest = 0, vain = 0;  // not asked for so many steps; so often asked in vain
+  };
   // A node that a chart proved, for explanations.
   struct ProvenNode {
     Index object, node, level;
@@ -82,12 +87,12 @@ class Scene {
   Front* front_of(Index a, Index b);
   void keep_fronts();
   void prove_leaf_pairs(double gap);
-  bool proves(const LeafPairRef& pair, double gap, Local& local);
+  bool proves(const LeafPairRef& pair, double gap, Local& local, PlaneNormal& found);
   void note_unproven(const LeafPairRef& pair);
   void fill_features();
   std::uint64_t count_near_leaves(const StepSettings& settings, double distance);
   Reason reason_of(const LeafPairRef& pair) const;
-  std::uint8_t& plane_patience(const LeafPairRef& pair);
+  PlaneMemory& plane_memory(const LeafPairRef& pair);
 
   std::vector<KineticTree> trees_;
   std::vector<std::unique_ptr<ChartBook>> books_;
@@ -114,7 +119,8 @@ class Scene {
   TraversalResult above_;
 
   std::vector<LeafPairRef> leaf_pairs_;
-  std::vector<std::uint8_t> plane_patience_;
+  std::vector<PlaneMemory> plane_memory_;
+  std::vector<PlaneNormal> plane_found_;  // per pair of leaves
   std::vector<std::vector<std::uint8_t>> leaf_needed_;
   std::vector<std::pair<Index, Index>> leaves_to_fill_;
   tbb::enumerable_thread_specific<Local> locals_;

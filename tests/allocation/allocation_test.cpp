@@ -101,9 +101,9 @@ TEST(StepChecker, AllocatesNothingForChartsOnceTheyHaveSettled) {
     }
     return allocated;
   };
-  EXPECT_GT(run(0, 800), 0);
+  EXPECT_GT(run(0, 1600), 0);
   passes = pairs = 0;
-  EXPECT_EQ(run(800, 1000), 0);
+  EXPECT_EQ(run(1600, 1800), 0);
   EXPECT_GT(passes, 0u);
   EXPECT_GT(pairs, 0u);
 }
