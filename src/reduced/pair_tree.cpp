@@ -15,6 +15,10 @@ constexpr std::size_t kBatch = 64;
 // Bounds the pairs of leaves that are looked at feature by feature; the worst come first.
 constexpr std::size_t kRefinedPerLeaf = 2;
 
+// What some centre has no ball for is taken apart beyond the budget, up to so many times: it would make that
+// centre's radius zero.
+constexpr std::size_t kUrgentBudgets = 4;
+
 class Grower {
  public:
   Grower(const BallInput& input, std::span<const ReducedCentre> centres)
@@ -30,12 +34,16 @@ class Grower {
     add({0, 0});
     measure(0);
     std::size_t refined = 0;
-    while (!open_.empty() && (tree_.nodes.size() < most_pairs || refined < most_refined)) {
+    while (!open_.empty()) {
+      const bool urgent = open_.top().share == 0 && tree_.nodes.size() < kUrgentBudgets * most_pairs;
+      const bool may_split = urgent || tree_.nodes.size() < most_pairs;
+      const bool may_refine = urgent || refined < most_refined;
+      if (!may_split && !may_refine) break;
       if (hooks.cancel != nullptr && *hooks.cancel)
         return fail("cancelled", "the work was ended", "start again");
       if (hooks.progress)
-        hooks.progress(static_cast<double>(tree_.nodes.size() + refined) /
-                       static_cast<double>(most_pairs + most_refined));
+        hooks.progress(std::min(1.0, static_cast<double>(tree_.nodes.size() + refined) /
+                                         static_cast<double>(most_pairs + most_refined)));
       batch_.clear();
       refined_.clear();
       while (!open_.empty() && batch_.size() + refined_.size() < kBatch) {
@@ -44,11 +52,11 @@ class Grower {
         (is_leaf_pair(tree_.nodes[pair]) ? refined_ : batch_).push_back(pair);
       }
       const std::size_t first = tree_.nodes.size();
-      if (first < most_pairs) {
+      if (may_split) {
         for (const Index pair : batch_) split(pair);
         measure(first);
       }
-      if (refined < most_refined) refine();
+      if (may_refine) refine();
       refined += refined_.size();
     }
     return {};
