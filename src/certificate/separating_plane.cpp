@@ -110,8 +110,8 @@ bool Separate(const Separation& apart, float gap) {
 // Gilbert's search for the point of the difference of both sets that is nearest to the origin; it stops as
 // soon as its direction separates them at both ends.
 bool Separates(const VertexSet& a, const VertexSet& b, float gap, PlaneNormal* normal) {
-  // Curved sheets that lie on each other need more than 8; with 24 the pairs that have none cost too much.
-  constexpr int kMostRounds = 12;
+  // Curved sheets that lie on each other need more than 8; with 24 pairs that have none cost too much.
+  constexpr int kMostRounds = 16;
   float n[3];
   if (normal != nullptr && *normal != PlaneNormal{}) {
     std::copy(normal->begin(), normal->end(), n);

@@ -9,9 +9,9 @@
 namespace foldproof {
 namespace {
 
-// A pair of leaves that had no plane is not asked again for 7 steps, then for 15, then for 31. The memory is
+// A pair of leaves that had no plane is not asked again for 3 steps, and then for 7. The memory is
 // found by a hash of the pair: two pairs that share one only lose a chance.
-constexpr std::uint8_t kMostVain = 3;
+constexpr std::uint8_t kMostVain = 2;
 
 }  // namespace
 
@@ -78,7 +78,7 @@ void Scene::note_unproven(const LeafPairRef& pair) {
     --memory.rest;
   } else {
     memory.vain = std::min<std::uint8_t>(memory.vain + 1, kMostVain);
-    memory.rest = static_cast<std::uint8_t>((4u << memory.vain) - 1);
+    memory.rest = static_cast<std::uint8_t>((2u << memory.vain) - 1);
   }
 }
 
