@@ -1,0 +1,2 @@
+import './report.css';
+document.body.textContent = 'Foldproof';

@@ -1,0 +1,2 @@
+import './view.css';
+document.querySelector('#app')!.textContent = 'Foldproof';
