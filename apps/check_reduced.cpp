@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "foldproof/report.h"
+#include "options.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -149,10 +150,8 @@ Result<Objects> open_objects(const ReducedCheckArguments& a, const ReducedHooks&
                 "give MODEL COORDINATES in turn");
   Objects objects;
   for (std::size_t i = 0; i < a.files.size(); i += 2) {
-    const auto model = load_model(a.files[i]);
+    const auto model = load_learned_model(a.files[i]);
     if (!model) return tl::unexpected(model.error());
-    if (!model->learned)
-      return fail(a.files[i], "has learned no shapes", "train it anew with at least 3 poses that differ");
     auto track = read_track(a.files[i + 1], *model->learned);
     if (!track) return tl::unexpected(track.error());
     if (track->frames < 2) return fail(a.files[i + 1], "has no step", "give at least two frames");
@@ -184,27 +183,6 @@ std::string summary_of(const CheckTotals& totals) {
                             counted(totals.work.leaf_pairs, "pair of leaves"), totals.milliseconds.total);
 }
 
-void count(const StepPlace& place, const StepResult& found, CheckTotals& totals) {
-  const CollisionCounts counts{found.vertex_face.size(), found.edge_edge.size(), 0};
-  ++totals.steps;
-  totals.steps_with_collisions += counts.sum() > 0;
-  totals.collisions.vertex_face += counts.vertex_face;
-  totals.collisions.edge_edge += counts.edge_edge;
-  if (counts.sum() > totals.worst_collisions.sum()) {
-    totals.worst = place;
-    totals.worst_collisions = counts;
-  }
-  if (counts.sum() > 0 && !totals.earliest) {
-    totals.earliest = place;
-    totals.earliest_toi = found.earliest_toi;
-  }
-  totals.tolerance = std::max(totals.tolerance, found.tolerance);
-  totals.work.certificate_tests += found.work.certificate_tests;
-  totals.work.node_tests += found.work.node_tests;
-  totals.work.leaf_pairs += found.work.leaf_pairs;
-  totals.milliseconds.total += found.milliseconds.total;
-}
-
 Result<void> run(const Objects& objects, const ReducedCheckArguments& a, ReportWriter* csv,
                  CheckTotals& totals) {
   ReducedChecker checker(objects.shapes);
@@ -221,12 +199,16 @@ Result<void> run(const Objects& objects, const ReducedCheckArguments& a, ReportW
       done.error().where = fmt::format("step {}, {}", k, done.error().where);
       return done;
     }
-    const StepPlace place{k, k, k + 1, 0};
-    count(place, found, totals);
+    const CheckedStep step{.place = {k, k, k + 1, 0},
+                           .collisions = {found.vertex_face.size(), found.edge_edge.size(), 0},
+                           .earliest_toi = found.earliest_toi,
+                           .work = found.work,
+                           .milliseconds = found.milliseconds,
+                           .x0 = {},
+                           .x1 = {},
+                           .step = &found};
+    totals.add(step);
     if (csv == nullptr) continue;
-    CheckedStep step;
-    step.place = place;
-    step.step = &found;
     if (auto done = csv->step(step); !done) return done;
   }
   return csv != nullptr ? csv->finish(totals) : Result<void>{};

@@ -46,6 +46,27 @@ void add_threads_option(CLI::App& command, int& threads, const char* description
   command.add_option("--threads", threads, description)->type_name("N");
 }
 
+Result<Model> load_learned_model(const std::string& path) {
+  auto model = load_model(path);
+  if (model && !model->learned)
+    return fail(path, "has learned no shapes", "train it anew with at least 3 poses that differ");
+  return model;
+}
+
+Result<std::unique_ptr<Motion>> open_motion_of(const Model& model, const std::vector<std::string>& arguments,
+                                               const ReadOptions& options) {
+  auto motions = open_motions(arguments, options);
+  if (!motions) return tl::unexpected(motions.error());
+  if (motions->size() != 1) {
+    return fail(arguments[0], fmt::format("and what follows are {} motions", motions->size()), "give one");
+  }
+  const Motion& motion = *motions->front();
+  if (const auto ok = require_model_of(model, motion.topology(), motion.name()); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  return std::move(motions->front());
+}
+
 Result<void> limit_threads(int threads, ThreadLimit& limit) {
   if (threads < 0 || threads > 4096) {
     return fail("--threads", fmt::format("{} is not between 1 and 4096", threads),

@@ -35,6 +35,13 @@ Result<FrameRange> frame_range_of(const MotionOptions& options);
 /// Adds --threads; 0 stands for all cores.
 void add_threads_option(CLI::App& command, int& threads, const char* description);
 
+/// A model that has learned shapes. Error: it is none, or has learned nothing.
+Result<Model> load_learned_model(const std::string& path);
+
+/// The one motion that a command line names, of the model's mesh.
+Result<std::unique_ptr<Motion>> open_motion_of(const Model& model, const std::vector<std::string>& arguments,
+                                               const ReadOptions& options);
+
 /// Limits oneTBB for as long as it lives.
 using ThreadLimit = std::optional<tbb::global_control>;
 

@@ -36,25 +36,10 @@ struct PredictArguments {
   int threads = 0;
 };
 
-Result<std::unique_ptr<Motion>> open_whole_motion(const std::vector<std::string>& arguments,
-                                                  const Model& model, const ReadOptions& options) {
-  auto motions = open_motions(arguments, options);
-  if (!motions) return tl::unexpected(motions.error());
-  if (motions->size() != 1) {
-    return fail(arguments[0], fmt::format("and what follows are {} motions", motions->size()), "give one");
-  }
-  Motion& motion = *motions->front();
-  if (const auto ok = require_model_of(model, motion.topology(), motion.name()); !ok) {
-    return tl::unexpected(ok.error());
-  }
-  return std::move(motions->front());
-}
-
 /// Whether it holds tracks of points, not a motion.
 Result<bool> holds_tracks(const std::vector<std::string>& arguments) {
   if (arguments.size() != 1) return false;
-  std::string extension = std::filesystem::path(arguments[0]).extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const std::string extension = extension_of(arguments[0]);
   if (extension == ".npz") return npz_holds(arguments[0], "keypoints");
   return extension == ".csv";
 }
@@ -77,7 +62,7 @@ Result<Input> read_input(const PredictArguments& a, const Model& model) {
   }
   const auto& whole = *tracked ? a.truth : a.key_points;
   if (!whole.empty()) {
-    auto motion = open_whole_motion(whole, model, a.motion.read);
+    auto motion = open_motion_of(model, whole, a.motion.read);
     if (!motion) return tl::unexpected(motion.error());
     input.truth = std::move(*motion);
     input.frames = select_frames(*range, input.truth->frame_count());
@@ -142,11 +127,8 @@ Result<std::string> compare(const Input& input, Motion& predicted, const Predict
 Result<int> predict(const PredictArguments& a) {
   ThreadLimit limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
-  const auto model = load_model(a.model);
+  const auto model = load_learned_model(a.model);
   if (!model) return tl::unexpected(model.error());
-  if (!model->learned) {
-    return fail(a.model, "has learned no shapes", "train it anew with at least 3 poses that differ");
-  }
   if (a.list) {
     print_output(fmt::format("{}\n", fmt::join(model->learned->key_points.vertices, "\n")));
     return kExitClean;

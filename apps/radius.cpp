@@ -206,10 +206,8 @@ Result<int> radius(const RadiusArguments& a) {
     return tl::unexpected(ok.error());
   if (const auto ok = require_number("--at-least", a.at_least, true); !ok) return tl::unexpected(ok.error());
   if ((a.samples > 0) == a.output.empty()) return fail("--sample", "goes with -o", "give both, or neither");
-  const auto model = load_model(a.model);
+  const auto model = load_learned_model(a.model);
   if (!model) return tl::unexpected(model.error());
-  if (!model->learned)
-    return fail(a.model, "has learned no shapes", "train it anew with at least 3 poses that differ");
   auto motion = ReducedMotion::make(model->hierarchy(), model->learned->pca);
   if (!motion) return tl::unexpected(motion.error());
   Centres centres = centres_of(*model->learned, *motion);

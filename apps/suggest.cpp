@@ -67,33 +67,23 @@ Result<std::vector<Suggestion>> find(const SuggestArguments& a, const Model& mod
   if (a.motion.empty()) return suggest_poses(*model.learned, a.count);
   const auto range = frame_range_of(a.options);
   if (!range) return tl::unexpected(range.error());
-  const auto motions = open_motions(a.motion, a.options.read);
-  if (!motions) return tl::unexpected(motions.error());
-  if (motions->size() != 1) {
-    return fail(a.motion[0], fmt::format("and what follows are {} motions", motions->size()), "give one");
-  }
-  Motion& motion = *motions->front();
-  if (const auto ok = require_model_of(model, motion.topology(), motion.name()); !ok) {
-    return tl::unexpected(ok.error());
-  }
-  const auto frames = select_frames(*range, motion.frame_count());
+  const auto motion = open_motion_of(model, a.motion, a.options.read);
+  if (!motion) return tl::unexpected(motion.error());
+  const auto frames = select_frames(*range, (*motion)->frame_count());
   if (frames.empty()) return fail("--frames", "selects none", "select more; frames count from 0");
   ProgressBar bar(!a.quiet);
   LearnHooks hooks;
   hooks.progress = [&](double part) { bar.show(part, "looking at " + counted(frames.size(), "frame")); };
   hooks.cancel = &watch_for_interrupt();
-  return suggest_frames(*model.learned, motion, frames, a.count, hooks);
+  return suggest_frames(*model.learned, **motion, frames, a.count, hooks);
 }
 
 Result<int> suggest(const SuggestArguments& a) {
   ThreadLimit limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
   if (a.count < 1) return fail("--count", "is 0", "ask for at least one");
-  const auto model = load_model(a.model);
+  const auto model = load_learned_model(a.model);
   if (!model) return tl::unexpected(model.error());
-  if (!model->learned) {
-    return fail(a.model, "has learned no shapes", "train it anew with at least 3 poses that differ");
-  }
   const auto suggestions = find(a, *model);
   if (!suggestions) return tl::unexpected(suggestions.error());
   if (!a.output.empty()) {

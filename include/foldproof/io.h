@@ -29,6 +29,9 @@ struct ReadOptions {
   bool weld = false;  ///< Merge vertices that have exactly equal coordinates in the first frame.
 };
 
+/// A path's extension in lower case, with its dot; empty when there is none.
+std::string extension_of(const std::string& path);
+
 /// Opens what a command line names. An OBJ, OFF or PLY file followed by its .pc2 or .mdd is one motion; every
 /// other argument is a motion of its own: a mesh file (one frame), a directory or quoted glob of mesh files
 /// (a frame each, natural order), a .gltf, .glb or .npz file.

@@ -57,8 +57,6 @@ class ReducedMotion {
   double rounding_at(double reach) const;
 
  private:
-  void list_leaf_vertices();
-
   std::shared_ptr<const Hierarchy> hierarchy_;
   Index modes_ = 0;
   std::vector<Index> ids_;  // leaf order, then vertices in no triangle

@@ -85,6 +85,8 @@ struct CheckTotals {
   bool cancelled = false;          ///< Stopped by request; the numbers cover what was done until then.
 
   bool clean() const { return collisions.sum() == 0 && missed == 0; }
+  /// Counts a step; steps come in order.
+  void add(const CheckedStep& step);
 };
 
 /// Takes answered steps in order. A file writer leaves a file only after `finish`.

@@ -141,28 +141,17 @@ KineticTree::KineticTree(std::shared_ptr<const Hierarchy> tree) : hierarchy(std:
   face_blocks = lay_out<3>(
       h.leaf_count(), [&](Index leaf) { return leaves[leaf].triangles; },
       [&](Index t) { return h.triangles()[t]; });
-  list_leaf_vertices();
+  find_leaves();
 }
 
-void KineticTree::list_leaf_vertices() {
+void KineticTree::find_leaves() {
   const Hierarchy& h = *hierarchy;
-  std::vector<std::size_t> begins{0};
-  for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
-    const std::size_t begin = begins.back();
-    for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
-      leaf_vertex_ids_.insert(leaf_vertex_ids_.end(), h.triangles()[t].begin(), h.triangles()[t].end());
-    }
-    std::sort(leaf_vertex_ids_.begin() + begin, leaf_vertex_ids_.end());
-    leaf_vertex_ids_.erase(std::unique(leaf_vertex_ids_.begin() + begin, leaf_vertex_ids_.end()),
-                           leaf_vertex_ids_.end());
-    begins.push_back(leaf_vertex_ids_.size());
-  }
-  leaf_vertex_ids_.shrink_to_fit();
+  auto lists = list_leaf_vertices(h);
+  leaf_vertex_ids_ = std::move(lists.places);
   for (Index node = 0; node < h.nodes().size(); ++node) {
     if (!h.nodes()[node].is_leaf()) continue;
-    const Index leaf = h.nodes()[node].leaf_begin;
-    leaves_.push_back(
-        {std::span(leaf_vertex_ids_).subspan(begins[leaf], begins[leaf + 1] - begins[leaf]), node});
+    const Index leaf = h.nodes()[node].leaf_begin, begin = lists.begin[leaf];
+    leaves_.push_back({std::span(leaf_vertex_ids_).subspan(begin, lists.begin[leaf + 1] - begin), node});
   }
 }
 
@@ -198,6 +187,20 @@ void KineticTree::fit_leaf(Index leaf) {
 
 void KineticTree::fill_features(Index leaf) { HWY_DYNAMIC_DISPATCH(FillLeafFeatures)(*this, leaf); }
 
+LeafVertexLists list_leaf_vertices(const Hierarchy& h) {
+  LeafVertexLists lists{{0}, {}};
+  for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
+    const auto offset = static_cast<std::ptrdiff_t>(lists.begin.back());
+    for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t)
+      lists.places.insert(lists.places.end(), h.triangles()[t].begin(), h.triangles()[t].end());
+    std::sort(lists.places.begin() + offset, lists.places.end());
+    lists.places.erase(std::unique(lists.places.begin() + offset, lists.places.end()), lists.places.end());
+    lists.begin.push_back(static_cast<Index>(lists.places.size()));
+  }
+  lists.places.shrink_to_fit();
+  return lists;
+}
+
 // Halves first, so that the largest doubles do not overflow.
 Frame frame_around(const Vec3& low, const Vec3& high) {
   Frame frame;
@@ -207,6 +210,16 @@ Frame frame_around(const Vec3& low, const Vec3& high) {
   const double reach = half * (1 + 0x1p-50) + frame.center.cwiseAbs().maxCoeff() * 0x1p-52;
   frame.scale = reach > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(reach) + 1, -1022, 1024)) : 1;
   return frame;
+}
+
+Frame frame_around(std::span<const double> x) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (std::size_t i = 0; i < x.size(); i += 3) {
+    const Eigen::Map<const Vec3> corner(&x[i]);
+    low = low.cwiseMin(corner);
+    high = high.cwiseMax(corner);
+  }
+  return frame_around(low, high);
 }
 
 float separation_margin(const Frame& frame, double distance) {

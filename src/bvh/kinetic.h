@@ -18,6 +18,8 @@ struct Frame {
 
 /// The frame of what lies between two corners; finite ones, however far apart.
 Frame frame_around(const Vec3& low, const Vec3& high);
+/// The frame of a pose: x y z of at least one vertex, finite.
+Frame frame_around(std::span<const double> x);
 
 /// Both ends of a vertex' step: x y z 0 at t=0, then x y z 0 at t=1.
 struct alignas(32) MovingVertex {
@@ -51,6 +53,13 @@ struct FeatureBlocks {
   std::vector<BoxBlock> boxes;
 };
 
+/// Every vertex of each leaf's triangles, places in leaf order, ascending. A leaf's are [begin[leaf],
+/// begin[leaf + 1]).
+struct LeafVertexLists {
+  std::vector<Index> begin, places;
+};
+LeafVertexLists list_leaf_vertices(const Hierarchy& hierarchy);
+
 /// Every vertex of a leaf's triangles, owned by the leaf or not.
 struct LeafVertices {
   std::span<const Index> vertices;
@@ -83,7 +92,7 @@ struct KineticTree {
   FeatureBlocks<3> face_blocks;
 
  private:
-  void list_leaf_vertices();
+  void find_leaves();
   std::vector<Index> leaf_vertex_ids_;
   std::vector<LeafVertices> leaves_;  // spans into leaf_vertex_ids_
 };

@@ -37,9 +37,7 @@ HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<Nod
     if (a.is_leaf()) {
       out.leaf_pairs.push_back({a.leaf_begin, a.leaf_begin});
     } else {
-      below.push_back({pair.a + 1, a.right});
-      below.push_back({a.right, a.right});
-      below.push_back({pair.a + 1, pair.a + 1});
+      push_below_self(nodes_a, pair.a, below);
     }
     return;
   }
@@ -50,12 +48,8 @@ HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<Nod
   if (a.is_leaf() && b.is_leaf()) {
     if (out.front != nullptr) out.front->push_back(pair);
     out.leaf_pairs.push_back({a.leaf_begin, b.leaf_begin});
-  } else if (a.leaf_end - a.leaf_begin >= b.leaf_end - b.leaf_begin) {
-    below.push_back({a.right, pair.b});
-    below.push_back({pair.a + 1, pair.b});
   } else {
-    below.push_back({pair.a, b.right});
-    below.push_back({pair.a, pair.b + 1});
+    push_below(nodes_a, nodes_b, pair, below);
   }
 }
 

@@ -25,6 +25,28 @@ struct TraversalResult {
   std::vector<NodePair>* front = nullptr;
 };
 
+/// Pushes what lies below the pair of a node with itself, which is no leaf.
+inline void push_below_self(std::span<const Hierarchy::Node> nodes, Index self,
+                            std::vector<NodePair>& below) {
+  const Index left = self + 1, right = nodes[self].right;
+  below.push_back({left, right});
+  below.push_back({right, right});
+  below.push_back({left, left});
+}
+
+/// Pushes what lies below a pair of nodes that are not both leaves: the one with more leaves is split.
+inline void push_below(std::span<const Hierarchy::Node> nodes_a, std::span<const Hierarchy::Node> nodes_b,
+                       NodePair pair, std::vector<NodePair>& below) {
+  const Hierarchy::Node &a = nodes_a[pair.a], &b = nodes_b[pair.b];
+  if (a.leaf_end - a.leaf_begin >= b.leaf_end - b.leaf_begin) {
+    below.push_back({a.right, pair.b});
+    below.push_back({pair.a + 1, pair.b});
+  } else {
+    below.push_back({pair.a, b.right});
+    below.push_back({pair.a, pair.b + 1});
+  }
+}
+
 /// Replaces every pair in `front` by what lies one level below it; pairs that are apart vanish, pairs of
 /// leaves go to `out`. Used to cut the traversal into tasks. `scratch` is overwritten.
 void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std::vector<NodePair>& scratch,

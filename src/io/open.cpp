@@ -15,15 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The extension in lower case, with its dot.
-std::string extension_of(const std::string& path) {
-  std::string extension = fs::path(path).extension().string();
-  for (char& c : extension) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return extension;
-}
-
 std::optional<MeshFormat> mesh_format(const std::string& path) {
   const std::string extension = extension_of(path);
   if (extension == ".obj") return MeshFormat::Obj;
@@ -153,6 +144,14 @@ Result<std::vector<std::unique_ptr<Motion>>> open_all(std::span<const std::strin
 
 }  // namespace
 }  // namespace io
+
+std::string extension_of(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return extension;
+}
 
 Result<std::vector<std::unique_ptr<Motion>>> open_motions(std::span<const std::string> arguments,
                                                           const ReadOptions& options) {

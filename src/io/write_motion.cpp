@@ -6,8 +6,7 @@
 namespace foldproof {
 
 Result<void> write_motion(const std::string& path, Motion& motion) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const std::string extension = extension_of(path);
   if (extension == ".npz") return write_npz(path, motion);
   if (extension != ".obj" && extension != ".ply") {
     return fail(path, "is not a format that is written here", "name it .npz, .obj or .ply");

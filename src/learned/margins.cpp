@@ -61,13 +61,7 @@ MarginMeter::~MarginMeter() = default;
 MarginMeter::MarginMeter(MarginMeter&&) noexcept = default;
 
 Eigen::VectorXd MarginMeter::of(std::span<const Index> nodes, std::span<const double> positions) {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (std::size_t i = 0; i < positions.size(); i += 3) {
-    const Eigen::Map<const Vec3> x(&positions[i]);
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  scratch_->tree.refit(frame_around(low, high), positions, positions);
+  scratch_->tree.refit(frame_around(positions), positions, positions);
   Eigen::VectorXd margins(static_cast<Eigen::Index>(nodes.size()));
   tbb::parallel_for(std::size_t{0}, nodes.size(), [&](std::size_t k) {
     margins[static_cast<Eigen::Index>(k)] = scratch_->margin(nodes[k]);

@@ -14,14 +14,6 @@ constexpr const char* kShapes =
     "give an NPZ with 'keypoints' (frames x points x 3), a CSV with the columns frame, vertex, x, y, z, or a "
     "CSV with x y z of every key point in a row";
 
-bool ends_with_csv(const std::string& path) {
-  const auto dot = path.find_last_of('.');
-  if (dot == std::string::npos) return false;
-  std::string extension = path.substr(dot);
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return extension == ".csv";
-}
-
 Result<KeyPointTracks> from_rows(const std::string& path, std::uint64_t frames, std::size_t points,
                                  std::vector<double> values) {
   if (frames >= kNoIndex) return fail(path, "has too many frames", "split it");
@@ -104,7 +96,7 @@ class LongTable {
 }  // namespace
 
 Result<KeyPointTracks> read_key_point_tracks(const std::string& path, std::span<const Index> vertices) {
-  if (!ends_with_csv(path)) {
+  if (extension_of(path) != ".csv") {
     auto table = read_npz_numbers(path, "keypoints");
     if (!table) return tl::unexpected(table.error());
     return from_array(path, std::move(*table), vertices.size());

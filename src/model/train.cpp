@@ -116,11 +116,15 @@ class Run {
   }
 
  private:
+  bool cancelled() const { return hooks_.cancel && hooks_.cancel->load(std::memory_order_relaxed); }
+  Result<void> go_on() const {
+    if (cancelled()) return fail("training", "was stopped", "there is no model");
+    return {};
+  }
+
   /// Reads a pose, unless the user has had enough.
   Result<void> enter(Index pose) {
-    if (hooks_.cancel && hooks_.cancel->load(std::memory_order_relaxed)) {
-      return fail("training", "was stopped", "there is no model");
-    }
+    if (auto ok = go_on(); !ok) return ok;
     return poses_[pose].motion->read_frame(poses_[pose].frame, positions_);
   }
 
@@ -177,8 +181,7 @@ class Run {
     const Pca& subspace = model.learned->pca;
     std::mt19937_64 random(1);
     for (Index k = 0; k < settings_.made; ++k) {
-      if (hooks_.cancel && hooks_.cancel->load(std::memory_order_relaxed))
-        return fail("training", "was stopped", "there is no model");
+      if (auto ok = go_on(); !ok) return ok;
       Eigen::VectorXd p = subspace.deviations;
       for (double& coordinate : p) {
         double sum = -2;
@@ -209,7 +212,7 @@ class Run {
     auto learned = foldproof::learn(*model.hierarchy(), collection_->input(), settings_.learning, hooks);
     if (learned) {
       model.learned = std::make_shared<const Learned>(std::move(*learned));
-    } else if (hooks_.cancel && hooks_.cancel->load(std::memory_order_relaxed)) {
+    } else if (cancelled()) {
       return tl::unexpected(learned.error());
     } else {
       model.not_learned = learned.error().problem;

@@ -50,13 +50,7 @@ float Trainer::prove(std::span<const double> positions) {
 }
 
 void Trainer::enter(std::span<const double> positions) {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (std::size_t i = 0; i < positions.size(); i += 3) {
-    const Eigen::Map<const Vec3> x(&positions[i]);
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  tree_.refit(frame_around(low, high), positions, positions);
+  tree_.refit(frame_around(positions), positions, positions);
   proven_ = 0;
   cover_nodes();
   cover_pairs();

@@ -1,6 +1,6 @@
 #include "query/beliefs.h"
 
-#include <algorithm>
+#include "keypoints/least_squares.h"
 
 namespace foldproof {
 
@@ -8,11 +8,9 @@ Beliefs::Beliefs(std::shared_ptr<const Learned> learned, std::size_t node_count)
     : learned_(std::move(learned)), believed_(node_count, 0) {}
 
 Eigen::VectorXd Beliefs::margins_at(std::span<const double> x) const {
-  const auto& vertices = learned_->key_points.vertices;
-  Eigen::Matrix3Xd keys(3, static_cast<Eigen::Index>(vertices.size()));
-  for (Eigen::Index i = 0; i < keys.cols(); ++i)
-    keys.col(i) = Eigen::Map<const Vec3>(&x[3 * std::size_t{vertices[static_cast<std::size_t>(i)]}]);
-  return learned_->certificates->margins(Eigen::Map<const Eigen::VectorXd>(keys.data(), keys.size()));
+  const Eigen::Map<const Eigen::VectorXd> pose(x.data(), static_cast<Eigen::Index>(x.size()));
+  const Eigen::VectorXd keys = rows_of(pose, learned_->key_points.vertices);
+  return learned_->certificates->margins(keys);
 }
 
 void Beliefs::look(std::span<const double> x0, std::span<const double> x1, double miss_rate) {

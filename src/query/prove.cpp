@@ -39,7 +39,7 @@ Scene::PlaneMemory& Scene::plane_memory(const LeafPairRef& pair) {
   return plane_memory_[hash >> 20 & (plane_memory_.size() - 1)];
 }
 
-// `found`: the plane that proved it, else left alone.
+// `found`: where a plane proved it, its normal; where something else did, left alone.
 bool Scene::proves(const LeafPairRef& pair, double gap, Local& local, PlaneNormal& found) {
   const TraversalTask& task = tasks_[pair.task];
   const auto [a, b] = pair.leaves;
@@ -54,7 +54,7 @@ bool Scene::proves(const LeafPairRef& pair, double gap, Local& local, PlaneNorma
       return static_cast<bool>(book.prove(slot, trees_[task.object_a].vertices, gap, local.tester));
     }
   }
-  if (believes_ || !ask_for_planes_) return false;
+  if (!ask_for_planes_) return false;
   const PlaneMemory& memory = plane_memory(pair);
   if (memory.rest != 0) return false;
   ++local.tests;

@@ -69,21 +69,15 @@ void ReducedChecker::Impl::traverse(Index task, NodePair start, double distance,
       if (a.is_leaf()) {
         leaf_pairs.push_back({task, {a.leaf_begin, a.leaf_begin}});
       } else {
-        stack.push_back({pair.a + 1, a.right});
-        stack.push_back({a.right, a.right});
-        stack.push_back({pair.a + 1, pair.a + 1});
+        push_below_self(nodes_a, pair.a, stack);
       }
       continue;
     }
     if (boxes_apart(object_a.box(pair.a), object_b.box(pair.b), distance)) continue;
     if (a.is_leaf() && b.is_leaf()) {
       leaf_pairs.push_back({task, {a.leaf_begin, b.leaf_begin}});
-    } else if (a.leaf_end - a.leaf_begin >= b.leaf_end - b.leaf_begin) {
-      stack.push_back({a.right, pair.b});
-      stack.push_back({pair.a + 1, pair.b});
     } else {
-      stack.push_back({pair.a, b.right});
-      stack.push_back({pair.a, pair.b + 1});
+      push_below(nodes_a, nodes_b, pair, stack);
     }
   }
 }

@@ -221,7 +221,7 @@ void Scene::keep_fronts() {
 // before, about 1 us each.
 void Scene::begin_learning(const StepSettings& settings) {
   constexpr std::size_t kTrianglesPerLeafPair = 3;
-  ask_for_planes_ = steps_++ > 0;
+  ask_for_planes_ = steps_++ > 0 && !believes_;
   const std::size_t budget =
       settings.certificates && !believes_ ? kTrianglesPerLeafPair * last_leaf_pairs_ : 0;
   for (std::size_t i = 0; i < books_.size(); ++i)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bvh/kinetic.h"
 #include "foldproof/reduced.h"
 
 namespace foldproof {
@@ -63,23 +64,10 @@ Result<ReducedMotion> ReducedMotion::make(std::shared_ptr<const Hierarchy> hiera
   }
   motion.deviations_.assign(subspace.deviations.data(), subspace.deviations.data() + modes);
   motion.hierarchy_ = std::move(hierarchy);
-  motion.list_leaf_vertices();
+  LeafVertexLists lists = list_leaf_vertices(*motion.hierarchy_);
+  motion.leaf_begin_ = std::move(lists.begin);
+  motion.leaf_vertices_ = std::move(lists.places);
   return motion;
-}
-
-void ReducedMotion::list_leaf_vertices() {
-  const Hierarchy& h = *hierarchy_;
-  leaf_begin_.push_back(0);
-  for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
-    const auto begin = static_cast<std::ptrdiff_t>(leaf_vertices_.size());
-    for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t)
-      leaf_vertices_.insert(leaf_vertices_.end(), h.triangles()[t].begin(), h.triangles()[t].end());
-    std::sort(leaf_vertices_.begin() + begin, leaf_vertices_.end());
-    leaf_vertices_.erase(std::unique(leaf_vertices_.begin() + begin, leaf_vertices_.end()),
-                         leaf_vertices_.end());
-    leaf_begin_.push_back(static_cast<Index>(leaf_vertices_.size()));
-  }
-  leaf_vertices_.shrink_to_fit();
 }
 
 void ReducedMotion::positions(std::span<const double> p, std::span<double> out) const {

@@ -146,8 +146,7 @@ class ExplainPly : public ReportWriter {
 Result<std::unique_ptr<ReportWriter>> explain_report(const std::string& path, Motions motions,
                                                      const CheckSettings& settings) {
   if (!settings.step.explain) return fail(path, "has nothing to tell", "set StepSettings::explain");
-  std::string ending = path.substr(std::min(path.rfind('.'), path.size()));
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = extension_of(path);
   if (ending == ".npz") return ExplainNpz::open(path, motions);
   if (ending == ".csv") return ExplainCsv::open(path);
   if (ending == ".ply") return ExplainPly::open(path, motions);

@@ -120,7 +120,7 @@ Result<void> require_predictions(Motions motions, const CheckSettings& settings)
   return {};
 }
 
-void add(Work& sum, const Work& more) {
+void sum_up(Work& sum, const Work& more) {
   sum.node_tests += more.node_tests;
   sum.certificate_tests += more.certificate_tests;
   sum.certificate_passes += more.certificate_passes;
@@ -128,35 +128,6 @@ void add(Work& sum, const Work& more) {
   sum.candidates_vf += more.candidates_vf;
   sum.candidates_ee += more.candidates_ee;
   sum.undecided += more.undecided;
-}
-
-void add(CheckTotals& totals, const CheckedStep& step) {
-  ++totals.steps;
-  totals.collisions.vertex_face += step.collisions.vertex_face;
-  totals.collisions.edge_edge += step.collisions.edge_edge;
-  totals.collisions.triangle_triangle += step.collisions.triangle_triangle;
-  if (step.collisions.sum() > 0) {
-    ++totals.steps_with_collisions;
-    if (!totals.earliest) {
-      totals.earliest = step.place;
-      totals.earliest_toi = step.earliest_toi;
-    }
-    if (step.collisions.sum() > totals.worst_collisions.sum()) {
-      totals.worst = step.place;
-      totals.worst_collisions = step.collisions;
-    }
-  }
-  if (step.step) totals.tolerance = std::max(totals.tolerance, step.step->tolerance);
-  add(totals.work, step.work);
-  for (std::size_t i = 0; step.explanation && i < totals.leaf_pairs.size(); ++i)
-    totals.leaf_pairs[i] += step.explanation->leaf_pairs[i];
-  totals.missed += step.missed;
-  totals.proven_milliseconds += step.proven_milliseconds;
-  totals.milliseconds.total += step.milliseconds.total;
-  totals.milliseconds.update += step.milliseconds.update;
-  totals.milliseconds.traverse += step.milliseconds.traverse;
-  totals.milliseconds.narrow += step.milliseconds.narrow;
-  totals.slowest_step = std::max(totals.slowest_step, step.milliseconds.total);
 }
 
 /// A check that is under way.
@@ -172,7 +143,7 @@ class Run {
 
   Result<CheckTotals> poses() {
     Pose pose(motions_);
-    std::optional<StepChecker> checker, proven;
+    std::optional<StepChecker> checker;
     StaticResult result, proven_result;
     for (const Index frame : frames_) {
       if (const auto done = pose.read(motions_, frame); !done) return tl::unexpected(done.error());
@@ -180,14 +151,14 @@ class Run {
         auto made = make_checker(motions_, settings_, pose);
         if (!made) return tl::unexpected(made.error());
         checker = std::move(*made);
-        if (compares()) proven = std::move(*make_checker(motions_, settings_, pose));
+        if (auto ok = prepare_comparison(pose); !ok) return tl::unexpected(ok.error());
       }
       if (stop_requested()) return totals_;
       if (const auto done = checker->check_static(pose.positions(), settings_.step, result); !done) {
         return tl::unexpected(done.error());
       }
-      if (proven) {
-        const auto done = proven->check_static(pose.positions(), proven_settings(), proven_result);
+      if (proven_) {
+        const auto done = proven_->check_static(pose.positions(), proven_settings_, proven_result);
         if (!done) return tl::unexpected(done.error());
       }
       const CheckedStep step{.place = {totals_.steps, frame, frame, 0},
@@ -198,7 +169,7 @@ class Run {
                              .x1 = pose.positions(),
                              .pose = &result,
                              .explanation = explanation_in(result),
-                             .missed = proven ? proven_result.crossings.size() - result.crossings.size() : 0,
+                             .missed = proven_ ? proven_result.crossings.size() - result.crossings.size() : 0,
                              .proven_milliseconds = proven_result.milliseconds.total};
       if (const auto done = deliver(step); !done) return tl::unexpected(done.error());
     }
@@ -210,7 +181,7 @@ class Run {
     if (const auto done = from.read(motions_, frames_[0]); !done) return tl::unexpected(done.error());
     auto checker = make_checker(motions_, settings_, from);
     if (!checker) return tl::unexpected(checker.error());
-    if (compares()) proven_ = std::move(*make_checker(motions_, settings_, from));
+    if (auto ok = prepare_comparison(from); !ok) return tl::unexpected(ok.error());
     std::optional<Pose> near, far;  // Ends of a part of a step.
     if (settings_.substeps > 1) {
       near.emplace(motions_);
@@ -237,7 +208,7 @@ class Run {
     auto done = checker.check(x0.positions(), x1.positions(), settings_.step, result_);
     if (!done) return done;
     if (proven_) {
-      done = proven_->check(x0.positions(), x1.positions(), proven_settings(), proven_result_);
+      done = proven_->check(x0.positions(), x1.positions(), proven_settings_, proven_result_);
       if (!done) return done;
     }
     return deliver({.place = place,
@@ -259,11 +230,15 @@ class Run {
     return result.vertex_face.size() + result.edge_edge.size();
   }
 
-  bool compares() const { return settings_.step.mode == Mode::Paper; }
-  StepSettings proven_settings() const {
-    StepSettings proven = settings_.step;
-    proven.mode = Mode::Proven;
-    return proven;
+  // Mode::Paper: the checker that it is compared with.
+  Result<void> prepare_comparison(const Pose& first) {
+    if (settings_.step.mode != Mode::Paper) return {};
+    proven_settings_ = settings_.step;
+    proven_settings_.mode = Mode::Proven;
+    auto made = make_checker(motions_, settings_, first);
+    if (!made) return tl::unexpected(made.error());
+    proven_ = std::move(*made);
+    return {};
   }
 
   template <class Answer>
@@ -272,7 +247,7 @@ class Run {
   }
 
   Result<void> deliver(const CheckedStep& step) {
-    add(totals_, step);
+    totals_.add(step);
     for (const auto& writer : writers_) {
       if (auto done = writer->step(step); !done) return done;
     }
@@ -300,11 +275,41 @@ class Run {
   std::vector<Index> frames_;
   std::uint64_t expected_ = 0;
   StepResult result_, proven_result_;
-  std::optional<StepChecker> proven_;  // Mode::Paper: what it is compared with
+  std::optional<StepChecker> proven_;  // Mode::Paper
+  StepSettings proven_settings_;
   CheckTotals totals_;
 };
 
 }  // namespace
+
+void CheckTotals::add(const CheckedStep& step) {
+  ++steps;
+  collisions.vertex_face += step.collisions.vertex_face;
+  collisions.edge_edge += step.collisions.edge_edge;
+  collisions.triangle_triangle += step.collisions.triangle_triangle;
+  if (step.collisions.sum() > 0) {
+    ++steps_with_collisions;
+    if (!earliest) {
+      earliest = step.place;
+      earliest_toi = step.earliest_toi;
+    }
+    if (step.collisions.sum() > worst_collisions.sum()) {
+      worst = step.place;
+      worst_collisions = step.collisions;
+    }
+  }
+  if (step.step) tolerance = std::max(tolerance, step.step->tolerance);
+  sum_up(work, step.work);
+  for (std::size_t i = 0; step.explanation && i < leaf_pairs.size(); ++i)
+    leaf_pairs[i] += step.explanation->leaf_pairs[i];
+  missed += step.missed;
+  proven_milliseconds += step.proven_milliseconds;
+  milliseconds.total += step.milliseconds.total;
+  milliseconds.update += step.milliseconds.update;
+  milliseconds.traverse += step.milliseconds.traverse;
+  milliseconds.narrow += step.milliseconds.narrow;
+  slowest_step = std::max(slowest_step, step.milliseconds.total);
+}
 
 Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Writers writers,
                               const CheckHooks& hooks) {
