@@ -9,7 +9,7 @@ const view = {
     // A script in the page itself would be against its content security policy.
     modulePreload: { polyfill: false },
     assetsInlineLimit: 0,
-    target: 'es2021',
+    target: 'es2022',
     chunkSizeWarningLimit: 1000,
   },
   server: { proxy: { '/api': process.env.FOLDPROOF_SERVER ?? 'http://127.0.0.1:8080' } },
@@ -19,7 +19,7 @@ const report = {
   build: {
     outDir: 'dist/report',
     emptyOutDir: true,
-    target: 'es2021',
+    target: 'es2022',
     cssCodeSplit: false,
     lib: {
       entry: 'src/report/main.ts',

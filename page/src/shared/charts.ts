@@ -1,0 +1,220 @@
+// Charts of what the check did, step by step; the page ties them to its timeline.
+import uPlot from 'uplot';
+import 'uplot/dist/uPlot.min.css';
+import { el } from './dom';
+import { brief, grouped, short } from './format';
+import { beginOf, type Step } from './steps';
+
+interface Series {
+  label: string;
+  colour: string; // a CSS variable
+  value: (step: Step) => number;
+}
+
+interface Chart {
+  id: string;
+  title: string;
+  unit: string;
+  stacked: boolean;
+  series: Series[];
+}
+
+// The parts of a stack stand from the bottom up.
+const kCharts: Chart[] = [
+  {
+    id: 'collisions',
+    title: 'Collisions',
+    unit: 'pairs per step',
+    stacked: true,
+    series: [
+      { label: 'edge–edge', colour: '--c-ee', value: (s) => s.edge_edge },
+      { label: 'vertex–face', colour: '--c-vf', value: (s) => s.vertex_face },
+    ],
+  },
+  {
+    id: 'time',
+    title: 'Time per step, by stage',
+    unit: 'ms',
+    stacked: true,
+    series: [
+      { label: 'update', colour: '--c-update', value: (s) => s.ms.update },
+      { label: 'traverse', colour: '--c-traverse', value: (s) => s.ms.traverse },
+      { label: 'narrow', colour: '--c-narrow', value: (s) => s.ms.narrow },
+      {
+        label: 'other',
+        colour: '--c-other',
+        value: (s) => Math.max(0, s.ms.total - s.ms.update - s.ms.traverse - s.ms.narrow),
+      },
+    ],
+  },
+  {
+    id: 'tests',
+    title: 'Tests and culls',
+    unit: 'count per step',
+    stacked: false,
+    series: [
+      { label: 'node pairs', colour: '--c-nodes', value: (s) => s.node_tests },
+      { label: 'proofs tried', colour: '--c-tests', value: (s) => s.certificate_tests },
+      { label: 'proofs found (culls)', colour: '--c-passes', value: (s) => s.certificate_passes },
+      { label: 'leaf pairs tested', colour: '--c-leaves', value: (s) => s.leaf_pairs },
+    ],
+  },
+  {
+    id: 'candidates',
+    title: 'Candidates for the narrow phase',
+    unit: 'pairs per step',
+    stacked: false,
+    series: [{ label: 'candidates', colour: '--c-candidates', value: (s) => s.candidates }],
+  },
+];
+
+const variable = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+/** Columns for uPlot: a value holds from where its step begins to where it ends. */
+function columns(chart: Chart, steps: Step[], substeps: number): uPlot.AlignedData {
+  const last = steps.at(-1);
+  const closed = last ? [...steps, last] : [];
+  const x = steps.map((step) => beginOf(step, substeps));
+  if (last) x.push(beginOf(last, substeps) + (last.next_frame - last.frame) / substeps);
+  const rows = chart.series.map((series) => closed.map((step) => series.value(step)));
+  if (chart.stacked) {
+    for (let s = 1; s < rows.length; ++s) rows[s] = rows[s]!.map((value, k) => value + rows[s - 1]![k]!);
+    rows.reverse(); // The highest is drawn first.
+  }
+  return [x, ...rows];
+}
+
+export interface ChartOptions {
+  substeps: number;
+  low: number;
+  high: number; // frames that the axis spans
+  height: number;
+  seek?: (step: number) => void; // a click, by the step's number
+}
+
+export class Charts {
+  readonly element = el('div', { className: 'charts' });
+  private readonly plots: { chart: Chart; plot: uPlot; box: HTMLElement; now: HTMLElement }[] = [];
+  private readonly sync = uPlot.sync('steps');
+  private readonly resize = new ResizeObserver(() => this.fit());
+  private steps: Step[] = [];
+  private place = 0;
+  private current = 0;
+  private hovering = false;
+
+  constructor(private readonly options: ChartOptions) {
+    this.resize.observe(this.element);
+    this.build();
+  }
+
+  /** All steps so far. */
+  setSteps(steps: Step[]): void {
+    this.steps = steps;
+    for (const { chart, plot } of this.plots) {
+      plot.setData(columns(chart, steps, this.options.substeps));
+    }
+    this.showValues();
+    this.moveNow();
+  }
+
+  /** Where the timeline stands: in frames, and the step's number. */
+  setNow(place: number, step: number): void {
+    this.place = place;
+    const moved = step !== this.current;
+    this.current = step;
+    if (moved) this.showValues();
+    this.moveNow();
+  }
+
+  /** Anew, in the colours of the present theme. */
+  restyle(): void {
+    for (const { plot } of this.plots) plot.destroy();
+    this.plots.length = 0;
+    this.element.replaceChildren();
+    this.build();
+    this.setSteps(this.steps);
+  }
+
+  private build(): void {
+    for (const chart of kCharts) {
+      const box = el('section', { className: 'chart', 'data-chart': chart.id }, el('h3', {}, `${chart.title} `, el('small', {}, chart.unit)));
+      this.element.append(box);
+      const plot = new uPlot(this.describe(chart), columns(chart, [], 1), box);
+      const now = el('div', { className: 'now' });
+      if (this.options.seek) plot.over.append(now);
+      plot.over.addEventListener('mouseenter', () => (this.hovering = true));
+      plot.over.addEventListener('mouseleave', () => {
+        this.hovering = false;
+        this.showValues();
+      });
+      plot.over.addEventListener('click', () => {
+        const index = plot.cursor.idx;
+        const step = typeof index === 'number' ? this.steps[Math.min(index, this.steps.length - 1)] : undefined;
+        if (step) this.options.seek?.(step.number);
+      });
+      this.plots.push({ chart, plot, box, now });
+    }
+  }
+
+  private describe(chart: Chart): uPlot.Options {
+    const axis = { stroke: variable('--soft'), grid: { stroke: variable('--line'), width: 1 }, ticks: { stroke: variable('--line'), width: 1 }, font: '11px system-ui, sans-serif' };
+    const series = chart.stacked ? [...chart.series].reverse() : chart.series;
+    return {
+      width: this.width(),
+      height: this.options.height,
+      cursor: { sync: { key: this.sync.key }, points: { show: false }, y: false, drag: { x: false, y: false } },
+      scales: {
+        x: { time: false, range: () => [this.options.low, Math.max(this.options.high, this.options.low + 1)] },
+        y: { range: (_, __, high) => [0, high > 0 ? high * 1.08 : 1] },
+      },
+      axes: [
+        { ...axis, size: 36, label: 'frame of the motion', labelSize: 14, labelFont: '11px system-ui, sans-serif', labelGap: 0, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000] },
+        { ...axis, size: 58, label: chart.unit, labelSize: 14, labelFont: '11px system-ui, sans-serif', labelGap: 0, values: (_, ticks) => ticks.map(brief) },
+      ],
+      series: [
+        { label: 'frame', value: (_, x) => (x === null || x === undefined ? '–' : String(Number(x.toFixed(3)))) },
+        ...series.map((one) => this.line(chart, one)),
+      ],
+      legend: { live: true },
+    };
+  }
+
+  private line(chart: Chart, series: Series): uPlot.Series {
+    const colour = variable(series.colour);
+    return {
+      label: series.label,
+      stroke: colour,
+      width: chart.stacked ? 1 : 1.75,
+      ...(chart.stacked ? { fill: colour } : {}),
+      paths: uPlot.paths.stepped!({ align: 1 }),
+      points: { show: false },
+      // The legend tells a part's own value, not the height of the stack.
+      value: (_, __, ___, index) => {
+        const step = index === null || index === undefined ? undefined : this.steps[Math.min(index, this.steps.length - 1)];
+        if (!step) return '–';
+        const value = series.value(step);
+        return chart.unit === 'ms' ? `${short(value)} ms` : grouped(value);
+      },
+    };
+  }
+
+  private width(): number {
+    return Math.max(200, Math.floor(this.element.clientWidth) || 340);
+  }
+
+  private fit(): void {
+    if (this.element.clientWidth === 0) return;
+    for (const { plot } of this.plots) plot.setSize({ width: this.width(), height: this.options.height });
+    this.moveNow();
+  }
+
+  private showValues(): void {
+    if (this.hovering || !this.options.seek) return;
+    const index = this.steps[this.current] ? this.current : null;
+    for (const { plot } of this.plots) if (index !== null) plot.setLegend({ idx: index });
+  }
+
+  private moveNow(): void {
+    for (const { plot, now } of this.plots) now.style.transform = `translateX(${plot.valToPos(this.place, 'x')}px)`;
+  }
+}

@@ -1,0 +1,96 @@
+// Every colour that means something. Those of reasons and levels are explanation_colour's (src/report/faces.cpp), the ramps
+// are map_colour's (src/picture/colour.cpp): Okabe and Ito's colours and even steps of lightness stay apart for the
+// colour-blind, and pictures from the command line look alike.
+
+export type Rgb = [number, number, number];
+
+export const kRed: Rgb = [213, 44, 0];
+export const kClay: Rgb = [196, 192, 186];
+export const kBlue: Rgb = [0, 114, 178];
+export const kSky: Rgb = [86, 180, 233];
+export const kGreen: Rgb = [0, 158, 115];
+export const kYellow: Rgb = [240, 228, 66];
+export const kOrange: Rgb = [230, 159, 0];
+export const kPink: Rgb = [204, 121, 167];
+export const kGrey: Rgb = [128, 128, 128];
+export const kNothingToProve: Rgb = [221, 221, 221];
+
+/** A shade of one hue per object, light enough for marks in every other colour. */
+export const kObjectColours: Rgb[] = [kClay, [170, 190, 200], [200, 186, 160], [184, 180, 204], [176, 198, 176]];
+
+/** What a certificate's reason is called here, in words; by the names of docs/reports.md. */
+export const kReasons: Record<string, { colour: Rgb; title: string; help: string }> = {
+  certified: { colour: [0, 84, 142], title: 'Proven free', help: 'nothing had to be tested' },
+  not_drawn: { colour: kYellow, title: 'Not drawn yet', help: 'its turn for a chart is still to come' },
+  test_failed: { colour: kOrange, title: 'Moved too far from its charts', help: 'smaller steps or a model help' },
+  tangled: { colour: kGreen, title: 'Overlaps when drawn flat', help: 'when last tried, no flat drawing was possible' },
+  too_curved: { colour: kPink, title: 'Too curved', help: 'no direction that all its triangles face; a finer mesh helps' },
+  near_other: { colour: [213, 94, 0], title: 'Near another part', help: 'too near for a plane between them: this is what must be tested' },
+  off: { colour: kGrey, title: 'Certificates off', help: 'the check was told not to use them' },
+};
+
+/** Certified: the paler the deeper the level whose chart proved it. */
+export function levelColour(level: number): Rgb {
+  if (level < 0) return kNothingToProve;
+  const pale = Math.min(level, 15) * 12;
+  return [pale, 60 + pale, Math.trunc(128 + (pale * 2) / 3)];
+}
+
+type Lab = [number, number, number]; // Oklab (Ottosson 2020)
+
+const kErrorStops: Lab[] = [
+  [0.9, 0.002, 0.01],
+  [0.75, 0.055, 0.135],
+  [0.6, 0.15, 0.085],
+  [0.45, 0.155, -0.02],
+  [0.3, 0.07, -0.09],
+];
+const kMarginStops: Lab[] = [
+  [0.3, 0, -0.12],
+  [0.45, -0.04, -0.09],
+  [0.6, -0.085, -0.015],
+  [0.75, -0.09, 0.09],
+  [0.9, -0.03, 0.15],
+];
+const kTimeStops: Lab[] = [
+  [0.98, 0, 0],
+  [0.72, -0.05, -0.11],
+  [0.4, -0.01, -0.17],
+  [0.22, 0, -0.09],
+];
+
+const encode = (light: number): number => {
+  const v = Math.min(1, Math.max(0, light));
+  return 255 * (v <= 0.0031308 ? v * 12.92 : 1.055 * v ** (1 / 2.4) - 0.055);
+};
+
+function toRgb([lightness, a, b]: Lab): Rgb {
+  const l = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3;
+  const m = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3;
+  const s = (lightness - 0.0894841775 * a - 1.291485548 * b) ** 3;
+  return [
+    encode(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
+    encode(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
+    encode(-0.0041960863 * l - 0.7034186147 * m + 1.707614701 * s),
+  ];
+}
+
+function ramp(stops: Lab[]): (value: number) => Rgb {
+  return (value) => {
+    const place = Math.min(1, Math.max(0, Number.isFinite(value) ? value : 0)) * (stops.length - 1);
+    const k = Math.min(Math.floor(place), stops.length - 2);
+    const [from, to] = [stops[k]!, stops[k + 1]!];
+    const mix = (i: 0 | 1 | 2) => from[i] + (place - k) * (to[i] - from[i]);
+    return toRgb([mix(0), mix(1), mix(2)]);
+  };
+}
+
+export const errorColour = ramp(kErrorStops);
+export const marginColour = ramp(kMarginStops);
+/** Contact points: white touches at the begin of the step, dark blue at its end. */
+export const timeColour = ramp(kTimeStops);
+
+export const css = ([r, g, b]: Rgb): string => `rgb(${Math.round(r)} ${Math.round(g)} ${Math.round(b)})`;
+
+export const gradient = (colour: (value: number) => Rgb): string =>
+  `linear-gradient(90deg, ${Array.from({ length: 9 }, (_, k) => css(colour(k / 8))).join(', ')})`;

@@ -1,0 +1,37 @@
+// Numbers as people read them.
+
+const kGrouped = new Intl.NumberFormat('en-US', { maximumFractionDigits: 0 });
+
+export const grouped = (value: number): string => kGrouped.format(value);
+
+export const counted = (value: number, noun: string, plural = `${noun}s`): string =>
+  `${grouped(value)} ${value === 1 ? noun : plural}`;
+
+/** Four digits that mean something, as plain as possible. */
+export function short(value: number): string {
+  if (!Number.isFinite(value)) return '–';
+  if (value === 0) return '0';
+  const size = Math.abs(value);
+  if (size >= 1e6 || size < 1e-4) return value.toExponential(2);
+  return size >= 1000 ? grouped(value) : String(Number(value.toPrecision(4)));
+}
+
+/** For axes: 12,000 is 12k. */
+export function brief(value: number): string {
+  const size = Math.abs(value);
+  if (size >= 1e9) return `${Number((value / 1e9).toPrecision(3))}G`;
+  if (size >= 1e6) return `${Number((value / 1e6).toPrecision(3))}M`;
+  if (size >= 1e4) return `${Number((value / 1e3).toPrecision(3))}k`;
+  return String(Number(value.toPrecision(3)));
+}
+
+export const milliseconds = (value: number): string =>
+  value >= 1000 ? `${(value / 1000).toPrecision(3)} s` : `${value < 1 ? value.toFixed(2) : value.toPrecision(3)} ms`;
+
+export const percent = (share: number): string => {
+  if (share > 0 && share < 0.001) return '< 0.1 %';
+  if (share < 1 && share > 0.999) return '> 99.9 %';
+  return `${(100 * share).toFixed(1)} %`;
+};
+
+export const toiText = (toi: number): string => toi.toFixed(4);

@@ -1,0 +1,124 @@
+// What the program serves; docs/viewer.md tells the endpoints.
+import type { Step } from '../shared/steps';
+
+export interface ModelInfo {
+  name: string;
+  modes: number; // 0: it has learned no shapes
+  deviations: number[];
+  energy: number[];
+  key_points: number[];
+  poses: number;
+}
+
+export interface ObjectInfo {
+  name: string;
+  vertices: number;
+  triangles: number;
+  levels: number;
+  model: ModelInfo | null;
+}
+
+export interface SceneInfo {
+  program: string;
+  version: string;
+  title: string;
+  frames: number;
+  frame_numbers: number[];
+  fps: number;
+  substeps: number;
+  steps: number;
+  objects: ObjectInfo[];
+  low: number[];
+  high: number[];
+  settings: Record<string, unknown>;
+  reasons: string[];
+}
+
+export interface StepsAnswer {
+  state: 'running' | 'done' | 'failed' | 'none';
+  error?: string | null;
+  done: number;
+  total: number;
+  steps: Step[];
+}
+
+export interface Pair {
+  kind: 'vf' | 'ee';
+  object_a: number;
+  a: number[];
+  object_b: number;
+  b: number[];
+  toi: number;
+  answer: 'hit' | 'undecided';
+  point: number[];
+}
+
+export interface Radius {
+  state: 'computing' | 'done' | 'failed';
+  progress?: number;
+  radius?: number;
+  share?: number;
+  left_out?: number;
+  error?: string | null;
+}
+
+/** What the program answered instead, in its own words. */
+export class ApiError extends Error {}
+/** The program did not answer at all. */
+export class GoneError extends Error {}
+
+async function get(path: string, signal?: AbortSignal): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(`/api/${path}`, signal ? { signal } : {});
+  } catch (error) {
+    if (signal?.aborted) throw error;
+    throw new GoneError('The program no longer answers.');
+  }
+  if (response.ok) return response;
+  let text = `The program answered with status ${response.status}.`;
+  try {
+    text = String(((await response.json()) as { error?: unknown }).error ?? text);
+  } catch {
+    // No JSON: the status has to do.
+  }
+  throw new ApiError(text);
+}
+
+async function body<T>(read: Promise<T>): Promise<T> {
+  try {
+    return await read;
+  } catch {
+    throw new GoneError('The program broke off in the middle of an answer.');
+  }
+}
+
+export async function getJson<T>(path: string, signal?: AbortSignal): Promise<T> {
+  const response = await get(path, signal);
+  return (await body(response.json())) as T;
+}
+
+export async function getFloats(path: string, signal?: AbortSignal): Promise<Float32Array> {
+  const response = await get(path, signal);
+  return new Float32Array(await body(response.arrayBuffer()));
+}
+
+export async function getIndices(path: string): Promise<Uint32Array> {
+  const response = await get(path);
+  return new Uint32Array(await body(response.arrayBuffer()));
+}
+
+/** Fills the first `length` bytes of `target` as they arrive. */
+export async function getInto(path: string, target: Uint8Array, length: number): Promise<void> {
+  const response = await get(path);
+  const reader = response.body!.getReader();
+  let at = 0;
+  for (;;) {
+    const { done, value } = await body(reader.read());
+    if (done) break;
+    if (at + value.length > length) throw new ApiError(`${path} is longer than ${length} bytes`);
+    target.set(value, at);
+    at += value.length;
+  }
+  if (at !== length) throw new ApiError(`${path} has ${at} bytes and not ${length}`);
+}

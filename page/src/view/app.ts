@@ -1,0 +1,490 @@
+// Brings the parts together: every picture starts in tick().
+import * as THREE from 'three';
+import { Charts } from '../shared/charts';
+import { kBlue, kSky, type Rgb } from '../shared/colours';
+import { el, setText } from '../shared/dom';
+import { counted, grouped } from '../shared/format';
+import { isDark, onTheme, toggleTheme } from '../shared/theme';
+import { ApiError, getIndices, GoneError, type Pair, type SceneInfo } from './api';
+import { Check, PairStore } from './check';
+import { Clock } from './clock';
+import { CollisionPanel } from './collisions';
+import { Data } from './data';
+import { helpDialog } from './help';
+import { Inspector } from './inspect';
+import { listen } from './keyboard';
+import { LayerPanel } from './layers';
+import { Layout, type Tab } from './layout';
+import { countFaces, legendItems, type FaceCounts } from './legend';
+import { Boxes, ContactPoints, keyPoints, PairLines } from './marks';
+import { ShapePanel } from './shapes';
+import { Stage } from './stage';
+import { Surface, type Poses } from './surface';
+import { Timeline } from './timeline';
+
+const kAllPairsMs = 150; // How long a step is looked at before all of its pairs are listed.
+const kChartHeight = 150;
+
+export class App {
+  private readonly clock: Clock;
+  private readonly layout: Layout;
+  private readonly layers: LayerPanel;
+  private readonly check: Check;
+  private readonly pairs: PairStore;
+  private readonly data: Data;
+  private readonly timeline: Timeline;
+  private readonly collisions: CollisionPanel;
+  private readonly charts: Charts;
+  private readonly stage: Stage;
+  private readonly surfaces: Surface[] = [];
+  private readonly boxes: Boxes[] = [];
+  private readonly keys: (THREE.Group | null)[] = [];
+  private readonly help = helpDialog();
+  private contacts!: ContactPoints;
+  private lines: PairLines;
+  private shapes: ShapePanel | null = null;
+  private shapeObject = -1;
+  private inspector!: Inspector;
+
+  private dirty = true;
+  private last = 0;
+  private waiting = false;
+  private chosen: { step: number; pair: Pair } | null = null;
+  private shownStep = -1;
+  private stepSince = 0;
+  private shownPairs: Pair[] | null = null;
+  private shownFaces = -1;
+  private shownBoxes: Float32Array[] | null = null;
+  private counts: FaceCounts | null = null;
+  private readonly errors = new Map<number, { largest: number; rms: number }>();
+  private errorScale = 0;
+  private legendKey = '';
+  private chartsDirty = true;
+  private readonly spent = { script: 0, drawing: 0, pictures: 0, started: performance.now(), firstPicture: 0 };
+
+  constructor(
+    root: HTMLElement,
+    private readonly scene: SceneInfo,
+  ) {
+    const failed = (error: unknown) => this.fail(error);
+    const changed = () => (this.dirty = true);
+    this.clock = new Clock(scene.steps, scene.substeps, scene.frames);
+    this.check = new Check((from) => this.checked(from), failed);
+    this.pairs = new PairStore(changed, failed);
+    this.layers = new LayerPanel(scene, changed);
+    this.data = new Data(scene, this.check, () => this.layers.state, () => this.arrived(), failed);
+    this.timeline = new Timeline(scene, this.clock, {
+      play: () => this.play(!this.clock.playing),
+      move: (by) => this.goTo(() => this.clock.move(by)),
+      seekPlace: (place) => this.goTo(() => this.clock.seekPlace(place), true),
+      seekTime: (t) => this.goTo(() => this.clock.seek(this.clock.step, t)),
+      collision: (direction) => this.nextCollision(direction),
+    });
+    this.collisions = new CollisionPanel(scene, (pair) => this.choose(pair), (direction) => this.nextCollision(direction));
+    const numbers = scene.frame_numbers;
+    this.charts = new Charts({
+      substeps: scene.substeps,
+      low: numbers[0] ?? 0,
+      high: numbers.at(-1) ?? 1,
+      height: kChartHeight,
+      seek: (step) => this.goTo(() => this.clock.seek(step)),
+    });
+    this.layout = new Layout(root, scene, () => this.timeline.element, {
+      reset: () => this.stage.reset(),
+      side: (side) => this.stage.side(side),
+      zoom: (factor) => this.stage.zoom(factor),
+      legend: () => this.layout.legend.classList.toggle('closed'),
+      help: () => this.help.showModal(),
+    });
+    root.append(this.help);
+    const low = new THREE.Vector3(...scene.low);
+    const high = new THREE.Vector3(...scene.high);
+    const size = high.clone().sub(low);
+    const scale = 2 / Math.max(size.x, size.y, size.z, 1e-30);
+    this.stage = new Stage(this.layout.stage, { centre: low.clone().add(high).multiplyScalar(0.5), scale }, size.clone().multiplyScalar(scale));
+    this.lines = new PairLines(this.stage.viewport);
+  }
+
+  async start(): Promise<void> {
+    this.fillPanels();
+    this.bindKeys();
+    this.check.start();
+    this.data.frames.aim(0);
+    await this.makeSurfaces();
+    onTheme(() => this.restyle());
+    this.restyle();
+    Object.defineProperty(window, 'foldproof', { value: { state: () => this.report() } });
+    requestAnimationFrame((now) => this.loop(now));
+  }
+
+  private async makeSurfaces(): Promise<void> {
+    const { scene, stage } = this;
+    const all = await Promise.all(scene.objects.map((_, i) => getIndices(`objects/${i}/triangles`)));
+    scene.objects.forEach((object, i) => {
+      const surface = new Surface(object, i, all[i]!, scene.reasons, stage.frame);
+      surface.mesh.visible = false; // Until its first frame is there.
+      this.surfaces.push(surface);
+      const boxes = new Boxes(stage.frame);
+      this.boxes.push(boxes);
+      const ids = object.model?.key_points ?? [];
+      const keys = ids.length > 0 ? keyPoints(surface, ids, stage.ratio) : null;
+      this.keys.push(keys);
+      stage.scene.add(surface.mesh, boxes.lines, ...(keys ? [keys] : []));
+    });
+    this.contacts = new ContactPoints(stage.frame, stage.ratio, this.surfaces[0]!.place);
+    stage.scene.add(this.contacts.group, this.lines.group);
+    this.inspector = new Inspector(stage, this.surfaces, scene, this.layout.card, (point, size) => stage.approach(point, size));
+  }
+
+  private fillPanels(): void {
+    const { layout, scene } = this;
+    layout.fill('collisions', this.collisions.element);
+    layout.fill('layers', this.layers.element);
+    layout.fill('charts', el('div', { className: 'panel' }, this.charts.element));
+    if (scene.steps === 0) layout.refuse('charts', 'A single pose has no steps, hence no charts.');
+    this.shapeObject = scene.objects.findIndex((object) => (object.model?.modes ?? 0) > 0);
+    const object = scene.objects[this.shapeObject];
+    if (object) {
+      this.shapes = new ShapePanel(object, this.shapeObject, () => (this.dirty = true), (error) => this.fail(error));
+      layout.fill('shapes', this.shapes.element);
+    } else {
+      const any = scene.objects.some(({ model }) => model);
+      layout.refuse('shapes', any ? 'The model has learned no shapes: train it on more poses (foldproof train POSES... -o body.model).' : 'Shapes come from a model. Make one with foldproof train POSES... -o body.model and start with --model body.model.');
+    }
+    layout.onTab = (tab: Tab) => {
+      if (tab === 'shapes') this.shapes?.open();
+      this.chartsDirty = true;
+      this.dirty = true;
+    };
+  }
+
+  private bindKeys(): void {
+    const { clock, layers, stage, timeline } = this;
+    const step = (by: number) => () => this.goTo(() => clock.move(by));
+    const time = (by: number) => () => this.goTo(() => clock.seekPlace(clock.place + by / clock.substeps));
+    listen({
+      ' ': () => this.play(!clock.playing),
+      ArrowLeft: step(-1), ArrowRight: step(1), 'Shift+ArrowLeft': step(-10), 'Shift+ArrowRight': step(10),
+      ',': time(-0.01), '.': time(0.01),
+      Home: () => this.goTo(() => clock.seek(0)), End: () => this.goTo(() => clock.seek(clock.steps, 1)),
+      '[': () => timeline.changeSpeed(-1), ']': () => timeline.changeSpeed(1),
+      p: () => this.nextCollision(-1), n: () => this.nextCollision(1),
+      ArrowUp: () => this.collisions.move(-1), ArrowDown: () => this.collisions.move(1),
+      r: () => stage.reset(), '0': () => stage.reset(),
+      '1': () => stage.side('front'), '2': () => stage.side('side'), '3': () => stage.side('top'),
+      W: () => stage.orbit(0, 0.1), S: () => stage.orbit(0, -0.1), A: () => stage.orbit(-0.1, 0), D: () => stage.orbit(0.1, 0),
+      '+': () => stage.zoom(0.85), '=': () => stage.zoom(0.85), '-': () => stage.zoom(1.18),
+      v: () => layers.cyclePaint(),
+      c: () => layers.toggle('collisions'), t: () => layers.toggle('contacts'), k: () => layers.toggle('keyPoints'),
+      b: () => layers.toggle('boxes'), e: () => layers.toggle('edges'), x: () => layers.toggle('seeThrough'),
+      d: toggleTheme, l: () => this.layout.legend.classList.toggle('closed'), '?': () => this.help.showModal(),
+    });
+  }
+
+  // --- What happens
+
+  private play(playing: boolean): void {
+    if (playing && this.scene.steps === 0) return;
+    if (playing && this.clock.atEnd) this.clock.seek(0);
+    this.clock.playing = playing;
+    this.timeline.showPlaying(playing);
+    this.dirty = true;
+  }
+
+  /** Another place in time; what was chosen in another step is chosen no more. */
+  private goTo(move: () => void, playOn = false): void {
+    if (!playOn) this.play(false);
+    move();
+    this.dirty = true;
+  }
+
+  private nextCollision(direction: 1 | -1): void {
+    const step = this.check.nextColliding(this.clock.step, direction);
+    if (step >= 0) this.goTo(() => this.clock.seek(step, this.check.steps[step]!.toi));
+  }
+
+  private choose(pair: Pair): void {
+    this.chosen = { step: this.clock.step, pair };
+    this.goTo(() => this.clock.seek(this.clock.step, pair.toi));
+    this.update();
+    this.lines.show(this.surfaces, pair);
+    this.stage.approach(new THREE.Vector3(...pair.point), this.sizeOf(pair));
+    this.dirty = true;
+  }
+
+  /** How large the pair's triangle or edges are, mesh units. */
+  private sizeOf(pair: Pair): number {
+    const [p, q] = [new THREE.Vector3(), new THREE.Vector3()];
+    const a = this.surfaces[pair.object_a]!;
+    const b = this.surfaces[pair.object_b]!;
+    if (pair.kind === 'ee') {
+      const first = a.vertex(pair.a[0]!, p).distanceTo(a.vertex(pair.a[1]!, q));
+      return Math.max(first, b.vertex(pair.b[0]!, p).distanceTo(b.vertex(pair.b[1]!, q)));
+    }
+    const k = 3 * pair.b[0]!;
+    const first = b.vertex(b.triangles[k]!, p).distanceTo(b.vertex(b.triangles[k + 1]!, q));
+    return Math.max(first, q.distanceTo(b.vertex(b.triangles[k + 2]!, p)));
+  }
+
+  private checked(from: number): void {
+    const { check } = this;
+    if (check.steps.length > from || from === 0) this.timeline.setSteps(check.steps);
+    this.chartsDirty = true;
+    this.dirty = true;
+    this.layout.warn(check.state === 'failed' ? `The check stopped: ${check.error}` : '');
+    const statistical = this.scene.settings['mode'] === 'paper' ? 'Statistical, can miss: ' : '';
+    if (this.scene.steps === 0 || check.state === 'none') {
+      this.layout.say('A single pose: no steps to check', 'run', null);
+    } else if (check.state === 'running') {
+      this.layout.say(`Checking: ${grouped(check.done)} of ${counted(check.total, 'step')}, ${counted(check.pairs, 'pair')} so far`, 'run', check.done / Math.max(1, check.total));
+    } else if (check.state === 'failed') {
+      this.layout.say('The check stopped', 'bad', null);
+    } else if (check.pairs === 0) {
+      this.layout.say(`${statistical}${statistical ? 'no collision found' : 'Proven free'} in ${counted(check.total, 'step')}`, 'free', null);
+    } else {
+      this.layout.say(`${statistical}${counted(check.pairs, 'colliding pair')} in ${grouped(check.colliding)} of ${counted(check.total, 'step')}`, 'hit', null);
+    }
+  }
+
+  private arrived(): void {
+    this.dirty = true;
+  }
+
+  private fail(error: unknown): void {
+    if (error instanceof GoneError) this.layout.warn(`${error.message} Start foldproof view again and load this page again; what is loaded stays here.`);
+    else if (error instanceof ApiError) this.layout.warn(error.message);
+    else throw error;
+    this.dirty = true;
+  }
+
+  private restyle(): void {
+    const style = getComputedStyle(document.documentElement);
+    this.stage.background(style.getPropertyValue('--stage').trim());
+    for (const boxes of this.boxes) boxes.colour(isDark() ? kSky : kBlue);
+    this.timeline.paint();
+    this.charts.restyle();
+    this.dirty = true;
+  }
+
+  // --- Every picture
+
+  private loop(now: number): void {
+    const begin = performance.now();
+    this.tick(now);
+    const middle = performance.now();
+    const drew = this.stage.draw(now);
+    if (drew) {
+      this.spent.script += middle - begin;
+      this.spent.drawing += performance.now() - middle;
+      ++this.spent.pictures;
+      if (this.spent.firstPicture === 0 && this.surfaces[0]?.mesh.visible) this.spent.firstPicture = performance.now();
+    }
+    requestAnimationFrame((next) => this.loop(next));
+  }
+
+  private tick(now: number): void {
+    const { clock } = this;
+    const seconds = Math.min(0.1, Math.max(0, (now - this.last) / 1000));
+    this.last = now;
+    // A frame that is not there yet is waited for; nothing is skipped unseen.
+    if (clock.playing && !this.waiting) {
+      if (!clock.advance(seconds * this.scene.fps * clock.speed)) this.play(false);
+      this.dirty = true;
+    }
+    if (!this.dirty && !this.waiting && now - this.stepSince < kAllPairsMs) return;
+    if (this.dirty || this.waiting) this.update();
+    if (!clock.playing && now - this.stepSince >= kAllPairsMs) this.wantAllPairs();
+  }
+
+  private wantAllPairs(): void {
+    const step = this.check.steps[this.clock.step];
+    if (step && step.vertex_face + step.edge_edge > 0 && !this.pairs.get(step.number)?.complete) this.pairs.want(step.number, true);
+  }
+
+  private update(): void {
+    this.dirty = false;
+    if (this.clock.step !== this.shownStep) {
+      this.shownStep = this.clock.step;
+      this.stepSince = performance.now();
+    }
+    if (this.chosen && this.chosen.step !== this.clock.step) {
+      this.chosen = null;
+      this.lines.clear();
+    }
+    this.data.frames.aim(this.clock.frame);
+    this.data.faces.aim(this.clock.step);
+    const shaping = this.layout.openTab === 'shapes' && this.shapes !== null;
+    this.waiting = shaping ? !this.showShape() : !this.showFrame();
+    this.showFaces(shaping);
+    this.showMarks(shaping);
+    this.showText(shaping);
+    this.stage.redraw();
+  }
+
+  private showShape(): boolean {
+    const shapes = this.shapes!;
+    if (!shapes.ready) return true; // Until then the motion stays; a change arrives with the mean.
+    const surface = this.surfaces[this.shapeObject]!;
+    const pose = { data: shapes.shape, tag: `shape/${shapes.version}` };
+    surface.pose(pose, pose, 0);
+    surface.mesh.visible = true;
+    this.surfaces.forEach((other, i) => {
+      if (i !== this.shapeObject) other.mesh.visible = false;
+      other.paint({ ...this.layers.state, paint: 'plain', collisions: false, errorScale: 1, edgeColour: edgeColour() });
+    });
+    return true;
+  }
+
+  private showFrame(): boolean {
+    const { clock, data, scene } = this;
+    const { state } = this.layers;
+    const k = clock.frame;
+    const next = Math.min(k + 1, scene.frames - 1);
+    const [a, b] = [data.frames.get(k), data.frames.get(next)];
+    const predicted = state.source === 'prediction' || state.paint === 'error';
+    if (predicted) data.predictions.aim(k);
+    const [pa, pb] = predicted ? [data.predictions.get(k), data.predictions.get(next)] : [undefined, undefined];
+    if (!a || !b || (predicted && (!pa || !pb))) return false;
+    this.surfaces.forEach((surface, i) => {
+      const truth: [Poses, Poses] = [{ data: a.parts[i]!, tag: `frame/${k}` }, { data: b.parts[i]!, tag: `frame/${next}` }];
+      let shown = truth;
+      const hasPrediction = predicted && data.predicts(i);
+      if (hasPrediction) {
+        const prediction: [Poses, Poses] = [{ data: pa!.parts[i]!, tag: `prediction/${k}` }, { data: pb!.parts[i]!, tag: `prediction/${next}` }];
+        if (state.source === 'prediction') shown = prediction;
+        surface.reference(...(shown === prediction ? truth : prediction));
+        this.measure(k, i, a.parts[i]!, pa!.parts[i]!);
+      }
+      surface.pose(shown[0], shown[1], clock.blend);
+      surface.mesh.visible = state.visible[i]!;
+      const paint = state.paint === 'error' && !hasPrediction ? 'plain' : state.paint;
+      surface.paint({ ...state, paint, errorScale: this.errorScale, edgeColour: edgeColour() });
+    });
+    return true;
+  }
+
+  /** How far a frame's prediction is off; the scale grows to the largest seen, in round numbers. */
+  private measure(k: number, object: number, truth: Float32Array, prediction: Float32Array): void {
+    const key = k * this.scene.objects.length + object;
+    if (this.errors.has(key)) return;
+    const n = 3 * this.scene.objects[object]!.vertices;
+    let [largest, sum] = [0, 0];
+    for (let c = 0; c < n; c += 3) {
+      const d = (truth[c]! - prediction[c]!) ** 2 + (truth[c + 1]! - prediction[c + 1]!) ** 2 + (truth[c + 2]! - prediction[c + 2]!) ** 2;
+      largest = Math.max(largest, d);
+      sum += d;
+    }
+    this.errors.set(key, { largest: Math.sqrt(largest), rms: Math.sqrt((3 * sum) / n) });
+    if (largest > this.errorScale ** 2) {
+      const power = 10 ** Math.floor(Math.log10(Math.sqrt(largest)));
+      this.errorScale = [1, 2, 5, 10].map((f) => f * power).find((s) => s >= Math.sqrt(largest)) ?? 10 * power;
+    }
+  }
+
+  private showFaces(shaping: boolean): void {
+    const told = !shaping && this.data.facesTold(this.clock.step);
+    const slot = told ? this.data.faces.get(this.clock.step) : undefined;
+    if (told && !slot && this.clock.playing) this.waiting = true;
+    const changed = slot !== undefined && this.shownFaces !== this.clock.step;
+    this.surfaces.forEach((surface, i) => surface.tell(slot?.parts[i] ?? null, changed));
+    this.shownFaces = slot ? this.clock.step : -1;
+    if (!slot) this.counts = null;
+    else if (changed || !this.counts) this.counts = countFaces(slot.parts, this.scene.objects.map(({ triangles }) => triangles));
+  }
+
+  private showMarks(shaping: boolean): void {
+    const { clock, data, layers } = this;
+    const { state } = layers;
+    const step = this.check.steps[clock.step];
+    const colliding = step !== undefined && step.vertex_face + step.edge_edge > 0;
+    if (colliding && !this.pairs.get(clock.step)) this.pairs.want(clock.step, false);
+    const pairs = colliding ? this.pairs.get(clock.step) : undefined;
+    this.contacts.group.visible = state.contacts && !shaping && (pairs?.items.length ?? 0) > 0;
+    if (pairs && (pairs.items !== this.shownPairs || !pairs.complete)) {
+      this.shownPairs = pairs.complete ? pairs.items : null;
+      this.contacts.set(pairs.items);
+    }
+    this.contacts.setTime(clock.t);
+    this.lines.group.visible = this.chosen !== null && !shaping;
+    this.keys.forEach((keys, i) => {
+      if (keys) keys.visible = state.keyPoints && this.surfaces[i]!.mesh.visible;
+    });
+    if (state.boxes && !shaping) void data.wantBoxes(Math.round(clock.frame + clock.blend), state.level);
+    const { boxes } = data;
+    if (boxes && boxes.data !== this.shownBoxes) {
+      this.shownBoxes = boxes.data;
+      boxes.data.forEach((values, i) => this.boxes[i]!.set(values));
+    }
+    this.boxes.forEach((one, i) => (one.lines.visible = state.boxes && !shaping && boxes !== null && state.visible[i]!));
+  }
+
+  private showText(shaping: boolean): void {
+    const { check, clock, layers, scene } = this;
+    this.timeline.show(this.waiting);
+    const unchecked = scene.steps === 0 ? 'A single pose: no steps' : check.state === 'running' ? 'Not checked yet' : 'Not checked';
+    this.collisions.show(check.steps[clock.step], this.pairs.get(clock.step), unchecked);
+    if (this.layout.openTab === 'charts' && scene.steps > 0) {
+      if (this.chartsDirty) this.charts.setSteps(check.steps);
+      this.chartsDirty = false;
+      const first = scene.frame_numbers[clock.frame] ?? 0;
+      const second = scene.frame_numbers[Math.min(clock.frame + 1, scene.frames - 1)] ?? first;
+      this.charts.setNow(first + clock.blend * (second - first), clock.step);
+    }
+    const { verdict } = this.layout;
+    verdict.hidden = !shaping;
+    if (shaping) {
+      const { text, kind } = this.shapes!.verdictText();
+      setText(verdict, text);
+      verdict.dataset['kind'] = kind;
+    }
+    this.inspector.show(shaping ? null : this.data.faces.get(clock.step)?.parts ?? null, clock.step);
+    const error = this.errorNow();
+    const boxFrame = this.data.boxes ? (scene.frame_numbers[this.data.boxes.frame] ?? null) : null;
+    const key = JSON.stringify([layers.state, shaping, this.shownFaces, boxFrame, this.chosen !== null, error]);
+    if (key === this.legendKey) return;
+    this.legendKey = key;
+    this.layout.legend.replaceChildren(
+      ...legendItems({ layers: layers.state, shapes: shaping, steps: scene.steps > 0, reasons: scene.reasons, counts: this.counts, boxFrame, chosen: this.chosen !== null, error }),
+    );
+  }
+
+  private errorNow(): { scale: number; largest: number; rms: number } | null {
+    let [largest, squares, count] = [0, 0, 0];
+    this.scene.objects.forEach((_, i) => {
+      const error = this.errors.get(this.clock.frame * this.scene.objects.length + i);
+      if (!error) return;
+      largest = Math.max(largest, error.largest);
+      squares += error.rms ** 2;
+      ++count;
+    });
+    return count > 0 ? { scale: this.errorScale, largest, rms: Math.sqrt(squares / count) } : null;
+  }
+
+  /** For tests and for the curious (in the browser's console). */
+  private report(): Record<string, unknown> {
+    const { clock, spent } = this;
+    return {
+      step: clock.step,
+      t: clock.t,
+      place: clock.place,
+      playing: clock.playing,
+      waiting: this.waiting,
+      camera: this.stage.camera.position.toArray(),
+      bytes: this.data.bytes(),
+      budget: this.data.budget,
+      framesAhead: this.data.frames.ahead(clock.frame),
+      steps: this.check.steps.length,
+      state: this.check.state,
+      pictures: spent.pictures,
+      scriptMs: spent.script,
+      drawMs: spent.drawing,
+      firstPicture: spent.firstPicture,
+      radius: this.shapes?.radius ?? null,
+      norm: this.shapes?.norm ?? null,
+      facesShown: this.shownFaces,
+    };
+  }
+}
+
+const edgeColour = (): Rgb => (isDark() ? [10, 14, 17] : [40, 48, 54]);
+

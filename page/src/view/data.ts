@@ -1,0 +1,88 @@
+// Everything that streams: frames, predictions, answers per triangle, boxes. All of it is bounded in bytes.
+import { collisionsOf } from '../shared/steps';
+import { getFloats, GoneError, type SceneInfo } from './api';
+import type { Check } from './check';
+import type { LayerState } from './layers';
+import { Ring } from './ring';
+import { faceBytesOf, floatsOf } from './surface';
+
+const kMegabyte = 1 << 20;
+
+/** Half for frames, a quarter for answers, a quarter for predictions. A phone gets less. */
+function budget(): number {
+  const memory = (navigator as { deviceMemory?: number }).deviceMemory ?? 8;
+  const small = memory < 4 || matchMedia('(pointer: coarse)').matches;
+  return (small ? 128 : 512) * kMegabyte;
+}
+
+export class Data {
+  readonly frames: Ring<Float32Array<ArrayBuffer>>;
+  readonly predictions: Ring<Float32Array<ArrayBuffer>>;
+  readonly faces: Ring<Uint8Array<ArrayBuffer>>;
+  readonly budget = budget();
+  boxes: { frame: number; level: number; data: Float32Array[] } | null = null;
+  private boxesBusy = false;
+  private boxesRest = 0;
+
+  constructor(
+    private readonly scene: SceneInfo,
+    private readonly check: Check,
+    private readonly layers: () => LayerState,
+    private readonly changed: () => void,
+    private readonly failed: (error: unknown) => void,
+  ) {
+    const floats = scene.objects.map(({ vertices }) => ({ elements: floatsOf(vertices), bytes: 12 * vertices }));
+    const common = { arrived: changed, failed };
+    const positions = { ...common, count: scene.frames, parts: floats, make: (n: number) => new Float32Array(n), wanted: () => true };
+    this.frames = new Ring({ ...positions, budget: this.budget / 2, path: (i, k) => `objects/${i}/frames/${k}` });
+    this.predictions = new Ring({
+      ...positions,
+      // Objects that have none are asked for nothing.
+      parts: floats.map((part, i) => (this.predicts(i) ? part : { elements: 0, bytes: 0 })),
+      budget: this.budget / 4,
+      path: (i, k) => `objects/${i}/prediction/${k}`,
+    });
+    this.faces = new Ring({
+      ...common,
+      count: Math.max(1, scene.steps),
+      parts: scene.objects.map(({ triangles }) => ({ elements: faceBytesOf(triangles), bytes: 4 * triangles })),
+      budget: this.budget / 4,
+      make: (n) => new Uint8Array(n),
+      path: (i, n) => `steps/${n}/faces/${i}`,
+      wanted: (n) => this.facesTold(n),
+    });
+  }
+
+  predicts(object: number): boolean {
+    return (this.scene.objects[object]?.model?.key_points.length ?? 0) > 0;
+  }
+
+  /** Whether a step has anything to show on triangles with the present layers. */
+  facesTold(step: number): boolean {
+    const answer = this.check.steps[step];
+    if (!answer) return false;
+    const { paint, collisions } = this.layers();
+    return paint === 'level' || paint === 'margin' || (collisions && collisionsOf(answer) > 0);
+  }
+
+  bytes(): number {
+    return this.frames.bytes() + this.predictions.bytes() + this.faces.bytes();
+  }
+
+  /** The boxes of a frame; one question at a time, the latest wish next. */
+  async wantBoxes(frame: number, level: number): Promise<void> {
+    if (this.boxesBusy || (this.boxes?.frame === frame && this.boxes.level === level) || performance.now() < this.boxesRest) return;
+    this.boxesBusy = true;
+    try {
+      const data: Float32Array[] = [];
+      for (let i = 0; i < this.scene.objects.length; ++i) data.push(await getFloats(`objects/${i}/boxes?frame=${frame}&level=${level}`));
+      this.boxes = { frame, level, data };
+      this.changed();
+    } catch (error) {
+      this.boxesRest = performance.now() + (error instanceof GoneError ? 1500 : 10_000);
+      this.failed(error);
+    } finally {
+      this.boxesBusy = false;
+    }
+  }
+}

@@ -1,0 +1,45 @@
+// The keys, and a few words on how to read the page.
+import { el } from '../shared/dom';
+
+export const kKeys: [string, string][] = [
+  ['Space', 'play or pause'],
+  ['← →', 'one step back or on; with Shift ten'],
+  [', .', 'a hundredth of a step back or on'],
+  ['Home End', 'to the begin or the end'],
+  ['[ ]', 'slower or faster'],
+  ['P N', 'previous or next step with collisions'],
+  ['↑ ↓', 'previous or next pair of the list, and fly there'],
+  ['R or 0', 'see everything'],
+  ['1 2 3', 'from the front, the side, the top'],
+  ['W A S D with Shift', 'orbit'],
+  ['+ −', 'zoom'],
+  ['V', 'next colour of the surface'],
+  ['C T K B E X', 'collisions, contact points, key points, boxes, edges, see through'],
+  ['D', 'light or dark'],
+  ['L', 'legend'],
+  ['?', 'this help'],
+];
+
+export function helpDialog(): HTMLDialogElement {
+  const table = el('table', {});
+  for (const [keys, text] of kKeys) {
+    const cell = el('td', {});
+    keys.split(' ').forEach((key, k) => {
+      if (k > 0) cell.append(' ');
+      cell.append(/^(or|with)$/.test(key) ? key : el('kbd', {}, key));
+    });
+    table.append(el('tr', {}, cell, el('td', {}, text)));
+  }
+  const dialog = el('dialog', { className: 'help', 'aria-label': 'Help' });
+  dialog.append(
+    el('h2', {}, 'Keys and mouse'),
+    el('p', {}, 'Drag to orbit, right-drag or two fingers to pan, wheel or pinch to zoom. A click on the surface tells about the triangle; a double click turns around it.'),
+    table,
+    el('p', {}, 'Between two frames every vertex moves along a straight line; that is the motion which is checked, and what you see. A time of impact is a share of the step: 0 at its begin, 1 at its end.'),
+    el('form', { method: 'dialog' }, el('button', { className: 'small' }, 'Close')),
+  );
+  dialog.addEventListener('click', (event) => {
+    if (event.target === dialog) dialog.close();
+  });
+  return dialog;
+}

@@ -1,0 +1,84 @@
+// A click on the surface tells what is known of the triangle under it.
+import * as THREE from 'three';
+import { kReasons } from '../shared/colours';
+import { el } from '../shared/dom';
+import type { SceneInfo } from './api';
+import type { Stage } from './stage';
+import type { Surface } from './surface';
+
+const kStillPixels = 4; // A press that moves farther is a drag.
+
+export class Inspector {
+  private chosen: { object: number; face: number } | null = null;
+  private shown = '';
+  private changed = false;
+
+  constructor(
+    private readonly stage: Stage,
+    private readonly surfaces: Surface[],
+    private readonly scene: SceneInfo,
+    private readonly card: HTMLElement,
+    private readonly approach: (point: THREE.Vector3, size: number) => void,
+  ) {
+    let press = [0, 0];
+    const { canvas } = stage;
+    canvas.addEventListener('pointerdown', (event) => (press = [event.clientX, event.clientY]));
+    canvas.addEventListener('click', (event) => {
+      if (Math.hypot(event.clientX - press[0]!, event.clientY - press[1]!) > kStillPixels) return;
+      const hit = this.pick(event);
+      this.chosen = hit ? { object: hit.object, face: hit.face } : null;
+      this.changed = true;
+      this.render(this.told, this.step);
+    });
+    canvas.addEventListener('dblclick', (event) => {
+      const hit = this.pick(event);
+      if (hit) this.approach(hit.point, 0.06 / stage.frame.scale);
+    });
+  }
+
+  private told: Uint8Array[] | null = null;
+  private step = -1;
+
+  private pick(event: MouseEvent): { object: number; face: number; point: THREE.Vector3 } | null {
+    const ray = this.stage.ray(event.clientX, event.clientY);
+    let best: { object: number; face: number; point: THREE.Vector3; distance: number } | null = null;
+    this.surfaces.forEach((surface, object) => {
+      if (!surface.mesh.visible) return;
+      const hit = surface.hit(ray);
+      if (hit && (!best || hit.distance < best.distance)) best = { object, ...hit };
+    });
+    return best;
+  }
+
+  /** What is told of the triangles of the present step. */
+  show(told: Uint8Array[] | null, step: number): void {
+    this.told = told;
+    this.step = step;
+    this.render(told, step);
+  }
+
+  private render(told: Uint8Array[] | null, step: number): void {
+    this.card.hidden = this.chosen === null;
+    if (!this.chosen) return;
+    const { object, face } = this.chosen;
+    const key = `${object}/${face}/${step}/${told !== null}`;
+    if (key === this.shown && !this.changed) return;
+    this.shown = key;
+    this.changed = false;
+    const info = this.scene.objects[object]!;
+    const corners = Array.from(this.surfaces[object]!.triangles.subarray(3 * face, 3 * face + 3)).join(', ');
+    this.card.replaceChildren(
+      el('strong', {}, `Triangle ${face}${this.scene.objects.length > 1 ? ` of ${info.name}` : ''}`),
+      el('span', {}, `vertices ${corners}`),
+      el('span', {}, told ? this.proof(told[object]!, face, info.triangles) : 'Choose a proof colour or a colliding step to see what is known of it'),
+    );
+  }
+
+  private proof(data: Uint8Array, face: number, n: number): string {
+    const reason = kReasons[this.scene.reasons[data[n + face]!] ?? ''];
+    const level = (data[2 * n + face]! << 24) >> 24;
+    const parts = [data[face] !== 0 ? 'Collides in this step.' : 'No collision in this step.', `${reason?.title ?? 'Unknown'}${level >= 0 ? `, level ${level}` : ''}`];
+    if (level >= 0) parts.push(`margin ${(data[3 * n + face]! / 255).toFixed(2)}`);
+    return `${parts[0]} ${parts.slice(1).join(', ')}.`;
+  }
+}

@@ -1,0 +1,171 @@
+// What is drawn, as switches; a switch that cannot work says why.
+import { append, el, setText } from '../shared/dom';
+import type { SceneInfo } from './api';
+import type { Paint } from './surface';
+
+export type ShapeSource = 'motion' | 'prediction';
+
+export interface LayerState {
+  paint: Paint;
+  collisions: boolean;
+  contacts: boolean;
+  keyPoints: boolean;
+  boxes: boolean;
+  level: number;
+  edges: boolean;
+  seeThrough: boolean;
+  source: ShapeSource;
+  visible: boolean[];
+}
+
+type Switch = 'collisions' | 'contacts' | 'keyPoints' | 'boxes' | 'edges' | 'seeThrough';
+
+const kSwitches: [Switch, string, string, string][] = [
+  ['collisions', 'Collisions', 'C', 'triangles that take part in a collision, red'],
+  ['contacts', 'Contact points', 'T', 'where pairs touch, coloured by time of impact'],
+  ['keyPoints', 'Key points', 'K', 'the vertices that tell the shape'],
+  ['boxes', 'Boxes of the hierarchy', 'B', 'what the search for near parts sees'],
+  ['edges', 'Edges of triangles', 'E', ''],
+  ['seeThrough', 'See through', 'X', 'collisions stay solid'],
+];
+
+const kPaints: [Paint, string, string][] = [
+  ['plain', 'Plain', 'clay'],
+  ['level', 'Proof: level', 'proven free, by the level of the hierarchy that proved it; the rest by reason'],
+  ['margin', 'Proof: margin', 'proven free, by how much room the proof had left; the rest by reason'],
+  ['error', 'Prediction error', 'distance between the motion and what key points predict'],
+];
+
+/** Why a layer cannot be had, or nothing. */
+export function whyNot(scene: SceneInfo): { keyPoints: string; error: string; proof: string } {
+  const model = scene.objects.some((object) => object.model);
+  const learned = scene.objects.some((object) => (object.model?.key_points.length ?? 0) > 0);
+  const missing = model ? 'The model has learned no key points; train one with foldproof train.' : 'Needs a model: start with --model FILE (foldproof train makes one).';
+  return {
+    keyPoints: learned ? '' : missing,
+    error: learned ? '' : missing,
+    proof: scene.steps === 0 ? 'A single pose has no steps to prove.' : '',
+  };
+}
+
+export class LayerPanel {
+  readonly element = el('div', { className: 'panel layers' });
+  readonly state: LayerState;
+  private readonly paints = new Map<Paint, HTMLInputElement>();
+  private readonly switches = new Map<Switch, HTMLInputElement>();
+  private readonly level: HTMLInputElement;
+  private readonly levelText = el('output');
+
+  constructor(
+    private readonly scene: SceneInfo,
+    private readonly changed: () => void,
+  ) {
+    const deepest = Math.max(0, ...scene.objects.map((object) => object.levels));
+    this.state = {
+      paint: 'plain',
+      collisions: true,
+      contacts: true,
+      keyPoints: false,
+      boxes: false,
+      level: Math.min(4, deepest),
+      edges: false,
+      seeThrough: false,
+      source: 'motion',
+      visible: scene.objects.map(() => true),
+    };
+    this.level = el('input', { type: 'range', min: '0', max: String(deepest), step: '1', value: String(this.state.level), 'aria-label': 'Level of the boxes' });
+    this.level.addEventListener('input', () => this.setLevel(Number(this.level.value)));
+    this.build();
+  }
+
+  private build(): void {
+    const why = whyNot(this.scene);
+    const paints = el('fieldset', {}, el('legend', {}, 'Colour of the surface'));
+    for (const [paint, title, help] of kPaints) {
+      const reason = paint === 'error' ? why.error : paint === 'plain' ? '' : why.proof;
+      const input = el('input', { type: 'radio', name: 'paint', value: paint, checked: paint === 'plain', disabled: reason !== '' });
+      input.addEventListener('change', () => this.setPaint(paint));
+      this.paints.set(paint, input);
+      paints.append(this.line(input, title, reason || help, reason !== ''));
+    }
+    const marks = el('fieldset', {}, el('legend', {}, 'Shown'));
+    for (const [name, title, key, help] of kSwitches) {
+      const reason = name === 'keyPoints' ? why.keyPoints : name === 'collisions' || name === 'contacts' ? why.proof : '';
+      const input = el('input', { type: 'checkbox', checked: this.state[name], disabled: reason !== '', 'data-layer': name });
+      input.addEventListener('change', () => this.set(name, input.checked));
+      this.switches.set(name, input);
+      marks.append(this.line(input, title, reason || help, reason !== '', key));
+      if (name === 'boxes') marks.append(el('label', { className: 'level' }, 'Level ', this.level, this.levelText));
+    }
+    append(this.element, paints, marks, this.sources(why.error), this.objects());
+    setText(this.levelText, String(this.state.level));
+  }
+
+  private line(input: HTMLInputElement, title: string, help: string, off: boolean, key = ''): HTMLElement {
+    return el('label', { className: off ? 'line off' : 'line' }, input, el('span', {}, title, key !== '' && el('kbd', {}, key), help !== '' && el('small', {}, help)));
+  }
+
+  private sources(reason: string): HTMLElement {
+    const box = el('fieldset', {}, el('legend', {}, 'Shape'));
+    const all: [ShapeSource, string, string][] = [
+      ['motion', 'The motion', ''],
+      ['prediction', 'Its prediction from key points', reason],
+    ];
+    for (const [source, title, why] of all) {
+      const input = el('input', { type: 'radio', name: 'source', value: source, checked: source === 'motion', disabled: why !== '' });
+      input.addEventListener('change', () => {
+        this.state.source = source;
+        this.changed();
+      });
+      box.append(this.line(input, title, why, why !== ''));
+    }
+    return box;
+  }
+
+  private objects(): HTMLElement | null {
+    if (this.scene.objects.length < 2) return null;
+    const box = el('fieldset', {}, el('legend', {}, 'Objects'));
+    this.scene.objects.forEach((object, i) => {
+      const input = el('input', { type: 'checkbox', checked: true });
+      input.addEventListener('change', () => {
+        this.state.visible[i] = input.checked;
+        this.changed();
+      });
+      box.append(this.line(input, object.name, `${object.triangles.toLocaleString('en-US')} triangles`, false));
+    });
+    return box;
+  }
+
+  set(name: Switch, value: boolean): void {
+    const input = this.switches.get(name)!;
+    if (input.disabled) return;
+    input.checked = value;
+    this.state[name] = value;
+    this.changed();
+  }
+
+  toggle(name: Switch): void {
+    this.set(name, !this.state[name]);
+  }
+
+  setPaint(paint: Paint): void {
+    const input = this.paints.get(paint)!;
+    if (input.disabled) return;
+    input.checked = true;
+    this.state.paint = paint;
+    this.changed();
+  }
+
+  /** The next surface colour that can be had. */
+  cyclePaint(): void {
+    const usable = kPaints.map(([paint]) => paint).filter((paint) => !this.paints.get(paint)!.disabled);
+    this.setPaint(usable[(usable.indexOf(this.state.paint) + 1) % usable.length]!);
+  }
+
+  setLevel(level: number): void {
+    this.level.value = String(level);
+    this.state.level = Number(this.level.value);
+    setText(this.levelText, this.level.value);
+    this.changed();
+  }
+}

@@ -1,0 +1,92 @@
+// What every colour in the picture means.
+import { css, errorColour, gradient, kBlue, kNothingToProve, kOrange, kReasons, kRed, kSky, levelColour, marginColour, timeColour, type Rgb } from '../shared/colours';
+import { el } from '../shared/dom';
+import { grouped, percent, short } from '../shared/format';
+import type { LayerState } from './layers';
+
+/** How many triangles have what; by reason's number, and of the certified by level + 1. */
+export interface FaceCounts {
+  triangles: number;
+  colliding: number;
+  reasons: number[];
+  levels: number[];
+}
+
+export function countFaces(parts: Uint8Array[], triangles: number[]): FaceCounts {
+  const counts: FaceCounts = { triangles: 0, colliding: 0, reasons: new Array<number>(8).fill(0), levels: new Array<number>(129).fill(0) };
+  parts.forEach((data, i) => {
+    const n = triangles[i]!;
+    counts.triangles += n;
+    for (let f = 0; f < n; ++f) {
+      if (data[f] !== 0) ++counts.colliding;
+      const reason = data[n + f]!;
+      counts.reasons[Math.min(reason, 7)]! += 1;
+      if (reason === 0) counts.levels[((data[2 * n + f]! << 24) >> 24) + 1]! += 1;
+    }
+  });
+  return counts;
+}
+
+export interface LegendState {
+  layers: LayerState;
+  shapes: boolean; // a made shape is shown, and not the motion
+  steps: boolean;
+  reasons: string[];
+  counts: FaceCounts | null;
+  boxFrame: number | null;
+  chosen: boolean;
+  error: { scale: number; largest: number; rms: number } | null;
+}
+
+const swatch = (colour: Rgb, className = ''): HTMLElement => el('span', { className: `swatch ${className}`, style: { background: css(colour) } });
+
+const item = (mark: HTMLElement, text: string, value = ''): HTMLElement =>
+  el('li', {}, mark, el('span', {}, text), value !== '' && el('b', {}, value));
+
+function scale(colour: (value: number) => Rgb, title: string, ends: [string, string]): HTMLElement {
+  return el('li', { className: 'scale' }, el('span', {}, title), el('span', { className: 'bar', style: { background: gradient(colour) } }), el('span', { className: 'ends' }, el('span', {}, ends[0]), el('span', {}, ends[1])));
+}
+
+function proofItems(state: LegendState): HTMLElement[] {
+  const { counts, layers } = state;
+  const share = (n: number | undefined) => (counts ? percent((n ?? 0) / Math.max(1, counts.triangles)) : '');
+  const items: HTMLElement[] = [];
+  if (layers.paint === 'level') {
+    const levels = counts ? counts.levels.slice(1).flatMap((n, level) => (n > 0 ? [level] : [])) : [];
+    const [low, high] = [levels[0] ?? 0, levels.at(-1) ?? 15];
+    items.push(scale((v) => levelColour(Math.round(low + v * (high - low))), `Proven free by a chart of level ${share(counts?.reasons[0])}`, [`${low} (large patch)`, `${high} (small)`]));
+  } else {
+    items.push(scale(marginColour, `Proven free: margin of the proof ${share(counts?.reasons[0])}`, ['0 (just)', '1 (as drawn)']));
+  }
+  if (!counts || counts.levels[0]! > 0) items.push(item(swatch(kNothingToProve), 'Proven free by boxes and planes alone'));
+  state.reasons.forEach((name, k) => {
+    const reason = kReasons[name];
+    if (k === 0 || !reason || (counts && counts.reasons[k] === 0)) return;
+    const line = item(swatch(reason.colour), reason.title, share(counts?.reasons[k]));
+    line.title = reason.help;
+    items.push(line);
+  });
+  return items;
+}
+
+/** The legend's lines for what is switched on. */
+export function legendItems(state: LegendState): HTMLElement[] {
+  const { layers } = state;
+  const items: HTMLElement[] = [];
+  if (state.shapes) return [el('li', {}, 'A shape of the model: no motion, hence no collisions and proofs of steps')];
+  const striped = layers.paint !== 'plain';
+  if (state.steps && layers.collisions) items.push(item(swatch(kRed, striped ? 'striped' : ''), 'Colliding triangles', state.counts ? grouped(state.counts.colliding) : ''));
+  if (state.steps && layers.contacts) {
+    items.push(scale(timeColour, 'Contact points, time of impact', ['0 begin of step', '1 end']));
+    items.push(item(el('span', { className: 'ring' }), 'Contact still to come in this step'));
+  }
+  if (state.chosen) items.push(item(swatch(kOrange), 'Chosen pair: vertex or first edge'), item(swatch(kBlue), 'Chosen pair: face or second edge'));
+  if (layers.paint === 'level' || layers.paint === 'margin') items.push(...proofItems(state));
+  if (layers.paint === 'error' && state.error) {
+    items.push(scale(errorColour, 'Prediction error, mesh units', ['0', `${short(state.error.scale)} or more`]));
+    items.push(el('li', {}, `largest ${short(state.error.largest)}, root mean square ${short(state.error.rms)}`));
+  }
+  if (layers.keyPoints) items.push(item(swatch(kSky, 'round'), 'Key points'));
+  if (layers.boxes && state.boxFrame !== null) items.push(item(swatch(kBlue, 'box'), `Boxes, level ${layers.level}, frame ${state.boxFrame}`));
+  return items;
+}

@@ -1,0 +1,215 @@
+// Vertices are fetched from textures by number: a frame is uploaded as it came, blending between two frames costs no work of
+// the script, and flat normals are derivatives in the picture, so nothing is computed when a frame changes.
+
+const kFetch = /* glsl */ `
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+precision highp usampler2D;
+uniform sampler2D posA, posB;
+uniform float blend;
+uniform vec3 centre;
+uniform float scale;
+vec3 at(sampler2D positions, int vertex) {
+  int width = textureSize(positions, 0).x;
+  return texelFetch(positions, ivec2(vertex % width, vertex / width), 0).xyz;
+}
+vec3 place(int vertex) {
+  return (mix(at(posA, vertex), at(posB, vertex), blend) - centre) * scale;
+}
+`;
+
+export const kSurfaceVertex = /* glsl */ `
+${kFetch}
+in uint vertex;
+uniform sampler2D refA, refB;
+uniform usampler2D faces;
+uniform int triangles;
+uniform int surface;       // 0 plain, 1 level, 2 margin, 3 error
+uniform bool hasFaces, showCollisions;
+uniform float errorScale;
+uniform vec3 plain, red;
+uniform vec3 reasonColours[8];
+uniform vec3 marginRamp[9];
+uniform vec3 nothing;
+out vec3 eye;
+out vec3 corner;
+out float distanceRatio;
+flat out vec3 colour;
+flat out int marked;
+
+uint told(int plane, int face) {
+  int width = textureSize(faces, 0).x;
+  int k = plane * triangles + face;
+  return texelFetch(faces, ivec2(k % width, k / width), 0).r;
+}
+vec3 levelColour(int level) {
+  if (level < 0) return nothing;
+  float pale = float(min(level, 15) * 12);
+  return vec3(pale, 60.0 + pale, 128.0 + pale * 2.0 / 3.0) / 255.0;
+}
+void main() {
+  int v = int(vertex), face = gl_VertexID / 3, side = gl_VertexID % 3;
+  vec3 p = place(v);
+  vec4 seen = modelViewMatrix * vec4(p, 1.0);
+  eye = seen.xyz;
+  corner = vec3(side == 0, side == 1, side == 2);
+  colour = plain;
+  marked = 0;
+  distanceRatio = 0.0;
+  if (hasFaces && surface != 3) {
+    if (showCollisions && told(0, face) != 0u) marked = 1;
+    if (surface == 1 || surface == 2) {
+      int reason = int(told(1, face));
+      int level = int(told(2, face));
+      if (level > 127) level -= 256;
+      colour = reasonColours[min(reason, 7)];
+      if (reason == 0 && surface == 1) colour = levelColour(level);
+      if (reason == 0 && surface == 2) {
+        float margin = float(told(3, face)) / 255.0 * 8.0;
+        int k = min(int(margin), 7);
+        colour = level < 0 ? nothing : mix(marginRamp[k], marginRamp[k + 1], margin - float(k));
+      }
+    }
+  }
+  if (surface == 3) {
+    vec3 other = (mix(at(refA, v), at(refB, v), blend) - centre) * scale;
+    distanceRatio = length(p - other) / (scale * max(errorScale, 1e-30));
+    if (hasFaces && showCollisions && told(0, face) != 0u) marked = 1;
+  }
+  gl_Position = projectionMatrix * seen;
+}
+`;
+
+export const kSurfaceFragment = /* glsl */ `
+precision highp float;
+precision highp int;
+in vec3 eye;
+in vec3 corner;
+in float distanceRatio;
+flat in vec3 colour;
+flat in int marked;
+uniform int surface;
+uniform vec3 red;
+uniform vec3 errorRamp[9];
+uniform bool edges, seeThrough;
+uniform vec3 edgeColour;
+out vec4 result;
+void main() {
+  bool stripe = mod(gl_FragCoord.x + gl_FragCoord.y, 9.0) < 4.5;
+  // Every other pixel: what lies behind shows through, whatever the order.
+  if (seeThrough && marked == 0 && mod(floor(gl_FragCoord.x) + floor(gl_FragCoord.y), 2.0) < 0.5) discard;
+  vec3 base = colour;
+  if (surface == 3) {
+    float e = clamp(distanceRatio, 0.0, 1.0) * 8.0;
+    int k = min(int(e), 7);
+    base = mix(errorRamp[k], errorRamp[k + 1], e - float(k));
+  }
+  // Over colours that mean something a collision is striped, so that it is not one of them.
+  if (marked == 1) base = surface == 0 || stripe ? red : vec3(1.0);
+  vec3 normal = cross(dFdx(eye), dFdy(eye));
+  float size = length(normal);
+  normal = size > 0.0 ? normal / size : vec3(0.0, 0.0, 1.0);
+  vec3 key = normalize(vec3(-0.35, 0.55, 0.75));
+  float lit = 0.50 + 0.38 * max(0.0, dot(normal, key)) + 0.14 * normal.z + 0.06 * normal.y;
+  vec3 shaded = base * min(lit, 1.06);
+  if (!gl_FrontFacing) shaded *= 0.72;
+  if (edges) {
+    vec3 width = fwidth(corner);
+    vec3 near = smoothstep(vec3(0.0), width * 1.2, corner);
+    float line = 1.0 - min(near.x, min(near.y, near.z));
+    // Where triangles are as small as pixels there is nothing to be told apart.
+    float room = 1.0 - smoothstep(0.15, 0.6, max(width.x, max(width.y, width.z)));
+    shaded = mix(shaded, edgeColour, 0.75 * line * room);
+  }
+  result = vec4(min(shaded, 1.0), 1.0);
+}
+`;
+
+/** Round marks of a size in pixels. `filled`: those whose time has come. */
+export const kPointVertex = /* glsl */ `
+${kFetch}
+#ifdef BY_VERTEX
+in uint vertex;
+uniform vec3 only;
+#else
+in vec3 position_;
+in float toi;
+uniform vec3 timeRamp[9];
+uniform float now;
+#endif
+uniform float size;
+out vec3 colour;
+out float filled;
+void main() {
+#ifdef BY_VERTEX
+  vec3 p = place(int(vertex));
+  colour = only;
+  filled = 1.0;
+#else
+  vec3 p = position_;
+  float e = clamp(toi, 0.0, 1.0) * 8.0;
+  int k = min(int(e), 7);
+  colour = mix(timeRamp[k], timeRamp[k + 1], e - float(k));
+  filled = now >= toi - 1e-6 ? 1.0 : 0.0;
+#endif
+  gl_Position = projectionMatrix * viewMatrix * vec4(p, 1.0);
+  gl_Position.z -= 0.0004 * gl_Position.w; // In front of the surface that it lies on.
+  gl_PointSize = size;
+}
+`;
+
+export const kPointFragment = /* glsl */ `
+precision highp float;
+in vec3 colour;
+in float filled;
+uniform float opacity;
+out vec4 result;
+void main() {
+  float r = length(gl_PointCoord - 0.5) * 2.0;
+  if (r > 1.0) discard;
+  bool rim = r > 0.72;
+  if (filled < 0.5 && r < 0.42) discard;
+  result = vec4(rim ? vec3(0.05, 0.07, 0.09) : colour, opacity);
+}
+`;
+
+/** Lines of a width in pixels between two vertices of the mesh. */
+export const kLineVertex = /* glsl */ `
+${kFetch}
+in uint from, to;
+in float end, across; // 0 or 1 along the line, -1 or 1 across it
+uniform vec2 viewport;
+uniform float width;
+void main() {
+  vec4 a = projectionMatrix * viewMatrix * vec4(place(int(from)), 1.0);
+  vec4 b = projectionMatrix * viewMatrix * vec4(place(int(to)), 1.0);
+  vec2 along = (b.xy / b.w - a.xy / a.w) * viewport;
+  float size = length(along);
+  along = size > 1e-6 ? along / size : vec2(1.0, 0.0);
+  vec4 p = mix(a, b, end);
+  vec2 offset = vec2(-along.y, along.x) * across + along * (end * 2.0 - 1.0);
+  p.xy += offset * width / viewport * p.w;
+  gl_Position = p;
+}
+`;
+
+export const kFlatFragment = /* glsl */ `
+precision highp float;
+uniform vec3 only;
+uniform float opacity;
+out vec4 result;
+void main() { result = vec4(only, opacity); }
+`;
+
+export const kBoxVertex = /* glsl */ `
+precision highp float;
+in vec3 corner;
+in vec3 low, high;
+uniform vec3 centre;
+uniform float scale;
+void main() {
+  vec3 p = (mix(low, high, corner) - centre) * scale;
+  gl_Position = projectionMatrix * viewMatrix * vec4(p, 1.0);
+}
+`;

@@ -1,0 +1,161 @@
+// The camera, what the mouse and fingers do with it, and the picture. Draws only when something has changed.
+import * as THREE from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+
+export type Side = 'front' | 'side' | 'top';
+const kSides: Record<Side, THREE.Vector3> = {
+  front: new THREE.Vector3(0, 0, 1),
+  side: new THREE.Vector3(1, 0, 0),
+  top: new THREE.Vector3(0, 1, 0.0001),
+};
+const kFlightMs = 450;
+
+interface Flight {
+  begin: number;
+  from: THREE.Vector3;
+  fromTarget: THREE.Vector3;
+  to: THREE.Vector3;
+  toTarget: THREE.Vector3;
+}
+
+export class Stage {
+  readonly scene = new THREE.Scene();
+  readonly camera = new THREE.PerspectiveCamera(32, 1, 0.01, 100);
+  readonly canvas = document.createElement('canvas');
+  readonly viewport: THREE.IUniform = { value: new THREE.Vector2(1, 1) };
+  readonly ratio = Math.min(devicePixelRatio, 2);
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly controls: OrbitControls;
+  private flight: Flight | null = null;
+  private dirty = true;
+
+  /** `frame` maps mesh units to the scene's: the first frame's box becomes 2 units large, around 0. */
+  constructor(
+    readonly parent: HTMLElement,
+    readonly frame: { centre: THREE.Vector3; scale: number },
+    private readonly extent: THREE.Vector3,
+  ) {
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute('aria-label', 'The meshes: drag to orbit, right-drag or two fingers to pan, wheel or pinch to zoom');
+    parent.prepend(this.canvas);
+    this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer.setPixelRatio(this.ratio);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.18;
+    this.controls.zoomToCursor = true;
+    this.controls.minDistance = 1e-4;
+    this.controls.maxDistance = 40;
+    this.controls.addEventListener('change', () => (this.dirty = true));
+    this.controls.addEventListener('start', () => (this.flight = null));
+    new ResizeObserver(() => this.resize()).observe(parent);
+    this.resize();
+    this.reset(false);
+  }
+
+  redraw(): void {
+    this.dirty = true;
+  }
+
+  background(colour: string): void {
+    this.renderer.setClearColor(new THREE.Color(colour));
+    this.redraw();
+  }
+
+  /** Everything in view, from a little above and aside. */
+  reset(animated = true): void {
+    this.look(new THREE.Vector3(0.45, 0.25, 1), animated);
+  }
+
+  side(side: Side): void {
+    this.look(kSides[side], true);
+  }
+
+  private look(direction: THREE.Vector3, animated: boolean): void {
+    const d = direction.clone().normalize();
+    const up = Math.abs(d.y) > 0.9 ? new THREE.Vector3(0, 0, -1) : new THREE.Vector3(0, 1, 0);
+    const right = up.clone().cross(d).normalize();
+    const above = d.clone().cross(right);
+    const half = (axis: THREE.Vector3) =>
+      (Math.abs(axis.x) * this.extent.x + Math.abs(axis.y) * this.extent.y + Math.abs(axis.z) * this.extent.z) / 2;
+    const tangent = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
+    const distance = half(d) + 1.12 * Math.max(half(above) / tangent, half(right) / (tangent * this.camera.aspect), 1e-3);
+    this.fly(d.multiplyScalar(distance), new THREE.Vector3(), animated);
+  }
+
+  /** Turns to a point in mesh units and comes as near as `size` of it fills a good part of the picture. */
+  approach(point: THREE.Vector3, size: number): void {
+    const target = point.clone().sub(this.frame.centre).multiplyScalar(this.frame.scale);
+    const direction = this.camera.position.clone().sub(this.controls.target).normalize();
+    const distance = Math.max((5 * size * this.frame.scale) / Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2)), 1e-3);
+    this.fly(target.clone().addScaledVector(direction, distance), target, true);
+  }
+
+  private fly(to: THREE.Vector3, toTarget: THREE.Vector3, animated: boolean): void {
+    const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    if (!animated || still) {
+      this.flight = null;
+      this.camera.position.copy(to);
+      this.controls.target.copy(toTarget);
+    } else {
+      this.flight = { begin: performance.now(), from: this.camera.position.clone(), fromTarget: this.controls.target.clone(), to, toTarget };
+    }
+    this.dirty = true;
+  }
+
+  orbit(right: number, up: number): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const spherical = new THREE.Spherical().setFromVector3(offset);
+    spherical.theta -= right;
+    spherical.phi = Math.min(Math.max(spherical.phi - up, 0.01), Math.PI - 0.01);
+    this.camera.position.setFromSpherical(spherical).add(this.controls.target);
+    this.dirty = true;
+  }
+
+  zoom(factor: number): void {
+    const offset = this.camera.position.clone().sub(this.controls.target).multiplyScalar(factor);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.dirty = true;
+  }
+
+  /** The ray under a point of the window, in mesh units. */
+  ray(x: number, y: number): THREE.Ray {
+    const box = this.canvas.getBoundingClientRect();
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(new THREE.Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2), this.camera);
+    const { origin, direction } = caster.ray;
+    return new THREE.Ray(origin.clone().divideScalar(this.frame.scale).add(this.frame.centre), direction.clone());
+  }
+
+  /** Draws if there is a reason to; true when it did. */
+  draw(now: number): boolean {
+    if (this.flight) {
+      const { begin, from, fromTarget, to, toTarget } = this.flight;
+      const s = Math.min(1, (now - begin) / kFlightMs);
+      const eased = s * s * (3 - 2 * s);
+      this.camera.position.lerpVectors(from, to, Math.max(0, eased));
+      this.controls.target.lerpVectors(fromTarget, toTarget, Math.max(0, eased));
+      if (s >= 1) this.flight = null;
+      this.dirty = true;
+    }
+    this.controls.update();
+    if (!this.dirty) return false;
+    this.dirty = false;
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    this.camera.near = Math.max(distance * 0.02, 1e-5);
+    this.camera.far = distance + 20;
+    this.camera.updateProjectionMatrix();
+    this.renderer.render(this.scene, this.camera);
+    return true;
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.parent;
+    if (width === 0 || height === 0) return;
+    this.renderer.setSize(width, height, false);
+    (this.viewport.value as THREE.Vector2).set(width, height);
+    this.camera.aspect = width / height;
+    this.dirty = true;
+    this.draw(performance.now()); // At once: a canvas is empty after a change of its size.
+  }
+}
