@@ -16,7 +16,8 @@ function stored(): string | null {
 
 export const isDark = (): boolean => document.documentElement.dataset['theme'] === 'dark';
 
-function apply(): void {
+/** As stored or as the system has it. */
+export function applyTheme(): void {
   const choice = stored();
   const dark = choice === null ? system.matches : choice === 'dark';
   document.documentElement.dataset['theme'] = dark ? 'dark' : 'light';
@@ -27,7 +28,7 @@ export function toggleTheme(): void {
   const next = isDark() ? 'light' : 'dark';
   try {
     localStorage.setItem(kKey, next);
-    apply();
+    applyTheme();
   } catch {
     document.documentElement.dataset['theme'] = next;
     for (const listener of listeners) listener(next === 'dark');
@@ -35,8 +36,8 @@ export function toggleTheme(): void {
 }
 
 export function startTheme(): void {
-  system.addEventListener('change', apply);
-  apply();
+  system.addEventListener('change', applyTheme);
+  applyTheme();
 }
 
 export const onTheme = (listener: Listener): void => void listeners.push(listener);

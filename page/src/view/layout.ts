@@ -56,6 +56,8 @@ export class Layout {
     this.aside.append(tabBar, body);
     append(this.stage, this.tools(), this.legend, this.card, this.verdict, this.banner);
     root.replaceChildren(el('div', { className: 'app' }, this.header(scene), this.stage, timeline(this), this.aside));
+    // On a phone it would hide the picture; a touch on its button opens it.
+    this.legend.classList.toggle('closed', matchMedia('(max-width: 760px)').matches);
     this.open('collisions');
   }
 

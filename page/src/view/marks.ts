@@ -44,7 +44,7 @@ export class ContactPoints {
 
   constructor(
     private readonly frame: Frame,
-    ratio: number,
+    private readonly ratio: number,
     anyPlace: Record<string, THREE.IUniform>,
   ) {
     this.uniforms = { ...anyPlace, timeRamp: { value: rampOf(timeColour) }, now: { value: 0 }, size: { value: 10 * ratio } };
@@ -69,6 +69,8 @@ export class ContactPoints {
       places.setXYZ(k, (x - centre.x) * scale, (y - centre.y) * scale, (z - centre.z) * scale);
       times.setX(k, pair.toi);
     });
+    // Many points show where, few show which.
+    this.uniforms.size.value = this.ratio * (pairs.length > 400 ? 6 : pairs.length > 60 ? 8 : 11);
     places.needsUpdate = true;
     times.needsUpdate = true;
     this.geometry.setDrawRange(0, pairs.length);

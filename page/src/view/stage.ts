@@ -79,7 +79,7 @@ export class Stage {
     const half = (axis: THREE.Vector3) =>
       (Math.abs(axis.x) * this.extent.x + Math.abs(axis.y) * this.extent.y + Math.abs(axis.z) * this.extent.z) / 2;
     const tangent = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
-    const distance = half(d) + 1.12 * Math.max(half(above) / tangent, half(right) / (tangent * this.camera.aspect), 1e-3);
+    const distance = half(d) + 1.03 * Math.max(half(above) / tangent, half(right) / (tangent * this.camera.aspect), 1e-3);
     this.fly(d.multiplyScalar(distance), new THREE.Vector3(), animated);
   }
 

@@ -83,6 +83,7 @@ export class Surface {
   ) {
     this.shown = new FramePair(floatsOf(info.vertices));
     this.faces = new THREE.DataTexture(new Uint8Array(kRow), kRow, 1, THREE.RedIntegerFormat, THREE.UnsignedByteType);
+    this.faces.needsUpdate = true; // A texture that was never uploaded would be bound as one of another type.
     this.place = {
       posA: { value: this.shown.a.uniform },
       posB: { value: this.shown.b.uniform },

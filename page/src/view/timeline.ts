@@ -38,8 +38,8 @@ export class Timeline {
   }
 
   private makeButtons(): HTMLElement {
-    const button = (path: string, title: string, action: () => void) =>
-      el('button', { className: 'quiet', type: 'button', title, 'aria-label': title, onclick: action }, icon(path));
+    const button = (path: string, title: string, action: () => void, className = '') =>
+      el('button', { className: `quiet ${className}`, type: 'button', title, 'aria-label': title, onclick: action }, icon(path));
     const play = el('button', { className: 'play', type: 'button', title: 'Play or pause (Space)', 'aria-label': 'Play or pause', onclick: this.actions.play }, this.playIcon);
     const speed = el('select', { title: 'Speed ([ and ])', 'aria-label': 'Speed', className: 'speed' });
     for (const value of kSpeeds) speed.append(el('option', { value: String(value), selected: value === 1 }, `${value}×`));
@@ -56,8 +56,8 @@ export class Timeline {
       button('M17 5v14l-11-7z', s > 1 ? 'One substep back (←)' : 'One step back (←)', () => this.actions.move(-1)),
       play,
       button('M7 5v14l11-7z', s > 1 ? 'One substep on (→)' : 'One step on (→)', () => this.actions.move(1)),
-      button('M12 3 5 15h14zM5 18h14v2H5z', 'Previous collision (P)', () => this.actions.collision(-1)),
-      button('M12 21 5 9h14zM5 4h14v2H5z', 'Next collision (N)', () => this.actions.collision(1)),
+      button('M11 5v14l-9-7zm4 4a3 3 0 1 1 0 6 3 3 0 0 1 0-6z', 'Previous step with collisions (P)', () => this.actions.collision(-1), 'collision'),
+      button('M13 5v14l9-7zm-4 4a3 3 0 1 0 0 6 3 3 0 0 0 0-6z', 'Next step with collisions (N)', () => this.actions.collision(1), 'collision'),
       speed,
       el('label', { className: 'inner', title: 'Time within the step (, and .)' }, el('span', {}, 'in step'), this.within),
       this.where,
