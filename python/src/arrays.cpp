@@ -1,0 +1,108 @@
+#include "arrays.h"
+
+namespace foldproof::python {
+namespace {
+
+py::handle error_class;  // lives as long as the module, which Python never unloads
+
+std::string shape_text(const py::array& x) { return py::str(py::tuple(x.attr("shape"))).cast<std::string>(); }
+
+/// Anything that NumPy makes an array of, else refused.
+py::array any_array(const py::handle& x, const char* what, const char* layout) {
+  auto array = py::array::ensure(x);
+  if (!array) refuse(what, "is no array", std::string("give ") + layout + " numbers");
+  return array;
+}
+
+}  // namespace
+
+void refuse(std::string where, std::string problem, std::string mend) {
+  throw Refused{{std::move(where), std::move(problem), std::move(mend)}};
+}
+
+void bind_errors(py::module_& module) {
+  const char* doc =
+      "Why a file, mesh or argument was refused; a ValueError whose text is one line.\n\n"
+      "where: file and place, or argument. problem: what is wrong. mend: what to do about it.";
+  PyObject* made = PyErr_NewExceptionWithDoc("foldproof.Error", doc, PyExc_ValueError, nullptr);
+  if (made == nullptr) throw py::error_already_set();
+  error_class = made;
+  module.attr("Error") = error_class;
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const Refused& refused) {
+      const py::object error = error_class(text_of(refused.error.line()));
+      error.attr("where") = text_of(refused.error.where);
+      error.attr("problem") = text_of(refused.error.problem);
+      error.attr("mend") = text_of(refused.error.mend);
+      PyErr_SetObject(error_class.ptr(), error.ptr());
+    }
+  });
+}
+
+Numbers numbers_of(const py::handle& x, const char* what, std::initializer_list<py::ssize_t> shape,
+                   const char* layout) {
+  const py::array array = any_array(x, what, layout);
+  const char kind = array.dtype().kind();
+  if (kind != 'f' && kind != 'i' && kind != 'u') {
+    refuse(what, "holds " + py::str(array.dtype()).cast<std::string>() + ", not real numbers",
+           "give an array of float64");
+  }
+  bool fits = array.ndim() == static_cast<py::ssize_t>(shape.size());
+  for (std::size_t k = 0; fits && k < shape.size(); ++k) {
+    const py::ssize_t wanted = shape.begin()[k];
+    fits = wanted < 0 || array.shape(static_cast<py::ssize_t>(k)) == wanted;
+  }
+  if (!fits) refuse(what, "has shape " + shape_text(array), std::string("give ") + layout);
+  auto numbers = Numbers::ensure(array);
+  if (!numbers) throw py::error_already_set();
+  return numbers;
+}
+
+std::vector<Triangle> triangles_of(const py::handle& x) {
+  const py::array array = any_array(x, "triangles", "T x 3");
+  const char kind = array.dtype().kind();
+  if (kind != 'i' && kind != 'u') {
+    refuse("triangles", "hold " + py::str(array.dtype()).cast<std::string>() + ", not integers",
+           "give vertex ids, for example as uint32");
+  }
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    refuse("triangles", "have shape " + shape_text(array), "give T x 3 vertex ids");
+  const auto ids = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>::ensure(array);
+  if (!ids) throw py::error_already_set();
+  std::vector<Triangle> triangles(static_cast<std::size_t>(ids.shape(0)));
+  const std::int64_t* id = ids.data();
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    for (Index& corner : triangles[t]) {
+      if (*id < 0 || *id >= kNoIndex) {
+        refuse("triangles", "row " + std::to_string(t) + " names vertex " + std::to_string(*id),
+               "count vertices from 0");
+      }
+      corner = static_cast<Index>(*id++);
+    }
+  }
+  return triangles;
+}
+
+std::string path_of(const py::handle& path) {
+  PyObject* bytes = nullptr;
+  if (PyUnicode_FSConverter(path.ptr(), &bytes) == 0) throw py::error_already_set();
+  return py::reinterpret_steal<py::bytes>(bytes).cast<std::string>();
+}
+
+py::str text_of(const std::string& text) {
+  PyObject* decoded =
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "backslashreplace");
+  if (decoded == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(decoded);
+}
+
+py::array_t<double> owned(std::vector<double>&& values, std::vector<py::ssize_t> shape) {
+  auto held = std::make_unique<std::vector<double>>(std::move(values));
+  const double* data = held->data();
+  const py::capsule owner(held.release(), [](void* p) { delete static_cast<std::vector<double>*>(p); });
+  return py::array_t<double>(std::move(shape), data, owner);
+}
+
+}  // namespace foldproof::python

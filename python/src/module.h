@@ -1,0 +1,15 @@
+/// The parts of the module. A class must be bound before a function that names it.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace foldproof::python {
+
+void bind_motions(pybind11::module_& module);
+void bind_hierarchy(pybind11::module_& module);
+void bind_models(pybind11::module_& module);
+void bind_steps(pybind11::module_& module);
+void bind_checks(pybind11::module_& module);
+void bind_reduced(pybind11::module_& module);
+
+}  // namespace foldproof::python

@@ -1,0 +1,184 @@
+#include "motions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "arrays.h"
+#include "module.h"
+
+namespace foldproof::python {
+namespace {
+
+/// Frames in an array of the caller, in place.
+class ArrayMotion final : public Motion {
+ public:
+  ArrayMotion(std::string name, Topology topology, Numbers frames)
+      : name_(std::move(name)), topology_(std::move(topology)), frames_(std::move(frames)) {
+    positions_ = span_of(frames_);
+  }
+  const std::string& name() const override { return name_; }
+  const Topology& topology() const override { return topology_; }
+  Index frame_count() const override {
+    return static_cast<Index>(positions_.size() / topology_.vertex_count() / 3);
+  }
+  // Without Python's lock: nothing here touches a Python object.
+  Result<void> read_frame(Index k, std::span<double> out) override {
+    const auto frame = positions_.subspan(k * out.size(), out.size());
+    std::copy(frame.begin(), frame.end(), out.begin());
+    const auto bad = std::find_if(out.begin(), out.end(), [](double x) { return !std::isfinite(x); });
+    if (bad == out.end()) return {};
+    return fail(
+        name_ + ", frame " + std::to_string(k) + ", vertex " + std::to_string((bad - out.begin()) / 3),
+        "a coordinate is not finite", "give finite numbers");
+  }
+
+ private:
+  std::string name_;
+  Topology topology_;
+  Numbers frames_;
+  std::span<const double> positions_;
+};
+
+std::unique_ptr<SharedMotion> array_motion(const py::handle& triangles, const py::handle& frames,
+                                           std::string name) {
+  py::object array = py::reinterpret_borrow<py::object>(frames);
+  if (py::isinstance<py::array>(array) && array.attr("ndim").cast<int>() == 2)
+    array = array[py::make_tuple(py::none(), py::ellipsis())];  // a single pose
+  Numbers numbers = numbers_of(array, "frames", {-1, -1, 3}, "F x V x 3, or V x 3 for one");
+  if (numbers.size() == 0) refuse("frames", "are empty", "give at least one frame of one vertex");
+  Topology topology = take(Topology::make(static_cast<Index>(numbers.shape(1)), triangles_of(triangles)));
+  return std::make_unique<SharedMotion>(
+      std::make_unique<ArrayMotion>(std::move(name), std::move(topology), std::move(numbers)));
+}
+
+ReadOptions read_options(double fps, bool weld) {
+  if (!(fps > 0) || !std::isfinite(fps)) refuse("fps", "is not a finite, positive number", "give another");
+  return {.fps = fps, .weld = weld};
+}
+
+std::vector<std::unique_ptr<SharedMotion>> open_all(const py::args& paths, double fps, bool weld) {
+  std::vector<std::string> arguments;
+  for (const auto& path : paths) arguments.push_back(path_of(path));
+  const ReadOptions options = read_options(fps, weld);
+  std::vector<std::unique_ptr<Motion>> motions;
+  {
+    const py::gil_scoped_release others_go_on;
+    motions = take(open_motions(arguments, options));
+  }
+  std::vector<std::unique_ptr<SharedMotion>> shared;
+  for (auto& motion : motions) shared.push_back(std::make_unique<SharedMotion>(std::move(motion)));
+  return shared;
+}
+
+py::list open_list(const py::args& paths, double fps, bool weld) {
+  py::list list;
+  for (auto& motion : open_all(paths, fps, weld)) list.append(std::move(motion));
+  return list;
+}
+
+std::unique_ptr<SharedMotion> open_one(const py::args& paths, double fps, bool weld) {
+  auto motions = open_all(paths, fps, weld);
+  if (motions.size() != 1)
+    refuse("paths", "are " + std::to_string(motions.size()) + " motions", "give one, or use open_motions");
+  return std::move(motions.front());
+}
+
+py::array read_frame(SharedMotion& motion, std::int64_t k) {
+  const std::int64_t count = motion.frame_count();
+  const std::int64_t frame = k < 0 ? k + count : k;
+  if (frame < 0 || frame >= count) {
+    throw py::index_error("frame " + std::to_string(k) + " of " + std::to_string(count));
+  }
+  const py::ssize_t vertices = motion.topology().vertex_count();
+  std::vector<double> positions(static_cast<std::size_t>(vertices) * 3);
+  {
+    const py::gil_scoped_release others_go_on;
+    take(motion.read_frame(static_cast<Index>(frame), positions));
+  }
+  return owned(std::move(positions), {vertices, 3});
+}
+
+py::array triangles_of_motion(const py::object& self) {
+  const Topology& topology = self.cast<const SharedMotion&>().topology();
+  return view_of(topology.triangles()[0].data(), {static_cast<py::ssize_t>(topology.triangles().size()), 3},
+                 self);
+}
+
+}  // namespace
+
+std::vector<std::unique_ptr<Motion>> motions_of(const py::handle& motions) {
+  std::vector<std::unique_ptr<Motion>> all;
+  const auto add = [&](const py::handle& motion) {
+    if (!py::isinstance<SharedMotion>(motion)) {
+      throw py::type_error(
+          "expected a foldproof.Motion, or a list of them; make one with Motion(triangles, "
+          "frames) or open_motion(path)");
+    }
+    all.push_back(std::make_unique<SharedMotion>(motion.cast<const SharedMotion&>()));
+  };
+  if (py::isinstance<py::list>(motions) || py::isinstance<py::tuple>(motions)) {
+    for (const auto& motion : motions) add(motion);
+  } else {
+    add(motions);
+  }
+  return all;
+}
+
+FrameRange frames_of(const py::handle& frames) {
+  if (frames.is_none()) return {};
+  if (py::isinstance<py::str>(frames)) return take(parse_frame_range(frames.cast<std::string>()));
+  if (py::isinstance<py::int_>(frames)) return take(parse_frame_range(py::str(frames).cast<std::string>()));
+  if (!PySlice_Check(frames.ptr())) throw py::type_error("frames: expected a slice, an int, a str or None");
+  FrameRange range;
+  const auto read = [&](const char* name) {
+    const py::object end = frames.attr(name);
+    return end.is_none() ? std::nullopt : std::optional(end.cast<std::int64_t>());
+  };
+  range.begin = read("start");
+  range.end = read("stop");
+  const std::int64_t step = read("step").value_or(1);
+  if (step < 1 || step >= kNoIndex)
+    refuse("frames", "have a step of " + std::to_string(step), "give 1 or more");
+  range.step = static_cast<Index>(step);
+  return range;
+}
+
+void bind_motions(py::module_& module) {
+  py::class_<SharedMotion, std::shared_ptr<SharedMotion>>(
+      module, "Motion",
+      "Triangles, and where their vertices are in every frame; frames are read when they are asked for.\n\n"
+      "motion[k] is frame k, and a loop over a motion goes through its frames. May be used from several "
+      "threads.")
+      .def(py::init(&array_motion), py::arg("triangles"), py::arg("frames"), py::arg("name") = "array",
+           "From arrays: triangles T x 3 vertex ids (integers), frames F x V x 3 in mesh units.\n\n"
+           "Float64 in C order is used in place, so do not change it while a call runs; everything else is "
+           "converted once. One pose may be V x 3. Error: other shapes, ids beyond V.")
+      .def_property_readonly(
+          "name", [](const SharedMotion& m) { return text_of(m.name()); },
+          "For people: the file, or 'array'.")
+      .def_property_readonly("triangles", &triangles_of_motion, "T x 3 vertex ids, uint32; read-only.")
+      .def_property_readonly(
+          "vertex_count", [](const SharedMotion& m) { return m.topology().vertex_count(); }, "V.")
+      .def("__len__", &SharedMotion::frame_count)
+      .def("__getitem__", &read_frame, py::arg("frame"),
+           "V x 3 float64, an array of its own, in mesh units; negative numbers count from the end.\n\n"
+           "Error: the file is bad at this frame. IndexError: there is none.");
+  module.def("open_motion", &open_one, py::arg("fps") = 24.0, py::arg("weld") = false,
+             "Opens one motion: OBJ, OFF or PLY (with .pc2 or .mdd), a directory of them, glTF, GLB, NPZ.\n\n"
+             "fps: sampling rate of animated glTF. weld: merge vertices that coincide in the first frame. "
+             "Error: as the program has it (docs/formats.md).");
+  module.def("open_motions", &open_list, py::arg("fps") = 24.0, py::arg("weld") = false,
+             "The same for any number of paths: a list of motions.");
+  module.def(
+      "write_motion",
+      [](const py::object& path, SharedMotion& motion) {
+        const std::string name = path_of(path);
+        const py::gil_scoped_release others_go_on;
+        take(write_motion(name, motion));
+      },
+      py::arg("path"), py::arg("motion"),
+      "Writes .npz, .obj (with a .pc2 beside it for several frames) or .ply (one frame).\n\n"
+      "The file appears whole or not at all. Error: it cannot be written.");
+}
+
+}  // namespace foldproof::python

@@ -1,0 +1,43 @@
+/// Motions as Python holds them.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "foldproof/report.h"
+
+namespace foldproof::python {
+
+/// A motion that several threads, and several owners, may read.
+class SharedMotion final : public Motion {
+ public:
+  explicit SharedMotion(std::unique_ptr<Motion> motion)
+      : state_(std::make_shared<State>(std::move(motion))) {}
+
+  const std::string& name() const override { return state_->motion->name(); }
+  const Topology& topology() const override { return state_->motion->topology(); }
+  Index frame_count() const override { return state_->motion->frame_count(); }
+  Result<void> read_frame(Index k, std::span<double> out) override {
+    const std::lock_guard lock(state_->mutex);
+    return state_->motion->read_frame(k, out);
+  }
+
+ private:
+  struct State {
+    explicit State(std::unique_ptr<Motion> m) : motion(std::move(m)) {}
+    std::unique_ptr<Motion> motion;
+    std::mutex mutex;
+  };
+  std::shared_ptr<State> state_;
+};
+
+/// One motion, or several in a list or tuple.
+std::vector<std::unique_ptr<Motion>> motions_of(const pybind11::handle& motions);
+
+/// None, a slice, an int, or text as the program reads it ("A:B:STEP").
+FrameRange frames_of(const pybind11::handle& frames);
+
+}  // namespace foldproof::python

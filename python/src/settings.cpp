@@ -1,0 +1,105 @@
+#include "steps.h"
+
+namespace foldproof::python {
+namespace {
+
+struct Flag {
+  const char* name;
+  bool StepSettings::*member;
+};
+constexpr Flag kFlags[] = {{"within", &StepSettings::within},
+                           {"between", &StepSettings::between},
+                           {"certificates", &StepSettings::certificates},
+                           {"earliest_only", &StepSettings::earliest_only},
+                           {"explain", &StepSettings::explain}};
+struct Number {
+  const char* name;
+  double StepSettings::*member;
+};
+constexpr Number kNumbers[] = {{"thickness", &StepSettings::thickness},
+                               {"tolerance", &StepSettings::tolerance},
+                               {"miss_rate", &StepSettings::miss_rate}};
+
+bool truth_of(const py::handle& value) {
+  const int truth = PyObject_IsTrue(value.ptr());
+  if (truth < 0) throw py::error_already_set();
+  return truth == 1;
+}
+
+double number_of(const py::handle& value) {
+  const double x = PyFloat_AsDouble(value.ptr());
+  if (x == -1 && PyErr_Occurred() != nullptr) throw py::error_already_set();
+  return x;
+}
+
+Mode mode_of(const py::handle& value) {
+  const std::string name = py::str(value).cast<std::string>();
+  if (name == "proven") return Mode::Proven;
+  if (name == "paper") return Mode::Paper;
+  refuse("mode", "'" + name + "' is not known", "give 'proven' or 'paper'");
+}
+
+}  // namespace
+
+StepSettings step_settings(const py::kwargs& settings) {
+  StepSettings s;
+  for (const auto& [key, value] : settings) {
+    const auto name = key.cast<std::string>();
+    bool known = name == "mode";
+    if (known) s.mode = mode_of(value);
+    for (const auto& [flag, member] : kFlags) {
+      if (name == flag) known = true, s.*member = truth_of(value);
+    }
+    for (const auto& [number, member] : kNumbers) {
+      if (name == number) known = true, s.*member = number_of(value);
+    }
+    if (!known) throw py::type_error("'" + name + "' is no setting of a check");
+  }
+  return s;
+}
+
+std::string with_settings(const char* doc) {
+  return std::string(doc) +
+         "\n\nsettings, all by keyword:\n"
+         "  within=True          collisions of each object with itself\n"
+         "  between=True         collisions of every two objects\n"
+         "  thickness=0.0        mesh units; closer than or equal to this is a collision\n"
+         "  tolerance=0.0        mesh units; how far beyond it a reported pair may be. 0: 2^-30 of the "
+         "scene\n"
+         "  certificates=True    leave out what certificates prove; never changes the answer\n"
+         "  earliest_only=False  only the pair with the earliest time of impact\n"
+         "  explain=False        say what certificates did\n"
+         "  mode='proven'        or 'paper', which is STATISTICAL and can miss collisions\n"
+         "  miss_rate=0.01       mode 'paper': the share that may have been missed in training";
+}
+
+py::dict work_of(const Work& work) {
+  py::dict d;
+  d["node_tests"] = work.node_tests;
+  d["certificate_tests"] = work.certificate_tests;
+  d["certificate_passes"] = work.certificate_passes;
+  d["leaf_pairs"] = work.leaf_pairs;
+  d["candidates_vf"] = work.candidates_vf;
+  d["candidates_ee"] = work.candidates_ee;
+  d["undecided"] = work.undecided;
+  return d;
+}
+
+py::dict milliseconds_of(const StageTimes& times) {
+  py::dict d;
+  d["total"] = times.total;
+  d["update"] = times.update;
+  d["traverse"] = times.traverse;
+  d["narrow"] = times.narrow;
+  return d;
+}
+
+py::list items_of(const py::object& one_or_several) {
+  if (py::isinstance<py::list>(one_or_several) || py::isinstance<py::tuple>(one_or_several))
+    return py::list(one_or_several);
+  py::list one;
+  one.append(one_or_several);
+  return one;
+}
+
+}  // namespace foldproof::python

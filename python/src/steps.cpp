@@ -1,0 +1,194 @@
+// StepChecker and its answers.
+#include "steps.h"
+
+#include <mutex>
+#include <optional>
+
+#include "foldproof/report.h"
+#include "module.h"
+
+namespace foldproof::python {
+namespace {
+
+/// Objects that move together. A lock, as Python's own is not held while it works.
+struct Checker {
+  std::vector<std::shared_ptr<const Hierarchy>> objects;
+  std::optional<StepChecker> checker;
+  std::mutex mutex;
+};
+
+std::unique_ptr<Checker> make_checker(const py::object& objects) {
+  auto made = std::make_unique<Checker>();
+  std::vector<std::shared_ptr<const ChartLibrary>> charts;
+  std::vector<std::shared_ptr<const Learned>> learned;
+  for (const auto& object : items_of(objects)) {
+    if (py::isinstance<Model>(object)) {
+      const auto model = object.cast<std::shared_ptr<Model>>();
+      made->objects.push_back(model->hierarchy());
+      charts.push_back(model->charts);
+      learned.push_back(model->learned);
+    } else if (py::isinstance<Hierarchy>(object)) {
+      made->objects.push_back(object.cast<std::shared_ptr<Hierarchy>>());
+      charts.emplace_back();
+      learned.emplace_back();
+    } else {
+      throw py::type_error("objects: expected a foldproof.Hierarchy or a foldproof.Model, or a list of them");
+    }
+  }
+  if (made->objects.empty()) refuse("objects", "are none", "give at least one");
+  made->checker.emplace(made->objects, std::move(charts), std::move(learned));
+  return made;
+}
+
+/// Positions of all objects at one time; keeps the arrays.
+struct Pose {
+  std::vector<Numbers> arrays;
+  std::vector<std::span<const double>> spans;
+};
+
+Pose pose_of(const py::object& x, const char* what, const Checker& checker) {
+  const py::list items = items_of(x);
+  if (items.size() != checker.objects.size()) {
+    refuse(what,
+           "has " + std::to_string(items.size()) + " arrays for " + std::to_string(checker.objects.size()) +
+               " objects",
+           "give a list with one array V x 3 per object");
+  }
+  Pose pose;
+  for (std::size_t k = 0; k < items.size(); ++k) {
+    const Index vertices = checker.objects[k]->topology().vertex_count();
+    const std::string layout = "V x 3 with V = " + std::to_string(vertices);
+    pose.arrays.push_back(numbers_of(items[k], what, {vertices, 3}, layout.c_str()));
+    pose.spans.push_back(span_of(pose.arrays.back()));
+  }
+  return pose;
+}
+
+std::unique_ptr<StepResult> check(Checker& self, const py::object& x0, const py::object& x1,
+                                  const py::kwargs& settings) {
+  const StepSettings step = step_settings(settings);
+  const Pose from = pose_of(x0, "x0", self), to = pose_of(x1, "x1", self);
+  auto result = std::make_unique<StepResult>();
+  const py::gil_scoped_release others_go_on;
+  const std::lock_guard lock(self.mutex);
+  take(self.checker->check(from.spans, to.spans, step, *result));
+  return result;
+}
+
+std::unique_ptr<StaticResult> check_static(Checker& self, const py::object& x, const py::kwargs& settings) {
+  const StepSettings step = step_settings(settings);
+  const Pose pose = pose_of(x, "x", self);
+  auto result = std::make_unique<StaticResult>();
+  const py::gil_scoped_release others_go_on;
+  const std::lock_guard lock(self.mutex);
+  take(self.checker->check_static(pose.spans, step, *result));
+  return result;
+}
+
+py::list explanation_of(const Explanation& explanation, const py::object& owner) {
+  py::list objects;
+  for (const auto& object : explanation.objects) {
+    py::dict d;
+    d["level"] = view_of(object.level, owner);
+    d["reason"] = view_of(reinterpret_cast<const std::uint8_t*>(object.reason.data()),
+                          {static_cast<py::ssize_t>(object.reason.size())}, owner);
+    objects.append(d);
+  }
+  return objects;
+}
+
+template <class Answer>
+py::array colliding_faces_of(const Answer& answer, const Hierarchy& hierarchy, Index object) {
+  const auto marks = colliding_faces(hierarchy.topology(), object, answer);
+  py::array_t<bool> faces(static_cast<py::ssize_t>(marks.size()));
+  std::copy(marks.begin(), marks.end(), faces.mutable_data());
+  return faces;
+}
+
+template <class Class>
+void bind_answer(Class& answer) {
+  using Answer = typename Class::type;
+  answer.def_property_readonly("clean", &Answer::clean, "Whether nothing collides.")
+      .def_property_readonly(
+          "work", [](const Answer& a) { return work_of(a.work); },
+          "What the query did, in numbers: node_tests, certificate_tests, certificate_passes, leaf_pairs, "
+          "candidates_vf, candidates_ee, undecided.")
+      .def_property_readonly(
+          "milliseconds", [](const Answer& a) { return milliseconds_of(a.milliseconds); },
+          "Wall time: total, update, traverse, narrow.")
+      .def_property_readonly(
+          "explanation",
+          [](const py::object& self) { return explanation_of(self.cast<const Answer&>().explanation, self); },
+          "With explain=True, per object a dict of 'level' (T, int8) and 'reason' (T, uint8; names in "
+          "foldproof.REASONS); else empty.")
+      .def(
+          "colliding_faces", &colliding_faces_of<Answer>, py::arg("hierarchy"), py::arg("object") = 0,
+          "T booleans: the object's triangles that take part in a collision, those around a colliding vertex "
+          "or edge included.");
+}
+
+void bind_answers(py::module_& module) {
+  py::class_<StepResult> step(
+      module, "StepResult",
+      "Answer of a step: every pair that touches, sorted by ids. Its arrays are views "
+      "that keep it alive.");
+  bind_answer(step);
+  step.def_property_readonly(
+          "vertex_face",
+          [](const py::object& self) { return view_of(self.cast<const StepResult&>().vertex_face, self); },
+          "Structured array: vertex_object, vertex, face_object, face (ids), toi (in [0, 1] of the step; "
+          "nothing "
+          "touches before), answer (HIT or UNDECIDED).")
+      .def_property_readonly(
+          "edge_edge",
+          [](const py::object& self) { return view_of(self.cast<const StepResult&>().edge_edge, self); },
+          "Structured array: object_a, a (2 vertex ids), object_b, b (2 vertex ids), toi, answer.")
+      .def_readonly("tolerance", &StepResult::tolerance, "The tolerance that was used, mesh units.")
+      .def_readonly("earliest_toi", &StepResult::earliest_toi, "In [0, 1]; 1 when nothing collides.");
+  py::class_<StaticResult> pose(module, "StaticResult",
+                                "Answer for one pose: every two triangles that cross.");
+  bind_answer(pose);
+  pose.def_property_readonly(
+      "crossings",
+      [](const py::object& self) { return view_of(self.cast<const StaticResult&>().crossings, self); },
+      "Structured array: object_a, triangle_a, object_b, triangle_b.");
+}
+
+}  // namespace
+
+void register_collision_types() {
+  PYBIND11_NUMPY_DTYPE(VertexFaceCollision, vertex_object, vertex, face_object, face, toi, answer);
+  PYBIND11_NUMPY_DTYPE(EdgeEdgeCollision, object_a, a, object_b, b, toi, answer);
+  PYBIND11_NUMPY_DTYPE(TriangleCrossing, object_a, triangle_a, object_b, triangle_b);
+}
+
+void bind_steps(py::module_& module) {
+  register_collision_types();
+  module.attr("HIT") = static_cast<int>(Answer::Hit);
+  module.attr("UNDECIDED") = static_cast<int>(Answer::Undecided);
+  py::tuple reasons(kReasonNames.size());
+  for (std::size_t k = 0; k < kReasonNames.size(); ++k) reasons[k] = kReasonNames[k];
+  module.attr("REASONS") = reasons;
+  bind_answers(module);
+  py::class_<Checker>(
+      module, "StepChecker",
+      "Checks a fixed set of objects step by step, and keeps what it learned in earlier steps.\n\n"
+      "Steps of one checker wait for each other; use one checker per thread.")
+      .def(py::init(&make_checker), py::arg("objects"),
+           "objects: a Hierarchy, a Model (its certificates are used from the first step on), or a list of "
+           "them.")
+      .def(
+          "check", &check, py::arg("x0"), py::arg("x1"),
+          with_settings(
+              "Every vertex-face and edge-edge pair that comes into contact while all vertices go straight "
+              "from "
+              "x0 to x1. No pair that touches is missing.\n\n"
+              "x0, x1: V x 3 in mesh units, or a list of one array per object; float64 in C order is used in "
+              "place. Error: wrong shapes, numbers that are not finite.")
+              .c_str())
+      .def("check_static", &check_static, py::arg("x"),
+           "Every two triangles that cross in the pose x (as in check), decided exactly.\n\n"
+           "settings: within, between, certificates, explain. Error: as in check.");
+}
+
+}  // namespace foldproof::python
