@@ -162,6 +162,7 @@ export class Charts {
     return {
       width: this.width(),
       height: this.options.height,
+      padding: [8, 10, 0, 0],
       cursor: { sync: { key: this.sync.key }, points: { show: false }, y: false, drag: { x: false, y: false } },
       scales: {
         x: { time: false, range: () => [this.options.low, Math.max(this.options.high, this.options.low + 1)] },

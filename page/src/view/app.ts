@@ -185,6 +185,7 @@ export class App {
 
   private play(playing: boolean): void {
     if (playing && this.scene.steps === 0) return;
+    if (playing) this.showMotion();
     if (playing && this.clock.atEnd) this.clock.seek(0);
     this.clock.playing = playing;
     this.timeline.showPlaying(playing);
@@ -194,8 +195,14 @@ export class App {
   /** Another place in time; what was chosen in another step is chosen no more. */
   private goTo(move: () => void, playOn = false): void {
     if (!playOn) this.play(false);
+    this.showMotion();
     move();
     this.dirty = true;
+  }
+
+  /** The timeline is about the motion; whoever uses it wants to see that, and not a made shape. */
+  private showMotion(): void {
+    if (this.layout.openTab === 'shapes') this.layout.open('collisions');
   }
 
   private nextCollision(direction: 1 | -1): void {

@@ -1,0 +1,190 @@
+// The page in a real browser, against the real program.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { join } from 'node:path';
+import { folder, launch, makeTube, openPage, phone, picture, removeFolder, run, state, until, view } from './program.mjs';
+
+const kFrames = 400;
+let browser, withModel, without;
+
+before(async () => {
+  // A name that would be markup if it were taken for it.
+  const tube = makeTube('tube<img src=x onerror=alert(1)>', { frames: kFrames });
+  const poses = makeTube('poses', { frames: 24 });
+  const model = join(folder, 'tube.model');
+  run('train', ...poses, '-o', model, '--quiet');
+  [browser, withModel, without] = await Promise.all([launch(), view(...tube, '--model', model), view(...makeTube('plain', { frames: 12 }), '--substeps', '4')]);
+});
+
+after(async () => {
+  await browser?.close();
+  await Promise.all([withModel?.end(), without?.end()]);
+  removeFolder();
+});
+
+/** Opens a page, waits for its first picture and for the check, and closes it without an error. */
+async function visit(server, body, size) {
+  const { page, errors, close } = await openPage(browser, server.url, size);
+  try {
+    await until(page, (s) => s.firstPicture > 0, 'a first picture');
+    await until(page, (s) => s.state === 'done', 'the end of the check', 30_000);
+    await body(page);
+    assert.deepEqual(errors, []);
+  } finally {
+    await close();
+  }
+}
+
+test('loads and plays a motion of 400 frames', () =>
+  visit(withModel, async (page) => {
+    assert.equal((await state(page)).steps, kFrames - 1);
+    assert.match(await page.locator('.status').innerText(), /colliding pairs in \d+ of 399 steps/);
+    await page.keyboard.press(' ');
+    const { place } = await until(page, (s) => s.playing && s.place > 2, 'playing');
+    await until(page, (s) => s.place > place + 2, 'the frame to go on');
+    await page.click('.play');
+    assert.equal((await state(page)).playing, false);
+    await page.waitForTimeout(50);
+    const { bytes, budget } = await state(page);
+    assert.ok(bytes > 0 && bytes <= budget, `${bytes} bytes of ${budget}`);
+  }));
+
+test('scrubs on the timeline, steps with keys and buttons', () =>
+  visit(withModel, async (page) => {
+    const before = await picture(page);
+    const box = await page.locator('.track').boundingBox();
+    await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+    const { place, step } = await until(page, (s) => Math.abs(s.place - (kFrames - 1) / 2) < 2 && !s.waiting, 'the middle');
+    assert.ok(place > 0);
+    assert.notDeepEqual(await picture(page), before);
+    await page.keyboard.press('ArrowRight');
+    assert.equal((await state(page)).step, step + 1);
+    await page.click('[title="One step back (←)"]');
+    assert.equal((await state(page)).step, step);
+    await page.keyboard.press('End');
+    assert.equal((await state(page)).place, kFrames - 1);
+  }));
+
+test('picks a pair and flies there', () =>
+  visit(withModel, async (page) => {
+    await page.keyboard.press('n');
+    const row = page.locator('.pair:visible').first();
+    await row.waitFor();
+    const before = await state(page);
+    const seen = await picture(page);
+    await row.click();
+    await page.waitForTimeout(60);
+    const now = await state(page);
+    assert.notDeepEqual(now.camera, before.camera);
+    const toi = Number((await row.locator('.toi').innerText()).match(/\d\.\d+/)[0]);
+    assert.ok(Math.abs(now.t - toi) < 1e-3, `the time is ${now.t} and the pair's ${toi}`);
+    assert.notDeepEqual(await picture(page), seen);
+    await page.keyboard.press('r');
+  }));
+
+test('switches every layer', () =>
+  visit(withModel, async (page) => {
+    await page.keyboard.press('n');
+    await until(page, (s) => s.facesShown === s.step && !s.waiting, 'the answer of the step');
+    await page.click('#tab-layers');
+    for (const layer of ['collisions', 'contacts', 'keyPoints', 'boxes', 'edges', 'seeThrough']) {
+      const before = await picture(page);
+      const box = page.locator(`[data-layer=${layer}]`);
+      await box.click();
+      await page.waitForTimeout(250);
+      assert.notDeepEqual(await picture(page), before, `${layer} shows`);
+      await box.click();
+      await page.waitForTimeout(50);
+      assert.deepEqual(await picture(page), before, `${layer} goes back to what was`);
+    }
+    const seen = [await picture(page)];
+    for (const paint of ['level', 'margin', 'error']) {
+      await page.click(`input[value=${paint}]`);
+      await until(page, (s) => !s.waiting, paint);
+      await page.waitForTimeout(100);
+      seen.push(await picture(page));
+      assert.ok((await page.locator('.legend .scale').count()) >= 1, `${paint} has a legend`);
+    }
+    assert.equal(new Set(seen.map(String)).size, seen.length, 'every colour looks different');
+  }));
+
+test('moves sliders and tells inside from outside', () =>
+  visit(withModel, async (page) => {
+    await page.click('#tab-shapes');
+    await until(page, (s) => s.radius?.state === 'done', 'a radius', 20_000);
+    const { radius } = (await state(page)).radius;
+    assert.ok(radius > 0, 'this shape has a radius');
+    await page.locator('.badge[data-kind=inside]').waitFor();
+    const before = await picture(page);
+    const slider = page.locator('.slider input').first();
+    await slider.fill(String(Math.min(3, radius * 0.5).toFixed(2)));
+    assert.equal(await page.locator('.badge').getAttribute('data-kind'), 'inside');
+    assert.notDeepEqual(await picture(page), before);
+    for (const one of await page.locator('.slider:visible input').all()) await one.fill('3');
+    const { norm } = await state(page);
+    await page.waitForTimeout(60);
+    assert.equal(await page.locator('.badge').getAttribute('data-kind'), norm > radius ? 'outside' : 'inside');
+    assert.ok(norm > radius, 'the sliders go beyond the radius');
+    assert.match(await page.locator('.badge').innerText(), /Outside the certified radius/);
+  }));
+
+test('ties charts to the timeline', () =>
+  visit(withModel, async (page) => {
+    await page.click('#tab-charts');
+    await page.waitForTimeout(100);
+    assert.equal(await page.locator('.chart').count(), 4);
+    const box = await page.locator('.chart[data-chart=time] .u-over').boundingBox();
+    await page.mouse.click(box.x + box.width / 4, box.y + box.height / 2);
+    const { place } = await state(page);
+    assert.ok(Math.abs(place - (kFrames - 1) / 4) < 6, `a quarter of the way, and not ${place}`);
+  }));
+
+test('takes names for text', () =>
+  visit(withModel, async (page) => {
+    assert.match(await page.locator('header .title').innerText(), /<img src=x onerror=alert\(1\)>/);
+    assert.equal(await page.locator('img').count(), 0);
+  }));
+
+test('goes without a model, says why, and takes substeps', () =>
+  visit(without, async (page) => {
+    await page.click('#tab-layers');
+    for (const name of ['[data-layer=keyPoints]', 'input[value=error]', 'input[value=prediction]']) assert.ok(await page.locator(name).isDisabled(), name);
+    assert.match(await page.locator('.layers').innerText(), /Needs a model/);
+    await page.click('#tab-shapes');
+    assert.match(await page.locator('#panel-shapes').innerText(), /--model/);
+    assert.equal((await state(page)).steps, 11 * 4);
+    await page.keyboard.press('ArrowRight');
+    assert.equal((await state(page)).place, 0.25);
+  }));
+
+test('fits a phone, opens its help, changes its colours', () =>
+  visit(
+    without,
+    async (page) => {
+      const { scrolls, canvas } = await page.evaluate(() => ({ scrolls: document.documentElement.scrollWidth > innerWidth, canvas: document.querySelector('.stage canvas').clientHeight }));
+      assert.ok(!scrolls, 'nothing sticks out at the side');
+      assert.ok(canvas > 250, `the picture is ${canvas} pixels high`);
+      await page.keyboard.press('?');
+      assert.ok(await page.locator('dialog').isVisible());
+      await page.keyboard.press('Escape');
+      const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
+      const before = await theme();
+      await page.click('[aria-label="Switch between light and dark"]');
+      assert.notEqual(await theme(), before);
+    },
+    phone,
+  ));
+
+test('says it when the program is gone', async () => {
+  const server = await view(...makeTube('short', { frames: 6 }));
+  const { page, errors, close } = await openPage(browser, server.url);
+  await until(page, (s) => s.state === 'done', 'the check');
+  await server.end();
+  await page.keyboard.press('b');
+  await page.locator('.banner:visible').waitFor({ timeout: 5000 });
+  assert.match(await page.locator('.banner').innerText(), /no longer answers.*Start foldproof view again/);
+  await page.keyboard.press('ArrowRight');
+  assert.equal((await state(page)).step, 1, 'what is loaded can still be looked at');
+  assert.deepEqual(errors.filter((text) => !/Failed to load resource/.test(text)), []);
+  await close();
+});
