@@ -5,7 +5,7 @@
 
 #include "check_reduced.h"
 #include "commands.h"
-#include "options.h"
+#include "step_options.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -34,66 +34,22 @@ Examples:
   foldproof check walk.glb --ply worst.ply        the worst step's mesh, colliding faces marked 1
   foldproof check walk.glb --explain why.csv      what could be proven free, and why not the rest)";
 
-struct CheckArguments {
-  std::vector<std::string> motions, models;
+struct CheckArguments : StepArguments {
   std::string json, csv, ply, explain, mode = "proven";
-  Index substeps = 1;
-  int threads = 0;
-  double thickness = 0, tolerance = 0, miss_rate = 0.01;
-  bool poses = false, within = false, between = false, first = false, pairs = false, quiet = false;
-  bool no_certificates = false, reduced = false;
-  MotionOptions motion;
+  double miss_rate = 0.01;
+  bool poses = false, first = false, pairs = false, quiet = false, reduced = false;
 };
 
 void add_query_options(CLI::App& check, CheckArguments& a) {
-  const char* group = "What counts";
+  const char* group = check.get_option("--thickness")->get_group().c_str();
   auto* poses =
       check.add_flag("--static", a.poses, "Crossing triangles of each frame instead, decided exactly")
           ->group(group);
-  auto* within =
-      check.add_flag("--within", a.within, "Only collisions of each object with itself")->group(group);
-  check.add_flag("--between", a.between, "Only collisions between objects")->group(group)->excludes(within);
-  check
-      .add_option("--thickness", a.thickness,
-                  "Closer than or equal to this is a collision, in mesh units [0]")
-      ->type_name("D")
-      ->group(group)
-      ->excludes(poses);
-  check
-      .add_option(
-          "--tolerance", a.tolerance,
-          "How far beyond the thickness a reported pair may be, in mesh units [2^-30 of the scene's size]")
-      ->type_name("D")
-      ->group(group)
-      ->excludes(poses);
   check.add_flag("--first", a.first, "Of each step only the earliest collision")
       ->group(group)
       ->excludes(poses);
-}
-
-void add_part_options(CLI::App& check, CheckArguments& a) {
-  add_motion_options(check, a.motion);
-  check.add_option("--substeps", a.substeps, "Cut each step into N linear parts [1]")
-      ->type_name("N")
-      ->group(kMotionGroup)
-      ->excludes(check.get_option("--static"));
-}
-
-void add_speed_options(CLI::App& check, CheckArguments& a) {
-  const char* group = "Speed (the answer is the same with any of these)";
-  auto* model =
-      check
-          .add_option("--model", a.models,
-                      "What 'foldproof train' found out: once for all objects of that mesh, or once "
-                      "for each object in order")
-          ->type_name("FILE")
-          ->allow_extra_args(false)
-          ->group(group);
-  check.add_flag("--no-certificates", a.no_certificates, "Test everything, also what can be proven free")
-      ->group(group)
-      ->excludes(model);
-  add_threads_option(check, a.threads, "At most N threads [all cores]");
-  check.get_option("--threads")->group(group);
+  for (const char* option : {"--thickness", "--tolerance", "--substeps"})
+    check.get_option(option)->excludes(poses);
 }
 
 void add_mode_options(CLI::App& check, CheckArguments& a) {
@@ -137,11 +93,9 @@ void add_report_options(CLI::App& check, CheckArguments& a) {
 }
 
 void add_options(CLI::App& check, CheckArguments& a) {
-  check.add_option("MOTION", a.motions, "What to check (see below)")->type_name("")->required();
+  add_step_options(check, a);
   check.add_flag("--reduced", a.reduced, "Coordinates of a model's subspace instead of motions (see below)");
   add_query_options(check, a);
-  add_part_options(check, a);
-  add_speed_options(check, a);
   add_mode_options(check, a);
   add_report_options(check, a);
 }
@@ -176,35 +130,19 @@ Result<void> require_mode_fits(const CheckArguments& a) {
 }
 
 Result<CheckSettings> settings_of(const CheckArguments& a) {
-  if (const auto ok = require_number("--thickness", a.thickness, true); !ok)
-    return tl::unexpected(ok.error());
-  if (const auto ok = require_number("--tolerance", a.tolerance, true); !ok)
-    return tl::unexpected(ok.error());
-  const auto frames = frame_range_of(a.motion);
-  if (!frames) return tl::unexpected(frames.error());
-  if (a.substeps < 1) return fail("--substeps", "0 parts are none", "give 1 or more");
+  auto settings = step_settings(a);
+  if (!settings) return settings;
   if (const auto ok = require_distinct_files(a); !ok) return tl::unexpected(ok.error());
-
   if (const auto ok = require_mode_fits(a); !ok) return tl::unexpected(ok.error());
-
-  CheckSettings settings;
-  settings.poses = a.poses;
-  settings.substeps = a.substeps;
-  settings.step = {.within = !a.between,
-                   .between = !a.within,
-                   .thickness = a.thickness,
-                   .tolerance = a.tolerance,
-                   .mode = a.mode == "paper" ? Mode::Paper : Mode::Proven,
-                   .miss_rate = a.miss_rate,
-                   .certificates = !a.no_certificates,
-                   .earliest_only = a.first,
-                   .explain = !a.explain.empty()};
-  settings.frames = *frames;
+  settings->poses = a.poses;
+  settings->step.mode = a.mode == "paper" ? Mode::Paper : Mode::Proven;
+  settings->step.miss_rate = a.miss_rate;
+  settings->step.earliest_only = a.first;
+  settings->step.explain = !a.explain.empty();
   return settings;
 }
 
 using WriterList = std::vector<std::unique_ptr<ReportWriter>>;
-using ModelList = std::vector<std::shared_ptr<const Model>>;
 
 Result<void> append(WriterList& writers, Result<std::unique_ptr<ReportWriter>> writer) {
   if (!writer) return tl::unexpected(writer.error());
@@ -233,25 +171,6 @@ Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& se
   return writers;
 }
 
-/// A model per motion. One for all serves those whose mesh it is of, and there must be one.
-Result<ModelList> load_models(const CheckArguments& a, Motions motions) {
-  ModelList models;
-  for (const std::string& path : a.models) {
-    auto model = load_model(path);
-    if (!model) return tl::unexpected(model.error());
-    models.push_back(std::make_shared<const Model>(std::move(*model)));
-  }
-  if (models.size() != 1 || motions.size() < 2) return models;
-  const auto model = models[0];
-  const auto fits = [&](const auto& motion) { return model->hierarchy()->topology() == motion->topology(); };
-  if (std::none_of(motions.begin(), motions.end(), fits)) {
-    return fail(a.models[0], "is a model of none of these meshes", "train a model on one of them");
-  }
-  models.clear();
-  for (const auto& motion : motions) models.push_back(fits(motion) ? model : nullptr);
-  return models;
-}
-
 // What --reduced does not do, rather than doing something else.
 Result<void> require_reduced(const CheckArguments& a) {
   const bool other = a.poses || a.substeps != 1 || !a.models.empty() || !a.motion.frames.empty() || a.pairs ||
@@ -274,7 +193,7 @@ Result<int> check(const CheckArguments& a) {
   }
   const auto motions = open_motions(a.motions, a.motion.read);
   if (!motions) return tl::unexpected(motions.error());
-  auto models = load_models(a, *motions);
+  auto models = load_models(a.models, *motions);
   if (!models) return tl::unexpected(models.error());
   settings->models = std::move(*models);
   // From here on files are open that must not stay behind half written.

@@ -23,5 +23,6 @@ Command add_suggest(CLI::App& program);
 Command add_render(CLI::App& program);
 Command add_reproduce(CLI::App& program);
 Command add_radius(CLI::App& program);
+Command add_view(CLI::App& program);
 
 }  // namespace foldproof

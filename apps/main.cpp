@@ -41,10 +41,11 @@ Result<int> run(int argc, char** argv) {
   program.require_subcommand(0, 1);  // that none is too few is said below, after unknown words were named
   program.footer("Try:\n  foldproof check walk.glb\n  foldproof check --help\n  foldproof train --help");
   const std::vector<std::pair<std::string, Command>> commands = {
-      {"check", add_check(program)},     {"train", add_train(program)},
-      {"info", add_info(program)},       {"predict", add_predict(program)},
-      {"suggest", add_suggest(program)}, {"render", add_render(program)},
-      {"radius", add_radius(program)},   {"reproduce", add_reproduce(program)}};
+      {"check", add_check(program)},        {"view", add_view(program)},
+      {"train", add_train(program)},        {"info", add_info(program)},
+      {"predict", add_predict(program)},    {"suggest", add_suggest(program)},
+      {"render", add_render(program)},      {"radius", add_radius(program)},
+      {"reproduce", add_reproduce(program)}};
 
   try {
     program.parse(argc, argv);

@@ -104,6 +104,9 @@ struct Explanation {
     /// there on. -1 when no node does, or when nobody asked: certificates off, or only collisions between
     /// objects wanted.
     std::vector<std::int8_t> level;
+    /// How far that chart is from failing, in [0,1]: 1 where the patch looks as it did when it was drawn,
+    /// near 0 where the proof barely holds. 0 where level is -1.
+    std::vector<float> margin;
     std::vector<Reason> reason;
   };
   std::vector<Object> objects;

@@ -32,9 +32,17 @@ struct CheckSettings {
   FrameRange frames;
   Index substeps = 1;  ///< Linear parts that each step between two frames is cut into; at least 1.
   std::vector<std::shared_ptr<const Model>> models;  ///< One per motion, null where there is none; or empty.
+  /// One per motion, for those without a model; or empty: they are built in the first selected frame.
+  std::vector<std::shared_ptr<const Hierarchy>> hierarchies;
 };
 
 using Motions = std::span<const std::unique_ptr<Motion>>;
+
+/// What run_check goes through. Error: no motions, different frame counts, a range that selects too few
+/// frames (one is enough for CheckSettings::poses), nothing between objects where there is but one.
+Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings& settings);
+/// Error: a number of models that does not fit, or one of another mesh.
+Result<void> require_models_of(Motions motions, const CheckSettings& settings);
 
 /// How many collisions, by kind.
 struct CollisionCounts {

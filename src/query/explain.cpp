@@ -94,16 +94,24 @@ void Scene::explain(const StepSettings& settings, double distance, Explanation& 
   for (Index i = 0; i < trees_.size(); ++i) {
     const std::size_t triangles = hierarchy(i).topology().triangles().size();
     out.objects[i].level.assign(triangles, -1);
+    out.objects[i].margin.assign(triangles, 0);
     out.objects[i].reason.assign(triangles, settings.certificates ? Reason::Certified : Reason::Off);
   }
-  for (const auto& [object, node, level] : proven_nodes_) {
+  // Proven nodes share no triangle.
+  tbb::parallel_for(std::size_t{0}, proven_nodes_.size(), [&](std::size_t k) {
+    const auto& [object, node, level, proof] = proven_nodes_[k];
     const Hierarchy& h = hierarchy(object);
     const auto shown =
         static_cast<std::int8_t>(std::min<Index>(level, std::numeric_limits<std::int8_t>::max()));
+    const double margin =
+        books_[object]->margin(proof, trees_[object].vertices, locals_.local().tester.scratch);
     const Index begin = h.leaves()[h.nodes()[node].leaf_begin].triangles;
     const Index end = h.leaves()[h.nodes()[node].leaf_end].triangles;
-    for (Index t = begin; t < end; ++t) out.objects[object].level[h.triangle_ids()[t]] = shown;
-  }
+    for (Index t = begin; t < end; ++t) {
+      out.objects[object].level[h.triangle_ids()[t]] = shown;
+      out.objects[object].margin[h.triangle_ids()[t]] = static_cast<float>(std::clamp(margin, 0.0, 1.0));
+    }
+  });
   out.leaf_pairs = {};
   for (const LeafPairRef& pair : leaf_pairs_) {
     const Reason reason = settings.certificates ? reason_of(pair) : Reason::Off;

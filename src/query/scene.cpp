@@ -137,7 +137,7 @@ void Scene::descend_selves(Index object, const StepSettings& settings, double ga
       const Hierarchy::Node& node = nodes[self];
       if (self_proofs_[i]) {
         proven_selves_.push_back(self);
-        if (settings.explain) proven_nodes_.push_back({object, self, level});
+        if (settings.explain) proven_nodes_.push_back({object, self, level, self_proofs_[i]});
         for (Index leaf = node.leaf_begin; leaf < node.leaf_end; ++leaf) leaf_proofs[leaf].add(self);
         for (const Index leaf : self_proofs_[i].collar()) leaf_proofs[leaf].add(self);
         continue;

@@ -77,6 +77,7 @@ class Scene {
   // A node that a chart proved, for explanations.
   struct ProvenNode {
     Index object, node, level;
+    ChartBook::Proof proof;
   };
   Result<void> predict(Positions x0, Positions x1, const StepSettings& settings);
   void believe_selves(Index object);

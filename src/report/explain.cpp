@@ -24,6 +24,7 @@ class ExplainNpz : public ReportWriter {
       const std::string suffix = motions.size() > 1 ? fmt::format("_{}", i) : "";
       const std::uint64_t triangles = motions[i]->topology().triangles().size();
       columns.push_back({"level" + suffix, "|i1", 1, {triangles}});
+      columns.push_back({"margin" + suffix, "<f4", 4, {triangles}});
       columns.push_back({"reason" + suffix, "|u1", 1, {triangles}});
     }
     auto table = io::NpzTable::open(path, std::move(columns));
@@ -36,6 +37,7 @@ class ExplainNpz : public ReportWriter {
     table_.add(bytes_of(std::array{step.place.frame, step.place.substep}));
     for (const Explanation::Object& object : step.explanation->objects) {
       table_.add(bytes_of(object.level));
+      table_.add(bytes_of(object.margin));
       table_.add(bytes_of(object.reason));
     }
     return table_.end_row();

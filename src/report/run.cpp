@@ -45,46 +45,6 @@ class Pose {
   std::vector<std::span<const double>> spans_;
 };
 
-Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings& settings) {
-  if (motions.empty()) return fail("motions", "none given", "name at least one");
-  const Index count = motions[0]->frame_count();
-  for (const auto& motion : motions) {
-    if (motion->frame_count() == count) continue;
-    return fail(motion->name(),
-                fmt::format("has {} frames, but {} has {}", motion->frame_count(), motions[0]->name(), count),
-                "objects that are checked together need equally many frames");
-  }
-  if (settings.step.between && !settings.step.within && motions.size() < 2) {
-    return fail(motions[0]->name(), "is the only object, so there is nothing between objects to check",
-                "name a second motion, or leave --between out");
-  }
-  std::vector<Index> frames = select_frames(settings.frames, count);
-  const std::size_t needed = settings.poses ? 1 : 2;
-  if (frames.size() >= needed) return frames;
-  if (count < needed) {
-    return fail(motions[0]->name(), "has 1 frame, and a step goes from one frame to the next",
-                "use --static to find the crossing triangles of a single pose");
-  }
-  return fail("--frames",
-              fmt::format("selects {} of {} frames, and {} needed", frames.size(), count,
-                          needed == 1 ? "one is" : "two are"),
-              "select more; frames count from 0 and the end of A:B is not included");
-}
-
-Result<void> require_models_of(Motions motions, const CheckSettings& settings) {
-  if (settings.models.empty()) return {};
-  if (settings.models.size() != motions.size()) {
-    return fail("models", fmt::format("are {} for {} motions", settings.models.size(), motions.size()),
-                "give one for all, or one for each");
-  }
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    if (!settings.models[i]) continue;
-    auto ok = require_model_of(*settings.models[i], motions[i]->topology(), motions[i]->name());
-    if (!ok) return ok;
-  }
-  return {};
-}
-
 Result<StepChecker> make_checker(Motions motions, const CheckSettings& settings, const Pose& first) {
   std::vector<std::shared_ptr<const Hierarchy>> objects;
   std::vector<std::shared_ptr<const ChartLibrary>> charts(motions.size());
@@ -94,6 +54,10 @@ Result<StepChecker> make_checker(Motions motions, const CheckSettings& settings,
       objects.push_back(settings.models[i]->hierarchy());
       charts[i] = settings.models[i]->charts;
       learned[i] = settings.models[i]->learned;
+      continue;
+    }
+    if (!settings.hierarchies.empty()) {
+      objects.push_back(settings.hierarchies[i]);
       continue;
     }
     auto hierarchy = Hierarchy::build(motions[i]->topology(), first.positions()[i]);
@@ -281,6 +245,46 @@ class Run {
 };
 
 }  // namespace
+
+Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings& settings) {
+  if (motions.empty()) return fail("motions", "none given", "name at least one");
+  const Index count = motions[0]->frame_count();
+  for (const auto& motion : motions) {
+    if (motion->frame_count() == count) continue;
+    return fail(motion->name(),
+                fmt::format("has {} frames, but {} has {}", motion->frame_count(), motions[0]->name(), count),
+                "objects that are checked together need equally many frames");
+  }
+  if (settings.step.between && !settings.step.within && motions.size() < 2) {
+    return fail(motions[0]->name(), "is the only object, so there is nothing between objects to check",
+                "name a second motion, or leave --between out");
+  }
+  std::vector<Index> frames = select_frames(settings.frames, count);
+  const std::size_t needed = settings.poses ? 1 : 2;
+  if (frames.size() >= needed) return frames;
+  if (count < needed) {
+    return fail(motions[0]->name(), "has 1 frame, and a step goes from one frame to the next",
+                "use --static to find the crossing triangles of a single pose");
+  }
+  return fail("--frames",
+              fmt::format("selects {} of {} frames, and {} needed", frames.size(), count,
+                          needed == 1 ? "one is" : "two are"),
+              "select more; frames count from 0 and the end of A:B is not included");
+}
+
+Result<void> require_models_of(Motions motions, const CheckSettings& settings) {
+  if (settings.models.empty()) return {};
+  if (settings.models.size() != motions.size()) {
+    return fail("models", fmt::format("are {} for {} motions", settings.models.size(), motions.size()),
+                "give one for all, or one for each");
+  }
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (!settings.models[i]) continue;
+    auto ok = require_model_of(*settings.models[i], motions[i]->topology(), motions[i]->name());
+    if (!ok) return ok;
+  }
+  return {};
+}
 
 void CheckTotals::add(const CheckedStep& step) {
   ++steps;

@@ -89,9 +89,10 @@ TEST(Explanation, ABendingTubeIsCertifiedOnceItsChartsAreDrawn) {
   for (int k = 1; k <= 20; ++k) {
     const std::vector<double> next = tube(0.5 + 0.02 * k).positions;
     const Explanation& explained = tube_steps.step(next);
-    const auto& [level, reason] = explained.objects.at(0);
+    const auto& [level, margin, reason] = explained.objects.at(0);
     const std::size_t triangles = tube_steps.tree->topology().triangles().size();
     ASSERT_EQ(level.size(), triangles);
+    ASSERT_EQ(margin.size(), triangles);
     ASSERT_EQ(reason.size(), triangles);
     // Pairs that are tested, and those without certificates.
     EXPECT_EQ(tested(explained), tube_steps.result.work.leaf_pairs);
@@ -100,16 +101,46 @@ TEST(Explanation, ABendingTubeIsCertifiedOnceItsChartsAreDrawn) {
               all_tested.result.work.leaf_pairs);
     if (k == 1) {
       EXPECT_THAT(level, Each(-1)) << "charts are drawn from the second step on";
+      EXPECT_THAT(margin, Each(0));
       EXPECT_THAT(reason, Each(Reason::NotDrawn));
     }
   }
-  const auto& [level, reason] = tube_steps.result.explanation.objects[0];
+  const auto& [level, margin, reason] = tube_steps.result.explanation.objects[0];
   EXPECT_GT(count(reason, Reason::Certified), level.size() * 3 / 4);
   for (std::size_t t = 0; t < level.size(); ++t) {
     if (reason[t] == Reason::Certified) {
       ASSERT_GE(level[t], 0);
     }
   }
+}
+
+/// The mean margin of triangles with a level; the others have none.
+double mean_margin(const Explanation::Object& object) {
+  double sum = 0;
+  std::size_t proven = 0;
+  for (std::size_t t = 0; t < object.level.size(); ++t) {
+    EXPECT_GE(object.margin[t], 0);
+    EXPECT_LE(object.margin[t], 1);
+    if (object.level[t] < 0) {
+      EXPECT_EQ(object.margin[t], 0);
+      continue;
+    }
+    sum += object.margin[t];
+    ++proven;
+  }
+  EXPECT_GT(proven, object.level.size() / 2);
+  return sum / static_cast<double>(proven);
+}
+
+TEST(Explanation, MarginsSayHowFarTheShapeIsFromItsCharts) {
+  Stepper steps(tube(0.5));
+  for (int k = 0; k < 10; ++k) steps.step(tube(0.5).positions);
+  const double still = mean_margin(steps.result.explanation.objects[0]);
+  const double near = mean_margin(steps.step(tube(0.52).positions).objects[0]);
+  const double far = mean_margin(steps.step(tube(0.6).positions).objects[0]);
+  EXPECT_GT(still, 0.99);
+  EXPECT_LT(near, still - 0.005);
+  EXPECT_LT(far, near - 0.02);
 }
 
 /// Holds levels against the hierarchy: a level leads from the root to a node whose triangles all have it.

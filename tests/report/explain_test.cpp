@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cstring>
 #include <map>
 #include <numeric>
 #include <sstream>
@@ -106,7 +107,7 @@ std::string array_of(const std::string& archive, const std::string& name) {
   std::size_t items = 1;
   std::istringstream shape(text.substr(text.find("'shape': (") + 10));
   for (std::size_t n = 0; shape >> n; shape.ignore(1)) items *= n;
-  return archive.substr(start + head, items * (text.find("<u4") != text.npos ? 4 : 1));
+  return archive.substr(start + head, items * (text.find("'<") != text.npos ? 4 : 1));
 }
 
 TEST(ExplainReport, NpzHoldsEveryTriangleAndStep) {
@@ -121,15 +122,22 @@ TEST(ExplainReport, NpzHoldsEveryTriangleAndStep) {
   ASSERT_THAT(frames, SizeIs(4 * steps));
   ASSERT_THAT(substeps, SizeIs(4 * steps));
   std::map<std::string, int> counted, told;
+  std::size_t with_margin = 0;
   for (const std::string object : {"0", "1"}) {
     const std::string level = array_of(archive, "level_" + object),
+                      margin = array_of(archive, "margin_" + object),
                       reason = array_of(archive, "reason_" + object);
     const std::size_t triangles = object == "0" ? 512 : 800;
     ASSERT_THAT(level, SizeIs(steps * triangles));
+    ASSERT_THAT(margin, SizeIs(4 * steps * triangles));
     ASSERT_THAT(reason, SizeIs(steps * triangles));
     for (std::size_t i = 0; i < level.size(); ++i) {
       const std::size_t step = i / triangles;
       const char* name = kReasonNames.at(static_cast<unsigned char>(reason[i]));
+      float share = -1;
+      std::memcpy(&share, &margin[4 * i], sizeof share);
+      EXPECT_TRUE(share >= 0 && share <= 1 && (share == 0 || level[i] >= 0)) << share;
+      with_margin += share > 0;
       ++counted[fmt::format("{} {} {} {} {}", int{frames[4 * step]}, int{substeps[4 * step]}, object, name,
                             int{level[i]})];
     }
@@ -139,6 +147,7 @@ TEST(ExplainReport, NpzHoldsEveryTriangleAndStep) {
     told[fmt::format("{} {} {} {} {}", row[0], row[1], row[3], row[4], row[5])] = std::stoi(row[6]);
   }
   EXPECT_EQ(counted, told);
+  EXPECT_GT(with_margin, 0u);
   // With one object the arrays have plain names.
   const Checked single(list(ripple(8, 0)), "a.npz");
   EXPECT_THAT(array_of(read_file(single.path), "level"), SizeIs(128 * (kFrames - 1)));

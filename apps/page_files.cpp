@@ -1,0 +1,12 @@
+#include "page_files.h"
+
+namespace foldproof {
+
+Result<std::vector<PageFile>> require_page_files() {
+  auto files = page_files();
+  if (!files.empty()) return files;
+  return fail("this build of foldproof", "has no page to show",
+              "build it with './dev build', which makes the page with Node and npm first");
+}
+
+}  // namespace foldproof

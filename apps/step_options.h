@@ -1,0 +1,28 @@
+/// What check, view and report ask for alike: motions, models, and what counts as a collision.
+#pragma once
+
+#include "options.h"
+
+namespace foldproof {
+
+struct StepArguments {
+  std::vector<std::string> motions, models;
+  MotionOptions motion;
+  Index substeps = 1;
+  double thickness = 0, tolerance = 0;
+  bool within = false, between = false, no_certificates = false;
+  int threads = 0;
+};
+
+/// Adds all of them, in groups.
+void add_step_options(CLI::App& command, StepArguments& arguments);
+
+/// Everything but the models. Error: a number beyond its range, frames that are no range.
+Result<CheckSettings> step_settings(const StepArguments& arguments);
+
+/// A model per motion, none where none was named. One for all serves those whose mesh it is of, and there
+/// must be one.
+Result<std::vector<std::shared_ptr<const Model>>> load_models(std::span<const std::string> paths,
+                                                              Motions motions);
+
+}  // namespace foldproof

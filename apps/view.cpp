@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "commands.h"
+#include "page_files.h"
+#include "step_options.h"
+#include "terminal.h"
+
+namespace foldproof {
+namespace {
+
+constexpr const char* kFooter = R"(  pose.obj                        a single pose, only to be looked at
+Several motions are several objects, and need equally many frames.
+
+The page shows the motion at once, while the check runs; answers fill in as they come. It is served to this machine only
+(http://127.0.0.1:PORT), reads nothing but the files named here, and writes nothing. It is over with Ctrl-C.
+
+Examples:
+  foldproof view walk.glb                         look at it in the browser
+  foldproof view body.npz shirt.npz               two objects
+  foldproof view walk.glb --model body.model      with key points, mode sliders and predictions
+  foldproof view walk.glb --frames 10:21          only frames 10 to 20
+  foldproof view walk.glb --substeps 10           each step in ten straight parts
+  foldproof view walk.glb --no-browser --port 8000
+                                                  on a machine without a display; from your own, first:
+                                                  ssh -L 8000:127.0.0.1:8000 THAT_MACHINE)";
+
+struct ViewArguments : StepArguments {
+  int port = 0;
+  bool no_browser = false;
+};
+
+/// Opens the page where there is somebody to look; that it cannot be opened is no error, as its address was
+/// told.
+void open_browser(const std::string& address) {
+  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
+  posix_spawn_file_actions_t quiet;
+  posix_spawn_file_actions_init(&quiet);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", 2 /* O_RDWR */, 0);
+  std::string program = "xdg-open", argument = address;
+  char* const argv[] = {program.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  ::posix_spawnp(&child, program.c_str(), &quiet, nullptr, argv, environ);
+  posix_spawn_file_actions_destroy(&quiet);
+}
+
+Result<int> view(const ViewArguments& a) {
+  const auto files = require_page_files();
+  if (!files) return tl::unexpected(files.error());
+  if (a.port < 0 || a.port > 65535)
+    return fail("--port", fmt::format("{} is not between 1 and 65535", a.port),
+                "give another, or leave it out");
+  ThreadLimit limit;
+  if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
+  auto settings = step_settings(a);
+  if (!settings) return tl::unexpected(settings.error());
+  auto motions = open_motions(a.motions, a.motion.read);
+  if (!motions) return tl::unexpected(motions.error());
+  auto models = load_models(a.models, *motions);
+  if (!models) return tl::unexpected(models.error());
+  settings->models = std::move(*models);
+  const auto page = Page::open({std::move(*motions), std::move(*settings), a.motion.read});
+  if (!page) return tl::unexpected(page.error());
+  const std::atomic<bool>& stop = watch_for_interrupt();
+  auto server = PageServer::open(**page, *files, a.port);
+  if (!server) return tl::unexpected(server.error());
+  const std::string address = fmt::format("http://127.0.0.1:{}/", server->port());
+  print_output(fmt::format("{} (Ctrl-C ends it)\n", address));
+  if (const auto done = flush_output(); !done) return tl::unexpected(done.error());
+  if (!a.no_browser) open_browser(address);
+  server->serve(stop);
+  return kExitClean;
+}
+
+}  // namespace
+
+Command add_view(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("view", "Look at motions, collisions and proofs in the browser");
+  command->footer(std::string(kMotionHelp) + kFooter);
+  const auto a = std::make_shared<ViewArguments>();
+  add_step_options(*command, *a);
+  command
+      ->add_option("--port", a->port,
+                   fmt::format("Where to serve [the first free one from {} on]", kFirstPagePort))
+      ->type_name("N");
+  command->add_flag("--no-browser", a->no_browser, "Print the address and open nothing");
+  return [a] { return view(*a); };
+}
+
+}  // namespace foldproof

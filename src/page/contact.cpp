@@ -1,0 +1,70 @@
+#include "page/contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace foldproof {
+namespace {
+
+/// Places of vertices at a time within a step.
+struct At {
+  Positions x0, x1;
+  double t;
+  Vec3 operator()(Index object, Index vertex) const {
+    Vec3 x;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t k = 3 * std::size_t{vertex} + axis;
+      x[static_cast<Eigen::Index>(axis)] = std::lerp(x0[object][k], x1[object][k], t);
+    }
+    return x;
+  }
+};
+
+/// The part of the way from a to b where `x` is nearest.
+double nearest(const Vec3& x, const Vec3& a, const Vec3& b) {
+  const double length = (b - a).squaredNorm();
+  return length > 0 ? std::clamp((x - a).dot(b - a) / length, 0.0, 1.0) : 0;
+}
+
+}  // namespace
+
+Vec3 contact_point(Positions x0, Positions x1, const VertexFaceCollision& c,
+                   std::span<const Triangle> triangles) {
+  const At at{x0, x1, c.toi};
+  const Triangle& f = triangles[c.face];
+  const Vec3 vertex = at(c.vertex_object, c.vertex);
+  const Closest closest = vertex_face_closest(
+      {vertex, at(c.face_object, f[0]), at(c.face_object, f[1]), at(c.face_object, f[2])});
+  return vertex - closest.difference / 2;
+}
+
+// The nearest points of two segments lie inside both, or one of them is an end.
+Vec3 contact_point(Positions x0, Positions x1, const EdgeEdgeCollision& c) {
+  const At at{x0, x1, c.toi};
+  const Vec3 a0 = at(c.object_a, c.a[0]), a1 = at(c.object_a, c.a[1]);
+  const Vec3 b0 = at(c.object_b, c.b[0]), b1 = at(c.object_b, c.b[1]);
+  Vec3 middle = (a0 + b0) / 2;
+  double least = std::numeric_limits<double>::infinity();
+  const auto consider = [&](double s, double t) {
+    const Vec3 on_a = a0 + s * (a1 - a0), on_b = b0 + t * (b1 - b0);
+    const double distance = (on_a - on_b).squaredNorm();
+    if (!(distance < least)) return;
+    least = distance;
+    middle = (on_a + on_b) / 2;
+  };
+  consider(0, nearest(a0, b0, b1));
+  consider(1, nearest(a1, b0, b1));
+  consider(nearest(b0, a0, a1), 0);
+  consider(nearest(b1, a0, a1), 1);
+  const Vec3 a = a1 - a0, b = b1 - b0, gap = b0 - a0;
+  const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b), det = aa * bb - ab * ab;
+  if (det > 0) {
+    const double s = (bb * a.dot(gap) - ab * b.dot(gap)) / det;
+    const double t = (ab * a.dot(gap) - aa * b.dot(gap)) / det;
+    if (s > 0 && s < 1 && t > 0 && t < 1) consider(s, t);
+  }
+  return middle;
+}
+
+}  // namespace foldproof

@@ -1,0 +1,16 @@
+/// Where two features meet.
+#pragma once
+
+#include <span>
+
+#include "foldproof/query.h"
+
+namespace foldproof {
+
+/// The middle between the nearest points of the two features at the time of impact, mesh units. `x0`, `x1`:
+/// the ends of the step that found the collision.
+Vec3 contact_point(Positions x0, Positions x1, const VertexFaceCollision& collision,
+                   std::span<const Triangle> triangles);
+Vec3 contact_point(Positions x0, Positions x1, const EdgeEdgeCollision& collision);
+
+}  // namespace foldproof

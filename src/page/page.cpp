@@ -1,0 +1,327 @@
+// Requests and what answers them.
+#include "foldproof/page.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <charconv>
+#include <optional>
+
+#include "page/radius.h"
+
+namespace foldproof {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "numbers go to the page as they are");
+
+constexpr std::uint64_t kMostItems = 1000;
+
+PageAnswer refuse(int status, const std::string& line) {
+  return {status, "application/json", error_json(line)};
+}
+PageAnswer refuse(const Error& error) { return refuse(500, error.line()); }
+PageAnswer tell(const Json& json) { return {.body = dump(json)}; }
+
+template <class T>
+PageAnswer tell_numbers(std::span<const T> values) {
+  return {
+      200, "application/octet-stream", {reinterpret_cast<const char*>(values.data()), values.size_bytes()}};
+}
+
+/// Doubles as the page takes them: in single precision.
+PageAnswer tell_floats(std::span<const double> values) {
+  return tell_numbers(std::span<const float>(std::vector<float>(values.begin(), values.end())));
+}
+PageAnswer tell_floats(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  return tell_floats(std::span(values.data(), static_cast<std::size_t>(values.size())));
+}
+
+std::optional<std::uint64_t> number_in(std::string_view text) {
+  std::uint64_t number = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+std::vector<std::string_view> split(std::string_view path) {
+  std::vector<std::string_view> parts;
+  for (std::size_t from = 0; from <= path.size();) {
+    const std::size_t to = std::min(path.find('/', from), path.size());
+    parts.push_back(path.substr(from, to - from));
+    from = to + 1;
+  }
+  return parts;
+}
+
+}  // namespace
+
+struct Page::Impl {
+  enum class State : std::uint8_t { None, Running, Done, Failed };
+
+  std::unique_ptr<SceneData> scene;
+  std::unique_ptr<StepStore> store;
+  std::unique_ptr<RadiusDesk> radii;
+  mutable std::mutex mutex;  // of what follows
+  State state = State::None;
+  std::string failure;
+
+  // The numbers of a path, in its order.
+  using Numbers = std::span<const std::uint64_t>;
+  using Handler = PageAnswer (Impl::*)(Numbers, const PageQuery&) const;
+
+  PageAnswer scene_json(Numbers, const PageQuery&) const { return tell(scene->json()); }
+  PageAnswer triangles(Numbers, const PageQuery&) const;
+  PageAnswer frame(Numbers, const PageQuery&) const;
+  PageAnswer boxes(Numbers, const PageQuery&) const;
+  PageAnswer prediction(Numbers, const PageQuery&) const;
+  PageAnswer mean(Numbers, const PageQuery&) const;
+  PageAnswer mode(Numbers, const PageQuery&) const;
+  PageAnswer radius(Numbers, const PageQuery&) const;
+  PageAnswer steps(Numbers, const PageQuery&) const;
+  PageAnswer collisions(Numbers, const PageQuery&) const;
+  PageAnswer faces(Numbers, const PageQuery&) const;
+
+  const PageObject& object(std::uint64_t i) const { return *scene->objects()[i]; }
+  std::optional<PageAnswer> missing_object(std::uint64_t i) const;
+  std::optional<PageAnswer> missing_frame(std::uint64_t k) const;
+  std::optional<PageAnswer> missing_modes(std::uint64_t object) const;
+  std::optional<PageAnswer> missing_step(std::uint64_t number) const;
+  void check(const std::atomic<bool>& stop);
+  void end_check(State end, std::string line);
+};
+
+namespace {
+
+/// A number of the query, `otherwise` where there is none; nothing when it is no number.
+std::optional<std::uint64_t> number_of(const PageQuery& query, std::string_view name,
+                                       std::uint64_t otherwise) {
+  const auto found = query.find(name);
+  return found == query.end() ? otherwise : number_in(found->second);
+}
+
+PageAnswer no_number(std::string_view name) { return refuse(400, fmt::format("'{}' is no number", name)); }
+
+/// Hands a check's steps to the store.
+class StoreWriter final : public ReportWriter {
+ public:
+  explicit StoreWriter(StepStore& store) : store_(store) {}
+  Result<void> step(const CheckedStep& step) override { return store_.add(step); }
+  Result<void> finish(const CheckTotals&) override { return {}; }
+
+ private:
+  StepStore& store_;
+};
+
+}  // namespace
+
+std::optional<PageAnswer> Page::Impl::missing_object(std::uint64_t i) const {
+  if (i < scene->objects().size()) return std::nullopt;
+  return refuse(404, fmt::format("there is no object {} among {}", i, scene->objects().size()));
+}
+
+std::optional<PageAnswer> Page::Impl::missing_frame(std::uint64_t k) const {
+  if (k < scene->frames().size()) return std::nullopt;
+  return refuse(404, fmt::format("there is no frame {} among {}", k, scene->frames().size()));
+}
+
+std::optional<PageAnswer> Page::Impl::missing_modes(std::uint64_t i) const {
+  if (auto answer = missing_object(i)) return answer;
+  const Learned* learned = object(i).learned();
+  if (learned != nullptr && learned->pca.modes() > 0) return std::nullopt;
+  return refuse(404, fmt::format("object {} has no model that learned its shapes", i));
+}
+
+std::optional<PageAnswer> Page::Impl::missing_step(std::uint64_t number) const {
+  if (number < store->count()) return std::nullopt;
+  if (number >= scene->steps())
+    return refuse(404, fmt::format("there is no step {} among {}", number, scene->steps()));
+  const std::lock_guard lock(mutex);
+  return state == State::Failed ? refuse(404, failure)
+                                : refuse(425, fmt::format("step {} is not checked yet", number));
+}
+
+PageAnswer Page::Impl::triangles(Numbers n, const PageQuery&) const {
+  if (auto answer = missing_object(n[0])) return *answer;
+  return tell_numbers(object(n[0]).motion->topology().triangles());
+}
+
+PageAnswer Page::Impl::frame(Numbers n, const PageQuery&) const {
+  if (auto answer = missing_object(n[0])) return *answer;
+  if (auto answer = missing_frame(n[1])) return *answer;
+  const auto x = scene->frame(static_cast<Index>(n[0]), static_cast<Index>(n[1]));
+  return x ? tell_floats(**x) : refuse(x.error());
+}
+
+PageAnswer Page::Impl::boxes(Numbers n, const PageQuery& query) const {
+  if (auto answer = missing_object(n[0])) return *answer;
+  const auto k = number_of(query, "frame", 0), level = number_of(query, "level", 0);
+  if (!k) return no_number("frame");
+  if (!level) return no_number("level");
+  if (auto answer = missing_frame(*k)) return *answer;
+  if (*level > object(n[0]).levels)
+    return refuse(404, fmt::format("the deepest level is {}", object(n[0]).levels));
+  const auto boxes =
+      scene->boxes(static_cast<Index>(n[0]), static_cast<Index>(*k), static_cast<Index>(*level));
+  return boxes ? tell_numbers(std::span<const float>(*boxes)) : refuse(boxes.error());
+}
+
+PageAnswer Page::Impl::prediction(Numbers n, const PageQuery&) const {
+  if (auto answer = missing_modes(n[0])) return *answer;
+  if (auto answer = missing_frame(n[1])) return *answer;
+  const auto x = scene->frame(static_cast<Index>(n[0]), static_cast<Index>(n[1]));
+  if (!x) return refuse(x.error());
+  const Predictor& predictor = object(n[0]).predictor();
+  const Eigen::Map<const Eigen::VectorXd> pose((*x)->data(), static_cast<Eigen::Index>((*x)->size()));
+  return tell_floats(predictor.from_key_points(predictor.key_point_map().gather(pose)));
+}
+
+PageAnswer Page::Impl::mean(Numbers n, const PageQuery&) const {
+  if (auto answer = missing_modes(n[0])) return *answer;
+  return tell_floats(object(n[0]).learned()->pca.mean);
+}
+
+PageAnswer Page::Impl::mode(Numbers n, const PageQuery&) const {
+  if (auto answer = missing_modes(n[0])) return *answer;
+  const Pca& pca = object(n[0]).learned()->pca;
+  if (n[1] >= pca.modes()) return refuse(404, fmt::format("there is no mode {} among {}", n[1], pca.modes()));
+  return tell_floats(pca.basis.col(static_cast<Eigen::Index>(n[1])));
+}
+
+PageAnswer Page::Impl::radius(Numbers n, const PageQuery&) const {
+  if (auto answer = missing_modes(n[0])) return *answer;
+  return tell(radii->ask(static_cast<Index>(n[0])));
+}
+
+PageAnswer Page::Impl::steps(Numbers, const PageQuery& query) const {
+  constexpr std::array<const char*, 4> kStates{"none", "running", "done", "failed"};
+  const auto from = number_of(query, "from", 0);
+  if (!from) return no_number("from");
+  Json json;
+  {
+    // The state first: once it says done, all steps are there.
+    const std::lock_guard lock(mutex);
+    json = {{"state", kStates[static_cast<std::size_t>(state)]}, {"error", failure}};
+  }
+  const std::uint64_t done = store->count();
+  json["done"] = done;
+  json["total"] = scene->steps();
+  Json& list = json["steps"] = Json::array();
+  for (std::uint64_t k = *from; k < done && list.size() < kMostItems; ++k) {
+    const auto step = store->record(k);
+    if (!step) return refuse(step.error());
+    list.push_back(step_json(*step));
+  }
+  return tell(json);
+}
+
+PageAnswer Page::Impl::collisions(Numbers n, const PageQuery& query) const {
+  if (auto answer = missing_step(n[0])) return *answer;
+  const auto offset = number_of(query, "offset", 0), limit = number_of(query, "limit", kMostItems);
+  if (!offset) return no_number("offset");
+  if (!limit || *limit > kMostItems)
+    return refuse(400, fmt::format("'limit' is no number up to {}", kMostItems));
+  const auto step = store->record(n[0]);
+  if (!step) return refuse(step.error());
+  const auto contacts = store->contacts(n[0], *offset, *limit);
+  if (!contacts) return refuse(contacts.error());
+  Json items = Json::array();
+  for (const Contact& contact : *contacts) items.push_back(contact_json(contact));
+  return tell({{"total", step->collisions.sum()}, {"items", std::move(items)}});
+}
+
+PageAnswer Page::Impl::faces(Numbers n, const PageQuery&) const {
+  if (auto answer = missing_object(n[1])) return *answer;
+  if (auto answer = missing_step(n[0])) return *answer;
+  const auto faces = store->faces(n[0], static_cast<Index>(n[1]));
+  if (!faces) return refuse(faces.error());
+  PageAnswer answer{200, "application/octet-stream", {}};
+  for (const auto part : {&FaceRecord::colliding, &FaceRecord::reason})
+    for (const FaceRecord& face : *faces) answer.body.push_back(static_cast<char>(face.*part));
+  for (const FaceRecord& face : *faces) answer.body.push_back(static_cast<char>(face.level));
+  for (const FaceRecord& face : *faces) answer.body.push_back(static_cast<char>(face.margin));
+  return answer;
+}
+
+void Page::Impl::end_check(State end, std::string line) {
+  const std::lock_guard lock(mutex);
+  state = end;
+  failure = std::move(line);
+}
+
+void Page::Impl::check(const std::atomic<bool>& stop) {
+  if (scene->steps() == 0) return;
+  std::unique_ptr<ReportWriter> writers[] = {std::make_unique<StoreWriter>(*store)};
+  CheckHooks hooks;
+  hooks.cancel = &stop;
+  const auto totals = run_check(scene->motions(), scene->settings(), writers, hooks);
+  if (!totals) return end_check(State::Failed, totals.error().line());
+  if (!totals->cancelled) end_check(State::Done, {});
+}
+
+Page::Page(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Page::~Page() = default;
+
+Result<std::unique_ptr<Page>> Page::open(PageInput input) {
+  auto impl = std::make_unique<Impl>();
+  auto scene = SceneData::open(std::move(input));
+  if (!scene) return tl::unexpected(scene.error());
+  impl->scene = std::move(*scene);
+  auto store = StepStore::open(impl->scene->motions());
+  if (!store) return tl::unexpected(store.error());
+  impl->store = std::move(*store);
+  impl->radii = std::make_unique<RadiusDesk>(*impl->scene);
+  if (impl->scene->steps() > 0) impl->state = Impl::State::Running;
+  return std::unique_ptr<Page>(new Page(std::move(impl)));
+}
+
+PageAnswer Page::get(std::string_view path, const PageQuery& query) const {
+  struct Route {
+    std::string_view pattern;  // '#' stands for a number
+    Impl::Handler handler;
+  };
+  static const Route routes[] = {
+      {"/api/scene", &Impl::scene_json},
+      {"/api/objects/#/triangles", &Impl::triangles},
+      {"/api/objects/#/frames/#", &Impl::frame},
+      {"/api/objects/#/boxes", &Impl::boxes},
+      {"/api/objects/#/prediction/#", &Impl::prediction},
+      {"/api/objects/#/model/mean", &Impl::mean},
+      {"/api/objects/#/model/modes/#", &Impl::mode},
+      {"/api/objects/#/model/radius", &Impl::radius},
+      {"/api/steps", &Impl::steps},
+      {"/api/steps/#/collisions", &Impl::collisions},
+      {"/api/steps/#/faces/#", &Impl::faces},
+  };
+  const auto asked = split(path);
+  for (const Route& route : routes) {
+    const auto pattern = split(route.pattern);
+    if (pattern.size() != asked.size()) continue;
+    std::vector<std::uint64_t> numbers;
+    std::string_view bad;
+    bool fits = true;
+    for (std::size_t k = 0; k < pattern.size() && fits; ++k) {
+      if (pattern[k] != "#") {
+        fits = pattern[k] == asked[k];
+      } else if (const auto number = number_in(asked[k])) {
+        numbers.push_back(*number);
+      } else {
+        bad = asked[k];
+        numbers.push_back(0);
+      }
+    }
+    if (!fits) continue;
+    return bad.data() != nullptr ? no_number(bad) : (impl_.get()->*route.handler)(numbers, query);
+  }
+  return refuse(404, "there is nothing here");
+}
+
+void Page::work(const std::atomic<bool>& stop) {
+  try {
+    impl_->check(stop);
+    impl_->radii->work(stop);
+  } catch (const std::bad_alloc&) {
+    impl_->end_check(Impl::State::Failed, "memory: there is not enough; look at fewer objects at a time");
+  }
+}
+
+}  // namespace foldproof

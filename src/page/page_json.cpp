@@ -1,0 +1,71 @@
+#include "page/page_json.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+namespace foldproof {
+
+std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+Json step_json(const StepRecord& s) {
+  return {{"number", s.place.number},
+          {"frame", s.place.frame},
+          {"next_frame", s.place.next_frame},
+          {"substep", s.place.substep},
+          {"vertex_face", s.collisions.vertex_face},
+          {"edge_edge", s.collisions.edge_edge},
+          {"undecided", s.work.undecided},
+          {"toi", s.earliest_toi},
+          {"tolerance", s.tolerance},
+          {"node_tests", s.work.node_tests},
+          {"certificate_tests", s.work.certificate_tests},
+          {"certificate_passes", s.work.certificate_passes},
+          {"leaf_pairs", s.work.leaf_pairs},
+          {"candidates", s.work.candidates_vf + s.work.candidates_ee},
+          {"reasons", s.leaf_pairs},
+          {"ms",
+           {{"total", s.milliseconds.total},
+            {"update", s.milliseconds.update},
+            {"traverse", s.milliseconds.traverse},
+            {"narrow", s.milliseconds.narrow}}}};
+}
+
+Json contact_json(const Contact& c) {
+  const auto ids = [&](const std::array<Index, 2>& pair) {
+    return c.vertex_face ? Json{pair[0]} : Json(pair);
+  };
+  return {{"kind", c.vertex_face ? "vf" : "ee"},
+          {"object_a", c.object_a},
+          {"a", ids(c.a)},
+          {"object_b", c.object_b},
+          {"b", ids(c.b)},
+          {"toi", c.toi},
+          {"answer", c.answer == Answer::Hit ? "hit" : "undecided"},
+          {"point", c.point}};
+}
+
+Json model_json(const Model* model) {
+  if (model == nullptr) return nullptr;
+  Json deviations = Json::array(), energy = Json::array(), key_points = Json::array();
+  Index modes = 0;
+  if (const Learned* learned = model->learned.get()) {
+    modes = learned->pca.modes();
+    for (const double d : learned->pca.deviations) deviations.push_back(d);
+    for (const double e : learned->pca.energy) energy.push_back(e);
+    for (const Index v : learned->key_points.vertices) key_points.push_back(v);
+  }
+  return {{"name", model->name}, {"modes", modes},           {"deviations", deviations},
+          {"energy", energy},    {"key_points", key_points}, {"poses", model->poses.size()}};
+}
+
+std::string error_json(const std::string& line) { return dump({{"error", line}}); }
+
+std::string title_of(Motions motions) {
+  std::string title = std::filesystem::path(motions[0]->name()).filename().string();
+  if (title.empty()) title = motions[0]->name();
+  if (motions.size() > 1) title += fmt::format(" and {} more", motions.size() - 1);
+  return title;
+}
+
+}  // namespace foldproof

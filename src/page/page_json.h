@@ -1,0 +1,27 @@
+/// What the page and the mailed report are told alike.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "page/step_store.h"
+
+namespace foldproof {
+
+using Json = nlohmann::ordered_json;
+
+/// One line. File names need not be UTF-8; what is not becomes U+FFFD.
+std::string dump(const Json& json);
+
+Json step_json(const StepRecord& step);
+Json contact_json(const Contact& contact);
+
+/// How the mesh is told by a model; null without one.
+Json model_json(const Model* model);
+
+/// {"error": line}
+std::string error_json(const std::string& line);
+
+/// The file at the end of a path, and how many more there are.
+std::string title_of(Motions motions);
+
+}  // namespace foldproof

@@ -1,0 +1,119 @@
+#include "page/scene_data.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "learned/certificates.h"
+
+namespace foldproof {
+
+const Predictor& PageObject::predictor() const {
+  std::call_once(once_, [&] { predictor_ = std::make_unique<const Predictor>(model->learned); });
+  return *predictor_;
+}
+
+Result<std::unique_ptr<SceneData>> SceneData::open(PageInput input) {
+  std::unique_ptr<SceneData> scene(new SceneData);
+  scene->settings_ = std::move(input.check);
+  scene->read_ = input.read;
+  CheckSettings& settings = scene->settings_;
+  settings.poses = true;  // one frame is enough to be looked at
+  auto frames = frames_to_check(input.motions, settings);
+  if (!frames) return tl::unexpected(frames.error());
+  if (const auto ok = require_models_of(input.motions, settings); !ok) return tl::unexpected(ok.error());
+  scene->frames_ = std::move(*frames);
+  settings.poses = false;
+  settings.step.explain = true;
+  scene->low_.setConstant(std::numeric_limits<double>::infinity());
+  scene->high_ = -scene->low_;
+  for (auto& motion : input.motions)
+    scene->motions_.push_back(std::make_unique<SharedMotion>(std::move(motion)));
+  for (Index i = 0; i < scene->motions_.size(); ++i) {
+    if (const auto done = scene->add(i); !done) return tl::unexpected(done.error());
+  }
+  return scene;
+}
+
+Result<void> SceneData::add(Index i) {
+  auto object = std::make_unique<PageObject>();
+  object->motion = static_cast<SharedMotion*>(motions_[i].get());
+  const auto frame = object->motion->frame(frames_[0]);
+  if (!frame) return tl::unexpected(frame.error());
+  if (!settings_.models.empty()) object->model = settings_.models[i];
+  if (object->model) {
+    object->hierarchy = object->model->hierarchy();
+  } else {
+    auto built = Hierarchy::build(object->motion->topology(), **frame);
+    if (!built)
+      return fail(object->motion->name() + ": " + built.error().where, built.error().problem,
+                  built.error().mend);
+    object->hierarchy = std::make_shared<const Hierarchy>(std::move(*built));
+  }
+  settings_.hierarchies.push_back(object->hierarchy);
+  object->depths = depths_of(*object->hierarchy);
+  object->levels = *std::max_element(object->depths.begin(), object->depths.end());
+  const Eigen::Map<const Eigen::Matrix3Xd> x((*frame)->data(), 3,
+                                             static_cast<Eigen::Index>((*frame)->size() / 3));
+  low_ = low_.cwiseMin(x.rowwise().minCoeff());
+  high_ = high_.cwiseMax(x.rowwise().maxCoeff());
+  objects_.push_back(std::move(object));
+  return {};
+}
+
+Json SceneData::json() const {
+  Json objects = Json::array();
+  for (const auto& object : objects_) {
+    objects.push_back({{"name", object->motion->name()},
+                       {"vertices", object->motion->topology().vertex_count()},
+                       {"triangles", object->motion->topology().triangles().size()},
+                       {"levels", object->levels},
+                       {"model", model_json(object->model.get())}});
+  }
+  const StepSettings& s = settings_.step;
+  return {{"program", "foldproof"},
+          {"version", version()},
+          {"title", title_of(motions_)},
+          {"frames", frames_.size()},
+          {"frame_numbers", frames_},
+          {"fps", read_.fps},
+          {"substeps", settings_.substeps},
+          {"steps", steps()},
+          {"objects", std::move(objects)},
+          {"low", {low_.x(), low_.y(), low_.z()}},
+          {"high", {high_.x(), high_.y(), high_.z()}},
+          {"settings",
+           {{"thickness", s.thickness},
+            {"tolerance", s.tolerance},
+            {"within", s.within},
+            {"between", s.between},
+            {"certificates", s.certificates},
+            {"mode", s.mode == Mode::Paper ? "paper" : "proven"}}},
+          {"reasons", kReasonNames}};
+}
+
+Result<std::vector<float>> SceneData::boxes(Index i, Index k, Index level) const {
+  const auto x = frame(i, k);
+  if (!x) return tl::unexpected(x.error());
+  const PageObject& object = *objects_[i];
+  const Hierarchy& h = *object.hierarchy;
+  std::vector<float> boxes;
+  for (Index n = 0; n < h.nodes().size(); ++n) {
+    const Hierarchy::Node& node = h.nodes()[n];
+    if (object.depths[n] != level && !(node.is_leaf() && object.depths[n] < level)) continue;
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    const Index end = h.leaves()[node.leaf_end].triangles;
+    for (Index t = h.leaves()[node.leaf_begin].triangles; t < end; ++t) {
+      for (const Index v : h.topology().triangles()[h.triangle_ids()[t]]) {
+        const Eigen::Map<const Vec3> corner(&(**x)[3 * std::size_t{v}]);
+        low = low.cwiseMin(corner);
+        high = high.cwiseMax(corner);
+      }
+    }
+    // Rounding keeps the order, so a box still holds its vertices when they are rounded alike.
+    for (const double c : {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()})
+      boxes.push_back(static_cast<float>(c));
+  }
+  return boxes;
+}
+
+}  // namespace foldproof

@@ -1,0 +1,59 @@
+/// What does not change while a page is shown: motions, models, hierarchies.
+#pragma once
+
+#include <mutex>
+
+#include "foldproof/page.h"
+#include "page/page_json.h"
+#include "page/shared_motion.h"
+
+namespace foldproof {
+
+/// An object as requests see it.
+struct PageObject {
+  SharedMotion* motion = nullptr;
+  std::shared_ptr<const Model> model;  ///< Null where there is none.
+  std::shared_ptr<const Hierarchy> hierarchy;
+  std::vector<Index> depths;  ///< Per node of the hierarchy.
+  Index levels = 0;           ///< The largest of them.
+
+  const Learned* learned() const { return model ? model->learned.get() : nullptr; }
+  const Predictor& predictor() const;  ///< Precondition: learned().
+
+ private:
+  mutable std::once_flag once_;
+  mutable std::unique_ptr<const Predictor> predictor_;
+};
+
+/// Immutable but for the frames that it keeps for a while. Any number of threads.
+class SceneData {
+ public:
+  static Result<std::unique_ptr<SceneData>> open(PageInput input);
+
+  Motions motions() const { return motions_; }
+  const CheckSettings& settings() const { return settings_; }
+  std::span<const std::unique_ptr<PageObject>> objects() const { return objects_; }
+  std::span<const Index> frames() const { return frames_; }
+  /// None for a single pose.
+  std::uint64_t steps() const { return (frames_.size() - 1) * std::uint64_t{settings_.substeps}; }
+
+  Json json() const;
+  Result<SharedMotion::Frame> frame(Index object, Index k) const {
+    return objects_[object]->motion->frame(frames_[k]);
+  }
+  /// Low and high corners of the nodes at a depth, and of leaves above it.
+  Result<std::vector<float>> boxes(Index object, Index k, Index level) const;
+
+ private:
+  SceneData() = default;
+  Result<void> add(Index object);
+
+  std::vector<std::unique_ptr<Motion>> motions_;
+  CheckSettings settings_;
+  ReadOptions read_;
+  std::vector<std::unique_ptr<PageObject>> objects_;
+  std::vector<Index> frames_;
+  Vec3 low_, high_;
+};
+
+}  // namespace foldproof

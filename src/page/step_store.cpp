@@ -1,0 +1,136 @@
+#include "page/step_store.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "page/contact.h"
+
+namespace foldproof {
+namespace {
+
+constexpr const char* kWhere = "the check's answers";
+
+template <class T>
+std::span<const char> bytes_of(std::span<const T> values) {
+  static_assert(std::is_trivially_copyable_v<T>, "goes to a file as it is");
+  return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
+}
+
+template <class T>
+std::span<char> bytes_of(std::vector<T>& values) {
+  static_assert(std::is_trivially_copyable_v<T>, "comes from a file as it is");
+  return {reinterpret_cast<char*>(values.data()), values.size() * sizeof(T)};
+}
+
+tl::unexpected<Error> unreadable() {
+  return fail(kWhere, "cannot be read back from the temporary file", "start again");
+}
+
+std::vector<Contact> contacts_of(const CheckedStep& step, Motions motions) {
+  std::vector<Contact> contacts;
+  contacts.reserve(step.step->vertex_face.size() + step.step->edge_edge.size());
+  const auto add = [&](const auto& c, Contact contact, const Vec3& point) {
+    contact.toi = c.toi;
+    contact.answer = c.answer;
+    contact.point = {point.x(), point.y(), point.z()};
+    contacts.push_back(contact);
+  };
+  for (const VertexFaceCollision& c : step.step->vertex_face) {
+    Contact contact{.object_a = c.vertex_object, .object_b = c.face_object, .vertex_face = true};
+    contact.a[0] = c.vertex;
+    contact.b[0] = c.face;
+    add(c, contact, contact_point(step.x0, step.x1, c, motions[c.face_object]->topology().triangles()));
+  }
+  for (const EdgeEdgeCollision& c : step.step->edge_edge) {
+    add(c, {.object_a = c.object_a, .object_b = c.object_b, .a = c.a, .b = c.b},
+        contact_point(step.x0, step.x1, c));
+  }
+  return contacts;
+}
+
+}  // namespace
+
+StepRecord record_of(const CheckedStep& step) {
+  return {.place = step.place,
+          .collisions = step.collisions,
+          .earliest_toi = step.earliest_toi,
+          .tolerance = step.step->tolerance,
+          .work = step.work,
+          .leaf_pairs = step.explanation->leaf_pairs,
+          .milliseconds = step.milliseconds};
+}
+
+Result<std::unique_ptr<StepStore>> StepStore::open(Motions motions) {
+  auto entries = io::Spool::open(kWhere), details = io::Spool::open(kWhere);
+  if (!entries) return tl::unexpected(entries.error());
+  if (!details) return tl::unexpected(details.error());
+  return std::unique_ptr<StepStore>(new StepStore(motions, std::move(*entries), std::move(*details)));
+}
+
+StepStore::StepStore(Motions motions, io::Spool entries, io::Spool details)
+    : motions_(motions), first_face_{0}, entries_(std::move(entries)), details_(std::move(details)) {
+  for (const auto& motion : motions)
+    first_face_.push_back(first_face_.back() + motion->topology().triangles().size());
+}
+
+Result<void> StepStore::append(std::span<const char> bytes) {
+  auto done = details_.append(bytes);
+  if (done) details_size_ += bytes.size();
+  return done;
+}
+
+Result<void> StepStore::add(const CheckedStep& step) {
+  Entry entry{.record = record_of(step), .contacts_at = details_size_, .faces_at = 0};
+  const std::vector<Contact> contacts = contacts_of(step, motions_);
+  if (auto done = append(bytes_of(std::span(contacts))); !done) return done;
+  entry.faces_at = details_size_;
+  for (Index i = 0; i < motions_.size(); ++i) {
+    const std::vector<std::uint8_t> colliding = colliding_faces(motions_[i]->topology(), i, *step.step);
+    const Explanation::Object& why = step.explanation->objects[i];
+    std::vector<FaceRecord> faces(colliding.size());
+    for (std::size_t t = 0; t < faces.size(); ++t) {
+      faces[t] = {colliding[t], static_cast<std::uint8_t>(why.reason[t]), why.level[t],
+                  static_cast<std::uint8_t>(std::lround(255 * why.margin[t]))};
+    }
+    if (auto done = append(bytes_of(std::span<const FaceRecord>(faces))); !done) return done;
+  }
+  if (auto done = entries_.append(bytes_of(std::span<const Entry>(&entry, 1))); !done) return done;
+  count_.fetch_add(1, std::memory_order_release);
+  return {};
+}
+
+Result<StepStore::Entry> StepStore::entry(std::uint64_t number) const {
+  std::vector<Entry> entry(1);
+  if (!entries_.read_at(number * sizeof(Entry), bytes_of(entry))) return unreadable();
+  return entry[0];
+}
+
+Result<StepRecord> StepStore::record(std::uint64_t number) const {
+  const auto found = entry(number);
+  if (!found) return tl::unexpected(found.error());
+  return found->record;
+}
+
+Result<std::vector<Contact>> StepStore::contacts(std::uint64_t number, std::uint64_t offset,
+                                                 std::uint64_t limit) const {
+  const auto found = entry(number);
+  if (!found) return tl::unexpected(found.error());
+  const std::uint64_t all = found->record.collisions.sum();
+  offset = std::min(offset, all);
+  std::vector<Contact> contacts(std::min(limit, all - offset));
+  if (!details_.read_at(found->contacts_at + offset * sizeof(Contact), bytes_of(contacts)))
+    return unreadable();
+  return contacts;
+}
+
+Result<std::vector<FaceRecord>> StepStore::faces(std::uint64_t number, Index object) const {
+  const auto found = entry(number);
+  if (!found) return tl::unexpected(found.error());
+  std::vector<FaceRecord> faces(first_face_[object + 1] - first_face_[object]);
+  const std::uint64_t at = found->faces_at + first_face_[object] * sizeof(FaceRecord);
+  if (!details_.read_at(at, bytes_of(faces))) return unreadable();
+  return faces;
+}
+
+}  // namespace foldproof

@@ -1,0 +1,74 @@
+/// The answers of a check, in a temporary file: memory holds none of them.
+#pragma once
+
+#include <mutex>
+
+#include "foldproof/report.h"
+#include "io/spool.h"
+
+namespace foldproof {
+
+/// What is known of a step as a whole.
+struct StepRecord {
+  StepPlace place;
+  CollisionCounts collisions;
+  double earliest_toi = 1, tolerance = 0;
+  Work work;
+  ReasonCounts leaf_pairs{};
+  StageTimes milliseconds;
+};
+
+StepRecord record_of(const CheckedStep& step);
+
+/// A collision and where it happens.
+struct Contact {
+  double toi = 0;
+  std::array<double, 3> point{};  ///< Mesh units.
+  Index object_a = 0, object_b = 0;
+  std::array<Index, 2> a{}, b{};  ///< Vertex-face: the vertex and the face, then 0.
+  bool vertex_face = false;
+  Answer answer = Answer::Hit;
+};
+
+/// What is known of a triangle in a step.
+struct FaceRecord {
+  std::uint8_t colliding;  ///< 0 or 1.
+  std::uint8_t reason;
+  std::int8_t level;
+  std::uint8_t margin;  ///< 0 to 255 for 0 to 1.
+};
+
+/// One thread adds steps while any number read those that have been added.
+class StepStore {
+ public:
+  static Result<std::unique_ptr<StepStore>> open(Motions motions);
+
+  /// Steps come in order. Error: the temporary file cannot take it.
+  Result<void> add(const CheckedStep& step);
+  std::uint64_t count() const { return count_.load(std::memory_order_acquire); }
+
+  // Preconditions: number < count(). Error: the temporary file cannot be read.
+  Result<StepRecord> record(std::uint64_t number) const;
+  /// Vertex-face first, each sorted by ids; fewer than `limit` at the end.
+  Result<std::vector<Contact>> contacts(std::uint64_t number, std::uint64_t offset,
+                                        std::uint64_t limit) const;
+  /// One per triangle.
+  Result<std::vector<FaceRecord>> faces(std::uint64_t number, Index object) const;
+
+ private:
+  struct Entry {
+    StepRecord record;
+    std::uint64_t contacts_at, faces_at;  // bytes in details_
+  };
+  StepStore(Motions motions, io::Spool entries, io::Spool details);
+  Result<void> append(std::span<const char> bytes);
+  Result<Entry> entry(std::uint64_t number) const;
+
+  Motions motions_;
+  std::vector<std::uint64_t> first_face_;  // per object, and their sum
+  io::Spool entries_, details_;
+  std::uint64_t details_size_ = 0;
+  std::atomic<std::uint64_t> count_{0};
+};
+
+}  // namespace foldproof
