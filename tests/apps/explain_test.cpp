@@ -56,12 +56,7 @@ TEST(CheckExplain, MistakesGetOneLineAndLeaveNothing) {
       {{"sink", "--csv", "a.csv", "--explain", "a.csv"}, "a.csv: is named for two outputs"},
       {{"sink", "--explain", "a.npz", "--csv", "/dev/full"}, "/dev/full"}};
   for (const auto& [arguments, said] : mistakes) {
-    const Outcome outcome = check_in(scene, arguments);
-    EXPECT_EQ(outcome.code, 2);
-    EXPECT_EQ(outcome.out, "");
-    EXPECT_THAT(outcome.err, StartsWith("foldproof: "));
-    EXPECT_THAT(outcome.err, HasSubstr(said));
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    expect_one_line_error(check_in(scene, arguments), said);
     EXPECT_EQ(scene.names(), before);
   }
 }

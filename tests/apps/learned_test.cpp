@@ -1,4 +1,5 @@
 // train, info, predict and suggest as a person uses them to learn shapes.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -36,9 +37,7 @@ struct Scene : TemporaryDirectory {
     for (Index v; list >> v;) {
       for (Index k = 0; k < motion.frame_count(); ++k) {
         const Eigen::VectorXd x = frame_of(motion, k);
-        text += std::to_string(k) + "," + std::to_string(v);
-        for (int axis = 0; axis < 3; ++axis) text += "," + std::to_string(x[3 * v + axis]);
-        text += "\n";
+        text += fmt::format("{},{},{:f},{:f},{:f}\n", k, v, x[3 * v], x[3 * v + 1], x[3 * v + 2]);
       }
     }
     write_file(*this / name, text);
@@ -169,12 +168,7 @@ TEST(LearnedProgram, MistakesGetOneLineAndLeaveNoFile) {
       {{"suggest", "tube.model", "poses.npz", "-o", "no/where.obj"}, "no/where.obj"},
       {{"suggest", "missing.model"}, "missing.model"}};
   for (const auto& [arguments, said] : mistakes) {
-    const Outcome outcome = scene.run(arguments);
-    EXPECT_EQ(outcome.code, 2) << said << outcome.out << outcome.err;
-    EXPECT_EQ(outcome.out, "") << said;
-    EXPECT_THAT(outcome.err, StartsWith("foldproof: "));
-    EXPECT_THAT(outcome.err, HasSubstr(said));
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    expect_one_line_error(scene.run(arguments), said);
   }
   EXPECT_EQ(scene.names(), before);
 }

@@ -62,6 +62,16 @@ inline Outcome run_program(std::vector<std::string> arguments, const RunOptions&
   return outcome;
 }
 
+/// A mistake of the user's: exit code 2, nothing on standard output, and one line that has `said` in it.
+inline void expect_one_line_error(const Outcome& outcome, const std::string& said) {
+  EXPECT_EQ(outcome.code, 2) << said << '\n' << outcome.out << outcome.err;
+  EXPECT_EQ(outcome.signal, 0) << said;
+  EXPECT_EQ(outcome.out, "") << said;
+  EXPECT_TRUE(outcome.err.starts_with("foldproof: ")) << outcome.err;
+  EXPECT_NE(outcome.err.find(said), std::string::npos) << "'" << said << "' is not in: " << outcome.err;
+  EXPECT_EQ(outcome.err.find('\n') + 1, outcome.err.size()) << outcome.err;
+}
+
 /// Runs `foldproof check` with what a person would type, in `directory`.
 inline Outcome check_in(const TemporaryDirectory& directory, std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "check");

@@ -76,20 +76,17 @@ TEST_F(Reduced, RefusesInOneLine) {
   write_coordinates("p.csv", {0, 0.5});
   write_coordinates("one.csv", {0});
   write_coordinates("wide.csv", {0, 1}, ",1,2");
-  for (const std::vector<std::string>& wrong :
-       std::vector<std::vector<std::string>>{{"check", "--reduced", "cloth.model"},
-                                             {"check", "--reduced", "cloth.model", "missing.csv"},
-                                             {"check", "--reduced", "cloth.model", "one.csv"},
-                                             {"check", "--reduced", "cloth.model", "wide.csv"},
-                                             {"check", "--reduced", "cloth.model", "p.csv", "--static"},
-                                             {"check", "--reduced", "poses.npz", "p.csv"},
-                                             {"radius", "poses.npz"},
-                                             {"radius", "cloth.model", "--sample", "3"},
-                                             {"radius", "cloth.model", "--clearance", "-1"}}) {
-    const Outcome outcome = run(wrong);
-    EXPECT_EQ(outcome.code, 2) << outcome.out;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-  }
+  const std::vector<std::pair<std::vector<std::string>, const char*>> mistakes{
+      {{"check", "--reduced", "cloth.model"}, "give MODEL COORDINATES in turn"},
+      {{"check", "--reduced", "cloth.model", "missing.csv"}, "missing.csv"},
+      {{"check", "--reduced", "cloth.model", "one.csv"}, "one.csv: has no step"},
+      {{"check", "--reduced", "cloth.model", "wide.csv"}, "wide.csv"},
+      {{"check", "--reduced", "cloth.model", "p.csv", "--static"}, "--static"},
+      {{"check", "--reduced", "poses.npz", "p.csv"}, "poses.npz"},
+      {{"radius", "poses.npz"}, "poses.npz"},
+      {{"radius", "cloth.model", "--sample", "3"}, "--sample: goes with -o"},
+      {{"radius", "cloth.model", "--clearance", "-1"}, "--clearance"}};
+  for (const auto& [arguments, said] : mistakes) expect_one_line_error(run(arguments), said);
 }
 
 }  // namespace

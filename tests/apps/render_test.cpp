@@ -121,12 +121,7 @@ TEST(RenderProgram, ExplainsMistakesInOneLine) {
       {{"bend.npz", "-o", "a.png", "--color", "collisions", "--model", "bend.npz"}, "bend.npz"},
   };
   for (const auto& [arguments, problem] : mistakes) {
-    const Outcome outcome = scene.run(arguments);
-    EXPECT_EQ(outcome.code, 2) << problem;
-    EXPECT_EQ(outcome.out, "");
-    EXPECT_THAT(outcome.err, StartsWith("foldproof: "));
-    EXPECT_THAT(outcome.err, HasSubstr(problem));
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    expect_one_line_error(scene.run(arguments), problem);
   }
   EXPECT_FALSE(std::filesystem::exists(scene / "a.png"));
   const Outcome help = scene.run({"--help"});

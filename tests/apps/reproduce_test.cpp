@@ -210,12 +210,7 @@ TEST(ReproduceProgram, ExplainsMistakesInOneLine) {
       {{"-o", "c", "--threads", "-3"}, "--threads"},
   };
   for (const auto& [arguments, problem] : mistakes) {
-    const Outcome outcome = directory.run(arguments);
-    EXPECT_EQ(outcome.code, 2) << problem;
-    EXPECT_EQ(outcome.out, "");
-    EXPECT_THAT(outcome.err, StartsWith("foldproof: "));
-    EXPECT_THAT(outcome.err, HasSubstr(problem));
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    expect_one_line_error(directory.run(arguments), problem);
   }
   EXPECT_THAT(directory.run({"--help"}).out, HasSubstr("foldproof reproduce -o out --quick"));
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -85,6 +86,34 @@ std::unique_ptr<Motion> open_motion(const std::vector<std::string>& arguments) {
   if (!motions) throw std::runtime_error(motions.error().line());
   if (motions->size() != 1) throw std::runtime_error(arguments.front() + " is not one motion");
   return std::move(motions->front());
+}
+
+std::unique_ptr<Motion> open_real_motion(const fs::path& data, const std::string& name) {
+  static const std::map<std::string, std::vector<const char*>> kFiles{
+      {"lion_poses", {"lion-poses"}},
+      {"lion_anim", {"lion-anim/lion-anim-loop1.obj", "lion-anim/lion-anim-loop1.pc2"}},
+      {"hand_poses", {"hand/hand-poses.obj", "hand/hand-poses.pc2"}},
+      {"hand_train", {"hand/hand-train.obj", "hand/hand-train.pc2"}},
+      {"hand_anim", {"hand/hand-anim.obj", "hand/hand-anim.pc2"}},
+      {"horse_poses", {"horse-poses"}},
+      {"horse_gallop", {"horse-gallop/horse-gallop.obj", "horse-gallop/horse-gallop.pc2"}},
+      {"elephant_poses", {"elephant/elephant-poses.obj", "elephant/elephant-poses.pc2"}},
+      {"elephant_gallop", {"elephant/elephant-gallop.obj", "elephant/elephant-gallop.pc2"}},
+      {"samba", {"samba/samba.obj", "samba/samba.pc2"}},
+      {"rumba", {"rumba/rumba.obj", "rumba/rumba.pc2"}},
+      // The ground truth keeps its frames beside lists of pairs.
+      {"cloth_ball", {"ccd-ground-truth/cloth-ball/frame_*.ply"}},
+      {"rod_twist", {"ccd-ground-truth/rod-twist/frame_*.ply"}},
+      {"cloth_funnel", {"ccd-ground-truth/cloth-funnel/frame_*.ply"}},
+  };
+  std::vector<std::string> files;
+  for (const char* file : kFiles.at(name)) files.push_back((data / file).string());
+  return open_motion(files);
+}
+
+bool all_frames() {
+  const char* all = std::getenv("FOLDPROOF_ALL_FRAMES");
+  return all != nullptr && std::string(all) == "1";
 }
 
 }  // namespace foldproof::oracle

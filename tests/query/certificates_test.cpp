@@ -377,26 +377,14 @@ INSTANTIATE_TEST_SUITE_P(Generated, Films, ::testing::ValuesIn(kFilms),
 
 struct RealFilm {
   const char* name;
-  std::vector<const char*> files;  ///< Below the data directory.
   Index first;  ///< Where the short run begins; something touches there where it ever does.
 };
 void PrintTo(const RealFilm& film, std::ostream* out) { *out << film.name; }
 
 const RealFilm kRealFilms[] = {
-    {"lion_poses", {"lion-poses"}, 0},
-    {"lion_anim", {"lion-anim/lion-anim-loop1.obj", "lion-anim/lion-anim-loop1.pc2"}, 20},
-    {"hand_poses", {"hand/hand-poses.obj", "hand/hand-poses.pc2"}, 4},
-    {"hand_train", {"hand/hand-train.obj", "hand/hand-train.pc2"}, 7},
-    {"hand_anim", {"hand/hand-anim.obj", "hand/hand-anim.pc2"}, 8},
-    {"horse_poses", {"horse-poses"}, 2},
-    {"horse_gallop", {"horse-gallop/horse-gallop.obj", "horse-gallop/horse-gallop.pc2"}, 3},
-    {"elephant_poses", {"elephant/elephant-poses.obj", "elephant/elephant-poses.pc2"}, 0},
-    {"elephant_gallop", {"elephant/elephant-gallop.obj", "elephant/elephant-gallop.pc2"}, 10},
-    {"samba", {"samba/samba.obj", "samba/samba.pc2"}, 40},
-    {"rumba", {"rumba/rumba.obj", "rumba/rumba.pc2"}, 30},
-    {"cloth_ball", {"ccd-ground-truth/cloth-ball"}, 0},
-    {"rod_twist", {"ccd-ground-truth/rod-twist"}, 0},
-    {"cloth_funnel", {"ccd-ground-truth/cloth-funnel"}, 0},
+    {"lion_poses", 0},  {"lion_anim", 20},   {"hand_poses", 4},     {"hand_train", 7},       {"hand_anim", 8},
+    {"horse_poses", 2}, {"horse_gallop", 3}, {"elephant_poses", 0}, {"elephant_gallop", 10}, {"samba", 40},
+    {"rumba", 30},      {"cloth_ball", 0},   {"rod_twist", 0},      {"cloth_funnel", 0},
 };
 
 class RealFilms : public ::testing::TestWithParam<RealFilm> {
@@ -404,14 +392,8 @@ class RealFilms : public ::testing::TestWithParam<RealFilm> {
   void SetUp() override {
     const auto data = data_directory();
     if (!data) GTEST_SKIP() << kNoData;
-    std::vector<std::string> files;
-    for (const char* file : GetParam().files) {
-      files.push_back((*data / file).string());
-      if (files.back().find("ground-truth") != std::string::npos) files.back() += "/frame_*.ply";
-    }
-    motion_ = open_motion(files);
-    const char* all = std::getenv("FOLDPROOF_ALL_FRAMES");
-    all_ = all != nullptr && std::string(all) == "1";
+    motion_ = open_real_motion(*data, GetParam().name);
+    all_ = all_frames();
     first_ = all_ ? 0 : std::min(GetParam().first, motion_->frame_count() - 2);
     last_ = all_ ? motion_->frame_count() - 1 : std::min(first_ + 3, motion_->frame_count() - 1);
   }

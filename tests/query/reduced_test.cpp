@@ -226,28 +226,18 @@ TEST(ReducedChecker, RefusesWhatItCannotCheck) {
   EXPECT_FALSE(checker.check(good.begin, good.end, settings, answer));
 }
 
-// Separate poses of real meshes: a subspace of their shapes, and steps between them. `files` name a motion in
-// the data.
-struct PoseSet {
-  const char* name;
-  std::vector<const char*> files;
-};
-void PrintTo(const PoseSet& set, std::ostream* out) { *out << set.name; }
-
-class ReducedPoseSets : public ::testing::TestWithParam<PoseSet> {};
+// Separate poses of real meshes: a subspace of their shapes, and steps between them.
+class ReducedPoseSets : public ::testing::TestWithParam<const char*> {};
 
 // Every pose to the next one, in full and a small part of the way from the mean; unless
 // FOLDPROOF_ALL_FRAMES=1, one such pair of poses.
 TEST_P(ReducedPoseSets, AnswerAsStepChecker) {
   const auto data = oracle::data_directory();
   if (!data) GTEST_SKIP() << oracle::kNoData;
-  const char* all = std::getenv("FOLDPROOF_ALL_FRAMES");
-  const bool every = all != nullptr && std::string(all) == "1";
-  if (!every && GetParam().name != std::string("horse_poses"))
+  const bool every = oracle::all_frames();
+  if (!every && GetParam() != std::string("horse_poses"))
     GTEST_SKIP() << "Building the balls takes long. Set FOLDPROOF_ALL_FRAMES=1 to run this test.";
-  std::vector<std::string> files;
-  for (const char* file : GetParam().files) files.push_back((*data / file).string());
-  const auto motion = oracle::open_motion(files);
+  const auto motion = oracle::open_real_motion(*data, GetParam());
   const Index frames = motion->frame_count();
   std::vector<double> x(3 * std::size_t{motion->topology().vertex_count()});
   Eigen::MatrixXd samples(static_cast<Eigen::Index>(x.size()), frames);
@@ -277,18 +267,14 @@ TEST_P(ReducedPoseSets, AnswerAsStepChecker) {
     }
   }
   EXPECT_GT(proven, 0u);
-  fmt::print("{:14} {:3} steps, {:7} collisions, all as on the rebuilt meshes; radius {:.3f}\n",
-             GetParam().name, steps, found, shapes[0]->radius(0));
+  fmt::print("{:14} {:3} steps, {:7} collisions, all as on the rebuilt meshes; radius {:.3f}\n", GetParam(),
+             steps, found, shapes[0]->radius(0));
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Real, ReducedPoseSets,
-    ::testing::Values(PoseSet{"horse_poses", {"horse-poses"}}, PoseSet{"lion_poses", {"lion-poses"}},
-                      PoseSet{"hand_poses", {"hand/hand-poses.obj", "hand/hand-poses.pc2"}},
-                      PoseSet{"hand_train", {"hand/hand-train.obj", "hand/hand-train.pc2"}},
-                      PoseSet{"elephant_poses",
-                              {"elephant/elephant-poses.obj", "elephant/elephant-poses.pc2"}}),
-    [](const auto& instance) { return std::string(instance.param.name); });
+INSTANTIATE_TEST_SUITE_P(Real, ReducedPoseSets,
+                         ::testing::Values("horse_poses", "lion_poses", "hand_poses", "hand_train",
+                                           "elephant_poses"),
+                         [](const auto& instance) { return std::string(instance.param); });
 
 }  // namespace
 }  // namespace foldproof::testing

@@ -144,48 +144,27 @@ void expect_equal(const Crossings& actual, const Crossings& expected, const std:
 
 // ---- Real poses.
 
-struct Motions {
+struct RealMotion {
   const char* name;
-  std::vector<const char*> files;  ///< Below the data directory.
-  Index stride;                    ///< Every so many frames, unless FOLDPROOF_ALL_FRAMES=1.
+  Index stride;  ///< Every so many frames, unless FOLDPROOF_ALL_FRAMES=1.
 };
 
-void PrintTo(const Motions& motion, std::ostream* out) { *out << motion.name; }
+void PrintTo(const RealMotion& motion, std::ostream* out) { *out << motion.name; }
 
-const std::vector<Motions>& all_motions() {
-  static const std::vector<Motions> motions = {
-      {"lion_poses", {"lion-poses"}, 1},
-      {"lion_anim", {"lion-anim/lion-anim-loop1.obj", "lion-anim/lion-anim-loop1.pc2"}, 10},
-      {"hand_poses", {"hand/hand-poses.obj", "hand/hand-poses.pc2"}, 1},
-      {"hand_train", {"hand/hand-train.obj", "hand/hand-train.pc2"}, 10},
-      {"hand_anim", {"hand/hand-anim.obj", "hand/hand-anim.pc2"}, 10},
-      {"horse_poses", {"horse-poses"}, 1},
-      {"horse_gallop", {"horse-gallop/horse-gallop.obj", "horse-gallop/horse-gallop.pc2"}, 6},
-      {"elephant_poses", {"elephant/elephant-poses.obj", "elephant/elephant-poses.pc2"}, 1},
-      {"elephant_gallop", {"elephant/elephant-gallop.obj", "elephant/elephant-gallop.pc2"}, 10},
-      {"samba", {"samba/samba.obj", "samba/samba.pc2"}, 10},
-      {"rumba", {"rumba/rumba.obj", "rumba/rumba.pc2"}, 10},
-      {"cloth_ball", {"ccd-ground-truth/cloth-ball"}, 1},
-      {"rod_twist", {"ccd-ground-truth/rod-twist"}, 1},
-      {"cloth_funnel", {"ccd-ground-truth/cloth-funnel"}, 1},
-  };
-  return motions;
-}
+constexpr RealMotion kRealMotions[] = {
+    {"lion_poses", 1},       {"lion_anim", 10},   {"hand_poses", 1},   {"hand_train", 10},
+    {"hand_anim", 10},       {"horse_poses", 1},  {"horse_gallop", 6}, {"elephant_poses", 1},
+    {"elephant_gallop", 10}, {"samba", 10},       {"rumba", 10},       {"cloth_ball", 1},
+    {"rod_twist", 1},        {"cloth_funnel", 1},
+};
 
-class RealPoses : public ::testing::TestWithParam<Motions> {};
+class RealPoses : public ::testing::TestWithParam<RealMotion> {};
 
 TEST_P(RealPoses, CrossingsEqualCgals) {
   const auto data = data_directory();
   if (!data) GTEST_SKIP() << kNoData;
-  std::vector<std::string> files;
-  for (const char* file : GetParam().files) {
-    files.push_back((*data / file).string());
-    // The ground truth keeps its frames beside lists of pairs.
-    if (files.back().find("ground-truth") != std::string::npos) files.back() += "/frame_*.ply";
-  }
-  const auto motion = open_motion(files);
-  const char* all = std::getenv("FOLDPROOF_ALL_FRAMES");
-  const Index stride = all && std::string(all) == "1" ? 1 : GetParam().stride;
+  const auto motion = open_real_motion(*data, GetParam().name);
+  const Index stride = all_frames() ? 1 : GetParam().stride;
   std::vector<double> x(3 * motion->topology().vertex_count());
   ASSERT_TRUE(motion->read_frame(0, x));
   auto built = Hierarchy::build(motion->topology(), x);
@@ -202,7 +181,7 @@ TEST_P(RealPoses, CrossingsEqualCgals) {
              motion->frame_count(), crossings);
 }
 
-INSTANTIATE_TEST_SUITE_P(Motions, RealPoses, ::testing::ValuesIn(all_motions()),
+INSTANTIATE_TEST_SUITE_P(Motions, RealPoses, ::testing::ValuesIn(kRealMotions),
                          [](const auto& instance) { return std::string(instance.param.name); });
 
 // ---- Generated meshes, which cross, touch and fold on purpose.
