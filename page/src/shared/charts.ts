@@ -2,7 +2,7 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { el } from './dom';
-import { brief, grouped, short } from './format';
+import { brief, grouped, milliseconds } from './format';
 import { beginOf, type Step } from './steps';
 
 interface Series {
@@ -16,6 +16,7 @@ interface Chart {
   title: string;
   unit: string;
   stacked: boolean;
+  spread?: boolean; // small values are spread out: nearly logarithmic, and zero has a place
   series: Series[];
 }
 
@@ -52,6 +53,7 @@ const kCharts: Chart[] = [
     title: 'Tests and culls',
     unit: 'count per step',
     stacked: false,
+    spread: true,
     series: [
       { label: 'node pairs', colour: '--c-nodes', value: (s) => s.node_tests },
       { label: 'proofs tried', colour: '--c-tests', value: (s) => s.certificate_tests },
@@ -137,7 +139,7 @@ export class Charts {
 
   private build(): void {
     for (const chart of kCharts) {
-      const box = el('section', { className: 'chart', 'data-chart': chart.id }, el('h3', {}, `${chart.title} `, el('small', {}, chart.unit)));
+      const box = el('section', { className: 'chart', 'data-chart': chart.id }, el('h3', {}, `${chart.title} `, el('small', {}, chart.spread ? `${chart.unit}, logarithmic` : chart.unit)));
       this.element.append(box);
       const plot = new uPlot(this.describe(chart), columns(chart, [], 1), box);
       const now = el('div', { className: 'now' });
@@ -166,11 +168,11 @@ export class Charts {
       cursor: { sync: { key: this.sync.key }, points: { show: false }, y: false, drag: { x: false, y: false } },
       scales: {
         x: { time: false, range: () => [this.options.low, Math.max(this.options.high, this.options.low + 1)] },
-        y: { range: (_, __, high) => [0, high > 0 ? high * 1.08 : 1] },
+        y: { range: (_, __, high) => [0, high > 0 ? high * (chart.spread ? 1.6 : 1.08) : 1], ...(chart.spread ? { distr: 4 as const, asinh: 10 } : {}) },
       },
       axes: [
         { ...axis, size: 36, label: 'frame of the motion', labelSize: 14, labelFont: '11px system-ui, sans-serif', labelGap: 0, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000] },
-        { ...axis, size: 58, label: chart.unit, labelSize: 14, labelFont: '11px system-ui, sans-serif', labelGap: 0, values: (_, ticks) => ticks.map(brief) },
+        { ...axis, size: 58, label: chart.unit, labelSize: 14, labelFont: '11px system-ui, sans-serif', labelGap: 0, values: (_, ticks) => ticks.map((tick: number | null) => (tick === null ? '' : brief(tick))) },
       ],
       series: [
         { label: 'frame', value: (_, x) => (x === null || x === undefined ? '–' : String(Number(x.toFixed(3)))) },
@@ -194,7 +196,7 @@ export class Charts {
         const step = index === null || index === undefined ? undefined : this.steps[Math.min(index, this.steps.length - 1)];
         if (!step) return '–';
         const value = series.value(step);
-        return chart.unit === 'ms' ? `${short(value)} ms` : grouped(value);
+        return chart.unit === 'ms' ? milliseconds(value) : grouped(value);
       },
     };
   }

@@ -13,6 +13,7 @@ import { Data } from './data';
 import { helpDialog } from './help';
 import { Inspector } from './inspect';
 import { listen } from './keyboard';
+import { clearDirection } from './sight';
 import { LayerPanel } from './layers';
 import { Layout, type Tab } from './layout';
 import { countFaces, legendItems, type FaceCounts } from './legend';
@@ -215,7 +216,9 @@ export class App {
     this.goTo(() => this.clock.seek(this.clock.step, pair.toi));
     this.update();
     this.lines.show(this.surfaces, pair);
-    this.stage.approach(new THREE.Vector3(...pair.point), this.sizeOf(pair));
+    const point = new THREE.Vector3(...pair.point);
+    const size = this.sizeOf(pair);
+    this.stage.approach(point, size, clearDirection(this.surfaces, point, 2 * size, this.stage.direction));
     this.dirty = true;
   }
 

@@ -43,8 +43,8 @@ const swatch = (colour: Rgb, className = ''): HTMLElement => el('span', { classN
 const item = (mark: HTMLElement, text: string, value = ''): HTMLElement =>
   el('li', {}, mark, el('span', {}, text), value !== '' && el('b', {}, value));
 
-function scale(colour: (value: number) => Rgb, title: string, ends: [string, string]): HTMLElement {
-  return el('li', { className: 'scale' }, el('span', {}, title), el('span', { className: 'bar', style: { background: gradient(colour) } }), el('span', { className: 'ends' }, el('span', {}, ends[0]), el('span', {}, ends[1])));
+function scale(colour: (value: number) => Rgb, title: string, ends: [string, string], value = ''): HTMLElement {
+  return el('li', { className: 'scale' }, el('span', { className: 'name' }, title, value !== '' && el('b', {}, value)), el('span', { className: 'bar', style: { background: gradient(colour) } }), el('span', { className: 'ends' }, el('span', {}, ends[0]), el('span', {}, ends[1])));
 }
 
 function proofItems(state: LegendState): HTMLElement[] {
@@ -54,9 +54,9 @@ function proofItems(state: LegendState): HTMLElement[] {
   if (layers.paint === 'level') {
     const levels = counts ? counts.levels.slice(1).flatMap((n, level) => (n > 0 ? [level] : [])) : [];
     const [low, high] = [levels[0] ?? 0, levels.at(-1) ?? 15];
-    items.push(scale((v) => levelColour(Math.round(low + v * (high - low))), `Proven free by a chart of level ${share(counts?.reasons[0])}`, [`${low} (large patch)`, `${high} (small)`]));
+    items.push(scale((v) => levelColour(Math.round(low + v * (high - low))), 'Proven free, by level of the proof', [`${low} (large patches)`, `${high} (small)`], share(counts?.reasons[0])));
   } else {
-    items.push(scale(marginColour, `Proven free: margin of the proof ${share(counts?.reasons[0])}`, ['0 (just)', '1 (as drawn)']));
+    items.push(scale(marginColour, 'Proven free, by margin of the proof', ['0 (just)', '1 (as drawn)'], share(counts?.reasons[0])));
   }
   if (!counts || counts.levels[0]! > 0) items.push(item(swatch(kNothingToProve), 'Proven free by boxes and planes alone'));
   state.reasons.forEach((name, k) => {

@@ -85,7 +85,7 @@ export function keyPoints(surface: Surface, ids: number[], ratio: number): THREE
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('vertex', new THREE.BufferAttribute(Uint32Array.from(ids), 1));
   geometry.setDrawRange(0, ids.length);
-  return pointLayer(geometry, { ...surface.place, only: { value: vec3(kSky) }, size: { value: 7 * ratio } }, true);
+  return pointLayer(geometry, { ...surface.place, only: { value: vec3(kSky) }, size: { value: (ids.length > 200 ? 5.5 : 8) * ratio } }, true);
 }
 
 /** The chosen pair's edges, over everything; orange is what is named first, blue the other. */

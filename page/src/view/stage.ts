@@ -83,10 +83,14 @@ export class Stage {
     this.fly(d.multiplyScalar(distance), new THREE.Vector3(), animated);
   }
 
-  /** Turns to a point in mesh units and comes as near as `size` of it fills a good part of the picture. */
-  approach(point: THREE.Vector3, size: number): void {
+  /** From what is looked at to the eye. */
+  get direction(): THREE.Vector3 {
+    return this.camera.position.clone().sub(this.controls.target).normalize();
+  }
+
+  /** Comes as near to a point in mesh units as `size` fills a good part of the picture. */
+  approach(point: THREE.Vector3, size: number, direction = this.direction): void {
     const target = point.clone().sub(this.frame.centre).multiplyScalar(this.frame.scale);
-    const direction = this.camera.position.clone().sub(this.controls.target).normalize();
     const distance = Math.max((5 * size * this.frame.scale) / Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2)), 1e-3);
     this.fly(target.clone().addScaledVector(direction, distance), target, true);
   }

@@ -176,6 +176,18 @@ export class Surface {
     return out.set(a[k]! + t * (b[k]! - a[k]!), a[k + 1]! + t * (b[k + 1]! - a[k + 1]!), a[k + 2]! + t * (b[k + 2]! - a[k + 2]!));
   }
 
+  /** Whether a ray in mesh units meets a triangle farther away than `least`. */
+  blocks(ray: THREE.Ray, least: number): boolean {
+    const [p, q, r, at] = [new THREE.Vector3(), new THREE.Vector3(), new THREE.Vector3(), new THREE.Vector3()];
+    for (let face = 0; face < this.info.triangles; ++face) {
+      this.vertex(this.triangles[3 * face]!, p);
+      this.vertex(this.triangles[3 * face + 1]!, q);
+      this.vertex(this.triangles[3 * face + 2]!, r);
+      if (ray.intersectTriangle(p, q, r, false, at) && at.distanceTo(ray.origin) > least) return true;
+    }
+    return false;
+  }
+
   /** The first triangle that a ray in mesh units meets. A look at each: it is a click, not a frame. */
   hit(ray: THREE.Ray): { face: number; point: THREE.Vector3; distance: number } | null {
     const [p, q, r, at] = [new THREE.Vector3(), new THREE.Vector3(), new THREE.Vector3(), new THREE.Vector3()];
