@@ -72,6 +72,8 @@ const kCharts: Chart[] = [
 
 const variable = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+const decades = (_: uPlot, __: number, ___: number, high: number): number[] => [0, ...Array.from({ length: 12 }, (____, k) => 10 ** (k + 1)).filter((tick) => tick <= high)];
+
 /** Columns for uPlot: a value holds from where its step begins to where it ends. */
 function columns(chart: Chart, steps: Step[], substeps: number): uPlot.AlignedData {
   const last = steps.at(-1);
@@ -172,7 +174,7 @@ export class Charts {
       },
       axes: [
         { ...axis, size: 36, label: 'frame of the motion', labelSize: 14, labelFont: '11px system-ui, sans-serif', labelGap: 0, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000] },
-        { ...axis, size: 58, label: chart.unit, labelSize: 14, labelFont: '11px system-ui, sans-serif', labelGap: 0, values: (_, ticks) => ticks.map((tick: number | null) => (tick === null ? '' : brief(tick))) },
+        { ...axis, size: 58, label: chart.unit, labelSize: 14, labelFont: '11px system-ui, sans-serif', labelGap: 0, values: (_, ticks) => ticks.map((tick: number | null) => (tick === null ? '' : brief(tick))), ...(chart.spread ? { splits: decades, filter: (_: uPlot, ticks: number[]) => ticks } : {}) },
       ],
       series: [
         { label: 'frame', value: (_, x) => (x === null || x === undefined ? '–' : String(Number(x.toFixed(3)))) },

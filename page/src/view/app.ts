@@ -102,7 +102,7 @@ export class App {
     const high = new THREE.Vector3(...scene.high);
     const size = high.clone().sub(low);
     const scale = 2 / Math.max(size.x, size.y, size.z, 1e-30);
-    this.stage = new Stage(this.layout.stage, { centre: low.clone().add(high).multiplyScalar(0.5), scale }, size.clone().multiplyScalar(scale));
+    this.stage = new Stage(this.layout.stage, { centre: low.clone().add(high).multiplyScalar(0.5), scale }, () => this.bounds(new THREE.Box3(low, high)));
     this.lines = new PairLines(this.stage.viewport);
   }
 
@@ -220,6 +220,18 @@ export class App {
     const size = this.sizeOf(pair);
     this.stage.approach(point, size, clearDirection(this.surfaces, point, 2 * size, this.stage.direction));
     this.dirty = true;
+  }
+
+  /** Of what is shown now; `first` before anything is. */
+  private bounds(first: THREE.Box3): THREE.Box3 {
+    if (this.surfaces.length > 0 && this.dirty) this.update();
+    const box = new THREE.Box3();
+    const at = new THREE.Vector3();
+    for (const surface of this.surfaces) {
+      if (!surface.mesh.visible) continue;
+      for (let v = 0; v < surface.info.vertices; ++v) box.expandByPoint(surface.vertex(v, at));
+    }
+    return box.isEmpty() ? first : box;
   }
 
   /** How large the pair's triangle or edges are, mesh units. */

@@ -95,6 +95,7 @@ export class ShapePanel {
       this.failed(error);
     }
     this.describe();
+    this.changed();
     if (this.radius.state === 'computing') setTimeout(() => void this.askRadius(), kPollMs);
   }
 

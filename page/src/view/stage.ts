@@ -10,6 +10,9 @@ const kSides: Record<Side, THREE.Vector3> = {
 };
 const kFlightMs = 450;
 
+/** Things are kept this much smaller than the picture; where that is narrow, they stay clear of the buttons over it. */
+const room = ({ clientWidth, clientHeight }: HTMLElement): number => (clientWidth < 700 ? 1 / Math.max(0.4, 1 - 104 / Math.max(1, clientHeight)) : 1.03);
+
 interface Flight {
   begin: number;
   from: THREE.Vector3;
@@ -33,7 +36,7 @@ export class Stage {
   constructor(
     readonly parent: HTMLElement,
     readonly frame: { centre: THREE.Vector3; scale: number },
-    private readonly extent: THREE.Vector3,
+    private readonly bounds: () => THREE.Box3, // of what is shown, mesh units
   ) {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('aria-label', 'The meshes: drag to orbit, right-drag or two fingers to pan, wheel or pinch to zoom');
@@ -76,11 +79,13 @@ export class Stage {
     const up = Math.abs(d.y) > 0.9 ? new THREE.Vector3(0, 0, -1) : new THREE.Vector3(0, 1, 0);
     const right = up.clone().cross(d).normalize();
     const above = d.clone().cross(right);
-    const half = (axis: THREE.Vector3) =>
-      (Math.abs(axis.x) * this.extent.x + Math.abs(axis.y) * this.extent.y + Math.abs(axis.z) * this.extent.z) / 2;
+    const box = this.bounds();
+    const size = box.getSize(new THREE.Vector3()).multiplyScalar(this.frame.scale);
+    const half = (axis: THREE.Vector3) => (Math.abs(axis.x) * size.x + Math.abs(axis.y) * size.y + Math.abs(axis.z) * size.z) / 2;
     const tangent = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
-    const distance = half(d) + 1.03 * Math.max(half(above) / tangent, half(right) / (tangent * this.camera.aspect), 1e-3);
-    this.fly(d.multiplyScalar(distance), new THREE.Vector3(), animated);
+    const distance = half(d) + room(this.parent) * Math.max(half(above) / tangent, half(right) / (tangent * this.camera.aspect), 1e-3);
+    const target = box.getCenter(new THREE.Vector3()).sub(this.frame.centre).multiplyScalar(this.frame.scale);
+    this.fly(d.multiplyScalar(distance).add(target), target, animated);
   }
 
   /** From what is looked at to the eye. */
