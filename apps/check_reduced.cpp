@@ -141,6 +141,7 @@ Result<std::shared_ptr<const ReducedShape>> shape_of(const Model& model, double 
 
 struct Objects {
   std::vector<std::shared_ptr<const ReducedShape>> shapes;
+  std::vector<std::shared_ptr<const ChartLibrary>> charts;
   std::vector<Track> tracks;
 };
 
@@ -163,6 +164,7 @@ Result<Objects> open_objects(const ReducedCheckArguments& a, const ReducedHooks&
     auto shape = shape_of(*model, a.step.thickness, hooks);
     if (!shape) return tl::unexpected(shape.error());
     objects.shapes.push_back(std::move(*shape));
+    objects.charts.push_back(model->charts);
     objects.tracks.push_back(std::move(*track));
   }
   return objects;
@@ -185,7 +187,7 @@ std::string summary_of(const CheckTotals& totals) {
 
 Result<void> run(const Objects& objects, const ReducedCheckArguments& a, ReportWriter* csv,
                  CheckTotals& totals) {
-  ReducedChecker checker(objects.shapes);
+  ReducedChecker checker(objects.shapes, objects.charts);
   StepResult found;
   std::vector<ReducedPose> begin, end;
   for (Index k = 0; k + 1 < objects.tracks[0].frames; ++k) {

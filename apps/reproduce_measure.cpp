@@ -183,7 +183,7 @@ Result<std::vector<ModeRow>> measure_reduced(const Frames& frames, const Model& 
   if (!shape) return tl::unexpected(shape.error());
   const ReducedFilm film = reduce(frames, model.learned->pca, *motion);
 
-  ReducedChecker reduced({std::make_shared<const ReducedShape>(std::move(*shape))});
+  ReducedChecker reduced({std::make_shared<const ReducedShape>(std::move(*shape))}, {model.charts});
   const auto answer_reduced = [&](Index step, StepResult& out) {
     const auto pose = [&](Index k) {
       return ReducedPose{.p = {film.p[k].data(), static_cast<std::size_t>(film.p[k].size())}};

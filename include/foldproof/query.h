@@ -188,10 +188,15 @@ struct ReducedPose {
 void place_vertices(const ReducedMotion& motion, const ReducedPose& pose, std::span<double> out);
 
 /// Answers queries on objects that move in reduced coordinates. It looks at no vertex where nothing is near:
-/// its cost does not depend on the size of the meshes. Owns scratch of their size; one checker per thread.
+/// its cost does not depend on the size of the meshes. An object so far from every centre that balls leave
+/// more than two pairs of nodes open per leaf is looked at as StepChecker does, with charts, once its vertices
+/// have been computed. Owns scratch of the meshes' size; a second step of the same kind and size allocates
+/// nothing. One checker per thread.
 class ReducedChecker {
  public:
-  explicit ReducedChecker(std::vector<std::shared_ptr<const ReducedShape>> objects);
+  /// `charts`: as StepChecker's.
+  explicit ReducedChecker(std::vector<std::shared_ptr<const ReducedShape>> objects,
+                          std::vector<std::shared_ptr<const ChartLibrary>> charts = {});
   ~ReducedChecker();
   ReducedChecker(ReducedChecker&&) noexcept;
   ReducedChecker& operator=(ReducedChecker&&) noexcept;

@@ -1,13 +1,25 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "query/reduced_scene.h"
+#include "query/scene.h"
 
 namespace foldproof {
 
+namespace {
+
+// An object that leaves more pairs of nodes open, or more pairs of boxes to look at, per leaf takes less time
+// when all of its vertices are computed.
+constexpr std::size_t kMostOpenPerLeaf = 2, kMostTestsPerLeaf = 8;
+
+}  // namespace
+
 struct ReducedChecker::Impl {
   std::vector<ReducedObject> objects;
+  std::vector<std::shared_ptr<const ChartLibrary>> charts;  // per object, null where there are none
+  std::vector<std::unique_ptr<Scene>> scenes;  // per object; null until all of its vertices were needed
   std::vector<KineticTree> trees;
   std::vector<TraversalTask> tasks;  // one per object, one per two objects
   std::vector<LeafPairRef> leaf_pairs;
@@ -16,12 +28,22 @@ struct ReducedChecker::Impl {
   ReducedShape::Scratch scratch;
   std::vector<std::span<const double>> x0, x1;
 
-  void traverse_within(Index object, Index task, double distance, const StepSettings& settings, Work& work);
-  void traverse(Index task, NodePair start, double distance, Work& work);
+  bool traverse_balls(Index object, Index task, double distance, Work& work);
+  Result<void> traverse_vertices(Index task, double distance, const StepSettings& settings, Work& work);
+  Result<void> traverse_within(Index task, double distance, const StepSettings& settings, Work& work);
+  void traverse_between(Index task, double distance, Work& work);
+  bool traverse(Index task, NodePair start, double distance, std::uint64_t most_tests, Work& work);
+  std::uint64_t most_tests(Index task) const;
+  void fill_features(const Frame& frame, double distance);
   double bound(Vec3& low, Vec3& high);
 };
 
-ReducedChecker::ReducedChecker(std::vector<std::shared_ptr<const ReducedShape>> objects) : impl_(new Impl) {
+ReducedChecker::ReducedChecker(std::vector<std::shared_ptr<const ReducedShape>> objects,
+                               std::vector<std::shared_ptr<const ChartLibrary>> charts)
+    : impl_(new Impl) {
+  impl_->charts = std::move(charts);
+  impl_->charts.resize(objects.size());
+  impl_->scenes.resize(objects.size());
   for (auto& shape : objects) {
     impl_->trees.emplace_back(shape->motion()->hierarchy());
     impl_->objects.emplace_back(std::move(shape));
@@ -53,8 +75,15 @@ double ReducedChecker::Impl::bound(Vec3& low, Vec3& high) {
   return std::min(2 * (high / 2 - low / 2).maxCoeff(), std::numeric_limits<double>::max());
 }
 
-// Follows a pair of nodes down to the pairs of leaves whose boxes are not apart.
-void ReducedChecker::Impl::traverse(Index task, NodePair start, double distance, Work& work) {
+std::uint64_t ReducedChecker::Impl::most_tests(Index task) const {
+  const auto leaves = [&](Index object) { return trees[object].hierarchy->leaf_count(); };
+  return kMostTestsPerLeaf * (std::uint64_t{leaves(tasks[task].object_a)} + leaves(tasks[task].object_b)) / 2;
+}
+
+// Follows a pair of nodes down to the pairs of leaves whose boxes are not apart. Gives up, with false, when
+// `most` pairs have been looked at, all in all.
+bool ReducedChecker::Impl::traverse(Index task, NodePair start, double distance, std::uint64_t most,
+                                    Work& work) {
   ReducedObject &object_a = objects[tasks[task].object_a], &object_b = objects[tasks[task].object_b];
   const bool within = &object_a == &object_b;
   const auto nodes_a = trees[tasks[task].object_a].hierarchy->nodes();
@@ -64,7 +93,7 @@ void ReducedChecker::Impl::traverse(Index task, NodePair start, double distance,
     const NodePair pair = stack.back();
     stack.pop_back();
     const Hierarchy::Node &a = nodes_a[pair.a], &b = nodes_b[pair.b];
-    ++work.node_tests;
+    if (++work.node_tests > most) return false;
     if (within && pair.a == pair.b) {
       if (a.is_leaf()) {
         leaf_pairs.push_back({task, {a.leaf_begin, a.leaf_begin}});
@@ -80,20 +109,87 @@ void ReducedChecker::Impl::traverse(Index task, NodePair start, double distance,
       push_below(nodes_a, nodes_b, pair, stack);
     }
   }
+  return true;
 }
 
-// Eq. 8 first; what it leaves open goes by boxes.
-void ReducedChecker::Impl::traverse_within(Index object, Index task, double distance,
-                                           const StepSettings& settings, Work& work) {
+// Eq. 8 first; what it leaves open goes by boxes. Gives up, with false, when that is too much.
+bool ReducedChecker::Impl::traverse_balls(Index object, Index task, double distance, Work& work) {
   const ReducedShape& shape = objects[object].shape();
-  if (!settings.certificates || !objects[object].balls_hold(distance))
-    return traverse(task, {0, 0}, distance, work);
-  shape.find_open(objects[object].pose(0).p, objects[object].pose(1).p, scratch);
+  const std::size_t most_open = kMostOpenPerLeaf * std::size_t{trees[object].hierarchy->leaf_count()};
+  shape.impl().find_open(objects[object].pose(0).p, objects[object].pose(1).p, most_open, scratch);
   work.certificate_tests += scratch.visits;
+  if (scratch.open.size() > most_open) return false;
   work.certificate_passes += scratch.visits - scratch.open.size();
-  for (const auto& [a, b] : scratch.open) traverse(task, {a, b}, distance, work);
-  const auto leaf_node = [&](Index leaf) { return trees[object].leaf_node(leaf); };
-  for (const auto& [a, b] : shape.always_open()) traverse(task, {leaf_node(a), leaf_node(b)}, distance, work);
+  const std::uint64_t most = work.node_tests + most_tests(task);
+  for (const auto& [a, b] : scratch.open) {
+    if (!traverse(task, {a, b}, distance, most, work)) return false;
+  }
+  for (const auto& [a, b] : shape.always_open()) {
+    const NodePair leaves{trees[object].leaf_node(a), trees[object].leaf_node(b)};
+    if (!traverse(task, leaves, distance, most, work)) return false;
+  }
+  return true;
+}
+
+// As StepChecker does it, charts and planes included. The pairs' features stand in a tree of its own.
+Result<void> ReducedChecker::Impl::traverse_vertices(Index task, double distance,
+                                                     const StepSettings& settings, Work& work) {
+  const Index object = tasks[task].object_a;
+  objects[object].need_all();
+  std::unique_ptr<Scene>& scene = scenes[object];
+  if (!scene) scene.reset(new Scene({trees[object].hierarchy}, {charts[object]}, {}));
+  const std::span<const double> x0[] = {objects[object].positions(0)}, x1[] = {objects[object].positions(1)};
+  const StepSettings proven{.between = false, .certificates = settings.certificates};
+  if (auto ok = scene->update(x0, x1, proven); !ok) return ok;
+  scene->traverse(proven, distance, work);
+  for (const LeafPairRef& pair : scene->leaf_pairs()) {
+    tasks[task].traversal = scene->tasks()[pair.task].traversal;
+    leaf_pairs.push_back({task, pair.leaves});
+  }
+  return {};
+}
+
+Result<void> ReducedChecker::Impl::traverse_within(Index task, double distance, const StepSettings& settings,
+                                                   Work& work) {
+  const Index object = tasks[task].object_a;
+  const std::size_t before = leaf_pairs.size();
+  const bool by_balls = settings.certificates && objects[object].balls_hold(distance);
+  if (by_balls ? traverse_balls(object, task, distance, work)
+               : traverse(task, {0, 0}, distance, work.node_tests + most_tests(task), work))
+    return {};
+  leaf_pairs.resize(before);
+  return traverse_vertices(task, distance, settings, work);
+}
+
+void ReducedChecker::Impl::traverse_between(Index task, double distance, Work& work) {
+  const std::size_t before = leaf_pairs.size();
+  if (traverse(task, {0, 0}, distance, work.node_tests + most_tests(task), work)) return;
+  leaf_pairs.resize(before);
+  objects[tasks[task].object_a].need_all();
+  objects[tasks[task].object_b].need_all();
+  traverse(task, {0, 0}, distance, std::numeric_limits<std::uint64_t>::max(), work);
+}
+
+// Drops pairs of leaves that are apart once their vertices are known.
+void ReducedChecker::Impl::fill_features(const Frame& frame, double distance) {
+  const auto is_filled = [&](const LeafPairRef& pair) {
+    return tasks[pair.task].traversal.a != &trees[tasks[pair.task].object_a];
+  };
+  const auto apart = [&](const LeafPairRef& pair) {
+    if (is_filled(pair)) return false;
+    const Index a = tasks[pair.task].object_a, b = tasks[pair.task].object_b;
+    objects[a].need_leaf(frame, pair.leaves.a, trees[a]);
+    objects[b].need_leaf(frame, pair.leaves.b, trees[b]);
+    return boxes_apart(objects[a].box(trees[a].leaf_node(pair.leaves.a)),
+                       objects[b].box(trees[b].leaf_node(pair.leaves.b)), distance);
+  };
+  leaf_pairs.erase(std::remove_if(leaf_pairs.begin(), leaf_pairs.end(), apart), leaf_pairs.end());
+  for (const LeafPairRef& pair : leaf_pairs) {
+    if (is_filled(pair)) continue;
+    const Index a = tasks[pair.task].object_a, b = tasks[pair.task].object_b;
+    objects[a].need_features(pair.leaves.a, trees[a]);
+    objects[b].need_features(pair.leaves.b, trees[b]);
+  }
 }
 
 Result<void> ReducedChecker::check(std::span<const ReducedPose> begin, std::span<const ReducedPose> end,
@@ -122,15 +218,15 @@ Result<void> ReducedChecker::check(std::span<const ReducedPose> begin, std::span
   m.leaf_pairs.clear();
   for (Index k = 0; k < m.tasks.size(); ++k) {
     const Index a = m.tasks[k].object_a, b = m.tasks[k].object_b;
-    m.tasks[k].traversal.margin = separation_margin(frame, distance);
-    if (a == b && settings.within) m.traverse_within(a, k, distance, settings, out.work);
-    if (a != b && settings.between) m.traverse(k, {0, 0}, distance, out.work);
+    m.tasks[k].traversal = {&m.trees[a], &m.trees[b], separation_margin(frame, distance)};
+    if (a != b || !settings.within) continue;
+    if (auto ok = m.traverse_within(k, distance, settings, out.work); !ok) return ok;
   }
-  for (const LeafPairRef& pair : m.leaf_pairs) {
-    const TraversalTask& task = m.tasks[pair.task];
-    m.objects[task.object_a].need_leaf(frame, pair.leaves.a, m.trees[task.object_a]);
-    m.objects[task.object_b].need_leaf(frame, pair.leaves.b, m.trees[task.object_b]);
+  for (Index k = 0; k < m.tasks.size(); ++k) {
+    if (m.tasks[k].object_a != m.tasks[k].object_b && settings.between)
+      m.traverse_between(k, distance, out.work);
   }
+  m.fill_features(frame, distance);
   out.work.leaf_pairs = m.leaf_pairs.size();
   out.milliseconds.traverse = watch.lap();
   out.milliseconds.total = out.milliseconds.update + out.milliseconds.traverse;

@@ -47,6 +47,8 @@ ReducedObject::ReducedObject(std::shared_ptr<const ReducedShape> shape) : shape_
   boxes_.resize(h.nodes().size());
   vertex_step_.resize(h.vertex_ids().size(), 0);
   leaf_step_.resize(h.leaf_count(), 0);
+  features_step_.resize(h.leaf_count(), 0);
+  all_p_.reserve(shape_->motion()->modes());
 }
 
 Result<void> ReducedObject::check_pose(Index object, const ReducedPose& pose, double& reach) const {
@@ -71,7 +73,9 @@ Result<void> ReducedObject::begin_step(Index object, const ReducedPose& begin, c
   poses_[0] = begin;  // one by one, so that their memory is kept
   poses_[1] = end;
   if (++step_ == 0) {  // the counter went round: what it marked is of old
-    for (auto* marks : {&box_step_, &vertex_step_, &leaf_step_}) std::fill(marks->begin(), marks->end(), 0u);
+    for (auto* marks : {&box_step_, &vertex_step_, &leaf_step_, &features_step_})
+      std::fill(marks->begin(), marks->end(), 0u);
+    all_step_ = 0;
     step_ = 1;
   }
   const ReducedMotion& motion = *shape_->motion();
@@ -96,10 +100,7 @@ Result<void> ReducedObject::begin_step(Index object, const ReducedPose& begin, c
   return {};
 }
 
-const ReducedBox& ReducedObject::box(Index node) {
-  ReducedBox& box = boxes_[node];
-  if (box_step_[node] == step_) return box;
-  box_step_[node] = step_;
+void ReducedObject::reach_from_p(Index node, ReducedBox& box) const {
   const NodeMotions& nodes = *shape_->impl().nodes;
   for (int e = 0; e < 2; ++e) {
     const Vec3 middle = placed(poses_[e], nodes.at(node, poses_[e].p));
@@ -111,6 +112,38 @@ const ReducedBox& ReducedObject::box(Index node) {
     half = poses_[e].rotation.cwiseAbs() * half * (1 + kSumError) + Vec3::Constant(2 * rounding_[e]);
     box.low[e] = middle - half;
     box.high[e] = middle + half;
+  }
+}
+
+// The vertices are those that the narrow phase reads: there is no rounding to allow for.
+void ReducedObject::fit_leaf(Index leaf, ReducedBox& box) const {
+  const ReducedMotion& motion = *shape_->motion();
+  for (int e = 0; e < 2; ++e) {
+    box.low[e].setConstant(std::numeric_limits<double>::infinity());
+    box.high[e] = -box.low[e];
+    for (const Index place : motion.leaf_vertices(leaf)) {
+      const Eigen::Map<const Vec3> x(&x_[e][3 * std::size_t{motion.hierarchy()->vertex_ids()[place]}]);
+      box.low[e] = box.low[e].cwiseMin(x);
+      box.high[e] = box.high[e].cwiseMax(x);
+    }
+  }
+}
+
+const ReducedBox& ReducedObject::box(Index node) {
+  ReducedBox& box = boxes_[node];
+  if (box_step_[node] == step_) return box;
+  box_step_[node] = step_;
+  const Hierarchy::Node& n = shape_->motion()->hierarchy()->nodes()[node];
+  if (all_step_ != step_) {
+    reach_from_p(node, box);
+  } else if (n.is_leaf()) {
+    fit_leaf(n.leaf_begin, box);
+  } else {
+    const ReducedBox &left = this->box(node + 1), &right = this->box(n.right);
+    for (int e = 0; e < 2; ++e) {
+      box.low[e] = left.low[e].cwiseMin(right.low[e]);
+      box.high[e] = left.high[e].cwiseMax(right.high[e]);
+    }
   }
   return box;
 }
@@ -126,11 +159,13 @@ void ReducedObject::need_leaf(const Frame& frame, Index leaf, KineticTree& tree)
   if (leaf_step_[leaf] == step_) return;
   leaf_step_[leaf] = step_;
   const ReducedMotion& motion = *shape_->motion();
+  const bool known = all_step_ == step_;
+  if (!known) all_p_.clear();
   for (const Index place : motion.leaf_vertices(leaf)) {
     if (vertex_step_[place] == step_) continue;
     vertex_step_[place] = step_;
     const std::size_t at = 3 * std::size_t{motion.hierarchy()->vertex_ids()[place]};
-    for (int e = 0; e < 2; ++e) {
+    for (int e = 0; e < 2 && !known; ++e) {
       double x[3];
       motion.vertex(place, poses_[e].p, x);
       Eigen::Map<Vec3> world(&x_[e][at]);
@@ -138,8 +173,32 @@ void ReducedObject::need_leaf(const Frame& frame, Index leaf, KineticTree& tree)
     }
     tree.move_vertex(frame, place, &x_[0][at], &x_[1][at]);
   }
+  const Index node = tree.leaf_node(leaf);
+  fit_leaf(leaf, boxes_[node]);
+  box_step_[node] = step_;
+}
+
+void ReducedObject::need_features(Index leaf, KineticTree& tree) {
+  if (features_step_[leaf] == step_) return;
+  features_step_[leaf] = step_;
   tree.fit_leaf(leaf);
   tree.fill_features(leaf);
+}
+
+// A step that begins where the last one ended takes its vertices from there.
+void ReducedObject::need_all() {
+  if (all_step_ == step_) return;
+  all_step_ = step_;
+  std::fill(box_step_.begin(), box_step_.end(), 0u);
+  if (std::equal(all_p_.begin(), all_p_.end(), poses_[0].p.begin(), poses_[0].p.end()) &&
+      all_pose_.rotation == poses_[0].rotation && all_pose_.translation == poses_[0].translation) {
+    std::swap(x_[0], x_[1]);
+  } else {
+    place_vertices(*shape_->motion(), poses_[0], x_[0]);
+  }
+  place_vertices(*shape_->motion(), poses_[1], x_[1]);
+  all_pose_ = poses_[1];
+  all_p_.assign(poses_[1].p.begin(), poses_[1].p.end());
 }
 
 }  // namespace foldproof

@@ -20,7 +20,8 @@ class ReducedObject {
   /// Error: as ReducedChecker::check; `object`, for messages.
   Result<void> begin_step(Index object, const ReducedPose& begin, const ReducedPose& end);
 
-  /// Holds the node's vertices, rounding included. Found on first use in a step.
+  /// Holds the node's vertices. Found on first use in a step: from p alone, rounding included, or around the
+  /// vertices where these have been needed by then.
   const ReducedBox& box(Index node);
   /// Whether balls can speak for this step: features farther apart than the shape's clearance are then
   /// farther apart than `distance`.
@@ -28,13 +29,20 @@ class ReducedObject {
   const ReducedShape& shape() const { return *shape_; }
   const ReducedPose& pose(int end) const { return poses_[end]; }
 
-  /// Computes the vertices of a leaf and its features' boxes in `tree`, unless that has been done in this
-  /// step.
+  /// Computes the vertices of a leaf, also in `tree`, and its box from these, unless that has been done in
+  /// this step.
   void need_leaf(const Frame& frame, Index leaf, KineticTree& tree);
+  /// The boxes of the features of a leaf that has been needed, in `tree`, unless that has been done.
+  void need_features(Index leaf, KineticTree& tree);
+  /// All vertices. Boxes that are asked for from here on fit them.
+  void need_all();
+  /// By the user's ids; valid where a leaf, or all, has been needed in this step.
   std::span<const double> positions(int end) const { return x_[end]; }
 
  private:
   Result<void> check_pose(Index object, const ReducedPose& pose, double& reach) const;
+  void reach_from_p(Index node, ReducedBox& box) const;
+  void fit_leaf(Index leaf, ReducedBox& box) const;
 
   std::shared_ptr<const ReducedShape> shape_;
   std::array<ReducedPose, 2> poses_;
@@ -42,8 +50,10 @@ class ReducedObject {
   std::array<double, 2> rounding_{};      // of a placed coordinate
   std::array<Index, 2> nearest_{};        // centre
   std::array<double, 2> distance_{};      // from it
-  std::uint32_t step_ = 0;
-  std::vector<std::uint32_t> box_step_, vertex_step_, leaf_step_;
+  std::uint32_t step_ = 0, all_step_ = 0;
+  ReducedPose all_pose_;       // of which x_[1] holds all vertices; its p is all_p_
+  std::vector<double> all_p_;  // empty: of none
+  std::vector<std::uint32_t> box_step_, vertex_step_, leaf_step_, features_step_;
   std::vector<ReducedBox> boxes_;
 };
 

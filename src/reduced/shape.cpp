@@ -167,16 +167,16 @@ Nearest nearest_centres(const ReducedShape::Impl& shape, std::span<const double>
 
 ReducedProof ReducedShape::proven_free(std::span<const double> p0, std::span<const double> p1,
                                        Scratch& scratch) const {
-  return impl_->find_open(p0, p1, false, scratch);
+  return impl_->find_open(p0, p1, 0, scratch);
 }
 
 ReducedProof ReducedShape::find_open(std::span<const double> p0, std::span<const double> p1,
                                      Scratch& scratch) const {
-  return impl_->find_open(p0, p1, true, scratch);
+  return impl_->find_open(p0, p1, impl_->tree.nodes.size(), scratch);
 }
 
-ReducedProof ReducedShape::Impl::find_open(std::span<const double> p0, std::span<const double> p1, bool all,
-                                           Scratch& scratch) const {
+ReducedProof ReducedShape::Impl::find_open(std::span<const double> p0, std::span<const double> p1,
+                                           std::size_t most, Scratch& scratch) const {
   scratch.open.clear();
   scratch.visits = 0;
   const std::size_t modes = stiffness.size(), width = tree.centres;
@@ -200,7 +200,7 @@ ReducedProof ReducedShape::Impl::find_open(std::span<const double> p0, std::span
     scratch.stack.pop_back();
     if (node.count == 0) {
       scratch.open.push_back({node.a, node.b});
-      if (!all) return ReducedProof::Open;
+      if (scratch.open.size() > most) return ReducedProof::Open;
     }
     for (Index child = node.begin; child < node.begin + node.count; ++child) {
       if (!is_free(child)) scratch.stack.push_back(child);

@@ -18,8 +18,8 @@ struct ReducedShape::Impl {
 
   /// The norm of p - centre, rounded up; infinite when it is not a number.
   float distance(Index centre, std::span<const double> p) const;
-  /// ReducedShape::find_open; not `all`: only as far as the first pair that stays open.
-  ReducedProof find_open(std::span<const double> p0, std::span<const double> p1, bool all,
+  /// ReducedShape::find_open; ends where more than `most` pairs stay open.
+  ReducedProof find_open(std::span<const double> p0, std::span<const double> p1, std::size_t most,
                          Scratch& scratch) const;
 };
 
