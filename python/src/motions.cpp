@@ -39,7 +39,7 @@ class ArrayMotion final : public Motion {
   std::span<const double> positions_;
 };
 
-std::unique_ptr<SharedMotion> array_motion(const py::handle& triangles, const py::handle& frames,
+std::shared_ptr<SharedMotion> array_motion(const py::handle& triangles, const py::handle& frames,
                                            std::string name) {
   py::object array = py::reinterpret_borrow<py::object>(frames);
   if (py::isinstance<py::array>(array) && array.attr("ndim").cast<int>() == 2)
@@ -47,7 +47,7 @@ std::unique_ptr<SharedMotion> array_motion(const py::handle& triangles, const py
   Numbers numbers = numbers_of(array, "frames", {-1, -1, 3}, "F x V x 3, or V x 3 for one");
   if (numbers.size() == 0) refuse("frames", "are empty", "give at least one frame of one vertex");
   Topology topology = take(Topology::make(static_cast<Index>(numbers.shape(1)), triangles_of(triangles)));
-  return std::make_unique<SharedMotion>(
+  return std::make_shared<SharedMotion>(
       std::make_unique<ArrayMotion>(std::move(name), std::move(topology), std::move(numbers)));
 }
 
@@ -56,7 +56,7 @@ ReadOptions read_options(double fps, bool weld) {
   return {.fps = fps, .weld = weld};
 }
 
-std::vector<std::unique_ptr<SharedMotion>> open_all(const py::args& paths, double fps, bool weld) {
+std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, double fps, bool weld) {
   std::vector<std::string> arguments;
   for (const auto& path : paths) arguments.push_back(path_of(path));
   const ReadOptions options = read_options(fps, weld);
@@ -65,8 +65,8 @@ std::vector<std::unique_ptr<SharedMotion>> open_all(const py::args& paths, doubl
     const py::gil_scoped_release others_go_on;
     motions = take(open_motions(arguments, options));
   }
-  std::vector<std::unique_ptr<SharedMotion>> shared;
-  for (auto& motion : motions) shared.push_back(std::make_unique<SharedMotion>(std::move(motion)));
+  std::vector<std::shared_ptr<SharedMotion>> shared;
+  for (auto& motion : motions) shared.push_back(std::make_shared<SharedMotion>(std::move(motion)));
   return shared;
 }
 
@@ -76,7 +76,7 @@ py::list open_list(const py::args& paths, double fps, bool weld) {
   return list;
 }
 
-std::unique_ptr<SharedMotion> open_one(const py::args& paths, double fps, bool weld) {
+std::shared_ptr<SharedMotion> open_one(const py::args& paths, double fps, bool weld) {
   auto motions = open_all(paths, fps, weld);
   if (motions.size() != 1)
     refuse("paths", "are " + std::to_string(motions.size()) + " motions", "give one, or use open_motions");

@@ -1,5 +1,5 @@
-// Memory that the library allocates for Eigen is freed here, and the other way round, although this file is compiled for
-// wider registers, with which Eigen would align it otherwise.
+// Memory that the library allocates for Eigen is freed here, and the other way round, although this file is
+// compiled for wider registers, with which Eigen would align it otherwise.
 #include <cstdio>
 
 #include "foldproof/statistics.h"

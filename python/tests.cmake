@@ -1,0 +1,28 @@
+# The module under Debian's Python; the examples; and what pip installs.
+set(MODULE_PATH PYTHONPATH=${PROJECT_BINARY_DIR}/python PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg)
+set(PYTHON_SOURCE ${PROJECT_SOURCE_DIR}/python)
+
+add_test(NAME python COMMAND ${Python3_EXECUTABLE} -m pytest -q -p no:cacheprovider ${PYTHON_SOURCE}/tests)
+set_tests_properties(python PROPERTIES TIMEOUT 600
+  ENVIRONMENT "${MODULE_PATH};FOLDPROOF_PROGRAM=$<TARGET_FILE:foldproof_app>")
+
+file(MAKE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/python_examples)
+file(GLOB PYTHON_EXAMPLES CONFIGURE_DEPENDS ${PYTHON_SOURCE}/examples/*.py)
+foreach(EXAMPLE ${PYTHON_EXAMPLES})
+  get_filename_component(NAME ${EXAMPLE} NAME_WE)
+  add_test(NAME python_example_${NAME} COMMAND ${Python3_EXECUTABLE} ${EXAMPLE}
+    WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/python_examples)
+  file(STRINGS ${EXAMPLE} PRINTS REGEX "^# Prints: ")
+  if(NOT PRINTS MATCHES "^# Prints: (.+)$")
+    message(FATAL_ERROR "${EXAMPLE}: no line says '# Prints: ...'")
+  endif()
+  string(REGEX REPLACE "([][+.*()^$?|\\])" "\\\\\\1" PRINTS "${CMAKE_MATCH_1}")
+  set_tests_properties(python_example_${NAME} PROPERTIES ENVIRONMENT "${MODULE_PATH}"
+    PASS_REGULAR_EXPRESSION "(^|\n)${PRINTS}\n")
+endforeach()
+
+if(CMAKE_CXX_COMPILER_LAUNCHER)  # it compiles the whole library once more
+  add_test(NAME python_pip COMMAND sh ${PYTHON_SOURCE}/tests/pip.sh ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}
+    ${CMAKE_CURRENT_BINARY_DIR}/python_pip)
+  set_tests_properties(python_pip PROPERTIES TIMEOUT 900 PASS_REGULAR_EXPRESSION "installed and works: 0 0.600")
+endif()

@@ -1,0 +1,23 @@
+#!/bin/sh
+# usage: pip.sh PYTHON SOURCE WHERE
+# Installs the module with pip, as docs/python.md says, from a copy of the source tree, and uses it.
+set -e
+python=$1 source=$2 where=$3
+rm -rf "$where"
+mkdir -p "$where/source"
+tar -C "$source" -cf - CMakeLists.txt LICENSE cmake docs include pyproject.toml python setup.py src |
+  tar -C "$where/source" -xf -
+"$python" -m venv --system-site-packages "$where/venv"
+"$where/venv/bin/pip" install --quiet --no-build-isolation --no-index "$where/source"
+cd "$where"
+unset PYTHONPATH
+"$where/venv/bin/python" - <<'TEXT'
+import pathlib
+import foldproof
+x0 = [[-9, -9, 0], [20, -9, 0], [-9, 20, 0], [0, 0, 0.6], [1, 0, 2], [0, 1, 2]]
+x1 = [[-9, -9, 0], [20, -9, 0], [-9, 20, 0], [0, 0, -0.4], [1, 0, 1], [0, 1, 1]]
+hit, = foldproof.check(foldproof.Motion([[0, 1, 2], [3, 4, 5]], [x0, x1])).vertex_face
+package = pathlib.Path(foldproof.__file__).parent
+assert (package / "py.typed").exists() and (package / "__init__.pyi").exists() and "venv" in str(package)
+print(f"installed and works: {hit['face']} {hit['toi']:.3f}")
+TEXT

@@ -1,0 +1,176 @@
+"""What Python gets is what the program says."""
+import csv
+import pathlib
+import re
+
+import numpy as np
+import pytest
+
+import foldproof
+from conftest import rolling
+
+
+def rows_of(path):
+    with open(path) as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.mark.parametrize("settings, options", [
+    ({}, []),
+    ({"thickness": 0.05}, ["--thickness", "0.05"]),
+    ({"certificates": False}, ["--no-certificates"]),
+    ({"substeps": 3, "frames": slice(2, None, 2)}, ["--substeps", "3", "--frames", "2::2"]),
+])
+def test_check_is_the_programs(motion, program, tmp_path, settings, options):
+    foldproof.write_motion(tmp_path / "roll.npz", motion)
+    done = program("check", "roll.npz", "--csv", "roll.csv", "--quiet", *options)
+    assert done.returncode == 1, done.stderr
+    theirs = rows_of(tmp_path / "roll.csv")
+    ours = foldproof.check(motion, **settings)
+    assert not ours.clean and ours.collisions == len(theirs) > 100
+
+    steps = {int(s["number"]): s for s in ours.steps}
+    mine = {("vf", steps[c["step"]]["frame"], steps[c["step"]]["substep"], c["vertex"], c["face"]): c["toi"]
+            for c in ours.vertex_face}
+    mine |= {("ee", steps[c["step"]]["frame"], steps[c["step"]]["substep"], *c["a"], *c["b"]): c["toi"]
+             for c in ours.edge_edge}
+    for row in theirs:
+        pair = (row["a0"], row["b0"]) if row["kind"] == "vf" else (row["a0"], row["a1"], row["b0"], row["b1"])
+        key = (row["kind"], int(row["frame"]), int(row["substep"]), *map(int, pair))
+        assert mine.pop(key) == pytest.approx(float(row["toi"]), abs=1e-12)
+    assert not mine
+
+
+def test_poses_are_the_programs(motion, program, tmp_path):
+    foldproof.write_motion(tmp_path / "roll.npz", motion)
+    program("check", "roll.npz", "--static", "--csv", "roll.csv", "--quiet")
+    theirs = [(int(r["frame"]), int(r["a0"]), int(r["b0"])) for r in rows_of(tmp_path / "roll.csv")]
+    ours = foldproof.check(motion, static=True)
+    frame = ours.steps["frame"][ours.crossings["step"]]
+    mine = list(zip(frame, ours.crossings["triangle_a"], ours.crossings["triangle_b"]))
+    assert theirs and sorted(mine) == sorted(theirs)
+    assert ours.steps["crossings"].sum() == len(theirs)
+
+
+def test_reports_are_written_whole(motion, tmp_path):
+    foldproof.check(motion, reports=[tmp_path / "a.json", tmp_path / "a.csv", tmp_path / "a.ply"], keep=False)
+    assert all((tmp_path / f"a.{kind}").stat().st_size > 100 for kind in ("json", "csv", "ply"))
+
+
+def test_step_by_step_is_the_whole_check(motion, triangles, frames):
+    checker = foldproof.StepChecker(foldproof.Hierarchy(triangles, frames[0]))
+    whole = foldproof.check(motion)
+    for k in range(len(frames) - 1):
+        step = checker.check(frames[k], frames[k + 1])
+        of_whole = whole.vertex_face[whole.vertex_face["step"] == k]
+        for field in ("vertex", "face", "toi", "answer"):
+            assert np.array_equal(step.vertex_face[field], of_whole[field])
+        assert len(step.edge_edge) == whole.steps["edge_edge"][k]
+        assert step.clean == (len(step.vertex_face) + len(step.edge_edge) == 0)
+        assert step.earliest_toi == whole.steps["earliest_toi"][k]
+    assert not step.clean
+
+
+def test_two_objects(triangles, frames):
+    # The same cloth twice, the second above the first and falling through it.
+    above, below = frames[0] + [0, 0, 1], frames[0] - [0.013, 0.017, 1]
+    one = foldproof.Hierarchy(triangles, frames[0])
+    step = foldproof.StepChecker([one, one]).check([frames[0], above], [frames[0], below], within=False)
+    assert len(step.vertex_face) > 50
+    assert set(step.vertex_face["vertex_object"]) == {0, 1}
+    assert step.colliding_faces(one, 1).mean() > 0.9
+    apart = foldproof.StepChecker([one, one]).check([frames[0], above], [frames[0], below], between=False)
+    assert apart.clean
+
+
+def test_models_change_work_only(triangles, frames, model):
+    motion = foldproof.Motion(triangles, rolling(np.linspace(0.3, 9, 8)))
+    plain, helped = foldproof.check(motion, certificates=False), foldproof.check(motion, models=model)
+    assert np.array_equal(plain.vertex_face, helped.vertex_face) and np.array_equal(plain.edge_edge, helped.edge_edge)
+    assert helped.work["leaf_pairs"] < plain.work["leaf_pairs"]
+    trained, untrained = foldproof.StepChecker(model), foldproof.StepChecker(model.hierarchy)
+    first, second = motion[0], motion[1]
+    assert trained.check(first, second).work["leaf_pairs"] < untrained.check(first, second).work["leaf_pairs"]
+
+
+def test_explanation(triangles, frames, model):
+    step = foldproof.StepChecker(model).check(frames[0], frames[1], explain=True)
+    reasons = step.explanation[0]["reason"]
+    assert reasons.shape == (len(triangles),)
+    assert foldproof.REASONS[reasons[0]] == "certified"
+
+
+def test_training_is_the_programs(triangles, program, tmp_path):
+    motion = foldproof.Motion(triangles, rolling(np.linspace(0.2, 3, 8)))
+    foldproof.write_motion(tmp_path / "roll.npz", motion)
+    assert program("train", "roll.npz", "-o", "theirs.model", "--quiet").returncode == 0
+    foldproof.train(foldproof.open_motion(tmp_path / "roll.npz")).save(tmp_path / "ours.model")
+    # Poses are named after the file, here with its directory.
+    theirs, ours = foldproof.load(tmp_path / "theirs.model"), foldproof.load(tmp_path / "ours.model")
+    assert theirs.chart_count == ours.chart_count > 0 and theirs.proven == ours.proven
+    assert np.array_equal(theirs.basis, ours.basis) and np.array_equal(theirs.key_points, ours.key_points)
+    assert [p["proven"] for p in theirs.poses] == [p["proven"] for p in ours.poses]
+
+
+def test_prediction_is_the_programs(model, program, tmp_path):
+    poses = rolling([0.7, 1.9, 2.6])
+    keys = poses[:, model.key_points]
+    model.save(tmp_path / "a.model")
+    np.savez(tmp_path / "tracks.npz", keypoints=keys)
+    assert program("predict", "a.model", "tracks.npz", "-o", "out.npz").returncode == 0
+    theirs = np.load(tmp_path / "out.npz")["vertices"]
+    ours = model.predict(keys)
+    assert ours.shape == poses.shape and np.array_equal(ours, theirs)
+    assert np.array_equal(model.predict(keys[1]), ours[1])
+    assert np.abs(ours - poses).max() < 0.05 * 60
+
+
+def test_subspace(model):
+    p = model.project(rolling([1.3])[0])
+    assert p.shape == model.deviations.shape and model.basis.shape == (len(p), *model.mean.shape)
+    shape = model.mean + np.tensordot(p, model.basis, axes=1)
+    assert np.allclose(model.rebuild(p), shape)
+    assert model.coordinates.shape == (8, len(p))
+    assert model.energy[-1] >= 0.999
+
+
+def test_radius_is_the_programs(model, program, tmp_path):
+    model.save(tmp_path / "a.model")
+    done = program("radius", "a.model")
+    theirs = next(line.split()[1] for line in done.stdout.splitlines() if line.startswith("mean"))
+    shape = foldproof.ReducedShape(model)
+    assert shape.radius() == pytest.approx(float(theirs), rel=1e-3) and shape.radius() > 0
+    radius, left = shape.certified(at_least=2 * shape.radius())
+    assert radius > shape.radius() and len(left) > 0 and left["radius"].max() <= 2 * shape.radius()
+
+
+def test_reduced_checker_answers_as_the_full_one(model):
+    shape = foldproof.ReducedShape(model)
+    reduced = foldproof.ReducedChecker([shape, shape])
+    full = foldproof.StepChecker([model.hierarchy, model.hierarchy])
+    turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    p0, p1 = 0.3 * model.deviations, -1.5 * model.deviations
+    collisions = 0
+    for begin, end in [([p0, (p0, None, [0, 0, 1])], [p0, (p0, None, [0.013, 0.017, -1])]),  # through it
+                       ([p0, (p1, turn, [0, 0, 2])], [p1, (p0, turn, [1, 0, -2])]),
+                       ([p0, (p1, turn, [0, 0, 500])], [p1, (p0, turn, [1, 0, 500])])]:
+        ours = reduced.check(begin, end)
+        ends = [[shape.positions(*(p if isinstance(p, tuple) else (p,))) for p in poses] for poses in (begin, end)]
+        truth = full.check(*ends, tolerance=ours.tolerance)
+        assert np.array_equal(ours.vertex_face, truth.vertex_face) and np.array_equal(ours.edge_edge, truth.edge_edge)
+        collisions += len(ours.edge_edge)
+    assert collisions > 0
+    mean = np.zeros(shape.modes)
+    assert shape.proven_free(mean, 0.5 * shape.radius() * np.eye(shape.modes)[0] * model.deviations[0]) == "free"
+    assert shape.distance(mean) == 0
+
+
+@pytest.mark.parametrize("document", ["README.md", "docs/python.md"])
+def test_documents_tell_the_truth(document, motion, tmp_path, monkeypatch, capsys):
+    text = (pathlib.Path(__file__).parents[2] / document).read_text()
+    block, = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    for name in ("walk", "run"):
+        foldproof.write_motion(tmp_path / f"{name}.npz", motion)
+    monkeypatch.chdir(tmp_path)
+    exec(block.replace(".glb", ".npz"), {})
+    assert capsys.readouterr().out.startswith(str(foldproof.check(motion).collisions))

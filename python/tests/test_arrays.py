@@ -1,0 +1,189 @@
+"""Arrays in and out: in place where they can be, refused with our words where they cannot, alive as long as needed."""
+import gc
+import pathlib
+
+import numpy as np
+import pytest
+
+import foldproof
+
+
+def resident():
+    """MB of memory in use."""
+    return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6
+
+
+def test_float64_in_c_order_is_used_in_place(triangles):
+    # Sees what is written into the caller's array after the motion was made.
+    frames = np.zeros((2, 305, 3))
+    motion = foldproof.Motion(triangles, frames)
+    frames[1, 7] = [1, 2, 3]
+    assert np.array_equal(motion[1][7], [1, 2, 3])
+
+
+def test_a_large_array_costs_no_memory(triangles):
+    frames = np.ones((20_000, 305, 3))  # 146 MB
+    before = resident()
+    motion = foldproof.Motion(triangles, frames)
+    assert motion[19_999].shape == (305, 3)
+    assert resident() - before < 50
+
+
+@pytest.mark.parametrize("convert", [
+    lambda x: x.astype(np.float32),
+    lambda x: np.asfortranarray(x),
+    lambda x: np.repeat(x, 2, axis=0)[::2],
+    lambda x: x.astype(">f8"),
+    lambda x: x[::-1][::-1],
+    lambda x: [x.tolist()],
+])
+def test_other_layouts_are_converted(triangles, frames, convert):
+    checker = foldproof.StepChecker(foldproof.Hierarchy(triangles, frames[0]))
+    expected = checker.check(frames[-2], frames[-1])
+    found = checker.check(convert(frames[-2]), convert(frames[-1]))
+    if getattr(convert(frames[0]), "dtype", None) == np.float32:
+        assert len(found.edge_edge) > 0  # rounded, so not quite the same
+    else:
+        assert np.array_equal(found.vertex_face, expected.vertex_face)
+
+
+def test_unaligned_memory_is_converted(triangles, frames):
+    raw = np.empty(frames[0].nbytes + 1, np.uint8)[1:]
+    unaligned = raw.view(np.float64).reshape(frames[0].shape)
+    unaligned[:] = frames[0]
+    assert not unaligned.flags.aligned
+    assert foldproof.Hierarchy(triangles, unaligned).vertex_count == 305
+
+
+@pytest.mark.parametrize("bad, words", [
+    (lambda x: x[:, :2], "x1: has shape (305, 2); give V x 3 with V = 305"),
+    (lambda x: x[:-1], "x1: has shape (304, 3); give V x 3 with V = 305"),
+    (lambda x: x.ravel(), "x1: has shape (915,); give V x 3 with V = 305"),
+    (lambda x: x.astype(complex), "x1: holds complex128, not real numbers; give an array of float64"),
+    (lambda x: x.astype(str), "not real numbers; give an array of float64"),
+    (lambda x: x > 0, "x1: holds bool, not real numbers; give an array of float64"),
+    (lambda x: [x, x], "x1: has 2 arrays for 1 objects; give a list with one array V x 3 per object"),
+    (lambda x: np.where(np.arange(3) == 1, np.nan, x), "not finite"),
+    (lambda x: np.full_like(x, np.inf), "not finite"),
+    (lambda x: None, "x1: "),
+])
+def test_bad_positions_are_refused(triangles, frames, bad, words):
+    checker = foldproof.StepChecker(foldproof.Hierarchy(triangles, frames[0]))
+    with pytest.raises(foldproof.Error) as refused:
+        checker.check(frames[0], bad(frames[1]))
+    assert words in str(refused.value)
+    assert "\n" not in str(refused.value)
+    assert checker.check(frames[0], frames[1]) is not None  # goes on
+
+
+@pytest.mark.parametrize("bad, words", [
+    ([[0, 1, -1]], "triangles: row 0 names vertex -1; count vertices from 0"),
+    ([[0, 1, 2], [0, 1, 2**32]], "triangles: row 1 names vertex 4294967296"),
+    ([[0, 1, 305]], "305"),
+    ([[0, 1]], "triangles: have shape (1, 2); give T x 3 vertex ids"),
+    ([[0.0, 1, 2]], "triangles: hold float64, not integers"),
+    (np.zeros((0, 3), int), "triangles"),
+])
+def test_bad_triangles_are_refused(frames, bad, words):
+    with pytest.raises(foldproof.Error) as refused:
+        foldproof.Hierarchy(bad, frames[0])
+    assert words in str(refused.value)
+
+
+def test_bad_frames_name_frame_and_vertex(triangles, frames):
+    frames = frames.copy()
+    frames[3, 7, 1] = np.nan
+    with pytest.raises(foldproof.Error, match="array, frame 3, vertex 7: a coordinate is not finite"):
+        foldproof.check(foldproof.Motion(triangles, frames))
+    with pytest.raises(foldproof.Error, match="give F x V x 3"):
+        foldproof.Motion(triangles, frames[:, :, :2])
+    with pytest.raises(foldproof.Error, match="frames: are empty"):
+        foldproof.Motion(triangles, frames[:0])
+
+
+def test_errors_have_parts_and_are_value_errors(tmp_path):
+    missing = tmp_path / "nowhere.model"
+    with pytest.raises(ValueError) as refused:
+        foldproof.load(missing)
+    error = refused.value
+    assert isinstance(error, foldproof.Error)
+    assert error.where == str(missing) and "No such file" in error.problem and error.mend
+    assert str(error) == f"{error.where}: {error.problem}; {error.mend}"
+
+
+def test_a_file_name_need_not_be_text(tmp_path):
+    with pytest.raises(foldproof.Error, match="xff"):
+        foldproof.load(bytes(tmp_path) + b"/\xff.model")
+
+
+def test_wrong_calls_are_type_errors(motion, triangles, frames, model):
+    checker = foldproof.StepChecker(foldproof.Hierarchy(triangles, frames[0]))
+    for call in (lambda: checker.check(frames[0], frames[1], thicknes=1), lambda: foldproof.check(frames),
+                 lambda: foldproof.check(motion, thickness="x"), lambda: foldproof.train(motion, modes=-1),
+                 lambda: foldproof.train(motion, mode=1), lambda: foldproof.StepChecker(frames),
+                 lambda: foldproof.check(motion, frames=1.5), lambda: foldproof.check(motion, models=[motion])):
+        with pytest.raises(TypeError):
+            call()
+    for call in (lambda: foldproof.StepChecker([]), lambda: foldproof.check([]), lambda: foldproof.train([]),
+                 lambda: foldproof.check(motion, thickness=-1), lambda: foldproof.check(motion, frames=slice(5, 5)),
+                 lambda: foldproof.check(motion, models=[model, model]), lambda: foldproof.set_threads(-1),
+                 lambda: foldproof.check(motion, reports="a.doc"), lambda: foldproof.check(motion, mode="guess"),
+                 lambda: foldproof.train(motion, energy=2.0), lambda: foldproof.open_motion("a.npz", fps=0),
+                 lambda: foldproof.ReducedShape(model, clearance=-1), lambda: foldproof.open_motion()):
+        with pytest.raises(foldproof.Error):
+            call()
+    with pytest.raises(IndexError):
+        motion[len(motion)]
+    with pytest.raises(IndexError):
+        foldproof.ReducedShape(model).radius(99)
+
+
+def test_without_learning_shapes_are_refused(triangles, frames):
+    plain = foldproof.train(foldproof.Motion(triangles, frames[:3]), learn=False)
+    assert not plain.learned
+    for call in (lambda: plain.mean, lambda: plain.predict(np.zeros((1, 3))), lambda: foldproof.ReducedShape(plain)):
+        with pytest.raises(foldproof.Error, match="has learned no shapes"):
+            call()
+
+
+def test_views_outlive_their_owners(triangles, frames):
+    def views():
+        motion = foldproof.Motion(triangles, frames.copy())
+        hierarchy = foldproof.Hierarchy(triangles, frames[0])
+        model = foldproof.train(foldproof.Motion(triangles, frames[:4]))
+        step = foldproof.StepChecker(model).check(frames[-2], frames[-1], explain=True)
+        whole = foldproof.check(motion)
+        kept = [motion.triangles, hierarchy.triangles, hierarchy.edges, model.mean, model.basis, model.key_points,
+                model.hierarchy.triangles, model.coordinates, step.vertex_face, step.edge_edge, whole.steps,
+                whole.edge_edge, step.explanation[0]["level"], motion[3], model.predict(frames[:2, model.key_points])]
+        return kept, [x.copy() for x in kept]
+
+    def trample():
+        gc.collect()
+        return [np.full(1000, 255, np.uint8) for _ in range(2000)]
+
+    kept, before = views()
+    trample()
+    assert all(np.array_equal(x, y) for x, y in zip(kept, before))
+    assert np.array_equal(kept[0], triangles)
+
+
+def test_views_cannot_be_written(motion, model):
+    for view in (motion.triangles, model.mean, model.basis, foldproof.check(motion).vertex_face):
+        with pytest.raises(ValueError):
+            view[0] = 0
+
+
+def test_motion_is_a_sequence(motion, frames):
+    assert len(motion) == len(frames) and motion.vertex_count == 305 and motion.name == "array"
+    assert np.array_equal(np.stack(list(motion)), frames) and np.array_equal(motion[-1], frames[-1])
+    assert motion[0].flags.writeable
+
+
+def test_files_come_back(motion, frames, tmp_path):
+    foldproof.write_motion(tmp_path / "a.npz", motion)
+    read = foldproof.open_motion(tmp_path / "a.npz")
+    assert np.array_equal(np.stack(list(read)), frames) and np.array_equal(read.triangles, motion.triangles)
+    assert len(foldproof.open_motions(tmp_path / "a.npz", str(tmp_path / "a.npz"))) == 2
+    with pytest.raises(foldproof.Error, match="are 2 motions"):
+        foldproof.open_motion(tmp_path / "a.npz", tmp_path / "a.npz")

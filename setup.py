@@ -1,0 +1,33 @@
+"""Builds the Python module with CMake when pip installs it; everything else is in pyproject.toml."""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+
+ROOT = pathlib.Path(__file__).resolve().parent
+
+
+class BuildWithCMake(build_ext):
+    def build_extension(self, extension):
+        module = pathlib.Path(self.get_ext_fullpath(extension.name)).resolve()
+        build = pathlib.Path(self.build_temp).resolve()
+        options = [f"-DPython3_EXECUTABLE={sys.executable}", "-DCMAKE_BUILD_TYPE=Release", "-DFOLDPROOF_PYTHON=ON",
+                   "-DFOLDPROOF_PROGRAM=OFF", "-DFOLDPROOF_TESTS=OFF", "-DFOLDPROOF_INSTALL=OFF"]
+        if shutil.which("ninja"):
+            options.append("-GNinja")
+        if shutil.which("ccache"):
+            options.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
+        subprocess.run(["cmake", "-S", ROOT, "-B", build, *options], check=True)
+        jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count()))
+        subprocess.run(["cmake", "--build", build, "-j", jobs, "--target", "foldproof_python"], check=True)
+        module.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(build / "python" / "foldproof" / module.name, module)
+
+
+version = re.search(r"project\(foldproof VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+setup(version=version, ext_modules=[Extension("foldproof._core", [])], cmdclass={"build_ext": BuildWithCMake})

@@ -1,0 +1,36 @@
+# The library as others get it: installed, as a part of their build, as a Debian package.
+set(WORK ${CMAKE_CURRENT_BINARY_DIR}/package)
+set(CONSUMER ${CMAKE_CURRENT_SOURCE_DIR}/package)
+set(EXAMPLE_SOURCE ${CMAKE_CURRENT_BINARY_DIR}/readme_example.cpp)
+set(EXAMPLE_OUTPUT "vertex 3 meets face 0 at 0.600 of the step\n")
+
+add_test(NAME package_install COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR} --prefix ${WORK}/prefix)
+set_tests_properties(package_install PROPERTIES FIXTURES_SETUP installed)
+
+set(FORMS package)
+if(CMAKE_CXX_COMPILER_LAUNCHER)
+  list(APPEND FORMS subdirectory fetch)
+else()
+  message(STATUS "Without ccache as CMAKE_CXX_COMPILER_LAUNCHER the forms that build the whole library again are not tested")
+endif()
+foreach(FORM ${FORMS})
+  add_test(NAME consumer_${FORM} COMMAND ${CMAKE_CTEST_COMMAND} --build-and-test ${CONSUMER} ${WORK}/${FORM}
+    --build-generator ${CMAKE_GENERATOR}
+    --build-options -DFORM=${FORM} -DEXAMPLE=${EXAMPLE_SOURCE} -DFOLDPROOF_SOURCE=${PROJECT_SOURCE_DIR}
+    -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE}
+    -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
+    --test-command consumer)
+  set_tests_properties(consumer_${FORM} PROPERTIES PASS_REGULAR_EXPRESSION "${EXAMPLE_OUTPUT}" TIMEOUT 900)
+endforeach()
+set_tests_properties(consumer_package PROPERTIES FIXTURES_REQUIRED installed FIXTURES_SETUP consumer)
+add_test(NAME consumer_native COMMAND ${WORK}/package/native)
+set_tests_properties(consumer_native PROPERTIES FIXTURES_REQUIRED consumer)
+
+add_test(NAME consumer_pkg_config COMMAND sh ${CONSUMER}/pkg_config.sh ${CMAKE_CXX_COMPILER} ${EXAMPLE_SOURCE} ${WORK}/prefix)
+set_tests_properties(consumer_pkg_config PROPERTIES FIXTURES_REQUIRED installed PASS_REGULAR_EXPRESSION "${EXAMPLE_OUTPUT}")
+
+find_program(DPKG_SHLIBDEPS dpkg-shlibdeps)
+if(DPKG_SHLIBDEPS)
+  add_test(NAME package_deb COMMAND sh ${CONSUMER}/deb.sh ${CMAKE_CPACK_COMMAND} ${PROJECT_BINARY_DIR} ${WORK}/deb)
+  set_tests_properties(package_deb PROPERTIES PASS_REGULAR_EXPRESSION "foldproof ${PROJECT_VERSION}" RUN_SERIAL ON)
+endif()
