@@ -197,27 +197,10 @@ Result<int> check(const CheckArguments& a) {
   if (!models) return tl::unexpected(models.error());
   settings->models = std::move(*models);
   // From here on files are open that must not stay behind half written.
-  const std::atomic<bool>& interrupted = watch_for_interrupt();
+  watch_for_interrupt();
   const auto writers = open_writers(a, *settings, *motions);
   if (!writers) return tl::unexpected(writers.error());
-
-  ProgressBar bar(!a.quiet);
-  CheckHooks hooks;
-  hooks.progress = [&](const CheckTotals& totals, std::uint64_t expected) {
-    bar.show(static_cast<double>(totals.steps) / static_cast<double>(expected),
-             fmt::format("{} of {} steps, {} with collisions", totals.steps, expected,
-                         totals.steps_with_collisions));
-  };
-  hooks.cancel = &interrupted;
-  const auto totals = run_check(*motions, *settings, *writers, hooks);
-  bar.clear();
-  if (!totals) return tl::unexpected(totals.error());
-  if (totals->cancelled) {
-    print_error({"interrupted", fmt::format("after {} steps", totals->steps), "no report was written"});
-    return kExitInterrupted;
-  }
-  if (!a.quiet) print_output(summary(*motions, *settings, *totals));
-  return totals->clean() ? kExitClean : kExitCollisions;
+  return check_and_tell(*motions, *settings, *writers, a.quiet);
 }
 
 }  // namespace

@@ -24,5 +24,7 @@ Command add_render(CLI::App& program);
 Command add_reproduce(CLI::App& program);
 Command add_radius(CLI::App& program);
 Command add_view(CLI::App& program);
+/// `typed`: the command line, which the report repeats.
+Command add_report(CLI::App& program, std::span<char* const> typed);
 
 }  // namespace foldproof

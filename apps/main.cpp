@@ -39,12 +39,19 @@ Result<int> run(int argc, char** argv) {
   program.formatter(formatter);
   program.set_version_flag("--version", std::string("foldproof ") + version());
   program.require_subcommand(0, 1);  // that none is too few is said below, after unknown words were named
-  program.footer("Try:\n  foldproof check walk.glb\n  foldproof check --help\n  foldproof train --help");
+  program.footer(
+      "Try:\n  foldproof check walk.glb\n  foldproof view walk.glb\n  foldproof check --help\n  foldproof "
+      "train --help");
   const std::vector<std::pair<std::string, Command>> commands = {
-      {"check", add_check(program)},        {"view", add_view(program)},
-      {"train", add_train(program)},        {"info", add_info(program)},
-      {"predict", add_predict(program)},    {"suggest", add_suggest(program)},
-      {"render", add_render(program)},      {"radius", add_radius(program)},
+      {"check", add_check(program)},
+      {"view", add_view(program)},
+      {"report", add_report(program, std::span(argv, static_cast<std::size_t>(argc)))},
+      {"train", add_train(program)},
+      {"info", add_info(program)},
+      {"predict", add_predict(program)},
+      {"suggest", add_suggest(program)},
+      {"render", add_render(program)},
+      {"radius", add_radius(program)},
       {"reproduce", add_reproduce(program)}};
 
   try {

@@ -1,6 +1,11 @@
 #include "step_options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+
+#include "commands.h"
+#include "terminal.h"
 
 namespace foldproof {
 
@@ -82,6 +87,37 @@ Result<std::vector<std::shared_ptr<const Model>>> load_models(std::span<const st
   models.clear();
   for (const auto& motion : motions) models.push_back(fits(motion) ? model : nullptr);
   return models;
+}
+
+Result<OpenedMotions> open_motions(const StepArguments& a) {
+  auto settings = step_settings(a);
+  if (!settings) return tl::unexpected(settings.error());
+  auto motions = open_motions(a.motions, a.motion.read);
+  if (!motions) return tl::unexpected(motions.error());
+  auto models = load_models(a.models, *motions);
+  if (!models) return tl::unexpected(models.error());
+  settings->models = std::move(*models);
+  return OpenedMotions{std::move(*motions), std::move(*settings)};
+}
+
+Result<int> check_and_tell(Motions motions, const CheckSettings& settings, Writers writers, bool quiet) {
+  ProgressBar bar(!quiet);
+  CheckHooks hooks;
+  hooks.progress = [&](const CheckTotals& totals, std::uint64_t expected) {
+    bar.show(static_cast<double>(totals.steps) / static_cast<double>(expected),
+             fmt::format("{} of {} steps, {} with collisions", totals.steps, expected,
+                         totals.steps_with_collisions));
+  };
+  hooks.cancel = &watch_for_interrupt();
+  const auto totals = run_check(motions, settings, writers, hooks);
+  bar.clear();
+  if (!totals) return tl::unexpected(totals.error());
+  if (totals->cancelled) {
+    print_error({"interrupted", fmt::format("after {} steps", totals->steps), "no report was written"});
+    return kExitInterrupted;
+  }
+  if (!quiet) print_output(summary(motions, settings, *totals));
+  return totals->clean() ? kExitClean : kExitCollisions;
 }
 
 }  // namespace foldproof

@@ -25,4 +25,15 @@ Result<CheckSettings> step_settings(const StepArguments& arguments);
 Result<std::vector<std::shared_ptr<const Model>>> load_models(std::span<const std::string> paths,
                                                               Motions motions);
 
+/// Motions, and settings with the models that fit them.
+struct OpenedMotions {
+  std::vector<std::unique_ptr<Motion>> motions;
+  CheckSettings settings;
+};
+Result<OpenedMotions> open_motions(const StepArguments& arguments);
+
+/// Runs the check with a bar, prints the summary unless `quiet`, and gives the exit code. Ctrl-C ends it
+/// before the next step, and no writer is finished.
+Result<int> check_and_tell(Motions motions, const CheckSettings& settings, Writers writers, bool quiet);
+
 }  // namespace foldproof

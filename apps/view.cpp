@@ -56,14 +56,9 @@ Result<int> view(const ViewArguments& a) {
                 "give another, or leave it out");
   ThreadLimit limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
-  auto settings = step_settings(a);
-  if (!settings) return tl::unexpected(settings.error());
-  auto motions = open_motions(a.motions, a.motion.read);
-  if (!motions) return tl::unexpected(motions.error());
-  auto models = load_models(a.models, *motions);
-  if (!models) return tl::unexpected(models.error());
-  settings->models = std::move(*models);
-  const auto page = Page::open({std::move(*motions), std::move(*settings), a.motion.read});
+  auto opened = open_motions(a);
+  if (!opened) return tl::unexpected(opened.error());
+  const auto page = Page::open({std::move(opened->motions), std::move(opened->settings), a.motion.read});
   if (!page) return tl::unexpected(page.error());
   const std::atomic<bool>& stop = watch_for_interrupt();
   auto server = PageServer::open(**page, *files, a.port);

@@ -20,6 +20,20 @@ struct PageFile {
   std::string_view path, bytes;
 };
 
+/// What a mailed report says besides the answer.
+struct PageReportInfo {
+  ReportInfo check;
+  std::string command;  ///< What was typed.
+};
+
+/// One HTML file with everything in it: summary, charts, pictures of the worst steps, settings. Steps go to
+/// it as they come; memory holds what six pictures show. `files`: those under "report/" with their sums
+/// (tools/embed.py); they must outlive the writer. Precondition: settings.step.explain, and no poses. Error:
+/// it cannot be written, a file of the page is not there.
+Result<std::unique_ptr<ReportWriter>> page_report(const std::string& path, Motions motions,
+                                                  const PageReportInfo& info,
+                                                  std::span<const PageFile> files);
+
 /// What is to be seen.
 struct PageInput {
   std::vector<std::unique_ptr<Motion>> motions;

@@ -95,7 +95,10 @@ struct Image {
 /// numbers that are not finite, a view without a direction.
 Result<Image> draw_picture(std::span<const Panel> panels, const PictureSettings& settings = {});
 
-/// A PNG (8-bit RGB, sRGB) that appears whole or not at all. Error: it cannot be written.
+/// The bytes of a PNG (8-bit RGB, sRGB). Error: no pixels, or far too many.
+Result<std::string> png_bytes(const Image& image);
+
+/// A PNG file that appears whole or not at all. Error: it cannot be written.
 Result<void> write_png(const std::string& path, const Image& image);
 
 }  // namespace foldproof

@@ -6,8 +6,6 @@
 
 namespace foldproof {
 
-std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
 Json step_json(const StepRecord& s) {
   return {{"number", s.place.number},
           {"frame", s.place.frame},
@@ -24,11 +22,7 @@ Json step_json(const StepRecord& s) {
           {"leaf_pairs", s.work.leaf_pairs},
           {"candidates", s.work.candidates_vf + s.work.candidates_ee},
           {"reasons", s.leaf_pairs},
-          {"ms",
-           {{"total", s.milliseconds.total},
-            {"update", s.milliseconds.update},
-            {"traverse", s.milliseconds.traverse},
-            {"narrow", s.milliseconds.narrow}}}};
+          {"ms", to_json(s.milliseconds)}};
 }
 
 Json contact_json(const Contact& c) {

@@ -1,16 +1,10 @@
 /// What the page and the mailed report are told alike.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include "page/step_store.h"
+#include "report/report_json.h"
 
 namespace foldproof {
-
-using Json = nlohmann::ordered_json;
-
-/// One line. File names need not be UTF-8; what is not becomes U+FFFD.
-std::string dump(const Json& json);
 
 Json step_json(const StepRecord& step);
 Json contact_json(const Contact& contact);

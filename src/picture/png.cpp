@@ -5,25 +5,31 @@
 namespace foldproof {
 
 // libpng's simplified interface: an error is a value there, too, and not a jump across our frames.
-Result<void> write_png(const std::string& path, const Image& image) {
+Result<std::string> png_bytes(const Image& image) {
   const std::size_t pixels = std::size_t{image.width} * image.height;
   if (pixels == 0 || image.pixels.size() != pixels)
-    return fail(path, "is to hold a picture without pixels", "draw one of at least one pixel");
-  auto file = FileWriter::open(path);
-  if (!file) return tl::unexpected(file.error());
-
+    return fail("a picture", "is without pixels", "draw one of at least one pixel");
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   header.width = image.width;
   header.height = image.height;
   header.format = PNG_FORMAT_RGB;
-  std::vector<char> bytes(PNG_IMAGE_PNG_SIZE_MAX(header));
+  std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(header), '\0');
   png_alloc_size_t size = bytes.size();
   static_assert(sizeof(Colour) == 3, "pixels go to libpng as they are");
   if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr)) {
-    return fail(path, std::string("cannot be made a PNG: ") + header.message, "draw a smaller picture");
+    return fail("a picture", std::string("cannot be made a PNG: ") + header.message, "draw a smaller one");
   }
-  if (auto done = file->write(std::span(bytes).first(size)); !done) return done;
+  bytes.resize(size);
+  return bytes;
+}
+
+Result<void> write_png(const std::string& path, const Image& image) {
+  const auto bytes = png_bytes(image);
+  if (!bytes) return fail(path, bytes.error().problem, bytes.error().mend);
+  auto file = FileWriter::open(path);
+  if (!file) return tl::unexpected(file.error());
+  if (auto done = file->write(*bytes); !done) return done;
   return file->commit();
 }
 

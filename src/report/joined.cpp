@@ -13,6 +13,16 @@ void Joined::pose(const CheckedStep& step, double t, std::vector<double>& out) c
   }
 }
 
+void mark_faces(Motions motions, const CheckedStep& step, std::vector<std::uint8_t>& out) {
+  out.clear();
+  for (Index object = 0; object < motions.size(); ++object) {
+    const Topology& topology = motions[object]->topology();
+    const auto marks = step.pose ? colliding_faces(topology, object, *step.pose)
+                                 : colliding_faces(topology, object, *step.step);
+    out.insert(out.end(), marks.begin(), marks.end());
+  }
+}
+
 Result<Joined> join(Motions motions, const char* option) {
   Joined joined;
   std::size_t vertices = 0;

@@ -13,6 +13,9 @@ struct Joined {
   void pose(const CheckedStep& step, double t, std::vector<double>& out) const;
 };
 
+/// Per face of the joined mesh, 1 when it takes part in a collision of the step.
+void mark_faces(Motions motions, const CheckedStep& step, std::vector<std::uint8_t>& out);
+
 /// `option`: for the error, when they are too large together.
 Result<Joined> join(Motions motions, const char* option);
 

@@ -58,13 +58,7 @@ class PlyReport : public ReportWriter {
  private:
   void keep(const CheckedStep& step) {
     joined_.pose(step, step.collisions.sum() > 0 ? step.earliest_toi : 0, positions_);
-    marks_.clear();
-    for (Index object = 0; object < motions_.size(); ++object) {
-      const Topology& topology = motions_[object]->topology();
-      const auto marks = step.pose ? colliding_faces(topology, object, *step.pose)
-                                   : colliding_faces(topology, object, *step.step);
-      marks_.insert(marks_.end(), marks.begin(), marks.end());
-    }
+    mark_faces(motions_, step, marks_);
   }
 
   Result<void> write(std::uint64_t number) const {

@@ -264,7 +264,7 @@ Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings&
   if (frames.size() >= needed) return frames;
   if (count < needed) {
     return fail(motions[0]->name(), "has 1 frame, and a step goes from one frame to the next",
-                "use --static to find the crossing triangles of a single pose");
+                "use --static of 'foldproof check' to find the crossing triangles of a single pose");
   }
   return fail("--frames",
               fmt::format("selects {} of {} frames, and {} needed", frames.size(), count,

@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "page_files.h"
+#include "step_options.h"
+#include "terminal.h"
+
+namespace foldproof {
+namespace {
+
+constexpr const char* kFooter = R"(Several motions are several objects, and need equally many frames.
+
+The report is one file that opens in any browser, offline: what collides and when, charts of every step, pictures of the
+worst ones, what was proven and why not the rest, the settings and the version. It names the files as they were typed.
+
+Exit code: 0 no collision, 1 collisions, 2 error.
+
+Examples:
+  foldproof report walk.glb -o report.html
+  foldproof report body.npz shirt.npz --between -o shirt.html
+  foldproof report walk.glb --model body.model --frames 10:21 -o report.html)";
+
+struct ReportArguments : StepArguments {
+  std::string output, command;
+  bool quiet = false;
+};
+
+/// As a shell would take it.
+std::string quoted(std::string_view argument) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:=,+@%";
+  if (!argument.empty() && argument.find_first_not_of(kPlain) == argument.npos) return std::string(argument);
+  std::string text = "'";
+  for (const char c : argument) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+Result<int> report(const ReportArguments& a) {
+  const auto files = require_page_files();
+  if (!files) return tl::unexpected(files.error());
+  ThreadLimit limit;
+  if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
+  auto opened = open_motions(a);
+  if (!opened) return tl::unexpected(opened.error());
+  CheckSettings& settings = opened->settings;
+  settings.step.explain = true;
+  // From here on a file is open that must not stay behind half written.
+  watch_for_interrupt();
+  auto writer = page_report(a.output, opened->motions, {{settings, a.motion.read}, a.command}, *files);
+  if (!writer) return tl::unexpected(writer.error());
+  return check_and_tell(opened->motions, settings, std::span(&*writer, 1), a.quiet);
+}
+
+}  // namespace
+
+Command add_report(CLI::App& program, std::span<char* const> typed) {
+  CLI::App* command =
+      program.add_subcommand("report", "Check motions and write what was found into one HTML file to mail");
+  command->footer(std::string(kMotionHelp) + kFooter);
+  const auto a = std::make_shared<ReportArguments>();
+  a->command = "foldproof";
+  for (const char* argument : typed.subspan(std::min<std::size_t>(1, typed.size())))
+    a->command += " " + quoted(argument);
+  add_step_options(*command, *a);
+  command->add_option("-o,--output", a->output, "The report to write")->type_name("FILE")->required();
+  command->add_flag("--quiet", a->quiet, "Print nothing but errors");
+  return [a] { return report(*a); };
+}
+
+}  // namespace foldproof
