@@ -6,7 +6,7 @@ import { kBoxVertex, kFlatFragment, kLineVertex, kPointFragment, kPointVertex } 
 import { rampOf, vec3, type Surface } from './surface';
 
 const kEverywhere = new THREE.Sphere(new THREE.Vector3(), 1e9);
-const kHidden = 0.28; // How much is seen of what lies behind a surface.
+const kHidden = 0.2; // How much is seen of what lies behind a surface.
 
 interface Frame {
   centre: THREE.Vector3;

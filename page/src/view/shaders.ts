@@ -163,14 +163,16 @@ export const kPointFragment = /* glsl */ `
 precision highp float;
 in vec3 colour;
 in float filled;
-uniform float opacity;
+uniform float opacity, size;
 out vec4 result;
 void main() {
   float r = length(gl_PointCoord - 0.5) * 2.0;
   if (r > 1.0) discard;
-  bool rim = r > 0.72;
   if (filled < 0.5 && r < 0.42) discard;
-  result = vec4(rim ? vec3(0.05, 0.07, 0.09) : colour, opacity);
+  // The rim is a pixel and a half wide, and soft where points are so small that it would be most of them.
+  bool rim = r > 1.0 - 3.0 / size;
+  vec3 dark = size < 8.0 ? colour * 0.45 : vec3(0.05, 0.07, 0.09);
+  result = vec4(rim ? dark : colour, opacity);
 }
 `;
 
