@@ -105,11 +105,11 @@ constexpr std::array<std::array<double, 3>, 14> kDirections{{{1, 0, 0},
                                                              {-1, -1, -1}}};
 
 /// Contacts hide in folds: the direction from which most of the red is seen.
-Result<View> best_view(const PictureMesh& mesh, const View::Focus& focus) {
+Result<View> best_view(const PictureMesh& mesh, const Vec3& up, const View::Focus& focus) {
   View best{.focus = focus};
   std::ptrdiff_t most = -1;
   for (const auto& direction : kDirections) {
-    const Panel panel{.meshes = {mesh}, .view = {.from = Vec3(direction.data()), .focus = focus}};
+    const Panel panel{.meshes = {mesh}, .view = {.from = Vec3(direction.data()), .up = up, .focus = focus}};
     const auto image = draw_picture(std::span(&panel, 1), {.width = 120, .height = 120, .samples = 1});
     if (!image) return tl::unexpected(image.error());
     const auto red = std::count_if(image->pixels.begin(), image->pixels.end(),
@@ -275,7 +275,7 @@ Result<Figure> Figures::collision(Subject& subject, const WorstStep& worst) cons
     }
   }
   const double radius = std::clamp(0.75 * box.sizes().maxCoeff(), 0.06 * size_of(*x), 0.3 * size_of(*x));
-  const auto near = best_view(mesh, {box.center(), radius});
+  const auto near = best_view(mesh, subject.view.up, {box.center(), radius});
   if (!near) return tl::unexpected(near.error());
   const std::vector<Panel> panels{{.meshes = {mesh}, .view = subject.view},
                                   {.meshes = {mesh}, .view = *near}};

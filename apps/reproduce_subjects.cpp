@@ -196,7 +196,7 @@ Result<std::vector<Subject>> subjects_in(const std::string& directory) {
       .source =
           "The hand of LibHand (CC-BY 3.0). It learns from 40 random blends of its named poses; the motion "
           "goes from named pose to named pose. Both are generated from its rig.",
-      .view = {.from = {0, 0, -1}},
+      .view = {.from = {0, 0, -1}, .up = {0, -1, 0}},  // its thumb up
       .bent = 10};
   if (auto done =
           add(subjects, directory, std::move(hand), cached("hand/hand-train"), cached("hand/hand-anim"));
