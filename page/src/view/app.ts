@@ -466,7 +466,7 @@ export class App {
     if (key === this.legendKey) return;
     this.legendKey = key;
     this.layout.legend.replaceChildren(
-      ...legendItems({ layers: layers.state, shapes: shaping, steps: scene.steps > 0, reasons: scene.reasons, counts: this.counts, boxFrame, chosen: this.chosen !== null, error }),
+      ...legendItems({ layers: layers.state, shapes: shaping, steps: scene.steps > 0, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: this.counts, boxFrame, chosen: this.chosen !== null, error }),
     );
   }
 

@@ -1,5 +1,5 @@
 // What every colour in the picture means.
-import { css, errorColour, gradient, kBlue, kNothingToProve, kOrange, kReasons, kRed, kSky, levelColour, marginColour, timeColour, type Rgb } from '../shared/colours';
+import { css, errorColour, gradient, kBlue, kNothingToProve, kObjectColours, kOrange, kReasons, kRed, kSky, levelColour, marginColour, timeColour, type Rgb } from '../shared/colours';
 import { el } from '../shared/dom';
 import { grouped, percent, short } from '../shared/format';
 import type { LayerState } from './layers';
@@ -32,6 +32,7 @@ export interface LegendState {
   shapes: boolean; // a made shape is shown, and not the motion
   steps: boolean;
   reasons: string[];
+  objects: string[];
   counts: FaceCounts | null;
   boxFrame: number | null;
   chosen: boolean;
@@ -74,6 +75,10 @@ export function legendItems(state: LegendState): HTMLElement[] {
   const { layers } = state;
   const items: HTMLElement[] = [];
   if (state.shapes) return [el('li', {}, 'A shape of the model: no motion, hence no collisions and proofs of steps')];
+  if (layers.source === 'prediction') items.push(el('li', {}, 'The shape is the prediction from key points'));
+  if (layers.paint === 'plain' && state.objects.length > 1) {
+    state.objects.forEach((name, i) => items.push(item(swatch(kObjectColours[i % kObjectColours.length]!), name)));
+  }
   const striped = layers.paint !== 'plain';
   if (state.steps && layers.collisions) items.push(item(swatch(kRed, striped ? 'striped' : ''), 'Colliding triangles', state.counts ? grouped(state.counts.colliding) : ''));
   if (state.steps && layers.contacts) {
@@ -88,5 +93,9 @@ export function legendItems(state: LegendState): HTMLElement[] {
   }
   if (layers.keyPoints) items.push(item(swatch(kSky, 'round'), 'Key points'));
   if (layers.boxes && state.boxFrame !== null) items.push(item(swatch(kBlue, 'box'), `Boxes, level ${layers.level}, frame ${state.boxFrame}`));
+  if (state.steps) {
+    const mark = (kind: string, text: string) => el('span', { className: 'mark' }, el('span', { className: `swatch ${kind}` }), text);
+    items.push(el('li', { className: 'marks' }, 'Timeline:', mark('free', 'free'), mark('hit', 'collides'), mark('open', 'unchecked')));
+  }
   return items;
 }
