@@ -1,8 +1,21 @@
 // Two builds: dist/view is served by `foldproof view`, dist/report is put into the file that `foldproof
 // report` writes.
+import { readFileSync } from 'node:fs';
 import { defineConfig } from 'vite';
 
+/** Puts the licences of what is shipped before the scripts, as they ask for. */
+const licences = (...packages) => ({
+  name: 'licences',
+  generateBundle(_, bundle) {
+    const texts = packages.map((name) => `${name}\n\n${readFileSync(`node_modules/${name}/LICENSE`, 'utf8').trim()}`);
+    for (const file of Object.values(bundle)) {
+      if (file.type === 'chunk') file.code = `/*! Made with these packages:\n\n${texts.join('\n\n')}\n*/\n${file.code}`;
+    }
+  },
+});
+
 const view = {
+  plugins: [licences('three', 'uplot')],
   build: {
     outDir: 'dist/view',
     emptyOutDir: true,
@@ -16,6 +29,7 @@ const view = {
 };
 
 const report = {
+  plugins: [licences('uplot')],
   build: {
     outDir: 'dist/report',
     emptyOutDir: true,
