@@ -1,6 +1,6 @@
-// Every colour that means something. Those of reasons and levels are explanation_colour's (src/report/faces.cpp), the ramps
-// are map_colour's (src/picture/colour.cpp): Okabe and Ito's colours and even steps of lightness stay apart for the
-// colour-blind, and pictures from the command line look alike.
+// Every colour that means something. Those of reasons and levels are explanation_colour's (src/report/faces.cpp), errors are
+// in map_colour's (src/picture/colour.cpp), so that pictures from the command line look alike. Okabe and Ito's colours and
+// even steps of lightness stay apart for the colour-blind.
 
 export type Rgb = [number, number, number];
 
@@ -45,12 +45,13 @@ const kErrorStops: Lab[] = [
   [0.45, 0.155, -0.02],
   [0.3, 0.07, -0.09],
 ];
+// Blue throughout: the other hues tell reasons.
 const kMarginStops: Lab[] = [
-  [0.3, 0, -0.12],
-  [0.45, -0.04, -0.09],
-  [0.6, -0.085, -0.015],
-  [0.75, -0.09, 0.09],
-  [0.9, -0.03, 0.15],
+  [0.26, 0, -0.11],
+  [0.43, -0.02, -0.14],
+  [0.6, -0.045, -0.115],
+  [0.77, -0.06, -0.075],
+  [0.93, -0.055, -0.03],
 ];
 const kTimeStops: Lab[] = [
   [0.98, 0, 0],

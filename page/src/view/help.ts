@@ -32,11 +32,10 @@ export function helpDialog(): HTMLDialogElement {
   }
   const dialog = el('dialog', { className: 'help', 'aria-label': 'Help' });
   dialog.append(
-    el('h2', {}, 'Keys and mouse'),
+    el('form', { method: 'dialog' }, el('h2', {}, 'Keys and mouse'), el('button', { className: 'small' }, 'Close')),
     el('p', {}, 'Drag to orbit, right-drag or two fingers to pan, wheel or pinch to zoom. A click on the surface tells about the triangle; a double click turns around it.'),
     table,
     el('p', {}, 'Between two frames every vertex moves along a straight line; that is the motion which is checked, and what you see. A time of impact is a share of the step: 0 at its begin, 1 at its end.'),
-    el('form', { method: 'dialog' }, el('button', { className: 'small' }, 'Close')),
   );
   dialog.addEventListener('click', (event) => {
     if (event.target === dialog) dialog.close();
