@@ -141,5 +141,27 @@ TEST(ReducedChecker, AnswersAlikeWhereverTheLastStepWas) {
   EXPECT_GT(between, 0u);
 }
 
+// Between two far steps, the second of which begins where the first ended, another one is looked at leaf by
+// leaf: what it computed is not what the first one left.
+TEST(ReducedChecker, TakesVerticesOverOnlyWhileTheyStand) {
+  const ShapePointer shape = shape_of(bending_tube(16, 60, 0.6));
+  const ReducedMotion& motion = *shape->motion();
+  Rivals rivals({shape});
+  std::mt19937 random(33);
+  const std::vector<double> origin(motion.modes());
+  bool some = false;
+  for (int k = 0; k < 4; ++k) {
+    const Place a{moved(motion, origin, 40, random)}, b{moved(motion, a.p, 2, random)},
+        c{moved(motion, b.p, 2, random)};
+    ASSERT_NO_FATAL_FAILURE(rivals.step({a}, {b}));
+    const Place near{moved(motion, origin, shape->radius(0) * 1.1, random)},
+        next{moved(motion, origin, shape->radius(0) * 1.1, random)};
+    ASSERT_NO_FATAL_FAILURE(rivals.step({near}, {next}));
+    some |= rivals.answer.work.leaf_pairs > 0;
+    ASSERT_NO_FATAL_FAILURE(rivals.step({b}, {c}));
+  }
+  EXPECT_TRUE(some) << "no step in between looked at leaves";
+}
+
 }  // namespace
 }  // namespace foldproof::testing
