@@ -143,6 +143,7 @@ class ReducedShape {
     std::vector<Index> stack;
     std::vector<std::array<Index, 2>> open;  ///< Pairs of nodes of the hierarchy.
     std::uint64_t visits = 0;                ///< Nodes of the pair tree looked at in the last call.
+    std::uint64_t proven = 0;                ///< How many of them a ball proved.
   };
   /// Whether a step from p0 to p1 is free, all vertices going straight. Numbers that are not finite, or too
   /// few of them, prove nothing. Cost: two norms, then two comparisons per pair of nodes that is looked at: a

@@ -118,8 +118,8 @@ bool ReducedChecker::Impl::traverse_balls(Index object, Index task, double dista
   const std::size_t most_open = kMostOpenPerLeaf * std::size_t{trees[object].hierarchy->leaf_count()};
   shape.impl().find_open(objects[object].pose(0).p, objects[object].pose(1).p, most_open, scratch);
   work.certificate_tests += scratch.visits;
+  work.certificate_passes += scratch.proven;
   if (scratch.open.size() > most_open) return false;
-  work.certificate_passes += scratch.visits - scratch.open.size();
   const std::uint64_t most = work.node_tests + most_tests(task);
   for (const auto& [a, b] : scratch.open) {
     if (!traverse(task, {a, b}, distance, most, work)) return false;

@@ -178,7 +178,7 @@ ReducedProof ReducedShape::find_open(std::span<const double> p0, std::span<const
 ReducedProof ReducedShape::Impl::find_open(std::span<const double> p0, std::span<const double> p1,
                                            std::size_t most, Scratch& scratch) const {
   scratch.open.clear();
-  scratch.visits = 0;
+  scratch.visits = scratch.proven = 0;
   const std::size_t modes = stiffness.size(), width = tree.centres;
   const ReducedProof best = always_open.empty() ? ReducedProof::Free : ReducedProof::FreeButLeft;
   Nearest nearest;
@@ -191,7 +191,10 @@ ReducedProof ReducedShape::Impl::find_open(std::span<const double> p0, std::span
   const auto is_free = [&](Index pair) {
     ++scratch.visits;
     const float* balls = &tree.balls[pair * width];
-    return nearest.distance[0] < balls[nearest.centre[0]] || nearest.distance[1] < balls[nearest.centre[1]];
+    const bool free =
+        nearest.distance[0] < balls[nearest.centre[0]] || nearest.distance[1] < balls[nearest.centre[1]];
+    scratch.proven += free;
+    return free;
   };
   if (is_free(0)) return best;
   scratch.stack.assign(1, 0);
