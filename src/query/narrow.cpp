@@ -71,6 +71,7 @@ class Narrow {
       : step_(step), hits_(hits), undecided_(undecided) {}
 
   void add(const Pair& pair) {
+    if (step_.choice != nullptr && !chosen(pair)) return;
     pairs_[count_] = pair;
     x0_[count_] = points(step_.x0, pair);
     x1_[count_] = points(step_.x1, pair);
@@ -89,6 +90,14 @@ class Narrow {
 
  private:
   static constexpr bool kEdgeEdge = std::is_same_v<Pair, EdgeEdgeCollision>;
+
+  bool chosen(const Pair& pair) const {
+    if constexpr (kEdgeEdge) {
+      return step_.choice->edge_edge(pair.a, pair.b);
+    } else {
+      return step_.choice->vertex_face(pair.vertex, pair.face);
+    }
+  }
 
   FourPoints points(Positions x, const Pair& pair) const {
     if constexpr (kEdgeEdge) {

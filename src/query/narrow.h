@@ -60,8 +60,8 @@ struct Chunk {
 
 /// Hands out pairs of leaves to chunks, a bounded number at a time, so that candidates take bounded memory.
 /// `round(count)` works on chunks [0, count).
-template <class Round>
-void in_rounds(std::span<const LeafPairRef> left, std::vector<Chunk>& chunks, Round round) {
+template <class AnyChunk, class Round>
+void in_rounds(std::span<const LeafPairRef> left, std::vector<AnyChunk>& chunks, Round round) {
   constexpr std::size_t kPairsPerChunk = 32, kChunksPerRound = 256;
   while (!left.empty()) {
     std::size_t count = 0;
@@ -74,6 +74,14 @@ void in_rounds(std::span<const LeafPairRef> left, std::vector<Chunk>& chunks, Ro
   }
 }
 
+/// Which pairs of features count, by the user's ids. Asked by several threads at once.
+class PairChoice {
+ public:
+  virtual ~PairChoice() = default;
+  virtual bool vertex_face(Index vertex, Index face) const = 0;
+  virtual bool edge_edge(const Edge& a, const Edge& b) const = 0;
+};
+
 /// What the narrow phase needs to know about the step. The features of the leaves that it is asked about have
 /// been filled, and their vertices stand in x0 and x1.
 struct NarrowStep {
@@ -81,7 +89,8 @@ struct NarrowStep {
   std::span<const TraversalTask> tasks;
   Positions x0, x1;
   CcdSettings ccd;
-  std::atomic<double>* earliest;  ///< null unless only the earliest is wanted
+  std::atomic<double>* earliest;       ///< null unless only the earliest is wanted
+  const PairChoice* choice = nullptr;  ///< null: all pairs count
   const Hierarchy& hierarchy(Index object) const { return *trees[object].hierarchy; }
 };
 

@@ -61,21 +61,21 @@ void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pai
 
 }  // namespace
 
-Result<void> StepChecker::check_static(Positions x, const StepSettings& settings, StaticResult& out) {
+Result<void> check_pose(Scene& scene, std::vector<Chunk>& chunks, Positions x, const StepSettings& settings,
+                        StaticResult& out) {
   Stopwatch total, watch;
   out.crossings.clear();
   out.work = {};
   out.milliseconds = {};
-  Scene& scene = impl_->scene;
   if (auto ok = scene.update(x, x, settings); !ok) return ok;
   out.milliseconds.update = watch.lap();
   scene.traverse(settings, 0, out.work);
   out.milliseconds.traverse = watch.lap();
 
   const Pose pose{scene, x};
-  in_rounds(scene.leaf_pairs(), impl_->chunks, [&](std::size_t count) {
+  in_rounds(scene.leaf_pairs(), chunks, [&](std::size_t count) {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      Chunk& chunk = impl_->chunks[i];
+      Chunk& chunk = chunks[i];
       chunk.candidates.clear();
       std::size_t done = 0;
       for (const LeafPairRef& pair : chunk.pairs) {
@@ -87,7 +87,7 @@ Result<void> StepChecker::check_static(Positions x, const StepSettings& settings
       }
     });
     for (std::size_t i = 0; i < count; ++i) {
-      auto& found = impl_->chunks[i].crossings;
+      auto& found = chunks[i].crossings;
       out.crossings.insert(out.crossings.end(), found.begin(), found.end());
       found.clear();
     }
@@ -103,6 +103,10 @@ Result<void> StepChecker::check_static(Positions x, const StepSettings& settings
   out.milliseconds.total = total.lap();
   if (settings.explain) scene.explain(settings, 0, out.explanation);
   return {};
+}
+
+Result<void> StepChecker::check_static(Positions x, const StepSettings& settings, StaticResult& out) {
+  return check_pose(impl_->scene, impl_->chunks, x, settings, out);
 }
 
 }  // namespace foldproof

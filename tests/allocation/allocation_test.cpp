@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "foldproof/query.h"
+#include "foldproof/solver.h"
 
 namespace {
 std::atomic<long> allocations{0};
@@ -162,6 +162,33 @@ TEST(ReducedShape, ProvesWithoutAllocating) {
   const long before = allocations;
   shape->proven_free(p0, near, scratch);
   shape->find_open(p0, far, scratch);
+  EXPECT_EQ(allocations - before, 0);
+}
+
+// A line search: from one pose towards others, some of which are reached and some not.
+TEST(ContactChecker, AllocatesNothingFromTheSecondLineSearchOn) {
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const auto x0 = strip(kLength, 5);
+  const std::vector<double> targets[] = {strip(kLength, 8), strip(kLength, 5.2)};
+  const auto triangles = strip_topology();
+  const auto faces = triangles.triangles();
+  const auto mesh = CollisionMesh::make(x0, {}, {faces.begin(), faces.end()}).value();
+  ContactChecker checker(std::make_shared<const CollisionMesh>(mesh), {.certificates = false});
+  Candidates found;
+  double shares = 0;
+  const auto search = [&] {
+    for (const auto& x1 : targets) {
+      shares += checker.collision_free_step_size(x0, x1).value();
+      EXPECT_TRUE(checker.is_step_collision_free(x0, x0).value());
+      EXPECT_TRUE(checker.candidates(x0, x1, 0.01, found));
+      EXPECT_GT(checker.minimum_distance(x0, 0.1).value(), 0);
+    }
+  };
+  search();
+  EXPECT_GT(shares, 1);
+  EXPECT_LT(shares, 2);
+  const long before = allocations;
+  search();
   EXPECT_EQ(allocations - before, 0);
 }
 

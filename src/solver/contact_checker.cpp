@@ -1,0 +1,126 @@
+#include "solver/contact_checker.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace foldproof {
+namespace {
+
+// A step whose end, once rounded, is in contact is made shorter so often.
+constexpr int kShorter = 16;
+
+void add(const StageTimes& from, StageTimes& to) {
+  to.total += from.total;
+  to.update += from.update;
+  to.traverse += from.traverse;
+  to.narrow += from.narrow;
+}
+
+void add(const Work& from, Work& to) {
+  to.node_tests += from.node_tests;
+  to.certificate_tests += from.certificate_tests;
+  to.certificate_passes += from.certificate_passes;
+  to.leaf_pairs += from.leaf_pairs;
+  to.candidates_vf += from.candidates_vf;
+  to.candidates_ee += from.candidates_ee;
+  to.undecided += from.undecided;
+}
+
+}  // namespace
+
+bool ContactChoice::crossing(Index triangle_a, Index triangle_b) const {
+  const Triangle &a = triangles_[triangle_a], &b = triangles_[triangle_b];
+  const auto in = [](const Triangle& t, Index v) { return v == t[0] || v == t[1] || v == t[2]; };
+  const bool codim = element(triangle_a) != Element::Face && element(triangle_b) != Element::Face;
+  if (codim && share_vertex(a, b)) return false;
+  for (const Index i : a) {
+    for (const Index j : b) {
+      if (in(b, i) && in(a, j)) continue;
+      if (mesh_.filter()(i, j)) return true;
+    }
+  }
+  return false;
+}
+
+StepSettings ContactChecker::Impl::step_settings(double distance) const {
+  StepSettings step;
+  step.certificates = settings.certificates;
+  step.thickness = distance;
+  step.tolerance = settings.tolerance;
+  step.earliest_only = true;
+  return step;
+}
+
+Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0, std::span<const double> x1,
+                                                      double min_distance) {
+  const std::span<const double> from[] = {x0}, to[] = {x1};
+  if (auto ok = check_step(scene, chunks, from, to, step_settings(min_distance), &choice, step); !ok)
+    return tl::unexpected(ok.error());
+  add(step.work, work);
+  add(step.milliseconds, milliseconds);
+  return step.clean() ? std::numeric_limits<double>::infinity() : step.earliest_toi;
+}
+
+ContactChecker::ContactChecker(std::shared_ptr<const CollisionMesh> mesh, const ContactSettings& settings)
+    : impl_(new Impl(std::move(mesh), settings)) {}
+ContactChecker::~ContactChecker() = default;
+ContactChecker::ContactChecker(ContactChecker&&) noexcept = default;
+ContactChecker& ContactChecker::operator=(ContactChecker&&) noexcept = default;
+
+const CollisionMesh& ContactChecker::mesh() const { return *impl_->mesh; }
+ContactSettings& ContactChecker::settings() { return impl_->settings; }
+const Work& ContactChecker::work() const { return impl_->work; }
+const StageTimes& ContactChecker::milliseconds() const { return impl_->milliseconds; }
+
+Result<double> ContactChecker::collision_free_step_size(std::span<const double> x0,
+                                                        std::span<const double> x1, double min_distance) {
+  impl_->begin();
+  const double approach = impl_->settings.approach;
+  if (!(approach > 0 && approach <= 1))
+    return fail("approach", "is not a share of the way", "give a number above 0 and at most 1");
+  auto contact = impl_->earliest_contact(x0, x1, min_distance);
+  if (!contact) return contact;
+  if (*contact > 1) return 1.0;
+  double share = approach * *contact;
+  auto& reached = impl_->reached;
+  reached.resize(x0.size());
+  for (int i = 0; i < kShorter && share > 0; ++i) {
+    step_towards(x0, x1, share, reached);
+    contact = impl_->earliest_contact(x0, reached, min_distance);
+    if (!contact) return contact;
+    if (*contact > 1) return share;
+    share *= std::min(0.5, approach * *contact);
+  }
+  return 0.0;
+}
+
+Result<bool> ContactChecker::is_step_collision_free(std::span<const double> x0, std::span<const double> x1,
+                                                    double min_distance) {
+  impl_->begin();
+  const auto contact = impl_->earliest_contact(x0, x1, min_distance);
+  if (!contact) return tl::unexpected(contact.error());
+  return *contact > 1;
+}
+
+Result<bool> ContactChecker::has_intersections(std::span<const double> x) {
+  impl_->begin();
+  Impl& m = *impl_;
+  const std::span<const double> pose[] = {x};
+  if (auto ok = check_pose(m.scene, m.chunks, pose, m.step_settings(0), m.pose); !ok)
+    return tl::unexpected(ok.error());
+  m.work = m.pose.work;
+  m.milliseconds = m.pose.milliseconds;
+  return std::any_of(m.pose.crossings.begin(), m.pose.crossings.end(), [&](const TriangleCrossing& c) {
+    return m.choice.crossing(c.triangle_a, c.triangle_b);
+  });
+}
+
+void step_towards(std::span<const double> x0, std::span<const double> x1, double share,
+                  std::span<double> out) {
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = share == 1 ? x1[i] : x0[i] + share * (x1[i] - x0[i]);
+}
+
+}  // namespace foldproof

@@ -1,0 +1,267 @@
+// Step sizes and poses against exact arithmetic and brute force.
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cstdlib>
+
+#include "soups.h"
+
+namespace foldproof::oracle {
+namespace {
+
+constexpr double kTolerance = 1e-7;
+
+// More of everything for a longer run by hand.
+int rounds(int usual) {
+  const char* times = std::getenv("FOLDPROOF_ROUNDS");
+  return times == nullptr ? usual : usual * std::max(1, std::atoi(times));
+}
+
+ContactChecker checker_of(const Soup& soup, CollisionFilter filter = {}, bool certificates = true) {
+  ContactSettings settings;
+  settings.tolerance = kTolerance;
+  settings.certificates = certificates;
+  return ContactChecker(std::make_shared<const CollisionMesh>(mesh_of(soup, std::move(filter))), settings);
+}
+
+bool exact_contact(const FeaturePair& pair, std::span<const double> x0, std::span<const double> x1,
+                   double distance) {
+  if (distance == 0) return touches(pair.kind(), pair.at(x0), pair.at(x1));
+  return approach(pair.kind(), pair.at(x0), pair.at(x1), distance, 1e-12) == Approach::Within;
+}
+
+// The earliest contact by asking the narrow phase about every pair.
+double brute_contact(std::span<const FeaturePair> pairs, const Soup& soup, double distance) {
+  CcdSettings ccd;
+  ccd.thickness = distance;
+  ccd.tolerance = kTolerance;
+  double earliest = 2;
+  for (const FeaturePair& pair : pairs) {
+    const auto test = pair.kind() == Kind::EdgeEdge ? edge_edge_ccd : vertex_face_ccd;
+    const CcdResult r = test(pair.at(soup.x0), pair.at(soup.x1), ccd);
+    if (r.answer != Answer::Separated) earliest = std::min(earliest, r.toi);
+  }
+  return earliest;
+}
+
+struct Counts {
+  int whole = 0, part = 0, none = 0;
+};
+
+void test_step_sizes(std::uint64_t seed, double distance, double grid, Counts& counts) {
+  Rng rng(seed);
+  const int few = static_cast<int>(rng() % 4);
+  const Soup soup = random_soup(rng, 3 * (few & 1), 3 + 2 * few, 3 + few, 0.25, grid);
+  ContactChecker checker = checker_of(soup);
+  const auto pairs = all_pairs(soup, checker.mesh().edges(), all_may);
+  const double brute = brute_contact(pairs, soup, distance);
+  const double share = checker.collision_free_step_size(soup.x0, soup.x1, distance).value();
+  ASSERT_GE(share, 0);
+  ASSERT_LE(share, 1);
+  ASSERT_EQ(share == 1, brute > 1) << seed;
+  ASSERT_EQ(share == 0, brute == 0) << seed;
+  if (brute <= 1) {
+    ASSERT_LE(share, 0.8 * brute) << seed;
+  }
+  ASSERT_EQ(checker.is_step_collision_free(soup.x0, soup.x1, distance).value(), brute > 1) << seed;
+  ++(share == 1 ? counts.whole : share == 0 ? counts.none : counts.part);
+  std::vector<double> reached(soup.x0.size());
+  step_towards(soup.x0, soup.x1, share, reached);
+  if (share > 0) {
+    ASSERT_TRUE(checker.is_step_collision_free(soup.x0, reached, distance).value()) << seed;
+    for (const FeaturePair& pair : pairs)
+      ASSERT_FALSE(exact_contact(pair, soup.x0, reached, distance)) << seed;
+  }
+  if (share == 1) return;
+  // Not for nothing: something comes within the tolerance of contact.
+  bool near = false;
+  for (const FeaturePair& pair : pairs)
+    near = near || exact_contact(pair, soup.x0, soup.x1, distance + kTolerance);
+  ASSERT_TRUE(near) << seed;
+}
+
+TEST(ContactChecker, NeverStepsIntoContact) {
+  Counts counts;
+  for (int seed = 0; seed < rounds(70); ++seed) {
+    test_step_sizes(static_cast<std::uint64_t>(seed), 0, 0x1p-40, counts);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(counts.whole, 10);
+  EXPECT_GT(counts.part, 10);
+}
+
+TEST(ContactChecker, NeverStepsIntoExactContactOnAGrid) {
+  Counts counts;
+  for (int seed = 0; seed < rounds(70); ++seed) {
+    test_step_sizes(1000000 + static_cast<std::uint64_t>(seed), 0, 0x1p-4, counts);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(counts.part, 10);
+  EXPECT_GT(counts.none, 2);  // things that stand on the same point of the grid
+}
+
+TEST(ContactChecker, KeepsTheMinimumDistance) {
+  Counts counts;
+  for (int seed = 0; seed < rounds(80); ++seed) {
+    test_step_sizes(2000000 + static_cast<std::uint64_t>(seed), 0.03, 0x1p-40, counts);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(counts.whole, 5);
+  EXPECT_GT(counts.part, 5);
+  EXPECT_GT(counts.none, 1);
+}
+
+// Each pair of codimensional elements alone, on a way that brings them to the distance 0.1 half way.
+TEST(ContactChecker, FindsPointsAndEdgesWithinTheMinimumDistance) {
+  const std::vector<double> still = {-1, 0, 0, 1, 0, 0};
+  for (const bool edge : {true, false}) {
+    std::vector<double> x0 = still, x1 = still;
+    if (!edge) x0 = x1 = {0, 0, 0};
+    for (const double z : {2.0, -2.0}) (z > 0 ? x0 : x1).insert((z > 0 ? x0 : x1).end(), {0, 0.1, z});
+    Soup soup;
+    soup.x0 = x0;
+    soup.x1 = x1;
+    if (edge) soup.edges = {{0, 1}};
+    ContactChecker checker = checker_of(soup);
+    EXPECT_EQ(checker.collision_free_step_size(x0, x1, 0).value(), 1);
+    EXPECT_EQ(checker.collision_free_step_size(x0, x1, 0.0999).value(), 1);
+    EXPECT_NEAR(checker.collision_free_step_size(x0, x1, 0.1001).value(), 0.4, 0.01);
+    EXPECT_TRUE(checker.is_step_collision_free(x0, x1, 0.0999).value());
+    EXPECT_FALSE(checker.is_step_collision_free(x0, x1, 0.1001).value());
+    EXPECT_EQ(checker.minimum_distance(x0, 1).value(), std::numeric_limits<double>::infinity());
+    EXPECT_NEAR(checker.minimum_distance(x0, 3).value(), std::hypot(2, 0.1), 1e-14);
+  }
+}
+
+TEST(ContactChecker, StepsAreTheSameWhateverCertificatesAndThreads) {
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    Rng rng(seed);
+    Soup soup = random_soup(rng, 40, 20, 20, 0.1, 0x1p-40);
+    ContactChecker with = checker_of(soup), without = checker_of(soup, {}, false);
+    for (int step = 0; step < 5; ++step) {
+      const double a = with.collision_free_step_size(soup.x0, soup.x1, 0.001).value();
+      const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+      EXPECT_EQ(a, without.collision_free_step_size(soup.x0, soup.x1, 0.001).value());
+      for (double& x : soup.x1) x += 1e-3;
+    }
+  }
+}
+
+TEST(ContactChecker, ASolverThatGoesOnWhereItStoppedIsNotCaught) {
+  // A point falls on a face again and again.
+  const std::vector<double> start = {-1, -1, 0, 1, -1, 0, 0, 1, 0, 0, 0, 1};
+  Soup soup;
+  soup.faces = {{0, 1, 2}};
+  soup.x0 = start;
+  ContactChecker checker = checker_of(soup);
+  std::vector<double> x = start, to = start;
+  to[11] = -1;
+  for (int step = 0; step < 8; ++step) {
+    const double share = checker.collision_free_step_size(x, to).value();
+    EXPECT_NEAR(share, 0.8 * x[11] / (x[11] + 1), 1e-6);
+    step_towards(x, to, share, x);
+    EXPECT_GT(x[11], 0);
+    EXPECT_FALSE(checker.has_intersections(x).value());
+  }
+  EXPECT_TRUE(checker.has_intersections(std::vector<double>{-1, -1, 0, 1, -1, 0, 0, 1, 0, 0, 0, 0}).value());
+}
+
+std::vector<std::vector<Index>> elements_of(const CollisionMesh& mesh) {
+  std::vector<std::vector<Index>> elements;
+  for (const Triangle& t : mesh.faces()) elements.push_back({t.begin(), t.end()});
+  for (const Index e : mesh.codim_edges())
+    elements.push_back({mesh.edges()[e].begin(), mesh.edges()[e].end()});
+  for (const Index v : mesh.codim_points()) elements.push_back({v});
+  return elements;
+}
+
+TEST(ContactChecker, IntersectionsAreExact) {
+  int crossing = 0;
+  for (int seed = 0; seed < rounds(60); ++seed) {
+    Rng rng(3000000 + static_cast<std::uint64_t>(seed));
+    // No neighbours: all elements are apart in their vertices.
+    Soup soup = random_soup(rng, 3, 2, 3, 0, seed % 2 == 0 ? 0x1p-30 : 0x1p-3);
+    std::erase_if(soup.edges, [](const Edge& e) { return e[0] != e[1] + 1; });
+    ASSERT_EQ(soup.edges.size(), 2);
+    const auto odd = [](Index i, Index j) { return (i + j) % 3 != 1; };
+    for (const bool filtered : {false, true}) {
+      ContactChecker checker = checker_of(soup, filtered ? CollisionFilter(odd) : CollisionFilter());
+      const auto elements = elements_of(checker.mesh());
+      bool expected = false;
+      for (std::size_t i = 0; i < elements.size(); ++i) {
+        for (std::size_t j = i + 1; j < elements.size(); ++j) {
+          if (filtered && !may_collide(elements[i], elements[j], odd)) continue;
+          std::vector<Vec3> a, b;
+          for (const Index v : elements[i]) a.push_back(Eigen::Map<const Vec3>(&soup.x0[3 * v]));
+          for (const Index v : elements[j]) b.push_back(Eigen::Map<const Vec3>(&soup.x0[3 * v]));
+          expected = expected || hulls_intersect(a, b);
+        }
+      }
+      EXPECT_EQ(checker.has_intersections(soup.x0).value(), expected) << seed;
+      crossing += expected;
+    }
+  }
+  EXPECT_GT(crossing, 10);
+}
+
+TEST(ContactChecker, NeighboursFoldOnFacesAndNotOnRods) {
+  Soup fold;  // two triangles folded flat onto each other along their edge
+  fold.faces = {{0, 1, 2}, {0, 1, 3}};
+  fold.x0 = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.1, 0.9, 0};
+  EXPECT_TRUE(checker_of(fold).has_intersections(fold.x0).value());
+  EXPECT_FALSE(
+      checker_of(fold, CollisionFilter::patches({0, 0, 0, 0}).value()).has_intersections(fold.x0).value());
+  Soup rod;  // two edges folded onto each other
+  rod.edges = {{0, 1}, {1, 2}};
+  rod.x0 = {0, 0, 0, 1, 0, 0, 0.5, 0, 0};
+  EXPECT_FALSE(checker_of(rod).has_intersections(rod.x0).value());
+  EXPECT_TRUE(checker_of(rod).is_step_collision_free(rod.x0, rod.x0).value());
+  Soup whisker;  // an edge from a corner of a triangle lies in it
+  whisker.faces = {{0, 1, 2}};
+  whisker.edges = {{0, 3}};
+  whisker.x0 = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.2, 0.2, 0};
+  EXPECT_TRUE(checker_of(whisker).has_intersections(whisker.x0).value());
+  EXPECT_FALSE(checker_of(whisker).is_step_collision_free(whisker.x0, whisker.x0).value());
+}
+
+TEST(ContactChecker, FindsTheLeastDistance) {
+  for (int seed = 0; seed < rounds(40); ++seed) {
+    Rng rng(4000000 + static_cast<std::uint64_t>(seed));
+    const Soup soup = random_soup(rng, 2, 3, 4, 0, 0x1p-40);
+    ContactChecker checker = checker_of(soup);
+    Rational least = 1000;
+    for (const FeaturePair& pair : all_pairs(soup, checker.mesh().edges(), all_may))
+      least = std::min(least, squared_distance(pair.kind(), pair.at(soup.x0), pair.at(soup.x0), 0));
+    const double expected = std::sqrt(least.convert_to<double>());
+    EXPECT_NEAR(checker.minimum_distance(soup.x0, 5).value(), expected, 1e-14) << seed;
+    EXPECT_NEAR(checker.minimum_distance(soup.x0, expected * 1.0001).value(), expected, 1e-14) << seed;
+    if (expected > 1e-9) {
+      EXPECT_EQ(checker.minimum_distance(soup.x0, expected * 0.9999).value(),
+                std::numeric_limits<double>::infinity());
+    }
+  }
+}
+
+TEST(ContactChecker, SaysWhatIsWrong) {
+  Soup soup;
+  soup.faces = {{0, 1, 2}};
+  soup.x0 = {0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 5, 5};
+  ContactChecker checker = checker_of(soup);
+  Candidates found;
+  auto bad = soup.x0;
+  bad[4] = std::nan("");
+  EXPECT_FALSE(checker.is_step_collision_free(soup.x0, bad));
+  EXPECT_FALSE(checker.collision_free_step_size(std::span(soup.x0).first(3), soup.x0));
+  EXPECT_FALSE(checker.collision_free_step_size(soup.x0, soup.x0, -1));
+  EXPECT_FALSE(checker.candidates(soup.x0, -1, found));
+  EXPECT_FALSE(checker.candidates(soup.x0, std::numeric_limits<double>::infinity(), found));
+  EXPECT_FALSE(checker.minimum_distance(soup.x0, std::nan("")));
+  checker.settings().approach = 0;
+  const auto refused = checker.collision_free_step_size(soup.x0, soup.x0);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().where, "approach");
+}
+
+}  // namespace
+}  // namespace foldproof::oracle
