@@ -32,10 +32,11 @@ Examples:
   foldproof check --reduced body.model p.csv      a motion told by coordinates of the model's subspace
   foldproof check walk.glb --json a.json --pairs  every pair with its time of impact, to a file
   foldproof check walk.glb --ply worst.ply        the worst step's mesh, colliding faces marked 1
+  foldproof check walk.glb --vtk walk.pvd         the motion with its collisions, for ParaView
   foldproof check walk.glb --explain why.csv      what could be proven free, and why not the rest)";
 
 struct CheckArguments : StepArguments {
-  std::string json, csv, ply, explain, mode = "proven";
+  std::string json, csv, ply, vtk, explain, mode = "proven";
   double miss_rate = 0.01;
   bool poses = false, first = false, pairs = false, quiet = false, reduced = false;
 };
@@ -84,6 +85,12 @@ void add_report_options(CLI::App& check, CheckArguments& a) {
       ->type_name("FILE")
       ->group(group);
   check
+      .add_option("--vtk", a.vtk,
+                  "For ParaView: every step's mesh, colliding faces marked; FILE ends in .pvd, the meshes "
+                  "stand in a directory beside it")
+      ->type_name("FILE")
+      ->group(group);
+  check
       .add_option("--explain", a.explain,
                   "Which triangles were proven free, or why not: .npz all, .csv counts, .ply a coloured mesh "
                   "of the step with most left to test")
@@ -102,7 +109,7 @@ void add_options(CLI::App& check, CheckArguments& a) {
 
 Result<void> require_distinct_files(const CheckArguments& a) {
   std::set<std::string> files;
-  for (const std::string* path : {&a.json, &a.csv, &a.ply, &a.explain}) {
+  for (const std::string* path : {&a.json, &a.csv, &a.ply, &a.vtk, &a.explain}) {
     if (!path->empty() && !files.insert(*path).second) {
       return fail(*path, "is named for two outputs", "give each its own file");
     }
@@ -119,6 +126,7 @@ Result<void> require_mode_fits(const CheckArguments& a) {
   };
   if (!a.csv.empty()) return conflict("--csv");
   if (!a.ply.empty()) return conflict("--ply");
+  if (!a.vtk.empty()) return conflict("--vtk");
   if (!a.explain.empty()) return conflict("--explain");
   if (a.pairs && a.json.empty()) return conflict("--pairs without --json");
   if (a.first) return conflict("--first");
@@ -163,6 +171,10 @@ Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& se
     if (const auto ok = append(writers, ply_report(a.ply, motions, settings)); !ok)
       return tl::unexpected(ok.error());
   }
+  if (!a.vtk.empty()) {
+    if (const auto ok = append(writers, vtk_report(a.vtk, motions, settings)); !ok)
+      return tl::unexpected(ok.error());
+  }
   if (!a.explain.empty()) {
     if (const auto ok = append(writers, explain_report(a.explain, motions, settings)); !ok)
       return tl::unexpected(ok.error());
@@ -174,11 +186,12 @@ Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& se
 // What --reduced does not do, rather than doing something else.
 Result<void> require_reduced(const CheckArguments& a) {
   const bool other = a.poses || a.substeps != 1 || !a.models.empty() || !a.motion.frames.empty() || a.pairs ||
-                     !a.json.empty() || !a.ply.empty() || !a.explain.empty();
+                     !a.json.empty() || !a.ply.empty() || !a.vtk.empty() || !a.explain.empty();
   if (!other) return {};
-  return fail("--reduced",
-              "does not go with --static, --substeps, --model, --frames, --pairs, --json, --ply or --explain",
-              "leave them out, or check the motion that 'foldproof predict' writes");
+  return fail(
+      "--reduced",
+      "does not go with --static, --substeps, --model, --frames, --pairs, --json, --ply, --vtk or --explain",
+      "leave them out, or check the motion that 'foldproof predict' writes");
 }
 
 Result<int> check(const CheckArguments& a) {

@@ -143,6 +143,14 @@ Result<std::unique_ptr<ReportWriter>> csv_report(const std::string& path);
 Result<std::unique_ptr<ReportWriter>> ply_report(const std::string& path, Motions motions,
                                                  const CheckSettings& settings);
 
+/// For ParaView: `path` ends in .pvd and names a mesh for each step, stepNNNNNN.vtp in the directory beside
+/// it of that name without .pvd; all objects joined, in the pose at the step's begin, with `collides` and
+/// maybe what an Explanation says per triangle (docs/reports.md). Files and directory appear when the check
+/// is finished, in place of older ones. Error: another ending, a directory that holds other things, more than
+/// 2^31 corners.
+Result<std::unique_ptr<ReportWriter>> vtk_report(const std::string& path, Motions motions,
+                                                 const CheckSettings& settings);
+
 /// What certificates did, per triangle and step (docs/reports.md). `path` ends in .npz: everything; .csv:
 /// counts; .ply: the worst step, coloured. Precondition: settings.step.explain. Error:
 /// another ending.

@@ -68,6 +68,11 @@ void append(std::vector<char>& bytes, T value, std::endian order = std::endian::
   bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
 
+/// The bytes of an array of numbers, as they stand in memory.
+std::span<const char> bytes_of(const auto& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])};
+}
+
 /// The place of a byte: "walk.pc2, byte 32".
 std::string at_byte(const std::string& path, std::uint64_t offset);
 

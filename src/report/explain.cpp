@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "io/bytes.h"
 #include "io/npz_table.h"
 #include "report/joined.h"
 #include "report/text_file.h"
@@ -9,11 +10,9 @@
 namespace foldproof {
 namespace {
 
-constexpr std::size_t kReasons = kReasonNames.size();
+using io::bytes_of;
 
-std::span<const char> bytes_of(const auto& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])};
-}
+constexpr std::size_t kReasons = kReasonNames.size();
 
 /// Everything: a row per step.
 class ExplainNpz : public ReportWriter {

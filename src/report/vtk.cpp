@@ -1,0 +1,256 @@
+// A motion and its answer for ParaView: VTK's XML polygon files, one per step, and the collection that gives
+// each its time.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <system_error>
+
+#include "io/bytes.h"
+#include "report/joined.h"
+#include "report/text_file.h"
+
+namespace foldproof {
+namespace {
+
+namespace fs = std::filesystem;
+using io::bytes_of;
+
+std::string xml_text(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&') {
+      out += "&amp;";
+    } else if (c == '<') {
+      out += "&lt;";
+    } else if (c == '"') {
+      out += "&quot;";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+/// One array of a file, and the element of the XML that it stands in.
+struct Array {
+  const char *section, *type, *name;
+  int components;
+  std::span<const char> bytes;
+};
+
+/// The arrays of a section are consecutive. Raw bytes after the XML, each with its size before it: what VTK
+/// calls appended data, the one encoding that neither doubles the file nor needs a decoder.
+Result<void> write_vtp(const std::string& path, std::size_t points, std::size_t polygons,
+                       std::span<const Array> arrays) {
+  auto file = FileWriter::open(path);
+  if (!file) return tl::unexpected(file.error());
+  std::string xml = fmt::format(
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+      "<PolyData>\n<Piece NumberOfPoints=\"{}\" NumberOfPolys=\"{}\">\n",
+      points, polygons);
+  std::uint64_t offset = 0;
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    const Array& a = arrays[i];
+    if (i == 0 || std::string_view(arrays[i - 1].section) != a.section)
+      xml += fmt::format("<{}>\n", a.section);
+    xml += fmt::format(
+        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
+        a.type, a.name, a.components, offset);
+    if (i + 1 == arrays.size() || std::string_view(arrays[i + 1].section) != a.section)
+      xml += fmt::format("</{}>\n", a.section);
+    offset += sizeof(std::uint64_t) + a.bytes.size();
+  }
+  xml += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
+  if (auto done = file->write(xml); !done) return done;
+  for (const Array& a : arrays) {
+    const std::array<std::uint64_t, 1> size{a.bytes.size()};
+    if (auto done = file->write(bytes_of(size)); !done) return done;
+    if (auto done = file->write(a.bytes); !done) return done;
+  }
+  if (auto done = file->write(std::string("\n</AppendedData>\n</VTKFile>\n")); !done) return done;
+  return file->commit();
+}
+
+tl::unexpected<Error> directory_error(const fs::path& directory, const std::error_code& code) {
+  return fail(directory.string(), "cannot be written: " + code.message(),
+              "check the directory, its permissions and the free space");
+}
+
+/// A directory that appears under its name, in place of an older one, only when `commit` is called.
+class NewDirectory {
+ public:
+  /// Error: something stands there that this program did not write.
+  static Result<NewDirectory> open(const fs::path& target) {
+    std::error_code code;
+    if (fs::exists(target, code)) {
+      bool ours = fs::is_directory(target, code);
+      for (const auto& entry : fs::directory_iterator(target, code))
+        ours = ours && entry.path().extension() == ".vtp";
+      if (!ours || code) {
+        return fail(
+            "--vtk",
+            fmt::format("'{}' is there already and holds other things than .vtp files", target.string()),
+            "choose another name, or move that away");
+      }
+    }
+    NewDirectory made;
+    made.target_ = target;
+    made.temporary_ =
+        target.parent_path() / fmt::format(".{}.{}.part", target.filename().string(), ::getpid());
+    if (!fs::create_directory(made.temporary_, code)) return directory_error(target, code);
+    return made;
+  }
+  NewDirectory(NewDirectory&& other) noexcept
+      : target_(std::move(other.target_)), temporary_(std::exchange(other.temporary_, {})) {}
+  ~NewDirectory() {
+    std::error_code ignored;
+    if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
+  }
+
+  fs::path operator/(const std::string& name) const { return temporary_ / name; }
+
+  Result<void> commit() {
+    std::error_code code;
+    const fs::path old = temporary_ / "old";
+    fs::rename(target_, old, code);  // fails when there is none
+    fs::rename(temporary_, target_, code);
+    if (code) {
+      const std::error_code reason = code;
+      fs::rename(old, target_, code);
+      return directory_error(target_, reason);
+    }
+    temporary_.clear();
+    fs::remove_all(target_ / "old", code);
+    return {};
+  }
+
+ private:
+  NewDirectory() = default;
+  fs::path target_, temporary_;
+};
+
+/// A number that holds for the whole step, as an array of one value.
+template <class T>
+using One = std::array<T, 1>;
+
+class VtkReport : public ReportWriter {
+ public:
+  VtkReport(TextFile collection, NewDirectory directory, std::string folder, Motions motions, Joined joined,
+            Index substeps)
+      : collection_(std::move(collection)),
+        directory_(std::move(directory)),
+        folder_(std::move(folder)),
+        motions_(motions),
+        joined_(std::move(joined)),
+        substeps_(substeps) {
+    const Topology& topology = joined_.topology;
+    for (std::size_t i = 0; i < motions.size(); ++i)
+      object_.insert(object_.end(), motions[i]->topology().vertex_count(), static_cast<std::int32_t>(i));
+    for (std::size_t i = 0; i < topology.triangles().size(); ++i)
+      ends_.push_back(static_cast<std::int32_t>(3 * i + 3));
+    collection_.add(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
+        "<Collection>\n");
+  }
+
+  Result<void> step(const CheckedStep& step) override {
+    const std::string name = fmt::format("step{:06}.vtp", step.place.number);
+    if (auto done = write(directory_ / name, step); !done) return done;
+    const StepPlace& place = step.place;
+    const double part = static_cast<double>(place.substep) / substeps_;
+    collection_.add("<DataSet timestep=\"{}\" part=\"0\" file=\"{}/{}\"/>\n",
+                    place.frame + part * (place.next_frame - place.frame), folder_, name);
+    return collection_.flush_if_large();
+  }
+
+  /// The collection comes last: whoever sees it finds the files that it names.
+  Result<void> finish(const CheckTotals&) override {
+    collection_.add("</Collection>\n</VTKFile>\n");
+    if (auto done = directory_.commit(); !done) return done;
+    return collection_.commit();
+  }
+
+ private:
+  Result<void> write(const std::string& path, const CheckedStep& step) {
+    const Topology& topology = joined_.topology;
+    joined_.pose(step, 0, positions_);
+    mark_faces(motions_, step, collides_);
+    joined_.pose(step, 1, displacement_);
+    for (std::size_t k = 0; k < positions_.size(); ++k) displacement_[k] -= positions_[k];
+    const One<std::int32_t> frame{static_cast<std::int32_t>(step.place.frame)};
+    const One<std::int32_t> substep{static_cast<std::int32_t>(step.place.substep)};
+    const One<std::uint64_t> collisions{step.collisions.sum()};
+    const One<double> toi{step.earliest_toi};
+    std::vector<Array> arrays{
+        {"FieldData", "Int32", "frame", 1, bytes_of(frame)},
+        {"FieldData", "Int32", "substep", 1, bytes_of(substep)},
+        {"FieldData", "UInt64", "collisions", 1, bytes_of(collisions)},
+        {"FieldData", "Float64", "earliest_toi", 1, bytes_of(toi)},
+        {"PointData", "Int32", "object", 1, bytes_of(object_)},
+        {"PointData", "Float64", "displacement", 3, bytes_of(displacement_)},
+        {"CellData", "UInt8", "collides", 1, bytes_of(collides_)},
+    };
+    if (step.explanation) add_explanation(*step.explanation, arrays);
+    arrays.push_back({"Points", "Float64", "Points", 3, bytes_of(positions_)});
+    arrays.push_back({"Polys", "Int32", "connectivity", 1, bytes_of(topology.triangles())});
+    arrays.push_back({"Polys", "Int32", "offsets", 1, bytes_of(ends_)});
+    return write_vtp(path, topology.vertex_count(), topology.triangles().size(), arrays);
+  }
+
+  void add_explanation(const Explanation& explanation, std::vector<Array>& arrays) {
+    level_.clear();
+    margin_.clear();
+    reason_.clear();
+    for (const Explanation::Object& object : explanation.objects) {
+      level_.insert(level_.end(), object.level.begin(), object.level.end());
+      margin_.insert(margin_.end(), object.margin.begin(), object.margin.end());
+      reason_.insert(reason_.end(), object.reason.begin(), object.reason.end());
+    }
+    arrays.push_back({"CellData", "Int8", "level", 1, bytes_of(level_)});
+    arrays.push_back({"CellData", "Float32", "margin", 1, bytes_of(margin_)});
+    arrays.push_back({"CellData", "UInt8", "reason", 1, bytes_of(reason_)});
+  }
+
+  TextFile collection_;
+  NewDirectory directory_;
+  std::string folder_;  // as XML has it
+  Motions motions_;
+  Joined joined_;
+  Index substeps_;
+  std::vector<std::int32_t> object_, ends_;
+  std::vector<double> positions_, displacement_;
+  std::vector<std::uint8_t> collides_;
+  std::vector<std::int8_t> level_;
+  std::vector<float> margin_;
+  std::vector<Reason> reason_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ReportWriter>> vtk_report(const std::string& path, Motions motions,
+                                                 const CheckSettings& settings) {
+  if (extension_of(path) != ".pvd") {
+    return fail("--vtk", fmt::format("'{}' does not end in .pvd", path),
+                "name a file that does, as ParaView expects; the meshes go into a directory beside it");
+  }
+  auto joined = join(motions, "--vtk");
+  if (!joined) return tl::unexpected(joined.error());
+  // ParaView's polygon files count corners with signed 32-bit integers here, which halves them.
+  constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
+  if (joined->topology.triangles().size() > kMost / 3 || joined->topology.vertex_count() > kMost) {
+    return fail("--vtk", "all objects together are too large for one mesh", "check fewer objects at a time");
+  }
+  auto collection = FileWriter::open(path);
+  if (!collection) return tl::unexpected(collection.error());
+  auto directory = NewDirectory::open(fs::path(path).replace_extension());
+  if (!directory) return tl::unexpected(directory.error());
+  return std::make_unique<VtkReport>(TextFile(std::move(*collection)), std::move(*directory),
+                                     xml_text(fs::path(path).stem().string()), motions, std::move(*joined),
+                                     settings.substeps);
+}
+
+}  // namespace foldproof
