@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
 #include <unistd.h>
@@ -40,7 +41,7 @@ void open_browser(const std::string& address) {
   posix_spawn_file_actions_t quiet;
   posix_spawn_file_actions_init(&quiet);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", 2 /* O_RDWR */, 0);
+    posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", O_RDWR, 0);
   std::string program = "xdg-open", argument = address;
   char* const argv[] = {program.data(), argument.data(), nullptr};
   pid_t child = 0;

@@ -1,0 +1,113 @@
+// view and report as a person uses them.
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <regex>
+
+#include "apps/program.h"
+#include "model/cylinder.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+struct ViewScene : TemporaryDirectory {
+  ViewScene() {
+    EXPECT_TRUE(write_npz(path() + "/bend.npz", *bending_tube(kTube, {0, 1, 4.5, 6.5})));
+    EXPECT_TRUE(write_npz(path() + "/free.npz", *bending_tube(kSmallTube, {0, 0.1, 0.2})));
+  }
+  Outcome run(std::vector<std::string> arguments) const {
+    return run_program(std::move(arguments), {.directory = path()});
+  }
+};
+
+/// Programs are tested with the page that they carry; one without says how to get it.
+class View : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const Outcome outcome = scene_.run({"report", "free.npz", "--quiet", "-o", "probe.html"});
+    if (outcome.code == 0) return;
+    EXPECT_EQ(outcome.err,
+              "foldproof: this build of foldproof: has no page to show; build it with './dev build', which "
+              "makes the page with Node and npm first\n");
+    GTEST_SKIP() << "This build of the program has no page: './dev build' makes one.";
+  }
+  ViewScene scene_;
+};
+
+/// Reads until the end of a line.
+std::string line_from(int stream) {
+  std::string line;
+  for (char c = 0; c != '\n' && ::read(stream, &c, 1) == 1;) line += c;
+  return line;
+}
+
+TEST_F(View, PrintsItsAddressAndEndsWithCtrlC) {
+  int ends[2];
+  ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+  std::string line;
+  Outcome second;
+  const Outcome outcome =
+      run_program({"view", "bend.npz", "--no-browser"},
+                  {.directory = scene_.path(), .output = ends[1], .while_it_runs = [&](pid_t child) {
+                     line = line_from(ends[0]);
+                     std::smatch port;
+                     if (std::regex_search(line, port, std::regex(R"(127\.0\.0\.1:(\d+)/)")))
+                       second = scene_.run({"view", "bend.npz", "--no-browser", "--port", port[1]});
+                     ::kill(child, SIGINT);
+                   }});
+  EXPECT_TRUE(std::regex_match(line, std::regex(R"(http://127\.0\.0\.1:7[45]\d\d/ \(Ctrl-C ends it\)\n)")))
+      << line;
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.signal, 0);
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(second.code, 2);
+  EXPECT_THAT(second.err, StartsWith("foldproof: port 7"));
+  EXPECT_THAT(second.err, HasSubstr("is taken"));
+  ::close(ends[0]);
+  ::close(ends[1]);
+}
+
+TEST_F(View, ReportsWithTheExitCodesOfACheck) {
+  EXPECT_EQ(scene_.run({"report", "free.npz", "-o", "free.html"}).code, 0);
+  const Outcome outcome = scene_.run({"report", "bend.npz", "-o", "it's.html"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("Collisions in "));
+  EXPECT_THAT(read_file(scene_ / "it's.html"),
+              HasSubstr(R"("command":"foldproof report bend.npz -o 'it'\\''s.html'")"));
+}
+
+TEST_F(View, ExplainsMistakesInOneLine) {
+  const std::vector<std::pair<std::vector<std::string>, const char*>> mistakes{
+      {{"view"}, "MOTION is required"},
+      {{"view", "none.npz"}, "none.npz"},
+      {{"view", "bend.npz", "--port", "70000"}, "--port: 70000 is not between 1 and 65535"},
+      {{"view", "bend.npz", "--frames", "9:"}, "--frames"},
+      {{"view", "bend.npz", "--model", "bend.npz"}, "bend.npz"},
+      {{"view", "bend.npz", "free.npz"}, "equally many frames"},
+      {{"report", "bend.npz"}, "--output is required"},
+      {{"report", "bend.npz", "-o", "no/a.html"}, "no/a.html"},
+      {{"report", "bend.npz", "--frames", "1", "-o", "a.html"}, "two are needed"},
+  };
+  for (const auto& [arguments, problem] : mistakes) {
+    const Outcome outcome = scene_.run(arguments);
+    EXPECT_EQ(outcome.code, 2) << problem;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_THAT(outcome.err, StartsWith("foldproof: "));
+    EXPECT_THAT(outcome.err, HasSubstr(problem));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(scene_ / "a.html"));
+}
+
+TEST(ViewHelp, Teaches) {
+  const ViewScene scene;
+  EXPECT_THAT(scene.run({"view", "--help"}).out, HasSubstr("foldproof view walk.glb --model body.model"));
+  EXPECT_THAT(scene.run({"report", "--help"}).out, HasSubstr("foldproof report walk.glb -o report.html"));
+}
+
+}  // namespace
+}  // namespace foldproof

@@ -1,0 +1,160 @@
+// The report to mail: one file, whole or not at all.
+#include <regex>
+
+#include "page/served.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+constexpr const char* kNasty = "</script><script>alert(1)</script><b title=\"x\">&\xff\n.npz";
+
+/// A report of a motion, and what the check said.
+struct Reported : TemporaryDirectory {
+  explicit Reported(std::vector<std::unique_ptr<Motion>> given, CheckSettings settings = {},
+                    std::span<const PageFile> files = kStubPage)
+      : motions(std::move(given)) {
+    settings.step.explain = true;
+    writers.push_back(nullptr);
+    auto writer =
+        page_report(*this / "report.html", motions, {{settings, {}}, "foldproof report '</script>'"}, files);
+    if (!writer) {
+      error = writer.error().line();
+      return;
+    }
+    writers[0] = std::move(*writer);
+    const auto done = run_check(motions, settings, writers);
+    if (!done) {
+      error = done.error().line();
+      return;
+    }
+    totals = *done;
+    html = read_file(*this / "report.html");
+  }
+
+  /// The JSON that the page's script reads.
+  Json data() const {
+    const std::string begin = "<script type=\"application/json\" id=\"data\">";
+    const std::size_t from = html.find(begin) + begin.size();
+    return Json::parse(html.substr(from, html.find("</script>", from) - from));
+  }
+
+  std::vector<std::unique_ptr<Motion>> motions;
+  std::vector<std::unique_ptr<ReportWriter>> writers;
+  CheckTotals totals;
+  std::string error, html;
+};
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+TEST(MailedReport, HoldsWhatTheCheckFound) {
+  const Reported reported(list(meeting_tube()));
+  ASSERT_EQ(reported.error, "");
+  const Json data = reported.data();
+  EXPECT_EQ(data["program"], "foldproof");
+  EXPECT_EQ(data["version"], version());
+  EXPECT_TRUE(
+      std::regex_match(data["made"].get<std::string>(), std::regex(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ)")));
+  EXPECT_EQ(data["command"], "foldproof report '</script>'");
+  EXPECT_EQ(data["objects"][0]["name"], "tube");
+  EXPECT_EQ(data["objects"][0]["frames"], 8);
+  EXPECT_TRUE(data["objects"][0]["model"].is_null());
+  EXPECT_EQ(data["settings"]["substeps"], 1);
+  EXPECT_EQ(data["totals"]["steps"], 7);
+  EXPECT_EQ(data["totals"]["steps_with_collisions"], reported.totals.steps_with_collisions);
+  EXPECT_EQ(data["totals"]["collisions"]["ee"], reported.totals.collisions.edge_edge);
+  EXPECT_EQ(data["totals"]["worst"]["frame"], reported.totals.worst->frame);
+  EXPECT_EQ(data["totals"]["earliest"]["toi"], reported.totals.earliest_toi);
+  EXPECT_THAT(data["notes"], IsEmpty());
+  ASSERT_THAT(data["steps"], SizeIs(7));
+  std::uint64_t vertex_face = 0, leaf_pairs = 0;
+  for (const Json& step : data["steps"]) {
+    vertex_face += step["vertex_face"].get<std::uint64_t>();
+    leaf_pairs += step["leaf_pairs"].get<std::uint64_t>();
+    EXPECT_THAT(step["reasons"], SizeIs(kReasonNames.size()));
+  }
+  EXPECT_GT(vertex_face, 0u);
+  EXPECT_EQ(vertex_face, reported.totals.collisions.vertex_face);
+  EXPECT_EQ(leaf_pairs, reported.totals.work.leaf_pairs);
+}
+
+TEST(MailedReport, ShowsTheWorstStepsAndAll) {
+  const Reported reported(list(meeting_tube(12)));
+  const Json data = reported.data();
+  const std::uint64_t colliding = reported.totals.steps_with_collisions;
+  ASSERT_GT(colliding, 1u);
+  ASSERT_THAT(data["pictures"], SizeIs(std::min<std::uint64_t>(4, colliding) + 1));
+  std::uint64_t last = ~std::uint64_t{0};
+  for (std::size_t k = 0; k < data["pictures"].size(); ++k) {
+    const Json& picture = data["pictures"][k];
+    EXPECT_THAT(picture["png"].get<std::string>(), StartsWith("data:image/png;base64,iVBORw0KGgo"));
+    if (k + 1 == data["pictures"].size()) {
+      EXPECT_TRUE(picture["step"].is_null());
+      EXPECT_THAT(picture["caption"].get<std::string>(), StartsWith("All 11 steps together"));
+      continue;
+    }
+    const Json& step = data["steps"][picture["step"].get<std::size_t>()];
+    const std::uint64_t pairs =
+        step["vertex_face"].get<std::uint64_t>() + step["edge_edge"].get<std::uint64_t>();
+    if (k == 0) {
+      EXPECT_EQ(pairs, reported.totals.worst_collisions.sum());
+    }
+    EXPECT_LE(pairs, last);
+    EXPECT_GT(pairs, 0u);
+    last = pairs;
+    EXPECT_THAT(picture["caption"].get<std::string>(),
+                HasSubstr("Frames " + std::to_string(step["frame"].get<int>()) + " to "));
+  }
+}
+
+TEST(MailedReport, OfAFreeMotionShowsThatItIsFree) {
+  const Reported reported(list(bending_tube(kSmallTube, {0.1, 0.2, 0.3})));
+  const Json data = reported.data();
+  EXPECT_TRUE(reported.totals.clean());
+  EXPECT_TRUE(data["totals"]["worst"].is_null());
+  ASSERT_THAT(data["pictures"], SizeIs(1));
+  EXPECT_EQ(data["pictures"][0]["caption"], "Nothing collides. The pose is that of frame 0.");
+}
+
+TEST(MailedReport, NamesAreTextAndNothingElse) {
+  std::vector<std::vector<double>> frames{needle_frame(1), needle_frame(-1)};
+  const Reported reported(
+      list(memory_motion(kNasty, *Topology::make(6, {{0, 1, 2}, {3, 4, 5}}), std::move(frames))));
+  ASSERT_EQ(reported.error, "");
+  EXPECT_EQ(reported.data()["objects"][0]["name"],
+            "</script><script>alert(1)</script><b title=\"x\">&\xef\xbf\xbd\n.npz");
+  // Two elements of our own, and nothing of the name's.
+  EXPECT_EQ(count(reported.html, "<script"), 2u);
+  EXPECT_EQ(count(reported.html, "</script"), 2u);
+  EXPECT_EQ(count(reported.html, "<b"), 1u) << "the body";
+  EXPECT_THAT(reported.html, HasSubstr("<title>script>&lt;b title=\"x\">&amp;")) << "the last part of a path";
+  // The sum is that of the script; nothing may be loaded.
+  EXPECT_THAT(reported.html, HasSubstr("default-src 'none'; script-src 'sha256-c3R1Yg=='; style-src"));
+  EXPECT_THAT(reported.html, HasSubstr("<script>'report'</script>"));
+  EXPECT_THAT(reported.html, HasSubstr("<style>body{}</style>"));
+}
+
+TEST(MailedReport, IsWholeOrNotThere) {
+  std::vector<std::unique_ptr<Motion>> motions;
+  motions.push_back(std::make_unique<BadFrom>(meeting_tube(), 5));
+  const Reported torn(std::move(motions));
+  EXPECT_EQ(torn.error, "tube, frame 5: is torn; export it again");
+  EXPECT_THAT(torn.names(), Not(::testing::Contains("report.html")));
+  const Reported without(list(meeting_tube(3)), {}, std::span(kStubPage).first(2));
+  EXPECT_THAT(without.error, HasSubstr("report/report.js: is not there"));
+  EXPECT_THAT(without.names(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace foldproof

@@ -1,0 +1,126 @@
+/// A page on a real socket, and what a browser asks for.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "foldproof/page.h"
+#include "model/cylinder.h"
+#include "report/needle.h"
+
+// Last: system headers in it define macros that Eigen stumbles over.
+#include <httplib.h>
+
+namespace foldproof::testing {
+
+using Json = nlohmann::json;
+
+inline constexpr PageFile kStubPage[] = {{"view/index.html", "<!doctype html><title>stub</title>"},
+                                         {"view/assets/page.js", "'stub'"},
+                                         {"report/report.js", "'report'"},
+                                         {"report/report.css", "body{}"},
+                                         {"report/report.js.sha256", "c3R1Yg=="}};
+
+inline std::unique_ptr<Page> page_of(std::vector<std::unique_ptr<Motion>> motions, CheckSettings check = {}) {
+  auto page = Page::open({std::move(motions), std::move(check), {}});
+  EXPECT_TRUE(page) << page.error().line();
+  return page ? std::move(*page) : nullptr;
+}
+
+/// Numbers as they came.
+template <class T>
+std::vector<T> numbers_in(const std::string& body) {
+  EXPECT_EQ(body.size() % sizeof(T), 0u);
+  std::vector<T> values(body.size() / sizeof(T));
+  std::memcpy(values.data(), body.data(), values.size() * sizeof(T));
+  return values;
+}
+
+/// Serves until it is destroyed.
+class Served {
+ public:
+  explicit Served(std::unique_ptr<Page> page) : page_(std::move(page)) {
+    auto server = PageServer::open(*page_, kStubPage);
+    EXPECT_TRUE(server) << server.error().line();
+    server_ = std::make_unique<PageServer>(std::move(*server));
+    client_ = std::make_unique<httplib::Client>("127.0.0.1", server_->port());
+    client_->set_keep_alive(true);
+    thread_ = std::thread([this] { server_->serve(stop_); });
+  }
+  ~Served() {
+    client_.reset();  // the server waits for connections that idle
+    stop_ = true;
+    thread_.join();
+  }
+  Served(const Served&) = delete;
+  Served& operator=(const Served&) = delete;
+
+  int port() const { return server_->port(); }
+  httplib::Client& client() { return *client_; }
+
+  httplib::Response get(const std::string& path, const httplib::Headers& headers = {}) {
+    const auto result = client_->Get(path, headers);
+    EXPECT_TRUE(result) << path;
+    return result ? *result : httplib::Response{};
+  }
+  Json json(const std::string& path, int status = 200) {
+    const httplib::Response response = get(path);
+    EXPECT_EQ(response.status, status) << path << ": " << response.body.substr(0, 200);
+    EXPECT_EQ(response.get_header_value("Content-Type"), "application/json");
+    return Json::parse(response.body);
+  }
+  template <class T>
+  std::vector<T> numbers(const std::string& path) {
+    const httplib::Response response = get(path);
+    EXPECT_EQ(response.status, 200) << path << ": " << response.body.substr(0, 200);
+    EXPECT_EQ(response.get_header_value("Content-Type"), "application/octet-stream");
+    return numbers_in<T>(response.body);
+  }
+  /// The list of all steps, once there are no more to come.
+  Json all_steps() {
+    for (int k = 0; k < 1000; ++k) {
+      Json answer = json("/api/steps?from=0");
+      if (answer["state"] != "running") return answer;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    ADD_FAILURE() << "the check does not end";
+    return {};
+  }
+
+ private:
+  std::unique_ptr<Page> page_;
+  std::unique_ptr<PageServer> server_;
+  std::unique_ptr<httplib::Client> client_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// A tube that bends until its ends run into each other.
+inline std::unique_ptr<Motion> meeting_tube(std::size_t frames = 8, double farthest = 7) {
+  std::vector<double> angles;
+  for (std::size_t k = 0; k < frames; ++k)
+    angles.push_back(0.5 + farthest * static_cast<double>(k) / static_cast<double>(frames));
+  return bending_tube({24, 30}, angles, "tube");
+}
+
+/// A motion that turns bad at a frame.
+class BadFrom final : public Motion {
+ public:
+  BadFrom(std::unique_ptr<Motion> motion, Index frame) : motion_(std::move(motion)), frame_(frame) {}
+  const std::string& name() const override { return motion_->name(); }
+  const Topology& topology() const override { return motion_->topology(); }
+  Index frame_count() const override { return motion_->frame_count(); }
+  Result<void> read_frame(Index k, std::span<double> out) override {
+    if (k < frame_) return motion_->read_frame(k, out);
+    return fail(name() + ", frame " + std::to_string(k), "is torn", "export it again");
+  }
+
+ private:
+  std::unique_ptr<Motion> motion_;
+  Index frame_;
+};
+
+}  // namespace foldproof::testing
