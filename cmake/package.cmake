@@ -19,6 +19,10 @@ list(FILTER HEADERS EXCLUDE REGEX "/page\\.h$")  # of the program's own library,
 install(FILES ${HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/foldproof COMPONENT development)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libfoldproof-dev RENAME copyright COMPONENT development)
 
+set(SHARED FALSE)
+if(BUILD_SHARED_LIBS)
+  set(SHARED TRUE)
+endif()
 set(CONFIG_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/foldproof)
 install(EXPORT foldproof-targets NAMESPACE foldproof:: DESTINATION ${CONFIG_DIR} COMPONENT development)
 configure_package_config_file(cmake/foldproof-config.cmake.in foldproof-config.cmake INSTALL_DESTINATION ${CONFIG_DIR})

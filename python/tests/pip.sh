@@ -1,14 +1,14 @@
 #!/bin/sh
 # usage: pip.sh PYTHON SOURCE WHERE
-# Installs the module with pip, as docs/python.md says, from a copy of the source tree, and uses it.
+# Installs the module with pip, as docs/python.md says, and uses it. What the build leaves goes to WHERE, not to the sources;
+# they stay where they are, so that ccache knows them.
 set -e
 python=$1 source=$2 where=$3
 rm -rf "$where"
-mkdir -p "$where/source"
-tar -C "$source" -cf - CMakeLists.txt LICENSE cmake docs include pyproject.toml python setup.py src |
-  tar -C "$where/source" -xf -
+mkdir -p "$where"
+printf '[build]\nbuild_base = %s\n[egg_info]\negg_base = %s\n' "$where/build" "$where" >"$where/elsewhere.cfg"
 "$python" -m venv --system-site-packages "$where/venv"
-"$where/venv/bin/pip" install --quiet --no-build-isolation --no-index "$where/source"
+DIST_EXTRA_CONFIG=$where/elsewhere.cfg "$where/venv/bin/pip" install --quiet --no-build-isolation --no-index "$source"
 cd "$where"
 unset PYTHONPATH
 "$where/venv/bin/python" - <<'TEXT'
