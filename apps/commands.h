@@ -24,7 +24,8 @@ Command add_render(CLI::App& program);
 Command add_reproduce(CLI::App& program);
 Command add_radius(CLI::App& program);
 Command add_view(CLI::App& program);
-/// `typed`: the command line, which the report repeats.
+/// `typed`: the command line, which reports repeat.
 Command add_report(CLI::App& program, std::span<char* const> typed);
+Command add_sweep(CLI::App& program, std::span<char* const> typed);
 
 }  // namespace foldproof

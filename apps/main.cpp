@@ -42,16 +42,13 @@ Result<int> run(int argc, char** argv) {
   program.footer(
       "Try:\n  foldproof check walk.glb\n  foldproof view walk.glb\n  foldproof check --help\n  foldproof "
       "train --help");
+  const std::span<char* const> typed(argv, static_cast<std::size_t>(argc));
   const std::vector<std::pair<std::string, Command>> commands = {
-      {"check", add_check(program)},
-      {"view", add_view(program)},
-      {"report", add_report(program, std::span(argv, static_cast<std::size_t>(argc)))},
-      {"train", add_train(program)},
-      {"info", add_info(program)},
-      {"predict", add_predict(program)},
-      {"suggest", add_suggest(program)},
-      {"render", add_render(program)},
-      {"radius", add_radius(program)},
+      {"check", add_check(program)},          {"view", add_view(program)},
+      {"report", add_report(program, typed)}, {"sweep", add_sweep(program, typed)},
+      {"train", add_train(program)},          {"info", add_info(program)},
+      {"predict", add_predict(program)},      {"suggest", add_suggest(program)},
+      {"render", add_render(program)},        {"radius", add_radius(program)},
       {"reproduce", add_reproduce(program)}};
 
   try {

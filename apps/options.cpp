@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 
@@ -13,7 +14,24 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it"
 
 extern "C" void interrupt(int) { interrupted = true; }
 
+/// As a shell would take it.
+std::string quoted(std::string_view argument) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:=,+@%";
+  if (!argument.empty() && argument.find_first_not_of(kPlain) == argument.npos) return std::string(argument);
+  std::string text = "'";
+  for (const char c : argument) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
 }  // namespace
+
+std::string command_line(std::span<char* const> typed) {
+  std::string line = "foldproof";
+  for (const char* argument : typed.subspan(std::min<std::size_t>(1, typed.size())))
+    line += " " + quoted(argument);
+  return line;
+}
 
 const std::atomic<bool>& watch_for_interrupt() {
   std::signal(SIGINT, interrupt);

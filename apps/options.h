@@ -51,6 +51,9 @@ Result<void> limit_threads(int threads, ThreadLimit& limit);
 /// Error: not finite, negative, or zero where that is not allowed.
 Result<void> require_number(const char* option, double value, bool zero_allowed);
 
+/// What was typed, as a shell would take it; the program is called foldproof.
+std::string command_line(std::span<char* const> typed);
+
 /// From now on SIGINT and SIGTERM set this instead of ending the program, so that no file stays behind half
 /// written.
 const std::atomic<bool>& watch_for_interrupt();

@@ -25,16 +25,6 @@ struct ReportArguments : StepArguments {
   bool quiet = false;
 };
 
-/// As a shell would take it.
-std::string quoted(std::string_view argument) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:=,+@%";
-  if (!argument.empty() && argument.find_first_not_of(kPlain) == argument.npos) return std::string(argument);
-  std::string text = "'";
-  for (const char c : argument) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
-}
-
 Result<int> report(const ReportArguments& a) {
   const auto files = require_page_files();
   if (!files) return tl::unexpected(files.error());
@@ -58,9 +48,7 @@ Command add_report(CLI::App& program, std::span<char* const> typed) {
       program.add_subcommand("report", "Check motions and write what was found into one HTML file to mail");
   command->footer(std::string(kMotionHelp) + kFooter);
   const auto a = std::make_shared<ReportArguments>();
-  a->command = "foldproof";
-  for (const char* argument : typed.subspan(std::min<std::size_t>(1, typed.size())))
-    a->command += " " + quoted(argument);
+  a->command = command_line(typed);
   add_step_options(*command, *a);
   command->add_option("-o,--output", a->output, "The report to write")->type_name("FILE")->required();
   command->add_flag("--quiet", a->quiet, "Print nothing but errors");

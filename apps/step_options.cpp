@@ -8,16 +8,26 @@
 #include "terminal.h"
 
 namespace foldproof {
+namespace {
+
+constexpr const char* kCountsGroup = "What counts";
+
+}  // namespace
 
 void add_step_options(CLI::App& command, StepArguments& a) {
   command.add_option("MOTION", a.motions, "What to check (see below)")->type_name("")->required();
 
-  const char* counts = "What counts";
+  const char* counts = kCountsGroup;
   auto* within =
       command.add_flag("--within", a.within, "Only collisions of each object with itself")->group(counts);
   command.add_flag("--between", a.between, "Only collisions between objects")
       ->group(counts)
       ->excludes(within);
+  add_setting_options(command, a);
+}
+
+void add_setting_options(CLI::App& command, StepArguments& a) {
+  const char* counts = kCountsGroup;
   command
       .add_option("--thickness", a.thickness,
                   "Closer than or equal to this is a collision, in mesh units [0]")

@@ -17,6 +17,9 @@ struct StepArguments {
 /// Adds all of them, in groups.
 void add_step_options(CLI::App& command, StepArguments& arguments);
 
+/// Adds all but the motions, and which objects are checked against which.
+void add_setting_options(CLI::App& command, StepArguments& arguments);
+
 /// Everything but the models. Error: a number beyond its range, frames that are no range.
 Result<CheckSettings> step_settings(const StepArguments& arguments);
 

@@ -43,7 +43,8 @@ std::string_view digit_run(std::string_view text, std::size_t& i) {
   return text.substr(begin, i - begin);
 }
 
-/// frame9 before frame10: runs of digits compare as numbers, everything else byte by byte.
+}  // namespace
+
 bool natural_less(const std::string& a, const std::string& b) {
   std::size_t i = 0, j = 0;
   while (i < a.size() && j < b.size()) {
@@ -60,6 +61,8 @@ bool natural_less(const std::string& a, const std::string& b) {
   if (a.size() - i != b.size() - j) return a.size() - i < b.size() - j;
   return a < b;  // only leading zeros differ
 }
+
+namespace {
 
 /// The files among `paths` as the frames of one motion.
 Result<std::unique_ptr<Motion>> open_frames(const std::string& name, std::vector<std::string> paths) {

@@ -44,6 +44,8 @@ Result<void> check_finite(const std::string& where, std::span<const double> posi
 /// Error when a caller asks for a frame that is not there or gives a buffer of the wrong size.
 Result<void> check_request(const Motion& motion, Index frame, std::span<const double> out);
 
+/// frame9 before frame10: runs of digits compare as numbers, everything else byte by byte.
+bool natural_less(const std::string& a, const std::string& b);
 /// Mesh files as frames, in the order given; one file is a motion of one frame.
 Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths,
                                               MeshFormat format);

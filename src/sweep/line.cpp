@@ -1,0 +1,172 @@
+// A motion's check as a line of JSON, and back.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+
+#include "foldproof/sweep.h"
+#include "io/readers.h"
+#include "report/report_json.h"
+
+namespace foldproof {
+namespace {
+
+Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const ReadOptions& options) {
+  const bool frames =
+      motion.files.size() > 2 ||
+      (motion.files.size() == 2 && extension_of(motion.files[0]) == extension_of(motion.files[1]));
+  if (!frames) {
+    auto opened = open_motions(motion.files, options);
+    if (!opened) return tl::unexpected(opened.error());
+    return std::move(opened->front());
+  }
+  const std::string extension = extension_of(motion.files[0]);
+  const auto format = extension == ".obj"   ? io::MeshFormat::Obj
+                      : extension == ".off" ? io::MeshFormat::Off
+                                            : io::MeshFormat::Ply;
+  auto opened = io::open_sequence(motion.path, motion.files, format);
+  if (opened && options.weld) opened = io::weld(std::move(*opened));
+  return opened;
+}
+
+Json head_of(const SweepMotion& motion, const SweepSettings& settings) {
+  return {{"path", motion.path},
+          {"state", nullptr},
+          {"settings", settings_hash(settings)},
+          {"bytes", motion.bytes},
+          {"modified", motion.modified},
+          {"seconds", 0.0}};
+}
+
+void set_failed(Json& line, const Error& error) {
+  line["state"] = name_of(SweepState::Failed);
+  line["error"] = error.line();
+}
+
+/// Fills in what is found. False when the check was cancelled.
+Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSettings& settings,
+                        const CheckHooks& hooks) {
+  auto motion = open_motion(found, settings.read);
+  if (!motion) return tl::unexpected(motion.error());
+  const Topology& topology = (*motion)->topology();
+  const auto model = std::find_if(settings.models.begin(), settings.models.end(),
+                                  [&](const auto& m) { return m->hierarchy()->topology() == topology; });
+  CheckSettings check = settings.check;
+  if (model != settings.models.end()) check.models = {*model};
+  const Json object = objects_json(std::span(&*motion, 1), check)[0];
+  for (const char* key : {"vertices", "triangles", "frames", "model"}) line[key] = object[key];
+  if (!check.poses && (*motion)->frame_count() == 1) {
+    line["state"] = name_of(SweepState::Still);
+    return true;
+  }
+  const auto totals = run_check(std::span(&*motion, 1), check, {}, hooks);
+  if (!totals) return tl::unexpected(totals.error());
+  line["state"] = name_of(totals->clean() ? SweepState::Clean : SweepState::Collides);
+  line["totals"] = totals_json(*totals, check.poses, false);
+  return !totals->cancelled;
+}
+
+Result<SweepState> state_of(const std::string& name) {
+  for (const SweepState state :
+       {SweepState::Clean, SweepState::Collides, SweepState::Failed, SweepState::Still}) {
+    if (name == name_of(state)) return state;
+  }
+  return fail(name, "is no state", "remove the line");
+}
+
+/// Takes the numbers that a checked motion has.
+void read_totals(const Json& totals, SweepRecord& record) {
+  totals.at("steps").get_to(record.steps);
+  totals.at("steps_with_collisions").get_to(record.steps_with_collisions);
+  for (const auto& [kind, count] : totals.at("collisions").items())
+    record.collisions += count.get<std::uint64_t>();
+  const auto frame = [&](const char* key) -> std::optional<std::uint64_t> {
+    const Json& place = totals.at(key);
+    if (place.is_null()) return std::nullopt;
+    return place.at("frame").get<std::uint64_t>();
+  };
+  record.first_frame = frame("earliest");
+  record.worst_frame = frame("worst");
+}
+
+}  // namespace
+
+const char* name_of(SweepState state) {
+  switch (state) {
+    case SweepState::Clean:
+      return "clean";
+    case SweepState::Collides:
+      return "collides";
+    case SweepState::Still:
+      return "still";
+    case SweepState::Failed:
+      break;
+  }
+  return "failed";
+}
+
+std::string settings_hash(const SweepSettings& settings) {
+  const CheckSettings& check = settings.check;
+  const auto end = [](const std::optional<std::int64_t>& e) { return e ? Json(*e) : Json(nullptr); };
+  const Json all = {{"version", version()},
+                    {"static", check.poses},
+                    {"frames", {end(check.frames.begin), end(check.frames.end), check.frames.step}},
+                    {"substeps", check.substeps},
+                    {"thickness", check.step.thickness},
+                    {"tolerance", check.step.tolerance},
+                    {"weld", settings.read.weld},
+                    {"fps", settings.read.fps}};
+  std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
+  for (const char c : dump(all)) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return fmt::format("{:016x}", hash);
+}
+
+std::optional<std::string> sweep_line(const SweepMotion& motion, const SweepSettings& settings,
+                                      const CheckHooks& hooks) {
+  const auto start = std::chrono::steady_clock::now();
+  Json line = head_of(motion, settings);
+  try {
+    const auto done = check_into(line, motion, settings, hooks);
+    if (done && !*done) return std::nullopt;
+    if (!done) set_failed(line, done.error());
+  } catch (const std::bad_alloc&) {
+    set_failed(line, {motion.path, "does not fit into memory", "use a smaller mesh or a larger machine"});
+  }
+  line["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return dump(line);
+}
+
+std::string failed_sweep_line(const SweepMotion& motion, const SweepSettings& settings, const Error& error) {
+  Json line = head_of(motion, settings);
+  set_failed(line, error);
+  return dump(line);
+}
+
+Result<SweepRecord> read_sweep_line(const std::string& line) {
+  try {
+    const Json json = Json::parse(line);
+    SweepRecord record;
+    json.at("path").get_to(record.path);
+    json.at("settings").get_to(record.settings);
+    json.at("bytes").get_to(record.bytes);
+    json.at("modified").get_to(record.modified);
+    json.at("seconds").get_to(record.seconds);
+    const auto state = state_of(json.at("state").get<std::string>());
+    if (!state) return tl::unexpected(state.error());
+    record.state = *state;
+    if (json.contains("error")) json.at("error").get_to(record.error);
+    if (json.contains("vertices")) {
+      json.at("vertices").get_to(record.vertices);
+      json.at("triangles").get_to(record.triangles);
+      json.at("frames").get_to(record.frames);
+      if (!json.at("model").is_null()) json.at("model").get_to(record.model);
+    }
+    if (json.contains("totals")) read_totals(json.at("totals"), record);
+    return record;
+  } catch (const Json::exception&) {
+    return fail("the line", "is no result of a sweep", "name another file");
+  }
+}
+
+}  // namespace foldproof

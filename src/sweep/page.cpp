@@ -1,0 +1,154 @@
+// The summary page: plain HTML, and a few lines of script that sort its table.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "foldproof/sweep.h"
+#include "report/report_json.h"
+#include "report/text_file.h"
+
+namespace foldproof {
+namespace {
+
+/// Sorts by the column whose heading is clicked, the other way round on the next click. What follows is its
+/// SHA-256 in base64, without which a browser does not run it; a test computes it anew.
+constexpr const char* kScript = R"(
+document.querySelectorAll("th").forEach((head, column) => {
+  head.tabIndex = 0;
+  const sort = () => {
+    const body = document.querySelector("tbody"), down = head.ariaSort === "ascending";
+    const value = (row) => row.cells[column].dataset.v ?? row.cells[column].textContent;
+    const order = new Intl.Collator(undefined, { numeric: true });
+    const rows = [...body.rows].sort((a, b) => order.compare(value(a), value(b)) * (down ? -1 : 1));
+    document.querySelectorAll("th").forEach((other) => (other.ariaSort = null));
+    head.ariaSort = down ? "descending" : "ascending";
+    body.append(...rows);
+  };
+  head.onclick = sort;
+  head.onkeydown = (event) => event.key === "Enter" && sort();
+});
+)";
+constexpr const char* kScriptHash = "22HyX9rTjNttKzYn8HPya+5oxjBx7PrlKcjeX+BUTEs=";
+
+constexpr const char* kStyle = R"(
+:root { color-scheme: light dark; }
+body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 80rem; padding: 0 1rem; }
+code { overflow-wrap: anywhere; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+th, td { padding: .25rem .6rem; text-align: right; border-bottom: 1px solid #8884; vertical-align: top; }
+th { position: sticky; top: 0; background: Canvas; cursor: pointer; }
+th[aria-sort=ascending]::after { content: " \25b4"; }
+th[aria-sort=descending]::after { content: " \25be"; }
+th:first-child, td:first-child { text-align: left; overflow-wrap: anywhere; }
+.collides { color: #c22; font-weight: 600; }
+.failed { color: #b60; font-weight: 600; }
+@media (prefers-color-scheme: dark) { .collides { color: #f77; } .failed { color: #fb5; } }
+)";
+
+/// Text in HTML, where a name's bytes are no UTF-8 with U+FFFD.
+std::string html(const std::string& text) {
+  std::string safe;
+  for (const char c : Json::parse(dump(text)).get<std::string>()) {
+    switch (c) {
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '&':
+        safe += "&amp;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += c;
+    }
+  }
+  return safe;
+}
+
+std::string frame_cell(const std::optional<std::uint64_t>& frame) {
+  return frame ? fmt::format("<td>{}</td>", *frame) : "<td data-v=\"-1\"></td>";
+}
+
+/// What a reader wants to see comes first.
+int rank_of(SweepState state) {
+  switch (state) {
+    case SweepState::Collides:
+      return 0;
+    case SweepState::Failed:
+      return 1;
+    case SweepState::Clean:
+      return 2;
+    case SweepState::Still:
+      break;
+  }
+  return 3;
+}
+
+void add_row(TextFile& file, const SweepRecord& r) {
+  file.add("<tr><td>{}", html(r.path));
+  if (!r.error.empty()) file.add("<details><summary>why</summary>{}</details>", html(r.error));
+  file.add("</td><td class=\"{0}\" data-v=\"{1}\">{0}</td>", name_of(r.state), rank_of(r.state));
+  file.add("<td>{}</td><td>{}</td><td>{}</td>", r.collisions, r.steps_with_collisions, r.steps);
+  file.add("{}{}", frame_cell(r.first_frame), frame_cell(r.worst_frame));
+  file.add("<td>{}</td><td>{}</td><td>{}</td>", r.vertices, r.triangles, r.frames);
+  file.add("<td>{:.2f}</td><td>{}</td></tr>\n", r.seconds, html(r.model));
+}
+
+void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepPageInfo& info) {
+  file.add("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
+  file.add("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
+  file.add(
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'sha256-{}'; ",
+      kScriptHash);
+  file.add("style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n");
+  std::string where;
+  for (const std::string& directory : info.directories) where += (where.empty() ? "" : ", ") + directory;
+  file.add("<title>{0} - Foldproof sweep</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n",
+           html(where), kStyle);
+  std::array<std::size_t, 4> counts{};
+  double seconds = 0;
+  for (const SweepRecord& r : records) {
+    ++counts.at(static_cast<std::size_t>(rank_of(r.state)));
+    seconds += r.seconds;
+  }
+  file.add("<p><b>{} motions</b>: <span class=\"collides\">{} collide</span>, ", records.size(), counts[0]);
+  file.add("<span class=\"failed\">{} failed</span>, {} clean, {} of a single pose.</p>\n", counts[1],
+           counts[2], counts[3]);
+  file.add("<details><summary>How this was made</summary><p>Foldproof {}, {:.1f} s of checking.</p>",
+           version(), seconds);
+  file.add("<p><code>{}</code></p></details>\n", html(info.command));
+}
+
+}  // namespace
+
+Result<void> write_sweep_page(const std::string& path, std::span<const SweepRecord> records,
+                              const SweepPageInfo& info) {
+  auto opened = FileWriter::open(path);
+  if (!opened) return tl::unexpected(opened.error());
+  TextFile file(std::move(*opened));
+  add_head(file, records, info);
+  file.add("<table>\n<thead><tr><th>motion</th><th>state</th><th>colliding pairs</th><th>{0} with</th>",
+           info.poses ? "poses" : "steps");
+  file.add("<th>{}</th><th>first frame</th><th>worst frame</th><th>vertices</th>",
+           info.poses ? "poses" : "steps");
+  file.add("<th>triangles</th><th>frames</th><th>seconds</th><th>model</th></tr></thead>\n<tbody>\n");
+  std::vector<const SweepRecord*> sorted;
+  for (const SweepRecord& record : records) sorted.push_back(&record);
+  std::sort(sorted.begin(), sorted.end(), [](const SweepRecord* a, const SweepRecord* b) {
+    if (a->state != b->state) return rank_of(a->state) < rank_of(b->state);
+    return a->collisions != b->collisions ? a->collisions > b->collisions : a->path < b->path;
+  });
+  for (const SweepRecord* record : sorted) {
+    add_row(file, *record);
+    if (auto done = file.flush_if_large(); !done) return done;
+  }
+  file.add("</tbody>\n</table>\n<script>{}</script>\n</body>\n</html>\n", kScript);
+  return file.commit();
+}
+
+}  // namespace foldproof
