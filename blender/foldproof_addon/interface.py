@@ -1,0 +1,285 @@
+"""Settings, buttons and the panel in the sidebar."""
+
+import time
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+
+from . import jobs, marks, program
+from .problem import Problem
+
+_running = None  # the text of the job that is under way
+
+
+class FoldproofPreferences(bpy.types.AddonPreferences):
+    bl_idname = __package__
+
+    program: StringProperty(
+        name="Program",
+        description="The program foldproof; empty to find it in PATH",
+        subtype="FILE_PATH",
+    )
+
+    def draw(self, _context):
+        self.layout.prop(self, "program")
+
+
+class FoldproofSettings(bpy.types.PropertyGroup):
+    kind: EnumProperty(
+        name="Look For",
+        items=[
+            ("MOTION", "Contacts on the way", "Everything that touches at a frame or between frames"),
+            ("POSES", "Crossings in frames", "Faces that cross in each frame, whatever happens between them"),
+        ],
+    )
+    pairs: EnumProperty(
+        name="Among",
+        items=[
+            ("ALL", "All", "Within each mesh and between meshes"),
+            ("WITHIN", "Within each", "Each mesh with itself"),
+            ("BETWEEN", "Between", "Different meshes with each other"),
+        ],
+    )
+    thickness: FloatProperty(
+        name="Thickness", description="What comes as close as this counts, too", min=0, unit="LENGTH", precision=4
+    )
+    samples: IntProperty(
+        name="Parts per Frame",
+        description="Poses read per frame; between them vertices are taken to move along straight lines",
+        default=1,
+        min=1,
+        max=100,
+    )
+    use_models: BoolProperty(name="Use Models", description="Work less with what training found; the answer is the same")
+    folder: StringProperty(name="Models", description="Where models are", subtype="DIR_PATH", default="//foldproof/")
+    message: StringProperty()
+
+
+def executable_of(context):
+    addon = context.preferences.addons.get(__package__)
+    return program.find(bpy.path.abspath(addon.preferences.program) if addon else "")
+
+
+class Job:
+    """An operator that works in small pieces; Esc cancels it. From scripts and without a window it runs to its end."""
+
+    bl_options = {"UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if _running is not None:
+            cls.poll_message_set("Foldproof is at work; Esc cancels")
+            return False
+        if not any(o.type == "MESH" for o in context.selected_objects):
+            cls.poll_message_set("Select meshes first")
+            return False
+        return True
+
+    def execute(self, context):
+        try:
+            steps = self.start(context, executable_of(context))
+            while True:
+                progress = next(steps)
+                if not progress.needs_scene:
+                    time.sleep(0.01)
+        except StopIteration as done:
+            return self.finish(context, "INFO", done.value)
+        except Problem as problem:
+            return self.finish(context, "ERROR", str(problem))
+
+    def invoke(self, context, _event):
+        if bpy.app.background:
+            return self.execute(context)
+        try:
+            self.steps = self.start(context, executable_of(context))
+        except Problem as problem:
+            return self.finish(context, "ERROR", str(problem))
+        self.needs_scene = True
+        tell("Starting")
+        context.window_manager.progress_begin(0, 100)
+        self.timer = context.window_manager.event_timer_add(0.02, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type == "ESC":
+            self.steps.close()
+            return self.end(context, "WARNING", "Cancelled: marks are as they were")
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"} if self.needs_scene else {"PASS_THROUGH"}
+        try:
+            progress = next(self.steps)
+        except StopIteration as done:
+            return self.end(context, "INFO", done.value)
+        except Problem as problem:
+            return self.end(context, "ERROR", str(problem))
+        except ReferenceError:
+            return self.end(context, "ERROR", "An object was removed meanwhile: check again")
+        except BaseException:
+            self.end(context, "ERROR", "Foldproof failed: the console says where")
+            raise
+        self.needs_scene = progress.needs_scene
+        tell(progress.text)
+        context.window_manager.progress_update(100 * progress.fraction)
+        redraw(context)
+        return {"RUNNING_MODAL"}
+
+    def cancel(self, _context):
+        """The window was closed."""
+        self.steps.close()
+        tell(None)
+
+    def end(self, context, level, text):
+        tell(None)
+        context.window_manager.event_timer_remove(self.timer)
+        context.window_manager.progress_end()
+        return self.finish(context, level, text)
+
+    def finish(self, context, level, text):
+        context.scene.foldproof.message = text
+        self.report({level}, text)
+        redraw(context)
+        return {"FINISHED"} if level == "INFO" else {"CANCELLED"}
+
+
+def tell(text):
+    global _running
+    _running = text
+
+
+def redraw(context):
+    for area in context.screen.areas if context.screen else ():
+        if area.type == "VIEW_3D":
+            area.tag_redraw()
+
+
+class FOLDPROOF_OT_check(Job, bpy.types.Operator):
+    """Find every collision of the selected meshes over the frame range"""
+
+    bl_idname = "foldproof.check"
+    bl_label = "Check Frame Range"
+
+    def start(self, context, executable):
+        return jobs.check(context, executable)
+
+
+class FOLDPROOF_OT_train(Job, bpy.types.Operator):
+    """Learn from the keyed poses of the selected meshes where they cannot meet themselves"""
+
+    bl_idname = "foldproof.train"
+    bl_label = "Train from Keyed Poses"
+
+    def start(self, context, executable):
+        return jobs.train(context, executable)
+
+
+class FOLDPROOF_OT_select(bpy.types.Operator):
+    """Select the faces that collide at this frame, as Edit Mode shows them"""
+
+    bl_idname = "foldproof.select"
+    bl_label = "Select Colliding Faces"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.mode == "OBJECT"
+
+    def execute(self, context):
+        for mesh in {o.data for o in context.selected_objects if o.type == "MESH"}:
+            for part in (mesh.vertices, mesh.edges, mesh.polygons):
+                part.foreach_set("select", [False] * len(part))
+            for polygon in marks.colliding(mesh, context.scene.frame_current):
+                mesh.polygons[polygon].select = True
+            mesh.update()
+        context.tool_settings.mesh_select_mode = (False, False, True)
+        return {"FINISHED"}
+
+
+class FOLDPROOF_OT_clear(bpy.types.Operator):
+    """Remove what Foldproof put into this file: marks on faces, colours and markers on the timeline"""
+
+    bl_idname = "foldproof.clear"
+    bl_label = "Clear Marks"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return _running is None and context.mode == "OBJECT"
+
+    def execute(self, context):
+        for mesh in bpy.data.meshes:
+            if marks.KEPT in mesh:
+                marks.clear(mesh)
+        marks.remove_markers(context.scene)
+        context.scene.foldproof.message = ""
+        return {"FINISHED"}
+
+
+class FOLDPROOF_PT_panel(bpy.types.Panel):
+    bl_label = "Foldproof"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Foldproof"
+
+    def draw(self, context):
+        layout, settings = self.layout, context.scene.foldproof
+        layout.use_property_split = True
+        layout.prop(settings, "kind")
+        layout.prop(settings, "pairs")
+        if settings.kind == "MOTION":
+            layout.prop(settings, "thickness")
+            layout.prop(settings, "samples")
+        layout.operator("foldproof.check", icon="PLAY")
+        try:
+            executable_of(context)
+        except Problem as problem:
+            wrapped(layout, str(problem), "ERROR", context.region.width)
+        if _running is not None:
+            wrapped(layout, f"{_running}; Esc cancels", "TIME", context.region.width)
+        elif settings.message:
+            wrapped(layout, settings.message, "INFO", context.region.width)
+        row = layout.row(align=True)
+        row.operator("screen.marker_jump", text="Previous", icon="PREV_KEYFRAME").next = False
+        row.operator("screen.marker_jump", text="Next", icon="NEXT_KEYFRAME").next = True
+        layout.operator("foldproof.select", icon="RESTRICT_SELECT_OFF")
+        layout.operator("foldproof.clear", icon="TRASH")
+        layout.separator()
+        layout.prop(settings, "use_models")
+        layout.prop(settings, "folder")
+        layout.operator("foldproof.train", icon="ARMATURE_DATA")
+
+
+def wrapped(layout, text, icon, width):
+    """A label over as many lines as it needs; Blender's own are cut off."""
+    letters = max(20, width // 8)
+    lines = [""]
+    for word in text.split():
+        if len(lines[-1]) + len(word) > letters:
+            lines.append("")
+        lines[-1] += word + " "
+    column = layout.column(align=True)
+    for i, line in enumerate(lines):
+        column.label(text=line, icon=icon if i == 0 else "BLANK1")
+
+
+_classes = (
+    FoldproofPreferences,
+    FoldproofSettings,
+    FOLDPROOF_OT_check,
+    FOLDPROOF_OT_train,
+    FOLDPROOF_OT_select,
+    FOLDPROOF_OT_clear,
+    FOLDPROOF_PT_panel,
+)
+
+
+def register():
+    for each in _classes:
+        bpy.utils.register_class(each)
+    bpy.types.Scene.foldproof = PointerProperty(type=FoldproofSettings)
+
+
+def unregister():
+    del bpy.types.Scene.foldproof
+    for each in reversed(_classes):
+        bpy.utils.unregister_class(each)

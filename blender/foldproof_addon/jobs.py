@@ -1,0 +1,147 @@
+"""The work behind the buttons. Each job is a generator of Progress that returns a sentence for the user; closing it
+cancels the job and leaves nothing behind."""
+
+import pathlib
+import tempfile
+
+import bpy
+
+from . import marks, motion, program
+from .problem import Problem
+
+
+def meshes_to_check(context):
+    """The selected mesh objects, by name, so that the order of selecting does not matter."""
+    objects = sorted((o for o in context.selected_objects if o.type == "MESH"), key=lambda o: o.name)
+    if not objects:
+        raise Problem("No mesh is selected: select the objects to check")
+    for scene_object in objects:
+        if scene_object.mode == "EDIT":
+            raise Problem(f"{scene_object.name} is in Edit Mode: leave it first")
+        if scene_object.data.library or scene_object.data.override_library:
+            raise Problem(f"The mesh of {scene_object.name} is linked from another file: make it local first")
+    return objects
+
+
+def frames_of(scene):
+    start, end = scene.frame_start, scene.frame_end
+    if scene.use_preview_range:
+        start, end = scene.frame_preview_start, scene.frame_preview_end
+    return list(range(start, end + 1, scene.frame_step))
+
+
+def model_path(settings, name):
+    folder = settings.folder
+    if folder.startswith("//") and not bpy.data.filepath:
+        raise Problem("Models go beside the .blend file, which has no name yet: save it, or choose another folder")
+    return pathlib.Path(bpy.path.abspath(folder)) / f"{name}.model"
+
+
+def _models(settings, objects):
+    if not settings.use_models:
+        return []
+    paths = [model_path(settings, name) for name in motion.file_names(objects)]
+    there = [str(path) for path in paths if path.is_file()]
+    if not there or 1 < len(there) < len(objects):
+        missing = [o.name for o, path in zip(objects, paths) if not path.is_file()]
+        raise Problem(f"There is no model of {', '.join(missing)}: train one, or turn models off")
+    return there
+
+
+def check(context, executable):
+    """Checks the selected meshes over the scene's frames, and marks faces and frames."""
+    scene, settings = context.scene, context.scene.foldproof
+    objects, frames = meshes_to_check(context), frames_of(scene)
+    poses = settings.kind == "POSES"
+    parts = 1 if poses else settings.samples
+    if not poses and len(frames) < 2:
+        raise Problem("The range has one frame, and motion goes from one to the next: widen it, or check poses")
+    if settings.pairs == "BETWEEN" and len(objects) < 2:
+        raise Problem("One mesh is selected, so there is nothing between meshes: select two, or check all")
+    models = _models(settings, objects)
+    times = [frames[0] + k * scene.frame_step / parts for k in range((len(frames) - 1) * parts + 1)]
+    with tempfile.TemporaryDirectory(prefix="foldproof-") as name:
+        folder = pathlib.Path(name)
+        sampled = yield from motion.sample(scene, objects, times, folder)
+        answer = folder / "answer.json"
+        arguments = [executable, "check", *(each.path for each in sampled), "--quiet", "--pairs", "--json", str(answer)]
+        for model in models:
+            arguments += ["--model", model]
+        if poses:
+            arguments.append("--static")
+        elif settings.thickness > 0:
+            arguments += ["--thickness", repr(settings.thickness)]
+        if settings.pairs != "ALL":
+            arguments.append("--within" if settings.pairs == "WITHIN" else "--between")
+        yield from program.run(arguments, folder, "Looking for collisions", 0.9)
+        steps = program.read_answer(answer, sampled)
+    return _mark(scene, sampled, steps, [frames[k // parts] for k in range(len(times))], times)
+
+
+def _mark(scene, sampled, steps, frame_of, times):
+    polygons = {each.object.data: {} for each in sampled}  # objects may share a mesh
+    counts = {}
+    unknown = 0
+    for number, count, _, marked in steps:
+        frame = frame_of[number]
+        counts[frame] = counts.get(frame, 0) + count
+        for each, triangles in zip(sampled, marked):
+            found = set(each.polygon_of[triangles].tolist())
+            unknown += -1 in found
+            polygons[each.object.data].setdefault(frame, set()).update(found - {-1})
+    for mesh, by_frame in polygons.items():
+        marks.keep(mesh, by_frame)
+    marks.put_markers(scene, counts)
+    marks.show(scene)
+    if not steps:
+        return f"No collision, proven, in {len(times)} poses"
+    number, _, toi, _ = steps[0]
+    following = times[min(number + 1, len(times) - 1)]
+    first = times[number] + toi * (following - times[number])
+    text = f"Collisions in {len(counts)} frames, the first at {first:.4g}"
+    return text + ("; some of them on faces that a modifier made of nothing" if unknown else "")
+
+
+def keyed_frames(objects):
+    """Frames with a key of an object, its shape keys, its parents, or armatures and other objects of its modifiers."""
+    frames = set()
+    seen = set()
+
+    def visit(datablock):
+        if datablock is None or datablock in seen:
+            return
+        seen.add(datablock)
+        action = datablock.animation_data.action if datablock.animation_data else None
+        for curve in action.fcurves if action else ():
+            frames.update(round(point.co[0]) for point in curve.keyframe_points)
+        if isinstance(datablock, bpy.types.Object):
+            visit(datablock.parent)
+            visit(getattr(datablock.data, "shape_keys", None))
+            for modifier in datablock.modifiers:
+                visit(getattr(modifier, "object", None))
+
+    for scene_object in objects:
+        visit(scene_object)
+    return sorted(frames)
+
+
+def train(context, executable):
+    """Trains a model of every selected mesh from the frames that have keys."""
+    scene, settings = context.scene, context.scene.foldproof
+    objects = meshes_to_check(context)
+    frames = keyed_frames(objects)
+    if not frames:
+        raise Problem("Nothing that moves these meshes has keyframes: key the poses to train from, or bake the motion")
+    paths = [model_path(settings, name) for name in motion.file_names(objects)]
+    try:
+        paths[0].parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Problem(f"{paths[0].parent} cannot be made: {error.strerror}") from error
+    with tempfile.TemporaryDirectory(prefix="foldproof-") as name:
+        folder = pathlib.Path(name)
+        sampled = yield from motion.sample(scene, objects, frames, folder)
+        for each, path in zip(sampled, paths):
+            arguments = [executable, "train", each.path, "-o", str(path), "--quiet"]
+            yield from program.run(arguments, folder, f"Learning {each.object.name}", 0.9)
+    settings.use_models = True
+    return f"Learned {len(objects)} meshes from {len(frames)} poses"

@@ -1,0 +1,96 @@
+"""What was found, kept in the file with each mesh and shown at the frame that the scene stands at."""
+
+import contextlib
+
+import bpy
+import numpy as np
+from bpy.app.handlers import persistent
+
+KEPT = "foldproof"  # on a mesh: how many polygons it had, and those that collide, by frame
+COLLIDES = "foldproof_collides"  # face attribute, boolean
+COLOR = "foldproof_color"  # colour attribute
+MARKER = "Foldproof: "
+_RED, _GREY = (0.8, 0.05, 0.02, 1.0), (0.6, 0.6, 0.6, 1.0)
+_pauses = 0
+
+
+@contextlib.contextmanager
+def paused():
+    """Frames change within it without marks being shown."""
+    global _pauses
+    _pauses += 1
+    try:
+        yield
+    finally:
+        _pauses -= 1
+
+
+def keep(mesh, polygons_by_frame):
+    """Polygons that collide on the way from each frame to the next."""
+    mesh[KEPT] = {
+        "polygons": len(mesh.polygons),
+        "frames": {str(frame): sorted(polygons) for frame, polygons in polygons_by_frame.items() if polygons},
+    }
+
+
+def colliding(mesh, frame):
+    """Numbers of the polygons that collide; none when the mesh was changed since it was checked."""
+    kept = mesh.get(KEPT)
+    if not kept or kept["polygons"] != len(mesh.polygons):
+        return np.empty(0, np.int64)
+    return np.array(list(kept["frames"].get(str(frame), [])), np.int64)
+
+
+def _show(mesh, frame):
+    marked = np.zeros(len(mesh.polygons), bool)
+    marked[colliding(mesh, frame)] = True
+    attribute = mesh.attributes.get(COLLIDES) or mesh.attributes.new(COLLIDES, "BOOLEAN", "FACE")
+    attribute.data.foreach_set("value", marked)
+    if COLOR not in mesh.color_attributes:
+        mesh.color_attributes.new(COLOR, "BYTE_COLOR", "CORNER")
+        mesh.color_attributes.active_color = mesh.color_attributes[COLOR]
+    corners = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", corners)
+    # Corners stand in the order of the polygons.
+    colors = np.where(np.repeat(marked, corners)[:, None], np.float32(_RED), np.float32(_GREY))
+    mesh.color_attributes[COLOR].data.foreach_set("color", np.ascontiguousarray(colors, np.float32).ravel())
+    mesh.update()
+
+
+# Before the frame's evaluation, so that what is shown and rendered has the marks of this frame already.
+@persistent
+def show(scene, _depsgraph=None):
+    if _pauses:
+        return
+    for mesh in bpy.data.meshes:
+        if KEPT in mesh and not mesh.is_editmode:
+            _show(mesh, scene.frame_current)
+
+
+def put_markers(scene, counts):
+    """A marker on the timeline at each frame from which on something collides."""
+    remove_markers(scene)
+    for frame, count in counts.items():
+        scene.timeline_markers.new(f"{MARKER}{count:,}", frame=frame)
+
+
+def remove_markers(scene):
+    for marker in [m for m in scene.timeline_markers if m.name.startswith(MARKER)]:
+        scene.timeline_markers.remove(marker)
+
+
+def clear(mesh):
+    if KEPT in mesh:
+        del mesh[KEPT]
+    for name in (COLLIDES, COLOR):
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
+    mesh.update()
+
+
+def register():
+    bpy.app.handlers.frame_change_pre.append(show)
+
+
+def unregister():
+    bpy.app.handlers.frame_change_pre.remove(show)

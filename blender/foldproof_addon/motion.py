@@ -1,0 +1,128 @@
+"""Meshes as the viewport shows them, frame by frame, into NPZ files."""
+
+import contextlib
+import math
+import zipfile
+
+import bpy
+import numpy as np
+
+from . import marks
+from .problem import Problem
+from .progress import Progress
+
+# Carries each polygon's number (plus 1) through modifiers, which hand face attributes on to what they make of a face.
+ORIGIN = "foldproof_origin"
+
+
+def numbers(collection, attribute, width=1, kind=np.int32):
+    out = np.empty(len(collection) * width, kind)
+    collection.foreach_get(attribute, out)
+    return out
+
+
+@contextlib.contextmanager
+def evaluated(scene_object, all_layers=False):
+    """The object with modifiers and armatures applied, at the scene's present frame."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shown = scene_object.evaluated_get(depsgraph)
+    mesh = shown.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph) if all_layers else shown.to_mesh()
+    try:
+        yield mesh, np.array(shown.matrix_world)
+    finally:
+        shown.to_mesh_clear()
+
+
+@contextlib.contextmanager
+def numbered_polygons(meshes):
+    """Within it every mesh's polygons have a number that modifiers hand on."""
+    try:
+        for mesh in meshes:
+            attribute = mesh.attributes.new(ORIGIN, "INT", "FACE")
+            attribute.data.foreach_set("value", np.arange(1, len(mesh.polygons) + 1, dtype=np.int32))
+            mesh.update()
+        yield
+    finally:
+        for mesh in meshes:
+            if ORIGIN in mesh.attributes:
+                mesh.attributes.remove(mesh.attributes[ORIGIN])
+            mesh.update()
+
+
+class Sampled:
+    """One object: its triangles, the polygon of the object's own mesh that each came from, and its growing file."""
+
+    def __init__(self, scene_object, path, sample_count):
+        self.object = scene_object
+        self.path = path
+        with evaluated(scene_object, all_layers=True) as (mesh, _):
+            mesh.calc_loop_triangles()
+            self.triangles = numbers(mesh.loop_triangles, "vertices", 3).reshape(-1, 3)
+            if len(self.triangles) == 0:
+                raise Problem(f"{scene_object.name} has no faces: select only meshes that have some")
+            origin = mesh.attributes.get(ORIGIN)
+            polygons = numbers(origin.data, "value") - 1 if origin else np.full(len(mesh.polygons), -1, np.int32)
+            self.polygon_of = polygons[numbers(mesh.loop_triangles, "polygon_index")]
+            self.loops = numbers(mesh.loops, "vertex_index")
+            self.vertex_count = len(mesh.vertices)
+        self._archive = zipfile.ZipFile(path, "w")
+        with self._archive.open("faces.npy", "w") as member:
+            np.lib.format.write_array(member, self.triangles)
+        # The shape comes first and then frame after frame, so that memory holds one.
+        self._vertices = self._archive.open("vertices.npy", "w", force_zip64=True)
+        shape = (sample_count, self.vertex_count, 3)
+        np.lib.format.write_array_header_1_0(self._vertices, {"descr": "<f8", "fortran_order": False, "shape": shape})
+
+    def add(self, time):
+        """The pose at the scene's present frame, `time`, in world space."""
+        with evaluated(self.object) as (mesh, world):
+            loops = numbers(mesh.loops, "vertex_index")
+            if len(mesh.vertices) != self.vertex_count or not np.array_equal(loops, self.loops):
+                raise Problem(
+                    f"{self.object.name} has other faces at frame {time:g} than at the first: turn off the modifier "
+                    "that changes them, or choose frames between which it does not"
+                )
+            local = numbers(mesh.vertices, "co", 3, np.float32).reshape(-1, 3).astype(np.float64)
+        self._vertices.write(np.ascontiguousarray(local @ world[:3, :3].T + world[:3, 3]).tobytes())
+
+    def close(self):
+        self._vertices.close()
+        self._archive.close()
+
+
+def set_time(scene, time):
+    frame = math.floor(time)
+    scene.frame_set(frame, subframe=time - frame)
+
+
+def file_names(objects):
+    """A name for each that any file system takes, since the program's messages name files."""
+    names = []
+    for scene_object in objects:
+        name = bpy.path.clean_name(scene_object.name)
+        names.append(f"{name}_{len(names)}" if name in names else name)
+    return names
+
+
+def sample(scene, objects, times, folder):
+    """Writes every object's poses at `times` into folder/NAME.npz. Yields Progress; returns a Sampled for each.
+
+    Quads and larger polygons are cut as they look at the scene's first frame, whatever `times` are, so that a model
+    fits whenever it was trained.
+    """
+    before = scene.frame_current + scene.frame_subframe
+    sampled = []
+    with contextlib.ExitStack() as at_end:
+        at_end.callback(set_time, scene, before)
+        at_end.enter_context(marks.paused())
+        with numbered_polygons({o.data for o in objects}):
+            set_time(scene, scene.frame_start)
+            for scene_object, name in zip(objects, file_names(objects)):
+                sampled.append(Sampled(scene_object, str(folder / f"{name}.npz"), len(times)))
+                at_end.callback(sampled[-1].close)
+        for i, time in enumerate(times):
+            yield Progress(i / len(times), f"Reading frame {time:g}", needs_scene=True)
+            set_time(scene, time)
+            for each in sampled:
+                each.add(time)
+    return sampled

@@ -1,0 +1,15 @@
+#!/bin/sh
+# run.sh FOLDPROOF SOURCES: the add-on's test in Blender. Exit code 77, which ctest calls skipped, without Blender.
+set -eu
+if ! command -v blender >/dev/null; then
+  echo "skipped: Blender is not installed; Debian's package blender has it"
+  exit 77
+fi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+mkdir "$work/home" "$work/files"
+"$2/tools/blender_addon" "$work/addon.zip"
+# Nothing of the user's own Blender is read or changed.
+HOME=$work/home BLENDER_USER_CONFIG=$work/home BLENDER_USER_SCRIPTS=$work/home \
+  blender --background --factory-startup --python-exit-code 1 --python "$2/tests/blender/test_addon.py" \
+  -- "$1" "$work/addon.zip" "$work/files"

@@ -1,0 +1,368 @@
+"""The Blender add-on in Blender, without a window. Run as:
+
+blender --background --factory-startup --python-exit-code 1 --python test_addon.py -- FOLDPROOF ADDON.zip DIRECTORY
+
+DIRECTORY is empty, for the installed add-on and for what tests write.
+"""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import time
+import types
+import unittest
+
+import bpy
+import numpy as np
+
+PROGRAM, ZIP, WORK = (pathlib.Path(a).resolve() for a in sys.argv[sys.argv.index("--") + 1 :])
+os.environ["TMPDIR"] = str(WORK)
+os.environ["PATH"] = f"{PROGRAM.parent}:{os.environ['PATH']}"
+NAME = "foldproof_addon"
+
+
+def addon(module):
+    return sys.modules[f"{NAME}.{module}"]
+
+
+def new_object(name, vertices, faces):
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(vertices, [], faces)
+    made = bpy.data.objects.new(name, mesh)
+    bpy.context.collection.objects.link(made)
+    made.select_set(True)
+    return made
+
+
+def grid(cells, x0, x1, y0, y1):
+    """Squares, row by row along x."""
+    xs, ys = np.linspace(x0, x1, cells + 1), np.linspace(y0, y1, cells + 1)
+    vertices = [(x, y, 0.0) for y in ys for x in xs]
+    side = cells + 1
+    faces = [
+        (r * side + c, r * side + c + 1, (r + 1) * side + c + 1, (r + 1) * side + c)
+        for r in range(cells)
+        for c in range(cells)
+    ]
+    return vertices, faces
+
+
+def key(animated, path, values, index=-1):
+    """Linear between keys."""
+    for frame, value in values.items():
+        setattr(animated, path, value)
+        animated.keyframe_insert(path, index=index, frame=frame)
+    action = animated.id_data.animation_data.action
+    for curve in action.fcurves:
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
+def two_planes():
+    """A floor of 4 x 4 squares of side 0.5, and a strip of 2 squares that passes through it a quarter of the way from
+    frame 6 to 7, over squares 10 and 11 of the floor. The floor stands half a metre up and is twice as large as its
+    mesh, so that only world space tells."""
+    vertices, faces = grid(4, -0.5, 0.5, -0.5, 0.5)
+    floor = new_object("Floor", vertices, faces)
+    floor.location.z = 0.5
+    floor.scale = (2, 2, 2)
+    strip = new_object(
+        "Strip",
+        [(0.3, 0.3, 0), (0.45, 0.3, 0), (0.7, 0.3, 0), (0.3, 0.4, 0), (0.45, 0.4, 0), (0.7, 0.4, 0)],
+        [(0, 1, 4, 3), (1, 2, 5, 4)],
+    )
+    key(strip, "location", {1: (0, 0, 1.55), 11: (0, 0, -0.45)})
+    return floor, strip
+
+
+def bending_tube():
+    """A tube that an armature of two bones folds onto itself: keyed straight at 1, folded at 11."""
+    rings, around = 25, 12
+    vertices = [
+        (0.3 * np.cos(a), 0.3 * np.sin(a), z)
+        for z in np.linspace(0, 4, rings)
+        for a in np.linspace(0, 2 * np.pi, around, endpoint=False)
+    ]
+    faces = [
+        (r * around + c, r * around + (c + 1) % around, (r + 1) * around + (c + 1) % around, (r + 1) * around + c)
+        for r in range(rings - 1)
+        for c in range(around)
+    ]
+    tube = new_object("Tube", vertices, faces)
+    armature = bpy.data.armatures.new("Bones")
+    bones = bpy.data.objects.new("Bones", armature)
+    bpy.context.collection.objects.link(bones)
+    bpy.context.view_layer.objects.active = bones
+    bpy.ops.object.mode_set(mode="EDIT")
+    lower = armature.edit_bones.new("lower")
+    lower.head, lower.tail = (0, 0, 0), (0, 0, 2)
+    upper = armature.edit_bones.new("upper")
+    upper.head, upper.tail, upper.parent = (0, 0, 2), (0, 0, 4), lower
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for name, weight in (("lower", lambda z: np.clip(1.5 - z / 2, 0, 1)), ("upper", lambda z: np.clip(z / 2 - 0.5, 0, 1))):
+        group = tube.vertex_groups.new(name=name)
+        for i, (_, _, z) in enumerate(vertices):
+            group.add([i], float(weight(z)), "REPLACE")
+    tube.modifiers.new("Armature", "ARMATURE").object = bones
+    bone = bones.pose.bones["upper"]
+    bone.rotation_mode = "XYZ"
+    key(bone, "rotation_euler", {1: (0, 0, 0), 11: (np.radians(172), 0, 0)})
+    return tube
+
+
+def program_says(objects, frames):
+    """For each step, how many collisions the program finds in the world's coordinates, taken without the add-on."""
+    paths = []
+    for made in objects:
+        poses = []
+        for frame in frames:
+            bpy.context.scene.frame_set(frame)
+            shown = made.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            poses.append([shown.matrix_world @ v.co for v in shown.data.vertices])
+        shown.data.calc_loop_triangles()
+        paths.append(WORK / f"{made.name}-expected.npz")
+        np.savez(paths[-1], faces=[tuple(t.vertices) for t in shown.data.loop_triangles], vertices=np.array(poses))
+    report = WORK / "expected.json"
+    code = subprocess.run([PROGRAM, "check", *paths, "--quiet", "--json", report]).returncode
+    assert code in (0, 1), code
+    return [sum(step["collisions"].values()) for step in json.loads(report.read_text())["steps"]]
+
+
+def marked(made):
+    return [i for i, each in enumerate(made.data.attributes["foldproof_collides"].data) if each.value]
+
+
+def markers():
+    return {m.frame: m.name for m in bpy.context.scene.timeline_markers}
+
+
+class Addon(unittest.TestCase):
+    def setUp(self):
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        bpy.ops.preferences.addon_enable(module=NAME)
+        bpy.context.preferences.addons[NAME].preferences.program = ""
+        self.scene = bpy.context.scene
+        self.scene.frame_start, self.scene.frame_end = 1, 11
+        self.settings = self.scene.foldproof
+        self.before = set(WORK.iterdir())
+
+    def expect_nothing_left(self):
+        self.assertFalse([p for p in set(WORK.iterdir()) - self.before if p.name.startswith("foldproof-")])
+        for mesh in bpy.data.meshes:
+            self.assertNotIn("foldproof_origin", mesh.attributes)
+
+    def fails(self, operator, said):
+        with self.assertRaisesRegex(RuntimeError, said):
+            operator()
+        self.assertRegex(self.settings.message, said)
+        self.expect_nothing_left()
+
+    def test_marks_the_faces_and_frames_that_collide(self):
+        floor, strip = two_planes()
+        expected = program_says([floor, strip], range(1, 12))
+        self.assertEqual([i + 1 for i, count in enumerate(expected) if count], [6])
+        self.scene.timeline_markers.new("mine", frame=3)
+        self.scene.frame_set(4)
+        self.assertEqual(bpy.ops.foldproof.check(), {"FINISHED"})
+        self.assertEqual(self.scene.frame_current, 4)
+        self.assertEqual(markers(), {3: "mine", 6: f"Foldproof: {expected[5]}"})
+        self.assertIn("the first at 6.25", self.settings.message)
+        for frame, floor_faces, strip_faces in ((5, [], []), (6, [10, 11], [0, 1]), (7, [], [])):
+            self.scene.frame_set(frame)
+            self.assertEqual((marked(floor), marked(strip)), (floor_faces, strip_faces), frame)
+        self.scene.frame_set(6)
+        red = [c.color[1] < 0.3 for c in floor.data.color_attributes["foldproof_color"].data]
+        self.assertEqual(red, [face in (10, 11) for face in range(16) for _ in range(4)])
+        self.assertEqual(floor.data.color_attributes.active_color.name, "foldproof_color")
+        bpy.ops.foldproof.select()
+        self.assertEqual([p.index for p in floor.data.polygons if p.select], [10, 11])
+        bpy.ops.foldproof.clear()
+        self.assertEqual(markers(), {3: "mine"})
+        self.assertEqual([a.name for a in floor.data.attributes if a.name.startswith("foldproof")], [])
+        self.expect_nothing_left()
+
+    def test_faces_that_modifiers_make_are_those_of_the_mesh(self):
+        floor, strip = two_planes()
+        floor.modifiers.new("Finer", "SUBSURF").subdivision_type = "SIMPLE"
+        strip.modifiers.new("Mirror", "MIRROR")
+        self.assertEqual(bpy.ops.foldproof.check(), {"FINISHED"})
+        self.scene.frame_set(6)
+        self.assertEqual((marked(floor), marked(strip)), ([8, 9, 10, 11], [0, 1]))
+
+    def test_parts_of_frames_thickness_and_poses(self):
+        floor, strip = two_planes()
+        strip.animation_data.action.fcurves[2].keyframe_points[1].co[1] = 0.51  # stops a hundredth above the floor
+        self.settings.samples = 3
+        bpy.ops.foldproof.check()
+        self.assertEqual(markers(), {})
+        self.assertEqual(self.settings.message, "No collision, proven, in 31 poses")
+        self.settings.thickness = 0.02
+        bpy.ops.foldproof.check()
+        self.assertEqual(list(markers()), [10])
+        self.settings.kind = "POSES"
+        bpy.ops.foldproof.check()
+        self.assertEqual(markers(), {})
+        strip.rotation_euler.y = 0.3  # now it stands in the floor
+        bpy.ops.foldproof.check()
+        self.assertIn(11, markers())
+        self.assertNotIn(1, markers())
+
+    def test_a_rig_and_a_model_trained_from_its_keys(self):
+        tube = bending_tube()
+        expected = program_says([tube], range(1, 12))
+        colliding = [i + 1 for i, count in enumerate(expected) if count]
+        self.assertTrue(colliding and colliding[0] > 3, expected)
+        bpy.ops.foldproof.check()
+        self.assertEqual(markers(), {f: f"Foldproof: {expected[f - 1]:,}" for f in colliding})
+        kept = tube.data["foldproof"].to_dict()
+        self.assertGreater(len(kept["frames"][str(colliding[-1])]), 2)
+
+        self.fails(bpy.ops.foldproof.train, "has no name yet: save it")
+        self.settings.folder = str(WORK / "models")
+        self.assertEqual(bpy.ops.foldproof.train(), {"FINISHED"})
+        self.assertEqual(self.settings.message, "Learned 1 meshes from 2 poses")
+        self.assertTrue((WORK / "models" / "Tube.model").is_file())
+        self.assertTrue(self.settings.use_models)
+        bpy.ops.foldproof.clear()
+        bpy.ops.foldproof.check()
+        self.assertEqual(tube.data["foldproof"].to_dict(), kept)
+        (WORK / "models" / "Tube.model").write_bytes(b"no model")
+        self.fails(bpy.ops.foldproof.check, "Tube.model")
+        (WORK / "models" / "Tube.model").unlink()
+        self.fails(bpy.ops.foldproof.check, "There is no model of Tube: train one")
+
+    def test_marks_stay_in_the_file(self):
+        two_planes()
+        bpy.ops.foldproof.check()
+        path = str(WORK / "saved.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+        bpy.context.scene.frame_set(6)
+        self.assertEqual(marked(bpy.data.objects["Floor"]), [10, 11])
+        bpy.context.scene.frame_set(5)
+        self.assertEqual(marked(bpy.data.objects["Floor"]), [])
+
+    def test_says_what_is_wrong(self):
+        preferences = bpy.context.preferences.addons[NAME].preferences
+        floor, strip = two_planes()
+        preferences.program = "/nowhere/foldproof"
+        self.fails(bpy.ops.foldproof.check, "'/nowhere/foldproof' is not a program: correct it in Preferences")
+        preferences.program = ""
+        path = os.environ["PATH"]
+        os.environ["PATH"] = "/nowhere"
+        self.fails(bpy.ops.foldproof.check, "The program foldproof was not found: install it")
+        os.environ["PATH"] = path
+        preferences.program = "/bin/false"
+        self.fails(bpy.ops.foldproof.check, "The program gave no answer")
+        preferences.program = ""
+
+        self.settings.pairs = "BETWEEN"
+        floor.select_set(False)
+        self.fails(bpy.ops.foldproof.check, "nothing between meshes")
+        self.settings.pairs = "ALL"
+        strip.animation_data_clear()
+        self.fails(bpy.ops.foldproof.train, "keyframes")
+        build = strip.modifiers.new("Build", "BUILD")
+        build.frame_start, build.frame_duration = -10, 30
+        self.fails(bpy.ops.foldproof.check, "Strip has other faces at frame|no faces")
+        self.scene.frame_end = 1
+        self.fails(bpy.ops.foldproof.check, "The range has one frame")
+
+    def test_cancelling_leaves_everything_as_it_was(self):
+        floor, _ = two_planes()
+        bpy.ops.foldproof.check()
+        kept = floor.data["foldproof"].to_dict()
+        jobs = addon("jobs")
+        self.scene.frame_set(3)
+        job = jobs.check(bpy.context, str(PROGRAM))
+        self.assertTrue(next(job).needs_scene)
+        next(job)
+        job.close()
+        self.assertEqual(self.scene.frame_current, 3)
+        self.expect_nothing_left()
+
+        sleeper = WORK / "sleeper"
+        sleeper.write_text(f'#!/bin/sh\necho $$ > "{WORK}/pid"\nexec sleep 60\n')
+        sleeper.chmod(0o755)
+        job = jobs.check(bpy.context, str(sleeper))
+        while next(job).needs_scene:
+            pass
+        while not (WORK / "pid").is_file() or not (WORK / "pid").read_text():
+            time.sleep(0.01)
+        next(job)
+        job.close()
+        with self.assertRaises(ProcessLookupError):
+            os.kill(int((WORK / "pid").read_text()), 0)
+        self.assertEqual(floor.data["foldproof"].to_dict(), kept)
+        self.assertEqual(list(markers()), [6])
+        self.expect_nothing_left()
+
+    def modal(self, event_types):
+        """The operator as a window drives it. Blender without one cannot, so its part is played here."""
+        interface = addon("interface")
+
+        class Played(interface.FOLDPROOF_OT_check.__mro__[1]):
+            said = []
+
+            def start(self, context, executable):
+                return addon("jobs").check(bpy.context, executable)
+
+            def report(self, levels, text):
+                self.said.append((levels, text))
+
+        manager = types.SimpleNamespace(
+            progress_begin=lambda *_: None,
+            progress_update=lambda value: self.assertTrue(0 <= value <= 100),
+            progress_end=lambda: None,
+            event_timer_add=lambda *_, **__: "timer",
+            event_timer_remove=lambda timer: self.assertEqual(timer, "timer"),
+        )
+        context = types.SimpleNamespace(scene=self.scene, window_manager=manager, screen=None)
+        played = Played()
+        played.steps = played.start(context, str(PROGRAM))
+        played.timer, played.needs_scene = "timer", True
+        for kind in event_types:
+            answer = played.modal(context, types.SimpleNamespace(type=kind))
+            if answer & {"FINISHED", "CANCELLED"}:
+                break
+            self.assertTrue(answer & {"RUNNING_MODAL", "PASS_THROUGH"})
+        self.assertIsNone(interface._running)
+        return answer, played.said
+
+    def test_the_modal_operator(self):
+        two_planes()
+        answer, said = self.modal(["TIMER", "TIMER", "MOUSEMOVE", "ESC"])
+        self.assertEqual((answer, said[-1]), ({"CANCELLED"}, ({"WARNING"}, "Cancelled: marks are as they were")))
+        self.assertEqual(markers(), {})
+        self.expect_nothing_left()
+
+        def timer():
+            while True:
+                time.sleep(0.001)
+                yield "TIMER"
+
+        answer, said = self.modal(timer())
+        self.assertEqual(answer, {"FINISHED"})
+        self.assertEqual(list(markers()), [6])
+
+    def test_can_be_turned_off_and_on(self):
+        show = addon("marks").show
+        for _ in range(2):
+            self.assertEqual(bpy.app.handlers.frame_change_pre.count(show), 1)
+            bpy.ops.preferences.addon_disable(module=NAME)
+            self.assertFalse(hasattr(bpy.types.Scene, "foldproof"))
+            self.assertNotIn("show", [h.__name__ for h in bpy.app.handlers.frame_change_pre])
+            bpy.ops.preferences.addon_enable(module=NAME)
+            self.assertTrue(hasattr(bpy.types.Scene, "foldproof"))
+            show = addon("marks").show
+        two_planes()
+        self.assertEqual(bpy.ops.foldproof.check(), {"FINISHED"})
+        self.assertEqual(list(markers()), [6])
+
+
+bpy.ops.preferences.addon_install(filepath=str(ZIP))
+result = unittest.main(argv=["test_addon"], exit=False, verbosity=2).result
+if not result.wasSuccessful():
+    raise SystemExit(1)
