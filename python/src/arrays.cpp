@@ -60,29 +60,34 @@ Numbers numbers_of(const py::handle& x, const char* what, std::initializer_list<
   return numbers;
 }
 
-std::vector<Triangle> triangles_of(const py::handle& x) {
-  const py::array array = any_array(x, "triangles", "T x 3");
+std::vector<Index> ids_of(const py::handle& x, const char* what, const char* thing, py::ssize_t columns,
+                          const char* layout) {
+  const py::array array = any_array(x, what, layout);
+  if (array.size() == 0) return {};
   const char kind = array.dtype().kind();
   if (kind != 'i' && kind != 'u') {
-    refuse("triangles", "hold " + py::str(array.dtype()).cast<std::string>() + ", not integers",
-           "give vertex ids, for example as uint32");
+    refuse(what, "hold " + py::str(array.dtype()).cast<std::string>() + ", not integers",
+           "give ids, for example as uint32");
   }
-  if (array.ndim() != 2 || array.shape(1) != 3)
-    refuse("triangles", "have shape " + shape_text(array), "give T x 3 vertex ids");
-  const auto ids = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>::ensure(array);
-  if (!ids) throw py::error_already_set();
-  std::vector<Triangle> triangles(static_cast<std::size_t>(ids.shape(0)));
-  const std::int64_t* id = ids.data();
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (Index& corner : triangles[t]) {
-      if (*id < 0 || *id >= kNoIndex) {
-        refuse("triangles", "row " + std::to_string(t) + " names vertex " + std::to_string(*id),
-               "count vertices from 0");
-      }
-      corner = static_cast<Index>(*id++);
+  const bool fits = columns == 1 ? array.ndim() == 1 : array.ndim() == 2 && array.shape(1) == columns;
+  if (!fits) refuse(what, "have shape " + shape_text(array), std::string("give ") + layout);
+  const auto wide = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>::ensure(array);
+  if (!wide) throw py::error_already_set();
+  std::vector<Index> ids;
+  ids.reserve(static_cast<std::size_t>(wide.size()));
+  for (py::ssize_t i = 0; i < wide.size(); ++i) {
+    const std::int64_t id = wide.data()[i];
+    if (id < 0 || id >= kNoIndex) {
+      refuse(what, "row " + std::to_string(i / columns) + " names " + thing + ' ' + std::to_string(id),
+             std::string("count ") + (thing == std::string("vertex") ? "vertices" : "groups") + " from 0");
     }
+    ids.push_back(static_cast<Index>(id));
   }
-  return triangles;
+  return ids;
+}
+
+std::vector<Triangle> triangles_of(const py::handle& x) {
+  return rows_of<3>(ids_of(x, "triangles", "vertex", 3, "T x 3 vertex ids"));
 }
 
 std::string path_of(const py::handle& path) {

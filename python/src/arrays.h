@@ -43,6 +43,18 @@ inline std::span<const double> span_of(const Numbers& x) {
   return {x.data(), static_cast<std::size_t>(x.size())};
 }
 
+/// Integers, one after the other; `thing`: "vertex" or "group", `columns` 1: of one dimension. None where the
+/// array is empty. Refused: other shapes, numbers that are no ids.
+std::vector<Index> ids_of(const py::handle& x, const char* what, const char* thing, py::ssize_t columns,
+                          const char* layout);
+
+template <std::size_t N>
+std::vector<std::array<Index, N>> rows_of(const std::vector<Index>& ids) {
+  std::vector<std::array<Index, N>> rows(ids.size() / N);
+  for (std::size_t i = 0; i < N * rows.size(); ++i) rows[i / N][i % N] = ids[i];
+  return rows;
+}
+
 /// T x 3 integers. Refused: other shapes, numbers that are no ids.
 std::vector<Triangle> triangles_of(const py::handle& x);
 

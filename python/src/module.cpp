@@ -36,5 +36,6 @@ PYBIND11_MODULE(_core, module) {
   bind_steps(module);
   bind_checks(module);
   bind_reduced(module);
+  bind_solver(module);
   module.attr("__name__") = name;
 }

@@ -11,5 +11,6 @@ void bind_models(pybind11::module_& module);
 void bind_steps(pybind11::module_& module);
 void bind_checks(pybind11::module_& module);
 void bind_reduced(pybind11::module_& module);
+void bind_solver(pybind11::module_& module);
 
 }  // namespace foldproof::python

@@ -1,0 +1,231 @@
+// What implicit solvers ask.
+#include "foldproof/solver.h"
+
+#include <mutex>
+
+#include "module.h"
+#include "steps.h"
+
+namespace foldproof::python {
+namespace {
+
+CollisionFilter filter_of(const py::object& groups, const py::object& apart) {
+  if (groups.is_none()) {
+    if (!apart.is_none()) refuse("apart", "is given without groups", "give a group for each vertex");
+    return {};
+  }
+  auto of_vertex = ids_of(groups, "groups", "group", 1, "V numbers");
+  if (apart.is_none()) return take(CollisionFilter::patches(std::move(of_vertex)));
+  const auto pairs = rows_of<2>(ids_of(apart, "apart", "group", 2, "K x 2 groups"));
+  return take(CollisionFilter::groups(std::move(of_vertex), pairs));
+}
+
+template <std::size_t N>
+std::vector<std::array<Index, N>> optional_rows(const py::object& x, const char* what, const char* layout) {
+  if (x.is_none()) return {};
+  return rows_of<N>(ids_of(x, what, "vertex", N, layout));
+}
+
+std::shared_ptr<CollisionMesh> make_mesh(const py::object& rest_positions, const py::object& edges,
+                                         const py::object& faces, const py::object& groups,
+                                         const py::object& apart, bool points, Index leaf_triangles) {
+  const Numbers x = numbers_of(rest_positions, "rest_positions", {-1, 3}, "V x 3");
+  CollisionMeshSettings settings;
+  settings.filter = filter_of(groups, apart);
+  settings.points = points;
+  settings.hierarchy.leaf_triangles = leaf_triangles;
+  auto edge_rows = optional_rows<2>(edges, "edges", "E x 2 vertex ids");
+  auto face_rows = optional_rows<3>(faces, "faces", "F x 3 vertex ids");
+  const py::gil_scoped_release others_go_on;
+  return std::make_shared<CollisionMesh>(
+      take(CollisionMesh::make(span_of(x), std::move(edge_rows), std::move(face_rows), std::move(settings))));
+}
+
+/// N ids a row, over memory that belongs to `owner`.
+template <std::size_t N, class Row>
+py::array rows_view(std::span<const Row> rows, const py::object& owner) {
+  static_assert(sizeof(Row) == N * sizeof(Index));
+  std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(rows.size())};
+  if (N > 1) shape.push_back(static_cast<py::ssize_t>(N));
+  return view_of(reinterpret_cast<const Index*>(rows.data()), std::move(shape), owner);
+}
+
+template <class Pair>
+py::array pairs_view(const std::vector<Pair>& pairs, const py::object& owner) {
+  return rows_view<2>(std::span<const Pair>(pairs), owner);
+}
+
+/// A checker with a lock, as Python's own is not held while it works.
+struct Solver {
+  std::shared_ptr<CollisionMesh> mesh;
+  ContactChecker checker;
+  std::mutex mutex;
+
+  Solver(std::shared_ptr<CollisionMesh> of, const ContactSettings& settings)
+      : mesh(std::move(of)), checker(mesh, settings) {}
+
+  Numbers positions(const py::object& x, const char* what) const {
+    const py::ssize_t vertices = mesh->vertex_count();
+    return numbers_of(x, what, {vertices, 3}, ("V x 3 with V = " + std::to_string(vertices)).c_str());
+  }
+
+  /// Asks without Python's lock.
+  template <class Ask>
+  auto ask(Ask question) {
+    const py::gil_scoped_release others_go_on;
+    const std::lock_guard lock(mutex);
+    return take(question(checker));
+  }
+};
+
+std::unique_ptr<Candidates> candidates_of(Solver& self, const py::object& x0, const py::object& x1,
+                                          double inflation) {
+  const Numbers from = self.positions(x0, "x0");
+  const Numbers to = x1.is_none() ? from : self.positions(x1, "x1");
+  auto found = std::make_unique<Candidates>();
+  self.ask([&](ContactChecker& c) { return c.candidates(span_of(from), span_of(to), inflation, *found); });
+  return found;
+}
+
+double step_size_of(Solver& self, const py::object& x0, const py::object& x1, double min_distance) {
+  const Numbers from = self.positions(x0, "x0"), to = self.positions(x1, "x1");
+  return self.ask([&](ContactChecker& c) {
+    return c.collision_free_step_size(span_of(from), span_of(to), min_distance);
+  });
+}
+
+bool step_is_free(Solver& self, const py::object& x0, const py::object& x1, double min_distance) {
+  const Numbers from = self.positions(x0, "x0"), to = self.positions(x1, "x1");
+  return self.ask(
+      [&](ContactChecker& c) { return c.is_step_collision_free(span_of(from), span_of(to), min_distance); });
+}
+
+void bind_mesh(py::module_& module) {
+  py::class_<CollisionMesh, std::shared_ptr<CollisionMesh>>(
+      module, "CollisionMesh",
+      "What may collide: faces, edges without a face, points without either. Never changed, shared by any "
+      "number of checkers.")
+      .def(
+          py::init(&make_mesh), py::arg("rest_positions"), py::arg("edges") = py::none(),
+          py::arg("faces") = py::none(), py::kw_only(), py::arg("groups") = py::none(),
+          py::arg("apart") = py::none(), py::arg("points") = true, py::arg("leaf_triangles") = 12,
+          "rest_positions: V x 3, mesh units. edges: E x 2, faces: F x 3 vertex ids; edges of faces that are "
+          "missing are appended.\n\n"
+          "groups: V small numbers; vertices of groups that stand in a row of apart (K x 2) do not collide; "
+          "apart None: no group collides with itself. Two features may collide when any vertex of one may "
+          "collide with any of the other. points: vertices in no edge and no face collide. Error: wrong "
+          "shapes, ids beyond V, an edge twice.")
+      .def_property_readonly("vertex_count", &CollisionMesh::vertex_count, "V.")
+      .def_property_readonly(
+          "edges",
+          [](const py::object& self) {
+            return rows_view<2>(self.cast<const CollisionMesh&>().edges(), self);
+          },
+          "E x 2 vertex ids, uint32: as given, then those of faces that were missing; read-only.")
+      .def_property_readonly(
+          "faces",
+          [](const py::object& self) {
+            return rows_view<3>(self.cast<const CollisionMesh&>().faces(), self);
+          },
+          "F x 3 vertex ids, uint32, as given; read-only.")
+      .def_property_readonly(
+          "codim_edges",
+          [](const py::object& self) {
+            return rows_view<1>(self.cast<const CollisionMesh&>().codim_edges(), self);
+          },
+          "Rows of edges that are in no face, uint32.")
+      .def_property_readonly(
+          "codim_points",
+          [](const py::object& self) {
+            return rows_view<1>(self.cast<const CollisionMesh&>().codim_points(), self);
+          },
+          "Vertices in no edge and no face, uint32.");
+}
+
+void bind_candidates(py::module_& module) {
+  py::class_<Candidates>(module, "Candidates",
+                         "Pairs of features that may be near each other: sorted arrays n x 2, uint32.")
+      .def("__len__", &Candidates::size)
+      .def_property_readonly(
+          "vertex_face",
+          [](const py::object& self) { return pairs_view(self.cast<const Candidates&>().vertex_face, self); },
+          "Vertex id, face id.")
+      .def_property_readonly(
+          "edge_edge",
+          [](const py::object& self) { return pairs_view(self.cast<const Candidates&>().edge_edge, self); },
+          "Two rows of CollisionMesh.edges.")
+      .def_property_readonly(
+          "edge_vertex",
+          [](const py::object& self) { return pairs_view(self.cast<const Candidates&>().edge_vertex, self); },
+          "A codimensional edge's row and a codimensional point.")
+      .def_property_readonly(
+          "vertex_vertex",
+          [](const py::object& self) {
+            return pairs_view(self.cast<const Candidates&>().vertex_vertex, self);
+          },
+          "Two codimensional points.");
+}
+
+void bind_checker(py::module_& module) {
+  py::class_<Solver>(module, "ContactChecker",
+                     "Answers what implicit solvers ask about one mesh, and keeps what it learned from call "
+                     "to call.\n\nCalls of one checker wait for each other; use one per thread.")
+      .def(
+          py::init(
+              [](std::shared_ptr<CollisionMesh> mesh, bool certificates, double tolerance, double approach) {
+                return std::make_unique<Solver>(std::move(mesh),
+                                                ContactSettings{certificates, tolerance, approach});
+              }),
+          py::arg("mesh"), py::kw_only(), py::arg("certificates") = true, py::arg("tolerance") = 0.0,
+          py::arg("approach") = 0.8,
+          "tolerance: mesh units; 0: 2^-30 of the size of everything. approach: the share, in (0, 1], of the "
+          "way to contact that a step may go.")
+      .def("collision_free_step_size", &step_size_of, py::arg("x0"), py::arg("x1"),
+           py::arg("min_distance") = 0.0,
+           "A share of the step in [0, 1] that is proven free: x0 + share * (x1 - x0), in float64, keeps "
+           "farther than min_distance on the way.\n\n"
+           "x0, x1: V x 3, mesh units. 1: take x1. 0: x0 is in contact already. Error: wrong shapes, numbers "
+           "that are not finite.")
+      .def("is_step_collision_free", &step_is_free, py::arg("x0"), py::arg("x1"),
+           py::arg("min_distance") = 0.0,
+           "True: proven that no pair comes as near as min_distance while vertices go straight from x0 to "
+           "x1.\n\nx0, x1: V x 3, mesh units. Error: as collision_free_step_size.")
+      .def(
+          "candidates", &candidates_of, py::arg("x0"), py::arg("x1"), py::arg("inflation"),
+          "Every pair whose distance is <= inflation at some time of the step from x0 to x1, and others near "
+          "by.\n\nx0, x1: V x 3, mesh units; x1 None: the pose x0. Error: as collision_free_step_size.")
+      .def(
+          "has_intersections",
+          [](Solver& self, const py::object& x) {
+            const Numbers pose = self.positions(x, "x");
+            return self.ask([&](ContactChecker& c) { return c.has_intersections(span_of(pose)); });
+          },
+          py::arg("x"),
+          "Whether two faces, codimensional edges or points have a point in common, decided exactly.\n\n"
+          "x: V x 3, mesh units. Error: as collision_free_step_size.")
+      .def(
+          "minimum_distance",
+          [](Solver& self, const py::object& x, double bound) {
+            const Numbers pose = self.positions(x, "x");
+            return self.ask([&](ContactChecker& c) { return c.minimum_distance(span_of(pose), bound); });
+          },
+          py::arg("x"), py::arg("bound"),
+          "The least distance of two features that may collide, mesh units; infinity when it is above "
+          "bound.\n\nx: V x 3, mesh units. Error: as collision_free_step_size.")
+      .def_property_readonly(
+          "work", [](const Solver& self) { return work_of(self.checker.work()); },
+          "What the last call did, in numbers.")
+      .def_property_readonly(
+          "milliseconds", [](const Solver& self) { return milliseconds_of(self.checker.milliseconds()); },
+          "Wall time of the last call: total, update, traverse, narrow.");
+}
+
+}  // namespace
+
+void bind_solver(py::module_& module) {
+  bind_mesh(module);
+  bind_candidates(module);
+  bind_checker(module);
+}
+
+}  // namespace foldproof::python

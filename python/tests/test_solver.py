@@ -1,0 +1,111 @@
+"""What implicit solvers ask: index lists and step sizes, held against NumPy."""
+import threading
+
+import numpy as np
+import pytest
+
+import foldproof
+from conftest import rolled
+
+
+def cloth_and_points(rng):
+    """Two triangles, a rod of two edges, three points."""
+    x = rng.random((12, 3))
+    return x, np.array([[6, 7], [8, 7]]), np.array([[0, 1, 2], [3, 4, 5]])
+
+
+
+def test_mesh_keeps_rows_and_adds_edges():
+    x, edges, faces = cloth_and_points(np.random.default_rng(1))
+    mesh = foldproof.CollisionMesh(x, edges, faces)
+    assert mesh.vertex_count == 12 and mesh.edges.dtype == np.uint32
+    np.testing.assert_array_equal(mesh.edges[:2], edges)
+    assert len(mesh.edges) == 8 and {tuple(e) for e in mesh.edges[2:]} == {(0, 1), (0, 2), (1, 2), (3, 4), (3, 5), (4, 5)}
+    np.testing.assert_array_equal(mesh.faces, faces)
+    np.testing.assert_array_equal(mesh.codim_edges, [0, 1])
+    np.testing.assert_array_equal(mesh.codim_points, [9, 10, 11])
+    assert len(foldproof.CollisionMesh(x, edges, faces, points=False).codim_points) == 0
+    with pytest.raises(ValueError, match="read-only"):
+        mesh.edges[0, 0] = 3
+
+
+def test_candidates_are_all_pairs_when_inflation_is_large():
+    x, edges, faces = cloth_and_points(np.random.default_rng(2))
+    mesh = foldproof.CollisionMesh(x, edges, faces)
+    near = foldproof.ContactChecker(mesh).candidates(x, None, 10)
+    # 12 vertices and 2 faces less their corners; 8 edges less neighbours.
+    assert near.vertex_face.shape == (12 * 2 - 6, 2)
+    share = sum(len({*mesh.edges[a], *mesh.edges[b]}) == 4 for a in range(8) for b in range(a))
+    assert near.edge_edge.shape == (share, 2) and (near.edge_edge[:, 0] < near.edge_edge[:, 1]).all()
+    assert {tuple(p) for p in near.edge_vertex} == {(e, v) for e in (0, 1) for v in (9, 10, 11)}
+    assert [tuple(p) for p in near.vertex_vertex] == [(9, 10), (9, 11), (10, 11)]
+    assert len(near) == 18 + share + 6 + 3
+
+
+def test_groups_keep_apart():
+    x, edges, faces = cloth_and_points(np.random.default_rng(3))
+    groups = [0] * 6 + [1] * 6
+
+    def near(**filtered):
+        return foldproof.ContactChecker(foldproof.CollisionMesh(x, edges, faces, **filtered)).candidates(x, x, 10)
+
+    assert len(near(groups=groups).vertex_vertex) == 0  # no group with itself
+    assert (near(groups=groups).vertex_face[:, 0] >= 6).all()
+    assert len(near(groups=groups, apart=[[0, 1]]).edge_vertex) == 6
+    assert (near(groups=groups, apart=[[0, 1]]).vertex_face[:, 0] < 6).all()
+    assert len(near(groups=groups, apart=[[0, 0], [0, 1], [1, 1]])) == 0
+
+
+@pytest.mark.parametrize("certificates", [True, False])
+def test_line_search_never_intersects(triangles, certificates):
+    x0 = rolled(4.0)
+    mesh = foldproof.CollisionMesh(x0, faces=triangles)
+    checker = foldproof.ContactChecker(mesh, certificates=certificates)
+    shares = []
+    for turn in np.linspace(4.2, 9, 12):
+        x1 = rolled(turn)
+        share = checker.collision_free_step_size(x0, x1, 0.01)
+        x = x0 + share * (x1 - x0) if share < 1 else x1
+        assert checker.is_step_collision_free(x0, x, 0.01)
+        assert checker.is_step_collision_free(x0, x1, 0.01) == (share == 1)
+        assert not checker.has_intersections(x)
+        assert checker.minimum_distance(x, 1) > 0.01
+        assert checker.work["node_tests"] > 0 and checker.milliseconds["total"] > 0
+        shares.append(share)
+    assert min(shares) < 1 == max(shares)
+
+
+def test_points_meet_within_the_minimum_distance():
+    x0, x1 = np.array([[0, 0, 0], [0, 0.1, 1.0]]), np.array([[0, 0, 0], [0, 0.1, -1.0]])
+    checker = foldproof.ContactChecker(foldproof.CollisionMesh(x0), approach=1.0)
+    assert checker.collision_free_step_size(x0, x1) == 1
+    assert checker.collision_free_step_size(x0, x1, 0.2) == pytest.approx((1 - np.sqrt(0.03)) / 2, abs=1e-6)
+    assert checker.minimum_distance(x1, 2) == pytest.approx(np.hypot(1, 0.1), rel=1e-14)
+    assert checker.minimum_distance(x1, 0.5) == np.inf
+
+
+def test_refuses():
+    x, edges, faces = cloth_and_points(np.random.default_rng(4))
+    mesh = foldproof.CollisionMesh(x, edges, faces)
+    checker = foldproof.ContactChecker(mesh)
+    for bad in (lambda: foldproof.CollisionMesh(x, [[0, 12]]), lambda: foldproof.CollisionMesh(x, [[0, 1], [1, 0]]),
+                lambda: foldproof.CollisionMesh(x, edges, faces, groups=[0, 1]),
+                lambda: foldproof.CollisionMesh(x, edges, faces, apart=[[0, 0]]),
+                lambda: foldproof.CollisionMesh(x, [[0.5, 1]]), lambda: foldproof.CollisionMesh(x, faces=[[0, -1, 2]]),
+                lambda: checker.candidates(x, None, -1), lambda: checker.is_step_collision_free(x, x[:3]),
+                lambda: checker.minimum_distance(x * np.nan, 1)):
+        with pytest.raises(foldproof.Error):
+            bad()
+
+
+def test_many_threads_may_ask_one_checker(triangles):
+    x = rolled(3.0)
+    checker = foldproof.ContactChecker(foldproof.CollisionMesh(x, faces=triangles))
+    answers = []
+    threads = [threading.Thread(target=lambda: answers.append(len(checker.candidates(x, None, 0.1).vertex_face)))
+               for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(answers) == 4
