@@ -1,0 +1,173 @@
+// foldproof sweep, as a person types it, alone and below mpirun.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "apps/program.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// Names and states, sorted, of a whole file of results.
+std::vector<std::string> states(const std::string& path) {
+  std::vector<std::string> all;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    const auto json = nlohmann::json::parse(line, nullptr, false);
+    EXPECT_FALSE(json.is_discarded()) << line;
+    if (!json.is_discarded())
+      all.push_back(json.at("path").get<std::string>() + " " + json.at("state").get<std::string>());
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+/// Something of everything.
+struct Library : TemporaryDirectory {
+  Library() {
+    std::filesystem::create_directories(*this / "lib/sub");
+    write_frames(*this / "lib/sink", *needle(kSinking));
+    EXPECT_TRUE(write_npz(*this / "lib/sub/fall.npz", *needle({5, 4, 3})));
+    EXPECT_TRUE(write_obj_pc2(*this / "lib/sub/n.obj", *this / "lib/sub/n.pc2", *needle(kSinking)));
+    write_file(*this / "lib/broken.glb", "no such thing");
+  }
+
+  Outcome sweep(std::vector<std::string> arguments, RunOptions options = {}) const {
+    arguments.insert(arguments.begin(), {"sweep", "lib", "-o", "r.jsonl"});
+    options.directory = path();
+    return run_program(std::move(arguments), options);
+  }
+};
+
+const auto kAll = ElementsAre("lib/broken.glb failed", "lib/sink collides", "lib/sub/fall.npz clean",
+                              "lib/sub/n.pc2 collides");
+
+TEST(Sweep, ChecksALibraryAndGoesOn) {
+  const Library library;
+  const Outcome first = library.sweep({"--summary", "page.html"});
+  EXPECT_EQ(first.code, 1);
+  EXPECT_EQ(first.err, "");
+  EXPECT_THAT(first.out,
+              AllOf(HasSubstr("motions                 4\n"), HasSubstr("\n  collide               2\n"),
+                    HasSubstr("\n  could not be read     1\n"),
+                    HasSubstr("\n  lib/sink: 3 pairs in 2 of 4 steps, the first in frame 1\n"),
+                    HasSubstr("\n  lib/broken.glb: "), Not(HasSubstr("before"))));
+  EXPECT_THAT(states(library / "r.jsonl"), kAll);
+  EXPECT_THAT(read_file(library / "page.html"),
+              HasSubstr("foldproof sweep lib -o r.jsonl --summary page.html"));
+  const std::string lines = read_file(library / "r.jsonl");
+
+  const Outcome second = library.sweep({});
+  EXPECT_EQ(second.code, 1);
+  EXPECT_THAT(second.out, HasSubstr("motions                 4  (4 of them checked before)\n"));
+  EXPECT_EQ(read_file(library / "r.jsonl"), lines);
+
+  std::filesystem::remove(library / "lib/broken.glb");
+  EXPECT_EQ(library.sweep({"--quiet", "--frames", "0:2"}).code, 0);
+}
+
+TEST(Sweep, ChecksSinglePosesExactly) {
+  const Library library;
+  write_file(library / "lib/one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(library.sweep({"--static"}).code, 1);
+  EXPECT_THAT(states(library / "r.jsonl"),
+              ElementsAre("lib/broken.glb failed", "lib/one.obj clean", "lib/sink collides",
+                          "lib/sub/fall.npz clean", "lib/sub/n.pc2 collides"));
+}
+
+TEST(Sweep, UsesModelsWhereTheyFit) {
+  const Library library;
+  ASSERT_EQ(run_program({"train", "lib/sink", "-o", "n.model"}, {.directory = library.path()}).code, 0);
+  write_frames(library / "other", *lone_needle({1, 2}));
+  ASSERT_EQ(run_program({"train", "other", "-o", "o.model"}, {.directory = library.path()}).code, 0);
+  const Outcome found = library.sweep({"--model", "o.model", "--model", "n.model"});
+  EXPECT_EQ(found.code, 1);
+  EXPECT_THAT(found.out, HasSubstr("not used                o.model"));
+  EXPECT_THAT(read_file(library / "r.jsonl"), HasSubstr("\"model\":\"n.model\""));
+}
+
+TEST(Sweep, SaysWhatIsWrongInOneLine) {
+  const Library library;
+  const auto run = [&](std::vector<std::string> arguments) {
+    return run_program(std::move(arguments), {.directory = library.path()});
+  };
+  expect_one_line_error(run({"sweep", "nowhere", "-o", "r.jsonl"}), "nowhere: is not there");
+  expect_one_line_error(run({"sweep", "lib/broken.glb", "-o", "r.jsonl"}), "is no directory");
+  expect_one_line_error(run({"sweep", "lib", "-o", "no/r.jsonl"}), "no/r.jsonl: cannot be written");
+  expect_one_line_error(run({"sweep", "lib", "-o", "/dev/null"}), "is no file that a sweep can go on with");
+  expect_one_line_error(run({"sweep", "lib", "-o", "lib/broken.glb"}),
+                        "lib/broken.glb:1: is no result of a sweep");
+  expect_one_line_error(run({"sweep", "lib", "-o", "r", "--summary", "r"}), "named for two outputs");
+  std::filesystem::create_directory(library / "empty");
+  expect_one_line_error(run({"sweep", "empty", "-o", "r.jsonl"}), "holds no motions");
+  EXPECT_FALSE(std::filesystem::exists(library / "r.jsonl"));
+}
+
+/// Motions that take long enough to be interrupted: many steps of two triangles.
+struct LongLibrary : TemporaryDirectory {
+  explicit LongLibrary(int motions, std::size_t frames = 40000) {
+    std::filesystem::create_directory(*this / "lib");
+    std::vector<double> heights(frames, 1);
+    for (std::size_t i = 0; i < frames; i += 2) heights[i] = -1;
+    for (int i = 0; i < motions; ++i)
+      EXPECT_TRUE(write_npz(*this / fmt::format("lib/{}.npz", i), *needle(heights)));
+  }
+
+  std::size_t lines() const { return states(*this / "r.jsonl").size(); }
+
+  /// Waits until there are lines, but not for ever.
+  void wait_for_lines(std::size_t count) const {
+    const auto start = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - start < 20s) {
+      const std::string text = read_file(*this / "r.jsonl");
+      if (static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) >= count) return;
+      std::this_thread::sleep_for(2ms);
+    }
+    ADD_FAILURE() << "no " << count << " lines after 20 s";
+  }
+
+  std::vector<std::string> command(std::vector<std::string> more = {}) const {
+    std::vector<std::string> all = {"sweep",     "lib",       "-o",        "r.jsonl",
+                                    "--summary", "page.html", "--threads", "1"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+};
+
+TEST(Sweep, MayBeStoppedAtAnyTime) {
+  const LongLibrary library(4);
+  for (const int signal : {SIGINT, SIGKILL}) {
+    const std::size_t before = signal == SIGINT ? 0 : library.lines();
+    const Outcome stopped =
+        run_program(library.command(), {.directory = library.path(), .while_it_runs = [&](pid_t child) {
+                                          library.wait_for_lines(before + 1);
+                                          ::kill(child, signal);
+                                        }});
+    if (signal == SIGINT) {
+      EXPECT_EQ(stopped.code, 130);
+      EXPECT_THAT(stopped.err, HasSubstr("of 4 motions are done; the same command goes on from there\n"));
+    } else {
+      EXPECT_EQ(stopped.signal, SIGKILL);
+    }
+    EXPECT_GE(library.lines(), before + 1);
+    EXPECT_LT(library.lines(), 4u);
+    EXPECT_FALSE(std::filesystem::exists(library / "page.html"));
+  }
+  EXPECT_EQ(run_program(library.command(), {.directory = library.path()}).code, 1);
+  EXPECT_EQ(library.lines(), 4u);
+  EXPECT_TRUE(std::filesystem::exists(library / "page.html"));
+}
+
+}  // namespace
+}  // namespace foldproof

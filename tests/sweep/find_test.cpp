@@ -1,0 +1,113 @@
+// What counts as a motion below a directory.
+#include <gmock/gmock.h>
+
+#include "foldproof/sweep.h"
+#include "report/needle.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// A directory with files of these names; what is in them is not looked at.
+struct Library : TemporaryDirectory {
+  explicit Library(const std::vector<std::string>& files) {
+    for (const std::string& file : files) {
+      const std::filesystem::path path = *this / file;
+      std::filesystem::create_directories(path.parent_path());
+      std::ofstream(path) << "12345";
+    }
+  }
+
+  /// Paths of the motions, seen from the directory.
+  std::vector<std::string> found(bool poses = false) const {
+    std::vector<std::string> names;
+    for (const SweepMotion& motion : input(poses).motions) names.push_back(name(motion.path));
+    return names;
+  }
+
+  SweepInput input(bool poses = false) const {
+    const std::string directories[] = {path()};
+    const auto found = find_motions(directories, poses);
+    EXPECT_TRUE(found) << found.error().line();
+    return found.value_or(SweepInput{});
+  }
+
+  std::string name(const std::string& whole) const {
+    return whole == path() ? "." : whole.substr(path().size() + 1);
+  }
+};
+
+TEST(FindMotions, TakesEveryAnimationInNaturalOrder) {
+  const Library library({"walk10.glb", "walk9.GLB", "deep/er/run.npz", "deep/jump.gltf", "notes.txt",
+                         ".hidden.glb", ".hidden/a.glb"});
+  EXPECT_THAT(library.found(), ElementsAre("deep/er/run.npz", "deep/jump.gltf", "walk9.GLB", "walk10.glb"));
+}
+
+TEST(FindMotions, GivesEachCacheTheMeshOfItsStemOrTheOnlyOne) {
+  const Library library({"a/walk.pc2", "a/walk.obj", "a/run.mdd", "a/run.ply", "b/one.pc2", "b/two.mdd",
+                         "b/body.off", "c/lost.pc2", "c/x.obj", "c/y.obj"});
+  const SweepInput input = library.input();
+  std::vector<std::string> pairs;
+  for (const SweepMotion& motion : input.motions)
+    pairs.push_back(library.name(motion.path) + " " + library.name(motion.files[0]));
+  EXPECT_THAT(pairs, ElementsAre("a/run.mdd a/run.ply", "a/walk.pc2 a/walk.obj", "b/one.pc2 b/body.off",
+                                 "b/two.mdd b/body.off", "c/lost.pc2 c/lost.pc2"));
+  EXPECT_EQ(input.single_meshes, 2u);
+}
+
+TEST(FindMotions, TakesMeshesThatDifferInTheirLastNumberAsFrames) {
+  const Library library({"frames/f10.obj", "frames/f9.obj", "frames/f11.obj", "takes/a1_001.ply",
+                         "takes/a1_002.ply", "takes/a2_001.ply", "takes/a2_002.ply", "takes/a2_002.off",
+                         "other/chair.obj"});
+  const SweepInput input = library.input();
+  EXPECT_THAT(library.found(), ElementsAre("frames", "takes/a1_*.ply", "takes/a2_*.ply"));
+  std::vector<std::string> frames;
+  for (const std::string& file : input.motions[0].files) frames.push_back(library.name(file));
+  EXPECT_THAT(frames, ElementsAre("frames/f9.obj", "frames/f10.obj", "frames/f11.obj"));
+  EXPECT_EQ(input.motions[0].bytes, 15u);
+  EXPECT_EQ(input.single_meshes, 2u);
+}
+
+TEST(FindMotions, TakesSingleMeshesForPosesOnly) {
+  const Library library({"chair.obj", "table.ply"});
+  EXPECT_THAT(library.found(), IsEmpty());
+  EXPECT_THAT(library.found(true), ElementsAre("chair.obj", "table.ply"));
+}
+
+TEST(FindMotions, FindsNothingTwiceAndFollowsNoLinkToADirectory) {
+  const Library library({"a/walk.glb"});
+  std::filesystem::create_directory_symlink(library.path(), library / "a/round");
+  std::filesystem::create_symlink(library / "a/walk.glb", library / "again.glb");
+  const std::string directories[] = {library.path() + "/a//", library.path()};
+  const auto found = find_motions(directories);
+  ASSERT_TRUE(found);
+  EXPECT_THAT(found->motions, ElementsAre(Field(&SweepMotion::path, library / "a/walk.glb")));
+  EXPECT_THAT(found->directories, ElementsAre(library / "a", library.path()));
+}
+
+TEST(FindMotions, SeesThatABufferOfAGltfChanged) {
+  const Library library({"a.gltf", "a.bin"});
+  EXPECT_EQ(library.input().motions[0].bytes, 10u);
+  const auto later = std::filesystem::file_time_type::clock::now() + std::chrono::hours(1);
+  const auto before = library.input().motions[0].modified;
+  std::filesystem::last_write_time(library / "a.bin", later);
+  EXPECT_GT(library.input().motions[0].modified, before);
+}
+
+TEST(FindMotions, SaysWhatIsNoDirectory) {
+  const Library library({"walk.glb"});
+  for (const auto& [name, said] : {std::pair("walk.glb", "is no directory"), {"none", "is not there"}}) {
+    const std::string directories[] = {library / name};
+    const auto found = find_motions(directories);
+    ASSERT_FALSE(found);
+    EXPECT_THAT(found.error().line(), HasSubstr(said));
+  }
+}
+
+}  // namespace
+}  // namespace foldproof

@@ -1,0 +1,294 @@
+// Lines of results, the file that holds them, the queue and the page.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "foldproof/sweep.h"
+#include "report/needle.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// Motions as NPZ files and the sweep of them.
+struct Library : TemporaryDirectory {
+  void add(const std::string& name, const std::vector<double>& heights) const {
+    const auto written = write_npz(*this / ("in/" + name), *needle(heights));
+    ASSERT_TRUE(written) << written.error().line();
+  }
+  Library() { std::filesystem::create_directory(*this / "in"); }
+
+  SweepInput input() const {
+    const std::string directories[] = {*this / "in"};
+    return find_motions(directories).value();
+  }
+  std::string results() const { return *this / "results.jsonl"; }
+
+  Result<SweepFile> open(const SweepInput& found, bool again = false) const {
+    return SweepFile::open(results(), found, settings_hash(settings), again);
+  }
+
+  /// Does what is left; gives the numbers of what it did.
+  std::vector<std::size_t> sweep(bool again = false) const {
+    const SweepInput found = input();
+    auto file = open(found, again);
+    EXPECT_TRUE(file) << file.error().line();
+    if (!file) return {};
+    const std::vector<std::size_t> left = file->left();
+    for (const std::size_t motion : left) {
+      const auto line = sweep_line(found.motions[motion], settings);
+      EXPECT_TRUE(line && file->add(*line));
+    }
+    EXPECT_EQ(file->records().size(), found.motions.size());
+    return left;
+  }
+
+  SweepSettings settings;
+};
+
+struct ThreeNeedles : Library {
+  ThreeNeedles() {
+    add("a.npz", kSinking);
+    add("b.npz", {3, 2, 1});
+    add("c.npz", {1});
+  }
+};
+
+SweepRecord record_of(const std::string& line) {
+  const auto record = read_sweep_line(line);
+  EXPECT_TRUE(record) << line;
+  return record.value_or(SweepRecord{});
+}
+
+TEST(SweepLine, SaysWhatWasFound) {
+  const ThreeNeedles library;
+  const SweepInput input = library.input();
+  const SweepRecord sinking = record_of(*sweep_line(input.motions[0], library.settings));
+  EXPECT_EQ(sinking.path, library / "in/a.npz");
+  EXPECT_EQ(sinking.state, SweepState::Collides);
+  EXPECT_EQ(sinking.collisions, 3u);
+  EXPECT_EQ(sinking.steps, 4u);
+  EXPECT_EQ(sinking.steps_with_collisions, 2u);
+  EXPECT_EQ(sinking.first_frame, 1u);
+  EXPECT_EQ(sinking.worst_frame, 2u);
+  EXPECT_EQ(sinking.vertices, 6u);
+  EXPECT_EQ(sinking.triangles, 2u);
+  EXPECT_EQ(sinking.frames, 5u);
+  EXPECT_EQ(sinking.bytes, std::filesystem::file_size(library / "in/a.npz"));
+  EXPECT_EQ(record_of(*sweep_line(input.motions[1], library.settings)).state, SweepState::Clean);
+  EXPECT_EQ(record_of(*sweep_line(input.motions[2], library.settings)).state, SweepState::Still);
+}
+
+TEST(SweepLine, HasTheTotalsOfTheReport) {
+  const ThreeNeedles library;
+  const auto line = nlohmann::json::parse(*sweep_line(library.input().motions[0], library.settings));
+  for (const char* key : {"steps", "steps_with_collisions", "collisions", "earliest", "worst", "tolerance",
+                          "milliseconds", "work"})
+    EXPECT_TRUE(line.at("totals").contains(key)) << key;
+}
+
+TEST(SweepLine, ReadsFramesOfMeshesAndTellsOfABrokenOne) {
+  const Library library;
+  const auto motion = needle(kSinking);
+  std::vector<double> x(18);
+  for (Index frame = 0; frame < 5; ++frame) {
+    ASSERT_TRUE(motion->read_frame(frame, x));
+    ASSERT_TRUE(write_obj(library / ("in/f" + std::to_string(frame) + ".obj"), motion->topology(), x));
+  }
+  EXPECT_EQ(record_of(*sweep_line(library.input().motions.at(0), library.settings)).collisions, 3u);
+  std::ofstream(library / "in/f3.obj") << "f 1 2 3\n";
+  const SweepRecord broken = record_of(*sweep_line(library.input().motions.at(0), library.settings));
+  EXPECT_EQ(broken.state, SweepState::Failed);
+  EXPECT_THAT(broken.error, HasSubstr("in/f3.obj"));
+}
+
+TEST(SweepLine, UsesTheModelOfItsMesh) {
+  const ThreeNeedles library;
+  const auto motion = needle(kSinking);
+  const TrainPose poses[] = {{motion.get(), 0}};
+  auto model = train_model(poses, {.learn = false});
+  ASSERT_TRUE(model);
+  model->name = "needle.model";
+  const auto other = lone_floor(1);
+  const TrainPose floor[] = {{other.get(), 0}};
+  auto other_model = train_model(floor, {.learn = false});
+  ASSERT_TRUE(other_model);
+  SweepSettings settings;
+  settings.models = {std::make_shared<const Model>(*other_model), std::make_shared<const Model>(*model)};
+  const SweepRecord record = record_of(*sweep_line(library.input().motions[0], settings));
+  EXPECT_EQ(record.model, "needle.model");
+  EXPECT_EQ(record.collisions, 3u);
+  EXPECT_EQ(settings_hash(settings), settings_hash({}));
+}
+
+TEST(SweepLine, IsNoneWhenTheCheckWasCancelled) {
+  const ThreeNeedles library;
+  const std::atomic<bool> cancel = true;
+  CheckHooks hooks;
+  hooks.cancel = &cancel;
+  EXPECT_FALSE(sweep_line(library.input().motions[0], library.settings, hooks));
+}
+
+TEST(SweepFile, GoesOnWhereItStopped) {
+  const ThreeNeedles library;
+  EXPECT_THAT(library.sweep(), ElementsAre(0, 1, 2));
+  const std::string whole = read_file(library.results());
+  EXPECT_THAT(library.sweep(), IsEmpty());
+  EXPECT_EQ(read_file(library.results()), whole);
+  EXPECT_THAT(library.sweep(true), ElementsAre(0, 1, 2));
+}
+
+TEST(SweepFile, MendsALastLineThatWasCutAnywhere) {
+  const ThreeNeedles library;
+  library.sweep();
+  const std::string whole = read_file(library.results());
+  const std::size_t last = whole.rfind('\n', whole.size() - 2) + 1;
+  for (std::size_t length = last; length < whole.size(); length += 1 + (whole.size() - length) / 40) {
+    std::ofstream(library.results()) << whole.substr(0, length);
+    const SweepInput input = library.input();
+    const auto file = library.open(input);
+    ASSERT_TRUE(file) << length << ": " << file.error().line();
+    // What lacks nothing but its end is whole.
+    const bool lost = length < whole.size() - 1;
+    EXPECT_EQ(file->left().size(), lost ? 1u : 0u) << length;
+    EXPECT_EQ(read_file(library.results()), lost ? whole.substr(0, last) : whole) << length;
+  }
+}
+
+TEST(SweepFile, ChecksAnewWhatChanged) {
+  ThreeNeedles library;
+  library.sweep();
+  library.add("b.npz", {3, 2, 1, -1});
+  EXPECT_THAT(library.sweep(), ElementsAre(1));
+  const auto later = std::filesystem::file_time_type::clock::now() + std::chrono::hours(1);
+  std::filesystem::last_write_time(library / "in/a.npz", later);
+  EXPECT_THAT(library.sweep(), ElementsAre(0));
+  library.settings.check.step.thickness = 0.1;
+  EXPECT_THAT(library.sweep(), ElementsAre(0, 1, 2));
+  // Nothing that makes it faster changes an answer.
+  library.settings.check.step.certificates = false;
+  EXPECT_THAT(library.sweep(), IsEmpty());
+}
+
+TEST(SweepFile, DropsWhatIsGoneAndKeepsWhatIsElsewhere) {
+  const ThreeNeedles library;
+  library.sweep();
+  const std::string elsewhere =
+      R"({"path":"elsewhere/x.npz","state":"still","settings":"0","bytes":1,)"
+      R"("modified":1,"seconds":0.5,"vertices":3,"triangles":1,"frames":1,"model":null})";
+  std::ofstream(library.results(), std::ios::app) << elsewhere << '\n';
+  std::filesystem::remove(library / "in/b.npz");
+  EXPECT_THAT(library.sweep(), IsEmpty());
+  EXPECT_THAT(read_file(library.results()),
+              AllOf(HasSubstr(elsewhere), HasSubstr("in/a.npz"), Not(HasSubstr("in/b.npz"))));
+}
+
+TEST(SweepFile, LeavesAloneWhatItDidNotWrite) {
+  const ThreeNeedles library;
+  for (const std::string text :
+       {"my notes", "my notes\n", "{\"path\":1}\n", "{}\n{\"pa", "{\"other\":\"json\"}\n"}) {
+    std::ofstream(library.results()) << text;
+    const auto file = library.open(library.input());
+    ASSERT_FALSE(file) << text;
+    EXPECT_THAT(file.error().line(), HasSubstr("is no result of a sweep; name another file"));
+    EXPECT_EQ(read_file(library.results()), text);
+  }
+}
+
+TEST(SweepFile, IsWrittenByOneSweepAtATime) {
+  const ThreeNeedles library;
+  const SweepInput input = library.input();
+  const auto first = library.open(input);
+  ASSERT_TRUE(first);
+  const auto second = library.open(input);
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().line(), HasSubstr("another sweep"));
+}
+
+TEST(SweepFile, ChecksNamesThatAreNoTextEveryTime) {
+  const Library library;
+  library.add("x\xff.npz", kSinking);
+  library.add("x\xfe.npz", {3, 2});
+  EXPECT_EQ(library.sweep().size(), 2u);
+  EXPECT_EQ(library.sweep().size(), 2u);
+  const std::string text = read_file(library.results());
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
+}
+
+TEST(SweepQueue, HandsOutTheLargestFirst) {
+  const std::vector<SweepMotion> motions = {
+      {"a", {}, 5, 0}, {"b", {}, 9, 0}, {"c", {}, 7, 0}, {"d", {}, 8, 0}};
+  SweepQueue queue(motions, {0, 1, 2});
+  EXPECT_EQ(queue.take(1), 1u);
+  EXPECT_EQ(queue.take(2), 2u);
+  EXPECT_EQ(queue.take(1), 0u);
+  EXPECT_EQ(queue.take(1), std::nullopt);
+}
+
+TEST(SweepQueue, GivesALostWorkersMotionToAnotherOnce) {
+  const std::vector<SweepMotion> motions = {{"a", {}, 5, 0}, {"b", {}, 9, 0}};
+  SweepQueue queue(motions, {0, 1});
+  EXPECT_EQ(queue.take(1), 1u);
+  EXPECT_EQ(queue.lose(1), std::nullopt);
+  EXPECT_EQ(queue.lose(1), std::nullopt) << "it had one motion only";
+  EXPECT_EQ(queue.take(2), 1u);
+  EXPECT_EQ(queue.lose(2), 1u) << "two workers were lost over it";
+  EXPECT_EQ(queue.take(3), 0u);
+  EXPECT_FALSE(queue.finished());
+  EXPECT_TRUE(queue.finish(3, 0));
+  EXPECT_TRUE(queue.finished());
+}
+
+TEST(SweepQueue, TakesOneAnswerWhenALostWorkerComesBack) {
+  const std::vector<SweepMotion> motions = {{"a", {}, 5, 0}};
+  SweepQueue queue(motions, {0});
+  queue.take(1);
+  queue.lose(1);
+  EXPECT_TRUE(queue.finish(1, 0));
+  EXPECT_EQ(queue.take(2), std::nullopt);
+  EXPECT_FALSE(queue.finish(2, 0));
+  EXPECT_TRUE(queue.finished());
+}
+
+TEST(SweepPage, ShowsNamesAsText) {
+  const TemporaryDirectory directory;
+  SweepRecord evil;
+  evil.path = "<script>alert(1)</script>&\"\xff.glb";
+  evil.error = "a<b";
+  SweepRecord bad;
+  bad.path = "bad.glb";
+  bad.state = SweepState::Collides;
+  bad.collisions = 7;
+  const SweepRecord records[] = {evil, bad};
+  ASSERT_TRUE(
+      write_sweep_page(directory / "page.html", records, {"foldproof sweep '<x>'", {"<dir>"}, false}));
+  const std::string page = read_file(directory / "page.html");
+  EXPECT_THAT(page, AllOf(StartsWith("<!doctype html>"), EndsWith("</html>\n")));
+  EXPECT_THAT(page, HasSubstr("&lt;script&gt;alert(1)&lt;/script&gt;&amp;&quot;\xef\xbf\xbd.glb"));
+  EXPECT_THAT(page, AllOf(HasSubstr("a&lt;b"), HasSubstr("'&lt;x&gt;'"), HasSubstr("<h1>&lt;dir&gt;</h1>")));
+  EXPECT_THAT(page, Not(HasSubstr("<script>alert")));
+  EXPECT_LT(page.find("bad.glb"), page.find("alert(1)")) << "what collides comes first";
+}
+
+TEST(SweepPage, NamesTheHashOfItsScript) {
+  const TemporaryDirectory directory;
+  ASSERT_TRUE(write_sweep_page(directory / "page.html", {}, {}));
+  std::ofstream(directory / "hash.py")
+      << "import sys, re, hashlib, base64\n"
+         "page = open(sys.argv[1]).read()\n"
+         "script = re.search('<script>(.*?)</script>', page, re.S).group(1)\n"
+         "digest = hashlib.sha256(script.encode()).digest()\n"
+         "sys.exit('sha256-' + base64.b64encode(digest).decode() not in page)\n";
+  EXPECT_EQ(std::system(("python3 " + (directory / "hash.py") + " " + (directory / "page.html")).c_str()), 0);
+}
+
+}  // namespace
+}  // namespace foldproof
