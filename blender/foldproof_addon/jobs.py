@@ -94,12 +94,16 @@ def _mark(scene, sampled, steps, frame_of, times):
     marks.put_markers(scene, counts)
     marks.show(scene)
     if not steps:
-        return f"No collision, proven, in {len(times)} poses"
+        return f"No collision, proven, in {_count(times, 'pose', 'poses')}"
     number, _, toi, _ = steps[0]
     following = times[min(number + 1, len(times) - 1)]
     first = times[number] + toi * (following - times[number])
-    text = f"Collisions in {len(counts)} frames, the first at {first:.4g}"
+    text = f"Collisions in {_count(counts, 'frame', 'frames')}, the first at {first:.4g}"
     return text + ("; some of them on faces that a modifier made of nothing" if unknown else "")
+
+
+def _count(things, one, many):
+    return f"{len(things):,} {one if len(things) == 1 else many}"
 
 
 def keyed_frames(objects):
@@ -144,4 +148,4 @@ def train(context, executable):
             arguments = [executable, "train", each.path, "-o", str(path), "--quiet"]
             yield from program.run(arguments, folder, f"Learning {each.object.name}", 0.9)
     settings.use_models = True
-    return f"Learned {len(objects)} meshes from {len(frames)} poses"
+    return f"Learned {_count(objects, 'mesh', 'meshes')} from {_count(frames, 'pose', 'poses')}"

@@ -41,35 +41,53 @@ struct Array {
   std::span<const char> bytes;
 };
 
-/// The arrays of a section are consecutive. Raw bytes after the XML, each with its size before it: what VTK
-/// calls appended data, the one encoding that neither doubles the file nor needs a decoder.
-Result<void> write_vtp(const std::string& path, std::size_t points, std::size_t polygons,
-                       std::span<const Array> arrays) {
-  auto file = FileWriter::open(path);
-  if (!file) return tl::unexpected(file.error());
-  std::string xml = fmt::format(
-      "<?xml version=\"1.0\"?>\n"
-      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-      "<PolyData>\n<Piece NumberOfPoints=\"{}\" NumberOfPolys=\"{}\">\n",
-      points, polygons);
-  std::uint64_t offset = 0;
-  for (std::size_t i = 0; i < arrays.size(); ++i) {
-    const Array& a = arrays[i];
-    if (i == 0 || std::string_view(arrays[i - 1].section) != a.section)
-      xml += fmt::format("<{}>\n", a.section);
+/// The elements that announce arrays; those of a section are consecutive. `offset`: where the bytes of the
+/// first one will be, and then those of the next one after these.
+std::string announce(std::span<const Array> arrays, std::uint64_t& offset) {
+  std::string xml;
+  std::string_view section;
+  for (const Array& a : arrays) {
+    if (section != a.section) {
+      if (!section.empty()) xml += fmt::format("</{}>\n", section);
+      section = a.section;
+      xml += fmt::format("<{}>\n", section);
+    }
+    // Only field data needs to be told its length, and there it is 1.
     xml += fmt::format(
-        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
-        a.type, a.name, a.components, offset);
-    if (i + 1 == arrays.size() || std::string_view(arrays[i + 1].section) != a.section)
-      xml += fmt::format("</{}>\n", a.section);
+        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"{} format=\"appended\" "
+        "offset=\"{}\"/>\n",
+        a.type, a.name, a.components, section == "FieldData" ? " NumberOfTuples=\"1\"" : "", offset);
     offset += sizeof(std::uint64_t) + a.bytes.size();
   }
+  return xml + fmt::format("</{}>\n", section);
+}
+
+struct Mesh {
+  std::size_t points, polygons;
+  std::span<const Array> fields, arrays;
+};
+
+/// Raw bytes after the XML, each array's with their number before them: what VTK calls appended data, the one
+/// encoding that neither makes the file larger nor needs a decoder.
+Result<void> write_vtp(const std::string& path, const Mesh& mesh) {
+  auto file = FileWriter::open(path);
+  if (!file) return tl::unexpected(file.error());
+  std::uint64_t offset = 0;
+  std::string xml =
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+      "<PolyData>\n";
+  xml += announce(mesh.fields, offset);
+  xml += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfPolys=\"{}\">\n", mesh.points, mesh.polygons);
+  xml += announce(mesh.arrays, offset);
   xml += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
   if (auto done = file->write(xml); !done) return done;
-  for (const Array& a : arrays) {
-    const std::array<std::uint64_t, 1> size{a.bytes.size()};
-    if (auto done = file->write(bytes_of(size)); !done) return done;
-    if (auto done = file->write(a.bytes); !done) return done;
+  for (const auto& arrays : {mesh.fields, mesh.arrays}) {
+    for (const Array& a : arrays) {
+      const std::array<std::uint64_t, 1> size{a.bytes.size()};
+      if (auto done = file->write(bytes_of(size)); !done) return done;
+      if (auto done = file->write(a.bytes); !done) return done;
+    }
   }
   if (auto done = file->write(std::string("\n</AppendedData>\n</VTKFile>\n")); !done) return done;
   return file->commit();
@@ -185,11 +203,13 @@ class VtkReport : public ReportWriter {
     const One<std::int32_t> substep{static_cast<std::int32_t>(step.place.substep)};
     const One<std::uint64_t> collisions{step.collisions.sum()};
     const One<double> toi{step.earliest_toi};
-    std::vector<Array> arrays{
+    const std::array<Array, 4> fields{{
         {"FieldData", "Int32", "frame", 1, bytes_of(frame)},
         {"FieldData", "Int32", "substep", 1, bytes_of(substep)},
         {"FieldData", "UInt64", "collisions", 1, bytes_of(collisions)},
         {"FieldData", "Float64", "earliest_toi", 1, bytes_of(toi)},
+    }};
+    std::vector<Array> arrays{
         {"PointData", "Int32", "object", 1, bytes_of(object_)},
         {"PointData", "Float64", "displacement", 3, bytes_of(displacement_)},
         {"CellData", "UInt8", "collides", 1, bytes_of(collides_)},
@@ -198,7 +218,7 @@ class VtkReport : public ReportWriter {
     arrays.push_back({"Points", "Float64", "Points", 3, bytes_of(positions_)});
     arrays.push_back({"Polys", "Int32", "connectivity", 1, bytes_of(topology.triangles())});
     arrays.push_back({"Polys", "Int32", "offsets", 1, bytes_of(ends_)});
-    return write_vtp(path, topology.vertex_count(), topology.triangles().size(), arrays);
+    return write_vtp(path, {topology.vertex_count(), topology.triangles().size(), fields, arrays});
   }
 
   void add_explanation(const Explanation& explanation, std::vector<Array>& arrays) {

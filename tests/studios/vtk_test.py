@@ -33,10 +33,10 @@ def sheet(cells):
     return np.column_stack([corners, np.zeros(len(corners))]), triangles
 
 
-def motion_of(offsets):
-    """Generated: a sheet with a bump in it, lifted by each of the offsets in turn."""
+def motion_of(offsets, tilt):
+    """Generated: a sheet with bumps in it, tilted, and lifted by each of the offsets in turn."""
     x, triangles = sheet(6)
-    x[:, 2] = 0.1 * np.sin(5 * x[:, 0]) * np.cos(4 * x[:, 1])
+    x[:, 2] = 0.1 * np.sin(5 * x[:, 0]) * np.cos(4 * x[:, 1]) + tilt * x[:, 0]
     return triangles, np.stack([x + [0.013 * k, 0.007 * k, z] for k, z in enumerate(offsets)])
 
 
@@ -73,7 +73,7 @@ class Vtk(unittest.TestCase):
         holder = tempfile.TemporaryDirectory()
         self.addCleanup(holder.cleanup)
         self.directory = pathlib.Path(holder.name)
-        self.motions = [motion_of([0, 0.05, 0.1, 0.15]), motion_of([0.5, 0.3, 0.12, -0.2])]
+        self.motions = [motion_of([0, 0.05, 0.1, 0.15], 0), motion_of([0.5, 0.3, 0.02, -0.04], 0.31)]
         for name, (triangles, frames) in zip("ab", self.motions):
             np.savez(self.directory / f"{name}.npz", faces=triangles, vertices=frames)
 
