@@ -10,8 +10,8 @@ namespace foldproof {
 namespace {
 
 constexpr std::size_t kWorstSteps = 4;
-// Of one panel; a picture has one or two.
-constexpr Index kWidth = 640, kHeight = 560;
+// The same for one panel as for two, so that pictures stand in rows.
+constexpr Index kWidth = 1280, kHeight = 560;
 // A closer look is worth it when collisions keep to less than this share of the whole.
 constexpr double kSmallPart = 0.2;
 
@@ -139,8 +139,8 @@ Result<std::string> Snapshots::draw(const Kept& kept) const {
   if (const auto focus = focus_on(shown, kept.marks))
     panels.push_back(shown.from({.from = *direction, .focus = focus}));
   const auto count = static_cast<Index>(panels.size());
-  const auto image = draw_picture(
-      panels, {.width = kWidth * count, .height = kHeight, .columns = count, .same_scale = false});
+  const auto image =
+      draw_picture(panels, {.width = kWidth, .height = kHeight, .columns = count, .same_scale = false});
   if (!image) return tl::unexpected(image.error());
   return png_bytes(*image);
 }
