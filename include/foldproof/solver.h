@@ -128,6 +128,10 @@ struct Candidates {
 
 struct ContactSettings {
   bool certificates = true;  ///< Leave out what certificates prove: less work, no other answers.
+  /// The same for candidates and distances. Off, as charts seldom hold with an inflation between features:
+  /// there they cost more than they save (docs/solvers.md). On, candidates are fewer and depend on earlier
+  /// calls.
+  bool certify_candidates = false;
   /// Mesh units. Pairs closer than the minimum distance plus this may count as contact. 0: 2^-30 of the
   /// largest side of the box around everything during the step.
   double tolerance = 0;
@@ -169,7 +173,7 @@ class ContactChecker {
                                       double min_distance = 0);
 
   /// Every pair that counts and whose distance is <= inflation at some time of the step; and others, whose
-  /// boxes come that near. Which others depends, with certificates, on earlier calls.
+  /// boxes come that near.
   Result<void> candidates(std::span<const double> x0, std::span<const double> x1, double inflation,
                           Candidates& out);
   /// The same in one pose.

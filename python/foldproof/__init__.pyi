@@ -231,7 +231,13 @@ class Candidates:
 @final
 class ContactChecker:
     def __init__(
-        self, mesh: CollisionMesh, *, certificates: bool = True, tolerance: float = 0.0, approach: float = 0.8
+        self,
+        mesh: CollisionMesh,
+        *,
+        certificates: bool = True,
+        certify_candidates: bool = False,
+        tolerance: float = 0.0,
+        approach: float = 0.8,
     ) -> None: ...
     def collision_free_step_size(self, x0: ArrayLike, x1: ArrayLike, min_distance: float = 0.0) -> float: ...
     def is_step_collision_free(self, x0: ArrayLike, x1: ArrayLike, min_distance: float = 0.0) -> bool: ...

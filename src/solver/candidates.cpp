@@ -65,18 +65,19 @@ template <class Look, class Take>
 Result<void> ContactChecker::Impl::find(std::span<const double> x0, std::span<const double> x1,
                                         double distance, Look look, Take take) {
   Stopwatch total, watch;
-  const StepSettings step_settings = this->step_settings(0);
+  StepSettings step_settings = this->step_settings(0);
+  step_settings.certificates = settings.certify_candidates;
   const std::span<const double> from[] = {x0}, to[] = {x1};
-  if (auto ok = scene.update(from, to, step_settings); !ok) return ok;
+  if (auto ok = near.update(from, to, step_settings); !ok) return ok;
   milliseconds.update += watch.lap();
-  scene.traverse(step_settings, distance, work);
+  near.traverse(step_settings, distance, work);
   milliseconds.traverse += watch.lap();
-  in_rounds(scene.leaf_pairs(), candidate_chunks, [&](std::size_t count) {
+  in_rounds(near.leaf_pairs(), candidate_chunks, [&](std::size_t count) {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       CandidateChunk& chunk = candidate_chunks[i];
       chunk.boxes.clear();
       for (const LeafPairRef& pair : chunk.pairs)
-        find_candidates(scene.tasks()[pair.task].traversal, pair.leaves, chunk.boxes);
+        find_candidates(near.tasks()[pair.task].traversal, pair.leaves, chunk.boxes);
       choose(chunk);
       look(chunk);
     });

@@ -16,7 +16,11 @@ struct CandidateChunk {
 
 struct ContactChecker::Impl {
   Impl(std::shared_ptr<const CollisionMesh> of, const ContactSettings& with)
-      : mesh(std::move(of)), settings(with), choice(*mesh), scene({mesh->hierarchy()}, {}, {}) {}
+      : mesh(std::move(of)),
+        settings(with),
+        choice(*mesh),
+        scene({mesh->hierarchy()}, {}, {}),
+        near({mesh->hierarchy()}, {}, {}) {}
 
   void begin() {
     work = {};
@@ -38,7 +42,8 @@ struct ContactChecker::Impl {
   std::shared_ptr<const CollisionMesh> mesh;
   ContactSettings settings;
   ContactChoice choice;
-  Scene scene;
+  Scene scene;  ///< For steps and intersections.
+  Scene near;   ///< For candidates: another gap, so other charts and another front.
   std::vector<Chunk> chunks;
   std::vector<CandidateChunk> candidate_chunks;
   StepResult step;

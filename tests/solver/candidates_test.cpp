@@ -13,7 +13,7 @@ using Keys = std::set<std::pair<Features, std::array<Index, 2>>>;
 
 ContactChecker checker_of(const Soup& soup, CollisionFilter filter, bool certificates) {
   ContactSettings settings;
-  settings.certificates = certificates;
+  settings.certify_candidates = certificates;
   return ContactChecker(std::make_shared<const CollisionMesh>(mesh_of(soup, std::move(filter))), settings);
 }
 
