@@ -1,5 +1,5 @@
-// Prints: shapes may go from the mean a standard deviation without touching themselves: yes; a step there is
-// free: yes Proves how far the shapes of a learned subspace may go; steps inside need no look at the mesh.
+// Prints: free of contact within a standard deviation: yes; on a step there: yes
+// Proves how far the shapes of a learned subspace may go; steps inside need no look at the mesh.
 #include "foldproof/reduced.h"
 
 #include <cstdio>
@@ -22,9 +22,7 @@ int main() {
   std::vector<double> p = mean;
   p[0] = 0.5 * shapes->deviations()[0];
   ReducedShape::Scratch scratch;
-  std::printf(
-      "shapes may go from the mean a standard deviation without touching themselves: %s; a step there is "
-      "free: %s\n",
-      shape->radius(0) > 1 ? "yes" : "no",
-      shape->proven_free(mean, p, scratch) == ReducedProof::Free ? "yes" : "no");
+  std::printf("free of contact within a standard deviation: %s; on a step there: %s\n",
+              shape->radius(0) > 1 ? "yes" : "no",
+              shape->proven_free(mean, p, scratch) == ReducedProof::Free ? "yes" : "no");
 }

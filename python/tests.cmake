@@ -17,7 +17,7 @@ foreach(EXAMPLE ${PYTHON_EXAMPLES})
     message(FATAL_ERROR "${EXAMPLE}: no line says '# Prints: ...'")
   endif()
   string(REGEX REPLACE "([][+.*()^$?|\\])" "\\\\\\1" PRINTS "${CMAKE_MATCH_1}")
-  string(REPLACE ";" "." PRINTS "${PRINTS}")  # it would end a list's item
+  string(REGEX REPLACE "[\\]*;" "." PRINTS "${PRINTS}")  # a semicolon would end a list's item
   set_tests_properties(python_example_${NAME} PROPERTIES ENVIRONMENT "${MODULE_PATH}"
     PASS_REGULAR_EXPRESSION "(^|\n)${PRINTS}\n")
 endforeach()
