@@ -99,7 +99,7 @@ def _mark(scene, sampled, steps, frame_of, times):
     following = times[min(number + 1, len(times) - 1)]
     first = times[number] + toi * (following - times[number])
     text = f"Collisions in {_count(counts, 'frame', 'frames')}, the first at {first:.4g}"
-    return text + ("; some of them on faces that a modifier made of nothing" if unknown else "")
+    return text + ("; some of them on faces that a modifier made by itself" if unknown else "")
 
 
 def _count(things, one, many):

@@ -8,6 +8,7 @@ DIRECTORY is empty, for the installed add-on and for what tests write.
 import json
 import os
 import pathlib
+import struct
 import subprocess
 import sys
 import time
@@ -232,6 +233,19 @@ class Addon(unittest.TestCase):
         (WORK / "models" / "Tube.model").unlink()
         self.fails(bpy.ops.foldproof.check, "There is no model of Tube: train one")
 
+    def test_a_point_cache_in_a_modifier(self):
+        """As importers leave it: the mesh stands still, and a modifier reads its points from a file."""
+        tube = bending_tube()
+        expected = [i + 1 for i, count in enumerate(program_says([tube], range(1, 12))) if count]
+        frames = np.load(WORK / "Tube-expected.npz")["vertices"].astype("<f4")
+        header = struct.pack("<12siiffi", b"POINTCACHE2\0", 1, frames.shape[1], 0, 1, len(frames))
+        (WORK / "tube.pc2").write_bytes(header + frames.tobytes())
+        tube.modifiers.clear()
+        cache = tube.modifiers.new("Cache", "MESH_CACHE")
+        cache.cache_format, cache.filepath, cache.frame_start = "PC2", str(WORK / "tube.pc2"), 1
+        bpy.ops.foldproof.check()
+        self.assertEqual(list(markers()), expected)
+
     def test_marks_stay_in_the_file(self):
         two_planes()
         bpy.ops.foldproof.check()
@@ -346,6 +360,41 @@ class Addon(unittest.TestCase):
         answer, said = self.modal(timer())
         self.assertEqual(answer, {"FINISHED"})
         self.assertEqual(list(markers()), [6])
+
+    def test_the_panel(self):
+        """Without a window nothing is drawn; that it names only what there is can be seen."""
+        icons = bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items.keys()
+        test, drawn = self, []
+
+        class Layout:
+            def prop(self, data, name):
+                getattr(data, name)
+
+            def operator(self, name, text="", icon="NONE"):
+                test.assertIn(icon, icons)
+                room, operator = name.split(".")
+                getattr(getattr(bpy.ops, room), operator).get_rna_type()
+                return types.SimpleNamespace()
+
+            def label(self, text, icon):
+                test.assertIn(icon, icons)
+                drawn.append(text)
+
+            def row(self, align=False):
+                return self
+
+            column, separator = row, lambda self: None
+
+        panel = types.SimpleNamespace(layout=Layout())
+        context = types.SimpleNamespace(
+            scene=self.scene, region=types.SimpleNamespace(width=200), preferences=bpy.context.preferences
+        )
+        self.settings.message = "what was found " * 5
+        bpy.context.preferences.addons[NAME].preferences.program = "/nowhere/foldproof"
+        addon("interface").FOLDPROOF_PT_panel.draw(panel, context)
+        self.assertIn("'/nowhere/foldproof' is not", "".join(drawn))
+        self.assertEqual("".join(drawn).count("found"), 5)
+        self.assertLess(max(map(len, drawn)), 30)
 
     def test_can_be_turned_off_and_on(self):
         show = addon("marks").show
