@@ -184,6 +184,31 @@ class Addon(unittest.TestCase):
         self.assertEqual([a.name for a in floor.data.attributes if a.name.startswith("foldproof")], [])
         self.expect_nothing_left()
 
+    def test_a_vertex_that_meets_a_face_marks_the_faces_around_it(self):
+        floor, strip = two_planes()
+        bpy.data.objects.remove(strip)
+        needle = new_object(
+            "Needle", [(0.1, 0.2, 0), (0.1, 0.25, 1), (0.15, 0.2, 1), (0.15, 0.25, 2)], [(0, 1, 2), (1, 3, 2)]
+        )
+        key(needle, "location", {1: (0, 0, 1.5), 11: (0, 0, 0)})
+        self.settings.samples = 4
+        bpy.ops.foldproof.check()
+        self.assertEqual(self.settings.message, "Collisions in 1 frame, the first at 7.667")
+        self.scene.frame_set(7)
+        self.assertEqual((marked(floor), marked(needle)), ([10], [0]))
+
+    def test_edges_that_meet_mark_the_faces_along_them(self):
+        floor, strip = two_planes()
+        bpy.data.objects.remove(strip)
+        # Its lower edge passes through the corner of square 15; its ends pass beside the floor.
+        blade = new_object(
+            "Blade", [(1.2, 0.7, 0), (0.7, 1.2, 0), (1, 1, 1), (1.2, 1.2, 2), (0.7, 1.2, 2)], [(0, 1, 2), (2, 3, 4)]
+        )
+        key(blade, "location", {1: (0, 0, 1.5), 11: (0, 0, 0)})
+        bpy.ops.foldproof.check()
+        self.scene.frame_set(7)
+        self.assertEqual((marked(floor), marked(blade)), ([15], [0]))
+
     def test_faces_that_modifiers_make_are_those_of_the_mesh(self):
         floor, strip = two_planes()
         floor.modifiers.new("Finer", "SUBSURF").subdivision_type = "SIMPLE"
