@@ -147,10 +147,9 @@ std::string pack(std::size_t number, const SweepMotion& motion) {
 
 SweepMotion unpack(const std::string& text, std::size_t& number) {
   std::vector<std::string> fields;
-  for (std::size_t at = 0; at != text.npos + 1;) {
-    const std::size_t end = text.find('\0', at);
+  for (std::size_t at = 0, end = 0; end != text.npos; at = end + 1) {
+    end = text.find('\0', at);
     fields.push_back(text.substr(at, end - at));
-    at = end + 1;
   }
   number = std::stoull(fields.at(0));
   return {
@@ -179,11 +178,11 @@ class Leader {
     return true;
   }
 
-  /// Those that never came back.
+  /// Those that fell silent and never came back.
   std::set<int> lost() const {
     std::set<int> lost;
     for (const auto& [rank, worker] : workers_) {
-      if (worker.lost) lost.insert(rank);
+      if (worker.silent) lost.insert(rank);
     }
     return lost;
   }
@@ -193,13 +192,15 @@ class Leader {
     Clock::time_point heard;
     std::optional<std::size_t> motion = {};
     double share = 0;
-    bool idle = false, lost = false, unfit = false;
+    bool idle = false, silent = false, unfit = false;
+
+    bool works() const { return !silent && !unfit; }
   };
 
   Result<void> take(const Message& message) {
     Worker& worker = workers_.at(message.rank);
     worker.heard = Clock::now();
-    worker.lost = worker.unfit;
+    worker.silent = false;
     switch (message.tag) {
       case kReady:
         worker.idle = true;
@@ -223,7 +224,6 @@ class Leader {
 
   Result<void> lose(int rank, const std::string& why) {
     Worker& worker = workers_.at(rank);
-    worker.lost = true;
     worker.idle = false;
     worker.motion.reset();
     print_error({fmt::format("rank {}", rank), why, "the other ranks do its work"});
@@ -237,19 +237,21 @@ class Leader {
   }
 
   Result<void> find_lost() {
-    for (const auto& [rank, worker] : workers_) {
-      if (worker.lost || seconds_since(worker.heard) < patience_) continue;
+    for (auto& [rank, worker] : workers_) {
+      if (worker.silent || seconds_since(worker.heard) < patience_) continue;
+      worker.silent = true;
+      if (worker.unfit) continue;
       const auto done = lose(rank, fmt::format("has not been heard of for {:g} s", patience_));
       if (!done) return done;
     }
-    if (std::all_of(workers_.begin(), workers_.end(), [](const auto& w) { return w.second.lost; }))
+    if (std::all_of(workers_.begin(), workers_.end(), [](const auto& w) { return !w.second.works(); }))
       return fail("mpirun", "no rank is left that checks", "the same command goes on from here");
     return {};
   }
 
   void give() {
     for (auto& [rank, worker] : workers_) {
-      if (!worker.idle || worker.lost) continue;
+      if (!worker.idle || !worker.works()) continue;
       worker.motion = queue_.take(rank);
       if (!worker.motion) return;
       worker.idle = false;
@@ -263,7 +265,7 @@ class Leader {
     beat_ = Clock::now();
     std::vector<std::pair<std::size_t, double> > parts;
     for (const auto& [rank, worker] : workers_) {
-      if (!worker.lost) post().send(rank, kAlive, "");
+      if (!worker.silent) post().send(rank, kAlive, "");
       if (worker.motion) parts.emplace_back(*worker.motion, worker.share);
     }
     task_.progress(parts);

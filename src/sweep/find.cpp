@@ -125,9 +125,9 @@ class Finder {
   void find_series(const std::string& path, const std::vector<std::string>& meshes) {
     std::map<std::string, std::vector<std::string>> series;
     for (const std::string& mesh : meshes) series[series_of(mesh).value_or(mesh)].push_back(mesh);
-    for (auto& [name, frames] : series) {
+    for (const auto& [name, frames] : series) {
       if (frames.size() > 1) {
-        add(frames.size() == meshes.size() ? path : name, std::move(frames));
+        add(frames.size() == meshes.size() ? path : name, frames);
       } else if (poses_) {
         add(frames[0], frames);
       } else {

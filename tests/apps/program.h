@@ -23,6 +23,7 @@ struct Outcome {
 
 struct RunOptions {
   std::string directory = ".";                    ///< Where it runs.
+  std::string program = FOLDPROOF_PROGRAM;        ///< Or one that starts it.
   int output = -1;                                ///< Takes its standard output instead of `Outcome::out`.
   std::function<void(pid_t)> while_it_runs = {};  ///< Called once, right after the start.
 };
@@ -30,7 +31,7 @@ struct RunOptions {
 inline Outcome run_program(std::vector<std::string> arguments, const RunOptions& options = {}) {
   const TemporaryDirectory capture;
   const std::string out_path = capture / "out", err_path = capture / "err";
-  arguments.insert(arguments.begin(), FOLDPROOF_PROGRAM);
+  arguments.insert(arguments.begin(), options.program);
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
@@ -46,9 +47,9 @@ inline Outcome run_program(std::vector<std::string> arguments, const RunOptions&
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out_path.c_str(), O_WRONLY | O_CREAT, 0600);
   }
   pid_t child = 0;
-  const int failed = ::posix_spawn(&child, FOLDPROOF_PROGRAM, &actions, nullptr, argv.data(), environ);
+  const int failed = ::posix_spawn(&child, options.program.c_str(), &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
-  EXPECT_EQ(failed, 0) << "could not start " << FOLDPROOF_PROGRAM;
+  EXPECT_EQ(failed, 0) << "could not start " << options.program;
   if (failed != 0) return {};
   if (options.while_it_runs) options.while_it_runs(child);
   int status = 0;

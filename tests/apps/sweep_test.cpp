@@ -169,5 +169,101 @@ TEST(Sweep, MayBeStoppedAtAnyTime) {
   EXPECT_TRUE(std::filesystem::exists(library / "page.html"));
 }
 
+#ifdef FOLDPROOF_MPIRUN
+
+/// What a person types after "mpirun", on a machine that may have fewer cores than there are ranks.
+std::vector<std::string> by_four(std::vector<std::string> sweep, std::vector<std::string> options = {}) {
+  std::vector<std::string> all = {"--allow-run-as-root", "--oversubscribe", "-n", "4"};
+  all.insert(all.end(), options.begin(), options.end());
+  all.push_back(FOLDPROOF_PROGRAM);
+  all.insert(all.end(), sweep.begin(), sweep.end());
+  return all;
+}
+
+/// Kills the process that mpirun started as `rank` in `directory`.
+void kill_rank(const std::string& directory, int rank) {
+  const std::string variable = '\0' + fmt::format("OMPI_COMM_WORLD_RANK={}", rank) + '\0';
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::error_code status;
+    const auto where = std::filesystem::read_symlink(entry.path() / "cwd", status);
+    if (status || where != std::filesystem::canonical(directory)) continue;
+    if (read_file(entry.path() / "environ").find(variable) == std::string::npos) continue;
+    ::kill(std::stoi(entry.path().filename()), SIGKILL);
+    return;
+  }
+  ADD_FAILURE() << "no rank " << rank;
+}
+
+TEST(SweepByMpi, AnswersAsOneProcessDoes) {
+  const Library library;
+  ASSERT_EQ(library.sweep({}).code, 1);
+  const Outcome found = run_program(by_four({"sweep", "lib", "-o", "mpi.jsonl", "--summary", "page.html"}),
+                                    {.directory = library.path(), .program = FOLDPROOF_MPIRUN});
+  EXPECT_EQ(found.code, 1) << found.err;
+  EXPECT_THAT(found.out, HasSubstr("motions                 4\n"));
+  EXPECT_THAT(states(library / "mpi.jsonl"), kAll);
+  EXPECT_EQ(states(library / "r.jsonl"), states(library / "mpi.jsonl"));
+  EXPECT_TRUE(std::filesystem::exists(library / "page.html"));
+}
+
+TEST(SweepByMpi, SaysOnceWhatIsWrong) {
+  const Library library;
+  const Outcome found = run_program(by_four({"sweep", "nowhere", "-o", "r.jsonl"}),
+                                    {.directory = library.path(), .program = FOLDPROOF_MPIRUN});
+  EXPECT_EQ(found.code, 2);
+  const std::string said = "foldproof: nowhere: is not there; check its name\n";
+  EXPECT_THAT(found.err, HasSubstr(said));
+  EXPECT_EQ(found.err.find("foldproof: ", found.err.find(said) + said.size()), std::string::npos)
+      << found.err;
+}
+
+TEST(SweepByMpi, DoesTheWorkOfARankThatIsKilled) {
+  const LongLibrary library(8, 60000);
+  const Outcome found =
+      run_program(by_four(library.command({"--patience", "2"}), {"--enable-recovery"}),
+                  {.directory = library.path(), .program = FOLDPROOF_MPIRUN, .while_it_runs = [&](pid_t) {
+                     library.wait_for_lines(1);
+                     kill_rank(library.path(), 2);
+                   }});
+  EXPECT_THAT(found.err, HasSubstr("rank 2: has not been heard of for 2 s; the other ranks do its work"));
+  EXPECT_THAT(found.out, HasSubstr("\n  collide               8\n")) << found.err;
+  EXPECT_EQ(library.lines(), 8u);
+}
+
+TEST(SweepByMpi, LeavesWholeLinesWhenMpirunEndsAllAfterOne) {
+  const LongLibrary library(8, 60000);
+  run_program(by_four(library.command()),
+              {.directory = library.path(), .program = FOLDPROOF_MPIRUN, .while_it_runs = [&](pid_t) {
+                 library.wait_for_lines(1);
+                 kill_rank(library.path(), 2);
+               }});
+  const std::size_t before = library.lines();
+  EXPECT_GE(before, 1u);
+  EXPECT_LT(before, 8u);
+  const Outcome rest =
+      run_program(by_four(library.command()), {.directory = library.path(), .program = FOLDPROOF_MPIRUN});
+  EXPECT_THAT(rest.out,
+              HasSubstr(fmt::format("motions                 8  ({} of them checked before)\n", before)));
+  EXPECT_EQ(library.lines(), 8u);
+}
+
+#else
+
+TEST(Sweep, SaysThatItWasBuiltWithoutMpi) {
+  const Library library;
+  ::setenv("OMPI_COMM_WORLD_SIZE", "4", 1);
+  ::setenv("OMPI_COMM_WORLD_RANK", "0", 1);
+  expect_one_line_error(library.sweep({}), "started 4 processes, but this program was built without MPI");
+  ::setenv("OMPI_COMM_WORLD_RANK", "3", 1);
+  const Outcome other = library.sweep({});
+  ::unsetenv("OMPI_COMM_WORLD_SIZE");
+  ::unsetenv("OMPI_COMM_WORLD_RANK");
+  EXPECT_EQ(other.code, 0);
+  EXPECT_EQ(other.out + other.err, "");
+  EXPECT_FALSE(std::filesystem::exists(library / "r.jsonl"));
+}
+
+#endif
+
 }  // namespace
 }  // namespace foldproof
