@@ -65,7 +65,6 @@ void add_options(CLI::App& sweep, SweepArguments& a) {
       .add_option("--patience", a.patience,
                   "With mpirun: a process not heard of for so long is lost, and others do its work [30]")
       ->type_name("SECONDS")
-      ->check(CLI::Range(0.5, 86400.0))
       ->group("Several machines");
 }
 
@@ -191,8 +190,11 @@ std::string closing(const SweepArguments& a, const SweepInput& input, const Swee
   return text;
 }
 
-Result<void> require_outputs(const SweepArguments& a) {
+Result<void> require_sense(const SweepArguments& a) {
   if (a.summary == a.output) return fail(a.output, "is named for two outputs", "give each its own file");
+  if (!(a.patience >= 1))
+    return fail("--patience", fmt::format("{} s is less than signs of life need", a.patience),
+                "give 1 or more");
   return {};
 }
 
@@ -208,7 +210,7 @@ Result<SweepInput> find_some(const SweepArguments& a) {
 
 /// What rank 0 does, or the only process.
 Result<int> lead(const SweepArguments& a, Ranks& ranks) {
-  if (const auto ok = require_outputs(a); !ok) return tl::unexpected(ok.error());
+  if (const auto ok = require_sense(a); !ok) return tl::unexpected(ok.error());
   const auto settings = load_settings(a);
   if (!settings) return tl::unexpected(settings.error());
   const auto input = find_some(a);
