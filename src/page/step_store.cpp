@@ -46,6 +46,8 @@ std::vector<Contact> contacts_of(const CheckedStep& step, Motions motions) {
     add(c, {.object_a = c.object_a, .object_b = c.object_b, .a = c.a, .b = c.b},
         contact_point(step.x0, step.x1, c));
   }
+  std::stable_sort(contacts.begin(), contacts.end(),
+                   [](const Contact& a, const Contact& b) { return a.toi < b.toi; });
   return contacts;
 }
 

@@ -49,7 +49,8 @@ class StepStore {
 
   // Preconditions: number < count(). Error: the temporary file cannot be read.
   Result<StepRecord> record(std::uint64_t number) const;
-  /// Vertex-face first, each sorted by ids; fewer than `limit` at the end.
+  /// By time of impact; at the same time vertex-face first, each sorted by ids. Fewer than `limit` at the
+  /// end.
   Result<std::vector<Contact>> contacts(std::uint64_t number, std::uint64_t offset,
                                         std::uint64_t limit) const;
   /// One per triangle.

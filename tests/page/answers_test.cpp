@@ -154,9 +154,14 @@ double distance(const Vec3& point, const std::vector<Vec3>& corners) {
   return vertex_face_closest({point, corners.front(), corners[corners.size() / 2], corners.back()}).distance;
 }
 
-/// Both lists hold the same collisions in the same order, and points lie where features meet.
-void expect_same_collisions(const Json& items, const StepResult& step, Truth& truth) {
-  ASSERT_THAT(items, SizeIs(step.vertex_face.size() + step.edge_edge.size()));
+/// Both lists hold the same collisions, the page's by time of impact; points lie where features meet.
+void expect_same_collisions(const Json& by_time, const StepResult& step, Truth& truth) {
+  ASSERT_THAT(by_time, SizeIs(step.vertex_face.size() + step.edge_edge.size()));
+  std::vector<Json> items(by_time.begin(), by_time.end());
+  EXPECT_TRUE(std::ranges::is_sorted(items, {}, [](const Json& item) { return item["toi"].get<double>(); }));
+  std::ranges::sort(items, {}, [](const Json& item) {
+    return Json{item["kind"] != "vf", item["object_a"], item["a"], item["object_b"], item["b"]};
+  });
   const auto near = [&](const Json& item, double toi, const std::vector<Vec3>& a,
                         const std::vector<Vec3>& b) {
     const Vec3 point(item["point"][0], item["point"][1], item["point"][2]);

@@ -111,7 +111,6 @@ export class PairStore {
     pairs.total = answer.total;
     pairs.items.push(...answer.items);
     pairs.complete = answer.items.length === 0 || pairs.items.length >= Math.min(answer.total, kMostListed);
-    if (pairs.complete) pairs.items.sort((a, b) => a.toi - b.toi);
     this.kept.delete(step);
     this.kept.set(step, pairs);
     if (this.kept.size > kKept) this.kept.delete(this.kept.keys().next().value as number);
