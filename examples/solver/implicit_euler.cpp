@@ -10,6 +10,7 @@ namespace {
 constexpr double kTimeStep = 0.01, kGravity = -9.81;
 constexpr Barrier kBarrier{0.006, 2e-3};
 constexpr int kMostNewtonSteps = 12, kMostHalvings = 12;
+constexpr double kKept = 0.85;               // of its velocity by a vertex in contact: friction, roughly
 constexpr double kStill = 2e-3 * kTimeStep;  // m: a Newton step below it ends the search
 
 foldproof::ContactSettings with_certificates(bool on) {
@@ -174,6 +175,11 @@ StepReport ImplicitEuler::step() {
   while (report.newton_steps < kMostNewtonSteps && newton_step(report)) {
   }
   for (std::size_t i = 0; i < x_.size(); ++i) velocity_[i] = (x_[i] - start[i]) / kTimeStep;
+  std::vector<double> kept(scene_.vertex_count(), 1);
+  for (const Contact& c : contacts_) {
+    for (const Index v : c.vertices) kept[v] = kKept;
+  }
+  for (std::size_t i = 0; i < x_.size(); ++i) velocity_[i] *= kept[i / 3];
   report.contacts = contacts_.size();
   return report;
 }

@@ -83,13 +83,14 @@ int main(int argument_count, char** arguments) {
               scene.springs.size());
 
   const double start = processor_time();
-  int newton_steps = 0, looked = 0, bad = checker.intersects(scene.x);
+  int newton_steps = 0, looked = 0, shortened = 0, bad = checker.intersects(scene.x);
   std::size_t most_contacts = 0;
   for (int step = 1; step <= options.steps; ++step) {
     const StepReport report = solver.step();
     newton_steps += report.newton_steps;
     most_contacts = std::max(most_contacts, report.contacts);
     bad += !report.collision_free;
+    shortened += report.least_share < 1;
     if (step % options.look_every == 0) {
       ++looked;
       bad += checker.intersects(solver.positions());
@@ -103,8 +104,9 @@ int main(int argument_count, char** arguments) {
   }
   const double seconds = processor_time() - start;
 
-  std::printf("%d steps, %d Newton steps, at most %zu contacts\n", options.steps, newton_steps,
-              most_contacts);
+  std::printf(
+      "%d steps, %d Newton steps, at most %zu contacts; in %d steps a Newton step was cut short of contact\n",
+      options.steps, newton_steps, most_contacts, shortened);
   print_shares(checker, seconds);
   if (checker.disagreements() != 0)
     std::printf("%d answers differ without certificates\n", checker.disagreements());
