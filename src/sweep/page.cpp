@@ -132,7 +132,7 @@ Result<void> write_sweep_page(const std::string& path, std::span<const SweepReco
   if (!opened) return tl::unexpected(opened.error());
   TextFile file(std::move(*opened));
   add_head(file, records, info);
-  file.add("<table>\n<thead><tr><th>motion</th><th>state</th><th>colliding pairs</th><th>{0} with</th>",
+  file.add("<table>\n<thead><tr><th>motion</th><th>state</th><th>colliding pairs</th><th>colliding {0}</th>",
            info.poses ? "poses" : "steps");
   file.add("<th>{}</th><th>first frame</th><th>worst frame</th><th>vertices</th>",
            info.poses ? "poses" : "steps");
