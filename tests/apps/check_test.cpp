@@ -195,6 +195,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Mistake{{"check", "sink", "--csv", "no/where.csv"}, "no/where.csv"},
                       Mistake{{"check", "sink", "--ply", "no/where.ply"}, "no/where.ply"},
                       Mistake{{"check", "sink", "--ply", "a%s.ply"}, "a%s.ply"},
+                      Mistake{{"check", "sink", "--vtk", "a.vtp"}, "a.vtp"},
+                      Mistake{{"check", "sink", "--vtk", "no/where.pvd"}, "no/where.pvd"},
                       Mistake{{"check", "sink", "--json", "sink"}, "sink"},
                       Mistake{{"check", "sink", "--json", "x", "--csv", "x"}, "x: is named for two outputs"},
                       Mistake{{"check", "sink", "--json", "/dev/full"}, "/dev/full"},
@@ -235,9 +237,9 @@ TEST_P(CheckInterrupted, LeavesNoPartialFile) {
     ::kill(child, GetParam());
   };
   // Far too many steps to finish.
-  const Outcome outcome = run_program(
-      {"check", "sink", "--substeps", "4000000000", "--json", "a.json", "--csv", "a.csv", "--ply", "a.ply"},
-      options);
+  const Outcome outcome = run_program({"check", "sink", "--substeps", "4000000000", "--json", "a.json",
+                                       "--csv", "a.csv", "--ply", "a.ply", "--vtk", "a.pvd"},
+                                      options);
   EXPECT_EQ(outcome.signal, 0);
   EXPECT_EQ(outcome.code, 130);
   EXPECT_THAT(outcome.err, StartsWith("foldproof: interrupted: after "));
