@@ -19,6 +19,12 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+/// A file that others are writing to, or may not be there yet.
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
 /// Names and states, sorted, of a whole file of results.
 std::vector<std::string> states(const std::string& path) {
   std::vector<std::string> all;
@@ -62,7 +68,7 @@ TEST(Sweep, ChecksALibraryAndGoesOn) {
               AllOf(HasSubstr("motions                 4\n"), HasSubstr("\n  collide               2\n"),
                     HasSubstr("\n  could not be read     1\n"),
                     HasSubstr("\n  lib/sink: 3 pairs in 2 of 4 steps, the first in frame 1\n"),
-                    HasSubstr("\n  lib/broken.glb: "), Not(HasSubstr("before"))));
+                    HasSubstr("\n  lib/broken.glb, byte 2: "), Not(HasSubstr("before"))));
   EXPECT_THAT(states(library / "r.jsonl"), kAll);
   EXPECT_THAT(read_file(library / "page.html"),
               HasSubstr("foldproof sweep lib -o r.jsonl --summary page.html"));
@@ -130,11 +136,11 @@ struct LongLibrary : TemporaryDirectory {
   void wait_for_lines(std::size_t count) const {
     const auto start = std::chrono::steady_clock::now();
     while (std::chrono::steady_clock::now() - start < 20s) {
-      const std::string text = read_file(*this / "r.jsonl");
+      const std::string text = text_of(*this / "r.jsonl");
       if (static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) >= count) return;
       std::this_thread::sleep_for(2ms);
     }
-    ADD_FAILURE() << "no " << count << " lines after 20 s";
+    ADD_FAILURE() << count << " lines did not come in 20 s";
   }
 
   std::vector<std::string> command(std::vector<std::string> more = {}) const {
@@ -172,8 +178,9 @@ TEST(Sweep, MayBeStoppedAtAnyTime) {
 #ifdef FOLDPROOF_MPIRUN
 
 /// What a person types after "mpirun", on a machine that may have fewer cores than there are ranks.
-std::vector<std::string> by_four(std::vector<std::string> sweep, std::vector<std::string> options = {}) {
-  std::vector<std::string> all = {"--allow-run-as-root", "--oversubscribe", "-n", "4"};
+std::vector<std::string> by_ranks(const char* count, std::vector<std::string> sweep,
+                                  std::vector<std::string> options = {}) {
+  std::vector<std::string> all = {"--allow-run-as-root", "--oversubscribe", "-n", count};
   all.insert(all.end(), options.begin(), options.end());
   all.push_back(FOLDPROOF_PROGRAM);
   all.insert(all.end(), sweep.begin(), sweep.end());
@@ -187,7 +194,7 @@ void kill_rank(const std::string& directory, int rank) {
     std::error_code status;
     const auto where = std::filesystem::read_symlink(entry.path() / "cwd", status);
     if (status || where != std::filesystem::canonical(directory)) continue;
-    if (read_file(entry.path() / "environ").find(variable) == std::string::npos) continue;
+    if (text_of(entry.path() / "environ").find(variable) == std::string::npos) continue;
     ::kill(std::stoi(entry.path().filename()), SIGKILL);
     return;
   }
@@ -197,8 +204,9 @@ void kill_rank(const std::string& directory, int rank) {
 TEST(SweepByMpi, AnswersAsOneProcessDoes) {
   const Library library;
   ASSERT_EQ(library.sweep({}).code, 1);
-  const Outcome found = run_program(by_four({"sweep", "lib", "-o", "mpi.jsonl", "--summary", "page.html"}),
-                                    {.directory = library.path(), .program = FOLDPROOF_MPIRUN});
+  const Outcome found =
+      run_program(by_ranks("4", {"sweep", "lib", "-o", "mpi.jsonl", "--summary", "page.html"}),
+                  {.directory = library.path(), .program = FOLDPROOF_MPIRUN});
   EXPECT_EQ(found.code, 1) << found.err;
   EXPECT_THAT(found.out, HasSubstr("motions                 4\n"));
   EXPECT_THAT(states(library / "mpi.jsonl"), kAll);
@@ -208,7 +216,7 @@ TEST(SweepByMpi, AnswersAsOneProcessDoes) {
 
 TEST(SweepByMpi, SaysOnceWhatIsWrong) {
   const Library library;
-  const Outcome found = run_program(by_four({"sweep", "nowhere", "-o", "r.jsonl"}),
+  const Outcome found = run_program(by_ranks("2", {"sweep", "nowhere", "-o", "r.jsonl"}),
                                     {.directory = library.path(), .program = FOLDPROOF_MPIRUN});
   EXPECT_EQ(found.code, 2);
   const std::string said = "foldproof: nowhere: is not there; check its name\n";
@@ -218,9 +226,9 @@ TEST(SweepByMpi, SaysOnceWhatIsWrong) {
 }
 
 TEST(SweepByMpi, DoesTheWorkOfARankThatIsKilled) {
-  const LongLibrary library(8, 60000);
+  const LongLibrary library(8, 30000);
   const Outcome found =
-      run_program(by_four(library.command({"--patience", "2"}), {"--enable-recovery"}),
+      run_program(by_ranks("4", library.command({"--patience", "2"}), {"--enable-recovery"}),
                   {.directory = library.path(), .program = FOLDPROOF_MPIRUN, .while_it_runs = [&](pid_t) {
                      library.wait_for_lines(1);
                      kill_rank(library.path(), 2);
@@ -231,8 +239,8 @@ TEST(SweepByMpi, DoesTheWorkOfARankThatIsKilled) {
 }
 
 TEST(SweepByMpi, LeavesWholeLinesWhenMpirunEndsAllAfterOne) {
-  const LongLibrary library(8, 60000);
-  run_program(by_four(library.command()),
+  const LongLibrary library(8, 30000);
+  run_program(by_ranks("4", library.command()),
               {.directory = library.path(), .program = FOLDPROOF_MPIRUN, .while_it_runs = [&](pid_t) {
                  library.wait_for_lines(1);
                  kill_rank(library.path(), 2);
@@ -240,8 +248,8 @@ TEST(SweepByMpi, LeavesWholeLinesWhenMpirunEndsAllAfterOne) {
   const std::size_t before = library.lines();
   EXPECT_GE(before, 1u);
   EXPECT_LT(before, 8u);
-  const Outcome rest =
-      run_program(by_four(library.command()), {.directory = library.path(), .program = FOLDPROOF_MPIRUN});
+  const Outcome rest = run_program(by_ranks("4", library.command()),
+                                   {.directory = library.path(), .program = FOLDPROOF_MPIRUN});
   EXPECT_THAT(rest.out,
               HasSubstr(fmt::format("motions                 8  ({} of them checked before)\n", before)));
   EXPECT_EQ(library.lines(), 8u);
