@@ -142,9 +142,11 @@ struct StaticResult {
 /// units.
 using Positions = std::span<const std::span<const double>>;
 
-/// Answers queries on a fixed set of objects. Owns the scratch, so a second step of the same size allocates
-/// nothing; with certificates, once charts are drawn and no more are wanted. Use one checker per thread.
-/// Threads inside a query come from oneTBB: limit them with tbb::global_control or a task arena of your own.
+/// Answers queries on a fixed set of objects; thousands may share one hierarchy and its charts, and only
+/// those whose boxes are near each other are looked at in pairs. Owns the scratch, so a second step of the
+/// same size allocates nothing; with certificates, once charts are drawn and no more are wanted. Use one
+/// checker per thread. Threads inside a query come from oneTBB: limit them with tbb::global_control or a task
+/// arena of your own.
 class StepChecker {
  public:
   /// `charts`: trained charts for each object, null where there are none; or empty. Their hierarchies are the
@@ -189,9 +191,9 @@ void place_vertices(const ReducedMotion& motion, const ReducedPose& pose, std::s
 
 /// Answers queries on objects that move in reduced coordinates. It looks at no vertex where nothing is near:
 /// its cost does not depend on the size of the meshes. An object so far from every centre that balls leave
-/// more than two pairs of nodes open per leaf is looked at as StepChecker does, with charts, once its vertices
-/// have been computed. Owns scratch of the meshes' size; a second step of the same kind and size allocates
-/// nothing, where charts are drawn, once no more are wanted. One checker per thread.
+/// more than two pairs of nodes open per leaf is looked at as StepChecker does, with charts, once its
+/// vertices have been computed. Owns scratch of the meshes' size; a second step of the same kind and size
+/// allocates nothing, where charts are drawn, once no more are wanted. One checker per thread.
 class ReducedChecker {
  public:
   /// `charts`: as StepChecker's.

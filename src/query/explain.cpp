@@ -58,20 +58,19 @@ std::uint64_t Scene::count_near_leaves(const StepSettings& settings, double dist
     foldproof::traverse(traversal, start, local.stack, local.counted);
     count += local.counted.leaf_pairs.size();
   };
-  for (Index a = 0; a < trees_.size(); ++a) {
+  for (Index a = 0; settings.within && a < trees_.size(); ++a) {
     const auto nodes = hierarchy(a).nodes();
-    if (settings.within) {
-      count += hierarchy(a).leaf_count();
-      const Traversal traversal{&trees_[a], &trees_[a], margin};
-      tbb::parallel_for(Index{0}, static_cast<Index>(nodes.size()), [&](Index n) {
-        if (!nodes[n].is_leaf()) follow(traversal, {n + 1, nodes[n].right});
-      });
-    }
-    if (settings.between) {
-      tbb::parallel_for(a + 1, static_cast<Index>(trees_.size()), [&](Index b) {
-        follow({&trees_[a], &trees_[b], margin}, {0, 0});
-      });
-    }
+    count += hierarchy(a).leaf_count();
+    const Traversal traversal{&trees_[a], &trees_[a], margin};
+    tbb::parallel_for(Index{0}, static_cast<Index>(nodes.size()), [&](Index n) {
+      if (!nodes[n].is_leaf()) follow(traversal, {n + 1, nodes[n].right});
+    });
+  }
+  if (settings.between) {
+    const auto near = near_objects(margin);
+    tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t k) {
+      follow({&trees_[near[k][0]], &trees_[near[k][1]], margin}, {0, 0});
+    });
   }
   return count;
 }

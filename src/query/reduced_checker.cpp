@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "query/broad_phase.h"
 #include "query/reduced_scene.h"
 #include "query/scene.h"
 
@@ -21,7 +22,9 @@ struct ReducedChecker::Impl {
   std::vector<std::shared_ptr<const ChartLibrary>> charts;  // per object, null where there are none
   std::vector<std::unique_ptr<Scene>> scenes;  // per object; null until all of its vertices were needed
   std::vector<KineticTree> trees;
-  std::vector<TraversalTask> tasks;  // one per object, one per two objects
+  std::vector<TraversalTask> tasks;  // one per object, then one per two objects near each other
+  BroadPhase broad_phase;
+  std::vector<SweptBox> object_boxes;
   std::vector<LeafPairRef> leaf_pairs;
   std::vector<Chunk> chunks;
   std::vector<NodePair> stack;
@@ -32,6 +35,9 @@ struct ReducedChecker::Impl {
   Result<void> traverse_vertices(Index task, double distance, const StepSettings& settings, Work& work);
   Result<void> traverse_within(Index task, double distance, const StepSettings& settings, Work& work);
   void traverse_between(Index task, double distance, Work& work);
+  std::span<const BroadPhase::Pair> near_objects(double distance);
+  Result<void> traverse_objects(const Frame& frame, double distance, const StepSettings& settings,
+                                Work& work);
   bool traverse(Index task, NodePair start, double distance, std::uint64_t most_tests, Work& work);
   std::uint64_t most_tests(Index task) const;
   void fill_features(const Frame& frame, double distance);
@@ -47,14 +53,6 @@ ReducedChecker::ReducedChecker(std::vector<std::shared_ptr<const ReducedShape>> 
   for (auto& shape : objects) {
     impl_->trees.emplace_back(shape->motion()->hierarchy());
     impl_->objects.emplace_back(std::move(shape));
-  }
-  for (Index a = 0; a < impl_->trees.size(); ++a) {
-    for (Index b = a; b < impl_->trees.size(); ++b) {
-      TraversalTask& task = impl_->tasks.emplace_back();
-      task.object_a = a;
-      task.object_b = b;
-      task.traversal = {&impl_->trees[a], &impl_->trees[b], 0};
-    }
   }
 }
 ReducedChecker::~ReducedChecker() = default;
@@ -170,6 +168,37 @@ void ReducedChecker::Impl::traverse_between(Index task, double distance, Work& w
   traverse(task, {0, 0}, distance, std::numeric_limits<std::uint64_t>::max(), work);
 }
 
+// By the roots' boxes.
+std::span<const BroadPhase::Pair> ReducedChecker::Impl::near_objects(double distance) {
+  object_boxes.clear();
+  for (ReducedObject& object : objects) {
+    const ReducedBox& root = object.box(0);
+    SweptBox& box = object_boxes.emplace_back();
+    Eigen::Map<Vec3>(box.low.data()) = root.low[0].cwiseMin(root.low[1]);
+    Eigen::Map<Vec3>(box.high.data()) = root.high[0].cwiseMax(root.high[1]);
+  }
+  return broad_phase.pairs(object_boxes, distance);
+}
+
+Result<void> ReducedChecker::Impl::traverse_objects(const Frame& frame, double distance,
+                                                    const StepSettings& settings, Work& work) {
+  const auto near = settings.between ? near_objects(distance) : std::span<const BroadPhase::Pair>{};
+  const std::size_t count = objects.size() + near.size();
+  if (tasks.size() < count) tasks.resize(count);
+  for (Index k = 0; k < count; ++k) {
+    const auto [a, b] = k < objects.size() ? BroadPhase::Pair{k, k} : near[k - objects.size()];
+    tasks[k].object_a = a;
+    tasks[k].object_b = b;
+    tasks[k].traversal = {&trees[a], &trees[b], separation_margin(frame, distance)};
+    if (a != b) {
+      traverse_between(k, distance, work);
+    } else if (settings.within) {
+      if (auto ok = traverse_within(k, distance, settings, work); !ok) return ok;
+    }
+  }
+  return {};
+}
+
 // Drops pairs of leaves that are apart once their vertices are known.
 void ReducedChecker::Impl::fill_features(const Frame& frame, double distance) {
   const auto is_filled = [&](const LeafPairRef& pair) {
@@ -216,16 +245,7 @@ Result<void> ReducedChecker::check(std::span<const ReducedPose> begin, std::span
   const double distance = settings.thickness + out.tolerance;
   const Frame frame = frame_around(low, high);
   m.leaf_pairs.clear();
-  for (Index k = 0; k < m.tasks.size(); ++k) {
-    const Index a = m.tasks[k].object_a, b = m.tasks[k].object_b;
-    m.tasks[k].traversal = {&m.trees[a], &m.trees[b], separation_margin(frame, distance)};
-    if (a != b || !settings.within) continue;
-    if (auto ok = m.traverse_within(k, distance, settings, out.work); !ok) return ok;
-  }
-  for (Index k = 0; k < m.tasks.size(); ++k) {
-    if (m.tasks[k].object_a != m.tasks[k].object_b && settings.between)
-      m.traverse_between(k, distance, out.work);
-  }
+  if (auto ok = m.traverse_objects(frame, distance, settings, out.work); !ok) return ok;
   m.fill_features(frame, distance);
   out.work.leaf_pairs = m.leaf_pairs.size();
   out.milliseconds.traverse = watch.lap();

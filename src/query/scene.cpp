@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <map>
 
 namespace foldproof {
 namespace {
@@ -65,9 +66,16 @@ Scene::Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
              std::vector<std::shared_ptr<const Learned>> learned) {
   charts.resize(objects.size());
   learned.resize(objects.size());
+  std::map<const Hierarchy*, std::shared_ptr<const PatchSlots>> slots_of;  // one for all instances of a mesh
   for (std::size_t i = 0; i < objects.size(); ++i) {
+    leaf_count_ += objects[i]->leaf_count();
     leaf_needed_.emplace_back(objects[i]->leaf_count(), std::uint8_t{0});
-    const auto slots = charts[i] ? charts[i]->slots() : std::make_shared<const PatchSlots>(objects[i]);
+    auto& slots = slots_of[objects[i].get()];
+    if (charts[i]) {
+      slots = charts[i]->slots();
+    } else if (!slots) {
+      slots = std::make_shared<const PatchSlots>(objects[i]);
+    }
     books_.push_back(std::make_unique<ChartBook>(slots, std::move(charts[i])));
     const bool predicted = learned[i] && learned[i]->certificates;
     beliefs_.push_back(
@@ -113,6 +121,24 @@ Result<void> Scene::predict(Positions x0, Positions x1, const StepSettings& sett
     beliefs_[i]->look(x0[i], x1[i], settings.miss_rate);
   }
   return {};
+}
+
+// By the roots' boxes.
+std::span<const BroadPhase::Pair> Scene::near_objects(float margin) {
+  object_boxes_.clear();
+  for (const KineticTree& tree : trees_) {
+    constexpr double kNowhere = std::numeric_limits<double>::infinity();
+    SweptBox& box = object_boxes_.emplace_back();
+    box.low.fill(kNowhere);
+    box.high.fill(-kNowhere);
+    if (tree.boxes.empty()) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto& x = tree.boxes[0].x;
+      box.low[axis] = std::min(x[0][0][axis], x[1][0][axis]);
+      box.high[axis] = -std::min(x[0][1][axis], x[1][1][axis]);
+    }
+  }
+  return broad_phase_.pairs(object_boxes_, margin);
 }
 
 // Goes down from the root through the pairs of a node with itself. Leaves in front_ the pairs of children
@@ -163,11 +189,18 @@ Front* Scene::front_of(Index a, Index b) {
   return &fronts_[a * n + b];
 }
 
+// A share of all by size: many small objects need not be cut up.
+std::size_t Scene::enough_tasks(Index a, Index b) const {
+  const std::size_t leaves = std::size_t{hierarchy(a).leaf_count()} + hierarchy(b).leaf_count();
+  return std::max<std::size_t>(1, kEnoughTasks * leaves / (2 * leaf_count_));
+}
+
 // Deals the pairs in front_ out to tasks, or those of the last step's front when the same nodes were proven
 // as then. Else it goes down until there are enough of them; leaf pairs found on the way get a task of their
 // own.
 void Scene::start_tasks(Index a, Index b, float margin, Work& work) {
   const Traversal traversal{&trees_[a], &trees_[b], margin};
+  const std::size_t enough = enough_tasks(a, b);
   Front* front = front_of(a, b);
   const bool again = front != nullptr && front->uses_left > 0 && front->proven == proven_selves_;
   front_above_.clear();
@@ -176,7 +209,7 @@ void Scene::start_tasks(Index a, Index b, float margin, Work& work) {
     --front->uses_left;
   } else {
     above_.front = &front_above_;
-    for (int level = 0; level < 12 && !front_.empty() && front_.size() < 4 * kEnoughTasks; ++level) {
+    for (int level = 0; level < 12 && !front_.empty() && front_.size() < 4 * enough; ++level) {
       descend_once(traversal, front_, below_, above_);
     }
     if (front != nullptr) front->uses_left = kFrontUses;
@@ -185,7 +218,7 @@ void Scene::start_tasks(Index a, Index b, float margin, Work& work) {
     front->proven = proven_selves_;
     front->pairs.assign(front_above_.begin(), front_above_.end());
   }
-  const std::size_t count = std::min(kEnoughTasks, front_.size()), first = task_count_;
+  const std::size_t count = std::min(enough, front_.size()), first = task_count_;
   task_count_ += count + 1;
   if (tasks_.size() < task_count_) tasks_.resize(task_count_);
   for (std::size_t k = first; k < task_count_; ++k) {
@@ -236,16 +269,18 @@ void Scene::traverse(const StepSettings& settings, double distance, Work& work) 
   keeps_fronts_ = settings.certificates;
   task_count_ = 0;
   proven_nodes_.clear();
-  for (Index a = 0; a < trees_.size(); ++a) {
-    for (Index b = a; b < trees_.size(); ++b) {
-      if (!(a == b ? settings.within : settings.between)) continue;
+  if (settings.within) {
+    for (Index object = 0; object < trees_.size(); ++object) {
       front_.clear();
       proven_selves_.clear();
-      if (a == b) {
-        descend_selves(a, settings, gap, work);
-      } else {
-        front_.push_back({0, 0});
-      }
+      descend_selves(object, settings, gap, work);
+      start_tasks(object, object, margin, work);
+    }
+  }
+  if (settings.between) {
+    proven_selves_.clear();
+    for (const auto& [a, b] : near_objects(margin)) {
+      front_.assign(1, {0, 0});
       start_tasks(a, b, margin, work);
     }
   }

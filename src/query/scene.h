@@ -6,6 +6,7 @@
 #include "certificate/book.h"
 #include "certificate/separating_plane.h"
 #include "query/beliefs.h"
+#include "query/broad_phase.h"
 #include "query/narrow.h"
 
 namespace foldproof {
@@ -83,6 +84,8 @@ class Scene {
   void believe_selves(Index object);
   void begin_learning(const StepSettings& settings);
   void prove_selves(Index object, double gap);
+  std::span<const BroadPhase::Pair> near_objects(float margin);
+  std::size_t enough_tasks(Index a, Index b) const;
   void descend_selves(Index object, const StepSettings& settings, double gap, Work& work);
   void start_tasks(Index a, Index b, float margin, Work& work);
   Front* front_of(Index a, Index b);
@@ -102,10 +105,13 @@ class Scene {
   std::vector<std::vector<LeafProofs>> leaf_proofs_;  // per object and leaf
   Frame frame_;
   double largest_side_ = 0;
+  std::size_t leaf_count_ = 0;  // of all objects
   std::size_t steps_ = 0, last_leaf_pairs_ = 0;
   bool ask_for_planes_ =
       false;  // not in the first step: where few pairs have one, it only pays once it is known which
 
+  BroadPhase broad_phase_;
+  std::vector<SweptBox> object_boxes_;
   std::vector<TraversalTask> tasks_;
   std::size_t task_count_ = 0;
   std::vector<NodePair> front_, below_, front_above_;

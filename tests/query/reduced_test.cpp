@@ -226,6 +226,28 @@ TEST(ReducedChecker, RefusesWhatItCannotCheck) {
   EXPECT_FALSE(checker.check(good.begin, good.end, settings, answer));
 }
 
+// Bodies that share one shape, most of them far from each other.
+TEST(ReducedChecker, AnswersForTwoThousandInstances) {
+  const std::vector<ShapePointer> shapes(2000, shape_of(bending_tube(5, 6, 0.6)));
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> number(-1, 1);
+  Step step = random_step(shapes, 0.3, 0.1, random);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const Vec3 cell(static_cast<double>(i % 13), static_cast<double>(i / 13 % 13),
+                    static_cast<double>(i / 169));
+    const Vec3 axis(number(random), number(random), number(random));
+    step.begin[i].rotation = Eigen::AngleAxisd(3 * number(random), axis.normalized()).toRotationMatrix();
+    step.end[i].rotation = step.begin[i].rotation;
+    step.begin[i].translation = 9.0 * cell + Vec3(number(random), number(random), number(random));
+    step.end[i].translation =
+        step.begin[i].translation + 0.3 * Vec3(number(random), number(random), number(random));
+  }
+  const StepResult answer = expect_same_answer(shapes, step, {});
+  EXPECT_GT(pairs_in(answer), 100u);
+  EXPECT_LT(answer.work.node_tests, 100'000u);  // of two million pairs of bodies
+  fmt::print("{} collisions, {} node tests\n", pairs_in(answer), answer.work.node_tests);
+}
+
 // Separate poses of real meshes: a subspace of their shapes, and steps between them.
 class ReducedPoseSets : public ::testing::TestWithParam<const char*> {};
 
