@@ -1,4 +1,8 @@
-"""Builds the Python module with CMake when pip installs it; everything else is in pyproject.toml."""
+"""Builds the Python module with CMake when pip installs it; everything else is in pyproject.toml.
+
+FOLDPROOF_BUILD in the environment names a build directory that CMake has configured already, with FOLDPROOF_PYTHON=ON for
+this Python; then nothing is compiled that it has.
+"""
 import os
 import pathlib
 import re
@@ -15,7 +19,15 @@ ROOT = pathlib.Path(__file__).resolve().parent
 class BuildWithCMake(build_ext):
     def build_extension(self, extension):
         module = pathlib.Path(self.get_ext_fullpath(extension.name)).resolve()
-        build = pathlib.Path(self.build_temp).resolve()
+        build = pathlib.Path(os.environ.get("FOLDPROOF_BUILD") or self.build_temp).resolve()
+        if not os.environ.get("FOLDPROOF_BUILD"):
+            self.configure(build)
+        jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count()))
+        subprocess.run(["cmake", "--build", build, "-j", jobs, "--target", "foldproof_python"], check=True)
+        module.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(build / "python" / "foldproof" / module.name, module)
+
+    def configure(self, build):
         options = [f"-DPython3_EXECUTABLE={sys.executable}", "-DCMAKE_BUILD_TYPE=Release", "-DFOLDPROOF_PYTHON=ON",
                    "-DFOLDPROOF_PROGRAM=OFF", "-DFOLDPROOF_TESTS=OFF", "-DFOLDPROOF_INSTALL=OFF"]
         if shutil.which("ninja"):
@@ -23,10 +35,6 @@ class BuildWithCMake(build_ext):
         if shutil.which("ccache"):
             options.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
         subprocess.run(["cmake", "-S", ROOT, "-B", build, *options], check=True)
-        jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count()))
-        subprocess.run(["cmake", "--build", build, "-j", jobs, "--target", "foldproof_python"], check=True)
-        module.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(build / "python" / "foldproof" / module.name, module)
 
 
 version = re.search(r"project\(foldproof VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text()).group(1)

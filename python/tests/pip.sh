@@ -1,14 +1,15 @@
 #!/bin/sh
-# usage: pip.sh PYTHON SOURCE WHERE
-# Installs the module with pip, as docs/python.md says, and uses it. What the build leaves goes to WHERE, not to the sources;
-# they stay where they are, so that ccache knows them.
+# usage: pip.sh PYTHON SOURCE WHERE BUILD
+# Installs the module with pip, as docs/python.md says, and uses it. What that leaves goes to WHERE, not to the sources. BUILD has
+# compiled the module already, so that this does not take minutes.
 set -e
-python=$1 source=$2 where=$3
+python=$1 source=$2 where=$3 build=$4
 rm -rf "$where"
 mkdir -p "$where"
 printf '[build]\nbuild_base = %s\n[egg_info]\negg_base = %s\n' "$where/build" "$where" >"$where/elsewhere.cfg"
 "$python" -m venv --system-site-packages "$where/venv"
-DIST_EXTRA_CONFIG=$where/elsewhere.cfg "$where/venv/bin/pip" install --quiet --no-build-isolation --no-index "$source"
+FOLDPROOF_BUILD=$build DIST_EXTRA_CONFIG=$where/elsewhere.cfg \
+  "$where/venv/bin/pip" install --quiet --no-build-isolation --no-index "$source"
 cd "$where"
 unset PYTHONPATH
 "$where/venv/bin/python" - <<'TEXT'
