@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "foldproof/model.h"
 #include "foldproof/query.h"
 #include "oracle/brute_force.h"
 #include "query/broad_phase.h"
@@ -33,6 +34,22 @@ struct Body {
   Index vertices() const { return static_cast<Index>(x.size() / 3); }
 };
 
+/// The body in its one pose, to train on.
+struct BodyMotion : Motion {
+  Body body;
+  Topology mesh = Topology::make(body.vertices(), body.triangles).value();
+  const std::string& name() const override { return name_; }
+  const Topology& topology() const override { return mesh; }
+  Index frame_count() const override { return 1; }
+  Result<void> read_frame(Index, std::span<double> out) override {
+    std::ranges::copy(body.x, out.begin());
+    return {};
+  }
+
+ private:
+  std::string name_ = "body";
+};
+
 /// All bodies at both ends of a step: loosely in a grid, each with a motion of its own.
 struct Crowd {
   Body body;
@@ -52,13 +69,14 @@ struct Crowd {
     }
   }
 
-  StepResult as_objects(bool certificates, int steps) const {
-    auto mesh = Topology::make(body.vertices(), body.triangles);
-    const auto shared = std::make_shared<const Hierarchy>(Hierarchy::build(mesh.value(), body.x).value());
-    StepChecker checker(std::vector<std::shared_ptr<const Hierarchy>>(kBodies, shared));
+  /// All bodies have one hierarchy, and one library of charts with `model`.
+  StepResult as_objects(const Model& model, bool with_model, bool certificates) const {
+    StepChecker checker(
+        std::vector(kBodies, model.hierarchy()),
+        with_model ? std::vector(kBodies, model.charts) : std::vector<std::shared_ptr<const ChartLibrary>>{});
     const std::vector<std::span<const double>> from(x0.begin(), x0.end()), to(x1.begin(), x1.end());
     StepResult answer;
-    for (int k = 0; k < steps; ++k)
+    for (int k = 0; k < 3; ++k)  // charts and planes come into play from the second step on
       EXPECT_TRUE(checker.check(from, to, {.certificates = certificates}, answer));
     return answer;
   }
@@ -101,11 +119,16 @@ TEST(Instances, AnswerAsOneMesh) {
   const Crowd crowd(5);
   const StepResult whole = crowd.as_one_mesh();
   EXPECT_GT(whole.vertex_face.size() + whole.edge_edge.size(), 1000u);
-  for (const bool certificates : {true, false}) {
-    const StepResult answer = crowd.as_objects(certificates, certificates ? 3 : 1);
+  BodyMotion motion;
+  const TrainPose poses[] = {{&motion, 0}};
+  const auto model = train_model(poses, {.learn = false});
+  ASSERT_TRUE(model) << model.error().line();
+  for (const auto& [with_model, certificates] : {std::pair(true, true), {false, true}, {false, false}}) {
+    const StepResult answer = crowd.as_objects(*model, with_model, certificates);
     expect_same(answer.vertex_face, whole.vertex_face);
     expect_same(answer.edge_edge, whole.edge_edge);
     EXPECT_LT(answer.work.node_tests, 100'000u);  // of two million pairs of bodies
+    EXPECT_EQ(answer.work.certificate_passes > 0, certificates);
   }
 }
 
