@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "keypoints/least_squares.h"
+#include "statistics/tall.h"
 
 namespace foldproof {
 namespace {
@@ -54,8 +55,14 @@ class Chooser {
     const MatrixXd inverse = least_squares(rows_of(subspace_.basis, chosen_.vertices),
                                            shares_of_vertices(subspace_.mean, chosen_.vertices))
                                  .inverse;
-    residual_ = poses_;
-    residual_.noalias() -= subspace_.basis * (inverse * rows_of(poses_, chosen_.vertices)).eval();
+    const MatrixXd p = inverse * rows_of(poses_, chosen_.vertices);
+    residual_.resizeLike(poses_);
+    const Eigen::Index step = rows_at_a_time(p.cols());
+    for (Eigen::Index first = 0; first < poses_.rows(); first += step) {
+      const Eigen::Index rows = std::min(step, poses_.rows() - first);
+      residual_.middleRows(first, rows) =
+          poses_.middleRows(first, rows) - tall_product(subspace_.basis.middleRows(first, rows), p);
+    }
     const double numbers = static_cast<double>(residual_.size()) / 3;
     chosen_.errors.push_back(std::sqrt(residual_.squaredNorm() / numbers));
     chosen_.round_ends.push_back(static_cast<Index>(chosen_.vertices.size()));

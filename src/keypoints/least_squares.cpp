@@ -28,22 +28,65 @@ struct KeyPositions {
   }
 };
 
+// nanoflann's view of the nearest point so far: what is no nearer does not count.
+struct Bounded {
+  double squared;
+  Index nearest;
+
+  bool full() const { return true; }
+  double worstDist() const { return squared; }
+  bool addPoint(double distance, std::size_t index) {
+    if (distance < squared) squared = distance, nearest = static_cast<Index>(index);
+    return true;
+  }
+};
+
+// Finds the nearest of some vertices of a pose.
+class KeyTree {
+ public:
+  KeyTree(const VectorView& pose, std::span<const Index> vertices)
+      : positions_{pose, vertices}, tree_(3, positions_) {}
+
+  // The nearest one of a vertex; of equally near ones `guess`, if it is one of them.
+  Index nearest(std::size_t vertex, Index guess) const {
+    const double* at = positions_.pose.data() + 3 * vertex;
+    double squared = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double d = at[axis] - positions_.kdtree_get_pt(guess, axis);
+      squared += d * d;
+    }
+    Bounded result{squared, guess};
+    tree_.findNeighbors(result, at, nanoflann::SearchParams());
+    return result.nearest;
+  }
+
+ private:
+  using Metric = nanoflann::L2_Simple_Adaptor<double, KeyPositions>;
+  KeyPositions positions_;
+  nanoflann::KDTreeSingleIndexAdaptor<Metric, KeyPositions, 3> tree_;
+};
+
 }  // namespace
 
 VectorXd shares_of_vertices(const VectorView& pose, std::span<const Index> vertices) {
-  VectorXd shares = VectorXd::Zero(static_cast<Eigen::Index>(vertices.size()));
-  if (vertices.empty()) return shares;
-  const KeyPositions positions{pose, vertices};
-  using Metric = nanoflann::L2_Simple_Adaptor<double, KeyPositions>;
-  const nanoflann::KDTreeSingleIndexAdaptor<Metric, KeyPositions, 3> tree(3, positions);
-  for (Eigen::Index v = 0; v + 2 < pose.size(); v += 3) {
-    std::size_t nearest = 0;
-    double squared = 0;
-    nanoflann::KNNResultSet<double> found(1);
-    found.init(&nearest, &squared);
-    tree.findNeighbors(found, pose.data() + v, nanoflann::SearchParams());
-    shares[static_cast<Eigen::Index>(nearest)] += 1;
-  }
+  return NearestKeyPoints(pose, vertices).shares(pose);
+}
+
+NearestKeyPoints::NearestKeyPoints(const VectorView& pose, std::span<const Index> vertices)
+    : vertices_(vertices) {
+  if (vertices_.empty()) return;
+  nearest_.assign(static_cast<std::size_t>(pose.size() / 3), 0);
+  const KeyTree keys(pose, vertices_);
+  // What is nearest to one vertex is near the next one, more often than not.
+  Index guess = 0;
+  for (std::size_t v = 0; v < nearest_.size(); ++v) guess = nearest_[v] = keys.nearest(v, guess);
+}
+
+VectorXd NearestKeyPoints::shares(const VectorView& pose) const {
+  VectorXd shares = VectorXd::Zero(static_cast<Eigen::Index>(vertices_.size()));
+  if (vertices_.empty()) return shares;
+  const KeyTree keys(pose, vertices_);
+  for (std::size_t v = 0; v < nearest_.size(); ++v) shares[keys.nearest(v, nearest_[v])] += 1;
   return shares.cwiseMax(1);  // Of key points in one place, one gets all.
 }
 
@@ -73,17 +116,44 @@ LeastSquares least_squares(const MatrixXd& rows, const VectorXd& shares) {
   return solved;
 }
 
+namespace {
+
+VectorXd lengths_of(const VectorView& field) {
+  return Eigen::Map<const MatrixXd>(field.data(), 3, field.size() / 3).colwise().norm();
+}
+
+void add_lengths(const VectorXd& lengths, Index first, VertexDistance& sums) {
+  sums.mean += lengths.sum();
+  Eigen::Index at = 0;
+  const double worst = lengths.maxCoeff(&at);
+  if (!(worst > sums.worst) && sums.worst_vertex != kNoIndex) return;
+  sums.worst = worst;
+  sums.worst_vertex = first + static_cast<Index>(at);
+}
+
+}  // namespace
+
 VertexDistance vertex_lengths(const VectorView& field) {
-  const Eigen::Index vertices = field.size() / 3;
-  if (vertices == 0) return {};
-  const Eigen::Map<const MatrixXd> vectors(field.data(), 3, vertices);
-  const VectorXd lengths = vectors.colwise().norm();
-  Eigen::Index worst = 0;
+  if (field.size() < 3) return {};
   VertexDistance distance;
-  distance.worst = lengths.maxCoeff(&worst);
-  distance.worst_vertex = static_cast<Index>(worst);
-  distance.mean = lengths.mean();
+  add_lengths(lengths_of(field), 0, distance);
+  distance.mean /= static_cast<double>(field.size() / 3);
   return distance;
+}
+
+VectorXd FieldError::add(Index first, const VectorView& missed, const VectorView& cueing) {
+  vertices_ = first + static_cast<Index>(missed.size() / 3);
+  VectorXd lengths = lengths_of(missed);
+  add_lengths(lengths, first, sums_.projection);
+  add_lengths(lengths_of(cueing), first, sums_.cueing);
+  add_lengths(lengths_of(missed + cueing), first, sums_.total);
+  return lengths;
+}
+
+PoseError FieldError::take() const {
+  PoseError error = sums_;
+  for (VertexDistance* d : {&error.projection, &error.cueing, &error.total}) d->mean /= vertices_;
+  return error;
 }
 
 }  // namespace foldproof

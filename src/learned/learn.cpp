@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "keypoints/least_squares.h"
+#include "keypoints/leave_one_out.h"
 #include "learned/certificates.h"
+#include "statistics/tall.h"
 
 namespace foldproof {
 namespace {
@@ -25,7 +28,7 @@ class Learner {
     learned_.settings = settings_;
     const auto steps = {&Learner::find_subspace, &Learner::find_kernel,       &Learner::find_key_points,
                         &Learner::find_clusters, &Learner::find_certificates, &Learner::find_errors,
-                        &Learner::find_regions};
+                        &Learner::leave_out};
     std::size_t done = 0;
     for (const auto step : steps) {
       if (hooks_.cancel && hooks_.cancel->load(std::memory_order_relaxed)) {
@@ -47,17 +50,15 @@ class Learner {
           Eigen::Map<const VectorXd, 0, Eigen::InnerStride<3>>(first.data() + axis, first.size() / 3);
       learned_.size = std::max(learned_.size, along.maxCoeff() - along.minCoeff());
     }
-    auto found = pca(input_.samples, settings_.size);
-    if (!found) return tl::unexpected(found.error());
-    if (found->modes() == 0) {
+    if (auto ok = check_columns(input_.samples, "sample"); !ok) return ok;
+    if (auto ok = check_size(settings_.size); !ok) return ok;
+    span_ = span_of(input_.samples, kAllModes);
+    learned_.pca = to_pca(leading_part(span_, settings_.size));
+    if (learned_.pca.modes() == 0) {
       return fail("poses", "are all the same, so there is nothing to learn from them",
                   "give poses that differ, or train without learning");
     }
-    learned_.pca = std::move(*found);
-    learned_.coordinates.resize(learned_.pca.modes(), input_.samples.cols());
-    for (Eigen::Index k = 0; k < input_.samples.cols(); ++k) {
-      learned_.coordinates.col(k) = learned_.pca.project(input_.samples.col(k));
-    }
+    learned_.coordinates = project_all(learned_.pca, input_.samples);
     return {};
   }
 
@@ -97,15 +98,34 @@ class Learner {
   }
 
   Result<void> find_errors() {
-    const auto left_out = leave_one_out(input_.samples, settings_.size, learned_.key_points.vertices);
-    if (!left_out) return tl::unexpected(left_out.error());
-    // The predictor reads what has been learned so far, which does not change while it does.
-    const Predictor predictor(std::shared_ptr<const Learned>(std::shared_ptr<void>(), &learned_));
-    for (std::size_t k = 0; k < input_.poses.size(); ++k) {
-      learned_.poses.push_back({input_.poses[k],
-                                predictor.error(input_.samples.col(static_cast<Eigen::Index>(k))),
-                                (*left_out)[k]});
+    for (const Index pose : input_.poses) learned_.poses.push_back({pose, {}, {}});
+    const KeyPointMap map(learned_.pca, learned_.key_points.vertices);
+    MatrixXd from_keys(learned_.coordinates.rows(), learned_.coordinates.cols());
+    for (Eigen::Index k = 0; k < from_keys.cols(); ++k) {
+      from_keys.col(k) = map.coordinates(map.gather(input_.samples.col(k)));
     }
+    if (learned_.kernel) {
+      // The predictor reads what has been learned so far, which does not change while it does.
+      const Predictor predictor(std::shared_ptr<const Learned>(std::shared_ptr<void>(), &learned_));
+      for (std::size_t k = 0; k < learned_.poses.size(); ++k)
+        learned_.poses[k].trained = predictor.error(input_.samples.col(static_cast<Eigen::Index>(k)));
+      return {};
+    }
+    const MatrixXd cueing = learned_.coordinates - from_keys;
+    std::vector<FieldError> errors(learned_.poses.size());
+    const Eigen::Index step = 3 * rows_at_a_time(6 * input_.samples.cols());
+    for (Eigen::Index first = 0; first < input_.samples.rows(); first += step) {
+      const Eigen::Index rows = std::min(step, input_.samples.rows() - first);
+      const auto basis = learned_.pca.basis.middleRows(first, rows);
+      const MatrixXd best = tall_product(basis, learned_.coordinates), added = tall_product(basis, cueing);
+      const auto mean = learned_.pca.mean.segment(first, rows);
+      for (std::size_t k = 0; k < errors.size(); ++k) {
+        const auto at = static_cast<Eigen::Index>(k);
+        const VectorXd missed = input_.samples.col(at).segment(first, rows) - mean - best.col(at);
+        errors[k].add(static_cast<Index>(first / 3), missed, added.col(at));
+      }
+    }
+    for (std::size_t k = 0; k < errors.size(); ++k) learned_.poses[k].trained = errors[k].take();
     return {};
   }
 
@@ -127,50 +147,46 @@ class Learner {
     }
   }
 
-  // What the other poses make of each pose, vertex by vertex. All poses lie in their span, so subspaces of
-  // some of them are found in coordinates of the span.
-  Result<void> find_regions() {
-    const auto span = pca(input_.samples, {.modes = 0, .energy = 1});
-    if (!span) return tl::unexpected(span.error());
-    const Eigen::Index poses = input_.samples.cols();
-    const MatrixXd in_span = span->basis.transpose() * (input_.samples.colwise() - span->mean);
-    for (const Index node : region_nodes()) learned_.regions.push_back({.node = node});
-    for (Eigen::Index k = 0; k < poses; ++k) {
-      MatrixXd others(in_span.rows(), poses - 1);
-      others << in_span.leftCols(k), in_span.rightCols(poses - 1 - k);
-      const auto rest = pca(others, settings_.size);
-      if (!rest) return tl::unexpected(rest.error());
-      const VectorXd missed = in_span.col(k) - rest->rebuild(rest->project(in_span.col(k)));
-      add_to_regions(span->basis * missed, input_.poses[static_cast<std::size_t>(k)]);
-    }
-    for (LearnedRegion& region : learned_.regions) region.mean /= static_cast<double>(poses);
-    return {};
-  }
-
-  void add_to_regions(const VectorXd& missed, Index pose) {
-    for (LearnedRegion& region : learned_.regions) {
-      const Hierarchy::Node& node = hierarchy_.nodes()[region.node];
-      const Index begin = hierarchy_.leaves()[node.leaf_begin].vertices,
-                  end = hierarchy_.leaves()[node.leaf_end].vertices;
-      double sum = 0;
-      for (Index place = begin; place < end; ++place) {
-        const Index v = hierarchy_.vertex_ids()[place];
-        const double distance = missed.segment<3>(3 * Eigen::Index{v}).norm();
-        sum += distance;
-        if (distance > region.worst || (place == begin && region.worst == 0)) {
-          region.worst = distance;
-          region.worst_vertex = v;
-          region.worst_pose = pose;
-        }
+  // What the other poses make of each pose, vertex by vertex.
+  Result<void> leave_out() {
+    std::vector<Index> region_of(hierarchy_.topology().vertex_count(), kNoIndex);
+    std::vector<Index> vertices_in;
+    for (const Index node : region_nodes()) {
+      const Hierarchy::Node& n = hierarchy_.nodes()[node];
+      const Index begin = hierarchy_.leaves()[n.leaf_begin].vertices,
+                  end = hierarchy_.leaves()[n.leaf_end].vertices;
+      for (const Index v : hierarchy_.vertex_ids().subspan(begin, end - begin)) {
+        region_of[v] = static_cast<Index>(learned_.regions.size());
       }
-      if (end > begin) region.mean += sum / (end - begin);
+      learned_.regions.push_back({.node = node});
+      vertices_in.push_back(end - begin);
     }
+    const auto see = [&](Eigen::Index pose, Index first, const VectorView& lengths) {
+      for (Index k = 0; k < lengths.size(); ++k) {
+        if (region_of[first + k] == kNoIndex) continue;
+        LearnedRegion& region = learned_.regions[region_of[first + k]];
+        region.mean += lengths[k];
+        if (lengths[k] < region.worst || (lengths[k] == region.worst && region.worst > 0)) continue;
+        region.worst = lengths[k];
+        region.worst_vertex = first + k;
+        region.worst_pose = input_.poses[static_cast<std::size_t>(pose)];
+      }
+    };
+    const auto left_out =
+        leave_one_out(input_.samples, span_, settings_.size, learned_.key_points.vertices, see);
+    for (std::size_t k = 0; k < left_out.size(); ++k) learned_.poses[k].left_out = left_out[k];
+    for (std::size_t k = 0; k < vertices_in.size(); ++k) {
+      if (vertices_in[k] == 0) continue;
+      learned_.regions[k].mean /= static_cast<double>(vertices_in[k]) * static_cast<double>(left_out.size());
+    }
+    return {};
   }
 
   const Hierarchy& hierarchy_;
   const LearnInput& input_;
   const LearnSettings& settings_;
   const LearnHooks& hooks_;
+  Span span_;  // of the samples, all modes
   Learned learned_;
 };
 

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "statistics/tall.h"
+
 namespace foldproof {
 namespace {
 
@@ -17,7 +19,6 @@ using Eigen::VectorXd;
 constexpr double kSpread = 1e-7;  // Of the largest value: what a mode must have.
 constexpr double kIndependent =
     1e-3;  // Of the largest value: above, products of a Gram matrix are orthogonal.
-constexpr Eigen::Index kBlock = 1 << 17;  // Numbers that are centred at a time: a megabyte.
 
 // The samples minus their mean, made block by block, so that no second copy of all samples is needed.
 class Centred {
@@ -37,7 +38,7 @@ class Centred {
   // visit(first row, rows of the centred samples)
   template <class Visit>
   void for_rows(Visit&& visit) const {
-    const Eigen::Index step = std::max<Eigen::Index>(1, kBlock / count());
+    const Eigen::Index step = rows_at_a_time(count());
     MatrixXd block;
     for (Eigen::Index first = 0; first < size(); first += step) {
       const Eigen::Index rows = std::min(step, size() - first);
@@ -49,7 +50,7 @@ class Centred {
   // visit(first column, columns of the centred samples)
   template <class Visit>
   void for_columns(Visit&& visit) const {
-    const Eigen::Index step = std::max<Eigen::Index>(1, kBlock / size());
+    const Eigen::Index step = rows_at_a_time(size());
     MatrixXd block;
     for (Eigen::Index first = 0; first < count(); first += step) {
       const Eigen::Index columns = std::min(step, count() - first);
@@ -65,11 +66,9 @@ class Centred {
   }
 
   MatrixXd gram() const {
-    MatrixXd lower = MatrixXd::Zero(count(), count());
-    for_rows([&](Eigen::Index, const MatrixXd& rows) {
-      lower.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
-    });
-    return lower.selfadjointView<Eigen::Lower>();
+    MatrixXd gram = MatrixXd::Zero(count(), count());
+    for_rows([&](Eigen::Index, const MatrixXd& rows) { gram += tall_inner(rows, rows); });
+    return gram;
   }
 
   MatrixXd scatter() const {
@@ -83,7 +82,7 @@ class Centred {
   MatrixXd times(const MatrixXd& v) const {
     MatrixXd out(size(), v.cols());
     for_rows([&](Eigen::Index first, const MatrixXd& rows) {
-      out.middleRows(first, rows.rows()).noalias() = rows * v;
+      out.middleRows(first, rows.rows()) = tall_product(rows, v);
     });
     return out;
   }
@@ -251,6 +250,29 @@ Pca to_pca(Span span) {
   result.deviations = span.values / std::sqrt(degrees);
   result.energy = cumulative_share(span.values.cwiseAbs2(), span.total);
   return result;
+}
+
+Span leading_part(const Span& all, const SubspaceSize& size) {
+  const Eigen::Index modes = modes_wanted(all.values.cwiseAbs2(), all.total, size);
+  return {all.mean, all.directions.leftCols(modes), all.values.head(modes), all.scores.leftCols(modes),
+          all.total};
+}
+
+MatrixXd project_all(const Pca& subspace, const MatrixView& samples) {
+  const MatrixXd& basis = subspace.basis;
+  MatrixXd p = MatrixXd::Zero(basis.cols(), samples.cols()),
+           gram = MatrixXd::Zero(basis.cols(), basis.cols());
+  const Eigen::Index step = rows_at_a_time(samples.cols());
+  for (Eigen::Index first = 0; first < samples.rows(); first += step) {
+    const Eigen::Index rows = std::min(step, samples.rows() - first);
+    const auto part = basis.middleRows(first, rows);
+    const MatrixXd differences =
+        samples.middleRows(first, rows).colwise() - subspace.mean.segment(first, rows);
+    p += tall_inner(part, differences);
+    gram += tall_inner(part, part);
+  }
+  // The same step of refinement as Pca::project has.
+  return p + (p - gram * p);
 }
 
 Result<void> check_columns(const MatrixView& columns, const char* what) {

@@ -32,6 +32,11 @@ Span span_of(const MatrixView& samples, const SubspaceSize& size);
 
 /// The same as a subspace of rounded columns.
 Pca to_pca(Span span);
+/// span_of(samples, size) from span_of(samples, kAllModes).
+Span leading_part(const Span& all, const SubspaceSize& size);
+
+/// Pca::project of every sample.
+Eigen::MatrixXd project_all(const Pca& subspace, const MatrixView& samples);
 
 /// The share of a total that the first of these variances have, up to and with each.
 Eigen::VectorXd cumulative_share(const Eigen::VectorXd& variances, double total);
