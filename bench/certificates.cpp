@@ -4,16 +4,15 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <map>
 #include <set>
 
 #include "foldproof/model.h"
-#include "foldproof/query.h"
+#include "measure.h"
 #include "subdivide.h"
+#include "verify.h"
 
 namespace foldproof::bench {
 namespace {
@@ -42,12 +41,6 @@ std::vector<std::string> separate_poses(const std::string& scene) {
       {"hand-anim", {"hand/hand-poses.obj", "hand/hand-poses.pc2"}}};
   const auto found = files.find(scene);
   return found == files.end() ? std::vector<std::string>{} : found->second;
-}
-
-double now_milliseconds(bool processor_time) {
-  timespec now{};
-  clock_gettime(processor_time ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &now);
-  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) / 1e6;
 }
 
 struct Row {
@@ -92,18 +85,6 @@ class LeafOwners {
   std::vector<Index> vertex_, face_;
   std::map<Edge, Index> edge_;
 };
-
-bool same(const StepResult& a, const StepResult& b) {
-  const auto vf = [](const VertexFaceCollision& x, const VertexFaceCollision& y) {
-    return x.vertex == y.vertex && x.face == y.face && x.toi == y.toi && x.answer == y.answer;
-  };
-  const auto ee = [](const EdgeEdgeCollision& x, const EdgeEdgeCollision& y) {
-    return x.a == y.a && x.b == y.b && x.toi == y.toi && x.answer == y.answer;
-  };
-  return std::equal(a.vertex_face.begin(), a.vertex_face.end(), b.vertex_face.begin(), b.vertex_face.end(),
-                    vf) &&
-         std::equal(a.edge_edge.begin(), a.edge_edge.end(), b.edge_edge.begin(), b.edge_edge.end(), ee);
-}
 
 // Trains as a user would: on every tenth frame of the motion itself, or on other poses of the mesh.
 Result<std::shared_ptr<const ChartLibrary>> trained(const SceneInfo& scene, Motion& motion, Row& row) {
@@ -152,21 +133,21 @@ Result<void> run_steps(Motion& motion, const std::shared_ptr<const Hierarchy>& h
   StepResult result_on, result_off;
   StepLoader loader(motion);
   const LeafOwners owners(*hierarchy);
-  const Index parts = row.size == StepSize::Tenth ? 10 : 1, all = (motion.frame_count() - 1) * parts;
+  const int parts = row.size == StepSize::Tenth ? 10 : 1;
+  const Index all = (motion.frame_count() - 1) * parts;
   // What learns on the way gets its time; a motion too short for that is measured over its second half.
   const Index first = all == 1                         ? 0
                       : row.training == Training::None ? std::min(plan.learning_steps, all / 2)
                                                        : 1;
   for (Index k = 0; k < std::min(all, first + plan.steps); ++k) {
-    const int part = row.size == StepSize::Tenth ? static_cast<int>(k % parts) : -1;
-    if (auto loaded = loader.load({k / parts, part}); !loaded) return loaded;
+    if (auto loaded = loader.load({k / parts, static_cast<int>(k % parts), parts}); !loaded) return loaded;
     const std::span<const double> x0[] = {loader.x0()}, x1[] = {loader.x1()};
     const double start = now_milliseconds(plan.processor_time);
     if (auto done = without.check(x0, x1, off, result_off); !done) return done;
     const double middle = now_milliseconds(plan.processor_time);
     if (auto done = with.check(x0, x1, on, result_on); !done) return done;
     const double end = now_milliseconds(plan.processor_time);
-    if (!same(result_on, result_off))
+    if (!same_answer(result_on, result_off))
       return fail(fmt::format("{}, step {}", row.scene, k), "has another answer with certificates",
                   "report this, please");
     if (k < first) continue;
@@ -215,11 +196,9 @@ Result<Row> measure_row(const SceneInfo& scene, StepSize size, Training training
   if (*charts) {
     hierarchy = (*charts)->slots()->hierarchy();
   } else {
-    std::vector<double> x(std::size_t{3} * (*motion)->topology().vertex_count());
-    if (auto read = (*motion)->read_frame(0, x); !read) return tl::unexpected(read.error());
-    auto built = Hierarchy::build((*motion)->topology(), x);
+    auto built = build_hierarchy(**motion, {});
     if (!built) return tl::unexpected(built.error());
-    hierarchy = std::make_shared<const Hierarchy>(std::move(*built));
+    hierarchy = std::move(*built);
   }
   const auto run = size == StepSize::Full && (*motion)->frame_count() == 2 ? run_single : run_steps;
   if (auto done = run(**motion, hierarchy, *charts, plan, row); !done) return tl::unexpected(done.error());
@@ -229,7 +208,7 @@ Result<Row> measure_row(const SceneInfo& scene, StepSize size, Training training
 std::vector<std::string> cells(const Row& row) {
   const double n = row.steps;
   return {row.scene + (row.kind == SceneKind::Generated ? " (generated)" : ""),
-          row.size == StepSize::Full ? "full" : "tenth",
+          size_name(row.size),
           name_of(row.training),
           fmt::format("{}", row.references),
           fmt::format("{}", row.steps),
@@ -260,7 +239,7 @@ std::vector<std::string> mean_of(const std::vector<Row>& rows, SceneKind kind, S
                                                     : "ground truth";
   std::vector<std::string> mean(15);
   mean[0] = fmt::format("geometric mean of {:.0f} {}", count, what);
-  mean[1] = size == StepSize::Full ? "full" : "tenth";
+  mean[1] = size_name(size);
   mean[2] = name_of(training);
   mean[8] = fmt::format("{:.1f}", 100 * std::exp(removed / count));
   mean[12] = fmt::format("{:.2f}", std::exp(ratio / count));

@@ -20,8 +20,8 @@ namespace {
 
 struct Options {
   std::vector<std::string> scenes, peers;
-  std::string size = "both", json, markdown, memory_of, command;
-  bool list = false, no_memory = false, certificates = false, reduced = false;
+  std::string size = "all", json, markdown, memory_of, command;
+  bool list = false, quick = false, no_memory = false, certificates = false, reduced = false;
   int cpu = -1;
   Plan plan;
 };
@@ -29,13 +29,16 @@ struct Options {
 void add_options(CLI::App& app, Options& options) {
   Plan& plan = options.plan;
   app.add_option("--scene", options.scenes, "Scenes to run (default: all whose files are there)");
-  app.add_option("--size", options.size, "Whole steps, tenth steps or both")
-      ->check(CLI::IsMember({"full", "tenth", "both"}));
-  app.add_option("--steps", plan.sampling.steps, "Steps per scene, evenly spread")
+  app.add_option("--size", options.size,
+                 "Whole steps, steps cut into ten or a hundred, full and tenth, or all")
+      ->check(CLI::IsMember({"full", "tenth", "hundredth", "both", "all"}));
+  app.add_option("--steps", plan.sampling.steps, "Steps per scene at most, from the middle of the motion")
       ->check(CLI::Range(1, 1000000));
   app.add_flag("--all-steps", plan.sampling.all, "Every step of every scene");
-  app.add_flag("--consecutive", plan.sampling.consecutive,
-               "Steps that follow each other, as in a simulation");
+  app.add_option("--peer-steps", plan.peer_steps, "Peers run on so many of the steps")
+      ->check(CLI::Range(1, 1000000));
+  app.add_flag("--quick", options.quick,
+               "20 steps, on 4 of them only Embree's fastest variant as peer; no trained model, no memory");
   app.add_option("--rounds", plan.rounds, "Run all steps this often; a step's time is its fastest round")
       ->check(CLI::Range(1, 1000));
   app.add_flag("--processor-time", plan.processor_time,
@@ -143,6 +146,23 @@ Result<void> run_reduced(const Options& options) {
   return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
 }
 
+std::vector<StepSize> sizes_called(const std::string& name) {
+  if (name == "both") return {StepSize::Full, StepSize::Tenth};
+  std::vector<StepSize> sizes;
+  for (const StepSize size : {StepSize::Full, StepSize::Tenth, StepSize::Hundredth})
+    if (name == "all" || name == size_name(size)) sizes.push_back(size);
+  return sizes;
+}
+
+void make_quick(Options& options) {
+  Plan& plan = options.plan;
+  plan.sampling.steps = std::min<Index>(plan.sampling.steps, 20);
+  plan.peer_steps = std::min<Index>(plan.peer_steps, 4);
+  plan.one_variant = true;
+  plan.trained = plan.memory = false;
+  if (options.peers.empty()) options.peers = {"Embree"};
+}
+
 Result<void> run(Options& options) {
   if (options.list) {
     print_list();
@@ -150,7 +170,8 @@ Result<void> run(Options& options) {
   }
   Plan& plan = options.plan;
   plan.memory = !options.no_memory;
-  if (options.size != "both") plan.sizes = {options.size == "full" ? StepSize::Full : StepSize::Tenth};
+  plan.sizes = sizes_called(options.size);
+  if (options.quick) make_quick(options);
   if (plan.threads == 1 && !pin_to_one_cpu(options.cpu))
     return fail("--cpu", "the system does not let this program stay there", "name another processor");
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,

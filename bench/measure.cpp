@@ -4,17 +4,14 @@
 #include <ctime>
 #include <optional>
 
+#include "allocations.h"
+#include "floor.h"
+#include "foldproof/model.h"
 #include "memory.h"
 #include "verify.h"
 
 namespace foldproof::bench {
 namespace {
-
-double now_milliseconds(bool processor_time) {
-  timespec now{};
-  clock_gettime(processor_time ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &now);
-  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) / 1e6;
-}
 
 /// Stage times, which foldproof measures by the wall, in proportion to what the bench's clock says of the
 /// whole.
@@ -23,38 +20,59 @@ StageTimes scaled(const StageTimes& stages, double total) {
   return {total, stages.update * factor, stages.traverse * factor, stages.narrow * factor};
 }
 
+/// What is made once per motion.
+struct Prepared {
+  std::shared_ptr<const Hierarchy> hierarchy;
+  std::shared_ptr<const ChartLibrary> charts;  ///< Of the trained model, if any.
+};
+
 /// Everyone who takes part in one scene at one step size, fresh, so that nobody profits from an earlier run.
 class Race {
  public:
-  Race(Motion& motion, const Plan& plan, SceneRecord& record)
-      : plan_(plan), topology_(motion.topology()), loader_(motion), record_(record) {
+  Race(Motion& motion, const Plan& plan, const Prepared& prepared, SceneRecord& record)
+      : plan_(plan),
+        topology_(motion.topology()),
+        loader_(motion),
+        record_(record),
+        floor_(*prepared.hierarchy) {
+    runners_[0].checker.emplace(std::vector{prepared.hierarchy});
+    if (prepared.charts)
+      runners_[1].checker.emplace(std::vector{prepared.charts->slots()->hierarchy()},
+                                  std::vector{prepared.charts});
+    if (plan.plain) runners_[2].checker.emplace(std::vector{prepared.hierarchy});
     for (const PeerEntry& entry : plan.peers) {
       peers_.push_back(entry.make());
       peers_.back()->prepare(topology_);
     }
-  }
-
-  Result<void> build(Motion& motion) {
-    std::vector<double> first(std::size_t{topology_.vertex_count()} * 3);
-    if (auto read = motion.read_frame(0, first); !read) return read;
-    Result<void> built;
-    record_.build_milliseconds =
-        milliseconds_of([&] { built = foldproof_.build(topology_, first, plan_.hierarchy); });
-    return built;
+    active_.assign(peers_.size(), true);
   }
 
   Result<void> run(const std::vector<StepChoice>& steps) {
+    const auto count = static_cast<Index>(steps.size()) - 1, others = std::min(plan_.peer_steps, count);
+    // Steps on which all run; the first is one of them, for them to warm up.
+    std::vector<bool> all(steps.size());
+    all[0] = true;
+    for (Index k = 0; k < others; ++k) all[1 + (2 * k + 1) * count / (2 * others)] = true;
     for (std::size_t k = 0; k < steps.size(); ++k) {
-      if (auto loaded = loader_.load(steps[k]); !loaded) return loaded;
       StepRecord step;
-      if (auto done = run_step(step, k == 0); !done) return done;
       step.step = steps[k];
-      if (k > 0) keep(k - 1, std::move(step));
+      if (auto done = run_step(step, k == 0, all[k]); !done) return done;
+      if (k == 0) {
+        if (plan_.one_variant) keep_fastest_variants(step);
+        if (record_.first.step.parts == 0) record_.first = std::move(step);
+      } else {
+        keep(k - 1, std::move(step));
+      }
     }
     return {};
   }
 
  private:
+  struct Runner {
+    std::optional<StepChecker> checker;
+    StepResult result;
+  };
+
   template <class Call>
   double milliseconds_of(Call call) const {
     const double start = now_milliseconds(plan_.processor_time);
@@ -62,29 +80,65 @@ class Race {
     return now_milliseconds(plan_.processor_time) - start;
   }
 
-  Result<void> run_step(StepRecord& step, bool warm_up) {
-    Result<void> done;
-    step.milliseconds = milliseconds_of([&] { done = foldproof_.step(loader_.x0(), loader_.x1()); });
-    if (!done) return done;
-    const StepResult& result = foldproof_.result();
-    step.work = result.work;
-    step.stages = scaled(result.milliseconds, step.milliseconds);
+  Result<void> run_step(StepRecord& step, bool warm_up, bool all) {
+    if (auto loaded = loader_.load(step.step); !loaded) return loaded;
+    step.floor_milliseconds = milliseconds_of([&] { floor_.fit(loader_.x1()); });
+    for (const Way way : kWays) {
+      // What learns sees every step; who does not may miss some, and leaves the caches alone.
+      if (way == Way::Plain && !all) continue;
+      if (auto done = run_way(way, step); !done) return done;
+    }
+    const StepResult& result = runners_[0].result;
     step.collisions_vf = result.vertex_face.size();
     step.collisions_ee = result.edge_edge.size();
+    if (!all) return {};
+    if (plan_.plain && !same_answer(result, runners_[2].result))
+      return fail(record_.name, "has another answer with certificates", "report this, please");
     std::optional<Verifier> verifier;
     if (plan_.verify && !warm_up) verifier.emplace(topology_, loader_.x0(), loader_.x1());
+    if (auto done = run_peers(step, verifier); !done) return done;
+    return verifier ? verifier->check_answer(result) : Result<void>{};
+  }
+
+  Result<void> run_way(Way way, StepRecord& step) {
+    const auto place = static_cast<std::size_t>(way);
+    Runner& runner = runners_[place];
+    if (!runner.checker) return {};
+    StepRecord::OfFoldproof& of = step.ways[place];
+    StepSettings settings;
+    settings.certificates = way != Way::Plain;
+    const std::span<const double> x0 = loader_.x0(), x1 = loader_.x1();
+    Result<void> done;
+    const auto before = allocation_count();
+    of.milliseconds = milliseconds_of([&] {
+      done = runner.checker->check({&x0, 1}, {&x1, 1}, settings, runner.result);
+    });
+    of.allocations = allocation_count() - before;
+    of.work = runner.result.work;
+    of.stages = scaled(runner.result.milliseconds, of.milliseconds);
+    return done;
+  }
+
+  Result<void> run_peers(StepRecord& step, std::optional<Verifier>& verifier) {
     for (std::size_t p = 0; p < peers_.size(); ++p) {
+      StepRecord::OfPeer& of = step.peers.emplace_back();
+      if (!active_[p]) continue;
       const Candidates* candidates = nullptr;
-      StepRecord::OfPeer of_peer;
-      of_peer.milliseconds =
-          milliseconds_of([&] { candidates = &peers_[p]->step(loader_.x0(), loader_.x1()); });
-      of_peer.candidates_vf = candidates->vertex_face.size();
-      of_peer.candidates_ee = candidates->edge_edge.size();
-      step.peers.push_back(of_peer);
+      of.milliseconds = milliseconds_of([&] { candidates = &peers_[p]->step(loader_.x0(), loader_.x1()); });
+      of.candidates_vf = candidates->vertex_face.size();
+      of.candidates_ee = candidates->edge_edge.size();
       if (!verifier) continue;
       if (auto same = verifier->add_peer(plan_.peers[p].name, *candidates); !same) return same;
     }
-    return verifier ? verifier->check_answer(result) : done;
+    return {};
+  }
+
+  void keep_fastest_variants(const StepRecord& step) {
+    for (std::size_t p = 0; p < peers_.size(); ++p)
+      for (std::size_t q = 0; q < peers_.size(); ++q)
+        if (plan_.peers[p].family == plan_.peers[q].family &&
+            step.peers[q].milliseconds < step.peers[p].milliseconds)
+          active_[p] = false;
   }
 
   /// A later round only replaces times that it improves on.
@@ -94,20 +148,21 @@ class Race {
       return;
     }
     StepRecord& best = record_.steps[place];
-    if (step.milliseconds < best.milliseconds) {
-      best.milliseconds = step.milliseconds;
-      best.stages = step.stages;
-    }
+    best.floor_milliseconds = std::min(best.floor_milliseconds, step.floor_milliseconds);
+    for (std::size_t w = 0; w < kWays.size(); ++w)
+      if (step.ways[w].milliseconds < best.ways[w].milliseconds) best.ways[w] = step.ways[w];
     for (std::size_t p = 0; p < best.peers.size(); ++p)
-      best.peers[p].milliseconds = std::min(best.peers[p].milliseconds, step.peers[p].milliseconds);
+      best.peers[p].milliseconds = std::fmin(best.peers[p].milliseconds, step.peers[p].milliseconds);
   }
 
   const Plan& plan_;
   const Topology& topology_;
   StepLoader loader_;
   SceneRecord& record_;
-  FoldproofRunner foldproof_;
+  Floor floor_;
+  std::array<Runner, kWays.size()> runners_;  // by Way
   std::vector<std::unique_ptr<Peer>> peers_;
+  std::vector<bool> active_;
 };
 
 Result<void> measure_memory(const SceneInfo& scene, const Plan& plan, SceneRecord& record) {
@@ -123,41 +178,73 @@ Result<void> measure_memory(const SceneInfo& scene, const Plan& plan, SceneRecor
   return {};
 }
 
-}  // namespace
-
-Result<void> FoldproofRunner::build(const Topology& topology, std::span<const double> positions,
-                                    const HierarchySettings& settings) {
-  auto hierarchy = Hierarchy::build(topology, positions, settings);
-  if (!hierarchy) return tl::unexpected(hierarchy.error());
-  checker_.emplace(std::vector{std::make_shared<const Hierarchy>(std::move(*hierarchy))});
+/// Trains on every tenth frame, where there are enough of them to speak of.
+Result<void> train(Motion& motion, Prepared& prepared, SceneRecord& record) {
+  std::vector<TrainPose> poses;
+  for (Index frame = 0; frame < motion.frame_count(); frame += 10) poses.push_back({&motion, frame});
+  if (poses.size() < 2) return {};
+  TrainSettings settings;
+  settings.learn = false;
+  const double start = now_milliseconds(false);
+  auto model = train_model(poses, settings);
+  if (!model) return tl::unexpected(model.error());
+  record.train_seconds = (now_milliseconds(false) - start) / 1e3;
+  record.references = summarize(*model).references;
+  prepared.charts = model->charts;
   return {};
 }
 
-Result<void> FoldproofRunner::step(std::span<const double> x0, std::span<const double> x1) {
-  return checker_->check({&x0, 1}, {&x1, 1}, {}, result_);
+Result<void> prepare(const SceneInfo& scene, Motion& motion, const Plan& plan, Prepared& prepared,
+                     SceneRecord& record) {
+  const Topology& topology = motion.topology();
+  if (motion.frame_count() < 2) return fail(scene.name, "has a single frame", "a step needs two");
+  record.name = scene.name;
+  record.kind = scene.kind;
+  record.vertices = topology.vertex_count();
+  record.edges = static_cast<Index>(topology.edges().size());
+  record.triangles = static_cast<Index>(topology.triangles().size());
+  record.frames = motion.frame_count();
+  const double start = now_milliseconds(plan.processor_time);
+  auto hierarchy = build_hierarchy(motion, plan.hierarchy);
+  if (!hierarchy) return tl::unexpected(hierarchy.error());
+  record.build_milliseconds = now_milliseconds(plan.processor_time) - start;
+  prepared.hierarchy = std::move(*hierarchy);
+  return plan.trained ? train(motion, prepared, record) : Result<void>{};
+}
+
+}  // namespace
+
+double now_milliseconds(bool processor_time) {
+  timespec now{};
+  clock_gettime(processor_time ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) / 1e6;
+}
+
+Result<std::shared_ptr<const Hierarchy>> build_hierarchy(Motion& motion, const HierarchySettings& settings) {
+  std::vector<double> x(std::size_t{motion.topology().vertex_count()} * 3);
+  if (auto read = motion.read_frame(0, x); !read) return tl::unexpected(read.error());
+  auto hierarchy = Hierarchy::build(motion.topology(), x, settings);
+  if (!hierarchy) return tl::unexpected(hierarchy.error());
+  return std::make_shared<const Hierarchy>(std::move(*hierarchy));
 }
 
 Result<std::vector<SceneRecord>> measure(const SceneInfo& scene, const Plan& plan) {
   auto motion = open_scene(scene);
   if (!motion) return tl::unexpected(motion.error());
-  const Topology& topology = (*motion)->topology();
-  if ((*motion)->frame_count() < 2) return fail(scene.name, "has a single frame", "a step needs two");
+  Prepared prepared;
+  SceneRecord common;
+  if (auto done = prepare(scene, **motion, plan, prepared, common); !done)
+    return tl::unexpected(done.error());
   std::vector<SceneRecord> records;
   for (const StepSize size : plan.sizes) {
-    SceneRecord record;
-    record.name = scene.name;
-    record.kind = scene.kind;
+    SceneRecord record = common;
     record.size = size;
-    record.vertices = topology.vertex_count();
-    record.edges = static_cast<Index>(topology.edges().size());
-    record.triangles = static_cast<Index>(topology.triangles().size());
-    record.frames = (*motion)->frame_count();
-    {
-      Race race(**motion, plan, record);
-      if (auto built = race.build(**motion); !built) return tl::unexpected(built.error());
-      const auto steps = choose_steps(record.frames, size, plan.sampling);
-      for (int round = 0; round < plan.rounds; ++round)
-        if (auto done = race.run(steps); !done) return tl::unexpected(done.error());
+    const auto steps = choose_steps(record.frames, size, plan.sampling);
+    // A single step has no median: its fastest of some runs with new checkers counts.
+    const int rounds = steps.size() == 2 ? std::max(plan.rounds, 3) : plan.rounds;
+    for (int round = 0; round < rounds; ++round) {
+      Race race(**motion, plan, prepared, record);
+      if (auto done = race.run(steps); !done) return tl::unexpected(done.error());
     }
     if (plan.memory)
       if (auto done = measure_memory(scene, plan, record); !done) return tl::unexpected(done.error());

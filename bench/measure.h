@@ -1,6 +1,8 @@
 /// Runs foldproof and its peers on the same steps of a scene, one after the other within each step.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
@@ -12,10 +14,19 @@
 
 namespace foldproof::bench {
 
+/// Foldproof as it is used: with certificates that it finds on the way, with those of a model that was
+/// trained on every tenth frame of the motion, or with none.
+enum class Way { Certificates, Trained, Plain };
+inline constexpr std::array<Way, 3> kWays = {Way::Certificates, Way::Trained, Way::Plain};
+
 struct Plan {
   Sampling sampling;
-  std::vector<StepSize> sizes = {StepSize::Full, StepSize::Tenth};
+  std::vector<StepSize> sizes = {StepSize::Full, StepSize::Tenth, StepSize::Hundredth};
   std::vector<PeerEntry> peers;
+  Index peer_steps = 8;      ///< Peers run on this many of the steps, evenly spread.
+  bool one_variant = false;  ///< Of each family's variants only the one that is fastest on the first step.
+  bool trained = true;       ///< Foldproof also with a trained model.
+  bool plain = true;         ///< Foldproof also without certificates.
   HierarchySettings hierarchy;
   int rounds = 1;       ///< How often all steps are run. A step's time is its fastest round.
   bool verify = false;  ///< Compare the candidates of all peers with each other and with foldproof's answer.
@@ -28,15 +39,22 @@ struct Plan {
 
 struct StepRecord {
   StepChoice step;
-  double milliseconds = 0;  ///< Of the whole call, by the bench's own clock.
-  Work work;
-  StageTimes stages;
+  double floor_milliseconds = 0;
+  struct OfFoldproof {
+    double milliseconds = NAN;  ///< Of the whole call, by the bench's own clock. NAN: did not run.
+    Work work;
+    StageTimes stages;
+    std::uint64_t allocations = 0;  ///< Calls of operator new.
+  };
+  std::array<OfFoldproof, kWays.size()> ways;
+  const OfFoldproof& of(Way way) const { return ways[static_cast<std::size_t>(way)]; }
   std::uint64_t collisions_vf = 0, collisions_ee = 0;
+  std::uint64_t collisions() const { return collisions_vf + collisions_ee; }
   struct OfPeer {
-    double milliseconds = 0;
+    double milliseconds = NAN;  ///< NAN: did not run.
     std::uint64_t candidates_vf = 0, candidates_ee = 0;
   };
-  std::vector<OfPeer> peers;  ///< In the plan's order.
+  std::vector<OfPeer> peers;  ///< In the plan's order; empty when none ran on this step.
 };
 
 struct SceneRecord {
@@ -45,6 +63,9 @@ struct SceneRecord {
   StepSize size = StepSize::Full;
   Index vertices = 0, edges = 0, triangles = 0, frames = 0;
   double build_milliseconds = 0;  ///< Foldproof's hierarchy, once per topology.
+  double train_seconds = 0;       ///< Of the model, once per motion.
+  Index references = 0;           ///< Its poses; 0 when nothing was trained.
+  StepRecord first;               ///< New checkers: their scratch is made, nothing is known yet.
   std::vector<StepRecord> steps;
   std::map<std::string, double> peak_bytes;  ///< Foldproof ("foldproof") and peers by name.
 };
@@ -52,17 +73,10 @@ struct SceneRecord {
 /// Records of one scene, one per step size.
 Result<std::vector<SceneRecord>> measure(const SceneInfo& scene, const Plan& plan);
 
-/// Foldproof's side of a scene: its hierarchy and its checker.
-class FoldproofRunner {
- public:
-  Result<void> build(const Topology& topology, std::span<const double> positions,
-                     const HierarchySettings& settings);
-  Result<void> step(std::span<const double> x0, std::span<const double> x1);
-  const StepResult& result() const { return result_; }
+/// A hierarchy for a motion, from its first frame.
+Result<std::shared_ptr<const Hierarchy>> build_hierarchy(Motion& motion, const HierarchySettings& settings);
 
- private:
-  std::optional<StepChecker> checker_;
-  StepResult result_;
-};
+/// Milliseconds by the wall, or what this process got of its processors.
+double now_milliseconds(bool processor_time);
 
 }  // namespace foldproof::bench

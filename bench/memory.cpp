@@ -48,12 +48,16 @@ Result<std::vector<LoadedStep>> load_steps(Motion& motion, const MemoryTask& tas
   return loaded;
 }
 
-Result<void> run_foldproof(const Topology& topology, const std::vector<LoadedStep>& steps,
+Result<void> run_foldproof(Motion& motion, const std::vector<LoadedStep>& steps,
                            const HierarchySettings& settings) {
-  FoldproofRunner foldproof;
-  if (auto built = foldproof.build(topology, steps.front().x0, settings); !built) return built;
-  for (const LoadedStep& step : steps)
-    if (auto done = foldproof.step(step.x0, step.x1); !done) return done;
+  auto hierarchy = build_hierarchy(motion, settings);
+  if (!hierarchy) return tl::unexpected(hierarchy.error());
+  StepChecker checker({std::move(*hierarchy)});
+  StepResult result;
+  for (const LoadedStep& step : steps) {
+    const std::span<const double> x0 = step.x0, x1 = step.x1;
+    if (auto done = checker.check({&x0, 1}, {&x1, 1}, {}, result); !done) return done;
+  }
   return {};
 }
 
@@ -76,7 +80,7 @@ std::vector<std::string> arguments_for(const MemoryTask& task) {
                                         "--scene",
                                         task.scene,
                                         "--size",
-                                        task.size == StepSize::Full ? "full" : "tenth",
+                                        size_name(task.size),
                                         "--steps",
                                         std::to_string(task.sampling.steps),
                                         "--leaf",
@@ -84,7 +88,6 @@ std::vector<std::string> arguments_for(const MemoryTask& task) {
                                         "--threads",
                                         std::to_string(task.threads)};
   if (task.sampling.all) arguments.push_back("--all-steps");
-  if (task.sampling.consecutive) arguments.push_back("--consecutive");
   return arguments;
 }
 
@@ -143,7 +146,7 @@ Result<void> print_peak_bytes(const MemoryTask& task) {
   if (!reset_peak()) return fail("/proc/self/clear_refs", "cannot be written", "run with --no-memory");
   const double before = status_bytes("VmRSS");
   const Topology& topology = (*motion)->topology();
-  auto done = task.competitor == "foldproof" ? run_foldproof(topology, *steps, task.hierarchy)
+  auto done = task.competitor == "foldproof" ? run_foldproof(**motion, *steps, task.hierarchy)
                                              : run_peer(task.competitor, topology, *steps);
   if (done) fmt::print("{}\n", status_bytes("VmHWM") - before);
   return done;

@@ -2,40 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "checklist.h"
+#include "summary.h"
 #include "table.h"
 
 namespace foldproof::bench {
 namespace {
 
-double median(std::vector<double> values) {
-  if (values.empty()) return NAN;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return (*middle + *std::max_element(values.begin(), middle)) / 2;
-}
-
-/// Median over the steps of a record of whatever `value` reads from a step.
-template <class Value>
-double median_of(const SceneRecord& record, Value value) {
-  std::vector<double> values;
-  for (const StepRecord& step : record.steps) values.push_back(static_cast<double>(value(step)));
-  return median(std::move(values));
-}
-
-double geometric_mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += std::log(v);
-  return std::exp(sum / static_cast<double>(values.size()));
-}
-
 /// Three significant digits, which is what a clock on a shared machine can tell.
-std::string milliseconds(double ms) { return fmt::format("{:.{}f}", ms, ms < 10 ? 2 : ms < 100 ? 1 : 0); }
+std::string milliseconds(double ms) {
+  return fmt::format("{:.{}f}", ms, ms < 1 ? 3 : ms < 10 ? 2 : ms < 100 ? 1 : 0);
+}
 
 std::string count(double n) {
   const std::string digits = fmt::format("{:.0f}", n);
@@ -47,8 +28,6 @@ std::string count(double n) {
   return grouped;
 }
 
-const char* size_name(StepSize size) { return size == StepSize::Full ? "full" : "tenth"; }
-
 const char* kind_name(SceneKind kind) {
   return kind == SceneKind::Motion ? "motion" : kind == SceneKind::GroundTruth ? "ground truth" : "generated";
 }
@@ -57,58 +36,74 @@ std::string label(const SceneRecord& record) {
   return record.name + (record.kind == SceneKind::Generated ? " (generated)" : "");
 }
 
-std::vector<std::string> families(const Plan& plan) {
-  std::vector<std::string> names;
-  for (const PeerEntry& peer : plan.peers)
-    if (std::find(names.begin(), names.end(), peer.family) == names.end()) names.push_back(peer.family);
-  // Embree first: it is the one that the goals are stated against.
-  std::stable_partition(names.begin(), names.end(), [](const std::string& name) { return name == "Embree"; });
-  return names;
+/// `text` unless the value it was made of is none.
+std::string or_dash(double value, const std::string& text) { return std::isnan(value) ? "-" : text; }
+
+double certificates_of(const SceneRecord& record) { return foldproof_of(record, Way::Certificates); }
+
+bool any_way(const Report& report, Way way) {
+  return std::any_of(report.records.begin(), report.records.end(),
+                     [way](const SceneRecord& record) { return !std::isnan(foldproof_of(record, way)); });
 }
 
-/// A family's fastest variant on this record.
-struct Fastest {
-  std::size_t peer = 0;
-  double milliseconds = INFINITY;
-};
-Fastest fastest(const SceneRecord& record, const Plan& plan, const std::string& family) {
-  Fastest best;
-  for (std::size_t p = 0; p < plan.peers.size(); ++p) {
-    if (plan.peers[p].family != family) continue;
-    const double ms = median_of(record, [p](const StepRecord& step) { return step.peers[p].milliseconds; });
-    if (ms < best.milliseconds) best = {p, ms};
+Table main_table(const Report& report) {
+  Table table{
+      {"milliseconds a step", "step", "triangles", "steps", "colliding", "floor", "foldproof", "x floor"},
+      {}};
+  const auto embree = families(report.plan);
+  const bool trained = any_way(report, Way::Trained), plain = any_way(report, Way::Plain);
+  const bool peer = !embree.empty();
+  if (trained) table.headers.insert(table.headers.end(), {"trained", "x floor"});
+  if (plain) table.headers.push_back("no certificates");
+  table.headers.insert(table.headers.end(), {"first", "KB/triangle", "allocations"});
+  if (peer) table.headers.insert(table.headers.end(), {embree.front(), embree.front() + "/us"});
+  for (const SceneRecord& record : report.records) {
+    const double ours = certificates_of(record), floor = floor_of(record);
+    std::vector<std::string> row = {label(record),
+                                    size_name(record.size),
+                                    count(record.triangles),
+                                    count(static_cast<double>(record.steps.size())),
+                                    count(colliding_steps(record)),
+                                    milliseconds(floor),
+                                    milliseconds(ours),
+                                    fmt::format("{:.1f}", ours / floor)};
+    if (trained) {
+      const double ms = foldproof_of(record, Way::Trained);
+      row.push_back(or_dash(ms, milliseconds(ms)));
+      row.push_back(or_dash(ms, fmt::format("{:.1f}", ms / floor)));
+    }
+    if (plain) row.push_back(milliseconds(foldproof_of(record, Way::Plain)));
+    row.push_back(milliseconds(record.first.of(Way::Certificates).milliseconds));
+    const double kilobytes = kilobytes_per_triangle(record, "foldproof");
+    row.push_back(or_dash(kilobytes, fmt::format("{:.2f}", kilobytes)));
+    row.push_back(count(steady_allocations(record, Way::Certificates)));
+    if (peer) {
+      const Fastest best = fastest(record, report.plan, embree.front());
+      row.push_back(milliseconds(best.milliseconds));
+      row.push_back(fmt::format("{:.2f}", best.ratio));
+    }
+    table.rows.push_back(std::move(row));
   }
-  return best;
+  return table;
 }
 
-double foldproof_milliseconds(const SceneRecord& record) {
-  return median_of(record, [](const StepRecord& step) { return step.milliseconds; });
-}
-
-double kilobytes_per_triangle(const SceneRecord& record, const std::string& competitor) {
-  const auto peak = record.peak_bytes.find(competitor);
-  return peak == record.peak_bytes.end() ? NAN : peak->second / 1000 / record.triangles;
-}
-
-std::string or_dash(double value, const char* format) {
-  return std::isnan(value) ? "-" : fmt::format(fmt::runtime(format), value);
-}
-
-std::vector<std::string> main_row(const SceneRecord& record, const Plan& plan) {
-  std::vector<std::string> row = {label(record), size_name(record.size), count(record.triangles)};
-  row.push_back(count(median_of(record, [](const auto& s) { return s.collisions_vf + s.collisions_ee; })));
-  row.push_back(
-      count(median_of(record, [](const auto& s) { return s.work.candidates_vf + s.work.candidates_ee; })));
-  if (!plan.peers.empty())
-    row.push_back(count(median_of(
-        record, [](const auto& s) { return s.peers[0].candidates_vf + s.peers[0].candidates_ee; })));
-  row.push_back(or_dash(kilobytes_per_triangle(record, "foldproof"), "{:.2f}"));
-  const double ours = foldproof_milliseconds(record);
-  row.push_back(milliseconds(ours));
+std::vector<std::string> peer_row(const SceneRecord& record, const Plan& plan) {
+  std::vector<std::string> row = {label(record), size_name(record.size)};
+  row.push_back(count(median_of(record, [](const auto& s) { return s.collisions(); })));
+  row.push_back(count(median_of(record, [](const auto& s) {
+    const Work& work = s.of(Way::Certificates).work;
+    return work.candidates_vf + work.candidates_ee;
+  })));
+  const std::size_t any = fastest(record, plan, families(plan).front()).peer;
+  row.push_back(count(median_of(record, [any](const auto& s) {
+    return s.peers.empty() ? NAN
+                           : static_cast<double>(s.peers[any].candidates_vf + s.peers[any].candidates_ee);
+  })));
+  row.push_back(milliseconds(certificates_of(record)));
   for (const std::string& family : families(plan))
     row.push_back(milliseconds(fastest(record, plan, family).milliseconds));
   for (const std::string& family : families(plan))
-    row.push_back(fmt::format("{:.2f}", fastest(record, plan, family).milliseconds / ours));
+    row.push_back(fmt::format("{:.2f}", fastest(record, plan, family).ratio));
   return row;
 }
 
@@ -120,10 +115,9 @@ void add_mean_row(Table& table, const Report& report, const std::string& name, S
   for (const SceneRecord& record : report.records) {
     if (record.size != size || !wanted(record.kind)) continue;
     for (std::size_t c = 0; c < columns.size(); ++c)
-      ratios[c].push_back(fastest(record, report.plan, columns[c]).milliseconds /
-                          foldproof_milliseconds(record));
+      ratios[c].push_back(fastest(record, report.plan, columns[c]).ratio);
   }
-  if (ratios.empty() || ratios.front().empty()) return;
+  if (ratios.front().empty()) return;
   std::vector<std::string> row(table.headers.size() - columns.size());
   row[0] = fmt::format("geometric mean of {} {}", ratios.front().size(), name);
   row[1] = size_name(size);
@@ -131,22 +125,16 @@ void add_mean_row(Table& table, const Report& report, const std::string& name, S
   table.rows.push_back(std::move(row));
 }
 
-Table main_table(const Report& report) {
-  Table table{{"milliseconds a step", "step", "triangles", "collisions", "candidates"}, {}};
-  if (!report.plan.peers.empty()) table.headers.push_back("swept boxes");
-  table.headers.insert(table.headers.end(), {"KB/triangle", "foldproof"});
+Table peer_table(const Report& report) {
+  Table table{{"milliseconds a step", "step", "collisions", "candidates", "swept boxes", "foldproof"}, {}};
   for (const std::string& family : families(report.plan)) table.headers.push_back(family);
   for (const std::string& family : families(report.plan)) table.headers.push_back(family + "/us");
-  for (const SceneRecord& record : report.records) table.rows.push_back(main_row(record, report.plan));
+  for (const SceneRecord& record : report.records) table.rows.push_back(peer_row(record, report.plan));
   table.rows.push_back({});
-  const bool has_truth =
-      std::any_of(report.records.begin(), report.records.end(),
-                  [](const SceneRecord& record) { return record.kind == SceneKind::GroundTruth; });
   for (const StepSize size : report.plan.sizes) {
     add_mean_row(table, report, "motions", size, [](SceneKind kind) { return kind == SceneKind::Motion; });
-    if (has_truth)
-      add_mean_row(table, report, "with ground truth", size,
-                   [](SceneKind kind) { return kind != SceneKind::Generated; });
+    add_mean_row(table, report, "ground truth", size,
+                 [](SceneKind kind) { return kind == SceneKind::GroundTruth; });
     add_mean_row(table, report, "generated", size,
                  [](SceneKind kind) { return kind == SceneKind::Generated; });
   }
@@ -154,20 +142,23 @@ Table main_table(const Report& report) {
 }
 
 Table work_table(const Report& report) {
-  Table table{
-      {"foldproof's work a step", "step", "build ms", "update ms", "traverse ms", "narrow ms", "node tests",
-       "certificates", "passed", "leaf pairs", "VF cand.", "EE cand.", "VF hits", "EE hits", "undecided"},
-      {}};
+  Table table{{"foldproof's work a step", "step", "build ms", "train s", "update ms", "traverse ms",
+               "narrow ms", "node tests", "certificates", "passed", "leaf pairs", "VF cand.", "EE cand.",
+               "VF hits", "EE hits", "undecided"},
+              {}};
   for (const SceneRecord& record : report.records) {
     const auto ms = [&](auto member) {
-      return milliseconds(median_of(record, [member](const auto& s) { return s.stages.*member; }));
+      return milliseconds(
+          median_of(record, [member](const auto& s) { return s.of(Way::Certificates).stages.*member; }));
     };
     const auto work = [&](auto member) {
-      return count(median_of(record, [member](const auto& s) { return s.work.*member; }));
+      return count(
+          median_of(record, [member](const auto& s) { return s.of(Way::Certificates).work.*member; }));
     };
     table.rows.push_back(
         {label(record), size_name(record.size), milliseconds(record.build_milliseconds),
-         ms(&StageTimes::update), ms(&StageTimes::traverse), ms(&StageTimes::narrow), work(&Work::node_tests),
+         record.references == 0 ? "-" : fmt::format("{:.2f}", record.train_seconds), ms(&StageTimes::update),
+         ms(&StageTimes::traverse), ms(&StageTimes::narrow), work(&Work::node_tests),
          work(&Work::certificate_tests), work(&Work::certificate_passes), work(&Work::leaf_pairs),
          work(&Work::candidates_vf), work(&Work::candidates_ee),
          count(median_of(record, [](const auto& s) { return s.collisions_vf; })),
@@ -182,7 +173,9 @@ Table variants_table(const Report& report) {
   for (const SceneRecord& record : report.records) {
     std::vector<std::string> row = {label(record), size_name(record.size)};
     for (std::size_t p = 0; p < report.plan.peers.size(); ++p) {
-      row.push_back(milliseconds(median_of(record, [p](const auto& s) { return s.peers[p].milliseconds; })));
+      const double ms =
+          median_of(record, [p](const auto& s) { return s.peers.empty() ? NAN : s.peers[p].milliseconds; });
+      row.push_back(or_dash(ms, milliseconds(ms)));
       const double kilobytes = kilobytes_per_triangle(record, report.plan.peers[p].name);
       if (!std::isnan(kilobytes)) row.back() += fmt::format(" ({:.2f} KB)", kilobytes);
     }
@@ -192,42 +185,50 @@ Table variants_table(const Report& report) {
 }
 
 std::string steps_sentence(const Plan& plan) {
-  const std::string which = plan.sampling.all ? "all steps"
-                            : plan.sampling.consecutive
-                                ? fmt::format("{} consecutive steps", plan.sampling.steps)
-                                : fmt::format("{} evenly spread steps", plan.sampling.steps);
+  const std::string which = plan.sampling.all ? "all steps" : fmt::format("{} steps", plan.sampling.steps);
   const std::string rounds =
       plan.rounds > 1 ? fmt::format(", each the fastest of {} rounds", plan.rounds) : "";
   return fmt::format(
-      "Medians over {} of each motion (as many as it has){}; foldproof on {} thread{}, peers on one; {} "
-      "time. "
-      "\"tenth\" is a tenth of a step. Foldproof: the complete answer; peers: candidates only.",
-      which, rounds, plan.threads, plan.threads == 1 ? "" : "s", plan.processor_time ? "processor" : "wall");
+      "Medians over {} that follow each other in the middle of each motion (as many as it has){}, peers on "
+      "{} of them; foldproof on {} "
+      "thread{}, peers on one; {} time. \"tenth\": steps cut into ten. \"first\": a new checker's first "
+      "step, right before. Foldproof: "
+      "the complete answer; peers: candidates only, ratios over the steps where both ran.",
+      which, rounds, plan.peer_steps, plan.threads, plan.threads == 1 ? "" : "s",
+      plan.processor_time ? "processor" : "wall");
+}
+
+nlohmann::json json_of(const StepRecord::OfFoldproof& of) {
+  return {{"milliseconds", of.milliseconds},
+          {"allocations", of.allocations},
+          {"stages",
+           {{"update", of.stages.update}, {"traverse", of.stages.traverse}, {"narrow", of.stages.narrow}}},
+          {"work",
+           {{"node_tests", of.work.node_tests},
+            {"certificate_tests", of.work.certificate_tests},
+            {"certificate_passes", of.work.certificate_passes},
+            {"leaf_pairs", of.work.leaf_pairs},
+            {"candidates_vf", of.work.candidates_vf},
+            {"candidates_ee", of.work.candidates_ee},
+            {"undecided", of.work.undecided}}}};
 }
 
 nlohmann::json json_of(const StepRecord& step, const Plan& plan) {
   nlohmann::json json = {{"frame", step.step.frame},
-                         {"tenth", step.step.tenth},
-                         {"foldproof",
-                          {{"milliseconds", step.milliseconds},
-                           {"stages",
-                            {{"total", step.stages.total},
-                             {"update", step.stages.update},
-                             {"traverse", step.stages.traverse},
-                             {"narrow", step.stages.narrow}}},
-                           {"work",
-                            {{"node_tests", step.work.node_tests},
-                             {"certificate_tests", step.work.certificate_tests},
-                             {"certificate_passes", step.work.certificate_passes},
-                             {"leaf_pairs", step.work.leaf_pairs},
-                             {"candidates_vf", step.work.candidates_vf},
-                             {"candidates_ee", step.work.candidates_ee},
-                             {"undecided", step.work.undecided}}},
-                           {"collisions", {{"vf", step.collisions_vf}, {"ee", step.collisions_ee}}}}}};
-  for (std::size_t p = 0; p < step.peers.size(); ++p)
-    json[plan.peers[p].name] = {{"milliseconds", step.peers[p].milliseconds},
-                                {"candidates_vf", step.peers[p].candidates_vf},
-                                {"candidates_ee", step.peers[p].candidates_ee}};
+                         {"part", step.step.part},
+                         {"parts", step.step.parts},
+                         {"floor_milliseconds", step.floor_milliseconds},
+                         {"collisions", {{"vf", step.collisions_vf}, {"ee", step.collisions_ee}}}};
+  constexpr const char* kNames[] = {"certificates", "trained", "plain"};
+  for (std::size_t w = 0; w < kWays.size(); ++w)
+    if (!std::isnan(step.ways[w].milliseconds)) json["foldproof"][kNames[w]] = json_of(step.ways[w]);
+  for (std::size_t p = 0; p < step.peers.size(); ++p) {
+    const StepRecord::OfPeer& of = step.peers[p];
+    if (std::isnan(of.milliseconds)) continue;
+    json["peers"][plan.peers[p].name] = {{"milliseconds", of.milliseconds},
+                                         {"candidates_vf", of.candidates_vf},
+                                         {"candidates_ee", of.candidates_ee}};
+  }
   return json;
 }
 
@@ -242,7 +243,9 @@ std::string format_tables(const Report& report, Style style) {
     out += fmt::format("{}{}: {}\n", style == Style::Text ? "" : "* ", name, value);
   out += fmt::format("{}command: {}\n\n{}\n\n", style == Style::Text ? "" : "* ", report.command,
                      steps_sentence(report.plan));
-  out += show(main_table(report)) + "\n" + show(work_table(report));
+  out += show(main_table(report)) + "\n" + show(checklist(goals_of(report.records, report.plan))) + "\n";
+  if (!report.plan.peers.empty()) out += show(peer_table(report)) + "\n";
+  out += show(work_table(report));
   if (!report.plan.peers.empty()) out += "\n" + show(variants_table(report));
   return out;
 }
@@ -264,6 +267,9 @@ std::string format_json(const Report& report) {
                             {"triangles", record.triangles},
                             {"frames", record.frames},
                             {"build_milliseconds", record.build_milliseconds},
+                            {"train_seconds", record.train_seconds},
+                            {"references", record.references},
+                            {"first", json_of(record.first, report.plan)},
                             {"peak_bytes", record.peak_bytes}};
     for (const StepRecord& step : record.steps) scene["steps"].push_back(json_of(step, report.plan));
     json["scenes"].push_back(std::move(scene));

@@ -48,37 +48,43 @@ Result<std::unique_ptr<Motion>> open_scene(const SceneInfo& scene) {
   return std::move(motions->front());
 }
 
+const char* size_name(StepSize size) {
+  return size == StepSize::Full ? "full" : size == StepSize::Tenth ? "tenth" : "hundredth";
+}
+
 std::vector<StepChoice> choose_steps(Index frame_count, StepSize size, const Sampling& sampling) {
-  const int tenth = size == StepSize::Tenth ? 0 : -1;
-  const Index available = frame_count - 1;
+  const Index parts = size == StepSize::Full ? 1 : size == StepSize::Tenth ? 10 : 100;
+  const Index available = (frame_count - 1) * parts;
+  const Index count = sampling.all ? available : std::min(available, sampling.steps + 1);
+  const Index first = (available - count) / 2;
   std::vector<StepChoice> steps;
-  if (sampling.consecutive) {
-    const Index parts = size == StepSize::Tenth ? 10 : 1;
-    // One more than asked for: the step that warms up comes right before the first that counts.
-    const Index count = std::min(available * parts, sampling.all ? available * parts : sampling.steps + 1);
-    const Index first = (available * parts - count) / 2;
-    for (Index k = first; k < first + count; ++k)
-      steps.push_back({k / parts, size == StepSize::Tenth ? static_cast<int>(k % parts) : -1});
-    if (count == 1) steps.push_back(steps.front());
-    return steps;
-  }
-  const Index count = sampling.all ? available : std::min(available, sampling.steps);
-  for (Index k = 0; k < count; ++k) steps.push_back({(2 * k + 1) * available / (2 * count), tenth});
-  steps.insert(steps.begin(), steps.front());
+  for (Index k = first; k < first + count; ++k)
+    steps.push_back({k / parts, static_cast<int>(k % parts), static_cast<int>(parts)});
+  if (count == available) steps.insert(steps.begin(), steps.front());
   return steps;
 }
 
 StepLoader::StepLoader(Motion& motion)
-    : motion_(motion), x0_(std::size_t{motion.topology().vertex_count()} * 3), x1_(x0_.size()) {}
+    : motion_(motion), x0_(std::size_t{motion.topology().vertex_count()} * 3), x1_(x0_.size()) {
+  ends_[0] = ends_[1] = x0_;
+}
+
+// Text files take long to read: parts of one step share its ends.
+Result<void> StepLoader::read(Index frame) {
+  if (frame == frame_) return {};
+  frame_ = kNoIndex;
+  for (Index end = 0; end < 2; ++end)
+    if (auto done = motion_.read_frame(frame + end, ends_[end]); !done) return done;
+  frame_ = frame;
+  return {};
+}
 
 Result<void> StepLoader::load(const StepChoice& step) {
-  if (auto read = motion_.read_frame(step.frame, x0_); !read) return read;
-  if (auto read = motion_.read_frame(step.frame + 1, x1_); !read) return read;
-  if (step.tenth < 0) return {};
+  if (auto done = read(step.frame); !done) return done;
   for (std::size_t i = 0; i < x0_.size(); ++i) {
-    const double motion = x1_[i] - x0_[i];
-    x1_[i] = x0_[i] + motion * (step.tenth + 1) / 10;
-    x0_[i] += motion * step.tenth / 10;
+    const double motion = ends_[1][i] - ends_[0][i];
+    x0_[i] = ends_[0][i] + motion * step.part / step.parts;
+    x1_[i] = step.part + 1 == step.parts ? ends_[1][i] : ends_[0][i] + motion * (step.part + 1) / step.parts;
   }
   return {};
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,7 +17,7 @@ struct SceneInfo {
   std::string name;
   SceneKind kind;
   std::vector<std::string> files;  ///< Below the data directory, as on a command line. Empty when generated.
-  std::unique_ptr<Motion> (*make)() = nullptr;
+  std::function<std::unique_ptr<Motion>()> make = nullptr;
 };
 
 /// In the order of the table.
@@ -30,20 +31,27 @@ bool is_available(const SceneInfo& scene);
 
 Result<std::unique_ptr<Motion>> open_scene(const SceneInfo& scene);
 
-enum class StepSize { Full, Tenth };
+/// A step of the motion, or one of the parts that it is cut into: an animation's step is long, a
+/// simulation's is short.
+enum class StepSize { Full, Tenth, Hundredth };
+
+/// "full", "tenth", "hundredth".
+const char* size_name(StepSize size);
 
 struct StepChoice {
-  Index frame;  ///< From this frame to the next.
-  int tenth;    ///< 0 to 9: this tenth of the step. -1: all of it.
+  Index frame = 0;  ///< From this frame to the next.
+  int part = 0;     ///< This part of it, from 0.
+  int parts = 0;    ///< Of so many.
 };
 
 struct Sampling {
-  Index steps = 8;
-  bool all = false;          ///< Every step of the motion.
-  bool consecutive = false;  ///< Steps that follow each other, from the middle of the motion; tenths as well.
+  Index steps = 40;  ///< At most.
+  bool all = false;  ///< Every step of the motion.
 };
 
-/// The steps to measure, in order of time. The first is an extra one to warm up with.
+/// Steps that follow each other, from the middle of the motion, in order. The first is for a checker to begin
+/// with and comes on top of those asked for: the step before them, or where the motion has none left the same
+/// step twice.
 std::vector<StepChoice> choose_steps(Index frame_count, StepSize size, const Sampling& sampling);
 
 /// Positions at both ends of the steps of one motion.
@@ -55,8 +63,11 @@ class StepLoader {
   std::span<const double> x1() const { return x1_; }
 
  private:
+  Result<void> read(Index frame);
+
   Motion& motion_;
-  std::vector<double> x0_, x1_;
+  Index frame_ = kNoIndex;                 // whose step is in ends_
+  std::vector<double> ends_[2], x0_, x1_;  // of the whole step, of its part
 };
 
 }  // namespace foldproof::bench

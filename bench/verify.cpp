@@ -53,6 +53,18 @@ double gap(std::span<const double> x0, std::span<const double> x1, std::span<con
 
 }  // namespace
 
+bool same_answer(const StepResult& a, const StepResult& b) {
+  const auto vf = [](const VertexFaceCollision& x, const VertexFaceCollision& y) {
+    return x.vertex == y.vertex && x.face == y.face && x.toi == y.toi && x.answer == y.answer;
+  };
+  const auto ee = [](const EdgeEdgeCollision& x, const EdgeEdgeCollision& y) {
+    return x.a == y.a && x.b == y.b && x.toi == y.toi && x.answer == y.answer;
+  };
+  return std::equal(a.vertex_face.begin(), a.vertex_face.end(), b.vertex_face.begin(), b.vertex_face.end(),
+                    vf) &&
+         std::equal(a.edge_edge.begin(), a.edge_edge.end(), b.edge_edge.begin(), b.edge_edge.end(), ee);
+}
+
 Result<void> Verifier::add_peer(const std::string& name, const Candidates& candidates) {
   Sorted mine{name, sorted(candidates.vertex_face), sorted(candidates.edge_edge)};
   if (first_.empty()) {

@@ -8,6 +8,9 @@
 
 namespace foldproof::bench {
 
+/// The same collisions with the same times of impact, bit for bit.
+bool same_answer(const StepResult& a, const StepResult& b);
+
 class Verifier {
  public:
   Verifier(const Topology& topology, std::span<const double> x0, std::span<const double> x1)
