@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "ccd/batch.h"
+#include "ccd/march.h"
 #include "query/narrow.h"
 
 namespace foldproof {
@@ -22,10 +22,8 @@ void note_earliest(const NarrowStep& step, double toi) {
   }
 }
 
-CcdSettings settings_now(const NarrowStep& step) {
-  CcdSettings ccd = step.ccd;
-  if (step.earliest != nullptr) ccd.latest = step.earliest->load(std::memory_order_relaxed);
-  return ccd;
+double latest_now(const NarrowStep& step) {
+  return step.earliest != nullptr ? step.earliest->load(std::memory_order_relaxed) : step.ccd.latest;
 }
 
 FourPoints vertex_face_points(Positions x, const VertexFaceCollision& pair, const Triangle& t) {
@@ -63,29 +61,23 @@ EdgeEdgeCollision edge_edge_pair(const NarrowStep& step, Index object_a, Index p
 }
 
 // Collects pairs of one kind until there are eight, drops those that the first test proves apart, and follows
-// the rest.
+// the rest, eight at a time.
 template <class Pair>
 class Narrow {
  public:
   Narrow(const NarrowStep& step, std::vector<Pair>& hits, std::uint64_t& undecided)
-      : step_(step), hits_(hits), undecided_(undecided) {}
+      : step_(step), hits_(hits), undecided_(undecided), march_(kEdgeEdge, step.ccd) {}
 
   void add(const Pair& pair) {
     if (step_.choice != nullptr && !chosen(pair)) return;
     pairs_[count_] = pair;
-    x0_[count_] = points(step_.x0, pair);
-    x1_[count_] = points(step_.x1, pair);
-    if (++count_ == 8) flush();
+    batch_.set(count_, points(step_.x0, pair), points(step_.x1, pair));
+    if (++count_ == 8) start();
   }
 
-  void flush() {
-    unsigned left = (1u << count_) - 1;
-    if (step_.ccd.thickness == 0 && count_ > 0) {
-      for (int lane = 0; lane < 8; ++lane) batch_.set(lane, x0_[lane % count_], x1_[lane % count_]);
-      left &= ~never_coplanar(batch_, kEdgeEdge);
-    }
-    for (; left != 0; left &= left - 1) follow(__builtin_ctz(left));
-    count_ = 0;
+  void finish() {
+    if (count_ > 0) start();
+    while (march_.busy()) look();
   }
 
  private:
@@ -107,13 +99,27 @@ class Narrow {
     }
   }
 
-  void follow(int lane) {
-    const auto ccd = kEdgeEdge ? edge_edge_ccd : vertex_face_ccd;
-    const CcdResult result = ccd(x0_[lane], x1_[lane], settings_now(step_));
+  void start() {
+    for (unsigned left = march_.take(batch_, count_); left != 0; left &= left - 1) {
+      while (march_.full()) look();
+      const int k = __builtin_ctz(left);
+      followed_[march_.start(k, latest_now(step_))] = pairs_[k];
+    }
+    count_ = 0;
+  }
+
+  void look() {
+    for (unsigned done = march_.look(); done != 0; done &= done - 1) {
+      const int lane = __builtin_ctz(done);
+      note(followed_[lane], march_.result(lane));
+    }
+  }
+
+  void note(const Pair& pair, const CcdResult& result) {
     if (result.answer == Answer::Separated) return;
     if (step_.earliest != nullptr) note_earliest(step_, result.toi);
     undecided_ += result.answer == Answer::Undecided;
-    Pair& hit = hits_.emplace_back(pairs_[lane]);
+    Pair& hit = hits_.emplace_back(pair);
     hit.toi = result.toi;
     hit.answer = result.answer;
   }
@@ -123,8 +129,9 @@ class Narrow {
   std::uint64_t& undecided_;
   int count_ = 0;
   std::array<Pair, 8> pairs_;
-  std::array<FourPoints, 8> x0_, x1_;
-  PairBatch batch_;
+  PairBatch batch_{};
+  March march_;
+  std::array<Pair, 8> followed_;  // per lane of the march
 };
 
 void gather(const NarrowStep& step, Chunk& chunk) {
@@ -158,8 +165,8 @@ void narrow(const NarrowStep& step, Chunk& chunk) {
       edge_edge.add(edge_edge_pair(step, a, pair.a, b, pair.b));
     }
   }
-  vertex_face.flush();
-  edge_edge.flush();
+  vertex_face.finish();
+  edge_edge.finish();
 }
 
 // Sorts by ids, so that neither the hierarchy nor the threads show in the answer.

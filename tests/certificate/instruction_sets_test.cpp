@@ -1,9 +1,9 @@
 // The same answers on every instruction set that this machine has, plain scalar code included.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "certificate/patches.h"
 #include "certificate/separating_plane.h"
+#include "oracle/one_target.h"
 
 namespace foldproof::testing {
 namespace {
@@ -35,31 +35,12 @@ std::vector<bool> answers() {
   return all;
 }
 
-struct OneTarget {
-  explicit OneTarget(std::int64_t target) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  }
-  ~OneTarget() {
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  }
-};
-
 TEST(InstructionSets, AllAgree) {
   const std::vector<bool> expected = answers();
   const auto passes = std::count(expected.begin(), expected.end(), true);
   EXPECT_GT(passes, 0.3 * expected.size());
   EXPECT_LT(passes, 0.7 * expected.size());
-  int targets = 0;
-  const std::int64_t supported = hwy::SupportedTargets() | HWY_EMU128 | HWY_SCALAR;
-  for (std::int64_t target = 1; target <= supported && target > 0; target <<= 1) {
-    if ((supported & target) == 0) continue;
-    const OneTarget only(target);
-    EXPECT_TRUE(answers() == expected) << hwy::TargetName(target);
-    ++targets;
-  }
-  EXPECT_GE(targets, 2);
+  expect_all_targets_agree(answers);
 }
 
 }  // namespace
