@@ -17,6 +17,9 @@ struct Goal {
   bool met() const { return at_least ? reached >= target : reached <= target; }
 };
 
+/// The place of peak memory among the goals.
+inline constexpr std::size_t kMemoryGoal = 6;
+
 /// Geometric means over the motions, or over the ground-truth scenes, of the records.
 std::vector<Goal> goals_of(const std::vector<SceneRecord>& records, const Plan& plan);
 

@@ -5,6 +5,8 @@
 #include <map>
 #include <numbers>
 
+#include <Eigen/Geometry>
+
 namespace foldproof::bench {
 namespace {
 
@@ -154,6 +156,59 @@ std::unique_ptr<Motion> folding_cloth() {
   return animate("folding-cloth", sheet(kSide), 25, [=](const Vec3& p, double t) {
     const Bent at = bend(p.x(), 0, kBendLength, t * std::numbers::pi);
     return Vec3(at.along, at.towards, p.z());
+  });
+}
+
+std::unique_ptr<Motion> pressed_cloths() {
+  constexpr Index kSide = 150;
+  Rest rest = sheet(kSide);
+  const auto count = static_cast<Index>(rest.points.size());
+  for (Index v = 0; v < count; ++v) rest.points.push_back(rest.points[v] + Vec3(0, 1, 0));
+  for (std::size_t t = 0, end = rest.triangles.size(); t < end; ++t) {
+    const auto [a, b, c] = rest.triangles[t];
+    rest.triangles.push_back({a + count, b + count, c + count});
+  }
+  return animate("pressed-cloths", rest, 25, [](const Vec3& p, double t) {
+    // Bumps are fifteen triangles long and 0.3 triangles high; where they are highest they reach through the
+    // other sheet by a fiftieth of a triangle.
+    const double edge = 1.0 / kSide, turn = 2 * std::numbers::pi / (15 * edge), upper = p.y();
+    const double x = p.x() + 4 * edge * upper * t;
+    const double wave = 0.05 * std::sin(8 * p.x() + 3 * t) * std::cos(6 * p.z());
+    const double bump = 0.28 + 0.3 * std::sin(turn * x + 2 * t) * std::sin(turn * p.z());
+    return Vec3(x, wave + upper * edge * bump, p.z());
+  });
+}
+
+std::unique_ptr<Motion> ball_heap() {
+  constexpr Index kAcross = 4;
+  Rest ball = icosahedron();
+  for (int level = 0; level < 3; ++level) ball = subdivide(std::move(ball));
+  // Every ball is turned its own way, for else they would touch vertex to vertex, and stands two and a half
+  // radii from the next: what is left over says which ball a vertex belongs to.
+  constexpr double kApart = 2.5;
+  Rest rest;
+  for (Index place = 0; place < kAcross * kAcross * kAcross; ++place) {
+    const Vec3 centre = kApart * Vec3(place % kAcross, place / kAcross % kAcross, place / kAcross / kAcross);
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(0.7 * place, Vec3(1, 0.3 * place, 2).normalized()).toRotationMatrix();
+    const auto first = static_cast<Index>(rest.points.size());
+    for (const Vec3& p : ball.points) rest.points.push_back(centre + turn * p);
+    for (const auto& [a, b, c] : ball.triangles) rest.triangles.push_back({a + first, b + first, c + first});
+  }
+  return animate("ball-heap", rest, 25, [=](const Vec3& p, double t) {
+    const Vec3 centre = (p / kApart).array().round().matrix();
+    // Pressed from above the balls grow wide; ever more of them overlap, by little.
+    const Vec3 radii(1 + 0.1 * t, 1 + 0.1 * t, 1 - 0.2 * t);
+    const double spacing = 2 - 0.02 * t;
+    return Vec3((spacing * centre + (p - kApart * centre)).cwiseProduct(radii));
+  });
+}
+
+std::unique_ptr<Motion> waving_cloth(Index side) {
+  return animate("waving-cloth", sheet(side), 6, [](const Vec3& p, double t) {
+    const double height = 0.06 * std::sin(9 * p.x() + 4 * p.z() - t) + 0.03 * std::sin(17 * p.z() + 2 * t) +
+                          0.01 * std::sin(41 * p.x() - 23 * p.z() + 3 * t);
+    return Vec3(p.x(), height, p.z() + 0.02 * std::sin(5 * p.x() + t));
   });
 }
 

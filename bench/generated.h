@@ -16,4 +16,13 @@ std::unique_ptr<Motion> squashed_sphere();
 /// A square sheet with 89,888 triangles that is folded in half over a narrow bend; nothing touches.
 std::unique_ptr<Motion> folding_cloth();
 
+/// Two sheets that lie on each other and slide: the bumps of the one touch the other in some hundred places.
+std::unique_ptr<Motion> pressed_cloths();
+
+/// Sixty-four balls that are pressed together until all neighbours touch and flatten each other.
+std::unique_ptr<Motion> ball_heap();
+
+/// A square sheet with waves that run over it, 2 * side^2 triangles. It never touches itself.
+std::unique_ptr<Motion> waving_cloth(Index side);
+
 }  // namespace foldproof::bench

@@ -20,8 +20,9 @@ namespace {
 
 struct Options {
   std::vector<std::string> scenes, peers;
-  std::string size = "all", json, markdown, memory_of, command;
-  bool list = false, quick = false, no_memory = false, certificates = false, reduced = false;
+  std::string size = "all", json, markdown, memory_of, publish, command;
+  bool list = false, quick = false, no_memory = false, certificates = false, reduced = false, growth = false,
+       threads = false, training = false;
   int cpu = -1;
   Plan plan;
 };
@@ -59,14 +60,20 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag(
       "--reduced", options.reduced,
       "Steps told by coordinates of a subspace: one generated shape at 10,000 to 1,000,000 triangles");
+  app.add_flag("--growth", options.growth, "The same shapes from 10,000 to 2,000,000 triangles");
+  app.add_flag("--thread-scaling", options.threads, "One thread and two, from 200,000 triangles");
+  app.add_flag("--training", options.training, "Training on the sets of poses of the data");
+  app.add_option("--publish", options.publish,
+                 "Measure all of this, and write results.json and tables.md into this directory");
   app.add_flag("--list", options.list, "Name the scenes and peers, and stop");
   app.add_option("--memory-of", options.memory_of,
                  "Print the peak memory of one competitor on one scene, and stop");
 }
 
 void print_list() {
-  for (const SceneInfo& scene : all_scenes())
-    fmt::print("scene {}{}\n", scene.name, is_available(scene) ? "" : " (its files are missing)");
+  for (const auto* scenes : {&all_scenes(), &growth_scenes()})
+    for (const SceneInfo& scene : *scenes)
+      fmt::print("scene {}{}\n", scene.name, is_available(scene) ? "" : " (its files are missing)");
   for (const PeerEntry& peer : peers()) fmt::print("peer {} ({} {})\n", peer.name, peer.family, peer.version);
 }
 
@@ -86,10 +93,8 @@ Result<std::vector<PeerEntry>> chosen_peers(const std::vector<std::string>& name
 Result<std::vector<SceneInfo>> chosen_scenes(const std::vector<std::string>& names) {
   std::vector<SceneInfo> chosen;
   for (const std::string& name : names) {
-    const auto& all = all_scenes();
-    const auto scene =
-        std::find_if(all.begin(), all.end(), [&](const SceneInfo& s) { return s.name == name; });
-    if (scene == all.end()) return fail("--scene", "there is no scene called " + name, "see --list");
+    const SceneInfo* scene = find_scene(name);
+    if (scene == nullptr) return fail("--scene", "there is no scene called " + name, "see --list");
     chosen.push_back(*scene);
   }
   if (!names.empty()) return chosen;
@@ -146,6 +151,35 @@ Result<void> run_reduced(const Options& options) {
   return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
 }
 
+/// The main tables, unless something else was asked for.
+Result<void> run_chosen(const Options& options, Report& report) {
+  const bool everything = !options.publish.empty();
+  if (everything || !(options.growth || options.threads || options.training))
+    if (auto done = run_all(options, report); !done) return done;
+  if (everything || options.growth) {
+    auto growth = measure_growth(report.plan);
+    if (!growth) return tl::unexpected(growth.error());
+    report.growth = std::move(*growth);
+  }
+  if (everything || options.training) {
+    auto training = measure_training();
+    if (!training) return tl::unexpected(training.error());
+    report.training = std::move(*training);
+  }
+  return {};
+}
+
+Result<void> write_files(const Options& options, const Report& report) {
+  std::string json = options.json, markdown = options.markdown;
+  if (!options.publish.empty()) {
+    json = options.publish + "/results.json";
+    markdown = options.publish + "/tables.md";
+  }
+  if (!json.empty())
+    if (auto written = write_text(json, format_json(report)); !written) return written;
+  return markdown.empty() ? Result<void>{} : write_text(markdown, format_tables(report, Style::Markdown));
+}
+
 std::vector<StepSize> sizes_called(const std::string& name) {
   if (name == "both") return {StepSize::Full, StepSize::Tenth};
   std::vector<StepSize> sizes;
@@ -172,6 +206,13 @@ Result<void> run(Options& options) {
   plan.memory = !options.no_memory;
   plan.sizes = sizes_called(options.size);
   if (options.quick) make_quick(options);
+  Report report;
+  if (options.threads || !options.publish.empty()) {
+    auto threads = measure_threads(plan);
+    if (!threads) return tl::unexpected(threads.error());
+    report.threads = std::move(*threads);
+  }
+  // From here on one processor and one thread, which those that oneTBB has by now would not know of.
   if (plan.threads == 1 && !pin_to_one_cpu(options.cpu))
     return fail("--cpu", "the system does not let this program stay there", "name another processor");
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
@@ -186,13 +227,12 @@ Result<void> run(Options& options) {
   auto peers = chosen_peers(options.peers);
   if (!peers) return tl::unexpected(peers.error());
   plan.peers = std::move(*peers);
-  Report report{machine_facts(plan.peers), plan, options.command, {}};
-  if (auto done = run_all(options, report); !done) return done;
+  report.machine = machine_facts(plan.peers);
+  report.plan = plan;
+  report.command = options.command;
+  if (auto done = run_chosen(options, report); !done) return done;
   fmt::print("{}", format_tables(report, Style::Text));
-  if (!options.json.empty())
-    if (auto written = write_text(options.json, format_json(report)); !written) return written;
-  if (options.markdown.empty()) return {};
-  return write_text(options.markdown, format_tables(report, Style::Markdown));
+  return write_files(options, report);
 }
 
 }  // namespace

@@ -135,10 +135,8 @@ Result<double> peak_bytes_in_child(const MemoryTask& task) {
 }
 
 Result<void> print_peak_bytes(const MemoryTask& task) {
-  const auto& scenes = all_scenes();
-  const auto scene =
-      std::find_if(scenes.begin(), scenes.end(), [&](const auto& s) { return s.name == task.scene; });
-  if (scene == scenes.end()) return fail("--scene", "there is no scene called " + task.scene, "see --list");
+  const SceneInfo* scene = find_scene(task.scene);
+  if (scene == nullptr) return fail("--scene", "there is no scene called " + task.scene, "see --list");
   auto motion = open_scene(*scene);
   if (!motion) return tl::unexpected(motion.error());
   const auto steps = load_steps(**motion, task);

@@ -29,11 +29,13 @@ std::string count(double n) {
 }
 
 const char* kind_name(SceneKind kind) {
-  return kind == SceneKind::Motion ? "motion" : kind == SceneKind::GroundTruth ? "ground truth" : "generated";
+  constexpr const char* kNames[] = {"motion", "ground truth", "generated", "generated contact", "growth"};
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 std::string label(const SceneRecord& record) {
-  return record.name + (record.kind == SceneKind::Generated ? " (generated)" : "");
+  return record.name +
+         (record.kind == SceneKind::Generated || record.kind == SceneKind::Contact ? " (generated)" : "");
 }
 
 /// `text` unless the value it was made of is none.
@@ -137,6 +139,8 @@ Table peer_table(const Report& report) {
                  [](SceneKind kind) { return kind == SceneKind::GroundTruth; });
     add_mean_row(table, report, "generated", size,
                  [](SceneKind kind) { return kind == SceneKind::Generated; });
+    add_mean_row(table, report, "generated in contact", size,
+                 [](SceneKind kind) { return kind == SceneKind::Contact; });
   }
   return table;
 }
@@ -232,7 +236,39 @@ nlohmann::json json_of(const StepRecord& step, const Plan& plan) {
   return json;
 }
 
+nlohmann::json json_of(const SceneRecord& record, const Plan& plan) {
+  nlohmann::json scene = {{"name", record.name},
+                          {"kind", kind_name(record.kind)},
+                          {"step", size_name(record.size)},
+                          {"vertices", record.vertices},
+                          {"edges", record.edges},
+                          {"triangles", record.triangles},
+                          {"frames", record.frames},
+                          {"build_milliseconds", record.build_milliseconds},
+                          {"train_seconds", record.train_seconds},
+                          {"references", record.references},
+                          {"first", json_of(record.first, plan)},
+                          {"peak_bytes", record.peak_bytes}};
+  for (const StepRecord& step : record.steps) scene["steps"].push_back(json_of(step, plan));
+  return scene;
+}
+
 }  // namespace
+
+std::vector<Goal> all_goals(const Report& report) {
+  std::vector<Goal> goals = goals_of(report.records, report.plan);
+  for (const char* shape : {"lion", "hand", "cloth"})
+    goals.push_back({fmt::format("times the nanoseconds a triangle at 20,000, at 2,000,000, {}", shape), 1.3,
+                     false, growth_of(report.growth, shape)});
+  double slowest = report.threads.empty() ? NAN : INFINITY;
+  for (const ThreadRecord& r : report.threads) slowest = std::min(slowest, r.one / r.two);
+  goals.push_back(
+      {"times faster with two threads, 200,000 triangles and more, the least", 1.8, true, slowest});
+  for (const SceneRecord& record : report.growth)
+    goals[kMemoryGoal].reached =
+        std::fmax(goals[kMemoryGoal].reached, kilobytes_per_triangle(record, "foldproof"));
+  return goals;
+}
 
 std::string format_tables(const Report& report, Style style) {
   const auto show = [style](const Table& table) {
@@ -241,12 +277,19 @@ std::string format_tables(const Report& report, Style style) {
   std::string out;
   for (const auto& [name, value] : report.machine)
     out += fmt::format("{}{}: {}\n", style == Style::Text ? "" : "* ", name, value);
-  out += fmt::format("{}command: {}\n\n{}\n\n", style == Style::Text ? "" : "* ", report.command,
-                     steps_sentence(report.plan));
-  out += show(main_table(report)) + "\n" + show(checklist(goals_of(report.records, report.plan))) + "\n";
-  if (!report.plan.peers.empty()) out += show(peer_table(report)) + "\n";
-  out += show(work_table(report));
-  if (!report.plan.peers.empty()) out += "\n" + show(variants_table(report));
+  out += fmt::format("{}command: {}\n", style == Style::Text ? "" : "* ", report.command);
+  const auto add = [&](const Table& table) { out += "\n" + show(table); };
+  if (!report.records.empty()) {
+    out += "\n" + steps_sentence(report.plan) + "\n";
+    add(main_table(report));
+    if (!report.plan.peers.empty()) add(peer_table(report));
+    add(work_table(report));
+    if (!report.plan.peers.empty()) add(variants_table(report));
+  }
+  if (!report.growth.empty()) add(growth_table(report.growth));
+  if (!report.threads.empty()) add(thread_table(report.threads));
+  if (!report.training.empty()) add(training_table(report.training));
+  add(checklist(all_goals(report)));
   return out;
 }
 
@@ -258,22 +301,29 @@ std::string format_json(const Report& report) {
   json["threads"] = report.plan.threads;
   json["rounds"] = report.plan.rounds;
   json["leaf_triangles"] = report.plan.hierarchy.leaf_triangles;
-  for (const SceneRecord& record : report.records) {
-    nlohmann::json scene = {{"name", record.name},
-                            {"kind", kind_name(record.kind)},
-                            {"step", size_name(record.size)},
-                            {"vertices", record.vertices},
-                            {"edges", record.edges},
-                            {"triangles", record.triangles},
-                            {"frames", record.frames},
-                            {"build_milliseconds", record.build_milliseconds},
-                            {"train_seconds", record.train_seconds},
-                            {"references", record.references},
-                            {"first", json_of(record.first, report.plan)},
-                            {"peak_bytes", record.peak_bytes}};
-    for (const StepRecord& step : record.steps) scene["steps"].push_back(json_of(step, report.plan));
-    json["scenes"].push_back(std::move(scene));
-  }
+  for (const SceneRecord& record : report.records) json["scenes"].push_back(json_of(record, report.plan));
+  Plan alone = report.plan;
+  alone.peers.clear();
+  for (const SceneRecord& record : report.growth) json["growth"].push_back(json_of(record, alone));
+  for (const ThreadRecord& r : report.threads)
+    json["threads"].push_back({{"name", r.name},
+                               {"triangles", r.triangles},
+                               {"steps", r.steps},
+                               {"one_milliseconds", r.one},
+                               {"two_milliseconds", r.two}});
+  for (const TrainingRecord& r : report.training)
+    json["training"].push_back({{"name", r.name},
+                                {"triangles", r.triangles},
+                                {"poses", r.poses},
+                                {"references", r.references},
+                                {"wall_seconds", r.wall_seconds},
+                                {"processor_seconds", r.processor_seconds},
+                                {"proven", r.proven}});
+  for (const Goal& goal : all_goals(report))
+    json["goals"].push_back({{"what", goal.what},
+                             {"target", goal.target},
+                             {"at_least", goal.at_least},
+                             {"reached", goal.reached}});
   return json.dump(1) + "\n";
 }
 

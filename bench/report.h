@@ -1,4 +1,4 @@
-/// From records to tables: text for a terminal, Markdown for docs/benchmarks.md, JSON with every figure.
+/// From records to tables: text for a terminal, Markdown for docs/benchmarks, JSON with every figure.
 #pragma once
 
 #include <string>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "measure.h"
+#include "scaling.h"
 
 namespace foldproof::bench {
 
@@ -14,11 +15,18 @@ struct Report {
   Plan plan;
   std::string command;
   std::vector<SceneRecord> records;
+  std::vector<SceneRecord> growth;
+  std::vector<ThreadRecord> threads;
+  std::vector<TrainingRecord> training;
 };
 
 enum class Style { Text, Markdown };
 
-/// The main table (everyone's times and ratios), foldproof's own work, and the variants of the peers.
+/// What is meant to be reached, and what was.
+std::vector<Goal> all_goals(const Report& report);
+
+/// Everything that was measured: the main tables (foldproof's times, everyone's), foldproof's own work, the
+/// variants of the peers, growth, threads, training, and the checklist.
 std::string format_tables(const Report& report, Style style);
 
 std::string format_json(const Report& report);

@@ -23,8 +23,19 @@ const std::vector<SceneInfo>& all_scenes() {
       {"bending-cylinder", SceneKind::Generated, {}, bending_cylinder},
       {"squashed-sphere", SceneKind::Generated, {}, squashed_sphere},
       {"folding-cloth", SceneKind::Generated, {}, folding_cloth},
+      {"pressed-cloths", SceneKind::Contact, {}, pressed_cloths},
+      {"ball-heap", SceneKind::Contact, {}, ball_heap},
   };
   return scenes;
+}
+
+const SceneInfo* find_scene(const std::string& name) {
+  const auto named = [&](const SceneInfo& scene) { return scene.name == name; };
+  const auto& all = all_scenes();
+  if (const auto scene = std::find_if(all.begin(), all.end(), named); scene != all.end()) return &*scene;
+  const auto& growth = growth_scenes();  // made of the others: not to be asked for before
+  const auto scene = std::find_if(growth.begin(), growth.end(), named);
+  return scene == growth.end() ? nullptr : &*scene;
 }
 
 std::filesystem::path data_directory() {

@@ -11,17 +11,26 @@
 
 namespace foldproof::bench {
 
-enum class SceneKind { Motion, GroundTruth, Generated };
+/// Motions of the data and of simulations with known collisions; made by the bench, without and with many
+/// places where surfaces touch; one shape at many resolutions.
+enum class SceneKind { Motion, GroundTruth, Generated, Contact, Growth };
 
 struct SceneInfo {
   std::string name;
   SceneKind kind;
   std::vector<std::string> files;  ///< Below the data directory, as on a command line. Empty when generated.
-  std::function<std::unique_ptr<Motion>()> make = nullptr;
+  std::function<Result<std::unique_ptr<Motion>>()> make = nullptr;  ///< Where more is to do than to read.
 };
 
 /// In the order of the table.
 const std::vector<SceneInfo>& all_scenes();
+
+/// The lion and the hand, subdivided, and a generated cloth, from 10,000 to 2,000,000 triangles. Of each the
+/// coarsest first.
+const std::vector<SceneInfo>& growth_scenes();
+
+/// Among both; null when there is none of this name.
+const SceneInfo* find_scene(const std::string& name);
 
 /// The directory named by FOLDPROOF_DATA, else the one beside the source tree. It need not exist.
 std::filesystem::path data_directory();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -76,6 +77,62 @@ Rows subdivide(const SplitEdges& edges, const Rows& x, Index fine_vertices) {
   return out;
 }
 
+// The triangles at each edge; kNoIndex where there is none.
+Result<std::vector<std::array<Index, 2>>> sides_of(const Topology& topology) {
+  std::vector<std::array<Index, 2>> sides(topology.edges().size(), {kNoIndex, kNoIndex});
+  for (Index t = 0; t < topology.triangles().size(); ++t) {
+    for (const Index edge : topology.triangle_edges()[t]) {
+      if (edge == kNoIndex || sides[edge][1] != kNoIndex)
+        return fail(fmt::format("triangle {}", t), "has a corner twice, or an edge with two others",
+                    "refine a manifold mesh");
+      sides[edge][sides[edge][0] == kNoIndex ? 0 : 1] = t;
+    }
+  }
+  return sides;
+}
+
+// One new vertex in the middle of every triangle; then edges with two triangles are flipped.
+std::vector<Triangle> refined_triangles(const Topology& coarse, std::span<const std::array<Index, 2>> sides) {
+  std::vector<Triangle> fine;
+  fine.reserve(3 * coarse.triangles().size());
+  for (Index t = 0; t < coarse.triangles().size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const Index a = coarse.triangles()[t][k], b = coarse.triangles()[t][(k + 1) % 3];
+      const auto [one, two] = sides[coarse.triangle_edges()[t][k]];
+      const Index other = one == t ? two : one, here = coarse.vertex_count() + t;
+      fine.push_back({a, other == kNoIndex ? b : coarse.vertex_count() + other, here});
+    }
+  }
+  return fine;
+}
+
+std::vector<double> refined_positions(const Topology& coarse, std::span<const std::array<Index, 2>> sides,
+                                      const Rows& x) {
+  std::vector<double> out(3 * (coarse.vertex_count() + coarse.triangles().size()));
+  Eigen::Map<Rows> y(out.data(), static_cast<Eigen::Index>(out.size() / 3), 3);
+  Rows ring = Rows::Zero(x.rows(), 3);
+  std::vector<int> valence(x.rows());
+  std::vector<bool> border(x.rows());
+  for (std::size_t e = 0; e < sides.size(); ++e) {
+    const auto [a, b] = coarse.edges()[e];
+    ring.row(a) += x.row(b);
+    ring.row(b) += x.row(a);
+    ++valence[a];
+    ++valence[b];
+    if (sides[e][1] == kNoIndex) border[a] = border[b] = true;
+  }
+  for (Eigen::Index v = 0; v < x.rows(); ++v) {
+    const double n = valence[v], weight = (4 - 2 * std::cos(2 * std::numbers::pi / n)) / 9;
+    const bool stays = border[v] || n == 0;
+    y.row(v) = stays ? x.row(v).eval() : ((1 - weight) * x.row(v) + weight / n * ring.row(v)).eval();
+  }
+  for (std::size_t t = 0; t < coarse.triangles().size(); ++t) {
+    const auto& [a, b, c] = coarse.triangles()[t];
+    y.row(x.rows() + static_cast<Eigen::Index>(t)) = (x.row(a) + x.row(b) + x.row(c)) / 3;
+  }
+  return out;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Motion>> subdivide_like(const Topology& fine, Motion& coarse) {
@@ -90,6 +147,23 @@ Result<std::unique_ptr<Motion>> subdivide_like(const Topology& fine, Motion& coa
     frames.emplace_back(y.data(), y.data() + y.size());
   }
   return memory_motion(coarse.name(), fine, std::move(frames));
+}
+
+Result<std::unique_ptr<Motion>> refine(Motion& coarse) {
+  const Topology& topology = coarse.topology();
+  const auto sides = sides_of(topology);
+  if (!sides) return tl::unexpected(sides.error());
+  auto fine = Topology::make(topology.vertex_count() + static_cast<Index>(topology.triangles().size()),
+                             refined_triangles(topology, *sides));
+  if (!fine) return tl::unexpected(fine.error());
+  std::vector<std::vector<double>> frames;
+  Rows x(topology.vertex_count(), 3);
+  for (Index k = 0; k < coarse.frame_count(); ++k) {
+    if (auto read = coarse.read_frame(k, {x.data(), static_cast<std::size_t>(x.size())}); !read)
+      return tl::unexpected(read.error());
+    frames.push_back(refined_positions(topology, *sides, x));
+  }
+  return memory_motion(coarse.name(), std::move(*fine), std::move(frames));
 }
 
 }  // namespace foldproof::bench

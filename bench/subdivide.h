@@ -10,4 +10,8 @@ namespace foldproof::bench {
 /// meshes only. Error: `fine` is no such mesh.
 Result<std::unique_ptr<Motion>> subdivide_like(const Topology& fine, Motion& coarse);
 
+/// A motion three times as fine, smoothed: Kobbelt's square-root-of-three subdivision (2000). Borders stay
+/// where they are. Error: an edge with more than two triangles, a frame that cannot be read.
+Result<std::unique_ptr<Motion>> refine(Motion& coarse);
+
 }  // namespace foldproof::bench
