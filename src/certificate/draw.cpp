@@ -23,7 +23,7 @@ struct ChartMaker::Scratch {
   std::vector<Vec3f> normals;
   std::vector<Vec3f> turned;
   OutlineFiller filler;
-  DirectedEdges edges;
+  DirectedSides sides;
 };
 
 ChartMaker::ChartMaker() : scratch_(new Scratch) {}
@@ -78,7 +78,7 @@ void project(std::span<const std::array<float, 3>> x, const Vec3f& facing, std::
   for (const Vec3f& p : turned) {
     const Vec3f q = (p - middle) * scale;
     const auto round = [](float c) {
-      return static_cast<std::int16_t>(std::lround(std::clamp(c, -kReach, kReach)));
+      return static_cast<std::int16_t>(std::clamp(c, -kReach, kReach) + (c < 0 ? -0.5f : 0.5f));
     };
     out.places.push_back({round(q.x()), round(q.y())});
     out.heights.push_back(round(q.z()));
@@ -104,7 +104,7 @@ ChartOutcome ChartMaker::draw(const Patch& patch, std::span<const std::array<flo
   if (patch.vertices.size() > 0xFFF0) return ChartOutcome::TooLarge;
   if (facing.isZero()) return ChartOutcome::TooCurved;
   project(positions, facing, scratch_->turned, out);
-  if (!scratch_->filler.fill(patch, out) || !chart_is_valid(patch, out, scratch_->edges))
+  if (!scratch_->filler.fill(patch, out) || !chart_is_valid(patch, out, scratch_->sides))
     return ChartOutcome::Tangled;
   return ChartOutcome::Made;
 }

@@ -23,18 +23,13 @@ bool before_counterclockwise(Direction back, Direction a, Direction b) {
 
 // Edges of one triangle only; the patch lies to their left.
 bool OutlineFiller::find_outline(const Patch& patch) {
-  directed_.reset(3 * patch.triangles.size());
-  for (const auto& t : patch.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      if (!directed_.insert(t[k], t[(k + 1) % 3])) return false;
-    }
-  }
+  sides_.list(patch.vertices.size(), patch.triangles);
   edges_.clear();
   first_from_.assign(patch.vertices.size(), kNone);
   for (const auto& t : patch.triangles) {
     for (int k = 0; k < 3; ++k) {
       const std::uint16_t from = t[k], to = t[(k + 1) % 3];
-      if (directed_.contains(to, from)) continue;
+      if (sides_.contains(to, from)) continue;
       if (edges_.size() == kNone) return false;
       const auto self = static_cast<std::uint16_t>(edges_.size());
       edges_.push_back({from, to, first_from_[from], false});
@@ -159,16 +154,14 @@ bool OutlineFiller::fill_hole(Drawing& drawing) {
 
 // Turns the diagonal of two fillers round when d lies in the circle through a, b and c, which makes them
 // thicker. Which one it is decides nothing but how much the chart will prove, so doubles do.
-bool OutlineFiller::flip(Drawing& drawing, std::uint16_t from, std::uint16_t to) {
-  const std::uint32_t left = owners_.owner(from, to), right = owners_.owner(to, from);
-  if (left == EdgeOwners::kNobody || right == EdgeOwners::kNobody) return false;
-  const auto apex = [&](std::uint32_t filler) {
-    for (const std::uint16_t v : drawing.fillers[filler]) {
-      if (v != from && v != to) return v;
-    }
-    return from;
-  };
-  const std::uint16_t c = apex(left), d = apex(right);
+bool OutlineFiller::flip(Drawing& drawing, std::uint32_t side) {
+  const std::uint32_t across = opposite_[side];
+  if (across == kNobody) return false;
+  const auto after = [](std::uint32_t s) { return s % 3 == 2 ? s - 2 : s + 1; };
+  const auto corner = [&](std::uint32_t s) { return drawing.fillers[s / 3][s % 3]; };
+  const std::uint32_t side1 = after(side), side2 = after(side1), across1 = after(across),
+                      across2 = after(across1);
+  const std::uint16_t from = corner(side), to = corner(side1), c = corner(side2), d = corner(across2);
   const auto place = [&](std::uint16_t v) {
     return v < drawing.places.size() ? drawing.places[v] : kChartCorners[v - drawing.places.size()];
   };
@@ -178,37 +171,54 @@ bool OutlineFiller::flip(Drawing& drawing, std::uint16_t from, std::uint16_t to)
   const auto real = [](std::int64_t i) { return static_cast<double>(i); };
   const double in_circle = real(dot(ca, cb)) * real(cross(da, db)) - real(cross(ca, cb)) * real(dot(da, db));
   if (!(in_circle > 1e-9 * std::abs(real(dot(ca, cb)) * real(cross(da, db))))) return false;
+  const std::uint32_t left = side / 3, right = across / 3;
+  const std::array<std::uint32_t, 2> around_left{opposite_[side2], opposite_[across1]},
+      around_right{opposite_[across2], opposite_[side1]};
   drawing.fillers[left] = {c, from, d};
   drawing.fillers[right] = {d, to, c};
-  owners_.set(from, to, EdgeOwners::kNobody);
-  owners_.set(to, from, EdgeOwners::kNobody);
-  for (const std::uint32_t filler : {left, right}) {
-    const auto& t = drawing.fillers[filler];
-    for (int k = 0; k < 3; ++k) {
-      owners_.set(t[k], t[(k + 1) % 3], filler);
-      suspects_.push_back({t[k], t[(k + 1) % 3]});
+  const auto join = [&](std::uint32_t a, std::uint32_t b) {
+    opposite_[a] = b;
+    if (b != kNobody) opposite_[b] = a;
+  };
+  join(3 * left + 2, 3 * right + 2);
+  for (std::uint32_t k = 0; k < 2; ++k) join(3 * left + k, around_left[k]);
+  for (std::uint32_t k = 0; k < 2; ++k) join(3 * right + k, around_right[k]);
+  suspects_.insert(suspects_.end(), {3 * left, 3 * left + 1, 3 * right, 3 * right + 1});
+  return true;
+}
+
+// Two sides between the same vertices have each other; of more than two, whatever the last ones make of it:
+// such fillers are no chart.
+void OutlineFiller::find_opposites(const Drawing& drawing) {
+  const auto sides = static_cast<std::uint32_t>(3 * drawing.fillers.size());
+  opposite_.assign(sides, kNobody);
+  next_side_.resize(sides);
+  first_side_.assign(drawing.places.size() + kChartCorners.size(), kNobody);
+  suspects_.clear();
+  for (std::uint32_t side = 0; side < sides; ++side) {
+    const auto& t = drawing.fillers[side / 3];
+    const std::uint16_t from = t[side % 3], to = t[(side + 1) % 3];
+    next_side_[side] = first_side_[from];
+    first_side_[from] = side;
+    for (std::uint32_t s = first_side_[to]; s != kNobody; s = next_side_[s]) {
+      if (drawing.fillers[s / 3][(s + 1) % 3] != from || opposite_[s] != kNobody) continue;
+      opposite_[s] = side;
+      opposite_[side] = s;
+      suspects_.push_back(side);
+      break;
     }
   }
-  return true;
 }
 
 // Makes the triangulation of what lies outside of the patch Delaunay, as far as the patch lets it (Lawson's
 // flips).
 void OutlineFiller::fatten(Drawing& drawing) {
-  owners_.reset(12 * drawing.fillers.size());
-  suspects_.clear();
-  for (std::uint32_t filler = 0; filler < drawing.fillers.size(); ++filler) {
-    const auto& t = drawing.fillers[filler];
-    for (int k = 0; k < 3; ++k) {
-      owners_.set(t[k], t[(k + 1) % 3], filler);
-      suspects_.push_back({t[k], t[(k + 1) % 3]});
-    }
-  }
+  find_opposites(drawing);
   std::size_t flips_left = 4 * drawing.fillers.size();
   while (!suspects_.empty() && flips_left > 0) {
-    const auto [from, to] = suspects_.back();
+    const std::uint32_t side = suspects_.back();
     suspects_.pop_back();
-    flips_left -= flip(drawing, from, to);
+    flips_left -= flip(drawing, side);
   }
 }
 

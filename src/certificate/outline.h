@@ -25,11 +25,15 @@ class OutlineFiller {
   bool join_square(Drawing& drawing);
   bool fill_hole(Drawing& drawing);
   void fatten(Drawing& drawing);
-  bool flip(Drawing& drawing, std::uint16_t from, std::uint16_t to);
+  void find_opposites(const Drawing& drawing);
+  bool flip(Drawing& drawing, std::uint32_t side);
 
-  DirectedEdges directed_;
-  EdgeOwners owners_;
-  std::vector<std::array<std::uint16_t, 2>> suspects_;
+  static constexpr std::uint32_t kNobody = 0xFFFFFFFF;
+  DirectedSides sides_;
+  std::vector<std::uint32_t> first_side_,
+      next_side_;                        // of fillers: per vertex, and per side, from the same vertex
+  std::vector<std::uint32_t> opposite_;  // per side of a filler, 3 filler + k: the filler's on its other side
+  std::vector<std::uint32_t> suspects_;  // sides
   std::vector<Edge> edges_;
   std::vector<std::uint16_t> first_from_;  // per vertex: its first edge in edges_
   std::vector<std::uint16_t>

@@ -9,6 +9,7 @@
 #define Draw DrawAgain
 #define DrawCorners DrawCornersAgain
 #define AllForward AllForwardAgain
+#define FirstBelow FirstBelowAgain
 namespace foldproof {
 bool chart_holds(const ChartView&, std::span<const MovingVertex>, double, ChartScratch&);
 double chart_margin(const ChartView&, std::span<const MovingVertex>, ChartScratch&, double);
