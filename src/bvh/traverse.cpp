@@ -1,11 +1,13 @@
 #include "bvh/traverse.h"
 
-#include <limits>
+#include <algorithm>
 
 #undef HWY_TARGET_INCLUDE  // Highway compiles this file once per instruction set
 #define HWY_TARGET_INCLUDE "bvh/traverse.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include "bvh/grid.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace foldproof::HWY_NAMESPACE {
@@ -31,11 +33,11 @@ HWY_INLINE bool Apart(const KineticBox& a, const KineticBox& b, float margin) {
 HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<NodePair>& below,
                       TraversalResult& out) {
   const auto nodes_a = traversal.a->hierarchy->nodes(), nodes_b = traversal.b->hierarchy->nodes();
-  const Hierarchy::Node &a = nodes_a[pair.a], &b = nodes_b[pair.b];
   ++out.node_tests;
   if (traversal.a == traversal.b && pair.a == pair.b) {
-    if (a.is_leaf()) {
-      out.leaf_pairs.push_back({a.leaf_begin, a.leaf_begin});
+    const Hierarchy::Node& self = nodes_a[pair.a];
+    if (self.is_leaf()) {
+      out.leaf_pairs.push_back({self.leaf_begin, self.leaf_begin});
     } else {
       push_below_self(nodes_a, pair.a, below);
     }
@@ -45,6 +47,7 @@ HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<Nod
     if (out.front != nullptr) out.front->push_back(pair);
     return;
   }
+  const Hierarchy::Node &a = nodes_a[pair.a], &b = nodes_b[pair.b];
   if (a.is_leaf() && b.is_leaf()) {
     if (out.front != nullptr) out.front->push_back(pair);
     out.leaf_pairs.push_back({a.leaf_begin, b.leaf_begin});
@@ -60,43 +63,31 @@ void DescendOnce(const Traversal& traversal, std::vector<NodePair>& front, std::
   front.swap(scratch);
 }
 
-void Traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack,
+void Traverse(const Traversal& traversal, std::span<const NodePair> starts, std::vector<NodePair>& stack,
               TraversalResult& out) {
-  stack.assign(1, start);
-  while (!stack.empty()) {
-    const NodePair pair = stack.back();
-    stack.pop_back();
-    Visit(traversal, pair, stack, out);
-  }
-}
-
-// One feature's box against eight: bit k is set unless lane k is apart.
-HWY_INLINE unsigned NearLanes(const float (&one)[12], const BoxBlock& block, float margin) {
-  const hn::CappedTag<float, 8> d;
-  const auto m = hn::Set(d, margin);
-  unsigned near = 0;
-  for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
-    auto gap = hn::Set(d, -std::numeric_limits<float>::infinity());
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto above0 = hn::Add(hn::Load(d, block.x[0][0][axis] + lane), hn::Set(d, one[3 + axis]));
-      const auto above1 = hn::Add(hn::Load(d, block.x[1][0][axis] + lane), hn::Set(d, one[9 + axis]));
-      const auto below0 = hn::Add(hn::Load(d, block.x[0][1][axis] + lane), hn::Set(d, one[axis]));
-      const auto below1 = hn::Add(hn::Load(d, block.x[1][1][axis] + lane), hn::Set(d, one[6 + axis]));
-      gap = hn::Max(gap, hn::Max(hn::Min(above0, above1), hn::Min(below0, below1)));
+  const KineticBox *boxes_a = traversal.a->boxes.data(), *boxes_b = traversal.b->boxes.data();
+  constexpr std::size_t kAhead = 8;  // boxes are fetched so many starts before they are looked at
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    if (i + kAhead < starts.size()) {
+      __builtin_prefetch(&boxes_a[starts[i + kAhead].a]);
+      __builtin_prefetch(&boxes_b[starts[i + kAhead].b]);
     }
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, hn::Not(hn::Gt(gap, m)), bits);
-    near |= static_cast<unsigned>(bits[0]) << lane;
+    stack.assign(1, starts[i]);
+    while (!stack.empty()) {
+      const NodePair pair = stack.back();
+      stack.pop_back();
+      Visit(traversal, pair, stack, out);
+    }
   }
-  return near;
 }
 
 // Bit k is set when lane k names one of the feature's vertices.
 template <int NA, int NB>
-HWY_INLINE unsigned IncidentLanes(const IdBlock<NA>& a, int lane_a, const IdBlock<NB>& b) {
+HWY_INLINE std::uint32_t IncidentLanes(const IdBlock<NA>& a, int lane_a, const IdBlock<NB>& b,
+                                       std::uint32_t asked) {
   const hn::CappedTag<std::uint32_t, 8> d;
-  unsigned incident = 0;
-  for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
+  std::uint32_t incident = 0;
+  for (std::size_t lane = 0; lane < kBlock && asked >> lane != 0; lane += hn::Lanes(d)) {
     auto same = hn::Eq(hn::Set(d, a.v[0][lane_a]), hn::Load(d, b.v[0] + lane));
     for (int i = 0; i < NA; ++i) {
       const auto id = hn::Set(d, a.v[i][lane_a]);
@@ -104,10 +95,39 @@ HWY_INLINE unsigned IncidentLanes(const IdBlock<NA>& a, int lane_a, const IdBloc
     }
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, same, bits);
-    incident |= static_cast<unsigned>(bits[0]) << lane;
+    incident |= std::uint32_t{bits[0]} << lane;
   }
   return incident;
 }
+
+// Both ascend.
+HWY_INLINE bool ShareVertex(std::span<const Index> a, std::span<const Index> b) {
+  if (a.back() < b.front() || b.back() < a.front()) return false;
+  std::size_t i = 0, k = 0;
+  while (i < a.size() && k < b.size()) {
+    if (a[i] == b[k]) return true;
+    const bool less = a[i] < b[k];
+    i += less;
+    k += !less;
+  }
+  return false;
+}
+
+// Nothing in the frame is farther apart than 2; the grid's numbers stay small so.
+HWY_INLINE float UsefulMargin(const Traversal& traversal) { return std::min(traversal.margin, 4.0f); }
+
+// A leaf with what is the same for all tests of its features.
+struct LeafSide {
+  const KineticTree& tree;
+  Index leaf;
+  ByteBox other;  // the whole of the other leaf, on this one's grid
+
+  HWY_INLINE LeafSide(const KineticTree& t, Index l, const KineticBox& other_box, float margin)
+      : tree(t), leaf(l) {
+    PlaceBox(other_box, margin, grid(), other);
+  }
+  const LeafGrid& grid() const { return tree.grids[leaf]; }
+};
 
 struct LeafTest {
   float margin;
@@ -115,60 +135,80 @@ struct LeafTest {
   bool halve;          // one set with itself: each unordered pair once
 };
 
-HWY_INLINE void CopyBox(const KineticBox& box, float (&one)[12]) {
-  for (int k = 0; k < 12; ++k) one[k] = (&box.x[0][0][0])[k / 3 * 4 + k % 3];
+// Appends the pairs of feature a with those that the bits name. Mostly there are few, so two are written at
+// once, whether there are or not.
+HWY_INLINE void Append(Index a, Index first_b, std::uint32_t near, std::vector<CandidateBuffer::Pair>& out) {
+  const std::size_t at = out.size(), count = __builtin_popcount(near);
+  out.resize(at + count + 2);
+  CandidateBuffer::Pair* next = &out[at];
+  do {
+    for (int k = 0; k < 2; ++k, near &= near - 1)
+      *next++ = {a, first_b + static_cast<Index>(__builtin_ctz(near | 1u << 31))};
+  } while (near != 0);
+  out.resize(at + count);
 }
 
-HWY_INLINE void CopyLane(const BoxBlock& block, int lane, float (&one)[12]) {
-  for (int k = 0; k < 12; ++k) one[k] = (&block.x[0][0][0][0])[8 * k + lane];
-}
-
-// All pairs of a feature of leaf `leaf_a` and one of leaf `leaf_b`; `box_b` holds the whole of leaf b.
+// All pairs of a feature of leaf a and one of leaf b, a block of each. What is near is first found for all
+// features of a and then looked at, so that nothing waits for a guess about it.
 template <int NA, int NB>
-HWY_INLINE void TestFeatures(const FeatureBlocks<NA>& fa, Index leaf_a, const FeatureBlocks<NB>& fb,
-                             Index leaf_b, const KineticBox& box_b, const LeafTest& test,
+HWY_INLINE void TestBlocks(const LeafSide& a, const FeatureBlocks<NA>& fa, Index ia, const LeafSide& b,
+                           const FeatureBlocks<NB>& fb, Index ib, const LeafTest& test,
+                           std::vector<CandidateBuffer::Pair>& out) {
+  ByteBox boxes[kBlock];
+  std::uint8_t lanes[kBlock];
+  int count = 0;
+  for (std::uint32_t left = NearLanes(a.other, fa.boxes[ia]) & fa.used[ia]; left != 0; left &= left - 1) {
+    const int lane = __builtin_ctz(left);
+    PlaceFeature(a.tree.vertices.data(), fa.ids[ia], lane, test.margin, b.grid(), boxes[count]);
+    lanes[count++] = static_cast<std::uint8_t>(lane);
+  }
+  std::uint32_t near[kBlock];
+  for (int i = 0; i < count; ++i) near[i] = NearLanes(boxes[i], fb.boxes[ib]) & fb.used[ib];
+  if (test.halve && ia == ib) {
+    for (int i = 0; i < count; ++i) near[i] &= ~((2u << lanes[i]) - 1);
+  }
+  for (int i = 0; i < count; ++i) {
+    if (near[i] == 0) continue;
+    if (test.drop_incident) near[i] &= ~IncidentLanes(fa.ids[ia], lanes[i], fb.ids[ib], near[i]);
+    if (near[i] != 0) Append(fa.first[ia] + lanes[i], fb.first[ib], near[i], out);
+  }
+}
+
+template <int NA, int NB>
+HWY_INLINE void TestFeatures(const LeafSide& a, const FeatureBlocks<NA>& fa, const LeafSide& b,
+                             const FeatureBlocks<NB>& fb, const LeafTest& test,
                              std::vector<CandidateBuffer::Pair>& out) {
-  float one[12];
-  for (Index ia = fa.begin[leaf_a]; ia < fa.begin[leaf_a + 1]; ++ia) {
-    CopyBox(box_b, one);
-    unsigned lanes = NearLanes(one, fa.boxes[ia], test.margin);
-    for (; lanes != 0; lanes &= lanes - 1) {
-      const int lane_a = __builtin_ctz(lanes);
-      const Index feature_a = fa.first[ia] + static_cast<Index>(lane_a);
-      CopyLane(fa.boxes[ia], lane_a, one);
-      for (Index ib = test.halve ? ia : fb.begin[leaf_b]; ib < fb.begin[leaf_b + 1]; ++ib) {
-        unsigned near = NearLanes(one, fb.boxes[ib], test.margin);
-        if (test.halve && ib == ia) near &= ~((2u << lane_a) - 1);
-        if (near != 0 && test.drop_incident) near &= ~IncidentLanes(fa.ids[ia], lane_a, fb.ids[ib]);
-        for (; near != 0; near &= near - 1) {
-          out.push_back({feature_a, fb.first[ib] + static_cast<Index>(__builtin_ctz(near))});
-        }
-      }
-    }
+  for (Index ia = fa.begin[a.leaf]; ia < fa.begin[a.leaf + 1]; ++ia) {
+    for (Index ib = test.halve ? ia : fb.begin[b.leaf]; ib < fb.begin[b.leaf + 1]; ++ib)
+      TestBlocks(a, fa, ia, b, fb, ib, test, out);
   }
 }
 
 void FindCandidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
-  const KineticTree &a = *traversal.a, &b = *traversal.b;
-  const KineticBox &box_a = a.boxes[a.leaf_node(leaves.a)], &box_b = b.boxes[b.leaf_node(leaves.b)];
-  const bool same_object = &a == &b, same_leaf = same_object && leaves.a == leaves.b;
-  const LeafTest test{traversal.margin, same_object, false},
-      edge_test{traversal.margin, same_object, same_leaf};
-  TestFeatures(a.vertex_blocks, leaves.a, b.face_blocks, leaves.b, box_b, test, out.vertex_face);
-  TestFeatures(a.edge_blocks, leaves.a, b.edge_blocks, leaves.b, box_b, edge_test, out.edge_edge);
+  const KineticTree &ta = *traversal.a, &tb = *traversal.b;
+  const float margin = UsefulMargin(traversal);
+  const LeafSide a(ta, leaves.a, tb.boxes[tb.leaf_node(leaves.b)], margin);
+  const LeafSide b(tb, leaves.b, ta.boxes[ta.leaf_node(leaves.a)], margin);
+  const bool same_object = &ta == &tb, same_leaf = same_object && leaves.a == leaves.b;
+  const bool incident = same_object && ShareVertex(ta.leaf_vertices(leaves.a), tb.leaf_vertices(leaves.b));
+  const LeafTest test{margin, incident, false}, edge_test{margin, incident, same_leaf};
+  TestFeatures(a, ta.vertex_blocks, b, tb.face_blocks, test, out.vertex_face);
+  TestFeatures(a, ta.edge_blocks, b, tb.edge_blocks, edge_test, out.edge_edge);
   if (same_leaf) return;
   auto& other = same_object ? out.vertex_face : out.face_vertex;
   const std::size_t begin = other.size();
-  TestFeatures(b.vertex_blocks, leaves.b, a.face_blocks, leaves.a, box_a, test, other);
+  TestFeatures(b, tb.vertex_blocks, a, ta.face_blocks, test, other);
   if (same_object) return;
   for (std::size_t i = begin; i < other.size(); ++i) std::swap(other[i].a, other[i].b);
 }
 
 void FindFacePairs(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
-  const KineticTree &a = *traversal.a, &b = *traversal.b;
-  const LeafTest test{traversal.margin, false, &a == &b && leaves.a == leaves.b};
-  TestFeatures(a.face_blocks, leaves.a, b.face_blocks, leaves.b, b.boxes[b.leaf_node(leaves.b)], test,
-               out.face_face);
+  const KineticTree &ta = *traversal.a, &tb = *traversal.b;
+  const float margin = UsefulMargin(traversal);
+  const LeafSide a(ta, leaves.a, tb.boxes[tb.leaf_node(leaves.b)], margin);
+  const LeafSide b(tb, leaves.b, ta.boxes[ta.leaf_node(leaves.a)], margin);
+  const LeafTest test{margin, false, &ta == &tb && leaves.a == leaves.b};
+  TestFeatures(a, ta.face_blocks, b, tb.face_blocks, test, out.face_face);
 }
 
 }  // namespace foldproof::HWY_NAMESPACE
@@ -176,6 +216,36 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace foldproof {
+
+namespace {
+
+constexpr std::size_t kCacheLine = 64;
+
+template <class T>
+void prefetch(const T* first, std::size_t count) {
+  const char* bytes = reinterpret_cast<const char*>(first);
+  for (std::size_t i = 0; i < count * sizeof(T); i += kCacheLine) __builtin_prefetch(bytes + i);
+}
+
+template <int N>
+void prefetch_blocks(const FeatureBlocks<N>& features, Index leaf) {
+  const Index begin = features.begin[leaf];
+  prefetch(&features.boxes[begin], 1);
+  prefetch(&features.ids[begin], 1);
+  __builtin_prefetch(&features.used[begin]);
+  __builtin_prefetch(&features.first[begin]);
+}
+
+void prefetch_leaf(const KineticTree& tree, Index leaf) {
+  prefetch_blocks(tree.vertex_blocks, leaf);
+  prefetch_blocks(tree.edge_blocks, leaf);
+  prefetch_blocks(tree.face_blocks, leaf);
+  prefetch(&tree.grids[leaf], 1);
+  prefetch(&tree.boxes[tree.leaf_node(leaf)], 1);
+  prefetch(&tree.vertices[tree.hierarchy->leaves()[leaf].vertices], 8);
+}
+
+}  // namespace
 
 HWY_EXPORT(DescendOnce);
 HWY_EXPORT(Traverse);
@@ -187,13 +257,18 @@ void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std:
   HWY_DYNAMIC_DISPATCH(DescendOnce)(traversal, front, scratch, out);
 }
 
-void traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack,
+void traverse(const Traversal& traversal, std::span<const NodePair> starts, std::vector<NodePair>& stack,
               TraversalResult& out) {
-  HWY_DYNAMIC_DISPATCH(Traverse)(traversal, start, stack, out);
+  HWY_DYNAMIC_DISPATCH(Traverse)(traversal, starts, stack, out);
 }
 
 void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
   HWY_DYNAMIC_DISPATCH(FindCandidates)(traversal, leaves, out);
+}
+
+void prefetch_features(const Traversal& traversal, NodePair leaves) {
+  prefetch_leaf(*traversal.a, leaves.a);
+  if (traversal.a != traversal.b || leaves.a != leaves.b) prefetch_leaf(*traversal.b, leaves.b);
 }
 
 void find_face_pairs(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {

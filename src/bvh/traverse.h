@@ -52,8 +52,14 @@ inline void push_below(std::span<const Hierarchy::Node> nodes_a, std::span<const
 void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std::vector<NodePair>& scratch,
                   TraversalResult& out);
 
-/// Follows a pair down to the leaves. `stack` is scratch. Order of `out` depends on the input only.
-void traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack, TraversalResult& out);
+/// Follows pairs down to the leaves, one after the other. `stack` is scratch. Order of `out` depends on the
+/// input only.
+void traverse(const Traversal& traversal, std::span<const NodePair> starts, std::vector<NodePair>& stack,
+              TraversalResult& out);
+inline void traverse(const Traversal& traversal, NodePair start, std::vector<NodePair>& stack,
+                     TraversalResult& out) {
+  traverse(traversal, {&start, 1}, stack, out);
+}
 
 /// Feature pairs whose kinetic boxes are not apart, in leaf order of their objects. Vertex-face and edge-edge
 /// pairs that share a vertex are left out.
@@ -77,6 +83,9 @@ struct CandidateBuffer {
 /// Tests vertices against faces and edges against edges of two leaves whose features have been filled, or of
 /// a leaf with itself.
 void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out);
+
+/// Asks the memory for what find_candidates will read.
+void prefetch_features(const Traversal& traversal, NodePair leaves);
 
 /// Tests faces against faces, for static queries.
 void find_face_pairs(const Traversal& traversal, NodePair leaves, CandidateBuffer& out);

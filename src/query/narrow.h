@@ -10,13 +10,10 @@
 
 namespace foldproof {
 
-/// A share of the traversal of one object with itself or of two objects. Tasks run in parallel; what they
-/// find does not depend on the threads.
+/// A share of the traversal of one object with itself or of two objects.
 struct TraversalTask {
   Traversal traversal;
   Index object_a, object_b;
-  std::vector<NodePair> starts, front;
-  TraversalResult found;
 };
 
 /// A leaf pair to be tested, with the task it came from.

@@ -82,32 +82,32 @@ void Scene::note_unproven(const LeafPairRef& pair) {
   }
 }
 
-void Scene::prove_leaf_pairs(double gap) {
-  if (plane_memory_.empty()) {
-    std::size_t leaves = 0;
-    for (const KineticTree& tree : trees_) leaves += tree.hierarchy->leaf_count();
-    plane_memory_.resize(std::bit_ceil(std::max<std::size_t>(16, 4 * leaves)));
-  }
-  proven_.assign(leaf_pairs_.size(), 0);
-  plane_found_.assign(leaf_pairs_.size(), PlaneNormal{});
-  using Range = tbb::blocked_range<std::size_t>;
-  tbb::parallel_for(Range(0, leaf_pairs_.size(), 64), [&](const Range& range) {
-    Local& local = locals_.local();
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      proven_[i] = proves(leaf_pairs_[i], gap, local, plane_found_[i]);
-      local.passes += proven_[i];
-    }
-  });
+void Scene::make_plane_memory() {
+  if (plane_memory_.empty()) plane_memory_.resize(std::bit_ceil(std::max<std::size_t>(16, 4 * leaf_count_)));
+}
+
+// Keeps of the pairs of leaves that a task found those that nothing proves apart.
+void Scene::prove_leaf_pairs(Index task, double gap, Local& local) {
+  TraversalShare& share = shares_[task];
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < leaf_pairs_.size(); ++i) {
-    if (proven_[i]) {
-      if (plane_found_[i] != PlaneNormal{}) plane_memory(leaf_pairs_[i]) = {plane_found_[i]};
+  for (const NodePair leaves : share.found.leaf_pairs) {
+    PlaneNormal plane{};
+    if (!proves({task, leaves}, gap, local, plane)) {
+      share.found.leaf_pairs[kept++] = leaves;
       continue;
     }
-    if (!believes_) note_unproven(leaf_pairs_[i]);
-    leaf_pairs_[kept++] = leaf_pairs_[i];
+    ++local.passes;
+    if (plane != PlaneNormal{}) share.planes.push_back({leaves, plane});
   }
-  leaf_pairs_.resize(kept);
+  share.found.leaf_pairs.resize(kept);
+}
+
+void Scene::remember_proofs() {
+  for (Index task = 0; task < tasks_.size(); ++task) {
+    for (const auto& [leaves, normal] : shares_[task].planes) plane_memory({task, leaves}) = {normal};
+  }
+  if (believes_) return;
+  for (const LeafPairRef& pair : leaf_pairs_) note_unproven(pair);
 }
 
 }  // namespace foldproof

@@ -14,8 +14,8 @@ constexpr std::size_t kEnoughTasks = 64;
 // There is one front per pair of objects; of many objects only those with themselves, as most others never
 // meet.
 constexpr std::size_t kManyObjects = 16;
-// A front is used for so many steps.
-constexpr int kFrontUses = 15;
+// The front of a node is made anew from its children every so many steps, as it only ever gets finer.
+constexpr std::size_t kFrontUses = 16;
 
 struct Bounds {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
@@ -141,13 +141,15 @@ std::span<const BroadPhase::Pair> Scene::near_objects(float margin) {
   return broad_phase_.pairs(object_boxes_, margin);
 }
 
-// Goes down from the root through the pairs of a node with itself. Leaves in front_ the pairs of children
-// below those nodes that are not proven, and in above_ the leaves.
+// Goes down from the root through the pairs of a node with itself, level by level. Leaves the proven ones in
+// proven_selves_ and self_proven_, and the leaves that are not in unproven_leaves_.
 void Scene::descend_selves(Index object, const StepSettings& settings, double gap, Work& work) {
   ChartBook& book = *books_[object];
   const auto nodes = hierarchy(object).nodes();
   auto& leaf_proofs = leaf_proofs_[object];
   for (LeafProofs& proofs : leaf_proofs) proofs.count = 0;
+  self_proven_.assign(nodes.size(), 0);
+  unproven_leaves_.clear();
   selves_.assign(nodes.empty() ? 0 : 1, 0);
   for (Index level = 0; !selves_.empty(); ++level) {
     work.node_tests += selves_.size();
@@ -162,7 +164,7 @@ void Scene::descend_selves(Index object, const StepSettings& settings, double ga
       const Index self = selves_[i];
       const Hierarchy::Node& node = nodes[self];
       if (self_proofs_[i]) {
-        proven_selves_.push_back(self);
+        self_proven_[self] = 1;
         if (settings.explain) proven_nodes_.push_back({object, self, level, self_proofs_[i]});
         for (Index leaf = node.leaf_begin; leaf < node.leaf_end; ++leaf) leaf_proofs[leaf].add(self);
         for (const Index leaf : self_proofs_[i].collar()) leaf_proofs[leaf].add(self);
@@ -170,9 +172,8 @@ void Scene::descend_selves(Index object, const StepSettings& settings, double ga
       }
       if (settings.certificates && !believes_) book.want_node(self);
       if (node.is_leaf()) {
-        above_.leaf_pairs.push_back({node.leaf_begin, node.leaf_begin});
+        unproven_leaves_.push_back(node.leaf_begin);
       } else {
-        front_.push_back({self + 1, node.right});
         selves_below_.push_back(self + 1);
         selves_below_.push_back(node.right);
       }
@@ -195,57 +196,133 @@ std::size_t Scene::enough_tasks(Index a, Index b) const {
   return std::max<std::size_t>(1, kEnoughTasks * leaves / (2 * leaf_count_));
 }
 
-// Deals the pairs in front_ out to tasks, or those of the last step's front when the same nodes were proven
-// as then. Else it goes down until there are enough of them; leaf pairs found on the way get a task of their
-// own.
-void Scene::start_tasks(Index a, Index b, float margin, Work& work) {
-  const Traversal traversal{&trees_[a], &trees_[b], margin};
-  const std::size_t enough = enough_tasks(a, b);
-  Front* front = front_of(a, b);
-  const bool again = front != nullptr && front->uses_left > 0 && front->proven == proven_selves_;
-  front_above_.clear();
-  if (again) {
-    front_.swap(front->pairs);
-    --front->uses_left;
-  } else {
-    above_.front = &front_above_;
-    for (int level = 0; level < 12 && !front_.empty() && front_.size() < 4 * enough; ++level) {
-      descend_once(traversal, front_, below_, above_);
+TraversalShare& Scene::add_task(Index a, Index b, float margin) {
+  tasks_.push_back({{&trees_[a], &trees_[b], margin}, a, b});
+  if (shares_.size() < tasks_.size()) shares_.resize(tasks_.size());
+  TraversalShare& share = shares_[tasks_.size() - 1];
+  share.parts.clear();
+  share.starts.clear();
+  share.front.runs.clear();
+  share.front.pairs.clear();
+  share.found.leaf_pairs.clear();
+  share.found.node_tests = 0;
+  share.found.front = front_of(a, b) != nullptr ? &share.front.pairs : nullptr;
+  share.planes.clear();
+  return share;
+}
+
+// What there is to traverse within an object: for each node that is neither proven nor below one that is,
+// what lies between its children, from the last front on where there is one. Gives about how much it is.
+std::size_t Scene::list_parts(Index object) {
+  const auto nodes = hierarchy(object).nodes();
+  const Front* front = front_of(object, object);
+  std::size_t run = 0, weight = 0;
+  parts_.clear();
+  for (Index self = 0; self < nodes.size();) {
+    const Hierarchy::Node& node = nodes[self];
+    const Index leaves = node.leaf_end - node.leaf_begin;
+    if (self_proven_[self]) {
+      self += 2 * leaves - 1;  // past everything below it
+      continue;
     }
-    if (front != nullptr) front->uses_left = kFrontUses;
+    if (!node.is_leaf()) {
+      TraversalShare::Part& part = parts_.emplace_back(TraversalShare::Part{self, {}});
+      while (front != nullptr && run < front->runs.size() && front->runs[run].node < self) ++run;
+      if (front != nullptr && run < front->runs.size() && front->runs[run].node == self &&
+          (steps_ + self) % kFrontUses != 0) {
+        const std::size_t begin = front->runs[run].begin;
+        const std::size_t end =
+            run + 1 < front->runs.size() ? front->runs[run + 1].begin : front->pairs.size();
+        part.starts = std::span(front->pairs).subspan(begin, end - begin);
+      }
+      weight += part.starts.empty() ? 4 * static_cast<std::size_t>(std::sqrt(leaves)) : part.starts.size();
+    }
+    ++self;
   }
-  if (front != nullptr) {
-    front->proven = proven_selves_;
-    front->pairs.assign(front_above_.begin(), front_above_.end());
+  return weight;
+}
+
+// Deals what there is out to tasks of about the same size.
+void Scene::start_within(Index object, float margin) {
+  const auto nodes = hierarchy(object).nodes();
+  TraversalShare& leaves = add_task(object, object, margin);
+  for (const Index leaf : unproven_leaves_) leaves.found.leaf_pairs.push_back({leaf, leaf});
+  const std::size_t most = list_parts(object) / enough_tasks(object, object) + 1;
+  TraversalShare* share = nullptr;
+  std::size_t room = 0;
+  for (TraversalShare::Part part : parts_) {
+    do {
+      if (room == 0) {
+        share = &add_task(object, object, margin);
+        room = most;
+      }
+      const bool fresh = part.starts.empty();
+      const Hierarchy::Node& node = nodes[part.node];
+      const std::size_t weight =
+          fresh ? 4 * static_cast<std::size_t>(std::sqrt(node.leaf_end - node.leaf_begin))
+                : std::min(part.starts.size(), room);
+      share->parts.push_back({part.node, part.starts.first(fresh ? 0 : weight)});
+      part.starts = part.starts.subspan(fresh ? 0 : weight);
+      room -= std::min(room, weight);
+    } while (!part.starts.empty());
   }
-  const std::size_t count = std::min(enough, front_.size()), first = task_count_;
-  task_count_ += count + 1;
-  if (tasks_.size() < task_count_) tasks_.resize(task_count_);
-  for (std::size_t k = first; k < task_count_; ++k) {
-    TraversalTask& task = tasks_[k];
-    task.traversal = traversal;
-    task.object_a = a;
-    task.object_b = b;
-    task.starts.clear();
-    task.front.clear();
-    task.found.leaf_pairs.clear();
-    task.found.node_tests = 0;
+}
+
+// From the last front on, or down from the roots until there are enough pairs for all tasks; what is found on
+// the way gets a task of its own.
+void Scene::start_between(Index a, Index b, float margin) {
+  const Front* front = front_of(a, b);
+  const std::size_t enough = enough_tasks(a, b);
+  std::span<const NodePair> starts;
+  if (front != nullptr && !front->pairs.empty() && steps_ % kFrontUses != 0) {
+    starts = front->pairs;
+  } else {
+    TraversalShare& above = add_task(a, b, margin);
+    if (above.found.front != nullptr) above.front.runs.push_back({0, 0});
+    spread_.assign(1, {0, 0});
+    for (int level = 0; level < 12 && !spread_.empty() && spread_.size() < 4 * enough; ++level)
+      descend_once(tasks_.back().traversal, spread_, spread_below_, above.found);
+    starts = spread_;
   }
-  // Runs of a front lie near each other; starts from the root differ in size, the largest first.
-  for (std::size_t i = 0; i < front_.size(); ++i) {
-    tasks_[first + (again ? i * count / front_.size() : i % count)].starts.push_back(front_[i]);
+  const std::size_t count = std::min(enough, starts.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    TraversalShare& share = add_task(a, b, margin);
+    const std::size_t begin = k * starts.size() / count, end = (k + 1) * starts.size() / count;
+    share.starts.assign(starts.begin() + static_cast<std::ptrdiff_t>(begin),
+                        starts.begin() + static_cast<std::ptrdiff_t>(end));
+    share.parts.push_back({0, share.starts});
   }
-  tasks_[first + count].found.leaf_pairs = above_.leaf_pairs;
-  above_.leaf_pairs.clear();
-  work.node_tests += std::exchange(above_.node_tests, 0);
+}
+
+void Scene::run_task(Index k, bool prove, double gap) {
+  const TraversalTask& task = tasks_[k];
+  TraversalShare& share = shares_[k];
+  Local& local = locals_.local();
+  for (const TraversalShare::Part& part : share.parts) {
+    const NodePair children{part.node + 1, hierarchy(task.object_a).nodes()[part.node].right};
+    if (share.found.front != nullptr)
+      share.front.runs.push_back({part.node, static_cast<Index>(share.front.pairs.size())});
+    foldproof::traverse(task.traversal, part.starts.empty() ? std::span(&children, 1) : part.starts,
+                        local.stack, share.found);
+  }
+  if (prove) prove_leaf_pairs(k, gap, local);
 }
 
 void Scene::keep_fronts() {
-  for (std::size_t k = 0; k < task_count_; ++k) {
-    const TraversalTask& task = tasks_[k];
-    if (Front* front = front_of(task.object_a, task.object_b)) {
-      front->pairs.insert(front->pairs.end(), task.front.begin(), task.front.end());
+  for (Index k = 0; k < tasks_.size(); ++k) {
+    Front* front = front_of(tasks_[k].object_a, tasks_[k].object_b);
+    if (front == nullptr) continue;
+    if (k == 0 || front != front_of(tasks_[k - 1].object_a, tasks_[k - 1].object_b)) {
+      front->runs.clear();
+      front->pairs.clear();
     }
+    const Front& found = shares_[k].front;
+    for (const Front::Run& run : found.runs) {
+      // A part that was cut up is one run again.
+      if (front->runs.empty() || front->runs.back().node != run.node)
+        front->runs.push_back({run.node, static_cast<Index>(front->pairs.size() + run.begin)});
+    }
+    front->pairs.insert(front->pairs.end(), found.pairs.begin(), found.pairs.end());
   }
 }
 
@@ -267,38 +344,27 @@ void Scene::traverse(const StepSettings& settings, double distance, Work& work) 
   for (Local& local : locals_) local.tests = local.passes = local.tester.tests = 0;
   begin_learning(settings);
   keeps_fronts_ = settings.certificates;
-  task_count_ = 0;
+  tasks_.clear();
   proven_nodes_.clear();
   if (settings.within) {
     for (Index object = 0; object < trees_.size(); ++object) {
-      front_.clear();
-      proven_selves_.clear();
       descend_selves(object, settings, gap, work);
-      start_tasks(object, object, margin, work);
+      start_within(object, margin);
     }
   }
   if (settings.between) {
-    proven_selves_.clear();
-    for (const auto& [a, b] : near_objects(margin)) {
-      front_.assign(1, {0, 0});
-      start_tasks(a, b, margin, work);
-    }
+    for (const auto& [a, b] : near_objects(margin)) start_between(a, b, margin);
   }
-  tbb::parallel_for(std::size_t{0}, task_count_, [&](std::size_t k) {
-    TraversalTask& task = tasks_[k];
-    task.found.front = front_of(task.object_a, task.object_b) != nullptr ? &task.front : nullptr;
-    for (const NodePair start : task.starts) {
-      foldproof::traverse(task.traversal, start, locals_.local().stack, task.found);
-    }
-  });
+  const bool prove = settings.certificates || believes_;
+  if (prove) make_plane_memory();
+  tbb::parallel_for(Index{0}, static_cast<Index>(tasks_.size()), [&](Index k) { run_task(k, prove, gap); });
   keep_fronts();
   leaf_pairs_.clear();
-  for (std::size_t k = 0; k < task_count_; ++k) {
-    work.node_tests += tasks_[k].found.node_tests;
-    for (const NodePair leaves : tasks_[k].found.leaf_pairs)
-      leaf_pairs_.push_back({static_cast<Index>(k), leaves});
+  for (Index k = 0; k < tasks_.size(); ++k) {
+    work.node_tests += shares_[k].found.node_tests;
+    for (const NodePair leaves : shares_[k].found.leaf_pairs) leaf_pairs_.push_back({k, leaves});
   }
-  if (settings.certificates || believes_) prove_leaf_pairs(gap);
+  if (prove) remember_proofs();
   for (const Local& local : locals_) {
     work.certificate_tests += local.tests + local.tester.tests;
     work.certificate_passes += local.passes;

@@ -3,6 +3,8 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <deque>
+
 #include "certificate/book.h"
 #include "certificate/separating_plane.h"
 #include "query/beliefs.h"
@@ -11,11 +13,33 @@
 
 namespace foldproof {
 
-/// Where the traversal of one object with itself or of two objects stopped in the step before.
+/// Where the traversal of one object with itself or of two objects stopped in the step before: the pairs of
+/// nodes that were apart or leaves. The next step goes on from there.
 struct Front {
-  std::vector<Index> proven;  ///< The nodes of the object that were left out, being proven.
+  /// The pairs [begin, the next run's begin) lie between the two children of one node that was not proven; of
+  /// two objects there is one run.
+  struct Run {
+    Index node, begin;
+  };
+  std::vector<Run> runs;  ///< Ascending by node.
   std::vector<NodePair> pairs;
-  int uses_left = 0;  ///< Then it is made anew from the root, as it only ever gets finer.
+};
+
+/// What one task traverses and proves. Tasks run in parallel; what they find does not depend on the threads.
+struct TraversalShare {
+  struct Part {
+    Index node;                        ///< As Front::Run.
+    std::span<const NodePair> starts;  ///< Empty: the pair of the node's children.
+  };
+  std::vector<Part> parts;
+  std::vector<NodePair> starts;  ///< Of parts that go on from no front.
+  Front front;                   ///< Where it stopped.
+  TraversalResult found;         ///< Of its pairs of leaves those that are not proven apart.
+  struct Plane {
+    NodePair leaves;
+    PlaneNormal normal;
+  };
+  std::vector<Plane> planes;  ///< Pairs of leaves that a plane separates.
 };
 
 /// Which proven patches of this step a leaf belongs to. Two leaves with a patch in common are proven apart.
@@ -87,11 +111,17 @@ class Scene {
   std::span<const BroadPhase::Pair> near_objects(float margin);
   std::size_t enough_tasks(Index a, Index b) const;
   void descend_selves(Index object, const StepSettings& settings, double gap, Work& work);
-  void start_tasks(Index a, Index b, float margin, Work& work);
+  std::size_t list_parts(Index object);
+  void start_within(Index object, float margin);
+  void start_between(Index a, Index b, float margin);
+  TraversalShare& add_task(Index a, Index b, float margin);
   Front* front_of(Index a, Index b);
   void keep_fronts();
-  void prove_leaf_pairs(double gap);
+  void run_task(Index task, bool prove, double gap);
+  void prove_leaf_pairs(Index task, double gap, Local& local);
   bool proves(const LeafPairRef& pair, double gap, Local& local, PlaneNormal& found);
+  void remember_proofs();
+  void make_plane_memory();
   void note_unproven(const LeafPairRef& pair);
   void fill_features();
   std::uint64_t count_near_leaves(const StepSettings& settings, double distance);
@@ -113,21 +143,20 @@ class Scene {
   BroadPhase broad_phase_;
   std::vector<SweptBox> object_boxes_;
   std::vector<TraversalTask> tasks_;
-  std::size_t task_count_ = 0;
-  std::vector<NodePair> front_, below_, front_above_;
+  std::deque<TraversalShare> shares_;  // one per task; more may stand behind, from earlier steps
   std::vector<Front> fronts_;
   bool keeps_fronts_ =
       false;  // only with certificates: without them a step's work is a matter of that step alone
-  std::vector<Index> proven_selves_;
+  std::vector<TraversalShare::Part> parts_;  // of the object at hand
+  std::vector<NodePair> spread_, spread_below_;
+  std::vector<std::uint8_t> self_proven_;  // per node of the object at hand
   std::vector<Index> selves_, selves_below_;
   std::vector<ChartBook::Proof> self_proofs_;
+  std::vector<Index> unproven_leaves_;
   std::vector<ProvenNode> proven_nodes_;  // only when explanations are wanted
-  std::vector<std::uint8_t> proven_;
-  TraversalResult above_;
 
   std::vector<LeafPairRef> leaf_pairs_;
   std::vector<PlaneMemory> plane_memory_;
-  std::vector<PlaneNormal> plane_found_;  // per pair of leaves
   std::vector<std::vector<std::uint8_t>> leaf_needed_;
   std::vector<std::pair<Index, Index>> leaves_to_fill_;
   tbb::enumerable_thread_specific<Local> locals_;
