@@ -310,7 +310,8 @@ std::string format_json(const Report& report) {
                                {"triangles", r.triangles},
                                {"steps", r.steps},
                                {"one_milliseconds", r.one},
-                               {"two_milliseconds", r.two}});
+                               {"two_milliseconds", r.two},
+                               {"processors", r.processors}});
   for (const TrainingRecord& r : report.training)
     json["training"].push_back({{"name", r.name},
                                 {"triangles", r.triangles},

@@ -19,8 +19,10 @@ struct ThreadRecord {
   std::string name;
   Index triangles = 0, steps = 0;
   double one = 0, two = 0;  ///< Median milliseconds.
+  double processors = 0;    ///< How many the two threads had on average: less than 2 also on a busy machine.
 };
-/// The growth scenes with 200,000 triangles and more. The process must not be pinned to one processor.
+/// The growth scenes with about 200,000 triangles and with about 2,000,000. The process must not be pinned to
+/// one processor.
 Result<std::vector<ThreadRecord>> measure_threads(const Plan& plan);
 Table thread_table(const std::vector<ThreadRecord>& records);
 

@@ -1,6 +1,6 @@
 /// FCL: its broad phase over the features as separate objects, a dynamic AABB tree that is refitted and
 /// rebalanced each step. FCL's own continuous collision serves rigid bodies only and cannot play here
-/// (docs/benchmarks.md).
+/// (docs/benchmarks).
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/config.h>
 #include <fcl/narrowphase/collision_object.h>
