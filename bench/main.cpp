@@ -3,7 +3,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <thread>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -24,6 +26,7 @@ struct Options {
   bool list = false, quick = false, no_memory = false, certificates = false, reduced = false, growth = false,
        threads = false, training = false;
   int cpu = -1;
+  double trained_before = NAN;
   Plan plan;
 };
 
@@ -63,6 +66,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--growth", options.growth, "The same shapes from 10,000 to 2,000,000 triangles");
   app.add_flag("--thread-scaling", options.threads, "One thread and two, from 200,000 triangles");
   app.add_flag("--training", options.training, "Training on the sets of poses of the data");
+  app.add_option("--trained-before", options.trained_before,
+                 "Seconds that training on hand-train took before, on this machine, to compare with")
+      ->check(CLI::PositiveNumber);
   app.add_option("--publish", options.publish,
                  "Measure all of this, and write results.json and tables.md into this directory");
   app.add_flag("--list", options.list, "Name the scenes and peers, and stop");
@@ -207,7 +213,8 @@ Result<void> run(Options& options) {
   plan.sizes = sizes_called(options.size);
   if (options.quick) make_quick(options);
   Report report;
-  if (options.threads || !options.publish.empty()) {
+  const bool can_have_two = std::thread::hardware_concurrency() > 1;
+  if (options.threads || (!options.publish.empty() && can_have_two)) {
     auto threads = measure_threads(plan);
     if (!threads) return tl::unexpected(threads.error());
     report.threads = std::move(*threads);
@@ -230,6 +237,7 @@ Result<void> run(Options& options) {
   report.machine = machine_facts(plan.peers);
   report.plan = plan;
   report.command = options.command;
+  report.trained_before = options.trained_before;
   if (auto done = run_chosen(options, report); !done) return done;
   fmt::print("{}", format_tables(report, Style::Text));
   return write_files(options, report);
