@@ -31,8 +31,8 @@ class Hierarchy {
   };
 
   /// `positions`: vertex_count x 3, row-major, the pose that decides how patches are split (any pose does).
-  /// Error when positions have the wrong size or are not finite. Cost: O(n log^2 n), a few microseconds per
-  /// triangle.
+  /// Error when positions have the wrong size or are not finite. Cost: O(n log n), about a microsecond per
+  /// triangle. Uses the caller's oneTBB arena; the tree is the same for any number of threads.
   static Result<Hierarchy> build(Topology topology, std::span<const double> positions,
                                  const HierarchySettings& settings = {});
 
@@ -58,7 +58,6 @@ class Hierarchy {
   std::span<const Triangle> triangles() const { return triangles_; }
 
  private:
-  void split(std::span<const double> positions, Index leaf_triangles);
   bool plant(std::span<const Index> leaf_sizes);
   void close_ranges();
   void assign_owners();

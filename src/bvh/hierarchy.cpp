@@ -2,188 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
-#include "foldproof/bvh.h"
+#include "bvh/split.h"
 
 namespace foldproof {
 namespace {
-
-// Splits triangles into halves that are connected where the surface is: by the difference of the distances
-// over the surface from two far ends of the piece. Going towards the first end never raises that difference,
-// so the part below any threshold hangs together, and so does the rest; but for dead ends, all of one
-// difference, that a threshold cuts: what it cuts off goes to the other half.
-class Splitter {
- public:
-  Splitter(const Topology& topology, std::span<const double> positions)
-      : triangles_(topology.triangles()), mark_(triangles_.size(), 0) {
-    connect(topology);
-    centers_.reserve(triangles_.size());
-    for (const Triangle& t : triangles_) {
-      Vec3 sum = Vec3::Zero();
-      for (const Index v : t) sum += Eigen::Map<const Vec3>(&positions[3 * std::size_t{v}]) / 3;
-      centers_.push_back(sum);
-    }
-    distance_.resize(triangles_.size());
-    key_.resize(triangles_.size());
-  }
-
-  // Reorders `piece` so that its first triangles are one half, about `left` of them; returns how many.
-  std::size_t split(std::span<Index> piece, std::size_t left) {
-    ++round_;
-    for (const Index t : piece) mark_[t] = 2 * round_;
-    if (flood(piece.front(), 2 * round_) < piece.size()) {
-      order_components(piece, left);
-      return left;
-    }
-    const Index first = queue_.back();
-    measure(piece, first);
-    for (const Index t : piece) key_[t] = distance_[t];
-    const Index second = *std::max_element(piece.begin(), piece.end(),
-                                           [&](Index a, Index b) { return distance_[a] < distance_[b]; });
-    measure(piece, second);
-    for (const Index t : piece) key_[t] -= distance_[t];
-    std::nth_element(piece.begin(), piece.begin() + left, piece.end(),
-                     [&](Index a, Index b) { return std::pair(key_[a], a) < std::pair(key_[b], b); });
-    return exchange_fragments(piece, left, first, second);
-  }
-
- private:
-  void connect(const Topology& topology) {
-    const auto sides = topology.triangle_edges();
-    edge_begin_.assign(topology.edges().size() + 1, 0);
-    for (const auto& t : sides) {
-      for (const Index e : t) {
-        if (e != kNoIndex) ++edge_begin_[e + 1];
-      }
-    }
-    std::partial_sum(edge_begin_.begin(), edge_begin_.end(), edge_begin_.begin());
-    edge_triangles_.resize(edge_begin_.back());
-    std::vector<Index> fill(edge_begin_.begin(), edge_begin_.end() - 1);
-    for (Index t = 0; t < sides.size(); ++t) {
-      for (const Index e : sides[t]) {
-        if (e != kNoIndex) edge_triangles_[fill[e]++] = t;
-      }
-    }
-    sides_ = sides;
-  }
-
-  // Breadth first over triangles with this mark; raises the mark by one and fills queue_.
-  std::size_t flood(Index start, std::uint32_t mark) {
-    queue_.clear();
-    queue_.push_back(start);
-    mark_[start] = mark + 1;
-    for (std::size_t i = 0; i < queue_.size(); ++i) {
-      const Index t = queue_[i];
-      for (const Index e : sides_[t]) {
-        if (e == kNoIndex) continue;
-        for (Index k = edge_begin_[e]; k < edge_begin_[e + 1]; ++k) {
-          const Index other = edge_triangles_[k];
-          if (mark_[other] != mark) continue;
-          mark_[other] = mark + 1;
-          queue_.push_back(other);
-        }
-      }
-    }
-    return queue_.size();
-  }
-
-  // Moves what does not hang together with `first` in the left half, or with `second` in the right one,
-  // across.
-  std::size_t exchange_fragments(std::span<Index> piece, std::size_t left, Index first, Index second) {
-    round_ += 2;
-    const std::uint32_t in_left = 2 * round_ - 2, in_right = 2 * round_;
-    for (std::size_t i = 0; i < piece.size(); ++i) mark_[piece[i]] = i < left ? in_left : in_right;
-    if (mark_[first] != in_left || mark_[second] != in_right) return left;
-    flood(first, in_left);
-    for (const Index t : piece.first(left)) {
-      if (mark_[t] == in_left) mark_[t] = in_right;
-    }
-    flood(second, in_right);
-    const auto middle =
-        std::partition(piece.begin(), piece.end(), [&](Index t) { return mark_[t] != in_right + 1; });
-    return static_cast<std::size_t>(middle - piece.begin());
-  }
-
-  // Shortest paths from triangle to triangle, centre to centre over shared edges, from `start` to all of the
-  // piece.
-  void measure(std::span<const Index> piece, Index start) {
-    const std::uint32_t inside = mark_[start];
-    for (const Index t : piece) distance_[t] = std::numeric_limits<double>::max();
-    using Entry = std::pair<double, Index>;
-    heap_.assign(1, {0.0, start});
-    distance_[start] = 0;
-    while (!heap_.empty()) {
-      const auto [d, t] = heap_.front();
-      std::pop_heap(heap_.begin(), heap_.end(), std::greater<Entry>());
-      heap_.pop_back();
-      if (d > distance_[t]) continue;
-      for (const Index e : sides_[t]) {
-        if (e == kNoIndex) continue;
-        for (Index k = edge_begin_[e]; k < edge_begin_[e + 1]; ++k) {
-          const Index other = edge_triangles_[k];
-          if (mark_[other] != inside) continue;
-          const double through = d + (centers_[other] - centers_[t]).norm();
-          if (!(through < distance_[other])) continue;
-          distance_[other] = through;
-          heap_.emplace_back(through, other);
-          std::push_heap(heap_.begin(), heap_.end(), std::greater<Entry>());
-        }
-      }
-    }
-  }
-
-  // A piece of several components: they are kept whole where that balances, and stand sorted along the
-  // longest axis of their centres. The queue holds the first one already.
-  void order_components(std::span<Index> piece, std::size_t left) {
-    struct Component {
-      std::vector<Index> triangles;
-      Vec3 center = Vec3::Zero();
-    };
-    std::vector<Component> components;
-    std::vector<Index> rest(piece.begin(), piece.end());
-    for (const Index t : rest) {
-      if (!components.empty()) {
-        if (mark_[t] != 2 * round_) continue;
-        flood(t, 2 * round_);
-      }
-      Component c;
-      c.triangles = queue_;
-      for (const Index k : queue_) c.center += centers_[k] / static_cast<double>(queue_.size());
-      components.push_back(std::move(c));
-    }
-    Vec3 low = components[0].center, high = low;
-    for (const Component& c : components) {
-      low = low.cwiseMin(c.center);
-      high = high.cwiseMax(c.center);
-    }
-    int axis = 0;
-    (high - low).maxCoeff(&axis);
-    std::stable_sort(components.begin(), components.end(),
-                     [&](const Component& a, const Component& b) { return a.center[axis] < b.center[axis]; });
-    std::size_t place = 0;
-    for (const Component& c : components) {
-      // The component that the cut falls into is ordered along the axis, so that the cut is a plane.
-      std::vector<Index> triangles = c.triangles;
-      if (place < left && place + triangles.size() > left) {
-        std::sort(triangles.begin(), triangles.end(), [&](Index a, Index b) {
-          return std::pair(centers_[a][axis], a) < std::pair(centers_[b][axis], b);
-        });
-      }
-      for (const Index t : triangles) piece[place++] = t;
-    }
-  }
-
-  std::span<const Triangle> triangles_;
-  std::span<const std::array<Index, 3>> sides_;
-  std::vector<Index> edge_begin_, edge_triangles_;
-  std::vector<Vec3> centers_;
-  std::vector<std::uint32_t> mark_;
-  std::vector<Index> queue_;
-  std::vector<std::pair<double, Index>> heap_;
-  std::vector<double> distance_, key_;
-  std::uint32_t round_ = 0;
-};
 
 Result<void> check_positions(const Topology& topology, std::span<const double> positions) {
   if (positions.size() != 3 * std::size_t{topology.vertex_count()}) {
@@ -207,7 +30,9 @@ Result<Hierarchy> Hierarchy::build(Topology topology, std::span<const double> po
   if (auto ok = check_positions(topology, positions); !ok) return tl::unexpected(ok.error());
   Hierarchy tree;
   tree.topology_ = std::move(topology);
-  tree.split(positions, std::max<Index>(settings.leaf_triangles, 1));
+  SplitSurface split = split_surface(tree.topology_, positions, std::max<Index>(settings.leaf_triangles, 1));
+  tree.triangle_ids_ = std::move(split.triangle_ids);
+  tree.plant(split.leaf_sizes);
   tree.assign_owners();
   return tree;
 }
@@ -256,42 +81,6 @@ bool Hierarchy::plant(std::span<const Index> leaf_sizes) {
   leaves_.push_back({static_cast<Index>(count), 0, 0});
   close_ranges();
   return true;
-}
-
-void Hierarchy::split(std::span<const double> positions, Index leaf_triangles) {
-  const std::size_t count = topology_.triangles().size();
-  triangle_ids_.resize(count);
-  std::iota(triangle_ids_.begin(), triangle_ids_.end(), 0u);
-  Splitter splitter(topology_, positions);
-
-  struct Task {
-    std::size_t begin, end;
-    Index parent;  // whose right child this is; kNoIndex for left children and the root
-  };
-  std::vector<Task> tasks{{0, count, kNoIndex}};
-  while (!tasks.empty()) {
-    const Task task = tasks.back();
-    tasks.pop_back();
-    const Index id = static_cast<Index>(nodes_.size());
-    if (task.parent != kNoIndex) nodes_[task.parent].right = id;
-    Node node;
-    node.leaf_begin = static_cast<Index>(leaves_.size());
-    nodes_.push_back(node);
-    const std::size_t size = task.end - task.begin;
-    // A few more than asked for is better than two leaves half full.
-    if (size <= leaf_triangles + leaf_triangles / 4) {
-      leaves_.push_back({static_cast<Index>(task.begin), 0, 0});
-      continue;
-    }
-    // Whole leaves on the left, so that leaves come out full.
-    const std::size_t leaves = std::max<std::size_t>((size + leaf_triangles / 2) / leaf_triangles, 2);
-    const std::size_t left =
-        splitter.split(std::span(triangle_ids_).subspan(task.begin, size), leaves / 2 * (size / leaves));
-    tasks.push_back({task.begin + left, task.end, id});
-    tasks.push_back({task.begin, task.begin + left, kNoIndex});
-  }
-  leaves_.push_back({static_cast<Index>(count), 0, 0});
-  close_ranges();
 }
 
 // Children stand after their parents, so one sweep from the back closes every range of leaves.

@@ -21,31 +21,43 @@ Result<Topology> Topology::make(Index vertex_count, std::vector<Triangle> triang
   mesh.vertex_count_ = vertex_count;
   mesh.triangles_ = std::move(triangles);
 
-  std::vector<Edge>& edges = mesh.edges_;
-  edges.reserve(mesh.triangles_.size() * 3);
-  for (const Triangle& t : mesh.triangles_) {
-    for (int k = 0; k < 3; ++k) {
-      const Index a = t[k], b = t[(k + 1) % 3];
-      if (a != b) edges.push_back({std::min(a, b), std::max(a, b)});
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  edges.shrink_to_fit();
-
-  mesh.triangle_edges_.reserve(mesh.triangles_.size());
-  for (const Triangle& t : mesh.triangles_) {
-    std::array<Index, 3> ids;
-    for (int k = 0; k < 3; ++k) {
-      const Index a = t[k], b = t[(k + 1) % 3];
-      const Edge edge{std::min(a, b), std::max(a, b)};
-      ids[k] = a == b
-                   ? kNoIndex
-                   : static_cast<Index>(std::lower_bound(edges.begin(), edges.end(), edge) - edges.begin());
-    }
-    mesh.triangle_edges_.push_back(ids);
-  }
+  mesh.find_edges();
   return mesh;
+}
+
+// Sorts the sides of triangles by their lower vertex, then the few of each vertex by the higher one.
+void Topology::find_edges() {
+  struct Side {
+    Index high, slot;
+    bool operator<(const Side& other) const {
+      return high != other.high ? high < other.high : slot < other.slot;
+    }
+  };
+  const auto for_each_side = [&](auto visit) {
+    for (Index t = 0; t < triangles_.size(); ++t) {
+      for (Index k = 0; k < 3; ++k) {
+        const auto [low, high] = std::minmax(triangles_[t][k], triangles_[t][(k + 1) % 3]);
+        if (low != high) visit(low, Side{high, 3 * t + k});
+      }
+    }
+  };
+  std::vector<Index> end(vertex_count_ + std::size_t{1}, 0);
+  for_each_side([&](Index low, const Side&) { ++end[low + std::size_t{1}]; });
+  for (std::size_t v = 0; v < vertex_count_; ++v) end[v + 1] += end[v];
+  std::vector<Side> sides(end.back());
+  for_each_side([&](Index low, const Side& side) { sides[end[low]++] = side; });  // end[v]: of v from now on
+  triangle_edges_.assign(triangles_.size(), {kNoIndex, kNoIndex, kNoIndex});
+  edges_.reserve(sides.size() / 2 + 1);
+  std::size_t begin = 0;
+  for (Index low = 0; low < vertex_count_; begin = end[low++]) {
+    std::sort(sides.begin() + static_cast<std::ptrdiff_t>(begin),
+              sides.begin() + static_cast<std::ptrdiff_t>(end[low]));
+    for (std::size_t k = begin; k < end[low]; ++k) {
+      if (k == begin || sides[k].high != sides[k - 1].high) edges_.push_back({low, sides[k].high});
+      triangle_edges_[sides[k].slot / 3][sides[k].slot % 3] = static_cast<Index>(edges_.size() - 1);
+    }
+  }
+  edges_.shrink_to_fit();
 }
 
 bool share_vertex(const Triangle& a, const Triangle& b) {
