@@ -11,6 +11,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "bvh/grid.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace foldproof::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -49,46 +51,63 @@ void UniteInnerNodes(std::span<const Hierarchy::Node> nodes, KineticBox* boxes) 
   }
 }
 
-// Boxes of up to eight features with N vertices each; empty lanes get a box that is apart from everything.
-template <int N>
-void FillBlock(const MovingVertex* vertices, const IdBlock<N>& ids, Index used, BoxBlock& block) {
-  const hn::CappedTag<float, 8> d;
-  const hn::RebindToSigned<decltype(d)> di;
-  for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
-    for (int component = 0; component < 8; ++component) {
-      if (component % 4 == 3) continue;
-      const float* base = vertices->x + component;
-      auto lower = hn::GatherIndex(
-          d, base, hn::ShiftLeft<3>(hn::Load(di, reinterpret_cast<const std::int32_t*>(ids.v[0] + lane))));
-      auto upper = lower;
-      for (int k = 1; k < N; ++k) {
-        const auto p = hn::GatherIndex(
-            d, base, hn::ShiftLeft<3>(hn::Load(di, reinterpret_cast<const std::int32_t*>(ids.v[k] + lane))));
-        lower = hn::Min(lower, p);
-        upper = hn::Max(upper, p);
-      }
-      hn::Store(lower, d, block.x[component / 4][0][component % 4] + lane);
-      hn::Store(hn::Neg(upper), d, block.x[component / 4][1][component % 4] + lane);
-    }
-  }
-  for (Index lane = used; lane < 8; ++lane) {
-    for (float* row = &block.x[0][0][0][0]; row <= block.x[1][1][2]; row += 8) {
-      row[lane] = std::numeric_limits<float>::infinity();
+// Places of the leaf's own features lie between 1 and 254, so that others can lie outside.
+void FitGrid(const KineticBox& box, LeafGrid& grid) {
+  constexpr float kSteps = 252, kLeast = 0x1p-20f;
+  for (int end = 0; end < 2; ++end) {
+    for (int axis = 0; axis < 4; ++axis) {
+      const float side = std::max(-box.x[end][1][axis] - box.x[end][0][axis], kLeast);
+      grid.origin[4 * end + axis] = box.x[end][0][axis] - side * (1.5f / kSteps);
+      grid.scale[4 * end + axis] = kSteps / side;
     }
   }
 }
 
+// Boxes one after the other -> coordinates one after the other.
+HWY_INLINE void Transpose(const ByteBox (&boxes)[16], Index lane, BoxBlock& block) {
+#if HWY_TARGET == HWY_SCALAR
+  for (int row = 0; row < 16; ++row) {
+    if (row % 4 == 3) continue;
+    for (int i = 0; i < 16; ++i)
+      block.x[row / 8][row / 4 % 2][row % 4][lane + i] = boxes[i].x[row / 8][row % 8];
+  }
+#else
+  const hn::Full128<std::uint8_t> d;
+  hn::Vec<hn::Full128<std::uint8_t> > from[16], to[16];
+  for (int i = 0; i < 16; ++i) to[i] = hn::Load(d, boxes[i].x[0]);
+  for (int round = 0; round < 4; ++round) {
+    for (int i = 0; i < 16; ++i) from[i] = to[i];
+    for (int i = 0; i < 8; ++i) {
+      to[2 * i] = hn::InterleaveLower(d, from[i], from[i + 8]);
+      to[2 * i + 1] = hn::InterleaveUpper(d, from[i], from[i + 8]);
+    }
+  }
+  for (int row = 0; row < 16; ++row) {
+    if (row % 4 < 3) hn::Store(to[row], d, block.x[row / 8][row / 4 % 2][row % 4] + lane);
+  }
+#endif
+}
+
 template <int N>
-void FillBlocks(const MovingVertex* vertices, FeatureBlocks<N>& features, Index leaf) {
+HWY_INLINE void FillBlocks(const MovingVertex* vertices, const LeafGrid& grid, Index leaf,
+                           FeatureBlocks<N>& features) {
   for (Index b = features.begin[leaf]; b < features.begin[leaf + 1]; ++b) {
-    FillBlock<N>(vertices, features.ids[b], features.used[b], features.boxes[b]);
+    const int count = __builtin_popcount(features.used[b]);
+    for (int first = 0; first < count; first += 16) {
+      ByteBox boxes[16] = {};
+      for (int k = 0; k < std::min(16, count - first); ++k)
+        PlaceFeature(vertices, features.ids[b], first + k, 0, grid, boxes[k]);
+      Transpose(boxes, first, features.boxes[b]);
+    }
   }
 }
 
 void FillLeafFeatures(KineticTree& tree, Index leaf) {
-  FillBlocks(tree.vertices.data(), tree.vertex_blocks, leaf);
-  FillBlocks(tree.vertices.data(), tree.edge_blocks, leaf);
-  FillBlocks(tree.vertices.data(), tree.face_blocks, leaf);
+  LeafGrid& grid = tree.grids[leaf];
+  FitGrid(tree.boxes[tree.leaf_node(leaf)], grid);
+  FillBlocks(tree.vertices.data(), grid, leaf, tree.vertex_blocks);
+  FillBlocks(tree.vertices.data(), grid, leaf, tree.edge_blocks);
+  FillBlocks(tree.vertices.data(), grid, leaf, tree.face_blocks);
 }
 
 }  // namespace foldproof::HWY_NAMESPACE
@@ -103,22 +122,22 @@ HWY_EXPORT(FillLeafFeatures);
 
 namespace {
 
-// Lays out features [begin(leaf), begin(leaf + 1)) of every leaf in blocks of eight.
+// Lays out features [begin(leaf), begin(leaf + 1)) of every leaf in blocks.
 template <int N, class BeginOf, class VerticesOf>
 FeatureBlocks<N> lay_out(Index leaf_count, BeginOf begin_of, VerticesOf vertices_of) {
   FeatureBlocks<N> features;
   features.begin.push_back(0);
   for (Index leaf = 0; leaf < leaf_count; ++leaf) {
     const Index end = begin_of(leaf + 1);
-    for (Index first = begin_of(leaf); first < end; first += 8) {
-      const Index used = std::min<Index>(8, end - first);
+    for (Index first = begin_of(leaf); first < end; first += kBlock) {
+      const Index used = std::min(kBlock, end - first);
       IdBlock<N>& ids = features.ids.emplace_back();
-      for (Index lane = 0; lane < 8; ++lane) {
+      for (Index lane = 0; lane < kBlock; ++lane) {
         const auto vertices = vertices_of(first + (lane < used ? lane : 0));
         for (int k = 0; k < N; ++k) ids.v[k][lane] = vertices[k];
       }
       features.first.push_back(first);
-      features.used.push_back(static_cast<std::uint8_t>(used));
+      features.used.push_back(~std::uint32_t{0} >> (kBlock - used));
     }
     features.begin.push_back(static_cast<Index>(features.ids.size()));
   }
@@ -133,6 +152,7 @@ KineticTree::KineticTree(std::shared_ptr<const Hierarchy> tree) : hierarchy(std:
   const auto leaves = h.leaves();
   vertices.resize(h.vertex_ids().size());
   boxes.resize(h.nodes().size());
+  grids.resize(h.leaf_count());
   vertex_blocks = lay_out<1>(
       h.leaf_count(), [&](Index leaf) { return leaves[leaf].vertices; },
       [](Index v) { return std::array<Index, 1>{v}; });

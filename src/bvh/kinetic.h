@@ -32,24 +32,33 @@ struct alignas(64) KineticBox {
   float x[2][2][4];  // [end][lower, negated upper][axis]
 };
 
-/// Boxes of eight features, one per lane. Lanes beyond the last feature are apart from everything.
-struct alignas(32) BoxBlock {
-  float x[2][2][3][8];  // [end][lower, negated upper][axis][lane]
+/// A grid of bytes over the box of one leaf, at both ends of the step: a coordinate x has its place at
+/// (x - origin) * scale. Laid out like MovingVertex.
+struct alignas(32) LeafGrid {
+  float origin[8], scale[8];
 };
 
-/// Vertices of eight features, in leaf order; empty lanes repeat the first.
+/// Features per block.
+inline constexpr Index kBlock = 32;
+
+/// Boxes of the features of a block, one per lane, on their leaf's grid (docs/soundness.md, B4).
+struct alignas(32) BoxBlock {
+  std::uint8_t x[2][2][3][kBlock];  // [lower, upper][end][axis][lane]
+};
+
+/// Vertices of the features of a block, in leaf order; empty lanes repeat the first.
 template <int N>
 struct alignas(32) IdBlock {
-  Index v[N][8];
+  Index v[N][kBlock];
 };
 
-/// Features of all leaves in blocks of eight. A leaf's blocks are [begin[leaf], begin[leaf + 1]).
+/// Features of all leaves in blocks. A leaf's blocks are [begin[leaf], begin[leaf + 1]).
 template <int N>
 struct FeatureBlocks {
   std::vector<Index> begin;
   std::vector<IdBlock<N>> ids;
-  std::vector<Index> first;        ///< Per block: its first feature in leaf order; lanes follow on.
-  std::vector<std::uint8_t> used;  ///< Per block: lanes that hold a feature.
+  std::vector<Index> first;         ///< Per block: its first feature in leaf order; lanes follow on.
+  std::vector<std::uint32_t> used;  ///< Per block: bits of lanes that hold a feature.
   std::vector<BoxBlock> boxes;
 };
 
@@ -87,6 +96,7 @@ struct KineticTree {
   std::shared_ptr<const Hierarchy> hierarchy;
   std::vector<MovingVertex> vertices;  ///< Leaf order.
   std::vector<KineticBox> boxes;       ///< One per node.
+  std::vector<LeafGrid> grids;         ///< One per leaf, filled with its features.
   FeatureBlocks<1> vertex_blocks;
   FeatureBlocks<2> edge_blocks;
   FeatureBlocks<3> face_blocks;

@@ -10,13 +10,15 @@ namespace foldproof {
 struct alignas(64) PairBatch {
   double x[2][4][3][8];
 
-  void set(int lane, const FourPoints& x0, const FourPoints& x1) {
-    for (int point = 0; point < 4; ++point) {
-      for (int axis = 0; axis < 3; ++axis) {
-        x[0][point][axis][lane] = x0[point][axis];
-        x[1][point][axis][lane] = x1[point][axis];
-      }
+  /// x y z of one point at both ends.
+  void set(int lane, int point, const double* x0, const double* x1) {
+    for (int axis = 0; axis < 3; ++axis) {
+      x[0][point][axis][lane] = x0[axis];
+      x[1][point][axis][lane] = x1[axis];
     }
+  }
+  void set(int lane, const FourPoints& x0, const FourPoints& x1) {
+    for (int point = 0; point < 4; ++point) set(lane, point, x0[point].data(), x1[point].data());
   }
 };
 

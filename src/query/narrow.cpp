@@ -26,39 +26,23 @@ double latest_now(const NarrowStep& step) {
   return step.earliest != nullptr ? step.earliest->load(std::memory_order_relaxed) : step.ccd.latest;
 }
 
-FourPoints vertex_face_points(Positions x, const VertexFaceCollision& pair, const Triangle& t) {
-  const auto face = x[pair.face_object];
-  return {position(x[pair.vertex_object], pair.vertex), position(face, t[0]), position(face, t[1]),
-          position(face, t[2])};
-}
+// What the narrow phase reads of one object.
+struct Side {
+  Index object;
+  const Hierarchy* hierarchy;
+  const double *x0, *x1;
 
-FourPoints edge_edge_points(Positions x, const EdgeEdgeCollision& pair) {
-  const auto a = x[pair.object_a], b = x[pair.object_b];
-  return {position(a, pair.a[0]), position(a, pair.a[1]), position(b, pair.b[0]), position(b, pair.b[1])};
-}
-
-VertexFaceCollision vertex_face_pair(const NarrowStep& step, Index vertex_object, Index vertex,
-                                     Index face_object, Index face) {
-  return {vertex_object,
-          step.hierarchy(vertex_object).vertex_ids()[vertex],
-          face_object,
-          step.hierarchy(face_object).triangle_ids()[face],
-          1,
-          Answer::Separated};
-}
-
-EdgeEdgeCollision edge_edge_pair(const NarrowStep& step, Index object_a, Index place_a, Index object_b,
-                                 Index place_b) {
-  const auto edge_of = [&](Index object, Index place) {
-    const Hierarchy& h = step.hierarchy(object);
-    return h.topology().edges()[h.edge_ids()[place]];
-  };
-  EdgeEdgeCollision pair{object_a, edge_of(object_a, place_a), object_b, edge_of(object_b, place_b),
-                         1,        Answer::Separated};
-  // One order of the two, whatever the hierarchy: the answer to a pair is then a property of the pair.
-  if (object_a == object_b && pair.b < pair.a) std::swap(pair.a, pair.b);
-  return pair;
-}
+  Side(const NarrowStep& step, Index which)
+      : object(which),
+        hierarchy(&step.hierarchy(which)),
+        x0(step.x0[which].data()),
+        x1(step.x1[which].data()) {}
+  Index vertex(Index place) const { return hierarchy->vertex_ids()[place]; }
+  Edge edge(Index place) const {
+    const Edge& e = hierarchy->edges()[place];
+    return {vertex(e[0]), vertex(e[1])};
+  }
+};
 
 // Collects pairs of one kind until there are eight, drops those that the first test proves apart, and follows
 // the rest, eight at a time.
@@ -68,11 +52,13 @@ class Narrow {
   Narrow(const NarrowStep& step, std::vector<Pair>& hits, std::uint64_t& undecided)
       : step_(step), hits_(hits), undecided_(undecided), march_(kEdgeEdge, step.ccd) {}
 
-  void add(const Pair& pair) {
-    if (step_.choice != nullptr && !chosen(pair)) return;
-    pairs_[count_] = pair;
-    batch_.set(count_, points(step_.x0, pair), points(step_.x1, pair));
-    if (++count_ == 8) start();
+  // A vertex of `a` and a face of `b`, or an edge of each, by their places in leaf order.
+  void add(const Side& a, Index place_a, const Side& b, Index place_b) {
+    if constexpr (kEdgeEdge) {
+      add_edges(a, a.edge(place_a), b, b.edge(place_b));
+    } else {
+      add_face(a, a.vertex(place_a), b, place_b);
+    }
   }
 
   void finish() {
@@ -83,20 +69,30 @@ class Narrow {
  private:
   static constexpr bool kEdgeEdge = std::is_same_v<Pair, EdgeEdgeCollision>;
 
-  bool chosen(const Pair& pair) const {
-    if constexpr (kEdgeEdge) {
-      return step_.choice->edge_edge(pair.a, pair.b);
-    } else {
-      return step_.choice->vertex_face(pair.vertex, pair.face);
+  void add_edges(const Side& a, const Edge& edge_a, const Side& b, const Edge& edge_b) {
+    // One order of the two, whatever the hierarchy: the answer to a pair is then a property of the pair.
+    if (a.object == b.object && edge_b < edge_a) return add_edges(b, edge_b, a, edge_a);
+    if (step_.choice != nullptr && !step_.choice->edge_edge(edge_a, edge_b)) return;
+    pairs_[count_] = {a.object, edge_a, b.object, edge_b, 1, Answer::Separated};
+    for (int k = 0; k < 2; ++k) {
+      set_point(k, a, edge_a[k]);
+      set_point(2 + k, b, edge_b[k]);
     }
+    if (++count_ == 8) start();
   }
 
-  FourPoints points(Positions x, const Pair& pair) const {
-    if constexpr (kEdgeEdge) {
-      return edge_edge_points(x, pair);
-    } else {
-      return vertex_face_points(x, pair, step_.hierarchy(pair.face_object).topology().triangles()[pair.face]);
-    }
+  void add_face(const Side& a, Index vertex, const Side& b, Index face) {
+    const Index face_id = b.hierarchy->triangle_ids()[face];
+    if (step_.choice != nullptr && !step_.choice->vertex_face(vertex, face_id)) return;
+    pairs_[count_] = {a.object, vertex, b.object, face_id, 1, Answer::Separated};
+    set_point(0, a, vertex);
+    for (int k = 0; k < 3; ++k) set_point(1 + k, b, b.vertex(b.hierarchy->triangles()[face][k]));
+    if (++count_ == 8) start();
+  }
+
+  void set_point(int point, const Side& side, Index vertex) {
+    const std::size_t offset = 3 * std::size_t{vertex};
+    batch_.set(count_, point, side.x0 + offset, side.x1 + offset);
   }
 
   void start() {
@@ -135,9 +131,15 @@ class Narrow {
 };
 
 void gather(const NarrowStep& step, Chunk& chunk) {
+  constexpr std::size_t kAhead = 2;
   chunk.candidates.clear();
   chunk.ends.clear();
-  for (const LeafPairRef& pair : chunk.pairs) {
+  for (std::size_t i = 0; i < chunk.pairs.size(); ++i) {
+    const LeafPairRef& pair = chunk.pairs[i];
+    if (i + kAhead < chunk.pairs.size()) {
+      const LeafPairRef& later = chunk.pairs[i + kAhead];
+      prefetch_features(step.tasks[later.task].traversal, later.leaves);
+    }
     find_candidates(step.tasks[pair.task].traversal, pair.leaves, chunk.candidates);
     chunk.ends.push_back({chunk.candidates.vertex_face.size(), chunk.candidates.face_vertex.size(),
                           chunk.candidates.edge_edge.size()});
@@ -150,19 +152,19 @@ void narrow(const NarrowStep& step, Chunk& chunk) {
   Chunk::Ends done{0, 0, 0};
   for (std::size_t i = 0; i < chunk.pairs.size(); ++i) {
     const TraversalTask& task = step.tasks[chunk.pairs[i].task];
-    const Index a = task.object_a, b = task.object_b;
+    const Side a(step, task.object_a), b(step, task.object_b);
     const CandidateBuffer& c = chunk.candidates;
     for (; done.vertex_face < chunk.ends[i].vertex_face; ++done.vertex_face) {
       const auto pair = c.vertex_face[done.vertex_face];
-      vertex_face.add(vertex_face_pair(step, a, pair.a, b, pair.b));
+      vertex_face.add(a, pair.a, b, pair.b);
     }
     for (; done.face_vertex < chunk.ends[i].face_vertex; ++done.face_vertex) {
       const auto pair = c.face_vertex[done.face_vertex];
-      vertex_face.add(vertex_face_pair(step, b, pair.b, a, pair.a));
+      vertex_face.add(b, pair.b, a, pair.a);
     }
     for (; done.edge_edge < chunk.ends[i].edge_edge; ++done.edge_edge) {
       const auto pair = c.edge_edge[done.edge_edge];
-      edge_edge.add(edge_edge_pair(step, a, pair.a, b, pair.b));
+      edge_edge.add(a, pair.a, b, pair.b);
     }
   }
   vertex_face.finish();
