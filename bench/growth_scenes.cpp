@@ -51,18 +51,20 @@ std::vector<SceneInfo> make_growth_scenes() {
   std::vector<std::string> files = lion().files;
   const auto& anim = find_scene("lion-anim")->files;
   files.insert(files.end(), anim.begin(), anim.end());
-  int triangles = 9'996;
+  Index triangles = 9'996;
   for (int levels = 0; levels <= 5; ++levels, triangles *= 3)
     scenes.push_back({fmt::format("lion-{}", triangles), SceneKind::Growth, files,
-                      [levels] { return refined(coarse_lion(), levels); }});
+                      [levels] { return refined(coarse_lion(), levels); }, triangles});
   triangles = 70'292;
   for (int levels = 0; levels <= 3; ++levels, triangles *= 3)
     scenes.push_back({fmt::format("hand-{}", triangles), SceneKind::Growth, find_scene("hand-anim")->files,
-                      [levels] { return refined(coarse_hand(), levels); }});
+                      [levels] { return refined(coarse_hand(), levels); }, triangles});
   for (const Index side : {71, 100, 224, 316, 707, 1000})
-    scenes.push_back({fmt::format("cloth-{}", 2 * side * side), SceneKind::Growth, {}, [side] {
-                        return Result<std::unique_ptr<Motion>>(waving_cloth(side));
-                      }});
+    scenes.push_back({fmt::format("cloth-{}", 2 * side * side),
+                      SceneKind::Growth,
+                      {},
+                      [side] { return Result<std::unique_ptr<Motion>>(waving_cloth(side)); },
+                      2 * side * side});
   return scenes;
 }
 

@@ -64,10 +64,13 @@ void add_options(CLI::App& app, Options& options) {
       "--reduced", options.reduced,
       "Steps told by coordinates of a subspace: one generated shape at 10,000 to 1,000,000 triangles");
   app.add_flag("--growth", options.growth, "The same shapes from 10,000 to 2,000,000 triangles");
+  app.add_option("--growth-largest", plan.growth_largest,
+                 "Triangles at most, for less memory and time than the largest take (default: no limit)");
   app.add_flag("--thread-scaling", options.threads, "One thread and two, from 200,000 triangles");
   app.add_flag("--training", options.training, "Training on the sets of poses of the data");
-  app.add_option("--trained-before", options.trained_before,
-                 "Seconds that training on hand-train took before, on this machine, to compare with")
+  app.add_option(
+         "--trained-before", options.trained_before,
+         "Processor seconds that training on hand-train took before, on this machine, to compare with")
       ->check(CLI::PositiveNumber);
   app.add_option("--publish", options.publish,
                  "Measure all of this, and write results.json and tables.md into this directory");

@@ -27,6 +27,7 @@ struct Plan {
   bool one_variant = false;  ///< Of each family's variants only the one that is fastest on the first step.
   bool trained = true;       ///< Foldproof also with a trained model.
   bool plain = true;         ///< Foldproof also without certificates.
+  Index growth_largest = kNoIndex;  ///< Triangles that the growth scenes have at most.
   HierarchySettings hierarchy;
   int rounds = 1;       ///< How often all steps are run. A step's time is its fastest round.
   bool verify = false;  ///< Compare the candidates of all peers with each other and with foldproof's answer.

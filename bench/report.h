@@ -18,7 +18,7 @@ struct Report {
   std::vector<SceneRecord> growth;
   std::vector<ThreadRecord> threads;
   std::vector<TrainingRecord> training;
-  double trained_before = NAN;  ///< Seconds on hand-train that `training` is compared with.
+  double trained_before = NAN;  ///< Processor seconds on hand-train that `training` is compared with.
 };
 
 enum class Style { Text, Markdown };

@@ -115,7 +115,7 @@ Result<std::vector<SceneRecord>> measure_growth(Plan plan) {
   plan.trained = plan.plain = false;
   std::vector<SceneRecord> records;
   for (const SceneInfo& scene : growth_scenes()) {
-    if (!is_available(scene)) continue;
+    if (!is_available(scene) || scene.triangles > plan.growth_largest) continue;
     auto measured = measure(scene, plan);
     if (!measured) return tl::unexpected(measured.error());
     std::move(measured->begin(), measured->end(), std::back_inserter(records));
@@ -167,8 +167,8 @@ Result<std::vector<ThreadRecord>> measure_threads(const Plan& plan) {
     return fail("--thread-scaling", "this machine has one processor", "run it on one with two");
   std::vector<ThreadRecord> records;
   for (const SceneInfo& scene : growth_scenes()) {
-    const long triangles = std::stol(scene.name.substr(scene.name.find('-') + 1));
-    const bool wanted = triangles > 199'000 && (triangles < 300'000 || triangles > 1'500'000);
+    const Index n = scene.triangles;
+    const bool wanted = n > 199'000 && (n < 300'000 || n > 1'500'000) && n <= plan.growth_largest;
     if (!wanted || !is_available(scene)) continue;
     auto record = measure_threads(scene, plan);
     if (!record) return tl::unexpected(record.error());

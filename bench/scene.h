@@ -20,6 +20,7 @@ struct SceneInfo {
   SceneKind kind;
   std::vector<std::string> files;  ///< Below the data directory, as on a command line. Empty when generated.
   std::function<Result<std::unique_ptr<Motion>>()> make = nullptr;  ///< Where more is to do than to read.
+  Index triangles = 0;                                              ///< Of growth scenes.
 };
 
 /// In the order of the table.
