@@ -159,6 +159,8 @@ class ChartLibrary {
   std::span<const std::array<std::uint16_t, 3>> triangles(const Chart& c) const {
     return part(triangles_, c.triangles);
   }
+  /// Of the triangles; see weight_of in src/certificate/chart_test.h.
+  std::span<const float> weights(const Chart& c) const { return part(weights_, c.triangles); }
   std::span<const Index> collar(const Chart& c) const { return part(collars_, c.collar); }
 
  private:
@@ -174,6 +176,7 @@ class ChartLibrary {
   std::vector<Index> vertices_, collars_;
   std::vector<std::array<float, 3>> points_;
   std::vector<std::array<std::uint16_t, 3>> triangles_;
+  std::vector<float> weights_;  // as triangles_
 };
 
 }  // namespace foldproof

@@ -31,7 +31,7 @@ ChartBook::ChartBook(std::shared_ptr<const PatchSlots> slots, std::shared_ptr<co
 
 ChartView ChartBook::view_of(const ChartLibrary& library, Index chart) {
   const ChartLibrary::Chart& c = library.charts()[chart];
-  return {library.vertices(c), library.points(c), library.triangles(c), c.fit};
+  return {library.vertices(c), library.points(c), library.triangles(c), library.weights(c), c.fit};
 }
 
 bool ChartBook::holds(const ChartLibrary& library, Index chart, std::span<const MovingVertex> vertices,

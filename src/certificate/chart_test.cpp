@@ -24,6 +24,8 @@ inline constexpr double kNearlyFour = 4 * (1 - 0x1p-48);
 /// Bounds that the margin counts on (S3): thinner charts and more extreme pull-backs prove nothing.
 inline constexpr float kLeastAltitude = 4;
 inline constexpr double kMostDrawn = 0x1p18;
+/// (1 - 2^-4)^2: what the square of a triangle's change may be at most (S3a).
+inline constexpr float kLittleChange = 0.878f;
 
 /// W of Theorem 2 and the margin lambda.
 struct PullBack {
@@ -74,7 +76,7 @@ void Draw(const PullBack& w, std::size_t count, ChartScratch& scratch) {
   const hn::CappedTag<float, 8> d;
   const std::size_t step = hn::Lanes(d);
   const float* offsets = scratch.offsets[0].x;
-  float* drawn = scratch.drawn[0].x;
+  float *drawn = scratch.drawn[0].x, *changes = scratch.changes[0].x;
   const float* places = scratch.places[0].x;
   const auto margin = hn::Set(d, w.margin);
   for (std::size_t row = 0; row < 2 * count; row += step) {  // a row: one vertex at one end
@@ -86,7 +88,10 @@ void Draw(const PullBack& w, std::size_t count, ChartScratch& scratch) {
     };
     hn::StoreInterleaved2(along(w.column[0]), along(w.column[1]), d, drawn + 2 * row);
     for (std::size_t k = 2 * row; k < 2 * row + 2 * step; k += step) {
-      hn::StoreU(hn::Sub(hn::LoadU(d, drawn + k), hn::Mul(margin, hn::LoadU(d, places + k))), d, drawn + k);
+      const auto place = hn::LoadU(d, places + k);
+      const auto at = hn::Sub(hn::LoadU(d, drawn + k), hn::Mul(margin, place));
+      hn::StoreU(at, d, drawn + k);
+      hn::StoreU(hn::Sub(at, place), d, changes + k);
     }
   }
 }
@@ -102,18 +107,71 @@ void DrawCorners(const ChartView& chart, const Moments& m, const PullBack& w, Ch
       const float shift = mean / static_cast<float>(count) - chart.fit.mean[k];
       for (std::size_t i = count; i < chart.points.size(); ++i) {
         const float place = chart.points[i][k];
-        scratch.drawn[i].x[2 * end + k] = (place + shift) - w.margin * place;
+        const float at = (place + shift) - w.margin * place;
+        scratch.drawn[i].x[2 * end + k] = at;
+        scratch.changes[i].x[2 * end + k] = at - place;
       }
     }
   }
 }
 
+// Whether triangles are drawn so little turned, sheared or shrunk that they need no closer look: the sides'
+// changes, in the plane, are less than S3a asks. Those that do not are appended to scratch.doubtful.
+#if HWY_TARGET == HWY_SCALAR
+void FindDoubtful(const ChartView& chart, std::size_t begin, std::size_t end, ChartScratch& scratch) {
+  for (std::size_t i = begin; i < end; ++i) {
+    const auto& t = chart.triangles[i];
+    for (int c = 0; c < 4; c += 2) {
+      const auto change = [&](int k, int axis) {
+        return scratch.changes[t[k]].x[c + axis] - scratch.changes[t[0]].x[c + axis];
+      };
+      const auto square = [&](int axis) {
+        return change(1, axis) * change(1, axis) + change(2, axis) * change(2, axis);
+      };
+      if (!((square(0) + square(1)) * chart.weights[i] < kLittleChange)) {
+        scratch.doubtful.push_back(t);
+        break;
+      }
+    }
+  }
+}
+#else
+void FindDoubtful(const ChartView& chart, std::size_t begin, std::size_t end, ChartScratch& scratch) {
+  const hn::CappedTag<float, 8> d;  // one or two triangles, both ends of each
+  const hn::CappedTag<float, 4> d4;
+  constexpr std::size_t kStep = hn::MaxLanes(d) / 4;
+  const auto both = [&](auto a, [[maybe_unused]] auto b) {
+    if constexpr (kStep == 2) {
+      return hn::Combine(d, b, a);
+    } else {
+      return a;
+    }
+  };
+  const auto most = hn::Set(d, kLittleChange);
+  for (std::size_t i = begin; i < end; i += kStep) {
+    const std::size_t last = std::min(i + kStep, end) - 1;
+    const auto &t = chart.triangles[i], &u = chart.triangles[last];
+    const auto corner = [&](int k) {
+      return both(hn::Load(d4, scratch.changes[t[k]].x), hn::Load(d4, scratch.changes[u[k]].x));
+    };
+    const auto from = corner(0);
+    const auto first = hn::Sub(corner(1), from), second = hn::Sub(corner(2), from);
+    const auto square = hn::Add(hn::Mul(first, first), hn::Mul(second, second));
+    const auto sum = hn::Add(square, hn::Shuffle2301(square));
+    const auto weight = both(hn::Set(d4, chart.weights[i]), hn::Set(d4, chart.weights[last]));
+    if (HWY_LIKELY(hn::AllTrue(d, hn::Lt(hn::Mul(sum, weight), most)))) continue;
+    scratch.doubtful.push_back(t);
+    if (last != i) scratch.doubtful.push_back(u);
+  }
+}
+#endif
+
 // Theorem 2's test (S1): the symmetric part of E^T eta is positive definite for every triangle at both ends.
 // Sides are floats, so their products are exact in double; in float, rounding could hide a thin triangle that
 // is turned over (docs/soundness.md, S3).
 #if HWY_TARGET == HWY_SCALAR
-bool AllForward(const ChartView& chart, const ChartScratch& scratch) {
-  for (const auto& t : chart.triangles) {
+bool AllForward(std::span<const std::array<std::uint16_t, 3>> triangles, const ChartScratch& scratch) {
+  for (const auto& t : triangles) {
     const auto side = [&](const std::vector<ChartScratch::Quad>& rows, int k, int c) {
       return double{rows[t[k]].x[c] - rows[t[0]].x[c]};
     };
@@ -134,13 +192,13 @@ bool AllForward(const ChartView& chart, const ChartScratch& scratch) {
   return true;
 }
 #else
-bool AllForward(const ChartView& chart, const ChartScratch& scratch) {
+bool AllForward(std::span<const std::array<std::uint16_t, 3>> triangles, const ChartScratch& scratch) {
   const hn::CappedTag<double, 4> d;
   const hn::Rebind<float, decltype(d)> df;
   const auto zero = hn::Zero(d), most = hn::Set(d, kNearlyFour);
   auto forward = hn::Eq(zero, zero);
   std::size_t until_look = 8;
-  for (const auto& t : chart.triangles) {
+  for (const auto& t : triangles) {
     for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {  // both ends at once, or one after the other
       const auto side = [&](const std::vector<ChartScratch::Quad>& rows, int k) {
         return hn::PromoteTo(d,
@@ -204,6 +262,7 @@ namespace foldproof {
 HWY_EXPORT(Gather);
 HWY_EXPORT(Draw);
 HWY_EXPORT(DrawCorners);
+HWY_EXPORT(FindDoubtful);
 HWY_EXPORT(AllForward);
 HWY_EXPORT(FirstBelow);
 
@@ -265,12 +324,21 @@ float margin_of(const PullBack& w, const Moments& m, double least_altitude, doub
 ChartLibrary::Fit fit_of(std::span<const std::array<float, 3>> points,
                          std::span<const std::array<std::uint16_t, 3>> triangles) {
   ChartLibrary::Fit fit;
-  Vec3 mean = Vec3::Zero();
-  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-  const auto at = [&](std::size_t i) { return Vec3(points[i][0], points[i][1], points[i][2]); };
+  // Sums of integers: exact.
   const std::size_t count = points.size() - kChartCorners.size();
-  for (std::size_t i = 0; i < count; ++i) mean += at(i) / static_cast<double>(count);
-  for (std::size_t i = 0; i < count; ++i) second += (at(i) - mean) * (at(i) - mean).transpose();
+  double sum[3] = {}, square_sum[6] = {};
+  for (const auto& p : points.first(count)) {
+    const double x = p[0], y = p[1], z = p[2];
+    const double products[6] = {x * x, x * y, x * z, y * y, y * z, z * z};
+    for (int k = 0; k < 6; ++k) square_sum[k] += products[k];
+    for (int k = 0; k < 3; ++k) sum[k] += p[k];
+  }
+  const auto n = static_cast<double>(count);
+  const Vec3 mean(sum[0] / n, sum[1] / n, sum[2] / n);
+  Eigen::Matrix3d second;
+  for (int k = 0, i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) second(i, j) = second(j, i) = square_sum[k++] - sum[i] * mean[j];
+  }
   const double ridge = 1e-4 * (second(0, 0) + second(1, 1));
   second(2, 2) += ridge;
   const Eigen::Matrix2d flat = second.topLeftCorner<2, 2>().inverse();
@@ -298,6 +366,20 @@ ChartLibrary::Fit fit_of(std::span<const std::array<float, 3>> points,
   return fit;
 }
 
+// S3a: the square of the norm of E^-1.
+float weight_of(std::span<const std::array<float, 3>> points, const std::array<std::uint16_t, 3>& t) {
+  double side[2][2];
+  for (int k = 0; k < 2; ++k) {
+    for (int axis = 0; axis < 2; ++axis) side[k][axis] = double{points[t[k + 1]][axis]} - points[t[0]][axis];
+  }
+  const double det = side[0][0] * side[1][1] - side[0][1] * side[1][0];
+  const double trace =
+      side[0][0] * side[0][0] + side[0][1] * side[0][1] + side[1][0] * side[1][0] + side[1][1] * side[1][1];
+  // The larger eigenvalue of (E^T E)^-1.
+  const double larger = (trace + std::sqrt(std::max(0.0, trace * trace - 4 * det * det))) / (2 * det * det);
+  return static_cast<float>(larger * (1 + 0x1p-20));
+}
+
 namespace {
 
 // Draws the patch back to the plane at both ends, into the scratch; nothing when that says nothing.
@@ -309,6 +391,7 @@ std::optional<PullBack> pull_patch_back(const ChartView& chart, std::span<const 
     scratch.offsets.resize(padded);
     scratch.places.resize(padded);
     scratch.drawn.resize(padded);
+    scratch.changes.resize(padded);
   }
   Moments moments;
   HWY_DYNAMIC_DISPATCH(Gather)(chart, vertices, scratch, moments);
@@ -341,8 +424,16 @@ double least_stretch(const ChartScratch& scratch, const std::array<std::uint16_t
 
 bool chart_holds(const ChartView& chart, std::span<const MovingVertex> vertices, double gap,
                  ChartScratch& scratch) {
-  return pull_patch_back(chart, vertices, gap, scratch).has_value() &&
-         HWY_DYNAMIC_DISPATCH(AllForward)(chart, scratch);
+  if (!pull_patch_back(chart, vertices, gap, scratch)) return false;
+  constexpr std::size_t kLooks = 128;  // at so many triangles before the doubtful ones have their turn
+  for (std::size_t begin = 0; begin < chart.triangles.size(); begin += kLooks) {
+    scratch.doubtful.clear();
+    HWY_DYNAMIC_DISPATCH(FindDoubtful)
+    (chart, begin, std::min(begin + kLooks, chart.triangles.size()), scratch);
+    if (!scratch.doubtful.empty() && !HWY_DYNAMIC_DISPATCH(AllForward)(scratch.doubtful, scratch))
+      return false;
+  }
+  return true;
 }
 
 double chart_margin(const ChartView& chart, std::span<const MovingVertex> vertices, ChartScratch& scratch,

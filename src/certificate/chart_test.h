@@ -9,11 +9,15 @@ namespace foldproof {
 ChartLibrary::Fit fit_of(std::span<const std::array<float, 3>> points,
                          std::span<const std::array<std::uint16_t, 3>> triangles);
 
+/// How much a change of a triangle's sides may turn or shrink it, squared (docs/soundness.md, S3a).
+float weight_of(std::span<const std::array<float, 3>> points, const std::array<std::uint16_t, 3>& triangle);
+
 /// A chart as the test reads it.
 struct ChartView {
   std::span<const Index> vertices;
   std::span<const std::array<float, 3>> points;
   std::span<const std::array<std::uint16_t, 3>> triangles;  ///< Of the patch and fillers.
+  std::span<const float> weights;                           ///< Per triangle: weight_of.
   const ChartLibrary::Fit& fit;
 };
 
@@ -27,6 +31,8 @@ struct ChartScratch {
   };
   std::vector<Row> offsets;         // per vertex: from the first vertex, at both ends
   std::vector<Quad> places, drawn;  // per vertex: place twice; pulled back to the plane at both ends
+  std::vector<Quad> changes;        // their difference
+  std::vector<std::array<std::uint16_t, 3>> doubtful;  // triangles to be looked at closely
 };
 
 /// True: during the step all features of the patch without a common vertex stay farther apart than `gap` (in

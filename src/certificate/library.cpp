@@ -55,6 +55,9 @@ void ChartLibrary::fill(Chart& chart, const Patch& patch, std::span<const Index>
   }
   for (const Place corner : kChartCorners) *point++ = {real(corner[0]), real(corner[1]), 0};
   chart.fit = fit_of(points(chart), triangles(chart));
+  weights_.resize(triangles_.size());
+  std::transform(triangles(chart).begin(), triangles(chart).end(), weights_.begin() + chart.triangles.begin,
+                 [&](const auto& t) { return weight_of(points(chart), t); });
 }
 
 }  // namespace foldproof

@@ -44,7 +44,7 @@ struct MarginMeter::Scratch {
     for (Index c = charts->first(node); c != kNoIndex; c = charts->charts()[c].next) {
       const ChartLibrary::Chart& chart = charts->charts()[c];
       const ChartView view{charts->vertices(chart), charts->points(chart), charts->triangles(chart),
-                           chart.fit};
+                           charts->weights(chart), chart.fit};
       best = std::max(best, chart_margin(view, tree.vertices, locals.local(), best));
     }
     return best;

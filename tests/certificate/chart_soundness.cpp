@@ -109,6 +109,31 @@ TEST(ChartSoundness, CollisionsAreNeverProvenFree) {
   EXPECT_GT(collisions, 50);
 }
 
+// The first look at a triangle lets nothing pass that the closer one would not, near the limit or far from
+// it.
+TEST(ChartSoundness, FirstLookProvesNoMoreThanTheTest) {
+  Rng rng(24);
+  ChartScratch scratch;
+  int passes = 0, failures = 0, by_first_look = 0;
+  for (const DrawnPose& d : drawn_poses(rng)) {
+    const std::vector<float> all_doubtful(d.chart.triangles.size(), std::numeric_limits<float>::infinity());
+    ChartView closely{d.chart.vertices, d.chart.points, d.chart.triangles, all_doubtful, d.chart.fit};
+    HalfPass control(0.05);
+    for (int k = 0; k < 60; ++k) {
+      const Step step = random_step(d.posed, control.size() * uniform(rng, 0.3, 3), rng);
+      const bool exact = chart_holds(closely, step.vertices, 0, scratch);
+      const bool holds = chart_holds(d.chart.view(), step.vertices, 0, scratch);
+      by_first_look += holds && scratch.doubtful.empty();
+      control.tell(exact);
+      ASSERT_EQ(holds, exact) << d.posed.name;
+      (exact ? passes : failures) += 1;
+    }
+  }
+  EXPECT_GT(passes, 100);
+  EXPECT_GT(failures, 100);
+  EXPECT_GT(by_first_look, 50);
+}
+
 TEST(ChartSoundness, NoTrianglesCrossInAPose) {
   Rng rng(23);
   ChartScratch scratch;

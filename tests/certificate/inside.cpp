@@ -5,6 +5,8 @@
 #define chart_holds chart_holds_again
 #define chart_margin chart_margin_again
 #define fit_of fit_again
+#define weight_of weight_again
+#define FindDoubtful FindDoubtfulAgain
 #define Gather GatherAgain
 #define Draw DrawAgain
 #define DrawCorners DrawCornersAgain
@@ -15,6 +17,7 @@ bool chart_holds(const ChartView&, std::span<const MovingVertex>, double, ChartS
 double chart_margin(const ChartView&, std::span<const MovingVertex>, ChartScratch&, double);
 ChartLibrary::Fit fit_of(std::span<const std::array<float, 3>>,
                          std::span<const std::array<std::uint16_t, 3>>);
+float weight_of(std::span<const std::array<float, 3>>, const std::array<std::uint16_t, 3>&);
 }  // namespace foldproof
 #include "certificate/chart_test.cpp"
 

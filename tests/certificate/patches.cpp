@@ -117,6 +117,7 @@ Chart::Chart(const Patch& patch, const Drawing& drawing)
   for (const Place corner : kChartCorners)
     points.push_back({static_cast<float>(corner[0]), static_cast<float>(corner[1]), 0});
   triangles.insert(triangles.end(), drawing.fillers.begin(), drawing.fillers.end());
+  for (const auto& t : triangles) weights.push_back(weight_of(points, t));
   fit = fit_of(points, triangles);
 }
 

@@ -40,11 +40,12 @@ std::vector<PosedPatch> drawable_patches(Rng& rng);
 /// What chart_holds reads, from a drawing.
 struct Chart {
   Chart(const Patch& patch, const Drawing& drawing);
-  ChartView view() const { return {vertices, points, triangles, fit}; }
+  ChartView view() const { return {vertices, points, triangles, weights, fit}; }
 
   std::vector<Index> vertices;
   std::vector<std::array<float, 3>> points;
   std::vector<std::array<std::uint16_t, 3>> triangles;
+  std::vector<float> weights;
   ChartLibrary::Fit fit;
 };
 
