@@ -66,26 +66,40 @@ bool OutlineFiller::walk(std::size_t first, const Drawing& drawing) {
   return true;
 }
 
+void OutlineFiller::place_loop(const Drawing& drawing) {
+  loop_places_.clear();
+  for (const std::uint16_t v : loop_) loop_places_.push_back(drawing.places[v]);
+}
+
+void OutlineFiller::drop(std::size_t from_loop) {
+  loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(from_loop));
+  loop_places_.erase(loop_places_.begin() + static_cast<std::ptrdiff_t>(from_loop));
+}
+
 // Whether no vertex of the loop lies in a triangle, its border included, but for its own corners.
-bool OutlineFiller::is_empty(Place a, Place b, Place c, const Drawing& drawing) const {
-  return std::none_of(loop_.begin(), loop_.end(), [&](std::uint16_t v) {
-    const Place p = drawing.places[v];
-    return p != a && p != b && p != c && turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
-  });
+bool OutlineFiller::is_empty(Place a, Place b, Place c) const {
+  const auto [left, right] = std::minmax({a[0], b[0], c[0]});
+  const auto [low, high] = std::minmax({a[1], b[1], c[1]});
+  for (const Place p : loop_places_) {
+    if (p[0] < left || p[0] > right || p[1] < low || p[1] > high || p == a || p == b || p == c) continue;
+    if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) return false;
+  }
+  return true;
 }
 
 // Cuts off vertices where the outline turns in, until it does so nowhere.
 void OutlineFiller::fill_bays(Drawing& drawing) {
   const auto& places = drawing.places;
+  place_loop(drawing);
   std::size_t since_last = 0;
   for (std::size_t i = 0; since_last < loop_.size() && loop_.size() > 3;) {
     const std::size_t n = loop_.size();
     i %= n;
     const std::uint16_t before = loop_[(i + n - 1) % n], v = loop_[i], after = loop_[(i + 1) % n];
     const Place a = places[after], b = places[v], c = places[before];
-    if (turn(a, b, c) > 0 && is_empty(a, b, c, drawing)) {
+    if (turn(a, b, c) > 0 && is_empty(a, b, c)) {
       drawing.fillers.push_back({after, v, before});
-      loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(i));
+      drop(i);
       i += loop_.size() - 1;  // look at the vertex before again
       since_last = 0;
     } else {
@@ -132,6 +146,7 @@ bool OutlineFiller::join_square(Drawing& drawing) {
 bool OutlineFiller::fill_hole(Drawing& drawing) {
   const auto& places = drawing.places;
   std::reverse(loop_.begin(), loop_.end());
+  place_loop(drawing);
   while (loop_.size() >= 3) {
     const std::size_t n = loop_.size();
     std::size_t best = n;
@@ -141,13 +156,13 @@ bool OutlineFiller::fill_hole(Drawing& drawing) {
       const double shape =
           static_cast<double>(turn(a, b, c)) /
           static_cast<double>(std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)}));
-      if (shape <= best_shape || !is_empty(a, b, c, drawing)) continue;
+      if (shape <= best_shape || !is_empty(a, b, c)) continue;
       best = i;
       best_shape = shape;
     }
     if (best == n) return false;
     drawing.fillers.push_back({loop_[(best + n - 1) % n], loop_[best], loop_[(best + 1) % n]});
-    loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(best));
+    drop(best);
   }
   return true;
 }

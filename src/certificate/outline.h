@@ -20,7 +20,9 @@ class OutlineFiller {
   bool find_outline(const Patch& patch);
   bool walk(std::size_t first, const Drawing& drawing);
   std::size_t next_edge(const Edge& in, const Drawing& drawing) const;
-  bool is_empty(Place a, Place b, Place c, const Drawing& drawing) const;
+  bool is_empty(Place a, Place b, Place c) const;
+  void place_loop(const Drawing& drawing);
+  void drop(std::size_t from_loop);
   void fill_bays(Drawing& drawing);
   bool join_square(Drawing& drawing);
   bool fill_hole(Drawing& drawing);
@@ -38,6 +40,7 @@ class OutlineFiller {
   std::vector<std::uint16_t> first_from_;  // per vertex: its first edge in edges_
   std::vector<std::uint16_t>
       loop_;  // what is left to fill outside or inside of, counterclockwise round the patch
+  std::vector<Place> loop_places_;  // of its vertices
 };
 
 }  // namespace foldproof

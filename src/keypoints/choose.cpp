@@ -14,22 +14,16 @@ using Eigen::VectorXd;
 
 constexpr SubspaceSize kResidualEnergy{0, 0.95};
 constexpr SubspaceSize kMostPerRound{16, 1.0};
+// Rounds look at no more poses than that, evenly taken, so that the cost of one stays bounded.
 constexpr Eigen::Index kMostPoses = 128;
 constexpr double kGain = 1e-3;  // Of the error: what a round must gain to count as one.
-
-// Rounds look at no more poses than that, evenly taken, so that the cost of one stays bounded.
-MatrixXd centred_poses(const MatrixView& samples, const VectorXd& mean) {
-  const Eigen::Index count = std::min(samples.cols(), kMostPoses);
-  MatrixXd poses(samples.rows(), count);
-  for (Eigen::Index k = 0; k < count; ++k) poses.col(k) = samples.col(k * samples.cols() / count) - mean;
-  return poses;
-}
 
 class Chooser {
  public:
   Chooser(const MatrixView& samples, const Pca& subspace, std::size_t budget)
       : subspace_(subspace),
-        poses_(centred_poses(samples, subspace.mean)),
+        samples_(samples),
+        residual_(samples.rows(), std::min(samples.cols(), kMostPoses)),
         budget_(budget),
         taken_(samples.rows() / 3, 0) {}
 
@@ -55,14 +49,24 @@ class Chooser {
     const MatrixXd inverse = least_squares(rows_of(subspace_.basis, chosen_.vertices),
                                            shares_of_vertices(subspace_.mean, chosen_.vertices))
                                  .inverse;
-    const MatrixXd p = inverse * rows_of(poses_, chosen_.vertices);
-    residual_.resizeLike(poses_);
+    MatrixXd at_keys(inverse.cols(), residual_.cols());
+    const VectorXd mean_at_keys = rows_of(subspace_.mean, chosen_.vertices);
+    for (Eigen::Index k = 0; k < at_keys.cols(); ++k)
+      at_keys.col(k) = rows_of(pose(k), chosen_.vertices) - mean_at_keys;
+    const MatrixXd p = inverse * at_keys;
+    double squared_size = 0;
     const Eigen::Index step = rows_at_a_time(p.cols());
-    for (Eigen::Index first = 0; first < poses_.rows(); first += step) {
-      const Eigen::Index rows = std::min(step, poses_.rows() - first);
-      residual_.middleRows(first, rows) =
-          poses_.middleRows(first, rows) - tall_product(subspace_.basis.middleRows(first, rows), p);
+    for (Eigen::Index first = 0; first < residual_.rows(); first += step) {
+      const Eigen::Index rows = std::min(step, residual_.rows() - first);
+      const MatrixXd rebuilt = tall_product(subspace_.basis.middleRows(first, rows), p);
+      for (Eigen::Index k = 0; k < p.cols(); ++k) {
+        auto rest = residual_.col(k).segment(first, rows);
+        rest = pose(k).segment(first, rows) - subspace_.mean.segment(first, rows);
+        squared_size += rest.squaredNorm();
+        rest -= rebuilt.col(k);
+      }
     }
+    size_of_poses_ = std::sqrt(squared_size);
     const double numbers = static_cast<double>(residual_.size()) / 3;
     chosen_.errors.push_back(std::sqrt(residual_.squaredNorm() / numbers));
     chosen_.round_ends.push_back(static_cast<Index>(chosen_.vertices.size()));
@@ -70,7 +74,7 @@ class Chooser {
 
   // The basis vectors of what is left; none when it is rounding.
   Result<MatrixXd> residual_basis() const {
-    if (residual_.norm() <= 1e-7 * poses_.norm()) return MatrixXd(residual_.rows(), 0);
+    if (residual_.norm() <= 1e-7 * size_of_poses_) return MatrixXd(residual_.rows(), 0);
     auto modes =
         pca(residual_, residual_.cols() > kMostPerRound.modes ? kMostPerRound : SubspaceSize{0, 1.0});
     if (!modes) return tl::unexpected(modes.error());
@@ -101,6 +105,8 @@ class Chooser {
   KeyPoints take() { return std::move(chosen_); }
 
  private:
+  VectorView pose(Eigen::Index k) const { return samples_.col(k * samples_.cols() / residual_.cols()); }
+
   // Eq. 6, of the vertices that are not key points yet; none when all are, or the vector is 0 there.
   Index largest(const Eigen::Map<const MatrixXd>& field) const {
     Index best = kNoIndex;
@@ -124,7 +130,9 @@ class Chooser {
   }
 
   const Pca& subspace_;
-  MatrixXd poses_, residual_;
+  const MatrixView& samples_;
+  MatrixXd residual_;
+  double size_of_poses_ = 0;
   std::size_t budget_;
   std::vector<char> taken_;
   KeyPoints chosen_;

@@ -1,8 +1,11 @@
 #include "keypoints/least_squares.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <cassert>
 #include <nanoflann.hpp>
+
+#include "statistics/tall.h"
 
 namespace foldproof {
 
@@ -11,7 +14,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double kSeen = 1e-4;  // Of the largest singular value: what key points must see of every mode.
+constexpr double kSeen = 1e-4;      // Of the largest singular value: what key points must see of every mode.
+constexpr double kSeenWell = 1e-6;  // Of the largest square.
 
 // Some vertices of a pose, as nanoflann wants to see points.
 struct KeyPositions {
@@ -104,8 +108,16 @@ LeastSquares least_squares(const MatrixXd& rows, const VectorXd& shares) {
   const Eigen::Index modes = rows.cols();
   if (modes == 0 || rows.rows() == 0) return {MatrixXd::Zero(modes, rows.rows()), modes > 0};
   const VectorXd weights = shares.cwiseSqrt().transpose().replicate<3, 1>().reshaped();
-  const Eigen::JacobiSVD<MatrixXd> svd(weights.asDiagonal() * rows,
-                                       Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const MatrixXd weighted = weights.asDiagonal() * rows;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> squares(tall_inner(weighted, weighted));
+  // Where all modes are seen well, squares lose nothing that matters.
+  if (rows.rows() >= modes && squares.eigenvalues()[0] > kSeenWell * squares.eigenvalues()[modes - 1]) {
+    const MatrixXd& vectors = squares.eigenvectors();
+    const MatrixXd inverse_square =
+        vectors * squares.eigenvalues().cwiseInverse().asDiagonal() * vectors.transpose();
+    return {inverse_square * weighted.transpose() * weights.asDiagonal(), false};
+  }
+  const Eigen::JacobiSVD<MatrixXd> svd(weighted, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const VectorXd& values = svd.singularValues();
   LeastSquares solved;
   solved.rank_deficient = rows.rows() < modes || !(values.minCoeff() > kSeen * values[0]);

@@ -63,11 +63,12 @@ class Grid {
   std::vector<Entry> entries_;
 };
 
-std::vector<Index> thin(const Positions& positions, const Vec3& corner, double radius) {
+// Stops when more than `most` are kept.
+std::vector<Index> thin(const Positions& positions, const Vec3& corner, double radius, Index most) {
   const Grid grid(positions, corner, radius);
   std::vector<char> dropped(positions.cols(), 0);
   std::vector<Index> kept;
-  for (Index v = 0; v < positions.cols(); ++v) {
+  for (Index v = 0; v < positions.cols() && kept.size() <= most; ++v) {
     if (dropped[v]) continue;
     kept.push_back(v);
     grid.drop_around(v, dropped);
@@ -89,7 +90,7 @@ std::vector<Index> thin_by_radius(std::span<const double> positions, Index count
   for (int trial = 0; trial < kMostTrials && best.size() < count; ++trial) {
     // Halves the ratio, as the count falls with a power of the radius.
     const double radius = std::sqrt(too_small * large_enough);
-    std::vector<Index> kept = thin(points, corner, radius);
+    std::vector<Index> kept = thin(points, corner, radius, count);
     // A radius that keeps too many is not tried to its end, and one within 2 % of the count will do.
     if (kept.size() > count) {
       too_small = radius;

@@ -5,6 +5,8 @@
 #include <array>
 #include <optional>
 
+#include "statistics/span.h"
+
 namespace foldproof {
 namespace {
 
@@ -41,33 +43,30 @@ struct Unseen {
   MatrixXd usual;  // 1: proven more often than not
 };
 
-Result<Unseen> predict_unseen(const MatrixXd& keys, const MatrixXd& margins, double ridge) {
-  Unseen unseen{ridge, MatrixXd(margins.rows(), margins.cols()), MatrixXd(margins.rows(), margins.cols())};
+Result<Unseen> predict_unseen(const MatrixXd& keys, const MatrixXd& margins) {
+  for (const MatrixXd* samples : {&keys, &margins}) {
+    if (auto checked = check_columns(*samples, "sample"); !checked) return tl::unexpected(checked.error());
+  }
+  std::vector<Unseen> tried;
+  const MatrixXd room(margins.rows(), margins.cols());
+  for (const double ridge : kRidges) tried.push_back({ridge, room, room});
   const Eigen::Index trials = std::min(kTrials, keys.cols());
   for (Eigen::Index k = 0; k < trials; ++k) {
     const Trial trial = trial_of(k, trials, keys.cols());
     const MatrixXd seen = without(margins, trial);
-    const auto map = cca(without(keys, trial), seen, static_cast<Index>(seen.cols()), ridge);
-    if (!map) return tl::unexpected(map.error());
+    const Span of_keys = span_of(without(keys, trial), kAllModes), of_margins = span_of(seen, kAllModes);
     const VectorXd often = (seen.array() > 0).cast<double>().rowwise().mean();
-    for (Eigen::Index pose = trial.begin; pose < trial.end; ++pose) {
-      unseen.predicted.col(pose) = map->predict(keys.col(pose));
-      unseen.usual.col(pose) = (often.array() > 0.5).cast<double>();
+    for (Unseen& unseen : tried) {
+      const Cca map = cca_of_spans(of_keys, of_margins, static_cast<Index>(seen.cols()), unseen.ridge);
+      for (Eigen::Index pose = trial.begin; pose < trial.end; ++pose) {
+        unseen.predicted.col(pose) = map.predict(keys.col(pose));
+        unseen.usual.col(pose) = (often.array() > 0.5).cast<double>();
+      }
     }
   }
-  return unseen;
-}
-
-Result<Unseen> predict_unseen(const MatrixXd& keys, const MatrixXd& margins) {
-  std::optional<Unseen> best;
-  for (const double ridge : kRidges) {
-    auto unseen = predict_unseen(keys, margins, ridge);
-    if (!unseen) return unseen;
-    const bool better =
-        !best || (unseen->predicted - margins).squaredNorm() < (best->predicted - margins).squaredNorm();
-    if (better) best = std::move(*unseen);
-  }
-  return std::move(*best);
+  return *std::min_element(tried.begin(), tried.end(), [&](const Unseen& a, const Unseen& b) {
+    return (a.predicted - margins).squaredNorm() < (b.predicted - margins).squaredNorm();
+  });
 }
 
 /// The cut between predicted margins of proven and of other pairs of pose and node; none when there is none.

@@ -31,13 +31,16 @@ Result<Cca> cca(const MatrixView& x_samples, const MatrixView& y_samples, Index 
   if (dimensions == 0) return fail("dimensions", "none are asked for", "ask for at least one");
   if (!(ridge > 0) || !std::isfinite(ridge)) return fail("ridge", "is not positive", "give a number above 0");
 
-  const Span x = span_of(x_samples, kAllModes), y = span_of(y_samples, kAllModes);
+  return cca_of_spans(span_of(x_samples, kAllModes), span_of(y_samples, kAllModes), dimensions, ridge);
+}
+
+Cca cca_of_spans(const Span& x, const Span& y, Index dimensions, double ridge) {
   Cca result{x.mean, y.mean, MatrixXd(x.mean.size(), 0), MatrixXd(y.mean.size(), 0), VectorXd()};
   if (x.rank() == 0 || y.rank() == 0) return result;
 
   // In coordinates of both spans, scaled to unit (ridged) variance, the canonical pairs are the singular
   // vectors of the cross covariance.
-  const double degrees = static_cast<double>(x_samples.cols() - 1);
+  const double degrees = static_cast<double>(x.scores.rows() - 1);
   const VectorXd x_scale = with_ridge(x, degrees, ridge).cwiseSqrt().cwiseInverse();
   const VectorXd y_scale = with_ridge(y, degrees, ridge).cwiseSqrt().cwiseInverse();
   const MatrixXd cross =

@@ -211,7 +211,6 @@ Span span_of(const MatrixView& samples, const SubspaceSize& size) {
   const Centred centred(samples);
   Span span;
   span.mean = centred.mean();
-  span.total = centred.total();
   const double floor = rounding_floor(samples);
 
   // The dense ways look at all modes first; the iterative one makes no more than it must.
@@ -219,12 +218,17 @@ Span span_of(const MatrixView& samples, const SubspaceSize& size) {
     const Eigen::Index modes = modes_wanted(pairs.values.cwiseMax(0), span.total, size);
     return MatrixXd(pairs.vectors.leftCols(modes));
   };
+  const bool iterate = std::min(centred.count(), centred.size()) > kDenseSide;
+  MatrixXd gram;
+  if (!iterate && centred.count() <= centred.size()) gram = centred.gram();
+  span.total = gram.size() > 0 ? gram.trace() : centred.total();
   std::optional<Eigenpairs> of_gram;
-  if (std::min(centred.count(), centred.size()) > kDenseSide) {
+  if (iterate) {
     const auto product = [&](const auto& v, auto& out) { centred.gram_times(v, out); };
     of_gram = leading_eigenpairs(centred.count(), product, span.total, size);
   }
-  if (!of_gram && centred.count() <= centred.size()) of_gram = dense_eigenpairs(centred.gram());
+  if (!of_gram && centred.count() <= centred.size())
+    of_gram = dense_eigenpairs(gram.size() > 0 ? gram : centred.gram());
   if (of_gram) {
     span.scores = leading(*std::move(of_gram));
     span.directions = centred.times(span.scores);

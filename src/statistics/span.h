@@ -35,6 +35,9 @@ Pca to_pca(Span span);
 /// span_of(samples, size) from span_of(samples, kAllModes).
 Span leading_part(const Span& all, const SubspaceSize& size);
 
+/// cca of samples with these spans, all modes; what it refuses must not be asked.
+Cca cca_of_spans(const Span& x, const Span& y, Index dimensions, double ridge);
+
 /// Pca::project of every sample.
 Eigen::MatrixXd project_all(const Pca& subspace, const MatrixView& samples);
 
