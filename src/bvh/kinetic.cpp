@@ -1,6 +1,7 @@
 #include "bvh/kinetic.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
@@ -39,10 +40,50 @@ void FitLeaves(const MovingVertex* vertices, std::span<const LeafVertices> leave
   for (const LeafVertices& leaf : leaves) FitBox(vertices, leaf.vertices, boxes[leaf.node]);
 }
 
-// Children stand behind their parents: one sweep from the back closes the tree.
-void UniteInnerNodes(std::span<const Hierarchy::Node> nodes, KineticBox* boxes) {
+// Both ends of the vertices with these ids into the frame, and what lies around them.
+void Move(const Frame& frame, std::span<const Index> ids, std::span<const double> x0,
+          std::span<const double> x1, MovingVertex* vertices, Bounds& bounds) {
+  const hn::CappedTag<double, 4> d;
+  const hn::Rebind<float, decltype(d)> df;
+  alignas(32) const double center[4] = {frame.center.x(), frame.center.y(), frame.center.z(), 0};
+  alignas(32) double low[4], high[4], poison[4];  // poison: zero unless a coordinate is infinite or NaN
+  const auto scale = hn::Set(d, frame.scale);
+  for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
+    const auto three = hn::FirstN(d, lane < 3 ? 3 - lane : 0);
+    const auto middle = hn::Load(d, center + lane);
+    auto lowest = hn::Set(d, std::numeric_limits<double>::infinity()), highest = hn::Neg(lowest);
+    auto poisoned = hn::Zero(d);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      const std::size_t at = 3 * std::size_t{ids[i]};
+      float* out = vertices[i].x + lane;
+      for (const auto x : {x0, x1}) {
+        const double* from = &x[at];
+        double last[4] = {0, 0, 0, 0};  // behind the last vertex there is nothing to be read
+        if (at + 4 > x.size()) from = std::copy_n(from, 3, last) - 3;
+        const auto p = hn::IfThenElseZero(three, hn::LoadU(d, from + lane));
+        lowest = hn::Min(lowest, p);
+        highest = hn::Max(highest, p);
+        poisoned = hn::Add(poisoned, hn::Mul(p, hn::Zero(d)));
+        const auto y = hn::Mul(hn::Sub(p, middle), scale);
+        hn::Store(hn::DemoteTo(df, y), df, out);
+        out += 4;
+      }
+    }
+    hn::Store(lowest, d, low + lane);
+    hn::Store(highest, d, high + lane);
+    hn::Store(poisoned, d, poison + lane);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    bounds.low[axis] = std::min(bounds.low[axis], low[axis]);
+    bounds.high[axis] = std::max(bounds.high[axis], high[axis]);
+    bounds.finite &= poison[axis] == 0;
+  }
+}
+
+// Children stand behind their parents: one sweep from the back closes a subtree.
+void UniteInnerNodes(std::span<const Hierarchy::Node> nodes, Index first, Index count, KineticBox* boxes) {
   const hn::CappedTag<float, 16> d;
-  for (std::size_t i = nodes.size(); i-- > 0;) {
+  for (std::size_t i = first + count; i-- > first;) {
     if (nodes[i].is_leaf()) continue;
     const float *a = boxes[i + 1].x[0][0], *b = boxes[nodes[i].right].x[0][0];
     for (std::size_t lane = 0; lane < 16; lane += hn::Lanes(d)) {
@@ -118,6 +159,7 @@ namespace foldproof {
 
 HWY_EXPORT(FitLeaves);
 HWY_EXPORT(UniteInnerNodes);
+HWY_EXPORT(Move);
 HWY_EXPORT(FillLeafFeatures);
 
 namespace {
@@ -165,7 +207,13 @@ KineticTree::KineticTree(std::shared_ptr<const Hierarchy> tree) : hierarchy(std:
 }
 
 void KineticTree::find_leaves() {
+  constexpr Index kLeavesOfTask = 256;
   const Hierarchy& h = *hierarchy;
+  for (Index node = 0; node < h.nodes().size();) {
+    const Index leaves = h.nodes()[node].leaf_end - h.nodes()[node].leaf_begin;
+    (leaves <= kLeavesOfTask ? subtrees_ : above_).push_back(node);
+    node += leaves <= kLeavesOfTask ? 2 * leaves - 1 : 1;
+  }
   auto lists = list_leaf_vertices(h);
   leaf_vertex_ids_ = std::move(lists.places);
   for (Index node = 0; node < h.nodes().size(); ++node) {
@@ -175,19 +223,59 @@ void KineticTree::find_leaves() {
   }
 }
 
-void KineticTree::refit(const Frame& frame, std::span<const double> x0, std::span<const double> x1) {
-  const auto ids = hierarchy->vertex_ids();
-  using Range = tbb::blocked_range<std::size_t>;
-  tbb::parallel_for(Range(0, ids.size(), 4096), [&](const Range& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      move_vertex(frame, static_cast<Index>(i), &x0[3 * std::size_t{ids[i]}], &x1[3 * std::size_t{ids[i]}]);
+// Four vertices side by side, so that the compiler takes several coordinates at a time.
+Bounds bounds_of(std::span<const double> x0, std::span<const double> x1) {
+  constexpr std::size_t kLanes = 12;
+  double low[kLanes], high[kLanes], poison[kLanes] = {};
+  std::fill_n(low, kLanes, std::numeric_limits<double>::infinity());
+  std::fill_n(high, kLanes, -std::numeric_limits<double>::infinity());
+  const auto look = [&](const double* c, std::size_t count) {
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      poison[lane] += c[lane] * 0;
+      low[lane] = c[lane] < low[lane] ? c[lane] : low[lane];
+      high[lane] = c[lane] > high[lane] ? c[lane] : high[lane];
     }
-  });
-  tbb::parallel_for(Range(0, leaves_.size(), 512), [&](const Range& range) {
+  };
+  for (const auto x : {x0, x1}) {
+    std::size_t i = 0;
+    for (; i + kLanes <= x.size(); i += kLanes) look(&x[i], kLanes);
+    if (i < x.size()) look(&x[i], x.size() - i);
+  }
+  Bounds b;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    b.low[lane % 3] = std::min(b.low[lane % 3], low[lane]);
+    b.high[lane % 3] = std::max(b.high[lane % 3], high[lane]);
+    b.finite &= poison[lane] == 0;
+  }
+  return b;
+}
+
+Bounds KineticTree::move(const Frame& frame, std::span<const double> x0, std::span<const double> x1) {
+  using Range = tbb::blocked_range<std::size_t>;
+  const auto ids = hierarchy->vertex_ids();
+  return tbb::parallel_reduce(
+      Range(0, ids.size(), 4096), Bounds{},
+      [&](const Range& range, Bounds b) {
+        HWY_DYNAMIC_DISPATCH(Move)
+        (frame, ids.subspan(range.begin(), range.size()), x0, x1, &vertices[range.begin()], b);
+        return b;
+      },
+      [](Bounds a, const Bounds& b) {
+        return Bounds{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high), a.finite && b.finite};
+      });
+}
+
+void KineticTree::fit() {
+  const auto nodes = hierarchy->nodes();
+  tbb::parallel_for(std::size_t{0}, subtrees_.size(), [&](std::size_t k) {
+    const Hierarchy::Node& root = nodes[subtrees_[k]];
+    const Index count = root.leaf_end - root.leaf_begin;
     HWY_DYNAMIC_DISPATCH(FitLeaves)
-    (vertices.data(), std::span(leaves_).subspan(range.begin(), range.size()), boxes.data());
+    (vertices.data(), std::span(leaves_).subspan(root.leaf_begin, count), boxes.data());
+    HWY_DYNAMIC_DISPATCH(UniteInnerNodes)(nodes, subtrees_[k], 2 * count - 1, boxes.data());
   });
-  HWY_DYNAMIC_DISPATCH(UniteInnerNodes)(hierarchy->nodes(), boxes.data());
+  for (auto node = above_.rbegin(); node != above_.rend(); ++node)
+    HWY_DYNAMIC_DISPATCH(UniteInnerNodes)(nodes, *node, 1, boxes.data());
 }
 
 void KineticTree::move_vertex(const Frame& frame, Index place, const double* x0, const double* x1) {

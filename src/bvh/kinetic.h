@@ -2,6 +2,7 @@
 /// at every time (docs/soundness.md, Theorem 1). Single precision in a frame of the scene's own.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -20,6 +21,15 @@ struct Frame {
 Frame frame_around(const Vec3& low, const Vec3& high);
 /// The frame of a pose: x y z of at least one vertex, finite.
 Frame frame_around(std::span<const double> x);
+
+/// A box around points; `finite`: no coordinate is infinite or NaN.
+struct Bounds {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+  bool finite = true;
+};
+/// Of both ends of a step.
+Bounds bounds_of(std::span<const double> x0, std::span<const double> x1);
 
 /// Both ends of a vertex' step: x y z 0 at t=0, then x y z 0 at t=1.
 struct alignas(32) MovingVertex {
@@ -81,8 +91,14 @@ struct KineticTree {
   KineticTree(KineticTree&&) = default;  // moving a vector keeps its elements' addresses
   KineticTree& operator=(KineticTree&&) = default;
 
-  /// Reads both ends of the step and refits all node boxes. Uses the caller's oneTBB arena.
-  void refit(const Frame& frame, std::span<const double> x0, std::span<const double> x1);
+  /// Reads both ends of the step; gives their bounds. Uses the caller's oneTBB arena, as fit does.
+  Bounds move(const Frame& frame, std::span<const double> x0, std::span<const double> x1);
+  /// Refits all node boxes.
+  void fit();
+  void refit(const Frame& frame, std::span<const double> x0, std::span<const double> x1) {
+    move(frame, x0, x1);
+    fit();
+  }
   /// The same for single vertices, places in leaf order, and leaves: for those who need few of them. A leaf's
   /// vertices come first, then its box, then its features.
   void move_vertex(const Frame& frame, Index place, const double* x0, const double* x1);
@@ -105,6 +121,8 @@ struct KineticTree {
   void find_leaves();
   std::vector<Index> leaf_vertex_ids_;
   std::vector<LeafVertices> leaves_;  // spans into leaf_vertex_ids_
+  std::vector<Index> subtrees_;       // roots of pieces of the tree, each refitted by one thread
+  std::vector<Index> above_;          // the nodes above these, parents first
 };
 
 /// Two floats in the frame whose difference exceeds this belong to coordinates that differ by more than

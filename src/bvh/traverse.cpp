@@ -49,7 +49,6 @@ HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<Nod
   }
   const Hierarchy::Node &a = nodes_a[pair.a], &b = nodes_b[pair.b];
   if (a.is_leaf() && b.is_leaf()) {
-    if (out.front != nullptr) out.front->push_back(pair);
     out.leaf_pairs.push_back({a.leaf_begin, b.leaf_begin});
   } else {
     push_below(nodes_a, nodes_b, pair, below);
@@ -65,6 +64,7 @@ void DescendOnce(const Traversal& traversal, std::vector<NodePair>& front, std::
 
 void Traverse(const Traversal& traversal, std::span<const NodePair> starts, std::vector<NodePair>& stack,
               TraversalResult& out) {
+  stack.clear();
   const KineticBox *boxes_a = traversal.a->boxes.data(), *boxes_b = traversal.b->boxes.data();
   constexpr std::size_t kAhead = 8;  // boxes are fetched so many starts before they are looked at
   for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -72,13 +72,19 @@ void Traverse(const Traversal& traversal, std::span<const NodePair> starts, std:
       __builtin_prefetch(&boxes_a[starts[i + kAhead].a]);
       __builtin_prefetch(&boxes_b[starts[i + kAhead].b]);
     }
-    stack.assign(1, starts[i]);
+    Visit(traversal, starts[i], stack, out);
     while (!stack.empty()) {
       const NodePair pair = stack.back();
       stack.pop_back();
       Visit(traversal, pair, stack, out);
     }
   }
+}
+
+void TestLeaves(const Traversal& traversal, std::span<const NodePair> leaves, std::uint8_t* apart) {
+  const KineticTree &a = *traversal.a, &b = *traversal.b;
+  for (const NodePair pair : leaves)
+    *apart++ = Apart(a.boxes[a.leaf_node(pair.a)], b.boxes[b.leaf_node(pair.b)], traversal.margin);
 }
 
 // Bit k is set when lane k names one of the feature's vertices.
@@ -249,6 +255,7 @@ void prefetch_leaf(const KineticTree& tree, Index leaf) {
 
 HWY_EXPORT(DescendOnce);
 HWY_EXPORT(Traverse);
+HWY_EXPORT(TestLeaves);
 HWY_EXPORT(FindCandidates);
 HWY_EXPORT(FindFacePairs);
 
@@ -260,6 +267,12 @@ void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std:
 void traverse(const Traversal& traversal, std::span<const NodePair> starts, std::vector<NodePair>& stack,
               TraversalResult& out) {
   HWY_DYNAMIC_DISPATCH(Traverse)(traversal, starts, stack, out);
+}
+
+void test_leaves(const Traversal& traversal, std::span<const NodePair> leaves,
+                 std::vector<std::uint8_t>& apart) {
+  apart.resize(leaves.size());
+  HWY_DYNAMIC_DISPATCH(TestLeaves)(traversal, leaves, apart.data());
 }
 
 void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {

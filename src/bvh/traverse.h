@@ -20,8 +20,8 @@ struct Traversal {
 struct TraversalResult {
   std::vector<NodePair> leaf_pairs;
   std::uint64_t node_tests = 0;
-  /// Where given: the pairs at which the traversal stopped, apart or leaves, are appended. Together they
-  /// cover what was started from, so that the next step may start from them.
+  /// Where given: the pairs at which the traversal stopped, being apart, are appended. Together with the
+  /// pairs of leaves they cover what was started from, so that the next step may start from them.
   std::vector<NodePair>* front = nullptr;
 };
 
@@ -60,6 +60,10 @@ inline void traverse(const Traversal& traversal, NodePair start, std::vector<Nod
                      TraversalResult& out) {
   traverse(traversal, {&start, 1}, stack, out);
 }
+
+/// Whether the boxes of two leaves are apart: one byte per pair, 0 where they are not.
+void test_leaves(const Traversal& traversal, std::span<const NodePair> leaves,
+                 std::vector<std::uint8_t>& apart);
 
 /// Feature pairs whose kinetic boxes are not apart, in leaf order of their objects. Vertex-face and edge-edge
 /// pairs that share a vertex are left out.

@@ -39,20 +39,14 @@ Scene::PlaneMemory& Scene::plane_memory(const LeafPairRef& pair) {
   return plane_memory_[hash >> 20 & (plane_memory_.size() - 1)];
 }
 
-// `found`: where a plane proved it, its normal; where something else did, left alone.
-bool Scene::proves(const LeafPairRef& pair, double gap, Local& local, PlaneNormal& found) {
+// Of two leaves that no proven patch has in common. `found`: where a plane proved it, its normal; where
+// something else did, left alone.
+bool Scene::proves(const LeafPairRef& pair, Index slot, double gap, Local& local, PlaneNormal& found) {
   const TraversalTask& task = tasks_[pair.task];
-  const auto [a, b] = pair.leaves;
-  if (task.object_a == task.object_b) {
-    if (a == b) return false;  // asked on the way down
-    const auto& proofs = leaf_proofs_[task.object_a];
-    if (proofs[a].meets(proofs[b])) return true;
-    if (believes_) return false;
-    ChartBook& book = *books_[task.object_a];
-    const Index slot = book.slots().of_leaves(a, b);
-    if (slot != kNoIndex) {
-      return static_cast<bool>(book.prove(slot, trees_[task.object_a].vertices, gap, local.tester));
-    }
+  if (believes_) return false;
+  if (slot != kNoIndex) {
+    const std::span<const MovingVertex> vertices = trees_[task.object_a].vertices;
+    return static_cast<bool>(books_[task.object_a]->prove(slot, vertices, gap, local.tester));
   }
   if (!ask_for_planes_) return false;
   const PlaneMemory& memory = plane_memory(pair);
@@ -86,20 +80,37 @@ void Scene::make_plane_memory() {
   if (plane_memory_.empty()) plane_memory_.resize(std::bit_ceil(std::max<std::size_t>(16, 4 * leaf_count_)));
 }
 
-// Keeps of the pairs of leaves that a task found those that nothing proves apart.
-void Scene::prove_leaf_pairs(Index task, double gap, Local& local) {
+void Scene::ask(Index task, NodePair leaves, Index slot, double gap, Local& local) {
   TraversalShare& share = shares_[task];
-  std::size_t kept = 0;
-  for (const NodePair leaves : share.found.leaf_pairs) {
-    PlaneNormal plane{};
-    if (!proves({task, leaves}, gap, local, plane)) {
-      share.found.leaf_pairs[kept++] = leaves;
-      continue;
-    }
-    ++local.passes;
-    if (plane != PlaneNormal{}) share.planes.push_back({leaves, plane});
+  PlaneNormal plane{};
+  if (!proves({task, leaves}, slot, gap, local, plane)) {
+    share.unproven.push_back(leaves);
+    return;
   }
-  share.found.leaf_pairs.resize(kept);
+  ++local.passes;
+  if (plane != PlaneNormal{}) share.planes.push_back({leaves, plane});
+}
+
+// The cheapest first: whether a proven patch has both leaves, then boxes, then charts and planes of their
+// own.
+void Scene::ask_near_leaves(Index task, std::span<const NearLeaves> near, double gap, Local& local) {
+  const bool within = tasks_[task].object_a == tasks_[task].object_b;
+  const auto& proofs = leaf_proofs_[tasks_[task].object_a];
+  local.asked.clear();
+  local.slots.clear();
+  for (const auto& [leaves, slot] : near) {
+    if (within && proofs[leaves.a].meets(proofs[leaves.b])) {
+      ++local.passes;
+    } else {
+      local.asked.push_back(leaves);
+      local.slots.push_back(slot);
+    }
+  }
+  test_leaves(tasks_[task].traversal, local.asked, local.apart);
+  shares_[task].found.node_tests += local.asked.size();
+  for (std::size_t i = 0; i < local.asked.size(); ++i) {
+    if (!local.apart[i]) ask(task, local.asked[i], local.slots[i], gap, local);
+  }
 }
 
 void Scene::remember_proofs() {

@@ -9,6 +9,11 @@
 namespace foldproof {
 namespace {
 
+// About how much there is to do.
+std::size_t weight_of(const TraversalShare::Part& part, Index leaves) {
+  return part.fresh ? 4 * static_cast<std::size_t>(std::sqrt(leaves)) : part.starts.size() + part.near.size();
+}
+
 // Tasks per pair of objects; a constant, so that the order of the answer never depends on the threads.
 constexpr std::size_t kEnoughTasks = 64;
 // There is one front per pair of objects; of many objects only those with themselves, as most others never
@@ -17,36 +22,17 @@ constexpr std::size_t kManyObjects = 16;
 // The front of a node is made anew from its children every so many steps, as it only ever gets finer.
 constexpr std::size_t kFrontUses = 16;
 
-struct Bounds {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-  bool finite = true;
-};
+// Room is left to a frame that may serve again, as long as everything stays inside and is not too small in
+// it.
+Frame frame_to_keep(const Bounds& b) {
+  const Vec3 room = (b.high / 2 - b.low / 2) / 4;
+  const Vec3 low = b.low - room, high = b.high + room;
+  return low.allFinite() && high.allFinite() ? frame_around(low, high) : frame_around(b.low, b.high);
+}
 
-// Four vertices side by side, so that the compiler takes several coordinates at a time.
-Bounds bounds_of(std::span<const double> x) {
-  constexpr std::size_t kLanes = 12;
-  double low[kLanes], high[kLanes],
-      poison[kLanes] = {};  // poison: zero unless a coordinate is infinite or NaN
-  std::fill_n(low, kLanes, std::numeric_limits<double>::infinity());
-  std::fill_n(high, kLanes, -std::numeric_limits<double>::infinity());
-  const auto look = [&](const double* c, std::size_t count) {
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      poison[lane] += c[lane] * 0;
-      low[lane] = c[lane] < low[lane] ? c[lane] : low[lane];
-      high[lane] = c[lane] > high[lane] ? c[lane] : high[lane];
-    }
-  };
-  std::size_t i = 0;
-  for (; i + kLanes <= x.size(); i += kLanes) look(&x[i], kLanes);
-  if (i < x.size()) look(&x[i], x.size() - i);
-  Bounds b;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    b.low[lane % 3] = std::min(b.low[lane % 3], low[lane]);
-    b.high[lane % 3] = std::max(b.high[lane % 3], high[lane]);
-    b.finite &= poison[lane] == 0;
-  }
-  return b;
+bool suits(const Frame& frame, const Bounds& b) {
+  const double reach = std::max((b.high - frame.center).maxCoeff(), (frame.center - b.low).maxCoeff());
+  return reach * frame.scale < 1 - 0x1p-40 && reach * frame.scale > 0x1p-3;
 }
 
 Result<void> check_numbers(Index object, const char* end, std::span<const double> x) {
@@ -91,7 +77,6 @@ Result<void> Scene::update(Positions x0, Positions x1, const StepSettings& setti
     return fail("positions", fmt::format("given for {} and {} objects", x0.size(), x1.size()),
                 fmt::format("give them for all {}", trees_.size()));
   }
-  Bounds all;
   for (Index i = 0; i < trees_.size(); ++i) {
     const std::size_t expected = 3 * std::size_t{hierarchy(i).topology().vertex_count()};
     for (const auto& [end, x] : {std::pair("x0", x0[i]), std::pair("x1", x1[i])}) {
@@ -99,16 +84,33 @@ Result<void> Scene::update(Positions x0, Positions x1, const StepSettings& setti
         return fail(fmt::format("object {}", i), fmt::format("{} has {} numbers", end, x.size()),
                     fmt::format("give {}, three per vertex", expected));
       }
-      const Bounds b = bounds_of(x);
-      if (!b.finite) return check_numbers(i, end, x);
-      all.low = all.low.cwiseMin(b.low);
-      all.high = all.high.cwiseMax(b.high);
     }
   }
-  frame_ = frame_around(all.low, all.high);
-  largest_side_ = std::min(2 * (all.high / 2 - all.low / 2).maxCoeff(), std::numeric_limits<double>::max());
-  for (std::size_t i = 0; i < trees_.size(); ++i) trees_[i].refit(frame_, x0[i], x1[i]);
+  if (auto ok = move(x0, x1, settings.certificates); !ok) return ok;
+  for (KineticTree& tree : trees_) tree.fit();
   return predict(x0, x1, settings);
+}
+
+// In the frame of the step before where that is wanted and will do: then everything is read only once.
+Result<void> Scene::move(Positions x0, Positions x1, bool keep_frame) {
+  Bounds all;
+  const bool again = std::exchange(framed_, false) && keep_frame;
+  for (Index i = 0; i < trees_.size(); ++i) {
+    const Bounds b = again ? trees_[i].move(frame_, x0[i], x1[i]) : bounds_of(x0[i], x1[i]);
+    if (!b.finite) {
+      if (auto ok = check_numbers(i, "x0", x0[i]); !ok) return ok;
+      return check_numbers(i, "x1", x1[i]);
+    }
+    all.low = all.low.cwiseMin(b.low);
+    all.high = all.high.cwiseMax(b.high);
+  }
+  largest_side_ = std::min(2 * (all.high / 2 - all.low / 2).maxCoeff(), std::numeric_limits<double>::max());
+  if (!again || !suits(frame_, all)) {
+    frame_ = keep_frame ? frame_to_keep(all) : frame_around(all.low, all.high);
+    for (Index i = 0; i < trees_.size(); ++i) trees_[i].move(frame_, x0[i], x1[i]);
+  }
+  framed_ = keep_frame;
+  return {};
 }
 
 Result<void> Scene::predict(Positions x0, Positions x1, const StepSettings& settings) {
@@ -147,7 +149,7 @@ void Scene::descend_selves(Index object, const StepSettings& settings, double ga
   ChartBook& book = *books_[object];
   const auto nodes = hierarchy(object).nodes();
   auto& leaf_proofs = leaf_proofs_[object];
-  for (LeafProofs& proofs : leaf_proofs) proofs.count = 0;
+  for (LeafProofs& proofs : leaf_proofs) proofs.clear();
   self_proven_.assign(nodes.size(), 0);
   unproven_leaves_.clear();
   selves_.assign(nodes.empty() ? 0 : 1, 0);
@@ -202,9 +204,8 @@ TraversalShare& Scene::add_task(Index a, Index b, float margin) {
   TraversalShare& share = shares_[tasks_.size() - 1];
   share.parts.clear();
   share.starts.clear();
-  share.front.runs.clear();
-  share.front.pairs.clear();
-  share.found.leaf_pairs.clear();
+  share.front.clear();
+  share.unproven.clear();
   share.found.node_tests = 0;
   share.found.front = front_of(a, b) != nullptr ? &share.front.pairs : nullptr;
   share.planes.clear();
@@ -226,16 +227,20 @@ std::size_t Scene::list_parts(Index object) {
       continue;
     }
     if (!node.is_leaf()) {
-      TraversalShare::Part& part = parts_.emplace_back(TraversalShare::Part{self, {}});
+      TraversalShare::Part& part = parts_.emplace_back(TraversalShare::Part{self, true, {}, {}});
       while (front != nullptr && run < front->runs.size() && front->runs[run].node < self) ++run;
       if (front != nullptr && run < front->runs.size() && front->runs[run].node == self &&
           (steps_ + self) % kFrontUses != 0) {
-        const std::size_t begin = front->runs[run].begin;
-        const std::size_t end =
-            run + 1 < front->runs.size() ? front->runs[run + 1].begin : front->pairs.size();
-        part.starts = std::span(front->pairs).subspan(begin, end - begin);
+        const bool last = run + 1 == front->runs.size();
+        const Front::Run begin = front->runs[run],
+                         end = last ? Front::Run{0, static_cast<Index>(front->pairs.size()),
+                                                 static_cast<Index>(front->near.size())}
+                                    : front->runs[run + 1];
+        part.fresh = false;
+        part.starts = std::span(front->pairs).subspan(begin.pairs, end.pairs - begin.pairs);
+        part.near = std::span(front->near).subspan(begin.near, end.near - begin.near);
       }
-      weight += part.starts.empty() ? 4 * static_cast<std::size_t>(std::sqrt(leaves)) : part.starts.size();
+      weight += weight_of(part, leaves);
     }
     ++self;
   }
@@ -246,25 +251,25 @@ std::size_t Scene::list_parts(Index object) {
 void Scene::start_within(Index object, float margin) {
   const auto nodes = hierarchy(object).nodes();
   TraversalShare& leaves = add_task(object, object, margin);
-  for (const Index leaf : unproven_leaves_) leaves.found.leaf_pairs.push_back({leaf, leaf});
+  for (const Index leaf : unproven_leaves_) leaves.unproven.push_back({leaf, leaf});
   const std::size_t most = list_parts(object) / enough_tasks(object, object) + 1;
   TraversalShare* share = nullptr;
   std::size_t room = 0;
   for (TraversalShare::Part part : parts_) {
+    const Hierarchy::Node& node = nodes[part.node];
     do {
       if (room == 0) {
         share = &add_task(object, object, margin);
         room = most;
       }
-      const bool fresh = part.starts.empty();
-      const Hierarchy::Node& node = nodes[part.node];
-      const std::size_t weight =
-          fresh ? 4 * static_cast<std::size_t>(std::sqrt(node.leaf_end - node.leaf_begin))
-                : std::min(part.starts.size(), room);
-      share->parts.push_back({part.node, part.starts.first(fresh ? 0 : weight)});
-      part.starts = part.starts.subspan(fresh ? 0 : weight);
-      room -= std::min(room, weight);
-    } while (!part.starts.empty());
+      TraversalShare::Part cut = part;
+      cut.starts = part.starts.first(std::min(part.starts.size(), room));
+      cut.near = part.near.first(std::min(part.near.size(), room));
+      part.starts = part.starts.subspan(cut.starts.size());
+      part.near = part.near.subspan(cut.near.size());
+      share->parts.push_back(cut);
+      room -= std::min(room, weight_of(cut, node.leaf_end - node.leaf_begin));
+    } while (!part.starts.empty() || !part.near.empty());
   }
 }
 
@@ -274,55 +279,82 @@ void Scene::start_between(Index a, Index b, float margin) {
   const Front* front = front_of(a, b);
   const std::size_t enough = enough_tasks(a, b);
   std::span<const NodePair> starts;
-  if (front != nullptr && !front->pairs.empty() && steps_ % kFrontUses != 0) {
+  std::span<const NearLeaves> near;
+  if (front != nullptr && !front->runs.empty() && steps_ % kFrontUses != 0) {
     starts = front->pairs;
+    near = front->near;
   } else {
     TraversalShare& above = add_task(a, b, margin);
-    if (above.found.front != nullptr) above.front.runs.push_back({0, 0});
     spread_.assign(1, {0, 0});
     for (int level = 0; level < 12 && !spread_.empty() && spread_.size() < 4 * enough; ++level)
       descend_once(tasks_.back().traversal, spread_, spread_below_, above.found);
     starts = spread_;
   }
-  const std::size_t count = std::min(enough, starts.size());
+  const std::size_t count = std::max<std::size_t>(1, std::min(enough, starts.size() + near.size()));
+  const auto cut = [&](auto all, std::size_t k) {
+    const std::size_t begin = k * all.size() / count;
+    return all.subspan(begin, (k + 1) * all.size() / count - begin);
+  };
   for (std::size_t k = 0; k < count; ++k) {
     TraversalShare& share = add_task(a, b, margin);
-    const std::size_t begin = k * starts.size() / count, end = (k + 1) * starts.size() / count;
-    share.starts.assign(starts.begin() + static_cast<std::ptrdiff_t>(begin),
-                        starts.begin() + static_cast<std::ptrdiff_t>(end));
-    share.parts.push_back({0, share.starts});
+    const auto part = cut(starts, k);
+    share.starts.assign(part.begin(), part.end());
+    share.parts.push_back({0, false, share.starts, cut(near, k)});
   }
 }
 
+// Nodes first, then the leaves that were near before and those that are for the first time.
 void Scene::run_task(Index k, bool prove, double gap) {
   const TraversalTask& task = tasks_[k];
   TraversalShare& share = shares_[k];
   Local& local = locals_.local();
+  const PatchSlots* slots = task.object_a == task.object_b ? &books_[task.object_a]->slots() : nullptr;
+  const auto take_found = [&] {
+    for (const NodePair leaves : share.found.leaf_pairs) {
+      const Index slot = slots != nullptr && prove ? slots->of_leaves(leaves.a, leaves.b) : kNoIndex;
+      share.front.near.push_back({leaves, slot});
+    }
+    const std::size_t count = share.found.leaf_pairs.size();
+    if (prove) {
+      ask_near_leaves(k, std::span(share.front.near).last(count), gap, local);
+    } else {
+      share.unproven.insert(share.unproven.end(), share.found.leaf_pairs.begin(),
+                            share.found.leaf_pairs.end());
+    }
+    share.found.leaf_pairs.clear();
+  };
+  const auto begin_run = [&](Index node) {
+    share.front.runs.push_back(
+        {node, static_cast<Index>(share.front.pairs.size()), static_cast<Index>(share.front.near.size())});
+  };
+  // Found when the traversal of two objects was cut into tasks.
+  if (share.parts.empty() && !share.found.leaf_pairs.empty()) begin_run(0);
+  take_found();
   for (const TraversalShare::Part& part : share.parts) {
     const NodePair children{part.node + 1, hierarchy(task.object_a).nodes()[part.node].right};
-    if (share.found.front != nullptr)
-      share.front.runs.push_back({part.node, static_cast<Index>(share.front.pairs.size())});
-    foldproof::traverse(task.traversal, part.starts.empty() ? std::span(&children, 1) : part.starts,
-                        local.stack, share.found);
+    begin_run(part.node);
+    foldproof::traverse(task.traversal, part.fresh ? std::span(&children, 1) : part.starts, local.stack,
+                        share.found);
+    share.front.near.insert(share.front.near.end(), part.near.begin(), part.near.end());
+    ask_near_leaves(k, part.near, gap, local);
+    take_found();
   }
-  if (prove) prove_leaf_pairs(k, gap, local);
 }
 
 void Scene::keep_fronts() {
   for (Index k = 0; k < tasks_.size(); ++k) {
     Front* front = front_of(tasks_[k].object_a, tasks_[k].object_b);
     if (front == nullptr) continue;
-    if (k == 0 || front != front_of(tasks_[k - 1].object_a, tasks_[k - 1].object_b)) {
-      front->runs.clear();
-      front->pairs.clear();
-    }
+    if (k == 0 || front != front_of(tasks_[k - 1].object_a, tasks_[k - 1].object_b)) front->clear();
     const Front& found = shares_[k].front;
     for (const Front::Run& run : found.runs) {
       // A part that was cut up is one run again.
-      if (front->runs.empty() || front->runs.back().node != run.node)
-        front->runs.push_back({run.node, static_cast<Index>(front->pairs.size() + run.begin)});
+      if (!front->runs.empty() && front->runs.back().node == run.node) continue;
+      front->runs.push_back({run.node, static_cast<Index>(front->pairs.size() + run.pairs),
+                             static_cast<Index>(front->near.size() + run.near)});
     }
     front->pairs.insert(front->pairs.end(), found.pairs.begin(), found.pairs.end());
+    front->near.insert(front->near.end(), found.near.begin(), found.near.end());
   }
 }
 
@@ -362,7 +394,7 @@ void Scene::traverse(const StepSettings& settings, double distance, Work& work) 
   leaf_pairs_.clear();
   for (Index k = 0; k < tasks_.size(); ++k) {
     work.node_tests += shares_[k].found.node_tests;
-    for (const NodePair leaves : shares_[k].found.leaf_pairs) leaf_pairs_.push_back({k, leaves});
+    for (const NodePair leaves : shares_[k].unproven) leaf_pairs_.push_back({k, leaves});
   }
   if (prove) remember_proofs();
   for (const Local& local : locals_) {

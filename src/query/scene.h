@@ -13,28 +13,43 @@
 
 namespace foldproof {
 
-/// Where the traversal of one object with itself or of two objects stopped in the step before: the pairs of
-/// nodes that were apart or leaves. The next step goes on from there.
+/// Two leaves that were near each other.
+struct NearLeaves {
+  NodePair leaves;
+  Index slot;  ///< Of their patch; kNoIndex when they have no vertex in common.
+};
+
+/// Where the traversal of one object with itself or of two objects stopped in the step before. The next step
+/// goes on from there.
 struct Front {
-  /// The pairs [begin, the next run's begin) lie between the two children of one node that was not proven; of
-  /// two objects there is one run.
+  /// From `pairs` and `near` on, up to where the next run begins, what lies between the two children of one
+  /// node that was not proven; of two objects there is one run.
   struct Run {
-    Index node, begin;
+    Index node, pairs, near;
   };
-  std::vector<Run> runs;  ///< Ascending by node.
-  std::vector<NodePair> pairs;
+  std::vector<Run> runs;         ///< Ascending by node.
+  std::vector<NodePair> pairs;   ///< Nodes that were apart.
+  std::vector<NearLeaves> near;  ///< Leaves that were not, at some time since the run was made anew.
+  void clear() {
+    runs.clear();
+    pairs.clear();
+    near.clear();
+  }
 };
 
 /// What one task traverses and proves. Tasks run in parallel; what they find does not depend on the threads.
 struct TraversalShare {
   struct Part {
-    Index node;                        ///< As Front::Run.
-    std::span<const NodePair> starts;  ///< Empty: the pair of the node's children.
+    Index node;  ///< As Front::Run.
+    bool fresh;  ///< Starts from the pair of the node's children.
+    std::span<const NodePair> starts;
+    std::span<const NearLeaves> near;
   };
   std::vector<Part> parts;
   std::vector<NodePair> starts;  ///< Of parts that go on from no front.
   Front front;                   ///< Where it stopped.
-  TraversalResult found;         ///< Of its pairs of leaves those that are not proven apart.
+  TraversalResult found;
+  std::vector<NodePair> unproven;  ///< Pairs of leaves whose features are to be tested.
   struct Plane {
     NodePair leaves;
     PlaneNormal normal;
@@ -44,18 +59,23 @@ struct TraversalShare {
 
 /// Which proven patches of this step a leaf belongs to. Two leaves with a patch in common are proven apart.
 struct LeafProofs {
-  std::array<Index, 7> patch;
-  Index count = 0;
+  std::array<Index, 8> patch;  // the rest is kNoIndex
+  Index count;
+  LeafProofs() { clear(); }
+  void clear() {
+    patch.fill(kNoIndex);
+    count = 0;
+  }
   void add(Index proven_patch) {
     if (count < patch.size()) patch[count++] = proven_patch;
   }
+  // All of one side at once, without branches.
   bool meets(const LeafProofs& other) const {
-    for (Index i = 0; i < count; ++i) {
-      for (Index k = 0; k < other.count; ++k) {
-        if (patch[i] == other.patch[k]) return true;
-      }
+    Index same = 0;
+    for (Index k = 0; k < other.count; ++k) {
+      for (const Index p : patch) same |= static_cast<Index>(p == other.patch[k]);
     }
-    return false;
+    return same != 0;
   }
 };
 
@@ -93,6 +113,9 @@ class Scene {
     ChartTester tester;
     std::uint64_t tests = 0, passes = 0;
     TraversalResult counted;
+    std::vector<NodePair> asked;  // pairs of leaves without a common proof, and what is known of them
+    std::vector<Index> slots;
+    std::vector<std::uint8_t> apart;
   };
   // What is known from earlier steps of a pair of leaves that was asked for a plane.
   struct PlaneMemory {
@@ -104,6 +127,7 @@ class Scene {
     Index object, node, level;
     ChartBook::Proof proof;
   };
+  Result<void> move(Positions x0, Positions x1, bool keep_frame);
   Result<void> predict(Positions x0, Positions x1, const StepSettings& settings);
   void believe_selves(Index object);
   void begin_learning(const StepSettings& settings);
@@ -118,8 +142,9 @@ class Scene {
   Front* front_of(Index a, Index b);
   void keep_fronts();
   void run_task(Index task, bool prove, double gap);
-  void prove_leaf_pairs(Index task, double gap, Local& local);
-  bool proves(const LeafPairRef& pair, double gap, Local& local, PlaneNormal& found);
+  void ask_near_leaves(Index task, std::span<const NearLeaves> near, double gap, Local& local);
+  void ask(Index task, NodePair leaves, Index slot, double gap, Local& local);
+  bool proves(const LeafPairRef& pair, Index slot, double gap, Local& local, PlaneNormal& found);
   void remember_proofs();
   void make_plane_memory();
   void note_unproven(const LeafPairRef& pair);
@@ -134,6 +159,7 @@ class Scene {
   bool believes_ = false;                             // Mode::Paper
   std::vector<std::vector<LeafProofs>> leaf_proofs_;  // per object and leaf
   Frame frame_;
+  bool framed_ = false;  // frame_ may serve again
   double largest_side_ = 0;
   std::size_t leaf_count_ = 0;  // of all objects
   std::size_t steps_ = 0, last_leaf_pairs_ = 0;
