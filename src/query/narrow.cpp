@@ -37,6 +37,10 @@ struct Side {
         hierarchy(&step.hierarchy(which)),
         x0(step.x0[which].data()),
         x1(step.x1[which].data()) {}
+  void prefetch(Index vertex) const {
+    __builtin_prefetch(x0 + 3 * std::size_t{vertex});
+    __builtin_prefetch(x1 + 3 * std::size_t{vertex});
+  }
   Index vertex(Index place) const { return hierarchy->vertex_ids()[place]; }
   Edge edge(Index place) const {
     const Edge& e = hierarchy->edges()[place];
@@ -58,6 +62,17 @@ class Narrow {
       add_edges(a, a.edge(place_a), b, b.edge(place_b));
     } else {
       add_face(a, a.vertex(place_a), b, place_b);
+    }
+  }
+
+  // Asks the memory for the positions that a later pair needs.
+  void prefetch(const Side& a, Index place_a, const Side& b, Index place_b) const {
+    if constexpr (kEdgeEdge) {
+      for (const Index vertex : a.edge(place_a)) a.prefetch(vertex);
+      for (const Index vertex : b.edge(place_b)) b.prefetch(vertex);
+    } else {
+      a.prefetch(a.vertex(place_a));
+      for (const Index place : b.hierarchy->triangles()[place_b]) b.prefetch(b.vertex(place));
     }
   }
 
@@ -146,26 +161,43 @@ void gather(const NarrowStep& step, Chunk& chunk) {
   }
 }
 
+// Candidates of two objects, the second list's the other way round; memory is asked for some ahead.
+template <class Pair>
+void feed(Narrow<Pair>& narrow, std::span<const CandidateBuffer::Pair> pairs, const Side& a, const Side& b,
+          bool turned = false) {
+  constexpr std::size_t kAhead = 12;
+  const Side &first = turned ? b : a, &second = turned ? a : b;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto [place_a, place_b] = pairs[i];
+    if (i + kAhead < pairs.size()) {
+      const auto later = pairs[i + kAhead];
+      narrow.prefetch(first, turned ? later.b : later.a, second, turned ? later.a : later.b);
+    }
+    narrow.add(first, turned ? place_b : place_a, second, turned ? place_a : place_b);
+  }
+}
+
 void narrow(const NarrowStep& step, Chunk& chunk) {
   Narrow<VertexFaceCollision> vertex_face(step, chunk.vertex_face, chunk.undecided);
   Narrow<EdgeEdgeCollision> edge_edge(step, chunk.edge_edge, chunk.undecided);
+  const CandidateBuffer& c = chunk.candidates;
   Chunk::Ends done{0, 0, 0};
   for (std::size_t i = 0; i < chunk.pairs.size(); ++i) {
-    const TraversalTask& task = step.tasks[chunk.pairs[i].task];
-    const Side a(step, task.object_a), b(step, task.object_b);
-    const CandidateBuffer& c = chunk.candidates;
-    for (; done.vertex_face < chunk.ends[i].vertex_face; ++done.vertex_face) {
-      const auto pair = c.vertex_face[done.vertex_face];
-      vertex_face.add(a, pair.a, b, pair.b);
-    }
-    for (; done.face_vertex < chunk.ends[i].face_vertex; ++done.face_vertex) {
-      const auto pair = c.face_vertex[done.face_vertex];
-      vertex_face.add(b, pair.b, a, pair.a);
-    }
-    for (; done.edge_edge < chunk.ends[i].edge_edge; ++done.edge_edge) {
-      const auto pair = c.edge_edge[done.edge_edge];
-      edge_edge.add(a, pair.a, b, pair.b);
-    }
+    const auto objects = [&](std::size_t pair) {
+      const TraversalTask& task = step.tasks[chunk.pairs[pair].task];
+      return std::pair(task.object_a, task.object_b);
+    };
+    // As many pairs of leaves as belong to the same objects.
+    while (i + 1 < chunk.pairs.size() && objects(i + 1) == objects(i)) ++i;
+    const Side a(step, objects(i).first), b(step, objects(i).second);
+    const Chunk::Ends& end = chunk.ends[i];
+    const auto part = [](const auto& list, std::size_t from, std::size_t to) {
+      return std::span(list).subspan(from, to - from);
+    };
+    feed(vertex_face, part(c.vertex_face, done.vertex_face, end.vertex_face), a, b);
+    feed(vertex_face, part(c.face_vertex, done.face_vertex, end.face_vertex), a, b, true);
+    feed(edge_edge, part(c.edge_edge, done.edge_edge, end.edge_edge), a, b);
+    done = end;
   }
   vertex_face.finish();
   edge_edge.finish();

@@ -59,7 +59,7 @@ struct Chunk {
 /// `round(count)` works on chunks [0, count).
 template <class AnyChunk, class Round>
 void in_rounds(std::span<const LeafPairRef> left, std::vector<AnyChunk>& chunks, Round round) {
-  constexpr std::size_t kPairsPerChunk = 32, kChunksPerRound = 256;
+  constexpr std::size_t kPairsPerChunk = 128, kChunksPerRound = 32;
   while (!left.empty()) {
     std::size_t count = 0;
     for (; count < kChunksPerRound && !left.empty(); ++count) {
