@@ -223,33 +223,6 @@ void KineticTree::find_leaves() {
   }
 }
 
-// Four vertices side by side, so that the compiler takes several coordinates at a time.
-Bounds bounds_of(std::span<const double> x0, std::span<const double> x1) {
-  constexpr std::size_t kLanes = 12;
-  double low[kLanes], high[kLanes], poison[kLanes] = {};
-  std::fill_n(low, kLanes, std::numeric_limits<double>::infinity());
-  std::fill_n(high, kLanes, -std::numeric_limits<double>::infinity());
-  const auto look = [&](const double* c, std::size_t count) {
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      poison[lane] += c[lane] * 0;
-      low[lane] = c[lane] < low[lane] ? c[lane] : low[lane];
-      high[lane] = c[lane] > high[lane] ? c[lane] : high[lane];
-    }
-  };
-  for (const auto x : {x0, x1}) {
-    std::size_t i = 0;
-    for (; i + kLanes <= x.size(); i += kLanes) look(&x[i], kLanes);
-    if (i < x.size()) look(&x[i], x.size() - i);
-  }
-  Bounds b;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    b.low[lane % 3] = std::min(b.low[lane % 3], low[lane]);
-    b.high[lane % 3] = std::max(b.high[lane % 3], high[lane]);
-    b.finite &= poison[lane] == 0;
-  }
-  return b;
-}
-
 Bounds KineticTree::move(const Frame& frame, std::span<const double> x0, std::span<const double> x1) {
   using Range = tbb::blocked_range<std::size_t>;
   const auto ids = hierarchy->vertex_ids();
@@ -312,11 +285,15 @@ LeafVertexLists list_leaf_vertices(const Hierarchy& h) {
 // Halves first, so that the largest doubles do not overflow.
 Frame frame_around(const Vec3& low, const Vec3& high) {
   Frame frame;
-  frame.center = low / 2 + high / 2;
+  const Vec3 middle = low / 2 + high / 2;
   // The centre is rounded, hence a little room.
   const double half = (high / 2 - low / 2).maxCoeff();
-  const double reach = half * (1 + 0x1p-50) + frame.center.cwiseAbs().maxCoeff() * 0x1p-52;
-  frame.scale = reach > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(reach) + 1, -1022, 1024)) : 1;
+  const double reach = half * (1 + 0x1p-50) + middle.cwiseAbs().maxCoeff() * 0x1p-51;
+  frame.center = middle;
+  if (!(reach > 0)) return frame;
+  // Everything lies within a half of the middle, and that within a sixteenth of the centre.
+  frame.scale = std::ldexp(1.0, -std::clamp(std::ilogb(reach) + 2, -1020, 1025));
+  for (double& c : frame.center) c = std::nearbyint(c * frame.scale * 8) / (frame.scale * 8);
   return frame;
 }
 

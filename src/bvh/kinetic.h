@@ -15,9 +15,13 @@ namespace foldproof {
 struct Frame {
   Vec3 center = Vec3::Zero();
   double scale = 1;
+  friend bool operator==(const Frame& a, const Frame& b) {
+    return a.center == b.center && a.scale == b.scale;
+  }
 };
 
-/// The frame of what lies between two corners; finite ones, however far apart.
+/// The frame of what lies between two corners; finite ones, however far apart. It stands on a coarse grid, so
+/// that a motion goes on in one frame for many steps.
 Frame frame_around(const Vec3& low, const Vec3& high);
 /// The frame of a pose: x y z of at least one vertex, finite.
 Frame frame_around(std::span<const double> x);
@@ -28,9 +32,6 @@ struct Bounds {
   Vec3 high = -low;
   bool finite = true;
 };
-/// Of both ends of a step.
-Bounds bounds_of(std::span<const double> x0, std::span<const double> x1);
-
 /// Both ends of a vertex' step: x y z 0 at t=0, then x y z 0 at t=1.
 struct alignas(32) MovingVertex {
   float x[8];

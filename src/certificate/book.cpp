@@ -50,6 +50,7 @@ ChartBook::Proof ChartBook::prove(Index slot, std::span<const MovingVertex> vert
   const auto found = [&](const ChartLibrary& library, Index chart) -> Proof {
     memory.last = chart;
     memory.last_was_trained = &library == trained_.get();
+    tester.of_use += memory.vain_draws > 0;
     memory.vain_draws = memory.vain_tests = 0;
     return {&library, chart};
   };
@@ -95,6 +96,7 @@ void ChartBook::draw_orders(std::span<const MovingVertex> vertices) {
   tbb::parallel_for(std::size_t{0}, order_count_,
                     [&](std::size_t i) { drawers_.local().draw(vertices, orders_[i]); });
   for (std::size_t i = 0; i < order_count_; ++i) enter(orders_[i]);
+  drawings_ += order_count_;
 }
 
 void ChartBook::enter(const DrawnPatch& order) {
@@ -204,6 +206,7 @@ void ChartBook::draw_pairs(std::span<const MovingVertex> vertices, std::size_t& 
 
 void ChartBook::begin_step(std::span<const MovingVertex> vertices, std::size_t budget) {
   ++step_;
+  drawings_ = 0;
   draw_nodes(vertices, budget);
   draw_pairs(vertices, budget);
 }

@@ -12,6 +12,7 @@ namespace foldproof {
 struct ChartTester {
   ChartScratch scratch;
   std::uint64_t tests = 0;
+  std::uint64_t of_use = 0;  // charts that held for the first time since they were drawn
 };
 
 struct BookSettings {
@@ -61,6 +62,8 @@ class ChartBook {
   /// Begins a step. Draws charts of what was wanted in the step before, in the pose at the step's begin: the
   /// larger patches first, as long as their triangles together do not exceed `budget`.
   void begin_step(std::span<const MovingVertex> vertices, std::size_t budget);
+  /// How many charts that took.
+  std::size_t drawings() const { return drawings_; }
 
  private:
   // What is known about a slot from earlier steps.
@@ -94,7 +97,7 @@ class ChartBook {
   std::vector<Memory> memory_;
   std::vector<Index> wanted_nodes_, wanted_pairs_;
   std::vector<DrawnPatch> orders_;
-  std::size_t order_count_ = 0;
+  std::size_t order_count_ = 0, drawings_ = 0;
   std::vector<std::uint8_t> drawn_;  // per leaf: a node above it has been drawn in this step
   std::vector<LeafNormal> leaf_normals_;
   tbb::enumerable_thread_specific<PatchDrawer> drawers_;

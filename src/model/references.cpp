@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace foldproof {
@@ -45,7 +46,7 @@ std::vector<float> BendDescriptor::of(std::span<const double> positions) const {
   cosines.reserve(pairs_.size());
   for (const auto& [a, b] : pairs_) {
     const double cosine = normals[a].dot(normals[b]);
-    cosines.push_back(cosine >= -1 && cosine <= 1 ? static_cast<float>(cosine) : 0.f);
+    cosines.push_back(std::isnan(cosine) ? 0.f : static_cast<float>(std::clamp(cosine, -1.0, 1.0)));
   }
   return cosines;
 }

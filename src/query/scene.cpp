@@ -22,19 +22,6 @@ constexpr std::size_t kManyObjects = 16;
 // The front of a node is made anew from its children every so many steps, as it only ever gets finer.
 constexpr std::size_t kFrontUses = 16;
 
-// Room is left to a frame that may serve again, as long as everything stays inside and is not too small in
-// it.
-Frame frame_to_keep(const Bounds& b) {
-  const Vec3 room = (b.high / 2 - b.low / 2) / 4;
-  const Vec3 low = b.low - room, high = b.high + room;
-  return low.allFinite() && high.allFinite() ? frame_around(low, high) : frame_around(b.low, b.high);
-}
-
-bool suits(const Frame& frame, const Bounds& b) {
-  const double reach = std::max((b.high - frame.center).maxCoeff(), (frame.center - b.low).maxCoeff());
-  return reach * frame.scale < 1 - 0x1p-40 && reach * frame.scale > 0x1p-3;
-}
-
 Result<void> check_numbers(Index object, const char* end, std::span<const double> x) {
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!std::isfinite(x[i])) {
@@ -86,17 +73,16 @@ Result<void> Scene::update(Positions x0, Positions x1, const StepSettings& setti
       }
     }
   }
-  if (auto ok = move(x0, x1, settings.certificates); !ok) return ok;
+  if (auto ok = move(x0, x1); !ok) return ok;
   for (KineticTree& tree : trees_) tree.fit();
   return predict(x0, x1, settings);
 }
 
-// In the frame of the step before where that is wanted and will do: then everything is read only once.
-Result<void> Scene::move(Positions x0, Positions x1, bool keep_frame) {
+// In the frame of the step before, which mostly is this one's too: then everything is read only once.
+Result<void> Scene::move(Positions x0, Positions x1) {
   Bounds all;
-  const bool again = std::exchange(framed_, false) && keep_frame;
   for (Index i = 0; i < trees_.size(); ++i) {
-    const Bounds b = again ? trees_[i].move(frame_, x0[i], x1[i]) : bounds_of(x0[i], x1[i]);
+    const Bounds b = trees_[i].move(frame_, x0[i], x1[i]);
     if (!b.finite) {
       if (auto ok = check_numbers(i, "x0", x0[i]); !ok) return ok;
       return check_numbers(i, "x1", x1[i]);
@@ -105,11 +91,9 @@ Result<void> Scene::move(Positions x0, Positions x1, bool keep_frame) {
     all.high = all.high.cwiseMax(b.high);
   }
   largest_side_ = std::min(2 * (all.high / 2 - all.low / 2).maxCoeff(), std::numeric_limits<double>::max());
-  if (!again || !suits(frame_, all)) {
-    frame_ = keep_frame ? frame_to_keep(all) : frame_around(all.low, all.high);
-    for (Index i = 0; i < trees_.size(); ++i) trees_[i].move(frame_, x0[i], x1[i]);
-  }
-  framed_ = keep_frame;
+  const Frame frame = frame_around(all.low, all.high);
+  if (frame == std::exchange(frame_, frame)) return {};
+  for (Index i = 0; i < trees_.size(); ++i) trees_[i].move(frame_, x0[i], x1[i]);
   return {};
 }
 
@@ -359,13 +343,24 @@ void Scene::keep_fronts() {
 }
 
 // Charts are drawn from the second step on: who asks only once should not pay for them. The budget keeps
-// drawing, about 0.2 us a triangle, well below what the pairs of leaves took that were tested in the step
-// before, about 1 us each.
+// drawing, about 0.1 us a triangle, well below what the pairs of leaves took that were tested in the step
+// before, about 1 us each: up to five triangles for each where charts prove to be of use, a fraction of one
+// where they do not.
 void Scene::begin_learning(const StepSettings& settings) {
-  constexpr std::size_t kTrianglesPerLeafPair = 3;
+  constexpr double kMost = 5, kLeast = 0.5;
+  double drawn = 0, of_use = 0;
+  for (const auto& book : books_) drawn += static_cast<double>(book->drawings());
+  for (Local& local : locals_) {
+    of_use += static_cast<double>(std::exchange(local.tester.of_use, 0));
+    local.tests = local.passes = local.tester.tests = 0;
+  }
+  drawn_ = drawn_ / 2 + drawn;
+  of_use_ = of_use_ / 2 + of_use;
+  const double share = std::clamp(6 * (of_use_ + 3) / (drawn_ + 9), kLeast, kMost);
   ask_for_planes_ = steps_++ > 0 && !believes_;
-  const std::size_t budget =
-      settings.certificates && !believes_ ? kTrianglesPerLeafPair * last_leaf_pairs_ : 0;
+  const std::size_t budget = settings.certificates && !believes_
+                                 ? static_cast<std::size_t>(share * static_cast<double>(last_leaf_pairs_))
+                                 : 0;
   for (std::size_t i = 0; i < books_.size(); ++i)
     books_[i]->begin_step(trees_[i].vertices, budget / books_.size());
 }
@@ -373,7 +368,6 @@ void Scene::begin_learning(const StepSettings& settings) {
 void Scene::traverse(const StepSettings& settings, double distance, Work& work) {
   const float margin = separation_margin(frame_, distance);
   const double gap = distance * frame_.scale * (1 + 0x1p-50);
-  for (Local& local : locals_) local.tests = local.passes = local.tester.tests = 0;
   begin_learning(settings);
   keeps_fronts_ = settings.certificates;
   tasks_.clear();

@@ -127,7 +127,7 @@ class Scene {
     Index object, node, level;
     ChartBook::Proof proof;
   };
-  Result<void> move(Positions x0, Positions x1, bool keep_frame);
+  Result<void> move(Positions x0, Positions x1);
   Result<void> predict(Positions x0, Positions x1, const StepSettings& settings);
   void believe_selves(Index object);
   void begin_learning(const StepSettings& settings);
@@ -159,10 +159,10 @@ class Scene {
   bool believes_ = false;                             // Mode::Paper
   std::vector<std::vector<LeafProofs>> leaf_proofs_;  // per object and leaf
   Frame frame_;
-  bool framed_ = false;  // frame_ may serve again
   double largest_side_ = 0;
   std::size_t leaf_count_ = 0;  // of all objects
   std::size_t steps_ = 0, last_leaf_pairs_ = 0;
+  double drawn_ = 0, of_use_ = 0;  // charts drawn in the last steps, and those of them that held
   bool ask_for_planes_ =
       false;  // not in the first step: where few pairs have one, it only pays once it is known which
 
