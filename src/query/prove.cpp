@@ -12,6 +12,8 @@ namespace {
 // A pair of leaves that had no plane is not asked again for 3 steps, and then for 7. The memory is
 // found by a hash of the pair: two pairs that share one only lose a chance.
 constexpr std::uint8_t kMostVain = 2;
+// While few of the pairs that were asked for the first time had a plane, one in so many is.
+constexpr Index kProbe = 8;
 
 }  // namespace
 
@@ -32,11 +34,20 @@ void Scene::believe_selves(Index object) {
   }
 }
 
-Scene::PlaneMemory& Scene::plane_memory(const LeafPairRef& pair) {
+std::uint64_t Scene::hash_of(const LeafPairRef& pair) const {
   const TraversalTask& task = tasks_[pair.task];
   std::uint64_t hash = (std::uint64_t{pair.leaves.a} << 32 | pair.leaves.b) * 0x9E3779B97F4A7C15u;
   hash = (hash ^ (std::uint64_t{task.object_a} << 16 | task.object_b)) * 0x9E3779B97F4A7C15u;
-  return plane_memory_[hash >> 20 & (plane_memory_.size() - 1)];
+  return hash >> 20;
+}
+
+Scene::PlaneMemory& Scene::plane_memory(const LeafPairRef& pair) {
+  return plane_memory_[hash_of(pair) & (plane_memory_.size() - 1)];
+}
+
+bool Scene::may_have_plane(const LeafPairRef& pair, const PlaneMemory& memory) const {
+  return ask_for_planes_ &&
+         (planes_.pay || memory.normal != PlaneNormal{} || ((hash_of(pair) >> 24) + steps_) % kProbe == 0);
 }
 
 // Of two leaves that no proven patch has in common. `found`: where a plane proved it, its normal; where
@@ -48,14 +59,17 @@ bool Scene::proves(const LeafPairRef& pair, Index slot, double gap, Local& local
     const std::span<const MovingVertex> vertices = trees_[task.object_a].vertices;
     return static_cast<bool>(books_[task.object_a]->prove(slot, vertices, gap, local.tester));
   }
-  if (!ask_for_planes_) return false;
   const PlaneMemory& memory = plane_memory(pair);
-  if (memory.rest != 0) return false;
+  if (memory.rest != 0 || !may_have_plane(pair, memory)) return false;
+  const bool known = memory.normal != PlaneNormal{};
   ++local.tests;
+  local.new_planes += !known;
   found = memory.normal;
   const KineticTree &tree_a = *task.traversal.a, &tree_b = *task.traversal.b;
-  return plane_separates(tree_a.vertices, tree_a.leaf_vertices(pair.leaves.a), tree_b.vertices,
-                         tree_b.leaf_vertices(pair.leaves.b), gap, &found);
+  const bool separates = plane_separates(tree_a.vertices, tree_a.leaf_vertices(pair.leaves.a),
+                                         tree_b.vertices, tree_b.leaf_vertices(pair.leaves.b), gap, &found);
+  local.new_planes_found += !known && separates;
+  return separates;
 }
 
 // What a pair that was not proven leaves for the steps to come.
@@ -70,7 +84,7 @@ void Scene::note_unproven(const LeafPairRef& pair) {
   PlaneMemory& memory = plane_memory(pair);
   if (memory.rest > 0) {
     --memory.rest;
-  } else {
+  } else if (may_have_plane(pair, memory)) {
     memory.vain = std::min<std::uint8_t>(memory.vain + 1, kMostVain);
     memory.rest = static_cast<std::uint8_t>((2u << memory.vain) - 1);
   }

@@ -348,21 +348,27 @@ void Scene::keep_fronts() {
 // where they do not.
 void Scene::begin_learning(const StepSettings& settings) {
   constexpr double kMost = 5, kLeast = 0.5;
-  double drawn = 0, of_use = 0;
+  constexpr double kUsual = 3, kLittle = 256;  // what little meshes need costs little
+  double drawn = 0, of_use = 0, asked = 0, found = 0;
   for (const auto& book : books_) drawn += static_cast<double>(book->drawings());
   for (Local& local : locals_) {
     of_use += static_cast<double>(std::exchange(local.tester.of_use, 0));
     local.tests = local.passes = local.tester.tests = 0;
+    asked += static_cast<double>(std::exchange(local.new_planes, 0));
+    found += static_cast<double>(std::exchange(local.new_planes_found, 0));
   }
   drawn_ = drawn_ / 2 + drawn;
   of_use_ = of_use_ / 2 + of_use;
-  const double share = std::clamp(6 * (of_use_ + 3) / (drawn_ + 9), kLeast, kMost);
+  const double share = std::clamp(6 * (of_use_ + 1) / (drawn_ + 12), kLeast, kMost);
+  planes_.asked = planes_.asked / 2 + asked;
+  planes_.found = planes_.found / 2 + found;
+  planes_.pay = planes_.found > planes_.asked / 4;
   ask_for_planes_ = steps_++ > 0 && !believes_;
-  const std::size_t budget = settings.certificates && !believes_
-                                 ? static_cast<std::size_t>(share * static_cast<double>(last_leaf_pairs_))
-                                 : 0;
+  const double pairs = static_cast<double>(last_leaf_pairs_) / static_cast<double>(books_.size());
+  const double budget = std::max(share * pairs, std::min(kUsual * pairs, kLittle));
+  const bool draws = settings.certificates && !believes_;
   for (std::size_t i = 0; i < books_.size(); ++i)
-    books_[i]->begin_step(trees_[i].vertices, budget / books_.size());
+    books_[i]->begin_step(trees_[i].vertices, draws ? static_cast<std::size_t>(budget) : 0);
 }
 
 void Scene::traverse(const StepSettings& settings, double distance, Work& work) {

@@ -112,6 +112,7 @@ class Scene {
     std::vector<NodePair> stack;
     ChartTester tester;
     std::uint64_t tests = 0, passes = 0;
+    std::uint64_t new_planes = 0, new_planes_found = 0;  // asked for where none was known
     TraversalResult counted;
     std::vector<NodePair> asked;  // pairs of leaves without a common proof, and what is known of them
     std::vector<Index> slots;
@@ -151,7 +152,9 @@ class Scene {
   void fill_features();
   std::uint64_t count_near_leaves(const StepSettings& settings, double distance);
   Reason reason_of(const LeafPairRef& pair) const;
+  std::uint64_t hash_of(const LeafPairRef& pair) const;
   PlaneMemory& plane_memory(const LeafPairRef& pair);
+  bool may_have_plane(const LeafPairRef& pair, const PlaneMemory& memory) const;
 
   std::vector<KineticTree> trees_;
   std::vector<std::unique_ptr<ChartBook>> books_;
@@ -163,6 +166,10 @@ class Scene {
   std::size_t leaf_count_ = 0;  // of all objects
   std::size_t steps_ = 0, last_leaf_pairs_ = 0;
   double drawn_ = 0, of_use_ = 0;  // charts drawn in the last steps, and those of them that held
+  struct {
+    double asked = 0, found = 0;  // in the last steps, where none was known
+    bool pay = false;
+  } planes_;
   bool ask_for_planes_ =
       false;  // not in the first step: where few pairs have one, it only pays once it is known which
 
