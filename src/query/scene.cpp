@@ -359,7 +359,7 @@ void Scene::begin_learning(const StepSettings& settings) {
   }
   drawn_ = drawn_ / 2 + drawn;
   of_use_ = of_use_ / 2 + of_use;
-  const double share = std::clamp(6 * (of_use_ + 1) / (drawn_ + 12), kLeast, kMost);
+  const double share = std::clamp(6 * (of_use_ + 3) / (drawn_ + 9), kLeast, kMost);
   planes_.asked = planes_.asked / 2 + asked;
   planes_.found = planes_.found / 2 + found;
   planes_.pay = planes_.found > planes_.asked / 4;

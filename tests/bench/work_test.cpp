@@ -69,10 +69,10 @@ TEST_P(Work, IsNoMoreThanRecorded) {
 
 INSTANTIATE_TEST_SUITE_P(
     Generated, Work,
-    ::testing::Values(Bound{"bending_cylinder", bending_cylinder, {296844, 1844, 11441, 11480}},
-                      Bound{"folding_cloth", folding_cloth, {773087, 1690, 45348, 424439}},
-                      Bound{"pressed_cloths", pressed_cloths, {2245524, 368404, 255669, 2930472}},
-                      Bound{"ball_heap", ball_heap, {1393556, 35307, 81308, 132849}}),
+    ::testing::Values(Bound{"bending_cylinder", bending_cylinder, {213199, 2102, 12697, 13545}},
+                      Bound{"folding_cloth", folding_cloth, {543480, 1855, 57440, 541511}},
+                      Bound{"pressed_cloths", pressed_cloths, {2181947, 341220, 267899, 3040632}},
+                      Bound{"ball_heap", ball_heap, {1056754, 35206, 87287, 139612}}),
     [](const auto& info) { return info.param.name; });
 
 // On every instruction set that this machine has, plain scalar code included.
