@@ -252,14 +252,9 @@ void KineticTree::fit() {
 }
 
 void KineticTree::move_vertex(const Frame& frame, Index place, const double* x0, const double* x1) {
-  const double* ends[2] = {x0, x1};
-  for (int end = 0; end < 2; ++end) {
-    for (int axis = 0; axis < 3; ++axis) {
-      vertices[place].x[4 * end + axis] =
-          static_cast<float>((ends[end][axis] - frame.center[axis]) * frame.scale);
-    }
-    vertices[place].x[4 * end + 3] = 0;
-  }
+  const Index only = 0;
+  Bounds unused;
+  HWY_DYNAMIC_DISPATCH(Move)(frame, {&only, 1}, {x0, 3}, {x1, 3}, &vertices[place], unused);
 }
 
 void KineticTree::fit_leaf(Index leaf) {

@@ -32,6 +32,7 @@ struct Bounds {
   Vec3 high = -low;
   bool finite = true;
 };
+
 /// Both ends of a vertex' step: x y z 0 at t=0, then x y z 0 at t=1.
 struct alignas(32) MovingVertex {
   float x[8];

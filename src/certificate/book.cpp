@@ -29,15 +29,10 @@ ChartBook::ChartBook(std::shared_ptr<const PatchSlots> slots, std::shared_ptr<co
       leaf_normals_(slots->hierarchy()->leaf_count()),
       drawers_(std::cref(*slots)) {}
 
-ChartView ChartBook::view_of(const ChartLibrary& library, Index chart) {
-  const ChartLibrary::Chart& c = library.charts()[chart];
-  return {library.vertices(c), library.points(c), library.triangles(c), library.weights(c), c.fit};
-}
-
 bool ChartBook::holds(const ChartLibrary& library, Index chart, std::span<const MovingVertex> vertices,
                       double gap, ChartTester& tester) const {
   ++tester.tests;
-  return chart_holds(view_of(library, chart), vertices, gap, tester.scratch);
+  return chart_holds(view_of(library, library.charts()[chart]), vertices, gap, tester.scratch);
 }
 
 // The chart that held last is asked first. A slot whose charts fail again and again is asked less and less

@@ -40,7 +40,7 @@ class ChartBook {
 
   /// chart_margin of the chart that proved, in the step of `vertices`.
   double margin(const Proof& proof, std::span<const MovingVertex> vertices, ChartScratch& scratch) const {
-    return chart_margin(view_of(*proof.library, proof.chart), vertices, scratch);
+    return chart_margin(view_of(*proof.library, proof.library->charts()[proof.chart]), vertices, scratch);
   }
 
   /// The first of a slot's trained charts, untested; false where there is none.
@@ -87,7 +87,6 @@ class ChartBook {
   void draw_orders(std::span<const MovingVertex> vertices);
   void enter(const DrawnPatch& order);
   void rest_from_drawing(Index slot, ChartOutcome outcome);
-  static ChartView view_of(const ChartLibrary& library, Index chart);
   bool holds(const ChartLibrary& library, Index chart, std::span<const MovingVertex> vertices, double gap,
              ChartTester& tester) const;
 

@@ -21,6 +21,11 @@ struct ChartView {
   const ChartLibrary::Fit& fit;
 };
 
+inline ChartView view_of(const ChartLibrary& library, const ChartLibrary::Chart& chart) {
+  return {library.vertices(chart), library.points(chart), library.triangles(chart), library.weights(chart),
+          chart.fit};
+}
+
 /// Scratch of a test: one per thread.
 struct ChartScratch {
   struct alignas(32) Row {

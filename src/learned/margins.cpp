@@ -42,9 +42,7 @@ struct MarginMeter::Scratch {
   double margin(Index node) {
     double best = -1;
     for (Index c = charts->first(node); c != kNoIndex; c = charts->charts()[c].next) {
-      const ChartLibrary::Chart& chart = charts->charts()[c];
-      const ChartView view{charts->vertices(chart), charts->points(chart), charts->triangles(chart),
-                           charts->weights(chart), chart.fit};
+      const ChartView view = view_of(*charts, charts->charts()[c]);
       best = std::max(best, chart_margin(view, tree.vertices, locals.local(), best));
     }
     return best;

@@ -58,9 +58,7 @@ void Trainer::enter(std::span<const double> positions) {
 
 Index Trainer::first_that_holds(const ChartLibrary& library, Index first, ChartScratch& scratch) const {
   for (Index c = first; c != kNoIndex; c = library.charts()[c].next) {
-    const ChartLibrary::Chart& chart = library.charts()[c];
-    const ChartView view{library.vertices(chart), library.points(chart), library.triangles(chart),
-                         library.weights(chart), chart.fit};
+    const ChartView view = view_of(library, library.charts()[c]);
     if (chart_holds(view, tree_.vertices, 0, scratch)) return c;
   }
   return kNoIndex;

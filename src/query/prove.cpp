@@ -105,9 +105,10 @@ void Scene::ask(Index task, NodePair leaves, Index slot, double gap, Local& loca
   if (plane != PlaneNormal{}) share.planes.push_back({leaves, plane});
 }
 
-// The cheapest first: whether a proven patch has both leaves, then boxes, then charts and planes of their
-// own.
-void Scene::ask_near_leaves(Index task, std::span<const NearLeaves> near, double gap, Local& local) {
+// The cheapest first: whether a proven patch has both leaves, then boxes, unless the traversal has just found
+// these not to be apart, then charts and planes of their own.
+void Scene::ask_near_leaves(Index task, std::span<const NearLeaves> near, bool just_found, double gap,
+                            Local& local) {
   const bool within = tasks_[task].object_a == tasks_[task].object_b;
   const auto& proofs = leaf_proofs_[tasks_[task].object_a];
   local.asked.clear();
@@ -120,8 +121,12 @@ void Scene::ask_near_leaves(Index task, std::span<const NearLeaves> near, double
       local.slots.push_back(slot);
     }
   }
-  test_leaves(tasks_[task].traversal, local.asked, local.apart);
-  shares_[task].found.node_tests += local.asked.size();
+  if (just_found) {
+    local.apart.assign(local.asked.size(), 0);
+  } else {
+    test_leaves(tasks_[task].traversal, local.asked, local.apart);
+    shares_[task].found.node_tests += local.asked.size();
+  }
   for (std::size_t i = 0; i < local.asked.size(); ++i) {
     if (!local.apart[i]) ask(task, local.asked[i], local.slots[i], gap, local);
   }

@@ -127,8 +127,8 @@ std::span<const BroadPhase::Pair> Scene::near_objects(float margin) {
   return broad_phase_.pairs(object_boxes_, margin);
 }
 
-// Goes down from the root through the pairs of a node with itself, level by level. Leaves the proven ones in
-// proven_selves_ and self_proven_, and the leaves that are not in unproven_leaves_.
+// Goes down from the root through the pairs of a node with itself, level by level. Marks the proven ones in
+// self_proven_, and leaves the leaves that are not in unproven_leaves_.
 void Scene::descend_selves(Index object, const StepSettings& settings, double gap, Work& work) {
   ChartBook& book = *books_[object];
   const auto nodes = hierarchy(object).nodes();
@@ -300,7 +300,7 @@ void Scene::run_task(Index k, bool prove, double gap) {
     }
     const std::size_t count = share.found.leaf_pairs.size();
     if (prove) {
-      ask_near_leaves(k, std::span(share.front.near).last(count), gap, local);
+      ask_near_leaves(k, std::span(share.front.near).last(count), true, gap, local);
     } else {
       share.unproven.insert(share.unproven.end(), share.found.leaf_pairs.begin(),
                             share.found.leaf_pairs.end());
@@ -320,7 +320,7 @@ void Scene::run_task(Index k, bool prove, double gap) {
     foldproof::traverse(task.traversal, part.fresh ? std::span(&children, 1) : part.starts, local.stack,
                         share.found);
     share.front.near.insert(share.front.near.end(), part.near.begin(), part.near.end());
-    ask_near_leaves(k, part.near, gap, local);
+    ask_near_leaves(k, part.near, false, gap, local);
     take_found();
   }
 }

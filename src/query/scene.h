@@ -46,7 +46,7 @@ struct TraversalShare {
     std::span<const NearLeaves> near;
   };
   std::vector<Part> parts;
-  std::vector<NodePair> starts;  ///< Of parts that go on from no front.
+  std::vector<NodePair> starts;  ///< Of two objects.
   Front front;                   ///< Where it stopped.
   TraversalResult found;
   std::vector<NodePair> unproven;  ///< Pairs of leaves whose features are to be tested.
@@ -143,7 +143,8 @@ class Scene {
   Front* front_of(Index a, Index b);
   void keep_fronts();
   void run_task(Index task, bool prove, double gap);
-  void ask_near_leaves(Index task, std::span<const NearLeaves> near, double gap, Local& local);
+  void ask_near_leaves(Index task, std::span<const NearLeaves> near, bool just_found, double gap,
+                       Local& local);
   void ask(Index task, NodePair leaves, Index slot, double gap, Local& local);
   bool proves(const LeafPairRef& pair, Index slot, double gap, Local& local, PlaneNormal& found);
   void remember_proofs();

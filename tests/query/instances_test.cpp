@@ -6,13 +6,13 @@
 
 #include "foldproof/model.h"
 #include "foldproof/query.h"
-#include "oracle/brute_force.h"
 #include "query/broad_phase.h"
+#include "query/same_collisions.h"
 
 namespace foldproof {
 namespace {
 
-using oracle::key;
+using testing::expect_same;
 using Positions3 = std::vector<double>;
 
 constexpr Index kBodies = 2000;
@@ -105,15 +105,6 @@ struct Crowd {
     return answer;
   }
 };
-
-template <class Collision>
-void expect_same(const std::vector<Collision>& some, const std::vector<Collision>& others) {
-  ASSERT_EQ(some.size(), others.size());
-  for (std::size_t i = 0; i < some.size(); ++i) {
-    EXPECT_EQ(key(some[i]), key(others[i]));
-    EXPECT_EQ(some[i].toi, others[i].toi);
-  }
-}
 
 TEST(Instances, AnswerAsOneMesh) {
   const Crowd crowd(5);

@@ -6,18 +6,16 @@
 #include <Eigen/Geometry>
 
 #include <cstdlib>
-#include <cstring>
 #include <string>
 
 #include "foldproof/query.h"
-#include "oracle/brute_force.h"
 #include "oracle/data.h"
+#include "query/same_collisions.h"
 #include "reduced/shapes.h"
 
 namespace foldproof::testing {
 namespace {
 
-using oracle::key;
 using ShapePointer = std::shared_ptr<const ReducedShape>;
 
 ShapePointer shape_of(const ReducedMesh& mesh, const ReducedSettings& settings = {},
@@ -55,16 +53,6 @@ Step random_step(const std::vector<ShapePointer>& shapes, double distance, doubl
     step.end.push_back({step.p1[i]});
   }
   return step;
-}
-
-template <class Collision>
-void expect_same(const std::vector<Collision>& a, const std::vector<Collision>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    EXPECT_EQ(key(a[i]), key(b[i]));
-    EXPECT_EQ(std::memcmp(&a[i].toi, &b[i].toi, sizeof a[i].toi), 0);
-    EXPECT_EQ(a[i].answer, b[i].answer);
-  }
 }
 
 // Runs both checkers; gives the reduced one's answer.

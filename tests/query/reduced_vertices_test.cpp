@@ -4,16 +4,13 @@
 
 #include <Eigen/Geometry>
 
-#include <cstring>
-
 #include "foldproof/query.h"
-#include "oracle/brute_force.h"
+#include "query/same_collisions.h"
 #include "reduced/shapes.h"
 
 namespace foldproof::testing {
 namespace {
 
-using oracle::key;
 using ShapePointer = std::shared_ptr<const ReducedShape>;
 
 ShapePointer shape_of(const ReducedMesh& mesh) {
@@ -29,15 +26,6 @@ struct Place {
   Vec3 translation = Vec3::Zero();
   ReducedPose pose() const { return {p, rotation, translation}; }
 };
-
-template <class Collision>
-void expect_same(const std::vector<Collision>& a, const std::vector<Collision>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    EXPECT_EQ(key(a[i]), key(b[i]));
-    EXPECT_EQ(std::memcmp(&a[i].toi, &b[i].toi, sizeof a[i].toi), 0);
-  }
-}
 
 // Both checkers, kept from step to step.
 class Rivals {
