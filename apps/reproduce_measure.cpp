@@ -131,8 +131,9 @@ Result<std::vector<ModeRow>> measure_full(const Frames& frames, const Model& mod
     return {};
   };
   std::vector<Way> ways{
-      plain, full_way("certificates, no model", StepChecker({hierarchy}), frames, {}),
-      full_way("certificates, model", StepChecker({hierarchy}, {model.charts}), frames, {})};
+      // What certificates remove is counted step by step.
+      plain, full_way("certificates, no model", StepChecker({hierarchy}), frames, {.ahead = false}),
+      full_way("certificates, model", StepChecker({hierarchy}, {model.charts}), frames, {.ahead = false})};
   if (model.learned && model.learned->certificates) {
     for (const double rate : {0.01, 0.1, 1.0}) {
       ways.push_back(full_way(fmt::format("paper, miss rate {:.0f} %", 100 * rate),
@@ -203,7 +204,8 @@ Result<std::vector<ModeRow>> measure_reduced(const Frames& frames, const Model& 
     const auto owned = std::make_shared<StepChecker>(std::move(checker));
     return {name, [&film, &tolerances, owned, certificates](Index step, StepResult& out) {
               return check(*owned, film.frames, step,
-                           {.tolerance = tolerances[step], .certificates = certificates}, out);
+                           {.tolerance = tolerances[step], .certificates = certificates, .ahead = false},
+                           out);
             }};
   };
   const std::vector<Way> ways{

@@ -31,6 +31,10 @@ struct StepSettings {
   /// poses that training held out (CertificateMap::Trust). In [0,1].
   double miss_rate = 0.01;
   bool certificates = true;  ///< Leave out what certificates prove. Never changes the answer, only the work.
+  /// While a motion goes on as in the step before, let one search serve many steps: it looks ahead, as far as
+  /// the motion went straight on lately, and a later step whose vertices are where they were expected is
+  /// looked up in what was found. Never changes the answer. Has no effect without certificates.
+  bool ahead = true;
   bool earliest_only =
       false;  ///< Report only the pair with the earliest time of impact (ties: smallest ids).
   /// Say what certificates did: fills the answer's `explanation`, else left as it is. Takes about as long
@@ -119,7 +123,9 @@ struct Explanation {
 struct StepResult {
   std::vector<VertexFaceCollision> vertex_face;
   std::vector<EdgeEdgeCollision> edge_edge;
-  double tolerance = 0;     ///< The tolerance that was used, mesh units.
+  double tolerance = 0;  ///< The tolerance that was used, mesh units.
+  Index searched = 1;    ///< For how many steps, this one included, pairs were searched; 0: an earlier search
+                         ///< served this step (StepSettings::ahead).
   double earliest_toi = 1;  ///< 1 when nothing collides.
   Work work;
   StageTimes milliseconds;

@@ -10,6 +10,7 @@ struct Flag {
 constexpr Flag kFlags[] = {{"within", &StepSettings::within},
                            {"between", &StepSettings::between},
                            {"certificates", &StepSettings::certificates},
+                           {"ahead", &StepSettings::ahead},
                            {"earliest_only", &StepSettings::earliest_only},
                            {"explain", &StepSettings::explain}};
 struct Number {
@@ -67,6 +68,9 @@ std::string with_settings(const char* doc) {
          "  tolerance=0.0        mesh units; how far beyond it a reported pair may be. 0: 2^-30 of the "
          "scene\n"
          "  certificates=True    leave out what certificates prove; never changes the answer\n"
+         "  ahead=True           let one search serve many steps while a motion goes straight on; never "
+         "changes the "
+         "answer\n"
          "  earliest_only=False  only the pair with the earliest time of impact\n"
          "  explain=False        say what certificates did\n"
          "  mode='proven'        or 'paper', which is STATISTICAL and can miss collisions\n"

@@ -144,6 +144,9 @@ void bind_answers(py::module_& module) {
           [](const py::object& self) { return view_of(self.cast<const StepResult&>().edge_edge, self); },
           "Structured array: object_a, a (2 vertex ids), object_b, b (2 vertex ids), toi, answer.")
       .def_readonly("tolerance", &StepResult::tolerance, "The tolerance that was used, mesh units.")
+      .def_readonly("searched", &StepResult::searched,
+                    "For how many steps, this one included, pairs were searched; 0: an earlier search served "
+                    "this step.")
       .def_readonly("earliest_toi", &StepResult::earliest_toi, "In [0, 1]; 1 when nothing collides.");
   py::class_<StaticResult> pose(module, "StaticResult",
                                 "Answer for one pose: every two triangles that cross.");

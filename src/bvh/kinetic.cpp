@@ -40,44 +40,132 @@ void FitLeaves(const MovingVertex* vertices, std::span<const LeafVertices> leave
   for (const LeafVertices& leaf : leaves) FitBox(vertices, leaf.vertices, boxes[leaf.node]);
 }
 
+// Bounds on their way.
+struct alignas(32) Around {
+  double low[4], high[4], poison[4];  // poison: zero unless a coordinate is infinite or NaN
+
+  void grow(Bounds& bounds) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      bounds.low[axis] = std::min(bounds.low[axis], low[axis]);
+      bounds.high[axis] = std::max(bounds.high[axis], high[axis]);
+      bounds.finite &= poison[axis] == 0;
+    }
+  }
+};
+
+// Reads some coordinates of both ends of the vertices with these ids; `visit`s each, and says what lies
+// around.
+template <class D, class Visit>
+HWY_INLINE void ReadEnds(D d, std::size_t lane, std::span<const Index> ids, std::span<const double> x0,
+                         std::span<const double> x1, Around& around, Visit visit) {
+  const auto three = hn::FirstN(d, lane < 3 ? 3 - lane : 0);
+  const auto read = [&](std::span<const double> x, Index id) {
+    const std::size_t at = 3 * std::size_t{id};
+    const double* from = &x[at];
+    double last[4] = {0, 0, 0, 0};  // behind the last vertex there is nothing to be read
+    if (at + 4 > x.size()) from = std::copy_n(from, 3, last) - 3;
+    return hn::IfThenElseZero(three, hn::LoadU(d, from + lane));
+  };
+  auto lowest = hn::Set(d, std::numeric_limits<double>::infinity()), highest = hn::Neg(lowest);
+  auto poison = hn::Zero(d);
+  constexpr std::size_t kAhead = 16;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (i + kAhead < ids.size()) {
+      __builtin_prefetch(&x0[3 * std::size_t{ids[i + kAhead]}]);
+      __builtin_prefetch(&x1[3 * std::size_t{ids[i + kAhead]}]);
+    }
+    const auto p0 = read(x0, ids[i]), p1 = read(x1, ids[i]);
+    lowest = hn::Min(lowest, hn::Min(p0, p1));
+    highest = hn::Max(highest, hn::Max(p0, p1));
+    poison = hn::Add(poison, hn::Add(hn::Mul(p0, hn::Zero(d)), hn::Mul(p1, hn::Zero(d))));
+    visit(i, p0, p1);
+  }
+  hn::Store(lowest, d, around.low + lane);
+  hn::Store(highest, d, around.high + lane);
+  hn::Store(poison, d, around.poison + lane);
+}
+
+// Takes coordinates into the frame.
+template <class D>
+struct IntoFrame {
+  D d;
+  hn::Vec<D> middle, scale;
+  HWY_INLINE IntoFrame(D tag, const Frame& frame, std::size_t lane) : d(tag) {
+    alignas(32) const double center[4] = {frame.center.x(), frame.center.y(), frame.center.z(), 0};
+    middle = hn::Load(d, center + lane);
+    scale = hn::Set(d, frame.scale);
+  }
+  HWY_INLINE auto operator()(hn::Vec<D> x) const {
+    return hn::DemoteTo(hn::Rebind<float, D>(), hn::Mul(hn::Sub(x, middle), scale));
+  }
+};
+
 // Both ends of the vertices with these ids into the frame, and what lies around them.
 void Move(const Frame& frame, std::span<const Index> ids, std::span<const double> x0,
           std::span<const double> x1, MovingVertex* vertices, Bounds& bounds) {
   const hn::CappedTag<double, 4> d;
   const hn::Rebind<float, decltype(d)> df;
-  alignas(32) const double center[4] = {frame.center.x(), frame.center.y(), frame.center.z(), 0};
-  alignas(32) double low[4], high[4], poison[4];  // poison: zero unless a coordinate is infinite or NaN
-  const auto scale = hn::Set(d, frame.scale);
+  Around around;
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
-    const auto three = hn::FirstN(d, lane < 3 ? 3 - lane : 0);
-    const auto middle = hn::Load(d, center + lane);
+    const IntoFrame into(d, frame, lane);
+    ReadEnds(d, lane, ids, x0, x1, around, [&](std::size_t i, auto p0, auto p1) HWY_ATTR {
+      hn::Store(into(p0), df, vertices[i].x + lane);
+      hn::Store(into(p1), df, vertices[i].x + 4 + lane);
+    });
+  }
+  around.grow(bounds);
+}
+
+// The same for the motion that goes on for `steps` steps as in this one; `reach` is what lies around all.
+void MoveAhead(const Frame& frame, std::span<const Index> ids, std::span<const double> x0,
+               std::span<const double> x1, double steps, MovingVertex* vertices, Bounds& bounds,
+               Bounds& reach) {
+  const hn::CappedTag<double, 4> d;
+  const hn::Rebind<float, decltype(d)> df;
+  const auto more = hn::Set(d, steps - 1);
+  Around around, last;
+  for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
+    const IntoFrame into(d, frame, lane);
     auto lowest = hn::Set(d, std::numeric_limits<double>::infinity()), highest = hn::Neg(lowest);
-    auto poisoned = hn::Zero(d);
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      const std::size_t at = 3 * std::size_t{ids[i]};
-      float* out = vertices[i].x + lane;
-      for (const auto x : {x0, x1}) {
-        const double* from = &x[at];
-        double last[4] = {0, 0, 0, 0};  // behind the last vertex there is nothing to be read
-        if (at + 4 > x.size()) from = std::copy_n(from, 3, last) - 3;
-        const auto p = hn::IfThenElseZero(three, hn::LoadU(d, from + lane));
-        lowest = hn::Min(lowest, p);
-        highest = hn::Max(highest, p);
-        poisoned = hn::Add(poisoned, hn::Mul(p, hn::Zero(d)));
-        const auto y = hn::Mul(hn::Sub(p, middle), scale);
-        hn::Store(hn::DemoteTo(df, y), df, out);
-        out += 4;
-      }
-    }
-    hn::Store(lowest, d, low + lane);
-    hn::Store(highest, d, high + lane);
-    hn::Store(poisoned, d, poison + lane);
+    ReadEnds(d, lane, ids, x0, x1, around, [&](std::size_t i, auto p0, auto p1) HWY_ATTR {
+      const auto p = hn::Add(p1, hn::Mul(more, hn::Sub(p1, p0)));
+      lowest = hn::Min(lowest, p);
+      highest = hn::Max(highest, p);
+      hn::Store(into(p0), df, vertices[i].x + lane);
+      hn::Store(into(p), df, vertices[i].x + 4 + lane);
+    });
+    hn::Store(lowest, d, last.low + lane);
+    hn::Store(highest, d, last.high + lane);
+    hn::Store(hn::Zero(d), d, last.poison + lane);
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    bounds.low[axis] = std::min(bounds.low[axis], low[axis]);
-    bounds.high[axis] = std::max(bounds.high[axis], high[axis]);
-    bounds.finite &= poison[axis] == 0;
+  around.grow(bounds);
+  around.grow(reach);
+  last.grow(reach);
+}
+
+// How far both ends lie from where their vertices are at two times of their motion: the most along any axis.
+float Stray(const Frame& frame, std::span<const Index> ids, std::span<const double> x0,
+            std::span<const double> x1, const MovingVertex* vertices, const float (&times)[2],
+            Bounds& bounds) {
+  const hn::CappedTag<double, 4> d;
+  const hn::Rebind<float, decltype(d)> df;
+  const auto begin = hn::Set(df, times[0]), end = hn::Set(df, times[1]);
+  alignas(16) float farthest[4];
+  Around around;
+  for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
+    const IntoFrame into(d, frame, lane);
+    auto most = hn::Zero(df);
+    ReadEnds(d, lane, ids, x0, x1, around, [&](std::size_t i, auto p0, auto p1) HWY_ATTR {
+      const auto from = hn::Load(df, vertices[i].x + lane);
+      const auto way = hn::Sub(hn::Load(df, vertices[i].x + 4 + lane), from);
+      const auto off0 = hn::Sub(into(p0), hn::Add(from, hn::Mul(begin, way)));
+      const auto off1 = hn::Sub(into(p1), hn::Add(from, hn::Mul(end, way)));
+      most = hn::Max(most, hn::Max(hn::Abs(off0), hn::Abs(off1)));
+    });
+    hn::Store(most, df, farthest + lane);
   }
+  around.grow(bounds);
+  return std::max({farthest[0], farthest[1], farthest[2]});
 }
 
 // Children stand behind their parents: one sweep from the back closes a subtree.
@@ -160,6 +248,8 @@ namespace foldproof {
 HWY_EXPORT(FitLeaves);
 HWY_EXPORT(UniteInnerNodes);
 HWY_EXPORT(Move);
+HWY_EXPORT(MoveAhead);
+HWY_EXPORT(Stray);
 HWY_EXPORT(FillLeafFeatures);
 
 namespace {
@@ -223,18 +313,56 @@ void KineticTree::find_leaves() {
   }
 }
 
+namespace {
+
+constexpr std::size_t kVerticesOfTask = 4096;
+
+}  // namespace
+
 Bounds KineticTree::move(const Frame& frame, std::span<const double> x0, std::span<const double> x1) {
   using Range = tbb::blocked_range<std::size_t>;
   const auto ids = hierarchy->vertex_ids();
   return tbb::parallel_reduce(
-      Range(0, ids.size(), 4096), Bounds{},
+      Range(0, ids.size(), kVerticesOfTask), Bounds{},
       [&](const Range& range, Bounds b) {
         HWY_DYNAMIC_DISPATCH(Move)
         (frame, ids.subspan(range.begin(), range.size()), x0, x1, &vertices[range.begin()], b);
         return b;
       },
-      [](Bounds a, const Bounds& b) {
-        return Bounds{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high), a.finite && b.finite};
+      [](const Bounds& a, const Bounds& b) { return around(a, b); });
+}
+
+KineticTree::Ahead KineticTree::move_ahead(const Frame& frame, std::span<const double> x0,
+                                           std::span<const double> x1, double steps) {
+  using Range = tbb::blocked_range<std::size_t>;
+  const auto ids = hierarchy->vertex_ids();
+  return tbb::parallel_reduce(
+      Range(0, ids.size(), kVerticesOfTask), Ahead{},
+      [&](const Range& range, Ahead a) {
+        HWY_DYNAMIC_DISPATCH(MoveAhead)
+        (frame, ids.subspan(range.begin(), range.size()), x0, x1, steps, &vertices[range.begin()], a.step,
+         a.reach);
+        return a;
+      },
+      [](const Ahead& a, const Ahead& b) {
+        return Ahead{around(a.step, b.step), around(a.reach, b.reach)};
+      });
+}
+
+KineticTree::Strayed KineticTree::stray(const Frame& frame, std::span<const double> x0,
+                                        std::span<const double> x1, const float (&times)[2]) const {
+  using Range = tbb::blocked_range<std::size_t>;
+  const auto ids = hierarchy->vertex_ids();
+  return tbb::parallel_reduce(
+      Range(0, ids.size(), kVerticesOfTask), Strayed{},
+      [&](const Range& range, Strayed s) {
+        s.most =
+            std::max(s.most, HWY_DYNAMIC_DISPATCH(Stray)(frame, ids.subspan(range.begin(), range.size()), x0,
+                                                         x1, &vertices[range.begin()], times, s.bounds));
+        return s;
+      },
+      [](const Strayed& a, const Strayed& b) {
+        return Strayed{around(a.bounds, b.bounds), std::max(a.most, b.most)};
       });
 }
 

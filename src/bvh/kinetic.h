@@ -33,6 +33,11 @@ struct Bounds {
   bool finite = true;
 };
 
+/// What lies around both.
+inline Bounds around(const Bounds& a, const Bounds& b) {
+  return {a.low.cwiseMin(b.low), a.high.cwiseMax(b.high), a.finite && b.finite};
+}
+
 /// Both ends of a vertex' step: x y z 0 at t=0, then x y z 0 at t=1.
 struct alignas(32) MovingVertex {
   float x[8];
@@ -95,6 +100,20 @@ struct KineticTree {
 
   /// Reads both ends of the step; gives their bounds. Uses the caller's oneTBB arena, as fit does.
   Bounds move(const Frame& frame, std::span<const double> x0, std::span<const double> x1);
+  /// The same for `steps` steps of which this is the first and all others go on as it does: `vertices` end
+  /// where the last of them does. `reach` holds them all, and is finite where the ends of this one are.
+  struct Ahead {
+    Bounds step, reach;
+  };
+  Ahead move_ahead(const Frame& frame, std::span<const double> x0, std::span<const double> x1, double steps);
+  /// How far the ends of a step lie from where `vertices` are at two times of their motion, 0 to 1: the most
+  /// along any axis, in the frame, computed in single precision (docs/soundness.md, F1).
+  struct Strayed {
+    Bounds bounds;
+    float most = 0;
+  };
+  Strayed stray(const Frame& frame, std::span<const double> x0, std::span<const double> x1,
+                const float (&times)[2]) const;
   /// Refits all node boxes.
   void fit();
   void refit(const Frame& frame, std::span<const double> x0, std::span<const double> x1) {

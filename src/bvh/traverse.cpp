@@ -217,6 +217,76 @@ void FindFacePairs(const Traversal& traversal, NodePair leaves, CandidateBuffer&
   TestFeatures(a, ta.face_blocks, b, tb.face_blocks, test, out.face_face);
 }
 
+// The box of a feature, as MovingVertex has its coordinates.
+struct alignas(32) MovingBox {
+  float lower[8], upper[8];
+};
+
+template <std::size_t N>
+HWY_INLINE MovingBox BoxOf(const MovingVertex* vertices, const std::array<Index, N>& feature) {
+  const hn::CappedTag<float, 8> d;
+  MovingBox box;
+  for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
+    auto lower = hn::Load(d, vertices[feature[0]].x + lane), upper = lower;
+    for (std::size_t k = 1; k < N; ++k) {
+      const auto p = hn::Load(d, vertices[feature[k]].x + lane);
+      lower = hn::Min(lower, p);
+      upper = hn::Max(upper, p);
+    }
+    hn::Store(lower, d, box.lower + lane);
+    hn::Store(upper, d, box.upper + lane);
+  }
+  return box;
+}
+
+// Along each side of each axis the boxes are apart by what goes linearly from `first` to `last`, where that
+// is positive.
+HWY_INLINE Meeting MeetingOf(const MovingBox& a, const MovingBox& b, float margin) {
+  const hn::CappedTag<float, 4> d;
+  const auto m = hn::Set(d, margin), zero = hn::Zero(d), one = hn::Set(d, 1);
+  alignas(16) float begin[4] = {0, 0, 0, 0}, end[4] = {1, 1, 1, 1};
+  bool apart = false;
+  for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
+    auto from = zero, to = one;
+    for (int side = 0; side < 2; ++side) {
+      const float *above = side == 0 ? a.lower : b.lower, *below = side == 0 ? b.upper : a.upper;
+      const auto first = hn::Sub(hn::Sub(hn::Load(d, above + lane), hn::Load(d, below + lane)), m);
+      const auto last = hn::Sub(hn::Sub(hn::Load(d, above + 4 + lane), hn::Load(d, below + 4 + lane)), m);
+      const auto apart_first = hn::Gt(first, zero), apart_last = hn::Gt(last, zero);
+      const auto root = hn::Div(first, hn::Sub(first, last));
+      apart |= !hn::AllFalse(d, hn::And(apart_first, apart_last));
+      from = hn::Max(from, hn::IfThenElseZero(apart_first, root));
+      to = hn::Min(to, hn::IfThenElse(apart_last, root, one));
+    }
+    hn::Store(from, d, begin + lane);
+    hn::Store(to, d, end + lane);
+  }
+  const float from = std::max({begin[0], begin[1], begin[2]}), to = std::min({end[0], end[1], end[2]});
+  if (apart || from > to) return Meeting::never();
+  // A part more at both ends, for what rounding does to the quotients.
+  return {static_cast<std::uint8_t>(std::max(0.f, from * Meeting::kParts - 1)),
+          static_cast<std::uint8_t>(std::min(to * Meeting::kParts + 2, Meeting::kParts * 1.f))};
+}
+
+void FindMeetings(const Traversal& traversal, FeaturePair kind, std::span<const CandidateBuffer::Pair> pairs,
+                  Meeting* out) {
+  const Hierarchy &ha = *traversal.a->hierarchy, &hb = *traversal.b->hierarchy;
+  const MovingVertex *va = traversal.a->vertices.data(), *vb = traversal.b->vertices.data();
+  const float margin = UsefulMargin(traversal);
+  for (const auto [a, b] : pairs) {
+    const auto meeting = [&](const auto& feature_a, const auto& feature_b) {
+      *out++ = MeetingOf(BoxOf(va, feature_a), BoxOf(vb, feature_b), margin);
+    };
+    if (kind == FeaturePair::EdgeEdge) {
+      meeting(ha.edges()[a], hb.edges()[b]);
+    } else if (kind == FeaturePair::VertexFace) {
+      meeting(std::array<Index, 1>{a}, hb.triangles()[b]);
+    } else {
+      meeting(ha.triangles()[a], std::array<Index, 1>{b});
+    }
+  }
+}
+
 }  // namespace foldproof::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -258,6 +328,7 @@ HWY_EXPORT(Traverse);
 HWY_EXPORT(TestLeaves);
 HWY_EXPORT(FindCandidates);
 HWY_EXPORT(FindFacePairs);
+HWY_EXPORT(FindMeetings);
 
 void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std::vector<NodePair>& scratch,
                   TraversalResult& out) {
@@ -277,6 +348,11 @@ void test_leaves(const Traversal& traversal, std::span<const NodePair> leaves,
 
 void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
   HWY_DYNAMIC_DISPATCH(FindCandidates)(traversal, leaves, out);
+}
+
+void find_meetings(const Traversal& traversal, FeaturePair kind, std::span<const CandidateBuffer::Pair> pairs,
+                   Meeting* out) {
+  HWY_DYNAMIC_DISPATCH(FindMeetings)(traversal, kind, pairs, out);
 }
 
 void prefetch_features(const Traversal& traversal, NodePair leaves) {

@@ -88,6 +88,21 @@ struct CandidateBuffer {
 /// a leaf with itself.
 void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out);
 
+/// When the boxes of two features are not apart: from `begin` to `end`, both included, in parts of the step.
+struct Meeting {
+  static constexpr int kParts = 254;
+  std::uint8_t begin, end;
+  static constexpr Meeting never() { return {1, 0}; }
+  bool ever() const { return begin <= end; }
+};
+
+/// What `a` and `b` of a candidate are: see CandidateBuffer.
+enum class FeaturePair : std::uint8_t { VertexFace, FaceVertex, EdgeEdge };
+
+/// Meetings of candidates of one kind, one each.
+void find_meetings(const Traversal& traversal, FeaturePair kind, std::span<const CandidateBuffer::Pair> pairs,
+                   Meeting* out);
+
 /// Asks the memory for what find_candidates will read.
 void prefetch_features(const Traversal& traversal, NodePair leaves);
 

@@ -145,6 +145,8 @@ class Narrow {
   std::array<Pair, 8> followed_;  // per lane of the march
 };
 
+}  // namespace
+
 void gather(const NarrowStep& step, Chunk& chunk) {
   constexpr std::size_t kAhead = 2;
   chunk.candidates.clear();
@@ -161,6 +163,8 @@ void gather(const NarrowStep& step, Chunk& chunk) {
   }
 }
 
+namespace {
+
 // Candidates of two objects, the second list's the other way round; memory is asked for some ahead.
 template <class Pair>
 void feed(Narrow<Pair>& narrow, std::span<const CandidateBuffer::Pair> pairs, const Side& a, const Side& b,
@@ -176,6 +180,8 @@ void feed(Narrow<Pair>& narrow, std::span<const CandidateBuffer::Pair> pairs, co
     narrow.add(first, turned ? place_b : place_a, second, turned ? place_a : place_b);
   }
 }
+
+}  // namespace
 
 void narrow(const NarrowStep& step, Chunk& chunk) {
   Narrow<VertexFaceCollision> vertex_face(step, chunk.vertex_face, chunk.undecided);
@@ -202,6 +208,8 @@ void narrow(const NarrowStep& step, Chunk& chunk) {
   vertex_face.finish();
   edge_edge.finish();
 }
+
+namespace {
 
 // Sorts by ids, so that neither the hierarchy nor the threads show in the answer.
 template <class Collision>
@@ -239,19 +247,21 @@ void finish(const StepSettings& settings, StepResult& out) {
   if (settings.earliest_only && !out.clean()) keep_earliest(out);
 }
 
+void take_found(Chunk& c, StepResult& out) {
+  out.work.candidates_vf += c.candidates.vertex_face.size() + c.candidates.face_vertex.size();
+  out.work.candidates_ee += c.candidates.edge_edge.size();
+  out.work.undecided += std::exchange(c.undecided, 0);
+  out.vertex_face.insert(out.vertex_face.end(), c.vertex_face.begin(), c.vertex_face.end());
+  out.edge_edge.insert(out.edge_edge.end(), c.edge_edge.begin(), c.edge_edge.end());
+  c.vertex_face.clear();
+  c.edge_edge.clear();
+}
+
 void test_round(const NarrowStep& step, std::span<Chunk> chunks, Stopwatch& watch, StepResult& out) {
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) { gather(step, chunks[i]); });
   out.milliseconds.traverse += watch.lap();
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) { narrow(step, chunks[i]); });
-  for (Chunk& c : chunks) {
-    out.work.candidates_vf += c.candidates.vertex_face.size() + c.candidates.face_vertex.size();
-    out.work.candidates_ee += c.candidates.edge_edge.size();
-    out.work.undecided += std::exchange(c.undecided, 0);
-    out.vertex_face.insert(out.vertex_face.end(), c.vertex_face.begin(), c.vertex_face.end());
-    out.edge_edge.insert(out.edge_edge.end(), c.edge_edge.begin(), c.edge_edge.end());
-    c.vertex_face.clear();
-    c.edge_edge.clear();
-  }
+  for (Chunk& chunk : chunks) take_found(chunk, out);
   out.milliseconds.narrow += watch.lap();
 }
 

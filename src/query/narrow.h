@@ -49,6 +49,10 @@ struct Chunk {
     std::size_t vertex_face, face_vertex, edge_edge;
   };
   std::vector<Ends> ends;
+  struct Meetings {
+    std::vector<Meeting> vertex_face, face_vertex, edge_edge;
+  };
+  Meetings meetings;  ///< Scratch of a search that looks ahead.
   std::vector<VertexFaceCollision> vertex_face;
   std::vector<EdgeEdgeCollision> edge_edge;
   std::vector<TriangleCrossing> crossings;
@@ -96,6 +100,12 @@ void clear(StepResult& out);
 /// The tolerance to use when everything lies in a box of this side.
 double tolerance_for(const StepSettings& settings, double side);
 
+/// Finds a chunk's candidates.
+void gather(const NarrowStep& step, Chunk& chunk);
+/// The narrow phase on them.
+void narrow(const NarrowStep& step, Chunk& chunk);
+/// Adds what a chunk found to the answer, and forgets it there.
+void take_found(Chunk& chunk, StepResult& out);
 /// First all candidates of a round, then the narrow phase on them.
 void test_round(const NarrowStep& step, std::span<Chunk> chunks, Stopwatch& watch, StepResult& out);
 /// Sorts by ids and finds the earliest.

@@ -22,16 +22,6 @@ constexpr std::size_t kManyObjects = 16;
 // The front of a node is made anew from its children every so many steps, as it only ever gets finer.
 constexpr std::size_t kFrontUses = 16;
 
-Result<void> check_numbers(Index object, const char* end, std::span<const double> x) {
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (!std::isfinite(x[i])) {
-      return fail(fmt::format("object {}, vertex {}", object, i / 3),
-                  fmt::format("has a coordinate in {} that is not finite", end), "repair the positions");
-    }
-  }
-  return {};
-}
-
 }  // namespace
 
 Scene::Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
@@ -57,44 +47,6 @@ Scene::Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
     trees_.emplace_back(std::move(objects[i]));
   }
   fronts_.resize(trees_.size() > kManyObjects ? trees_.size() : trees_.size() * trees_.size());
-}
-
-Result<void> Scene::update(Positions x0, Positions x1, const StepSettings& settings) {
-  if (x0.size() != trees_.size() || x1.size() != trees_.size()) {
-    return fail("positions", fmt::format("given for {} and {} objects", x0.size(), x1.size()),
-                fmt::format("give them for all {}", trees_.size()));
-  }
-  for (Index i = 0; i < trees_.size(); ++i) {
-    const std::size_t expected = 3 * std::size_t{hierarchy(i).topology().vertex_count()};
-    for (const auto& [end, x] : {std::pair("x0", x0[i]), std::pair("x1", x1[i])}) {
-      if (x.size() != expected) {
-        return fail(fmt::format("object {}", i), fmt::format("{} has {} numbers", end, x.size()),
-                    fmt::format("give {}, three per vertex", expected));
-      }
-    }
-  }
-  if (auto ok = move(x0, x1); !ok) return ok;
-  for (KineticTree& tree : trees_) tree.fit();
-  return predict(x0, x1, settings);
-}
-
-// In the frame of the step before, which mostly is this one's too: then everything is read only once.
-Result<void> Scene::move(Positions x0, Positions x1) {
-  Bounds all;
-  for (Index i = 0; i < trees_.size(); ++i) {
-    const Bounds b = trees_[i].move(frame_, x0[i], x1[i]);
-    if (!b.finite) {
-      if (auto ok = check_numbers(i, "x0", x0[i]); !ok) return ok;
-      return check_numbers(i, "x1", x1[i]);
-    }
-    all.low = all.low.cwiseMin(b.low);
-    all.high = all.high.cwiseMax(b.high);
-  }
-  largest_side_ = std::min(2 * (all.high / 2 - all.low / 2).maxCoeff(), std::numeric_limits<double>::max());
-  const Frame frame = frame_around(all.low, all.high);
-  if (frame == std::exchange(frame_, frame)) return {};
-  for (Index i = 0; i < trees_.size(); ++i) trees_[i].move(frame_, x0[i], x1[i]);
-  return {};
 }
 
 Result<void> Scene::predict(Positions x0, Positions x1, const StepSettings& settings) {
@@ -184,7 +136,7 @@ std::size_t Scene::enough_tasks(Index a, Index b) const {
 
 TraversalShare& Scene::add_task(Index a, Index b, float margin) {
   tasks_.push_back({{&trees_[a], &trees_[b], margin}, a, b});
-  if (shares_.size() < tasks_.size()) shares_.resize(tasks_.size());
+  if (shares_.size() < tasks_.size()) shares_.emplace_back().reserve();
   TraversalShare& share = shares_[tasks_.size() - 1];
   share.parts.clear();
   share.starts.clear();

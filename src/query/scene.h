@@ -55,6 +55,15 @@ struct TraversalShare {
     PlaneNormal normal;
   };
   std::vector<Plane> planes;  ///< Pairs of leaves that a plane separates.
+
+  /// What most need, so that few of many shares ever grow.
+  void reserve() {
+    constexpr std::size_t kMostly = 32;
+    front.pairs.reserve(kMostly);
+    front.near.reserve(kMostly);
+    found.leaf_pairs.reserve(kMostly);
+    unproven.reserve(kMostly);
+  }
 };
 
 /// Which proven patches of this step a leaf belongs to. Two leaves with a patch in common are proven apart.
@@ -79,6 +88,9 @@ struct LeafProofs {
   }
 };
 
+/// The largest side of the box around everything; finite.
+double side_of(const Bounds& bounds);
+
 class Scene {
  public:
   Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
@@ -89,7 +101,8 @@ class Scene {
 
   /// Checks sizes and numbers, then refits every object. After it `largest_side` is valid. Mode::Paper: makes
   /// its predictions, or says what is missing.
-  Result<void> update(Positions x0, Positions x1, const StepSettings& settings);
+  /// `ahead`: for so many steps, of which this is the first and all others go on as it does.
+  Result<void> update(Positions x0, Positions x1, const StepSettings& settings, Index ahead = 1);
 
   /// Finds the pairs of leaves that come closer than `distance` and that no certificate proves apart, and
   /// fills their features. Adds to `work`.
@@ -105,6 +118,27 @@ class Scene {
 
   /// The largest side of the box around everything during the step, in mesh units.
   double largest_side() const { return largest_side_; }
+  /// How many steps the last update looked ahead: as many as were asked for, unless they lead beyond all
+  /// numbers; then 1.
+  Index ahead() const { return ahead_; }
+  /// The largest side during all of them.
+  double reach() const { return reach_; }
+
+  /// Whether there are as many numbers as the objects have.
+  bool fits(Positions x0, Positions x1) const;
+  /// Where a step lies in the motion of the last update, which went from 0 to 1: the times that fit its ends
+  /// best, and how far, in the frame, vertices are from where they should be then. Looks at few of them.
+  struct Course {
+    float times[2];
+    float off;
+  };
+  Course course_of(Positions x0, Positions x1) const;
+  /// KineticTree::stray of all objects.
+  KineticTree::Strayed stray(Positions x0, Positions x1, const float (&times)[2]) const;
+  /// The mean length of an edge of the object whose edges are the shortest, at the begin of the last update;
+  /// mesh units, from a sample.
+  double mean_edge() const;
+  const Frame& frame() const { return frame_; }
 
  private:
   // Scratch of one thread.
@@ -128,6 +162,7 @@ class Scene {
     Index object, node, level;
     ChartBook::Proof proof;
   };
+  Result<void> check_sizes(Positions x0, Positions x1) const;
   Result<void> move(Positions x0, Positions x1);
   Result<void> predict(Positions x0, Positions x1, const StepSettings& settings);
   void believe_selves(Index object);
@@ -163,7 +198,8 @@ class Scene {
   bool believes_ = false;                             // Mode::Paper
   std::vector<std::vector<LeafProofs>> leaf_proofs_;  // per object and leaf
   Frame frame_;
-  double largest_side_ = 0;
+  double largest_side_ = 0, reach_ = 0;
+  Index ahead_ = 1;
   std::size_t leaf_count_ = 0;  // of all objects
   std::size_t steps_ = 0, last_leaf_pairs_ = 0;
   double drawn_ = 0, of_use_ = 0;  // charts drawn in the last steps, and those of them that held

@@ -106,6 +106,7 @@ Result<void> check_pose(Scene& scene, std::vector<Chunk>& chunks, Positions x, c
 }
 
 Result<void> StepChecker::check_static(Positions x, const StepSettings& settings, StaticResult& out) {
+  impl_->forecast.forget();
   return check_pose(impl_->scene, impl_->chunks, x, settings, out);
 }
 

@@ -57,7 +57,7 @@ StepSettings ContactChecker::Impl::step_settings(double distance) const {
 Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0, std::span<const double> x1,
                                                       double min_distance) {
   const std::span<const double> from[] = {x0}, to[] = {x1};
-  if (auto ok = check_step(scene, chunks, from, to, step_settings(min_distance), &choice, step); !ok)
+  if (auto ok = check_step(scene, chunks, nullptr, from, to, step_settings(min_distance), &choice, step); !ok)
     return tl::unexpected(ok.error());
   add(step.work, work);
   add(step.milliseconds, milliseconds);

@@ -1,0 +1,156 @@
+// What a scene reads of the motion.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "query/scene.h"
+
+namespace foldproof {
+namespace {
+
+Result<void> check_numbers(Index object, const char* end, std::span<const double> x) {
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (!std::isfinite(x[i])) {
+      return fail(fmt::format("object {}, vertex {}", object, i / 3),
+                  fmt::format("has a coordinate in {} that is not finite", end), "repair the positions");
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+bool Scene::fits(Positions x0, Positions x1) const {
+  if (x0.size() != trees_.size() || x1.size() != trees_.size()) return false;
+  for (Index i = 0; i < trees_.size(); ++i) {
+    const std::size_t expected = 3 * std::size_t{hierarchy(i).topology().vertex_count()};
+    if (x0[i].size() != expected || x1[i].size() != expected) return false;
+  }
+  return true;
+}
+
+Result<void> Scene::check_sizes(Positions x0, Positions x1) const {
+  if (x0.size() != trees_.size() || x1.size() != trees_.size()) {
+    return fail("positions", fmt::format("given for {} and {} objects", x0.size(), x1.size()),
+                fmt::format("give them for all {}", trees_.size()));
+  }
+  for (Index i = 0; i < trees_.size(); ++i) {
+    const std::size_t expected = 3 * std::size_t{hierarchy(i).topology().vertex_count()};
+    for (const auto& [end, x] : {std::pair("x0", x0[i]), std::pair("x1", x1[i])}) {
+      if (x.size() != expected) {
+        return fail(fmt::format("object {}", i), fmt::format("{} has {} numbers", end, x.size()),
+                    fmt::format("give {}, three per vertex", expected));
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> Scene::update(Positions x0, Positions x1, const StepSettings& settings, Index ahead) {
+  if (auto ok = check_sizes(x0, x1); !ok) return ok;
+  ahead_ = ahead;
+  if (auto ok = move(x0, x1); !ok) return ok;
+  for (KineticTree& tree : trees_) tree.fit();
+  return predict(x0, x1, settings);
+}
+
+double side_of(const Bounds& bounds) {
+  return std::min(2 * (bounds.high / 2 - bounds.low / 2).maxCoeff(), std::numeric_limits<double>::max());
+}
+
+// In the frame of the step before, which mostly is this one's too: then everything is read only once.
+Result<void> Scene::move(Positions x0, Positions x1) {
+  Bounds step, reach;
+  const auto move_one = [&](Index i) {
+    if (ahead_ > 1) return trees_[i].move_ahead(frame_, x0[i], x1[i], ahead_);
+    const Bounds b = trees_[i].move(frame_, x0[i], x1[i]);
+    return KineticTree::Ahead{b, b};
+  };
+  for (Index i = 0; i < trees_.size(); ++i) {
+    const KineticTree::Ahead moved = move_one(i);
+    if (!moved.step.finite) {
+      if (auto ok = check_numbers(i, "x0", x0[i]); !ok) return ok;
+      return check_numbers(i, "x1", x1[i]);
+    }
+    step = around(step, moved.step);
+    reach = around(reach, moved.reach);
+  }
+  if (!reach.low.allFinite() || !reach.high.allFinite()) {
+    largest_side_ = reach_ = 0;
+    if (ahead_ == 1) return {};  // there is no vertex
+    ahead_ = 1;
+    return move(x0, x1);
+  }
+  largest_side_ = side_of(step);
+  reach_ = side_of(reach);
+  const Frame frame = frame_around(reach.low, reach.high);
+  if (frame == std::exchange(frame_, frame)) return {};
+  for (Index i = 0; i < trees_.size(); ++i) move_one(i);
+  return {};
+}
+
+Scene::Course Scene::course_of(Positions x0, Positions x1) const {
+  constexpr std::size_t kEvery = 61;
+  using Vector = Eigen::Vector3d;
+  const auto visit = [&](auto look) {
+    for (Index i = 0; i < trees_.size(); ++i) {
+      const auto ids = hierarchy(i).vertex_ids();
+      for (std::size_t k = i % kEvery; k < ids.size(); k += kEvery) {
+        const float* v = trees_[i].vertices[k].x;
+        const Vector from = Eigen::Map<const Eigen::Vector3f>(v).cast<double>();
+        const Vector way = Eigen::Map<const Eigen::Vector3f>(v + 4).cast<double>() - from;
+        const auto offset = [&](std::span<const double> x) -> Vector {
+          return (position(x, ids[k]) - frame_.center) * frame_.scale - from;
+        };
+        look(way, offset(x0[i]), offset(x1[i]));
+      }
+    }
+  };
+  double square = 0, along[2] = {0, 0};
+  visit([&](const Vector& way, const Vector& begin, const Vector& end) {
+    square += way.squaredNorm();
+    along[0] += begin.dot(way);
+    along[1] += end.dot(way);
+  });
+  Course course{{0, 0}, 0};
+  if (square > 0) {
+    for (int e = 0; e < 2; ++e) course.times[e] = static_cast<float>(along[e] / square);
+  }
+  double off = 0;
+  visit([&](const Vector& way, const Vector& begin, const Vector& end) {
+    off = std::max({off, (begin - course.times[0] * way).cwiseAbs().maxCoeff(),
+                    (end - course.times[1] * way).cwiseAbs().maxCoeff()});
+  });
+  course.off = static_cast<float>(off);
+  return course;
+}
+
+KineticTree::Strayed Scene::stray(Positions x0, Positions x1, const float (&times)[2]) const {
+  KineticTree::Strayed all;
+  for (Index i = 0; i < trees_.size(); ++i) {
+    const auto one = trees_[i].stray(frame_, x0[i], x1[i], times);
+    all.bounds = around(all.bounds, one.bounds);
+    all.most = std::max(all.most, one.most);
+  }
+  return all;
+}
+
+double Scene::mean_edge() const {
+  constexpr std::size_t kLooks = 256;
+  double least = std::numeric_limits<double>::infinity();
+  for (const KineticTree& tree : trees_) {
+    const auto edges = tree.hierarchy->edges();
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < edges.size(); k += edges.size() / kLooks + 1, ++count) {
+      const auto at = [&](Index place) { return Eigen::Map<const Eigen::Vector3f>(tree.vertices[place].x); };
+      sum += (at(edges[k][0]) - at(edges[k][1])).norm();
+    }
+    if (sum > 0) least = std::min(least, sum / static_cast<double>(count));
+  }
+  return std::isfinite(least) ? least / frame_.scale : 0;
+}
+
+}  // namespace foldproof
