@@ -34,15 +34,23 @@ void add_options(CLI::App& app, Options& options) {
   Plan& plan = options.plan;
   app.add_option("--scene", options.scenes, "Scenes to run (default: all whose files are there)");
   app.add_option("--size", options.size,
-                 "Whole steps, steps cut into ten or a hundred, full and tenth, or all")
-      ->check(CLI::IsMember({"full", "tenth", "hundredth", "both", "all"}));
-  app.add_option("--steps", plan.sampling.steps, "Steps per scene at most, from the middle of the motion")
+                 "Whole steps, steps cut into ten or a hundred along straight lines, full and tenth (both), "
+                 "motions cut along smooth curves through their frames (smooth), or all")
+      ->check(CLI::IsMember(
+          {"full", "tenth", "hundredth", "smooth tenth", "smooth hundredth", "both", "smooth", "all"}));
+  app.add_option(
+         "--steps", plan.sampling.steps,
+         "Steps per scene at most, from the middle of the motion; of parts as many as make whole steps")
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--warm-up", plan.sampling.warm_up,
+                 "Steps that checkers take before those measured, as many as the motion has there")
       ->check(CLI::Range(1, 1000000));
   app.add_flag("--all-steps", plan.sampling.all, "Every step of every scene");
   app.add_option("--peer-steps", plan.peer_steps, "Peers run on so many of the steps")
       ->check(CLI::Range(1, 1000000));
   app.add_flag("--quick", options.quick,
-               "20 steps, on 4 of them only Embree's fastest variant as peer; no trained model, no memory");
+               "20 steps, on 4 of them only Embree's fastest variant as peer; no smooth steps, no trained "
+               "model, no memory");
   app.add_option("--rounds", plan.rounds, "Run all steps this often; a step's time is its fastest round")
       ->check(CLI::Range(1, 1000));
   app.add_flag("--processor-time", plan.processor_time,
@@ -192,8 +200,9 @@ Result<void> write_files(const Options& options, const Report& report) {
 std::vector<StepSize> sizes_called(const std::string& name) {
   if (name == "both") return {StepSize::Full, StepSize::Tenth};
   std::vector<StepSize> sizes;
-  for (const StepSize size : {StepSize::Full, StepSize::Tenth, StepSize::Hundredth})
-    if (name == "all" || name == size_name(size)) sizes.push_back(size);
+  for (const StepSize size : kStepSizes)
+    if (name == "all" || (name == "smooth" && is_smooth(size)) || name == size_name(size))
+      sizes.push_back(size);
   return sizes;
 }
 
@@ -203,6 +212,7 @@ void make_quick(Options& options) {
   plan.peer_steps = std::min<Index>(plan.peer_steps, 4);
   plan.one_variant = true;
   plan.trained = plan.memory = false;
+  if (options.size == "all") std::erase_if(plan.sizes, is_smooth);
   if (options.peers.empty()) options.peers = {"Embree"};
 }
 

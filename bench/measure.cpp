@@ -8,6 +8,7 @@
 #include "floor.h"
 #include "foldproof/model.h"
 #include "memory.h"
+#include "summary.h"
 #include "verify.h"
 
 namespace foldproof::bench {
@@ -18,6 +19,11 @@ namespace {
 StageTimes scaled(const StageTimes& stages, double total) {
   const double factor = stages.total > 0 ? total / stages.total : 1;
   return {total, stages.update * factor, stages.traverse * factor, stages.narrow * factor};
+}
+
+Index measured_of(const std::vector<StepChoice>& steps) {
+  return static_cast<Index>(
+      std::count_if(steps.begin(), steps.end(), [](const StepChoice& step) { return step.measured; }));
 }
 
 /// What is made once per motion.
@@ -44,25 +50,28 @@ class Race {
       peers_.push_back(entry.make());
       peers_.back()->prepare(topology_);
     }
-    active_.assign(peers_.size(), true);
+    // Smooth rows show what foldproof makes of a motion that bends; the first family is enough to compare
+    // with.
+    for (const PeerEntry& entry : plan.peers)
+      active_.push_back(!is_smooth(record.size) || entry.family == families(plan).front());
   }
 
   Result<void> run(const std::vector<StepChoice>& steps) {
-    const auto count = static_cast<Index>(steps.size()) - 1, others = std::min(plan_.peer_steps, count);
-    // Steps on which all run; the first is one of them, for them to warm up.
+    const Index count = measured_of(steps), before = static_cast<Index>(steps.size()) - count;
+    const Index others = std::min(plan_.peer_steps, count);
+    // Steps on which all run; the last before those measured is one of them, for them to warm up.
     std::vector<bool> all(steps.size());
-    all[0] = true;
-    for (Index k = 0; k < others; ++k) all[1 + (2 * k + 1) * count / (2 * others)] = true;
-    for (std::size_t k = 0; k < steps.size(); ++k) {
+    all[before - 1] = true;
+    for (Index k = 0; k < others; ++k) all[before + (2 * k + 1) * count / (2 * others)] = true;
+    for (Index k = 0; k < before + count; ++k) {
       StepRecord step;
       step.step = steps[k];
-      if (auto done = run_step(step, k == 0, all[k]); !done) return done;
-      if (k == 0) {
-        if (plan_.one_variant) keep_fastest_variants(step);
-        if (record_.first.step.parts == 0) record_.first = std::move(step);
-      } else {
-        keep(k - 1, std::move(step));
-      }
+      if (auto done = run_step(step, all[k]); !done) return done;
+      if (k + 1 == before && (plan_.one_variant || is_smooth(record_.size))) keep_fastest_variants(step);
+      if (k < before)
+        keep(record_.warm_up, k, std::move(step));
+      else
+        keep(record_.steps, k - before, std::move(step));
     }
     return {};
   }
@@ -80,7 +89,7 @@ class Race {
     return now_milliseconds(plan_.processor_time) - start;
   }
 
-  Result<void> run_step(StepRecord& step, bool warm_up, bool all) {
+  Result<void> run_step(StepRecord& step, bool all) {
     if (auto loaded = loader_.load(step.step); !loaded) return loaded;
     step.floor_milliseconds = milliseconds_of([&] { floor_.fit(loader_.x1()); });
     for (const Way way : kWays) {
@@ -95,7 +104,7 @@ class Race {
     if (plan_.plain && !same_answer(result, runners_[2].result))
       return fail(record_.name, "has another answer with certificates", "report this, please");
     std::optional<Verifier> verifier;
-    if (plan_.verify && !warm_up) verifier.emplace(topology_, loader_.x0(), loader_.x1());
+    if (plan_.verify && step.step.measured) verifier.emplace(topology_, loader_.x0(), loader_.x1());
     if (auto done = run_peers(step, verifier); !done) return done;
     return verifier ? verifier->check_answer(result) : Result<void>{};
   }
@@ -115,6 +124,7 @@ class Race {
     });
     of.allocations = allocation_count() - before;
     of.work = runner.result.work;
+    of.searched = runner.result.searched;
     of.stages = scaled(runner.result.milliseconds, of.milliseconds);
     return done;
   }
@@ -142,12 +152,12 @@ class Race {
   }
 
   /// A later round only replaces times that it improves on.
-  void keep(std::size_t place, StepRecord step) {
-    if (place == record_.steps.size()) {
-      record_.steps.push_back(std::move(step));
+  static void keep(std::vector<StepRecord>& steps, std::size_t place, StepRecord step) {
+    if (place == steps.size()) {
+      steps.push_back(std::move(step));
       return;
     }
-    StepRecord& best = record_.steps[place];
+    StepRecord& best = steps[place];
     best.floor_milliseconds = std::min(best.floor_milliseconds, step.floor_milliseconds);
     for (std::size_t w = 0; w < kWays.size(); ++w)
       if (step.ways[w].milliseconds < best.ways[w].milliseconds) best.ways[w] = step.ways[w];
@@ -237,11 +247,12 @@ Result<std::vector<SceneRecord>> measure(const SceneInfo& scene, const Plan& pla
     return tl::unexpected(done.error());
   std::vector<SceneRecord> records;
   for (const StepSize size : plan.sizes) {
+    if (is_smooth(size) && scene.kind != SceneKind::Motion) continue;
     SceneRecord record = common;
     record.size = size;
     const auto steps = choose_steps(record.frames, size, plan.sampling);
-    // A single step has no median: its fastest of some runs with new checkers counts.
-    const int rounds = steps.size() == 2 ? std::max(plan.rounds, 3) : plan.rounds;
+    // A single step tells little: its fastest of some runs with new checkers counts.
+    const int rounds = measured_of(steps) == 1 ? std::max(plan.rounds, 3) : plan.rounds;
     for (int round = 0; round < rounds; ++round) {
       Race race(**motion, plan, prepared, record);
       if (auto done = race.run(steps); !done) return tl::unexpected(done.error());

@@ -20,8 +20,10 @@ enum class Way { Certificates, Trained, Plain };
 inline constexpr std::array<Way, 3> kWays = {Way::Certificates, Way::Trained, Way::Plain};
 
 struct Plan {
-  Sampling sampling;
-  std::vector<StepSize> sizes = {StepSize::Full, StepSize::Tenth, StepSize::Hundredth};
+  /// A simulation runs for thousands of steps: what is measured is a checker that is used to the motion.
+  Sampling sampling{.steps = 40, .all = false, .warm_up = 40};
+  std::vector<StepSize> sizes{kStepSizes.begin(),
+                              kStepSizes.end()};  ///< Smooth ones: motions of the data only.
   std::vector<PeerEntry> peers;
   Index peer_steps = 8;      ///< Peers run on this many of the steps, evenly spread.
   bool one_variant = false;  ///< Of each family's variants only the one that is fastest on the first step.
@@ -46,6 +48,7 @@ struct StepRecord {
     Work work;
     StageTimes stages;
     std::uint64_t allocations = 0;  ///< Calls of operator new.
+    Index searched = 1;             ///< StepResult::searched.
   };
   std::array<OfFoldproof, kWays.size()> ways;
   const OfFoldproof& of(Way way) const { return ways[static_cast<std::size_t>(way)]; }
@@ -63,12 +66,14 @@ struct SceneRecord {
   SceneKind kind = SceneKind::Motion;
   StepSize size = StepSize::Full;
   Index vertices = 0, edges = 0, triangles = 0, frames = 0;
-  double build_milliseconds = 0;  ///< Foldproof's hierarchy, once per topology.
-  double train_seconds = 0;       ///< Of the model, once per motion.
-  Index references = 0;           ///< Its poses; 0 when nothing was trained.
-  StepRecord first;               ///< New checkers: their scratch is made, nothing is known yet.
+  double build_milliseconds = 0;    ///< Foldproof's hierarchy, once per topology.
+  double train_seconds = 0;         ///< Of the model, once per motion.
+  Index references = 0;             ///< Its poses; 0 when nothing was trained.
+  std::vector<StepRecord> warm_up;  ///< Of new checkers, right before those measured.
   std::vector<StepRecord> steps;
   std::map<std::string, double> peak_bytes;  ///< Foldproof ("foldproof") and peers by name.
+  /// New checkers: their scratch is made, nothing is known yet.
+  const StepRecord& first() const { return warm_up.front(); }
 };
 
 /// Records of one scene, one per step size.

@@ -83,6 +83,8 @@ std::vector<std::string> arguments_for(const MemoryTask& task) {
                                         size_name(task.size),
                                         "--steps",
                                         std::to_string(task.sampling.steps),
+                                        "--warm-up",
+                                        std::to_string(task.sampling.warm_up),
                                         "--leaf",
                                         std::to_string(task.hierarchy.leaf_triangles),
                                         "--threads",

@@ -19,6 +19,7 @@ std::string milliseconds(double ms) {
 }
 
 std::string count(double n) {
+  if (n < 10 && n != std::floor(n)) return fmt::format("{:.1f}", n);
   const std::string digits = fmt::format("{:.0f}", n);
   std::string grouped;
   for (std::size_t i = 0; i < digits.size(); ++i) {
@@ -41,6 +42,8 @@ std::string label(const SceneRecord& record) {
 /// `text` unless the value it was made of is none.
 std::string or_dash(double value, const std::string& text) { return std::isnan(value) ? "-" : text; }
 
+std::string ratio(double value) { return or_dash(value, fmt::format("{:.2f}", value)); }
+
 double certificates_of(const SceneRecord& record) { return foldproof_of(record, Way::Certificates); }
 
 bool any_way(const Report& report, Way way) {
@@ -49,9 +52,9 @@ bool any_way(const Report& report, Way way) {
 }
 
 Table main_table(const Report& report) {
-  Table table{
-      {"milliseconds a step", "step", "triangles", "steps", "colliding", "floor", "foldproof", "x floor"},
-      {}};
+  Table table{{"milliseconds a step", "step", "triangles", "warm-up", "steps", "colliding", "floor",
+               "foldproof", "x floor", "slowest", "searched %"},
+              {}};
   const auto embree = families(report.plan);
   const bool trained = any_way(report, Way::Trained), plain = any_way(report, Way::Plain);
   const bool peer = !embree.empty();
@@ -64,25 +67,28 @@ Table main_table(const Report& report) {
     std::vector<std::string> row = {label(record),
                                     size_name(record.size),
                                     count(record.triangles),
+                                    count(static_cast<double>(record.warm_up.size())),
                                     count(static_cast<double>(record.steps.size())),
                                     count(colliding_steps(record)),
                                     milliseconds(floor),
                                     milliseconds(ours),
-                                    fmt::format("{:.1f}", ours / floor)};
+                                    fmt::format("{:.1f}", ours / floor),
+                                    milliseconds(slowest_of(record)),
+                                    fmt::format("{:.0f}", 100 * searched_of(record))};
     if (trained) {
       const double ms = foldproof_of(record, Way::Trained);
       row.push_back(or_dash(ms, milliseconds(ms)));
       row.push_back(or_dash(ms, fmt::format("{:.1f}", ms / floor)));
     }
     if (plain) row.push_back(milliseconds(foldproof_of(record, Way::Plain)));
-    row.push_back(milliseconds(record.first.of(Way::Certificates).milliseconds));
+    row.push_back(milliseconds(record.first().of(Way::Certificates).milliseconds));
     const double kilobytes = kilobytes_per_triangle(record, "foldproof");
     row.push_back(or_dash(kilobytes, fmt::format("{:.2f}", kilobytes)));
     row.push_back(count(steady_allocations(record, Way::Certificates)));
     if (peer) {
       const Fastest best = fastest(record, report.plan, embree.front());
-      row.push_back(milliseconds(best.milliseconds));
-      row.push_back(fmt::format("{:.2f}", best.ratio));
+      row.push_back(or_dash(best.milliseconds, milliseconds(best.milliseconds)));
+      row.push_back(ratio(best.ratio));
     }
     table.rows.push_back(std::move(row));
   }
@@ -91,21 +97,22 @@ Table main_table(const Report& report) {
 
 std::vector<std::string> peer_row(const SceneRecord& record, const Plan& plan) {
   std::vector<std::string> row = {label(record), size_name(record.size)};
-  row.push_back(count(median_of(record, [](const auto& s) { return s.collisions(); })));
-  row.push_back(count(median_of(record, [](const auto& s) {
+  row.push_back(count(mean_of(record, [](const auto& s) { return s.collisions(); })));
+  row.push_back(count(mean_of(record, [](const auto& s) {
     const Work& work = s.of(Way::Certificates).work;
     return work.candidates_vf + work.candidates_ee;
   })));
   const std::size_t any = fastest(record, plan, families(plan).front()).peer;
-  row.push_back(count(median_of(record, [any](const auto& s) {
+  row.push_back(count(mean_of(record, [any](const auto& s) {
     return s.peers.empty() ? NAN
                            : static_cast<double>(s.peers[any].candidates_vf + s.peers[any].candidates_ee);
   })));
   row.push_back(milliseconds(certificates_of(record)));
-  for (const std::string& family : families(plan))
-    row.push_back(milliseconds(fastest(record, plan, family).milliseconds));
-  for (const std::string& family : families(plan))
-    row.push_back(fmt::format("{:.2f}", fastest(record, plan, family).ratio));
+  for (const std::string& family : families(plan)) {
+    const double ms = fastest(record, plan, family).milliseconds;
+    row.push_back(or_dash(ms, milliseconds(ms)));
+  }
+  for (const std::string& family : families(plan)) row.push_back(ratio(fastest(record, plan, family).ratio));
   return row;
 }
 
@@ -123,7 +130,7 @@ void add_mean_row(Table& table, const Report& report, const std::string& name, S
   std::vector<std::string> row(table.headers.size() - columns.size());
   row[0] = fmt::format("geometric mean of {} {}", ratios.front().size(), name);
   row[1] = size_name(size);
-  for (const auto& column : ratios) row.push_back(fmt::format("{:.2f}", geometric_mean(column)));
+  for (const auto& column : ratios) row.push_back(ratio(geometric_mean(column)));
   table.rows.push_back(std::move(row));
 }
 
@@ -153,11 +160,10 @@ Table work_table(const Report& report) {
   for (const SceneRecord& record : report.records) {
     const auto ms = [&](auto member) {
       return milliseconds(
-          median_of(record, [member](const auto& s) { return s.of(Way::Certificates).stages.*member; }));
+          mean_of(record, [member](const auto& s) { return s.of(Way::Certificates).stages.*member; }));
     };
     const auto work = [&](auto member) {
-      return count(
-          median_of(record, [member](const auto& s) { return s.of(Way::Certificates).work.*member; }));
+      return count(mean_of(record, [member](const auto& s) { return s.of(Way::Certificates).work.*member; }));
     };
     table.rows.push_back(
         {label(record), size_name(record.size), milliseconds(record.build_milliseconds),
@@ -165,8 +171,8 @@ Table work_table(const Report& report) {
          ms(&StageTimes::traverse), ms(&StageTimes::narrow), work(&Work::node_tests),
          work(&Work::certificate_tests), work(&Work::certificate_passes), work(&Work::leaf_pairs),
          work(&Work::candidates_vf), work(&Work::candidates_ee),
-         count(median_of(record, [](const auto& s) { return s.collisions_vf; })),
-         count(median_of(record, [](const auto& s) { return s.collisions_ee; })), work(&Work::undecided)});
+         count(mean_of(record, [](const auto& s) { return s.collisions_vf; })),
+         count(mean_of(record, [](const auto& s) { return s.collisions_ee; })), work(&Work::undecided)});
   }
   return table;
 }
@@ -177,8 +183,7 @@ Table variants_table(const Report& report) {
   for (const SceneRecord& record : report.records) {
     std::vector<std::string> row = {label(record), size_name(record.size)};
     for (std::size_t p = 0; p < report.plan.peers.size(); ++p) {
-      const double ms =
-          median_of(record, [p](const auto& s) { return s.peers.empty() ? NAN : s.peers[p].milliseconds; });
+      const double ms = peer_of(record, p);
       row.push_back(or_dash(ms, milliseconds(ms)));
       const double kilobytes = kilobytes_per_triangle(record, report.plan.peers[p].name);
       if (!std::isnan(kilobytes)) row.back() += fmt::format(" ({:.2f} KB)", kilobytes);
@@ -192,21 +197,33 @@ std::string steps_sentence(const Plan& plan) {
   const std::string which = plan.sampling.all ? "all steps" : fmt::format("{} steps", plan.sampling.steps);
   const std::string rounds =
       plan.rounds > 1 ? fmt::format(", each the fastest of {} rounds", plan.rounds) : "";
+  const Index warm_up = plan.sampling.warm_up;
+  const char* smooth = std::any_of(plan.sizes.begin(), plan.sizes.end(), is_smooth)
+                           ? "; \"smooth tenth\": along smooth curves through the frames, and only the "
+                             "fastest variant of one peer beside it"
+                           : "";
   return fmt::format(
-      "Medians over {} that follow each other in the middle of each motion (as many as it has){}, peers on "
-      "{} of them; foldproof on {} "
-      "thread{}, peers on one; {} time. \"tenth\": steps cut into ten. \"first\": a new checker's first "
-      "step, right before. Foldproof: "
-      "the complete answer; peers: candidates only, ratios over the steps where both ran.",
+      "Means over {} that follow each other in the middle of each motion (as many as it has; of parts as "
+      "many as make whole steps){}, of peers and of foldproof without certificates over {} of them; "
+      "foldproof on {} thread{}, peers on one; {} time. "
+      "\"warm-up\": before these steps foldproof's new checkers took {} step{}, or as many as the motion has "
+      "there, at least one; rows with few include what learning takes. \"first\": the first of them. "
+      "\"tenth\": steps cut into ten along the straight lines between frames{}. \"slowest\": foldproof's "
+      "slowest step; \"searched %\": steps that made a search of their own, the others were served by an "
+      "earlier one. \"allocations\": a median, over the second half of the steps. Foldproof: the "
+      "complete answer; peers: candidates only. Ratios are of means.",
       which, rounds, plan.peer_steps, plan.threads, plan.threads == 1 ? "" : "s",
-      plan.processor_time ? "processor" : "wall");
+      plan.processor_time ? "processor" : "wall", warm_up, warm_up == 1 ? "" : "s", smooth);
 }
+
+constexpr const char* kWayNames[] = {"certificates", "trained", "plain"};
 
 /// To what a clock can tell, which keeps the file of results short.
 double rounded(double ms) { return std::round(ms * 1e4) / 1e4; }
 
 nlohmann::json json_of(const StepRecord::OfFoldproof& of) {
   return {{"milliseconds", rounded(of.milliseconds)},
+          {"searched", of.searched},
           {"allocations", of.allocations},
           {"stages",
            {{"update", rounded(of.stages.update)},
@@ -228,9 +245,8 @@ nlohmann::json json_of(const StepRecord& step, const Plan& plan) {
                          {"parts", step.step.parts},
                          {"floor_milliseconds", rounded(step.floor_milliseconds)},
                          {"collisions", {{"vf", step.collisions_vf}, {"ee", step.collisions_ee}}}};
-  constexpr const char* kNames[] = {"certificates", "trained", "plain"};
   for (std::size_t w = 0; w < kWays.size(); ++w)
-    if (!std::isnan(step.ways[w].milliseconds)) json["foldproof"][kNames[w]] = json_of(step.ways[w]);
+    if (!std::isnan(step.ways[w].milliseconds)) json["foldproof"][kWayNames[w]] = json_of(step.ways[w]);
   for (std::size_t p = 0; p < step.peers.size(); ++p) {
     const StepRecord::OfPeer& of = step.peers[p];
     if (std::isnan(of.milliseconds)) continue;
@@ -241,7 +257,22 @@ nlohmann::json json_of(const StepRecord& step, const Plan& plan) {
   return json;
 }
 
+/// Mean milliseconds of everyone who ran.
+nlohmann::json means_of(const SceneRecord& record, const Plan& plan) {
+  nlohmann::json json = {{"floor", rounded(floor_of(record))}};
+  for (const Way way : kWays)
+    if (const double ms = foldproof_of(record, way); !std::isnan(ms))
+      json["foldproof"][kWayNames[static_cast<std::size_t>(way)]] = rounded(ms);
+  for (std::size_t p = 0; p < plan.peers.size(); ++p)
+    if (const double ms = peer_of(record, p); !std::isnan(ms))
+      json["peers"][plan.peers[p].name] = rounded(ms);
+  return json;
+}
+
 nlohmann::json json_of(const SceneRecord& record, const Plan& plan) {
+  std::vector<double> warm_up;
+  for (const StepRecord& step : record.warm_up)
+    warm_up.push_back(rounded(step.of(Way::Certificates).milliseconds));
   nlohmann::json scene = {{"name", record.name},
                           {"kind", kind_name(record.kind)},
                           {"step", size_name(record.size)},
@@ -252,7 +283,11 @@ nlohmann::json json_of(const SceneRecord& record, const Plan& plan) {
                           {"build_milliseconds", record.build_milliseconds},
                           {"train_seconds", record.train_seconds},
                           {"references", record.references},
-                          {"first", json_of(record.first, plan)},
+                          {"means", means_of(record, plan)},
+                          {"slowest_milliseconds", rounded(slowest_of(record))},
+                          {"searched_share", searched_of(record)},
+                          {"warm_up_milliseconds", warm_up},
+                          {"first", json_of(record.first(), plan)},
                           {"peak_bytes", record.peak_bytes}};
   for (const StepRecord& step : record.steps) scene["steps"].push_back(json_of(step, plan));
   return scene;
@@ -309,6 +344,7 @@ std::string format_json(const Report& report) {
   json["processor_time"] = report.plan.processor_time;
   json["threads"] = report.plan.threads;
   json["rounds"] = report.plan.rounds;
+  json["warm_up"] = report.plan.sampling.warm_up;
   json["leaf_triangles"] = report.plan.hierarchy.leaf_triangles;
   for (const SceneRecord& record : report.records) json["scenes"].push_back(json_of(record, report.plan));
   Plan alone = report.plan;

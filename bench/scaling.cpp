@@ -94,15 +94,15 @@ Result<ThreadRecord> measure_threads(const SceneInfo& scene, const Plan& plan) {
     for (const std::size_t t : {k % 2, 1 - k % 2}) {
       const auto ms = teams[t].milliseconds(loader);
       if (!ms) return tl::unexpected(ms.error());
-      if (k > 0) times[t].push_back(*ms);
+      if (steps[k].measured) times[t].push_back(*ms);
     }
   }
   ThreadRecord record;
   record.name = scene.name;
   record.triangles = static_cast<Index>((*motion)->topology().triangles().size());
   record.steps = static_cast<Index>(times[0].size());
-  record.one = median(times[0]);
-  record.two = median(times[1]);
+  record.one = mean(times[0]);
+  record.two = mean(times[1]);
   record.processors = teams[1].processors();
   return record;
 }
@@ -137,7 +137,7 @@ Table growth_table(const std::vector<SceneRecord>& records) {
     table.rows.push_back({shape_of(record), fmt::format("{}", record.triangles),
                           fmt::format("{} of {}", colliding_steps(record), record.steps.size()),
                           per_triangle(floor), per_triangle(ours), fmt::format("{:.1f}", ours / floor),
-                          per_triangle(record.first.of(Way::Certificates).milliseconds),
+                          per_triangle(record.first().of(Way::Certificates).milliseconds),
                           per_triangle(record.build_milliseconds),
                           std::isnan(kilobytes) ? "-" : fmt::format("{:.2f}", kilobytes)});
   }

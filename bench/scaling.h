@@ -18,7 +18,7 @@ double growth_of(const std::vector<SceneRecord>& records, const std::string& sha
 struct ThreadRecord {
   std::string name;
   Index triangles = 0, steps = 0;
-  double one = 0, two = 0;  ///< Median milliseconds.
+  double one = 0, two = 0;  ///< Mean milliseconds.
   double processors = 0;    ///< How many the two threads had on average: less than 2 also on a busy machine.
 };
 /// The growth scenes with about 200,000 triangles and with about 2,000,000. The process must not be pinned to

@@ -59,45 +59,75 @@ Result<std::unique_ptr<Motion>> open_scene(const SceneInfo& scene) {
   return std::move(motions->front());
 }
 
+bool is_smooth(StepSize size) { return size == StepSize::SmoothTenth || size == StepSize::SmoothHundredth; }
+
 const char* size_name(StepSize size) {
-  return size == StepSize::Full ? "full" : size == StepSize::Tenth ? "tenth" : "hundredth";
+  constexpr const char* kNames[] = {"full", "tenth", "hundredth", "smooth tenth", "smooth hundredth"};
+  return kNames[static_cast<std::size_t>(size)];
 }
 
 std::vector<StepChoice> choose_steps(Index frame_count, StepSize size, const Sampling& sampling) {
-  const Index parts = size == StepSize::Full ? 1 : size == StepSize::Tenth ? 10 : 100;
+  constexpr Index kParts[] = {1, 10, 100, 10, 100};
+  const Index parts = kParts[static_cast<std::size_t>(size)];
   const Index available = (frame_count - 1) * parts;
-  const Index count = sampling.all ? available : std::min(available, sampling.steps + 1);
-  const Index first = (available - count) / 2;
+  const Index together = frame_count > 2 ? parts : 1;  // a single step has no turns
+  const Index wanted = (sampling.steps + together - 1) / together * together;
+  const Index count = sampling.all ? available : std::min(available, wanted);
+  const Index first = (available - count + 1) / 2;
+  const Index before = std::min(first, std::max<Index>(1, sampling.warm_up));
+  const auto step = [&](Index k, bool measured) {
+    return StepChoice{k / parts, static_cast<int>(k % parts), static_cast<int>(parts), is_smooth(size),
+                      measured};
+  };
   std::vector<StepChoice> steps;
-  for (Index k = first; k < first + count; ++k)
-    steps.push_back({k / parts, static_cast<int>(k % parts), static_cast<int>(parts)});
-  if (count == available) steps.insert(steps.begin(), steps.front());
+  if (before == 0) steps.push_back(step(first, false));
+  for (Index k = first - before; k < first + count; ++k) steps.push_back(step(k, k >= first));
   return steps;
 }
 
 StepLoader::StepLoader(Motion& motion)
-    : motion_(motion), x0_(std::size_t{motion.topology().vertex_count()} * 3), x1_(x0_.size()) {
-  ends_[0] = ends_[1] = x0_;
-}
+    : motion_(motion), x0_(std::size_t{motion.topology().vertex_count()} * 3), x1_(x0_.size()) {}
 
-// Text files take long to read: parts of one step share its ends.
-Result<void> StepLoader::read(Index frame) {
-  if (frame == frame_) return {};
-  frame_ = kNoIndex;
-  for (Index end = 0; end < 2; ++end)
-    if (auto done = motion_.read_frame(frame + end, ends_[end]); !done) return done;
-  frame_ = frame;
+// Text files take long to read: parts of one step share its frames.
+Result<void> StepLoader::read(Index number, Frame& frame) {
+  if (frame.number == number) return {};
+  frame.number = kNoIndex;
+  frame.x.resize(x0_.size());
+  if (auto done = motion_.read_frame(number, frame.x); !done) return done;
+  frame.number = number;
   return {};
 }
 
 Result<void> StepLoader::load(const StepChoice& step) {
-  if (auto done = read(step.frame); !done) return done;
-  for (std::size_t i = 0; i < x0_.size(); ++i) {
-    const double motion = ends_[1][i] - ends_[0][i];
-    x0_[i] = ends_[0][i] + motion * step.part / step.parts;
-    x1_[i] = step.part + 1 == step.parts ? ends_[1][i] : ends_[0][i] + motion * (step.part + 1) / step.parts;
+  if (auto done = read(step.frame, begin_); !done) return done;
+  if (auto done = read(step.frame + 1, end_); !done) return done;
+  if (step.smooth) {
+    // Beyond its ends the motion stands still.
+    if (auto done = read(step.frame == 0 ? 0 : step.frame - 1, before_); !done) return done;
+    if (auto done = read(std::min(step.frame + 2, motion_.frame_count() - 1), after_); !done) return done;
   }
+  const auto place = step.smooth ? &StepLoader::place_on_curve : &StepLoader::place_on_line;
+  (this->*place)(step.part, step.parts, x0_);
+  (this->*place)(step.part + 1, step.parts, x1_);
   return {};
+}
+
+void StepLoader::place_on_line(int part, int parts, std::vector<double>& x) const {
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double motion = end_.x[i] - begin_.x[i];
+    x[i] = part == parts ? end_.x[i] : begin_.x[i] + motion * part / parts;
+  }
+}
+
+// Catmull-Rom: at a frame the curve goes the way from the frame before to the one after. At both ends all
+// factors but one are exactly 0, so that the curve of the next two frames begins where this one ends.
+void StepLoader::place_on_curve(int part, int parts, std::vector<double>& x) const {
+  const double t = static_cast<double>(part) / parts, u = 1 - t;
+  const double at_begin = u * u * (1 + 2 * t), at_end = t * t * (1 + 2 * u);
+  const double way_at_begin = t * u * u / 2, way_at_end = -t * t * u / 2;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    x[i] = at_begin * begin_.x[i] + at_end * end_.x[i] + way_at_begin * (end_.x[i] - before_.x[i]) +
+           way_at_end * (after_.x[i] - begin_.x[i]);
 }
 
 }  // namespace foldproof::bench

@@ -1,6 +1,7 @@
 /// Named scenes, and which of their steps are measured.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -42,26 +43,34 @@ bool is_available(const SceneInfo& scene);
 Result<std::unique_ptr<Motion>> open_scene(const SceneInfo& scene);
 
 /// A step of the motion, or one of the parts that it is cut into: an animation's step is long, a
-/// simulation's is short.
-enum class StepSize { Full, Tenth, Hundredth };
+/// simulation's is short. Parts lie on the straight lines between frames, where vertices turn at frames only,
+/// or on smooth curves through them, where vertices turn all the time.
+enum class StepSize { Full, Tenth, Hundredth, SmoothTenth, SmoothHundredth };
+inline constexpr std::array<StepSize, 5> kStepSizes = {StepSize::Full, StepSize::Tenth, StepSize::Hundredth,
+                                                       StepSize::SmoothTenth, StepSize::SmoothHundredth};
+bool is_smooth(StepSize size);
 
-/// "full", "tenth", "hundredth".
+/// "full", "tenth", "hundredth", "smooth tenth", "smooth hundredth".
 const char* size_name(StepSize size);
 
 struct StepChoice {
-  Index frame = 0;  ///< From this frame to the next.
-  int part = 0;     ///< This part of it, from 0.
-  int parts = 0;    ///< Of so many.
+  Index frame = 0;       ///< From this frame to the next.
+  int part = 0;          ///< This part of it, from 0.
+  int parts = 0;         ///< Of so many.
+  bool smooth = false;   ///< On the curve through the frames instead of the line between them.
+  bool measured = true;  ///< Else it is only there to warm up.
 };
 
 struct Sampling {
-  Index steps = 40;  ///< At most.
-  bool all = false;  ///< Every step of the motion.
+  /// At most. Of parts as many as make whole steps, where there are more than one: motions turn at frames,
+  /// and a few parts between two frames would tell of a motion that never turns.
+  Index steps = 40;
+  bool all = false;   ///< Every step of the motion.
+  Index warm_up = 1;  ///< Steps before those measured, at most; one there always is.
 };
 
-/// Steps that follow each other, from the middle of the motion, in order. The first is for a checker to begin
-/// with and comes on top of those asked for: the step before them, or where the motion has none left the same
-/// step twice.
+/// Steps that follow each other, in order: those measured, from the middle of the motion, and before them
+/// those to warm up, as many as the motion has there. Where it has none, the first measured step comes twice.
 std::vector<StepChoice> choose_steps(Index frame_count, StepSize size, const Sampling& sampling);
 
 /// Positions at both ends of the steps of one motion.
@@ -73,11 +82,18 @@ class StepLoader {
   std::span<const double> x1() const { return x1_; }
 
  private:
-  Result<void> read(Index frame);
+  struct Frame {
+    Index number = kNoIndex;
+    std::vector<double> x;
+  };
+  Result<void> read(Index number, Frame& frame);
+  /// Where the vertices are after `part` of the `parts` of the way between the two frames.
+  void place_on_line(int part, int parts, std::vector<double>& x) const;
+  void place_on_curve(int part, int parts, std::vector<double>& x) const;
 
   Motion& motion_;
-  Index frame_ = kNoIndex;                 // whose step is in ends_
-  std::vector<double> ends_[2], x0_, x1_;  // of the whole step, of its part
+  Frame before_, begin_, end_, after_;  // the outer ones for smooth steps only
+  std::vector<double> x0_, x1_;
 };
 
 }  // namespace foldproof::bench

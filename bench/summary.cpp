@@ -4,14 +4,26 @@
 #include <cmath>
 
 namespace foldproof::bench {
+namespace {
 
 double median(std::vector<double> values) {
-  std::erase_if(values, [](double value) { return std::isnan(value); });
   if (values.empty()) return NAN;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
+}
+
+}  // namespace
+
+double mean(const std::vector<double>& values) {
+  double sum = 0, count = 0;
+  for (const double value : values) {
+    if (std::isnan(value)) continue;
+    sum += value;
+    ++count;
+  }
+  return count == 0 ? NAN : sum / count;
 }
 
 double geometric_mean(const std::vector<double>& values) {
@@ -22,25 +34,36 @@ double geometric_mean(const std::vector<double>& values) {
 }
 
 double floor_of(const SceneRecord& record) {
-  return median_of(record, [](const StepRecord& step) { return step.floor_milliseconds; });
+  return mean_of(record, [](const StepRecord& step) { return step.floor_milliseconds; });
 }
 
 double foldproof_of(const SceneRecord& record, Way way) {
-  return median_of(record, [way](const StepRecord& step) { return step.of(way).milliseconds; });
+  return mean_of(record, [way](const StepRecord& step) { return step.of(way).milliseconds; });
+}
+
+double peer_of(const SceneRecord& record, std::size_t peer) {
+  return mean_of(record, [peer](const StepRecord& step) {
+    return step.peers.empty() ? NAN : step.peers[peer].milliseconds;
+  });
+}
+
+double slowest_of(const SceneRecord& record) {
+  const auto times =
+      values_of(record, [](const StepRecord& step) { return step.of(Way::Certificates).milliseconds; });
+  return *std::max_element(times.begin(), times.end());
+}
+
+double searched_of(const SceneRecord& record) {
+  return mean_of(record, [](const StepRecord& step) { return step.of(Way::Certificates).searched > 0; });
 }
 
 Fastest fastest(const SceneRecord& record, const Plan& plan, const std::string& family) {
   Fastest best;
   for (std::size_t p = 0; p < plan.peers.size(); ++p) {
     if (plan.peers[p].family != family) continue;
-    std::vector<double> theirs, ours;
-    for (const StepRecord& step : record.steps) {
-      if (step.peers.empty() || std::isnan(step.peers[p].milliseconds)) continue;
-      theirs.push_back(step.peers[p].milliseconds);
-      ours.push_back(step.of(Way::Certificates).milliseconds);
-    }
-    const double ms = median(theirs);
-    if (ms < best.milliseconds) best = {p, ms, ms / median(ours)};
+    const double ms = peer_of(record, p);
+    if (std::isnan(ms) || ms >= best.milliseconds) continue;
+    best = {p, ms, ms / foldproof_of(record, Way::Certificates)};
   }
   return best;
 }
