@@ -10,6 +10,8 @@ namespace {
 
 // Room in the frame, well above its resolution.
 constexpr double kLeastInFrame = 0x1p-16;
+// What moves less than this, in mean lengths of an edge, stands still.
+constexpr double kStill = 0x1p-10;
 // What rounding may take from a distance along an axis that is computed in the frame (docs/soundness.md, F1).
 constexpr double kRounding = 0x1p-20;
 constexpr double kAlongAxis = 0.577;  // less than 1 / sqrt(3)
@@ -33,7 +35,7 @@ bool Forecast::same_search(const StepSettings& settings) const {
 
 bool Forecast::serves(const Scene& scene, Positions x0, Positions x1, const StepSettings& settings,
                       double& side) {
-  choice_ = {};
+  ahead_ = 1;
   // Shut until the next search is made: an update that fails leaves a motion that nobody searched.
   const bool was_open = std::exchange(open_, false);
   if (!was_open || !same_search(settings) || !scene.fits(x0, x1)) return false;
@@ -52,7 +54,10 @@ bool Forecast::serves(const Scene& scene, Positions x0, Positions x1, const Step
       return true;
     }
   }
-  choice_ = outlook_.search(most / edge_, course.times[1] >= course.times[0] ? steps : -1);
+  // The same step again goes nowhere, unless everything stands still.
+  const bool stands = course.way < kStill * edge_;
+  const bool onwards = stands || (steps_ * course.times[0] > 0.5 && course.times[1] > course.times[0]);
+  ahead_ = outlook_.search(most / edge_, !onwards ? -1 : stands ? std::max(steps, 1.0) : steps);
   return false;
 }
 
@@ -65,7 +70,7 @@ double Forecast::begin(const Scene& scene, const StepSettings& settings, double 
   distance_ = distance;
   room_ = 0;
   if (scene.ahead() == 1) return distance;
-  const double room = std::max(choice_.room * edge, kLeastInFrame / scale);
+  const double room = std::max(kRoom * edge, kLeastInFrame / scale);
   room_ = static_cast<float>(room * scale * kAlongAxis - kRounding);
   times_[0] = 0;
   times_[1] = static_cast<float>(1 / steps_);

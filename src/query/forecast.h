@@ -20,7 +20,7 @@ class Forecast {
   bool serves(const Scene& scene, Positions x0, Positions x1, const StepSettings& settings, double& side);
 
   /// For a step that it does not serve: how many steps, this one included, to look ahead.
-  Index steps_ahead() const { return choice_.steps; }
+  Index steps_ahead() const { return ahead_; }
 
   /// A search begins for a scene that was updated so many steps ahead. Gives the distance, mesh units, below
   /// which pairs are to be found; `distance` is enough for the step alone.
@@ -42,6 +42,7 @@ class Forecast {
 
   bool open_ = false;
   StepSettings settings_;
+  Index ahead_ = 1;          // steps to look ahead
   double steps_ = 1;         // that the search looked ahead
   double distance_ = 0;      // that it was for, room left out
   double reach_ = 0;         // the same and room, in the frame
@@ -49,7 +50,6 @@ class Forecast {
   double edge_ = 0;          // mean length, in the frame
   float times_[2] = {0, 1};  // of the step at hand, in the motion that was searched
   Outlook outlook_;
-  Outlook::Choice choice_;
   Meetings meetings_;
 };
 

@@ -108,13 +108,14 @@ Scene::Course Scene::course_of(Positions x0, Positions x1) const {
       }
     }
   };
-  double square = 0, along[2] = {0, 0};
+  double square = 0, along[2] = {0, 0}, longest = 0;
   visit([&](const Vector& way, const Vector& begin, const Vector& end) {
     square += way.squaredNorm();
+    longest = std::max(longest, way.cwiseAbs().maxCoeff());
     along[0] += begin.dot(way);
     along[1] += end.dot(way);
   });
-  Course course{{0, 0}, 0};
+  Course course{{0, 0}, 0, static_cast<float>(longest)};
   if (square > 0) {
     for (int e = 0; e < 2; ++e) course.times[e] = static_cast<float>(along[e] / square);
   }

@@ -127,10 +127,11 @@ class Scene {
   /// Whether there are as many numbers as the objects have.
   bool fits(Positions x0, Positions x1) const;
   /// Where a step lies in the motion of the last update, which went from 0 to 1: the times that fit its ends
-  /// best, and how far, in the frame, vertices are from where they should be then. Looks at few of them.
+  /// best, and how far, in the frame, vertices are from where they should be then. `way`: how far the motion
+  /// took them. Both along any axis. Looks at few vertices.
   struct Course {
     float times[2];
-    float off;
+    float off, way;
   };
   Course course_of(Positions x0, Positions x1) const;
   /// KineticTree::stray of all objects.

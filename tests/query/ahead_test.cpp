@@ -311,6 +311,10 @@ TEST(Ahead, TheSameStepAgainHasTheSameAnswer) {
       ASSERT_TRUE(checker.check({&x0, 1}, {&x1, 1}, {}, result));
       const std::size_t hits = result.vertex_face.size() + result.edge_edge.size();
       if (k == 0) first = hits;
+      // What goes nowhere is not looked at ahead.
+      if (end != 0) {
+        EXPECT_EQ(result.searched, 1u);
+      }
       EXPECT_EQ(hits, first) << "the " << k << ". time";
     }
     EXPECT_GT(first, 100u);
@@ -336,18 +340,18 @@ TEST(Ahead, TheEndsOfNumbersAreNoReasonToFail) {
 
 TEST(Outlook, LearnsHowLongAMotionGoesStraightOn) {
   Outlook outlook;
-  Outlook::Choice choice;
+  Index ahead = 1;
   int searches = 0;
   double since = 0;  // steps since the last search
   for (int step = 0; step < 400; ++step) {
     const bool turns = step % 10 == 0;
     ++since;
-    if (!turns && since <= choice.steps) {
+    if (!turns && since <= ahead) {
       outlook.served(0, since);
       continue;
     }
-    choice = outlook.search(turns ? 0.5 : 0, since);
-    outlook.took(choice.steps == 1 ? 100 : 200);
+    ahead = outlook.search(turns ? 0.5 : 0, since);
+    outlook.took(ahead == 1 ? 100 : 200);
     since = 1;
     if (step >= 200) ++searches;
   }
@@ -357,37 +361,54 @@ TEST(Outlook, LearnsHowLongAMotionGoesStraightOn) {
 TEST(Outlook, LooksAtSingleStepsWhereEveryStepTurns) {
   Outlook outlook;
   for (int step = 0; step < 100; ++step) {
-    const Outlook::Choice choice = outlook.search(0.3, 2);
+    EXPECT_EQ(outlook.search(0.3, 2), 1u) << "step " << step;
     outlook.took(100);
-    if (step > 4) {
-      EXPECT_EQ(choice.steps, 1u) << "step " << step;
-      EXPECT_EQ(choice.room, 0);
-    }
   }
 }
 
-TEST(Outlook, GivesMoreRoomWhereAMotionBends) {
-  const auto room_of = [](double bend) {
+TEST(Outlook, LooksLessFarTheMoreAMotionBends) {
+  const auto farthest = [](double bend) {
     Outlook outlook;
-    Outlook::Choice choice;
-    double since = 0, most = 0;
-    for (int step = 0; step < 60; ++step) {
+    Index ahead = 1, most = 1;
+    double since = 0;
+    for (int step = 0; step < 100; ++step) {
       ++since;
       const double off = bend * since * since / 2;
-      if (choice.room > 0 && since <= choice.steps && off <= choice.room) {
+      if (since <= ahead && off <= kRoom) {
         outlook.served(off, since);
         continue;
       }
-      choice = outlook.search(off, since);
-      outlook.took(choice.steps == 1 ? 100 : 150);
+      ahead = outlook.search(off, since);
+      outlook.took(ahead == 1 ? 100 : 200);
       since = 1;
-      if (step > 20) most = std::max(most, choice.room);
+      if (step > 20) most = std::max(most, ahead);
     }
     return most;
   };
-  EXPECT_GT(room_of(1e-4), room_of(1e-6));
-  EXPECT_GT(room_of(1e-6), 0);
-  EXPECT_EQ(room_of(0.1), 0);
+  EXPECT_EQ(farthest(0), 32u);
+  EXPECT_LT(farthest(1e-5), farthest(1e-6));
+  EXPECT_GT(farthest(1e-5), 4u);
+  EXPECT_EQ(farthest(1e-3), 1u);
+  EXPECT_EQ(farthest(0.1), 1u);
+}
+
+TEST(Outlook, LooksAtSingleStepsWhereLookingAheadCostsMore) {
+  Outlook outlook;
+  Index ahead = 1;
+  int tries = 0;
+  double since = 0;
+  for (int step = 0; step < 200; ++step) {
+    ++since;
+    if (since <= ahead) {
+      outlook.served(0, since);
+      continue;
+    }
+    ahead = outlook.search(0, since);
+    outlook.took(ahead == 1 ? 100 : 100.0 * 2 * ahead);
+    tries += ahead > 1;
+    since = 1;
+  }
+  EXPECT_LE(tries, 8);
 }
 
 }  // namespace
