@@ -66,7 +66,8 @@ struct TriangleCrossing {
 };
 
 /// What a query did. Depends on settings and input only, with certificates also on that of earlier steps;
-/// never on the machine or the number of threads, except undecided with `earliest_only`.
+/// never on the machine or the number of threads, except undecided with `earliest_only`. Where an earlier
+/// search served the step (StepResult::searched), there are candidates only.
 struct Work {
   std::uint64_t node_tests = 0;          ///< Pairs of nodes visited.
   std::uint64_t certificate_tests = 0;   ///< Certificates evaluated.
@@ -150,9 +151,9 @@ using Positions = std::span<const std::span<const double>>;
 
 /// Answers queries on a fixed set of objects; thousands may share one hierarchy and its charts, and only
 /// those whose boxes are near each other are looked at in pairs. Owns the scratch, so a second step of the
-/// same size allocates nothing; with certificates, once charts are drawn and no more are wanted. Use one
-/// checker per thread. Threads inside a query come from oneTBB: limit them with tbb::global_control or a task
-/// arena of your own.
+/// same size allocates nothing; with certificates, once charts are drawn and no more are wanted, and searches
+/// that look ahead find no more than before. Use one checker per thread. Threads inside a query come from
+/// oneTBB: limit them with tbb::global_control or a task arena of your own.
 class StepChecker {
  public:
   /// `charts`: trained charts for each object, null where there are none; or empty. Their hierarchies are the

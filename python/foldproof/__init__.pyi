@@ -24,6 +24,7 @@ class _StepSettings(TypedDict, total=False):
     thickness: float
     tolerance: float
     certificates: bool
+    ahead: bool
     earliest_only: bool
     explain: bool
     mode: str
@@ -116,6 +117,8 @@ class StepResult:
     def edge_edge(self) -> _Rows: ...
     @property
     def tolerance(self) -> float: ...
+    @property
+    def searched(self) -> int: ...
     @property
     def earliest_toi(self) -> float: ...
 

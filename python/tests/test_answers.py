@@ -77,6 +77,7 @@ def test_two_objects(triangles, frames):
     one = foldproof.Hierarchy(triangles, frames[0])
     step = foldproof.StepChecker([one, one]).check([frames[0], above], [frames[0], below], within=False)
     assert len(step.vertex_face) > 50
+    assert step.searched == 1
     assert set(step.vertex_face["vertex_object"]) == {0, 1}
     assert step.colliding_faces(one, 1).mean() > 0.9
     apart = foldproof.StepChecker([one, one]).check([frames[0], above], [frames[0], below], between=False)
