@@ -54,10 +54,11 @@ bool Forecast::serves(const Scene& scene, Positions x0, Positions x1, const Step
       return true;
     }
   }
-  // The same step again goes nowhere, unless everything stands still.
+  // The same step again, or a part of it, goes nowhere, unless everything stands still.
   const bool stands = course.way < kStill * edge_;
-  const bool onwards = stands || (steps_ * course.times[0] > 0.5 && course.times[1] > course.times[0]);
-  ahead_ = outlook_.search(most / edge_, !onwards ? -1 : stands ? std::max(steps, 1.0) : steps);
+  const bool onwards = steps_ * course.times[0] > 0.5 && course.times[1] > course.times[0];
+  const bool again = !stands && !onwards && most <= kRoom * edge_;
+  ahead_ = outlook_.search(most / edge_, again ? -1 : stands ? std::max(steps, 1.0) : std::max(steps, 0.0));
   return false;
 }
 

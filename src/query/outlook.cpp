@@ -8,6 +8,8 @@ namespace {
 
 // Farther ahead there is little left to save.
 constexpr double kMostSteps = 32;
+// Where trying to look ahead begins.
+constexpr double kFewSteps = 4;
 // What the first run is taken to be, once it goes on at all.
 constexpr double kFirstRun = 12;
 // What looking ahead costs on top: charts are drawn for poses that may never come.
@@ -48,22 +50,34 @@ Index Outlook::search(double off, double steps) {
   } else {
     trust_ += (1 - trust_) / 32;
   }
+  promised_ = served_ = 1;
+  if (steps < 0) return 1;
   const double expected = expect(off, steps);
   // A course that bends leaves the room when bend * steps^2 / 2 is kRoom; half of that, for it may bend more.
   const double until = bend_ > 0 ? std::sqrt(kRoom / bend_) : kMostSteps;
-  const double most = std::min({until, expected, kMostSteps}), serves = trust_ * most;
-  const double ahead = ahead_ > 0 ? ahead_ : 2 * alone_;
-  const bool pays = serves >= 2 && kSurely * ahead / serves < alone_;
-  promised_ = pays ? std::ceil(most) : 1;
-  served_ = 1;
+  const double most = std::ceil(std::min({until, expected, farthest_})), serves = trust_ * most;
+  const double effort = ahead_ > 0 ? ahead_ * std::max(1.0, std::sqrt(most / ahead_steps_)) : 2 * alone_;
+  if (serves >= 2 && kSurely * effort / serves < alone_) promised_ = most;
   return static_cast<Index>(promised_);
 }
 
-// What has not been done for long may have become cheaper.
+// Farther only by and by: a search for too many steps may take a hundred times as long. What has not been
+// done for long may have become cheaper.
 void Outlook::took(double effort) {
-  double &known = promised_ > 1 ? ahead_ : alone_, &other = promised_ > 1 ? alone_ : ahead_;
-  known = known > 0 ? (known + effort) / 2 : effort;
-  other *= 0.98;
+  const auto learn = [](double& known, double now) { known = known > 0 ? (known + now) / 2 : now; };
+  if (promised_ == 1) {
+    learn(alone_, effort);
+    ahead_ *= 0.98;
+    return;
+  }
+  learn(ahead_, effort);
+  learn(ahead_steps_, promised_);
+  alone_ *= 0.98;
+  if (kSurely * effort < alone_ * promised_) {
+    farthest_ = std::clamp(2 * promised_, farthest_, kMostSteps);
+  } else {
+    farthest_ = std::max(std::min(farthest_, promised_ / 2), kFewSteps);
+  }
 }
 
 }  // namespace foldproof

@@ -18,7 +18,7 @@ class Outlook {
   /// from the course then.
   void served(double off, double steps);
   /// A step needs a search: gives for how many steps, this one included. `off` and `steps` as above, as if
-  /// the course went on; negative steps: it is not known, or the step goes elsewhere.
+  /// the course went on; negative steps: it goes over the same course again, and says nothing.
   Index search(double off, double steps);
   /// What that search took, in any unit.
   void took(double effort);
@@ -27,13 +27,15 @@ class Outlook {
   double expect(double off, double steps);
   void note_bend(double off, double steps);
 
-  double run_ = 1;                    // steps since the motion last turned
-  double usual_run_ = 0;              // how many there are mostly; 0 before the first turn
-  double bend_ = 0;                   // how far a step strays from the one before
-  int turns_ = 0;                     // in a row
-  double alone_ = 0, ahead_ = 0;      // effort of searches for one step, and for several; 0: not known
-  double trust_ = 1;                  // what share of the steps it promised a search serves
-  double promised_ = 1, served_ = 1;  // by the last one
+  double run_ = 1;                      // steps since the motion last turned
+  double usual_run_ = 0;                // how many there are mostly; 0 before the first turn
+  double bend_ = 0;                     // how far a step strays from the one before
+  int turns_ = 0;                       // in a row
+  double alone_ = 0;                    // effort of a search for one step; 0: not known
+  double ahead_ = 0, ahead_steps_ = 0;  // of one for several, and how many
+  double farthest_ = 4;                 // steps that may be tried
+  double trust_ = 1;                    // what share of the steps it promised a search serves
+  double promised_ = 1, served_ = 1;    // by the last one
 };
 
 }  // namespace foldproof

@@ -79,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(
               pressed_cloths,
               {848887, 96436, 145409, 987960},
               {2181947, 341220, 267899, 3040632}},
-        Bound{"ball_heap", ball_heap, {259117, 3095, 53454, 14044}, {1056754, 35206, 87287, 139612}}),
+        Bound{"ball_heap", ball_heap, {301107, 4753, 55359, 13634}, {1056754, 35206, 87287, 139612}}),
     [](const auto& info) { return info.param.name; });
 
 // On every instruction set that this machine has, plain scalar code included.
