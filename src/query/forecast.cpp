@@ -12,6 +12,9 @@ namespace {
 constexpr double kLeastInFrame = 0x1p-16;
 // What moves less than this, in mean lengths of an edge, stands still.
 constexpr double kStill = 0x1p-10;
+// Nothing is followed farther than this share of the scene: straight on from there lie poses that will never
+// be, where everything meets everything.
+constexpr double kFarthest = 0.25;
 // What rounding may take from a distance along an axis that is computed in the frame (docs/soundness.md, F1).
 constexpr double kRounding = 0x1p-20;
 constexpr double kAlongAxis = 0.577;  // less than 1 / sqrt(3)
@@ -58,7 +61,12 @@ bool Forecast::serves(const Scene& scene, Positions x0, Positions x1, const Step
   const bool stands = course.way < kStill * edge_;
   const bool onwards = steps_ * course.times[0] > 0.5 && course.times[1] > course.times[0];
   const bool again = !stands && !onwards && most <= kRoom * edge_;
-  ahead_ = outlook_.search(most / edge_, again ? -1 : stands ? std::max(steps, 1.0) : std::max(steps, 0.0));
+  const double sensible = kFarthest * scene.largest_side() * scene.frame().scale / course.stride;
+  ahead_ = outlook_.search(most / edge_,
+                           again    ? -1
+                           : stands ? std::max(steps, 1.0)
+                                    : std::max(steps, 0.0),
+                           sensible);
   return false;
 }
 

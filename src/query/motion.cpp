@@ -108,14 +108,15 @@ Scene::Course Scene::course_of(Positions x0, Positions x1) const {
       }
     }
   };
-  double square = 0, along[2] = {0, 0}, longest = 0;
+  double square = 0, along[2] = {0, 0}, longest = 0, stride = 0;
   visit([&](const Vector& way, const Vector& begin, const Vector& end) {
     square += way.squaredNorm();
     longest = std::max(longest, way.cwiseAbs().maxCoeff());
+    stride = std::max(stride, (end - begin).cwiseAbs().maxCoeff());
     along[0] += begin.dot(way);
     along[1] += end.dot(way);
   });
-  Course course{{0, 0}, 0, static_cast<float>(longest)};
+  Course course{{0, 0}, 0, static_cast<float>(longest), static_cast<float>(stride)};
   if (square > 0) {
     for (int e = 0; e < 2; ++e) course.times[e] = static_cast<float>(along[e] / square);
   }

@@ -44,7 +44,7 @@ double Outlook::expect(double off, double steps) {
   return usual_run_;
 }
 
-Index Outlook::search(double off, double steps) {
+Index Outlook::search(double off, double steps, double sensible) {
   if (promised_ > 1) {
     trust_ = (trust_ + std::min(1.0, served_ / promised_)) / 2;
   } else {
@@ -55,7 +55,7 @@ Index Outlook::search(double off, double steps) {
   const double expected = expect(off, steps);
   // A course that bends leaves the room when bend * steps^2 / 2 is kRoom; half of that, for it may bend more.
   const double until = bend_ > 0 ? std::sqrt(kRoom / bend_) : kMostSteps;
-  const double most = std::ceil(std::min({until, expected, farthest_})), serves = trust_ * most;
+  const double most = std::ceil(std::min({until, expected, farthest_, sensible})), serves = trust_ * most;
   const double effort = ahead_ > 0 ? ahead_ * std::max(1.0, std::sqrt(most / ahead_steps_)) : 2 * alone_;
   if (serves >= 2 && kSurely * effort / serves < alone_) promised_ = most;
   return static_cast<Index>(promised_);

@@ -18,8 +18,9 @@ class Outlook {
   /// from the course then.
   void served(double off, double steps);
   /// A step needs a search: gives for how many steps, this one included. `off` and `steps` as above, as if
-  /// the course went on; negative steps: it goes over the same course again, and says nothing.
-  Index search(double off, double steps);
+  /// the course went on; negative steps: it goes over the same course again, and says nothing. No more than
+  /// `sensible`.
+  Index search(double off, double steps, double sensible = 32);
   /// What that search took, in any unit.
   void took(double effort);
 

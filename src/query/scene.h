@@ -128,10 +128,10 @@ class Scene {
   bool fits(Positions x0, Positions x1) const;
   /// Where a step lies in the motion of the last update, which went from 0 to 1: the times that fit its ends
   /// best, and how far, in the frame, vertices are from where they should be then. `way`: how far the motion
-  /// took them. Both along any axis. Looks at few vertices.
+  /// took them; `stride`: how far the step does. All along any axis. Looks at few vertices.
   struct Course {
     float times[2];
-    float off, way;
+    float off, way, stride;
   };
   Course course_of(Positions x0, Positions x1) const;
   /// KineticTree::stray of all objects.
