@@ -10,6 +10,9 @@
 namespace foldproof {
 namespace {
 
+// F1: the largest coordinate, as a multiple of the frame's unit, up to which a search looks ahead.
+constexpr double kFarthestInFrame = 0x1p28;
+
 Result<void> check_numbers(Index object, const char* end, std::span<const double> x) {
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!std::isfinite(x[i])) {
@@ -86,6 +89,12 @@ Result<void> Scene::move(Positions x0, Positions x1) {
   largest_side_ = side_of(step);
   reach_ = side_of(reach);
   const Frame frame = frame_around(reach.low, reach.high);
+  // Far from the origin rounding of the motion ahead would take more than its room allows for.
+  const double largest = std::max(-reach.low.minCoeff(), reach.high.maxCoeff());
+  if (ahead_ > 1 && largest * frame.scale > kFarthestInFrame) {
+    ahead_ = 1;
+    return move(x0, x1);
+  }
   if (frame == std::exchange(frame_, frame)) return {};
   for (Index i = 0; i < trees_.size(); ++i) move_one(i);
   return {};

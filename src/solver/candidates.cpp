@@ -140,7 +140,9 @@ Result<void> ContactChecker::candidates(std::span<const double> x, double inflat
 Result<double> ContactChecker::minimum_distance(std::span<const double> x, double bound) {
   impl_->begin();
   if (auto ok = check_length("bound", bound); !ok) return tl::unexpected(ok.error());
-  for (double reach = bound * kFirstLook;; reach = std::min(bound, reach * kFarther)) {
+  // Among the last denormal numbers a share of the bound would round to zero, and stay there.
+  const double first = std::min(bound, std::max(bound * kFirstLook, std::numeric_limits<double>::min()));
+  for (double reach = first;; reach = std::min(bound, reach * kFarther)) {
     double least = std::numeric_limits<double>::infinity();
     const auto found = impl_->find(
         x, x, reach, [&](CandidateChunk& chunk) { chunk.least = impl_->least_distance(chunk.found, x); },

@@ -18,20 +18,26 @@ struct OneTarget {
   }
 };
 
-/// Expects the same answer of `answers` with every instruction set of this machine, plain scalar code
-/// included.
-template <class Answers>
-void expect_all_targets_agree(const Answers& answers) {
-  const auto expected = answers();
+/// Calls `visit` with every instruction set of this machine in turn, plain scalar code included.
+template <class Visit>
+void on_each_target(const Visit& visit) {
   int targets = 0;
   const std::int64_t supported = hwy::SupportedTargets() | HWY_EMU128 | HWY_SCALAR;
   for (std::int64_t target = 1; target <= supported && target > 0; target <<= 1) {
     if ((supported & target) == 0) continue;
     const OneTarget only(target);
-    EXPECT_TRUE(answers() == expected) << hwy::TargetName(target);
+    SCOPED_TRACE(hwy::TargetName(target));
+    visit();
     ++targets;
   }
   EXPECT_GE(targets, 2);
+}
+
+/// Expects the same answer of `answers` with all of them.
+template <class Answers>
+void expect_all_targets_agree(const Answers& answers) {
+  const auto expected = answers();
+  on_each_target([&] { EXPECT_TRUE(answers() == expected); });
 }
 
 }  // namespace foldproof::testing
