@@ -1,8 +1,5 @@
 #include "bvh/kinetic.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +9,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "base/parallel.h"
 #include "bvh/grid.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -320,13 +318,12 @@ constexpr std::size_t kVerticesOfTask = 4096;
 }  // namespace
 
 Bounds KineticTree::move(const Frame& frame, std::span<const double> x0, std::span<const double> x1) {
-  using Range = tbb::blocked_range<std::size_t>;
   const auto ids = hierarchy->vertex_ids();
-  return tbb::parallel_reduce(
-      Range(0, ids.size(), kVerticesOfTask), Bounds{},
-      [&](const Range& range, Bounds b) {
+  return parallel_reduce(
+      IndexRange{0, ids.size()}, kVerticesOfTask, Bounds{},
+      [&](IndexRange range, Bounds b) {
         HWY_DYNAMIC_DISPATCH(Move)
-        (frame, ids.subspan(range.begin(), range.size()), x0, x1, &vertices[range.begin()], b);
+        (frame, ids.subspan(range.begin, range.size()), x0, x1, &vertices[range.begin], b);
         return b;
       },
       [](const Bounds& a, const Bounds& b) { return around(a, b); });
@@ -334,13 +331,12 @@ Bounds KineticTree::move(const Frame& frame, std::span<const double> x0, std::sp
 
 KineticTree::Ahead KineticTree::move_ahead(const Frame& frame, std::span<const double> x0,
                                            std::span<const double> x1, double steps) {
-  using Range = tbb::blocked_range<std::size_t>;
   const auto ids = hierarchy->vertex_ids();
-  return tbb::parallel_reduce(
-      Range(0, ids.size(), kVerticesOfTask), Ahead{},
-      [&](const Range& range, Ahead a) {
+  return parallel_reduce(
+      IndexRange{0, ids.size()}, kVerticesOfTask, Ahead{},
+      [&](IndexRange range, Ahead a) {
         HWY_DYNAMIC_DISPATCH(MoveAhead)
-        (frame, ids.subspan(range.begin(), range.size()), x0, x1, steps, &vertices[range.begin()], a.step,
+        (frame, ids.subspan(range.begin, range.size()), x0, x1, steps, &vertices[range.begin], a.step,
          a.reach);
         return a;
       },
@@ -351,14 +347,13 @@ KineticTree::Ahead KineticTree::move_ahead(const Frame& frame, std::span<const d
 
 KineticTree::Strayed KineticTree::stray(const Frame& frame, std::span<const double> x0,
                                         std::span<const double> x1, const float (&times)[2]) const {
-  using Range = tbb::blocked_range<std::size_t>;
   const auto ids = hierarchy->vertex_ids();
-  return tbb::parallel_reduce(
-      Range(0, ids.size(), kVerticesOfTask), Strayed{},
-      [&](const Range& range, Strayed s) {
+  return parallel_reduce(
+      IndexRange{0, ids.size()}, kVerticesOfTask, Strayed{},
+      [&](IndexRange range, Strayed s) {
         s.most =
-            std::max(s.most, HWY_DYNAMIC_DISPATCH(Stray)(frame, ids.subspan(range.begin(), range.size()), x0,
-                                                         x1, &vertices[range.begin()], times, s.bounds));
+            std::max(s.most, HWY_DYNAMIC_DISPATCH(Stray)(frame, ids.subspan(range.begin, range.size()), x0,
+                                                         x1, &vertices[range.begin], times, s.bounds));
         return s;
       },
       [](const Strayed& a, const Strayed& b) {
@@ -368,7 +363,7 @@ KineticTree::Strayed KineticTree::stray(const Frame& frame, std::span<const doub
 
 void KineticTree::fit() {
   const auto nodes = hierarchy->nodes();
-  tbb::parallel_for(std::size_t{0}, subtrees_.size(), [&](std::size_t k) {
+  parallel_for(std::size_t{0}, subtrees_.size(), [&](std::size_t k) {
     const Hierarchy::Node& root = nodes[subtrees_[k]];
     const Index count = root.leaf_end - root.leaf_begin;
     HWY_DYNAMIC_DISPATCH(FitLeaves)

@@ -1,10 +1,9 @@
 /// What all queries on a set of objects share: validated input, the scene's frame, and the pairs of leaves.
 #pragma once
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <deque>
 
+#include "base/parallel.h"
 #include "certificate/book.h"
 #include "certificate/separating_plane.h"
 #include "query/beliefs.h"
@@ -230,7 +229,7 @@ class Scene {
   std::vector<PlaneMemory> plane_memory_;
   std::vector<std::vector<std::uint8_t>> leaf_needed_;
   std::vector<std::pair<Index, Index>> leaves_to_fill_;
-  tbb::enumerable_thread_specific<Local> locals_;
+  PerThread<Local> locals_;
 };
 
 }  // namespace foldproof

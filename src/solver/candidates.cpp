@@ -1,11 +1,10 @@
 // Pairs of features that may be near each other.
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "solver/contact_checker.h"
 
 namespace foldproof {
@@ -73,7 +72,7 @@ Result<void> ContactChecker::Impl::find(std::span<const double> x0, std::span<co
   near.traverse(step_settings, distance, work);
   milliseconds.traverse += watch.lap();
   in_rounds(near.leaf_pairs(), candidate_chunks, [&](std::size_t count) {
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       CandidateChunk& chunk = candidate_chunks[i];
       chunk.boxes.clear();
       for (const LeafPairRef& pair : chunk.pairs)

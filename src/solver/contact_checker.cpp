@@ -1,6 +1,5 @@
 #include "solver/contact_checker.h"
-
-#include <tbb/parallel_for.h>
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <cmath>

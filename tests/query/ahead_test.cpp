@@ -1,11 +1,11 @@
 // Searching ahead only removes work: a step that an earlier search serves has the answer that it would have
 // had from a search of its own, bit for bit, wherever it goes.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "query/films.h"
 #include "query/outlook.h"
 
@@ -120,8 +120,8 @@ TEST_P(AheadFilms, SettingsChangeOnTheWay) {
 
 TEST_P(AheadFilms, ThreadsChangeNeitherAnswersNorWork) {
   std::vector<std::vector<StepResult>> runs;
-  for (const std::size_t threads : {1, 2, 2}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  for (const int threads : {1, 2, 2}) {
+    const ThreadLimit limit(threads);
     Rng rng(5);
     const Film film = GetParam().make(rng);
     StepChecker checker(hierarchies(film, 4));

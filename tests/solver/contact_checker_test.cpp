@@ -1,10 +1,10 @@
 // Step sizes and poses against exact arithmetic and brute force.
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cstdlib>
 
+#include "base/parallel.h"
 #include "soups.h"
 
 namespace foldproof::oracle {
@@ -151,7 +151,7 @@ TEST(ContactChecker, StepsAreTheSameWhateverCertificatesAndThreads) {
     ContactChecker with = checker_of(soup), without = checker_of(soup, {}, false);
     for (int step = 0; step < 5; ++step) {
       const double a = with.collision_free_step_size(soup.x0, soup.x1, 0.001).value();
-      const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+      const ThreadLimit one(1);
       EXPECT_EQ(a, without.collision_free_step_size(soup.x0, soup.x1, 0.001).value());
       for (double& x : soup.x1) x += 1e-3;
     }
