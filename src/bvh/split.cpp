@@ -1,13 +1,14 @@
 #include "bvh/split.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
+
+#include "base/parallel.h"
 
 namespace foldproof {
 namespace {
@@ -445,8 +446,8 @@ SplitSurface split_surface(const Topology& topology, std::span<const double> pos
   }
   std::vector<Plan> below(top.subtrees.size(), Plan(leaf_triangles, buffers, split.triangle_ids));
   tbb::enumerable_thread_specific<Cutter> cutters([&] { return Cutter(centers); });
-  tbb::parallel_for(std::size_t{0}, below.size(),
-                    [&](std::size_t k) { below[k].make(top.subtrees[k], 0, cutters.local()); });
+  in_parallel(std::size_t{0}, below.size(),
+              [&](std::size_t k) { below[k].make(top.subtrees[k], 0, cutters.local()); });
   std::size_t next = 0;
   for (const Index size : top.leaf_sizes) {
     if (size != Plan::kSubtree) {

@@ -1,10 +1,11 @@
 #include "certificate/book.h"
 
-#include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <functional>
+
+#include "base/parallel.h"
 
 namespace foldproof {
 namespace {
@@ -88,8 +89,8 @@ void ChartBook::order(Index slot) {
 }
 
 void ChartBook::draw_orders(std::span<const MovingVertex> vertices) {
-  tbb::parallel_for(std::size_t{0}, order_count_,
-                    [&](std::size_t i) { drawers_.local().draw(vertices, orders_[i]); });
+  in_parallel(std::size_t{0}, order_count_,
+              [&](std::size_t i) { drawers_.local().draw(vertices, orders_[i]); });
   for (std::size_t i = 0; i < order_count_; ++i) enter(orders_[i]);
   drawings_ += order_count_;
 }

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <functional>
 
+#include "base/parallel.h"
 #include "io/bytes.h"
 #include "model/format.h"
 #include "model/learned_file.h"
@@ -175,7 +175,7 @@ class Reader {
         if (chart.slot() >= slots->count()) return bad(fmt::format("chart {}", k), "belongs to no patch");
         if (!known) return bad(fmt::format("chart {}", k), "comes from no reference pose");
       }
-      tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+      in_parallel(std::size_t{0}, count, [&](std::size_t k) {
         take(*file_.charts()->Get(first + k), (*begins)[first + k], readers.local(), *slots, arrivals[k]);
       });
       for (std::size_t k = 0; k < count; ++k) {

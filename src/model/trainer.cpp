@@ -1,6 +1,6 @@
 #include "model/trainer.h"
 
-#include <tbb/parallel_for.h>
+#include "base/parallel.h"
 
 namespace foldproof {
 namespace {
@@ -92,7 +92,7 @@ void Trainer::look_at(std::span<const Index> slots, Visit visit) {
   findings_.resize(kBatch);
   for (std::size_t first = 0; first < slots.size(); first += kBatch) {
     const auto batch = slots.subspan(first, std::min(kBatch, slots.size() - first));
-    tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t i) { look_at(batch[i], findings_[i]); });
+    in_parallel(std::size_t{0}, batch.size(), [&](std::size_t i) { look_at(batch[i], findings_[i]); });
     for (std::size_t i = 0; i < batch.size(); ++i) visit(batch[i], findings_[i]);
   }
 }

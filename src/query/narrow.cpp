@@ -1,9 +1,9 @@
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
+#include "base/parallel.h"
 #include "ccd/march.h"
 #include "query/narrow.h"
 
@@ -258,9 +258,9 @@ void take_found(Chunk& c, StepResult& out) {
 }
 
 void test_round(const NarrowStep& step, std::span<Chunk> chunks, Stopwatch& watch, StepResult& out) {
-  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) { gather(step, chunks[i]); });
+  in_parallel(std::size_t{0}, chunks.size(), [&](std::size_t i) { gather(step, chunks[i]); });
   out.milliseconds.traverse += watch.lap();
-  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) { narrow(step, chunks[i]); });
+  in_parallel(std::size_t{0}, chunks.size(), [&](std::size_t i) { narrow(step, chunks[i]); });
   for (Chunk& chunk : chunks) take_found(chunk, out);
   out.milliseconds.narrow += watch.lap();
 }

@@ -1,9 +1,10 @@
 // Which pairs of leaves certificates prove apart.
 
-#include <tbb/parallel_for.h>
+#include <tbb/blocked_range.h>
 
 #include <bit>
 
+#include "base/parallel.h"
 #include "query/scene.h"
 
 namespace foldproof {
@@ -19,7 +20,7 @@ constexpr Index kProbe = 8;
 
 void Scene::prove_selves(Index object, double gap) {
   using Range = tbb::blocked_range<std::size_t>;
-  tbb::parallel_for(Range(0, selves_.size(), 8), [&](const Range& range) {
+  in_parallel(Range(0, selves_.size(), 8), [&](const Range& range) {
     Local& local = locals_.local();
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       self_proofs_[i] = books_[object]->prove(selves_[i], trees_[object].vertices, gap, local.tester);

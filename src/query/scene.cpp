@@ -1,10 +1,12 @@
 #include "query/scene.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
+#include <tbb/blocked_range.h>
 
 #include <cmath>
 #include <map>
+
+#include "base/parallel.h"
 
 namespace foldproof {
 namespace {
@@ -341,7 +343,7 @@ void Scene::traverse(const StepSettings& settings, double distance, Work& work) 
   }
   const bool prove = settings.certificates || believes_;
   if (prove) make_plane_memory();
-  tbb::parallel_for(Index{0}, static_cast<Index>(tasks_.size()), [&](Index k) { run_task(k, prove, gap); });
+  in_parallel(Index{0}, static_cast<Index>(tasks_.size()), [&](Index k) { run_task(k, prove, gap); });
   keep_fronts();
   leaf_pairs_.clear();
   for (Index k = 0; k < tasks_.size(); ++k) {
@@ -369,12 +371,12 @@ void Scene::fill_features() {
     need(tasks_[pair.task].object_a, pair.leaves.a);
     need(tasks_[pair.task].object_b, pair.leaves.b);
   }
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves_to_fill_.size(), 256),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                        trees_[leaves_to_fill_[i].first].fill_features(leaves_to_fill_[i].second);
-                      }
-                    });
+  in_parallel(tbb::blocked_range<std::size_t>(0, leaves_to_fill_.size(), 256),
+              [&](const tbb::blocked_range<std::size_t>& range) {
+                for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                  trees_[leaves_to_fill_[i].first].fill_features(leaves_to_fill_[i].second);
+                }
+              });
   for (const auto& [object, leaf] : leaves_to_fill_) leaf_needed_[object][leaf] = 0;
 }
 

@@ -1,10 +1,9 @@
 // Crossing triangles of one pose.
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <tuple>
 
+#include "base/parallel.h"
 #include "query/checker.h"
 
 namespace foldproof {
@@ -63,6 +62,7 @@ void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pai
 
 Result<void> check_pose(Scene& scene, std::vector<Chunk>& chunks, Positions x, const StepSettings& settings,
                         StaticResult& out) {
+  const PlainArithmetic plain;
   Stopwatch total, watch;
   out.crossings.clear();
   out.work = {};
@@ -74,7 +74,7 @@ Result<void> check_pose(Scene& scene, std::vector<Chunk>& chunks, Positions x, c
 
   const Pose pose{scene, x};
   in_rounds(scene.leaf_pairs(), chunks, [&](std::size_t count) {
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    in_parallel(std::size_t{0}, count, [&](std::size_t i) {
       Chunk& chunk = chunks[i];
       chunk.candidates.clear();
       std::size_t done = 0;

@@ -1,9 +1,10 @@
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
+#include <tbb/blocked_range.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "bvh/kinetic.h"
 #include "foldproof/reduced.h"
 
@@ -72,7 +73,7 @@ Result<ReducedMotion> ReducedMotion::make(std::shared_ptr<const Hierarchy> hiera
 
 void ReducedMotion::positions(std::span<const double> p, std::span<double> out) const {
   using Range = tbb::blocked_range<std::size_t>;
-  tbb::parallel_for(Range(0, ids_.size(), 1024), [&](const Range& range) {
+  in_parallel(Range(0, ids_.size(), 1024), [&](const Range& range) {
     for (std::size_t place = range.begin(); place < range.end(); ++place) {
       double x[3];
       vertex(static_cast<Index>(place), p, x);
@@ -82,6 +83,7 @@ void ReducedMotion::positions(std::span<const double> p, std::span<double> out) 
 }
 
 double ReducedMotion::reach(std::span<const double> p) const {
+  const PlainArithmetic plain;
   double size = largest_mean_;
   for (Index k = 0; k < modes_; ++k) size += largest_[k] * std::abs(p[k]);
   return size * (1 + 0x1p-40);

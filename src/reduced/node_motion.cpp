@@ -1,10 +1,11 @@
 #include "reduced/node_motion.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "base/parallel.h"
 
 namespace foldproof {
 
@@ -31,9 +32,8 @@ NodeMotions::NodeMotions(const ReducedMotion& motion, std::span<const CentrePose
   for (auto& of_centre : around) of_centre.resize(count);
   place_points(motion);
   tbb::enumerable_thread_specific<std::vector<Index>> scratch;
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t node) {
-    measure(motion, poses, static_cast<Index>(node), scratch.local());
-  });
+  in_parallel(std::size_t{0}, count,
+              [&](std::size_t node) { measure(motion, poses, static_cast<Index>(node), scratch.local()); });
 }
 
 // The mean of the vertices that a subtree owns, or of a leaf's where it owns none. Any point would do.

@@ -65,6 +65,11 @@ class CheckLayers(unittest.TestCase):
         self.refuses({"src/mesh/a.cpp": '#include "attic/old.h"\n'}, "belongs to no room")
         self.refuses({"src/attic/a.cpp": ""}, "room 'attic' has no level")
 
+    def test_loops_in_any_arithmetic_are_found(self):
+        loop = "void f() {\n  tbb::parallel_for(0, 9, g);\n}\n"
+        self.refuses({"src/query/a.cpp": loop}, "src/query/a.cpp:2", "tbb::parallel_for", "src/base/parallel.h")
+        self.accepts({"src/base/parallel.h": loop, "tests/query/a.cpp": loop})
+
     def test_sizes(self):
         self.accepts({"src/mesh/a.cpp": "\n" * 600, "include/foldproof/mesh.h": "\n" * 300})
         self.refuses({"src/mesh/a.cpp": "\n" * 601}, "601 lines")
