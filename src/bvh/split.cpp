@@ -7,6 +7,8 @@
 #include <limits>
 #include <numeric>
 
+#include "base/parallel.h"
+
 namespace foldproof {
 namespace {
 

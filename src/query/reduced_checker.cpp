@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/plain_arithmetic.h"
 #include "query/broad_phase.h"
 #include "query/reduced_scene.h"
 #include "query/scene.h"
@@ -223,6 +224,7 @@ void ReducedChecker::Impl::fill_features(const Frame& frame, double distance) {
 
 Result<void> ReducedChecker::check(std::span<const ReducedPose> begin, std::span<const ReducedPose> end,
                                    const StepSettings& settings, StepResult& out) {
+  const PlainArithmetic plain;
   Stopwatch watch;
   clear(out);
   Impl& m = *impl_;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "base/parallel.h"
+
 namespace foldproof {
 namespace {
 

@@ -62,6 +62,7 @@ void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pai
 
 Result<void> check_pose(Scene& scene, std::vector<Chunk>& chunks, Positions x, const StepSettings& settings,
                         StaticResult& out) {
+  const PlainArithmetic plain;
   Stopwatch total, watch;
   out.crossings.clear();
   out.work = {};

@@ -1,5 +1,6 @@
 #include <atomic>
 
+#include "base/plain_arithmetic.h"
 #include "query/checker.h"
 
 namespace foldproof {
@@ -15,6 +16,7 @@ StepChecker& StepChecker::operator=(StepChecker&&) noexcept = default;
 Result<void> check_step(Scene& scene, std::vector<Chunk>& chunks, Forecast* forecast, Positions x0,
                         Positions x1, const StepSettings& settings, const PairChoice* choice,
                         StepResult& out) {
+  const PlainArithmetic plain;
   Stopwatch total, watch;
   clear(out);
   if (auto ok = check_settings(settings); !ok) return ok;

@@ -63,6 +63,7 @@ void ContactChecker::Impl::choose(CandidateChunk& chunk) const {
 template <class Look, class Take>
 Result<void> ContactChecker::Impl::find(std::span<const double> x0, std::span<const double> x1,
                                         double distance, Look look, Take take) {
+  const PlainArithmetic plain;
   Stopwatch total, watch;
   StepSettings step_settings = this->step_settings(0);
   step_settings.certificates = settings.certify_candidates;
@@ -137,6 +138,7 @@ Result<void> ContactChecker::candidates(std::span<const double> x, double inflat
 }
 
 Result<double> ContactChecker::minimum_distance(std::span<const double> x, double bound) {
+  const PlainArithmetic plain;
   impl_->begin();
   if (auto ok = check_length("bound", bound); !ok) return tl::unexpected(ok.error());
   // Among the last denormal numbers a share of the bound would round to zero, and stay there.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/plain_arithmetic.h"
+
 namespace foldproof {
 namespace {
 
@@ -76,6 +78,7 @@ const StageTimes& ContactChecker::milliseconds() const { return impl_->milliseco
 
 Result<double> ContactChecker::collision_free_step_size(std::span<const double> x0,
                                                         std::span<const double> x1, double min_distance) {
+  const PlainArithmetic plain;
   impl_->begin();
   const double approach = impl_->settings.approach;
   if (!(approach > 0 && approach <= 1))
@@ -119,6 +122,7 @@ Result<bool> ContactChecker::has_intersections(std::span<const double> x) {
 
 void step_towards(std::span<const double> x0, std::span<const double> x1, double share,
                   std::span<double> out) {
+  const PlainArithmetic plain;
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = share == 1 ? x1[i] : x0[i] + share * (x1[i] - x0[i]);
 }
 
