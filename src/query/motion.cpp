@@ -13,12 +13,14 @@ namespace {
 // F1: the largest coordinate, as a multiple of the frame's unit, up to which a search looks ahead.
 constexpr double kFarthestInFrame = 0x1p28;
 
+tl::unexpected<Error> not_finite(Index object, std::size_t vertex, const char* end) {
+  return fail(fmt::format("object {}, vertex {}", object, vertex),
+              fmt::format("has a coordinate in {} that is not finite", end), "repair the positions");
+}
+
 Result<void> check_numbers(Index object, const char* end, std::span<const double> x) {
   for (std::size_t i = 0; i < x.size(); ++i) {
-    if (!std::isfinite(x[i])) {
-      return fail(fmt::format("object {}, vertex {}", object, i / 3),
-                  fmt::format("has a coordinate in {} that is not finite", end), "repair the positions");
-    }
+    if (!std::isfinite(x[i])) return not_finite(object, i / 3, end);
   }
   return {};
 }
@@ -51,8 +53,19 @@ Result<void> Scene::check_sizes(Positions x0, Positions x1) const {
   return {};
 }
 
+Result<void> Scene::check_unused(Positions x0, Positions x1) const {
+  for (Index i = 0; i < trees_.size(); ++i) {
+    for (const Index v : *unused_[i]) {
+      if (!position(x0[i], v).allFinite()) return not_finite(i, v, "x0");
+      if (!position(x1[i], v).allFinite()) return not_finite(i, v, "x1");
+    }
+  }
+  return {};
+}
+
 Result<void> Scene::update(Positions x0, Positions x1, const StepSettings& settings, Index ahead) {
   if (auto ok = check_sizes(x0, x1); !ok) return ok;
+  if (auto ok = check_unused(x0, x1); !ok) return ok;
   ahead_ = ahead;
   if (auto ok = move(x0, x1); !ok) return ok;
   for (KineticTree& tree : trees_) tree.fit();

@@ -261,7 +261,8 @@ Result<void> ReducedChecker::check(std::span<const ReducedPose> begin, std::span
     m.x1.push_back(object.positions(1));
   }
   std::atomic<double> earliest{1};
-  NarrowStep step{m.trees, m.tasks, m.x0, m.x1, {}, settings.earliest_only ? &earliest : nullptr};
+  NarrowStep step{
+      m.trees, m.tasks, m.x0, m.x1, {}, settings.earliest_only ? &earliest : nullptr, settings.max_listed};
   step.ccd.thickness = settings.thickness;
   step.ccd.tolerance = out.tolerance;
   in_rounds(m.leaf_pairs, m.chunks,
