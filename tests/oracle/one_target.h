@@ -52,7 +52,7 @@ std::uint64_t hash_of(const std::pair<A, B>& pair) {
 template <class T>
 std::uint64_t hash_of(const std::vector<T>& list) {
   std::uint64_t hash = list.size();
-  for (const T& one : list) hash = (hash ^ hash_of<T>(one)) * 0x9e3779b97f4a7c15 + (hash >> 29);
+  for (const T& one : list) hash = (hash ^ hash_of(one)) * 0x9e3779b97f4a7c15 + (hash >> 29);
   return hash;
 }
 
