@@ -256,7 +256,7 @@ Result<int> sweep(const SweepArguments& a) {
   if (!ranks->leads()) {
     return ranks->work([&] { return load_settings(a); }, watch_for_interrupt());
   }
-  const auto answer = limited ? lead(a, *ranks) : tl::unexpected(limited.error());
+  auto answer = limited ? lead(a, *ranks) : tl::unexpected(limited.error());
   ranks->dismiss();
   return answer;
 }

@@ -6,8 +6,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
 #include <future>
 #include <list>
 #include <set>
@@ -24,10 +26,16 @@
 namespace foldproof {
 namespace {
 
-/// A number that mpirun tells its processes: Open MPI's, or that of the others.
+/// A number that mpirun tells its processes: Open MPI's, or that of the others. What is no number was told by
+/// nobody.
 int told(const char* open_mpi, const char* others, int otherwise) {
   for (const char* name : {open_mpi, others}) {
-    if (const char* text = std::getenv(name)) return std::atoi(text);
+    const char* text = std::getenv(name);
+    if (text == nullptr) continue;
+    const char* end = text + std::strlen(text);
+    int number = 0;
+    if (const auto read = std::from_chars(text, end, number); read.ec == std::errc() && read.ptr == end)
+      return number;
   }
   return otherwise;
 }

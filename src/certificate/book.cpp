@@ -25,10 +25,10 @@ ChartBook::ChartBook(std::shared_ptr<const PatchSlots> slots, std::shared_ptr<co
                      const BookSettings& settings)
     : settings_(settings),
       trained_(std::move(trained)),
-      own_(slots),
-      memory_(slots->count()),
-      drawn_(slots->hierarchy()->leaf_count(), 0),
-      leaf_normals_(slots->hierarchy()->leaf_count()),
+      own_(std::move(slots)),
+      memory_(own_.slots()->count()),
+      drawn_(own_.slots()->hierarchy()->leaf_count(), 0),
+      leaf_normals_(own_.slots()->hierarchy()->leaf_count()),
       drawers_([this] { return PatchDrawer(*own_.slots()); }) {}
 
 bool ChartBook::holds(const ChartLibrary& library, Index chart, std::span<const MovingVertex> vertices,

@@ -1,0 +1,107 @@
+# `./dev guard`, what CI runs after the tests: the checks that can be had in 20 minutes on two cores with the compiler's
+# cache empty. So it builds only what it runs, in one build per kind of watching.
+# shellcheck shell=bash
+source tools/checks.sh
+
+# What runs under the sanitizers: a test program, and which of its tests. All take seconds though watched, and their
+# programs are quick to build; together they go through readers, predicates, narrow phase, hierarchy and queries.
+guarded_by_address=(
+  'test_base *'
+  'test_io *'
+  'test_solver *'
+)
+guarded_by_thread=(
+  'test_base Parallel*:PerThread*:ThreadLimit*'
+  'test_bvh *'
+  'test_solver *'
+)
+guard_fuzz_seconds=10
+guard_search_seconds=60
+
+# The commit that changes are counted from: where this branch left origin/main, else the one before. None in a clone
+# without a past.
+base_of_changes() {
+  local base
+  base=$(git merge-base HEAD origin/main 2>/dev/null) || base=''
+  [[ -n $base && $base != "$(git rev-parse HEAD)" ]] || base=$(git rev-parse --verify --quiet 'HEAD^') || return 1
+  echo "$base"
+}
+
+# Sources of the library and the program that differ from that commit, or whose header does.
+changed_sources() {
+  { git diff --name-only "$1" && git ls-files --others --exclude-standard; } |
+    sed -n -E 's,^((src|apps)/.*)\.(h|cpp)$,\1.cpp,p' | sort -u | while read -r file; do
+    if [[ -f $file ]]; then echo "$file"; fi
+  done
+}
+
+guard_tidy() {
+  local base files
+  base=$(base_of_changes) || {
+    echo "no commit before this one is here"
+    return "$skipped"
+  }
+  mapfile -t files < <(changed_sources "$base")
+  if ((${#files[@]} == 0)); then
+    echo "no source of src or apps differs from $(git log -1 --format=%h "$base")"
+    return "$skipped"
+  fi
+  prepare_tidy
+  run_clang_tidy "${files[@]}"
+  echo "${#files[@]} sources, all that differ from $(git log -1 --format=%h "$base")"
+}
+
+# run_guarded PRESET 'PROGRAM FILTER'...
+run_guarded() {
+  local preset=$1 entry programs=()
+  shift
+  for entry in "$@"; do programs+=("${entry%% *}"); done
+  configure "$preset"
+  build_preset "$preset" "${programs[@]}"
+  for entry in "$@"; do
+    "build-$preset/${entry%% *}" --gtest_filter="${entry#* }" --gtest_brief=1
+  done
+}
+
+# In the fuzz targets' build: its library is watched for both already.
+guard_address() {
+  export ASAN_OPTIONS=detect_stack_use_after_return=1 UBSAN_OPTIONS=print_stacktrace=1
+  run_guarded fuzz "${guarded_by_address[@]}"
+}
+
+guard_thread() {
+  export TSAN_OPTIONS=halt_on_error=1
+  run_guarded tsan "${guarded_by_thread[@]}"
+}
+
+guard_search() {
+  configure release -DFOLDPROOF_TESTS=ON
+  if ! has_target build adversary; then
+    echo "there is no program 'adversary' here"
+    return "$skipped"
+  fi
+  build_preset release adversary
+  build/adversary --seconds "$guard_search_seconds"
+}
+
+guard_format() { check_format; }
+guard_layers() { tools/check_layers; }
+guard_fuzz() { do_fuzz "$guard_fuzz_seconds"; }
+
+guard_checks=(format layers tidy thread address fuzz search)
+
+# do_guard [CHECK...]
+do_guard() {
+  local name chosen=("$@")
+  (($#)) || chosen=("${guard_checks[@]}")
+  for name in "${chosen[@]}"; do
+    [[ " ${guard_checks[*]} " == *" $name "* ]] || die "guard has no check '$name'; it has: ${guard_checks[*]}"
+  done
+  need lib test fuzz lint
+  trap 'stop_checks; echo; print_checks; exit 130' INT TERM
+  say "guarding; what each check prints is in out/checks"
+  for name in "${chosen[@]}"; do run_check "$name" "guard_$name"; done
+  say "guard"
+  print_checks
+  ((checks_failed == 0)) || die "$checks_failed of ${#check_names[@]} checks failed"
+}
