@@ -87,6 +87,15 @@ TEST(Check, PairsWithoutAFileAreListed) {
   EXPECT_THAT(check_in(scene, {"pose.obj", "--static", "--pairs"}).out, HasSubstr("face 0 crosses face 1"));
 }
 
+TEST(Check, ALimitLeavesPairsOutButCountsThem) {
+  const Scene scene;
+  const std::string told = check_in(scene, {"sink", "--pairs", "--limit", "1"}).out;
+  EXPECT_THAT(told, HasSubstr("frame 2 substep 0\n  1 of 2 pairs:\n"));
+  EXPECT_THAT(told, HasSubstr("colliding pairs         3 "));
+  EXPECT_THAT(told, HasSubstr("  listed                2 of 3 "));
+  EXPECT_THAT(check_in(scene, {"sink"}).out, Not(HasSubstr("listed")));
+}
+
 TEST(Check, OptionsReachTheQuery) {
   const Scene scene;
   const auto settings = [&](std::vector<std::string> options) {

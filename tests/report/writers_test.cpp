@@ -119,6 +119,25 @@ TEST(JsonReport, ANameNeedNotBeUtf8) {
   EXPECT_EQ(report["objects"][0]["name"], "caf\xef\xbf\xbd\n.obj");
 }
 
+// The step from frame 2 has two collisions, that from frame 1 has one.
+TEST(Reports, SayWhereALimitLeftSomeOut) {
+  CheckSettings settings;
+  settings.step.max_listed = 1;
+  const json report = json_of(list(needle(kSinking)), settings, true);
+  EXPECT_EQ(report["settings"]["limit"], 1);
+  EXPECT_FALSE(report["steps"][1].contains("listed"));
+  EXPECT_EQ(report["steps"][2]["collisions"], json::parse(R"({"vf":2,"ee":0})"));
+  EXPECT_EQ(report["steps"][2]["listed"], json::parse(R"({"vf":1,"ee":0})"));
+  EXPECT_EQ(report["steps"][2]["pairs"]["vf"].size(), 1u);
+  EXPECT_EQ(report["totals"]["collisions"], json::parse(R"({"vf":3,"ee":0})"));
+  EXPECT_EQ(report["totals"]["listed"], json::parse(R"({"vf":2,"ee":0})"));
+  const TemporaryDirectory directory;
+  EXPECT_TRUE(run_check(list(needle(kSinking)), settings, one(csv_report(directory / "a.csv"))));
+  const std::string rows = read_file(directory / "a.csv");
+  EXPECT_THAT(rows, HasSubstr("\n# frame 2 substep 0: listed 1 of 2\n2,0,vf,"));
+  EXPECT_THAT(rows, ::testing::Not(HasSubstr("# frame 1")));
+}
+
 TEST(Reports, LeaveNoFileUnlessFinished) {
   const TemporaryDirectory directory;
   const auto motions = list(needle(kSinking));
