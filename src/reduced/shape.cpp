@@ -170,11 +170,13 @@ Nearest nearest_centres(const ReducedShape::Impl& shape, std::span<const double>
 
 ReducedProof ReducedShape::proven_free(std::span<const double> p0, std::span<const double> p1,
                                        Scratch& scratch) const {
+  const PlainArithmetic plain;
   return impl_->find_open(p0, p1, 0, scratch);
 }
 
 ReducedProof ReducedShape::find_open(std::span<const double> p0, std::span<const double> p1,
                                      Scratch& scratch) const {
+  const PlainArithmetic plain;
   return impl_->find_open(p0, p1, impl_->tree.nodes.size(), scratch);
 }
 
