@@ -116,10 +116,6 @@ bool comes_within(const Features& pair, double distance) {
   return oracle::approach(pair.kind, pair.x0, pair.x1, distance, margin) == oracle::Approach::Within;
 }
 
-bool is_within(const Features& pair, double distance, double time) {
-  return oracle::within_distance(pair.kind, pair.x0, pair.x1, time, oracle::Rational(distance));
-}
-
 std::string describe(const Features& pair) {
   std::string text = pair.kind == oracle::Kind::VertexFace ? "vertex-face" : "edge-edge";
   for (const FourPoints* x : {&pair.x0, &pair.x1}) {

@@ -22,9 +22,6 @@ bool surely_beyond(const Features& pair, double bound);
 /// settle it in short time, no.
 bool comes_within(const Features& pair, double distance);
 
-/// Exactly: are they within `distance` at `time`?
-bool is_within(const Features& pair, double distance, double time);
-
 std::string describe(const Features& pair);
 
 }  // namespace foldproof::adversary

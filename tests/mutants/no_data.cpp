@@ -6,6 +6,8 @@
 namespace foldproof::oracle {
 
 std::optional<std::filesystem::path> data_directory() { return std::nullopt; }
-std::unique_ptr<Motion> open_motion(const std::vector<std::string>&) { throw std::runtime_error("no readers"); }
+std::unique_ptr<Motion> open_motion(const std::vector<std::string>&) {
+  throw std::runtime_error("no readers");
+}
 
 }  // namespace foldproof::oracle
