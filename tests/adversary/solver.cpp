@@ -88,8 +88,8 @@ SolverCheck::SolverCheck(const Case& c, std::mt19937_64& rng) : impl_(new Impl) 
       if (proper && rng() % 8 != 0) {
         soup.faces.push_back({first + t[0], first + t[1], first + t[2]});
       } else if (t[0] != t[1]) {
-        const auto [low, high] = std::minmax(first + t[0], first + t[1]);
-        soup.edges.push_back({low, high});
+        const Index from = first + t[0], to = first + t[1];
+        soup.edges.push_back({std::min(from, to), std::max(from, to)});
       }
     }
     first += o.vertex_count;
