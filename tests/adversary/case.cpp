@@ -39,7 +39,7 @@ class Builder {
 
   Case build() {
     case_.seed = source_.pick(65536);
-    const bool kiss = source_.one_in(4);
+    const bool kiss = source_.one_in(5);
     if (kiss) {
       take_kiss();
     } else {
@@ -77,26 +77,43 @@ class Builder {
     }
   }
 
-  // Each part stands near a point of those before, so that they cross, touch or pass by.
+  // Each part stands near a point of those before, so that they cross, touch or pass by; or beside all of
+  // them.
   void take_parts() {
-    const int objects = source_.whole(1, 4);
-    const double size = 1;
+    const int objects = source_.whole(1, 3), most = source_.one_in(8) ? 90 : 30;
     Mesh all;
     for (int k = 0; k < objects; ++k) {
       Mesh mesh;
-      for (int parts = source_.whole(1, objects > 2 ? 2 : 4); parts > 0; --parts) {
-        const double own = k == 0 && mesh.triangles.empty() ? size : size * std::min(ratio(source_), 30.0);
-        Mesh part = source_.one_in(12) && !mesh.triangles.empty() ? mesh : make_part(source_, own);
-        const Vec3 shift = all.random_point(source_) - part.random_point(source_) +
-                           random_vector(source_) * own * (source_.one_in(3) ? 1 : source_.spread(1e-7, 3));
+      for (int parts = source_.whole(1, 2); parts > 0; --parts) {
+        const double own = all.triangles.empty() ? 1 : std::min(ratio(source_), 30.0);
+        Mesh part = source_.one_in(16) && !mesh.triangles.empty() ? mesh : make_part(source_, own);
+        if (static_cast<int>(all.triangles.size() + part.triangles.size()) > most && !mesh.triangles.empty())
+          break;
+        const Vec3 shift = source_.one_in(3) ? all.random_point(source_) - part.random_point(source_) +
+                                                   random_vector(source_) * own * source_.spread(1e-7, 3)
+                                             : beside(all, part, own);
         for (Vec3& p : part.vertices) p += shift;
         mesh.add(part);
         all.add(part);
-        if (mesh.triangles.size() > 60) break;
       }
       add_object(mesh);
     }
     if (source_.one_in(3)) snap();
+  }
+
+  // Boxes touch or leave a gap, along an axis; anywhere along the others.
+  Vec3 beside(const Mesh& all, const Mesh& part, double size) {
+    if (all.vertices.empty()) return Vec3::Zero();
+    const int axis = source_.whole(0, 2);
+    const auto reach = [axis](const Mesh& mesh, double side) {
+      double most = -1e300;
+      for (const Vec3& p : mesh.vertices) most = std::max(most, side * p[axis]);
+      return most;
+    };
+    const double side = source_.sign(), gap = source_.one_in(6) ? 0 : size * source_.spread(1e-9, 1);
+    Vec3 shift = all.random_point(source_) - part.random_point(source_);
+    shift[axis] = side * (reach(all, side) + reach(part, -side) + gap);
+    return shift;
   }
 
   // To a coarse grid: exact touching, equal coordinates, no area.
@@ -137,19 +154,15 @@ class Builder {
 
   void choose_settings() {
     StepSettings& s = settings_;
-    switch (source_.pick(6)) {
-      case 0:
-        s.thickness = size_ * source_.spread(1e-9, 1e-2);
-        break;
-      case 1:
-        s.thickness = size_ * source_.spread(1e-2, 4);
-        break;
-      case 2:
-        // How far apart two vertices stand along an axis.
-        s.thickness = std::abs(random_vertex()[0] - random_vertex()[0]);
-        break;
-      default:
-        break;
+    const unsigned how = source_.pick(16);
+    if (how < 2) {
+      s.thickness = size_ * source_.spread(1e-9, 1e-2);
+    } else if (how < 3) {
+      s.thickness = size_ * source_.spread(1e-2, 2);
+    } else if (how < 4) {
+      // How far apart two vertices stand along an axis.
+      const int axis = source_.whole(0, 2);
+      s.thickness = std::abs(random_vertex()[axis] - random_vertex()[axis]) * (source_.one_in(2) ? 1 : 1e-3);
     }
     if (exact_thickness_ >= 0) s.thickness = exact_thickness_;
     if (source_.one_in(3)) s.tolerance = size_ * source_.spread(1e-12, 1e-2);

@@ -109,13 +109,15 @@ std::string SolverCheck::Impl::steps(const Pose& x0, const Pose& x1, double dist
   now_doing = "is_step_collision_free";
   const auto free = checker->is_step_collision_free(x0, x1, distance);
   if (!free) return "is_step_collision_free is refused: " + free.error().line();
-  constexpr int kMost = 16;
+  const std::uint64_t undecided = checker->work().undecided;
+  tally.undecided += undecided;
+  constexpr int kMost = 8;
   const FeaturePair* pair = contact(x0, x1, distance, kMost, tally);
   if (*free && pair != nullptr)
     return "is_step_collision_free says so, but this pair comes into contact:\n" +
            describe(moving(*pair, x0, x1));
   const double beyond = distance + largest_tolerance(x0, x1, distance);
-  if (!*free && pair == nullptr && all_beyond(x0, x1, beyond))
+  if (!*free && pair == nullptr && undecided == 0 && all_beyond(x0, x1, beyond))
     return "is_step_collision_free says no, but all pairs stay beyond the distance and the tolerance";
 
   now_doing = "collision_free_step_size";
@@ -124,11 +126,12 @@ std::string SolverCheck::Impl::steps(const Pose& x0, const Pose& x1, double dist
   if (!(*share >= 0 && *share <= 1)) return fmt::format("the step size {} is not in [0,1]", *share);
   if ((*share == 1) != *free)
     return fmt::format("the step size is {:a}, but collision-free is {}", *share, *free);
-  if (*share == 0) {
+  if (*share == 0 && undecided == 0 && checker->work().undecided == 0) {
     return all_beyond(x0, x0, 2 * beyond) && distance == 0 && !contact(x0, x1, 0, kMost, tally)
                ? "the step size is 0 where nothing is near"
                : "";
   }
+  if (*share == 0) return {};
   Pose reached(x0.size());
   step_towards(x0, x1, *share, reached);
   pair = contact(x0, reached, distance, kMost, tally);
@@ -143,7 +146,7 @@ std::string SolverCheck::Impl::candidates(const Pose& x0, const Pose& x1, double
     return "candidates are refused: " + done.error().line();
   const auto keys = oracle::keys_of(found);
   if (keys.size() != found.size()) return "a candidate is listed twice";
-  int most = inflation == 0 ? 16 : 4;
+  int most = inflation == 0 ? 8 : 3;
   std::size_t known = 0;
   for (const FeaturePair& pair : pairs) {
     const bool listed = keys.contains(pair.key());
@@ -167,6 +170,9 @@ std::string SolverCheck::Impl::intersections(const Pose& x, Tally& tally) {
       const bool shared = std::any_of(a.begin(), a.end(),
                                       [&](Index v) { return std::find(b.begin(), b.end(), v) != b.end(); });
       if (shared && a.size() < 3 && b.size() < 3) continue;
+      // Of the same face twice there is no pair of vertices that the filter could be asked about.
+      const auto same = [&](Index v) { return std::find(b.begin(), b.end(), v) != b.end(); };
+      if (a.size() == b.size() && std::all_of(a.begin(), a.end(), same)) continue;
       bool cross = false;
       if (shared) {
         const Triangle s = {a[0], a[1], a.size() > 2 ? a[2] : a[1]},
@@ -192,10 +198,9 @@ std::string SolverCheck::Impl::least_distance(const Pose& x, double bound, Tally
   const double room = std::max(0x1p-46 * largest_side(x, x), 0x1p-1060);
   const bool none = *answer == std::numeric_limits<double>::infinity();
   // Nothing is nearer than the answer, and something is as near.
-  const double below = none ? bound : *answer - room;
+  const double below = (none ? bound : *answer) - room;
   if (below >= 0) {
-    if (const FeaturePair* pair = contact(x, x, below, 16, tally);
-        pair != nullptr && (none || *answer > room))
+    if (const FeaturePair* pair = contact(x, x, below, 8, tally); pair != nullptr)
       return fmt::format("the least distance is said to be {:a} (bound {:a}), but this pair is nearer:\n{}",
                          *answer, bound, describe(moving(*pair, x, x)));
   }

@@ -95,6 +95,29 @@ class Corners {
   Real largest_ = 0;
 };
 
+// The same along an axis in doubles, which settles most: differences carry one rounding.
+bool boxes_beyond(const Features& pair, double bound) {
+  const double least = bound * (1 + 0x1p-40);
+  const int own = pair.kind == oracle::Kind::VertexFace ? 1 : 2;
+  for (int axis = 0; axis < 3; ++axis) {
+    bool above = true, below = true;
+    for (const FourPoints* x : {&pair.x0, &pair.x1}) {
+      double low[2], high[2];
+      for (int k = 0; k < 4; ++k) {
+        const double c = (*x)[k][axis];
+        const int set = k >= own;
+        const bool first = k == 0 || k == own;
+        low[set] = first ? c : std::min(low[set], c);
+        high[set] = first ? c : std::max(high[set], c);
+      }
+      above = above && low[0] - high[1] > least;
+      below = below && low[1] - high[0] > least;
+    }
+    if (above || below) return true;
+  }
+  return false;
+}
+
 double extent(const Features& pair) {
   double result = 0;
   for (int k = 0; k < 4; ++k) {
@@ -108,7 +131,9 @@ double extent(const Features& pair) {
 
 }  // namespace
 
-bool surely_beyond(const Features& pair, double bound) { return Corners(pair).beyond(bound); }
+bool surely_beyond(const Features& pair, double bound) {
+  return boxes_beyond(pair, bound) || Corners(pair).beyond(bound);
+}
 
 bool comes_within(const Features& pair, double distance) {
   if (distance == 0) return oracle::touches(pair.kind, pair.x0, pair.x1);
