@@ -197,7 +197,7 @@ Result<void> require_reduced(const CheckArguments& a) {
 Result<int> check(const CheckArguments& a) {
   auto settings = settings_of(a);
   if (!settings) return tl::unexpected(settings.error());
-  ThreadLimit limit;
+  std::optional<ThreadLimit> limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
 
   if (a.reduced) {

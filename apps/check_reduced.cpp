@@ -175,6 +175,9 @@ std::string summary_of(const CheckTotals& totals) {
       fmt::format("{}, {} with collisions\n", counted(totals.steps, "step"), totals.steps_with_collisions);
   text += fmt::format("{} of vertex and face, {} of two edges\n", grouped(totals.collisions.vertex_face),
                       grouped(totals.collisions.edge_edge));
+  if (totals.listed.sum() < totals.collisions.sum()) {
+    text += fmt::format("listed {} of {}\n", grouped(totals.listed.sum()), grouped(totals.collisions.sum()));
+  }
   if (totals.worst) {
     text += fmt::format("worst step {}: {}\n", totals.worst->frame,
                         counted(totals.worst_collisions.sum(), "collision"));
@@ -202,7 +205,7 @@ Result<void> run(const Objects& objects, const ReducedCheckArguments& a, ReportW
       return done;
     }
     const CheckedStep step{.place = {k, k, k + 1, 0},
-                           .collisions = {found.vertex_face.size(), found.edge_edge.size(), 0},
+                           .collisions = {found.vertex_face_count, found.edge_edge_count, 0},
                            .earliest_toi = found.earliest_toi,
                            .work = found.work,
                            .milliseconds = found.milliseconds,

@@ -85,13 +85,12 @@ Result<std::unique_ptr<Motion>> open_motion_of(const Model& model, const std::ve
   return std::move(motions->front());
 }
 
-Result<void> limit_threads(int threads, ThreadLimit& limit) {
+Result<void> limit_threads(int threads, std::optional<ThreadLimit>& limit) {
   if (threads < 0 || threads > 4096) {
     return fail("--threads", fmt::format("{} is not between 1 and 4096", threads),
                 "give another, or leave it out to use all cores");
   }
-  if (threads > 0)
-    limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  if (threads > 0) limit.emplace(threads);
   return {};
 }
 

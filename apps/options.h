@@ -1,12 +1,11 @@
 /// What several subcommands ask for.
 #pragma once
 
-#include <tbb/global_control.h>
-
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <optional>
 
+#include "base/parallel.h"
 #include "foldproof/report.h"
 
 namespace foldproof {
@@ -42,11 +41,8 @@ Result<Model> load_learned_model(const std::string& path);
 Result<std::unique_ptr<Motion>> open_motion_of(const Model& model, const std::vector<std::string>& arguments,
                                                const ReadOptions& options);
 
-/// Limits oneTBB for as long as it lives.
-using ThreadLimit = std::optional<tbb::global_control>;
-
-/// Error: no sensible number.
-Result<void> limit_threads(int threads, ThreadLimit& limit);
+/// Makes a limit; 0 stands for none. Error: no sensible number.
+Result<void> limit_threads(int threads, std::optional<ThreadLimit>& limit);
 
 /// Error: not finite, negative, or zero where that is not allowed.
 Result<void> require_number(const char* option, double value, bool zero_allowed);

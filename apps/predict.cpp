@@ -125,7 +125,7 @@ Result<std::string> compare(const Input& input, Motion& predicted, const Predict
 }
 
 Result<int> predict(const PredictArguments& a) {
-  ThreadLimit limit;
+  std::optional<ThreadLimit> limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
   const auto model = load_learned_model(a.model);
   if (!model) return tl::unexpected(model.error());

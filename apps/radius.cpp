@@ -200,7 +200,7 @@ Result<void> write_samples(const RadiusArguments& a, const ReducedShape& shape, 
 }
 
 Result<int> radius(const RadiusArguments& a) {
-  ThreadLimit limit;
+  std::optional<ThreadLimit> limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
   if (const auto ok = require_number("--clearance", a.clearance, true); !ok)
     return tl::unexpected(ok.error());

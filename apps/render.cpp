@@ -131,7 +131,7 @@ Result<void> colour_crossings(const Objects& motions, Coloured& out) {
   StaticResult answer;
   if (auto done = checker->check_static(out.poses.spans(), {}, answer); !done) return done;
   mark(motions, answer, out);
-  out.told = counted(answer.crossings.size(), "crossing pair") + " of triangles";
+  out.told = counted(answer.crossing_count, "crossing pair") + " of triangles";
   return {};
 }
 
@@ -144,7 +144,7 @@ Result<void> colour_collisions(const RenderArguments& a, const Objects& motions,
   StepResult answer;
   if (auto done = checker->check(out.poses.spans(), next->spans(), {}, answer); !done) return done;
   mark(motions, answer, out);
-  const std::size_t pairs = answer.vertex_face.size() + answer.edge_edge.size();
+  const std::uint64_t pairs = answer.count();
   out.told = counted(pairs, "colliding pair");
   if (pairs == 0) return {};
   out.told += fmt::format(", the first {:.4f} of the way", answer.earliest_toi);

@@ -28,7 +28,7 @@ struct ReportArguments : StepArguments {
 Result<int> report(const ReportArguments& a) {
   const auto files = require_page_files();
   if (!files) return tl::unexpected(files.error());
-  ThreadLimit limit;
+  std::optional<ThreadLimit> limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
   auto opened = open_motions(a);
   if (!opened) return tl::unexpected(opened.error());

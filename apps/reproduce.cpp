@@ -1,11 +1,11 @@
 #include "reproduce.h"
 
 #include <fmt/format.h>
-#include <tbb/info.h>
 
 #include <chrono>
 #include <filesystem>
 
+#include "base/parallel.h"
 #include "commands.h"
 #include "options.h"
 #include "terminal.h"
@@ -193,7 +193,7 @@ class Reproduction {
         "computes only vertices of leaves that it must test. It is made for shapes that stay near a centre "
         "without contact; these motions do not, and its boxes are looser.\n\n",
         counted(a_.threads > 0 ? static_cast<std::uint64_t>(a_.threads)
-                               : static_cast<std::uint64_t>(tbb::info::default_concurrency()),
+                               : static_cast<std::uint64_t>(thread_count()),
                 "thread"));
     for (std::size_t k = 0; k < subjects.size(); ++k)
       text += fmt::format("### {}\n\n{}\n", subjects[k].name, chapters[k].table);
@@ -216,7 +216,7 @@ Result<void> write_page(const std::string& path, const std::string& text) {
 
 Result<int> reproduce_all(const ReproduceArguments& a) {
   const auto start = std::chrono::steady_clock::now();
-  ThreadLimit limit;
+  std::optional<ThreadLimit> limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
   if (!a.data.empty() && !fs::is_directory(a.data))
     return fail(a.data, "is no directory", "name the one that holds lion-poses/, hand/ and so on");

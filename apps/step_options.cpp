@@ -24,6 +24,14 @@ void add_step_options(CLI::App& command, StepArguments& a) {
       ->group(counts)
       ->excludes(within);
   add_setting_options(command, a);
+  command
+      .add_option(
+          "--limit", a.limit,
+          fmt::format("List and mark at most N pairs of each kind in a step, those with the smallest ids; "
+                      "all are counted [{}]",
+                      a.limit))
+      ->type_name("N")
+      ->group(counts);
 }
 
 void add_setting_options(CLI::App& command, StepArguments& a) {
@@ -75,6 +83,7 @@ Result<CheckSettings> step_settings(const StepArguments& a) {
                    .between = !a.within,
                    .thickness = a.thickness,
                    .tolerance = a.tolerance,
+                   .max_listed = a.limit,
                    .certificates = !a.no_certificates};
   settings.frames = *frames;
   return settings;

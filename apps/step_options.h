@@ -10,6 +10,7 @@ struct StepArguments {
   MotionOptions motion;
   Index substeps = 1;
   double thickness = 0, tolerance = 0;
+  std::uint64_t limit = StepSettings().max_listed;
   bool within = false, between = false, no_certificates = false;
   int threads = 0;
 };

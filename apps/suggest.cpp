@@ -79,7 +79,7 @@ Result<std::vector<Suggestion>> find(const SuggestArguments& a, const Model& mod
 }
 
 Result<int> suggest(const SuggestArguments& a) {
-  ThreadLimit limit;
+  std::optional<ThreadLimit> limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
   if (a.count < 1) return fail("--count", "is 0", "ask for at least one");
   const auto model = load_learned_model(a.model);

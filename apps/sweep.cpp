@@ -1,8 +1,8 @@
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 
+#include "base/parallel.h"
 #include "commands.h"
 #include "foldproof/sweep.h"
 #include "step_options.h"
@@ -80,10 +80,9 @@ Result<SweepSettings> load_settings(const SweepArguments& a) {
 }
 
 /// All cores, unless they are shared with other processes of this sweep.
-Result<void> share_cores(const SweepArguments& a, const Ranks& ranks, ThreadLimit& limit) {
+Result<void> share_cores(const SweepArguments& a, const Ranks& ranks, std::optional<ThreadLimit>& limit) {
   int threads = a.threads;
-  if (threads == 0 && ranks.here() > 1)
-    threads = std::max(1, tbb::this_task_arena::max_concurrency() / ranks.here());
+  if (threads == 0 && ranks.here() > 1) threads = std::max(1, thread_count() / ranks.here());
   return limit_threads(threads, limit);
 }
 
@@ -252,7 +251,7 @@ Result<int> sweep(const SweepArguments& a) {
   auto ranks = Ranks::join(a.patience);
   if (!ranks) return tl::unexpected(ranks.error());
   if (ranks->superfluous()) return kExitClean;
-  ThreadLimit limit;
+  std::optional<ThreadLimit> limit;
   const auto limited = share_cores(a, *ranks, limit);
   if (!ranks->leads()) {
     return ranks->work([&] { return load_settings(a); }, watch_for_interrupt());

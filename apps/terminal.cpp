@@ -176,6 +176,10 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
                              ? grouped(found.sum()) + "  (triangles that cross)"
                              : fmt::format("{}  (vertex-face {}, edge-edge {})", grouped(found.sum()),
                                            grouped(found.vertex_face), grouped(found.edge_edge)));
+  if (totals.listed.sum() < found.sum()) {
+    row("  listed", fmt::format("{} of {}  (those with the smallest ids; more with --limit)",
+                                grouped(totals.listed.sum()), grouped(found.sum())));
+  }
   if (settings.step.mode == Mode::Paper) {
     const std::uint64_t all = found.sum() + totals.missed;
     row("missed",
@@ -213,6 +217,8 @@ class PairListing : public ReportWriter {
   Result<void> step(const CheckedStep& step) override {
     if (step.collisions.sum() == 0) return {};
     print_output(fmt::format("frame {} substep {}\n", step.place.frame, step.place.substep));
+    if (step.listed().sum() < step.collisions.sum())
+      print_output(fmt::format("  {} of {} pairs:\n", step.listed().sum(), step.collisions.sum()));
     if (step.pose) {
       for (const TriangleCrossing& c : step.pose->crossings) {
         print_output(fmt::format("  face {}{} crosses face {}{}\n", c.triangle_a, of(c.object_a),

@@ -113,7 +113,7 @@ Result<int> train(const TrainArguments& a) {
   if (!range) return tl::unexpected(range.error());
   const auto settings = settings_of(a);
   if (!settings) return tl::unexpected(settings.error());
-  ThreadLimit limit;
+  std::optional<ThreadLimit> limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
   const auto motions = open_motions(a.poses, a.motion.read);
   if (!motions) return tl::unexpected(motions.error());

@@ -55,7 +55,7 @@ Result<int> view(const ViewArguments& a) {
   if (a.port < 0 || a.port > 65535)
     return fail("--port", fmt::format("{} is not between 1 and 65535", a.port),
                 "give another, or leave it out");
-  ThreadLimit limit;
+  std::optional<ThreadLimit> limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
   auto opened = open_motions(a);
   if (!opened) return tl::unexpected(opened.error());

@@ -1,5 +1,4 @@
 /// foldproof-bench: what a step costs, foldproof's complete answer beside other software's candidates.
-#include <oneapi/tbb/global_control.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include "base/parallel.h"
 #include "certificates.h"
 #include "machine.h"
 #include "memory.h"
@@ -235,8 +235,7 @@ Result<void> run(Options& options) {
   // From here on one processor and one thread, which those that oneTBB has by now would not know of.
   if (plan.threads == 1 && !pin_to_one_cpu(options.cpu))
     return fail("--cpu", "the system does not let this program stay there", "name another processor");
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  static_cast<std::size_t>(plan.threads));
+  const ThreadLimit limit(plan.threads);
   if (!options.memory_of.empty()) {
     if (options.scenes.size() != 1) return fail("--memory-of", "needs one scene", "add --scene NAME");
     return print_peak_bytes({options.scenes.front(), options.memory_of, plan.sizes.front(), plan.sampling,

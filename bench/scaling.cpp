@@ -1,12 +1,12 @@
 #include "scaling.h"
 
 #include <fmt/format.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 #include <thread>
 
+#include "base/parallel.h"
 #include "foldproof/model.h"
 #include "summary.h"
 
@@ -57,13 +57,13 @@ Result<TrainingRecord> train_on(const SceneInfo& scene) {
 class Team {
  public:
   Team(const std::shared_ptr<const Hierarchy>& hierarchy, int threads)
-      : arena_(threads), checker_({hierarchy}) {}
+      : threads_(threads), checker_({hierarchy}) {}
   Result<double> milliseconds(const StepLoader& loader) {
+    const ThreadLimit limit(threads_);
     const double processor = now_milliseconds(true);
     const std::span<const double> x0 = loader.x0(), x1 = loader.x1();
-    Result<void> done;
     const double start = now_milliseconds(false);
-    arena_.execute([&] { done = checker_.check({&x0, 1}, {&x1, 1}, {}, result_); });
+    const Result<void> done = checker_.check({&x0, 1}, {&x1, 1}, {}, result_);
     const double end = now_milliseconds(false);
     if (!done) return tl::unexpected(done.error());
     wall_ += end - start;
@@ -73,7 +73,7 @@ class Team {
   double processors() const { return processor_ / wall_; }
 
  private:
-  tbb::task_arena arena_;
+  int threads_;
   StepChecker checker_;
   StepResult result_;
   double wall_ = 0, processor_ = 0;

@@ -72,6 +72,9 @@ struct CheckedStep {
   /// Mode::Paper: collisions of the proven answer that this one misses, and what that answer took. Else 0.
   std::uint64_t missed = 0;
   double proven_milliseconds = 0;
+
+  /// How many of the collisions the answer lists (StepSettings::max_listed).
+  CollisionCounts listed() const;
 };
 
 /// The whole check in numbers.
@@ -79,6 +82,7 @@ struct CheckTotals {
   Index first_frame = 0, last_frame = 0;
   std::uint64_t steps = 0, steps_with_collisions = 0;
   CollisionCounts collisions;
+  CollisionCounts listed;  ///< Of them, those that the steps' answers list.
   std::optional<StepPlace> worst;  ///< The step with the most collisions, the first of several.
   CollisionCounts worst_collisions;
   std::optional<StepPlace> earliest;  ///< The first step with a collision, and its time of impact.

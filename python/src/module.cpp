@@ -1,22 +1,21 @@
 // The module foldproof._core; python/foldproof/__init__.py hands on what is in it.
 #include "module.h"
 
-#include <tbb/global_control.h>
-
 #include <optional>
 
 #include "arrays.h"
+#include "base/parallel.h"
 
 namespace foldproof::python {
 namespace {
 
 // Only the interpreter's lock is needed: the module's functions hold it when they come here.
 void set_threads(int count) {
-  static std::optional<tbb::global_control> limit;
+  static std::optional<ThreadLimit> limit;
   if (count < 0 || count > 4096)
     refuse("count", std::to_string(count) + " is not between 0 and 4096", "give 0 for all cores");
   limit.reset();
-  if (count > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count));
+  if (count > 0) limit.emplace(count);
 }
 
 }  // namespace

@@ -1,24 +1,25 @@
 #include "bvh/kinetic.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "base/parallel.h"
 
 #undef HWY_TARGET_INCLUDE  // Highway compiles this file once per instruction set
 #define HWY_TARGET_INCLUDE "bvh/kinetic.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "base/parallel.h"
 #include "bvh/grid.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace foldproof::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The box of the vertices with these ids; at least one.
+// The box of the vertices with these ids; at least one. Minima are exact, whichever zero they give
+// (tests/arithmetic, Order).
 void FitBox(const MovingVertex* vertices, std::span<const Index> ids, KineticBox& box) {
   const hn::CappedTag<float, 4> d;
   for (int end = 0; end < 2; ++end) {
@@ -95,6 +96,8 @@ struct IntoFrame {
     middle = hn::Load(d, center + lane);
     scale = hn::Set(d, frame.scale);
   }
+  // B2: one rounding to nearest each; what leaves the range of floats stays beyond the frame
+  // (tests/arithmetic: Rounding, Conversions.DoubleToFloat..., DoubleBeyondFloats...).
   HWY_INLINE auto operator()(hn::Vec<D> x) const {
     return hn::DemoteTo(hn::Rebind<float, D>(), hn::Mul(hn::Sub(x, middle), scale));
   }
@@ -320,13 +323,12 @@ constexpr std::size_t kVerticesOfTask = 4096;
 }  // namespace
 
 Bounds KineticTree::move(const Frame& frame, std::span<const double> x0, std::span<const double> x1) {
-  using Range = tbb::blocked_range<std::size_t>;
   const auto ids = hierarchy->vertex_ids();
-  return tbb::parallel_reduce(
-      Range(0, ids.size(), kVerticesOfTask), Bounds{},
-      [&](const Range& range, Bounds b) {
+  return parallel_reduce(
+      IndexRange{0, ids.size()}, kVerticesOfTask, Bounds{},
+      [&](IndexRange range, Bounds b) {
         HWY_DYNAMIC_DISPATCH(Move)
-        (frame, ids.subspan(range.begin(), range.size()), x0, x1, &vertices[range.begin()], b);
+        (frame, ids.subspan(range.begin, range.size()), x0, x1, &vertices[range.begin], b);
         return b;
       },
       [](const Bounds& a, const Bounds& b) { return around(a, b); });
@@ -334,13 +336,12 @@ Bounds KineticTree::move(const Frame& frame, std::span<const double> x0, std::sp
 
 KineticTree::Ahead KineticTree::move_ahead(const Frame& frame, std::span<const double> x0,
                                            std::span<const double> x1, double steps) {
-  using Range = tbb::blocked_range<std::size_t>;
   const auto ids = hierarchy->vertex_ids();
-  return tbb::parallel_reduce(
-      Range(0, ids.size(), kVerticesOfTask), Ahead{},
-      [&](const Range& range, Ahead a) {
+  return parallel_reduce(
+      IndexRange{0, ids.size()}, kVerticesOfTask, Ahead{},
+      [&](IndexRange range, Ahead a) {
         HWY_DYNAMIC_DISPATCH(MoveAhead)
-        (frame, ids.subspan(range.begin(), range.size()), x0, x1, steps, &vertices[range.begin()], a.step,
+        (frame, ids.subspan(range.begin, range.size()), x0, x1, steps, &vertices[range.begin], a.step,
          a.reach);
         return a;
       },
@@ -351,14 +352,13 @@ KineticTree::Ahead KineticTree::move_ahead(const Frame& frame, std::span<const d
 
 KineticTree::Strayed KineticTree::stray(const Frame& frame, std::span<const double> x0,
                                         std::span<const double> x1, const float (&times)[2]) const {
-  using Range = tbb::blocked_range<std::size_t>;
   const auto ids = hierarchy->vertex_ids();
-  return tbb::parallel_reduce(
-      Range(0, ids.size(), kVerticesOfTask), Strayed{},
-      [&](const Range& range, Strayed s) {
+  return parallel_reduce(
+      IndexRange{0, ids.size()}, kVerticesOfTask, Strayed{},
+      [&](IndexRange range, Strayed s) {
         s.most =
-            std::max(s.most, HWY_DYNAMIC_DISPATCH(Stray)(frame, ids.subspan(range.begin(), range.size()), x0,
-                                                         x1, &vertices[range.begin()], times, s.bounds));
+            std::max(s.most, HWY_DYNAMIC_DISPATCH(Stray)(frame, ids.subspan(range.begin, range.size()), x0,
+                                                         x1, &vertices[range.begin], times, s.bounds));
         return s;
       },
       [](const Strayed& a, const Strayed& b) {
@@ -368,7 +368,7 @@ KineticTree::Strayed KineticTree::stray(const Frame& frame, std::span<const doub
 
 void KineticTree::fit() {
   const auto nodes = hierarchy->nodes();
-  tbb::parallel_for(std::size_t{0}, subtrees_.size(), [&](std::size_t k) {
+  parallel_for(std::size_t{0}, subtrees_.size(), [&](std::size_t k) {
     const Hierarchy::Node& root = nodes[subtrees_[k]];
     const Index count = root.leaf_end - root.leaf_begin;
     HWY_DYNAMIC_DISPATCH(FitLeaves)
@@ -409,14 +409,17 @@ LeafVertexLists list_leaf_vertices(const Hierarchy& h) {
 Frame frame_around(const Vec3& low, const Vec3& high) {
   Frame frame;
   const Vec3 middle = low / 2 + high / 2;
-  // The centre is rounded, hence a little room.
+  // The centre is rounded, hence a little room. |y| < 9/16 always: tests/arithmetic, Frame.
   const double half = (high / 2 - low / 2).maxCoeff();
   const double reach = half * (1 + 0x1p-50) + middle.cwiseAbs().maxCoeff() * 0x1p-51;
   frame.center = middle;
   if (!(reach > 0)) return frame;
   // Everything lies within a half of the middle, and that within a sixteenth of the centre.
   frame.scale = std::ldexp(1.0, -std::clamp(std::ilogb(reach) + 2, -1020, 1025));
-  for (double& c : frame.center) c = std::nearbyint(c * frame.scale * 8) / (frame.scale * 8);
+  // Rounded, the middle of what is nearly as far out as numbers go could be infinite.
+  constexpr double kMost = std::numeric_limits<double>::max();
+  for (double& c : frame.center)
+    c = std::clamp(std::nearbyint(c * frame.scale * 8) / (frame.scale * 8), -kMost, kMost);
   return frame;
 }
 

@@ -1,13 +1,13 @@
 #include "bvh/split.h"
-
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
+
+#include "base/parallel.h"
 
 namespace foldproof {
 namespace {
@@ -16,6 +16,8 @@ namespace {
 constexpr Index kPieceOfThread = 1 << 14;
 // Halves are mended so often before their fragments are looked for.
 constexpr int kMostMendings = 4;
+// Each half has at least one in so many of a piece's triangles.
+constexpr Index kMostUneven = 32;
 constexpr std::size_t kBuckets = 64;
 constexpr float kFar = std::numeric_limits<float>::max();
 
@@ -115,6 +117,10 @@ class Cutter {
     side_[second] = kRight;
     if (mend(first, second)) return true;
     exchange_fragments(first, second);
+    // Where many triangles lie at one place a half may come apart into crumbs. Cutting off one after the
+    // other would take quadratic time: rather halves that do not hang together.
+    const auto lefts = static_cast<Index>(std::count(side_.begin(), side_.end(), kLeft));
+    if (std::min(lefts, size() - lefts) < size() / kMostUneven) rank(left);
     return false;
   }
 
@@ -444,9 +450,9 @@ SplitSurface split_surface(const Topology& topology, std::span<const double> pos
     top.make({{0, count, false}, 0}, kPieceOfThread, cutter);
   }
   std::vector<Plan> below(top.subtrees.size(), Plan(leaf_triangles, buffers, split.triangle_ids));
-  tbb::enumerable_thread_specific<Cutter> cutters([&] { return Cutter(centers); });
-  tbb::parallel_for(std::size_t{0}, below.size(),
-                    [&](std::size_t k) { below[k].make(top.subtrees[k], 0, cutters.local()); });
+  PerThread<Cutter> cutters([&] { return Cutter(centers); });
+  parallel_for(std::size_t{0}, below.size(),
+               [&](std::size_t k) { below[k].make(top.subtrees[k], 0, cutters.local()); });
   std::size_t next = 0;
   for (const Index size : top.leaf_sizes) {
     if (size != Plan::kSubtree) {

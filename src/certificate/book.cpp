@@ -1,10 +1,12 @@
 #include "certificate/book.h"
+#include "base/parallel.h"
 
-#include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <functional>
+
+#include "base/parallel.h"
 
 namespace foldproof {
 namespace {
@@ -27,7 +29,7 @@ ChartBook::ChartBook(std::shared_ptr<const PatchSlots> slots, std::shared_ptr<co
       memory_(slots->count()),
       drawn_(slots->hierarchy()->leaf_count(), 0),
       leaf_normals_(slots->hierarchy()->leaf_count()),
-      drawers_(std::cref(*slots)) {}
+      drawers_([this] { return PatchDrawer(*own_.slots()); }) {}
 
 bool ChartBook::holds(const ChartLibrary& library, Index chart, std::span<const MovingVertex> vertices,
                       double gap, ChartTester& tester) const {
@@ -88,8 +90,8 @@ void ChartBook::order(Index slot) {
 }
 
 void ChartBook::draw_orders(std::span<const MovingVertex> vertices) {
-  tbb::parallel_for(std::size_t{0}, order_count_,
-                    [&](std::size_t i) { drawers_.local().draw(vertices, orders_[i]); });
+  parallel_for(std::size_t{0}, order_count_,
+               [&](std::size_t i) { drawers_.local().draw(vertices, orders_[i]); });
   for (std::size_t i = 0; i < order_count_; ++i) enter(orders_[i]);
   drawings_ += order_count_;
 }

@@ -1,8 +1,7 @@
 /// The charts that a query uses on one object: those that were trained, and those that it draws on the way.
 #pragma once
 
-#include <tbb/enumerable_thread_specific.h>
-
+#include "base/parallel.h"
 #include "certificate/chart_test.h"
 #include "certificate/patch_drawer.h"
 
@@ -99,7 +98,7 @@ class ChartBook {
   std::size_t order_count_ = 0, drawings_ = 0;
   std::vector<std::uint8_t> drawn_;  // per leaf: a node above it has been drawn in this step
   std::vector<LeafNormal> leaf_normals_;
-  tbb::enumerable_thread_specific<PatchDrawer> drawers_;
+  PerThread<PatchDrawer> drawers_;
   std::uint32_t step_ = 0;
 };
 

@@ -111,6 +111,7 @@ void OutlineFiller::fill_bays(Drawing& drawing) {
 
 // Goes round the loop and the square at once and joins them by the shorter of the two next diagonals.
 bool OutlineFiller::join_square(Drawing& drawing) {
+  if (loop_.empty()) return false;  // an outline without sides
   const auto& places = drawing.places;
   const auto first_corner = static_cast<std::uint16_t>(places.size());
   const auto length = [](Direction d) { return dot(d, d); };

@@ -1,8 +1,7 @@
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <limits>
 
+#include "base/parallel.h"
 #include "certificate/chart_test.h"
 #include "learned/certificates.h"
 
@@ -50,7 +49,7 @@ struct MarginMeter::Scratch {
 
   std::shared_ptr<const ChartLibrary> charts;
   KineticTree tree;
-  tbb::enumerable_thread_specific<ChartScratch> locals;
+  PerThread<ChartScratch> locals;
 };
 
 MarginMeter::MarginMeter(std::shared_ptr<const ChartLibrary> charts)
@@ -61,9 +60,8 @@ MarginMeter::MarginMeter(MarginMeter&&) noexcept = default;
 Eigen::VectorXd MarginMeter::of(std::span<const Index> nodes, std::span<const double> positions) {
   scratch_->tree.refit(frame_around(positions), positions, positions);
   Eigen::VectorXd margins(static_cast<Eigen::Index>(nodes.size()));
-  tbb::parallel_for(std::size_t{0}, nodes.size(), [&](std::size_t k) {
-    margins[static_cast<Eigen::Index>(k)] = scratch_->margin(nodes[k]);
-  });
+  parallel_for(std::size_t{0}, nodes.size(),
+               [&](std::size_t k) { margins[static_cast<Eigen::Index>(k)] = scratch_->margin(nodes[k]); });
   return margins;
 }
 

@@ -1,11 +1,10 @@
 // A model file is mapped, verified, and then checked part by part before anything in it is believed.
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <functional>
 
+#include "base/parallel.h"
 #include "io/bytes.h"
 #include "model/format.h"
 #include "model/learned_file.h"
@@ -165,7 +164,7 @@ class Reader {
     if (!begins) return tl::unexpected(begins.error());
     const auto slots = std::make_shared<const PatchSlots>(std::move(hierarchy));
     const auto library = std::make_shared<ChartLibrary>(slots);
-    tbb::enumerable_thread_specific<PatchReader> readers(std::cref(*slots));
+    PerThread<PatchReader> readers([&] { return PatchReader(*slots); });
     std::vector<Arrival> arrivals(1024);
     for (std::size_t first = 0; first < size(file_.charts()); first += arrivals.size()) {
       const std::size_t count = std::min(arrivals.size(), size(file_.charts()) - first);
@@ -175,7 +174,7 @@ class Reader {
         if (chart.slot() >= slots->count()) return bad(fmt::format("chart {}", k), "belongs to no patch");
         if (!known) return bad(fmt::format("chart {}", k), "comes from no reference pose");
       }
-      tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+      parallel_for(std::size_t{0}, count, [&](std::size_t k) {
         take(*file_.charts()->Get(first + k), (*begins)[first + k], readers.local(), *slots, arrivals[k]);
       });
       for (std::size_t k = 0; k < count; ++k) {

@@ -1,6 +1,5 @@
 #include "model/trainer.h"
-
-#include <tbb/parallel_for.h>
+#include "base/parallel.h"
 
 namespace foldproof {
 namespace {
@@ -20,7 +19,7 @@ Trainer::Trainer(std::shared_ptr<const PatchSlots> slots, const TrainSettings& s
       settings_(settings),
       charts_(std::make_shared<ChartLibrary>(slots_)),
       tree_(slots_->hierarchy()),
-      locals_(slots_) {
+      locals_([this] { return Local(slots_); }) {
   for (Index leaf = 0; leaf < slots_->hierarchy()->leaf_count(); ++leaf) {
     hard_.push_back({leaf, 0, Obstacle::TooCurved});
   }
@@ -92,7 +91,7 @@ void Trainer::look_at(std::span<const Index> slots, Visit visit) {
   findings_.resize(kBatch);
   for (std::size_t first = 0; first < slots.size(); first += kBatch) {
     const auto batch = slots.subspan(first, std::min(kBatch, slots.size() - first));
-    tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t i) { look_at(batch[i], findings_[i]); });
+    parallel_for(std::size_t{0}, batch.size(), [&](std::size_t i) { look_at(batch[i], findings_[i]); });
     for (std::size_t i = 0; i < batch.size(); ++i) visit(batch[i], findings_[i]);
   }
 }

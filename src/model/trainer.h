@@ -1,8 +1,7 @@
 /// Draws charts pose by pose, where those that exist prove too little.
 #pragma once
 
-#include <tbb/enumerable_thread_specific.h>
-
+#include "base/parallel.h"
 #include "certificate/chart_test.h"
 #include "certificate/patch_drawer.h"
 #include "foldproof/model.h"
@@ -62,7 +61,7 @@ class Trainer {
   std::vector<Index> patch_of_;              // per leaf: the proven node whose patch was covered last
   std::vector<Index> level_, below_, tops_;  // slots to look at; the proven nodes
   std::vector<Finding> findings_;
-  tbb::enumerable_thread_specific<Local> locals_;
+  PerThread<Local> locals_;
 };
 
 }  // namespace foldproof

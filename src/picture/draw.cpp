@@ -1,9 +1,9 @@
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "picture/scene.h"
 
 namespace foldproof {
@@ -173,7 +173,7 @@ Result<Image> draw_picture(std::span<const Panel> panels, const PictureSettings&
   image.pixels.resize(std::size_t{image.width} * image.height, settings.background);
   for (const Scene& scene : *scenes) {
     const Bands bands(scene, settings.samples);
-    tbb::parallel_for(std::size_t{0}, bands.faces.size(), [&](std::size_t band) {
+    parallel_for(std::size_t{0}, bands.faces.size(), [&](std::size_t band) {
       const Index begin = static_cast<Index>(band) * kBandRows;
       const Index end = std::min(begin + kBandRows, scene.area.height);
       draw_rows(scene, settings.samples, settings.background, {begin, end}, bands.faces[band],

@@ -1,12 +1,11 @@
 // What certificates did in a traversal, and why they did not do more.
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <limits>
 #include <span>
 
+#include "base/parallel.h"
 #include "query/scene.h"
 
 namespace foldproof {
@@ -62,13 +61,13 @@ std::uint64_t Scene::count_near_leaves(const StepSettings& settings, double dist
     const auto nodes = hierarchy(a).nodes();
     count += hierarchy(a).leaf_count();
     const Traversal traversal{&trees_[a], &trees_[a], margin};
-    tbb::parallel_for(Index{0}, static_cast<Index>(nodes.size()), [&](Index n) {
+    parallel_for(Index{0}, static_cast<Index>(nodes.size()), [&](Index n) {
       if (!nodes[n].is_leaf()) follow(traversal, {n + 1, nodes[n].right});
     });
   }
   if (settings.between) {
     const auto near = near_objects(margin);
-    tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t k) {
+    parallel_for(std::size_t{0}, near.size(), [&](std::size_t k) {
       follow({&trees_[near[k][0]], &trees_[near[k][1]], margin}, {0, 0});
     });
   }
@@ -97,7 +96,7 @@ void Scene::explain(const StepSettings& settings, double distance, Explanation& 
     out.objects[i].reason.assign(triangles, settings.certificates ? Reason::Certified : Reason::Off);
   }
   // Proven nodes share no triangle.
-  tbb::parallel_for(std::size_t{0}, proven_nodes_.size(), [&](std::size_t k) {
+  parallel_for(std::size_t{0}, proven_nodes_.size(), [&](std::size_t k) {
     const auto& [object, node, level, proof] = proven_nodes_[k];
     const Hierarchy& h = hierarchy(object);
     const auto shown =

@@ -1,9 +1,8 @@
 #include "query/meetings.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
+#include "base/parallel.h"
 #include "ccd/march.h"
 
 namespace foldproof {
@@ -164,7 +163,7 @@ void Meetings::gather(const NarrowStep& motion, std::span<const LeafPairRef> pai
   each_kind([&](FeaturePair, auto, auto, auto kept, auto) { (all_.*kept).clear(); });
   all_.ends.clear();
   in_rounds(pairs, chunks, [&](std::size_t count) {
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       foldproof::gather(motion, chunks[i]);
       find_all_meetings(motion, distance, chunks[i]);
     });
@@ -178,12 +177,12 @@ void Meetings::test(const NarrowStep& step, const float (&times)[2], std::vector
   const Parts parts{static_cast<int>(std::min(times[0], times[1]) * Meeting::kParts) - 1,
                     static_cast<int>(std::max(times[0], times[1]) * Meeting::kParts) + 1};
   in_rounds(pairs_, chunks, [&](std::size_t count) {
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       Chunk& chunk = chunks[i];
       choose(all_, static_cast<std::size_t>(chunk.pairs.data() - pairs_.data()), parts, chunk);
       narrow(step, chunk);
     });
-    for (Chunk& chunk : std::span(chunks).first(count)) take_found(chunk, out);
+    for (Chunk& chunk : std::span(chunks).first(count)) take_found(step, chunk, out);
   });
 }
 

@@ -1,9 +1,8 @@
 // Which pairs of leaves certificates prove apart.
 
-#include <tbb/parallel_for.h>
-
 #include <bit>
 
+#include "base/parallel.h"
 #include "query/scene.h"
 
 namespace foldproof {
@@ -18,10 +17,9 @@ constexpr Index kProbe = 8;
 }  // namespace
 
 void Scene::prove_selves(Index object, double gap) {
-  using Range = tbb::blocked_range<std::size_t>;
-  tbb::parallel_for(Range(0, selves_.size(), 8), [&](const Range& range) {
+  parallel_for(IndexRange{0, selves_.size()}, 8, [&](IndexRange range) {
     Local& local = locals_.local();
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+    for (std::size_t i = range.begin; i < range.end; ++i) {
       self_proofs_[i] = books_[object]->prove(selves_[i], trees_[object].vertices, gap, local.tester);
       local.passes += static_cast<bool>(self_proofs_[i]);
     }

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "bvh/kinetic.h"
 #include "foldproof/reduced.h"
 
@@ -71,9 +71,8 @@ Result<ReducedMotion> ReducedMotion::make(std::shared_ptr<const Hierarchy> hiera
 }
 
 void ReducedMotion::positions(std::span<const double> p, std::span<double> out) const {
-  using Range = tbb::blocked_range<std::size_t>;
-  tbb::parallel_for(Range(0, ids_.size(), 1024), [&](const Range& range) {
-    for (std::size_t place = range.begin(); place < range.end(); ++place) {
+  parallel_for(IndexRange{0, ids_.size()}, 1024, [&](IndexRange range) {
+    for (std::size_t place = range.begin; place < range.end; ++place) {
       double x[3];
       vertex(static_cast<Index>(place), p, x);
       std::copy(x, x + 3, &out[3 * std::size_t{ids_[place]}]);
@@ -82,6 +81,7 @@ void ReducedMotion::positions(std::span<const double> p, std::span<double> out) 
 }
 
 double ReducedMotion::reach(std::span<const double> p) const {
+  const PlainArithmetic plain;
   double size = largest_mean_;
   for (Index k = 0; k < modes_; ++k) size += largest_[k] * std::abs(p[k]);
   return size * (1 + 0x1p-40);

@@ -1,10 +1,10 @@
 #include "reduced/node_motion.h"
-
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "base/parallel.h"
 
 namespace foldproof {
 
@@ -30,10 +30,9 @@ NodeMotions::NodeMotions(const ReducedMotion& motion, std::span<const CentrePose
   basis.resize(count * modes * 3);
   for (auto& of_centre : around) of_centre.resize(count);
   place_points(motion);
-  tbb::enumerable_thread_specific<std::vector<Index>> scratch;
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t node) {
-    measure(motion, poses, static_cast<Index>(node), scratch.local());
-  });
+  PerThread<std::vector<Index>> scratch;
+  parallel_for(std::size_t{0}, count,
+               [&](std::size_t node) { measure(motion, poses, static_cast<Index>(node), scratch.local()); });
 }
 
 // The mean of the vertices that a subtree owns, or of a leaf's where it owns none. Any point would do.

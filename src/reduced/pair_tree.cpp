@@ -1,10 +1,10 @@
 #include "reduced/pair_tree.h"
-
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <queue>
+
+#include "base/parallel.h"
 
 namespace foldproof {
 namespace {
@@ -92,7 +92,7 @@ class Grower {
   const BallInput& input_;
   std::span<const ReducedCentre> centres_;
   std::span<const Hierarchy::Node> nodes_;
-  tbb::enumerable_thread_specific<PairBalls> makers_;
+  PerThread<PairBalls> makers_;
   PairTree tree_;
   std::priority_queue<Open> open_;
   std::vector<Index> batch_, refined_;  // to be split, to be looked at feature by feature
@@ -121,7 +121,7 @@ void Grower::split(Index pair) {
 void Grower::measure(std::size_t first) {
   const std::size_t count = tree_.nodes.size(), width = centres_.size();
   tree_.balls.resize(count * width);
-  tbb::parallel_for(first, count, [&](std::size_t i) {
+  parallel_for(first, count, [&](std::size_t i) {
     const NodePairIds pair{tree_.nodes[i].a, tree_.nodes[i].b};
     for (Index c = 0; c < width; ++c)
       tree_.balls[i * width + c] = round_down(makers_.local().radius(pair, c, centres_[c].reach));
@@ -137,7 +137,7 @@ void Grower::measure(std::size_t first) {
 // Leaf pairs have nothing below them but their features.
 void Grower::refine() {
   const std::size_t width = centres_.size();
-  tbb::parallel_for(std::size_t{0}, refined_.size(), [&](std::size_t i) {
+  parallel_for(std::size_t{0}, refined_.size(), [&](std::size_t i) {
     const NodePairIds pair{tree_.nodes[refined_[i]].a, tree_.nodes[refined_[i]].b};
     for (Index c = 0; c < width; ++c) {
       float& ball = tree_.balls[refined_[i] * width + c];

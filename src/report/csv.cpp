@@ -14,6 +14,10 @@ class CsvReport : public ReportWriter {
 
   Result<void> step(const CheckedStep& step) override {
     const StepPlace& at = step.place;
+    if (step.listed().sum() < step.collisions.sum()) {
+      file_.add("# frame {} substep {}: listed {} of {}\n", at.frame, at.substep, step.listed().sum(),
+                step.collisions.sum());
+    }
     if (step.pose) {
       for (const TriangleCrossing& c : step.pose->crossings) {
         file_.add("{},{},tt,{},{},,{},{},,,crossing\n", at.frame, at.substep, c.object_a, c.triangle_a,

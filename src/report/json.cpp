@@ -23,6 +23,8 @@ class JsonReport : public ReportWriter {
                  {"earliest_toi", step.earliest_toi},
                  {"milliseconds", to_json(step.milliseconds)},
                  {"work", to_json(step.work)}};
+    if (const CollisionCounts listed = step.listed(); listed.sum() < step.collisions.sum())
+      json["listed"] = to_json(listed, poses_);
     if (statistical_) add_misses(json, step.missed, step.proven_milliseconds);
     std::string text = dump(json);
     text.pop_back();  // The pairs may follow before the closing brace.

@@ -56,6 +56,7 @@ Json settings_json(const ReportInfo& info, Index frame_count) {
       {"thickness", settings.step.thickness},
       {"tolerance", settings.step.tolerance},
       {"first", settings.step.earliest_only},
+      {"limit", settings.step.max_listed},
       {"certificates", settings.step.certificates},
       {"weld", info.read.weld},
       {"fps", info.read.fps}};
@@ -80,6 +81,7 @@ Json totals_json(const CheckTotals& totals, bool poses, bool statistical) {
                {"tolerance", totals.tolerance},
                {"milliseconds", to_json(totals.milliseconds)},
                {"work", to_json(totals.work)}};
+  if (totals.listed.sum() < totals.collisions.sum()) json["listed"] = to_json(totals.listed, poses);
   if (statistical) add_misses(json, totals.missed, totals.proven_milliseconds);
   if (totals.earliest) {
     json["earliest"] = {{"frame", totals.earliest->frame},

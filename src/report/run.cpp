@@ -94,6 +94,12 @@ void sum_up(Work& sum, const Work& more) {
   sum.undecided += more.undecided;
 }
 
+void sum_up(CollisionCounts& sum, const CollisionCounts& more) {
+  sum.vertex_face += more.vertex_face;
+  sum.edge_edge += more.edge_edge;
+  sum.triangle_triangle += more.triangle_triangle;
+}
+
 /// A check that is under way.
 class Run {
  public:
@@ -126,14 +132,14 @@ class Run {
         if (!done) return tl::unexpected(done.error());
       }
       const CheckedStep step{.place = {totals_.steps, frame, frame, 0},
-                             .collisions = {.triangle_triangle = result.crossings.size()},
+                             .collisions = {.triangle_triangle = result.crossing_count},
                              .work = result.work,
                              .milliseconds = result.milliseconds,
                              .x0 = pose.positions(),
                              .x1 = pose.positions(),
                              .pose = &result,
                              .explanation = explanation_in(result),
-                             .missed = proven_ ? proven_result.crossings.size() - result.crossings.size() : 0,
+                             .missed = proven_ ? proven_result.crossing_count - result.crossing_count : 0,
                              .proven_milliseconds = proven_result.milliseconds.total};
       if (const auto done = deliver(step); !done) return tl::unexpected(done.error());
     }
@@ -176,7 +182,7 @@ class Run {
       if (!done) return done;
     }
     return deliver({.place = place,
-                    .collisions = {result_.vertex_face.size(), result_.edge_edge.size(), 0},
+                    .collisions = {result_.vertex_face_count, result_.edge_edge_count, 0},
                     .earliest_toi = result_.earliest_toi,
                     .work = result_.work,
                     .milliseconds = result_.milliseconds,
@@ -184,21 +190,17 @@ class Run {
                     .x1 = x1.positions(),
                     .step = &result_,
                     .explanation = explanation_in(result_),
-                    .missed = proven_ ? count(proven_result_) - count(result_) : 0,
+                    .missed = proven_ ? proven_result_.count() - result_.count() : 0,
                     .proven_milliseconds = proven_result_.milliseconds.total});
   }
 
-  // The statistical answer is always part of the proven one: both pass the same pairs to the same narrow
-  // phase.
-  static std::uint64_t count(const StepResult& result) {
-    return result.vertex_face.size() + result.edge_edge.size();
-  }
-
-  // Mode::Paper: the checker that it is compared with.
+  // Mode::Paper: the checker that it is compared with. The statistical answer is always part of the proven
+  // one: both pass the same pairs to the same narrow phase. So counts are enough.
   Result<void> prepare_comparison(const Pose& first) {
     if (settings_.step.mode != Mode::Paper) return {};
     proven_settings_ = settings_.step;
     proven_settings_.mode = Mode::Proven;
+    proven_settings_.max_listed = 0;
     auto made = make_checker(motions_, settings_, first);
     if (!made) return tl::unexpected(made.error());
     proven_ = std::move(*made);
@@ -286,11 +288,15 @@ Result<void> require_models_of(Motions motions, const CheckSettings& settings) {
   return {};
 }
 
+CollisionCounts CheckedStep::listed() const {
+  if (pose) return {0, 0, pose->crossings.size()};
+  return {step->vertex_face.size(), step->edge_edge.size(), 0};
+}
+
 void CheckTotals::add(const CheckedStep& step) {
   ++steps;
-  collisions.vertex_face += step.collisions.vertex_face;
-  collisions.edge_edge += step.collisions.edge_edge;
-  collisions.triangle_triangle += step.collisions.triangle_triangle;
+  sum_up(collisions, step.collisions);
+  sum_up(listed, step.listed());
   if (step.collisions.sum() > 0) {
     ++steps_with_collisions;
     if (!earliest) {

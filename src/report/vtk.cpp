@@ -201,12 +201,13 @@ class VtkReport : public ReportWriter {
     for (std::size_t k = 0; k < positions_.size(); ++k) displacement_[k] -= positions_[k];
     const One<std::int32_t> frame{static_cast<std::int32_t>(step.place.frame)};
     const One<std::int32_t> substep{static_cast<std::int32_t>(step.place.substep)};
-    const One<std::uint64_t> collisions{step.collisions.sum()};
+    const One<std::uint64_t> collisions{step.collisions.sum()}, listed{step.listed().sum()};
     const One<double> toi{step.earliest_toi};
-    const std::array<Array, 4> fields{{
+    const std::array<Array, 5> fields{{
         {"FieldData", "Int32", "frame", 1, bytes_of(frame)},
         {"FieldData", "Int32", "substep", 1, bytes_of(substep)},
         {"FieldData", "UInt64", "collisions", 1, bytes_of(collisions)},
+        {"FieldData", "UInt64", "listed", 1, bytes_of(listed)},
         {"FieldData", "Float64", "earliest_toi", 1, bytes_of(toi)},
     }};
     std::vector<Array> arrays{

@@ -1,11 +1,10 @@
 // Pairs of features that may be near each other.
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "solver/contact_checker.h"
 
 namespace foldproof {
@@ -64,6 +63,7 @@ void ContactChecker::Impl::choose(CandidateChunk& chunk) const {
 template <class Look, class Take>
 Result<void> ContactChecker::Impl::find(std::span<const double> x0, std::span<const double> x1,
                                         double distance, Look look, Take take) {
+  const PlainArithmetic plain;
   Stopwatch total, watch;
   StepSettings step_settings = this->step_settings(0);
   step_settings.certificates = settings.certify_candidates;
@@ -73,7 +73,7 @@ Result<void> ContactChecker::Impl::find(std::span<const double> x0, std::span<co
   near.traverse(step_settings, distance, work);
   milliseconds.traverse += watch.lap();
   in_rounds(near.leaf_pairs(), candidate_chunks, [&](std::size_t count) {
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       CandidateChunk& chunk = candidate_chunks[i];
       chunk.boxes.clear();
       for (const LeafPairRef& pair : chunk.pairs)
@@ -138,9 +138,12 @@ Result<void> ContactChecker::candidates(std::span<const double> x, double inflat
 }
 
 Result<double> ContactChecker::minimum_distance(std::span<const double> x, double bound) {
+  const PlainArithmetic plain;
   impl_->begin();
   if (auto ok = check_length("bound", bound); !ok) return tl::unexpected(ok.error());
-  for (double reach = bound * kFirstLook;; reach = std::min(bound, reach * kFarther)) {
+  // Among the last denormal numbers a share of the bound would round to zero, and stay there.
+  const double first = std::min(bound, std::max(bound * kFirstLook, std::numeric_limits<double>::min()));
+  for (double reach = first;; reach = std::min(bound, reach * kFarther)) {
     double least = std::numeric_limits<double>::infinity();
     const auto found = impl_->find(
         x, x, reach, [&](CandidateChunk& chunk) { chunk.least = impl_->least_distance(chunk.found, x); },

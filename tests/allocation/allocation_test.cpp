@@ -2,13 +2,13 @@
 // program of its own.
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <new>
 
+#include "base/parallel.h"
 #include "foldproof/solver.h"
 
 namespace {
@@ -65,7 +65,7 @@ StepChecker checker_of_strip() {
 }
 
 TEST(StepChecker, AllocatesNothingFromTheSecondStepOn) {
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one(1);
   const auto x0 = strip(kLength, 5), x1 = strip(kLength, 8);
   StepChecker checker = checker_of_strip();
   StepResult step;
@@ -82,7 +82,7 @@ TEST(StepChecker, AllocatesNothingFromTheSecondStepOn) {
 // Charts are drawn on the way, and drawn anew as the strip goes on turning; when everything has had its turn,
 // all buffers have their size.
 TEST(StepChecker, AllocatesNothingForChartsOnceTheyHaveSettled) {
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one(1);
   StepChecker checker = checker_of_strip();
   StepResult step;
   std::uint64_t passes = 0, pairs = 0;
@@ -129,7 +129,7 @@ std::shared_ptr<const ReducedShape> reduced_strip() {
 // Inside a ball, outside with pairs of leaves to look at, and into itself: there all vertices are computed
 // and charts drawn, until they have settled.
 TEST(ReducedChecker, AllocatesNothingFromTheSecondStepOn) {
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one(1);
   const auto shape = reduced_strip();
   ASSERT_GT(shape->radius(0), 0);
   ReducedChecker checker({shape});
@@ -167,7 +167,7 @@ TEST(ReducedShape, ProvesWithoutAllocating) {
 
 // A line search: from one pose towards others, some of which are reached and some not.
 TEST(ContactChecker, AllocatesNothingFromTheSecondLineSearchOn) {
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one(1);
   const auto x0 = strip(kLength, 5);
   const std::vector<double> targets[] = {strip(kLength, 8), strip(kLength, 5.2)};
   const auto triangles = strip_topology();

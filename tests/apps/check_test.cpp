@@ -99,7 +99,7 @@ TEST(Check, OptionsReachTheQuery) {
                 "--tolerance", "1e-3", "--first", "--weld", "--fps", "30", "--threads", "1"});
   EXPECT_EQ(all,
             json::parse(R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,"within":false,
-      "between":true,"thickness":0.5,"tolerance":0.001,"first":true,"certificates":true,"weld":true,"fps":30.0})"));
+      "between":true,"thickness":0.5,"tolerance":0.001,"first":true,"limit":10000000,"certificates":true,"weld":true,"fps":30.0})"));
   EXPECT_EQ(settings({"sink", "--static", "--within"})["static"], true);
   EXPECT_EQ(settings({"sink", "--within"})["between"], false);
   EXPECT_EQ(settings({"sink", "--frames", "-3:"})["frames"], json::parse(R"({"first":2,"last":4,"step":1})"));

@@ -1,7 +1,7 @@
 // What training proves, and what it says about a mesh.
 #include <gmock/gmock.h>
-#include <tbb/global_control.h>
 
+#include "base/parallel.h"
 #include "bvh/meshes.h"
 #include "foldproof/query.h"
 #include "io/support.h"
@@ -84,8 +84,8 @@ TEST(Train, TheModelIsTheSameForAnyNumberOfThreads) {
   std::vector<std::string> models;
   TrainSettings settings{.references = 3};
   settings.learning.subspace = SubspaceKind::KernelPca;
-  for (const std::size_t threads : {1, 2, 7}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  for (const int threads : {1, 2, 7}) {
+    const ThreadLimit limit(threads);
     const Model model = trained(*motion, settings);
     EXPECT_TRUE(model.learned) << model.not_learned;
     models.push_back(bytes_of_file(model));

@@ -37,6 +37,8 @@ class StepSweep {
       }
     }
     keep_earliest();
+    result_.vertex_face_count = result_.vertex_face.size();
+    result_.edge_edge_count = result_.edge_edge.size();
     return std::move(result_);
   }
 
@@ -179,6 +181,7 @@ StaticResult brute_force_static(const Scene& scene, const StepSettings& settings
       }
     }
   }
+  result.crossing_count = result.crossings.size();
   return result;
 }
 

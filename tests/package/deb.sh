@@ -1,8 +1,10 @@
 #!/bin/sh
-# usage: deb.sh CPACK BUILD WHERE
+# usage: deb.sh CPACK BUILD WHERE [THREADS]
 # Makes the Debian packages of a build in WHERE, unpacks them there into `root` and runs the program from it.
 set -e
 cpack=$1 build=$2 where=$3
+library=libtbb12
+test "${4:-tbb}" = tbb || library=libzip4
 rm -rf "$where"
 mkdir -p "$where"
 "$cpack" -G DEB --config "$build/CPackConfig.cmake" -B "$where" >"$where/log" 2>&1 || {
@@ -13,7 +15,7 @@ for package in "$where"/*.deb; do
   dpkg-deb --extract "$package" "$where/root"
   echo "$(basename "$package"): needs $(dpkg-deb --field "$package" Depends)"
 done
-dpkg-deb --field "$where"/foldproof_*.deb Depends | grep -q 'libtbb12.*' || {
+dpkg-deb --field "$where"/foldproof_*.deb Depends | grep -q "$library" || {
   echo "foldproof does not name the libraries that it is linked with" >&2
   exit 1
 }

@@ -1,4 +1,8 @@
-# The library as others get it: installed, as a part of their build, as a Debian package.
+# The library as others get it: installed, as a part of their build, as a Debian package. Not when it is watched, as only
+# programs that are watched, too, can be linked with that.
+if(FOLDPROOF_SANITIZE OR FOLDPROOF_FUZZ)
+  return()
+endif()
 set(WORK ${CMAKE_CURRENT_BINARY_DIR}/package)
 set(CONSUMER ${CMAKE_CURRENT_SOURCE_DIR}/package)
 set(EXAMPLE_SOURCE ${CMAKE_CURRENT_BINARY_DIR}/readme_example.cpp)
@@ -23,6 +27,7 @@ foreach(FORM ${FORMS})
   add_test(NAME consumer_${FORM} COMMAND ${CMAKE_CTEST_COMMAND} --build-and-test ${CONSUMER} ${WORK}/${FORM}
     --build-generator ${CMAKE_GENERATOR}
     --build-options -DFORM=${FORM} -DEXAMPLE=${EXAMPLE_SOURCE} -DFOLDPROOF_SOURCE=${PROJECT_SOURCE_DIR}
+    -DFOLDPROOF_THREADS=${FOLDPROOF_THREADS}
     -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE}
     "-DCMAKE_CXX_FLAGS_RELEASE=${RELEASE_FLAGS}" -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
     --test-command consumer)
@@ -38,6 +43,6 @@ set_tests_properties(consumer_pkg_config PROPERTIES FIXTURES_REQUIRED installed 
 
 find_program(DPKG_SHLIBDEPS dpkg-shlibdeps)
 if(DPKG_SHLIBDEPS)
-  add_test(NAME package_deb COMMAND sh ${CONSUMER}/deb.sh ${CMAKE_CPACK_COMMAND} ${PROJECT_BINARY_DIR} ${WORK}/deb)
+  add_test(NAME package_deb COMMAND sh ${CONSUMER}/deb.sh ${CMAKE_CPACK_COMMAND} ${PROJECT_BINARY_DIR} ${WORK}/deb ${FOLDPROOF_THREADS})
   set_tests_properties(package_deb PROPERTIES PASS_REGULAR_EXPRESSION "foldproof ${PROJECT_VERSION}" RUN_SERIAL ON)
 endif()

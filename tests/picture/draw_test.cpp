@@ -1,10 +1,10 @@
 // What lands where in a picture.
 #include <gmock/gmock.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "base/parallel.h"
 #include "foldproof/picture.h"
 
 namespace foldproof {
@@ -318,7 +318,7 @@ TEST(Picture, TheSameForAnyNumberOfThreads) {
   const Mesh ball = sphere(200, 100, {0, 0, 0}, 1);
   const std::vector<Panel> panels{{.meshes = {ball.seen()}, .points = {{{{0, 0, 1}}}}}};
   const Image many = drawn(panels, {.width = 333, .height = 211});
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one(1);
   EXPECT_EQ(many.pixels, drawn(panels, {.width = 333, .height = 211}).pixels);
 }
 

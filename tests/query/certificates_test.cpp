@@ -2,7 +2,6 @@
 // bit. One checker sees all steps, as charts are drawn on the way.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -11,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/parallel.h"
 #include "foldproof/model.h"
 #include "foldproof/query.h"
 #include "oracle/brute_force.h"
@@ -113,8 +113,8 @@ TEST_P(Films, EarliestOnlyIsTheSameWithCertificates) {
 
 TEST_P(Films, ThreadsChangeNeitherAnswersNorWork) {
   std::vector<std::vector<StepResult>> runs;
-  for (const std::size_t threads : {1, 2, 2}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  for (const int threads : {1, 2, 2}) {
+    const ThreadLimit limit(threads);
     StepChecker checker(hierarchies(film_, 4));
     auto& run = runs.emplace_back(film_.poses.size() - 1);
     for (std::size_t k = 0; k < run.size(); ++k) {

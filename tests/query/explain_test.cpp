@@ -1,12 +1,12 @@
 // What a query says about its certificates, on generated meshes whose answer is known.
 #include <gmock/gmock.h>
-#include <tbb/global_control.h>
 
 #include <bit>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
+#include "base/parallel.h"
 #include "bvh/meshes.h"
 #include "foldproof/query.h"
 #include "oracle/meshes.h"
@@ -316,7 +316,7 @@ TEST(Explanation, WithoutCertificatesEverythingIsOff) {
 
 /// Answers to ten steps of two tubes that cross, and a pose.
 std::vector<Explanation> two_tubes(int threads) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const ThreadLimit limit(threads);
   const Mesh first = tube(0.5);
   const auto tree = std::make_shared<const Hierarchy>(*Hierarchy::build(first.topology, first.positions));
   StepChecker checker({tree, tree});

@@ -1,7 +1,6 @@
 // Whole queries against brute force on generated meshes. Culling is wide enough for thickness and tolerance,
 // so the answers must not just be close: they must be the same pairs with the same times, bit for bit.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cstring>
@@ -10,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/parallel.h"
 #include "foldproof/query.h"
 #include "oracle/brute_force.h"
 #include "oracle/judge.h"
@@ -202,8 +202,8 @@ TEST_P(QueryProperties, AnyNumberOfThreadsGivesTheSameBits) {
       settings.earliest_only = earliest;
       settings.thickness = 0.004;
       std::vector<StepResult> results;
-      for (const std::size_t threads : {1, 2, 3}) {
-        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      for (const int threads : {1, 2, 3}) {
+        const ThreadLimit limit(threads);
         for (int repeat = 0; repeat < 3; ++repeat) results.push_back(run(scene, settings, 4));
       }
       for (const StepResult& r : results) expect_bits_equal(r, results.front(), !earliest);

@@ -1,9 +1,9 @@
 // Whole shapes: Eq. 8 at the root and below, several centres, what is left out, and what is refused.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <set>
 
+#include "base/parallel.h"
 #include "foldproof/query.h"
 #include "oracle/brute_force.h"
 #include "reduced/features.h"
@@ -154,8 +154,8 @@ TEST(ReducedShape, LeavesOutWhatReachesLessFar) {
 
 TEST(ReducedShape, IsTheSameForAnyNumberOfThreads) {
   const auto motion = bending_tube(12, 24, 0.4).motion();
-  const auto build = [&](std::size_t threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const auto build = [&](int threads) {
+    const ThreadLimit limit(threads);
     return ReducedShape::build(motion, {{zeros(*motion)}}).value();
   };
   const auto one = build(1), four = build(4);

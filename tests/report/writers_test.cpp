@@ -109,7 +109,7 @@ TEST(JsonReport, SaysWithWhatSettingsItWasMade) {
   const json report = json_of(list(lone_floor(5), lone_needle(kSinking)), settings, false);
   EXPECT_EQ(report["settings"],
             json::parse(R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,
-      "within":false,"between":true,"thickness":0.25,"tolerance":0.0,"first":false,"certificates":true,
+      "within":false,"between":true,"thickness":0.25,"tolerance":0.0,"first":false,"limit":10000000,"certificates":true,
       "weld":false,"fps":24.0})"));
   EXPECT_EQ(report["steps"][2]["substep"], 2);
 }

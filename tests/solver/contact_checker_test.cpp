@@ -1,10 +1,10 @@
 // Step sizes and poses against exact arithmetic and brute force.
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cstdlib>
 
+#include "base/parallel.h"
 #include "soups.h"
 
 namespace foldproof::oracle {
@@ -134,6 +134,16 @@ TEST(ContactChecker, FindsPointsAndEdgesWithinTheMinimumDistance) {
   }
 }
 
+// A share of such a bound may be zero.
+TEST(ContactChecker, MinimumDistanceTakesTheSmallestBounds) {
+  Soup soup;
+  soup.x0 = soup.x1 = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1};
+  soup.faces = {{0, 1, 2}, {3, 4, 5}};
+  ContactChecker checker = checker_of(soup);
+  for (const double bound : {0.0, 0x1p-1074, 1e-322, 0x1p-1022, 1e-300})
+    EXPECT_EQ(checker.minimum_distance(soup.x0, bound).value(), std::numeric_limits<double>::infinity());
+}
+
 TEST(ContactChecker, StepsAreTheSameWhateverCertificatesAndThreads) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Rng rng(seed);
@@ -141,7 +151,7 @@ TEST(ContactChecker, StepsAreTheSameWhateverCertificatesAndThreads) {
     ContactChecker with = checker_of(soup), without = checker_of(soup, {}, false);
     for (int step = 0; step < 5; ++step) {
       const double a = with.collision_free_step_size(soup.x0, soup.x1, 0.001).value();
-      const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+      const ThreadLimit one(1);
       EXPECT_EQ(a, without.collision_free_step_size(soup.x0, soup.x1, 0.001).value());
       for (double& x : soup.x1) x += 1e-3;
     }

@@ -65,6 +65,15 @@ class CheckLayers(unittest.TestCase):
         self.refuses({"src/mesh/a.cpp": '#include "attic/old.h"\n'}, "belongs to no room")
         self.refuses({"src/attic/a.cpp": ""}, "room 'attic' has no level")
 
+    def test_one_file_sees_onetbb(self):
+        self.accepts({"src/base/parallel.h": "#include <tbb/parallel_for.h>\n",
+                      "src/query/a.cpp": '#include "base/parallel.h"\n#include <tbbl.h>\n'})
+        includes = ("<tbb/parallel_for.h>", "<oneapi/tbb/task_arena.h>", "<tbb.h>", '"tbb/tbb.h"', "<oneapi/tbb.h>")
+        text = "".join(f"# include {include}\n" for include in includes)
+        paths = ("src/query/a.cpp", "src/base/a.h", "apps/a.cpp", "python/src/a.cpp", "tests/query/a.cpp", "bench/a.h")
+        self.refuses({path: text for path in paths},
+                     *(f"{path}:{line}: includes tbb" for path in paths for line in range(1, 6)))
+
     def test_sizes(self):
         self.accepts({"src/mesh/a.cpp": "\n" * 600, "include/foldproof/mesh.h": "\n" * 300})
         self.refuses({"src/mesh/a.cpp": "\n" * 601}, "601 lines")
