@@ -1,22 +1,17 @@
 #include "adversary/run.h"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cstring>
 #include <limits>
 
+#include "base/parallel.h"
 #include "oracle/brute_force.h"
 #include "oracle/one_target.h"
 
 namespace foldproof::adversary {
 namespace {
-
-struct Threads {
-  tbb::global_control at_most;
-  explicit Threads(std::size_t most) : at_most(tbb::global_control::max_allowed_parallelism, most) {}
-};
 
 std::vector<std::int64_t> targets() {
   std::vector<std::int64_t> all;
@@ -93,7 +88,7 @@ class Player {
   std::string run() {
     const bool several = std::any_of(case_.steps.begin(), case_.steps.end(),
                                      [](const Step& step) { return (step.checks & kThreads) != 0; });
-    const Threads limit(several ? 4 : 1);
+    const ThreadLimit limit(several ? 4 : 1);
     own_ = hierarchies(0);
     main_.emplace(own_);
     std::string complaint;
@@ -241,7 +236,7 @@ class Player {
   std::string play_threads(const Step& step) {
     now_doing = "one thread";
     if (!single_) single_.emplace(own_);
-    const Threads one(1);
+    const ThreadLimit one(1);
     StepResult result;
     std::string wrong = check(*single_, step, step.settings, result);
     if (wrong.empty()) wrong = difference(result, expected_);
