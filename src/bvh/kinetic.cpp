@@ -407,17 +407,17 @@ LeafVertexLists list_leaf_vertices(const Hierarchy& h) {
 
 // Halves first, so that the largest doubles do not overflow.
 Frame frame_around(const Vec3& low, const Vec3& high) {
+  constexpr double kMost = std::numeric_limits<double>::max();
   Frame frame;
   const Vec3 middle = low / 2 + high / 2;
   // The centre is rounded, hence a little room. |y| < 9/16 always: tests/arithmetic, Frame.
   const double half = (high / 2 - low / 2).maxCoeff();
-  const double reach = half * (1 + 0x1p-50) + middle.cwiseAbs().maxCoeff() * 0x1p-51;
+  const double reach = std::min(half * (1 + 0x1p-50) + middle.cwiseAbs().maxCoeff() * 0x1p-51, kMost);
   frame.center = middle;
   if (!(reach > 0)) return frame;
   // Everything lies within a half of the middle, and that within a sixteenth of the centre.
   frame.scale = std::ldexp(1.0, -std::clamp(std::ilogb(reach) + 2, -1020, 1025));
   // Rounded, the middle of what is nearly as far out as numbers go could be infinite.
-  constexpr double kMost = std::numeric_limits<double>::max();
   for (double& c : frame.center)
     c = std::clamp(std::nearbyint(c * frame.scale * 8) / (frame.scale * 8), -kMost, kMost);
   return frame;
