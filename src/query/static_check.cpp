@@ -32,8 +32,10 @@ bool neighbours_cross(const Pose& pose, Index object, const Triangle& s, const T
   }
   const auto p = [&](Index v) { return position(pose.x[object], v); };
   if (common == 0) return triangles_intersect(pose.corners(object, s), pose.corners(object, t));
-  // The same triangle twice covers itself; one that names a vertex twice is a side or corner of the other.
-  if (rest_s == 0 && rest_t == 0) return triangle_has_area(p(s[0]), p(s[1]), p(s[2]));
+  // The same triangle twice covers itself, without an area as well: it would cross itself as soon as it has
+  // one, and nothing else would touch on the way. One that names a vertex twice is a side or corner of the
+  // other.
+  if (rest_s == 0 && rest_t == 0) return s[0] != s[1] && s[1] != s[2] && s[2] != s[0];
   if (rest_s == 0 || rest_t == 0) return false;
   if (rest_s == 1 && rest_t == 1)
     return triangles_fold(p(shared[0]), p(shared[1]), p(only_s[0]), p(only_t[0]));
