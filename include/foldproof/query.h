@@ -181,9 +181,9 @@ class StepChecker {
   /// Every pair of triangles that has a point in common beyond the vertices and edges they share, decided
   /// with exact arithmetic. `thickness`, `tolerance` and `earliest_only` do not apply. Of two triangles with
   /// a common edge: folded flat onto each other. With one common vertex: the side opposite to it meets the
-  /// other triangle, so that another vertex at the common vertex's place counts. The same triangle twice:
-  /// when it has an area. Of triangles that name the same vertices in the same order one is looked at, so that
-  /// many copies cost little; an Explanation says of all of them what holds for that one.
+  /// other triangle, so that another vertex at the common vertex's place counts. The same three vertices
+  /// twice: always. Of triangles that name the same vertices in the same order one is looked at, so that many
+  /// copies cost little; an Explanation says of all of them what holds for that one.
   Result<void> check_static(Positions x, const StepSettings& settings, StaticResult& out);
 
  private:

@@ -19,6 +19,11 @@ struct Pose {
   }
 };
 
+// The same triangle twice covers itself, without an area as well: it would cross itself as soon as it has
+// one, and nothing else would touch on the way. One that names a vertex twice is a side or corner of the
+// other.
+bool covers_itself(const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }
+
 // Two triangles of one object: they cross when they meet beyond what they share.
 bool neighbours_cross(const Pose& pose, Index object, const Triangle& s, const Triangle& t) {
   std::array<Index, 3> shared{}, only_s{}, only_t{};
@@ -32,8 +37,7 @@ bool neighbours_cross(const Pose& pose, Index object, const Triangle& s, const T
   }
   const auto p = [&](Index v) { return position(pose.x[object], v); };
   if (common == 0) return triangles_intersect(pose.corners(object, s), pose.corners(object, t));
-  // The same triangle twice covers itself; one that names a vertex twice is a side or corner of the other.
-  if (rest_s == 0 && rest_t == 0) return triangle_has_area(p(s[0]), p(s[1]), p(s[2]));
+  if (rest_s == 0 && rest_t == 0) return covers_itself(s);
   if (rest_s == 0 || rest_t == 0) return false;
   if (rest_s == 1 && rest_t == 1)
     return triangles_fold(p(shared[0]), p(shared[1]), p(only_s[0]), p(only_t[0]));
@@ -89,7 +93,7 @@ class Crossings {
     }
   }
 
-  // Every two copies of a triangle that has an area.
+  // Every two copies of a triangle.
   void add_copies(Index object, std::span<const Index> copies) {
     out_.crossing_count += std::uint64_t{copies.size()} * (copies.size() - 1) / 2;
     for (std::size_t i = 0; i < copies.size(); ++i) {
@@ -126,8 +130,7 @@ class Crossings {
 void add_all_copies(const Pose& pose, DistinctObjects distinct, Crossings& out) {
   for (Index object = 0; object < distinct.size(); ++object) {
     for (const Index t : distinct[object]->repeated()) {
-      const auto corners = pose.corners(object, pose.scene.hierarchy(object).topology().triangles()[t]);
-      if (triangle_has_area(corners[0], corners[1], corners[2]))
+      if (covers_itself(pose.scene.hierarchy(object).topology().triangles()[t]))
         out.add_copies(object, distinct[object]->copies(t));
     }
   }

@@ -45,19 +45,28 @@ class Pose {
   std::vector<std::span<const double>> spans_;
 };
 
-Result<StepChecker> make_checker(Motions motions, const CheckSettings& settings, const Pose& first) {
-  std::vector<std::shared_ptr<const Hierarchy>> objects;
-  std::vector<std::shared_ptr<const ChartLibrary>> charts(motions.size());
-  std::vector<std::shared_ptr<const Learned>> learned(motions.size());
+/// What checkers share: hierarchies, and what models hold.
+struct Objects {
+  std::vector<std::shared_ptr<const Hierarchy>> hierarchies;
+  std::vector<std::shared_ptr<const ChartLibrary>> charts;
+  std::vector<std::shared_ptr<const Learned>> learned;
+
+  StepChecker checker() const { return StepChecker(hierarchies, charts, learned); }
+};
+
+Result<Objects> make_objects(Motions motions, const CheckSettings& settings, const Pose& first) {
+  Objects objects;
+  objects.charts.resize(motions.size());
+  objects.learned.resize(motions.size());
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (!settings.models.empty() && settings.models[i]) {
-      objects.push_back(settings.models[i]->hierarchy());
-      charts[i] = settings.models[i]->charts;
-      learned[i] = settings.models[i]->learned;
+      objects.hierarchies.push_back(settings.models[i]->hierarchy());
+      objects.charts[i] = settings.models[i]->charts;
+      objects.learned[i] = settings.models[i]->learned;
       continue;
     }
     if (!settings.hierarchies.empty()) {
-      objects.push_back(settings.hierarchies[i]);
+      objects.hierarchies.push_back(settings.hierarchies[i]);
       continue;
     }
     auto hierarchy = Hierarchy::build(motions[i]->topology(), first.positions()[i]);
@@ -66,9 +75,9 @@ Result<StepChecker> make_checker(Motions motions, const CheckSettings& settings,
       error.where = motions[i]->name() + ": " + error.where;
       return tl::unexpected(std::move(error));
     }
-    objects.push_back(std::make_shared<const Hierarchy>(std::move(*hierarchy)));
+    objects.hierarchies.push_back(std::make_shared<const Hierarchy>(std::move(*hierarchy)));
   }
-  return StepChecker(std::move(objects), std::move(charts), std::move(learned));
+  return objects;
 }
 
 // Nobody can predict certificates of an object without a model.
@@ -108,7 +117,7 @@ class Run {
       : motions_(motions), settings_(settings), writers_(writers), hooks_(hooks), frames_(std::move(frames)) {
     totals_.first_frame = frames_.front();
     totals_.last_frame = frames_.back();
-    expected_ = settings.poses ? frames_.size() : (frames_.size() - 1) * std::uint64_t{settings.substeps};
+    totals_.steps_expected = expected_steps();
   }
 
   Result<CheckTotals> poses() {
@@ -118,10 +127,10 @@ class Run {
     for (const Index frame : frames_) {
       if (const auto done = pose.read(motions_, frame); !done) return tl::unexpected(done.error());
       if (!checker) {
-        auto made = make_checker(motions_, settings_, pose);
-        if (!made) return tl::unexpected(made.error());
-        checker = std::move(*made);
-        if (auto ok = prepare_comparison(pose); !ok) return tl::unexpected(ok.error());
+        const auto objects = make_objects(motions_, settings_, pose);
+        if (!objects) return tl::unexpected(objects.error());
+        checker = objects->checker();
+        prepare_comparison(*objects);
       }
       if (stop_requested()) return totals_;
       if (const auto done = checker->check_static(pose.positions(), settings_.step, result); !done) {
@@ -149,9 +158,19 @@ class Run {
   Result<CheckTotals> steps() {
     Pose from(motions_), to(motions_);
     if (const auto done = from.read(motions_, frames_[0]); !done) return tl::unexpected(done.error());
-    auto checker = make_checker(motions_, settings_, from);
-    if (!checker) return tl::unexpected(checker.error());
-    if (auto ok = prepare_comparison(from); !ok) return tl::unexpected(ok.error());
+    const auto objects = make_objects(motions_, settings_, from);
+    if (!objects) return tl::unexpected(objects.error());
+    if (!settings_.steps_only) {
+      if (stop_requested()) return totals_;
+      if (const auto done = start(*objects, from); !done) return tl::unexpected(done.error());
+    }
+    StepChecker checker = objects->checker();
+    prepare_comparison(*objects);
+    if (frames_.size() == 1) {
+      if (stop_requested()) return totals_;
+      const auto done = check(checker, {0, frames_[0], frames_[0], 0}, from, from);
+      if (!done) return tl::unexpected(done.error());
+    }
     std::optional<Pose> near, far;  // Ends of a part of a step.
     if (settings_.substeps > 1) {
       near.emplace(motions_);
@@ -164,7 +183,7 @@ class Run {
         const bool first = part == 0, last = part + 1 == settings_.substeps;
         if (!last) far->blend(from, to, static_cast<double>(part + 1) / settings_.substeps);
         const StepPlace place{totals_.steps, frames_[i - 1], frames_[i], part};
-        const auto done = check(*checker, place, first ? from : *near, last ? to : *far);
+        const auto done = check(checker, place, first ? from : *near, last ? to : *far);
         if (!done) return tl::unexpected(done.error());
         if (!last) std::swap(near, far);
       }
@@ -174,6 +193,33 @@ class Run {
   }
 
  private:
+  std::uint64_t expected_steps() const {
+    if (settings_.poses) return frames_.size();
+    if (frames_.size() == 1) return 1;  // It stands still.
+    return (frames_.size() - 1) * std::uint64_t{settings_.substeps};
+  }
+
+  // Exact in every mode. It has a checker of its own, so that the steps' answers tell of steps only.
+  Result<void> start(const Objects& objects, const Pose& first) {
+    StepSettings asked = settings_.step;
+    asked.mode = Mode::Proven;
+    asked.explain = false;
+    StaticResult result;
+    if (auto done = objects.checker().check_static(first.positions(), asked, result); !done) return done;
+    const CheckedStep pose{.place = {0, frames_[0], frames_[0], 0},
+                           .collisions = {.triangle_triangle = result.crossing_count},
+                           .work = result.work,
+                           .milliseconds = result.milliseconds,
+                           .x0 = first.positions(),
+                           .x1 = first.positions(),
+                           .pose = &result};
+    totals_.start(pose);
+    for (const auto& writer : writers_) {
+      if (auto done = writer->start(pose); !done) return done;
+    }
+    return {};
+  }
+
   Result<void> check(StepChecker& checker, const StepPlace& place, const Pose& x0, const Pose& x1) {
     auto done = checker.check(x0.positions(), x1.positions(), settings_.step, result_);
     if (!done) return done;
@@ -196,15 +242,12 @@ class Run {
 
   // Mode::Paper: the checker that it is compared with. The statistical answer is always part of the proven
   // one: both pass the same pairs to the same narrow phase. So counts are enough.
-  Result<void> prepare_comparison(const Pose& first) {
-    if (settings_.step.mode != Mode::Paper) return {};
+  void prepare_comparison(const Objects& objects) {
+    if (settings_.step.mode != Mode::Paper) return;
     proven_settings_ = settings_.step;
     proven_settings_.mode = Mode::Proven;
     proven_settings_.max_listed = 0;
-    auto made = make_checker(motions_, settings_, first);
-    if (!made) return tl::unexpected(made.error());
-    proven_ = std::move(*made);
-    return {};
+    proven_ = objects.checker();
   }
 
   template <class Answer>
@@ -217,7 +260,7 @@ class Run {
     for (const auto& writer : writers_) {
       if (auto done = writer->step(step); !done) return done;
     }
-    if (hooks_.progress) hooks_.progress(totals_, expected_);
+    if (hooks_.progress) hooks_.progress(totals_, totals_.steps_expected);
     return {};
   }
 
@@ -239,7 +282,6 @@ class Run {
   Writers writers_;
   const CheckHooks& hooks_;
   std::vector<Index> frames_;
-  std::uint64_t expected_ = 0;
   StepResult result_, proven_result_;
   std::optional<StepChecker> proven_;  // Mode::Paper
   StepSettings proven_settings_;
@@ -262,11 +304,11 @@ Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings&
                 "name a second motion, or leave --between out");
   }
   std::vector<Index> frames = select_frames(settings.frames, count);
-  const std::size_t needed = settings.poses ? 1 : 2;
+  const std::size_t needed = settings.steps_only && !settings.poses ? 2 : 1;
   if (frames.size() >= needed) return frames;
   if (count < needed) {
     return fail(motions[0]->name(), "has 1 frame, and a step goes from one frame to the next",
-                "use --static of 'foldproof check' to find the crossing triangles of a single pose");
+                "check it without --steps-only: its crossing triangles are found");
   }
   return fail("--frames",
               fmt::format("selects {} of {} frames, and {} needed", frames.size(), count,
@@ -291,6 +333,11 @@ Result<void> require_models_of(Motions motions, const CheckSettings& settings) {
 CollisionCounts CheckedStep::listed() const {
   if (pose) return {0, 0, pose->crossings.size()};
   return {step->vertex_face.size(), step->edge_edge.size(), 0};
+}
+
+void CheckTotals::start(const CheckedStep& pose) {
+  starts_crossing = pose.collisions.triangle_triangle;
+  start_milliseconds = pose.milliseconds;
 }
 
 void CheckTotals::add(const CheckedStep& step) {
