@@ -68,7 +68,7 @@ Result<int> view(const ViewArguments& a) {
   print_output(fmt::format("{} (Ctrl-C ends it)\n", address));
   if (const auto done = flush_output(); !done) return tl::unexpected(done.error());
   if (!a.no_browser) open_browser(address);
-  server->serve(stop);
+  if (const auto served = server->serve(stop); !served) return tl::unexpected(served.error());
   return kExitClean;
 }
 
