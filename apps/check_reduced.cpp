@@ -185,12 +185,15 @@ std::string summary_of(const CheckTotals& totals) {
                             counted(totals.work.leaf_pairs, "pair of leaves"), totals.milliseconds.total);
 }
 
-Result<void> run(const Objects& objects, const ReducedCheckArguments& a, ReportWriter* csv,
+/// False: interrupted, and no file is finished.
+Result<bool> run(const Objects& objects, const ReducedCheckArguments& a, ReportWriter* csv,
                  CheckTotals& totals) {
+  const std::atomic<bool>& interrupted = watch_for_interrupt();
   ReducedChecker checker(objects.shapes, objects.charts);
   StepResult found;
   std::vector<ReducedPose> begin, end;
   for (Index k = 0; k + 1 < objects.tracks[0].frames; ++k) {
+    if (interrupted) return false;
     begin.clear();
     end.clear();
     for (const Track& track : objects.tracks) {
@@ -199,7 +202,7 @@ Result<void> run(const Objects& objects, const ReducedCheckArguments& a, ReportW
     }
     if (auto done = checker.check(begin, end, a.step, found); !done) {
       done.error().where = fmt::format("step {}, {}", k, done.error().where);
-      return done;
+      return tl::unexpected(done.error());
     }
     const CheckedStep step{.place = {k, k, k + 1, 0},
                            .collisions = {found.vertex_face.size(), found.edge_edge.size(), 0},
@@ -211,9 +214,16 @@ Result<void> run(const Objects& objects, const ReducedCheckArguments& a, ReportW
                            .step = &found};
     totals.add(step);
     if (csv == nullptr) continue;
-    if (auto done = csv->step(step); !done) return done;
+    if (auto done = csv->step(step); !done) return tl::unexpected(done.error());
   }
-  return csv != nullptr ? csv->finish(totals) : Result<void>{};
+  if (csv == nullptr) return true;
+  if (auto done = csv->finish(totals); !done) return tl::unexpected(done.error());
+  return true;
+}
+
+int tell_interrupted(std::uint64_t steps) {
+  print_error({"interrupted", fmt::format("after {} steps", steps), "no report was written"});
+  return kExitInterrupted;
 }
 
 }  // namespace
@@ -222,8 +232,10 @@ Result<int> check_reduced(const ReducedCheckArguments& a) {
   ProgressBar bar(!a.quiet);
   ReducedHooks hooks;
   hooks.progress = [&](double part) { bar.show(part, "proving balls"); };
+  hooks.cancel = &watch_for_interrupt();
   const auto objects = open_objects(a, hooks);
   bar.clear();
+  if (!objects && *hooks.cancel) return tell_interrupted(0);
   if (!objects) return tl::unexpected(objects.error());
   std::unique_ptr<ReportWriter> csv;
   if (!a.csv.empty()) {
@@ -232,7 +244,9 @@ Result<int> check_reduced(const ReducedCheckArguments& a) {
     csv = std::move(*writer);
   }
   CheckTotals totals;
-  if (auto done = run(*objects, a, csv.get(), totals); !done) return tl::unexpected(done.error());
+  const auto finished = run(*objects, a, csv.get(), totals);
+  if (!finished) return tl::unexpected(finished.error());
+  if (!*finished) return tell_interrupted(totals.steps);
   if (!a.quiet) print_output(summary_of(totals));
   return totals.clean() ? kExitClean : kExitCollisions;
 }

@@ -50,6 +50,7 @@ void open_browser(const std::string& address) {
 }
 
 Result<int> view(const ViewArguments& a) {
+  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
   const auto files = require_page_files();
   if (!files) return tl::unexpected(files.error());
   if (a.port < 0 || a.port > 65535)
