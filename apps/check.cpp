@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 #include "check_reduced.h"
 #include "commands.h"
@@ -81,29 +80,27 @@ void add_mode_options(CLI::App& check, CheckArguments& a) {
 
 void add_report_options(CLI::App& check, CheckArguments& a) {
   const char* group = "Where the answer goes";
-  check.add_option("--json", a.json, "The whole answer, step by step")->type_name("FILE")->group(group);
+  using Output = FileArguments::Output;
+  const auto add = [&](const char* option, std::string& file, const char* description,
+                       Output output = Output::File) {
+    a.files.writes(check.add_option(option, file, description), output)->type_name("FILE")->group(group);
+  };
+  add("--json", a.json, "The whole answer, step by step");
   check.add_flag("--pairs", a.pairs, "List every colliding pair: in the JSON file, or here without --json")
       ->group(group);
-  check.add_option("--csv", a.csv, "A row per collision")->type_name("FILE")->group(group);
-  check
-      .add_option(
-          "--ply", a.ply,
-          "The worst step's mesh, colliding faces marked 1, crossing ones of the first frame 2, both 3; with "
-          "%04d in FILE one per step with collisions")
-      ->type_name("FILE")
-      ->group(group);
-  check
-      .add_option("--vtk", a.vtk,
-                  "For ParaView: every step's mesh, colliding faces marked; FILE ends in .pvd, the meshes "
-                  "stand in a directory beside it")
-      ->type_name("FILE")
-      ->group(group);
-  check
-      .add_option("--explain", a.explain,
-                  "Which triangles were proven free, or why not: .npz all, .csv counts, .ply a coloured mesh "
-                  "of the step with most left to test")
-      ->type_name("FILE")
-      ->group(group);
+  add("--csv", a.csv, "A row per collision");
+  add("--ply", a.ply,
+      "The worst step's mesh, colliding faces marked 1, crossing ones of the first frame 2, both 3; with "
+      "%04d in FILE "
+      "one per step with collisions",
+      Output::Numbered);
+  add("--vtk", a.vtk,
+      "For ParaView: every step's mesh, colliding faces marked; FILE ends in .pvd, the meshes stand in a "
+      "directory beside it",
+      Output::Collection);
+  add("--explain", a.explain,
+      "Which triangles were proven free, or why not: .npz all, .csv counts, .ply a coloured mesh of the step "
+      "with most left to test");
   check.add_flag("--quiet", a.quiet, "Print nothing but errors")->group(group);
 }
 
@@ -113,16 +110,6 @@ void add_options(CLI::App& check, CheckArguments& a) {
   add_query_options(check, a);
   add_mode_options(check, a);
   add_report_options(check, a);
-}
-
-Result<void> require_distinct_files(const CheckArguments& a) {
-  std::set<std::string> files;
-  for (const std::string* path : {&a.json, &a.csv, &a.ply, &a.vtk, &a.explain}) {
-    if (!path->empty() && !files.insert(*path).second) {
-      return fail(*path, "is named for two outputs", "give each its own file");
-    }
-  }
-  return {};
 }
 
 // Only outputs that say on them that they are statistical may hold such an answer.
@@ -148,7 +135,7 @@ Result<void> require_mode_fits(const CheckArguments& a) {
 Result<CheckSettings> settings_of(const CheckArguments& a) {
   auto settings = step_settings(a);
   if (!settings) return settings;
-  if (const auto ok = require_distinct_files(a); !ok) return tl::unexpected(ok.error());
+  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
   if (const auto ok = require_mode_fits(a); !ok) return tl::unexpected(ok.error());
   settings->poses = a.poses;
   settings->step.mode = a.mode == "paper" ? Mode::Paper : Mode::Proven;

@@ -229,19 +229,22 @@ Result<void> ask_start(const Objects& objects, const ReducedCheckArguments& a, R
   return csv != nullptr ? csv->start(pose) : Result<void>{};
 }
 
-Result<void> run(const Objects& objects, const ReducedCheckArguments& a, ReportWriter* csv,
+/// False: interrupted, and no file is finished.
+Result<bool> run(const Objects& objects, const ReducedCheckArguments& a, ReportWriter* csv,
                  CheckTotals& totals) {
+  const std::atomic<bool>& interrupted = watch_for_interrupt();
   const Index frames = objects.tracks[0].frames;
   const Index steps = std::max<Index>(frames, 2) - 1;  // A single frame stands still.
   totals.last_frame = frames - 1;
   totals.steps_expected = steps;
   if (!a.steps_only) {
-    if (auto done = ask_start(objects, a, csv, totals); !done) return done;
+    if (auto done = ask_start(objects, a, csv, totals); !done) return tl::unexpected(done.error());
   }
   ReducedChecker checker(objects.shapes, objects.charts);
   StepResult found;
   std::vector<ReducedPose> begin, end;
   for (Index k = 0; k < steps; ++k) {
+    if (interrupted) return false;
     const Index next = std::min(k + 1, frames - 1);
     begin.clear();
     end.clear();
@@ -251,7 +254,7 @@ Result<void> run(const Objects& objects, const ReducedCheckArguments& a, ReportW
     }
     if (auto done = checker.check(begin, end, a.step, found); !done) {
       done.error().where = fmt::format("step {}, {}", k, done.error().where);
-      return done;
+      return tl::unexpected(done.error());
     }
     const CheckedStep step{.place = {k, k, next, 0},
                            .collisions = {found.vertex_face_count, found.edge_edge_count, 0},
@@ -263,9 +266,17 @@ Result<void> run(const Objects& objects, const ReducedCheckArguments& a, ReportW
                            .step = &found};
     totals.add(step);
     if (csv == nullptr) continue;
-    if (auto done = csv->step(step); !done) return done;
+    if (auto done = csv->step(step); !done) return tl::unexpected(done.error());
   }
-  return csv != nullptr ? csv->finish(totals) : Result<void>{};
+  if (csv == nullptr) return true;
+  if (auto done = csv->finish(totals); !done) return tl::unexpected(done.error());
+  return true;
+}
+
+int tell_interrupted(const CheckTotals& totals) {
+  print_error({"interrupted", fmt::format("stopped at {} of {} steps", totals.steps, totals.steps_expected),
+               "no report was written"});
+  return kExitInterrupted;
 }
 
 }  // namespace
@@ -274,8 +285,10 @@ Result<int> check_reduced(const ReducedCheckArguments& a) {
   ProgressBar bar(!a.quiet);
   ReducedHooks hooks;
   hooks.progress = [&](double part) { bar.show(part, "proving balls"); };
+  hooks.cancel = &watch_for_interrupt();
   const auto objects = open_objects(a, hooks);
   bar.clear();
+  if (!objects && *hooks.cancel) return tell_interrupted({});
   if (!objects) return tl::unexpected(objects.error());
   std::unique_ptr<ReportWriter> csv;
   if (!a.csv.empty()) {
@@ -284,7 +297,9 @@ Result<int> check_reduced(const ReducedCheckArguments& a) {
     csv = std::move(*writer);
   }
   CheckTotals totals;
-  if (auto done = run(*objects, a, csv.get(), totals); !done) return tl::unexpected(done.error());
+  const auto finished = run(*objects, a, csv.get(), totals);
+  if (!finished) return tl::unexpected(finished.error());
+  if (!*finished) return tell_interrupted(totals);
   if (!a.quiet) print_output(summary_of(totals));
   return totals.clean() ? kExitClean : kExitCollisions;
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "file_arguments.h"
 #include "foldproof/model.h"
 #include "learned_text.h"
 #include "terminal.h"
@@ -34,6 +35,7 @@ Examples:
 
 struct InfoArguments {
   std::string model, json;
+  FileArguments files;
 };
 
 /// How many of the hardest leaves are listed.
@@ -169,6 +171,7 @@ Json to_json(const Model& model, const ModelSummary& s, std::uint64_t bytes) {
 }
 
 Result<int> info(const InfoArguments& a) {
+  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
   const auto model = load_model(a.model);
   if (!model) return tl::unexpected(model.error());
   std::error_code unknown;
@@ -194,8 +197,10 @@ Command add_info(CLI::App& program) {
   CLI::App* command = program.add_subcommand("info", "Show what is inside a model");
   command->footer(kFooter);
   const auto a = std::make_shared<InfoArguments>();
-  command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote")->type_name("")->required();
-  command->add_option("--json", a->json, "All of it as JSON, to a file")->type_name("FILE");
+  a->files.reads(command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
+      ->type_name("")
+      ->required();
+  a->files.writes(command->add_option("--json", a->json, "All of it as JSON, to a file"))->type_name("FILE");
   return [a] { return info(*a); };
 }
 

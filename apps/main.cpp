@@ -82,6 +82,8 @@ int finish(const Result<int>& result) {
 int main(int argc, char** argv) {
   // A reader that goes away, as in `foldproof check ... | head`, must not kill the check.
   std::signal(SIGPIPE, SIG_IGN);
+  // Nor must a limit on file sizes, which would leave half a file: writing fails instead.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return foldproof::finish(foldproof::run(argc, argv));
   } catch (const std::bad_alloc&) {

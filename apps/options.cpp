@@ -36,6 +36,8 @@ std::string command_line(std::span<char* const> typed) {
 const std::atomic<bool>& watch_for_interrupt() {
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
+  // A terminal that is closed, unless nohup is to outlive it.
+  if (std::signal(SIGHUP, interrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
   return interrupted;
 }
 

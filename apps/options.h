@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "file_arguments.h"
 #include "foldproof/report.h"
 
 namespace foldproof {
@@ -50,8 +51,8 @@ Result<void> require_number(const char* option, double value, bool zero_allowed)
 /// What was typed, as a shell would take it; the program is called foldproof.
 std::string command_line(std::span<char* const> typed);
 
-/// From now on SIGINT and SIGTERM set this instead of ending the program, so that no file stays behind half
-/// written.
+/// From now on SIGINT, SIGTERM and SIGHUP set this instead of ending the program, so that no file stays
+/// behind half written.
 const std::atomic<bool>& watch_for_interrupt();
 
 }  // namespace foldproof

@@ -34,6 +34,7 @@ struct PredictArguments {
   MotionOptions motion;
   bool list = false, quiet = false;
   int threads = 0;
+  FileArguments files;
 };
 
 /// Whether it holds tracks of points, not a motion.
@@ -124,9 +125,34 @@ Result<std::string> compare(const Input& input, Motion& predicted, const Predict
   return text;
 }
 
+/// A motion that ends when somebody wants to, however many frames are still to be written.
+class Interruptible final : public Motion {
+ public:
+  Interruptible(Motion& motion, const std::atomic<bool>& interrupted)
+      : motion_(motion), interrupted_(interrupted) {}
+  const std::string& name() const override { return motion_.name(); }
+  const Topology& topology() const override { return motion_.topology(); }
+  Index frame_count() const override { return motion_.frame_count(); }
+  Result<void> read_frame(Index k, std::span<double> out) override {
+    if (interrupted_) return fail("interrupted", "the motion was not finished", "run it again");
+    return motion_.read_frame(k, out);
+  }
+
+ private:
+  Motion& motion_;
+  const std::atomic<bool>& interrupted_;
+};
+
+int tell_interrupted(bool written) {
+  print_error({"interrupted", written ? "while comparing" : "the prediction was not finished",
+               written ? "the motion is written" : "nothing was written"});
+  return kExitInterrupted;
+}
+
 Result<int> predict(const PredictArguments& a) {
   std::optional<ThreadLimit> limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
+  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
   const auto model = load_learned_model(a.model);
   if (!model) return tl::unexpected(model.error());
   if (a.list) {
@@ -135,7 +161,6 @@ Result<int> predict(const PredictArguments& a) {
   }
   if (a.key_points.empty())
     return fail("KEYPOINTS", "is missing", "'foldproof predict --help' shows what it may be");
-  const std::atomic<bool>& interrupted = watch_for_interrupt();
   auto input = read_input(a, *model);
   if (!input) return tl::unexpected(input.error());
   if (!input->truth && a.output.empty()) {
@@ -144,8 +169,13 @@ Result<int> predict(const PredictArguments& a) {
   const auto predictor = std::make_shared<const Predictor>(model->learned);
   const auto predicted =
       predicted_motion(a.key_points[0], model->hierarchy()->topology(), predictor, input->tracks);
+  // From here on a file is open that must not stay behind half written.
+  const std::atomic<bool>& interrupted = watch_for_interrupt();
   if (!a.output.empty()) {
-    if (const auto done = write_motion(a.output, *predicted); !done) return tl::unexpected(done.error());
+    Interruptible motion(*predicted, interrupted);
+    const auto done = write_motion(a.output, motion);
+    if (!done && interrupted) return tell_interrupted(false);
+    if (!done) return tl::unexpected(done.error());
   }
   if (a.quiet) return kExitClean;
   const auto& keys = model->learned->key_points.vertices;
@@ -155,6 +185,7 @@ Result<int> predict(const PredictArguments& a) {
                   100.0 * static_cast<double>(keys.size()) / model->hierarchy()->topology().vertex_count());
   if (input->truth) {
     const auto compared = compare(*input, *predicted, *predictor, interrupted);
+    if (!compared && interrupted) return tell_interrupted(!a.output.empty());
     if (!compared) return tl::unexpected(compared.error());
     text += *compared;
   }
@@ -168,12 +199,18 @@ Command add_predict(CLI::App& program) {
   CLI::App* command = program.add_subcommand("predict", "Rebuild a mesh from its key points");
   command->footer(kFooter);
   const auto a = std::make_shared<PredictArguments>();
-  command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote")->type_name("")->required();
-  command->add_option("KEYPOINTS", a->key_points, "Where key points are (see below)")->type_name("");
-  command
-      ->add_option("-o,--output", a->output, "The motion to write: .npz, .obj with .pc2, .ply for one frame")
+  FileArguments& files = a->files;
+  files.reads(command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
+      ->type_name("")
+      ->required();
+  files.reads(command->add_option("KEYPOINTS", a->key_points, "Where key points are (see below)"))
+      ->type_name("");
+  files
+      .writes(command->add_option("-o,--output", a->output,
+                                  "The motion to write: .npz, .obj with .pc2, .ply for one frame"),
+              FileArguments::Output::Motion)
       ->type_name("FILE");
-  command->add_option("--truth", a->truth, "A whole motion to compare with")
+  files.reads(command->add_option("--truth", a->truth, "A whole motion to compare with"))
       ->type_name("MOTION")
       ->expected(1, 2);
   command->add_flag("--list-key-points", a->list, "Print the vertices to track, and end");

@@ -32,6 +32,7 @@ struct RadiusArguments {
   double clearance = 0, at_least = 0;
   int threads = 0;
   bool quiet = false;
+  FileArguments files;
 };
 
 struct Centres {
@@ -205,6 +206,7 @@ Result<int> radius(const RadiusArguments& a) {
   if (const auto ok = require_number("--clearance", a.clearance, true); !ok)
     return tl::unexpected(ok.error());
   if (const auto ok = require_number("--at-least", a.at_least, true); !ok) return tl::unexpected(ok.error());
+  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
   if ((a.samples > 0) == a.output.empty()) return fail("--sample", "goes with -o", "give both, or neither");
   const auto model = load_learned_model(a.model);
   if (!model) return tl::unexpected(model.error());
@@ -248,12 +250,18 @@ Command add_radius(CLI::App& program) {
       program.add_subcommand("radius", "Prove how far a model's shapes may go without touching themselves");
   command->footer(kFooter);
   const auto a = std::make_shared<RadiusArguments>();
-  command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote")->type_name("")->required();
+  FileArguments& files = a->files;
+  files.reads(command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
+      ->type_name("")
+      ->required();
   command->add_option("--sample", a->samples, "Draw N certified shapes, evenly from the balls")
       ->type_name("N");
-  command->add_option("-o,--output", a->output, "Write them as a motion: .npz, .obj or .ply")
+  files
+      .writes(command->add_option("-o,--output", a->output, "Write them as a motion: .npz, .obj or .ply"),
+              FileArguments::Output::Motion)
       ->type_name("FILE");
-  command->add_option("--ply", a->ply, "Write the mean with what is left out marked 1")->type_name("FILE");
+  files.writes(command->add_option("--ply", a->ply, "Write the mean with what is left out marked 1"))
+      ->type_name("FILE");
   command
       ->add_option("--clearance", a->clearance,
                    "Prove that features stay farther apart than D, in mesh units [2^-24 of the size]")

@@ -37,6 +37,7 @@ struct RenderArguments {
   double scale = 0;
   bool flat = false, quiet = false;
   ReadOptions read;
+  FileArguments files;
 };
 
 using Objects = std::vector<std::unique_ptr<Motion>>;
@@ -170,7 +171,7 @@ Result<void> colour_certificates(const RenderArguments& a, const Objects& motion
   constexpr int kMostSteps = 32;
   constexpr auto kNotDrawn = static_cast<std::size_t>(Reason::NotDrawn);
   StepResult answer;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostSteps && !watch_for_interrupt(); ++step) {
     if (auto done = checker->check(out.poses.spans(), next->spans(), {.explain = true}, answer); !done)
       return done;
     if (answer.explanation.leaf_pairs[kNotDrawn] == 0) break;
@@ -244,6 +245,11 @@ Result<Coloured> colour(const RenderArguments& a, const Objects& motions) {
   return out;
 }
 
+int tell_interrupted() {
+  print_error({"interrupted", "the picture was not finished", "nothing was written"});
+  return kExitInterrupted;
+}
+
 Result<int> render(const RenderArguments& a) {
   const auto view = parse_view(a.view);
   if (!view) return tl::unexpected(view.error());
@@ -251,9 +257,12 @@ Result<int> render(const RenderArguments& a) {
   if (!size) return tl::unexpected(size.error());
   if (const auto ok = require_options_that_fit(a); !ok) return tl::unexpected(ok.error());
   if (const auto ok = require_number("--fps", a.read.fps, false); !ok) return tl::unexpected(ok.error());
+  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
   const auto motions = open_motions(a.motions, a.read);
   if (!motions) return tl::unexpected(motions.error());
+  const std::atomic<bool>& interrupted = watch_for_interrupt();
   const auto coloured = colour(a, *motions);
+  if (interrupted) return tell_interrupted();
   if (!coloured) return tl::unexpected(coloured.error());
 
   Panel panel{.view = *view};
@@ -266,6 +275,7 @@ Result<int> render(const RenderArguments& a) {
   }
   const auto image = draw_picture(std::span(&panel, 1), {.width = (*size)[0], .height = (*size)[1]});
   if (!image) return tl::unexpected(image.error());
+  if (interrupted) return tell_interrupted();
   if (const auto done = write_png(a.picture, *image); !done) return tl::unexpected(done.error());
   if (!a.quiet && !coloured->told.empty()) print_output(coloured->told + "\n");
   return kExitClean;
@@ -277,16 +287,24 @@ Command add_render(CLI::App& program) {
   CLI::App* command = program.add_subcommand("render", "Draw a frame into a PNG file; no display is needed");
   command->footer(std::string(kMotionHelp) + kFooter);
   const auto a = std::make_shared<RenderArguments>();
-  command->add_option("MOTION", a->motions, "What to draw (see below)")->type_name("")->required();
-  command->add_option("-o,--output", a->picture, "The picture to write")->type_name("FILE")->required();
+  FileArguments& files = a->files;
+  files.reads(command->add_option("MOTION", a->motions, "What to draw (see below)"))
+      ->type_name("")
+      ->required();
+  files.writes(command->add_option("-o,--output", a->picture, "The picture to write"))
+      ->type_name("FILE")
+      ->required();
   command->add_option("--frame", a->frame, "Which one; negative ones count from the end [0]")->type_name("K");
   command->add_option("--color", a->color, "plain, collisions, certificates or error (see below) [plain]")
       ->type_name("WHAT")
       ->check(CLI::IsMember({"plain", "collisions", "certificates", "error"}));
-  command->add_option("--truth", a->truth, "For --color error: what the mesh should be")->type_name("MOTION");
+  files.reads(command->add_option("--truth", a->truth, "For --color error: what the mesh should be"))
+      ->type_name("MOTION");
   command->add_option("--scale", a->scale, "For --color error: what is darkest, in mesh units [the largest]")
       ->type_name("D");
-  command->add_option("--model", a->models, "What 'foldproof train' found out: more can be proven")
+  files
+      .reads(
+          command->add_option("--model", a->models, "What 'foldproof train' found out: more can be proven"))
       ->type_name("FILE")
       ->allow_extra_args(false);
   command

@@ -26,6 +26,7 @@ struct ReportArguments : StepArguments {
 };
 
 Result<int> report(const ReportArguments& a) {
+  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
   const auto files = require_page_files();
   if (!files) return tl::unexpected(files.error());
   std::optional<ThreadLimit> limit;
@@ -50,7 +51,9 @@ Command add_report(CLI::App& program, std::span<char* const> typed) {
   const auto a = std::make_shared<ReportArguments>();
   a->command = command_line(typed);
   add_step_options(*command, *a);
-  command->add_option("-o,--output", a->output, "The report to write")->type_name("FILE")->required();
+  a->files.writes(command->add_option("-o,--output", a->output, "The report to write"))
+      ->type_name("FILE")
+      ->required();
   command->add_flag("--quiet", a->quiet, "Print nothing but errors");
   return [a] { return report(*a); };
 }

@@ -35,16 +35,20 @@ struct ReproduceArguments {
   std::string directory, data;
   bool force = false, quick = false, quiet = false;
   int threads = 0;
+  FileArguments files;
 };
 
-/// Makes the directory. Error: it holds something.
-Result<void> prepare(const ReproduceArguments& a) {
+/// Error: the directory holds something.
+Result<void> require_empty(const ReproduceArguments& a) {
   std::error_code error;
-  if (fs::exists(a.directory, error) && !fs::is_directory(a.directory, error))
-    return fail(a.directory, "is no directory", "name another");
   if (!a.force && fs::is_directory(a.directory, error) && !fs::is_empty(a.directory, error))
     return fail(a.directory, "is not empty",
                 "name another directory, or add --force to write over what is in it");
+  return {};
+}
+
+Result<void> make_directory(const ReproduceArguments& a) {
+  std::error_code error;
   fs::create_directories(a.directory, error);
   if (error)
     return fail(a.directory, "cannot be made: " + error.message(), "check the path and its permissions");
@@ -218,9 +222,10 @@ Result<int> reproduce_all(const ReproduceArguments& a) {
   const auto start = std::chrono::steady_clock::now();
   std::optional<ThreadLimit> limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
+  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
   if (!a.data.empty() && !fs::is_directory(a.data))
     return fail(a.data, "is no directory", "name the one that holds lion-poses/, hand/ and so on");
-  if (const auto made = prepare(a); !made) return tl::unexpected(made.error());
+  if (const auto ok = require_empty(a); !ok) return tl::unexpected(ok.error());
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   Reproduction reproduction(a, interrupted);
   std::vector<Subject> subjects = generated_subjects(reproduction.size());
@@ -231,6 +236,7 @@ Result<int> reproduce_all(const ReproduceArguments& a) {
       return fail(a.data, "holds nothing that is known", "see docs/reproduction.md for what belongs there");
     for (Subject& subject : *more) subjects.push_back(std::move(subject));
   }
+  if (const auto made = make_directory(a); !made) return tl::unexpected(made.error());
   const auto text = reproduction.run(subjects);
   reproduction.clear();
   if (!text && interrupted) {
@@ -253,10 +259,16 @@ Command add_reproduce(CLI::App& program) {
       program.add_subcommand("reproduce", "Make the paper's experiments as pictures and tables");
   command->footer(kFooter);
   const auto a = std::make_shared<ReproduceArguments>();
-  command->add_option("-o,--output", a->directory, "Where all of it goes; made if it is not there")
+  a->files
+      .writes(
+          command->add_option("-o,--output", a->directory, "Where all of it goes; made if it is not there"),
+          FileArguments::Output::Directory)
       ->type_name("DIR")
       ->required();
-  command->add_option("--data", a->data, "Meshes to use besides the generated ones")->type_name("DIR");
+  a->files
+      .reads(command->add_option("--data", a->data, "Meshes to use besides the generated ones"),
+             FileArguments::Input::Library)
+      ->type_name("DIR");
   command->add_flag("--force", a->force, "Write into a directory that is not empty");
   command->add_flag("--quick", a->quick, "Generate coarse meshes and short motions");
   add_threads_option(*command, a->threads, "At most N threads [all cores]");

@@ -15,7 +15,9 @@ constexpr const char* kCountsGroup = "What counts";
 }  // namespace
 
 void add_step_options(CLI::App& command, StepArguments& a) {
-  command.add_option("MOTION", a.motions, "What to check (see below)")->type_name("")->required();
+  a.files.reads(command.add_option("MOTION", a.motions, "What to check (see below)"))
+      ->type_name("")
+      ->required();
 
   const char* counts = kCountsGroup;
   auto* within =
@@ -60,10 +62,10 @@ void add_setting_options(CLI::App& command, StepArguments& a) {
 
   const char* speed = "Speed (the answer is the same with any of these)";
   auto* model =
-      command
-          .add_option("--model", a.models,
-                      "What 'foldproof train' found out: once for all objects of that mesh, or once "
-                      "for each object in order")
+      a.files
+          .reads(command.add_option("--model", a.models,
+                                    "What 'foldproof train' found out: once for all objects of that mesh, or "
+                                    "once for each object in order"))
           ->type_name("FILE")
           ->allow_extra_args(false)
           ->group(speed);

@@ -13,9 +13,10 @@ struct StepArguments {
   std::uint64_t limit = StepSettings().max_listed;
   bool within = false, between = false, no_certificates = false, steps_only = false;
   int threads = 0;
+  FileArguments files;
 };
 
-/// Adds all of them, in groups.
+/// Adds all of them, in groups, and notes what is read.
 void add_step_options(CLI::App& command, StepArguments& arguments);
 
 /// Adds all but the motions, and which objects are checked against which.

@@ -31,6 +31,7 @@ struct SuggestArguments {
   Index count = 3;
   int threads = 0;
   bool quiet = false;
+  FileArguments files;
 };
 
 std::string what(const Suggestion& s, const Model& model) {
@@ -82,9 +83,14 @@ Result<int> suggest(const SuggestArguments& a) {
   std::optional<ThreadLimit> limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
   if (a.count < 1) return fail("--count", "is 0", "ask for at least one");
+  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
   const auto model = load_learned_model(a.model);
   if (!model) return tl::unexpected(model.error());
   const auto suggestions = find(a, *model);
+  if (!suggestions && watch_for_interrupt()) {
+    print_error({"interrupted", "not all frames were looked at", "nothing was written"});
+    return kExitInterrupted;
+  }
   if (!suggestions) return tl::unexpected(suggestions.error());
   if (!a.output.empty()) {
     if (suggestions->empty())
@@ -104,9 +110,14 @@ Command add_suggest(CLI::App& program) {
   CLI::App* command = program.add_subcommand("suggest", "Say which further pose would teach a model most");
   command->footer(kFooter);
   const auto a = std::make_shared<SuggestArguments>();
-  command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote")->type_name("")->required();
-  command->add_option("MOTION", a->motion, "A motion that the model is to know")->type_name("");
-  command->add_option("-o,--output", a->output, "Write the first pose: .obj, .ply or .npz")
+  FileArguments& files = a->files;
+  files.reads(command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
+      ->type_name("")
+      ->required();
+  files.reads(command->add_option("MOTION", a->motion, "A motion that the model is to know"))->type_name("");
+  files
+      .writes(command->add_option("-o,--output", a->output, "Write the first pose: .obj, .ply or .npz"),
+              FileArguments::Output::Motion)
       ->type_name("FILE");
   command->add_option("--count", a->count, "How many, at most [3]")->type_name("N");
   add_motion_options(*command, a->options);

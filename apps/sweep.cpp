@@ -39,7 +39,11 @@ struct SweepArguments : StepArguments {
 };
 
 void add_options(CLI::App& sweep, SweepArguments& a) {
-  sweep.add_option("DIR", a.motions, "Where to look for motions (see below)")->type_name("")->required();
+  a.files
+      .reads(sweep.add_option("DIR", a.motions, "Where to look for motions (see below)"),
+             FileArguments::Input::Library)
+      ->type_name("")
+      ->required();
   add_setting_options(sweep, a);
   sweep.get_option("--model")->description(
       "What 'foldproof train' found out, used for the motions of its mesh; may be given several times");
@@ -52,11 +56,13 @@ void add_options(CLI::App& sweep, SweepArguments& a) {
     sweep.get_option(option)->excludes(poses);
 
   const char* group = "Where the answer goes";
-  sweep.add_option("-o,--output", a.output, "A line of JSON per motion; goes on with what stands there")
+  a.files
+      .writes(sweep.add_option("-o,--output", a.output,
+                               "A line of JSON per motion; goes on with what stands there"))
       ->type_name("RESULTS")
       ->required()
       ->group(group);
-  sweep.add_option("--summary", a.summary, "A table of all motions, one HTML file")
+  a.files.writes(sweep.add_option("--summary", a.summary, "A table of all motions, one HTML file"))
       ->type_name("PAGE")
       ->group(group);
   sweep.add_flag("--again", a.again, "Check everything, also what has its line")->group(group);
@@ -201,7 +207,7 @@ std::string closing(const SweepArguments& a, const SweepInput& input, const Swee
 }
 
 Result<void> require_sense(const SweepArguments& a) {
-  if (a.summary == a.output) return fail(a.output, "is named for two outputs", "give each its own file");
+  if (const auto ok = a.files.check(); !ok) return ok;
   if (!(a.patience >= 1))
     return fail("--patience", fmt::format("{} s is less than signs of life need", a.patience),
                 "give 1 or more");

@@ -47,6 +47,7 @@ struct TrainArguments {
   bool no_learning = false;
   int threads = 0;
   bool quiet = false;
+  FileArguments files;
 };
 
 std::string summary(const TrainArguments& a, const Model& model, double seconds) {
@@ -115,6 +116,7 @@ Result<int> train(const TrainArguments& a) {
   if (!settings) return tl::unexpected(settings.error());
   std::optional<ThreadLimit> limit;
   if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
+  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
   const auto motions = open_motions(a.poses, a.motion.read);
   if (!motions) return tl::unexpected(motions.error());
   const auto poses = poses_of(*motions, *range);
@@ -147,10 +149,14 @@ Command add_train(CLI::App& program) {
       program.add_subcommand("train", "Learn from poses of a mesh what makes its checks faster");
   command->footer(std::string(kMotionHelp) + kFooter);
   const auto a = std::make_shared<TrainArguments>();
-  command->add_option("POSES", a->poses, "What to learn from: any motions of one mesh (see below)")
+  a->files
+      .reads(
+          command->add_option("POSES", a->poses, "What to learn from: any motions of one mesh (see below)"))
       ->type_name("")
       ->required();
-  command->add_option("-o,--output", a->model, "The model to write")->type_name("FILE")->required();
+  a->files.writes(command->add_option("-o,--output", a->model, "The model to write"))
+      ->type_name("FILE")
+      ->required();
   command
       ->add_option(
           "--made", a->made,

@@ -50,6 +50,7 @@ void open_browser(const std::string& address) {
 }
 
 Result<int> view(const ViewArguments& a) {
+  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
   const auto files = require_page_files();
   if (!files) return tl::unexpected(files.error());
   if (a.port < 0 || a.port > 65535)
@@ -68,7 +69,7 @@ Result<int> view(const ViewArguments& a) {
   print_output(fmt::format("{} (Ctrl-C ends it)\n", address));
   if (const auto done = flush_output(); !done) return tl::unexpected(done.error());
   if (!a.no_browser) open_browser(address);
-  server->serve(stop);
+  if (const auto served = server->serve(stop); !served) return tl::unexpected(served.error());
   return kExitClean;
 }
 

@@ -89,8 +89,9 @@ class PageServer {
 
   int port() const;
   /// Answers requests, and lets the page work, until `stop` is set: then at once, but for the step that is
-  /// being checked and connections that idle, which are given a second.
-  void serve(const std::atomic<bool>& stop);
+  /// being checked. Nobody who is slow, or asks for much, keeps others waiting (docs/viewer.md says what is
+  /// bounded). Error: the port can no longer be listened at, no threads.
+  Result<void> serve(const std::atomic<bool>& stop);
 
  private:
   struct Impl;

@@ -184,8 +184,9 @@ class ContactChecker {
   /// do. The filter is asked about all pairs of their vertices that are not both common to them.
   Result<bool> has_intersections(std::span<const double> x);
 
-  /// The least distance of all pairs that count, if it is <= bound; else infinity. Mesh units; off by less
-  /// than 64 units in the last place of the largest coordinate difference of the pair. A face pierced by an
+  /// The least distance of all pairs that count, if it is <= bound; else infinity. Mesh units; too small by
+  /// less than 64 units in the last place of the largest coordinate difference of the pair, and too large by
+  /// less than that or, beside needles and edges that are nearly parallel, 2^-26 of it. A face pierced by an
   /// edge is not at distance 0: see has_intersections. Cost: as candidates with the answer for inflation.
   Result<double> minimum_distance(std::span<const double> x, double bound);
 

@@ -1,10 +1,13 @@
 // HTTP for a page: the only place that knows the server library.
 #include <fmt/format.h>
 
-#include <chrono>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
 #include <thread>
 
 #include "foldproof/page.h"
+#include "page/connections.h"
 #include "page/page_json.h"
 
 // Last: system headers in it define macros that Eigen stumbles over.
@@ -13,21 +16,62 @@
 namespace foldproof {
 namespace {
 
-using namespace std::chrono_literals;
-
-// A browser opens six connections at a time, and keeps each busy with a thread; two windows have room.
-constexpr std::size_t kThreads = 16;
-// How long a connection may idle; stopping waits for it. Seconds.
-constexpr std::time_t kIdle = 1;
-
 constexpr const char* kSecurityPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// Closes what it listens at, also when it never served.
+/// The head of a request as it came, and room for what goes back.
+class Exchange : public httplib::Stream {
+ public:
+  explicit Exchange(std::string_view head) : head_(head) {}
+
+  std::string answer;
+  bool read_to_its_end() const { return head_.empty(); }
+
+  bool is_readable() const override { return !head_.empty(); }
+  bool is_writable() const override { return true; }
+  ssize_t read(char* to, std::size_t size) override {
+    const std::size_t count = head_.copy(to, size);
+    head_.remove_prefix(count);
+    return static_cast<ssize_t>(count);
+  }
+  ssize_t write(const char* from, std::size_t size) override {
+    answer.append(from, size);
+    return static_cast<ssize_t>(size);
+  }
+  void get_remote_ip_and_port(std::string&, int&) const override {}
+  void get_local_ip_and_port(std::string&, int&) const override {}
+  socket_t socket() const override { return INVALID_SOCKET; }
+
+ private:
+  std::string_view head_;
+};
+
+/// Reads requests and writes answers. The library's own way of listening is not used: it keeps a thread busy
+/// per connection and takes a line of any length.
 struct Http : httplib::Server {
-  ~Http() override {
-    if (const auto socket = svr_sock_.exchange(INVALID_SOCKET); socket != INVALID_SOCKET) ::close(socket);
+  /// False: it is no request. `last`: the connection cannot be used for another.
+  bool exchange(Exchange& with, bool& last) {
+    // Where the library refuses a head before it has read it, nothing is known of what follows.
+    bool announces_more = true;
+    const auto look = [&](httplib::Request& request) {
+      // Nothing that follows a head is read, so that it could be taken for the next one.
+      announces_more = (request.method != "GET" && request.method != "HEAD") ||
+                       request.has_header("Content-Length") || request.has_header("Transfer-Encoding");
+      if (announces_more) {
+        request.headers.erase("Connection");
+        request.set_header("Connection", "close");
+      }
+      // Parts in any number would make an answer larger than what there is; packing takes longer than the way
+      // to the next process; and nobody is asked to go on.
+      request.ranges.clear();
+      request.headers.erase("Range");
+      request.headers.erase("Accept-Encoding");
+      request.headers.erase("Expect");
+    };
+    const bool answered = process_request(with, false, last, look);
+    last = last || announces_more;
+    return answered && with.read_to_its_end();
   }
 };
 
@@ -58,15 +102,18 @@ bool is_this_machine(const httplib::Request& request, int port) {
   return false;
 }
 
-/// The bytes go out as they are: packing them takes longer than the way to the next process.
 void send(PageAnswer answer, httplib::Response& response) {
   response.status = answer.status;
-  if (answer.body.empty()) return response.set_content("", answer.type);
-  const auto body = std::make_shared<const std::string>(std::move(answer.body));
-  response.set_content_provider(body->size(), answer.type.c_str(),
-                                [body](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
-                                  return sink.write(body->data() + offset, length);
-                                });
+  response.body = std::move(answer.body);
+  response.set_header("Content-Type", answer.type);
+}
+
+/// A whole answer to what could not be read as a request, after which the connection is of no use.
+std::string refusal(const char* status, const char* line) {
+  const std::string body = error_json(line);
+  return fmt::format(
+      "HTTP/1.1 {}\r\nContent-Type: application/json\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{}",
+      status, body.size(), body);
 }
 
 }  // namespace
@@ -76,9 +123,11 @@ struct PageServer::Impl {
   std::map<std::string, std::string_view, std::less<>> files;  // by what is asked for
   int port = 0;
   Http http;
+  Connections connections;
 
   PageAnswer answer(const httplib::Request& request) const;
-  bool bind(int wanted);
+  Reply reply(const std::string& head);
+  int listen(int wanted);
   void prepare();
 };
 
@@ -93,25 +142,26 @@ PageAnswer PageServer::Impl::answer(const httplib::Request& request) const {
   return {200, type_of(file->first == "/" ? ".html" : file->first), std::string(file->second)};
 }
 
+Reply PageServer::Impl::reply(const std::string& head) {
+  try {
+    Exchange with(head);
+    bool last = false;
+    if (http.exchange(with, last)) return {std::move(with.answer), last};
+  } catch (const std::exception&) {
+    // What the library cannot read it may also throw at.
+  }
+  return {refusal("400 Bad Request", "this is no request"), true};
+}
+
 void PageServer::Impl::prepare() {
-  http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+  http.set_keep_alive_timeout(Connections::kHeadTime.count());
   http.set_keep_alive_max_count(1'000'000);
-  http.set_keep_alive_timeout(kIdle);
-  http.set_payload_max_length(0);
-  http.set_tcp_nodelay(true);
-  // As the library has it, but not SO_REUSEPORT: it would let two programs share a port.
-  http.set_socket_options([](socket_t socket) {
-    const int yes = 1;
-    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  });
   http.set_default_headers({{"Content-Security-Policy", kSecurityPolicy},
                             {"X-Content-Type-Options", "nosniff"},
                             {"Referrer-Policy", "no-referrer"},
                             {"Cross-Origin-Resource-Policy", "same-origin"},
                             {"Cache-Control", "no-store"}});
   http.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
-    // What follows the head of another request was not read and is no next request.
-    if (request.method != "GET" && request.method != "HEAD") response.set_header("Connection", "close");
     send(answer(request), response);
     return httplib::Server::HandlerResponse::Handled;
   });
@@ -120,11 +170,13 @@ void PageServer::Impl::prepare() {
   });
 }
 
-bool PageServer::Impl::bind(int wanted) {
-  if (!http.bind_to_port("127.0.0.1", wanted)) return false;
-  port = wanted;
-  return true;
+int PageServer::Impl::listen(int wanted) {
+  const int code = connections.listen(wanted);
+  if (code == 0) port = wanted;
+  return code;
 }
+
+bool is_taken(int code) { return code == EADDRINUSE || code == EACCES; }
 
 PageServer::PageServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 PageServer::~PageServer() = default;
@@ -143,27 +195,35 @@ Result<PageServer> PageServer::open(Page& page, std::span<const PageFile> files,
       impl->files[std::string(file.path.substr(kFolder.size()))] = file.bytes;
   }
   impl->prepare();
-  if (port != 0) {
-    if (impl->bind(port)) return PageServer(std::move(impl));
+  const int last = port != 0 ? port : kFirstPagePort + kPagePorts - 1;
+  int code = EADDRINUSE;
+  for (int k = port != 0 ? port : kFirstPagePort; k <= last && is_taken(code); ++k) code = impl->listen(k);
+  if (code == 0) return PageServer(std::move(impl));
+  if (!is_taken(code)) {
+    return fail("the page's server", "cannot listen: " + std::generic_category().message(code),
+                "check the network settings and the limits of this machine");
+  }
+  if (port != 0)
     return fail(fmt::format("port {}", port), "is taken, or not yours to take",
                 "give another, or none: a free one is found");
-  }
-  for (int k = 0; k < kPagePorts; ++k) {
-    if (impl->bind(kFirstPagePort + k)) return PageServer(std::move(impl));
-  }
-  return fail(fmt::format("ports {} to {}", kFirstPagePort, kFirstPagePort + kPagePorts - 1), "are all taken",
+  return fail(fmt::format("ports {} to {}", kFirstPagePort, last), "are all taken",
               "name a free one with --port");
 }
 
-void PageServer::serve(const std::atomic<bool>& stop) {
-  std::thread listener([&] { impl_->http.listen_after_bind(); });
-  std::thread worker([&] { impl_->page->work(stop); });
-  // A signal handler sets `stop` and cannot wake anybody.
-  while (!stop) std::this_thread::sleep_for(20ms);
-  while (!impl_->http.is_running()) std::this_thread::sleep_for(1ms);
-  impl_->http.stop();
-  listener.join();
+Result<void> PageServer::serve(const std::atomic<bool>& stop) {
+  std::atomic<bool> ended = false;
+  std::thread worker;
+  try {
+    worker = std::thread([&] { impl_->page->work(ended); });
+  } catch (const std::system_error& error) {
+    return fail("the page", std::string("cannot be worked out: ") + error.what(),
+                "end other programs, or raise the limit on threads");
+  }
+  const Answering answering{[this](const std::string& head) { return impl_->reply(head); },
+                            refusal("431 Request Header Fields Too Large", "this request is too long")};
+  auto served = impl_->connections.serve(answering, stop, ended);
   worker.join();
+  return served;
 }
 
 }  // namespace foldproof

@@ -195,10 +195,12 @@ std::string SolverCheck::Impl::least_distance(const Pose& x, double bound, Tally
   now_doing = "minimum_distance";
   const auto answer = checker->minimum_distance(x, bound);
   if (!answer) return "minimum_distance is refused: " + answer.error().line();
-  const double room = std::max(0x1p-46 * largest_side(x, x), 0x1p-1060);
+  // As its header promises: it may be larger beside needles.
+  const double side = largest_side(x, x), room = std::max(0x1p-46 * side, 0x1p-1060),
+               needle_room = std::max(0x1p-26 * side, 0x1p-1060);
   const bool none = *answer == std::numeric_limits<double>::infinity();
   // Nothing is nearer than the answer, and something is as near.
-  const double below = (none ? bound : *answer) - room;
+  const double below = (none ? bound : *answer) - needle_room;
   if (below >= 0) {
     if (const FeaturePair* pair = contact(x, x, below, 8, tally); pair != nullptr)
       return fmt::format("the least distance is said to be {:a} (bound {:a}), but this pair is nearer:\n{}",

@@ -212,6 +212,7 @@ TEST(ReproduceProgram, ExplainsMistakesInOneLine) {
   for (const auto& [arguments, problem] : mistakes) {
     expect_one_line_error(directory.run(arguments), problem);
   }
+  EXPECT_FALSE(std::filesystem::exists(directory / "a"));
   EXPECT_THAT(directory.run({"--help"}).out, HasSubstr("foldproof reproduce -o out --quick"));
 }
 

@@ -112,8 +112,9 @@ TEST(Sweep, SaysWhatIsWrongInOneLine) {
   expect_one_line_error(run({"sweep", "lib/broken.glb", "-o", "r.jsonl"}), "is no directory");
   expect_one_line_error(run({"sweep", "lib", "-o", "no/r.jsonl"}), "no/r.jsonl: cannot be written");
   expect_one_line_error(run({"sweep", "lib", "-o", "/dev/null"}), "is no file that a sweep can go on with");
-  expect_one_line_error(run({"sweep", "lib", "-o", "lib/broken.glb"}),
-                        "lib/broken.glb:1: is no result of a sweep");
+  expect_one_line_error(run({"sweep", "lib", "-o", "lib/broken.glb"}), "would write over 'lib/broken.glb'");
+  write_file(library / "other.txt", read_file(library / "lib/broken.glb"));
+  expect_one_line_error(run({"sweep", "lib", "-o", "other.txt"}), "other.txt:1: is no result of a sweep");
   expect_one_line_error(run({"sweep", "lib", "-o", "r", "--summary", "r"}), "named for two outputs");
   std::filesystem::create_directory(library / "empty");
   expect_one_line_error(run({"sweep", "empty", "-o", "r.jsonl"}), "holds no motions");

@@ -49,10 +49,12 @@ class Served {
     client_ = std::make_unique<httplib::Client>("127.0.0.1", server_->port());
     client_->set_keep_alive(true);
     client_->set_read_timeout(60);  // a busy machine is no failure
-    thread_ = std::thread([this] { server_->serve(stop_); });
+    thread_ = std::thread([this] {
+      const auto served = server_->serve(stop_);
+      EXPECT_TRUE(served) << served.error().line();
+    });
   }
   ~Served() {
-    client_.reset();  // the server waits for connections that idle
     stop_ = true;
     thread_.join();
   }

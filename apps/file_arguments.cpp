@@ -1,0 +1,287 @@
+#include "file_arguments.h"
+
+#include <fmt/format.h>
+#include <glob.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "foldproof/io.h"
+
+namespace foldproof {
+namespace {
+
+namespace fs = std::filesystem;
+using Output = FileArguments::Output;
+using Input = FileArguments::Input;
+
+/// "-o", "--json", "MOTION": as a person would type it.
+std::string name_of(const CLI::Option& option) {
+  return option.get_snames().empty() ? option.get_name() : "-" + option.get_snames()[0];
+}
+
+/// A file on a disk, whatever it is called.
+using FileId = std::pair<::dev_t, ::ino_t>;
+
+/// Nothing where there is nothing that writing could spoil.
+std::optional<FileId> id_of(const fs::path& path) {
+  struct ::stat status = {};
+  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+  if (!S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode)) return std::nullopt;
+  return FileId{status.st_dev, status.st_ino};
+}
+
+/// The same for all spellings of a path, also of a file that is not there yet.
+std::string spelled(const fs::path& path) {
+  std::error_code code;
+  const fs::path whole = fs::weakly_canonical(fs::absolute(path, code), code);
+  return code ? path.lexically_normal().string() : whole.string();
+}
+
+/// Where a path's file stands.
+fs::path directory_of(const fs::path& path) {
+  return path.parent_path().empty() ? fs::path(".") : path.parent_path();
+}
+
+// ---- What an output may be called
+
+Result<void> require_directory_to_write(const std::string& where, const fs::path& directory) {
+  std::error_code code;
+  const fs::file_status status = fs::status(directory, code);
+  if (!fs::exists(status))
+    return fail(where, fmt::format("cannot be written: there is no directory '{}'", directory.string()),
+                "make it, or name another file");
+  if (!fs::is_directory(status))
+    return fail(where, fmt::format("cannot be written: '{}' is no directory", directory.string()),
+                "name another file");
+  if (::access(directory.c_str(), W_OK | X_OK) != 0)
+    return fail(where, fmt::format("cannot be written: nothing may be written into '{}'", directory.string()),
+                "name a file elsewhere, or change the permissions");
+  return {};
+}
+
+Result<void> require_good_name(const CLI::Option& option, const std::string& path, Output output) {
+  const bool directory = output == Output::Directory;
+  if (path.empty()) {
+    return fail(name_of(option), "names nothing",
+                fmt::format("name the {} to write{}", directory ? "directory" : "file",
+                            option.get_required() ? "" : ", or leave the option out"));
+  }
+  const std::string where = fmt::format("{} {}", name_of(option), path);
+  std::error_code code;
+  const fs::file_status status = fs::status(path, code);
+  if (code == std::errc::filename_too_long)
+    return fail(where, "cannot be written: the name is too long", "give a shorter one");
+  if (directory) {
+    if (!fs::exists(status) || fs::is_directory(status)) return {};
+    return fail(where, "is no directory", "name another");
+  }
+  if (path.back() == '/' || fs::is_directory(status))
+    return fail(where, "cannot be written: it is a directory", "name a file in it");
+  if (output == Output::Motion) {
+    const std::string extension = extension_of(path);
+    if (extension != ".npz" && extension != ".obj" && extension != ".ply")
+      return fail(where, "is not a format that is written here", "name it .npz, .obj or .ply");
+  }
+  // A pipe or a terminal is written as it stands.
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    if (::access(path.c_str(), W_OK) == 0) return {};
+    return fail(where, "cannot be written: it is not yours to write", "name another file");
+  }
+  // A link is followed, and its file replaced where that stands.
+  const fs::path followed = fs::canonical(path, code);
+  return require_directory_to_write(where, directory_of(code ? fs::path(path) : followed));
+}
+
+// ---- What is written
+
+/// Files in `directory` that are called `before`, digits, `after`.
+std::vector<fs::path> numbered(const fs::path& directory, std::string_view before, std::string_view after) {
+  std::vector<fs::path> found;
+  std::error_code code;
+  for (fs::directory_iterator at(directory, code), end; !code && at != end; at.increment(code)) {
+    const std::string name = at->path().filename().string();
+    if (name.size() <= before.size() + after.size() || !name.starts_with(before) || !name.ends_with(after))
+      continue;
+    const std::string_view middle =
+        std::string_view(name).substr(before.size(), name.size() - before.size() - after.size());
+    if (middle.find_first_not_of("0123456789") == middle.npos) found.push_back(at->path());
+  }
+  return found;
+}
+
+/// All files that are there and may be replaced.
+std::vector<fs::path> replaced(const fs::path& path, Output output) {
+  std::vector<fs::path> files{path};
+  const fs::path stem = fs::path(path).replace_extension();
+  if (output == Output::Motion && extension_of(path.string()) == ".obj")
+    files.push_back(fs::path(path).replace_extension(".pc2"));
+  if (output == Output::Collection) {
+    std::error_code code;
+    for (fs::directory_iterator at(stem, code), end; !code && at != end; at.increment(code))
+      files.push_back(at->path());
+  }
+  const std::string name = path.filename().string();
+  const std::size_t percent = name.find('%'),
+                    d = name.find('d', percent == name.npos ? name.size() : percent);
+  if (output == Output::Numbered && d != name.npos) {
+    const auto more = numbered(directory_of(path), std::string_view(name).substr(0, percent),
+                               std::string_view(name).substr(d + 1));
+    files.insert(files.end(), more.begin(), more.end());
+  }
+  return files;
+}
+
+// ---- What is read
+
+/// Whether frames or motions may be in it.
+bool may_be_read(const fs::path& path) {
+  static const std::set<std::string> kRead{".obj", ".off", ".ply", ".pc2", ".mdd", ".npz", ".gltf", ".glb"};
+  return kRead.contains(extension_of(path.string()));
+}
+
+/// "a%20b.bin" -> "a b.bin"
+std::string without_escapes(const std::string& uri) {
+  std::string text;
+  const auto digit = [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; };
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    if (uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) && digit(uri[i + 2])) {
+      text += static_cast<char>(std::stoi(uri.substr(i + 1, 2), nullptr, 16));
+      i += 2;
+    } else {
+      text += uri[i];
+    }
+  }
+  return text;
+}
+
+/// Keeps what "uri" says, and nothing else of a text that may be long. A file that is no glTF gives none.
+class Uris : public nlohmann::json::json_sax_t {
+ public:
+  std::vector<std::string> all;
+
+  bool key(string_t& name) override {
+    is_uri_ = name == "uri";
+    return true;
+  }
+  bool string(string_t& value) override {
+    if (std::exchange(is_uri_, false) && !value.starts_with("data:")) all.push_back(value);
+    return true;
+  }
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_object(std::size_t) override { return true; }
+  bool end_object() override { return true; }
+  bool start_array(std::size_t) override { return true; }
+  bool end_array() override { return true; }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception&) override {
+    return false;
+  }
+
+ private:
+  bool is_uri_ = false;
+};
+
+void add_file(const fs::path& path, std::vector<fs::path>& files) {
+  files.push_back(path);
+  if (extension_of(path.string()) != ".gltf") return;
+  std::ifstream text(path, std::ios::binary);
+  Uris uris;
+  nlohmann::json::sax_parse(text, &uris);
+  for (const std::string& uri : uris.all) files.push_back(path.parent_path() / without_escapes(uri));
+}
+
+template <class Directory>
+void add_members(const fs::path& directory, std::vector<fs::path>& files) {
+  std::error_code code;
+  for (Directory at(directory, fs::directory_options::skip_permission_denied, code), end; !code && at != end;
+       at.increment(code)) {
+    if (may_be_read(at->path())) add_file(at->path(), files);
+  }
+}
+
+/// All files that a name of an input stands for.
+std::vector<fs::path> read_under(const std::string& name, Input input) {
+  std::vector<fs::path> files;
+  std::error_code code;
+  if (fs::is_directory(name, code)) {
+    files.emplace_back(name);
+    if (input == Input::Library) {
+      add_members<fs::recursive_directory_iterator>(name, files);
+    } else {
+      add_members<fs::directory_iterator>(name, files);
+    }
+  } else if (!fs::exists(name, code) && name.find_first_of("*?[") != name.npos) {
+    ::glob_t matches{};
+    if (::glob(name.c_str(), GLOB_NOSORT, nullptr, &matches) == 0) {
+      for (std::size_t k = 0; k < matches.gl_pathc; ++k) add_file(matches.gl_pathv[k], files);
+    }
+    ::globfree(&matches);
+  } else {
+    add_file(name, files);
+  }
+  return files;
+}
+
+}  // namespace
+
+CLI::Option* FileArguments::reads(CLI::Option* option, Input input) {
+  inputs_.push_back({option, input});
+  return option;
+}
+
+CLI::Option* FileArguments::writes(CLI::Option* option, Output output) {
+  outputs_.push_back({option, output});
+  return option;
+}
+
+Result<void> FileArguments::check() const {
+  for (const auto& [option, input] : inputs_) {
+    const auto& given = option->results();
+    if (std::find(given.begin(), given.end(), "") != given.end())
+      return fail(name_of(*option), "names nothing", "name what is to be read");
+  }
+  std::set<std::string> names;
+  std::map<FileId, std::string> there;  // what may be replaced, and what names it
+  for (const auto& [option, output] : outputs_) {
+    if (option->count() == 0) continue;
+    const std::string path = option->results().back();
+    if (auto good = require_good_name(*option, path, output); !good) return good;
+    const std::string where = fmt::format("{} {}", name_of(*option), path);
+    const auto twice = [&] { return fail(where, "is named for two outputs", "give each its own file"); };
+    if (!names.insert(spelled(path)).second) return twice();
+    for (const fs::path& file : replaced(path, output)) {
+      const auto id = id_of(file);
+      if (id && !there.emplace(*id, where).second && there[*id] != where) return twice();
+    }
+  }
+  if (there.empty()) return {};
+  for (const auto& [option, input] : inputs_) {
+    for (const std::string& name : option->results()) {
+      for (const fs::path& file : read_under(name, input)) {
+        const auto id = id_of(file);
+        const auto clash = id ? there.find(*id) : there.end();
+        if (clash == there.end()) continue;
+        return fail(clash->second,
+                    fmt::format("would write over '{}', which is read ({} {})", file.string(),
+                                name_of(*option), name),
+                    "name another file to write");
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace foldproof

@@ -1,0 +1,314 @@
+// What outputs may be called: never what is read, and nothing that cannot be written.
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <thread>
+
+#include "apps/program.h"
+#include "foldproof/model.h"
+#include "model/cylinder.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+namespace fs = std::filesystem;
+
+/// A motion in every form that is read, each under several names.
+struct Inputs : TemporaryDirectory {
+  Inputs() {
+    const auto motion = bending_tube(kSmallTube, {0, 0.5, 1, 1.5});
+    EXPECT_TRUE(write_npz(*this / "a.npz", *motion));
+    EXPECT_TRUE(write_obj_pc2(*this / "walk.obj", *this / "walk.pc2", *motion));
+    EXPECT_TRUE(save_model(small_learned_model(), *this / "tube.model"));
+    write_frames(*this / "frames", *motion);
+    fs::create_directories(*this / "lib/deep");
+    fs::create_directories(*this / "plys");
+    std::vector<double> x(std::size_t{motion->topology().vertex_count()} * 3);
+    for (Index k = 0; k < 3; ++k) {
+      EXPECT_TRUE(motion->read_frame(k, x));
+      EXPECT_TRUE(write_ply(*this / ("plys/f" + std::to_string(k) + ".ply"), motion->topology(), x, {}));
+    }
+    fs::copy_file(*this / "a.npz", *this / "lib/deep/a.npz");
+    write_file(*this / "p.csv", "0\n1\n");
+    write_file(*this / "walk.gltf",
+               R"({"asset":{"version":"2.0"},"images":[{"uri":"data:,x"}],"buffers":[{"uri":"b%20c.bin"}]})");
+    write_file(*this / "b c.bin", "buffer");
+    fs::create_symlink("a.npz", *this / "soft");
+    fs::create_hard_link(*this / "a.npz", *this / "hard");
+    fs::create_directory_symlink("frames", *this / "elsewhere");
+  }
+  Outcome run(std::vector<std::string> arguments) const {
+    return run_program(std::move(arguments), {.directory = path()});
+  }
+  /// Everything that is here.
+  std::map<std::string, std::string> bytes() const {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(path())) {
+      if (entry.is_regular_file()) all[entry.path().string()] = read_file(entry.path().string());
+    }
+    return all;
+  }
+};
+
+using Words = std::vector<std::string>;
+
+TEST(FileArguments, NothingIsWrittenOverWhatIsRead) {
+  const Inputs inputs;
+  const auto before = inputs.bytes();
+  const std::string whole = inputs / "a.npz";
+  const std::vector<std::pair<Words, std::string>> clashes{
+      {{"check", "a.npz", "--json", "a.npz"},
+       "--json a.npz: would write over 'a.npz', which is read (MOTION a.npz); name another file to write"},
+      {{"check", "a.npz", "--csv", "./a.npz"}, "--csv ./a.npz: would write over 'a.npz'"},
+      {{"check", "a.npz", "--vtk", "frames/../a.npz"}, "--vtk frames/../a.npz: would write over 'a.npz'"},
+      {{"check", "./a.npz", "--explain", whole}, "--explain " + whole + ": would write over './a.npz'"},
+      {{"check", "a.npz", "--ply", "soft"}, "--ply soft: would write over 'a.npz'"},
+      {{"check", "soft", "--json", "a.npz"}, "--json a.npz: would write over 'soft'"},
+      {{"check", "a.npz", "--json", "hard"}, "--json hard: would write over 'a.npz'"},
+      {{"check", "walk.obj", "walk.pc2", "--json", "walk.pc2"}, "(MOTION walk.pc2)"},
+      {{"check", "frames", "--csv", "frames/frame1.obj"},
+       "would write over 'frames/frame1.obj', which is read (MOTION frames)"},
+      {{"check", "frames", "--csv", "elsewhere/frame1.obj"}, "would write over 'frames/frame1.obj'"},
+      {{"check", "frames/*.obj", "--json", "frames/frame0.obj"}, "(MOTION frames/*.obj)"},
+      {{"check", "plys", "--ply", "plys/f%d.ply"}, "--ply plys/f%d.ply: would write over 'plys/f"},
+      {{"check", "plys", "--ply", "plys/f%04d.ply"}, "--ply plys/f%04d.ply: would write over 'plys/f"},
+      {{"check", "walk.gltf", "--json", "b c.bin"},
+       "would write over 'b c.bin', which is read (MOTION walk.gltf)"},
+      {{"check", "a.npz", "--model", "tube.model", "--json", "tube.model"}, "(--model tube.model)"},
+      {{"check", "--reduced", "tube.model", "p.csv", "--csv", "p.csv"}, "(MOTION p.csv)"},
+      {{"report", "a.npz", "-o", "a.npz"}, "-o a.npz: would write over 'a.npz'"},
+      {{"render", "a.npz", "-o", "soft"}, "-o soft: would write over 'a.npz'"},
+      {{"render", "a.npz", "--color", "error", "--truth", "walk.obj", "-o", "walk.obj"},
+       "(--truth walk.obj)"},
+      {{"render", "a.npz", "--color", "certificates", "--model", "tube.model", "-o", "tube.model"},
+       "(--model tube.model)"},
+      {{"train", "a.npz", "frames", "-o", "frames/frame2.obj"}, "(POSES frames)"},
+      {{"predict", "tube.model", "a.npz", "-o", "a.npz"}, "(KEYPOINTS a.npz)"},
+      {{"predict", "tube.model", "frames/frame0.obj", "walk.pc2", "-o", "walk.obj"}, "'walk.pc2'"},
+      {{"predict", "tube.model", "p.csv", "--truth", "a.npz", "-o", "./a.npz"}, "(--truth a.npz)"},
+      {{"suggest", "tube.model", "a.npz", "-o", "a.npz"}, "(MOTION a.npz)"},
+      {{"radius", "tube.model", "--ply", "tube.model"}, "(MODEL tube.model)"},
+      {{"info", "tube.model", "--json", "tube.model"}, "(MODEL tube.model)"},
+      {{"sweep", "lib", "-o", "lib/deep/a.npz"}, "(DIR lib)"},
+      {{"sweep", "lib", "-o", "r.jsonl", "--summary", "lib/deep/a.npz"}, "--summary lib/deep/a.npz"},
+      {{"reproduce", "--data", "lib", "--force", "-o", "./lib"}, "(--data lib)"},
+  };
+  for (const auto& [words, said] : clashes) expect_one_line_error(inputs.run(words), said);
+  EXPECT_EQ(inputs.bytes(), before);
+}
+
+TEST(FileArguments, TwoOutputsAreTwoFiles) {
+  const Inputs inputs;
+  write_file(inputs / "x.csv", "old");
+  fs::create_symlink("x.csv", inputs / "y.csv");
+  const auto before = inputs.bytes();
+  const std::vector<Words> twice{
+      {"check", "a.npz", "--json", "new", "--csv", "./new"},
+      {"check", "a.npz", "--json", "new", "--explain", "frames/../new"},
+      {"check", "a.npz", "--csv", "x.csv", "--explain", "y.csv"},
+      {"check", "plys", "--ply", "f%d.ply", "--explain", "./f%d.ply"},
+      {"radius", "tube.model", "--sample", "2", "-o", "s.ply", "--ply", "./s.ply"},
+      {"sweep", "lib", "-o", "r", "--summary", "./r"},
+  };
+  for (const Words& words : twice) expect_one_line_error(inputs.run(words), "is named for two outputs");
+  EXPECT_EQ(inputs.bytes(), before);
+}
+
+/// Commands up to the name of an output. What they read is not there: that is found out later.
+const std::vector<Words> kOutputs{
+    {"check", "none", "--json"},       {"check", "none", "--csv"},
+    {"check", "none", "--ply"},        {"check", "none", "--vtk"},
+    {"check", "none", "--explain"},    {"check", "--reduced", "none", "none", "--csv"},
+    {"report", "none", "-o"},          {"render", "none", "-o"},
+    {"train", "none", "-o"},           {"predict", "none", "none", "-o"},
+    {"suggest", "none", "none", "-o"}, {"radius", "none", "--sample", "1", "-o"},
+    {"radius", "none", "--ply"},       {"info", "none", "--json"},
+    {"sweep", "none", "-o"},           {"sweep", "none", "-o", "r.jsonl", "--summary"}};
+
+TEST(FileArguments, OutputsNameWhatCanBeWrittenBeforeAnythingIsRead) {
+  const Inputs inputs;
+  const auto before = inputs.bytes();
+  for (const Words& words : kOutputs) {
+    const std::string option = words.back();
+    const auto with = [&](const std::string& name) {
+      Words all = words;
+      all.push_back(name);
+      return inputs.run(all);
+    };
+    expect_one_line_error(with(""), option + ": names nothing; name the file to write");
+    for (const char* directory : {".", "frames", "frames/", "no/"})
+      expect_one_line_error(with(directory),
+                            option + " " + directory + ": cannot be written: it is a directory");
+    expect_one_line_error(with("no/a.npz"),
+                          option + " no/a.npz: cannot be written: there is no directory 'no'; make it");
+    expect_one_line_error(with(std::string(300, 'x') + ".npz"), "cannot be written: the name is too long");
+    expect_one_line_error(with("p.csv/a.npz"),
+                          option + " p.csv/a.npz: cannot be written: 'p.csv' is no directory");
+    // And with a good name it is the input that is complained of.
+    const Outcome outcome = with("new.npz");
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, StartsWith("foldproof: none")) << ::testing::PrintToString(words);
+  }
+  expect_one_line_error(inputs.run({"reproduce", "-o", ""}),
+                        "-o: names nothing; name the directory to write");
+  expect_one_line_error(inputs.run({"reproduce", "-o", "a.npz"}), "-o a.npz: is no directory");
+  for (const Words& words : {Words{"predict", "none", "none"}, Words{"suggest", "none"},
+                             Words{"radius", "none", "--sample", "1"}}) {
+    Words all = words;
+    all.insert(all.end(), {"-o", "a.xyz"});
+    expect_one_line_error(inputs.run(all),
+                          "-o a.xyz: is not a format that is written here; name it .npz, .obj or .ply");
+  }
+  EXPECT_EQ(inputs.bytes(), before);
+}
+
+TEST(FileArguments, NothingIsWrittenWhereThatIsNotAllowed) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
+  const Inputs inputs;
+  fs::create_directory(inputs / "shut");
+  fs::permissions(inputs / "shut", fs::perms::owner_read | fs::perms::owner_exec);
+  expect_one_line_error(inputs.run({"train", "none", "-o", "shut/a.model"}),
+                        "-o shut/a.model: cannot be written: nothing may be written into 'shut'");
+  fs::permissions(inputs / "shut", fs::perms::owner_all);
+}
+
+TEST(FileArguments, WhatIsNotReadMayBeReplaced) {
+  const Inputs inputs;
+  write_file(inputs / "frames/answer.json", "of yesterday");
+  write_file(inputs / "other.pc2", "of yesterday");
+  const auto good = [&](const Words& words) {
+    const Outcome outcome = inputs.run(words);
+    EXPECT_LE(outcome.code, 1) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+  };
+  good({"check", "frames", "--quiet", "--json", "frames/answer.json", "--csv", "/dev/null"});
+  EXPECT_THAT(read_file(inputs / "frames/answer.json"), StartsWith("{"));
+  good({"predict", "tube.model", "a.npz", "--quiet", "-o", "other.obj"});
+  EXPECT_NE(read_file(inputs / "other.pc2"), "of yesterday");
+  good({"check", "a.npz", "--quiet", "--vtk", "a.pvd"});
+  good({"check", "a.npz", "--quiet", "--vtk", "a.pvd"});
+  good({"sweep", "lib", "--quiet", "-o", "lib/r.jsonl", "--summary", "lib/page.html"});
+  good({"sweep", "lib", "--quiet", "-o", "lib/r.jsonl", "--summary", "lib/page.html"});
+}
+
+/// What a full disk leaves: an error, and nothing else.
+TEST(FileArguments, AFullDiskIsAnErrorAndLeavesNothing) {
+  const Inputs inputs;
+  for (const char* name : {"full.npz", "full.obj", "full.ply", "full.png"})
+    fs::create_symlink("/dev/full", inputs / name);
+  ASSERT_TRUE(write_npz(inputs / "farther.npz", *bending_tube(kSmallTube, {0, 2.5, 3})));
+  const auto before = inputs.bytes();
+  const std::vector<Words> all{
+      {"check", "a.npz", "--json", "/dev/full"},
+      {"check", "a.npz", "--csv", "/dev/full"},
+      {"check", "a.npz", "--ply", "/dev/full"},
+      {"check", "a.npz", "--explain", "full.npz"},
+      {"render", "a.npz", "--size", "40x30", "-o", "full.png"},
+      {"train", "a.npz", "-o", "/dev/full"},
+      {"predict", "tube.model", "a.npz", "-o", "full.npz"},
+      {"suggest", "tube.model", "farther.npz", "-o", "full.obj"},
+      {"radius", "tube.model", "--ply", "/dev/full"},
+      {"info", "tube.model", "--json", "/dev/full"},
+      {"sweep", "lib", "-o", "r.jsonl", "--summary", "/dev/full"},
+  };
+  for (const Words& words : all) {
+    expect_one_line_error(inputs.run(words), "No space left on device");
+    fs::remove(inputs / "r.jsonl");
+  }
+  EXPECT_EQ(inputs.bytes(), before);
+}
+
+TEST(FileArguments, ALimitOnFileSizesIsAnErrorAndLeavesNothing) {
+  const Inputs inputs;
+  const auto before = inputs.bytes();
+  for (const char* rest :
+       {"check a.npz --json a.json", "train a.npz -o a.model", "predict tube.model a.npz -o b.npz"}) {
+    const std::string line = std::string("ulimit -f 4 && exec ") + FOLDPROOF_PROGRAM + " " + rest;
+    expect_one_line_error(run_program({"-c", line}, {.directory = inputs.path(), .program = "/bin/sh"}),
+                          "cannot be written: File too large");
+  }
+  EXPECT_EQ(inputs.bytes(), before);
+}
+
+TEST(FileArguments, InputsHaveNames) {
+  const Inputs inputs;
+  const std::vector<std::pair<Words, const char*>> nameless{{{"check", ""}, "MOTION"},
+                                                            {{"view", "a.npz", "--model", ""}, "--model"},
+                                                            {{"train", "a.npz", "", "-o", "x"}, "POSES"},
+                                                            {{"predict", "tube.model", ""}, "KEYPOINTS"},
+                                                            {{"info", ""}, "MODEL"},
+                                                            {{"sweep", "", "-o", "r.jsonl"}, "DIR"}};
+  for (const auto& [words, option] : nameless)
+    expect_one_line_error(inputs.run(words),
+                          std::string(option) + ": names nothing; name what is to be read");
+}
+
+/// Interrupts a program that is at work.
+Outcome interrupted(const Inputs& inputs, const Words& words, int signal = SIGINT) {
+  return run_program(words, {.directory = inputs.path(), .while_it_runs = [&](pid_t child) {
+                               // From the time on when it takes the signal itself.
+                               const std::string status = "/proc/" + std::to_string(child) + "/status";
+                               const auto takes_it = [&] {
+                                 const std::string text = read_file(status);
+                                 const std::size_t at = text.find("SigCgt:");
+                                 if (at == text.npos) return true;
+                                 return (std::stoull(text.substr(at + 7), nullptr, 16) >> (SIGINT - 1) & 1) !=
+                                        0;
+                               };
+                               for (int k = 0; k < 60'000 && !takes_it(); ++k)
+                                 std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                               ::kill(child, signal);
+                             }});
+}
+
+TEST(InterruptedProgram, LeavesNothingAndSaysSo) {
+  const Inputs inputs;
+  const TubeShape fine{96, 160};
+  std::vector<double> angles(40);
+  for (std::size_t k = 0; k < angles.size(); ++k) angles[k] = 0.15 * static_cast<double>(k);
+  ASSERT_TRUE(write_npz(inputs / "long.npz", *bending_tube(fine, angles)));
+  for (double& angle : angles) angle /= 4;
+  angles.resize(8'000, 1.2);
+  ASSERT_TRUE(write_npz(inputs / "many.npz", *bending_tube(kSmallTube, angles)));
+  std::string csv;
+  const Index modes = load_model(inputs / "tube.model").value().learned->pca.modes();
+  for (int k = 0; k < 100'000; ++k) {
+    csv += k % 2 ? "0.1" : "0";
+    for (Index mode = 1; mode < modes; ++mode) csv += ",0";
+    csv += '\n';
+  }
+  write_file(inputs / "long.csv", csv);
+  const auto before = inputs.bytes();
+  const Words hang_up{"check", "long.npz", "--substeps", "1000000", "--csv", "a.csv"};
+  EXPECT_EQ(interrupted(inputs, hang_up, SIGHUP).code, 130);
+  const std::vector<std::pair<Words, std::string>> all{
+      {{"render", "long.npz", "--color", "certificates", "--frame", "8", "--size", "4000x3000", "-o",
+        "a.png"},
+       "the picture was not finished; nothing was written"},
+      {{"check", "long.npz", "--substeps", "1000000", "--json", "a.json"}, "no report was written"},
+      {{"train", "long.npz", "-o", "a.model"}, "no model was written"},
+      {{"check", "--reduced", "tube.model", "long.csv", "--csv", "a.csv"}, "no report was written"},
+      {{"predict", "tube.model", "many.npz", "-o", "a.npz"}, "the prediction was not finished"},
+      {{"suggest", "tube.model", "many.npz", "-o", "a.obj"}, "not all frames were looked at"},
+  };
+  for (const auto& [words, said] : all) {
+    for (const int signal : {SIGINT, SIGTERM}) {
+      const Outcome outcome = interrupted(inputs, words, signal);
+      EXPECT_EQ(outcome.signal, 0) << words[0];
+      EXPECT_EQ(outcome.code, 130) << words[0] << outcome.err;
+      EXPECT_EQ(outcome.out, "") << words[0];
+      EXPECT_THAT(outcome.err, StartsWith("foldproof: interrupted: "));
+      EXPECT_THAT(outcome.err, HasSubstr(said));
+      EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    }
+  }
+  EXPECT_EQ(inputs.bytes(), before);
+}
+
+}  // namespace
+}  // namespace foldproof
