@@ -7,6 +7,7 @@
 /// the exceptions comes to the caller.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 #if defined(FOLDPROOF_THREADS_TBB)
@@ -16,7 +17,6 @@
 #include <tbb/parallel_reduce.h>
 #include <tbb/task_arena.h>
 #elif defined(FOLDPROOF_THREADS_STD) || defined(FOLDPROOF_THREADS_SERIAL)
-#include <algorithm>
 #include <deque>
 #include <functional>
 #include <utility>
@@ -88,7 +88,10 @@ class ThreadLimit {
 };
 
 /// How many threads a loop started here may have.
-inline int thread_count() { return tbb::this_task_arena::max_concurrency(); }
+inline int thread_count() {
+  const auto limit = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return std::min(tbb::this_task_arena::max_concurrency(), static_cast<int>(limit));
+}
 
 #else  // the same without oneTBB; what it means is said above
 

@@ -135,6 +135,7 @@ TEST(ThreadLimit, HoldsWhileItLives) {
   EXPECT_GE(thread_count(), 1);
   const ThreadLimit two(2);
   std::optional<ThreadLimit> one(1);
+  EXPECT_EQ(thread_count(), 1);
   EXPECT_EQ(threads_seen(), std::set{std::this_thread::get_id()});
   one.reset();
   EXPECT_LE(threads_seen().size(), 2u);
