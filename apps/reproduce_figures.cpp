@@ -251,12 +251,12 @@ Result<Figure> Figures::bent(Subject& subject, const Model& model) const {
       {file},
       fmt::format("{}: left as it is, right with {} bent inwards (frame {} of the motion). Red: faces "
                   "that cross, {} pairs.",
-                  subject.name, subject.limb, subject.bent, answer.crossings.size())};
+                  subject.name, subject.limb, subject.bent, answer.crossing_count)};
 }
 
 Result<Figure> Figures::collision(Subject& subject, const WorstStep& worst) const {
   const StepResult& answer = worst.answer;
-  const std::size_t pairs = answer.vertex_face.size() + answer.edge_edge.size();
+  const std::uint64_t pairs = answer.count();
   if (pairs == 0) return Figure{{}, subject.name + " nowhere meets itself in its motion."};
   auto x = read(*subject.motion, worst.frame);
   const auto next = read(*subject.motion, worst.frame + 1);

@@ -59,7 +59,7 @@ class Comparison {
       if (auto done = way.answer(step, answer_); !done) return tl::unexpected(done.error());
       if (first) truth_.push_back({answer_.vertex_face, answer_.edge_edge});
       const Truth& truth = truth_[step];
-      mode.collisions += answer_.vertex_face.size() + answer_.edge_edge.size();
+      mode.collisions += answer_.count();
       mode.misses +=
           missing(truth.vertex_face, answer_.vertex_face) + missing(truth.edge_edge, answer_.edge_edge);
       mode.extra +=
@@ -123,7 +123,7 @@ Result<std::vector<ModeRow>> measure_full(const Frames& frames, const Model& mod
   const auto answer = plain.answer;
   plain.answer = [&](Index step, StepResult& out) -> Result<void> {
     if (auto done = answer(step, out); !done) return done;
-    const auto count = [](const StepResult& r) { return r.vertex_face.size() + r.edge_edge.size(); };
+    const auto count = [](const StepResult& r) { return r.count(); };
     if (count(out) > count(worst.answer)) {
       worst.frame = step;
       worst.answer = out;

@@ -24,6 +24,14 @@ void add_step_options(CLI::App& command, StepArguments& a) {
       ->group(counts)
       ->excludes(within);
   add_setting_options(command, a);
+  command
+      .add_option(
+          "--limit", a.limit,
+          fmt::format("List and mark at most N pairs of each kind in a step, those with the smallest ids; "
+                      "all are counted [{}]",
+                      a.limit))
+      ->type_name("N")
+      ->group(counts);
 }
 
 void add_setting_options(CLI::App& command, StepArguments& a) {
@@ -38,6 +46,11 @@ void add_setting_options(CLI::App& command, StepArguments& a) {
           "--tolerance", a.tolerance,
           "How far beyond the thickness a reported pair may be, in mesh units [2^-30 of the scene's size]")
       ->type_name("D")
+      ->group(counts);
+
+  command
+      .add_flag("--steps-only", a.steps_only,
+                "Only what comes into contact between frames: do not ask what crosses in the first frame")
       ->group(counts);
 
   add_motion_options(command, a.motion);
@@ -71,10 +84,12 @@ Result<CheckSettings> step_settings(const StepArguments& a) {
   if (a.substeps < 1) return fail("--substeps", "0 parts are none", "give 1 or more");
   CheckSettings settings;
   settings.substeps = a.substeps;
+  settings.steps_only = a.steps_only;
   settings.step = {.within = !a.between,
                    .between = !a.within,
                    .thickness = a.thickness,
                    .tolerance = a.tolerance,
+                   .max_listed = a.limit,
                    .certificates = !a.no_certificates};
   settings.frames = *frames;
   return settings;
@@ -123,7 +138,11 @@ Result<int> check_and_tell(Motions motions, const CheckSettings& settings, Write
   bar.clear();
   if (!totals) return tl::unexpected(totals.error());
   if (totals->cancelled) {
-    print_error({"interrupted", fmt::format("after {} steps", totals->steps), "no report was written"});
+    print_error({"interrupted",
+                 fmt::format("stopped at {} of {}, {} with collisions", grouped(totals->steps),
+                             counted(totals->steps_expected, settings.poses ? "frame" : "step"),
+                             grouped(totals->steps_with_collisions)),
+                 "no report was written"});
     return kExitInterrupted;
   }
   if (!quiet) print_output(summary(motions, settings, *totals));

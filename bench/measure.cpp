@@ -98,8 +98,8 @@ class Race {
       if (auto done = run_way(way, step); !done) return done;
     }
     const StepResult& result = runners_[0].result;
-    step.collisions_vf = result.vertex_face.size();
-    step.collisions_ee = result.edge_edge.size();
+    step.collisions_vf = result.vertex_face_count;
+    step.collisions_ee = result.edge_edge_count;
     if (!all) return {};
     if (plan_.plain && !same_answer(result, runners_[2].result))
       return fail(record_.name, "has another answer with certificates", "report this, please");

@@ -124,7 +124,7 @@ class Steps {
     const auto times = times_of([&] { done = checker_->check({&x0, 1}, {&x1, 1}, {}, result_); });
     if (!done) return tl::unexpected(done.error());
     return fmt::format("{} {} {} {:x}", times[0], times[1],
-                       result_.vertex_face.size() + result_.edge_edge.size(), hash_of(result_));
+                       result_.count(), hash_of(result_));
   }
 
   static Result<std::string> train(std::istringstream& words) {

@@ -26,6 +26,9 @@ struct StepSettings {
   double thickness = 0;  ///< Mesh units, >= 0. Closer than or equal to this is a collision.
   double tolerance = 0;  ///< Mesh units. How far beyond `thickness` a reported pair may be. 0: 2^-30 of the
                          ///< largest side of the box around everything during the step.
+  /// List at most so many pairs of each kind, those with the smallest ids; all are counted nevertheless. The
+  /// answer takes memory for about as many. Does not apply to `earliest_only`.
+  std::uint64_t max_listed = 10'000'000;
   Mode mode = Mode::Proven;
   /// Mode::Paper: believe only as much as would have missed at most this share of what was not proven in
   /// poses that training held out (CertificateMap::Trust). In [0,1].
@@ -122,8 +125,10 @@ struct Explanation {
 
 /// Answer of a step. Sorted by ids; bit-identical for any number of threads. Reuse it: its buffers are kept.
 struct StepResult {
-  std::vector<VertexFaceCollision> vertex_face;
-  std::vector<EdgeEdgeCollision> edge_edge;
+  std::vector<VertexFaceCollision> vertex_face;  ///< At most StepSettings::max_listed.
+  std::vector<EdgeEdgeCollision> edge_edge;      ///< The same.
+  std::uint64_t vertex_face_count = 0;           ///< How many there are, listed or not.
+  std::uint64_t edge_edge_count = 0;
   double tolerance = 0;  ///< The tolerance that was used, mesh units.
   Index searched = 1;    ///< For how many steps, this one included, pairs were searched; 0: an earlier search
                          ///< served this step (StepSettings::ahead).
@@ -132,17 +137,19 @@ struct StepResult {
   StageTimes milliseconds;
   Explanation explanation;  ///< With StepSettings::explain.
 
-  bool clean() const { return vertex_face.empty() && edge_edge.empty(); }
+  std::uint64_t count() const { return vertex_face_count + edge_edge_count; }
+  bool clean() const { return count() == 0; }
 };
 
 /// Answer of a static query. Sorted by ids.
 struct StaticResult {
-  std::vector<TriangleCrossing> crossings;
+  std::vector<TriangleCrossing> crossings;  ///< At most StepSettings::max_listed.
+  std::uint64_t crossing_count = 0;         ///< How many there are, listed or not.
   Work work;
   StageTimes milliseconds;
   Explanation explanation;  ///< With StepSettings::explain.
 
-  bool clean() const { return crossings.empty(); }
+  bool clean() const { return crossing_count == 0; }
 };
 
 /// Positions of all objects at one time: one span of vertex_count x 3 row-major doubles per object, mesh
@@ -174,8 +181,9 @@ class StepChecker {
   /// Every pair of triangles that has a point in common beyond the vertices and edges they share, decided
   /// with exact arithmetic. `thickness`, `tolerance` and `earliest_only` do not apply. Of two triangles with
   /// a common edge: folded flat onto each other. With one common vertex: the side opposite to it meets the
-  /// other triangle, so that another vertex at the common vertex's place counts. The same triangle twice:
-  /// when it has an area.
+  /// other triangle, so that another vertex at the common vertex's place counts. The same three vertices
+  /// twice: always. Of triangles that name the same vertices in the same order one is looked at, so that many
+  /// copies cost little; an Explanation says of all of them what holds for that one.
   Result<void> check_static(Positions x, const StepSettings& settings, StaticResult& out);
 
  private:

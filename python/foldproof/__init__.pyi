@@ -26,6 +26,7 @@ class _StepSettings(TypedDict, total=False):
     certificates: bool
     ahead: bool
     earliest_only: bool
+    max_listed: int
     explain: bool
     mode: str
     miss_rate: float
@@ -116,6 +117,10 @@ class StepResult:
     @property
     def edge_edge(self) -> _Rows: ...
     @property
+    def vertex_face_count(self) -> int: ...
+    @property
+    def edge_edge_count(self) -> int: ...
+    @property
     def tolerance(self) -> float: ...
     @property
     def searched(self) -> int: ...
@@ -135,6 +140,8 @@ class StaticResult:
     def colliding_faces(self, hierarchy: Hierarchy, object: int = 0) -> NDArray[np.bool_]: ...
     @property
     def crossings(self) -> _Rows: ...
+    @property
+    def crossing_count(self) -> int: ...
 
 @final
 class StepChecker:
@@ -156,6 +163,10 @@ class CheckResult:
     def edge_edge(self) -> _Rows: ...
     @property
     def crossings(self) -> _Rows: ...
+    @property
+    def starts_crossing(self) -> int | None: ...
+    @property
+    def start_crossings(self) -> _Rows: ...
     @property
     def collisions(self) -> int: ...
     @property
@@ -270,6 +281,7 @@ def check(
     models: Model | Sequence[Model | None] | None = None,
     frames: _Frames = None,
     static: bool = False,
+    steps_only: bool = False,
     substeps: int = 1,
     keep: bool = True,
     reports: _Path | Sequence[_Path] = (),

@@ -21,6 +21,12 @@ constexpr Number kNumbers[] = {{"thickness", &StepSettings::thickness},
                                {"tolerance", &StepSettings::tolerance},
                                {"miss_rate", &StepSettings::miss_rate}};
 
+std::uint64_t count_of(const py::handle& value) {
+  const unsigned long long count = PyLong_AsUnsignedLongLong(value.ptr());
+  if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+  return count;
+}
+
 bool truth_of(const py::handle& value) {
   const int truth = PyObject_IsTrue(value.ptr());
   if (truth < 0) throw py::error_already_set();
@@ -46,8 +52,9 @@ StepSettings step_settings(const py::kwargs& settings) {
   StepSettings s;
   for (const auto& [key, value] : settings) {
     const auto name = key.cast<std::string>();
-    bool known = name == "mode";
-    if (known) s.mode = mode_of(value);
+    bool known = name == "mode" || name == "max_listed";
+    if (name == "mode") s.mode = mode_of(value);
+    if (name == "max_listed") s.max_listed = count_of(value);
     for (const auto& [flag, member] : kFlags) {
       if (name == flag) known = true, s.*member = truth_of(value);
     }
@@ -72,6 +79,8 @@ std::string with_settings(const char* doc) {
          "changes the "
          "answer\n"
          "  earliest_only=False  only the pair with the earliest time of impact\n"
+         "  max_listed=10000000  list at most so many pairs of each kind in a step, those with the smallest "
+         "ids; all are counted\n"
          "  explain=False        say what certificates did\n"
          "  mode='proven'        or 'paper', which is STATISTICAL and can miss collisions\n"
          "  miss_rate=0.01       mode 'paper': the share that may have been missed in training";

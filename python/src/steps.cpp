@@ -143,6 +143,9 @@ void bind_answers(py::module_& module) {
           "edge_edge",
           [](const py::object& self) { return view_of(self.cast<const StepResult&>().edge_edge, self); },
           "Structured array: object_a, a (2 vertex ids), object_b, b (2 vertex ids), toi, answer.")
+      .def_readonly("vertex_face_count", &StepResult::vertex_face_count,
+                    "How many of vertex and face there are, listed (max_listed) or not.")
+      .def_readonly("edge_edge_count", &StepResult::edge_edge_count, "How many of two edges there are.")
       .def_readonly("tolerance", &StepResult::tolerance, "The tolerance that was used, mesh units.")
       .def_readonly("searched", &StepResult::searched,
                     "For how many steps, this one included, pairs were searched; 0: an earlier search served "
@@ -152,9 +155,11 @@ void bind_answers(py::module_& module) {
                                 "Answer for one pose: every two triangles that cross.");
   bind_answer(pose);
   pose.def_property_readonly(
-      "crossings",
-      [](const py::object& self) { return view_of(self.cast<const StaticResult&>().crossings, self); },
-      "Structured array: object_a, triangle_a, object_b, triangle_b.");
+          "crossings",
+          [](const py::object& self) { return view_of(self.cast<const StaticResult&>().crossings, self); },
+          "Structured array: object_a, triangle_a, object_b, triangle_b.")
+      .def_readonly("crossing_count", &StaticResult::crossing_count,
+                    "How many there are, listed (max_listed) or not.");
 }
 
 }  // namespace
@@ -191,7 +196,7 @@ void bind_steps(py::module_& module) {
               .c_str())
       .def("check_static", &check_static, py::arg("x"),
            "Every two triangles that cross in the pose x (as in check), decided exactly.\n\n"
-           "settings: within, between, certificates, explain. Error: as in check.");
+           "settings: within, between, certificates, max_listed, explain. Error: as in check.");
 }
 
 }  // namespace foldproof::python

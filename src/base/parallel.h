@@ -4,11 +4,14 @@
 ///
 /// For all loops: iterations run in any order, some at the same time, and the caller takes part. Loops may
 /// stand inside loops. When an iteration throws, those that run are finished, the others left out, and one of
-/// the exceptions comes to the caller.
+/// the exceptions comes to the caller. Each iteration calculates plainly (base/plain_arithmetic.h): oneTBB
+/// runs tasks in the mode that their arena was made in, whatever that of their caller is.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
+
+#include "base/plain_arithmetic.h"
 
 #if defined(FOLDPROOF_THREADS_TBB)
 #include <tbb/enumerable_thread_specific.h>
@@ -44,7 +47,10 @@ struct IndexRange {
 /// body(i) for each i of [begin, end).
 template <class Integer, class Body>
 void parallel_for(Integer begin, Integer end, const Body& body) {
-  tbb::parallel_for(begin, end, body);
+  tbb::parallel_for(begin, end, [&](Integer i) {
+    const PlainArithmetic plain;
+    body(i);
+  });
 }
 
 /// body(IndexRange) for blocks that together are `range`, of about `grain` indices or more.
@@ -52,6 +58,7 @@ template <class Body>
 void parallel_for(IndexRange range, std::size_t grain, const Body& body) {
   using Block = tbb::blocked_range<std::size_t>;
   tbb::parallel_for(Block(range.begin, range.end, grain), [&](const Block& block) {
+    const PlainArithmetic plain;
     body(IndexRange{block.begin(), block.end()});
   });
 }
@@ -65,6 +72,7 @@ Value parallel_reduce(IndexRange range, std::size_t grain, const Value& identity
   return tbb::parallel_reduce(
       Block(range.begin, range.end, grain), identity,
       [&](const Block& block, const Value& value) {
+        const PlainArithmetic plain;
         return body(IndexRange{block.begin(), block.end()}, value);
       },
       combine);
@@ -115,13 +123,17 @@ void run_in_parallel(std::size_t count, const std::function<void(std::size_t)>& 
 template <class Integer, class Body>
 void parallel_for(Integer begin, Integer end, const Body& body) {
   if (begin >= end) return;
-  const auto run = [&](std::size_t k) { body(static_cast<Integer>(begin + static_cast<Integer>(k))); };
+  const auto run = [&](std::size_t k) {
+    const PlainArithmetic plain;
+    body(static_cast<Integer>(begin + static_cast<Integer>(k)));
+  };
   run_in_parallel(static_cast<std::size_t>(end - begin), std::ref(run));
 }
 
 template <class Body>
 void parallel_for(IndexRange range, std::size_t grain, const Body& body) {
   const auto run = [&](std::size_t k) {
+    const PlainArithmetic plain;
     const std::size_t begin = range.begin + k * grain;
     body(IndexRange{begin, std::min(range.end, begin + grain)});
   };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/plain_arithmetic.h"
 #include "bvh/split.h"
 
 namespace foldproof {
@@ -27,6 +28,7 @@ Result<void> check_positions(const Topology& topology, std::span<const double> p
 
 Result<Hierarchy> Hierarchy::build(Topology topology, std::span<const double> positions,
                                    const HierarchySettings& settings) {
+  const PlainArithmetic plain;
   if (auto ok = check_positions(topology, positions); !ok) return tl::unexpected(ok.error());
   Hierarchy tree;
   tree.topology_ = std::move(topology);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
+
 #undef HWY_TARGET_INCLUDE  // Highway compiles this file once per instruction set
 #define HWY_TARGET_INCLUDE "bvh/kinetic.cpp"
 #include <hwy/foreach_target.h>
@@ -16,7 +18,8 @@ HWY_BEFORE_NAMESPACE();
 namespace foldproof::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The box of the vertices with these ids; at least one.
+// The box of the vertices with these ids; at least one. Minima are exact, whichever zero they give
+// (tests/arithmetic, Order).
 void FitBox(const MovingVertex* vertices, std::span<const Index> ids, KineticBox& box) {
   const hn::CappedTag<float, 4> d;
   for (int end = 0; end < 2; ++end) {
@@ -93,6 +96,8 @@ struct IntoFrame {
     middle = hn::Load(d, center + lane);
     scale = hn::Set(d, frame.scale);
   }
+  // B2: one rounding to nearest each; what leaves the range of floats stays beyond the frame
+  // (tests/arithmetic: Rounding, Conversions.DoubleToFloat..., DoubleBeyondFloats...).
   HWY_INLINE auto operator()(hn::Vec<D> x) const {
     return hn::DemoteTo(hn::Rebind<float, D>(), hn::Mul(hn::Sub(x, middle), scale));
   }
@@ -402,16 +407,19 @@ LeafVertexLists list_leaf_vertices(const Hierarchy& h) {
 
 // Halves first, so that the largest doubles do not overflow.
 Frame frame_around(const Vec3& low, const Vec3& high) {
+  constexpr double kMost = std::numeric_limits<double>::max();
   Frame frame;
   const Vec3 middle = low / 2 + high / 2;
-  // The centre is rounded, hence a little room.
+  // The centre is rounded, hence a little room. |y| < 9/16 always: tests/arithmetic, Frame.
   const double half = (high / 2 - low / 2).maxCoeff();
-  const double reach = half * (1 + 0x1p-50) + middle.cwiseAbs().maxCoeff() * 0x1p-51;
+  const double reach = std::min(half * (1 + 0x1p-50) + middle.cwiseAbs().maxCoeff() * 0x1p-51, kMost);
   frame.center = middle;
   if (!(reach > 0)) return frame;
   // Everything lies within a half of the middle, and that within a sixteenth of the centre.
   frame.scale = std::ldexp(1.0, -std::clamp(std::ilogb(reach) + 2, -1020, 1025));
-  for (double& c : frame.center) c = std::nearbyint(c * frame.scale * 8) / (frame.scale * 8);
+  // Rounded, the middle of what is nearly as far out as numbers go could be infinite.
+  for (double& c : frame.center)
+    c = std::clamp(std::nearbyint(c * frame.scale * 8) / (frame.scale * 8), -kMost, kMost);
   return frame;
 }
 

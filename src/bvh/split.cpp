@@ -7,6 +7,8 @@
 #include <limits>
 #include <numeric>
 
+#include "base/parallel.h"
+
 namespace foldproof {
 namespace {
 
@@ -14,6 +16,8 @@ namespace {
 constexpr Index kPieceOfThread = 1 << 14;
 // Halves are mended so often before their fragments are looked for.
 constexpr int kMostMendings = 4;
+// Each half has at least one in so many of a piece's triangles.
+constexpr Index kMostUneven = 32;
 constexpr std::size_t kBuckets = 64;
 constexpr float kFar = std::numeric_limits<float>::max();
 
@@ -113,6 +117,10 @@ class Cutter {
     side_[second] = kRight;
     if (mend(first, second)) return true;
     exchange_fragments(first, second);
+    // Where many triangles lie at one place a half may come apart into crumbs. Cutting off one after the
+    // other would take quadratic time: rather halves that do not hang together.
+    const auto lefts = static_cast<Index>(std::count(side_.begin(), side_.end(), kLeft));
+    if (std::min(lefts, size() - lefts) < size() / kMostUneven) rank(left);
     return false;
   }
 

@@ -13,7 +13,8 @@ HWY_BEFORE_NAMESPACE();
 namespace foldproof::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Theorem 1: one side of one axis separates the boxes at both ends of the step.
+// Theorem 1: one side of one axis separates the boxes at both ends of the step. B2: one rounding per gap, and
+// comparisons that are false of NaN (tests/arithmetic: Rounding, Order).
 HWY_INLINE bool Apart(const KineticBox& a, const KineticBox& b, float margin) {
   const hn::CappedTag<float, 4> d;
   const auto m = hn::Set(d, margin);
@@ -87,7 +88,7 @@ void TestLeaves(const Traversal& traversal, std::span<const NodePair> leaves, st
     *apart++ = Apart(a.boxes[a.leaf_node(pair.a)], b.boxes[b.leaf_node(pair.b)], traversal.margin);
 }
 
-// Bit k is set when lane k names one of the feature's vertices.
+// Bit k is set when lane k names one of the feature's vertices (tests/arithmetic, Masks).
 template <int NA, int NB>
 HWY_INLINE std::uint32_t IncidentLanes(const IdBlock<NA>& a, int lane_a, const IdBlock<NB>& b,
                                        std::uint32_t asked) {

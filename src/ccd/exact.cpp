@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/plain_arithmetic.h"
 #include "foldproof/ccd.h"
 
 // GCC 12 believes that Boost's integers are read before they are written.
@@ -54,7 +55,8 @@ int orient2d_exact(const Vec2& a, const Vec2& b, const Vec2& c) {
   return Big((v[0] - v[4]) * (v[3] - v[5]) - (v[1] - v[5]) * (v[2] - v[4])).sign();
 }
 
-// Outside this range a product of three differences may overflow or lose its last digits.
+// Outside this range a product of three differences may overflow or lose its last digits
+// (tests/ccd/filter_limits_test.cpp).
 bool filter_applies(double smallest_size, double largest_size) {
   return smallest_size > 1e-97 && largest_size < 1e97;
 }
@@ -63,7 +65,9 @@ bool filter_applies(double smallest_size, double largest_size) {
 int orient2d(const Vec2& a, const Vec2& b, const Vec2& c) {
   const double ax = a.x - c.x, ay = a.y - c.y, bx = b.x - c.x, by = b.y - c.y;
   const double sx = std::max(std::abs(ax), std::abs(bx)), sy = std::max(std::abs(ay), std::abs(by));
-  if (sx == 0 || sy == 0) return 0;  // differences of doubles are zero only when they are equal
+  // Differences of doubles are zero only when they are equal, as denormal ones are kept (tests/arithmetic:
+  // Modes, Rounding).
+  if (sx == 0 || sy == 0) return 0;
   if (filter_applies(std::min(sx, sy), std::max(sx, sy))) {
     const double det = ax * by - ay * bx;
     const double error = 16 * 0x1p-53 * sx * sy;  // docs/soundness.md, E1
@@ -71,6 +75,21 @@ int orient2d(const Vec2& a, const Vec2& b, const Vec2& c) {
     if (det < -error) return -1;
   }
   return orient2d_exact(a, b, c);
+}
+
+int sign_of_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 ad = a - d, bd = b - d, cd = c - d;
+  const Vec3 size = ad.cwiseAbs().cwiseMax(bd.cwiseAbs()).cwiseMax(cd.cwiseAbs());
+  if (size.minCoeff() == 0) return 0;  // all four on a plane across an axis
+  if (filter_applies(size.minCoeff(), size.maxCoeff())) {
+    const double det = ad.x() * (bd.y() * cd.z() - bd.z() * cd.y()) -
+                       ad.y() * (bd.x() * cd.z() - bd.z() * cd.x()) +
+                       ad.z() * (bd.x() * cd.y() - bd.y() * cd.x());
+    const double error = 64 * 0x1p-53 * (size.x() * size.y() * size.z());  // docs/soundness.md, E1
+    if (det > error) return 1;
+    if (det < -error) return -1;
+  }
+  return orient3d_exact(a, b, c, d);
 }
 
 Vec2 drop(const Vec3& p, int axis) {
@@ -109,7 +128,7 @@ bool segments_meet_2d(const Vec2& p, const Vec2& q, const Vec2& r, const Vec2& s
 }
 
 bool segments_meet(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
-  if (orient3d(p, q, r, s) != 0) return false;
+  if (sign_of_volume(p, q, r, s) != 0) return false;
   for (const auto& [a, b, c] :
        {std::array{p, q, r}, std::array{p, q, s}, std::array{r, s, p}, std::array{r, s, q}}) {
     const int axis = flattening_axis(a, b, c);
@@ -131,66 +150,74 @@ bool coplanar_segment_meets_triangle(const std::array<Vec3, 2>& s, const std::ar
   return lowest >= 0 || highest <= 0;
 }
 
-}  // namespace
-
-int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const Vec3 ad = a - d, bd = b - d, cd = c - d;
-  const Vec3 size = ad.cwiseAbs().cwiseMax(bd.cwiseAbs()).cwiseMax(cd.cwiseAbs());
-  if (size.minCoeff() == 0) return 0;  // all four on a plane across an axis
-  if (filter_applies(size.minCoeff(), size.maxCoeff())) {
-    const double det = ad.x() * (bd.y() * cd.z() - bd.z() * cd.y()) -
-                       ad.y() * (bd.x() * cd.z() - bd.z() * cd.x()) +
-                       ad.z() * (bd.x() * cd.y() - bd.y() * cd.x());
-    const double error = 64 * 0x1p-53 * (size.x() * size.y() * size.z());  // docs/soundness.md, E1
-    if (det > error) return 1;
-    if (det < -error) return -1;
-  }
-  return orient3d_exact(a, b, c, d);
-}
-
-bool triangle_has_area(const Vec3& a, const Vec3& b, const Vec3& c) { return flattening_axis(a, b, c) >= 0; }
-
-bool segment_intersects_triangle(const std::array<Vec3, 2>& s, const std::array<Vec3, 3>& t) {
+bool segment_meets_triangle(const std::array<Vec3, 2>& s, const std::array<Vec3, 3>& t) {
   const auto& [p, q] = s;
   const auto& [a, b, c] = t;
-  const int at_p = orient3d(a, b, c, p), at_q = orient3d(a, b, c, q);
+  const int at_p = sign_of_volume(a, b, c, p), at_q = sign_of_volume(a, b, c, q);
   if (at_p * at_q > 0) return false;
   if (at_p == 0 && at_q == 0) {
     const int axis = flattening_axis(a, b, c);
     if (axis >= 0) return coplanar_segment_meets_triangle(s, t, axis);
     return segments_meet(p, q, a, b) || segments_meet(p, q, b, c) || segments_meet(p, q, c, a);
   }
-  const int ab = orient3d(p, q, a, b), bc = orient3d(p, q, b, c), ca = orient3d(p, q, c, a);
+  const int ab = sign_of_volume(p, q, a, b), bc = sign_of_volume(p, q, b, c), ca = sign_of_volume(p, q, c, a);
   return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
 }
 
-bool triangles_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+bool triangles_meet(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
   // One plane with the other triangle strictly on one side settles most pairs.
   for (const auto& [t, o] : {std::pair(&a, &b), std::pair(&b, &a)}) {
-    const int side = orient3d((*t)[0], (*t)[1], (*t)[2], (*o)[0]);
-    if (side != 0 && orient3d((*t)[0], (*t)[1], (*t)[2], (*o)[1]) == side &&
-        orient3d((*t)[0], (*t)[1], (*t)[2], (*o)[2]) == side) {
+    const int side = sign_of_volume((*t)[0], (*t)[1], (*t)[2], (*o)[0]);
+    if (side != 0 && sign_of_volume((*t)[0], (*t)[1], (*t)[2], (*o)[1]) == side &&
+        sign_of_volume((*t)[0], (*t)[1], (*t)[2], (*o)[2]) == side) {
       return false;
     }
   }
   for (int k = 0; k < 3; ++k) {
-    if (segment_intersects_triangle({a[k], a[(k + 1) % 3]}, b)) return true;
-    if (segment_intersects_triangle({b[k], b[(k + 1) % 3]}, a)) return true;
+    if (segment_meets_triangle({a[k], a[(k + 1) % 3]}, b)) return true;
+    if (segment_meets_triangle({b[k], b[(k + 1) % 3]}, a)) return true;
   }
   return false;
 }
 
-bool triangles_fold(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+bool fold_flat(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const int axis = flattening_axis(a, b, c);
   if (axis >= 0 && flattening_axis(a, b, d) >= 0) {
-    if (orient3d(a, b, c, d) != 0) return false;
+    if (sign_of_volume(a, b, c, d) != 0) return false;
     const Vec2 a2 = drop(a, axis), b2 = drop(b, axis);
     return orient2d(a2, b2, drop(c, axis)) == orient2d(a2, b2, drop(d, axis));
   }
   const auto beyond_edge = [&](const Vec3& p, const Vec3& other) {
-    return segment_intersects_triangle({p, p}, {a, b, other}) && !segments_meet(p, p, a, b);
+    return segment_meets_triangle({p, p}, {a, b, other}) && !segments_meet(p, p, a, b);
   };
   return beyond_edge(c, d) || beyond_edge(d, c);
+}
+
+}  // namespace
+
+int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const PlainArithmetic plain;
+  return sign_of_volume(a, b, c, d);
+}
+
+bool triangle_has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const PlainArithmetic plain;
+  return flattening_axis(a, b, c) >= 0;
+}
+
+bool triangles_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+  const PlainArithmetic plain;
+  return triangles_meet(a, b);
+}
+
+bool segment_intersects_triangle(const std::array<Vec3, 2>& s, const std::array<Vec3, 3>& t) {
+  const PlainArithmetic plain;
+  return segment_meets_triangle(s, t);
+}
+
+bool triangles_fold(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const PlainArithmetic plain;
+  return fold_flat(a, b, c, d);
 }
 
 }  // namespace foldproof

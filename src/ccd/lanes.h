@@ -3,6 +3,8 @@
 /// once per instruction set, as Highway has it.
 #include <limits>
 
+#include "ccd/bounds.h"
+
 #if defined(FOLDPROOF_CCD_LANES_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FOLDPROOF_CCD_LANES_H
 #undef FOLDPROOF_CCD_LANES_H
@@ -122,8 +124,9 @@ struct BorderPoint {
     const V length2 = Dot(side, side);
     const Vector unit = Choose(hn::Gt(length2, zero), Over(side, hn::Sqrt(length2)), side);
     const Vector along = Choose(at_corner, point, Cross(unit, Cross(from, unit)));
-    const V length = hn::Sqrt(Dot(along, along));
-    return Choose(hn::Gt(length, zero), Over(along, length), {Number(1), zero, zero});
+    const V square = Dot(along, along);
+    return Choose(hn::Ge(square, Number(kLeastSquare)), Over(along, hn::Sqrt(square)),
+                  {Number(1), zero, zero});
   }
 };
 
@@ -156,8 +159,8 @@ HWY_INLINE PatchClosest ClosestToOrigin(const Corners<N>& c) {
   const V beta = Dot(Cross(e2, c.d[0]), across), gamma = Dot(Cross(c.d[0], e1), across);
   const M within =
       N == 4 ? hn::And(hn::Le(beta, across2), hn::Le(gamma, across2)) : hn::Le(hn::Add(beta, gamma), across2);
-  const M inside =
-      hn::And(hn::And(hn::Ge(beta, zero), hn::Ge(gamma, zero)), hn::And(within, hn::Gt(across2, zero)));
+  const M inside = hn::And(hn::And(hn::Ge(beta, zero), hn::Ge(gamma, zero)),
+                           hn::And(within, hn::Ge(across2, Number(kLeastSquare))));
   // Nearly flat patches: the inside coordinates are noise, so the border is looked at as well.
   const M broad = hn::Gt(across2, hn::Mul(hn::Mul(Number(1e-12), Dot(e1, e1)), Dot(e2, e2)));
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/plain_arithmetic.h"
 #include "ccd/bounds.h"
 #include "ccd/march.h"
 #include "foldproof/ccd.h"
@@ -10,6 +11,7 @@ namespace foldproof {
 namespace {
 
 CcdResult pair_ccd(const FourPoints& x0, const FourPoints& x1, bool edge_edge, const CcdSettings& settings) {
+  const PlainArithmetic plain;
   PairBatch pairs{};
   pairs.set(0, x0, x1);
   March march(edge_edge, settings);
@@ -21,6 +23,7 @@ CcdResult pair_ccd(const FourPoints& x0, const FourPoints& x1, bool edge_edge, c
 }
 
 Closest closest(const FourPoints& x, bool edge_edge) {
+  const PlainArithmetic plain;
   PairBatch pairs{};
   pairs.set(0, x, x);
   return closest_of_first(pairs, edge_edge);
@@ -36,7 +39,10 @@ CcdResult edge_edge_ccd(const FourPoints& x0, const FourPoints& x1, const CcdSet
   return pair_ccd(x0, x1, true, settings);
 }
 
-double ccd_resolution(double extent) { return std::max(kResolution * extent, kLeastTolerance); }
+double ccd_resolution(double extent) {
+  const PlainArithmetic plain;
+  return std::max(kResolution * extent, kLeastTolerance);
+}
 
 Closest vertex_face_closest(const FourPoints& x) { return closest(x, false); }
 

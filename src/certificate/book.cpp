@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <functional>
 
+#include "base/parallel.h"
+
 namespace foldproof {
 namespace {
 

@@ -168,7 +168,7 @@ void FindDoubtful(const ChartView& chart, std::size_t begin, std::size_t end, Ch
 
 // Theorem 2's test (S1): the symmetric part of E^T eta is positive definite for every triangle at both ends.
 // Sides are floats, so their products are exact in double; in float, rounding could hide a thin triangle that
-// is turned over (docs/soundness.md, S3).
+// is turned over (docs/soundness.md, S3; tests/arithmetic: Conversions.FloatToDoubleIsExact, Rounding).
 #if HWY_TARGET == HWY_SCALAR
 bool AllForward(std::span<const std::array<std::uint16_t, 3>> triangles, const ChartScratch& scratch) {
   for (const auto& t : triangles) {

@@ -43,10 +43,11 @@ PatchSlots::PatchSlots(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(
 
 Index PatchSlots::of_leaves(Index leaf_a, Index leaf_b) const {
   const auto [a, b] = std::minmax(leaf_a, leaf_b);
-  for (Index k = begin_[a]; k < begin_[a + 1]; ++k) {
-    if (neighbour_[k] == b) return node_count() + k;
-  }
-  return kNoIndex;
+  // They ascend; around a vertex with very many triangles there are very many.
+  const auto first = neighbour_.begin() + begin_[a], last = neighbour_.begin() + begin_[a + 1];
+  const auto found = std::lower_bound(first, last, b);
+  if (found == last || *found != b) return kNoIndex;
+  return node_count() + static_cast<Index>(found - neighbour_.begin());
 }
 
 Index PatchSlots::triangles_of(Index slot) const {

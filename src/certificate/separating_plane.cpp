@@ -25,7 +25,8 @@ HWY_BEFORE_NAMESPACE();
 namespace foldproof::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The points of a set at both ends that lie furthest against a direction; the first of equals.
+// The points of a set at both ends that lie furthest against a direction; the first of equals. Coordinates
+// are finite (tests/arithmetic, Frame): where all products were NaN, nothing would be least.
 struct Least {
   float along[2];
   std::size_t at[2];
@@ -102,7 +103,8 @@ Separation LookAlong(const VertexSet& a, const VertexSet& b, const float (&n)[3]
   return apart;
 }
 
-// Theorem 1 along a direction. Shorter ones lose digits when they are squared, or vanish.
+// Theorem 1 along a direction. Shorter ones lose digits when they are squared, or vanish. S4: one rounding to
+// nearest per product, sum and root (tests/arithmetic, Rounding).
 bool Separate(const Separation& apart, float gap) {
   return apart.square > 1e-30f && apart.along[apart.worst] > gap * std::sqrt(apart.square);
 }

@@ -15,6 +15,9 @@ namespace {
 constexpr double kMostFrames = 1e6;
 constexpr std::uint64_t kMostInstanced = std::uint64_t{1}
                                          << 27;  // vertices or triangles, all copies together
+// Positions, morph targets and joints of all vertices, which a frame goes through. Accessors may show the
+// same bytes, so the size of the file does not limit them.
+constexpr std::uint64_t kMostPerFrame = std::uint64_t{1} << 32;
 
 /// A node of the scene that shows a vertex set.
 struct Instance {
@@ -57,6 +60,7 @@ class GltfMotion final : public Motion {
   Result<void> read_frame(Index k, std::span<double> out) override {
     if (auto checked = check_request(*this, k, out); !checked) return checked;
     pose(std::min(k / fps_, scene_.seconds));
+    joints_.assign(scene_.skins.size(), {});
     const std::string where = fmt::format("{}, frame {}", name(), k);
     for (const Instance& instance : instances_) {
       const auto positions = out.subspan(3 * instance.first_vertex, 3 * instance.vertices->position.count());
@@ -64,7 +68,7 @@ class GltfMotion final : public Motion {
       const GltfNode& node = scene_.nodes[instance.node];
       if (!node.skin) {
         transform(world_[instance.node], positions);
-      } else if (auto done = apply_skin(instance, scene_.skins[*node.skin], where, positions); !done) {
+      } else if (auto done = apply_skin(instance, *node.skin, where, positions); !done) {
         return done;
       }
     }
@@ -74,18 +78,42 @@ class GltfMotion final : public Motion {
  private:
   /// A small file can show a mesh very often, so all copies are counted before the first is made.
   Result<void> check_size() const {
-    std::uint64_t vertices = 0, corners = 0;
+    std::vector<Size> sizes;
+    for (const GltfMesh& mesh : scene_.meshes) sizes.push_back(size_of(mesh));
+    Size all;
     for (const std::size_t node : scene_.shown) {
-      const GltfMesh& mesh = scene_.meshes[*scene_.nodes[node].mesh];
-      for (const GltfVertexSet& set : mesh.vertex_sets) vertices += set.position.count();
-      for (const GltfPrimitive& primitive : mesh.primitives) corners += corner_count(mesh, primitive);
-      if (vertices > kMostInstanced || corners > kMostInstanced) {
+      const Size& size = sizes[*scene_.nodes[node].mesh];
+      all.vertices += size.vertices;
+      all.corners += size.corners;
+      all.values += size.values;
+      if (all.vertices > kMostInstanced || all.corners > kMostInstanced) {
         return fail(name(),
                     fmt::format("shows more than {} vertices or corners of triangles", kMostInstanced),
                     "export fewer copies of its meshes");
       }
+      if (all.values > kMostPerFrame) {
+        return fail(name(),
+                    fmt::format("has more than {} morph targets and joints of vertices", kMostPerFrame),
+                    "export fewer copies of its meshes, or fewer morph targets");
+      }
     }
     return {};
+  }
+
+  struct Size {
+    std::uint64_t vertices = 0, corners = 0, values = 0;
+  };
+  // Each below 2^40 times the number of vertex sets or primitives; what is looked at without a corner counts,
+  // too.
+  static Size size_of(const GltfMesh& mesh) {
+    Size size;
+    for (const GltfVertexSet& set : mesh.vertex_sets) {
+      size.vertices += set.position.count();
+      size.values += set.position.count() * (1 + set.targets.size() + set.influences.size());
+    }
+    for (const GltfPrimitive& primitive : mesh.primitives)
+      size.corners += std::max<std::uint64_t>(1, corner_count(mesh, primitive));
+    return size;
   }
 
   static std::uint64_t corner_count(const GltfMesh& mesh, const GltfPrimitive& primitive) {
@@ -209,17 +237,26 @@ class GltfMotion final : public Motion {
     }
   }
 
-  /// Linear blend skinning. Weights are divided by their sum, as stored ones rarely sum to 1 exactly; a
-  /// vertex without weights follows the first joint.
-  Result<void> apply_skin(const Instance& instance, const GltfSkin& skin, const std::string& where,
-                          std::span<double> positions) {
-    using Affine = Eigen::Matrix<double, 3, 4>;
-    std::vector<Affine> joints;
+  using Affine = Eigen::Matrix<double, 3, 4>;
+
+  /// What the joints of a skin do in this frame; many nodes may share a skin.
+  const std::vector<Affine>& joints_of(std::size_t index) {
+    std::vector<Affine>& joints = joints_[index];
+    if (!joints.empty()) return joints;
+    const GltfSkin& skin = scene_.skins[index];
     for (std::size_t j = 0; j < skin.joints.size(); ++j) {
       Eigen::Matrix4d bind = Eigen::Matrix4d::Identity();
       for (int c = 0; skin.inverse_bind && c < 16; ++c) bind.data()[c] = skin.inverse_bind->get(j, c);
       joints.push_back((world_[skin.joints[j]] * bind).topRows<3>());
     }
+    return joints;
+  }
+
+  /// Linear blend skinning. Weights are divided by their sum, as stored ones rarely sum to 1 exactly; a
+  /// vertex without weights follows the first joint.
+  Result<void> apply_skin(const Instance& instance, std::size_t skin, const std::string& where,
+                          std::span<double> positions) {
+    const std::vector<Affine>& joints = joints_of(skin);
     for (std::size_t v = 0; v < positions.size() / 3; ++v) {
       Affine blend = Affine::Zero();
       double sum = 0;
@@ -253,6 +290,7 @@ class GltfMotion final : public Motion {
   Topology topology_;
   std::vector<GltfNode> posed_;
   std::vector<Eigen::Matrix4d> world_;
+  std::vector<std::vector<Affine>> joints_;  // per skin; empty until one needs them
 };
 
 }  // namespace

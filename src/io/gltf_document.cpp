@@ -14,6 +14,7 @@ using Json = GltfDocument::Json;
 constexpr int kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125,
               kFloat = 5126;
 constexpr std::uint64_t kCountLimit = std::uint64_t{1} << 40;
+constexpr std::uint64_t kMostValues = std::uint64_t{1} << 27;  // GltfDocument::may_read, all together
 
 std::uint64_t component_bytes(int type) {
   if (type == kByte || type == kUnsignedByte) return 1;
@@ -210,7 +211,7 @@ std::span<const char> GltfDocument::view(std::size_t index, std::uint64_t& strid
   const std::uint64_t length = count(json, "byteLength", place);
   stride = optional_count(json, "byteStride", place).value_or(stride);
   if (error_) return {};
-  const std::vector<char>& bytes = buffers_[buffer];
+  const std::vector<char>& bytes = *buffers_[buffer];
   if (offset > bytes.size() || length > bytes.size() - offset) {
     complain(place, fmt::format("needs bytes {} to {}, but buffers[{}] has {}", offset, offset + length,
                                 buffer, bytes.size()));
@@ -275,6 +276,8 @@ GltfAccessor GltfDocument::accessor(std::size_t index, std::string_view type, co
   result.replaced = values(*indices, which, place);
   result.values = values(*values_of, shape, place);
   if (error_) return {};
+  if (!ascending_.insert(index).second) return result;
+  if (!may_read(replaced, place)) return {};
   for (std::uint64_t i = 0; i < replaced; ++i) {
     const std::uint32_t at = result.replaced.integer(i, 0);
     if (at >= result.base.count || (i > 0 && at <= result.replaced.integer(i - 1, 0))) {
@@ -283,6 +286,15 @@ GltfAccessor GltfDocument::accessor(std::size_t index, std::string_view type, co
     }
   }
   return result;
+}
+
+bool GltfDocument::may_read(std::uint64_t count, const std::string& place) {
+  if (count <= kMostValues - values_read_) {
+    values_read_ += count;
+    return true;
+  }
+  complain(place, fmt::format("with it, more than {} indices and times are named", kMostValues));
+  return false;
 }
 
 Result<GltfDocument> GltfDocument::read(const std::string& path) {
@@ -374,7 +386,7 @@ void GltfDocument::load_buffers() {
   for (std::size_t i = 0; i < buffers.size() && !error_; ++i) {
     const std::string place = fmt::format("buffers[{}]", i);
     const std::uint64_t length = count(buffers[i], "byteLength", place);
-    std::vector<char> bytes;
+    Buffer bytes;
     if (const auto uri = buffers[i].find("uri"); uri != buffers[i].end()) {
       auto loaded = load_uri(uri->is_string() ? uri->get<std::string>() : "", place);
       if (!loaded) {
@@ -383,12 +395,13 @@ void GltfDocument::load_buffers() {
       }
       bytes = std::move(*loaded);
     } else if (i == 0 && chunk_) {
-      bytes = std::move(*chunk_);
+      bytes = std::make_shared<const std::vector<char>>(std::move(*chunk_));
     } else {
       complain(place, "has neither a uri nor a binary chunk");
+      return;
     }
-    if (length > bytes.size()) {
-      complain(place, fmt::format("announces {} bytes, but there are {}", length, bytes.size()),
+    if (length > bytes->size()) {
+      complain(place, fmt::format("announces {} bytes, but there are {}", length, bytes->size()),
                "copy or export the file again");
     }
     buffers_.push_back(std::move(bytes));
@@ -396,7 +409,7 @@ void GltfDocument::load_buffers() {
 }
 
 /// Embedded data, or a file in or below the directory of this one.
-Result<std::vector<char>> GltfDocument::load_uri(const std::string& uri, const std::string& place) const {
+Result<GltfDocument::Buffer> GltfDocument::load_uri(const std::string& uri, const std::string& place) {
   const std::string where = fmt::format("{}, {}", path_, place);
   if (uri.starts_with("data:")) {
     const std::size_t comma = uri.find(',');
@@ -405,7 +418,7 @@ Result<std::vector<char>> GltfDocument::load_uri(const std::string& uri, const s
     }
     auto bytes = decode_base64(std::string_view(uri).substr(comma + 1));
     if (!bytes) return fail(where, "embedded data is not base64", "export the file again");
-    return std::move(*bytes);
+    return std::make_shared<const std::vector<char>>(std::move(*bytes));
   }
   const std::string name = decode_percent(uri);
   std::error_code status;
@@ -418,11 +431,14 @@ Result<std::vector<char>> GltfDocument::load_uri(const std::string& uri, const s
     return fail(where, fmt::format("'{}' is not a file beside this one", uri.substr(0, 200)),
                 "put the buffer beside it, or export GLB");
   }
+  Buffer& file = files_[target.string()];
+  if (file) return file;
   auto bytes = read_file(target.string());
   if (!bytes)
     return fail(where, fmt::format("buffer '{}' {}", uri.substr(0, 200), bytes.error().problem),
                 bytes.error().mend);
-  return bytes;
+  file = std::make_shared<const std::vector<char>>(std::move(*bytes));
+  return file;
 }
 
 }  // namespace foldproof::io

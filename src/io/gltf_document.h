@@ -1,8 +1,11 @@
 /// A glTF or GLB file as it stands: JSON, buffers, and accessors whose ranges have been checked.
 #pragma once
 
+#include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <unordered_set>
 #include <vector>
 
 #include "io/bytes.h"
@@ -66,21 +69,30 @@ class GltfDocument {
   /// The accessor at `index`, which must have this type ("VEC3").
   GltfAccessor accessor(std::size_t index, std::string_view type, const std::string& place);
 
+  /// To be called before `count` values of an accessor are looked at. Any number of accessors may show the
+  /// same bytes, so the size of the file does not limit how many there are; this does. False, with a
+  /// complaint, when they are too many.
+  bool may_read(std::uint64_t count, const std::string& place);
+
   const Json& json() const { return json_; }
 
  private:
+  using Buffer = std::shared_ptr<const std::vector<char>>;
   Result<void> split_glb(std::vector<char> file);
   Result<void> parse_json(std::string_view text, std::uint64_t offset);
   void check_extensions();
   void load_buffers();
-  Result<std::vector<char>> load_uri(const std::string& uri, const std::string& place) const;
+  Result<Buffer> load_uri(const std::string& uri, const std::string& place);
   std::span<const char> view(std::size_t index, std::uint64_t& stride);
   GltfValues values(const Json& source, const GltfValues& shape, const std::string& place);
 
   std::string path_;
   Json json_;
   std::optional<std::vector<char>> chunk_;  // GLB's own buffer
-  std::vector<std::vector<char>> buffers_;
+  std::vector<Buffer> buffers_;
+  std::map<std::string, Buffer> files_;        // that buffers name; many may name the same
+  std::unordered_set<std::size_t> ascending_;  // sparse accessors that have been looked through
+  std::uint64_t values_read_ = 0;
   std::optional<Error> error_;
 };
 

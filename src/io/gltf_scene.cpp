@@ -225,6 +225,11 @@ class SceneReader {
   }
 
   void check_shown() {
+    std::vector<bool> bindable;  // per mesh, whether all of its vertices have joints
+    for (const GltfMesh& mesh : scene_.meshes) {
+      bindable.push_back(std::none_of(mesh.vertex_sets.begin(), mesh.vertex_sets.end(),
+                                      [](const GltfVertexSet& set) { return set.influences.empty(); }));
+    }
     for (const std::size_t i : scene_.shown) {
       const GltfNode& node = scene_.nodes[i];
       const GltfMesh& mesh = scene_.meshes[*node.mesh];
@@ -235,33 +240,34 @@ class SceneReader {
               place, fmt::format("{} weights are given for {} morph targets", weights->size(), mesh.targets));
         }
       }
-      for (const GltfVertexSet& set : mesh.vertex_sets) {
-        if (node.skin && set.influences.empty())
-          document_.complain(place, "has a skin, but its mesh has no joints");
-      }
+      if (node.skin && !bindable[*node.mesh])
+        document_.complain(place, "has a skin, but its mesh has no joints");
     }
   }
 
   void read_animations() {
     const Json& animations = document_.list("animations");
-    std::vector<std::vector<GltfChannel>> all;
+    struct Animation {
+      std::vector<GltfChannel> channels;
+      double seconds = 0;  // the last key of any channel
+    };
+    std::vector<Animation> all;
     for (std::size_t i = 0; i < animations.size() && !failed(); ++i) {
-      all.push_back(read_animation(animations[i], fmt::format("animations[{}]", i)));
+      all.push_back({read_animation(animations[i], fmt::format("animations[{}]", i))});
     }
     if (failed()) return;
     // All play together from time 0. Where two drive the same property, as clips of one figure do, the
     // longest wins.
-    const auto seconds = [](const std::vector<GltfChannel>& animation) {
-      double last = 0;
-      for (const GltfChannel& c : animation) last = std::max(last, c.times.get(c.times.count() - 1, 0));
-      return last;
-    };
+    for (Animation& animation : all) {
+      for (const GltfChannel& c : animation.channels)
+        animation.seconds = std::max(animation.seconds, c.times.get(c.times.count() - 1, 0));
+    }
     std::stable_sort(all.begin(), all.end(),
-                     [&](const auto& a, const auto& b) { return seconds(a) > seconds(b); });
+                     [](const auto& a, const auto& b) { return a.seconds > b.seconds; });
     std::set<std::pair<std::size_t, GltfPath>> driven;
-    for (auto& animation : all) {
-      scene_.seconds = std::max(scene_.seconds, seconds(animation));
-      for (GltfChannel& channel : animation) {
+    for (Animation& animation : all) {
+      scene_.seconds = std::max(scene_.seconds, animation.seconds);
+      for (GltfChannel& channel : animation.channels) {
         if (driven.emplace(channel.node, channel.path).second) scene_.channels.push_back(std::move(channel));
       }
     }
@@ -333,6 +339,7 @@ class SceneReader {
 
   void check_times(std::size_t index, const GltfAccessor& times) {
     if (!checked_times_.insert(index).second) return;
+    if (!document_.may_read(times.count(), fmt::format("accessors[{}]", index))) return;
     for (std::uint64_t i = 0; i < times.count(); ++i) {
       const double time = times.get(i, 0);
       if (!std::isfinite(time) || time < 0 || (i > 0 && time <= times.get(i - 1, 0))) {

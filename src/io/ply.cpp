@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <optional>
+#include <unordered_set>
 
 #include "io/bytes.h"
 #include "io/readers.h"
@@ -114,10 +115,8 @@ class HeaderParser {
     std::int64_t count;
     if (cursor_.integer(count) != Scan::Ok || count < 0) return error("element has no proper count");
     element.count = static_cast<std::uint64_t>(count);
-    for (const Element& other : header_.elements) {
-      if (other.name == element.name)
-        return error(fmt::format("element '{}' is declared twice", element.name));
-    }
+    if (!names_.insert(element.name).second)
+      return error(fmt::format("element '{}' is declared twice", element.name));
     if (element.name == "vertex") header_.vertices = element.count;
     header_.elements.push_back(std::move(element));
     return {};
@@ -181,6 +180,7 @@ class HeaderParser {
   std::string_view bytes_;
   TextCursor cursor_;
   Header header_;
+  std::unordered_set<std::string> names_;  // of the elements
   bool has_format_ = false;
 };
 

@@ -13,6 +13,7 @@ Json step_json(const StepRecord& s) {
           {"substep", s.place.substep},
           {"vertex_face", s.collisions.vertex_face},
           {"edge_edge", s.collisions.edge_edge},
+          {"listed", s.listed},
           {"undecided", s.work.undecided},
           {"toi", s.earliest_toi},
           {"tolerance", s.tolerance},

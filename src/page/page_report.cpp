@@ -104,6 +104,10 @@ class PageReport final : public ReportWriter {
   }
 
   Result<void> finish(const CheckTotals& totals) override {
+    if (totals.listed.sum() < totals.collisions.sum()) {
+      notes_.push_back(fmt::format("Of {} colliding pairs the pictures mark {}; more with --limit.",
+                                   totals.collisions.sum(), totals.listed.sum()));
+    }
     file_.add("\n],\n\"totals\":{},\n\"pictures\":[", embedded(totals_json(totals, false, false)));
     if (snapshots_) {
       const auto pictures = snapshots_->draw();

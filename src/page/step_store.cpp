@@ -56,6 +56,7 @@ std::vector<Contact> contacts_of(const CheckedStep& step, Motions motions) {
 StepRecord record_of(const CheckedStep& step) {
   return {.place = step.place,
           .collisions = step.collisions,
+          .listed = step.listed().sum(),
           .earliest_toi = step.earliest_toi,
           .tolerance = step.step->tolerance,
           .work = step.work,
@@ -118,7 +119,7 @@ Result<std::vector<Contact>> StepStore::contacts(std::uint64_t number, std::uint
                                                  std::uint64_t limit) const {
   const auto found = entry(number);
   if (!found) return tl::unexpected(found.error());
-  const std::uint64_t all = found->record.collisions.sum();
+  const std::uint64_t all = found->record.listed;
   offset = std::min(offset, all);
   std::vector<Contact> contacts(std::min(limit, all - offset));
   if (!details_.read_at(found->contacts_at + offset * sizeof(Contact), bytes_of(contacts)))

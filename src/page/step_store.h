@@ -12,6 +12,7 @@ namespace foldproof {
 struct StepRecord {
   StepPlace place;
   CollisionCounts collisions;
+  std::uint64_t listed = 0;  ///< Of them, those that the answer lists.
   double earliest_toi = 1, tolerance = 0;
   Work work;
   ReasonCounts leaf_pairs{};

@@ -5,17 +5,25 @@
 
 namespace foldproof {
 
-/// StepChecker::check on the pairs that count; all when `choice` is null. Without a forecast every step is
-/// searched for itself.
-Result<void> check_step(Scene& scene, std::vector<Chunk>& chunks, Forecast* forecast, Positions x0,
-                        Positions x1, const StepSettings& settings, const PairChoice* choice,
+/// What is asked about, and what it takes.
+struct Question {
+  Scene& scene;
+  std::vector<Chunk>& chunks;
+  Forecast* forecast = nullptr;        ///< Without one every step is searched for itself.
+  const PairChoice* choice = nullptr;  ///< Which pairs count; all when it is null.
+  DistinctObjects distinct = {};  ///< Of whose hierarchies the scene is; empty where nothing was left out.
+};
+
+/// StepChecker::check.
+Result<void> check_step(const Question& question, Positions x0, Positions x1, const StepSettings& settings,
                         StepResult& out);
 
 /// StepChecker::check_static.
-Result<void> check_pose(Scene& scene, std::vector<Chunk>& chunks, Positions x, const StepSettings& settings,
+Result<void> check_pose(const Question& question, Positions x, const StepSettings& settings,
                         StaticResult& out);
 
 struct StepChecker::Impl {
+  std::vector<std::shared_ptr<const DistinctTriangles>> distinct;
   Scene scene;
   std::vector<Chunk> chunks;
   Forecast forecast;

@@ -182,7 +182,7 @@ void Meetings::test(const NarrowStep& step, const float (&times)[2], std::vector
       choose(all_, static_cast<std::size_t>(chunk.pairs.data() - pairs_.data()), parts, chunk);
       narrow(step, chunk);
     });
-    for (Chunk& chunk : std::span(chunks).first(count)) take_found(chunk, out);
+    for (Chunk& chunk : std::span(chunks).first(count)) take_found(step, chunk, out);
   });
 }
 

@@ -10,12 +10,17 @@
 namespace foldproof {
 namespace {
 
+// F1: the largest coordinate, as a multiple of the frame's unit, up to which a search looks ahead.
+constexpr double kFarthestInFrame = 0x1p28;
+
+tl::unexpected<Error> not_finite(Index object, std::size_t vertex, const char* end) {
+  return fail(fmt::format("object {}, vertex {}", object, vertex),
+              fmt::format("has a coordinate in {} that is not finite", end), "repair the positions");
+}
+
 Result<void> check_numbers(Index object, const char* end, std::span<const double> x) {
   for (std::size_t i = 0; i < x.size(); ++i) {
-    if (!std::isfinite(x[i])) {
-      return fail(fmt::format("object {}, vertex {}", object, i / 3),
-                  fmt::format("has a coordinate in {} that is not finite", end), "repair the positions");
-    }
+    if (!std::isfinite(x[i])) return not_finite(object, i / 3, end);
   }
   return {};
 }
@@ -48,8 +53,19 @@ Result<void> Scene::check_sizes(Positions x0, Positions x1) const {
   return {};
 }
 
+Result<void> Scene::check_unused(Positions x0, Positions x1) const {
+  for (Index i = 0; i < trees_.size(); ++i) {
+    for (const Index v : *unused_[i]) {
+      if (!position(x0[i], v).allFinite()) return not_finite(i, v, "x0");
+      if (!position(x1[i], v).allFinite()) return not_finite(i, v, "x1");
+    }
+  }
+  return {};
+}
+
 Result<void> Scene::update(Positions x0, Positions x1, const StepSettings& settings, Index ahead) {
   if (auto ok = check_sizes(x0, x1); !ok) return ok;
+  if (auto ok = check_unused(x0, x1); !ok) return ok;
   ahead_ = ahead;
   if (auto ok = move(x0, x1); !ok) return ok;
   for (KineticTree& tree : trees_) tree.fit();
@@ -86,6 +102,12 @@ Result<void> Scene::move(Positions x0, Positions x1) {
   largest_side_ = side_of(step);
   reach_ = side_of(reach);
   const Frame frame = frame_around(reach.low, reach.high);
+  // Far from the origin rounding of the motion ahead would take more than its room allows for.
+  const double largest = std::max(-reach.low.minCoeff(), reach.high.maxCoeff());
+  if (ahead_ > 1 && largest * frame.scale > kFarthestInFrame) {
+    ahead_ = 1;
+    return move(x0, x1);
+  }
   if (frame == std::exchange(frame_, frame)) return {};
   for (Index i = 0; i < trees_.size(); ++i) move_one(i);
   return {};

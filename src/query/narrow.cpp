@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "ccd/march.h"
 #include "query/narrow.h"
+#include "query/shortlist.h"
 
 namespace foldproof {
 namespace {
@@ -211,48 +212,82 @@ void narrow(const NarrowStep& step, Chunk& chunk) {
 
 namespace {
 
-// Sorts by ids, so that neither the hierarchy nor the threads show in the answer.
+// By ids, so that neither the hierarchy nor the threads show in the answer; where only the earliest is
+// wanted, by time first.
+struct Before {
+  bool earliest_first;
+  template <class Collision>
+  bool operator()(const Collision& a, const Collision& b) const {
+    if (earliest_first && a.toi != b.toi) return a.toi < b.toi;
+    return key(a) < key(b);
+  }
+};
+
 template <class Collision>
-void sort_by_ids(std::vector<Collision>& collisions) {
-  std::sort(collisions.begin(), collisions.end(),
-            [](const Collision& a, const Collision& b) { return key(a) < key(b); });
+Shortlist<Collision, Before> shortlist(std::vector<Collision>& list, bool earliest_only,
+                                       std::uint64_t max_listed) {
+  return {list, earliest_only ? 1 : max_listed, Before{earliest_only}};
+}
+
+const DistinctTriangles* copies_in(DistinctObjects distinct, Index object) {
+  return distinct.empty() || !distinct[object]->has_copies() ? nullptr : distinct[object].get();
+}
+
+// With every copy of its face.
+void take(const NarrowStep& step, VertexFaceCollision found, Shortlist<VertexFaceCollision, Before>& list,
+          StepResult& out) {
+  const DistinctTriangles* distinct = copies_in(step.distinct, found.face_object);
+  if (distinct == nullptr) {
+    ++out.vertex_face_count;
+    list.add(found);
+    return;
+  }
+  const auto copies = distinct->copies(found.face);
+  out.vertex_face_count += copies.size();
+  out.work.undecided += found.answer == Answer::Undecided ? copies.size() - 1 : 0;
+  for (const Index copy : copies) {
+    found.face = copy;
+    if (!list.add(found)) break;
+  }
 }
 
 // Keeps the one pair with the smallest time; vertex-face before edge-edge, then smaller ids.
 void keep_earliest(StepResult& out) {
-  const auto first_at = [](auto& list, double toi) {
-    auto it = std::find_if(list.begin(), list.end(), [&](const auto& c) { return c.toi == toi; });
-    if (it == list.end()) {
-      list.clear();
-      return false;
-    }
-    list.front() = *it;
-    list.resize(1);
-    return true;
-  };
-  if (first_at(out.vertex_face, out.earliest_toi)) {
-    out.edge_edge.clear();
+  auto& vf = out.vertex_face;
+  auto& ee = out.edge_edge;
+  if (!vf.empty() && vf[0].toi == out.earliest_toi) {
+    ee.clear();
   } else {
-    first_at(out.edge_edge, out.earliest_toi);
+    vf.clear();
   }
+  out.vertex_face_count = vf.size();
+  out.edge_edge_count = ee.size();
 }
 
 }  // namespace
 
 void finish(const StepSettings& settings, StepResult& out) {
-  sort_by_ids(out.vertex_face);
-  sort_by_ids(out.edge_edge);
-  for (const auto& c : out.vertex_face) out.earliest_toi = std::min(out.earliest_toi, c.toi);
-  for (const auto& c : out.edge_edge) out.earliest_toi = std::min(out.earliest_toi, c.toi);
-  if (settings.earliest_only && !out.clean()) keep_earliest(out);
+  shortlist(out.vertex_face, settings.earliest_only, settings.max_listed).finish();
+  shortlist(out.edge_edge, settings.earliest_only, settings.max_listed).finish();
+  if (settings.earliest_only) keep_earliest(out);
 }
 
-void take_found(Chunk& c, StepResult& out) {
+void take_found(const NarrowStep& step, Chunk& c, StepResult& out) {
   out.work.candidates_vf += c.candidates.vertex_face.size() + c.candidates.face_vertex.size();
   out.work.candidates_ee += c.candidates.edge_edge.size();
   out.work.undecided += std::exchange(c.undecided, 0);
-  out.vertex_face.insert(out.vertex_face.end(), c.vertex_face.begin(), c.vertex_face.end());
-  out.edge_edge.insert(out.edge_edge.end(), c.edge_edge.begin(), c.edge_edge.end());
+  const bool earliest_only = step.earliest != nullptr;
+  auto vertex_face = shortlist(out.vertex_face, earliest_only, step.max_listed);
+  for (const VertexFaceCollision& found : c.vertex_face) {
+    out.earliest_toi = std::min(out.earliest_toi, found.toi);
+    take(step, found, vertex_face, out);
+  }
+  auto edge_edge = shortlist(out.edge_edge, earliest_only, step.max_listed);
+  for (const EdgeEdgeCollision& found : c.edge_edge) {
+    out.earliest_toi = std::min(out.earliest_toi, found.toi);
+    edge_edge.add(found);
+  }
+  out.edge_edge_count += c.edge_edge.size();
   c.vertex_face.clear();
   c.edge_edge.clear();
 }
@@ -261,13 +296,24 @@ void test_round(const NarrowStep& step, std::span<Chunk> chunks, Stopwatch& watc
   parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) { gather(step, chunks[i]); });
   out.milliseconds.traverse += watch.lap();
   parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) { narrow(step, chunks[i]); });
-  for (Chunk& chunk : chunks) take_found(chunk, out);
+  for (Chunk& chunk : chunks) take_found(step, chunk, out);
   out.milliseconds.narrow += watch.lap();
+}
+
+void spread(DistinctObjects distinct, Explanation& explanation) {
+  for (std::size_t i = 0; i < distinct.size(); ++i) {
+    if (!distinct[i]->has_copies()) continue;
+    Explanation::Object& object = explanation.objects[i];
+    distinct[i]->spread(object.level);
+    distinct[i]->spread(object.margin);
+    distinct[i]->spread(object.reason);
+  }
 }
 
 void clear(StepResult& out) {
   out.vertex_face.clear();
   out.edge_edge.clear();
+  out.vertex_face_count = out.edge_edge_count = 0;
   out.earliest_toi = 1;
   out.work = {};
   out.milliseconds = {};
@@ -275,7 +321,10 @@ void clear(StepResult& out) {
 
 // Never below what doubles can tell apart, so that the narrow phase need not raise it (soundness.md, C1).
 double tolerance_for(const StepSettings& settings, double side) {
-  const double automatic = side * 0x1p-30, least = ccd_resolution(std::max(4 * side, settings.thickness));
+  // Four times the side need not be a number.
+  const double automatic = side * 0x1p-30,
+               least = std::isfinite(4 * side) ? ccd_resolution(std::max(4 * side, settings.thickness))
+                                               : 4 * ccd_resolution(std::max(side, settings.thickness / 4));
   return std::max(settings.tolerance > 0 ? settings.tolerance : automatic, least);
 }
 

@@ -7,6 +7,7 @@
 
 #include "bvh/traverse.h"
 #include "foldproof/query.h"
+#include "query/distinct.h"
 
 namespace foldproof {
 
@@ -81,7 +82,16 @@ class PairChoice {
   virtual ~PairChoice() = default;
   virtual bool vertex_face(Index vertex, Index face) const = 0;
   virtual bool edge_edge(const Edge& a, const Edge& b) const = 0;
+  /// Two triangles of a pose.
+  virtual bool crossing(Index triangle_a, Index triangle_b) const = 0;
 };
+
+/// What the objects of a query stand for, where some triangles are copies of others; empty where nobody
+/// asked.
+using DistinctObjects = std::span<const std::shared_ptr<const DistinctTriangles>>;
+
+/// What is said of the triangles that were looked at becomes what is said of all.
+void spread(DistinctObjects distinct, Explanation& explanation);
 
 /// What the narrow phase needs to know about the step. The features of the leaves that it is asked about have
 /// been filled, and their vertices stand in x0 and x1.
@@ -91,7 +101,9 @@ struct NarrowStep {
   Positions x0, x1;
   CcdSettings ccd;
   std::atomic<double>* earliest;       ///< null unless only the earliest is wanted
+  std::uint64_t max_listed;            ///< StepSettings::max_listed
   const PairChoice* choice = nullptr;  ///< null: all pairs count
+  DistinctObjects distinct = {};
   const Hierarchy& hierarchy(Index object) const { return *trees[object].hierarchy; }
 };
 
@@ -105,10 +117,10 @@ void gather(const NarrowStep& step, Chunk& chunk);
 /// The narrow phase on them.
 void narrow(const NarrowStep& step, Chunk& chunk);
 /// Adds what a chunk found to the answer, and forgets it there.
-void take_found(Chunk& chunk, StepResult& out);
+void take_found(const NarrowStep& step, Chunk& chunk, StepResult& out);
 /// First all candidates of a round, then the narrow phase on them.
 void test_round(const NarrowStep& step, std::span<Chunk> chunks, Stopwatch& watch, StepResult& out);
-/// Sorts by ids and finds the earliest.
+/// Sorts by ids; with StepSettings::earliest_only, keeps the earliest.
 void finish(const StepSettings& settings, StepResult& out);
 
 }  // namespace foldproof

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/plain_arithmetic.h"
 #include "query/broad_phase.h"
 #include "query/reduced_scene.h"
 #include "query/scene.h"
@@ -223,6 +224,7 @@ void ReducedChecker::Impl::fill_features(const Frame& frame, double distance) {
 
 Result<void> ReducedChecker::check(std::span<const ReducedPose> begin, std::span<const ReducedPose> end,
                                    const StepSettings& settings, StepResult& out) {
+  const PlainArithmetic plain;
   Stopwatch watch;
   clear(out);
   Impl& m = *impl_;
@@ -259,7 +261,8 @@ Result<void> ReducedChecker::check(std::span<const ReducedPose> begin, std::span
     m.x1.push_back(object.positions(1));
   }
   std::atomic<double> earliest{1};
-  NarrowStep step{m.trees, m.tasks, m.x0, m.x1, {}, settings.earliest_only ? &earliest : nullptr};
+  NarrowStep step{
+      m.trees, m.tasks, m.x0, m.x1, {}, settings.earliest_only ? &earliest : nullptr, settings.max_listed};
   step.ccd.thickness = settings.thickness;
   step.ccd.tolerance = out.tolerance;
   in_rounds(m.leaf_pairs, m.chunks,

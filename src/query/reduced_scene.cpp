@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "base/plain_arithmetic.h"
+
 namespace foldproof {
 namespace {
 
@@ -22,6 +24,7 @@ Vec3 placed(const ReducedPose& pose, const Vec3& x) {
 }  // namespace
 
 void place_vertices(const ReducedMotion& motion, const ReducedPose& pose, std::span<double> out) {
+  const PlainArithmetic plain;
   motion.positions(pose.p, out);
   for (std::size_t i = 0; i < out.size(); i += 3) {
     Eigen::Map<Vec3> x(&out[i]);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "base/parallel.h"
+
 namespace foldproof {
 namespace {
 
@@ -22,6 +24,18 @@ constexpr std::size_t kManyObjects = 16;
 // The front of a node is made anew from its children every so many steps, as it only ever gets finer.
 constexpr std::size_t kFrontUses = 16;
 
+std::vector<Index> unused_vertices(const Hierarchy& hierarchy) {
+  const std::size_t count = hierarchy.topology().vertex_count();
+  std::vector<Index> unused;
+  if (hierarchy.vertex_ids().size() == count) return unused;
+  std::vector<bool> used(count, false);
+  for (const Index v : hierarchy.vertex_ids()) used[v] = true;
+  for (std::size_t v = 0; v < count; ++v) {
+    if (!used[v]) unused.push_back(static_cast<Index>(v));
+  }
+  return unused;
+}
+
 }  // namespace
 
 Scene::Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
@@ -30,9 +44,13 @@ Scene::Scene(std::vector<std::shared_ptr<const Hierarchy>> objects,
   charts.resize(objects.size());
   learned.resize(objects.size());
   std::map<const Hierarchy*, std::shared_ptr<const PatchSlots>> slots_of;  // one for all instances of a mesh
+  std::map<const Hierarchy*, std::shared_ptr<const std::vector<Index>>> unused_of;  // the same
   for (std::size_t i = 0; i < objects.size(); ++i) {
     leaf_count_ += objects[i]->leaf_count();
     leaf_needed_.emplace_back(objects[i]->leaf_count(), std::uint8_t{0});
+    auto& unused = unused_of[objects[i].get()];
+    if (!unused) unused = std::make_shared<const std::vector<Index>>(unused_vertices(*objects[i]));
+    unused_.push_back(unused);
     auto& slots = slots_of[objects[i].get()];
     if (charts[i]) {
       slots = charts[i]->slots();

@@ -103,6 +103,10 @@ class Scene {
   /// `ahead`: for so many steps, of which this is the first and all others go on as it does.
   Result<void> update(Positions x0, Positions x1, const StepSettings& settings, Index ahead = 1);
 
+  /// Error: a vertex of no triangle has coordinates that are not finite. All others are looked at when they
+  /// are used. Precondition: fits.
+  Result<void> check_unused(Positions x0, Positions x1) const;
+
   /// Finds the pairs of leaves that come closer than `distance` and that no certificate proves apart, and
   /// fills their features. Adds to `work`.
   void traverse(const StepSettings& settings, double distance, Work& work);
@@ -193,6 +197,7 @@ class Scene {
   bool may_have_plane(const LeafPairRef& pair, const PlaneMemory& memory) const;
 
   std::vector<KineticTree> trees_;
+  std::vector<std::shared_ptr<const std::vector<Index>>> unused_;  // vertices of no triangle, per object
   std::vector<std::unique_ptr<ChartBook>> books_;
   std::vector<std::unique_ptr<Beliefs>> beliefs_;     // null where nothing was learned
   bool believes_ = false;                             // Mode::Paper

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "query/checker.h"
+#include "query/shortlist.h"
 
 namespace foldproof {
 namespace {
@@ -17,6 +18,11 @@ struct Pose {
     return {position(x[object], t[0]), position(x[object], t[1]), position(x[object], t[2])};
   }
 };
+
+// The same triangle twice covers itself, without an area as well: it would cross itself as soon as it has
+// one, and nothing else would touch on the way. One that names a vertex twice is a side or corner of the
+// other.
+bool covers_itself(const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }
 
 // Two triangles of one object: they cross when they meet beyond what they share.
 bool neighbours_cross(const Pose& pose, Index object, const Triangle& s, const Triangle& t) {
@@ -31,8 +37,7 @@ bool neighbours_cross(const Pose& pose, Index object, const Triangle& s, const T
   }
   const auto p = [&](Index v) { return position(pose.x[object], v); };
   if (common == 0) return triangles_intersect(pose.corners(object, s), pose.corners(object, t));
-  // The same triangle twice covers itself; one that names a vertex twice is a side or corner of the other.
-  if (rest_s == 0 && rest_t == 0) return triangle_has_area(p(s[0]), p(s[1]), p(s[2]));
+  if (rest_s == 0 && rest_t == 0) return covers_itself(s);
   if (rest_s == 0 || rest_t == 0) return false;
   if (rest_s == 1 && rest_t == 1)
     return triangles_fold(p(shared[0]), p(shared[1]), p(only_s[0]), p(only_t[0]));
@@ -46,11 +51,12 @@ bool neighbours_cross(const Pose& pose, Index object, const Triangle& s, const T
 }
 
 void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pair pair,
-               std::vector<TriangleCrossing>& out) {
+               const PairChoice* choice, std::vector<TriangleCrossing>& out) {
   Index object_a = task.object_a, object_b = task.object_b;
   const Hierarchy &ha = pose.scene.hierarchy(object_a), &hb = pose.scene.hierarchy(object_b);
   Index a = ha.triangle_ids()[pair.a], b = hb.triangle_ids()[pair.b];
   if (object_a == object_b && b < a) std::swap(a, b);
+  if (choice != nullptr && !choice->crossing(a, b)) return;
   const Triangle &s = ha.topology().triangles()[a], &t = hb.topology().triangles()[b];
   const bool cross = object_a == object_b
                          ? neighbours_cross(pose, object_a, s, t)
@@ -58,12 +64,88 @@ void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pai
   if (cross) out.push_back({object_a, a, object_b, b});
 }
 
+struct ById {
+  bool operator()(const TriangleCrossing& a, const TriangleCrossing& b) const {
+    return std::tie(a.object_a, a.triangle_a, a.object_b, a.triangle_b) <
+           std::tie(b.object_a, b.triangle_a, b.object_b, b.triangle_b);
+  }
+};
+
+// Counts crossings, and lists those with the smallest ids, with every copy of their triangles. Copies are
+// gone through in the order of their ids, so that the rest can be left out once one is no longer listed.
+class Crossings {
+ public:
+  Crossings(DistinctObjects distinct, std::uint64_t max_listed, StaticResult& out)
+      : distinct_(distinct), out_(out), list_(out.crossings, max_listed, ById{}) {}
+
+  void add(const TriangleCrossing& c) {
+    const Index one[] = {c.triangle_a}, other[] = {c.triangle_b};
+    const auto a = copies(c.object_a, one), b = copies(c.object_b, other);
+    out_.crossing_count += std::uint64_t{a.size()} * b.size();
+    if (c.object_a == c.object_b) {
+      add_within(c.object_a, a, b);
+      return;
+    }
+    for (const Index i : a) {
+      for (const Index k : b) {
+        if (!list_.add({c.object_a, i, c.object_b, k})) return;
+      }
+    }
+  }
+
+  // Every two copies of a triangle.
+  void add_copies(Index object, std::span<const Index> copies) {
+    out_.crossing_count += std::uint64_t{copies.size()} * (copies.size() - 1) / 2;
+    for (std::size_t i = 0; i < copies.size(); ++i) {
+      for (std::size_t k = i + 1; k < copies.size(); ++k) {
+        if (!list_.add({object, copies[i], object, copies[k]})) return;
+      }
+    }
+  }
+
+  void finish() { list_.finish(); }
+
+ private:
+  std::span<const Index> copies(Index object, std::span<const Index> alone) const {
+    return distinct_.empty() || !distinct_[object]->has_copies() ? alone
+                                                                 : distinct_[object]->copies(alone[0]);
+  }
+
+  // By the smaller id of each pair, in both lists.
+  void add_within(Index object, std::span<const Index> a, std::span<const Index> b) {
+    while (!a.empty() && !b.empty()) {
+      if (b[0] < a[0]) std::swap(a, b);
+      for (const Index k : b) {
+        if (!list_.add({object, a[0], object, k})) return;
+      }
+      a = a.subspan(1);
+    }
+  }
+
+  DistinctObjects distinct_;
+  StaticResult& out_;
+  Shortlist<TriangleCrossing, ById> list_;
+};
+
+void add_all_copies(const Pose& pose, DistinctObjects distinct, Crossings& out) {
+  for (Index object = 0; object < distinct.size(); ++object) {
+    for (const Index t : distinct[object]->repeated()) {
+      if (covers_itself(pose.scene.hierarchy(object).topology().triangles()[t]))
+        out.add_copies(object, distinct[object]->copies(t));
+    }
+  }
+}
+
 }  // namespace
 
-Result<void> check_pose(Scene& scene, std::vector<Chunk>& chunks, Positions x, const StepSettings& settings,
+Result<void> check_pose(const Question& question, Positions x, const StepSettings& settings,
                         StaticResult& out) {
+  const PlainArithmetic plain;
+  Scene& scene = question.scene;
+  std::vector<Chunk>& chunks = question.chunks;
   Stopwatch total, watch;
   out.crossings.clear();
+  out.crossing_count = 0;
   out.work = {};
   out.milliseconds = {};
   if (auto ok = scene.update(x, x, settings); !ok) return ok;
@@ -72,6 +154,7 @@ Result<void> check_pose(Scene& scene, std::vector<Chunk>& chunks, Positions x, c
   out.milliseconds.traverse = watch.lap();
 
   const Pose pose{scene, x};
+  Crossings crossings(question.distinct, settings.max_listed, out);
   in_rounds(scene.leaf_pairs(), chunks, [&](std::size_t count) {
     parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       Chunk& chunk = chunks[i];
@@ -81,32 +164,29 @@ Result<void> check_pose(Scene& scene, std::vector<Chunk>& chunks, Positions x, c
         const TraversalTask& task = scene.tasks()[pair.task];
         find_face_pairs(task.traversal, pair.leaves, chunk.candidates);
         for (; done < chunk.candidates.face_face.size(); ++done) {
-          test_pair(pose, task, chunk.candidates.face_face[done], chunk.crossings);
+          test_pair(pose, task, chunk.candidates.face_face[done], question.choice, chunk.crossings);
         }
       }
     });
     for (std::size_t i = 0; i < count; ++i) {
-      auto& found = chunks[i].crossings;
-      out.crossings.insert(out.crossings.end(), found.begin(), found.end());
-      found.clear();
+      for (const TriangleCrossing& found : chunks[i].crossings) crossings.add(found);
+      chunks[i].crossings.clear();
     }
   });
-  std::sort(out.crossings.begin(), out.crossings.end(),
-            [](const TriangleCrossing& a, const TriangleCrossing& b) {
-              const auto key = [](const TriangleCrossing& c) {
-                return std::tuple(c.object_a, c.triangle_a, c.object_b, c.triangle_b);
-              };
-              return key(a) < key(b);
-            });
+  if (settings.within) add_all_copies(pose, question.distinct, crossings);
+  crossings.finish();
   out.milliseconds.narrow = watch.lap();
   out.milliseconds.total = total.lap();
-  if (settings.explain) scene.explain(settings, 0, out.explanation);
+  if (settings.explain) {
+    scene.explain(settings, 0, out.explanation);
+    spread(question.distinct, out.explanation);
+  }
   return {};
 }
 
 Result<void> StepChecker::check_static(Positions x, const StepSettings& settings, StaticResult& out) {
   impl_->forecast.forget();
-  return check_pose(impl_->scene, impl_->chunks, x, settings, out);
+  return check_pose({impl_->scene, impl_->chunks, nullptr, nullptr, impl_->distinct}, x, settings, out);
 }
 
 }  // namespace foldproof

@@ -81,6 +81,7 @@ void ReducedMotion::positions(std::span<const double> p, std::span<double> out) 
 }
 
 double ReducedMotion::reach(std::span<const double> p) const {
+  const PlainArithmetic plain;
   double size = largest_mean_;
   for (Index k = 0; k < modes_; ++k) size += largest_[k] * std::abs(p[k]);
   return size * (1 + 0x1p-40);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
+
 namespace foldproof {
 
 void node_vertices(const ReducedMotion& motion, const Hierarchy::Node& node, std::vector<Index>& out) {

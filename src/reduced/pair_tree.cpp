@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <queue>
 
+#include "base/parallel.h"
+
 namespace foldproof {
 namespace {
 

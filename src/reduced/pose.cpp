@@ -18,6 +18,7 @@ CentrePose::CentrePose(const ReducedMotion& motion, std::vector<double> centre)
   }
 }
 
+// Tests of both: tests/arithmetic, Conversions.
 float round_down(double radius) {
   const auto nearest = static_cast<float>(radius);
   return double{nearest} <= radius ? nearest

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/plain_arithmetic.h"
 #include "reduced/touch_test.h"
 
 namespace foldproof {
@@ -43,6 +44,7 @@ double size_of(const CentrePose& pose) {
 Result<ReducedShape> ReducedShape::build(std::shared_ptr<const ReducedMotion> motion,
                                          std::vector<ReducedCentre> centres, const ReducedSettings& settings,
                                          const ReducedHooks& hooks) {
+  const PlainArithmetic plain;
   if (const auto ok = check_centres(*motion, centres); !ok) return tl::unexpected(ok.error());
   if (!(settings.clearance >= 0) || !std::isfinite(settings.clearance))
     return fail("clearance", "is not a length", "give a number of at least 0");
@@ -121,6 +123,7 @@ float ReducedShape::Impl::distance(Index centre, std::span<const double> p) cons
 }
 
 double ReducedShape::distance(Index centre, std::span<const double> p) const {
+  const PlainArithmetic plain;
   return double{impl_->distance(centre, p)};
 }
 
@@ -167,11 +170,13 @@ Nearest nearest_centres(const ReducedShape::Impl& shape, std::span<const double>
 
 ReducedProof ReducedShape::proven_free(std::span<const double> p0, std::span<const double> p1,
                                        Scratch& scratch) const {
+  const PlainArithmetic plain;
   return impl_->find_open(p0, p1, 0, scratch);
 }
 
 ReducedProof ReducedShape::find_open(std::span<const double> p0, std::span<const double> p1,
                                      Scratch& scratch) const {
+  const PlainArithmetic plain;
   return impl_->find_open(p0, p1, impl_->tree.nodes.size(), scratch);
 }
 

@@ -12,16 +12,12 @@ class CsvReport : public ReportWriter {
     file_.add("frame,substep,kind,object_a,a0,a1,object_b,b0,b1,toi,answer\n");
   }
 
+  Result<void> start(const CheckedStep& pose) override { return add_crossings(pose); }
+
   Result<void> step(const CheckedStep& step) override {
+    if (step.pose) return add_crossings(step);
+    note_limit(step);
     const StepPlace& at = step.place;
-    if (step.pose) {
-      for (const TriangleCrossing& c : step.pose->crossings) {
-        file_.add("{},{},tt,{},{},,{},{},,,crossing\n", at.frame, at.substep, c.object_a, c.triangle_a,
-                  c.object_b, c.triangle_b);
-        if (auto done = file_.flush_if_large(); !done) return done;
-      }
-      return {};
-    }
     for (const VertexFaceCollision& c : step.step->vertex_face) {
       file_.add("{},{},vf,{},{},,{},{},,{},{}\n", at.frame, at.substep, c.vertex_object, c.vertex,
                 c.face_object, c.face, c.toi, answer_name(c.answer));
@@ -38,6 +34,23 @@ class CsvReport : public ReportWriter {
   Result<void> finish(const CheckTotals&) override { return file_.commit(); }
 
  private:
+  void note_limit(const CheckedStep& step) {
+    if (step.listed().sum() == step.collisions.sum()) return;
+    file_.add("# frame {} substep {}: listed {} of {}\n", step.place.frame, step.place.substep,
+              step.listed().sum(), step.collisions.sum());
+  }
+
+  Result<void> add_crossings(const CheckedStep& step) {
+    note_limit(step);
+    const StepPlace& at = step.place;
+    for (const TriangleCrossing& c : step.pose->crossings) {
+      file_.add("{},{},tt,{},{},,{},{},,,crossing\n", at.frame, at.substep, c.object_a, c.triangle_a,
+                c.object_b, c.triangle_b);
+      if (auto done = file_.flush_if_large(); !done) return done;
+    }
+    return {};
+  }
+
   TextFile file_;
 };
 

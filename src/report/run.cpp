@@ -45,19 +45,28 @@ class Pose {
   std::vector<std::span<const double>> spans_;
 };
 
-Result<StepChecker> make_checker(Motions motions, const CheckSettings& settings, const Pose& first) {
-  std::vector<std::shared_ptr<const Hierarchy>> objects;
-  std::vector<std::shared_ptr<const ChartLibrary>> charts(motions.size());
-  std::vector<std::shared_ptr<const Learned>> learned(motions.size());
+/// What checkers share: hierarchies, and what models hold.
+struct Objects {
+  std::vector<std::shared_ptr<const Hierarchy>> hierarchies;
+  std::vector<std::shared_ptr<const ChartLibrary>> charts;
+  std::vector<std::shared_ptr<const Learned>> learned;
+
+  StepChecker checker() const { return StepChecker(hierarchies, charts, learned); }
+};
+
+Result<Objects> make_objects(Motions motions, const CheckSettings& settings, const Pose& first) {
+  Objects objects;
+  objects.charts.resize(motions.size());
+  objects.learned.resize(motions.size());
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (!settings.models.empty() && settings.models[i]) {
-      objects.push_back(settings.models[i]->hierarchy());
-      charts[i] = settings.models[i]->charts;
-      learned[i] = settings.models[i]->learned;
+      objects.hierarchies.push_back(settings.models[i]->hierarchy());
+      objects.charts[i] = settings.models[i]->charts;
+      objects.learned[i] = settings.models[i]->learned;
       continue;
     }
     if (!settings.hierarchies.empty()) {
-      objects.push_back(settings.hierarchies[i]);
+      objects.hierarchies.push_back(settings.hierarchies[i]);
       continue;
     }
     auto hierarchy = Hierarchy::build(motions[i]->topology(), first.positions()[i]);
@@ -66,9 +75,9 @@ Result<StepChecker> make_checker(Motions motions, const CheckSettings& settings,
       error.where = motions[i]->name() + ": " + error.where;
       return tl::unexpected(std::move(error));
     }
-    objects.push_back(std::make_shared<const Hierarchy>(std::move(*hierarchy)));
+    objects.hierarchies.push_back(std::make_shared<const Hierarchy>(std::move(*hierarchy)));
   }
-  return StepChecker(std::move(objects), std::move(charts), std::move(learned));
+  return objects;
 }
 
 // Nobody can predict certificates of an object without a model.
@@ -94,6 +103,12 @@ void sum_up(Work& sum, const Work& more) {
   sum.undecided += more.undecided;
 }
 
+void sum_up(CollisionCounts& sum, const CollisionCounts& more) {
+  sum.vertex_face += more.vertex_face;
+  sum.edge_edge += more.edge_edge;
+  sum.triangle_triangle += more.triangle_triangle;
+}
+
 /// A check that is under way.
 class Run {
  public:
@@ -102,7 +117,7 @@ class Run {
       : motions_(motions), settings_(settings), writers_(writers), hooks_(hooks), frames_(std::move(frames)) {
     totals_.first_frame = frames_.front();
     totals_.last_frame = frames_.back();
-    expected_ = settings.poses ? frames_.size() : (frames_.size() - 1) * std::uint64_t{settings.substeps};
+    totals_.steps_expected = expected_steps();
   }
 
   Result<CheckTotals> poses() {
@@ -112,10 +127,10 @@ class Run {
     for (const Index frame : frames_) {
       if (const auto done = pose.read(motions_, frame); !done) return tl::unexpected(done.error());
       if (!checker) {
-        auto made = make_checker(motions_, settings_, pose);
-        if (!made) return tl::unexpected(made.error());
-        checker = std::move(*made);
-        if (auto ok = prepare_comparison(pose); !ok) return tl::unexpected(ok.error());
+        const auto objects = make_objects(motions_, settings_, pose);
+        if (!objects) return tl::unexpected(objects.error());
+        checker = objects->checker();
+        prepare_comparison(*objects);
       }
       if (stop_requested()) return totals_;
       if (const auto done = checker->check_static(pose.positions(), settings_.step, result); !done) {
@@ -126,14 +141,14 @@ class Run {
         if (!done) return tl::unexpected(done.error());
       }
       const CheckedStep step{.place = {totals_.steps, frame, frame, 0},
-                             .collisions = {.triangle_triangle = result.crossings.size()},
+                             .collisions = {.triangle_triangle = result.crossing_count},
                              .work = result.work,
                              .milliseconds = result.milliseconds,
                              .x0 = pose.positions(),
                              .x1 = pose.positions(),
                              .pose = &result,
                              .explanation = explanation_in(result),
-                             .missed = proven_ ? proven_result.crossings.size() - result.crossings.size() : 0,
+                             .missed = proven_ ? proven_result.crossing_count - result.crossing_count : 0,
                              .proven_milliseconds = proven_result.milliseconds.total};
       if (const auto done = deliver(step); !done) return tl::unexpected(done.error());
     }
@@ -143,9 +158,19 @@ class Run {
   Result<CheckTotals> steps() {
     Pose from(motions_), to(motions_);
     if (const auto done = from.read(motions_, frames_[0]); !done) return tl::unexpected(done.error());
-    auto checker = make_checker(motions_, settings_, from);
-    if (!checker) return tl::unexpected(checker.error());
-    if (auto ok = prepare_comparison(from); !ok) return tl::unexpected(ok.error());
+    const auto objects = make_objects(motions_, settings_, from);
+    if (!objects) return tl::unexpected(objects.error());
+    if (!settings_.steps_only) {
+      if (stop_requested()) return totals_;
+      if (const auto done = start(*objects, from); !done) return tl::unexpected(done.error());
+    }
+    StepChecker checker = objects->checker();
+    prepare_comparison(*objects);
+    if (frames_.size() == 1) {
+      if (stop_requested()) return totals_;
+      const auto done = check(checker, {0, frames_[0], frames_[0], 0}, from, from);
+      if (!done) return tl::unexpected(done.error());
+    }
     std::optional<Pose> near, far;  // Ends of a part of a step.
     if (settings_.substeps > 1) {
       near.emplace(motions_);
@@ -158,7 +183,7 @@ class Run {
         const bool first = part == 0, last = part + 1 == settings_.substeps;
         if (!last) far->blend(from, to, static_cast<double>(part + 1) / settings_.substeps);
         const StepPlace place{totals_.steps, frames_[i - 1], frames_[i], part};
-        const auto done = check(*checker, place, first ? from : *near, last ? to : *far);
+        const auto done = check(checker, place, first ? from : *near, last ? to : *far);
         if (!done) return tl::unexpected(done.error());
         if (!last) std::swap(near, far);
       }
@@ -168,6 +193,33 @@ class Run {
   }
 
  private:
+  std::uint64_t expected_steps() const {
+    if (settings_.poses) return frames_.size();
+    if (frames_.size() == 1) return 1;  // It stands still.
+    return (frames_.size() - 1) * std::uint64_t{settings_.substeps};
+  }
+
+  // Exact in every mode. It has a checker of its own, so that the steps' answers tell of steps only.
+  Result<void> start(const Objects& objects, const Pose& first) {
+    StepSettings asked = settings_.step;
+    asked.mode = Mode::Proven;
+    asked.explain = false;
+    StaticResult result;
+    if (auto done = objects.checker().check_static(first.positions(), asked, result); !done) return done;
+    const CheckedStep pose{.place = {0, frames_[0], frames_[0], 0},
+                           .collisions = {.triangle_triangle = result.crossing_count},
+                           .work = result.work,
+                           .milliseconds = result.milliseconds,
+                           .x0 = first.positions(),
+                           .x1 = first.positions(),
+                           .pose = &result};
+    totals_.start(pose);
+    for (const auto& writer : writers_) {
+      if (auto done = writer->start(pose); !done) return done;
+    }
+    return {};
+  }
+
   Result<void> check(StepChecker& checker, const StepPlace& place, const Pose& x0, const Pose& x1) {
     auto done = checker.check(x0.positions(), x1.positions(), settings_.step, result_);
     if (!done) return done;
@@ -176,7 +228,7 @@ class Run {
       if (!done) return done;
     }
     return deliver({.place = place,
-                    .collisions = {result_.vertex_face.size(), result_.edge_edge.size(), 0},
+                    .collisions = {result_.vertex_face_count, result_.edge_edge_count, 0},
                     .earliest_toi = result_.earliest_toi,
                     .work = result_.work,
                     .milliseconds = result_.milliseconds,
@@ -184,25 +236,18 @@ class Run {
                     .x1 = x1.positions(),
                     .step = &result_,
                     .explanation = explanation_in(result_),
-                    .missed = proven_ ? count(proven_result_) - count(result_) : 0,
+                    .missed = proven_ ? proven_result_.count() - result_.count() : 0,
                     .proven_milliseconds = proven_result_.milliseconds.total});
   }
 
-  // The statistical answer is always part of the proven one: both pass the same pairs to the same narrow
-  // phase.
-  static std::uint64_t count(const StepResult& result) {
-    return result.vertex_face.size() + result.edge_edge.size();
-  }
-
-  // Mode::Paper: the checker that it is compared with.
-  Result<void> prepare_comparison(const Pose& first) {
-    if (settings_.step.mode != Mode::Paper) return {};
+  // Mode::Paper: the checker that it is compared with. The statistical answer is always part of the proven
+  // one: both pass the same pairs to the same narrow phase. So counts are enough.
+  void prepare_comparison(const Objects& objects) {
+    if (settings_.step.mode != Mode::Paper) return;
     proven_settings_ = settings_.step;
     proven_settings_.mode = Mode::Proven;
-    auto made = make_checker(motions_, settings_, first);
-    if (!made) return tl::unexpected(made.error());
-    proven_ = std::move(*made);
-    return {};
+    proven_settings_.max_listed = 0;
+    proven_ = objects.checker();
   }
 
   template <class Answer>
@@ -215,7 +260,7 @@ class Run {
     for (const auto& writer : writers_) {
       if (auto done = writer->step(step); !done) return done;
     }
-    if (hooks_.progress) hooks_.progress(totals_, expected_);
+    if (hooks_.progress) hooks_.progress(totals_, totals_.steps_expected);
     return {};
   }
 
@@ -237,7 +282,6 @@ class Run {
   Writers writers_;
   const CheckHooks& hooks_;
   std::vector<Index> frames_;
-  std::uint64_t expected_ = 0;
   StepResult result_, proven_result_;
   std::optional<StepChecker> proven_;  // Mode::Paper
   StepSettings proven_settings_;
@@ -260,11 +304,11 @@ Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings&
                 "name a second motion, or leave --between out");
   }
   std::vector<Index> frames = select_frames(settings.frames, count);
-  const std::size_t needed = settings.poses ? 1 : 2;
+  const std::size_t needed = settings.steps_only && !settings.poses ? 2 : 1;
   if (frames.size() >= needed) return frames;
   if (count < needed) {
     return fail(motions[0]->name(), "has 1 frame, and a step goes from one frame to the next",
-                "use --static of 'foldproof check' to find the crossing triangles of a single pose");
+                "check it without --steps-only: its crossing triangles are found");
   }
   return fail("--frames",
               fmt::format("selects {} of {} frames, and {} needed", frames.size(), count,
@@ -286,11 +330,20 @@ Result<void> require_models_of(Motions motions, const CheckSettings& settings) {
   return {};
 }
 
+CollisionCounts CheckedStep::listed() const {
+  if (pose) return {0, 0, pose->crossings.size()};
+  return {step->vertex_face.size(), step->edge_edge.size(), 0};
+}
+
+void CheckTotals::start(const CheckedStep& pose) {
+  starts_crossing = pose.collisions.triangle_triangle;
+  start_milliseconds = pose.milliseconds;
+}
+
 void CheckTotals::add(const CheckedStep& step) {
   ++steps;
-  collisions.vertex_face += step.collisions.vertex_face;
-  collisions.edge_edge += step.collisions.edge_edge;
-  collisions.triangle_triangle += step.collisions.triangle_triangle;
+  sum_up(collisions, step.collisions);
+  sum_up(listed, step.listed());
   if (step.collisions.sum() > 0) {
     ++steps_with_collisions;
     if (!earliest) {

@@ -63,6 +63,7 @@ void ContactChecker::Impl::choose(CandidateChunk& chunk) const {
 template <class Look, class Take>
 Result<void> ContactChecker::Impl::find(std::span<const double> x0, std::span<const double> x1,
                                         double distance, Look look, Take take) {
+  const PlainArithmetic plain;
   Stopwatch total, watch;
   StepSettings step_settings = this->step_settings(0);
   step_settings.certificates = settings.certify_candidates;
@@ -137,9 +138,12 @@ Result<void> ContactChecker::candidates(std::span<const double> x, double inflat
 }
 
 Result<double> ContactChecker::minimum_distance(std::span<const double> x, double bound) {
+  const PlainArithmetic plain;
   impl_->begin();
   if (auto ok = check_length("bound", bound); !ok) return tl::unexpected(ok.error());
-  for (double reach = bound * kFirstLook;; reach = std::min(bound, reach * kFarther)) {
+  // Among the last denormal numbers a share of the bound would round to zero, and stay there.
+  const double first = std::min(bound, std::max(bound * kFirstLook, std::numeric_limits<double>::min()));
+  for (double reach = first;; reach = std::min(bound, reach * kFarther)) {
     double least = std::numeric_limits<double>::infinity();
     const auto found = impl_->find(
         x, x, reach, [&](CandidateChunk& chunk) { chunk.least = impl_->least_distance(chunk.found, x); },

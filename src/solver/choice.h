@@ -40,7 +40,7 @@ class ContactChoice final : public PairChoice {
   bool edge_edge(const Edge& a, const Edge& b) const override { return mesh_.filter().any(a, b); }
 
   /// Whether two triangles that meet are an intersection.
-  bool crossing(Index triangle_a, Index triangle_b) const;
+  bool crossing(Index triangle_a, Index triangle_b) const override;
 
   /// The row of the codimensional edge that a triangle stands for.
   Index codim_edge(Index triangle) const { return mesh_.codim_edges()[triangle - faces_]; }

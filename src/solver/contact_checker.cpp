@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/plain_arithmetic.h"
+
 namespace foldproof {
 namespace {
 
@@ -56,7 +58,8 @@ StepSettings ContactChecker::Impl::step_settings(double distance) const {
 Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0, std::span<const double> x1,
                                                       double min_distance) {
   const std::span<const double> from[] = {x0}, to[] = {x1};
-  if (auto ok = check_step(scene, chunks, nullptr, from, to, step_settings(min_distance), &choice, step); !ok)
+  if (auto ok = check_step({scene, chunks, nullptr, &choice}, from, to, step_settings(min_distance), step);
+      !ok)
     return tl::unexpected(ok.error());
   add(step.work, work);
   add(step.milliseconds, milliseconds);
@@ -76,6 +79,7 @@ const StageTimes& ContactChecker::milliseconds() const { return impl_->milliseco
 
 Result<double> ContactChecker::collision_free_step_size(std::span<const double> x0,
                                                         std::span<const double> x1, double min_distance) {
+  const PlainArithmetic plain;
   impl_->begin();
   const double approach = impl_->settings.approach;
   if (!(approach > 0 && approach <= 1))
@@ -108,17 +112,18 @@ Result<bool> ContactChecker::has_intersections(std::span<const double> x) {
   impl_->begin();
   Impl& m = *impl_;
   const std::span<const double> pose[] = {x};
-  if (auto ok = check_pose(m.scene, m.chunks, pose, m.step_settings(0), m.pose); !ok)
+  StepSettings settings = m.step_settings(0);
+  settings.max_listed = 0;  // that there is one is enough
+  if (auto ok = check_pose({m.scene, m.chunks, nullptr, &m.choice}, pose, settings, m.pose); !ok)
     return tl::unexpected(ok.error());
   m.work = m.pose.work;
   m.milliseconds = m.pose.milliseconds;
-  return std::any_of(m.pose.crossings.begin(), m.pose.crossings.end(), [&](const TriangleCrossing& c) {
-    return m.choice.crossing(c.triangle_a, c.triangle_b);
-  });
+  return !m.pose.clean();
 }
 
 void step_towards(std::span<const double> x0, std::span<const double> x1, double share,
                   std::span<double> out) {
+  const PlainArithmetic plain;
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = share == 1 ? x1[i] : x0[i] + share * (x1[i] - x0[i]);
 }
 

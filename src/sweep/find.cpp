@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "foldproof/sweep.h"
@@ -102,14 +103,14 @@ class Finder {
 
   /// Each cache moves the mesh of its stem, or the only one there is. Gives the meshes that none moves.
   std::vector<std::string> pair_caches(const Folder& folder) {
+    std::map<fs::path, std::string> by_stem;  // the first mesh of each
+    for (const std::string& mesh : folder.meshes) by_stem.emplace(fs::path(mesh).stem(), mesh);
     std::set<std::string> moved;
     for (const std::string& cache : folder.caches) {
-      const auto mesh = std::find_if(folder.meshes.begin(), folder.meshes.end(), [&](const auto& m) {
-        return fs::path(m).stem() == fs::path(cache).stem();
-      });
-      if (mesh != folder.meshes.end()) {
-        moved.insert(*mesh);
-        add(cache, {*mesh, cache});
+      const auto mesh = by_stem.find(fs::path(cache).stem());
+      if (mesh != by_stem.end()) {
+        moved.insert(mesh->second);
+        add(cache, {mesh->second, cache});
       } else if (folder.meshes.size() == 1) {
         moved.insert(folder.meshes[0]);
         add(cache, {folder.meshes[0], cache});

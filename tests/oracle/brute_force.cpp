@@ -37,6 +37,8 @@ class StepSweep {
       }
     }
     keep_earliest();
+    result_.vertex_face_count = result_.vertex_face.size();
+    result_.edge_edge_count = result_.edge_edge.size();
     return std::move(result_);
   }
 
@@ -158,9 +160,8 @@ bool triangles_cross(const Triangle& a, const Triangle& b, std::span<const doubl
     return meet_beyond_edge(point(x, common[0]), point(x, common[1]), point(x, only_a[0]),
                             point(x, only_b[0]));
   }
-  // The same triangle twice: everything inside is common, unless there is no inside.
-  const std::array<Vec3, 3> p = corners(a, x);
-  return !collinear(p[0], p[1], p[2]);
+  // The same triangle twice: it has everything in common, wherever it is.
+  return true;
 }
 
 StaticResult brute_force_static(const Scene& scene, const StepSettings& settings) {
@@ -179,6 +180,7 @@ StaticResult brute_force_static(const Scene& scene, const StepSettings& settings
       }
     }
   }
+  result.crossing_count = result.crossings.size();
   return result;
 }
 

@@ -275,6 +275,36 @@ TEST(Ahead, NumbersThatAreNotFiniteAreFoundWhereSearchesServe) {
   }
 }
 
+// A vertex that no triangle uses is looked at all the same, and what it spoils is that one call.
+TEST(Ahead, UnusedVerticesThatAreNotFiniteAreFoundWhereSearchesServe) {
+  const Topology sheets = two_sheets();
+  const std::vector<Triangle> triangles(sheets.triangles().begin(), sheets.triangles().end());
+  const auto at = [](double way) {
+    Pose pose = sheets_at(way, 0.4 * kEdge);
+    pose.insert(pose.end(), {1, 2, 3});
+    return pose;
+  };
+  auto hierarchy = Hierarchy::build(*Topology::make(sheets.vertex_count() + 1, triangles), at(0));
+  StepChecker checker({std::make_shared<const Hierarchy>(std::move(hierarchy.value()))});
+  StepResult result;
+  int served = 0;
+  for (int k = 0; k < 40; ++k) {
+    const Pose from = at(0.003 * k), to = at(0.003 * (k + 1));
+    const std::span<const double> x0 = from, x1 = to;
+    ASSERT_TRUE(checker.check({&x0, 1}, {&x1, 1}, {}, result));
+    if (result.searched != 0) continue;
+    ++served;
+    for (const bool end : {false, true}) {
+      Pose spoilt = end ? to : from;
+      spoilt.back() =
+          k % 2 ? std::numeric_limits<double>::quiet_NaN() : std::numeric_limits<double>::infinity();
+      const std::span<const double> bad = spoilt;
+      EXPECT_FALSE(checker.check({end ? &x0 : &bad, 1}, {end ? &bad : &x1, 1}, {}, result)) << "step " << k;
+    }
+  }
+  EXPECT_GT(served, 10);
+}
+
 // The sheets go on, then one comes down on the other; the step in which it begins to is not valid.
 TEST(Ahead, AStepThatFailedServesNobody) {
   const double gap = 0.4 * kEdge, down = 0.11 * kEdge;

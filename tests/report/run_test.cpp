@@ -18,10 +18,20 @@ struct Recorder : ReportWriter {
     std::vector<std::vector<double>> x0, x1;
   };
   struct Log {
+    std::vector<std::vector<TriangleCrossing>> starts;
     std::vector<Seen> steps;
     int finished = 0;
   };
   explicit Recorder(Log& log) : log(log) {}
+  Result<void> start(const CheckedStep& s) override {
+    EXPECT_TRUE(log.steps.empty());
+    EXPECT_EQ(s.step, nullptr);
+    EXPECT_EQ(s.explanation, nullptr);
+    EXPECT_EQ(s.collisions.sum(), s.pose->crossings.size());
+    EXPECT_EQ(s.place.frame, s.place.next_frame);
+    log.starts.push_back(s.pose->crossings);
+    return {};
+  }
   Result<void> step(const CheckedStep& s) override {
     Seen seen{s.place, s.collisions, s.earliest_toi, {}, {}};
     for (const auto& x : s.x0) seen.x0.emplace_back(x.begin(), x.end());
@@ -145,10 +155,76 @@ TEST(RunCheck, ASinglePoseNeedsNoSecondFrame) {
   const auto totals = check(list(needle({-0.4})), settings).totals;
   ASSERT_TRUE(totals);
   EXPECT_EQ(totals->collisions.triangle_triangle, 1u);
+}
 
-  const auto step = check(list(needle({-0.4}))).totals;
-  ASSERT_FALSE(step);
-  EXPECT_THAT(step.error().line(), HasSubstr("--static"));
+TEST(RunCheck, WhatCrossesFromTheStartIsNotFree) {
+  // The needle sticks in the floor all the time, and nothing comes into contact.
+  const auto stuck = list(needle({-0.4, -0.5, -0.45}));
+  auto [totals, log] = check(stuck);
+  ASSERT_TRUE(totals) << totals.error().line();
+  EXPECT_EQ(totals->collisions.sum(), 0u);
+  EXPECT_EQ(totals->starts_crossing, 1u);
+  EXPECT_FALSE(totals->clean());
+  EXPECT_GT(totals->start_milliseconds.total, 0);
+  ASSERT_EQ(log.starts.size(), 1u);
+  ASSERT_EQ(log.starts[0].size(), 1u);
+  EXPECT_EQ(log.starts[0][0].triangle_a, 0u);
+  EXPECT_EQ(log.starts[0][0].triangle_b, 1u);
+
+  // That is the first frame that is checked, not the motion's.
+  EXPECT_EQ(check(list(needle(kSinking))).totals->starts_crossing, 0u);
+  EXPECT_EQ(check(list(needle(kSinking)), with_frames("2:")).totals->starts_crossing, 1u);
+
+  // Whoever asks for the steps only is told nothing of it, not that there was nothing.
+  CheckSettings only;
+  only.steps_only = true;
+  const auto steps = check(stuck, only);
+  EXPECT_TRUE(steps.log.starts.empty());
+  EXPECT_EQ(steps.totals->starts_crossing, std::nullopt);
+  EXPECT_TRUE(steps.totals->clean());
+}
+
+TEST(RunCheck, TheStartAsksWhatTheStepsAsk) {
+  CheckSettings within, between;
+  within.step.between = false;
+  between.step.within = false;
+  const auto objects = list(lone_floor(2), lone_needle({-0.4, -0.4}));
+  EXPECT_EQ(check(objects, within).totals->starts_crossing, 0u);
+  EXPECT_EQ(check(objects, between).totals->starts_crossing, 1u);
+  EXPECT_EQ(check(objects).totals->starts_crossing, 1u);
+}
+
+TEST(RunCheck, ASingleFrameIsAMotionThatStandsStill) {
+  const auto [totals, log] = check(list(needle({-0.4})));
+  ASSERT_TRUE(totals) << totals.error().line();
+  EXPECT_EQ(totals->starts_crossing, 1u);
+  EXPECT_EQ(totals->steps, 1u);
+  EXPECT_EQ(totals->steps_expected, 1u);
+  EXPECT_EQ(totals->collisions.sum(), 0u);
+  EXPECT_EQ(log.finished, 1);
+  EXPECT_FALSE(totals->clean());
+  EXPECT_TRUE(check(list(needle({0.6}))).totals->clean());
+  EXPECT_EQ(check(list(needle(kSinking)), with_frames("2")).totals->starts_crossing, 1u);
+
+  // What is closer than the thickness counts as it does in a motion.
+  CheckSettings thick;
+  thick.step.thickness = 0.7;
+  thick.substeps = 3;
+  const auto close = check(list(needle({0.6})), thick);
+  ASSERT_TRUE(close.totals);
+  EXPECT_EQ(close.totals->steps, 1u);
+  EXPECT_EQ(close.totals->steps_expected, 1u);
+  EXPECT_EQ(close.totals->collisions.vertex_face, 1u);
+  ASSERT_EQ(close.log.steps.size(), 1u);
+  EXPECT_EQ(close.log.steps[0].place.next_frame, 0u);
+  thick.step.thickness = 0.5;
+  EXPECT_TRUE(check(list(needle({0.6})), thick).totals->clean());
+
+  CheckSettings only;
+  only.steps_only = true;
+  const auto refused = check(list(needle({0.6})), only).totals;
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().line(), HasSubstr("--steps-only"));
 }
 
 TEST(RunCheck, WithinAndBetweenSelectObjectPairs) {
@@ -169,10 +245,17 @@ TEST(RunCheck, RefusesWhatCannotBeChecked) {
   const auto counts = check(list(lone_floor(4), lone_needle(kSinking))).totals;
   ASSERT_FALSE(counts);
   EXPECT_THAT(counts.error().line(), HasSubstr("lone needle: has 5 frames, but lone floor has 4"));
-  for (const char* range : {"3:3", "3:4", "9:", "2"}) {
+  for (const char* range : {"3:3", "9:"}) {
     const auto totals = check(list(needle(kSinking)), with_frames(range)).totals;
     ASSERT_FALSE(totals) << range;
-    EXPECT_THAT(totals.error().line(), HasSubstr("--frames: selects")) << range;
+    EXPECT_THAT(totals.error().line(), HasSubstr("--frames: selects 0 of 5 frames, and one is needed"));
+  }
+  CheckSettings only;
+  only.steps_only = true;
+  for (const char* range : {"3:3", "3:4", "9:", "2"}) {
+    const auto totals = check(list(needle(kSinking)), with_frames(range, only)).totals;
+    ASSERT_FALSE(totals) << range;
+    EXPECT_THAT(totals.error().line(), HasSubstr("two are needed")) << range;
   }
 }
 
@@ -229,6 +312,15 @@ TEST(RunCheck, TellsItsProgressAndStopsWhenAsked) {
   EXPECT_TRUE(totals->cancelled);
   EXPECT_THAT(done, ElementsAre(1, 2, 3));
   EXPECT_EQ(log.finished, 0);
+  EXPECT_EQ(totals->steps, 3u);
+  EXPECT_EQ(totals->steps_expected, 8u);
+  EXPECT_EQ(totals->collisions.sum(), 0u);
+  EXPECT_FALSE(totals->clean()) << "what was not looked at is not free";
+
+  // Stopped before anything was asked.
+  const auto nothing = check(list(needle({-0.4, -0.4})), {}, hooks).totals;
+  EXPECT_EQ(nothing->starts_crossing, std::nullopt);
+  EXPECT_FALSE(nothing->clean());
 }
 
 TEST(RunCheck, OnlyTheEarliestWhenAsked) {

@@ -134,6 +134,16 @@ TEST(ContactChecker, FindsPointsAndEdgesWithinTheMinimumDistance) {
   }
 }
 
+// A share of such a bound may be zero.
+TEST(ContactChecker, MinimumDistanceTakesTheSmallestBounds) {
+  Soup soup;
+  soup.x0 = soup.x1 = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1};
+  soup.faces = {{0, 1, 2}, {3, 4, 5}};
+  ContactChecker checker = checker_of(soup);
+  for (const double bound : {0.0, 0x1p-1074, 1e-322, 0x1p-1022, 1e-300})
+    EXPECT_EQ(checker.minimum_distance(soup.x0, bound).value(), std::numeric_limits<double>::infinity());
+}
+
 TEST(ContactChecker, StepsAreTheSameWhateverCertificatesAndThreads) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Rng rng(seed);

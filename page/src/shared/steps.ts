@@ -7,6 +7,8 @@ export interface Step {
   substep: number;
   vertex_face: number;
   edge_edge: number;
+  /** How many of them are listed and marked. */
+  listed: number;
   undecided: number;
   toi: number;
   tolerance: number;

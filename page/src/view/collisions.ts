@@ -63,7 +63,8 @@ export class CollisionPanel {
     const parts = [`First contact ${toiText(step.toi)} of the way. ${counted(step.vertex_face, 'vertex–face pair')}, ${grouped(step.edge_edge)} edge–edge`];
     if (step.undecided > 0) parts.push(`, ${grouped(step.undecided)} of them undecided and counted as collisions`);
     parts.push('. ');
-    if (pairs?.complete && pairs.items.length < pairs.total) parts.push(`The first ${grouped(pairs.items.length)} are listed; foldproof check --csv writes all. `);
+    if (step.listed < collisionsOf(step)) parts.push(`Only ${grouped(step.listed)} are marked; --limit N marks more. `);
+    if (pairs?.complete && pairs.items.length < step.listed) parts.push(`The first ${grouped(pairs.items.length)} are listed; foldproof check --csv writes all. `);
     return parts.join('');
   }
 

@@ -1,0 +1,91 @@
+#include "adversary/kiss.h"
+
+#include <Eigen/Geometry>
+
+namespace foldproof::adversary {
+namespace {
+
+// Integer directions of integer length, with two that are across.
+struct Direction {
+  int n[3], u[3], v[3], length;
+};
+constexpr Direction kDirections[] = {
+    {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, 1},   {{1, 2, 2}, {2, -1, 0}, {0, 1, -1}, 3},
+    {{2, 3, 6}, {3, -2, 0}, {0, 2, -1}, 7}, {{0, 3, 4}, {1, 0, 0}, {0, 4, -3}, 5},
+    {{4, 4, 7}, {1, -1, 0}, {7, 0, -4}, 9}, {{1, 4, 8}, {4, -1, 0}, {0, 2, -1}, 9}};
+
+Vec3 vec(const int (&x)[3]) { return {double(x[0]), double(x[1]), double(x[2])}; }
+
+class Maker {
+ public:
+  explicit Maker(Source& source)
+      : source_(source),
+        direction_(kDirections[source.pick(std::size(kDirections))]),
+        wide_(std::ldexp(1, source.whole(3, 34))),
+        high_(std::ldexp(1, source.whole(3, 34))) {}
+
+  Kiss make() {
+    Kiss kiss;
+    const double off = source_.one_in(2) ? 0 : std::floor(wide_ * source_.spread(1e-8, 2)) + 1;
+    kiss.thickness = off * direction_.length;
+    const Vec3 apart = off * vec(direction_.n);
+    if (source_.one_in(2)) {
+      vertex_and_face(kiss, apart);
+    } else {
+      edge_and_edge(kiss, apart);
+    }
+    if (source_.one_in(2)) std::swap(kiss.objects[0], kiss.objects[1]);
+    return kiss;
+  }
+
+ private:
+  // A multiple of four in the plane.
+  Vec3 in_plane(double size) {
+    const auto number = [&] { return 4 * std::round(source_.real(-size, size)); };
+    const double a = number(), b = number();
+    return a * vec(direction_.u) + b * vec(direction_.v);
+  }
+  // Beyond the plane, on the side of n or against it.
+  Vec3 beyond(double side) {
+    return in_plane(wide_ * source_.spread(1e-3, 1)) +
+           side * std::ceil(high_ * source_.spread(1e-4, 1)) * vec(direction_.n);
+  }
+  void add_triangle(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c) {
+    const auto v = static_cast<Index>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), {a, b, c});
+    mesh.triangles.push_back({v, v + 1, v + 2});
+  }
+  // More triangles on the far side, with a corner in common or not.
+  void add_company(Mesh& mesh, const Vec3& common, double side) {
+    for (int k = source_.whole(0, 6); k > 0; --k)
+      add_triangle(mesh, source_.one_in(2) ? common : Vec3(common + beyond(side)), common + beyond(side),
+                   common + beyond(side));
+  }
+
+  void vertex_and_face(Kiss& kiss, const Vec3& apart) {
+    const Vec3 a = in_plane(wide_), b = in_plane(wide_), c = in_plane(wide_ * source_.spread(1e-6, 1));
+    const Vec3 foot = a / 2 + b / 4 + c / 4;
+    add_triangle(kiss.objects[0], a, b, c);
+    add_company(kiss.objects[0], a, -1);
+    add_triangle(kiss.objects[1], foot + apart, foot + apart + beyond(1), foot + apart + beyond(1));
+    add_company(kiss.objects[1], foot + apart, 1);
+  }
+
+  void edge_and_edge(Kiss& kiss, const Vec3& apart) {
+    const Vec3 a = in_plane(wide_), b = in_plane(wide_ * source_.spread(1e-6, 1));
+    add_triangle(kiss.objects[0], a, -a, beyond(-1));
+    add_company(kiss.objects[0], a, -1);
+    add_triangle(kiss.objects[1], b + apart, -b + apart, apart + beyond(1));
+    add_company(kiss.objects[1], b + apart, 1);
+  }
+
+  Source& source_;
+  const Direction& direction_;
+  double wide_, high_;
+};
+
+}  // namespace
+
+Kiss make_kiss(Source& source) { return Maker(source).make(); }
+
+}  // namespace foldproof::adversary

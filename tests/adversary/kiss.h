@@ -1,0 +1,16 @@
+/// Scenes in which two features come exactly as near as asked, with coordinates of many digits.
+#pragma once
+
+#include "adversary/parts.h"
+
+namespace foldproof::adversary {
+
+/// Two objects whose coordinates are integers. Where `contact` stands, a feature of the one is exactly
+/// `thickness` away from one of the other (0: touches), and everything else mostly farther.
+struct Kiss {
+  std::array<Mesh, 2> objects;
+  double thickness = 0;
+};
+Kiss make_kiss(Source& source);
+
+}  // namespace foldproof::adversary

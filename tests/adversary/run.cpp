@@ -1,0 +1,323 @@
+#include "adversary/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "base/parallel.h"
+#include "oracle/brute_force.h"
+#include "oracle/one_target.h"
+
+namespace foldproof::adversary {
+namespace {
+
+std::vector<std::int64_t> targets() {
+  std::vector<std::int64_t> all;
+  const std::int64_t supported = (hwy::SupportedTargets() & HWY_TARGETS) | HWY_STATIC_TARGET;
+  for (std::int64_t target = 1; target > 0 && target <= supported; target <<= 1) {
+    if ((supported & target) != 0) all.push_back(target);
+  }
+  return all;
+}
+
+std::vector<std::span<const double>> spans(const Poses& poses) { return {poses.begin(), poses.end()}; }
+
+template <class Collision>
+std::string difference(const std::vector<Collision>& a, const std::vector<Collision>& b) {
+  for (std::size_t k = 0; k < std::max(a.size(), b.size()); ++k) {
+    const auto text = [&](const std::vector<Collision>& list) {
+      if (k >= list.size()) return std::string("nothing");
+      const auto key = oracle::key(list[k]);
+      return fmt::format("{} {} {} {} {} {} at {:a} ({})", key[0], key[1], key[2], key[3], key[4], key[5],
+                         list[k].toi, int(list[k].answer));
+    };
+    const bool same = k < a.size() && k < b.size() && oracle::key(a[k]) == oracle::key(b[k]) &&
+                      std::memcmp(&a[k].toi, &b[k].toi, sizeof a[k].toi) == 0 && a[k].answer == b[k].answer;
+    if (!same)
+      return fmt::format("{} and {} pairs; the first that differ: {} / {}", a.size(), b.size(), text(a),
+                         text(b));
+  }
+  return {};
+}
+
+std::string difference(const StepResult& a, const StepResult& b) {
+  std::string text = difference(a.vertex_face, b.vertex_face);
+  if (text.empty()) text = difference(a.edge_edge, b.edge_edge);
+  if (text.empty() && a.earliest_toi != b.earliest_toi)
+    text = fmt::format("earliest times {:a} and {:a}", a.earliest_toi, b.earliest_toi);
+  if (text.empty() && a.tolerance != b.tolerance)
+    text = fmt::format("tolerances {:a} and {:a}", a.tolerance, b.tolerance);
+  return text;
+}
+
+bool same_crossings(const StaticResult& a, const StaticResult& b) {
+  return std::equal(a.crossings.begin(), a.crossings.end(), b.crossings.begin(), b.crossings.end(),
+                    [](const auto& c, const auto& d) { return oracle::key(c) == oracle::key(d); });
+}
+
+// What is left of a complete answer when only the earliest is wanted.
+StepResult earliest_of(const StepResult& all) {
+  StepResult one = all;
+  const auto keep = [&](auto& list) {
+    const auto at =
+        std::find_if(list.begin(), list.end(), [&](const auto& c) { return c.toi == all.earliest_toi; });
+    if (at == list.end()) {
+      list.clear();
+      return false;
+    }
+    const auto first = *at;
+    list.assign(1, first);
+    return true;
+  };
+  if (keep(one.vertex_face)) {
+    one.edge_edge.clear();
+  } else {
+    keep(one.edge_edge);
+  }
+  return one;
+}
+
+using Hierarchies = std::vector<std::shared_ptr<const Hierarchy>>;
+
+class Player {
+ public:
+  Player(const Case& c, Tally& tally) : case_(c), tally_(tally), rng_(c.seed) {}
+
+  std::string run() {
+    const bool several = std::any_of(case_.steps.begin(), case_.steps.end(),
+                                     [](const Step& step) { return (step.checks & kThreads) != 0; });
+    const ThreadLimit limit(several ? 4 : 1);
+    own_ = hierarchies(0);
+    main_.emplace(own_);
+    std::string complaint;
+    for (std::size_t k = 0; k < case_.steps.size() && complaint.empty(); ++k) {
+      complaint = play(case_.steps[k]);
+      if (!complaint.empty()) complaint = fmt::format("step {}: {}", k, complaint);
+    }
+    return complaint;
+  }
+
+ private:
+  Hierarchies hierarchies(Index leaf_triangles) const {
+    Hierarchies all;
+    for (std::size_t k = 0; k < case_.objects.size(); ++k) {
+      const Object& o = case_.objects[k];
+      HierarchySettings settings;
+      settings.leaf_triangles = leaf_triangles != 0 ? leaf_triangles : o.leaf_triangles;
+      all.push_back(std::make_shared<const Hierarchy>(
+          Hierarchy::build(Topology::make(o.vertex_count, o.triangles).value(), case_.steps[0].x0[k],
+                           settings)
+              .value()));
+    }
+    return all;
+  }
+
+  std::string check(StepChecker& checker, const Step& step, const StepSettings& settings,
+                    StepResult& out) const {
+    const auto x0 = spans(step.x0), x1 = spans(step.x1);
+    const auto done = checker.check(x0, x1, settings, out);
+    return done ? "" : "refused: " + done.error().line();
+  }
+
+  // The answer that all others are compared with is held against the truth.
+  std::string play(const Step& step) {
+    ++tally_.steps;
+    StepSettings plain = step.settings;
+    plain.certificates = plain.ahead = plain.earliest_only = false;
+    const auto all_targets = targets();
+    {
+      now_doing = "a step for itself";
+      const testing::OneTarget only(all_targets[rng_() % all_targets.size()]);
+      StepChecker fresh(own_);
+      if (std::string wrong = check(fresh, step, plain, full_); !wrong.empty()) return wrong;
+    }
+    expected_ = step.settings.earliest_only ? earliest_of(full_) : full_;
+    tally_.hit_steps += !full_.clean();
+    tally_.collisions += full_.vertex_face.size() + full_.edge_edge.size();
+    tally_.undecided += full_.work.undecided;
+    if (std::string wrong = play_main(step); !wrong.empty()) return wrong;
+    now_doing = "exact arithmetic";
+    if (std::string wrong = check_step(case_, step, full_, rng_, tally_); !wrong.empty()) return wrong;
+    return play_checks(step);
+  }
+
+  std::string play_main(const Step& step) {
+    if ((step.checks & kFailure) != 0) {
+      if (std::string wrong = fail_once(step); !wrong.empty()) return wrong;
+    }
+    now_doing = "the long-lived checker";
+    StepResult result;
+    std::string wrong = check(*main_, step, step.settings, result);
+    if (wrong.empty()) wrong = difference(result, expected_);
+    tally_.served += result.searched == 0;
+    return wrong.empty()
+               ? ""
+               : fmt::format("the long-lived checker (searched {}) differs from one without certificates: {}",
+                             result.searched, wrong);
+  }
+
+  // Numbers that are none, in the middle of a motion that may be served.
+  std::string fail_once(const Step& step) {
+    Step bad = step;
+    Poses& x = rng_() % 2 == 0 ? bad.x0 : bad.x1;
+    Pose& pose = x[rng_() % x.size()];
+    const Triangle& t = case_.objects[static_cast<std::size_t>(&pose - x.data())].triangles[0];
+    pose[3 * t[rng_() % 3] + rng_() % 3] = std::numeric_limits<double>::quiet_NaN();
+    StepResult result;
+    return check(*main_, bad, step.settings, result).empty() ? "a coordinate that is no number is accepted"
+                                                             : "";
+  }
+
+  std::string play_checks(const Step& step) {
+    using Play = std::string (Player::*)(const Step&);
+    constexpr std::array<std::pair<unsigned, Play>, 7> kPlays = {{{kTargets, &Player::play_targets},
+                                                                  {kOrder, &Player::play_order},
+                                                                  {kThreads, &Player::play_threads},
+                                                                  {kLeaves, &Player::play_leaves},
+                                                                  {kPose, &Player::play_pose},
+                                                                  {kSolver, &Player::play_solver},
+                                                                  {kSearches, &Player::play_searches}}};
+    for (const auto& [bit, what] : kPlays) {
+      if ((step.checks & bit) == 0) continue;
+      if (std::string wrong = (this->*what)(step); !wrong.empty()) return wrong;
+    }
+    return {};
+  }
+
+  // Twice, as charts are drawn from the second step on.
+  std::string play_targets(const Step& step) {
+    now_doing = "instruction sets";
+    for (const std::int64_t target : targets()) {
+      const testing::OneTarget only(target);
+      StepChecker fresh(own_);
+      for (int round = 0; round < 2; ++round) {
+        StepResult result;
+        StepSettings settings = step.settings;
+        settings.certificates = round > 0 || rng_() % 2 == 0;
+        std::string wrong = check(fresh, step, settings, result);
+        if (wrong.empty()) wrong = difference(result, expected_);
+        if (!wrong.empty()) return fmt::format("with {}: {}", hwy::TargetName(target), wrong);
+      }
+    }
+    return {};
+  }
+
+  std::string play_order(const Step& step) {
+    now_doing = "objects the other way round";
+    const auto last = static_cast<Index>(case_.objects.size() - 1);
+    StepChecker fresh(Hierarchies(own_.rbegin(), own_.rend()));
+    Step turned = step;
+    for (Poses* x : {&turned.x0, &turned.x1}) std::reverse(x->begin(), x->end());
+    StepSettings settings = step.settings;
+    settings.earliest_only = false;
+    settings.certificates = rng_() % 2 == 0;
+    StepResult result;
+    if (std::string wrong = check(fresh, turned, settings, result); !wrong.empty()) return wrong;
+    for (auto& c : result.vertex_face) {
+      c.vertex_object = last - c.vertex_object;
+      c.face_object = last - c.face_object;
+    }
+    std::sort(result.vertex_face.begin(), result.vertex_face.end(),
+              [](const auto& a, const auto& b) { return oracle::key(a) < oracle::key(b); });
+    if (std::string wrong = difference(result.vertex_face, full_.vertex_face); !wrong.empty())
+      return "with objects the other way round: " + wrong;
+    // Of two edges the narrow phase may say otherwise when they change places: asked for itself.
+    Case other;
+    other.objects.assign(case_.objects.rbegin(), case_.objects.rend());
+    result.vertex_face = {};
+    StepResult complete;
+    if (std::string wrong = check(fresh, turned, settings, complete); !wrong.empty()) return wrong;
+    const std::string wrong = check_step(other, turned, complete, rng_, tally_);
+    return wrong.empty() ? "" : "with objects the other way round: " + wrong;
+  }
+
+  std::string play_threads(const Step& step) {
+    now_doing = "one thread";
+    if (!single_) single_.emplace(own_);
+    const ThreadLimit one(1);
+    StepResult result;
+    std::string wrong = check(*single_, step, step.settings, result);
+    if (wrong.empty()) wrong = difference(result, expected_);
+    return wrong.empty() ? "" : "with one thread: " + wrong;
+  }
+
+  std::string play_leaves(const Step& step) {
+    now_doing = "other leaves";
+    constexpr std::array<Index, 5> kSizes = {1, 3, 8, 16, 64};
+    StepChecker fresh(hierarchies(kSizes[rng_() % kSizes.size()]));
+    StepSettings settings = step.settings;
+    settings.certificates = rng_() % 2 == 0;
+    StepResult result;
+    std::string wrong = check(fresh, step, settings, result);
+    if (wrong.empty()) wrong = difference(result, expected_);
+    return wrong.empty() ? "" : "with other leaves: " + wrong;
+  }
+
+  std::string play_pose(const Step& step) {
+    now_doing = "a pose";
+    const Poses& x = rng_() % 2 == 0 ? step.x0 : step.x1;
+    StaticResult result, other;
+    const auto at = spans(x);
+    if (const auto done = main_->check_static(at, step.settings, result); !done)
+      return "the pose is refused: " + done.error().line();
+    ++tally_.poses;
+    tally_.hit_poses += !result.clean();
+    if (std::string wrong = check_pose(case_, x, step.settings, result, tally_); !wrong.empty())
+      return "pose: " + wrong;
+    StepSettings plain = step.settings;
+    plain.certificates = rng_() % 2 == 0;
+    for (const std::int64_t target : targets()) {
+      const testing::OneTarget only(target);
+      StepChecker fresh(own_);
+      if (!fresh.check_static(at, plain, other) || !same_crossings(result, other)) {
+        return fmt::format("the crossings of a pose differ with {}: {} and {}", hwy::TargetName(target),
+                           result.crossings.size(), other.crossings.size());
+      }
+    }
+    return {};
+  }
+
+  std::string play_solver(const Step& step) {
+    if (!solver_) solver_.emplace(case_, rng_);
+    std::string wrong = solver_->check(step, rng_, tally_);
+    return wrong.empty() ? "" : "solver: " + wrong;
+  }
+
+  // They live as long as the case and see only some of its steps.
+  std::string play_searches(const Step& step) {
+    now_doing = "other searches";
+    for (int which = 0; which < 2; ++which) {
+      std::optional<StepChecker>& checker = which == 0 ? without_ahead_ : without_certificates_;
+      if (!checker) checker.emplace(own_);
+      StepSettings settings = step.settings;
+      (which == 0 ? settings.ahead : settings.certificates) = false;
+      StepResult result;
+      std::string wrong = check(*checker, step, settings, result);
+      if (wrong.empty()) wrong = difference(result, expected_);
+      if (!wrong.empty())
+        return fmt::format("without {}: {}", which == 0 ? "looking ahead" : "certificates", wrong);
+    }
+    return {};
+  }
+
+  const Case& case_;
+  Tally& tally_;
+  std::mt19937_64 rng_;
+  Hierarchies own_;
+  std::optional<StepChecker> main_, single_, without_ahead_, without_certificates_;
+  std::optional<SolverCheck> solver_;
+  StepResult full_, expected_;
+};
+
+}  // namespace
+
+std::string run_case(const Case& c, Tally& tally) {
+  ++tally.cases;
+  std::string wrong = Player(c, tally).run();
+  if (wrong.empty() && c.seed % 64 == 0) wrong = check_reduced(c, tally);
+  return wrong;
+}
+
+}  // namespace foldproof::adversary

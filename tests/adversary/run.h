@@ -1,0 +1,37 @@
+/// Plays a case: all the ways to ask for the same answer, and the truth.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "adversary/pairs.h"
+
+namespace foldproof::adversary {
+
+/// What is wrong, empty when nothing is. Depends on the case alone.
+std::string run_case(const Case& c, Tally& tally);
+
+/// The case without the objects, triangles and steps that a complaint does not need.
+Case cut_down(const Case& c);
+
+/// A step in reduced coordinates against the same step on all vertices; the mesh and its poses are the
+/// case's.
+std::string check_reduced(const Case& c, Tally& tally);
+
+/// All that a ContactChecker answers. Long-lived, made from the objects of a case as one mesh.
+class SolverCheck {
+ public:
+  SolverCheck(const Case& c, std::mt19937_64& rng);
+  ~SolverCheck();
+  std::string check(const Step& step, std::mt19937_64& rng, Tally& tally);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// What is being done, for who waits in vain for it.
+inline const char* volatile now_doing = "nothing";
+
+}  // namespace foldproof::adversary

@@ -1,0 +1,239 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "adversary/run.h"
+#include "oracle/brute_force.h"
+#include "solver/soups.h"
+
+namespace foldproof::adversary {
+namespace {
+
+using oracle::FeaturePair;
+using oracle::Soup;
+
+Pose joined(const Poses& poses) {
+  Pose all;
+  for (const Pose& pose : poses) all.insert(all.end(), pose.begin(), pose.end());
+  return all;
+}
+
+double largest_side(std::span<const double> x0, std::span<const double> x1) {
+  double side = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    double low = x0[axis], high = low;
+    for (const auto x : {x0, x1}) {
+      for (std::size_t i = axis; i < x.size(); i += 3) {
+        low = std::min(low, x[i]);
+        high = std::max(high, x[i]);
+      }
+    }
+    side = std::max(side, high - low);
+  }
+  return side;
+}
+
+// More than any tolerance that a query chooses for itself.
+double largest_tolerance(const Pose& x0, const Pose& x1, double distance) {
+  return std::max(0x1p-29 * largest_side(x0, x1), 0x1p-40 * distance) + 0x1p-1050;
+}
+
+}  // namespace
+
+struct SolverCheck::Impl {
+  Soup soup;
+  std::vector<FeaturePair> pairs;
+  std::vector<std::vector<Index>> elements;
+  std::optional<ContactChecker> checker;
+  Candidates found;
+
+  Features moving(const FeaturePair& pair, const Pose& x0, const Pose& x1) const {
+    return {pair.kind(), pair.at(x0), pair.at(x1)};
+  }
+
+  // A pair that comes within the distance; asks for few that are near.
+  const FeaturePair* contact(const Pose& x0, const Pose& x1, double distance, int most, Tally& tally) const {
+    for (const FeaturePair& pair : pairs) {
+      const Features moving_pair = moving(pair, x0, x1);
+      if (surely_beyond(moving_pair, distance)) continue;
+      if (--most < 0) return nullptr;
+      ++tally.asked;
+      if (comes_within(moving_pair, distance)) return &pair;
+    }
+    return nullptr;
+  }
+  bool all_beyond(const Pose& x0, const Pose& x1, double distance) const {
+    return std::all_of(pairs.begin(), pairs.end(), [&](const FeaturePair& pair) {
+      return surely_beyond(moving(pair, x0, x1), distance);
+    });
+  }
+
+  std::string steps(const Pose& x0, const Pose& x1, double distance, Tally& tally);
+  std::string candidates(const Pose& x0, const Pose& x1, double inflation, Tally& tally);
+  std::string intersections(const Pose& x, Tally& tally);
+  std::string least_distance(const Pose& x, double bound, Tally& tally);
+};
+
+SolverCheck::~SolverCheck() = default;
+
+SolverCheck::SolverCheck(const Case& c, std::mt19937_64& rng) : impl_(new Impl) {
+  Soup& soup = impl_->soup;
+  soup.x0 = joined(c.steps[0].x0);
+  Index first = 0;
+  for (const Object& o : c.objects) {
+    for (const Triangle& t : o.triangles) {
+      const bool proper = t[0] != t[1] && t[1] != t[2] && t[0] != t[2];
+      // Some become edges without a face, or points.
+      if (proper && rng() % 8 != 0) {
+        soup.faces.push_back({first + t[0], first + t[1], first + t[2]});
+      } else if (t[0] != t[1]) {
+        const Index from = first + t[0], to = first + t[1];
+        soup.edges.push_back({std::min(from, to), std::max(from, to)});
+      }
+    }
+    first += o.vertex_count;
+  }
+  std::sort(soup.edges.begin(), soup.edges.end());
+  soup.edges.erase(std::unique(soup.edges.begin(), soup.edges.end()), soup.edges.end());
+  const CollisionMesh mesh = oracle::mesh_of(soup, {}, c.objects[0].leaf_triangles);
+  impl_->pairs = oracle::all_pairs(soup, mesh.edges(), oracle::all_may);
+  for (const Triangle& t : mesh.faces()) impl_->elements.push_back({t.begin(), t.end()});
+  for (const Index e : mesh.codim_edges())
+    impl_->elements.push_back({mesh.edges()[e].begin(), mesh.edges()[e].end()});
+  for (const Index v : mesh.codim_points()) impl_->elements.push_back({v});
+  impl_->checker.emplace(std::make_shared<const CollisionMesh>(mesh));
+}
+
+std::string SolverCheck::Impl::steps(const Pose& x0, const Pose& x1, double distance, Tally& tally) {
+  now_doing = "is_step_collision_free";
+  const auto free = checker->is_step_collision_free(x0, x1, distance);
+  if (!free) return "is_step_collision_free is refused: " + free.error().line();
+  const std::uint64_t undecided = checker->work().undecided;
+  tally.undecided += undecided;
+  constexpr int kMost = 8;
+  const FeaturePair* pair = contact(x0, x1, distance, kMost, tally);
+  if (*free && pair != nullptr)
+    return "is_step_collision_free says so, but this pair comes into contact:\n" +
+           describe(moving(*pair, x0, x1));
+  const double beyond = distance + largest_tolerance(x0, x1, distance);
+  if (!*free && pair == nullptr && undecided == 0 && all_beyond(x0, x1, beyond))
+    return "is_step_collision_free says no, but all pairs stay beyond the distance and the tolerance";
+
+  now_doing = "collision_free_step_size";
+  const auto share = checker->collision_free_step_size(x0, x1, distance);
+  if (!share) return "collision_free_step_size is refused: " + share.error().line();
+  if (!(*share >= 0 && *share <= 1)) return fmt::format("the step size {} is not in [0,1]", *share);
+  if ((*share == 1) != *free)
+    return fmt::format("the step size is {:a}, but collision-free is {}", *share, *free);
+  if (*share == 0 && undecided == 0 && checker->work().undecided == 0) {
+    return all_beyond(x0, x0, 2 * beyond) && distance == 0 && !contact(x0, x1, 0, kMost, tally)
+               ? "the step size is 0 where nothing is near"
+               : "";
+  }
+  if (*share == 0) return {};
+  Pose reached(x0.size());
+  step_towards(x0, x1, *share, reached);
+  pair = contact(x0, reached, distance, kMost, tally);
+  if (pair == nullptr) return {};
+  return fmt::format("the step size is {:a}, and on the way there this pair comes into contact:\n{}", *share,
+                     describe(moving(*pair, x0, reached)));
+}
+
+std::string SolverCheck::Impl::candidates(const Pose& x0, const Pose& x1, double inflation, Tally& tally) {
+  now_doing = "candidates";
+  if (const auto done = checker->candidates(x0, x1, inflation, found); !done)
+    return "candidates are refused: " + done.error().line();
+  const auto keys = oracle::keys_of(found);
+  if (keys.size() != found.size()) return "a candidate is listed twice";
+  int most = inflation == 0 ? 8 : 3;
+  std::size_t known = 0;
+  for (const FeaturePair& pair : pairs) {
+    const bool listed = keys.contains(pair.key());
+    known += listed;
+    const Features both = moving(pair, x0, x1);
+    if (listed || surely_beyond(both, inflation) || --most < 0) continue;
+    ++tally.asked;
+    if (comes_within(both, inflation))
+      return fmt::format("not among the candidates, but within {:a}:\n{}", inflation, describe(both));
+  }
+  return known == keys.size() ? "" : "a candidate is no pair that counts";
+}
+
+std::string SolverCheck::Impl::intersections(const Pose& x, Tally& tally) {
+  now_doing = "has_intersections";
+  const auto answer = checker->has_intersections(x);
+  if (!answer) return "has_intersections is refused: " + answer.error().line();
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    for (std::size_t k = i + 1; k < elements.size(); ++k) {
+      const auto &a = elements[i], &b = elements[k];
+      const bool shared = std::any_of(a.begin(), a.end(),
+                                      [&](Index v) { return std::find(b.begin(), b.end(), v) != b.end(); });
+      if (shared && a.size() < 3 && b.size() < 3) continue;
+      // Of the same face twice there is no pair of vertices that the filter could be asked about.
+      const auto same = [&](Index v) { return std::find(b.begin(), b.end(), v) != b.end(); };
+      if (a.size() == b.size() && std::all_of(a.begin(), a.end(), same)) continue;
+      bool cross = false;
+      if (shared) {
+        const Triangle s = {a[0], a[1], a.size() > 2 ? a[2] : a[1]},
+                       t = {b[0], b[1], b.size() > 2 ? b[2] : b[1]};
+        cross = triangles_cross(s, t, x, tally);
+      } else {
+        std::vector<Vec3> p, q;
+        for (const Index v : a) p.push_back(point(x, v));
+        for (const Index v : b) q.push_back(point(x, v));
+        cross = triangles_meet(p, q, tally);
+      }
+      if (cross)
+        return *answer ? "" : fmt::format("has_intersections says no, but elements {} and {} meet", i, k);
+    }
+  }
+  return *answer ? "has_intersections says so, but no two elements meet" : "";
+}
+
+std::string SolverCheck::Impl::least_distance(const Pose& x, double bound, Tally& tally) {
+  now_doing = "minimum_distance";
+  const auto answer = checker->minimum_distance(x, bound);
+  if (!answer) return "minimum_distance is refused: " + answer.error().line();
+  const double room = std::max(0x1p-46 * largest_side(x, x), 0x1p-1060);
+  const bool none = *answer == std::numeric_limits<double>::infinity();
+  // Nothing is nearer than the answer, and something is as near.
+  const double below = (none ? bound : *answer) - room;
+  if (below >= 0) {
+    if (const FeaturePair* pair = contact(x, x, below, 8, tally); pair != nullptr)
+      return fmt::format("the least distance is said to be {:a} (bound {:a}), but this pair is nearer:\n{}",
+                         *answer, bound, describe(moving(*pair, x, x)));
+  }
+  if (!none && all_beyond(x, x, *answer + room))
+    return fmt::format("the least distance is said to be {:a} (bound {:a}), but all pairs are farther apart",
+                       *answer, bound);
+  return {};
+}
+
+std::string SolverCheck::check(const Step& step, std::mt19937_64& rng, Tally& tally) {
+  const Pose x0 = joined(step.x0), x1 = joined(step.x1);
+  const double distance = step.settings.thickness, side = largest_side(x0, x1);
+  ContactSettings& settings = impl_->checker->settings();
+  settings.certificates = rng() % 4 != 0;
+  settings.certify_candidates = rng() % 2 == 0;
+  settings.tolerance = rng() % 4 == 0 ? side * 0x1p-32 : 0;
+  settings.approach = rng() % 4 == 0 ? 1 : 0.8;
+  if (impl_->pairs.empty()) return {};
+  ++tally.solver_calls;
+  switch (rng() % 4) {
+    case 0:
+      return impl_->candidates(x0, rng() % 3 == 0 ? x0 : x1, distance, tally);
+    case 1:
+      return impl_->intersections(x0, tally);
+    case 2: {
+      const double bounds[] = {0,           side,     distance,
+                               side * 1e-6, 4 * side, 0x1p-1074 * static_cast<double>(1 + rng() % 1000),
+                               1e-300};
+      return impl_->least_distance(x0, bounds[rng() % std::size(bounds)], tally);
+    }
+    default:
+      return impl_->steps(x0, x1, distance, tally);
+  }
+}
+
+}  // namespace foldproof::adversary

@@ -1,0 +1,261 @@
+// Whatever mode a program has set for its arithmetic, answers are the same bits, in every thread, and the
+// program has its mode again afterwards.
+#include <gtest/gtest.h>
+#if defined(FOLDPROOF_THREADS_TBB)
+#include <tbb/task_arena.h>
+#endif
+
+#include <atomic>
+#include <bit>
+#include <cfenv>
+#include <cmath>
+#include <cstring>
+#include <thread>
+
+#include "base/parallel.h"
+#include "foldproof/query.h"
+#include "foldproof/solver.h"
+#include "oracle/meshes.h"
+
+namespace foldproof::testing {
+namespace {
+
+struct Mode {
+  const char* name;
+  int rounding;
+  unsigned control;  // of SSE: flushing, traps
+};
+constexpr Mode kModes[] = {
+    {"as at the start", FE_TONEAREST, 0x1f80},
+    {"denormal numbers flushed", FE_TONEAREST, 0x9fc0},
+    {"results flushed", FE_TONEAREST, 0x9f80},
+    {"operands flushed", FE_TONEAREST, 0x1fc0},
+    {"upward", FE_UPWARD, 0x1f80},
+    {"downward", FE_DOWNWARD, 0x1f80},
+    {"toward zero", FE_TOWARDZERO, 0x1f80},
+    {"division by zero and invalid trapped", FE_TONEAREST, 0x1d00},
+};
+
+// While it lives, this thread calculates so.
+struct InMode {
+  explicit InMode(const Mode& mode) {
+    std::fegetenv(&before);
+    std::fesetround(mode.rounding);
+#if defined(__SSE2__)
+    _mm_setcsr((_mm_getcsr() & 0x6000) | mode.control);
+    set = _mm_getcsr() & ~0x3fu;
+#endif
+  }
+  ~InMode() { std::fesetenv(&before); }
+  bool stands() const {
+#if defined(__SSE2__)
+    return (_mm_getcsr() & ~0x3fu) == set;
+#else
+    return true;
+#endif
+  }
+  std::fenv_t before;
+  unsigned set = 0;
+};
+
+// Answers as bits.
+struct Bits {
+  std::vector<std::uint64_t> all;
+  void add(double x) { all.push_back(std::bit_cast<std::uint64_t>(x)); }
+  void add(std::uint64_t x) { all.push_back(x); }
+};
+
+// Two sheets that go through each other, `size` across: the smallest ones have denormal coordinates.
+struct Sheets {
+  std::vector<std::shared_ptr<const Hierarchy>> hierarchies;
+  std::vector<std::vector<double>> x0, x1;
+  std::vector<double> folded;  // the first one, as it lies doubled up
+  double across, thickness;
+};
+Sheets sheets(double size) {
+  constexpr Index kSide = 24;
+  std::vector<Triangle> triangles;
+  for (Index i = 0; i + 1 < kSide; ++i) {
+    for (Index k = 0; k + 1 < kSide; ++k) {
+      const Index v = i * kSide + k;
+      triangles.push_back({v, v + 1, v + kSide});
+      triangles.push_back({v + 1, v + kSide + 1, v + kSide});
+    }
+  }
+  Sheets s;
+  for (int object = 0; object < 2; ++object) {
+    std::vector<double> x0, x1;
+    for (Index v = 0; v < kSide * kSide; ++v) {
+      const double x = (v / kSide + 0.3 * object) / kSide, y = (v % kSide + 0.2 * object) / kSide;
+      const double z = 0.1 * std::sin(9 * x) * std::cos(7 * y) * (object == 0 ? 1 : -1) + 0.1 * object;
+      for (const double c : {x, y, z}) x0.push_back(size * c);
+      for (const double c : {x, y + 0.01, z + 0.03 * (object == 0 ? x : -y)}) x1.push_back(size * c);
+    }
+    s.hierarchies.push_back(std::make_shared<const Hierarchy>(
+        Hierarchy::build(*Topology::make(kSide * kSide, triangles), x0, {8}).value()));
+    s.x0.push_back(x0);
+    s.x1.push_back(x1);
+  }
+  s.across = s.x0[0][3 * kSide * (kSide - 1)];
+  s.thickness = 0.001 * s.across;
+  s.folded = s.x0[0];
+  for (std::size_t i = 0; i < s.folded.size(); i += 3) s.folded[i] = std::abs(s.folded[i] - s.across / 2);
+  return s;
+}
+
+Bits query_answers(const Sheets& s) {
+  Bits bits;
+  const std::vector<std::span<const double>> x0(s.x0.begin(), s.x0.end()), x1(s.x1.begin(), s.x1.end());
+  StepChecker checker(s.hierarchies);
+  StepResult step;
+  for (const double thickness : {0.0, s.thickness}) {
+    for (const bool back : {false, true}) {
+      StepSettings settings;
+      settings.thickness = thickness;
+      EXPECT_TRUE(checker.check(back ? x1 : x0, back ? x0 : x1, settings, step).has_value());
+      bits.add(step.tolerance);
+      for (const auto& c : step.vertex_face) {
+        bits.add(c.toi);
+        bits.add(std::uint64_t{c.vertex} << 32 | c.face);
+      }
+      for (const auto& c : step.edge_edge) {
+        bits.add(c.toi);
+        bits.add(std::uint64_t{c.a[0]} << 32 | c.b[1]);
+      }
+    }
+  }
+  StaticResult crossings;
+  EXPECT_TRUE(checker.check_static(x1, {}, crossings).has_value());
+  for (const auto& c : crossings.crossings) bits.add(std::uint64_t{c.triangle_a} << 32 | c.triangle_b);
+  EXPECT_GT(bits.all.size(), 40u);
+  return bits;
+}
+
+Bits solver_answers(const Sheets& s) {
+  Bits bits;
+  const auto faces = s.hierarchies[0]->topology().triangles();
+  const auto mesh = CollisionMesh::make(s.x0[0], {}, {faces.begin(), faces.end()});
+  ContactChecker checker(std::make_shared<const CollisionMesh>(*mesh));
+  const std::vector<double>& folded = s.folded;
+  const auto share = checker.collision_free_step_size(s.x0[0], folded);
+  EXPECT_TRUE(share.has_value());
+  bits.add(*share);
+  std::vector<double> there(folded.size());
+  step_towards(s.x0[0], folded, 0.3, there);
+  for (const double x : there) bits.add(x);
+  bits.add(*checker.minimum_distance(there, s.across));
+  return bits;
+}
+
+struct Pair {
+  FourPoints x0, x1;
+  Vec3 d, middle;  // almost in a plane with the first three, on a line with the first two: no filter can tell
+};
+std::vector<Pair> some_pairs(double size) {
+  std::vector<Pair> pairs;
+  for (int k = 0; k < 300; ++k) {
+    const auto at = [&](int i) { return size * std::sin(i * 12.9898 + k * 0.7); };
+    Pair p;
+    for (int i = 0; i < 4; ++i) {
+      p.x0[i] = {at(3 * i), at(3 * i + 1), at(3 * i + 2)};
+      p.x1[i] = {at(3 * i + 40), at(3 * i + 41), at(3 * i + 42)};
+    }
+    p.d = p.x0[0] + (p.x0[1] - p.x0[0]) * 0.25 + (p.x0[2] - p.x0[0]) * 0.5;
+    p.middle = p.x0[0] / 2 + p.x0[1] / 2;
+    pairs.push_back(p);
+  }
+  return pairs;
+}
+
+Bits pair_answers(const std::vector<Pair>& pairs, double size) {
+  Bits bits;
+  for (const auto& [x0, x1, d, middle] : pairs) {
+    for (const auto& answer : {vertex_face_ccd(x0, x1, {}), edge_edge_ccd(x0, x1, {})}) {
+      bits.add(answer.toi);
+      bits.add(std::uint64_t(answer.answer));
+    }
+    bits.add(vertex_face_closest(x0).distance);
+    bits.add(edge_edge_closest(x0).distance);
+    bits.add(ccd_resolution(size));
+    bits.add(std::uint64_t(orient3d(x0[0], x0[1], x0[2], d) + 1));
+    bits.add(std::uint64_t(triangle_has_area(x0[0], middle, x0[1])));
+    bits.add(std::uint64_t(triangles_intersect({x0[0], x0[1], x0[2]}, {x1[0], x1[1], d})));
+    bits.add(std::uint64_t(segment_intersects_triangle({x1[0], d}, {x0[0], x0[1], x0[2]})));
+    bits.add(std::uint64_t(triangles_fold(x0[0], x0[1], x0[2], d)));
+  }
+  return bits;
+}
+
+// With oneTBB: in an arena made here, whose threads and tasks have the caller's mode.
+template <class Body>
+void in_own_arena(const Body& body) {
+#if defined(FOLDPROOF_THREADS_TBB)
+  tbb::task_arena(2).execute(body);
+#else
+  body();
+#endif
+}
+
+template <class Answers>
+void expect_same_in_all_modes(const Answers& answers) {
+  const Bits expected = answers();
+  for (const Mode& mode : kModes) {
+    SCOPED_TRACE(mode.name);
+    Bits inside;
+    bool stood = false;
+    std::thread([&] {  // whose mode and arena are its own
+      const InMode in_mode(mode);
+      in_own_arena([&] { inside = answers(); });
+      stood = in_mode.stands();
+    })
+        .join();
+    EXPECT_TRUE(stood);
+    EXPECT_TRUE(inside.all == expected.all);
+  }
+}
+
+constexpr double kSizes[] = {1, 0x1p-1030, 0x1p-1060};
+
+TEST(Modes, ChangeNoQuery) {
+  for (const double size : kSizes) {
+    const Sheets s = sheets(size);
+    expect_same_in_all_modes([&] { return query_answers(s); });
+  }
+}
+
+TEST(Modes, ChangeNoAnswerToASolver) {
+  for (const double size : kSizes) {
+    const Sheets s = sheets(size);
+    expect_same_in_all_modes([&] { return solver_answers(s); });
+  }
+}
+
+TEST(Modes, ChangeNoAnswerAboutAPair) {
+  for (const double size : {1.0, 0x1p-1030, 0x1p-500, 0x1p1000}) {
+    const std::vector<Pair> pairs = some_pairs(size);
+    expect_same_in_all_modes([&] { return pair_answers(pairs, size); });
+  }
+}
+
+// Tasks of an arena that was made in another mode than the caller's, either way.
+TEST(Modes, AreThoseOfNoTask) {
+  for (const Mode& mode : kModes) {
+    SCOPED_TRACE(mode.name);
+    std::atomic<int> wrong{0}, tasks{0};
+    const auto look = [&](std::size_t) {
+      const volatile double tiny = 0x1p-1060, one = 1, zero = 0;
+      ++tasks;
+      wrong += tiny * one == 0 || one + 0x1p-54 != one || -one - 0x1p-54 != -one || std::isfinite(one / zero);
+    };
+    std::thread([&] {
+      const InMode in_mode(mode);
+      in_own_arena([&] { parallel_for(std::size_t{0}, std::size_t{1000}, look); });
+      EXPECT_TRUE(in_mode.stands());
+    }).join();
+    EXPECT_EQ(tasks, 1000);
+    EXPECT_EQ(wrong, 0);
+  }
+}
+
+}  // namespace
+}  // namespace foldproof::testing

@@ -1,0 +1,78 @@
+// What underflows is accounted for: no pair is called separated because digits were lost at the lower end of
+// double's range.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "foldproof/ccd.h"
+#include "oracle/one_target.h"
+
+namespace foldproof {
+namespace {
+
+using testing::on_each_target;
+
+// N1: the face is so small that the square of its normal is a denormal number.
+TEST(Underflow, NormalsOfTinyFacesAreNoLongerThanOne) {
+  on_each_target([] {
+    for (int exponent = -300; exponent < -60; ++exponent) {
+      for (const double digits : {1.0, 1.2, 1.5, 1.64, 1.9}) {
+        const double a = std::ldexp(digits, exponent);
+        const FourPoints x0{Vec3(0, 0, 1.3), Vec3(0, 0, 0), Vec3(a, 0, 0), Vec3(0, a, 0)};
+        FourPoints x1 = x0;
+        x1[0] = Vec3(0, 0, 1.0);
+        for (const double thickness : {1.0000001, 1.01, 1.1, 1.2}) {
+          CcdSettings settings;
+          settings.thickness = thickness;
+          settings.tolerance = 1e-9;
+          EXPECT_NE(vertex_face_ccd(x0, x1, settings).answer, Answer::Separated)
+              << "side " << a << ", thickness " << thickness;
+        }
+      }
+    }
+  });
+}
+
+// The same for edges: the closest points lie inside both.
+TEST(Underflow, NormalsOfTinyEdgesAreNoLongerThanOne) {
+  on_each_target([] {
+    for (int exponent = -300; exponent < -60; ++exponent) {
+      for (const double digits : {1.0, 1.2, 1.5, 1.64, 1.9}) {
+        const double a = std::ldexp(digits, exponent);
+        const FourPoints x0{Vec3(-a, 0, 1.3), Vec3(a, 0, 1.3), Vec3(0, -a, 0), Vec3(0, a, 0)};
+        FourPoints x1 = x0;
+        x1[0].z() = x1[1].z() = 1.0;
+        CcdSettings settings;
+        settings.thickness = 1.1;
+        settings.tolerance = 1e-9;
+        EXPECT_NE(edge_edge_ccd(x0, x1, settings).answer, Answer::Separated) << "half a side " << a;
+      }
+    }
+  });
+}
+
+// N3: products underflow inside a cross product and are multiplied by a large coordinate afterwards. The
+// vertex is half a corner and a quarter of each of the others, exactly.
+TEST(Underflow, VolumesOfLongThinFacesKeepNoFalseSign) {
+  on_each_target([] {
+    std::mt19937_64 rng(1);
+    std::uniform_int_distribution<int> digits(1, 4000);
+    for (const int large : {0, 70, 78, 96, 99}) {
+      for (int small = -600; small <= -480; small += 10) {
+        const double x = std::ldexp(1.0, large), unit = std::ldexp(4.0, small);
+        for (int i = 0; i < 200; ++i) {
+          const double p = unit * digits(rng), q = unit * digits(rng), r = unit * digits(rng),
+                       s = unit * digits(rng);
+          const FourPoints points{Vec3(0, 0, 0), Vec3(x, -(p + r) / 2, -(q + s) / 2), Vec3(-x, p, q),
+                                  Vec3(-x, r, s)};
+          EXPECT_NE(vertex_face_ccd(points, points, {}).answer, Answer::Separated)
+              << "2^" << large << " long, 2^" << small << " wide";
+        }
+      }
+    }
+  });
+}
+
+}  // namespace
+}  // namespace foldproof

@@ -1,0 +1,47 @@
+# A build has one fallback for machines without vectors: Highway's plain scalar code or its imitation of vectors, as the
+# compiler has it. The other one is built into test programs of its own, test_<room>_fallback: its objects stand before
+# the library, whose members with the same functions the linker then leaves alone. A shared library has no members.
+if(BUILD_SHARED_LIBS)
+  return()
+endif()
+
+include(CheckCXXSourceCompiles)
+set(CMAKE_REQUIRED_QUIET ON)
+check_cxx_source_compiles("#include <hwy/detect_targets.h>
+#if HWY_STATIC_TARGET == HWY_SCALAR
+#error
+#endif
+int main() {}" FOLDPROOF_LACKS_SCALAR)
+set(FALLBACK HWY_COMPILE_ONLY_SCALAR)
+if(NOT FOLDPROOF_LACKS_SCALAR)
+  set(FALLBACK HWY_COMPILE_ONLY_EMU128 HWY_BROKEN_EMU128=0)
+endif()
+
+file(GLOB_RECURSE SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*.cpp)
+foreach(SOURCE ${SOURCES})
+  file(STRINGS ${SOURCE} ONCE_PER_SET REGEX "hwy/foreach_target.h")
+  if(ONCE_PER_SET)
+    list(APPEND FALLBACK_SOURCES ${SOURCE})
+  endif()
+endforeach()
+add_library(foldproof_fallback OBJECT ${FALLBACK_SOURCES} ${CMAKE_CURRENT_SOURCE_DIR}/arithmetic/ops.cpp)
+target_include_directories(foldproof_fallback PRIVATE ${PROJECT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
+target_compile_definitions(foldproof_fallback PRIVATE ${FALLBACK})
+target_link_libraries(foldproof_fallback PRIVATE foldproof foldproof_threads)
+
+# FILTER: the tests that depend on instruction sets.
+function(foldproof_fallback_tests ROOM FILTER)
+  add_executable(test_${ROOM}_fallback $<TARGET_OBJECTS:foldproof_fallback>
+    $<FILTER:$<TARGET_OBJECTS:test_${ROOM}>,EXCLUDE,/ops\\.cpp>)
+  target_link_libraries(test_${ROOM}_fallback PRIVATE foldproof fmt::fmt GTest::gmock GTest::gtest_main hwy ${ARGN})
+  gtest_discover_tests(test_${ROOM}_fallback TEST_PREFIX fallback/ EXTRA_ARGS --gtest_filter=${FILTER}
+    TEST_FILTER ${FILTER} PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
+  # That it is in use, and alone; and that its answers are those of the other instruction sets.
+  add_test(NAME fallback/${ROOM}_agrees COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DPROGRAM=$<TARGET_FILE:test_${ROOM}>
+    -DFALLBACK=$<TARGET_FILE:test_${ROOM}_fallback> -P ${CMAKE_CURRENT_SOURCE_DIR}/tools/same_answers.cmake)
+endfunction()
+
+foldproof_fallback_tests(arithmetic * foldproof_oracle foldproof_threads)
+foldproof_fallback_tests(bvh *:-Hierarchy* foldproof_oracle)
+foldproof_fallback_tests(ccd March* foldproof_oracle)
+foldproof_fallback_tests(certificate *InstructionSets*:*Plane* foldproof_oracle foldproof_threads)

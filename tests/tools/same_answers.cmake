@@ -1,0 +1,17 @@
+# PROGRAM and FALLBACK, of the same tests, print the same "answers of ..." lines (oracle/one_target.h); FALLBACK has the
+# code of one instruction set.
+execute_process(COMMAND ${NM} -C ${FALLBACK} OUTPUT_VARIABLE NAMES COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "foldproof::N_[A-Z0-9_]+" SETS "${NAMES}")
+list(REMOVE_DUPLICATES SETS)
+list(LENGTH SETS COUNT)
+if(NOT COUNT EQUAL 1)
+  message(FATAL_ERROR "${FALLBACK} has code of ${COUNT} instruction sets, one is wanted: ${SETS}")
+endif()
+foreach(NAME PROGRAM FALLBACK)
+  execute_process(COMMAND ${${NAME}} "--gtest_filter=*InstructionSet*" OUTPUT_VARIABLE OUTPUT COMMAND_ERROR_IS_FATAL ANY)
+  string(REGEX MATCHALL "answers of [^\n]*" ${NAME}_ANSWERS "${OUTPUT}")
+endforeach()
+if(NOT PROGRAM_ANSWERS STREQUAL FALLBACK_ANSWERS OR NOT PROGRAM_ANSWERS)
+  message(FATAL_ERROR "${SETS}: '${FALLBACK_ANSWERS}', the other instruction sets: '${PROGRAM_ANSWERS}'")
+endif()
+message("${SETS}: ${FALLBACK_ANSWERS}")
