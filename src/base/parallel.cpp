@@ -65,9 +65,9 @@ class Loop {
 
   void take_part() noexcept {
     try {
-      for (std::size_t k; (k = next_++) < count_;) body_(k);
+      for (std::size_t k; (k = next_.fetch_add(1, kNoOrder)) < count_;) body_(k);
     } catch (...) {
-      next_ = count_;
+      next_.store(count_, kNoOrder);
       const std::lock_guard lock(mutex_);
       if (!thrown_) thrown_ = std::current_exception();
     }
@@ -77,6 +77,9 @@ class Loop {
   }
 
  private:
+  // An order between iterations would hide races from the sanitizer; starting and joining threads gives all
+  // that is needed.
+  static constexpr auto kNoOrder = std::memory_order_relaxed;
   const std::size_t count_;
   const std::function<void(std::size_t)>& body_;
   std::atomic<std::size_t> next_ = 0;
@@ -88,6 +91,16 @@ class Loop {
 
 ThreadLimit::ThreadLimit(int threads) : threads_(threads) { Threads::of_process().add_limit(threads); }
 ThreadLimit::~ThreadLimit() { Threads::of_process().remove_limit(threads_); }
+
+LastLocal& last_local() {
+  thread_local LastLocal last;
+  return last;
+}
+
+std::uint64_t new_local_id() {
+  static std::atomic<std::uint64_t> last = 0;
+  return ++last;
+}
 
 int thread_count() { return Threads::of_process().count(); }
 

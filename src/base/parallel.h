@@ -8,6 +8,7 @@
 /// runs tasks in the mode that their arena was made in, whatever that of their caller is.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 #include "base/plain_arithmetic.h"
@@ -19,12 +20,12 @@
 #include <tbb/parallel_reduce.h>
 #include <tbb/task_arena.h>
 #elif defined(FOLDPROOF_THREADS_STD) || defined(FOLDPROOF_THREADS_SERIAL)
-#include <algorithm>
 #include <deque>
 #include <functional>
 #include <utility>
 #include <vector>
 #if defined(FOLDPROOF_THREADS_STD)
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -96,7 +97,10 @@ class ThreadLimit {
 };
 
 /// How many threads a loop started here may have.
-inline int thread_count() { return tbb::this_task_arena::max_concurrency(); }
+inline int thread_count() {
+  const auto limit = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return std::min(tbb::this_task_arena::max_concurrency(), static_cast<int>(limit));
+}
 
 #else  // the same without oneTBB; what it means is said above
 
@@ -150,6 +154,17 @@ Value parallel_reduce(IndexRange range, std::size_t grain, const Value& identity
   return all;
 }
 
+#if defined(FOLDPROOF_THREADS_STD)
+/// What a thread was given last, by which PerThread. Looked at without a lock, which would put the threads'
+/// iterations in an order and so hide races from the sanitizer.
+struct LastLocal {
+  std::uint64_t owner = 0;
+  void* value = nullptr;
+};
+LastLocal& last_local();
+std::uint64_t new_local_id();  ///< 1 or more, never twice
+#endif
+
 template <class T>
 class PerThread {
  public:
@@ -158,9 +173,12 @@ class PerThread {
 
 #if defined(FOLDPROOF_THREADS_STD)
   T& local() {
+    LastLocal& last = last_local();
+    if (last.owner == id_) return *static_cast<T*>(last.value);
     const std::lock_guard lock(mutex_);
     T*& value = of_thread_[std::this_thread::get_id()];
     if (value == nullptr) value = &values_.emplace_back(make_());
+    last = {id_, value};
     return *value;
   }
 #else
@@ -173,6 +191,7 @@ class PerThread {
   std::function<T()> make_;
   std::deque<T> values_;  // which stay where they are when more come
 #if defined(FOLDPROOF_THREADS_STD)
+  const std::uint64_t id_ = new_local_id();
   std::mutex mutex_;
   std::map<std::thread::id, T*> of_thread_;
 #endif

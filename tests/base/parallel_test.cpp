@@ -120,6 +120,18 @@ TEST(PerThread, EachThreadHasItsOwn) {
   EXPECT_EQ(all, 9000u);
 }
 
+TEST(PerThread, SeveralDoNotMix) {
+  for (int repetition = 0; repetition < 10;
+       ++repetition) {  // the later ones may lie where the first ones lay
+    PerThread<int> ones([] { return 1; }), twos([] { return 2; });
+    std::atomic<int> mixed = 0;
+    parallel_for(0, 300, [&](int) {
+      if (ones.local() != 1 || twos.local() != 2 || ones.local() != 1) ++mixed;
+    });
+    EXPECT_EQ(mixed, 0);
+  }
+}
+
 TEST(ThreadLimit, HoldsWhileItLives) {
   const auto threads_seen = [] {
     std::mutex mutex;
@@ -135,6 +147,7 @@ TEST(ThreadLimit, HoldsWhileItLives) {
   EXPECT_GE(thread_count(), 1);
   const ThreadLimit two(2);
   std::optional<ThreadLimit> one(1);
+  EXPECT_EQ(thread_count(), 1);
   EXPECT_EQ(threads_seen(), std::set{std::this_thread::get_id()});
   one.reset();
   EXPECT_LE(threads_seen().size(), 2u);

@@ -1,13 +1,13 @@
 // What is counted and what is listed, triangles that are copies of others, vertices that nobody uses, and
 // coordinates at the ends of what numbers hold.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
+#include "base/parallel.h"
 #include "foldproof/query.h"
 #include "oracle/brute_force.h"
 #include "oracle/meshes.h"
@@ -69,8 +69,8 @@ TEST(Limits, AllAreCountedAndThoseWithTheSmallestIdsAreListed) {
     EXPECT_EQ(all.edge_edge_count, all.edge_edge.size());
     EXPECT_EQ(all_crossings.crossing_count, all_crossings.crossings.size());
     for (const std::uint64_t limit : {0u, 1u, 7u, 100u}) {
-      for (const std::size_t threads : {1u, 4u}) {
-        const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+      for (const int threads : {1, 4}) {
+        const ThreadLimit control(threads);
         StepSettings settings;
         settings.max_listed = limit;
         const StepResult some = step(scene, settings);
