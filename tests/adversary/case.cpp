@@ -64,8 +64,9 @@ class Builder {
   }
 
   void take_kiss() {
-    const Kiss kiss = make_kiss(source_);
-    unit_ = 1;
+    const bool tiny = source_.one_in(8);
+    const Kiss kiss = tiny ? make_tiny_kiss(source_) : make_kiss(source_);
+    unit_ = tiny ? 0 : 1;
     exact_thickness_ = kiss.thickness;
     if (source_.one_in(3)) {
       Mesh both = kiss.objects[0];
@@ -178,10 +179,14 @@ class Builder {
     exponent_ = source_.one_in(4) ? source_.whole(-990, 990) : source_.whole(-8, 8);
     // What moves on and stands far off must not leave the doubles.
     exponent_ = std::min(exponent_, 1000 - 60 - std::max(0, std::ilogb(size_)));
-    const bool far = source_.one_in(3);
+    // Affine maps leave what touches touching: without a thickness each axis may have a scale of its own.
+    const bool stretched = settings_.thickness == 0 && source_.one_in(10);
+    const bool far = !stretched && source_.one_in(3);
     for (int axis = 0; axis < 3; ++axis) {
+      if (stretched && source_.one_in(2)) stretch_[axis] = source_.whole(-600, 0);
       const bool here = far && source_.one_in(2);
-      offset_[axis] = here ? source_.sign() * std::ldexp(size_, source_.whole(0, 46)) : 0;
+      const int least = source_.one_in(2) ? 36 : 0;
+      offset_[axis] = here ? source_.sign() * std::ldexp(size_, source_.whole(least, 46)) : 0;
       if (here && unit_ != 0) offset_[axis] = std::ldexp(source_.sign(), std::ilogb(offset_[axis]));
     }
   }
@@ -199,7 +204,8 @@ class Builder {
         if (angle > 0) p = middle + matrix * (p - middle);
         p += s * motion_.way[k][v] + s * s * motion_.bend[k][v];
         if (motion_.shake > 0) p += motion_.shake * random_vector(source_);
-        for (int axis = 0; axis < 3; ++axis) pose.push_back(std::ldexp(p[axis] + offset_[axis], exponent_));
+        for (int axis = 0; axis < 3; ++axis)
+          pose.push_back(std::ldexp(p[axis] + offset_[axis], exponent_ + stretch_[axis]));
       }
     }
     return poses;
@@ -253,6 +259,7 @@ class Builder {
   double size_ = 1, unit_ = 0, exact_thickness_ = -1;
   Vec3 offset_ = Vec3::Zero();
   int exponent_ = 0;
+  std::array<int, 3> stretch_{};
 };
 
 }  // namespace

@@ -88,4 +88,14 @@ class Maker {
 
 Kiss make_kiss(Source& source) { return Maker(source).make(); }
 
+Kiss make_tiny_kiss(Source& source) {
+  const double side = std::ldexp(source.real(1, 2), -source.whole(255, 275)), up = source.real(1, 2);
+  Kiss kiss;
+  kiss.objects[0].vertices = {Vec3::Zero(), Vec3(side, 0, 0), Vec3(0, side * source.real(0.1, 2), 0)};
+  kiss.objects[1].vertices = {Vec3(0, 0, up), Vec3(1, 0, 2 * up), Vec3(0, 1, 2 * up)};
+  for (Mesh& mesh : kiss.objects) mesh.triangles = {{0, 1, 2}};
+  kiss.thickness = up * (1 + (source.one_in(4) ? 0 : source.spread(1e-9, 0.3)));
+  return kiss;
+}
+
 }  // namespace foldproof::adversary

@@ -13,4 +13,7 @@ struct Kiss {
 };
 Kiss make_kiss(Source& source);
 
+/// A vertex before a face whose normal underflows when it is squared, at the thickness or a little nearer.
+Kiss make_tiny_kiss(Source& source);
+
 }  // namespace foldproof::adversary
