@@ -43,5 +43,5 @@ endfunction()
 
 foldproof_fallback_tests(arithmetic * foldproof_oracle foldproof_threads)
 foldproof_fallback_tests(bvh *:-Hierarchy* foldproof_oracle)
-foldproof_fallback_tests(ccd March* foldproof_oracle)
+foldproof_fallback_tests(ccd March* foldproof_oracle CGAL::CGAL)
 foldproof_fallback_tests(certificate *InstructionSets*:*Plane* foldproof_oracle foldproof_threads)
