@@ -73,7 +73,7 @@ struct Sheets {
   double across, thickness;
 };
 Sheets sheets(double size) {
-  constexpr Index kSide = 24;
+  constexpr Index kSide = 9;
   std::vector<Triangle> triangles;
   for (Index i = 0; i + 1 < kSide; ++i) {
     for (Index k = 0; k + 1 < kSide; ++k) {
@@ -214,7 +214,7 @@ void expect_same_in_all_modes(const Answers& answers) {
   }
 }
 
-constexpr double kSizes[] = {1, 0x1p-1030, 0x1p-1060};
+constexpr double kSizes[] = {1, 0x1p-1030};
 
 TEST(Modes, ChangeNoQuery) {
   for (const double size : kSizes) {
