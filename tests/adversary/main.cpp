@@ -15,7 +15,7 @@ namespace foldproof::adversary {
 namespace {
 
 // A case takes milliseconds.
-constexpr long kMostSeconds = 5;
+constexpr long kMostSeconds = 20;
 
 struct Options {
   double seconds = 10;

@@ -14,7 +14,7 @@ Vec3 random_vector(Source& source) {
 
 // A sheet in x and y that waves in z.
 Mesh sheet(Source& source, double size) {
-  const int most = source.one_in(60) ? 20 : 5;
+  const int most = source.one_in(60) ? 16 : 5;
   const int nx = source.whole(1, most), ny = source.whole(1, most);
   const double narrow = source.one_in(2) ? 1 : source.spread(1e-3, 1);
   const double height = source.one_in(4) ? 0 : size * source.spread(1e-6, 0.5);
