@@ -11,7 +11,8 @@
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter = R"(  pose.obj                        a single frame, for --static
+constexpr const char* kFooter =
+    R"(  pose.obj                        a single frame, which is checked as a motion that stands still
 Several motions are several objects, and need equally many frames.
 With --reduced, instead of motions: MODEL COORDINATES for each object, coordinates of the model's subspace by frame:
   p.csv                           a row per frame: one number per mode, then maybe a placement: a quaternion w x y z
@@ -19,19 +20,25 @@ With --reduced, instead of motions: MODEL COORDINATES for each object, coordinat
   p.npz                           the array 'p', frames x modes, maybe 'rotation', frames x 3 x 3, and 'translation'
   tracks.csv  tracks.npz          or tracks of the model's key points, as 'foldproof predict' takes them
 
-Exit code: 0 no collision, 1 collisions, 2 error.
+First it is asked which triangles cross in the first frame, exactly, then what comes into contact in each step. Only both
+together say that nothing goes through anything at any time. --steps-only leaves the first question out, and then what
+crosses from the start stays unsaid.
+
+Exit code: 0 no collision and no crossing in the first frame, 1 collisions or crossings, 2 error.
 
 Examples:
   foldproof check walk.glb                        every collision between all frames
   foldproof check body.npz shirt.npz --between    only those between the two
   foldproof check walk.glb --frames 10:21         the ten steps from frame 10 to frame 20
   foldproof check walk.glb --substeps 10          each step in ten straight parts
-  foldproof check pose.obj --static               triangles that cross in one pose
+  foldproof check pose.obj                        triangles that cross in one pose
+  foldproof check walk.glb --static               triangles that cross in each frame, whatever is between frames
   foldproof check walk.glb --model body.model     faster, with what 'foldproof train' found out
   foldproof check cloth/ --thickness 0.001        closer than 0.001 mesh units counts
   foldproof check --reduced body.model p.csv      a motion told by coordinates of the model's subspace
   foldproof check walk.glb --json a.json --pairs  every pair with its time of impact, to a file
-  foldproof check walk.glb --ply worst.ply        the worst step's mesh, colliding faces marked 1
+  foldproof check walk.glb --ply worst.ply        the worst step's mesh, colliding faces marked 1, those that cross
+                                                  in the first frame 2, both 3
   foldproof check walk.glb --vtk walk.pvd         the motion with its collisions, for ParaView
   foldproof check walk.glb --explain why.csv      what could be proven free, and why not the rest)";
 
@@ -49,7 +56,7 @@ void add_query_options(CLI::App& check, CheckArguments& a) {
   check.add_flag("--first", a.first, "Of each step only the earliest collision")
       ->group(group)
       ->excludes(poses);
-  for (const char* option : {"--thickness", "--tolerance", "--substeps"})
+  for (const char* option : {"--thickness", "--tolerance", "--substeps", "--steps-only"})
     check.get_option(option)->excludes(poses);
 }
 
@@ -81,7 +88,8 @@ void add_report_options(CLI::App& check, CheckArguments& a) {
   check
       .add_option(
           "--ply", a.ply,
-          "The worst step's mesh, colliding faces marked 1; with %04d in FILE one per step with collisions")
+          "The worst step's mesh, colliding faces marked 1, crossing ones of the first frame 2, both 3; with "
+          "%04d in FILE one per step with collisions")
       ->type_name("FILE")
       ->group(group);
   check
@@ -202,7 +210,7 @@ Result<int> check(const CheckArguments& a) {
 
   if (a.reduced) {
     if (const auto ok = require_reduced(a); !ok) return tl::unexpected(ok.error());
-    return check_reduced({a.motions, settings->step, a.csv, a.quiet});
+    return check_reduced({a.motions, settings->step, a.steps_only, a.csv, a.quiet});
   }
   const auto motions = open_motions(a.motions, a.motion.read);
   if (!motions) return tl::unexpected(motions.error());

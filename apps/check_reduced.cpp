@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <filesystem>
 
 #include "commands.h"
@@ -155,7 +156,10 @@ Result<Objects> open_objects(const ReducedCheckArguments& a, const ReducedHooks&
     if (!model) return tl::unexpected(model.error());
     auto track = read_track(a.files[i + 1], *model->learned);
     if (!track) return tl::unexpected(track.error());
-    if (track->frames < 2) return fail(a.files[i + 1], "has no step", "give at least two frames");
+    if (track->frames == 0) return fail(a.files[i + 1], "has no frames", "give at least one");
+    if (track->frames < 2 && a.steps_only)
+      return fail(a.files[i + 1], "has 1 frame, and a step goes from one frame to the next",
+                  "check it without --steps-only: its crossing triangles are found");
     if (!objects.tracks.empty() && objects.tracks[0].frames != track->frames) {
       return fail(a.files[i + 1],
                   fmt::format("has {} frames, not {}", track->frames, objects.tracks[0].frames),
@@ -170,8 +174,16 @@ Result<Objects> open_objects(const ReducedCheckArguments& a, const ReducedHooks&
   return objects;
 }
 
+std::string start_of(const CheckTotals& totals) {
+  if (!totals.starts_crossing) return "not asked what crosses in frame 0 (--steps-only)\n";
+  if (*totals.starts_crossing == 0) return "no triangles cross in frame 0\n";
+  return fmt::format("frame 0 starts with {} of triangles\n",
+                     counted(*totals.starts_crossing, "crossing pair"));
+}
+
 std::string summary_of(const CheckTotals& totals) {
-  std::string text =
+  std::string text = start_of(totals);
+  text +=
       fmt::format("{}, {} with collisions\n", counted(totals.steps, "step"), totals.steps_with_collisions);
   text += fmt::format("{} of vertex and face, {} of two edges\n", grouped(totals.collisions.vertex_face),
                       grouped(totals.collisions.edge_edge));
@@ -185,23 +197,60 @@ std::string summary_of(const CheckTotals& totals) {
                             counted(totals.work.leaf_pairs, "pair of leaves"), totals.milliseconds.total);
 }
 
+/// Which triangles cross in the first frame: that is a question about vertices, not about coordinates.
+Result<void> ask_start(const Objects& objects, const ReducedCheckArguments& a, ReportWriter* csv,
+                       CheckTotals& totals) {
+  std::vector<std::shared_ptr<const Hierarchy>> hierarchies;
+  std::vector<std::vector<double>> vertices;
+  for (std::size_t i = 0; i < objects.shapes.size(); ++i) {
+    const ReducedMotion& motion = *objects.shapes[i]->motion();
+    hierarchies.push_back(motion.hierarchy());
+    vertices.emplace_back(3 * std::size_t{motion.hierarchy()->topology().vertex_count()});
+    place_vertices(motion, objects.tracks[i].pose(0), vertices.back());
+  }
+  const std::vector<std::span<const double>> x(vertices.begin(), vertices.end());
+  StaticResult found;
+  StepChecker checker(std::move(hierarchies), objects.charts);
+  if (auto done = checker.check_static(x, a.step, found); !done) {
+    done.error().where = "frame 0, " + done.error().where;
+    return done;
+  }
+  const CheckedStep pose{.place = {},
+                         .collisions = {.triangle_triangle = found.crossings.size()},
+                         .work = found.work,
+                         .milliseconds = found.milliseconds,
+                         .x0 = x,
+                         .x1 = x,
+                         .pose = &found};
+  totals.start(pose);
+  return csv != nullptr ? csv->start(pose) : Result<void>{};
+}
+
 Result<void> run(const Objects& objects, const ReducedCheckArguments& a, ReportWriter* csv,
                  CheckTotals& totals) {
+  const Index frames = objects.tracks[0].frames;
+  const Index steps = std::max<Index>(frames, 2) - 1;  // A single frame stands still.
+  totals.last_frame = frames - 1;
+  totals.steps_expected = steps;
+  if (!a.steps_only) {
+    if (auto done = ask_start(objects, a, csv, totals); !done) return done;
+  }
   ReducedChecker checker(objects.shapes, objects.charts);
   StepResult found;
   std::vector<ReducedPose> begin, end;
-  for (Index k = 0; k + 1 < objects.tracks[0].frames; ++k) {
+  for (Index k = 0; k < steps; ++k) {
+    const Index next = std::min(k + 1, frames - 1);
     begin.clear();
     end.clear();
     for (const Track& track : objects.tracks) {
       begin.push_back(track.pose(k));
-      end.push_back(track.pose(k + 1));
+      end.push_back(track.pose(next));
     }
     if (auto done = checker.check(begin, end, a.step, found); !done) {
       done.error().where = fmt::format("step {}, {}", k, done.error().where);
       return done;
     }
-    const CheckedStep step{.place = {k, k, k + 1, 0},
+    const CheckedStep step{.place = {k, k, next, 0},
                            .collisions = {found.vertex_face.size(), found.edge_edge.size(), 0},
                            .earliest_toi = found.earliest_toi,
                            .work = found.work,

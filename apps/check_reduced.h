@@ -11,6 +11,7 @@ namespace foldproof {
 struct ReducedCheckArguments {
   std::vector<std::string> files;  ///< MODEL COORDINATES, once per object.
   StepSettings step;
+  bool steps_only = false;  ///< Do not ask what crosses in the first frame.
   std::string csv;
   bool quiet = false;
 };

@@ -16,8 +16,8 @@ Several motions are several objects in one picture. The camera is fitted to what
 
 Colours of --color:
   plain         none
-  collisions    red: faces that collide between this frame and the next, in the pose of the first contact; for the
-                last frame, or a single pose, faces that cross
+  collisions    red: faces that collide between this frame and the next, in the pose of the first contact; pink:
+                faces that cross in this frame already. For the last frame, or a single pose, pink alone
   certificates  blue: proven free of contact between this frame and the next, the paler the smaller the patch that
                 the proof is for; other colours: why not (docs/reports.md, --explain)
   error         distance of each vertex from --truth: pale grey is none, then yellow, red, and dark purple for the
@@ -114,38 +114,39 @@ Result<StepChecker> checker_of(const RenderArguments& a, const Objects& motions,
   return StepChecker(std::move(hierarchies), std::move(charts));
 }
 
-/// Red faces of an answer, over clay.
+/// Faces that an answer names in `colour`, over those that have one already.
 template <class Answer>
-void mark(const Objects& motions, const Answer& answer, Coloured& out) {
+void mark(const Objects& motions, const Answer& answer, Colour colour, Coloured& out) {
+  out.faces.resize(motions.size());
   for (Index object = 0; object < motions.size(); ++object) {
-    std::vector<Colour> colours;
-    for (const std::uint8_t marked : colliding_faces(motions[object]->topology(), object, answer))
-      colours.push_back(marked ? colours::kRed : colours::kClay);
-    out.faces.push_back(std::move(colours));
+    const auto marks = colliding_faces(motions[object]->topology(), object, answer);
+    out.faces[object].resize(marks.size(), colours::kClay);
+    for (std::size_t face = 0; face < marks.size(); ++face)
+      if (marks[face]) out.faces[object][face] = colour;
   }
 }
 
-Result<void> colour_crossings(const Objects& motions, Coloured& out) {
-  auto checker = checker_of({}, motions, out.poses);
-  if (!checker) return tl::unexpected(checker.error());
+Result<void> colour_crossings(StepChecker& checker, const Objects& motions, Index frame, Coloured& out) {
   StaticResult answer;
-  if (auto done = checker->check_static(out.poses.spans(), {}, answer); !done) return done;
-  mark(motions, answer, out);
-  out.told = counted(answer.crossings.size(), "crossing pair") + " of triangles";
+  if (auto done = checker.check_static(out.poses.spans(), {}, answer); !done) return done;
+  mark(motions, answer, colours::kPink, out);
+  out.told =
+      fmt::format("{} of triangles in frame {}", counted(answer.crossings.size(), "crossing pair"), frame);
   return {};
 }
 
 Result<void> colour_collisions(const RenderArguments& a, const Objects& motions, Index frame, Coloured& out) {
-  if (frame + 1 == motions[0]->frame_count()) return colour_crossings(motions, out);
-  const auto next = read(motions, frame + 1);
-  if (!next) return tl::unexpected(next.error());
   auto checker = checker_of(a, motions, out.poses);
   if (!checker) return tl::unexpected(checker.error());
+  if (auto done = colour_crossings(*checker, motions, frame, out); !done) return done;
+  if (frame + 1 == motions[0]->frame_count()) return {};
+  const auto next = read(motions, frame + 1);
+  if (!next) return tl::unexpected(next.error());
   StepResult answer;
   if (auto done = checker->check(out.poses.spans(), next->spans(), {}, answer); !done) return done;
-  mark(motions, answer, out);
+  mark(motions, answer, colours::kRed, out);
   const std::size_t pairs = answer.vertex_face.size() + answer.edge_edge.size();
-  out.told = counted(pairs, "colliding pair");
+  out.told += fmt::format("; {} on the way to the next", counted(pairs, "colliding pair"));
   if (pairs == 0) return {};
   out.told += fmt::format(", the first {:.4f} of the way", answer.earliest_toi);
   for (std::size_t i = 0; i < motions.size(); ++i) {

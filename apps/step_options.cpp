@@ -40,6 +40,11 @@ void add_setting_options(CLI::App& command, StepArguments& a) {
       ->type_name("D")
       ->group(counts);
 
+  command
+      .add_flag("--steps-only", a.steps_only,
+                "Only what comes into contact between frames: do not ask what crosses in the first frame")
+      ->group(counts);
+
   add_motion_options(command, a.motion);
   command.add_option("--substeps", a.substeps, "Cut each step into N linear parts [1]")
       ->type_name("N")
@@ -71,6 +76,7 @@ Result<CheckSettings> step_settings(const StepArguments& a) {
   if (a.substeps < 1) return fail("--substeps", "0 parts are none", "give 1 or more");
   CheckSettings settings;
   settings.substeps = a.substeps;
+  settings.steps_only = a.steps_only;
   settings.step = {.within = !a.between,
                    .between = !a.within,
                    .thickness = a.thickness,
@@ -123,7 +129,11 @@ Result<int> check_and_tell(Motions motions, const CheckSettings& settings, Write
   bar.clear();
   if (!totals) return tl::unexpected(totals.error());
   if (totals->cancelled) {
-    print_error({"interrupted", fmt::format("after {} steps", totals->steps), "no report was written"});
+    print_error({"interrupted",
+                 fmt::format("stopped at {} of {}, {} with collisions", grouped(totals->steps),
+                             counted(totals->steps_expected, settings.poses ? "frame" : "step"),
+                             grouped(totals->steps_with_collisions)),
+                 "no report was written"});
     return kExitInterrupted;
   }
   if (!quiet) print_output(summary(motions, settings, *totals));

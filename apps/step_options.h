@@ -10,7 +10,7 @@ struct StepArguments {
   MotionOptions motion;
   Index substeps = 1;
   double thickness = 0, tolerance = 0;
-  bool within = false, between = false, no_certificates = false;
+  bool within = false, between = false, no_certificates = false, steps_only = false;
   int threads = 0;
 };
 

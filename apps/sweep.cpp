@@ -22,7 +22,7 @@ RESULTS gets a line of JSON as soon as a motion is done. Ctrl-C, or worse, loses
 same command goes on from there. It checks anew what changed since, what was checked otherwise, and nothing else.
 A file that cannot be read is a line, too, and does not stop the sweep.
 
-Exit code: 0 no collision, 1 collisions or files that could not be read, 2 the sweep itself could not be made.
+Exit code: 0 no collision and no crossing in a first frame, 1 these or files that could not be read, 2 the sweep itself could not be made.
 
 Examples:
   foldproof sweep library -o results.jsonl                        check everything below library/
@@ -48,7 +48,7 @@ void add_options(CLI::App& sweep, SweepArguments& a) {
           .add_flag("--static", a.poses,
                     "Crossing triangles of each frame instead, decided exactly; of single meshes, too")
           ->group(sweep.get_option("--thickness")->get_group());
-  for (const char* option : {"--thickness", "--tolerance", "--substeps"})
+  for (const char* option : {"--thickness", "--tolerance", "--substeps", "--steps-only"})
     sweep.get_option(option)->excludes(poses);
 
   const char* group = "Where the answer goes";
@@ -143,6 +143,18 @@ class SweepBar {
   double all_ = 0, done_ = 0;
 };
 
+/// "the first frame starts with 2 crossing pairs; 3 pairs in 1 of 4 steps, the first in frame 2"
+std::string found_in(const SweepRecord& r, const SweepArguments& a) {
+  std::string text;
+  if (r.starts_crossing.value_or(0) > 0)
+    text = fmt::format("the first frame starts with {}", counted(*r.starts_crossing, "crossing pair"));
+  if (r.collisions == 0) return text;
+  return (text.empty() ? "" : text + "; ") +
+         fmt::format("{} in {} of {}, the first in frame {}", counted(r.collisions, "pair"),
+                     grouped(r.steps_with_collisions), counted(r.steps, a.poses ? "pose" : "step"),
+                     r.first_frame.value_or(0));
+}
+
 /// The first few of a kind, and how many more there are.
 std::string list_of(const std::vector<SweepRecord>& records, SweepState state, const SweepArguments& a) {
   constexpr std::size_t kMost = 10;
@@ -153,9 +165,7 @@ std::string list_of(const std::vector<SweepRecord>& records, SweepState state, c
     if (state == SweepState::Failed) {
       text += "  " + r.error + '\n';
     } else {
-      text += fmt::format("  {}: {} in {} of {}, the first in frame {}\n", Error{r.path, "", ""}.where,
-                          counted(r.collisions, "pair"), grouped(r.steps_with_collisions),
-                          counted(r.steps, a.poses ? "pose" : "step"), r.first_frame.value_or(0));
+      text += fmt::format("  {}: {}\n", Error{r.path, "", ""}.where, found_in(r, a));
     }
   }
   if (count > kMost) text += fmt::format("  and {} more, in {}\n", count - kMost, a.output);
@@ -173,13 +183,14 @@ std::string closing(const SweepArguments& a, const SweepInput& input, const Swee
   std::string text = fmt::format("motions                 {}", grouped(records.size()));
   if (const std::size_t before = input.motions.size() - file.left().size(); before > 0)
     text += fmt::format("  ({} of them checked before)", grouped(before));
-  text +=
-      fmt::format("\n  clean                 {}\n  collide               {}\n  could not be read     {}\n",
-                  count(SweepState::Clean), count(SweepState::Collides), count(SweepState::Failed));
+  text += fmt::format("\n  {:<22}{}\n  collide               {}\n  could not be read     {}\n",
+                      a.steps_only ? "no contact in steps" : "clean", count(SweepState::Clean),
+                      count(SweepState::Collides), count(SweepState::Failed));
   if (count(SweepState::Still) != "0")
     text += fmt::format("  a single pose         {}\n", count(SweepState::Still));
   if (input.single_meshes > 0)
     text += fmt::format("left out                {}\n", counted(input.single_meshes, "single mesh file"));
+  if (a.steps_only) text += "first frames            not asked what crosses in them (--steps-only)\n";
   for (const auto& model : settings.models) {
     const bool used =
         std::any_of(records.begin(), records.end(), [&](const auto& r) { return r.model == model->name; });
@@ -238,7 +249,8 @@ Result<int> lead(const SweepArguments& a, Ranks& ranks) {
     return kExitInterrupted;
   }
   if (!a.summary.empty()) {
-    const auto written = write_sweep_page(a.summary, records, {a.command, input->directories, a.poses});
+    const auto written =
+        write_sweep_page(a.summary, records, {a.command, input->directories, a.poses, a.steps_only});
     if (!written) return tl::unexpected(written.error());
   }
   if (!a.quiet) print_output(closing(a, *input, *file, *settings));

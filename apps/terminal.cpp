@@ -89,7 +89,7 @@ namespace {
 using Text = std::back_insert_iterator<std::string>;
 
 std::string place_name(const StepPlace& place, const CheckSettings& settings) {
-  if (settings.poses) return fmt::format("frame {}", place.frame);
+  if (place.frame == place.next_frame) return fmt::format("frame {}", place.frame);
   std::string name = fmt::format("frames {} to {}", place.frame, place.next_frame);
   if (settings.substeps > 1) name += fmt::format(", part {} of {}", place.substep + 1, settings.substeps);
   return name;
@@ -137,22 +137,63 @@ std::string certified_share(const ReasonCounts& leaf_pairs) {
   return text;
 }
 
-std::string closing_sentence(const CheckSettings& settings, const CheckTotals& totals) {
-  const char* step = settings.poses ? "frame" : "step";
-  if (settings.step.mode == Mode::Paper) {
-    return fmt::format(
-        "\nSTATISTICAL: the mode paper found {} of {}. Leave --mode away for the proven answer.\n",
-        grouped(totals.collisions.sum()), counted(totals.collisions.sum() + totals.missed, "colliding pair"));
+/// A single frame.
+bool stands_still(const CheckTotals& totals) { return totals.first_frame == totals.last_frame; }
+
+bool starts_crossing(const CheckTotals& totals) { return totals.starts_crossing.value_or(0) > 0; }
+
+/// "frame 0 starts with 312 crossing pairs of triangles"
+std::string start_of(const CheckTotals& totals) {
+  return fmt::format("frame {} starts with {} of triangles", totals.first_frame,
+                     counted(*totals.starts_crossing, "crossing pair"));
+}
+
+/// What is said where nothing collides. Free is said only of what was asked whole.
+std::string clean_sentence(const CheckSettings& settings, const CheckTotals& totals) {
+  const std::string all = totals.steps == 1 ? "the one step" : "all " + counted(totals.steps, "step");
+  if (settings.poses) {
+    return fmt::format("No triangles cross in {}, proven. Between frames was not looked.",
+                       totals.steps == 1 ? fmt::format("frame {}", totals.first_frame)
+                                         : "any of " + counted(totals.steps, "frame"));
   }
-  if (totals.clean()) {
-    return fmt::format("\nNo collisions: {} proven free.\n",
-                       totals.steps == 1 ? fmt::format("the one {} is", step)
-                                         : fmt::format("all {} are", counted(totals.steps, step)));
+  if (!totals.starts_crossing) {
+    return fmt::format(
+        "No contact begins in {}, proven. What crosses from frame {} on was not asked (--steps-only).", all,
+        totals.first_frame);
+  }
+  const std::string start = fmt::format("No collisions: no triangles cross in frame {}", totals.first_frame);
+  if (!stands_still(totals))
+    return start + fmt::format(", and {} {} proven free.", all, totals.steps == 1 ? "is" : "are");
+  return start + (settings.step.thickness > 0 ? ", and all is farther apart than the thickness, proven."
+                                              : ", proven.");
+}
+
+std::string found_sentence(const CheckSettings& settings, const CheckTotals& totals) {
+  std::string text;
+  if (starts_crossing(totals)) {
+    text = "F" + start_of(totals).substr(1);
+    if (totals.collisions.sum() == 0)
+      return text + (stands_still(totals) ? "." : "; no other contact begins in the steps.");
+    text += ". ";
+  }
+  if (!settings.poses && stands_still(totals)) {
+    return text + fmt::format("{} in frame {} as close as the thickness and the tolerance.",
+                              counted(totals.collisions.sum(), "pair"), totals.first_frame);
   }
   std::string when = place_name(*totals.earliest, settings);
   if (!settings.poses) when += fmt::format(", {:.4g} of the way", totals.earliest_toi);
-  return fmt::format("\nCollisions in {} of {}, the first in {}.\n", grouped(totals.steps_with_collisions),
-                     counted(totals.steps, step), when);
+  return text + fmt::format("Collisions in {} of {}, the first in {}.", grouped(totals.steps_with_collisions),
+                            counted(totals.steps, settings.poses ? "frame" : "step"), when);
+}
+
+std::string closing_sentence(const CheckSettings& settings, const CheckTotals& totals) {
+  if (settings.step.mode == Mode::Paper) {
+    return fmt::format(
+        "{}STATISTICAL: the mode paper found {} of {}. Leave --mode away for the proven answer.",
+        starts_crossing(totals) ? "F" + start_of(totals).substr(1) + ". " : "",
+        grouped(totals.collisions.sum()), counted(totals.collisions.sum() + totals.missed, "colliding pair"));
+  }
+  return totals.clean() ? clean_sentence(settings, totals) : found_sentence(settings, totals);
 }
 
 }  // namespace
@@ -168,6 +209,13 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
     row("mode",
         fmt::format("paper: STATISTICAL, can miss collisions (tuned to miss {:g} % on poses held out)",
                     100 * settings.step.miss_rate));
+  }
+  if (totals.starts_crossing) {
+    row("first frame", starts_crossing(totals)
+                           ? start_of(totals)
+                           : fmt::format("no triangles cross in frame {}", totals.first_frame));
+  } else if (!settings.poses) {
+    row("first frame", "not asked what crosses in it (--steps-only)");
   }
   row(settings.poses ? "frames checked" : "steps checked",
       fmt::format("{}  (frames {} to {})", grouped(totals.steps), totals.first_frame, totals.last_frame));
@@ -189,7 +237,8 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
     row("worst", fmt::format("{}: {}", place_name(*totals.worst, settings),
                              counted(totals.worst_collisions.sum(), "pair")));
     std::string earliest = place_name(*totals.earliest, settings);
-    if (!settings.poses) earliest += fmt::format(", time of impact {:.6g}", totals.earliest_toi);
+    if (totals.earliest->frame != totals.earliest->next_frame)
+      earliest += fmt::format(", time of impact {:.6g}", totals.earliest_toi);
     row("earliest", earliest);
   }
   if (!settings.poses) {
@@ -198,10 +247,12 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
     row("tolerance", fmt::format("{:.3g} mesh units", totals.tolerance));
   }
   if (settings.step.explain) row("certified", certified_share(totals.leaf_pairs));
+  if (totals.starts_crossing)
+    row("time, first frame", fmt::format("{:.3g} ms", totals.start_milliseconds.total));
   row(settings.poses ? "time per frame" : "time per step",
       fmt::format("{:.3g} ms, the slowest {:.3g} ms  (reading files not counted)",
                   totals.milliseconds.total / steps, totals.slowest_step));
-  return text + closing_sentence(settings, totals);
+  return text + "\n" + closing_sentence(settings, totals) + "\n";
 }
 
 namespace {
@@ -210,14 +261,18 @@ class PairListing : public ReportWriter {
  public:
   explicit PairListing(Motions motions) : motions_(motions) {}
 
+  Result<void> start(const CheckedStep& pose) override {
+    if (pose.collisions.sum() == 0) return {};
+    print_output(fmt::format("frame {} at the start\n", pose.place.frame));
+    list(*pose.pose);
+    return {};
+  }
+
   Result<void> step(const CheckedStep& step) override {
     if (step.collisions.sum() == 0) return {};
     print_output(fmt::format("frame {} substep {}\n", step.place.frame, step.place.substep));
     if (step.pose) {
-      for (const TriangleCrossing& c : step.pose->crossings) {
-        print_output(fmt::format("  face {}{} crosses face {}{}\n", c.triangle_a, of(c.object_a),
-                                 c.triangle_b, of(c.object_b)));
-      }
+      list(*step.pose);
       return {};
     }
     for (const VertexFaceCollision& c : step.step->vertex_face) {
@@ -234,6 +289,13 @@ class PairListing : public ReportWriter {
   Result<void> finish(const CheckTotals&) override { return {}; }
 
  private:
+  void list(const StaticResult& pose) const {
+    for (const TriangleCrossing& c : pose.crossings) {
+      print_output(fmt::format("  face {}{} crosses face {}{}\n", c.triangle_a, of(c.object_a), c.triangle_b,
+                               of(c.object_b)));
+    }
+  }
+
   /// Names the object only where there are several.
   std::string of(Index object) const {
     return motions_.size() < 2 ? "" : fmt::format(" of object {}", object);

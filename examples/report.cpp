@@ -1,4 +1,4 @@
-// Prints: 11 steps, collisions in the last 3; the rest is in strip.json
+// Prints: 0 crossings at the start, 11 steps, collisions in the last 3; the rest is in strip.json
 // Checks a whole motion and writes a report.
 #include "foldproof/report.h"
 
@@ -16,6 +16,7 @@ int main() {
   writers.push_back(std::move(*json));
   const auto totals = run_check(motions, {}, writers);
   if (!totals) return std::puts(totals.error().line().c_str()), 1;
-  std::printf("%lu steps, collisions in the last %lu; the rest is in strip.json\n", totals->steps,
-              totals->steps_with_collisions);
+  std::printf(
+      "%lu crossings at the start, %lu steps, collisions in the last %lu; the rest is in strip.json\n",
+      totals->starts_crossing.value_or(0), totals->steps, totals->steps_with_collisions);
 }

@@ -28,7 +28,7 @@ class FoldproofSettings(bpy.types.PropertyGroup):
     kind: EnumProperty(
         name="Look For",
         items=[
-            ("MOTION", "Contacts on the way", "Everything that touches at a frame or between frames"),
+            ("MOTION", "Contacts on the way", "What crosses in the first frame, and everything that touches from there on"),
             ("POSES", "Crossings in frames", "Faces that cross in each frame, whatever happens between them"),
         ],
     )
@@ -174,7 +174,7 @@ class FOLDPROOF_OT_train(Job, bpy.types.Operator):
 
 
 class FOLDPROOF_OT_select(bpy.types.Operator):
-    """Select the faces that collide at this frame, as Edit Mode shows them"""
+    """Select the faces that collide at this frame, or cross in the first frame checked, as Edit Mode shows them"""
 
     bl_idname = "foldproof.select"
     bl_label = "Select Colliding Faces"
@@ -188,8 +188,9 @@ class FOLDPROOF_OT_select(bpy.types.Operator):
         for mesh in {o.data for o in context.selected_objects if o.type == "MESH"}:
             for part in (mesh.vertices, mesh.edges, mesh.polygons):
                 part.foreach_set("select", [False] * len(part))
-            for polygon in marks.colliding(mesh, context.scene.frame_current):
-                mesh.polygons[polygon].select = True
+            for found in (marks.colliding(mesh, context.scene.frame_current), marks.starts_crossing(mesh)):
+                for polygon in found:
+                    mesh.polygons[polygon].select = True
             mesh.update()
         context.tool_settings.mesh_select_mode = (False, False, True)
         return {"FINISHED"}

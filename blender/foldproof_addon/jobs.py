@@ -54,8 +54,6 @@ def check(context, executable):
     objects, frames = meshes_to_check(context), frames_of(scene)
     poses = settings.kind == "POSES"
     parts = 1 if poses else settings.samples
-    if not poses and len(frames) < 2:
-        raise Problem("The range has one frame, and motion goes from one to the next: widen it, or check poses")
     if settings.pairs == "BETWEEN" and len(objects) < 2:
         raise Problem("One mesh is selected, so there is nothing between meshes: select two, or check all")
     models = _models(settings, objects)
@@ -74,14 +72,22 @@ def check(context, executable):
         if settings.pairs != "ALL":
             arguments.append("--within" if settings.pairs == "WITHIN" else "--between")
         yield from program.run(arguments, folder, "Looking for collisions", 0.9)
-        steps = program.read_answer(answer, sampled)
-    return _mark(scene, sampled, steps, [frames[k // parts] for k in range(len(times))], times)
+        start, steps = program.read_answer(answer, sampled)
+    return _mark(scene, sampled, start, steps, [frames[k // parts] for k in range(len(times))], times, poses)
 
 
-def _mark(scene, sampled, steps, frame_of, times):
+def _mark(scene, sampled, start, steps, frame_of, times, poses):
     polygons = {each.object.data: {} for each in sampled}  # objects may share a mesh
+    crossing = {each.object.data: set() for each in sampled}
     counts = {}
     unknown = 0
+    crossings, marked = start
+    for each, triangles in zip(sampled, marked):
+        found = set(each.polygon_of[triangles].tolist())
+        unknown += -1 in found
+        crossing[each.object.data].update(found - {-1})
+    if crossings:
+        counts[frame_of[0]] = crossings
     for number, count, _, marked in steps:
         frame = frame_of[number]
         counts[frame] = counts.get(frame, 0) + count
@@ -90,16 +96,28 @@ def _mark(scene, sampled, steps, frame_of, times):
             unknown += -1 in found
             polygons[each.object.data].setdefault(frame, set()).update(found - {-1})
     for mesh, by_frame in polygons.items():
-        marks.keep(mesh, by_frame)
+        marks.keep(mesh, by_frame, crossing[mesh])
     marks.put_markers(scene, counts)
     marks.show(scene)
-    if not steps:
-        return f"No collision, proven, in {_count(times, 'pose', 'poses')}"
+    text = _said(start, steps, times, poses, len({frame_of[number] for number, *_ in steps}))
+    return text + ("; some of them on faces that a modifier made by itself" if unknown else "")
+
+
+def _said(start, steps, times, poses, frames):
+    crossings, _ = start
+    if not steps and not crossings:
+        # Of poses it is told what crosses in them, and nothing of the way between.
+        return f"No {'crossing' if poses else 'collision'}, proven, in {_count(times, 'pose', 'poses')}"
+    text = ""
+    if crossings:
+        text = f"Frame {times[0]:g} starts with {crossings:,} crossing {'pair' if crossings == 1 else 'pairs'}"
+        if not steps:
+            return text
+        text += "; collisions"
     number, _, toi, _ = steps[0]
     following = times[min(number + 1, len(times) - 1)]
     first = times[number] + toi * (following - times[number])
-    text = f"Collisions in {_count(counts, 'frame', 'frames')}, the first at {first:.4g}"
-    return text + ("; some of them on faces that a modifier made by itself" if unknown else "")
+    return f"{text or 'Collisions'} in {frames:,} {'frame' if frames == 1 else 'frames'}, the first at {first:.4g}"
 
 
 def _count(things, one, many):

@@ -6,11 +6,13 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-KEPT = "foldproof"  # on a mesh: how many polygons it had, and those that collide, by frame
+# On a mesh: how many polygons it had, those that collide, by frame, and those that cross in the first frame checked.
+KEPT = "foldproof"
 COLLIDES = "foldproof_collides"  # face attribute, boolean
+STARTS = "foldproof_starts_crossing"  # face attribute, boolean, the same at every frame
 COLOR = "foldproof_color"  # colour attribute
 MARKER = "Foldproof: "
-_RED, _GREY = (0.8, 0.05, 0.02, 1.0), (0.6, 0.6, 0.6, 1.0)
+_RED, _PINK, _GREY = (0.8, 0.05, 0.02, 1.0), (0.6, 0.19, 0.39, 1.0), (0.6, 0.6, 0.6, 1.0)
 _pauses = 0
 
 
@@ -25,11 +27,12 @@ def paused():
         _pauses -= 1
 
 
-def keep(mesh, polygons_by_frame):
-    """Polygons that collide on the way from each frame to the next."""
+def keep(mesh, polygons_by_frame, crossing):
+    """Polygons that collide on the way from each frame to the next, and those that cross in the first one."""
     mesh[KEPT] = {
         "polygons": len(mesh.polygons),
         "frames": {str(frame): sorted(polygons) for frame, polygons in polygons_by_frame.items() if polygons},
+        "starts_crossing": sorted(crossing),
     }
 
 
@@ -41,18 +44,35 @@ def colliding(mesh, frame):
     return np.array(list(kept["frames"].get(str(frame), [])), np.int64)
 
 
-def _show(mesh, frame):
+def starts_crossing(mesh):
+    """Numbers of the polygons that cross in the first frame checked; none when the mesh was changed since."""
+    kept = mesh.get(KEPT)
+    if not kept or kept["polygons"] != len(mesh.polygons):
+        return np.empty(0, np.int64)
+    # Files of earlier versions say nothing of it.
+    return np.array(list(kept.get("starts_crossing", [])), np.int64)
+
+
+def _set(mesh, name, polygons):
     marked = np.zeros(len(mesh.polygons), bool)
-    marked[colliding(mesh, frame)] = True
-    attribute = mesh.attributes.get(COLLIDES) or mesh.attributes.new(COLLIDES, "BOOLEAN", "FACE")
+    marked[polygons] = True
+    attribute = mesh.attributes.get(name) or mesh.attributes.new(name, "BOOLEAN", "FACE")
     attribute.data.foreach_set("value", marked)
+    return marked
+
+
+def _show(mesh, frame):
+    crossing = _set(mesh, STARTS, starts_crossing(mesh))
+    marked = _set(mesh, COLLIDES, colliding(mesh, frame))
     if COLOR not in mesh.color_attributes:
         mesh.color_attributes.new(COLOR, "BYTE_COLOR", "CORNER")
         mesh.color_attributes.active_color = mesh.color_attributes[COLOR]
     corners = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("loop_total", corners)
     # Corners stand in the order of the polygons.
-    colors = np.where(np.repeat(marked, corners)[:, None], np.float32(_RED), np.float32(_GREY))
+    by_polygon = np.where(crossing[:, None], np.float32(_PINK), np.float32(_GREY))
+    by_polygon[marked] = _RED
+    colors = np.repeat(by_polygon, corners, axis=0)
     mesh.color_attributes[COLOR].data.foreach_set("color", np.ascontiguousarray(colors, np.float32).ravel())
     mesh.update()
 
@@ -82,7 +102,7 @@ def remove_markers(scene):
 def clear(mesh):
     if KEPT in mesh:
         del mesh[KEPT]
-    for name in (COLLIDES, COLOR):
+    for name in (COLLIDES, STARTS, COLOR):
         if name in mesh.attributes:
             mesh.attributes.remove(mesh.attributes[name])
     mesh.update()

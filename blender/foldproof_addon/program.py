@@ -70,7 +70,8 @@ class _Triangles:
 
 
 def read_answer(path, sampled):
-    """Steps with collisions, as (step, number of collisions, earliest toi, colliding triangles per object)."""
+    """What crosses in the first frame, as (number of pairs, crossing triangles per object); and steps with
+    collisions, as (step, number of collisions, earliest toi, colliding triangles per object)."""
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -93,4 +94,13 @@ def read_answer(path, sampled):
             faces[b].append(face_b)
         marked = [each.around(*found) for each, *found in zip(objects, faces, vertices, edges)]
         steps.append((number, count, step["earliest_toi"], marked))
-    return steps
+    return _start_of(report, len(objects)), steps
+
+
+def _start_of(report, objects):
+    faces = [set() for _ in range(objects)]
+    start = report.get("start")  # none with --static
+    for a, face_a, b, face_b in start["pairs"]["tt"] if start else ():
+        faces[a].add(face_a)
+        faces[b].add(face_b)
+    return start["crossings"] if start else 0, [np.array(sorted(each), np.int64) for each in faces]

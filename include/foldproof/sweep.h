@@ -43,10 +43,10 @@ struct SweepSettings {
 std::string settings_hash(const SweepSettings& settings);
 
 enum class SweepState : std::uint8_t {
-  Clean,
+  Clean,  ///< With CheckSettings::steps_only: no contact begins in a step.
   Collides,
   Failed,  ///< Could not be read to its end.
-  Still,   ///< A single pose, in which nothing moves.
+  Still,   ///< A single pose, and CheckSettings::steps_only: nothing was asked.
 };
 
 /// "clean", "collides", "failed", "still".
@@ -61,6 +61,7 @@ struct SweepRecord {
   double seconds = 0;
   std::uint64_t vertices = 0, triangles = 0, frames = 0;
   std::uint64_t steps = 0, steps_with_collisions = 0, collisions = 0;
+  std::optional<std::uint64_t> starts_crossing;           ///< CheckTotals::starts_crossing.
   std::optional<std::uint64_t> first_frame, worst_frame;  ///< Where the first and the worst step begin.
 };
 
@@ -129,6 +130,7 @@ struct SweepPageInfo {
   std::string command;  ///< What was typed.
   std::vector<std::string> directories;
   bool poses = false;
+  bool steps_only = false;
 };
 
 /// One HTML file that opens anywhere: a table of all records, those that collide or failed first, sorted by a

@@ -157,6 +157,10 @@ class CheckResult:
     @property
     def crossings(self) -> _Rows: ...
     @property
+    def starts_crossing(self) -> int | None: ...
+    @property
+    def start_crossings(self) -> _Rows: ...
+    @property
     def collisions(self) -> int: ...
     @property
     def missed(self) -> int: ...
@@ -270,6 +274,7 @@ def check(
     models: Model | Sequence[Model | None] | None = None,
     frames: _Frames = None,
     static: bool = False,
+    steps_only: bool = False,
     substeps: int = 1,
     keep: bool = True,
     reports: _Path | Sequence[_Path] = (),

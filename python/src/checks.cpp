@@ -34,6 +34,9 @@ struct CrossingRow {
   std::uint64_t step;
   Index object_a, triangle_a, object_b, triangle_b;
 };
+struct StartCrossingRow {
+  Index object_a, triangle_a, object_b, triangle_b;
+};
 
 /// The answer of a whole check.
 struct CheckResult {
@@ -42,6 +45,8 @@ struct CheckResult {
   std::vector<VertexFaceRow> vertex_face;
   std::vector<EdgeEdgeRow> edge_edge;
   std::vector<CrossingRow> crossings;
+  std::vector<StartCrossingRow> start_crossings;
+  bool poses = false;
 };
 
 /// Keeps what goes by.
@@ -49,6 +54,12 @@ class Collector final : public ReportWriter {
  public:
   Collector(CheckResult& into, bool pairs) : into_(into), pairs_(pairs) {}
 
+  Result<void> start(const CheckedStep& pose) override {
+    if (!pairs_) return {};
+    for (const auto& c : pose.pose->crossings)
+      into_.start_crossings.push_back({c.object_a, c.triangle_a, c.object_b, c.triangle_b});
+    return {};
+  }
   Result<void> step(const CheckedStep& s) override {
     const std::uint64_t n = s.place.number;
     into_.steps.push_back({n, s.place.frame, s.place.next_frame, s.place.substep, s.collisions.vertex_face,
@@ -116,6 +127,7 @@ std::vector<std::unique_ptr<ReportWriter>> writers_of(const Request& request) {
 
 std::unique_ptr<CheckResult> run(const Request& request, const py::object& progress) {
   auto result = std::make_unique<CheckResult>();
+  result->poses = request.settings.poses;
   run_long(progress, [&](LongCall& call) {
     auto writers = writers_of(request);
     writers.push_back(std::make_unique<Collector>(*result, request.keep));
@@ -134,12 +146,39 @@ auto rows(std::vector<Row> CheckResult::*member) {
   return [member](const py::object& self) { return view_of(self.cast<const CheckResult&>().*member, self); };
 }
 
+/// "12 collisions in 3 of 32 steps; frame 0 starts with 4 crossing pairs of triangles"
+std::string text_of(const CheckResult& result) {
+  const CheckTotals& totals = result.totals;
+  const auto many = [](std::uint64_t count, const char* noun) {
+    return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+  };
+  std::string text = many(totals.collisions.sum(), "collision") + " in " +
+                     std::to_string(totals.steps_with_collisions) + " of " +
+                     many(totals.steps, result.poses ? "frame" : "step");
+  if (result.poses) return text;
+  const std::string frame = "; frame " + std::to_string(totals.first_frame);
+  if (!totals.starts_crossing) return text + frame + " was not asked what crosses in it";
+  return text + frame + " starts with " + many(*totals.starts_crossing, "crossing pair") + " of triangles";
+}
+
 void bind_result(py::module_& module) {
   py::class_<CheckResult>(module, "CheckResult",
                           "Answer of a whole check. Its arrays are views that keep it alive.")
       .def_property_readonly(
           "clean", [](const CheckResult& r) { return r.totals.clean(); },
-          "Whether nothing collides in any step.")
+          "Whether no triangles cross in the first frame and nothing collides in any step: then nothing "
+          "goes through anything at any time. With steps_only or static it says that of what was asked.")
+      .def("__repr__", [](const CheckResult& r) { return "<foldproof.CheckResult: " + text_of(r) + ">"; })
+      .def_property_readonly(
+          "starts_crossing",
+          [](const CheckResult& r) -> py::object {
+            if (!r.totals.starts_crossing) return py::none();
+            return py::int_(*r.totals.starts_crossing);
+          },
+          "How many pairs of triangles cross in the first frame, decided exactly; None with steps_only or "
+          "static, where that is not asked.")
+      .def_property_readonly("start_crossings", rows(&CheckResult::start_crossings),
+                             "These pairs, as StaticResult.crossings; empty with keep=False.")
       .def_property_readonly(
           "steps", rows(&CheckResult::steps),
           "Structured array, a row per step: number, frame, next_frame, substep; vertex_face, "
@@ -179,14 +218,17 @@ void bind_checks(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(VertexFaceRow, step, vertex_object, vertex, face_object, face, toi, answer);
   PYBIND11_NUMPY_DTYPE(EdgeEdgeRow, step, object_a, a, object_b, b, toi, answer);
   PYBIND11_NUMPY_DTYPE(CrossingRow, step, object_a, triangle_a, object_b, triangle_b);
+  PYBIND11_NUMPY_DTYPE(StartCrossingRow, object_a, triangle_a, object_b, triangle_b);
   bind_result(module);
   const auto check = [](const py::object& motions, const py::object& models, const py::object& frames,
-                        bool poses, Index substeps, bool keep, const py::object& reports,
+                        bool poses, bool steps_only, Index substeps, bool keep, const py::object& reports,
                         const py::object& progress, const py::kwargs& settings) {
     Request request{motions_of(motions), {}, {}, keep};
     add_models(models, request);
     request.settings.frames = frames_of(frames);
     request.settings.poses = poses;
+    if (poses && steps_only) refuse("steps_only", "does not go with static", "leave one of them out");
+    request.settings.steps_only = steps_only;
     request.settings.substeps = substeps;
     request.settings.step = step_settings(settings);
     for (const auto& path : items_of(reports)) request.reports.push_back(path_of(path));
@@ -194,13 +236,16 @@ void bind_checks(py::module_& module) {
   };
   module.def(
       "check", check, py::arg("motions"), py::kw_only(), py::arg("models") = py::none(),
-      py::arg("frames") = py::none(), py::arg("static") = false, py::arg("substeps") = 1,
-      py::arg("keep") = true, py::arg("reports") = py::tuple(), py::arg("progress") = py::none(),
+      py::arg("frames") = py::none(), py::arg("static") = false, py::arg("steps_only") = false,
+      py::arg("substeps") = 1, py::arg("keep") = true, py::arg("reports") = py::tuple(),
+      py::arg("progress") = py::none(),
       with_settings(
-          "Checks every step of a Motion, or of several that move together (a list). No pair that touches "
-          "is missing.\n\n"
+          "Checks a Motion, or several that move together (a list): which triangles cross in the first "
+          "frame, then every step. No pair that touches is missing.\n\n"
           "models: a Model, or a list with one per motion (None where there is none). frames: a slice, "
           "'A:B:STEP' or None for all. static: the triangles that cross in each frame, instead of steps. "
+          "steps_only: do not ask what crosses in the first frame; what crosses from the start then stays "
+          "unsaid. "
           "substeps: linear parts that a step is cut into. keep: keep every colliding pair (some 40 bytes "
           "each); else only counts. reports: path or paths to write, .json, .csv or .ply, which appear "
           "whole or not at all. progress: called with the share that is done. Ctrl-C ends it. Error: "

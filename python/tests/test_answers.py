@@ -52,6 +52,36 @@ def test_poses_are_the_programs(motion, program, tmp_path):
     assert ours.steps["crossings"].sum() == len(theirs)
 
 
+def test_what_crosses_from_the_start_is_the_programs(triangles, frames, program, tmp_path):
+    # The last two frames are rolled up so far that the strip goes through itself in both.
+    motion = foldproof.Motion(triangles, np.stack([frames[-1], frames[-1] + [0.0, 0.25, 0.0]]))
+    foldproof.write_motion(tmp_path / "roll.npz", motion)
+    done = program("check", "roll.npz", "--csv", "roll.csv", "--steps-only")
+    assert done.returncode == 0 and rows_of(tmp_path / "roll.csv") == [], done.stdout
+    done = program("check", "roll.npz", "--csv", "roll.csv")
+    theirs = [(int(r["a0"]), int(r["b0"])) for r in rows_of(tmp_path / "roll.csv")]
+    assert done.returncode == 1 and theirs
+
+    found = foldproof.check(motion)
+    assert not found.clean and found.collisions == 0 and found.starts_crossing == len(theirs)
+    mine = list(zip(found.start_crossings["triangle_a"], found.start_crossings["triangle_b"]))
+    assert sorted(mine) == sorted(theirs)
+    assert repr(found) == (f"<foldproof.CheckResult: 0 collisions in 0 of 1 step; "
+                           f"frame 0 starts with {len(theirs)} crossing pairs of triangles>")
+    counted = foldproof.check(motion, keep=False)
+    assert counted.starts_crossing == len(theirs) and len(counted.start_crossings) == 0
+
+    steps = foldproof.check(motion, steps_only=True)
+    assert steps.clean and steps.starts_crossing is None and "was not asked" in repr(steps)
+    assert foldproof.check(motion, static=True).starts_crossing is None
+    with pytest.raises(foldproof.Error, match="steps_only: does not go with static"):
+        foldproof.check(motion, static=True, steps_only=True)
+
+    # A single frame is a motion that stands still.
+    assert foldproof.check(motion, frames="1").starts_crossing == len(theirs)
+    assert foldproof.check(foldproof.Motion(triangles, frames[:1])).clean
+
+
 def test_reports_are_written_whole(motion, tmp_path):
     foldproof.check(motion, reports=[tmp_path / "a.json", tmp_path / "a.csv", tmp_path / "a.ply"], keep=False)
     assert all((tmp_path / f"a.{kind}").stat().st_size > 100 for kind in ("json", "csv", "ply"))

@@ -12,16 +12,11 @@ class CsvReport : public ReportWriter {
     file_.add("frame,substep,kind,object_a,a0,a1,object_b,b0,b1,toi,answer\n");
   }
 
+  Result<void> start(const CheckedStep& pose) override { return add(pose.place, *pose.pose); }
+
   Result<void> step(const CheckedStep& step) override {
     const StepPlace& at = step.place;
-    if (step.pose) {
-      for (const TriangleCrossing& c : step.pose->crossings) {
-        file_.add("{},{},tt,{},{},,{},{},,,crossing\n", at.frame, at.substep, c.object_a, c.triangle_a,
-                  c.object_b, c.triangle_b);
-        if (auto done = file_.flush_if_large(); !done) return done;
-      }
-      return {};
-    }
+    if (step.pose) return add(at, *step.pose);
     for (const VertexFaceCollision& c : step.step->vertex_face) {
       file_.add("{},{},vf,{},{},,{},{},,{},{}\n", at.frame, at.substep, c.vertex_object, c.vertex,
                 c.face_object, c.face, c.toi, answer_name(c.answer));
@@ -38,6 +33,15 @@ class CsvReport : public ReportWriter {
   Result<void> finish(const CheckTotals&) override { return file_.commit(); }
 
  private:
+  Result<void> add(const StepPlace& at, const StaticResult& pose) {
+    for (const TriangleCrossing& c : pose.crossings) {
+      file_.add("{},{},tt,{},{},,{},{},,,crossing\n", at.frame, at.substep, c.object_a, c.triangle_a,
+                c.object_b, c.triangle_b);
+      if (auto done = file_.flush_if_large(); !done) return done;
+    }
+    return {};
+  }
+
   TextFile file_;
 };
 

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "report/report_json.h"
 #include "report/text_file.h"
 
@@ -12,8 +14,20 @@ class JsonReport : public ReportWriter {
         poses_(info.settings.poses),
         statistical_(info.settings.step.mode == Mode::Paper) {
     const Index frame_count = motions.empty() ? 0 : motions[0]->frame_count();
-    file_.add("{{\"foldproof\":{},\n\"objects\":{},\n\"settings\":{},\n\"steps\":[", dump(version()),
+    file_.add("{{\"foldproof\":{},\n\"objects\":{},\n\"settings\":{},\n", dump(version()),
               dump(objects_json(motions, info.settings)), dump(settings_json(info, frame_count)));
+  }
+
+  Result<void> start(const CheckedStep& pose) override {
+    file_.add("\"start\":{{\"frame\":{},\"crossings\":{},\"milliseconds\":{}", pose.place.frame,
+              pose.collisions.triangle_triangle, dump(to_json(pose.milliseconds)));
+    if (pairs_) {
+      file_.add(",\n\"pairs\":{{");
+      if (auto done = add_triangles(*pose.pose); !done) return done;
+      file_.add("}}");
+    }
+    file_.add("}},\n");
+    return {};
   }
 
   Result<void> step(const CheckedStep& step) override {
@@ -26,6 +40,7 @@ class JsonReport : public ReportWriter {
     if (statistical_) add_misses(json, step.missed, step.proven_milliseconds);
     std::string text = dump(json);
     text.pop_back();  // The pairs may follow before the closing brace.
+    begin_steps();
     file_.add("{}\n{}", step.place.number == 0 ? "" : ",", text);
     if (pairs_) {
       file_.add(",\"pairs\":{{");
@@ -38,12 +53,18 @@ class JsonReport : public ReportWriter {
   }
 
   Result<void> finish(const CheckTotals& totals) override {
+    begin_steps();
     const Json json = totals_json(totals, poses_, statistical_);
     file_.add("\n],\n\"totals\":{},\n\"clean\":{}}}\n", dump(json), totals.clean());
     return file_.commit();
   }
 
  private:
+  /// What is said of the first frame stands before them.
+  void begin_steps() {
+    if (!std::exchange(steps_begun_, true)) file_.add("\"steps\":[");
+  }
+
   Result<void> add_pairs(const StepResult& result) {
     file_.add("\"vf\":[");
     const char* separator = "";
@@ -65,7 +86,12 @@ class JsonReport : public ReportWriter {
   }
 
   Result<void> add_pairs(const StaticResult& result) {
-    file_.add("\"vf\":[],\"ee\":[],\"tt\":[");
+    file_.add("\"vf\":[],\"ee\":[],");
+    return add_triangles(result);
+  }
+
+  Result<void> add_triangles(const StaticResult& result) {
+    file_.add("\"tt\":[");
     const char* separator = "";
     for (const TriangleCrossing& c : result.crossings) {
       file_.add("{}[{},{},{},{}]", separator, c.object_a, c.triangle_a, c.object_b, c.triangle_b);
@@ -77,7 +103,7 @@ class JsonReport : public ReportWriter {
   }
 
   TextFile file_;
-  bool pairs_, poses_, statistical_;
+  bool pairs_, poses_, statistical_, steps_begun_ = false;
 };
 
 }  // namespace

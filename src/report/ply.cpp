@@ -39,6 +39,15 @@ class PlyReport : public ReportWriter {
   PlyReport(Pattern pattern, Motions motions, Joined joined, Index substeps)
       : pattern_(std::move(pattern)), motions_(motions), joined_(std::move(joined)), substeps_(substeps) {}
 
+  /// Shown for itself where no step collides.
+  Result<void> start(const CheckedStep& pose) override {
+    mark_faces(motions_, pose, crosses_);
+    joined_.pose(pose, 0, positions_);
+    mark({});
+    if (!pattern_.numbered || pose.collisions.sum() == 0) return {};
+    return write(std::uint64_t{pose.place.frame} * substeps_);
+  }
+
   Result<void> step(const CheckedStep& step) override {
     const std::uint64_t collisions = step.collisions.sum();
     if (pattern_.numbered) {
@@ -58,7 +67,17 @@ class PlyReport : public ReportWriter {
  private:
   void keep(const CheckedStep& step) {
     joined_.pose(step, step.collisions.sum() > 0 ? step.earliest_toi : 0, positions_);
-    mark_faces(motions_, step, marks_);
+    std::vector<std::uint8_t> collides;
+    mark_faces(motions_, step, collides);
+    mark(collides);
+  }
+
+  /// Of each face, whether it collides, and whether it crosses in the first frame.
+  void mark(std::span<const std::uint8_t> collides) {
+    marks_.assign(joined_.topology.triangles().size(), 0);
+    for (std::size_t i = 0; i < collides.size(); ++i) marks_[i] = collides[i];
+    for (std::size_t i = 0; i < crosses_.size(); ++i)
+      marks_[i] = static_cast<std::uint8_t>(marks_[i] | crosses_[i] << 1);
   }
 
   Result<void> write(std::uint64_t number) const {
@@ -71,7 +90,7 @@ class PlyReport : public ReportWriter {
   Index substeps_;
   std::uint64_t most_collisions_ = 0;
   std::vector<double> positions_;
-  std::vector<std::uint8_t> marks_;
+  std::vector<std::uint8_t> marks_, crosses_;
 };
 
 }  // namespace

@@ -51,6 +51,7 @@ Json settings_json(const ReportInfo& info, Index frame_count) {
       {"static", settings.poses},
       {"frames", {{"first", end_frame(false)}, {"last", end_frame(true)}, {"step", settings.frames.step}}},
       {"substeps", settings.substeps},
+      {"steps_only", settings.steps_only},
       {"within", settings.step.within},
       {"between", settings.step.between},
       {"thickness", settings.step.thickness},
@@ -73,8 +74,11 @@ void add_misses(Json& json, std::uint64_t missed, double proven_milliseconds) {
 
 Json totals_json(const CheckTotals& totals, bool poses, bool statistical) {
   Json json = {{"steps", totals.steps},
+               {"steps_expected", totals.steps_expected},
+               {"stopped", totals.cancelled},
                {"steps_with_collisions", totals.steps_with_collisions},
                {"collisions", to_json(totals.collisions, poses)},
+               {"starts_crossing", totals.starts_crossing ? Json(*totals.starts_crossing) : Json(nullptr)},
                {"earliest", nullptr},
                {"worst", nullptr},
                {"tolerance", totals.tolerance},

@@ -175,6 +175,11 @@ class VtkReport : public ReportWriter {
         "<Collection>\n");
   }
 
+  Result<void> start(const CheckedStep& pose) override {
+    mark_faces(motions_, pose, crosses_);
+    return {};
+  }
+
   Result<void> step(const CheckedStep& step) override {
     const std::string name = fmt::format("step{:06}.vtp", step.place.number);
     if (auto done = write(directory_ / name, step); !done) return done;
@@ -214,6 +219,7 @@ class VtkReport : public ReportWriter {
         {"PointData", "Float64", "displacement", 3, bytes_of(displacement_)},
         {"CellData", "UInt8", "collides", 1, bytes_of(collides_)},
     };
+    if (!crosses_.empty()) arrays.push_back({"CellData", "UInt8", "starts_crossing", 1, bytes_of(crosses_)});
     if (step.explanation) add_explanation(*step.explanation, arrays);
     arrays.push_back({"Points", "Float64", "Points", 3, bytes_of(positions_)});
     arrays.push_back({"Polys", "Int32", "connectivity", 1, bytes_of(topology.triangles())});
@@ -243,7 +249,7 @@ class VtkReport : public ReportWriter {
   Index substeps_;
   std::vector<std::int32_t> object_, ends_;
   std::vector<double> positions_, displacement_;
-  std::vector<std::uint8_t> collides_;
+  std::vector<std::uint8_t> collides_, crosses_;
   std::vector<std::int8_t> level_;
   std::vector<float> margin_;
   std::vector<Reason> reason_;

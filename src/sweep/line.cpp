@@ -56,7 +56,7 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
   if (model != settings.models.end()) check.models = {*model};
   const Json object = objects_json(std::span(&*motion, 1), check)[0];
   for (const char* key : {"vertices", "triangles", "frames", "model"}) line[key] = object[key];
-  if (!check.poses && (*motion)->frame_count() == 1) {
+  if (!check.poses && check.steps_only && (*motion)->frame_count() == 1) {
     line["state"] = name_of(SweepState::Still);
     return true;
   }
@@ -86,6 +86,9 @@ void read_totals(const Json& totals, SweepRecord& record) {
     if (place.is_null()) return std::nullopt;
     return place.at("frame").get<std::uint64_t>();
   };
+  // Lines of before the first frame was asked have none.
+  if (totals.contains("starts_crossing") && !totals.at("starts_crossing").is_null())
+    record.starts_crossing = totals.at("starts_crossing").get<std::uint64_t>();
   record.first_frame = frame("earliest");
   record.worst_frame = frame("worst");
 }
@@ -111,6 +114,7 @@ std::string settings_hash(const SweepSettings& settings) {
   const auto end = [](const std::optional<std::int64_t>& e) { return e ? Json(*e) : Json(nullptr); };
   const Json all = {{"version", version()},
                     {"static", check.poses},
+                    {"start", !check.poses && !check.steps_only},
                     {"frames", {end(check.frames.begin), end(check.frames.end), check.frames.step}},
                     {"substeps", check.substeps},
                     {"thickness", check.step.thickness},

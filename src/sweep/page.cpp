@@ -43,7 +43,8 @@ th[aria-sort=descending]::after { content: " \25be"; }
 th:first-child, td:first-child { text-align: left; overflow-wrap: anywhere; }
 .collides { color: #c22; font-weight: 600; }
 .failed { color: #b60; font-weight: 600; }
-@media (prefers-color-scheme: dark) { .collides { color: #f77; } .failed { color: #fb5; } }
+.starts { color: #a3457f; font-weight: 600; }
+@media (prefers-color-scheme: dark) { .collides { color: #f77; } .failed { color: #fb5; } .starts { color: #e79bc8; } }
 )";
 
 /// Text in HTML, where a name's bytes are no UTF-8 with U+FFFD.
@@ -93,6 +94,11 @@ void add_row(TextFile& file, const SweepRecord& r) {
   file.add("<tr><td>{}", html(r.path));
   if (!r.error.empty()) file.add("<details><summary>why</summary>{}</details>", html(r.error));
   file.add("</td><td class=\"{0}\" data-v=\"{1}\">{0}</td>", name_of(r.state), rank_of(r.state));
+  if (r.starts_crossing) {
+    file.add("<td class=\"{}\">{}</td>", *r.starts_crossing > 0 ? "starts" : "", *r.starts_crossing);
+  } else {
+    file.add("<td data-v=\"-1\"></td>");
+  }
   file.add("<td>{}</td><td>{}</td><td>{}</td>", r.collisions, r.steps_with_collisions, r.steps);
   file.add("{}{}", frame_cell(r.first_frame), frame_cell(r.worst_frame));
   file.add("<td>{}</td><td>{}</td><td>{}</td>", r.vertices, r.triangles, r.frames);
@@ -117,8 +123,10 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
     seconds += r.seconds;
   }
   file.add("<p><b>{} motions</b>: <span class=\"collides\">{} collide</span>, ", records.size(), counts[0]);
-  file.add("<span class=\"failed\">{} failed</span>, {} clean, {} of a single pose.</p>\n", counts[1],
-           counts[2], counts[3]);
+  file.add("<span class=\"failed\">{} failed</span>, {} {}, {} of a single pose.</p>\n", counts[1], counts[2],
+           info.steps_only ? "in whose steps no contact begins" : "clean", counts[3]);
+  if (info.steps_only)
+    file.add("<p>Only the steps were asked: what crosses from the first frame on is not told.</p>\n");
   file.add("<details><summary>How this was made</summary><p>Foldproof {}, {:.1f} s of checking.</p>",
            version(), seconds);
   file.add("<p><code>{}</code></p></details>\n", html(info.command));
@@ -132,8 +140,8 @@ Result<void> write_sweep_page(const std::string& path, std::span<const SweepReco
   if (!opened) return tl::unexpected(opened.error());
   TextFile file(std::move(*opened));
   add_head(file, records, info);
-  file.add("<table>\n<thead><tr><th>motion</th><th>state</th><th>colliding pairs</th><th>colliding {0}</th>",
-           info.poses ? "poses" : "steps");
+  file.add("<table>\n<thead><tr><th>motion</th><th>state</th><th>{1}</th><th>{2}</th><th>colliding {0}</th>",
+           info.poses ? "poses" : "steps", "crossing pairs of the first frame", "colliding pairs");
   file.add("<th>{}</th><th>first frame</th><th>worst frame</th><th>vertices</th>",
            info.poses ? "poses" : "steps");
   file.add("<th>triangles</th><th>frames</th><th>seconds</th><th>model</th></tr></thead>\n<tbody>\n");
@@ -141,7 +149,9 @@ Result<void> write_sweep_page(const std::string& path, std::span<const SweepReco
   for (const SweepRecord& record : records) sorted.push_back(&record);
   std::sort(sorted.begin(), sorted.end(), [](const SweepRecord* a, const SweepRecord* b) {
     if (a->state != b->state) return rank_of(a->state) < rank_of(b->state);
-    return a->collisions != b->collisions ? a->collisions > b->collisions : a->path < b->path;
+    if (a->collisions != b->collisions) return a->collisions > b->collisions;
+    const auto start = [](const SweepRecord* r) { return r->starts_crossing.value_or(0); };
+    return start(a) != start(b) ? start(a) > start(b) : a->path < b->path;
   });
   for (const SweepRecord* record : sorted) {
     add_row(file, *record);

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "apps/program.h"
+#include "report/spheres.h"
 
 namespace foldproof {
 namespace {
@@ -53,7 +54,70 @@ TEST(Check, SummaryTellsWhatAPersonAsks) {
     EXPECT_THAT(found.out, HasSubstr(part));
   }
   EXPECT_EQ(found.err, "");  // not a terminal: no progress bar
-  EXPECT_THAT(check_in(scene, {"clean"}).out, HasSubstr("No collisions: all 2 steps are proven free."));
+  EXPECT_THAT(check_in(scene, {"clean"}).out,
+              HasSubstr("No collisions: no triangles cross in frame 0, and all 2 steps are proven free.\n"));
+}
+
+// Two half-merged spheres that move together come into no contact, and yet one goes through the other.
+TEST(Check, WhatCrossesFromTheStartIsSaidEverywhere) {
+  const TemporaryDirectory directory;
+  ASSERT_TRUE(write_npz(directory / "merged.npz", *two_spheres(1.03)));
+  ASSERT_TRUE(write_npz(directory / "apart.npz", *two_spheres(2.5)));
+
+  const Outcome merged = check_in(directory, {"merged.npz", "--json", "a.json", "--pairs", "--csv", "a.csv",
+                                              "--ply", "a.ply", "--vtk", "a.pvd"});
+  EXPECT_EQ(merged.code, 1);
+  const json report = json::parse(read_file(directory / "a.json"));
+  const std::uint64_t crossings = report["totals"]["starts_crossing"];
+  EXPECT_GT(crossings, 10u);
+  const std::string said = std::to_string(crossings) + " crossing pairs of triangles";
+  EXPECT_THAT(merged.out, HasSubstr("frame 0 starts with " + said));
+  EXPECT_THAT(merged.out,
+              HasSubstr("\nFrame 0 starts with " + said + "; no other contact begins in the steps.\n"));
+  EXPECT_THAT(merged.out, Not(HasSubstr("free")));
+  EXPECT_EQ(report["clean"], false);
+  EXPECT_EQ(report["totals"]["steps_with_collisions"], 0);
+  EXPECT_EQ(report["start"]["pairs"]["tt"].size(), crossings);
+  const std::string rows = read_file(directory / "a.csv");
+  EXPECT_EQ(static_cast<std::uint64_t>(std::count(rows.begin(), rows.end(), '\n')), crossings + 1);
+  const auto marks = read_marks(directory / "a.ply", report["objects"][0]["triangles"]);
+  EXPECT_GT(std::count(marks.begin(), marks.end(), 2), 10);
+  EXPECT_EQ(std::count(marks.begin(), marks.end(), 1), 0);
+  EXPECT_THAT(read_file(directory / "a/step000001.vtp"), HasSubstr("\"starts_crossing\""));
+  EXPECT_THAT(check_in(directory, {"merged.npz", "--pairs"}).out, HasSubstr("frame 0 at the start\n  face "));
+
+  const Outcome steps = check_in(directory, {"merged.npz", "--steps-only", "--json", "b.json"});
+  EXPECT_EQ(steps.code, 0);
+  EXPECT_THAT(steps.out,
+              HasSubstr("No contact begins in all 2 steps, proven. What crosses from frame 0 on was "
+                        "not asked (--steps-only).\n"));
+  EXPECT_TRUE(json::parse(read_file(directory / "b.json"))["totals"]["starts_crossing"].is_null());
+  EXPECT_THAT(steps.out, Not(HasSubstr("free")));
+
+  const Outcome apart = check_in(directory, {"apart.npz"});
+  EXPECT_EQ(apart.code, 0);
+  EXPECT_THAT(apart.out,
+              HasSubstr("No collisions: no triangles cross in frame 0, and all 2 steps are proven free.\n"));
+}
+
+TEST(Check, ASingleFrameIsAMotionThatStandsStill) {
+  const Scene scene;
+  const Outcome crossing = check_in(scene, {"pose.obj"});
+  EXPECT_EQ(crossing.code, 1);
+  EXPECT_THAT(crossing.out, HasSubstr("\nFrame 0 starts with 1 crossing pair of triangles.\n"));
+  const Outcome free = check_in(scene, {"sink/frame1.obj", "--json", "a.json", "--ply", "a.ply", "--vtk",
+                                        "a.pvd", "--explain", "a.npz"});
+  EXPECT_EQ(free.code, 0) << free.err;
+  EXPECT_THAT(free.out, HasSubstr("\nNo collisions: no triangles cross in frame 0, proven.\n"));
+  EXPECT_EQ(scene.report("a.json")["steps"].size(), 1u);
+  EXPECT_EQ(check_in(scene, {"sink", "--frames", "2"}).code, 1);
+
+  const Outcome near = check_in(scene, {"sink/frame1.obj", "--thickness", "0.7"});
+  EXPECT_EQ(near.code, 1);
+  EXPECT_THAT(near.out, HasSubstr("\n1 pair in frame 0 as close as the thickness and the tolerance.\n"));
+  const Outcome far = check_in(scene, {"sink/frame1.obj", "--thickness", "0.5"});
+  EXPECT_EQ(far.code, 0);
+  EXPECT_THAT(far.out, HasSubstr("and all is farther apart than the thickness, proven.\n"));
 }
 
 TEST(Check, QuietPrintsNothing) {
@@ -97,8 +161,10 @@ TEST(Check, OptionsReachTheQuery) {
   const json all =
       settings({"floor", "tip", "--between", "--frames=-4:-1:2", "--substeps", "3", "--thickness", "0.5",
                 "--tolerance", "1e-3", "--first", "--weld", "--fps", "30", "--threads", "1"});
-  EXPECT_EQ(all,
-            json::parse(R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,"within":false,
+  EXPECT_EQ(
+      all,
+      json::parse(
+          R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,"steps_only":false,"within":false,
       "between":true,"thickness":0.5,"tolerance":0.001,"first":true,"certificates":true,"weld":true,"fps":30.0})"));
   EXPECT_EQ(settings({"sink", "--static", "--within"})["static"], true);
   EXPECT_EQ(settings({"sink", "--within"})["between"], false);
@@ -163,7 +229,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Mistake{{"check", "sink", "--frames", "a:b"}, "'a:b'"},
                       Mistake{{"check", "sink", "--frames", "::0"}, "'::0'"},
                       Mistake{{"check", "sink", "--frames", "9:"}, "selects 0 of 5 frames"},
-                      Mistake{{"check", "sink", "--frames", "3"}, "selects 1 of 5 frames"},
+                      Mistake{{"check", "sink", "--frames", "3", "--steps-only"}, "selects 1 of 5 frames"},
                       Mistake{{"check", "sink", "--substeps", "0"}, "--substeps"},
                       Mistake{{"check", "sink", "--substeps", "-1"}, "--substeps"},
                       Mistake{{"check", "sink", "--substeps", "many"}, "many"},
@@ -178,7 +244,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Mistake{{"check", "sink", "--static", "--substeps", "2"}, "--static"},
                       Mistake{{"check", "sink", "--static", "--first"}, "--static"},
                       Mistake{{"check", "sink", "clean"}, "has 3 frames, but sink has 5"},
-                      Mistake{{"check", "pose.obj"}, "use --static"}));
+                      Mistake{{"check", "sink", "--static", "--steps-only"}, "--static"},
+                      Mistake{{"check", "pose.obj", "--steps-only"}, "without --steps-only"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Files, CheckMistakes,
@@ -242,7 +309,9 @@ TEST_P(CheckInterrupted, LeavesNoPartialFile) {
                                       options);
   EXPECT_EQ(outcome.signal, 0);
   EXPECT_EQ(outcome.code, 130);
-  EXPECT_THAT(outcome.err, StartsWith("foldproof: interrupted: after "));
+  EXPECT_THAT(outcome.err, ::testing::MatchesRegex(
+                               "foldproof: interrupted: stopped at [0-9,]+ of 16,000,000,000 steps, [0-9,]+ "
+                               "with collisions; no report was written\n"));
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1);
   EXPECT_EQ(outcome.out, "");
   EXPECT_EQ(scene.names(), before);

@@ -67,9 +67,34 @@ TEST_F(Reduced, CheckFollowsCoordinatesAndPlacements) {
   const Outcome both =
       run({"check", "--reduced", "cloth.model", "p.csv", "cloth.model", "upright.csv", "--csv", "pairs.csv"});
   EXPECT_EQ(both.code, 1) << both.err;
+  EXPECT_EQ(both.out.find("frame 0 starts with "), 0u) << both.out;
   EXPECT_TRUE(std::ifstream(directory_ / "pairs.csv").good());
   write_coordinates("away.csv", {0, 0.1, 0.2}, ",1,0,0,0,0,0,5");
   EXPECT_EQ(run({"check", "--reduced", "cloth.model", "p.csv", "cloth.model", "away.csv"}).code, 0);
+}
+
+TEST_F(Reduced, CheckAsksTheFirstFrameToo) {
+  // Upright and still, or a single frame: no contact begins, and yet one cloth stands through the other.
+  const std::string upright = ",0.7071067811865476,0.7071067811865476,0,0,0.0312,0.0071,0.0213";
+  write_coordinates("still.csv", {0, 0});
+  write_coordinates("upright.csv", {0, 0}, upright);
+  write_coordinates("still1.csv", {0});
+  write_coordinates("upright1.csv", {0}, upright);
+  for (const std::string frames : {"", "1"}) {
+    const std::vector<std::string> both{"check",       "--reduced",
+                                        "cloth.model", "still" + frames + ".csv",
+                                        "cloth.model", "upright" + frames + ".csv",
+                                        "--csv",       "pairs.csv"};
+    const Outcome found = run(both);
+    EXPECT_EQ(found.code, 1) << found.err;
+    EXPECT_EQ(found.out.find("frame 0 starts with "), 0u) << found.out;
+    EXPECT_NE(found.out.find("1 step, 0 with collisions"), std::string::npos) << found.out;
+    EXPECT_NE(read_file(directory_ / "pairs.csv").find("\n0,0,tt,0,"), std::string::npos);
+  }
+  const Outcome steps =
+      run({"check", "--reduced", "cloth.model", "still.csv", "cloth.model", "upright.csv", "--steps-only"});
+  EXPECT_EQ(steps.code, 0) << steps.err;
+  EXPECT_EQ(steps.out.find("not asked what crosses in frame 0"), 0u) << steps.out;
 }
 
 TEST_F(Reduced, RefusesInOneLine) {
@@ -79,7 +104,7 @@ TEST_F(Reduced, RefusesInOneLine) {
   const std::vector<std::pair<std::vector<std::string>, const char*>> mistakes{
       {{"check", "--reduced", "cloth.model"}, "give MODEL COORDINATES in turn"},
       {{"check", "--reduced", "cloth.model", "missing.csv"}, "missing.csv"},
-      {{"check", "--reduced", "cloth.model", "one.csv"}, "one.csv: has no step"},
+      {{"check", "--reduced", "cloth.model", "one.csv", "--steps-only"}, "one.csv: has 1 frame"},
       {{"check", "--reduced", "cloth.model", "wide.csv"}, "wide.csv"},
       {{"check", "--reduced", "cloth.model", "p.csv", "--static"}, "--static"},
       {{"check", "--reduced", "poses.npz", "p.csv"}, "poses.npz"},

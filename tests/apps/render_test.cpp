@@ -76,12 +76,14 @@ TEST(RenderProgram, ColoursCollisionsCertificatesAndErrors) {
     scene.png("a.png");
     return outcome.out;
   };
-  EXPECT_EQ(told({"bend.npz", "--color", "collisions"}), "0 colliding pairs\n");
+  EXPECT_EQ(told({"bend.npz", "--color", "collisions"}),
+            "0 crossing pairs of triangles in frame 0; 0 colliding pairs on the way to the next\n");
   const std::string plain = scene.png("a.png");
-  EXPECT_THAT(told({"bend.npz", "--color", "collisions", "--frame", "2"}), HasSubstr("pairs, the first 0."));
+  EXPECT_THAT(told({"bend.npz", "--color", "collisions", "--frame", "2"}),
+              HasSubstr("pairs on the way to the next, the first 0."));
   EXPECT_NE(scene.png("a.png"), plain);
   EXPECT_THAT(told({"bend.npz", "--color", "collisions", "--frame", "3"}),
-              EndsWith("crossing pairs of triangles\n"));
+              EndsWith("crossing pairs of triangles in frame 3\n"));
   EXPECT_THAT(told({"bend.npz", "--color", "certificates"}),
               EndsWith("of 3,072 faces proven free of contact\n"));
   EXPECT_EQ(scene.run({"bend.npz", "--color", "collisions", "--frame", "2", "--quiet", "-o", "a.png"}).out,

@@ -37,6 +37,13 @@ TEST(VtkReport, AFileForEachStepAndTheirTimes) {
               HasSubstr("<DataSet timestep=\"2\" part=\"0\" file=\"a.b/step000002.vtp\"/>"));
 }
 
+TEST(VtkReport, ASingleFrameIsOneMesh) {
+  const TemporaryDirectory directory;
+  ASSERT_TRUE(check(directory / "a.pvd", list(needle({-0.4}))));
+  EXPECT_THAT(names_in(directory / "a"), ElementsAre("step000000.vtp"));
+  EXPECT_THAT(read_file(directory / "a.pvd"), HasSubstr("<DataSet timestep=\"0\" part=\"0\" file=\"a/"));
+}
+
 TEST(VtkReport, AnOlderOneIsReplacedAsAWhole) {
   const TemporaryDirectory directory;
   ASSERT_TRUE(check(directory / "a.pvd", list(needle(kSinking))));

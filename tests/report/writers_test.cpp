@@ -43,7 +43,8 @@ std::vector<std::string> keys(const json& object) {
 
 TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
   const json report = json_of(list(needle(kSinking, "name with \"quotes\"")), {}, true);
-  EXPECT_THAT(keys(report), ElementsAre("clean", "foldproof", "objects", "settings", "steps", "totals"));
+  EXPECT_THAT(keys(report),
+              ElementsAre("clean", "foldproof", "objects", "settings", "start", "steps", "totals"));
   EXPECT_EQ(report["foldproof"], version());
   EXPECT_EQ(
       report["objects"],
@@ -107,11 +108,40 @@ TEST(JsonReport, SaysWithWhatSettingsItWasMade) {
   settings.step.thickness = 0.25;
   settings.step.within = false;
   const json report = json_of(list(lone_floor(5), lone_needle(kSinking)), settings, false);
-  EXPECT_EQ(report["settings"],
-            json::parse(R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,
+  EXPECT_EQ(
+      report["settings"],
+      json::parse(R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,"steps_only":false,
       "within":false,"between":true,"thickness":0.25,"tolerance":0.0,"first":false,"certificates":true,
       "weld":false,"fps":24.0})"));
   EXPECT_EQ(report["steps"][2]["substep"], 2);
+}
+
+TEST(JsonReport, TheStartSaysWhatCrossesInTheFirstFrame) {
+  const auto stuck = list(needle(kSinking));
+  CheckSettings from_two;
+  from_two.frames = *parse_frame_range("2:4");
+  const json report = json_of(stuck, from_two, true);
+  EXPECT_THAT(keys(report["start"]), ElementsAre("crossings", "frame", "milliseconds", "pairs"));
+  EXPECT_EQ(report["start"]["frame"], 2);
+  EXPECT_EQ(report["start"]["crossings"], 1);
+  EXPECT_EQ(report["start"]["pairs"], json::parse(R"({"tt":[[0,0,0,1]]})"));
+  EXPECT_EQ(report["totals"]["starts_crossing"], 1);
+  EXPECT_EQ(report["totals"]["steps_expected"], 1);
+  EXPECT_EQ(report["totals"]["stopped"], false);
+  EXPECT_FALSE(json_of(stuck, from_two, false)["start"].contains("pairs"));
+
+  from_two.steps_only = true;
+  const json steps = json_of(stuck, from_two, true);
+  EXPECT_FALSE(steps.contains("start"));
+  EXPECT_TRUE(steps["totals"]["starts_crossing"].is_null());
+  EXPECT_EQ(steps["settings"]["steps_only"], true);
+  EXPECT_TRUE(json_of(stuck, poses(), true)["totals"]["starts_crossing"].is_null());
+
+  CheckSettings one;
+  one.frames = *parse_frame_range("2");
+  const json alone = json_of(stuck, one, true);
+  EXPECT_EQ(alone["steps"].size(), 1u);
+  EXPECT_EQ(alone["clean"], false);
 }
 
 TEST(JsonReport, ANameNeedNotBeUtf8) {
@@ -156,6 +186,13 @@ TEST(CsvReport, HasARowPerCollision) {
             "frame,substep,kind,object_a,a0,a1,object_b,b0,b1,toi,answer\n2,0,tt,0,0,,0,1,,,crossing\n");
 }
 
+TEST(CsvReport, WhatCrossesInTheFirstFrameComesFirst) {
+  const TemporaryDirectory directory;
+  const auto motions = list(needle({-0.4, -1.4}));
+  ASSERT_TRUE(run_check(motions, {}, one(csv_report(directory / "a.csv"))));
+  EXPECT_THAT(read_file(directory / "a.csv"), HasSubstr("answer\n0,0,tt,0,0,,0,1,,,crossing\n0,0,vf,0,4,"));
+}
+
 TEST(CsvReport, EdgePairsNameTheirVertices) {
   // Two triangles standing upright at right angles; one falls so that only the long edges cross.
   const std::vector<double> x0 = {-1, 0, 0, 1, 0, 0, 0, 0, -1, 0, -1, 1, 0, 1, 1, 0, 0, 2};
@@ -196,6 +233,29 @@ TEST(PlyReport, WithoutCollisionsShowsTheFirstPoseUnmarked) {
   const auto motions = list(needle({3, 2, 1}));
   ASSERT_TRUE(run_check(motions, {}, one(ply_report(directory / "a.ply", motions, {}))));
   EXPECT_THAT(read_marks(directory / "a.ply", 2), ElementsAre(0, 0));
+}
+
+TEST(PlyReport, MarksWhatCrossesInTheFirstFrameWithAValueOfItsOwn) {
+  const TemporaryDirectory directory;
+  // The third triangle comes down on the floor beside the needle, which sticks in it all the time.
+  const auto frame = [](double height) {
+    std::vector<double> x = needle_frame(-0.4);
+    x.insert(x.end(), {2, 2, height, 2.5, 2, height + 1, 2, 2.5, height + 1});
+    return x;
+  };
+  const auto motions = list(memory_motion("three", *Topology::make(9, {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}}),
+                                          {frame(0.7), frame(0.6), frame(-0.3)}));
+  ASSERT_TRUE(run_check(motions, {}, one(ply_report(directory / "a.ply", motions, {}))));
+  EXPECT_THAT(read_marks(directory / "a.ply", 3), ElementsAre(3, 2, 1));
+  ASSERT_TRUE(run_check(motions, {}, one(ply_report(directory / "n%d.ply", motions, {}))));
+  EXPECT_THAT(directory.names(), ElementsAre("a.ply", "n0.ply", "n1.ply"));
+  EXPECT_THAT(read_marks(directory / "n0.ply", 3), ElementsAre(2, 2, 0));
+  EXPECT_THAT(read_marks(directory / "n1.ply", 3), ElementsAre(3, 2, 1));
+
+  CheckSettings first_step;
+  first_step.frames = *parse_frame_range("0:2");
+  ASSERT_TRUE(run_check(motions, first_step, one(ply_report(directory / "b.ply", motions, first_step))));
+  EXPECT_THAT(read_marks(directory / "b.ply", 3), ElementsAre(2, 2, 0));
 }
 
 TEST(PlyReport, JoinsObjectsAndMarksTheFacesOfEach) {

@@ -138,6 +138,19 @@ class Vtk(unittest.TestCase):
         self.expect_meshes(meshes, self.frames(), self.frames())
         self.expect_answers(report, meshes)
 
+    def test_what_crosses_in_the_first_frame(self):
+        """From frame 2 on the sheets stand through each other."""
+        report, _, meshes = self.check()
+        self.assertFalse(any(arrays_of(mesh.GetCellData())["starts_crossing"].any() for mesh in meshes))
+        report, times, meshes = self.check("--frames", "3")
+        self.assertEqual(times, [3])
+        crosses = arrays_of(meshes[0].GetCellData())["starts_crossing"]
+        pairs = {"vf": [], "ee": [], "tt": report["start"]["pairs"]["tt"]}
+        np.testing.assert_array_equal(crosses, faces_of(pairs, [triangles for triangles, _ in self.motions]))
+        self.assertTrue(0 < crosses.sum() < 144)
+        report, _, meshes = self.check("--steps-only")
+        self.assertNotIn("starts_crossing", arrays_of(meshes[0].GetCellData()))
+
     def test_explanation(self):
         _, _, meshes = self.check("--explain", "why.npz")
         why = np.load(self.directory / "why.npz")

@@ -5,6 +5,7 @@
 
 #include "foldproof/sweep.h"
 #include "report/needle.h"
+#include "report/spheres.h"
 
 namespace foldproof {
 namespace {
@@ -84,14 +85,48 @@ TEST(SweepLine, SaysWhatWasFound) {
   EXPECT_EQ(sinking.frames, 5u);
   EXPECT_EQ(sinking.bytes, std::filesystem::file_size(library / "in/a.npz"));
   EXPECT_EQ(record_of(*sweep_line(input.motions[1], library.settings)).state, SweepState::Clean);
-  EXPECT_EQ(record_of(*sweep_line(input.motions[2], library.settings)).state, SweepState::Still);
+  EXPECT_EQ(record_of(*sweep_line(input.motions[2], library.settings)).state, SweepState::Clean);
+  SweepSettings steps;
+  steps.check.steps_only = true;
+  EXPECT_EQ(record_of(*sweep_line(input.motions[2], steps)).state, SweepState::Still);
+}
+
+TEST(SweepLine, WhatCrossesFromTheStartIsNotClean) {
+  const Library library;
+  ASSERT_TRUE(write_npz(library / "in/apart.npz", *two_spheres(2.5)));
+  ASSERT_TRUE(write_npz(library / "in/merged.npz", *two_spheres(1.03)));
+  ASSERT_TRUE(write_npz(library / "in/pose.npz", *two_spheres(1.03, 1)));
+  const SweepInput input = library.input();
+  const auto found = [&](std::size_t motion, const SweepSettings& settings) {
+    return record_of(*sweep_line(input.motions[motion], settings));
+  };
+  EXPECT_EQ(found(0, {}).state, SweepState::Clean);
+  EXPECT_EQ(found(0, {}).starts_crossing, 0u);
+  EXPECT_EQ(found(1, {}).state, SweepState::Collides);
+  EXPECT_GT(found(1, {}).starts_crossing, 10u);
+  EXPECT_EQ(found(1, {}).collisions, 0u);
+  EXPECT_EQ(found(2, {}).state, SweepState::Collides);
+  SweepSettings steps;
+  steps.check.steps_only = true;
+  EXPECT_EQ(found(1, steps).state, SweepState::Clean);
+  EXPECT_EQ(found(1, steps).starts_crossing, std::nullopt);
+  EXPECT_NE(settings_hash(steps), settings_hash({}));
+}
+
+TEST(SweepLine, ThoseOfBeforeTheFirstFrameWasAskedCanBeRead) {
+  const SweepRecord record = record_of(
+      R"({"path":"x.npz","state":"clean","settings":"0","bytes":1,"modified":1,"seconds":0.5,"vertices":3,)"
+      R"("triangles":1,"frames":2,"model":null,"totals":{"steps":1,"steps_with_collisions":0,)"
+      R"("collisions":{"vf":0,"ee":0},"earliest":null,"worst":null}})");
+  EXPECT_EQ(record.steps, 1u);
+  EXPECT_EQ(record.starts_crossing, std::nullopt);
 }
 
 TEST(SweepLine, HasTheTotalsOfTheReport) {
   const ThreeNeedles library;
   const auto line = nlohmann::json::parse(*sweep_line(library.input().motions[0], library.settings));
   for (const char* key : {"steps", "steps_with_collisions", "collisions", "earliest", "worst", "tolerance",
-                          "milliseconds", "work"})
+                          "milliseconds", "work", "starts_crossing", "steps_expected", "stopped"})
     EXPECT_TRUE(line.at("totals").contains(key)) << key;
 }
 
@@ -176,6 +211,8 @@ TEST(SweepFile, ChecksAnewWhatChanged) {
   // Nothing that makes it faster changes an answer.
   library.settings.check.step.certificates = false;
   EXPECT_THAT(library.sweep(), IsEmpty());
+  library.settings.check.steps_only = true;
+  EXPECT_THAT(library.sweep(), ElementsAre(0, 1, 2));
 }
 
 TEST(SweepFile, DropsWhatIsGoneAndKeepsWhatIsElsewhere) {
@@ -276,6 +313,26 @@ TEST(SweepPage, ShowsNamesAsText) {
   EXPECT_THAT(page, AllOf(HasSubstr("a&lt;b"), HasSubstr("'&lt;x&gt;'"), HasSubstr("<h1>&lt;dir&gt;</h1>")));
   EXPECT_THAT(page, Not(HasSubstr("<script>alert")));
   EXPECT_LT(page.find("bad.glb"), page.find("alert(1)")) << "what collides comes first";
+}
+
+TEST(SweepPage, HasAColumnForWhatCrossesInTheFirstFrame) {
+  const TemporaryDirectory directory;
+  SweepRecord starts;
+  starts.path = "merged.npz";
+  starts.state = SweepState::Collides;
+  starts.starts_crossing = 312;
+  ASSERT_TRUE(write_sweep_page(directory / "page.html", std::span(&starts, 1), {"", {"lib"}}));
+  std::string page = read_file(directory / "page.html");
+  EXPECT_THAT(page, HasSubstr("<th>crossing pairs of the first frame</th><th>colliding pairs</th>"));
+  EXPECT_THAT(page, HasSubstr("<td class=\"starts\">312</td><td>0</td>"));
+  EXPECT_THAT(page, Not(HasSubstr("Only the steps")));
+
+  starts.starts_crossing.reset();
+  starts.state = SweepState::Clean;
+  ASSERT_TRUE(write_sweep_page(directory / "page.html", std::span(&starts, 1), {"", {"lib"}, false, true}));
+  page = read_file(directory / "page.html");
+  EXPECT_THAT(page, HasSubstr("1 in whose steps no contact begins"));
+  EXPECT_THAT(page, HasSubstr("Only the steps were asked"));
 }
 
 TEST(SweepPage, NamesTheHashOfItsScript) {
