@@ -113,7 +113,7 @@ class PageReport final : public ReportWriter {
     file_.add("\n],\n\"start\":{},\n\"totals\":{},\n\"pictures\":[", embedded(start_),
               embedded(totals_json(totals, false, false)));
     if (snapshots_) {
-      const auto pictures = snapshots_->draw();
+      const auto pictures = snapshots_->draw(totals);
       if (!pictures) return tl::unexpected(pictures.error());
       for (const Snapshot& picture : *pictures) {
         file_.add("{}\n{}", &picture == pictures->data() ? "" : ",",

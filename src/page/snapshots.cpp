@@ -156,12 +156,13 @@ std::string Snapshots::caption_of_start() const {
                      pairs == 1 ? "1 crossing pair" : fmt::format("{} crossing pairs", pairs));
 }
 
-std::string Snapshots::caption_of_all() const {
+std::string Snapshots::caption_of_all(bool stopped) const {
   const std::string pose = fmt::format("The pose is that of frame {}.", all_.place.frame);
   if (!worst_.empty()) {
     return fmt::format("All {} steps together: red are triangles that collide in any of them{}. {}", steps_,
                        starts_crossing() ? ", pink those that cross in the pose that is shown" : "", pose);
   }
+  if (stopped) return fmt::format("Nothing collides in the {} steps that were checked. {}", steps_, pose);
   if (start_) return "Nothing collides. " + pose;
   return "No step has a contact; what crosses from the start was not asked. " + pose;
 }
@@ -187,7 +188,7 @@ Result<std::string> Snapshots::draw(const Kept& kept) const {
   return png_bytes(*image);
 }
 
-Result<std::vector<Snapshot>> Snapshots::draw() const {
+Result<std::vector<Snapshot>> Snapshots::draw(const CheckTotals& totals) const {
   std::vector<Snapshot> snapshots;
   const auto add = [&](std::optional<std::uint64_t> step, const Kept& kept,
                        std::string caption) -> Result<void> {
@@ -205,7 +206,8 @@ Result<std::vector<Snapshot>> Snapshots::draw() const {
     if (const auto done = add(kept.place.number, kept, caption(kept)); !done)
       return tl::unexpected(done.error());
   }
-  if (const auto done = add(std::nullopt, all_, caption_of_all()); !done) return tl::unexpected(done.error());
+  if (const auto done = add(std::nullopt, all_, caption_of_all(totals.cancelled)); !done)
+    return tl::unexpected(done.error());
   return snapshots;
 }
 

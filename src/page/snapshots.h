@@ -24,7 +24,7 @@ class Snapshots {
   void look(const CheckedStep& step);
   /// What crosses in the first frame, the worst steps, then all of them together. Cost: about half a second a
   /// picture of 70,000 triangles.
-  Result<std::vector<Snapshot>> draw() const;
+  Result<std::vector<Snapshot>> draw(const CheckTotals& totals) const;
 
  private:
   struct Kept {
@@ -40,7 +40,7 @@ class Snapshots {
   Result<std::string> draw(const Kept& kept) const;
   std::string caption(const Kept& kept) const;
   std::string caption_of_start() const;
-  std::string caption_of_all() const;
+  std::string caption_of_all(bool stopped) const;
 
   Motions motions_;
   Index substeps_;

@@ -172,6 +172,38 @@ TEST(MailedReport, WithStepsOnlyClaimsNothingOfTheStart) {
             "No step has a contact; what crosses from the start was not asked. The pose is that of frame 0.");
 }
 
+/// Hands on what it gets, and says at the end that there were to be more steps.
+class StoppedEarly final : public ReportWriter {
+ public:
+  explicit StoppedEarly(std::unique_ptr<ReportWriter> writer) : writer_(std::move(writer)) {}
+  Result<void> start(const CheckedStep& pose) override { return writer_->start(pose); }
+  Result<void> step(const CheckedStep& step) override { return writer_->step(step); }
+  Result<void> finish(const CheckTotals& whole) override {
+    CheckTotals totals = whole;
+    totals.cancelled = true;
+    totals.steps_expected = 7200;
+    return writer_->finish(totals);
+  }
+
+ private:
+  std::unique_ptr<ReportWriter> writer_;
+};
+
+TEST(MailedReport, OfAStoppedCheckSaysHowFarItCame) {
+  const TemporaryDirectory directory;
+  const auto motions = two_balls(4, 2.5);
+  CheckSettings settings;
+  settings.step.explain = true;
+  auto writer = page_report(directory / "report.html", motions, {{settings, {}}, ""}, kStubPage);
+  ASSERT_TRUE(writer);
+  const std::unique_ptr<ReportWriter> writers[] = {std::make_unique<StoppedEarly>(std::move(*writer))};
+  ASSERT_TRUE(run_check(motions, settings, writers));
+  const std::string html = read_file(directory / "report.html");
+  EXPECT_THAT(html, HasSubstr("\"stopped\":true"));
+  EXPECT_THAT(html, HasSubstr("\"steps_expected\":7200"));
+  EXPECT_THAT(html, HasSubstr("Nothing collides in the 3 steps that were checked."));
+}
+
 TEST(MailedReport, OfASingleFrameTellsWhatCrosses) {
   const Reported reported(two_balls(1));
   ASSERT_EQ(reported.error, "");

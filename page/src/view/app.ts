@@ -487,11 +487,11 @@ export class App {
     const boxFrame = this.data.boxes ? (scene.frame_numbers[this.data.boxes.frame] ?? null) : null;
     const faces = this.surfaces.map(({ crossingFaces }) => crossingFaces);
     const start = check.start && check.startsCrossing ? { frame: check.start.frame, faces: faces.some((n) => n === null) ? null : faces.reduce<number>((sum, n) => sum + n!, 0) } : null;
-    const key = JSON.stringify([layers.state, start, check.calm, this.both, shaping, this.shownFaces, boxFrame, this.chosen !== null, error]);
+    const key = JSON.stringify([layers.state, start, check.free > 0, check.calm, this.both, shaping, this.shownFaces, boxFrame, this.chosen !== null, error]);
     if (key === this.legendKey) return;
     this.legendKey = key;
     this.layout.legend.replaceChildren(
-      ...legendItems({ layers: layers.state, shapes: shaping, start, calm: check.calm, both: this.both, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: this.counts, boxFrame, chosen: this.chosen !== null, error }),
+      ...legendItems({ layers: layers.state, shapes: shaping, start, free: check.free > 0, calm: check.calm, both: this.both, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: this.counts, boxFrame, chosen: this.chosen !== null, error }),
     );
   }
 

@@ -32,6 +32,7 @@ export interface LegendState {
   shapes: boolean; // a made shape is shown, and not the motion
   start: { frame: number; faces: number | null } | null; // where something crosses in the first frame
   both: boolean; // a triangle does both
+  free: boolean; // a step can be told to be free
   calm: boolean; // a step without a contact is not told to be free
   reasons: string[];
   objects: string[];
@@ -100,8 +101,9 @@ export function legendItems(state: LegendState): HTMLElement[] {
   if (layers.keyPoints) items.push(item(swatch(kSky, 'round'), 'Key points'));
   if (layers.boxes && state.boxFrame !== null) items.push(item(swatch(kBlue, 'box'), `Boxes, level ${layers.level}, frame ${state.boxFrame}`));
   const mark = (kind: string, text: string) => el('span', { className: 'mark' }, el('span', { className: `swatch ${kind}` }), text);
-  const marks = [mark('free', 'free'), mark('hit', 'collides'), mark('open', 'unchecked')];
-  if (state.calm) marks.splice(1, 0, mark('calm', 'no new contact'));
+  const marks = [mark('hit', 'collides'), mark('open', 'unchecked')];
+  if (state.calm) marks.unshift(mark('calm', 'no new contact'));
+  if (state.free) marks.unshift(mark('free', 'free'));
   if (state.start) marks.unshift(mark('crossing', 'starts crossing'));
   items.push(el('li', { className: 'marks' }, 'Timeline:', ...marks));
   return items;
