@@ -10,8 +10,9 @@ namespace {
 
 constexpr const char* kFooter = R"(Several motions are several objects, and need equally many frames.
 
-The report is one file that opens in any browser, offline: what collides and when, charts of every step, pictures of the
-worst ones, what was proven and why not the rest, the settings and the version. It names the files as they were typed.
+The report is one file that opens in any browser, offline: what crosses in the first frame, what collides and when,
+charts of every step, pictures of the start and of the worst steps, what was proven and why not the rest, the settings and
+the version. It names the files as they were typed.
 
 Exit code: 0 no collision and no crossing in the first frame, 1 collisions or crossings, 2 error.
 

@@ -13,10 +13,11 @@
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter = R"(  pose.obj                        a single pose, only to be looked at
+constexpr const char* kFooter = R"(  pose.obj                        a single pose: what crosses in it
 Several motions are several objects, and need equally many frames.
 
-The page shows the motion at once, while the check runs; answers fill in as they come. It is served to this machine only
+The page shows the motion at once, while the check runs: first what crosses in the first frame, then what comes into
+contact in each step; answers fill in as they come. It is served to this machine only
 (http://127.0.0.1:PORT), reads nothing but the files named here, and writes nothing. It is over with Ctrl-C.
 
 Examples:

@@ -26,10 +26,10 @@ struct PageReportInfo {
   std::string command;  ///< What was typed.
 };
 
-/// One HTML file with everything in it: summary, charts, pictures of the worst steps, settings. Steps go to
-/// it as they come; memory holds what six pictures show. `files`: those under "report/" with their sums
-/// (tools/embed.py); they must outlive the writer. Precondition: settings.step.explain, and no poses. Error:
-/// it cannot be written, a file of the page is not there.
+/// One HTML file with everything in it: summary, charts, pictures of what crosses at the start and of the
+/// worst steps, settings. Steps go to it as they come; memory holds what seven pictures show. `files`: those
+/// under "report/" with their sums (tools/embed.py); they must outlive the writer. Precondition:
+/// settings.step.explain, and no poses. Error: it cannot be written, a file of the page is not there.
 Result<std::unique_ptr<ReportWriter>> page_report(const std::string& path, Motions motions,
                                                   const PageReportInfo& info,
                                                   std::span<const PageFile> files);
@@ -37,7 +37,7 @@ Result<std::unique_ptr<ReportWriter>> page_report(const std::string& path, Motio
 /// What is to be seen.
 struct PageInput {
   std::vector<std::unique_ptr<Motion>> motions;
-  CheckSettings check;  ///< For steps; `poses` and `explain` are set as the page needs them.
+  CheckSettings check;  ///< `poses` and `explain` are set as the page needs them.
   ReadOptions read;     ///< How the motions were read, to be told.
 };
 
@@ -55,7 +55,8 @@ using PageQuery = std::map<std::string, std::string, std::less<>>;
 class Page {
  public:
   /// Reads the first selected frame and builds what hierarchies the models do not bring. Error: no motions,
-  /// different frame counts, a model of another mesh, a frame that cannot be read, no temporary file.
+  /// different frame counts, a single frame with CheckSettings::steps_only, a model of another mesh, a frame
+  /// that cannot be read, no temporary file.
   static Result<std::unique_ptr<Page>> open(PageInput input);
   ~Page();
   Page(const Page&) = delete;
@@ -64,8 +65,9 @@ class Page {
   /// `path` begins with "/api/" and is decoded. Any thread, at any time.
   PageAnswer get(std::string_view path, const PageQuery& query = {}) const;
 
-  /// Checks all steps and then certifies radii as requests ask for them; returns soon after `stop` is set,
-  /// that is after the step that it works on. To be called once, by one thread.
+  /// Asks what crosses in the first frame, checks all steps and then certifies radii as requests ask for
+  /// them; returns soon after `stop` is set, that is after the step that it works on. To be called once, by
+  /// one thread.
   void work(const std::atomic<bool>& stop);
 
  private:

@@ -31,6 +31,39 @@ export function makeTube(name, { around = 16, along = 60, frames }) {
   const vertices = (along + 1) * around;
   const values = new Float32Array(3 * vertices * frames);
   for (let frame = 0; frame < frames; ++frame) placeTube(values.subarray(3 * vertices * frame), { around, along }, frame / (frames - 1));
+  return write(name, faces, values, frames);
+}
+
+/** Generated data: two balls that move together, half inside each other at a distance of 1. OBJ and PC2, paths of both. */
+export function makeBalls(name, { around = 32, along = 24, frames, apart = 1 }) {
+  const ball = around * (along + 1);
+  const faces = [];
+  for (const first of [1, ball + 1]) {
+    for (let ring = 0; ring < along; ++ring) {
+      for (let i = 0; i < around; ++i) {
+        const a = first + ring * around + i;
+        const b = first + ring * around + ((i + 1) % around);
+        faces.push(`f ${a} ${b} ${b + around}`, `f ${a} ${b + around} ${a + around}`);
+      }
+    }
+  }
+  const values = [];
+  for (let frame = 0; frame < frames; ++frame) {
+    for (const k of [0, 1]) {
+      for (let ring = 0; ring <= along; ++ring) {
+        const angle = (Math.PI * (ring + 0.05)) / (along + 0.1);
+        for (let i = 0; i < around; ++i) {
+          const turn = (2 * Math.PI * i) / around;
+          values.push(0.25 * frame + k * apart + Math.sin(angle) * Math.cos(turn), 0.07 * k + Math.cos(angle), Math.sin(angle) * Math.sin(turn));
+        }
+      }
+    }
+  }
+  return write(name, faces, Float32Array.from(values), frames);
+}
+
+function write(name, faces, values, frames) {
+  const vertices = values.length / 3 / frames;
   const lines = [];
   for (let v = 0; v < vertices; ++v) lines.push(`v ${values[3 * v]} ${values[3 * v + 1]} ${values[3 * v + 2]}`);
   const head = Buffer.alloc(32);

@@ -1,10 +1,10 @@
 // The report, as it would be opened from a mail: a file, no network.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
-import { folder, launch, makeTube, openPage, phone, removeFolder, run } from './program.mjs';
+import { folder, launch, makeBalls, makeTube, openPage, phone, removeFolder, run } from './program.mjs';
 
 let browser;
 const file = join(folder, 'report.html');
@@ -24,13 +24,78 @@ test('opens from a file, offline, and tells what was found', async () => {
   page.on('request', (request) => requests.push(request.url().slice(0, 5)));
   await page.context().setOffline(true);
   await page.goto(pathToFileURL(file).href);
-  assert.match(await page.locator('h1').innerText(), /The motion collides in \d+ of 29 steps/);
+  assert.match(await page.locator('h1').innerText(), /^[\d,]+ colliding pairs in \d+ of 29 steps$/);
   assert.match(await page.locator('body').innerText(), /a<b>&/);
   assert.equal(await page.locator('.chart canvas').count(), 4);
   assert.ok((await page.locator('figure img').count()) >= 1);
   assert.ok(await page.evaluate(() => Array.from(document.images).every((image) => image.complete && image.naturalWidth > 0)));
   assert.deepEqual([...new Set(requests)].filter((start) => start !== 'file:' && start !== 'data:'), []);
   assert.deepEqual(errors, []);
+  await close();
+});
+
+/** Opens a report; its heading, what that is drawn as, its text. */
+async function read(file) {
+  const { page, errors, close } = await openPage(browser, pathToFileURL(file).href);
+  const heading = page.locator('h1');
+  const told = { page, close, verdict: await heading.innerText(), kind: await heading.getAttribute('class'), text: await page.locator('body').innerText() };
+  assert.deepEqual(errors, []);
+  return told;
+}
+
+function reportOf(name, motion, ...options) {
+  const out = join(folder, `${name}.html`);
+  run('report', ...motion, ...options, '-o', out, '--quiet');
+  return out;
+}
+
+test('says of two half-merged balls that they cross, though no step collides', async () => {
+  const { page, verdict, kind, text, close } = await read(reportOf('merged', makeBalls('merged', { frames: 6 })));
+  assert.match(verdict, /^Frame 0 starts with [\d,]+ crossing pairs of triangles; no new contact in 5 steps$/);
+  assert.equal(kind, 'hit');
+  assert.match(text, /Triangles that cross in frame 0\s+[\d,]+ pairs/);
+  assert.match(text, /pink are triangles that cross/);
+  assert.equal(await page.locator('figure img').count(), 1);
+  assert.ok(await page.locator('.chart[data-chart=collisions] .start-mark').isVisible());
+  assert.equal(await page.locator('.free').count(), 0, 'nothing is green');
+  await close();
+});
+
+test('says of a free motion that it is free', async () => {
+  const { page, verdict, kind, close } = await read(reportOf('apart', makeBalls('apart', { frames: 6, apart: 2.5 })));
+  assert.equal(verdict, 'Proven free of collisions: frame 0 and all 5 steps');
+  assert.equal(kind, 'free');
+  assert.equal(await page.locator('.answer.free').count(), 2);
+  assert.equal(await page.locator('.start-mark:visible').count(), 0);
+  await close();
+});
+
+test('claims nothing of what was not asked', async () => {
+  const { page, verdict, kind, close } = await read(reportOf('steps', makeBalls('steps', { frames: 6 }), '--steps-only'));
+  assert.match(verdict, /^No contact in 5 steps; what crosses from the start was not asked/);
+  assert.equal(kind, 'run');
+  assert.equal(await page.locator('.free').count(), 0, 'nothing is green');
+  await close();
+});
+
+test('shows a single frame', async () => {
+  const { verdict, kind, close } = await read(reportOf('single', makeBalls('single', { frames: 1 }).slice(0, 1)));
+  assert.match(verdict, /^Frame 0 has [\d,]+ crossing pairs of triangles$/);
+  assert.equal(kind, 'hit');
+  await close();
+});
+
+test('of a check that was stopped says how far it came', async () => {
+  const whole = readFileSync(reportOf('whole', makeBalls('whole', { frames: 6, apart: 2.5 })), 'utf8');
+  const cut = whole.replace('"stopped":false', '"stopped":true').replace('"steps_expected":5', '"steps_expected":7200');
+  assert.notEqual(cut, whole);
+  const stopped = join(folder, 'stopped.html');
+  writeFileSync(stopped, cut);
+  const { verdict, kind, text, close } = await read(stopped);
+  assert.equal(verdict, 'Stopped at 5 of 7,200 steps; the rest is unknown');
+  assert.equal(kind, 'stopped');
+  assert.match(text, /none; 7,195 of 7,200 steps not checked/);
+  assert.doesNotMatch(text, /proven free of collisions/i);
   await close();
 });
 

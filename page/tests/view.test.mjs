@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { join } from 'node:path';
-import { folder, launch, makeTube, openPage, phone, picture, removeFolder, run, state, until, view } from './program.mjs';
+import { folder, launch, makeBalls, makeTube, openPage, phone, picture, removeFolder, run, state, until, view } from './program.mjs';
 
 const kFrames = 400;
 let browser, withModel, without;
@@ -185,6 +185,125 @@ test('fits a phone, opens its help, changes its colours', () =>
     },
     phone,
   ));
+
+/** A page of its own program, with the check at its end. */
+async function look(args, body, { end = 'done', prepare = async () => {} } = {}) {
+  const server = await view(...args);
+  const { page, errors, close } = await openPage(browser, 'about:blank');
+  try {
+    await prepare(page);
+    await page.goto(server.url);
+    await until(page, (s) => s.firstPicture > 0 && s.state === end, `the state ${end}`, 20_000);
+    await body(page);
+    assert.deepEqual(errors.filter((text) => !/Failed to load resource/.test(text)), []);
+  } finally {
+    await close();
+    await server.end();
+  }
+}
+
+const told = async (page) => ({ text: await page.locator('.status').innerText(), kind: await page.locator('.status').getAttribute('data-kind') });
+
+/** How many pixels of the timeline are of the colour that a free step has. */
+const green = (page) =>
+  page.evaluate(() => {
+    const canvas = document.querySelector('.strip');
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const [r, g, b] = getComputedStyle(document.documentElement).getPropertyValue('--free').trim().slice(1).match(/../g).map((hex) => parseInt(hex, 16));
+    let n = 0;
+    for (let k = 0; k < data.length; k += 4) if (data[k] === r && data[k + 1] === g && data[k + 2] === b) ++n;
+    return n;
+  });
+
+test('says of two half-merged balls that they cross, though no step collides', () =>
+  look(makeBalls('merged', { frames: 6 }), async (page) => {
+    const { text, kind } = await told(page);
+    assert.match(text, /^Frame 0 starts with [\d,]+ crossing pairs of triangles; no new contact in 5 steps$/);
+    assert.equal(kind, 'hit');
+    const { start } = await until(page, (s) => s.crossingFaces[0] > 0, 'the triangles that cross');
+    assert.equal(await green(page), 0, 'no step is told to be free');
+    assert.match(await page.locator('.legend').innerText(), /Triangles that cross in frame 0[^]*starts crossing/);
+    await page.locator('.pair:visible .kind.tt').first().waitFor();
+    assert.match(await page.locator('.collisions').innerText(), new RegExp(`Frame 0 starts with ${start.crossings} crossing pairs`));
+    for (const step of [0, 3]) {
+      assert.equal((await state(page)).step, step);
+      assert.equal(await page.locator('.collisions .head').innerText().then((head) => head.split('\n')[0]), 'No new contact in this step');
+      await page.keyboard.press('l'); // The legend lies over the picture.
+      const hatched = await picture(page);
+      await page.keyboard.press('o');
+      await looks(page, (now) => differs(now, hatched), `crossings are seen in step ${step}`);
+      await page.keyboard.press('o');
+      await page.keyboard.press('l');
+      if (step === 0) for (let k = 0; k < 3; ++k) await page.keyboard.press('ArrowRight');
+    }
+    await page.keyboard.press('p');
+    assert.equal((await state(page)).place, 0, 'the start is a place to go to');
+    const { camera } = await state(page);
+    await page.locator('.pair:visible').first().click();
+    await until(page, (s) => s.camera.join() !== camera.join(), 'the flight to a pair');
+    assert.match(await page.locator('.legend').innerText(), /first edge or triangle/);
+  }));
+
+test('says of a free motion that it is free', () =>
+  look(makeBalls('apart', { frames: 6, apart: 2.5 }), async (page) => {
+    assert.deepEqual(await told(page), { text: 'Proven free of collisions: frame 0 and all 5 steps', kind: 'free' });
+    assert.ok((await green(page)) > 1000);
+    assert.match(await page.locator('.collisions').innerText(), /Nothing crosses in frame 0\.\s+Free of collisions/);
+    assert.doesNotMatch(await page.locator('.legend').innerText(), /cross/);
+  }));
+
+test('claims nothing of what was not asked', () =>
+  look([...makeBalls('steps', { frames: 6 }), '--steps-only'], async (page) => {
+    const { text, kind } = await told(page);
+    assert.match(text, /^No contact in 5 steps; what crosses from the start was not asked/);
+    assert.equal(kind, 'run');
+    assert.equal(await green(page), 0);
+    assert.match(await page.locator('.collisions').innerText(), /What crosses from the start was not asked/);
+    await page.click('#tab-layers');
+    assert.ok(await page.locator('[data-layer=crossings]').isDisabled());
+  }));
+
+test('shows a single frame as a motion of one frame', () =>
+  look(makeBalls('single', { frames: 1 }).slice(0, 1), async (page) => {
+    const { text, kind } = await told(page);
+    assert.match(text, /^Frame 0 has [\d,]+ crossing pairs of triangles$/);
+    assert.equal(kind, 'hit');
+    await page.locator('.pair:visible .kind.tt').first().waitFor();
+    await page.keyboard.press('ArrowRight');
+    assert.equal((await state(page)).t, 0, 'no time passes');
+    assert.equal(await page.locator('.where').innerText(), 'frame 0');
+  }));
+
+/** Lets only the first `count` steps through, in a state, and then what `next` does. */
+const cutAfter = (count, told, next) => async (page) => {
+  let asked = 0;
+  await page.route('**/api/steps?*', async (route) => {
+    if (asked++ > 0) return next ? next(route) : route.continue();
+    for (;;) {
+      const answer = await (await route.fetch()).json();
+      if (answer.done >= count) return route.fulfill({ json: { ...answer, state: told, done: count, steps: answer.steps.slice(0, count) } });
+    }
+  });
+};
+
+for (const [what, prepare, end] of [
+  ['was stopped', cutAfter(3, 'stopped'), 'stopped'],
+  ['is gone with its program', cutAfter(3, 'running', (route) => route.abort()), 'gone'],
+]) {
+  test(`of a check that ${what} says how far it came`, () =>
+    look(
+      makeBalls(what.replaceAll(' ', '-'), { frames: 6, apart: 2.5 }),
+      async (page) => {
+        assert.deepEqual(await told(page), { text: 'Stopped at 3 of 5 steps; the rest is unknown', kind: 'stopped' });
+        assert.equal(await page.locator('.status progress').isVisible(), false);
+        await page.keyboard.press('End');
+        await page.waitForTimeout(50);
+        assert.match(await page.locator('.collisions .head').innerText(), /^Not checked/);
+        assert.match(await page.locator('.collisions').innerText(), /Stopped at 3 of 5 steps/);
+      },
+      { end, prepare },
+    ));
+}
 
 test('says it when the program is gone', async () => {
   const server = await view(...makeTube('short', { frames: 6 }));

@@ -1,8 +1,11 @@
 #include "page/contact.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <vector>
 
 namespace foldproof {
 namespace {
@@ -27,7 +30,33 @@ double nearest(const Vec3& x, const Vec3& a, const Vec3& b) {
   return length > 0 ? std::clamp((x - a).dot(b - a) / length, 0.0, 1.0) : 0;
 }
 
+/// Where the edges of `a` pass through `b`.
+void add_passes(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b, std::vector<Vec3>& out) {
+  const Vec3 normal = (b[1] - b[0]).cross(b[2] - b[0]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 &from = a[k], &to = a[(k + 1) % 3];
+    const double above = normal.dot(from - b[0]), below = normal.dot(to - b[0]);
+    if (above == below || std::signbit(above) == std::signbit(below)) continue;
+    const Vec3 x = from + above / (above - below) * (to - from);
+    bool inside = true;
+    for (std::size_t e = 0; e < 3; ++e) inside &= normal.dot((b[(e + 1) % 3] - b[e]).cross(x - b[e])) >= 0;
+    if (inside) out.push_back(x);
+  }
+}
+
 }  // namespace
+
+// The common segment of two triangles begins and ends on an edge of one of them.
+Vec3 crossing_point(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+  std::vector<Vec3> ends;
+  add_passes(a, b, ends);
+  add_passes(b, a, ends);
+  if (ends.empty()) {  // in one plane
+    ends.assign(a.begin(), a.end());
+    ends.insert(ends.end(), b.begin(), b.end());
+  }
+  return std::accumulate(ends.begin(), ends.end(), Vec3(Vec3::Zero())) / static_cast<double>(ends.size());
+}
 
 Vec3 contact_point(Positions x0, Positions x1, const VertexFaceCollision& c,
                    std::span<const Triangle> triangles) {

@@ -56,13 +56,13 @@ std::vector<std::string_view> split(std::string_view path) {
 }  // namespace
 
 struct Page::Impl {
-  enum class State : std::uint8_t { None, Running, Done, Failed };
+  enum class State : std::uint8_t { Running, Done, Stopped, Failed };
 
   std::unique_ptr<SceneData> scene;
   std::unique_ptr<StepStore> store;
   std::unique_ptr<RadiusDesk> radii;
   mutable std::mutex mutex;  // of what follows
-  State state = State::None;
+  State state = State::Running;
   std::string failure;
 
   // The numbers of a path, in its order.
@@ -78,6 +78,8 @@ struct Page::Impl {
   PageAnswer mode(Numbers, const PageQuery&) const;
   PageAnswer radius(Numbers, const PageQuery&) const;
   PageAnswer steps(Numbers, const PageQuery&) const;
+  PageAnswer crossings(Numbers, const PageQuery&) const;
+  PageAnswer crossing_faces(Numbers, const PageQuery&) const;
   PageAnswer collisions(Numbers, const PageQuery&) const;
   PageAnswer faces(Numbers, const PageQuery&) const;
 
@@ -85,7 +87,9 @@ struct Page::Impl {
   std::optional<PageAnswer> missing_object(std::uint64_t i) const;
   std::optional<PageAnswer> missing_frame(std::uint64_t k) const;
   std::optional<PageAnswer> missing_modes(std::uint64_t object) const;
+  std::optional<PageAnswer> missing_start() const;
   std::optional<PageAnswer> missing_step(std::uint64_t number) const;
+  PageAnswer not_yet(const std::string& what) const;
   void check(const std::atomic<bool>& stop);
   void end_check(State end, std::string line);
 };
@@ -101,10 +105,23 @@ std::optional<std::uint64_t> number_of(const PageQuery& query, std::string_view 
 
 PageAnswer no_number(std::string_view name) { return refuse(400, fmt::format("'{}' is no number", name)); }
 
+/// The part of a list that is asked for.
+struct Part {
+  std::uint64_t offset = 0, limit = 0;
+};
+
+tl::expected<Part, PageAnswer> part_of(const PageQuery& query) {
+  const auto offset = number_of(query, "offset", 0), limit = number_of(query, "limit", kMostItems);
+  if (!offset) return tl::unexpected(no_number("offset"));
+  if (limit && *limit <= kMostItems) return Part{*offset, *limit};
+  return tl::unexpected(refuse(400, fmt::format("'limit' is no number up to {}", kMostItems)));
+}
+
 /// Hands a check's steps to the store.
 class StoreWriter final : public ReportWriter {
  public:
   explicit StoreWriter(StepStore& store) : store_(store) {}
+  Result<void> start(const CheckedStep& pose) override { return store_.start(pose); }
   Result<void> step(const CheckedStep& step) override { return store_.add(step); }
   Result<void> finish(const CheckTotals&) override { return {}; }
 
@@ -135,9 +152,21 @@ std::optional<PageAnswer> Page::Impl::missing_step(std::uint64_t number) const {
   if (number < store->count()) return std::nullopt;
   if (number >= scene->steps())
     return refuse(404, fmt::format("there is no step {} among {}", number, scene->steps()));
+  return not_yet(fmt::format("step {}", number));
+}
+
+std::optional<PageAnswer> Page::Impl::missing_start() const {
+  if (store->started()) return std::nullopt;
+  if (scene->settings().steps_only)
+    return refuse(404, "nobody asked what crosses in the first frame (--steps-only)");
+  return not_yet("the first frame");
+}
+
+PageAnswer Page::Impl::not_yet(const std::string& what) const {
   const std::lock_guard lock(mutex);
-  return state == State::Failed ? refuse(404, failure)
-                                : refuse(425, fmt::format("step {} is not checked yet", number));
+  if (state == State::Failed) return refuse(404, failure);
+  if (state == State::Stopped) return refuse(404, "the check was stopped before " + what);
+  return refuse(425, what + " is not checked yet");
 }
 
 PageAnswer Page::Impl::triangles(Numbers n, const PageQuery&) const {
@@ -193,7 +222,7 @@ PageAnswer Page::Impl::radius(Numbers n, const PageQuery&) const {
 }
 
 PageAnswer Page::Impl::steps(Numbers, const PageQuery& query) const {
-  constexpr std::array<const char*, 4> kStates{"none", "running", "done", "failed"};
+  constexpr std::array<const char*, 4> kStates{"running", "done", "stopped", "failed"};
   const auto from = number_of(query, "from", 0);
   if (!from) return no_number("from");
   Json json;
@@ -203,6 +232,8 @@ PageAnswer Page::Impl::steps(Numbers, const PageQuery& query) const {
     json = {{"state", kStates[static_cast<std::size_t>(state)]}, {"error", failure}};
   }
   const std::uint64_t done = store->count();
+  const auto start = store->started();
+  json["start"] = start ? start_json(*start) : Json(nullptr);
   json["done"] = done;
   json["total"] = scene->steps();
   Json& list = json["steps"] = Json::array();
@@ -214,15 +245,31 @@ PageAnswer Page::Impl::steps(Numbers, const PageQuery& query) const {
   return tell(json);
 }
 
+PageAnswer Page::Impl::crossings(Numbers, const PageQuery& query) const {
+  if (auto answer = missing_start()) return *answer;
+  const auto part = part_of(query);
+  if (!part) return part.error();
+  const auto crossings = store->crossings(part->offset, part->limit);
+  if (!crossings) return refuse(crossings.error());
+  Json items = Json::array();
+  for (const StartCrossing& crossing : *crossings) items.push_back(crossing_json(crossing));
+  return tell({{"total", store->started()->crossings}, {"items", std::move(items)}});
+}
+
+PageAnswer Page::Impl::crossing_faces(Numbers n, const PageQuery&) const {
+  if (auto answer = missing_object(n[0])) return *answer;
+  if (auto answer = missing_start()) return *answer;
+  const auto faces = store->crossing_faces(static_cast<Index>(n[0]));
+  return faces ? tell_numbers(std::span<const std::uint8_t>(*faces)) : refuse(faces.error());
+}
+
 PageAnswer Page::Impl::collisions(Numbers n, const PageQuery& query) const {
   if (auto answer = missing_step(n[0])) return *answer;
-  const auto offset = number_of(query, "offset", 0), limit = number_of(query, "limit", kMostItems);
-  if (!offset) return no_number("offset");
-  if (!limit || *limit > kMostItems)
-    return refuse(400, fmt::format("'limit' is no number up to {}", kMostItems));
+  const auto part = part_of(query);
+  if (!part) return part.error();
   const auto step = store->record(n[0]);
   if (!step) return refuse(step.error());
-  const auto contacts = store->contacts(n[0], *offset, *limit);
+  const auto contacts = store->contacts(n[0], part->offset, part->limit);
   if (!contacts) return refuse(contacts.error());
   Json items = Json::array();
   for (const Contact& contact : *contacts) items.push_back(contact_json(contact));
@@ -249,13 +296,12 @@ void Page::Impl::end_check(State end, std::string line) {
 }
 
 void Page::Impl::check(const std::atomic<bool>& stop) {
-  if (scene->steps() == 0) return;
   std::unique_ptr<ReportWriter> writers[] = {std::make_unique<StoreWriter>(*store)};
   CheckHooks hooks;
   hooks.cancel = &stop;
   const auto totals = run_check(scene->motions(), scene->settings(), writers, hooks);
   if (!totals) return end_check(State::Failed, totals.error().line());
-  if (!totals->cancelled) end_check(State::Done, {});
+  end_check(totals->cancelled ? State::Stopped : State::Done, {});
 }
 
 Page::Page(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -270,7 +316,6 @@ Result<std::unique_ptr<Page>> Page::open(PageInput input) {
   if (!store) return tl::unexpected(store.error());
   impl->store = std::move(*store);
   impl->radii = std::make_unique<RadiusDesk>(*impl->scene);
-  if (impl->scene->steps() > 0) impl->state = Impl::State::Running;
   return std::unique_ptr<Page>(new Page(std::move(impl)));
 }
 
@@ -289,6 +334,8 @@ PageAnswer Page::get(std::string_view path, const PageQuery& query) const {
       {"/api/objects/#/model/modes/#", &Impl::mode},
       {"/api/objects/#/model/radius", &Impl::radius},
       {"/api/steps", &Impl::steps},
+      {"/api/start/crossings", &Impl::crossings},
+      {"/api/start/faces/#", &Impl::crossing_faces},
       {"/api/steps/#/collisions", &Impl::collisions},
       {"/api/steps/#/faces/#", &Impl::faces},
   };

@@ -26,6 +26,21 @@ Json step_json(const StepRecord& s) {
           {"ms", to_json(s.milliseconds)}};
 }
 
+Json start_json(const StartRecord& s) {
+  return {{"frame", s.frame}, {"crossings", s.crossings}, {"ms", to_json(s.milliseconds)}};
+}
+
+Json crossing_json(const StartCrossing& c) {
+  return {{"kind", "tt"},
+          {"object_a", c.triangles.object_a},
+          {"a", Json::array({c.triangles.triangle_a})},
+          {"object_b", c.triangles.object_b},
+          {"b", Json::array({c.triangles.triangle_b})},
+          {"toi", 0},
+          {"answer", "crossing"},
+          {"point", c.point}};
+}
+
 Json contact_json(const Contact& c) {
   const auto ids = [&](const std::array<Index, 2>& pair) {
     return c.vertex_face ? Json{pair[0]} : Json(pair);

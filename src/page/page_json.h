@@ -7,6 +7,9 @@
 namespace foldproof {
 
 Json step_json(const StepRecord& step);
+Json start_json(const StartRecord& start);
+/// As contact_json, of kind "tt".
+Json crossing_json(const StartCrossing& crossing);
 Json contact_json(const Contact& contact);
 
 /// How the mesh is told by a model; null without one.

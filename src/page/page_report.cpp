@@ -97,6 +97,12 @@ class PageReport final : public ReportWriter {
     }
   }
 
+  Result<void> start(const CheckedStep& pose) override {
+    if (snapshots_) snapshots_->start(pose);
+    start_ = start_json({pose.place.frame, pose.collisions.triangle_triangle, pose.milliseconds});
+    return {};
+  }
+
   Result<void> step(const CheckedStep& step) override {
     if (snapshots_) snapshots_->look(step);
     file_.add("{}\n{}", step.place.number == 0 ? "" : ",", embedded(step_json(record_of(step))));
@@ -108,9 +114,10 @@ class PageReport final : public ReportWriter {
       notes_.push_back(fmt::format("Of {} colliding pairs the pictures mark {}; more with --limit.",
                                    totals.collisions.sum(), totals.listed.sum()));
     }
-    file_.add("\n],\n\"totals\":{},\n\"pictures\":[", embedded(totals_json(totals, false, false)));
+    file_.add("\n],\n\"start\":{},\n\"totals\":{},\n\"pictures\":[", embedded(start_),
+              embedded(totals_json(totals, false, false)));
     if (snapshots_) {
-      const auto pictures = snapshots_->draw();
+      const auto pictures = snapshots_->draw(totals);
       if (!pictures) return tl::unexpected(pictures.error());
       for (const Snapshot& picture : *pictures) {
         file_.add("{}\n{}", &picture == pictures->data() ? "" : ",",
@@ -133,6 +140,7 @@ class PageReport final : public ReportWriter {
   Index substeps_;
   std::string_view script_;
   std::optional<Snapshots> snapshots_;
+  Json start_ = nullptr;  // or what crosses in the first frame
   std::vector<std::string> notes_;
 };
 

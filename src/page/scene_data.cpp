@@ -17,12 +17,11 @@ Result<std::unique_ptr<SceneData>> SceneData::open(PageInput input) {
   scene->settings_ = std::move(input.check);
   scene->read_ = input.read;
   CheckSettings& settings = scene->settings_;
-  settings.poses = true;  // one frame is enough to be looked at
+  settings.poses = false;
   auto frames = frames_to_check(input.motions, settings);
   if (!frames) return tl::unexpected(frames.error());
   if (const auto ok = require_models_of(input.motions, settings); !ok) return tl::unexpected(ok.error());
   scene->frames_ = std::move(*frames);
-  settings.poses = false;
   settings.step.explain = true;
   scene->low_.setConstant(std::numeric_limits<double>::infinity());
   scene->high_ = -scene->low_;
@@ -60,6 +59,10 @@ Result<void> SceneData::add(Index i) {
   return {};
 }
 
+std::uint64_t SceneData::steps() const {
+  return frames_.size() == 1 ? 1 : (frames_.size() - 1) * std::uint64_t{settings_.substeps};
+}
+
 Json SceneData::json() const {
   Json objects = Json::array();
   for (const auto& object : objects_) {
@@ -87,6 +90,7 @@ Json SceneData::json() const {
             {"within", s.within},
             {"between", s.between},
             {"certificates", s.certificates},
+            {"steps_only", settings_.steps_only},
             {"mode", s.mode == Mode::Paper ? "paper" : "proven"}}},
           {"reasons", kReasonNames}};
 }

@@ -34,8 +34,8 @@ class SceneData {
   const CheckSettings& settings() const { return settings_; }
   std::span<const std::unique_ptr<PageObject>> objects() const { return objects_; }
   std::span<const Index> frames() const { return frames_; }
-  /// None for a single pose.
-  std::uint64_t steps() const { return (frames_.size() - 1) * std::uint64_t{settings_.substeps}; }
+  /// One that stands still for a single frame.
+  std::uint64_t steps() const;
 
   Json json() const;
   Result<SharedMotion::Frame> frame(Index object, Index k) const {

@@ -15,6 +15,9 @@ constexpr Index kWidth = 1280, kHeight = 560;
 // A closer look is worth it when collisions keep to less than this share of the whole.
 constexpr double kSmallPart = 0.2;
 
+// What is known of a triangle in a picture. The first is drawn where both are.
+constexpr std::uint8_t kCollides = 1, kCrossesAtStart = 2;
+
 /// Directions to eyes around the mesh, a little from above and below.
 std::vector<Vec3> directions_around() {
   std::vector<Vec3> directions;
@@ -37,25 +40,25 @@ struct Shown {
   }
 };
 
-/// Pixels that show red.
-Result<std::size_t> red_in(const Shown& shown, const View& view) {
+/// Pixels that show red or pink.
+Result<std::size_t> marked_in(const Shown& shown, const View& view) {
   const Panel panel = shown.from(view);
   const auto image = draw_picture(std::span(&panel, 1), {.width = 200, .height = 175, .samples = 1});
   if (!image) return tl::unexpected(image.error());
   return static_cast<std::size_t>(std::count_if(image->pixels.begin(), image->pixels.end(),
-                                                [](Colour c) { return c.red > 2 * c.green; }));
+                                                [](Colour c) { return 2 * c.red > 3 * c.green; }));
 }
 
-/// From where most of what is red is seen; nearly the front where there is nothing.
+/// From where most of what is marked is seen; nearly the front where there is nothing.
 Result<Vec3> best_direction(const Shown& shown, const std::vector<std::uint8_t>& marks) {
   Vec3 best{0.4, 0.3, 1};
-  if (std::find(marks.begin(), marks.end(), 1) == marks.end()) return best;
+  if (std::all_of(marks.begin(), marks.end(), [](std::uint8_t mark) { return mark == 0; })) return best;
   std::size_t most = 0;
   for (const Vec3& direction : directions_around()) {
-    const auto red = red_in(shown, {.from = direction});
-    if (!red) return tl::unexpected(red.error());
-    if (*red <= most) continue;
-    most = *red;
+    const auto marked = marked_in(shown, {.from = direction});
+    if (!marked) return tl::unexpected(marked.error());
+    if (*marked <= most) continue;
+    most = *marked;
     best = direction;
   }
   return best;
@@ -100,6 +103,15 @@ Result<Snapshots> Snapshots::open(Motions motions, Index substeps) {
   return Snapshots(motions, substeps, std::move(*joined));
 }
 
+void Snapshots::start(const CheckedStep& pose) {
+  start_.emplace();
+  start_->place = pose.place;
+  start_->collisions = pose.collisions;
+  joined_.pose(pose, 0, start_->positions);
+  mark_faces(motions_, pose, start_->marks);
+  for (std::uint8_t& mark : start_->marks) mark = mark ? kCrossesAtStart : 0;
+}
+
 void Snapshots::look(const CheckedStep& step) {
   if (steps_++ == 0) {
     all_.place = step.place;
@@ -121,18 +133,49 @@ void Snapshots::look(const CheckedStep& step) {
 }
 
 std::string Snapshots::caption(const Kept& kept) const {
+  if (kept.place.frame == kept.place.next_frame) {
+    return fmt::format(
+        "Frame {}, which stands alone: {} vertex-face and {} edge-edge pairs are in contact; red are "
+        "triangles "
+        "with a contact.",
+        kept.place.frame, kept.collisions.vertex_face, kept.collisions.edge_edge);
+  }
   std::string where = fmt::format("Frames {} to {}", kept.place.frame, kept.place.next_frame);
   if (substeps_ > 1) where += fmt::format(", part {} of {}", kept.place.substep + 1, substeps_);
   return fmt::format(
       "{}: {} vertex-face and {} edge-edge pairs collide. The pose is that of the first contact, "
-      "{:.4g} of the way; red are triangles that collide during the step.",
-      where, kept.collisions.vertex_face, kept.collisions.edge_edge, kept.toi);
+      "{:.4g} of the way; red are triangles that collide during the step{}.",
+      where, kept.collisions.vertex_face, kept.collisions.edge_edge, kept.toi,
+      starts_crossing() ? fmt::format(", pink those that cross in frame {}", start_->place.frame) : "");
+}
+
+std::string Snapshots::caption_of_start() const {
+  const std::uint64_t pairs = start_->collisions.sum();
+  return fmt::format("Frame {} starts with {} of triangles; pink are triangles that cross.",
+                     start_->place.frame,
+                     pairs == 1 ? "1 crossing pair" : fmt::format("{} crossing pairs", pairs));
+}
+
+std::string Snapshots::caption_of_all(bool stopped) const {
+  const std::string pose = fmt::format("The pose is that of frame {}.", all_.place.frame);
+  if (!worst_.empty()) {
+    return fmt::format("All {} steps together: red are triangles that collide in any of them{}. {}", steps_,
+                       starts_crossing() ? ", pink those that cross in the pose that is shown" : "", pose);
+  }
+  if (stopped) return fmt::format("Nothing collides in the {} steps that were checked. {}", steps_, pose);
+  if (start_) return "Nothing collides. " + pose;
+  return "No step has a contact; what crosses from the start was not asked. " + pose;
 }
 
 Result<std::string> Snapshots::draw(const Kept& kept) const {
   Shown shown{joined_.topology, kept.positions, {}};
-  for (const std::uint8_t marked : kept.marks)
-    shown.colours.push_back(marked ? colours::kRed : colours::kClay);
+  std::vector<std::uint8_t> marks = kept.marks;
+  for (std::size_t t = 0; start_ && t < marks.size(); ++t) marks[t] |= start_->marks[t];
+  for (const std::uint8_t mark : marks) {
+    shown.colours.push_back(mark & kCollides         ? colours::kRed
+                            : mark & kCrossesAtStart ? colours::kPink
+                                                     : colours::kClay);
+  }
   const auto direction = best_direction(shown, kept.marks);
   if (!direction) return tl::unexpected(direction.error());
   std::vector<Panel> panels{shown.from({.from = *direction})};
@@ -145,7 +188,7 @@ Result<std::string> Snapshots::draw(const Kept& kept) const {
   return png_bytes(*image);
 }
 
-Result<std::vector<Snapshot>> Snapshots::draw() const {
+Result<std::vector<Snapshot>> Snapshots::draw(const CheckTotals& totals) const {
   std::vector<Snapshot> snapshots;
   const auto add = [&](std::optional<std::uint64_t> step, const Kept& kept,
                        std::string caption) -> Result<void> {
@@ -154,17 +197,17 @@ Result<std::vector<Snapshot>> Snapshots::draw() const {
     snapshots.push_back({step, std::move(caption), std::move(*png)});
     return {};
   };
+  if (starts_crossing()) {
+    if (const auto done = add(std::nullopt, *start_, caption_of_start()); !done)
+      return tl::unexpected(done.error());
+    if (worst_.empty()) return snapshots;
+  }
   for (const Kept& kept : worst_) {
     if (const auto done = add(kept.place.number, kept, caption(kept)); !done)
       return tl::unexpected(done.error());
   }
-  const std::string pose = fmt::format("The pose is that of frame {}.", all_.place.frame);
-  const std::string all = worst_.empty() ? "Nothing collides. " + pose
-                                         : fmt::format(
-                                               "All {} steps together: red are triangles that collide "
-                                               "in any of them. {}",
-                                               steps_, pose);
-  if (const auto done = add(std::nullopt, all_, all); !done) return tl::unexpected(done.error());
+  if (const auto done = add(std::nullopt, all_, caption_of_all(totals.cancelled)); !done)
+    return tl::unexpected(done.error());
   return snapshots;
 }
 

@@ -83,6 +83,48 @@ Result<void> StepStore::append(std::span<const char> bytes) {
   return done;
 }
 
+Result<void> StepStore::start(const CheckedStep& pose) {
+  const auto corners = [&](Index object, Index triangle) {
+    std::array<Vec3, 3> x;
+    const Triangle& t = motions_[object]->topology().triangles()[triangle];
+    for (std::size_t k = 0; k < 3; ++k)
+      x[k] = Eigen::Map<const Vec3>(&pose.x0[object][3 * std::size_t{t[k]}]);
+    return x;
+  };
+  std::vector<StartCrossing> crossings;
+  for (const TriangleCrossing& c : pose.pose->crossings) {
+    const Vec3 point = crossing_point(corners(c.object_a, c.triangle_a), corners(c.object_b, c.triangle_b));
+    crossings.push_back({{point.x(), point.y(), point.z()}, c});
+  }
+  if (auto done = append(bytes_of(std::span<const StartCrossing>(crossings))); !done) return done;
+  start_faces_at_ = details_size_;
+  for (Index i = 0; i < motions_.size(); ++i) {
+    const std::vector<std::uint8_t> faces = colliding_faces(motions_[i]->topology(), i, *pose.pose);
+    if (auto done = append(bytes_of(std::span<const std::uint8_t>(faces))); !done) return done;
+  }
+  start_ = {pose.place.frame, crossings.size(), pose.milliseconds};
+  started_.store(true, std::memory_order_release);
+  return {};
+}
+
+std::optional<StartRecord> StepStore::started() const {
+  if (!started_.load(std::memory_order_acquire)) return std::nullopt;
+  return start_;
+}
+
+Result<std::vector<StartCrossing>> StepStore::crossings(std::uint64_t offset, std::uint64_t limit) const {
+  offset = std::min(offset, start_.crossings);
+  std::vector<StartCrossing> crossings(std::min(limit, start_.crossings - offset));
+  if (!details_.read_at(offset * sizeof(StartCrossing), bytes_of(crossings))) return unreadable();
+  return crossings;
+}
+
+Result<std::vector<std::uint8_t>> StepStore::crossing_faces(Index object) const {
+  std::vector<std::uint8_t> faces(first_face_[object + 1] - first_face_[object]);
+  if (!details_.read_at(start_faces_at_ + first_face_[object], bytes_of(faces))) return unreadable();
+  return faces;
+}
+
 Result<void> StepStore::add(const CheckedStep& step) {
   Entry entry{.record = record_of(step), .contacts_at = details_size_, .faces_at = 0};
   const std::vector<Contact> contacts = contacts_of(step, motions_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mutex>
+#include <optional>
 
 #include "foldproof/report.h"
 #include "io/spool.h"
@@ -20,6 +21,19 @@ struct StepRecord {
 };
 
 StepRecord record_of(const CheckedStep& step);
+
+/// What is known of the first frame as a whole.
+struct StartRecord {
+  Index frame = 0;
+  std::uint64_t crossings = 0;  ///< Pairs of triangles.
+  StageTimes milliseconds;
+};
+
+/// Two triangles that cross in the first frame, and where.
+struct StartCrossing {
+  std::array<double, 3> point{};  ///< Mesh units.
+  TriangleCrossing triangles;
+};
 
 /// A collision and where it happens.
 struct Contact {
@@ -43,6 +57,16 @@ struct FaceRecord {
 class StepStore {
  public:
   static Result<std::unique_ptr<StepStore>> open(Motions motions);
+
+  /// At most once, before all steps. Error: the temporary file cannot take it.
+  Result<void> start(const CheckedStep& pose);
+  /// Nothing until then.
+  std::optional<StartRecord> started() const;
+  // Preconditions: started(). Error: the temporary file cannot be read.
+  /// Sorted by ids. Fewer than `limit` at the end.
+  Result<std::vector<StartCrossing>> crossings(std::uint64_t offset, std::uint64_t limit) const;
+  /// One per triangle: 1 when it crosses another.
+  Result<std::vector<std::uint8_t>> crossing_faces(Index object) const;
 
   /// Steps come in order. Error: the temporary file cannot take it.
   Result<void> add(const CheckedStep& step);
@@ -71,6 +95,9 @@ class StepStore {
   io::Spool entries_, details_;
   std::uint64_t details_size_ = 0;
   std::atomic<std::uint64_t> count_{0};
+  StartRecord start_;                 // once started_
+  std::uint64_t start_faces_at_ = 0;  // its crossings lie at 0
+  std::atomic<bool> started_{false};
 };
 
 }  // namespace foldproof

@@ -348,14 +348,101 @@ TEST(PageAnswers, ManyStepsComeAThousandAtATime) {
   EXPECT_THAT(served.json("/api/steps?from=9999999")["steps"], SizeIs(0));
 }
 
-TEST(PageAnswers, ASinglePoseIsOnlyLookedAt) {
+TEST(PageAnswers, ASinglePoseIsAMotionThatStandsStill) {
   Served served(page_of(list(bending_tube(kSmallTube, {1}))));
-  EXPECT_EQ(served.json("/api/scene")["steps"], 0);
-  const Json steps = served.json("/api/steps");
-  EXPECT_EQ(steps["state"], "none");
-  EXPECT_EQ(steps["total"], 0);
+  EXPECT_EQ(served.json("/api/scene")["steps"], 1);
+  const Json steps = served.all_steps();
+  EXPECT_EQ(steps["state"], "done");
+  EXPECT_EQ(steps["total"], 1);
+  EXPECT_EQ(steps["start"]["crossings"], 0);
+  EXPECT_EQ(steps["steps"][0]["next_frame"], 0);
   EXPECT_THAT(served.numbers<float>("/api/objects/0/frames/0"), SizeIs(3 * 12 * 9));
-  EXPECT_THAT(served.json("/api/steps/0/collisions", 404)["error"], HasSubstr("no step 0"));
+  EXPECT_THAT(served.json("/api/steps/1/collisions", 404)["error"], HasSubstr("no step 1"));
+  Served crossing(page_of(two_balls(1)));
+  EXPECT_GT(crossing.all_steps()["start"]["crossings"], 0);
+}
+
+/// What the library itself says of the first frame.
+StaticResult crossings_of(const std::vector<std::unique_ptr<Motion>>& motions) {
+  std::vector<std::shared_ptr<const Hierarchy>> trees;
+  std::vector<std::vector<double>> frames;
+  for (const auto& motion : motions) {
+    frames.push_back(frame_of(*motion, 0));
+    trees.push_back(std::make_shared<const Hierarchy>(*Hierarchy::build(motion->topology(), frames.back())));
+  }
+  const std::vector<std::span<const double>> x(frames.begin(), frames.end());
+  StaticResult result;
+  EXPECT_TRUE(StepChecker(trees).check_static(x, {}, result));
+  return result;
+}
+
+TEST(PageAnswers, WhatCrossesFromTheStartIsToldThoughNoStepCollides) {
+  const auto motions = two_balls(5);
+  const StaticResult truth = crossings_of(motions);
+  ASSERT_GT(truth.crossings.size(), 20u);
+  Served served(page_of(two_balls(5)));
+  const Json all = served.all_steps();
+  EXPECT_EQ(all["start"]["frame"], 0);
+  EXPECT_EQ(all["start"]["crossings"], truth.crossings.size());
+  for (const Json& step : all["steps"])
+    EXPECT_EQ(step["vertex_face"].get<int>() + step["edge_edge"].get<int>(), 0);
+  const Json told = served.json("/api/start/crossings");
+  EXPECT_EQ(told["total"], truth.crossings.size());
+  ASSERT_THAT(told["items"], SizeIs(truth.crossings.size()));
+  for (std::size_t k = 0; k < truth.crossings.size(); ++k) {
+    const TriangleCrossing& c = truth.crossings[k];
+    const Json& item = told["items"][k];
+    EXPECT_EQ(item["kind"], "tt");
+    EXPECT_EQ(item["object_a"], c.object_a);
+    EXPECT_EQ(item["a"], Json::array({c.triangle_a}));
+    EXPECT_EQ(item["object_b"], c.object_b);
+    EXPECT_EQ(item["b"], Json::array({c.triangle_b}));
+    // Both balls have a radius of about 1, so they cross halfway between their middles.
+    EXPECT_NEAR(item["point"][0], 0.5, 0.1);
+  }
+  EXPECT_TRUE(served.json("/api/start/crossings?offset=3&limit=2")["items"] ==
+              Json::array({told["items"][3], told["items"][4]}));
+  served.json("/api/start/crossings?limit=1001", 400);
+  for (Index i = 0; i < 2; ++i) {
+    EXPECT_EQ(served.numbers<std::uint8_t>("/api/start/faces/" + std::to_string(i)),
+              colliding_faces(motions[i]->topology(), i, truth));
+  }
+  served.json("/api/start/faces/2", 404);
+}
+
+TEST(PageAnswers, AFreeStartIsToldToBeFree) {
+  Served served(page_of(two_balls(3, 2.5)));
+  EXPECT_EQ(served.all_steps()["start"]["crossings"], 0);
+  EXPECT_THAT(served.json("/api/start/crossings")["items"], SizeIs(0));
+  EXPECT_THAT(served.numbers<std::uint8_t>("/api/start/faces/0"), ::testing::Each(0));
+}
+
+TEST(PageAnswers, StepsOnlyAsksNothingOfTheStart) {
+  CheckSettings check;
+  check.steps_only = true;
+  Served served(page_of(two_balls(3), check));
+  EXPECT_EQ(served.json("/api/scene")["settings"]["steps_only"], true);
+  const Json all = served.all_steps();
+  EXPECT_EQ(all["state"], "done");
+  EXPECT_TRUE(all["start"].is_null());
+  EXPECT_THAT(served.json("/api/start/crossings", 404)["error"], HasSubstr("--steps-only"));
+  EXPECT_THAT(served.json("/api/start/faces/0", 404)["error"], HasSubstr("--steps-only"));
+}
+
+TEST(PageAnswers, AStoppedCheckIsNotDone) {
+  const auto page = page_of(two_balls(3));
+  const std::atomic<bool> stop{true};
+  page->work(stop);
+  const Json all = Json::parse(page->get("/api/steps").body);
+  EXPECT_EQ(all["state"], "stopped");
+  EXPECT_EQ(all["done"], 0);
+  EXPECT_EQ(all["total"], 2);
+  EXPECT_TRUE(all["start"].is_null());
+  const PageAnswer step = page->get("/api/steps/1/collisions"), start = page->get("/api/start/faces/0");
+  EXPECT_EQ(step.status, 404);
+  EXPECT_THAT(step.body, HasSubstr("stopped before step 1"));
+  EXPECT_EQ(start.status, 404);
+  EXPECT_THAT(start.body, HasSubstr("stopped before the first frame"));
 }
 
 TEST(PageAnswers, AMotionThatTurnsBadFailsWithOneLine) {
@@ -378,7 +465,9 @@ TEST(PageAnswers, WhatIsNotCheckedYetIsSaid) {
   const Json steps = Json::parse(page->get("/api/steps").body);
   EXPECT_EQ(steps["state"], "running");
   EXPECT_EQ(steps["done"], 0);
-  for (const char* path : {"/api/steps/6/collisions", "/api/steps/0/faces/1"}) {
+  EXPECT_TRUE(steps["start"].is_null());
+  for (const char* path :
+       {"/api/steps/6/collisions", "/api/steps/0/faces/1", "/api/start/crossings", "/api/start/faces/1"}) {
     const PageAnswer answer = page->get(path);
     EXPECT_EQ(answer.status, 425);
     EXPECT_THAT(Json::parse(answer.body)["error"].get<std::string>(), HasSubstr("not checked yet"));
@@ -447,6 +536,9 @@ TEST(PageOpen, SaysWhatDoesNotFit) {
   CheckSettings check;
   check.frames = *parse_frame_range("50:60");
   EXPECT_THAT(error_of(list(meeting_tube()), check), HasSubstr("--frames"));
+  check = {};
+  check.steps_only = true;
+  EXPECT_THAT(error_of(list(meeting_tube(1)), check), HasSubstr("--steps-only"));
   check = {};
   check.models = {std::make_shared<const Model>(small_model())};
   EXPECT_THAT(error_of(list(meeting_tube()), check), HasSubstr("tube"));

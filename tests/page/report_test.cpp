@@ -127,6 +127,91 @@ TEST(MailedReport, OfAFreeMotionShowsThatItIsFree) {
   EXPECT_EQ(data["pictures"][0]["caption"], "Nothing collides. The pose is that of frame 0.");
 }
 
+TEST(MailedReport, ShowsWhatCrossesFromTheStart) {
+  const Reported reported(two_balls(4));
+  ASSERT_EQ(reported.error, "");
+  EXPECT_FALSE(reported.totals.clean());
+  EXPECT_EQ(reported.totals.collisions.sum(), 0u);
+  const Json data = reported.data();
+  EXPECT_EQ(data["start"]["frame"], 0);
+  EXPECT_EQ(data["start"]["crossings"], *reported.totals.starts_crossing);
+  EXPECT_EQ(data["totals"]["stopped"], false);
+  EXPECT_EQ(data["totals"]["steps_expected"], 3);
+  ASSERT_THAT(data["pictures"], SizeIs(1));
+  EXPECT_EQ(data["pictures"][0]["caption"],
+            "Frame 0 starts with " + std::to_string(*reported.totals.starts_crossing) +
+                " crossing pairs of triangles; pink are triangles that cross.");
+}
+
+TEST(MailedReport, ShowsTheStartBesideTheWorstSteps) {
+  // The balls are half inside each other and go on into each other.
+  std::vector<std::vector<double>> left, right;
+  for (int k = 0; k < 4; ++k) {
+    left.push_back(ball_at(0));
+    right.push_back(ball_at(1 - 0.2 * k, 0.07));
+  }
+  const Reported reported(list(memory_motion("left", tube(16, 12), std::move(left)),
+                               memory_motion("right", tube(16, 12), std::move(right))));
+  const Json data = reported.data();
+  ASSERT_EQ(reported.totals.steps_with_collisions, 3u);
+  ASSERT_THAT(data["pictures"], SizeIs(5)) << "the start, three steps, all of them";
+  EXPECT_THAT(data["pictures"][0]["caption"].get<std::string>(), StartsWith("Frame 0 starts with "));
+  for (int k : {1, 4})
+    EXPECT_THAT(data["pictures"][k]["caption"].get<std::string>(), HasSubstr("pink those that cross in"));
+}
+
+TEST(MailedReport, WithStepsOnlyClaimsNothingOfTheStart) {
+  CheckSettings settings;
+  settings.steps_only = true;
+  const Reported reported(two_balls(3), settings);
+  const Json data = reported.data();
+  EXPECT_TRUE(data["start"].is_null());
+  EXPECT_EQ(data["settings"]["steps_only"], true);
+  ASSERT_THAT(data["pictures"], SizeIs(1));
+  EXPECT_EQ(data["pictures"][0]["caption"],
+            "No step has a contact; what crosses from the start was not asked. The pose is that of frame 0.");
+}
+
+/// Hands on what it gets, and says at the end that there were to be more steps.
+class StoppedEarly final : public ReportWriter {
+ public:
+  explicit StoppedEarly(std::unique_ptr<ReportWriter> writer) : writer_(std::move(writer)) {}
+  Result<void> start(const CheckedStep& pose) override { return writer_->start(pose); }
+  Result<void> step(const CheckedStep& step) override { return writer_->step(step); }
+  Result<void> finish(const CheckTotals& whole) override {
+    CheckTotals totals = whole;
+    totals.cancelled = true;
+    totals.steps_expected = 7200;
+    return writer_->finish(totals);
+  }
+
+ private:
+  std::unique_ptr<ReportWriter> writer_;
+};
+
+TEST(MailedReport, OfAStoppedCheckSaysHowFarItCame) {
+  const TemporaryDirectory directory;
+  const auto motions = two_balls(4, 2.5);
+  CheckSettings settings;
+  settings.step.explain = true;
+  auto writer = page_report(directory / "report.html", motions, {{settings, {}}, ""}, kStubPage);
+  ASSERT_TRUE(writer);
+  const std::unique_ptr<ReportWriter> writers[] = {std::make_unique<StoppedEarly>(std::move(*writer))};
+  ASSERT_TRUE(run_check(motions, settings, writers));
+  const std::string html = read_file(directory / "report.html");
+  EXPECT_THAT(html, HasSubstr("\"stopped\":true"));
+  EXPECT_THAT(html, HasSubstr("\"steps_expected\":7200"));
+  EXPECT_THAT(html, HasSubstr("Nothing collides in the 3 steps that were checked."));
+}
+
+TEST(MailedReport, OfASingleFrameTellsWhatCrosses) {
+  const Reported reported(two_balls(1));
+  ASSERT_EQ(reported.error, "");
+  const Json data = reported.data();
+  EXPECT_GT(data["start"]["crossings"], 0);
+  EXPECT_THAT(data["steps"], SizeIs(1));
+}
+
 TEST(MailedReport, NamesAreTextAndNothingElse) {
   std::vector<std::vector<double>> frames{needle_frame(1), needle_frame(-1)};
   const Reported reported(

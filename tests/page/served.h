@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <thread>
 
 #include "foldproof/page.h"
@@ -110,6 +111,31 @@ inline std::unique_ptr<Motion> meeting_tube(std::size_t frames = 8, double farth
   for (std::size_t k = 0; k < frames; ++k)
     angles.push_back(0.5 + farthest * static_cast<double>(k) / static_cast<double>(frames));
   return bending_tube({24, 30}, angles, "tube");
+}
+
+/// A ball around x = `middle`, y = `lift`.
+inline std::vector<double> ball_at(double middle, double lift = 0, Index around = 16, Index rings = 12) {
+  std::vector<double> x;
+  for (Index ring = 0; ring <= rings; ++ring) {
+    const double angle = std::numbers::pi * (ring + 0.01) / (rings + 0.02);  // no two vertices at a pole
+    for (Index i = 0; i < around; ++i) {
+      const double turn = 2 * std::numbers::pi * i / around;
+      x.insert(x.end(), {middle + std::sin(angle) * std::cos(turn), lift + std::cos(angle),
+                         std::sin(angle) * std::sin(turn)});
+    }
+  }
+  return x;
+}
+
+/// Two balls that are half inside each other, `apart` 1, or not, and move together.
+inline std::vector<std::unique_ptr<Motion>> two_balls(std::size_t frames, double apart = 1) {
+  std::vector<std::vector<double>> left, right;
+  for (std::size_t k = 0; k < frames; ++k) {
+    left.push_back(ball_at(0.3 * static_cast<double>(k)));
+    right.push_back(ball_at(0.3 * static_cast<double>(k) + apart, 0.07));  // not mirrored: no two edges touch
+  }
+  return list(memory_motion("left", tube(16, 12), std::move(left)),
+              memory_motion("right", tube(16, 12), std::move(right)));
 }
 
 /// A motion that turns bad at a frame.

@@ -7,6 +7,7 @@ import { append, el } from '../shared/dom';
 import { counted, grouped, milliseconds, percent, short, toiText } from '../shared/format';
 import { beginOf, collisionsOf, placeText, type Step } from '../shared/steps';
 import { applyTheme, onTheme, startTheme, themeButton } from '../shared/theme';
+import { kStartNotAsked, startText, verdictOf, type Found, type Kind, type Start } from '../shared/verdict';
 
 interface Counts {
   vf: number;
@@ -20,8 +21,11 @@ interface Data {
   command: string;
   objects: { name: string; vertices: number; triangles: number; frames: number; model: string | null | { name: string } }[];
   settings: Record<string, unknown>;
+  start: Start | null; // nothing where it was not asked
   totals: {
     steps: number;
+    steps_expected: number;
+    stopped: boolean;
     steps_with_collisions: number;
     collisions: Counts;
     earliest: { frame: number; substep: number; toi: number } | null;
@@ -61,26 +65,74 @@ function append_<T extends HTMLElement>(parent: T, children: HTMLElement[]): T {
 
 const total = (counts: number | Counts): number => (typeof counts === 'number' ? counts : counts.vf + counts.ee);
 
+function foundIn({ settings, start, totals }: Data, single: boolean): Found {
+  return {
+    state: totals.stopped ? 'stopped' : 'done',
+    done: totals.steps,
+    total: totals.steps_expected,
+    pairs: totals.collisions.vf + totals.collisions.ee,
+    colliding: totals.steps_with_collisions,
+    start,
+    stepsOnly: settings['steps_only'] === true,
+    statistical: settings['mode'] === 'paper',
+    single,
+  };
+}
+
+/** What the answer rests on. */
+function kindOfProof(data: Data, found: Found): string {
+  if (found.statistical) return 'The answer for the steps is statistical and can miss collisions.';
+  if (found.state !== 'done') return 'The check was stopped: of the steps that are not listed nothing is known.';
+  if (found.single) return 'The answer is exact.';
+  const steps = 'Nothing is sampled: between frames every vertex moves along a straight line, and a step with no pair listed is proven to have no contact.';
+  if (data.start === null) return `${steps} A step tells only what comes into contact: ${kStartNotAsked}, so parts may be inside each other without being listed.`;
+  if (data.start.crossings > 0) return `${steps} What crosses from the start can go on crossing without any contact.`;
+  return steps;
+}
+
 /** What was found, in sentences. */
-function summary(data: Data, substeps: number): { verdict: string; text: string; free: boolean } {
+function summary(data: Data, substeps: number): { verdict: string; text: string; kind: Kind } {
   const { totals } = data;
-  const statistical = data.settings['mode'] === 'paper';
-  const pairs = totals.collisions.vf + totals.collisions.ee;
+  const found = foundIn(data, isSingle(data));
+  const verdict = verdictOf(found);
   const triangles = data.objects.reduce((sum, object) => sum + object.triangles, 0);
-  const checked = `${counted(totals.steps, 'step')} of ${counted(data.objects.length, 'object')} with ${counted(triangles, 'triangle')} ${totals.steps === 1 ? 'was' : 'were'} checked in ${milliseconds(totals.milliseconds.total)}`;
-  const kind = statistical
-    ? 'The answer is statistical and can miss collisions.'
-    : 'Nothing is sampled: between frames every vertex moves along a straight line, and whatever is not listed is proven free of contact.';
-  if (pairs === 0) {
-    return { verdict: statistical ? 'No collision was found' : 'The motion is free of collisions', text: `${checked}. ${kind}`, free: true };
-  }
+  const what = found.single ? 'A single frame' : counted(totals.steps, 'step');
+  const time = totals.milliseconds.total + (data.start?.ms.total ?? 0);
+  const parts = [`${what} of ${counted(data.objects.length, 'object')} with ${counted(triangles, 'triangle')} ${found.single || totals.steps === 1 ? 'was' : 'were'} checked in ${milliseconds(time)}.`];
   const where = (place: { frame: number; substep: number }) => `frame ${place.frame}${substeps > 1 ? `, part ${place.substep + 1} of ${substeps}` : ''}`;
-  const parts = [`${checked}.`, `${counted(pairs, 'pair')} of features ${pairs === 1 ? 'collides' : 'collide'}: ${counted(totals.collisions.vf, 'vertex–face pair')} and ${grouped(totals.collisions.ee)} edge–edge.`];
-  if (totals.earliest) parts.push(`The first contact comes ${toiText(totals.earliest.toi)} of the way from ${where(totals.earliest)}.`);
-  if (totals.worst) parts.push(`The worst step starts at ${where(totals.worst)}, with ${counted(total(totals.worst.collisions), 'pair')}.`);
+  if (found.pairs > 0) parts.push(`${counted(found.pairs, 'pair')} of features ${found.pairs === 1 ? 'collides' : 'collide'}: ${counted(totals.collisions.vf, 'vertex–face pair')} and ${grouped(totals.collisions.ee)} edge–edge.`);
+  if (totals.earliest && !found.single) parts.push(`The first contact comes ${toiText(totals.earliest.toi)} of the way from ${where(totals.earliest)}.`);
+  if (totals.worst && !found.single) parts.push(`The worst step starts at ${where(totals.worst)}, with ${counted(total(totals.worst.collisions), 'pair')}.`);
   const undecided = totals.work['undecided'] ?? 0;
   if (undecided > 0) parts.push(`${counted(undecided, 'pair')} could not be decided within the iteration limit and ${undecided === 1 ? 'is' : 'are'} counted as collisions.`);
-  return { verdict: `The motion collides in ${grouped(totals.steps_with_collisions)} of ${counted(totals.steps, 'step')}`, text: [...parts, kind].join(' '), free: false };
+  return { verdict: verdict.text, text: [...parts, kindOfProof(data, found)].join(' '), kind: verdict.kind };
+}
+
+const isSingle = ({ steps }: Data): boolean => steps.length === 1 && steps[0]!.frame === steps[0]!.next_frame;
+
+/** The two questions, which only together say that nothing goes through anything. */
+function questions(data: Data): HTMLElement {
+  const { start, totals } = data;
+  const found = foundIn(data, isSingle(data));
+  const first = data.steps[0]?.frame ?? start?.frame ?? 0;
+  const last = data.steps.at(-1)?.next_frame ?? first;
+  const answer = (text: string, kind: Kind) => el('span', { className: `answer ${kind}` }, text);
+  const crossings = start === null ? answer('not asked (--steps-only)', 'run') : start.crossings === 0 ? answer('none', 'free') : answer(counted(start.crossings, 'pair'), 'hit');
+  const pairs = found.pairs > 0 ? `${counted(found.pairs, 'pair')}${found.single ? '' : ` in ${grouped(found.colliding)} of ${counted(totals.steps, 'step')}`}` : 'none';
+  const rest = found.state === 'done' ? '' : `; ${grouped(totals.steps_expected - totals.steps)} of ${counted(totals.steps_expected, 'step')} not checked`;
+  const contacts = answer(pairs + rest, found.pairs > 0 ? 'hit' : rest ? 'stopped' : found.statistical || start?.crossings !== 0 ? 'run' : 'free');
+  const second = found.single ? `Pairs in contact in frame ${first}` : `Contacts in the steps from frame ${first} to ${last}`;
+  return section(
+    'What was asked',
+    table(
+      ['question', 'answer', 'time'],
+      [
+        [`Triangles that cross in frame ${first}`, crossings, start === null ? '–' : milliseconds(start.ms.total)],
+        [second, contacts, milliseconds(totals.milliseconds.total)],
+      ],
+      [false, false, true],
+    ),
+  );
 }
 
 function reasonsTable(data: Data): HTMLElement | null {
@@ -136,23 +188,24 @@ function makeCharts(data: Data, substeps: number): { charts: Charts; box: HTMLEl
 
 function build(data: Data): void {
   const substeps = Number(data.settings['substeps'] ?? 1) || 1;
-  const { verdict, text, free } = summary(data, substeps);
+  const { verdict, text, kind } = summary(data, substeps);
   document.title = `${data.objects.map(({ name }) => name).join(', ')} – ${data.program} report`;
-  const charts = data.steps.length > 0 ? makeCharts(data, substeps) : null;
+  const charts = data.steps.length > 0 && !isSingle(data) ? makeCharts(data, substeps) : null;
   const model = (value: Data['objects'][number]['model']) => (value === null ? 'none' : typeof value === 'string' ? value : value.name);
   const page = el(
     'main',
     { className: 'report' },
-    el('header', {}, el('div', {}, el('p', { className: 'brand' }, 'Foldproof report'), el('h1', { className: free ? 'free' : 'hit' }, verdict)), themeButton()),
+    el('header', {}, el('div', {}, el('p', { className: 'brand' }, 'Foldproof report'), el('h1', { className: kind }, verdict)), themeButton()),
     el('p', { className: 'lead' }, text),
     ...data.notes.map((note) => el('p', { className: 'note' }, note)),
+    questions(data),
     pictures(data),
     section(
       'Objects',
       table(['object', 'vertices', 'triangles', 'frames', 'model'], data.objects.map((o) => [o.name, grouped(o.vertices), grouped(o.triangles), grouped(o.frames), model(o.model)]), [false, true, true, true, false]),
     ),
     charts?.box,
-    worstSteps(data, substeps),
+    isSingle(data) ? null : worstSteps(data, substeps),
     reasonsTable(data),
     section('Settings', table(['setting', 'value'], Object.entries(data.settings).map(([key, value]) => [key, plain(value)]), [false, false]), el('p', { className: 'note' }, `Largest tolerance used: ${short(data.totals.tolerance)} mesh units.`)),
     el('footer', {}, el('p', {}, `Made by ${data.program} ${data.version} on ${data.made} with`), el('pre', {}, data.command)),
@@ -160,6 +213,7 @@ function build(data: Data): void {
   document.body.replaceChildren(page);
   if (!charts) return;
   charts.charts.setSteps(data.steps);
+  if (data.start && data.start.crossings > 0) charts.charts.setStart(data.start.frame, startText(data.start));
   onTheme(() => charts.charts.restyle());
   // Paper is white.
   window.addEventListener('beforeprint', () => {
@@ -173,7 +227,9 @@ function pictures(data: Data): HTMLElement | null {
   if (data.pictures.length === 0) return null;
   const box = el('div', { className: 'pictures' });
   for (const picture of data.pictures) box.append(el('figure', {}, el('img', { src: picture.png, alt: picture.caption }), el('figcaption', {}, picture.caption)));
-  return section('The worst steps', box);
+  const starts = (data.start?.crossings ?? 0) > 0;
+  const collides = data.totals.steps_with_collisions > 0;
+  return section(starts && collides ? 'The start and the worst steps' : starts ? 'The start' : collides ? 'The worst steps' : 'The first frame', box);
 }
 
 startTheme();

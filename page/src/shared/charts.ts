@@ -98,13 +98,14 @@ export interface ChartOptions {
 
 export class Charts {
   readonly element = el('div', { className: 'charts' });
-  private readonly plots: { chart: Chart; plot: uPlot; box: HTMLElement; now: HTMLElement }[] = [];
+  private readonly plots: { chart: Chart; plot: uPlot; box: HTMLElement; now: HTMLElement; start: HTMLElement }[] = [];
   private readonly sync = uPlot.sync('steps');
   private readonly resize = new ResizeObserver(() => this.fit());
   private steps: Step[] = [];
   private place = 0;
   private current = 0;
   private hovering = false;
+  private start: { frame: number; text: string } | null = null;
 
   constructor(private readonly options: ChartOptions) {
     this.resize.observe(this.element);
@@ -118,6 +119,17 @@ export class Charts {
       plot.setData(columns(chart, steps, this.options.substeps));
     }
     this.showValues();
+    this.moveNow();
+  }
+
+  /** Marks the first frame, in which triangles cross; what that means stands under the chart of collisions. */
+  setStart(frame: number, text: string): void {
+    this.start = { frame, text };
+    for (const { chart, box, start } of this.plots) {
+      start.hidden = false;
+      start.title = text;
+      if (chart.id === 'collisions' && !box.querySelector('.starts')) box.append(el('p', { className: 'starts' }, el('span', { className: 'swatch crossing' }), text));
+    }
     this.moveNow();
   }
 
@@ -137,6 +149,7 @@ export class Charts {
     this.element.replaceChildren();
     this.build();
     this.setSteps(this.steps);
+    if (this.start) this.setStart(this.start.frame, this.start.text);
   }
 
   private build(): void {
@@ -145,6 +158,8 @@ export class Charts {
       this.element.append(box);
       const plot = new uPlot(this.describe(chart), columns(chart, [], 1), box);
       const now = el('div', { className: 'now' });
+      const start = el('div', { className: 'start-mark', hidden: true });
+      plot.over.append(start);
       if (this.options.seek) plot.over.append(now);
       plot.over.addEventListener('mouseenter', () => (this.hovering = true));
       plot.over.addEventListener('mouseleave', () => {
@@ -156,7 +171,7 @@ export class Charts {
         const step = typeof index === 'number' ? this.steps[Math.min(index, this.steps.length - 1)] : undefined;
         if (step) this.options.seek?.(step.number);
       });
-      this.plots.push({ chart, plot, box, now });
+      this.plots.push({ chart, plot, box, now, start });
     }
   }
 
@@ -220,6 +235,9 @@ export class Charts {
   }
 
   private moveNow(): void {
-    for (const { plot, now } of this.plots) now.style.transform = `translateX(${plot.valToPos(this.place, 'x')}px)`;
+    for (const { plot, now, start } of this.plots) {
+      now.style.transform = `translateX(${plot.valToPos(this.place, 'x')}px)`;
+      if (this.start) start.style.transform = `translateX(${plot.valToPos(this.start.frame, 'x')}px)`;
+    }
   }
 }

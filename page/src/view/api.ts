@@ -1,5 +1,6 @@
 // What the program serves; docs/viewer.md tells the endpoints.
 import type { Step } from '../shared/steps';
+import type { Start } from '../shared/verdict';
 
 export interface ModelInfo {
   name: string;
@@ -35,21 +36,23 @@ export interface SceneInfo {
 }
 
 export interface StepsAnswer {
-  state: 'running' | 'done' | 'failed' | 'none';
+  state: 'running' | 'done' | 'stopped' | 'failed';
   error?: string | null;
+  start: Start | null; // also nothing where it is not asked
   done: number;
   total: number;
   steps: Step[];
 }
 
+/** Of features that collide in a step, or (tt) of triangles that cross in the first frame. */
 export interface Pair {
-  kind: 'vf' | 'ee';
+  kind: 'vf' | 'ee' | 'tt';
   object_a: number;
   a: number[];
   object_b: number;
   b: number[];
   toi: number;
-  answer: 'hit' | 'undecided';
+  answer: 'hit' | 'undecided' | 'crossing';
   point: number[];
 }
 
@@ -101,6 +104,11 @@ export async function getJson<T>(path: string, signal?: AbortSignal): Promise<T>
 export async function getFloats(path: string, signal?: AbortSignal): Promise<Float32Array> {
   const response = await get(path, signal);
   return new Float32Array(await body(response.arrayBuffer()));
+}
+
+export async function getBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
+  const response = await get(path);
+  return new Uint8Array(await body(response.arrayBuffer()));
 }
 
 export async function getIndices(path: string): Promise<Uint32Array> {

@@ -3,10 +3,10 @@ import * as THREE from 'three';
 import { Charts } from '../shared/charts';
 import { kBlue, kSky, type Rgb } from '../shared/colours';
 import { el, setText } from '../shared/dom';
-import { counted, grouped } from '../shared/format';
+import { startText } from '../shared/verdict';
 import { isDark, onTheme, toggleTheme } from '../shared/theme';
-import { ApiError, getIndices, GoneError, type Pair, type SceneInfo } from './api';
-import { Check, PairStore } from './check';
+import { ApiError, getBytes, getIndices, GoneError, type Pair, type SceneInfo } from './api';
+import { Check, kStart, PairStore } from './check';
 import { Clock } from './clock';
 import { CollisionPanel } from './collisions';
 import { Data } from './data';
@@ -55,6 +55,8 @@ export class App {
   private stepSince = 0;
   private shownPairs: Pair[] | null = null;
   private shownFaces = -1;
+  private crossingAsked = false;
+  private both = false;
   private shownBoxes: Float32Array[] | null = null;
   private counts: FaceCounts | null = null;
   private readonly errors = new Map<number, { largest: number; rms: number }>();
@@ -70,18 +72,18 @@ export class App {
     const failed = (error: unknown) => this.fail(error);
     const changed = () => (this.dirty = true);
     this.clock = new Clock(scene.steps, scene.substeps, scene.frames);
-    this.check = new Check((from) => this.checked(from), failed);
+    this.check = new Check(scene, (from) => this.checked(from), failed);
     this.pairs = new PairStore(changed, failed);
     this.layers = new LayerPanel(scene, changed);
     this.data = new Data(scene, this.check, () => this.layers.state, () => this.arrived(), failed);
-    this.timeline = new Timeline(scene, this.clock, {
+    this.timeline = new Timeline(scene, this.clock, this.check, {
       play: () => this.play(!this.clock.playing),
       move: (by) => this.goTo(() => this.clock.move(by)),
       seekPlace: (place) => this.goTo(() => this.clock.seekPlace(place), true),
       seekTime: (t) => this.goTo(() => this.clock.seek(this.clock.step, t)),
       collision: (direction) => this.nextCollision(direction),
     });
-    this.collisions = new CollisionPanel(scene, (pair) => this.choose(pair), (direction) => this.nextCollision(direction));
+    this.collisions = new CollisionPanel(scene, this.check, (pair) => this.choose(pair), (direction) => this.nextCollision(direction), () => this.goTo(() => this.clock.seek(0)));
     const numbers = scene.frame_numbers;
     this.charts = new Charts({
       substeps: scene.substeps,
@@ -109,9 +111,10 @@ export class App {
   async start(): Promise<void> {
     this.fillPanels();
     this.bindKeys();
-    this.check.start();
+    this.check.begin();
     this.data.frames.aim(0);
     await this.makeSurfaces();
+    this.wantCrossings();
     onTheme(() => this.restyle());
     this.restyle();
     Object.defineProperty(window, 'foldproof', { value: { state: () => this.report() } });
@@ -142,7 +145,7 @@ export class App {
     layout.fill('collisions', this.collisions.element);
     layout.fill('layers', this.layers.element);
     layout.fill('charts', el('div', { className: 'panel' }, this.charts.element));
-    if (scene.steps === 0) layout.refuse('charts', 'A single pose has no steps, hence no charts.');
+    if (this.clock.still) layout.refuse('charts', 'A single frame has no steps, hence no charts.');
     this.shapeObject = scene.objects.findIndex((object) => (object.model?.modes ?? 0) > 0);
     const object = scene.objects[this.shapeObject];
     if (object) {
@@ -176,7 +179,7 @@ export class App {
       W: () => stage.orbit(0, 0.1), S: () => stage.orbit(0, -0.1), A: () => stage.orbit(-0.1, 0), D: () => stage.orbit(0.1, 0),
       '+': () => stage.zoom(0.85), '=': () => stage.zoom(0.85), '-': () => stage.zoom(1.18),
       v: () => layers.cyclePaint(),
-      c: () => layers.toggle('collisions'), t: () => layers.toggle('contacts'), k: () => layers.toggle('keyPoints'),
+      c: () => layers.toggle('collisions'), o: () => layers.toggle('crossings'), t: () => layers.toggle('contacts'), k: () => layers.toggle('keyPoints'),
       b: () => layers.toggle('boxes'), e: () => layers.toggle('edges'), x: () => layers.toggle('seeThrough'),
       d: toggleTheme, l: () => this.layout.legend.classList.toggle('closed'), '?': () => this.help.showModal(),
     });
@@ -185,7 +188,7 @@ export class App {
   // --- What happens
 
   private play(playing: boolean): void {
-    if (playing && this.scene.steps === 0) return;
+    if (playing && this.clock.still) return;
     if (playing) this.showMotion();
     if (playing && this.clock.atEnd) this.clock.seek(0);
     this.clock.playing = playing;
@@ -207,8 +210,9 @@ export class App {
   }
 
   private nextCollision(direction: 1 | -1): void {
-    const step = this.check.nextColliding(this.clock.step, direction);
-    if (step >= 0) this.goTo(() => this.clock.seek(step, this.check.steps[step]!.toi));
+    const step = this.check.nextColliding(this.clock.step, this.clock.t, direction);
+    if (step === kStart) this.goTo(() => this.clock.seek(0));
+    else if (step !== null) this.goTo(() => this.clock.seek(step, this.check.steps[step]!.toi));
   }
 
   private choose(pair: Pair): void {
@@ -250,22 +254,31 @@ export class App {
 
   private checked(from: number): void {
     const { check } = this;
-    if (check.steps.length > from || from === 0) this.timeline.setSteps(check.steps);
+    if (check.steps.length > from || from === 0) this.timeline.paint();
     this.chartsDirty = true;
     this.dirty = true;
     this.layout.warn(check.state === 'failed' ? `The check stopped: ${check.error}` : '');
-    const statistical = this.scene.settings['mode'] === 'paper' ? 'Statistical, can miss: ' : '';
-    if (this.scene.steps === 0 || check.state === 'none') {
-      this.layout.say('A single pose: no steps to check', 'run', null);
-    } else if (check.state === 'running') {
-      this.layout.say(`Checking: ${grouped(check.done)} of ${counted(check.total, 'step')}, ${counted(check.pairs, 'pair')} so far`, 'run', check.done / Math.max(1, check.total));
-    } else if (check.state === 'failed') {
-      this.layout.say('The check stopped', 'bad', null);
-    } else if (check.pairs === 0) {
-      this.layout.say(`${statistical}${statistical ? 'no collision found' : 'Proven free'} in ${counted(check.total, 'step')}`, 'free', null);
-    } else {
-      this.layout.say(`${statistical}${counted(check.pairs, 'colliding pair')} in ${grouped(check.colliding)} of ${counted(check.total, 'step')}`, 'hit', null);
-    }
+    this.layout.say(check.verdict(), check.state === 'running' ? check.done / Math.max(1, check.total) : null);
+    this.wantCrossings();
+  }
+
+  /** Fetches once which triangles cross in the first frame, if any do. */
+  private wantCrossings(): void {
+    if (this.crossingAsked || !this.check.startsCrossing || this.surfaces.length === 0) return;
+    this.crossingAsked = true;
+    this.surfaces.forEach((surface, i) => {
+      getBytes(`start/faces/${i}`).then(
+        (faces) => {
+          surface.cross(faces);
+          this.shownFaces = -1; // What does both is to be looked for again.
+          this.dirty = true;
+        },
+        (error: unknown) => {
+          this.crossingAsked = false;
+          this.fail(error);
+        },
+      );
+    });
   }
 
   private arrived(): void {
@@ -319,8 +332,14 @@ export class App {
   }
 
   private wantAllPairs(): void {
+    if (this.atStart && !this.pairs.get(kStart)?.complete) return this.pairs.want(kStart, true);
     const step = this.check.steps[this.clock.step];
     if (step && step.vertex_face + step.edge_edge > 0 && !this.pairs.get(step.number)?.complete) this.pairs.want(step.number, true);
+  }
+
+  /** What crosses in the first frame is listed with the step that goes from there. */
+  private get atStart(): boolean {
+    return this.check.startsCrossing && this.clock.step === 0;
   }
 
   private update(): void {
@@ -352,7 +371,7 @@ export class App {
     surface.mesh.visible = true;
     this.surfaces.forEach((other, i) => {
       if (i !== this.shapeObject) other.mesh.visible = false;
-      other.paint({ ...this.layers.state, paint: 'plain', collisions: false, errorScale: 1, edgeColour: edgeColour() });
+      other.paint({ ...this.layers.state, paint: 'plain', collisions: false, crossings: false, errorScale: 1, edgeColour: edgeColour() });
     });
     return true;
   }
@@ -412,6 +431,7 @@ export class App {
     this.shownFaces = slot ? this.clock.step : -1;
     if (!slot) this.counts = null;
     else if (changed || !this.counts) this.counts = countFaces(slot.parts, this.scene.objects.map(({ triangles }) => triangles));
+    if (changed || !slot) this.both = slot !== undefined && this.surfaces.some((surface, i) => slot.parts[i]!.subarray(0, surface.info.triangles).some((collides, face) => collides !== 0 && surface.crosses(face)));
   }
 
   private showMarks(shaping: boolean): void {
@@ -419,7 +439,8 @@ export class App {
     const { state } = layers;
     const step = this.check.steps[clock.step];
     const colliding = step !== undefined && step.vertex_face + step.edge_edge > 0;
-    if (colliding && !this.pairs.get(clock.step)) this.pairs.want(clock.step, false);
+    if (this.atStart && !this.pairs.get(kStart)) this.pairs.want(kStart, false);
+    else if (colliding && !this.pairs.get(clock.step)) this.pairs.want(clock.step, false);
     const pairs = colliding ? this.pairs.get(clock.step) : undefined;
     this.contacts.group.visible = state.contacts && !shaping && (pairs?.items.length ?? 0) > 0;
     if (pairs && (pairs.items !== this.shownPairs || !pairs.complete)) {
@@ -443,10 +464,12 @@ export class App {
   private showText(shaping: boolean): void {
     const { check, clock, layers, scene } = this;
     this.timeline.show(this.waiting);
-    const unchecked = scene.steps === 0 ? 'A single pose: no steps' : check.state === 'running' ? 'Not checked yet' : 'Not checked';
-    this.collisions.show(check.steps[clock.step], this.pairs.get(clock.step), unchecked);
-    if (this.layout.openTab === 'charts' && scene.steps > 0) {
-      if (this.chartsDirty) this.charts.setSteps(check.steps);
+    this.collisions.show(check.steps[clock.step], this.pairs.get(clock.step), this.atStart ? this.pairs.get(kStart) : undefined);
+    if (this.layout.openTab === 'charts' && !clock.still) {
+      if (this.chartsDirty) {
+        this.charts.setSteps(check.steps);
+        if (check.start && check.startsCrossing) this.charts.setStart(check.start.frame, startText(check.start));
+      }
       this.chartsDirty = false;
       const first = scene.frame_numbers[clock.frame] ?? 0;
       const second = scene.frame_numbers[Math.min(clock.frame + 1, scene.frames - 1)] ?? first;
@@ -462,11 +485,13 @@ export class App {
     this.inspector.show(shaping ? null : this.data.faces.get(clock.step)?.parts ?? null, clock.step);
     const error = this.errorNow();
     const boxFrame = this.data.boxes ? (scene.frame_numbers[this.data.boxes.frame] ?? null) : null;
-    const key = JSON.stringify([layers.state, shaping, this.shownFaces, boxFrame, this.chosen !== null, error]);
+    const faces = this.surfaces.map(({ crossingFaces }) => crossingFaces);
+    const start = check.start && check.startsCrossing ? { frame: check.start.frame, faces: faces.some((n) => n === null) ? null : faces.reduce<number>((sum, n) => sum + n!, 0) } : null;
+    const key = JSON.stringify([layers.state, start, check.free > 0, check.calm, this.both, shaping, this.shownFaces, boxFrame, this.chosen !== null, error]);
     if (key === this.legendKey) return;
     this.legendKey = key;
     this.layout.legend.replaceChildren(
-      ...legendItems({ layers: layers.state, shapes: shaping, steps: scene.steps > 0, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: this.counts, boxFrame, chosen: this.chosen !== null, error }),
+      ...legendItems({ layers: layers.state, shapes: shaping, start, free: check.free > 0, calm: check.calm, both: this.both, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: this.counts, boxFrame, chosen: this.chosen !== null, error }),
     );
   }
 
@@ -497,6 +522,8 @@ export class App {
       framesAhead: this.data.frames.ahead(clock.frame),
       steps: this.check.steps.length,
       state: this.check.state,
+      start: this.check.start,
+      crossingFaces: this.surfaces.map(({ crossingFaces }) => crossingFaces),
       pictures: spent.pictures,
       scriptMs: spent.script,
       drawMs: spent.drawing,

@@ -1,36 +1,76 @@
 // The check as it goes on: its steps, and the pairs of the step that is looked at.
 import { collisionsOf, type Step } from '../shared/steps';
-import { ApiError, getJson, type Pair, type StepsAnswer } from './api';
+import { verdictOf, type Found, type Start, type Verdict } from '../shared/verdict';
+import { ApiError, getJson, GoneError, type Pair, type SceneInfo, type StepsAnswer } from './api';
 
 const kPollMs = 400;
 const kPage = 1000;
 const kMostListed = 10_000; // More than anyone reads; the program has the rest (check --csv).
 const kKept = 48; // steps whose pairs are kept
+export const kStart = -1; // stands for the first frame where steps have numbers
+
+/** What is known of a step: it collides; nothing goes through anything until its end; or it has no contact of its own. */
+export type StepKind = 'hit' | 'free' | 'calm';
 
 export class Check {
   readonly steps: Step[] = [];
-  state: StepsAnswer['state'] = 'running';
+  state: Found['state'] = 'running';
   error = '';
   total = 0;
   done = 0;
   pairs = 0;
   colliding = 0;
+  start: Start | null = null;
+  private contactFree = 0; // How many steps from the first one on have no collision.
 
   constructor(
+    private readonly scene: SceneInfo,
     private readonly changed: (from: number) => void,
     private readonly failed: (error: unknown) => void,
   ) {}
 
-  start(): void {
+  begin(): void {
     void this.poll();
   }
 
-  /** The next step with collisions from `step` on in a direction, or -1. */
-  nextColliding(step: number, direction: 1 | -1): number {
-    for (let n = step + direction; n >= 0 && n < this.steps.length; n += direction) {
+  get startsCrossing(): boolean {
+    return (this.start?.crossings ?? 0) > 0;
+  }
+
+  /** Nothing goes through anything until the end of so many steps: frame and steps are free, without a gap. */
+  get free(): number {
+    return this.start?.crossings === 0 ? this.contactFree : 0;
+  }
+
+  /** Whether a step without a contact is not told to be free. */
+  get calm(): boolean {
+    return this.steps.length > this.colliding + this.free;
+  }
+
+  kindOf(step: Step): StepKind {
+    if (collisionsOf(step) > 0) return 'hit';
+    return step.number < this.free ? 'free' : 'calm';
+  }
+
+  verdict(): Verdict {
+    return verdictOf(this.found());
+  }
+
+  found(): Found {
+    const { mode, steps_only } = this.scene.settings;
+    const { state, done, pairs, colliding, start } = this;
+    return { state, done, total: this.scene.steps, pairs, colliding, start, stepsOnly: steps_only === true, statistical: mode === 'paper', single: this.scene.frames === 1 };
+  }
+
+  /** Where the next collision is in a direction, a step or kStart; nothing where there is none. */
+  nextColliding(step: number, t: number, direction: 1 | -1): number | null {
+    const first = this.steps[0];
+    // Before the first step's contacts one is still at the start.
+    const from = direction > 0 && step === 0 && this.startsCrossing && first && t < first.toi ? kStart : step;
+    for (let n = from + direction; n >= 0 && n < this.steps.length; n += direction) {
       if (collisionsOf(this.steps[n]!) > 0) return n;
     }
-    return -1;
+    return direction < 0 && this.startsCrossing && (step > 0 || t > 0) ? kStart : null;
   }
 
   private async poll(): Promise<void> {
@@ -42,8 +82,11 @@ export class Check {
         this.steps.push(step);
         this.pairs += collisionsOf(step);
         if (collisionsOf(step) > 0) ++this.colliding;
+        else if (this.colliding === 0) ++this.contactFree;
       }
-      this.state = answer.state;
+      this.start = answer.start;
+      // Once the program says so there are no more; but the last thousand may still be on its way.
+      this.state = answer.state === 'done' && this.steps.length < answer.done ? 'running' : answer.state;
       this.error = answer.error ?? '';
       this.total = answer.total;
       this.done = Math.max(answer.done, this.steps.length);
@@ -51,6 +94,11 @@ export class Check {
       if (this.steps.length >= answer.done && answer.state !== 'running') return;
       if (answer.steps.length === 1000) wait = 0;
     } catch (error) {
+      if (this.state === 'running') {
+        this.state = error instanceof GoneError ? 'gone' : 'failed';
+        this.error = error instanceof Error ? error.message : String(error);
+        this.changed(this.steps.length);
+      }
       this.failed(error);
       if (error instanceof ApiError) return;
       wait = 2000;
@@ -66,11 +114,11 @@ export interface PairsOfStep {
   complete: boolean;
 }
 
-/** Pairs of steps, fetched when they are looked at. */
+/** Pairs of steps and of the first frame (kStart), fetched when they are looked at. */
 export class PairStore {
   private readonly kept = new Map<number, PairsOfStep>(); // oldest first
   private busy = false;
-  private wish = -1;
+  private wish: number | null = null;
   private wishAll = false;
 
   constructor(
@@ -82,7 +130,7 @@ export class PairStore {
     return this.kept.get(step);
   }
 
-  /** Fetches a step's first pairs, or all that are listed. */
+  /** Fetches the first pairs of a step or of kStart, or all that are listed. */
   want(step: number, all: boolean): void {
     this.wish = step;
     this.wishAll = all;
@@ -90,16 +138,16 @@ export class PairStore {
   }
 
   private unfinished(): boolean {
-    const pairs = this.kept.get(this.wish);
-    return this.wish >= 0 && (!pairs || (this.wishAll && !pairs.complete));
+    const pairs = this.wish === null ? undefined : this.kept.get(this.wish);
+    return this.wish !== null && (!pairs || (this.wishAll && !pairs.complete));
   }
 
   private async work(): Promise<void> {
     this.busy = true;
     try {
-      while (this.unfinished()) await this.page(this.wish);
+      while (this.unfinished()) await this.page(this.wish!);
     } catch (error) {
-      this.wish = -1;
+      this.wish = null;
       this.failed(error);
     }
     this.busy = false;
@@ -107,7 +155,8 @@ export class PairStore {
 
   private async page(step: number): Promise<void> {
     const pairs = this.kept.get(step) ?? { step, total: 0, items: [], complete: false };
-    const answer = await getJson<{ total: number; items: Pair[] }>(`steps/${step}/collisions?offset=${pairs.items.length}&limit=${kPage}`);
+    const path = step === kStart ? 'start/crossings' : `steps/${step}/collisions`;
+    const answer = await getJson<{ total: number; items: Pair[] }>(`${path}?offset=${pairs.items.length}&limit=${kPage}`);
     pairs.total = answer.total;
     pairs.items.push(...answer.items);
     pairs.complete = answer.items.length === 0 || pairs.items.length >= Math.min(answer.total, kMostListed);

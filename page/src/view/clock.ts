@@ -19,23 +19,28 @@ export class Clock {
     return Math.min(Math.floor(this.step / this.substeps), Math.max(0, this.frames - 2));
   }
 
+  /** A single frame, in which no time passes. */
+  get still(): boolean {
+    return this.frames === 1;
+  }
+
   /** How far from `frame` to the next one. */
   get blend(): number {
-    return this.steps === 0 ? 0 : (this.step - this.frame * this.substeps + this.t) / this.substeps;
+    return this.still ? 0 : (this.step - this.frame * this.substeps + this.t) / this.substeps;
   }
 
   /** In frames from the first selected one. */
   get place(): number {
-    return this.steps === 0 ? 0 : (this.step + this.t) / this.substeps;
+    return this.still ? 0 : (this.step + this.t) / this.substeps;
   }
 
   get atEnd(): boolean {
-    return this.steps === 0 || (this.step === this.steps - 1 && this.t >= 1);
+    return this.still || (this.step === this.steps - 1 && this.t >= 1);
   }
 
   seek(step: number, t = 0): void {
     this.step = Math.min(Math.max(0, step), Math.max(0, this.steps - 1));
-    this.t = Math.min(Math.max(0, t), 1);
+    this.t = this.still ? 0 : Math.min(Math.max(0, t), 1);
   }
 
   /** To a place in frames; the end of the last step is reached, other ends are the next begin. */

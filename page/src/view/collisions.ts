@@ -3,26 +3,36 @@ import { css, timeColour } from '../shared/colours';
 import { el, icon, setText } from '../shared/dom';
 import { counted, grouped, toiText } from '../shared/format';
 import { collisionsOf, placeText, type Step } from '../shared/steps';
+import { kStartNotAsked, startText, stoppedText } from '../shared/verdict';
 import type { Pair, SceneInfo } from './api';
-import type { PairsOfStep } from './check';
+import type { Check, PairsOfStep } from './check';
 
 const kRowHeight = 44;
+const kNone: Pair[] = [];
+const kKinds = { vf: ['VF', 'vertex–face'], ee: ['EE', 'edge–edge'], tt: ['TT', 'crossing triangles'] } as const;
 
 export class CollisionPanel {
   readonly element: HTMLElement;
+  private readonly start: HTMLButtonElement;
+  private readonly startText = el('span', {});
   private readonly head = el('div', { className: 'head' });
   private readonly note = el('p', { className: 'note' });
   private readonly list = el('div', { className: 'pairs', role: 'listbox', 'aria-label': 'Colliding pairs', tabIndex: 0 });
   private readonly space = el('div', { className: 'space' });
   private readonly rows: HTMLElement[] = [];
-  private items: Pair[] = [];
+  private crossings = kNone;
+  private contacts = kNone;
+  private items: Pair[] = []; // both, as listed
   private chosen: Pair | null = null;
 
   constructor(
     private readonly scene: SceneInfo,
+    private readonly check: Check,
     private readonly choose: (pair: Pair) => void,
     go: (direction: 1 | -1) => void,
+    goToStart: () => void,
   ) {
+    this.start = el('button', { className: 'start', type: 'button', title: 'Go to the start', onclick: goToStart }, el('span', { className: 'swatch crossing' }), this.startText);
     const button = (path: string, title: string, direction: 1 | -1) =>
       el('button', { className: 'small', type: 'button', title, onclick: () => go(direction) }, icon(path), direction < 0 ? 'Previous' : 'Next');
     this.list.append(this.space);
@@ -32,34 +42,61 @@ export class CollisionPanel {
     this.element = el(
       'div',
       { className: 'panel collisions' },
+      this.start,
       this.head,
-      el('div', { className: 'row' }, button('M15 5l-8 7 8 7z', 'Previous step with collisions (P)', -1), button('M9 5l8 7-8 7z', 'Next step with collisions (N)', 1)),
+      el('div', { className: 'row' }, button('M15 5l-8 7 8 7z', 'Previous step with collisions, or the start if it crosses (P)', -1), button('M9 5l8 7-8 7z', 'Next step with collisions (N)', 1)),
       this.note,
       this.list,
     );
   }
 
-  /** What is known of the present step; `step` is undefined while it is not checked. */
-  show(step: Step | undefined, pairs: PairsOfStep | undefined, unchecked: string): void {
-    const items = step && pairs?.step === step.number ? pairs.items : [];
-    if (!step) {
-      this.say(unchecked, '', '');
-    } else {
-      const count = collisionsOf(step);
-      const place = placeText(step, this.scene.substeps);
-      if (count === 0) this.say('Free of collisions', place, '');
-      else this.say(counted(count, 'colliding pair'), place, this.details(step, pairs));
-      this.head.classList.toggle('hit', count > 0);
-    }
-    this.head.classList.toggle('open', !step);
-    const changed = items !== this.items || this.space.style.height !== `${items.length * kRowHeight}px`;
-    this.items = items;
+  /** What is known of the present step; `step` is undefined while it is not checked. `crossings`: those of the first frame, where that is shown. */
+  show(step: Step | undefined, pairs: PairsOfStep | undefined, crossings: PairsOfStep | undefined): void {
+    this.showStart();
+    if (step) this.showStep(step, pairs);
+    else this.say(this.check.state === 'running' ? 'Not checked yet' : 'Not checked', '', this.check.state === 'running' ? '' : `${stoppedText(this.check.found())}.`);
+    this.head.dataset['kind'] = step ? this.check.kindOf(step) : 'open';
+    this.listPairs(crossings?.items ?? kNone, step && pairs?.step === step.number ? pairs.items : kNone);
+  }
+
+  private showStart(): void {
+    const { check } = this;
+    const first = this.scene.frame_numbers[0] ?? 0;
+    this.start.classList.toggle('hit', check.startsCrossing);
+    this.start.disabled = !check.startsCrossing;
+    if (check.start) setText(this.startText, `${startText(check.start, this.scene.frames === 1)}.`);
+    else if (check.found().stepsOnly) setText(this.startText, `${kStartNotAsked[0]!.toUpperCase()}${kStartNotAsked.slice(1)}.`);
+    else setText(this.startText, check.state === 'running' ? `Frame ${first} is not checked yet.` : `Frame ${first} was not checked.`);
+  }
+
+  private showStep(step: Step, pairs: PairsOfStep | undefined): void {
+    const count = collisionsOf(step);
+    const single = this.scene.frames === 1;
+    const place = single ? `frame ${step.frame}` : placeText(step, this.scene.substeps);
+    const kind = this.check.kindOf(step);
+    if (kind === 'free') this.say(single ? 'Free of crossings' : 'Free of collisions', place, '');
+    else if (kind === 'hit') this.say(counted(count, single ? 'pair in contact' : 'colliding pair', single ? 'pairs in contact' : 'colliding pairs'), place, this.details(step, pairs));
+    else this.say(single ? 'No other contact' : 'No new contact in this step', place, single ? '' : this.whyNotFree());
+  }
+
+  /** Why a step without a contact is not free of collisions. */
+  private whyNotFree(): string {
+    if (this.check.startsCrossing) return 'A step tells what comes into contact. What crosses from the start can go on crossing without any.';
+    return this.check.start ? 'A step tells what comes into contact. What collided before may be inside each other now.' : 'A step tells what comes into contact, and nothing of what crosses from the start.';
+  }
+
+  private listPairs(crossings: Pair[], contacts: Pair[]): void {
+    const length = crossings.length + contacts.length;
+    const changed = crossings !== this.crossings || contacts !== this.contacts || length !== this.items.length;
     if (!changed) return;
-    this.space.style.height = `${items.length * kRowHeight}px`;
+    [this.crossings, this.contacts] = [crossings, contacts];
+    this.items = crossings.length === 0 ? [...contacts] : [...crossings, ...contacts];
+    this.space.style.height = `${length * kRowHeight}px`;
     this.fill();
   }
 
   private details(step: Step, pairs: PairsOfStep | undefined): string {
+    if (this.scene.frames === 1) return 'Closer than or as close as the thickness, without moving.';
     const parts = [`First contact ${toiText(step.toi)} of the way. ${counted(step.vertex_face, 'vertex–face pair')}, ${grouped(step.edge_edge)} edge–edge`];
     if (step.undecided > 0) parts.push(`, ${grouped(step.undecided)} of them undecided and counted as collisions`);
     parts.push('. ');
@@ -82,6 +119,7 @@ export class CollisionPanel {
   }
 
   private describe(pair: Pair): [string, string] {
+    if (pair.kind === 'tt') return [`triangle ${pair.a[0]}${this.name(pair.object_a)}`, `triangle ${pair.b[0]}${this.name(pair.object_b)}`];
     if (pair.kind === 'vf') return [`vertex ${pair.a[0]}${this.name(pair.object_a)}`, `face ${pair.b[0]}${this.name(pair.object_b)}`];
     return [`edge ${pair.a[0]}–${pair.a[1]}${this.name(pair.object_a)}`, `edge ${pair.b[0]}–${pair.b[1]}${this.name(pair.object_b)}`];
   }
@@ -105,9 +143,9 @@ export class CollisionPanel {
       row.setAttribute('aria-selected', String(pair === this.chosen));
       const [a, b] = this.describe(pair);
       row.replaceChildren(
-        el('span', { className: `kind ${pair.kind}`, title: pair.kind === 'vf' ? 'vertex–face' : 'edge–edge' }, pair.kind === 'vf' ? 'VF' : 'EE'),
+        el('span', { className: `kind ${pair.kind}`, title: kKinds[pair.kind][1] }, kKinds[pair.kind][0]),
         el('span', { className: 'what' }, el('span', {}, a), el('span', {}, b)),
-        el('span', { className: 'toi' }, el('span', { className: 'swatch round', style: { background: css(timeColour(pair.toi)) } }), toiText(pair.toi), pair.answer === 'undecided' && el('small', {}, 'undecided')),
+        pair.kind === 'tt' ? el('span', { className: 'toi' }, el('span', { className: 'swatch crossing' }), 'start') : el('span', { className: 'toi' }, el('span', { className: 'swatch round', style: { background: css(timeColour(pair.toi)) } }), toiText(pair.toi), pair.answer === 'undecided' && el('small', {}, 'undecided')),
       );
     });
   }

@@ -7,14 +7,14 @@ export const kKeys: [string, string][] = [
   [', .', 'a hundredth of a step back or on'],
   ['Home End', 'to the begin or the end'],
   ['[ ]', 'slower or faster'],
-  ['P N', 'previous or next step with collisions'],
+  ['P N', 'previous or next step with collisions, or the start if it crosses'],
   ['↑ ↓', 'previous or next pair of the list, and fly there'],
   ['R or 0', 'see everything'],
   ['1 2 3', 'from the front, the side, the top'],
   ['W A S D with Shift', 'orbit'],
   ['+ −', 'zoom'],
   ['V', 'next colour of the surface'],
-  ['C T K B E X', 'collisions, contact points, key points, boxes, edges, see through'],
+  ['C O T K B E X', 'collisions, crossings of the start, contact points, key points, boxes, edges, see through'],
   ['D', 'light or dark'],
   ['L', 'legend'],
   ['?', 'this help'],
@@ -36,6 +36,7 @@ export function helpDialog(): HTMLDialogElement {
     el('p', {}, 'Drag to orbit, right-drag or two fingers to pan, wheel or pinch to zoom. A click on the surface tells about the triangle; a double click turns around it.'),
     table,
     el('p', {}, 'Between two frames every vertex moves along a straight line; that is the motion which is checked, and what you see. A time of impact is a share of the step: 0 at its begin, 1 at its end.'),
+    el('p', {}, 'A step tells what comes into contact in it. What crosses in the first frame and moves on like that comes into no contact: so the first frame is asked for its crossing triangles, and green is only what follows a free frame without a collision in between.'),
   );
   dialog.addEventListener('click', (event) => {
     if (event.target === dialog) dialog.close();

@@ -61,7 +61,8 @@ export class Inspector {
     this.card.hidden = this.chosen === null;
     if (!this.chosen) return;
     const { object, face } = this.chosen;
-    const key = `${object}/${face}/${step}/${told !== null}`;
+    const crosses = this.surfaces[object]!.crosses(face);
+    const key = `${object}/${face}/${step}/${told !== null}/${crosses}`;
     if (key === this.shown && !this.changed) return;
     this.shown = key;
     this.changed = false;
@@ -70,6 +71,7 @@ export class Inspector {
     this.card.replaceChildren(
       el('strong', {}, `Triangle ${face}${this.scene.objects.length > 1 ? ` of ${info.name}` : ''}`),
       el('span', {}, `vertices ${corners}`),
+      ...(crosses ? [el('span', {}, `Crosses another triangle in frame ${this.scene.frame_numbers[0] ?? 0}.`)] : []),
       el('span', {}, told ? this.proof(told[object]!, face, info.triangles) : 'Choose a proof colour or a colliding step to see what is known of it'),
     );
   }

@@ -8,6 +8,7 @@ export type ShapeSource = 'motion' | 'prediction';
 export interface LayerState {
   paint: Paint;
   collisions: boolean;
+  crossings: boolean;
   contacts: boolean;
   keyPoints: boolean;
   boxes: boolean;
@@ -18,15 +19,16 @@ export interface LayerState {
   visible: boolean[];
 }
 
-type Switch = 'collisions' | 'contacts' | 'keyPoints' | 'boxes' | 'edges' | 'seeThrough';
+type Switch = 'collisions' | 'crossings' | 'contacts' | 'keyPoints' | 'boxes' | 'edges' | 'seeThrough';
 
 const kSwitches: [Switch, string, string, string][] = [
   ['collisions', 'Collisions', 'C', 'triangles that take part in a collision, red'],
+  ['crossings', 'Crossings from the start', 'O', 'triangles that cross in the first frame, hatched pink'],
   ['contacts', 'Contact points', 'T', 'where pairs touch, coloured by time of impact'],
   ['keyPoints', 'Key points', 'K', 'the vertices that tell the shape'],
   ['boxes', 'Boxes of the hierarchy', 'B', 'what the search for near parts sees'],
   ['edges', 'Edges of triangles', 'E', ''],
-  ['seeThrough', 'See through', 'X', 'collisions stay solid'],
+  ['seeThrough', 'See through', 'X', 'collisions and crossings stay solid'],
 ];
 
 const kPaints: [Paint, string, string][] = [
@@ -37,14 +39,14 @@ const kPaints: [Paint, string, string][] = [
 ];
 
 /** Why a layer cannot be had, or nothing. */
-export function whyNot(scene: SceneInfo): { keyPoints: string; error: string; proof: string } {
+export function whyNot(scene: SceneInfo): { keyPoints: string; error: string; crossings: string } {
   const model = scene.objects.some((object) => object.model);
   const learned = scene.objects.some((object) => (object.model?.key_points.length ?? 0) > 0);
   const missing = model ? 'The model has learned no key points; train one with foldproof train.' : 'Needs a model: start with --model FILE (foldproof train makes one).';
   return {
     keyPoints: learned ? '' : missing,
     error: learned ? '' : missing,
-    proof: scene.steps === 0 ? 'A single pose has no steps to prove.' : '',
+    crossings: scene.settings['steps_only'] === true ? 'Not asked: start without --steps-only.' : '',
   };
 }
 
@@ -64,6 +66,7 @@ export class LayerPanel {
     this.state = {
       paint: 'plain',
       collisions: true,
+      crossings: true,
       contacts: true,
       keyPoints: false,
       boxes: false,
@@ -82,7 +85,7 @@ export class LayerPanel {
     const why = whyNot(this.scene);
     const paints = el('fieldset', {}, el('legend', {}, 'Colour of the surface'));
     for (const [paint, title, help] of kPaints) {
-      const reason = paint === 'error' ? why.error : paint === 'plain' ? '' : why.proof;
+      const reason = paint === 'error' ? why.error : '';
       const input = el('input', { type: 'radio', name: 'paint', value: paint, checked: paint === 'plain', disabled: reason !== '' });
       input.addEventListener('change', () => this.setPaint(paint));
       this.paints.set(paint, input);
@@ -90,7 +93,7 @@ export class LayerPanel {
     }
     const marks = el('fieldset', {}, el('legend', {}, 'Shown'));
     for (const [name, title, key, help] of kSwitches) {
-      const reason = name === 'keyPoints' ? why.keyPoints : name === 'collisions' || name === 'contacts' ? why.proof : '';
+      const reason = name === 'keyPoints' ? why.keyPoints : name === 'crossings' ? why.crossings : '';
       const input = el('input', { type: 'checkbox', checked: this.state[name], disabled: reason !== '', 'data-layer': name });
       input.addEventListener('change', () => this.set(name, input.checked));
       this.switches.set(name, input);

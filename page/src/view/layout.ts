@@ -1,6 +1,7 @@
 // Where things stand on the page.
 import { append, el, icon, setText } from '../shared/dom';
 import { themeButton } from '../shared/theme';
+import type { Verdict } from '../shared/verdict';
 import type { SceneInfo } from './api';
 
 export type Tab = 'collisions' | 'layers' | 'shapes' | 'charts';
@@ -108,8 +109,9 @@ export class Layout {
     return this.tab;
   }
 
-  say(text: string, kind: 'run' | 'free' | 'hit' | 'bad', share: number | null): void {
+  say({ text, kind }: Verdict, share: number | null): void {
     setText(this.statusText, text);
+    this.statusText.title = text;
     this.status.dataset['kind'] = kind;
     this.progress.hidden = share === null;
     if (share !== null) this.progress.value = share;

@@ -1,5 +1,5 @@
 // What every colour in the picture means.
-import { css, errorColour, gradient, kBlue, kNothingToProve, kObjectColours, kOrange, kReasons, kRed, kSky, levelColour, marginColour, timeColour, type Rgb } from '../shared/colours';
+import { css, errorColour, gradient, kBlue, kNothingToProve, kObjectColours, kOrange, kPink, kReasons, kRed, kSky, levelColour, marginColour, timeColour, type Rgb } from '../shared/colours';
 import { el } from '../shared/dom';
 import { grouped, percent, short } from '../shared/format';
 import type { LayerState } from './layers';
@@ -30,7 +30,10 @@ export function countFaces(parts: Uint8Array[], triangles: number[]): FaceCounts
 export interface LegendState {
   layers: LayerState;
   shapes: boolean; // a made shape is shown, and not the motion
-  steps: boolean;
+  start: { frame: number; faces: number | null } | null; // where something crosses in the first frame
+  both: boolean; // a triangle does both
+  free: boolean; // a step can be told to be free
+  calm: boolean; // a step without a contact is not told to be free
   reasons: string[];
   objects: string[];
   counts: FaceCounts | null;
@@ -80,12 +83,16 @@ export function legendItems(state: LegendState): HTMLElement[] {
     state.objects.forEach((name, i) => items.push(item(swatch(kObjectColours[i % kObjectColours.length]!), name)));
   }
   const striped = layers.paint !== 'plain';
-  if (state.steps && layers.collisions) items.push(item(swatch(kRed, striped ? 'striped' : ''), 'Colliding triangles', state.counts ? grouped(state.counts.colliding) : ''));
-  if (state.steps && layers.contacts) {
+  if (layers.collisions) items.push(item(swatch(kRed, striped ? 'striped' : ''), 'Colliding triangles in this step', state.counts ? grouped(state.counts.colliding) : ''));
+  if (state.start && layers.crossings) {
+    items.push(item(swatch(kPink, 'crossing'), `Triangles that cross in frame ${state.start.frame}`, state.start.faces === null ? '' : grouped(state.start.faces)));
+    if (layers.collisions && state.both) items.push(item(swatch(kRed, 'both'), 'Both'));
+  }
+  if (layers.contacts) {
     items.push(scale(timeColour, 'Contact points, time of impact', ['0 begin of step', '1 end']));
     items.push(item(el('span', { className: 'ring' }), 'Contact still to come in this step'));
   }
-  if (state.chosen) items.push(item(swatch(kOrange), 'Chosen pair: vertex or first edge'), item(swatch(kBlue), 'Chosen pair: face or second edge'));
+  if (state.chosen) items.push(item(swatch(kOrange), 'Chosen pair: vertex, first edge or triangle'), item(swatch(kBlue), 'Chosen pair: face, second edge or triangle'));
   if (layers.paint === 'level' || layers.paint === 'margin') items.push(...proofItems(state));
   if (layers.paint === 'error' && state.error) {
     items.push(scale(errorColour, 'Prediction error, mesh units', ['0', `${short(state.error.scale)} or more`]));
@@ -93,9 +100,11 @@ export function legendItems(state: LegendState): HTMLElement[] {
   }
   if (layers.keyPoints) items.push(item(swatch(kSky, 'round'), 'Key points'));
   if (layers.boxes && state.boxFrame !== null) items.push(item(swatch(kBlue, 'box'), `Boxes, level ${layers.level}, frame ${state.boxFrame}`));
-  if (state.steps) {
-    const mark = (kind: string, text: string) => el('span', { className: 'mark' }, el('span', { className: `swatch ${kind}` }), text);
-    items.push(el('li', { className: 'marks' }, 'Timeline:', mark('free', 'free'), mark('hit', 'collides'), mark('open', 'unchecked')));
-  }
+  const mark = (kind: string, text: string) => el('span', { className: 'mark' }, el('span', { className: `swatch ${kind}` }), text);
+  const marks = [mark('hit', 'collides'), mark('open', 'unchecked')];
+  if (state.calm) marks.unshift(mark('calm', 'no new contact'));
+  if (state.free) marks.unshift(mark('free', 'free'));
+  if (state.start) marks.unshift(mark('crossing', 'starts crossing'));
+  items.push(el('li', { className: 'marks' }, 'Timeline:', ...marks));
   return items;
 }

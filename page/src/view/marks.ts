@@ -88,6 +88,12 @@ export function keyPoints(surface: Surface, ids: number[], ratio: number): THREE
   return pointLayer(geometry, { ...surface.place, only: { value: vec3(kSky) }, size: { value: (ids.length > 200 ? 5.5 : 8) * ratio } }, true);
 }
 
+/** The edges of a triangle. */
+function outline(surface: Surface, face: number): [number, number][] {
+  const [p, q, r] = surface.triangles.subarray(3 * face, 3 * face + 3) as unknown as [number, number, number];
+  return [[p, q], [q, r], [r, p]];
+}
+
 /** The chosen pair's edges, over everything; orange is what is named first, blue the other. */
 export class PairLines {
   readonly group = new THREE.Group();
@@ -112,10 +118,8 @@ export class PairLines {
       this.add(a, [[pair.a[0]!, pair.a[1]!]], kOrange);
       this.add(b, [[pair.b[0]!, pair.b[1]!]], kBlue);
     } else {
-      const k = 3 * pair.b[0]!;
-      const [p, q, r] = [b.triangles[k]!, b.triangles[k + 1]!, b.triangles[k + 2]!];
-      this.add(b, [[p, q], [q, r], [r, p]], kBlue);
-      this.add(a, [[pair.a[0]!, pair.a[0]!]], kOrange);
+      this.add(b, outline(b, pair.b[0]!), kBlue);
+      this.add(a, pair.kind === 'tt' ? outline(a, pair.a[0]!) : [[pair.a[0]!, pair.a[0]!]], kOrange);
     }
   }
 

@@ -23,10 +23,10 @@ export const kSurfaceVertex = /* glsl */ `
 ${kFetch}
 in uint vertex;
 uniform sampler2D refA, refB;
-uniform usampler2D faces;
+uniform usampler2D faces, crosses;
 uniform int triangles;
 uniform int surface;       // 0 plain, 1 level, 2 margin, 3 error
-uniform bool hasFaces, showCollisions;
+uniform bool hasFaces, showCollisions, showCrossings;
 uniform float errorScale;
 uniform vec3 plain, red;
 uniform vec3 reasonColours[8];
@@ -36,7 +36,7 @@ out vec3 eye;
 out vec3 corner;
 out float distanceRatio;
 flat out vec3 colour;
-flat out int marked;
+flat out int marked;         // 1 collides in the step, 2 crosses in the first frame, 3 both
 
 uint told(int plane, int face) {
   int width = textureSize(faces, 0).x;
@@ -77,6 +77,10 @@ void main() {
     distanceRatio = length(p - other) / (scale * max(errorScale, 1e-30));
     if (hasFaces && showCollisions && told(0, face) != 0u) marked = 1;
   }
+  if (showCrossings) {
+    int width = textureSize(crosses, 0).x;
+    if (texelFetch(crosses, ivec2(face % width, face / width), 0).r != 0u) marked += 2;
+  }
   gl_Position = projectionMatrix * seen;
 }
 `;
@@ -90,7 +94,7 @@ in float distanceRatio;
 flat in vec3 colour;
 flat in int marked;
 uniform int surface;
-uniform vec3 red;
+uniform vec3 red, pink, purple;
 uniform vec3 errorRamp[9];
 uniform bool edges, seeThrough;
 uniform vec3 edgeColour;
@@ -107,6 +111,8 @@ void main() {
   }
   // Over colours that mean something a collision is striped, so that it is not one of them.
   if (marked == 1) base = surface == 0 || stripe ? red : vec3(1.0);
+  // Hatched the other way and dark in every colour: what crosses from the start is never taken for what collides in a step.
+  if (marked >= 2) base = mod(gl_FragCoord.x - gl_FragCoord.y, 10.0) < 4.0 ? purple : marked == 2 ? pink : red;
   vec3 normal = cross(dFdx(eye), dFdy(eye));
   float size = length(normal);
   normal = size > 0.0 ? normal / size : vec3(0.0, 0.0, 1.0);

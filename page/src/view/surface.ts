@@ -1,6 +1,6 @@
 // One object's surface: positions and what is told of its triangles live in textures, see shaders.ts.
 import * as THREE from 'three';
-import { errorColour, kClay, kGrey, kNothingToProve, kObjectColours, kReasons, kRed, marginColour, type Rgb } from '../shared/colours';
+import { errorColour, kClay, kGrey, kNothingToProve, kObjectColours, kPink, kPurple, kReasons, kRed, marginColour, type Rgb } from '../shared/colours';
 import type { ObjectInfo } from './api';
 import { kSurfaceFragment, kSurfaceVertex } from './shaders';
 
@@ -73,6 +73,8 @@ export class Surface {
   private other: FramePair | null = null;
   private readonly faces: THREE.DataTexture;
   private faceSource: Uint8Array<ArrayBuffer> | null = null;
+  private readonly crossTexture: THREE.DataTexture;
+  private crossing: Uint8Array<ArrayBuffer> | null = null;
 
   constructor(
     readonly info: ObjectInfo,
@@ -84,6 +86,8 @@ export class Surface {
     this.shown = new FramePair(floatsOf(info.vertices));
     this.faces = new THREE.DataTexture(new Uint8Array(kRow), kRow, 1, THREE.RedIntegerFormat, THREE.UnsignedByteType);
     this.faces.needsUpdate = true; // A texture that was never uploaded would be bound as one of another type.
+    this.crossTexture = new THREE.DataTexture(new Uint8Array(kRow), kRow, 1, THREE.RedIntegerFormat, THREE.UnsignedByteType);
+    this.crossTexture.needsUpdate = true;
     this.place = {
       posA: { value: this.shown.a.uniform },
       posB: { value: this.shown.b.uniform },
@@ -105,9 +109,13 @@ export class Surface {
         surface: { value: 0 },
         hasFaces: { value: false },
         showCollisions: { value: true },
+        crosses: { value: this.crossTexture },
+        showCrossings: { value: false },
         errorScale: { value: 1 },
         plain: { value: vec3(kObjectColours[index % kObjectColours.length] ?? kClay) },
         red: { value: vec3(kRed) },
+        pink: { value: vec3(kPink) },
+        purple: { value: vec3(kPurple) },
         nothing: { value: vec3(kNothingToProve) },
         reasonColours: { value: Array.from({ length: 8 }, (_, k) => vec3(kReasons[reasons[k] ?? '']?.colour ?? kGrey)) },
         marginRamp: { value: rampOf(marginColour) },
@@ -158,9 +166,28 @@ export class Surface {
     this.faces.needsUpdate = true;
   }
 
-  paint(options: { paint: Paint; collisions: boolean; edges: boolean; seeThrough: boolean; errorScale: number; edgeColour: Rgb }): void {
+  /** Which triangles cross others in the first frame, one byte each. */
+  cross(data: Uint8Array<ArrayBuffer>): void {
+    const padded = new Uint8Array(Math.ceil(data.length / kRow) * kRow);
+    padded.set(data);
+    this.crossing = data;
+    this.crossingFaces = data.reduce((sum, one) => sum + one, 0);
+    this.crossTexture.dispose();
+    this.crossTexture.image = { data: padded, width: kRow, height: padded.length / kRow };
+    this.crossTexture.needsUpdate = true;
+  }
+
+  crosses(face: number): boolean {
+    return this.crossing !== null && this.crossing[face] !== 0;
+  }
+
+  /** How many triangles cross in the first frame; nothing until it is known. */
+  crossingFaces: number | null = null;
+
+  paint(options: { paint: Paint; collisions: boolean; crossings: boolean; edges: boolean; seeThrough: boolean; errorScale: number; edgeColour: Rgb }): void {
     this.set('surface', kPaints.indexOf(options.paint));
     this.set('showCollisions', options.collisions);
+    this.set('showCrossings', options.crossings && this.crossing !== null);
     this.set('edges', options.edges);
     this.set('seeThrough', options.seeThrough);
     this.set('errorScale', options.errorScale);

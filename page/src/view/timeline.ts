@@ -2,10 +2,12 @@
 import { el, icon, setText } from '../shared/dom';
 import { collisionsOf, placeText, type Step } from '../shared/steps';
 import type { SceneInfo } from './api';
+import type { Check } from './check';
 import type { Clock } from './clock';
 
 const kPlay = 'M7 4v16l13-8z';
 const kPause = 'M6 4h4v16H6zm8 0h4v16h-4z';
+const kStartWidth = 9;
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4];
 
 export interface TimelineActions {
@@ -24,11 +26,11 @@ export class Timeline {
   private readonly where = el('output', { className: 'where' });
   private readonly within = el('input', { type: 'range', min: '0', max: '1', step: '0.001', value: '0', className: 'within', 'aria-label': 'Time within the step' });
   private readonly track: HTMLElement;
-  private steps: Step[] = [];
 
   constructor(
     private readonly scene: SceneInfo,
     private readonly clock: Clock,
+    private readonly check: Check,
     private readonly actions: TimelineActions,
   ) {
     this.track = this.makeTrack();
@@ -56,7 +58,7 @@ export class Timeline {
       button('M17 5v14l-11-7z', s > 1 ? 'One substep back (←)' : 'One step back (←)', () => this.actions.move(-1)),
       play,
       button('M7 5v14l11-7z', s > 1 ? 'One substep on (→)' : 'One step on (→)', () => this.actions.move(1)),
-      button('M11 5v14l-9-7zm4 4a3 3 0 1 1 0 6 3 3 0 0 1 0-6z', 'Previous step with collisions (P)', () => this.actions.collision(-1), 'collision'),
+      button('M11 5v14l-9-7zm4 4a3 3 0 1 1 0 6 3 3 0 0 1 0-6z', 'Previous step with collisions, or the start if it crosses (P)', () => this.actions.collision(-1), 'collision'),
       button('M13 5v14l9-7zm-4 4a3 3 0 1 0 0 6 3 3 0 0 0 0-6z', 'Next step with collisions (N)', () => this.actions.collision(1), 'collision'),
       speed,
       el('label', { className: 'inner', title: 'Time within the step (, and .)' }, el('span', {}, 'in step'), this.within),
@@ -87,12 +89,7 @@ export class Timeline {
     return track;
   }
 
-  setSteps(steps: Step[]): void {
-    this.steps = steps;
-    this.paint();
-  }
-
-  /** The answers of all steps: hatched until checked, then free, or red and as high as there are many collisions. */
+  /** The answers of all steps: hatched until checked; green as far as nothing goes through anything, grey where nothing more is known than that there is no new contact; red and as high as there are many collisions. What crosses in the first frame stands at its begin. */
   paint(): void {
     const { clientWidth: width, clientHeight: height } = this.track;
     if (width === 0) return;
@@ -113,12 +110,16 @@ export class Timeline {
       g.stroke();
     }
     const total = Math.max(1, this.scene.steps);
+    const { free, steps, startsCrossing } = this.check;
+    g.fillStyle = colour('--calm');
+    g.fillRect(0, 0, (steps.length / total) * width, height);
     g.fillStyle = colour('--free');
-    g.fillRect(0, 0, (this.steps.length / total) * width, height);
+    g.fillRect(0, 0, (free / total) * width, height);
     let most = 1;
-    for (const step of this.steps) most = Math.max(most, collisionsOf(step));
+    for (const step of steps) most = Math.max(most, collisionsOf(step));
+    if (startsCrossing) this.paintStart(g, this.clock.still ? width : kStartWidth, height, colour);
     g.fillStyle = colour('--bar');
-    for (const step of this.steps) {
+    for (const step of steps) {
       const count = collisionsOf(step);
       if (count === 0) continue;
       const tall = Math.max(5, (Math.log1p(count) / Math.log1p(most)) * (height - 3));
@@ -127,20 +128,40 @@ export class Timeline {
     }
   }
 
+  private paintStart(g: CanvasRenderingContext2D, width: number, height: number, colour: (name: string) => string): void {
+    g.save();
+    g.beginPath();
+    g.rect(0, 0, width, height);
+    g.clip();
+    g.fillStyle = colour('--cross');
+    g.fillRect(0, 0, width, height);
+    g.strokeStyle = colour('--cross-dark');
+    g.lineWidth = 2.5;
+    for (let x = 0; x < width + height; x += 6.5) {
+      g.beginPath();
+      g.moveTo(x, 0);
+      g.lineTo(x - height, height);
+      g.stroke();
+    }
+    g.restore();
+    g.fillStyle = colour('--cross-dark');
+    g.fillRect(width - 1.5, 0, 1.5, height);
+  }
+
   /** Moves the cursor and says where it is. */
   show(waiting: boolean): void {
     const { clock, scene } = this;
     const share = scene.frames > 1 ? clock.place / (scene.frames - 1) : 0;
     this.cursor.style.left = `${100 * share}%`;
     if (document.activeElement !== this.within) this.within.value = String(clock.t);
-    const step = this.steps[clock.step];
+    const step = this.check.steps[clock.step];
     const from = scene.frame_numbers[clock.frame] ?? 0;
     const to = scene.frame_numbers[Math.min(clock.frame + 1, scene.frames - 1)] ?? from;
     const place = { frame: from, next_frame: to, substep: clock.step % clock.substeps } as Step;
-    const text = scene.steps === 0 ? `frame ${from}` : `${placeText(step ?? place, clock.substeps)}, ${clock.t.toFixed(3)} of the way`;
+    const text = clock.still ? `frame ${from}` : `${placeText(step ?? place, clock.substeps)}, ${clock.t.toFixed(3)} of the way`;
     setText(this.where, waiting ? `loading ${text}` : text);
     this.track.setAttribute('aria-valuenow', clock.place.toFixed(3));
-    this.track.setAttribute('aria-valuetext', text);
+    this.track.setAttribute('aria-valuetext', this.check.startsCrossing && clock.place === 0 ? `${text}, starts crossing` : text);
   }
 
   showPlaying(playing: boolean): void {

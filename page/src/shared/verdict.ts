@@ -1,0 +1,71 @@
+// What a check says as a whole; the same words in the page and in the report.
+import { counted, grouped } from './format';
+
+/** The answer for the first frame. */
+export interface Start {
+  frame: number;
+  crossings: number; // pairs of triangles
+  ms: { total: number };
+}
+
+export interface Found {
+  state: 'running' | 'done' | 'stopped' | 'failed' | 'gone';
+  done: number;
+  total: number; // steps that there are to be
+  pairs: number;
+  colliding: number; // steps
+  start: Start | null; // nothing where it was not asked, or is not answered yet
+  stepsOnly: boolean;
+  statistical: boolean;
+  single: boolean; // one frame, whose only step stands still
+}
+
+export type Kind = 'run' | 'free' | 'hit' | 'stopped';
+
+export interface Verdict {
+  text: string;
+  kind: Kind;
+}
+
+export const kStartNotAsked = 'what crosses from the start was not asked (--steps-only)';
+
+export const startText = ({ frame, crossings }: Start, single = false): string =>
+  crossings === 0 ? `Nothing crosses in frame ${frame}` : `Frame ${frame} ${single ? 'has' : 'starts with'} ${counted(crossings, 'crossing pair')} of triangles`;
+
+export const stoppedText = ({ done, total }: Found): string => `Stopped at ${grouped(done)} of ${counted(total, 'step')}`;
+
+function stopped(found: Found): Verdict {
+  const crosses = (found.start?.crossings ?? 0) > 0;
+  const parts = [stoppedText(found)];
+  if (crosses) parts.push(startText(found.start!, found.single));
+  if (found.pairs > 0) parts.push(`${counted(found.pairs, 'colliding pair')} until then`);
+  if (parts.length === 1) parts.push('the rest is unknown');
+  return { text: parts.join('; '), kind: crosses || found.pairs > 0 ? 'hit' : 'stopped' };
+}
+
+function running(found: Found): Verdict {
+  const crosses = (found.start?.crossings ?? 0) > 0;
+  const checking = found.single ? 'Checking' : `Checking: ${grouped(found.done)} of ${counted(found.total, 'step')}, ${counted(found.pairs, 'pair')} so far`;
+  return { text: crosses ? `${startText(found.start!, found.single)}. ${checking}` : checking, kind: crosses || found.pairs > 0 ? 'hit' : 'run' };
+}
+
+function single(start: Start, pairs: number): Verdict {
+  const crosses = start.crossings > 0;
+  if (pairs > 0) return { text: `${startText(start, true)}; ${counted(pairs, 'pair')} in contact`, kind: 'hit' };
+  return crosses ? { text: startText(start, true), kind: 'hit' } : { text: `Proven free: nothing crosses in frame ${start.frame}`, kind: 'free' };
+}
+
+export function verdictOf(found: Found): Verdict {
+  const { start, pairs } = found;
+  if (found.state === 'running') return running(found);
+  if (found.state !== 'done') return stopped(found);
+  const steps = counted(found.total, 'step');
+  const can = found.statistical ? 'Statistical, can miss: ' : '';
+  const contacts = `${counted(pairs, 'colliding pair')} in ${grouped(found.colliding)} of ${steps}`;
+  if (found.single && start) return single(start, pairs);
+  if (start && start.crossings > 0) return { text: `${startText(start)}; ${can.toLowerCase()}${pairs > 0 ? contacts : `no new contact in ${steps}`}`, kind: 'hit' };
+  if (pairs > 0) return { text: `${can}${contacts}${start ? '' : `; ${kStartNotAsked}`}`, kind: 'hit' };
+  if (!start) return { text: `${can}${can ? 'no' : 'No'} contact in ${steps}; ${kStartNotAsked}`, kind: 'run' };
+  if (found.statistical) return { text: `${can}no collision found in ${steps}`, kind: 'run' };
+  return { text: `Proven free of collisions: frame ${start.frame} and ${found.total === 1 ? 'the step from it' : `all ${steps}`}`, kind: 'free' };
+}
