@@ -123,8 +123,7 @@ class Steps {
     Result<void> done;
     const auto times = times_of([&] { done = checker_->check({&x0, 1}, {&x1, 1}, {}, result_); });
     if (!done) return tl::unexpected(done.error());
-    return fmt::format("{} {} {} {:x}", times[0], times[1],
-                       result_.count(), hash_of(result_));
+    return fmt::format("{} {} {} {:x}", times[0], times[1], result_.count(), hash_of(result_));
   }
 
   static Result<std::string> train(std::istringstream& words) {

@@ -91,7 +91,7 @@ struct CheckTotals {
   std::optional<std::uint64_t> starts_crossing;
   StageTimes start_milliseconds;  ///< What that answer took; `milliseconds` is without it.
   CollisionCounts collisions;
-  CollisionCounts listed;  ///< Of them, those that the steps' answers list.
+  CollisionCounts listed;          ///< Of them, those that the steps' answers list.
   std::optional<StepPlace> worst;  ///< The step with the most collisions, the first of several.
   CollisionCounts worst_collisions;
   std::optional<StepPlace> earliest;  ///< The first step with a collision, and its time of impact.

@@ -53,8 +53,9 @@ def test_poses_are_the_programs(motion, program, tmp_path):
 
 
 def test_what_crosses_from_the_start_is_the_programs(triangles, frames, program, tmp_path):
-    # The last two frames are rolled up so far that the strip goes through itself in both.
-    motion = foldproof.Motion(triangles, np.stack([frames[-1], frames[-1] + [0.0, 0.25, 0.0]]))
+    # The strip is rolled up so far that it goes through itself, and slanted so that no two edges cross exactly.
+    rolled_up = frames[-1] + np.arange(len(frames[-1]))[:, None] // 5 * [0.0, 0.0137, 0.0]
+    motion = foldproof.Motion(triangles, np.stack([rolled_up, rolled_up + [0.0, 0.25, 0.0]]))
     foldproof.write_motion(tmp_path / "roll.npz", motion)
     done = program("check", "roll.npz", "--csv", "roll.csv", "--steps-only")
     assert done.returncode == 0 and rows_of(tmp_path / "roll.csv") == [], done.stdout
@@ -204,4 +205,4 @@ def test_documents_tell_the_truth(document, motion, tmp_path, monkeypatch, capsy
         foldproof.write_motion(tmp_path / f"{name}.npz", motion)
     monkeypatch.chdir(tmp_path)
     exec(block.replace(".glb", ".npz"), {})
-    assert capsys.readouterr().out.startswith(str(foldproof.check(motion).collisions))
+    assert str(foldproof.check(motion).collisions) in capsys.readouterr().out.split()

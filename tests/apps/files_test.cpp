@@ -228,7 +228,7 @@ TEST(FileArguments, ALimitOnFileSizesIsAnErrorAndLeavesNothing) {
   const auto before = inputs.bytes();
   for (const char* rest :
        {"check a.npz --json a.json", "train a.npz -o a.model", "predict tube.model a.npz -o b.npz"}) {
-    const std::string line = std::string("ulimit -f 4 && exec ") + FOLDPROOF_PROGRAM + " " + rest;
+    const std::string line = std::string("ulimit -f 1 && exec ") + FOLDPROOF_PROGRAM + " " + rest;
     expect_one_line_error(run_program({"-c", line}, {.directory = inputs.path(), .program = "/bin/sh"}),
                           "cannot be written: File too large");
   }

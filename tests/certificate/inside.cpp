@@ -1,7 +1,10 @@
 #include "certificate/inside.h"
 
 // The library's file once more, under other names, so that its inner functions can be called.
+#if !defined(HWY_COMPILE_ONLY_SCALAR) && \
+    !defined(HWY_COMPILE_ONLY_EMU128)  // as tests/tools/fallback.cmake has it
 #define HWY_COMPILE_ONLY_STATIC
+#endif
 #define chart_holds chart_holds_again
 #define chart_margin chart_margin_again
 #define fit_of fit_again

@@ -12,7 +12,7 @@
 namespace foldproof::testing {
 
 /// Both of radius 1, their middles `distance` apart along x; in each frame a quarter farther along y. The
-/// second is turned a little, so that no two vertices or edges meet.
+/// second is turned and lifted a little, so that no two vertices or edges meet.
 inline std::unique_ptr<Motion> two_spheres(double distance, std::size_t frames = 3) {
   constexpr Index kAround = 16, kAcross = 9;
   constexpr double kPi = 3.14159265358979323846;
@@ -20,13 +20,13 @@ inline std::unique_ptr<Motion> two_spheres(double distance, std::size_t frames =
   std::vector<Triangle> triangles;
   for (const double turn : {0.0, 0.137}) {
     const auto first = static_cast<Index>(x.size() / 3);
-    const double middle = turn == 0 ? 0 : distance;
+    const double middle = turn == 0 ? 0 : distance, height = turn / 4;
     for (Index i = 0; i < kAcross; ++i) {
       const double lift = kPi * (i + 1) / (kAcross + 1);
       for (Index k = 0; k < kAround; ++k) {
         const double angle = 2 * kPi * k / kAround + turn;
         x.insert(x.end(), {middle + std::sin(lift) * std::cos(angle), std::sin(lift) * std::sin(angle),
-                           std::cos(lift)});
+                           height + std::cos(lift)});
         const Index here = first + i * kAround + k, beside = first + i * kAround + (k + 1) % kAround;
         if (i + 1 == kAcross) continue;
         triangles.push_back({here, here + kAround, beside});
@@ -34,7 +34,7 @@ inline std::unique_ptr<Motion> two_spheres(double distance, std::size_t frames =
       }
     }
     const Index north = first + kAround * kAcross, south = north + 1, last = first + kAround * (kAcross - 1);
-    x.insert(x.end(), {middle, 0, 1, middle, 0, -1});
+    x.insert(x.end(), {middle, 0, height + 1, middle, 0, height - 1});
     for (Index k = 0; k < kAround; ++k) {
       triangles.push_back({north, first + k, first + (k + 1) % kAround});
       triangles.push_back({south, last + (k + 1) % kAround, last + k});

@@ -24,7 +24,8 @@ foreach(SOURCE ${SOURCES})
     list(APPEND FALLBACK_SOURCES ${SOURCE})
   endif()
 endforeach()
-add_library(foldproof_fallback OBJECT ${FALLBACK_SOURCES} ${CMAKE_CURRENT_SOURCE_DIR}/arithmetic/ops.cpp)
+add_library(foldproof_fallback OBJECT ${FALLBACK_SOURCES} ${CMAKE_CURRENT_SOURCE_DIR}/arithmetic/ops.cpp
+  ${CMAKE_CURRENT_SOURCE_DIR}/certificate/inside.cpp)
 target_include_directories(foldproof_fallback PRIVATE ${PROJECT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(foldproof_fallback PRIVATE ${FALLBACK})
 target_link_libraries(foldproof_fallback PRIVATE foldproof foldproof_threads)
@@ -32,7 +33,7 @@ target_link_libraries(foldproof_fallback PRIVATE foldproof foldproof_threads)
 # FILTER: the tests that depend on instruction sets.
 function(foldproof_fallback_tests ROOM FILTER)
   add_executable(test_${ROOM}_fallback $<TARGET_OBJECTS:foldproof_fallback>
-    $<FILTER:$<TARGET_OBJECTS:test_${ROOM}>,EXCLUDE,/ops\\.cpp>)
+    $<FILTER:$<FILTER:$<TARGET_OBJECTS:test_${ROOM}>,EXCLUDE,/ops\\.cpp>,EXCLUDE,/inside\\.cpp>)
   target_link_libraries(test_${ROOM}_fallback PRIVATE foldproof fmt::fmt GTest::gmock GTest::gtest_main hwy ${ARGN})
   gtest_discover_tests(test_${ROOM}_fallback TEST_PREFIX fallback/ EXTRA_ARGS --gtest_filter=${FILTER}
     TEST_FILTER ${FILTER} PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
