@@ -54,7 +54,7 @@ def test_poses_are_the_programs(motion, program, tmp_path):
 
 def test_what_crosses_from_the_start_is_the_programs(triangles, frames, program, tmp_path):
     # The strip is rolled up so far that it goes through itself, and slanted so that no two edges cross exactly.
-    rolled_up = frames[-1] + np.arange(len(frames[-1]))[:, None] // 5 * [0.0, 0.0137, 0.0]
+    rolled_up = frames[-1] + np.arange(len(frames[-1]))[:, None] // 5 * [0.0, 0.00137, 0.0]
     motion = foldproof.Motion(triangles, np.stack([rolled_up, rolled_up + [0.0, 0.25, 0.0]]))
     foldproof.write_motion(tmp_path / "roll.npz", motion)
     done = program("check", "roll.npz", "--csv", "roll.csv", "--steps-only")

@@ -190,7 +190,9 @@ TEST_P(GeneratedMotions, KeepThePromise) {
     free += way.step_free;
     turned += way.crossing_at >= 0;
   }
-  EXPECT_GT(free, 0);
+  if (std::string_view(GetParam().name) != "damaged") {  // whose copies of vertices touch in every step
+    EXPECT_GT(free, 0);
+  }
   EXPECT_GT(turned, 0);
 }
 
