@@ -37,7 +37,7 @@ export const stoppedText = ({ done, total }: Found): string => `Stopped at ${gro
 function stopped(found: Found): Verdict {
   const crosses = (found.start?.crossings ?? 0) > 0;
   const parts = [stoppedText(found)];
-  if (crosses) parts.push(startText(found.start!, found.single));
+  if (crosses) parts.push(startText(found.start!, found.single).replace('Frame', 'frame'));
   if (found.pairs > 0) parts.push(`${counted(found.pairs, 'colliding pair')} until then`);
   if (parts.length === 1) parts.push('the rest is unknown');
   return { text: parts.join('; '), kind: crosses || found.pairs > 0 ? 'hit' : 'stopped' };
