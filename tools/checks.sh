@@ -93,6 +93,3 @@ need_data() {
   echo "the motions, ../shared/data, are not here"
   return "$skipped"
 }
-
-# has_target BUILD TARGET
-has_target() { cmake --build "$1" --target help | grep -E "^$2:" >/dev/null; }

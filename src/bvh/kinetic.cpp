@@ -176,9 +176,12 @@ void UniteInnerNodes(std::span<const Hierarchy::Node> nodes, Index first, Index 
   const hn::CappedTag<float, 16> d;
   for (std::size_t i = first + count; i-- > first;) {
     if (nodes[i].is_leaf()) continue;
-    const float *a = boxes[i + 1].x[0][0], *b = boxes[nodes[i].right].x[0][0];
+    // All of a box's numbers, one after the other.
+    const auto* a = reinterpret_cast<const float*>(&boxes[i + 1]);
+    const auto* b = reinterpret_cast<const float*>(&boxes[nodes[i].right]);
+    auto* both = reinterpret_cast<float*>(&boxes[i]);
     for (std::size_t lane = 0; lane < 16; lane += hn::Lanes(d)) {
-      hn::Store(hn::Min(hn::Load(d, a + lane), hn::Load(d, b + lane)), d, boxes[i].x[0][0] + lane);
+      hn::Store(hn::Min(hn::Load(d, a + lane), hn::Load(d, b + lane)), d, both + lane);
     }
   }
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <ranges>
 
 namespace foldproof {
 namespace {
@@ -11,8 +10,8 @@ std::size_t widest_axis(std::span<const SweptBox> boxes) {
   std::array<double, 3> spread{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto middle = [axis](const SweptBox& box) { return box.low[axis] / 2 + box.high[axis] / 2; };
-    const auto [least, most] = std::ranges::minmax(boxes | std::views::transform(middle));
-    spread[axis] = most / 2 - least / 2;
+    const auto [least, most] = std::ranges::minmax_element(boxes, {}, middle);
+    spread[axis] = middle(*most) / 2 - middle(*least) / 2;
   }
   return static_cast<std::size_t>(std::ranges::max_element(spread) - spread.begin());
 }

@@ -17,8 +17,7 @@ if(CMAKE_CXX_COMPILER_LAUNCHER)
 else()
   message(STATUS "Without ccache as CMAKE_CXX_COMPILER_LAUNCHER the forms that build the whole library again are not tested")
 endif()
-# These two compile the whole library once more: not optimised, and one after the other, so that the second finds the
-# first one's objects in the cache.
+# These two compile the whole library once more: not optimised, and one after the other.
 foreach(FORM ${FORMS})
   set(RELEASE_FLAGS ${CMAKE_CXX_FLAGS_RELEASE})
   if(NOT FORM STREQUAL package)

@@ -93,7 +93,7 @@ TEST(ContactChecker, NeverStepsIntoContact) {
 
 TEST(ContactChecker, NeverStepsIntoExactContactOnAGrid) {
   Counts counts;
-  for (int seed = 0; seed < rounds(70); ++seed) {
+  for (int seed = 0; seed < rounds(200); ++seed) {
     test_step_sizes(1000000 + static_cast<std::uint64_t>(seed), 0, 0x1p-4, counts);
     if (HasFatalFailure()) return;
   }
