@@ -1,12 +1,20 @@
 # `./dev all`, for a night without anybody: every check at full length, whatever fails, and docs/quality.md says what came
-# of it. The table is written anew after each check, so that there is one however this ends.
+# of it. The table is written anew after each check, so that there is one however this ends; begun again for the same
+# commit it goes on with what has not passed.
 # shellcheck shell=bash
 source tools/checks.sh
 
-all_checks=(test lint address thread fuzz search frames mutants bench)
+all_checks=(test lint address thread fuzz search floats frames mutants bench)
 
 # Programs with tests that take fewer frames of the real motions unless told otherwise.
 programs_with_frames=(test_query test_keypoints test_learned test_oracle)
+
+# What proofs assume of conversions, for every float there is and not only some.
+all_floats() {
+  configure release -DFOLDPROOF_TESTS=ON
+  build_preset release test_arithmetic
+  FOLDPROOF_ALL_FLOATS=1 build/test_arithmetic --gtest_brief=1
+}
 
 all_test() { do_test; }
 all_lint() { do_lint; }
@@ -26,14 +34,7 @@ all_frames() {
   return "$status"
 }
 
-all_mutants() {
-  if ! usage | grep '^  mutants' >/dev/null; then
-    echo "there is no ./dev mutants here"
-    return "$skipped"
-  fi
-  ./dev mutants
-}
-
+all_mutants() { do_mutants; }
 all_bench() { do_bench --quick; }
 
 # what_is NAME: for the table.
@@ -45,20 +46,23 @@ what_is() {
     thread) echo 'every test under the thread sanitizer' ;;
     fuzz) echo "every fuzz target, $minutes min each" ;;
     fuzz_*) echo "fuzz target ${1#fuzz_}" ;;
-    search) echo "search for answers that are wrong, $((6 * minutes)) min" ;;
+    search) echo "search for answers that are wrong, $((18 * minutes)) min of processor time (\`./dev search\`)" ;;
+    search_answers*) echo 'small scenes of very different sizes, asked in every way' ;;
+    search_*) echo 'meshes moved towards collisions that certificates exclude' ;;
+    floats) echo 'what proofs assume of arithmetic, for every float' ;;
     frames) echo 'real motions, every frame' ;;
-    mutants) echo 'planted mistakes that tests must find' ;;
+    mutants) echo 'planted defects that the guards must find' ;;
     bench) echo 'the benchmarks, `--quick`' ;;
   esac
 }
 
-# add_fuzz_targets: a row for each, from what do_fuzz printed.
-add_fuzz_targets() {
-  local target result rest
-  while read -r target result rest; do
-    [[ $result == clean, ]] && add_row "fuzz_$target" passed "$rest" $((60 * minutes))
-    [[ $result == FAILED\; ]] && add_row "fuzz_$target" FAILED "$rest" $((60 * minutes))
-  done <out/checks/fuzz.log
+# add_parts CHECK SECONDS: a row for each part of a check, from the lines that say what came of it.
+add_parts() {
+  local part result rest
+  while read -r part result rest; do
+    [[ $result == clean, ]] && add_row "$1_$part" passed "$rest" "$2"
+    [[ $result == FAILED\; ]] && add_row "$1_$part" FAILED "$rest" "$2"
+  done <"out/checks/$1.log"
   return 0
 }
 
@@ -86,6 +90,24 @@ write_quality() {
   mv docs/quality.md.new docs/quality.md
 }
 
+passed_before=out/checks/passed # lines: commit|minutes|check|counts|seconds
+
+# take_row NAME: the row of a check that passed before, for this very commit and length.
+take_row() {
+  local row counts seconds
+  [[ -z $all_changed ]] && row=$(grep "^$all_commit|$minutes|$1|" "$passed_before" 2>/dev/null | tail -n 1) || return 1
+  IFS='|' read -r _ _ _ counts seconds <<<"$row"
+  add_row "$1" passed "$counts" "$seconds"
+  printf '%-12s passed before: %s\n' "$1" "$counts"
+}
+
+# keep_row NAME: the last row, if its check passed.
+keep_row() {
+  local result counts seconds
+  IFS='|' read -r result counts seconds <<<"${check_rows[-1]}"
+  [[ $result != passed || -n $all_changed ]] || echo "$all_commit|$minutes|$1|$counts|$seconds" >>"$passed_before"
+}
+
 read_all_arguments() {
   local name
   while (($#)); do
@@ -106,7 +128,7 @@ read_all_arguments() {
 do_all() {
   full_minutes=10 minutes=10 only=("${all_checks[@]}")
   read_all_arguments "$@"
-  all_commit=$(git rev-parse --short HEAD) all_date=$(date -u '+%Y-%m-%d %H:%M UTC')
+  all_commit=$(git log -1 --format=%h -- . ':!docs/quality.md') all_date=$(date -u '+%Y-%m-%d %H:%M UTC')
   all_changed=$(git status --porcelain -- . ':!docs/quality.md')
   # Now, as nobody is there later to type a password.
   need lib test studio demo python package browser mpi fuzz lint bench
@@ -114,12 +136,19 @@ do_all() {
   say "everything, whatever fails; docs/quality.md says what came of it, out/checks what was printed"
   local name
   for name in "${all_checks[@]}"; do
-    if [[ " ${only[*]} " == *" $name "* ]]; then
+    if take_row "$name"; then
+      :
+    elif [[ " ${only[*]} " == *" $name "* ]]; then
       run_check "$name" "all_$name"
+      keep_row "$name"
     else
       add_row "$name" skipped 'not asked for' 0
     fi
-    [[ $name != fuzz || ! " ${only[*]} " == *' fuzz '* ]] || add_fuzz_targets
+    case $name:${check_rows[-1]} in
+      *:skipped*) ;;
+      fuzz:*) add_parts fuzz $((60 * minutes)) ;;
+      search:*) add_parts search $((360 * minutes)) ;;
+    esac
     write_quality 'not yet at its end'
   done
   write_quality 'finished'

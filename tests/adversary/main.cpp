@@ -71,7 +71,7 @@ bool read_options(int argc, char** argv, Options& options) {
 void print(const Tally& t, double seconds) {
   fmt::print(
       "{} cases, {} steps in {:.0f} s ({:.0f} a second); {:.1f} % of the steps collide, in {} pairs, {} "
-      "undecided;\n"
+      "undecided; "
       "{} steps were served by a search ahead; {} poses, {:.1f} % cross; {} calls of a solver; {} reduced "
       "steps; exact "
       "arithmetic was asked {} times\n",

@@ -259,9 +259,22 @@ TEST(ContactChecker, SaysWhatIsWrong) {
   soup.x0 = {0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 5, 5};
   ContactChecker checker = checker_of(soup);
   Candidates found;
-  auto bad = soup.x0;
-  bad[4] = std::nan("");
-  EXPECT_FALSE(checker.is_step_collision_free(soup.x0, bad));
+  for (const double number :
+       {std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
+    for (const std::size_t at : {4, 11}) {  // of the face, and of the point beside it
+      auto bad = soup.x0;
+      bad[at] = number;
+      EXPECT_FALSE(checker.is_step_collision_free(soup.x0, bad));
+      EXPECT_FALSE(checker.is_step_collision_free(bad, soup.x0));
+      EXPECT_FALSE(checker.collision_free_step_size(soup.x0, bad));
+      EXPECT_FALSE(checker.collision_free_step_size(bad, soup.x0));
+      EXPECT_FALSE(checker.candidates(bad, 1, found));
+      EXPECT_FALSE(checker.candidates(soup.x0, bad, 1, found));
+      EXPECT_FALSE(checker.minimum_distance(bad, 1));
+      EXPECT_FALSE(checker.has_intersections(bad));
+      EXPECT_TRUE(checker.is_step_collision_free(soup.x0, soup.x0).value());
+    }
+  }
   EXPECT_FALSE(checker.collision_free_step_size(std::span(soup.x0).first(3), soup.x0));
   EXPECT_FALSE(checker.collision_free_step_size(soup.x0, soup.x0, -1));
   EXPECT_FALSE(checker.candidates(soup.x0, -1, found));
