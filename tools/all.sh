@@ -90,22 +90,25 @@ write_quality() {
   mv docs/quality.md.new docs/quality.md
 }
 
-passed_before=out/checks/passed # lines: commit|minutes|check|counts|seconds
+passed_before=out/checks/passed # lines: commit|minutes|check|row|result|counts|seconds
 
-# take_row NAME: the row of a check that passed before, for this very commit and length.
-take_row() {
-  local row counts seconds
-  [[ -z $all_changed ]] && row=$(grep "^$all_commit|$minutes|$1|" "$passed_before" 2>/dev/null | tail -n 1) || return 1
-  IFS='|' read -r _ _ _ counts seconds <<<"$row"
-  add_row "$1" passed "$counts" "$seconds"
-  printf '%-12s passed before: %s\n' "$1" "$counts"
+# take_rows CHECK: the rows of a check that passed before, for this very commit and length.
+take_rows() {
+  local name result counts seconds
+  [[ -z $all_changed ]] && grep -qs "^$all_commit|$minutes|$1|" "$passed_before" || return 1
+  while IFS='|' read -r _ _ _ name result counts seconds; do
+    add_row "$name" "$result" "$counts" "$seconds"
+  done < <(grep "^$all_commit|$minutes|$1|" "$passed_before")
+  printf '%-12s passed before\n' "$1"
 }
 
-# keep_row NAME: the last row, if its check passed.
-keep_row() {
-  local result counts seconds
-  IFS='|' read -r result counts seconds <<<"${check_rows[-1]}"
-  [[ $result != passed || -n $all_changed ]] || echo "$all_commit|$minutes|$1|$counts|$seconds" >>"$passed_before"
+# keep_rows CHECK FIRST: its rows, the FIRST and all after it, if it passed.
+keep_rows() {
+  local k
+  [[ ${check_rows[$2]} == passed* && -z $all_changed ]] || return 0
+  for ((k = $2; k < ${#check_rows[@]}; k++)); do
+    echo "$all_commit|$minutes|$1|${check_names[k]}|${check_rows[k]}"
+  done >>"$passed_before"
 }
 
 read_all_arguments() {
@@ -134,21 +137,21 @@ do_all() {
   need lib test studio demo python package browser mpi fuzz lint bench
   trap 'stop_checks; write_quality "stopped before its end"; echo; print_checks; exit 130' INT TERM
   say "everything, whatever fails; docs/quality.md says what came of it, out/checks what was printed"
-  local name
+  local name first
   for name in "${all_checks[@]}"; do
-    if take_row "$name"; then
+    first=${#check_rows[@]}
+    if take_rows "$name"; then
       :
     elif [[ " ${only[*]} " == *" $name "* ]]; then
       run_check "$name" "all_$name"
-      keep_row "$name"
+      case $name in
+        fuzz) add_parts fuzz $((60 * minutes)) ;;
+        search) add_parts search $((360 * minutes)) ;;
+      esac
+      keep_rows "$name" "$first"
     else
       add_row "$name" skipped 'not asked for' 0
     fi
-    case $name:${check_rows[-1]} in
-      *:skipped*) ;;
-      fuzz:*) add_parts fuzz $((60 * minutes)) ;;
-      search:*) add_parts search $((360 * minutes)) ;;
-    esac
     write_quality 'not yet at its end'
   done
   write_quality 'finished'

@@ -48,6 +48,7 @@ struct alignas(32) MovingVertex {
 struct alignas(64) KineticBox {
   float x[2][2][4];  // [end][lower, negated upper][axis]
 };
+static_assert(sizeof(KineticBox) == 16 * sizeof(float));  // boxes in a row are read as floats
 
 /// A grid of bytes over the box of one leaf, at both ends of the step: a coordinate x has its place at
 /// (x - origin) * scale. Laid out like MovingVertex.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Shows that tools/checks.sh, with which ./dev guard and ./dev all run checks, reports what came of each."""
+"""Shows that tools/checks.sh and tools/all.sh, of ./dev guard and ./dev all, report what came of each check."""
 import pathlib
 import signal
 import subprocess
@@ -7,8 +7,8 @@ import tempfile
 import time
 import unittest
 
-TOOL = pathlib.Path(__file__).resolve().parents[2] / "tools" / "checks.sh"
-BEGIN = f"set -euo pipefail\nsource {TOOL}\n"
+TOOLS = pathlib.Path(__file__).resolve().parents[2] / "tools"
+BEGIN = f"set -euo pipefail\nsource {TOOLS}/checks.sh\n"
 
 
 def run(checks):
@@ -67,6 +67,74 @@ class Checks(unittest.TestCase):
                 while status.exists() and status.read_text().split()[2] != "Z" and time.monotonic() < deadline:
                     time.sleep(0.05)
                 self.assertTrue(not status.exists() or status.read_text().split()[2] == "Z")
+
+
+class All(unittest.TestCase):
+    """./dev all, with checks that only count how often they ran."""
+    SCRIPT = """set -euo pipefail
+say() { :; }; need() { :; }; die() { echo "$*" >&2; exit 2; }
+source tools/all.sh
+all_checks=(test fuzz floats)
+all_test() { echo ran >>ran; echo '[  PASSED  ] 3 tests.'; }
+all_fuzz() { echo ran >>ran; echo 'obj      clean, 12 inputs'; echo 'ply      clean, 30 inputs'; }
+all_floats() { [[ -f fixed ]]; echo 'every float'; }
+do_all "$@"
+"""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        (self.folder / "tools").symlink_to(TOOLS)
+        (self.folder / "docs").mkdir()
+        (self.folder / ".gitignore").write_text("/out\n/ran\n/fixed\n")
+        self.git("init", "--quiet")
+        self.commit()
+
+    def git(self, *arguments):
+        subprocess.run(["git", "-c", "user.name=Tester", "-c", "user.email=tester@example.org", *arguments],
+                       cwd=self.folder, check=True)
+
+    def commit(self):
+        self.git("add", "--all")
+        self.git("commit", "--quiet", "--message=change")
+
+    def run_all(self, *arguments):
+        """Returns the exit code, the table {name: (result, counts)} of docs/quality.md and how many checks ran."""
+        ran = self.folder / "ran"
+        ran.unlink(missing_ok=True)
+        process = subprocess.run(["bash", "-c", self.SCRIPT, "all", *arguments], cwd=self.folder,
+                                 capture_output=True, text=True, timeout=60)
+        rows = [row.split(" | ") for row in (self.folder / "docs" / "quality.md").read_text().splitlines()
+                if row.startswith("| ")][1:]
+        return (process.returncode, {row[0][2:]: (row[2], row[3]) for row in rows},
+                len(ran.read_text().splitlines()) if ran.exists() else 0)
+
+    def test_goes_on_with_what_has_not_passed(self):
+        table = {"test": ("passed", "3 tests, 0 failed, 0 skipped"), "fuzz": ("passed", "2 targets, 42 inputs"),
+                 "fuzz_obj": ("passed", "12 inputs"), "fuzz_ply": ("passed", "30 inputs"), "floats": ("FAILED", "")}
+        self.assertEqual(self.run_all(), (2, table, 2))
+        (self.folder / "out" / "checks" / "fuzz.log").write_text("obj      clean, 1 inputs\n")  # of a shorter run since
+        (self.folder / "fixed").touch()
+        table["floats"] = ("passed", "every float")
+        self.assertEqual(self.run_all(), (0, table, 0))
+
+    def test_another_commit_or_length_or_a_change_begins_anew(self):
+        self.assertEqual(self.run_all("--only", "test")[2], 1)
+        self.assertEqual(self.run_all("--only", "test")[2], 0)
+        self.assertEqual(self.run_all("--only", "test", "--minutes", "3")[2], 1)
+        self.commit()  # only of docs/quality.md
+        self.assertEqual(self.run_all("--only", "test")[2], 0)
+        (self.folder / "source").write_text("changed")
+        self.assertEqual(self.run_all("--only", "test")[2], 1)
+        self.assertEqual(self.run_all("--only", "test")[2], 1)
+        self.commit()
+        self.assertEqual(self.run_all("--only", "test")[2], 1)
+
+    def test_what_was_not_asked_for_is_said(self):
+        self.assertEqual(self.run_all("--only", "test")[:2], (0, {
+            "test": ("passed", "3 tests, 0 failed, 0 skipped"), "fuzz": ("skipped", "not asked for"),
+            "floats": ("skipped", "not asked for")}))
 
 
 if __name__ == "__main__":
