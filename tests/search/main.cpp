@@ -224,7 +224,8 @@ int main_of_search(int argc, char** argv) {
     print_row(target.name(), target.tally);
     all.add(target.tally);
   }
-  print_row("all", all);
+  fmt::print("{} attacks, {} of {} moves accepted, {} pairs asked exactly; nearest / promised {:.4g}\n",
+             all.attacks, all.accepted, all.tries, all.asked, all.least_ratio);
   // An attack that never gets anywhere shows nothing.
   if (clean && all.accepted == 0) fmt::print("FAILED: no move was accepted\n");
   return clean && all.accepted > 0 ? 0 : 1;
