@@ -207,7 +207,7 @@ std::string closing(const SweepArguments& a, const SweepInput& input, const Swee
 }
 
 Result<void> require_sense(const SweepArguments& a) {
-  if (const auto ok = a.files.check(); !ok) return ok;
+  if (auto ok = a.files.check(); !ok) return ok;
   if (!(a.patience >= 1))
     return fail("--patience", fmt::format("{} s is less than signs of life need", a.patience),
                 "give 1 or more");

@@ -111,16 +111,16 @@ void OutlineFiller::fill_bays(Drawing& drawing) {
 
 // Goes round the loop and the square at once and joins them by the shorter of the two next diagonals.
 bool OutlineFiller::join_square(Drawing& drawing) {
-  if (loop_.empty()) return false;  // an outline without sides
+  const std::size_t n = loop_.size();
+  if (n == 0) return false;  // an outline without sides
   const auto& places = drawing.places;
   const auto first_corner = static_cast<std::uint16_t>(places.size());
   const auto length = [](Direction d) { return dot(d, d); };
   std::size_t start = 0;
-  for (std::size_t i = 1; i < loop_.size(); ++i) {
+  for (std::size_t i = 1; i < n; ++i) {
     if (length(places[loop_[i]] - kChartCorners[0]) < length(places[loop_[start]] - kChartCorners[0]))
       start = i;
   }
-  const std::size_t n = loop_.size();
   std::size_t inner = 0, outer = 0;
   while (inner < n || outer < 4) {
     const std::uint16_t p = loop_[(start + inner) % n], q = loop_[(start + inner + 1) % n];

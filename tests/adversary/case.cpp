@@ -68,6 +68,7 @@ class Builder {
     const Kiss kiss = tiny ? make_tiny_kiss(source_) : make_kiss(source_);
     unit_ = tiny ? 0 : 1;
     exact_thickness_ = kiss.thickness;
+    if (source_.one_in(2)) press_ = kiss.across;
     if (source_.one_in(3)) {
       Mesh both = kiss.objects[0];
       both.add(kiss.objects[1]);
@@ -136,7 +137,9 @@ class Builder {
     const bool turns = unit_ == 0 && source_.one_in(4);
     for (const auto& object : motion_.base) {
       const bool still = stands || source_.one_in(3);
-      const Vec3 own = random_vector(source_) * speed, side = random_vector(source_) * curve;
+      const Vec3 own = press_ == Vec3::Zero() ? Vec3(random_vector(source_) * speed)
+                                              : Vec3(press_ * source_.sign() * std::ceil(speed));
+      const Vec3 side = random_vector(source_) * curve;
       const Vec3 wave = random_vector(source_) / size_ * 3;
       auto& way = motion_.way.emplace_back(object.size(), Vec3::Zero());
       auto& bend = motion_.bend.emplace_back(object.size(), Vec3::Zero());
@@ -257,6 +260,7 @@ class Builder {
   Motion motion_;
   StepSettings settings_;
   double size_ = 1, unit_ = 0, exact_thickness_ = -1;
+  Vec3 press_ = Vec3::Zero();  // straight onto each other along this, unless zero
   Vec3 offset_ = Vec3::Zero();
   int exponent_ = 0;
   std::array<int, 3> stretch_{};

@@ -1,6 +1,7 @@
 #include "adversary/kiss.h"
 
 #include <Eigen/Geometry>
+#include <utility>
 
 namespace foldproof::adversary {
 namespace {
@@ -26,9 +27,14 @@ class Maker {
 
   Kiss make() {
     Kiss kiss;
+    if (source_.one_in(6)) {
+      in_one_plane(kiss);
+      return kiss;
+    }
     const double off = source_.one_in(2) ? 0 : std::floor(wide_ * source_.spread(1e-8, 2)) + 1;
     kiss.thickness = off * direction_.length;
-    const Vec3 apart = off * vec(direction_.n);
+    kiss.across = vec(direction_.n);
+    const Vec3 apart = off * kiss.across;
     if (source_.one_in(2)) {
       vertex_and_face(kiss, apart);
     } else {
@@ -77,6 +83,27 @@ class Maker {
     add_company(kiss.objects[0], a, -1);
     add_triangle(kiss.objects[1], b + apart, -b + apart, apart + beyond(1));
     add_company(kiss.objects[1], b + apart, 1);
+  }
+
+  // The corner of one triangle is beside the side of another, on this side or that, by so little that doubles
+  // do not tell: two sides of a triangle, integers without a common factor, make an area of one unit.
+  void in_one_plane(Kiss& kiss) {
+    kiss.across = vec(direction_.u);
+    double far[2] = {1, 0}, near[2] = {0, 1};
+    for (const double most = std::ldexp(1, source_.whole(4, 36)); std::max(far[0], far[1]) < most;) {
+      const double times = source_.whole(1, 5);
+      for (int k = 0; k < 2; ++k) near[k] = std::exchange(far[k], times * far[k] + near[k]);
+    }
+    const auto at = [&](double along, double away) -> Vec3 {
+      return (along * far[0] - away * far[1]) * vec(direction_.u) +
+             (along * far[1] + away * far[0]) * vec(direction_.v);
+    };
+    const Vec3 corner = near[0] * vec(direction_.u) + near[1] * vec(direction_.v);
+    const auto along = [&] { return double(source_.whole(-3, 3)); };
+    const double side = source_.sign();
+    add_triangle(kiss.objects[0], at(0, 0), at(1, 0), at(along(), side * source_.whole(1, 3)));
+    add_triangle(kiss.objects[1], corner, corner + at(along(), -side * source_.whole(1, 3)),
+                 corner + at(along(), -side * source_.whole(1, 3)));
   }
 
   Source& source_;

@@ -5,11 +5,12 @@
 
 namespace foldproof::adversary {
 
-/// Two objects whose coordinates are integers. Where `contact` stands, a feature of the one is exactly
-/// `thickness` away from one of the other (0: touches), and everything else mostly farther.
+/// Two objects whose coordinates are integers. A feature of the one is exactly `thickness` away from one of
+/// the other (0: touches), and everything else mostly farther. `across` leads from the one to the other.
 struct Kiss {
   std::array<Mesh, 2> objects;
   double thickness = 0;
+  Vec3 across = Vec3::UnitZ();
 };
 Kiss make_kiss(Source& source);
 

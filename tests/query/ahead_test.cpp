@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "query/films.h"
 #include "query/outlook.h"
+#include "query/scene.h"
 
 namespace foldproof::oracle {
 namespace {
@@ -364,6 +365,36 @@ TEST(Ahead, TheEndsOfNumbersAreNoReasonToFail) {
       EXPECT_TRUE(checker.check({&x0, 1}, {&x1, 1}, {}, result)) << far << ", step " << k;
     }
   }
+}
+
+// F1: the step that searches lies on the motion that it searches, though that goes on for many steps and its
+// end is rounded, where positions are far from the origin.
+TEST(Ahead, TheStepThatSearchesLiesOnItsMotion) {
+  Rng rng(5);
+  auto hierarchy = Hierarchy::build(two_sheets(), sheets_at(0, kEdge));
+  foldproof::Scene scene({std::make_shared<const Hierarchy>(std::move(hierarchy.value()))}, {}, {});
+  int ahead = 0, alone = 0;
+  for (int round = 0; round < 400; ++round) {
+    const Index steps = 2 + rng() % 31;
+    const double off = std::ldexp(random(rng, 0.5, 1), rng() % 56), way = random(rng, 0, 0.25 / steps);
+    Pose x0 = shaken({sheets_at(0, kEdge)}, 0.1 * kEdge, rng)[0], x1 = x0;
+    for (double& x : x0) x += off;
+    for (std::size_t i = 0; i < x1.size(); ++i) x1[i] = x0[i] + way;
+    ASSERT_TRUE(scene.update(spans({x0}), spans({x1}), {}, steps));
+    (scene.ahead() > 1 ? ahead : alone) += 1;
+    const KineticTree& tree = scene.trees()[0];
+    const auto ids = tree.hierarchy->vertex_ids();
+    const double part = static_cast<float>(1.0 / scene.ahead());
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const double from = tree.vertices[k].x[axis], to = tree.vertices[k].x[4 + axis];
+        const double end = (position(x1, ids[k])[axis] - scene.frame().center[axis]) * scene.frame().scale;
+        ASSERT_NEAR(from + part * (to - from), end, 0x1p-21) << off << ", " << steps << " steps";
+      }
+    }
+  }
+  EXPECT_GT(ahead, 100);
+  EXPECT_GT(alone, 100);
 }
 
 // ---- How far to look.
