@@ -149,7 +149,8 @@ VertexDistance vertex_lengths(const VectorView& field) {
   if (field.size() < 3) return {};
   VertexDistance distance;
   add_lengths(lengths_of(field), 0, distance);
-  distance.mean /= static_cast<double>(field.size() / 3);
+  const Eigen::Index vertices = field.size() / 3;
+  distance.mean /= static_cast<double>(vertices);
   return distance;
 }
 

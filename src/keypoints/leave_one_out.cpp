@@ -58,6 +58,7 @@ std::vector<PoseError> leave_one_out(const MatrixView& samples, const Span& span
     }
   }
   std::vector<PoseError> found;
+  found.reserve(errors.size());
   for (const FieldError& error : errors) found.push_back(error.take());
   return found;
 }

@@ -68,7 +68,7 @@ class LearnedReader {
     const bool fits =
         rows > 0 ? size_of(numbers) % rows == 0 && size_of(numbers) / rows == columns : size_of(numbers) == 0;
     if (!require(fits && rows > 0 && columns > 0, part)) return {};
-    const MatrixXd read =
+    MatrixXd read =
         Eigen::Map<const Eigen::Matrix<T, -1, -1>>(numbers->data(), rows, columns).template cast<double>();
     if (!require(read.allFinite(), part)) return {};
     return read;

@@ -104,7 +104,7 @@ Result<Snapshots> Snapshots::open(Motions motions, Index substeps) {
 }
 
 void Snapshots::start(const CheckedStep& pose) {
-  start_.emplace();
+  start_ = Kept{};
   start_->place = pose.place;
   start_->collisions = pose.collisions;
   joined_.pose(pose, 0, start_->positions);

@@ -51,6 +51,7 @@ Result<ReducedShape> ReducedShape::build(std::shared_ptr<const ReducedMotion> mo
   auto impl = std::make_shared<Impl>();
   const std::shared_ptr<const Hierarchy>& hierarchy = motion->hierarchy();
   std::vector<CentrePose> poses;
+  poses.reserve(centres.size());
   for (const ReducedCentre& centre : centres) poses.emplace_back(*motion, centre.p);
   impl->clearance = settings.clearance > 0 ? settings.clearance : size_of(poses[0]) * 0x1p-24;
   impl->nodes = std::make_shared<const NodeMotions>(*motion, poses);

@@ -117,7 +117,7 @@ Result<void> ContactChecker::candidates(std::span<const double> x0, std::span<co
   impl_->begin();
   out.clear();
   if (auto ok = check_length("inflation", inflation); !ok) return ok;
-  const auto found = impl_->find(
+  auto found = impl_->find(
       x0, x1, inflation, [](CandidateChunk&) {},
       [&](const CandidateChunk& chunk) {
         append(chunk.found.vertex_face, out.vertex_face);

@@ -53,6 +53,7 @@ Result<CollisionFilter> CollisionFilter::patches(std::vector<Index> patch_of_ver
   std::sort(present.begin(), present.end());
   present.erase(std::unique(present.begin(), present.end()), present.end());
   std::vector<std::array<Index, 2>> apart;
+  apart.reserve(present.size());
   for (const Index patch : present) apart.push_back({patch, patch});
   return groups(std::move(patch_of_vertex), apart);
 }

@@ -1,10 +1,11 @@
 #include "adversary/kiss.h"
 
 #include <Eigen/Geometry>
-#include <utility>
 
 namespace foldproof::adversary {
 namespace {
+
+using oracle::Kind;
 
 // Integer directions of integer length, with two that are across.
 struct Direction {
@@ -17,6 +18,12 @@ constexpr Direction kDirections[] = {
 
 Vec3 vec(const int (&x)[3]) { return {double(x[0]), double(x[1]), double(x[2])}; }
 
+void add_triangle(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const auto v = static_cast<Index>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), {a, b, c});
+  mesh.triangles.push_back({v, v + 1, v + 2});
+}
+
 class Maker {
  public:
   explicit Maker(Source& source)
@@ -25,23 +32,63 @@ class Maker {
         wide_(std::ldexp(1, source.whole(3, 34))),
         high_(std::ldexp(1, source.whole(3, 34))) {}
 
-  Kiss make() {
-    Kiss kiss;
-    if (source_.one_in(6)) {
-      in_one_plane(kiss);
-      return kiss;
-    }
+  Contact contact() {
     const double off = source_.one_in(2) ? 0 : std::floor(wide_ * source_.spread(1e-8, 2)) + 1;
-    kiss.thickness = off * direction_.length;
-    kiss.across = vec(direction_.n);
-    const Vec3 apart = off * kiss.across;
+    Contact made;
+    made.thickness = off * direction_.length;
+    made.across = vec(direction_.n);
+    const Vec3 apart = off * made.across;
     if (source_.one_in(2)) {
-      vertex_and_face(kiss, apart);
+      const Vec3 a = in_plane(wide_), b = in_plane(wide_), c = in_plane(wide_ * source_.spread(1e-6, 1));
+      made.points = {a / 2 + b / 4 + c / 4 + apart, a, b, c};
     } else {
-      edge_and_edge(kiss, apart);
+      const Vec3 a = in_plane(wide_), b = in_plane(wide_ * source_.spread(1e-6, 1));
+      made.kind = Kind::EdgeEdge;
+      made.points = {a + apart, -a + apart, b, -b};
     }
-    if (source_.one_in(2)) std::swap(kiss.objects[0], kiss.objects[1]);
-    return kiss;
+    return made;
+  }
+
+  // A line through the origin in the plane, long on both sides, and a corner beside the origin.
+  std::array<std::array<Vec3, 3>, 2> flat_pair() {
+    const auto number = [&] { return double(1 + source_.pick(65535)); };
+    const Vec3 u = vec(direction_.u), v = vec(direction_.v);
+    const Vec3 along = source_.sign() * number() * u + source_.sign() * number() * v, away = u - v;
+    const Vec3 corner = std::ldexp(1, -source_.whole(30, 60)) *
+                        (source_.sign() * number() * u + source_.sign() * number() * v);
+    const auto beyond = [&](double side) -> Vec3 {
+      return source_.whole(-3, 3) * along + side * source_.whole(1, 3) * std::abs(along.sum()) * away;
+    };
+    const double side = source_.sign();
+    return {{{-number() * along, number() * along, beyond(side)},
+             {corner, corner + beyond(-side), corner + beyond(-side)}}};
+  }
+
+  Kiss kiss() {
+    Kiss made;
+    auto& [first, second] = made.objects;
+    if (source_.one_in(6)) {
+      const auto [a, b] = flat_pair();
+      add_triangle(first, a[0], a[1], a[2]);
+      add_triangle(second, b[0], b[1], b[2]);
+      made.across = vec(direction_.u);
+      return made;
+    }
+    const Contact c = contact();
+    made.thickness = c.thickness;
+    made.across = c.across;
+    const FourPoints& p = c.points;
+    if (c.kind == Kind::VertexFace) {
+      add_triangle(first, p[0], p[0] + beyond(1), p[0] + beyond(1));
+      add_triangle(second, p[1], p[2], p[3]);
+    } else {
+      add_triangle(first, p[0], p[1], p[0] + beyond(1));
+      add_triangle(second, p[2], p[3], p[2] + beyond(-1));
+    }
+    add_company(first, 1);
+    add_company(second, -1);
+    if (source_.one_in(2)) std::swap(first, second);
+    return made;
   }
 
  private:
@@ -56,54 +103,12 @@ class Maker {
     return in_plane(wide_ * source_.spread(1e-3, 1)) +
            side * std::ceil(high_ * source_.spread(1e-4, 1)) * vec(direction_.n);
   }
-  void add_triangle(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c) {
-    const auto v = static_cast<Index>(mesh.vertices.size());
-    mesh.vertices.insert(mesh.vertices.end(), {a, b, c});
-    mesh.triangles.push_back({v, v + 1, v + 2});
-  }
-  // More triangles on the far side, with a corner in common or not.
-  void add_company(Mesh& mesh, const Vec3& common, double side) {
+  // More triangles on the far side, with the first corner in common or not.
+  void add_company(Mesh& mesh, double side) {
+    const Vec3 common = mesh.vertices[0];
     for (int k = source_.whole(0, 6); k > 0; --k)
       add_triangle(mesh, source_.one_in(2) ? common : Vec3(common + beyond(side)), common + beyond(side),
                    common + beyond(side));
-  }
-
-  void vertex_and_face(Kiss& kiss, const Vec3& apart) {
-    const Vec3 a = in_plane(wide_), b = in_plane(wide_), c = in_plane(wide_ * source_.spread(1e-6, 1));
-    const Vec3 foot = a / 2 + b / 4 + c / 4;
-    add_triangle(kiss.objects[0], a, b, c);
-    add_company(kiss.objects[0], a, -1);
-    add_triangle(kiss.objects[1], foot + apart, foot + apart + beyond(1), foot + apart + beyond(1));
-    add_company(kiss.objects[1], foot + apart, 1);
-  }
-
-  void edge_and_edge(Kiss& kiss, const Vec3& apart) {
-    const Vec3 a = in_plane(wide_), b = in_plane(wide_ * source_.spread(1e-6, 1));
-    add_triangle(kiss.objects[0], a, -a, beyond(-1));
-    add_company(kiss.objects[0], a, -1);
-    add_triangle(kiss.objects[1], b + apart, -b + apart, apart + beyond(1));
-    add_company(kiss.objects[1], b + apart, 1);
-  }
-
-  // The corner of one triangle is beside the side of another, on this side or that, by so little that doubles
-  // do not tell: two sides of a triangle, integers without a common factor, make an area of one unit.
-  void in_one_plane(Kiss& kiss) {
-    kiss.across = vec(direction_.u);
-    double far[2] = {1, 0}, near[2] = {0, 1};
-    for (const double most = std::ldexp(1, source_.whole(4, 36)); std::max(far[0], far[1]) < most;) {
-      const double times = source_.whole(1, 5);
-      for (int k = 0; k < 2; ++k) near[k] = std::exchange(far[k], times * far[k] + near[k]);
-    }
-    const auto at = [&](double along, double away) -> Vec3 {
-      return (along * far[0] - away * far[1]) * vec(direction_.u) +
-             (along * far[1] + away * far[0]) * vec(direction_.v);
-    };
-    const Vec3 corner = near[0] * vec(direction_.u) + near[1] * vec(direction_.v);
-    const auto along = [&] { return double(source_.whole(-3, 3)); };
-    const double side = source_.sign();
-    add_triangle(kiss.objects[0], at(0, 0), at(1, 0), at(along(), side * source_.whole(1, 3)));
-    add_triangle(kiss.objects[1], corner, corner + at(along(), -side * source_.whole(1, 3)),
-                 corner + at(along(), -side * source_.whole(1, 3)));
   }
 
   Source& source_;
@@ -113,15 +118,38 @@ class Maker {
 
 }  // namespace
 
-Kiss make_kiss(Source& source) { return Maker(source).make(); }
+Contact make_contact(Source& source) { return Maker(source).contact(); }
+
+Contact make_tiny_contact(Source& source) {
+  const double side = std::ldexp(source.real(1, 2), -source.whole(60, 300)), up = source.real(1, 2);
+  Contact made;
+  made.points = {Vec3(0, 0, up), Vec3::Zero(), Vec3(side, 0, 0), Vec3(0, side * source.real(0.1, 2), 0)};
+  made.thickness = up * (1 + (source.one_in(4) ? 0 : source.spread(1e-9, 0.3)));
+  return made;
+}
+
+// The vertex is half a corner and a quarter of each of the others, exactly.
+Contact make_thin_contact(Source& source) {
+  const double x = std::ldexp(1.0, source.whole(0, 99)), unit = std::ldexp(4.0, -source.whole(480, 600));
+  const auto digits = [&] { return unit * (1 + source.pick(4000)); };
+  const double p = digits(), q = digits(), r = digits(), s = digits();
+  Contact made;
+  made.points = {Vec3::Zero(), Vec3(x, -(p + r) / 2, -(q + s) / 2), Vec3(-x, p, q), Vec3(-x, r, s)};
+  made.across = Vec3::UnitX();
+  return made;
+}
+
+std::array<std::array<Vec3, 3>, 2> make_flat_pair(Source& source) { return Maker(source).flat_pair(); }
+
+Kiss make_kiss(Source& source) { return Maker(source).kiss(); }
 
 Kiss make_tiny_kiss(Source& source) {
-  const double side = std::ldexp(source.real(1, 2), -source.whole(255, 275)), up = source.real(1, 2);
+  const Contact c = make_tiny_contact(source);
+  const double up = c.points[0].z();
   Kiss kiss;
-  kiss.objects[0].vertices = {Vec3::Zero(), Vec3(side, 0, 0), Vec3(0, side * source.real(0.1, 2), 0)};
-  kiss.objects[1].vertices = {Vec3(0, 0, up), Vec3(1, 0, 2 * up), Vec3(0, 1, 2 * up)};
-  for (Mesh& mesh : kiss.objects) mesh.triangles = {{0, 1, 2}};
-  kiss.thickness = up * (1 + (source.one_in(4) ? 0 : source.spread(1e-9, 0.3)));
+  add_triangle(kiss.objects[0], c.points[1], c.points[2], c.points[3]);
+  add_triangle(kiss.objects[1], c.points[0], Vec3(1, 0, 2 * up), Vec3(0, 1, 2 * up));
+  kiss.thickness = c.thickness;
   return kiss;
 }
 

@@ -10,6 +10,7 @@
 #include <ctime>
 
 #include "adversary/run.h"
+#include "adversary/touching.h"
 
 namespace foldproof::adversary {
 namespace {
@@ -44,9 +45,8 @@ void let_run(long seconds) {
   setitimer(ITIMER_VIRTUAL, &time, nullptr);
 }
 
-Case numbered(std::uint64_t seed, std::uint64_t number) {
-  Source source(seed * 0x9E3779B97F4A7C15u + number * 0xD1B54A32D192ED03u);
-  return make_case(source);
+Source numbered(std::uint64_t seed, std::uint64_t number) {
+  return Source(seed * 0x9E3779B97F4A7C15u + number * 0xD1B54A32D192ED03u);
 }
 
 bool read_options(int argc, char** argv, Options& options) {
@@ -72,10 +72,10 @@ void print(const Tally& t, double seconds) {
   fmt::print(
       "{} cases, {} steps in {:.0f} s ({:.0f} a second); {:.1f} % of the steps collide, in {} pairs, "
       "{} undecided; {} steps were served by a search ahead; {} poses, {:.1f} % cross; {} calls of a solver; "
-      "{} reduced steps; exact arithmetic was asked {} times\n",
+      "{} reduced steps; {} single pairs that touch; exact arithmetic was asked {} times\n",
       t.cases, t.steps, seconds, t.steps / seconds, 100.0 * t.hit_steps / std::max<std::uint64_t>(t.steps, 1),
       t.collisions, t.undecided, t.served, t.poses, 100.0 * t.hit_poses / std::max<std::uint64_t>(t.poses, 1),
-      t.solver_calls, t.reduced_steps, t.asked);
+      t.solver_calls, t.reduced_steps, t.touching, t.asked);
 }
 
 // Otherwise nothing was tested.
@@ -95,12 +95,14 @@ int search(const Options& options) {
        options.single ? number == options.first : seconds() < options.seconds; ++number) {
     now_case = number;
     let_run(kMostSeconds);
-    const Case c = numbered(options.seed, number);
-    std::string wrong = run_case(c, tally);
+    Source source = numbered(options.seed, number);
+    const Case c = make_case(source);
+    const std::string scene = run_case(c, tally), wrong = scene.empty() ? ask_touching(source, tally) : scene;
     if (wrong.empty()) continue;
     fmt::print("case {} of seed {} after {:.1f} s: {}\nrepeat it with --seed {} --case {}\n\n", number,
                options.seed, seconds(), wrong, options.seed, number);
     std::fflush(stdout);
+    if (scene.empty()) return 1;
     let_run(0);
     const Case small = cut_down(c);
     Tally unused;

@@ -7,7 +7,7 @@ namespace foldproof::adversary {
 
 struct Tally {
   std::uint64_t cases = 0, steps = 0, hit_steps = 0, collisions = 0, undecided = 0, served = 0, poses = 0,
-                hit_poses = 0, solver_calls = 0, reduced_steps = 0, asked = 0;
+                hit_poses = 0, solver_calls = 0, reduced_steps = 0, asked = 0, touching = 0;
   bool operator==(const Tally&) const = default;
 };
 

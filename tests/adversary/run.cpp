@@ -11,7 +11,6 @@
 #include "oracle/one_target.h"
 
 namespace foldproof::adversary {
-namespace {
 
 std::vector<std::int64_t> targets() {
   std::vector<std::int64_t> all;
@@ -21,6 +20,8 @@ std::vector<std::int64_t> targets() {
   }
   return all;
 }
+
+namespace {
 
 std::vector<std::span<const double>> spans(const Poses& poses) { return {poses.begin(), poses.end()}; }
 

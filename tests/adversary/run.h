@@ -9,6 +9,9 @@
 
 namespace foldproof::adversary {
 
+/// Instruction sets that Highway may choose here.
+std::vector<std::int64_t> targets();
+
 /// What is wrong, empty when nothing is. Depends on the case alone.
 std::string run_case(const Case& c, Tally& tally);
 
