@@ -165,9 +165,10 @@ void PageServer::Impl::prepare() {
     send(answer(request), response);
     return httplib::Server::HandlerResponse::Handled;
   });
-  http.set_exception_handler([](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
-    send(refuse(500, "there is not enough memory for this"), response);
-  });
+  http.set_exception_handler(
+      [](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
+        send(refuse(500, "there is not enough memory for this"), response);
+      });
 }
 
 int PageServer::Impl::listen(int wanted) {
