@@ -11,7 +11,6 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "base/parallel.h"
 #include "bvh/grid.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,5 +1,4 @@
 #include "bvh/split.h"
-#include "base/parallel.h"
 
 #include <algorithm>
 #include <bit>

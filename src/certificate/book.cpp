@@ -1,5 +1,4 @@
 #include "certificate/book.h"
-#include "base/parallel.h"
 
 #include <Eigen/Geometry>
 

@@ -1,5 +1,4 @@
 #include "query/scene.h"
-#include "base/parallel.h"
 
 #include <fmt/format.h>
 

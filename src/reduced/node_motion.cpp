@@ -1,5 +1,4 @@
 #include "reduced/node_motion.h"
-#include "base/parallel.h"
 
 #include <algorithm>
 #include <cmath>

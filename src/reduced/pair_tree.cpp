@@ -1,5 +1,4 @@
 #include "reduced/pair_tree.h"
-#include "base/parallel.h"
 
 #include <algorithm>
 #include <queue>
