@@ -121,7 +121,7 @@ class Maker {
 Contact make_contact(Source& source) { return Maker(source).contact(); }
 
 Contact make_tiny_contact(Source& source) {
-  const double side = std::ldexp(source.real(1, 2), -source.whole(60, 300)), up = source.real(1, 2);
+  const double side = std::ldexp(source.real(1, 2), -source.whole(255, 275)), up = source.real(1, 2);
   Contact made;
   made.points = {Vec3(0, 0, up), Vec3::Zero(), Vec3(side, 0, 0), Vec3(0, side * source.real(0.1, 2), 0)};
   made.thickness = up * (1 + (source.one_in(4) ? 0 : source.spread(1e-9, 0.3)));

@@ -72,7 +72,7 @@ void print(const Tally& t, double seconds) {
   fmt::print(
       "{} cases, {} steps in {:.0f} s ({:.0f} a second); {:.1f} % of the steps collide, in {} pairs, "
       "{} undecided; {} steps were served by a search ahead; {} poses, {:.1f} % cross; {} calls of a solver; "
-      "{} reduced steps; {} single pairs that touch; exact arithmetic was asked {} times\n",
+      "{} reduced steps; {} single pairs; exact arithmetic was asked {} times\n",
       t.cases, t.steps, seconds, t.steps / seconds, 100.0 * t.hit_steps / std::max<std::uint64_t>(t.steps, 1),
       t.collisions, t.undecided, t.served, t.poses, 100.0 * t.hit_poses / std::max<std::uint64_t>(t.poses, 1),
       t.solver_calls, t.reduced_steps, t.touching, t.asked);

@@ -1,12 +1,12 @@
-/// Single pairs of features and of triangles whose answer is known by how they are made: quick to ask, so
-/// that rounding that is not allowed for shows soon.
+/// Single pairs of features that are built to touch, and of triangles in one plane that nearly do. A pair
+/// takes microseconds, so errors in the bounds of rounding and underflow show soon.
 #pragma once
 
 #include "adversary/pairs.h"
 
 namespace foldproof::adversary {
 
-/// Asks about some. A complaint, or nothing.
+/// Checks some of both. A complaint, or nothing.
 std::string ask_touching(Source& source, Tally& tally);
 
 }  // namespace foldproof::adversary
