@@ -1,6 +1,6 @@
 # `./dev all`, for a night without anybody: every check at full length, whatever fails, and docs/quality.md says what came
-# of it. The table is written anew after each check, so that there is one however this ends; begun again for the same
-# commit it goes on with what has not passed.
+# of it. The table is written anew after each check, so that there is one however this ends. Begun again for the same commit,
+# on another machine too if it has the page, it goes on with what has not passed.
 # shellcheck shell=bash
 source tools/checks.sh
 
@@ -86,29 +86,36 @@ write_quality() {
       IFS='|' read -r result counts seconds <<<"${check_rows[k]}"
       printf '| %s | %s | %s | %s | %s |\n' "${check_names[k]}" "$(what_is "${check_names[k]}")" "$result" "$counts" "$(clock "$seconds")"
     done
+    for k in "${waiting[@]}"; do
+      rows_of "$k" || true
+    done
   } >docs/quality.md.new
   mv docs/quality.md.new docs/quality.md
 }
 
-passed_before=out/checks/passed # lines: commit|minutes|check|row|result|counts|seconds
-
-# take_rows CHECK: the rows of a check that passed before, for this very commit and length.
-take_rows() {
-  local name result counts seconds
-  [[ -z $all_changed ]] && grep -qs "^$all_commit|$minutes|$1|" "$passed_before" || return 1
-  while IFS='|' read -r _ _ _ name result counts seconds; do
-    add_row "$name" "$result" "$counts" "$seconds"
-  done < <(grep "^$all_commit|$minutes|$1|" "$passed_before")
-  printf '%-12s passed before\n' "$1"
+# read_quality: what passed before, from the page as it stands, if it is of this very commit and length.
+read_quality() {
+  local page=docs/quality.md
+  [[ -z $all_changed ]] && grep -qsx -- "\* Commit: $all_commit" "$page" && grep -qs "^\* Lengths: \`--minutes $minutes\`" "$page" || return 0
+  all_date=$(sed -n 's/^\* Begun: //p' "$page")
+  mapfile -t rows_before < <(grep '^| [a-z]' "$page")
 }
 
-# keep_rows CHECK FIRST: its rows, the FIRST and all after it, if it passed.
-keep_rows() {
-  local k
-  [[ ${check_rows[$2]} == passed* && -z $all_changed ]] || return 0
-  for ((k = $2; k < ${#check_rows[@]}; k++)); do
-    echo "$all_commit|$minutes|$1|${check_names[k]}|${check_rows[k]}"
-  done >>"$passed_before"
+# rows_of CHECK: its rows and those of its parts, as the page has them, if it passed before.
+rows_of() {
+  local rows
+  rows=$(printf '%s\n' "${rows_before[@]}" | grep -E "^\| $1(_[^ ]*)? \|") && [[ $rows == *"$1 | "*" | passed | "* ]] && echo "$rows"
+}
+
+# take_rows CHECK: its rows, if it passed before.
+take_rows() {
+  local rows name result counts clock
+  rows=$(rows_of "$1") || return 1
+  while IFS='|' read -r _ name _ result counts clock _; do
+    clock=${clock# } clock=${clock% } counts=${counts# } name=${name# } result=${result# }
+    add_row "${name% }" "${result% }" "${counts% }" $((10#${clock%:*} * 60 + 10#${clock#*:}))
+  done <<<"$rows"
+  printf '%-12s passed before\n' "$1"
 }
 
 read_all_arguments() {
@@ -137,9 +144,10 @@ do_all() {
   need lib test studio demo python package browser mpi fuzz lint bench
   trap 'stop_checks; write_quality "stopped before its end"; echo; print_checks; exit 130' INT TERM
   say "everything, whatever fails; docs/quality.md says what came of it, out/checks what was printed"
-  local name first
+  local name rows_before=() waiting=("${all_checks[@]}")
+  read_quality
   for name in "${all_checks[@]}"; do
-    first=${#check_rows[@]}
+    waiting=("${waiting[@]:1}")
     if take_rows "$name"; then
       :
     elif [[ " ${only[*]} " == *" $name "* ]]; then
@@ -148,7 +156,6 @@ do_all() {
         fuzz) add_parts fuzz $((60 * minutes)) ;;
         search) add_parts search $((360 * minutes)) ;;
       esac
-      keep_rows "$name" "$first"
     else
       add_row "$name" skipped 'not asked for' 0
     fi

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Shows that tools/checks.sh and tools/all.sh, of ./dev guard and ./dev all, report what came of each check."""
 import pathlib
+import re
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -99,11 +101,17 @@ do_all "$@"
         self.git("add", "--all")
         self.git("commit", "--quiet", "--message=change")
 
-    def run_all(self, *arguments):
-        """Returns the exit code, the table {name: (result, counts)} of docs/quality.md and how many checks ran."""
+    def run_all(self, *arguments, killed=False):
+        """Killed once the page has been written, if asked for.
+        Returns the exit code, the table {name: (result, counts)} of docs/quality.md and how many checks ran."""
         ran = self.folder / "ran"
         ran.unlink(missing_ok=True)
-        process = subprocess.run(["bash", "-c", self.SCRIPT, "all", *arguments], cwd=self.folder,
+        script = self.SCRIPT
+        if killed:
+            script = script.replace("do_all", """eval "as_ever_$(declare -f write_quality)"
+write_quality() { as_ever_write_quality "$@"; kill -KILL $$; }
+do_all""")
+        process = subprocess.run(["bash", "-c", script, "all", *arguments], cwd=self.folder,
                                  capture_output=True, text=True, timeout=60)
         rows = [row.split(" | ") for row in (self.folder / "docs" / "quality.md").read_text().splitlines()
                 if row.startswith("| ")][1:]
@@ -118,13 +126,23 @@ do_all "$@"
         (self.folder / "fixed").touch()
         table["floats"] = ("passed", "every float")
         self.assertEqual(self.run_all(), (0, table, 0))
+        self.assertEqual(self.run_all(), (0, table, 0))
+
+    def test_goes_on_where_only_the_page_is(self):
+        self.assertEqual(self.run_all("--only", "fuzz")[2], 1)
+        begun = re.search("Begun: .*", (self.folder / "docs" / "quality.md").read_text())[0]
+        shutil.rmtree(self.folder / "out")
+        self.run_all("--only", "test", killed=True)
+        self.assertEqual(self.run_all("--only", "test")[1]["fuzz_ply"], ("passed", "30 inputs"))
+        self.assertIn(begun, (self.folder / "docs" / "quality.md").read_text())
 
     def test_another_commit_or_length_or_a_change_begins_anew(self):
         self.assertEqual(self.run_all("--only", "test")[2], 1)
         self.assertEqual(self.run_all("--only", "test")[2], 0)
-        self.assertEqual(self.run_all("--only", "test", "--minutes", "3")[2], 1)
         self.commit()  # only of docs/quality.md
         self.assertEqual(self.run_all("--only", "test")[2], 0)
+        self.assertEqual(self.run_all("--only", "test", "--minutes", "3")[2], 1)
+        self.assertEqual(self.run_all("--only", "test")[2], 1)
         (self.folder / "source").write_text("changed")
         self.assertEqual(self.run_all("--only", "test")[2], 1)
         self.assertEqual(self.run_all("--only", "test")[2], 1)
