@@ -111,8 +111,8 @@ struct VertexVertexCandidate {
   auto operator<=>(const VertexVertexCandidate&) const = default;
 };
 
-/// Pairs of features that may be near each other. Each list is sorted and holds no pair twice. Reuse it: its
-/// buffers are kept.
+/// Pairs of features that may be near each other. No list holds a pair twice; their order is that of the mesh's
+/// hierarchy, the same whatever else was asked. Reuse it: its buffers are kept.
 struct Candidates {
   std::vector<VertexFaceCandidate> vertex_face;
   std::vector<EdgeEdgeCandidate> edge_edge;
@@ -128,10 +128,6 @@ struct Candidates {
 
 struct ContactSettings {
   bool certificates = true;  ///< Leave out what certificates prove: less work, no other answers.
-  /// The same for candidates and distances. Off, as charts seldom hold with an inflation between features:
-  /// there they cost more than they save (docs/solvers.md). On, candidates are fewer and depend on earlier
-  /// calls.
-  bool certify_candidates = false;
   /// Mesh units. Pairs closer than the minimum distance plus this may count as contact. 0: 2^-30 of the
   /// largest side of the box around everything during the step.
   double tolerance = 0;
@@ -140,9 +136,9 @@ struct ContactSettings {
   double approach = 0.8;
 };
 
-/// Answers a solver's questions about one collision mesh. It keeps its front, its charts and its scratch from
-/// call to call, so asking about the same x0 and many x1 is cheap, and calls of the same kind and size
-/// allocate nothing. One checker per thread; threads inside come from oneTBB.
+/// Answers a solver's questions about one collision mesh. It keeps its front, its charts, its lists of candidates
+/// and its scratch from call to call, so asking about the same x0 and many x1 is cheap, as it is about poses
+/// that follow each other; and calls of the same kind and size allocate nothing. One checker per thread; threads inside come from oneTBB.
 ///
 /// Positions are vertex_count x 3, row-major, mesh units; during a step vertices go straight from x0 to x1.
 /// *Contact* of a pair that counts: at some time of the step its distance is <= min_distance (0: it touches).
@@ -173,7 +169,9 @@ class ContactChecker {
                                       double min_distance = 0);
 
   /// Every pair that counts and whose distance is <= inflation at some time of the step; and others, whose
-  /// boxes come that near.
+  /// boxes come that near: those that no axis keeps apart by more, on the same side at both ends. Which these
+  /// are does not depend on earlier calls. Cost: once that of looking at all leaves; then what moved relative to
+  /// its neighbours is listed anew, and pairs that are listed, with a little room, are tested.
   Result<void> candidates(std::span<const double> x0, std::span<const double> x1, double inflation,
                           Candidates& out);
   /// The same in one pose.

@@ -249,7 +249,6 @@ class ContactChecker:
         mesh: CollisionMesh,
         *,
         certificates: bool = True,
-        certify_candidates: bool = False,
         tolerance: float = 0.0,
         approach: float = 0.8,
     ) -> None: ...

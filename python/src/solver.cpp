@@ -144,7 +144,7 @@ void bind_mesh(py::module_& module) {
 
 void bind_candidates(py::module_& module) {
   py::class_<Candidates>(module, "Candidates",
-                         "Pairs of features that may be near each other: sorted arrays n x 2, uint32.")
+                         "Pairs of features that may be near each other: arrays n x 2, uint32, no row twice.")
       .def("__len__", &Candidates::size)
       .def_property_readonly(
           "vertex_face",
@@ -170,17 +170,15 @@ void bind_checker(py::module_& module) {
   py::class_<Solver>(module, "ContactChecker",
                      "Answers what implicit solvers ask about one mesh, and keeps what it learned from call "
                      "to call.\n\nCalls of one checker wait for each other; use one per thread.")
-      .def(py::init([](std::shared_ptr<CollisionMesh> mesh, bool certificates, bool certify_candidates,
-                       double tolerance, double approach) {
-             return std::make_unique<Solver>(
-                 std::move(mesh), ContactSettings{certificates, certify_candidates, tolerance, approach});
-           }),
-           py::arg("mesh"), py::kw_only(), py::arg("certificates") = true,
-           py::arg("certify_candidates") = false, py::arg("tolerance") = 0.0, py::arg("approach") = 0.8,
-           "certificates: leave out what they prove in steps; certify_candidates: in candidates too, which "
-           "seldom pays. tolerance: mesh units; 0: 2^-30 of the size of everything. approach: the share, in "
-           "(0, 1], of the "
-           "way to contact that a step may go.")
+      .def(py::init(
+               [](std::shared_ptr<CollisionMesh> mesh, bool certificates, double tolerance, double approach) {
+                 return std::make_unique<Solver>(std::move(mesh),
+                                                 ContactSettings{certificates, tolerance, approach});
+               }),
+           py::arg("mesh"), py::kw_only(), py::arg("certificates") = true, py::arg("tolerance") = 0.0,
+           py::arg("approach") = 0.8,
+           "certificates: leave out what they prove in steps. tolerance: mesh units; 0: 2^-30 of the size of "
+           "everything. approach: the share, in (0, 1], of the way to contact that a step may go.")
       .def("collision_free_step_size", &step_size_of, py::arg("x0"), py::arg("x1"),
            py::arg("min_distance") = 0.0,
            "A share of the step in [0, 1] that is proven free: x0 + share * (x1 - x0), in float64, keeps "

@@ -53,6 +53,16 @@ Result<void> Scene::check_sizes(Positions x0, Positions x1) const {
   return {};
 }
 
+Result<void> Scene::check(Positions x0, Positions x1) const {
+  if (auto ok = check_sizes(x0, x1); !ok) return ok;
+  for (Index i = 0; i < trees_.size(); ++i) {
+    if (auto ok = check_numbers(i, "x0", x0[i]); !ok) return ok;
+    if (x1[i].data() == x0[i].data()) continue;
+    if (auto ok = check_numbers(i, "x1", x1[i]); !ok) return ok;
+  }
+  return {};
+}
+
 Result<void> Scene::check_unused(Positions x0, Positions x1) const {
   for (Index i = 0; i < trees_.size(); ++i) {
     for (const Index v : *unused_[i]) {

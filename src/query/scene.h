@@ -103,6 +103,8 @@ class Scene {
   /// `ahead`: for so many steps, of which this is the first and all others go on as it does.
   Result<void> update(Positions x0, Positions x1, const StepSettings& settings, Index ahead = 1);
 
+  /// Error: not as many numbers as there are vertices, or one that is not finite.
+  Result<void> check(Positions x0, Positions x1) const;
   /// Error: a vertex of no triangle has coordinates that are not finite. All others are looked at when they
   /// are used. Precondition: fits.
   Result<void> check_unused(Positions x0, Positions x1) const;

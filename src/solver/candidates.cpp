@@ -33,60 +33,41 @@ void Candidates::clear() {
   vertex_vertex.clear();
 }
 
-void ContactChecker::Impl::choose(CandidateChunk& chunk) const {
-  const Hierarchy& h = *mesh->hierarchy();
-  const auto topology_edges = h.topology().edges();
-  chunk.found.clear();
-  for (const auto& pair : chunk.boxes.vertex_face) {
-    const Index vertex = h.vertex_ids()[pair.a], triangle = h.triangle_ids()[pair.b];
-    if (!choice.vertex_face(vertex, triangle)) continue;
-    switch (choice.element(triangle)) {
-      case Element::Face:
-        chunk.found.vertex_face.push_back({vertex, triangle});
-        break;
-      case Element::Edge:
-        chunk.found.edge_vertex.push_back({choice.codim_edge(triangle), vertex});
-        break;
-      case Element::Point:
-        chunk.found.vertex_vertex.push_back({vertex, choice.codim_point(triangle)});
-        break;
-    }
-  }
-  for (const auto& pair : chunk.boxes.edge_edge) {
-    const Index a = h.edge_ids()[pair.a], b = h.edge_ids()[pair.b];
-    if (!choice.edge_edge(topology_edges[a], topology_edges[b])) continue;
-    const Index row_a = mesh->edge_of(a), row_b = mesh->edge_of(b);
-    chunk.found.edge_edge.push_back({std::min(row_a, row_b), std::max(row_a, row_b)});
-  }
-}
-
 template <class Look, class Take>
 Result<void> ContactChecker::Impl::find(std::span<const double> x0, std::span<const double> x1,
                                         double distance, Look look, Take take) {
+  constexpr std::size_t kRowsPerPart = 64, kPartsPerRound = 32;
   const PlainArithmetic plain;
   Stopwatch total, watch;
-  StepSettings step_settings = this->step_settings(0);
-  step_settings.certificates = settings.certify_candidates;
   const std::span<const double> from[] = {x0}, to[] = {x1};
-  if (auto ok = near.update(from, to, step_settings); !ok) return ok;
+  if (auto ok = scene.check(from, to); !ok) return ok;
   milliseconds.update += watch.lap();
-  near.traverse(step_settings, distance, work);
-  milliseconds.traverse += watch.lap();
-  in_rounds(near.leaf_pairs(), candidate_chunks, [&](std::size_t count) {
-    parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      CandidateChunk& chunk = candidate_chunks[i];
-      chunk.boxes.clear();
-      for (const LeafPairRef& pair : chunk.pairs)
-        find_candidates(near.tasks()[pair.task].traversal, pair.leaves, chunk.boxes);
-      choose(chunk);
-      look(chunk);
-    });
-    for (const CandidateChunk& chunk : std::span(candidate_chunks).first(count)) {
-      work.candidates_vf += chunk.found.size() - chunk.found.edge_edge.size();
-      work.candidates_ee += chunk.found.edge_edge.size();
-      take(chunk);
+  const auto search = [&](auto& lists, auto ends) {
+    lists.update(ends, distance, work);
+    milliseconds.traverse += watch.lap();
+    for (std::size_t done = 0; done < lists.row_count(); done += kRowsPerPart * kPartsPerRound) {
+      const std::size_t left = lists.row_count() - done;
+      const std::size_t count = std::min(kPartsPerRound, (left + kRowsPerPart - 1) / kRowsPerPart);
+      parts.resize(std::max(parts.size(), count));
+      parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+        const std::size_t begin = done + k * kRowsPerPart;
+        parts[k].found.clear();
+        lists.find({begin, std::min(begin + kRowsPerPart, lists.row_count())}, parts[k].scratch,
+                   parts[k].found);
+        look(parts[k]);
+      });
+      for (const Part& part : std::span(parts).first(count)) {
+        work.candidates_vf += part.found.size() - part.found.edge_edge.size();
+        work.candidates_ee += part.found.edge_edge.size();
+        take(part);
+      }
     }
-  });
+  };
+  if (x0.data() == x1.data()) {
+    search(of_pose, std::array{x0.data()});
+  } else {
+    search(of_step, std::array{x0.data(), x1.data()});
+  }
   milliseconds.narrow += watch.lap();
   milliseconds.total += total.lap();
   return {};
@@ -117,20 +98,14 @@ Result<void> ContactChecker::candidates(std::span<const double> x0, std::span<co
   impl_->begin();
   out.clear();
   if (auto ok = check_length("inflation", inflation); !ok) return ok;
-  auto found = impl_->find(
-      x0, x1, inflation, [](CandidateChunk&) {},
-      [&](const CandidateChunk& chunk) {
-        append(chunk.found.vertex_face, out.vertex_face);
-        append(chunk.found.edge_edge, out.edge_edge);
-        append(chunk.found.edge_vertex, out.edge_vertex);
-        append(chunk.found.vertex_vertex, out.vertex_vertex);
+  return impl_->find(
+      x0, x1, inflation, [](const auto&) {},
+      [&](const auto& part) {
+        append(part.found.vertex_face, out.vertex_face);
+        append(part.found.edge_edge, out.edge_edge);
+        append(part.found.edge_vertex, out.edge_vertex);
+        append(part.found.vertex_vertex, out.vertex_vertex);
       });
-  if (!found) return found;
-  std::sort(out.vertex_face.begin(), out.vertex_face.end());
-  std::sort(out.edge_edge.begin(), out.edge_edge.end());
-  std::sort(out.edge_vertex.begin(), out.edge_vertex.end());
-  std::sort(out.vertex_vertex.begin(), out.vertex_vertex.end());
-  return {};
 }
 
 Result<void> ContactChecker::candidates(std::span<const double> x, double inflation, Candidates& out) {
@@ -146,8 +121,8 @@ Result<double> ContactChecker::minimum_distance(std::span<const double> x, doubl
   for (double reach = first;; reach = std::min(bound, reach * kFarther)) {
     double least = std::numeric_limits<double>::infinity();
     const auto found = impl_->find(
-        x, x, reach, [&](CandidateChunk& chunk) { chunk.least = impl_->least_distance(chunk.found, x); },
-        [&](const CandidateChunk& chunk) { least = std::min(least, chunk.least); });
+        x, x, reach, [&](auto& part) { part.least = impl_->least_distance(part.found, x); },
+        [&](const auto& part) { least = std::min(least, part.least); });
     if (!found) return tl::unexpected(found.error());
     if (least <= reach) return least;
     if (reach >= bound) return std::numeric_limits<double>::infinity();

@@ -2,17 +2,9 @@
 #pragma once
 
 #include "query/checker.h"
-#include "solver/choice.h"
+#include "solver/candidate_lists.h"
 
 namespace foldproof {
-
-/// Pairs of leaves that one task looks through for candidates. Reused.
-struct CandidateChunk {
-  std::span<const LeafPairRef> pairs;
-  CandidateBuffer boxes;  ///< Pairs whose boxes are near each other.
-  Candidates found;       ///< Those of them that count.
-  double least = 0;       ///< Distance of the nearest of them.
-};
 
 struct ContactChecker::Impl {
   Impl(std::shared_ptr<const CollisionMesh> of, const ContactSettings& with)
@@ -20,7 +12,8 @@ struct ContactChecker::Impl {
         settings(with),
         choice(*mesh),
         scene({mesh->hierarchy()}, {}, {}),
-        near({mesh->hierarchy()}, {}, {}) {}
+        of_pose(*mesh, choice),
+        of_step(*mesh, choice) {}
 
   void begin() {
     work = {};
@@ -31,21 +24,27 @@ struct ContactChecker::Impl {
   Result<double> earliest_contact(std::span<const double> x0, std::span<const double> x1,
                                   double min_distance);
 
-  /// Finds the pairs that count and whose boxes come within `distance`, a bounded number at a time: `look`
-  /// has each chunk, several threads at once; then `take` has it, in order.
+  /// Finds the pairs that count and whose boxes come within `distance` at some time of the step, or in a pose
+  /// where both ends are the same array: `look` has them part by part, several threads at once, and `take`
+  /// has the same parts in order.
   template <class Look, class Take>
   Result<void> find(std::span<const double> x0, std::span<const double> x1, double distance, Look look,
                     Take take);
-  void choose(CandidateChunk& chunk) const;
   double least_distance(const Candidates& found, std::span<const double> x) const;
 
   std::shared_ptr<const CollisionMesh> mesh;
   ContactSettings settings;
   ContactChoice choice;
   Scene scene;  ///< For steps and intersections.
-  Scene near;   ///< For candidates: another gap, so other charts and another front.
+  CandidateLists<1> of_pose;
+  CandidateLists<2> of_step;
   std::vector<Chunk> chunks;
-  std::vector<CandidateChunk> candidate_chunks;
+  struct Part {
+    Candidates found;
+    std::vector<BoxPair> scratch;
+    double least = 0;  ///< Distance of the nearest of them.
+  };
+  std::vector<Part> parts;
   StepResult step;
   StaticResult pose;
   std::vector<double> reached;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "oracle/one_target.h"
 #include "soups.h"
 
 namespace foldproof::oracle {
@@ -11,10 +12,9 @@ namespace {
 
 using Keys = std::set<std::pair<Features, std::array<Index, 2>>>;
 
-ContactChecker checker_of(const Soup& soup, CollisionFilter filter, bool certificates) {
-  ContactSettings settings;
-  settings.certify_candidates = certificates;
-  return ContactChecker(std::make_shared<const CollisionMesh>(mesh_of(soup, std::move(filter))), settings);
+ContactChecker checker_of(const Soup& soup, CollisionFilter filter = {}, Index leaf_triangles = 4) {
+  return ContactChecker(
+      std::make_shared<const CollisionMesh>(mesh_of(soup, std::move(filter), leaf_triangles)));
 }
 
 // Nearer than `inflation` at the ends or at times in between, by exact distances.
@@ -29,8 +29,6 @@ void expect_complete(const Candidates& found, std::span<const FeaturePair> pairs
                      double inflation, int& within) {
   const Keys keys = keys_of(found);
   ASSERT_EQ(keys.size(), found.size()) << "a pair twice";
-  ASSERT_TRUE(std::is_sorted(found.vertex_face.begin(), found.vertex_face.end()));
-  ASSERT_TRUE(std::is_sorted(found.edge_edge.begin(), found.edge_edge.end()));
   Keys all;
   for (const FeaturePair& pair : pairs) {
     all.insert(pair.key());
@@ -50,7 +48,7 @@ TEST(Candidates, AreComplete) {
     const Soup soup = random_soup(rng, 4, 6, 6, seed % 2 == 0 ? 0.2 : 0, seed % 3 == 0 ? 0x1p-4 : 0x1p-40);
     const auto can = [](Index i, Index j) { return (i ^ j) % 3 != 0; };
     for (const bool filtered : {false, true}) {
-      ContactChecker checker = checker_of(soup, filtered ? CollisionFilter(can) : CollisionFilter(), true);
+      ContactChecker checker = checker_of(soup, filtered ? CollisionFilter(can) : CollisionFilter());
       const auto edges = checker.mesh().edges();
       const auto pairs = filtered ? all_pairs(soup, edges, can) : all_pairs(soup, edges, all_may);
       Candidates found;
@@ -95,36 +93,120 @@ Soup waving_sheet(int n, double phase) {
   return soup;
 }
 
-TEST(Candidates, AreCompleteWithCertificates) {
-  constexpr int kSize = 14;
-  constexpr double kInflation = 0.03;
-  Soup soup = waving_sheet(kSize, 0);
-  ContactChecker with = checker_of(soup, {}, true), without = checker_of(soup, {}, false);
-  const auto pairs = all_pairs(soup, with.mesh().edges(), all_may);
-  CcdSettings ccd;
-  ccd.thickness = kInflation;
-  std::uint64_t passes = 0;
-  std::size_t fewer = 0, all = 0;
-  Candidates some, more;
-  for (int step = 1; step <= 10; ++step) {
-    soup.x1 = waving_sheet(kSize, 0.1 * step).x0;
-    ASSERT_TRUE(with.candidates(soup.x0, soup.x1, kInflation, some));
-    ASSERT_TRUE(without.candidates(soup.x0, soup.x1, kInflation, more));
-    passes += with.work().certificate_passes;
-    const Keys keys = keys_of(some), all_keys = keys_of(more);
-    EXPECT_TRUE(std::includes(all_keys.begin(), all_keys.end(), keys.begin(), keys.end()));
-    for (const FeaturePair& pair : pairs) {
-      if (keys.contains(pair.key())) continue;
-      const auto test = pair.kind() == Kind::EdgeEdge ? edge_edge_ccd : vertex_face_ccd;
-      const CcdResult r = test(pair.at(soup.x0), pair.at(soup.x1), ccd);
-      ASSERT_TRUE(r.answer == Answer::Separated || !sampled_within(pair, soup, kInflation));
+// Next positions, after which lists may hold, fail here and there, or all fail.
+void go_on(Rng& rng, std::vector<double>& x, double grid) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto round = [&](double v) { return std::round(v / grid) * grid; };
+  const double far = std::ldexp(unit(rng), static_cast<int>(rng() % 6) - 6);
+  switch (rng() % 8) {
+    case 0:  // nothing
+      break;
+    case 1: {  // all the same way, sometimes so far that little of the shape is left
+      const double way = rng() % 4 == 0 ? 0x1p53 : round(far * 100);
+      for (double& v : x) v += way;
+      break;
     }
-    fewer += keys.size();
-    all += all_keys.size();
-    soup.x0 = soup.x1;
+    case 2: {  // one vertex
+      const std::size_t v = rng() % (x.size() / 3);
+      for (std::size_t axis = 0; axis < 3; ++axis) x[3 * v + axis] += round(far);
+      break;
+    }
+    case 3:  // elsewhere
+      for (double& v : x) v = round((unit(rng) + 1) / 2);
+      break;
+    case 4:  // flatter
+      for (std::size_t i = 2; i < x.size(); i += 3) x[i] = round(x[i] * 0.75);
+      break;
+    default:  // a little turn
+      for (std::size_t i = 0; i + 2 < x.size(); i += 3) {
+        const double angle = far / 16, u = x[i], v = x[i + 1];
+        x[i] = round(u - angle * v);
+        x[i + 1] = round(v + angle * u);
+      }
   }
-  EXPECT_GT(passes, 100);
-  EXPECT_LT(fewer, all);
+}
+
+// Two checkers that are asked again and again, against boxes of all pairs.
+TEST(Candidates, AreThePairsWithNearBoxesWhateverWasAskedBefore) {
+  std::size_t listed = 0, not_listed = 0;
+  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+    Rng rng(seed);
+    const double grid = seed % 2 == 0 ? 0x1p-5 : 0x1p-30;
+    Soup soup = random_soup(rng, 9, 5, 5, 0.1, grid);
+    ContactChecker checker = checker_of(soup, {}, 2);
+    const auto pairs = all_pairs(soup, checker.mesh().edges(), all_may);
+    Candidates found;
+    for (int call = 0; call < 60; ++call) {
+      go_on(rng, soup.x0, grid);
+      if (call % 16 == 0) soup.x0 = random_soup(rng, 9, 5, 5, 0.1, grid).x0;
+      if (rng() % 2 == 0) soup.x1 = soup.x0;
+      go_on(rng, soup.x1, grid);
+      const double inflations[] = {0, grid, 0.0625, 0.0625, 0.0625, 0.25, 1, 0x1p-1074};
+      const double inflation = inflations[rng() % std::size(inflations)];
+      const bool pose = rng() % 2 == 0;
+      const auto& end = pose ? soup.x0 : soup.x1;
+      ASSERT_TRUE(checker.candidates(soup.x0, end, inflation, found));
+      ASSERT_EQ(keys_of(found).size(), found.size()) << "a pair twice";
+      Keys expected;
+      for (const FeaturePair& pair : pairs) {
+        if (boxes_within(pair, soup.x0, end, inflation)) expected.insert(pair.key());
+      }
+      ASSERT_EQ(keys_of(found), expected)
+          << "seed " << seed << ", call " << call << ", inflation " << inflation;
+      listed += expected.size();
+      not_listed += pairs.size() - expected.size();
+    }
+  }
+  EXPECT_GT(listed, 10000);
+  EXPECT_GT(not_listed, 10000);
+}
+
+TEST(Candidates, AreTheSameOnEveryInstructionSet) {
+  Soup soup = waving_sheet(14, 0);
+  soup.x1 = waving_sheet(14, 0.4).x0;
+  for (const bool pose : {true, false}) {
+    const auto answer = [&] {
+      Candidates found;
+      EXPECT_TRUE(checker_of(soup).candidates(soup.x0, pose ? soup.x0 : soup.x1, 0.03, found));
+      return found;
+    };
+    const Candidates expected = answer();
+    EXPECT_GT(expected.vertex_face.size(), 100);
+    EXPECT_GT(expected.edge_edge.size(), 100);
+    testing::on_each_target([&] {
+      const Candidates found = answer();
+      EXPECT_EQ(found.vertex_face, expected.vertex_face);
+      EXPECT_EQ(found.edge_edge, expected.edge_edge);
+      EXPECT_EQ(found.edge_vertex, expected.edge_vertex);
+      EXPECT_EQ(found.vertex_vertex, expected.vertex_vertex);
+    });
+  }
+}
+
+TEST(Candidates, AreListedAnewOnlyWhereTheShapeChanged) {
+  constexpr int kSize = 40;
+  constexpr double kInflation = 0.01;
+  std::vector<double> x = waving_sheet(kSize, 0).x0;
+  ContactChecker checker = checker_of(waving_sheet(kSize, 0));
+  Candidates found;
+  const auto lists_made = [&] {
+    EXPECT_TRUE(checker.candidates(x, kInflation, found));
+    return checker.work().leaf_pairs;
+  };
+  const std::uint64_t all = lists_made();
+  EXPECT_GT(all, 1000);
+  EXPECT_EQ(lists_made(), 0);
+  for (std::size_t i = 0; i < x.size(); i += 3) x[i] += 0.25;  // all of it, and exactly
+  EXPECT_LT(lists_made(), all / 20);
+  x[0] += 0.5;
+  EXPECT_LT(lists_made(), all / 20);
+  std::uint64_t made = 0;
+  for (int step = 1; step <= 20; ++step) {
+    x = waving_sheet(kSize, 0.002 * step).x0;
+    for (std::size_t i = 0; i < x.size(); i += 3) x[i] += 0.25;
+    made += lists_made();
+  }
+  EXPECT_LT(made, 20 * all / 4);
 }
 
 TEST(Candidates, FilterLeavesOutExactlyWhatItForbids) {
@@ -137,7 +219,7 @@ TEST(Candidates, FilterLeavesOutExactlyWhatItForbids) {
     const auto [a, b] = std::minmax(group[i], group[j]);
     return !(a == b && (a == 0 || a == 3)) && !(a == 1 && b == 2);
   };
-  ContactChecker any = checker_of(soup, {}, false);
+  ContactChecker any = checker_of(soup);
   Candidates found;
   ASSERT_TRUE(any.candidates(soup.x0, soup.x1, 0.1, found));
   const Keys all = keys_of(found);
@@ -155,7 +237,7 @@ TEST(Candidates, FilterLeavesOutExactlyWhatItForbids) {
       {CollisionFilter::patches(group).value(), expected_of(patch)},
       {CollisionFilter([](Index, Index) { return false; }), {}}};
   for (const auto& [filter, expected] : cases) {
-    ContactChecker checker = checker_of(soup, filter, false);
+    ContactChecker checker = checker_of(soup, filter);
     ASSERT_TRUE(checker.candidates(soup.x0, soup.x1, 0.1, found));
     EXPECT_EQ(keys_of(found), expected);
     EXPECT_LT(expected.size(), all.size());

@@ -91,6 +91,30 @@ std::vector<FeaturePair> all_pairs(const Soup& soup, std::span<const Edge> edges
   return pairs;
 }
 
+/// Whether no axis keeps the boxes of the two features more than `inflation` apart, on the same side at both
+/// ends.
+inline bool boxes_within(const FeaturePair& pair, std::span<const double> x0, std::span<const double> x1,
+                         double inflation) {
+  const int first = pair.kind() == Kind::EdgeEdge ? 2 : 1;  // so many points are of the first
+  const auto gap = [&](std::span<const double> x, int axis, bool above) {
+    double low[2], high[2];
+    for (int k = 0; k < 4; ++k) {
+      const double v = x[3 * pair.vertices[k] + axis];
+      const int which = k < first ? 0 : 1;
+      const bool begins = k == 0 || k == first;
+      low[which] = begins ? v : std::min(low[which], v);
+      high[which] = begins ? v : std::max(high[which], v);
+    }
+    return above ? low[0] - high[1] : low[1] - high[0];
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const bool above : {false, true}) {
+      if (gap(x0, axis, above) > inflation && gap(x1, axis, above) > inflation) return false;
+    }
+  }
+  return true;
+}
+
 inline bool all_may(Index, Index) { return true; }
 
 /// Small elements in a box, each moving on its own; coordinates are multiples of `grid`.
