@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/parallel.h"
+#include "candidates.h"
 #include "certificates.h"
 #include "machine.h"
 #include "memory.h"
@@ -23,8 +24,8 @@ namespace {
 struct Options {
   std::vector<std::string> scenes, peers;
   std::string size = "all", json, markdown, memory_of, publish, command;
-  bool list = false, quick = false, no_memory = false, certificates = false, reduced = false, growth = false,
-       threads = false, training = false;
+  bool list = false, quick = false, no_memory = false, certificates = false, candidates = false,
+       reduced = false, growth = false, threads = false, training = false;
   int cpu = -1;
   double trained_before = NAN;
   Plan plan;
@@ -68,6 +69,8 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--markdown", options.markdown, "Write the tables to this file");
   app.add_flag("--certificates", options.certificates,
                "Compare foldproof with itself, with certificates and without, after different trainings");
+  app.add_flag("--candidates", options.candidates,
+               "Candidates within an inflation, of poses that follow each other, for a barrier solver");
   app.add_flag(
       "--reduced", options.reduced,
       "Steps told by coordinates of a subspace: one generated shape at 10,000 to 1,000,000 triangles");
@@ -159,6 +162,16 @@ Result<void> run_certificates(const Options& options) {
   return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
 }
 
+Result<void> run_candidates(const Options& options, const std::vector<PeerEntry>& peers) {
+  const auto scenes = chosen_scenes(options.scenes);
+  if (!scenes) return tl::unexpected(scenes.error());
+  const auto table =
+      measure_candidates(*scenes, {.peers = peers, .processor_time = options.plan.processor_time});
+  if (!table) return tl::unexpected(table.error());
+  fmt::print("{}", table->text());
+  return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
+}
+
 Result<void> run_reduced(const Options& options) {
   ReducedPlan plan;
   plan.processor_time = options.plan.processor_time;
@@ -245,6 +258,7 @@ Result<void> run(Options& options) {
   if (options.reduced) return run_reduced(options);
   auto peers = chosen_peers(options.peers);
   if (!peers) return tl::unexpected(peers.error());
+  if (options.candidates) return run_candidates(options, *peers);
   plan.peers = std::move(*peers);
   report.machine = machine_facts(plan.peers);
   report.plan = plan;

@@ -34,13 +34,16 @@ inline bool overlap(const Box& a, const Box& b) {
 /// Swept boxes of the vertices; those of edges and faces are joined from them on demand.
 class SweptBoxes {
  public:
+  /// All boxes are larger by this much on every side.
+  double margin = 0;
+
   void update(std::span<const double> x0, std::span<const double> x1) {
     vertices_.resize(x0.size() / 3);
     for (std::size_t v = 0; v < vertices_.size(); ++v)
       for (std::size_t k = 0; k < 3; ++k) {
         const auto a = static_cast<float>(x0[3 * v + k]), b = static_cast<float>(x1[3 * v + k]);
-        vertices_[v].lo[k] = std::min(a, b);
-        vertices_[v].hi[k] = std::max(a, b);
+        vertices_[v].lo[k] = std::min(a, b) - static_cast<float>(margin);
+        vertices_[v].hi[k] = std::max(a, b) + static_cast<float>(margin);
       }
   }
   const Box& vertex(Index v) const { return vertices_[v]; }

@@ -47,6 +47,7 @@ class Tree {
 
 class BulletPeer : public Peer {
  public:
+  void inflate(double distance) override { boxes_.margin = distance / 2; }
   void prepare(const Topology& topology) override { topology_ = &topology; }
 
   const Candidates& step(std::span<const double> x0, std::span<const double> x1) override {

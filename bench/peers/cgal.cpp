@@ -14,6 +14,7 @@ CgalBox cgal_box(Box box, Index id) { return CgalBox(box.lo.data(), box.hi.data(
 
 class CgalPeer : public Peer {
  public:
+  void inflate(double distance) override { boxes_.margin = distance / 2; }
   void prepare(const Topology& topology) override { topology_ = &topology; }
 
   const Candidates& step(std::span<const double> x0, std::span<const double> x1) override {

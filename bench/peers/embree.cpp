@@ -54,6 +54,8 @@ class EmbreePeer : public Peer {
   explicit EmbreePeer(RTCBuildQuality quality)
       : quality_(quality), device_(rtcNewDevice("threads=1,set_affinity=0")) {}
 
+  void inflate(double distance) override { boxes_.margin = distance / 2; }
+
  protected:
   static void edge_bounds(const RTCBoundsFunctionArguments* arguments) {
     const auto* self = static_cast<const EmbreePeer*>(arguments->geometryUserPtr);

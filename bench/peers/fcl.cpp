@@ -59,6 +59,7 @@ class Objects {
 
 class FclPeer : public Peer {
  public:
+  void inflate(double distance) override { boxes_.margin = distance / 2; }
   void prepare(const Topology& topology) override { topology_ = &topology; }
 
   const Candidates& step(std::span<const double> x0, std::span<const double> x1) override {

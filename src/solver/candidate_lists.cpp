@@ -179,7 +179,8 @@ void CandidateLists<Ends>::renew_front() {
   descend();
 }
 
-// From the root, as the front only ever gets finer; lists that are still needed stay.
+// From the root, as the front only ever gets finer, and neighbours stay; lists that are still needed do so
+// too.
 template <int Ends>
 void CandidateLists<Ends>::renew_all() {
   front_.clear();
@@ -188,6 +189,7 @@ void CandidateLists<Ends>::renew_all() {
   }
   pending_.assign(tree_.nodes().empty() ? 0 : 1, {0, 0});
   descend();
+  neighbours_ = 0;
   // What was listed for those that go becomes part of the next one's list, which is made anew.
   for (Row& row : rows_) {
     bool gone = false;
@@ -196,6 +198,7 @@ void CandidateLists<Ends>::renew_all() {
     }
     std::erase_if(row.neighbours, [](const Neighbour& neighbour) { return !neighbour.seen; });
     row.list.resize(row.neighbours.empty() ? 0 : row.neighbours.back().end);
+    neighbours_ += row.neighbours.size();
   }
 }
 
@@ -233,6 +236,7 @@ void CandidateLists<Ends>::add_neighbour(NodePair leaves) {
     at->seen = true;
   } else {
     row.insert(at, {leaves.b, at == row.begin() ? 0 : std::prev(at)->end, -kInfinity, true});
+    ++neighbours_;
   }
 }
 
@@ -339,14 +343,14 @@ void CandidateLists<Ends>::renew_rows() {
 
 template <int Ends>
 void CandidateLists<Ends>::update(const std::array<const double*, Ends>& x, double inflation, Work& work) {
-  constexpr std::size_t kFiner = 2;
+  constexpr std::size_t kMore = 2;
   inflation_ = inflation;
   needed_ = inflation * (1 + 0x1p-40) + std::numeric_limits<double>::min();
   tests_ = front_.size();
   move(x);
-  if (!started_ || front_.size() > kFiner * front_at_first_ + kGrain) {
+  if (!started_ || front_.size() + neighbours_ > kMore * proofs_at_first_ + kGrain) {
     renew_all();
-    front_at_first_ = front_.size();
+    proofs_at_first_ = front_.size() + neighbours_;
   } else {
     renew_front();
   }

@@ -99,9 +99,10 @@ class CandidateLists {
   std::vector<Box> boxes_, feature_boxes_;  // of nodes; of features
   std::vector<Drift> drifts_;               // of nodes
   std::vector<Apart> front_;
-  std::vector<Row> rows_;           // per leaf: it and leaves that come later
-  std::vector<NodePair> pending_;   // to be looked at, with what lies below
-  std::size_t front_at_first_ = 0;  // how many there were when all was looked at
+  std::vector<Row> rows_;            // per leaf: it and leaves that come later
+  std::vector<NodePair> pending_;    // to be looked at, with what lies below
+  std::size_t neighbours_ = 0;       // of all rows
+  std::size_t proofs_at_first_ = 0;  // how many there were when all was looked at
   std::uint64_t tests_ = 0;
   PerThread<Local> locals_;
 };

@@ -132,13 +132,14 @@ TEST(Candidates, AreThePairsWithNearBoxesWhateverWasAskedBefore) {
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     Rng rng(seed);
     const double grid = seed % 2 == 0 ? 0x1p-5 : 0x1p-30;
-    Soup soup = random_soup(rng, 9, 5, 5, 0.1, grid);
+    const int faces = seed % 6 == 0 ? 50 : 9;
+    Soup soup = random_soup(rng, faces, 5, 5, 0.1, grid);
     ContactChecker checker = checker_of(soup, {}, 2);
     const auto pairs = all_pairs(soup, checker.mesh().edges(), all_may);
     Candidates found;
     for (int call = 0; call < 60; ++call) {
       go_on(rng, soup.x0, grid);
-      if (call % 16 == 0) soup.x0 = random_soup(rng, 9, 5, 5, 0.1, grid).x0;
+      if (call % 16 == 0) soup.x0 = random_soup(rng, faces, 5, 5, 0.1, grid).x0;
       if (rng() % 2 == 0) soup.x1 = soup.x0;
       go_on(rng, soup.x1, grid);
       const double inflations[] = {0, grid, 0.0625, 0.0625, 0.0625, 0.25, 1, 0x1p-1074};
