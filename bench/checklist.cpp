@@ -69,11 +69,30 @@ std::vector<Goal> goals_of(const std::vector<SceneRecord>& records, const Plan& 
   const auto add_ratio = [&](const char* what, SceneKind kind, StepSize size, double target) {
     goals.push_back({what, target, true, mean_over(records, kind, size, embree)});
   };
-  add_ratio("times faster than Embree, tenth steps of the motions", SceneKind::Motion, StepSize::Tenth, 30);
-  add_ratio("times faster than Embree, full steps of the motions", SceneKind::Motion, StepSize::Full, 20);
-  add_ratio("times faster than Embree, ground truth, full steps", SceneKind::GroundTruth, StepSize::Full, 3);
+  add_ratio("times faster than Embree, smooth tenths of the motions", SceneKind::Motion,
+            StepSize::SmoothTenth, 25);
+  add_ratio("times faster than Embree, smooth fortieths of the motions", SceneKind::Motion,
+            StepSize::SmoothFortieth, 60);
+  add_ratio("times faster than Embree, smooth hundredths of the motions", SceneKind::Motion,
+            StepSize::SmoothHundredth, 90);
+  add_ratio("times faster than Embree, full steps of the motions", SceneKind::Motion, StepSize::Full, 18);
+  add_ratio("times faster than Embree, straight tenths of the motions", SceneKind::Motion, StepSize::Tenth,
+            37);
+  add_ratio("times faster than Embree, ground truth, full steps", SceneKind::GroundTruth, StepSize::Full,
+            2.5);
   add_ratio("times faster than Embree, ground truth, tenth steps", SceneKind::GroundTruth, StepSize::Tenth,
-            3);
+            5);
+  const auto slowest = [&](StepSize size) {
+    return largest(records, [&](const SceneRecord& r) {
+      return r.kind == SceneKind::Motion && r.size == size
+                 ? slowest_of(r) / foldproof_of(r, Way::Certificates)
+                 : NAN;
+    });
+  };
+  goals.push_back({"slowest step / mean, smooth tenths, the most of the motions", 3, false,
+                   slowest(StepSize::SmoothTenth)});
+  goals.push_back(
+      {"slowest step / mean, straight tenths, the most of the motions", 3, false, slowest(StepSize::Tenth)});
   goals.push_back(floor_goal(records));
   goals.push_back(free_steps_goal(records));
   goals.push_back(

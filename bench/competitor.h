@@ -31,7 +31,8 @@ class Peer {
   virtual ~Peer() = default;
   /// Called once per scene, not timed: whatever depends on the triangles alone. `topology` outlives the peer.
   virtual void prepare(const Topology& topology) = 0;
-  /// Not timed: from now on features count as near whose boxes come within this distance; 0 until it is called.
+  /// Not timed: from now on features count as near whose boxes come within this distance; 0 until it is
+  /// called.
   virtual void inflate(double distance) = 0;
   /// The timed part: from positions (vertex_count x 3, row-major) to candidates, on one thread. The answer
   /// belongs to the peer and lasts until the next step, so its buffers are reused.

@@ -35,10 +35,11 @@ void add_options(CLI::App& app, Options& options) {
   Plan& plan = options.plan;
   app.add_option("--scene", options.scenes, "Scenes to run (default: all whose files are there)");
   app.add_option("--size", options.size,
-                 "Whole steps, steps cut into ten or a hundred along straight lines, full and tenth (both), "
-                 "motions cut along smooth curves through their frames (smooth), or all")
-      ->check(CLI::IsMember(
-          {"full", "tenth", "hundredth", "smooth tenth", "smooth hundredth", "both", "smooth", "all"}));
+                 "Motions cut along smooth curves through their frames (smooth: into ten, forty and a "
+                 "hundred), whole "
+                 "steps, steps cut along straight lines, full and tenth (both), or all")
+      ->check(CLI::IsMember({"smooth tenth", "smooth fortieth", "smooth hundredth", "full", "tenth",
+                             "hundredth", "both", "smooth", "all"}));
   app.add_option(
          "--steps", plan.sampling.steps,
          "Steps per scene at most, from the middle of the motion; of parts as many as make whole steps")

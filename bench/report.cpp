@@ -53,7 +53,7 @@ bool any_way(const Report& report, Way way) {
 
 Table main_table(const Report& report) {
   Table table{{"milliseconds a step", "step", "triangles", "warm-up", "steps", "colliding", "floor",
-               "foldproof", "x floor", "slowest", "searched %"},
+               "foldproof", "x floor", "slowest", "slowest/mean", "searched %"},
               {}};
   const auto embree = families(report.plan);
   const bool trained = any_way(report, Way::Trained), plain = any_way(report, Way::Plain);
@@ -74,6 +74,7 @@ Table main_table(const Report& report) {
                                     milliseconds(ours),
                                     fmt::format("{:.1f}", ours / floor),
                                     milliseconds(slowest_of(record)),
+                                    fmt::format("{:.1f}", slowest_of(record) / ours),
                                     fmt::format("{:.0f}", 100 * searched_of(record))};
     if (trained) {
       const double ms = foldproof_of(record, Way::Trained);

@@ -59,15 +59,16 @@ Result<std::unique_ptr<Motion>> open_scene(const SceneInfo& scene) {
   return std::move(motions->front());
 }
 
-bool is_smooth(StepSize size) { return size == StepSize::SmoothTenth || size == StepSize::SmoothHundredth; }
+bool is_smooth(StepSize size) { return size <= StepSize::SmoothHundredth; }
 
 const char* size_name(StepSize size) {
-  constexpr const char* kNames[] = {"full", "tenth", "hundredth", "smooth tenth", "smooth hundredth"};
+  constexpr const char* kNames[] = {"smooth tenth", "smooth fortieth", "smooth hundredth",
+                                    "full",         "tenth",           "hundredth"};
   return kNames[static_cast<std::size_t>(size)];
 }
 
 std::vector<StepChoice> choose_steps(Index frame_count, StepSize size, const Sampling& sampling) {
-  constexpr Index kParts[] = {1, 10, 100, 10, 100};
+  constexpr Index kParts[] = {10, 40, 100, 1, 10, 100};
   const Index parts = kParts[static_cast<std::size_t>(size)];
   const Index available = (frame_count - 1) * parts;
   const Index together = frame_count > 2 ? parts : 1;  // a single step has no turns

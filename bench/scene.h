@@ -45,12 +45,14 @@ Result<std::unique_ptr<Motion>> open_scene(const SceneInfo& scene);
 /// A step of the motion, or one of the parts that it is cut into: an animation's step is long, a
 /// simulation's is short. Parts lie on the straight lines between frames, where vertices turn at frames only,
 /// or on smooth curves through them, where vertices turn all the time.
-enum class StepSize { Full, Tenth, Hundredth, SmoothTenth, SmoothHundredth };
-inline constexpr std::array<StepSize, 5> kStepSizes = {StepSize::Full, StepSize::Tenth, StepSize::Hundredth,
-                                                       StepSize::SmoothTenth, StepSize::SmoothHundredth};
+enum class StepSize { SmoothTenth, SmoothFortieth, SmoothHundredth, Full, Tenth, Hundredth };
+/// In the order of the tables: what motions do comes first, straight parts, the best case there is, last.
+inline constexpr std::array<StepSize, 6> kStepSizes = {StepSize::SmoothTenth,     StepSize::SmoothFortieth,
+                                                       StepSize::SmoothHundredth, StepSize::Full,
+                                                       StepSize::Tenth,           StepSize::Hundredth};
 bool is_smooth(StepSize size);
 
-/// "full", "tenth", "hundredth", "smooth tenth", "smooth hundredth".
+/// "smooth tenth", "smooth fortieth", "smooth hundredth", "full", "tenth", "hundredth".
 const char* size_name(StepSize size);
 
 struct StepChoice {

@@ -190,14 +190,11 @@ void CandidateLists<Ends>::renew_all() {
   pending_.assign(tree_.nodes().empty() ? 0 : 1, {0, 0});
   descend();
   neighbours_ = 0;
-  // What was listed for those that go becomes part of the next one's list, which is made anew.
   for (Row& row : rows_) {
-    bool gone = false;
-    for (Neighbour& neighbour : row.neighbours) {
-      if (std::exchange(gone, !neighbour.seen)) neighbour.covers = -kInfinity;
+    if (std::erase_if(row.neighbours, [](const Neighbour& neighbour) { return !neighbour.seen; }) > 0) {
+      row.list.clear();
+      for (Neighbour& neighbour : row.neighbours) neighbour = {neighbour.node, 0, -kInfinity, true};
     }
-    std::erase_if(row.neighbours, [](const Neighbour& neighbour) { return !neighbour.seen; });
-    row.list.resize(row.neighbours.empty() ? 0 : row.neighbours.back().end);
     neighbours_ += row.neighbours.size();
   }
 }
