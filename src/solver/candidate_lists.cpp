@@ -339,8 +339,18 @@ void CandidateLists<Ends>::renew_rows() {
 }
 
 template <int Ends>
+void CandidateLists<Ends>::clear() {
+  pending_.clear();
+  for (Row& row : rows_) row = {};
+  for (Local& local : locals_) local = {};
+  neighbours_ = 0;
+}
+
+template <int Ends>
 void CandidateLists<Ends>::update(const std::array<const double*, Ends>& x, double inflation, Work& work) {
   constexpr std::size_t kMore = 2;
+  started_ = std::exchange(complete_, false);
+  if (!started_) clear();
   inflation_ = inflation;
   needed_ = inflation * (1 + 0x1p-40) + std::numeric_limits<double>::min();
   tests_ = front_.size();
@@ -352,7 +362,7 @@ void CandidateLists<Ends>::update(const std::array<const double*, Ends>& x, doub
     renew_front();
   }
   renew_rows();
-  started_ = true;
+  complete_ = true;
   work.node_tests += tests_;
   for (Local& local : locals_) work.leaf_pairs += std::exchange(local.listed, 0);
 }

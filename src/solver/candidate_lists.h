@@ -63,6 +63,7 @@ class CandidateLists {
   double between(Index node_a, Index node_b) const;
   double melted(Index node_a, Index node_b) const;
   double room_for(Index node_a, Index node_b) const;
+  void clear();
   void move(const std::array<const double*, Ends>& x);
   void fit_leaf(Index leaf);
   void fit_features();
@@ -92,7 +93,8 @@ class CandidateLists {
   std::vector<std::array<Index, 1>> vertex_places_;  // 0, 1, 2, ...
   std::vector<Index> leaf_nodes_;
 
-  bool started_ = false;
+  bool complete_ = false;  // what follows is of the call before, which was not cut off by an exception
+  bool started_ = false;   // there was such a call
   double inflation_ = 0;
   double needed_ = 0;  // a little more: what lies so far apart is not within the inflation by the test either
   std::vector<Point> points_, before_;      // in leaf order; at the call before
