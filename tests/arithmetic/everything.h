@@ -43,15 +43,16 @@ inline bool all_floats_asked() {
 }
 
 /// Hands over floats in ascending order, from -infinity to infinity, in runs of kRun with one
-/// float in common. With FOLDPROOF_ALL_FLOATS=1 that is all of them; else all within 64 of powers of two, and
-/// of what lies between one of `stride`.
+/// float in common. With FOLDPROOF_ALL_FLOATS=1 that is all of them, unless `never_all`; else all within 64
+/// of powers of two, and of what lies between one of `stride`.
 inline constexpr std::size_t kRun = 4096;
 template <class Visit>
-void over_floats(std::uint32_t stride, const Visit& visit) {
-  static const bool everything = [] {
+void over_floats(std::uint32_t stride, const Visit& visit, bool never_all = false) {
+  static const bool asked = [] {
     std::puts(all_floats_asked() ? "all floats" : "some floats; all with FOLDPROOF_ALL_FLOATS=1");
     return all_floats_asked();
   }();
+  const bool everything = asked && !never_all;
   std::vector<float> run;
   const auto put = [&](float x) {
     run.push_back(x);

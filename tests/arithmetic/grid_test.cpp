@@ -36,29 +36,35 @@ struct Wrong {
   std::uint64_t falls = 0, others = 0;
   float first = 0;
 };
-Wrong places_on(const OneGrid& grid, bool wide, std::uint32_t stride) {
+Wrong places_on(const OneGrid& grid, bool wide, std::uint32_t stride, bool never_all) {
   Wrong wrong;
   std::vector<std::uint8_t> lower(kRun), upper(kRun);
-  over_floats(stride, [&](std::span<const float> x) {
-    place_on_grid(grid, wide, x, lower, upper);
-    std::uint64_t falls = 0, others = 0;
-    for (std::size_t i = 1; i < x.size(); ++i) falls += (lower[i] < lower[i - 1]) | (upper[i] < upper[i - 1]);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      others += (lower[i] != plain_place(x[i] - grid.margin, grid)) |
-                (upper[i] != plain_place(x[i] + grid.margin, grid));
-    }
-    if (falls + others != 0 && wrong.falls + wrong.others == 0) wrong.first = x[0];
-    wrong.falls += falls;
-    wrong.others += others;
-  });
+  over_floats(
+      stride,
+      [&](std::span<const float> x) {
+        place_on_grid(grid, wide, x, lower, upper);
+        std::uint64_t falls = 0, others = 0;
+        for (std::size_t i = 1; i < x.size(); ++i)
+          falls += (lower[i] < lower[i - 1]) | (upper[i] < upper[i - 1]);
+        for (std::size_t i = 0; i < x.size(); ++i) {
+          others += (lower[i] != plain_place(x[i] - grid.margin, grid)) |
+                    (upper[i] != plain_place(x[i] + grid.margin, grid));
+        }
+        if (falls + others != 0 && wrong.falls + wrong.others == 0) wrong.first = x[0];
+        wrong.falls += falls;
+        wrong.others += others;
+      },
+      never_all);
   return wrong;
 }
 
 void expect_never_falls(const std::vector<OneGrid>& all, std::uint32_t stride) {
+  constexpr std::size_t kAllFloats = 7;  // one grid of so many: a grid takes minutes then
   on_every_target([&] {
-    for (const OneGrid& grid : all) {
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const OneGrid& grid = all[k];
       for (const bool wide : {true, false}) {
-        const Wrong wrong = places_on(grid, wide, stride);
+        const Wrong wrong = places_on(grid, wide, stride, k % kAllFloats != 0);
         EXPECT_EQ(wrong.falls, 0u) << "first from " << wrong.first << " on; origin " << grid.origin
                                    << ", scale " << grid.scale << ", wide " << wide;
         EXPECT_EQ(wrong.others, 0u) << "first from " << wrong.first << " on; origin " << grid.origin
