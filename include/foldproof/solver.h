@@ -111,8 +111,8 @@ struct VertexVertexCandidate {
   auto operator<=>(const VertexVertexCandidate&) const = default;
 };
 
-/// Pairs of features that may be near each other. No list holds a pair twice; their order is that of the mesh's
-/// hierarchy, the same whatever else was asked. Reuse it: its buffers are kept.
+/// Pairs of features that may be near each other. No list holds a pair twice; their order is that of the
+/// mesh's hierarchy, the same whatever else was asked. Reuse it: its buffers are kept.
 struct Candidates {
   std::vector<VertexFaceCandidate> vertex_face;
   std::vector<EdgeEdgeCandidate> edge_edge;
@@ -136,9 +136,10 @@ struct ContactSettings {
   double approach = 0.8;
 };
 
-/// Answers a solver's questions about one collision mesh. It keeps its front, its charts, its lists of candidates
-/// and its scratch from call to call, so asking about the same x0 and many x1 is cheap, as it is about poses
-/// that follow each other; and calls of the same kind and size allocate nothing. One checker per thread; threads inside come from oneTBB.
+/// Answers a solver's questions about one collision mesh. It keeps its front, its charts, its lists of
+/// candidates and its scratch from call to call, so asking about the same x0 and many x1 is cheap, as it is
+/// about poses that follow each other; and calls of the same kind and size allocate nothing. One checker per
+/// thread; threads inside come from oneTBB.
 ///
 /// Positions are vertex_count x 3, row-major, mesh units; during a step vertices go straight from x0 to x1.
 /// *Contact* of a pair that counts: at some time of the step its distance is <= min_distance (0: it touches).
@@ -170,8 +171,8 @@ class ContactChecker {
 
   /// Every pair that counts and whose distance is <= inflation at some time of the step; and others, whose
   /// boxes come that near: those that no axis keeps apart by more, on the same side at both ends. Which these
-  /// are does not depend on earlier calls. Cost: once that of looking at all leaves; then what moved relative to
-  /// its neighbours is listed anew, and pairs that are listed, with a little room, are tested.
+  /// are does not depend on earlier calls. Cost: once that of looking at all leaves; then what moved relative
+  /// to its neighbours is listed anew, and pairs that are listed, with a little room, are tested.
   Result<void> candidates(std::span<const double> x0, std::span<const double> x1, double inflation,
                           Candidates& out);
   /// The same in one pose.
