@@ -55,7 +55,7 @@ class CandidateLists {
     std::vector<Index> vertices, edges, triangles;
   };
   struct Local {
-    Near near[2];
+    std::array<Near, 2> near;
     std::vector<BoxPair> pairs, list;
     std::uint64_t listed = 0;  ///< How many lists were made.
   };
