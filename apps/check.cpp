@@ -4,6 +4,7 @@
 
 #include "check_reduced.h"
 #include "commands.h"
+#include "run_and_summarize.h"
 #include "step_options.h"
 #include "terminal.h"
 
@@ -208,7 +209,7 @@ Result<int> check(const CheckArguments& a) {
   watch_for_interrupt();
   const auto writers = open_writers(a, *settings, *motions);
   if (!writers) return tl::unexpected(writers.error());
-  return check_and_tell(*motions, *settings, *writers, a.quiet);
+  return run_and_summarize(*motions, *settings, *writers, a.quiet);
 }
 
 }  // namespace

@@ -301,7 +301,7 @@ Result<int> check_reduced(const ReducedCheckArguments& a) {
   if (!finished) return tl::unexpected(finished.error());
   if (!*finished) return tell_interrupted(totals);
   if (!a.quiet) print_output(summary_of(totals));
-  return totals.clean() ? kExitClean : kExitCollisions;
+  return exit_code(totals.clean());
 }
 
 }  // namespace foldproof

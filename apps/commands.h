@@ -13,6 +13,8 @@ using Command = std::function<Result<int>()>;
 
 /// Exit codes that scripts rely on.
 inline constexpr int kExitClean = 0, kExitCollisions = 1, kExitError = 2, kExitInterrupted = 130;
+/// Of a check that came to its end.
+inline int exit_code(bool clean) { return clean ? kExitClean : kExitCollisions; }
 
 /// Adds a subcommand to the command line; gives what to run if it is chosen.
 Command add_check(CLI::App& program);

@@ -2,6 +2,7 @@
 
 #include "commands.h"
 #include "page_files.h"
+#include "run_and_summarize.h"
 #include "step_options.h"
 #include "terminal.h"
 
@@ -40,7 +41,7 @@ Result<int> report(const ReportArguments& a) {
   watch_for_interrupt();
   auto writer = page_report(a.output, opened->motions, {{settings, a.motion.read}, a.command}, *files);
   if (!writer) return tl::unexpected(writer.error());
-  return check_and_tell(opened->motions, settings, std::span(&*writer, 1), a.quiet);
+  return run_and_summarize(opened->motions, settings, std::span(&*writer, 1), a.quiet);
 }
 
 }  // namespace

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "foldproof/check.h"
 #include "foldproof/model.h"
 #include "foldproof/picture.h"
-#include "foldproof/query.h"
 
 namespace foldproof::reproduce {
 

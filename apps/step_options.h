@@ -37,8 +37,4 @@ struct OpenedMotions {
 };
 Result<OpenedMotions> open_motions(const StepArguments& arguments);
 
-/// Runs the check with a bar, prints the summary unless `quiet`, and gives the exit code. Ctrl-C ends it
-/// before the next step, and no writer is finished.
-Result<int> check_and_tell(Motions motions, const CheckSettings& settings, Writers writers, bool quiet);
-
 }  // namespace foldproof

@@ -262,7 +262,7 @@ Result<int> lead(const SweepArguments& a, Ranks& ranks) {
   const bool well = std::all_of(records.begin(), records.end(), [](const SweepRecord& r) {
     return r.state == SweepState::Clean || r.state == SweepState::Still;
   });
-  return well ? kExitClean : kExitCollisions;
+  return exit_code(well);
 }
 
 Result<int> sweep(const SweepArguments& a) {

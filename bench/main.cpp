@@ -17,6 +17,7 @@
 #include "memory.h"
 #include "reduced.h"
 #include "report.h"
+#include "simulation.h"
 
 namespace foldproof::bench {
 namespace {
@@ -25,11 +26,21 @@ struct Options {
   std::vector<std::string> scenes, peers;
   std::string size = "all", json, markdown, memory_of, publish, command;
   bool list = false, quick = false, no_memory = false, certificates = false, candidates = false,
-       reduced = false, growth = false, threads = false, training = false;
+       reduced = false, simulation = false, growth = false, threads = false, training = false;
   int cpu = -1;
   double trained_before = NAN;
   Plan plan;
 };
+
+void add_outputs(CLI::App& app, Options& options) {
+  app.add_option("--json", options.json, "Write all figures to this file");
+  app.add_option("--markdown", options.markdown, "Write the tables to this file");
+  app.add_option("--publish", options.publish,
+                 "Measure all of this, and write results.json and tables.md into this directory");
+  app.add_flag("--list", options.list, "Name the scenes and peers, and stop");
+  app.add_option("--memory-of", options.memory_of,
+                 "Print the peak memory of one competitor on one scene, and stop");
+}
 
 void add_options(CLI::App& app, Options& options) {
   Plan& plan = options.plan;
@@ -66,8 +77,6 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--verify", plan.verify, "Check that all candidates agree and contain foldproof's answer");
   app.add_flag("--no-memory", options.no_memory, "Do not measure peak memory");
   app.add_flag("--peer-memory", plan.peer_memory, "Measure the peers' peak memory as well");
-  app.add_option("--json", options.json, "Write all figures to this file");
-  app.add_option("--markdown", options.markdown, "Write the tables to this file");
   app.add_flag("--certificates", options.certificates,
                "Compare foldproof with itself, with certificates and without, after different trainings");
   app.add_flag("--candidates", options.candidates,
@@ -75,6 +84,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag(
       "--reduced", options.reduced,
       "Steps told by coordinates of a subspace: one generated shape at 10,000 to 1,000,000 triangles");
+  app.add_flag(
+      "--simulation", options.simulation,
+      "What an implicit solver asks in the --steps of three simulations: --scene cloth, pile or rod");
   app.add_flag("--growth", options.growth, "The same shapes from 10,000 to 2,000,000 triangles");
   app.add_option("--growth-largest", plan.growth_largest,
                  "Triangles at most, for less memory and time than the largest take (default: no limit)");
@@ -84,11 +96,6 @@ void add_options(CLI::App& app, Options& options) {
          "--trained-before", options.trained_before,
          "Processor seconds that training on hand-train took before, on this machine, to compare with")
       ->check(CLI::PositiveNumber);
-  app.add_option("--publish", options.publish,
-                 "Measure all of this, and write results.json and tables.md into this directory");
-  app.add_flag("--list", options.list, "Name the scenes and peers, and stop");
-  app.add_option("--memory-of", options.memory_of,
-                 "Print the peak memory of one competitor on one scene, and stop");
 }
 
 void print_list() {
@@ -168,6 +175,17 @@ Result<void> run_candidates(const Options& options, const std::vector<PeerEntry>
   if (!scenes) return tl::unexpected(scenes.error());
   const auto table =
       measure_candidates(*scenes, {.peers = peers, .processor_time = options.plan.processor_time});
+  if (!table) return tl::unexpected(table.error());
+  fmt::print("{}", table->text());
+  return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
+}
+
+Result<void> run_simulation(const Options& options, const std::vector<PeerEntry>& peers) {
+  const auto table = measure_simulation({.peers = peers,
+                                         .steps = options.plan.sampling.steps,
+                                         .only = options.scenes.empty() ? "" : options.scenes.front(),
+                                         .processor_time = options.plan.processor_time,
+                                         .narrate = isatty(STDERR_FILENO) != 0});
   if (!table) return tl::unexpected(table.error());
   fmt::print("{}", table->text());
   return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
@@ -260,6 +278,7 @@ Result<void> run(Options& options) {
   auto peers = chosen_peers(options.peers);
   if (!peers) return tl::unexpected(peers.error());
   if (options.candidates) return run_candidates(options, *peers);
+  if (options.simulation) return run_simulation(options, *peers);
   plan.peers = std::move(*peers);
   report.machine = machine_facts(plan.peers);
   report.plan = plan;
@@ -279,6 +298,7 @@ int main(int argc, char** argv) {
       "run.");
   foldproof::bench::Options options;
   foldproof::bench::add_options(app, options);
+  foldproof::bench::add_outputs(app, options);
   options.command = fmt::format("foldproof-bench {}", fmt::join(argv + 1, argv + argc, " "));
   CLI11_PARSE(app, argc, argv);
   if (const auto done = foldproof::bench::run(options); !done) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "competitor.h"
-#include "foldproof/query.h"
+#include "foldproof/check.h"
 #include "scene.h"
 
 namespace foldproof::bench {

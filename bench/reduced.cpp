@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "foldproof/query.h"
+#include "foldproof/check.h"
 
 namespace foldproof::bench {
 namespace {

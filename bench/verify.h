@@ -4,7 +4,7 @@
 #include <string>
 
 #include "competitor.h"
-#include "foldproof/query.h"
+#include "foldproof/check.h"
 
 namespace foldproof::bench {
 

@@ -14,12 +14,12 @@ int main() {
   if (!mesh) return std::puts(mesh.error().line().c_str()), 1;
 
   ContactChecker checker(std::make_shared<const CollisionMesh>(*mesh));  // keep it from step to step
-  const auto share = checker.collision_free_step_size(x0, x1);
-  if (!share) return std::puts(share.error().line().c_str()), 1;
+  const auto size = checker.collision_free_step_size(x0, x1);
+  if (!size) return std::puts(size.error().line().c_str()), 1;
   std::vector<double> x(x0.size());
-  step_towards(x0, x1, *share, x);
+  step_towards(x0, x1, size->share, x);
   Candidates near;
   if (const auto done = checker.candidates(x, 0.5, near); !done)
     return std::puts(done.error().line().c_str()), 1;
-  std::printf("the point may go %.3g of the way; then %zu pair is within 0.5\n", *share, near.size());
+  std::printf("the point may go %.3g of the way; then %zu pair is within 0.5\n", size->share, near.size());
 }

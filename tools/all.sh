@@ -7,7 +7,7 @@ source tools/checks.sh
 all_checks=(test lint address thread fuzz search floats frames mutants bench)
 
 # Programs with tests that take fewer frames of the real motions unless told otherwise.
-programs_with_frames=(test_query test_keypoints test_learned test_oracle)
+programs_with_frames=(test_check test_keypoints test_learned test_oracle)
 
 # What proofs assume of conversions, for every float there is and not only some.
 all_floats() {

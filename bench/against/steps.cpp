@@ -20,8 +20,12 @@
 #include <sstream>
 
 #include "foldproof/model.h"
-#include "foldproof/query.h"
 #include "scene.h"
+#if __has_include("foldproof/check.h")
+#include "foldproof/check.h"
+#else  // before 2026-11-24
+#include "foldproof/query.h"
+#endif
 
 namespace foldproof::bench {
 namespace {

@@ -2,77 +2,33 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 namespace example {
 namespace {
 
 constexpr double kTimeStep = 0.01, kGravity = -9.81;
-constexpr Barrier kBarrier{0.006, 2e-3};
-constexpr int kMostNewtonSteps = 12, kMostHalvings = 12;
+constexpr double kBarrierStiffness = 2e-3;
+constexpr int kMostHalvings = 12, kMostIterations = 300;
+constexpr double kResidual = 1e-3;           // of linear systems, relative: Newton goes on anyway
 constexpr double kKept = 0.85;               // of its velocity by a vertex in contact: friction, roughly
 constexpr double kStill = 2e-3 * kTimeStep;  // m: a Newton step below it ends the search
 
-foldproof::ContactSettings with_certificates(bool on) {
-  foldproof::ContactSettings settings;
-  settings.certificates = on;
-  return settings;
-}
-
 Vec3 at(std::span<const double> x, Index v) { return Eigen::Map<const Vec3>(&x[3 * std::size_t{v}]); }
-
-bool same(std::span<const Contact> a, std::span<const Contact> b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Contact& s, const Contact& t) {
-    return s.vertices == t.vertices && s.distance == t.distance;
-  });
-}
 
 }  // namespace
 
-double processor_time() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-TimedChecker::TimedChecker(std::shared_ptr<const foldproof::CollisionMesh> mesh)
-    : mesh_(std::move(mesh)),
-      checkers_{foldproof::ContactChecker(mesh_, with_certificates(true)),
-                foldproof::ContactChecker(mesh_, with_certificates(false))} {}
-
-template <class Ask>
-auto TimedChecker::ask_both(Ask ask) {
-  const double start = processor_time();
-  const auto with = ask(checkers_[0]);
-  const double middle = processor_time();
-  const auto without = ask(checkers_[1]);
-  seconds_[0] += middle - start;
-  seconds_[1] += processor_time() - middle;
-  disagreements_ += !with || !without || *with != *without;
-  return with.value();
+ImplicitEuler::ImplicitEuler(const Scene& scene, CollisionQueries& checker, int most_newton_steps)
+    : scene_(scene),
+      checker_(checker),
+      barrier_{scene.reach, kBarrierStiffness},
+      most_newton_steps_(most_newton_steps),
+      x_(scene.x),
+      velocity_(x_.size(), 0),
+      inertial_(x_),
+      trial_(x_) {
+  conjugate_gradients_.setTolerance(kResidual);
+  conjugate_gradients_.setMaxIterations(kMostIterations);
 }
-
-double TimedChecker::step_size(std::span<const double> x0, std::span<const double> x1) {
-  return ask_both([&](auto& checker) { return checker.collision_free_step_size(x0, x1); });
-}
-
-bool TimedChecker::step_is_free(std::span<const double> x0, std::span<const double> x1) {
-  return ask_both([&](auto& checker) { return checker.is_step_collision_free(x0, x1); });
-}
-
-bool TimedChecker::intersects(std::span<const double> x) {
-  return ask_both([&](auto& checker) { return checker.has_intersections(x); });
-}
-
-void TimedChecker::contacts(std::span<const double> x, double reach, std::vector<Contact>& out) {
-  for (const int k : {1, 0}) {
-    std::vector<Contact>& found = k == 0 ? out : other_;
-    const double start = processor_time();
-    if (!checkers_[k].candidates(x, reach, candidates_)) ++disagreements_;
-    seconds_[k] += processor_time() - start;
-    find_contacts(*mesh_, candidates_, x, reach, found);
-  }
-  disagreements_ += !same(out, other_);
-}
-
-ImplicitEuler::ImplicitEuler(const Scene& scene, TimedChecker& checker)
-    : scene_(scene), checker_(checker), x_(scene.x), velocity_(x_.size(), 0), inertial_(x_), trial_(x_) {}
 
 // Times the square of the time step, so that it is in joules times it.
 double ImplicitEuler::energy(std::span<const double> x, std::span<const Contact> contacts) const {
@@ -81,7 +37,7 @@ double ImplicitEuler::energy(std::span<const double> x, std::span<const Contact>
     inertia += scene_.mass[v] / 2 * (at(x, v) - at(inertial_, v)).squaredNorm();
   for (const Spring& s : scene_.springs)
     potential += s.stiffness / 2 * std::pow((at(x, s.a) - at(x, s.b)).norm() - s.rest, 2);
-  for (const Contact& c : contacts) potential += kBarrier.value(c.distance);
+  for (const Contact& c : contacts) potential += barrier_.value(c.distance);
   return inertia + kTimeStep * kTimeStep * potential;
 }
 
@@ -123,8 +79,8 @@ void ImplicitEuler::assemble(std::span<const Contact> contacts) {
     add_block(std::max(s.a, s.b), std::min(s.a, s.b), -k);
   }
   for (const Contact& c : contacts) {
-    const double slope = kSquare * kBarrier.slope(c.distance);
-    const Eigen::Matrix3d k = kSquare * kBarrier.curvature(c.distance) * (c.normal * c.normal.transpose());
+    const double slope = kSquare * barrier_.slope(c.distance);
+    const Eigen::Matrix3d k = kSquare * barrier_.curvature(c.distance) * (c.normal * c.normal.transpose());
     for (int i = 0; i < 4; ++i) {
       add(c.vertices[i], slope * c.weights[i] * c.normal);
       for (int j = 0; j < 4; ++j) add_block(c.vertices[i], c.vertices[j], c.weights[i] * c.weights[j] * k);
@@ -139,7 +95,7 @@ bool ImplicitEuler::descend(const std::vector<double>& target, double share, dou
                             StepReport& report) {
   for (int i = 0; i < kMostHalvings && share > 0; ++i, share /= 2) {
     foldproof::step_towards(x_, target, share, trial_);
-    checker_.contacts(trial_, kBarrier.reach, trial_contacts_);
+    checker_.contacts(trial_, barrier_.reach, trial_contacts_);
     if (energy(trial_, trial_contacts_) > before) continue;
     report.collision_free = report.collision_free && checker_.step_is_free(x_, trial_);
     x_.swap(trial_);
@@ -152,8 +108,8 @@ bool ImplicitEuler::descend(const std::vector<double>& target, double share, dou
 // False when there is nothing left to gain.
 bool ImplicitEuler::newton_step(StepReport& report) {
   assemble(contacts_);
-  cholesky_.compute(hessian_);
-  const Vector direction = cholesky_.solve(-gradient_);
+  conjugate_gradients_.compute(hessian_);
+  const Vector direction = conjugate_gradients_.solve(-gradient_);
   const double longest = direction.lpNorm<Eigen::Infinity>();
   if (!(longest > kStill)) return false;
   std::vector<double> target = x_;
@@ -170,9 +126,10 @@ StepReport ImplicitEuler::step() {
     const double gravity = i % 3 == 2 ? kGravity : 0;
     inertial_[i] = x_[i] + kTimeStep * velocity_[i] + kTimeStep * kTimeStep * gravity;
   }
+  if (scene_.lead) scene_.lead(kTimeStep * ++steps_, inertial_);
   StepReport report;
-  checker_.contacts(x_, kBarrier.reach, contacts_);
-  while (report.newton_steps < kMostNewtonSteps && newton_step(report)) {
+  checker_.contacts(x_, barrier_.reach, contacts_);
+  while (report.newton_steps < most_newton_steps_ && newton_step(report)) {
   }
   for (std::size_t i = 0; i < x_.size(); ++i) velocity_[i] = (x_[i] - start[i]) / kTimeStep;
   std::vector<double> kept(scene_.vertex_count(), 1);

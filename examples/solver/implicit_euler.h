@@ -1,39 +1,12 @@
-// Implicit Euler as a minimization, by Newton's method on Eigen's sparse Cholesky; contact by a barrier.
+// Implicit Euler as a minimization, by Newton's method on Eigen's conjugate gradients; contact by a barrier.
 #pragma once
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/IterativeLinearSolvers>
 
-#include "contact.h"
 #include "scene.h"
+#include "timed_checker.h"
 
 namespace example {
-
-// Processor time of this program, all threads, in seconds.
-double processor_time();
-
-// The same questions to two checkers, one with certificates, one without: both must say the same.
-class TimedChecker {
- public:
-  explicit TimedChecker(std::shared_ptr<const foldproof::CollisionMesh> mesh);
-  double step_size(std::span<const double> x0, std::span<const double> x1);
-  bool step_is_free(std::span<const double> x0, std::span<const double> x1);
-  bool intersects(std::span<const double> x);
-  void contacts(std::span<const double> x, double reach, std::vector<Contact>& out);
-  double seconds_with() const { return seconds_[0]; }
-  double seconds_without() const { return seconds_[1]; }
-  // Times when the two did not agree; and errors, of which there are none when positions are finite.
-  int disagreements() const { return disagreements_; }
-
- private:
-  template <class Ask>
-  auto ask_both(Ask ask);
-  std::shared_ptr<const foldproof::CollisionMesh> mesh_;
-  foldproof::ContactChecker checkers_[2];
-  double seconds_[2] = {};
-  int disagreements_ = 0;
-  foldproof::Candidates candidates_;
-  std::vector<Contact> other_;
-};
 
 struct StepReport {
   int newton_steps = 0;
@@ -44,7 +17,7 @@ struct StepReport {
 
 class ImplicitEuler {
  public:
-  ImplicitEuler(const Scene& scene, TimedChecker& checker);
+  ImplicitEuler(const Scene& scene, CollisionQueries& checker, int most_newton_steps = 12);
   StepReport step();
   std::span<const double> positions() const { return x_; }
 
@@ -57,13 +30,16 @@ class ImplicitEuler {
   bool descend(const std::vector<double>& target, double share, double before, StepReport& report);
 
   const Scene& scene_;
-  TimedChecker& checker_;
+  CollisionQueries& checker_;
+  const Barrier barrier_;
+  const int most_newton_steps_;
+  int steps_ = 0;
   std::vector<double> x_, velocity_, inertial_, trial_;
   std::vector<Contact> contacts_, trial_contacts_;
   std::vector<Eigen::Triplet<double>> triplets_;
   Vector gradient_;
   Eigen::SparseMatrix<double> hessian_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> cholesky_;
+  Eigen::ConjugateGradient<Eigen::SparseMatrix<double>> conjugate_gradients_;
 };
 
 }  // namespace example

@@ -1,4 +1,5 @@
-// A cloth falls on a soft ball on a floor and folds: an implicit solver that steps as far as Foldproof says.
+// A cloth falls on a soft ball and folds, or soft balls on each other, or a rod is twisted: an implicit
+// solver that steps as far as Foldproof says.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -11,34 +12,48 @@ namespace {
 using namespace example;
 
 constexpr const char* kUsage =
-    "usage: example_cloth_solver [--steps N] [--cloth N] [--ball N] [--look-every N] [-o FILE.npz]\n"
+    "usage: example_cloth_solver [--scene cloth | pile | rod] [--steps N] [--cloth N] [--ball N] [--around "
+    "N]\n"
+    "                            [--look-every N] [-o FILE.npz]\n"
     "\n"
-    "A cloth of N x N vertices (default 32) falls on a soft ball (an icosahedron quartered N times, default "
+    "cloth: N x N vertices (default 32) that fall on a soft ball (an icosahedron quartered N times, default "
     "3).\n"
+    "pile: six such balls that fall into a bowl. rod: N vertices around (default 16), twisted until it "
+    "winds\n"
+    "around itself.\n"
     "Prints the share of its time that collision detection takes. Every step is checked; every N-th pose\n"
     "(default 10) is looked at for intersections too. FILE.npz: the motion, for `foldproof view FILE.npz`.\n";
 
 struct Options {
-  int steps = 500, cloth = 32, ball = 3, look_every = 10;
-  std::string output;
+  int steps = 500, cloth = 32, ball = 3, around = 16, look_every = 10;
+  std::string scene = "cloth", output;
 };
 
 bool read_options(int count, char** arguments, Options& options) {
   for (int i = 1; i < count; i += 2) {
     if (i + 1 == count) return false;
     const std::string name = arguments[i];
-    if (name == "-o") {
-      options.output = arguments[i + 1];
+    if (name == "-o" || name == "--scene") {
+      (name == "-o" ? options.output : options.scene) = arguments[i + 1];
       continue;
     }
     int* number = name == "--steps"        ? &options.steps
                   : name == "--cloth"      ? &options.cloth
                   : name == "--ball"       ? &options.ball
+                  : name == "--around"     ? &options.around
                   : name == "--look-every" ? &options.look_every
                                            : nullptr;
     if (number == nullptr || (*number = std::atoi(arguments[i + 1])) < 1) return false;
   }
-  return options.cloth >= 3 && options.cloth <= 500 && options.ball <= 6;
+  const bool known = options.scene == "cloth" || options.scene == "pile" || options.scene == "rod";
+  return known && options.cloth >= 3 && options.cloth <= 500 && options.ball <= 6 && options.around >= 6 &&
+         options.around <= 500;
+}
+
+Scene make(const Options& options) {
+  if (options.scene == "pile") return pile_of_balls(options.ball);
+  if (options.scene == "rod") return twisted_rod(static_cast<Index>(options.around));
+  return cloth_on_ball(static_cast<Index>(options.cloth), options.ball);
 }
 
 // The floor does not collide with itself.
@@ -47,15 +62,16 @@ std::shared_ptr<const foldproof::CollisionMesh> collision_mesh(const Scene& scen
   for (foldproof::Index v = scene.floor_begin; v < group.size(); ++v) group[v] = 1;
   const std::array<foldproof::Index, 2> floor_with_itself{1, 1};
   foldproof::CollisionMeshSettings settings;
-  settings.filter = foldproof::CollisionFilter::groups(group, std::span(&floor_with_itself, 1)).value();
-  settings.points = false;  // the ball's centre
+  if (scene.floor_begin < scene.vertex_count())
+    settings.filter = foldproof::CollisionFilter::groups(group, std::span(&floor_with_itself, 1)).value();
+  settings.points = false;  // what holds bodies open from inside
   return std::make_shared<const foldproof::CollisionMesh>(
       foldproof::CollisionMesh::make(scene.x, {}, scene.faces, settings).value());
 }
 
 bool write(const Scene& scene, std::vector<std::vector<double>> frames, const std::string& path) {
   auto topology = foldproof::Topology::make(scene.vertex_count(), scene.faces).value();
-  auto motion = foldproof::memory_motion("cloth on a ball", std::move(topology), std::move(frames));
+  auto motion = foldproof::memory_motion("a simulation", std::move(topology), std::move(frames));
   const auto written = foldproof::write_npz(path, *motion);
   if (!written) std::fprintf(stderr, "%s\n", written.error().line().c_str());
   return written.has_value();
@@ -75,7 +91,7 @@ void print_shares(const TimedChecker& checker, double seconds) {
 int main(int argument_count, char** arguments) {
   Options options;
   if (!read_options(argument_count, arguments, options)) return std::fputs(kUsage, stderr), 2;
-  const Scene scene = cloth_on_ball(static_cast<foldproof::Index>(options.cloth), options.ball);
+  const Scene scene = make(options);
   TimedChecker checker(collision_mesh(scene));
   ImplicitEuler solver(scene, checker);
   std::vector<std::vector<double>> frames{scene.x};

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace example {
 namespace {
 
+constexpr double kPi = 3.14159265358979323846;
 constexpr double kClothMass = 0.3, kBallMass = 1.5, kBallRadius = 0.22;
 
 Eigen::Map<const Vec3> at(const Scene& scene, Index v) {
@@ -124,19 +126,58 @@ void add_ball(Scene& scene, int quartered, const Vec3& centre) {
   }
 }
 
-void add_floor(Scene& scene) {
-  constexpr Index kCells = 8;
+// Flat, or a bowl that rises with the square of the distance from its middle.
+void add_floor(Scene& scene, double rise = 0) {
+  const Index cells = rise > 0 ? 16 : 8;
   const Index first = scene.floor_begin = scene.movable = scene.vertex_count();
-  for (Index i = 0; i <= kCells; ++i) {
-    for (Index k = 0; k <= kCells; ++k)
-      add_vertex(scene, Vec3(3.0 * i / kCells - 1.5, 3.0 * k / kCells - 1.5, 0), 1);
-  }
-  for (Index i = 0; i < kCells; ++i) {
-    for (Index k = 0; k < kCells; ++k) {
-      const Index v = first + i * (kCells + 1) + k;
-      scene.faces.push_back({v, v + kCells + 1, v + 1});
-      scene.faces.push_back({v + 1, v + kCells + 1, v + kCells + 2});
+  for (Index i = 0; i <= cells; ++i) {
+    for (Index k = 0; k <= cells; ++k) {
+      const double x = 3.0 * i / cells - 1.5, y = 3.0 * k / cells - 1.5;
+      add_vertex(scene, Vec3(x, y, rise * (x * x + y * y)), 1);
     }
+  }
+  for (Index i = 0; i < cells; ++i) {
+    for (Index k = 0; k < cells; ++k) {
+      const Index v = first + i * (cells + 1) + k;
+      scene.faces.push_back({v, v + cells + 1, v + 1});
+      scene.faces.push_back({v + 1, v + cells + 1, v + cells + 2});
+    }
+  }
+}
+
+// A vertex at each ring's centre, which collides with nothing, holds it open.
+void add_rod(Scene& scene, Index around, Index rings, double radius, double length) {
+  constexpr double kMass = 2;
+  const double share = kMass / (rings * (around + 1.0));
+  for (Index r = 0; r < rings; ++r) {
+    const double z = length * r / (rings - 1);
+    const Vec3 centre(z - length / 2, 1e-3 * std::sin(9 * z),
+                      1);  // a little bent, so that it knows where to go
+    for (Index k = 0; k < around; ++k) {
+      const double angle = 2 * kPi * (k + 0.5 * (r % 2)) / around;
+      add_vertex(scene, centre + radius * Vec3(0, std::cos(angle), std::sin(angle)), share);
+    }
+    add_vertex(scene, centre, share);
+  }
+  const auto id = [&](Index r, Index k) { return r * (around + 1) + k % around; };
+  const auto centre = [&](Index r) { return r * (around + 1) + around; };
+  for (Index r = 0; r < rings; ++r) {
+    for (Index k = 0; k < around; ++k) {
+      add_spring(scene, id(r, k), id(r, k + 1), 200);
+      add_spring(scene, id(r, k), id(r, k + 2), 2);
+      add_spring(scene, id(r, k), centre(r), 400.0 / around);
+      if (r + 2 < rings) add_spring(scene, id(r, k), id(r + 2, k), 2);
+      if (r + 1 == rings) continue;
+      // Odd rings are turned by half a cell, so that a cell's short diagonal changes sides.
+      const Index left = id(r + 1, r % 2 == 0 ? k + around - 1 : k),
+                  right = id(r + 1, r % 2 == 0 ? k : k + 1);
+      add_spring(scene, id(r, k), left, 200);
+      add_spring(scene, id(r, k), right, 200);
+      scene.faces.push_back({id(r, k), right, left});
+      scene.faces.push_back({id(r, k), id(r, k + 1), right});
+    }
+    if (r + 1 < rings) add_spring(scene, centre(r), centre(r + 1), 200);
+    if (r + 2 < rings) add_spring(scene, centre(r), centre(r + 2), 20);
   }
 }
 
@@ -147,6 +188,44 @@ Scene cloth_on_ball(Index cloth, int ball) {
   add_cloth(scene, cloth, 2 * kBallRadius + 0.05);
   add_ball(scene, ball, Vec3(0, 0, kBallRadius + 0.008));
   add_floor(scene);
+  return scene;
+}
+
+Scene pile_of_balls(int quartered) {
+  Scene scene;
+  const double half = kBallRadius + 0.005;
+  for (const auto& [x, y] : {std::pair(-1., -1.), std::pair(1., -1.), std::pair(-1., 1.), std::pair(1., 1.)})
+    add_ball(scene, quartered, Vec3(half * x, half * y, 0.45));
+  // Above where two and four meet, a little off, so that they settle.
+  add_ball(scene, quartered, Vec3(-0.06 * half, -0.96 * half, 0.45 + 1.8 * half));
+  add_ball(scene, quartered, Vec3(0.05 * half, 1.03 * half, 0.45 + 1.8 * half));
+  add_floor(scene, 0.8);
+  return scene;
+}
+
+Scene twisted_rod(Index around) {
+  constexpr double kRadius = 0.05, kLength = 2, kTurns = 0.8, kNearer = 0.15;  // per second; m/s
+  Scene scene;
+  const double edge = 2 * kPi * kRadius / around;
+  const auto rings = static_cast<Index>(kLength / (0.866 * edge)) + 1;
+  add_rod(scene, around, rings, kRadius, kLength);
+  scene.reach = std::min(scene.reach, 0.6 * edge);
+  scene.movable = scene.floor_begin = scene.vertex_count();
+  std::vector<Index> led;
+  for (Index r = 0; r < rings; ++r) {
+    if (r >= 3 && r + 3 < rings) continue;
+    for (Index k = 0; k <= around; ++k) led.push_back(r * (around + 1) + k);
+  }
+  for (const Index v : led) scene.mass[v] *= 1e3;
+  scene.lead = [led, start = scene.x](double seconds, std::span<double> x) {
+    for (const Index v : led) {
+      const Eigen::Map<const Vec3> from(&start[3 * std::size_t{v}]);
+      const double side = from.x() < 0 ? -1 : 1;
+      const Vec3 axis(from.x() - side * kNearer * seconds, 0, 1);
+      const Eigen::AngleAxisd turn(side * 2 * kPi * kTurns * seconds, Vec3::UnitX());
+      Eigen::Map<Vec3>(x.data() + 3 * std::size_t{v}) = axis + turn * Vec3(0, from.y(), from.z() - 1);
+    }
+  };
   return scene;
 }
 

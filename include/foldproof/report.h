@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "foldproof/check.h"
 #include "foldproof/model.h"
-#include "foldproof/query.h"
 
 namespace foldproof {
 

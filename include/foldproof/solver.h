@@ -8,7 +8,7 @@
 
 #include <functional>
 
-#include "foldproof/query.h"
+#include "foldproof/check.h"
 
 namespace foldproof {
 
@@ -136,6 +136,37 @@ struct ContactSettings {
   double approach = 0.8;
 };
 
+/// Yes, no, or an error. It does not turn into bool, so `if (checker.has_intersections(x))` does not compile:
+/// a Result would be true for both answers.
+class [[nodiscard]] Verdict {
+ public:
+  Verdict(Result<bool> answer) : answer_(std::move(answer)) {}
+  bool is_yes() const { return answer_.has_value() && *answer_; }
+  bool is_no() const { return answer_.has_value() && !*answer_; }
+  bool is_error() const { return !answer_.has_value(); }
+  /// Precondition: is_error.
+  const Error& error() const { return answer_.error(); }
+  /// To pass it on.
+  const Result<bool>& result() const { return answer_; }
+
+ private:
+  Result<bool> answer_;
+};
+
+/// How far a step may go.
+struct StepSize {
+  double share;  ///< In [0,1]; proven free of contact.
+  /// What keeps it from going farther.
+  enum class Limit : std::uint8_t {
+    None,       ///< Nothing: the share is 1.
+    Contact,    ///< Contact on the way.
+    Start,      ///< x0 itself is in contact, or closer than min_distance plus the tolerance: the share is 0.
+    Unsettled,  ///< No share could be proven free, though x0 is not shown to be in contact: the share is 0.
+                ///< Beside needles, or where the tolerance is not far above the rounding of positions.
+  } limit;
+};
+inline constexpr std::array<const char*, 4> kStepLimitNames{"none", "contact", "start", "unsettled"};
+
 /// Answers a solver's questions about one collision mesh. It keeps its front, its charts, its lists of
 /// candidates and its scratch from call to call, so asking about the same x0 and many x1 is cheap, as it is
 /// about poses that follow each other; and calls of the same kind and size allocate nothing. One checker per
@@ -158,16 +189,15 @@ class ContactChecker {
   ContactSettings& settings();
 
   /// A share s in [0,1] of the step that is proven free of contact, rounding included: what `step_towards`
-  /// gives for s has is_step_collision_free. 1: the whole step is. 0: x0 itself is in contact, or closer than
-  /// min_distance plus the tolerance. The same whatever certificates prove. Cost: that of a step, and of a
-  /// second one when s < 1.
-  Result<double> collision_free_step_size(std::span<const double> x0, std::span<const double> x1,
-                                          double min_distance = 0);
+  /// gives for s has is_step_collision_free. The same whatever certificates prove. Cost: that of a step, and
+  /// of a second one when s < 1.
+  Result<StepSize> collision_free_step_size(std::span<const double> x0, std::span<const double> x1,
+                                            double min_distance = 0);
 
-  /// True: proven that no pair that counts comes into contact. False: one does, comes within the tolerance
-  /// of it, or could not be settled.
-  Result<bool> is_step_collision_free(std::span<const double> x0, std::span<const double> x1,
-                                      double min_distance = 0);
+  /// Yes: proven that no pair that counts comes into contact. No: one does, comes within the tolerance of it,
+  /// or could not be settled.
+  Verdict is_step_collision_free(std::span<const double> x0, std::span<const double> x1,
+                                 double min_distance = 0);
 
   /// Every pair that counts and whose distance is <= inflation at some time of the step; and others, whose
   /// boxes come that near: those that no axis keeps apart by more, on the same side at both ends. Which these
@@ -181,7 +211,7 @@ class ContactChecker {
   /// Whether two elements (faces, codimensional edges, codimensional points) have a point in common, decided
   /// exactly. Neighbours: as StepChecker::check_static, but codimensional elements with a common vertex never
   /// do. The filter is asked about all pairs of their vertices that are not both common to them.
-  Result<bool> has_intersections(std::span<const double> x);
+  Verdict has_intersections(std::span<const double> x);
 
   /// The least distance of all pairs that count, if it is <= bound; else infinity. Mesh units; too small by
   /// less than 64 units in the last place of the largest coordinate difference of the pair, and too large by

@@ -18,9 +18,9 @@ for _ in range(6):
     wanted = x.copy()
     wanted[: n * n, 2] -= 0.1
     share = checker.collision_free_step_size(x, wanted)
-    x = x + share * (wanted - x)  # what was proven, rounding included
+    x = foldproof.step_towards(x, wanted, share)  # what was proven, rounding included
     shares.append(share)
-near = checker.candidates(x, None, 0.05)  # for a barrier: ids of vertices and faces, rows of mesh.edges
+near = checker.candidates(x, inflation=0.05)  # for a barrier: ids of vertices and faces, rows of mesh.edges
 print(f"{sum(s == 1 for s in shares)} whole steps, then shorter ones; intersections: {checker.has_intersections(x)};",
       f"near each other: {len(near.edge_edge) > 0 and 'edges' or 'none'}")
 # Prints: 2 whole steps, then shorter ones; intersections: False; near each other: edges

@@ -60,6 +60,7 @@ struct Solver {
   std::shared_ptr<CollisionMesh> mesh;
   ContactChecker checker;
   std::mutex mutex;
+  StepSize::Limit limit = StepSize::Limit::None;  ///< Of the last step size.
 
   Solver(std::shared_ptr<CollisionMesh> of, const ContactSettings& settings)
       : mesh(std::move(of)), checker(mesh, settings) {}
@@ -90,14 +91,19 @@ std::unique_ptr<Candidates> candidates_of(Solver& self, const py::object& x0, co
 double step_size_of(Solver& self, const py::object& x0, const py::object& x1, double min_distance) {
   const Numbers from = self.positions(x0, "x0"), to = self.positions(x1, "x1");
   return self.ask([&](ContactChecker& c) {
-    return c.collision_free_step_size(span_of(from), span_of(to), min_distance);
+    return c.collision_free_step_size(span_of(from), span_of(to), min_distance)
+        .map([&](const StepSize& size) {
+          self.limit = size.limit;
+          return size.share;
+        });
   });
 }
 
 bool step_is_free(Solver& self, const py::object& x0, const py::object& x1, double min_distance) {
   const Numbers from = self.positions(x0, "x0"), to = self.positions(x1, "x1");
-  return self.ask(
-      [&](ContactChecker& c) { return c.is_step_collision_free(span_of(from), span_of(to), min_distance); });
+  return self.ask([&](ContactChecker& c) {
+    return c.is_step_collision_free(span_of(from), span_of(to), min_distance).result();
+  });
 }
 
 void bind_mesh(py::module_& module) {
@@ -179,25 +185,32 @@ void bind_checker(py::module_& module) {
            py::arg("approach") = 0.8,
            "certificates: leave out what they prove in steps. tolerance: mesh units; 0: 2^-30 of the size of "
            "everything. approach: the share, in (0, 1], of the way to contact that a step may go.")
-      .def("collision_free_step_size", &step_size_of, py::arg("x0"), py::arg("x1"),
-           py::arg("min_distance") = 0.0,
-           "A share of the step in [0, 1] that is proven free: x0 + share * (x1 - x0), in float64, keeps "
-           "farther than min_distance on the way.\n\n"
-           "x0, x1: V x 3, mesh units. 1: take x1. 0: x0 is in contact already. Error: wrong shapes, numbers "
-           "that are not finite.")
+      .def(
+          "collision_free_step_size", &step_size_of, py::arg("x0"), py::arg("x1"),
+          py::arg("min_distance") = 0.0,
+          "A share of the step in [0, 1] that is proven free: step_towards(x0, x1, share) keeps farther than "
+          "min_distance on the way.\n\n"
+          "x0, x1: V x 3, mesh units. limit tells what keeps it from going farther. Error: wrong shapes, "
+          "numbers that are not finite.")
+      .def_property_readonly(
+          "limit", [](const Solver& self) { return kStepLimitNames[static_cast<std::size_t>(self.limit)]; },
+          "What kept the last step size from being larger: 'none' (it is 1), 'contact' on the way, 'start' "
+          "(x0 itself is in contact, or too near: it is 0), or 'unsettled' (no share could be proven free: "
+          "it "
+          "is 0).")
       .def("is_step_collision_free", &step_is_free, py::arg("x0"), py::arg("x1"),
            py::arg("min_distance") = 0.0,
            "True: proven that no pair comes as near as min_distance while vertices go straight from x0 to "
            "x1.\n\nx0, x1: V x 3, mesh units. Error: as collision_free_step_size.")
-      .def(
-          "candidates", &candidates_of, py::arg("x0"), py::arg("x1"), py::arg("inflation"),
-          "Every pair whose distance is <= inflation at some time of the step from x0 to x1, and others near "
-          "by.\n\nx0, x1: V x 3, mesh units; x1 None: the pose x0. Error: as collision_free_step_size.")
+      .def("candidates", &candidates_of, py::arg("x0"), py::arg("x1") = py::none(), py::kw_only(),
+           py::arg("inflation"),
+           "Every pair whose distance is <= inflation in the pose x0, or at some time of the step from x0 to "
+           "x1, and others near by.\n\nx0, x1: V x 3, mesh units. Error: as collision_free_step_size.")
       .def(
           "has_intersections",
           [](Solver& self, const py::object& x) {
             const Numbers pose = self.positions(x, "x");
-            return self.ask([&](ContactChecker& c) { return c.has_intersections(span_of(pose)); });
+            return self.ask([&](ContactChecker& c) { return c.has_intersections(span_of(pose)).result(); });
           },
           py::arg("x"),
           "Whether two faces, codimensional edges or points have a point in common, decided exactly.\n\n"
@@ -219,12 +232,24 @@ void bind_checker(py::module_& module) {
           "Wall time of the last call: total, update, traverse, narrow.");
 }
 
+py::array_t<double> towards(const py::object& x0, const py::object& x1, double share) {
+  const Numbers from = numbers_of(x0, "x0", {-1, 3}, "V x 3");
+  const Numbers to = numbers_of(x1, "x1", {from.shape(0), 3}, "V x 3 like x0");
+  py::array_t<double> out({from.shape(0), py::ssize_t{3}});
+  step_towards(span_of(from), span_of(to), share, {out.mutable_data(), static_cast<std::size_t>(out.size())});
+  return out;
+}
+
 }  // namespace
 
 void bind_solver(py::module_& module) {
   bind_mesh(module);
   bind_candidates(module);
   bind_checker(module);
+  module.def(
+      "step_towards", &towards, py::arg("x0"), py::arg("x1"), py::arg("share"),
+      "Where a share of the way from x0 to x1 leads, rounded as ContactChecker.collision_free_step_size "
+      "has proven it; x1 itself for 1.\n\nx0, x1: V x 3.");
 }
 
 }  // namespace foldproof::python

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "arrays.h"
+#include "foldproof/check.h"
 #include "foldproof/model.h"
-#include "foldproof/query.h"
 
 namespace foldproof::python {
 

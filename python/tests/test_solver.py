@@ -32,7 +32,7 @@ def test_mesh_keeps_rows_and_adds_edges():
 def test_candidates_are_all_pairs_when_inflation_is_large():
     x, edges, faces = cloth_and_points(np.random.default_rng(2))
     mesh = foldproof.CollisionMesh(x, edges, faces)
-    near = foldproof.ContactChecker(mesh).candidates(x, None, 10)
+    near = foldproof.ContactChecker(mesh).candidates(x, inflation=10)
     # 12 vertices and 2 faces less their corners; 8 edges less neighbours.
     assert near.vertex_face.shape == (12 * 2 - 6, 2)
     share = sum(len({*mesh.edges[a], *mesh.edges[b]}) == 4 for a in range(8) for b in range(a))
@@ -47,7 +47,7 @@ def test_groups_keep_apart():
     groups = [0] * 6 + [1] * 6
 
     def near(**filtered):
-        return foldproof.ContactChecker(foldproof.CollisionMesh(x, edges, faces, **filtered)).candidates(x, x, 10)
+        return foldproof.ContactChecker(foldproof.CollisionMesh(x, edges, faces, **filtered)).candidates(x, x, inflation=10)
 
     assert len(near(groups=groups).vertex_vertex) == 0  # no group with itself
     assert (near(groups=groups).vertex_face[:, 0] >= 6).all()
@@ -65,7 +65,8 @@ def test_line_search_never_intersects(triangles, certificates):
     for turn in np.linspace(4.2, 9, 12):
         x1 = rolled(turn)
         share = checker.collision_free_step_size(x0, x1, 0.01)
-        x = x0 + share * (x1 - x0) if share < 1 else x1
+        x = foldproof.step_towards(x0, x1, share)
+        assert checker.limit == ("none" if share == 1 else "contact")
         assert checker.is_step_collision_free(x0, x, 0.01)
         assert checker.is_step_collision_free(x0, x1, 0.01) == (share == 1)
         assert not checker.has_intersections(x)
@@ -80,8 +81,18 @@ def test_points_meet_within_the_minimum_distance():
     checker = foldproof.ContactChecker(foldproof.CollisionMesh(x0), approach=1.0)
     assert checker.collision_free_step_size(x0, x1) == 1
     assert checker.collision_free_step_size(x0, x1, 0.2) == pytest.approx((1 - np.sqrt(0.03)) / 2, abs=1e-6)
+    assert checker.limit == "contact"
+    assert checker.collision_free_step_size(x0, x1, 1.1) == 0 and checker.limit == "start"
     assert checker.minimum_distance(x1, 2) == pytest.approx(np.hypot(1, 0.1), rel=1e-14)
     assert checker.minimum_distance(x1, 0.5) == np.inf
+
+
+def test_steps_go_towards_what_was_proven():
+    x0, x1 = np.array([[0.1, 0.2, 0.3]]), np.array([[1.1, -7.0, 0.3]])
+    assert (foldproof.step_towards(x0, x1, 0.3) == x0 + 0.3 * (x1 - x0)).all()
+    assert (foldproof.step_towards(x0, x1, 1) == x1).all()  # though x0 + (x1 - x0) may be another number
+    with pytest.raises(foldproof.Error):
+        foldproof.step_towards(x0, x1[:0], 0.5)
 
 
 def test_refuses():
@@ -92,7 +103,7 @@ def test_refuses():
                 lambda: foldproof.CollisionMesh(x, edges, faces, groups=[0, 1]),
                 lambda: foldproof.CollisionMesh(x, edges, faces, apart=[[0, 0]]),
                 lambda: foldproof.CollisionMesh(x, [[0.5, 1]]), lambda: foldproof.CollisionMesh(x, faces=[[0, -1, 2]]),
-                lambda: checker.candidates(x, None, -1), lambda: checker.is_step_collision_free(x, x[:3]),
+                lambda: checker.candidates(x, inflation=-1), lambda: checker.is_step_collision_free(x, x[:3]),
                 lambda: checker.minimum_distance(x * np.nan, 1)):
         with pytest.raises(foldproof.Error):
             bad()
@@ -102,7 +113,7 @@ def test_many_threads_may_ask_one_checker(triangles):
     x = rolled(3.0)
     checker = foldproof.ContactChecker(foldproof.CollisionMesh(x, faces=triangles))
     answers = []
-    threads = [threading.Thread(target=lambda: answers.append(len(checker.candidates(x, None, 0.1).vertex_face)))
+    threads = [threading.Thread(target=lambda: answers.append(len(checker.candidates(x, inflation=0.1).vertex_face)))
                for _ in range(4)]
     for thread in threads:
         thread.start()

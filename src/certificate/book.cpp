@@ -33,6 +33,7 @@ ChartBook::ChartBook(std::shared_ptr<const PatchSlots> slots, std::shared_ptr<co
 bool ChartBook::holds(const ChartLibrary& library, Index chart, std::span<const MovingVertex> vertices,
                       double gap, ChartTester& tester) const {
   ++tester.tests;
+  tester.triangles += library.charts()[chart].triangles.count;
   return chart_holds(view_of(library, library.charts()[chart]), vertices, gap, tester.scratch);
 }
 

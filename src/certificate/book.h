@@ -10,8 +10,8 @@ namespace foldproof {
 /// Scratch of whoever tests: one per thread.
 struct ChartTester {
   ChartScratch scratch;
-  std::uint64_t tests = 0;
-  std::uint64_t of_use = 0;  // charts that held for the first time since they were drawn
+  std::uint64_t tests = 0, triangles = 0;  // charts, and triangles in them
+  std::uint64_t of_use = 0;                // charts that held for the first time since they were drawn
 };
 
 struct BookSettings {
@@ -58,11 +58,12 @@ class ChartBook {
   void want_node(Index node);
   void want_pair(Index slot);
 
-  /// Begins a step. Draws charts of what was wanted in the step before, in the pose at the step's begin: the
-  /// larger patches first, as long as their triangles together do not exceed `budget`.
+  /// Begins a step. Draws charts of what was wanted in the step before, in the pose halfway through this one:
+  /// the larger patches first, as long as their triangles together do not exceed `budget`.
   void begin_step(std::span<const MovingVertex> vertices, std::size_t budget);
   /// How many charts that took.
   std::size_t drawings() const { return drawings_; }
+  bool is_trained() const { return trained_ != nullptr; }
 
  private:
   // What is known about a slot from earlier steps.

@@ -1,4 +1,4 @@
-/// Draws patches in the pose that the vertices have at a step's begin.
+/// Draws patches in the pose halfway through a step.
 #pragma once
 
 #include "bvh/kinetic.h"

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "foldproof/query.h"
+#include "foldproof/check.h"
 
 namespace foldproof {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "page/step_store.h"
-#include "report/report_json.h"
+#include "report/json_values.h"
 
 namespace foldproof {
 

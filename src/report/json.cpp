@@ -1,6 +1,6 @@
 #include <utility>
 
-#include "report/report_json.h"
+#include "report/json_values.h"
 #include "report/text_file.h"
 
 namespace foldproof {

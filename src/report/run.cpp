@@ -93,16 +93,6 @@ Result<void> require_predictions(Motions motions, const CheckSettings& settings)
   return {};
 }
 
-void sum_up(Work& sum, const Work& more) {
-  sum.node_tests += more.node_tests;
-  sum.certificate_tests += more.certificate_tests;
-  sum.certificate_passes += more.certificate_passes;
-  sum.leaf_pairs += more.leaf_pairs;
-  sum.candidates_vf += more.candidates_vf;
-  sum.candidates_ee += more.candidates_ee;
-  sum.undecided += more.undecided;
-}
-
 void sum_up(CollisionCounts& sum, const CollisionCounts& more) {
   sum.vertex_face += more.vertex_face;
   sum.edge_edge += more.edge_edge;
@@ -356,15 +346,12 @@ void CheckTotals::add(const CheckedStep& step) {
     }
   }
   if (step.step) tolerance = std::max(tolerance, step.step->tolerance);
-  sum_up(work, step.work);
+  work += step.work;
   for (std::size_t i = 0; step.explanation && i < leaf_pairs.size(); ++i)
     leaf_pairs[i] += step.explanation->leaf_pairs[i];
   missed += step.missed;
   proven_milliseconds += step.proven_milliseconds;
-  milliseconds.total += step.milliseconds.total;
-  milliseconds.update += step.milliseconds.update;
-  milliseconds.traverse += step.milliseconds.traverse;
-  milliseconds.narrow += step.milliseconds.narrow;
+  milliseconds += step.milliseconds;
   slowest_step = std::max(slowest_step, step.milliseconds.total);
 }
 

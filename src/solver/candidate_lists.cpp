@@ -32,9 +32,9 @@ bool share_vertex(const std::array<Index, N>& a, const std::array<Index, M>& b) 
 }  // namespace
 
 template <int Ends>
-CandidateLists<Ends>::CandidateLists(const CollisionMesh& mesh, const ContactChoice& choice)
+CandidateLists<Ends>::CandidateLists(const CollisionMesh& mesh, const ContactFilter& filter)
     : mesh_(mesh),
-      choice_(choice),
+      filter_(filter),
       tree_(*mesh.hierarchy()),
       all_may_(mesh.filter().all_may()),
       operations_(box_operations<Ends>()),
@@ -54,12 +54,12 @@ CandidateLists<Ends>::CandidateLists(const CollisionMesh& mesh, const ContactCho
   for (Index place = 0; place < tree_.triangles().size(); ++place) {
     const Index triangle = tree_.triangle_ids()[place];
     ids_.push_back(triangle);
-    switch (choice.element(triangle)) {
+    switch (filter.element(triangle)) {
       case Element::Face:
         elements_.push_back(triangles_begin_ + place);
         break;
       case Element::Edge:
-        elements_.push_back(edges_begin_ + edge_places[choice.codim_edge(triangle)]);
+        elements_.push_back(edges_begin_ + edge_places[filter.codim_edge(triangle)]);
         break;
       case Element::Point:
         elements_.push_back(tree_.triangles()[place][0]);
@@ -268,7 +268,7 @@ void CandidateLists<Ends>::list_vertices(double reach, const Near& with_vertices
   each_near(reach, local.pairs, [&](Index v, Index t) {
     const Index element = elements_[t - triangles_begin_];
     if (share_vertex(std::array{v}, tree_.triangles()[t - triangles_begin_])) return;
-    if (!(all_may_ && element == t) && !choice_.vertex_face(ids_[v], ids_[t])) return;
+    if (!(all_may_ && element == t) && !filter_.vertex_face(ids_[v], ids_[t])) return;
     const bool edge = element >= edges_begin_ && element < triangles_begin_;
     local.list.push_back(edge ? BoxPair{element, v} : BoxPair{v, element});
   });
@@ -282,7 +282,7 @@ void CandidateLists<Ends>::list_edges(bool self, double reach, Local& local) con
   }
   each_near(reach, local.pairs, [&](Index e, Index g) {
     if (share_vertex(tree_.edges()[e - edges_begin_], tree_.edges()[g - edges_begin_])) return;
-    if (all_may_ || choice_.edge_edge(mesh_.edges()[ids_[e]], mesh_.edges()[ids_[g]]))
+    if (all_may_ || filter_.edge_edge(mesh_.edges()[ids_[e]], mesh_.edges()[ids_[g]]))
       local.list.push_back({e, g});
   });
 }

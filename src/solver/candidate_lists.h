@@ -4,7 +4,7 @@
 #pragma once
 
 #include "base/parallel.h"
-#include "solver/choice.h"
+#include "solver/contact_filter.h"
 #include "solver/near_boxes.h"
 
 namespace foldproof {
@@ -13,7 +13,7 @@ namespace foldproof {
 template <int Ends>
 class CandidateLists {
  public:
-  CandidateLists(const CollisionMesh& mesh, const ContactChoice& choice);
+  CandidateLists(const CollisionMesh& mesh, const ContactFilter& filter);
 
   /// Makes the lists complete for these positions and this inflation. Adds to `work`. Precondition: positions
   /// are finite and have the mesh's size.
@@ -81,7 +81,7 @@ class CandidateLists {
   void list_edges(bool self, double reach, Local& local) const;
 
   const CollisionMesh& mesh_;
-  const ContactChoice& choice_;
+  const ContactFilter& filter_;
   const Hierarchy& tree_;
   const bool all_may_;  // no filter
   const BoxOperations<Ends>& operations_;

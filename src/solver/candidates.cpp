@@ -40,7 +40,7 @@ Result<void> ContactChecker::Impl::find(std::span<const double> x0, std::span<co
   const PlainArithmetic plain;
   Stopwatch total, watch;
   const std::span<const double> from[] = {x0}, to[] = {x1};
-  if (auto ok = scene.check(from, to); !ok) return ok;
+  if (auto ok = pipeline.motion.check(from, to); !ok) return ok;
   milliseconds.update += watch.lap();
   const auto search = [&](auto& lists, auto ends) {
     lists.update(ends, distance, work);

@@ -13,26 +13,9 @@ namespace {
 // A step whose end, once rounded, is in contact is made shorter so often.
 constexpr int kShorter = 16;
 
-void add(const StageTimes& from, StageTimes& to) {
-  to.total += from.total;
-  to.update += from.update;
-  to.traverse += from.traverse;
-  to.narrow += from.narrow;
-}
-
-void add(const Work& from, Work& to) {
-  to.node_tests += from.node_tests;
-  to.certificate_tests += from.certificate_tests;
-  to.certificate_passes += from.certificate_passes;
-  to.leaf_pairs += from.leaf_pairs;
-  to.candidates_vf += from.candidates_vf;
-  to.candidates_ee += from.candidates_ee;
-  to.undecided += from.undecided;
-}
-
 }  // namespace
 
-bool ContactChoice::crossing(Index triangle_a, Index triangle_b) const {
+bool ContactFilter::crossing(Index triangle_a, Index triangle_b) const {
   const Triangle &a = triangles_[triangle_a], &b = triangles_[triangle_b];
   const auto in = [](const Triangle& t, Index v) { return v == t[0] || v == t[1] || v == t[2]; };
   const bool codim = element(triangle_a) != Element::Face && element(triangle_b) != Element::Face;
@@ -58,11 +41,10 @@ StepSettings ContactChecker::Impl::step_settings(double distance) const {
 Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0, std::span<const double> x1,
                                                       double min_distance) {
   const std::span<const double> from[] = {x0}, to[] = {x1};
-  if (auto ok = check_step({scene, chunks, nullptr, &choice}, from, to, step_settings(min_distance), step);
-      !ok)
+  if (auto ok = check_step({pipeline, nullptr, &filter}, from, to, step_settings(min_distance), step); !ok)
     return tl::unexpected(ok.error());
-  add(step.work, work);
-  add(step.milliseconds, milliseconds);
+  work += step.work;
+  milliseconds += step.milliseconds;
   return step.clean() ? std::numeric_limits<double>::infinity() : step.earliest_toi;
 }
 
@@ -77,48 +59,48 @@ ContactSettings& ContactChecker::settings() { return impl_->settings; }
 const Work& ContactChecker::work() const { return impl_->work; }
 const StageTimes& ContactChecker::milliseconds() const { return impl_->milliseconds; }
 
-Result<double> ContactChecker::collision_free_step_size(std::span<const double> x0,
-                                                        std::span<const double> x1, double min_distance) {
+Result<StepSize> ContactChecker::collision_free_step_size(std::span<const double> x0,
+                                                          std::span<const double> x1, double min_distance) {
   const PlainArithmetic plain;
   impl_->begin();
   const double approach = impl_->settings.approach;
   if (!(approach > 0 && approach <= 1))
     return fail("approach", "is not a share of the way", "give a number above 0 and at most 1");
   auto contact = impl_->earliest_contact(x0, x1, min_distance);
-  if (!contact) return contact;
-  if (*contact > 1) return 1.0;
+  if (!contact) return tl::unexpected(contact.error());
+  if (*contact > 1) return StepSize{1, StepSize::Limit::None};
+  if (*contact == 0) return StepSize{0, StepSize::Limit::Start};
   double share = approach * *contact;
   auto& reached = impl_->reached;
   reached.resize(x0.size());
   for (int i = 0; i < kShorter && share > 0; ++i) {
     step_towards(x0, x1, share, reached);
     contact = impl_->earliest_contact(x0, reached, min_distance);
-    if (!contact) return contact;
-    if (*contact > 1) return share;
+    if (!contact) return tl::unexpected(contact.error());
+    if (*contact > 1) return StepSize{share, StepSize::Limit::Contact};
     share *= std::min(0.5, approach * *contact);
   }
-  return 0.0;
+  return StepSize{0, StepSize::Limit::Unsettled};
 }
 
-Result<bool> ContactChecker::is_step_collision_free(std::span<const double> x0, std::span<const double> x1,
-                                                    double min_distance) {
+Verdict ContactChecker::is_step_collision_free(std::span<const double> x0, std::span<const double> x1,
+                                               double min_distance) {
   impl_->begin();
   const auto contact = impl_->earliest_contact(x0, x1, min_distance);
-  if (!contact) return tl::unexpected(contact.error());
-  return *contact > 1;
+  return contact.map([](double time) { return time > 1; });
 }
 
-Result<bool> ContactChecker::has_intersections(std::span<const double> x) {
+Verdict ContactChecker::has_intersections(std::span<const double> x) {
   impl_->begin();
   Impl& m = *impl_;
   const std::span<const double> pose[] = {x};
   StepSettings settings = m.step_settings(0);
   settings.max_listed = 0;  // that there is one is enough
-  if (auto ok = check_pose({m.scene, m.chunks, nullptr, &m.choice}, pose, settings, m.pose); !ok)
-    return tl::unexpected(ok.error());
+  if (auto ok = check_pose({m.pipeline, nullptr, &m.filter}, pose, settings, m.pose); !ok)
+    return Result<bool>(tl::unexpected(ok.error()));
   m.work = m.pose.work;
   m.milliseconds = m.pose.milliseconds;
-  return !m.pose.clean();
+  return Result<bool>(!m.pose.clean());
 }
 
 void step_towards(std::span<const double> x0, std::span<const double> x1, double share,

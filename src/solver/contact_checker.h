@@ -1,7 +1,7 @@
 /// Inside of ContactChecker.
 #pragma once
 
-#include "query/checker.h"
+#include "check/step.h"
 #include "solver/candidate_lists.h"
 
 namespace foldproof {
@@ -10,10 +10,10 @@ struct ContactChecker::Impl {
   Impl(std::shared_ptr<const CollisionMesh> of, const ContactSettings& with)
       : mesh(std::move(of)),
         settings(with),
-        choice(*mesh),
-        scene({mesh->hierarchy()}, {}, {}),
-        of_pose(*mesh, choice),
-        of_step(*mesh, choice) {}
+        filter(*mesh),
+        pipeline({mesh->hierarchy()}),
+        of_pose(*mesh, filter),
+        of_step(*mesh, filter) {}
 
   void begin() {
     work = {};
@@ -34,11 +34,10 @@ struct ContactChecker::Impl {
 
   std::shared_ptr<const CollisionMesh> mesh;
   ContactSettings settings;
-  ContactChoice choice;
-  Scene scene;  ///< For steps and intersections.
+  ContactFilter filter;
+  Pipeline pipeline;  ///< For steps and intersections.
   CandidateLists<1> of_pose;
   CandidateLists<2> of_step;
-  std::vector<Chunk> chunks;
   struct Part {
     Candidates found;
     std::vector<BoxPair> scratch;

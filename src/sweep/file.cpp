@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "foldproof/sweep.h"
-#include "report/report_json.h"
+#include "report/json_values.h"
 
 namespace foldproof {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "foldproof/sweep.h"
 #include "io/readers.h"
-#include "report/report_json.h"
+#include "report/json_values.h"
 
 namespace foldproof {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "foldproof/sweep.h"
-#include "report/report_json.h"
+#include "report/json_values.h"
 #include "report/text_file.h"
 
 namespace foldproof {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "adversary/source.h"
-#include "foldproof/query.h"
+#include "foldproof/check.h"
 
 namespace foldproof::adversary {
 

@@ -109,35 +109,38 @@ SolverCheck::SolverCheck(const Case& c, std::mt19937_64& rng) : impl_(new Impl) 
 std::string SolverCheck::Impl::steps(const Pose& x0, const Pose& x1, double distance, Tally& tally) {
   now_doing = "is_step_collision_free";
   const auto free = checker->is_step_collision_free(x0, x1, distance);
-  if (!free) return "is_step_collision_free is refused: " + free.error().line();
+  if (free.is_error()) return "is_step_collision_free is refused: " + free.error().line();
   const std::uint64_t undecided = checker->work().undecided;
   tally.undecided += undecided;
   constexpr int kMost = 8;
   const FeaturePair* pair = contact(x0, x1, distance, kMost, tally);
-  if (*free && pair != nullptr)
+  if (free.is_yes() && pair != nullptr)
     return "is_step_collision_free says so, but this pair comes into contact:\n" +
            describe(moving(*pair, x0, x1));
   const double beyond = distance + largest_tolerance(x0, x1, distance);
-  if (!*free && pair == nullptr && undecided == 0 && all_beyond(x0, x1, beyond))
+  if (free.is_no() && pair == nullptr && undecided == 0 && all_beyond(x0, x1, beyond))
     return "is_step_collision_free says no, but all pairs stay beyond the distance and the tolerance";
 
   now_doing = "collision_free_step_size";
-  const auto share = checker->collision_free_step_size(x0, x1, distance);
-  if (!share) return "collision_free_step_size is refused: " + share.error().line();
-  if (!(*share >= 0 && *share <= 1)) return fmt::format("the step size {} is not in [0,1]", *share);
-  if ((*share == 1) != *free)
-    return fmt::format("the step size is {:a}, but collision-free is {}", *share, *free);
-  if (*share == 0 && undecided == 0 && checker->work().undecided == 0) {
+  const auto size = checker->collision_free_step_size(x0, x1, distance);
+  if (!size) return "collision_free_step_size is refused: " + size.error().line();
+  const double share = size->share;
+  if (!(share >= 0 && share <= 1)) return fmt::format("the step size {} is not in [0,1]", share);
+  if ((share == 1) != free.is_yes() || (share == 1) != (size->limit == StepSize::Limit::None) ||
+      (share > 0 && share < 1) != (size->limit == StepSize::Limit::Contact))
+    return fmt::format("the step size is {:a}, its limit {}, but collision-free is {}", share,
+                       kStepLimitNames[static_cast<std::size_t>(size->limit)], free.is_yes());
+  if (share == 0 && undecided == 0 && checker->work().undecided == 0) {
     return all_beyond(x0, x0, 2 * beyond) && distance == 0 && !contact(x0, x1, 0, kMost, tally)
                ? "the step size is 0 where nothing is near"
                : "";
   }
-  if (*share == 0) return {};
+  if (share == 0) return {};
   Pose reached(x0.size());
-  step_towards(x0, x1, *share, reached);
+  step_towards(x0, x1, share, reached);
   pair = contact(x0, reached, distance, kMost, tally);
   if (pair == nullptr) return {};
-  return fmt::format("the step size is {:a}, and on the way there this pair comes into contact:\n{}", *share,
+  return fmt::format("the step size is {:a}, and on the way there this pair comes into contact:\n{}", share,
                      describe(moving(*pair, x0, reached)));
 }
 
@@ -191,7 +194,7 @@ std::string SolverCheck::Impl::candidates_going_on(Pose x0, Pose x1, double infl
 std::string SolverCheck::Impl::intersections(const Pose& x, Tally& tally) {
   now_doing = "has_intersections";
   const auto answer = checker->has_intersections(x);
-  if (!answer) return "has_intersections is refused: " + answer.error().line();
+  if (answer.is_error()) return "has_intersections is refused: " + answer.error().line();
   for (std::size_t i = 0; i < elements.size(); ++i) {
     for (std::size_t k = i + 1; k < elements.size(); ++k) {
       const auto &a = elements[i], &b = elements[k];
@@ -213,10 +216,11 @@ std::string SolverCheck::Impl::intersections(const Pose& x, Tally& tally) {
         cross = triangles_meet(p, q, tally);
       }
       if (cross)
-        return *answer ? "" : fmt::format("has_intersections says no, but elements {} and {} meet", i, k);
+        return answer.is_yes() ? ""
+                               : fmt::format("has_intersections says no, but elements {} and {} meet", i, k);
     }
   }
-  return *answer ? "has_intersections says so, but no two elements meet" : "";
+  return answer.is_yes() ? "has_intersections says so, but no two elements meet" : "";
 }
 
 std::string SolverCheck::Impl::least_distance(const Pose& x, double bound, Tally& tally) {

@@ -11,7 +11,7 @@
 
 #include "../../apps/generated.h"
 #include "apps/program.h"
-#include "foldproof/query.h"
+#include "foldproof/check.h"
 #include "model/cylinder.h"
 
 namespace foldproof {

@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "base/parallel.h"
-#include "foldproof/query.h"
+#include "foldproof/check.h"
 #include "foldproof/solver.h"
 #include "oracle/meshes.h"
 
@@ -139,7 +139,7 @@ Bits solver_answers(const Sheets& s) {
   const std::vector<double>& folded = s.folded;
   const auto share = checker.collision_free_step_size(s.x0[0], folded);
   EXPECT_TRUE(share.has_value());
-  bits.add(*share);
+  bits.add(share->share);
   std::vector<double> there(folded.size());
   step_towards(s.x0[0], folded, 0.3, there);
   for (const double x : there) bits.add(x);

@@ -3,8 +3,8 @@
 #include <cstring>
 
 #include "file_target.h"
+#include "foldproof/check.h"
 #include "foldproof/model.h"
-#include "foldproof/query.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // Models as files: what is written reads back, and what somebody else wrote is refused or harmless.
 #include <gmock/gmock.h>
 
-#include "foldproof/query.h"
+#include "foldproof/check.h"
 #include "io/support.h"
 #include "model/cylinder.h"
 

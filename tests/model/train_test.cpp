@@ -3,7 +3,7 @@
 
 #include "base/parallel.h"
 #include "bvh/meshes.h"
-#include "foldproof/query.h"
+#include "foldproof/check.h"
 #include "io/support.h"
 #include "model/cylinder.h"
 

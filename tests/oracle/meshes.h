@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "foldproof/query.h"
+#include "foldproof/check.h"
 #include "oracle/families.h"
 
 namespace foldproof::oracle {

@@ -19,6 +19,6 @@ dpkg-deb --field "$where"/foldproof_*.deb Depends | grep -q "$library" || {
   echo "foldproof does not name the libraries that it is linked with" >&2
   exit 1
 }
-test -f "$where/root/usr/include/foldproof/query.h"
+test -f "$where/root/usr/include/foldproof/check.h"
 test -z "$(find "$where/root" -mindepth 1 -maxdepth 1 ! -name usr)"
 "$where/root/usr/bin/foldproof" --version

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "base/parallel.h"
-#include "foldproof/query.h"
+#include "foldproof/check.h"
 #include "oracle/brute_force.h"
 #include "reduced/features.h"
 #include "reduced/shape.h"

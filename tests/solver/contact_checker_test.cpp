@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <type_traits>
 
 #include "base/parallel.h"
 #include "soups.h"
@@ -45,6 +46,9 @@ double brute_contact(std::span<const FeaturePair> pairs, const Soup& soup, doubl
   return earliest;
 }
 
+// In an `if` it would be true for a no as well.
+static_assert(!std::is_constructible_v<bool, Verdict>);
+
 struct Counts {
   int whole = 0, part = 0, none = 0;
 };
@@ -56,7 +60,10 @@ void test_step_sizes(std::uint64_t seed, double distance, double grid, Counts& c
   ContactChecker checker = checker_of(soup);
   const auto pairs = all_pairs(soup, checker.mesh().edges(), all_may);
   const double brute = brute_contact(pairs, soup, distance);
-  const double share = checker.collision_free_step_size(soup.x0, soup.x1, distance).value();
+  const auto [share, limit] = checker.collision_free_step_size(soup.x0, soup.x1, distance).value();
+  ASSERT_EQ(limit == StepSize::Limit::None, brute > 1) << seed;
+  ASSERT_EQ(limit == StepSize::Limit::Start, brute == 0) << seed;
+  ASSERT_EQ(limit == StepSize::Limit::Contact, brute > 0 && brute <= 1) << seed;
   ASSERT_GE(share, 0);
   ASSERT_LE(share, 1);
   ASSERT_EQ(share == 1, brute > 1) << seed;
@@ -64,12 +71,12 @@ void test_step_sizes(std::uint64_t seed, double distance, double grid, Counts& c
   if (brute <= 1) {
     ASSERT_LE(share, 0.8 * brute) << seed;
   }
-  ASSERT_EQ(checker.is_step_collision_free(soup.x0, soup.x1, distance).value(), brute > 1) << seed;
+  ASSERT_EQ(checker.is_step_collision_free(soup.x0, soup.x1, distance).is_yes(), brute > 1) << seed;
   ++(share == 1 ? counts.whole : share == 0 ? counts.none : counts.part);
   std::vector<double> reached(soup.x0.size());
   step_towards(soup.x0, soup.x1, share, reached);
   if (share > 0) {
-    ASSERT_TRUE(checker.is_step_collision_free(soup.x0, reached, distance).value()) << seed;
+    ASSERT_TRUE(checker.is_step_collision_free(soup.x0, reached, distance).is_yes()) << seed;
     for (const FeaturePair& pair : pairs)
       ASSERT_FALSE(exact_contact(pair, soup.x0, reached, distance)) << seed;
   }
@@ -124,11 +131,11 @@ TEST(ContactChecker, FindsPointsAndEdgesWithinTheMinimumDistance) {
     soup.x1 = x1;
     if (edge) soup.edges = {{0, 1}};
     ContactChecker checker = checker_of(soup);
-    EXPECT_EQ(checker.collision_free_step_size(x0, x1, 0).value(), 1);
-    EXPECT_EQ(checker.collision_free_step_size(x0, x1, 0.0999).value(), 1);
-    EXPECT_NEAR(checker.collision_free_step_size(x0, x1, 0.1001).value(), 0.4, 0.01);
-    EXPECT_TRUE(checker.is_step_collision_free(x0, x1, 0.0999).value());
-    EXPECT_FALSE(checker.is_step_collision_free(x0, x1, 0.1001).value());
+    EXPECT_EQ(checker.collision_free_step_size(x0, x1, 0).value().share, 1);
+    EXPECT_EQ(checker.collision_free_step_size(x0, x1, 0.0999).value().share, 1);
+    EXPECT_NEAR(checker.collision_free_step_size(x0, x1, 0.1001).value().share, 0.4, 0.01);
+    EXPECT_TRUE(checker.is_step_collision_free(x0, x1, 0.0999).is_yes());
+    EXPECT_TRUE(checker.is_step_collision_free(x0, x1, 0.1001).is_no());
     EXPECT_EQ(checker.minimum_distance(x0, 1).value(), std::numeric_limits<double>::infinity());
     EXPECT_NEAR(checker.minimum_distance(x0, 3).value(), std::hypot(2, 0.1), 1e-14);
   }
@@ -150,9 +157,9 @@ TEST(ContactChecker, StepsAreTheSameWhateverCertificatesAndThreads) {
     Soup soup = random_soup(rng, 40, 20, 20, 0.1, 0x1p-40);
     ContactChecker with = checker_of(soup), without = checker_of(soup, {}, false);
     for (int step = 0; step < 5; ++step) {
-      const double a = with.collision_free_step_size(soup.x0, soup.x1, 0.001).value();
+      const double a = with.collision_free_step_size(soup.x0, soup.x1, 0.001).value().share;
       const ThreadLimit one(1);
-      EXPECT_EQ(a, without.collision_free_step_size(soup.x0, soup.x1, 0.001).value());
+      EXPECT_EQ(a, without.collision_free_step_size(soup.x0, soup.x1, 0.001).value().share);
       for (double& x : soup.x1) x += 1e-3;
     }
   }
@@ -168,13 +175,13 @@ TEST(ContactChecker, ASolverThatGoesOnWhereItStoppedIsNotCaught) {
   std::vector<double> x = start, to = start;
   to[11] = -1;
   for (int step = 0; step < 8; ++step) {
-    const double share = checker.collision_free_step_size(x, to).value();
+    const double share = checker.collision_free_step_size(x, to).value().share;
     EXPECT_NEAR(share, 0.8 * x[11] / (x[11] + 1), 1e-6);
     step_towards(x, to, share, x);
     EXPECT_GT(x[11], 0);
-    EXPECT_FALSE(checker.has_intersections(x).value());
+    EXPECT_TRUE(checker.has_intersections(x).is_no());
   }
-  EXPECT_TRUE(checker.has_intersections(std::vector<double>{-1, -1, 0, 1, -1, 0, 0, 1, 0, 0, 0, 0}).value());
+  EXPECT_TRUE(checker.has_intersections(std::vector<double>{-1, -1, 0, 1, -1, 0, 0, 1, 0, 0, 0, 0}).is_yes());
 }
 
 std::vector<std::vector<Index>> elements_of(const CollisionMesh& mesh) {
@@ -208,7 +215,7 @@ TEST(ContactChecker, IntersectionsAreExact) {
           expected = expected || hulls_intersect(a, b);
         }
       }
-      EXPECT_EQ(checker.has_intersections(soup.x0).value(), expected) << seed;
+      EXPECT_EQ(checker.has_intersections(soup.x0).is_yes(), expected) << seed;
       crossing += expected;
     }
   }
@@ -219,20 +226,20 @@ TEST(ContactChecker, NeighboursFoldOnFacesAndNotOnRods) {
   Soup fold;  // two triangles folded flat onto each other along their edge
   fold.faces = {{0, 1, 2}, {0, 1, 3}};
   fold.x0 = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.1, 0.9, 0};
-  EXPECT_TRUE(checker_of(fold).has_intersections(fold.x0).value());
-  EXPECT_FALSE(
-      checker_of(fold, CollisionFilter::patches({0, 0, 0, 0}).value()).has_intersections(fold.x0).value());
+  EXPECT_TRUE(checker_of(fold).has_intersections(fold.x0).is_yes());
+  EXPECT_TRUE(
+      checker_of(fold, CollisionFilter::patches({0, 0, 0, 0}).value()).has_intersections(fold.x0).is_no());
   Soup rod;  // two edges folded onto each other
   rod.edges = {{0, 1}, {1, 2}};
   rod.x0 = {0, 0, 0, 1, 0, 0, 0.5, 0, 0};
-  EXPECT_FALSE(checker_of(rod).has_intersections(rod.x0).value());
-  EXPECT_TRUE(checker_of(rod).is_step_collision_free(rod.x0, rod.x0).value());
+  EXPECT_TRUE(checker_of(rod).has_intersections(rod.x0).is_no());
+  EXPECT_TRUE(checker_of(rod).is_step_collision_free(rod.x0, rod.x0).is_yes());
   Soup whisker;  // an edge from a corner of a triangle lies in it
   whisker.faces = {{0, 1, 2}};
   whisker.edges = {{0, 3}};
   whisker.x0 = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.2, 0.2, 0};
-  EXPECT_TRUE(checker_of(whisker).has_intersections(whisker.x0).value());
-  EXPECT_FALSE(checker_of(whisker).is_step_collision_free(whisker.x0, whisker.x0).value());
+  EXPECT_TRUE(checker_of(whisker).has_intersections(whisker.x0).is_yes());
+  EXPECT_TRUE(checker_of(whisker).is_step_collision_free(whisker.x0, whisker.x0).is_no());
 }
 
 TEST(ContactChecker, FindsTheLeastDistance) {
@@ -264,15 +271,15 @@ TEST(ContactChecker, SaysWhatIsWrong) {
     for (const std::size_t at : {4, 11}) {  // of the face, and of the point beside it
       auto bad = soup.x0;
       bad[at] = number;
-      EXPECT_FALSE(checker.is_step_collision_free(soup.x0, bad));
-      EXPECT_FALSE(checker.is_step_collision_free(bad, soup.x0));
+      EXPECT_TRUE(checker.is_step_collision_free(soup.x0, bad).is_error());
+      EXPECT_TRUE(checker.is_step_collision_free(bad, soup.x0).is_error());
       EXPECT_FALSE(checker.collision_free_step_size(soup.x0, bad));
       EXPECT_FALSE(checker.collision_free_step_size(bad, soup.x0));
       EXPECT_FALSE(checker.candidates(bad, 1, found));
       EXPECT_FALSE(checker.candidates(soup.x0, bad, 1, found));
       EXPECT_FALSE(checker.minimum_distance(bad, 1));
-      EXPECT_FALSE(checker.has_intersections(bad));
-      EXPECT_TRUE(checker.is_step_collision_free(soup.x0, soup.x0).value());
+      EXPECT_TRUE(checker.has_intersections(bad).is_error());
+      EXPECT_TRUE(checker.is_step_collision_free(soup.x0, soup.x0).is_yes());
     }
   }
   EXPECT_FALSE(checker.collision_free_step_size(std::span(soup.x0).first(3), soup.x0));

@@ -37,19 +37,19 @@ class CheckLayers(unittest.TestCase):
 
     def test_includes_of_earlier_rooms_pass(self):
         self.accepts({
-            "include/foldproof/query.h": '#include "foldproof/bvh.h"\n',
+            "include/foldproof/check.h": '#include "foldproof/bvh.h"\n',
             "include/foldproof/bvh.h": '#include "foldproof/base.h"\n',
             "include/foldproof/base.h": "#include <vector>\n",
-            "src/query/check.cpp": '#include "foldproof/query.h"\n#include "query/pairs.h"\n#include "bvh/boxes.h"\n',
-            "apps/main.cpp": '#include "foldproof/query.h"\n#include "commands.h"\n',
+            "src/check/step.cpp": '#include "foldproof/check.h"\n#include "check/pairs.h"\n#include "bvh/boxes.h"\n',
+            "apps/main.cpp": '#include "foldproof/check.h"\n#include "commands.h"\n',
             "apps/commands.h": "",
         })
 
     def test_upward_include_is_found_with_its_line(self):
-        self.refuses({"src/mesh/a.cpp": '#include <vector>\n\n#include "foldproof/query.h"\n'}, "src/mesh/a.cpp:3", "query")
+        self.refuses({"src/mesh/a.cpp": '#include <vector>\n\n#include "foldproof/check.h"\n'}, "src/mesh/a.cpp:3", "check")
 
     def test_upward_include_of_a_public_header_is_found(self):
-        self.refuses({"include/foldproof/bvh.h": '#include "foldproof/query.h"\n'}, "include/foldproof/bvh.h:1")
+        self.refuses({"include/foldproof/bvh.h": '#include "foldproof/check.h"\n'}, "include/foldproof/bvh.h:1")
 
     def test_rooms_of_one_level_do_not_see_each_other(self):
         self.refuses({"src/io/a.cpp": '#include "foldproof/bvh.h"\n'}, "'io' must not see 'bvh'")
@@ -67,10 +67,10 @@ class CheckLayers(unittest.TestCase):
 
     def test_one_file_sees_onetbb(self):
         self.accepts({"src/base/parallel.h": "#include <tbb/parallel_for.h>\n",
-                      "src/query/a.cpp": '#include "base/parallel.h"\n#include <tbbl.h>\n'})
+                      "src/check/a.cpp": '#include "base/parallel.h"\n#include <tbbl.h>\n'})
         includes = ("<tbb/parallel_for.h>", "<oneapi/tbb/task_arena.h>", "<tbb.h>", '"tbb/tbb.h"', "<oneapi/tbb.h>")
         text = "".join(f"# include {include}\n" for include in includes)
-        paths = ("src/query/a.cpp", "src/base/a.h", "apps/a.cpp", "python/src/a.cpp", "tests/query/a.cpp", "bench/a.h")
+        paths = ("src/check/a.cpp", "src/base/a.h", "apps/a.cpp", "python/src/a.cpp", "tests/check/a.cpp", "bench/a.h")
         self.refuses({path: text for path in paths},
                      *(f"{path}:{line}: includes tbb" for path in paths for line in range(1, 6)))
 

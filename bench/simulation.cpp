@@ -1,0 +1,190 @@
+#include "simulation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "implicit_euler.h"
+#include "measure.h"
+
+namespace foldproof::bench {
+namespace {
+
+struct SceneMaker {
+  const char* name;
+  example::Scene (*make)();
+};
+constexpr SceneMaker kScenes[] = {{"cloth", [] { return example::cloth_on_ball(100, 4); }},
+                                  {"pile", [] { return example::pile_of_balls(4); }},
+                                  {"rod", [] { return example::twisted_rod(40); }}};
+
+// At most, of a step: enough to see what is asked, where the solver itself takes most of the time.
+constexpr int kNewtonSteps = 4;
+
+// Times of one kind of question, milliseconds.
+struct Row {
+  int questions = 0, sampled = 0;
+  double sum = 0, slowest = 0;
+  double ours = 0, without = 0;         // of the sampled questions, which everybody answers
+  std::map<std::string, double> peers;  // the same, by name
+};
+// Asked before anything was in contact, and since.
+using Rows = std::array<Row, 2>;
+
+// Answers the solver's questions, and lets others answer some of them beside.
+class Measured final : public example::CollisionQueries {
+ public:
+  Measured(const SimulationPlan& plan, std::shared_ptr<const CollisionMesh> mesh, const Topology& topology,
+           double reach)
+      : plan_(plan), mesh_(std::move(mesh)), checker_(mesh_), plain_(mesh_) {
+    plain_.settings().certificates = false;
+    for (const PeerEntry& entry : plan.peers) {
+      for (const double inflation : {0.0, reach}) {
+        auto peer = entry.make();
+        peer->prepare(topology);
+        peer->inflate(inflation);
+        (inflation > 0 ? peers_near_ : peers_).push_back(std::move(peer));
+      }
+    }
+  }
+
+  double step_size(std::span<const double> x0, std::span<const double> x1) override {
+    const auto ask = [&](ContactChecker& checker) {
+      return checker.collision_free_step_size(x0, x1).map([](const auto& size) { return size.share; });
+    };
+    Row& row = steps_[in_contact_];
+    if (!is_sampled(row)) return take(row, ask);
+    const double start = now();
+    const auto without = ask(plain_);
+    row.without += now() - start;
+    ask_peers(row, peers_, x0, x1);
+    const double share = take(row, ask);
+    if (without && *without != share)
+      note(Error{"a step size", "differs without certificates", "report this, please"});
+    return share;
+  }
+  bool step_is_free(std::span<const double> x0, std::span<const double> x1) override {
+    const auto free = checker_.is_step_collision_free(x0, x1);
+    if (free.is_error()) note(free.error());
+    return free.is_yes();
+  }
+  void contacts(std::span<const double> x, double reach, std::vector<example::Contact>& out) override {
+    Row& row = candidates_[in_contact_];
+    if (is_sampled(row)) ask_peers(row, peers_near_, x, x);
+    take(row, [&](ContactChecker& checker) -> Result<bool> {
+      if (auto done = checker.candidates(x, reach, found_); !done) return tl::unexpected(done.error());
+      return true;
+    });
+    example::find_contacts(*mesh_, found_, x, reach, out);
+  }
+
+  void note_contact() { in_contact_ = 1; }
+  const std::optional<Error>& error() const { return error_; }
+  const Rows& steps() const { return steps_; }
+  const Rows& candidates() const { return candidates_; }
+
+ private:
+  double now() const { return now_milliseconds(plan_.processor_time); }
+  void note(const Error& error) {
+    if (!error_) error_ = error;
+  }
+  bool is_sampled(const Row& row) const { return row.questions % static_cast<int>(plan_.peer_every) == 0; }
+
+  void ask_peers(Row& row, std::vector<std::unique_ptr<Peer>>& peers, std::span<const double> x0,
+                 std::span<const double> x1) {
+    for (std::size_t k = 0; k < peers.size(); ++k) {
+      const double start = now();
+      peers[k]->step(x0, x1);
+      row.peers[plan_.peers[k].name] += now() - start;
+    }
+  }
+
+  template <class Ask>
+  double take(Row& row, Ask ask) {
+    const bool sampled = is_sampled(row);
+    const double start = now();
+    auto answer = ask(checker_);
+    const double took = now() - start;
+    ++row.questions;
+    row.sum += took;
+    row.slowest = std::max(row.slowest, took);
+    if (sampled) {
+      ++row.sampled;
+      row.ours += took;
+    }
+    if (!answer) note(answer.error());
+    return answer ? static_cast<double>(*answer) : 0;
+  }
+
+  const SimulationPlan& plan_;
+  std::shared_ptr<const CollisionMesh> mesh_;
+  ContactChecker checker_, plain_;
+  std::vector<std::unique_ptr<Peer>> peers_, peers_near_;
+  Rows steps_, candidates_;
+  foldproof::Candidates found_;
+  std::optional<Error> error_;
+  int in_contact_ = 0;
+};
+
+void add_rows(const std::string& scene, const char* question, const Rows& rows, Table& table) {
+  for (int contact = 0; contact < 2; ++contact) {
+    const Row& row = rows[contact];
+    if (row.questions == 0) continue;
+    const auto fastest = std::min_element(row.peers.begin(), row.peers.end(),
+                                          [](const auto& a, const auto& b) { return a.second < b.second; });
+    const bool any = fastest != row.peers.end();
+    const double mean = row.sum / row.questions;
+    const auto ratio = [&](double other) { return fmt::format("{:.1f}", other / row.ours); };
+    const auto each = [&](double sum) { return fmt::format("{:.2f}", sum / row.sampled); };
+    table.rows.push_back({scene, question, contact == 0 ? "before" : "since",
+                          fmt::format("{}", row.questions), fmt::format("{:.2f}", mean),
+                          fmt::format("{:.1f}", row.slowest / mean), row.without > 0 ? each(row.without) : "",
+                          row.without > 0 ? ratio(row.without) : "", any ? each(fastest->second) : "",
+                          any ? ratio(fastest->second) : "", any ? fastest->first : ""});
+  }
+}
+
+Result<void> run(const SceneMaker& maker, const SimulationPlan& plan, Table& table) {
+  const example::Scene scene = maker.make();
+  auto topology = Topology::make(scene.vertex_count(), scene.faces);
+  if (!topology) return tl::unexpected(topology.error());
+  CollisionMeshSettings settings;
+  settings.points = false;  // what holds bodies open from inside
+  auto mesh = CollisionMesh::make(scene.x, {}, scene.faces, settings);
+  if (!mesh) return tl::unexpected(mesh.error());
+  Measured measured(plan, std::make_shared<const CollisionMesh>(std::move(*mesh)), *topology, scene.reach);
+  example::ImplicitEuler solver(scene, measured, kNewtonSteps);
+  for (Index step = 1; step <= plan.steps && !measured.error(); ++step) {
+    const example::StepReport report = solver.step();
+    if (!report.collision_free) return fail(maker.name, "has a step that is not free", "report this, please");
+    if (report.contacts > 0) measured.note_contact();
+    if (plan.narrate)
+      fmt::print(stderr, "\r\033[K{}: step {} of {}, {} Newton steps, {} contacts", maker.name, step,
+                 plan.steps, report.newton_steps, report.contacts);
+  }
+  if (plan.narrate) fmt::print(stderr, "\r\033[K");
+  if (measured.error()) return tl::unexpected(*measured.error());
+  const std::string name = fmt::format("{}, {} triangles", maker.name, scene.faces.size());
+  add_rows(name, "step size", measured.steps(), table);
+  add_rows(name, "candidates", measured.candidates(), table);
+  return {};
+}
+
+}  // namespace
+
+Result<Table> measure_simulation(const SimulationPlan& plan) {
+  Table table{{"simulation, ms a question", "question", "contact", "questions", "foldproof", "slowest/mean",
+               "no certificates", "no/foldproof", "fastest peer", "peer/foldproof", "its name"},
+              {}};
+  for (const SceneMaker& maker : kScenes) {
+    if (!plan.only.empty() && plan.only != maker.name) continue;
+    if (auto done = run(maker, plan, table); !done) return tl::unexpected(done.error());
+  }
+  if (table.rows.empty())
+    return fail("--scene", "there is no simulation called " + plan.only, "cloth, pile, rod");
+  return table;
+}
+
+}  // namespace foldproof::bench

@@ -1,0 +1,95 @@
+#include "check/distinct.h"
+
+#include <algorithm>
+#include <cassert>
+#include <numeric>
+
+namespace foldproof {
+
+DistinctTriangles::DistinctTriangles(std::shared_ptr<const Hierarchy> all) : hierarchy_(std::move(all)) {
+  const Topology& topology = hierarchy_->topology();
+  if (find_copies(topology.triangles(), topology.vertex_count())) drop_copies(*hierarchy_);
+}
+
+// Fills first_, ids_ and repeated_; leaves them empty, with false, when there are no copies. Triangles are
+// dealt out by their first vertex; the few of one vertex are sorted.
+bool DistinctTriangles::find_copies(std::span<const Triangle> triangles, Index vertex_count) {
+  std::vector<Index> end(vertex_count + std::size_t{1}, 0), order(triangles.size());
+  for (const Triangle& t : triangles) ++end[t[0] + std::size_t{1}];
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  for (Index i = 0; i < triangles.size(); ++i) order[end[triangles[i][0]]++] = i;  // end[v]: of v from now on
+  const auto less = [&](Index a, Index b) {
+    return triangles[a] != triangles[b] ? triangles[a] < triangles[b] : a < b;
+  };
+  bool any = false;
+  std::ptrdiff_t begin = 0;
+  for (Index v = 0; v < vertex_count; begin = end[v++]) {
+    std::sort(order.begin() + begin, order.begin() + end[v], less);
+    for (std::ptrdiff_t k = begin + 1; k < end[v]; ++k) any |= triangles[order[k]] == triangles[order[k - 1]];
+  }
+  if (!any) return false;
+
+  std::vector<Index> original(triangles.size());  // of every triangle, its first copy
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const bool copy = k > 0 && triangles[order[k]] == triangles[order[k - 1]];
+    original[order[k]] = copy ? original[order[k - 1]] : order[k];
+  }
+  std::vector<Index> count(triangles.size(), 0), number(triangles.size(), kNoIndex);
+  for (const Index first : original) ++count[first];
+  first_.assign(1, 0);
+  for (Index i = 0; i < triangles.size(); ++i) {
+    if (original[i] != i) continue;
+    number[i] = static_cast<Index>(first_.size() - 1);
+    if (count[i] > 1) repeated_.push_back(number[i]);
+    first_.push_back(first_.back() + count[i]);
+  }
+  ids_.resize(triangles.size());
+  std::vector<Index> next(first_.begin(), first_.end() - 1);
+  for (Index i = 0; i < triangles.size(); ++i) ids_[next[number[original[i]]]++] = i;
+  return true;
+}
+
+// The same tree without what no longer owns anything.
+void DistinctTriangles::drop_copies(const Hierarchy& all) {
+  const auto triangles = all.topology().triangles();
+  std::vector<Triangle> distinct;
+  std::vector<Index> number(triangles.size());
+  for (Index t = 0; t + 1 < first_.size(); ++t) {
+    distinct.push_back(triangles[ids_[first_[t]]]);
+    for (const Index id : copies(t)) number[id] = t;
+  }
+  // Of the copies the first in leaf order stays where it is.
+  const auto nodes = all.nodes();
+  const auto leaves = all.leaves();
+  std::vector<bool> placed(distinct.size(), false);
+  std::vector<Index> order, owned(nodes.size(), 0);  // per node, how many triangles are left below it
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    if (!nodes[n].is_leaf()) continue;
+    const Index leaf = nodes[n].leaf_begin;
+    for (Index k = leaves[leaf].triangles; k < leaves[leaf + 1].triangles; ++k) {
+      const Index t = number[all.triangle_ids()[k]];
+      if (placed[t]) continue;
+      placed[t] = true;
+      order.push_back(t);
+      ++owned[n];
+    }
+  }
+  for (std::size_t n = nodes.size(); n-- > 0;) {
+    if (!nodes[n].is_leaf()) owned[n] = owned[n + 1] + owned[nodes[n].right];
+  }
+  std::vector<Index> leaf_sizes;
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    if (nodes[n].is_leaf()) {
+      if (owned[n] > 0) leaf_sizes.push_back(owned[n]);
+    } else if (owned[n + 1] > 0 && owned[nodes[n].right] > 0) {
+      leaf_sizes.push_back(0);
+    }
+  }
+  auto topology = Topology::make(all.topology().vertex_count(), std::move(distinct));
+  assert(topology);
+  auto thinned = Hierarchy::from_parts(std::move(*topology), std::move(order), leaf_sizes);
+  assert(thinned);
+  hierarchy_ = std::make_shared<const Hierarchy>(std::move(*thinned));
+}
+
+}  // namespace foldproof

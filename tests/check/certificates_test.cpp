@@ -1,0 +1,245 @@
+// Certificates only remove work: with and without them, every step of many gives the same answer, bit for
+// bit. One checker sees all steps, as charts are drawn on the way.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "base/parallel.h"
+#include "check/films.h"
+#include "foldproof/check.h"
+#include "foldproof/model.h"
+#include "oracle/brute_force.h"
+#include "oracle/data.h"
+#include "oracle/meshes.h"
+
+namespace foldproof::oracle {
+namespace {
+
+class Films : public ::testing::TestWithParam<FilmFamily> {
+ protected:
+  Rng rng_{81};
+  Film film_ = GetParam().make(rng_);
+};
+
+TEST_P(Films, CertificatesNeverChangeAnAnswer) {
+  std::uint64_t passes = 0, with = 0, without = 0, hits = 0;
+  for (const Index leaf : {4, 16}) {
+    for (const double thickness : {0.0, 0.004}) {
+      Comparison both(hierarchies(film_, leaf));
+      StepSettings settings;
+      settings.thickness = thickness;
+      for (std::size_t k = 0; k + 1 < film_.poses.size(); ++k) {
+        ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k], film_.poses[k + 1], settings)) << "step " << k;
+        if (k % 3 == 0) {
+          ASSERT_NO_FATAL_FAILURE(both.pose(film_.poses[k])) << "pose " << k;
+        }
+      }
+      passes += both.sums.passes + both.statics.passes;
+      with += both.sums.pairs_with;
+      without += both.sums.pairs_without;
+      hits += both.sums.hits;
+    }
+  }
+  // Otherwise nothing was tested.
+  EXPECT_GT(passes, 100u);
+  EXPECT_LT(with, without);
+  EXPECT_GT(hits, 50u);
+}
+
+// The larger the tolerance and the thickness, the wider the gap that certificates must leave; and only some
+// pairs may be asked for.
+TEST_P(Films, SettingsChangeFromStepToStep) {
+  Comparison both(hierarchies(film_, 8));
+  for (std::size_t k = 0; k + 1 < film_.poses.size(); ++k) {
+    StepSettings settings;
+    settings.thickness = std::array{0.0, 0.02, 0.0, 0.001}[k % 4];
+    settings.tolerance = std::array{0.0, 0.0, 0.01}[k % 3];
+    settings.within = k % 5 != 4;
+    settings.between = k % 7 != 3;
+    ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k], film_.poses[k + 1], settings)) << "step " << k;
+    // Backwards: the pose at the begin is another one than where charts were drawn.
+    ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k + 1], film_.poses[k], settings)) << "step " << k;
+  }
+  EXPECT_GT(both.sums.passes, 50u);
+}
+
+// Models of a few poses, of all, and of one only.
+TEST_P(Films, TrainedChartsNeverChangeAnAnswer) {
+  for (const std::size_t stride : {4, 13, 1000}) {
+    std::vector<std::shared_ptr<const Hierarchy>> objects;
+    std::vector<std::shared_ptr<const ChartLibrary>> charts;
+    for (std::size_t object = 0; object < film_.topologies.size(); ++object) {
+      std::vector<Pose> poses;
+      for (std::size_t k = 0; k < film_.poses.size(); k += stride) poses.push_back(film_.poses[k][object]);
+      const auto motion = memory_motion("film", film_.topologies[object], poses);
+      std::vector<TrainPose> chosen;
+      for (Index k = 0; k < motion->frame_count(); ++k) chosen.push_back({motion.get(), k});
+      const Result<Model> model = train_model(chosen, {});
+      ASSERT_TRUE(model) << model.error().line();
+      objects.push_back(model->hierarchy());
+      charts.push_back(model->charts);
+    }
+    Comparison both(objects, charts);
+    for (std::size_t k = 0; k + 1 < film_.poses.size(); ++k) {
+      ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k], film_.poses[k + 1], {})) << "step " << k;
+      ASSERT_NO_FATAL_FAILURE(both.pose(film_.poses[k])) << "pose " << k;
+    }
+    EXPECT_GT(both.sums.passes, 50u);
+    EXPECT_LT(both.sums.pairs_with, both.sums.pairs_without);
+  }
+}
+
+TEST_P(Films, EarliestOnlyIsTheSameWithCertificates) {
+  const auto objects = hierarchies(film_, 8);
+  StepChecker with(objects), without(objects);
+  for (std::size_t k = 0; k + 1 < film_.poses.size(); ++k) {
+    StepSettings settings;
+    settings.earliest_only = true;
+    StepResult a, b;
+    const auto x0 = spans(film_.poses[k]), x1 = spans(film_.poses[k + 1]);
+    ASSERT_TRUE(with.check(x0, x1, settings, a));
+    settings.certificates = false;
+    ASSERT_TRUE(without.check(x0, x1, settings, b));
+    a.work.undecided = b.work.undecided = 0;  // depends on luck with threads
+    ASSERT_NO_FATAL_FAILURE(expect_same(a, b)) << "step " << k;
+  }
+}
+
+TEST_P(Films, ThreadsChangeNeitherAnswersNorWork) {
+  std::vector<std::vector<StepResult>> runs;
+  for (const int threads : {1, 2, 2}) {
+    const ThreadLimit limit(threads);
+    StepChecker checker(hierarchies(film_, 4));
+    auto& run = runs.emplace_back(film_.poses.size() - 1);
+    for (std::size_t k = 0; k < run.size(); ++k) {
+      const auto x0 = spans(film_.poses[k]), x1 = spans(film_.poses[k + 1]);
+      ASSERT_TRUE(checker.check(x0, x1, {}, run[k]));
+    }
+  }
+  for (const auto& run : runs) {
+    for (std::size_t k = 0; k < run.size(); ++k) {
+      ASSERT_NO_FATAL_FAILURE(expect_same(run[k], runs[0][k]));
+      EXPECT_TRUE(same_counts(run[k].work, runs[0][k].work)) << "step " << k;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Generated, Films,
+                         ::testing::ValuesIn(generated_films().begin(), generated_films().end()),
+                         [](const auto& instance) { return std::string(instance.param.name); });
+
+// ---- Real motions.
+
+struct RealFilm {
+  const char* name;
+  Index first;  ///< Where the short run begins; something touches there where it ever does.
+};
+void PrintTo(const RealFilm& film, std::ostream* out) { *out << film.name; }
+
+const RealFilm kRealFilms[] = {
+    {"lion_poses", 0},  {"lion_anim", 20},   {"hand_poses", 4},     {"hand_train", 7},       {"hand_anim", 8},
+    {"horse_poses", 2}, {"horse_gallop", 3}, {"elephant_poses", 0}, {"elephant_gallop", 10}, {"samba", 40},
+    {"rumba", 30},      {"cloth_ball", 0},   {"rod_twist", 0},      {"cloth_funnel", 0},
+};
+
+class RealFilms : public ::testing::TestWithParam<RealFilm> {
+ protected:
+  void SetUp() override {
+    const auto data = data_directory();
+    if (!data) GTEST_SKIP() << kNoData;
+    motion_ = open_real_motion(*data, GetParam().name);
+    all_ = all_frames();
+    first_ = all_ ? 0 : std::min(GetParam().first, motion_->frame_count() - 2);
+    last_ = all_ ? motion_->frame_count() - 1 : std::min(first_ + 3, motion_->frame_count() - 1);
+  }
+
+  std::vector<Pose> frame(Index k) const {
+    std::vector<Pose> pose{Pose(3 * std::size_t{motion_->topology().vertex_count()})};
+    EXPECT_TRUE(motion_->read_frame(k, pose[0]));
+    return pose;
+  }
+
+  Comparison comparison() const {
+    auto built = Hierarchy::build(motion_->topology(), frame(0)[0]);
+    return Comparison({std::make_shared<const Hierarchy>(std::move(built.value()))});
+  }
+
+  void report(const Comparison& both) const {
+    const auto print = [&](const char* what, const Sums& s) {
+      fmt::print("{:16} {:3} {:12} {:8} collisions, leaf pairs {:9} instead of {:9}\n", GetParam().name,
+                 s.steps, what, s.hits, s.pairs_with, s.pairs_without);
+    };
+    print("steps", both.sums);
+    if (both.statics.steps > 0) print("poses", both.statics);
+    if (both.sums.steps > 2 && both.sums.served == 0) {
+      EXPECT_GT(both.sums.passes, 0u);
+      EXPECT_LT(both.sums.pairs_with, both.sums.pairs_without);
+    }
+  }
+
+  std::unique_ptr<Motion> motion_;
+  bool all_ = false;
+  Index first_ = 0, last_ = 0;
+};
+
+TEST_P(RealFilms, FullSteps) {
+  Comparison both = comparison();
+  for (Index k = first_; k < last_; ++k)
+    ASSERT_NO_FATAL_FAILURE(both.step(frame(k), frame(k + 1), {})) << "frame " << k;
+  report(both);
+}
+
+// Each searched for itself, and with searches that look ahead.
+TEST_P(RealFilms, TenthsOfSteps) {
+  for (const bool ahead : {false, true}) {
+    Comparison both = comparison();
+    // The short run: some tenths of one step.
+    const Index last = all_ ? last_ : first_ + 1;
+    const int tenths = all_ ? 10 : 5;
+    for (Index k = first_; k < last; ++k) {
+      const auto from = frame(k), to = frame(k + 1);
+      auto now = from, next = from;
+      for (int part = 1; part <= tenths; ++part) {
+        for (std::size_t i = 0; i < from[0].size(); ++i)
+          next[0][i] = from[0][i] + (to[0][i] - from[0][i]) * part / 10;
+        ASSERT_NO_FATAL_FAILURE(both.step(now, next, {.ahead = ahead}))
+            << "frame " << k << ", tenth " << part;
+        std::swap(now, next);
+      }
+      if (!ahead) {
+        ASSERT_NO_FATAL_FAILURE(both.pose(now)) << "frame " << k;
+      }
+    }
+    report(both);
+    EXPECT_EQ(both.sums.served > 0, ahead);
+  }
+}
+
+TEST_P(RealFilms, FullStepsWithModels) {
+  if (!all_) GTEST_SKIP() << "Training takes long. Set FOLDPROOF_ALL_FRAMES=1 to run this test.";
+  // Every tenth frame is offered; all of them become references, or one.
+  for (const Index references : {0, 1}) {
+    std::vector<TrainPose> chosen;
+    for (Index k = 0; k < motion_->frame_count(); k += 10) chosen.push_back({motion_.get(), k});
+    TrainSettings training;
+    training.references = references;
+    const Result<Model> model = train_model(chosen, training);
+    ASSERT_TRUE(model) << model.error().line();
+    Comparison both({model->hierarchy()}, {model->charts});
+    for (Index k = first_; k < last_; ++k)
+      ASSERT_NO_FATAL_FAILURE(both.step(frame(k), frame(k + 1), {})) << "frame " << k;
+    report(both);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Motions, RealFilms, ::testing::ValuesIn(kRealFilms),
+                         [](const auto& instance) { return std::string(instance.param.name); });
+
+}  // namespace
+}  // namespace foldproof::oracle

@@ -1,0 +1,153 @@
+#include "check/films.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace foldproof::oracle {
+namespace {
+
+// A sheet of columns x rows cells.
+Topology sheet(Index columns, Index rows) {
+  std::vector<Triangle> triangles;
+  for (Index j = 0; j < rows; ++j) {
+    for (Index i = 0; i < columns; ++i) {
+      const Index a = j * (columns + 1) + i, c = a + columns + 1;
+      triangles.push_back({a, a + 1, c + 1});
+      triangles.push_back({a, c + 1, c});
+    }
+  }
+  return Topology::make((columns + 1) * (rows + 1), std::move(triangles)).value();
+}
+
+template <class Place>
+Pose sheet_pose(Index columns, Index rows, Place place) {
+  Pose x;
+  for (Index j = 0; j <= rows; ++j) {
+    for (Index i = 0; i <= columns; ++i) {
+      const Vec3 p = place(double(i) / columns, double(j) / rows);
+      x.insert(x.end(), {p.x(), p.y(), p.z()});
+    }
+  }
+  return x;
+}
+
+// There and back again: 0 .. 1 .. 0.
+double to_and_fro(int step, int steps) { return 0.5 - 0.5 * std::cos(2 * std::numbers::pi * step / steps); }
+
+constexpr int kSteps = 40;
+
+// Rolled up along its length by an ever larger angle until it meets itself, and unrolled.
+Film bending(Rng&) {
+  Film film;
+  film.topologies.push_back(sheet(60, 12));
+  for (int k = 0; k <= kSteps; ++k) {
+    const double angle = 0.05 + 7.2 * to_and_fro(k, kSteps);
+    film.poses.push_back({sheet_pose(60, 12, [&](double u, double v) {
+      const double a = angle * (u - 0.5);
+      return Vec3(std::sin(a) / angle, (1 - std::cos(a)) / angle + 0.002 * std::sin(20 * v), 0.3 * v);
+    })});
+  }
+  return film;
+}
+
+// Folded flat onto itself along a line, and opened.
+Film folding(Rng& rng) {
+  Film film;
+  film.topologies.push_back(sheet(40, 16));
+  std::vector<double> noise(41 * 17);
+  for (double& n : noise) n = 0.004 * std::uniform_real_distribution<double>(-1, 1)(rng);
+  for (int k = 0; k <= kSteps; ++k) {
+    const double angle = 3.3 * to_and_fro(k, kSteps);
+    std::size_t vertex = 0;
+    film.poses.push_back({sheet_pose(40, 16, [&](double u, double v) {
+      const double s = std::max(0.0, u - 0.5), height = noise[vertex++];
+      return Vec3(std::min(u, 0.5) + s * std::cos(angle) - height * std::sin(angle) * (s > 0),
+                  s * std::sin(angle) + height * (s > 0 ? std::cos(angle) : 1), 0.4 * v);
+    })});
+  }
+  return film;
+}
+
+// A long strip twisted about its own line, by several turns.
+Film twisting(Rng&) {
+  Film film;
+  film.topologies.push_back(sheet(60, 8));
+  for (int k = 0; k <= kSteps; ++k) {
+    const double turns = 22 * to_and_fro(k, kSteps);
+    film.poses.push_back({sheet_pose(60, 8, [&](double u, double v) {
+      const double a = turns * u, y = 0.25 * (v - 0.5), squeeze = 1 - 0.0445 * turns;
+      return Vec3(u * squeeze, y * std::cos(a), y * std::sin(a) + 0.03 * std::sin(turns) * std::sin(9 * u));
+    })});
+  }
+  return film;
+}
+
+// Bodies that drift through each other while they breathe.
+Film several_bodies(Rng& rng) {
+  Film film;
+  std::vector<Mesh> meshes;
+  for (const int family : {0, 1, 2}) meshes.push_back(mesh_families()[family].make(rng));
+  for (const Mesh& mesh : meshes) film.topologies.push_back(mesh.topology());
+  for (int k = 0; k <= kSteps; ++k) {
+    std::vector<Pose> pose;
+    for (std::size_t b = 0; b < meshes.size(); ++b) {
+      const double phase = 0.16 * k + 2 * double(b);
+      const double scale = 1 + 0.1 * std::sin(3 * phase);
+      Pose x = meshes[b].positions;
+      for (std::size_t i = 0; i < x.size(); ++i)
+        x[i] =
+            scale * x[i] + 0.5 * std::sin(phase + 1.3 * double(i % 3)) + 0.02 * std::sin(20 * x[i] + phase);
+      pose.push_back(std::move(x));
+    }
+    film.poses.push_back(std::move(pose));
+  }
+  return film;
+}
+
+// Poses that have nothing to do with each other, in between short quiet stretches.
+Film jumping(Rng& rng) {
+  Film film;
+  const Mesh mesh = mesh_families()[rng() % 2].make(rng);
+  film.topologies = {mesh.topology(), sheet(20, 20)};
+  const Pose flat =
+      sheet_pose(20, 20, [](double u, double v) { return Vec3(u - 0.5, v - 0.5, 0.3 * u * v); });
+  Pose first = mesh.positions, second = flat;
+  for (int k = 0; k <= kSteps; ++k) {
+    if (k % 7 == 6) {
+      first = deformed(mesh.positions, 0.3, k % 2 ? 0 : 1.0 / 16, rng);
+      second = deformed(flat, 0.2, 0, rng);
+    } else {
+      first = deformed(first, 0.003, 0, rng);
+      second = deformed(second, 0.003, 0, rng);
+    }
+    film.poses.push_back({first, second});
+  }
+  return film;
+}
+
+// Triangle soups, non-manifold edges, degenerate and double triangles.
+Film damaged(Rng& rng) {
+  Film film;
+  std::vector<Pose> pose;
+  for (const int family : {3, 4, 6}) {
+    const Mesh mesh = mesh_families()[family].make(rng);
+    film.topologies.push_back(mesh.topology());
+    pose.push_back(mesh.positions);
+  }
+  for (int k = 0; k <= kSteps; ++k) {
+    film.poses.push_back(pose);
+    for (Pose& x : pose) x = deformed(x, 0.002, k % 10 == 9 ? 1.0 / 256 : 0, rng);
+  }
+  return film;
+}
+
+constexpr FilmFamily kFilms[] = {{"bending", bending},   {"folding", folding},
+                                 {"twisting", twisting}, {"several_bodies", several_bodies},
+                                 {"jumping", jumping},   {"damaged", damaged}};
+
+}  // namespace
+
+std::span<const FilmFamily> generated_films() { return kFilms; }
+
+}  // namespace foldproof::oracle

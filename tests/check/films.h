@@ -1,0 +1,124 @@
+/// Films: motions of a few objects, and a comparison of checkers that see the same steps.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "foldproof/check.h"
+#include "oracle/brute_force.h"
+#include "oracle/meshes.h"
+
+namespace foldproof::oracle {
+
+using Pose = std::vector<double>;
+
+/// Some objects and their poses one after the other.
+struct Film {
+  std::vector<Topology> topologies;
+  std::vector<std::vector<Pose>> poses;  ///< By time, then by object.
+};
+
+inline std::vector<std::span<const double>> spans(const std::vector<Pose>& pose) {
+  return {pose.begin(), pose.end()};
+}
+
+inline void expect_same(const StepResult& with, const StepResult& without) {
+  const auto same = [](const auto& p, const auto& q) {
+    return key(p) == key(q) && p.answer == q.answer && std::memcmp(&p.toi, &q.toi, sizeof p.toi) == 0;
+  };
+  ASSERT_TRUE(std::equal(with.vertex_face.begin(), with.vertex_face.end(), without.vertex_face.begin(),
+                         without.vertex_face.end(), same));
+  ASSERT_TRUE(std::equal(with.edge_edge.begin(), with.edge_edge.end(), without.edge_edge.begin(),
+                         without.edge_edge.end(), same));
+  ASSERT_EQ(with.earliest_toi, without.earliest_toi);
+  ASSERT_EQ(with.tolerance, without.tolerance);
+  ASSERT_EQ(with.work.undecided, without.work.undecided);
+}
+
+inline void expect_same(const StaticResult& with, const StaticResult& without) {
+  ASSERT_TRUE(std::equal(with.crossings.begin(), with.crossings.end(), without.crossings.begin(),
+                         without.crossings.end(),
+                         [](const auto& p, const auto& q) { return key(p) == key(q); }));
+}
+
+inline bool same_counts(const Work& a, const Work& b) {
+  return a.node_tests == b.node_tests && a.certificate_tests == b.certificate_tests &&
+         a.certificate_passes == b.certificate_passes && a.leaf_pairs == b.leaf_pairs &&
+         a.candidates_vf == b.candidates_vf && a.candidates_ee == b.candidates_ee &&
+         a.undecided == b.undecided;
+}
+
+struct Sums {
+  std::uint64_t steps = 0, served = 0, passes = 0, pairs_with = 0, pairs_without = 0, hits = 0;
+  // Searches that look ahead are for more than the step: their pairs count on neither side.
+  void add(const Work& with, const Work& without, std::size_t found, Index searched = 1) {
+    ++steps;
+    served += searched == 0;
+    passes += with.certificate_passes;
+    hits += found;
+    if (searched == 1) {
+      pairs_with += with.leaf_pairs;
+      pairs_without += without.leaf_pairs;
+      EXPECT_LE(with.leaf_pairs, without.leaf_pairs);
+    }
+    EXPECT_EQ(without.certificate_tests, 0u);
+    EXPECT_EQ(without.certificate_passes, 0u);
+  }
+};
+
+inline std::vector<std::shared_ptr<const Hierarchy>> hierarchies(const Film& film, Index leaf_triangles) {
+  Scene scene;
+  scene.topologies = film.topologies;
+  scene.x0 = film.poses[0];
+  return scene.hierarchies(leaf_triangles);
+}
+
+/// The checkers of a comparison: one that uses certificates, and one that does not.
+class Comparison {
+ public:
+  explicit Comparison(const std::vector<std::shared_ptr<const Hierarchy>>& objects,
+                      const std::vector<std::shared_ptr<const ChartLibrary>>& trained = {})
+      : with_(objects, trained), without_(objects) {}
+
+  void step(const std::vector<Pose>& from, const std::vector<Pose>& to, StepSettings settings) {
+    StepResult with, without;
+    const auto x0 = spans(from), x1 = spans(to);
+    settings.certificates = true;
+    ASSERT_TRUE(with_.check(x0, x1, settings, with));
+    settings.certificates = false;
+    ASSERT_TRUE(without_.check(x0, x1, settings, without));
+    ASSERT_NO_FATAL_FAILURE(expect_same(with, without));
+    sums.add(with.work, without.work, with.vertex_face.size() + with.edge_edge.size(), with.searched);
+  }
+
+  void pose(const std::vector<Pose>& pose) {
+    StaticResult with, without;
+    const auto x = spans(pose);
+    StepSettings settings;
+    ASSERT_TRUE(with_.check_static(x, settings, with));
+    settings.certificates = false;
+    ASSERT_TRUE(without_.check_static(x, settings, without));
+    ASSERT_NO_FATAL_FAILURE(expect_same(with, without));
+    statics.add(with.work, without.work, with.crossings.size());
+  }
+
+  Sums sums, statics;
+
+ private:
+  StepChecker with_, without_;
+};
+
+/// Generated films.
+struct FilmFamily {
+  const char* name;
+  Film (*make)(Rng& rng);
+};
+inline void PrintTo(const FilmFamily& family, std::ostream* out) { *out << family.name; }
+
+std::span<const FilmFamily> generated_films();
+
+}  // namespace foldproof::oracle
