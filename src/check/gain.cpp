@@ -16,8 +16,9 @@ constexpr double kLeastGain = 0.2;
 // For so many steps an effort without certificates counts as current.
 constexpr int kFresh = 16;
 // Pairs per leaf in a first step from which on charts are not worth building yet. A surface has about four, a
-// leaf with itself and with its neighbours, and charts prove hardly any others.
-constexpr std::uint64_t kDense = 10;
+// leaf with itself and with its neighbours, and charts prove hardly any others. Leaves that move far have
+// more of them, in proportion to how much their boxes grow, but of pairs that charts do prove.
+constexpr double kDense = 10;
 constexpr int kLeastBackOff = 32, kMostBackOff = 512, kBackOffGrowth = 4;
 
 // About how many microseconds.
@@ -44,9 +45,10 @@ void CullingGain::took(const Counts& counts) {
     return judge();
   }
   since_without_ = 0;
-  const bool nothing_known = with_ == 0 && without_ == 0;
+  const bool first = knows_nothing();
   add_to_mean(without_, effort_of(counts));
-  if (nothing_known && counts.leaf_pairs > kDense * counts.leaves) return back_off();
+  const auto pairs = static_cast<double>(counts.leaf_pairs), leaves = static_cast<double>(counts.leaves);
+  if (first && pairs > kDense * leaves * counts.sweep_growth) return back_off();
   if (without_ < effort_at_back_off_ / 2) back_off_ = next_back_off_ = 0;  // contact has ended
   if (back_off_ == 0 && with_ > 0) judge();
 }

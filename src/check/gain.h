@@ -14,6 +14,7 @@ class CullingGain {
   struct Counts {
     std::uint64_t node_tests = 0, leaf_pairs = 0;
     std::uint64_t leaves = 0;           ///< Of all objects.
+    double sweep_growth = 1;            ///< StepMotion::sweep_growth; looked at where knows_nothing().
     std::uint64_t chart_triangles = 0;  ///< In charts that were tested.
     std::uint64_t planes = 0,
                   failed_planes = 0;  ///< Planes that were tested, and those that do not separate.
@@ -24,6 +25,8 @@ class CullingGain {
   bool begin(bool trained);
   /// Whether the step after this one will use them.
   bool used_next() const { return back_off_ == 0; }
+  /// Whether no step has been measured yet.
+  bool knows_nothing() const { return with_ == 0 && without_ == 0; }
   /// What the step did.
   void took(const Counts& counts);
 

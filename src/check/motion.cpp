@@ -212,6 +212,20 @@ double StepMotion::mean_edge() const {
   return std::isfinite(least) ? least / frame_.scale : 0;
 }
 
+double StepMotion::sweep_growth() const {
+  double at_begin = 0, swept = 0;
+  for (const KineticTree& tree : trees_) {
+    for (Index leaf = 0; leaf < tree.hierarchy->leaf_count(); ++leaf) {
+      const auto& ends = tree.boxes[tree.leaf_node(leaf)].x;
+      for (int axis = 0; axis < 3; ++axis) {
+        at_begin -= ends[0][0][axis] + ends[0][1][axis];
+        swept -= std::min(ends[0][0][axis], ends[1][0][axis]) + std::min(ends[0][1][axis], ends[1][1][axis]);
+      }
+    }
+  }
+  return at_begin > 0 ? swept / at_begin : 1;
+}
+
 void StepMotion::fill_features(std::span<const TraversalTask> tasks, std::span<const LeafPairRef> pairs) {
   leaves_to_fill_.clear();
   const auto need = [&](Index object, Index leaf) {

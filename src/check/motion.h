@@ -51,6 +51,10 @@ class StepMotion {
   /// sample.
   double mean_edge() const;
 
+  /// How much longer the sides of leaves' boxes are when they hold the whole step instead of its begin: the
+  /// sum of these by the sum of those.
+  double sweep_growth() const;
+
   /// Where a step lies in the motion of the last update, which went from 0 to 1: the times that fit its ends
   /// best, and how far, in the frame, vertices are from where they should be then. `way`: how far the motion
   /// took them; `stride`: how far the step does. All along any axis. Looks at few vertices.

@@ -59,17 +59,19 @@ TEST(CullingGain, CertificatesThatSaveNothingRest) {
 }
 
 TEST(CullingGain, WhereContactIsDenseFromTheStartNothingIsLearned) {
-  const auto second_asks = [](std::uint64_t leaf_pairs) {
+  const auto second_asks = [](std::uint64_t leaf_pairs, double sweep_growth) {
     CullingGain gain;
     gain.begin(false);
     CullingGain::Counts counts;
     counts.leaves = 100;
     counts.leaf_pairs = leaf_pairs;
+    counts.sweep_growth = sweep_growth;
     gain.took(counts);
     return gain.begin(false);
   };
-  EXPECT_TRUE(second_asks(400));
-  EXPECT_FALSE(second_asks(1400));
+  EXPECT_TRUE(second_asks(400, 1.1));
+  EXPECT_FALSE(second_asks(1400, 1.1));
+  EXPECT_TRUE(second_asks(1400, 3)) << "boxes of what moves far meet without contact";
 }
 
 // Ten times as many pairs as leaves, but the charts are there and save nearly all of it.
@@ -146,11 +148,8 @@ struct TwoSteps {
   std::uint64_t first_tested, second_tested;  // certificates
 };
 
-// All sheets turn over, so that boxes of leaves above each other meet.
-TwoSteps two_steps(Index sheets) {
+TwoSteps two_steps(Index sheets, const std::vector<double>& x1) {
   const auto x0 = positions(sheets, 0);
-  auto x1 = x0;
-  for (std::size_t i = 2; i < x1.size(); i += 3) x1[i] = 0.1 * sheets - x1[i];
   const auto tree = std::make_shared<const Hierarchy>(Hierarchy::build(stacked_sheets(sheets), x0).value());
   StepChecker checker({tree});
   const std::span<const double> from[] = {x0}, to[] = {x1};
@@ -164,19 +163,36 @@ TwoSteps two_steps(Index sheets) {
           second.work.certificate_tests};
 }
 
+// All sheets turn over, so that boxes of leaves above each other meet.
+std::vector<double> turned_over(Index sheets) {
+  auto x = positions(sheets, 0);
+  for (std::size_t i = 2; i < x.size(); i += 3) x[i] = 0.1 * sheets - x[i];
+  return x;
+}
+
 // What "dense" means: a surface by itself is far from it, whatever its size.
 TEST(CullingGain, ASurfaceByItselfIsLearnedFromTheSecondStepOn) {
-  const TwoSteps steps = two_steps(1);
+  const TwoSteps steps = two_steps(1, turned_over(1));
   EXPECT_LT(steps.pairs_per_leaf, 8);
   EXPECT_EQ(steps.first_tested, 0u);
   EXPECT_GT(steps.second_tested, 0u);
 }
 
 TEST(CullingGain, SheetsThatPassThroughEachOtherAreNotLearned) {
-  const TwoSteps steps = two_steps(24);
+  const TwoSteps steps = two_steps(24, turned_over(24));
   EXPECT_GT(steps.pairs_per_leaf, 12);
   EXPECT_EQ(steps.first_tested, 0u);
   EXPECT_EQ(steps.second_tested, 0u);
+}
+
+TEST(CullingGain, ASheetThatFliesFarIsLearned) {
+  auto x1 = positions(1, 0);
+  for (std::size_t i = 0; i < x1.size(); ++i) {
+    if (i % 3 < 2) x1[i] = 100 - x1[i];  // every two leaves change sides
+  }
+  const TwoSteps steps = two_steps(1, x1);
+  EXPECT_GT(steps.pairs_per_leaf, 10);
+  EXPECT_GT(steps.second_tested, 0u);
 }
 
 }  // namespace
