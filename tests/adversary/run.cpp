@@ -161,6 +161,13 @@ class Player {
     return done ? "" : "refused: " + done.error().line();
   }
 
+  // Half of the cases are explained: then certificates are always used, else where they pay, and only then
+  // searches look ahead.
+  StepSettings maybe_explained(StepSettings settings) const {
+    settings.explain = case_.seed % 2 == 0;
+    return settings;
+  }
+
   // The answer that all others are compared with is held against the truth.
   std::string play(const Step& step) {
     ++tally_.steps;
@@ -189,7 +196,7 @@ class Player {
     }
     now_doing = "the long-lived checker";
     StepResult result;
-    std::string wrong = check(*main_, step, step.settings, result);
+    std::string wrong = check(*main_, step, maybe_explained(step.settings), result);
     if (wrong.empty()) wrong = differs(step, result, expected_);
     tally_.served += result.searched == 0;
     return wrong.empty()
@@ -238,6 +245,7 @@ class Player {
         StepResult result;
         StepSettings settings = step.settings;
         settings.certificates = round > 0 || rng_() % 2 == 0;
+        settings.explain = true;
         std::string wrong = check(fresh, step, settings, result);
         if (wrong.empty()) wrong = differs(step, result, expected_);
         if (!wrong.empty()) return fmt::format("with {}: {}", hwy::TargetName(target), wrong);
@@ -255,6 +263,7 @@ class Player {
     StepSettings settings = step.settings;
     settings.earliest_only = false;
     settings.certificates = rng_() % 2 == 0;
+    settings = maybe_explained(settings);
     StepResult result;
     if (std::string wrong = check(fresh, turned, settings, result); !wrong.empty()) return wrong;
     for (auto& c : result.vertex_face) {
@@ -293,6 +302,7 @@ class Player {
     StepSettings settings = step.settings;
     settings.certificates = rng_() % 2 == 0;
     if (!settings.earliest_only && rng_() % 4 == 0) settings.max_listed = rng_() % 8;
+    settings = maybe_explained(settings);
     StepResult result;
     std::string wrong = check(fresh, step, settings, result);
     if (wrong.empty()) wrong = differs(step, result, listed(expected_, settings.max_listed));
@@ -312,6 +322,7 @@ class Player {
       return "pose: " + wrong;
     StepSettings plain = step.settings;
     plain.certificates = rng_() % 2 == 0;
+    plain = maybe_explained(plain);
     for (const std::int64_t target : targets()) {
       const testing::OneTarget only(target);
       StepChecker fresh(own_);
@@ -337,6 +348,7 @@ class Player {
       if (!checker) checker.emplace(own_);
       StepSettings settings = step.settings;
       (which == 0 ? settings.ahead : settings.certificates) = false;
+      settings = maybe_explained(settings);
       StepResult result;
       std::string wrong = check(*checker, step, settings, result);
       if (wrong.empty()) wrong = differs(step, result, expected_);
