@@ -7,8 +7,9 @@
 #include <filesystem>
 
 #include "commands.h"
-#include "foldproof/report.h"
+#include "foldproof/reduced.h"
 #include "options.h"
+#include "report/report.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -141,8 +142,7 @@ Result<std::shared_ptr<const ReducedShape>> shape_of(const Model& model, double 
 }
 
 struct Objects {
-  std::vector<std::shared_ptr<const ReducedShape>> shapes;
-  std::vector<std::shared_ptr<const ChartLibrary>> charts;
+  std::vector<ReducedChecker::Object> shapes;
   std::vector<Track> tracks;
 };
 
@@ -167,8 +167,7 @@ Result<Objects> open_objects(const ReducedCheckArguments& a, const ReducedHooks&
     }
     auto shape = shape_of(*model, a.step.thickness, hooks);
     if (!shape) return tl::unexpected(shape.error());
-    objects.shapes.push_back(std::move(*shape));
-    objects.charts.push_back(model->charts);
+    objects.shapes.emplace_back(std::move(*shape), model->charts);
     objects.tracks.push_back(std::move(*track));
   }
   return objects;
@@ -203,17 +202,17 @@ std::string summary_of(const CheckTotals& totals) {
 /// Which triangles cross in the first frame: that is a question about vertices, not about coordinates.
 Result<void> ask_start(const Objects& objects, const ReducedCheckArguments& a, ReportWriter* csv,
                        CheckTotals& totals) {
-  std::vector<std::shared_ptr<const Hierarchy>> hierarchies;
+  std::vector<Object> meshes;
   std::vector<std::vector<double>> vertices;
   for (std::size_t i = 0; i < objects.shapes.size(); ++i) {
-    const ReducedMotion& motion = *objects.shapes[i]->motion();
-    hierarchies.push_back(motion.hierarchy());
+    const ReducedMotion& motion = *objects.shapes[i].shape->motion();
+    meshes.emplace_back(objects.shapes[i].charts);
     vertices.emplace_back(3 * std::size_t{motion.hierarchy()->topology().vertex_count()});
     place_vertices(motion, objects.tracks[i].pose(0), vertices.back());
   }
   const std::vector<std::span<const double>> x(vertices.begin(), vertices.end());
   StaticResult found;
-  StepChecker checker(std::move(hierarchies), objects.charts);
+  StepChecker checker(std::move(meshes));
   if (auto done = checker.check_static(x, a.step, found); !done) {
     done.error().where = "frame 0, " + done.error().where;
     return done;
@@ -240,7 +239,7 @@ Result<bool> run(const Objects& objects, const ReducedCheckArguments& a, ReportW
   if (!a.steps_only) {
     if (auto done = ask_start(objects, a, csv, totals); !done) return tl::unexpected(done.error());
   }
-  ReducedChecker checker(objects.shapes, objects.charts);
+  ReducedChecker checker(objects.shapes);
   StepResult found;
   std::vector<ReducedPose> begin, end;
   for (Index k = 0; k < steps; ++k) {

@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 #include "file_arguments.h"
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof {
 

@@ -1,7 +1,7 @@
 /// The page that the program carries.
 #pragma once
 
-#include "foldproof/page.h"
+#include "page/page.h"
 
 namespace foldproof {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "commands.h"
-#include "foldproof/picture.h"
 #include "options.h"
+#include "picture/picture.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -92,27 +92,30 @@ Result<std::array<Index, 2>> size_of(const std::string& text) {
 
 /// A checker of all objects, with the models that fit them.
 Result<StepChecker> checker_of(const RenderArguments& a, const Objects& motions, const Poses& poses) {
-  std::vector<std::shared_ptr<const Hierarchy>> hierarchies(motions.size());
-  std::vector<std::shared_ptr<const ChartLibrary>> charts(motions.size());
+  std::vector<std::shared_ptr<const Model>> models(motions.size());
   for (const std::string& path : a.models) {
-    const auto model = load_model(path);
-    if (!model) return tl::unexpected(model.error());
+    auto loaded = load_model(path);
+    if (!loaded) return tl::unexpected(loaded.error());
+    const auto model = std::make_shared<const Model>(std::move(*loaded));
     bool used = false;
     for (std::size_t i = 0; i < motions.size(); ++i) {
-      if (charts[i] || !(model->hierarchy()->topology() == motions[i]->topology())) continue;
-      hierarchies[i] = model->hierarchy();
-      charts[i] = model->charts;
+      if (models[i] || !(model->hierarchy()->topology() == motions[i]->topology())) continue;
+      models[i] = model;
       used = true;
     }
     if (!used) return fail(path, "is a model of none of these meshes", "train a model on one of them");
   }
+  std::vector<Object> objects;
   for (std::size_t i = 0; i < motions.size(); ++i) {
-    if (hierarchies[i]) continue;
+    if (models[i]) {
+      objects.push_back(models[i]->object());
+      continue;
+    }
     auto built = Hierarchy::build(motions[i]->topology(), poses.objects[i]);
     if (!built) return tl::unexpected(built.error());
-    hierarchies[i] = std::make_shared<const Hierarchy>(std::move(*built));
+    objects.emplace_back(std::move(*built));
   }
-  return StepChecker(std::move(hierarchies), std::move(charts));
+  return StepChecker(std::move(objects));
 }
 
 /// Faces that an answer names in `colour`, over those that have one already.

@@ -9,7 +9,7 @@
 
 #include "foldproof/check.h"
 #include "foldproof/model.h"
-#include "foldproof/picture.h"
+#include "picture/picture.h"
 
 namespace foldproof::reproduce {
 

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "foldproof/report.h"
 #include "generated.h"
+#include "report/report.h"
 #include "reproduce.h"
 
 namespace foldproof::reproduce {
@@ -236,8 +236,7 @@ Result<Figure> Figures::bent(Subject& subject, const Model& model) const {
   if (!bent) return tl::unexpected(bent.error());
   StepChecker checker({model.hierarchy()});
   StaticResult answer;
-  const std::span<const double> positions[] = {*bent};
-  if (auto done = checker.check_static(positions, {}, answer); !done) return tl::unexpected(done.error());
+  if (auto done = checker.check_static(*bent, {}, answer); !done) return tl::unexpected(done.error());
   const Topology& topology = subject.motion->topology();
   const auto colours = marked_colours(colliding_faces(topology, 0, answer));
   const std::vector<Panel> panels{

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "foldproof/reduced.h"
 #include "reproduce.h"
 #include "terminal.h"
 
@@ -104,8 +105,7 @@ using Frames = std::vector<std::vector<double>>;
 
 Result<void> check(StepChecker& checker, const Frames& frames, Index step, const StepSettings& settings,
                    StepResult& out) {
-  const std::span<const double> from[] = {frames[step]}, to[] = {frames[step + 1]};
-  return checker.check(from, to, settings, out);
+  return checker.check(frames[step], frames[step + 1], settings, out);
 }
 
 Way full_way(std::string name, StepChecker checker, const Frames& frames, const StepSettings& settings) {
@@ -133,11 +133,11 @@ Result<std::vector<ModeRow>> measure_full(const Frames& frames, const Model& mod
   std::vector<Way> ways{
       // What certificates remove is counted step by step.
       plain, full_way("certificates, no model", StepChecker({hierarchy}), frames, {.ahead = false}),
-      full_way("certificates, model", StepChecker({hierarchy}, {model.charts}), frames, {.ahead = false})};
+      full_way("certificates, model", StepChecker({model.object()}), frames, {.ahead = false})};
   if (model.learned && model.learned->certificates) {
     for (const double rate : {0.01, 0.1, 1.0}) {
       ways.push_back(full_way(fmt::format("paper, miss rate {:.0f} %", 100 * rate),
-                              StepChecker({hierarchy}, {model.charts}, {model.learned}), frames,
+                              StepChecker({model.object()}), frames,
                               {.mode = Mode::Paper, .miss_rate = rate}));
       ways.back().statistical = true;
     }
@@ -184,7 +184,7 @@ Result<std::vector<ModeRow>> measure_reduced(const Frames& frames, const Model& 
   if (!shape) return tl::unexpected(shape.error());
   const ReducedFilm film = reduce(frames, model.learned->pca, *motion);
 
-  ReducedChecker reduced({std::make_shared<const ReducedShape>(std::move(*shape))}, {model.charts});
+  ReducedChecker reduced({{std::make_shared<const ReducedShape>(std::move(*shape)), model.charts}});
   const auto answer_reduced = [&](Index step, StepResult& out) {
     const auto pose = [&](Index k) {
       return ReducedPose{.p = {film.p[k].data(), static_cast<std::size_t>(film.p[k].size())}};
@@ -208,10 +208,9 @@ Result<std::vector<ModeRow>> measure_reduced(const Frames& frames, const Model& 
                            out);
             }};
   };
-  const std::vector<Way> ways{
-      full("plain hierarchies", StepChecker({model.hierarchy()}), false),
-      full("certificates, model", StepChecker({model.hierarchy()}, {model.charts}), true),
-      {"reduced", answer_reduced}};
+  const std::vector<Way> ways{full("plain hierarchies", StepChecker({model.hierarchy()}), false),
+                              full("certificates, model", StepChecker({model.object()}), true),
+                              {"reduced", answer_reduced}};
   return Comparison(static_cast<Index>(frames.size() - 1), hooks).run(ways);
 }
 

@@ -1,7 +1,7 @@
 /// What `check` and `report` do once motions are open.
 #pragma once
 
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof {
 

@@ -4,8 +4,8 @@
 
 #include "base/parallel.h"
 #include "commands.h"
-#include "foldproof/sweep.h"
 #include "step_options.h"
+#include "sweep/sweep.h"
 #include "sweep_ranks.h"
 #include "terminal.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "foldproof/sweep.h"
+#include "sweep/sweep.h"
 
 namespace foldproof {
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof {
 

@@ -122,7 +122,7 @@ Result<std::shared_ptr<const ChartLibrary>> trained(const SceneInfo& scene, Moti
 Result<void> run_steps(Motion& motion, const std::shared_ptr<const Hierarchy>& hierarchy,
                        const std::shared_ptr<const ChartLibrary>& charts, const CertificatePlan& plan,
                        Row& row) {
-  StepChecker with({hierarchy}, {charts}), without({hierarchy});
+  StepChecker with({charts ? Object(charts) : hierarchy}), without({hierarchy});
   StepSettings on, off;
   off.certificates = false;
   on.ahead = false;  // Else what one search saves later steps would pass for proven by certificates.

@@ -41,11 +41,9 @@ class Race {
         loader_(motion),
         record_(record),
         floor_(*prepared.hierarchy) {
-    runners_[0].checker.emplace(std::vector{prepared.hierarchy});
-    if (prepared.charts)
-      runners_[1].checker.emplace(std::vector{prepared.charts->slots()->hierarchy()},
-                                  std::vector{prepared.charts});
-    if (plan.plain) runners_[2].checker.emplace(std::vector{prepared.hierarchy});
+    runners_[0].checker.emplace(std::vector<Object>{prepared.hierarchy});
+    if (prepared.charts) runners_[1].checker.emplace(std::vector<Object>{prepared.charts});
+    if (plan.plain) runners_[2].checker.emplace(std::vector<Object>{prepared.hierarchy});
     for (const PeerEntry& entry : plan.peers) {
       peers_.push_back(entry.make());
       peers_.back()->prepare(topology_);
@@ -116,12 +114,10 @@ class Race {
     StepRecord::OfFoldproof& of = step.ways[place];
     StepSettings settings;
     settings.certificates = way != Way::Plain;
-    const std::span<const double> x0 = loader_.x0(), x1 = loader_.x1();
     Result<void> done;
     const auto before = allocation_count();
-    of.milliseconds = milliseconds_of([&] {
-      done = runner.checker->check({&x0, 1}, {&x1, 1}, settings, runner.result);
-    });
+    of.milliseconds = milliseconds_of(
+        [&] { done = runner.checker->check(loader_.x0(), loader_.x1(), settings, runner.result); });
     of.allocations = allocation_count() - before;
     of.work = runner.result.work;
     of.searched = runner.result.searched;

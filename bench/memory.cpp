@@ -55,8 +55,7 @@ Result<void> run_foldproof(Motion& motion, const std::vector<LoadedStep>& steps,
   StepChecker checker({std::move(*hierarchy)});
   StepResult result;
   for (const LoadedStep& step : steps) {
-    const std::span<const double> x0 = step.x0, x1 = step.x1;
-    if (auto done = checker.check({&x0, 1}, {&x1, 1}, {}, result); !done) return done;
+    if (auto done = checker.check(step.x0, step.x1, {}, result); !done) return done;
   }
   return {};
 }

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "foldproof/check.h"
+#include "foldproof/reduced.h"
 
 namespace foldproof::bench {
 namespace {

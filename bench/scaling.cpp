@@ -61,9 +61,8 @@ class Team {
   Result<double> milliseconds(const StepLoader& loader) {
     const ThreadLimit limit(threads_);
     const double processor = now_milliseconds(true);
-    const std::span<const double> x0 = loader.x0(), x1 = loader.x1();
     const double start = now_milliseconds(false);
-    const Result<void> done = checker_.check({&x0, 1}, {&x1, 1}, {}, result_);
+    const Result<void> done = checker_.check(loader.x0(), loader.x1(), {}, result_);
     const double end = now_milliseconds(false);
     if (!done) return tl::unexpected(done.error());
     wall_ += end - start;

@@ -4,7 +4,7 @@ set(PYTHON_SOURCE ${PROJECT_SOURCE_DIR}/python)
 
 add_test(NAME python COMMAND ${Python3_EXECUTABLE} -m pytest -q -p no:cacheprovider ${PYTHON_SOURCE}/tests)
 set_tests_properties(python PROPERTIES TIMEOUT 600
-  ENVIRONMENT "${MODULE_PATH};FOLDPROOF_PROGRAM=$<TARGET_FILE:foldproof_app>")
+  ENVIRONMENT "${MODULE_PATH};FOLDPROOF_PROGRAM=$<TARGET_FILE:foldproof_program>")
 
 file(MAKE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/python_examples)
 file(GLOB PYTHON_EXAMPLES CONFIGURE_DEPENDS ${PYTHON_SOURCE}/examples/*.py)

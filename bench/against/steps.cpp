@@ -114,7 +114,7 @@ class Steps {
 
   Result<std::string> new_checker() {
     if (!hierarchy_) return fail("checker", "comes before any scene", "send a scene first");
-    checker_.emplace(std::vector{hierarchy_});
+    checker_.emplace(StepChecker({hierarchy_}));
     return std::string("ok");
   }
 
@@ -123,9 +123,9 @@ class Steps {
     StepChoice choice;
     words >> choice.frame >> choice.part >> choice.parts;
     if (auto loaded = loader_->load(choice); !loaded) return tl::unexpected(loaded.error());
-    const std::span<const double> x0 = loader_->x0(), x1 = loader_->x1();
+    const std::span<const double> x0[] = {loader_->x0()}, x1[] = {loader_->x1()};
     Result<void> done;
-    const auto times = times_of([&] { done = checker_->check({&x0, 1}, {&x1, 1}, {}, result_); });
+    const auto times = times_of([&] { done = checker_->check(x0, x1, {}, result_); });
     if (!done) return tl::unexpected(done.error());
     return fmt::format("{} {} {} {:x}", times[0], times[1], result_.count(), hash_of(result_));
   }

@@ -5,12 +5,12 @@
 #include <memory>
 #include <vector>
 
+#include "foldproof/bvh.h"
 #include "foldproof/ccd.h"
-#include "foldproof/certificate.h"
-#include "foldproof/learned.h"
-#include "foldproof/reduced.h"
 
 namespace foldproof {
+
+class ChartLibrary;  // foldproof/certificate.h
 
 /// How far an answer can be relied on.
 enum class Mode : std::uint8_t {
@@ -156,23 +156,72 @@ struct StaticResult {
   bool clean() const { return crossing_count == 0; }
 };
 
-/// Positions of all objects at one time: one span of vertex_count x 3 row-major doubles per object, mesh
-/// units.
-using Positions = std::span<const std::span<const double>>;
+/// Positions of all objects at one time, mesh units: vertex_count x 3 row-major doubles per object. A view;
+/// it does not keep what it refers to.
+class Positions {
+ public:
+  /// Of no object.
+  Positions() = default;
+  /// Of one object.
+  Positions(std::span<const double> x) : one_(x), size_(1) {}
+  Positions(const std::vector<double>& x) : Positions(std::span<const double>(x)) {}
+  /// Of several.
+  Positions(std::span<const std::span<const double>> all) : all_(all.data()), size_(all.size()) {}
+  Positions(const std::vector<std::span<const double>>& all) : Positions(std::span(all)) {}
+  template <std::size_t n>
+  Positions(const std::span<const double> (&all)[n]) : all_(all), size_(n) {}
 
-/// Answers queries on a fixed set of objects; thousands may share one hierarchy and its charts, and only
-/// those whose boxes are near each other are looked at in pairs. Owns the scratch, so a second step of the
-/// same size allocates nothing; with certificates, once charts are drawn and no more are wanted, and searches
-/// that look ahead find no more than before. Use one checker per thread. Threads inside a query come from
-/// oneTBB: limit them with tbb::global_control or a task arena of your own.
+  /// How many objects.
+  std::size_t size() const { return size_; }
+  std::span<const double> operator[](std::size_t object) const { return all_ ? all_[object] : one_; }
+
+ private:
+  std::span<const double> one_;
+  const std::span<const double>* all_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// Predicts, without proof, which nodes of a hierarchy do not touch themselves during a step. Only
+/// Mode::Paper uses it. `predicted_certificates` (foldproof/learned.h) makes the one that the paper
+/// describes.
+class NodePredictor {
+ public:
+  virtual ~NodePredictor() = default;
+  /// Sets free[node] to 1 where the node is predicted not to touch itself, else to 0. `miss_rate`: see
+  /// StepSettings. Called by one thread at a time for each checker.
+  virtual void predict(std::span<const double> x0, std::span<const double> x1, double miss_rate,
+                       std::span<std::uint8_t> free) const = 0;
+};
+
+/// One object of a query. Thousands may share a hierarchy and charts. A trained model makes one with
+/// Model::object. Precondition: pointers are not null, except `predictor`.
+class Object {
+ public:
+  /// Untrained: charts are made during the run.
+  Object(std::shared_ptr<const Hierarchy> hierarchy);
+  Object(Hierarchy hierarchy);
+  /// With trained charts, which know their hierarchy. Mode::Paper needs a predictor.
+  Object(std::shared_ptr<const ChartLibrary> charts,
+         std::shared_ptr<const NodePredictor> predictor = nullptr);
+
+  const std::shared_ptr<const Hierarchy>& hierarchy() const { return hierarchy_; }
+  /// Null when untrained.
+  const std::shared_ptr<const ChartLibrary>& charts() const { return charts_; }
+  const std::shared_ptr<const NodePredictor>& predictor() const { return predictor_; }
+
+ private:
+  std::shared_ptr<const Hierarchy> hierarchy_;
+  std::shared_ptr<const ChartLibrary> charts_;
+  std::shared_ptr<const NodePredictor> predictor_;
+};
+
+/// Answers queries on a fixed set of objects. Keeps its scratch, so a second step of the same size allocates
+/// nothing; with certificates, once no more charts are made and searches that look ahead find no more than
+/// before. Use one checker per thread. Threads inside a query come from oneTBB: limit them with
+/// tbb::global_control or a task arena of your own.
 class StepChecker {
  public:
-  /// `charts`: trained charts for each object, null where there are none; or empty. Their hierarchies are the
-  /// objects'. `learned`, from the same training: Mode::Paper needs it for every object that is checked
-  /// within.
-  explicit StepChecker(std::vector<std::shared_ptr<const Hierarchy>> objects,
-                       std::vector<std::shared_ptr<const ChartLibrary>> charts = {},
-                       std::vector<std::shared_ptr<const Learned>> learned = {});
+  explicit StepChecker(std::vector<Object> objects);
   ~StepChecker();
   StepChecker(StepChecker&&) noexcept;
   StepChecker& operator=(StepChecker&&) noexcept;
@@ -189,48 +238,6 @@ class StepChecker {
   /// twice: always. Of triangles that name the same vertices in the same order one is looked at, so that many
   /// copies cost little; an Explanation says of all of them what holds for that one.
   Result<void> check_static(Positions x, const StepSettings& settings, StaticResult& out);
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
-
-/// One object of a reduced motion at one end of a step: its vertices are at rotation x(p) + translation.
-///
-/// Evaluated in double, one rounding per operation: coordinate i is ((r_i0 x + r_i1 y) + r_i2 z) + t_i with
-/// x, y, z from ReducedMotion. Without a placement that is x(p) itself.
-struct ReducedPose {
-  std::span<const double> p;  ///< One number per mode.
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Vec3 translation = Vec3::Zero();
-};
-
-/// All vertices of a placed shape, by the user's ids: 3 * vertex_count numbers. Precondition: sizes fit.
-void place_vertices(const ReducedMotion& motion, const ReducedPose& pose, std::span<double> out);
-
-/// Answers queries on objects that move in reduced coordinates. It looks at no vertex where nothing is near:
-/// its cost does not depend on the size of the meshes. An object so far from every centre that balls leave
-/// more than two pairs of nodes open per leaf is looked at as StepChecker does, with charts, once its
-/// vertices have been computed. Owns scratch of the meshes' size; a second step of the same kind and size
-/// allocates nothing, where charts are drawn, once no more are wanted. One checker per thread.
-class ReducedChecker {
- public:
-  /// `charts`: as StepChecker's.
-  explicit ReducedChecker(std::vector<std::shared_ptr<const ReducedShape>> objects,
-                          std::vector<std::shared_ptr<const ChartLibrary>> charts = {});
-  ~ReducedChecker();
-  ReducedChecker(ReducedChecker&&) noexcept;
-  ReducedChecker& operator=(ReducedChecker&&) noexcept;
-
-  /// What StepChecker::check answers, bit for bit, when it is given the vertices of all objects at both ends
-  /// (place_vertices) and the tolerance of this answer. The automatic tolerance is 2^-30 of a box that holds
-  /// everything but is found without looking at vertices, hence up to a few times larger. All vertices go
-  /// straight between the ends, also where rotations differ. Balls serve objects whose rotation is the same
-  /// at both ends, and thickness plus tolerance up to the shape's clearance; what is beyond goes by boxes.
-  /// StepSettings::explain has no effect. Error: wrong sizes, numbers that are not finite, a rotation that is
-  /// none.
-  Result<void> check(std::span<const ReducedPose> begin, std::span<const ReducedPose> end,
-                     const StepSettings& settings, StepResult& out);
 
  private:
   struct Impl;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "foldproof/certificate.h"
+#include "foldproof/check.h"
 #include "foldproof/io.h"
 #include "foldproof/keypoints.h"
 
@@ -101,6 +102,10 @@ struct Learned {
 std::vector<Index> badly_represented_poses(const Learned& learned);
 /// The same for regions: places in Learned::regions.
 std::vector<Index> badly_represented_regions(const Learned& learned);
+
+/// Predicts certificates from the key points at both ends of a step (paper, Eq. 3), for Mode::Paper. They
+/// prove nothing. Null where no certificates were learned.
+std::shared_ptr<const NodePredictor> predicted_certificates(std::shared_ptr<const Learned> learned);
 
 /// Vertices that are rebuilt from key points, or p.
 class Predictor {

@@ -61,6 +61,8 @@ struct Model {
   std::string not_learned;                     ///< For people, right after training: why nothing was.
 
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return charts->slots()->hierarchy(); }
+  /// For a checker: the charts, and what predicts certificates where it was learned.
+  Object object() const { return {charts, predicted_certificates(learned)}; }
 };
 
 /// Tells meshes apart: FNV-1a over the number of vertices and the triangles.

@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "foldproof/bvh.h"
+#include "foldproof/check.h"
 #include "foldproof/statistics.h"
 
 namespace foldproof {
@@ -157,6 +157,53 @@ class ReducedShape {
 
  private:
   std::shared_ptr<const Impl> impl_;
+};
+
+/// One object of a reduced motion at one end of a step: its vertices are at rotation x(p) + translation.
+///
+/// Evaluated in double, one rounding per operation: coordinate i is ((r_i0 x + r_i1 y) + r_i2 z) + t_i with
+/// x, y, z from ReducedMotion. Without a placement that is x(p) itself.
+struct ReducedPose {
+  std::span<const double> p;  ///< One number per mode.
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Vec3 translation = Vec3::Zero();
+};
+
+/// All vertices of a placed shape, by the user's ids: 3 * vertex_count numbers. Precondition: sizes fit.
+void place_vertices(const ReducedMotion& motion, const ReducedPose& pose, std::span<double> out);
+
+/// Answers queries on objects that move in reduced coordinates. It looks at no vertex where nothing is near:
+/// its cost does not depend on the size of the meshes. An object so far from every centre that balls leave
+/// more than two pairs of nodes open per leaf is looked at as StepChecker does, with charts, once its
+/// vertices have been computed. Owns scratch of the meshes' size; a second step of the same kind and size
+/// allocates nothing, where charts are drawn, once no more are wanted. One checker per thread.
+class ReducedChecker {
+ public:
+  struct Object {
+    /// `charts`: trained with the shape's hierarchy; null where there are none.
+    Object(std::shared_ptr<const ReducedShape> shape, std::shared_ptr<const ChartLibrary> charts = nullptr)
+        : shape(std::move(shape)), charts(std::move(charts)) {}
+    std::shared_ptr<const ReducedShape> shape;
+    std::shared_ptr<const ChartLibrary> charts;
+  };
+  explicit ReducedChecker(std::vector<Object> objects);
+  ~ReducedChecker();
+  ReducedChecker(ReducedChecker&&) noexcept;
+  ReducedChecker& operator=(ReducedChecker&&) noexcept;
+
+  /// What StepChecker::check answers, bit for bit, when it is given the vertices of all objects at both ends
+  /// (place_vertices) and the tolerance of this answer. The automatic tolerance is 2^-30 of a box that holds
+  /// everything but is found without looking at vertices, hence up to a few times larger. All vertices go
+  /// straight between the ends, also where rotations differ. Balls serve objects whose rotation is the same
+  /// at both ends, and thickness plus tolerance up to the shape's clearance; what is beyond goes by boxes.
+  /// StepSettings::explain has no effect. Error: wrong sizes, numbers that are not finite, a rotation that is
+  /// none, charts of another hierarchy.
+  Result<void> check(std::span<const ReducedPose> begin, std::span<const ReducedPose> end,
+                     const StepSettings& settings, StepResult& out);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// The share of a normal distribution with the modes' deviations that lies within a radius of its mean: the

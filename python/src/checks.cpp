@@ -1,5 +1,5 @@
 // Checks of whole motions.
-#include "foldproof/report.h"
+#include "report/report.h"
 
 #include "long_call.h"
 #include "module.h"

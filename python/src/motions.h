@@ -7,7 +7,7 @@
 #include <mutex>
 #include <vector>
 
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof::python {
 

@@ -150,7 +150,7 @@ struct Checker {
 
 std::unique_ptr<Checker> make_checker(const py::object& shapes) {
   auto made = std::make_unique<Checker>();
-  std::vector<std::shared_ptr<const ReducedShape>> objects;
+  std::vector<ReducedChecker::Object> objects;
   for (const auto& item : items_of(shapes)) {
     if (!py::isinstance<Shape>(item))
       throw py::type_error("shapes: expected a foldproof.ReducedShape, or a list of them");

@@ -4,39 +4,32 @@
 #include <mutex>
 #include <optional>
 
-#include "foldproof/report.h"
 #include "module.h"
+#include "report/report.h"
 
 namespace foldproof::python {
 namespace {
 
 /// Objects that move together. A lock, as Python's own is not held while it works.
 struct Checker {
-  std::vector<std::shared_ptr<const Hierarchy>> objects;
+  std::vector<Object> objects;
   std::optional<StepChecker> checker;
   std::mutex mutex;
 };
 
 std::unique_ptr<Checker> make_checker(const py::object& objects) {
   auto made = std::make_unique<Checker>();
-  std::vector<std::shared_ptr<const ChartLibrary>> charts;
-  std::vector<std::shared_ptr<const Learned>> learned;
   for (const auto& object : items_of(objects)) {
     if (py::isinstance<Model>(object)) {
-      const auto model = object.cast<std::shared_ptr<Model>>();
-      made->objects.push_back(model->hierarchy());
-      charts.push_back(model->charts);
-      learned.push_back(model->learned);
+      made->objects.push_back(object.cast<std::shared_ptr<Model>>()->object());
     } else if (py::isinstance<Hierarchy>(object)) {
-      made->objects.push_back(object.cast<std::shared_ptr<Hierarchy>>());
-      charts.emplace_back();
-      learned.emplace_back();
+      made->objects.emplace_back(std::shared_ptr<const Hierarchy>(object.cast<std::shared_ptr<Hierarchy>>()));
     } else {
       throw py::type_error("objects: expected a foldproof.Hierarchy or a foldproof.Model, or a list of them");
     }
   }
   if (made->objects.empty()) refuse("objects", "are none", "give at least one");
-  made->checker.emplace(made->objects, std::move(charts), std::move(learned));
+  made->checker.emplace(made->objects);
   return made;
 }
 
@@ -56,7 +49,7 @@ Pose pose_of(const py::object& x, const char* what, const Checker& checker) {
   }
   Pose pose;
   for (std::size_t k = 0; k < items.size(); ++k) {
-    const Index vertices = checker.objects[k]->topology().vertex_count();
+    const Index vertices = checker.objects[k].hierarchy()->topology().vertex_count();
     const std::string layout = "V x 3 with V = " + std::to_string(vertices);
     pose.arrays.push_back(numbers_of(items[k], what, {vertices, 3}, layout.c_str()));
     pose.spans.push_back(span_of(pose.arrays.back()));

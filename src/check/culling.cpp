@@ -23,35 +23,30 @@ std::uint64_t hash_of(const TraversalTask& task, NodePair leaves) {
 
 }  // namespace
 
-Culling::Culling(const StepMotion& motion, std::vector<std::shared_ptr<const ChartLibrary>> charts,
-                 std::vector<std::shared_ptr<const Learned>> learned) {
-  charts.resize(motion.size());
-  learned.resize(motion.size());
+Culling::Culling(std::span<const Object> objects) {
   std::map<const Hierarchy*, std::shared_ptr<const PatchSlots>> slots_of;  // one for all instances of a mesh
-  for (Index i = 0; i < motion.size(); ++i) {
-    const std::shared_ptr<const Hierarchy>& hierarchy = motion.trees()[i].hierarchy;
-    auto& slots = slots_of[hierarchy.get()];
-    if (charts[i]) {
-      slots = charts[i]->slots();
+  for (const Object& object : objects) {
+    auto& slots = slots_of[object.hierarchy().get()];
+    if (object.charts()) {
+      slots = object.charts()->slots();
     } else if (!slots) {
-      slots = std::make_shared<const PatchSlots>(hierarchy);
+      slots = std::make_shared<const PatchSlots>(object.hierarchy());
     }
-    books_.push_back(std::make_unique<ChartBook>(slots, std::move(charts[i])));
-    const bool predicted = learned[i] && learned[i]->certificates;
-    predicted_.push_back(
-        predicted ? std::make_unique<PredictedCertificates>(std::move(learned[i]), hierarchy->nodes().size())
-                  : nullptr);
-    leaf_proofs_.emplace_back(hierarchy->leaf_count());
+    books_.push_back(std::make_unique<ChartBook>(slots, object.charts()));
+    predictors_.push_back(object.predictor());
+    leaf_proofs_.emplace_back(object.hierarchy()->leaf_count());
   }
 }
 
 Result<void> Culling::predict(Positions x0, Positions x1, const StepSettings& settings) {
   if (!trusts_predictions_ || !settings.within) return {};
-  for (std::size_t i = 0; i < predicted_.size(); ++i) {
-    if (!predicted_[i])
+  predicted_free_.resize(predictors_.size());
+  for (std::size_t i = 0; i < predictors_.size(); ++i) {
+    if (!predictors_[i])
       return fail(fmt::format("object {}", i), "has nothing learned that predicts its certificates",
                   "train a model on at least 3 poses that differ, or leave the mode paper");
-    predicted_[i]->look(x0[i], x1[i], settings.miss_rate);
+    predicted_free_[i].resize(books_[i]->slots().hierarchy()->nodes().size());
+    predictors_[i]->predict(x0[i], x1[i], settings.miss_rate, predicted_free_[i]);
   }
   return {};
 }
@@ -111,7 +106,7 @@ void Culling::prove_nodes(const StepMotion& motion, Index object) {
   level_proofs_.assign(level_.size(), {});
   if (trusts_predictions_) {
     for (std::size_t i = 0; i < level_.size(); ++i) {
-      if (predicted_[object]->holds(level_[i])) level_proofs_[i] = books_[object]->trained(level_[i]);
+      if (predicted_free_[object][level_[i]]) level_proofs_[i] = books_[object]->trained(level_[i]);
     }
   } else if (uses_certificates_) {
     parallel_for(IndexRange{0, level_.size()}, 8, [&](IndexRange range) {

@@ -6,7 +6,6 @@
 #include "certificate/separating_plane.h"
 #include "check/gain.h"
 #include "check/motion.h"
-#include "check/predicted.h"
 
 namespace foldproof {
 
@@ -14,9 +13,7 @@ namespace foldproof {
 /// planes between leaves. Learns from step to step where they hold and whether to use them at all.
 class Culling {
  public:
-  /// `charts`, `learned`: null where there are none.
-  Culling(const StepMotion& motion, std::vector<std::shared_ptr<const ChartLibrary>> charts,
-          std::vector<std::shared_ptr<const Learned>> learned);
+  explicit Culling(std::span<const Object> objects);
 
   /// Begins a step for a motion that was updated. Error: Mode::Paper has nothing to predict from.
   Result<void> begin(const StepMotion& motion, Positions x0, Positions x1, const StepSettings& settings,
@@ -113,7 +110,8 @@ class Culling {
   Reason reason_of(const TraversalTask& task, NodePair leaves) const;
 
   std::vector<std::unique_ptr<ChartBook>> books_;
-  std::vector<std::unique_ptr<PredictedCertificates>> predicted_;  // null where nothing was learned
+  std::vector<std::shared_ptr<const NodePredictor>> predictors_;  // null where there is none
+  std::vector<std::vector<std::uint8_t>> predicted_free_;         // per object and node; Mode::Paper
   CullingGain gain_;
   bool certificates_ = false, explains_ = false;                     // as the settings say
   bool trusts_predictions_ = false;                                  // Mode::Paper

@@ -40,15 +40,16 @@ std::vector<Index> isolated_vertices(const Hierarchy& hierarchy) {
 
 }  // namespace
 
-StepMotion::StepMotion(std::vector<std::shared_ptr<const Hierarchy>> objects) {
+StepMotion::StepMotion(std::span<const Object> objects) {
   std::map<const Hierarchy*, std::shared_ptr<const std::vector<Index>>> isolated_of;  // one for all instances
-  for (auto& object : objects) {
-    leaf_count_ += object->leaf_count();
-    leaf_needed_.emplace_back(object->leaf_count(), std::uint8_t{0});
-    auto& unused = isolated_of[object.get()];
-    if (!unused) unused = std::make_shared<const std::vector<Index>>(isolated_vertices(*object));
-    isolated_.push_back(unused);
-    trees_.emplace_back(std::move(object));
+  for (const Object& object : objects) {
+    const std::shared_ptr<const Hierarchy>& hierarchy = object.hierarchy();
+    leaf_count_ += hierarchy->leaf_count();
+    leaf_needed_.emplace_back(hierarchy->leaf_count(), std::uint8_t{0});
+    auto& isolated = isolated_of[hierarchy.get()];
+    if (!isolated) isolated = std::make_shared<const std::vector<Index>>(isolated_vertices(*hierarchy));
+    isolated_.push_back(isolated);
+    trees_.emplace_back(hierarchy);
   }
 }
 

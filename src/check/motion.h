@@ -16,7 +16,7 @@ inline Vec3 position(std::span<const double> x, Index vertex) {
 /// Positions, validated and read into the scene's frame, and boxes around them.
 class StepMotion {
  public:
-  explicit StepMotion(std::vector<std::shared_ptr<const Hierarchy>> objects);
+  explicit StepMotion(std::span<const Object> objects);
 
   Index size() const { return static_cast<Index>(trees_.size()); }
   const Hierarchy& hierarchy(Index object) const { return *trees_[object].hierarchy; }

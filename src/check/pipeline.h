@@ -7,12 +7,9 @@
 namespace foldproof {
 
 struct Pipeline {
-  explicit Pipeline(std::vector<std::shared_ptr<const Hierarchy>> objects,
-                    std::vector<std::shared_ptr<const ChartLibrary>> charts = {},
-                    std::vector<std::shared_ptr<const Learned>> learned = {})
-      : motion(std::move(objects)),
-        culling(motion, std::move(charts), std::move(learned)),
-        broad_phase(motion) {}
+  explicit Pipeline(const std::vector<Object>& objects) : Pipeline(std::span(objects)) {}
+  explicit Pipeline(std::span<const Object> objects)
+      : motion(objects), culling(objects), broad_phase(motion) {}
 
   /// After an update of the motion: finds the pairs of leaves that come closer than `distance` and that no
   /// certificate proves apart, and fills their features. Adds to `work`. Error: as Culling::begin.

@@ -8,22 +8,19 @@ namespace {
 
 // Replaces hierarchies by those without copies, and says what these stand for. What was trained belongs to
 // the hierarchy that it was trained with, which stays then. Thousands of objects may share one.
-std::vector<std::shared_ptr<const DistinctTriangles>> distinct_in(
-    std::vector<std::shared_ptr<const Hierarchy>>& objects,
-    const std::vector<std::shared_ptr<const ChartLibrary>>& charts,
-    const std::vector<std::shared_ptr<const Learned>>& learned) {
+std::vector<std::shared_ptr<const DistinctTriangles>> distinct_in(std::vector<Object>& objects) {
   std::map<const Hierarchy*, std::shared_ptr<const DistinctTriangles>> of;
   std::vector<std::shared_ptr<const DistinctTriangles>> all;
   bool any = false;
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    const bool trained = (i < charts.size() && charts[i]) || (i < learned.size() && learned[i]);
-    auto& distinct = of[trained ? nullptr : objects[i].get()];
+  for (Object& object : objects) {
+    const bool trained = object.charts() || object.predictor();
+    auto& distinct = of[trained ? nullptr : object.hierarchy().get()];
     if (!distinct)
       distinct = trained ? std::make_shared<const DistinctTriangles>()
-                         : std::make_shared<const DistinctTriangles>(objects[i]);
+                         : std::make_shared<const DistinctTriangles>(object.hierarchy());
     all.push_back(distinct);
     if (!distinct->has_copies()) continue;
-    objects[i] = distinct->hierarchy();
+    object = distinct->hierarchy();
     any = true;
   }
   if (!any) all.clear();
@@ -32,12 +29,15 @@ std::vector<std::shared_ptr<const DistinctTriangles>> distinct_in(
 
 }  // namespace
 
-StepChecker::StepChecker(std::vector<std::shared_ptr<const Hierarchy>> objects,
-                         std::vector<std::shared_ptr<const ChartLibrary>> charts,
-                         std::vector<std::shared_ptr<const Learned>> learned)
-    : impl_(new Impl{distinct_in(objects, charts, learned),
-                     Pipeline(std::move(objects), std::move(charts), std::move(learned)),
-                     {}}) {}
+Object::Object(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(std::move(hierarchy)) {}
+Object::Object(Hierarchy hierarchy) : Object(std::make_shared<const Hierarchy>(std::move(hierarchy))) {}
+Object::Object(std::shared_ptr<const ChartLibrary> charts, std::shared_ptr<const NodePredictor> predictor)
+    : hierarchy_(charts->slots()->hierarchy()),
+      charts_(std::move(charts)),
+      predictor_(std::move(predictor)) {}
+
+StepChecker::StepChecker(std::vector<Object> objects)
+    : impl_(new Impl{distinct_in(objects), Pipeline(objects), {}}) {}
 StepChecker::~StepChecker() = default;
 StepChecker::StepChecker(StepChecker&&) noexcept = default;
 StepChecker& StepChecker::operator=(StepChecker&&) noexcept = default;

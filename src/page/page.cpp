@@ -1,5 +1,5 @@
 // Requests and what answers them.
-#include "foldproof/page.h"
+#include "page/page.h"
 
 #include <fmt/format.h>
 

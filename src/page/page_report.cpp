@@ -3,7 +3,7 @@
 
 #include <ctime>
 
-#include "foldproof/page.h"
+#include "page/page.h"
 #include "page/page_json.h"
 #include "page/snapshots.h"
 #include "report/text_file.h"

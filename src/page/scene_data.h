@@ -3,7 +3,7 @@
 
 #include <mutex>
 
-#include "foldproof/page.h"
+#include "page/page.h"
 #include "page/page_json.h"
 #include "page/shared_motion.h"
 

@@ -6,8 +6,8 @@
 #include <system_error>
 #include <thread>
 
-#include "foldproof/page.h"
 #include "page/connections.h"
+#include "page/page.h"
 #include "page/page_json.h"
 
 // Last: system headers in it define macros that Eigen stumbles over.

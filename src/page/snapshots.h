@@ -1,8 +1,8 @@
 /// Pictures for the mailed report: what crosses at the start, the worst steps, and all of them together.
 #pragma once
 
-#include "foldproof/page.h"
-#include "foldproof/picture.h"
+#include "page/page.h"
+#include "picture/picture.h"
 #include "report/joined.h"
 
 namespace foldproof {

@@ -4,8 +4,8 @@
 #include <mutex>
 #include <optional>
 
-#include "foldproof/report.h"
 #include "io/spool.h"
+#include "report/report.h"
 
 namespace foldproof {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include "foldproof/picture.h"
+#include "picture/picture.h"
 
 namespace foldproof::picture {
 

@@ -1,7 +1,7 @@
 /// Light adds up in linear values, not in those that files hold.
 #pragma once
 
-#include "foldproof/picture.h"
+#include "picture/picture.h"
 
 namespace foldproof::picture {
 

@@ -1,6 +1,6 @@
 #include <png.h>
 
-#include "foldproof/picture.h"
+#include "picture/picture.h"
 
 namespace foldproof {
 

@@ -1,4 +1,4 @@
-#include "foldproof/report.h"
+#include "report/report.h"
 #include "report/text_file.h"
 
 namespace foldproof {

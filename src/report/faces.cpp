@@ -1,7 +1,7 @@
 // What an answer says about faces.
 #include <algorithm>
 
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof {
 namespace {

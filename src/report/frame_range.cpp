@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof {
 namespace {

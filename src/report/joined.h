@@ -1,7 +1,7 @@
 /// All objects as one mesh, for pictures.
 #pragma once
 
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof {
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof {
 namespace {
@@ -45,28 +45,15 @@ class Pose {
   std::vector<std::span<const double>> spans_;
 };
 
-/// What checkers share: hierarchies, and what models hold.
-struct Objects {
-  std::vector<std::shared_ptr<const Hierarchy>> hierarchies;
-  std::vector<std::shared_ptr<const ChartLibrary>> charts;
-  std::vector<std::shared_ptr<const Learned>> learned;
-
-  StepChecker checker() const { return StepChecker(hierarchies, charts, learned); }
-};
-
-Result<Objects> make_objects(Motions motions, const CheckSettings& settings, const Pose& first) {
-  Objects objects;
-  objects.charts.resize(motions.size());
-  objects.learned.resize(motions.size());
+Result<std::vector<Object>> make_objects(Motions motions, const CheckSettings& settings, const Pose& first) {
+  std::vector<Object> objects;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (!settings.models.empty() && settings.models[i]) {
-      objects.hierarchies.push_back(settings.models[i]->hierarchy());
-      objects.charts[i] = settings.models[i]->charts;
-      objects.learned[i] = settings.models[i]->learned;
+      objects.push_back(settings.models[i]->object());
       continue;
     }
     if (!settings.hierarchies.empty()) {
-      objects.hierarchies.push_back(settings.hierarchies[i]);
+      objects.emplace_back(settings.hierarchies[i]);
       continue;
     }
     auto hierarchy = Hierarchy::build(motions[i]->topology(), first.positions()[i]);
@@ -75,7 +62,7 @@ Result<Objects> make_objects(Motions motions, const CheckSettings& settings, con
       error.where = motions[i]->name() + ": " + error.where;
       return tl::unexpected(std::move(error));
     }
-    objects.hierarchies.push_back(std::make_shared<const Hierarchy>(std::move(*hierarchy)));
+    objects.emplace_back(std::move(*hierarchy));
   }
   return objects;
 }
@@ -119,7 +106,7 @@ class Run {
       if (!checker) {
         const auto objects = make_objects(motions_, settings_, pose);
         if (!objects) return tl::unexpected(objects.error());
-        checker = objects->checker();
+        checker.emplace(*objects);
         prepare_comparison(*objects);
       }
       if (stop_requested()) return totals_;
@@ -154,7 +141,7 @@ class Run {
       if (stop_requested()) return totals_;
       if (const auto done = start(*objects, from); !done) return tl::unexpected(done.error());
     }
-    StepChecker checker = objects->checker();
+    StepChecker checker(*objects);
     prepare_comparison(*objects);
     if (frames_.size() == 1) {
       if (stop_requested()) return totals_;
@@ -190,12 +177,12 @@ class Run {
   }
 
   // Exact in every mode. It has a checker of its own, so that the steps' answers tell of steps only.
-  Result<void> start(const Objects& objects, const Pose& first) {
+  Result<void> start(const std::vector<Object>& objects, const Pose& first) {
     StepSettings asked = settings_.step;
     asked.mode = Mode::Proven;
     asked.explain = false;
     StaticResult result;
-    if (auto done = objects.checker().check_static(first.positions(), asked, result); !done) return done;
+    if (auto done = StepChecker(objects).check_static(first.positions(), asked, result); !done) return done;
     const CheckedStep pose{.place = {0, frames_[0], frames_[0], 0},
                            .collisions = {.triangle_triangle = result.crossing_count},
                            .work = result.work,
@@ -232,12 +219,12 @@ class Run {
 
   // Mode::Paper: the checker that it is compared with. The statistical answer is always part of the proven
   // one: both pass the same pairs to the same narrow phase. So counts are enough.
-  void prepare_comparison(const Objects& objects) {
+  void prepare_comparison(const std::vector<Object>& objects) {
     if (settings_.step.mode != Mode::Paper) return;
     proven_settings_ = settings_.step;
     proven_settings_.mode = Mode::Proven;
     proven_settings_.max_listed = 0;
-    proven_ = objects.checker();
+    proven_.emplace(objects);
   }
 
   template <class Answer>

@@ -10,8 +10,8 @@
 #include <set>
 #include <system_error>
 
-#include "foldproof/sweep.h"
 #include "report/json_values.h"
+#include "sweep/sweep.h"
 
 namespace foldproof {
 namespace {

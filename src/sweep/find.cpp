@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include "foldproof/sweep.h"
 #include "io/readers.h"
+#include "sweep/sweep.h"
 
 namespace foldproof {
 namespace {

@@ -5,9 +5,9 @@
 #include <chrono>
 #include <new>
 
-#include "foldproof/sweep.h"
 #include "io/readers.h"
 #include "report/json_values.h"
+#include "sweep/sweep.h"
 
 namespace foldproof {
 namespace {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 
-#include "foldproof/sweep.h"
 #include "report/json_values.h"
 #include "report/text_file.h"
+#include "sweep/sweep.h"
 
 namespace foldproof {
 namespace {

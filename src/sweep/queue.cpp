@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "foldproof/sweep.h"
+#include "sweep/sweep.h"
 
 namespace foldproof {
 

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "adversary/run.h"
+#include "foldproof/reduced.h"
 #include "oracle/brute_force.h"
 
 namespace foldproof::adversary {

@@ -109,7 +109,7 @@ StepResult listed(const StepResult& all, std::uint64_t most) {
   return some;
 }
 
-using Hierarchies = std::vector<std::shared_ptr<const Hierarchy>>;
+using Objects = std::vector<foldproof::Object>;
 
 class Player {
  public:
@@ -130,8 +130,8 @@ class Player {
   }
 
  private:
-  Hierarchies hierarchies(Index leaf_triangles) const {
-    Hierarchies all;
+  Objects hierarchies(Index leaf_triangles) const {
+    Objects all;
     for (std::size_t k = 0; k < case_.objects.size(); ++k) {
       const Object& o = case_.objects[k];
       HierarchySettings settings;
@@ -257,7 +257,7 @@ class Player {
   std::string play_order(const Step& step) {
     now_doing = "objects the other way round";
     const auto last = static_cast<Index>(case_.objects.size() - 1);
-    StepChecker fresh(Hierarchies(own_.rbegin(), own_.rend()));
+    StepChecker fresh(Objects(own_.rbegin(), own_.rend()));
     Step turned = step;
     for (Poses* x : {&turned.x0, &turned.x1}) std::reverse(x->begin(), x->end());
     StepSettings settings = step.settings;
@@ -361,7 +361,7 @@ class Player {
   const Case& case_;
   Tally& tally_;
   std::mt19937_64 rng_;
-  Hierarchies own_;
+  Objects own_;
   std::optional<StepChecker> main_, single_, without_ahead_, without_certificates_;
   std::optional<SolverCheck> solver_;
   StepResult full_, expected_;

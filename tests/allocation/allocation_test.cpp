@@ -9,6 +9,7 @@
 #include <new>
 
 #include "base/parallel.h"
+#include "foldproof/reduced.h"
 #include "foldproof/solver.h"
 
 namespace {

@@ -67,7 +67,7 @@ struct Bits {
 
 // Two sheets that go through each other, `size` across: the smallest ones have denormal coordinates.
 struct Sheets {
-  std::vector<std::shared_ptr<const Hierarchy>> hierarchies;
+  std::vector<Object> hierarchies;
   std::vector<std::vector<double>> x0, x1;
   std::vector<double> folded;  // the first one, as it lies doubled up
   double across, thickness;
@@ -133,7 +133,7 @@ Bits query_answers(const Sheets& s) {
 
 Bits solver_answers(const Sheets& s) {
   Bits bits;
-  const auto faces = s.hierarchies[0]->topology().triangles();
+  const auto faces = s.hierarchies[0].hierarchy()->topology().triangles();
   const auto mesh = CollisionMesh::make(s.x0[0], {}, {faces.begin(), faces.end()});
   ContactChecker checker(std::make_shared<const CollisionMesh>(*mesh));
   const std::vector<double>& folded = s.folded;

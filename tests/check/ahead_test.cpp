@@ -204,10 +204,10 @@ TEST(Ahead, VerticesThatStrayTowardsEachOtherAreFound) {
           if (k == 7) stray(to, size, both);
           const std::span<const double> x0 = from, x1 = to;
           StepResult a, b;
-          ASSERT_TRUE(with.check({&x0, 1}, {&x1, 1}, {}, a));
+          ASSERT_TRUE(with.check(x0, x1, {}, a));
           StepSettings plain;
           plain.certificates = false;
-          ASSERT_TRUE(without.check({&x0, 1}, {&x1, 1}, plain, b));
+          ASSERT_TRUE(without.check(x0, x1, plain, b));
           ASSERT_NO_FATAL_FAILURE(expect_same(a, b)) << "size " << size << ", share " << share;
           EXPECT_EQ(b.clean(), k < 7 || share < 1);
           served_hits[both] += k == 7 && a.searched == 0 && !a.clean();
@@ -232,7 +232,7 @@ TEST(Ahead, ASingleVertexThatComesFromElsewhereIsFound) {
         Pose from = sheets_at(0.003 * k, gap), to = sheets_at(0.003 * (k + 1), gap);
         if (k == 5) (begins ? from : to)[3 * vertex + 2] = 2 * gap;
         const std::span<const double> x0 = from, x1 = to;
-        ASSERT_TRUE(checker.check({&x0, 1}, {&x1, 1}, {}, result));
+        ASSERT_TRUE(checker.check(x0, x1, {}, result));
       }
       EXPECT_FALSE(result.clean()) << "vertex " << vertex;
     }
@@ -247,7 +247,7 @@ TEST(Ahead, ABodyThatGoesStraightOnIsSearchedSeldom) {
     const Pose from = sheets_at(0.003 * k, 0.4 * kEdge), to = sheets_at(0.003 * (k + 1), 0.4 * kEdge);
     const std::span<const double> x0 = from, x1 = to;
     StepResult result;
-    ASSERT_TRUE(checker.check({&x0, 1}, {&x1, 1}, {}, result));
+    ASSERT_TRUE(checker.check(x0, x1, {}, result));
     searches += result.searched != 0;
     if (result.searched == 0) {
       EXPECT_EQ(result.work.node_tests, 0u);
@@ -268,7 +268,7 @@ TEST(Ahead, NumbersThatAreNotFiniteAreFoundWhereSearchesServe) {
           k < 9 ? std::numeric_limits<double>::quiet_NaN() : std::numeric_limits<double>::infinity();
     }
     const std::span<const double> x0 = from, x1 = to;
-    const auto done = checker.check({&x0, 1}, {&x1, 1}, {}, result);
+    const auto done = checker.check(x0, x1, {}, result);
     EXPECT_EQ(done.has_value(), !bad) << "step " << k;
     if (!done) {
       EXPECT_EQ(done.error().where, "object 0, vertex 17");
@@ -292,7 +292,7 @@ TEST(Ahead, UnusedVerticesThatAreNotFiniteAreFoundWhereSearchesServe) {
   for (int k = 0; k < 40; ++k) {
     const Pose from = at(0.003 * k), to = at(0.003 * (k + 1));
     const std::span<const double> x0 = from, x1 = to;
-    ASSERT_TRUE(checker.check({&x0, 1}, {&x1, 1}, {}, result));
+    ASSERT_TRUE(checker.check(x0, x1, {}, result));
     if (result.searched != 0) continue;
     ++served;
     for (const bool end : {false, true}) {
@@ -300,7 +300,7 @@ TEST(Ahead, UnusedVerticesThatAreNotFiniteAreFoundWhereSearchesServe) {
       spoilt.back() =
           k % 2 ? std::numeric_limits<double>::quiet_NaN() : std::numeric_limits<double>::infinity();
       const std::span<const double> bad = spoilt;
-      EXPECT_FALSE(checker.check({end ? &x0 : &bad, 1}, {end ? &bad : &x1, 1}, {}, result)) << "step " << k;
+      EXPECT_FALSE(checker.check(end ? x0 : bad, end ? bad : x1, {}, result)) << "step " << k;
     }
   }
   EXPECT_GT(served, 10);
@@ -319,7 +319,7 @@ TEST(Ahead, AStepThatFailedServesNobody) {
     Pose to = sheets_at(0.003 * (k + 1), height(k + 1));
     if (k == 6) to[3 * 29] = std::numeric_limits<double>::quiet_NaN();
     const std::span<const double> x0 = from, x1 = to;
-    EXPECT_EQ(checker.check({&x0, 1}, {&x1, 1}, {}, result).has_value(), k != 6);
+    EXPECT_EQ(checker.check(x0, x1, {}, result).has_value(), k != 6);
     if (k != 6) hits += result.vertex_face.size();
   }
   EXPECT_GT(hits, 100u);
@@ -339,7 +339,7 @@ TEST(Ahead, TheSameStepAgainHasTheSameAnswer) {
     StepResult result;
     std::size_t first = 0;
     for (int k = 0; k < 6; ++k) {
-      ASSERT_TRUE(checker.check({&x0, 1}, {&x1, 1}, {}, result));
+      ASSERT_TRUE(checker.check(x0, x1, {}, result));
       const std::size_t hits = result.vertex_face.size() + result.edge_edge.size();
       if (k == 0) first = hits;
       // What goes nowhere is not looked at ahead.
@@ -362,7 +362,7 @@ TEST(Ahead, TheEndsOfNumbersAreNoReasonToFail) {
       for (double& x : to) x *= far * (0.2 + 0.1 * k);
       const std::span<const double> x0 = from, x1 = to;
       StepResult result;
-      EXPECT_TRUE(checker.check({&x0, 1}, {&x1, 1}, {}, result)) << far << ", step " << k;
+      EXPECT_TRUE(checker.check(x0, x1, {}, result)) << far << ", step " << k;
     }
   }
 }
@@ -372,7 +372,8 @@ TEST(Ahead, TheEndsOfNumbersAreNoReasonToFail) {
 TEST(Ahead, TheStepThatSearchesLiesOnItsMotion) {
   Rng rng(5);
   auto hierarchy = Hierarchy::build(two_sheets(), sheets_at(0, kEdge));
-  StepMotion motion({std::make_shared<const Hierarchy>(std::move(hierarchy.value()))});
+  const Object sheets(std::move(hierarchy.value()));
+  StepMotion motion(std::span(&sheets, 1));
   int ahead = 0, alone = 0;
   for (int round = 0; round < 400; ++round) {
     const Index steps = 2 + rng() % 31;

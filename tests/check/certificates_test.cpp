@@ -72,8 +72,7 @@ TEST_P(Films, SettingsChangeFromStepToStep) {
 // Models of a few poses, of all, and of one only.
 TEST_P(Films, TrainedChartsNeverChangeAnAnswer) {
   for (const std::size_t stride : {4, 13, 1000}) {
-    std::vector<std::shared_ptr<const Hierarchy>> objects;
-    std::vector<std::shared_ptr<const ChartLibrary>> charts;
+    std::vector<Object> trained, untrained;
     for (std::size_t object = 0; object < film_.topologies.size(); ++object) {
       std::vector<Pose> poses;
       for (std::size_t k = 0; k < film_.poses.size(); k += stride) poses.push_back(film_.poses[k][object]);
@@ -82,10 +81,10 @@ TEST_P(Films, TrainedChartsNeverChangeAnAnswer) {
       for (Index k = 0; k < motion->frame_count(); ++k) chosen.push_back({motion.get(), k});
       const Result<Model> model = train_model(chosen, {});
       ASSERT_TRUE(model) << model.error().line();
-      objects.push_back(model->hierarchy());
-      charts.push_back(model->charts);
+      trained.push_back(model->object());
+      untrained.push_back(model->hierarchy());
     }
-    Comparison both(objects, charts);
+    Comparison both(trained, untrained);
     for (std::size_t k = 0; k + 1 < film_.poses.size(); ++k) {
       ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k], film_.poses[k + 1], {})) << "step " << k;
       ASSERT_NO_FATAL_FAILURE(both.pose(film_.poses[k])) << "pose " << k;
@@ -232,7 +231,7 @@ TEST_P(RealFilms, FullStepsWithModels) {
     training.references = references;
     const Result<Model> model = train_model(chosen, training);
     ASSERT_TRUE(model) << model.error().line();
-    Comparison both({model->hierarchy()}, {model->charts});
+    Comparison both({model->object()}, {model->hierarchy()});
     for (Index k = first_; k < last_; ++k)
       ASSERT_NO_FATAL_FAILURE(both.step(frame(k), frame(k + 1), {})) << "frame " << k;
     report(both);

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "bvh/meshes.h"
+#include "foldproof/certificate.h"
 #include "foldproof/check.h"
 #include "oracle/meshes.h"
 

@@ -70,7 +70,7 @@ struct Sums {
   }
 };
 
-inline std::vector<std::shared_ptr<const Hierarchy>> hierarchies(const Film& film, Index leaf_triangles) {
+inline std::vector<Object> hierarchies(const Film& film, Index leaf_triangles) {
   Scene scene;
   scene.topologies = film.topologies;
   scene.x0 = film.poses[0];
@@ -80,9 +80,9 @@ inline std::vector<std::shared_ptr<const Hierarchy>> hierarchies(const Film& fil
 /// The checkers of a comparison: one that uses certificates, and one that does not.
 class Comparison {
  public:
-  explicit Comparison(const std::vector<std::shared_ptr<const Hierarchy>>& objects,
-                      const std::vector<std::shared_ptr<const ChartLibrary>>& trained = {})
-      : with_(objects, trained), without_(objects) {}
+  explicit Comparison(const std::vector<Object>& objects) : Comparison(objects, objects) {}
+  Comparison(const std::vector<Object>& trained, const std::vector<Object>& untrained)
+      : with_(trained), without_(untrained) {}
 
   void step(const std::vector<Pose>& from, const std::vector<Pose>& to, StepSettings settings) {
     StepResult with, without;

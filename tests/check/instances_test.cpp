@@ -71,9 +71,7 @@ struct Crowd {
 
   /// All bodies have one hierarchy, and one library of charts with `model`.
   StepResult as_objects(const Model& model, bool with_model, bool certificates) const {
-    StepChecker checker(
-        std::vector(kBodies, model.hierarchy()),
-        with_model ? std::vector(kBodies, model.charts) : std::vector<std::shared_ptr<const ChartLibrary>>{});
+    StepChecker checker(std::vector(kBodies, with_model ? model.object() : Object(model.hierarchy())));
     const std::vector<std::span<const double>> from(x0.begin(), x0.end()), to(x1.begin(), x1.end());
     StepResult answer;
     for (int k = 0; k < 3; ++k) {  // charts and planes come into play from the second step on

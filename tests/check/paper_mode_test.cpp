@@ -6,9 +6,9 @@
 
 #include "foldproof/check.h"
 #include "foldproof/model.h"
-#include "foldproof/report.h"
 #include "model/cylinder.h"
 #include "oracle/brute_force.h"
+#include "report/report.h"
 
 namespace foldproof::testing {
 namespace {
@@ -22,9 +22,7 @@ class PaperMode : public ::testing::Test {
     model_ = std::make_shared<const Model>(*train_model(all_poses(*poses), {}));
   }
 
-  StepChecker checker() const {
-    return StepChecker({model_->hierarchy()}, {model_->charts}, {model_->learned});
-  }
+  StepChecker checker() const { return StepChecker({model_->object()}); }
   StepResult answer(StepChecker& checker, double from, double to, const StepSettings& settings) const {
     const auto x0 = bent(kShape.around, kShape.along, from), x1 = bent(kShape.around, kShape.along, to);
     const std::span<const double> a[] = {x0}, b[] = {x1};
@@ -85,7 +83,7 @@ TEST_F(PaperMode, LeavesTheProvenAnswerAsItIs) {
 }
 
 TEST_F(PaperMode, SaysWhatIsMissing) {
-  StepChecker without({model_->hierarchy()}, {model_->charts});
+  StepChecker without({model_->charts});
   const auto x = bent(kShape.around, kShape.along, 1);
   const std::span<const double> pose[] = {x};
   StepResult result;

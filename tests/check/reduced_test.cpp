@@ -30,6 +30,10 @@ ShapePointer shape_of(const ReducedMesh& mesh, const ReducedSettings& settings =
   return std::make_shared<const ReducedShape>(ReducedShape::build(motion, centres, settings).value());
 }
 
+std::vector<ReducedChecker::Object> objects_of(const std::vector<ShapePointer>& shapes) {
+  return {shapes.begin(), shapes.end()};
+}
+
 // Coordinates and placements of all objects at both ends of a step.
 struct Step {
   std::vector<std::vector<double>> p0, p1;
@@ -58,11 +62,11 @@ Step random_step(const std::vector<ShapePointer>& shapes, double distance, doubl
 // Runs both checkers; gives the reduced one's answer.
 StepResult expect_same_answer(const std::vector<ShapePointer>& shapes, const Step& step,
                               StepSettings settings) {
-  ReducedChecker reduced(shapes);
+  ReducedChecker reduced(objects_of(shapes));
   StepResult answer, expected;
   const auto done = reduced.check(step.begin, step.end, settings, answer);
   EXPECT_TRUE(done) << (done ? "" : done.error().line());
-  std::vector<std::shared_ptr<const Hierarchy>> objects;
+  std::vector<Object> objects;
   std::vector<std::vector<double>> x0, x1;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const ReducedMotion& motion = *shapes[i]->motion();
@@ -101,7 +105,7 @@ TEST(ReducedChecker, AnswersAsStepCheckerWithinOneObject) {
           StepSettings without;
           without.certificates = false;
           StepResult by_boxes;
-          ASSERT_TRUE(ReducedChecker(shapes).check(step.begin, step.end, without, by_boxes));
+          ASSERT_TRUE(ReducedChecker(objects_of(shapes)).check(step.begin, step.end, without, by_boxes));
           expect_same(by_boxes.vertex_face, answer.vertex_face);
           expect_same(by_boxes.edge_edge, answer.edge_edge);
           with_balls += answer.work.leaf_pairs;
@@ -192,7 +196,7 @@ TEST(ReducedChecker, AnswersForSeveralPlacedObjects) {
 
 TEST(ReducedChecker, RefusesWhatItCannotCheck) {
   const std::vector<ShapePointer> shapes{shape_of(waving_cloth(6))};
-  ReducedChecker checker(shapes);
+  ReducedChecker checker(objects_of(shapes));
   StepResult answer;
   std::mt19937 random(25);
   const Step good = random_step(shapes, 1, 0.1, random);

@@ -31,7 +31,7 @@ struct Place {
 class Rivals {
  public:
   explicit Rivals(const std::vector<ShapePointer>& shapes)
-      : shapes_(shapes), reduced_(shapes), full_(hierarchies(shapes)) {}
+      : shapes_(shapes), reduced_({shapes.begin(), shapes.end()}), full_(hierarchies(shapes)) {}
 
   void step(const std::vector<Place>& from, const std::vector<Place>& to, StepSettings settings = {}) {
     std::vector<ReducedPose> begin, end;
@@ -57,8 +57,8 @@ class Rivals {
   StepResult answer, expected;
 
  private:
-  static std::vector<std::shared_ptr<const Hierarchy>> hierarchies(const std::vector<ShapePointer>& shapes) {
-    std::vector<std::shared_ptr<const Hierarchy>> result;
+  static std::vector<Object> hierarchies(const std::vector<ShapePointer>& shapes) {
+    std::vector<Object> result;
     for (const ShapePointer& shape : shapes) result.push_back(shape->motion()->hierarchy());
     return result;
   }

@@ -18,7 +18,7 @@ void require_same_answer(const foldproof::Model& model) {
   }
   const std::span<const double> from[] = {x0}, to[] = {x1};
   StepResult with, without;
-  if (!StepChecker({model.hierarchy()}, {model.charts}).check(from, to, {}, with)) std::abort();
+  if (!StepChecker({model.object()}).check(from, to, {}, with)) std::abort();
   if (!StepChecker({model.hierarchy()}).check(from, to, {.certificates = false}, without)) std::abort();
   if (with.vertex_face.size() != without.vertex_face.size()) std::abort();
   if (with.edge_edge.size() != without.edge_edge.size()) std::abort();

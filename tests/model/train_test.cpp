@@ -32,7 +32,7 @@ std::array<StepResult, 2> with_and_without(const Model& model, double from_angle
   const auto x0 = bent(kTube.around, kTube.along, from_angle), x1 = bent(kTube.around, kTube.along, to_angle);
   const std::span<const double> from[] = {x0}, to[] = {x1};
   std::array<StepResult, 2> results;
-  EXPECT_TRUE(StepChecker({model.hierarchy()}, {model.charts}).check(from, to, {}, results[0]));
+  EXPECT_TRUE(StepChecker({model.object()}).check(from, to, {}, results[0]));
   EXPECT_TRUE(StepChecker({model.hierarchy()}).check(from, to, {.certificates = false}, results[1]));
   return results;
 }

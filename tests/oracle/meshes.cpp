@@ -186,8 +186,8 @@ std::vector<double> deformed(std::span<const double> positions, double amplitude
   return result;
 }
 
-std::vector<std::shared_ptr<const Hierarchy>> Scene::hierarchies(Index leaf_triangles) const {
-  std::vector<std::shared_ptr<const Hierarchy>> result;
+std::vector<Object> Scene::hierarchies(Index leaf_triangles) const {
+  std::vector<Object> result;
   for (std::size_t i = 0; i < topologies.size(); ++i) {
     Result<Hierarchy> built = Hierarchy::build(topologies[i], x0[i], {leaf_triangles});
     if (!built) throw std::runtime_error(built.error().line());

@@ -41,7 +41,7 @@ struct Scene {
   std::vector<std::vector<double>> x0, x1;
   std::vector<std::span<const double>> spans0() const { return {x0.begin(), x0.end()}; }
   std::vector<std::span<const double>> spans1() const { return {x1.begin(), x1.end()}; }
-  std::vector<std::shared_ptr<const Hierarchy>> hierarchies(Index leaf_triangles) const;
+  std::vector<Object> hierarchies(Index leaf_triangles) const;
 };
 
 }  // namespace foldproof::oracle

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "foldproof/reduced.h"
 #include "page/served.h"
 
 namespace foldproof {
@@ -26,7 +27,7 @@ std::vector<float> single(const std::vector<double>& x) { return {x.begin(), x.e
 class Truth {
  public:
   explicit Truth(std::vector<std::unique_ptr<Motion>> motions) : motions_(std::move(motions)) {
-    std::vector<std::shared_ptr<const Hierarchy>> trees;
+    std::vector<Object> trees;
     for (const auto& motion : motions_) {
       trees.push_back(
           std::make_shared<const Hierarchy>(*Hierarchy::build(motion->topology(), frame_of(*motion, 0))));
@@ -55,11 +56,11 @@ class Truth {
     return x;
   }
   Motion& motion(Index object) { return *motions_[object]; }
-  const Hierarchy& tree(Index object) const { return *trees_[object]; }
+  const Hierarchy& tree(Index object) const { return *trees_[object].hierarchy(); }
 
  private:
   std::vector<std::unique_ptr<Motion>> motions_;
-  std::vector<std::shared_ptr<const Hierarchy>> trees_;
+  std::vector<Object> trees_;
   std::optional<StepChecker> checker_;
   StepResult result_;
   std::vector<std::vector<double>> x0_, x1_;
@@ -364,7 +365,7 @@ TEST(PageAnswers, ASinglePoseIsAMotionThatStandsStill) {
 
 /// What the library itself says of the first frame.
 StaticResult crossings_of(const std::vector<std::unique_ptr<Motion>>& motions) {
-  std::vector<std::shared_ptr<const Hierarchy>> trees;
+  std::vector<Object> trees;
   std::vector<std::vector<double>> frames;
   for (const auto& motion : motions) {
     frames.push_back(frame_of(*motion, 0));

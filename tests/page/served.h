@@ -8,8 +8,8 @@
 #include <numbers>
 #include <thread>
 
-#include "foldproof/page.h"
 #include "model/cylinder.h"
+#include "page/page.h"
 #include "report/needle.h"
 
 // Last: system headers in it define macros that Eigen stumbles over.

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "base/parallel.h"
-#include "foldproof/picture.h"
+#include "picture/picture.h"
 
 namespace foldproof {
 namespace {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "foldproof/picture.h"
+#include "picture/picture.h"
 #include "report/needle.h"
 
 namespace foldproof {

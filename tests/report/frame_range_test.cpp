@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof::testing {
 

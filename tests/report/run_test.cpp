@@ -34,8 +34,10 @@ struct Recorder : ReportWriter {
   }
   Result<void> step(const CheckedStep& s) override {
     Seen seen{s.place, s.collisions, s.earliest_toi, {}, {}};
-    for (const auto& x : s.x0) seen.x0.emplace_back(x.begin(), x.end());
-    for (const auto& x : s.x1) seen.x1.emplace_back(x.begin(), x.end());
+    for (std::size_t object = 0; object < s.x0.size(); ++object) {
+      seen.x0.emplace_back(s.x0[object].begin(), s.x0[object].end());
+      seen.x1.emplace_back(s.x1[object].begin(), s.x1[object].end());
+    }
     log.steps.push_back(std::move(seen));
     return {};
   }

@@ -1,8 +1,8 @@
 // What counts as a motion below a directory.
 #include <gmock/gmock.h>
 
-#include "foldproof/sweep.h"
 #include "report/needle.h"
+#include "sweep/sweep.h"
 
 namespace foldproof {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "foldproof/sweep.h"
 #include "report/needle.h"
 #include "report/spheres.h"
+#include "sweep/sweep.h"
 
 namespace foldproof {
 namespace {

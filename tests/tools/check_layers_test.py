@@ -35,7 +35,7 @@ class CheckLayers(unittest.TestCase):
         for word in words:
             self.assertIn(word, output)
 
-    def test_includes_of_earlier_rooms_pass(self):
+    def test_includes_of_earlier_modules_pass(self):
         self.accepts({
             "include/foldproof/check.h": '#include "foldproof/bvh.h"\n',
             "include/foldproof/bvh.h": '#include "foldproof/base.h"\n',
@@ -51,7 +51,7 @@ class CheckLayers(unittest.TestCase):
     def test_upward_include_of_a_public_header_is_found(self):
         self.refuses({"include/foldproof/bvh.h": '#include "foldproof/check.h"\n'}, "include/foldproof/bvh.h:1")
 
-    def test_rooms_of_one_level_do_not_see_each_other(self):
+    def test_modules_of_one_level_do_not_see_each_other(self):
         self.refuses({"src/io/a.cpp": '#include "foldproof/bvh.h"\n'}, "'io' must not see 'bvh'")
 
     def test_ccd_and_statistics_never_see_mesh(self):
@@ -61,9 +61,9 @@ class CheckLayers(unittest.TestCase):
     def test_nothing_in_the_library_sees_the_programs(self):
         self.refuses({"src/report/a.cpp": '#include "apps/terminal.h"\n'}, "'report' must not see 'apps'")
 
-    def test_unknown_rooms_are_found(self):
-        self.refuses({"src/mesh/a.cpp": '#include "attic/old.h"\n'}, "belongs to no room")
-        self.refuses({"src/attic/a.cpp": ""}, "room 'attic' has no level")
+    def test_unknown_modules_are_found(self):
+        self.refuses({"src/mesh/a.cpp": '#include "attic/old.h"\n'}, "belongs to no module")
+        self.refuses({"src/attic/a.cpp": ""}, "module 'attic' has no level")
 
     def test_one_file_sees_onetbb(self):
         self.accepts({"src/base/parallel.h": "#include <tbb/parallel_for.h>\n",

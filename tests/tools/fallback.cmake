@@ -1,5 +1,5 @@
 # A build has one fallback for machines without vectors: Highway's plain scalar code or its imitation of vectors, as the
-# compiler has it. The other one is built into test programs of its own, test_<room>_fallback: its objects stand before
+# compiler has it. The other one is built into test programs of its own, test_<module>_fallback: its objects stand before
 # the library, whose members with the same functions the linker then leaves alone. A shared library has no members.
 if(BUILD_SHARED_LIBS)
   return()
@@ -28,18 +28,18 @@ add_library(foldproof_fallback OBJECT ${FALLBACK_SOURCES} ${CMAKE_CURRENT_SOURCE
   ${CMAKE_CURRENT_SOURCE_DIR}/certificate/inside.cpp)
 target_include_directories(foldproof_fallback PRIVATE ${PROJECT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(foldproof_fallback PRIVATE ${FALLBACK})
-target_link_libraries(foldproof_fallback PRIVATE foldproof foldproof_threads)
+target_link_libraries(foldproof_fallback PRIVATE foldproof_model foldproof_threads)
 
 # FILTER: the tests that depend on instruction sets.
-function(foldproof_fallback_tests ROOM FILTER)
-  add_executable(test_${ROOM}_fallback $<TARGET_OBJECTS:foldproof_fallback>
-    $<FILTER:$<FILTER:$<TARGET_OBJECTS:test_${ROOM}>,EXCLUDE,/ops\\.cpp>,EXCLUDE,/inside\\.cpp>)
-  target_link_libraries(test_${ROOM}_fallback PRIVATE foldproof fmt::fmt GTest::gmock GTest::gtest_main hwy ${ARGN})
-  gtest_discover_tests(test_${ROOM}_fallback TEST_PREFIX fallback/ EXTRA_ARGS --gtest_filter=${FILTER}
+function(foldproof_fallback_tests MODULE FILTER)
+  add_executable(test_${MODULE}_fallback $<TARGET_OBJECTS:foldproof_fallback>
+    $<FILTER:$<FILTER:$<TARGET_OBJECTS:test_${MODULE}>,EXCLUDE,/ops\\.cpp>,EXCLUDE,/inside\\.cpp>)
+  target_link_libraries(test_${MODULE}_fallback PRIVATE foldproof_app fmt::fmt GTest::gmock GTest::gtest_main hwy ${ARGN})
+  gtest_discover_tests(test_${MODULE}_fallback TEST_PREFIX fallback/ EXTRA_ARGS --gtest_filter=${FILTER}
     TEST_FILTER ${FILTER} PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
   # That it is in use, and alone; and that its answers are those of the other instruction sets.
-  add_test(NAME fallback/${ROOM}_agrees COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DPROGRAM=$<TARGET_FILE:test_${ROOM}>
-    -DFALLBACK=$<TARGET_FILE:test_${ROOM}_fallback> -P ${CMAKE_CURRENT_SOURCE_DIR}/tools/same_answers.cmake)
+  add_test(NAME fallback/${MODULE}_agrees COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DPROGRAM=$<TARGET_FILE:test_${MODULE}>
+    -DFALLBACK=$<TARGET_FILE:test_${MODULE}_fallback> -P ${CMAKE_CURRENT_SOURCE_DIR}/tools/same_answers.cmake)
 endfunction()
 
 foldproof_fallback_tests(arithmetic * foldproof_oracle foldproof_threads)

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof {
 

@@ -6,7 +6,7 @@
 #include "base/plain_arithmetic.h"
 #include "check/answer.h"
 #include "check/pipeline.h"
-#include "check/reduced_object.h"
+#include "reduced/object.h"
 
 namespace foldproof {
 
@@ -20,7 +20,7 @@ constexpr std::size_t kMostOpenPerLeaf = 2, kMostTestsPerLeaf = 8;
 
 struct ReducedChecker::Impl {
   std::vector<ReducedObject> objects;
-  std::vector<std::shared_ptr<const ChartLibrary>> charts;  // per object, null where there are none
+  std::vector<foldproof::Object> meshes;             // the same objects, by their vertices
   std::vector<std::unique_ptr<Pipeline>> pipelines;  // per object; null until all of its vertices were needed
   std::vector<KineticTree> trees;
   std::vector<TraversalTask> tasks;  // one per object, then one per two objects near each other
@@ -44,15 +44,13 @@ struct ReducedChecker::Impl {
   Bounds bound();
 };
 
-ReducedChecker::ReducedChecker(std::vector<std::shared_ptr<const ReducedShape>> objects,
-                               std::vector<std::shared_ptr<const ChartLibrary>> charts)
-    : impl_(new Impl) {
-  impl_->charts = std::move(charts);
-  impl_->charts.resize(objects.size());
+ReducedChecker::ReducedChecker(std::vector<Object> objects) : impl_(new Impl) {
   impl_->pipelines.resize(objects.size());
-  for (auto& shape : objects) {
-    impl_->trees.emplace_back(shape->motion()->hierarchy());
-    impl_->objects.emplace_back(std::move(shape));
+  for (Object& object : objects) {
+    const std::shared_ptr<const Hierarchy>& hierarchy = object.shape->motion()->hierarchy();
+    impl_->trees.emplace_back(hierarchy);
+    impl_->meshes.push_back(object.charts ? foldproof::Object(std::move(object.charts)) : hierarchy);
+    impl_->objects.emplace_back(std::move(object.shape));
   }
 }
 ReducedChecker::~ReducedChecker() = default;
@@ -136,7 +134,7 @@ Result<void> ReducedChecker::Impl::traverse_vertices(Index task, double distance
   const Index object = tasks[task].object_a;
   objects[object].need_all();
   std::unique_ptr<Pipeline>& pipeline = pipelines[object];
-  if (!pipeline) pipeline.reset(new Pipeline({trees[object].hierarchy}, {charts[object]}));
+  if (!pipeline) pipeline = std::make_unique<Pipeline>(std::span(&meshes[object], 1));
   const std::span<const double> x0[] = {objects[object].positions(0)}, x1[] = {objects[object].positions(1)};
   const StepSettings proven{.between = false, .certificates = settings.certificates};
   if (auto ok = pipeline->motion.update(x0, x1); !ok) return ok;
@@ -223,6 +221,9 @@ Result<void> ReducedChecker::check(std::span<const ReducedPose> begin, std::span
                 fmt::format("give them for all {}", m.objects.size()));
   }
   for (Index i = 0; i < m.objects.size(); ++i) {
+    if (m.meshes[i].hierarchy() != m.trees[i].hierarchy)
+      return fail(fmt::format("object {}", i), "has charts of another hierarchy than its shape's",
+                  "build the shape with the hierarchy that the charts were trained with");
     if (auto ok = m.objects[i].begin_step(i, begin[i], end[i]); !ok) return ok;
   }
   if (m.objects.empty()) return {};

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "foldproof/report.h"
+#include "report/report.h"
 
 namespace foldproof {
 

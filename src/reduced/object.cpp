@@ -1,4 +1,4 @@
-#include "check/reduced_object.h"
+#include "reduced/object.h"
 
 #include <fmt/format.h>
 
