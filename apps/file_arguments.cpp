@@ -12,9 +12,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 
-#include "foldproof/io.h"
+#include "io/formats.h"
 
 namespace foldproof {
 namespace {
@@ -143,10 +142,7 @@ std::vector<fs::path> replaced(const fs::path& path, Output output) {
 // ---- What is read
 
 /// Whether frames or motions may be in it.
-bool may_be_read(const fs::path& path) {
-  static const std::set<std::string> kRead{".obj", ".off", ".ply", ".pc2", ".mdd", ".npz", ".gltf", ".glb"};
-  return kRead.contains(extension_of(path.string()));
-}
+bool may_be_read(const fs::path& path) { return io::format_of(path.string()) != nullptr; }
 
 /// "a%20b.bin" -> "a b.bin"
 std::string without_escapes(const std::string& uri) {

@@ -36,9 +36,9 @@ class Hierarchy {
   static Result<Hierarchy> build(Topology topology, std::span<const double> positions,
                                  const HierarchySettings& settings = {});
 
-  /// A hierarchy that was built before, from what tells it: its triangle_ids(), and for every node in
-  /// depth-first order the number of triangles that it owns as a leaf, 0 for an inner node. Error when they
-  /// do not make one over this topology.
+  /// Restores a hierarchy from its stored parts: its triangle_ids(), and for every node in depth-first order
+  /// the number of triangles that it owns as a leaf, 0 for an inner node. Error: they are no hierarchy of
+  /// this topology.
   static Result<Hierarchy> from_parts(Topology topology, std::vector<Index> triangle_ids,
                                       std::span<const Index> leaf_sizes);
 

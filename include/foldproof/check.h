@@ -33,15 +33,19 @@ struct StepSettings {
   /// Mode::Paper: believe only as much as would have missed at most this share of what was not proven in
   /// poses that training held out (CertificateMap::Trust). In [0,1].
   double miss_rate = 0.01;
-  bool certificates = true;  ///< Leave out what certificates prove. Never changes the answer, only the work.
-  /// While a motion goes on as in the step before, let one search serve many steps: it looks ahead, as far as
-  /// the motion went straight on lately, and a later step whose vertices are where they were expected is
-  /// looked up in what was found. Never changes the answer. Has no effect without certificates.
+  /// Use certificates where they pay: they prove pairs of leaves free of contact, which then need no test. A
+  /// checker measures from counts whether they pay, and backs off while they do not. Never changes the
+  /// answer.
+  bool certificates = true;
+  /// Look ahead: while a motion continues in straight lines, one search covers several steps. It extrapolates
+  /// the trajectories and keeps the candidates; a later step whose vertices are close enough to the predicted
+  /// ones only tests these. Never changes the answer. Has no effect without certificates.
   bool ahead = true;
   bool earliest_only =
       false;  ///< Report only the pair with the earliest time of impact (ties: smallest ids).
-  /// Say what certificates did: fills the answer's `explanation`, else left as it is. Takes about as long
-  /// again as finding the pairs of leaves; the answer's times leave that out.
+  /// Fill the answer's `explanation`: what certificates did. They are then used even where they do not pay,
+  /// and no search looks ahead. Takes about as long again as finding the pairs of leaves; the answer's times
+  /// leave that out.
   bool explain = false;
 };
 
@@ -70,7 +74,7 @@ struct TriangleCrossing {
 
 /// What a query did. Depends on settings and input only, with certificates also on that of earlier steps;
 /// never on the machine or the number of threads, except undecided with `earliest_only`. Where an earlier
-/// search served the step (StepResult::searched), there are candidates only.
+/// search covered the step (StepResult::searched), only candidates are counted.
 struct Work {
   std::uint64_t node_tests = 0;          ///< Pairs of nodes visited.
   std::uint64_t certificate_tests = 0;   ///< Certificates evaluated.
@@ -83,14 +87,15 @@ struct Work {
   Work& operator+=(const Work& more);
 };
 
-/// Wall time of one query and of its stages, in milliseconds.
+/// Wall time of one query and of its stages, in milliseconds. `update`: motion; `traverse`: broad phase,
+/// culling and boxes of features; `narrow`: candidates and narrow phase.
 struct StageTimes {
   double total = 0, update = 0, traverse = 0, narrow = 0;
 
   StageTimes& operator+=(const StageTimes& more);
 };
 
-/// Why the features of a leaf were tested. Of several reasons the last one in this list is told.
+/// Why the features of a leaf were tested. If several reasons apply, the last of them in this list.
 enum class Reason : std::uint8_t {
   Certified,  ///< They were not: each pair of leaves is proven apart, by certificates or by its boxes.
   NotDrawn,  ///< Nothing has been tried yet: there is no chart of the patch or of one around it, and its turn
@@ -134,8 +139,8 @@ struct StepResult {
   std::uint64_t vertex_face_count = 0;           ///< How many there are, listed or not.
   std::uint64_t edge_edge_count = 0;
   double tolerance = 0;  ///< The tolerance that was used, mesh units.
-  Index searched = 1;    ///< For how many steps, this one included, pairs were searched; 0: an earlier search
-                         ///< served this step (StepSettings::ahead).
+  Index searched = 1;    ///< How many steps this one's search covers, itself included; 0: an earlier search
+                         ///< covered it (StepSettings::ahead).
   double earliest_toi = 1;  ///< 1 when nothing collides.
   Work work;
   StageTimes milliseconds;

@@ -77,7 +77,7 @@ struct ReducedCentre {
 
 struct ReducedSettings {
   /// Mesh units. What is proven apart is proven farther apart than this, so it is also the largest thickness
-  /// plus tolerance (rounding included) of queries that the balls can serve. 0: 2^-20 of the mesh's size.
+  /// plus tolerance (rounding included) of queries that the balls can serve. 0: 2^-24 of the mesh's size.
   double clearance = 0;
   Index pairs_per_leaf = 16;       ///< Bounds the pairs of nodes that get balls: so many per leaf.
   Index most_triangles = 120'000;  ///< Of a patch that is proven as a whole.

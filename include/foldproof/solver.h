@@ -133,7 +133,7 @@ struct ContactSettings {
   double tolerance = 0;
   /// A step that would come into contact goes this share of the way there, in (0,1]. Below 1 a solver that
   /// starts where its last step ended is never caught at once, as it would be within the tolerance.
-  double approach = 0.8;
+  double conservative_rescaling = 0.8;
 };
 
 /// Yes, no, or an error. It does not turn into bool, so `if (checker.has_intersections(x))` does not compile:
@@ -161,11 +161,11 @@ struct StepSize {
     None,       ///< Nothing: the share is 1.
     Contact,    ///< Contact on the way.
     Start,      ///< x0 itself is in contact, or closer than min_distance plus the tolerance: the share is 0.
-    Unsettled,  ///< No share could be proven free, though x0 is not shown to be in contact: the share is 0.
+    Undecided,  ///< No share could be proven free, though x0 is not shown to be in contact: the share is 0.
                 ///< Beside needles, or where the tolerance is not far above the rounding of positions.
   } limit;
 };
-inline constexpr std::array<const char*, 4> kStepLimitNames{"none", "contact", "start", "unsettled"};
+inline constexpr std::array<const char*, 4> kStepLimitNames{"none", "contact", "start", "undecided"};
 
 /// Answers a solver's questions about one collision mesh. It keeps its front, its charts, its lists of
 /// candidates and its scratch from call to call, so asking about the same x0 and many x1 is cheap, as it is
@@ -199,10 +199,11 @@ class ContactChecker {
   Verdict is_step_collision_free(std::span<const double> x0, std::span<const double> x1,
                                  double min_distance = 0);
 
-  /// Every pair that counts and whose distance is <= inflation at some time of the step; and others, whose
-  /// boxes come that near: those that no axis keeps apart by more, on the same side at both ends. Which these
-  /// are does not depend on earlier calls. Cost: once that of looking at all leaves; then what moved relative
-  /// to its neighbours is listed anew, and pairs that are listed, with a little room, are tested.
+  /// Every pair that counts and whose distance is <= inflation at some time of the step, and others: all
+  /// whose moving boxes no axis separates by more than that, on the same side at both ends. Which these are
+  /// does not depend on earlier calls. (ipc-toolkit inflates each of two boxes: its radius is half of this.)
+  /// Cost: once that of looking at all leaves; then what moved relative to its neighbours is listed anew, and
+  /// pairs that are listed, with a little room, are tested.
   Result<void> candidates(std::span<const double> x0, std::span<const double> x1, double inflation,
                           Candidates& out);
   /// The same in one pose.

@@ -176,15 +176,16 @@ void bind_checker(py::module_& module) {
   py::class_<Solver>(module, "ContactChecker",
                      "Answers what implicit solvers ask about one mesh, and keeps what it learned from call "
                      "to call.\n\nCalls of one checker wait for each other; use one per thread.")
-      .def(py::init(
-               [](std::shared_ptr<CollisionMesh> mesh, bool certificates, double tolerance, double approach) {
-                 return std::make_unique<Solver>(std::move(mesh),
-                                                 ContactSettings{certificates, tolerance, approach});
-               }),
+      .def(py::init([](std::shared_ptr<CollisionMesh> mesh, bool certificates, double tolerance,
+                       double conservative_rescaling) {
+             return std::make_unique<Solver>(
+                 std::move(mesh), ContactSettings{certificates, tolerance, conservative_rescaling});
+           }),
            py::arg("mesh"), py::kw_only(), py::arg("certificates") = true, py::arg("tolerance") = 0.0,
-           py::arg("approach") = 0.8,
+           py::arg("conservative_rescaling") = 0.8,
            "certificates: leave out what they prove in steps. tolerance: mesh units; 0: 2^-30 of the size of "
-           "everything. approach: the share, in (0, 1], of the way to contact that a step may go.")
+           "everything. conservative_rescaling: the share, in (0, 1], of the way to contact that a step may "
+           "go.")
       .def(
           "collision_free_step_size", &step_size_of, py::arg("x0"), py::arg("x1"),
           py::arg("min_distance") = 0.0,
@@ -195,7 +196,7 @@ void bind_checker(py::module_& module) {
       .def_property_readonly(
           "limit", [](const Solver& self) { return kStepLimitNames[static_cast<std::size_t>(self.limit)]; },
           "What kept the last step size from being larger: 'none' (it is 1), 'contact' on the way, 'start' "
-          "(x0 itself is in contact, or too near: it is 0), or 'unsettled' (no share could be proven free: "
+          "(x0 itself is in contact, or too near: it is 0), or 'undecided' (no share could be proven free: "
           "it "
           "is 0).")
       .def("is_step_collision_free", &step_is_free, py::arg("x0"), py::arg("x1"),

@@ -78,7 +78,7 @@ def test_line_search_never_intersects(triangles, certificates):
 
 def test_points_meet_within_the_minimum_distance():
     x0, x1 = np.array([[0, 0, 0], [0, 0.1, 1.0]]), np.array([[0, 0, 0], [0, 0.1, -1.0]])
-    checker = foldproof.ContactChecker(foldproof.CollisionMesh(x0), approach=1.0)
+    checker = foldproof.ContactChecker(foldproof.CollisionMesh(x0), conservative_rescaling=1.0)
     assert checker.collision_free_step_size(x0, x1) == 1
     assert checker.collision_free_step_size(x0, x1, 0.2) == pytest.approx((1 - np.sqrt(0.03)) / 2, abs=1e-6)
     assert checker.limit == "contact"

@@ -1,5 +1,6 @@
-/// The pipeline's second stage: which leaves come near each other. First objects against objects, then the
-/// trees of those that are near, and each tree against itself, from where the step before left off.
+/// The pipeline's second stage: which leaves come near each other. Each tree against itself and, of objects
+/// whose boxes are near each other, tree against tree, from the front of the step before. The third stage,
+/// culling, is called before a tree is traversed and in every task.
 #pragma once
 
 #include <deque>
@@ -9,7 +10,7 @@
 
 namespace foldproof {
 
-/// Finds pairs of leaves. Within its tasks it asks the culling, which then finds everything in the cache.
+/// Finds pairs of leaves. Each task culls what it found at once, while boxes are in the processor's cache.
 class BroadPhase {
  public:
   explicit BroadPhase(const StepMotion& motion);
@@ -26,11 +27,11 @@ class BroadPhase {
   std::uint64_t count_near_leaves(const StepMotion& motion, const StepSettings& settings, double distance);
 
  private:
-  // Where the traversal of one object with itself or of two objects stopped in the step before. The next step
-  // goes on from there.
+  // The front of the traversal of one object with itself, or of two objects: where it stopped in the step
+  // before, and where the next one resumes.
   struct Front {
-    // From `pairs` and `near` on, up to where the next segment begins, what lies between the two children of
-    // one node that was not proven; a pair of objects has a single segment.
+    // The front between the two children of one unproven node: `pairs` and `near` from these indices up to
+    // those of the next segment. A pair of objects has a single segment.
     struct Segment {
       Index node, pairs, near;
     };
@@ -43,7 +44,7 @@ class BroadPhase {
       near.clear();
     }
   };
-  // What lies between the children of a node that is not proven, or a data of it.
+  // The pairs of nodes between the two children of an unproven node, or a part of them.
   struct WorkItem {
     Index node;  // as Front::Segment
     bool fresh;  // starts from the pair of the node's children

@@ -56,7 +56,7 @@ class Culling {
   /// what certificates did.
   void end(const StepMotion& motion, std::uint64_t node_tests, std::size_t leaf_pairs, Work& work);
 
-  /// What certificates did in the step, but for how many pairs of leaves they proved.
+  /// What certificates did in the step; not counted: pairs of leaves that they proved.
   void explain(const StepMotion& motion, std::span<const TraversalTask> tasks,
                std::span<const LeafPairRef> leaf_pairs, Explanation& out);
 

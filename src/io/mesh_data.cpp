@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "io/bytes.h"
-#include "io/readers.h"
+#include "io/formats.h"
 
 namespace foldproof::io {
 namespace {
@@ -18,12 +18,6 @@ Result<void> check_mesh(const std::string& path, const MeshData& mesh) {
   if (mesh.positions.empty()) return fail(path, "has no vertices", "export the mesh again");
   if (mesh.triangles.empty()) return fail(path, "has no faces", "export the mesh with its faces");
   return {};
-}
-
-Result<MeshData> parse(const std::string& path, std::string_view bytes, MeshFormat format) {
-  if (format == MeshFormat::Obj) return parse_obj(path, bytes);
-  if (format == MeshFormat::Off) return parse_off(path, bytes);
-  return parse_ply(path, bytes);
 }
 
 }  // namespace
@@ -41,11 +35,14 @@ void MeshData::add_polygon(std::span<const Index> polygon) {
   }
 }
 
-Result<MeshData> read_mesh(const std::string& path, MeshFormat format) {
+Result<MeshData> read_mesh(const std::string& path) {
+  const FileFormat* format = format_of(path);
+  if (format == nullptr || format->kind != FileKind::Mesh)
+    return fail(path, "is not a mesh format that is read here", "give .obj, .off or .ply");
   auto file = read_file(path);
   if (!file) return tl::unexpected(file.error());
   const std::string_view bytes(file->data(), file->size());
-  auto mesh = parse(path, bytes, format);
+  auto mesh = format->parse_mesh(path, bytes);
   if (!mesh) return mesh;
   if (auto checked = check_mesh(path, *mesh); !checked) return tl::unexpected(checked.error());
   return mesh;

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <new>
-#include <optional>
 
-#include "io/readers.h"
+#include "io/formats.h"
 
 namespace foldproof {
 namespace io {
@@ -15,23 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::optional<MeshFormat> mesh_format(const std::string& path) {
-  const std::string extension = extension_of(path);
-  if (extension == ".obj") return MeshFormat::Obj;
-  if (extension == ".off") return MeshFormat::Off;
-  if (extension == ".ply") return MeshFormat::Ply;
-  return std::nullopt;
-}
-
-bool is_point_cache(const std::string& path) {
-  const std::string extension = extension_of(path);
-  return extension == ".pc2" || extension == ".mdd";
-}
-
-bool is_animated(const std::string& path) {
-  const std::string extension = extension_of(path);
-  return extension == ".gltf" || extension == ".glb" || extension == ".npz";
-}
+bool is_mesh(const std::string& path) { return is_kind(path, FileKind::Mesh); }
+bool is_point_cache(const std::string& path) { return is_kind(path, FileKind::PointCache); }
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -66,22 +50,20 @@ namespace {
 
 /// The files among `paths` as the frames of one motion.
 Result<std::unique_ptr<Motion>> open_frames(const std::string& name, std::vector<std::string> paths) {
-  std::erase_if(
-      paths, [](const std::string& p) { return !mesh_format(p) && !is_point_cache(p) && !is_animated(p); });
+  std::erase_if(paths, [](const std::string& p) { return format_of(p) == nullptr; });
   std::sort(paths.begin(), paths.end(), natural_less);
-  const auto mesh = std::find_if(paths.begin(), paths.end(), mesh_format);
+  const auto mesh = std::find_if(paths.begin(), paths.end(), is_mesh);
   if (mesh == paths.end()) {
     return fail(name, "holds no OBJ, OFF or PLY files", "name mesh files, or a directory that holds them");
   }
   for (const std::string& p : paths) {
-    if (mesh_format(p) != mesh_format(*mesh)) {
+    if (format_of(p) != format_of(*mesh)) {
       return fail(name, fmt::format("mixes formats: {} and {}", *mesh, p),
                   "name one of them, or keep one format in a directory");
     }
   }
   if (paths.size() >= kNoIndex) return fail(name, "holds too many files", "name fewer frames");
-  const MeshFormat format = *mesh_format(*mesh);
-  return open_sequence(name, std::move(paths), format);
+  return open_sequence(name, std::move(paths));
 }
 
 Result<std::unique_ptr<Motion>> open_directory(const std::string& path) {
@@ -113,15 +95,19 @@ Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const Read
   const fs::file_status status = fs::status(argument, ignored);
   if (fs::is_directory(status)) return open_directory(argument);
   if (!fs::exists(status) && argument.find_first_of("*?[") != std::string::npos) return open_glob(argument);
-  if (const auto format = mesh_format(argument)) return open_sequence(argument, {argument}, *format);
-  const std::string extension = extension_of(argument);
-  if (extension == ".npz") return open_npz(argument);
-  if (extension == ".gltf" || extension == ".glb") return open_gltf(argument, options.fps);
-  if (is_point_cache(argument)) {
-    return fail(argument, "is a point cache without a mesh", "name its OBJ, OFF or PLY file right before it");
+  const FileFormat* format = format_of(argument);
+  if (format == nullptr)
+    return fail(argument, "is not a format that is read here",
+                "give .obj, .off, .ply, .gltf, .glb or .npz, or a mesh followed by its .pc2 or .mdd");
+  switch (format->kind) {
+    case FileKind::Mesh:
+      return open_sequence(argument, {argument});
+    case FileKind::Animation:
+      return format->open_animation(argument, options);
+    case FileKind::PointCache:
+      break;
   }
-  return fail(argument, "is not a format that is read here",
-              "give .obj, .off, .ply, .gltf, .glb or .npz, or a mesh followed by its .pc2 or .mdd");
+  return fail(argument, "is a point cache without a mesh", "name its OBJ, OFF or PLY file right before it");
 }
 
 Result<std::vector<std::unique_ptr<Motion>>> open_all(std::span<const std::string> arguments,
@@ -130,11 +116,9 @@ Result<std::vector<std::unique_ptr<Motion>>> open_all(std::span<const std::strin
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& argument = arguments[i];
     Result<std::unique_ptr<Motion>> motion;
-    const auto format = mesh_format(argument);
-    if (format && i + 1 < arguments.size() && is_point_cache(arguments[i + 1])) {
+    if (is_mesh(argument) && i + 1 < arguments.size() && is_point_cache(arguments[i + 1])) {
       const std::string& cache = arguments[++i];
-      motion = extension_of(cache) == ".pc2" ? open_pc2(argument, *format, cache)
-                                             : open_mdd(argument, *format, cache);
+      motion = format_of(cache)->open_cache(argument, cache);
     } else {
       motion = open_one(argument, options);
     }

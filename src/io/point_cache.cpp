@@ -107,14 +107,13 @@ Result<Layout> read_mdd_header(const InputFile& file) {
                 std::endian::big};
 }
 
-Result<std::unique_ptr<Motion>> open_cache(const std::string& mesh_path, MeshFormat format,
-                                           const std::string& cache_path,
+Result<std::unique_ptr<Motion>> open_cache(const std::string& mesh_path, const std::string& cache_path,
                                            Result<Layout> (*read_header)(const InputFile&)) {
   auto file = InputFile::open(cache_path);
   if (!file) return tl::unexpected(file.error());
   const auto layout = read_header(*file);
   if (!layout) return tl::unexpected(layout.error());
-  auto mesh = read_mesh(mesh_path, format);
+  auto mesh = read_mesh(mesh_path);
   if (!mesh) return tl::unexpected(mesh.error());
   if (auto checked = check_layout(*file, *layout, mesh->vertex_count(), mesh_path); !checked) {
     return tl::unexpected(checked.error());
@@ -126,14 +125,12 @@ Result<std::unique_ptr<Motion>> open_cache(const std::string& mesh_path, MeshFor
 
 }  // namespace
 
-Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, MeshFormat format,
-                                         const std::string& cache_path) {
-  return open_cache(mesh_path, format, cache_path, read_pc2_header);
+Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, const std::string& cache_path) {
+  return open_cache(mesh_path, cache_path, read_pc2_header);
 }
 
-Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, MeshFormat format,
-                                         const std::string& cache_path) {
-  return open_cache(mesh_path, format, cache_path, read_mdd_header);
+Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, const std::string& cache_path) {
+  return open_cache(mesh_path, cache_path, read_mdd_header);
 }
 
 }  // namespace foldproof::io

@@ -27,17 +27,14 @@ struct MeshData {
 inline constexpr std::uint64_t kMaxVertices = kNoIndex - 1;
 inline constexpr std::uint64_t kMaxTriangles = kNoIndex / 3 - 1;
 
-/// Mesh files that a frame may be.
-enum class MeshFormat : std::uint8_t { Obj, Off, Ply };
-
 /// Parses the bytes of a mesh file; `path` is for errors. On success every index is in range and every
 /// coordinate is finite; the mesh may be empty.
 Result<MeshData> parse_obj(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_off(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_ply(const std::string& path, std::string_view bytes);
-/// Reads and parses a mesh file. On success there are vertices and triangles besides, few enough to be
-/// numbered.
-Result<MeshData> read_mesh(const std::string& path, MeshFormat format);
+/// Reads and parses a mesh file, by its extension. On success there are vertices and triangles besides, few
+/// enough to be numbered.
+Result<MeshData> read_mesh(const std::string& path);
 
 /// Error at the first coordinate that is not finite: "<where>, vertex 7".
 Result<void> check_finite(const std::string& where, std::span<const double> positions);
@@ -47,13 +44,10 @@ Result<void> check_request(const Motion& motion, Index frame, std::span<const do
 /// frame9 before frame10: runs of digits compare as numbers, everything else byte by byte.
 bool natural_less(const std::string& a, const std::string& b);
 /// Mesh files as frames, in the order given; one file is a motion of one frame.
-Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths,
-                                              MeshFormat format);
+Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths);
 /// A mesh and its point cache.
-Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, MeshFormat format,
-                                         const std::string& cache_path);
-Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, MeshFormat format,
-                                         const std::string& cache_path);
+Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, const std::string& cache_path);
+Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, const std::string& cache_path);
 
 /// NumPy archive with `faces` and `vertices`.
 Result<std::unique_ptr<Motion>> open_npz(const std::string& path);

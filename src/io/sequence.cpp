@@ -10,8 +10,8 @@ namespace {
 
 class MeshSequence final : public Motion {
  public:
-  MeshSequence(std::string name, std::vector<std::string> paths, MeshFormat format)
-      : name_(std::move(name)), paths_(std::move(paths)), format_(format) {}
+  MeshSequence(std::string name, std::vector<std::string> paths)
+      : name_(std::move(name)), paths_(std::move(paths)) {}
 
   Result<void> open() {
     auto first = read(0);
@@ -46,7 +46,7 @@ class MeshSequence final : public Motion {
   }
 
   Result<MeshData> read(Index k) const {
-    auto mesh = read_mesh(paths_[k], format_);
+    auto mesh = read_mesh(paths_[k]);
     if (!mesh) mesh.error().where = with_frame(std::move(mesh.error().where), k);
     return mesh;
   }
@@ -79,16 +79,14 @@ class MeshSequence final : public Motion {
 
   std::string name_;
   std::vector<std::string> paths_;
-  MeshFormat format_;
   Topology topology_;
   std::vector<double> first_;  // opening has read it already
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths,
-                                              MeshFormat format) {
-  auto motion = std::make_unique<MeshSequence>(std::move(name), std::move(paths), format);
+Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths) {
+  auto motion = std::make_unique<MeshSequence>(std::move(name), std::move(paths));
   if (auto opened = motion->open(); !opened) return tl::unexpected(opened.error());
   return motion;
 }

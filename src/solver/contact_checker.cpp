@@ -63,9 +63,9 @@ Result<StepSize> ContactChecker::collision_free_step_size(std::span<const double
                                                           std::span<const double> x1, double min_distance) {
   const PlainArithmetic plain;
   impl_->begin();
-  const double approach = impl_->settings.approach;
+  const double approach = impl_->settings.conservative_rescaling;
   if (!(approach > 0 && approach <= 1))
-    return fail("approach", "is not a share of the way", "give a number above 0 and at most 1");
+    return fail("conservative_rescaling", "is not a share of the way", "give a number above 0 and at most 1");
   auto contact = impl_->earliest_contact(x0, x1, min_distance);
   if (!contact) return tl::unexpected(contact.error());
   if (*contact > 1) return StepSize{1, StepSize::Limit::None};
@@ -80,7 +80,7 @@ Result<StepSize> ContactChecker::collision_free_step_size(std::span<const double
     if (*contact > 1) return StepSize{share, StepSize::Limit::Contact};
     share *= std::min(0.5, approach * *contact);
   }
-  return StepSize{0, StepSize::Limit::Unsettled};
+  return StepSize{0, StepSize::Limit::Undecided};
 }
 
 Verdict ContactChecker::is_step_collision_free(std::span<const double> x0, std::span<const double> x1,

@@ -7,39 +7,36 @@
 #include <map>
 #include <set>
 
-#include "io/readers.h"
+#include "io/formats.h"
 #include "sweep/sweep.h"
 
 namespace foldproof {
 namespace {
 
 namespace fs = std::filesystem;
+using io::FileKind, io::is_kind;
 
 /// What a directory holds, each in natural order.
 struct Folder {
   std::vector<std::string> folders, meshes, caches, animations, buffers;
 };
 
-bool is_one_of(const std::string& extension, std::initializer_list<const char*> known) {
-  return std::find(known.begin(), known.end(), extension) != known.end();
-}
-
 std::error_code list(const std::string& path, Folder& folder) {
   std::error_code status;
   for (fs::directory_iterator at(path, status), end; !status && at != end; at.increment(status)) {
-    const std::string file = at->path().string(), extension = extension_of(file);
+    const std::string file = at->path().string();
     std::error_code ignored;
     if (at->path().filename().string().starts_with('.')) continue;
     if (at->is_directory(ignored)) {
       // A link could lead round in a circle.
       if (!at->is_symlink(ignored)) folder.folders.push_back(file);
-    } else if (is_one_of(extension, {".obj", ".off", ".ply"})) {
+    } else if (is_kind(file, FileKind::Mesh)) {
       folder.meshes.push_back(file);
-    } else if (is_one_of(extension, {".pc2", ".mdd"})) {
+    } else if (is_kind(file, FileKind::PointCache)) {
       folder.caches.push_back(file);
-    } else if (is_one_of(extension, {".gltf", ".glb", ".npz"})) {
+    } else if (is_kind(file, FileKind::Animation)) {
       folder.animations.push_back(file);
-    } else if (extension == ".bin") {
+    } else if (extension_of(file) == ".bin") {
       folder.buffers.push_back(file);
     }
   }

@@ -21,11 +21,7 @@ Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const Rea
     if (!opened) return tl::unexpected(opened.error());
     return std::move(opened->front());
   }
-  const std::string extension = extension_of(motion.files[0]);
-  const auto format = extension == ".obj"   ? io::MeshFormat::Obj
-                      : extension == ".off" ? io::MeshFormat::Off
-                                            : io::MeshFormat::Ply;
-  auto opened = io::open_sequence(motion.path, motion.files, format);
+  auto opened = io::open_sequence(motion.path, motion.files);
   if (opened && options.weld) opened = io::weld(std::move(*opened));
   return opened;
 }

@@ -250,7 +250,7 @@ std::string SolverCheck::check(const Step& step, std::mt19937_64& rng, Tally& ta
   ContactSettings& settings = impl_->checker->settings();
   settings.certificates = rng() % 4 != 0;
   settings.tolerance = rng() % 4 == 0 ? side * 0x1p-32 : 0;
-  settings.approach = rng() % 4 == 0 ? 1 : 0.8;
+  settings.conservative_rescaling = rng() % 4 == 0 ? 1 : 0.8;
   if (impl_->pairs.empty()) return {};
   ++tally.solver_calls;
   switch (rng() % 4) {

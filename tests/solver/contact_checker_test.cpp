@@ -287,10 +287,10 @@ TEST(ContactChecker, SaysWhatIsWrong) {
   EXPECT_FALSE(checker.candidates(soup.x0, -1, found));
   EXPECT_FALSE(checker.candidates(soup.x0, std::numeric_limits<double>::infinity(), found));
   EXPECT_FALSE(checker.minimum_distance(soup.x0, std::nan("")));
-  checker.settings().approach = 0;
+  checker.settings().conservative_rescaling = 0;
   const auto refused = checker.collision_free_step_size(soup.x0, soup.x0);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().where, "approach");
+  EXPECT_EQ(refused.error().where, "conservative_rescaling");
 }
 
 }  // namespace

@@ -1,0 +1,40 @@
+#include "io/formats.h"
+
+#include <algorithm>
+
+namespace foldproof::io {
+namespace {
+
+Result<std::unique_ptr<Motion>> open_archive(const std::string& path, const ReadOptions&) {
+  return open_npz(path);
+}
+Result<std::unique_ptr<Motion>> open_scene(const std::string& path, const ReadOptions& options) {
+  return open_gltf(path, options.fps);
+}
+
+constexpr FileFormat kFormats[] = {
+    {.extension = ".obj", .kind = FileKind::Mesh, .parse_mesh = parse_obj},
+    {.extension = ".off", .kind = FileKind::Mesh, .parse_mesh = parse_off},
+    {.extension = ".ply", .kind = FileKind::Mesh, .parse_mesh = parse_ply},
+    {.extension = ".pc2", .kind = FileKind::PointCache, .open_cache = open_pc2},
+    {.extension = ".mdd", .kind = FileKind::PointCache, .open_cache = open_mdd},
+    {.extension = ".npz", .kind = FileKind::Animation, .open_animation = open_archive},
+    {.extension = ".gltf", .kind = FileKind::Animation, .open_animation = open_scene},
+    {.extension = ".glb", .kind = FileKind::Animation, .open_animation = open_scene},
+};
+
+}  // namespace
+
+const FileFormat* format_of(const std::string& path) {
+  const std::string extension = extension_of(path);
+  const auto found =
+      std::ranges::find_if(kFormats, [&](const FileFormat& format) { return extension == format.extension; });
+  return found == std::end(kFormats) ? nullptr : found;
+}
+
+bool is_kind(const std::string& path, FileKind kind) {
+  const FileFormat* format = format_of(path);
+  return format != nullptr && format->kind == kind;
+}
+
+}  // namespace foldproof::io
