@@ -176,7 +176,7 @@ void place_vertices(const ReducedMotion& motion, const ReducedPose& pose, std::s
 /// its cost does not depend on the size of the meshes. An object so far from every centre that balls leave
 /// more than two pairs of nodes open per leaf is looked at as StepChecker does, with charts, once its
 /// vertices have been computed. Owns scratch of the meshes' size; a second step of the same kind and size
-/// allocates nothing, where charts are drawn, once no more are wanted. One checker per thread.
+/// allocates nothing, where charts are made, once no more are needed. One checker per thread.
 class ReducedChecker {
  public:
   struct Object {

@@ -1,5 +1,5 @@
 /// Arithmetic as every proof assumes it: rounded to nearest, denormal numbers kept, nothing trapped
-/// (docs/soundness.md, "Setting"). A program may have set its threads otherwise; one that is linked with
+/// (docs/soundness.md, "Arithmetic"). A program may have set its threads otherwise; one that is linked with
 /// -ffast-math does so before it begins.
 #pragma once
 

@@ -244,7 +244,6 @@ void Culling::end(const StepMotion& motion, std::uint64_t node_tests, std::size_
   counts.node_tests = node_tests;
   counts.leaf_pairs = leaf_pairs;
   counts.leaves = motion.leaf_count();
-  if (gain_.knows_nothing()) counts.sweep_growth = motion.sweep_growth();
   for (const Local& local : locals_) {
     work.certificate_tests += local.tests + local.tester.tests;
     work.certificate_passes += local.passes;
@@ -252,7 +251,9 @@ void Culling::end(const StepMotion& motion, std::uint64_t node_tests, std::size_
     counts.planes += local.tests;
     counts.failed_planes += local.failed_planes;
   }
-  if (measures_gain_) gain_.took(counts);
+  if (!measures_gain_) return;
+  if (gain_.knows_nothing()) counts.sweep_growth = motion.sweep_growth();
+  gain_.took(counts);
 }
 
 }  // namespace foldproof

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "check/motion.h"
 #include "foldproof/check.h"
 
 namespace foldproof {
@@ -193,6 +194,36 @@ TEST(CullingGain, ASheetThatFliesFarIsLearned) {
   const TwoSteps steps = two_steps(1, x1);
   EXPECT_GT(steps.pairs_per_leaf, 10);
   EXPECT_GT(steps.second_tested, 0u);
+}
+
+// What StepSettings::explain promises; tests lean on it to use certificates where they do not pay. A first
+// step has none yet, but makes them.
+TEST(CullingGain, AStepThatIsExplainedAlwaysUsesCertificates) {
+  const auto x0 = positions(24, 0), x1 = turned_over(24);
+  StepChecker checker({Hierarchy::build(stacked_sheets(24), x0).value()});
+  StepSettings settings;
+  settings.explain = true;
+  settings.max_listed = 0;
+  StepResult result;
+  for (int step = 0; step < 3; ++step) {
+    ASSERT_TRUE(checker.check(x0, x1, settings, result));
+    EXPECT_EQ(result.work.certificate_tests > 0, step > 0) << "step " << step;
+    EXPECT_EQ(result.searched, 1u);
+  }
+}
+
+// One leaf, 2 wide and 4 deep, goes 3 along its width: 5 and 4 instead of 2 and 4.
+TEST(StepMotion, SweepGrowthIsThatOfTheSidesOfLeaves) {
+  const std::vector<double> x0{0, 0, 0, 2, 0, 0, 0, 4, 0}, x1{3, 0, 0, 5, 0, 0, 3, 4, 0};
+  const Object triangle(Hierarchy::build(Topology::make(3, {{0, 1, 2}}).value(), x0).value());
+  StepMotion motion(std::span(&triangle, 1));
+  ASSERT_TRUE(motion.update(x0, x1));
+  EXPECT_NEAR(motion.sweep_growth(), 9.0 / 6, 1e-4);
+  ASSERT_TRUE(motion.update(x0, x0));
+  EXPECT_EQ(motion.sweep_growth(), 1);
+  const std::vector<double> point(9, 1);
+  ASSERT_TRUE(motion.update(point, point));
+  EXPECT_EQ(motion.sweep_growth(), 1) << "nothing to compare with";
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "check/same_collisions.h"
+#include "foldproof/certificate.h"
 #include "foldproof/check.h"
 #include "oracle/data.h"
 #include "reduced/shapes.h"
@@ -192,6 +193,21 @@ TEST(ReducedChecker, AnswersForSeveralPlacedObjects) {
   }
   EXPECT_GT(within, 0u);
   EXPECT_GT(between, 0u);
+}
+
+TEST(ReducedChecker, RefusesChartsOfAnotherHierarchy) {
+  const std::vector<ShapePointer> shapes{shape_of(waving_cloth(6))};
+  std::mt19937 random(26);
+  const Step step = random_step(shapes, 1, 0.1, random);
+  const auto answers = [&](std::shared_ptr<const Hierarchy> hierarchy) {
+    auto charts = std::make_shared<const ChartLibrary>(std::make_shared<const PatchSlots>(hierarchy));
+    ReducedChecker checker({{shapes[0], charts}});
+    StepResult answer;
+    return checker.check(step.begin, step.end, {}, answer).has_value();
+  };
+  EXPECT_TRUE(answers(shapes[0]->motion()->hierarchy()));
+  EXPECT_FALSE(answers(waving_cloth(7).motion()->hierarchy()));
+  EXPECT_FALSE(answers(std::make_shared<const Hierarchy>(*shapes[0]->motion()->hierarchy())));
 }
 
 TEST(ReducedChecker, RefusesWhatItCannotCheck) {

@@ -1,4 +1,5 @@
 // Arguments to motions: directories, globs, the order of frames, mixed formats, welding.
+#include "io/formats.h"
 #include "io/support.h"
 
 namespace foldproof::testing {
@@ -17,6 +18,21 @@ TEST_F(OpenTest, EveryArgumentIsAMotionOfItsOwn) {
   EXPECT_EQ((*motions)[1]->name(), b);
   EXPECT_EQ(frame(*(*motions)[1], 0)[2], 2);
   EXPECT_EQ(frame(*(*motions)[2], 0)[2], 1);
+}
+
+// Each row of the table has the reader of its kind, which is called without a look, and no other.
+TEST_F(OpenTest, EveryFormatHasTheReaderOfItsKind) {
+  for (const char* extension : {".obj", ".off", ".ply", ".pc2", ".mdd", ".npz", ".gltf", ".GLB"}) {
+    const io::FileFormat* format = io::format_of(std::string("run/a") + extension);
+    ASSERT_NE(format, nullptr) << extension;
+    EXPECT_EQ(format->parse_mesh != nullptr, format->kind == io::FileKind::Mesh) << extension;
+    EXPECT_EQ(format->open_cache != nullptr, format->kind == io::FileKind::PointCache) << extension;
+    EXPECT_EQ(format->open_animation != nullptr, format->kind == io::FileKind::Animation) << extension;
+  }
+  for (const char* path : {"a.stl", "obj", "a", "", "a.obj.zip"}) {
+    EXPECT_EQ(io::format_of(path), nullptr) << path;
+    EXPECT_FALSE(io::read_mesh(path)) << path;
+  }
 }
 
 TEST_F(OpenTest, FramesStandInNaturalOrder) {
