@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/try.h"
 #include "check_reduced.h"
 #include "commands.h"
 #include "run_and_summarize.h"
@@ -12,7 +13,7 @@ namespace foldproof {
 namespace {
 
 constexpr const char* kFooter =
-    R"(  pose.obj                        a single frame, which is checked as a motion that stands still
+    R"(  pose.obj                        a single frame, checked as a motion of one step without movement
 Several motions are several objects, and need equally many frames.
 With --reduced, instead of motions: MODEL COORDINATES for each object, coordinates of the model's subspace by frame:
   p.csv                           a row per frame: one number per mode, then maybe a placement: a quaternion w x y z
@@ -20,9 +21,9 @@ With --reduced, instead of motions: MODEL COORDINATES for each object, coordinat
   p.npz                           the array 'p', frames x modes, maybe 'rotation', frames x 3 x 3, and 'translation'
   tracks.csv  tracks.npz          or tracks of the model's key points, as 'foldproof predict' takes them
 
-First it is asked which triangles cross in the first frame, exactly, then what comes into contact in each step. Only both
-together say that nothing goes through anything at any time. --steps-only leaves the first question out, and then what
-crosses from the start stays unsaid.
+The check first finds the triangles that cross in the first frame, exactly, then the collisions of each step. Only both
+together prove that nothing intersects at any time. --steps-only skips the first part; then crossings from the start
+remain unknown.
 
 Exit code: 0 no collision and no crossing in the first frame, 1 collisions or crossings, 2 error.
 
@@ -32,15 +33,15 @@ Examples:
   foldproof check walk.glb --frames 10:21         the ten steps from frame 10 to frame 20
   foldproof check walk.glb --substeps 10          each step in ten straight parts
   foldproof check pose.obj                        triangles that cross in one pose
-  foldproof check walk.glb --static               triangles that cross in each frame, whatever is between frames
-  foldproof check walk.glb --model body.model     faster, with what 'foldproof train' found out
+  foldproof check walk.glb --static               triangles that cross in each frame, not between frames
+  foldproof check walk.glb --model body.model     faster, with a model from 'foldproof train'
   foldproof check cloth/ --thickness 0.001        closer than 0.001 mesh units counts
-  foldproof check --reduced body.model p.csv      a motion told by coordinates of the model's subspace
+  foldproof check --reduced body.model p.csv      a motion given by coordinates of the model's subspace
   foldproof check walk.glb --json a.json --pairs  every pair with its time of impact, to a file
   foldproof check walk.glb --ply worst.ply        the worst step's mesh, colliding faces marked 1, those that cross
                                                   in the first frame 2, both 3
   foldproof check walk.glb --vtk walk.pvd         the motion with its collisions, for ParaView
-  foldproof check walk.glb --explain why.csv      what could be proven free, and why not the rest)";
+  foldproof check walk.glb --explain why.csv      what was proven free, and why not the rest)";
 
 struct CheckArguments : StepArguments {
   std::string json, csv, ply, vtk, explain, mode = "proven";
@@ -48,64 +49,65 @@ struct CheckArguments : StepArguments {
   bool poses = false, first = false, pairs = false, quiet = false, reduced = false;
 };
 
-void add_query_options(CLI::App& check, CheckArguments& a) {
-  const char* group = check.get_option("--thickness")->get_group().c_str();
-  auto* poses =
-      check.add_flag("--static", a.poses, "Crossing triangles of each frame instead, decided exactly")
-          ->group(group);
-  check.add_flag("--first", a.first, "Of each step only the earliest collision")
-      ->group(group)
-      ->excludes(poses);
+void add_query_options(const Subcommand& check, CheckArguments& a) {
+  const std::string group = check.option("--thickness").group();
+  const Option poses =
+      check.add_flag("--static", a.poses, "Find triangles that cross in each frame instead, exactly")
+          .group(group);
+  check.add_flag("--first", a.first, "Find only the earliest collision of each step")
+      .group(group)
+      .excludes(poses);
   for (const char* option : {"--thickness", "--tolerance", "--substeps", "--steps-only"})
-    check.get_option(option)->excludes(poses);
+    check.option(option).excludes(poses);
 }
 
-void add_mode_options(CLI::App& check, CheckArguments& a) {
-  const char* group = "How far the answer can be relied on";
+void add_mode_options(const Subcommand& check, CheckArguments& a) {
+  const char* group = "Reliability";
   check
       .add_option("--mode", a.mode,
-                  "proven: no collision is missing. paper: STATISTICAL, can miss collisions; believes what "
-                  "key points predict, as the paper does, and counts what that misses [proven]")
-      ->type_name("proven|paper")
-      ->check(CLI::IsMember({"proven", "paper"}))
-      ->group(group);
+                  "proven: no collision is missing. paper: STATISTICAL, can miss collisions; trusts the "
+                  "certificates that key points predict, as the paper does, and counts misses [proven]")
+      .type_name("proven|paper")
+      .one_of({"proven", "paper"})
+      .group(group);
   check
       .add_option(
           "--miss-rate", a.miss_rate,
-          "With --mode paper: believe only as much as would have missed at most this share of what was not "
-          "proven in poses that training held out [0.01]")
-      ->type_name("SHARE")
-      ->check(CLI::Range(0.0, 1.0))
-      ->group(group);
+          "With --mode paper: trust predictions only as far as they would have missed at most this share of "
+          "what was not proven in poses held out from training [0.01]")
+      .type_name("SHARE")
+      .between(0.0, 1.0)
+      .group(group);
 }
 
-void add_report_options(CLI::App& check, CheckArguments& a) {
-  const char* group = "Where the answer goes";
+void add_report_options(const Subcommand& check, CheckArguments& a) {
+  const char* group = "Output";
   using Output = FileArguments::Output;
   const auto add = [&](const char* option, std::string& file, const char* description,
                        Output output = Output::File) {
-    a.files.writes(check.add_option(option, file, description), output)->type_name("FILE")->group(group);
+    a.files.writes(check.add_option(option, file, description), output).type_name("FILE").group(group);
   };
-  add("--json", a.json, "The whole answer, step by step");
-  check.add_flag("--pairs", a.pairs, "List every colliding pair: in the JSON file, or here without --json")
-      ->group(group);
+  add("--json", a.json, "The complete answer, step by step");
+  check
+      .add_flag("--pairs", a.pairs,
+                "List every colliding pair: in the JSON file, or on standard output without --json")
+      .group(group);
   add("--csv", a.csv, "A row per collision");
   add("--ply", a.ply,
       "The worst step's mesh, colliding faces marked 1, crossing ones of the first frame 2, both 3; with "
-      "%04d in FILE "
-      "one per step with collisions",
+      "%04d in FILE, one per step with collisions",
       Output::Numbered);
   add("--vtk", a.vtk,
-      "For ParaView: every step's mesh, colliding faces marked; FILE ends in .pvd, the meshes stand in a "
+      "For ParaView: every step's mesh, colliding faces marked; FILE ends in .pvd, the meshes go into a "
       "directory beside it",
       Output::Collection);
   add("--explain", a.explain,
-      "Which triangles were proven free, or why not: .npz all, .csv counts, .ply a coloured mesh of the step "
+      "Which triangles were proven free, or why not: .npz all, .csv counts, .ply a colored mesh of the step "
       "with most left to test");
-  check.add_flag("--quiet", a.quiet, "Print nothing but errors")->group(group);
+  check.add_flag("--quiet", a.quiet, "Print nothing but errors").group(group);
 }
 
-void add_options(CLI::App& check, CheckArguments& a) {
+void add_options(const Subcommand& check, CheckArguments& a) {
   add_step_options(check, a);
   check.add_flag("--reduced", a.reduced, "Coordinates of a model's subspace instead of motions (see below)");
   add_query_options(check, a);
@@ -113,12 +115,12 @@ void add_options(CLI::App& check, CheckArguments& a) {
   add_report_options(check, a);
 }
 
-// Only outputs that say on them that they are statistical may hold such an answer.
+// A statistical answer goes only into outputs that label it as such.
 Result<void> require_mode_fits(const CheckArguments& a) {
   if (a.mode != "paper") return {};
   const auto conflict = [](const char* option) {
-    return fail("--mode paper", fmt::format("does not go with {}", option),
-                "leave one of them away; --json marks its answer as statistical");
+    return fail(ErrorCode::InvalidArgument, "--mode paper", fmt::format("does not go with {}", option),
+                "omit one of them; --json labels its answer as statistical");
   };
   if (!a.csv.empty()) return conflict("--csv");
   if (!a.ply.empty()) return conflict("--ply");
@@ -128,97 +130,86 @@ Result<void> require_mode_fits(const CheckArguments& a) {
   if (a.first) return conflict("--first");
   if (a.no_certificates) return conflict("--no-certificates");
   if (a.models.empty())
-    return fail("--mode paper", "needs a model",
+    return fail(ErrorCode::InvalidArgument, "--mode paper", "needs a model",
                 "give --model one that 'foldproof train' made of at least 3 poses");
   return {};
 }
 
 Result<CheckSettings> settings_of(const CheckArguments& a) {
-  auto settings = step_settings(a);
-  if (!settings) return settings;
-  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
-  if (const auto ok = require_mode_fits(a); !ok) return tl::unexpected(ok.error());
-  settings->poses = a.poses;
-  settings->step.mode = a.mode == "paper" ? Mode::Paper : Mode::Proven;
-  settings->step.miss_rate = a.miss_rate;
-  settings->step.earliest_only = a.first;
-  settings->step.explain = !a.explain.empty();
+  auto settings = FOLDPROOF_TRY(step_settings(a));
+  FOLDPROOF_TRY(a.files.check());
+  FOLDPROOF_TRY(require_mode_fits(a));
+  settings.poses = a.poses;
+  settings.step.mode = a.mode == "paper" ? Mode::Paper : Mode::Proven;
+  settings.step.miss_rate = a.miss_rate;
+  settings.step.earliest_only = a.first;
+  settings.step.explain = !a.explain.empty();
   return settings;
 }
 
 using WriterList = std::vector<std::unique_ptr<ReportWriter>>;
 
 Result<void> append(WriterList& writers, Result<std::unique_ptr<ReportWriter>> writer) {
-  if (!writer) return tl::unexpected(writer.error());
-  writers.push_back(std::move(*writer));
+  writers.push_back(FOLDPROOF_TRY(std::move(writer)));
   return {};
 }
 
 Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& settings, Motions motions) {
   WriterList writers;
   if (!a.json.empty()) {
-    const auto ok = append(writers, json_report(a.json, motions, {settings, a.motion.read, a.pairs}));
-    if (!ok) return tl::unexpected(ok.error());
+    FOLDPROOF_TRY(append(writers, json_report(a.json, motions, {settings, a.motion.read, a.pairs})));
   }
   if (!a.csv.empty()) {
-    if (const auto ok = append(writers, csv_report(a.csv)); !ok) return tl::unexpected(ok.error());
+    FOLDPROOF_TRY(append(writers, csv_report(a.csv)));
   }
   if (!a.ply.empty()) {
-    if (const auto ok = append(writers, ply_report(a.ply, motions, settings)); !ok)
-      return tl::unexpected(ok.error());
+    FOLDPROOF_TRY(append(writers, ply_report(a.ply, motions, settings)));
   }
   if (!a.vtk.empty()) {
-    if (const auto ok = append(writers, vtk_report(a.vtk, motions, settings)); !ok)
-      return tl::unexpected(ok.error());
+    FOLDPROOF_TRY(append(writers, vtk_report(a.vtk, motions, settings)));
   }
   if (!a.explain.empty()) {
-    if (const auto ok = append(writers, explain_report(a.explain, motions, settings)); !ok)
-      return tl::unexpected(ok.error());
+    FOLDPROOF_TRY(append(writers, explain_report(a.explain, motions, settings)));
   }
   if (a.pairs && a.json.empty() && !a.quiet) writers.push_back(pair_listing(motions));
   return writers;
 }
 
-// What --reduced does not do, rather than doing something else.
+// Refuses options that --reduced does not support.
 Result<void> require_reduced(const CheckArguments& a) {
   const bool other = a.poses || a.substeps != 1 || !a.models.empty() || !a.motion.frames.empty() || a.pairs ||
                      !a.json.empty() || !a.ply.empty() || !a.vtk.empty() || !a.explain.empty();
   if (!other) return {};
   return fail(
-      "--reduced",
+      ErrorCode::InvalidArgument, "--reduced",
       "does not go with --static, --substeps, --model, --frames, --pairs, --json, --ply, --vtk or --explain",
       "leave them out, or check the motion that 'foldproof predict' writes");
 }
 
 Result<int> check(const CheckArguments& a) {
-  auto settings = settings_of(a);
-  if (!settings) return tl::unexpected(settings.error());
+  auto settings = FOLDPROOF_TRY(settings_of(a));
   std::optional<ThreadLimit> limit;
-  if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
+  FOLDPROOF_TRY(limit_threads(a.threads, limit));
 
   if (a.reduced) {
-    if (const auto ok = require_reduced(a); !ok) return tl::unexpected(ok.error());
-    return check_reduced({a.motions, settings->step, a.steps_only, a.csv, a.quiet});
+    FOLDPROOF_TRY(require_reduced(a));
+    return check_reduced({a.motions, settings.step, a.steps_only, a.csv, a.quiet});
   }
-  const auto motions = open_motions(a.motions, a.motion.read);
-  if (!motions) return tl::unexpected(motions.error());
-  auto models = load_models(a.models, *motions);
-  if (!models) return tl::unexpected(models.error());
-  settings->models = std::move(*models);
-  // From here on files are open that must not stay behind half written.
+  const auto motions = FOLDPROOF_TRY(open_motions(a.motions, a.motion.read));
+  settings.models = FOLDPROOF_TRY(load_models(a.models, motions));
+  // From here on an interrupt must not leave incomplete files behind.
   watch_for_interrupt();
-  const auto writers = open_writers(a, *settings, *motions);
-  if (!writers) return tl::unexpected(writers.error());
-  return run_and_summarize(*motions, *settings, *writers, a.quiet);
+  const auto writers = FOLDPROOF_TRY(open_writers(a, settings, motions));
+  return run_and_summarize(motions, settings, writers, a.quiet);
 }
 
 }  // namespace
 
-Command add_check(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("check", "Find every collision of one or more motions");
-  command->footer(std::string(kMotionHelp) + kFooter);
+Command add_check(CommandLine& program) {
+  const Subcommand command = program.add_subcommand("check", "Find every collision of one or more motions");
+  command.footer(std::string(kMotionHelp) + kFooter);
   const auto arguments = std::make_shared<CheckArguments>();
-  add_options(*command, *arguments);
+  add_options(command, *arguments);
   return [arguments] { return check(*arguments); };
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "base/try.h"
 #include "commands.h"
 #include "foldproof/reduced.h"
 #include "options.h"
@@ -34,14 +35,13 @@ Result<void> wrong_columns(const std::string& path, std::uint64_t columns, Index
 
 // p, then optionally a quaternion w x y z and a translation x y z per row.
 Result<Track> from_csv(const std::string& path, Index modes) {
-  const auto table = read_csv(path);
-  if (!table) return tl::unexpected(table.error());
-  const std::uint64_t columns = table->shape[1];
+  const auto table = FOLDPROOF_TRY(read_csv(path));
+  const std::uint64_t columns = table.shape[1];
   if (columns != modes && columns != modes + 7)
     return tl::unexpected(wrong_columns(path, columns, modes).error());
-  Track track{static_cast<Index>(table->shape[0]), modes, {}, {}, {}};
+  Track track{static_cast<Index>(table.shape[0]), modes, {}, {}, {}};
   for (Index k = 0; k < track.frames; ++k) {
-    const double* row = &table->values[k * columns];
+    const double* row = &table.values[k * columns];
     track.p.insert(track.p.end(), row, row + modes);
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Vec3 translation = Vec3::Zero();
@@ -59,14 +59,13 @@ Result<Track> from_csv(const std::string& path, Index modes) {
 }
 
 Result<Track> from_tracks(const std::string& path, const Learned& learned) {
-  const auto tracks = read_key_point_tracks(path, learned.key_points.vertices);
-  if (!tracks) return tl::unexpected(tracks.error());
+  const auto tracks = FOLDPROOF_TRY(read_key_point_tracks(path, learned.key_points.vertices));
   const KeyPointMap map(learned.pca, learned.key_points.vertices);
-  Track track{tracks->frames, learned.pca.modes(), {}, {}, {}};
-  const std::size_t width = std::size_t{tracks->points} * 3;
+  Track track{tracks.frames, learned.pca.modes(), {}, {}, {}};
+  const std::size_t width = std::size_t{tracks.points} * 3;
   for (Index k = 0; k < track.frames; ++k) {
     const Eigen::VectorXd p = map.coordinates(
-        Eigen::Map<const Eigen::VectorXd>(&tracks->positions[k * width], static_cast<Eigen::Index>(width)));
+        Eigen::Map<const Eigen::VectorXd>(&tracks.positions[k * width], static_cast<Eigen::Index>(width)));
     track.p.insert(track.p.end(), p.data(), p.data() + p.size());
   }
   track.rotation.assign(track.frames, Eigen::Matrix3d::Identity());
@@ -76,24 +75,21 @@ Result<Track> from_tracks(const std::string& path, const Learned& learned) {
 
 // Arrays p (frames x modes), and optionally rotation (frames x 3 x 3) and translation (frames x 3).
 Result<Track> from_npz(const std::string& path, Index modes) {
-  const auto p = read_npz_numbers(path, "p");
-  if (!p) return tl::unexpected(p.error());
-  if (p->shape.size() != 2 || p->shape[1] != modes)
+  const auto p = FOLDPROOF_TRY(read_npz_numbers(path, "p"));
+  if (p.shape.size() != 2 || p.shape[1] != modes)
     return fail(path, "'p' has not one column per mode", fmt::format("give frames x {}", modes));
-  Track track{static_cast<Index>(p->shape[0]), modes, p->values, {}, {}};
+  Track track{static_cast<Index>(p.shape[0]), modes, p.values, {}, {}};
   track.rotation.assign(track.frames, Eigen::Matrix3d::Identity());
   track.translation.assign(track.frames, Vec3::Zero());
   for (const auto& [name, numbers] : {std::pair("rotation", 9u), std::pair("translation", 3u)}) {
-    const auto there = npz_holds(path, name);
-    if (!there) return tl::unexpected(there.error());
-    if (!*there) continue;
-    const auto array = read_npz_numbers(path, name);
-    if (!array) return tl::unexpected(array.error());
-    if (array->values.size() != std::size_t{track.frames} * numbers)
+    const auto there = FOLDPROOF_TRY(npz_has_array(path, name));
+    if (!there) continue;
+    const auto array = FOLDPROOF_TRY(read_npz_numbers(path, name));
+    if (array.values.size() != std::size_t{track.frames} * numbers)
       return fail(path, fmt::format("'{}' has not {} numbers per frame", name, numbers),
                   "give them for all frames");
     for (Index k = 0; k < track.frames; ++k) {
-      const double* from = &array->values[std::size_t{k} * numbers];
+      const double* from = &array.values[std::size_t{k} * numbers];
       if (numbers == 9) {
         track.rotation[k] = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(from);
       } else {
@@ -107,38 +103,34 @@ Result<Track> from_npz(const std::string& path, Index modes) {
 Result<Track> read_track(const std::string& path, const Learned& learned) {
   const Index modes = learned.pca.modes();
   if (std::filesystem::path(path).extension() == ".npz") {
-    const auto tracked = npz_holds(path, "keypoints");
-    if (!tracked) return tl::unexpected(tracked.error());
-    return *tracked ? from_tracks(path, learned) : from_npz(path, modes);
+    const auto tracked = FOLDPROOF_TRY(npz_has_array(path, "keypoints"));
+    return tracked ? from_tracks(path, learned) : from_npz(path, modes);
   }
-  const auto table = read_csv(path);
-  if (!table) return tl::unexpected(table.error());
+  const auto table = FOLDPROOF_TRY(read_csv(path));
   // A row of as many numbers as coordinates have is one of coordinates, unless names say otherwise.
-  const std::uint64_t columns = table->shape[1];
-  const bool named = !table->names.empty() && table->names[0] == "frame";
+  const std::uint64_t columns = table.shape[1];
+  const bool named = !table.names.empty() && table.names[0] == "frame";
   const bool coordinates = columns == modes || columns == modes + 7;
   const bool tracked = named || (!coordinates && columns == 3 * learned.key_points.vertices.size());
   return tracked ? from_tracks(path, learned) : from_csv(path, modes);
 }
 
-// The mean, and the clusters where there are several.
+// Balls around the mean, and around the clusters if there are several.
 Result<std::shared_ptr<const ReducedShape>> shape_of(const Model& model, double thickness,
                                                      const ReducedHooks& hooks) {
-  auto motion = ReducedMotion::make(model.hierarchy(), model.learned->pca);
-  if (!motion) return tl::unexpected(motion.error());
-  std::vector<ReducedCentre> centres{{std::vector<double>(motion->modes(), 0.0)}};
+  auto motion = FOLDPROOF_TRY(ReducedMotion::make(model.hierarchy(), model.learned->pca));
+  std::vector<ReducedCenter> centers{{std::vector<double>(motion.modes(), 0.0)}};
   const Clusters& clusters = model.learned->clusters;
   for (Index c = 0; clusters.count() > 1 && c < clusters.count(); ++c) {
-    const auto centre = clusters.centres.col(c);
-    centres.push_back({{centre.data(), centre.data() + centre.size()}});
+    const auto center = clusters.centers.col(c);
+    centers.push_back({{center.data(), center.data() + center.size()}});
   }
-  // Room for the thickness and for a tolerance in proportion.
+  // Enough for the thickness and the tolerance.
   ReducedSettings settings;
   if (thickness > 0) settings.clearance = thickness * 1.001 + model.learned->size * 0x1p-24;
-  auto shape = ReducedShape::build(std::make_shared<const ReducedMotion>(std::move(*motion)),
-                                   std::move(centres), settings, hooks);
-  if (!shape) return tl::unexpected(shape.error());
-  return std::make_shared<const ReducedShape>(std::move(*shape));
+  auto shape = FOLDPROOF_TRY(ReducedShape::build(std::make_shared<const ReducedMotion>(std::move(motion)),
+                                                 std::move(centers), settings, hooks));
+  return std::make_shared<const ReducedShape>(std::move(shape));
 }
 
 struct Objects {
@@ -152,29 +144,26 @@ Result<Objects> open_objects(const ReducedCheckArguments& a, const ReducedHooks&
                 "give MODEL COORDINATES in turn");
   Objects objects;
   for (std::size_t i = 0; i < a.files.size(); i += 2) {
-    const auto model = load_learned_model(a.files[i]);
-    if (!model) return tl::unexpected(model.error());
-    auto track = read_track(a.files[i + 1], *model->learned);
-    if (!track) return tl::unexpected(track.error());
-    if (track->frames == 0) return fail(a.files[i + 1], "has no frames", "give at least one");
-    if (track->frames < 2 && a.steps_only)
+    const auto model = FOLDPROOF_TRY(load_learned_model(a.files[i]));
+    auto track = FOLDPROOF_TRY(read_track(a.files[i + 1], *model.learned));
+    if (track.frames == 0) return fail(a.files[i + 1], "has no frames", "give at least one");
+    if (track.frames < 2 && a.steps_only)
       return fail(a.files[i + 1], "has 1 frame, and a step goes from one frame to the next",
                   "check it without --steps-only: its crossing triangles are found");
-    if (!objects.tracks.empty() && objects.tracks[0].frames != track->frames) {
+    if (!objects.tracks.empty() && objects.tracks[0].frames != track.frames) {
       return fail(a.files[i + 1],
-                  fmt::format("has {} frames, not {}", track->frames, objects.tracks[0].frames),
+                  fmt::format("has {} frames, not {}", track.frames, objects.tracks[0].frames),
                   "give all objects equally many");
     }
-    auto shape = shape_of(*model, a.step.thickness, hooks);
-    if (!shape) return tl::unexpected(shape.error());
-    objects.shapes.emplace_back(std::move(*shape), model->charts);
-    objects.tracks.push_back(std::move(*track));
+    auto shape = FOLDPROOF_TRY(shape_of(model, a.step.thickness, hooks));
+    objects.shapes.emplace_back(std::move(shape), model.charts);
+    objects.tracks.push_back(std::move(track));
   }
   return objects;
 }
 
 std::string start_of(const CheckTotals& totals) {
-  if (!totals.starts_crossing) return "not asked what crosses in frame 0 (--steps-only)\n";
+  if (!totals.starts_crossing) return "not tested for crossings in frame 0 (--steps-only)\n";
   if (*totals.starts_crossing == 0) return "no triangles cross in frame 0\n";
   return fmt::format("frame 0 starts with {} of triangles\n",
                      counted(*totals.starts_crossing, "crossing pair"));
@@ -208,7 +197,7 @@ Result<void> ask_start(const Objects& objects, const ReducedCheckArguments& a, R
     const ReducedMotion& motion = *objects.shapes[i].shape->motion();
     meshes.emplace_back(objects.shapes[i].charts);
     vertices.emplace_back(3 * std::size_t{motion.hierarchy()->topology().vertex_count()});
-    place_vertices(motion, objects.tracks[i].pose(0), vertices.back());
+    pose_vertices(motion, objects.tracks[i].pose(0), vertices.back());
   }
   const std::vector<std::span<const double>> x(vertices.begin(), vertices.end());
   StaticResult found;
@@ -217,7 +206,7 @@ Result<void> ask_start(const Objects& objects, const ReducedCheckArguments& a, R
     done.error().where = "frame 0, " + done.error().where;
     return done;
   }
-  const CheckedStep pose{.place = {},
+  const CheckedStep pose{.index = {},
                          .collisions = {.triangle_triangle = found.crossing_count},
                          .work = found.work,
                          .milliseconds = found.milliseconds,
@@ -237,25 +226,25 @@ Result<bool> run(const Objects& objects, const ReducedCheckArguments& a, ReportW
   totals.last_frame = frames - 1;
   totals.steps_expected = steps;
   if (!a.steps_only) {
-    if (auto done = ask_start(objects, a, csv, totals); !done) return tl::unexpected(done.error());
+    FOLDPROOF_TRY(ask_start(objects, a, csv, totals));
   }
   ReducedChecker checker(objects.shapes);
   StepResult found;
-  std::vector<ReducedPose> begin, end;
+  std::vector<ReducedPose> start, end;
   for (Index k = 0; k < steps; ++k) {
     if (interrupted) return false;
     const Index next = std::min(k + 1, frames - 1);
-    begin.clear();
+    start.clear();
     end.clear();
     for (const Track& track : objects.tracks) {
-      begin.push_back(track.pose(k));
+      start.push_back(track.pose(k));
       end.push_back(track.pose(next));
     }
-    if (auto done = checker.check(begin, end, a.step, found); !done) {
+    if (auto done = checker.check(start, end, a.step, found); !done) {
       done.error().where = fmt::format("step {}, {}", k, done.error().where);
       return tl::unexpected(done.error());
     }
-    const CheckedStep step{.place = {k, k, next, 0},
+    const CheckedStep step{.index = {k, k, next, 0},
                            .collisions = {found.vertex_face_count, found.edge_edge_count, 0},
                            .earliest_toi = found.earliest_toi,
                            .work = found.work,
@@ -265,10 +254,10 @@ Result<bool> run(const Objects& objects, const ReducedCheckArguments& a, ReportW
                            .step = &found};
     totals.add(step);
     if (csv == nullptr) continue;
-    if (auto done = csv->step(step); !done) return tl::unexpected(done.error());
+    FOLDPROOF_TRY(csv->step(step));
   }
   if (csv == nullptr) return true;
-  if (auto done = csv->finish(totals); !done) return tl::unexpected(done.error());
+  FOLDPROOF_TRY(csv->finish(totals));
   return true;
 }
 
@@ -291,14 +280,12 @@ Result<int> check_reduced(const ReducedCheckArguments& a) {
   if (!objects) return tl::unexpected(objects.error());
   std::unique_ptr<ReportWriter> csv;
   if (!a.csv.empty()) {
-    auto writer = csv_report(a.csv);
-    if (!writer) return tl::unexpected(writer.error());
-    csv = std::move(*writer);
+    auto writer = FOLDPROOF_TRY(csv_report(a.csv));
+    csv = std::move(writer);
   }
   CheckTotals totals;
-  const auto finished = run(*objects, a, csv.get(), totals);
-  if (!finished) return tl::unexpected(finished.error());
-  if (!*finished) return tell_interrupted(totals);
+  const auto finished = FOLDPROOF_TRY(run(*objects, a, csv.get(), totals));
+  if (!finished) return tell_interrupted(totals);
   if (!a.quiet) print_output(summary_of(totals));
   return exit_code(totals.clean());
 }

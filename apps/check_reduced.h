@@ -1,4 +1,4 @@
-/// `foldproof check --reduced`: motions told by coordinates of a model's subspace.
+/// `foldproof check --reduced`: motions described by coordinates of a model's subspace.
 #pragma once
 
 #include <string>

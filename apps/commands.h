@@ -1,33 +1,32 @@
 /// The program's subcommands, one file each.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
+#include <span>
 
-#include "foldproof/base.h"
+#include "command_line.h"
 
 namespace foldproof {
 
-/// What a subcommand does once its arguments are read: its exit code, or why it could not.
+/// Runs a subcommand after its arguments are parsed; gives its exit code or an error.
 using Command = std::function<Result<int>()>;
 
 /// Exit codes that scripts rely on.
 inline constexpr int kExitClean = 0, kExitCollisions = 1, kExitError = 2, kExitInterrupted = 130;
-/// Of a check that came to its end.
+/// The exit code of a complete check.
 inline int exit_code(bool clean) { return clean ? kExitClean : kExitCollisions; }
 
-/// Adds a subcommand to the command line; gives what to run if it is chosen.
-Command add_check(CLI::App& program);
-Command add_train(CLI::App& program);
-Command add_info(CLI::App& program);
-Command add_predict(CLI::App& program);
-Command add_suggest(CLI::App& program);
-Command add_render(CLI::App& program);
-Command add_reproduce(CLI::App& program);
-Command add_radius(CLI::App& program);
-Command add_view(CLI::App& program);
-/// `typed`: the command line, which reports repeat.
-Command add_report(CLI::App& program, std::span<char* const> typed);
-Command add_sweep(CLI::App& program, std::span<char* const> typed);
+/// Adds a subcommand to the command line; returns the function to run if it is chosen.
+Command add_check(CommandLine& program);
+Command add_train(CommandLine& program);
+Command add_info(CommandLine& program);
+Command add_predict(CommandLine& program);
+Command add_suggest(CommandLine& program);
+Command add_render(CommandLine& program);
+Command add_radius(CommandLine& program);
+Command add_view(CommandLine& program);
+/// `arguments`: the command line, which reports quote.
+Command add_report(CommandLine& program, std::span<char* const> arguments);
+Command add_sweep(CommandLine& program, std::span<char* const> arguments);
 
 }  // namespace foldproof

@@ -12,7 +12,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
+#include "base/try.h"
 #include "io/formats.h"
 
 namespace foldproof {
@@ -22,15 +24,10 @@ namespace fs = std::filesystem;
 using Output = FileArguments::Output;
 using Input = FileArguments::Input;
 
-/// "-o", "--json", "MOTION": as a person would type it.
-std::string name_of(const CLI::Option& option) {
-  return option.get_snames().empty() ? option.get_name() : "-" + option.get_snames()[0];
-}
-
-/// A file on a disk, whatever it is called.
+/// Identifies a file on a disk, independent of its name.
 using FileId = std::pair<::dev_t, ::ino_t>;
 
-/// Nothing where there is nothing that writing could spoil.
+/// Nothing if there is no file or directory that writing could overwrite.
 std::optional<FileId> id_of(const fs::path& path) {
   struct ::stat status = {};
   if (::stat(path.c_str(), &status) != 0) return std::nullopt;
@@ -38,71 +35,72 @@ std::optional<FileId> id_of(const fs::path& path) {
   return FileId{status.st_dev, status.st_ino};
 }
 
-/// The same for all spellings of a path, also of a file that is not there yet.
-std::string spelled(const fs::path& path) {
+/// The same for all spellings of a path, whether or not the file exists.
+std::string canonical(const fs::path& path) {
   std::error_code code;
-  const fs::path whole = fs::weakly_canonical(fs::absolute(path, code), code);
-  return code ? path.lexically_normal().string() : whole.string();
+  const fs::path full = fs::weakly_canonical(fs::absolute(path, code), code);
+  return code ? path.lexically_normal().string() : full.string();
 }
 
-/// Where a path's file stands.
+/// The directory that contains a path's file.
 fs::path directory_of(const fs::path& path) {
   return path.parent_path().empty() ? fs::path(".") : path.parent_path();
 }
 
-// ---- What an output may be called
+// ---- Names of outputs
 
 Result<void> require_directory_to_write(const std::string& where, const fs::path& directory) {
   std::error_code code;
   const fs::file_status status = fs::status(directory, code);
   if (!fs::exists(status))
-    return fail(where, fmt::format("cannot be written: there is no directory '{}'", directory.string()),
+    return fail(ErrorCode::FileAccess, where,
+                fmt::format("cannot be written: there is no directory '{}'", directory.string()),
                 "make it, or name another file");
   if (!fs::is_directory(status))
-    return fail(where, fmt::format("cannot be written: '{}' is no directory", directory.string()),
+    return fail(ErrorCode::FileAccess, where,
+                fmt::format("cannot be written: '{}' is no directory", directory.string()),
                 "name another file");
   if (::access(directory.c_str(), W_OK | X_OK) != 0)
-    return fail(where, fmt::format("cannot be written: nothing may be written into '{}'", directory.string()),
+    return fail(ErrorCode::FileAccess, where,
+                fmt::format("cannot be written: nothing may be written into '{}'", directory.string()),
                 "name a file elsewhere, or change the permissions");
   return {};
 }
 
-Result<void> require_good_name(const CLI::Option& option, const std::string& path, Output output) {
-  const bool directory = output == Output::Directory;
+Result<void> require_good_name(const Option& option, const std::string& path, Output output) {
   if (path.empty()) {
-    return fail(name_of(option), "names nothing",
-                fmt::format("name the {} to write{}", directory ? "directory" : "file",
-                            option.get_required() ? "" : ", or leave the option out"));
+    return fail(
+        ErrorCode::InvalidArgument, option.name(), "names nothing",
+        fmt::format("name the file to write{}", option.is_required() ? "" : ", or leave the option out"));
   }
-  const std::string where = fmt::format("{} {}", name_of(option), path);
+  const std::string where = fmt::format("{} {}", option.name(), path);
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
   if (code == std::errc::filename_too_long)
-    return fail(where, "cannot be written: the name is too long", "give a shorter one");
-  if (directory) {
-    if (!fs::exists(status) || fs::is_directory(status)) return {};
-    return fail(where, "is no directory", "name another");
-  }
+    return fail(ErrorCode::FileAccess, where, "cannot be written: the name is too long",
+                "give a shorter one");
   if (path.back() == '/' || fs::is_directory(status))
-    return fail(where, "cannot be written: it is a directory", "name a file in it");
+    return fail(ErrorCode::FileAccess, where, "cannot be written: it is a directory", "name a file in it");
   if (output == Output::Motion) {
     const std::string extension = extension_of(path);
     if (extension != ".npz" && extension != ".obj" && extension != ".ply")
-      return fail(where, "is not a format that is written here", "name it .npz, .obj or .ply");
+      return fail(ErrorCode::UnsupportedFormat, where, "is not a format that is written here",
+                  "name it .npz, .obj or .ply");
   }
-  // A pipe or a terminal is written as it stands.
+  // A pipe or a terminal is written directly.
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     if (::access(path.c_str(), W_OK) == 0) return {};
-    return fail(where, "cannot be written: it is not yours to write", "name another file");
+    return fail(ErrorCode::FileAccess, where, "cannot be written: it is not yours to write",
+                "name another file");
   }
-  // A link is followed, and its file replaced where that stands.
-  const fs::path followed = fs::canonical(path, code);
-  return require_directory_to_write(where, directory_of(code ? fs::path(path) : followed));
+  // Of a link, the file that it refers to is replaced.
+  const fs::path target = fs::canonical(path, code);
+  return require_directory_to_write(where, directory_of(code ? fs::path(path) : target));
 }
 
-// ---- What is written
+// ---- Files that outputs replace
 
-/// Files in `directory` that are called `before`, digits, `after`.
+/// Files in `directory` whose names are `before`, digits, `after`.
 std::vector<fs::path> numbered(const fs::path& directory, std::string_view before, std::string_view after) {
   std::vector<fs::path> found;
   std::error_code code;
@@ -110,14 +108,14 @@ std::vector<fs::path> numbered(const fs::path& directory, std::string_view befor
     const std::string name = at->path().filename().string();
     if (name.size() <= before.size() + after.size() || !name.starts_with(before) || !name.ends_with(after))
       continue;
-    const std::string_view middle =
+    const std::string_view number =
         std::string_view(name).substr(before.size(), name.size() - before.size() - after.size());
-    if (middle.find_first_not_of("0123456789") == middle.npos) found.push_back(at->path());
+    if (number.find_first_not_of("0123456789") == number.npos) found.push_back(at->path());
   }
   return found;
 }
 
-/// All files that are there and may be replaced.
+/// All existing files that an output may replace.
 std::vector<fs::path> replaced(const fs::path& path, Output output) {
   std::vector<fs::path> files{path};
   const fs::path stem = fs::path(path).replace_extension();
@@ -139,9 +137,9 @@ std::vector<fs::path> replaced(const fs::path& path, Output output) {
   return files;
 }
 
-// ---- What is read
+// ---- Files that inputs read
 
-/// Whether frames or motions may be in it.
+/// Whether a file may hold frames or motions.
 bool may_be_read(const fs::path& path) { return io::format_of(path.string()) != nullptr; }
 
 /// "a%20b.bin" -> "a b.bin"
@@ -159,7 +157,7 @@ std::string without_escapes(const std::string& uri) {
   return text;
 }
 
-/// Keeps what "uri" says, and nothing else of a text that may be long. A file that is no glTF gives none.
+/// Collects the values of "uri" without keeping the rest of a possibly large file.
 class Uris : public nlohmann::json::json_sax_t {
  public:
   std::vector<std::string> all;
@@ -208,7 +206,7 @@ void add_members(const fs::path& directory, std::vector<fs::path>& files) {
   }
 }
 
-/// All files that a name of an input stands for.
+/// All files that an input refers to.
 std::vector<fs::path> read_under(const std::string& name, Input input) {
   std::vector<fs::path> files;
   std::error_code code;
@@ -233,47 +231,50 @@ std::vector<fs::path> read_under(const std::string& name, Input input) {
 
 }  // namespace
 
-CLI::Option* FileArguments::reads(CLI::Option* option, Input input) {
+Option FileArguments::reads(Option option, Input input) {
   inputs_.push_back({option, input});
   return option;
 }
 
-CLI::Option* FileArguments::writes(CLI::Option* option, Output output) {
+Option FileArguments::writes(Option option, Output output) {
   outputs_.push_back({option, output});
   return option;
 }
 
 Result<void> FileArguments::check() const {
   for (const auto& [option, input] : inputs_) {
-    const auto& given = option->results();
+    const auto given = option.values();
     if (std::find(given.begin(), given.end(), "") != given.end())
-      return fail(name_of(*option), "names nothing", "name what is to be read");
+      return fail(ErrorCode::InvalidArgument, option.name(), "names nothing", "name what is to be read");
   }
   std::set<std::string> names;
-  std::map<FileId, std::string> there;  // what may be replaced, and what names it
+  std::map<FileId, std::string> replaceable;  // existing files, and the output that would replace them
   for (const auto& [option, output] : outputs_) {
-    if (option->count() == 0) continue;
-    const std::string path = option->results().back();
-    if (auto good = require_good_name(*option, path, output); !good) return good;
-    const std::string where = fmt::format("{} {}", name_of(*option), path);
-    const auto twice = [&] { return fail(where, "is named for two outputs", "give each its own file"); };
-    if (!names.insert(spelled(path)).second) return twice();
+    const auto given = option.values();
+    if (given.empty()) continue;
+    const std::string& path = given.back();
+    FOLDPROOF_TRY(require_good_name(option, path, output));
+    const std::string where = fmt::format("{} {}", option.name(), path);
+    const auto twice = [&] {
+      return fail(ErrorCode::InvalidArgument, where, "is named for two outputs", "give each its own file");
+    };
+    if (!names.insert(canonical(path)).second) return twice();
     for (const fs::path& file : replaced(path, output)) {
       const auto id = id_of(file);
-      if (id && !there.emplace(*id, where).second && there[*id] != where) return twice();
+      if (id && !replaceable.emplace(*id, where).second && replaceable[*id] != where) return twice();
     }
   }
-  if (there.empty()) return {};
+  if (replaceable.empty()) return {};
   for (const auto& [option, input] : inputs_) {
-    for (const std::string& name : option->results()) {
+    for (const std::string& name : option.values()) {
       for (const fs::path& file : read_under(name, input)) {
         const auto id = id_of(file);
-        const auto clash = id ? there.find(*id) : there.end();
-        if (clash == there.end()) continue;
-        return fail(clash->second,
-                    fmt::format("would write over '{}', which is read ({} {})", file.string(),
-                                name_of(*option), name),
-                    "name another file to write");
+        const auto clash = id ? replaceable.find(*id) : replaceable.end();
+        if (clash == replaceable.end()) continue;
+        return fail(
+            ErrorCode::InvalidArgument, clash->second,
+            fmt::format("would write over '{}', which is read ({} {})", file.string(), option.name(), name),
+            "name another file to write");
       }
     }
   }

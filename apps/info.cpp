@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/try.h"
 #include "commands.h"
 #include "file_arguments.h"
 #include "foldproof/model.h"
@@ -17,17 +18,24 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFooter =
-    R"(Shown are the poses it was trained on, sizes, and how far it proves the mesh free of
-contact with itself:
+    R"(It shows the poses that the model was trained on, its size, and how much of the mesh it proves free of contact with
+itself:
 
-  proven    share of leaves (patches of a dozen triangles or so) and of pairs of neighbouring leaves that the charts
-            prove in a pose. What is not proven is tested instead; no answer depends on it.
+  proven    share of leaves (patches of about a dozen triangles) and of pairs of neighbouring leaves that the charts
+            prove in a pose. What is not proven is tested; no answer depends on it.
   kappa     steepness of charts: how many times longer a path on the surface may be than the straight line below it in
-            the picture. 1 is flat. The steeper, the less the patch may bend before the chart proves nothing any more.
-  hard      leaves that no chart of their own or of a level above proved in a reference pose, and why.
-  projection, cueing, leave one out
-            how far vertices are from their place when a training pose is rebuilt from the subspace; what rebuilding it
-            from key points adds to that; and how far they are when it is rebuilt from what the other poses teach.
+            the chart. 1 is flat. The steeper a chart, the less the patch may bend before the chart stops holding.
+  hard      leaves that neither their own charts nor those of a level above prove in a reference pose, and why.
+
+Of what was learned about the mesh's shapes it shows reconstruction errors, as distances of vertices, and the accuracy
+of predicted certificates:
+
+  projection     between a training pose and its reconstruction in the subspace
+  cueing         what reconstruction from key points alone adds to that
+  leave-one-out  between a training pose and its reconstruction from what the other poses teach
+  balanced accuracy
+                 of predictions for held-out poses, over nodes that are proven in some poses but not in others. 50 % is
+                 chance; 'majority' is the accuracy of always predicting a node's more frequent outcome.
 
 Examples:
   foldproof info body.model
@@ -45,16 +53,16 @@ const char* reason(Obstacle obstacle) {
   switch (obstacle) {
     case Obstacle::TooCurved:
       return "too curved";
-    case Obstacle::Tangled:
-      return "tangled";
+    case Obstacle::Overlapping:
+      return "overlapping";
     case Obstacle::TooThin:
       return "too thin";
   }
   return "";
 }
 
-/// Those hard in most references first.
-std::vector<HardLeaf> hardest(const Model& model) {
+/// Those that are hard in most references first.
+std::vector<HardLeaf> sorted_hard_leaves(const Model& model) {
   std::vector<HardLeaf> leaves = model.hard_leaves;
   std::stable_sort(leaves.begin(), leaves.end(),
                    [](const HardLeaf& a, const HardLeaf& b) { return a.references > b.references; });
@@ -67,7 +75,7 @@ std::span<const Index> triangles_of(const Model& model, const HardLeaf& hard) {
   return h.triangle_ids().subspan(begin, end - begin);
 }
 
-/// Two digits, rounded up: a bound stays one.
+/// To two digits, rounded up: a bound stays a bound.
 double rounded_up(double kappa) { return std::ceil(kappa * 100) / 100; }
 
 std::string overview(const Model& model, const ModelSummary& s, std::uint64_t bytes) {
@@ -85,7 +93,7 @@ std::string overview(const Model& model, const ModelSummary& s, std::uint64_t by
                   static_cast<double>(bytes) / static_cast<double>(mesh.triangles().size()) /
                       std::max<Index>(s.references, 1)));
   row("charts", grouped(model.charts->charts().size()));
-  row("poses", fmt::format("{}  ({} drawn in)", grouped(model.poses.size()), grouped(s.references)));
+  row("poses", fmt::format("{}  ({})", grouped(model.poses.size()), counted(s.references, "reference")));
   row("proven", fmt::format("{:.1f} %", 100 * s.proven));
   return text + learned_summary(model);
 }
@@ -106,7 +114,7 @@ std::string level_table(const ModelSummary& s) {
     text += fmt::format("{:<8}{:>10}{:>12}{:>10}", name, grouped(level.slots), grouped(level.charted),
                         grouped(level.charts));
     if (level.charts > 0)
-      text += fmt::format("{:>14.2f}{:>12.2f}", rounded_up(level.kappa_median), rounded_up(level.kappa_most));
+      text += fmt::format("{:>14.2f}{:>12.2f}", rounded_up(level.kappa_median), rounded_up(level.kappa_max));
     text += "\n";
   };
   for (std::size_t k = 0; k < s.levels.size(); ++k) row(std::to_string(k), s.levels[k]);
@@ -116,16 +124,16 @@ std::string level_table(const ModelSummary& s) {
 
 std::string hard_table(const Model& model, const ModelSummary& s) {
   if (model.hard_leaves.empty()) return "\nEvery leaf is proven in every reference pose.\n";
-  const std::vector<HardLeaf> leaves = hardest(model);
+  const std::vector<HardLeaf> leaves = sorted_hard_leaves(model);
   const auto always = std::count_if(leaves.begin(), leaves.end(),
                                     [&](const HardLeaf& leaf) { return leaf.references == s.references; });
   std::string text = fmt::format(
       "\nHard to prove: {} of {} leaves in some reference pose, {} in every one.\n", grouped(leaves.size()),
       grouped(model.hierarchy()->leaf_count()), grouped(static_cast<std::uint64_t>(always)));
-  text += fmt::format("{:>10}  {:<10}  triangles\n", "poses", "why");
+  text += fmt::format("{:>10}  {:<11}  triangles\n", "poses", "why");
   for (std::size_t k = 0; k < std::min(leaves.size(), kListed); ++k) {
     const auto ids = triangles_of(model, leaves[k]);
-    text += fmt::format("{:>10}  {:<10}  {}{}\n", fmt::format("{} of {}", leaves[k].references, s.references),
+    text += fmt::format("{:>10}  {:<11}  {}{}\n", fmt::format("{} of {}", leaves[k].references, s.references),
                         reason(leaves[k].obstacle),
                         fmt::join(ids.first(std::min<std::size_t>(ids.size(), 6)), " "),
                         ids.size() > 6 ? fmt::format(" and {} more", ids.size() - 6) : "");
@@ -136,7 +144,7 @@ std::string hard_table(const Model& model, const ModelSummary& s) {
 Json to_json(const ModelSummary::Level& level) {
   Json json = {{"nodes", level.slots}, {"with_chart", level.charted}, {"charts", level.charts}};
   json["kappa_median"] = level.charts ? Json(rounded_up(level.kappa_median)) : Json(nullptr);
-  json["kappa_largest"] = level.charts ? Json(rounded_up(level.kappa_most)) : Json(nullptr);
+  json["kappa_largest"] = level.charts ? Json(rounded_up(level.kappa_max)) : Json(nullptr);
   return json;
 }
 
@@ -147,7 +155,7 @@ Json to_json(const Model& model, const ModelSummary& s, std::uint64_t bytes) {
     poses.push_back({{"name", pose.name}, {"reference", pose.reference}, {"proven", pose.proven}});
   }
   for (const ModelSummary::Level& level : s.levels) levels.push_back(to_json(level));
-  for (const HardLeaf& leaf : hardest(model)) {
+  for (const HardLeaf& leaf : sorted_hard_leaves(model)) {
     hard.push_back(
         {{"references", leaf.references}, {"why", reason(leaf.obstacle)}, {"triangles", Json::array()}});
     for (const Index id : triangles_of(model, leaf)) hard.back()["triangles"].push_back(id);
@@ -171,36 +179,34 @@ Json to_json(const Model& model, const ModelSummary& s, std::uint64_t bytes) {
 }
 
 Result<int> info(const InfoArguments& a) {
-  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
-  const auto model = load_model(a.model);
-  if (!model) return tl::unexpected(model.error());
+  FOLDPROOF_TRY(a.files.check());
+  const auto model = FOLDPROOF_TRY(load_model(a.model));
   std::error_code unknown;
   const std::uint64_t bytes = std::filesystem::file_size(a.model, unknown);
-  const ModelSummary s = summarize(*model);
+  const ModelSummary s = summarize(model);
   if (a.json.empty()) {
-    print_output(overview(*model, s, bytes) + pose_table(*model) + level_table(s) + hard_table(*model, s) +
-                 learned_tables(*model));
+    print_output(overview(model, s, bytes) + pose_table(model) + level_table(s) + hard_table(model, s) +
+                 learned_tables(model));
     return kExitClean;
   }
-  auto file = FileWriter::open(a.json);
-  if (!file) return tl::unexpected(file.error());
+  auto file = FOLDPROOF_TRY(FileWriter::open(a.json));
   const std::string text =
-      to_json(*model, s, bytes).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-  if (const auto done = file->write(text); !done) return tl::unexpected(done.error());
-  if (const auto done = file->commit(); !done) return tl::unexpected(done.error());
+      to_json(model, s, bytes).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  FOLDPROOF_TRY(file.write(text));
+  FOLDPROOF_TRY(file.commit());
   return kExitClean;
 }
 
 }  // namespace
 
-Command add_info(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("info", "Show what is inside a model");
-  command->footer(kFooter);
+Command add_info(CommandLine& program) {
+  const Subcommand command = program.add_subcommand("info", "Show what is inside a model");
+  command.footer(kFooter);
   const auto a = std::make_shared<InfoArguments>();
-  a->files.reads(command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
-      ->type_name("")
-      ->required();
-  a->files.writes(command->add_option("--json", a->json, "All of it as JSON, to a file"))->type_name("FILE");
+  a->files.reads(command.add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
+      .type_name("")
+      .required();
+  a->files.writes(command.add_option("--json", a->json, "Write all of it as JSON")).type_name("FILE");
   return [a] { return info(*a); };
 }
 

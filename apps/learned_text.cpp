@@ -12,10 +12,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// How many badly represented poses and regions are named.
+/// How many badly represented poses and regions are listed.
 constexpr std::size_t kListed = 5;
 
-/// Of all poses: mean of means, worst of worst.
+/// Over all poses: the mean of the means, and the worst.
 struct Overall {
   double mean = 0, worst = 0;
 };
@@ -52,7 +52,7 @@ std::string badly_represented(const Model& model) {
     const LearnedPose& pose = learned.poses[poses[k]];
     text += row(k == 0 ? "badly represented" : "",
                 fmt::format("pose {}: mean {}", cell(model.poses[pose.pose].name),
-                            distance_text(pose.left_out.projection.mean, learned.size)));
+                            distance_text(pose.leave_one_out.projection.mean, learned.size)));
   }
   for (std::size_t k = 0; k < std::min(regions.size(), kListed); ++k) {
     const LearnedRegion& region = learned.regions[regions[k]];
@@ -69,8 +69,8 @@ std::string certificate_row(const Learned& learned) {
   const CertificateMap& map = *learned.certificates;
   return row(
       "certificates",
-      fmt::format("{} nodes, {:.0f} % told right for poses left out  ({:.0f} % by habit, 50 % by chance)",
-                  grouped(map.nodes.size()), 100 * map.right, 100 * map.guessed));
+      fmt::format("{} nodes, balanced accuracy {:.0f} %  (majority {:.0f} %, chance 50 %)",
+                  grouped(map.nodes.size()), 100 * map.balanced_accuracy, 100 * map.majority_accuracy));
 }
 
 Json to_json(const VertexDistance& d, double size) {
@@ -97,7 +97,7 @@ Json poses_json(const Model& model) {
                      {"name", model.poses[pose.pose].name},
                      {"cluster", learned.clusters.cluster_of[k]},
                      {"trained", to_json(pose.trained, learned.size)},
-                     {"left_out", to_json(pose.left_out, learned.size)},
+                     {"leave_one_out", to_json(pose.leave_one_out, learned.size)},
                      {"badly_represented", std::find(bad.begin(), bad.end(), k) != bad.end()}});
   }
   return poses;
@@ -149,8 +149,8 @@ std::string learned_summary(const Model& model) {
   };
   error("projection error", overall(learned, [](const auto& p) { return p.trained.projection; }));
   error("cueing error", overall(learned, [](const auto& p) { return p.trained.cueing; }));
-  error("leave-one-out error", overall(learned, [](const auto& p) { return p.left_out.projection; }));
-  error("  from key points", overall(learned, [](const auto& p) { return p.left_out.total; }));
+  error("leave-one-out error", overall(learned, [](const auto& p) { return p.leave_one_out.projection; }));
+  error("  from key points", overall(learned, [](const auto& p) { return p.leave_one_out.total; }));
   return text + badly_represented(model);
 }
 
@@ -159,12 +159,12 @@ std::string learned_tables(const Model& model) {
   const Learned& learned = *model.learned;
   std::string text = fmt::format(
       "\nMean and worst vertex distance, mesh units (size {:.4g})\n{:>20}{:>20}{:>20}  {:<9}pose\n",
-      learned.size, "projection", "cueing", "leave one out", "cluster");
+      learned.size, "projection", "cueing", "leave-one-out", "cluster");
   const auto both = [](const VertexDistance& d) { return fmt::format("{:.3g} {:.3g}", d.mean, d.worst); };
   for (std::size_t k = 0; k < learned.poses.size(); ++k) {
     const LearnedPose& pose = learned.poses[k];
     text += fmt::format("{:>20}{:>20}{:>20}  {:<9}{}\n", both(pose.trained.projection),
-                        both(pose.trained.cueing), both(pose.left_out.projection),
+                        both(pose.trained.cueing), both(pose.leave_one_out.projection),
                         learned.clusters.cluster_of[k], cell(model.poses[pose.pose].name));
   }
   std::vector<Index> order(learned.regions.size());
@@ -172,7 +172,7 @@ std::string learned_tables(const Model& model) {
   std::stable_sort(order.begin(), order.end(),
                    [&](Index a, Index b) { return learned.regions[a].mean > learned.regions[b].mean; });
   if (order.size() > kListed) order.resize(kListed);
-  text += fmt::format("\n{:>12}{:>12}  regions that the other poses tell worst\n", "mean", "worst");
+  text += fmt::format("\n{:>12}{:>12}  regions of largest leave-one-out error\n", "mean", "worst");
   for (const Index k : order) {
     const LearnedRegion& r = learned.regions[k];
     text += fmt::format("{:>12.3g}{:>12.3g}  around vertex {}, {}, worst in {}\n", r.mean, r.worst,
@@ -199,9 +199,9 @@ Json learned_json(const Model& model) {
   json["certificates"] = nullptr;
   if (learned.certificates) {
     json["certificates"] = {{"nodes", learned.certificates->nodes.size()},
-                            {"right", learned.certificates->right},
-                            {"right_by_habit", learned.certificates->guessed},
-                            {"believed_wrongly", learned.certificates->believed}};
+                            {"balanced_accuracy", learned.certificates->balanced_accuracy},
+                            {"majority_accuracy", learned.certificates->majority_accuracy},
+                            {"false_discovery_rate", learned.certificates->false_discovery_rate}};
   }
   json["poses"] = poses_json(model);
   json["regions"] = regions_json(model);

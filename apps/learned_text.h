@@ -1,4 +1,4 @@
-/// The learned part of a model in words and as JSON, for train and info.
+/// The learned part of a model as text and as JSON, for train and info.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,10 +11,10 @@ namespace foldproof {
 /// "0.0123  (0.45 %)": a distance in mesh units and as a share of the size.
 std::string distance_text(double distance, double size);
 
-/// What was learned, its errors and what it represents badly. Says so when nothing was learned.
+/// What was learned, its errors, and the poses and regions that it represents badly. Never empty.
 std::string learned_summary(const Model& model);
 
-/// Errors of every pose, and the regions of largest error.
+/// The errors of every pose, and the regions of largest error.
 std::string learned_tables(const Model& model);
 
 /// null when nothing was learned.

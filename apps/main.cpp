@@ -1,10 +1,8 @@
-#include <fmt/format.h>
-
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <sstream>
 
+#include "base/try.h"
 #include "commands.h"
 #include "terminal.h"
 
@@ -15,56 +13,34 @@ constexpr const char* kAbout =
     "Finds every collision of moving triangle meshes, with themselves and with each other, between frames "
     "too.";
 
-/// CLI11's complaints may have several lines; a person gets one, with what to do.
-Error command_line_error(const CLI::App& program, const CLI::ParseError& error) {
-  std::string command = "foldproof";
-  for (const CLI::App* chosen : program.get_subcommands()) command += " " + chosen->get_name();
-  std::string problem = error.what();
-  while (!problem.empty() && problem.back() == '\n') problem.pop_back();
-  return {"command line", problem, fmt::format("'{} --help' shows what there is", command)};
-}
-
-/// Help without the notes on which options exclude which: they drown the descriptions.
-struct HelpFormatter : CLI::Formatter {
-  std::string make_option_opts(const CLI::Option* option) const override {
-    return option->get_type_name().empty() ? "" : " " + option->get_type_name();
-  }
-};
+constexpr const char* kFooter =
+    "Try:\n  foldproof check walk.glb\n  foldproof view walk.glb\n  foldproof check --help\n  foldproof "
+    "train --help";
 
 Result<int> run(int argc, char** argv) {
-  CLI::App program(kAbout);
-  program.name("foldproof");
-  const auto formatter = std::make_shared<HelpFormatter>();
-  formatter->column_width(26);
-  program.formatter(formatter);
-  program.set_version_flag("--version", std::string("foldproof ") + version());
-  program.require_subcommand(0, 1);  // that none is too few is said below, after unknown words were named
-  program.footer(
-      "Try:\n  foldproof check walk.glb\n  foldproof view walk.glb\n  foldproof check --help\n  foldproof "
-      "train --help");
-  const std::span<char* const> typed(argv, static_cast<std::size_t>(argc));
-  const std::vector<std::pair<std::string, Command>> commands = {
-      {"check", add_check(program)},          {"view", add_view(program)},
-      {"report", add_report(program, typed)}, {"sweep", add_sweep(program, typed)},
-      {"train", add_train(program)},          {"info", add_info(program)},
-      {"predict", add_predict(program)},      {"suggest", add_suggest(program)},
-      {"render", add_render(program)},        {"radius", add_radius(program)},
-      {"reproduce", add_reproduce(program)}};
+  CommandLine program(kAbout, kFooter);
+  const std::span<char* const> arguments(argv, static_cast<std::size_t>(argc));
+  const std::vector<std::pair<std::string, Command>> commands = {{"check", add_check(program)},
+                                                                 {"view", add_view(program)},
+                                                                 {"report", add_report(program, arguments)},
+                                                                 {"sweep", add_sweep(program, arguments)},
+                                                                 {"train", add_train(program)},
+                                                                 {"info", add_info(program)},
+                                                                 {"predict", add_predict(program)},
+                                                                 {"suggest", add_suggest(program)},
+                                                                 {"render", add_render(program)},
+                                                                 {"radius", add_radius(program)}};
 
-  try {
-    program.parse(argc, argv);
-  } catch (const CLI::Success& asked) {  // --help or --version
-    std::ostringstream text;
-    program.exit(asked, text, text);
-    print_output(text.str());
+  const auto text = FOLDPROOF_TRY(program.parse(arguments));
+  if (text) {
+    print_output(*text);
     return kExitClean;
-  } catch (const CLI::ParseError& error) {
-    return tl::unexpected(command_line_error(program, error));
   }
   for (const auto& [name, command] : commands) {
-    if (program.got_subcommand(name)) return command();
+    if (program.chose(name)) return command();
   }
-  return fail("command line", "names no command", "'foldproof --help' shows what there is");
+  return fail(ErrorCode::InvalidArgument, "command line", "names no command",
+              "'foldproof --help' shows what there is");
 }
 
 int finish(const Result<int>& result) {
@@ -80,17 +56,19 @@ int finish(const Result<int>& result) {
 }  // namespace foldproof
 
 int main(int argc, char** argv) {
-  // A reader that goes away, as in `foldproof check ... | head`, must not kill the check.
+  // A closed pipe, as in `foldproof check ... | head`, must not end the check.
   std::signal(SIGPIPE, SIG_IGN);
-  // Nor must a limit on file sizes, which would leave half a file: writing fails instead.
+  // Exceeding a file size limit must not end it either, which would leave an incomplete file: writing fails.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
     return foldproof::finish(foldproof::run(argc, argv));
   } catch (const std::bad_alloc&) {
-    return foldproof::finish(
-        foldproof::fail("memory", "there is not enough", "check fewer objects or smaller meshes at a time"));
+    return foldproof::finish(foldproof::fail(foldproof::ErrorCode::LimitExceeded, "memory",
+                                             "there is not enough",
+                                             "check fewer objects or smaller meshes at a time"));
   } catch (const std::exception& error) {
-    return foldproof::finish(
-        foldproof::fail("foldproof", std::string("internal error: ") + error.what(), "please report this"));
+    return foldproof::finish(foldproof::fail(foldproof::ErrorCode::InvalidArgument, "foldproof",
+                                             std::string("internal error: ") + error.what(),
+                                             "please report this"));
   }
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <csignal>
 
+#include "base/try.h"
+
 namespace foldproof {
 namespace {
 
@@ -14,7 +16,7 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it"
 
 extern "C" void interrupt(int) { interrupted = true; }
 
-/// As a shell would take it.
+/// Quotes an argument for a shell.
 std::string quoted(std::string_view argument) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:=,+@%";
@@ -26,9 +28,9 @@ std::string quoted(std::string_view argument) {
 
 }  // namespace
 
-std::string command_line(std::span<char* const> typed) {
+std::string command_line(std::span<char* const> arguments) {
   std::string line = "foldproof";
-  for (const char* argument : typed.subspan(std::min<std::size_t>(1, typed.size())))
+  for (const char* argument : arguments.subspan(std::min<std::size_t>(1, arguments.size())))
     line += " " + quoted(argument);
   return line;
 }
@@ -36,60 +38,58 @@ std::string command_line(std::span<char* const> typed) {
 const std::atomic<bool>& watch_for_interrupt() {
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
-  // A terminal that is closed, unless nohup is to outlive it.
+  // A closed terminal, unless nohup has disabled the signal.
   if (std::signal(SIGHUP, interrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
   return interrupted;
 }
 
-void add_motion_options(CLI::App& command, MotionOptions& options) {
+void add_motion_options(const Subcommand& command, MotionOptions& options) {
   command
       .add_option("--frames", options.frames,
-                  "Frames A up to, not including, B, every STEP-th; negative ones count from the end")
-      ->type_name("A:B[:STEP]")
-      ->group(kMotionGroup);
+                  "Every STEP-th frame from A to B, B excluded; negative ones count from the end")
+      .type_name("A:B[:STEP]")
+      .group(kMotionGroup);
   command.add_option("--fps", options.read.fps, "Sampling rate for animated glTF, frames per second [24]")
-      ->type_name("RATE")
-      ->group(kMotionGroup);
+      .type_name("RATE")
+      .group(kMotionGroup);
   command
       .add_flag("--weld", options.read.weld,
                 "Merge vertices that coincide in the first frame (changes vertex numbers)")
-      ->group(kMotionGroup);
+      .group(kMotionGroup);
 }
 
 Result<FrameRange> frame_range_of(const MotionOptions& options) {
-  if (const auto ok = require_number("--fps", options.read.fps, false); !ok)
-    return tl::unexpected(ok.error());
+  FOLDPROOF_TRY(require_number("--fps", options.read.fps, false));
   return options.frames.empty() ? FrameRange{} : parse_frame_range(options.frames);
 }
 
-void add_threads_option(CLI::App& command, int& threads, const char* description) {
-  command.add_option("--threads", threads, description)->type_name("N");
+void add_threads_option(const Subcommand& command, int& threads, const char* description) {
+  command.add_option("--threads", threads, description).type_name("N");
 }
 
 Result<Model> load_learned_model(const std::string& path) {
   auto model = load_model(path);
   if (model && !model->learned)
-    return fail(path, "has learned no shapes", "train it anew with at least 3 poses that differ");
+    return fail(ErrorCode::NotLearned, path, "has learned no shapes",
+                "train it again with at least 3 poses that differ");
   return model;
 }
 
 Result<std::unique_ptr<Motion>> open_motion_of(const Model& model, const std::vector<std::string>& arguments,
                                                const ReadOptions& options) {
-  auto motions = open_motions(arguments, options);
-  if (!motions) return tl::unexpected(motions.error());
-  if (motions->size() != 1) {
-    return fail(arguments[0], fmt::format("and what follows are {} motions", motions->size()), "give one");
+  auto motions = FOLDPROOF_TRY(open_motions(arguments, options));
+  if (motions.size() != 1) {
+    return fail(ErrorCode::InvalidArgument, arguments[0],
+                fmt::format("and the following arguments are {} motions", motions.size()), "give one");
   }
-  const Motion& motion = *motions->front();
-  if (const auto ok = require_model_of(model, motion.topology(), motion.name()); !ok) {
-    return tl::unexpected(ok.error());
-  }
-  return std::move(motions->front());
+  const Motion& motion = *motions.front();
+  FOLDPROOF_TRY(require_model_of(model, motion.topology(), motion.name()));
+  return std::move(motions.front());
 }
 
 Result<void> limit_threads(int threads, std::optional<ThreadLimit>& limit) {
   if (threads < 0 || threads > 4096) {
-    return fail("--threads", fmt::format("{} is not between 1 and 4096", threads),
+    return fail(ErrorCode::InvalidArgument, "--threads", fmt::format("{} is not between 1 and 4096", threads),
                 "give another, or leave it out to use all cores");
   }
   if (threads > 0) limit.emplace(threads);
@@ -99,7 +99,7 @@ Result<void> limit_threads(int threads, std::optional<ThreadLimit>& limit) {
 Result<void> require_number(const char* option, double value, bool zero_allowed) {
   if (std::isfinite(value) && (value > 0 || (zero_allowed && value == 0))) return {};
   return fail(
-      option,
+      ErrorCode::InvalidArgument, option,
       fmt::format("{} is not a {} number", value, zero_allowed ? "finite, not negative" : "finite, positive"),
       "give another");
 }

@@ -1,7 +1,6 @@
-/// What several subcommands ask for.
+/// Options that several subcommands share.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <optional>
 
@@ -19,7 +18,7 @@ struct MotionOptions {
 
 inline constexpr const char* kMotionGroup = "Which part of the motion";
 
-/// What a motion is, for the footer of a help text.
+/// Describes motions, for the footer of a help text.
 inline constexpr const char* kMotionHelp = R"(A MOTION is one topology and its frames:
   walk.glb  walk.gltf  walk.npz   an animation; NPZ holds 'faces' and 'vertices' (frames x n x 3)
   walk.obj walk.pc2               a mesh (OBJ, OFF, PLY) followed by its point cache (.pc2, .mdd)
@@ -27,32 +26,32 @@ inline constexpr const char* kMotionHelp = R"(A MOTION is one topology and its f
 )";
 
 /// Adds --frames, --fps and --weld.
-void add_motion_options(CLI::App& command, MotionOptions& options);
+void add_motion_options(const Subcommand& command, MotionOptions& options);
 
-/// The frames that --frames names, once --fps is found to be good.
+/// The frames that --frames selects. Error: --frames or --fps is invalid.
 Result<FrameRange> frame_range_of(const MotionOptions& options);
 
-/// Adds --threads; 0 stands for all cores.
-void add_threads_option(CLI::App& command, int& threads, const char* description);
+/// Adds --threads; 0 means all cores.
+void add_threads_option(const Subcommand& command, int& threads, const char* description);
 
-/// A model that has learned shapes. Error: it is none, or has learned nothing.
+/// Loads a model that has learned shapes. Error: it cannot be loaded, or has not.
 Result<Model> load_learned_model(const std::string& path);
 
-/// The one motion that a command line names, of the model's mesh.
+/// Opens the only motion that a command line names. Error: several motions, or another mesh than the model's.
 Result<std::unique_ptr<Motion>> open_motion_of(const Model& model, const std::vector<std::string>& arguments,
                                                const ReadOptions& options);
 
-/// Makes a limit; 0 stands for none. Error: no sensible number.
+/// Sets a limit; 0 means none. Error: the number is out of range.
 Result<void> limit_threads(int threads, std::optional<ThreadLimit>& limit);
 
-/// Error: not finite, negative, or zero where that is not allowed.
+/// Error: not finite, negative, or zero if that is not allowed.
 Result<void> require_number(const char* option, double value, bool zero_allowed);
 
-/// What was typed, as a shell would take it; the program is called foldproof.
-std::string command_line(std::span<char* const> typed);
+/// The command line, quoted for a shell, with foldproof as the program's name.
+std::string command_line(std::span<char* const> arguments);
 
-/// From now on SIGINT, SIGTERM and SIGHUP set this instead of ending the program, so that no file stays
-/// behind half written.
+/// From now on SIGINT, SIGTERM and SIGHUP set the returned flag instead of ending the program, so that no
+/// incomplete file is left behind.
 const std::atomic<bool>& watch_for_interrupt();
 
 }  // namespace foldproof

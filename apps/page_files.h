@@ -1,14 +1,14 @@
-/// The page that the program carries.
+/// The page that is embedded in the program.
 #pragma once
 
 #include "page/page.h"
 
 namespace foldproof {
 
-/// The files of page/dist when the program was built, with sums (tools/embed.py); none when there were none.
+/// The files of page/dist when the program was built, with hashes (tools/embed.py); may be empty.
 std::vector<PageFile> page_files();
 
-/// The same, or why there are none.
+/// Error: the program was built without a page.
 Result<std::vector<PageFile>> require_page_files();
 
 }  // namespace foldproof

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <numeric>
 
+#include "base/try.h"
 #include "commands.h"
 #include "foldproof/model.h"
 #include "learned_text.h"
@@ -12,20 +13,20 @@
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter = R"(KEYPOINTS says where the model's key points are, frame by frame:
-  tracks.csv  with the columns frame, vertex, x, y, z, in any order of rows
+constexpr const char* kFooter = R"(KEYPOINTS gives the positions of the model's key points, frame by frame:
+  tracks.csv  with the columns frame, vertex, x, y, z, rows in any order
   tracks.csv  or with x y z of every key point in a row, a row per frame
-  tracks.npz  or the array 'keypoints', frames x points x 3
+  tracks.npz  or with the array 'keypoints', frames x points x 3
   walk.glb    or a whole motion of the mesh, from which only the key points are read
-In the last two the key points come in the order in which --list-key-points has them.
+Without vertex numbers, key points come in the order of --list-key-points.
 
-Given a whole motion, there or with --truth, the prediction is held against it: from key points, and from all points,
-which is the best that the subspace can do.
+With a whole motion, there or as --truth, it also prints errors: of the reconstruction from key points, and of that from
+all points, which is the best in the subspace.
 
 Examples:
   foldproof predict body.model --list-key-points         which vertices to track
-  foldproof predict body.model tracks.csv -o walk.npz    rebuild the mesh
-  foldproof predict body.model walk.glb                  how well the key points tell this motion
+  foldproof predict body.model tracks.csv -o walk.npz    reconstruct the mesh
+  foldproof predict body.model walk.glb                  how well key points reconstruct this motion
   foldproof predict body.model tracks.npz --truth walk.glb -o walk.obj)";
 
 struct PredictArguments {
@@ -37,45 +38,41 @@ struct PredictArguments {
   FileArguments files;
 };
 
-/// Whether it holds tracks of points, not a motion.
-Result<bool> holds_tracks(const std::vector<std::string>& arguments) {
+/// Whether the arguments name tracks, not a motion.
+Result<bool> are_tracks(const std::vector<std::string>& arguments) {
   if (arguments.size() != 1) return false;
   const std::string extension = extension_of(arguments[0]);
-  if (extension == ".npz") return npz_holds(arguments[0], "keypoints");
+  if (extension == ".npz") return npz_has_array(arguments[0], "keypoints");
   return extension == ".csv";
 }
 
-/// What is known of the motion.
 struct Input {
   KeyPointTracks tracks;
-  std::unique_ptr<Motion> truth;
-  std::vector<Index> frames;  ///< Of the truth.
+  std::unique_ptr<Motion> truth;  ///< Null: nothing to compare with.
+  std::vector<Index> frames;      ///< Of the truth.
 };
 
 Result<Input> read_input(const PredictArguments& a, const Model& model) {
-  const auto range = frame_range_of(a.motion);
-  if (!range) return tl::unexpected(range.error());
-  const auto tracked = holds_tracks(a.key_points);
-  if (!tracked) return tl::unexpected(tracked.error());
+  const auto range = FOLDPROOF_TRY(frame_range_of(a.motion));
+  const auto tracked = FOLDPROOF_TRY(are_tracks(a.key_points));
   Input input;
-  if (!*tracked && !a.truth.empty()) {
-    return fail("--truth", "is given, but the key points come from a whole motion already", "leave it out");
+  if (!tracked && !a.truth.empty()) {
+    return fail(ErrorCode::InvalidArgument, "--truth",
+                "is given, but the key points come from a whole motion already", "leave it out");
   }
-  const auto& whole = *tracked ? a.truth : a.key_points;
+  const auto& whole = tracked ? a.truth : a.key_points;
   if (!whole.empty()) {
-    auto motion = open_motion_of(model, whole, a.motion.read);
-    if (!motion) return tl::unexpected(motion.error());
-    input.truth = std::move(*motion);
-    input.frames = select_frames(*range, input.truth->frame_count());
-    if (input.frames.empty()) return fail("--frames", "selects none", "select more; frames count from 0");
+    input.truth = FOLDPROOF_TRY(open_motion_of(model, whole, a.motion.read));
+    input.frames = select_frames(range, input.truth->frame_count());
+    if (input.frames.empty()) {
+      return fail(ErrorCode::InvalidArgument, "--frames", "selects none", "select more; frames count from 0");
+    }
   }
   const auto& vertices = model.learned->key_points.vertices;
-  auto tracks = *tracked ? read_key_point_tracks(a.key_points[0], vertices)
-                         : tracks_of(*input.truth, vertices, input.frames);
-  if (!tracks) return tl::unexpected(tracks.error());
-  input.tracks = std::move(*tracks);
+  input.tracks = FOLDPROOF_TRY(tracked ? read_key_point_tracks(a.key_points[0], vertices)
+                                       : extract_tracks(*input.truth, vertices, input.frames));
   if (input.truth && input.tracks.frames != input.frames.size()) {
-    return fail(a.key_points[0],
+    return fail(ErrorCode::InvalidArgument, a.key_points[0],
                 fmt::format("has {}, and {} of {} are to compare with", counted(input.tracks.frames, "frame"),
                             input.frames.size(), input.truth->name()),
                 "choose them with --frames");
@@ -83,7 +80,7 @@ Result<Input> read_input(const PredictArguments& a, const Model& model) {
   return input;
 }
 
-/// Of all frames.
+/// The error over all frames.
 struct Comparison {
   double mean = 0;
   VertexDistance worst;
@@ -108,10 +105,12 @@ Result<std::string> compare(const Input& input, Motion& predicted, const Predict
     return std::span(v.data(), static_cast<std::size_t>(v.size()));
   };
   for (Index k = 0; k < predicted.frame_count(); ++k) {
-    if (interrupted) return fail("interrupted", "the prediction was not finished", "run it again");
+    if (interrupted) {
+      return fail(ErrorCode::Interrupted, "interrupted", "the prediction was not finished", "run it again");
+    }
     const Index frame = input.frames[k];
-    if (auto read = input.truth->read_frame(frame, numbers(x)); !read) return tl::unexpected(read.error());
-    if (auto read = predicted.read_frame(k, numbers(y)); !read) return tl::unexpected(read.error());
+    FOLDPROOF_TRY(input.truth->read_frame(frame, numbers(x)));
+    FOLDPROOF_TRY(predicted.read_frame(k, numbers(y)));
     keys.add(vertex_distance(x, y), frame, input.frames.size());
     all.add(vertex_distance(x, predictor.from_all_points(x)), frame, input.frames.size());
   }
@@ -119,13 +118,12 @@ Result<std::string> compare(const Input& input, Motion& predicted, const Predict
   std::string text = fmt::format("{:<24}{}\n", "from key points", keys.text(size));
   text += fmt::format("{:<24}{}\n", "from all points", all.text(size));
   if (all.mean > 0) {
-    text += fmt::format("{:<24}{:.3g} times as far off as all points, on average\n", "key points are",
-                        keys.mean / all.mean);
+    text += fmt::format("{:<24}{:.3g}\n", "ratio of the means", keys.mean / all.mean);
   }
   return text;
 }
 
-/// A motion that ends when somebody wants to, however many frames are still to be written.
+/// A motion whose frames fail to read once the program is interrupted, so that writing it ends.
 class Interruptible final : public Motion {
  public:
   Interruptible(Motion& motion, const std::atomic<bool>& interrupted)
@@ -134,7 +132,9 @@ class Interruptible final : public Motion {
   const Topology& topology() const override { return motion_.topology(); }
   Index frame_count() const override { return motion_.frame_count(); }
   Result<void> read_frame(Index k, std::span<double> out) override {
-    if (interrupted_) return fail("interrupted", "the motion was not finished", "run it again");
+    if (interrupted_) {
+      return fail(ErrorCode::Interrupted, "interrupted", "the motion was not finished", "run it again");
+    }
     return motion_.read_frame(k, out);
   }
 
@@ -143,7 +143,7 @@ class Interruptible final : public Motion {
   const std::atomic<bool>& interrupted_;
 };
 
-int tell_interrupted(bool written) {
+int report_interrupted(bool written) {
   print_error({"interrupted", written ? "while comparing" : "the prediction was not finished",
                written ? "the motion is written" : "nothing was written"});
   return kExitInterrupted;
@@ -151,41 +151,41 @@ int tell_interrupted(bool written) {
 
 Result<int> predict(const PredictArguments& a) {
   std::optional<ThreadLimit> limit;
-  if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
-  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
-  const auto model = load_learned_model(a.model);
-  if (!model) return tl::unexpected(model.error());
+  FOLDPROOF_TRY(limit_threads(a.threads, limit));
+  FOLDPROOF_TRY(a.files.check());
+  const auto model = FOLDPROOF_TRY(load_learned_model(a.model));
   if (a.list) {
-    print_output(fmt::format("{}\n", fmt::join(model->learned->key_points.vertices, "\n")));
+    print_output(fmt::format("{}\n", fmt::join(model.learned->key_points.vertices, "\n")));
     return kExitClean;
   }
   if (a.key_points.empty())
-    return fail("KEYPOINTS", "is missing", "'foldproof predict --help' shows what it may be");
-  auto input = read_input(a, *model);
-  if (!input) return tl::unexpected(input.error());
-  if (!input->truth && a.output.empty()) {
-    return fail("-o", "is missing", "say where the motion is to be written, or compare it with --truth");
+    return fail(ErrorCode::InvalidArgument, "KEYPOINTS", "is missing",
+                "'foldproof predict --help' shows what it may be");
+  auto input = FOLDPROOF_TRY(read_input(a, model));
+  if (!input.truth && a.output.empty()) {
+    return fail(ErrorCode::InvalidArgument, "-o", "is missing",
+                "name the file to write, or a motion to compare with: --truth");
   }
-  const auto predictor = std::make_shared<const Predictor>(model->learned);
+  const auto predictor = std::make_shared<const Predictor>(model.learned);
   const auto predicted =
-      predicted_motion(a.key_points[0], model->hierarchy()->topology(), predictor, input->tracks);
-  // From here on a file is open that must not stay behind half written.
+      predicted_motion(a.key_points[0], model.hierarchy()->topology(), predictor, input.tracks);
+  // From here on, an interrupt must not leave a half-written file behind.
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   if (!a.output.empty()) {
     Interruptible motion(*predicted, interrupted);
     const auto done = write_motion(a.output, motion);
-    if (!done && interrupted) return tell_interrupted(false);
+    if (!done && interrupted) return report_interrupted(false);
     if (!done) return tl::unexpected(done.error());
   }
   if (a.quiet) return kExitClean;
-  const auto& keys = model->learned->key_points.vertices;
+  const auto& keys = model.learned->key_points.vertices;
   std::string text =
-      fmt::format("{:<24}{}\n{:<24}{}  ({:.2g} % of the vertices)\n", "frames", grouped(input->tracks.frames),
+      fmt::format("{:<24}{}\n{:<24}{}  ({:.2g} % of the vertices)\n", "frames", grouped(input.tracks.frames),
                   "key points", grouped(keys.size()),
-                  100.0 * static_cast<double>(keys.size()) / model->hierarchy()->topology().vertex_count());
-  if (input->truth) {
-    const auto compared = compare(*input, *predicted, *predictor, interrupted);
-    if (!compared && interrupted) return tell_interrupted(!a.output.empty());
+                  100.0 * static_cast<double>(keys.size()) / model.hierarchy()->topology().vertex_count());
+  if (input.truth) {
+    const auto compared = compare(input, *predicted, *predictor, interrupted);
+    if (!compared && interrupted) return report_interrupted(!a.output.empty());
     if (!compared) return tl::unexpected(compared.error());
     text += *compared;
   }
@@ -195,28 +195,28 @@ Result<int> predict(const PredictArguments& a) {
 
 }  // namespace
 
-Command add_predict(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("predict", "Rebuild a mesh from its key points");
-  command->footer(kFooter);
+Command add_predict(CommandLine& program) {
+  const Subcommand command = program.add_subcommand("predict", "Reconstruct a mesh from its key points");
+  command.footer(kFooter);
   const auto a = std::make_shared<PredictArguments>();
   FileArguments& files = a->files;
-  files.reads(command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
-      ->type_name("")
-      ->required();
-  files.reads(command->add_option("KEYPOINTS", a->key_points, "Where key points are (see below)"))
-      ->type_name("");
+  files.reads(command.add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
+      .type_name("")
+      .required();
+  files.reads(command.add_option("KEYPOINTS", a->key_points, "Positions of the key points (see below)"))
+      .type_name("");
   files
-      .writes(command->add_option("-o,--output", a->output,
-                                  "The motion to write: .npz, .obj with .pc2, .ply for one frame"),
+      .writes(command.add_option("-o,--output", a->output,
+                                 "The motion to write: .npz, .obj with .pc2, .ply for one frame"),
               FileArguments::Output::Motion)
-      ->type_name("FILE");
-  files.reads(command->add_option("--truth", a->truth, "A whole motion to compare with"))
-      ->type_name("MOTION")
-      ->expected(1, 2);
-  command->add_flag("--list-key-points", a->list, "Print the vertices to track, and end");
-  add_motion_options(*command, a->motion);
-  add_threads_option(*command, a->threads, "At most N threads [all cores]");
-  command->add_flag("--quiet", a->quiet, "Print nothing but errors");
+      .type_name("FILE");
+  files.reads(command.add_option("--truth", a->truth, "A whole motion to compare with"))
+      .type_name("MOTION")
+      .expected(1, 2);
+  command.add_flag("--list-key-points", a->list, "Print the vertices to track, and exit");
+  add_motion_options(command, a->motion);
+  add_threads_option(command, a->threads, "At most N threads [all cores]");
+  command.add_flag("--quiet", a->quiet, "Print nothing but errors");
   return [a] { return predict(*a); };
 }
 

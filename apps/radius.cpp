@@ -5,6 +5,7 @@
 #include <numeric>
 #include <random>
 
+#include "base/try.h"
 #include "commands.h"
 #include "foldproof/model.h"
 #include "foldproof/reduced.h"
@@ -15,16 +16,16 @@ namespace foldproof {
 namespace {
 
 constexpr const char* kFooter =
-    R"(Within the radius of a centre no combination of modes makes the surface touch itself: proven, not sampled. Distances are
-in standard deviations of the training poses (Mahalanobis). Regions that touch in the centre's own pose, or come nearer to
-themselves than the clearance, are left out of that and named. A region that nearly touches makes the radius small for all;
-with --at-least such regions are left out and named as well, with how far they reach.
+    R"(Within the radius of a center no combination of modes makes the surface touch itself: proven, not sampled. Distances are
+in standard deviations of the training poses (Mahalanobis). The radius says nothing about regions that touch in the center's
+own pose, or come closer to themselves than the clearance; these are listed. A region that nearly touches makes the radius
+of the whole mesh small. With --at-least such regions are listed too, each with its own radius, and limit nothing.
 
 Examples:
-  foldproof radius body.model                        how far from the mean, and from each cluster
-  foldproof radius body.model --at-least 0.5         how far the rest reaches, and what stays behind
+  foldproof radius body.model                        the radius around the mean, and around each cluster
+  foldproof radius body.model --at-least 0.5         a larger radius, and the regions that do not have it
   foldproof radius body.model --sample 20 -o s.npz   twenty certified shapes, as a motion
-  foldproof radius body.model --ply left.ply         the mean, triangles that are left out marked 1)";
+  foldproof radius body.model --ply mean.ply         the mean, with uncertified triangles marked 1)";
 
 struct RadiusArguments {
   std::string model, output, ply;
@@ -35,81 +36,83 @@ struct RadiusArguments {
   FileArguments files;
 };
 
-struct Centres {
-  std::vector<ReducedCentre> list;
+struct Centers {
+  std::vector<ReducedCenter> list;
   std::vector<std::string> names;
   std::vector<CertifiedRadius> certified;
 };
 
-// The mean, and the clusters where there are several. Balls reach as far as any training pose lies.
-Centres centres_of(const Learned& learned, const ReducedMotion& motion) {
-  Centres centres;
+// The mean, and the clusters if there are several. Balls are large enough for all training poses.
+Centers centers_of(const Learned& learned, const ReducedMotion& motion) {
+  Centers centers;
   const auto add = [&](std::string name, const Eigen::VectorXd& p) {
-    double farthest = std::sqrt(motion.modes()) + 4.0;
+    double max_radius = std::sqrt(motion.modes()) + 4.0;
     for (Eigen::Index k = 0; k < learned.coordinates.cols(); ++k)
-      farthest = std::max(farthest, 1.1 * learned.pca.mahalanobis(learned.coordinates.col(k) - p));
-    centres.list.push_back({{p.data(), p.data() + p.size()}, farthest});
-    centres.names.push_back(std::move(name));
+      max_radius = std::max(max_radius, 1.1 * learned.pca.mahalanobis(learned.coordinates.col(k) - p));
+    centers.list.push_back({{p.data(), p.data() + p.size()}, max_radius});
+    centers.names.push_back(std::move(name));
   };
   add("mean", Eigen::VectorXd::Zero(motion.modes()));
   if (learned.clusters.count() > 1) {
     for (Index c = 0; c < learned.clusters.count(); ++c)
-      add(fmt::format("cluster {}", c), learned.clusters.centres.col(c));
+      add(fmt::format("cluster {}", c), learned.clusters.centers.col(c));
   }
-  return centres;
+  return centers;
 }
 
-std::string table(const ReducedShape& shape, const Centres& centres, const Learned& learned) {
-  std::string text = fmt::format("{:<12}{:>10}{:>17}{:>23}{:>26}\n", "centre", "radius", "share of normal",
-                                 "training poses inside", "pairs of leaves left out");
-  const auto inside = [&](Index centre, Eigen::Index pose) {
+std::string table(const ReducedShape& shape, const Centers& centers, const Learned& learned) {
+  std::string text = fmt::format("{:<12}{:>10}{:>17}{:>23}{:>29}\n", "center", "radius", "share of normal",
+                                 "training poses inside", "uncertified pairs of leaves");
+  const auto inside = [&](Index center, Eigen::Index pose) {
     const Eigen::VectorXd p = learned.coordinates.col(pose);
-    return shape.distance(centre, std::span(p.data(), static_cast<std::size_t>(p.size()))) <
-           centres.certified[centre].radius;
+    return shape.distance(center, std::span(p.data(), static_cast<std::size_t>(p.size()))) <
+           centers.certified[center].radius;
   };
   const Eigen::Index poses = learned.coordinates.cols();
   Index in_any = 0;
   for (Eigen::Index k = 0; k < poses; ++k) {
     bool any = false;
-    for (Index c = 0; c < centres.list.size() && !any; ++c) any = inside(c, k);
+    for (Index c = 0; c < centers.list.size() && !any; ++c) any = inside(c, k);
     in_any += any;
   }
-  for (Index c = 0; c < centres.list.size(); ++c) {
+  for (Index c = 0; c < centers.list.size(); ++c) {
     Index count = 0;
     for (Eigen::Index k = 0; k < poses; ++k) count += inside(c, k);
-    const auto& [radius, left] = centres.certified[c];
-    const auto touching = std::count_if(left.begin(), left.end(), [](const LeftOut& l) { return l.touches; });
+    const auto& [radius, uncertified] = centers.certified[c];
+    const auto touching = std::count_if(uncertified.begin(), uncertified.end(),
+                                        [](const UncertifiedPair& pair) { return pair.touches; });
     // The normal distribution is around the mean only.
     const std::string share =
         c == 0 ? fmt::format("{:.2f} %", 100 * normal_share(radius, shape.motion()->modes())) : "";
-    text += fmt::format("{:<12}{:>10.4g}{:>17}{:>23}{:>26}\n", centres.names[c], radius, share,
-                        fmt::format("{} of {}", count, poses),
-                        left.empty() ? "none" : fmt::format("{}, {} touch", grouped(left.size()), touching));
+    text += fmt::format(
+        "{:<12}{:>10.4g}{:>17}{:>23}{:>29}\n", centers.names[c], radius, share,
+        fmt::format("{} of {}", count, poses),
+        uncertified.empty() ? "none" : fmt::format("{}, {} touch", grouped(uncertified.size()), touching));
   }
   return text + fmt::format("{} of {} training poses lie within a radius.\n", in_any, poses);
 }
 
-// Leaves that hang together by pairs that are left out.
+// Leaves that uncertified pairs connect.
 struct Region {
   std::vector<Index> leaves;
   bool touches = false;
   double radius = std::numeric_limits<double>::infinity();  // within which nothing in it touches
 };
 
-std::vector<Region> regions_of(std::span<const LeftOut> left, Index leaf_count) {
+std::vector<Region> regions_of(std::span<const UncertifiedPair> uncertified, Index leaf_count) {
   std::vector<Index> parent(leaf_count);
   std::iota(parent.begin(), parent.end(), 0u);
   const auto root = [&](Index leaf) {
     while (parent[leaf] != leaf) leaf = parent[leaf] = parent[parent[leaf]];
     return leaf;
   };
-  for (const LeftOut& l : left) parent[root(l.leaf_a)] = root(l.leaf_b);
+  for (const UncertifiedPair& pair : uncertified) parent[root(pair.leaf_a)] = root(pair.leaf_b);
   std::map<Index, Region> regions;
-  for (const LeftOut& l : left) {
-    Region& region = regions[root(l.leaf_a)];
-    region.touches |= l.touches;
-    region.radius = std::min(region.radius, l.radius);
-    region.leaves.insert(region.leaves.end(), {l.leaf_a, l.leaf_b});
+  for (const UncertifiedPair& pair : uncertified) {
+    Region& region = regions[root(pair.leaf_a)];
+    region.touches |= pair.touches;
+    region.radius = std::min(region.radius, pair.radius);
+    region.leaves.insert(region.leaves.end(), {pair.leaf_a, pair.leaf_b});
   }
   std::vector<Region> sorted;
   for (auto& [_, region] : regions) {
@@ -126,21 +129,21 @@ std::vector<Region> regions_of(std::span<const LeftOut> left, Index leaf_count) 
 
 std::string state(const Region& region) {
   if (region.touches) return "touches already";
-  return region.radius > 0 ? fmt::format("proven up to {:.4g}", region.radius) : "nearer than the clearance";
+  return region.radius > 0 ? fmt::format("proven up to {:.4g}", region.radius) : "closer than the clearance";
 }
 
-std::string region_list(const ReducedShape& shape, const Centres& centres) {
-  constexpr std::size_t kMost = 12;
+std::string region_list(const ReducedShape& shape, const Centers& centers) {
+  constexpr std::size_t kMaxListed = 12;
   const Hierarchy& h = *shape.motion()->hierarchy();
   std::string text;
-  for (Index c = 0; c < centres.list.size(); ++c) {
-    const auto regions = regions_of(centres.certified[c].left_out, h.leaf_count());
+  for (Index c = 0; c < centers.list.size(); ++c) {
+    const auto regions = regions_of(centers.certified[c].uncertified, h.leaf_count());
     if (regions.empty()) continue;
     std::vector<double> x(3 * std::size_t{h.topology().vertex_count()});
-    shape.motion()->positions(centres.list[c].p, x);
-    text += fmt::format("\nLeft out around {}: the radius says nothing of what happens inside these {}.\n",
-                        centres.names[c], counted(regions.size(), "region"));
-    for (std::size_t k = 0; k < std::min(kMost, regions.size()); ++k) {
+    shape.motion()->positions(centers.list[c].p, x);
+    text += fmt::format("\nUncertified around {}: the radius says nothing about contact inside these {}.\n",
+                        centers.names[c], counted(regions.size(), "region"));
+    for (std::size_t k = 0; k < std::min(kMaxListed, regions.size()); ++k) {
       Index triangles = 0;
       for (const Index leaf : regions[k].leaves)
         triangles += h.leaves()[leaf + 1].triangles - h.leaves()[leaf].triangles;
@@ -150,48 +153,50 @@ std::string region_list(const ReducedShape& shape, const Centres& centres) {
                           counted(triangles, "triangle"), first, x[3 * v], x[3 * v + 1], x[3 * v + 2],
                           state(regions[k]));
     }
-    if (regions.size() > kMost) text += fmt::format("  and {} smaller ones\n", regions.size() - kMost);
+    if (regions.size() > kMaxListed)
+      text += fmt::format("  and {} smaller ones\n", regions.size() - kMaxListed);
   }
   return text;
 }
 
-Result<void> write_left_out(const std::string& path, const ReducedShape& shape, const Centres& centres) {
+Result<void> write_uncertified(const std::string& path, const ReducedShape& shape, const Centers& centers) {
   const Hierarchy& h = *shape.motion()->hierarchy();
   std::vector<std::uint8_t> marks(h.triangles().size(), 0);
-  for (const LeftOut& l : centres.certified[0].left_out) {
-    for (const Index leaf : {l.leaf_a, l.leaf_b}) {
+  for (const UncertifiedPair& pair : centers.certified[0].uncertified) {
+    for (const Index leaf : {pair.leaf_a, pair.leaf_b}) {
       for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t)
         marks[h.triangle_ids()[t]] = 1;
     }
   }
   std::vector<double> x(3 * std::size_t{h.topology().vertex_count()});
-  shape.motion()->positions(shape.centres()[0].p, x);
+  shape.motion()->positions(shape.centers()[0].p, x);
   return write_ply(path, h.topology(), x, marks);
 }
 
-// Evenly from the balls of all centres in turn, by volume within each; always the same ones.
-Result<void> write_samples(const RadiusArguments& a, const ReducedShape& shape, const Centres& centres) {
+// Samples the balls of all centers in turn, uniformly by volume within each; always the same shapes.
+Result<void> write_samples(const RadiusArguments& a, const ReducedShape& shape, const Centers& centers) {
   const ReducedMotion& motion = *shape.motion();
   std::vector<Index> usable;
-  for (Index c = 0; c < shape.centres().size(); ++c) {
-    if (centres.certified[c].radius > 0) usable.push_back(c);
+  for (Index c = 0; c < shape.centers().size(); ++c) {
+    if (centers.certified[c].radius > 0) usable.push_back(c);
   }
   if (usable.empty())
-    return fail(a.output, "no shape is certified", "see which regions touch at the centres");
+    return fail(ErrorCode::InvalidArgument, a.output, "no shape is certified",
+                "see which regions touch at the centers");
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal(0, 1);
   std::uniform_real_distribution<double> uniform(0, 1);
   std::vector<std::vector<double>> frames;
   for (Index k = 0; k < a.samples; ++k) {
     const Index c = usable[k % usable.size()];
-    std::vector<double> q(motion.modes()), p = shape.centres()[c].p;
+    std::vector<double> q(motion.modes()), p = shape.centers()[c].p;
     double square = 0;
     for (double& z : q) {
       z = normal(random);
       square += z * z;
     }
     const double radius =
-        0.999 * centres.certified[c].radius * std::pow(uniform(random), 1.0 / motion.modes());
+        0.999 * centers.certified[c].radius * std::pow(uniform(random), 1.0 / motion.modes());
     for (std::size_t m = 0; m < q.size(); ++m)
       p[m] += radius * q[m] / std::sqrt(square) * motion.deviations()[m];
     motion.positions(p, frames.emplace_back(3 * std::size_t{motion.hierarchy()->topology().vertex_count()}));
@@ -202,76 +207,72 @@ Result<void> write_samples(const RadiusArguments& a, const ReducedShape& shape, 
 
 Result<int> radius(const RadiusArguments& a) {
   std::optional<ThreadLimit> limit;
-  if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
-  if (const auto ok = require_number("--clearance", a.clearance, true); !ok)
-    return tl::unexpected(ok.error());
-  if (const auto ok = require_number("--at-least", a.at_least, true); !ok) return tl::unexpected(ok.error());
-  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
+  FOLDPROOF_TRY(limit_threads(a.threads, limit));
+  FOLDPROOF_TRY(require_number("--clearance", a.clearance, true));
+  FOLDPROOF_TRY(require_number("--at-least", a.at_least, true));
+  FOLDPROOF_TRY(a.files.check());
   if ((a.samples > 0) == a.output.empty()) return fail("--sample", "goes with -o", "give both, or neither");
-  const auto model = load_learned_model(a.model);
-  if (!model) return tl::unexpected(model.error());
-  auto motion = ReducedMotion::make(model->hierarchy(), model->learned->pca);
-  if (!motion) return tl::unexpected(motion.error());
-  Centres centres = centres_of(*model->learned, *motion);
+  const auto model = FOLDPROOF_TRY(load_learned_model(a.model));
+  auto motion = FOLDPROOF_TRY(ReducedMotion::make(model.hierarchy(), model.learned->pca));
+  Centers centers = centers_of(*model.learned, motion);
   ProgressBar bar(!a.quiet);
   ReducedHooks hooks;
   hooks.progress = [&](double part) { bar.show(part, "proving"); };
   hooks.cancel = &watch_for_interrupt();
-  const auto shape = ReducedShape::build(std::make_shared<const ReducedMotion>(std::move(*motion)),
-                                         centres.list, {.clearance = a.clearance}, hooks);
+  const auto shape = ReducedShape::build(std::make_shared<const ReducedMotion>(std::move(motion)),
+                                         centers.list, {.clearance = a.clearance}, hooks);
   bar.clear();
   if (!shape) {
     if (!*hooks.cancel) return tl::unexpected(shape.error());
     print_error({"interrupted", "while proving", "nothing was written"});
     return kExitInterrupted;
   }
-  for (Index c = 0; c < centres.list.size(); ++c)
-    centres.certified.push_back(shape->certified(c, a.at_least));
+  for (Index c = 0; c < centers.list.size(); ++c)
+    centers.certified.push_back(shape->certified(c, a.at_least));
   if (!a.ply.empty()) {
-    if (const auto done = write_left_out(a.ply, *shape, centres); !done) return tl::unexpected(done.error());
+    FOLDPROOF_TRY(write_uncertified(a.ply, *shape, centers));
   }
   if (a.samples > 0) {
-    if (const auto done = write_samples(a, *shape, centres); !done) return tl::unexpected(done.error());
+    FOLDPROOF_TRY(write_samples(a, *shape, centers));
   }
   if (!a.quiet) {
     print_output(fmt::format("{}: {}, {}; farther apart than {:.3g} mesh units\n", cell(a.model),
                              counted(shape->motion()->modes(), "mode"),
-                             counted(model->hierarchy()->triangles().size(), "triangle"),
-                             shape->clearance()) +
-                 table(*shape, centres, *model->learned) + region_list(*shape, centres));
+                             counted(model.hierarchy()->triangles().size(), "triangle"), shape->clearance()) +
+                 table(*shape, centers, *model.learned) + region_list(*shape, centers));
   }
   return kExitClean;
 }
 
 }  // namespace
 
-Command add_radius(CLI::App& program) {
-  CLI::App* command =
+Command add_radius(CommandLine& program) {
+  const Subcommand command =
       program.add_subcommand("radius", "Prove how far a model's shapes may go without touching themselves");
-  command->footer(kFooter);
+  command.footer(kFooter);
   const auto a = std::make_shared<RadiusArguments>();
   FileArguments& files = a->files;
-  files.reads(command->add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
-      ->type_name("")
-      ->required();
-  command->add_option("--sample", a->samples, "Draw N certified shapes, evenly from the balls")
-      ->type_name("N");
+  files.reads(command.add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
+      .type_name("")
+      .required();
+  command.add_option("--sample", a->samples, "Sample N certified shapes, uniformly from the balls")
+      .type_name("N");
   files
-      .writes(command->add_option("-o,--output", a->output, "Write them as a motion: .npz, .obj or .ply"),
+      .writes(command.add_option("-o,--output", a->output, "Write them as a motion: .npz, .obj or .ply"),
               FileArguments::Output::Motion)
-      ->type_name("FILE");
-  files.writes(command->add_option("--ply", a->ply, "Write the mean with what is left out marked 1"))
-      ->type_name("FILE");
+      .type_name("FILE");
+  files.writes(command.add_option("--ply", a->ply, "Write the mean with uncertified triangles marked 1"))
+      .type_name("FILE");
   command
-      ->add_option("--clearance", a->clearance,
-                   "Prove that features stay farther apart than D, in mesh units [2^-24 of the size]")
-      ->type_name("D");
+      .add_option("--clearance", a->clearance,
+                  "Prove that features stay farther apart than D, in mesh units [2^-24 of the size]")
+      .type_name("D");
   command
-      ->add_option("--at-least", a->at_least,
-                   "Leave out, and name, pairs of leaves that are not proven as far as R as well [0]")
-      ->type_name("R");
-  add_threads_option(*command, a->threads, "At most N threads [all cores]");
-  command->add_flag("--quiet", a->quiet, "Print nothing but errors");
+      .add_option("--at-least", a->at_least,
+                  "List pairs of leaves with a smaller radius than R as uncertified, too [0]")
+      .type_name("R");
+  add_threads_option(command, a->threads, "At most N threads [all cores]");
+  command.add_flag("--quiet", a->quiet, "Print nothing but errors");
   return [a] { return radius(*a); };
 }
 

@@ -4,27 +4,26 @@
 
 #include <algorithm>
 
+#include "base/try.h"
 #include "commands.h"
 #include "terminal.h"
 
 namespace foldproof {
 namespace {
 
-constexpr const char* kCountsGroup = "What counts";
+constexpr const char* kCollisionGroup = "What is a collision";
 
 }  // namespace
 
-void add_step_options(CLI::App& command, StepArguments& a) {
+void add_step_options(const Subcommand& command, StepArguments& a) {
   a.files.reads(command.add_option("MOTION", a.motions, "What to check (see below)"))
-      ->type_name("")
-      ->required();
+      .type_name("")
+      .required();
 
-  const char* counts = kCountsGroup;
-  auto* within =
-      command.add_flag("--within", a.within, "Only collisions of each object with itself")->group(counts);
-  command.add_flag("--between", a.between, "Only collisions between objects")
-      ->group(counts)
-      ->excludes(within);
+  const char* group = kCollisionGroup;
+  const Option within =
+      command.add_flag("--within", a.within, "Only collisions of each object with itself").group(group);
+  command.add_flag("--between", a.between, "Only collisions between objects").group(group).excludes(within);
   add_setting_options(command, a);
   command
       .add_option(
@@ -32,58 +31,56 @@ void add_step_options(CLI::App& command, StepArguments& a) {
           fmt::format("List and mark at most N pairs of each kind in a step, those with the smallest ids; "
                       "all are counted [{}]",
                       a.limit))
-      ->type_name("N")
-      ->group(counts);
+      .type_name("N")
+      .group(group);
 }
 
-void add_setting_options(CLI::App& command, StepArguments& a) {
-  const char* counts = kCountsGroup;
+void add_setting_options(const Subcommand& command, StepArguments& a) {
+  const char* group = kCollisionGroup;
   command
       .add_option("--thickness", a.thickness,
                   "Closer than or equal to this is a collision, in mesh units [0]")
-      ->type_name("D")
-      ->group(counts);
+      .type_name("D")
+      .group(group);
   command
       .add_option(
           "--tolerance", a.tolerance,
           "How far beyond the thickness a reported pair may be, in mesh units [2^-30 of the scene's size]")
-      ->type_name("D")
-      ->group(counts);
+      .type_name("D")
+      .group(group);
 
   command
       .add_flag("--steps-only", a.steps_only,
-                "Only what comes into contact between frames: do not ask what crosses in the first frame")
-      ->group(counts);
+                "Find only contacts between frames: do not test for crossings in the first frame")
+      .group(group);
 
   add_motion_options(command, a.motion);
   command.add_option("--substeps", a.substeps, "Cut each step into N linear parts [1]")
-      ->type_name("N")
-      ->group(kMotionGroup);
+      .type_name("N")
+      .group(kMotionGroup);
 
-  const char* speed = "Speed (the answer is the same with any of these)";
-  auto* model =
+  const char* speed = "Speed (these do not change the answer)";
+  const Option model =
       a.files
           .reads(command.add_option("--model", a.models,
-                                    "What 'foldproof train' found out: once for all objects of that mesh, or "
-                                    "once for each object in order"))
-          ->type_name("FILE")
-          ->allow_extra_args(false)
-          ->group(speed);
-  command.add_flag("--no-certificates", a.no_certificates, "Test everything, also what can be proven free")
-      ->group(speed)
-      ->excludes(model);
+                                    "A model from 'foldproof train': one for all objects of its mesh, or one "
+                                    "for each object, in order"))
+          .type_name("FILE")
+          .one_value_each_time()
+          .group(speed);
+  command.add_flag("--no-certificates", a.no_certificates, "Test everything, even what can be proven free")
+      .group(speed)
+      .excludes(model);
   add_threads_option(command, a.threads, "At most N threads [all cores]");
-  command.get_option("--threads")->group(speed);
+  command.option("--threads").group(speed);
 }
 
 Result<CheckSettings> step_settings(const StepArguments& a) {
-  if (const auto ok = require_number("--thickness", a.thickness, true); !ok)
-    return tl::unexpected(ok.error());
-  if (const auto ok = require_number("--tolerance", a.tolerance, true); !ok)
-    return tl::unexpected(ok.error());
-  const auto frames = frame_range_of(a.motion);
-  if (!frames) return tl::unexpected(frames.error());
-  if (a.substeps < 1) return fail("--substeps", "0 parts are none", "give 1 or more");
+  FOLDPROOF_TRY(require_number("--thickness", a.thickness, true));
+  FOLDPROOF_TRY(require_number("--tolerance", a.tolerance, true));
+  const auto frames = FOLDPROOF_TRY(frame_range_of(a.motion));
+  if (a.substeps < 1)
+    return fail(ErrorCode::InvalidArgument, "--substeps", "must not be 0", "give 1 or more");
   CheckSettings settings;
   settings.substeps = a.substeps;
   settings.steps_only = a.steps_only;
@@ -93,7 +90,7 @@ Result<CheckSettings> step_settings(const StepArguments& a) {
                    .tolerance = a.tolerance,
                    .max_listed = a.limit,
                    .certificates = !a.no_certificates};
-  settings.frames = *frames;
+  settings.frames = frames;
   return settings;
 }
 
@@ -101,15 +98,15 @@ Result<std::vector<std::shared_ptr<const Model>>> load_models(std::span<const st
                                                               Motions motions) {
   std::vector<std::shared_ptr<const Model>> models;
   for (const std::string& path : paths) {
-    auto model = load_model(path);
-    if (!model) return tl::unexpected(model.error());
-    models.push_back(std::make_shared<const Model>(std::move(*model)));
+    auto model = FOLDPROOF_TRY(load_model(path));
+    models.push_back(std::make_shared<const Model>(std::move(model)));
   }
   if (models.size() != 1 || motions.size() < 2) return models;
   const auto model = models[0];
   const auto fits = [&](const auto& motion) { return model->hierarchy()->topology() == motion->topology(); };
   if (std::none_of(motions.begin(), motions.end(), fits)) {
-    return fail(paths[0], "is a model of none of these meshes", "train a model on one of them");
+    return fail(ErrorCode::InvalidArgument, paths[0], "is a model of none of these meshes",
+                "train a model on one of them");
   }
   models.clear();
   for (const auto& motion : motions) models.push_back(fits(motion) ? model : nullptr);
@@ -117,14 +114,10 @@ Result<std::vector<std::shared_ptr<const Model>>> load_models(std::span<const st
 }
 
 Result<OpenedMotions> open_motions(const StepArguments& a) {
-  auto settings = step_settings(a);
-  if (!settings) return tl::unexpected(settings.error());
-  auto motions = open_motions(a.motions, a.motion.read);
-  if (!motions) return tl::unexpected(motions.error());
-  auto models = load_models(a.models, *motions);
-  if (!models) return tl::unexpected(models.error());
-  settings->models = std::move(*models);
-  return OpenedMotions{std::move(*motions), std::move(*settings)};
+  auto settings = FOLDPROOF_TRY(step_settings(a));
+  auto motions = FOLDPROOF_TRY(open_motions(a.motions, a.motion.read));
+  settings.models = FOLDPROOF_TRY(load_models(a.models, motions));
+  return OpenedMotions{std::move(motions), std::move(settings)};
 }
 
 }  // namespace foldproof

@@ -1,4 +1,4 @@
-/// What check, view and report ask for alike: motions, models, and what counts as a collision.
+/// Options of check, view, report and sweep: motions, models, and what counts as a collision.
 #pragma once
 
 #include "options.h"
@@ -16,17 +16,17 @@ struct StepArguments {
   FileArguments files;
 };
 
-/// Adds all of them, in groups, and notes what is read.
-void add_step_options(CLI::App& command, StepArguments& arguments);
+/// Adds all options, in groups, and registers the files that are read.
+void add_step_options(const Subcommand& command, StepArguments& arguments);
 
-/// Adds all but the motions, and which objects are checked against which.
-void add_setting_options(CLI::App& command, StepArguments& arguments);
+/// Adds all options except MOTION, --within, --between and --limit.
+void add_setting_options(const Subcommand& command, StepArguments& arguments);
 
-/// Everything but the models. Error: a number beyond its range, frames that are no range.
+/// Converts all options except the models. Error: a number out of range, an invalid range of frames.
 Result<CheckSettings> step_settings(const StepArguments& arguments);
 
-/// A model per motion, none where none was named. One for all serves those whose mesh it is of, and there
-/// must be one.
+/// Loads a model per motion, or none if there are no paths. A single model is used for all motions of its
+/// mesh. Error: a model cannot be loaded, or a single model is of none of several meshes.
 Result<std::vector<std::shared_ptr<const Model>>> load_models(std::span<const std::string> paths,
                                                               Motions motions);
 

@@ -1,6 +1,5 @@
-// The only file that knows of MPI. Nobody waits for a single other one here, who may be gone: messages are
-// looked for, never waited for, everybody gives a sign of life twice a second, and silence means that the
-// other is lost.
+// The only file that uses MPI. No process blocks on another, which may have crashed: messages are polled,
+// every process sends a heartbeat twice a second, and one that is silent for too long counts as lost.
 #include "sweep_ranks.h"
 
 #include <fmt/format.h>
@@ -15,6 +14,7 @@
 #include <set>
 #include <thread>
 
+#include "base/try.h"
 #include "commands.h"
 #include "terminal.h"
 
@@ -26,9 +26,9 @@
 namespace foldproof {
 namespace {
 
-/// A number that mpirun tells its processes: Open MPI's, or that of the others. What is no number was told by
-/// nobody.
-int told(const char* open_mpi, const char* others, int otherwise) {
+/// A number that mpirun passes in the environment: Open MPI's variable, or that of other implementations.
+/// `fallback` if neither is a number.
+int from_environment(const char* open_mpi, const char* others, int fallback) {
   for (const char* name : {open_mpi, others}) {
     const char* text = std::getenv(name);
     if (text == nullptr) continue;
@@ -37,11 +37,11 @@ int told(const char* open_mpi, const char* others, int otherwise) {
     if (const auto read = std::from_chars(text, end, number); read.ec == std::errc() && read.ptr == end)
       return number;
   }
-  return otherwise;
+  return fallback;
 }
 
-int told_count() { return told("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", 1); }
-int told_rank() { return told("OMPI_COMM_WORLD_RANK", "PMI_RANK", 0); }
+int launched_count() { return from_environment("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", 1); }
+int launched_rank() { return from_environment("OMPI_COMM_WORLD_RANK", "PMI_RANK", 0); }
 
 }  // namespace
 
@@ -49,17 +49,17 @@ int told_rank() { return told("OMPI_COMM_WORLD_RANK", "PMI_RANK", 0); }
 
 Result<Ranks> Ranks::join(double) {
   Ranks ranks;
-  if (told_count() < 2) return ranks;
-  if (told_rank() == 0) {
-    return fail("mpirun",
-                fmt::format("started {} processes, but this program was built without MPI", told_count()),
+  if (launched_count() < 2) return ranks;
+  if (launched_rank() == 0) {
+    return fail(ErrorCode::InvalidArgument, "mpirun",
+                fmt::format("started {} processes, but this program was built without MPI", launched_count()),
                 "build it with -DFOLDPROOF_MPI=ON, or run it without mpirun");
   }
-  ranks.superfluous_ = true;
+  ranks.redundant_ = true;
   return ranks;
 }
 
-Result<bool> Ranks::hand_out(const SweepTask&) { return false; }
+Result<bool> Ranks::distribute(const SweepTask&) { return false; }
 void Ranks::dismiss() {}
 int Ranks::work(const std::function<Result<SweepSettings>()>&, const std::atomic<bool>&) {
   return kExitError;
@@ -71,11 +71,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
-constexpr auto kBeat = 500ms, kPause = 2ms;
+constexpr auto kHeartbeat = 500ms, kPause = 2ms;
 
-/// From a worker: it is ready for its first motion; the line of one; how far it is; it cannot go on, and why.
-/// To a worker: a motion; rank 0 is still there; go home, with '1' when all others do.
-enum Tag : int { kReady = 1, kLine, kShare, kUnfit, kMotion, kAlive, kHome };
+/// From a worker: ready for its first motion; a line of results; the share done of a motion; an error after
+/// which it cannot continue. To a worker: a motion; a heartbeat; exit, with '1' if all workers do.
+enum Tag : int { kReady = 1, kLine, kShare, kCannotCheck, kMotion, kAlive, kExit };
 
 double seconds_since(Clock::time_point then) {
   return std::chrono::duration<double>(Clock::now() - then).count();
@@ -87,8 +87,8 @@ struct Message {
   MPI_Request request = MPI_REQUEST_NULL;
 };
 
-/// Sends and receives without waiting for anybody.
-class Post {
+/// Sends and receives without blocking.
+class Mailbox {
  public:
   void send(int rank, int tag, std::string text) {
     Message& m = out_.emplace_back(Message{rank, tag, std::move(text)});
@@ -97,7 +97,7 @@ class Post {
     // Tested later, in another call. NOLINTNEXTLINE(clang-analyzer-optin.mpi.MPI-Checker)
   }
 
-  /// What has come, in the order in which it was complete.
+  /// The messages received since the last call, in order of completion.
   std::vector<Message> receive() {
     int found = 0;
     do {
@@ -114,36 +114,36 @@ class Post {
     } while (found);
     std::vector<Message> complete;
     std::erase_if(in_, [&](Message& m) {
-      if (!is_over(m)) return false;
+      if (!is_complete(m)) return false;
       complete.push_back(std::move(m));
       return true;
     });
-    std::erase_if(out_, is_over);
+    std::erase_if(out_, is_complete);
     return complete;
   }
 
-  /// Whether all that was sent, except to these ranks, is on its way.
+  /// Whether everything has been sent, except to these ranks.
   bool sent(const std::set<int>& except) {
-    std::erase_if(out_, is_over);
+    std::erase_if(out_, is_complete);
     return std::all_of(out_.begin(), out_.end(), [&](const Message& m) { return except.contains(m.rank); });
   }
 
  private:
-  static bool is_over(Message& m) {
-    int over = 0;
-    return MPI_Test(&m.request, &over, MPI_STATUS_IGNORE) != MPI_SUCCESS || over;
+  static bool is_complete(Message& m) {
+    int complete = 0;
+    return MPI_Test(&m.request, &complete, MPI_STATUS_IGNORE) != MPI_SUCCESS || complete;
   }
 
   std::list<Message> out_, in_;  // MPI holds pointers into them
 };
 
-/// Lives as long as the program: a message to a lost rank is never over, and MPI keeps its address.
-Post& post() {
-  static Post* const post = new Post;
-  return *post;
+/// Lives as long as the program: a message to a lost rank never completes, and MPI keeps its address.
+Mailbox& mailbox() {
+  static Mailbox* const the_mailbox = new Mailbox;
+  return *the_mailbox;
 }
 
-/// Fields with a zero byte between them, which no path has.
+/// Serializes fields, separated by zero bytes, which no path contains.
 std::string pack(std::size_t number, const SweepMotion& motion) {
   std::string text = fmt::format("{}", number);
   const auto add = [&](const std::string& field) { (text += '\0') += field; };
@@ -168,30 +168,30 @@ SweepMotion unpack(const std::string& text, std::size_t& number) {
 /// Rank 0.
 class Leader {
  public:
-  Leader(const SweepTask& task, int ranks, double patience)
-      : task_(task), queue_(task.motions, task.todo), patience_(patience) {
+  Leader(const SweepTask& task, int ranks, double timeout)
+      : task_(task), queue_(task.motions, task.todo), timeout_(timeout) {
     for (int rank = 1; rank < ranks; ++rank) workers_[rank].heard = Clock::now();
   }
 
   Result<bool> run() {
     while (!queue_.finished()) {
       if (*task_.cancel) return false;
-      for (const Message& message : post().receive()) {
-        if (auto done = take(message); !done) return tl::unexpected(done.error());
+      for (const Message& message : mailbox().receive()) {
+        FOLDPROOF_TRY(handle(message));
       }
-      if (auto done = find_lost(); !done) return tl::unexpected(done.error());
-      give();
-      beat();
+      FOLDPROOF_TRY(find_lost());
+      assign_motions();
+      send_heartbeats();
       std::this_thread::sleep_for(kPause);
     }
     return true;
   }
 
-  /// Those that fell silent and never came back.
+  /// Ranks that count as lost.
   std::set<int> lost() const {
     std::set<int> lost;
     for (const auto& [rank, worker] : workers_) {
-      if (worker.silent) lost.insert(rank);
+      if (worker.lost) lost.insert(rank);
     }
     return lost;
   }
@@ -201,15 +201,15 @@ class Leader {
     Clock::time_point heard;
     std::optional<std::size_t> motion = {};
     double share = 0;
-    bool idle = false, silent = false, unfit = false;
+    bool idle = false, lost = false, failed = false;
 
-    bool works() const { return !silent && !unfit; }
+    bool works() const { return !lost && !failed; }
   };
 
-  Result<void> take(const Message& message) {
+  Result<void> handle(const Message& message) {
     Worker& worker = workers_.at(message.rank);
     worker.heard = Clock::now();
-    worker.silent = false;
+    worker.lost = false;
     switch (message.tag) {
       case kReady:
         worker.idle = true;
@@ -217,26 +217,26 @@ class Leader {
       case kShare:
         worker.share = std::strtod(message.text.c_str(), nullptr);
         return {};
-      case kUnfit:
-        worker.unfit = true;
-        return lose(message.rank, message.text);
+      case kCannotCheck:
+        worker.failed = true;
+        return worker_lost(message.rank, message.text);
       default:
         break;
     }
-    const std::size_t begin = message.text.find('\n');
+    const std::size_t line_end = message.text.find('\n');
     const std::size_t motion = std::stoull(message.text);
     worker.idle = true;
     worker.motion.reset();
     if (!queue_.finish(message.rank, motion)) return {};
-    return task_.done(motion, message.text.substr(begin + 1));
+    return task_.done(motion, message.text.substr(line_end + 1));
   }
 
-  Result<void> lose(int rank, const std::string& why) {
+  Result<void> worker_lost(int rank, const std::string& why) {
     Worker& worker = workers_.at(rank);
     worker.idle = false;
     worker.motion.reset();
     print_error({fmt::format("rank {}", rank), why, "the other ranks do its work"});
-    const auto given_up = queue_.lose(rank);
+    const auto given_up = queue_.worker_lost(rank);
     if (!given_up) return {};
     const SweepMotion& motion = task_.motions[*given_up];
     return task_.done(*given_up,
@@ -247,34 +247,34 @@ class Leader {
 
   Result<void> find_lost() {
     for (auto& [rank, worker] : workers_) {
-      if (worker.silent || seconds_since(worker.heard) < patience_) continue;
-      worker.silent = true;
-      if (worker.unfit) continue;
-      auto done = lose(rank, fmt::format("has not been heard of for {:g} s", patience_));
-      if (!done) return done;
+      if (worker.lost || seconds_since(worker.heard) < timeout_) continue;
+      worker.lost = true;
+      if (worker.failed) continue;
+      FOLDPROOF_TRY(worker_lost(rank, fmt::format("has not responded for {:g} s", timeout_)));
     }
     if (std::all_of(workers_.begin(), workers_.end(), [](const auto& w) { return !w.second.works(); }))
-      return fail("mpirun", "no rank is left that checks", "the same command goes on from here");
+      return fail(ErrorCode::FileAccess, "mpirun", "no rank is left that checks",
+                  "the same command continues from here");
     return {};
   }
 
-  void give() {
+  void assign_motions() {
     for (auto& [rank, worker] : workers_) {
       if (!worker.idle || !worker.works()) continue;
-      worker.motion = queue_.take(rank);
+      worker.motion = queue_.assign(rank);
       if (!worker.motion) return;
       worker.idle = false;
       worker.share = 0;
-      post().send(rank, kMotion, pack(*worker.motion, task_.motions[*worker.motion]));
+      mailbox().send(rank, kMotion, pack(*worker.motion, task_.motions[*worker.motion]));
     }
   }
 
-  void beat() {
-    if (Clock::now() - beat_ < kBeat) return;
-    beat_ = Clock::now();
+  void send_heartbeats() {
+    if (Clock::now() - last_heartbeat_ < kHeartbeat) return;
+    last_heartbeat_ = Clock::now();
     std::vector<std::pair<std::size_t, double> > parts;
     for (const auto& [rank, worker] : workers_) {
-      if (!worker.silent) post().send(rank, kAlive, "");
+      if (!worker.lost) mailbox().send(rank, kAlive, "");
       if (worker.motion) parts.emplace_back(*worker.motion, worker.share);
     }
     task_.progress(parts);
@@ -282,29 +282,30 @@ class Leader {
 
   const SweepTask& task_;
   SweepQueue queue_;
-  double patience_;
+  double timeout_;
   std::map<int, Worker> workers_;
-  Clock::time_point beat_ = {};
+  Clock::time_point last_heartbeat_ = {};
 };
 
-/// Any other rank. A thread of its own checks, so that signs of life come however long a step takes.
+/// Any other rank. Motions are checked in another thread, so that heartbeats continue however long a step
+/// takes.
 class Worker {
  public:
   Worker(const std::function<Result<SweepSettings>()>& load, const std::atomic<bool>& interrupted,
-         double patience)
-      : interrupted_(interrupted), patience_(patience), loading_(std::async(std::launch::async, load)) {}
+         double timeout)
+      : interrupted_(interrupted), timeout_(timeout), loading_(std::async(std::launch::async, load)) {}
 
-  /// Whether all go home together; nothing when rank 0 is lost.
+  /// Runs until dismissed; true if all ranks exit together, nothing if rank 0 is lost.
   std::optional<bool> run() {
     std::optional<bool> together;
-    while (!together && seconds_since(heard_) < patience_) {
-      for (const Message& message : post().receive()) {
+    while (!together && seconds_since(heard_) < timeout_) {
+      for (const Message& message : mailbox().receive()) {
         heard_ = Clock::now();
         if (message.tag == kMotion) start(message.text);
-        if (message.tag == kHome) together = message.text == "1";
+        if (message.tag == kExit) together = message.text == "1";
       }
-      look();
-      beat();
+      poll_tasks();
+      send_heartbeats();
       std::this_thread::sleep_for(kPause);
     }
     stop_ = true;
@@ -332,60 +333,61 @@ class Worker {
     });
   }
 
-  void look() {
+  void poll_tasks() {
     if (is_ready(loading_)) {
       auto loaded = loading_.get();
       if (loaded) settings_ = std::move(*loaded);
-      post().send(0, loaded ? kReady : kUnfit, loaded ? "" : loaded.error().line());
+      mailbox().send(0, loaded ? kReady : kCannotCheck, loaded ? "" : loaded.error().line());
     }
-    if (interrupted_ && !stop_.exchange(true)) post().send(0, kUnfit, "was told to end");
+    if (interrupted_ && !stop_.exchange(true)) mailbox().send(0, kCannotCheck, "was interrupted");
     if (!is_ready(checking_)) return;
     std::string line = checking_.get();
-    if (!line.empty()) post().send(0, kLine, std::move(line));
+    if (!line.empty()) mailbox().send(0, kLine, std::move(line));
   }
 
-  void beat() {
-    if (Clock::now() - beat_ < kBeat) return;
-    beat_ = Clock::now();
-    post().send(0, kShare, fmt::format("{}", share_.load()));
+  void send_heartbeats() {
+    if (Clock::now() - last_heartbeat_ < kHeartbeat) return;
+    last_heartbeat_ = Clock::now();
+    mailbox().send(0, kShare, fmt::format("{}", share_.load()));
   }
 
   const std::atomic<bool>& interrupted_;
-  double patience_;
-  Clock::time_point heard_ = Clock::now(), beat_ = {};
+  double timeout_;
+  Clock::time_point heard_ = Clock::now(), last_heartbeat_ = {};
   std::optional<SweepSettings> settings_;
   std::atomic<bool> stop_ = false;
   std::atomic<double> share_ = 0;
-  // The last to be made and the first to go: what runs in them uses the rest.
+  // Last, so that they are destroyed first: their tasks use the other members.
   std::future<Result<SweepSettings> > loading_;
   std::future<std::string> checking_;
 };
 
 }  // namespace
 
-Result<Ranks> Ranks::join(double patience) {
+Result<Ranks> Ranks::join(double timeout) {
   Ranks ranks;
-  if (told_count() < 2) return ranks;
+  if (launched_count() < 2) return ranks;
   int threads = 0, known = 1;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &threads);
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
   MPI_Comm_size(MPI_COMM_WORLD, &known);
-  if (known != told_count()) {
-    ranks.superfluous_ = told_rank() != 0;
+  if (known != launched_count()) {
+    ranks.redundant_ = launched_rank() != 0;
     MPI_Finalize();
-    if (ranks.superfluous_) return ranks;
-    return fail("mpirun", fmt::format("started {} processes, of which MPI knows {}", told_count(), known),
+    if (ranks.redundant_) return ranks;
+    return fail(ErrorCode::InvalidArgument, "mpirun",
+                fmt::format("started {} processes, of which MPI knows {}", launched_count(), known),
                 "use the mpirun of the MPI that this program was built with");
   }
   MPI_Comm_rank(MPI_COMM_WORLD, &ranks.rank_);
   ranks.count_ = known;
-  ranks.here_ = std::max(1, told("OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", known));
-  ranks.patience_ = patience;
+  ranks.local_count_ = std::max(1, from_environment("OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", known));
+  ranks.timeout_ = timeout;
   return ranks;
 }
 
-Result<bool> Ranks::hand_out(const SweepTask& task) {
-  Leader leader(task, count_, patience_);
+Result<bool> Ranks::distribute(const SweepTask& task) {
+  Leader leader(task, count_, timeout_);
   auto done = leader.run();
   lost_ = leader.lost();
   return done;
@@ -393,23 +395,23 @@ Result<bool> Ranks::hand_out(const SweepTask& task) {
 
 void Ranks::dismiss() {
   if (alone()) return;
-  for (int rank = 1; rank < count_; ++rank) post().send(rank, kHome, lost_.empty() ? "1" : "0");
+  for (int rank = 1; rank < count_; ++rank) mailbox().send(rank, kExit, lost_.empty() ? "1" : "0");
   if (lost_.empty()) {
     MPI_Finalize();
     return;
   }
-  // MPI_Finalize would wait for who is lost. What was sent gets a second to arrive.
+  // MPI_Finalize would wait for lost ranks. Messages get a second to arrive.
   const auto start = Clock::now();
-  while (seconds_since(start) < 1 && !post().sent(lost_)) {
-    post().receive();
+  while (seconds_since(start) < 1 && !mailbox().sent(lost_)) {
+    mailbox().receive();
     std::this_thread::sleep_for(kPause);
   }
 }
 
 int Ranks::work(const std::function<Result<SweepSettings>()>& load, const std::atomic<bool>& interrupted) {
-  const auto together = Worker(load, interrupted, patience_).run();
+  const auto together = Worker(load, interrupted, timeout_).run();
   if (!together) {
-    print_error({fmt::format("rank {}", rank_), "has lost rank 0", "the same command goes on from here"});
+    print_error({fmt::format("rank {}", rank_), "has lost rank 0", "the same command continues from here"});
     return kExitError;
   }
   if (*together) MPI_Finalize();

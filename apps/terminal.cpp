@@ -20,7 +20,7 @@ void print_error(const Error& error) {
 
 namespace {
 
-/// Why standard output first failed, as an errno; 0 while it works.
+/// The errno of the first failure of standard output; 0 if there was none.
 int output_failure = 0;
 
 }  // namespace
@@ -33,24 +33,25 @@ void print_output(const std::string& text) {
 Result<void> flush_output() {
   if (output_failure == 0 && std::fflush(stdout) != 0) output_failure = errno;
   if (output_failure == 0 || output_failure == EPIPE) return {};
-  return fail("standard output", "cannot be written: " + std::generic_category().message(output_failure),
+  return fail(ErrorCode::FileAccess, "standard output",
+              "cannot be written: " + std::generic_category().message(output_failure),
               "check where it goes and the free space");
 }
 
-ProgressBar::ProgressBar(bool wanted) : wanted_(wanted && ::isatty(STDERR_FILENO) == 1) {}
+ProgressBar::ProgressBar(bool enabled) : enabled_(enabled && ::isatty(STDERR_FILENO) == 1) {}
 
 void ProgressBar::show(double part, const std::string& text) {
-  if (!wanted_) return;
+  if (!enabled_) return;
   const Clock::time_point now = Clock::now();
-  // Ten times a second is enough, and nothing for what is over at once.
+  // At most ten times a second, and not for short work.
   if (now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
   constexpr int kWidth = 30;
   const double spent = std::chrono::duration<double>(now - start_).count();
-  const std::int64_t left = std::llround(spent / part - spent);
+  const std::int64_t remaining = std::llround(spent / part - spent);
   const int filled = static_cast<int>(part * kWidth);
   const std::string line = fmt::format("\r\x1b[K[{:#<{}}{:.<{}}] {}, {}:{:02} left", "", filled, "",
-                                       kWidth - filled, text, left / 60, left % 60);
+                                       kWidth - filled, text, remaining / 60, remaining % 60);
   std::fwrite(line.data(), 1, line.size(), stderr);
   shown_ = true;
 }
@@ -78,7 +79,7 @@ std::string cell(std::string name) {
   if (name.size() > kLongest) {
     std::size_t from = name.size() - (kLongest - 3);
     while (from < name.size() && (static_cast<unsigned char>(name[from]) & 0xc0) == 0x80)
-      ++from;  // inside a character
+      ++from;  // inside a UTF-8 sequence
     name = "..." + name.substr(from);
   }
   return name;
@@ -88,10 +89,10 @@ namespace {
 
 using Text = std::back_insert_iterator<std::string>;
 
-std::string place_name(const StepPlace& place, const CheckSettings& settings) {
-  if (place.frame == place.next_frame) return fmt::format("frame {}", place.frame);
-  std::string name = fmt::format("frames {} to {}", place.frame, place.next_frame);
-  if (settings.substeps > 1) name += fmt::format(", part {} of {}", place.substep + 1, settings.substeps);
+std::string step_name(const StepIndex& index, const CheckSettings& settings) {
+  if (index.frame == index.next_frame) return fmt::format("frame {}", index.frame);
+  std::string name = fmt::format("frames {} to {}", index.frame, index.next_frame);
+  if (settings.substeps > 1) name += fmt::format(", part {} of {}", index.substep + 1, settings.substeps);
   return name;
 }
 
@@ -116,7 +117,7 @@ std::string objects_table(Motions motions) {
 // "97.8 % of leaf pairs; not: 1.2 % too curved, 0.6 % near other parts"
 std::string certified_share(const ReasonCounts& leaf_pairs) {
   constexpr std::array<const char*, kReasonNames.size()> kWords{
-      "certified",        "not drawn yet",   "moved too far from their charts", "tangled", "too curved",
+      "certified",        "not built yet",   "moved too far from their charts", "overlapping", "too curved",
       "near other parts", "certificates off"};
   const auto all =
       static_cast<double>(std::accumulate(leaf_pairs.begin(), leaf_pairs.end(), std::uint64_t{0}));
@@ -137,8 +138,7 @@ std::string certified_share(const ReasonCounts& leaf_pairs) {
   return text;
 }
 
-/// A single frame.
-bool stands_still(const CheckTotals& totals) { return totals.first_frame == totals.last_frame; }
+bool is_single_frame(const CheckTotals& totals) { return totals.first_frame == totals.last_frame; }
 
 bool starts_crossing(const CheckTotals& totals) { return totals.starts_crossing.value_or(0) > 0; }
 
@@ -148,21 +148,21 @@ std::string start_of(const CheckTotals& totals) {
                      counted(*totals.starts_crossing, "crossing pair"));
 }
 
-/// What is said where nothing collides. Free is said only of what was asked whole.
+/// The closing sentence if nothing was found. It claims freedom only if everything was tested.
 std::string clean_sentence(const CheckSettings& settings, const CheckTotals& totals) {
   const std::string all = totals.steps == 1 ? "the one step" : "all " + counted(totals.steps, "step");
   if (settings.poses) {
-    return fmt::format("No triangles cross in {}, proven. Between frames was not looked.",
+    return fmt::format("No triangles cross in {}, proven. Motion between frames was not tested.",
                        totals.steps == 1 ? fmt::format("frame {}", totals.first_frame)
                                          : "any of " + counted(totals.steps, "frame"));
   }
   if (!totals.starts_crossing) {
     return fmt::format(
-        "No contact begins in {}, proven. What crosses from frame {} on was not asked (--steps-only).", all,
+        "No contact begins in {}, proven. Crossings from frame {} on were not tested (--steps-only).", all,
         totals.first_frame);
   }
   const std::string start = fmt::format("No collisions: no triangles cross in frame {}", totals.first_frame);
-  if (!stands_still(totals))
+  if (!is_single_frame(totals))
     return start + fmt::format(", and {} {} proven free.", all, totals.steps == 1 ? "is" : "are");
   return start + (settings.step.thickness > 0 ? ", and all is farther apart than the thickness, proven."
                                               : ", proven.");
@@ -173,14 +173,14 @@ std::string found_sentence(const CheckSettings& settings, const CheckTotals& tot
   if (starts_crossing(totals)) {
     text = "F" + start_of(totals).substr(1);
     if (totals.collisions.sum() == 0)
-      return text + (stands_still(totals) ? "." : "; no other contact begins in the steps.");
+      return text + (is_single_frame(totals) ? "." : "; no other contact begins in the steps.");
     text += ". ";
   }
-  if (!settings.poses && stands_still(totals)) {
+  if (!settings.poses && is_single_frame(totals)) {
     return text + fmt::format("{} in frame {} as close as the thickness and the tolerance.",
                               counted(totals.collisions.sum(), "pair"), totals.first_frame);
   }
-  std::string when = place_name(*totals.earliest, settings);
+  std::string when = step_name(*totals.earliest, settings);
   if (!settings.poses) when += fmt::format(", {:.4g} of the way", totals.earliest_toi);
   return text + fmt::format("Collisions in {} of {}, the first in {}.", grouped(totals.steps_with_collisions),
                             counted(totals.steps, settings.poses ? "frame" : "step"), when);
@@ -188,10 +188,10 @@ std::string found_sentence(const CheckSettings& settings, const CheckTotals& tot
 
 std::string closing_sentence(const CheckSettings& settings, const CheckTotals& totals) {
   if (settings.step.mode == Mode::Paper) {
-    return fmt::format(
-        "{}STATISTICAL: the mode paper found {} of {}. Leave --mode away for the proven answer.",
-        starts_crossing(totals) ? "F" + start_of(totals).substr(1) + ". " : "",
-        grouped(totals.collisions.sum()), counted(totals.collisions.sum() + totals.missed, "colliding pair"));
+    return fmt::format("{}STATISTICAL: the mode paper found {} of {}. Omit --mode for the proven answer.",
+                       starts_crossing(totals) ? "F" + start_of(totals).substr(1) + ". " : "",
+                       grouped(totals.collisions.sum()),
+                       counted(totals.collisions.sum() + totals.missed, "colliding pair"));
   }
   return totals.clean() ? clean_sentence(settings, totals) : found_sentence(settings, totals);
 }
@@ -215,7 +215,7 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
                            ? start_of(totals)
                            : fmt::format("no triangles cross in frame {}", totals.first_frame));
   } else if (!settings.poses) {
-    row("first frame", "not asked what crosses in it (--steps-only)");
+    row("first frame", "not tested for crossings (--steps-only)");
   }
   row(settings.poses ? "frames checked" : "steps checked",
       fmt::format("{}  (frames {} to {})", grouped(totals.steps), totals.first_frame, totals.last_frame));
@@ -238,9 +238,9 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
                                      totals.proven_milliseconds / std::max(1e-9, totals.milliseconds.total)));
   }
   if (totals.worst) {
-    row("worst", fmt::format("{}: {}", place_name(*totals.worst, settings),
+    row("worst", fmt::format("{}: {}", step_name(*totals.worst, settings),
                              counted(totals.worst_collisions.sum(), "pair")));
-    std::string earliest = place_name(*totals.earliest, settings);
+    std::string earliest = step_name(*totals.earliest, settings);
     if (totals.earliest->frame != totals.earliest->next_frame)
       earliest += fmt::format(", time of impact {:.6g}", totals.earliest_toi);
     row("earliest", earliest);
@@ -267,14 +267,14 @@ class PairListing : public ReportWriter {
 
   Result<void> start(const CheckedStep& pose) override {
     if (pose.collisions.sum() == 0) return {};
-    print_output(fmt::format("frame {} at the start\n", pose.place.frame));
+    print_output(fmt::format("frame {} at the start\n", pose.index.frame));
     list(*pose.pose);
     return {};
   }
 
   Result<void> step(const CheckedStep& step) override {
     if (step.collisions.sum() == 0) return {};
-    print_output(fmt::format("frame {} substep {}\n", step.place.frame, step.place.substep));
+    print_output(fmt::format("frame {} substep {}\n", step.index.frame, step.index.substep));
     if (step.listed().sum() < step.collisions.sum())
       print_output(fmt::format("  {} of {} pairs:\n", step.listed().sum(), step.collisions.sum()));
     if (step.pose) {
@@ -302,7 +302,7 @@ class PairListing : public ReportWriter {
     }
   }
 
-  /// Names the object only where there are several.
+  /// Names the object only if there are several.
   std::string of(Index object) const {
     return motions_.size() < 2 ? "" : fmt::format(" of object {}", object);
   }

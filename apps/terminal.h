@@ -1,4 +1,4 @@
-/// What the program shows on a terminal.
+/// Output on a terminal.
 #pragma once
 
 #include <chrono>
@@ -8,31 +8,31 @@
 
 namespace foldproof {
 
-/// "foldproof: where: problem; mend" on standard error.
+/// Prints "foldproof: where: problem; remedy" on standard error.
 void print_error(const Error& error);
 
-/// Text on standard output. That nobody reads it any more is no error.
+/// Prints text on standard output.
 void print_output(const std::string& text);
 
-/// Error when standard output could not take what was printed.
+/// Error: standard output could not be written. A closed pipe is no error.
 Result<void> flush_output();
 
-/// A bar with time left on standard error; silent when that is not a terminal.
+/// A progress bar with the remaining time on standard error; silent if that is not a terminal.
 class ProgressBar {
  public:
-  explicit ProgressBar(bool wanted);
+  explicit ProgressBar(bool enabled);
   ~ProgressBar() { clear(); }
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `part` of the work is done, in (0,1]; `text` says it in words.
+  /// `part`: the share of the work that is done, in (0,1]; `text`: the same in words.
   void show(double part, const std::string& text);
-  /// Takes the bar off the screen, so that other text can follow.
+  /// Erases the bar, so that other text can follow.
   void clear();
 
  private:
   using Clock = std::chrono::steady_clock;
-  bool wanted_, shown_ = false;
+  bool enabled_, shown_ = false;
   Clock::time_point start_ = Clock::now(), last_ = start_;
 };
 
@@ -42,7 +42,7 @@ std::string grouped(std::uint64_t number);
 /// "1 step", "2 steps".
 std::string counted(std::uint64_t number, const char* noun);
 
-/// A name for one table cell: its end, which tells files apart, and nothing that moves the cursor.
+/// Shortens a name for a table cell to its end, which distinguishes files, and replaces control characters.
 std::string cell(std::string name);
 
 /// The tables and the closing sentence of a finished check.

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "base/try.h"
 #include "commands.h"
 #include "learned_text.h"
 #include "options.h"
@@ -16,15 +17,15 @@ constexpr const char* kLearningGroup = "What is learned about shapes (3 poses or
 
 constexpr const char* kFooter = R"(  pose.obj                        a single pose
 Several motions are more poses of the same mesh: same triangles, same order. What they do to the mesh matters, not how
-long they are: give poses in which it bends as far as it ever will. Poses in which it touches or crosses itself do too.
+long they are: give poses in which it bends as far as it ever will. Poses in which it touches or crosses itself are fine.
 
-The model holds proofs of where the mesh cannot meet itself as long as it stays near a pose it was trained on. 'check'
-only works less with it: no model, however poor, can change an answer. It also holds what is learned about the mesh's
-shapes: a subspace, key points that tell a shape, groups of poses, and how well all that fits.
+The model holds charts, which prove that parts of the mesh do not touch themselves while they stay near a pose it was
+trained on. They make 'check' faster; no model, however poor, changes an answer. It also holds what is learned about the
+mesh's shapes: a subspace, key points, clusters of poses, and the reconstruction errors, as distances of vertices:
 
-  projection error     how far vertices are from their place in a training pose rebuilt from the subspace
-  cueing error         what rebuilding from key points alone adds to that
-  leave-one-out error  how far they are in a pose rebuilt from what the other poses teach
+  projection error     between a training pose and its reconstruction in the subspace
+  cueing error         what reconstruction from key points alone adds to that
+  leave-one-out error  between a training pose and its reconstruction from what the other poses teach
 
 Examples:
   foldproof train walk.glb -o body.model             learn from all frames (the 16 that differ most)
@@ -32,15 +33,15 @@ Examples:
   foldproof train walk.glb --frames ::10 -o b.model  from every tenth frame
   foldproof train walk.glb --references 40 -o b.model  a larger model that proves a little more
   foldproof check run.glb --model body.model         use it
-  foldproof info body.model                          look into it
-  foldproof predict body.model tracks.csv -o run.npz rebuild shapes from key points
+  foldproof info body.model                          show what it holds
+  foldproof predict body.model tracks.csv -o run.npz reconstruct shapes from key points
   foldproof suggest body.model run.glb               which pose to add)";
 
 struct TrainArguments {
   std::vector<std::string> poses;
   std::string model;
   MotionOptions motion;
-  Index references = 0, made = 0;
+  Index references = 0, random_poses = 0;
   LearnSettings learning;
   std::string subspace = "pca";
   std::optional<double> energy, key_points;
@@ -60,7 +61,7 @@ std::string summary(const TrainArguments& a, const Model& model, double seconds)
     text += fmt::format("{:<24}{}\n", label, value);
   };
   row("triangles", grouped(triangles));
-  row("poses", fmt::format("{}  ({} drawn in)", grouped(model.poses.size()), grouped(s.references)));
+  row("poses", fmt::format("{}  ({})", grouped(model.poses.size()), counted(s.references, "reference")));
   row("charts", grouped(model.charts->charts().size()));
   if (!unknown) {
     row("size", fmt::format("{:.3g} MB  ({:.3g} bytes per triangle and reference)", bytes / 1e6,
@@ -79,30 +80,35 @@ Result<std::vector<TrainPose>> poses_of(Motions motions, const FrameRange& range
       poses.push_back({motion.get(), frame});
   }
   if (!poses.empty()) return poses;
-  return fail("--frames", "selects none",
+  return fail(ErrorCode::InvalidArgument, "--frames", "selects none",
               "select more; frames count from 0 and the end of A:B is not included");
 }
 
 Result<TrainSettings> settings_of(const TrainArguments& a) {
-  TrainSettings settings{
-      .references = a.references, .made = a.made, .learn = !a.no_learning, .learning = a.learning};
+  TrainSettings settings{.references = a.references,
+                         .random_poses = a.random_poses,
+                         .learn = !a.no_learning,
+                         .learning = a.learning};
   LearnSettings& learning = settings.learning;
   if (a.subspace != "pca" && a.subspace != "kernel-pca") {
-    return fail("--subspace", fmt::format("'{}' is not known", a.subspace), "give pca or kernel-pca");
+    return fail(ErrorCode::InvalidArgument, "--subspace", fmt::format("'{}' is not known", a.subspace),
+                "give pca or kernel-pca");
   }
   if (a.subspace == "kernel-pca") learning.subspace = SubspaceKind::KernelPca;
   const auto is_share = [](double x) { return x > 0 && x <= 1; };
   if (a.energy && !is_share(*a.energy)) {
-    return fail("--energy", fmt::format("{} is not a share of the variance", *a.energy),
+    return fail(ErrorCode::InvalidArgument, "--energy",
+                fmt::format("{} is not a share of the variance", *a.energy),
                 "give a number above 0 and at most 1");
   }
   if (a.energy) learning.size.energy = *a.energy;
   if (a.key_points && !is_share(*a.key_points)) {
-    return fail("--key-points", fmt::format("{} is not a share of the vertices", *a.key_points),
+    return fail(ErrorCode::InvalidArgument, "--key-points",
+                fmt::format("{} is not a share of the vertices", *a.key_points),
                 "give a number above 0 and at most 1");
   }
   if (a.key_points) {
-    learning.key_points.most_share = *a.key_points;
+    learning.key_points.max_share = *a.key_points;
     learning.key_points.first_share = *a.key_points / 2;
   }
   return settings;
@@ -110,33 +116,29 @@ Result<TrainSettings> settings_of(const TrainArguments& a) {
 
 Result<int> train(const TrainArguments& a) {
   const auto start = std::chrono::steady_clock::now();
-  const auto range = frame_range_of(a.motion);
-  if (!range) return tl::unexpected(range.error());
-  const auto settings = settings_of(a);
-  if (!settings) return tl::unexpected(settings.error());
+  const auto range = FOLDPROOF_TRY(frame_range_of(a.motion));
+  const auto settings = FOLDPROOF_TRY(settings_of(a));
   std::optional<ThreadLimit> limit;
-  if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
-  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
-  const auto motions = open_motions(a.poses, a.motion.read);
-  if (!motions) return tl::unexpected(motions.error());
-  const auto poses = poses_of(*motions, *range);
-  if (!poses) return tl::unexpected(poses.error());
+  FOLDPROOF_TRY(limit_threads(a.threads, limit));
+  FOLDPROOF_TRY(a.files.check());
+  const auto motions = FOLDPROOF_TRY(open_motions(a.poses, a.motion.read));
+  const auto poses = FOLDPROOF_TRY(poses_of(motions, range));
 
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   ProgressBar bar(!a.quiet);
   TrainHooks hooks;
-  hooks.progress = [&](double part) {
-    bar.show(part, fmt::format("training on {}", counted(poses->size(), "pose")));
+  hooks.progress = [&](double share) {
+    bar.show(share, fmt::format("training on {}", counted(poses.size(), "pose")));
   };
   hooks.cancel = &interrupted;
-  const auto model = train_model(*poses, *settings, hooks);
+  const auto model = train_model(poses, settings, hooks);
   bar.clear();
   if (!model && interrupted) {
     print_error({"interrupted", "training was not finished", "no model was written"});
     return kExitInterrupted;
   }
   if (!model) return tl::unexpected(model.error());
-  if (const auto saved = save_model(*model, a.model); !saved) return tl::unexpected(saved.error());
+  FOLDPROOF_TRY(save_model(*model, a.model));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   if (!a.quiet) print_output(summary(a, *model, seconds.count()));
   return kExitClean;
@@ -144,44 +146,43 @@ Result<int> train(const TrainArguments& a) {
 
 }  // namespace
 
-Command add_train(CLI::App& program) {
-  CLI::App* command =
-      program.add_subcommand("train", "Learn from poses of a mesh what makes its checks faster");
-  command->footer(std::string(kMotionHelp) + kFooter);
+Command add_train(CommandLine& program) {
+  const Subcommand command =
+      program.add_subcommand("train", "Make a model from poses of a mesh, which makes its checks faster");
+  command.footer(std::string(kMotionHelp) + kFooter);
   const auto a = std::make_shared<TrainArguments>();
   a->files
-      .reads(
-          command->add_option("POSES", a->poses, "What to learn from: any motions of one mesh (see below)"))
-      ->type_name("")
-      ->required();
-  a->files.writes(command->add_option("-o,--output", a->model, "The model to write"))
-      ->type_name("FILE")
-      ->required();
+      .reads(command.add_option("POSES", a->poses, "The poses to train on: motions of one mesh (see below)"))
+      .type_name("")
+      .required();
+  a->files.writes(command.add_option("-o,--output", a->model, "The model to write"))
+      .type_name("FILE")
+      .required();
   command
-      ->add_option(
-          "--made", a->made,
-          "Draw in N shapes as well that are made from the learned subspace, where poses are few [0]")
-      ->type_name("N");
-  command->add_option("--references", a->references, "Draw in N poses that differ most [all, at most 16]")
-      ->type_name("N");
-  command->add_option("--modes", a->learning.size.modes, "Modes of the subspace [as the energy asks]")
-      ->type_name("N")
-      ->group(kLearningGroup);
-  command->add_option("--energy", a->energy, "Share of the variance that the subspace keeps [0.999]")
-      ->type_name("SHARE")
-      ->group(kLearningGroup);
+      .add_option("--references", a->references,
+                  "Build charts in the N poses that differ most [all, at most 16]")
+      .type_name("N");
   command
-      ->add_option("--subspace", a->subspace, "pca, or kernel-pca, which keeps shapes near the poses [pca]")
-      ->type_name("KIND")
-      ->group(kLearningGroup);
-  command->add_option("--key-points", a->key_points, "Key points, at most, as a share of the vertices [0.04]")
-      ->type_name("SHARE")
-      ->group(kLearningGroup);
-  command->add_flag("--no-learning", a->no_learning, "Draw charts only")->group(kLearningGroup);
-  add_motion_options(*command, a->motion);
-  add_threads_option(*command, a->threads,
+      .add_option("--random-poses", a->random_poses,
+                  "Also build charts in N random poses of the learned subspace, for when poses are few [0]")
+      .type_name("N");
+  command.add_option("--modes", a->learning.size.modes, "Modes of the subspace [as many as the energy needs]")
+      .type_name("N")
+      .group(kLearningGroup);
+  command.add_option("--energy", a->energy, "Share of the variance that the subspace keeps [0.999]")
+      .type_name("SHARE")
+      .group(kLearningGroup);
+  command.add_option("--subspace", a->subspace, "pca, or kernel-pca, which keeps shapes near the poses [pca]")
+      .type_name("KIND")
+      .group(kLearningGroup);
+  command.add_option("--key-points", a->key_points, "Key points, at most, as a share of the vertices [0.04]")
+      .type_name("SHARE")
+      .group(kLearningGroup);
+  command.add_flag("--no-learning", a->no_learning, "Only build charts").group(kLearningGroup);
+  add_motion_options(command, a->motion);
+  add_threads_option(command, a->threads,
                      "At most N threads; the model is the same for any number [all cores]");
-  command->add_flag("--quiet", a->quiet, "Print nothing but errors");
+  command.add_flag("--quiet", a->quiet, "Print nothing but errors");
   return [a] { return train(*a); };
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 
+#include "base/try.h"
 #include "commands.h"
 #include "page_files.h"
 #include "step_options.h"
@@ -16,9 +17,9 @@ namespace {
 constexpr const char* kFooter = R"(  pose.obj                        a single pose: what crosses in it
 Several motions are several objects, and need equally many frames.
 
-The page shows the motion at once, while the check runs: first what crosses in the first frame, then what comes into
-contact in each step; answers fill in as they come. It is served to this machine only
-(http://127.0.0.1:PORT), reads nothing but the files named here, and writes nothing. It is over with Ctrl-C.
+The page shows the motion at once, while the check runs: it first finds what crosses in the first frame, then what
+collides in each step. Answers appear as they come. The page is served to this machine only
+(http://127.0.0.1:PORT), reads only the files named here, and writes nothing. Ctrl-C ends it.
 
 Examples:
   foldproof view walk.glb                         look at it in the browser
@@ -35,8 +36,7 @@ struct ViewArguments : StepArguments {
   bool no_browser = false;
 };
 
-/// Opens the page where there is somebody to look; that it cannot be opened is no error, as its address was
-/// told.
+/// Opens the page if there is a display. Failure is no error, as the address has been printed.
 void open_browser(const std::string& address) {
   if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
   posix_spawn_file_actions_t quiet;
@@ -51,41 +51,39 @@ void open_browser(const std::string& address) {
 }
 
 Result<int> view(const ViewArguments& a) {
-  if (const auto ok = a.files.check(); !ok) return tl::unexpected(ok.error());
-  const auto files = require_page_files();
-  if (!files) return tl::unexpected(files.error());
+  FOLDPROOF_TRY(a.files.check());
+  const auto files = FOLDPROOF_TRY(require_page_files());
   if (a.port < 0 || a.port > 65535)
-    return fail("--port", fmt::format("{} is not between 1 and 65535", a.port),
+    return fail(ErrorCode::InvalidArgument, "--port", fmt::format("{} is not between 1 and 65535", a.port),
                 "give another, or leave it out");
   std::optional<ThreadLimit> limit;
-  if (const auto ok = limit_threads(a.threads, limit); !ok) return tl::unexpected(ok.error());
-  auto opened = open_motions(a);
-  if (!opened) return tl::unexpected(opened.error());
-  const auto page = Page::open({std::move(opened->motions), std::move(opened->settings), a.motion.read});
-  if (!page) return tl::unexpected(page.error());
+  FOLDPROOF_TRY(limit_threads(a.threads, limit));
+  auto opened = FOLDPROOF_TRY(open_motions(a));
+  const auto page =
+      FOLDPROOF_TRY(Page::open({std::move(opened.motions), std::move(opened.settings), a.motion.read}));
   const std::atomic<bool>& stop = watch_for_interrupt();
-  auto server = PageServer::open(**page, *files, a.port);
-  if (!server) return tl::unexpected(server.error());
-  const std::string address = fmt::format("http://127.0.0.1:{}/", server->port());
+  auto server = FOLDPROOF_TRY(PageServer::open(*page, files, a.port));
+  const std::string address = fmt::format("http://127.0.0.1:{}/", server.port());
   print_output(fmt::format("{} (Ctrl-C ends it)\n", address));
-  if (const auto done = flush_output(); !done) return tl::unexpected(done.error());
+  FOLDPROOF_TRY(flush_output());
   if (!a.no_browser) open_browser(address);
-  if (const auto served = server->serve(stop); !served) return tl::unexpected(served.error());
+  FOLDPROOF_TRY(server.serve(stop));
   return kExitClean;
 }
 
 }  // namespace
 
-Command add_view(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("view", "Look at motions, collisions and proofs in the browser");
-  command->footer(std::string(kMotionHelp) + kFooter);
+Command add_view(CommandLine& program) {
+  const Subcommand command =
+      program.add_subcommand("view", "Look at motions, collisions and proofs in the browser");
+  command.footer(std::string(kMotionHelp) + kFooter);
   const auto a = std::make_shared<ViewArguments>();
-  add_step_options(*command, *a);
+  add_step_options(command, *a);
   command
-      ->add_option("--port", a->port,
-                   fmt::format("Where to serve [the first free one from {} on]", kFirstPagePort))
-      ->type_name("N");
-  command->add_flag("--no-browser", a->no_browser, "Print the address and open nothing");
+      .add_option("--port", a->port,
+                  fmt::format("Where to serve [the first free one from {} on]", kFirstPagePort))
+      .type_name("N");
+  command.add_flag("--no-browser", a->no_browser, "Print the address and open nothing");
   return [a] { return view(*a); };
 }
 

@@ -6,11 +6,16 @@
 #include <cmath>
 #include <map>
 
+#include <nlohmann/json.hpp>
+
+#include "base/try.h"
 #include "foldproof/solver.h"
 #include "measure.h"
 
 namespace foldproof::bench {
 namespace {
+
+using nlohmann::json;
 
 // From one pose to the next.
 struct Stride {
@@ -24,7 +29,6 @@ struct Row {
   double first = 0, sum = 0, slowest = 0, pairs = 0, peer_pairs = 0;
   Index poses = 0;
   std::map<std::string, double> peers;  // milliseconds, by name; least of each pose's mean
-  double mean() const { return sum / poses; }
 };
 
 double mean_edge(std::span<const Edge> edges, std::span<const double> x) {
@@ -68,20 +72,18 @@ Result<Row> measure_row(Motion& motion, const Stride& stride, double inflation, 
     const auto parts = static_cast<Index>(stride.parts);
     return loader.load({middle + k / parts, static_cast<int>(k % parts), stride.parts, true});
   };
-  if (auto done = load(0); !done) return tl::unexpected(done.error());
+  FOLDPROOF_TRY(load(0));
   const auto triangles = topology.triangles();
-  auto mesh = CollisionMesh::make(loader.x0(), {}, {triangles.begin(), triangles.end()});
-  if (!mesh) return tl::unexpected(mesh.error());
-  const double distance = inflation * mean_edge(mesh->edges(), loader.x0());
-  ContactChecker checker(std::make_shared<const CollisionMesh>(std::move(*mesh)));
+  auto mesh = FOLDPROOF_TRY(CollisionMesh::make(loader.x0(), {}, {triangles.begin(), triangles.end()}));
+  const double distance = inflation * mean_edge(mesh.edges(), loader.x0());
+  ContactChecker checker(std::make_shared<const CollisionMesh>(std::move(mesh)));
   PeersHere peers(plan, topology, distance);
   foldproof::Candidates found;
   Row row;
   for (Index k = 0; k < plan.warm_up + plan.poses; ++k) {
-    if (auto done = load(k); !done) return tl::unexpected(done.error());
+    FOLDPROOF_TRY(load(k));
     const double start = now_milliseconds(plan.processor_time);
-    if (auto done = checker.candidates(loader.x0(), distance, found); !done)
-      return tl::unexpected(done.error());
+    FOLDPROOF_TRY(checker.candidates(loader.x0(), distance, found));
     const double took = now_milliseconds(plan.processor_time) - start;
     if (k == 0) row.first = took;
     if (k < plan.warm_up) continue;
@@ -101,44 +103,26 @@ Result<Row> measure_row(Motion& motion, const Stride& stride, double inflation, 
 
 }  // namespace
 
-Result<Table> measure_candidates(const std::vector<SceneInfo>& scenes, const CandidatePlan& plan) {
-  Table table{{"candidates, ms a pose", "pose to pose", "inflation", "pairs", "foldproof", "slowest", "first",
-               "fastest peer", "peer/foldproof", "its name"},
-              {}};
-  double logs = 0;
-  int count = 0;
+Result<json> measure_candidates(const std::vector<SceneInfo>& scenes, const CandidatePlan& plan) {
+  json rows;
   for (const SceneInfo& scene : scenes) {
     if (scene.kind != SceneKind::Motion) continue;
-    auto motion = open_scene(scene);
-    if (!motion) return tl::unexpected(motion.error());
+    auto motion = FOLDPROOF_TRY(open_scene(scene));
     for (const Stride& stride : kStrides) {
       for (const double inflation : kInflations) {
-        const auto row = measure_row(**motion, stride, inflation, plan);
-        if (!row) return tl::unexpected(row.error());
-        const auto fastest =
-            std::min_element(row->peers.begin(), row->peers.end(),
-                             [](const auto& a, const auto& b) { return a.second < b.second; });
-        const bool any = fastest != row->peers.end();
-        if (any) {
-          logs += std::log(fastest->second / row->mean());
-          ++count;
-        }
-        table.rows.push_back(
-            {scene.name, stride.name, fmt::format("{}", inflation), fmt::format("{:.0f}", row->pairs),
-             fmt::format("{:.2f}", row->mean()), fmt::format("{:.2f}", row->slowest),
-             fmt::format("{:.1f}", row->first), any ? fmt::format("{:.1f}", fastest->second) : "",
-             any ? fmt::format("{:.1f}", fastest->second / row->mean()) : "", any ? fastest->first : ""});
+        const auto row = FOLDPROOF_TRY(measure_row(*motion, stride, inflation, plan));
+        rows.push_back({{"name", scene.name},
+                        {"stride", stride.name},
+                        {"inflation", inflation},
+                        {"pairs", row.pairs},
+                        {"milliseconds", row.sum / row.poses},
+                        {"slowest_milliseconds", row.slowest},
+                        {"first_milliseconds", row.first},
+                        {"peers", row.peers}});
       }
     }
   }
-  if (count > 1) {
-    std::vector<std::string> mean(table.headers.size());
-    mean[0] = fmt::format("geometric mean of {}", count);
-    mean[8] = fmt::format("{:.1f}", std::exp(logs / count));
-    table.rows.push_back({});
-    table.rows.push_back(std::move(mean));
-  }
-  return table;
+  return rows;
 }
 
 }  // namespace foldproof::bench

@@ -4,11 +4,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <set>
 
+#include <nlohmann/json.hpp>
+
+#include "base/try.h"
 #include "foldproof/model.h"
 #include "measure.h"
 #include "subdivide.h"
@@ -16,6 +18,8 @@
 
 namespace foldproof::bench {
 namespace {
+
+using nlohmann::json;
 
 enum class Training { None, EveryTenthFrame, OwnPoses };
 
@@ -45,16 +49,12 @@ std::vector<std::string> separate_poses(const std::string& scene) {
 
 struct Row {
   std::string scene;
-  SceneKind kind = SceneKind::Motion;
   StepSize size = StepSize::Full;
   Training training = Training::None;
-  Index triangles = 0, references = 0, steps = 0;
-  double train_seconds = 0, model_bytes = 0;  // per triangle and reference
-  double on = 0, off = 0;                     // milliseconds, of all steps together
+  Index references = 0, steps = 0;
+  double train_seconds = 0, model_bytes = 0;
+  double on = 0, off = 0;  // milliseconds, of all steps together, as what follows
   double pairs_on = 0, pairs_off = 0, colliding = 0, tests = 0;
-
-  double removed() const { return 1 - (pairs_on - colliding) / std::max(1.0, pairs_off - colliding); }
-  double ratio() const { return off / on; }
 };
 
 // Which leaf owns each feature, to tell pairs of leaves that truly collide from the others.
@@ -93,29 +93,26 @@ Result<std::shared_ptr<const ChartLibrary>> trained(const SceneInfo& scene, Moti
     std::vector<std::string> files;
     for (const std::string& file : separate_poses(scene.name))
       files.push_back((data_directory() / file).string());
-    auto opened = open_motions(files);
-    if (!opened) return tl::unexpected(opened.error());
-    others = std::move(*opened);
+    auto opened = FOLDPROOF_TRY(open_motions(files));
+    others = std::move(opened);
     for (auto& other : others) {
       if (other->topology().vertex_count() < motion.topology().vertex_count()) {
-        auto fine = subdivide_like(motion.topology(), *other);
-        if (!fine) return tl::unexpected(fine.error());
-        other = std::move(*fine);
+        auto fine = FOLDPROOF_TRY(subdivide_like(motion.topology(), *other));
+        other = std::move(fine);
       }
       for (Index frame = 0; frame < other->frame_count(); ++frame) poses.push_back({other.get(), frame});
     }
   }
   const double start = now_milliseconds(false);
-  auto model = train_model(poses, {});
-  if (!model) return tl::unexpected(model.error());
+  auto model = FOLDPROOF_TRY(train_model(poses, {}));
   row.train_seconds = (now_milliseconds(false) - start) / 1e3;
-  row.references = summarize(*model).references;
+  row.references = summarize(model).references;
   const auto file =
       std::filesystem::temp_directory_path() / fmt::format("foldproof-bench-{}.model", getpid());
-  if (auto saved = save_model(*model, file.string()); !saved) return tl::unexpected(saved.error());
-  row.model_bytes = static_cast<double>(std::filesystem::file_size(file)) / row.triangles / row.references;
+  FOLDPROOF_TRY(save_model(model, file.string()));
+  row.model_bytes = static_cast<double>(std::filesystem::file_size(file));
   std::filesystem::remove(file);
-  return model->charts;
+  return model.charts;
 }
 
 // Both checkers take the same steps, one after the other.
@@ -125,7 +122,7 @@ Result<void> run_steps(Motion& motion, const std::shared_ptr<const Hierarchy>& h
   StepChecker with({charts ? Object(charts) : hierarchy}), without({hierarchy});
   StepSettings on, off;
   off.certificates = false;
-  on.ahead = false;  // Else what one search saves later steps would pass for proven by certificates.
+  on.look_ahead = false;  // Else what one search saves later steps would pass for proven by certificates.
   StepResult result_on, result_off;
   StepLoader loader(motion);
   const LeafOwners owners(*hierarchy);
@@ -176,115 +173,55 @@ Result<void> run_single(Motion& motion, const std::shared_ptr<const Hierarchy>& 
   return {};
 }
 
-Result<Row> measure_row(const SceneInfo& scene, StepSize size, Training training,
-                        const CertificatePlan& plan) {
-  auto motion = open_scene(scene);
-  if (!motion) return tl::unexpected(motion.error());
+Result<json> measure_row(const SceneInfo& scene, StepSize size, Training training,
+                         const CertificatePlan& plan) {
+  auto motion = FOLDPROOF_TRY(open_scene(scene));
   Row row;
   row.scene = scene.name;
-  row.kind = scene.kind;
   row.size = size;
   row.training = training;
-  row.triangles = static_cast<Index>((*motion)->topology().triangles().size());
-  auto charts = trained(scene, **motion, row);
-  if (!charts) return tl::unexpected(charts.error());
+  auto charts = FOLDPROOF_TRY(trained(scene, *motion, row));
   std::shared_ptr<const Hierarchy> hierarchy;
-  if (*charts) {
-    hierarchy = (*charts)->slots()->hierarchy();
+  if (charts) {
+    hierarchy = charts->slots()->hierarchy();
   } else {
-    auto built = build_hierarchy(**motion, {});
-    if (!built) return tl::unexpected(built.error());
-    hierarchy = std::move(*built);
+    auto built = FOLDPROOF_TRY(build_hierarchy(*motion, {}));
+    hierarchy = std::move(built);
   }
-  const auto run = size == StepSize::Full && (*motion)->frame_count() == 2 ? run_single : run_steps;
-  if (auto done = run(**motion, hierarchy, *charts, plan, row); !done) return tl::unexpected(done.error());
-  return row;
-}
-
-std::vector<std::string> cells(const Row& row) {
-  const double n = row.steps;
-  return {row.scene + (row.kind == SceneKind::Generated ? " (generated)" : ""),
-          size_name(row.size),
-          name_of(row.training),
-          fmt::format("{}", row.references),
-          fmt::format("{}", row.steps),
-          fmt::format("{:.0f}", row.pairs_off / n),
-          fmt::format("{:.0f}", row.colliding / n),
-          fmt::format("{:.0f}", row.pairs_on / n),
-          fmt::format("{:.1f}", 100 * row.removed()),
-          fmt::format("{:.0f}", row.tests / n),
-          fmt::format("{:.2f}", row.off / n),
-          fmt::format("{:.2f}", row.on / n),
-          fmt::format("{:.2f}", row.ratio()),
-          row.references ? fmt::format("{:.2f}", row.train_seconds / row.references) : "",
-          row.references ? fmt::format("{:.0f}", row.model_bytes) : ""};
-}
-
-std::vector<std::string> mean_of(const std::vector<Row>& rows, SceneKind kind, StepSize size,
-                                 Training training) {
-  double removed = 0, ratio = 0, count = 0;
-  for (const Row& row : rows) {
-    if (row.kind != kind || row.size != size || row.training != training) continue;
-    removed += std::log(std::max(1e-3, row.removed()));
-    ratio += std::log(row.ratio());
-    ++count;
-  }
-  if (count < 2) return {};
-  const char* what = kind == SceneKind::Motion      ? "motions"
-                     : kind == SceneKind::Generated ? "generated"
-                                                    : "ground truth";
-  std::vector<std::string> mean(15);
-  mean[0] = fmt::format("geometric mean of {:.0f} {}", count, what);
-  mean[1] = size_name(size);
-  mean[2] = name_of(training);
-  mean[8] = fmt::format("{:.1f}", 100 * std::exp(removed / count));
-  mean[12] = fmt::format("{:.2f}", std::exp(ratio / count));
-  return mean;
+  const auto run = size == StepSize::Full && motion->frame_count() == 2 ? run_single : run_steps;
+  FOLDPROOF_TRY(run(*motion, hierarchy, charts, plan, row));
+  return json{{"name", scene.name},
+              {"kind", kind_name(scene.kind)},
+              {"step", size_name(size)},
+              {"training", name_of(training)},
+              {"triangles", motion->topology().triangles().size()},
+              {"references", row.references},
+              {"train_seconds", row.train_seconds},
+              {"model_bytes", row.model_bytes},
+              {"steps", row.steps},
+              {"milliseconds_with", row.on},
+              {"milliseconds_without", row.off},
+              {"leaf_pairs_with", row.pairs_on},
+              {"leaf_pairs_without", row.pairs_off},
+              {"colliding", row.colliding},
+              {"certificate_tests", row.tests}};
 }
 
 }  // namespace
 
-Result<Table> compare_certificates(const std::vector<SceneInfo>& scenes, const CertificatePlan& plan) {
-  Table table;
-  table.headers = {"with and without certificates",
-                   "step",
-                   "training",
-                   "references",
-                   "steps",
-                   "leaf pairs",
-                   "colliding",
-                   "left",
-                   "removed %",
-                   "tests",
-                   "without ms",
-                   "with ms",
-                   "without/with",
-                   "s/reference",
-                   "B/triangle"};
-  std::vector<Row> rows;
-  constexpr Training kTrainings[] = {Training::None, Training::EveryTenthFrame, Training::OwnPoses};
+Result<json> compare_certificates(const std::vector<SceneInfo>& scenes, const CertificatePlan& plan) {
+  json rows;
   for (const SceneInfo& scene : scenes) {
     for (const StepSize size : {StepSize::Full, StepSize::Tenth}) {
-      for (const Training training : kTrainings) {
+      for (const Training training : {Training::None, Training::EveryTenthFrame, Training::OwnPoses}) {
         if (training == Training::OwnPoses && separate_poses(scene.name).empty()) continue;
         if (training == Training::EveryTenthFrame && scene.kind == SceneKind::GroundTruth) continue;
-        auto row = measure_row(scene, size, training, plan);
-        if (!row) return tl::unexpected(row.error());
-        table.rows.push_back(cells(*row));
-        rows.push_back(std::move(*row));
+        auto row = FOLDPROOF_TRY(measure_row(scene, size, training, plan));
+        rows.push_back(std::move(row));
       }
     }
   }
-  table.rows.push_back({});
-  for (const SceneKind kind : {SceneKind::Motion, SceneKind::GroundTruth, SceneKind::Generated}) {
-    for (const Training training : kTrainings) {
-      for (const StepSize size : {StepSize::Full, StepSize::Tenth}) {
-        if (auto mean = mean_of(rows, kind, size, training); !mean.empty())
-          table.rows.push_back(std::move(mean));
-      }
-    }
-  }
-  return table;
+  return rows;
 }
 
 }  // namespace foldproof::bench

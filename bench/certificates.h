@@ -1,8 +1,9 @@
 /// What certificates save: the same steps with and without them, after different trainings.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "scene.h"
-#include "table.h"
 
 namespace foldproof::bench {
 
@@ -12,8 +13,9 @@ struct CertificatePlan {
   bool processor_time = false;
 };
 
-/// One row per scene, step size and training, and geometric means. Error: a scene cannot be read, or an
-/// answer with certificates differs from the one without.
-Result<Table> compare_certificates(const std::vector<SceneInfo>& scenes, const CertificatePlan& plan);
+/// One row per scene, step size and training; counts and times are sums over the steps. Error: a scene cannot
+/// be read, or an answer with certificates differs from the one without.
+Result<nlohmann::json> compare_certificates(const std::vector<SceneInfo>& scenes,
+                                            const CertificatePlan& plan);
 
 }  // namespace foldproof::bench

@@ -42,7 +42,7 @@ class Peer {
 /// How to make a peer. Variants of one family share a column, where the fastest of them on each row stands.
 struct PeerEntry {
   std::string family;  ///< The library, one column: "Embree".
-  std::string name;    ///< The variant: "Embree features Morton".
+  std::string name;    ///< The variant, which begins with the family: "Embree features Morton".
   std::string version;
   std::function<std::unique_ptr<Peer>()> make;
 };

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "base/try.h"
 #include "generated.h"
 #include "scene.h"
 #include "subdivide.h"
@@ -25,7 +26,7 @@ Result<std::unique_ptr<Motion>> part_of(const char* scene, Index first, const To
   std::vector<std::vector<double>> frames(kFrames);
   for (Index k = 0; k < kFrames; ++k) {
     frames[k].resize(std::size_t{3} * all.vertex_count());
-    if (auto read = (*motion)->read_frame(first + k, frames[k]); !read) return tl::unexpected(read.error());
+    FOLDPROOF_TRY((*motion)->read_frame(first + k, frames[k]));
     frames[k].resize(std::size_t{3} * topology->vertex_count());
   }
   return memory_motion(scene, *topology, std::move(frames));

@@ -5,7 +5,6 @@
 
 #include <ctime>
 #include <fstream>
-#include <map>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -36,8 +35,8 @@ std::string system() {
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> machine_facts(const std::vector<PeerEntry>& peers) {
-  std::vector<std::pair<std::string, std::string>> facts = {
+std::map<std::string, std::string> machine_facts(const std::vector<PeerEntry>& peers) {
+  std::map<std::string, std::string> facts = {
       {"date", fmt::format("{:%Y-%m-%d}", fmt::localtime(std::time(nullptr)))},
       {"processor", processor()},
       {"system", system()},
@@ -45,9 +44,7 @@ std::vector<std::pair<std::string, std::string>> machine_facts(const std::vector
       {"flags of foldproof", FOLDPROOF_BENCH_FLAGS},
       {"flags of the peers that are headers", FOLDPROOF_BENCH_PEER_FLAGS},
       {"foldproof", version()}};
-  std::map<std::string, std::string> versions;
-  for (const PeerEntry& peer : peers) versions[peer.family] = peer.version;
-  facts.insert(facts.end(), versions.begin(), versions.end());
+  for (const PeerEntry& peer : peers) facts[peer.family] = peer.version;
   return facts;
 }
 

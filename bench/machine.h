@@ -1,8 +1,8 @@
 /// What the figures were measured on.
 #pragma once
 
+#include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "competitor.h"
@@ -10,7 +10,7 @@
 namespace foldproof::bench {
 
 /// Name and value: processor, operating system, compiler, flags, versions, date.
-std::vector<std::pair<std::string, std::string>> machine_facts(const std::vector<PeerEntry>& peers);
+std::map<std::string, std::string> machine_facts(const std::vector<PeerEntry>& peers);
 
 /// Keeps this process on one processor: `cpu`, or the one it happens to run on when negative. False when
 /// refused.

@@ -1,4 +1,5 @@
-/// foldproof-bench: what a step costs, foldproof's complete answer beside other software's candidates.
+/// foldproof-bench: what a step costs, foldproof's complete answer beside other software's candidates. Writes
+/// JSON, of which tools/bench_tables makes tables.
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,34 +10,37 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "base/parallel.h"
+#include "base/try.h"
 #include "candidates.h"
 #include "certificates.h"
 #include "machine.h"
 #include "memory.h"
 #include "reduced.h"
 #include "report.h"
+#include "scaling.h"
 #include "simulation.h"
 
 namespace foldproof::bench {
 namespace {
 
+using nlohmann::json;
+
 struct Options {
   std::vector<std::string> scenes, peers;
-  std::string size = "all", json, markdown, memory_of, publish, command;
+  std::string size = "all", json, memory_of, command;
   bool list = false, quick = false, no_memory = false, certificates = false, candidates = false,
-       reduced = false, simulation = false, growth = false, threads = false, training = false;
+       reduced = false, simulation = false, growth = false, threads = false, training = false,
+       everything = false;
   int cpu = -1;
   double trained_before = NAN;
   Plan plan;
 };
 
 void add_outputs(CLI::App& app, Options& options) {
-  app.add_option("--json", options.json, "Write all figures to this file");
-  app.add_option("--markdown", options.markdown, "Write the tables to this file");
-  app.add_option("--publish", options.publish,
-                 "Measure all of this, and write results.json and tables.md into this directory");
+  app.add_option("--json", options.json, "Write all figures to this file (default: standard output)");
   app.add_flag("--list", options.list, "Name the scenes and peers, and stop");
   app.add_option("--memory-of", options.memory_of,
                  "Print the peak memory of one competitor on one scene, and stop");
@@ -92,6 +96,8 @@ void add_options(CLI::App& app, Options& options) {
                  "Triangles at most, for less memory and time than the largest take (default: no limit)");
   app.add_flag("--thread-scaling", options.threads, "One thread and two, from 200,000 triangles");
   app.add_flag("--training", options.training, "Training on the sets of poses of the data");
+  app.add_flag("--everything", options.everything,
+               "The main tables, --growth, --thread-scaling and --training");
   app.add_option(
          "--trained-before", options.trained_before,
          "Processor seconds that training on hand-train took before, on this machine, to compare with")
@@ -138,95 +144,63 @@ Result<std::vector<SceneInfo>> chosen_scenes(const std::vector<std::string>& nam
   return chosen;
 }
 
-Result<void> write_text(const std::string& path, const std::string& text) {
-  auto file = FileWriter::open(path);
-  if (!file) return tl::unexpected(file.error());
-  if (auto written = file->write(text); !written) return written;
-  return file->commit();
+Result<json> measure_main(const Options& options) {
+  const auto scenes = FOLDPROOF_TRY(chosen_scenes(options.scenes));
+  return measure_scenes(scenes, options.plan);
 }
 
-Result<void> run_all(const Options& options, Report& report) {
-  const auto scenes = chosen_scenes(options.scenes);
-  if (!scenes) return tl::unexpected(scenes.error());
-  const bool narrate = isatty(STDERR_FILENO) != 0;
-  for (const SceneInfo& scene : *scenes) {
-    if (narrate) fmt::print(stderr, "\r\033[K{} ...", scene.name);
-    auto records = measure(scene, report.plan);
-    if (!records) return tl::unexpected(records.error());
-    std::move(records->begin(), records->end(), std::back_inserter(report.records));
+/// The main rows, unless something else was asked for.
+Result<void> measure_chosen(const Options& options, json& results) {
+  const Plan& plan = options.plan;
+  const auto keep = [&](const char* name, Result<json> rows) {
+    return std::move(rows).map([&](json&& measured) { results[name] = std::move(measured); });
+  };
+  const bool time = plan.processor_time;
+  if (options.reduced) return keep("reduced", measure_reduced({.processor_time = time}));
+  if (options.simulation)
+    return keep("simulation",
+                measure_simulation({.peers = plan.peers,
+                                    .steps = plan.sampling.steps,
+                                    .only = options.scenes.empty() ? "" : options.scenes.front(),
+                                    .processor_time = time,
+                                    .narrate = isatty(STDERR_FILENO) != 0}));
+  if (options.certificates || options.candidates) {
+    const auto scenes = FOLDPROOF_TRY(chosen_scenes(options.scenes));
+    if (options.certificates)
+      return keep("certificates", compare_certificates(scenes, {.processor_time = time}));
+    return keep("candidates", measure_candidates(scenes, {.peers = plan.peers, .processor_time = time}));
   }
-  if (narrate) fmt::print(stderr, "\r\033[K");
+  if (options.everything || !(options.growth || options.threads || options.training))
+    FOLDPROOF_TRY(keep("scenes", measure_main(options)));
+  if (options.everything || options.growth) FOLDPROOF_TRY(keep("growth", measure_growth(plan)));
+  if (options.everything || options.training) FOLDPROOF_TRY(keep("training", measure_training()));
   return {};
 }
 
-Result<void> run_certificates(const Options& options) {
-  const auto scenes = chosen_scenes(options.scenes);
-  if (!scenes) return tl::unexpected(scenes.error());
-  CertificatePlan plan;
-  plan.processor_time = options.plan.processor_time;
-  const auto table = compare_certificates(*scenes, plan);
-  if (!table) return tl::unexpected(table.error());
-  fmt::print("{}", table->text());
-  return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
+/// What was asked for, and on what it ran.
+void add_facts(const Options& options, json& results) {
+  const Plan& plan = options.plan;
+  results["machine"] = machine_facts(plan.peers);
+  results["command"] = options.command;
+  results["processor_time"] = plan.processor_time;
+  results["threads"] = plan.threads;
+  results["rounds"] = plan.rounds;
+  results["steps"] = plan.sampling.steps;
+  results["all_steps"] = plan.sampling.all;
+  results["warm_up"] = plan.sampling.warm_up;
+  results["peer_steps"] = plan.peer_steps;
+  results["leaf_triangles"] = plan.hierarchy.leaf_triangles;
+  results["trained_before"] = options.trained_before;
 }
 
-Result<void> run_candidates(const Options& options, const std::vector<PeerEntry>& peers) {
-  const auto scenes = chosen_scenes(options.scenes);
-  if (!scenes) return tl::unexpected(scenes.error());
-  const auto table =
-      measure_candidates(*scenes, {.peers = peers, .processor_time = options.plan.processor_time});
-  if (!table) return tl::unexpected(table.error());
-  fmt::print("{}", table->text());
-  return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
-}
-
-Result<void> run_simulation(const Options& options, const std::vector<PeerEntry>& peers) {
-  const auto table = measure_simulation({.peers = peers,
-                                         .steps = options.plan.sampling.steps,
-                                         .only = options.scenes.empty() ? "" : options.scenes.front(),
-                                         .processor_time = options.plan.processor_time,
-                                         .narrate = isatty(STDERR_FILENO) != 0});
-  if (!table) return tl::unexpected(table.error());
-  fmt::print("{}", table->text());
-  return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
-}
-
-Result<void> run_reduced(const Options& options) {
-  ReducedPlan plan;
-  plan.processor_time = options.plan.processor_time;
-  const auto table = measure_reduced(plan);
-  if (!table) return tl::unexpected(table.error());
-  fmt::print("{}", table->text());
-  return options.markdown.empty() ? Result<void>{} : write_text(options.markdown, table->markdown());
-}
-
-/// The main tables, unless something else was asked for.
-Result<void> run_chosen(const Options& options, Report& report) {
-  const bool everything = !options.publish.empty();
-  if (everything || !(options.growth || options.threads || options.training))
-    if (auto done = run_all(options, report); !done) return done;
-  if (everything || options.growth) {
-    auto growth = measure_growth(report.plan);
-    if (!growth) return tl::unexpected(growth.error());
-    report.growth = std::move(*growth);
+Result<void> write(const std::string& path, const json& results) {
+  if (path.empty()) {
+    fmt::print("{}\n", results.dump());
+    return {};
   }
-  if (everything || options.training) {
-    auto training = measure_training();
-    if (!training) return tl::unexpected(training.error());
-    report.training = std::move(*training);
-  }
-  return {};
-}
-
-Result<void> write_files(const Options& options, const Report& report) {
-  std::string json = options.json, markdown = options.markdown;
-  if (!options.publish.empty()) {
-    json = options.publish + "/results.json";
-    markdown = options.publish + "/tables.md";
-  }
-  if (!json.empty())
-    if (auto written = write_text(json, format_json(report)); !written) return written;
-  return markdown.empty() ? Result<void>{} : write_text(markdown, format_tables(report, Style::Markdown));
+  auto file = FOLDPROOF_TRY(FileWriter::open(path));
+  FOLDPROOF_TRY(file.write(results.dump() + "\n"));
+  return file.commit();
 }
 
 std::vector<StepSize> sizes_called(const std::string& name) {
@@ -257,12 +231,11 @@ Result<void> run(Options& options) {
   plan.memory = !options.no_memory;
   plan.sizes = sizes_called(options.size);
   if (options.quick) make_quick(options);
-  Report report;
+  json results;
   const bool can_have_two = std::thread::hardware_concurrency() > 1;
-  if (options.threads || (!options.publish.empty() && can_have_two)) {
-    auto threads = measure_threads(plan);
-    if (!threads) return tl::unexpected(threads.error());
-    report.threads = std::move(*threads);
+  if (options.threads || (options.everything && can_have_two)) {
+    auto threads = FOLDPROOF_TRY(measure_threads(plan));
+    results["thread_scaling"] = std::move(threads);
   }
   // From here on one processor and one thread, which those that oneTBB has by now would not know of.
   if (plan.threads == 1 && !pin_to_one_cpu(options.cpu))
@@ -273,20 +246,11 @@ Result<void> run(Options& options) {
     return print_peak_bytes({options.scenes.front(), options.memory_of, plan.sizes.front(), plan.sampling,
                              plan.hierarchy, plan.threads});
   }
-  if (options.certificates) return run_certificates(options);
-  if (options.reduced) return run_reduced(options);
-  auto peers = chosen_peers(options.peers);
-  if (!peers) return tl::unexpected(peers.error());
-  if (options.candidates) return run_candidates(options, *peers);
-  if (options.simulation) return run_simulation(options, *peers);
-  plan.peers = std::move(*peers);
-  report.machine = machine_facts(plan.peers);
-  report.plan = plan;
-  report.command = options.command;
-  report.trained_before = options.trained_before;
-  if (auto done = run_chosen(options, report); !done) return done;
-  fmt::print("{}", format_tables(report, Style::Text));
-  return write_files(options, report);
+  auto peers = FOLDPROOF_TRY(chosen_peers(options.peers));
+  plan.peers = std::move(peers);
+  FOLDPROOF_TRY(measure_chosen(options, results));
+  add_facts(options, results);
+  return write(options.json, results);
 }
 
 }  // namespace

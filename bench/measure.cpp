@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "allocations.h"
+#include "base/try.h"
 #include "floor.h"
 #include "foldproof/model.h"
 #include "memory.h"
-#include "summary.h"
 #include "verify.h"
 
 namespace foldproof::bench {
@@ -24,6 +24,12 @@ StageTimes scaled(const StageTimes& stages, double total) {
 Index measured_of(const std::vector<StepChoice>& steps) {
   return static_cast<Index>(
       std::count_if(steps.begin(), steps.end(), [](const StepChoice& step) { return step.measured; }));
+}
+
+/// Embree, where it takes part: it is the one that the goals are stated against.
+std::string main_family(const std::vector<PeerEntry>& peers) {
+  const auto is_embree = [](const PeerEntry& peer) { return peer.family == "Embree"; };
+  return std::any_of(peers.begin(), peers.end(), is_embree) ? "Embree" : peers.front().family;
 }
 
 /// What is made once per motion.
@@ -48,10 +54,9 @@ class Race {
       peers_.push_back(entry.make());
       peers_.back()->prepare(topology_);
     }
-    // Smooth rows show what foldproof makes of a motion that bends; the first family is enough to compare
-    // with.
+    // Smooth rows show what foldproof makes of a motion that bends; one family is enough to compare with.
     for (const PeerEntry& entry : plan.peers)
-      active_.push_back(!is_smooth(record.size) || entry.family == families(plan).front());
+      active_.push_back(!is_smooth(record.size) || entry.family == main_family(plan.peers));
   }
 
   Result<void> run(const std::vector<StepChoice>& steps) {
@@ -120,7 +125,7 @@ class Race {
         [&] { done = runner.checker->check(loader_.x0(), loader_.x1(), settings, runner.result); });
     of.allocations = allocation_count() - before;
     of.work = runner.result.work;
-    of.searched = runner.result.searched;
+    of.searched = runner.result.search_steps;
     of.stages = scaled(runner.result.milliseconds, of.milliseconds);
     return done;
   }
@@ -192,11 +197,10 @@ Result<void> train(Motion& motion, Prepared& prepared, SceneRecord& record) {
   TrainSettings settings;
   settings.learn = false;
   const double start = now_milliseconds(false);
-  auto model = train_model(poses, settings);
-  if (!model) return tl::unexpected(model.error());
+  auto model = FOLDPROOF_TRY(train_model(poses, settings));
   record.train_seconds = (now_milliseconds(false) - start) / 1e3;
-  record.references = summarize(*model).references;
-  prepared.charts = model->charts;
+  record.references = summarize(model).references;
+  prepared.charts = model.charts;
   return {};
 }
 
@@ -211,10 +215,9 @@ Result<void> prepare(const SceneInfo& scene, Motion& motion, const Plan& plan, P
   record.triangles = static_cast<Index>(topology.triangles().size());
   record.frames = motion.frame_count();
   const double start = now_milliseconds(plan.processor_time);
-  auto hierarchy = build_hierarchy(motion, plan.hierarchy);
-  if (!hierarchy) return tl::unexpected(hierarchy.error());
+  auto hierarchy = FOLDPROOF_TRY(build_hierarchy(motion, plan.hierarchy));
   record.build_milliseconds = now_milliseconds(plan.processor_time) - start;
-  prepared.hierarchy = std::move(*hierarchy);
+  prepared.hierarchy = std::move(hierarchy);
   return plan.trained ? train(motion, prepared, record) : Result<void>{};
 }
 
@@ -228,19 +231,16 @@ double now_milliseconds(bool processor_time) {
 
 Result<std::shared_ptr<const Hierarchy>> build_hierarchy(Motion& motion, const HierarchySettings& settings) {
   std::vector<double> x(std::size_t{motion.topology().vertex_count()} * 3);
-  if (auto read = motion.read_frame(0, x); !read) return tl::unexpected(read.error());
-  auto hierarchy = Hierarchy::build(motion.topology(), x, settings);
-  if (!hierarchy) return tl::unexpected(hierarchy.error());
-  return std::make_shared<const Hierarchy>(std::move(*hierarchy));
+  FOLDPROOF_TRY(motion.read_frame(0, x));
+  auto hierarchy = FOLDPROOF_TRY(Hierarchy::build(motion.topology(), x, settings));
+  return std::make_shared<const Hierarchy>(std::move(hierarchy));
 }
 
 Result<std::vector<SceneRecord>> measure(const SceneInfo& scene, const Plan& plan) {
-  auto motion = open_scene(scene);
-  if (!motion) return tl::unexpected(motion.error());
+  auto motion = FOLDPROOF_TRY(open_scene(scene));
   Prepared prepared;
   SceneRecord common;
-  if (auto done = prepare(scene, **motion, plan, prepared, common); !done)
-    return tl::unexpected(done.error());
+  FOLDPROOF_TRY(prepare(scene, *motion, plan, prepared, common));
   std::vector<SceneRecord> records;
   for (const StepSize size : plan.sizes) {
     if (is_smooth(size) && scene.kind != SceneKind::Motion) continue;
@@ -250,11 +250,10 @@ Result<std::vector<SceneRecord>> measure(const SceneInfo& scene, const Plan& pla
     // A single step tells little: its fastest of some runs with new checkers counts.
     const int rounds = measured_of(steps) == 1 ? std::max(plan.rounds, 3) : plan.rounds;
     for (int round = 0; round < rounds; ++round) {
-      Race race(**motion, plan, prepared, record);
-      if (auto done = race.run(steps); !done) return tl::unexpected(done.error());
+      Race race(*motion, plan, prepared, record);
+      FOLDPROOF_TRY(race.run(steps));
     }
-    if (plan.memory)
-      if (auto done = measure_memory(scene, plan, record); !done) return tl::unexpected(done.error());
+    if (plan.memory) FOLDPROOF_TRY(measure_memory(scene, plan, record));
     records.push_back(std::move(record));
   }
   return records;

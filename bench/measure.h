@@ -48,12 +48,11 @@ struct StepRecord {
     Work work;
     StageTimes stages;
     std::uint64_t allocations = 0;  ///< Calls of operator new.
-    Index searched = 1;             ///< StepResult::searched.
+    Index searched = 1;             ///< StepResult::search_steps.
   };
   std::array<OfFoldproof, kWays.size()> ways;
   const OfFoldproof& of(Way way) const { return ways[static_cast<std::size_t>(way)]; }
   std::uint64_t collisions_vf = 0, collisions_ee = 0;
-  std::uint64_t collisions() const { return collisions_vf + collisions_ee; }
   struct OfPeer {
     double milliseconds = NAN;  ///< NAN: did not run.
     std::uint64_t candidates_vf = 0, candidates_ee = 0;
@@ -69,11 +68,9 @@ struct SceneRecord {
   double build_milliseconds = 0;    ///< Foldproof's hierarchy, once per topology.
   double train_seconds = 0;         ///< Of the model, once per motion.
   Index references = 0;             ///< Its poses; 0 when nothing was trained.
-  std::vector<StepRecord> warm_up;  ///< Of new checkers, right before those measured.
+  std::vector<StepRecord> warm_up;  ///< Of new checkers, right before those measured; at least one.
   std::vector<StepRecord> steps;
   std::map<std::string, double> peak_bytes;  ///< Foldproof ("foldproof") and peers by name.
-  /// New checkers: their scratch is made, nothing is known yet.
-  const StepRecord& first() const { return warm_up.front(); }
 };
 
 /// Records of one scene, one per step size.

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "base/try.h"
 #include "competitor.h"
 #include "measure.h"
 
@@ -42,7 +43,7 @@ Result<std::vector<LoadedStep>> load_steps(Motion& motion, const MemoryTask& tas
   std::vector<LoadedStep> loaded;
   StepLoader loader(motion);
   for (const StepChoice& step : choose_steps(motion.frame_count(), task.size, task.sampling)) {
-    if (auto done = loader.load(step); !done) return tl::unexpected(done.error());
+    FOLDPROOF_TRY(loader.load(step));
     loaded.push_back({{loader.x0().begin(), loader.x0().end()}, {loader.x1().begin(), loader.x1().end()}});
   }
   return loaded;
@@ -50,9 +51,8 @@ Result<std::vector<LoadedStep>> load_steps(Motion& motion, const MemoryTask& tas
 
 Result<void> run_foldproof(Motion& motion, const std::vector<LoadedStep>& steps,
                            const HierarchySettings& settings) {
-  auto hierarchy = build_hierarchy(motion, settings);
-  if (!hierarchy) return tl::unexpected(hierarchy.error());
-  StepChecker checker({std::move(*hierarchy)});
+  auto hierarchy = FOLDPROOF_TRY(build_hierarchy(motion, settings));
+  StepChecker checker({std::move(hierarchy)});
   StepResult result;
   for (const LoadedStep& step : steps) {
     if (auto done = checker.check(step.x0, step.x1, {}, result); !done) return done;
@@ -126,10 +126,9 @@ Result<std::string> output_of_self(std::vector<std::string> arguments) {
 }  // namespace
 
 Result<double> peak_bytes_in_child(const MemoryTask& task) {
-  const auto output = output_of_self(arguments_for(task));
-  if (!output) return tl::unexpected(output.error());
+  const auto output = FOLDPROOF_TRY(output_of_self(arguments_for(task)));
   double bytes = 0;
-  const auto parsed = std::from_chars(output->data(), output->data() + output->size(), bytes);
+  const auto parsed = std::from_chars(output.data(), output.data() + output.size(), bytes);
   if (parsed.ec != std::errc())
     return fail("memory", "the process that measures it printed no number", "report this");
   return bytes;
@@ -138,15 +137,13 @@ Result<double> peak_bytes_in_child(const MemoryTask& task) {
 Result<void> print_peak_bytes(const MemoryTask& task) {
   const SceneInfo* scene = find_scene(task.scene);
   if (scene == nullptr) return fail("--scene", "there is no scene called " + task.scene, "see --list");
-  auto motion = open_scene(*scene);
-  if (!motion) return tl::unexpected(motion.error());
-  const auto steps = load_steps(**motion, task);
-  if (!steps) return tl::unexpected(steps.error());
+  auto motion = FOLDPROOF_TRY(open_scene(*scene));
+  const auto steps = FOLDPROOF_TRY(load_steps(*motion, task));
   if (!reset_peak()) return fail("/proc/self/clear_refs", "cannot be written", "run with --no-memory");
   const double before = status_bytes("VmRSS");
-  const Topology& topology = (*motion)->topology();
-  auto done = task.competitor == "foldproof" ? run_foldproof(**motion, *steps, task.hierarchy)
-                                             : run_peer(task.competitor, topology, *steps);
+  const Topology& topology = (motion)->topology();
+  auto done = task.competitor == "foldproof" ? run_foldproof(*motion, steps, task.hierarchy)
+                                             : run_peer(task.competitor, topology, steps);
   if (done) fmt::print("{}\n", status_bytes("VmHWM") - before);
   return done;
 }

@@ -4,22 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <numbers>
 #include <random>
 
+#include <nlohmann/json.hpp>
+
+#include "base/try.h"
 #include "foldproof/reduced.h"
+#include "measure.h"
 
 namespace foldproof::bench {
 namespace {
 
+using nlohmann::json;
+
 constexpr Index kModes = 6;
 
-double now_microseconds(bool processor_time) {
-  timespec now{};
-  clock_gettime(processor_time ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &now);
-  return static_cast<double>(now.tv_sec) * 1e6 + static_cast<double>(now.tv_nsec) / 1e3;
-}
+double now_microseconds(bool processor_time) { return 1e3 * now_milliseconds(processor_time); }
 
 // How the tube of radius 1 and length 10 stands.
 struct Form {
@@ -107,8 +108,7 @@ Result<Cost> cost_at(const std::shared_ptr<const ReducedShape>& shape, double di
       constexpr int kCalls = 100;  // asking for the time takes as long as a step
       const double start = now_microseconds(plan.processor_time);
       for (int call = 0; call < kCalls; ++call) {
-        if (auto done = checker.check({&from, 1}, {&to, 1}, {}, found); !done)
-          return tl::unexpected(done.error());
+        FOLDPROOF_TRY(checker.check({&from, 1}, {&to, 1}, {}, found));
       }
       checked = std::min(checked, (now_microseconds(plan.processor_time) - start) / kCalls);
       const double middle = now_microseconds(plan.processor_time);
@@ -124,47 +124,44 @@ Result<Cost> cost_at(const std::shared_ptr<const ReducedShape>& shape, double di
   return cost;
 }
 
-Result<void> add_rows(Index triangles, const ReducedPlan& plan, Table& table) {
+Result<void> add_rows(Index triangles, const ReducedPlan& plan, json& rows) {
   // A tube ten times as long as thick, of nearly square cells.
   const auto around = static_cast<Index>(std::lround(std::sqrt(triangles * 2 * std::numbers::pi / 20)));
   const Index along = triangles / (2 * around);
-  const auto subspace = subspace_of(around, along);
-  if (!subspace) return tl::unexpected(subspace.error());
-  const std::span<const double> mean(subspace->mean.data(), static_cast<std::size_t>(subspace->mean.size()));
-  auto hierarchy = Hierarchy::build(tube_mesh(around, along), mean);
-  if (!hierarchy) return tl::unexpected(hierarchy.error());
-  auto motion = ReducedMotion::make(std::make_shared<const Hierarchy>(std::move(*hierarchy)), *subspace);
-  if (!motion) return tl::unexpected(motion.error());
+  const auto subspace = FOLDPROOF_TRY(subspace_of(around, along));
+  const std::span<const double> mean(subspace.mean.data(), static_cast<std::size_t>(subspace.mean.size()));
+  auto hierarchy = FOLDPROOF_TRY(Hierarchy::build(tube_mesh(around, along), mean));
+  auto motion =
+      FOLDPROOF_TRY(ReducedMotion::make(std::make_shared<const Hierarchy>(std::move(hierarchy)), subspace));
   const double start = now_microseconds(plan.processor_time);
-  auto built = ReducedShape::build(std::make_shared<const ReducedMotion>(std::move(*motion)),
+  auto built = ReducedShape::build(std::make_shared<const ReducedMotion>(std::move(motion)),
                                    {{std::vector<double>(kModes, 0.0)}});
   if (!built) return tl::unexpected(built.error());
   const double seconds = (now_microseconds(plan.processor_time) - start) / 1e6;
   const auto shape = std::make_shared<const ReducedShape>(std::move(*built));
   for (const double distance : {1.0, 3.0, 4.0, 4.5}) {
-    const auto cost = cost_at(shape, distance, plan);
-    if (!cost) return tl::unexpected(cost.error());
-    if (cost->collisions > 0)
-      return fail("reduced", fmt::format("{} steps collide", cost->collisions), "measure nearer to the mean");
-    table.rows.push_back({fmt::format("{}", 2 * around * along), fmt::format("{:.1f}", seconds),
-                          fmt::format("{:.2f}", shape->radius(0)), fmt::format("{:.1f}", distance),
-                          fmt::format("{:.2f}", cost->checked), fmt::format("{:.3f}", cost->proven),
-                          fmt::format("{:.0f}", cost->pairs), fmt::format("{:.1f}", cost->leaf_pairs)});
+    const auto cost = FOLDPROOF_TRY(cost_at(shape, distance, plan));
+    if (cost.collisions > 0)
+      return fail("reduced", fmt::format("{} steps collide", cost.collisions), "measure nearer to the mean");
+    rows.push_back({{"triangles", 2 * around * along},
+                    {"build_seconds", seconds},
+                    {"radius", shape->radius(0)},
+                    {"distance", distance},
+                    {"step_microseconds", cost.checked},
+                    {"proven_free_microseconds", cost.proven},
+                    {"node_pairs", cost.pairs},
+                    {"leaf_pairs", cost.leaf_pairs}});
   }
-  table.rows.emplace_back();
   return {};
 }
 
 }  // namespace
 
-Result<Table> measure_reduced(const ReducedPlan& plan) {
-  Table table;
-  table.headers = {"triangles", "build s",        "radius",         "distance",
-                   "us a step", "us proven_free", "pairs of nodes", "pairs of leaves"};
-  for (Index triangles = 10'000; triangles <= plan.largest; triangles *= 10) {
-    if (auto done = add_rows(triangles, plan, table); !done) return tl::unexpected(done.error());
-  }
-  return table;
+Result<json> measure_reduced(const ReducedPlan& plan) {
+  json rows;
+  for (Index triangles = 10'000; triangles <= plan.largest; triangles *= 10)
+    FOLDPROOF_TRY(add_rows(triangles, plan, rows));
+  return rows;
 }
 
 }  // namespace foldproof::bench

@@ -1,8 +1,9 @@
 /// What a step costs when the motion is told by coordinates of a subspace: one shape at several resolutions.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "foldproof/base.h"
-#include "table.h"
 
 namespace foldproof::bench {
 
@@ -14,6 +15,6 @@ struct ReducedPlan {
 
 /// A generated tube that bends, twists and bulges, with six modes; a row per resolution and distance from the
 /// mean. Error: a step collides, or cannot be checked.
-Result<Table> measure_reduced(const ReducedPlan& plan);
+Result<nlohmann::json> measure_reduced(const ReducedPlan& plan);
 
 }  // namespace foldproof::bench

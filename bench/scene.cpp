@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "base/try.h"
 #include "generated.h"
 
 namespace foldproof::bench {
@@ -54,12 +55,16 @@ Result<std::unique_ptr<Motion>> open_scene(const SceneInfo& scene) {
   if (scene.make) return scene.make();
   std::vector<std::string> arguments;
   for (const std::string& file : scene.files) arguments.push_back((data_directory() / file).string());
-  auto motions = open_motions(arguments);
-  if (!motions) return tl::unexpected(motions.error());
-  return std::move(motions->front());
+  auto motions = FOLDPROOF_TRY(open_motions(arguments));
+  return std::move(motions.front());
 }
 
 bool is_smooth(StepSize size) { return size <= StepSize::SmoothHundredth; }
+
+const char* kind_name(SceneKind kind) {
+  constexpr const char* kNames[] = {"motion", "ground truth", "generated", "generated contact", "growth"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
 
 const char* size_name(StepSize size) {
   constexpr const char* kNames[] = {"smooth tenth", "smooth fortieth", "smooth hundredth",

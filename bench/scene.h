@@ -52,6 +52,9 @@ inline constexpr std::array<StepSize, 6> kStepSizes = {StepSize::SmoothTenth,   
                                                        StepSize::Tenth,           StepSize::Hundredth};
 bool is_smooth(StepSize size);
 
+/// "motion", "ground truth", "generated", "generated contact", "growth".
+const char* kind_name(SceneKind kind);
+
 /// "smooth tenth", "smooth fortieth", "smooth hundredth", "full", "tenth", "hundredth".
 const char* size_name(StepSize size);
 

@@ -6,11 +6,16 @@
 #include <map>
 #include <optional>
 
+#include <nlohmann/json.hpp>
+
+#include "base/try.h"
 #include "implicit_euler.h"
 #include "measure.h"
 
 namespace foldproof::bench {
 namespace {
+
+using nlohmann::json;
 
 struct SceneMaker {
   const char* name;
@@ -74,7 +79,7 @@ class Measured final : public example::CollisionQueries {
     Row& row = candidates_[in_contact_];
     if (is_sampled(row)) ask_peers(row, peers_near_, x, x);
     take(row, [&](ContactChecker& checker) -> Result<bool> {
-      if (auto done = checker.candidates(x, reach, found_); !done) return tl::unexpected(done.error());
+      FOLDPROOF_TRY(checker.candidates(x, reach, found_));
       return true;
     });
     example::find_contacts(*mesh_, found_, x, reach, out);
@@ -128,33 +133,30 @@ class Measured final : public example::CollisionQueries {
   int in_contact_ = 0;
 };
 
-void add_rows(const std::string& scene, const char* question, const Rows& rows, Table& table) {
+void add_rows(const json& facts, const char* question, const Rows& rows, json& out) {
   for (int contact = 0; contact < 2; ++contact) {
     const Row& row = rows[contact];
     if (row.questions == 0) continue;
-    const auto fastest = std::min_element(row.peers.begin(), row.peers.end(),
-                                          [](const auto& a, const auto& b) { return a.second < b.second; });
-    const bool any = fastest != row.peers.end();
-    const double mean = row.sum / row.questions;
-    const auto ratio = [&](double other) { return fmt::format("{:.1f}", other / row.ours); };
-    const auto each = [&](double sum) { return fmt::format("{:.2f}", sum / row.sampled); };
-    table.rows.push_back({scene, question, contact == 0 ? "before" : "since",
-                          fmt::format("{}", row.questions), fmt::format("{:.2f}", mean),
-                          fmt::format("{:.1f}", row.slowest / mean), row.without > 0 ? each(row.without) : "",
-                          row.without > 0 ? ratio(row.without) : "", any ? each(fastest->second) : "",
-                          any ? ratio(fastest->second) : "", any ? fastest->first : ""});
+    json sampled = {{"questions", row.sampled}, {"certificates", row.ours}, {"peers", row.peers}};
+    if (row.without > 0) sampled["plain"] = row.without;
+    json entry = {{"question", question},
+                  {"contact", contact == 0 ? "before" : "since"},
+                  {"questions", row.questions},
+                  {"milliseconds", row.sum},
+                  {"slowest_milliseconds", row.slowest},
+                  {"sampled", sampled}};
+    entry.update(facts);
+    out.push_back(std::move(entry));
   }
 }
 
-Result<void> run(const SceneMaker& maker, const SimulationPlan& plan, Table& table) {
+Result<void> run(const SceneMaker& maker, const SimulationPlan& plan, json& out) {
   const example::Scene scene = maker.make();
-  auto topology = Topology::make(scene.vertex_count(), scene.faces);
-  if (!topology) return tl::unexpected(topology.error());
+  auto topology = FOLDPROOF_TRY(Topology::make(scene.vertex_count(), scene.faces));
   CollisionMeshSettings settings;
   settings.points = false;  // what holds bodies open from inside
-  auto mesh = CollisionMesh::make(scene.x, {}, scene.faces, settings);
-  if (!mesh) return tl::unexpected(mesh.error());
-  Measured measured(plan, std::make_shared<const CollisionMesh>(std::move(*mesh)), *topology, scene.reach);
+  auto mesh = FOLDPROOF_TRY(CollisionMesh::make(scene.x, {}, scene.faces, settings));
+  Measured measured(plan, std::make_shared<const CollisionMesh>(std::move(mesh)), topology, scene.reach);
   example::ImplicitEuler solver(scene, measured, kNewtonSteps);
   for (Index step = 1; step <= plan.steps && !measured.error(); ++step) {
     const example::StepReport report = solver.step();
@@ -166,25 +168,22 @@ Result<void> run(const SceneMaker& maker, const SimulationPlan& plan, Table& tab
   }
   if (plan.narrate) fmt::print(stderr, "\r\033[K");
   if (measured.error()) return tl::unexpected(*measured.error());
-  const std::string name = fmt::format("{}, {} triangles", maker.name, scene.faces.size());
-  add_rows(name, "step size", measured.steps(), table);
-  add_rows(name, "candidates", measured.candidates(), table);
+  const json facts = {{"name", maker.name}, {"triangles", scene.faces.size()}};
+  add_rows(facts, "step size", measured.steps(), out);
+  add_rows(facts, "candidates", measured.candidates(), out);
   return {};
 }
 
 }  // namespace
 
-Result<Table> measure_simulation(const SimulationPlan& plan) {
-  Table table{{"simulation, ms a question", "question", "contact", "questions", "foldproof", "slowest/mean",
-               "no certificates", "no/foldproof", "fastest peer", "peer/foldproof", "its name"},
-              {}};
+Result<json> measure_simulation(const SimulationPlan& plan) {
+  json rows = json::array();
   for (const SceneMaker& maker : kScenes) {
     if (!plan.only.empty() && plan.only != maker.name) continue;
-    if (auto done = run(maker, plan, table); !done) return tl::unexpected(done.error());
+    FOLDPROOF_TRY(run(maker, plan, rows));
   }
-  if (table.rows.empty())
-    return fail("--scene", "there is no simulation called " + plan.only, "cloth, pile, rod");
-  return table;
+  if (rows.empty()) return fail("--scene", "there is no simulation called " + plan.only, "cloth, pile, rod");
+  return rows;
 }
 
 }  // namespace foldproof::bench

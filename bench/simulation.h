@@ -1,14 +1,15 @@
 /// What an implicit solver asks on its way: trial steps of Newton iterations, and candidates for its barrier.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "competitor.h"
-#include "table.h"
 
 namespace foldproof::bench {
 
 struct SimulationPlan {
-  std::vector<PeerEntry> peers;  ///< Of each kind of question the fastest variant counts.
-  Index steps = 200;             ///< Of the simulation, a hundredth of a second each.
+  std::vector<PeerEntry> peers;
+  Index steps = 200;  ///< Of the simulation, a hundredth of a second each.
   Index peer_every =
       16;            ///< Peers answer one question in so many, and so does foldproof without certificates.
   std::string only;  ///< One scene: "cloth", "pile" or "rod"; empty: all.
@@ -20,6 +21,6 @@ struct SimulationPlan {
 /// that is twisted, 20,000 to 40,000 triangles, and foldproof answers what it asks. Rows: scene and kind of
 /// question, in all steps and in those with contact. Error: a question has no answer, or another one without
 /// certificates.
-Result<Table> measure_simulation(const SimulationPlan& plan);
+Result<nlohmann::json> measure_simulation(const SimulationPlan& plan);
 
 }  // namespace foldproof::bench

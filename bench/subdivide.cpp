@@ -1,4 +1,5 @@
 #include "subdivide.h"
+#include "base/try.h"
 
 #include <fmt/format.h>
 
@@ -137,12 +138,11 @@ std::vector<double> refined_positions(const Topology& coarse, std::span<const st
 
 Result<std::unique_ptr<Motion>> subdivide_like(const Topology& fine, Motion& coarse) {
   SplitEdges edges = edges_of(coarse.topology());
-  if (auto ok = number_new_vertices(fine, coarse.topology(), edges); !ok) return tl::unexpected(ok.error());
+  FOLDPROOF_TRY(number_new_vertices(fine, coarse.topology(), edges));
   std::vector<std::vector<double>> frames;
   Rows x(coarse.topology().vertex_count(), 3);
   for (Index k = 0; k < coarse.frame_count(); ++k) {
-    if (auto read = coarse.read_frame(k, {x.data(), static_cast<std::size_t>(x.size())}); !read)
-      return tl::unexpected(read.error());
+    FOLDPROOF_TRY(coarse.read_frame(k, {x.data(), static_cast<std::size_t>(x.size())}));
     const Rows y = subdivide(edges, x, fine.vertex_count());
     frames.emplace_back(y.data(), y.data() + y.size());
   }
@@ -151,19 +151,17 @@ Result<std::unique_ptr<Motion>> subdivide_like(const Topology& fine, Motion& coa
 
 Result<std::unique_ptr<Motion>> refine(Motion& coarse) {
   const Topology& topology = coarse.topology();
-  const auto sides = sides_of(topology);
-  if (!sides) return tl::unexpected(sides.error());
-  auto fine = Topology::make(topology.vertex_count() + static_cast<Index>(topology.triangles().size()),
-                             refined_triangles(topology, *sides));
-  if (!fine) return tl::unexpected(fine.error());
+  const auto sides = FOLDPROOF_TRY(sides_of(topology));
+  auto fine =
+      FOLDPROOF_TRY(Topology::make(topology.vertex_count() + static_cast<Index>(topology.triangles().size()),
+                                   refined_triangles(topology, sides)));
   std::vector<std::vector<double>> frames;
   Rows x(topology.vertex_count(), 3);
   for (Index k = 0; k < coarse.frame_count(); ++k) {
-    if (auto read = coarse.read_frame(k, {x.data(), static_cast<std::size_t>(x.size())}); !read)
-      return tl::unexpected(read.error());
-    frames.push_back(refined_positions(topology, *sides, x));
+    FOLDPROOF_TRY(coarse.read_frame(k, {x.data(), static_cast<std::size_t>(x.size())}));
+    frames.push_back(refined_positions(topology, sides, x));
   }
-  return memory_motion(coarse.name(), std::move(*fine), std::move(frames));
+  return memory_motion(coarse.name(), std::move(fine), std::move(frames));
 }
 
 }  // namespace foldproof::bench

@@ -8,7 +8,7 @@
 
 int main() {
   const std::vector<double> x = bent_strip(0.5);
-  const auto chosen = foldproof::thin_by_radius(x, 4);
+  const auto chosen = foldproof::poisson_disk_sample(x, 4);
   std::printf("%zu of %zu vertices, spread evenly:", chosen.size(), x.size() / 3);
   for (const foldproof::Index v : chosen) std::printf(" %u", v);
   std::puts("");

@@ -13,7 +13,7 @@ int main() {
   std::vector<TrainPose> poses;
   for (Index frame = 0; frame < motion->frame_count(); ++frame) poses.push_back({motion.get(), frame});
   TrainSettings settings;
-  settings.learning.key_points = {.first_share = 0.05, .most_share = 0.085};
+  settings.learning.key_points = {.first_share = 0.05, .max_share = 0.085};
   const auto model = train_model(poses, settings);
   if (!model) return std::puts(model.error().line().c_str()), 1;
 

@@ -1,9 +1,8 @@
-// Two builds: dist/view is served by `foldproof view`, dist/report is put into the file that `foldproof
-// report` writes.
+// Two builds: `foldproof view` serves dist/view, `foldproof report` embeds dist/report in its file.
 import { readFileSync } from 'node:fs';
 import { defineConfig } from 'vite';
 
-/** Puts the licences of what is shipped before the scripts, as they ask for. */
+/** Puts the licences of bundled packages before the scripts, as they require. */
 const licences = (...packages) => ({
   name: 'licences',
   generateBundle(_, bundle) {
@@ -19,7 +18,7 @@ const view = {
   build: {
     outDir: 'dist/view',
     emptyOutDir: true,
-    // A script in the page itself would be against its content security policy.
+    // The content security policy forbids inline scripts.
     modulePreload: { polyfill: false },
     assetsInlineLimit: 0,
     target: 'es2022',

@@ -24,6 +24,7 @@
 #if __has_include("foldproof/check.h")
 #include "foldproof/check.h"
 #else  // before 2026-11-24
+#include "base/try.h"
 #include "foldproof/query.h"
 #endif
 
@@ -99,12 +100,11 @@ class Steps {
     words >> name;
     const SceneInfo* scene = find_scene(name);
     if (scene == nullptr) return fail(name, "is no scene", "see foldproof-bench --list");
-    auto motion = open_scene(*scene);
-    if (!motion) return tl::unexpected(motion.error());
-    motion_ = std::move(*motion);
+    auto motion = FOLDPROOF_TRY(open_scene(*scene));
+    motion_ = std::move(motion);
     loader_.emplace(*motion_);
     std::vector<double> x(std::size_t{motion_->topology().vertex_count()} * 3);
-    if (auto read = motion_->read_frame(0, x); !read) return tl::unexpected(read.error());
+    FOLDPROOF_TRY(motion_->read_frame(0, x));
     Result<Hierarchy> built = fail("", "", "");
     const auto times = times_of([&] { built = Hierarchy::build(motion_->topology(), x); });
     if (!built) return tl::unexpected(built.error());
@@ -122,7 +122,7 @@ class Steps {
     if (!checker_) return fail("step", "comes before any checker", "send checker first");
     StepChoice choice;
     words >> choice.frame >> choice.part >> choice.parts;
-    if (auto loaded = loader_->load(choice); !loaded) return tl::unexpected(loaded.error());
+    FOLDPROOF_TRY(loader_->load(choice));
     const std::span<const double> x0[] = {loader_->x0()}, x1[] = {loader_->x1()};
     Result<void> done;
     const auto times = times_of([&] { done = checker_->check(x0, x1, {}, result_); });
@@ -136,10 +136,9 @@ class Steps {
     std::vector<std::string> files;
     for (const char* ending : {".obj", ".pc2"})
       files.push_back((data_directory() / (name + ending)).string());
-    auto motions = open_motions(files);
-    if (!motions) return tl::unexpected(motions.error());
+    auto motions = FOLDPROOF_TRY(open_motions(files));
     std::vector<TrainPose> poses;
-    Motion* motion = motions->front().get();
+    Motion* motion = motions.front().get();
     for (Index frame = 0; frame < motion->frame_count(); ++frame) poses.push_back({motion, frame});
     Result<Model> model = fail("", "", "");
     const auto times = times_of([&] { model = train_model(poses, {}); });

@@ -38,6 +38,7 @@ class Objects {
     for (Index i = 0; i < count; ++i) {
       shapes_.push_back(std::make_shared<FeatureBox>());
       objects_.push_back(std::make_unique<fcl::CollisionObjectd>(shapes_.back()));
+      // NOLINTNEXTLINE(performance-no-int-to-ptr): FCL hands the index back
       objects_.back()->setUserData(reinterpret_cast<void*>(static_cast<std::uintptr_t>(i)));
       set_box(i, box_of(i));
       pointers.push_back(objects_.back().get());

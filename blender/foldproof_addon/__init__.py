@@ -1,6 +1,6 @@
 """Blender add-on: finds every collision of the selected meshes over the frame range, with the program foldproof.
 
-They talk by files (NPZ and JSON), so that nothing has to be built for Blender's Python. Docs: docs/studios.md.
+They communicate by files (NPZ and JSON), so nothing has to be built for Blender's Python. Docs: docs/studios.md.
 """
 
 bl_info = {

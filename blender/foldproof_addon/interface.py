@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 from . import jobs, marks, program
 from .problem import Problem
 
-_running = None  # the text of the job that is under way
+_running = None  # the status text of the running job
 
 
 class FoldproofPreferences(bpy.types.AddonPreferences):
@@ -28,8 +28,8 @@ class FoldproofSettings(bpy.types.PropertyGroup):
     kind: EnumProperty(
         name="Look For",
         items=[
-            ("MOTION", "Contacts on the way", "What crosses in the first frame, and everything that touches from there on"),
-            ("POSES", "Crossings in frames", "Faces that cross in each frame, whatever happens between them"),
+            ("MOTION", "Contacts in motion", "Faces that cross in the first frame, and all contacts from there on"),
+            ("POSES", "Crossings in frames", "Faces that cross in each frame, ignoring the motion between frames"),
         ],
     )
     pairs: EnumProperty(
@@ -41,17 +41,17 @@ class FoldproofSettings(bpy.types.PropertyGroup):
         ],
     )
     thickness: FloatProperty(
-        name="Thickness", description="What comes as close as this counts, too", min=0, unit="LENGTH", precision=4
+        name="Thickness", description="Anything closer than this counts as a collision", min=0, unit="LENGTH", precision=4
     )
     samples: IntProperty(
         name="Parts per Frame",
-        description="Poses read per frame; between them vertices are taken to move along straight lines",
+        description="Poses sampled per frame; between them vertices move along straight lines",
         default=1,
         min=1,
         max=100,
     )
-    use_models: BoolProperty(name="Use Models", description="Work less with what training found; the answer is the same")
-    folder: StringProperty(name="Models", description="Where models are", subtype="DIR_PATH", default="//foldproof/")
+    use_models: BoolProperty(name="Use Models", description="Check faster with trained models; the answer is the same")
+    folder: StringProperty(name="Models", description="The folder of models", subtype="DIR_PATH", default="//foldproof/")
     message: StringProperty()
 
 
@@ -61,14 +61,14 @@ def executable_of(context):
 
 
 class Job:
-    """An operator that works in small pieces; Esc cancels it. From scripts and without a window it runs to its end."""
+    """An operator that runs in small steps; Esc cancels it. From scripts and without a window it runs to its end."""
 
     bl_options = {"UNDO"}
 
     @classmethod
     def poll(cls, context):
         if _running is not None:
-            cls.poll_message_set("Foldproof is at work; Esc cancels")
+            cls.poll_message_set("Foldproof is running; Esc cancels")
             return False
         if not any(o.type == "MESH" for o in context.selected_objects):
             cls.poll_message_set("Select meshes first")
@@ -95,7 +95,7 @@ class Job:
         except Problem as problem:
             return self.finish(context, "ERROR", str(problem))
         self.needs_scene = True
-        tell("Starting")
+        set_status("Starting")
         context.window_manager.progress_begin(0, 100)
         self.timer = context.window_manager.event_timer_add(0.02, window=context.window)
         context.window_manager.modal_handler_add(self)
@@ -104,7 +104,7 @@ class Job:
     def modal(self, context, event):
         if event.type == "ESC":
             self.steps.close()
-            return self.end(context, "WARNING", "Cancelled: marks are as they were")
+            return self.end(context, "WARNING", "Cancelled: marks are unchanged")
         if event.type != "TIMER":
             return {"RUNNING_MODAL"} if self.needs_scene else {"PASS_THROUGH"}
         try:
@@ -116,10 +116,10 @@ class Job:
         except ReferenceError:
             return self.end(context, "ERROR", "An object was removed meanwhile: check again")
         except BaseException:
-            self.end(context, "ERROR", "Foldproof failed: the console says where")
+            self.end(context, "ERROR", "Foldproof failed: see the console")
             raise
         self.needs_scene = progress.needs_scene
-        tell(progress.text)
+        set_status(progress.text)
         context.window_manager.progress_update(100 * progress.fraction)
         redraw(context)
         return {"RUNNING_MODAL"}
@@ -127,10 +127,10 @@ class Job:
     def cancel(self, _context):
         """The window was closed."""
         self.steps.close()
-        tell(None)
+        set_status(None)
 
     def end(self, context, level, text):
-        tell(None)
+        set_status(None)
         context.window_manager.event_timer_remove(self.timer)
         context.window_manager.progress_end()
         return self.finish(context, level, text)
@@ -142,7 +142,7 @@ class Job:
         return {"FINISHED"} if level == "INFO" else {"CANCELLED"}
 
 
-def tell(text):
+def set_status(text):
     global _running
     _running = text
 
@@ -164,7 +164,7 @@ class FOLDPROOF_OT_check(Job, bpy.types.Operator):
 
 
 class FOLDPROOF_OT_train(Job, bpy.types.Operator):
-    """Learn from the keyed poses of the selected meshes where they cannot meet themselves"""
+    """Train models that speed up checks, from the keyed poses of the selected meshes"""
 
     bl_idname = "foldproof.train"
     bl_label = "Train from Keyed Poses"
@@ -174,7 +174,7 @@ class FOLDPROOF_OT_train(Job, bpy.types.Operator):
 
 
 class FOLDPROOF_OT_select(bpy.types.Operator):
-    """Select the faces that collide at this frame, or cross in the first frame checked, as Edit Mode shows them"""
+    """Select the faces that collide at this frame, or cross in the first frame checked"""
 
     bl_idname = "foldproof.select"
     bl_label = "Select Colliding Faces"
@@ -197,7 +197,7 @@ class FOLDPROOF_OT_select(bpy.types.Operator):
 
 
 class FOLDPROOF_OT_clear(bpy.types.Operator):
-    """Remove what Foldproof put into this file: marks on faces, colours and markers on the timeline"""
+    """Remove Foldproof's data from this file: marks on faces, colors and markers on the timeline"""
 
     bl_idname = "foldproof.clear"
     bl_label = "Clear Marks"
@@ -209,7 +209,7 @@ class FOLDPROOF_OT_clear(bpy.types.Operator):
 
     def execute(self, context):
         for mesh in bpy.data.meshes:
-            if marks.KEPT in mesh:
+            if marks.RESULTS in mesh:
                 marks.clear(mesh)
         marks.remove_markers(context.scene)
         context.scene.foldproof.message = ""
@@ -251,7 +251,7 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
 
 
 def wrapped(layout, text, icon, width):
-    """A label over as many lines as it needs; Blender's own are cut off."""
+    """A label with line breaks; Blender truncates long labels."""
     letters = max(20, width // 8)
     lines = [""]
     for word in text.split():

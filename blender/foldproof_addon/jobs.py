@@ -1,5 +1,5 @@
-"""The work behind the buttons. Each job is a generator of Progress that returns a sentence for the user; closing it
-cancels the job and leaves nothing behind."""
+"""The jobs behind the buttons. Each is a generator of Progress that returns a sentence for the user; closing it cancels
+the job and leaves nothing behind."""
 
 import pathlib
 import tempfile
@@ -11,7 +11,7 @@ from .problem import Problem
 
 
 def meshes_to_check(context):
-    """The selected mesh objects, by name, so that the order of selecting does not matter."""
+    """The selected mesh objects, sorted by name, so that the order of selection does not matter."""
     objects = sorted((o for o in context.selected_objects if o.type == "MESH"), key=lambda o: o.name)
     if not objects:
         raise Problem("No mesh is selected: select the objects to check")
@@ -41,11 +41,11 @@ def _models(settings, objects):
     if not settings.use_models:
         return []
     paths = [model_path(settings, name) for name in motion.file_names(objects)]
-    there = [str(path) for path in paths if path.is_file()]
-    if not there or 1 < len(there) < len(objects):
+    existing = [str(path) for path in paths if path.is_file()]
+    if not existing or 1 < len(existing) < len(objects):
         missing = [o.name for o, path in zip(objects, paths) if not path.is_file()]
         raise Problem(f"There is no model of {', '.join(missing)}: train one, or turn models off")
-    return there
+    return existing
 
 
 def check(context, executable):
@@ -96,17 +96,17 @@ def _mark(scene, sampled, start, steps, frame_of, times, poses):
             unknown += -1 in found
             polygons[each.object.data].setdefault(frame, set()).update(found - {-1})
     for mesh, by_frame in polygons.items():
-        marks.keep(mesh, by_frame, crossing[mesh])
+        marks.store(mesh, by_frame, crossing[mesh])
     marks.put_markers(scene, counts)
     marks.show(scene)
-    text = _said(start, steps, times, poses, len({frame_of[number] for number, *_ in steps}))
+    text = _summary(start, steps, times, poses, len({frame_of[number] for number, *_ in steps}))
     return text + ("; some of them on faces that a modifier made by itself" if unknown else "")
 
 
-def _said(start, steps, times, poses, frames):
+def _summary(start, steps, times, poses, frames):
     crossings, _ = start
     if not steps and not crossings:
-        # Of poses it is told what crosses in them, and nothing of the way between.
+        # A check of poses tests crossings in them, but not the motion between them.
         return f"No {'crossing' if poses else 'collision'}, proven, in {_count(times, 'pose', 'poses')}"
     text = ""
     if crossings:

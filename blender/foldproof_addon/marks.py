@@ -1,4 +1,4 @@
-"""What was found, kept in the file with each mesh and shown at the frame that the scene stands at."""
+"""Results of checks, stored in the file with each mesh and shown at the scene's current frame."""
 
 import contextlib
 
@@ -6,11 +6,11 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-# On a mesh: how many polygons it had, those that collide, by frame, and those that cross in the first frame checked.
-KEPT = "foldproof"
+# A property of a mesh: its number of polygons, those that collide, by frame, and those that cross in the first frame.
+RESULTS = "foldproof"
 COLLIDES = "foldproof_collides"  # face attribute, boolean
 STARTS = "foldproof_starts_crossing"  # face attribute, boolean, the same at every frame
-COLOR = "foldproof_color"  # colour attribute
+COLOR = "foldproof_color"  # color attribute
 MARKER = "Foldproof: "
 _RED, _PINK, _GREY = (0.8, 0.05, 0.02, 1.0), (0.6, 0.19, 0.39, 1.0), (0.6, 0.6, 0.6, 1.0)
 _pauses = 0
@@ -18,7 +18,7 @@ _pauses = 0
 
 @contextlib.contextmanager
 def paused():
-    """Frames change within it without marks being shown."""
+    """A context in which frame changes do not show marks."""
     global _pauses
     _pauses += 1
     try:
@@ -27,9 +27,9 @@ def paused():
         _pauses -= 1
 
 
-def keep(mesh, polygons_by_frame, crossing):
-    """Polygons that collide on the way from each frame to the next, and those that cross in the first one."""
-    mesh[KEPT] = {
+def store(mesh, polygons_by_frame, crossing):
+    """Stores the polygons that collide between each frame and the next, and those that cross in the first one."""
+    mesh[RESULTS] = {
         "polygons": len(mesh.polygons),
         "frames": {str(frame): sorted(polygons) for frame, polygons in polygons_by_frame.items() if polygons},
         "starts_crossing": sorted(crossing),
@@ -37,20 +37,20 @@ def keep(mesh, polygons_by_frame, crossing):
 
 
 def colliding(mesh, frame):
-    """Numbers of the polygons that collide; none when the mesh was changed since it was checked."""
-    kept = mesh.get(KEPT)
-    if not kept or kept["polygons"] != len(mesh.polygons):
+    """Indices of the polygons that collide; none if the mesh has changed since the check."""
+    results = mesh.get(RESULTS)
+    if not results or results["polygons"] != len(mesh.polygons):
         return np.empty(0, np.int64)
-    return np.array(list(kept["frames"].get(str(frame), [])), np.int64)
+    return np.array(list(results["frames"].get(str(frame), [])), np.int64)
 
 
 def starts_crossing(mesh):
-    """Numbers of the polygons that cross in the first frame checked; none when the mesh was changed since."""
-    kept = mesh.get(KEPT)
-    if not kept or kept["polygons"] != len(mesh.polygons):
+    """Indices of the polygons that cross in the first frame checked; none if the mesh has changed since the check."""
+    results = mesh.get(RESULTS)
+    if not results or results["polygons"] != len(mesh.polygons):
         return np.empty(0, np.int64)
-    # Files of earlier versions say nothing of it.
-    return np.array(list(kept.get("starts_crossing", [])), np.int64)
+    # Files of earlier versions lack it.
+    return np.array(list(results.get("starts_crossing", [])), np.int64)
 
 
 def _set(mesh, name, polygons):
@@ -69,7 +69,7 @@ def _show(mesh, frame):
         mesh.color_attributes.active_color = mesh.color_attributes[COLOR]
     corners = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("loop_total", corners)
-    # Corners stand in the order of the polygons.
+    # Corners are in the order of the polygons.
     by_polygon = np.where(crossing[:, None], np.float32(_PINK), np.float32(_GREY))
     by_polygon[marked] = _RED
     colors = np.repeat(by_polygon, corners, axis=0)
@@ -77,18 +77,18 @@ def _show(mesh, frame):
     mesh.update()
 
 
-# Before the frame's evaluation, so that what is shown and rendered has the marks of this frame already.
+# Runs before the frame's evaluation, so that the viewport and renders have the marks of this frame.
 @persistent
 def show(scene, _depsgraph=None):
     if _pauses:
         return
     for mesh in bpy.data.meshes:
-        if KEPT in mesh and not mesh.is_editmode:
+        if RESULTS in mesh and not mesh.is_editmode:
             _show(mesh, scene.frame_current)
 
 
 def put_markers(scene, counts):
-    """A marker on the timeline at each frame from which on something collides."""
+    """Puts a marker on the timeline at each frame after which something collides."""
     remove_markers(scene)
     for frame, count in counts.items():
         scene.timeline_markers.new(f"{MARKER}{count:,}", frame=frame)
@@ -100,8 +100,8 @@ def remove_markers(scene):
 
 
 def clear(mesh):
-    if KEPT in mesh:
-        del mesh[KEPT]
+    if RESULTS in mesh:
+        del mesh[RESULTS]
     for name in (COLLIDES, STARTS, COLOR):
         if name in mesh.attributes:
             mesh.attributes.remove(mesh.attributes[name])

@@ -1,4 +1,4 @@
-"""Meshes as the viewport shows them, frame by frame, into NPZ files."""
+"""Exports meshes as the viewport shows them, frame by frame, to NPZ files."""
 
 import contextlib
 import math
@@ -11,7 +11,7 @@ from . import marks
 from .problem import Problem
 from .progress import Progress
 
-# Carries each polygon's number (plus 1) through modifiers, which hand face attributes on to what they make of a face.
+# Passes each polygon's index (plus 1) through modifiers, which copy face attributes to the faces that they create.
 ORIGIN = "foldproof_origin"
 
 
@@ -23,7 +23,7 @@ def numbers(collection, attribute, width=1, kind=np.int32):
 
 @contextlib.contextmanager
 def evaluated(scene_object, all_layers=False):
-    """The object with modifiers and armatures applied, at the scene's present frame."""
+    """The object with modifiers and armatures applied, at the scene's current frame."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     shown = scene_object.evaluated_get(depsgraph)
     mesh = shown.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph) if all_layers else shown.to_mesh()
@@ -35,7 +35,7 @@ def evaluated(scene_object, all_layers=False):
 
 @contextlib.contextmanager
 def numbered_polygons(meshes):
-    """Within it every mesh's polygons have a number that modifiers hand on."""
+    """A context in which the polygons of every mesh have an index that modifiers pass on."""
     try:
         for mesh in meshes:
             attribute = mesh.attributes.new(ORIGIN, "INT", "FACE")
@@ -50,7 +50,7 @@ def numbered_polygons(meshes):
 
 
 class Sampled:
-    """One object: its triangles, the polygon of the object's own mesh that each came from, and its growing file."""
+    """One object: its triangles, their polygons in the object's own mesh, and the file that is being written."""
 
     def __init__(self, scene_object, path, sample_count):
         self.object = scene_object
@@ -68,13 +68,13 @@ class Sampled:
         self._archive = zipfile.ZipFile(path, "w")
         with self._archive.open("faces.npy", "w") as member:
             np.lib.format.write_array(member, self.triangles)
-        # The shape comes first and then frame after frame, so that memory holds one.
+        # First the header with the shape, then frame by frame, so that memory holds one frame.
         self._vertices = self._archive.open("vertices.npy", "w", force_zip64=True)
         shape = (sample_count, self.vertex_count, 3)
         np.lib.format.write_array_header_1_0(self._vertices, {"descr": "<f8", "fortran_order": False, "shape": shape})
 
     def add(self, time):
-        """The pose at the scene's present frame, `time`, in world space."""
+        """Adds the pose at the scene's current frame, `time`, in world space."""
         with evaluated(self.object) as (mesh, world):
             loops = numbers(mesh.loops, "vertex_index")
             if len(mesh.vertices) != self.vertex_count or not np.array_equal(loops, self.loops):
@@ -96,7 +96,7 @@ def set_time(scene, time):
 
 
 def file_names(objects):
-    """A name for each that any file system takes, since the program's messages name files."""
+    """A valid file name for each object; the program's messages show it."""
     names = []
     for scene_object in objects:
         name = bpy.path.clean_name(scene_object.name)
@@ -107,8 +107,8 @@ def file_names(objects):
 def sample(scene, objects, times, folder):
     """Writes every object's poses at `times` into folder/NAME.npz. Yields Progress; returns a Sampled for each.
 
-    Quads and larger polygons are cut as they look at the scene's first frame, whatever `times` are, so that a model
-    fits whenever it was trained.
+    Quads and larger polygons are triangulated in the scene's first frame, whatever `times` are, so that models of the
+    mesh fit.
     """
     before = scene.frame_current + scene.frame_subframe
     sampled = []

@@ -1,4 +1,4 @@
-"""What the user is told and can mend."""
+"""Errors that the user can fix."""
 
 
 class Problem(Exception):

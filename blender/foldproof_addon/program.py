@@ -1,4 +1,4 @@
-"""The program foldproof: where it is, running it, and what its answer says about polygons."""
+"""Finds and runs the program foldproof, and reads its answer."""
 
 import json
 import os
@@ -12,7 +12,7 @@ from .progress import Progress
 
 
 def find(path):
-    """The program at `path`, or in PATH when that is empty."""
+    """The program at `path`, or in PATH if that is empty."""
     if path:
         if os.path.isfile(path) and os.access(path, os.X_OK):
             return path
@@ -26,7 +26,7 @@ def find(path):
 
 
 def run(arguments, folder, text, fraction):
-    """Runs it and yields Progress meanwhile; closing the generator ends the program. Returns its exit code, 0 or 1."""
+    """Runs the program and yields Progress; closing the generator ends the program. Returns its exit code, 0 or 1."""
     errors = folder / "errors.txt"
     with open(errors, "wb") as stream:
         try:
@@ -40,16 +40,16 @@ def run(arguments, folder, text, fraction):
             yield Progress(fraction, text, needs_scene=False)
     finally:
         if process.poll() is None:
-            process.kill()  # it leaves no half-written report, whichever way it ends
+            process.kill()  # it never leaves an incomplete report
         process.wait()
     if process.returncode not in (0, 1):
-        said = errors.read_text(errors="replace").strip().splitlines()
-        raise Problem(said[-1] if said else f"{arguments[0]} ended with code {process.returncode} and said nothing")
+        lines = errors.read_text(errors="replace").strip().splitlines()
+        raise Problem(lines[-1] if lines else f"{arguments[0]} ended with code {process.returncode} and no message")
     return process.returncode
 
 
 class _Triangles:
-    """Which triangles of an object collisions name, or the vertices and edges around which they lie."""
+    """Finds the triangles of an object that collide, including those around colliding vertices and edges."""
 
     def __init__(self, triangles, vertex_count):
         self._triangles = triangles
@@ -70,7 +70,7 @@ class _Triangles:
 
 
 def read_answer(path, sampled):
-    """What crosses in the first frame, as (number of pairs, crossing triangles per object); and steps with
+    """Reads the crossings of the first frame, as (number of pairs, crossing triangles per object), and the steps with
     collisions, as (step, number of collisions, earliest toi, colliding triangles per object)."""
     try:
         report = json.loads(path.read_text(encoding="utf-8"))

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kTimeStep = 0.01, kGravity = -9.81;
 constexpr double kBarrierStiffness = 2e-3;
-constexpr int kMostHalvings = 12, kMostIterations = 300;
+constexpr int kMaxHalvings = 12, kMaxIterations = 300;
 constexpr double kResidual = 1e-3;           // of linear systems, relative: Newton goes on anyway
 constexpr double kKept = 0.85;               // of its velocity by a vertex in contact: friction, roughly
 constexpr double kStill = 2e-3 * kTimeStep;  // m: a Newton step below it ends the search
@@ -27,7 +27,7 @@ ImplicitEuler::ImplicitEuler(const Scene& scene, CollisionQueries& checker, int 
       inertial_(x_),
       trial_(x_) {
   conjugate_gradients_.setTolerance(kResidual);
-  conjugate_gradients_.setMaxIterations(kMostIterations);
+  conjugate_gradients_.setMaxIterations(kMaxIterations);
 }
 
 // Times the square of the time step, so that it is in joules times it.
@@ -93,7 +93,7 @@ void ImplicitEuler::assemble(std::span<const Contact> contacts) {
 // Halves a step that is free of collisions until the energy falls. False: it does not.
 bool ImplicitEuler::descend(const std::vector<double>& target, double share, double before,
                             StepReport& report) {
-  for (int i = 0; i < kMostHalvings && share > 0; ++i, share /= 2) {
+  for (int i = 0; i < kMaxHalvings && share > 0; ++i, share /= 2) {
     foldproof::step_towards(x_, target, share, trial_);
     checker_.contacts(trial_, barrier_.reach, trial_contacts_);
     if (energy(trial_, trial_contacts_) > before) continue;

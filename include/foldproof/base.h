@@ -1,4 +1,4 @@
-/// Basics that every room uses: index type, vectors, errors as values.
+/// Basics that every module uses: index type, vectors, errors as values.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,13 +17,27 @@ inline constexpr Index kNoIndex = 0xffffffffu;
 /// A position or direction in mesh units.
 using Vec3 = Eigen::Vector3d;
 
-/// Why a file, mesh or argument was refused. `line()` is what a person reads.
-struct Error {
-  std::string where;    ///< File and place: "walk.obj:12", "frame 17 of run/*.ply", "--frames".
-  std::string problem;  ///< What is wrong: "face refers to vertex 99, but there are 42".
-  std::string mend;     ///< What to do about it: "export the mesh again".
+/// What kind of error it is, for callers that branch on it.
+enum class ErrorCode : std::uint8_t {
+  InvalidArgument,    ///< A setting, a size or a name that the caller gave.
+  NonFinite,          ///< A coordinate or another number is infinite or NaN.
+  InvalidMesh,        ///< Triangles, edges or a hierarchy that do not fit together.
+  InvalidFile,        ///< A file whose content is damaged or contradicts itself.
+  UnsupportedFormat,  ///< A file, or a part of it, of a kind that is not read or written here.
+  FileAccess,         ///< A file or socket that cannot be opened, read, written or listened on.
+  LimitExceeded,      ///< More than a limit that is stated, or than memory, allows.
+  NotLearned,         ///< A model lacks what is asked of it, or poses are too few or too alike to learn it.
+  Interrupted,        ///< The caller cancelled.
+};
 
-  /// "where: problem; mend" on one line. Control characters that came from a file are shown as '?'.
+/// Why a file, mesh or argument was rejected. `line()` is the message for people.
+struct Error {
+  std::string where;    ///< File and position, or argument: "walk.obj:12", "--frames".
+  std::string problem;  ///< What is wrong: "face refers to vertex 99, but there are 42".
+  std::string remedy;   ///< What to do about it: "export the mesh again".
+  ErrorCode code = ErrorCode::InvalidArgument;
+
+  /// "where: problem; remedy" on one line. Control characters that came from a file become '?'.
   std::string line() const;
 };
 
@@ -31,9 +45,14 @@ struct Error {
 template <class T>
 using Result = tl::expected<T, Error>;
 
-/// Shorthand for `return` from a function that gives a Result.
+/// Shorthand for `return` from a function that returns a Result.
+inline tl::unexpected<Error> fail(ErrorCode code, std::string where, std::string problem,
+                                  std::string remedy) {
+  return tl::unexpected<Error>(Error{std::move(where), std::move(problem), std::move(remedy), code});
+}
+// To go: every call names its code.
 inline tl::unexpected<Error> fail(std::string where, std::string problem, std::string mend) {
-  return tl::unexpected<Error>(Error{std::move(where), std::move(problem), std::move(mend)});
+  return fail(ErrorCode::InvalidArgument, std::move(where), std::move(problem), std::move(mend));
 }
 
 /// The library's version, "major.minor.patch".

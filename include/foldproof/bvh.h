@@ -8,15 +8,15 @@
 namespace foldproof {
 
 struct HierarchySettings {
-  Index leaf_triangles = 12;  ///< Triangles per leaf patch, roughly: up to a quarter more.
+  Index leaf_triangles = 12;  ///< Triangles per leaf patch, approximately: up to a quarter more.
 };
 
 /// The tree over one topology. Immutable once built; any number of threads may use it.
 ///
-/// Nodes stand in depth-first order, the root first, a parent before its children; leaves are numbered from
-/// left to right and own consecutive runs of triangles, edges and vertices in *leaf order*, so a subtree owns
+/// Nodes are in depth-first order: the root first, a parent before its children. Leaves are numbered from
+/// left to right and own consecutive runs of triangles, edges and vertices in *leaf order*; so a subtree owns
 /// a consecutive run of each as well. Every triangle, every edge and every vertex that a triangle uses has
-/// exactly one owner; that is what makes each feature pair appear once.
+/// exactly one owner, so each feature pair appears once.
 class Hierarchy {
  public:
   struct Node {
@@ -25,20 +25,20 @@ class Hierarchy {
     Index leaf_end = 0;
     bool is_leaf() const { return right == 0; }
   };
-  /// First owned triangle, edge and vertex of a leaf, as positions in leaf order. One extra entry at the end.
+  /// First owned triangle, edge and vertex of a leaf, as indices in leaf order. One extra entry at the end.
   struct Leaf {
     Index triangles, edges, vertices;
   };
 
-  /// `positions`: vertex_count x 3, row-major, the pose that decides how patches are split (any pose does).
-  /// Error when positions have the wrong size or are not finite. Cost: O(n log n), about a microsecond per
-  /// triangle. Uses the caller's oneTBB arena; the tree is the same for any number of threads.
+  /// `positions`: vertex_count x 3, row-major; any pose, it decides how patches are split. Error: positions
+  /// have the wrong size or are not finite. Cost: O(n log n), about a microsecond per triangle. Uses the
+  /// caller's oneTBB arena; the tree is the same for any number of threads.
   static Result<Hierarchy> build(Topology topology, std::span<const double> positions,
                                  const HierarchySettings& settings = {});
 
   /// Restores a hierarchy from its stored parts: its triangle_ids(), and for every node in depth-first order
-  /// the number of triangles that it owns as a leaf, 0 for an inner node. Error: they are no hierarchy of
-  /// this topology.
+  /// the number of triangles that it owns as a leaf, 0 for an inner node. Error: they do not form a hierarchy
+  /// of this topology.
   static Result<Hierarchy> from_parts(Topology topology, std::vector<Index> triangle_ids,
                                       std::span<const Index> leaf_sizes);
 
@@ -52,14 +52,14 @@ class Hierarchy {
   std::span<const Index> edge_ids() const { return edge_ids_; }
   std::span<const Index> triangle_ids() const { return triangle_ids_; }
 
-  /// Edges and triangles in leaf order, naming vertices by their place in leaf order. Edges keep the order of
-  /// their ends that the topology has, triangles that of the user.
+  /// Edges and triangles in leaf order, with vertices as indices in leaf order. An edge keeps the order of
+  /// its ends in the topology, a triangle that of the user.
   std::span<const Edge> edges() const { return edges_; }
   std::span<const Triangle> triangles() const { return triangles_; }
 
  private:
-  bool plant(std::span<const Index> leaf_sizes);
-  void close_ranges();
+  bool build_nodes(std::span<const Index> leaf_sizes);
+  void compute_leaf_ranges();
   void assign_owners();
 
   Topology topology_;

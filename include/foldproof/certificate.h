@@ -1,9 +1,9 @@
-/// Certificates: proofs that nothing inside a patch of surface touches anything else inside it.
+/// Certificates: proofs that a patch of surface does not touch itself.
 ///
-/// A *chart* draws a patch in the plane: its triangles without overlap, and around them a square whose rest
-/// is filled up with triangles of no substance. In such a picture every two points are joined by a straight
-/// line that stays inside, and as long as every triangle stretches that line forward, no two points of the
-/// patch can meet. Whether they do is a test on each triangle alone (docs/soundness.md, Theorem 2).
+/// A *chart* parametrizes a patch over a square in the plane. The patch's triangles do not overlap there, and
+/// *scaffold triangles*, which are not part of the mesh, fill the rest of the square. The segment between any
+/// two points of the square stays inside it. As long as every triangle maps such segments forward, no two
+/// points of the patch can meet. Each triangle is tested on its own (docs/soundness.md, Theorem 2).
 #pragma once
 
 #include <cstdint>
@@ -13,170 +13,172 @@
 
 namespace foldproof {
 
-/// A place in the picture. Integers, so that everything about a chart can be checked exactly.
-using Place = std::array<std::int16_t, 2>;
+/// Coordinates in the plane of a chart. Integers, so that a chart can be checked exactly.
+using Uv = std::array<std::int16_t, 2>;
 
 /// The corners of the square around every chart, counterclockwise.
-inline constexpr std::array<Place, 4> kChartCorners{
+inline constexpr std::array<Uv, 4> kChartCorners{
     {{32000, 32000}, {-32000, 32000}, {-32000, -32000}, {32000, -32000}}};
 
-/// A patch with vertices of its own numbering.
+/// Some triangles of a mesh, with local vertex numbers.
 struct Patch {
-  std::vector<Index> vertices;                          ///< In the hierarchy's leaf order.
-  std::vector<std::array<std::uint16_t, 3>> triangles;  ///< By number in `vertices`.
+  std::vector<Index> vertices;                          ///< Numbers in the hierarchy's leaf order.
+  std::vector<std::array<std::uint16_t, 3>> triangles;  ///< Indices into `vertices`.
 };
 
-/// How a patch is drawn.
-struct Drawing {
-  std::vector<Place> places;          ///< One per vertex of the patch.
-  std::vector<std::int16_t> heights;  ///< Above the plane, in the same unit; a hint, any will do.
-  /// Triangles that fill the rest of the square; numbers from that of places on are the square's corners.
-  std::vector<std::array<std::uint16_t, 3>> fillers;
+/// A parametrization of a patch.
+struct UvMap {
+  std::vector<Uv> uvs;                ///< One per vertex of the patch.
+  std::vector<std::int16_t> heights;  ///< Above the plane, in the same unit. A hint: any value is valid.
+  /// Triangles that fill the rest of the square. Vertex numbers from uvs.size() on are the square's corners.
+  std::vector<std::array<std::uint16_t, 3>> scaffold;
 };
 
 /// Why a patch has no chart in some pose.
 enum class ChartOutcome : std::uint8_t {
   Made,
-  TooLarge,   ///< More vertices than a chart can number.
-  TooCurved,  ///< No plane that all triangles face: the patch bends by half a turn or more, or has a triangle
-              ///< without area.
-  Tangled,    ///< Drawn in the plane, the patch overlaps itself or is in several pieces.
+  TooLarge,  ///< More vertices than a chart can number.
+  /// No plane that all triangles face: the patch bends by half a turn or more, or a triangle has no area.
+  TooCurved,
+  Overlapping,  ///< Projected to the plane, the patch overlaps itself or is in several pieces.
 };
 
-/// Draws patches as they look from the side that most of them faces. Scratch: one per thread.
-class ChartMaker {
+/// Parametrizes patches by projection to a plane that all their triangles face. Scratch: one per thread.
+class Parametrizer {
  public:
-  ChartMaker();
-  ~ChartMaker();
-  ChartMaker(ChartMaker&&) noexcept;
+  Parametrizer();
+  ~Parametrizer();
+  Parametrizer(Parametrizer&&) noexcept;
 
-  /// A direction that all triangles face, as squarely as may be; zero when there is none. `positions`: of the
-  /// patch' vertices, any unit.
+  /// A unit vector that every triangle faces, to project along; zero where none is found. `positions`: one
+  /// per vertex of the patch, in any unit.
   Eigen::Vector3f facing(const Patch& patch, std::span<const std::array<float, 3>> positions);
-  /// Whether a triangle faces a direction squarely enough to be drawn along it.
+  /// Whether a triangle's normal is close enough to a direction for a projection along it.
   static bool faces(const Eigen::Vector3f& direction, const Eigen::Vector3f (&corners)[3]);
-  /// Draws the patch as it looks along `facing`. What is Made has been checked by chart_is_valid.
-  ChartOutcome draw(const Patch& patch, std::span<const std::array<float, 3>> positions,
-                    const Eigen::Vector3f& facing, Drawing& out);
+  /// Projects the patch along `facing` and adds the scaffold. Where it returns Made, chart_is_valid is true.
+  ChartOutcome build(const Patch& patch, std::span<const std::array<float, 3>> positions,
+                     const Eigen::Vector3f& facing, UvMap& out);
 
  private:
   struct Scratch;
   std::unique_ptr<Scratch> scratch_;
 };
 
-/// Whether a drawing covers the square once, with all triangles of the patch and the fillers turned the same
-/// way. Exact. This is all that Theorem 2 asks of a chart, wherever it came from.
-bool chart_is_valid(const Patch& patch, const Drawing& drawing);
+/// Whether the triangles of the patch and of the scaffold cover the square once, all counterclockwise. Exact.
+/// This is all that Theorem 2 requires of a chart, wherever it came from.
+bool chart_is_valid(const Patch& patch, const UvMap& uv_map);
 
-/// Numbers the patches of a hierarchy that may have charts: the leaves below each node, and every two leaves
-/// that have a vertex in common. Immutable.
+/// Numbers the patches of a hierarchy that may have charts: the leaves below each node, and each two leaves
+/// with a common vertex. Immutable.
 class PatchSlots {
  public:
   explicit PatchSlots(std::shared_ptr<const Hierarchy> hierarchy);
 
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return hierarchy_; }
-  Index count() const { return node_count() + static_cast<Index>(neighbour_.size()); }
+  Index count() const { return node_count() + static_cast<Index>(neighbor_.size()); }
   Index of_node(Index node) const { return node; }
-  /// kNoIndex when the leaves are the same or have no vertex in common.
+  /// kNoIndex for equal leaves and for leaves without a common vertex.
   Index of_leaves(Index leaf_a, Index leaf_b) const;
   bool is_pair(Index slot) const { return slot >= node_count(); }
   std::array<Index, 2> leaves_of(Index pair_slot) const {
-    return {row_[pair_slot - node_count()], neighbour_[pair_slot - node_count()]};
+    return {leaf_[pair_slot - node_count()], neighbor_[pair_slot - node_count()]};
   }
-  /// Leaves with a vertex in common with this one, ascending.
-  std::span<const Index> neighbours(Index leaf) const {
-    return std::span(neighbour_).subspan(begin_[leaf], begin_[leaf + 1] - begin_[leaf]);
+  /// Leaves with a vertex of this one, ascending.
+  std::span<const Index> neighbors(Index leaf) const {
+    return std::span(neighbor_).subspan(begin_[leaf], begin_[leaf + 1] - begin_[leaf]);
   }
-  Index triangles_of(Index slot) const;  ///< How many.
+  Index triangle_count(Index slot) const;
 
  private:
   Index node_count() const { return static_cast<Index>(hierarchy_->nodes().size()); }
   std::shared_ptr<const Hierarchy> hierarchy_;
-  std::vector<Index> begin_, neighbour_;
-  std::vector<Index> row_;  // per entry of neighbour_: whose neighbour it is
+  std::vector<Index> begin_, neighbor_;  // per leaf, its neighbors
+  std::vector<Index> leaf_;              // per entry of neighbor_: the leaf it is a neighbor of
 };
 
 /// Reads patches. Scratch: one per thread.
 class PatchReader {
  public:
   explicit PatchReader(const PatchSlots& slots);
-  /// The patch of a slot.
+  /// Replaces `out` by the patch of a slot.
   void read(Index slot, Patch& out);
-  /// Adds a leaf to the patch that was read last.
+  /// Adds a leaf to the patch of the last read().
   void add_leaf(Index leaf, Patch& out);
 
  private:
   void add_leaves(Index begin, Index end, Patch& out);
   const PatchSlots& slots_;
-  std::vector<std::uint16_t> number_;  // per vertex; means something only where owner_ is the current patch
-  std::vector<std::uint32_t> owner_;
+  // Per vertex: its number in the patch that read it last, and which patch that was.
+  std::vector<std::uint16_t> local_number_;
+  std::vector<std::uint32_t> last_patch_;
   std::uint32_t patch_ = 0;
 };
 
-/// Charts by slot; a slot may have several, from different poses. A node's chart may show more than its own
-/// leaves: its collar is a choice of leaves that have a vertex in common with them.
+/// Charts by slot. A slot may have several, from different poses. A node's chart may cover a *ring*: some of
+/// the leaves that have a vertex in common with the node's own.
 class ChartLibrary {
  public:
   explicit ChartLibrary(std::shared_ptr<const PatchSlots> slots);
 
-  /// What a test needs to know about a drawing.
+  /// What chart_holds needs to know about a parametrization.
   struct Fit {
-    float least_altitude =
-        0;  ///< Of all triangles, rounded down: features without a common vertex are this far apart.
-    float mean[3] = {};  ///< Of places and heights.
-    float flat[3] = {};  ///< xx, xy, yy of the inverse of the places' second moments about their mean.
-    float solid[6] =
-        {};  ///< xx, xy, xz, yy, yz, zz of the same with heights, whose own moment has `ridge` added.
+    /// The smallest altitude of a triangle, rounded down. Features without a common vertex are at least this
+    /// far apart in the plane.
+    float min_altitude = 0;
+    float mean[3] = {};  ///< Of uvs and heights.
+    /// xx, xy, yy of the inverse of the uvs' second moments about their mean.
+    float inverse_moments_2d[3] = {};
+    /// xx, xy, xz, yy, yz, zz of the same with heights, whose own moment is enlarged by `ridge`.
+    float inverse_moments_3d[6] = {};
     float ridge = 0;
   };
-  /// A run of entries in one of the library's arrays, with room for more.
-  struct Run {
-    Index begin = 0, count = 0, room = 0;
+  /// A range of entries in one of the library's arrays.
+  struct Range {
+    Index begin = 0, count = 0, capacity = 0;
   };
   struct Chart {
     Index next = kNoIndex;  ///< The slot's next chart.
     Index slot = 0;
-    Index source = 0;  ///< Where it was drawn: a pose' number, for those who ask.
-    Run vertices, points, triangles, collar;
+    Index source = 0;  ///< The caller's number of the pose or step that it was built in.
+    Range vertices, points, triangles, ring;
     Fit fit;
   };
 
-  /// Adds a valid drawing (see chart_is_valid) of the slot's patch with a collar, as the slot's first chart.
-  void add(Index slot, Index source, const Patch& patch, std::span<const Index> collar,
-           const Drawing& drawing);
-  /// Puts another drawing of the same slot in a chart's place.
-  void replace(Index chart, Index source, const Patch& patch, std::span<const Index> collar,
-               const Drawing& drawing);
+  /// Adds a chart of the slot's patch and a ring, as the slot's first. Precondition: chart_is_valid.
+  void add(Index slot, Index source, const Patch& patch, std::span<const Index> ring, const UvMap& uv_map);
+  /// Replaces a chart by another of the same slot.
+  void replace(Index chart, Index source, const Patch& patch, std::span<const Index> ring,
+               const UvMap& uv_map);
 
   const std::shared_ptr<const PatchSlots>& slots() const { return slots_; }
   std::span<const Chart> charts() const { return charts_; }
   Index first(Index slot) const { return first_[slot]; }
 
   std::span<const Index> vertices(const Chart& c) const { return part(vertices_, c.vertices); }
-  /// Places and heights, those of the square's corners behind those of the vertices.
+  /// Uv coordinates and heights of the vertices, then of the square's corners.
   std::span<const std::array<float, 3>> points(const Chart& c) const { return part(points_, c.points); }
-  /// Of the patch, then fillers.
+  /// Of the patch, then of the scaffold.
   std::span<const std::array<std::uint16_t, 3>> triangles(const Chart& c) const {
     return part(triangles_, c.triangles);
   }
-  /// Of the triangles; see weight_of in src/certificate/chart_test.h.
+  /// Per triangle; see weight_of in src/certificate/chart_holds.h.
   std::span<const float> weights(const Chart& c) const { return part(weights_, c.triangles); }
-  std::span<const Index> collar(const Chart& c) const { return part(collars_, c.collar); }
+  std::span<const Index> ring(const Chart& c) const { return part(rings_, c.ring); }
 
  private:
   template <class T>
-  static std::span<const T> part(const std::vector<T>& all, Run run) {
-    return std::span(all).subspan(run.begin, run.count);
+  static std::span<const T> part(const std::vector<T>& all, Range range) {
+    return std::span(all).subspan(range.begin, range.count);
   }
-  void fill(Chart& chart, const Patch& patch, std::span<const Index> collar, const Drawing& drawing);
+  void fill(Chart& chart, const Patch& patch, std::span<const Index> ring, const UvMap& uv_map);
 
   std::shared_ptr<const PatchSlots> slots_;
   std::vector<Index> first_;
   std::vector<Chart> charts_;
-  std::vector<Index> vertices_, collars_;
+  std::vector<Index> vertices_, rings_;
   std::vector<std::array<float, 3>> points_;
   std::vector<std::array<std::uint16_t, 3>> triangles_;
-  std::vector<float> weights_;  // as triangles_
+  std::vector<float> weights_;  // parallel to triangles_
 };
 
 }  // namespace foldproof

@@ -1,4 +1,4 @@
-/// Reading and writing what people have: one topology and frames.
+/// Reading and writing meshes and motions in common file formats.
 #pragma once
 
 #include <memory>
@@ -9,18 +9,18 @@
 
 namespace foldproof {
 
-/// A motion that is read frame by frame; memory holds a frame or two, never the sequence.
+/// One topology and its frames, read one at a time; memory holds a frame or two, never the sequence.
 class Motion {
  public:
   virtual ~Motion() = default;
-  /// For people: the file or directory it came from.
+  /// The file or directory it came from, for messages.
   virtual const std::string& name() const = 0;
   virtual const Topology& topology() const = 0;
   /// At least 1.
   virtual Index frame_count() const = 0;
-  /// Fills `out` (vertex_count x 3, row-major, mesh units) with frame `k` < frame_count(). Any order, any
-  /// number of times. Error: the file changed or is bad at this frame (topology, NaN, truncation). Not
-  /// thread-safe.
+  /// Fills `out` (vertex_count x 3, row-major, mesh units) with frame `k` < frame_count(). Frames may be read
+  /// in any order, any number of times. Not thread-safe. Error: the file changed, or this frame is invalid
+  /// (other topology, NaN, truncated).
   virtual Result<void> read_frame(Index k, std::span<double> out) = 0;
 };
 
@@ -29,12 +29,12 @@ struct ReadOptions {
   bool weld = false;  ///< Merge vertices that have exactly equal coordinates in the first frame.
 };
 
-/// A path's extension in lower case, with its dot; empty when there is none.
+/// A path's extension in lower case, with its dot; empty when it has none.
 std::string extension_of(const std::string& path);
 
-/// Opens what a command line names. An OBJ, OFF or PLY file followed by its .pc2 or .mdd is one motion; every
-/// other argument is a motion of its own: a mesh file (one frame), a directory or quoted glob of mesh files
-/// (a frame each, natural order), a .gltf, .glb or .npz file.
+/// Opens the motions that a command line names. An OBJ, OFF or PLY file followed by its .pc2 or .mdd is one
+/// motion. Every other argument is a motion of its own: a mesh file (one frame), a directory or quoted glob
+/// of mesh files (a frame each, in natural order), or a .gltf, .glb or .npz file.
 Result<std::vector<std::unique_ptr<Motion>>> open_motions(std::span<const std::string> arguments,
                                                           const ReadOptions& options = {});
 
@@ -42,8 +42,8 @@ Result<std::vector<std::unique_ptr<Motion>>> open_motions(std::span<const std::s
 std::unique_ptr<Motion> memory_motion(std::string name, Topology topology,
                                       std::vector<std::vector<double>> frames);
 
-/// A file that appears under its name only when `commit` is called; otherwise nothing is left behind.
-/// The temporary stands beside the target, so the final rename is atomic.
+/// A file that appears under its name only when `commit` is called; without it, nothing is left behind.
+/// The temporary file is in the target's directory, so the final rename is atomic.
 class FileWriter {
  public:
   static Result<FileWriter> open(const std::string& path);
@@ -54,7 +54,7 @@ class FileWriter {
   Result<void> write(const std::string& text) {
     return write(std::span<const char>(text.data(), text.size()));
   }
-  /// Replaces bytes that have been written already. Error: the target is a pipe or a terminal.
+  /// Overwrites bytes already written. Error: the target is a pipe or a terminal.
   Result<void> rewrite(std::uint64_t offset, std::span<const char> bytes);
   Result<void> commit();
 
@@ -69,14 +69,14 @@ class FileWriter {
 Result<void> write_ply(const std::string& path, const Topology& topology, std::span<const double> positions,
                        std::span<const std::uint8_t> marks);
 
-/// Numbers per face, a PLY property.
+/// A PLY property of faces.
 struct FaceProperty {
   const char* type;  ///< "uchar" or "char".
   const char* name;
   std::span<const std::uint8_t> values;  ///< One per triangle, the bytes of `type`.
 };
 
-/// The same with any properties.
+/// As write_ply, with any properties.
 Result<void> write_ply_properties(const std::string& path, const Topology& topology,
                                   std::span<const double> positions,
                                   std::span<const FaceProperty> properties);
@@ -90,25 +90,25 @@ Result<void> write_obj_pc2(const std::string& obj_path, const std::string& pc2_p
 /// NPZ with `faces` (triangles x 3, int32) and `vertices` (frames x n x 3, float64), streamed from `motion`.
 Result<void> write_npz(const std::string& path, Motion& motion);
 
-/// A motion in the format that the extension names: .npz; .obj, with all frames in a .pc2 beside it when
-/// there are several; .ply, for one frame.
+/// Writes a motion in the format that the extension names: .npz; .obj, with the frames in a .pc2 beside it
+/// when there are several; .ply, for one frame.
 Result<void> write_motion(const std::string& path, Motion& motion);
 
 /// Finite numbers from a file.
 struct NumberTable {
-  std::vector<std::uint64_t> shape;  ///< Rows first; at least one number in all.
-  std::vector<std::string> names;    ///< Of the columns, where a CSV says them; else empty.
+  std::vector<std::uint64_t> shape;  ///< Rows first; at least one value in all.
+  std::vector<std::string> names;    ///< Of the columns, if a CSV has them; else empty.
   std::vector<double> values;        ///< Row-major.
 };
 
-/// Text with a row per line and commas between numbers; the first line may hold names. Empty lines and those
-/// that begin with '#' are skipped. Shape: rows x columns.
+/// Reads text with a row per line and commas between numbers; the first line may hold names. Empty lines and
+/// lines that start with '#' are skipped. Shape: rows x columns.
 Result<NumberTable> read_csv(const std::string& path);
 
-/// An array of float32 or float64 from an NPZ, of any shape. Memory holds all of it.
+/// Reads a float32 or float64 array of any shape from an NPZ into memory.
 Result<NumberTable> read_npz_numbers(const std::string& path, const std::string& array);
 
 /// Whether an NPZ has an array of this name.
-Result<bool> npz_holds(const std::string& path, const std::string& array);
+Result<bool> npz_has_array(const std::string& path, const std::string& array);
 
 }  // namespace foldproof

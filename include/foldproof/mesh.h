@@ -12,10 +12,11 @@ using Triangle = std::array<Index, 3>;
 /// Two vertex ids, the smaller first.
 using Edge = std::array<Index, 2>;
 
-/// Triangles over `vertex_count` vertices, with the edges between them. Immutable once made.
+/// Triangles over `vertex_count` vertices, with their edges. Immutable once made.
 ///
-/// Anything goes: open borders, non-manifold edges, duplicate triangles, triangle soups, several components,
-/// vertices in no triangle. A triangle that names a vertex twice is kept as the segment or point that it is.
+/// Any triangle soup is valid: open borders, non-manifold edges, duplicate triangles, several components,
+/// vertices in no triangle. A triangle that names a vertex twice is the segment or point that it degenerates
+/// to.
 class Topology {
  public:
   /// Error when a triangle names a vertex >= vertex_count, or there are no triangles.
@@ -28,7 +29,7 @@ class Topology {
   /// Every undirected edge once, in lexicographic order.
   std::span<const Edge> edges() const { return edges_; }
 
-  /// Per triangle, the ids of edges (0,1), (1,2), (2,0); kNoIndex where both ends are the same vertex.
+  /// Per triangle, the ids of its edges (0,1), (1,2), (2,0); kNoIndex where both ends are the same vertex.
   std::span<const std::array<Index, 3>> triangle_edges() const { return triangle_edges_; }
 
   /// Same vertex count and the same triangles in the same order.

@@ -1,7 +1,7 @@
-/// Models: what training found out about a mesh, kept in a file. A model is a hierarchy with charts
-/// (certificate.h) drawn in reference poses, so that a query knows from its first step on what it can prove
-/// free, and with what was learned about the mesh's shapes (learned.h). A model never changes an answer,
-/// whatever is in it: charts are checked exactly when a file is read.
+/// Models: what training finds out about a mesh, stored in a file. A model holds a hierarchy, charts
+/// (certificate.h) built in reference poses, so that checks have certificates from their first step on, and
+/// what was learned about the mesh's shapes (learned.h). No model, whatever it holds, changes an answer:
+/// charts are validated exactly when a file is read.
 #pragma once
 
 #include <atomic>
@@ -18,58 +18,59 @@
 namespace foldproof {
 
 struct TrainSettings {
-  Index references = 0;         ///< Poses to draw charts in, chosen to differ most. 0: all poses, at most 16.
-  Index most_triangles = 4096;  ///< Of a patch; larger ones hardly ever lie in one plane.
-  /// Shapes made from the learned subspace, at random as the poses are distributed in it, to draw charts in
-  /// as well where those of the poses prove too little. None where nothing is learned.
-  Index made = 0;
-  bool learn = true;  ///< Model::learned too, where there are at least 3 poses.
+  Index references = 0;        ///< Poses to build charts in, chosen to differ most. 0: all poses, at most 16.
+  Index max_triangles = 4096;  ///< Of a patch; larger ones hardly ever face one plane.
+  /// Random poses to sample from the learned subspace, distributed as the training poses are. Charts are
+  /// built in them, too, where the other charts do not hold. Ignored when nothing is learned.
+  Index random_poses = 0;
+  bool learn = true;  ///< Fill in Model::learned; needs at least 3 poses.
   LearnSettings learning = {};
 };
 
 /// Why no chart proved a leaf free of contact with itself.
 enum class Obstacle : std::uint8_t {
-  TooCurved,  ///< No plane that all its triangles face, or a triangle without area.
-  Tangled,    ///< Drawn in the plane it overlaps itself, is in several pieces, or has a fan of triangles.
-  TooThin,    ///< Drawn, but so narrow that rounding leaves nothing to prove.
+  TooCurved,    ///< There is no plane that all its triangles face, or a triangle has no area.
+  Overlapping,  ///< Its projection overlaps itself, is in several pieces, or has a fan of triangles.
+  TooThin,      ///< It has a chart, but so narrow that rounding leaves nothing to prove.
 };
 
 /// A leaf that neither its own charts nor those of a node above it proved in some reference poses.
 struct HardLeaf {
   Index leaf;
-  Index references;   ///< In how many of them; at least 1.
+  Index references;   ///< Number of these poses; at least 1.
   Obstacle obstacle;  ///< In the last of them.
 };
 
-/// A pose that training looked at.
+/// A pose that the model was trained on.
 struct TrainedPose {
-  std::string name;  ///< For people: file and frame.
-  bool reference;    ///< Charts were drawn in it.
-  float proven;  ///< Share of neighbourhoods that all charts together prove in this pose: of all leaves with
-                 ///< themselves and all pairs of leaves with a common vertex. In [0,1].
+  std::string name;  ///< For messages: file and frame.
+  bool reference;    ///< Charts were built in it.
+  /// Share of neighbourhoods that the charts prove in this pose, in [0, 1]. Neighbourhoods: each leaf with
+  /// itself, and each pair of leaves with a common vertex.
+  float proven;
 };
 
-/// Immutable once made; any number of queries may use it.
+/// Immutable; any number of queries may use it.
 struct Model {
-  std::string name;     ///< For people: the file it was read from, empty when it was not.
+  std::string name;     ///< For messages: the file it was read from, else empty.
   std::string program;  ///< Version of the library that trained it.
   TrainSettings settings;
   std::vector<TrainedPose> poses;
   std::vector<HardLeaf> hard_leaves;           ///< By leaf, ascending.
-  std::shared_ptr<const ChartLibrary> charts;  ///< Never null. A chart's source is the number of its pose.
+  std::shared_ptr<const ChartLibrary> charts;  ///< Never null. A chart's source is the index of its pose.
   std::shared_ptr<const Learned> learned;      ///< Null when nothing was learned.
-  std::string not_learned;                     ///< For people, right after training: why nothing was.
+  std::string not_learned;  ///< For messages: why training learned nothing. Not stored in the file.
 
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return charts->slots()->hierarchy(); }
-  /// For a checker: the charts, and what predicts certificates where it was learned.
+  /// For a checker: the charts and, when learned, the predictor of certificates.
   Object object() const { return {charts, predicted_certificates(learned)}; }
 };
 
-/// Tells meshes apart: FNV-1a over the number of vertices and the triangles.
+/// Identifies a mesh: FNV-1a over the vertex count and the triangles.
 std::uint64_t topology_hash(const Topology& topology);
 
-/// Whether a model is one of this mesh: same vertex count, same triangles in the same order. Error: says how
-/// they differ; `mesh` names the mesh.
+/// Error when the model is of another mesh: another vertex count, or other triangles or another order of
+/// them. It says how they differ; `mesh` is the mesh's name.
 Result<void> require_model_of(const Model& model, const Topology& topology, const std::string& mesh);
 
 /// A frame of a motion to learn from.
@@ -80,36 +81,35 @@ struct TrainPose {
 
 struct TrainHooks {
   std::function<void(double)> progress = {};  ///< Called with the share of the work that is done.
-  const std::atomic<bool>* cancel =
-      nullptr;  ///< Looked at before every pose; true ends training in an error.
+  const std::atomic<bool>* cancel = nullptr;  ///< Polled before every pose; true ends training with an error.
 };
 
-/// Draws charts, and learns what learned.h tells of. The same input gives the same model for any number of
-/// threads. Memory holds one pose and one short descriptor per pose when references have to be chosen; to
-/// learn, as many poses as fit into 512 MB, at most LearnSettings::most_poses, evenly taken, and working
-/// space of about four times as much. Poses from which nothing can be learned (all the same, or far too large
-/// to compute with) get a model without. Error: no poses, poses of different topologies, a mesh beyond a
-/// model's limits (docs/model.md), a frame that cannot be read, settings beyond their range.
+/// Builds charts and learns what learned.h describes. The same input gives the same model for any number of
+/// threads. Memory: one pose; when references are chosen, a short descriptor per pose; to learn, an evenly
+/// spaced selection of the poses, at most LearnSettings::max_poses and 512 MB, and about four times as much
+/// for working. When nothing can be learned (the poses are equal, or their numbers too large to compute
+/// with), Model::learned is null. Error: no poses, poses of different topologies, a mesh beyond a model's
+/// limits (docs/model.md), a frame that cannot be read, a setting out of range.
 Result<Model> train_model(std::span<const TrainPose> poses, const TrainSettings& settings,
                           const TrainHooks& hooks = {});
 
-/// Writes a file that appears whole or not at all (docs/model.md). Error: it cannot be written, or would
+/// Writes a file (docs/model.md), which appears whole or not at all. Error: it cannot be written, or would
 /// exceed 2 GB.
 Result<void> save_model(const Model& model, const std::string& path);
 
-/// Reads a model. Error: no model, a newer format, anything that is not as it should be.
+/// Reads a model. Error: not a model, a newer format, or content that fails a check of docs/model.md.
 Result<Model> load_model(const std::string& path);
 
-/// What is inside a model, in numbers.
+/// Statistics of a model.
 struct ModelSummary {
   struct Level {
-    Index slots = 0;                          ///< Nodes, or pairs of leaves.
-    Index charted = 0;                        ///< How many of them have a chart.
-    Index charts = 0;                         ///< Theirs, together.
-    double kappa_median = 0, kappa_most = 0;  ///< Of these charts (chart_kappa); 0 without any.
+    Index slots = 0;                         ///< Nodes, or pairs of leaves.
+    Index charted = 0;                       ///< Those with a chart.
+    Index charts = 0;                        ///< All their charts.
+    double kappa_median = 0, kappa_max = 0;  ///< Of these charts (chart_kappa); 0 without any.
   };
   std::vector<Level> levels;  ///< From the root down.
-  Level pairs;                ///< Pairs of leaves with a common vertex in place of nodes.
+  Level pairs;                ///< Of pairs of leaves with a common vertex.
   Index references = 0;
   double proven = 0;  ///< Mean of TrainedPose::proven.
 };
@@ -117,8 +117,8 @@ struct ModelSummary {
 /// Cost: one pass over all charts.
 ModelSummary summarize(const Model& model);
 
-/// A chart's steepness as it was drawn, rounded up: no path on the surface is longer than kappa times the
-/// straight line below it in the picture.
+/// A chart's steepness in the pose it was built in, rounded up: no path on the surface is longer than kappa
+/// times the straight line below it in the chart.
 double chart_kappa(const ChartLibrary& library, const ChartLibrary::Chart& chart);
 
 }  // namespace foldproof

@@ -1,5 +1,5 @@
-// What a large motion costs: `npm run measure`. Generated data, 70,312 triangles and 200 frames. Software rendering draws
-// slower than any graphics card, so the script's own time per picture is told apart from drawing.
+// Measures a large motion: `npm run measure`. Generated data, 70,312 triangles and 200 frames. Software rendering is slower
+// than any graphics card, so the script's own time per picture is measured separately from drawing.
 import { launch, makeTube, openPage, removeFolder, state, until, view } from './program.mjs';
 
 const kSeconds = 8;
@@ -12,12 +12,12 @@ async function play(name, seconds) {
   console.log(`${name}: first picture ${(first.firstPicture / 1000).toFixed(2)} s after the page was asked for`);
   await page.keyboard.press(' ');
   const before = await state(page);
-  const begin = performance.now();
+  const start = performance.now();
   await page.waitForTimeout(1000 * seconds);
   const now = await state(page);
-  const passed = (performance.now() - begin) / 1000;
+  const passed = (performance.now() - start) / 1000;
   const pictures = now.pictures - before.pictures;
-  const moved = (now.place - before.place + 199) % 199;
+  const moved = (now.position - before.position + 199) % 199;
   console.log(`  pictures per second ${(pictures / passed).toFixed(1)}; frames of the motion per second ${(moved / passed).toFixed(1)}, at 30 asked for`);
   console.log(`  per picture: script ${((now.scriptMs - before.scriptMs) / pictures).toFixed(2)} ms, handing it to the graphics ${((now.drawMs - before.drawMs) / pictures).toFixed(2)} ms`);
   console.log(`  held ${(now.bytes / 1e6).toFixed(0)} MB of at most ${(now.budget / 1e6).toFixed(0)} MB; steps checked ${now.steps}, ${now.state}`);

@@ -1,4 +1,4 @@
-// What the tests share: a motion, the program that serves it, and a browser.
+// Shared by the tests: motions, the program that serves them, and a browser.
 import { spawn, spawnSync } from 'node:child_process';
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -34,11 +34,11 @@ export function makeTube(name, { around = 16, along = 60, frames }) {
   return write(name, faces, values, frames);
 }
 
-/** Generated data: two balls that move together, half inside each other at a distance of 1. OBJ and PC2, paths of both. */
-export function makeBalls(name, { around = 32, along = 24, frames, apart = 1 }) {
-  const ball = around * (along + 1);
+/** Generated data: two unit spheres that move together; at a distance of 1 they overlap by half. OBJ and PC2, paths of both. */
+export function makeSpheres(name, { around = 32, along = 24, frames, distance = 1 }) {
+  const sphere = around * (along + 1);
   const faces = [];
-  for (const first of [1, ball + 1]) {
+  for (const first of [1, sphere + 1]) {
     for (let ring = 0; ring < along; ++ring) {
       for (let i = 0; i < around; ++i) {
         const a = first + ring * around + i;
@@ -54,7 +54,7 @@ export function makeBalls(name, { around = 32, along = 24, frames, apart = 1 }) 
         const angle = (Math.PI * (ring + 0.05)) / (along + 0.1);
         for (let i = 0; i < around; ++i) {
           const turn = (2 * Math.PI * i) / around;
-          values.push(0.25 * frame + k * apart + Math.sin(angle) * Math.cos(turn), 0.07 * k + Math.cos(angle), Math.sin(angle) * Math.sin(turn));
+          values.push(0.25 * frame + k * distance + Math.sin(angle) * Math.cos(turn), 0.07 * k + Math.cos(angle), Math.sin(angle) * Math.sin(turn));
         }
       }
     }
@@ -144,18 +144,18 @@ export async function openPage(browser, url, size = laptop) {
 
 export const state = (page) => page.evaluate(() => window.foldproof.state());
 
-/** Waits until the page's state is as a test wants it. */
-export async function until(page, holds, what, milliseconds = 10_000) {
+/** Waits until the page's state meets a condition. */
+export async function until(page, condition, what, milliseconds = 10_000) {
   const end = Date.now() + milliseconds;
   for (;;) {
     const now = await page.evaluate(() => window.foldproof?.state());
-    if (now && holds(now)) return now;
+    if (now && condition(now)) return now;
     if (Date.now() > end) throw new Error(`never: ${what}; the page is at ${JSON.stringify(now)}`);
     await page.waitForTimeout(30);
   }
 }
 
-/** The picture without what lies over it. */
+/** The center of the picture, without overlays. */
 export async function picture(page) {
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   const box = await page.locator('.stage canvas').boundingBox();

@@ -1,10 +1,10 @@
-// The report, as it would be opened from a mail: a file, no network.
+// The report, opened from a file without a network.
 import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
-import { folder, launch, makeBalls, makeTube, openPage, phone, removeFolder, run } from './program.mjs';
+import { folder, launch, makeSpheres, makeTube, openPage, phone, removeFolder, run } from './program.mjs';
 
 let browser;
 const file = join(folder, 'report.html');
@@ -18,7 +18,7 @@ after(async () => {
   removeFolder();
 });
 
-test('opens from a file, offline, and tells what was found', async () => {
+test('opens from a file, offline, and shows the results', async () => {
   const { page, errors, close } = await openPage(browser, 'about:blank');
   const requests = [];
   page.on('request', (request) => requests.push(request.url().slice(0, 5)));
@@ -34,13 +34,13 @@ test('opens from a file, offline, and tells what was found', async () => {
   await close();
 });
 
-/** Opens a report; its heading, what that is drawn as, its text. */
+/** Opens a report; returns its heading, the heading's kind and its text. */
 async function read(file) {
   const { page, errors, close } = await openPage(browser, pathToFileURL(file).href);
   const heading = page.locator('h1');
-  const told = { page, close, verdict: await heading.innerText(), kind: await heading.getAttribute('class'), text: await page.locator('body').innerText() };
+  const result = { page, close, verdict: await heading.innerText(), kind: await heading.getAttribute('class'), text: await page.locator('body').innerText() };
   assert.deepEqual(errors, []);
-  return told;
+  return result;
 }
 
 function reportOf(name, motion, ...options) {
@@ -49,8 +49,8 @@ function reportOf(name, motion, ...options) {
   return out;
 }
 
-test('says of two half-merged balls that they cross, though no step collides', async () => {
-  const { page, verdict, kind, text, close } = await read(reportOf('merged', makeBalls('merged', { frames: 6 })));
+test('reports crossings of two overlapping spheres, though no step collides', async () => {
+  const { page, verdict, kind, text, close } = await read(reportOf('merged', makeSpheres('merged', { frames: 6 })));
   assert.match(verdict, /^Frame 0 starts with [\d,]+ crossing pairs of triangles; no new contact in 5 steps$/);
   assert.equal(kind, 'hit');
   assert.match(text, /Triangles that cross in frame 0\s+[\d,]+ pairs/);
@@ -61,8 +61,8 @@ test('says of two half-merged balls that they cross, though no step collides', a
   await close();
 });
 
-test('says of a free motion that it is free', async () => {
-  const { page, verdict, kind, close } = await read(reportOf('apart', makeBalls('apart', { frames: 6, apart: 2.5 })));
+test('reports a free motion', async () => {
+  const { page, verdict, kind, close } = await read(reportOf('apart', makeSpheres('apart', { frames: 6, distance: 2.5 })));
   assert.equal(verdict, 'Proven free of collisions: frame 0 and all 5 steps');
   assert.equal(kind, 'free');
   assert.equal(await page.locator('.answer.free').count(), 2);
@@ -70,23 +70,23 @@ test('says of a free motion that it is free', async () => {
   await close();
 });
 
-test('claims nothing of what was not asked', async () => {
-  const { page, verdict, kind, close } = await read(reportOf('steps', makeBalls('steps', { frames: 6 }), '--steps-only'));
-  assert.match(verdict, /^No contact in 5 steps; what crosses from the start was not asked/);
+test('claims nothing about untested crossings', async () => {
+  const { page, verdict, kind, close } = await read(reportOf('steps', makeSpheres('steps', { frames: 6 }), '--steps-only'));
+  assert.match(verdict, /^No contact in 5 steps; crossings from the start were not tested/);
   assert.equal(kind, 'run');
   assert.equal(await page.locator('.free').count(), 0, 'nothing is green');
   await close();
 });
 
 test('shows a single frame', async () => {
-  const { verdict, kind, close } = await read(reportOf('single', makeBalls('single', { frames: 1 }).slice(0, 1)));
+  const { verdict, kind, close } = await read(reportOf('single', makeSpheres('single', { frames: 1 }).slice(0, 1)));
   assert.match(verdict, /^Frame 0 has [\d,]+ crossing pairs of triangles$/);
   assert.equal(kind, 'hit');
   await close();
 });
 
-test('of a check that was stopped says how far it came', async () => {
-  const whole = readFileSync(reportOf('whole', makeBalls('whole', { frames: 6, apart: 2.5 })), 'utf8');
+test('reports how far a stopped check came', async () => {
+  const whole = readFileSync(reportOf('whole', makeSpheres('whole', { frames: 6, distance: 2.5 })), 'utf8');
   const cut = whole.replace('"stopped":false', '"stopped":true').replace('"steps_expected":5', '"steps_expected":7200');
   assert.notEqual(cut, whole);
   const stopped = join(folder, 'stopped.html');

@@ -2,21 +2,21 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { join } from 'node:path';
-import { folder, launch, makeBalls, makeTube, openPage, phone, picture, removeFolder, run, state, until, view } from './program.mjs';
+import { folder, launch, makeSpheres, makeTube, openPage, phone, picture, removeFolder, run, state, until, view } from './program.mjs';
 
 const kFrames = 400;
 let browser, withModel, without;
 
 const differs = (a, b) => Buffer.compare(a, b) !== 0;
 
-/** Waits for a picture that holds. */
-async function looks(page, holds, what) {
-  for (const end = Date.now() + 5000; Date.now() < end; ) if (holds(await picture(page))) return;
+/** Waits until a picture meets a condition. */
+async function looks(page, condition, what) {
+  for (const end = Date.now() + 5000; Date.now() < end; ) if (condition(await picture(page))) return;
   assert.fail(what);
 }
 
 before(async () => {
-  // A name that would be markup if it were taken for it.
+  // A name that must not be interpreted as markup.
   const tube = makeTube('tube<img src=x onerror=alert(1)>', { frames: kFrames });
   const poses = makeTube('poses', { frames: 24 });
   const model = join(folder, 'tube.model');
@@ -48,8 +48,8 @@ test('loads and plays a motion of 400 frames', () =>
     assert.equal((await state(page)).steps, kFrames - 1);
     assert.match(await page.locator('.status').innerText(), /colliding pairs in \d+ of 399 steps/);
     await page.keyboard.press(' ');
-    const { place } = await until(page, (s) => s.playing && s.place > 2, 'playing');
-    await until(page, (s) => s.place > place + 2, 'the frame to go on');
+    const { position } = await until(page, (s) => s.playing && s.position > 2, 'playing');
+    await until(page, (s) => s.position > position + 2, 'the frame to go on');
     await page.click('.play');
     assert.equal((await state(page)).playing, false);
     await page.waitForTimeout(50);
@@ -62,15 +62,15 @@ test('scrubs on the timeline, steps with keys and buttons', () =>
     const before = await picture(page);
     const box = await page.locator('.track').boundingBox();
     await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
-    const { place, step } = await until(page, (s) => Math.abs(s.place - (kFrames - 1) / 2) < 2 && !s.waiting, 'the middle');
-    assert.ok(place > 0);
+    const { position, step } = await until(page, (s) => Math.abs(s.position - (kFrames - 1) / 2) < 2 && !s.waiting, 'the middle');
+    assert.ok(position > 0);
     assert.ok(differs(await picture(page), before));
     await page.keyboard.press('ArrowRight');
     assert.equal((await state(page)).step, step + 1);
     await page.click('[title="One step back (←)"]');
     assert.equal((await state(page)).step, step);
     await page.keyboard.press('End');
-    assert.equal((await state(page)).place, kFrames - 1);
+    assert.equal((await state(page)).position, kFrames - 1);
   }));
 
 test('picks a pair and flies there', () =>
@@ -116,10 +116,10 @@ test('switches every layer', () =>
       seen.push(await picture(page));
       assert.ok((await page.locator('.legend .scale').count()) >= 1, `${paint} has a legend`);
     }
-    assert.equal(new Set(seen.map((png) => png.toString('base64'))).size, seen.length, 'every colour looks different');
+    assert.equal(new Set(seen.map((png) => png.toString('base64'))).size, seen.length, 'every color looks different');
   }));
 
-test('moves sliders and tells inside from outside', () =>
+test('moves sliders and distinguishes inside from outside', () =>
   visit(withModel, async (page) => {
     await page.click('#tab-shapes');
     await until(page, (s) => s.radius?.state === 'done', 'a radius', 20_000);
@@ -146,11 +146,11 @@ test('ties charts to the timeline', () =>
     assert.equal(await page.locator('.chart').count(), 4);
     const box = await page.locator('.chart[data-chart=time] .u-over').boundingBox();
     await page.mouse.click(box.x + box.width / 4, box.y + box.height / 2);
-    const { place } = await state(page);
-    assert.ok(Math.abs(place - (kFrames - 1) / 4) < 6, `a quarter of the way, and not ${place}`);
+    const { position } = await state(page);
+    assert.ok(Math.abs(position - (kFrames - 1) / 4) < 6, `a quarter of the way, and not ${position}`);
   }));
 
-test('takes names for text', () =>
+test('shows names as text', () =>
   visit(withModel, async (page) => {
     assert.match(await page.locator('header .title').innerText(), /<img src=x onerror=alert\(1\)>/);
     assert.equal(await page.locator('img').count(), 0);
@@ -165,10 +165,10 @@ test('goes without a model, says why, and takes substeps', () =>
     assert.match(await page.locator('#panel-shapes').innerText(), /--model/);
     assert.equal((await state(page)).steps, 11 * 4);
     await page.keyboard.press('ArrowRight');
-    assert.equal((await state(page)).place, 0.25);
+    assert.equal((await state(page)).position, 0.25);
   }));
 
-test('fits a phone, opens its help, changes its colours', () =>
+test('fits a phone, opens its help, changes its colors', () =>
   visit(
     without,
     async (page) => {
@@ -186,8 +186,8 @@ test('fits a phone, opens its help, changes its colours', () =>
     phone,
   ));
 
-/** A page of its own program, with the check at its end. */
-async function look(args, body, { end = 'done', prepare = async () => {} } = {}) {
+/** A page of a program of its own, after the end of the check. */
+async function withPage(args, body, { end = 'done', prepare = async () => {} } = {}) {
   const server = await view(...args);
   const { page, errors, close } = await openPage(browser, 'about:blank');
   try {
@@ -202,9 +202,9 @@ async function look(args, body, { end = 'done', prepare = async () => {} } = {})
   }
 }
 
-const told = async (page) => ({ text: await page.locator('.status').innerText(), kind: await page.locator('.status').getAttribute('data-kind') });
+const verdict = async (page) => ({ text: await page.locator('.status').innerText(), kind: await page.locator('.status').getAttribute('data-kind') });
 
-/** How many pixels of the timeline are of the colour that a free step has. */
+/** How many pixels of the timeline are of the color that a free step has. */
 const green = (page) =>
   page.evaluate(() => {
     const canvas = document.querySelector('.strip');
@@ -215,13 +215,13 @@ const green = (page) =>
     return n;
   });
 
-test('says of two half-merged balls that they cross, though no step collides', () =>
-  look(makeBalls('merged', { frames: 6 }), async (page) => {
-    const { text, kind } = await told(page);
+test('reports crossings of two overlapping spheres, though no step collides', () =>
+  withPage(makeSpheres('merged', { frames: 6 }), async (page) => {
+    const { text, kind } = await verdict(page);
     assert.match(text, /^Frame 0 starts with [\d,]+ crossing pairs of triangles; no new contact in 5 steps$/);
     assert.equal(kind, 'hit');
     const { start } = await until(page, (s) => s.crossingFaces[0] > 0, 'the triangles that cross');
-    assert.equal(await green(page), 0, 'no step is told to be free');
+    assert.equal(await green(page), 0, 'no step is shown as free');
     assert.match(await page.locator('.legend').innerText(), /Triangles that cross in frame 0[^]*starts crossing/);
     await page.locator('.pair:visible .kind.tt').first().waitFor();
     assert.match(await page.locator('.collisions').innerText(), new RegExp(`Frame 0 starts with ${start.crossings} crossing pairs`));
@@ -237,35 +237,35 @@ test('says of two half-merged balls that they cross, though no step collides', (
       if (step === 0) for (let k = 0; k < 3; ++k) await page.keyboard.press('ArrowRight');
     }
     await page.keyboard.press('p');
-    assert.equal((await state(page)).place, 0, 'the start is a place to go to');
+    assert.equal((await state(page)).position, 0, 'the start can be reached');
     const { camera } = await state(page);
     await page.locator('.pair:visible').first().click();
     await until(page, (s) => s.camera.join() !== camera.join(), 'the flight to a pair');
     assert.match(await page.locator('.legend').innerText(), /first edge or triangle/);
   }));
 
-test('says of a free motion that it is free', () =>
-  look(makeBalls('apart', { frames: 6, apart: 2.5 }), async (page) => {
-    assert.deepEqual(await told(page), { text: 'Proven free of collisions: frame 0 and all 5 steps', kind: 'free' });
+test('reports a free motion', () =>
+  withPage(makeSpheres('apart', { frames: 6, distance: 2.5 }), async (page) => {
+    assert.deepEqual(await verdict(page), { text: 'Proven free of collisions: frame 0 and all 5 steps', kind: 'free' });
     assert.ok((await green(page)) > 1000);
     assert.match(await page.locator('.collisions').innerText(), /Nothing crosses in frame 0\.\s+Free of collisions/);
     assert.doesNotMatch(await page.locator('.legend').innerText(), /cross/);
   }));
 
-test('claims nothing of what was not asked', () =>
-  look([...makeBalls('steps', { frames: 6 }), '--steps-only'], async (page) => {
-    const { text, kind } = await told(page);
-    assert.match(text, /^No contact in 5 steps; what crosses from the start was not asked/);
+test('claims nothing about untested crossings', () =>
+  withPage([...makeSpheres('steps', { frames: 6 }), '--steps-only'], async (page) => {
+    const { text, kind } = await verdict(page);
+    assert.match(text, /^No contact in 5 steps; crossings from the start were not tested/);
     assert.equal(kind, 'run');
     assert.equal(await green(page), 0);
-    assert.match(await page.locator('.collisions').innerText(), /What crosses from the start was not asked/);
+    assert.match(await page.locator('.collisions').innerText(), /Crossings from the start were not tested/);
     await page.click('#tab-layers');
     assert.ok(await page.locator('[data-layer=crossings]').isDisabled());
   }));
 
 test('shows a single frame as a motion of one frame', () =>
-  look(makeBalls('single', { frames: 1 }).slice(0, 1), async (page) => {
-    const { text, kind } = await told(page);
+  withPage(makeSpheres('single', { frames: 1 }).slice(0, 1), async (page) => {
+    const { text, kind } = await verdict(page);
     assert.match(text, /^Frame 0 has [\d,]+ crossing pairs of triangles$/);
     assert.equal(kind, 'hit');
     await page.locator('.pair:visible .kind.tt').first().waitFor();
@@ -274,14 +274,14 @@ test('shows a single frame as a motion of one frame', () =>
     assert.equal(await page.locator('.where').innerText(), 'frame 0');
   }));
 
-/** Lets only the first `count` steps through, in a state, and then what `next` does. */
-const cutAfter = (count, told, next) => async (page) => {
-  let asked = 0;
+/** Passes on only the first `count` steps, with a given state, and then does `next`. */
+const cutAfter = (count, state, next) => async (page) => {
+  let requests = 0;
   await page.route('**/api/steps?*', async (route) => {
-    if (asked++ > 0) return next ? next(route) : route.continue();
+    if (requests++ > 0) return next ? next(route) : route.continue();
     for (;;) {
       const answer = await (await route.fetch()).json();
-      if (answer.done >= count) return route.fulfill({ json: { ...answer, state: told, done: count, steps: answer.steps.slice(0, count) } });
+      if (answer.done >= count) return route.fulfill({ json: { ...answer, state, done: count, steps: answer.steps.slice(0, count) } });
     }
   });
 };
@@ -290,11 +290,11 @@ for (const [what, prepare, end] of [
   ['was stopped', cutAfter(3, 'stopped'), 'stopped'],
   ['is gone with its program', cutAfter(3, 'running', (route) => route.abort()), 'gone'],
 ]) {
-  test(`of a check that ${what} says how far it came`, () =>
-    look(
-      makeBalls(what.replaceAll(' ', '-'), { frames: 6, apart: 2.5 }),
+  test(`reports how far a check came that ${what}`, () =>
+    withPage(
+      makeSpheres(what.replaceAll(' ', '-'), { frames: 6, distance: 2.5 }),
       async (page) => {
-        assert.deepEqual(await told(page), { text: 'Stopped at 3 of 5 steps; the rest is unknown', kind: 'stopped' });
+        assert.deepEqual(await verdict(page), { text: 'Stopped at 3 of 5 steps; the rest is unknown', kind: 'stopped' });
         assert.equal(await page.locator('.status progress').isVisible(), false);
         await page.keyboard.press('End');
         await page.waitForTimeout(50);

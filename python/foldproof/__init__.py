@@ -1,8 +1,8 @@
 """Finds every collision of deforming triangle meshes, and proves large parts collision-free.
 
 Arrays of positions are V x 3 (one frame) or F x V x 3 (frames), float64, in mesh units; float64 in C order is used in
-place, everything else is converted once. Triangles are T x 3 vertex ids. What a function refuses, it refuses with
-foldproof.Error, whose text says where, what is wrong and how to mend it.
+place, everything else is converted once. Triangles are T x 3 vertex ids. Functions report errors with foldproof.Error,
+whose text says where the problem is, what it is and how to fix it.
 """
 
 from ._core import *  # noqa: F403

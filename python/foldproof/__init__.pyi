@@ -24,7 +24,7 @@ class _StepSettings(TypedDict, total=False):
     thickness: float
     tolerance: float
     certificates: bool
-    ahead: bool
+    look_ahead: bool
     earliest_only: bool
     max_listed: int
     explain: bool
@@ -33,7 +33,7 @@ class _StepSettings(TypedDict, total=False):
 
 class _TrainSettings(TypedDict, total=False):
     references: int
-    made: int
+    random_poses: int
     learn: bool
     subspace: str
     modes: int
@@ -43,7 +43,7 @@ class _TrainSettings(TypedDict, total=False):
 class Error(ValueError):
     where: str
     problem: str
-    mend: str
+    remedy: str
 
 @final
 class Motion:
@@ -98,7 +98,7 @@ class Model:
     @property
     def key_points(self) -> _Ids: ...
     def project(self, positions: ArrayLike) -> _Floats: ...
-    def rebuild(self, p: ArrayLike) -> _Floats: ...
+    def reconstruct(self, p: ArrayLike) -> _Floats: ...
     def predict(self, key_positions: ArrayLike, *, progress: _Progress = None) -> _Floats: ...
 
 @final
@@ -123,7 +123,7 @@ class StepResult:
     @property
     def tolerance(self) -> float: ...
     @property
-    def searched(self) -> int: ...
+    def search_steps(self) -> int: ...
     @property
     def earliest_toi(self) -> float: ...
 
@@ -181,21 +181,21 @@ class CheckResult:
 @final
 class ReducedShape:
     def __init__(
-        self, model: Model, centres: ArrayLike | None = None, clearance: float = 0.0, *, progress: _Progress = None
+        self, model: Model, centers: ArrayLike | None = None, clearance: float = 0.0, *, progress: _Progress = None
     ) -> None: ...
     @property
     def modes(self) -> int: ...
     @property
     def clearance(self) -> float: ...
     @property
-    def centres(self) -> _Floats: ...
-    def radius(self, centre: int = 0) -> float: ...
-    def certified(self, centre: int = 0, at_least: float = 0.0) -> tuple[float, _Rows]: ...
-    def distance(self, p: ArrayLike, centre: int = 0) -> float: ...
+    def centers(self) -> _Floats: ...
+    def radius(self, center: int = 0) -> float: ...
+    def certified(self, center: int = 0, at_least: float = 0.0) -> tuple[float, _Rows]: ...
+    def distance(self, p: ArrayLike, center: int = 0) -> float: ...
     def positions(
         self, p: ArrayLike, rotation: ArrayLike | None = None, translation: ArrayLike | None = None
     ) -> _Floats: ...
-    def proven_free(self, p0: ArrayLike, p1: ArrayLike) -> str: ...
+    def proven_free(self, p0: ArrayLike, p1: ArrayLike) -> Literal["free", "free_except_uncertified", "unproven"]: ...
 
 _Placed = ArrayLike | tuple[ArrayLike, ArrayLike | None, ArrayLike | None]
 
@@ -203,7 +203,7 @@ _Placed = ArrayLike | tuple[ArrayLike, ArrayLike | None, ArrayLike | None]
 class ReducedChecker:
     def __init__(self, shapes: ReducedShape | Sequence[ReducedShape]) -> None: ...
     def check(
-        self, begin: _Placed | list[_Placed], end: _Placed | list[_Placed], **settings: Unpack[_StepSettings]
+        self, start: _Placed | list[_Placed], end: _Placed | list[_Placed], **settings: Unpack[_StepSettings]
     ) -> StepResult: ...
 
 @final
@@ -215,7 +215,7 @@ class CollisionMesh:
         faces: ArrayLike | None = None,
         *,
         groups: ArrayLike | None = None,
-        apart: ArrayLike | None = None,
+        excluded: ArrayLike | None = None,
         points: bool = True,
         leaf_triangles: int = 12,
     ) -> None: ...

@@ -7,7 +7,7 @@ py::handle error_class;  // lives as long as the module, which Python never unlo
 
 std::string shape_text(const py::array& x) { return py::str(py::tuple(x.attr("shape"))).cast<std::string>(); }
 
-/// Anything that NumPy makes an array of, else refused.
+/// Converts anything that NumPy can make an array of.
 py::array any_array(const py::handle& x, const char* what, const char* layout) {
   auto array = py::array::ensure(x);
   if (!array) refuse(what, "is no array", std::string("give ") + layout + " numbers");
@@ -16,18 +16,19 @@ py::array any_array(const py::handle& x, const char* what, const char* layout) {
 
 }  // namespace
 
-void refuse(std::string where, std::string problem, std::string mend) {
-  throw Refused{{std::move(where), std::move(problem), std::move(mend)}};
+void refuse(std::string where, std::string problem, std::string remedy) {
+  throw Refused{{std::move(where), std::move(problem), std::move(remedy)}};
 }
 
 void bind_errors(py::module_& module) {
   const char* doc =
       "Why a file, mesh or argument was refused; a ValueError whose text is one line.\n\n"
-      "where: file and place, or argument. problem: what is wrong. mend: what to do about it.";
+      "where: file and place, or argument. problem: what is wrong. remedy: what to do about it.";
   PyObject* made = PyErr_NewExceptionWithDoc("foldproof.Error", doc, PyExc_ValueError, nullptr);
   if (made == nullptr) throw py::error_already_set();
   error_class = made;
   module.attr("Error") = error_class;
+  // By value, as pybind11 calls it. NOLINTNEXTLINE(performance-unnecessary-value-param)
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
@@ -35,7 +36,7 @@ void bind_errors(py::module_& module) {
       const py::object error = error_class(text_of(refused.error.line()));
       error.attr("where") = text_of(refused.error.where);
       error.attr("problem") = text_of(refused.error.problem);
-      error.attr("mend") = text_of(refused.error.mend);
+      error.attr("remedy") = text_of(refused.error.remedy);
       PyErr_SetObject(error_class.ptr(), error.ptr());
     }
   });
@@ -51,8 +52,8 @@ Numbers numbers_of(const py::handle& x, const char* what, std::initializer_list<
   }
   bool fits = array.ndim() == static_cast<py::ssize_t>(shape.size());
   for (std::size_t k = 0; fits && k < shape.size(); ++k) {
-    const py::ssize_t wanted = shape.begin()[k];
-    fits = wanted < 0 || array.shape(static_cast<py::ssize_t>(k)) == wanted;
+    const py::ssize_t required = shape.begin()[k];
+    fits = required < 0 || array.shape(static_cast<py::ssize_t>(k)) == required;
   }
   if (!fits) refuse(what, "has shape " + shape_text(array), std::string("give ") + layout);
   auto numbers = Numbers::ensure(array);
@@ -104,9 +105,9 @@ py::str text_of(const std::string& text) {
 }
 
 py::array_t<double> owned(std::vector<double>&& values, std::vector<py::ssize_t> shape) {
-  auto held = std::make_unique<std::vector<double>>(std::move(values));
-  const double* data = held->data();
-  const py::capsule owner(held.release(), [](void* p) { delete static_cast<std::vector<double>*>(p); });
+  auto storage = std::make_unique<std::vector<double>>(std::move(values));
+  const double* data = storage->data();
+  const py::capsule owner(storage.release(), [](void* p) { delete static_cast<std::vector<double>*>(p); });
   return py::array_t<double>(std::move(shape), data, owner);
 }
 

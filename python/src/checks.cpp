@@ -49,7 +49,7 @@ struct CheckResult {
   bool poses = false;
 };
 
-/// Keeps what goes by.
+/// Collects the answers of the steps.
 class Collector final : public ReportWriter {
  public:
   Collector(CheckResult& into, bool pairs) : into_(into), pairs_(pairs) {}
@@ -61,8 +61,8 @@ class Collector final : public ReportWriter {
     return {};
   }
   Result<void> step(const CheckedStep& s) override {
-    const std::uint64_t n = s.place.number;
-    into_.steps.push_back({n, s.place.frame, s.place.next_frame, s.place.substep, s.collisions.vertex_face,
+    const std::uint64_t n = s.index.number;
+    into_.steps.push_back({n, s.index.frame, s.index.next_frame, s.index.substep, s.collisions.vertex_face,
                            s.collisions.edge_edge, s.collisions.triangle_triangle, s.earliest_toi,
                            s.milliseconds.total});
     if (!pairs_) return {};
@@ -84,7 +84,7 @@ class Collector final : public ReportWriter {
   bool pairs_;
 };
 
-/// What a check is about, taken from Python.
+/// The arguments of a check, converted from Python.
 struct Request {
   std::vector<std::unique_ptr<Motion>> motions;
   CheckSettings settings;
@@ -103,7 +103,7 @@ void add_models(const py::object& models, Request& request) {
     refuse("models",
            "are " + std::to_string(request.settings.models.size()) + " for " +
                std::to_string(request.motions.size()) + " motions",
-           "give one per motion, None where there is none");
+           "give one per motion, or None for motions without one");
   }
 }
 
@@ -119,7 +119,7 @@ std::vector<std::unique_ptr<ReportWriter>> writers_of(const Request& request) {
     } else if (extension == ".ply") {
       writers.push_back(take(ply_report(path, request.motions, request.settings)));
     } else {
-      refuse(path, "ends in no kind of report", "give .json, .csv or .ply");
+      refuse(path, "is not a known kind of report", "give .json, .csv or .ply");
     }
   }
   return writers;
@@ -133,8 +133,8 @@ std::unique_ptr<CheckResult> run(const Request& request, const py::object& progr
     writers.push_back(std::make_unique<Collector>(*result, request.keep));
     CheckHooks hooks;
     hooks.cancel = call.cancel();
-    hooks.progress = [tell = call.progress()](const CheckTotals& totals, std::uint64_t steps) {
-      tell(static_cast<double>(totals.steps) / static_cast<double>(steps));
+    hooks.progress = [report = call.progress()](const CheckTotals& totals, std::uint64_t steps) {
+      report(static_cast<double>(totals.steps) / static_cast<double>(steps));
     };
     result->totals = take(run_check(request.motions, request.settings, writers, hooks));
   });
@@ -157,7 +157,7 @@ std::string text_of(const CheckResult& result) {
                      many(totals.steps, result.poses ? "frame" : "step");
   if (result.poses) return text;
   const std::string frame = "; frame " + std::to_string(totals.first_frame);
-  if (!totals.starts_crossing) return text + frame + " was not asked what crosses in it";
+  if (!totals.starts_crossing) return text + frame + " was not tested for crossings";
   return text + frame + " starts with " + many(*totals.starts_crossing, "crossing pair") + " of triangles";
 }
 
@@ -166,8 +166,8 @@ void bind_result(py::module_& module) {
                           "Answer of a whole check. Its arrays are views that keep it alive.")
       .def_property_readonly(
           "clean", [](const CheckResult& r) { return r.totals.clean(); },
-          "Whether no triangles cross in the first frame and nothing collides in any step: then nothing "
-          "goes through anything at any time. With steps_only or static it says that of what was asked.")
+          "Whether no triangles cross in the first frame and nothing collides in any step, so that nothing "
+          "intersects at any time. With steps_only or static, only what they test counts.")
       .def("__repr__", [](const CheckResult& r) { return "<foldproof.CheckResult: " + text_of(r) + ">"; })
       .def_property_readonly(
           "starts_crossing",
@@ -175,8 +175,8 @@ void bind_result(py::module_& module) {
             if (!r.totals.starts_crossing) return py::none();
             return py::int_(*r.totals.starts_crossing);
           },
-          "How many pairs of triangles cross in the first frame, decided exactly; None with steps_only or "
-          "static, where that is not asked.")
+          "The number of pairs of triangles that cross in the first frame, exact; None with steps_only or "
+          "static, which do not test it.")
       .def_property_readonly("start_crossings", rows(&CheckResult::start_crossings),
                              "These pairs, as StaticResult.crossings; empty with keep=False.")
       .def_property_readonly(
@@ -195,13 +195,13 @@ void bind_result(py::module_& module) {
           "As StaticResult.crossings, with the step's number in front; empty with keep=False.")
       .def_property_readonly(
           "collisions", [](const CheckResult& r) { return r.totals.collisions.sum(); },
-          "How many pairs collide, over all steps.")
+          "The number of colliding pairs, over all steps.")
       .def_property_readonly(
           "missed", [](const CheckResult& r) { return r.totals.missed; },
           "Mode 'paper': collisions of the proven answer that it misses, over all steps.")
       .def_property_readonly(
           "tolerance", [](const CheckResult& r) { return r.totals.tolerance; },
-          "The largest tolerance that a step used, mesh units.")
+          "The largest tolerance of a step, mesh units.")
       .def_property_readonly(
           "work", [](const CheckResult& r) { return work_of(r.totals.work); },
           "Sums over the steps, as StepResult.work.")
@@ -227,7 +227,7 @@ void bind_checks(py::module_& module) {
     add_models(models, request);
     request.settings.frames = frames_of(frames);
     request.settings.poses = poses;
-    if (poses && steps_only) refuse("steps_only", "does not go with static", "leave one of them out");
+    if (poses && steps_only) refuse("steps_only", "does not go with static", "omit one of them");
     request.settings.steps_only = steps_only;
     request.settings.substeps = substeps;
     request.settings.step = step_settings(settings);
@@ -240,16 +240,15 @@ void bind_checks(py::module_& module) {
       py::arg("substeps") = 1, py::arg("keep") = true, py::arg("reports") = py::tuple(),
       py::arg("progress") = py::none(),
       with_settings(
-          "Checks a Motion, or several that move together (a list): which triangles cross in the first "
+          "Checks a Motion, or several that move together (a list): the triangles that cross in the first "
           "frame, then every step. No pair that touches is missing.\n\n"
-          "models: a Model, or a list with one per motion (None where there is none). frames: a slice, "
-          "'A:B:STEP' or None for all. static: the triangles that cross in each frame, instead of steps. "
-          "steps_only: do not ask what crosses in the first frame; what crosses from the start then stays "
-          "unsaid. "
-          "substeps: linear parts that a step is cut into. keep: keep every colliding pair (some 40 bytes "
-          "each); else only counts. reports: path or paths to write, .json, .csv or .ply, which appear "
-          "whole or not at all. progress: called with the share that is done. Ctrl-C ends it. Error: "
-          "motions that do not fit together, frames that cannot be read, a report that cannot be written.")
+          "models: a Model, or a list with one per motion (None for motions without one). frames: a slice, "
+          "'A:B:STEP' or None for all. static: find the triangles that cross in each frame, instead of "
+          "collisions in steps. steps_only: do not test the first frame for crossings. substeps: linear "
+          "parts that a step is divided into. keep: keep every colliding pair (some 40 bytes each); else "
+          "only counts. reports: path or paths to write, .json, .csv or .ply, which appear complete or not "
+          "at all. progress: called with the share that is done. Ctrl-C cancels it. Error: motions that do "
+          "not fit together, frames that cannot be read, a report that cannot be written.")
           .c_str());
 }
 

@@ -21,10 +21,10 @@ void run_long(const py::object& progress, const std::function<void(LongCall&)>& 
     call.done_ = true;
     call.finished_.notify_one();
   });
-  double told = 0;
+  double reported = 0;
   for (bool done = false; !done;) {
     {
-      const py::gil_scoped_release others_go_on;
+      const py::gil_scoped_release unlocked;
       std::unique_lock lock(call.mutex_);
       done = call.finished_.wait_for(lock, std::chrono::milliseconds(50), [&] { return call.done_; });
     }
@@ -32,7 +32,7 @@ void run_long(const py::object& progress, const std::function<void(LongCall&)>& 
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       const double part = call.part_;
-      if (!progress.is_none() && part != told) progress(told = part);
+      if (!progress.is_none() && part != reported) progress(reported = part);
     } catch (...) {
       interrupted = std::current_exception();
       call.cancel_ = true;

@@ -1,4 +1,4 @@
-/// Calls that take long: Python goes on meanwhile, and Ctrl-C ends them.
+/// Long calls: other Python threads continue meanwhile, and Ctrl-C cancels them.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -10,10 +10,10 @@
 
 namespace foldproof::python {
 
-/// What the work sees of its caller.
+/// Connects the work to its caller.
 class LongCall {
  public:
-  /// Becomes true when the caller wants it to end.
+  /// Becomes true when the caller cancels.
   const std::atomic<bool>* cancel() const { return &cancel_; }
   std::function<void(double)> progress() {
     return [this](double part) { part_ = part; };
@@ -28,9 +28,9 @@ class LongCall {
   bool done_ = false;
 };
 
-/// Runs the work on a thread of its own, as Python handles signals only on the thread that called, and looks
-/// after signals and `progress` (None, or called with the share that is done) meanwhile. The work touches no
-/// Python object. Throws what it threw, or what a signal handler or `progress` raised.
+/// Runs the work on another thread. Meanwhile the calling thread, the only one on which Python handles
+/// signals, handles signals and calls `progress` (unless None) with the share that is done. The work must not
+/// touch Python objects. Rethrows exceptions of the work, of signal handlers and of `progress`.
 void run_long(const pybind11::object& progress, const std::function<void(LongCall&)>& work);
 
 }  // namespace foldproof::python

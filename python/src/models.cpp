@@ -16,8 +16,8 @@ void set(TrainSettings& s, const std::string& name, const py::handle& value) {
   LearnSettings& learning = s.learning;
   if (name == "references") {
     s.references = value.cast<Index>();
-  } else if (name == "made") {
-    s.made = value.cast<Index>();
+  } else if (name == "random_poses") {
+    s.random_poses = value.cast<Index>();
   } else if (name == "learn") {
     s.learn = value.cast<bool>();
   } else if (name == "modes") {
@@ -25,7 +25,7 @@ void set(TrainSettings& s, const std::string& name, const py::handle& value) {
   } else if (name == "energy") {
     learning.size.energy = number_of(value);
   } else if (name == "key_points") {
-    learning.key_points.most_share = number_of(value);
+    learning.key_points.max_share = number_of(value);
     learning.key_points.first_share = number_of(value) / 2;
   } else if (name == "subspace") {
     const auto kind = value.cast<std::string>();
@@ -71,13 +71,13 @@ std::shared_ptr<Model> train(const py::object& motions, const py::object& frames
 
 std::shared_ptr<Model> load(const py::object& path) {
   const std::string name = path_of(path);
-  const py::gil_scoped_release others_go_on;
+  const py::gil_scoped_release gil_released;
   return std::make_shared<Model>(take(load_model(name)));
 }
 
 void save(const Model& model, const py::object& path) {
   const std::string name = path_of(path);
-  const py::gil_scoped_release others_go_on;
+  const py::gil_scoped_release gil_released;
   take(save_model(model, name));
 }
 
@@ -123,10 +123,10 @@ py::array project(const Model& model, const py::object& positions) {
   return owned({p.data(), p.data() + p.size()}, {p.size()});
 }
 
-py::array rebuild(const Model& model, const py::object& coordinates) {
+py::array reconstruct(const Model& model, const py::object& coordinates) {
   const Pca& pca = learned_of(model).pca;
   const Numbers p = numbers_of(coordinates, "p", {pca.modes()}, "one number per mode");
-  const Eigen::VectorXd x = pca.rebuild(vector_of(p));
+  const Eigen::VectorXd x = pca.reconstruct(vector_of(p));
   return owned({x.data(), x.data() + x.size()}, {vertices_of(model), 3});
 }
 
@@ -173,7 +173,7 @@ void bind_learned(py::class_<Model, std::shared_ptr<Model>>& model) {
   model
       .def_property_readonly(
           "learned", [](const Model& m) { return m.learned != nullptr; },
-          "Whether it holds shapes; without, all that is below raises Error.")
+          "Whether shapes were learned. If not, everything below raises Error.")
       .def_property_readonly("mean", &mean_of, "The mean pose, V x 3, mesh units; read-only.")
       .def_property_readonly("basis", &basis_of,
                              "The modes, M x V x 3: x(p) = mean + sum of p[k] * basis[k]; read-only.")
@@ -182,20 +182,22 @@ void bind_learned(py::class_<Model, std::shared_ptr<Model>>& model) {
           "Standard deviation of the training poses along each mode, M numbers, mesh units.")
       .def_property_readonly(
           "energy", [](const py::object& self) { return numbers_view(self, &Pca::energy); },
-          "Share of the variance in the modes up to and with this one, M numbers.")
+          "Share of the variance in the modes up to and including this one, M numbers.")
       .def_property_readonly("coordinates", &coordinates_of,
-                             "The poses learned from, a row of M coordinates each; read-only.")
+                             "Subspace coordinates of the poses learned from, a row of M each; read-only.")
       .def_property_readonly(
           "key_points",
           [](const py::object& self) {
             return view_of(learned_of(self.cast<const Model&>()).key_points.vertices, self);
           },
-          "Vertices that tell the whole mesh, K ids in the order that predict wants; read-only.")
+          "Vertices from which predict reconstructs the whole mesh, K ids in the order of its input; "
+          "read-only.")
       .def("project", &project, py::arg("positions"),
-           "The coordinates p (M numbers) whose shape is nearest to positions (V x 3, mesh units).")
-      .def("rebuild", &rebuild, py::arg("p"), "The shape x(p), V x 3, of coordinates p (M numbers).")
+           "The subspace coordinates p (M numbers) whose shape is nearest to positions (V x 3, mesh units).")
+      .def("reconstruct", &reconstruct, py::arg("p"),
+           "The shape x(p), V x 3, of subspace coordinates p (M numbers).")
       .def("predict", &predict, py::arg("key_positions"), py::kw_only(), py::arg("progress") = py::none(),
-           "The whole mesh from where its key points are: F x K x 3 gives F x V x 3, K x 3 gives V x 3.\n\n"
+           "The whole mesh from its key points' positions: F x K x 3 gives F x V x 3, K x 3 gives V x 3.\n\n"
            "Mesh units. progress: called with the share that is done. Ctrl-C ends it. Error: wrong shape, "
            "numbers that are not finite, a model that learned no shapes.");
 }
@@ -205,41 +207,42 @@ void bind_learned(py::class_<Model, std::shared_ptr<Model>>& model) {
 void bind_models(py::module_& module) {
   py::class_<Model, std::shared_ptr<Model>> model(
       module, "Model",
-      "What training found out about a mesh: where it cannot meet itself, and its shapes. It makes checks "
-      "faster and never changes an answer.");
+      "What training found out about a mesh: charts, which prove parts of it free of contact with "
+      "themselves, and its shapes. A model makes checks faster and never changes an answer.");
   model
       .def_property_readonly(
           "name", [](const Model& m) { return text_of(m.name); }, "The file it was read from, else empty.")
       .def_property_readonly("hierarchy", &hierarchy_of, "The mesh.")
       .def_property_readonly(
           "poses", &poses_of,
-          "A dict per training pose: name, reference (charts were drawn in it), proven (share "
+          "A dict per training pose: name, reference (charts were built in it), proven (share "
           "of neighbourhoods).")
       .def_property_readonly(
           "proven", [](const Model& m) { return summarize(m).proven; },
           "Share of neighbourhoods proven free in the training poses, in [0, 1].")
       .def_property_readonly(
-          "chart_count", [](const Model& m) { return m.charts->charts().size(); }, "Charts it holds.")
+          "chart_count", [](const Model& m) { return m.charts->charts().size(); },
+          "How many charts it holds.")
       .def("save", &save, py::arg("path"),
            "Writes the model; the file appears whole or not at all. Error: it cannot be written.");
   bind_learned(model);
   module.def(
       "train", &train, py::arg("motions"), py::kw_only(), py::arg("frames") = py::none(),
       py::arg("progress") = py::none(),
-      "Learns a Model from poses of one mesh: a Motion or a list of them.\n\n"
+      "Trains a Model on poses of one mesh: a Motion or a list of them.\n\n"
       "frames: which of each motion, a slice, an int, 'A:B:STEP' or None for all. progress: called with "
       "the share of the work that is done. Ctrl-C ends it. Error: motions of different meshes, frames "
-      "that cannot be read, settings beyond their range.\n\n"
+      "that cannot be read, settings out of range.\n\n"
       "settings, all by keyword:\n"
-      "  references=0       poses to draw charts in; 0: all, at most 16\n"
-      "  made=0             shapes made from the subspace to draw in as well\n"
-      "  learn=True         shapes too, where there are at least 3 poses\n"
+      "  references=0       poses to build charts in; 0: all, at most 16\n"
+      "  random_poses=0     random poses of the subspace to build charts in, too\n"
+      "  learn=True         also learn shapes, from at least 3 poses\n"
       "  subspace='pca'     or 'kernel-pca', which keeps shapes near the poses\n"
-      "  modes=0            of the subspace; 0: as many as the energy asks for\n"
+      "  modes=0            of the subspace; 0: as many as the energy needs\n"
       "  energy=0.999       share of the variance that the subspace keeps\n"
       "  key_points=0.04    key points, at most, as a share of the vertices");
   module.def("load", &load, py::arg("path"),
-             "Reads a Model. Error: no model, a newer format, anything that is not as it should be.");
+             "Reads a Model. Error: not a model, a newer format, a damaged file.");
 }
 
 }  // namespace foldproof::python

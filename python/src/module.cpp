@@ -1,4 +1,4 @@
-// The module foldproof._core; python/foldproof/__init__.py hands on what is in it.
+// The module foldproof._core, which python/foldproof/__init__.py re-exports.
 #include "module.h"
 
 #include <optional>
@@ -9,7 +9,7 @@
 namespace foldproof::python {
 namespace {
 
-// Only the interpreter's lock is needed: the module's functions hold it when they come here.
+// Protected by the interpreter's lock, which callers hold.
 void set_threads(int count) {
   static std::optional<ThreadLimit> limit;
   if (count < 0 || count > 4096)
@@ -24,11 +24,11 @@ void set_threads(int count) {
 PYBIND11_MODULE(_core, module) {
   using namespace foldproof::python;
   const py::object name = module.attr("__name__");
-  module.attr("__name__") = "foldproof";  // where people find the classes
+  module.attr("__name__") = "foldproof";  // the module name that classes show
   module.attr("__version__") = foldproof::version();
   bind_errors(module);
   module.def("set_threads", &set_threads, py::arg("count"),
-             "At most so many threads in all calls that follow; 0: all cores. No answer depends on it.");
+             "Limits the number of threads of all later calls; 0: all cores. Answers do not depend on it.");
   bind_motions(module);
   bind_hierarchy(module);
   bind_models(module);

@@ -1,4 +1,4 @@
-/// The parts of the module. A class must be bound before a function that names it.
+/// The parts of the module. A class must be bound before functions whose signatures use it.
 #pragma once
 
 #include <pybind11/pybind11.h>

@@ -9,7 +9,7 @@
 namespace foldproof::python {
 namespace {
 
-/// Frames in an array of the caller, in place.
+/// A motion whose frames are an array of the caller, used in place.
 class ArrayMotion final : public Motion {
  public:
   ArrayMotion(std::string name, Topology topology, Numbers frames)
@@ -21,13 +21,14 @@ class ArrayMotion final : public Motion {
   Index frame_count() const override {
     return static_cast<Index>(positions_.size() / topology_.vertex_count() / 3);
   }
-  // Without Python's lock: nothing here touches a Python object.
+  // Called without Python's lock: touches no Python object.
   Result<void> read_frame(Index k, std::span<double> out) override {
     const auto frame = positions_.subspan(k * out.size(), out.size());
     std::copy(frame.begin(), frame.end(), out.begin());
     const auto bad = std::find_if(out.begin(), out.end(), [](double x) { return !std::isfinite(x); });
     if (bad == out.end()) return {};
     return fail(
+        ErrorCode::NonFinite,
         name_ + ", frame " + std::to_string(k) + ", vertex " + std::to_string((bad - out.begin()) / 3),
         "a coordinate is not finite", "give finite numbers");
   }
@@ -62,7 +63,7 @@ std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, doubl
   const ReadOptions options = read_options(fps, weld);
   std::vector<std::unique_ptr<Motion>> motions;
   {
-    const py::gil_scoped_release others_go_on;
+    const py::gil_scoped_release unlocked;
     motions = take(open_motions(arguments, options));
   }
   std::vector<std::shared_ptr<SharedMotion>> shared;
@@ -92,7 +93,7 @@ py::array read_frame(SharedMotion& motion, std::int64_t k) {
   const py::ssize_t vertices = motion.topology().vertex_count();
   std::vector<double> positions(static_cast<std::size_t>(vertices) * 3);
   {
-    const py::gil_scoped_release others_go_on;
+    const py::gil_scoped_release unlocked;
     take(motion.read_frame(static_cast<Index>(frame), positions));
   }
   return owned(std::move(positions), {vertices, 3});
@@ -146,39 +147,38 @@ FrameRange frames_of(const py::handle& frames) {
 void bind_motions(py::module_& module) {
   py::class_<SharedMotion, std::shared_ptr<SharedMotion>>(
       module, "Motion",
-      "Triangles, and where their vertices are in every frame; frames are read when they are asked for.\n\n"
-      "motion[k] is frame k, and a loop over a motion goes through its frames. May be used from several "
-      "threads.")
+      "Triangles, and positions of their vertices in every frame; frames are read on demand.\n\n"
+      "motion[k] is frame k; iterating over a motion yields its frames. Thread-safe.")
       .def(py::init(&array_motion), py::arg("triangles"), py::arg("frames"), py::arg("name") = "array",
            "From arrays: triangles T x 3 vertex ids (integers), frames F x V x 3 in mesh units.\n\n"
            "Float64 in C order is used in place, so do not change it while a call runs; everything else is "
            "converted once. One pose may be V x 3. Error: other shapes, ids beyond V.")
       .def_property_readonly(
           "name", [](const SharedMotion& m) { return text_of(m.name()); },
-          "For people: the file, or 'array'.")
+          "For messages: the file, or 'array'.")
       .def_property_readonly("triangles", &triangles_of_motion, "T x 3 vertex ids, uint32; read-only.")
       .def_property_readonly(
           "vertex_count", [](const SharedMotion& m) { return m.topology().vertex_count(); }, "V.")
       .def("__len__", &SharedMotion::frame_count)
       .def("__getitem__", &read_frame, py::arg("frame"),
-           "V x 3 float64, an array of its own, in mesh units; negative numbers count from the end.\n\n"
-           "Error: the file is bad at this frame. IndexError: there is none.");
+           "V x 3 float64, a new array, in mesh units; negative numbers count from the end.\n\n"
+           "Error: this frame cannot be read. IndexError: it does not exist.");
   module.def("open_motion", &open_one, py::arg("fps") = 24.0, py::arg("weld") = false,
              "Opens one motion: OBJ, OFF or PLY (with .pc2 or .mdd), a directory of them, glTF, GLB, NPZ.\n\n"
              "fps: sampling rate of animated glTF. weld: merge vertices that coincide in the first frame. "
-             "Error: as the program has it (docs/formats.md).");
+             "Error: as for the program (docs/formats.md).");
   module.def("open_motions", &open_list, py::arg("fps") = 24.0, py::arg("weld") = false,
-             "The same for any number of paths: a list of motions.");
+             "Opens any number of motions: a list.");
   module.def(
       "write_motion",
       [](const py::object& path, SharedMotion& motion) {
         const std::string name = path_of(path);
-        const py::gil_scoped_release others_go_on;
+        const py::gil_scoped_release unlocked;
         take(write_motion(name, motion));
       },
       py::arg("path"), py::arg("motion"),
       "Writes .npz, .obj (with a .pc2 beside it for several frames) or .ply (one frame).\n\n"
-      "The file appears whole or not at all. Error: it cannot be written.");
+      "The file appears complete or not at all. Error: it cannot be written.");
 }
 
 }  // namespace foldproof::python

@@ -1,4 +1,4 @@
-/// Motions as Python holds them.
+/// Motions that are shared with Python.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -11,7 +11,7 @@
 
 namespace foldproof::python {
 
-/// A motion that several threads, and several owners, may read.
+/// A motion with shared ownership that several threads may read.
 class SharedMotion final : public Motion {
  public:
   explicit SharedMotion(std::unique_ptr<Motion> motion)

@@ -10,7 +10,7 @@ struct Flag {
 constexpr Flag kFlags[] = {{"within", &StepSettings::within},
                            {"between", &StepSettings::between},
                            {"certificates", &StepSettings::certificates},
-                           {"ahead", &StepSettings::ahead},
+                           {"look_ahead", &StepSettings::look_ahead},
                            {"earliest_only", &StepSettings::earliest_only},
                            {"explain", &StepSettings::explain}};
 struct Number {
@@ -61,7 +61,7 @@ StepSettings step_settings(const py::kwargs& settings) {
     for (const auto& [number, member] : kNumbers) {
       if (name == number) known = true, s.*member = number_of(value);
     }
-    if (!known) throw py::type_error("'" + name + "' is no setting of a check");
+    if (!known) throw py::type_error("'" + name + "' is not a setting of a check");
   }
   return s;
 }
@@ -74,16 +74,15 @@ std::string with_settings(const char* doc) {
          "  thickness=0.0        mesh units; closer than or equal to this is a collision\n"
          "  tolerance=0.0        mesh units; how far beyond it a reported pair may be. 0: 2^-30 of the "
          "scene\n"
-         "  certificates=True    leave out what certificates prove; never changes the answer\n"
-         "  ahead=True           let one search serve many steps while a motion goes straight on; never "
-         "changes the "
-         "answer\n"
-         "  earliest_only=False  only the pair with the earliest time of impact\n"
+         "  certificates=True    skip what certificates prove free; never changes the answer\n"
+         "  look_ahead=True      let one search cover several steps while a motion continues in straight "
+         "lines; never changes the answer\n"
+         "  earliest_only=False  find only the pair with the earliest time of impact\n"
          "  max_listed=10000000  list at most so many pairs of each kind in a step, those with the smallest "
          "ids; all are counted\n"
-         "  explain=False        say what certificates did\n"
+         "  explain=False        report what certificates proved\n"
          "  mode='proven'        or 'paper', which is STATISTICAL and can miss collisions\n"
-         "  miss_rate=0.01       mode 'paper': the share that may have been missed in training";
+         "  miss_rate=0.01       mode 'paper': the largest share of misses in training";
 }
 
 py::dict work_of(const Work& work) {

@@ -1,4 +1,4 @@
-// What implicit solvers ask.
+// Queries of implicit solvers.
 #include "foldproof/solver.h"
 
 #include <mutex>
@@ -9,14 +9,14 @@
 namespace foldproof::python {
 namespace {
 
-CollisionFilter filter_of(const py::object& groups, const py::object& apart) {
+CollisionFilter filter_of(const py::object& groups, const py::object& excluded) {
   if (groups.is_none()) {
-    if (!apart.is_none()) refuse("apart", "is given without groups", "give a group for each vertex");
+    if (!excluded.is_none()) refuse("excluded", "is given without groups", "give a group for each vertex");
     return {};
   }
   auto of_vertex = ids_of(groups, "groups", "group", 1, "V numbers");
-  if (apart.is_none()) return take(CollisionFilter::patches(std::move(of_vertex)));
-  const auto pairs = rows_of<2>(ids_of(apart, "apart", "group", 2, "K x 2 groups"));
+  if (excluded.is_none()) return take(CollisionFilter::patches(std::move(of_vertex)));
+  const auto pairs = rows_of<2>(ids_of(excluded, "excluded", "group", 2, "K x 2 groups"));
   return take(CollisionFilter::groups(std::move(of_vertex), pairs));
 }
 
@@ -28,20 +28,20 @@ std::vector<std::array<Index, N>> optional_rows(const py::object& x, const char*
 
 std::shared_ptr<CollisionMesh> make_mesh(const py::object& rest_positions, const py::object& edges,
                                          const py::object& faces, const py::object& groups,
-                                         const py::object& apart, bool points, Index leaf_triangles) {
+                                         const py::object& excluded, bool points, Index leaf_triangles) {
   const Numbers x = numbers_of(rest_positions, "rest_positions", {-1, 3}, "V x 3");
   CollisionMeshSettings settings;
-  settings.filter = filter_of(groups, apart);
+  settings.filter = filter_of(groups, excluded);
   settings.points = points;
   settings.hierarchy.leaf_triangles = leaf_triangles;
   auto edge_rows = optional_rows<2>(edges, "edges", "E x 2 vertex ids");
   auto face_rows = optional_rows<3>(faces, "faces", "F x 3 vertex ids");
-  const py::gil_scoped_release others_go_on;
+  const py::gil_scoped_release gil_released;
   return std::make_shared<CollisionMesh>(
       take(CollisionMesh::make(span_of(x), std::move(edge_rows), std::move(face_rows), std::move(settings))));
 }
 
-/// N ids a row, over memory that belongs to `owner`.
+/// A view of N ids per row, over memory that belongs to `owner`.
 template <std::size_t N, class Row>
 py::array rows_view(std::span<const Row> rows, const py::object& owner) {
   static_assert(sizeof(Row) == N * sizeof(Index));
@@ -55,7 +55,7 @@ py::array pairs_view(const std::vector<Pair>& pairs, const py::object& owner) {
   return rows_view<2>(std::span<const Pair>(pairs), owner);
 }
 
-/// A checker with a lock, as Python's own is not held while it works.
+/// A checker with a lock of its own, as it works without Python's.
 struct Solver {
   std::shared_ptr<CollisionMesh> mesh;
   ContactChecker checker;
@@ -70,12 +70,12 @@ struct Solver {
     return numbers_of(x, what, {vertices, 3}, ("V x 3 with V = " + std::to_string(vertices)).c_str());
   }
 
-  /// Asks without Python's lock.
-  template <class Ask>
-  auto ask(Ask question) {
-    const py::gil_scoped_release others_go_on;
+  /// Calls the checker without Python's lock.
+  template <class Query>
+  auto ask(Query query) {
+    const py::gil_scoped_release gil_released;
     const std::lock_guard lock(mutex);
-    return take(question(checker));
+    return take(query(checker));
   }
 };
 
@@ -109,16 +109,16 @@ bool step_is_free(Solver& self, const py::object& x0, const py::object& x1, doub
 void bind_mesh(py::module_& module) {
   py::class_<CollisionMesh, std::shared_ptr<CollisionMesh>>(
       module, "CollisionMesh",
-      "What may collide: faces, edges without a face, points without either. Never changed, shared by any "
-      "number of checkers.")
+      "What may collide: faces, edges without a face, points without either. Immutable; any number of "
+      "checkers may share it.")
       .def(
           py::init(&make_mesh), py::arg("rest_positions"), py::arg("edges") = py::none(),
           py::arg("faces") = py::none(), py::kw_only(), py::arg("groups") = py::none(),
-          py::arg("apart") = py::none(), py::arg("points") = true, py::arg("leaf_triangles") = 12,
+          py::arg("excluded") = py::none(), py::arg("points") = true, py::arg("leaf_triangles") = 12,
           "rest_positions: V x 3, mesh units. edges: E x 2, faces: F x 3 vertex ids; edges of faces that are "
           "missing are appended.\n\n"
-          "groups: V small numbers; vertices of groups that stand in a row of apart (K x 2) do not collide; "
-          "apart None: no group collides with itself. Two features may collide when any vertex of one may "
+          "groups: V small numbers; vertices whose groups are a row of excluded (K x 2) do not collide; "
+          "excluded None: no group collides with itself. Two features may collide when any vertex of one may "
           "collide with any of the other. points: vertices in no edge and no face collide. Error: wrong "
           "shapes, ids beyond V, an edge twice.")
       .def_property_readonly("vertex_count", &CollisionMesh::vertex_count, "V.")
@@ -127,7 +127,7 @@ void bind_mesh(py::module_& module) {
           [](const py::object& self) {
             return rows_view<2>(self.cast<const CollisionMesh&>().edges(), self);
           },
-          "E x 2 vertex ids, uint32: as given, then those of faces that were missing; read-only.")
+          "E x 2 vertex ids, uint32: the given edges, then the missing ones of faces; read-only.")
       .def_property_readonly(
           "faces",
           [](const py::object& self) {
@@ -150,7 +150,7 @@ void bind_mesh(py::module_& module) {
 
 void bind_candidates(py::module_& module) {
   py::class_<Candidates>(module, "Candidates",
-                         "Pairs of features that may be near each other: arrays n x 2, uint32, no row twice.")
+                         "Pairs of features that may be close: arrays n x 2, uint32, no row twice.")
       .def("__len__", &Candidates::size)
       .def_property_readonly(
           "vertex_face",
@@ -174,8 +174,8 @@ void bind_candidates(py::module_& module) {
 
 void bind_checker(py::module_& module) {
   py::class_<Solver>(module, "ContactChecker",
-                     "Answers what implicit solvers ask about one mesh, and keeps what it learned from call "
-                     "to call.\n\nCalls of one checker wait for each other; use one per thread.")
+                     "Answers the queries of implicit solvers about one mesh, and reuses the work of earlier "
+                     "calls.\n\nCalls of one checker wait for each other; use one per thread.")
       .def(py::init([](std::shared_ptr<CollisionMesh> mesh, bool certificates, double tolerance,
                        double conservative_rescaling) {
              return std::make_unique<Solver>(
@@ -183,7 +183,7 @@ void bind_checker(py::module_& module) {
            }),
            py::arg("mesh"), py::kw_only(), py::arg("certificates") = true, py::arg("tolerance") = 0.0,
            py::arg("conservative_rescaling") = 0.8,
-           "certificates: leave out what they prove in steps. tolerance: mesh units; 0: 2^-30 of the size of "
+           "certificates: skip what they prove in steps. tolerance: mesh units; 0: 2^-30 of the size of "
            "everything. conservative_rescaling: the share, in (0, 1], of the way to contact that a step may "
            "go.")
       .def(
@@ -191,22 +191,21 @@ void bind_checker(py::module_& module) {
           py::arg("min_distance") = 0.0,
           "A share of the step in [0, 1] that is proven free: step_towards(x0, x1, share) keeps farther than "
           "min_distance on the way.\n\n"
-          "x0, x1: V x 3, mesh units. limit tells what keeps it from going farther. Error: wrong shapes, "
-          "numbers that are not finite.")
+          "x0, x1: V x 3, mesh units. limit says why the share is not larger. Error: wrong shapes, numbers "
+          "that are not finite.")
       .def_property_readonly(
           "limit", [](const Solver& self) { return kStepLimitNames[static_cast<std::size_t>(self.limit)]; },
-          "What kept the last step size from being larger: 'none' (it is 1), 'contact' on the way, 'start' "
-          "(x0 itself is in contact, or too near: it is 0), or 'undecided' (no share could be proven free: "
-          "it "
-          "is 0).")
+          "Why the last step size is not larger: 'none' (it is 1), 'contact' on the way, 'start' (it is 0: "
+          "x0 "
+          "itself is in contact, or too close), or 'undecided' (it is 0: no share could be proven free).")
       .def("is_step_collision_free", &step_is_free, py::arg("x0"), py::arg("x1"),
            py::arg("min_distance") = 0.0,
-           "True: proven that no pair comes as near as min_distance while vertices go straight from x0 to "
+           "True: proven that no pair comes as close as min_distance while vertices move straight from x0 to "
            "x1.\n\nx0, x1: V x 3, mesh units. Error: as collision_free_step_size.")
       .def("candidates", &candidates_of, py::arg("x0"), py::arg("x1") = py::none(), py::kw_only(),
            py::arg("inflation"),
            "Every pair whose distance is <= inflation in the pose x0, or at some time of the step from x0 to "
-           "x1, and others near by.\n\nx0, x1: V x 3, mesh units. Error: as collision_free_step_size.")
+           "x1, and other close pairs.\n\nx0, x1: V x 3, mesh units. Error: as collision_free_step_size.")
       .def(
           "has_intersections",
           [](Solver& self, const py::object& x) {
@@ -223,11 +222,11 @@ void bind_checker(py::module_& module) {
             return self.ask([&](ContactChecker& c) { return c.minimum_distance(span_of(pose), bound); });
           },
           py::arg("x"), py::arg("bound"),
-          "The least distance of two features that may collide, mesh units; infinity when it is above "
+          "The smallest distance of two features that may collide, mesh units; infinity when it is above "
           "bound.\n\nx: V x 3, mesh units. Error: as collision_free_step_size.")
       .def_property_readonly(
           "work", [](const Solver& self) { return work_of(self.checker.work()); },
-          "What the last call did, in numbers.")
+          "The work of the last call, in numbers.")
       .def_property_readonly(
           "milliseconds", [](const Solver& self) { return milliseconds_of(self.checker.milliseconds()); },
           "Wall time of the last call: total, update, traverse, narrow.");
@@ -247,10 +246,10 @@ void bind_solver(py::module_& module) {
   bind_mesh(module);
   bind_candidates(module);
   bind_checker(module);
-  module.def(
-      "step_towards", &towards, py::arg("x0"), py::arg("x1"), py::arg("share"),
-      "Where a share of the way from x0 to x1 leads, rounded as ContactChecker.collision_free_step_size "
-      "has proven it; x1 itself for 1.\n\nx0, x1: V x 3.");
+  module.def("step_towards", &towards, py::arg("x0"), py::arg("x1"), py::arg("share"),
+             "The positions at a share of the step from x0 to x1, rounded as "
+             "ContactChecker.collision_free_step_size "
+             "assumes them; x1 itself for 1.\n\nx0, x1: V x 3.");
 }
 
 }  // namespace foldproof::python

@@ -10,7 +10,7 @@
 namespace foldproof::python {
 namespace {
 
-/// Objects that move together. A lock, as Python's own is not held while it works.
+/// Objects that move together, with a lock, since checks run without Python's lock.
 struct Checker {
   std::vector<Object> objects;
   std::optional<StepChecker> checker;
@@ -62,7 +62,7 @@ std::unique_ptr<StepResult> check(Checker& self, const py::object& x0, const py:
   const StepSettings step = step_settings(settings);
   const Pose from = pose_of(x0, "x0", self), to = pose_of(x1, "x1", self);
   auto result = std::make_unique<StepResult>();
-  const py::gil_scoped_release others_go_on;
+  const py::gil_scoped_release unlocked;
   const std::lock_guard lock(self.mutex);
   take(self.checker->check(from.spans, to.spans, step, *result));
   return result;
@@ -72,7 +72,7 @@ std::unique_ptr<StaticResult> check_static(Checker& self, const py::object& x, c
   const StepSettings step = step_settings(settings);
   const Pose pose = pose_of(x, "x", self);
   auto result = std::make_unique<StaticResult>();
-  const py::gil_scoped_release others_go_on;
+  const py::gil_scoped_release unlocked;
   const std::lock_guard lock(self.mutex);
   take(self.checker->check_static(pose.spans, step, *result));
   return result;
@@ -104,8 +104,8 @@ void bind_answer(Class& answer) {
   answer.def_property_readonly("clean", &Answer::clean, "Whether nothing collides.")
       .def_property_readonly(
           "work", [](const Answer& a) { return work_of(a.work); },
-          "What the query did, in numbers: node_tests, certificate_tests, certificate_passes, leaf_pairs, "
-          "candidates_vf, candidates_ee, undecided.")
+          "Work counters: node_tests, certificate_tests, certificate_passes, leaf_pairs, candidates_vf, "
+          "candidates_ee, undecided.")
       .def_property_readonly(
           "milliseconds", [](const Answer& a) { return milliseconds_of(a.milliseconds); },
           "Wall time: total, update, traverse, narrow.")
@@ -114,10 +114,9 @@ void bind_answer(Class& answer) {
           [](const py::object& self) { return explanation_of(self.cast<const Answer&>().explanation, self); },
           "With explain=True, per object a dict of 'level' (T, int8) and 'reason' (T, uint8; names in "
           "foldproof.REASONS); else empty.")
-      .def(
-          "colliding_faces", &colliding_faces_of<Answer>, py::arg("hierarchy"), py::arg("object") = 0,
-          "T booleans: the object's triangles that take part in a collision, those around a colliding vertex "
-          "or edge included.");
+      .def("colliding_faces", &colliding_faces_of<Answer>, py::arg("hierarchy"), py::arg("object") = 0,
+           "T booleans: the object's triangles that collide, including those around a colliding vertex or "
+           "edge.");
 }
 
 void bind_answers(py::module_& module) {
@@ -129,20 +128,19 @@ void bind_answers(py::module_& module) {
   step.def_property_readonly(
           "vertex_face",
           [](const py::object& self) { return view_of(self.cast<const StepResult&>().vertex_face, self); },
-          "Structured array: vertex_object, vertex, face_object, face (ids), toi (in [0, 1] of the step; "
-          "nothing "
-          "touches before), answer (HIT or UNDECIDED).")
+          "Structured array: vertex_object, vertex, face_object, face (ids), toi (in [0, 1] of the step; the "
+          "pair does not touch before), answer (HIT or UNDECIDED).")
       .def_property_readonly(
           "edge_edge",
           [](const py::object& self) { return view_of(self.cast<const StepResult&>().edge_edge, self); },
           "Structured array: object_a, a (2 vertex ids), object_b, b (2 vertex ids), toi, answer.")
       .def_readonly("vertex_face_count", &StepResult::vertex_face_count,
-                    "How many of vertex and face there are, listed (max_listed) or not.")
-      .def_readonly("edge_edge_count", &StepResult::edge_edge_count, "How many of two edges there are.")
-      .def_readonly("tolerance", &StepResult::tolerance, "The tolerance that was used, mesh units.")
-      .def_readonly("searched", &StepResult::searched,
-                    "For how many steps, this one included, pairs were searched; 0: an earlier search served "
-                    "this step.")
+                    "The number of vertex-face pairs, listed (max_listed) or not.")
+      .def_readonly("edge_edge_count", &StepResult::edge_edge_count, "The number of edge-edge pairs.")
+      .def_readonly("tolerance", &StepResult::tolerance, "The tolerance used, mesh units.")
+      .def_readonly("search_steps", &StepResult::search_steps,
+                    "How many steps the search of this step covers, this one included; 0: an earlier search "
+                    "covered it.")
       .def_readonly("earliest_toi", &StepResult::earliest_toi, "In [0, 1]; 1 when nothing collides.");
   py::class_<StaticResult> pose(module, "StaticResult",
                                 "Answer for one pose: every two triangles that cross.");
@@ -152,7 +150,7 @@ void bind_answers(py::module_& module) {
           [](const py::object& self) { return view_of(self.cast<const StaticResult&>().crossings, self); },
           "Structured array: object_a, triangle_a, object_b, triangle_b.")
       .def_readonly("crossing_count", &StaticResult::crossing_count,
-                    "How many there are, listed (max_listed) or not.");
+                    "The number of crossings, listed (max_listed) or not.");
 }
 
 }  // namespace
@@ -171,24 +169,22 @@ void bind_steps(py::module_& module) {
   for (std::size_t k = 0; k < kReasonNames.size(); ++k) reasons[k] = kReasonNames[k];
   module.attr("REASONS") = reasons;
   bind_answers(module);
-  py::class_<Checker>(
-      module, "StepChecker",
-      "Checks a fixed set of objects step by step, and keeps what it learned in earlier steps.\n\n"
-      "Steps of one checker wait for each other; use one checker per thread.")
+  py::class_<Checker>(module, "StepChecker",
+                      "Checks a fixed set of objects step by step, reusing results of earlier steps.\n\n"
+                      "Calls of one checker wait for each other; use one checker per thread.")
       .def(py::init(&make_checker), py::arg("objects"),
            "objects: a Hierarchy, a Model (its certificates are used from the first step on), or a list of "
            "them.")
       .def(
           "check", &check, py::arg("x0"), py::arg("x1"),
           with_settings(
-              "Every vertex-face and edge-edge pair that comes into contact while all vertices go straight "
-              "from "
-              "x0 to x1. No pair that touches is missing.\n\n"
+              "Every vertex-face and edge-edge pair that comes into contact while all vertices move along "
+              "straight lines from x0 to x1. No pair that touches is missing.\n\n"
               "x0, x1: V x 3 in mesh units, or a list of one array per object; float64 in C order is used in "
               "place. Error: wrong shapes, numbers that are not finite.")
               .c_str())
       .def("check_static", &check_static, py::arg("x"),
-           "Every two triangles that cross in the pose x (as in check), decided exactly.\n\n"
+           "Every two triangles that cross in the pose x (as in check), exact.\n\n"
            "settings: within, between, certificates, max_listed, explain. Error: as in check.");
 }
 

@@ -1,4 +1,4 @@
-/// Settings and answers of a step, shared by all that check.
+/// Conversion of step settings and answers, shared by all checkers.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -13,19 +13,19 @@
 
 namespace foldproof::python {
 
-/// The keyword arguments of a check. TypeError: one that is not known.
+/// Converts keyword arguments. TypeError: an unknown one.
 StepSettings step_settings(const py::kwargs& settings);
 
 py::dict work_of(const Work& work);
 py::dict milliseconds_of(const StageTimes& times);
 
-/// A list or tuple as it is, anything else as one item.
+/// A list or tuple unchanged, anything else as one item.
 py::list items_of(const py::object& one_or_several);
 
-/// Layouts that NumPy shows as fields. Registers them once.
+/// Registers the NumPy types of collisions. Call it once.
 void register_collision_types();
 
-/// The function `name` of a checker, with the documentation of the settings behind its own.
+/// `doc`, followed by the documentation of the settings.
 std::string with_settings(const char* doc);
 
 }  // namespace foldproof::python

@@ -73,7 +73,7 @@ def test_what_crosses_from_the_start_is_the_programs(triangles, frames, program,
     assert counted.starts_crossing == len(theirs) and len(counted.start_crossings) == 0
 
     steps = foldproof.check(motion, steps_only=True)
-    assert steps.clean and steps.starts_crossing is None and "was not asked" in repr(steps)
+    assert steps.clean and steps.starts_crossing is None and "was not tested" in repr(steps)
     assert foldproof.check(motion, static=True).starts_crossing is None
     with pytest.raises(foldproof.Error, match="steps_only: does not go with static"):
         foldproof.check(motion, static=True, steps_only=True)
@@ -108,7 +108,7 @@ def test_two_objects(triangles, frames):
     one = foldproof.Hierarchy(triangles, frames[0])
     step = foldproof.StepChecker([one, one]).check([frames[0], above], [frames[0], below], within=False)
     assert len(step.vertex_face) > 50
-    assert step.searched == 1
+    assert step.search_steps == 1
     assert set(step.vertex_face["vertex_object"]) == {0, 1}
     assert step.colliding_faces(one, 1).mean() > 0.9
     apart = foldproof.StepChecker([one, one]).check([frames[0], above], [frames[0], below], between=False)
@@ -161,7 +161,7 @@ def test_subspace(model):
     p = model.project(rolling([1.3])[0])
     assert p.shape == model.deviations.shape and model.basis.shape == (len(p), *model.mean.shape)
     shape = model.mean + np.tensordot(p, model.basis, axes=1)
-    assert np.allclose(model.rebuild(p), shape)
+    assert np.allclose(model.reconstruct(p), shape)
     assert model.coordinates.shape == (8, len(p))
     assert model.energy[-1] >= 0.999
 
@@ -172,8 +172,8 @@ def test_radius_is_the_programs(model, program, tmp_path):
     theirs = next(line.split()[1] for line in done.stdout.splitlines() if line.startswith("mean"))
     shape = foldproof.ReducedShape(model)
     assert shape.radius() == pytest.approx(float(theirs), rel=1e-3) and shape.radius() > 0
-    radius, left = shape.certified(at_least=2 * shape.radius())
-    assert radius > shape.radius() and len(left) > 0 and left["radius"].max() <= 2 * shape.radius()
+    radius, uncertified = shape.certified(at_least=2 * shape.radius())
+    assert radius > shape.radius() and len(uncertified) > 0 and uncertified["radius"].max() <= 2 * shape.radius()
 
 
 def test_reduced_checker_answers_as_the_full_one(model):
@@ -183,11 +183,11 @@ def test_reduced_checker_answers_as_the_full_one(model):
     turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
     p0, p1 = 0.3 * model.deviations, -1.5 * model.deviations
     collisions = 0
-    for begin, end in [([p0, (p0, None, [0, 0, 1])], [p0, (p0, None, [0.013, 0.017, -1])]),  # through it
+    for start, end in [([p0, (p0, None, [0, 0, 1])], [p0, (p0, None, [0.013, 0.017, -1])]),  # through it
                        ([p0, (p1, turn, [0, 0, 2])], [p1, (p0, turn, [1, 0, -2])]),
                        ([p0, (p1, turn, [0, 0, 500])], [p1, (p0, turn, [1, 0, 500])])]:
-        ours = reduced.check(begin, end)
-        ends = [[shape.positions(*(p if isinstance(p, tuple) else (p,))) for p in poses] for poses in (begin, end)]
+        ours = reduced.check(start, end)
+        ends = [[shape.positions(*(p if isinstance(p, tuple) else (p,))) for p in poses] for poses in (start, end)]
         truth = full.check(*ends, tolerance=ours.tolerance)
         assert np.array_equal(ours.vertex_face, truth.vertex_face) and np.array_equal(ours.edge_edge, truth.edge_edge)
         collisions += len(ours.edge_edge)

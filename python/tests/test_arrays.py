@@ -107,8 +107,8 @@ def test_errors_have_parts_and_are_value_errors(tmp_path):
         foldproof.load(missing)
     error = refused.value
     assert isinstance(error, foldproof.Error)
-    assert error.where == str(missing) and "No such file" in error.problem and error.mend
-    assert str(error) == f"{error.where}: {error.problem}; {error.mend}"
+    assert error.where == str(missing) and "No such file" in error.problem and error.remedy
+    assert str(error) == f"{error.where}: {error.problem}; {error.remedy}"
 
 
 def test_a_file_name_need_not_be_text(tmp_path):

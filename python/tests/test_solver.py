@@ -42,7 +42,7 @@ def test_candidates_are_all_pairs_when_inflation_is_large():
     assert len(near) == 18 + share + 6 + 3
 
 
-def test_groups_keep_apart():
+def test_excluded_groups():
     x, edges, faces = cloth_and_points(np.random.default_rng(3))
     groups = [0] * 6 + [1] * 6
 
@@ -51,9 +51,9 @@ def test_groups_keep_apart():
 
     assert len(near(groups=groups).vertex_vertex) == 0  # no group with itself
     assert (near(groups=groups).vertex_face[:, 0] >= 6).all()
-    assert len(near(groups=groups, apart=[[0, 1]]).edge_vertex) == 6
-    assert (near(groups=groups, apart=[[0, 1]]).vertex_face[:, 0] < 6).all()
-    assert len(near(groups=groups, apart=[[0, 0], [0, 1], [1, 1]])) == 0
+    assert len(near(groups=groups, excluded=[[0, 1]]).edge_vertex) == 6
+    assert (near(groups=groups, excluded=[[0, 1]]).vertex_face[:, 0] < 6).all()
+    assert len(near(groups=groups, excluded=[[0, 0], [0, 1], [1, 1]])) == 0
 
 
 @pytest.mark.parametrize("certificates", [True, False])
@@ -101,7 +101,7 @@ def test_refuses():
     checker = foldproof.ContactChecker(mesh)
     for bad in (lambda: foldproof.CollisionMesh(x, [[0, 12]]), lambda: foldproof.CollisionMesh(x, [[0, 1], [1, 0]]),
                 lambda: foldproof.CollisionMesh(x, edges, faces, groups=[0, 1]),
-                lambda: foldproof.CollisionMesh(x, edges, faces, apart=[[0, 0]]),
+                lambda: foldproof.CollisionMesh(x, edges, faces, excluded=[[0, 0]]),
                 lambda: foldproof.CollisionMesh(x, [[0.5, 1]]), lambda: foldproof.CollisionMesh(x, faces=[[0, -1, 2]]),
                 lambda: checker.candidates(x, inflation=-1), lambda: checker.is_step_collision_free(x, x[:3]),
                 lambda: checker.minimum_distance(x * np.nan, 1)):

@@ -3,7 +3,7 @@
 namespace foldproof {
 
 std::string Error::line() const {
-  std::string text = where + ": " + problem + "; " + mend;
+  std::string text = where + ": " + problem + "; " + remedy;
   for (char& c : text) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte < 0x20 || byte == 0x7f) c = '?';

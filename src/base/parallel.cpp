@@ -7,16 +7,16 @@
 #include <set>
 #include <system_error>
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
-// The threads of the whole process. Loops take what is free of them, so that loops inside loops find none
-// left and run on the thread that they were started from.
-class Threads {
+// The threads that the process may run. A loop acquires those that are free, so a nested loop finds none and
+// runs on the thread that starts it.
+class ThreadBudget {
  public:
-  static Threads& of_process() {
-    static Threads threads;
-    return threads;
+  static ThreadBudget& instance() {
+    static ThreadBudget budget;
+    return budget;
   }
 
   void add_limit(int limit) {
@@ -32,38 +32,37 @@ class Threads {
     return allowed();
   }
 
-  /// How many of `wanted` threads may be started beside the caller's.
-  int take(std::size_t wanted) {
+  /// Returns how many threads, at most `wanted`, may be started beside the caller's.
+  int acquire(std::size_t wanted) {
     const std::lock_guard lock(mutex_);
-    const int free = std::max(0, allowed() - 1 - helping_);
-    const int taken = static_cast<int>(std::min<std::size_t>(wanted, static_cast<std::size_t>(free)));
-    helping_ += taken;
-    return taken;
+    const int free = std::max(0, allowed() - 1 - helpers_);
+    const int acquired = static_cast<int>(std::min<std::size_t>(wanted, static_cast<std::size_t>(free)));
+    helpers_ += acquired;
+    return acquired;
   }
-  void give_back(int taken) {
+  void release(int acquired) {
     const std::lock_guard lock(mutex_);
-    helping_ -= taken;
+    helpers_ -= acquired;
   }
 
  private:
-  // Enough to meet each other on any machine: the thread sanitizer finds races only between threads that
-  // there are.
-  static constexpr unsigned kLeast = 4;
+  // The thread sanitizer needs several threads to find races, whatever the machine has.
+  static constexpr unsigned kMinThreads = 4;
 
-  int allowed() const { return limits_.empty() ? most_ : *limits_.begin(); }
+  int allowed() const { return limits_.empty() ? max_threads_ : *limits_.begin(); }
 
   mutable std::mutex mutex_;
-  const int most_ = static_cast<int>(std::max(kLeast, std::thread::hardware_concurrency()));
+  const int max_threads_ = static_cast<int>(std::max(kMinThreads, std::thread::hardware_concurrency()));
   std::multiset<int> limits_;
-  int helping_ = 0;  // beside the threads that started loops
+  int helpers_ = 0;  // threads in use beside those that started loops
 };
 
-// One loop: its iterations in turn, and the first exception of one.
+// One loop: hands out its iterations and keeps the first exception.
 class Loop {
  public:
   Loop(std::size_t count, const std::function<void(std::size_t)>& body) : count_(count), body_(body) {}
 
-  void take_part() noexcept {
+  void run_iterations() noexcept {
     try {
       for (std::size_t k; (k = next_.fetch_add(1, kNoOrder)) < count_;) body_(k);
     } catch (...) {
@@ -77,8 +76,8 @@ class Loop {
   }
 
  private:
-  // An order between iterations would hide races from the sanitizer; starting and joining threads gives all
-  // that is needed.
+  // Stronger ordering between iterations would hide races from the sanitizer; starting and joining threads
+  // synchronizes enough.
   static constexpr auto kNoOrder = std::memory_order_relaxed;
   const std::size_t count_;
   const std::function<void(std::size_t)>& body_;
@@ -89,8 +88,8 @@ class Loop {
 
 }  // namespace
 
-ThreadLimit::ThreadLimit(int threads) : threads_(threads) { Threads::of_process().add_limit(threads); }
-ThreadLimit::~ThreadLimit() { Threads::of_process().remove_limit(threads_); }
+ThreadLimit::ThreadLimit(int threads) : threads_(threads) { ThreadBudget::instance().add_limit(threads); }
+ThreadLimit::~ThreadLimit() { ThreadBudget::instance().remove_limit(threads_); }
 
 LastLocal& last_local() {
   thread_local LastLocal last;
@@ -102,31 +101,31 @@ std::uint64_t new_local_id() {
   return ++last;
 }
 
-int thread_count() { return Threads::of_process().count(); }
+int thread_count() { return ThreadBudget::instance().count(); }
 
 void run_in_parallel(std::size_t count, const std::function<void(std::size_t)>& body) {
   if (count == 0) return;
-  Threads& threads = Threads::of_process();
-  const int helpers = threads.take(count - 1);
+  ThreadBudget& budget = ThreadBudget::instance();
+  const int helpers = budget.acquire(count - 1);
   Loop loop(count, body);
   {
-    std::vector<std::jthread> helping;  // joined at the end of the block
+    std::vector<std::jthread> threads;  // joined at the end of the block
     try {
-      for (int k = 0; k < helpers; ++k) helping.emplace_back([&] { loop.take_part(); });
+      for (int k = 0; k < helpers; ++k) threads.emplace_back([&] { loop.run_iterations(); });
     } catch (const std::exception&) {
-      // The system gives no more threads: those that there are do the work.
+      // The system starts no more threads: those that run do the work.
     }
-    loop.take_part();
+    loop.run_iterations();
   }
-  threads.give_back(helpers);
+  budget.release(helpers);
   loop.rethrow();
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal
 
 #elif defined(FOLDPROOF_THREADS_SERIAL)
 
-namespace foldproof {
+namespace foldproof::internal {
 
 ThreadLimit::ThreadLimit(int threads) : threads_(threads) {}
 ThreadLimit::~ThreadLimit() = default;
@@ -137,6 +136,6 @@ void run_in_parallel(std::size_t count, const std::function<void(std::size_t)>& 
   for (std::size_t k = 0; k < count; ++k) body(k);
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal
 
 #endif

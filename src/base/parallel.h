@@ -1,11 +1,10 @@
-/// Everything that the project uses of threads: parallel loops, a value for each thread, how many threads
-/// there are. FOLDPROOF_THREADS chooses at build time what runs them: oneTBB (tbb), std::thread (std) or
-/// nothing (serial).
+/// The project's threading: parallel loops, a value per thread, the number of threads. FOLDPROOF_THREADS
+/// chooses the implementation at build time: oneTBB (tbb), std::thread (std) or none (serial).
 ///
-/// For all loops: iterations run in any order, some at the same time, and the caller takes part. Loops may
-/// stand inside loops. When an iteration throws, those that run are finished, the others left out, and one of
-/// the exceptions comes to the caller. Each iteration calculates plainly (base/plain_arithmetic.h): oneTBB
-/// runs tasks in the mode that their arena was made in, whatever that of their caller is.
+/// For all loops: iterations run in any order and concurrently; the calling thread takes part. Loops may be
+/// nested. When an iteration throws, running iterations finish, the rest are skipped, and the caller gets one
+/// of the exceptions. Each iteration holds a PlainArithmetic: oneTBB runs tasks in the floating-point mode in
+/// which their arena was made, not in that of the caller.
 #pragma once
 
 #include <algorithm>
@@ -31,12 +30,12 @@
 #include <thread>
 #endif
 #else
-#error "link the target foldproof_threads, which says what runs threads"
+#error "link the target foldproof_threads, which chooses the threads' implementation"
 #endif
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// The indices from `begin` up to, but without, `end`.
+/// The indices [begin, end).
 struct IndexRange {
   std::size_t begin, end;
   std::size_t size() const { return end - begin; }
@@ -53,7 +52,7 @@ void parallel_for(Integer begin, Integer end, const Body& body) {
   });
 }
 
-/// body(IndexRange) for blocks that together are `range`, of about `grain` indices or more.
+/// body(IndexRange) for blocks of about `grain` indices or more, which together are `range`.
 template <class Body>
 void parallel_for(IndexRange range, std::size_t grain, const Body& body) {
   using Block = tbb::blocked_range<std::size_t>;
@@ -63,8 +62,8 @@ void parallel_for(IndexRange range, std::size_t grain, const Body& body) {
   });
 }
 
-/// body(IndexRange, Value) adds a block to a value, which begins with `identity`; combine(Value, Value) joins
-/// the values of a block and of the one behind it. The same in every run only if `combine` is associative.
+/// body(IndexRange, Value) adds a block to a value that starts as `identity`; combine(Value, Value) merges
+/// the values of two adjacent blocks. The result is the same in every run only if `combine` is associative.
 template <class Value, class Body, class Combine>
 Value parallel_reduce(IndexRange range, std::size_t grain, const Value& identity, const Body& body,
                       const Combine& combine) {
@@ -78,15 +77,15 @@ Value parallel_reduce(IndexRange range, std::size_t grain, const Value& identity
       combine);
 }
 
-/// A T for each thread, made when the thread first asks: PerThread<T>() or PerThread<T>(make), where make()
-/// gives a T. local() is the caller's own; begin() and end() visit all, when no loop runs. A body that starts
-/// a loop of its own must not keep local() across it: meanwhile this thread may run another iteration of the
-/// outer loop.
+/// A T per thread, made on the thread's first call of local(): PerThread<T>() or PerThread<T>(make), where
+/// make() returns a T. begin() and end() visit all of them; no loop may be running. A body that starts a loop
+/// of its own must not keep local() across it: this thread may run another iteration of the outer loop
+/// meanwhile.
 template <class T>
 using PerThread = tbb::enumerable_thread_specific<T>;
 
-/// At most so many threads (1 or more) in the whole process, for as long as it lives. Of several limits the
-/// smallest counts.
+/// Limits the whole process to this many threads (1 or more) during its lifetime. Of several limits the
+/// smallest applies.
 class ThreadLimit {
  public:
   explicit ThreadLimit(int threads)
@@ -96,13 +95,13 @@ class ThreadLimit {
   tbb::global_control control_;
 };
 
-/// How many threads a loop started here may have.
+/// How many threads a loop that is started here may use.
 inline int thread_count() {
   const auto limit = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   return std::min(tbb::this_task_arena::max_concurrency(), static_cast<int>(limit));
 }
 
-#else  // the same without oneTBB; what it means is said above
+#else  // the same without oneTBB; documented above
 
 class ThreadLimit {
  public:
@@ -117,7 +116,7 @@ class ThreadLimit {
 
 int thread_count();
 
-/// body(k) for each k below `count`, each taken by the next thread that is free.
+/// body(k) for each k below `count`, each on the next free thread.
 void run_in_parallel(std::size_t count, const std::function<void(std::size_t)>& body);
 
 template <class Integer, class Body>
@@ -155,8 +154,8 @@ Value parallel_reduce(IndexRange range, std::size_t grain, const Value& identity
 }
 
 #if defined(FOLDPROOF_THREADS_STD)
-/// What a thread was given last, by which PerThread. Looked at without a lock, which would put the threads'
-/// iterations in an order and so hide races from the sanitizer.
+/// The value that this thread used last, and the PerThread that owns it. Read without a lock: a lock would
+/// order the threads' iterations and so hide races from the sanitizer.
 struct LastLocal {
   std::uint64_t owner = 0;
   void* value = nullptr;
@@ -189,7 +188,7 @@ class PerThread {
 
  private:
   std::function<T()> make_;
-  std::deque<T> values_;  // which stay where they are when more come
+  std::deque<T> values_;  // keeps addresses when it grows
 #if defined(FOLDPROOF_THREADS_STD)
   const std::uint64_t id_ = new_local_id();
   std::mutex mutex_;
@@ -199,4 +198,4 @@ class PerThread {
 
 #endif
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

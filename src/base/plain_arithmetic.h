@@ -1,6 +1,6 @@
-/// Arithmetic as every proof assumes it: rounded to nearest, denormal numbers kept, nothing trapped
-/// (docs/soundness.md, "Arithmetic"). A program may have set its threads otherwise; one that is linked with
-/// -ffast-math does so before it begins.
+/// The floating-point mode that every proof assumes: rounding to nearest, denormals kept, no traps
+/// (docs/soundness.md, "Arithmetic"). A program may run its threads in another mode; linking with -ffast-math
+/// sets one before main().
 #pragma once
 
 #if defined(__SSE2__)
@@ -9,18 +9,19 @@
 #include <cfenv>
 #endif
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// While it lives, this thread calculates plainly; afterwards as it did before. For every function that the
-/// library's users call, and every task of another thread (base/parallel.h). Costs a few nanoseconds.
+/// Scope guard: sets the mode for this thread and restores the previous one. Every function that users of the
+/// library call holds one, and so does every task of another thread (base/parallel.h). Costs a few
+/// nanoseconds.
 class PlainArithmetic {
  public:
 #if defined(__SSE2__)
-  PlainArithmetic() : before_(_mm_getcsr()), other_((before_ & ~kRaised) != kPlain) {
-    if (other_) _mm_setcsr(kPlain);
+  PlainArithmetic() : before_(_mm_getcsr()), changes_mode_((before_ & ~kRaised) != kPlain) {
+    if (changes_mode_) _mm_setcsr(kPlain);
   }
   ~PlainArithmetic() {
-    if (other_) _mm_setcsr(before_);
+    if (changes_mode_) _mm_setcsr(before_);
   }
 #else
   PlainArithmetic() {
@@ -34,12 +35,13 @@ class PlainArithmetic {
 
  private:
 #if defined(__SSE2__)
-  static constexpr unsigned kRaised = 0x3f, kPlain = 0x1f80;  // what has happened; how a program starts
+  // Bits of MXCSR: the exception flags, and the mode in which a program starts.
+  static constexpr unsigned kRaised = 0x3f, kPlain = 0x1f80;
   unsigned before_;
-  bool other_;
+  bool changes_mode_;
 #else
   std::fenv_t before_;
 #endif
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

@@ -1,9 +1,9 @@
-/// Times of stages.
+/// Wall times of stages.
 #pragma once
 
 #include <chrono>
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
 class Stopwatch {
  public:
@@ -19,4 +19,4 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

@@ -1,8 +1,8 @@
-/// Boxes in bytes on the grid of a leaf (docs/soundness.md, B4). Included once per instruction set, as
-/// Highway has it.
+/// Boxes of features, quantized to bytes on the grid of a leaf (docs/soundness.md, B4). Highway includes this
+/// file once per instruction set.
 #include <cstring>
 
-#include "bvh/kinetic.h"
+#include "bvh/kinetic_bvh.h"
 
 #if defined(FOLDPROOF_BVH_GRID_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FOLDPROOF_BVH_GRID_H
@@ -17,33 +17,33 @@ HWY_BEFORE_NAMESPACE();
 namespace foldproof::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// One box: lower corner, then upper corner, both at both ends, as MovingVertex has them.
+/// One box: lower corner, then upper corner, each at both ends of the step and laid out like MovingVertex.
 struct alignas(16) ByteBox {
   std::uint8_t x[2][8];
 };
 
-/// The box, `margin` larger, on a grid. B4 needs the place to be a monotone function of the coordinate: it is
-/// clamped to [0, 255] as a float, where both conversions are exact on the integer part. Converting first is
-/// not monotone: Highway 1.0.3 takes 32768 to 0 on AVX2.
+/// Quantizes the box, enlarged by `margin`. B4 needs the cell to be a monotone function of the coordinate: it
+/// is clamped to [0, 255] as a float, where both conversions are exact on the integer part. Converting first
+/// is not monotone: Highway 1.0.3 converts 32768 to 0 on AVX2.
 template <class T, class Floats = hn::Vec<T>>
-HWY_INLINE void PlaceOnGrid(T d, Floats lower, Floats upper, float margin, const LeafGrid& grid,
-                            std::size_t lane, ByteBox& out) {
+HWY_INLINE void Quantize(T d, Floats lower, Floats upper, float margin, const LeafGrid& grid,
+                         std::size_t lane, ByteBox& out) {
   const hn::Rebind<std::int32_t, T> di;
   const hn::Rebind<std::uint8_t, T> d8;
-  const auto place = [&](Floats x) {
+  const auto cell = [&](Floats x) {
     const auto steps = hn::Mul(hn::Sub(x, hn::Load(d, grid.origin + lane)), hn::Load(d, grid.scale + lane));
     const auto clamped = hn::Min(hn::Max(steps, hn::Zero(d)), hn::Set(d, 255.0f));
     return hn::DemoteTo(d8, hn::ConvertTo(di, clamped));
   };
   const auto m = hn::Set(d, margin);
-  hn::StoreU(place(hn::Sub(lower, m)), d8, out.x[0] + lane);
-  hn::StoreU(place(hn::Add(upper, m)), d8, out.x[1] + lane);
+  hn::StoreU(cell(hn::Sub(lower, m)), d8, out.x[0] + lane);
+  hn::StoreU(cell(hn::Add(upper, m)), d8, out.x[1] + lane);
 }
 
 /// The box of a feature with N vertices.
 template <int N>
-HWY_INLINE void PlaceFeature(const MovingVertex* vertices, const IdBlock<N>& ids, int feature, float margin,
-                             const LeafGrid& grid, ByteBox& out) {
+HWY_INLINE void QuantizeFeature(const MovingVertex* vertices, const IdBlock<N>& ids, int feature,
+                                float margin, const LeafGrid& grid, ByteBox& out) {
   const hn::CappedTag<float, 8> d;
   for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
     auto lower = hn::Load(d, vertices[ids.v[0][feature]].x + lane), upper = lower;
@@ -52,26 +52,26 @@ HWY_INLINE void PlaceFeature(const MovingVertex* vertices, const IdBlock<N>& ids
       lower = hn::Min(lower, p);
       upper = hn::Max(upper, p);
     }
-    PlaceOnGrid(d, lower, upper, margin, grid, lane, out);
+    Quantize(d, lower, upper, margin, grid, lane, out);
   }
 }
 
 /// The box of a node.
-HWY_INLINE void PlaceBox(const KineticBox& box, float margin, const LeafGrid& grid, ByteBox& out) {
+HWY_INLINE void QuantizeBox(const KineticBox& box, float margin, const LeafGrid& grid, ByteBox& out) {
   const hn::CappedTag<float, 4> d;
   for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
     const auto lower = hn::Load(d, box.x[lane / 4][0] + lane % 4);
     const auto upper = hn::Neg(hn::Load(d, box.x[lane / 4][1] + lane % 4));
-    PlaceOnGrid(d, lower, upper, margin, grid, lane, out);
+    Quantize(d, lower, upper, margin, grid, lane, out);
   }
 }
 
-/// Bit k is set unless the box is apart from lane k of a block on the same grid.
+/// Bit k is set unless the box is separated from lane k of a block on the same grid.
 HWY_INLINE std::uint32_t NearLanes(const ByteBox& one, const BoxBlock& block) {
   const hn::CappedTag<std::uint8_t, kBlock> d;
   std::uint32_t near = 0;
   for (std::size_t lane = 0; lane < kBlock; lane += hn::Lanes(d)) {
-    auto apart = hn::Zero(d);
+    auto separation = hn::Zero(d);
     for (int axis = 0; axis < 3; ++axis) {
       const auto above = [&](int end) {
         return hn::SaturatedSub(hn::Load(d, block.x[0][end][axis] + lane),
@@ -81,10 +81,10 @@ HWY_INLINE std::uint32_t NearLanes(const ByteBox& one, const BoxBlock& block) {
         return hn::SaturatedSub(hn::Set(d, one.x[0][4 * end + axis]),
                                 hn::Load(d, block.x[1][end][axis] + lane));
       };
-      apart = hn::Or(apart, hn::Or(hn::Min(above(0), above(1)), hn::Min(below(0), below(1))));
+      separation = hn::Or(separation, hn::Or(hn::Min(above(0), above(1)), hn::Min(below(0), below(1))));
     }
     std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, hn::Eq(apart, hn::Zero(d)), bits);
+    hn::StoreMaskBits(d, hn::Eq(separation, hn::Zero(d)), bits);
     std::uint32_t some;
     std::memcpy(&some, bits, 4);
     near |= some << lane;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/plain_arithmetic.h"
+#include "base/try.h"
 #include "bvh/split.h"
 
 namespace foldproof {
@@ -11,14 +12,14 @@ namespace {
 
 Result<void> check_positions(const Topology& topology, std::span<const double> positions) {
   if (positions.size() != 3 * std::size_t{topology.vertex_count()}) {
-    return fail("positions",
+    return fail(ErrorCode::InvalidArgument, "positions",
                 fmt::format("{} numbers for {} vertices", positions.size(), topology.vertex_count()),
                 "give three coordinates per vertex");
   }
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (!std::isfinite(positions[i])) {
-      return fail(fmt::format("vertex {}", i / 3), "has a coordinate that is not finite",
-                  "repair the positions");
+      return fail(ErrorCode::NonFinite, fmt::format("vertex {}", i / 3),
+                  "has a coordinate that is not finite", "repair the positions");
     }
   }
   return {};
@@ -29,12 +30,12 @@ Result<void> check_positions(const Topology& topology, std::span<const double> p
 Result<Hierarchy> Hierarchy::build(Topology topology, std::span<const double> positions,
                                    const HierarchySettings& settings) {
   const PlainArithmetic plain;
-  if (auto ok = check_positions(topology, positions); !ok) return tl::unexpected(ok.error());
+  FOLDPROOF_TRY(check_positions(topology, positions));
   Hierarchy tree;
   tree.topology_ = std::move(topology);
   SplitSurface split = split_surface(tree.topology_, positions, std::max<Index>(settings.leaf_triangles, 1));
   tree.triangle_ids_ = std::move(split.triangle_ids);
-  tree.plant(split.leaf_sizes);
+  tree.build_nodes(split.leaf_sizes);
   tree.assign_owners();
   return tree;
 }
@@ -48,22 +49,27 @@ Result<Hierarchy> Hierarchy::from_parts(Topology topology, std::vector<Index> tr
     permutation = triangle_ids[k] < count && !seen[triangle_ids[k]];
     if (permutation) seen[triangle_ids[k]] = true;
   }
-  if (!permutation) return fail("triangle order", "does not name every triangle once", "build it anew");
+  if (!permutation)
+    return fail(ErrorCode::InvalidMesh, "triangle order", "does not name every triangle once",
+                "build it again");
   Hierarchy tree;
   tree.topology_ = std::move(topology);
   tree.triangle_ids_ = std::move(triangle_ids);
-  if (!tree.plant(leaf_sizes)) return fail("nodes", "do not form a tree over the triangles", "build it anew");
+  if (!tree.build_nodes(leaf_sizes))
+    return fail(ErrorCode::InvalidMesh, "nodes", "do not form a tree over the triangles", "build it again");
   tree.assign_owners();
   return tree;
 }
 
-// Nodes and leaves from the number of triangles per node in depth-first order. False when they are no tree.
-bool Hierarchy::plant(std::span<const Index> leaf_sizes) {
+// Makes nodes and leaves from the number of triangles per node in depth-first order. Returns false when they
+// do not form a tree.
+bool Hierarchy::build_nodes(std::span<const Index> leaf_sizes) {
   const std::size_t count = topology_.triangles().size();
-  std::size_t planted = 0;
+  std::size_t triangles_before = 0;
   std::vector<Index> open;  // inner nodes whose right child is still to come
   for (Index id = 0; id < leaf_sizes.size(); ++id) {
-    if (id > 0 && nodes_[id - 1].leaf_begin != leaves_.size()) {  // what precedes is a leaf, not the parent
+    if (id > 0 &&
+        nodes_[id - 1].leaf_begin != leaves_.size()) {  // the previous node is a leaf, not the parent
       if (open.empty()) return false;
       nodes_[open.back()].right = id;
       open.pop_back();
@@ -75,18 +81,18 @@ bool Hierarchy::plant(std::span<const Index> leaf_sizes) {
       open.push_back(id);
       continue;
     }
-    if (leaf_sizes[id] > count - planted) return false;
-    leaves_.push_back({static_cast<Index>(planted), 0, 0});
-    planted += leaf_sizes[id];
+    if (leaf_sizes[id] > count - triangles_before) return false;
+    leaves_.push_back({static_cast<Index>(triangles_before), 0, 0});
+    triangles_before += leaf_sizes[id];
   }
-  if (nodes_.empty() || !open.empty() || planted != count || leaf_sizes.back() == 0) return false;
+  if (nodes_.empty() || !open.empty() || triangles_before != count || leaf_sizes.back() == 0) return false;
   leaves_.push_back({static_cast<Index>(count), 0, 0});
-  close_ranges();
+  compute_leaf_ranges();
   return true;
 }
 
-// Children stand after their parents, so one sweep from the back closes every range of leaves.
-void Hierarchy::close_ranges() {
+// Children follow their parents, so one backward sweep sees every child before its parent.
+void Hierarchy::compute_leaf_ranges() {
   for (std::size_t i = nodes_.size(); i-- > 0;) {
     Node& node = nodes_[i];
     node.leaf_end = node.is_leaf() ? node.leaf_begin + 1 : nodes_[node.right].leaf_end;
@@ -94,7 +100,7 @@ void Hierarchy::close_ranges() {
 }
 
 void Hierarchy::assign_owners() {
-  std::vector<Index> vertex_place(topology_.vertex_count(), kNoIndex);
+  std::vector<Index> leaf_order(topology_.vertex_count(), kNoIndex);
   std::vector<bool> edge_owned(topology_.edges().size(), false);
   const auto all_triangles = topology_.triangles();
   const auto sides = topology_.triangle_edges();
@@ -106,12 +112,12 @@ void Hierarchy::assign_owners() {
       const Index id = triangle_ids_[k];
       Triangle local;
       for (int c = 0; c < 3; ++c) {
-        Index& place = vertex_place[all_triangles[id][c]];
-        if (place == kNoIndex) {
-          place = static_cast<Index>(vertex_ids_.size());
+        Index& vertex = leaf_order[all_triangles[id][c]];
+        if (vertex == kNoIndex) {
+          vertex = static_cast<Index>(vertex_ids_.size());
           vertex_ids_.push_back(all_triangles[id][c]);
         }
-        local[c] = place;
+        local[c] = vertex;
         const Index edge = sides[id][c];
         if (edge != kNoIndex && !edge_owned[edge]) {
           edge_owned[edge] = true;
@@ -126,7 +132,7 @@ void Hierarchy::assign_owners() {
   edges_.reserve(edge_ids_.size());
   for (const Index id : edge_ids_) {
     const Edge& edge = topology_.edges()[id];
-    edges_.push_back({vertex_place[edge[0]], vertex_place[edge[1]]});
+    edges_.push_back({leaf_order[edge[0]], leaf_order[edge[1]]});
   }
 }
 

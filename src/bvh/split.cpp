@@ -8,41 +8,43 @@
 
 #include "base/parallel.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
-// Pieces of at most that size are cut up by one thread each.
-constexpr Index kPieceOfThread = 1 << 14;
-// Halves are mended so often before their fragments are looked for.
-constexpr int kMostMendings = 4;
-// Each half has at least one in so many of a piece's triangles.
-constexpr Index kMostUneven = 32;
+// Pieces of at most this size are split by one task each.
+constexpr Index kPiecePerTask = 1 << 14;
+// Rounds of repair of two halves before the search for their fragments.
+constexpr int kMaxRepairs = 4;
+// Each half has at least 1 / kMaxImbalance of a piece's triangles.
+constexpr Index kMaxImbalance = 32;
 constexpr std::size_t kBuckets = 64;
 constexpr float kFar = std::numeric_limits<float>::max();
 
-/// Where a triangle's neighbours stand.
-struct Neighbours {
+/// A triangle's neighbors: a range of Surface::neighbor and Surface::length.
+struct Neighbors {
   Index begin, end;
 };
 
-/// Triangles with their neighbours over edges. A piece is a run of them and numbers its own from 0.
+/// The dual graph: triangles with their neighbors over edges. A piece is a run of triangles, which it numbers
+/// from 0.
 struct Surface {
   std::vector<Index> ids;  // the user's
-  std::vector<Neighbours> neighbours;
-  std::vector<Index> to;      // in the piece
-  std::vector<float> length;  // from centre to centre
-  std::vector<float> far;     // over the surface, from one end of the piece
+  std::vector<Neighbors> neighbors;
+  std::vector<Index> neighbor;  // in the piece
+  std::vector<float> length;    // from center to center
+  std::vector<float> distance;  // over the surface, from one end of the piece
 };
 
 struct Piece {
   Index begin, end;
-  bool measured;  // it hangs together, and `far` is known
+  bool measured;  // it is connected, and `distance` is known
   Index size() const { return end - begin; }
 };
 
-/// A half of a piece that is being cut.
+/// The half of a piece to which a triangle belongs.
 enum Side : std::uint8_t { kLeft, kRight, kReachedLeft, kReachedRight };
 
+/// Centers of triangles.
 class Centers {
  public:
   Centers(const Topology& topology, std::span<const double> positions)
@@ -51,7 +53,7 @@ class Centers {
     for (const double x : positions) largest = std::max(largest, std::abs(x));
     if (std::isnormal(1 / largest)) scale_ = 1 / largest;
   }
-  /// In units that no sum of them leaves.
+  /// Scaled so that sums do not overflow.
   Vec3 of(Index triangle) const {
     Vec3 sum = Vec3::Zero();
     for (const Index v : triangles_[triangle])
@@ -65,39 +67,41 @@ class Centers {
   double scale_ = 1;
 };
 
-/// Cuts pieces into halves that are connected where the surface is: by the difference of the distances over
+/// Splits pieces into halves that are connected where the surface is: by the difference of the distances over
 /// the surface from two far ends of the piece. Going towards the first end never raises that difference, so
-/// the part below any threshold hangs together, and so does the rest; but for dead ends, all of one
-/// difference, that a threshold cuts: what it cuts off goes to the other half. For the same reason the
-/// shortest way to an end stays in that end's half, whose distances need not be measured again. Scratch: one
-/// per thread.
-class Cutter {
+/// the part below any threshold is connected, and so is the rest. The exception are dead ends of equal
+/// difference that the threshold splits: the fragment that is cut off goes to the other half. For the same
+/// reason a shortest path to an end stays in that end's half, whose distances need not be measured again.
+/// Scratch: one per thread.
+class Splitter {
  public:
-  explicit Cutter(const Centers& centers) : centers_(centers), buckets_(kBuckets) {}
+  explicit Splitter(const Centers& centers) : centers_(centers), buckets_(kBuckets) {}
 
-  /// Cuts a piece of `from` into two, about `left` triangles in the first, which stand in `to` then.
-  std::array<Piece, 2> cut(const Piece& piece, Index left, Surface& from, Surface& to) {
+  /// Splits a piece of `from`, with about `left` triangles in the first half. Writes both halves to `to`.
+  std::array<Piece, 2> split(const Piece& piece, Index left, Surface& from, Surface& to) {
     from_ = &from;
     piece_ = piece;
-    neighbours_ = std::span(from.neighbours).subspan(piece.begin, piece.size());
+    neighbors_ = std::span(from.neighbors).subspan(piece.begin, piece.size());
     side_.assign(piece.size(), kLeft);
-    return move(to, choose_sides(left));
+    return write_halves(to, choose_sides(left));
   }
 
  private:
   Index size() const { return piece_.size(); }
-  float* far() { return from_->far.data() + piece_.begin; }
+  float* distance_to_first() { return from_->distance.data() + piece_.begin; }
 
   template <class Visit>
-  void for_each_neighbour(Index t, Visit visit) const {
-    for (Index k = neighbours_[t].begin; k < neighbours_[t].end; ++k) visit(from_->to[k], from_->length[k]);
+  void for_each_neighbor(Index t, Visit visit) const {
+    for (Index k = neighbors_[t].begin; k < neighbors_[t].end; ++k)
+      visit(from_->neighbor[k], from_->length[k]);
   }
 
-  // Whether both halves hang together, with distances from their ends.
+  // Sets side_. Returns whether both halves are connected and have distances from their ends.
   bool choose_sides(Index left) {
     Index first = 0;
+    float* const distance = distance_to_first();
     if (piece_.measured) {
-      first = static_cast<Index>(std::min_element(far(), far() + size()) - far());
+      first = static_cast<Index>(std::min_element(distance, distance + size()) - distance);
     } else {
       queue_.clear();
       if (flood(0) < size()) {
@@ -105,33 +109,33 @@ class Cutter {
         return false;
       }
       first = queue_.back();
-      measure(first, far());
+      measure(first, distance);
     }
-    const Index second = static_cast<Index>(std::max_element(far(), far() + size()) - far());
-    second_far_.resize(size());
-    measure(second, second_far_.data());
-    rank(left);
+    const Index second = static_cast<Index>(std::max_element(distance, distance + size()) - distance);
+    distance_to_second_.resize(size());
+    measure(second, distance_to_second_.data());
+    split_by_rank(left);
     if (first == second) return false;
     side_[first] = kLeft;
     side_[second] = kRight;
-    if (mend(first, second)) return true;
+    if (repair(first, second)) return true;
     exchange_fragments(first, second);
-    // Where many triangles lie at one place a half may come apart into crumbs. Cutting off one after the
-    // other would take quadratic time: rather halves that do not hang together.
+    // Where many triangles coincide, a half may fall into many small fragments. Splitting them off one by one
+    // would take quadratic time, so the halves stay disconnected.
     const auto lefts = static_cast<Index>(std::count(side_.begin(), side_.end(), kLeft));
-    if (std::min(lefts, size() - lefts) < size() / kMostUneven) rank(left);
+    if (std::min(lefts, size() - lefts) < size() / kMaxImbalance) split_by_rank(left);
     return false;
   }
 
-  // Breadth first from `start` over what is on its side; marks it as reached and appends it to the queue.
-  // Returns how many.
+  // Breadth-first search from `start` over triangles of the same side. Marks them as reached, appends them to
+  // the queue and returns their number.
   std::size_t flood(Index start) {
     const std::size_t before = queue_.size();
     const std::uint8_t side = side_[start], reached = side + (kReachedLeft - kLeft);
     queue_.push_back(start);
     side_[start] = reached;
     for (std::size_t i = before; i < queue_.size(); ++i) {
-      for_each_neighbour(queue_[i], [&](Index other, float) {
+      for_each_neighbor(queue_[i], [&](Index other, float) {
         if (side_[other] != side) return;
         side_[other] = reached;
         queue_.push_back(other);
@@ -140,30 +144,30 @@ class Cutter {
     return queue_.size() - before;
   }
 
-  // Shortest paths over the piece from `start`. Buckets as wide as a step; in a bucket whoever comes first is
-  // first, and goes again when a shorter way is found.
+  // Shortest paths over the piece from `start`, by delta-stepping: buckets as wide as a mean length, first in
+  // first out; a triangle is relaxed again when a shorter path to it is found.
   void measure(Index start, float* distance) {
     std::fill(distance, distance + size(), kFar);
-    gone_at_.assign(size(), kFar);
-    const float per_bucket = 1 / mean_step();
-    std::size_t bucket = 0, waiting = 0;
+    relaxed_at_.assign(size(), kFar);
+    const float per_bucket = 1 / mean_length();
+    std::size_t bucket = 0, queued = 0;
     const auto put = [&](Index t) {
       const auto number = static_cast<std::size_t>(std::min(distance[t] * per_bucket, 1e15f));
       buckets_[std::clamp(number, bucket, bucket + kBuckets - 1) % kBuckets].push_back(t);
-      ++waiting;
+      ++queued;
     };
     distance[start] = 0;
     put(start);
-    for (; waiting > 0; ++bucket) {
+    for (; queued > 0; ++bucket) {
       std::vector<Index>& now = buckets_[bucket % kBuckets];
       for (std::size_t i = 0; i < now.size(); ++i) {
         const Index t = now[i];
-        --waiting;
-        if (gone_at_[t] == distance[t]) continue;
-        const float so_far = gone_at_[t] = distance[t];
-        for_each_neighbour(t, [&](Index other, float length) {
-          if (!(so_far + length < distance[other])) return;
-          distance[other] = so_far + length;
+        --queued;
+        if (relaxed_at_[t] == distance[t]) continue;
+        const float here = relaxed_at_[t] = distance[t];
+        for_each_neighbor(t, [&](Index other, float length) {
+          if (!(here + length < distance[other])) return;
+          distance[other] = here + length;
           put(other);
         });
       }
@@ -171,17 +175,17 @@ class Cutter {
     }
   }
 
-  float mean_step() const {
-    const Index begin = neighbours_.front().begin, end = neighbours_.back().end;
+  float mean_length() const {
+    const Index begin = neighbors_.front().begin, end = neighbors_.back().end;
     const float sum = std::accumulate(&from_->length[begin], &from_->length[begin] + (end - begin), 0.f);
     return std::max(sum / static_cast<float>(std::max<Index>(end - begin, 1)), 1e-30f);
   }
 
-  // The smallest differences are left.
-  void rank(Index left) {
+  // The `left` smallest differences are the left half.
+  void split_by_rank(Index left) {
     order_.resize(size());
     for (Index t = 0; t < size(); ++t) {
-      const auto bits = std::bit_cast<std::uint32_t>(far()[t] - second_far_[t]);
+      const auto bits = std::bit_cast<std::uint32_t>(distance_to_first()[t] - distance_to_second_[t]);
       const std::uint32_t ascending = bits >> 31 ? ~bits : bits | 0x80000000u;
       order_[t] = std::uint64_t{ascending} << 32 | t;
     }
@@ -189,19 +193,19 @@ class Cutter {
     for (Index k = 0; k < size(); ++k) side_[static_cast<Index>(order_[k])] = k < left ? kLeft : kRight;
   }
 
-  // Every triangle needs a neighbour in its half that is nearer to the half's end; one that has none changes
-  // sides. True when all have: both halves hang together then.
-  bool mend(Index first, Index second) {
-    for (int round = 0; round < kMostMendings; ++round) {
+  // Every triangle needs a neighbor in its half that is nearer to the half's end; one without changes sides.
+  // Returns true once all have one: then both halves are connected.
+  bool repair(Index first, Index second) {
+    for (int round = 0; round < kMaxRepairs; ++round) {
       bool moved = false;
       for (Index t = 0; t < size(); ++t) {
         if (t == first || t == second) continue;
-        const float* distance = side_[t] == kLeft ? far() : second_far_.data();
-        bool held = false;
-        for_each_neighbour(t, [&](Index other, float) {
-          held |= side_[other] == side_[t] && distance[other] < distance[t];
+        const float* distance = distance_to_end(static_cast<Side>(side_[t]));
+        bool connected = false;
+        for_each_neighbor(t, [&](Index other, float) {
+          connected |= side_[other] == side_[t] && distance[other] < distance[t];
         });
-        if (held) continue;
+        if (connected) continue;
         side_[t] = side_[t] == kLeft ? kRight : kLeft;
         moved = true;
       }
@@ -210,8 +214,8 @@ class Cutter {
     return false;
   }
 
-  // Moves what does not hang together with `first` in the left half, or with `second` in the right one,
-  // across.
+  // Moves triangles of the left half that are not connected to `first` to the other half; and so for `second`
+  // in the right half.
   void exchange_fragments(Index first, Index second) {
     queue_.clear();
     flood(first);
@@ -222,8 +226,8 @@ class Cutter {
     for (std::uint8_t& side : side_) side = side == kReachedRight ? kRight : kLeft;
   }
 
-  // A piece of several components: they are kept whole where that balances, and stand sorted along the
-  // longest axis of their centres. The queue holds the first one already.
+  // Splits a piece of several components, sorted along the longest axis of their centers: at most one
+  // component is split itself. The queue starts with the first component.
   void order_components(Index left) {
     struct Component {
       std::size_t begin, end;
@@ -252,40 +256,44 @@ class Cutter {
     (high - low).maxCoeff(&axis);
     std::stable_sort(components.begin(), components.end(),
                      [&](const Component& a, const Component& b) { return a.center[axis] < b.center[axis]; });
-    std::size_t place = 0;
+    std::size_t rank = 0;
     for (const Component& c : components) {
       const auto begin = queue_.begin() + static_cast<std::ptrdiff_t>(c.begin),
                  end = queue_.begin() + static_cast<std::ptrdiff_t>(c.end);
-      // The component that the cut falls into is ordered along the axis, so that the cut is a plane.
-      if (place < left && place + (c.end - c.begin) > left) {
+      // The component that is split is sorted along the axis, so that the cut is a plane.
+      if (rank < left && rank + (c.end - c.begin) > left) {
         std::sort(begin, end, [&](Index a, Index b) {
           return std::pair(center(a)[axis], a) < std::pair(center(b)[axis], b);
         });
       }
-      for (auto t = begin; t != end; ++t) side_[*t] = place++ < left ? kLeft : kRight;
+      for (auto t = begin; t != end; ++t) side_[*t] = rank++ < left ? kLeft : kRight;
     }
   }
   Vec3 center(Index t) const { return centers_.of(from_->ids[piece_.begin + t]); }
 
-  // Writes the halves one behind the other, each with its own numbers.
-  std::array<Piece, 2> move(Surface& to, bool measured) {
+  const float* distance_to_end(Side side) {
+    return side == kLeft ? distance_to_first() : distance_to_second_.data();
+  }
+
+  // Writes the left half, then the right one, each numbered from 0.
+  std::array<Piece, 2> write_halves(Surface& to, bool measured) {
     Index counts[2] = {0, 0};
-    place_.resize(size());
-    for (Index t = 0; t < size(); ++t) place_[t] = counts[side_[t]]++;
-    Index at = piece_.begin, entry = neighbours_.front().begin;
+    number_.resize(size());
+    for (Index t = 0; t < size(); ++t) number_[t] = counts[side_[t]]++;
+    Index at = piece_.begin, entry = neighbors_.front().begin;
     for (const Side half : {kLeft, kRight}) {
-      const float* distance = half == kLeft ? far() : second_far_.data();
+      const float* distance = distance_to_end(half);
       for (Index t = 0; t < size(); ++t) {
         if (side_[t] != half) continue;
         to.ids[at] = from_->ids[piece_.begin + t];
-        if (measured) to.far[at] = distance[t];
+        if (measured) to.distance[at] = distance[t];
         const Index begin = entry;
-        for_each_neighbour(t, [&](Index other, float length) {
+        for_each_neighbor(t, [&](Index other, float length) {
           if (side_[other] != half) return;
-          to.to[entry] = place_[other];
+          to.neighbor[entry] = number_[other];
           to.length[entry++] = length;
         });
-        to.neighbours[at++] = {begin, entry};
+        to.neighbors[at++] = {begin, entry};
       }
     }
     const Index middle = piece_.begin + counts[kLeft];
@@ -295,19 +303,19 @@ class Cutter {
   const Centers& centers_;
   Surface* from_ = nullptr;
   Piece piece_{};
-  std::span<const Neighbours> neighbours_;
+  std::span<const Neighbors> neighbors_;
   std::vector<std::uint8_t> side_;
-  std::vector<Index> queue_, place_;
-  std::vector<float> second_far_, gone_at_;
+  std::vector<Index> queue_, number_;  // number_: in the half
+  std::vector<float> distance_to_second_, relaxed_at_;
   std::vector<std::uint64_t> order_;
   std::vector<std::vector<Index>> buckets_;
 };
 
-// Triangles in the order in which a walk over the surface meets them, so that neighbours stand near each
-// other however the user has numbered them.
-class Walk {
+// Orders triangles by breadth-first search over the surface, so that neighbors are near each other in memory
+// however the user numbered them.
+class SurfaceOrder {
  public:
-  explicit Walk(const Topology& topology) : sides_(topology.triangle_edges()) {
+  explicit SurfaceOrder(const Topology& topology) : sides_(topology.triangle_edges()) {
     std::vector<Index>& begin = edge_begin_;
     begin.assign(topology.edges().size() + 1, 0);
     for_each_side([&](Index e, Index) { ++begin[e + 1]; });
@@ -320,15 +328,15 @@ class Walk {
   std::vector<Index> order() const {
     std::vector<Index> order;
     order.reserve(sides_.size());
-    std::vector<bool> met(sides_.size(), false);
+    std::vector<bool> visited(sides_.size(), false);
     for (Index start = 0; start < sides_.size(); ++start) {
-      if (met[start]) continue;
-      met[start] = true;
+      if (visited[start]) continue;
+      visited[start] = true;
       order.push_back(start);
       for (std::size_t i = order.size() - 1; i < order.size(); ++i) {
-        for_each_neighbour(order[i], [&](Index other) {
-          if (met[other]) return;
-          met[other] = true;
+        for_each_neighbor(order[i], [&](Index other) {
+          if (visited[other]) return;
+          visited[other] = true;
           order.push_back(other);
         });
       }
@@ -336,9 +344,9 @@ class Walk {
     return order;
   }
 
-  // Of many triangles at an edge each has the one before and the one behind it.
+  // At an edge of many triangles each has two neighbors: the previous and the next one.
   template <class Visit>
-  void for_each_neighbour(Index t, Visit visit) const {
+  void for_each_neighbor(Index t, Visit visit) const {
     for (const Index e : sides_[t]) {
       if (e == kNoIndex) continue;
       const auto first = edge_triangles_.begin() + edge_begin_[e],
@@ -363,29 +371,30 @@ class Walk {
   std::vector<Index> edge_begin_, edge_triangles_;  // per edge: its triangles, ascending
 };
 
+// The surface, and a buffer of the same size for its halves.
 std::array<Surface, 2> surface_of(const Topology& topology, const Centers& centers) {
   std::array<Surface, 2> both;
   Surface& surface = both[0];
-  const Walk walk(topology);
-  surface.ids = walk.order();
-  std::vector<Index> place(surface.ids.size());
-  for (Index k = 0; k < place.size(); ++k) place[surface.ids[k]] = k;
+  const SurfaceOrder surface_order(topology);
+  surface.ids = surface_order.order();
+  std::vector<Index> number(surface.ids.size());
+  for (Index k = 0; k < number.size(); ++k) number[surface.ids[k]] = k;
   for (const Index t : surface.ids) {
-    const auto begin = static_cast<Index>(surface.to.size());
+    const auto begin = static_cast<Index>(surface.neighbor.size());
     const Vec3 center = centers.of(t);
-    walk.for_each_neighbour(t, [&](Index other) {
-      surface.to.push_back(place[other]);
+    surface_order.for_each_neighbor(t, [&](Index other) {
+      surface.neighbor.push_back(number[other]);
       surface.length.push_back(static_cast<float>((centers.of(other) - center).norm()));
     });
-    surface.neighbours.push_back({begin, static_cast<Index>(surface.to.size())});
+    surface.neighbors.push_back({begin, static_cast<Index>(surface.neighbor.size())});
   }
-  surface.far.resize(surface.ids.size());
+  surface.distance.resize(surface.ids.size());
   both[1] = surface;
   return both;
 }
 
-/// The tree below one piece, or its top.
-class Plan {
+/// Builds the tree below one piece, or the top of the whole tree.
+class TreeBuilder {
  public:
   struct Task {
     Piece piece;
@@ -393,18 +402,18 @@ class Plan {
   };
   static constexpr Index kSubtree = kNoIndex;  // in place of a leaf's size
 
-  Plan(Index leaf_triangles, std::array<Surface, 2>& buffers, std::span<Index> triangle_ids)
+  TreeBuilder(Index leaf_triangles, std::array<Surface, 2>& buffers, std::span<Index> triangle_ids)
       : leaf_triangles_(leaf_triangles), buffers_(buffers), triangle_ids_(triangle_ids) {}
 
-  /// Cuts until pieces are leaves, or no larger than `stop`: those are left for others.
-  void make(Task root, Index stop, Cutter& cutter) {
+  /// Splits until pieces are leaves, or no larger than `stop`: those become `subtrees`.
+  void build(Task root, Index stop, Splitter& splitter) {
     std::vector<Task> tasks{root};
     while (!tasks.empty()) {
       const Task task = tasks.back();
       tasks.pop_back();
       const Index size = task.piece.size();
       Surface& from = buffers_[task.buffer];
-      // A few more than asked for is better than two leaves half full.
+      // One leaf that is too full is better than two that are half empty.
       if (size <= leaf_triangles_ + leaf_triangles_ / 4) {
         leaf_sizes.push_back(size);
         std::copy_n(from.ids.begin() + task.piece.begin, size, triangle_ids_.begin() + task.piece.begin);
@@ -419,7 +428,7 @@ class Plan {
       // Whole leaves on the left, so that leaves come out full.
       const Index leaves = std::max<Index>((size + leaf_triangles_ / 2) / leaf_triangles_, 2);
       const auto halves =
-          cutter.cut(task.piece, leaves / 2 * (size / leaves), from, buffers_[1 - task.buffer]);
+          splitter.split(task.piece, leaves / 2 * (size / leaves), from, buffers_[1 - task.buffer]);
       tasks.push_back({halves[1], 1 - task.buffer});
       tasks.push_back({halves[0], 1 - task.buffer});
     }
@@ -443,18 +452,19 @@ SplitSurface split_surface(const Topology& topology, std::span<const double> pos
   const auto count = static_cast<Index>(topology.triangles().size());
   SplitSurface split;
   split.triangle_ids.resize(count);
-  Plan top(leaf_triangles, buffers, split.triangle_ids);
+  TreeBuilder top(leaf_triangles, buffers, split.triangle_ids);
   {
-    Cutter cutter(centers);
-    top.make({{0, count, false}, 0}, kPieceOfThread, cutter);
+    Splitter splitter(centers);
+    top.build({{0, count, false}, 0}, kPiecePerTask, splitter);
   }
-  std::vector<Plan> below(top.subtrees.size(), Plan(leaf_triangles, buffers, split.triangle_ids));
-  PerThread<Cutter> cutters([&] { return Cutter(centers); });
+  std::vector<TreeBuilder> below(top.subtrees.size(),
+                                 TreeBuilder(leaf_triangles, buffers, split.triangle_ids));
+  PerThread<Splitter> splitters([&] { return Splitter(centers); });
   parallel_for(std::size_t{0}, below.size(),
-               [&](std::size_t k) { below[k].make(top.subtrees[k], 0, cutters.local()); });
+               [&](std::size_t k) { below[k].build(top.subtrees[k], 0, splitters.local()); });
   std::size_t next = 0;
   for (const Index size : top.leaf_sizes) {
-    if (size != Plan::kSubtree) {
+    if (size != TreeBuilder::kSubtree) {
       split.leaf_sizes.push_back(size);
       continue;
     }
@@ -464,4 +474,4 @@ SplitSurface split_surface(const Topology& topology, std::span<const double> pos
   return split;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

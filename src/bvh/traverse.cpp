@@ -14,24 +14,24 @@ namespace foldproof::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Theorem 1: one side of one axis separates the boxes at both ends of the step. B2: one rounding per gap, and
-// comparisons that are false of NaN (tests/arithmetic: Rounding, Order).
-HWY_INLINE bool Apart(const KineticBox& a, const KineticBox& b, float margin) {
+// comparisons that are false for NaN (tests/arithmetic: Rounding, Order).
+HWY_INLINE bool Separated(const KineticBox& a, const KineticBox& b, float margin) {
   const hn::CappedTag<float, 4> d;
   const auto m = hn::Set(d, margin);
-  bool apart = false;
+  bool separated = false;
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
     const auto load = [&](const KineticBox& box, int end, int side) {
       return hn::Load(d, box.x[end][side] + lane);
     };
     const auto above = hn::Min(hn::Add(load(b, 0, 0), load(a, 0, 1)), hn::Add(load(b, 1, 0), load(a, 1, 1)));
     const auto below = hn::Min(hn::Add(load(a, 0, 0), load(b, 0, 1)), hn::Add(load(a, 1, 0), load(b, 1, 1)));
-    apart |= !hn::AllFalse(d, hn::Or(hn::Gt(above, m), hn::Gt(below, m)));
+    separated |= !hn::AllFalse(d, hn::Or(hn::Gt(above, m), hn::Gt(below, m)));
   }
-  return apart;
+  return separated;
 }
 
-// Visits one pair: emits it, or pushes what lies below it.
-HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<NodePair>& below,
+// Visits one pair: drops it, emits it, or pushes its children.
+HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<NodePair>& children,
                       TraversalResult& out) {
   const auto nodes_a = traversal.a->hierarchy->nodes(), nodes_b = traversal.b->hierarchy->nodes();
   ++out.node_tests;
@@ -40,11 +40,11 @@ HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<Nod
     if (self.is_leaf()) {
       out.leaf_pairs.push_back({self.leaf_begin, self.leaf_begin});
     } else {
-      push_below_self(nodes_a, pair.a, below);
+      push_self_children(nodes_a, pair.a, children);
     }
     return;
   }
-  if (Apart(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin)) {
+  if (Separated(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin)) {
     if (out.front != nullptr) out.front->push_back(pair);
     return;
   }
@@ -52,7 +52,7 @@ HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<Nod
   if (a.is_leaf() && b.is_leaf()) {
     out.leaf_pairs.push_back({a.leaf_begin, b.leaf_begin});
   } else {
-    push_below(nodes_a, nodes_b, pair, below);
+    push_children(nodes_a, nodes_b, pair, children);
   }
 }
 
@@ -67,11 +67,11 @@ void Traverse(const Traversal& traversal, std::span<const NodePair> starts, std:
               TraversalResult& out) {
   stack.clear();
   const KineticBox *boxes_a = traversal.a->boxes.data(), *boxes_b = traversal.b->boxes.data();
-  constexpr std::size_t kAhead = 8;  // boxes are fetched so many starts before they are looked at
+  constexpr std::size_t kPrefetchDistance = 8;
   for (std::size_t i = 0; i < starts.size(); ++i) {
-    if (i + kAhead < starts.size()) {
-      __builtin_prefetch(&boxes_a[starts[i + kAhead].a]);
-      __builtin_prefetch(&boxes_b[starts[i + kAhead].b]);
+    if (i + kPrefetchDistance < starts.size()) {
+      __builtin_prefetch(&boxes_a[starts[i + kPrefetchDistance].a]);
+      __builtin_prefetch(&boxes_b[starts[i + kPrefetchDistance].b]);
     }
     Visit(traversal, starts[i], stack, out);
     while (!stack.empty()) {
@@ -82,19 +82,20 @@ void Traverse(const Traversal& traversal, std::span<const NodePair> starts, std:
   }
 }
 
-void TestLeaves(const Traversal& traversal, std::span<const NodePair> leaves, std::uint8_t* apart) {
-  const KineticTree &a = *traversal.a, &b = *traversal.b;
+void TestLeaves(const Traversal& traversal, std::span<const NodePair> leaves, std::uint8_t* separated) {
+  const KineticBvh &a = *traversal.a, &b = *traversal.b;
   for (const NodePair pair : leaves)
-    *apart++ = Apart(a.boxes[a.leaf_node(pair.a)], b.boxes[b.leaf_node(pair.b)], traversal.margin);
+    *separated++ = Separated(a.boxes[a.leaf_node(pair.a)], b.boxes[b.leaf_node(pair.b)], traversal.margin);
 }
 
-// Bit k is set when lane k names one of the feature's vertices (tests/arithmetic, Masks).
+// Bit k is set when lane k has one of the feature's vertices (tests/arithmetic, Masks). Lanes that are not in
+// `lanes` may be wrong.
 template <int NA, int NB>
 HWY_INLINE std::uint32_t IncidentLanes(const IdBlock<NA>& a, int lane_a, const IdBlock<NB>& b,
-                                       std::uint32_t asked) {
+                                       std::uint32_t lanes) {
   const hn::CappedTag<std::uint32_t, 8> d;
   std::uint32_t incident = 0;
-  for (std::size_t lane = 0; lane < kBlock && asked >> lane != 0; lane += hn::Lanes(d)) {
+  for (std::size_t lane = 0; lane < kBlock && lanes >> lane != 0; lane += hn::Lanes(d)) {
     auto same = hn::Eq(hn::Set(d, a.v[0][lane_a]), hn::Load(d, b.v[0] + lane));
     for (int i = 0; i < NA; ++i) {
       const auto id = hn::Set(d, a.v[i][lane_a]);
@@ -107,7 +108,7 @@ HWY_INLINE std::uint32_t IncidentLanes(const IdBlock<NA>& a, int lane_a, const I
   return incident;
 }
 
-// Both ascend.
+// Both are sorted.
 HWY_INLINE bool ShareVertex(std::span<const Index> a, std::span<const Index> b) {
   if (a.back() < b.front() || b.back() < a.front()) return false;
   std::size_t i = 0, k = 0;
@@ -120,30 +121,30 @@ HWY_INLINE bool ShareVertex(std::span<const Index> a, std::span<const Index> b) 
   return false;
 }
 
-// Nothing in the frame is farther apart than 2; the grid's numbers stay small so.
-HWY_INLINE float UsefulMargin(const Traversal& traversal) { return std::min(traversal.margin, 4.0f); }
+// No distance in the frame exceeds 2, so a larger margin would only make the grid's numbers large.
+HWY_INLINE float ClampedMargin(const Traversal& traversal) { return std::min(traversal.margin, 4.0f); }
 
-// A leaf with what is the same for all tests of its features.
+// A leaf of a pair, with what all tests of its features share.
 struct LeafSide {
-  const KineticTree& tree;
+  const KineticBvh& bvh;
   Index leaf;
-  ByteBox other;  // the whole of the other leaf, on this one's grid
+  ByteBox other;  // the box of the other leaf, on this one's grid
 
-  HWY_INLINE LeafSide(const KineticTree& t, Index l, const KineticBox& other_box, float margin)
-      : tree(t), leaf(l) {
-    PlaceBox(other_box, margin, grid(), other);
+  HWY_INLINE LeafSide(const KineticBvh& own_bvh, Index own_leaf, const KineticBox& other_box, float margin)
+      : bvh(own_bvh), leaf(own_leaf) {
+    QuantizeBox(other_box, margin, grid(), other);
   }
-  const LeafGrid& grid() const { return tree.grids[leaf]; }
+  const LeafGrid& grid() const { return bvh.grids[leaf]; }
 };
 
 struct LeafTest {
   float margin;
   bool drop_incident;  // leave out pairs with a common vertex
-  bool halve;          // one set with itself: each unordered pair once
+  bool halve;          // a set with itself: each unordered pair once
 };
 
-// Appends the pairs of feature a with those that the bits name. Mostly there are few, so two are written at
-// once, whether there are or not.
+// Appends the pairs of feature a with the lanes of `near`, at least one. There are usually few, so two are
+// written at a time without a branch; the last one may be surplus.
 HWY_INLINE void Append(Index a, Index first_b, std::uint32_t near, std::vector<CandidateBuffer::Pair>& out) {
   const std::size_t at = out.size(), count = __builtin_popcount(near);
   out.resize(at + count + 2);
@@ -155,8 +156,8 @@ HWY_INLINE void Append(Index a, Index first_b, std::uint32_t near, std::vector<C
   out.resize(at + count);
 }
 
-// All pairs of a feature of leaf a and one of leaf b, a block of each. What is near is first found for all
-// features of a and then looked at, so that nothing waits for a guess about it.
+// Tests a block of features of leaf a against one of leaf b. All masks are computed before any is read, so
+// that no computation waits for a mispredicted branch.
 template <int NA, int NB>
 HWY_INLINE void TestBlocks(const LeafSide& a, const FeatureBlocks<NA>& fa, Index ia, const LeafSide& b,
                            const FeatureBlocks<NB>& fb, Index ib, const LeafTest& test,
@@ -166,7 +167,7 @@ HWY_INLINE void TestBlocks(const LeafSide& a, const FeatureBlocks<NA>& fa, Index
   int count = 0;
   for (std::uint32_t left = NearLanes(a.other, fa.boxes[ia]) & fa.used[ia]; left != 0; left &= left - 1) {
     const int lane = __builtin_ctz(left);
-    PlaceFeature(a.tree.vertices.data(), fa.ids[ia], lane, test.margin, b.grid(), boxes[count]);
+    QuantizeFeature(a.bvh.vertices.data(), fa.ids[ia], lane, test.margin, b.grid(), boxes[count]);
     lanes[count++] = static_cast<std::uint8_t>(lane);
   }
   std::uint32_t near[kBlock];
@@ -192,8 +193,8 @@ HWY_INLINE void TestFeatures(const LeafSide& a, const FeatureBlocks<NA>& fa, con
 }
 
 void FindCandidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
-  const KineticTree &ta = *traversal.a, &tb = *traversal.b;
-  const float margin = UsefulMargin(traversal);
+  const KineticBvh &ta = *traversal.a, &tb = *traversal.b;
+  const float margin = ClampedMargin(traversal);
   const LeafSide a(ta, leaves.a, tb.boxes[tb.leaf_node(leaves.b)], margin);
   const LeafSide b(tb, leaves.b, ta.boxes[ta.leaf_node(leaves.a)], margin);
   const bool same_object = &ta == &tb, same_leaf = same_object && leaves.a == leaves.b;
@@ -210,15 +211,15 @@ void FindCandidates(const Traversal& traversal, NodePair leaves, CandidateBuffer
 }
 
 void FindFacePairs(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
-  const KineticTree &ta = *traversal.a, &tb = *traversal.b;
-  const float margin = UsefulMargin(traversal);
+  const KineticBvh &ta = *traversal.a, &tb = *traversal.b;
+  const float margin = ClampedMargin(traversal);
   const LeafSide a(ta, leaves.a, tb.boxes[tb.leaf_node(leaves.b)], margin);
   const LeafSide b(tb, leaves.b, ta.boxes[ta.leaf_node(leaves.a)], margin);
   const LeafTest test{margin, false, &ta == &tb && leaves.a == leaves.b};
   TestFeatures(a, ta.face_blocks, b, tb.face_blocks, test, out.face_face);
 }
 
-// The box of a feature, as MovingVertex has its coordinates.
+// The box of a feature, laid out like MovingVertex.
 struct alignas(32) MovingBox {
   float lower[8], upper[8];
 };
@@ -240,50 +241,51 @@ HWY_INLINE MovingBox BoxOf(const MovingVertex* vertices, const std::array<Index,
   return box;
 }
 
-// Along each side of each axis the boxes are apart by what goes linearly from `first` to `last`, where that
-// is positive.
-HWY_INLINE Meeting MeetingOf(const MovingBox& a, const MovingBox& b, float margin) {
+// On each side of each axis the gap between the boxes changes linearly from `first` to `last`; they are
+// separated while one gap is positive.
+HWY_INLINE ContactInterval IntervalOf(const MovingBox& a, const MovingBox& b, float margin) {
   const hn::CappedTag<float, 4> d;
   const auto m = hn::Set(d, margin), zero = hn::Zero(d), one = hn::Set(d, 1);
   alignas(16) float begin[4] = {0, 0, 0, 0}, end[4] = {1, 1, 1, 1};
-  bool apart = false;
+  bool always_separated = false;
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
     auto from = zero, to = one;
     for (int side = 0; side < 2; ++side) {
       const float *above = side == 0 ? a.lower : b.lower, *below = side == 0 ? b.upper : a.upper;
       const auto first = hn::Sub(hn::Sub(hn::Load(d, above + lane), hn::Load(d, below + lane)), m);
       const auto last = hn::Sub(hn::Sub(hn::Load(d, above + 4 + lane), hn::Load(d, below + 4 + lane)), m);
-      const auto apart_first = hn::Gt(first, zero), apart_last = hn::Gt(last, zero);
+      const auto separated_first = hn::Gt(first, zero), separated_last = hn::Gt(last, zero);
       const auto root = hn::Div(first, hn::Sub(first, last));
-      apart |= !hn::AllFalse(d, hn::And(apart_first, apart_last));
-      from = hn::Max(from, hn::IfThenElseZero(apart_first, root));
-      to = hn::Min(to, hn::IfThenElse(apart_last, root, one));
+      always_separated |= !hn::AllFalse(d, hn::And(separated_first, separated_last));
+      from = hn::Max(from, hn::IfThenElseZero(separated_first, root));
+      to = hn::Min(to, hn::IfThenElse(separated_last, root, one));
     }
     hn::Store(from, d, begin + lane);
     hn::Store(to, d, end + lane);
   }
   const float from = std::max({begin[0], begin[1], begin[2]}), to = std::min({end[0], end[1], end[2]});
-  if (apart || from > to) return Meeting::never();
-  // A part more at both ends, for what rounding does to the quotients.
-  return {static_cast<std::uint8_t>(std::max(0.f, from * Meeting::kParts - 1)),
-          static_cast<std::uint8_t>(std::min(to * Meeting::kParts + 2, Meeting::kParts * 1.f))};
+  if (always_separated || from > to) return ContactInterval::none();
+  // One unit more at both ends covers the rounding of the quotients.
+  constexpr float kUnits = ContactInterval::kUnits;
+  return {static_cast<std::uint8_t>(std::max(0.f, from * kUnits - 1)),
+          static_cast<std::uint8_t>(std::min(to * kUnits + 2, kUnits))};
 }
 
-void FindMeetings(const Traversal& traversal, FeaturePair kind, std::span<const CandidateBuffer::Pair> pairs,
-                  Meeting* out) {
+void FindContactIntervals(const Traversal& traversal, FeaturePair kind,
+                          std::span<const CandidateBuffer::Pair> pairs, ContactInterval* out) {
   const Hierarchy &ha = *traversal.a->hierarchy, &hb = *traversal.b->hierarchy;
   const MovingVertex *va = traversal.a->vertices.data(), *vb = traversal.b->vertices.data();
-  const float margin = UsefulMargin(traversal);
+  const float margin = ClampedMargin(traversal);
   for (const auto [a, b] : pairs) {
-    const auto meeting = [&](const auto& feature_a, const auto& feature_b) {
-      *out++ = MeetingOf(BoxOf(va, feature_a), BoxOf(vb, feature_b), margin);
+    const auto add = [&](const auto& feature_a, const auto& feature_b) {
+      *out++ = IntervalOf(BoxOf(va, feature_a), BoxOf(vb, feature_b), margin);
     };
     if (kind == FeaturePair::EdgeEdge) {
-      meeting(ha.edges()[a], hb.edges()[b]);
+      add(ha.edges()[a], hb.edges()[b]);
     } else if (kind == FeaturePair::VertexFace) {
-      meeting(std::array<Index, 1>{a}, hb.triangles()[b]);
+      add(std::array<Index, 1>{a}, hb.triangles()[b]);
     } else {
-      meeting(ha.triangles()[a], std::array<Index, 1>{b});
+      add(ha.triangles()[a], std::array<Index, 1>{b});
     }
   }
 }
@@ -292,7 +294,7 @@ void FindMeetings(const Traversal& traversal, FeaturePair kind, std::span<const 
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace foldproof {
+namespace foldproof::internal {
 
 namespace {
 
@@ -313,13 +315,13 @@ void prefetch_blocks(const FeatureBlocks<N>& features, Index leaf) {
   __builtin_prefetch(&features.first[begin]);
 }
 
-void prefetch_leaf(const KineticTree& tree, Index leaf) {
-  prefetch_blocks(tree.vertex_blocks, leaf);
-  prefetch_blocks(tree.edge_blocks, leaf);
-  prefetch_blocks(tree.face_blocks, leaf);
-  prefetch(&tree.grids[leaf], 1);
-  prefetch(&tree.boxes[tree.leaf_node(leaf)], 1);
-  prefetch(&tree.vertices[tree.hierarchy->leaves()[leaf].vertices], 8);
+void prefetch_leaf(const KineticBvh& bvh, Index leaf) {
+  prefetch_blocks(bvh.vertex_blocks, leaf);
+  prefetch_blocks(bvh.edge_blocks, leaf);
+  prefetch_blocks(bvh.face_blocks, leaf);
+  prefetch(&bvh.grids[leaf], 1);
+  prefetch(&bvh.boxes[bvh.leaf_node(leaf)], 1);
+  prefetch(&bvh.vertices[bvh.hierarchy->leaves()[leaf].vertices], 8);
 }
 
 }  // namespace
@@ -329,7 +331,7 @@ HWY_EXPORT(Traverse);
 HWY_EXPORT(TestLeaves);
 HWY_EXPORT(FindCandidates);
 HWY_EXPORT(FindFacePairs);
-HWY_EXPORT(FindMeetings);
+HWY_EXPORT(FindContactIntervals);
 
 void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std::vector<NodePair>& scratch,
                   TraversalResult& out) {
@@ -342,18 +344,18 @@ void traverse(const Traversal& traversal, std::span<const NodePair> starts, std:
 }
 
 void test_leaves(const Traversal& traversal, std::span<const NodePair> leaves,
-                 std::vector<std::uint8_t>& apart) {
-  apart.resize(leaves.size());
-  HWY_DYNAMIC_DISPATCH(TestLeaves)(traversal, leaves, apart.data());
+                 std::vector<std::uint8_t>& separated) {
+  separated.resize(leaves.size());
+  HWY_DYNAMIC_DISPATCH(TestLeaves)(traversal, leaves, separated.data());
 }
 
 void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
   HWY_DYNAMIC_DISPATCH(FindCandidates)(traversal, leaves, out);
 }
 
-void find_meetings(const Traversal& traversal, FeaturePair kind, std::span<const CandidateBuffer::Pair> pairs,
-                   Meeting* out) {
-  HWY_DYNAMIC_DISPATCH(FindMeetings)(traversal, kind, pairs, out);
+void find_contact_intervals(const Traversal& traversal, FeaturePair kind,
+                            std::span<const CandidateBuffer::Pair> pairs, ContactInterval* out) {
+  HWY_DYNAMIC_DISPATCH(FindContactIntervals)(traversal, kind, pairs, out);
 }
 
 void prefetch_features(const Traversal& traversal, NodePair leaves) {
@@ -365,5 +367,5 @@ void find_face_pairs(const Traversal& traversal, NodePair leaves, CandidateBuffe
   HWY_DYNAMIC_DISPATCH(FindFacePairs)(traversal, leaves, out);
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal
 #endif  // HWY_ONCE

@@ -1,28 +1,27 @@
 /// Rounding bounds of the narrow phase; the letters are the statements of docs/soundness.md.
 #pragma once
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
 inline constexpr double kUnit = 0x1p-53;
 
-/// N1: what the evaluated difference of two moving points, projected on a direction no longer than 1 + 5
-/// units, can be wrong by, per unit of the largest coordinate.
+/// N1: error of the difference of two moving points, projected on a direction no longer than 1 + 5 units,
+/// relative to the largest coordinate.
 inline constexpr double kDotError = 32 * kUnit;
-/// N3: the same for a determinant of three differences, per unit of the product of the axes' largest
-/// coordinates.
+/// N3: error of a determinant of three differences, relative to the product of the axes' largest coordinates.
 inline constexpr double kDetError = 256 * kUnit;
-/// N3: what underflow adds to it, for coordinates up to kLarge.
+/// N3: underflow adds this to it, for coordinates up to kLarge.
 inline constexpr double kDetUnderflow = 1e-260;
-/// N1: a vector is only divided by its length when the square of that is at least this, so that underflow is
-/// far below its rounding error.
-inline constexpr double kLeastSquare = 0x1p-900;
+/// N1: a vector is only normalized when its squared length is at least this, so that underflow is far below
+/// its rounding error.
+inline constexpr double kMinSquare = 0x1p-900;
 
-/// Pairs whose extent leaves [kSmall, kLarge) are scaled by a power of two first.
+/// Pairs whose extent is outside [kSmall, kLarge) are scaled by a power of two first.
 inline constexpr double kLarge = 1e30, kSmall = 1e-30;
 
-/// Tolerances below this many units of the extent are raised to it.
+/// Smaller tolerances, relative to the extent, are raised to this.
 inline constexpr double kResolution = 512 * kUnit;
-/// Nor can distances be told apart among the last denormal numbers.
-inline constexpr double kLeastTolerance = 0x1p-1060;
+/// The smallest tolerance of all: distances near the smallest denormals cannot be resolved.
+inline constexpr double kMinTolerance = 0x1p-1060;
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

@@ -1,4 +1,4 @@
-// Exact predicates: a rounding filter first, integers of any size where it cannot tell.
+// Exact predicates: a floating-point filter, then integers of any size where it cannot decide.
 
 #include <algorithm>
 #include <boost/multiprecision/cpp_int.hpp>
@@ -22,7 +22,7 @@ struct Vec2 {
   bool operator==(const Vec2&) const = default;
 };
 
-// Doubles times one common power of two, as integers. Signs of homogeneous polynomials are unchanged by it.
+// Doubles, times one common power of two, as integers. It does not change signs of homogeneous polynomials.
 template <std::size_t N>
 std::array<Big, N> to_integers(const std::array<double, N>& values) {
   std::array<int, N> exponents{};
@@ -80,7 +80,7 @@ int orient2d(const Vec2& a, const Vec2& b, const Vec2& c) {
 int sign_of_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 ad = a - d, bd = b - d, cd = c - d;
   const Vec3 size = ad.cwiseAbs().cwiseMax(bd.cwiseAbs()).cwiseMax(cd.cwiseAbs());
-  if (size.minCoeff() == 0) return 0;  // all four on a plane across an axis
+  if (size.minCoeff() == 0) return 0;  // all four lie in a plane perpendicular to an axis
   if (filter_applies(size.minCoeff(), size.maxCoeff())) {
     const double det = ad.x() * (bd.y() * cd.z() - bd.z() * cd.y()) -
                        ad.y() * (bd.x() * cd.z() - bd.z() * cd.x()) +
@@ -92,14 +92,14 @@ int sign_of_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return orient3d_exact(a, b, c, d);
 }
 
-Vec2 drop(const Vec3& p, int axis) {
+Vec2 project(const Vec3& p, int axis) {
   return axis == 0 ? Vec2{p.y(), p.z()} : axis == 1 ? Vec2{p.z(), p.x()} : Vec2{p.x(), p.y()};
 }
 
-// The axis to drop so that the projected triangle keeps an area; -1 when it has none.
-int flattening_axis(const Vec3& a, const Vec3& b, const Vec3& c) {
+// An axis along which the projected triangle has an area; -1 when there is none.
+int projection_axis(const Vec3& a, const Vec3& b, const Vec3& c) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (orient2d(drop(a, axis), drop(b, axis), drop(c, axis)) != 0) return axis;
+    if (orient2d(project(a, axis), project(b, axis), project(c, axis)) != 0) return axis;
   }
   return -1;
 }
@@ -131,15 +131,16 @@ bool segments_meet(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
   if (sign_of_volume(p, q, r, s) != 0) return false;
   for (const auto& [a, b, c] :
        {std::array{p, q, r}, std::array{p, q, s}, std::array{r, s, p}, std::array{r, s, q}}) {
-    const int axis = flattening_axis(a, b, c);
-    if (axis >= 0) return segments_meet_2d(drop(p, axis), drop(q, axis), drop(r, axis), drop(s, axis));
+    const int axis = projection_axis(a, b, c);
+    if (axis >= 0)
+      return segments_meet_2d(project(p, axis), project(q, axis), project(r, axis), project(s, axis));
   }
   return collinear_segments_meet(p, q, r, s);
 }
 
 bool coplanar_segment_meets_triangle(const std::array<Vec3, 2>& s, const std::array<Vec3, 3>& t, int axis) {
-  const Vec2 p = drop(s[0], axis), q = drop(s[1], axis);
-  const std::array<Vec2, 3> c{drop(t[0], axis), drop(t[1], axis), drop(t[2], axis)};
+  const Vec2 p = project(s[0], axis), q = project(s[1], axis);
+  const std::array<Vec2, 3> c{project(t[0], axis), project(t[1], axis), project(t[2], axis)};
   int lowest = 1, highest = -1;
   for (int k = 0; k < 3; ++k) {
     if (segments_meet_2d(p, q, c[k], c[(k + 1) % 3])) return true;
@@ -156,7 +157,7 @@ bool segment_meets_triangle(const std::array<Vec3, 2>& s, const std::array<Vec3,
   const int at_p = sign_of_volume(a, b, c, p), at_q = sign_of_volume(a, b, c, q);
   if (at_p * at_q > 0) return false;
   if (at_p == 0 && at_q == 0) {
-    const int axis = flattening_axis(a, b, c);
+    const int axis = projection_axis(a, b, c);
     if (axis >= 0) return coplanar_segment_meets_triangle(s, t, axis);
     return segments_meet(p, q, a, b) || segments_meet(p, q, b, c) || segments_meet(p, q, c, a);
   }
@@ -165,7 +166,7 @@ bool segment_meets_triangle(const std::array<Vec3, 2>& s, const std::array<Vec3,
 }
 
 bool triangles_meet(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
-  // One plane with the other triangle strictly on one side settles most pairs.
+  // The plane of one triangle separates it from the other one in most pairs.
   for (const auto& [t, o] : {std::pair(&a, &b), std::pair(&b, &a)}) {
     const int side = sign_of_volume((*t)[0], (*t)[1], (*t)[2], (*o)[0]);
     if (side != 0 && sign_of_volume((*t)[0], (*t)[1], (*t)[2], (*o)[1]) == side &&
@@ -181,11 +182,11 @@ bool triangles_meet(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) 
 }
 
 bool fold_flat(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const int axis = flattening_axis(a, b, c);
-  if (axis >= 0 && flattening_axis(a, b, d) >= 0) {
+  const int axis = projection_axis(a, b, c);
+  if (axis >= 0 && projection_axis(a, b, d) >= 0) {
     if (sign_of_volume(a, b, c, d) != 0) return false;
-    const Vec2 a2 = drop(a, axis), b2 = drop(b, axis);
-    return orient2d(a2, b2, drop(c, axis)) == orient2d(a2, b2, drop(d, axis));
+    const Vec2 a2 = project(a, axis), b2 = project(b, axis);
+    return orient2d(a2, b2, project(c, axis)) == orient2d(a2, b2, project(d, axis));
   }
   const auto beyond_edge = [&](const Vec3& p, const Vec3& other) {
     return segment_meets_triangle({p, p}, {a, b, other}) && !segments_meet(p, p, a, b);
@@ -202,7 +203,7 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 
 bool triangle_has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   const PlainArithmetic plain;
-  return flattening_axis(a, b, c) >= 0;
+  return projection_axis(a, b, c) >= 0;
 }
 
 bool triangles_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {

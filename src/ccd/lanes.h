@@ -1,6 +1,5 @@
-/// Geometry on lanes: as many pairs at once as the instruction set has doubles side by side. Every operation
-/// is one of IEEE arithmetic in a stated order, so that all instruction sets give the same bits. Included
-/// once per instruction set, as Highway has it.
+/// SIMD geometry, one pair per lane. Every operation is one of IEEE arithmetic in a fixed order, so all
+/// instruction sets give the same bits. Highway includes this file once per instruction set.
 #include <limits>
 
 #include "ccd/bounds.h"
@@ -48,7 +47,8 @@ HWY_INLINE Vector Choose(M m, const Vector& yes, const Vector& no) {
   return {hn::IfThenElse(m, yes.x, no.x), hn::IfThenElse(m, yes.y, no.y), hn::IfThenElse(m, yes.z, no.z)};
 }
 
-/// Corners of the Minkowski difference of two features (narrow.cpp); N is 3 for vertex-face, 4 for edge-edge.
+/// Corners of the Minkowski difference of two features (MinkowskiBatch); N is 3 for vertex-face, 4 for
+/// edge-edge.
 template <int N>
 struct Corners {
   Vector d[N];
@@ -62,8 +62,8 @@ HWY_INLINE Corners<N> At(const Corners<N>& a, const Corners<N>& e, V t) {
   return c;
 }
 
-/// The signed volume that the origin spans with the first three corners, while they go from a to e: Bernstein
-/// coefficients of a cubic over that interval.
+/// The signed volume that the origin spans with the first three corners while they move from a to e: the
+/// Bernstein coefficients of a cubic over that interval.
 struct Volume {
   V b[4];
 
@@ -78,22 +78,22 @@ struct Volume {
     b[3] = Dot(e.d[0], ee);
   }
 
-  /// N3. One strict sign throughout: the origin is never coplanar with the corners, so the features cannot
-  /// touch.
+  /// N3. True where the sign never changes: the origin is never coplanar with the corners, so the features
+  /// cannot touch.
   HWY_INLINE M KeepsSign(V error) const {
-    const V least = hn::Min(hn::Min(b[0], b[1]), hn::Min(b[2], b[3])),
-            most = hn::Max(hn::Max(b[0], b[1]), hn::Max(b[2], b[3]));
-    return hn::Or(hn::Gt(least, error), hn::Lt(most, hn::Neg(error)));
+    const V min = hn::Min(hn::Min(b[0], b[1]), hn::Min(b[2], b[3])),
+            max = hn::Max(hn::Max(b[0], b[1]), hn::Max(b[2], b[3]));
+    return hn::Or(hn::Gt(min, error), hn::Lt(max, hn::Neg(error)));
   }
 };
 
 struct PatchClosest {
   V distance;         ///< Length of `difference`.
-  Vector difference;  ///< A point of the patch, nearest to the origin as far as doubles can tell.
-  Vector normal;      ///< Direction, of length one, along which the patch lies farthest from the origin (N6).
+  Vector difference;  ///< The point of the patch nearest to the origin, up to rounding.
+  Vector normal;      ///< Unit direction along which the patch is farthest from the origin (N6).
 };
 
-/// The nearest point of the border so far, with the side it lies on.
+/// The nearest point of the border so far, with its side.
 struct BorderPoint {
   Vector point, from, side;
   V distance2;
@@ -117,25 +117,23 @@ struct BorderPoint {
     at_corner = hn::Or(hn::And(nearer, ends), hn::AndNot(nearer, at_corner));
   }
 
-  /// Inside a side, the difference of nearly equal vectors would leave `point` with a wild direction; made
-  /// from the side itself, the direction is across it to the last digits.
+  /// Inside a side, cancellation would leave `point` with a random direction; computed from the side itself,
+  /// the direction is perpendicular to it to the last digits.
   HWY_INLINE Vector Direction() const {
     const V zero = hn::Zero(D());
     const V length2 = Dot(side, side);
     const Vector unit = Choose(hn::Gt(length2, zero), Over(side, hn::Sqrt(length2)), side);
     const Vector along = Choose(at_corner, point, Cross(unit, Cross(from, unit)));
     const V square = Dot(along, along);
-    return Choose(hn::Ge(square, Number(kLeastSquare)), Over(along, hn::Sqrt(square)),
-                  {Number(1), zero, zero});
+    return Choose(hn::Ge(square, Number(kMinSquare)), Over(along, hn::Sqrt(square)), {Number(1), zero, zero});
   }
 };
 
 template <int N>
 HWY_INLINE BorderPoint NearestOnBorder(const Corners<N>& c) {
   const V zero = hn::Zero(D());
-  const Vector nowhere{zero, zero, zero};
-  BorderPoint best{nowhere, nowhere, nowhere, Number(std::numeric_limits<double>::infinity()),
-                   hn::FirstN(D(), 0)};
+  const Vector none{zero, zero, zero};
+  BorderPoint best{none, none, none, Number(std::numeric_limits<double>::infinity()), hn::FirstN(D(), 0)};
   best.Consider(c.d[0], c.d[1]);
   best.Consider(c.d[0], c.d[2]);
   best.Consider(c.d[1], c.d[N == 4 ? 3 : 2]);
@@ -145,9 +143,9 @@ HWY_INLINE BorderPoint NearestOnBorder(const Corners<N>& c) {
 
 template <int N>
 HWY_INLINE V SmallestProjection(const Vector& n, const Corners<N>& c) {
-  V least = Dot(n, c.d[0]);
-  for (int k = 1; k < N; ++k) least = hn::Min(least, Dot(n, c.d[k]));
-  return least;
+  V min = Dot(n, c.d[0]);
+  for (int k = 1; k < N; ++k) min = hn::Min(min, Dot(n, c.d[k]));
+  return min;
 }
 
 template <int N>
@@ -160,8 +158,8 @@ HWY_INLINE PatchClosest ClosestToOrigin(const Corners<N>& c) {
   const M within =
       N == 4 ? hn::And(hn::Le(beta, across2), hn::Le(gamma, across2)) : hn::Le(hn::Add(beta, gamma), across2);
   const M inside = hn::And(hn::And(hn::Ge(beta, zero), hn::Ge(gamma, zero)),
-                           hn::And(within, hn::Ge(across2, Number(kLeastSquare))));
-  // Nearly flat patches: the inside coordinates are noise, so the border is looked at as well.
+                           hn::And(within, hn::Ge(across2, Number(kMinSquare))));
+  // On slivers the barycentric coordinates are noise, so the border is tested as well.
   const M broad = hn::Gt(across2, hn::Mul(hn::Mul(Number(1e-12), Dot(e1, e1)), Dot(e2, e2)));
 
   PatchClosest best;
@@ -169,15 +167,15 @@ HWY_INLINE PatchClosest ClosestToOrigin(const Corners<N>& c) {
   best.distance = hn::Sqrt(Dot(best.difference, best.difference));
   const V sign = hn::IfThenElse(hn::Lt(Dot(across, c.d[0]), zero), Number(-1), Number(1));
   best.normal = Times(across, hn::Div(sign, hn::Sqrt(across2)));
-  const M settled = hn::And(inside, broad);
-  if (hn::AllTrue(D(), settled)) return best;
+  const M done = hn::And(inside, broad);
+  if (hn::AllTrue(D(), done)) return best;
 
   const BorderPoint border = NearestOnBorder(c);
   const V border_distance = hn::Sqrt(border.distance2);
   const Vector border_normal = border.Direction();
-  const M on_border = hn::AndNot(settled, hn::Or(hn::Not(inside), hn::Le(border_distance, best.distance)));
+  const M on_border = hn::AndNot(done, hn::Or(hn::Not(inside), hn::Le(border_distance, best.distance)));
   const M straighter =
-      hn::AndNot(settled, hn::Gt(SmallestProjection(border_normal, c), SmallestProjection(best.normal, c)));
+      hn::AndNot(done, hn::Gt(SmallestProjection(border_normal, c), SmallestProjection(best.normal, c)));
   best.normal = Choose(hn::Or(on_border, straighter), border_normal, best.normal);
   best.difference = Choose(on_border, border.point, best.difference);
   best.distance = hn::IfThenElse(on_border, border_distance, best.distance);

@@ -1,10 +1,10 @@
-// Continuous collision of one pair of features: the march on a batch with one lane in use.
+// Continuous collision of one pair of features: conservative advancement in one lane of a batch.
 
 #include <algorithm>
 
 #include "base/plain_arithmetic.h"
 #include "ccd/bounds.h"
-#include "ccd/march.h"
+#include "ccd/conservative_advancement.h"
 #include "foldproof/ccd.h"
 
 namespace foldproof {
@@ -14,12 +14,12 @@ CcdResult pair_ccd(const FourPoints& x0, const FourPoints& x1, bool edge_edge, c
   const PlainArithmetic plain;
   PairBatch pairs{};
   pairs.set(0, x0, x1);
-  March march(edge_edge, settings);
-  if (march.take(pairs, 1) == 0) return {Answer::Separated, 1};
-  const int lane = march.start(0, settings.latest);
-  while (march.look() == 0) {
+  ConservativeAdvancement advancement(edge_edge, settings);
+  if (advancement.load(pairs, 1) == 0) return {Answer::Separated, 1};
+  const int lane = advancement.start(0, settings.latest);
+  while (advancement.iterate() == 0) {
   }
-  return march.result(lane);
+  return advancement.result(lane);
 }
 
 Closest closest(const FourPoints& x, bool edge_edge) {
@@ -41,7 +41,7 @@ CcdResult edge_edge_ccd(const FourPoints& x0, const FourPoints& x1, const CcdSet
 
 double ccd_resolution(double extent) {
   const PlainArithmetic plain;
-  return std::max(kResolution * extent, kLeastTolerance);
+  return std::max(kResolution * extent, kMinTolerance);
 }
 
 Closest vertex_face_closest(const FourPoints& x) { return closest(x, false); }

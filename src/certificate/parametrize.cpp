@@ -2,16 +2,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "certificate/outline.h"
+#include "certificate/scaffold.h"
 
 namespace foldproof {
 namespace {
 
-// A triangle that faces the plane at a steeper angle than this is too thin in the picture to prove much.
-constexpr float kLeastCosine = 0.15f;
+// The smallest cosine between a triangle's normal and the direction of projection. Steeper triangles become
+// too thin in the plane to prove much.
+constexpr float kMinCosine = 0.15f;
 
-// The largest coordinate of a patch. Room is left to the square, so that the triangles between are not thin.
-constexpr float kReach = 18000;
+// The largest uv coordinate of a patch. The margin to the square keeps scaffold triangles from being thin.
+constexpr float kMaxUv = 18000;
 
 using Vec3f = Eigen::Vector3f;
 
@@ -19,21 +20,21 @@ Vec3f at(const std::array<float, 3>& p) { return {p[0], p[1], p[2]}; }
 
 }  // namespace
 
-struct ChartMaker::Scratch {
+struct Parametrizer::Scratch {
   std::vector<Vec3f> normals;
-  std::vector<Vec3f> turned;
-  OutlineFiller filler;
-  DirectedSides sides;
+  std::vector<Vec3f> projected;
+  ScaffoldBuilder scaffold;
+  HalfEdgeSet half_edges;
 };
 
-ChartMaker::ChartMaker() : scratch_(new Scratch) {}
-ChartMaker::~ChartMaker() = default;
-ChartMaker::ChartMaker(ChartMaker&&) noexcept = default;
+Parametrizer::Parametrizer() : scratch_(new Scratch) {}
+Parametrizer::~Parametrizer() = default;
+Parametrizer::Parametrizer(Parametrizer&&) noexcept = default;
 
 namespace {
 
-// The direction that all triangles face: their mean normal, pulled towards those that it faces least. Zero
-// when there is none.
+// A direction that all triangles face: their mean normal, moved towards the normal that deviates most, round
+// by round. Zero where that finds none.
 Vec3f facing_direction(const Patch& patch, std::span<const std::array<float, 3>> x,
                        std::vector<Vec3f>& normals) {
   normals.clear();
@@ -51,61 +52,61 @@ Vec3f facing_direction(const Patch& patch, std::span<const std::array<float, 3>>
     for (const Vec3f& n : normals) {
       if (n.dot(mean) < worst->dot(mean)) worst = &n;
     }
-    const float least = worst->dot(mean);
-    if (least > 0.6f || (round == 0 && least < -0.8f)) break;
+    const float cosine = worst->dot(mean);
+    if (cosine > 0.6f || (round == 0 && cosine < -0.8f)) break;
     mean = (mean + *worst * (1.2f / static_cast<float>(round + 2))).normalized();
   }
   for (const Vec3f& n : normals) {
-    if (!(n.dot(mean) > kLeastCosine)) return Vec3f::Zero();
+    if (!(n.dot(mean) > kMinCosine)) return Vec3f::Zero();
   }
   return mean;
 }
 
-// Projects along `facing` and rounds to the grid.
-void project(std::span<const std::array<float, 3>> x, const Vec3f& facing, std::vector<Vec3f>& turned,
-             Drawing& out) {
+// Projects along `facing` and rounds to integers.
+void project(std::span<const std::array<float, 3>> x, const Vec3f& facing, std::vector<Vec3f>& projected,
+             UvMap& out) {
   const Vec3f u = facing.unitOrthogonal(), w = facing.cross(u);
-  turned.clear();
+  projected.clear();
   Vec3f low = Vec3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
   for (const auto& p : x) {
     const Vec3f d = at(p) - at(x[0]);
-    turned.emplace_back(d.dot(u), d.dot(w), d.dot(facing));
-    low = low.cwiseMin(turned.back());
-    high = high.cwiseMax(turned.back());
+    projected.emplace_back(d.dot(u), d.dot(w), d.dot(facing));
+    low = low.cwiseMin(projected.back());
+    high = high.cwiseMax(projected.back());
   }
   const Vec3f middle = (low + high) / 2;
-  const float scale = kReach / ((high - low).maxCoeff() / 2);
-  for (const Vec3f& p : turned) {
+  const float scale = kMaxUv / ((high - low).maxCoeff() / 2);
+  for (const Vec3f& p : projected) {
     const Vec3f q = (p - middle) * scale;
     const auto round = [](float c) {
-      return static_cast<std::int16_t>(std::clamp(c, -kReach, kReach) + (c < 0 ? -0.5f : 0.5f));
+      return static_cast<std::int16_t>(std::clamp(c, -kMaxUv, kMaxUv) + (c < 0 ? -0.5f : 0.5f));
     };
-    out.places.push_back({round(q.x()), round(q.y())});
+    out.uvs.push_back({round(q.x()), round(q.y())});
     out.heights.push_back(round(q.z()));
   }
 }
 
 }  // namespace
 
-Vec3f ChartMaker::facing(const Patch& patch, std::span<const std::array<float, 3>> positions) {
+Vec3f Parametrizer::facing(const Patch& patch, std::span<const std::array<float, 3>> positions) {
   return facing_direction(patch, positions, scratch_->normals);
 }
 
-bool ChartMaker::faces(const Vec3f& direction, const Vec3f (&corners)[3]) {
+bool Parametrizer::faces(const Vec3f& direction, const Vec3f (&corners)[3]) {
   const Vec3f area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-  return area.dot(direction) > kLeastCosine * area.norm();
+  return area.dot(direction) > kMinCosine * area.norm();
 }
 
-ChartOutcome ChartMaker::draw(const Patch& patch, std::span<const std::array<float, 3>> positions,
-                              const Vec3f& facing, Drawing& out) {
-  out.places.clear();
+ChartOutcome Parametrizer::build(const Patch& patch, std::span<const std::array<float, 3>> positions,
+                                 const Vec3f& facing, UvMap& out) {
+  out.uvs.clear();
   out.heights.clear();
-  out.fillers.clear();
+  out.scaffold.clear();
   if (patch.vertices.size() > 0xFFF0) return ChartOutcome::TooLarge;
   if (facing.isZero()) return ChartOutcome::TooCurved;
-  project(positions, facing, scratch_->turned, out);
-  if (!scratch_->filler.fill(patch, out) || !chart_is_valid(patch, out, scratch_->sides))
-    return ChartOutcome::Tangled;
+  project(positions, facing, scratch_->projected, out);
+  if (!scratch_->scaffold.build(patch, out) || !chart_is_valid(patch, out, scratch_->half_edges))
+    return ChartOutcome::Overlapping;
   return ChartOutcome::Made;
 }
 

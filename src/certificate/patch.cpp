@@ -1,4 +1,4 @@
-// Which patches there are, and what is in them.
+// The patches of a hierarchy and their contents.
 
 #include <algorithm>
 
@@ -26,31 +26,31 @@ PatchSlots::PatchSlots(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(
   }
   begin_.push_back(0);
   for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
-    const auto first = static_cast<std::ptrdiff_t>(neighbour_.size());
+    const auto first = static_cast<std::ptrdiff_t>(neighbor_.size());
     for_each_corner(leaf, [&](Index v) {
       for (Index k = begin[v]; k < end[v]; ++k) {
-        if (leaves_at[k] != leaf) neighbour_.push_back(leaves_at[k]);
+        if (leaves_at[k] != leaf) neighbor_.push_back(leaves_at[k]);
       }
     });
-    std::sort(neighbour_.begin() + first, neighbour_.end());
-    neighbour_.erase(std::unique(neighbour_.begin() + first, neighbour_.end()), neighbour_.end());
-    row_.resize(neighbour_.size(), leaf);
-    begin_.push_back(static_cast<Index>(neighbour_.size()));
+    std::sort(neighbor_.begin() + first, neighbor_.end());
+    neighbor_.erase(std::unique(neighbor_.begin() + first, neighbor_.end()), neighbor_.end());
+    leaf_.resize(neighbor_.size(), leaf);
+    begin_.push_back(static_cast<Index>(neighbor_.size()));
   }
-  neighbour_.shrink_to_fit();
-  row_.shrink_to_fit();
+  neighbor_.shrink_to_fit();
+  leaf_.shrink_to_fit();
 }
 
 Index PatchSlots::of_leaves(Index leaf_a, Index leaf_b) const {
   const auto [a, b] = std::minmax(leaf_a, leaf_b);
-  // They ascend; around a vertex with very many triangles there are very many.
-  const auto first = neighbour_.begin() + begin_[a], last = neighbour_.begin() + begin_[a + 1];
+  // Neighbours ascend, and around a vertex of high valence there are many.
+  const auto first = neighbor_.begin() + begin_[a], last = neighbor_.begin() + begin_[a + 1];
   const auto found = std::lower_bound(first, last, b);
   if (found == last || *found != b) return kNoIndex;
-  return node_count() + static_cast<Index>(found - neighbour_.begin());
+  return node_count() + static_cast<Index>(found - neighbor_.begin());
 }
 
-Index PatchSlots::triangles_of(Index slot) const {
+Index PatchSlots::triangle_count(Index slot) const {
   const auto leaves = hierarchy_->leaves();
   const auto count = [&](Index begin, Index end) { return leaves[end].triangles - leaves[begin].triangles; };
   if (is_pair(slot)) {
@@ -63,8 +63,8 @@ Index PatchSlots::triangles_of(Index slot) const {
 
 PatchReader::PatchReader(const PatchSlots& slots)
     : slots_(slots),
-      number_(slots.hierarchy()->vertex_ids().size()),
-      owner_(slots.hierarchy()->vertex_ids().size(), 0) {}
+      local_number_(slots.hierarchy()->vertex_ids().size()),
+      last_patch_(slots.hierarchy()->vertex_ids().size(), 0) {}
 
 void PatchReader::add_leaves(Index begin, Index end, Patch& out) {
   const Hierarchy& h = *slots_.hierarchy();
@@ -72,12 +72,12 @@ void PatchReader::add_leaves(Index begin, Index end, Patch& out) {
     auto& local = out.triangles.emplace_back();
     for (int k = 0; k < 3; ++k) {
       const Index v = h.triangles()[t][k];
-      if (owner_[v] != patch_) {
-        owner_[v] = patch_;
-        number_[v] = static_cast<std::uint16_t>(out.vertices.size());
+      if (last_patch_[v] != patch_) {
+        last_patch_[v] = patch_;
+        local_number_[v] = static_cast<std::uint16_t>(out.vertices.size());
         out.vertices.push_back(v);
       }
-      local[k] = number_[v];
+      local[k] = local_number_[v];
     }
   }
 }

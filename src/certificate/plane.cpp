@@ -1,8 +1,8 @@
 #include "certificate/plane.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 
-void DirectedSides::list(std::size_t vertices, std::span<const Corners> group,
+void HalfEdgeSet::assign(std::size_t vertices, std::span<const Corners> group,
                          std::span<const Corners> more) {
   end_.assign(vertices + 1, 0);
   for (const auto triangles : {group, more}) {
@@ -14,7 +14,7 @@ void DirectedSides::list(std::size_t vertices, std::span<const Corners> group,
   std::uint32_t all = 0;
   for (std::size_t v = 0; v <= vertices; ++v) {
     begin_[v] = all;
-    all += (end_[v] + kTogether - 1) / kTogether * kTogether;
+    all += (end_[v] + kBlock - 1) / kBlock * kBlock;
     end_[v] = begin_[v];
   }
   to_.assign(all, 0xFFFF);
@@ -27,4 +27,4 @@ void DirectedSides::list(std::size_t vertices, std::span<const Corners> group,
   }
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -10,7 +10,7 @@
 
 #ifndef FOLDPROOF_SEPARATING_PLANE_ONCE
 #define FOLDPROOF_SEPARATING_PLANE_ONCE
-namespace foldproof {
+namespace foldproof::internal {
 
 struct VertexSet {
   std::span<const MovingVertex> vertices;
@@ -18,45 +18,45 @@ struct VertexSet {
   const MovingVertex& at(std::size_t i) const { return vertices[ids[i]]; }
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::internal
 #endif
 
 HWY_BEFORE_NAMESPACE();
 namespace foldproof::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The points of a set at both ends that lie furthest against a direction; the first of equals. Coordinates
-// are finite (tests/arithmetic, Frame): where all products were NaN, nothing would be least.
-struct Least {
-  float along[2];
-  std::size_t at[2];
+// Support points of a set against a direction, at both ends: the smallest projections and their vertices, the
+// first of equal ones. Coordinates are finite (tests/arithmetic, Frame); with NaN there would be no smallest.
+struct Support {
+  float projection[2];
+  std::size_t vertex[2];
 };
 
 #if HWY_TARGET == HWY_SCALAR
-Least FindLeast(const VertexSet& set, const float (&n)[8]) {
-  Least least{{INFINITY, INFINITY}, {0, 0}};
+Support FindSupport(const VertexSet& set, const float (&n)[8]) {
+  Support support{{INFINITY, INFINITY}, {0, 0}};
   for (std::size_t i = 0; i < set.ids.size(); ++i) {
     for (int end = 0; end < 2; ++end) {
       const float* x = set.at(i).x + 4 * end;
-      // In the order of the sums below, so that the answer is the same on every machine.
-      const float along = (x[0] * n[0] + x[2] * n[2]) + (x[1] * n[1] + x[3] * n[3]);
-      if (along < least.along[end]) {
-        least.along[end] = along;
-        least.at[end] = i;
+      // Summed in the same order as below, so that the answer is the same on every machine.
+      const float projection = (x[0] * n[0] + x[2] * n[2]) + (x[1] * n[1] + x[3] * n[3]);
+      if (projection < support.projection[end]) {
+        support.projection[end] = projection;
+        support.vertex[end] = i;
       }
     }
   }
-  return least;
+  return support;
 }
 #else
-Least FindLeast(const VertexSet& set, const float (&n)[8]) {
+Support FindSupport(const VertexSet& set, const float (&n)[8]) {
   const hn::CappedTag<float, 8> d;
-  Least out{{INFINITY, INFINITY}, {0, 0}};
+  Support out{{INFINITY, INFINITY}, {0, 0}};
   const std::size_t last = set.ids.size() - 1;
   alignas(32) static constexpr float kNumbers[8] = {0, 1, 2, 3, 0, 1, 2, 3};
   for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {  // both ends at once, or one after the other
     const auto direction = hn::LoadU(d, n + lane), four = hn::Set(d, 4);
-    auto least = hn::Set(d, INFINITY), at = hn::Zero(d), number = hn::Load(d, kNumbers + lane);
+    auto smallest = hn::Set(d, INFINITY), vertex = hn::Zero(d), number = hn::Load(d, kNumbers + lane);
     for (std::size_t i = 0; i <= last; i += 4) {
       const auto product = [&](std::size_t k) {
         return hn::Mul(hn::Load(d, set.at(std::min(i + k, last)).x + lane), direction);
@@ -65,19 +65,20 @@ Least FindLeast(const VertexSet& set, const float (&n)[8]) {
       const auto p0 = product(0), p1 = product(1), p2 = product(2), p3 = product(3);
       const auto even = hn::Add(hn::InterleaveLower(d, p0, p2), hn::InterleaveUpper(d, p0, p2));
       const auto odd = hn::Add(hn::InterleaveLower(d, p1, p3), hn::InterleaveUpper(d, p1, p3));
-      const auto along = hn::Add(hn::InterleaveLower(d, even, odd), hn::InterleaveUpper(d, even, odd));
-      at = hn::IfThenElse(hn::Lt(along, least), number, at);
-      least = hn::Min(least, along);
+      const auto projection = hn::Add(hn::InterleaveLower(d, even, odd), hn::InterleaveUpper(d, even, odd));
+      vertex = hn::IfThenElse(hn::Lt(projection, smallest), number, vertex);
+      smallest = hn::Min(smallest, projection);
       number = hn::Add(number, four);
     }
-    alignas(32) float along[8], numbers[8];
-    hn::Store(least, d, along + lane);
-    hn::Store(at, d, numbers + lane);
+    alignas(32) float projections[8], numbers[8];
+    hn::Store(smallest, d, projections + lane);
+    hn::Store(vertex, d, numbers + lane);
     for (std::size_t k = lane; k < lane + hn::Lanes(d); ++k) {
       const std::size_t end = k / 4, i = std::min(static_cast<std::size_t>(numbers[k]), last);
-      if (along[k] < out.along[end] || (along[k] == out.along[end] && i < out.at[end])) {
-        out.along[end] = along[k];
-        out.at[end] = i;
+      if (projections[k] < out.projection[end] ||
+          (projections[k] == out.projection[end] && i < out.vertex[end])) {
+        out.projection[end] = projections[k];
+        out.vertex[end] = i;
       }
     }
   }
@@ -85,63 +86,63 @@ Least FindLeast(const VertexSet& set, const float (&n)[8]) {
 }
 #endif
 
-// How far a direction separates the sets at each end, and where they come nearest along it.
+// How far the sets are separated along a direction at each end, and by which vertices.
 struct Separation {
-  Least a, b;
-  float along[2];
-  int worst;
-  float square;  // of the direction's length
+  Support a, b;
+  float distance[2];  // times the direction's length
+  int nearer_end;
+  float squared_length;  // of the direction
 };
 
-Separation LookAlong(const VertexSet& a, const VertexSet& b, const float (&n)[3]) {
+Separation SeparationAlong(const VertexSet& a, const VertexSet& b, const float (&n)[3]) {
   const float along_a[8] = {n[0], n[1], n[2], 0, n[0], n[1], n[2], 0};
   const float along_b[8] = {-n[0], -n[1], -n[2], 0, -n[0], -n[1], -n[2], 0};
-  Separation apart{
-      FindLeast(a, along_a), FindLeast(b, along_b), {}, 0, n[0] * n[0] + n[1] * n[1] + n[2] * n[2]};
-  for (int end = 0; end < 2; ++end) apart.along[end] = apart.a.along[end] + apart.b.along[end];
-  apart.worst = apart.along[1] < apart.along[0];
-  return apart;
+  Separation s{
+      FindSupport(a, along_a), FindSupport(b, along_b), {}, 0, n[0] * n[0] + n[1] * n[1] + n[2] * n[2]};
+  for (int end = 0; end < 2; ++end) s.distance[end] = s.a.projection[end] + s.b.projection[end];
+  s.nearer_end = s.distance[1] < s.distance[0];
+  return s;
 }
 
-// Theorem 1 along a direction. Shorter ones lose digits when they are squared, or vanish. S4: one rounding to
-// nearest per product, sum and root (tests/arithmetic, Rounding).
-bool Separate(const Separation& apart, float gap) {
-  return apart.square > 1e-30f && apart.along[apart.worst] > gap * std::sqrt(apart.square);
+// Theorem 1 along a direction. The square of a shorter direction would be inaccurate or zero. S4: every
+// product, sum and root is rounded once, to nearest (tests/arithmetic, Rounding).
+bool ExceedsGap(const Separation& s, float gap) {
+  return s.squared_length > 1e-30f && s.distance[s.nearer_end] > gap * std::sqrt(s.squared_length);
 }
 
-// Gilbert's search for the point of the difference of both sets that is nearest to the origin; it stops as
-// soon as its direction separates them at both ends.
+// Gilbert's algorithm for the point of the Minkowski difference nearest to the origin. It stops as soon as
+// its direction separates the sets at both ends.
 bool Separates(const VertexSet& a, const VertexSet& b, float gap, PlaneNormal* normal) {
-  // Curved sheets that lie on each other need more than 8; with 24 pairs that have none cost too much.
-  constexpr int kMostRounds = 16;
+  // Curved sheets that lie on each other need more than 8. With 24, pairs without a plane cost too much.
+  constexpr int kMaxIterations = 16;
   float n[3];
   if (normal != nullptr && *normal != PlaneNormal{}) {
     std::copy(normal->begin(), normal->end(), n);
-    if (Separate(LookAlong(a, b, n), gap)) return true;
+    if (ExceedsGap(SeparationAlong(a, b, n), gap)) return true;
   }
   for (int axis = 0; axis < 3; ++axis) {
     n[axis] = (a.at(0).x[axis] + a.at(0).x[4 + axis]) / 2 - (b.at(0).x[axis] + b.at(0).x[4 + axis]) / 2;
   }
-  for (int round = 0; round < kMostRounds; ++round) {
-    const Separation apart = LookAlong(a, b, n);
-    if (Separate(apart, gap)) {
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    const Separation s = SeparationAlong(a, b, n);
+    if (ExceedsGap(s, gap)) {
       if (normal != nullptr) *normal = {n[0], n[1], n[2]};
       return true;
     }
-    if (!(apart.square > 1e-30f)) return false;
-    // The point of the segment from n to the difference found that is nearest to the origin.
-    const int worst = apart.worst;
-    const float* from = a.at(apart.a.at[worst]).x + 4 * worst;
-    const float* to = b.at(apart.b.at[worst]).x + 4 * worst;
-    float way[3], dot = 0, square = 0;
+    if (!(s.squared_length > 1e-30f)) return false;
+    // The next point: the nearest to the origin on the segment from n to the support point of the difference.
+    const int end = s.nearer_end;
+    const float* from = a.at(s.a.vertex[end]).x + 4 * end;
+    const float* to = b.at(s.b.vertex[end]).x + 4 * end;
+    float segment[3], dot = 0, square = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      way[axis] = (from[axis] - to[axis]) - n[axis];
-      dot -= n[axis] * way[axis];
-      square += way[axis] * way[axis];
+      segment[axis] = (from[axis] - to[axis]) - n[axis];
+      dot -= n[axis] * segment[axis];
+      square += segment[axis] * segment[axis];
     }
-    if (!(dot > 0)) return false;  // as near as it gets
+    if (!(dot > 0)) return false;  // no point of the segment is nearer than n
     const float t = std::min(1.f, dot / square);
-    for (int axis = 0; axis < 3; ++axis) n[axis] += t * way[axis];
+    for (int axis = 0; axis < 3; ++axis) n[axis] += t * segment[axis];
   }
   return false;
 }
@@ -150,17 +151,17 @@ bool Separates(const VertexSet& a, const VertexSet& b, float gap, PlaneNormal* n
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace foldproof {
+namespace foldproof::internal {
 
 HWY_EXPORT(Separates);
 
 bool plane_separates(std::span<const MovingVertex> vertices_a, std::span<const Index> a,
                      std::span<const MovingVertex> vertices_b, std::span<const Index> b, double gap,
                      PlaneNormal* normal) {
-  // What rounding may add: docs/soundness.md, S4.
+  // With a margin for rounding: docs/soundness.md, S4.
   const float bound = static_cast<float>(gap * (1 + 0x1p-20) + 0x1p-19);
   return HWY_DYNAMIC_DISPATCH(Separates)({vertices_a, a}, {vertices_b, b}, bound, normal);
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal
 #endif  // HWY_ONCE

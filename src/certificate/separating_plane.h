@@ -3,19 +3,18 @@
 
 #include <array>
 
-#include "bvh/kinetic.h"
+#include "bvh/kinetic_bvh.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// A direction that may separate two sets: the normal of a plane between them, towards the first. Zero: none
-/// is known.
+/// The normal of a plane between two sets, towards the first; zero where none is known.
 using PlaneNormal = std::array<float, 3>;
 
-/// True: during the step the convex hulls of the two sets of vertices stay farther apart than `gap` (in the
-/// frame of the vertices). False promises nothing. The sets are not empty. `normal`, where given, is tried
-/// first and set to what separates.
+/// True: the convex hulls of two sets of vertices stay farther apart than `gap` during the step. `gap`: in
+/// the frame of the vertices. False promises nothing. `normal` is tried first and set to a normal that
+/// separates. Precondition: the sets are not empty.
 bool plane_separates(std::span<const MovingVertex> vertices_a, std::span<const Index> a,
                      std::span<const MovingVertex> vertices_b, std::span<const Index> b, double gap,
                      PlaneNormal* normal = nullptr);
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

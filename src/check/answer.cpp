@@ -5,9 +5,9 @@
 #include <tuple>
 #include <utility>
 
-#include "check/shortlist.h"
+#include "check/smallest_k.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 auto key(const VertexFaceCollision& c) {
@@ -15,8 +15,8 @@ auto key(const VertexFaceCollision& c) {
 }
 auto key(const EdgeEdgeCollision& c) { return std::tuple(c.object_a, c.a, c.object_b, c.b); }
 
-// By ids, so that neither the hierarchy nor the threads show in the answer; where only the earliest is
-// wanted, by time first.
+// Orders by ids, so that the answer depends neither on the hierarchy nor on threads; with earliest_only by
+// time first.
 struct Before {
   bool earliest_first;
   template <class Collision>
@@ -27,8 +27,8 @@ struct Before {
 };
 
 template <class Collision>
-Shortlist<Collision, Before> shortlist(std::vector<Collision>& list, bool earliest_only,
-                                       std::uint64_t max_listed) {
+SmallestK<Collision, Before> smallest(std::vector<Collision>& list, bool earliest_only,
+                                      std::uint64_t max_listed) {
   return {list, earliest_only ? 1 : max_listed, Before{earliest_only}};
 }
 
@@ -36,9 +36,9 @@ const DistinctTriangles* copies_in(DistinctObjects distinct, Index object) {
   return distinct.empty() || !distinct[object]->has_copies() ? nullptr : distinct[object].get();
 }
 
-// With every copy of its face.
-void take(const NarrowStep& step, VertexFaceCollision found, Shortlist<VertexFaceCollision, Before>& list,
-          StepResult& out) {
+// Adds a collision with every copy of its face.
+void add_copies(const NarrowStep& step, VertexFaceCollision found,
+                SmallestK<VertexFaceCollision, Before>& list, StepResult& out) {
   const DistinctTriangles* distinct = copies_in(step.distinct, found.face_object);
   if (distinct == nullptr) {
     ++out.vertex_face_count;
@@ -54,7 +54,7 @@ void take(const NarrowStep& step, VertexFaceCollision found, Shortlist<VertexFac
   }
 }
 
-// Keeps the one pair with the smallest time; vertex-face before edge-edge, then smaller ids.
+// Keeps only the pair with the smallest time; ties: vertex-face before edge-edge.
 void keep_earliest(StepResult& out) {
   auto& vf = out.vertex_face;
   auto& ee = out.edge_edge;
@@ -69,42 +69,23 @@ void keep_earliest(StepResult& out) {
 
 }  // namespace
 
-Work& Work::operator+=(const Work& more) {
-  node_tests += more.node_tests;
-  certificate_tests += more.certificate_tests;
-  certificate_passes += more.certificate_passes;
-  leaf_pairs += more.leaf_pairs;
-  candidates_vf += more.candidates_vf;
-  candidates_ee += more.candidates_ee;
-  undecided += more.undecided;
-  return *this;
-}
-
-StageTimes& StageTimes::operator+=(const StageTimes& more) {
-  total += more.total;
-  update += more.update;
-  traverse += more.traverse;
-  narrow += more.narrow;
-  return *this;
-}
-
 void finish(const StepSettings& settings, StepResult& out) {
-  shortlist(out.vertex_face, settings.earliest_only, settings.max_listed).finish();
-  shortlist(out.edge_edge, settings.earliest_only, settings.max_listed).finish();
+  smallest(out.vertex_face, settings.earliest_only, settings.max_listed).finish();
+  smallest(out.edge_edge, settings.earliest_only, settings.max_listed).finish();
   if (settings.earliest_only) keep_earliest(out);
 }
 
-void take_found(const NarrowStep& step, Chunk& c, StepResult& out) {
+void add_collisions(const NarrowStep& step, Chunk& c, StepResult& out) {
   out.work.candidates_vf += c.candidates.vertex_face.size() + c.candidates.face_vertex.size();
   out.work.candidates_ee += c.candidates.edge_edge.size();
   out.work.undecided += std::exchange(c.undecided, 0);
   const bool earliest_only = step.earliest != nullptr;
-  auto vertex_face = shortlist(out.vertex_face, earliest_only, step.max_listed);
+  auto vertex_face = smallest(out.vertex_face, earliest_only, step.max_listed);
   for (const VertexFaceCollision& found : c.vertex_face) {
     out.earliest_toi = std::min(out.earliest_toi, found.toi);
-    take(step, found, vertex_face, out);
+    add_copies(step, found, vertex_face, out);
   }
-  auto edge_edge = shortlist(out.edge_edge, earliest_only, step.max_listed);
+  auto edge_edge = smallest(out.edge_edge, earliest_only, step.max_listed);
   for (const EdgeEdgeCollision& found : c.edge_edge) {
     out.earliest_toi = std::min(out.earliest_toi, found.toi);
     edge_edge.add(found);
@@ -114,13 +95,13 @@ void take_found(const NarrowStep& step, Chunk& c, StepResult& out) {
   c.edge_edge.clear();
 }
 
-void spread(DistinctObjects distinct, Explanation& explanation) {
+void explain_copies(DistinctObjects distinct, Explanation& explanation) {
   for (std::size_t i = 0; i < distinct.size(); ++i) {
     if (!distinct[i]->has_copies()) continue;
     Explanation::Object& object = explanation.objects[i];
-    distinct[i]->spread(object.level);
-    distinct[i]->spread(object.margin);
-    distinct[i]->spread(object.reason);
+    distinct[i]->expand(object.level);
+    distinct[i]->expand(object.margin);
+    distinct[i]->expand(object.reason);
   }
 }
 
@@ -129,28 +110,28 @@ void clear(StepResult& out) {
   out.edge_edge.clear();
   out.vertex_face_count = out.edge_edge_count = 0;
   out.tolerance = 0;
-  out.searched = 1;
+  out.search_steps = 1;
   out.earliest_toi = 1;
   out.work = {};
   out.milliseconds = {};
 }
 
-// Never below what doubles can tell apart, so that the narrow phase need not raise it (soundness.md, C1).
-double tolerance_for(const StepSettings& settings, double side) {
-  // Four times the side need not be a number.
-  const double automatic = side * 0x1p-30,
-               least = std::isfinite(4 * side) ? ccd_resolution(std::max(4 * side, settings.thickness))
-                                               : 4 * ccd_resolution(std::max(side, settings.thickness / 4));
-  return std::max(settings.tolerance > 0 ? settings.tolerance : automatic, least);
+// Never below the resolution of doubles, so that the narrow phase need not raise it (docs/soundness.md, C1).
+double tolerance_for(const StepSettings& settings, double extent) {
+  const double automatic = extent * 0x1p-30;
+  const double resolution = std::isfinite(4 * extent)
+                                ? ccd_resolution(std::max(4 * extent, settings.thickness))
+                                : 4 * ccd_resolution(std::max(extent, settings.thickness / 4));
+  return std::max(settings.tolerance > 0 ? settings.tolerance : automatic, resolution);
 }
 
 Result<void> check_settings(const StepSettings& settings) {
   for (const auto& [name, value] :
        {std::pair("thickness", settings.thickness), std::pair("tolerance", settings.tolerance)}) {
     if (!(value >= 0) || !std::isfinite(value))
-      return fail(name, "is not a length", "give a number of at least 0");
+      return fail(ErrorCode::InvalidArgument, name, "is not a length", "give a number of at least 0");
   }
   return {};
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

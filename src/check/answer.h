@@ -1,20 +1,20 @@
-/// The answer to a step: what the settings may ask for, and what was found, sorted and cut to what is listed.
+/// The answer of a step: validates its settings; collects, sorts and limits its collisions.
 #pragma once
 
 #include "check/narrow_phase.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
 Result<void> check_settings(const StepSettings& settings);
-/// The tolerance to use when everything lies in a box of this side.
-double tolerance_for(const StepSettings& settings, double side);
+/// The tolerance to use in a scene whose bounding box has this largest side.
+double tolerance_for(const StepSettings& settings, double extent);
 
 void clear(StepResult& out);
-/// Adds what a chunk found to the answer, and forgets it there.
-void take_found(const NarrowStep& step, Chunk& chunk, StepResult& out);
-/// Sorts by ids; with StepSettings::earliest_only, keeps the earliest.
+/// Moves a chunk's collisions to the answer.
+void add_collisions(const NarrowStep& step, Chunk& chunk, StepResult& out);
+/// Sorts by ids. With StepSettings::earliest_only, keeps only the earliest.
 void finish(const StepSettings& settings, StepResult& out);
-/// What is said of the triangles that were looked at becomes what is said of all.
-void spread(DistinctObjects distinct, Explanation& explanation);
+/// Copies the explanation of distinct triangles to all their copies.
+void explain_copies(DistinctObjects distinct, Explanation& explanation);
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

@@ -3,46 +3,47 @@
 #include <atomic>
 #include <cmath>
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
-// Tasks per pair of objects; a constant, so that the order of the answer never depends on the threads.
-constexpr std::size_t kEnoughTasks = 64;
-// There is one front per pair of objects; of many objects only those with themselves, as most others never
-// meet.
-constexpr std::size_t kManyObjects = 16;
-// The front of a node is made anew from its children every so many steps, as it only ever gets finer.
-constexpr std::size_t kFrontUses = 16;
+// Maximum tasks per pair of objects. A constant, so that the order of results does not depend on threads.
+constexpr std::size_t kTasksPerPair = 64;
+// Up to this many objects there is a front per pair of objects. Otherwise only one per object, since most
+// pairs never come near each other.
+constexpr std::size_t kMaxObjectsWithPairFronts = 16;
+// The front of a node only gets finer, so it is rebuilt from the node's children after this many steps.
+constexpr std::size_t kFrontLifetime = 16;
 
 }  // namespace
 
 BroadPhase::BroadPhase(const StepMotion& motion)
-    : objects_(motion.size()), fronts_(objects_ > kManyObjects ? objects_ : objects_ * objects_) {}
+    : objects_(motion.size()),
+      fronts_(objects_ > kMaxObjectsWithPairFronts ? objects_ : objects_ * objects_) {}
 
 std::size_t BroadPhase::WorkItem::weight(Index leaves) const {
-  return fresh ? 4 * static_cast<std::size_t>(std::sqrt(leaves)) : starts.size() + near.size();
+  return from_children ? 4 * static_cast<std::size_t>(std::sqrt(leaves)) : starts.size() + near.size();
 }
 
-// What most tasks need, so that few of them ever grow.
+// Reserves what most tasks need.
 BroadPhase::TaskData::TaskData() {
-  constexpr std::size_t kMostly = 32;
-  front.pairs.reserve(kMostly);
-  front.near.reserve(kMostly);
-  found.leaf_pairs.reserve(kMostly);
-  culled.remaining.reserve(kMostly);
+  constexpr std::size_t kUsualSize = 32;
+  front.pairs.reserve(kUsualSize);
+  front.near.reserve(kUsualSize);
+  found.leaf_pairs.reserve(kUsualSize);
+  culled.remaining.reserve(kUsualSize);
 }
 
-// By the roots' boxes.
+// Pairs of objects whose roots' boxes are near each other.
 std::span<const SweepAndPrune::Pair> BroadPhase::near_objects(const StepMotion& motion, float margin) {
   object_boxes_.clear();
-  for (const KineticTree& tree : motion.trees()) {
-    constexpr double kNowhere = std::numeric_limits<double>::infinity();
+  for (const KineticBvh& bvh : motion.bvhs()) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     SweptBox& box = object_boxes_.emplace_back();
-    box.low.fill(kNowhere);
-    box.high.fill(-kNowhere);
-    if (tree.boxes.empty()) continue;
+    box.low.fill(kInfinity);
+    box.high.fill(-kInfinity);
+    if (bvh.boxes.empty()) continue;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto& x = tree.boxes[0].x;
+      const auto& x = bvh.boxes[0].x;
       box.low[axis] = std::min(x[0][0][axis], x[1][0][axis]);
       box.high[axis] = -std::min(x[0][1][axis], x[1][1][axis]);
     }
@@ -50,21 +51,21 @@ std::span<const SweepAndPrune::Pair> BroadPhase::near_objects(const StepMotion& 
   return sweep_.pairs(object_boxes_, margin);
 }
 
-// Null where none is kept.
+// Null where there is none.
 BroadPhase::Front* BroadPhase::front_of(Index a, Index b) {
-  if (!keeps_fronts_) return nullptr;
-  if (objects_ > kManyObjects) return a == b ? &fronts_[a] : nullptr;
+  if (!uses_fronts_) return nullptr;
+  if (objects_ > kMaxObjectsWithPairFronts) return a == b ? &fronts_[a] : nullptr;
   return &fronts_[a * objects_ + b];
 }
 
-// In proportion to the size: many small objects need not be cut up.
+// In proportion to the objects' sizes: small objects need no more than one task.
 std::size_t BroadPhase::target_task_count(const StepMotion& motion, Index a, Index b) const {
   const std::size_t leaves = std::size_t{motion.hierarchy(a).leaf_count()} + motion.hierarchy(b).leaf_count();
-  return std::max<std::size_t>(1, kEnoughTasks * leaves / (2 * motion.leaf_count()));
+  return std::max<std::size_t>(1, kTasksPerPair * leaves / (2 * motion.leaf_count()));
 }
 
 BroadPhase::TaskData& BroadPhase::add_task(const StepMotion& motion, Index a, Index b, float margin) {
-  tasks_.push_back({{&motion.trees()[a], &motion.trees()[b], margin}, a, b});
+  tasks_.push_back({{&motion.bvhs()[a], &motion.bvhs()[b], margin}, a, b});
   if (task_data_.size() < tasks_.size()) task_data_.emplace_back();
   TaskData& data = task_data_[tasks_.size() - 1];
   data.items.clear();
@@ -76,9 +77,8 @@ BroadPhase::TaskData& BroadPhase::add_task(const StepMotion& motion, Index a, In
   return data;
 }
 
-// Collects what is to be traversed within an object: for each node that is neither proven nor below one that
-// is, what lies between its children, from the last front on where there is one. Gives the sum of their
-// weights.
+// Lists the traversals within an object: for each node that is neither proven nor below a proven one, that
+// between its children, from the last front where there is one. Returns the sum of their weights.
 std::size_t BroadPhase::list_items(const StepMotion& motion, Index object,
                                    std::span<const std::uint8_t> proven) {
   const auto nodes = motion.hierarchy(object).nodes();
@@ -96,13 +96,13 @@ std::size_t BroadPhase::list_items(const StepMotion& motion, Index object,
       WorkItem& item = items_.emplace_back(WorkItem{self, true, {}, {}});
       while (front != nullptr && at < front->segments.size() && front->segments[at].node < self) ++at;
       if (front != nullptr && at < front->segments.size() && front->segments[at].node == self &&
-          (steps_ + self) % kFrontUses != 0) {
+          (steps_ + self) % kFrontLifetime != 0) {
         const bool last = at + 1 == front->segments.size();
         const Front::Segment begin = front->segments[at],
                              end = last ? Front::Segment{0, static_cast<Index>(front->pairs.size()),
                                                          static_cast<Index>(front->near.size())}
                                         : front->segments[at + 1];
-        item.fresh = false;
+        item.from_children = false;
         item.starts = std::span(front->pairs).subspan(begin.pairs, end.pairs - begin.pairs);
         item.near = std::span(front->near).subspan(begin.near, end.near - begin.near);
       }
@@ -113,71 +113,71 @@ std::size_t BroadPhase::list_items(const StepMotion& motion, Index object,
   return weight;
 }
 
-// Deals what there is out to tasks of about the same size.
-void BroadPhase::make_self_tasks(const StepMotion& motion, Index object, const Culling::SelfPairs& selves,
+// Distributes the items to tasks of about the same weight.
+void BroadPhase::make_self_tasks(const StepMotion& motion, Index object, const Culling::SelfPairs& self_pairs,
                                  float margin) {
   const auto nodes = motion.hierarchy(object).nodes();
   TaskData& leaves = add_task(motion, object, object, margin);
-  for (const Index leaf : selves.unproven_leaves) leaves.culled.remaining.push_back({leaf, leaf});
-  const std::size_t most =
-      list_items(motion, object, selves.proven) / target_task_count(motion, object, object) + 1;
+  for (const Index leaf : self_pairs.unproven_leaves) leaves.culled.remaining.push_back({leaf, leaf});
+  const std::size_t max_weight =
+      list_items(motion, object, self_pairs.proven) / target_task_count(motion, object, object) + 1;
   TaskData* data = nullptr;
-  std::size_t room = 0;
+  std::size_t capacity = 0;
   for (WorkItem item : items_) {
     const Hierarchy::Node& node = nodes[item.node];
     do {
-      if (room == 0) {
+      if (capacity == 0) {
         data = &add_task(motion, object, object, margin);
-        room = most;
+        capacity = max_weight;
       }
-      WorkItem cut = item;
-      cut.starts = item.starts.first(std::min(item.starts.size(), room));
-      cut.near = item.near.first(std::min(item.near.size(), room));
-      item.starts = item.starts.subspan(cut.starts.size());
-      item.near = item.near.subspan(cut.near.size());
-      data->items.push_back(cut);
-      room -= std::min(room, cut.weight(node.leaf_end - node.leaf_begin));
+      WorkItem part = item;
+      part.starts = item.starts.first(std::min(item.starts.size(), capacity));
+      part.near = item.near.first(std::min(item.near.size(), capacity));
+      item.starts = item.starts.subspan(part.starts.size());
+      item.near = item.near.subspan(part.near.size());
+      data->items.push_back(part);
+      capacity -= std::min(capacity, part.weight(node.leaf_end - node.leaf_begin));
     } while (!item.starts.empty() || !item.near.empty());
   }
 }
 
-// From the last front on, or down from the roots until there are enough pairs for all tasks; what is found on
-// the way gets a task of its own.
+// Starts from the last front, or descends from the roots until there are enough pairs for all tasks. Pairs of
+// leaves that the descent finds get a task of their own.
 void BroadPhase::make_pair_tasks(const StepMotion& motion, Index a, Index b, float margin) {
   const Front* front = front_of(a, b);
-  const std::size_t enough = target_task_count(motion, a, b);
+  const std::size_t target = target_task_count(motion, a, b);
   std::span<const NodePair> starts;
-  std::span<const NearLeaves> near;
-  if (front != nullptr && !front->segments.empty() && steps_ % kFrontUses != 0) {
+  std::span<const NearLeafPair> near;
+  if (front != nullptr && !front->segments.empty() && steps_ % kFrontLifetime != 0) {
     starts = front->pairs;
     near = front->near;
   } else {
-    TaskData& above = add_task(motion, a, b, margin);
+    TaskData& descent_task = add_task(motion, a, b, margin);
     descent_.assign(1, {0, 0});
-    for (int level = 0; level < 12 && !descent_.empty() && descent_.size() < 4 * enough; ++level)
-      descend_once(tasks_.back().traversal, descent_, descent_below_, above.found);
+    for (int level = 0; level < 12 && !descent_.empty() && descent_.size() < 4 * target; ++level)
+      descend_once(tasks_.back().traversal, descent_, descent_scratch_, descent_task.found);
     starts = descent_;
   }
-  const std::size_t count = std::max<std::size_t>(1, std::min(enough, starts.size() + near.size()));
-  const auto cut = [&](auto all, std::size_t k) {
+  const std::size_t count = std::max<std::size_t>(1, std::min(target, starts.size() + near.size()));
+  const auto part = [&](auto all, std::size_t k) {
     const std::size_t begin = k * all.size() / count;
     return all.subspan(begin, (k + 1) * all.size() / count - begin);
   };
   for (std::size_t k = 0; k < count; ++k) {
     TaskData& data = add_task(motion, a, b, margin);
-    const auto own = cut(starts, k);
+    const auto own = part(starts, k);
     data.starts.assign(own.begin(), own.end());
-    data.items.push_back({0, false, data.starts, cut(near, k)});
+    data.items.push_back({0, false, data.starts, part(near, k)});
   }
 }
 
-// Nodes first, then the leaves that were near before and those that are for the first time.
+// Per item: traverses, then culls the pairs of leaves of the front and the newly found ones.
 void BroadPhase::run_task(Index k, Culling& culling) {
   const TraversalTask& task = tasks_[k];
   TaskData& data = task_data_[k];
   const PatchSlots* slots =
-      task.object_a == task.object_b && keeps_fronts_ ? &culling.slots(task.object_a) : nullptr;
-  const auto take_found = [&] {
+      task.object_a == task.object_b && uses_fronts_ ? &culling.slots(task.object_a) : nullptr;
+  const auto cull_found = [&] {
     for (const NodePair leaves : data.found.leaf_pairs)
       data.front.near.push_back({leaves, slots != nullptr ? slots->of_leaves(leaves.a, leaves.b) : kNoIndex});
     culling.cull_leaves(task, std::span(data.front.near).last(data.found.leaf_pairs.size()), true,
@@ -188,28 +188,28 @@ void BroadPhase::run_task(Index k, Culling& culling) {
     data.front.segments.push_back(
         {node, static_cast<Index>(data.front.pairs.size()), static_cast<Index>(data.front.near.size())});
   };
-  // Found when the traversal of two objects was cut into tasks.
+  // Pairs of leaves that the descent found when it cut the traversal of two objects into tasks.
   if (data.items.empty() && !data.found.leaf_pairs.empty()) begin_segment(0);
-  take_found();
+  cull_found();
   for (const WorkItem& item : data.items) {
     const NodePair children{item.node + 1, task.traversal.a->hierarchy->nodes()[item.node].right};
     begin_segment(item.node);
-    traverse(task.traversal, item.fresh ? std::span(&children, 1) : item.starts, locals_.local().stack,
-             data.found);
+    traverse(task.traversal, item.from_children ? std::span(&children, 1) : item.starts,
+             locals_.local().stack, data.found);
     data.front.near.insert(data.front.near.end(), item.near.begin(), item.near.end());
     culling.cull_leaves(task, item.near, false, data.culled);
-    take_found();
+    cull_found();
   }
 }
 
-void BroadPhase::keep_fronts() {
+void BroadPhase::store_fronts() {
   for (Index k = 0; k < tasks_.size(); ++k) {
     Front* front = front_of(tasks_[k].object_a, tasks_[k].object_b);
     if (front == nullptr) continue;
     if (k == 0 || front != front_of(tasks_[k - 1].object_a, tasks_[k - 1].object_b)) front->clear();
     const Front& found = task_data_[k].front;
     for (const Front::Segment& segment : found.segments) {
-      // An item that was cut up is one segment again.
+      // The parts of an item form one segment.
       if (!front->segments.empty() && front->segments.back().node == segment.node) continue;
       front->segments.push_back({segment.node, static_cast<Index>(front->pairs.size() + segment.pairs),
                                  static_cast<Index>(front->near.size() + segment.near)});
@@ -223,7 +223,7 @@ void BroadPhase::find(const StepMotion& motion, Culling& culling, const StepSett
                       double distance, Work& work) {
   const float margin = separation_margin(motion.frame(), distance);
   ++steps_;
-  keeps_fronts_ = culling.may_use_later();
+  uses_fronts_ = culling.may_cull_later();
   tasks_.clear();
   if (settings.within) {
     for (Index object = 0; object < motion.size(); ++object)
@@ -234,25 +234,25 @@ void BroadPhase::find(const StepMotion& motion, Culling& culling, const StepSett
   }
   const auto count = static_cast<Index>(tasks_.size());
   parallel_for(Index{0}, count, [&](Index k) { run_task(k, culling); });
-  keep_fronts();
+  store_fronts();
   leaf_pairs_.clear();
   std::uint64_t node_tests = 0;
   for (Index k = 0; k < count; ++k) {
     node_tests += task_data_[k].found.node_tests + task_data_[k].culled.node_tests;
-    culling.remember(tasks_[k], task_data_[k].culled.planes);
+    culling.cache_planes(tasks_[k], task_data_[k].culled.planes);
     for (const NodePair leaves : task_data_[k].culled.remaining) leaf_pairs_.push_back({k, leaves});
   }
-  for (const LeafPairRef& pair : leaf_pairs_) culling.remember_remaining(tasks_[pair.task], pair.leaves);
+  for (const LeafPair& pair : leaf_pairs_) culling.note_remaining(tasks_[pair.task], pair.leaves);
   work.node_tests += node_tests;
   work.leaf_pairs += leaf_pairs_.size();
-  culling.end(motion, node_tests, leaf_pairs_.size(), work);
+  culling.end_step(motion, node_tests, leaf_pairs_.size(), work);
 }
 
 std::uint64_t BroadPhase::count_near_leaves(const StepMotion& motion, const StepSettings& settings,
                                             double distance) {
   const float margin = separation_margin(motion.frame(), distance);
   std::atomic<std::uint64_t> count{0};
-  const auto follow = [&](const Traversal& traversal, NodePair start) {
+  const auto count_below = [&](const Traversal& traversal, NodePair start) {
     Local& local = locals_.local();
     local.counted.leaf_pairs.clear();
     traverse(traversal, start, local.stack, local.counted);
@@ -261,18 +261,18 @@ std::uint64_t BroadPhase::count_near_leaves(const StepMotion& motion, const Step
   for (Index a = 0; settings.within && a < motion.size(); ++a) {
     const auto nodes = motion.hierarchy(a).nodes();
     count += motion.hierarchy(a).leaf_count();
-    const Traversal traversal{&motion.trees()[a], &motion.trees()[a], margin};
+    const Traversal traversal{&motion.bvhs()[a], &motion.bvhs()[a], margin};
     parallel_for(Index{0}, static_cast<Index>(nodes.size()), [&](Index n) {
-      if (!nodes[n].is_leaf()) follow(traversal, {n + 1, nodes[n].right});
+      if (!nodes[n].is_leaf()) count_below(traversal, {n + 1, nodes[n].right});
     });
   }
   if (settings.between) {
     const auto near = near_objects(motion, margin);
     parallel_for(std::size_t{0}, near.size(), [&](std::size_t k) {
-      follow({&motion.trees()[near[k][0]], &motion.trees()[near[k][1]], margin}, {0, 0});
+      count_below({&motion.bvhs()[near[k][0]], &motion.bvhs()[near[k][1]], margin}, {0, 0});
     });
   }
   return count;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

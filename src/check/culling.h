@@ -1,42 +1,43 @@
-/// The pipeline's third stage: pairs that certificates separate need no test.
+/// Stage 3 of the pipeline, culling: pairs that certificates prove separated need no test.
 #pragma once
 
 #include "base/parallel.h"
-#include "certificate/book.h"
+#include "certificate/chart_cache.h"
 #include "certificate/separating_plane.h"
-#include "check/gain.h"
+#include "check/culling_policy.h"
 #include "check/motion.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// Charts of patches, which prove that nodes do not meet themselves and leaves not their neighbours, and
-/// planes between leaves. Learns from step to step where they hold and whether to use them at all.
+/// Two kinds of certificates: charts, which prove that the patch of a node or of two neighboring leaves does
+/// not touch itself, and planes that separate two leaves. Learns from step to step where they hold and
+/// whether to use them at all.
 class Culling {
  public:
   explicit Culling(std::span<const Object> objects);
 
-  /// Begins a step for a motion that was updated. Error: Mode::Paper has nothing to predict from.
-  Result<void> begin(const StepMotion& motion, Positions x0, Positions x1, const StepSettings& settings,
-                     double distance);
-  /// Whether later steps may use certificates on what this one finds.
-  bool may_use_later() const { return certificates_ && (uses_certificates_ || steps_ > 1); }
+  /// Begins a step, after an update of the motion. Error: Mode::Paper without a predictor.
+  Result<void> begin_step(const StepMotion& motion, Positions x0, Positions x1, const StepSettings& settings,
+                          double distance);
+  /// Whether later steps may use certificates on the pairs that this one finds.
+  bool may_cull_later() const { return certificates_ && (uses_certificates_ || steps_ > 1); }
 
-  /// The pairs of an object's nodes with themselves, from the root down to those that are proven. Valid until
-  /// the next call.
+  /// The pairs of an object's nodes with themselves, from the root down to proven ones. Valid until the next
+  /// call.
   struct SelfPairs {
-    std::vector<std::uint8_t> proven;    ///< Per node; nothing is said of what lies below a proven one.
-    std::vector<Index> unproven_leaves;  ///< Leaves with themselves that are left.
+    std::vector<std::uint8_t> proven;    ///< Per node; unspecified below a proven node.
+    std::vector<Index> unproven_leaves;  ///< Leaves that remain paired with themselves.
   };
   const SelfPairs& cull_self_pairs(const StepMotion& motion, Index object, Work& work);
 
-  /// Of pairs of leaves of one task.
+  /// The result for the pairs of leaves of one task.
   struct Culled {
-    std::vector<NodePair> remaining;  ///< Whose features are to be tested.
+    std::vector<NodePair> remaining;  ///< Pairs whose features are to be tested.
     struct Plane {
       NodePair leaves;
       PlaneNormal normal;
     };
-    std::vector<Plane> planes;  ///< Pairs of leaves that a plane separates.
+    std::vector<Plane> planes;  ///< Of the pairs that a plane separates.
     std::uint64_t node_tests = 0;
     void clear() {
       remaining.clear();
@@ -44,26 +45,27 @@ class Culling {
       node_tests = 0;
     }
   };
-  /// Adds to `out`. `just_found`: their boxes are known not to be apart. Different threads may ask, after
+  /// Adds to `out`. `boxes_overlap`: known from the traversal, so boxes are not tested. Thread-safe, after
   /// cull_self_pairs of the task's objects.
-  void cull_leaves(const TraversalTask& task, std::span<const NearLeaves> near, bool just_found, Culled& out);
-  const PatchSlots& slots(Index object) const { return books_[object]->slots(); }
+  void cull_leaves(const TraversalTask& task, std::span<const NearLeafPair> near, bool boxes_overlap,
+                   Culled& out);
+  const PatchSlots& slots(Index object) const { return charts_[object]->slots(); }
 
-  /// Keeps for later steps what pairs of leaves were separated by, and which are left.
-  void remember(const TraversalTask& task, std::span<const Culled::Plane> planes);
-  void remember_remaining(const TraversalTask& task, NodePair leaves);
-  /// Ends the step, in which so many nodes were tested and so many pairs of leaves remain. Adds to `work`
-  /// what certificates did.
-  void end(const StepMotion& motion, std::uint64_t node_tests, std::size_t leaf_pairs, Work& work);
+  /// For later steps: caches planes, requests charts for a pair that remains, and backs off from planes that
+  /// fail.
+  void cache_planes(const TraversalTask& task, std::span<const Culled::Plane> planes);
+  void note_remaining(const TraversalTask& task, NodePair leaves);
+  /// Ends the step. `leaf_pairs`: the number of pairs that remain. Adds the work of certificates to `work`.
+  void end_step(const StepMotion& motion, std::uint64_t node_tests, std::size_t leaf_pairs, Work& work);
 
-  /// What certificates did in the step; not counted: pairs of leaves that they proved.
+  /// Explains the step, except for the number of pairs of leaves that certificates proved.
   void explain(const StepMotion& motion, std::span<const TraversalTask> tasks,
-               std::span<const LeafPairRef> leaf_pairs, Explanation& out);
+               std::span<const LeafPair> leaf_pairs, Explanation& out);
 
  private:
-  // Which proven patches of this step a leaf belongs to. Two leaves with a patch in common are proven apart.
+  // The proven patches of this step that contain a leaf. Two leaves with a common patch are proven separated.
   struct LeafProofs {
-    std::array<Index, 8> patch;  // the rest is kNoIndex
+    std::array<Index, 8> patch;  // padded with kNoIndex
     Index count;
     LeafProofs() { clear(); }
     void clear() {
@@ -73,8 +75,8 @@ class Culling {
     void add(Index proven_patch) {
       if (count < patch.size()) patch[count++] = proven_patch;
     }
-    // All of one side at once, without branches.
-    bool meets(const LeafProofs& other) const {
+    // Compares all of one side at once, without branches.
+    bool has_common_patch(const LeafProofs& other) const {
       Index same = 0;
       for (Index k = 0; k < other.count; ++k) {
         for (const Index p : patch) same |= static_cast<Index>(p == other.patch[k]);
@@ -86,54 +88,55 @@ class Culling {
   struct Local {
     ChartTester tester;
     std::uint64_t tests = 0, passes = 0, failed_planes = 0;
-    std::uint64_t new_planes = 0, new_planes_found = 0;  // asked for where none was known
-    std::vector<NearLeaves> to_test;                     // pairs of leaves without a common proof
+    std::uint64_t new_planes = 0, new_planes_passed = 0;  // tests without a cached normal
+    std::vector<NearLeafPair> unproven;                   // pairs of leaves without a common proven patch
     std::vector<NodePair> leaves;
-    std::vector<std::uint8_t> apart;
+    std::vector<std::uint8_t> separated;
   };
-  // What is known from earlier steps of a pair of leaves that was asked for a plane.
-  struct PlaneMemory {
-    PlaneNormal normal{};                     // the last that separated it
-    std::uint8_t cooldown = 0, failures = 0;  // steps until it is tested again; failures so far
+  // The history of planes between two leaves.
+  struct CachedPlane {
+    PlaneNormal normal{};                     // the last one that separated them
+    std::uint8_t back_off = 0, failures = 0;  // steps until the next test; failures in a row
   };
   // A node that a chart proved, for explanations.
   struct ProvenNode {
     Index object, node, level;
-    ChartBook::Proof proof;
+    ChartCache::Proof proof;
   };
   Result<void> predict(Positions x0, Positions x1, const StepSettings& settings);
-  std::size_t drawing_budget();
+  std::size_t build_budget();
   void prove_nodes(const StepMotion& motion, Index object);
-  bool is_proven(const TraversalTask& task, const NearLeaves& pair, Local& local, PlaneNormal& found);
-  PlaneMemory& plane_memory(const TraversalTask& task, NodePair leaves);
-  bool may_have_plane(const TraversalTask& task, NodePair leaves, const PlaneMemory& memory) const;
+  bool is_proven(const TraversalTask& task, const NearLeafPair& pair, Local& local, PlaneNormal& normal);
+  CachedPlane& cached_plane(const TraversalTask& task, NodePair leaves);
+  bool should_test_plane(const TraversalTask& task, NodePair leaves, const CachedPlane& cached) const;
   Reason reason_of(const TraversalTask& task, NodePair leaves) const;
 
-  std::vector<std::unique_ptr<ChartBook>> books_;
+  std::vector<std::unique_ptr<ChartCache>> charts_;
   std::vector<std::shared_ptr<const NodePredictor>> predictors_;  // null where there is none
   std::vector<std::vector<std::uint8_t>> predicted_free_;         // per object and node; Mode::Paper
-  CullingGain gain_;
-  bool certificates_ = false, explains_ = false;                     // as the settings say
-  bool trusts_predictions_ = false;                                  // Mode::Paper
+  CullingPolicy policy_;
+  bool certificates_ = false, explains_ = false;                     // as in the settings
+  bool uses_predictions_ = false;                                    // Mode::Paper
   bool uses_certificates_ = false, uses_certificates_next_ = false;  // in this step, in the next one
-  bool measures_gain_ = false;                                       // in this step
+  bool updates_policy_ = false;                                      // in this step
   double gap_ = 0;                                                   // to be proven, in the frame
   std::size_t steps_ = 0, last_leaf_pairs_ = 0;
-  double drawn_ = 0, of_use_ = 0;  // charts drawn in the last steps, and those of them that held
+  double built_ = 0, useful_ = 0;  // charts built in the last steps, and those of them that held
 
-  SelfPairs selves_;
-  std::vector<Index> level_, level_below_;
-  std::vector<ChartBook::Proof> level_proofs_;
+  SelfPairs self_pairs_;
+  std::vector<Index> level_, next_level_;
+  std::vector<ChartCache::Proof> level_proofs_;
   std::vector<std::vector<LeafProofs>> leaf_proofs_;  // per object and leaf
   std::vector<ProvenNode> proven_nodes_;              // only when explanations are wanted
 
+  // Tests of planes without a cached normal, in the last steps.
   struct {
-    double asked = 0, found = 0;  // in the last steps, where none was known
+    double tests = 0, passes = 0;
     bool pay = false;
-  } planes_;
-  bool ask_for_planes_ = false;  // not in the first step: where few have one, it must be known which
-  std::vector<PlaneMemory> plane_memory_;
+  } new_planes_;
+  bool tests_planes_ = false;  // not in the first step, in which no pair has a history
+  std::vector<CachedPlane> plane_cache_;
   PerThread<Local> locals_;
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

@@ -4,20 +4,21 @@
 #include <cassert>
 #include <numeric>
 
-namespace foldproof {
+namespace foldproof::internal {
 
 DistinctTriangles::DistinctTriangles(std::shared_ptr<const Hierarchy> all) : hierarchy_(std::move(all)) {
   const Topology& topology = hierarchy_->topology();
   if (find_copies(topology.triangles(), topology.vertex_count())) drop_copies(*hierarchy_);
 }
 
-// Fills first_, ids_ and repeated_; leaves them empty, with false, when there are no copies. Triangles are
-// dealt out by their first vertex; the few of one vertex are sorted.
+// Fills first_, ids_ and repeated_. Returns false, and leaves them empty, when there are no copies. Buckets
+// triangles by their first vertex and sorts each bucket.
 bool DistinctTriangles::find_copies(std::span<const Triangle> triangles, Index vertex_count) {
   std::vector<Index> end(vertex_count + std::size_t{1}, 0), order(triangles.size());
   for (const Triangle& t : triangles) ++end[t[0] + std::size_t{1}];
   std::partial_sum(end.begin(), end.end(), end.begin());
-  for (Index i = 0; i < triangles.size(); ++i) order[end[triangles[i][0]]++] = i;  // end[v]: of v from now on
+  // Before this, end[v] is where bucket v begins; after it, where it ends.
+  for (Index i = 0; i < triangles.size(); ++i) order[end[triangles[i][0]]++] = i;
   const auto less = [&](Index a, Index b) {
     return triangles[a] != triangles[b] ? triangles[a] < triangles[b] : a < b;
   };
@@ -49,7 +50,7 @@ bool DistinctTriangles::find_copies(std::span<const Triangle> triangles, Index v
   return true;
 }
 
-// The same tree without what no longer owns anything.
+// Removes copies from the tree, and nodes that no longer own any triangle.
 void DistinctTriangles::drop_copies(const Hierarchy& all) {
   const auto triangles = all.topology().triangles();
   std::vector<Triangle> distinct;
@@ -58,11 +59,11 @@ void DistinctTriangles::drop_copies(const Hierarchy& all) {
     distinct.push_back(triangles[ids_[first_[t]]]);
     for (const Index id : copies(t)) number[id] = t;
   }
-  // Of the copies the first in leaf order stays where it is.
+  // The first copy in leaf order stays in its leaf.
   const auto nodes = all.nodes();
   const auto leaves = all.leaves();
   std::vector<bool> placed(distinct.size(), false);
-  std::vector<Index> order, owned(nodes.size(), 0);  // per node, how many triangles are left below it
+  std::vector<Index> order, owned(nodes.size(), 0);  // owned: triangles that remain, per node
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     if (!nodes[n].is_leaf()) continue;
     const Index leaf = nodes[n].leaf_begin;
@@ -87,9 +88,9 @@ void DistinctTriangles::drop_copies(const Hierarchy& all) {
   }
   auto topology = Topology::make(all.topology().vertex_count(), std::move(distinct));
   assert(topology);
-  auto thinned = Hierarchy::from_parts(std::move(*topology), std::move(order), leaf_sizes);
-  assert(thinned);
-  hierarchy_ = std::make_shared<const Hierarchy>(std::move(*thinned));
+  auto distinct_hierarchy = Hierarchy::from_parts(std::move(*topology), std::move(order), leaf_sizes);
+  assert(distinct_hierarchy);
+  hierarchy_ = std::make_shared<const Hierarchy>(std::move(*distinct_hierarchy));
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -1,4 +1,4 @@
-/// Triangles that name the same vertices in the same order are looked at once.
+/// Distinct triangles: copies, with the same vertices in the same order, are tested once.
 #pragma once
 
 #include <memory>
@@ -6,36 +6,37 @@
 
 #include "foldproof/bvh.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// A hierarchy over each ordered triple of vertices once, and the triangles that each stands for.
+/// A hierarchy with each ordered triple of vertices once, and the copies of each triangle.
 ///
-/// Whatever holds of a triangle holds of its copies, so queries need not look at them: a polygon that goes
-/// round its corners many times, cut into triangles, would make every pair of them a query.
+/// What holds for a triangle holds for its copies, so queries skip them. Otherwise a polygon that repeats its
+/// corners many times, cut into triangles, would make every pair of copies a candidate.
 class DistinctTriangles {
  public:
   DistinctTriangles() = default;
-  /// Cost: one pass, and for a hierarchy with copies what Hierarchy::from_parts takes.
+  /// Cost: one pass; with copies also Hierarchy::from_parts.
   explicit DistinctTriangles(std::shared_ptr<const Hierarchy> all);
 
-  /// Over the triangles that are left, numbered by their first copies; all of them when there are no copies.
+  /// Over the distinct triangles, in the order of their first copies; the user's hierarchy when there are no
+  /// copies.
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return hierarchy_; }
-  /// Whether any triangle stands for several.
   bool has_copies() const { return !repeated_.empty(); }
-  /// Triangles of `hierarchy` that stand for several.
+  /// Distinct triangles that have several copies.
   std::span<const Index> repeated() const { return repeated_; }
-  /// The user's triangles that one of `hierarchy` stands for, ascending. Precondition: has_copies.
+  /// The user's triangles that are copies of a distinct one, itself included, ascending. Precondition:
+  /// has_copies.
   std::span<const Index> copies(Index triangle) const {
     return std::span(ids_).subspan(first_[triangle], first_[triangle + 1] - first_[triangle]);
   }
-  /// Per triangle of the user, what is said of the one that stands for it. Precondition: has_copies.
+  /// Replaces values per distinct triangle by values per triangle of the user. Precondition: has_copies.
   template <class T>
-  void spread(std::vector<T>& of_distinct) const {
-    std::vector<T> of_all(ids_.size());
+  void expand(std::vector<T>& values) const {
+    std::vector<T> expanded(ids_.size());
     for (Index t = 0; t + 1 < first_.size(); ++t) {
-      for (const Index id : copies(t)) of_all[id] = of_distinct[t];
+      for (const Index id : copies(t)) expanded[id] = values[t];
     }
-    of_distinct.swap(of_all);
+    values.swap(expanded);
   }
 
  private:
@@ -43,8 +44,8 @@ class DistinctTriangles {
   void drop_copies(const Hierarchy& all);
 
   std::shared_ptr<const Hierarchy> hierarchy_;
-  std::vector<Index> first_, ids_;  // of each distinct triangle, [first_[t], first_[t + 1]) of ids_
+  std::vector<Index> first_, ids_;  // the copies of distinct triangle t: [first_[t], first_[t + 1]) of ids_
   std::vector<Index> repeated_;
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

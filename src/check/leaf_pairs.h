@@ -1,26 +1,26 @@
-/// What the broad phase hands on: pairs of leaves, and which objects they are of.
+/// Pairs of leaves, the output of the broad phase.
 #pragma once
 
 #include "bvh/traverse.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// A share of the traversal of one object with itself or of two objects.
+/// A part of the traversal of one object with itself, or of two objects.
 struct TraversalTask {
   Traversal traversal;
   Index object_a, object_b;
 };
 
-/// A pair of leaves to be tested, with the task it came from.
-struct LeafPairRef {
+/// A pair of leaves whose features are tested, with its task.
+struct LeafPair {
   Index task;
   NodePair leaves;
 };
 
-/// Two leaves that were near each other.
-struct NearLeaves {
+/// A pair of leaves in the front: their boxes overlap, or did in an earlier step.
+struct NearLeafPair {
   NodePair leaves;
-  Index slot;  ///< Of their patch; kNoIndex when they have no vertex in common, or fronts are not kept.
+  Index slot;  ///< Of their patch. kNoIndex when they have no common vertex, or when fronts are not stored.
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

@@ -5,95 +5,97 @@
 #include <limits>
 #include <utility>
 
+#include "base/try.h"
 #include "check/answer.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
-// The least slack in the frame, well above its resolution.
-constexpr double kLeastInFrame = 0x1p-16;
-// What moves less than this, in mean lengths of an edge, stands still.
-constexpr double kStill = 0x1p-10;
-// Nothing is followed farther than this share of the scene: straight on from there lie poses that will never
-// be, where everything meets everything.
-constexpr double kFarthest = 0.25;
-// What rounding may take from a distance along an axis that is computed in the frame (docs/soundness.md, F1).
+// The minimum slack in the frame, well above its resolution.
+constexpr double kMinSlack = 0x1p-16;
+// A motion of less than this many mean edge lengths is at rest.
+constexpr double kMaxRestDisplacement = 0x1p-10;
+// The maximum extrapolation, as a share of the scene's extent: straight continuations beyond it lead to poses
+// that will never occur, in which everything overlaps.
+constexpr double kMaxExtrapolation = 0.25;
+// What rounding takes from a distance along an axis in the frame (docs/soundness.md, F1).
 constexpr double kRounding = 0x1p-20;
 constexpr double kAlongAxis = 0.577;  // less than 1 / sqrt(3)
 
-// About how many microseconds a search takes.
-double effort_of(const Work& work, bool ahead) {
+// Of a search, in microseconds, approximately.
+double cost_of(const Work& work, bool looks_ahead) {
   const auto n = [](std::uint64_t count) { return static_cast<double>(count); };
   const double candidates = n(work.candidates_vf + work.candidates_ee);
-  return 0.02 * n(work.node_tests) + 0.3 * n(work.certificate_tests) + (ahead ? 3 : 1) * n(work.leaf_pairs) +
-         0.03 * candidates;
+  return 0.02 * n(work.node_tests) + 0.3 * n(work.certificate_tests) +
+         (looks_ahead ? 3 : 1) * n(work.leaf_pairs) + 0.03 * candidates;
 }
 
 }  // namespace
 
-bool LookAhead::same_search(const StepSettings& settings) const {
+bool LookAhead::matches_search(const StepSettings& settings) const {
   return settings.within == settings_.within && settings.between == settings_.between &&
          settings.thickness == settings_.thickness && settings.tolerance == settings_.tolerance &&
-         settings.ahead == settings_.ahead && settings.certificates == settings_.certificates &&
+         settings.look_ahead == settings_.look_ahead && settings.certificates == settings_.certificates &&
          settings.mode == settings_.mode && !settings.explain;
 }
 
 LookAhead::Plan LookAhead::plan(const StepMotion& motion, Positions x0, Positions x1,
                                 const StepSettings& settings) {
-  // Invalid until the next search is made: an update that fails leaves a motion that nobody searched.
+  // Invalid until the next search is complete: an update that fails leaves a motion without one.
   const bool was_valid = std::exchange(search_valid_, false);
-  if (!was_valid || !same_search(settings) || !motion.fits(x0, x1)) return {};
-  const StepMotion::Course course = motion.course_of(x0, x1);
-  float most = course.off;
-  for (int end = 0; end < 2; ++end) times_[end] = std::clamp(course.times[end], 0.f, 1.f);
-  const double steps = steps_ * course.times[1];
-  constexpr float kLate = 1.01f;  // times are rounded; what is later is another step's
-  if (steps_ > 1 && most <= slack_ && course.times[1] < kLate) {
-    const KineticTree::Strayed strayed = motion.stray(x0, x1, times_);
-    const double side = largest_extent(strayed.bounds);
-    most = strayed.bounds.finite ? strayed.most : std::numeric_limits<float>::infinity();
-    if (most <= slack_ && settings.thickness + tolerance_for(settings, side) <= distance_) {
-      horizon_.served(most / edge_, steps);
+  if (!was_valid || !matches_search(settings) || !motion.fits(x0, x1)) return {};
+  const StepMotion::StepLocation location = motion.locate(x0, x1);
+  float deviation = location.deviation;  // of a sample, until all vertices are tested
+  for (int end = 0; end < 2; ++end) times_[end] = std::clamp(location.times[end], 0.f, 1.f);
+  const double steps = steps_ * location.times[1];
+  constexpr float kMaxTime = 1.01f;  // times are rounded; a step that ends later is beyond the motion
+  if (steps_ > 1 && deviation <= slack_ && location.times[1] < kMaxTime) {
+    const KineticBvh::Deviation of_all = motion.deviation(x0, x1, times_);
+    const double extent = largest_extent(of_all.bounds);
+    deviation = of_all.bounds.finite ? of_all.max : std::numeric_limits<float>::infinity();
+    if (deviation <= slack_ && settings.thickness + tolerance_for(settings, extent) <= distance_) {
+      policy_.note_hit(deviation / edge_length_, steps);
       search_valid_ = true;
-      return {0, side};
+      return {0, extent};
     }
   }
-  // The same step again, or a part of it, goes nowhere, unless everything stands still.
-  const bool stands = course.way < kStill * edge_;
-  const bool onwards = steps_ * course.times[0] > 0.5 && course.times[1] > course.times[0];
-  const bool again = !stands && !onwards && most <= kSlack * edge_;
-  const double sensible = kFarthest * motion.largest_side() * motion.frame().scale / course.stride;
-  const double since = again ? -1 : std::max(steps, stands ? 1.0 : 0.0);
-  return {horizon_.search(most / edge_, since, sensible)};
+  // A step that repeats the last one, or a part of it, tells nothing, unless everything is at rest.
+  const bool rests = location.motion_displacement < kMaxRestDisplacement * edge_length_;
+  const bool continues = steps_ * location.times[0] > 0.5 && location.times[1] > location.times[0];
+  const bool repeats = !rests && !continues && deviation <= kSlack * edge_length_;
+  const double max_steps =
+      kMaxExtrapolation * motion.step_extent() * motion.frame().scale / location.step_displacement;
+  const double since_search = repeats ? -1 : std::max(steps, rests ? 1.0 : 0.0);
+  return {policy_.choose_steps(deviation / edge_length_, since_search, max_steps)};
 }
 
-// Gives the distance, mesh units, below which pairs are to be found.
-double LookAhead::begin(const StepMotion& motion, const StepSettings& settings, double distance) {
-  const double scale = motion.frame().scale, edge = motion.mean_edge();
+// Returns the distance, mesh units, within which the search must find pairs.
+double LookAhead::begin_search(const StepMotion& motion, const StepSettings& settings, double distance) {
+  const double scale = motion.frame().scale, edge_length = motion.mean_edge_length();
   settings_ = settings;
-  edge_ = std::max(edge * scale, 0x1p-20);
-  steps_ = motion.ahead();
+  edge_length_ = std::max(edge_length * scale, 0x1p-20);
+  steps_ = motion.steps();
   distance_ = distance;
   slack_ = 0;
-  if (motion.ahead() == 1) return distance;
-  const double slack = std::max(kSlack * edge, kLeastInFrame / scale);
+  if (motion.steps() == 1) return distance;
+  const double slack = std::max(kSlack * edge_length, kMinSlack / scale);
   slack_ = static_cast<float>(slack * scale * kAlongAxis - kRounding);
   times_[0] = 0;
   times_[1] = static_cast<float>(1 / steps_);
-  distance_ = settings.thickness + tolerance_for(settings, motion.reach() + 2 * slack);
-  const double reach = distance_ + 2 * slack;
-  reach_ = reach * scale * (1 + 0x1p-40);
-  return reach;
+  distance_ = settings.thickness + tolerance_for(settings, motion.motion_extent() + 2 * slack);
+  const double search_distance = distance_ + 2 * slack;
+  candidate_distance_ = search_distance * scale * (1 + 0x1p-40);
+  return search_distance;
 }
 
 Result<void> LookAhead::search(Pipeline& pipeline, Positions x0, Positions x1, const StepSettings& settings,
                                double distance, Work& work) {
-  const double reach = begin(pipeline.motion, settings, distance);
-  if (auto ok = pipeline.find_leaf_pairs(x0, x1, settings, reach, work); !ok) return ok;
+  const double search_distance = begin_search(pipeline.motion, settings, distance);
+  FOLDPROOF_TRY(pipeline.find_leaf_pairs(x0, x1, settings, search_distance, work));
   const BroadPhase& found = pipeline.broad_phase;
-  if (slack_ > 0) candidates_.gather(found.tasks(), found.leaf_pairs(), reach_, pipeline.chunks);
+  if (slack_ > 0) candidates_.fill(found.tasks(), found.leaf_pairs(), candidate_distance_, pipeline.chunks);
   search_valid_ =
-      settings.ahead && settings.certificates && settings.mode == Mode::Proven && !settings.explain;
+      settings.look_ahead && settings.certificates && settings.mode == Mode::Proven && !settings.explain;
   return {};
 }
 
@@ -103,7 +105,7 @@ void LookAhead::test(const NarrowStep& step, Pipeline& pipeline, Stopwatch& watc
   } else {
     test_leaf_pairs(step, pipeline.broad_phase.leaf_pairs(), pipeline.chunks, watch, out);
   }
-  if (out.searched != 0) horizon_.took(effort_of(out.work, steps_ > 1));
+  if (out.search_steps != 0) policy_.note_cost(cost_of(out.work, steps_ > 1));
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -1,83 +1,82 @@
-/// The pipeline's first stage: where all objects are during a step.
+/// Stage 1 of the pipeline, motion: positions of all objects during a step.
 #pragma once
 
 #include "check/leaf_pairs.h"
 #include "foldproof/check.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// The largest side of the box around everything; finite.
+/// The largest side of a box; finite.
 double largest_extent(const Bounds& bounds);
 
 inline Vec3 position(std::span<const double> x, Index vertex) {
   return Eigen::Map<const Vec3>(&x[3 * std::size_t{vertex}]);
 }
 
-/// Positions, validated and read into the scene's frame, and boxes around them.
+/// Validated positions in the scene's frame, and kinetic BVHs over them. Either of a step, or of a motion of
+/// several steps that extrapolates the first one.
 class StepMotion {
  public:
   explicit StepMotion(std::span<const Object> objects);
 
-  Index size() const { return static_cast<Index>(trees_.size()); }
-  const Hierarchy& hierarchy(Index object) const { return *trees_[object].hierarchy; }
-  std::span<const KineticTree> trees() const { return trees_; }
+  Index size() const { return static_cast<Index>(bvhs_.size()); }
+  const Hierarchy& hierarchy(Index object) const { return *bvhs_[object].hierarchy; }
+  std::span<const KineticBvh> bvhs() const { return bvhs_; }
   /// Of all objects.
   std::size_t leaf_count() const { return leaf_count_; }
 
-  /// Checks sizes and numbers, then refits every object.
-  /// `ahead`: for so many steps, of which this is the first and all others go on as it does.
-  Result<void> update(Positions x0, Positions x1, Index ahead = 1);
-  /// Error: not as many numbers as there are vertices, or one that is not finite.
+  /// Checks sizes and numbers, then refits every object. `steps`: the number of steps of the motion, the
+  /// given one included.
+  Result<void> update(Positions x0, Positions x1, Index steps = 1);
+  /// Error: there are not three numbers per vertex, or one is not finite.
   Result<void> check(Positions x0, Positions x1) const;
-  /// Error: a vertex of no triangle has coordinates that are not finite. All others are looked at when they
-  /// are used. Precondition: fits.
+  /// Error: a vertex of no triangle has coordinates that are not finite. All other vertices are checked when
+  /// they are used. Precondition: fits.
   Result<void> check_isolated_vertices(Positions x0, Positions x1) const;
-  /// Whether there are as many numbers as the objects have.
+  /// Whether there are three numbers per vertex of each object.
   bool fits(Positions x0, Positions x1) const;
 
-  /// Boxes around the features of these leaves.
-  void fill_features(std::span<const TraversalTask> tasks, std::span<const LeafPairRef> pairs);
+  /// Computes the boxes of the features of these leaves.
+  void fill_features(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs);
 
   // Of the last update:
 
   const Frame& frame() const { return frame_; }
-  /// The largest side of the box around everything during the step, in mesh units.
-  double largest_side() const { return largest_side_; }
-  /// How many steps it looked ahead: as many as were asked for; 1 where the extrapolation would overflow.
-  Index ahead() const { return ahead_; }
-  /// The largest side during all of them.
-  double reach() const { return reach_; }
-  /// The mean length of an edge of the object whose edges are the shortest, at the begin; mesh units, from a
-  /// sample.
-  double mean_edge() const;
+  /// The number of steps of the motion: as requested, or 1 where the extrapolation would overflow.
+  Index steps() const { return steps_; }
+  /// The largest side of the scene's bounding box, mesh units: during the first step, and during all of them.
+  double step_extent() const { return step_extent_; }
+  double motion_extent() const { return motion_extent_; }
+  /// The mean edge length of the object with the shortest edges at the start, mesh units. From a sample.
+  double mean_edge_length() const;
+  /// By how much the leaves' boxes grow when they bound the whole motion instead of its start: the ratio of
+  /// the sums of their sides.
+  double swept_extent_ratio() const;
 
-  /// How much longer the sides of leaves' boxes are when they hold the whole step instead of its begin: the
-  /// sum of these by the sum of those.
-  double sweep_growth() const;
-
-  /// Where a step lies in the motion of the last update, which went from 0 to 1: the times that fit its ends
-  /// best, and how far, in the frame, vertices are from where they should be then. `way`: how far the motion
-  /// took them; `stride`: how far the step does. All along any axis. Looks at few vertices.
-  struct Course {
-    float times[2];
-    float off, way, stride;
+  /// The part of the motion, which goes from time 0 to 1, that fits a step best. Distances are the maximum
+  /// along any axis, in the frame, over a sample of the vertices.
+  struct StepLocation {
+    float times[2];             ///< Of the step's start and end.
+    float deviation;            ///< Of the step's ends from the motion at these times.
+    float motion_displacement;  ///< During the motion.
+    float step_displacement;    ///< During the step.
   };
-  Course course_of(Positions x0, Positions x1) const;
-  /// KineticTree::stray of all objects.
-  KineticTree::Strayed stray(Positions x0, Positions x1, const float (&times)[2]) const;
+  StepLocation locate(Positions x0, Positions x1) const;
+  /// KineticBvh::deviation of all objects.
+  KineticBvh::Deviation deviation(Positions x0, Positions x1, const float (&times)[2]) const;
 
  private:
   Result<void> check_sizes(Positions x0, Positions x1) const;
   Result<void> read(Positions x0, Positions x1);
 
-  std::vector<KineticTree> trees_;
+  std::vector<KineticBvh> bvhs_;
   std::vector<std::shared_ptr<const std::vector<Index>>> isolated_;  // vertices of no triangle, per object
   Frame frame_;
-  double largest_side_ = 0, reach_ = 0;
-  Index ahead_ = 1;
+  double step_extent_ = 0, motion_extent_ = 0;
+  Index steps_ = 1;
   std::size_t leaf_count_ = 0;
   std::vector<std::vector<std::uint8_t>> leaf_needed_;
   std::vector<std::pair<Index, Index>> leaves_to_fill_;
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

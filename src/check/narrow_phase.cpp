@@ -4,17 +4,17 @@
 #include "check/answer.h"
 #include "check/pair_lanes.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
-// Lowers `earliest` to a collision's time. Later candidates stop as soon as they are proven free until then.
-void note_earliest(const NarrowStep& step, double toi) {
+// Lowers `earliest` to the time of a collision. Later candidates stop once they are proven free until then.
+void update_earliest(const NarrowStep& step, double toi) {
   double now = step.earliest->load(std::memory_order_relaxed);
   while (toi < now && !step.earliest->compare_exchange_weak(now, toi, std::memory_order_relaxed)) {
   }
 }
 
-// What the narrow phase reads of one object.
+// One object of a pair.
 struct Side {
   Index object;
   const Hierarchy* hierarchy;
@@ -29,37 +29,38 @@ struct Side {
     __builtin_prefetch(x0 + 3 * std::size_t{vertex});
     __builtin_prefetch(x1 + 3 * std::size_t{vertex});
   }
-  Index vertex(Index place) const { return hierarchy->vertex_ids()[place]; }
-  Edge edge(Index place) const {
-    const Edge& e = hierarchy->edges()[place];
+  // User's ids of a vertex and an edge, given by their indices in leaf order.
+  Index vertex(Index index) const { return hierarchy->vertex_ids()[index]; }
+  Edge edge(Index index) const {
+    const Edge& e = hierarchy->edges()[index];
     return {vertex(e[0]), vertex(e[1])};
   }
 };
 
-// The narrow phase on candidates of one kind.
+// Tests candidates of one kind.
 template <class Pair>
-class Narrow {
+class CandidateTester {
  public:
-  Narrow(const NarrowStep& step, std::vector<Pair>& hits, std::uint64_t& undecided)
-      : step_(step), lanes_(kEdgeEdge, step.ccd, step.earliest, Note{step, hits, undecided}) {}
+  CandidateTester(const NarrowStep& step, std::vector<Pair>& hits, std::uint64_t& undecided)
+      : step_(step), lanes_(kEdgeEdge, step.ccd, step.earliest, Report{step, hits, undecided}) {}
 
-  // A vertex of `a` and a face of `b`, or an edge of each, by their places in leaf order.
-  void add(const Side& a, Index place_a, const Side& b, Index place_b) {
+  // Adds a vertex of `a` and a face of `b`, or an edge of each, by their indices in leaf order.
+  void add(const Side& a, Index index_a, const Side& b, Index index_b) {
     if constexpr (kEdgeEdge) {
-      add_edges(a, a.edge(place_a), b, b.edge(place_b));
+      add_edges(a, a.edge(index_a), b, b.edge(index_b));
     } else {
-      add_face(a, a.vertex(place_a), b, place_b);
+      add_face(a, a.vertex(index_a), b, index_b);
     }
   }
 
-  // Asks the memory for the positions that a later pair needs.
-  void prefetch(const Side& a, Index place_a, const Side& b, Index place_b) const {
+  // Prefetches the positions of a later pair.
+  void prefetch(const Side& a, Index index_a, const Side& b, Index index_b) const {
     if constexpr (kEdgeEdge) {
-      for (const Index vertex : a.edge(place_a)) a.prefetch(vertex);
-      for (const Index vertex : b.edge(place_b)) b.prefetch(vertex);
+      for (const Index vertex : a.edge(index_a)) a.prefetch(vertex);
+      for (const Index vertex : b.edge(index_b)) b.prefetch(vertex);
     } else {
-      a.prefetch(a.vertex(place_a));
-      for (const Index place : b.hierarchy->triangles()[place_b]) b.prefetch(b.vertex(place));
+      a.prefetch(a.vertex(index_a));
+      for (const Index corner : b.hierarchy->triangles()[index_b]) b.prefetch(b.vertex(corner));
     }
   }
 
@@ -68,13 +69,13 @@ class Narrow {
  private:
   static constexpr bool kEdgeEdge = std::is_same_v<Pair, EdgeEdgeCollision>;
 
-  struct Note {
+  struct Report {
     const NarrowStep& step;
     std::vector<Pair>& hits;
     std::uint64_t& undecided;
     void operator()(const Pair& pair, const CcdResult& result) const {
       if (result.answer == Answer::Separated) return;
-      if (step.earliest != nullptr) note_earliest(step, result.toi);
+      if (step.earliest != nullptr) update_earliest(step, result.toi);
       undecided += result.answer == Answer::Undecided;
       Pair& hit = hits.emplace_back(pair);
       hit.toi = result.toi;
@@ -83,7 +84,7 @@ class Narrow {
   };
 
   void add_edges(const Side& a, const Edge& edge_a, const Side& b, const Edge& edge_b) {
-    // One order of the two, whatever the hierarchy: the answer to a pair is then a property of the pair.
+    // In the order of their ids, so that the answer does not depend on the hierarchy.
     if (a.object == b.object && edge_b < edge_a) return add_edges(b, edge_b, a, edge_a);
     if (step_.filter != nullptr && !step_.filter->edge_edge(edge_a, edge_b)) return;
     for (int k = 0; k < 2; ++k) {
@@ -107,35 +108,35 @@ class Narrow {
   }
 
   const NarrowStep& step_;
-  PairLanes<Pair, Note> lanes_;
+  PairLanes<Pair, Report> lanes_;
 };
 
-// Candidates of two objects, the second list's the other way round; memory is asked for some ahead.
+// Adds candidates of two objects. `swapped`: their features are of b and a.
 template <class Pair>
-void feed(Narrow<Pair>& narrow, std::span<const CandidateBuffer::Pair> pairs, const Side& a, const Side& b,
-          bool turned = false) {
-  constexpr std::size_t kAhead = 12;
-  const Side &first = turned ? b : a, &second = turned ? a : b;
+void add_candidates(CandidateTester<Pair>& tester, std::span<const CandidateBuffer::Pair> pairs,
+                    const Side& a, const Side& b, bool swapped = false) {
+  constexpr std::size_t kPrefetchDistance = 12;
+  const Side &first = swapped ? b : a, &second = swapped ? a : b;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const auto [place_a, place_b] = pairs[i];
-    if (i + kAhead < pairs.size()) {
-      const auto later = pairs[i + kAhead];
-      narrow.prefetch(first, turned ? later.b : later.a, second, turned ? later.a : later.b);
+    const auto [index_a, index_b] = pairs[i];
+    if (i + kPrefetchDistance < pairs.size()) {
+      const auto later = pairs[i + kPrefetchDistance];
+      tester.prefetch(first, swapped ? later.b : later.a, second, swapped ? later.a : later.b);
     }
-    narrow.add(first, turned ? place_b : place_a, second, turned ? place_a : place_b);
+    tester.add(first, swapped ? index_b : index_a, second, swapped ? index_a : index_b);
   }
 }
 
 }  // namespace
 
-void gather(std::span<const TraversalTask> tasks, Chunk& chunk) {
-  constexpr std::size_t kAhead = 2;
+void find_candidates(std::span<const TraversalTask> tasks, Chunk& chunk) {
+  constexpr std::size_t kPrefetchDistance = 2;
   chunk.candidates.clear();
   chunk.ends.clear();
   for (std::size_t i = 0; i < chunk.pairs.size(); ++i) {
-    const LeafPairRef& pair = chunk.pairs[i];
-    if (i + kAhead < chunk.pairs.size()) {
-      const LeafPairRef& later = chunk.pairs[i + kAhead];
+    const LeafPair& pair = chunk.pairs[i];
+    if (i + kPrefetchDistance < chunk.pairs.size()) {
+      const LeafPair& later = chunk.pairs[i + kPrefetchDistance];
       prefetch_features(tasks[later.task].traversal, later.leaves);
     }
     find_candidates(tasks[pair.task].traversal, pair.leaves, chunk.candidates);
@@ -144,41 +145,41 @@ void gather(std::span<const TraversalTask> tasks, Chunk& chunk) {
   }
 }
 
-void narrow(const NarrowStep& step, Chunk& chunk) {
-  Narrow<VertexFaceCollision> vertex_face(step, chunk.vertex_face, chunk.undecided);
-  Narrow<EdgeEdgeCollision> edge_edge(step, chunk.edge_edge, chunk.undecided);
+void test_candidates(const NarrowStep& step, Chunk& chunk) {
+  CandidateTester<VertexFaceCollision> vertex_face(step, chunk.vertex_face, chunk.undecided);
+  CandidateTester<EdgeEdgeCollision> edge_edge(step, chunk.edge_edge, chunk.undecided);
   const CandidateBuffer& c = chunk.candidates;
-  Chunk::Ends done{0, 0, 0};
+  Chunk::Ends begin{0, 0, 0};
   for (std::size_t i = 0; i < chunk.pairs.size(); ++i) {
     const auto objects = [&](std::size_t pair) {
       const TraversalTask& task = step.tasks[chunk.pairs[pair].task];
       return std::pair(task.object_a, task.object_b);
     };
-    // As many pairs of leaves as belong to the same objects.
+    // Pairs of leaves of the same objects are tested together.
     while (i + 1 < chunk.pairs.size() && objects(i + 1) == objects(i)) ++i;
     const Side a(step, objects(i).first), b(step, objects(i).second);
     const Chunk::Ends& end = chunk.ends[i];
-    const auto part = [](const auto& list, std::size_t from, std::size_t to) {
-      return std::span(list).subspan(from, to - from);
+    const auto part = [](const auto& list, std::size_t first, std::size_t last) {
+      return std::span(list).subspan(first, last - first);
     };
-    feed(vertex_face, part(c.vertex_face, done.vertex_face, end.vertex_face), a, b);
-    feed(vertex_face, part(c.face_vertex, done.face_vertex, end.face_vertex), a, b, true);
-    feed(edge_edge, part(c.edge_edge, done.edge_edge, end.edge_edge), a, b);
-    done = end;
+    add_candidates(vertex_face, part(c.vertex_face, begin.vertex_face, end.vertex_face), a, b);
+    add_candidates(vertex_face, part(c.face_vertex, begin.face_vertex, end.face_vertex), a, b, true);
+    add_candidates(edge_edge, part(c.edge_edge, begin.edge_edge, end.edge_edge), a, b);
+    begin = end;
   }
   vertex_face.finish();
   edge_edge.finish();
 }
 
-void test_leaf_pairs(const NarrowStep& step, std::span<const LeafPairRef> pairs, std::vector<Chunk>& chunks,
+void test_leaf_pairs(const NarrowStep& step, std::span<const LeafPair> pairs, std::vector<Chunk>& chunks,
                      Stopwatch& watch, StepResult& out) {
   in_rounds(pairs, chunks, [&](std::size_t count) {
-    parallel_for(std::size_t{0}, count, [&](std::size_t i) { gather(step.tasks, chunks[i]); });
+    parallel_for(std::size_t{0}, count, [&](std::size_t i) { find_candidates(step.tasks, chunks[i]); });
     out.milliseconds.traverse += watch.lap();
-    parallel_for(std::size_t{0}, count, [&](std::size_t i) { narrow(step, chunks[i]); });
-    for (Chunk& chunk : std::span(chunks).first(count)) take_found(step, chunk, out);
+    parallel_for(std::size_t{0}, count, [&](std::size_t i) { test_candidates(step, chunks[i]); });
+    for (Chunk& chunk : std::span(chunks).first(count)) add_collisions(step, chunk, out);
     out.milliseconds.narrow += watch.lap();
   });
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -1,4 +1,4 @@
-/// The pipeline's last stage: from pairs of leaves to pairs of features, and which of those collide.
+/// Stage 4 of the pipeline, narrow phase: candidate pairs of features, and which of them collide.
 #pragma once
 
 #include <atomic>
@@ -7,44 +7,44 @@
 #include "check/distinct.h"
 #include "check/motion.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// Leaf pairs that one task tests, with what it finds. Reused.
+/// Pairs of leaves that one task tests, and its results. Reuse it: its buffers are kept.
 struct Chunk {
-  std::span<const LeafPairRef> pairs;
-  /// Candidates stand pair after pair; `ends` says where each pair's end.
+  std::span<const LeafPair> pairs;
+  /// Candidates of all pairs of leaves, in their order; those of pair i end at ends[i].
   CandidateBuffer candidates;
   struct Ends {
     std::size_t vertex_face, face_vertex, edge_edge;
   };
   std::vector<Ends> ends;
-  struct Meetings {
-    std::vector<Meeting> vertex_face, face_vertex, edge_edge;
+  struct ContactIntervals {
+    std::vector<ContactInterval> vertex_face, face_vertex, edge_edge;
   };
-  Meetings meetings;  ///< Scratch of a search that looks ahead.
+  ContactIntervals intervals;  ///< Of the candidates, in a search that looks ahead.
   std::vector<VertexFaceCollision> vertex_face;
   std::vector<EdgeEdgeCollision> edge_edge;
   std::vector<TriangleCrossing> crossings;
   std::uint64_t undecided = 0;
 };
 
-/// Hands out pairs of leaves to chunks, a bounded number at a time, so that candidates take bounded memory.
-/// `round(count)` works on chunks [0, count).
+/// Distributes pairs of leaves to chunks, a bounded number per round, so that candidates take bounded memory.
+/// `round(count)` processes chunks [0, count).
 template <class Round>
-void in_rounds(std::span<const LeafPairRef> left, std::vector<Chunk>& chunks, Round round) {
+void in_rounds(std::span<const LeafPair> pairs, std::vector<Chunk>& chunks, Round round) {
   constexpr std::size_t kPairsPerChunk = 128, kChunksPerRound = 32;
-  while (!left.empty()) {
+  while (!pairs.empty()) {
     std::size_t count = 0;
-    for (; count < kChunksPerRound && !left.empty(); ++count) {
+    for (; count < kChunksPerRound && !pairs.empty(); ++count) {
       if (count == chunks.size()) chunks.emplace_back();
-      chunks[count].pairs = left.first(std::min(kPairsPerChunk, left.size()));
-      left = left.subspan(chunks[count].pairs.size());
+      chunks[count].pairs = pairs.first(std::min(kPairsPerChunk, pairs.size()));
+      pairs = pairs.subspan(chunks[count].pairs.size());
     }
     round(count);
   }
 }
 
-/// Which pairs of features count, by the user's ids. Asked by several threads at once.
+/// Which pairs of features are tested, by the user's ids. Called by several threads concurrently.
 class PairFilter {
  public:
   virtual ~PairFilter() = default;
@@ -54,18 +54,17 @@ class PairFilter {
   virtual bool crossing(Index triangle_a, Index triangle_b) const = 0;
 };
 
-/// What the objects of a query stand for, where some triangles are copies of others; empty where nobody
-/// asked.
+/// Per object, which triangles are copies of others. Empty: there are none.
 using DistinctObjects = std::span<const std::shared_ptr<const DistinctTriangles>>;
 
-/// What the narrow phase needs to know about the step. The features of the leaves that it is asked about have
-/// been filled, and their vertices stand in x0 and x1.
+/// Input of the narrow phase. Precondition: the features of the leaves to be tested are filled; x0 and x1
+/// have at least their vertices.
 struct NarrowStep {
-  NarrowStep(const StepSettings& settings, double used_tolerance, std::span<const KineticTree> all_trees,
-             std::span<const TraversalTask> all_tasks, Positions begin, Positions end)
-      : trees(all_trees),
+  NarrowStep(const StepSettings& settings, double used_tolerance, std::span<const KineticBvh> all_bvhs,
+             std::span<const TraversalTask> all_tasks, Positions start, Positions end)
+      : bvhs(all_bvhs),
         tasks(all_tasks),
-        x0(begin),
+        x0(start),
         x1(end),
         earliest(settings.earliest_only ? &earliest_ : nullptr),
         max_listed(settings.max_listed) {
@@ -73,26 +72,26 @@ struct NarrowStep {
     ccd.tolerance = used_tolerance;
   }
 
-  std::span<const KineticTree> trees;
+  std::span<const KineticBvh> bvhs;
   std::span<const TraversalTask> tasks;
   Positions x0, x1;
   CcdSettings ccd;
-  std::atomic<double>* earliest;       ///< null unless only the earliest is wanted
-  std::uint64_t max_listed;            ///< StepSettings::max_listed
-  const PairFilter* filter = nullptr;  ///< null: all pairs count
+  std::atomic<double>* earliest;       ///< Null unless StepSettings::earliest_only.
+  std::uint64_t max_listed;            ///< StepSettings::max_listed.
+  const PairFilter* filter = nullptr;  ///< Null: all pairs are tested.
   DistinctObjects distinct = {};
-  const Hierarchy& hierarchy(Index object) const { return *trees[object].hierarchy; }
+  const Hierarchy& hierarchy(Index object) const { return *bvhs[object].hierarchy; }
 
  private:
   std::atomic<double> earliest_{1};
 };
 
-/// Finds a chunk's candidates.
-void gather(std::span<const TraversalTask> tasks, Chunk& chunk);
-/// Which of them collide.
-void narrow(const NarrowStep& step, Chunk& chunk);
+/// Finds the candidates of a chunk.
+void find_candidates(std::span<const TraversalTask> tasks, Chunk& chunk);
+/// Finds those candidates of a chunk that collide.
+void test_candidates(const NarrowStep& step, Chunk& chunk);
 /// Both, for all pairs of leaves. Adds to `out`.
-void test_leaf_pairs(const NarrowStep& step, std::span<const LeafPairRef> pairs, std::vector<Chunk>& chunks,
+void test_leaf_pairs(const NarrowStep& step, std::span<const LeafPair> pairs, std::vector<Chunk>& chunks,
                      Stopwatch& watch, StepResult& out);
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

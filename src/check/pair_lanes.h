@@ -1,51 +1,54 @@
-/// Feeds the eight lanes of a march.
+/// Feeds the eight lanes of a ConservativeAdvancement.
 #pragma once
 
 #include <atomic>
 
-#include "ccd/march.h"
+#include "ccd/conservative_advancement.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// Follows pairs of one kind through a step, eight at a time, the first test for eight at once before. Each
-/// carries something of the caller's, which is handed to `note` with its result, in no certain order.
-template <class Carried, class Note>
+/// Tests pairs of one kind, eight at a time. Each pair has a payload, which is passed to `report` with the
+/// pair's result, in any order.
+template <class Payload, class Report>
 class PairLanes {
  public:
-  /// `latest`: a time that may fall while pairs are followed, none of which matter beyond it; null: as the
-  /// settings have it.
-  PairLanes(bool edge_edge, const CcdSettings& settings, const std::atomic<double>* latest, Note note)
-      : march_(edge_edge, settings), settings_latest_(settings.latest), latest_(latest), note_(note) {}
+  /// `latest`: contacts after this time do not matter; it may decrease during the tests. Null: as in the
+  /// settings.
+  PairLanes(bool edge_edge, const CcdSettings& settings, const std::atomic<double>* latest, Report report)
+      : advancement_(edge_edge, settings),
+        settings_latest_(settings.latest),
+        latest_(latest),
+        report_(report) {}
 
-  /// A point of the pair that is added next, at both ends.
+  /// Sets a point, at both ends of the step, of the pair that is added next.
   void set_point(int point, const double* x0, const double* x1) { batch_.set(count_, point, x0, x1); }
-  void add(const Carried& carried) {
-    carried_[count_] = carried;
+  void add(const Payload& payload) {
+    batch_payloads_[count_] = payload;
     if (++count_ == 8) start();
   }
   void finish() {
     if (count_ > 0) start();
-    while (march_.busy()) look();
+    while (advancement_.busy()) iterate();
   }
 
  private:
   void start() {
-    const unsigned left = march_.take(batch_, count_);
+    const unsigned unproven = advancement_.load(batch_, count_);
     for (int k = 0; k < count_; ++k) {
-      if ((left >> k & 1) == 0) {
-        note_(carried_[k], CcdResult{});
+      if ((unproven >> k & 1) == 0) {
+        report_(batch_payloads_[k], CcdResult{});
         continue;
       }
-      while (march_.full()) look();
-      followed_[march_.start(k, latest())] = carried_[k];
+      while (advancement_.full()) iterate();
+      lane_payloads_[advancement_.start(k, latest())] = batch_payloads_[k];
     }
     count_ = 0;
   }
 
-  void look() {
-    for (unsigned done = march_.look(); done != 0; done &= done - 1) {
+  void iterate() {
+    for (unsigned done = advancement_.iterate(); done != 0; done &= done - 1) {
       const int lane = __builtin_ctz(done);
-      note_(followed_[lane], march_.result(lane));
+      report_(lane_payloads_[lane], advancement_.result(lane));
     }
   }
 
@@ -53,13 +56,13 @@ class PairLanes {
     return latest_ != nullptr ? latest_->load(std::memory_order_relaxed) : settings_latest_;
   }
 
-  March march_;
+  ConservativeAdvancement advancement_;
   PairBatch batch_{};
   int count_ = 0;
-  std::array<Carried, 8> carried_, followed_;  // of the batch; per lane of the march
+  std::array<Payload, 8> batch_payloads_, lane_payloads_;
   double settings_latest_;
   const std::atomic<double>* latest_;
-  Note note_;
+  Report report_;
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

@@ -1,10 +1,12 @@
 #include "check/pipeline.h"
 
-namespace foldproof {
+#include "base/try.h"
+
+namespace foldproof::internal {
 
 Result<void> Pipeline::find_leaf_pairs(Positions x0, Positions x1, const StepSettings& settings,
                                        double distance, Work& work) {
-  if (auto ok = culling.begin(motion, x0, x1, settings, distance); !ok) return ok;
+  FOLDPROOF_TRY(culling.begin_step(motion, x0, x1, settings, distance));
   broad_phase.find(motion, culling, settings, distance, work);
   motion.fill_features(broad_phase.tasks(), broad_phase.leaf_pairs());
   return {};
@@ -12,9 +14,9 @@ Result<void> Pipeline::find_leaf_pairs(Positions x0, Positions x1, const StepSet
 
 void Pipeline::explain(const StepSettings& settings, double distance, Explanation& out) {
   culling.explain(motion, broad_phase.tasks(), broad_phase.leaf_pairs(), out);
-  if (!settings.certificates) return;  // everything was tested
+  if (!settings.certificates) return;  // no pair is certified
   out.leaf_pairs[static_cast<std::size_t>(Reason::Certified)] =
       broad_phase.count_near_leaves(motion, settings, distance) - broad_phase.leaf_pairs().size();
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -1,15 +1,16 @@
-// Crossing triangles of one pose.
+// The static query: pairs of triangles that cross in one pose.
 
 #include <algorithm>
 #include <tuple>
 
 #include "base/parallel.h"
 #include "base/plain_arithmetic.h"
+#include "base/try.h"
 #include "check/answer.h"
-#include "check/shortlist.h"
+#include "check/smallest_k.h"
 #include "check/step.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 struct Pose {
@@ -21,35 +22,34 @@ struct Pose {
   }
 };
 
-// The same triangle twice covers itself, without an area as well: it would cross itself as soon as it has
-// one, and nothing else would touch on the way. One that names a vertex twice is a side or corner of the
-// other.
-bool covers_itself(const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }
+// Whether two triangles with the same vertices cross: always, even without an area, because they cross as
+// soon as they have one. Not when they name a vertex twice: they are a shared edge or vertex.
+bool copies_cross(const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }
 
-// Two triangles of one object: they cross when they meet beyond what they share.
-bool neighbours_cross(const Pose& pose, Index object, const Triangle& s, const Triangle& t) {
+// Two triangles of one object cross when they meet beyond their common vertices and edges.
+bool triangles_cross(const Pose& pose, Index object, const Triangle& s, const Triangle& t) {
   std::array<Index, 3> shared{}, only_s{}, only_t{};
-  int common = 0, rest_s = 0, rest_t = 0;
+  int common = 0, count_s = 0, count_t = 0;
   for (const Index v : s) {
     const bool both = std::find(t.begin(), t.end(), v) != t.end();
-    (both ? shared[common++] : only_s[rest_s++]) = v;
+    (both ? shared[common++] : only_s[count_s++]) = v;
   }
   for (const Index v : t) {
-    if (std::find(s.begin(), s.end(), v) == s.end()) only_t[rest_t++] = v;
+    if (std::find(s.begin(), s.end(), v) == s.end()) only_t[count_t++] = v;
   }
   const auto p = [&](Index v) { return position(pose.x[object], v); };
   if (common == 0) return triangles_intersect(pose.corners(object, s), pose.corners(object, t));
-  if (rest_s == 0 && rest_t == 0) return covers_itself(s);
-  if (rest_s == 0 || rest_t == 0) return false;
-  if (rest_s == 1 && rest_t == 1)
+  if (count_s == 0 && count_t == 0) return copies_cross(s);
+  if (count_s == 0 || count_t == 0) return false;
+  if (count_s == 1 && count_t == 1)
     return triangles_fold(p(shared[0]), p(shared[1]), p(only_s[0]), p(only_t[0]));
-  // One common vertex: they meet elsewhere only where the opposite side of one meets the other. A triangle
-  // that names a vertex twice has one far vertex, and its far side is that point.
-  const auto far_side = [&](const std::array<Index, 3>& only, int count) {
+  // One common vertex: they meet elsewhere only where the opposite side of one meets the other. The opposite
+  // side of a triangle that names a vertex twice may be a point.
+  const auto opposite_side = [&](const std::array<Index, 3>& only, int count) {
     return std::array<Vec3, 2>{p(only[0]), p(only[count - 1])};
   };
-  return segment_intersects_triangle(far_side(only_s, rest_s), pose.corners(object, t)) ||
-         segment_intersects_triangle(far_side(only_t, rest_t), pose.corners(object, s));
+  return segment_intersects_triangle(opposite_side(only_s, count_s), pose.corners(object, t)) ||
+         segment_intersects_triangle(opposite_side(only_t, count_t), pose.corners(object, s));
 }
 
 void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pair pair,
@@ -61,7 +61,7 @@ void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pai
   if (filter != nullptr && !filter->crossing(a, b)) return;
   const Triangle &s = ha.topology().triangles()[a], &t = hb.topology().triangles()[b];
   const bool cross = object_a == object_b
-                         ? neighbours_cross(pose, object_a, s, t)
+                         ? triangles_cross(pose, object_a, s, t)
                          : triangles_intersect(pose.corners(object_a, s), pose.corners(object_b, t));
   if (cross) out.push_back({object_a, a, object_b, b});
 }
@@ -73,16 +73,15 @@ struct ById {
   }
 };
 
-// Counts crossings, and lists those with the smallest ids, with every copy of their triangles. Copies are
-// gone through in the order of their ids, so that the rest can be left out once one is no longer listed.
+// Counts crossings of all copies of triangles and lists those with the smallest ids. Copies are added in the
+// order of their ids, so all others can be skipped once one is not listed.
 class Crossings {
  public:
   Crossings(DistinctObjects distinct, std::uint64_t max_listed, StaticResult& out)
       : distinct_(distinct), out_(out), list_(out.crossings, max_listed, ById{}) {}
 
   void add(const TriangleCrossing& c) {
-    const Index one[] = {c.triangle_a}, other[] = {c.triangle_b};
-    const auto a = copies(c.object_a, one), b = copies(c.object_b, other);
+    const auto a = copies(c.object_a, c.triangle_a), b = copies(c.object_b, c.triangle_b);
     out_.crossing_count += std::uint64_t{a.size()} * b.size();
     if (c.object_a == c.object_b) {
       add_within(c.object_a, a, b);
@@ -95,7 +94,7 @@ class Crossings {
     }
   }
 
-  // Every two copies of a triangle.
+  // Adds every pair of copies of a triangle.
   void add_copies(Index object, std::span<const Index> copies) {
     out_.crossing_count += std::uint64_t{copies.size()} * (copies.size() - 1) / 2;
     for (std::size_t i = 0; i < copies.size(); ++i) {
@@ -108,12 +107,13 @@ class Crossings {
   void finish() { list_.finish(); }
 
  private:
-  std::span<const Index> copies(Index object, std::span<const Index> alone) const {
-    return distinct_.empty() || !distinct_[object]->has_copies() ? alone
-                                                                 : distinct_[object]->copies(alone[0]);
+  // Precondition: `triangle` outlives the result.
+  std::span<const Index> copies(Index object, const Index& triangle) const {
+    return distinct_.empty() || !distinct_[object]->has_copies() ? std::span(&triangle, 1)
+                                                                 : distinct_[object]->copies(triangle);
   }
 
-  // By the smaller id of each pair, in both lists.
+  // In the order of the smaller id of each pair.
   void add_within(Index object, std::span<const Index> a, std::span<const Index> b) {
     while (!a.empty() && !b.empty()) {
       if (b[0] < a[0]) std::swap(a, b);
@@ -126,13 +126,14 @@ class Crossings {
 
   DistinctObjects distinct_;
   StaticResult& out_;
-  Shortlist<TriangleCrossing, ById> list_;
+  SmallestK<TriangleCrossing, ById> list_;
 };
 
+// Adds the crossings of triangles with their own copies.
 void add_all_copies(const Pose& pose, DistinctObjects distinct, Crossings& out) {
   for (Index object = 0; object < distinct.size(); ++object) {
     for (const Index t : distinct[object]->repeated()) {
-      if (covers_itself(pose.motion.hierarchy(object).topology().triangles()[t]))
+      if (copies_cross(pose.motion.hierarchy(object).topology().triangles()[t]))
         out.add_copies(object, distinct[object]->copies(t));
     }
   }
@@ -149,9 +150,9 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
   out.crossing_count = 0;
   out.work = {};
   out.milliseconds = {};
-  if (auto ok = pipeline.motion.update(x, x); !ok) return ok;
+  FOLDPROOF_TRY(pipeline.motion.update(x, x));
   out.milliseconds.update = watch.lap();
-  if (auto ok = pipeline.find_leaf_pairs(x, x, settings, 0, out.work); !ok) return ok;
+  FOLDPROOF_TRY(pipeline.find_leaf_pairs(x, x, settings, 0, out.work));
   out.milliseconds.traverse = watch.lap();
 
   const Pose pose{pipeline.motion, x};
@@ -162,7 +163,7 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
       Chunk& chunk = chunks[i];
       chunk.candidates.clear();
       std::size_t done = 0;
-      for (const LeafPairRef& pair : chunk.pairs) {
+      for (const LeafPair& pair : chunk.pairs) {
         const TraversalTask& task = found.tasks()[pair.task];
         find_face_pairs(task.traversal, pair.leaves, chunk.candidates);
         for (; done < chunk.candidates.face_face.size(); ++done) {
@@ -181,9 +182,9 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
   out.milliseconds.total = total.lap();
   if (settings.explain) {
     pipeline.explain(settings, 0, out.explanation);
-    spread(query.distinct, out.explanation);
+    explain_copies(query.distinct, out.explanation);
   }
   return {};
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

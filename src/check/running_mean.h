@@ -1,9 +1,9 @@
-/// What heuristics remember of steps.
+/// A moving average for heuristics.
 #pragma once
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// A mean in which each value counts half of the one after it; 0 stands for no value yet.
+/// Adds a value to an exponential moving average with weight 1/2; a mean of 0 has no value yet.
 inline void add_to_mean(double& mean, double value) { mean = mean > 0 ? (mean + value) / 2 : value; }
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

@@ -1,9 +1,10 @@
 #include "check/step.h"
 
 #include "base/plain_arithmetic.h"
+#include "base/try.h"
 #include "check/answer.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 
 Result<void> check_step(const Query& query, Positions x0, Positions x1, const StepSettings& settings,
                         StepResult& out) {
@@ -12,31 +13,29 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
   LookAhead* const look_ahead = query.look_ahead;
   Stopwatch total, watch;
   clear(out);
-  if (auto ok = check_settings(settings); !ok) return ok;
+  FOLDPROOF_TRY(check_settings(settings));
 
-  // Motion: read and validate positions, refit.
+  // Motion: reads and validates positions, refits.
   StepMotion& motion = pipeline.motion;
   const LookAhead::Plan plan =
       look_ahead != nullptr ? look_ahead->plan(motion, x0, x1, settings) : LookAhead::Plan{};
-  if (auto ok = plan.is_served() ? motion.check_isolated_vertices(x0, x1) : motion.update(x0, x1, plan.steps);
-      !ok)
-    return ok;
-  out.searched = plan.is_served() ? 0 : motion.ahead();
-  out.tolerance = tolerance_for(settings, plan.is_served() ? plan.side : motion.largest_side());
+  const bool cache_hit = plan.is_cache_hit();
+  FOLDPROOF_TRY(cache_hit ? motion.check_isolated_vertices(x0, x1) : motion.update(x0, x1, plan.steps));
+  out.search_steps = cache_hit ? 0 : motion.steps();
+  out.tolerance = tolerance_for(settings, cache_hit ? plan.extent : motion.step_extent());
   const double distance = settings.thickness + out.tolerance;
   out.milliseconds.update = watch.lap();
 
-  // Broad phase and culling: pairs of leaves.
-  if (!plan.is_served()) {
-    auto ok = look_ahead != nullptr ? look_ahead->search(pipeline, x0, x1, settings, distance, out.work)
-                                    : pipeline.find_leaf_pairs(x0, x1, settings, distance, out.work);
-    if (!ok) return ok;
+  // Broad phase and culling: finds pairs of leaves.
+  if (!cache_hit) {
+    FOLDPROOF_TRY(look_ahead != nullptr ? look_ahead->search(pipeline, x0, x1, settings, distance, out.work)
+                                        : pipeline.find_leaf_pairs(x0, x1, settings, distance, out.work));
   }
   out.milliseconds.traverse = watch.lap();
 
-  // Narrow phase: which of their features collide.
+  // Narrow phase: finds which of their features collide.
   const BroadPhase& found = pipeline.broad_phase;
-  NarrowStep narrow(settings, out.tolerance, motion.trees(), found.tasks(), x0, x1);
+  NarrowStep narrow(settings, out.tolerance, motion.bvhs(), found.tasks(), x0, x1);
   narrow.filter = query.filter;
   narrow.distinct = query.distinct;
   if (look_ahead != nullptr) {
@@ -49,9 +48,9 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
   out.milliseconds.total = total.lap();
   if (settings.explain) {
     pipeline.explain(settings, distance, out.explanation);
-    spread(query.distinct, out.explanation);
+    explain_copies(query.distinct, out.explanation);
   }
   return {};
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

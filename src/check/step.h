@@ -1,16 +1,16 @@
-/// Steps and poses, from positions to the answer.
+/// The queries, from positions to the answer: steps and poses.
 #pragma once
 
 #include "check/look_ahead.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// What is asked about, and what it takes.
+/// The objects of a query and its scratch.
 struct Query {
   Pipeline& pipeline;
-  LookAhead* look_ahead = nullptr;     ///< Without it every step is searched for itself.
-  const PairFilter* filter = nullptr;  ///< Which pairs count; all when it is null.
-  DistinctObjects distinct = {};  ///< Of whose hierarchies the pipeline is; empty where nothing was left out.
+  LookAhead* look_ahead = nullptr;     ///< Null: every step has a search of its own.
+  const PairFilter* filter = nullptr;  ///< Null: all pairs are tested.
+  DistinctObjects distinct = {};       ///< Of the pipeline's objects. Empty: no triangle has copies.
 };
 
 /// StepChecker::check.
@@ -20,10 +20,4 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
 /// StepChecker::check_static.
 Result<void> check_pose(const Query& query, Positions x, const StepSettings& settings, StaticResult& out);
 
-struct StepChecker::Impl {
-  std::vector<std::shared_ptr<const DistinctTriangles>> distinct;
-  Pipeline pipeline;
-  LookAhead look_ahead;
-};
-
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

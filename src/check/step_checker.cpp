@@ -1,33 +1,51 @@
 #include <map>
 
-#include "check/answer.h"
 #include "check/step.h"
 
 namespace foldproof {
 namespace {
 
-// Replaces hierarchies by those without copies, and says what these stand for. What was trained belongs to
-// the hierarchy that it was trained with, which stays then. Thousands of objects may share one.
-std::vector<std::shared_ptr<const DistinctTriangles>> distinct_in(std::vector<Object>& objects) {
-  std::map<const Hierarchy*, std::shared_ptr<const DistinctTriangles>> of;
+// Replaces hierarchies by those of their distinct triangles. Trained objects keep theirs, to which the charts
+// belong. Empty when no triangle has copies. Objects that share a hierarchy share its distinct triangles.
+std::vector<std::shared_ptr<const DistinctTriangles>> remove_copies(std::vector<Object>& objects) {
+  std::map<const Hierarchy*, std::shared_ptr<const DistinctTriangles>> distinct_of;
   std::vector<std::shared_ptr<const DistinctTriangles>> all;
-  bool any = false;
+  bool any_copies = false;
   for (Object& object : objects) {
     const bool trained = object.charts() || object.predictor();
-    auto& distinct = of[trained ? nullptr : object.hierarchy().get()];
+    auto& distinct = distinct_of[trained ? nullptr : object.hierarchy().get()];
     if (!distinct)
       distinct = trained ? std::make_shared<const DistinctTriangles>()
                          : std::make_shared<const DistinctTriangles>(object.hierarchy());
     all.push_back(distinct);
     if (!distinct->has_copies()) continue;
     object = distinct->hierarchy();
-    any = true;
+    any_copies = true;
   }
-  if (!any) all.clear();
+  if (!any_copies) all.clear();
   return all;
 }
 
 }  // namespace
+
+Work& Work::operator+=(const Work& more) {
+  node_tests += more.node_tests;
+  certificate_tests += more.certificate_tests;
+  certificate_passes += more.certificate_passes;
+  leaf_pairs += more.leaf_pairs;
+  candidates_vf += more.candidates_vf;
+  candidates_ee += more.candidates_ee;
+  undecided += more.undecided;
+  return *this;
+}
+
+StageTimes& StageTimes::operator+=(const StageTimes& more) {
+  total += more.total;
+  update += more.update;
+  traverse += more.traverse;
+  narrow += more.narrow;
+  return *this;
+}
 
 Object::Object(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(std::move(hierarchy)) {}
 Object::Object(Hierarchy hierarchy) : Object(std::make_shared<const Hierarchy>(std::move(hierarchy))) {}
@@ -36,8 +54,14 @@ Object::Object(std::shared_ptr<const ChartLibrary> charts, std::shared_ptr<const
       charts_(std::move(charts)),
       predictor_(std::move(predictor)) {}
 
+struct StepChecker::Impl {
+  std::vector<std::shared_ptr<const DistinctTriangles>> distinct;
+  Pipeline pipeline;
+  LookAhead look_ahead;
+};
+
 StepChecker::StepChecker(std::vector<Object> objects)
-    : impl_(new Impl{distinct_in(objects), Pipeline(objects), {}}) {}
+    : impl_(new Impl{remove_copies(objects), Pipeline(objects), {}}) {}
 StepChecker::~StepChecker() = default;
 StepChecker::StepChecker(StepChecker&&) noexcept = default;
 StepChecker& StepChecker::operator=(StepChecker&&) noexcept = default;
@@ -47,7 +71,7 @@ Result<void> StepChecker::check(Positions x0, Positions x1, const StepSettings& 
 }
 
 Result<void> StepChecker::check_static(Positions x, const StepSettings& settings, StaticResult& out) {
-  impl_->look_ahead.forget();
+  impl_->look_ahead.invalidate();
   return check_pose({impl_->pipeline, nullptr, nullptr, impl_->distinct}, x, settings, out);
 }
 

@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <numeric>
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 std::size_t widest_axis(std::span<const SweptBox> boxes) {
   std::array<double, 3> spread{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto middle = [axis](const SweptBox& box) { return box.low[axis] / 2 + box.high[axis] / 2; };
-    const auto [least, most] = std::ranges::minmax_element(boxes, {}, middle);
-    spread[axis] = middle(*most) / 2 - middle(*least) / 2;
+    const auto center = [axis](const SweptBox& box) { return box.low[axis] / 2 + box.high[axis] / 2; };
+    const auto [min, max] = std::ranges::minmax_element(boxes, {}, center);
+    spread[axis] = center(*max) / 2 - center(*min) / 2;
   }
   return static_cast<std::size_t>(std::ranges::max_element(spread) - spread.begin());
 }
 
-bool apart(const SweptBox& a, const SweptBox& b, double distance) {
+bool separated(const SweptBox& a, const SweptBox& b, double distance) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (b.low[axis] - a.high[axis] > distance || a.low[axis] - b.high[axis] > distance) return true;
   }
@@ -34,13 +34,13 @@ std::span<const SweepAndPrune::Pair> SweepAndPrune::pairs(std::span<const SweptB
   std::ranges::sort(order_, {}, [&](Index i) { return boxes[i].low[axis]; });
   for (auto i = order_.begin(); i != order_.end(); ++i) {
     for (auto k = i + 1; k != order_.end(); ++k) {
-      // Those that follow begin still farther away.
+      // All later boxes start even farther away.
       if (boxes[*k].low[axis] - boxes[*i].high[axis] > distance) break;
-      if (!apart(boxes[*i], boxes[*k], distance)) pairs_.push_back({std::min(*i, *k), std::max(*i, *k)});
+      if (!separated(boxes[*i], boxes[*k], distance)) pairs_.push_back({std::min(*i, *k), std::max(*i, *k)});
     }
   }
   std::ranges::sort(pairs_);
   return pairs_;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -1,4 +1,4 @@
-/// Which of many objects come near each other at all.
+/// Sweep and prune: which objects come near each other.
 #pragma once
 
 #include <array>
@@ -7,19 +7,19 @@
 
 #include "foldproof/base.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// Holds an object during a whole step.
+/// Bounds an object during a whole step.
 struct SweptBox {
   std::array<double, 3> low, high;
 };
 
-/// Sort and sweep (Baraff 1992) over boxes of whole objects. Buffers are kept.
+/// Sweep and prune (Baraff 1992) over boxes of whole objects. Buffers are kept.
 class SweepAndPrune {
  public:
   using Pair = std::array<Index, 2>;
-  /// Pairs a < b of boxes that no axis keeps farther apart than `distance`, ascending. Cost: O(n log n) and
-  /// the pairs that overlap along the axis on which the boxes' middles spread most. Valid until the next
+  /// Pairs a < b of boxes whose distance along every axis is at most `distance`, ascending. Cost: O(n log n)
+  /// plus the pairs that overlap along the axis on which the boxes' centers spread most. Valid until the next
   /// call.
   std::span<const Pair> pairs(std::span<const SweptBox> boxes, double distance);
 
@@ -28,4 +28,4 @@ class SweepAndPrune {
   std::vector<Pair> pairs_;
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

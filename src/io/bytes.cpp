@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "base/try.h"
+
 namespace foldproof::io {
 namespace {
 
@@ -20,17 +22,20 @@ std::string reason(int code) { return std::generic_category().message(code); }
 Result<InputFile> InputFile::open(const std::string& path) {
   InputFile file;
   file.path_ = path;
-  // Without O_NONBLOCK, opening a named pipe would wait for ever.
+  // Without O_NONBLOCK, opening a named pipe would block until another process opens it.
   file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file.descriptor_ < 0) {
-    return fail(path, "cannot be opened: " + reason(errno), "check the name and the permissions");
+    return fail(ErrorCode::FileAccess, path, "cannot be opened: " + reason(errno),
+                "check the name and the permissions");
   }
   struct stat status {};
   if (::fstat(file.descriptor_, &status) != 0) {
-    return fail(path, "cannot be examined: " + reason(errno), "check the name and the permissions");
+    return fail(ErrorCode::FileAccess, path, "cannot be examined: " + reason(errno),
+                "check the name and the permissions");
   }
   if (!S_ISREG(status.st_mode)) {
-    return fail(path, "is not a regular file", "save the data to a file and name that");
+    return fail(ErrorCode::FileAccess, path, "is not a regular file",
+                "save the data to a file and name that");
   }
   file.size_ = static_cast<std::uint64_t>(status.st_size);
   return file;
@@ -56,10 +61,12 @@ Result<void> InputFile::read_at(std::uint64_t offset, std::span<char> out) const
     const ssize_t count =
         ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return fail(path_, "cannot be read: " + reason(errno), "check the disk it is on");
+    if (count < 0)
+      return fail(ErrorCode::FileAccess, path_, "cannot be read: " + reason(errno),
+                  "check the disk it is on");
     if (count == 0) {
-      return fail(at_byte(path_, offset + done), "the file ends here, but more was expected",
-                  "copy or export it again");
+      return fail(ErrorCode::InvalidFile, at_byte(path_, offset + done),
+                  "the file ends here, but more was expected", "copy or export it again");
     }
     done += static_cast<std::size_t>(count);
   }
@@ -67,13 +74,13 @@ Result<void> InputFile::read_at(std::uint64_t offset, std::span<char> out) const
 }
 
 Result<MappedFile> MappedFile::open(const std::string& path) {
-  const auto file = InputFile::open(path);
-  if (!file) return tl::unexpected(file.error());
+  const auto file = FOLDPROOF_TRY(InputFile::open(path));
   MappedFile mapped;
-  if (file->size() == 0) return mapped;  // which cannot be mapped
-  const auto size = static_cast<std::size_t>(file->size());
-  void* bytes = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file->descriptor_, 0);
-  if (bytes == MAP_FAILED) return fail(path, "cannot be mapped: " + reason(errno), "copy it to a local disk");
+  if (file.size() == 0) return mapped;  // mmap refuses empty files
+  const auto size = static_cast<std::size_t>(file.size());
+  void* bytes = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.descriptor_, 0);
+  if (bytes == MAP_FAILED)
+    return fail(ErrorCode::FileAccess, path, "cannot be mapped: " + reason(errno), "copy it to a local disk");
   mapped.bytes_ = {static_cast<const std::uint8_t*>(bytes), size};
   return mapped;
 }
@@ -90,10 +97,9 @@ MappedFile::~MappedFile() {
 }
 
 Result<std::vector<char>> read_file(const std::string& path) {
-  auto file = InputFile::open(path);
-  if (!file) return tl::unexpected(file.error());
-  std::vector<char> bytes(file->size());
-  if (auto read = file->read_at(0, bytes); !read) return tl::unexpected(read.error());
+  auto file = FOLDPROOF_TRY(InputFile::open(path));
+  std::vector<char> bytes(file.size());
+  FOLDPROOF_TRY(file.read_at(0, bytes));
   return bytes;
 }
 

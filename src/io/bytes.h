@@ -1,4 +1,4 @@
-/// Files and the bytes in them: every read is checked against the real size of the file first.
+/// Files and their bytes. Every read is checked against the actual size of the file.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ class InputFile {
   const std::string& path() const { return path_; }
   std::uint64_t size() const { return size_; }
 
-  /// Fills `out` from `offset`. Error: the file ends before.
+  /// Fills `out` with the bytes from `offset`. Error: the file ends before `out` is full.
   Result<void> read_at(std::uint64_t offset, std::span<char> out) const;
 
  private:
@@ -33,7 +33,7 @@ class InputFile {
   std::uint64_t size_ = 0;
 };
 
-/// The bytes of a regular file, fetched as they are looked at. Nobody may shorten it meanwhile.
+/// The bytes of a regular file, mapped into memory. The file must not be truncated while mapped.
 class MappedFile {
  public:
   static Result<MappedFile> open(const std::string& path);
@@ -48,10 +48,10 @@ class MappedFile {
   std::span<const std::uint8_t> bytes_;
 };
 
-/// The whole of a regular file.
+/// Reads a whole regular file.
 Result<std::vector<char>> read_file(const std::string& path);
 
-/// A number that stands at any address in the given byte order.
+/// Reads a number from any address, aligned or not, in the given byte order.
 template <class T>
 T load(const char* bytes, std::endian order) {
   std::array<char, sizeof(T)> raw;
@@ -60,7 +60,7 @@ T load(const char* bytes, std::endian order) {
   return std::bit_cast<T>(raw);
 }
 
-/// The opposite: appends the bytes of `value` in the given order.
+/// Appends the bytes of `value` in the given byte order.
 template <class T>
 void append(std::vector<char>& bytes, T value, std::endian order = std::endian::little) {
   auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
@@ -68,12 +68,12 @@ void append(std::vector<char>& bytes, T value, std::endian order = std::endian::
   bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
 
-/// The bytes of an array of numbers, as they stand in memory.
+/// The bytes of an array of numbers, as in memory.
 std::span<const char> bytes_of(const auto& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])};
 }
 
-/// The place of a byte: "walk.pc2, byte 32".
+/// The location of a byte, for errors: "walk.pc2, byte 32".
 std::string at_byte(const std::string& path, std::uint64_t offset);
 
 }  // namespace foldproof::io

@@ -1,4 +1,4 @@
-// Files appear whole or not at all: a temporary beside the target, renamed on commit, removed otherwise.
+// Files appear whole or not at all: data goes to a temporary file beside the target, which commit renames.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "base/try.h"
 #include "foldproof/io.h"
 
 namespace foldproof {
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kBufferBytes = std::size_t{1} << 18;
 
 tl::unexpected<Error> write_error(const std::string& path, int code) {
-  return fail(path, "cannot be written: " + std::generic_category().message(code),
+  return fail(ErrorCode::FileAccess, path, "cannot be written: " + std::generic_category().message(code),
               "check the directory, its permissions and the free space");
 }
 
@@ -33,7 +34,7 @@ int write_fully(int descriptor, std::span<const char> bytes) {
   return 0;
 }
 
-/// A name beside `target` that no other writer of this or another process uses.
+/// A name in the target's directory that no other writer of this or another process uses.
 std::string temporary_name(const fs::path& target) {
   static std::atomic<unsigned> counter{0};
   return (target.parent_path() / fmt::format(".{}.{}-{}.part", target.filename().string().substr(0, 200),
@@ -44,9 +45,9 @@ std::string temporary_name(const fs::path& target) {
 }  // namespace
 
 struct FileWriter::State {
-  std::string path;       // as the caller names it
-  std::string target;     // with links followed, so that a link stays a link
-  std::string temporary;  // empty: written in place, for pipes and terminals
+  std::string path;       // as the caller gave it
+  std::string target;     // with symbolic links resolved, so that a link stays a link
+  std::string temporary;  // empty for pipes and terminals, which are written directly
   int descriptor = -1;
   int failure = 0;
   std::vector<char> buffer;
@@ -74,8 +75,8 @@ Result<FileWriter> FileWriter::open(const std::string& path) {
   State& state = *writer.state_;
   state.path = path;
   std::error_code status;
-  const fs::path followed = fs::canonical(path, status);
-  state.target = status ? path : followed.string();
+  const fs::path resolved = fs::canonical(path, status);
+  state.target = status ? path : resolved.string();
   if (fs::is_directory(state.target, status)) return write_error(path, EISDIR);
   const bool special = fs::exists(state.target, status) && !fs::is_regular_file(state.target, status);
   const std::string name = special ? path : temporary_name(state.target);
@@ -90,7 +91,7 @@ Result<FileWriter> FileWriter::open(const std::string& path) {
 Result<void> FileWriter::write(std::span<const char> bytes) {
   State& state = *state_;
   if (state.buffer.size() + bytes.size() > kBufferBytes) {
-    if (auto flushed = state.flush(); !flushed) return flushed;
+    FOLDPROOF_TRY(state.flush());
   }
   if (bytes.size() < kBufferBytes) {
     state.buffer.insert(state.buffer.end(), bytes.begin(), bytes.end());
@@ -103,7 +104,7 @@ Result<void> FileWriter::write(std::span<const char> bytes) {
 
 Result<void> FileWriter::rewrite(std::uint64_t offset, std::span<const char> bytes) {
   State& state = *state_;
-  if (auto flushed = state.flush(); !flushed) return flushed;
+  FOLDPROOF_TRY(state.flush());
   while (!bytes.empty()) {
     const ssize_t count = ::pwrite(state.descriptor, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
@@ -116,7 +117,7 @@ Result<void> FileWriter::rewrite(std::uint64_t offset, std::span<const char> byt
 
 Result<void> FileWriter::commit() {
   State& state = *state_;
-  if (auto flushed = state.flush(); !flushed) return flushed;
+  FOLDPROOF_TRY(state.flush());
   const int descriptor = std::exchange(state.descriptor, -1);
   if (::close(descriptor) != 0) return write_error(state.path, errno);
   if (state.temporary.empty()) return {};

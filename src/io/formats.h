@@ -1,25 +1,25 @@
-/// The file formats that are read, in one table.
+/// The table of file formats that can be read.
 #pragma once
 
 #include "io/readers.h"
 
 namespace foldproof::io {
 
-/// A mesh is a frame or a single pose; a point cache moves the mesh that is named before it; an animation
-/// holds both.
+/// A mesh file is one frame; a point cache holds the frames of the mesh file named before it; an animation
+/// holds mesh and frames.
 enum class FileKind : std::uint8_t { Mesh, PointCache, Animation };
 
 struct FileFormat {
   const char* extension;  ///< Lower case, with its dot.
   FileKind kind;
-  // The reader of its kind; the others are null.
+  // Only the reader for `kind` is set.
   Result<MeshData> (*parse_mesh)(const std::string& path, std::string_view bytes) = nullptr;
   Result<std::unique_ptr<Motion>> (*open_cache)(const std::string& mesh, const std::string& cache) = nullptr;
   Result<std::unique_ptr<Motion>> (*open_animation)(const std::string& path,
                                                     const ReadOptions& options) = nullptr;
 };
 
-/// By a path's extension, in any case; null for what is not read.
+/// Looks up a path's extension, in any case; null when the format cannot be read.
 const FileFormat* format_of(const std::string& path);
 bool is_kind(const std::string& path, FileKind kind);
 

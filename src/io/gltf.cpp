@@ -1,25 +1,25 @@
-// glTF and GLB as a motion: every frame is evaluated from the scene at its time.
+// glTF and GLB as a motion: the scene is evaluated at the time of each frame.
 //
-// The JSON and the buffers are read here, not with tinygltf: it reports no places, opens files wherever a uri
-// points, and leaves every range to its caller, which is the larger part of the work.
+// tinygltf is not used: it reports no locations, opens any file that a URI names, and leaves all range checks
+// to its caller, which are most of the work.
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "base/try.h"
 #include "io/gltf_scene.h"
 #include "io/readers.h"
 
 namespace foldproof::io {
 namespace {
 
-constexpr double kMostFrames = 1e6;
-constexpr std::uint64_t kMostInstanced = std::uint64_t{1}
-                                         << 27;  // vertices or triangles, all copies together
-// Positions, morph targets and joints of all vertices, which a frame goes through. Accessors may show the
-// same bytes, so the size of the file does not limit them.
-constexpr std::uint64_t kMostPerFrame = std::uint64_t{1} << 32;
+constexpr double kMaxFrames = 1e6;
+constexpr std::uint64_t kMaxInstanced = std::uint64_t{1} << 27;  // vertices or corners, of all instances
+// Positions, morph targets and joints that evaluating a frame reads. Accessors may share bytes, so the size
+// of the file does not limit them.
+constexpr std::uint64_t kMaxPerFrame = std::uint64_t{1} << 32;
 
-/// A node of the scene that shows a vertex set.
+/// A node that instantiates a vertex set.
 struct Instance {
   std::size_t node;
   const GltfVertexSet* vertices;
@@ -32,24 +32,24 @@ class GltfMotion final : public Motion {
       : document_(std::move(document)), scene_(std::move(scene)), fps_(fps) {}
 
   Result<void> open() {
-    // Keys are stored as floats, so the last one may lie a little behind the frame it belongs to.
+    // Key times are stored as floats, so the last one may lie slightly after its frame.
     constexpr double kRounding = 1e-4;
-    const double frames = std::ceil(scene_.seconds * fps_ - kRounding) + 1;
-    if (!(frames <= kMostFrames)) {
-      return fail(name(),
-                  fmt::format("{} seconds at {} frames a second are too many frames", scene_.seconds, fps_),
+    const double frames = std::ceil(scene_.duration * fps_ - kRounding) + 1;
+    if (!(frames <= kMaxFrames)) {
+      return fail(ErrorCode::LimitExceeded, name(),
+                  fmt::format("{} seconds at {} frames a second are too many frames", scene_.duration, fps_),
                   "choose a lower --fps");
     }
     frames_ = static_cast<Index>(std::max(frames, 1.0));
-    if (auto checked = check_size(); !checked) return checked;
+    FOLDPROOF_TRY(check_size());
     std::vector<Triangle> triangles;
-    for (const std::size_t node : scene_.shown) {
-      if (auto placed = place(node, triangles); !placed) return placed;
+    for (const std::size_t node : scene_.mesh_nodes) {
+      FOLDPROOF_TRY(add_node(node, triangles));
     }
-    if (triangles.empty()) return fail(name(), "shows no triangles", "export a scene with triangle meshes");
-    auto topology = Topology::make(static_cast<Index>(vertex_count_), std::move(triangles));
-    if (!topology) return tl::unexpected(topology.error());
-    topology_ = std::move(*topology);
+    if (triangles.empty())
+      return fail(ErrorCode::InvalidFile, name(), "shows no triangles",
+                  "export a scene with triangle meshes");
+    topology_ = FOLDPROOF_TRY(Topology::make(static_cast<Index>(vertex_count_), std::move(triangles)));
     return {};
   }
 
@@ -58,8 +58,8 @@ class GltfMotion final : public Motion {
   Index frame_count() const override { return frames_; }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
-    if (auto checked = check_request(*this, k, out); !checked) return checked;
-    pose(std::min(k / fps_, scene_.seconds));
+    FOLDPROOF_TRY(check_request(*this, k, out));
+    evaluate(std::min(k / fps_, scene_.duration));
     joints_.assign(scene_.skins.size(), {});
     const std::string where = fmt::format("{}, frame {}", name(), k);
     for (const Instance& instance : instances_) {
@@ -76,24 +76,24 @@ class GltfMotion final : public Motion {
   }
 
  private:
-  /// A small file can show a mesh very often, so all copies are counted before the first is made.
+  /// A small file can instantiate a mesh very often, so instances are counted before any is made.
   Result<void> check_size() const {
     std::vector<Size> sizes;
     for (const GltfMesh& mesh : scene_.meshes) sizes.push_back(size_of(mesh));
-    Size all;
-    for (const std::size_t node : scene_.shown) {
+    Size total;
+    for (const std::size_t node : scene_.mesh_nodes) {
       const Size& size = sizes[*scene_.nodes[node].mesh];
-      all.vertices += size.vertices;
-      all.corners += size.corners;
-      all.values += size.values;
-      if (all.vertices > kMostInstanced || all.corners > kMostInstanced) {
-        return fail(name(),
-                    fmt::format("shows more than {} vertices or corners of triangles", kMostInstanced),
+      total.vertices += size.vertices;
+      total.corners += size.corners;
+      total.values += size.values;
+      if (total.vertices > kMaxInstanced || total.corners > kMaxInstanced) {
+        return fail(ErrorCode::LimitExceeded, name(),
+                    fmt::format("shows more than {} vertices or corners of triangles", kMaxInstanced),
                     "export fewer copies of its meshes");
       }
-      if (all.values > kMostPerFrame) {
-        return fail(name(),
-                    fmt::format("has more than {} morph targets and joints of vertices", kMostPerFrame),
+      if (total.values > kMaxPerFrame) {
+        return fail(ErrorCode::LimitExceeded, name(),
+                    fmt::format("has more than {} morph targets and joints of vertices", kMaxPerFrame),
                     "export fewer copies of its meshes, or fewer morph targets");
       }
     }
@@ -103,8 +103,8 @@ class GltfMotion final : public Motion {
   struct Size {
     std::uint64_t vertices = 0, corners = 0, values = 0;
   };
-  // Each below 2^40 times the number of vertex sets or primitives; what is looked at without a corner counts,
-  // too.
+  // Each is below 2^40 times the number of vertex sets or primitives. A primitive without corners counts as
+  // one, since it takes time too.
   static Size size_of(const GltfMesh& mesh) {
     Size size;
     for (const GltfVertexSet& set : mesh.vertex_sets) {
@@ -122,13 +122,13 @@ class GltfMotion final : public Motion {
   }
 
   /// Adds the vertices and triangles of a node's mesh.
-  Result<void> place(std::size_t node, std::vector<Triangle>& triangles) {
+  Result<void> add_node(std::size_t node, std::vector<Triangle>& triangles) {
     const std::size_t mesh_index = *scene_.nodes[node].mesh;
     const GltfMesh& mesh = scene_.meshes[mesh_index];
-    std::vector<std::size_t> first;
+    std::vector<std::size_t> first_vertex;
     for (const GltfVertexSet& set : mesh.vertex_sets) {
       instances_.push_back({node, &set, vertex_count_});
-      first.push_back(vertex_count_);
+      first_vertex.push_back(vertex_count_);
       vertex_count_ += set.position.count();
     }
     for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
@@ -137,7 +137,8 @@ class GltfMotion final : public Motion {
       const std::uint64_t corners = corner_count(mesh, primitive);
       const std::string where = fmt::format("{}, meshes[{}].primitives[{}]", name(), mesh_index, p);
       if (primitive.mode == 4 ? corners % 3 != 0 : corners < 3) {
-        return fail(where, fmt::format("has {} corners, which are not whole triangles", corners),
+        return fail(ErrorCode::InvalidFile, where,
+                    fmt::format("has {} corners, which are not whole triangles", corners),
                     "export the file again");
       }
       const std::uint64_t count = primitive.mode == 4 ? corners / 3 : corners - 2;
@@ -147,12 +148,12 @@ class GltfMotion final : public Motion {
         for (std::size_t c = 0; c < 3; ++c) {
           const std::uint64_t v = primitive.indices ? index_at(*primitive.indices, corner[c]) : corner[c];
           if (v >= vertices) {
-            return fail(where,
+            return fail(ErrorCode::InvalidFile, where,
                         fmt::format("triangle {} refers to vertex {}, but there are {} (counting from 0)", i,
                                     v, vertices),
                         "export the file again");
           }
-          triangle[c] = static_cast<Index>(first[primitive.vertex_set] + v);
+          triangle[c] = static_cast<Index>(first_vertex[primitive.vertex_set] + v);
         }
         triangles.push_back(triangle);
       }
@@ -160,7 +161,7 @@ class GltfMotion final : public Motion {
     return {};
   }
 
-  /// Which corners of the primitive make triangle `i`. A strip turns every other triangle over.
+  /// The corners of the primitive that form triangle `i`. A strip flips the winding of every other triangle.
   static std::array<std::uint64_t, 3> triangle_corners(std::uint64_t mode, std::uint64_t i) {
     if (mode == 4) return {3 * i, 3 * i + 1, 3 * i + 2};
     if (mode == 5) return {i, i + 1 + i % 2, i + 2 - i % 2};
@@ -171,11 +172,11 @@ class GltfMotion final : public Motion {
     return static_cast<std::uint64_t>(indices.get(i, 0));
   }
 
-  /// Local and world transforms and morph weights at a time.
-  void pose(double time) {
-    posed_ = scene_.nodes;
+  /// Evaluates transforms and morph weights at a time.
+  void evaluate(double time) {
+    posed_nodes_ = scene_.nodes;
     for (const GltfChannel& channel : scene_.channels) {
-      GltfNode& node = posed_[channel.node];
+      GltfNode& node = posed_nodes_[channel.node];
       switch (channel.path) {
         case GltfPath::Translation:
           sample_channel(channel, time, {node.translation.data(), 3});
@@ -192,9 +193,9 @@ class GltfMotion final : public Motion {
           break;
       }
     }
-    world_.resize(posed_.size());
+    world_.resize(posed_nodes_.size());
     for (const std::size_t i : scene_.parents_first) {
-      const GltfNode& node = posed_[i];
+      const GltfNode& node = posed_nodes_[i];
       const Eigen::Matrix4d local = node.matrix ? *node.matrix
                                                 : (Eigen::Translation3d(node.translation) *
                                                    node.rotation.normalized() * Eigen::Scaling(node.scale))
@@ -209,13 +210,13 @@ class GltfMotion final : public Motion {
     for (std::size_t v = 0; v < count; ++v) {
       for (int c = 0; c < 3; ++c) positions[3 * v + static_cast<std::size_t>(c)] = set.position.get(v, c);
     }
-    const GltfNode& node = posed_[instance.node];
+    const GltfNode& node = posed_nodes_[instance.node];
     const std::vector<double>& weights =
         node.weights.empty() ? scene_.meshes[*node.mesh].weights : node.weights;
     for (std::size_t t = 0; t < weights.size(); ++t) {
       if (weights[t] == 0) continue;
       const GltfAccessor& target = set.targets[t];
-      // Without a buffer only the replaced elements are not zero.
+      // Without a buffer, only the replaced elements are nonzero.
       const bool sparse = target.base.bytes == nullptr;
       const std::uint64_t entries = sparse ? target.replaced.count : count;
       for (std::uint64_t e = 0; e < entries; ++e) {
@@ -239,7 +240,7 @@ class GltfMotion final : public Motion {
 
   using Affine = Eigen::Matrix<double, 3, 4>;
 
-  /// What the joints of a skin do in this frame; many nodes may share a skin.
+  /// The joint matrices of a skin in this frame; many nodes may share a skin.
   const std::vector<Affine>& joints_of(std::size_t index) {
     std::vector<Affine>& joints = joints_[index];
     if (!joints.empty()) return joints;
@@ -252,7 +253,7 @@ class GltfMotion final : public Motion {
     return joints;
   }
 
-  /// Linear blend skinning. Weights are divided by their sum, as stored ones rarely sum to 1 exactly; a
+  /// Linear blend skinning. Weights are divided by their sum, since stored weights rarely sum to exactly 1. A
   /// vertex without weights follows the first joint.
   Result<void> apply_skin(const Instance& instance, std::size_t skin, const std::string& where,
                           std::span<double> positions) {
@@ -266,7 +267,8 @@ class GltfMotion final : public Motion {
           if (weight == 0) continue;
           const auto joint = static_cast<std::size_t>(ids.get(v, c));
           if (joint >= joints.size()) {
-            return fail(fmt::format("{}, vertex {}", where, instance.first_vertex + v),
+            return fail(ErrorCode::InvalidFile,
+                        fmt::format("{}, vertex {}", where, instance.first_vertex + v),
                         fmt::format("refers to joint {}, but the skin has {}", joint, joints.size()),
                         "export the file again");
           }
@@ -288,23 +290,22 @@ class GltfMotion final : public Motion {
   std::size_t vertex_count_ = 0;
   std::vector<Instance> instances_;
   Topology topology_;
-  std::vector<GltfNode> posed_;
+  std::vector<GltfNode> posed_nodes_;
   std::vector<Eigen::Matrix4d> world_;
-  std::vector<std::vector<Affine>> joints_;  // per skin; empty until one needs them
+  std::vector<std::vector<Affine>> joints_;  // per skin; empty until needed in this frame
 };
 
 }  // namespace
 
 Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps) {
   if (!(fps > 0) || !std::isfinite(fps)) {
-    return fail("--fps", fmt::format("{} is not a sampling rate", fps), "give a number above zero");
+    return fail(ErrorCode::InvalidArgument, "--fps", fmt::format("{} is not a sampling rate", fps),
+                "give a number above zero");
   }
-  auto document = GltfDocument::read(path);
-  if (!document) return tl::unexpected(document.error());
-  auto scene = read_gltf_scene(*document);
-  if (!scene) return tl::unexpected(scene.error());
-  auto motion = std::make_unique<GltfMotion>(std::move(*document), std::move(*scene), fps);
-  if (auto opened = motion->open(); !opened) return tl::unexpected(opened.error());
+  auto document = FOLDPROOF_TRY(GltfDocument::read(path));
+  auto scene = FOLDPROOF_TRY(read_gltf_scene(document));
+  auto motion = std::make_unique<GltfMotion>(std::move(document), std::move(scene), fps);
+  FOLDPROOF_TRY(motion->open());
   return motion;
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "base/try.h"
+
 namespace foldproof::io {
 namespace {
 
@@ -14,7 +16,7 @@ using Json = GltfDocument::Json;
 constexpr int kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125,
               kFloat = 5126;
 constexpr std::uint64_t kCountLimit = std::uint64_t{1} << 40;
-constexpr std::uint64_t kMostValues = std::uint64_t{1} << 27;  // GltfDocument::may_read, all together
+constexpr std::uint64_t kMaxValues = std::uint64_t{1} << 27;  // the budget of GltfDocument::within_budget
 
 std::uint64_t component_bytes(int type) {
   if (type == kByte || type == kUnsignedByte) return 1;
@@ -43,15 +45,15 @@ std::optional<std::vector<char>> decode_base64(std::string_view text) {
   std::vector<char> bytes;
   bytes.reserve(text.size() / 4 * 3 + 3);
   std::uint32_t bits = 0;
-  int held = 0;
+  int bit_count = 0;
   for (const char c : text) {
     const int digit = base64_digit(c);
     if (digit < 0) return std::nullopt;
     bits = (bits << 6 | static_cast<std::uint32_t>(digit)) & 0xffffff;
-    held += 6;
-    if (held >= 8) {
-      held -= 8;
-      bytes.push_back(static_cast<char>(bits >> held & 0xff));
+    bit_count += 6;
+    if (bit_count >= 8) {
+      bit_count -= 8;
+      bytes.push_back(static_cast<char>(bits >> bit_count & 0xff));
     }
   }
   return bytes;
@@ -81,36 +83,36 @@ std::string decode_percent(std::string_view text) {
 
 double GltfValues::get(std::uint64_t i, int component) const {
   if (bytes == nullptr) return 0;
-  const char* at =
+  const char* address =
       bytes + i * stride + static_cast<std::uint64_t>(component) * component_bytes(component_type);
   constexpr std::endian kLittle = std::endian::little;
   switch (component_type) {
     case kByte: {
-      const double x = load<std::int8_t>(at, kLittle);
+      const double x = load<std::int8_t>(address, kLittle);
       return normalized ? std::max(x / 127, -1.0) : x;
     }
     case kUnsignedByte:
-      return load<std::uint8_t>(at, kLittle) / (normalized ? 255.0 : 1.0);
+      return load<std::uint8_t>(address, kLittle) / (normalized ? 255.0 : 1.0);
     case kShort: {
-      const double x = load<std::int16_t>(at, kLittle);
+      const double x = load<std::int16_t>(address, kLittle);
       return normalized ? std::max(x / 32767, -1.0) : x;
     }
     case kUnsignedShort:
-      return load<std::uint16_t>(at, kLittle) / (normalized ? 65535.0 : 1.0);
+      return load<std::uint16_t>(address, kLittle) / (normalized ? 65535.0 : 1.0);
     case kUnsignedInt:
-      return load<std::uint32_t>(at, kLittle);
+      return load<std::uint32_t>(address, kLittle);
     default:
-      return static_cast<double>(load<float>(at, kLittle));
+      return static_cast<double>(load<float>(address, kLittle));
   }
 }
 
 std::uint32_t GltfValues::integer(std::uint64_t i, int component) const {
   if (bytes == nullptr) return 0;
-  const char* at =
+  const char* address =
       bytes + i * stride + static_cast<std::uint64_t>(component) * component_bytes(component_type);
-  if (component_type == kUnsignedByte) return load<std::uint8_t>(at, std::endian::little);
-  if (component_type == kUnsignedShort) return load<std::uint16_t>(at, std::endian::little);
-  return load<std::uint32_t>(at, std::endian::little);
+  if (component_type == kUnsignedByte) return load<std::uint8_t>(address, std::endian::little);
+  if (component_type == kUnsignedShort) return load<std::uint16_t>(address, std::endian::little);
+  return load<std::uint32_t>(address, std::endian::little);
 }
 
 double GltfAccessor::get(std::uint64_t i, int component) const {
@@ -132,66 +134,68 @@ bool GltfAccessor::is_unsigned() const {
          base.component_type == kUnsignedInt;
 }
 
-void GltfDocument::complain(const std::string& place, std::string problem, std::string mend) {
-  if (!error_) error_ = Error{fmt::format("{}, {}", path_, place), std::move(problem), std::move(mend)};
+void GltfDocument::set_error(const std::string& json_path, std::string problem, std::string remedy) {
+  if (error_) return;
+  error_ = Error{fmt::format("{}, {}", path_, json_path), std::move(problem), std::move(remedy),
+                 ErrorCode::InvalidFile};
 }
 
-const Json& GltfDocument::list(const Json& object, const char* key, const std::string& place) {
+const Json& GltfDocument::list(const Json& object, const char* key, const std::string& json_path) {
   static const Json kEmpty = Json::array();
   const auto found = object.find(key);
   if (found == object.end()) return kEmpty;
   if (found->is_array()) return *found;
-  complain(place, fmt::format("'{}' is not a list", key));
+  set_error(json_path, fmt::format("'{}' is not a list", key));
   return kEmpty;
 }
 
 std::optional<std::uint64_t> GltfDocument::optional_count(const Json& object, const char* key,
-                                                          const std::string& place) {
+                                                          const std::string& json_path) {
   const auto found = object.find(key);
   if (found == object.end()) return std::nullopt;
   if (found->is_number_unsigned() && found->get<std::uint64_t>() < kCountLimit)
     return found->get<std::uint64_t>();
-  complain(place, fmt::format("'{}' is not a number from 0 to {}", key, kCountLimit - 1));
+  set_error(json_path, fmt::format("'{}' is not a number from 0 to {}", key, kCountLimit - 1));
   return std::nullopt;
 }
 
-std::uint64_t GltfDocument::count(const Json& object, const char* key, const std::string& place) {
-  const auto value = optional_count(object, key, place);
-  if (!value) complain(place, fmt::format("'{}' is missing", key));
+std::uint64_t GltfDocument::count(const Json& object, const char* key, const std::string& json_path) {
+  const auto value = optional_count(object, key, json_path);
+  if (!value) set_error(json_path, fmt::format("'{}' is missing", key));
   return value.value_or(0);
 }
 
-std::size_t GltfDocument::checked_index(const Json& value, const char* of, const std::string& place) {
+std::size_t GltfDocument::checked_index(const Json& value, const char* of, const std::string& json_path) {
   const std::size_t size = list(of).size();
   if (value.is_number_unsigned() && value.get<std::uint64_t>() < size) return value.get<std::size_t>();
-  complain(place, fmt::format("refers to {}[{}], but there are {}", of,
-                              value.is_number() ? value.dump() : "?", size));
+  set_error(json_path, fmt::format("refers to {}[{}], but there are {}", of,
+                                   value.is_number() ? value.dump() : "?", size));
   return 0;
 }
 
 std::optional<std::size_t> GltfDocument::optional_index(const Json& object, const char* key, const char* of,
-                                                        const std::string& place) {
+                                                        const std::string& json_path) {
   const auto found = object.find(key);
   if (found == object.end()) return std::nullopt;
-  const std::size_t value = checked_index(*found, of, place);
+  const std::size_t value = checked_index(*found, of, json_path);
   return error_ ? std::nullopt : std::optional(value);
 }
 
 std::size_t GltfDocument::index(const Json& object, const char* key, const char* of,
-                                const std::string& place) {
-  const auto value = optional_index(object, key, of, place);
-  if (!value) complain(place, fmt::format("'{}' is missing", key));
+                                const std::string& json_path) {
+  const auto value = optional_index(object, key, of, json_path);
+  if (!value) set_error(json_path, fmt::format("'{}' is missing", key));
   return value.value_or(0);
 }
 
 bool GltfDocument::numbers(const Json& object, const char* key, std::span<double> out,
-                           const std::string& place) {
+                           const std::string& json_path) {
   const auto found = object.find(key);
   if (found == object.end()) return false;
   bool good = found->is_array() && found->size() == out.size();
   for (std::size_t i = 0; good && i < out.size(); ++i) good = (*found)[i].is_number();
   if (!good) {
-    complain(place, fmt::format("'{}' is not a list of {} numbers", key, out.size()));
+    set_error(json_path, fmt::format("'{}' is not a list of {} numbers", key, out.size()));
     return false;
   }
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = (*found)[i].get<double>();
@@ -204,40 +208,40 @@ std::string GltfDocument::text(const Json& object, const char* key, const std::s
 }
 
 std::span<const char> GltfDocument::view(std::size_t index, std::uint64_t& stride) {
-  const std::string place = fmt::format("bufferViews[{}]", index);
+  const std::string json_path = fmt::format("bufferViews[{}]", index);
   const Json& json = list("bufferViews")[index];
-  const std::size_t buffer = this->index(json, "buffer", "buffers", place);
-  const std::uint64_t offset = optional_count(json, "byteOffset", place).value_or(0);
-  const std::uint64_t length = count(json, "byteLength", place);
-  stride = optional_count(json, "byteStride", place).value_or(stride);
+  const std::size_t buffer = this->index(json, "buffer", "buffers", json_path);
+  const std::uint64_t offset = optional_count(json, "byteOffset", json_path).value_or(0);
+  const std::uint64_t length = count(json, "byteLength", json_path);
+  stride = optional_count(json, "byteStride", json_path).value_or(stride);
   if (error_) return {};
   const std::vector<char>& bytes = *buffers_[buffer];
   if (offset > bytes.size() || length > bytes.size() - offset) {
-    complain(place, fmt::format("needs bytes {} to {}, but buffers[{}] has {}", offset, offset + length,
-                                buffer, bytes.size()));
+    set_error(json_path, fmt::format("needs bytes {} to {}, but buffers[{}] has {}", offset, offset + length,
+                                     buffer, bytes.size()));
     return {};
   }
   return std::span<const char>(bytes).subspan(offset, length);
 }
 
-GltfValues GltfDocument::values(const Json& source, const GltfValues& shape, const std::string& place) {
+GltfValues GltfDocument::values(const Json& source, const GltfValues& shape, const std::string& json_path) {
   GltfValues result = shape;
   const std::uint64_t element =
       static_cast<std::uint64_t>(shape.components) * component_bytes(shape.component_type);
   result.stride = element;
-  const std::size_t index = this->index(source, "bufferView", "bufferViews", place);
-  const std::uint64_t offset = optional_count(source, "byteOffset", place).value_or(0);
+  const std::size_t index = this->index(source, "bufferView", "bufferViews", json_path);
+  const std::uint64_t offset = optional_count(source, "byteOffset", json_path).value_or(0);
   if (error_) return {};
   const std::span<const char> bytes = view(index, result.stride);
   if (error_) return {};
   if (element == 0 || result.stride < element || result.stride > 65535) {
-    complain(place, "has an unknown component type or stride");
+    set_error(json_path, "has an unknown component type or stride");
     return {};
   }
   const std::uint64_t needed = shape.count == 0 ? 0 : (shape.count - 1) * result.stride + element;
   if (offset > bytes.size() || needed > bytes.size() - offset) {
-    complain(place, fmt::format("needs {} bytes from byte {}, but bufferViews[{}] has {}", needed, offset,
-                                index, bytes.size()));
+    set_error(json_path, fmt::format("needs {} bytes from byte {}, but bufferViews[{}] has {}", needed,
+                                     offset, index, bytes.size()));
     return {};
   }
   result.bytes = bytes.data() + offset;
@@ -245,66 +249,65 @@ GltfValues GltfDocument::values(const Json& source, const GltfValues& shape, con
 }
 
 GltfAccessor GltfDocument::accessor(std::size_t index, std::string_view type, const std::string& user) {
-  const std::string place = fmt::format("accessors[{}]", index);
+  const std::string json_path = fmt::format("accessors[{}]", index);
   if (error_) return {};
   const Json& json = list("accessors")[index];
   GltfValues shape;
-  shape.component_type = static_cast<int>(count(json, "componentType", place) & 0xffff);
+  shape.component_type = static_cast<int>(count(json, "componentType", json_path) & 0xffff);
   shape.components = component_count(type);
-  shape.count = count(json, "count", place);
+  shape.count = count(json, "count", json_path);
   const auto normalized = json.find("normalized");
   shape.normalized = normalized != json.end() && *normalized == true;
   if (text(json, "type", "") != type || component_bytes(shape.component_type) == 0) {
-    complain(place, fmt::format("is not of a type that {} may have; {} is needed", user, type));
+    set_error(json_path, fmt::format("is not of a type that {} may have; {} is needed", user, type));
   }
   GltfAccessor result;
-  result.base = json.contains("bufferView") ? values(json, shape, place) : shape;
+  result.base = json.contains("bufferView") ? values(json, shape, json_path) : shape;
   const auto sparse = json.find("sparse");
   if (sparse == json.end() || error_) return error_ ? GltfAccessor{} : result;
 
-  const std::uint64_t replaced = count(*sparse, "count", place);
-  const auto indices = sparse->find("indices"), values_of = sparse->find("values");
-  if (indices == sparse->end() || values_of == sparse->end()) {
-    complain(place, "'sparse' lacks indices or values");
+  const std::uint64_t replaced = count(*sparse, "count", json_path);
+  const auto indices = sparse->find("indices"), replacements = sparse->find("values");
+  if (indices == sparse->end() || replacements == sparse->end()) {
+    set_error(json_path, "'sparse' lacks indices or values");
     return {};
   }
-  GltfValues which;
-  which.component_type = static_cast<int>(count(*indices, "componentType", place) & 0xffff);
-  which.components = 1;
-  which.count = replaced;
+  GltfValues index_shape;
+  index_shape.component_type = static_cast<int>(count(*indices, "componentType", json_path) & 0xffff);
+  index_shape.components = 1;
+  index_shape.count = replaced;
   shape.count = replaced;
-  result.replaced = values(*indices, which, place);
-  result.values = values(*values_of, shape, place);
+  result.replaced = values(*indices, index_shape, json_path);
+  result.values = values(*replacements, shape, json_path);
   if (error_) return {};
-  if (!ascending_.insert(index).second) return result;
-  if (!may_read(replaced, place)) return {};
+  if (!checked_sparse_.insert(index).second) return result;
+  if (!within_budget(replaced, json_path)) return {};
   for (std::uint64_t i = 0; i < replaced; ++i) {
-    const std::uint32_t at = result.replaced.integer(i, 0);
-    if (at >= result.base.count || (i > 0 && at <= result.replaced.integer(i - 1, 0))) {
-      complain(place, "'sparse' indices are not ascending or out of range");
+    const std::uint32_t element = result.replaced.integer(i, 0);
+    if (element >= result.base.count || (i > 0 && element <= result.replaced.integer(i - 1, 0))) {
+      set_error(json_path, "'sparse' indices are not ascending or out of range");
       return {};
     }
   }
   return result;
 }
 
-bool GltfDocument::may_read(std::uint64_t count, const std::string& place) {
-  if (count <= kMostValues - values_read_) {
+bool GltfDocument::within_budget(std::uint64_t count, const std::string& json_path) {
+  if (count <= kMaxValues - values_read_) {
     values_read_ += count;
     return true;
   }
-  complain(place, fmt::format("with it, more than {} indices and times are named", kMostValues));
+  set_error(json_path, fmt::format("with it, more than {} indices and times are named", kMaxValues));
   return false;
 }
 
 Result<GltfDocument> GltfDocument::read(const std::string& path) {
   GltfDocument document;
   document.path_ = path;
-  auto file = read_file(path);
-  if (!file) return tl::unexpected(file.error());
-  const bool is_glb = std::string_view(file->data(), file->size()).starts_with("glTF");
+  auto file = FOLDPROOF_TRY(read_file(path));
+  const bool is_glb = std::string_view(file.data(), file.size()).starts_with("glTF");
   const auto parsed =
-      is_glb ? document.split_glb(std::move(*file)) : document.parse_json({file->data(), file->size()}, 0);
+      is_glb ? document.split_glb(std::move(file)) : document.parse_json({file.data(), file.size()}, 0);
   if (!parsed) return tl::unexpected(parsed.error());
   document.check_extensions();
   if (!document.error_) document.load_buffers();
@@ -318,53 +321,57 @@ Result<void> GltfDocument::split_glb(std::vector<char> file) {
   const auto word = [&](std::uint64_t at) {
     return load<std::uint32_t>(file.data() + at, std::endian::little);
   };
-  const char* mend = "copy or export the file again";
-  if (file.size() < kHeader) return fail(path_, "is too short for a GLB header", mend);
+  const char* remedy = "copy or export the file again";
+  if (file.size() < kHeader)
+    return fail(ErrorCode::InvalidFile, path_, "is too short for a GLB header", remedy);
   if (word(4) != 2)
-    return fail(at_byte(path_, 4), fmt::format("GLB version {} is not read", word(4)), "export glTF 2.0");
+    return fail(ErrorCode::UnsupportedFormat, at_byte(path_, 4),
+                fmt::format("GLB version {} is not read", word(4)), "export glTF 2.0");
   if (word(8) != file.size()) {
-    return fail(at_byte(path_, 8),
-                fmt::format("header announces {} bytes, but the file has {}", word(8), file.size()), mend);
+    return fail(ErrorCode::InvalidFile, at_byte(path_, 8),
+                fmt::format("header announces {} bytes, but the file has {}", word(8), file.size()), remedy);
   }
   bool has_json = false;
   for (std::uint64_t at = kHeader; at < file.size();) {
     if (file.size() - at < kChunkHeader || word(at) > file.size() - at - kChunkHeader) {
-      return fail(at_byte(path_, at), "a chunk reaches beyond the end of the file", mend);
+      return fail(ErrorCode::InvalidFile, at_byte(path_, at), "a chunk reaches beyond the end of the file",
+                  remedy);
     }
     const std::uint64_t length = word(at);
     const std::uint32_t kind = word(at + 4);
     at += kChunkHeader;
     if (!has_json) {
-      if (kind != kJson) return fail(at_byte(path_, at), "the first chunk is not JSON", mend);
-      if (auto parsed = parse_json({file.data() + at, length}, at); !parsed) return parsed;
+      if (kind != kJson)
+        return fail(ErrorCode::InvalidFile, at_byte(path_, at), "the first chunk is not JSON", remedy);
+      FOLDPROOF_TRY(parse_json({file.data() + at, length}, at));
       has_json = true;
     } else if (kind == kBinary && !chunk_) {
       chunk_.emplace(file.data() + at, file.data() + at + length);
     }
     at += length;
   }
-  if (!has_json) return fail(path_, "has no JSON chunk", mend);
+  if (!has_json) return fail(ErrorCode::InvalidFile, path_, "has no JSON chunk", remedy);
   return {};
 }
 
 Result<void> GltfDocument::parse_json(std::string_view text, std::uint64_t offset) {
-  const char* mend = "export the file again";
+  const char* remedy = "export the file again";
   try {
     json_ = Json::parse(text.begin(), text.end());
   } catch (const Json::parse_error& e) {
-    return fail(at_byte(path_, offset + e.byte), "is not valid JSON here", mend);
+    return fail(ErrorCode::InvalidFile, at_byte(path_, offset + e.byte), "is not valid JSON here", remedy);
   } catch (const Json::exception&) {
-    return fail(path_, "has a JSON number that is too large", mend);
+    return fail(ErrorCode::InvalidFile, path_, "has a JSON number that is too large", remedy);
   }
   const Json& json = json_;
   const auto asset = json.find("asset");
   if (asset == json.end() || !this->text(*asset, "version", "").starts_with("2.")) {
-    return fail(path_, "is not glTF 2", "export glTF 2.0");
+    return fail(ErrorCode::UnsupportedFormat, path_, "is not glTF 2", "export glTF 2.0");
   }
   return {};
 }
 
-/// Extensions that change what is drawn but not where it stands are harmless.
+/// Extensions that change the look of a scene but no positions are harmless.
 void GltfDocument::check_extensions() {
   constexpr std::array<std::string_view, 6> kHarmless{
       "KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "KHR_mesh_quantization", "KHR_xmp"};
@@ -372,11 +379,12 @@ void GltfDocument::check_extensions() {
     const std::string text = name.is_string() ? name.get<std::string>() : "?";
     const bool harmless = std::any_of(kHarmless.begin(), kHarmless.end(),
                                       [&](std::string_view prefix) { return text.starts_with(prefix); });
-    if (!harmless) complain("extensionsRequired", fmt::format("'{}' is not read", text), "export without it");
+    if (!harmless)
+      set_error("extensionsRequired", fmt::format("'{}' is not read", text), "export without it");
   }
   for (const Json& name : list("extensionsUsed")) {
     if (name == "EXT_mesh_gpu_instancing") {
-      complain("extensionsUsed", "'EXT_mesh_gpu_instancing' is not read", "export without it");
+      set_error("extensionsUsed", "'EXT_mesh_gpu_instancing' is not read", "export without it");
     }
   }
 }
@@ -384,11 +392,11 @@ void GltfDocument::check_extensions() {
 void GltfDocument::load_buffers() {
   const Json& buffers = list("buffers");
   for (std::size_t i = 0; i < buffers.size() && !error_; ++i) {
-    const std::string place = fmt::format("buffers[{}]", i);
-    const std::uint64_t length = count(buffers[i], "byteLength", place);
+    const std::string json_path = fmt::format("buffers[{}]", i);
+    const std::uint64_t length = count(buffers[i], "byteLength", json_path);
     Buffer bytes;
     if (const auto uri = buffers[i].find("uri"); uri != buffers[i].end()) {
-      auto loaded = load_uri(uri->is_string() ? uri->get<std::string>() : "", place);
+      auto loaded = load_uri(uri->is_string() ? uri->get<std::string>() : "", json_path);
       if (!loaded) {
         error_ = loaded.error();
         return;
@@ -397,27 +405,28 @@ void GltfDocument::load_buffers() {
     } else if (i == 0 && chunk_) {
       bytes = std::make_shared<const std::vector<char>>(std::move(*chunk_));
     } else {
-      complain(place, "has neither a uri nor a binary chunk");
+      set_error(json_path, "has neither a uri nor a binary chunk");
       return;
     }
     if (length > bytes->size()) {
-      complain(place, fmt::format("announces {} bytes, but there are {}", length, bytes->size()),
-               "copy or export the file again");
+      set_error(json_path, fmt::format("announces {} bytes, but there are {}", length, bytes->size()),
+                "copy or export the file again");
     }
     buffers_.push_back(std::move(bytes));
   }
 }
 
-/// Embedded data, or a file in or below the directory of this one.
-Result<GltfDocument::Buffer> GltfDocument::load_uri(const std::string& uri, const std::string& place) {
-  const std::string where = fmt::format("{}, {}", path_, place);
+/// Loads embedded data, or a file in or below the directory of this one.
+Result<GltfDocument::Buffer> GltfDocument::load_uri(const std::string& uri, const std::string& json_path) {
+  const std::string where = fmt::format("{}, {}", path_, json_path);
   if (uri.starts_with("data:")) {
     const std::size_t comma = uri.find(',');
     if (comma == uri.npos || !std::string_view(uri).substr(0, comma).ends_with(";base64")) {
-      return fail(where, "embedded data is not base64", "export the file again");
+      return fail(ErrorCode::InvalidFile, where, "embedded data is not base64", "export the file again");
     }
     auto bytes = decode_base64(std::string_view(uri).substr(comma + 1));
-    if (!bytes) return fail(where, "embedded data is not base64", "export the file again");
+    if (!bytes)
+      return fail(ErrorCode::InvalidFile, where, "embedded data is not base64", "export the file again");
     return std::make_shared<const std::vector<char>>(std::move(*bytes));
   }
   const std::string name = decode_percent(uri);
@@ -428,15 +437,17 @@ Result<GltfDocument::Buffer> GltfDocument::load_uri(const std::string& uri, cons
   if (name.empty() || name.find('\0') != name.npos || name.find("://") != name.npos ||
       fs::path(name).is_absolute() || status || relative.empty() || relative == "." ||
       *relative.begin() == "..") {
-    return fail(where, fmt::format("'{}' is not a file beside this one", uri.substr(0, 200)),
+    return fail(ErrorCode::InvalidFile, where,
+                fmt::format("'{}' is not a file beside this one", uri.substr(0, 200)),
                 "put the buffer beside it, or export GLB");
   }
   Buffer& file = files_[target.string()];
   if (file) return file;
   auto bytes = read_file(target.string());
   if (!bytes)
-    return fail(where, fmt::format("buffer '{}' {}", uri.substr(0, 200), bytes.error().problem),
-                bytes.error().mend);
+    return fail(bytes.error().code, where,
+                fmt::format("buffer '{}' {}", uri.substr(0, 200), bytes.error().problem),
+                bytes.error().remedy);
   file = std::make_shared<const std::vector<char>>(std::move(*bytes));
   return file;
 }

@@ -1,4 +1,4 @@
-/// A glTF or GLB file as it stands: JSON, buffers, and accessors whose ranges have been checked.
+/// A glTF or GLB file: JSON, buffers, and accessors with checked ranges.
 #pragma once
 
 #include <map>
@@ -26,19 +26,19 @@ struct GltfValues {
   std::uint32_t integer(std::uint64_t i, int component) const;
 };
 
-/// Values, some of which may be replaced.
+/// Values, some of which a sparse accessor replaces.
 struct GltfAccessor {
   GltfValues base;
-  GltfValues replaced;  ///< Which elements, ascending.
-  GltfValues values;    ///< What stands there instead.
+  GltfValues replaced;  ///< Indices of the replaced elements, ascending.
+  GltfValues values;    ///< Their replacements.
 
   std::uint64_t count() const { return base.count; }
   double get(std::uint64_t i, int component) const;
   bool is_unsigned() const;
 };
 
-/// Keeps the first complaint and answers every later question with something harmless, so that the code that
-/// walks through a file needs to look for errors only at the end of each section.
+/// Keeps the first error; every later query returns a harmless default. So a reader needs to check for errors
+/// only at the end of each section.
 class GltfDocument {
  public:
   using Json = nlohmann::json;
@@ -47,32 +47,34 @@ class GltfDocument {
 
   const std::string& path() const { return path_; }
   const std::optional<Error>& error() const { return error_; }
-  /// `place` is a path in the JSON: "accessors[3]".
-  void complain(const std::string& place, std::string problem, std::string mend = "export the file again");
+  /// Keeps the error unless there is one already. `json_path`: the location in the JSON, "accessors[3]".
+  void set_error(const std::string& json_path, std::string problem,
+                 std::string remedy = "export the file again");
 
-  /// A list at the top level; empty when it is absent.
+  /// A list; empty when it is absent.
   const Json& list(const char* key) { return list(json_, key, "file"); }
-  const Json& list(const Json& object, const char* key, const std::string& place);
-  /// A number >= 0 below 2^40, which leaves room to multiply.
-  std::optional<std::uint64_t> optional_count(const Json& object, const char* key, const std::string& place);
-  std::uint64_t count(const Json& object, const char* key, const std::string& place);
+  const Json& list(const Json& object, const char* key, const std::string& json_path);
+  /// A number in [0, 2^40), so that products of two counts and small factors do not overflow.
+  std::optional<std::uint64_t> optional_count(const Json& object, const char* key,
+                                              const std::string& json_path);
+  std::uint64_t count(const Json& object, const char* key, const std::string& json_path);
   /// An index into `list(of)`.
   std::optional<std::size_t> optional_index(const Json& object, const char* key, const char* of,
-                                            const std::string& place);
-  std::size_t index(const Json& object, const char* key, const char* of, const std::string& place);
+                                            const std::string& json_path);
+  std::size_t index(const Json& object, const char* key, const char* of, const std::string& json_path);
   /// An element of a list of indices into `list(of)`.
-  std::size_t checked_index(const Json& value, const char* of, const std::string& place);
-  /// `out.size()` finite numbers; false, and `out` as it was, when the key is absent.
-  bool numbers(const Json& object, const char* key, std::span<double> out, const std::string& place);
+  std::size_t checked_index(const Json& value, const char* of, const std::string& json_path);
+  /// Fills `out` with finite numbers; false, and `out` unchanged, when the key is absent.
+  bool numbers(const Json& object, const char* key, std::span<double> out, const std::string& json_path);
   std::string text(const Json& object, const char* key, const std::string& fallback);
 
   /// The accessor at `index`, which must have this type ("VEC3").
-  GltfAccessor accessor(std::size_t index, std::string_view type, const std::string& place);
+  /// `user`: what refers to it, for errors.
+  GltfAccessor accessor(std::size_t index, std::string_view type, const std::string& user);
 
-  /// To be called before `count` values of an accessor are looked at. Any number of accessors may show the
-  /// same bytes, so the size of the file does not limit how many there are; this does. False, with a
-  /// complaint, when they are too many.
-  bool may_read(std::uint64_t count, const std::string& place);
+  /// Call before reading `count` values of an accessor. Accessors may share bytes, so the size of the file
+  /// does not limit their number; this budget does. False, with an error set, when it is exceeded.
+  bool within_budget(std::uint64_t count, const std::string& json_path);
 
   const Json& json() const { return json_; }
 
@@ -82,16 +84,16 @@ class GltfDocument {
   Result<void> parse_json(std::string_view text, std::uint64_t offset);
   void check_extensions();
   void load_buffers();
-  Result<Buffer> load_uri(const std::string& uri, const std::string& place);
+  Result<Buffer> load_uri(const std::string& uri, const std::string& json_path);
   std::span<const char> view(std::size_t index, std::uint64_t& stride);
-  GltfValues values(const Json& source, const GltfValues& shape, const std::string& place);
+  GltfValues values(const Json& source, const GltfValues& shape, const std::string& json_path);
 
   std::string path_;
   Json json_;
   std::optional<std::vector<char>> chunk_;  // GLB's own buffer
   std::vector<Buffer> buffers_;
-  std::map<std::string, Buffer> files_;        // that buffers name; many may name the same
-  std::unordered_set<std::size_t> ascending_;  // sparse accessors that have been looked through
+  std::map<std::string, Buffer> files_;             // by path; several buffers may name the same file
+  std::unordered_set<std::size_t> checked_sparse_;  // accessors whose sparse indices have been checked
   std::uint64_t values_read_ = 0;
   std::optional<Error> error_;
 };

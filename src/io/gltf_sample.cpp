@@ -6,7 +6,7 @@
 namespace foldproof::io {
 namespace {
 
-/// The shorter way round the sphere.
+/// Spherical interpolation along the shorter arc.
 void slerp(std::span<const double> from, std::span<const double> to, double s, std::span<double> out) {
   const Eigen::Quaterniond a(Eigen::Map<const Eigen::Vector4d>(from.data()));
   const Eigen::Quaterniond b(Eigen::Map<const Eigen::Vector4d>(to.data()));
@@ -18,15 +18,15 @@ void slerp(std::span<const double> from, std::span<const double> to, double s, s
 void sample_channel(const GltfChannel& channel, double time, std::span<double> out) {
   const bool cubic = channel.interpolation == GltfInterpolation::CubicSpline;
   const std::uint64_t keys = channel.times.count();
-  // Values of a key: one element for a transform, one element a target for weights; a spline has its
-  // in-tangent before and its out-tangent after.
+  // A key has one element for a transform, one per target for weights. A spline stores in-tangent, value and
+  // out-tangent.
   const bool scalars = channel.path == GltfPath::Weights;
   const std::uint64_t elements = scalars ? out.size() : 1;
   const auto value = [&](std::uint64_t key, std::uint64_t part, std::size_t i) {
     const std::uint64_t element = (key * (cubic ? 3 : 1) + part) * elements;
     return scalars ? channel.values.get(element + i, 0) : channel.values.get(element, static_cast<int>(i));
   };
-  const std::uint64_t middle = cubic ? 1 : 0;
+  const std::uint64_t value_part = cubic ? 1 : 0;
   std::uint64_t next = 0;  // the first key after `time`
   for (std::uint64_t high = keys; next < high;) {
     const std::uint64_t probe = (next + high) / 2;
@@ -38,12 +38,12 @@ void sample_channel(const GltfChannel& channel, double time, std::span<double> o
   }
   if (next == 0 || next == keys || channel.interpolation == GltfInterpolation::Step) {
     const std::uint64_t key = next == 0 ? 0 : next - 1;
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = value(key, middle, i);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = value(key, value_part, i);
     return;
   }
   const std::uint64_t key = next - 1;
-  const double t0 = channel.times.get(key, 0), span = channel.times.get(next, 0) - t0;
-  const double s = (time - t0) / span;
+  const double t0 = channel.times.get(key, 0), interval = channel.times.get(next, 0) - t0;
+  const double s = (time - t0) / interval;
   if (channel.path == GltfPath::Rotation && !cubic) {
     std::array<double, 4> from, to;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -54,15 +54,15 @@ void sample_channel(const GltfChannel& channel, double time, std::span<double> o
     return;
   }
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const double a = value(key, middle, i), b = value(next, middle, i);
+    const double a = value(key, value_part, i), b = value(next, value_part, i);
     if (!cubic) {
       out[i] = a + s * (b - a);
       continue;
     }
-    const double leaving = span * value(key, 2, i), arriving = span * value(next, 0, i);
+    const double out_tangent = interval * value(key, 2, i), in_tangent = interval * value(next, 0, i);
     const double s2 = s * s, s3 = s2 * s;
-    out[i] = (2 * s3 - 3 * s2 + 1) * a + (s3 - 2 * s2 + s) * leaving + (3 * s2 - 2 * s3) * b +
-             (s3 - s2) * arriving;
+    out[i] = (2 * s3 - 3 * s2 + 1) * a + (s3 - 2 * s2 + s) * out_tangent + (3 * s2 - 2 * s3) * b +
+             (s3 - s2) * in_tangent;
   }
 }
 

@@ -21,7 +21,7 @@ class SceneReader {
     if (!failed()) order_nodes();
     if (!failed()) read_meshes();
     if (!failed()) read_skins();
-    if (!failed()) check_shown();
+    if (!failed()) check_mesh_nodes();
     if (!failed()) read_animations();
     if (failed()) return tl::unexpected(*document_.error());
     return std::move(scene_);
@@ -38,21 +38,21 @@ class SceneReader {
     }
   }
 
-  void read_node(const Json& json, std::size_t i, const std::string& place) {
+  void read_node(const Json& json, std::size_t i, const std::string& json_path) {
     GltfNode& node = scene_.nodes[i];
     Eigen::Matrix4d matrix;  // glTF and Eigen both store columns
-    if (document_.numbers(json, "matrix", {matrix.data(), 16}, place)) node.matrix = matrix;
-    document_.numbers(json, "translation", {node.translation.data(), 3}, place);
-    document_.numbers(json, "rotation", {node.rotation.coeffs().data(), 4}, place);
-    document_.numbers(json, "scale", {node.scale.data(), 3}, place);
-    node.mesh = document_.optional_index(json, "mesh", "meshes", place);
-    node.skin = document_.optional_index(json, "skin", "skins", place);
-    node.weights = read_weights(json, place);
-    for (const Json& child : document_.list(json, "children", place)) {
-      const std::size_t c = document_.checked_index(child, "nodes", place);
+    if (document_.numbers(json, "matrix", {matrix.data(), 16}, json_path)) node.matrix = matrix;
+    document_.numbers(json, "translation", {node.translation.data(), 3}, json_path);
+    document_.numbers(json, "rotation", {node.rotation.coeffs().data(), 4}, json_path);
+    document_.numbers(json, "scale", {node.scale.data(), 3}, json_path);
+    node.mesh = document_.optional_index(json, "mesh", "meshes", json_path);
+    node.skin = document_.optional_index(json, "skin", "skins", json_path);
+    node.weights = read_weights(json, json_path);
+    for (const Json& child : document_.list(json, "children", json_path)) {
+      const std::size_t c = document_.checked_index(child, "nodes", json_path);
       if (failed()) return;
       if (scene_.nodes[c].parent) {
-        document_.complain(place, fmt::format("nodes[{}] has two parents", c));
+        document_.set_error(json_path, fmt::format("nodes[{}] has two parents", c));
         return;
       }
       scene_.nodes[c].parent = i;
@@ -60,14 +60,14 @@ class SceneReader {
     }
   }
 
-  std::vector<double> read_weights(const Json& json, const std::string& place) {
-    std::vector<double> weights(document_.list(json, "weights", place).size());
-    if (!weights.empty()) document_.numbers(json, "weights", weights, place);
+  std::vector<double> read_weights(const Json& json, const std::string& json_path) {
+    std::vector<double> weights(document_.list(json, "weights", json_path).size());
+    if (!weights.empty()) document_.numbers(json, "weights", weights, json_path);
     return weights;
   }
 
-  /// Depth first from `roots`; every node has at most one parent, so nothing is visited twice.
-  std::vector<std::size_t> descend(const std::vector<std::size_t>& roots) const {
+  /// Nodes in depth-first order from `roots`. Every node has at most one parent, so none is visited twice.
+  std::vector<std::size_t> depth_first(const std::vector<std::size_t>& roots) const {
     std::vector<std::size_t> order, stack(roots.rbegin(), roots.rend());
     while (!stack.empty()) {
       const std::size_t i = stack.back();
@@ -84,110 +84,113 @@ class SceneReader {
     for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
       if (!scene_.nodes[i].parent) roots.push_back(i);
     }
-    scene_.parents_first = descend(roots);
+    scene_.parents_first = depth_first(roots);
     if (scene_.parents_first.size() != scene_.nodes.size()) {
-      document_.complain("nodes", "a node is its own ancestor");
+      document_.set_error("nodes", "a node is its own ancestor");
       return;
     }
-    std::vector<std::size_t> shown = scene_.parents_first;
+    std::vector<std::size_t> scene_nodes = scene_.parents_first;
     if (const auto index = document_.optional_index(document_.json(), "scene", "scenes", "file")) {
-      const std::string place = fmt::format("scenes[{}]", *index);
+      const std::string json_path = fmt::format("scenes[{}]", *index);
       std::set<std::size_t> scene_roots;
       roots.clear();
-      for (const Json& root : document_.list(document_.list("scenes")[*index], "nodes", place)) {
-        const std::size_t r = document_.checked_index(root, "nodes", place);
+      for (const Json& root : document_.list(document_.list("scenes")[*index], "nodes", json_path)) {
+        const std::size_t r = document_.checked_index(root, "nodes", json_path);
         if (failed()) return;
         if (scene_.nodes[r].parent || !scene_roots.insert(r).second) {
-          document_.complain(place, fmt::format("nodes[{}] is not a root, or is named twice", r));
+          document_.set_error(json_path, fmt::format("nodes[{}] is not a root, or is named twice", r));
           return;
         }
         roots.push_back(r);
       }
-      shown = descend(roots);
+      scene_nodes = depth_first(roots);
     }
-    for (const std::size_t i : shown) {
-      if (scene_.nodes[i].mesh) scene_.shown.push_back(i);
+    for (const std::size_t i : scene_nodes) {
+      if (scene_.nodes[i].mesh) scene_.mesh_nodes.push_back(i);
     }
   }
 
   void read_meshes() {
     const Json& meshes = document_.list("meshes");
     for (std::size_t i = 0; i < meshes.size() && !failed(); ++i) {
-      const std::string place = fmt::format("meshes[{}]", i);
+      const std::string json_path = fmt::format("meshes[{}]", i);
       GltfMesh mesh;
       std::map<std::vector<std::size_t>, std::size_t> sets;
       std::size_t number = 0;
-      for (const Json& primitive : document_.list(meshes[i], "primitives", place)) {
-        read_primitive(primitive, fmt::format("{}.primitives[{}]", place, number++), mesh, sets);
+      for (const Json& primitive : document_.list(meshes[i], "primitives", json_path)) {
+        read_primitive(primitive, fmt::format("{}.primitives[{}]", json_path, number++), mesh, sets);
         if (failed()) return;
       }
-      mesh.weights = read_weights(meshes[i], place);
+      mesh.weights = read_weights(meshes[i], json_path);
       scene_.meshes.push_back(std::move(mesh));
     }
   }
 
-  void read_primitive(const Json& json, const std::string& place, GltfMesh& mesh,
+  void read_primitive(const Json& json, const std::string& json_path, GltfMesh& mesh,
                       std::map<std::vector<std::size_t>, std::size_t>& sets) {
     GltfPrimitive primitive;
-    primitive.mode = document_.optional_count(json, "mode", place).value_or(4);
+    primitive.mode = document_.optional_count(json, "mode", json_path).value_or(4);
     if (primitive.mode < 4) return;  // points and lines
-    if (primitive.mode > 6) document_.complain(place, "'mode' is not known");
+    if (primitive.mode > 6) document_.set_error(json_path, "'mode' is not known");
     const auto attributes = json.find("attributes");
     if (attributes == json.end() || !attributes->contains("POSITION")) {
-      document_.complain(place, "has no positions");
+      document_.set_error(json_path, "has no positions");
       return;
     }
-    // Primitives that name the same accessors share their vertices; a mesh is often cut by material only.
-    const std::vector<std::size_t> key = vertex_key(*attributes, json, place);
+    // Primitives that name the same accessors share their vertices: meshes are often split by material only.
+    const std::vector<std::size_t> key = vertex_key(*attributes, json, json_path);
     if (failed()) return;
     const auto [found, is_new] = sets.emplace(key, mesh.vertex_sets.size());
-    if (is_new) mesh.vertex_sets.push_back(read_vertex_set(*attributes, json, place));
+    if (is_new) mesh.vertex_sets.push_back(read_vertex_set(*attributes, json, json_path));
     if (failed()) return;
     primitive.vertex_set = found->second;
-    if (const auto indices = document_.optional_index(json, "indices", "accessors", place)) {
-      primitive.indices = document_.accessor(*indices, "SCALAR", place);
+    if (const auto indices = document_.optional_index(json, "indices", "accessors", json_path)) {
+      primitive.indices = document_.accessor(*indices, "SCALAR", json_path);
       if (failed()) return;
       if (!primitive.indices->is_unsigned() || primitive.indices->base.bytes == nullptr) {
-        document_.complain(place, "indices are not unsigned integers in a buffer");
+        document_.set_error(json_path, "indices are not unsigned integers in a buffer");
       }
     }
     const std::size_t targets = mesh.vertex_sets[primitive.vertex_set].targets.size();
     if (!mesh.primitives.empty() && targets != mesh.targets) {
-      document_.complain(place, "has another number of morph targets than the primitive before");
+      document_.set_error(json_path, "has another number of morph targets than the primitive before");
     }
     mesh.targets = targets;
     mesh.primitives.push_back(std::move(primitive));
   }
 
-  std::vector<std::size_t> vertex_key(const Json& attributes, const Json& json, const std::string& place) {
-    std::vector<std::size_t> key{document_.index(attributes, "POSITION", "accessors", place)};
-    for (const Json& target : document_.list(json, "targets", place)) {
-      key.push_back(target.contains("POSITION") ? document_.index(target, "POSITION", "accessors", place) + 1
-                                                : 0);
+  std::vector<std::size_t> vertex_key(const Json& attributes, const Json& json,
+                                      const std::string& json_path) {
+    std::vector<std::size_t> key{document_.index(attributes, "POSITION", "accessors", json_path)};
+    for (const Json& target : document_.list(json, "targets", json_path)) {
+      key.push_back(
+          target.contains("POSITION") ? document_.index(target, "POSITION", "accessors", json_path) + 1 : 0);
     }
-    key.push_back(key.size());  // so that targets and joints cannot be taken for each other
+    key.push_back(key.size());  // separates targets from joints
     for (std::size_t set = 0; attributes.contains(fmt::format("JOINTS_{}", set)); ++set) {
-      key.push_back(document_.index(attributes, fmt::format("JOINTS_{}", set).c_str(), "accessors", place));
-      key.push_back(document_.index(attributes, fmt::format("WEIGHTS_{}", set).c_str(), "accessors", place));
+      key.push_back(
+          document_.index(attributes, fmt::format("JOINTS_{}", set).c_str(), "accessors", json_path));
+      key.push_back(
+          document_.index(attributes, fmt::format("WEIGHTS_{}", set).c_str(), "accessors", json_path));
     }
     return key;
   }
 
-  GltfVertexSet read_vertex_set(const Json& attributes, const Json& json, const std::string& place) {
+  GltfVertexSet read_vertex_set(const Json& attributes, const Json& json, const std::string& json_path) {
     GltfVertexSet set;
     const auto read = [&](const Json& from, const std::string& key, std::string_view type) {
-      return document_.accessor(document_.index(from, key.c_str(), "accessors", place), type, place);
+      return document_.accessor(document_.index(from, key.c_str(), "accessors", json_path), type, json_path);
     };
     set.position = read(attributes, "POSITION", "VEC3");
     const std::uint64_t count = set.position.count();
-    // An accessor without a buffer is all zero, whatever its count: nothing checks that count against the
-    // file.
+    // An accessor without a buffer is all zero, and nothing checks its count against the file.
     if (set.position.base.bytes == nullptr || count == 0)
-      document_.complain(place, "positions are not in a buffer");
+      document_.set_error(json_path, "positions are not in a buffer");
     const auto check_count = [&](const GltfAccessor& accessor) {
-      if (accessor.count() != count) document_.complain(place, "accessors of its vertices differ in count");
+      if (accessor.count() != count)
+        document_.set_error(json_path, "accessors of its vertices differ in count");
     };
-    for (const Json& target : document_.list(json, "targets", place)) {
+    for (const Json& target : document_.list(json, "targets", json_path)) {
       GltfAccessor accessor;
       accessor.base.count = count;
       if (target.contains("POSITION")) accessor = read(target, "POSITION", "VEC3");
@@ -199,7 +202,7 @@ class SceneReader {
                                             read(attributes, fmt::format("WEIGHTS_{}", i), "VEC4")};
       check_count(influence[0]);
       check_count(influence[1]);
-      if (!influence[0].is_unsigned()) document_.complain(place, "joints are not unsigned integers");
+      if (!influence[0].is_unsigned()) document_.set_error(json_path, "joints are not unsigned integers");
       set.influences.push_back(std::move(influence));
     }
     return set;
@@ -208,40 +211,41 @@ class SceneReader {
   void read_skins() {
     const Json& skins = document_.list("skins");
     for (std::size_t i = 0; i < skins.size() && !failed(); ++i) {
-      const std::string place = fmt::format("skins[{}]", i);
+      const std::string json_path = fmt::format("skins[{}]", i);
       GltfSkin skin;
-      for (const Json& joint : document_.list(skins[i], "joints", place)) {
-        skin.joints.push_back(document_.checked_index(joint, "nodes", place));
+      for (const Json& joint : document_.list(skins[i], "joints", json_path)) {
+        skin.joints.push_back(document_.checked_index(joint, "nodes", json_path));
       }
-      if (const auto index = document_.optional_index(skins[i], "inverseBindMatrices", "accessors", place)) {
-        skin.inverse_bind = document_.accessor(*index, "MAT4", place);
+      if (const auto index =
+              document_.optional_index(skins[i], "inverseBindMatrices", "accessors", json_path)) {
+        skin.inverse_bind = document_.accessor(*index, "MAT4", json_path);
         if (skin.inverse_bind->count() < skin.joints.size()) {
-          document_.complain(place, "has fewer inverse bind matrices than joints");
+          document_.set_error(json_path, "has fewer inverse bind matrices than joints");
         }
       }
-      if (skin.joints.empty()) document_.complain(place, "has no joints");
+      if (skin.joints.empty()) document_.set_error(json_path, "has no joints");
       scene_.skins.push_back(std::move(skin));
     }
   }
 
-  void check_shown() {
+  void check_mesh_nodes() {
     std::vector<bool> bindable;  // per mesh, whether all of its vertices have joints
     for (const GltfMesh& mesh : scene_.meshes) {
       bindable.push_back(std::none_of(mesh.vertex_sets.begin(), mesh.vertex_sets.end(),
                                       [](const GltfVertexSet& set) { return set.influences.empty(); }));
     }
-    for (const std::size_t i : scene_.shown) {
+    for (const std::size_t i : scene_.mesh_nodes) {
       const GltfNode& node = scene_.nodes[i];
       const GltfMesh& mesh = scene_.meshes[*node.mesh];
-      const std::string place = fmt::format("nodes[{}]", i);
+      const std::string json_path = fmt::format("nodes[{}]", i);
       for (const auto* weights : {&node.weights, &mesh.weights}) {
         if (!weights->empty() && weights->size() != mesh.targets) {
-          document_.complain(
-              place, fmt::format("{} weights are given for {} morph targets", weights->size(), mesh.targets));
+          document_.set_error(json_path, fmt::format("{} weights are given for {} morph targets",
+                                                     weights->size(), mesh.targets));
         }
       }
       if (node.skin && !bindable[*node.mesh])
-        document_.complain(place, "has a skin, but its mesh has no joints");
+        document_.set_error(json_path, "has a skin, but its mesh has no joints");
     }
   }
 
@@ -249,44 +253,44 @@ class SceneReader {
     const Json& animations = document_.list("animations");
     struct Animation {
       std::vector<GltfChannel> channels;
-      double seconds = 0;  // the last key of any channel
+      double duration = 0;  // time of the last key of any channel
     };
     std::vector<Animation> all;
     for (std::size_t i = 0; i < animations.size() && !failed(); ++i) {
       all.push_back({read_animation(animations[i], fmt::format("animations[{}]", i))});
     }
     if (failed()) return;
-    // All play together from time 0. Where two drive the same property, as clips of one figure do, the
-    // longest wins.
+    // All animations play together from time 0. Where two drive the same property, as clips of one character
+    // do, the longest wins.
     for (Animation& animation : all) {
       for (const GltfChannel& c : animation.channels)
-        animation.seconds = std::max(animation.seconds, c.times.get(c.times.count() - 1, 0));
+        animation.duration = std::max(animation.duration, c.times.get(c.times.count() - 1, 0));
     }
     std::stable_sort(all.begin(), all.end(),
-                     [](const auto& a, const auto& b) { return a.seconds > b.seconds; });
+                     [](const auto& a, const auto& b) { return a.duration > b.duration; });
     std::set<std::pair<std::size_t, GltfPath>> driven;
     for (Animation& animation : all) {
-      scene_.seconds = std::max(scene_.seconds, animation.seconds);
+      scene_.duration = std::max(scene_.duration, animation.duration);
       for (GltfChannel& channel : animation.channels) {
         if (driven.emplace(channel.node, channel.path).second) scene_.channels.push_back(std::move(channel));
       }
     }
   }
 
-  std::vector<GltfChannel> read_animation(const Json& json, const std::string& place) {
+  std::vector<GltfChannel> read_animation(const Json& json, const std::string& json_path) {
     std::vector<GltfChannel> channels;
-    const Json& samplers = document_.list(json, "samplers", place);
+    const Json& samplers = document_.list(json, "samplers", json_path);
     std::size_t number = 0;
-    for (const Json& entry : document_.list(json, "channels", place)) {
-      const std::string where = fmt::format("{}.channels[{}]", place, number++);
+    for (const Json& entry : document_.list(json, "channels", json_path)) {
+      const std::string where = fmt::format("{}.channels[{}]", json_path, number++);
       const auto target = entry.find("target");
       const std::uint64_t sampler = document_.count(entry, "sampler", where);
       if (target == entry.end() || sampler >= samplers.size()) {
-        document_.complain(where, "has no target, or a sampler that does not exist");
+        document_.set_error(where, "has no target, or a sampler that does not exist");
       }
       if (failed()) return {};
       const auto node = document_.optional_index(*target, "node", "nodes", where);
-      if (!node) continue;  // the specification lets a channel without a node have no effect
+      if (!node) continue;  // by the specification, a channel without a node has no effect
       GltfChannel channel;
       channel.node = *node;
       const std::string path = document_.text(*target, "path", "");
@@ -298,7 +302,7 @@ class SceneReader {
     return channels;
   }
 
-  void read_sampler(const Json& json, const std::string& path, const std::string& place,
+  void read_sampler(const Json& json, const std::string& path, const std::string& json_path,
                     GltfChannel& channel) {
     static const std::map<std::string, GltfPath> kPaths{{"translation", GltfPath::Translation},
                                                         {"rotation", GltfPath::Rotation},
@@ -311,39 +315,40 @@ class SceneReader {
     const auto known_path = kPaths.find(path);
     const auto interpolation = kInterpolations.find(document_.text(json, "interpolation", "LINEAR"));
     if (known_path == kPaths.end() || interpolation == kInterpolations.end()) {
-      document_.complain(place, "its path or interpolation is not known");
+      document_.set_error(json_path, "its path or interpolation is not known");
       return;
     }
     channel.path = known_path->second;
     channel.interpolation = interpolation->second;
     const bool rotation = channel.path == GltfPath::Rotation, weights = channel.path == GltfPath::Weights;
-    channel.times = document_.accessor(document_.index(json, "input", "accessors", place), "SCALAR", place);
-    channel.values = document_.accessor(document_.index(json, "output", "accessors", place),
-                                        weights ? "SCALAR" : (rotation ? "VEC4" : "VEC3"), place);
+    channel.times =
+        document_.accessor(document_.index(json, "input", "accessors", json_path), "SCALAR", json_path);
+    channel.values = document_.accessor(document_.index(json, "output", "accessors", json_path),
+                                        weights ? "SCALAR" : (rotation ? "VEC4" : "VEC3"), json_path);
     if (failed()) return;
     const GltfNode& node = scene_.nodes[channel.node];
     if (node.matrix && !weights) {
-      document_.complain(place, "moves a node that has a matrix");
+      document_.set_error(json_path, "moves a node that has a matrix");
       return;
     }
-    const std::uint64_t each = (channel.interpolation == GltfInterpolation::CubicSpline ? 3 : 1) *
-                               (weights ? scene_.meshes[*node.mesh].targets : 1);
+    const std::uint64_t values_per_key = (channel.interpolation == GltfInterpolation::CubicSpline ? 3 : 1) *
+                                         (weights ? scene_.meshes[*node.mesh].targets : 1);
     if (channel.times.base.bytes == nullptr || channel.times.count() == 0 ||
-        channel.values.count() != channel.times.count() * each) {
-      document_.complain(
-          place, fmt::format("has {} times for {} values", channel.times.count(), channel.values.count()));
+        channel.values.count() != channel.times.count() * values_per_key) {
+      document_.set_error(json_path, fmt::format("has {} times for {} values", channel.times.count(),
+                                                 channel.values.count()));
       return;
     }
-    check_times(document_.index(json, "input", "accessors", place), channel.times);
+    check_times(document_.index(json, "input", "accessors", json_path), channel.times);
   }
 
   void check_times(std::size_t index, const GltfAccessor& times) {
     if (!checked_times_.insert(index).second) return;
-    if (!document_.may_read(times.count(), fmt::format("accessors[{}]", index))) return;
+    if (!document_.within_budget(times.count(), fmt::format("accessors[{}]", index))) return;
     for (std::uint64_t i = 0; i < times.count(); ++i) {
       const double time = times.get(i, 0);
       if (!std::isfinite(time) || time < 0 || (i > 0 && time <= times.get(i - 1, 0))) {
-        document_.complain(
+        document_.set_error(
             fmt::format("accessors[{}]", index),
             fmt::format("time {} of an animation is not finite, negative or not ascending", i));
         return;

@@ -1,4 +1,4 @@
-/// What moves in a glTF file: nodes, meshes, skins and animations, all references checked.
+/// Nodes, meshes, skins and animations of a glTF file, with checked references.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -9,7 +9,7 @@
 namespace foldproof::io {
 
 struct GltfNode {
-  std::optional<Eigen::Matrix4d> matrix;  ///< When given, instead of the three below.
+  std::optional<Eigen::Matrix4d> matrix;  ///< If given, replaces the three below.
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
@@ -18,7 +18,7 @@ struct GltfNode {
   std::vector<double> weights;  ///< Of its mesh's morph targets.
 };
 
-/// Vertices that the primitives of one mesh share.
+/// Vertices shared by primitives of one mesh.
 struct GltfVertexSet {
   GltfAccessor position;
   std::vector<GltfAccessor> targets;
@@ -55,18 +55,18 @@ struct GltfChannel {
 
 struct GltfScene {
   std::vector<GltfNode> nodes;
-  std::vector<std::size_t> parents_first;  ///< All nodes.
-  std::vector<std::size_t> shown;          ///< Nodes with a mesh in the scene, depth first.
+  std::vector<std::size_t> parents_first;  ///< All nodes, each after its parent.
+  std::vector<std::size_t> mesh_nodes;     ///< Nodes of the scene that have a mesh, depth first.
   std::vector<GltfMesh> meshes;
   std::vector<GltfSkin> skins;
-  std::vector<GltfChannel> channels;  ///< At most one for a path of a node.
-  double seconds = 0;                 ///< Last key of any channel.
+  std::vector<GltfChannel> channels;  ///< At most one per path of a node.
+  double duration = 0;                ///< Time of the last key of any channel, seconds.
 };
 
-/// Error: the document's first complaint.
+/// Error: the document's first error.
 Result<GltfScene> read_gltf_scene(GltfDocument& document);
 
-/// `out.size()` numbers of a channel at a time: interpolated, before any normalization.
+/// Interpolates the `out.size()` numbers of a channel at a time, without normalization.
 void sample_channel(const GltfChannel& channel, double time, std::span<double> out);
 
 }  // namespace foldproof::io

@@ -1,7 +1,8 @@
-// A motion that a program already holds.
+// A motion whose frames are in memory.
 #include <algorithm>
 #include <cassert>
 
+#include "base/try.h"
 #include "io/readers.h"
 
 namespace foldproof {
@@ -17,16 +18,14 @@ class MemoryMotion final : public Motion {
   Index frame_count() const override { return static_cast<Index>(frames_.size()); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
-    if (auto checked = io::check_request(*this, k, out); !checked) return checked;
+    FOLDPROOF_TRY(io::check_request(*this, k, out));
     if (frames_[k].size() != out.size()) {
       return fail(
-          name_ + ", frame " + std::to_string(k),
+          ErrorCode::InvalidArgument, name_ + ", frame " + std::to_string(k),
           "holds " + std::to_string(frames_[k].size()) + " numbers instead of " + std::to_string(out.size()),
           "give every frame vertex_count x 3 numbers");
     }
-    if (auto checked = io::check_finite(name_ + ", frame " + std::to_string(k), frames_[k]); !checked) {
-      return checked;
-    }
+    FOLDPROOF_TRY(io::check_finite(name_ + ", frame " + std::to_string(k), frames_[k]));
     std::copy(frames_[k].begin(), frames_[k].end(), out.begin());
     return {};
   }

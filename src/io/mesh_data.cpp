@@ -3,20 +3,24 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/try.h"
 #include "io/bytes.h"
 #include "io/formats.h"
 
 namespace foldproof::io {
 namespace {
 
-// Error when the mesh is empty or too large to be numbered.
+// Error: the mesh is empty, or too large for 32-bit ids.
 Result<void> check_mesh(const std::string& path, const MeshData& mesh) {
   if (mesh.positions.size() / 3 > kMaxVertices || mesh.triangles.size() > kMaxTriangles) {
-    return fail(path, fmt::format("has more than {} vertices or {} triangles", kMaxVertices, kMaxTriangles),
+    return fail(ErrorCode::LimitExceeded, path,
+                fmt::format("has more than {} vertices or {} triangles", kMaxVertices, kMaxTriangles),
                 "split the mesh");
   }
-  if (mesh.positions.empty()) return fail(path, "has no vertices", "export the mesh again");
-  if (mesh.triangles.empty()) return fail(path, "has no faces", "export the mesh with its faces");
+  if (mesh.positions.empty())
+    return fail(ErrorCode::InvalidFile, path, "has no vertices", "export the mesh again");
+  if (mesh.triangles.empty())
+    return fail(ErrorCode::InvalidFile, path, "has no faces", "export the mesh with its faces");
   return {};
 }
 
@@ -38,21 +42,21 @@ void MeshData::add_polygon(std::span<const Index> polygon) {
 Result<MeshData> read_mesh(const std::string& path) {
   const FileFormat* format = format_of(path);
   if (format == nullptr || format->kind != FileKind::Mesh)
-    return fail(path, "is not a mesh format that is read here", "give .obj, .off or .ply");
-  auto file = read_file(path);
-  if (!file) return tl::unexpected(file.error());
-  const std::string_view bytes(file->data(), file->size());
+    return fail(ErrorCode::UnsupportedFormat, path, "is not a mesh format that is read here",
+                "give .obj, .off or .ply");
+  auto file = FOLDPROOF_TRY(read_file(path));
+  const std::string_view bytes(file.data(), file.size());
   auto mesh = format->parse_mesh(path, bytes);
   if (!mesh) return mesh;
-  if (auto checked = check_mesh(path, *mesh); !checked) return tl::unexpected(checked.error());
+  FOLDPROOF_TRY(check_mesh(path, *mesh));
   return mesh;
 }
 
 Result<void> check_finite(const std::string& where, std::span<const double> positions) {
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (!std::isfinite(positions[i])) {
-      return fail(fmt::format("{}, vertex {}", where, i / 3), "a coordinate is not finite",
-                  "export the mesh without NaN or infinite coordinates");
+      return fail(ErrorCode::NonFinite, fmt::format("{}, vertex {}", where, i / 3),
+                  "a coordinate is not finite", "export the mesh without NaN or infinite coordinates");
     }
   }
   return {};
@@ -60,13 +64,13 @@ Result<void> check_finite(const std::string& where, std::span<const double> posi
 
 Result<void> check_request(const Motion& motion, Index frame, std::span<const double> out) {
   if (frame >= motion.frame_count()) {
-    return fail(fmt::format("{} (frame {})", motion.name(), frame),
+    return fail(ErrorCode::InvalidArgument, fmt::format("{} (frame {})", motion.name(), frame),
                 fmt::format("does not exist: there are {} frames, counting from 0", motion.frame_count()),
                 "ask for an earlier frame");
   }
   const std::size_t needed = std::size_t{3} * motion.topology().vertex_count();
   if (out.size() != needed) {
-    return fail(motion.name(),
+    return fail(ErrorCode::InvalidArgument, motion.name(),
                 fmt::format("a frame is {} numbers, but the buffer holds {}", needed, out.size()),
                 "pass a buffer of vertex_count x 3");
   }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kMagic("\x93NUMPY", 6);
 
-/// Reads the Python dictionary that is the header's text, as numpy writes it.
+/// Parses the header's text, a Python dictionary as NumPy writes it.
 class DictionaryParser {
  public:
   explicit DictionaryParser(std::string_view text) : text_(text) {}
@@ -104,7 +104,7 @@ class DictionaryParser {
 
 Result<NpyHeader> parse_npy_header(const std::string& where, std::string_view bytes) {
   const auto bad = [&](const char* problem) {
-    return fail(where, problem, "save the archive with numpy.savez again");
+    return fail(ErrorCode::InvalidFile, where, problem, "save the archive with numpy.savez again");
   };
   if (bytes.size() < 12 || !bytes.starts_with(kMagic)) return bad("is not a NumPy array");
   const int version = static_cast<unsigned char>(bytes[6]);

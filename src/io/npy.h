@@ -15,16 +15,16 @@ struct NpyHeader {
   std::endian order = std::endian::little;
   bool fortran_order = false;
   std::vector<std::uint64_t> shape;
-  std::uint64_t data = 0;  ///< Bytes before the first element.
+  std::uint64_t data = 0;  ///< Offset of the first element, bytes.
 };
 
-/// The largest header that is read; real ones take 128 bytes.
+/// The largest header that is read; NumPy's take 128 bytes.
 inline constexpr std::size_t kNpyHeaderLimit = 4096;
 
 /// Parses the start of an array; `where` is for errors.
 Result<NpyHeader> parse_npy_header(const std::string& where, std::string_view bytes);
 
-/// The same header for writing, little-endian, C order: `type` such as "<f8".
+/// A header to write, for an array in C order; `type` such as "<f8".
 std::string npy_header(std::string_view type, std::span<const std::uint64_t> shape);
 
 }  // namespace foldproof::io

@@ -1,6 +1,7 @@
-// NumPy archives as motions. The vertices stay in the file.
+// NumPy archives as motions. Vertices are read frame by frame.
 #include <fmt/format.h>
 
+#include "base/try.h"
 #include "io/bytes.h"
 #include "io/npz_array.h"
 #include "io/readers.h"
@@ -10,7 +11,7 @@ namespace {
 
 constexpr const char* kNameArrays = "save arrays named 'faces' and 'vertices'";
 
-/// The id at `bytes`, or kNoIndex when it is none.
+/// The id at `bytes`, or kNoIndex when it is not in range.
 Index load_index(const char* bytes, const NpyHeader& h) {
   const auto narrow = [](auto value) {
     return value >= 0 && static_cast<std::uint64_t>(value) < kNoIndex ? static_cast<Index>(value) : kNoIndex;
@@ -38,14 +39,12 @@ class NpzMotion final : public Motion {
 
   Result<void> open() {
     std::uint64_t bytes = 0;
-    auto archive = open_archive(name_, bytes);
-    if (!archive) return tl::unexpected(archive.error());
-    archive_ = std::move(*archive);
+    archive_ = FOLDPROOF_TRY(open_archive(name_, bytes));
     NpzArray faces;
     for (const auto& [array, name] : {std::pair(&faces, "faces"), std::pair(&vertices_, "vertices")}) {
-      if (auto opened = array->open(archive_.get(), name_, bytes, name, kNameArrays); !opened) return opened;
+      FOLDPROOF_TRY(array->open(archive_.get(), name_, bytes, name, kNameArrays));
     }
-    if (auto checked = check_vertices(); !checked) return checked;
+    FOLDPROOF_TRY(check_vertices());
     return read_faces(faces);
   }
 
@@ -54,10 +53,10 @@ class NpzMotion final : public Motion {
   Index frame_count() const override { return frames_; }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
-    if (auto checked = check_request(*this, k, out); !checked) return checked;
+    FOLDPROOF_TRY(check_request(*this, k, out));
     const NpyHeader& header = vertices_.header();
     buffer_.resize(out.size() * header.item_bytes);
-    if (auto read = vertices_.read_at(k * std::uint64_t{buffer_.size()}, buffer_); !read) return read;
+    FOLDPROOF_TRY(vertices_.read_at(k * std::uint64_t{buffer_.size()}, buffer_));
     const char* bytes = buffer_.data();
     for (std::size_t i = 0; i < out.size(); ++i) {
       out[i] = header.item_bytes == 8 ? load<double>(bytes + 8 * i, header.order)
@@ -70,16 +69,19 @@ class NpzMotion final : public Motion {
   Result<void> check_vertices() {
     const NpyHeader& header = vertices_.header();
     if (header.kind != 'f' || header.item_bytes < 4) {
-      return fail(vertices_.where(), "is not float32 or float64", "save vertices.astype('float64')");
+      return fail(ErrorCode::UnsupportedFormat, vertices_.where(), "is not float32 or float64",
+                  "save vertices.astype('float64')");
     }
     const auto& shape = header.shape;
     if ((shape.size() != 2 && shape.size() != 3) || shape.back() != 3) {
-      return fail(vertices_.where(), "is not of shape frames x n x 3 (or n x 3)", "reshape it before saving");
+      return fail(ErrorCode::InvalidFile, vertices_.where(), "is not of shape frames x n x 3 (or n x 3)",
+                  "reshape it before saving");
     }
     const std::uint64_t frames = shape.size() == 3 ? shape[0] : 1;
     vertex_count_ = shape[shape.size() - 2];
     if (vertex_count_ > kMaxVertices || frames >= kNoIndex) {
-      return fail(vertices_.where(), "has too many vertices or frames", "split the motion");
+      return fail(ErrorCode::LimitExceeded, vertices_.where(), "has too many vertices or frames",
+                  "split the motion");
     }
     frames_ = static_cast<Index>(frames);
     return {};
@@ -88,19 +90,21 @@ class NpzMotion final : public Motion {
   Result<void> read_faces(NpzArray& faces) {
     const NpyHeader& header = faces.header();
     if (header.kind != 'i' && header.kind != 'u') {
-      return fail(faces.where(), "does not hold integers", "save faces.astype('int32')");
+      return fail(ErrorCode::UnsupportedFormat, faces.where(), "does not hold integers",
+                  "save faces.astype('int32')");
     }
     if (header.shape.size() != 2 || header.shape[1] != 3 || header.shape[0] > kMaxTriangles) {
-      return fail(faces.where(), "is not of shape triangles x 3", "triangulate the faces and reshape them");
+      return fail(ErrorCode::InvalidFile, faces.where(), "is not of shape triangles x 3",
+                  "triangulate the faces and reshape them");
     }
     std::vector<char> bytes(faces.elements() * header.item_bytes);
-    if (auto read = faces.read_at(0, bytes); !read) return read;
+    FOLDPROOF_TRY(faces.read_at(0, bytes));
     std::vector<Triangle> triangles(header.shape[0]);
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
         const Index v = load_index(bytes.data() + (3 * i + k) * header.item_bytes, header);
         if (v >= vertex_count_) {
-          return fail(fmt::format("{}, face {}", faces.where(), i),
+          return fail(ErrorCode::InvalidFile, fmt::format("{}, face {}", faces.where(), i),
                       fmt::format("refers to a vertex that does not exist: there are {}, counting from 0",
                                   vertex_count_),
                       kSaveArrayAgain);
@@ -108,14 +112,12 @@ class NpzMotion final : public Motion {
         triangles[i][k] = v;
       }
     }
-    auto topology = Topology::make(static_cast<Index>(vertex_count_), std::move(triangles));
-    if (!topology) return tl::unexpected(topology.error());
-    topology_ = std::move(*topology);
+    topology_ = FOLDPROOF_TRY(Topology::make(static_cast<Index>(vertex_count_), std::move(triangles)));
     return {};
   }
 
   std::string name_;
-  Archive archive_;  // before the array, which reads from it
+  Archive archive_;  // declared before the array, which reads from it
   NpzArray vertices_;
   std::uint64_t vertex_count_ = 0;
   Index frames_ = 0;
@@ -127,7 +129,7 @@ class NpzMotion final : public Motion {
 
 Result<std::unique_ptr<Motion>> open_npz(const std::string& path) {
   auto motion = std::make_unique<NpzMotion>(path);
-  if (auto opened = motion->open(); !opened) return tl::unexpected(opened.error());
+  FOLDPROOF_TRY(motion->open());
   return motion;
 }
 

@@ -2,18 +2,19 @@
 
 #include <fmt/format.h>
 
+#include "base/try.h"
 #include "io/bytes.h"
 
 namespace foldproof::io {
 
 Result<Archive> open_archive(const std::string& path, std::uint64_t& bytes) {
-  const auto file = InputFile::open(path);
-  if (!file) return tl::unexpected(file.error());
-  bytes = file->size();
+  const auto file = FOLDPROOF_TRY(InputFile::open(path));
+  bytes = file.size();
   int code = 0;
   Archive archive(zip_open(path.c_str(), ZIP_RDONLY, &code));
   if (archive) return archive;
-  return fail(path, "is not a whole ZIP archive", "copy the file again, or save it with numpy.savez");
+  return fail(ErrorCode::InvalidFile, path, "is not a whole ZIP archive",
+              "copy the file again, or save it with numpy.savez");
 }
 
 namespace {
@@ -24,9 +25,8 @@ Result<Spool> unpack(zip_file_t* member, std::uint64_t bytes, const std::string&
   std::vector<char> block(std::size_t{1} << 20);
   while (bytes > 0) {
     const zip_int64_t count = zip_fread(member, block.data(), std::min<std::uint64_t>(block.size(), bytes));
-    if (count <= 0) return fail(where, "the packed data is damaged", kSaveArrayAgain);
-    const auto written = spool->append(std::span(block).first(static_cast<std::size_t>(count)));
-    if (!written) return tl::unexpected(written.error());
+    if (count <= 0) return fail(ErrorCode::InvalidFile, where, "the packed data is damaged", kSaveArrayAgain);
+    FOLDPROOF_TRY(spool->append(std::span(block).first(static_cast<std::size_t>(count))));
     bytes -= static_cast<std::uint64_t>(count);
   }
   return spool;
@@ -35,16 +35,16 @@ Result<Spool> unpack(zip_file_t* member, std::uint64_t bytes, const std::string&
 }  // namespace
 
 Result<void> NpzArray::open(zip_t* archive, const std::string& path, std::uint64_t file_size,
-                            const char* name, const char* mend) {
+                            const char* name, const char* remedy) {
   where_ = fmt::format("{}, array '{}'", path, name);
   const std::string file_name = std::string(name) + ".npy";
   const zip_int64_t index = zip_name_locate(archive, file_name.c_str(), 0);
   if (index < 0) {
-    return fail(path, fmt::format("holds no array '{}'", name), mend);
+    return fail(ErrorCode::InvalidFile, path, fmt::format("holds no array '{}'", name), remedy);
   }
   zip_stat_t status;
   if (zip_stat_index(archive, static_cast<zip_uint64_t>(index), 0, &status) != 0) return damaged();
-  if (auto checked = check_sizes(status, file_size); !checked) return checked;
+  FOLDPROOF_TRY(check_sizes(status, file_size));
   stored_ = status.comp_method == ZIP_CM_STORE;
   archive_ = archive;
   index_ = static_cast<zip_uint64_t>(index);
@@ -60,20 +60,18 @@ Result<void> NpzArray::read_at(std::uint64_t offset, std::span<char> out) {
     return {};
   }
   if (!spool_) {
-    // The header has been read from it, and a packed stream does not go back.
+    // Reading the header has advanced the stream, and a packed stream cannot seek back.
     member_.reset(zip_fopen_index(archive_, index_, 0));
     if (!member_) return damaged();
     const std::uint64_t bytes = header_.data + elements_ * header_.item_bytes;
-    auto spool = unpack(member_.get(), bytes, where_);
-    if (!spool) return tl::unexpected(spool.error());
-    spool_ = std::move(*spool);
+    spool_ = FOLDPROOF_TRY(unpack(member_.get(), bytes, where_));
   }
   if (!spool_->read_at(offset, out)) return damaged();
   return {};
 }
 
 tl::unexpected<Error> NpzArray::damaged() const {
-  return fail(where_, "the archive is damaged here", kSaveArrayAgain);
+  return fail(ErrorCode::InvalidFile, where_, "the archive is damaged here", kSaveArrayAgain);
 }
 
 bool NpzArray::read_fully(std::span<char> out) {
@@ -85,22 +83,24 @@ bool NpzArray::read_fully(std::span<char> out) {
   return true;
 }
 
-// A packed byte gives at most 1032 bytes, so a size beyond that is a lie, whatever the archive says.
+// Deflate expands a byte to at most 1032 bytes, so no larger size can be true.
 Result<void> NpzArray::check_sizes(const zip_stat_t& status, std::uint64_t file_size) const {
   constexpr zip_uint64_t kNeeded = ZIP_STAT_SIZE | ZIP_STAT_COMP_SIZE | ZIP_STAT_COMP_METHOD;
   if ((status.valid & kNeeded) != kNeeded || status.comp_size > file_size) return damaged();
   if ((status.valid & ZIP_STAT_ENCRYPTION_METHOD) && status.encryption_method != ZIP_EM_NONE) {
-    return fail(where_, "is encrypted", "save the archive without a password");
+    return fail(ErrorCode::UnsupportedFormat, where_, "is encrypted", "save the archive without a password");
   }
   const bool stored = status.comp_method == ZIP_CM_STORE;
   if (!stored && status.comp_method != ZIP_CM_DEFLATE) {
-    return fail(where_, "is packed with a method other than deflate", kSaveArrayAgain);
+    return fail(ErrorCode::UnsupportedFormat, where_, "is packed with a method other than deflate",
+                kSaveArrayAgain);
   }
-  constexpr std::uint64_t kMostPerByte = 1032, kSlack = 64;
-  const bool lies = stored ? status.size != status.comp_size
-                           : status.size > kSlack && (status.size - kSlack) / kMostPerByte > status.comp_size;
-  if (lies) {
-    return fail(where_,
+  constexpr std::uint64_t kMaxPerByte = 1032, kSlack = 64;
+  const bool impossible =
+      stored ? status.size != status.comp_size
+             : status.size > kSlack && (status.size - kSlack) / kMaxPerByte > status.comp_size;
+  if (impossible) {
+    return fail(ErrorCode::InvalidFile, where_,
                 fmt::format("announces {} bytes, but the file holds {} packed bytes for it", status.size,
                             status.comp_size),
                 "copy or save the archive again");
@@ -112,23 +112,23 @@ Result<void> NpzArray::read_header(std::uint64_t size) {
   member_.reset(zip_fopen_index(archive_, index_, 0));
   std::vector<char> start(std::min<std::uint64_t>(size, kNpyHeaderLimit));
   if (!member_ || !read_fully(start)) return damaged();
-  auto header = parse_npy_header(where_, {start.data(), start.size()});
-  if (!header) return tl::unexpected(header.error());
-  header_ = std::move(*header);
+  header_ = FOLDPROOF_TRY(parse_npy_header(where_, {start.data(), start.size()}));
   if (header_.fortran_order) {
-    return fail(where_, "is in Fortran order", "save numpy.ascontiguousarray(array)");
+    return fail(ErrorCode::UnsupportedFormat, where_, "is in Fortran order",
+                "save numpy.ascontiguousarray(array)");
   }
   elements_ = (size - header_.data) / header_.item_bytes;
-  std::uint64_t left = elements_;
+  std::uint64_t remaining = elements_;
   bool fits = (size - header_.data) % header_.item_bytes == 0;
   for (const std::uint64_t extent : header_.shape) {
-    if (extent == 0) return fail(where_, "is empty", "save at least one triangle and one frame");
-    fits = fits && left % extent == 0;
-    left /= extent;
+    if (extent == 0)
+      return fail(ErrorCode::InvalidFile, where_, "is empty", "save at least one triangle and one frame");
+    fits = fits && remaining % extent == 0;
+    remaining /= extent;
   }
-  if (!fits || left != 1) {
-    return fail(where_, fmt::format("its shape does not fit its {} bytes", size - header_.data),
-                kSaveArrayAgain);
+  if (!fits || remaining != 1) {
+    return fail(ErrorCode::InvalidFile, where_,
+                fmt::format("its shape does not fit its {} bytes", size - header_.data), kSaveArrayAgain);
   }
   return {};
 }

@@ -1,5 +1,5 @@
-/// Arrays of a NumPy archive. They stay in the file: stored members are sought, deflated ones are unpacked
-/// once into a temporary file that has no name.
+/// Random access to the arrays of a NumPy archive, without loading them: stored members are read in place,
+/// deflated ones are unpacked once into an unnamed temporary file.
 #pragma once
 
 #include <zip.h>
@@ -22,21 +22,21 @@ struct CloseMember {
 };
 using Archive = std::unique_ptr<zip_t, CloseArchive>;
 
-/// Error: no file, or no whole ZIP archive. `bytes` becomes the file's size.
+/// `bytes` becomes the file's size. Error: the file cannot be opened or is not a complete ZIP archive.
 Result<Archive> open_archive(const std::string& path, std::uint64_t& bytes);
 
-/// One array of the archive. It must not outlive it.
+/// One array of an archive, which must outlive it.
 class NpzArray {
  public:
   const NpyHeader& header() const { return header_; }
   std::uint64_t elements() const { return elements_; }
   const std::string& where() const { return where_; }
 
-  /// Error: there is none, or its sizes do not fit each other and the file. `mend`: what to do where there is
-  /// none.
+  /// Error: there is no such array, or its sizes contradict each other or the file. `remedy`: what to do when
+  /// there is none.
   Result<void> open(zip_t* archive, const std::string& path, std::uint64_t file_size, const char* name,
-                    const char* mend);
-  /// Fills `out` with the bytes from `offset` of the elements.
+                    const char* remedy);
+  /// Fills `out` with bytes of the elements, from byte `offset` on.
   Result<void> read_at(std::uint64_t offset, std::span<char> out);
 
  private:
@@ -52,7 +52,7 @@ class NpzArray {
   zip_uint64_t index_ = 0;
   bool stored_ = false;
   std::unique_ptr<zip_file_t, CloseMember> member_;
-  std::optional<Spool> spool_;  // what a packed member holds, once it was needed
+  std::optional<Spool> spool_;  // the unpacked member, once read
 };
 
 }  // namespace foldproof::io

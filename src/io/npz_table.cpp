@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "base/try.h"
 #include "io/bytes.h"
 #include "io/npy.h"
 
@@ -27,8 +28,8 @@ Result<void> write_names(ZipWriter& zip, const std::string& array, std::span<con
     for (std::size_t i = 0; i < longest; ++i)
       append(bytes, static_cast<std::uint32_t>(i < name.size() ? name[i] : 0));
   }
-  if (auto begun = zip.begin(array + ".npy", bytes.size()); !begun) return begun;
-  if (auto written = zip.data(bytes); !written) return written;
+  FOLDPROOF_TRY(zip.begin(array + ".npy", bytes.size()));
+  FOLDPROOF_TRY(zip.data(bytes));
   return zip.end();
 }
 
@@ -40,11 +41,9 @@ NpzTable::NpzTable(FileWriter file, Spool spool, std::vector<Column> columns)
 }
 
 Result<NpzTable> NpzTable::open(const std::string& path, std::vector<Column> columns) {
-  auto file = FileWriter::open(path);
-  if (!file) return tl::unexpected(file.error());
-  auto spool = Spool::open(path);
-  if (!spool) return tl::unexpected(spool.error());
-  return NpzTable(std::move(*file), std::move(*spool), std::move(columns));
+  auto file = FOLDPROOF_TRY(FileWriter::open(path));
+  auto spool = FOLDPROOF_TRY(Spool::open(path));
+  return NpzTable(std::move(file), std::move(spool), std::move(columns));
 }
 
 Result<void> NpzTable::end_row() {
@@ -60,15 +59,14 @@ Result<void> NpzTable::write_column(ZipWriter& zip, const Column& column, std::u
   shape.insert(shape.end(), column.row_shape.begin(), column.row_shape.end());
   const std::string header = npy_header(column.type, shape);
   std::vector<char> bytes(bytes_of(column));
-  if (auto begun = zip.begin(column.name + ".npy", header.size() + rows_ * bytes.size()); !begun)
-    return begun;
-  if (auto written = zip.data(header); !written) return written;
+  FOLDPROOF_TRY(zip.begin(column.name + ".npy", header.size() + rows_ * bytes.size()));
+  FOLDPROOF_TRY(zip.data(header));
   for (std::uint64_t row = 0; row < rows_; ++row) {
     if (!spool_.read_at(row * row_bytes_ + offset, bytes)) {
-      return fail(column.name, "cannot be read back from the temporary file",
+      return fail(ErrorCode::FileAccess, column.name, "cannot be read back from the temporary file",
                   "check the temporary directory");
     }
-    if (auto written = zip.data(bytes); !written) return written;
+    FOLDPROOF_TRY(zip.data(bytes));
   }
   return zip.end();
 }
@@ -77,11 +75,11 @@ Result<void> NpzTable::commit(const std::string& array, std::span<const char* co
   ZipWriter zip(file_);
   std::uint64_t offset = 0;
   for (const Column& column : columns_) {
-    if (auto written = write_column(zip, column, offset); !written) return written;
+    FOLDPROOF_TRY(write_column(zip, column, offset));
     offset += bytes_of(column);
   }
-  if (auto written = write_names(zip, array, names); !written) return written;
-  if (auto finished = zip.finish(); !finished) return finished;
+  FOLDPROOF_TRY(write_names(zip, array, names));
+  FOLDPROOF_TRY(zip.finish());
   return file_.commit();
 }
 

@@ -1,4 +1,4 @@
-/// NumPy arrays that grow row by row, all of them together.
+/// Writes NumPy arrays row by row.
 #pragma once
 
 #include "io/spool.h"
@@ -6,24 +6,24 @@
 
 namespace foldproof::io {
 
-/// An NPZ of arrays with equally many rows. Rows wait in a temporary file, so that memory holds one at a
-/// time; the NPZ appears on commit.
+/// An NPZ of arrays with equal numbers of rows. Rows go to a temporary file, so memory holds one at a time.
+/// The NPZ appears on commit.
 class NpzTable {
  public:
   struct Column {
     std::string name;
-    std::string type;  ///< As NumPy writes it: "<u4".
+    std::string type;  ///< In NumPy's notation: "<u4".
     std::size_t item_bytes;
     std::vector<std::uint64_t> row_shape;  ///< Empty for a single item per row.
   };
   static Result<NpzTable> open(const std::string& path, std::vector<Column> columns);
 
-  /// Appends to the row under way: the bytes of all columns, one after the other.
+  /// Appends to the current row, which is the bytes of all columns in order.
   void add(std::span<const char> bytes) { row_.insert(row_.end(), bytes.begin(), bytes.end()); }
-  /// Precondition: every column got what its shape asks for.
+  /// Precondition: the row has the bytes of every column.
   Result<void> end_row();
 
-  /// Writes the file, with one more array: one row of `names`, as NumPy strings. ASCII only.
+  /// Writes the file, with one more array `array`: `names` as NumPy strings. ASCII only.
   Result<void> commit(const std::string& array, std::span<const char* const> names);
 
  private:

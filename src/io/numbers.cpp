@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "base/try.h"
 #include "foldproof/io.h"
 #include "io/bytes.h"
 #include "io/npz_array.h"
@@ -35,8 +36,8 @@ std::vector<std::string_view> fields_of(std::string_view line) {
 
 bool parse_number(std::string_view text, double& value) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  const auto [stop, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc() && stop == text.data() + text.size() && std::isfinite(value);
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return status == std::errc() && end == text.data() + text.size() && std::isfinite(value);
 }
 
 class CsvReader {
@@ -44,7 +45,7 @@ class CsvReader {
   explicit CsvReader(const std::string& path) : path_(path) {}
 
   Result<NumberTable> read(std::string_view text) {
-    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // what some spreadsheets begin with
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // the byte order mark of some spreadsheets
     for (std::size_t begin = 0; begin < text.size();) {
       const std::size_t end = std::min(text.find('\n', begin), text.size());
       std::string_view line = text.substr(begin, end - begin);
@@ -52,9 +53,9 @@ class CsvReader {
       begin = end + 1;
       ++line_;
       if (trimmed(line).empty() || trimmed(line).front() == '#') continue;
-      if (auto added = add(fields_of(line)); !added) return tl::unexpected(added.error());
+      FOLDPROOF_TRY(add(fields_of(line)));
     }
-    if (rows_ == 0) return fail(path_, "holds no numbers", kOneRowPerLine);
+    if (rows_ == 0) return fail(ErrorCode::InvalidFile, path_, "holds no numbers", kOneRowPerLine);
     table_.shape = {rows_, columns_};
     return std::move(table_);
   }
@@ -71,12 +72,14 @@ class CsvReader {
     }
     const std::string where = at_line(path_, line_);
     if (fields.size() != columns_) {
-      return fail(where, fmt::format("has {} numbers, and the first line has {}", fields.size(), columns_),
+      return fail(ErrorCode::InvalidFile, where,
+                  fmt::format("has {} numbers, and the first line has {}", fields.size(), columns_),
                   kOneRowPerLine);
     }
     for (const std::string_view field : fields) {
       if (!parse_number(field, value)) {
-        return fail(where, fmt::format("'{}' is not a finite number", field), kOneRowPerLine);
+        return fail(ErrorCode::InvalidFile, where, fmt::format("'{}' is not a finite number", field),
+                    kOneRowPerLine);
       }
       table_.values.push_back(value);
     }
@@ -92,44 +95,41 @@ class CsvReader {
 }  // namespace
 
 Result<NumberTable> read_csv(const std::string& path) {
-  const auto bytes = read_file(path);
-  if (!bytes) return tl::unexpected(bytes.error());
-  return CsvReader(path).read({bytes->data(), bytes->size()});
+  const auto bytes = FOLDPROOF_TRY(read_file(path));
+  return CsvReader(path).read({bytes.data(), bytes.size()});
 }
 
 Result<NumberTable> read_npz_numbers(const std::string& path, const std::string& array) {
   std::uint64_t bytes = 0;
-  const auto archive = open_archive(path, bytes);
-  if (!archive) return tl::unexpected(archive.error());
+  const auto archive = FOLDPROOF_TRY(open_archive(path, bytes));
   NpzArray numbers;
-  const std::string mend = fmt::format("save an array of that name, with numpy.savez(file, {}=...)", array);
-  if (auto opened = numbers.open(archive->get(), path, bytes, array.c_str(), mend.c_str()); !opened) {
-    return tl::unexpected(opened.error());
-  }
+  const std::string remedy = fmt::format("save an array of that name, with numpy.savez(file, {}=...)", array);
+  FOLDPROOF_TRY(numbers.open(archive.get(), path, bytes, array.c_str(), remedy.c_str()));
   const NpyHeader& header = numbers.header();
   if (header.kind != 'f' || header.item_bytes < 4) {
-    return fail(numbers.where(), "is not float32 or float64", "save its .astype('float64')");
+    return fail(ErrorCode::UnsupportedFormat, numbers.where(), "is not float32 or float64",
+                "save its .astype('float64')");
   }
   std::vector<char> raw(numbers.elements() * header.item_bytes);
-  if (auto read = numbers.read_at(0, raw); !read) return tl::unexpected(read.error());
+  FOLDPROOF_TRY(numbers.read_at(0, raw));
   NumberTable table{header.shape, {}, {}};
   table.values.reserve(numbers.elements());
   for (std::uint64_t i = 0; i < numbers.elements(); ++i) {
-    const char* at = raw.data() + i * header.item_bytes;
-    table.values.push_back(header.item_bytes == 8 ? load<double>(at, header.order)
-                                                  : static_cast<double>(load<float>(at, header.order)));
+    const char* item = raw.data() + i * header.item_bytes;
+    table.values.push_back(header.item_bytes == 8 ? load<double>(item, header.order)
+                                                  : static_cast<double>(load<float>(item, header.order)));
     if (!std::isfinite(table.values.back())) {
-      return fail(numbers.where(), fmt::format("number {} is not finite", i), "save finite numbers");
+      return fail(ErrorCode::NonFinite, numbers.where(), fmt::format("number {} is not finite", i),
+                  "save finite numbers");
     }
   }
   return table;
 }
 
-Result<bool> npz_holds(const std::string& path, const std::string& array) {
+Result<bool> npz_has_array(const std::string& path, const std::string& array) {
   std::uint64_t bytes = 0;
-  const auto archive = open_archive(path, bytes);
-  if (!archive) return tl::unexpected(archive.error());
-  return zip_name_locate(archive->get(), fmt::format("{}.npy", array).c_str(), 0) >= 0;
+  const auto archive = FOLDPROOF_TRY(open_archive(path, bytes));
+  return zip_name_locate(archive.get(), fmt::format("{}.npy", array).c_str(), 0) >= 0;
 }
 
 }  // namespace foldproof

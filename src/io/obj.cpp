@@ -1,5 +1,5 @@
-// Wavefront OBJ. Written here because the libraries at hand give no line number for an error and stop at
-// indices that only later lines make valid.
+// Wavefront OBJ. A parser of our own: available libraries report errors without a line number and reject
+// indices of vertices that follow later.
 #include <fmt/format.h>
 
 #include "io/readers.h"
@@ -19,14 +19,14 @@ class ObjParser {
       Result<void> read;
       if (keyword == "v") {
         read = read_vertex();
-      } else if (keyword == "f" || keyword == "fo") {  // "fo" is how old files say "f"
+      } else if (keyword == "f" || keyword == "fo") {  // "fo" is an obsolete form of "f"
         read = read_face();
-      }  // everything else neither moves nor connects a vertex
+      }  // other statements affect neither positions nor connectivity
       if (!read) return tl::unexpected(read.error());
     }
     if (highest_.index >= mesh_.vertex_count()) {
       return fail(
-          at_line(path_, highest_.line),
+          ErrorCode::InvalidFile, at_line(path_, highest_.line),
           fmt::format("face refers to vertex {}, but there are {}", highest_.index + 1, mesh_.vertex_count()),
           "export the mesh again");
     }
@@ -34,7 +34,7 @@ class ObjParser {
   }
 
  private:
-  // Columns after the third (a weight or a colour) are ignored.
+  // Columns after the third (a weight or a color) are ignored.
   Result<void> read_vertex() {
     for (int k = 0; k < 3; ++k) {
       double x;
@@ -56,15 +56,15 @@ class ObjParser {
       if (const Scan scan = cursor_.leading_integer(number); scan != Scan::Ok) {
         return tl::unexpected(scan_error(scan, at_line(path_, cursor_.line()), "a vertex of the face"));
       }
-      // What follows a slash is a texture coordinate or a normal.
-      if (const std::string_view rest = cursor_.tail(); !rest.empty() && rest[0] != '/') {
+      // A texture coordinate or a normal may follow, after a slash.
+      if (const std::string_view tail = cursor_.tail(); !tail.empty() && tail[0] != '/') {
         return tl::unexpected(
             scan_error(Scan::Malformed, at_line(path_, cursor_.line()), "a vertex of the face"));
       }
       const auto count = static_cast<std::int64_t>(mesh_.positions.size() / 3);
       const std::int64_t index = number < 0 ? count + number : number - 1;
       if (number == 0 || index < 0 || index > static_cast<std::int64_t>(kMaxVertices)) {
-        return fail(at_line(path_, cursor_.line()),
+        return fail(ErrorCode::InvalidFile, at_line(path_, cursor_.line()),
                     fmt::format("face refers to vertex {}, but there are {}", number, count),
                     "export the mesh again");
       }
@@ -72,7 +72,8 @@ class ObjParser {
       polygon_.push_back(static_cast<Index>(index));
     }
     if (polygon_.size() < 3) {
-      return fail(at_line(path_, line), fmt::format("face has {} vertices", polygon_.size()),
+      return fail(ErrorCode::InvalidFile, at_line(path_, line),
+                  fmt::format("face has {} vertices", polygon_.size()),
                   "remove faces with fewer than three vertices");
     }
     mesh_.add_polygon(polygon_);
@@ -83,7 +84,7 @@ class ObjParser {
   TextCursor cursor_;
   MeshData mesh_;
   std::vector<Index> polygon_;
-  // Faces may stand before their vertices, so ranges are checked at the end, for the highest index.
+  // Faces may precede their vertices, so the highest index is checked at the end.
   struct {
     std::int64_t index = -1;
     std::uint64_t line = 0;

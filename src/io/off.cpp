@@ -1,7 +1,7 @@
-// Object File Format (Geomview), ASCII. Written here: a dozen lines of grammar that no packaged reader
-// reports errors for.
+// Object File Format (Geomview), ASCII. A parser of our own: no packaged reader reports errors.
 #include <fmt/format.h>
 
+#include "base/try.h"
 #include "io/readers.h"
 #include "io/text.h"
 
@@ -14,17 +14,18 @@ class OffParser {
       : path_(path), cursor_(text, {.comment = '#', .continuation = false}) {}
 
   Result<MeshData> parse() {
-    if (auto read = read_header(); !read) return tl::unexpected(read.error());
+    FOLDPROOF_TRY(read_header());
     mesh_.positions.reserve(static_cast<std::size_t>(vertices_) * 3);
     mesh_.triangles.reserve(static_cast<std::size_t>(faces_));
     for (std::int64_t i = 0; i < vertices_; ++i) {
-      if (auto read = read_vertex(i); !read) return tl::unexpected(read.error());
+      FOLDPROOF_TRY(read_vertex(i));
     }
     for (std::int64_t i = 0; i < faces_; ++i) {
-      if (auto read = read_face(i); !read) return tl::unexpected(read.error());
+      FOLDPROOF_TRY(read_face(i));
     }
     if (cursor_.skip_to_content()) {
-      return fail(here(), "there is more data than the header announces", "export the mesh again");
+      return fail(ErrorCode::InvalidFile, here(), "there is more data than the header announces",
+                  "export the mesh again");
     }
     return std::move(mesh_);
   }
@@ -40,24 +41,29 @@ class OffParser {
       if (word.starts_with(prefix)) word.remove_prefix(prefix.size());
     }
     if (word != "OFF") {
-      return fail(here(), "does not start with OFF (or COFF, NOFF, STOFF)", "export the mesh as OFF again");
+      return fail(ErrorCode::InvalidFile, here(), "does not start with OFF (or COFF, NOFF, STOFF)",
+                  "export the mesh as OFF again");
     }
-    if (!cursor_.at_line_end() && cursor_.rest().starts_with("BINARY")) {
-      return fail(here(), "is a binary OFF file", "export the mesh as ASCII OFF, or as binary PLY");
+    if (!cursor_.at_line_end() && cursor_.remaining().starts_with("BINARY")) {
+      return fail(ErrorCode::UnsupportedFormat, here(), "is a binary OFF file",
+                  "export the mesh as ASCII OFF, or as binary PLY");
     }
     cursor_.skip_to_content();
     if (cursor_.integer(vertices_) != Scan::Ok || cursor_.integer(faces_) != Scan::Ok || vertices_ < 0 ||
         faces_ < 0) {
-      return fail(here(), "the numbers of vertices and faces are missing", "export the mesh as OFF again");
+      return fail(ErrorCode::InvalidFile, here(), "the numbers of vertices and faces are missing",
+                  "export the mesh as OFF again");
     }
-    std::int64_t edges;  // nobody keeps this number right; old files leave it out
+    std::int64_t edges;  // unreliable in practice, and absent from old files
     if (!cursor_.at_line_end() && (cursor_.integer(edges) != Scan::Ok || !cursor_.at_line_end())) {
-      return fail(here(), "the line of counts is not understood", "export the mesh as OFF again");
+      return fail(ErrorCode::InvalidFile, here(), "the line of counts is not understood",
+                  "export the mesh as OFF again");
     }
     // A vertex takes 6 bytes ("0 0 0" and a line end), a face 8; the last line end may be missing.
-    const std::uint64_t left = cursor_.rest().size() + 1;
-    if (static_cast<std::uint64_t>(vertices_) > left / 6 || static_cast<std::uint64_t>(faces_) > left / 8) {
-      return fail(here(),
+    const std::uint64_t remaining = cursor_.remaining().size() + 1;
+    if (static_cast<std::uint64_t>(vertices_) > remaining / 6 ||
+        static_cast<std::uint64_t>(faces_) > remaining / 8) {
+      return fail(ErrorCode::InvalidFile, here(),
                   fmt::format("header announces {} vertices and {} faces, but the file ends before",
                               vertices_, faces_),
                   "copy or export the mesh again");
@@ -66,7 +72,7 @@ class OffParser {
     return {};
   }
 
-  // Normals, colours and texture coordinates after the position are ignored.
+  // Normals, colors and texture coordinates after the position are ignored.
   Result<void> read_vertex(std::int64_t vertex) {
     cursor_.skip_to_content();
     for (int k = 0; k < 3; ++k) {
@@ -81,7 +87,7 @@ class OffParser {
     return {};
   }
 
-  // Colours after the vertices are ignored.
+  // Colors after the vertices are ignored.
   Result<void> read_face(std::int64_t face) {
     cursor_.skip_to_content();
     std::int64_t corners;
@@ -89,7 +95,7 @@ class OffParser {
       return tl::unexpected(scan_error(scan, here(), fmt::format("the size of face {}", face)));
     }
     if (corners < 3) {
-      return fail(here(), fmt::format("face {} has {} vertices", face, corners),
+      return fail(ErrorCode::InvalidFile, here(), fmt::format("face {} has {} vertices", face, corners),
                   "remove faces with fewer than three vertices");
     }
     polygon_.clear();
@@ -99,7 +105,7 @@ class OffParser {
         return tl::unexpected(scan_error(scan, here(), fmt::format("vertex {} of face {}", i, face)));
       }
       if (v < 0 || v >= vertices_) {
-        return fail(here(),
+        return fail(ErrorCode::InvalidFile, here(),
                     fmt::format("face {} refers to vertex {}, but there are {} (counting from 0)", face, v,
                                 vertices_),
                     "export the mesh again");

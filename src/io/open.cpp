@@ -1,4 +1,4 @@
-// From what a command line names to motions: formats by extension, directories, globs, point caches.
+// Opens the motions that a command line names: formats by extension, directories, globs, point caches.
 #include <fmt/format.h>
 #include <glob.h>
 
@@ -19,7 +19,7 @@ bool is_point_cache(const std::string& path) { return is_kind(path, FileKind::Po
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// The run of digits that starts at `i`, without leading zeros; moves `i` behind it.
+/// The run of digits that starts at `i`, without leading zeros; advances `i` past it.
 std::string_view digit_run(std::string_view text, std::size_t& i) {
   while (i < text.size() && text[i] == '0') ++i;
   const std::size_t begin = i;
@@ -48,21 +48,23 @@ bool natural_less(const std::string& a, const std::string& b) {
 
 namespace {
 
-/// The files among `paths` as the frames of one motion.
+/// Opens the mesh files among `paths` as the frames of one motion.
 Result<std::unique_ptr<Motion>> open_frames(const std::string& name, std::vector<std::string> paths) {
   std::erase_if(paths, [](const std::string& p) { return format_of(p) == nullptr; });
   std::sort(paths.begin(), paths.end(), natural_less);
   const auto mesh = std::find_if(paths.begin(), paths.end(), is_mesh);
   if (mesh == paths.end()) {
-    return fail(name, "holds no OBJ, OFF or PLY files", "name mesh files, or a directory that holds them");
+    return fail(ErrorCode::InvalidArgument, name, "holds no OBJ, OFF or PLY files",
+                "name mesh files, or a directory that holds them");
   }
   for (const std::string& p : paths) {
     if (format_of(p) != format_of(*mesh)) {
-      return fail(name, fmt::format("mixes formats: {} and {}", *mesh, p),
+      return fail(ErrorCode::InvalidArgument, name, fmt::format("mixes formats: {} and {}", *mesh, p),
                   "name one of them, or keep one format in a directory");
     }
   }
-  if (paths.size() >= kNoIndex) return fail(name, "holds too many files", "name fewer frames");
+  if (paths.size() >= kNoIndex)
+    return fail(ErrorCode::LimitExceeded, name, "holds too many files", "name fewer frames");
   return open_sequence(name, std::move(paths));
 }
 
@@ -74,7 +76,9 @@ Result<std::unique_ptr<Motion>> open_directory(const std::string& path) {
     std::error_code ignored;
     if (!name.starts_with('.') && !at->is_directory(ignored)) paths.push_back(at->path().string());
   }
-  if (status) return fail(path, "cannot be listed: " + status.message(), "check the permissions");
+  if (status)
+    return fail(ErrorCode::FileAccess, path, "cannot be listed: " + status.message(),
+                "check the permissions");
   return open_frames(path, std::move(paths));
 }
 
@@ -84,9 +88,10 @@ Result<std::unique_ptr<Motion>> open_glob(const std::string& pattern) {
   std::vector<std::string> paths(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
   ::globfree(&matches);
   if (status != 0 && status != GLOB_NOMATCH) {
-    return fail(pattern, "cannot be expanded", "check the permissions of the directories");
+    return fail(ErrorCode::FileAccess, pattern, "cannot be expanded",
+                "check the permissions of the directories");
   }
-  if (paths.empty()) return fail(pattern, "matches no files", "check the pattern");
+  if (paths.empty()) return fail(ErrorCode::FileAccess, pattern, "matches no files", "check the pattern");
   return open_frames(pattern, std::move(paths));
 }
 
@@ -97,7 +102,7 @@ Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const Read
   if (!fs::exists(status) && argument.find_first_of("*?[") != std::string::npos) return open_glob(argument);
   const FileFormat* format = format_of(argument);
   if (format == nullptr)
-    return fail(argument, "is not a format that is read here",
+    return fail(ErrorCode::UnsupportedFormat, argument, "is not a format that is read here",
                 "give .obj, .off, .ply, .gltf, .glb or .npz, or a mesh followed by its .pc2 or .mdd");
   switch (format->kind) {
     case FileKind::Mesh:
@@ -107,7 +112,8 @@ Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const Read
     case FileKind::PointCache:
       break;
   }
-  return fail(argument, "is a point cache without a mesh", "name its OBJ, OFF or PLY file right before it");
+  return fail(ErrorCode::InvalidArgument, argument, "is a point cache without a mesh",
+              "name its OBJ, OFF or PLY file right before it");
 }
 
 Result<std::vector<std::unique_ptr<Motion>>> open_all(std::span<const std::string> arguments,
@@ -142,11 +148,14 @@ std::string extension_of(const std::string& path) {
 
 Result<std::vector<std::unique_ptr<Motion>>> open_motions(std::span<const std::string> arguments,
                                                           const ReadOptions& options) {
-  if (arguments.empty()) return fail("arguments", "no motion is named", "name a mesh file or a directory");
+  if (arguments.empty())
+    return fail(ErrorCode::InvalidArgument, "arguments", "no motion is named",
+                "name a mesh file or a directory");
   try {
     return io::open_all(arguments, options);
   } catch (const std::bad_alloc&) {
-    return fail(arguments.front(), "does not fit into memory", "use a smaller mesh or a larger machine");
+    return fail(ErrorCode::LimitExceeded, arguments.front(), "does not fit into memory",
+                "use a smaller mesh or a larger machine");
   }
 }
 

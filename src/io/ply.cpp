@@ -1,4 +1,4 @@
-// Stanford PLY, ASCII and binary. Written here because no packaged reader checks a header's counts against
+// Stanford PLY, ASCII and binary. A parser of our own: no packaged reader checks the header's counts against
 // the size of the file before it allocates.
 #include <fmt/format.h>
 
@@ -6,6 +6,7 @@
 #include <optional>
 #include <unordered_set>
 
+#include "base/try.h"
 #include "io/bytes.h"
 #include "io/readers.h"
 #include "io/text.h"
@@ -31,12 +32,12 @@ std::optional<PlyType> ply_type(std::string_view name) {
   return std::nullopt;
 }
 
-/// What the file's property is to a mesh. Roles X, Y, Z come first: they are the coordinate's number as well.
+/// The role of a property in the mesh. The values of X, Y and Z are the coordinate's index.
 enum class Role : std::uint8_t { X, Y, Z, Polygon, None };
 
 struct Property {
   PlyType type;
-  std::optional<PlyType> count;  ///< Of a list.
+  std::optional<PlyType> count;  ///< Type of the count, for a list.
   Role role = Role::None;
 };
 
@@ -56,7 +57,7 @@ enum class Encoding : std::uint8_t { Ascii, Little, Big };
 struct Header {
   Encoding encoding = Encoding::Ascii;
   std::vector<Element> elements;
-  std::size_t size = 0;  ///< Bytes, with the line end after end_header.
+  std::size_t size = 0;  ///< Bytes, including the line end after end_header.
   std::uint64_t lines = 0;
   std::uint64_t vertices = 0;
 };
@@ -68,7 +69,8 @@ class HeaderParser {
 
   Result<Header> parse() {
     if (cursor_.word() != "ply" || !cursor_.at_line_end()) {
-      return fail(at_line(path_, 1), "does not start with the line 'ply'", "export the mesh as PLY again");
+      return fail(ErrorCode::InvalidFile, at_line(path_, 1), "does not start with the line 'ply'",
+                  "export the mesh as PLY again");
     }
     cursor_.next_line();
     for (; cursor_.skip_to_content(); cursor_.next_line()) {
@@ -91,7 +93,8 @@ class HeaderParser {
 
  private:
   tl::unexpected<Error> error(std::string problem) const {
-    return fail(at_line(path_, cursor_.line()), std::move(problem), "export the mesh as PLY again");
+    return fail(ErrorCode::InvalidFile, at_line(path_, cursor_.line()), std::move(problem),
+                "export the mesh as PLY again");
   }
 
   Result<void> read_format() {
@@ -162,16 +165,16 @@ class HeaderParser {
     }
     if (!positions) return error("header declares no vertices with x, y and z");
     if (!polygons) {
-      return fail(at_line(path_, cursor_.line()), "header declares no faces with vertex_indices",
-                  "export the mesh with its faces");
+      return fail(ErrorCode::InvalidFile, at_line(path_, cursor_.line()),
+                  "header declares no faces with vertex_indices", "export the mesh with its faces");
     }
-    // Not next_line(): where lines end with CR alone, a binary body may start with a byte that happens to be
-    // LF.
+    // Not next_line(): where lines end with CR alone, the first byte of a binary body may happen to be LF.
     const std::size_t first = std::min(bytes_.find_first_of("\r\n"), bytes_.size());
     const bool lone_cr = bytes_.substr(first, 1) == "\r" && bytes_.substr(first, 2) != "\r\n";
-    const std::string_view rest = cursor_.rest();
-    const std::size_t end = !lone_cr && rest.starts_with("\r\n") ? 2 : std::min<std::size_t>(rest.size(), 1);
-    header_.size = bytes_.size() - rest.size() + end;
+    const std::string_view remaining = cursor_.remaining();
+    const std::size_t line_end =
+        !lone_cr && remaining.starts_with("\r\n") ? 2 : std::min<std::size_t>(remaining.size(), 1);
+    header_.size = bytes_.size() - remaining.size() + line_end;
     header_.lines = cursor_.line();
     return std::move(header_);
   }
@@ -184,7 +187,7 @@ class HeaderParser {
   bool has_format_ = false;
 };
 
-/// Values of a binary body.
+/// Reads the values of a binary body.
 class BinarySource {
  public:
   BinarySource(const std::string& path, std::string_view bytes, const Header& header)
@@ -193,12 +196,12 @@ class BinarySource {
         at_(header.size),
         order_(header.encoding == Encoding::Little ? std::endian::little : std::endian::big) {}
 
-  /// Smallest size of one record, for checking counts.
-  static std::uint64_t least_bytes(const Property& p) {
+  /// The smallest size of a property in a record, for checking counts.
+  static std::uint64_t min_bytes(const Property& p) {
     return static_cast<std::uint64_t>(p.count ? p.count->size : p.type.size);
   }
-  std::uint64_t left() const { return bytes_.size() - at_; }
-  std::string place() const { return at_byte(path_, last_); }
+  std::uint64_t remaining() const { return bytes_.size() - at_; }
+  std::string where() const { return at_byte(path_, last_); }
   void begin_element() { last_ = at_; }
   bool begin_record() { return true; }
   bool end_record() { return true; }
@@ -209,7 +212,7 @@ class BinarySource {
 
   Scan value(PlyType type, double& out) {
     last_ = at_;
-    if (left() < static_cast<std::uint64_t>(type.size)) return Scan::Missing;
+    if (remaining() < static_cast<std::uint64_t>(type.size)) return Scan::Missing;
     const char* bytes = bytes_.data() + at_;
     at_ += static_cast<std::size_t>(type.size);
     if (type.is_float) {
@@ -234,11 +237,11 @@ class BinarySource {
   const std::string& path_;
   std::string_view bytes_;
   std::size_t at_;
-  std::size_t last_ = 0;  // where the value read last begins
+  std::size_t last_ = 0;  // offset of the last value read
   std::endian order_;
 };
 
-/// Values of an ASCII body: one record a line.
+/// Reads the values of an ASCII body, one record per line.
 class AsciiSource {
  public:
   AsciiSource(const std::string& path, std::string_view bytes, const Header& header)
@@ -246,9 +249,10 @@ class AsciiSource {
         header_lines_(header.lines),
         cursor_(bytes.substr(header.size), {.comment = '\0', .continuation = false}) {}
 
-  static std::uint64_t least_bytes(const Property&) { return 2; }
-  std::uint64_t left() const { return cursor_.rest().size() + 1; }  // the last line may have no line end
-  std::string place() const { return at_line(path_, header_lines_ + cursor_.line()); }
+  static std::uint64_t min_bytes(const Property&) { return 2; }
+  /// One byte more, as the last line may have no line end.
+  std::uint64_t remaining() const { return cursor_.remaining().size() + 1; }
+  std::string where() const { return at_line(path_, header_lines_ + cursor_.line()); }
   void begin_element() {}
   bool begin_record() { return cursor_.skip_to_content(); }
   bool end_record() {
@@ -280,11 +284,11 @@ class BodyParser {
   Result<MeshData> parse() {
     for (const Element& element : header_.elements) {
       source_.begin_element();
-      std::uint64_t least = 0;
-      for (const Property& p : element.properties) least += Source::least_bytes(p);
-      if (least == 0) continue;  // no properties: nothing to read, whatever the count
-      if (element.count > source_.left() / least) {
-        return fail(source_.place(),
+      std::uint64_t min_bytes = 0;
+      for (const Property& p : element.properties) min_bytes += Source::min_bytes(p);
+      if (min_bytes == 0) continue;  // no properties: nothing to read, whatever the count
+      if (element.count > source_.remaining() / min_bytes) {
+        return fail(ErrorCode::InvalidFile, source_.where(),
                     fmt::format("header announces {} of element '{}', but the file ends before",
                                 element.count, element.name),
                     "copy or export the mesh again");
@@ -292,11 +296,12 @@ class BodyParser {
       if (element.name == "vertex") mesh_.positions.reserve(element.count * 3);
       if (element.name == "face") mesh_.triangles.reserve(element.count);
       for (std::uint64_t i = 0; i < element.count; ++i) {
-        if (auto read = read_record(element, i); !read) return tl::unexpected(read.error());
+        FOLDPROOF_TRY(read_record(element, i));
       }
     }
     if (!source_.at_end()) {
-      return fail(source_.place(), "there is more data than the header announces", "export the mesh again");
+      return fail(ErrorCode::InvalidFile, source_.where(), "there is more data than the header announces",
+                  "export the mesh again");
     }
     return std::move(mesh_);
   }
@@ -304,7 +309,7 @@ class BodyParser {
  private:
   tl::unexpected<Error> error(Scan scan, const Element& element, std::uint64_t record) const {
     return tl::unexpected(
-        scan_error(scan, source_.place(), fmt::format("a value of {} {}", element.name, record)));
+        scan_error(scan, source_.where(), fmt::format("a value of {} {}", element.name, record)));
   }
 
   Result<void> read_record(const Element& element, std::uint64_t record) {
@@ -312,17 +317,18 @@ class BodyParser {
     if (!source_.begin_record()) return error(Scan::Missing, element, record);
     for (const Property& property : element.properties) {
       if (property.count) {
-        if (auto read = read_list(element, property, record); !read) return read;
+        FOLDPROOF_TRY(read_list(element, property, record));
         continue;
       }
       double value = 0;
       const Scan scan = source_.value(property.type, value);
-      const bool wanted = property.role != Role::None;
-      if (scan != Scan::Ok && (wanted || scan != Scan::NotFinite)) return error(scan, element, record);
-      if (wanted) position[static_cast<std::size_t>(property.role)] = value;
+      const bool used = property.role != Role::None;
+      if (scan != Scan::Ok && (used || scan != Scan::NotFinite)) return error(scan, element, record);
+      if (used) position[static_cast<std::size_t>(property.role)] = value;
     }
     if (!source_.end_record()) {
-      return fail(source_.place(), fmt::format("{} {} has more values than declared", element.name, record),
+      return fail(ErrorCode::InvalidFile, source_.where(),
+                  fmt::format("{} {} has more values than declared", element.name, record),
                   "export the mesh again");
     }
     if (element.name == "vertex") {
@@ -337,17 +343,18 @@ class BodyParser {
     if (scan != Scan::Ok) return error(scan, element, record);
     const bool polygon = property.role == Role::Polygon;
     if (count < (polygon ? 3 : 0)) {
-      return fail(source_.place(), fmt::format("{} {} has a list of {} values", element.name, record, count),
+      return fail(ErrorCode::InvalidFile, source_.where(),
+                  fmt::format("{} {} has a list of {} values", element.name, record, count),
                   "remove faces with fewer than three vertices");
     }
     polygon_.clear();
-    for (std::uint64_t left = static_cast<std::uint64_t>(count); left > 0; --left) {
+    for (std::uint64_t n = static_cast<std::uint64_t>(count); n > 0; --n) {
       double value = 0;
       const Scan item = source_.value(property.type, value);
       if (item != Scan::Ok && (polygon || item != Scan::NotFinite)) return error(item, element, record);
       if (!polygon) continue;
       if (value < 0 || value >= static_cast<double>(header_.vertices)) {
-        return fail(source_.place(),
+        return fail(ErrorCode::InvalidFile, source_.where(),
                     fmt::format("face {} refers to vertex {}, but there are {} (counting from 0)", record,
                                 value, header_.vertices),
                     "export the mesh again");
@@ -368,14 +375,14 @@ class BodyParser {
 }  // namespace
 
 Result<MeshData> parse_ply(const std::string& path, std::string_view bytes) {
-  const auto header = HeaderParser(path, bytes).parse();
-  if (!header) return tl::unexpected(header.error());
-  if (header->vertices > kMaxVertices) {
-    return fail(path, fmt::format("header announces {} vertices", header->vertices), "split the mesh");
+  const auto header = FOLDPROOF_TRY(HeaderParser(path, bytes).parse());
+  if (header.vertices > kMaxVertices) {
+    return fail(ErrorCode::LimitExceeded, path, fmt::format("header announces {} vertices", header.vertices),
+                "split the mesh");
   }
-  return header->encoding == Encoding::Ascii
-             ? BodyParser(path, *header, AsciiSource(path, bytes, *header)).parse()
-             : BodyParser(path, *header, BinarySource(path, bytes, *header)).parse();
+  return header.encoding == Encoding::Ascii
+             ? BodyParser(path, header, AsciiSource(path, bytes, header)).parse()
+             : BodyParser(path, header, BinarySource(path, bytes, header)).parse();
 }
 
 }  // namespace foldproof::io

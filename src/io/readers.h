@@ -1,4 +1,4 @@
-/// What the readers of the single formats share.
+/// Shared by the readers of all formats.
 #pragma once
 
 #include <memory>
@@ -9,12 +9,12 @@
 
 namespace foldproof::io {
 
-/// One mesh as a file gives it. Polygons become fans around their first vertex: (0,1,2), (0,2,3), ... The
-/// choice looks at ids alone, so it is the same in every frame.
+/// A mesh as read from a file. Polygons become fans around their first vertex: (0,1,2), (0,2,3), ... This
+/// depends on ids alone, so it is the same in every frame.
 struct MeshData {
   std::vector<double> positions;  ///< vertex_count x 3.
   std::vector<Triangle> triangles;
-  std::vector<Index> faces;  ///< The file's face of each triangle; empty while every face is a triangle.
+  std::vector<Index> faces;  ///< The file's face of each triangle; empty if every face is a triangle.
 
   Index vertex_count() const { return static_cast<Index>(positions.size() / 3); }
   /// At least three vertices.
@@ -23,7 +23,7 @@ struct MeshData {
   Index face_of(Index i) const { return faces.empty() ? i : faces[i]; }
 };
 
-/// Ids must fit an Index, edges (three per triangle) included.
+/// Ids of vertices, triangles and edges (up to three per triangle) must fit an Index.
 inline constexpr std::uint64_t kMaxVertices = kNoIndex - 1;
 inline constexpr std::uint64_t kMaxTriangles = kNoIndex / 3 - 1;
 
@@ -32,18 +32,18 @@ inline constexpr std::uint64_t kMaxTriangles = kNoIndex / 3 - 1;
 Result<MeshData> parse_obj(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_off(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_ply(const std::string& path, std::string_view bytes);
-/// Reads and parses a mesh file, by its extension. On success there are vertices and triangles besides, few
-/// enough to be numbered.
+/// Reads and parses a mesh file, by its extension. On success it also has vertices and triangles, no more
+/// than the maxima above.
 Result<MeshData> read_mesh(const std::string& path);
 
 /// Error at the first coordinate that is not finite: "<where>, vertex 7".
 Result<void> check_finite(const std::string& where, std::span<const double> positions);
-/// Error when a caller asks for a frame that is not there or gives a buffer of the wrong size.
+/// Error: the frame does not exist, or the buffer has the wrong size.
 Result<void> check_request(const Motion& motion, Index frame, std::span<const double> out);
 
-/// frame9 before frame10: runs of digits compare as numbers, everything else byte by byte.
+/// Natural order, frame9 before frame10: runs of digits compare as numbers, the rest byte by byte.
 bool natural_less(const std::string& a, const std::string& b);
-/// Mesh files as frames, in the order given; one file is a motion of one frame.
+/// Mesh files as the frames of a motion, in the given order.
 Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths);
 /// A mesh and its point cache.
 Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, const std::string& cache_path);
@@ -54,8 +54,8 @@ Result<std::unique_ptr<Motion>> open_npz(const std::string& path);
 /// glTF or GLB, sampled at `fps`.
 Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps);
 
-/// The same motion with vertices merged that stand at exactly the same place in its first frame; of those the
-/// first is kept, and the order of the rest stays.
+/// Merges vertices that have exactly the same position in the first frame. The first of each set is kept; the
+/// order stays.
 Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion);
 
 }  // namespace foldproof::io

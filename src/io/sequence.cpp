@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "base/try.h"
 #include "io/readers.h"
 
 namespace foldproof::io {
@@ -14,12 +15,9 @@ class MeshSequence final : public Motion {
       : name_(std::move(name)), paths_(std::move(paths)) {}
 
   Result<void> open() {
-    auto first = read(0);
-    if (!first) return tl::unexpected(first.error());
-    auto topology = Topology::make(first->vertex_count(), std::move(first->triangles));
-    if (!topology) return tl::unexpected(topology.error());
-    topology_ = std::move(*topology);
-    first_ = std::move(first->positions);
+    auto first = FOLDPROOF_TRY(read(0));
+    topology_ = FOLDPROOF_TRY(Topology::make(first.vertex_count(), std::move(first.triangles)));
+    first_ = std::move(first.positions);
     return {};
   }
 
@@ -28,15 +26,14 @@ class MeshSequence final : public Motion {
   Index frame_count() const override { return static_cast<Index>(paths_.size()); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
-    if (auto checked = check_request(*this, k, out); !checked) return checked;
+    FOLDPROOF_TRY(check_request(*this, k, out));
     if (k == 0) {
       std::copy(first_.begin(), first_.end(), out.begin());
       return {};
     }
-    const auto mesh = read(k);
-    if (!mesh) return tl::unexpected(mesh.error());
-    if (auto same = check_same(k, *mesh); !same) return same;
-    std::copy(mesh->positions.begin(), mesh->positions.end(), out.begin());
+    const auto mesh = FOLDPROOF_TRY(read(k));
+    FOLDPROOF_TRY(check_same(k, mesh));
+    std::copy(mesh.positions.begin(), mesh.positions.end(), out.begin());
     return {};
   }
 
@@ -53,7 +50,7 @@ class MeshSequence final : public Motion {
 
   Result<void> check_same(Index k, const MeshData& mesh) const {
     const auto different = [&](std::string problem) {
-      return fail(with_frame(paths_[k], k), std::move(problem),
+      return fail(ErrorCode::InvalidFile, with_frame(paths_[k], k), std::move(problem),
                   "give frames of one mesh, with the same faces in the same order");
     };
     if (mesh.vertex_count() != topology_.vertex_count()) {
@@ -80,14 +77,14 @@ class MeshSequence final : public Motion {
   std::string name_;
   std::vector<std::string> paths_;
   Topology topology_;
-  std::vector<double> first_;  // opening has read it already
+  std::vector<double> first_;  // positions of frame 0, which open() reads
 };
 
 }  // namespace
 
 Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths) {
   auto motion = std::make_unique<MeshSequence>(std::move(name), std::move(paths));
-  if (auto opened = motion->open(); !opened) return tl::unexpected(opened.error());
+  FOLDPROOF_TRY(motion->open());
   return motion;
 }
 

@@ -11,8 +11,8 @@
 namespace foldproof::io {
 namespace {
 
-tl::unexpected<Error> space_error(const std::string& where) {
-  return fail(where,
+tl::unexpected<Error> write_error(const std::string& where) {
+  return fail(ErrorCode::FileAccess, where,
               "needs a temporary file that cannot be written: " + std::generic_category().message(errno),
               "free space in the temporary directory, or name another one in TMPDIR");
 }
@@ -38,7 +38,7 @@ Result<Spool> Spool::open(std::string where) {
   std::error_code status;
   std::string name = (std::filesystem::temp_directory_path(status) / "foldproof-XXXXXX").string();
   spool.descriptor_ = ::mkstemp(name.data());
-  if (spool.descriptor_ < 0) return space_error(spool.where_);
+  if (spool.descriptor_ < 0) return write_error(spool.where_);
   ::unlink(name.c_str());
   return spool;
 }
@@ -47,7 +47,7 @@ Result<void> Spool::append(std::span<const char> bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return space_error(where_);
+    if (count < 0) return write_error(where_);
     bytes = bytes.subspan(static_cast<std::size_t>(count));
   }
   return {};

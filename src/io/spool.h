@@ -1,4 +1,4 @@
-/// A temporary file without a name: takes what is too much for memory, and is gone when closed.
+/// An unnamed temporary file for data that is too large for memory; closing it deletes it.
 #pragma once
 
 #include "foldproof/base.h"
@@ -14,7 +14,7 @@ class Spool {
   ~Spool();
 
   Result<void> append(std::span<const char> bytes);
-  /// Fills `out` from `offset`; false when that cannot be read.
+  /// Fills `out` with the bytes from `offset`; false when they cannot be read.
   bool read_at(std::uint64_t offset, std::span<char> out) const;
 
  private:

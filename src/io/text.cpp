@@ -13,9 +13,9 @@ bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// std::from_chars reports numbers below the smallest double and above the largest alike.
+// Tells underflow from overflow, for which std::from_chars returns the same error.
 bool is_below_one(std::string_view number) {
-  std::int64_t magnitude = 0;  // decimal places of the first digit that is not zero, before the point > 0
+  std::int64_t magnitude = 0;  // decimal position of the first nonzero digit, positive before the point
   bool seen = false, point = false;
   std::size_t i = 0;
   for (; i < number.size() && (is_digit(number[i]) || number[i] == '.' || number[i] == '-'); ++i) {
@@ -28,10 +28,10 @@ bool is_below_one(std::string_view number) {
   }
   std::int64_t exponent = 0;
   if (i < number.size()) {
-    const char* begin = number.data() + i + 1;
-    if (begin < number.data() + number.size() && *begin == '+') ++begin;
-    const auto [_, status] = std::from_chars(begin, number.data() + number.size(), exponent);
-    if (status == std::errc::result_out_of_range) return *begin == '-';
+    const char* digits = number.data() + i + 1;
+    if (digits < number.data() + number.size() && *digits == '+') ++digits;
+    const auto [_, status] = std::from_chars(digits, number.data() + number.size(), exponent);
+    if (status == std::errc::result_out_of_range) return *digits == '-';
   }
   return exponent < -magnitude;
 }
@@ -120,12 +120,12 @@ std::string at_line(const std::string& path, std::uint64_t line) { return fmt::f
 Error scan_error(Scan scan, std::string where, const std::string& what) {
   switch (scan) {
     case Scan::Missing:
-      return {std::move(where), what + " is missing", "export the mesh again"};
+      return {std::move(where), what + " is missing", "export the mesh again", ErrorCode::InvalidFile};
     case Scan::NotFinite:
       return {std::move(where), what + " is not finite",
-              "export the mesh without NaN or infinite coordinates"};
+              "export the mesh without NaN or infinite coordinates", ErrorCode::NonFinite};
     default:
-      return {std::move(where), what + " is not a number", "export the mesh again"};
+      return {std::move(where), what + " is not a number", "export the mesh again", ErrorCode::InvalidFile};
   }
 }
 

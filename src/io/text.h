@@ -1,4 +1,4 @@
-/// Reading text formats: lines, words and numbers, with the line number for errors.
+/// Scans text formats: lines, words and numbers, with the line number for errors.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,14 @@
 
 namespace foldproof::io {
 
-/// What came of reading a number. Missing: the line ends first.
+/// The outcome of reading a number. Missing: the line ends first.
 enum class Scan : std::uint8_t { Ok, Missing, Malformed, NotFinite };
 
-/// Walks through a text. Lines end with LF, CR LF or CR.
+/// A position in a text. Lines end with LF, CR LF or CR.
 class TextCursor {
  public:
   struct Dialect {
-    char comment = '#';         ///< Runs to the end of the line; '\0': none.
+    char comment = '#';         ///< Starts a comment to the end of the line; '\0': none.
     bool continuation = false;  ///< A backslash at the end of a line joins the next one to it.
   };
   TextCursor(std::string_view text, Dialect dialect)
@@ -24,12 +24,12 @@ class TextCursor {
   bool at_end() const { return at_ == end_; }
   /// Counts from 1.
   std::uint64_t line() const { return line_; }
-  /// The part that has not been read.
-  std::string_view rest() const { return {at_, static_cast<std::size_t>(end_ - at_)}; }
+  /// The unread text.
+  std::string_view remaining() const { return {at_, static_cast<std::size_t>(end_ - at_)}; }
 
-  /// Skips blanks; true when nothing but a comment is left on this line.
+  /// Skips blanks; true when only a comment, if anything, remains on this line.
   bool at_line_end();
-  /// Goes to the start of the next line.
+  /// Moves to the start of the next line.
   void next_line();
   /// Skips empty lines and comments; false when the text ends first.
   bool skip_to_content();
@@ -38,9 +38,9 @@ class TextCursor {
 
   Scan number(double& value);
   Scan integer(std::int64_t& value);
-  /// What is left of the word that the last number was the head of; empty when nothing is.
+  /// The remainder of the word that the last leading_integer() started; may be empty.
   std::string_view tail();
-  /// An integer that may be the head of a longer word, as in "12/4/7".
+  /// An integer that may start a longer word, as in "12/4/7".
   Scan leading_integer(std::int64_t& value);
 
  private:
@@ -52,10 +52,10 @@ class TextCursor {
   std::uint64_t line_ = 1;
 };
 
-/// The place of a line: "walk.obj:12".
+/// The location of a line, for errors: "walk.obj:12".
 std::string at_line(const std::string& path, std::uint64_t line);
 
-/// Why a number could not be read; `what` is it: "a coordinate of vertex 3".
+/// Why a number could not be read. `what` names the number: "a coordinate of vertex 3".
 Error scan_error(Scan scan, std::string where, const std::string& what);
 
 }  // namespace foldproof::io

@@ -1,7 +1,8 @@
-// Merges vertices that stand at exactly the same place in the first frame.
+// Merges vertices that have exactly the same position in the first frame.
 #include <algorithm>
 #include <numeric>
 
+#include "base/try.h"
 #include "io/readers.h"
 
 namespace foldproof::io {
@@ -17,9 +18,9 @@ class WeldedMotion final : public Motion {
   Index frame_count() const override { return motion_->frame_count(); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
-    if (auto checked = check_request(*this, k, out); !checked) return checked;
+    FOLDPROOF_TRY(check_request(*this, k, out));
     frame_.resize(std::size_t{3} * motion_->topology().vertex_count());
-    if (auto read = motion_->read_frame(k, frame_); !read) return read;
+    FOLDPROOF_TRY(motion_->read_frame(k, frame_));
     for (std::size_t v = 0; v < kept_.size(); ++v) {
       std::copy_n(frame_.begin() + std::ptrdiff_t{3} * kept_[v], 3,
                   out.begin() + static_cast<std::ptrdiff_t>(3 * v));
@@ -30,7 +31,7 @@ class WeldedMotion final : public Motion {
  private:
   std::unique_ptr<Motion> motion_;
   Topology topology_;
-  std::vector<Index> kept_;  // new vertex -> the first of the old ones that it stands for
+  std::vector<Index> kept_;  // per new vertex, the first old vertex that was merged into it
   std::vector<double> frame_;
 };
 
@@ -40,8 +41,8 @@ Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion) {
   const Topology& topology = motion->topology();
   const Index count = topology.vertex_count();
   std::vector<double> positions(std::size_t{3} * count);
-  if (auto read = motion->read_frame(0, positions); !read) return tl::unexpected(read.error());
-  // Comparing numbers, not bits: -0 and 0 are the same place.
+  FOLDPROOF_TRY(motion->read_frame(0, positions));
+  // Compares numbers, not bits: -0 equals 0.
   const auto compare = [&](Index a, Index b) {
     const double *p = &positions[std::size_t{3} * a], *q = &positions[std::size_t{3} * b];
     for (int k = 0; k < 3; ++k) {
@@ -55,7 +56,7 @@ Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion) {
     const int sign = compare(a, b);
     return sign != 0 ? sign < 0 : a < b;
   });
-  std::vector<Index> first(count);  // the first vertex at the same place
+  std::vector<Index> first(count);  // the first vertex at the same position
   for (Index i = 0; i < count; ++i) {
     const bool same = i > 0 && compare(order[i - 1], order[i]) == 0;
     first[order[i]] = same ? first[order[i - 1]] : order[i];
@@ -73,9 +74,8 @@ Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion) {
   for (Triangle& t : triangles) {
     for (Index& v : t) v = renumbered[v];
   }
-  auto welded = Topology::make(static_cast<Index>(kept.size()), std::move(triangles));
-  if (!welded) return tl::unexpected(welded.error());
-  return std::make_unique<WeldedMotion>(std::move(motion), std::move(*welded), std::move(kept));
+  auto welded = FOLDPROOF_TRY(Topology::make(static_cast<Index>(kept.size()), std::move(triangles)));
+  return std::make_unique<WeldedMotion>(std::move(motion), std::move(welded), std::move(kept));
 }
 
 }  // namespace foldproof::io

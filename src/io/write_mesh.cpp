@@ -1,8 +1,9 @@
-// Writers: PLY with marks, OBJ with PC2.
+// Writes PLY with face properties, and OBJ with PC2.
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "base/try.h"
 #include "io/bytes.h"
 #include "io/readers.h"
 
@@ -11,8 +12,8 @@ namespace {
 
 using io::append;
 
-// Most programs count and index with signed 32-bit integers; PC2 has no others.
-constexpr Index kMostSigned = 0x7fffffff;
+// Most programs use signed 32-bit counts and indices; PC2 has no others.
+constexpr Index kMaxSigned = 0x7fffffff;
 
 Result<void> write_pc2(FileWriter& file, Motion& motion, const std::string& path,
                        std::vector<double>& positions) {
@@ -24,16 +25,16 @@ Result<void> write_pc2(FileWriter& file, Motion& motion, const std::string& path
   append<float>(bytes, 1);  // frames between samples
   append<std::int32_t>(bytes, static_cast<std::int32_t>(motion.frame_count()));
   for (Index k = 0; k < motion.frame_count(); ++k) {
-    if (auto read = motion.read_frame(k, positions); !read) return read;
+    FOLDPROOF_TRY(motion.read_frame(k, positions));
     for (std::size_t i = 0; i < positions.size(); ++i) {
       const auto narrow = static_cast<float>(positions[i]);
       if (!std::isfinite(narrow)) {
-        return fail(fmt::format("{}, frame {}, vertex {}", path, k, i / 3),
+        return fail(ErrorCode::LimitExceeded, fmt::format("{}, frame {}, vertex {}", path, k, i / 3),
                     "a coordinate is too large for PC2, which holds 32-bit floats", "write NPZ instead");
       }
       append(bytes, narrow);
     }
-    if (auto written = file.write(bytes); !written) return written;
+    FOLDPROOF_TRY(file.write(bytes));
     bytes.clear();
   }
   return {};
@@ -41,7 +42,7 @@ Result<void> write_pc2(FileWriter& file, Motion& motion, const std::string& path
 
 Result<void> write_obj_text(FileWriter& file, const Topology& topology, std::span<const double> positions) {
   std::string text;
-  // 17 digits would do as well; fmt's default is the shortest text that reads back as the same double.
+  // fmt's default is the shortest text that reads back as the same double.
   for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
     text += fmt::format("v {} {} {}\n", positions[i], positions[i + 1], positions[i + 2]);
   }
@@ -54,7 +55,7 @@ Result<void> require_sizes(const std::string& path, const Topology& topology,
                            std::span<const double> positions, std::span<const FaceProperty> properties) {
   const std::size_t vertices = topology.vertex_count(), triangles = topology.triangles().size();
   const auto wrong = [&](const std::string& given) {
-    return fail(path,
+    return fail(ErrorCode::InvalidArgument, path,
                 fmt::format("a mesh of {} vertices and {} triangles is to be written from {}", vertices,
                             triangles, given),
                 "pass three numbers a vertex and one value a triangle");
@@ -78,50 +79,47 @@ Result<void> write_ply_properties(const std::string& path, const Topology& topol
                                   std::span<const double> positions,
                                   std::span<const FaceProperty> properties) {
   const auto triangles = topology.triangles();
-  if (auto fits = require_sizes(path, topology, positions, properties); !fits) return fits;
-  auto file = FileWriter::open(path);
-  if (!file) return tl::unexpected(file.error());
+  FOLDPROOF_TRY(require_sizes(path, topology, positions, properties));
+  auto file = FOLDPROOF_TRY(FileWriter::open(path));
   std::string header = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
       "property double z\nelement face {}\nproperty list uchar {} vertex_indices\n",
-      topology.vertex_count(), triangles.size(), topology.vertex_count() <= kMostSigned ? "int" : "uint");
+      topology.vertex_count(), triangles.size(), topology.vertex_count() <= kMaxSigned ? "int" : "uint");
   for (const FaceProperty& p : properties) header += fmt::format("property {} {}\n", p.type, p.name);
-  if (auto written = file->write(header + "end_header\n"); !written) return written;
+  FOLDPROOF_TRY(file.write(header + "end_header\n"));
   std::vector<char> bytes;
   for (const double x : positions) append(bytes, x);
-  if (auto written = file->write(bytes); !written) return written;
+  FOLDPROOF_TRY(file.write(bytes));
   bytes.clear();
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     bytes.push_back(3);
     for (const Index v : triangles[i]) append(bytes, v);
     for (const FaceProperty& p : properties) bytes.push_back(static_cast<char>(p.values[i]));
   }
-  if (auto written = file->write(bytes); !written) return written;
-  return file->commit();
+  FOLDPROOF_TRY(file.write(bytes));
+  return file.commit();
 }
 
 Result<void> write_obj(const std::string& path, const Topology& topology, std::span<const double> positions) {
-  if (auto fits = require_sizes(path, topology, positions, {}); !fits) return fits;
-  auto file = FileWriter::open(path);
-  if (!file) return tl::unexpected(file.error());
-  if (auto written = write_obj_text(*file, topology, positions); !written) return written;
-  return file->commit();
+  FOLDPROOF_TRY(require_sizes(path, topology, positions, {}));
+  auto file = FOLDPROOF_TRY(FileWriter::open(path));
+  FOLDPROOF_TRY(write_obj_text(file, topology, positions));
+  return file.commit();
 }
 
 Result<void> write_obj_pc2(const std::string& obj_path, const std::string& pc2_path, Motion& motion) {
-  if (motion.topology().vertex_count() > kMostSigned || motion.frame_count() > kMostSigned) {
-    return fail(pc2_path, "the motion has more vertices or frames than PC2 can count", "write NPZ instead");
+  if (motion.topology().vertex_count() > kMaxSigned || motion.frame_count() > kMaxSigned) {
+    return fail(ErrorCode::LimitExceeded, pc2_path,
+                "the motion has more vertices or frames than PC2 can count", "write NPZ instead");
   }
-  auto obj = FileWriter::open(obj_path);
-  if (!obj) return tl::unexpected(obj.error());
-  auto pc2 = FileWriter::open(pc2_path);
-  if (!pc2) return tl::unexpected(pc2.error());
+  auto obj = FOLDPROOF_TRY(FileWriter::open(obj_path));
+  auto pc2 = FOLDPROOF_TRY(FileWriter::open(pc2_path));
   std::vector<double> positions(std::size_t{3} * motion.topology().vertex_count());
-  if (auto read = motion.read_frame(0, positions); !read) return read;
-  if (auto written = write_obj_text(*obj, motion.topology(), positions); !written) return written;
-  if (auto written = write_pc2(*pc2, motion, pc2_path, positions); !written) return written;
-  if (auto committed = pc2->commit(); !committed) return committed;
-  return obj->commit();
+  FOLDPROOF_TRY(motion.read_frame(0, positions));
+  FOLDPROOF_TRY(write_obj_text(obj, motion.topology(), positions));
+  FOLDPROOF_TRY(write_pc2(pc2, motion, pc2_path, positions));
+  FOLDPROOF_TRY(pc2.commit());
+  return obj.commit();
 }
 
 }  // namespace foldproof

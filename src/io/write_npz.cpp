@@ -1,4 +1,5 @@
-// A motion as NPZ: two stored members, streamed.
+// Writes a motion as NPZ: two stored members, streamed.
+#include "base/try.h"
 #include "io/bytes.h"
 #include "io/npy.h"
 #include "io/zip_writer.h"
@@ -19,8 +20,8 @@ Result<void> write_faces(ZipWriter& zip, const Topology& topology) {
   for (const Triangle& t : triangles) {
     for (const Index v : t) append(bytes, static_cast<std::int32_t>(v));
   }
-  if (auto begun = zip.begin("faces.npy", bytes.size()); !begun) return begun;
-  if (auto written = zip.data(bytes); !written) return written;
+  FOLDPROOF_TRY(zip.begin("faces.npy", bytes.size()));
+  FOLDPROOF_TRY(zip.data(bytes));
   return zip.end();
 }
 
@@ -29,12 +30,12 @@ Result<void> write_vertices(ZipWriter& zip, Motion& motion) {
   const std::string header = io::npy_header("<f8", shape);
   std::vector<char> bytes(header.begin(), header.end());
   const std::uint64_t size = header.size() + shape[0] * shape[1] * shape[2] * sizeof(double);
-  if (auto begun = zip.begin("vertices.npy", size); !begun) return begun;
+  FOLDPROOF_TRY(zip.begin("vertices.npy", size));
   std::vector<double> positions(std::size_t{3} * motion.topology().vertex_count());
   for (Index k = 0; k < motion.frame_count(); ++k) {
-    if (auto read = motion.read_frame(k, positions); !read) return read;
+    FOLDPROOF_TRY(motion.read_frame(k, positions));
     for (const double x : positions) append(bytes, x);
-    if (auto written = zip.data(bytes); !written) return written;
+    FOLDPROOF_TRY(zip.data(bytes));
     bytes.clear();
   }
   return zip.end();
@@ -44,15 +45,15 @@ Result<void> write_vertices(ZipWriter& zip, Motion& motion) {
 
 Result<void> write_npz(const std::string& path, Motion& motion) {
   if (motion.topology().vertex_count() > 0x7fffffff) {
-    return fail(path, "the motion has more vertices than int32 can count", "split the mesh");
+    return fail(ErrorCode::LimitExceeded, path, "the motion has more vertices than int32 can count",
+                "split the mesh");
   }
-  auto file = FileWriter::open(path);
-  if (!file) return tl::unexpected(file.error());
-  ZipWriter zip(*file);
-  if (auto written = write_faces(zip, motion.topology()); !written) return written;
-  if (auto written = write_vertices(zip, motion); !written) return written;
-  if (auto finished = zip.finish(); !finished) return finished;
-  return file->commit();
+  auto file = FOLDPROOF_TRY(FileWriter::open(path));
+  ZipWriter zip(file);
+  FOLDPROOF_TRY(write_faces(zip, motion.topology()));
+  FOLDPROOF_TRY(write_vertices(zip, motion));
+  FOLDPROOF_TRY(zip.finish());
+  return file.commit();
 }
 
 }  // namespace foldproof

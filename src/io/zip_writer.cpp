@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint16_t kZip64Version = 45;
 constexpr std::uint32_t kSeeZip64 = 0xffffffff;
-constexpr std::uint64_t kCrcInLocalHeader = 14;  // bytes from the start of the local header
+constexpr std::uint64_t kCrcInLocalHeader = 14;  // byte offset from the start of the local header
 
 }  // namespace
 
@@ -75,11 +75,11 @@ Result<void> ZipWriter::finish() {
   append(directory, count);
   append(directory, size);
   append(directory, start);
-  append<std::uint32_t>(directory, 0x07064b50);  // where that end is
+  append<std::uint32_t>(directory, 0x07064b50);  // locator of that record
   append<std::uint32_t>(directory, 0);
   append<std::uint64_t>(directory, start + size);
   append<std::uint32_t>(directory, 1);
-  append<std::uint32_t>(directory, 0x06054b50);  // end of the directory, 32-bit form: look above
+  append<std::uint32_t>(directory, 0x06054b50);  // end of the directory, 32-bit form: refers to the above
   append<std::uint32_t>(directory, 0);
   append<std::uint32_t>(directory, kSeeZip64);  // both counts
   append(directory, kSeeZip64);
@@ -88,7 +88,7 @@ Result<void> ZipWriter::finish() {
   return put(directory);
 }
 
-// Fields that the local header and the directory have in common, up to the length of the name.
+// Fields common to the local header and the directory, up to the length of the name.
 void ZipWriter::append_common(std::vector<char>& bytes, const Member& member) {
   append(bytes, kZip64Version);
   append<std::uint16_t>(bytes, 0);       // flags

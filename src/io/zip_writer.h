@@ -1,4 +1,4 @@
-/// A stored ZIP archive, written front to back. libzip can only write files of its own naming, and would
+/// A stored ZIP archive, written front to back. libzip is not used: it opens its output itself, which would
 /// bypass FileWriter.
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace foldproof::io {
 
-/// Always in the 64-bit form, so that there is one form to test. Members follow each other: begin, data as
-/// often as needed until `bytes` are written, end. The caller commits the file after finish.
+/// Always ZIP64, so that there is one form to test. Per member: begin, data until `bytes` are written, end.
+/// The caller commits the file after finish.
 class ZipWriter {
  public:
   explicit ZipWriter(FileWriter& file) : file_(file) {}

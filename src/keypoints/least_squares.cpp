@@ -5,19 +5,21 @@
 #include <cassert>
 #include <nanoflann.hpp>
 
-#include "statistics/tall.h"
+#include "statistics/tall_skinny.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
 
-constexpr double kSeen = 1e-4;      // Of the largest singular value: what key points must see of every mode.
-constexpr double kSeenWell = 1e-6;  // Of the largest square.
+// Smallest singular value, relative to the largest, at which the key points determine all modes.
+constexpr double kMinSingularValue = 1e-4;
+// Smallest eigenvalue of the normal equations, relative to the largest, at which they are accurate enough.
+constexpr double kMinEigenvalue = 1e-6;
 
-// Some vertices of a pose, as nanoflann wants to see points.
+// nanoflann's view of some vertices of a pose.
 struct KeyPositions {
   const VectorView& pose;
   std::span<const Index> vertices;
@@ -32,8 +34,8 @@ struct KeyPositions {
   }
 };
 
-// nanoflann's view of the nearest point so far: what is no nearer does not count.
-struct Bounded {
+// nanoflann's view of the nearest point so far; points that are not nearer are ignored.
+struct NearestSoFar {
   double squared;
   Index nearest;
 
@@ -45,13 +47,12 @@ struct Bounded {
   }
 };
 
-// Finds the nearest of some vertices of a pose.
-class KeyTree {
+class KeyPointTree {
  public:
-  KeyTree(const VectorView& pose, std::span<const Index> vertices)
+  KeyPointTree(const VectorView& pose, std::span<const Index> vertices)
       : positions_{pose, vertices}, tree_(3, positions_) {}
 
-  // The nearest one of a vertex; of equally near ones `guess`, if it is one of them.
+  // The key point nearest to a vertex; of equally near ones `guess`, if it is one of them.
   Index nearest(std::size_t vertex, Index guess) const {
     const double* at = positions_.pose.data() + 3 * vertex;
     double squared = 0;
@@ -59,7 +60,7 @@ class KeyTree {
       const double d = at[axis] - positions_.kdtree_get_pt(guess, axis);
       squared += d * d;
     }
-    Bounded result{squared, guess};
+    NearestSoFar result{squared, guess};
     tree_.findNeighbors(result, at, nanoflann::SearchParams());
     return result.nearest;
   }
@@ -72,26 +73,26 @@ class KeyTree {
 
 }  // namespace
 
-VectorXd shares_of_vertices(const VectorView& pose, std::span<const Index> vertices) {
-  return NearestKeyPoints(pose, vertices).shares(pose);
+VectorXd nearest_counts(const VectorView& pose, std::span<const Index> vertices) {
+  return NearestKeyPoints(pose, vertices).counts(pose);
 }
 
 NearestKeyPoints::NearestKeyPoints(const VectorView& pose, std::span<const Index> vertices)
     : vertices_(vertices) {
   if (vertices_.empty()) return;
   nearest_.assign(static_cast<std::size_t>(pose.size() / 3), 0);
-  const KeyTree keys(pose, vertices_);
-  // What is nearest to one vertex is near the next one, more often than not.
+  const KeyPointTree keys(pose, vertices_);
+  // The key point nearest to one vertex is usually near the next one.
   Index guess = 0;
   for (std::size_t v = 0; v < nearest_.size(); ++v) guess = nearest_[v] = keys.nearest(v, guess);
 }
 
-VectorXd NearestKeyPoints::shares(const VectorView& pose) const {
-  VectorXd shares = VectorXd::Zero(static_cast<Eigen::Index>(vertices_.size()));
-  if (vertices_.empty()) return shares;
-  const KeyTree keys(pose, vertices_);
-  for (std::size_t v = 0; v < nearest_.size(); ++v) shares[keys.nearest(v, nearest_[v])] += 1;
-  return shares.cwiseMax(1);  // Of key points in one place, one gets all.
+VectorXd NearestKeyPoints::counts(const VectorView& pose) const {
+  VectorXd counts = VectorXd::Zero(static_cast<Eigen::Index>(vertices_.size()));
+  if (vertices_.empty()) return counts;
+  const KeyPointTree keys(pose, vertices_);
+  for (std::size_t v = 0; v < nearest_.size(); ++v) counts[keys.nearest(v, nearest_[v])] += 1;
+  return counts.cwiseMax(1);  // Of key points at the same position, one gets all vertices.
 }
 
 MatrixXd rows_of(const MatrixView& matrix, std::span<const Index> vertices) {
@@ -104,27 +105,28 @@ MatrixXd rows_of(const MatrixView& matrix, std::span<const Index> vertices) {
   return rows;
 }
 
-LeastSquares least_squares(const MatrixXd& rows, const VectorXd& shares) {
+LeastSquares least_squares(const MatrixXd& rows, const VectorXd& weights) {
   const Eigen::Index modes = rows.cols();
   if (modes == 0 || rows.rows() == 0) return {MatrixXd::Zero(modes, rows.rows()), modes > 0};
-  const VectorXd weights = shares.cwiseSqrt().transpose().replicate<3, 1>().reshaped();
-  const MatrixXd weighted = weights.asDiagonal() * rows;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> squares(tall_inner(weighted, weighted));
-  // Where all modes are seen well, squares lose nothing that matters.
-  if (rows.rows() >= modes && squares.eigenvalues()[0] > kSeenWell * squares.eigenvalues()[modes - 1]) {
-    const MatrixXd& vectors = squares.eigenvectors();
+  const VectorXd roots = weights.cwiseSqrt().transpose().replicate<3, 1>().reshaped();
+  const MatrixXd weighted = roots.asDiagonal() * rows;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> normal(tall_skinny_inner(weighted, weighted));
+  // Well conditioned: the normal equations are accurate enough.
+  if (rows.rows() >= modes && normal.eigenvalues()[0] > kMinEigenvalue * normal.eigenvalues()[modes - 1]) {
+    const MatrixXd& vectors = normal.eigenvectors();
     const MatrixXd inverse_square =
-        vectors * squares.eigenvalues().cwiseInverse().asDiagonal() * vectors.transpose();
-    return {inverse_square * weighted.transpose() * weights.asDiagonal(), false};
+        vectors * normal.eigenvalues().cwiseInverse().asDiagonal() * vectors.transpose();
+    return {inverse_square * weighted.transpose() * roots.asDiagonal(), false};
   }
   const Eigen::JacobiSVD<MatrixXd> svd(weighted, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const VectorXd& values = svd.singularValues();
   LeastSquares solved;
-  solved.rank_deficient = rows.rows() < modes || !(values.minCoeff() > kSeen * values[0]);
+  solved.rank_deficient = rows.rows() < modes || !(values.minCoeff() > kMinSingularValue * values[0]);
   if (!(values[0] > 0)) return {MatrixXd::Zero(modes, rows.rows()), true};
-  const double ridge = solved.rank_deficient ? kSeen * values[0] * kSeen * values[0] : 0;
+  const double ridge =
+      solved.rank_deficient ? kMinSingularValue * values[0] * kMinSingularValue * values[0] : 0;
   const VectorXd inverted = values.array() / (values.array().square() + ridge);
-  solved.inverse = svd.matrixV() * inverted.asDiagonal() * svd.matrixU().transpose() * weights.asDiagonal();
+  solved.inverse = svd.matrixV() * inverted.asDiagonal() * svd.matrixU().transpose() * roots.asDiagonal();
   return solved;
 }
 
@@ -136,11 +138,11 @@ VectorXd lengths_of(const VectorView& field) {
 
 void add_lengths(const VectorXd& lengths, Index first, VertexDistance& sums) {
   sums.mean += lengths.sum();
-  Eigen::Index at = 0;
-  const double worst = lengths.maxCoeff(&at);
+  Eigen::Index longest = 0;
+  const double worst = lengths.maxCoeff(&longest);
   if (!(worst > sums.worst) && sums.worst_vertex != kNoIndex) return;
   sums.worst = worst;
-  sums.worst_vertex = first + static_cast<Index>(at);
+  sums.worst_vertex = first + static_cast<Index>(longest);
 }
 
 }  // namespace
@@ -154,19 +156,19 @@ VertexDistance vertex_lengths(const VectorView& field) {
   return distance;
 }
 
-VectorXd FieldError::add(Index first, const VectorView& missed, const VectorView& cueing) {
-  vertices_ = first + static_cast<Index>(missed.size() / 3);
-  VectorXd lengths = lengths_of(missed);
+VectorXd PoseErrorSum::add(Index first, const VectorView& projection, const VectorView& cueing) {
+  vertices_ = first + static_cast<Index>(projection.size() / 3);
+  VectorXd lengths = lengths_of(projection);
   add_lengths(lengths, first, sums_.projection);
   add_lengths(lengths_of(cueing), first, sums_.cueing);
-  add_lengths(lengths_of(missed + cueing), first, sums_.total);
+  add_lengths(lengths_of(projection + cueing), first, sums_.total);
   return lengths;
 }
 
-PoseError FieldError::take() const {
+PoseError PoseErrorSum::result() const {
   PoseError error = sums_;
   for (VertexDistance* d : {&error.projection, &error.cueing, &error.total}) d->mean /= vertices_;
   return error;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -1,7 +1,8 @@
 #include "keypoints/leave_one_out.h"
 
+#include "base/try.h"
 #include "keypoints/least_squares.h"
-#include "statistics/tall.h"
+#include "statistics/tall_skinny.h"
 
 namespace foldproof {
 namespace {
@@ -16,23 +17,23 @@ MatrixXd without_column(const MatrixXd& matrix, Eigen::Index k) {
   return rest;
 }
 
-// Per pose two columns in coordinates of the span: what its rebuild by the others misses, and what that
-// rebuild's key points add to it.
-MatrixXd missed_fields(const MatrixView& samples, const Span& span, const SubspaceSize& size,
-                       std::span<const Index> vertices) {
-  if (span.rank() == 0) return {0, 2 * samples.cols()};
-  const MatrixXd coordinates = span.values.asDiagonal() * span.scores.transpose();
-  const MatrixXd key_rows = rows_of(span.directions, vertices);
+// Per pose, two columns in coordinates of the SVD: its projection error and its cueing error with what the
+// other poses give.
+MatrixXd error_fields(const MatrixView& samples, const ThinSvd& svd, const SubspaceSize& size,
+                      std::span<const Index> vertices) {
+  if (svd.rank() == 0) return {0, 2 * samples.cols()};
+  const MatrixXd coordinates = svd.values.asDiagonal() * svd.scores.transpose();
+  const MatrixXd key_rows = rows_of(svd.directions, vertices);
   const double others = static_cast<double>(samples.cols()) - 1;
-  NearestKeyPoints nearest(span.mean, vertices);
-  MatrixXd fields(span.rank(), 2 * samples.cols());
+  const NearestKeyPoints nearest(svd.mean, vertices);
+  MatrixXd fields(svd.rank(), 2 * samples.cols());
   for (Eigen::Index k = 0; k < samples.cols(); ++k) {
-    const Span rest = span_of(without_column(coordinates, k), size);
+    const ThinSvd rest = thin_svd(without_column(coordinates, k), size);
     const VectorXd x = coordinates.col(k) - rest.mean;
     const VectorXd best = rest.directions * (rest.directions.transpose() * x);
-    const VectorXd mean = span.mean + (span.mean - samples.col(k)) / others;
+    const VectorXd mean = svd.mean + (svd.mean - samples.col(k)) / others;
     const MatrixXd rows = key_rows * rest.directions;
-    const VectorXd key_point_p = least_squares(rows, nearest.shares(mean)).inverse * (key_rows * x);
+    const VectorXd key_point_p = least_squares(rows, nearest.counts(mean)).inverse * (key_rows * x);
     fields.col(2 * k) = x - best;
     fields.col(2 * k + 1) = best - rest.directions * key_point_p;
   }
@@ -41,34 +42,35 @@ MatrixXd missed_fields(const MatrixView& samples, const Span& span, const Subspa
 
 }  // namespace
 
-std::vector<PoseError> leave_one_out(const MatrixView& samples, const Span& span, const SubspaceSize& size,
-                                     std::span<const Index> vertices, const SeeMissed& see_missed) {
-  // All samples lie in their span, and so does every subspace of some of them: everything but the lengths at
-  // the end is computed in coordinates of the span.
-  std::vector<FieldError> errors(static_cast<std::size_t>(samples.cols()));
-  const MatrixXd fields = missed_fields(samples, span, size, vertices);
-  const Eigen::Index step = 3 * rows_at_a_time(3 * fields.cols());
+std::vector<PoseError> internal::leave_one_out(const MatrixView& samples, const ThinSvd& svd,
+                                               const SubspaceSize& size, std::span<const Index> vertices,
+                                               const ProjectionErrorVisitor& visit) {
+  // The samples, and every subspace of some of them, lie in the span of the SVD's directions. So only the
+  // distances at the end need whole vertices.
+  std::vector<PoseErrorSum> sums(static_cast<std::size_t>(samples.cols()));
+  const MatrixXd fields = error_fields(samples, svd, size, vertices);
+  const Eigen::Index step = 3 * block_rows(3 * fields.cols());
   for (Eigen::Index first = 0; first < samples.rows(); first += step) {
     const Eigen::Index rows = std::min(step, samples.rows() - first);
-    const MatrixXd at_vertices = tall_product(span.directions.middleRows(first, rows), fields);
+    const MatrixXd at_vertices = tall_skinny_product(svd.directions.middleRows(first, rows), fields);
     for (Eigen::Index k = 0; k < samples.cols(); ++k) {
-      const VectorXd missed = errors[static_cast<std::size_t>(k)].add(
+      const VectorXd distances = sums[static_cast<std::size_t>(k)].add(
           static_cast<Index>(first / 3), at_vertices.col(2 * k), at_vertices.col(2 * k + 1));
-      if (see_missed) see_missed(k, static_cast<Index>(first / 3), missed);
+      if (visit) visit(k, static_cast<Index>(first / 3), distances);
     }
   }
-  std::vector<PoseError> found;
-  found.reserve(errors.size());
-  for (const FieldError& error : errors) found.push_back(error.take());
-  return found;
+  std::vector<PoseError> errors;
+  errors.reserve(sums.size());
+  for (const PoseErrorSum& sum : sums) errors.push_back(sum.result());
+  return errors;
 }
 
 Result<std::vector<PoseError>> leave_one_out(const MatrixView& samples, const SubspaceSize& size,
                                              std::span<const Index> vertices) {
-  if (auto checked = check_columns(samples, "sample"); !checked) return tl::unexpected(checked.error());
-  if (auto checked = check_size(size); !checked) return tl::unexpected(checked.error());
+  FOLDPROOF_TRY(check_columns(samples, "sample"));
+  FOLDPROOF_TRY(check_size(size));
   if (samples.cols() < 2) return std::vector<PoseError>{};
-  return leave_one_out(samples, span_of(samples, kAllModes), size, vertices);
+  return internal::leave_one_out(samples, thin_svd(samples, kAllModes), size, vertices);
 }
 
 }  // namespace foldproof

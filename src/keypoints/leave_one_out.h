@@ -1,19 +1,20 @@
-/// Leaving poses out, for those who have the poses' span already.
+/// Leave-one-out errors for callers that have the samples' thin SVD already.
 #pragma once
 
 #include <functional>
 
 #include "foldproof/keypoints.h"
-#include "statistics/span.h"
+#include "statistics/thin_svd.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// Sees how far vertices `first`, `first` + 1 and so on of a pose are from its best rebuild by the others.
-using SeeMissed = std::function<void(Eigen::Index pose, Index first, const VectorView& lengths)>;
+/// Gets the projection errors of the vertices `first`, `first` + 1, ... of a pose.
+using ProjectionErrorVisitor =
+    std::function<void(Eigen::Index pose, Index first, const VectorView& distances)>;
 
-/// The same as leave_one_out(samples, size, vertices). `span`: of the samples, all modes. At least two
-/// samples.
-std::vector<PoseError> leave_one_out(const MatrixView& samples, const Span& span, const SubspaceSize& size,
-                                     std::span<const Index> vertices, const SeeMissed& see_missed = {});
+/// leave_one_out(samples, size, vertices). `svd`: of the samples, all modes. Precondition: two samples.
+std::vector<PoseError> leave_one_out(const MatrixView& samples, const ThinSvd& svd, const SubspaceSize& size,
+                                     std::span<const Index> vertices,
+                                     const ProjectionErrorVisitor& visit = {});
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

@@ -7,7 +7,7 @@ using Eigen::VectorXd;
 KeyPointMap::KeyPointMap(const Pca& subspace, std::span<const Index> vertices)
     : vertices_(vertices.begin(), vertices.end()), mean_(gather(subspace.mean)) {
   LeastSquares solved =
-      least_squares(rows_of(subspace.basis, vertices_), shares_of_vertices(subspace.mean, vertices_));
+      least_squares(rows_of(subspace.basis, vertices_), nearest_counts(subspace.mean, vertices_));
   inverse_ = std::move(solved.inverse);
   rank_deficient_ = solved.rank_deficient;
 }
@@ -21,8 +21,8 @@ VectorXd KeyPointMap::coordinates(const VectorView& key_positions) const {
 VertexDistance vertex_distance(const VectorView& a, const VectorView& b) { return vertex_lengths(a - b); }
 
 PoseError pose_error(const Pca& subspace, const KeyPointMap& map, const VectorView& x) {
-  const VectorXd best = subspace.rebuild(subspace.project(x));
-  const VectorXd from_key_points = subspace.rebuild(map.coordinates(map.gather(x)));
+  const VectorXd best = subspace.reconstruct(subspace.project(x));
+  const VectorXd from_key_points = subspace.reconstruct(map.coordinates(map.gather(x)));
   return {vertex_distance(x, best), vertex_distance(best, from_key_points),
           vertex_distance(x, from_key_points)};
 }

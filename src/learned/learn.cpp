@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/try.h"
 #include "keypoints/least_squares.h"
 #include "keypoints/leave_one_out.h"
 #include "learned/certificates.h"
-#include "statistics/tall.h"
+#include "statistics/tall_skinny.h"
 
 namespace foldproof {
 namespace {
@@ -14,10 +15,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// As many regions as a person may look through.
-constexpr std::size_t kRegions = 64;
+// No more than a person can look through.
+constexpr std::size_t kMaxRegions = 64;
 
-/// Learning that is under way.
 class Learner {
  public:
   Learner(const Hierarchy& hierarchy, const LearnInput& input, const LearnSettings& settings,
@@ -26,15 +26,19 @@ class Learner {
 
   Result<Learned> run() {
     learned_.settings = settings_;
-    const auto steps = {&Learner::find_subspace, &Learner::find_kernel,       &Learner::find_key_points,
-                        &Learner::find_clusters, &Learner::find_certificates, &Learner::find_errors,
-                        &Learner::leave_out};
+    const auto steps = {&Learner::find_subspace,
+                        &Learner::find_kernel,
+                        &Learner::find_key_points,
+                        &Learner::find_clusters,
+                        &Learner::find_certificates,
+                        &Learner::find_errors,
+                        &Learner::find_leave_one_out_errors};
     std::size_t done = 0;
     for (const auto step : steps) {
       if (hooks_.cancel && hooks_.cancel->load(std::memory_order_relaxed)) {
-        return fail("training", "was stopped", "there is no model");
+        return fail(ErrorCode::Interrupted, "training", "was stopped", "there is no model");
       }
-      if (auto ok = (this->*step)(); !ok) return tl::unexpected(ok.error());
+      FOLDPROOF_TRY((this->*step)());
       if (hooks_.progress) {
         hooks_.progress(static_cast<double>(++done) / static_cast<double>(steps.size()));
       }
@@ -50,12 +54,12 @@ class Learner {
           Eigen::Map<const VectorXd, 0, Eigen::InnerStride<3>>(first.data() + axis, first.size() / 3);
       learned_.size = std::max(learned_.size, along.maxCoeff() - along.minCoeff());
     }
-    if (auto ok = check_columns(input_.samples, "sample"); !ok) return ok;
-    if (auto ok = check_size(settings_.size); !ok) return ok;
-    span_ = span_of(input_.samples, kAllModes);
-    learned_.pca = to_pca(leading_part(span_, settings_.size));
+    FOLDPROOF_TRY(check_columns(input_.samples, "sample"));
+    FOLDPROOF_TRY(check_size(settings_.size));
+    svd_ = thin_svd(input_.samples, kAllModes);
+    learned_.pca = to_pca(truncate(svd_, settings_.size));
     if (learned_.pca.modes() == 0) {
-      return fail("poses", "are all the same, so there is nothing to learn from them",
+      return fail(ErrorCode::NotLearned, "poses", "are all the same, so there is nothing to learn from them",
                   "give poses that differ, or train without learning");
     }
     learned_.coordinates = project_all(learned_.pca, input_.samples);
@@ -64,25 +68,20 @@ class Learner {
 
   Result<void> find_kernel() {
     if (settings_.subspace != SubspaceKind::KernelPca) return {};
-    auto found = kernel_pca(input_.samples, settings_.size);
-    if (!found) return tl::unexpected(found.error());
-    learned_.kernel = std::move(*found);
+    learned_.kernel = FOLDPROOF_TRY(kernel_pca(input_.samples, settings_.size));
     return {};
   }
 
   Result<void> find_key_points() {
     const std::span first(input_.samples.data(), static_cast<std::size_t>(input_.samples.rows()));
-    auto found = choose_key_points(first, input_.samples, learned_.pca, settings_.key_points);
-    if (!found) return tl::unexpected(found.error());
-    learned_.key_points = std::move(*found);
+    learned_.key_points =
+        FOLDPROOF_TRY(choose_key_points(first, input_.samples, learned_.pca, settings_.key_points));
     return {};
   }
 
   Result<void> find_clusters() {
-    const auto most = std::min<Index>(settings_.most_clusters, static_cast<Index>(input_.samples.cols()));
-    auto found = cluster(learned_.coordinates, std::max<Index>(most, 1));
-    if (!found) return tl::unexpected(found.error());
-    learned_.clusters = std::move(*found);
+    learned_.clusters =
+        FOLDPROOF_TRY(cluster(learned_.coordinates, std::max<Index>(settings_.max_clusters, 1)));
     return {};
   }
 
@@ -91,9 +90,7 @@ class Learner {
     const VectorXd anchor = map.gather(learned_.pca.mean);
     MatrixXd keys(anchor.size(), input_.samples.cols());
     for (Eigen::Index k = 0; k < keys.cols(); ++k) keys.col(k) = map.gather(input_.samples.col(k));
-    auto found = make_certificate_map(hierarchy_, input_, keys, anchor);
-    if (!found) return tl::unexpected(found.error());
-    learned_.certificates = std::move(*found);
+    learned_.certificates = FOLDPROOF_TRY(make_certificate_map(hierarchy_, input_, keys, anchor));
     return {};
   }
 
@@ -105,31 +102,32 @@ class Learner {
       from_keys.col(k) = map.coordinates(map.gather(input_.samples.col(k)));
     }
     if (learned_.kernel) {
-      // The predictor reads what has been learned so far, which does not change while it does.
+      // Not an owner: learned_ outlives the predictor.
       const Predictor predictor(std::shared_ptr<const Learned>(std::shared_ptr<void>(), &learned_));
       for (std::size_t k = 0; k < learned_.poses.size(); ++k)
         learned_.poses[k].trained = predictor.error(input_.samples.col(static_cast<Eigen::Index>(k)));
       return {};
     }
     const MatrixXd cueing = learned_.coordinates - from_keys;
-    std::vector<FieldError> errors(learned_.poses.size());
-    const Eigen::Index step = 3 * rows_at_a_time(6 * input_.samples.cols());
+    std::vector<PoseErrorSum> errors(learned_.poses.size());
+    const Eigen::Index step = 3 * block_rows(6 * input_.samples.cols());
     for (Eigen::Index first = 0; first < input_.samples.rows(); first += step) {
       const Eigen::Index rows = std::min(step, input_.samples.rows() - first);
       const auto basis = learned_.pca.basis.middleRows(first, rows);
-      const MatrixXd best = tall_product(basis, learned_.coordinates), added = tall_product(basis, cueing);
+      const MatrixXd best = tall_skinny_product(basis, learned_.coordinates);
+      const MatrixXd added = tall_skinny_product(basis, cueing);
       const auto mean = learned_.pca.mean.segment(first, rows);
       for (std::size_t k = 0; k < errors.size(); ++k) {
-        const auto at = static_cast<Eigen::Index>(k);
-        const VectorXd missed = input_.samples.col(at).segment(first, rows) - mean - best.col(at);
-        errors[k].add(static_cast<Index>(first / 3), missed, added.col(at));
+        const auto pose = static_cast<Eigen::Index>(k);
+        const VectorXd projection = input_.samples.col(pose).segment(first, rows) - mean - best.col(pose);
+        errors[k].add(static_cast<Index>(first / 3), projection, added.col(pose));
       }
     }
-    for (std::size_t k = 0; k < errors.size(); ++k) learned_.poses[k].trained = errors[k].take();
+    for (std::size_t k = 0; k < errors.size(); ++k) learned_.poses[k].trained = errors[k].result();
     return {};
   }
 
-  /// Nodes that make up the mesh: a whole level, or leaves above it.
+  /// Nodes that partition the mesh: those of one level, and the leaves above it.
   std::vector<Index> region_nodes() const {
     const auto nodes = hierarchy_.nodes();
     std::vector<Index> regions{0}, below;
@@ -142,15 +140,14 @@ class Learner {
           below.insert(below.end(), {n + 1, nodes[n].right});
         }
       }
-      if (below.size() > kRegions || below.size() == regions.size()) return regions;
+      if (below.size() > kMaxRegions || below.size() == regions.size()) return regions;
       regions.swap(below);
     }
   }
 
-  // What the other poses make of each pose, vertex by vertex.
-  Result<void> leave_out() {
+  Result<void> find_leave_one_out_errors() {
     std::vector<Index> region_of(hierarchy_.topology().vertex_count(), kNoIndex);
-    std::vector<Index> vertices_in;
+    std::vector<Index> vertex_counts;  // per region
     for (const Index node : region_nodes()) {
       const Hierarchy::Node& n = hierarchy_.nodes()[node];
       const Index begin = hierarchy_.leaves()[n.leaf_begin].vertices,
@@ -159,25 +156,25 @@ class Learner {
         region_of[v] = static_cast<Index>(learned_.regions.size());
       }
       learned_.regions.push_back({.node = node});
-      vertices_in.push_back(end - begin);
+      vertex_counts.push_back(end - begin);
     }
-    const auto see = [&](Eigen::Index pose, Index first, const VectorView& lengths) {
-      for (Index k = 0; k < lengths.size(); ++k) {
+    const auto add_to_regions = [&](Eigen::Index pose, Index first, const VectorView& distances) {
+      for (Index k = 0; k < distances.size(); ++k) {
         if (region_of[first + k] == kNoIndex) continue;
         LearnedRegion& region = learned_.regions[region_of[first + k]];
-        region.mean += lengths[k];
-        if (lengths[k] < region.worst || (lengths[k] == region.worst && region.worst > 0)) continue;
-        region.worst = lengths[k];
+        region.mean += distances[k];
+        if (distances[k] < region.worst || (distances[k] == region.worst && region.worst > 0)) continue;
+        region.worst = distances[k];
         region.worst_vertex = first + k;
         region.worst_pose = input_.poses[static_cast<std::size_t>(pose)];
       }
     };
-    const auto left_out =
-        leave_one_out(input_.samples, span_, settings_.size, learned_.key_points.vertices, see);
-    for (std::size_t k = 0; k < left_out.size(); ++k) learned_.poses[k].left_out = left_out[k];
-    for (std::size_t k = 0; k < vertices_in.size(); ++k) {
-      if (vertices_in[k] == 0) continue;
-      learned_.regions[k].mean /= static_cast<double>(vertices_in[k]) * static_cast<double>(left_out.size());
+    const auto errors =
+        leave_one_out(input_.samples, svd_, settings_.size, learned_.key_points.vertices, add_to_regions);
+    for (std::size_t k = 0; k < errors.size(); ++k) learned_.poses[k].leave_one_out = errors[k];
+    for (std::size_t k = 0; k < vertex_counts.size(); ++k) {
+      if (vertex_counts[k] == 0) continue;
+      learned_.regions[k].mean /= static_cast<double>(vertex_counts[k]) * static_cast<double>(errors.size());
     }
     return {};
   }
@@ -186,7 +183,7 @@ class Learner {
   const LearnInput& input_;
   const LearnSettings& settings_;
   const LearnHooks& hooks_;
-  Span span_;  // of the samples, all modes
+  ThinSvd svd_;  // of the samples, all modes
   Learned learned_;
 };
 
@@ -207,7 +204,7 @@ std::vector<Index> far_above_median(const std::vector<double>& distances) {
 
 std::vector<Index> badly_represented_poses(const Learned& learned) {
   std::vector<double> distances;
-  for (const LearnedPose& pose : learned.poses) distances.push_back(pose.left_out.projection.mean);
+  for (const LearnedPose& pose : learned.poses) distances.push_back(pose.leave_one_out.projection.mean);
   return far_above_median(distances);
 }
 
@@ -220,7 +217,8 @@ std::vector<Index> badly_represented_regions(const Learned& learned) {
 Result<Learned> learn(const Hierarchy& hierarchy, const LearnInput& input, const LearnSettings& settings,
                       const LearnHooks& hooks) {
   if (input.poses.size() < 3) {
-    return fail("poses", fmt::format("are {}, too few to learn from", input.poses.size()),
+    return fail(ErrorCode::NotLearned, "poses",
+                fmt::format("are {}, too few to learn from", input.poses.size()),
                 "give at least 3, or train without learning");
   }
   return Learner(hierarchy, input, settings, hooks).run();

@@ -2,12 +2,12 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "certificate/chart_test.h"
+#include "certificate/chart_holds.h"
 #include "learned/certificates.h"
 
 namespace foldproof {
 
-std::vector<Index> depths_of(const Hierarchy& hierarchy) {
+std::vector<Index> internal::depths_of(const Hierarchy& hierarchy) {
   const auto nodes = hierarchy.nodes();
   std::vector<Index> depths(nodes.size(), 0);
   for (Index n = 0; n < nodes.size(); ++n) {
@@ -16,7 +16,7 @@ std::vector<Index> depths_of(const Hierarchy& hierarchy) {
   return depths;
 }
 
-std::vector<Index> predictable_nodes(const ChartLibrary& charts, Index most) {
+std::vector<Index> predictable_nodes(const ChartLibrary& charts, Index max_count) {
   const Hierarchy& h = *charts.slots()->hierarchy();
   const std::vector<Index> depths = depths_of(h);
   std::vector<Index> on_level;
@@ -26,7 +26,7 @@ std::vector<Index> predictable_nodes(const ChartLibrary& charts, Index most) {
     ++on_level[depths[n]];
   }
   Index levels = 0, count = 0;
-  while (levels < on_level.size() && count + on_level[levels] <= most) count += on_level[levels++];
+  while (levels < on_level.size() && count + on_level[levels] <= max_count) count += on_level[levels++];
   std::vector<Index> nodes;
   for (Index n = 0; n < depths.size(); ++n) {
     if (depths[n] < levels && charts.first(n) != kNoIndex) nodes.push_back(n);
@@ -36,19 +36,19 @@ std::vector<Index> predictable_nodes(const ChartLibrary& charts, Index most) {
 
 struct MarginMeter::Scratch {
   explicit Scratch(std::shared_ptr<const ChartLibrary> library)
-      : charts(std::move(library)), tree(charts->slots()->hierarchy()) {}
+      : charts(std::move(library)), bvh(charts->slots()->hierarchy()) {}
 
   double margin(Index node) {
     double best = -1;
     for (Index c = charts->first(node); c != kNoIndex; c = charts->charts()[c].next) {
       const ChartView view = view_of(*charts, charts->charts()[c]);
-      best = std::max(best, chart_margin(view, tree.vertices, locals.local(), best));
+      best = std::max(best, chart_margin(view, bvh.vertices, locals.local(), best));
     }
     return best;
   }
 
   std::shared_ptr<const ChartLibrary> charts;
-  KineticTree tree;
+  KineticBvh bvh;
   PerThread<ChartScratch> locals;
 };
 
@@ -57,8 +57,8 @@ MarginMeter::MarginMeter(std::shared_ptr<const ChartLibrary> charts)
 MarginMeter::~MarginMeter() = default;
 MarginMeter::MarginMeter(MarginMeter&&) noexcept = default;
 
-Eigen::VectorXd MarginMeter::of(std::span<const Index> nodes, std::span<const double> positions) {
-  scratch_->tree.refit(frame_around(positions), positions, positions);
+Eigen::VectorXd MarginMeter::measure(std::span<const Index> nodes, std::span<const double> positions) {
+  scratch_->bvh.refit(frame_around(positions), positions, positions);
   Eigen::VectorXd margins(static_cast<Eigen::Index>(nodes.size()));
   parallel_for(std::size_t{0}, nodes.size(),
                [&](std::size_t k) { margins[static_cast<Eigen::Index>(k)] = scratch_->margin(nodes[k]); });

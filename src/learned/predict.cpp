@@ -25,8 +25,8 @@ class PredictedMotion final : public Motion {
     const VectorXd x = predictor_->from_key_points(
         Eigen::Map<const VectorXd>(tracks_.positions.data() + k * row, static_cast<Eigen::Index>(row)));
     if (!x.allFinite()) {
-      return fail(tracks_.name + ", frame " + std::to_string(k), "is too far away to compute with",
-                  "give positions in the unit of the training poses");
+      return fail(ErrorCode::NonFinite, tracks_.name + ", frame " + std::to_string(k),
+                  "is too far away to compute with", "give positions in the unit of the training poses");
     }
     std::copy(x.begin(), x.end(), out.begin());
     return {};
@@ -44,18 +44,20 @@ class PredictedMotion final : public Motion {
 Predictor::Predictor(std::shared_ptr<const Learned> learned)
     : learned_(std::move(learned)), map_(learned_->pca, learned_->key_points.vertices) {}
 
-VectorXd Predictor::rebuild(const VectorXd& p) const {
-  if (!learned_->kernel) return learned_->pca.rebuild(p);
+VectorXd Predictor::reconstruct(const VectorXd& p) const {
+  if (!learned_->kernel) return learned_->pca.reconstruct(p);
   const KernelPca& kernel = *learned_->kernel;
-  const VectorXd y = kernel.span.project(learned_->pca.rebuild(p));
-  return kernel.span.rebuild(kernel.rebuild_span(kernel.project_span(y)));
+  const VectorXd y = kernel.pca.project(learned_->pca.reconstruct(p));
+  return kernel.reconstruct(kernel.project_coordinates(y));
 }
 
 VectorXd Predictor::from_key_points(const VectorView& key_positions) const {
-  return rebuild(map_.coordinates(key_positions));
+  return reconstruct(map_.coordinates(key_positions));
 }
 
-VectorXd Predictor::from_all_points(const VectorView& x) const { return rebuild(learned_->pca.project(x)); }
+VectorXd Predictor::from_all_points(const VectorView& x) const {
+  return reconstruct(learned_->pca.project(x));
+}
 
 PoseError Predictor::error(const VectorView& x) const {
   const VectorXd best = from_all_points(x), from_keys = from_key_points(map_.gather(x));

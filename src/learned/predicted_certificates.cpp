@@ -1,5 +1,4 @@
-// What the mode `paper` believes of a step.
-
+// The predictions that Mode::Paper trusts.
 #include "foldproof/learned.h"
 #include "keypoints/least_squares.h"
 
@@ -10,16 +9,16 @@ class PredictedCertificates : public NodePredictor {
  public:
   explicit PredictedCertificates(std::shared_ptr<const Learned> learned) : learned_(std::move(learned)) {}
 
-  // Free: the certificate is believed at both ends.
+  // A node is predicted free when its margin is above the threshold at the start and at the end of the step.
   void predict(std::span<const double> x0, std::span<const double> x1, double miss_rate,
                std::span<std::uint8_t> free) const override {
     const CertificateMap& map = *learned_->certificates;
     const auto excess = map.excess_for(miss_rate);
-    const Eigen::VectorXd least = margins_at(x0).cwiseMin(margins_at(x1));
+    const Eigen::VectorXd margins = margins_at(x0).cwiseMin(margins_at(x1));
     std::fill(free.begin(), free.end(), std::uint8_t{0});
     if (!excess) return;
     for (std::size_t k = 0; k < map.nodes.size(); ++k)
-      free[map.nodes[k]] = least[static_cast<Eigen::Index>(k)] > map.thresholds[k] + *excess;
+      free[map.nodes[k]] = margins[static_cast<Eigen::Index>(k)] > map.thresholds[k] + *excess;
   }
 
  private:

@@ -7,11 +7,12 @@
 namespace foldproof {
 
 Result<Topology> Topology::make(Index vertex_count, std::vector<Triangle> triangles) {
-  if (triangles.empty()) return fail("mesh", "has no triangles", "give a mesh with at least one face");
+  if (triangles.empty())
+    return fail(ErrorCode::InvalidMesh, "mesh", "has no triangles", "give a mesh with at least one face");
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (const Index v : triangles[i]) {
       if (v >= vertex_count) {
-        return fail(fmt::format("triangle {}", i),
+        return fail(ErrorCode::InvalidMesh, fmt::format("triangle {}", i),
                     fmt::format("names vertex {}, but there are {} (counting from 0)", v, vertex_count),
                     "export the mesh again");
       }
@@ -20,12 +21,11 @@ Result<Topology> Topology::make(Index vertex_count, std::vector<Triangle> triang
   Topology mesh;
   mesh.vertex_count_ = vertex_count;
   mesh.triangles_ = std::move(triangles);
-
   mesh.find_edges();
   return mesh;
 }
 
-// Sorts the sides of triangles by their lower vertex, then the few of each vertex by the higher one.
+// Buckets the sides of triangles by their lower vertex, then sorts each bucket by the higher one.
 void Topology::find_edges() {
   struct Side {
     Index high, slot;
@@ -45,7 +45,8 @@ void Topology::find_edges() {
   for_each_side([&](Index low, const Side&) { ++end[low + std::size_t{1}]; });
   for (std::size_t v = 0; v < vertex_count_; ++v) end[v + 1] += end[v];
   std::vector<Side> sides(end.back());
-  for_each_side([&](Index low, const Side& side) { sides[end[low]++] = side; });  // end[v]: of v from now on
+  // Before this, end[v] is where bucket v begins; after it, where it ends.
+  for_each_side([&](Index low, const Side& side) { sides[end[low]++] = side; });
   triangle_edges_.assign(triangles_.size(), {kNoIndex, kNoIndex, kNoIndex});
   edges_.reserve(sides.size() / 2 + 1);
   std::size_t begin = 0;

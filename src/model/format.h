@@ -1,24 +1,24 @@
-/// What writer and reader of the model file share.
+/// Shared by the writer and the reader of the model file.
 #pragma once
 
 #include "foldproof/model.h"
 #include "model/model_generated.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// Of the file. Also numbers and order of patches are part of it: those of PatchSlots and PatchReader.
+/// Of the format, which includes the numbering of slots (PatchSlots) and the order in patches (PatchReader).
 inline constexpr std::uint32_t kModelVersion = 2;
-/// Models without a learned part; read as what they are.
+/// Without a learned part; still read.
 inline constexpr std::uint32_t kOldestModelVersion = 1;
 
 inline constexpr const char* kCopyAgain = "copy the model again, or train it anew";
 
-/// How many of a chart's triangles belong to its patch; fillers follow.
-inline Index patch_triangles(const PatchSlots& slots, Index slot, std::span<const Index> collar) {
+/// How many of a chart's triangles belong to its patch; the scaffold follows.
+inline Index patch_triangles(const PatchSlots& slots, Index slot, std::span<const Index> ring) {
   const auto leaves = slots.hierarchy()->leaves();
-  Index count = slots.triangles_of(slot);
-  for (const Index leaf : collar) count += leaves[leaf + 1].triangles - leaves[leaf].triangles;
+  Index count = slots.triangle_count(slot);
+  for (const Index leaf : ring) count += leaves[leaf + 1].triangles - leaves[leaf].triangles;
   return count;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

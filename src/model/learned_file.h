@@ -3,16 +3,16 @@
 
 #include "model/format.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
 flatbuffers::Offset<file::Learned> write_learned(flatbuffers::FlatBufferBuilder& builder,
                                                  const Learned& learned);
 
-/// What it takes in a file, a little more rather than less.
+/// An upper bound of its size in a file.
 std::uint64_t bound_of_learned_bytes(const Learned& learned);
 
-/// Everything is checked: sizes against each other and the mesh, numbers, indices. `poses`: of the model.
+/// Checks everything: sizes against each other and the mesh, numbers, indices. `poses`: size of Model::poses.
 Result<std::shared_ptr<const Learned>> read_learned(const file::Learned& file, const Hierarchy& hierarchy,
                                                     std::size_t poses, const std::string& path);
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

@@ -2,33 +2,35 @@
 
 #include <fmt/format.h>
 
-namespace foldproof {
+namespace foldproof::internal {
 
 Result<void> require_few_loose_vertices(const Topology& topology, const std::string& where) {
   const std::uint64_t vertices = topology.vertex_count(), triangles = topology.triangles().size();
   if (vertices <= (1u << 20) + 64 * triangles) return {};
-  return fail(where, fmt::format("has {} vertices, but only {} triangles", vertices, triangles),
+  return fail(ErrorCode::LimitExceeded, where,
+              fmt::format("has {} vertices, but only {} triangles", vertices, triangles),
               "remove vertices that no triangle uses");
 }
 
 Result<void> require_few_neighbours(const Hierarchy& hierarchy, const std::string& where) {
-  struct Meeting {
+  struct VertexUse {
     Index last_leaf = kNoIndex;
     std::uint64_t leaves = 0;
   };
-  std::vector<Meeting> meetings(hierarchy.vertex_ids().size());
+  std::vector<VertexUse> uses(hierarchy.vertex_ids().size());
   for (Index leaf = 0; leaf < hierarchy.leaf_count(); ++leaf) {
     for (Index t = hierarchy.leaves()[leaf].triangles; t < hierarchy.leaves()[leaf + 1].triangles; ++t) {
       for (const Index v : hierarchy.triangles()[t]) {
-        if (meetings[v].last_leaf != leaf) ++meetings[v].leaves;
-        meetings[v].last_leaf = leaf;
+        if (uses[v].last_leaf != leaf) ++uses[v].leaves;
+        uses[v].last_leaf = leaf;
       }
     }
   }
   std::uint64_t pairs = 0;
-  for (const Meeting& m : meetings) pairs += m.leaves * m.leaves;
+  for (const VertexUse& use : uses) pairs += use.leaves * use.leaves;
   if (pairs <= (1u << 26) + 64 * std::uint64_t{hierarchy.triangles().size()}) return {};
-  return fail(where, "has vertices in which far too many triangles meet", "split the mesh there");
+  return fail(ErrorCode::LimitExceeded, where, "has vertices in which far too many triangles meet",
+              "split the mesh there");
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

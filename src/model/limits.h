@@ -1,14 +1,14 @@
-/// What keeps a small file from asking for much memory. Meshes beyond these limits get no model.
+/// Limits that keep a small file from claiming much memory. Meshes beyond them get no model.
 #pragma once
 
 #include "foldproof/bvh.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// Error when most vertices belong to no triangle.
+/// Error when far more vertices than triangles.
 Result<void> require_few_loose_vertices(const Topology& topology, const std::string& where);
 
-/// Error when so many leaves meet in single vertices that listing all pairs of them would fill the memory.
+/// Error when so many leaves share single vertices that a list of all their pairs would fill the memory.
 Result<void> require_few_neighbours(const Hierarchy& hierarchy, const std::string& where);
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

@@ -1,10 +1,11 @@
-// A model file is mapped, verified, and then checked part by part before anything in it is believed.
+// Loads a model file: maps it, verifies its structure, then checks each part before using it.
 
 #include <fmt/format.h>
 
 #include <functional>
 
 #include "base/parallel.h"
+#include "base/try.h"
 #include "io/bytes.h"
 #include "model/format.h"
 #include "model/learned_file.h"
@@ -13,7 +14,7 @@
 namespace foldproof {
 namespace {
 
-/// A file whose structure has been verified; its contents are checked here, part by part.
+/// Reads a file of verified structure and checks its contents, part by part.
 class Reader {
  public:
   Reader(const file::Model& file, const std::string& path) : file_(file), path_(path) {}
@@ -22,25 +23,21 @@ class Reader {
     Model model;
     model.name = path_;
     model.program = file_.program() ? file_.program()->str() : "";
-    model.settings = {file_.references(), file_.most_triangles()};
-    auto hierarchy = read_hierarchy();
-    if (!hierarchy) return tl::unexpected(hierarchy.error());
-    if (auto ok = read_poses(model); !ok) return tl::unexpected(ok.error());
-    if (auto ok = read_hard_leaves(model, (*hierarchy)->leaf_count()); !ok) return tl::unexpected(ok.error());
-    auto charts = read_charts(model, *hierarchy);
-    if (!charts) return tl::unexpected(charts.error());
-    model.charts = std::move(*charts);
+    model.settings = {file_.references(), file_.max_triangles()};
+    auto hierarchy = FOLDPROOF_TRY(read_hierarchy());
+    FOLDPROOF_TRY(read_poses(model));
+    FOLDPROOF_TRY(read_hard_leaves(model, hierarchy->leaf_count()));
+    model.charts = FOLDPROOF_TRY(read_charts(model, hierarchy));
     if (file_.learned()) {
-      auto learned = read_learned(*file_.learned(), *model.hierarchy(), model.poses.size(), path_);
-      if (!learned) return tl::unexpected(learned.error());
-      model.learned = std::move(*learned);
+      model.learned =
+          FOLDPROOF_TRY(read_learned(*file_.learned(), *model.hierarchy(), model.poses.size(), path_));
     }
     return model;
   }
 
  private:
-  tl::unexpected<Error> bad(const std::string& place, const std::string& problem) const {
-    return fail(fmt::format("{}, {}", path_, place), problem, kCopyAgain);
+  tl::unexpected<Error> bad(const std::string& part, const std::string& problem) const {
+    return fail(ErrorCode::InvalidFile, fmt::format("{}, {}", path_, part), problem, kCopyAgain);
   }
 
   template <class T>
@@ -59,19 +56,19 @@ class Reader {
     if (!topology) return bad(topology.error().where, topology.error().problem);
     if (topology_hash(*topology) != file_.topology_hash())
       return bad("triangles", "are not those trained on");
-    if (auto ok = require_few_loose_vertices(*topology, path_); !ok) return tl::unexpected(ok.error());
+    FOLDPROOF_TRY(require_few_loose_vertices(*topology, path_));
     std::vector<Index> order, sizes;
     if (file_.triangle_order()) order.assign(file_.triangle_order()->begin(), file_.triangle_order()->end());
     if (file_.leaf_sizes()) sizes.assign(file_.leaf_sizes()->begin(), file_.leaf_sizes()->end());
     auto hierarchy = Hierarchy::from_parts(std::move(*topology), std::move(order), sizes);
     if (!hierarchy) return bad(hierarchy.error().where, hierarchy.error().problem);
-    if (auto ok = require_few_neighbours(*hierarchy, path_); !ok) return tl::unexpected(ok.error());
+    FOLDPROOF_TRY(require_few_neighbours(*hierarchy, path_));
     return std::make_shared<const Hierarchy>(std::move(*hierarchy));
   }
 
   Result<void> read_poses(Model& model) const {
     const std::size_t count = size(file_.poses());
-    if (size(file_.pose_names()) != count) return bad("poses", "have other names than they are many");
+    if (size(file_.pose_names()) != count) return bad("poses", "are not as many as their names");
     for (std::size_t k = 0; k < count; ++k) {
       const file::Pose& pose = *file_.poses()->Get(k);
       if (!(pose.proven() >= 0 && pose.proven() <= 1)) {
@@ -96,78 +93,76 @@ class Reader {
     return {};
   }
 
-  /// Where the parts of a chart begin.
-  struct Begin {
-    std::uint64_t collar = 0, place = 0, filler = 0;
+  /// Where the parts of a chart start in the file's arrays.
+  struct Offsets {
+    std::uint64_t ring = 0, uv = 0, scaffold = 0;
   };
-  /// A chart on its way into the library.
-  struct Arrival {
+  struct ReadChart {
     Patch patch;
-    std::vector<Index> collar;
-    Drawing drawing;
+    std::vector<Index> ring;
+    UvMap uv_map;
     bool valid;
   };
 
-  /// Error when the charts do not use up exactly what there is of their parts.
-  Result<std::vector<Begin>> find_parts() const {
-    std::vector<Begin> begins(1);
+  /// Per chart and one behind. Error: the charts do not use up the arrays exactly.
+  Result<std::vector<Offsets>> find_offsets() const {
+    std::vector<Offsets> offsets(1);
     for (std::size_t k = 0; k < size(file_.charts()); ++k) {
       const file::Chart& chart = *file_.charts()->Get(k);
-      Begin end = begins.back();
-      end.collar += chart.collar();
-      end.place += chart.places();
-      end.filler += chart.fillers();
-      if (end.collar > size(file_.collars()) || end.place > size(file_.places()) ||
-          end.filler > size(file_.fillers())) {
-        return bad(fmt::format("chart {}", k), "is not all there");
+      Offsets end = offsets.back();
+      end.ring += chart.ring();
+      end.uv += chart.uvs();
+      end.scaffold += chart.scaffold();
+      if (end.ring > size(file_.rings()) || end.uv > size(file_.uvs()) ||
+          end.scaffold > size(file_.scaffold())) {
+        return bad(fmt::format("chart {}", k), "has parts beyond the end of the file's arrays");
       }
-      begins.push_back(end);
+      offsets.push_back(end);
     }
-    const Begin& end = begins.back();
-    if (end.collar < size(file_.collars()) || end.place < size(file_.places()) ||
-        end.filler < size(file_.fillers()) || size(file_.heights()) != size(file_.places())) {
-      return bad("charts", "are fewer than what is drawn");
+    const Offsets& end = offsets.back();
+    if (end.ring < size(file_.rings()) || end.uv < size(file_.uvs()) ||
+        end.scaffold < size(file_.scaffold()) || size(file_.heights()) != size(file_.uvs())) {
+      return bad("charts", "do not use all of their parts");
     }
-    return begins;
+    return offsets;
   }
 
-  /// Reads a chart; out.valid tells whether it is a proper drawing of its patch.
-  void take(const file::Chart& chart, const Begin& begin, PatchReader& reader, const PatchSlots& slots,
-            Arrival& out) const {
+  /// Reads a chart. out.valid: it is a valid chart of its patch.
+  void read_chart(const file::Chart& chart, const Offsets& start, PatchReader& reader,
+                  const PatchSlots& slots, ReadChart& out) const {
     out.valid = false;
-    out.collar.clear();
-    for (std::size_t k = begin.collar; k < begin.collar + chart.collar(); ++k) {
-      out.collar.push_back(file_.collars()->Get(k));
-      if (out.collar.back() >= slots.hierarchy()->leaf_count()) return;
+    out.ring.clear();
+    for (std::size_t k = start.ring; k < start.ring + chart.ring(); ++k) {
+      out.ring.push_back(file_.rings()->Get(k));
+      if (out.ring.back() >= slots.hierarchy()->leaf_count()) return;
     }
-    // Only what can fit the drawing is read: a file may name a large patch a million times. The square with n
-    // vertices inside has 2 n + 2 triangles.
-    const std::uint64_t triangles = patch_triangles(slots, chart.slot(), out.collar);
-    if (triangles + chart.fillers() != 2 * std::uint64_t{chart.places()} + 2) return;
-    out.drawing = {};
-    for (std::size_t k = begin.place; k < begin.place + chart.places(); ++k) {
-      out.drawing.places.push_back({file_.places()->Get(k)->x(), file_.places()->Get(k)->y()});
-      out.drawing.heights.push_back(file_.heights()->Get(k));
+    // Reads the patch only if its size fits, as a file may name a large patch a million times. A square with
+    // n vertices inside has 2 n + 2 triangles.
+    const std::uint64_t triangles = patch_triangles(slots, chart.slot(), out.ring);
+    if (triangles + chart.scaffold() != 2 * std::uint64_t{chart.uvs()} + 2) return;
+    out.uv_map = {};
+    for (std::size_t k = start.uv; k < start.uv + chart.uvs(); ++k) {
+      out.uv_map.uvs.push_back({file_.uvs()->Get(k)->x(), file_.uvs()->Get(k)->y()});
+      out.uv_map.heights.push_back(file_.heights()->Get(k));
     }
-    for (std::size_t k = begin.filler; k < begin.filler + chart.fillers(); ++k) {
-      const file::Filler& f = *file_.fillers()->Get(k);
-      out.drawing.fillers.push_back({f.a(), f.b(), f.c()});
+    for (std::size_t k = start.scaffold; k < start.scaffold + chart.scaffold(); ++k) {
+      const file::ScaffoldTriangle& t = *file_.scaffold()->Get(k);
+      out.uv_map.scaffold.push_back({t.a(), t.b(), t.c()});
     }
     reader.read(chart.slot(), out.patch);
-    for (const Index leaf : out.collar) reader.add_leaf(leaf, out.patch);
-    out.valid = chart_is_valid(out.patch, out.drawing);
+    for (const Index leaf : out.ring) reader.add_leaf(leaf, out.patch);
+    out.valid = chart_is_valid(out.patch, out.uv_map);
   }
 
   Result<std::shared_ptr<const ChartLibrary>> read_charts(const Model& model,
                                                           std::shared_ptr<const Hierarchy> hierarchy) const {
-    const auto begins = find_parts();
-    if (!begins) return tl::unexpected(begins.error());
+    const auto offsets = FOLDPROOF_TRY(find_offsets());
     const auto slots = std::make_shared<const PatchSlots>(std::move(hierarchy));
     const auto library = std::make_shared<ChartLibrary>(slots);
     PerThread<PatchReader> readers([&] { return PatchReader(*slots); });
-    std::vector<Arrival> arrivals(1024);
-    for (std::size_t first = 0; first < size(file_.charts()); first += arrivals.size()) {
-      const std::size_t count = std::min(arrivals.size(), size(file_.charts()) - first);
+    std::vector<ReadChart> batch(1024);
+    for (std::size_t first = 0; first < size(file_.charts()); first += batch.size()) {
+      const std::size_t count = std::min(batch.size(), size(file_.charts()) - first);
       for (std::size_t k = first; k < first + count; ++k) {
         const file::Chart& chart = *file_.charts()->Get(k);
         const bool known = chart.pose() < model.poses.size() && model.poses[chart.pose()].reference;
@@ -175,12 +170,13 @@ class Reader {
         if (!known) return bad(fmt::format("chart {}", k), "comes from no reference pose");
       }
       parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-        take(*file_.charts()->Get(first + k), (*begins)[first + k], readers.local(), *slots, arrivals[k]);
+        read_chart(*file_.charts()->Get(first + k), offsets[first + k], readers.local(), *slots, batch[k]);
       });
       for (std::size_t k = 0; k < count; ++k) {
         const file::Chart& chart = *file_.charts()->Get(first + k);
-        if (!arrivals[k].valid) return bad(fmt::format("chart {}", first + k), "is no drawing of its patch");
-        library->add(chart.slot(), chart.pose(), arrivals[k].patch, arrivals[k].collar, arrivals[k].drawing);
+        if (!batch[k].valid)
+          return bad(fmt::format("chart {}", first + k), "is not a valid chart of its patch");
+        library->add(chart.slot(), chart.pose(), batch[k].patch, batch[k].ring, batch[k].uv_map);
       }
     }
     return library;
@@ -190,7 +186,7 @@ class Reader {
   const std::string& path_;
 };
 
-/// Whether the bytes have the structure of a T.
+/// Whether the bytes are a FlatBuffer of type T.
 template <class T>
 bool has_structure(std::span<const std::uint8_t> bytes) {
   flatbuffers::Verifier verifier(bytes.data(), bytes.size());
@@ -200,22 +196,22 @@ bool has_structure(std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 Result<Model> load_model(const std::string& path) {
-  const auto mapped = io::MappedFile::open(path);
-  if (!mapped) return tl::unexpected(mapped.error());
-  const auto bytes = mapped->bytes();
-  constexpr std::size_t kIdentifierEnd = 12;  // behind the size and the offset of the root
+  const auto mapped = FOLDPROOF_TRY(io::MappedFile::open(path));
+  const auto bytes = mapped.bytes();
+  constexpr std::size_t kIdentifierEnd = 12;  // size, offset of the root, identifier
   if (bytes.size() < kIdentifierEnd || bytes.size() >= FLATBUFFERS_MAX_BUFFER_SIZE ||
       !file::SizePrefixedModelBufferHasIdentifier(bytes.data())) {
-    return fail(path, "is not a Foldproof model", "make one with 'foldproof train'");
+    return fail(ErrorCode::UnsupportedFormat, path, "is not a Foldproof model",
+                "make one with 'foldproof train'");
   }
-  const auto damaged = fail(path, "is damaged or cut off", kCopyAgain);
+  const auto damaged = fail(ErrorCode::InvalidFile, path, "is damaged or cut off", kCopyAgain);
   if (!has_structure<file::Header>(bytes)) return damaged;
   const auto version = flatbuffers::GetSizePrefixedRoot<file::Header>(bytes.data())->version();
   if (version < kOldestModelVersion || version > kModelVersion) {
-    return fail(path,
+    return fail(ErrorCode::UnsupportedFormat, path,
                 fmt::format("has format version {}, and this program reads {} to {}", version,
                             kOldestModelVersion, kModelVersion),
-                "use the version of Foldproof that wrote it, or train it anew");
+                "use the version of Foldproof that wrote it, or train it again");
   }
   if (!has_structure<file::Model>(bytes)) return damaged;
   return Reader(*file::GetSizePrefixedModel(bytes.data()), path).read();

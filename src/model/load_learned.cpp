@@ -1,4 +1,4 @@
-// The learned part of a model file is checked number by number before anything in it is believed.
+// Reads the learned part of a model file, and checks every number of it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,14 +6,14 @@
 
 #include "model/learned_file.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Eigen::Index kMostModes = 1024;
-// Bases were orthonormal before they were rounded to floats.
+constexpr Eigen::Index kMaxModes = 1024;
+// Bases are rounded to floats, so they are only nearly orthonormal.
 constexpr double kNearlyOrthonormal = 1e-4;
 
 template <class T>
@@ -21,7 +21,7 @@ Eigen::Index size_of(const flatbuffers::Vector<T>* vector) {
   return vector ? static_cast<Eigen::Index>(vector->size()) : 0;
 }
 
-/// Reads one part after the other; the first that is not as it should be is remembered.
+/// Reads part by part; remembers the first bad one.
 class LearnedReader {
  public:
   LearnedReader(const file::Learned& file, const Hierarchy& hierarchy, std::size_t poses)
@@ -88,14 +88,14 @@ class LearnedReader {
   void read_settings(Learned& learned) {
     const file::LearnSettings* s = file_.settings();
     if (!require(s != nullptr, "settings")) return;
-    require(is_share(s->energy()) && is_share(s->first_share()) && is_share(s->most_share()) &&
+    require(is_share(s->energy()) && is_share(s->first_share()) && is_share(s->max_share()) &&
                 is_distance(s->tolerance()) && s->subspace() <= 1,
             "settings");
     learned.settings = {static_cast<SubspaceKind>(s->subspace()),
                         {s->modes(), s->energy()},
-                        {s->first_share(), s->most_share(), s->tolerance(), s->most_rounds()},
-                        s->most_clusters(),
-                        s->most_poses()};
+                        {s->first_share(), s->max_share(), s->tolerance(), s->max_rounds()},
+                        s->max_clusters(),
+                        s->max_poses()};
     learned.size = file_.size();
     require(is_distance(learned.size), "size");
   }
@@ -113,13 +113,13 @@ class LearnedReader {
     for (const file::LearnedPose* pose : *file_.poses()) {
       const bool ascending = learned.poses.empty() || pose->pose() > learned.poses.back().pose;
       require(ascending && pose->pose() < model_poses_, "poses");
-      learned.poses.push_back({pose->pose(), pose_error(pose->trained()), pose_error(pose->left_out())});
+      learned.poses.push_back({pose->pose(), pose_error(pose->trained()), pose_error(pose->leave_one_out())});
     }
   }
 
   void read_subspace(const file::Subspace* file, const char* part, Pca& out) {
     const Eigen::Index modes = file ? size_of(file->deviations()) : 0;
-    if (!require(modes > 0 && modes <= kMostModes, part)) return;
+    if (!require(modes > 0 && modes <= kMaxModes, part)) return;
     out.mean = vector(file->mean(), 3 * Eigen::Index{vertices_}, part);
     out.basis = matrix(file->basis(), 3 * Eigen::Index{vertices_}, modes, part);
     out.deviations = vector(file->deviations(), modes, part);
@@ -134,10 +134,10 @@ class LearnedReader {
 
   void read_kernel(const file::Kernel& file, KernelPca& out) {
     const char* const part = "kernel";
-    read_subspace(file.span(), part, out.span);
+    read_subspace(file.pca(), part, out.pca);
     const Eigen::Index modes = size_of(file.deviations());
-    if (!require(modes <= kMostModes, part)) return;
-    out.samples = matrix(file.samples(), out.span.modes(), poses_, part);
+    if (!require(modes <= kMaxModes, part)) return;
+    out.samples = matrix(file.samples(), out.pca.modes(), poses_, part);
     out.width = file.width();
     out.weights = matrix(file.weights(), poses_, modes, part);
     out.row_means = vector(file.row_means(), poses_, part);
@@ -166,7 +166,7 @@ class LearnedReader {
     const file::Clusters* file = file_.clusters();
     const auto count = file ? size_of(file->medoids()) : 0;
     if (!require(count > 0 && count <= poses_, part)) return;
-    out.centres = matrix(file->centres(), modes, count, part);
+    out.centers = matrix(file->centers(), modes, count, part);
     out.cluster_of = indices(file->cluster_of(), static_cast<Index>(count), part);
     out.medoids = indices(file->medoids(), static_cast<Index>(poses_), part);
     out.spread = file->spread();
@@ -182,11 +182,11 @@ class LearnedReader {
     require(std::is_sorted(out.nodes.begin(), out.nodes.end(), std::less_equal<>()), part);
     const auto nodes = static_cast<Eigen::Index>(out.nodes.size());
     const Eigen::Index dimensions = size_of(file.correlations());
-    if (!require(nodes > 0 && keys_ > 0 && dimensions <= kMostModes, part)) return;
+    if (!require(nodes > 0 && keys_ > 0 && dimensions <= kMaxModes, part)) return;
     out.anchor = vector(file.anchor(), keys_, part);
     out.cca.mean_x = vector(file.mean_x(), keys_, part);
     out.cca.mean_y = vector(file.mean_y(), nodes, part);
-    read_loads(file, nodes, dimensions, out.cca);
+    read_cca_matrices(file, nodes, dimensions, out.cca);
     if (file.thresholds()) out.thresholds.assign(file.thresholds()->begin(), file.thresholds()->end());
     for (Eigen::Index k = 0; k < size_of(file.sources()); ++k) {
       const auto source = file.sources()->Get(static_cast<flatbuffers::uoffset_t>(k));
@@ -197,36 +197,39 @@ class LearnedReader {
                 std::all_of(out.thresholds.begin(), out.thresholds.end(),
                             [](double x) { return std::isfinite(x); }),
             part);
-    out.right = file.right();
-    out.guessed = file.guessed();
-    out.believed = file.believed();
-    require(is_share(out.right) && is_share(out.guessed) && is_share(out.believed), part);
-    read_trust(file, out);
+    out.balanced_accuracy = file.balanced_accuracy();
+    out.majority_accuracy = file.majority_accuracy();
+    out.false_discovery_rate = file.false_discovery_rate();
+    require(is_share(out.balanced_accuracy) && is_share(out.majority_accuracy) &&
+                is_share(out.false_discovery_rate),
+            part);
+    read_calibration(file, out);
   }
 
-  void read_trust(const file::Certificates& file, CertificateMap& out) {
+  void read_calibration(const file::Certificates& file, CertificateMap& out) {
     const char* const part = "certificates";
-    if (!require(size_of(file.trust_excess()) == size_of(file.trust_missed()), part)) return;
-    for (Eigen::Index k = 0; k < size_of(file.trust_excess()); ++k) {
-      const auto at = static_cast<flatbuffers::uoffset_t>(k);
-      const CertificateMap::Trust trust{file.trust_excess()->Get(at), file.trust_missed()->Get(at)};
-      const bool ordered = out.trust.empty() || trust.excess >= out.trust.back().excess;
-      require(std::isfinite(trust.excess) && trust.excess >= 0 && is_share(trust.missed) && ordered, part);
-      out.trust.push_back(trust);
+    if (!require(size_of(file.calibration_excess()) == size_of(file.calibration_miss_rate()), part)) return;
+    for (flatbuffers::uoffset_t k = 0; k < size_of(file.calibration_excess()); ++k) {
+      const CertificateMap::CalibrationPoint point{file.calibration_excess()->Get(k),
+                                                   file.calibration_miss_rate()->Get(k)};
+      const bool ordered = out.calibration.empty() || point.excess >= out.calibration.back().excess;
+      require(std::isfinite(point.excess) && point.excess >= 0 && is_share(point.miss_rate) && ordered, part);
+      out.calibration.push_back(point);
     }
   }
 
-  // Margins that never change leave nothing to correlate with: then there are no dimensions.
-  void read_loads(const file::Certificates& file, Eigen::Index nodes, Eigen::Index dimensions, Cca& out) {
+  // Margins that are constant over the poses correlate with nothing: the CCA then has no dimensions.
+  void read_cca_matrices(const file::Certificates& file, Eigen::Index nodes, Eigen::Index dimensions,
+                         Cca& out) {
     const char* const part = "certificates";
     if (dimensions == 0) {
-      require(size_of(file.weights()) == 0 && size_of(file.loads()) == 0, part);
+      require(size_of(file.weights()) == 0 && size_of(file.loadings()) == 0, part);
       out.weights.resize(keys_, 0);
-      out.loads.resize(nodes, 0);
+      out.loadings.resize(nodes, 0);
       return;
     }
     out.weights = matrix(file.weights(), keys_, dimensions, part);
-    out.loads = matrix(file.loads(), nodes, dimensions, part);
+    out.loadings = matrix(file.loadings(), nodes, dimensions, part);
     out.correlations = vector(file.correlations(), dimensions, part);
     require((out.correlations.array() >= 0).all() && (out.correlations.array() <= 1 + 1e-9).all(), part);
   }
@@ -256,7 +259,8 @@ Result<std::shared_ptr<const Learned>> read_learned(const file::Learned& file, c
                                                     std::size_t poses, const std::string& path) {
   LearnedReader reader(file, hierarchy, poses);
   if (auto learned = reader.read()) return learned;
-  return fail(fmt::format("{}, learned {}", path, reader.bad()), "not as it should be", kCopyAgain);
+  return fail(ErrorCode::InvalidFile, fmt::format("{}, learned {}", path, reader.bad()), "is damaged",
+              kCopyAgain);
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

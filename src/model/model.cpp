@@ -1,11 +1,11 @@
-#include "model/format.h"
-
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-
 #include <algorithm>
 #include <cmath>
+
+#include "learned/certificates.h"
+#include "model/format.h"
 
 namespace foldproof {
 
@@ -38,15 +38,15 @@ Result<void> require_model_of(const Model& model, const Topology& topology, cons
     problem = fmt::format("is a model of another mesh: triangle {} of {} has other vertices",
                           mine - own.triangles().begin(), mesh);
   }
-  return fail(model.name.empty() ? "model" : model.name, problem, "train a model on this one");
+  return fail(ErrorCode::InvalidMesh, model.name.empty() ? "model" : model.name, problem,
+              "train a model on this one");
 }
 
 double chart_kappa(const ChartLibrary& library, const ChartLibrary::Chart& chart) {
   const auto points = library.points(chart);
   const auto triangles = library.triangles(chart);
-  double steepest = 0;  // square of the tangent
-  for (const auto& t :
-       triangles.first(patch_triangles(*library.slots(), chart.slot, library.collar(chart)))) {
+  double steepest = 0;  // squared tangent
+  for (const auto& t : triangles.first(patch_triangles(*library.slots(), chart.slot, library.ring(chart)))) {
     const auto side = [&](int to) {
       const auto &a = points[t[0]], &b = points[t[to]];
       return Vec3(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
@@ -69,7 +69,7 @@ struct Kappas {
     const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
     std::nth_element(all.begin(), middle, all.end());
     level.kappa_median = *middle;
-    level.kappa_most = *std::max_element(middle, all.end());
+    level.kappa_max = *std::max_element(middle, all.end());
   }
 };
 
@@ -77,15 +77,10 @@ struct Kappas {
 
 ModelSummary summarize(const Model& model) {
   const ChartLibrary& library = *model.charts;
-  const auto nodes = model.hierarchy()->nodes();
-  std::vector<Index> depth(nodes.size(), 0);
-  Index deepest = 0;
-  for (Index n = 0; n < nodes.size(); ++n) {
-    deepest = std::max(deepest, depth[n]);
-    if (!nodes[n].is_leaf()) depth[n + 1] = depth[nodes[n].right] = depth[n] + 1;
-  }
+
+  const std::vector<Index> depth = depths_of(*model.hierarchy());
   ModelSummary summary;
-  summary.levels.resize(deepest + 1);
+  summary.levels.resize(*std::max_element(depth.begin(), depth.end()) + 1);
   const auto level_of = [&](Index slot) -> ModelSummary::Level& {
     return library.slots()->is_pair(slot) ? summary.pairs : summary.levels[depth[slot]];
   };
@@ -93,7 +88,7 @@ ModelSummary summarize(const Model& model) {
     ++level_of(slot).slots;
     level_of(slot).charted += library.first(slot) != kNoIndex;
   }
-  summary.pairs.slots /= 2;  // each pair has a slot in either direction, and uses one
+  summary.pairs.slots /= 2;  // each pair has two slots, and uses one of them
   std::vector<Kappas> kappas(summary.levels.size() + 1);
   for (const ChartLibrary::Chart& chart : library.charts()) {
     const std::size_t level =

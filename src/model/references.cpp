@@ -5,13 +5,13 @@
 #include <cmath>
 #include <limits>
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
-// More would tell poses apart no better, and memory holds a descriptor per pose.
-constexpr std::size_t kMostPairs = 4096;
+// More pairs would not distinguish poses better, and memory holds a descriptor per pose.
+constexpr std::size_t kMaxPairs = 4096;
 
-double distance(std::span<const float> a, std::span<const float> b) {
+double squared_distance(std::span<const float> a, std::span<const float> b) {
   double sum = 0;
   for (std::size_t k = 0; k < a.size(); ++k) sum += (double{a[k]} - b[k]) * (double{a[k]} - b[k]);
   return sum;
@@ -21,11 +21,11 @@ double distance(std::span<const float> a, std::span<const float> b) {
 
 BendDescriptor::BendDescriptor(const PatchSlots& slots) : hierarchy_(slots.hierarchy()) {
   std::size_t all = 0;
-  for (Index leaf = 0; leaf < hierarchy_->leaf_count(); ++leaf) all += slots.neighbours(leaf).size();
-  const std::size_t stride = all / (2 * kMostPairs) + 1;
+  for (Index leaf = 0; leaf < hierarchy_->leaf_count(); ++leaf) all += slots.neighbors(leaf).size();
+  const std::size_t stride = all / (2 * kMaxPairs) + 1;
   std::size_t k = 0;
   for (Index leaf = 0; leaf < hierarchy_->leaf_count(); ++leaf) {
-    for (const Index other : slots.neighbours(leaf)) {
+    for (const Index other : slots.neighbors(leaf)) {
       if (leaf < other && k++ % stride == 0) pairs_.push_back({leaf, other});
     }
   }
@@ -58,7 +58,7 @@ std::vector<Index> choose_references(std::span<const std::vector<float>> descrip
   while (chosen.size() < count && nearest[next] > 0) {
     chosen.push_back(next);
     for (std::size_t k = 0; k < descriptors.size(); ++k) {
-      nearest[k] = std::min(nearest[k], distance(descriptors[k], descriptors[next]));
+      nearest[k] = std::min(nearest[k], squared_distance(descriptors[k], descriptors[next]));
     }
     next = static_cast<Index>(std::max_element(nearest.begin(), nearest.end()) - nearest.begin());
   }
@@ -66,4 +66,4 @@ std::vector<Index> choose_references(std::span<const std::vector<float>> descrip
   return chosen;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -1,11 +1,12 @@
-/// Which poses to draw charts in.
+/// The choice of poses to build charts in.
 #pragma once
 
 #include "foldproof/certificate.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// How a pose bends, whatever its place and size: cosines between the mean normals of neighbouring leaves.
+/// Describes how a pose bends, independently of position and size: cosines between the mean normals of
+/// neighboring leaves.
 class BendDescriptor {
  public:
   explicit BendDescriptor(const PatchSlots& slots);
@@ -16,8 +17,8 @@ class BendDescriptor {
   std::vector<std::array<Index, 2>> pairs_;
 };
 
-/// Up to `count` poses of which every other is near one: the first, then always the one farthest from those
-/// chosen. Fewer when the rest only repeat them. Ascending.
+/// Farthest-point sampling: the first pose, then always the one farthest from those chosen, up to `count`.
+/// Stops early where the remaining poses only repeat the chosen ones. Ascending.
 std::vector<Index> choose_references(std::span<const std::vector<float>> descriptors, Index count);
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "base/try.h"
 #include "model/format.h"
 #include "model/learned_file.h"
 
@@ -10,51 +11,50 @@ using flatbuffers::FlatBufferBuilder;
 template <class T>
 using Structs = flatbuffers::Offset<flatbuffers::Vector<const T*>>;
 
-std::span<const std::array<std::uint16_t, 3>> fillers_of(const ChartLibrary& library,
-                                                         const ChartLibrary::Chart& chart) {
-  return library.triangles(chart).subspan(
-      patch_triangles(*library.slots(), chart.slot, library.collar(chart)));
+std::span<const std::array<std::uint16_t, 3>> scaffold_of(const ChartLibrary& library,
+                                                          const ChartLibrary::Chart& chart) {
+  return library.triangles(chart).subspan(patch_triangles(*library.slots(), chart.slot, library.ring(chart)));
 }
 
 struct ChartVectors {
   Structs<file::Chart> charts;
-  flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> collars;
-  Structs<file::Place> places;
+  flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> rings;
+  Structs<file::Uv> uvs;
   flatbuffers::Offset<flatbuffers::Vector<std::int16_t>> heights;
-  Structs<file::Filler> fillers;
+  Structs<file::ScaffoldTriangle> scaffold;
 };
 
 ChartVectors write_charts(FlatBufferBuilder& builder, const ChartLibrary& library) {
   std::vector<file::Chart> charts;
-  std::vector<std::uint32_t> collars;
-  std::vector<file::Place> places;
+  std::vector<std::uint32_t> rings;
+  std::vector<file::Uv> uvs;
   std::vector<std::int16_t> heights;
-  std::vector<file::Filler> fillers;
+  std::vector<file::ScaffoldTriangle> scaffolds;
   for (const ChartLibrary::Chart& chart : library.charts()) {
-    const auto collar = library.collar(chart);
-    const auto filler = fillers_of(library, chart);
+    const auto ring = library.ring(chart);
+    const auto scaffold = scaffold_of(library, chart);
     const auto points = library.points(chart).first(library.vertices(chart).size());
-    charts.emplace_back(chart.slot, chart.source, static_cast<Index>(collar.size()),
-                        static_cast<Index>(points.size()), static_cast<Index>(filler.size()));
-    collars.insert(collars.end(), collar.begin(), collar.end());
-    for (const auto& [x, y, height] : points) {  // whole numbers, as they were drawn
-      places.emplace_back(static_cast<std::int16_t>(x), static_cast<std::int16_t>(y));
+    charts.emplace_back(chart.slot, chart.source, static_cast<Index>(ring.size()),
+                        static_cast<Index>(points.size()), static_cast<Index>(scaffold.size()));
+    rings.insert(rings.end(), ring.begin(), ring.end());
+    for (const auto& [x, y, height] : points) {  // integers, stored as floats
+      uvs.emplace_back(static_cast<std::int16_t>(x), static_cast<std::int16_t>(y));
       heights.push_back(static_cast<std::int16_t>(height));
     }
-    for (const auto& [a, b, c] : filler) fillers.emplace_back(a, b, c);
+    for (const auto& [a, b, c] : scaffold) scaffolds.emplace_back(a, b, c);
   }
-  return {builder.CreateVectorOfStructs(charts), builder.CreateVector(collars),
-          builder.CreateVectorOfStructs(places), builder.CreateVector(heights),
-          builder.CreateVectorOfStructs(fillers)};
+  return {builder.CreateVectorOfStructs(charts), builder.CreateVector(rings),
+          builder.CreateVectorOfStructs(uvs), builder.CreateVector(heights),
+          builder.CreateVectorOfStructs(scaffolds)};
 }
 
-/// Bytes of the file, a little more rather than less.
-std::uint64_t bound_of_bytes(const Model& model) {
+/// An upper bound on the size of the file in bytes.
+std::uint64_t size_bound(const Model& model) {
   std::uint64_t bytes = 1 << 16;
   for (const ChartLibrary::Chart& chart : model.charts->charts()) {
-    bytes += sizeof(file::Chart) + 4 * std::uint64_t{chart.collar.count} +
+    bytes += sizeof(file::Chart) + 4 * std::uint64_t{chart.ring.count} +
              6 * std::uint64_t{chart.vertices.count} +
-             sizeof(file::Filler) * fillers_of(*model.charts, chart).size();
+             sizeof(file::ScaffoldTriangle) * scaffold_of(*model.charts, chart).size();
   }
   for (const TrainedPose& pose : model.poses) bytes += pose.name.size() + 32;
   if (model.learned) bytes += bound_of_learned_bytes(*model.learned);
@@ -92,7 +92,7 @@ void build(FlatBufferBuilder& builder, const Model& model) {
   root.add_version(kModelVersion);
   root.add_program(program);
   root.add_references(model.settings.references);
-  root.add_most_triangles(model.settings.most_triangles);
+  root.add_max_triangles(model.settings.max_triangles);
   root.add_pose_names(pose_names);
   root.add_poses(pose_vector);
   root.add_vertex_count(h.topology().vertex_count());
@@ -102,10 +102,10 @@ void build(FlatBufferBuilder& builder, const Model& model) {
   root.add_leaf_sizes(sizes);
   root.add_hard_leaves(hard_vector);
   root.add_charts(charts.charts);
-  root.add_collars(charts.collars);
-  root.add_places(charts.places);
+  root.add_rings(charts.rings);
+  root.add_uvs(charts.uvs);
   root.add_heights(charts.heights);
-  root.add_fillers(charts.fillers);
+  root.add_scaffold(charts.scaffold);
   if (model.learned) root.add_learned(learned);
   builder.FinishSizePrefixed(root.Finish(), file::ModelIdentifier());
 }
@@ -113,18 +113,18 @@ void build(FlatBufferBuilder& builder, const Model& model) {
 }  // namespace
 
 Result<void> save_model(const Model& model, const std::string& path) {
-  auto writer = FileWriter::open(path);
-  if (!writer) return tl::unexpected(writer.error());
-  const std::uint64_t bytes = bound_of_bytes(model);
+  auto writer = FOLDPROOF_TRY(FileWriter::open(path));
+  const std::uint64_t bytes = size_bound(model);
   if (bytes >= FLATBUFFERS_MAX_BUFFER_SIZE) {
-    return fail(path, fmt::format("would have {} MB, and a model may have 2,000", bytes >> 20),
+    return fail(ErrorCode::LimitExceeded, path,
+                fmt::format("would have {} MB, and a model may have 2,000", bytes >> 20),
                 "train with fewer references");
   }
   FlatBufferBuilder builder(bytes);
   build(builder, model);
   const auto* begin = reinterpret_cast<const char*>(builder.GetBufferPointer());
-  if (auto done = writer->write(std::span(begin, builder.GetSize())); !done) return done;
-  return writer->commit();
+  FOLDPROOF_TRY(writer.write(std::span(begin, builder.GetSize())));
+  return writer.commit();
 }
 
 }  // namespace foldproof

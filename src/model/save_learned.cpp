@@ -1,6 +1,6 @@
 #include "model/learned_file.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 using flatbuffers::FlatBufferBuilder;
@@ -21,17 +21,17 @@ file::PoseError to_file(const PoseError& e) {
 file::LearnSettings to_file(const LearnSettings& s) {
   return {s.size.energy,
           s.key_points.first_share,
-          s.key_points.most_share,
+          s.key_points.max_share,
           s.key_points.tolerance,
           s.size.modes,
-          s.key_points.most_rounds,
-          s.most_clusters,
-          s.most_poses,
+          s.key_points.max_rounds,
+          s.max_clusters,
+          s.max_poses,
           static_cast<std::uint32_t>(s.subspace)};
 }
 
 Offset<file::Subspace> write(FlatBufferBuilder& builder, const Pca& pca) {
-  const Eigen::MatrixXf basis = pca.basis.cast<float>();  // floats already
+  const Eigen::MatrixXf basis = pca.basis.cast<float>();  // exact: they are floats
   const auto mean = numbers(builder, pca.mean), deviations = numbers(builder, pca.deviations),
              energy = numbers(builder, pca.energy);
   const auto columns = builder.CreateVector(basis.data(), static_cast<std::size_t>(basis.size()));
@@ -39,16 +39,16 @@ Offset<file::Subspace> write(FlatBufferBuilder& builder, const Pca& pca) {
 }
 
 Offset<file::Kernel> write(FlatBufferBuilder& builder, const KernelPca& kernel) {
-  const auto span = write(builder, kernel.span);
+  const auto pca = write(builder, kernel.pca);
   const auto samples = numbers(builder, kernel.samples), weights = numbers(builder, kernel.weights),
              row_means = numbers(builder, kernel.row_means), deviations = numbers(builder, kernel.deviations),
              energy = numbers(builder, kernel.energy);
-  return file::CreateKernel(builder, span, samples, kernel.width, weights, row_means, deviations, energy);
+  return file::CreateKernel(builder, pca, samples, kernel.width, weights, row_means, deviations, energy);
 }
 
 Offset<file::Clusters> write(FlatBufferBuilder& builder, const Clusters& clusters) {
   const auto of = builder.CreateVector(clusters.cluster_of), medoids = builder.CreateVector(clusters.medoids);
-  return file::CreateClusters(builder, of, numbers(builder, clusters.centres), medoids, clusters.spread,
+  return file::CreateClusters(builder, of, numbers(builder, clusters.centers), medoids, clusters.spread,
                               clusters.silhouette);
 }
 
@@ -58,18 +58,20 @@ Offset<file::Certificates> write(FlatBufferBuilder& builder, const CertificateMa
   const auto nodes = builder.CreateVector(map.nodes);
   const auto anchor = numbers(builder, map.anchor), mean_x = numbers(builder, map.cca.mean_x),
              mean_y = numbers(builder, map.cca.mean_y), weights = numbers(builder, map.cca.weights),
-             loads = numbers(builder, map.cca.loads), correlations = numbers(builder, map.cca.correlations);
+             loadings = numbers(builder, map.cca.loadings),
+             correlations = numbers(builder, map.cca.correlations);
   const auto thresholds = builder.CreateVector(map.thresholds);
   const auto source_vector = builder.CreateVector(sources);
-  std::vector<double> excess, missed;
-  for (const CertificateMap::Trust& trust : map.trust) {
-    excess.push_back(trust.excess);
-    missed.push_back(trust.missed);
+  std::vector<double> excesses, miss_rates;
+  for (const CertificateMap::CalibrationPoint& point : map.calibration) {
+    excesses.push_back(point.excess);
+    miss_rates.push_back(point.miss_rate);
   }
-  const auto excesses = builder.CreateVector(excess), misses = builder.CreateVector(missed);
-  return file::CreateCertificates(builder, nodes, anchor, mean_x, mean_y, weights, loads, correlations,
-                                  thresholds, source_vector, map.right, map.guessed, map.believed, excesses,
-                                  misses);
+  const auto excess_vector = builder.CreateVector(excesses);
+  const auto miss_rate_vector = builder.CreateVector(miss_rates);
+  return file::CreateCertificates(builder, nodes, anchor, mean_x, mean_y, weights, loadings, correlations,
+                                  thresholds, source_vector, map.balanced_accuracy, map.majority_accuracy,
+                                  map.false_discovery_rate, excess_vector, miss_rate_vector);
 }
 
 std::uint64_t bytes_of(const Pca& pca) {
@@ -82,7 +84,7 @@ std::uint64_t bytes_of(const Pca& pca) {
 Offset<file::Learned> write_learned(FlatBufferBuilder& builder, const Learned& learned) {
   std::vector<file::LearnedPose> poses;
   for (const LearnedPose& p : learned.poses) {
-    poses.emplace_back(p.pose, to_file(p.trained), to_file(p.left_out));
+    poses.emplace_back(p.pose, to_file(p.trained), to_file(p.leave_one_out));
   }
   std::vector<file::Region> regions;
   for (const LearnedRegion& r : learned.regions) {
@@ -105,21 +107,21 @@ Offset<file::Learned> write_learned(FlatBufferBuilder& builder, const Learned& l
 
 std::uint64_t bound_of_learned_bytes(const Learned& learned) {
   std::uint64_t numbers =
-      static_cast<std::uint64_t>(learned.coordinates.size() + learned.clusters.centres.size()) +
+      static_cast<std::uint64_t>(learned.coordinates.size() + learned.clusters.centers.size()) +
       4 * learned.key_points.vertices.size() + 32 * learned.poses.size() + 8 * learned.regions.size() + 4096;
   std::uint64_t bytes = bytes_of(learned.pca);
   if (learned.kernel) {
-    bytes += bytes_of(learned.kernel->span);
+    bytes += bytes_of(learned.kernel->pca);
     numbers += static_cast<std::uint64_t>(learned.kernel->samples.size() + learned.kernel->weights.size()) +
                4 * learned.poses.size();
   }
   if (learned.certificates) {
     const CertificateMap& map = *learned.certificates;
-    numbers += static_cast<std::uint64_t>(map.cca.weights.size() + map.cca.loads.size() +
+    numbers += static_cast<std::uint64_t>(map.cca.weights.size() + map.cca.loadings.size() +
                                           2 * map.anchor.size() + map.cca.correlations.size()) +
-               4 * map.nodes.size() + 2 * map.trust.size();
+               4 * map.nodes.size() + 2 * map.calibration.size();
   }
   return bytes + 8 * numbers;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -1,8 +1,8 @@
-/// Connections to this machine's port, many at a time, of which none can keep the others out.
+/// Serves many connections on a local port; no client can lock out others.
 ///
-/// One thread waits for all of them, so that a slow or idle one costs a few kB and no thread; what has come
-/// whole is answered by others. Everything is bounded: their number, the time that each takes, the size of
-/// what is asked, and the bytes that wait to be fetched.
+/// One thread polls all connections, so a slow or idle one costs a few kB and no thread. Worker threads
+/// answer complete requests. Everything is bounded: the number of connections, their time, the size of
+/// requests, and the bytes of answers that wait to be sent.
 #pragma once
 
 #include <atomic>
@@ -15,44 +15,44 @@
 
 namespace foldproof {
 
-/// What goes back over a connection, and whether that was the last of it.
+/// What is sent back over a connection, and whether the connection is closed after it.
 struct Reply {
   std::string bytes;
-  bool last = true;
+  bool close = true;
 };
 
 /// How requests are answered.
-struct Answering {
-  /// To the head of a request, up to and with its empty line. Many threads at a time; throws nothing.
+struct RequestHandler {
+  /// Answers the head of a request, including its final empty line. Called from many threads; must not throw.
   std::function<Reply(std::string head)> answer;
-  std::string too_long;  ///< What goes back, whole, for a head beyond `kMostHead`.
+  std::string too_long;  ///< The reply to a head larger than `kMaxHead`.
 };
 
 class Connections {
  public:
-  /// Browsers open six per window. Where there are more, the one that has waited longest makes room.
-  static constexpr std::size_t kMost = 128;
-  /// Bytes of a head. Browsers send along the cookies of all servers of this machine.
-  static constexpr std::size_t kMostHead = std::size_t{1} << 14;
-  /// How long a connection may idle, or take to say what it wants.
+  /// Browsers open six per window. One more closes the connection that has waited longest.
+  static constexpr std::size_t kMaxConnections = 128;
+  /// Bytes of a head. Browsers send the cookies of all servers of this machine along.
+  static constexpr std::size_t kMaxHead = std::size_t{1} << 14;
+  /// How long a connection may be idle, or take to send a request.
   static constexpr std::chrono::seconds kHeadTime{5};
-  /// How long it may take nothing of what it asked for.
+  /// How long a client may receive nothing of its answer.
   static constexpr std::chrono::seconds kStallTime{30};
-  /// Answers that wait to be fetched, in bytes; as with connections, the oldest makes room. A few are kept
-  /// however large they are: a browser fetches as many at a time.
-  static constexpr std::size_t kMostUnsent = std::size_t{1} << 28, kKept = 16;
+  /// Bytes of answers that wait to be sent; beyond it the oldest are dropped, except that some answers are
+  /// kept whatever their size, since a browser fetches as many at a time.
+  static constexpr std::size_t kMaxUnsent = std::size_t{1} << 28, kMinUnsentAnswers = 16;
 
   Connections() = default;
   ~Connections();
   Connections(const Connections&) = delete;
   Connections& operator=(const Connections&) = delete;
 
-  /// Listens on 127.0.0.1. 0, or the errno of why it cannot. To be called until it can, and then no more.
+  /// Listens on 127.0.0.1. Returns 0, or an errno. Call it again only after a failure.
   int listen(int port);
 
-  /// Answers until `stop` is set, and returns within milliseconds, but for the answers that are being worked
-  /// out. Sets `ended` when it takes no more. Error: the port can no longer be listened at, no threads.
-  Result<void> serve(const Answering& answering, const std::atomic<bool>& stop, std::atomic<bool>& ended);
+  /// Serves until `stop` is set. Then it returns within milliseconds, except that it finishes answers being
+  /// computed. Sets `ended` when it accepts no more requests. Error: listening failed, no threads.
+  Result<void> serve(const RequestHandler& handler, const std::atomic<bool>& stop, std::atomic<bool>& ended);
 
  private:
   int socket_ = -1;

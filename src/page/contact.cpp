@@ -10,8 +10,8 @@
 namespace foldproof {
 namespace {
 
-/// Places of vertices at a time within a step.
-struct At {
+/// Positions of vertices at a time within a step.
+struct PositionsAt {
   Positions x0, x1;
   double t;
   Vec3 operator()(Index object, Index vertex) const {
@@ -24,14 +24,14 @@ struct At {
   }
 };
 
-/// The part of the way from a to b where `x` is nearest.
+/// The parameter in [0,1] of the point on segment ab that is nearest to `x`.
 double nearest(const Vec3& x, const Vec3& a, const Vec3& b) {
   const double length = (b - a).squaredNorm();
   return length > 0 ? std::clamp((x - a).dot(b - a) / length, 0.0, 1.0) : 0;
 }
 
-/// Where the edges of `a` pass through `b`.
-void add_passes(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b, std::vector<Vec3>& out) {
+/// Adds the points where edges of `a` cross `b`.
+void add_crossings(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b, std::vector<Vec3>& out) {
   const Vec3 normal = (b[1] - b[0]).cross(b[2] - b[0]);
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 &from = a[k], &to = a[(k + 1) % 3];
@@ -46,12 +46,12 @@ void add_passes(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b, std:
 
 }  // namespace
 
-// The common segment of two triangles begins and ends on an edge of one of them.
+// The ends of the common segment of two triangles are on edges of one or the other.
 Vec3 crossing_point(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
   std::vector<Vec3> ends;
-  add_passes(a, b, ends);
-  add_passes(b, a, ends);
-  if (ends.empty()) {  // in one plane
+  add_crossings(a, b, ends);
+  add_crossings(b, a, ends);
+  if (ends.empty()) {  // coplanar
     ends.assign(a.begin(), a.end());
     ends.insert(ends.end(), b.begin(), b.end());
   }
@@ -60,7 +60,7 @@ Vec3 crossing_point(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) 
 
 Vec3 contact_point(Positions x0, Positions x1, const VertexFaceCollision& c,
                    std::span<const Triangle> triangles) {
-  const At at{x0, x1, c.toi};
+  const PositionsAt at{x0, x1, c.toi};
   const Triangle& f = triangles[c.face];
   const Vec3 vertex = at(c.vertex_object, c.vertex);
   const Closest closest = vertex_face_closest(
@@ -68,18 +68,18 @@ Vec3 contact_point(Positions x0, Positions x1, const VertexFaceCollision& c,
   return vertex - closest.difference / 2;
 }
 
-// The nearest points of two segments lie inside both, or one of them is an end.
+// The nearest points of two segments are interior to both, or one of them is an end point.
 Vec3 contact_point(Positions x0, Positions x1, const EdgeEdgeCollision& c) {
-  const At at{x0, x1, c.toi};
+  const PositionsAt at{x0, x1, c.toi};
   const Vec3 a0 = at(c.object_a, c.a[0]), a1 = at(c.object_a, c.a[1]);
   const Vec3 b0 = at(c.object_b, c.b[0]), b1 = at(c.object_b, c.b[1]);
   Vec3 middle = (a0 + b0) / 2;
-  double least = std::numeric_limits<double>::infinity();
+  double min_distance = std::numeric_limits<double>::infinity();
   const auto consider = [&](double s, double t) {
     const Vec3 on_a = a0 + s * (a1 - a0), on_b = b0 + t * (b1 - b0);
     const double distance = (on_a - on_b).squaredNorm();
-    if (!(distance < least)) return;
-    least = distance;
+    if (!(distance < min_distance)) return;
+    min_distance = distance;
     middle = (on_a + on_b) / 2;
   };
   consider(0, nearest(a0, b0, b1));

@@ -1,4 +1,4 @@
-/// Where two features meet.
+/// Points at which features meet.
 #pragma once
 
 #include <span>
@@ -7,12 +7,12 @@
 
 namespace foldproof {
 
-/// The middle of what two crossing triangles have in common, mesh units; of both where rounding leaves
-/// nothing of it.
+/// The midpoint of the segment that two crossing triangles share, mesh units. The mean of their corners if
+/// rounding leaves no such segment.
 Vec3 crossing_point(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);
 
-/// The middle between the nearest points of the two features at the time of impact, mesh units. `x0`, `x1`:
-/// the ends of the step that found the collision.
+/// The midpoint between the nearest points of the two features at the time of impact, mesh units. `x0`, `x1`:
+/// positions at the start and the end of the step.
 Vec3 contact_point(Positions x0, Positions x1, const VertexFaceCollision& collision,
                    std::span<const Triangle> triangles);
 Vec3 contact_point(Positions x0, Positions x1, const EdgeEdgeCollision& collision);

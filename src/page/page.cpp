@@ -1,4 +1,4 @@
-// Requests and what answers them.
+// Handlers of the page's requests.
 #include "page/page.h"
 
 #include <fmt/format.h>
@@ -7,33 +7,34 @@
 #include <charconv>
 #include <optional>
 
+#include "base/try.h"
 #include "page/radius.h"
 
 namespace foldproof {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "numbers go to the page as they are");
+static_assert(std::endian::native == std::endian::little, "numbers are sent in native byte order");
 
-constexpr std::uint64_t kMostItems = 1000;
+constexpr std::uint64_t kMaxItems = 1000;
 
 PageAnswer refuse(int status, const std::string& line) {
   return {status, "application/json", error_json(line)};
 }
 PageAnswer refuse(const Error& error) { return refuse(500, error.line()); }
-PageAnswer tell(const Json& json) { return {.body = dump(json)}; }
+PageAnswer json_answer(const Json& json) { return {.body = dump(json)}; }
 
 template <class T>
-PageAnswer tell_numbers(std::span<const T> values) {
+PageAnswer binary_answer(std::span<const T> values) {
   return {
       200, "application/octet-stream", {reinterpret_cast<const char*>(values.data()), values.size_bytes()}};
 }
 
-/// Doubles as the page takes them: in single precision.
-PageAnswer tell_floats(std::span<const double> values) {
-  return tell_numbers(std::span<const float>(std::vector<float>(values.begin(), values.end())));
+/// Converts doubles to single precision, which the page uses.
+PageAnswer float_answer(std::span<const double> values) {
+  return binary_answer(std::span<const float>(std::vector<float>(values.begin(), values.end())));
 }
-PageAnswer tell_floats(const Eigen::Ref<const Eigen::VectorXd>& values) {
-  return tell_floats(std::span(values.data(), static_cast<std::size_t>(values.size())));
+PageAnswer float_answer(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  return float_answer(std::span(values.data(), static_cast<std::size_t>(values.size())));
 }
 
 std::optional<std::uint64_t> number_in(std::string_view text) {
@@ -60,16 +61,16 @@ struct Page::Impl {
 
   std::unique_ptr<SceneData> scene;
   std::unique_ptr<StepStore> store;
-  std::unique_ptr<RadiusDesk> radii;
-  mutable std::mutex mutex;  // of what follows
+  std::unique_ptr<RadiusService> radii;
+  mutable std::mutex mutex;  // guards the following
   State state = State::Running;
   std::string failure;
 
-  // The numbers of a path, in its order.
+  // The numbers in a path, in order.
   using Numbers = std::span<const std::uint64_t>;
   using Handler = PageAnswer (Impl::*)(Numbers, const PageQuery&) const;
 
-  PageAnswer scene_json(Numbers, const PageQuery&) const { return tell(scene->json()); }
+  PageAnswer scene_json(Numbers, const PageQuery&) const { return json_answer(scene->json()); }
   PageAnswer triangles(Numbers, const PageQuery&) const;
   PageAnswer frame(Numbers, const PageQuery&) const;
   PageAnswer boxes(Numbers, const PageQuery&) const;
@@ -96,28 +97,28 @@ struct Page::Impl {
 
 namespace {
 
-/// A number of the query, `otherwise` where there is none; nothing when it is no number.
+/// A numeric parameter, `fallback` if it is absent; nothing if it is not a number.
 std::optional<std::uint64_t> number_of(const PageQuery& query, std::string_view name,
-                                       std::uint64_t otherwise) {
+                                       std::uint64_t fallback) {
   const auto found = query.find(name);
-  return found == query.end() ? otherwise : number_in(found->second);
+  return found == query.end() ? fallback : number_in(found->second);
 }
 
 PageAnswer no_number(std::string_view name) { return refuse(400, fmt::format("'{}' is no number", name)); }
 
-/// The part of a list that is asked for.
+/// The requested part of a list.
 struct Part {
   std::uint64_t offset = 0, limit = 0;
 };
 
 tl::expected<Part, PageAnswer> part_of(const PageQuery& query) {
-  const auto offset = number_of(query, "offset", 0), limit = number_of(query, "limit", kMostItems);
+  const auto offset = number_of(query, "offset", 0), limit = number_of(query, "limit", kMaxItems);
   if (!offset) return tl::unexpected(no_number("offset"));
-  if (limit && *limit <= kMostItems) return Part{*offset, *limit};
-  return tl::unexpected(refuse(400, fmt::format("'limit' is no number up to {}", kMostItems)));
+  if (limit && *limit <= kMaxItems) return Part{*offset, *limit};
+  return tl::unexpected(refuse(400, fmt::format("'limit' is no number up to {}", kMaxItems)));
 }
 
-/// Hands a check's steps to the store.
+/// Adds the steps of a check to the store.
 class StoreWriter final : public ReportWriter {
  public:
   explicit StoreWriter(StepStore& store) : store_(store) {}
@@ -158,7 +159,7 @@ std::optional<PageAnswer> Page::Impl::missing_step(std::uint64_t number) const {
 std::optional<PageAnswer> Page::Impl::missing_start() const {
   if (store->started()) return std::nullopt;
   if (scene->settings().steps_only)
-    return refuse(404, "nobody asked what crosses in the first frame (--steps-only)");
+    return refuse(404, "crossings in the first frame were not tested (--steps-only)");
   return not_yet("the first frame");
 }
 
@@ -171,14 +172,14 @@ PageAnswer Page::Impl::not_yet(const std::string& what) const {
 
 PageAnswer Page::Impl::triangles(Numbers n, const PageQuery&) const {
   if (auto answer = missing_object(n[0])) return *answer;
-  return tell_numbers(object(n[0]).motion->topology().triangles());
+  return binary_answer(object(n[0]).motion->topology().triangles());
 }
 
 PageAnswer Page::Impl::frame(Numbers n, const PageQuery&) const {
   if (auto answer = missing_object(n[0])) return *answer;
   if (auto answer = missing_frame(n[1])) return *answer;
   const auto x = scene->frame(static_cast<Index>(n[0]), static_cast<Index>(n[1]));
-  return x ? tell_floats(**x) : refuse(x.error());
+  return x ? float_answer(**x) : refuse(x.error());
 }
 
 PageAnswer Page::Impl::boxes(Numbers n, const PageQuery& query) const {
@@ -191,7 +192,7 @@ PageAnswer Page::Impl::boxes(Numbers n, const PageQuery& query) const {
     return refuse(404, fmt::format("the deepest level is {}", object(n[0]).levels));
   const auto boxes =
       scene->boxes(static_cast<Index>(n[0]), static_cast<Index>(*k), static_cast<Index>(*level));
-  return boxes ? tell_numbers(std::span<const float>(*boxes)) : refuse(boxes.error());
+  return boxes ? binary_answer(std::span<const float>(*boxes)) : refuse(boxes.error());
 }
 
 PageAnswer Page::Impl::prediction(Numbers n, const PageQuery&) const {
@@ -201,24 +202,24 @@ PageAnswer Page::Impl::prediction(Numbers n, const PageQuery&) const {
   if (!x) return refuse(x.error());
   const Predictor& predictor = object(n[0]).predictor();
   const Eigen::Map<const Eigen::VectorXd> pose((*x)->data(), static_cast<Eigen::Index>((*x)->size()));
-  return tell_floats(predictor.from_key_points(predictor.key_point_map().gather(pose)));
+  return float_answer(predictor.from_key_points(predictor.key_point_map().gather(pose)));
 }
 
 PageAnswer Page::Impl::mean(Numbers n, const PageQuery&) const {
   if (auto answer = missing_modes(n[0])) return *answer;
-  return tell_floats(object(n[0]).learned()->pca.mean);
+  return float_answer(object(n[0]).learned()->pca.mean);
 }
 
 PageAnswer Page::Impl::mode(Numbers n, const PageQuery&) const {
   if (auto answer = missing_modes(n[0])) return *answer;
   const Pca& pca = object(n[0]).learned()->pca;
   if (n[1] >= pca.modes()) return refuse(404, fmt::format("there is no mode {} among {}", n[1], pca.modes()));
-  return tell_floats(pca.basis.col(static_cast<Eigen::Index>(n[1])));
+  return float_answer(pca.basis.col(static_cast<Eigen::Index>(n[1])));
 }
 
 PageAnswer Page::Impl::radius(Numbers n, const PageQuery&) const {
   if (auto answer = missing_modes(n[0])) return *answer;
-  return tell(radii->ask(static_cast<Index>(n[0])));
+  return json_answer(radii->request(static_cast<Index>(n[0])));
 }
 
 PageAnswer Page::Impl::steps(Numbers, const PageQuery& query) const {
@@ -227,7 +228,7 @@ PageAnswer Page::Impl::steps(Numbers, const PageQuery& query) const {
   if (!from) return no_number("from");
   Json json;
   {
-    // The state first: once it says done, all steps are there.
+    // Read the state before the count: once it is "done", all steps are in the store.
     const std::lock_guard lock(mutex);
     json = {{"state", kStates[static_cast<std::size_t>(state)]}, {"error", failure}};
   }
@@ -237,12 +238,12 @@ PageAnswer Page::Impl::steps(Numbers, const PageQuery& query) const {
   json["done"] = done;
   json["total"] = scene->steps();
   Json& list = json["steps"] = Json::array();
-  for (std::uint64_t k = *from; k < done && list.size() < kMostItems; ++k) {
+  for (std::uint64_t k = *from; k < done && list.size() < kMaxItems; ++k) {
     const auto step = store->record(k);
     if (!step) return refuse(step.error());
     list.push_back(step_json(*step));
   }
-  return tell(json);
+  return json_answer(json);
 }
 
 PageAnswer Page::Impl::crossings(Numbers, const PageQuery& query) const {
@@ -253,14 +254,14 @@ PageAnswer Page::Impl::crossings(Numbers, const PageQuery& query) const {
   if (!crossings) return refuse(crossings.error());
   Json items = Json::array();
   for (const StartCrossing& crossing : *crossings) items.push_back(crossing_json(crossing));
-  return tell({{"total", store->started()->crossings}, {"items", std::move(items)}});
+  return json_answer({{"total", store->started()->crossings}, {"items", std::move(items)}});
 }
 
 PageAnswer Page::Impl::crossing_faces(Numbers n, const PageQuery&) const {
   if (auto answer = missing_object(n[0])) return *answer;
   if (auto answer = missing_start()) return *answer;
   const auto faces = store->crossing_faces(static_cast<Index>(n[0]));
-  return faces ? tell_numbers(std::span<const std::uint8_t>(*faces)) : refuse(faces.error());
+  return faces ? binary_answer(std::span<const std::uint8_t>(*faces)) : refuse(faces.error());
 }
 
 PageAnswer Page::Impl::collisions(Numbers n, const PageQuery& query) const {
@@ -273,7 +274,7 @@ PageAnswer Page::Impl::collisions(Numbers n, const PageQuery& query) const {
   if (!contacts) return refuse(contacts.error());
   Json items = Json::array();
   for (const Contact& contact : *contacts) items.push_back(contact_json(contact));
-  return tell({{"total", step->collisions.sum()}, {"items", std::move(items)}});
+  return json_answer({{"total", step->collisions.sum()}, {"items", std::move(items)}});
 }
 
 PageAnswer Page::Impl::faces(Numbers n, const PageQuery&) const {
@@ -309,19 +310,15 @@ Page::~Page() = default;
 
 Result<std::unique_ptr<Page>> Page::open(PageInput input) {
   auto impl = std::make_unique<Impl>();
-  auto scene = SceneData::open(std::move(input));
-  if (!scene) return tl::unexpected(scene.error());
-  impl->scene = std::move(*scene);
-  auto store = StepStore::open(impl->scene->motions());
-  if (!store) return tl::unexpected(store.error());
-  impl->store = std::move(*store);
-  impl->radii = std::make_unique<RadiusDesk>(*impl->scene);
+  impl->scene = FOLDPROOF_TRY(SceneData::open(std::move(input)));
+  impl->store = FOLDPROOF_TRY(StepStore::open(impl->scene->motions()));
+  impl->radii = std::make_unique<RadiusService>(*impl->scene);
   return std::unique_ptr<Page>(new Page(std::move(impl)));
 }
 
 PageAnswer Page::get(std::string_view path, const PageQuery& query) const {
   struct Route {
-    std::string_view pattern;  // '#' stands for a number
+    std::string_view pattern;  // '#' matches a number
     Impl::Handler handler;
   };
   static const Route routes[] = {
@@ -339,20 +336,20 @@ PageAnswer Page::get(std::string_view path, const PageQuery& query) const {
       {"/api/steps/#/collisions", &Impl::collisions},
       {"/api/steps/#/faces/#", &Impl::faces},
   };
-  const auto asked = split(path);
+  const auto parts = split(path);
   for (const Route& route : routes) {
     const auto pattern = split(route.pattern);
-    if (pattern.size() != asked.size()) continue;
+    if (pattern.size() != parts.size()) continue;
     std::vector<std::uint64_t> numbers;
     std::string_view bad;
     bool fits = true;
     for (std::size_t k = 0; k < pattern.size() && fits; ++k) {
       if (pattern[k] != "#") {
-        fits = pattern[k] == asked[k];
-      } else if (const auto number = number_in(asked[k])) {
+        fits = pattern[k] == parts[k];
+      } else if (const auto number = number_in(parts[k])) {
         numbers.push_back(*number);
       } else {
-        bad = asked[k];
+        bad = parts[k];
         numbers.push_back(0);
       }
     }
@@ -367,7 +364,7 @@ void Page::work(const std::atomic<bool>& stop) {
     impl_->check(stop);
     impl_->radii->work(stop);
   } catch (const std::bad_alloc&) {
-    impl_->end_check(Impl::State::Failed, "memory: there is not enough; look at fewer objects at a time");
+    impl_->end_check(Impl::State::Failed, "memory: there is not enough; view fewer objects at a time");
   }
 }
 

@@ -1,7 +1,7 @@
-/// The page: motions, collisions and proofs as a web browser shows them, and the report to mail.
+/// The server of the web page that shows motions, collisions and proofs, and the HTML report.
 ///
-/// A target of its own (foldproof_page), above the library: who only asks for collisions needs no HTTP
-/// server. The page itself, HTML and scripts, is made from page/ and is the caller's to bring (PageFile).
+/// A target of its own (foldproof_page), so that users of the library need no HTTP server. The caller
+/// provides the page itself, HTML and scripts built from page/ (PageFile).
 #pragma once
 
 #include <atomic>
@@ -20,54 +20,52 @@ struct PageFile {
   std::string_view path, bytes;
 };
 
-/// What a mailed report says besides the answer.
+/// Input of the HTML report besides the motions.
 struct PageReportInfo {
   ReportInfo check;
-  std::string command;  ///< What was typed.
+  std::string command;  ///< The command line.
 };
 
-/// One HTML file with everything in it: summary, charts, pictures of what crosses at the start and of the
-/// worst steps, settings. Steps go to it as they come; memory holds what seven pictures show. `files`: those
-/// under "report/" with their sums (tools/embed.py); they must outlive the writer. Precondition:
-/// settings.step.explain, and no poses. Error: it cannot be written, a file of the page is not there.
+/// A self-contained HTML file: summary, charts, pictures of crossings in the first frame and of the worst
+/// steps, settings. Steps are written as they come; memory holds the poses of seven pictures. `files`: those
+/// under "report/" with their hashes (tools/embed.py); they must outlive the writer. Precondition: no poses.
+/// Error: settings.step.explain is not set, the file cannot be written, a file of the page is missing.
 Result<std::unique_ptr<ReportWriter>> page_report(const std::string& path, Motions motions,
                                                   const PageReportInfo& info,
                                                   std::span<const PageFile> files);
 
-/// What is to be seen.
+/// What the page shows.
 struct PageInput {
   std::vector<std::unique_ptr<Motion>> motions;
-  CheckSettings check;  ///< `poses` and `explain` are set as the page needs them.
-  ReadOptions read;     ///< How the motions were read, to be told.
+  CheckSettings check;  ///< The page overrides `poses` and `explain`.
+  ReadOptions read;     ///< How the motions were read, for display.
 };
 
-/// What a request gets.
+/// The response to a request.
 struct PageAnswer {
   int status = 200;
   std::string type = "application/json", body = {};
 };
 
-/// The part of a URL behind '?'.
+/// The parameters of a URL.
 using PageQuery = std::map<std::string, std::string, std::less<>>;
 
-/// Answers requests for the data of a scene (docs/viewer.md lists them) while a check of it runs. Memory
-/// holds a few frames per object; the check's answers lie in a temporary file without a name.
+/// Answers requests for the data of a scene (docs/viewer.md lists them) while its check runs. Memory holds a
+/// few frames per object; the answers of the check are in unnamed temporary files.
 class Page {
  public:
-  /// Reads the first selected frame and builds what hierarchies the models do not bring. Error: no motions,
-  /// different frame counts, a single frame with CheckSettings::steps_only, a model of another mesh, a frame
-  /// that cannot be read, no temporary file.
+  /// Reads the first selected frame and builds hierarchies for objects without a model. Error: those of
+  /// frames_to_check, a model of another mesh, a frame that cannot be read, no temporary file.
   static Result<std::unique_ptr<Page>> open(PageInput input);
   ~Page();
   Page(const Page&) = delete;
   Page& operator=(const Page&) = delete;
 
-  /// `path` begins with "/api/" and is decoded. Any thread, at any time.
+  /// `path` starts with "/api/" and is decoded. Thread-safe.
   PageAnswer get(std::string_view path, const PageQuery& query = {}) const;
 
-  /// Asks what crosses in the first frame, checks all steps and then certifies radii as requests ask for
-  /// them; returns soon after `stop` is set, that is after the step that it works on. To be called once, by
-  /// one thread.
+  /// Finds crossings in the first frame, checks all steps, then certifies radii on request. Returns after the
+  /// current step once `stop` is set. Call it once, from one thread.
   void work(const std::atomic<bool>& stop);
 
  private:
@@ -76,23 +74,23 @@ class Page {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Where a server looks for a port when it is not given one: the first free one from here on.
+/// Without a given port, a server takes the first free one of these.
 inline constexpr int kFirstPagePort = 7420, kPagePorts = 100;
 
-/// Serves a page over HTTP on 127.0.0.1, to requests that name this machine as their host and no other.
+/// Serves a page over HTTP on 127.0.0.1. Answers only requests whose Host header names this machine.
 class PageServer {
  public:
-  /// Listens at once; requests are answered by `serve`. `files`: those under "view/", which must outlive the
-  /// server. `port` 0: see kFirstPagePort. Error: the port is taken, or none is free.
+  /// Starts to listen; `serve` answers requests. `files`: those under "view/", which must outlive the server.
+  /// `port` 0: see kFirstPagePort. Error: the port is taken, or none is free.
   static Result<PageServer> open(Page& page, std::span<const PageFile> files, int port = 0);
   ~PageServer();
   PageServer(PageServer&&) noexcept;
   PageServer& operator=(PageServer&&) noexcept;
 
   int port() const;
-  /// Answers requests, and lets the page work, until `stop` is set: then at once, but for the step that is
-  /// being checked. Nobody who is slow, or asks for much, keeps others waiting (docs/viewer.md says what is
-  /// bounded). Error: the port can no longer be listened at, no threads.
+  /// Answers requests and runs Page::work until `stop` is set, then returns after the current step. Slow or
+  /// demanding clients do not delay others (docs/viewer.md lists the limits). Error: listening failed, no
+  /// threads.
   Result<void> serve(const std::atomic<bool>& stop);
 
  private:

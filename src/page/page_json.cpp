@@ -7,10 +7,10 @@
 namespace foldproof {
 
 Json step_json(const StepRecord& s) {
-  return {{"number", s.place.number},
-          {"frame", s.place.frame},
-          {"next_frame", s.place.next_frame},
-          {"substep", s.place.substep},
+  return {{"number", s.index.number},
+          {"frame", s.index.frame},
+          {"next_frame", s.index.next_frame},
+          {"substep", s.index.substep},
           {"vertex_face", s.collisions.vertex_face},
           {"edge_edge", s.collisions.edge_edge},
           {"listed", s.listed},

@@ -1,4 +1,4 @@
-/// What the page and the mailed report are told alike.
+/// JSON values common to the page and the HTML report.
 #pragma once
 
 #include "page/step_store.h"
@@ -8,17 +8,17 @@ namespace foldproof {
 
 Json step_json(const StepRecord& step);
 Json start_json(const StartRecord& start);
-/// As contact_json, of kind "tt".
+/// Like contact_json, of kind "tt".
 Json crossing_json(const StartCrossing& crossing);
 Json contact_json(const Contact& contact);
 
-/// How the mesh is told by a model; null without one.
+/// What a model has learned of a mesh; null without one.
 Json model_json(const Model* model);
 
 /// {"error": line}
 std::string error_json(const std::string& line);
 
-/// The file at the end of a path, and how many more there are.
+/// The file name of the first motion, and the number of others.
 std::string title_of(Motions motions);
 
 }  // namespace foldproof

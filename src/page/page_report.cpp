@@ -1,8 +1,9 @@
-// One HTML file to mail: script, style, data and pictures, and nothing to be fetched.
+// The HTML report: script, style, data and pictures in one file.
 #include <fmt/format.h>
 
 #include <ctime>
 
+#include "base/try.h"
 #include "page/page.h"
 #include "page/page_json.h"
 #include "page/snapshots.h"
@@ -14,7 +15,8 @@ namespace {
 constexpr const char* kScript = "report/report.js";
 constexpr const char* kStyle = "report/report.css";
 
-/// No text in it can end the element that holds it: JSON has '<' in strings only.
+/// JSON for a <script> element. It has '<' only in strings, where it is escaped so that it cannot end the
+/// element.
 std::string embedded(const Json& json) {
   std::string safe;
   for (const char c : dump(json)) {
@@ -78,7 +80,7 @@ class PageReport final : public ReportWriter {
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'sha256-{}'; ",
         files.at("report/report.js.sha256"));
     file_.add("style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n");
-    file_.add("<title>{} - Foldproof report</title>\n<style>", html_text(dump_text(title_of(motions))));
+    file_.add("<title>{} - Foldproof report</title>\n<style>", html_text(valid_utf8(title_of(motions))));
     file_.add("{}</style>\n</head>\n<body>\n", files.at(kStyle));
     file_.add(
         "<noscript>This report needs JavaScript to be shown; it loads nothing from elsewhere.</noscript>\n");
@@ -99,13 +101,13 @@ class PageReport final : public ReportWriter {
 
   Result<void> start(const CheckedStep& pose) override {
     if (snapshots_) snapshots_->start(pose);
-    start_ = start_json({pose.place.frame, pose.collisions.triangle_triangle, pose.milliseconds});
+    start_ = start_json({pose.index.frame, pose.collisions.triangle_triangle, pose.milliseconds});
     return {};
   }
 
   Result<void> step(const CheckedStep& step) override {
-    if (snapshots_) snapshots_->look(step);
-    file_.add("{}\n{}", step.place.number == 0 ? "" : ",", embedded(step_json(record_of(step))));
+    if (snapshots_) snapshots_->add(step);
+    file_.add("{}\n{}", step.index.number == 0 ? "" : ",", embedded(step_json(record_of(step))));
     return file_.flush_if_large();
   }
 
@@ -117,10 +119,9 @@ class PageReport final : public ReportWriter {
     file_.add("\n],\n\"start\":{},\n\"totals\":{},\n\"pictures\":[", embedded(start_),
               embedded(totals_json(totals, false, false)));
     if (snapshots_) {
-      const auto pictures = snapshots_->draw(totals);
-      if (!pictures) return tl::unexpected(pictures.error());
-      for (const Snapshot& picture : *pictures) {
-        file_.add("{}\n{}", &picture == pictures->data() ? "" : ",",
+      const auto pictures = FOLDPROOF_TRY(snapshots_->draw(totals));
+      for (const Snapshot& picture : pictures) {
+        file_.add("{}\n{}", &picture == pictures.data() ? "" : ",",
                   embedded({{"step", picture.step ? Json(*picture.step) : Json(nullptr)},
                             {"caption", picture.caption},
                             {"png", "data:image/png;base64," + base64(picture.png)}}));
@@ -132,15 +133,17 @@ class PageReport final : public ReportWriter {
   }
 
  private:
-  /// With U+FFFD where it is not UTF-8.
-  static std::string dump_text(const std::string& text) { return Json::parse(dump(text)).get<std::string>(); }
+  /// Replaces invalid UTF-8 by U+FFFD.
+  static std::string valid_utf8(const std::string& text) {
+    return Json::parse(dump(text)).get<std::string>();
+  }
 
   TextFile file_;
   Motions motions_;
   Index substeps_;
   std::string_view script_;
   std::optional<Snapshots> snapshots_;
-  Json start_ = nullptr;  // or what crosses in the first frame
+  Json start_ = nullptr;  // the answer for the first frame, if there is one
   std::vector<std::string> notes_;
 };
 
@@ -150,15 +153,15 @@ Result<std::unique_ptr<ReportWriter>> page_report(const std::string& path, Motio
                                                   const PageReportInfo& info,
                                                   std::span<const PageFile> files) {
   if (!info.check.settings.step.explain)
-    return fail(path, "has nothing to tell", "set StepSettings::explain");
+    return fail(ErrorCode::InvalidArgument, path, "has nothing to report", "set StepSettings::explain");
   std::map<std::string_view, std::string_view> by_path;
   for (const PageFile& file : files) by_path[file.path] = file.bytes;
   for (const char* needed : {kScript, kStyle, "report/report.js.sha256"}) {
-    if (!by_path.contains(needed)) return fail(needed, "is not there", "build the page anew");
+    if (!by_path.contains(needed))
+      return fail(ErrorCode::FileAccess, needed, "is missing", "build the page again");
   }
-  auto file = FileWriter::open(path);
-  if (!file) return tl::unexpected(file.error());
-  return std::make_unique<PageReport>(std::move(*file), motions, info, by_path);
+  auto file = FOLDPROOF_TRY(FileWriter::open(path));
+  return std::make_unique<PageReport>(std::move(file), motions, info, by_path);
 }
 
 }  // namespace foldproof

@@ -1,4 +1,4 @@
-/// How far mode sliders may go: certified radii, found when somebody asks.
+/// Certified radii of mode sliders, computed on request.
 #pragma once
 
 #include <condition_variable>
@@ -8,27 +8,28 @@
 
 namespace foldproof {
 
-class RadiusDesk {
+class RadiusService {
  public:
-  explicit RadiusDesk(const SceneData& scene) : scene_(scene), entries_(scene.objects().size()) {}
+  explicit RadiusService(const SceneData& scene) : scene_(scene), entries_(scene.objects().size()) {}
 
-  /// What is known; the first to ask for an object orders it. Precondition: the object has modes.
-  Json ask(Index object);
-  /// Finds what was ordered, one after the other, until `stop` is set.
+  /// The state of an object's radius. The first request queues its computation. Precondition: the object has
+  /// modes.
+  Json request(Index object);
+  /// Computes queued radii, one after the other, until `stop` is set.
   void work(const std::atomic<bool>& stop);
 
  private:
   struct Entry {
-    enum class State : std::uint8_t { Idle, Ordered, Done, Failed } state = State::Idle;
+    enum class State : std::uint8_t { Idle, Queued, Done, Failed } state = State::Idle;
     double progress = 0, radius = 0, share = 0;
-    std::size_t left_out = 0;
+    std::size_t uncertified = 0;
     std::string error = {};
   };
-  Entry find(Index object, const std::atomic<bool>& stop);
+  Entry compute(Index object, const std::atomic<bool>& stop);
 
   const SceneData& scene_;
   std::mutex mutex_;
-  std::condition_variable ordered_;
+  std::condition_variable queued_;
   std::vector<Entry> entries_;
 };
 

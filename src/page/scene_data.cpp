@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/try.h"
 #include "learned/certificates.h"
 
 namespace foldproof {
@@ -18,17 +19,16 @@ Result<std::unique_ptr<SceneData>> SceneData::open(PageInput input) {
   scene->read_ = input.read;
   CheckSettings& settings = scene->settings_;
   settings.poses = false;
-  auto frames = frames_to_check(input.motions, settings);
-  if (!frames) return tl::unexpected(frames.error());
-  if (const auto ok = require_models_of(input.motions, settings); !ok) return tl::unexpected(ok.error());
-  scene->frames_ = std::move(*frames);
+  auto frames = FOLDPROOF_TRY(frames_to_check(input.motions, settings));
+  FOLDPROOF_TRY(require_models_of(input.motions, settings));
+  scene->frames_ = std::move(frames);
   settings.step.explain = true;
   scene->low_.setConstant(std::numeric_limits<double>::infinity());
   scene->high_ = -scene->low_;
   for (auto& motion : input.motions)
     scene->motions_.push_back(std::make_unique<SharedMotion>(std::move(motion)));
   for (Index i = 0; i < scene->motions_.size(); ++i) {
-    if (const auto done = scene->add(i); !done) return tl::unexpected(done.error());
+    FOLDPROOF_TRY(scene->add(i));
   }
   return scene;
 }
@@ -36,23 +36,21 @@ Result<std::unique_ptr<SceneData>> SceneData::open(PageInput input) {
 Result<void> SceneData::add(Index i) {
   auto object = std::make_unique<PageObject>();
   object->motion = static_cast<SharedMotion*>(motions_[i].get());
-  const auto frame = object->motion->frame(frames_[0]);
-  if (!frame) return tl::unexpected(frame.error());
+  const auto frame = FOLDPROOF_TRY(object->motion->frame(frames_[0]));
   if (!settings_.models.empty()) object->model = settings_.models[i];
   if (object->model) {
     object->hierarchy = object->model->hierarchy();
   } else {
-    auto built = Hierarchy::build(object->motion->topology(), **frame);
+    auto built = Hierarchy::build(object->motion->topology(), *frame);
     if (!built)
-      return fail(object->motion->name() + ": " + built.error().where, built.error().problem,
-                  built.error().mend);
+      return fail(built.error().code, object->motion->name() + ": " + built.error().where,
+                  built.error().problem, built.error().remedy);
     object->hierarchy = std::make_shared<const Hierarchy>(std::move(*built));
   }
   settings_.hierarchies.push_back(object->hierarchy);
   object->depths = depths_of(*object->hierarchy);
   object->levels = *std::max_element(object->depths.begin(), object->depths.end());
-  const Eigen::Map<const Eigen::Matrix3Xd> x((*frame)->data(), 3,
-                                             static_cast<Eigen::Index>((*frame)->size() / 3));
+  const Eigen::Map<const Eigen::Matrix3Xd> x(frame->data(), 3, static_cast<Eigen::Index>(frame->size() / 3));
   low_ = low_.cwiseMin(x.rowwise().minCoeff());
   high_ = high_.cwiseMax(x.rowwise().maxCoeff());
   objects_.push_back(std::move(object));
@@ -96,8 +94,7 @@ Json SceneData::json() const {
 }
 
 Result<std::vector<float>> SceneData::boxes(Index i, Index k, Index level) const {
-  const auto x = frame(i, k);
-  if (!x) return tl::unexpected(x.error());
+  const auto x = FOLDPROOF_TRY(frame(i, k));
   const PageObject& object = *objects_[i];
   const Hierarchy& h = *object.hierarchy;
   std::vector<float> boxes;
@@ -108,12 +105,12 @@ Result<std::vector<float>> SceneData::boxes(Index i, Index k, Index level) const
     const Index end = h.leaves()[node.leaf_end].triangles;
     for (Index t = h.leaves()[node.leaf_begin].triangles; t < end; ++t) {
       for (const Index v : h.topology().triangles()[h.triangle_ids()[t]]) {
-        const Eigen::Map<const Vec3> corner(&(**x)[3 * std::size_t{v}]);
+        const Eigen::Map<const Vec3> corner(&(*x)[3 * std::size_t{v}]);
         low = low.cwiseMin(corner);
         high = high.cwiseMax(corner);
       }
     }
-    // Rounding keeps the order, so a box still holds its vertices when they are rounded alike.
+    // Rounding is monotonic, so a rounded box still contains its rounded vertices.
     for (const double c : {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()})
       boxes.push_back(static_cast<float>(c));
   }

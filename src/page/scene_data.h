@@ -1,4 +1,4 @@
-/// What does not change while a page is shown: motions, models, hierarchies.
+/// The data of a page that does not change: motions, models, hierarchies.
 #pragma once
 
 #include <mutex>
@@ -9,13 +9,13 @@
 
 namespace foldproof {
 
-/// An object as requests see it.
+/// An object of the scene.
 struct PageObject {
   SharedMotion* motion = nullptr;
-  std::shared_ptr<const Model> model;  ///< Null where there is none.
+  std::shared_ptr<const Model> model;  ///< Null if there is none.
   std::shared_ptr<const Hierarchy> hierarchy;
   std::vector<Index> depths;  ///< Per node of the hierarchy.
-  Index levels = 0;           ///< The largest of them.
+  Index levels = 0;           ///< The largest depth.
 
   const Learned* learned() const { return model ? model->learned.get() : nullptr; }
   const Predictor& predictor() const;  ///< Precondition: learned().
@@ -25,7 +25,7 @@ struct PageObject {
   mutable std::unique_ptr<const Predictor> predictor_;
 };
 
-/// Immutable but for the frames that it keeps for a while. Any number of threads.
+/// Immutable, apart from a cache of frames. Thread-safe.
 class SceneData {
  public:
   static Result<std::unique_ptr<SceneData>> open(PageInput input);
@@ -34,14 +34,14 @@ class SceneData {
   const CheckSettings& settings() const { return settings_; }
   std::span<const std::unique_ptr<PageObject>> objects() const { return objects_; }
   std::span<const Index> frames() const { return frames_; }
-  /// One that stands still for a single frame.
+  /// 1 for a single frame: a step without motion.
   std::uint64_t steps() const;
 
   Json json() const;
   Result<SharedMotion::Frame> frame(Index object, Index k) const {
     return objects_[object]->motion->frame(frames_[k]);
   }
-  /// Low and high corners of the nodes at a depth, and of leaves above it.
+  /// Low and high corners of the boxes of nodes at a depth, and of leaves above it.
   Result<std::vector<float>> boxes(Index object, Index k, Index level) const;
 
  private:

@@ -1,4 +1,4 @@
-// HTTP for a page: the only place that knows the server library.
+// HTTP for a page: the only file that uses the server library.
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -20,13 +20,13 @@ constexpr const char* kSecurityPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// The head of a request as it came, and room for what goes back.
+/// The head of a request, and a buffer for the answer.
 class Exchange : public httplib::Stream {
  public:
   explicit Exchange(std::string_view head) : head_(head) {}
 
   std::string answer;
-  bool read_to_its_end() const { return head_.empty(); }
+  bool fully_read() const { return head_.empty(); }
 
   bool is_readable() const override { return !head_.empty(); }
   bool is_writable() const override { return true; }
@@ -47,31 +47,31 @@ class Exchange : public httplib::Stream {
   std::string_view head_;
 };
 
-/// Reads requests and writes answers. The library's own way of listening is not used: it keeps a thread busy
-/// per connection and takes a line of any length.
+/// Parses requests and formats answers. The library's own server is not used: it needs a thread per
+/// connection and reads lines of any length.
 struct Http : httplib::Server {
-  /// False: it is no request. `last`: the connection cannot be used for another.
-  bool exchange(Exchange& with, bool& last) {
-    // Where the library refuses a head before it has read it, nothing is known of what follows.
-    bool announces_more = true;
-    const auto look = [&](httplib::Request& request) {
-      // Nothing that follows a head is read, so that it could be taken for the next one.
-      announces_more = (request.method != "GET" && request.method != "HEAD") ||
-                       request.has_header("Content-Length") || request.has_header("Transfer-Encoding");
-      if (announces_more) {
+  /// False: not a valid request. `close`: the connection cannot be used for another request.
+  bool process(Exchange& exchange, bool& close) {
+    // True also when the library rejects a head before it has parsed it.
+    bool has_body = true;
+    const auto prepare = [&](httplib::Request& request) {
+      // Bodies are not read. Without closing the connection, a body would be parsed as the next request.
+      has_body = (request.method != "GET" && request.method != "HEAD") ||
+                 request.has_header("Content-Length") || request.has_header("Transfer-Encoding");
+      if (has_body) {
         request.headers.erase("Connection");
         request.set_header("Connection", "close");
       }
-      // Parts in any number would make an answer larger than what there is; packing takes longer than the way
-      // to the next process; and nobody is asked to go on.
+      // Overlapping ranges could make an answer larger than its content, compression takes longer than a
+      // local transfer, and without bodies there is nothing to continue.
       request.ranges.clear();
       request.headers.erase("Range");
       request.headers.erase("Accept-Encoding");
       request.headers.erase("Expect");
     };
-    const bool answered = process_request(with, false, last, look);
-    last = last || announces_more;
-    return answered && with.read_to_its_end();
+    const bool answered = process_request(exchange, false, close, prepare);
+    close = close || has_body;
+    return answered && exchange.fully_read();
   }
 };
 
@@ -92,7 +92,7 @@ const char* type_of(std::string_view path) {
 
 PageAnswer refuse(int status, const char* line) { return {status, "application/json", error_json(line)}; }
 
-// Whoever makes a browser believe that another name is this machine (DNS rebinding) still names that other.
+// In a DNS rebinding attack, a foreign host name resolves to this machine, but the Host header has that name.
 bool is_this_machine(const httplib::Request& request, int port) {
   if (request.get_header_value_count("Host") != 1) return false;
   const std::string host = request.get_header_value("Host");
@@ -108,7 +108,7 @@ void send(PageAnswer answer, httplib::Response& response) {
   response.set_header("Content-Type", answer.type);
 }
 
-/// A whole answer to what could not be read as a request, after which the connection is of no use.
+/// A complete HTTP answer to an invalid request; closes the connection.
 std::string refusal(const char* status, const char* line) {
   const std::string body = error_json(line);
   return fmt::format(
@@ -120,7 +120,7 @@ std::string refusal(const char* status, const char* line) {
 
 struct PageServer::Impl {
   Page* page = nullptr;
-  std::map<std::string, std::string_view, std::less<>> files;  // by what is asked for
+  std::map<std::string, std::string_view, std::less<>> files;  // by URL path
   int port = 0;
   Http http;
   Connections connections;
@@ -144,11 +144,11 @@ PageAnswer PageServer::Impl::answer(const httplib::Request& request) const {
 
 Reply PageServer::Impl::reply(const std::string& head) {
   try {
-    Exchange with(head);
-    bool last = false;
-    if (http.exchange(with, last)) return {std::move(with.answer), last};
+    Exchange exchange(head);
+    bool close = false;
+    if (http.process(exchange, close)) return {std::move(exchange.answer), close};
   } catch (const std::exception&) {
-    // What the library cannot read it may also throw at.
+    // The library may throw on invalid requests.
   }
   return {refusal("400 Bad Request", "this is no request"), true};
 }
@@ -201,13 +201,14 @@ Result<PageServer> PageServer::open(Page& page, std::span<const PageFile> files,
   for (int k = port != 0 ? port : kFirstPagePort; k <= last && is_taken(code); ++k) code = impl->listen(k);
   if (code == 0) return PageServer(std::move(impl));
   if (!is_taken(code)) {
-    return fail("the page's server", "cannot listen: " + std::generic_category().message(code),
+    return fail(ErrorCode::FileAccess, "the page's server",
+                "cannot listen: " + std::generic_category().message(code),
                 "check the network settings and the limits of this machine");
   }
   if (port != 0)
-    return fail(fmt::format("port {}", port), "is taken, or not yours to take",
+    return fail(ErrorCode::FileAccess, fmt::format("port {}", port), "is taken, or not yours to take",
                 "give another, or none: a free one is found");
-  return fail(fmt::format("ports {} to {}", kFirstPagePort, last), "are all taken",
+  return fail(ErrorCode::FileAccess, fmt::format("ports {} to {}", kFirstPagePort, last), "are all taken",
               "name a free one with --port");
 }
 
@@ -217,12 +218,12 @@ Result<void> PageServer::serve(const std::atomic<bool>& stop) {
   try {
     worker = std::thread([&] { impl_->page->work(ended); });
   } catch (const std::system_error& error) {
-    return fail("the page", std::string("cannot be worked out: ") + error.what(),
+    return fail(ErrorCode::LimitExceeded, "the page", std::string("cannot start: ") + error.what(),
                 "end other programs, or raise the limit on threads");
   }
-  const Answering answering{[this](const std::string& head) { return impl_->reply(head); },
-                            refusal("431 Request Header Fields Too Large", "this request is too long")};
-  auto served = impl_->connections.serve(answering, stop, ended);
+  const RequestHandler handler{[this](const std::string& head) { return impl_->reply(head); },
+                               refusal("431 Request Header Fields Too Large", "this request is too long")};
+  auto served = impl_->connections.serve(handler, stop, ended);
   worker.join();
   return served;
 }

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 
+#include "base/try.h"
+
 namespace foldproof {
 namespace {
 
-// A step has two ends, and several requests ask for the same frame: positions, boxes, prediction.
+// A step needs two frames, and several requests use the same frame: positions, boxes, prediction.
 constexpr std::size_t kRecentFrames = 4;
 
 }  // namespace
@@ -24,7 +26,7 @@ Result<SharedMotion::Frame> SharedMotion::frame(Index k) {
     return found->second;
   }
   std::vector<double> x(3 * std::size_t{topology().vertex_count()});
-  if (const auto done = motion_->read_frame(k, x); !done) return tl::unexpected(done.error());
+  FOLDPROOF_TRY(motion_->read_frame(k, x));
   recent_.emplace_front(k, std::make_shared<const std::vector<double>>(std::move(x)));
   if (recent_.size() > kRecentFrames) recent_.pop_back();
   return recent_.front().second;

@@ -1,4 +1,4 @@
-/// Motions that a check reads while requests ask for their frames.
+/// Motions that the check and requests read at the same time.
 #pragma once
 
 #include <list>
@@ -8,7 +8,7 @@
 
 namespace foldproof {
 
-/// One reader at a time, and the frames that requests asked for last.
+/// Serializes reads, and caches the frames that were requested last.
 class SharedMotion final : public Motion {
  public:
   explicit SharedMotion(std::unique_ptr<Motion> motion) : motion_(std::move(motion)) {}
@@ -19,13 +19,13 @@ class SharedMotion final : public Motion {
   Result<void> read_frame(Index k, std::span<double> out) override;
 
   using Frame = std::shared_ptr<const std::vector<double>>;
-  /// The same, kept for a while.
+  /// Reads a frame through the cache.
   Result<Frame> frame(Index k);
 
  private:
   std::unique_ptr<Motion> motion_;
   std::mutex mutex_;
-  std::list<std::pair<Index, Frame>> recent_;  // the last asked for first
+  std::list<std::pair<Index, Frame>> recent_;  // most recently used first
 };
 
 }  // namespace foldproof

@@ -1,4 +1,4 @@
-/// Pictures for the mailed report: what crosses at the start, the worst steps, and all of them together.
+/// Pictures for the HTML report: crossings of the first frame, the worst steps, and all steps together.
 #pragma once
 
 #include "page/page.h"
@@ -13,41 +13,41 @@ struct Snapshot {
   std::string png;
 };
 
-/// Looks at steps as they come and keeps what pictures of the worst need: a few poses.
+/// Collects the poses and marks that the pictures need while steps are checked.
 class Snapshots {
  public:
   /// Error: the objects are too large together for one picture.
   static Result<Snapshots> open(Motions motions, Index substeps);
 
-  /// What crosses in the first frame, before all steps, where that is asked.
+  /// Adds the crossings of the first frame, before all steps, if they are tested.
   void start(const CheckedStep& pose);
-  void look(const CheckedStep& step);
-  /// What crosses in the first frame, the worst steps, then all of them together. Cost: about half a second a
-  /// picture of 70,000 triangles.
+  void add(const CheckedStep& step);
+  /// Pictures of the first frame if something crosses in it, of the worst steps, and of all steps together.
+  /// Cost: about half a second per picture of 70,000 triangles.
   Result<std::vector<Snapshot>> draw(const CheckTotals& totals) const;
 
  private:
-  struct Kept {
-    StepPlace place;
+  struct StoredStep {
+    StepIndex index;
     CollisionCounts collisions;
     double toi = 0;
     std::vector<double> positions;
-    std::vector<std::uint8_t> marks;  ///< Per triangle, kCollides when it does.
+    std::vector<std::uint8_t> marks;  ///< Per triangle: kCollides, kCrossesAtStart.
   };
-  Snapshots(Motions motions, Index substeps, Joined joined)
+  Snapshots(Motions motions, Index substeps, JoinedMesh joined)
       : motions_(motions), substeps_(substeps), joined_(std::move(joined)) {}
   bool starts_crossing() const { return start_ && start_->collisions.sum() > 0; }
-  Result<std::string> draw(const Kept& kept) const;
-  std::string caption(const Kept& kept) const;
+  Result<std::string> draw(const StoredStep& stored) const;
+  std::string caption(const StoredStep& stored) const;
   std::string caption_of_start() const;
   std::string caption_of_all(bool stopped) const;
 
   Motions motions_;
   Index substeps_;
-  Joined joined_;
-  std::vector<Kept> worst_;  // most collisions first, of equals the first
-  Kept all_;                 // the first pose; the sum of all steps
-  std::optional<Kept> start_;
+  JoinedMesh joined_;
+  std::vector<StoredStep> worst_;  // by collisions, descending; equal ones in order
+  StoredStep all_;                 // the first pose, with the marks and counts of all steps
+  std::optional<StoredStep> start_;
   std::uint64_t steps_ = 0;
   std::vector<std::uint8_t> marks_;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "base/try.h"
 #include "page/contact.h"
 
 namespace foldproof {
@@ -13,18 +14,18 @@ constexpr const char* kWhere = "the check's answers";
 
 template <class T>
 std::span<const char> bytes_of(std::span<const T> values) {
-  static_assert(std::is_trivially_copyable_v<T>, "goes to a file as it is");
+  static_assert(std::is_trivially_copyable_v<T>, "is written as raw bytes");
   return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
 }
 
 template <class T>
 std::span<char> bytes_of(std::vector<T>& values) {
-  static_assert(std::is_trivially_copyable_v<T>, "comes from a file as it is");
+  static_assert(std::is_trivially_copyable_v<T>, "is read as raw bytes");
   return {reinterpret_cast<char*>(values.data()), values.size() * sizeof(T)};
 }
 
 tl::unexpected<Error> unreadable() {
-  return fail(kWhere, "cannot be read back from the temporary file", "start again");
+  return fail(ErrorCode::FileAccess, kWhere, "cannot be read back from the temporary file", "start again");
 }
 
 std::vector<Contact> contacts_of(const CheckedStep& step, Motions motions) {
@@ -54,7 +55,7 @@ std::vector<Contact> contacts_of(const CheckedStep& step, Motions motions) {
 }  // namespace
 
 StepRecord record_of(const CheckedStep& step) {
-  return {.place = step.place,
+  return {.index = step.index,
           .collisions = step.collisions,
           .listed = step.listed().sum(),
           .earliest_toi = step.earliest_toi,
@@ -65,10 +66,9 @@ StepRecord record_of(const CheckedStep& step) {
 }
 
 Result<std::unique_ptr<StepStore>> StepStore::open(Motions motions) {
-  auto entries = io::Spool::open(kWhere), details = io::Spool::open(kWhere);
-  if (!entries) return tl::unexpected(entries.error());
-  if (!details) return tl::unexpected(details.error());
-  return std::unique_ptr<StepStore>(new StepStore(motions, std::move(*entries), std::move(*details)));
+  auto entries = FOLDPROOF_TRY(io::Spool::open(kWhere));
+  auto details = FOLDPROOF_TRY(io::Spool::open(kWhere));
+  return std::unique_ptr<StepStore>(new StepStore(motions, std::move(entries), std::move(details)));
 }
 
 StepStore::StepStore(Motions motions, io::Spool entries, io::Spool details)
@@ -96,13 +96,13 @@ Result<void> StepStore::start(const CheckedStep& pose) {
     const Vec3 point = crossing_point(corners(c.object_a, c.triangle_a), corners(c.object_b, c.triangle_b));
     crossings.push_back({{point.x(), point.y(), point.z()}, c});
   }
-  if (auto done = append(bytes_of(std::span<const StartCrossing>(crossings))); !done) return done;
+  FOLDPROOF_TRY(append(bytes_of(std::span<const StartCrossing>(crossings))));
   start_faces_at_ = details_size_;
   for (Index i = 0; i < motions_.size(); ++i) {
     const std::vector<std::uint8_t> faces = colliding_faces(motions_[i]->topology(), i, *pose.pose);
-    if (auto done = append(bytes_of(std::span<const std::uint8_t>(faces))); !done) return done;
+    FOLDPROOF_TRY(append(bytes_of(std::span<const std::uint8_t>(faces))));
   }
-  start_ = {pose.place.frame, crossings.size(), pose.milliseconds};
+  start_ = {pose.index.frame, crossings.size(), pose.milliseconds};
   started_.store(true, std::memory_order_release);
   return {};
 }
@@ -128,7 +128,7 @@ Result<std::vector<std::uint8_t>> StepStore::crossing_faces(Index object) const 
 Result<void> StepStore::add(const CheckedStep& step) {
   Entry entry{.record = record_of(step), .contacts_at = details_size_, .faces_at = 0};
   const std::vector<Contact> contacts = contacts_of(step, motions_);
-  if (auto done = append(bytes_of(std::span(contacts))); !done) return done;
+  FOLDPROOF_TRY(append(bytes_of(std::span(contacts))));
   entry.faces_at = details_size_;
   for (Index i = 0; i < motions_.size(); ++i) {
     const std::vector<std::uint8_t> colliding = colliding_faces(motions_[i]->topology(), i, *step.step);
@@ -138,9 +138,9 @@ Result<void> StepStore::add(const CheckedStep& step) {
       faces[t] = {colliding[t], static_cast<std::uint8_t>(why.reason[t]), why.level[t],
                   static_cast<std::uint8_t>(std::lround(255 * why.margin[t]))};
     }
-    if (auto done = append(bytes_of(std::span<const FaceRecord>(faces))); !done) return done;
+    FOLDPROOF_TRY(append(bytes_of(std::span<const FaceRecord>(faces))));
   }
-  if (auto done = entries_.append(bytes_of(std::span<const Entry>(&entry, 1))); !done) return done;
+  FOLDPROOF_TRY(entries_.append(bytes_of(std::span<const Entry>(&entry, 1))));
   count_.fetch_add(1, std::memory_order_release);
   return {};
 }
@@ -152,28 +152,25 @@ Result<StepStore::Entry> StepStore::entry(std::uint64_t number) const {
 }
 
 Result<StepRecord> StepStore::record(std::uint64_t number) const {
-  const auto found = entry(number);
-  if (!found) return tl::unexpected(found.error());
-  return found->record;
+  const auto found = FOLDPROOF_TRY(entry(number));
+  return found.record;
 }
 
 Result<std::vector<Contact>> StepStore::contacts(std::uint64_t number, std::uint64_t offset,
                                                  std::uint64_t limit) const {
-  const auto found = entry(number);
-  if (!found) return tl::unexpected(found.error());
-  const std::uint64_t all = found->record.listed;
+  const auto found = FOLDPROOF_TRY(entry(number));
+  const std::uint64_t all = found.record.listed;
   offset = std::min(offset, all);
   std::vector<Contact> contacts(std::min(limit, all - offset));
-  if (!details_.read_at(found->contacts_at + offset * sizeof(Contact), bytes_of(contacts)))
+  if (!details_.read_at(found.contacts_at + offset * sizeof(Contact), bytes_of(contacts)))
     return unreadable();
   return contacts;
 }
 
 Result<std::vector<FaceRecord>> StepStore::faces(std::uint64_t number, Index object) const {
-  const auto found = entry(number);
-  if (!found) return tl::unexpected(found.error());
+  const auto found = FOLDPROOF_TRY(entry(number));
   std::vector<FaceRecord> faces(first_face_[object + 1] - first_face_[object]);
-  const std::uint64_t at = found->faces_at + first_face_[object] * sizeof(FaceRecord);
+  const std::uint64_t at = found.faces_at + first_face_[object] * sizeof(FaceRecord);
   if (!details_.read_at(at, bytes_of(faces))) return unreadable();
   return faces;
 }

@@ -1,4 +1,4 @@
-/// The answers of a check, in a temporary file: memory holds none of them.
+/// Stores the answers of a check in temporary files.
 #pragma once
 
 #include <mutex>
@@ -9,11 +9,11 @@
 
 namespace foldproof {
 
-/// What is known of a step as a whole.
+/// The totals of a step.
 struct StepRecord {
-  StepPlace place;
+  StepIndex index;
   CollisionCounts collisions;
-  std::uint64_t listed = 0;  ///< Of them, those that the answer lists.
+  std::uint64_t listed = 0;  ///< Collisions that the answer lists.
   double earliest_toi = 1, tolerance = 0;
   Work work;
   ReasonCounts leaf_pairs{};
@@ -22,30 +22,30 @@ struct StepRecord {
 
 StepRecord record_of(const CheckedStep& step);
 
-/// What is known of the first frame as a whole.
+/// The totals of the first frame.
 struct StartRecord {
   Index frame = 0;
   std::uint64_t crossings = 0;  ///< Pairs of triangles.
   StageTimes milliseconds;
 };
 
-/// Two triangles that cross in the first frame, and where.
+/// Two triangles that cross in the first frame, and a common point.
 struct StartCrossing {
   std::array<double, 3> point{};  ///< Mesh units.
   TriangleCrossing triangles;
 };
 
-/// A collision and where it happens.
+/// A collision and its contact point.
 struct Contact {
   double toi = 0;
   std::array<double, 3> point{};  ///< Mesh units.
   Index object_a = 0, object_b = 0;
-  std::array<Index, 2> a{}, b{};  ///< Vertex-face: the vertex and the face, then 0.
+  std::array<Index, 2> a{}, b{};  ///< Vertices of edges; the vertex and the face in [0] for vertex-face.
   bool vertex_face = false;
   Answer answer = Answer::Hit;
 };
 
-/// What is known of a triangle in a step.
+/// The answer for a triangle in a step.
 struct FaceRecord {
   std::uint8_t colliding;  ///< 0 or 1.
   std::uint8_t reason;
@@ -53,29 +53,28 @@ struct FaceRecord {
   std::uint8_t margin;  ///< 0 to 255 for 0 to 1.
 };
 
-/// One thread adds steps while any number read those that have been added.
+/// One thread adds steps while any number of threads read those already added.
 class StepStore {
  public:
   static Result<std::unique_ptr<StepStore>> open(Motions motions);
 
-  /// At most once, before all steps. Error: the temporary file cannot take it.
+  /// Call it at most once, before all steps. Error: the temporary file cannot be written.
   Result<void> start(const CheckedStep& pose);
-  /// Nothing until then.
+  /// Nothing until start() has been called.
   std::optional<StartRecord> started() const;
   // Preconditions: started(). Error: the temporary file cannot be read.
-  /// Sorted by ids. Fewer than `limit` at the end.
+  /// Sorted by ids; fewer than `limit` at the end.
   Result<std::vector<StartCrossing>> crossings(std::uint64_t offset, std::uint64_t limit) const;
   /// One per triangle: 1 when it crosses another.
   Result<std::vector<std::uint8_t>> crossing_faces(Index object) const;
 
-  /// Steps come in order. Error: the temporary file cannot take it.
+  /// Steps come in order. Error: the temporary file cannot be written.
   Result<void> add(const CheckedStep& step);
   std::uint64_t count() const { return count_.load(std::memory_order_acquire); }
 
   // Preconditions: number < count(). Error: the temporary file cannot be read.
   Result<StepRecord> record(std::uint64_t number) const;
-  /// By time of impact; at the same time vertex-face first, each sorted by ids. Fewer than `limit` at the
-  /// end.
+  /// Sorted by time of impact, then vertex-face first, then by ids; fewer than `limit` at the end.
   Result<std::vector<Contact>> contacts(std::uint64_t number, std::uint64_t offset,
                                         std::uint64_t limit) const;
   /// One per triangle.
@@ -91,12 +90,12 @@ class StepStore {
   Result<Entry> entry(std::uint64_t number) const;
 
   Motions motions_;
-  std::vector<std::uint64_t> first_face_;  // per object, and their sum
+  std::vector<std::uint64_t> first_face_;  // per object, then the total
   io::Spool entries_, details_;
   std::uint64_t details_size_ = 0;
   std::atomic<std::uint64_t> count_{0};
-  StartRecord start_;                 // once started_
-  std::uint64_t start_faces_at_ = 0;  // its crossings lie at 0
+  StartRecord start_;                 // valid once started_
+  std::uint64_t start_faces_at_ = 0;  // offset in details_; the crossings are at 0
   std::atomic<bool> started_{false};
 };
 

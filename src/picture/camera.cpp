@@ -8,9 +8,9 @@ namespace foldproof {
 namespace picture {
 namespace {
 
-// Of the smaller side of a panel, from the middle: 14 degrees, a long lens that distorts little.
+// Half the field of view along the smaller side of a panel: 14 degrees, a long lens with little distortion.
 constexpr double kHalfAngle = 14 * 3.14159265358979323846 / 180;
-// The share of a panel that things may fill.
+// The share of a panel that its content may fill.
 constexpr double kFill = 0.94;
 
 }  // namespace
@@ -19,7 +19,8 @@ Result<Eigen::Matrix3d> orientation(const View& view) {
   const Vec3 back = view.from.stableNormalized();
   const Vec3 right = view.up.stableNormalized().cross(back);
   if (!(back.norm() > 0.5) || !(right.norm() > 1e-6)) {
-    return fail("view", "needs a direction to the eye, and another one that is up", "give another direction");
+    return fail(ErrorCode::InvalidArgument, "view",
+                "needs a direction to the eye and a different up direction", "give another direction");
   }
   Eigen::Matrix3d axes;
   axes.row(0) = right.normalized();
@@ -28,40 +29,40 @@ Result<Eigen::Matrix3d> orientation(const View& view) {
   return axes;
 }
 
-Camera::Camera(const View& view, const Eigen::Matrix3d& axes, const Vec3& middle, const Vec3& half,
-               const Area& area, Index samples)
-    : axes_(axes), middle_(middle), perspective_(view.perspective) {
+Camera::Camera(const View& view, const Eigen::Matrix3d& axes, const Vec3& center, const Vec3& half_size,
+               const PixelRect& area, Index samples)
+    : axes_(axes), center_(center), perspective_(view.perspective) {
   const double width = 0.5 * area.width * samples, height = 0.5 * area.height * samples;
   x_ = width;
   y_ = height;
-  const double least = std::max(half.maxCoeff() * 1e-3, 1e-300);  // for things without extent
-  const Vec3 room = half.cwiseMax(least);
+  const double min_size = std::max(half_size.maxCoeff() * 1e-3, 1e-300);  // content may have no extent
+  const Vec3 half = half_size.cwiseMax(min_size);
   if (perspective_) {
     focal_ = std::min(width, height) / std::tan(kHalfAngle);
-    const double across = std::max(room.x() / width, room.y() / height);
-    distance_ = room.z() + focal_ * across / kFill;
+    const double units_per_sample = std::max(half.x() / width, half.y() / height);
+    distance_ = half.z() + focal_ * units_per_sample / kFill;
   } else {
-    focal_ = kFill * std::min(width / room.x(), height / room.y());
+    focal_ = kFill * std::min(width / half.x(), height / half.y());
   }
-  if (view.focus) look_at(*view.focus, area, samples);
+  if (view.focus) zoom_to(*view.focus, area, samples);
 }
 
-/// Cuts a part out of what the fitted camera sees, so nothing can be behind the eye.
-void Camera::look_at(const View::Focus& focus, const Area& area, Index samples) {
-  const Spot spot = project(focus.centre);
-  const double seen = focus.radius * scale_at(spot);
-  const double zoom = kFill * 0.5 * std::min(area.width, area.height) * samples / seen;
+/// Enlarges a part of the fitted camera's image. The eye stays outside, so nothing is behind it.
+void Camera::zoom_to(const View::Focus& focus, const PixelRect& area, Index samples) {
+  const ScreenPoint point = project(focus.center);
+  const double projected_radius = focus.radius * samples_per_unit(point);
+  const double zoom = kFill * 0.5 * std::min(area.width, area.height) * samples / projected_radius;
   const double width = 0.5 * area.width * samples, height = 0.5 * area.height * samples;
-  x_ = width + (x_ - spot.x) * zoom;
-  y_ = height + (y_ - spot.y) * zoom;
+  x_ = width + (x_ - point.x) * zoom;
+  y_ = height + (y_ - point.y) * zoom;
   focal_ *= zoom;
 }
 
-Spot Camera::project(const Vec3& x) const {
-  const Vec3 seen = axes_ * x - middle_;
-  const double nearness = perspective_ ? 1 / (distance_ - seen.z()) : seen.z();
-  const double scale = perspective_ ? focal_ * nearness : focal_;
-  return {x_ + seen.x() * scale, y_ - seen.y() * scale, nearness};
+ScreenPoint Camera::project(const Vec3& x) const {
+  const Vec3 local = axes_ * x - center_;
+  const double reversed_depth = perspective_ ? 1 / (distance_ - local.z()) : local.z();
+  const double scale = perspective_ ? focal_ * reversed_depth : focal_;
+  return {x_ + local.x() * scale, y_ - local.y() * scale, reversed_depth};
 }
 
 }  // namespace picture
@@ -72,20 +73,20 @@ Result<View> parse_view(const std::string& text) {
   if (text == "side") return View{.from = {1, 0, 0}};
   if (text == "top") return View{.from = {0, 1, 0}, .up = {0, 0, -1}};
   View view;
-  const char *at = text.data(), *const end = at + text.size();
-  bool read = true;
+  const char *next = text.data(), *const end = next + text.size();
+  bool valid = true;
   for (int axis = 0; axis < 3; ++axis) {
-    if (axis > 0) read = read && at != end && *at++ == ',';
-    const auto number = std::from_chars(at, end, view.from[axis]);
-    read = read && number.ec == std::errc{};
-    at = number.ptr;
+    if (axis > 0) valid = valid && next != end && *next++ == ',';
+    const auto number = std::from_chars(next, end, view.from[axis]);
+    valid = valid && number.ec == std::errc{};
+    next = number.ptr;
   }
-  if (!read || at != end || !view.from.allFinite() || view.from.isZero(0)) {
-    return fail("--view", "'" + text + "' is no view",
+  if (!valid || next != end || !view.from.allFinite() || view.from.isZero(0)) {
+    return fail(ErrorCode::InvalidArgument, "--view", "'" + text + "' is no view",
                 "give front, back, side, top, or a direction to the eye as x,y,z");
   }
-  const double sideways = std::hypot(view.from.x(), view.from.z());
-  if (sideways < 1e-3 * std::abs(view.from.y())) view.up = {0, 0, view.from.y() > 0 ? -1.0 : 1.0};
+  const double horizontal = std::hypot(view.from.x(), view.from.z());
+  if (horizontal < 1e-3 * std::abs(view.from.y())) view.up = {0, 0, view.from.y() > 0 ? -1.0 : 1.0};
   return view;
 }
 

@@ -1,4 +1,4 @@
-/// From mesh units to samples.
+/// Projects mesh units to samples.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -9,45 +9,48 @@ namespace foldproof::picture {
 
 using Box = Eigen::AlignedBox3d;
 
-/// A place in the grid of samples, y down. `nearness` grows towards the eye and is affine over a triangle.
-struct Spot {
+/// A point in the grid of samples, y down.
+struct ScreenPoint {
   double x, y;
-  double nearness;  ///< 1 / distance in perspective, else the negative distance.
+  /// 1 / distance in perspective, else -distance: larger is nearer, and it is affine over a triangle.
+  double reversed_depth;
 };
 
 /// A rectangle of pixels.
-struct Area {
+struct PixelRect {
   Index x, y, width, height;
 };
 
-/// Rows: right, up, towards the eye. Error: a view without a direction.
+/// The view's axes in rows: right, up, towards the eye. Error: a view without a direction.
 Result<Eigen::Matrix3d> orientation(const View& view);
 
 class Camera {
  public:
-  /// `middle` is in the view's axes; `half` the extent that must fit on either side of it.
-  Camera(const View& view, const Eigen::Matrix3d& axes, const Vec3& middle, const Vec3& half,
-         const Area& area, Index samples);
+  /// Fits a box into `area`: its center and half its size, both in the view's axes.
+  Camera(const View& view, const Eigen::Matrix3d& axes, const Vec3& center, const Vec3& half_size,
+         const PixelRect& area, Index samples);
 
-  Spot project(const Vec3& x) const;
-  Vec3 turn(const Vec3& direction) const { return axes_ * direction; }
+  ScreenPoint project(const Vec3& x) const;
+  Vec3 rotate(const Vec3& direction) const { return axes_ * direction; }
   bool perspective() const { return perspective_; }
-  /// How long a length looks at a spot, in samples.
-  double scale_at(const Spot& spot) const { return perspective_ ? focal_ * spot.nearness : focal_; }
-  /// The nearness of what lies `length` nearer to the eye than a spot.
-  double nearer(const Spot& spot, double length) const {
-    return perspective_ ? 1 / (1 / spot.nearness - length) : spot.nearness + length;
+  /// The size on screen of a unit of length at a point, in samples.
+  double samples_per_unit(const ScreenPoint& point) const {
+    return perspective_ ? focal_ * point.reversed_depth : focal_;
+  }
+  /// The depth of a point that is `length` nearer to the eye.
+  double nearer(const ScreenPoint& point, double length) const {
+    return perspective_ ? 1 / (1 / point.reversed_depth - length) : point.reversed_depth + length;
   }
 
  private:
-  void look_at(const View::Focus& focus, const Area& area, Index samples);
+  void zoom_to(const View::Focus& focus, const PixelRect& area, Index samples);
 
   Eigen::Matrix3d axes_;
-  Vec3 middle_;
+  Vec3 center_;
   bool perspective_;
-  double distance_ = 0;   // from the eye to the middle
+  double distance_ = 0;   // from the eye to the center
   double focal_ = 1;      // samples per unit of length, in perspective at distance 1
-  double x_ = 0, y_ = 0;  // where the middle is seen
+  double x_ = 0, y_ = 0;  // the center's projection
 };
 
 }  // namespace foldproof::picture

@@ -15,7 +15,7 @@ double encode(double light) {
   return light <= 0.0031308 ? light * 12.92 : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
 }
 
-constexpr int kSteps = 1 << 14;  // fine enough that every 8-bit value comes back as itself
+constexpr int kSteps = 1 << 14;  // fine enough for an exact round trip of every 8-bit value
 
 struct Tables {
   std::array<float, 256> light;
@@ -34,12 +34,12 @@ const Tables& tables() {
 
 }  // namespace
 
-Light to_light(Colour colour) {
+LinearColor to_linear(Color color) {
   const auto& light = tables().light;
-  return {light[colour.red], light[colour.green], light[colour.blue]};
+  return {light[color.red], light[color.green], light[color.blue]};
 }
 
-Colour to_colour(const Light& light) {
+Color to_color(const LinearColor& light) {
   const auto& code = tables().code;
   const auto encoded = [&](float value) {
     return code[static_cast<std::size_t>(std::lround(std::clamp(value, 0.0F, 1.0F) * kSteps))];
@@ -51,21 +51,21 @@ Colour to_colour(const Light& light) {
 
 namespace {
 
-/// Oklab (Ottosson 2020): lightness and two opponent colours, made so that equal steps look equal.
+/// Oklab (Ottosson 2020): lightness and two opponent axes, perceptually uniform.
 struct Lab {
   double lightness, a, b;
 };
 
-Colour to_colour(const Lab& lab) {
+Color to_color(const Lab& lab) {
   const double l = std::pow(lab.lightness + 0.3963377774 * lab.a + 0.2158037573 * lab.b, 3);
   const double m = std::pow(lab.lightness - 0.1055613458 * lab.a - 0.0638541728 * lab.b, 3);
   const double s = std::pow(lab.lightness - 0.0894841775 * lab.a - 1.2914855480 * lab.b, 3);
-  return picture::to_colour({static_cast<float>(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
-                             static_cast<float>(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
-                             static_cast<float>(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)});
+  return picture::to_color({static_cast<float>(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
+                            static_cast<float>(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
+                            static_cast<float>(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)});
 }
 
-// Lightness in even steps. Hues go from yellow to blue, which all but the fewest tell apart.
+// Lightness in even steps. Hues go from yellow to blue, which color vision deficiencies rarely confuse.
 constexpr std::array<Lab, 5> kErrorStops{{{0.90, 0.002, 0.010},
                                           {0.75, 0.055, 0.135},
                                           {0.60, 0.150, 0.085},
@@ -79,14 +79,14 @@ constexpr std::array<Lab, 5> kLevelStops{{{0.30, 0.000, -0.120},
 
 }  // namespace
 
-Colour map_colour(ColourMap map, double value) {
-  const auto& stops = map == ColourMap::Error ? kErrorStops : kLevelStops;
-  const double place = value > 0 ? std::min(value, 1.0) * (stops.size() - 1) : 0;
-  const auto low = std::min(static_cast<std::size_t>(place), stops.size() - 2);
-  const double t = place - static_cast<double>(low);
+Color map_color(ColorMap map, double value) {
+  const auto& stops = map == ColorMap::Error ? kErrorStops : kLevelStops;
+  const double position = value > 0 ? std::min(value, 1.0) * (stops.size() - 1) : 0;
+  const auto low = std::min(static_cast<std::size_t>(position), stops.size() - 2);
+  const double t = position - static_cast<double>(low);
   const Lab &from = stops[low], &to = stops[low + 1];
-  return to_colour(Lab{std::lerp(from.lightness, to.lightness, t), std::lerp(from.a, to.a, t),
-                       std::lerp(from.b, to.b, t)});
+  return to_color(Lab{std::lerp(from.lightness, to.lightness, t), std::lerp(from.a, to.a, t),
+                      std::lerp(from.b, to.b, t)});
 }
 
 }  // namespace foldproof

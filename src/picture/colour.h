@@ -1,15 +1,15 @@
-/// Light adds up in linear values, not in those that files hold.
+/// Conversion between sRGB and linear color values, which is where colors are averaged.
 #pragma once
 
 #include "picture/picture.h"
 
 namespace foldproof::picture {
 
-/// Linear light, 1 is white.
-using Light = Eigen::Array3f;
+/// Linear red, green and blue; 1 is white.
+using LinearColor = Eigen::Array3f;
 
-Light to_light(Colour colour);
-/// Rounds, and cuts what is brighter than white.
-Colour to_colour(const Light& light);
+LinearColor to_linear(Color color);
+/// Clamps to [0,1] and rounds.
+Color to_color(const LinearColor& light);
 
 }  // namespace foldproof::picture

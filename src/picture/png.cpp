@@ -1,14 +1,16 @@
 #include <png.h>
 
+#include "base/try.h"
 #include "picture/picture.h"
 
 namespace foldproof {
 
-// libpng's simplified interface: an error is a value there, too, and not a jump across our frames.
+// Uses libpng's simplified interface, which returns errors instead of calling longjmp.
 Result<std::string> png_bytes(const Image& image) {
   const std::size_t pixels = std::size_t{image.width} * image.height;
   if (pixels == 0 || image.pixels.size() != pixels)
-    return fail("a picture", "is without pixels", "draw one of at least one pixel");
+    return fail(ErrorCode::InvalidArgument, "a picture", "is without pixels",
+                "draw one of at least one pixel");
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   header.width = image.width;
@@ -16,9 +18,10 @@ Result<std::string> png_bytes(const Image& image) {
   header.format = PNG_FORMAT_RGB;
   std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(header), '\0');
   png_alloc_size_t size = bytes.size();
-  static_assert(sizeof(Colour) == 3, "pixels go to libpng as they are");
+  static_assert(sizeof(Color) == 3, "pixels go to libpng as they are");
   if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr)) {
-    return fail("a picture", std::string("cannot be made a PNG: ") + header.message, "draw a smaller one");
+    return fail(ErrorCode::LimitExceeded, "a picture", std::string("cannot be made a PNG: ") + header.message,
+                "draw a smaller one");
   }
   bytes.resize(size);
   return bytes;
@@ -26,11 +29,10 @@ Result<std::string> png_bytes(const Image& image) {
 
 Result<void> write_png(const std::string& path, const Image& image) {
   const auto bytes = png_bytes(image);
-  if (!bytes) return fail(path, bytes.error().problem, bytes.error().mend);
-  auto file = FileWriter::open(path);
-  if (!file) return tl::unexpected(file.error());
-  if (auto done = file->write(*bytes); !done) return done;
-  return file->commit();
+  if (!bytes) return fail(bytes.error().code, path, bytes.error().problem, bytes.error().remedy);
+  auto file = FOLDPROOF_TRY(FileWriter::open(path));
+  FOLDPROOF_TRY(file.write(*bytes));
+  return file.commit();
 }
 
 }  // namespace foldproof

@@ -1,4 +1,4 @@
-// The rasteriser: what is seen at each sample first, then its light, then the mean of each pixel's samples.
+// The rasterizer: finds the visible surface at each sample, shades it, and averages the samples of a pixel.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,25 +8,25 @@
 namespace foldproof::picture {
 namespace {
 
-/// How much of its colour a surface shows; 1 straight on. The light comes from the eye's upper left.
+/// Shading relative to a surface that faces the eye. The light comes from the eye's upper left.
 float brightness(const Eigen::Vector3f& normal) {
-  static const Eigen::Vector3f towards = Eigen::Vector3f(-0.45F, 0.55F, 1).normalized();
-  constexpr float kEverywhere = 0.22F, kDirect = 0.78F;
-  const float straight_on = kEverywhere + kDirect * towards.z();
-  return (kEverywhere + kDirect * std::max(0.0F, normal.dot(towards))) / straight_on;
+  static const Eigen::Vector3f light = Eigen::Vector3f(-0.45F, 0.55F, 1).normalized();
+  constexpr float kAmbient = 0.22F, kDirect = 0.78F;
+  const float facing = kAmbient + kDirect * light.z();
+  return (kAmbient + kDirect * std::max(0.0F, normal.dot(light))) / facing;
 }
 
-/// Twice the signed area of a triangle of places, positive where it turns from x to y.
-double turn(const Spot& a, const Spot& b, double x, double y) {
+/// Twice the signed area of a triangle on screen, positive if it turns from x to y.
+double signed_area2(const ScreenPoint& a, const ScreenPoint& b, double x, double y) {
   return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
 }
 
-/// A side of a triangle: not negative on the inside, and that far outside that rounding leaves no gap between
-/// triangles with a common side.
-struct Side {
+/// The edge function of a triangle: not negative inside, and in a margin outside, so that rounding leaves no
+/// gap between triangles with a common edge.
+struct EdgeFunction {
   static constexpr double kOverlap = 1e-6;  // samples
   double dx, dy, constant;
-  Side(const Spot& from, const Spot& to, double sign) {
+  EdgeFunction(const ScreenPoint& from, const ScreenPoint& to, double sign) {
     dx = sign * (from.y - to.y);
     dy = sign * (to.x - from.x);
     constant = kOverlap * (std::abs(dx) + std::abs(dy)) - (dx * from.x + dy * from.y);
@@ -41,55 +41,58 @@ class Rows {
         top_(rows[0] * samples),
         width_(scene.area.width * samples),
         height_((rows[1] - rows[0]) * samples),
-        nearness_(std::size_t{width_} * height_, -std::numeric_limits<float>::infinity()),
-        seen_(nearness_.size(), kNoIndex) {}
+        depth_(std::size_t{width_} * height_, -std::numeric_limits<float>::infinity()),
+        visible_(depth_.size(), kNoIndex) {}
 
-  void see_face(Index number) {
-    const Triangle& corners = scene_.faces[number].corners;
-    const Spot &a = scene_.spots[corners[0]], &b = scene_.spots[corners[1]], &c = scene_.spots[corners[2]];
-    const double area = turn(a, b, c.x, c.y);
+  void draw_face(Index number) {
+    const Triangle& corners = scene_.faces[number].vertices;
+    const ScreenPoint &a = scene_.vertices[corners[0]], &b = scene_.vertices[corners[1]],
+                      &c = scene_.vertices[corners[2]];
+    const double area = signed_area2(a, b, c.x, c.y);
     if (!(area != 0)) return;
     const double sign = area > 0 ? 1 : -1;
-    const Side of_a(b, c, sign), of_b(c, a, sign), of_c(a, b, sign);
+    const EdgeFunction edge_a(b, c, sign), edge_b(c, a, sign), edge_c(a, b, sign);
     const Range columns = range(std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}), 0, width_);
     const Range lines = range(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}), top_, height_);
     for (Index line = lines.begin; line < lines.end; ++line) {
       const double y = top_ + line + 0.5;
-      const double row_a = of_a.row(y), row_b = of_b.row(y), row_c = of_c.row(y);
+      const double row_a = edge_a.row(y), row_b = edge_b.row(y), row_c = edge_c.row(y);
       for (Index column = columns.begin; column < columns.end; ++column) {
         const double x = column + 0.5;
-        const double share_a = row_a + of_a.dx * x, share_b = row_b + of_b.dx * x,
-                     share_c = row_c + of_c.dx * x;
-        if (share_a < 0 || share_b < 0 || share_c < 0) continue;
-        see(line, column,
-            (share_a * a.nearness + share_b * b.nearness + share_c * c.nearness) /
-                (share_a + share_b + share_c),
+        const double weight_a = row_a + edge_a.dx * x, weight_b = row_b + edge_b.dx * x,
+                     weight_c = row_c + edge_c.dx * x;
+        if (weight_a < 0 || weight_b < 0 || weight_c < 0) continue;
+        write_sample(
+            line, column,
+            (weight_a * a.reversed_depth + weight_b * b.reversed_depth + weight_c * c.reversed_depth) /
+                (weight_a + weight_b + weight_c),
             number);
       }
     }
   }
 
-  void see_ball(Index number) {
-    const Ball& ball = scene_.balls[number];
-    const Range columns = range(ball.spot.x - ball.radius, ball.spot.x + ball.radius, 0, width_);
-    const Range lines = range(ball.spot.y - ball.radius, ball.spot.y + ball.radius, top_, height_);
+  void draw_sphere(Index number) {
+    const Sphere& sphere = scene_.spheres[number];
+    const Range columns = range(sphere.center.x - sphere.radius, sphere.center.x + sphere.radius, 0, width_);
+    const Range lines =
+        range(sphere.center.y - sphere.radius, sphere.center.y + sphere.radius, top_, height_);
     for (Index line = lines.begin; line < lines.end; ++line) {
       for (Index column = columns.begin; column < columns.end; ++column) {
-        const Eigen::Vector3f normal = ball_normal(ball, column + 0.5, top_ + line + 0.5);
+        const Eigen::Vector3f normal = sphere_normal(sphere, column + 0.5, top_ + line + 0.5);
         if (normal.z() < 0) continue;
-        see(line, column, scene_.camera.nearer(ball.spot, ball.length * normal.z()),
-            static_cast<Index>(scene_.faces.size()) + number);
+        write_sample(line, column, scene_.camera.nearer(sphere.center, sphere.world_radius * normal.z()),
+                     static_cast<Index>(scene_.faces.size()) + number);
       }
     }
   }
 
-  Light light(Index line, Index column, const Light& background) const {
-    const Index number = seen_[std::size_t{line} * width_ + column];
+  LinearColor color(Index line, Index column, const LinearColor& background) const {
+    const Index number = visible_[std::size_t{line} * width_ + column];
     if (number == kNoIndex) return background;
     const double x = column + 0.5, y = top_ + line + 0.5;
-    if (number < scene_.faces.size()) return light_of_face(scene_.faces[number], x, y);
-    const Ball& ball = scene_.balls[number - scene_.faces.size()];
-    return ball.light * brightness(ball_normal(ball, x, y));
+    if (number < scene_.faces.size()) return color_of_face(scene_.faces[number], x, y);
+    const Sphere& sphere = scene_.spheres[number - scene_.faces.size()];
+    return sphere.color * brightness(sphere_normal(sphere, x, y));
   }
 
  private:
@@ -97,80 +100,83 @@ class Rows {
     Index begin, end;
   };
 
-  /// Samples with their middle in [least, most], counted from `first`.
-  static Range range(double least, double most, Index first, Index count) {
-    const double begin = std::clamp(std::ceil(least - 0.5) - first, 0.0, double{1} * count);
-    const double end = std::clamp(std::floor(most - 0.5) + 1 - first, 0.0, double{1} * count);
+  /// The samples with their center in [min, max], relative to `first`.
+  static Range range(double min, double max, Index first, Index count) {
+    const double begin = std::clamp(std::ceil(min - 0.5) - first, 0.0, double{1} * count);
+    const double end = std::clamp(std::floor(max - 0.5) + 1 - first, 0.0, double{1} * count);
     return {static_cast<Index>(begin), static_cast<Index>(end)};
   }
 
-  void see(Index line, Index column, double nearness, Index number) {
+  /// Depth test and write.
+  void write_sample(Index line, Index column, double reversed_depth, Index number) {
     const std::size_t sample = std::size_t{line} * width_ + column;
-    const auto value = static_cast<float>(nearness);
-    if (value <= nearness_[sample]) return;
-    nearness_[sample] = value;
-    seen_[sample] = number;
+    const auto depth = static_cast<float>(reversed_depth);
+    if (depth <= depth_[sample]) return;
+    depth_[sample] = depth;
+    visible_[sample] = number;
   }
 
   /// z is negative outside.
-  static Eigen::Vector3f ball_normal(const Ball& ball, double x, double y) {
-    const double across = (x - ball.spot.x) / ball.radius, up = (ball.spot.y - y) / ball.radius;
-    const double rest = 1 - across * across - up * up;
-    return Eigen::Vector3d(across, up, rest < 0 ? -1 : std::sqrt(rest)).cast<float>();
+  static Eigen::Vector3f sphere_normal(const Sphere& sphere, double x, double y) {
+    const double across = (x - sphere.center.x) / sphere.radius, up = (sphere.center.y - y) / sphere.radius;
+    const double square = 1 - across * across - up * up;
+    return Eigen::Vector3d(across, up, square < 0 ? -1 : std::sqrt(square)).cast<float>();
   }
 
-  Light light_of_face(const Face& face, double x, double y) const {
-    const Spot &a = scene_.spots[face.corners[0]], &b = scene_.spots[face.corners[1]],
-               &c = scene_.spots[face.corners[2]];
-    const double area = turn(a, b, c.x, c.y);
+  LinearColor color_of_face(const Face& face, double x, double y) const {
+    const ScreenPoint &a = scene_.vertices[face.vertices[0]], &b = scene_.vertices[face.vertices[1]],
+                      &c = scene_.vertices[face.vertices[2]];
+    const double area = signed_area2(a, b, c.x, c.y);
     const double sign = area > 0 ? 1 : -1;
-    std::array<double, 3> share{turn(b, c, x, y), turn(c, a, x, y), turn(a, b, x, y)};
+    std::array<double, 3> weight{signed_area2(b, c, x, y), signed_area2(c, a, x, y),
+                                 signed_area2(a, b, x, y)};
     for (int k = 0; k < 3; ++k) {
-      share[k] = std::max(sign * share[k], 1e-12);  // on the rim it may be outside by Side::kOverlap
-      // What is affine in space is not in the picture.
-      if (scene_.camera.perspective()) share[k] *= scene_.spots[face.corners[k]].nearness;
+      // A sample at the edge may be outside by EdgeFunction::kOverlap.
+      weight[k] = std::max(sign * weight[k], 1e-12);
+      // Perspective-correct interpolation.
+      if (scene_.camera.perspective()) weight[k] *= scene_.vertices[face.vertices[k]].reversed_depth;
     }
-    const double sum = share[0] + share[1] + share[2];
-    Light light = Light::Zero();
+    const double sum = weight[0] + weight[1] + weight[2];
+    LinearColor color = LinearColor::Zero();
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     for (int k = 0; k < 3; ++k) {
-      const auto part = static_cast<float>(share[k] / sum);
-      light += part * scene_.lights[face.lights[k]];
+      const auto part = static_cast<float>(weight[k] / sum);
+      color += part * scene_.colors[face.colors[k]];
       normal += part * scene_.normals[face.normals[k]];
     }
-    // y runs down, so a triangle that turns to the left has its normal towards the eye here.
+    // y points down, so a counterclockwise triangle, whose normal points to the eye, has a negative area.
     if (area > 0) normal = -normal;
     normal.normalize();
-    // Where normals blend, that of a triangle seen from the side may point away.
+    // Near the silhouette, interpolated normals may point away from the eye.
     if (normal.z() < 0) normal = Eigen::Vector3f(normal.x(), normal.y(), 0).normalized();
-    return light * brightness(normal);
+    return color * brightness(normal);
   }
 
   const Scene& scene_;
-  Index top_;             // first line of samples
+  Index top_;             // the first line of samples
   Index width_, height_;  // samples
-  std::vector<float> nearness_;
-  std::vector<Index> seen_;  // face, or faces + ball, or kNoIndex
+  std::vector<float> depth_;
+  std::vector<Index> visible_;  // face, or number of faces + sphere, or kNoIndex
 };
 
 }  // namespace
 
-void draw_rows(const Scene& scene, Index samples, Colour background, std::array<Index, 2> rows,
-               std::span<const Index> faces, std::span<const Index> balls, Image& image) {
+void draw_rows(const Scene& scene, Index samples, Color background, std::array<Index, 2> rows,
+               std::span<const Index> faces, std::span<const Index> spheres, Image& image) {
   Rows drawn(scene, samples, rows);
-  for (const Index face : faces) drawn.see_face(face);
-  for (const Index ball : balls) drawn.see_ball(ball);
-  const Light behind = to_light(background);
-  const float share = 1.0F / static_cast<float>(samples * samples);
+  for (const Index face : faces) drawn.draw_face(face);
+  for (const Index sphere : spheres) drawn.draw_sphere(sphere);
+  const LinearColor linear_background = to_linear(background);
+  const float weight = 1.0F / static_cast<float>(samples * samples);
   for (Index row = rows[0]; row < rows[1]; ++row) {
-    Colour* pixels = &image.pixels[std::size_t{scene.area.y + row} * image.width + scene.area.x];
+    Color* pixels = &image.pixels[std::size_t{scene.area.y + row} * image.width + scene.area.x];
     for (Index column = 0; column < scene.area.width; ++column) {
-      Light sum = Light::Zero();
+      LinearColor sum = LinearColor::Zero();
       for (Index line = 0; line < samples; ++line) {
         for (Index k = 0; k < samples; ++k)
-          sum += drawn.light((row - rows[0]) * samples + line, column * samples + k, behind);
+          sum += drawn.color((row - rows[0]) * samples + line, column * samples + k, linear_background);
       }
-      pixels[column] = to_colour(sum * share);
+      pixels[column] = to_color(sum * weight);
     }
   }
 }

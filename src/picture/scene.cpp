@@ -3,30 +3,30 @@
 namespace foldproof::picture {
 namespace {
 
-class Maker {
+class SceneBuilder {
  public:
-  explicit Maker(Scene& scene) : scene_(scene) {}
+  explicit SceneBuilder(Scene& scene) : scene_(scene) {}
 
   void add(const PictureMesh& mesh) {
-    const auto first = static_cast<Index>(scene_.spots.size());
+    const auto first_vertex = static_cast<Index>(scene_.vertices.size());
     const Topology& topology = *mesh.topology;
     for (Index v = 0; v < topology.vertex_count(); ++v)
-      scene_.spots.push_back(scene_.camera.project(at(mesh, v)));
-    const auto lights = static_cast<Index>(scene_.lights.size());
-    const auto colours = mesh.vertex_colours.empty() ? mesh.face_colours : mesh.vertex_colours;
-    for (const Colour colour : colours) scene_.lights.push_back(to_light(colour));
-    if (colours.empty()) scene_.lights.push_back(to_light(mesh.colour));
+      scene_.vertices.push_back(scene_.camera.project(position(mesh, v)));
+    const auto first_color = static_cast<Index>(scene_.colors.size());
+    const auto colors = mesh.vertex_colors.empty() ? mesh.face_colors : mesh.vertex_colors;
+    for (const Color color : colors) scene_.colors.push_back(to_linear(color));
+    if (colors.empty()) scene_.colors.push_back(to_linear(mesh.color));
 
     const auto triangles = topology.triangles();
-    const Index normals = add_normals(mesh);
+    const Index first_normal = add_normals(mesh);
     for (Index t = 0; t < triangles.size(); ++t) {
       Face face;
       for (int k = 0; k < 3; ++k) {
         const Index vertex = triangles[t][k];
-        const Index light = !mesh.vertex_colours.empty() ? vertex : !mesh.face_colours.empty() ? t : 0;
-        face.corners[k] = first + vertex;
-        face.lights[k] = lights + light;
-        face.normals[k] = normals + (mesh.smooth ? vertex : t);
+        const Index color = !mesh.vertex_colors.empty() ? vertex : !mesh.face_colors.empty() ? t : 0;
+        face.vertices[k] = first_vertex + vertex;
+        face.colors[k] = first_color + color;
+        face.normals[k] = first_normal + (mesh.smooth ? vertex : t);
       }
       scene_.faces.push_back(face);
     }
@@ -34,25 +34,26 @@ class Maker {
 
   void add(const PicturePoints& points, double extent) {
     for (const Vec3& x : points.positions) {
-      const Spot spot = scene_.camera.project(x);
-      const double length = points.size * extent;
-      scene_.balls.push_back({spot, length * scene_.camera.scale_at(spot), length, to_light(points.colour)});
+      const ScreenPoint point = scene_.camera.project(x);
+      const double radius = points.size * extent;
+      scene_.spheres.push_back(
+          {point, radius * scene_.camera.samples_per_unit(point), radius, to_linear(points.color)});
     }
   }
 
  private:
-  static Vec3 at(const PictureMesh& mesh, Index vertex) {
+  static Vec3 position(const PictureMesh& mesh, Index vertex) {
     return Eigen::Map<const Vec3>(&mesh.positions[3 * std::size_t{vertex}]);
   }
 
-  /// One per vertex, weighted by area, or one per triangle. Returns the number of the first.
+  /// Adds one normal per vertex, weighted by area, or one per triangle. Returns the index of the first.
   Index add_normals(const PictureMesh& mesh) {
     const auto first = static_cast<Index>(scene_.normals.size());
     const auto triangles = mesh.topology->triangles();
     if (mesh.smooth) scene_.normals.resize(first + mesh.topology->vertex_count(), Eigen::Vector3f::Zero());
     for (const Triangle& t : triangles) {
-      const Vec3 a = at(mesh, t[0]);
-      const Vec3 normal = scene_.camera.turn((at(mesh, t[1]) - a).cross(at(mesh, t[2]) - a));
+      const Vec3 a = position(mesh, t[0]);
+      const Vec3 normal = scene_.camera.rotate((position(mesh, t[1]) - a).cross(position(mesh, t[2]) - a));
       if (!mesh.smooth) scene_.normals.emplace_back(normal.cast<float>());
       for (int k = 0; mesh.smooth && k < 3; ++k) scene_.normals[first + t[k]] += normal.cast<float>();
     }
@@ -64,11 +65,11 @@ class Maker {
 
 }  // namespace
 
-Scene make_scene(const Panel& panel, const Area& area, const Camera& camera, double extent) {
+Scene make_scene(const Panel& panel, const PixelRect& area, const Camera& camera, double extent) {
   Scene scene(area, camera);
-  Maker maker(scene);
-  for (const PictureMesh& mesh : panel.meshes) maker.add(mesh);
-  for (const PicturePoints& points : panel.points) maker.add(points, extent);
+  SceneBuilder builder(scene);
+  for (const PictureMesh& mesh : panel.meshes) builder.add(mesh);
+  for (const PicturePoints& points : panel.points) builder.add(points, extent);
   return scene;
 }
 

@@ -1,4 +1,4 @@
-/// A panel, ready to be drawn: everything in samples.
+/// The projected content of a panel, in samples.
 #pragma once
 
 #include "picture/camera.h"
@@ -6,37 +6,38 @@
 
 namespace foldproof::picture {
 
-struct Ball {
-  Spot spot;      ///< Of its middle.
-  double radius;  ///< Samples.
-  double length;  ///< The same in mesh units.
-  Light light;
+struct Sphere {
+  ScreenPoint center;
+  double radius;        ///< Samples.
+  double world_radius;  ///< Mesh units.
+  LinearColor color;
 };
 
 struct Face {
-  Triangle corners;              ///< Among the spots of the scene.
-  std::array<Index, 3> lights;   ///< Of the corners.
-  std::array<Index, 3> normals;  ///< The same one three times for a triangle that is to look flat.
+  // Indices into the arrays of the scene, per corner.
+  Triangle vertices;
+  std::array<Index, 3> colors;
+  std::array<Index, 3> normals;  ///< Three times the same for flat shading.
 };
 
 struct Scene {
-  Scene(const Area& drawn, const Camera& with) : area(drawn), camera(with) {}
+  Scene(const PixelRect& pixels, const Camera& projection) : area(pixels), camera(projection) {}
 
-  Area area;
+  PixelRect area;
   Camera camera;
-  std::vector<Spot> spots;  ///< Of vertices, those of all meshes one after the other.
+  std::vector<ScreenPoint> vertices;  ///< Of all meshes.
   std::vector<Face> faces;
-  std::vector<Light> lights;
-  std::vector<Eigen::Vector3f> normals;  ///< In the camera's axes, any length, by the winding of triangles.
-  std::vector<Ball> balls;
+  std::vector<LinearColor> colors;
+  std::vector<Eigen::Vector3f> normals;  ///< In the camera's axes, of any length, by the triangles' winding.
+  std::vector<Sphere> spheres;
 };
 
-/// `extent` is what the size of points is a share of. Precondition: the panel is sound.
-Scene make_scene(const Panel& panel, const Area& area, const Camera& camera, double extent);
+/// `extent`: the length that PicturePoints::size is relative to. Precondition: the panel is valid.
+Scene make_scene(const Panel& panel, const PixelRect& area, const Camera& camera, double extent);
 
-/// Draws rows of pixels [begin, end) of the scene's area into the image. `faces` and `balls`: those that may
-/// reach into these rows.
-void draw_rows(const Scene& scene, Index samples, Colour background, std::array<Index, 2> rows,
-               std::span<const Index> faces, std::span<const Index> balls, Image& image);
+/// Draws the rows [rows[0], rows[1]) of the scene's area into the image. `faces` and `spheres`: all that may
+/// overlap these rows.
+void draw_rows(const Scene& scene, Index samples, Color background, std::array<Index, 2> rows,
+               std::span<const Index> faces, std::span<const Index> spheres, Image& image);
 
 }  // namespace foldproof::picture

@@ -1,35 +1,36 @@
-/// How far reduced coordinates may go before a chart no longer proves its patch free of contact.
+/// Balls of charts: within them a chart proves its patch free of contact.
 #pragma once
 
 #include "foldproof/certificate.h"
 #include "reduced/pose.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
 /// Scratch: one per thread.
 class ChartBall {
  public:
-  /// A radius around the pose's centre within which, at every p, the chart proves that features of the patch
-  /// without a common vertex are farther apart than `gap` (docs/soundness.md, R1). 0: none. `drawing`: valid,
-  /// drawn along `facing`.
-  double radius(const ReducedMotion& motion, const CentrePose& pose, const Patch& patch,
-                const Drawing& drawing, const Eigen::Vector3f& facing, double gap);
+  /// A radius around the pose's center within which, at every p, the chart proves that features of the patch
+  /// without a common vertex are farther apart than `gap` (docs/soundness.md, R1). 0: none. `uv_map`: valid,
+  /// built along `facing` in the same pose.
+  double radius(const ReducedMotion& motion, const CenterPose& pose, const Patch& patch, const UvMap& uv_map,
+                const Eigen::Vector3f& facing, double gap);
 
  private:
-  struct Corners;
-  bool pull_back(const CentrePose& pose, const Patch& patch, const Eigen::Vector3f& facing);
-  void draw(const ReducedMotion& motion, const CentrePose& pose, const Patch& patch, const Drawing& drawing);
-  void draw_corners(const Drawing& drawing);
-  double least_altitude(const Patch& patch, const Drawing& drawing) const;
-  double radius_of(const Corners& corners, double slack, double error, double best);
+  bool pull_back(const CenterPose& pose, const Patch& patch, const Eigen::Vector3f& facing);
+  void map_vertices(const ReducedMotion& motion, const CenterPose& pose, const Patch& patch,
+                    const UvMap& uv_map);
+  void map_corners(const UvMap& uv_map);
+  double min_altitude(const Patch& patch, const UvMap& uv_map) const;
+  double triangle_radius(const std::array<std::uint16_t, 3>& triangle, double lambda, double error,
+                         double best);
 
   Index modes_ = 0;
-  Eigen::Matrix<double, 2, 3> w_;                // W^T
-  double w_norm_ = 0, w_sum_ = 0;                // Frobenius norm; largest sum of a row's magnitudes
-  std::vector<Eigen::Vector2d> places_, drawn_;  // per vertex and corner of the square
-  std::vector<double> moved_;                    // [vertex][x or y][mode]: drawn, per deviation
-  double still_error_ = 0, moving_error_ = 0;    // of entries of drawn_ and moved_
+  Eigen::Matrix<double, 2, 3> w_;              // W^T
+  double w_norm_ = 0, w_sum_ = 0;              // Frobenius norm; largest sum of a row's magnitudes
+  std::vector<Eigen::Vector2d> uvs_, mapped_;  // per vertex, then per corner of the square; mapped: W^T x
+  std::vector<double> moved_;                  // [vertex][x or y][mode]: how mapped_ moves, per deviation
+  double mapped_error_ = 0, moved_error_ = 0;  // of their entries, by rounding
   Eigen::ArrayXd h_, u1_, u2_;
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

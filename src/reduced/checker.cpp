@@ -4,29 +4,29 @@
 #include <cmath>
 
 #include "base/plain_arithmetic.h"
+#include "base/try.h"
 #include "check/answer.h"
 #include "check/pipeline.h"
 #include "reduced/object.h"
 
 namespace foldproof {
-
 namespace {
 
-// An object that leaves more pairs of nodes open, or more pairs of boxes to look at, per leaf takes less time
-// when all of its vertices are computed.
-constexpr std::size_t kMostOpenPerLeaf = 2, kMostTestsPerLeaf = 8;
+// With more unproven pairs of nodes, or more pairs of boxes to test, per leaf it takes less time to compute
+// all of an object's vertices.
+constexpr std::size_t kMaxUnprovenPerLeaf = 2, kMaxTestsPerLeaf = 8;
 
 }  // namespace
 
 struct ReducedChecker::Impl {
   std::vector<ReducedObject> objects;
-  std::vector<foldproof::Object> meshes;             // the same objects, by their vertices
+  std::vector<foldproof::Object> meshes;             // the same objects, for checks of their vertices
   std::vector<std::unique_ptr<Pipeline>> pipelines;  // per object; null until all of its vertices were needed
-  std::vector<KineticTree> trees;
+  std::vector<KineticBvh> bvhs;
   std::vector<TraversalTask> tasks;  // one per object, then one per two objects near each other
   SweepAndPrune sweep;
   std::vector<SweptBox> object_boxes;
-  std::vector<LeafPairRef> leaf_pairs;
+  std::vector<LeafPair> leaf_pairs;
   std::vector<Chunk> chunks;
   std::vector<NodePair> stack;
   ReducedShape::Scratch scratch;
@@ -38,9 +38,9 @@ struct ReducedChecker::Impl {
   void traverse_between(Index task, double distance, Work& work);
   Result<void> traverse_objects(const Frame& frame, double distance, const StepSettings& settings,
                                 Work& work);
-  bool traverse(Index task, NodePair start, double distance, std::uint64_t most_tests, Work& work);
-  std::uint64_t most_tests(Index task) const;
-  void fill_features(const Frame& frame, double distance);
+  bool traverse(Index task, NodePair start, double distance, std::uint64_t test_limit, Work& work);
+  std::uint64_t max_tests(Index task) const;
+  void compute_features(const Frame& frame, double distance);
   Bounds bound();
 };
 
@@ -48,7 +48,7 @@ ReducedChecker::ReducedChecker(std::vector<Object> objects) : impl_(new Impl) {
   impl_->pipelines.resize(objects.size());
   for (Object& object : objects) {
     const std::shared_ptr<const Hierarchy>& hierarchy = object.shape->motion()->hierarchy();
-    impl_->trees.emplace_back(hierarchy);
+    impl_->bvhs.emplace_back(hierarchy);
     impl_->meshes.push_back(object.charts ? foldproof::Object(std::move(object.charts)) : hierarchy);
     impl_->objects.emplace_back(std::move(object.shape));
   }
@@ -57,7 +57,7 @@ ReducedChecker::~ReducedChecker() = default;
 ReducedChecker::ReducedChecker(ReducedChecker&&) noexcept = default;
 ReducedChecker& ReducedChecker::operator=(ReducedChecker&&) noexcept = default;
 
-// The box around everything, from the roots' boxes, which are left in object_boxes.
+// The box around everything. Stores the boxes of the roots in object_boxes.
 Bounds ReducedChecker::Impl::bound() {
   Bounds all;
   object_boxes.clear();
@@ -67,79 +67,80 @@ Bounds ReducedChecker::Impl::bound() {
     SweptBox& box = object_boxes.emplace_back();
     Eigen::Map<Vec3>(box.low.data()) = low;
     Eigen::Map<Vec3>(box.high.data()) = high;
-    all = around(all, {low, high, low.allFinite() && high.allFinite()});
+    all = united(all, {low, high, low.allFinite() && high.allFinite()});
   }
   return all;
 }
 
-std::uint64_t ReducedChecker::Impl::most_tests(Index task) const {
-  const auto leaves = [&](Index object) { return trees[object].hierarchy->leaf_count(); };
-  return kMostTestsPerLeaf * (std::uint64_t{leaves(tasks[task].object_a)} + leaves(tasks[task].object_b)) / 2;
+std::uint64_t ReducedChecker::Impl::max_tests(Index task) const {
+  const auto leaves = [&](Index object) { return bvhs[object].hierarchy->leaf_count(); };
+  return kMaxTestsPerLeaf * (std::uint64_t{leaves(tasks[task].object_a)} + leaves(tasks[task].object_b)) / 2;
 }
 
-// Follows a pair of nodes down to the pairs of leaves whose boxes are not apart. Gives up, with false, when
-// `most` pairs have been looked at, all in all.
-bool ReducedChecker::Impl::traverse(Index task, NodePair start, double distance, std::uint64_t most,
+// Descends from a pair of nodes to the pairs of leaves whose boxes are not separated. Gives up and returns
+// false once work.node_tests exceeds the limit.
+bool ReducedChecker::Impl::traverse(Index task, NodePair start, double distance, std::uint64_t test_limit,
                                     Work& work) {
   ReducedObject &object_a = objects[tasks[task].object_a], &object_b = objects[tasks[task].object_b];
   const bool within = &object_a == &object_b;
-  const auto nodes_a = trees[tasks[task].object_a].hierarchy->nodes();
-  const auto nodes_b = trees[tasks[task].object_b].hierarchy->nodes();
+  const auto nodes_a = bvhs[tasks[task].object_a].hierarchy->nodes();
+  const auto nodes_b = bvhs[tasks[task].object_b].hierarchy->nodes();
   stack.assign(1, start);
   while (!stack.empty()) {
     const NodePair pair = stack.back();
     stack.pop_back();
     const Hierarchy::Node &a = nodes_a[pair.a], &b = nodes_b[pair.b];
-    if (++work.node_tests > most) return false;
+    if (++work.node_tests > test_limit) return false;
     if (within && pair.a == pair.b) {
       if (a.is_leaf()) {
         leaf_pairs.push_back({task, {a.leaf_begin, a.leaf_begin}});
       } else {
-        push_below_self(nodes_a, pair.a, stack);
+        push_self_children(nodes_a, pair.a, stack);
       }
       continue;
     }
-    if (boxes_apart(object_a.box(pair.a), object_b.box(pair.b), distance)) continue;
+    if (boxes_separated(object_a.box(pair.a), object_b.box(pair.b), distance)) continue;
     if (a.is_leaf() && b.is_leaf()) {
       leaf_pairs.push_back({task, {a.leaf_begin, b.leaf_begin}});
     } else {
-      push_below(nodes_a, nodes_b, pair, stack);
+      push_children(nodes_a, nodes_b, pair, stack);
     }
   }
   return true;
 }
 
-// Eq. 8 first; what it leaves open goes by boxes. Gives up, with false, when that is too much.
+// Eq. 8 first, then boxes for the pairs that it leaves unproven. Gives up and returns false when these are
+// too many.
 bool ReducedChecker::Impl::traverse_balls(Index object, Index task, double distance, Work& work) {
   const ReducedShape& shape = objects[object].shape();
-  const std::size_t most_open = kMostOpenPerLeaf * std::size_t{trees[object].hierarchy->leaf_count()};
-  shape.impl().find_open(objects[object].pose(0).p, objects[object].pose(1).p, most_open, scratch);
-  work.certificate_tests += scratch.visits;
+  const std::size_t max_unproven = kMaxUnprovenPerLeaf * std::size_t{bvhs[object].hierarchy->leaf_count()};
+  shape.impl().find_unproven(objects[object].pose(0).p, objects[object].pose(1).p, max_unproven, scratch);
+  work.certificate_tests += scratch.visited;
   work.certificate_passes += scratch.proven;
-  if (scratch.open.size() > most_open) return false;
-  const std::uint64_t most = work.node_tests + most_tests(task);
-  for (const auto& [a, b] : scratch.open) {
-    if (!traverse(task, {a, b}, distance, most, work)) return false;
+  if (scratch.unproven.size() > max_unproven) return false;
+  const std::uint64_t test_limit = work.node_tests + max_tests(task);
+  for (const auto& [a, b] : scratch.unproven) {
+    if (!traverse(task, {a, b}, distance, test_limit, work)) return false;
   }
-  for (const auto& [a, b] : shape.always_open()) {
-    const NodePair leaves{trees[object].leaf_node(a), trees[object].leaf_node(b)};
-    if (!traverse(task, leaves, distance, most, work)) return false;
+  for (const auto& [a, b] : shape.never_certified()) {
+    const NodePair leaves{bvhs[object].leaf_node(a), bvhs[object].leaf_node(b)};
+    if (!traverse(task, leaves, distance, test_limit, work)) return false;
   }
   return true;
 }
 
-// As StepChecker does it, charts and planes included. The pairs' features stand in a tree of its own.
+// As StepChecker does it, charts and planes included. The features of these pairs are in the pipeline's BVH.
 Result<void> ReducedChecker::Impl::traverse_vertices(Index task, double distance,
                                                      const StepSettings& settings, Work& work) {
   const Index object = tasks[task].object_a;
-  objects[object].need_all();
+  objects[object].compute_all();
   std::unique_ptr<Pipeline>& pipeline = pipelines[object];
   if (!pipeline) pipeline = std::make_unique<Pipeline>(std::span(&meshes[object], 1));
   const std::span<const double> x0[] = {objects[object].positions(0)}, x1[] = {objects[object].positions(1)};
-  const StepSettings proven{.between = false, .certificates = settings.certificates};
-  if (auto ok = pipeline->motion.update(x0, x1); !ok) return ok;
-  if (auto ok = pipeline->find_leaf_pairs(x0, x1, proven, distance, work); !ok) return ok;
-  for (const LeafPairRef& pair : pipeline->broad_phase.leaf_pairs()) {
+  const StepSettings within{.between = false, .certificates = settings.certificates};
+  FOLDPROOF_TRY(pipeline->motion.update(x0, x1));
+  FOLDPROOF_TRY(pipeline->find_leaf_pairs(x0, x1, within, distance, work));
+  for (const LeafPair& pair : pipeline->broad_phase.leaf_pairs()) {
     tasks[task].traversal = pipeline->broad_phase.tasks()[pair.task].traversal;
     leaf_pairs.push_back({task, pair.leaves});
   }
@@ -150,9 +151,9 @@ Result<void> ReducedChecker::Impl::traverse_within(Index task, double distance, 
                                                    Work& work) {
   const Index object = tasks[task].object_a;
   const std::size_t before = leaf_pairs.size();
-  const bool by_balls = settings.certificates && objects[object].balls_hold(distance);
+  const bool by_balls = settings.certificates && objects[object].balls_apply(distance);
   if (by_balls ? traverse_balls(object, task, distance, work)
-               : traverse(task, {0, 0}, distance, work.node_tests + most_tests(task), work))
+               : traverse(task, {0, 0}, distance, work.node_tests + max_tests(task), work))
     return {};
   leaf_pairs.resize(before);
   return traverse_vertices(task, distance, settings, work);
@@ -160,10 +161,10 @@ Result<void> ReducedChecker::Impl::traverse_within(Index task, double distance, 
 
 void ReducedChecker::Impl::traverse_between(Index task, double distance, Work& work) {
   const std::size_t before = leaf_pairs.size();
-  if (traverse(task, {0, 0}, distance, work.node_tests + most_tests(task), work)) return;
+  if (traverse(task, {0, 0}, distance, work.node_tests + max_tests(task), work)) return;
   leaf_pairs.resize(before);
-  objects[tasks[task].object_a].need_all();
-  objects[tasks[task].object_b].need_all();
+  objects[tasks[task].object_a].compute_all();
+  objects[tasks[task].object_b].compute_all();
   traverse(task, {0, 0}, distance, std::numeric_limits<std::uint64_t>::max(), work);
 }
 
@@ -177,67 +178,70 @@ Result<void> ReducedChecker::Impl::traverse_objects(const Frame& frame, double d
     const auto [a, b] = k < objects.size() ? SweepAndPrune::Pair{k, k} : near[k - objects.size()];
     tasks[k].object_a = a;
     tasks[k].object_b = b;
-    tasks[k].traversal = {&trees[a], &trees[b], separation_margin(frame, distance)};
+    tasks[k].traversal = {&bvhs[a], &bvhs[b], separation_margin(frame, distance)};
     if (a != b) {
       traverse_between(k, distance, work);
     } else if (settings.within) {
-      if (auto ok = traverse_within(k, distance, settings, work); !ok) return ok;
+      FOLDPROOF_TRY(traverse_within(k, distance, settings, work));
     }
   }
   return {};
 }
 
-// Drops pairs of leaves that are apart once their vertices are known.
-void ReducedChecker::Impl::fill_features(const Frame& frame, double distance) {
-  const auto is_filled = [&](const LeafPairRef& pair) {
-    return tasks[pair.task].traversal.a != &trees[tasks[pair.task].object_a];
+// Drops pairs of leaves whose boxes are separated once their vertices are known.
+void ReducedChecker::Impl::compute_features(const Frame& frame, double distance) {
+  const auto is_in_pipeline = [&](const LeafPair& pair) {
+    return tasks[pair.task].traversal.a != &bvhs[tasks[pair.task].object_a];
   };
-  const auto apart = [&](const LeafPairRef& pair) {
-    if (is_filled(pair)) return false;
+  const auto is_separated = [&](const LeafPair& pair) {
+    if (is_in_pipeline(pair)) return false;
     const Index a = tasks[pair.task].object_a, b = tasks[pair.task].object_b;
-    objects[a].need_leaf(frame, pair.leaves.a, trees[a]);
-    objects[b].need_leaf(frame, pair.leaves.b, trees[b]);
-    return boxes_apart(objects[a].box(trees[a].leaf_node(pair.leaves.a)),
-                       objects[b].box(trees[b].leaf_node(pair.leaves.b)), distance);
+    objects[a].compute_leaf(frame, pair.leaves.a, bvhs[a]);
+    objects[b].compute_leaf(frame, pair.leaves.b, bvhs[b]);
+    return boxes_separated(objects[a].box(bvhs[a].leaf_node(pair.leaves.a)),
+                           objects[b].box(bvhs[b].leaf_node(pair.leaves.b)), distance);
   };
-  leaf_pairs.erase(std::remove_if(leaf_pairs.begin(), leaf_pairs.end(), apart), leaf_pairs.end());
-  for (const LeafPairRef& pair : leaf_pairs) {
-    if (is_filled(pair)) continue;
+  leaf_pairs.erase(std::remove_if(leaf_pairs.begin(), leaf_pairs.end(), is_separated), leaf_pairs.end());
+  for (const LeafPair& pair : leaf_pairs) {
+    if (is_in_pipeline(pair)) continue;
     const Index a = tasks[pair.task].object_a, b = tasks[pair.task].object_b;
-    objects[a].need_features(pair.leaves.a, trees[a]);
-    objects[b].need_features(pair.leaves.b, trees[b]);
+    objects[a].compute_features(pair.leaves.a, bvhs[a]);
+    objects[b].compute_features(pair.leaves.b, bvhs[b]);
   }
 }
 
-Result<void> ReducedChecker::check(std::span<const ReducedPose> begin, std::span<const ReducedPose> end,
+Result<void> ReducedChecker::check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
                                    const StepSettings& settings, StepResult& out) {
   const PlainArithmetic plain;
   Stopwatch watch;
   clear(out);
   Impl& m = *impl_;
-  if (auto ok = check_settings(settings); !ok) return ok;
-  if (begin.size() != m.objects.size() || end.size() != m.objects.size()) {
-    return fail("poses", fmt::format("given for {} and {} objects", begin.size(), end.size()),
+  FOLDPROOF_TRY(check_settings(settings));
+  if (start.size() != m.objects.size() || end.size() != m.objects.size()) {
+    return fail(ErrorCode::InvalidArgument, "poses",
+                fmt::format("are given for {} and {} objects", start.size(), end.size()),
                 fmt::format("give them for all {}", m.objects.size()));
   }
   for (Index i = 0; i < m.objects.size(); ++i) {
-    if (m.meshes[i].hierarchy() != m.trees[i].hierarchy)
-      return fail(fmt::format("object {}", i), "has charts of another hierarchy than its shape's",
+    if (m.meshes[i].hierarchy() != m.bvhs[i].hierarchy)
+      return fail(ErrorCode::InvalidArgument, fmt::format("object {}", i),
+                  "has charts of another hierarchy than its shape's",
                   "build the shape with the hierarchy that the charts were trained with");
-    if (auto ok = m.objects[i].begin_step(i, begin[i], end[i]); !ok) return ok;
+    FOLDPROOF_TRY(m.objects[i].start_step(i, start[i], end[i]));
   }
   if (m.objects.empty()) return {};
   const Bounds bounds = m.bound();
   if (!bounds.finite)
-    return fail("poses", "reach beyond what numbers hold", "make their coordinates smaller");
+    return fail(ErrorCode::LimitExceeded, "poses", "have positions beyond the range of double",
+                "make their coordinates smaller");
   out.tolerance = tolerance_for(settings, largest_extent(bounds));
   out.milliseconds.update = watch.lap();
 
   const double distance = settings.thickness + out.tolerance;
   const Frame frame = frame_around(bounds.low, bounds.high);
   m.leaf_pairs.clear();
-  if (auto ok = m.traverse_objects(frame, distance, settings, out.work); !ok) return ok;
-  m.fill_features(frame, distance);
+  FOLDPROOF_TRY(m.traverse_objects(frame, distance, settings, out.work));
+  m.compute_features(frame, distance);
   out.work.leaf_pairs = m.leaf_pairs.size();
   out.milliseconds.traverse = watch.lap();
   out.milliseconds.total = out.milliseconds.update + out.milliseconds.traverse;
@@ -249,7 +253,7 @@ Result<void> ReducedChecker::check(std::span<const ReducedPose> begin, std::span
     m.x0.push_back(object.positions(0));
     m.x1.push_back(object.positions(1));
   }
-  const NarrowStep step(settings, out.tolerance, m.trees, m.tasks, m.x0, m.x1);
+  const NarrowStep step(settings, out.tolerance, m.bvhs, m.tasks, m.x0, m.x1);
   test_leaf_pairs(step, m.leaf_pairs, m.chunks, watch, out);
   finish(settings, out);
   out.milliseconds.narrow += watch.lap();

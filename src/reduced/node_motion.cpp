@@ -7,13 +7,14 @@
 
 namespace foldproof {
 
-void node_vertices(const ReducedMotion& motion, const Hierarchy::Node& node, std::vector<Index>& out) {
+void internal::node_vertices(const ReducedMotion& motion, const Hierarchy::Node& node,
+                             std::vector<Index>& out) {
   const auto leaves = motion.hierarchy()->leaves();
   const Index begin = leaves[node.leaf_begin].vertices, end = leaves[node.leaf_end].vertices;
   out.clear();
   for (Index leaf = node.leaf_begin; leaf < node.leaf_end; ++leaf) {
     for (const Index v : motion.leaf_vertices(leaf)) {
-      if (v >= begin) break;  // ascending; the rest is owned
+      if (v >= begin) break;  // they ascend; this node owns the rest
       out.push_back(v);
     }
   }
@@ -22,20 +23,20 @@ void node_vertices(const ReducedMotion& motion, const Hierarchy::Node& node, std
   for (Index v = begin; v < end; ++v) out.push_back(v);
 }
 
-NodeMotions::NodeMotions(const ReducedMotion& motion, std::span<const CentrePose> poses)
-    : modes(motion.modes()), around(poses.size()) {
+NodeMotions::NodeMotions(const ReducedMotion& motion, std::span<const CenterPose> poses)
+    : modes(motion.modes()), at_center(poses.size()) {
   const std::size_t count = motion.hierarchy()->nodes().size();
   points.resize(count);
   basis.resize(count * modes * 3);
-  for (auto& of_centre : around) of_centre.resize(count);
-  place_points(motion);
+  for (auto& of_center : at_center) of_center.resize(count);
+  find_points(motion);
   PerThread<std::vector<Index>> scratch;
   parallel_for(std::size_t{0}, count,
                [&](std::size_t node) { measure(motion, poses, static_cast<Index>(node), scratch.local()); });
 }
 
-// The mean of the vertices that a subtree owns, or of a leaf's where it owns none. Any point would do.
-void NodeMotions::place_points(const ReducedMotion& motion) {
+// The mean of the leaves' vertices; one that several leaves use counts for each. Any point would do.
+void NodeMotions::find_points(const ReducedMotion& motion) {
   const Hierarchy& h = *motion.hierarchy();
   const auto nodes = h.nodes();
   const std::size_t width = 3 * (std::size_t{modes} + 1);
@@ -74,16 +75,16 @@ Vec3 NodeMotions::at(Index node, std::span<const double> p) const {
   return x;
 }
 
-void NodeMotions::measure(const ReducedMotion& motion, std::span<const CentrePose> poses, Index node,
+void NodeMotions::measure(const ReducedMotion& motion, std::span<const CenterPose> poses, Index node,
                           std::vector<Index>& scratch) {
   node_vertices(motion, motion.hierarchy()->nodes()[node], scratch);
   const auto own = row(node);
   const auto deviations = motion.deviations();
-  std::vector<Vec3> points_at;
-  for (const CentrePose& pose : poses) points_at.push_back(at(node, pose.p));
-  Vec3 grow = Vec3::Zero();
+  std::vector<Vec3> point_at;  // per center
+  for (const CenterPose& pose : poses) point_at.push_back(at(node, pose.p));
+  Vec3 growth = Vec3::Zero();
   double spread = 0;
-  std::vector<double> radius(poses.size(), 0), turn(poses.size(), 0);
+  std::vector<double> radius(poses.size(), 0), cross(poses.size(), 0);
   std::vector<Vec3> extent(poses.size(), Vec3::Zero());
   std::vector<Vec3> offset(modes);
   for (const Index v : scratch) {
@@ -94,59 +95,62 @@ void NodeMotions::measure(const ReducedMotion& motion, std::span<const CentrePos
         offset[k][axis] = (double{theirs[3 * k + axis]} - double{own[3 * k + axis]}) * deviations[k];
       squares += offset[k].cwiseAbs2();
     }
-    grow = grow.cwiseMax(squares);
+    growth = growth.cwiseMax(squares);
     spread = std::max(spread, squares.sum());
     for (std::size_t c = 0; c < poses.size(); ++c) {
-      const Vec3 d = poses[c].at(v) - points_at[c];
+      const Vec3 d = poses[c].at(v) - point_at[c];
       extent[c] = extent[c].cwiseMax(d.cwiseAbs());
       radius[c] = std::max(radius[c], d.squaredNorm());
       double square = 0;
       for (const Vec3& o : offset) square += o.dot(d) * o.dot(d);
-      turn[c] = std::max(turn[c], square);
+      cross[c] = std::max(cross[c], square);
     }
   }
   Point& point = points[node];
-  for (int axis = 0; axis < 3; ++axis) point.grow[axis] = round_up(std::sqrt(grow[axis]) * (1 + kSumError));
+  for (int axis = 0; axis < 3; ++axis)
+    point.growth[axis] = round_up(std::sqrt(growth[axis]) * (1 + kSumError));
   point.spread = round_up(std::sqrt(spread) * (1 + kSumError));
   for (std::size_t c = 0; c < poses.size(); ++c) {
     const double rounding = 4 * poses[c].rounding;  // of the vertex and of the point
-    Around& out = around[c][node];
+    AtCenter& out = at_center[c][node];
     for (int axis = 0; axis < 3; ++axis) out.extent[axis] = round_up(extent[c][axis] + rounding);
     out.radius = round_up(std::sqrt(radius[c]) * (1 + kSumError) + rounding);
-    out.turn = round_up((std::sqrt(turn[c]) + rounding * point.spread) * (1 + kSumError));
+    out.cross = round_up((std::sqrt(cross[c]) + rounding * point.spread) * (1 + kSumError));
   }
 }
 
-double balls_apart_radius(const NodeMotions& nodes, Index a, Index b, Index centre, std::span<const double> p,
-                          std::span<const double> deviations, double gap, double most) {
+double internal::radius_by_spheres(const NodeMotions& nodes, Index a, Index b, Index center,
+                                   std::span<const double> p, std::span<const double> deviations, double gap,
+                                   double max_radius) {
   const Vec3 between = nodes.at(a, p) - nodes.at(b, p);
   const auto row_a = nodes.row(a), row_b = nodes.row(b);
-  double pull = 0, size = 0;
+  double approach = 0, size = 0;
   for (Index k = 0; k < nodes.modes; ++k) {
     Vec3 d;
     for (int axis = 0; axis < 3; ++axis)
       d[axis] = (double{row_a[3 * k + axis]} - double{row_b[3 * k + axis]}) * deviations[k];
-    pull += d.dot(between) * d.dot(between);
+    approach += d.dot(between) * d.dot(between);
     size += d.squaredNorm();
   }
   const double distance = between.norm();
-  pull = std::sqrt(pull) + kSumError * distance * std::sqrt(size);
-  const auto apart = [&](double rho) {
-    const auto reach = [&](Index node) {
-      const NodeMotions::Around& around = nodes.around[centre][node];
+  approach = std::sqrt(approach) + kSumError * distance * std::sqrt(size);
+  const auto separated = [&](double rho) {
+    const auto sphere_radius = [&](Index node) {
+      const NodeMotions::AtCenter& bounds = nodes.at_center[center][node];
       const double spread = double{nodes.points[node].spread} * rho;
-      return std::sqrt(double{around.radius} * around.radius + 2 * rho * around.turn + spread * spread);
+      return std::sqrt(double{bounds.radius} * bounds.radius + 2 * rho * bounds.cross + spread * spread);
     };
     // |between(q)|^2 >= |between|^2 - 2 rho |Sigma D^T between|.
-    const double square = distance * distance - 2 * rho * pull, sum = reach(a) + reach(b) + gap;
+    const double square = distance * distance - 2 * rho * approach;
+    const double sum = sphere_radius(a) + sphere_radius(b) + gap;
     return square > 0 && std::sqrt(square) > sum * (1 + kSumError) + distance * kSumError;
   };
-  if (!apart(0)) return 0;
-  double low = 0, high = most;
-  if (apart(high)) return high;
+  if (!separated(0)) return 0;
+  double low = 0, high = max_radius;
+  if (separated(high)) return high;
   for (int round = 0; round < 24; ++round) {
     const double middle = (low + high) / 2;
-    (apart(middle) ? low : high) = middle;
+    (separated(middle) ? low : high) = middle;
   }
   return low * (1 - kRadiusMargin);
 }

@@ -1,49 +1,51 @@
-/// How the nodes of a hierarchy move as a whole: a point that moves linearly with p, and how far vertices are
-/// from it.
+/// How the nodes of a hierarchy move as a whole: a point that is linear in p, and bounds of the distances of
+/// the node's vertices from it.
 #pragma once
 
 #include "reduced/pose.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// The vertices of a node, places in leaf order: those that it owns follow each other; `out` gets them and
-/// those of its triangles that others own, each once.
+/// All vertices of a node's triangles, in `out`, each once, as indices in leaf order: first those that other
+/// nodes own, then the run that this node owns.
 void node_vertices(const ReducedMotion& motion, const Hierarchy::Node& node, std::vector<Index>& out);
 
-/// For every node a point o(p) = mean + basis p, and bounds that hold at every p, q = p - centre:
-/// |x_v - o| along an axis <= extent + |q| grow; |x_v - o|^2 <= radius^2 + 2 |q| turn + |q|^2 spread^2 (R2).
+/// For every node a point o(p) = mean + basis p, and bounds that hold at every p (R2). With q = p - center,
+/// |x_v - o| <= extent + |q| growth along an axis, and |x_v - o|^2 <= radius^2 + 2 |q| cross + |q|^2
+/// spread^2.
 struct NodeMotions {
   struct Point {
     std::array<double, 3> mean;
-    std::array<float, 3> grow;  ///< Per axis.
+    std::array<float, 3> growth;  ///< Per axis.
     float spread;
   };
-  struct Around {  ///< A node, seen from a centre.
+  /// The bounds that depend on the center.
+  struct AtCenter {
     std::array<float, 3> extent;
-    float radius, turn;
+    float radius, cross;
   };
   Index modes = 0;
   std::vector<Point> points;
-  std::vector<float> basis;                 ///< [node][mode][axis]
-  std::vector<std::vector<Around>> around;  ///< [centre][node]
+  std::vector<float> basis;                      ///< [node][mode][axis]
+  std::vector<std::vector<AtCenter>> at_center;  ///< [center][node]
 
-  NodeMotions(const ReducedMotion& motion, std::span<const CentrePose> poses);
+  NodeMotions(const ReducedMotion& motion, std::span<const CenterPose> poses);
 
   std::span<const float> row(Index node) const {
     return std::span(basis).subspan(std::size_t{node} * modes * 3, std::size_t{modes} * 3);
   }
-  /// Where a node's point is at p; the same sum as ReducedMotion::vertex.
+  /// A node's point at p; the same sum as ReducedMotion::vertex.
   Vec3 at(Index node, std::span<const double> p) const;
 
  private:
-  void place_points(const ReducedMotion& motion);
-  void measure(const ReducedMotion& motion, std::span<const CentrePose> poses, Index node,
+  void find_points(const ReducedMotion& motion);
+  void measure(const ReducedMotion& motion, std::span<const CenterPose> poses, Index node,
                std::vector<Index>& scratch);
 };
 
-/// A radius around a centre within which the balls around two nodes' vertices stay farther apart than `gap`
-/// (R2). 0: none. `deviations` and `p`: of the motion, of the centre.
-double balls_apart_radius(const NodeMotions& nodes, Index a, Index b, Index centre, std::span<const double> p,
-                          std::span<const double> deviations, double gap, double most);
+/// A radius around a center within which the bounding spheres of two nodes stay farther apart than `gap`
+/// (R2), at most `max_radius`. 0: none. `p`: of the center. `deviations`: of the motion.
+double radius_by_spheres(const NodeMotions& nodes, Index a, Index b, Index center, std::span<const double> p,
+                         std::span<const double> deviations, double gap, double max_radius);
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

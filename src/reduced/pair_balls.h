@@ -1,4 +1,4 @@
-/// The ball of a pair of nodes by every proof that fits it, without looking at what lies below them.
+/// The ball of a pair of nodes by every proof that applies to it, whatever lies below the pair in the tree.
 #pragma once
 
 #include "foldproof/certificate.h"
@@ -7,19 +7,19 @@
 #include "reduced/node_motion.h"
 #include "reduced/plane_ball.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
 /// Nodes of the hierarchy; the same one twice for a node with itself.
 using NodePairIds = std::array<Index, 2>;
 
-/// What all balls of a shape are made from. Immutable.
+/// What all balls of a shape are computed from. Immutable.
 struct BallInput {
   const ReducedMotion& motion;
   const NodeMotions& nodes;
   const PatchSlots& slots;
-  std::span<const CentrePose> poses;
+  std::span<const CenterPose> poses;
   double gap;
-  Index most_triangles;
+  Index max_triangles;
 };
 
 /// Scratch: one per thread.
@@ -31,33 +31,34 @@ class PairBalls {
         hops_a_(input.motion.hierarchy()->leaf_count(), kFar),
         hops_b_(input.motion.hierarchy()->leaf_count(), kFar) {}
 
-  /// The largest radius that one proof gives around a centre; `enough`: more need not be looked for.
-  double radius(NodePairIds pair, Index centre, double enough);
-  /// Of two leaves, or one with itself: what their features give one by one, 0 where triangles meet at the
-  /// centre. At most `at_least`: no more than that was found.
-  double feature_radius(NodePairIds pair, Index centre, double at_least, double enough);
+  /// The largest radius around a center that one of the proofs gives. The search stops at `max_radius`.
+  double radius(NodePairIds pair, Index center, double max_radius);
+  /// Of two leaves, or one with itself: the smallest radius of their pairs of features, at most `max_radius`,
+  /// and 0 where triangles meet at the center. The search stops at `known` or below; such a result proves
+  /// nothing.
+  double feature_radius(NodePairIds pair, Index center, double known, double max_radius);
 
  private:
   static constexpr std::uint8_t kFar = 255;
   bool read(NodePairIds pair);
-  void count_hops(Index from, Index to, Index most, std::vector<std::uint8_t>& hops);
-  bool find_bridge(NodePairIds pair, Index slack);
-  double chart_radius(NodePairIds pair, Index centre);
+  void count_hops(Index from, Index to, std::vector<std::uint8_t>& hops);
+  bool find_bridge(NodePairIds pair, Index detour);
+  double chart_radius(NodePairIds pair, Index center);
   bool are_neighbours(NodePairIds pair) const;
 
   const BallInput& input_;
   PatchReader reader_;
-  ChartMaker maker_;
+  Parametrizer parametrizer_;
   ChartBall chart_;
   PlaneBall plane_;
   FeatureBall features_;
   Patch patch_;
-  Drawing drawing_;
+  UvMap uv_map_;
   std::vector<std::array<float, 3>> positions_;
   std::vector<Index> vertices_a_, vertices_b_;
   std::vector<Index> bridge_;                  // leaves between two nodes
-  std::vector<std::uint8_t> hops_a_, hops_b_;  // per leaf, from a node; kFar where not counted
-  std::vector<Index> reached_, queue_;
+  std::vector<std::uint8_t> hops_a_, hops_b_;  // per leaf, from a node; kFar where not visited
+  std::vector<Index> visited_, queue_;
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

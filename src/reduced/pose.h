@@ -1,29 +1,29 @@
-/// The pose that balls are centred at.
+/// The pose at a center of balls.
 #pragma once
 
 #include "foldproof/reduced.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-struct CentrePose {
-  CentrePose(const ReducedMotion& motion, std::vector<double> centre);
+struct CenterPose {
+  CenterPose(const ReducedMotion& motion, std::vector<double> center);
 
-  Vec3 at(Index place) const { return Eigen::Map<const Vec3>(&x[3 * std::size_t{place}]); }
+  Vec3 at(Index v) const { return Eigen::Map<const Vec3>(&x[3 * std::size_t{v}]); }
 
   std::vector<double> p;
-  std::vector<double> x;  ///< Of the vertices in leaf order.
-  double largest = 0;     ///< Coordinate of x, magnitude.
-  double rounding = 0;    ///< Of any coordinate of x.
+  std::vector<double> x;      ///< The vertices in leaf order.
+  double max_coordinate = 0;  ///< The largest magnitude of a coordinate of x.
+  double rounding = 0;        ///< The rounding error of a coordinate of x, at most.
 };
 
-/// Roundings of what is summed up from numbers below one, in double: far above what any sum here carries.
+/// Relative rounding error of sums in double, far above that of any sum here.
 inline constexpr double kSumError = 0x1p-40;
-/// What a computed radius is taken smaller by, as a share (R5).
+/// Computed radii are made smaller by this share (R5).
 inline constexpr double kRadiusMargin = 0x1p-20;
 
-/// Not above the number, in single precision.
-float round_down(double radius);
-/// Not below it.
+/// The largest float that is not above the number.
+float round_down(double value);
+/// The smallest float that is not below the number.
 float round_up(double value);
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -6,30 +6,36 @@
 #include <cmath>
 
 #include "base/plain_arithmetic.h"
+#include "base/try.h"
 #include "reduced/touch_test.h"
 
 namespace foldproof {
 namespace {
 
-Result<void> check_centres(const ReducedMotion& motion, std::vector<ReducedCentre>& centres) {
-  if (centres.empty()) return fail("centres", "there are none", "give at least one, such as the mean");
-  for (std::size_t c = 0; c < centres.size(); ++c) {
-    const auto where = fmt::format("centre {}", c);
-    if (centres[c].p.size() != motion.modes()) {
-      return fail(where, fmt::format("has {} numbers", centres[c].p.size()),
+Result<void> check_centers(const ReducedMotion& motion, std::vector<ReducedCenter>& centers) {
+  if (centers.empty())
+    return fail(ErrorCode::InvalidArgument, "centers", "there are none",
+                "give at least one, such as the mean");
+  for (std::size_t c = 0; c < centers.size(); ++c) {
+    const auto where = fmt::format("center {}", c);
+    if (centers[c].p.size() != motion.modes()) {
+      return fail(ErrorCode::InvalidArgument, where, fmt::format("has {} numbers", centers[c].p.size()),
                   fmt::format("give {}, one per mode", motion.modes()));
     }
-    for (const double p : centres[c].p) {
-      if (!std::isfinite(p)) return fail(where, "has a number that is not finite", "repair it");
+    for (const double p : centers[c].p) {
+      if (!std::isfinite(p))
+        return fail(ErrorCode::NonFinite, where, "has a number that is not finite", "repair it");
     }
-    if (!(centres[c].reach >= 0) || !std::isfinite(centres[c].reach))
-      return fail(where, "has a reach that is no distance", "give a number of at least 0");
-    if (centres[c].reach == 0) centres[c].reach = std::sqrt(motion.modes()) + 4.0;
+    double& max_radius = centers[c].max_radius;
+    if (!(max_radius >= 0) || !std::isfinite(max_radius))
+      return fail(ErrorCode::InvalidArgument, where, "has a largest radius that is no distance",
+                  "give a number of at least 0");
+    if (max_radius == 0) max_radius = std::sqrt(motion.modes()) + 4.0;
   }
   return {};
 }
 
-double size_of(const CentrePose& pose) {
+double size_of(const CenterPose& pose) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (std::size_t i = 0; i < pose.x.size(); i += 3) {
     const Eigen::Map<const Vec3> x(&pose.x[i]);
@@ -42,35 +48,34 @@ double size_of(const CentrePose& pose) {
 }  // namespace
 
 Result<ReducedShape> ReducedShape::build(std::shared_ptr<const ReducedMotion> motion,
-                                         std::vector<ReducedCentre> centres, const ReducedSettings& settings,
+                                         std::vector<ReducedCenter> centers, const ReducedSettings& settings,
                                          const ReducedHooks& hooks) {
   const PlainArithmetic plain;
-  if (const auto ok = check_centres(*motion, centres); !ok) return tl::unexpected(ok.error());
+  FOLDPROOF_TRY(check_centers(*motion, centers));
   if (!(settings.clearance >= 0) || !std::isfinite(settings.clearance))
-    return fail("clearance", "is not a length", "give a number of at least 0");
+    return fail(ErrorCode::InvalidArgument, "clearance", "is not a length", "give a number of at least 0");
   auto impl = std::make_shared<Impl>();
   const std::shared_ptr<const Hierarchy>& hierarchy = motion->hierarchy();
-  std::vector<CentrePose> poses;
-  poses.reserve(centres.size());
-  for (const ReducedCentre& centre : centres) poses.emplace_back(*motion, centre.p);
+  std::vector<CenterPose> poses;
+  poses.reserve(centers.size());
+  for (const ReducedCenter& center : centers) poses.emplace_back(*motion, center.p);
   impl->clearance = settings.clearance > 0 ? settings.clearance : size_of(poses[0]) * 0x1p-24;
   impl->nodes = std::make_shared<const NodeMotions>(*motion, poses);
-  for (const double deviation : motion->deviations()) impl->stiffness.push_back(1 / deviation);
+  for (const double deviation : motion->deviations()) impl->inverse_deviations.push_back(1 / deviation);
   const PatchSlots slots(hierarchy);
-  const BallInput input{*motion, *impl->nodes, slots, poses, impl->clearance, settings.most_triangles};
+  const BallInput input{*motion, *impl->nodes, slots, poses, impl->clearance, settings.max_triangles};
   const std::size_t budget = 64 + std::size_t{settings.pairs_per_leaf} * hierarchy->leaf_count();
-  auto grown = grow_pair_tree(input, centres, budget, hooks);
-  if (!grown) return tl::unexpected(grown.error());
-  for (std::size_t c = 0; c < centres.size(); ++c) {
-    const auto& of_centre = grown->of_centre[c];
+  auto built = FOLDPROOF_TRY(build_pair_tree(input, centers, budget, hooks));
+  for (std::size_t c = 0; c < centers.size(); ++c) {
+    const PairTreeResult::AtCenter& at_center = built.at_center[c];
     const TouchTest test(*hierarchy, poses[c]);
-    auto& left_out = impl->left_out.emplace_back();
-    for (const auto& [a, b] : of_centre.left_out) left_out.push_back({a, b, test.leaves_touch(a, b)});
-    impl->radius.push_back(of_centre.radius);
+    auto& uncertified = impl->uncertified.emplace_back();
+    for (const auto& [a, b] : at_center.uncertified) uncertified.push_back({a, b, test.leaves_touch(a, b)});
+    impl->radius.push_back(at_center.radius);
   }
-  impl->tree = std::move(grown->tree);
-  impl->always_open = std::move(grown->always_open);
-  impl->centres = std::move(centres);
+  impl->tree = std::move(built.tree);
+  impl->never_certified = std::move(built.never_certified);
+  impl->centers = std::move(centers);
   impl->motion = std::move(motion);
   ReducedShape shape;
   shape.impl_ = std::move(impl);
@@ -78,57 +83,60 @@ Result<ReducedShape> ReducedShape::build(std::shared_ptr<const ReducedMotion> mo
 }
 
 const std::shared_ptr<const ReducedMotion>& ReducedShape::motion() const { return impl_->motion; }
-std::span<const ReducedCentre> ReducedShape::centres() const { return impl_->centres; }
+std::span<const ReducedCenter> ReducedShape::centers() const { return impl_->centers; }
 double ReducedShape::clearance() const { return impl_->clearance; }
-double ReducedShape::radius(Index centre) const { return impl_->radius[centre]; }
-std::span<const LeftOut> ReducedShape::left_out(Index centre) const { return impl_->left_out[centre]; }
-std::span<const std::array<Index, 2>> ReducedShape::always_open() const { return impl_->always_open; }
+double ReducedShape::radius(Index center) const { return impl_->radius[center]; }
+std::span<const UncertifiedPair> ReducedShape::uncertified(Index center) const {
+  return impl_->uncertified[center];
+}
+std::span<const std::array<Index, 2>> ReducedShape::never_certified() const { return impl_->never_certified; }
 
-// A ball in the tree is the larger of the pair's own and the smallest below it. Taking pairs out makes the
-// smallest below larger, and the larger of that and what stood there is again a ball.
-CertifiedRadius ReducedShape::certified(Index centre, double at_least) const {
+// A ball in the tree is the larger of the pair's own and the smallest below it. Without some pairs the
+// smallest below may be larger. The larger of this one and the ball in the tree is again a ball.
+CertifiedRadius ReducedShape::certified(Index center, double at_least) const {
   const PairTree& tree = impl_->tree;
   const auto nodes = impl_->motion->hierarchy()->nodes();
-  CertifiedRadius result{0, impl_->left_out[centre]};
+  CertifiedRadius result{0, impl_->uncertified[center]};
   std::vector<float> radius(tree.nodes.size());
   for (std::size_t i = tree.nodes.size(); i-- > 0;) {
     const PairTree::Node& node = tree.nodes[i];
-    radius[i] = tree.balls[i * tree.centres + centre];
+    radius[i] = tree.balls[i * tree.centers + center];
     if (node.count > 0) {
-      const auto below = radius.begin() + node.begin;
-      radius[i] = std::max(radius[i], *std::min_element(below, below + node.count));
+      const auto children = radius.begin() + node.begin;
+      radius[i] = std::max(radius[i], *std::min_element(children, children + node.count));
     } else if (nodes[node.a].is_leaf() && nodes[node.b].is_leaf() &&
                (radius[i] < at_least || radius[i] == 0)) {
       const auto [a, b] = std::minmax(nodes[node.a].leaf_begin, nodes[node.b].leaf_begin);
-      if (radius[i] > 0) result.left_out.push_back({a, b, false, radius[i]});
+      if (radius[i] > 0) result.uncertified.push_back({a, b, false, radius[i]});
       radius[i] = std::numeric_limits<float>::infinity();
     }
   }
-  std::sort(result.left_out.begin(), result.left_out.end(), [](const LeftOut& x, const LeftOut& y) {
-    return std::tuple(x.leaf_a, x.leaf_b) < std::tuple(y.leaf_a, y.leaf_b);
-  });
-  result.radius = std::min(double{radius[0]}, impl_->centres[centre].reach);
+  std::sort(result.uncertified.begin(), result.uncertified.end(),
+            [](const UncertifiedPair& x, const UncertifiedPair& y) {
+              return std::tuple(x.leaf_a, x.leaf_b) < std::tuple(y.leaf_a, y.leaf_b);
+            });
+  result.radius = std::min(double{radius[0]}, impl_->centers[center].max_radius);
   return result;
 }
 
-// Each term carries a few roundings, the sum one per mode; the margin is far above them.
-float ReducedShape::Impl::distance(Index centre, std::span<const double> p) const {
-  const std::vector<double>& c = centres[centre].p;
+// Each term has a few roundings, the sum one per mode; the margin is far above them.
+float ReducedShape::Impl::distance(Index center, std::span<const double> p) const {
+  const std::vector<double>& c = centers[center].p;
   double square = 0;
   for (std::size_t k = 0; k < c.size(); ++k) {
-    const double q = (p[k] - c[k]) * stiffness[k];
+    const double q = (p[k] - c[k]) * inverse_deviations[k];
     square += q * q;
   }
   const double norm = std::sqrt(square) * (1 + kSumError);
   return norm < 1e30 ? round_up(norm) : std::numeric_limits<float>::infinity();
 }
 
-double ReducedShape::distance(Index centre, std::span<const double> p) const {
+double ReducedShape::distance(Index center, std::span<const double> p) const {
   const PlainArithmetic plain;
-  return double{impl_->distance(centre, p)};
+  return double{impl_->distance(center, p)};
 }
 
-// The regularised incomplete gamma function P(modes / 2, radius^2 / 2) by its series, whose terms are all
+// The regularized incomplete gamma function P(modes / 2, radius^2 / 2) by its series, whose terms are all
 // positive (Abramowitz and Stegun 6.5.29).
 double normal_share(double radius, Index modes) {
   const double a = modes / 2.0, x = radius * radius / 2;
@@ -144,24 +152,24 @@ double normal_share(double radius, Index modes) {
 
 namespace {
 
-// The two centres that hold both ends nearest, and how near.
+// The two centers nearest to a step, and their distances from its farther end.
 struct Nearest {
-  std::array<Index, 2> centre{0, 0};
+  std::array<Index, 2> center{0, 0};
   std::array<float, 2> distance{std::numeric_limits<float>::infinity(),
                                 std::numeric_limits<float>::infinity()};
 };
 
-Nearest nearest_centres(const ReducedShape::Impl& shape, std::span<const double> p0,
+Nearest nearest_centers(const ReducedShape::Impl& shape, std::span<const double> p0,
                         std::span<const double> p1) {
   Nearest nearest;
-  for (Index c = 0; c < shape.centres.size(); ++c) {
-    const float far = std::max(shape.distance(c, p0), shape.distance(c, p1));
-    if (far < nearest.distance[0]) {
-      nearest.centre[1] = std::exchange(nearest.centre[0], c);
-      nearest.distance[1] = std::exchange(nearest.distance[0], far);
-    } else if (far < nearest.distance[1]) {
-      nearest.centre[1] = c;
-      nearest.distance[1] = far;
+  for (Index c = 0; c < shape.centers.size(); ++c) {
+    const float distance = std::max(shape.distance(c, p0), shape.distance(c, p1));
+    if (distance < nearest.distance[0]) {
+      nearest.center[1] = std::exchange(nearest.center[0], c);
+      nearest.distance[1] = std::exchange(nearest.distance[0], distance);
+    } else if (distance < nearest.distance[1]) {
+      nearest.center[1] = c;
+      nearest.distance[1] = distance;
     }
   }
   return nearest;
@@ -172,50 +180,51 @@ Nearest nearest_centres(const ReducedShape::Impl& shape, std::span<const double>
 ReducedProof ReducedShape::proven_free(std::span<const double> p0, std::span<const double> p1,
                                        Scratch& scratch) const {
   const PlainArithmetic plain;
-  return impl_->find_open(p0, p1, 0, scratch);
+  return impl_->find_unproven(p0, p1, 0, scratch);
 }
 
-ReducedProof ReducedShape::find_open(std::span<const double> p0, std::span<const double> p1,
-                                     Scratch& scratch) const {
+ReducedProof ReducedShape::find_unproven(std::span<const double> p0, std::span<const double> p1,
+                                         Scratch& scratch) const {
   const PlainArithmetic plain;
-  return impl_->find_open(p0, p1, impl_->tree.nodes.size(), scratch);
+  return impl_->find_unproven(p0, p1, impl_->tree.nodes.size(), scratch);
 }
 
-ReducedProof ReducedShape::Impl::find_open(std::span<const double> p0, std::span<const double> p1,
-                                           std::size_t most, Scratch& scratch) const {
-  scratch.open.clear();
-  scratch.visits = scratch.proven = 0;
-  const std::size_t modes = stiffness.size(), width = tree.centres;
-  const ReducedProof best = always_open.empty() ? ReducedProof::Free : ReducedProof::FreeButLeft;
+ReducedProof ReducedShape::Impl::find_unproven(std::span<const double> p0, std::span<const double> p1,
+                                               std::size_t max_unproven, Scratch& scratch) const {
+  scratch.unproven.clear();
+  scratch.visited = scratch.proven = 0;
+  const std::size_t modes = inverse_deviations.size(), width = tree.centers;
+  const ReducedProof free =
+      never_certified.empty() ? ReducedProof::Free : ReducedProof::FreeExceptUncertified;
   Nearest nearest;
-  if (p0.size() == modes && p1.size() == modes) nearest = nearest_centres(*this, p0, p1);
+  if (p0.size() == modes && p1.size() == modes) nearest = nearest_centers(*this, p0, p1);
   if (!(nearest.distance[0] < std::numeric_limits<float>::infinity())) {
-    scratch.open.push_back({0, 0});
-    return ReducedProof::Open;
+    scratch.unproven.push_back({0, 0});
+    return ReducedProof::Unproven;
   }
-  // Eq. 8, for the two nearest centres.
+  // Eq. 8, for the two nearest centers.
   const auto is_free = [&](Index pair) {
-    ++scratch.visits;
+    ++scratch.visited;
     const float* balls = &tree.balls[pair * width];
-    const bool free =
-        nearest.distance[0] < balls[nearest.centre[0]] || nearest.distance[1] < balls[nearest.centre[1]];
-    scratch.proven += free;
-    return free;
+    const bool inside =
+        nearest.distance[0] < balls[nearest.center[0]] || nearest.distance[1] < balls[nearest.center[1]];
+    scratch.proven += inside;
+    return inside;
   };
-  if (is_free(0)) return best;
+  if (is_free(0)) return free;
   scratch.stack.assign(1, 0);
   while (!scratch.stack.empty()) {
     const PairTree::Node& node = tree.nodes[scratch.stack.back()];
     scratch.stack.pop_back();
     if (node.count == 0) {
-      scratch.open.push_back({node.a, node.b});
-      if (scratch.open.size() > most) return ReducedProof::Open;
+      scratch.unproven.push_back({node.a, node.b});
+      if (scratch.unproven.size() > max_unproven) return ReducedProof::Unproven;
     }
     for (Index child = node.begin; child < node.begin + node.count; ++child) {
       if (!is_free(child)) scratch.stack.push_back(child);
     }
   }
-  return scratch.open.empty() ? best : ReducedProof::Open;
+  return scratch.unproven.empty() ? free : ReducedProof::Unproven;
 }
 
 }  // namespace foldproof

@@ -4,7 +4,7 @@
 
 #include "foldproof/ccd.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 
 bool TouchTest::leaves_touch(Index leaf_a, Index leaf_b) const {
   for (Index s = h_.leaves()[leaf_a].triangles; s < h_.leaves()[leaf_a + 1].triangles; ++s) {
@@ -24,15 +24,15 @@ bool TouchTest::triangles_touch(const Triangle& s, const Triangle& t) const {
   const auto shared = std::count_if(s.begin(), s.end(), [&](Index v) { return is_in(v, t); });
   if (shared == 0) return triangles_intersect(corners(s), corners(t));
   if (shared != 1) return shared == 3 || folds(s, t);
-  const auto opposite_meets = [&](const Triangle& f, const Triangle& g) {
-    std::array<Vec3, 2> side;
+  const auto opposite_edge_meets = [&](const Triangle& f, const Triangle& g) {
+    std::array<Vec3, 2> edge;
     int count = 0;
     for (const Index v : f) {
-      if (!is_in(v, g) && count < 2) side[count++] = pose_.at(v);
+      if (!is_in(v, g) && count < 2) edge[count++] = pose_.at(v);
     }
-    return count == 2 && segment_intersects_triangle(side, corners(g));
+    return count == 2 && segment_intersects_triangle(edge, corners(g));
   };
-  return opposite_meets(s, t) || opposite_meets(t, s);
+  return opposite_edge_meets(s, t) || opposite_edge_meets(t, s);
 }
 
 bool TouchTest::folds(const Triangle& s, const Triangle& t) const {
@@ -44,4 +44,4 @@ bool TouchTest::folds(const Triangle& s, const Triangle& t) const {
   return edge.size() != 2 || apex.size() != 2 || triangles_fold(edge[0], edge[1], apex[0], apex[1]);
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

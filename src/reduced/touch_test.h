@@ -1,16 +1,16 @@
-/// Whether triangles of two leaves meet in the centre's pose.
+/// Whether triangles of two leaves touch in the center's pose.
 #pragma once
 
 #include "reduced/pose.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
 class TouchTest {
  public:
-  TouchTest(const Hierarchy& h, const CentrePose& pose) : h_(h), pose_(pose) {}
+  TouchTest(const Hierarchy& h, const CenterPose& pose) : h_(h), pose_(pose) {}
 
-  /// Whether triangles of two leaves, or of one with itself, meet beyond the vertices and edges they share.
-  /// Exact for the computed positions.
+  /// Whether triangles of two leaves, or of one with itself, have points in common beyond the vertices and
+  /// edges they share. Exact for the computed positions.
   bool leaves_touch(Index leaf_a, Index leaf_b) const;
 
  private:
@@ -18,7 +18,7 @@ class TouchTest {
   bool folds(const Triangle& s, const Triangle& t) const;
 
   const Hierarchy& h_;
-  const CentrePose& pose_;
+  const CenterPose& pose_;
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

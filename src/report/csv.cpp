@@ -1,3 +1,4 @@
+#include "base/try.h"
 #include "report/report.h"
 #include "report/text_file.h"
 
@@ -17,16 +18,16 @@ class CsvReport : public ReportWriter {
   Result<void> step(const CheckedStep& step) override {
     if (step.pose) return add_crossings(step);
     note_limit(step);
-    const StepPlace& at = step.place;
+    const StepIndex& index = step.index;
     for (const VertexFaceCollision& c : step.step->vertex_face) {
-      file_.add("{},{},vf,{},{},,{},{},,{},{}\n", at.frame, at.substep, c.vertex_object, c.vertex,
+      file_.add("{},{},vf,{},{},,{},{},,{},{}\n", index.frame, index.substep, c.vertex_object, c.vertex,
                 c.face_object, c.face, c.toi, answer_name(c.answer));
-      if (auto done = file_.flush_if_large(); !done) return done;
+      FOLDPROOF_TRY(file_.flush_if_large());
     }
     for (const EdgeEdgeCollision& c : step.step->edge_edge) {
-      file_.add("{},{},ee,{},{},{},{},{},{},{},{}\n", at.frame, at.substep, c.object_a, c.a[0], c.a[1],
+      file_.add("{},{},ee,{},{},{},{},{},{},{},{}\n", index.frame, index.substep, c.object_a, c.a[0], c.a[1],
                 c.object_b, c.b[0], c.b[1], c.toi, answer_name(c.answer));
-      if (auto done = file_.flush_if_large(); !done) return done;
+      FOLDPROOF_TRY(file_.flush_if_large());
     }
     return {};
   }
@@ -36,17 +37,17 @@ class CsvReport : public ReportWriter {
  private:
   void note_limit(const CheckedStep& step) {
     if (step.listed().sum() == step.collisions.sum()) return;
-    file_.add("# frame {} substep {}: listed {} of {}\n", step.place.frame, step.place.substep,
+    file_.add("# frame {} substep {}: listed {} of {}\n", step.index.frame, step.index.substep,
               step.listed().sum(), step.collisions.sum());
   }
 
   Result<void> add_crossings(const CheckedStep& step) {
     note_limit(step);
-    const StepPlace& at = step.place;
+    const StepIndex& index = step.index;
     for (const TriangleCrossing& c : step.pose->crossings) {
-      file_.add("{},{},tt,{},{},,{},{},,,crossing\n", at.frame, at.substep, c.object_a, c.triangle_a,
+      file_.add("{},{},tt,{},{},,{},{},,,crossing\n", index.frame, index.substep, c.object_a, c.triangle_a,
                 c.object_b, c.triangle_b);
-      if (auto done = file_.flush_if_large(); !done) return done;
+      FOLDPROOF_TRY(file_.flush_if_large());
     }
     return {};
   }
@@ -57,9 +58,8 @@ class CsvReport : public ReportWriter {
 }  // namespace
 
 Result<std::unique_ptr<ReportWriter>> csv_report(const std::string& path) {
-  auto file = FileWriter::open(path);
-  if (!file) return tl::unexpected(file.error());
-  return std::make_unique<CsvReport>(std::move(*file));
+  auto file = FOLDPROOF_TRY(FileWriter::open(path));
+  return std::make_unique<CsvReport>(std::move(file));
 }
 
 }  // namespace foldproof

@@ -1,7 +1,8 @@
-// What certificates did, for people who tune and for pictures.
+// What certificates proved, for tuning and for pictures.
 #include <algorithm>
 #include <cctype>
 
+#include "base/try.h"
 #include "io/bytes.h"
 #include "io/npz_table.h"
 #include "report/joined.h"
@@ -26,14 +27,13 @@ class ExplainNpz : public ReportWriter {
       columns.push_back({"margin" + suffix, "<f4", 4, {triangles}});
       columns.push_back({"reason" + suffix, "|u1", 1, {triangles}});
     }
-    auto table = io::NpzTable::open(path, std::move(columns));
-    if (!table) return tl::unexpected(table.error());
-    return std::make_unique<ExplainNpz>(std::move(*table));
+    auto table = FOLDPROOF_TRY(io::NpzTable::open(path, std::move(columns)));
+    return std::make_unique<ExplainNpz>(std::move(table));
   }
   explicit ExplainNpz(io::NpzTable table) : table_(std::move(table)) {}
 
   Result<void> step(const CheckedStep& step) override {
-    table_.add(bytes_of(std::array{step.place.frame, step.place.substep}));
+    table_.add(bytes_of(std::array{step.index.frame, step.index.substep}));
     for (const Explanation::Object& object : step.explanation->objects) {
       table_.add(bytes_of(object.level));
       table_.add(bytes_of(object.margin));
@@ -48,14 +48,13 @@ class ExplainNpz : public ReportWriter {
   io::NpzTable table_;
 };
 
-/// How many: a row per step, object, reason and level that occur together, and one per step and reason for
-/// pairs of leaves.
+/// Counts: a row per step, object, reason and level that occur, and one per step and reason for pairs of
+/// leaves.
 class ExplainCsv : public ReportWriter {
  public:
   static Result<std::unique_ptr<ReportWriter>> open(const std::string& path) {
-    auto file = FileWriter::open(path);
-    if (!file) return tl::unexpected(file.error());
-    return std::make_unique<ExplainCsv>(std::move(*file));
+    auto file = FOLDPROOF_TRY(FileWriter::open(path));
+    return std::make_unique<ExplainCsv>(std::move(file));
   }
   explicit ExplainCsv(FileWriter file) : file_(std::move(file)) {
     file_.add("frame,substep,kind,object,reason,level,count\n");
@@ -63,11 +62,11 @@ class ExplainCsv : public ReportWriter {
 
   Result<void> step(const CheckedStep& step) override {
     for (std::size_t i = 0; i < step.explanation->objects.size(); ++i)
-      add_triangles(step.place, i, step.explanation->objects[i]);
+      add_triangles(step.index, i, step.explanation->objects[i]);
     for (std::size_t reason = 0; reason < kReasons; ++reason) {
       const std::uint64_t count = step.explanation->leaf_pairs[reason];
       if (count == 0) continue;
-      file_.add("{},{},leaf_pairs,,{},,{}\n", step.place.frame, step.place.substep, kReasonNames[reason],
+      file_.add("{},{},leaf_pairs,,{},,{}\n", step.index.frame, step.index.substep, kReasonNames[reason],
                 count);
     }
     return file_.flush_if_large();
@@ -76,41 +75,40 @@ class ExplainCsv : public ReportWriter {
   Result<void> finish(const CheckTotals&) override { return file_.commit(); }
 
  private:
-  void add_triangles(const StepPlace& place, std::size_t object, const Explanation::Object& explained) {
+  void add_triangles(const StepIndex& index, std::size_t object, const Explanation::Object& explained) {
     for (auto& of_reason : counts_) of_reason.fill(0);
     for (std::size_t t = 0; t < explained.level.size(); ++t)
       ++counts_[static_cast<std::size_t>(explained.reason[t])][explained.level[t] + 1];
     for (std::size_t reason = 0; reason < kReasons; ++reason) {
       for (std::size_t k = 0; k < counts_[reason].size(); ++k) {
         if (counts_[reason][k] == 0) continue;
-        file_.add("{},{},triangles,{},{},{},{}\n", place.frame, place.substep, object, kReasonNames[reason],
+        file_.add("{},{},triangles,{},{},{},{}\n", index.frame, index.substep, object, kReasonNames[reason],
                   static_cast<int>(k) - 1, counts_[reason][k]);
       }
     }
   }
 
   TextFile file_;
-  std::array<std::array<std::uint64_t, 129>, kReasons> counts_;  // by reason and level + 1
+  std::array<std::array<std::uint64_t, 129>, kReasons> counts_;  // [reason][level + 1]
 };
 
-/// A picture of the step that left most pairs of leaves to test, those apart whose turn was still to come:
-/// they tell about the beginning, not about the mesh.
+/// The step with the most pairs of leaves to test, except for those whose charts were not built yet: they
+/// reflect the start of the check, not the mesh.
 class ExplainPly : public ReportWriter {
  public:
   static Result<std::unique_ptr<ReportWriter>> open(const std::string& path, Motions motions) {
-    // The mesh is written at the end of a check that may be long: see now that it can be.
-    if (const auto probe = FileWriter::open(path); !probe) return tl::unexpected(probe.error());
-    auto joined = join(motions, "--explain");
-    if (!joined) return tl::unexpected(joined.error());
-    return std::make_unique<ExplainPly>(path, std::move(*joined));
+    // The mesh is written at the end of a check that may be long; make sure now that it can be written.
+    FOLDPROOF_TRY(FileWriter::open(path));
+    auto joined = FOLDPROOF_TRY(join(motions, "--explain"));
+    return std::make_unique<ExplainPly>(path, std::move(joined));
   }
-  ExplainPly(std::string path, Joined joined) : path_(std::move(path)), joined_(std::move(joined)) {}
+  ExplainPly(std::string path, JoinedMesh joined) : path_(std::move(path)), joined_(std::move(joined)) {}
 
   Result<void> step(const CheckedStep& step) override {
     const std::uint64_t tested =
-        step.work.leaf_pairs - step.explanation->leaf_pairs[static_cast<std::size_t>(Reason::NotDrawn)];
-    if (!positions_.empty() && tested <= most_tested_) return {};
-    most_tested_ = tested;
+        step.work.leaf_pairs - step.explanation->leaf_pairs[static_cast<std::size_t>(Reason::NotBuilt)];
+    if (!positions_.empty() && tested <= max_tested_) return {};
+    max_tested_ = tested;
     joined_.pose(step, 0, positions_);
     for (auto& property : properties_) property.clear();
     for (const Explanation::Object& object : step.explanation->objects) {
@@ -131,13 +129,13 @@ class ExplainPly : public ReportWriter {
   void add_face(Reason reason, std::int8_t level) {
     properties_[0].push_back(static_cast<std::uint8_t>(level));
     properties_[1].push_back(static_cast<std::uint8_t>(reason));
-    const auto colour = explanation_colour(reason, level);
-    for (std::size_t k = 0; k < 3; ++k) properties_[2 + k].push_back(colour[k]);
+    const auto color = explanation_color(reason, level);
+    for (std::size_t k = 0; k < 3; ++k) properties_[2 + k].push_back(color[k]);
   }
 
   std::string path_;
-  Joined joined_;
-  std::uint64_t most_tested_ = 0;
+  JoinedMesh joined_;
+  std::uint64_t max_tested_ = 0;
   std::vector<double> positions_;
   std::array<std::vector<std::uint8_t>, 5> properties_;
 };
@@ -146,13 +144,15 @@ class ExplainPly : public ReportWriter {
 
 Result<std::unique_ptr<ReportWriter>> explain_report(const std::string& path, Motions motions,
                                                      const CheckSettings& settings) {
-  if (!settings.step.explain) return fail(path, "has nothing to tell", "set StepSettings::explain");
+  if (!settings.step.explain)
+    return fail(ErrorCode::InvalidArgument, path, "has nothing to report", "set StepSettings::explain");
   const std::string ending = extension_of(path);
   if (ending == ".npz") return ExplainNpz::open(path, motions);
   if (ending == ".csv") return ExplainCsv::open(path);
   if (ending == ".ply") return ExplainPly::open(path, motions);
-  return fail("--explain", fmt::format("'{}' ends in none of .npz, .csv and .ply", path),
-              "name a file that does: all values, counts, or a coloured mesh of one step");
+  return fail(ErrorCode::InvalidArgument, "--explain",
+              fmt::format("'{}' ends in none of .npz, .csv and .ply", path),
+              "name a file that does: all values, counts, or a colored mesh of one step");
 }
 
 }  // namespace foldproof

@@ -1,4 +1,4 @@
-// What an answer says about faces.
+// FaceMarks and colors of faces from an answer.
 #include <algorithm>
 
 #include "report/report.h"
@@ -6,10 +6,10 @@
 namespace foldproof {
 namespace {
 
-/// Faces of one object that collisions name, and those around the vertices and edges that they name.
-class Marks {
+/// Collects the faces of one object that collide, and those around its colliding vertices and edges.
+class FaceMarks {
  public:
-  Marks(const Topology& topology, Index object)
+  FaceMarks(const Topology& topology, Index object)
       : topology_(topology),
         object_(object),
         faces_(topology.triangles().size()),
@@ -50,7 +50,7 @@ class Marks {
 }  // namespace
 
 std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object, const StepResult& answer) {
-  Marks marks(topology, object);
+  FaceMarks marks(topology, object);
   for (const VertexFaceCollision& c : answer.vertex_face) {
     marks.face(c.face_object, c.face);
     marks.vertex(c.vertex_object, c.vertex);
@@ -64,7 +64,7 @@ std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object
 
 std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object,
                                           const StaticResult& answer) {
-  Marks marks(topology, object);
+  FaceMarks marks(topology, object);
   for (const TriangleCrossing& c : answer.crossings) {
     marks.face(c.object_a, c.triangle_a);
     marks.face(c.object_b, c.triangle_b);
@@ -72,7 +72,7 @@ std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object
   return marks.finish();
 }
 
-std::array<std::uint8_t, 3> explanation_colour(Reason reason, int level) {
+std::array<std::uint8_t, 3> explanation_color(Reason reason, int level) {
   switch (reason) {
     case Reason::Certified: {
       if (level < 0) return {221, 221, 221};
@@ -80,11 +80,11 @@ std::array<std::uint8_t, 3> explanation_colour(Reason reason, int level) {
       return {static_cast<std::uint8_t>(pale), static_cast<std::uint8_t>(60 + pale),
               static_cast<std::uint8_t>(128 + pale * 2 / 3)};
     }
-    case Reason::NotDrawn:
+    case Reason::NotBuilt:
       return {240, 228, 66};
     case Reason::TestFailed:
       return {230, 159, 0};
-    case Reason::Tangled:
+    case Reason::Overlapping:
       return {0, 158, 115};
     case Reason::TooCurved:
       return {204, 121, 167};

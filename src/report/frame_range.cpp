@@ -3,17 +3,18 @@
 #include <algorithm>
 #include <charconv>
 
+#include "base/try.h"
 #include "report/report.h"
 
 namespace foldproof {
 namespace {
 
 tl::unexpected<Error> bad_range(const std::string& text) {
-  return fail("--frames", fmt::format("'{}' is not A:B or A:B:STEP", text),
+  return fail(ErrorCode::InvalidArgument, "--frames", fmt::format("'{}' is not A:B or A:B:STEP", text),
               "give whole numbers as in a Python slice, such as 0:10, 5:, :-1 or ::2");
 }
 
-/// A whole number that fills all of `text`, or none when `text` is empty.
+/// Parses `part` as a whole number; none when it is empty. `text` is for errors.
 Result<std::optional<std::int64_t>> parse_part(std::string_view part, const std::string& text) {
   if (part.empty()) return std::nullopt;
   std::int64_t value = 0;
@@ -22,8 +23,8 @@ Result<std::optional<std::int64_t>> parse_part(std::string_view part, const std:
   return value;
 }
 
-/// Python's rule for one end of a slice.
-std::int64_t place_end(std::int64_t end, std::int64_t count) {
+/// Python's rule for a bound of a slice.
+std::int64_t clamp_bound(std::int64_t end, std::int64_t count) {
   return std::clamp<std::int64_t>(end < 0 ? end + count : end, 0, count);
 }
 
@@ -34,9 +35,8 @@ Result<FrameRange> parse_frame_range(const std::string& text) {
   std::string_view rest = text;
   for (;;) {
     const std::size_t colon = rest.find(':');
-    const auto part = parse_part(rest.substr(0, colon), text);
-    if (!part) return tl::unexpected(part.error());
-    parts.push_back(*part);
+    const auto part = FOLDPROOF_TRY(parse_part(rest.substr(0, colon), text));
+    parts.push_back(part);
     if (colon == std::string_view::npos) break;
     rest.remove_prefix(colon + 1);
   }
@@ -44,14 +44,15 @@ Result<FrameRange> parse_frame_range(const std::string& text) {
 
   FrameRange range{.begin = parts[0], .end = {}, .step = 1};
   if (parts.size() == 1) {
-    // A single frame; after -1, the last one, there is no end to name.
+    // A single frame. After the last one, -1, there is no frame to name as end.
     if (*range.begin != -1) range.end = *range.begin + 1;
     return range;
   }
   range.end = parts[1];
   if (parts.size() == 3 && parts[2]) {
     if (*parts[2] < 1 || *parts[2] > 0xffffffffll) {
-      return fail("--frames", fmt::format("the step in '{}' is not 1 or more", text),
+      return fail(ErrorCode::InvalidArgument, "--frames",
+                  fmt::format("the step in '{}' is not 1 or more", text),
                   "motions are checked forward in time");
     }
     range.step = static_cast<Index>(*parts[2]);
@@ -60,8 +61,8 @@ Result<FrameRange> parse_frame_range(const std::string& text) {
 }
 
 std::vector<Index> select_frames(const FrameRange& range, Index frame_count) {
-  const std::int64_t begin = place_end(range.begin.value_or(0), frame_count);
-  const std::int64_t end = place_end(range.end.value_or(frame_count), frame_count);
+  const std::int64_t begin = clamp_bound(range.begin.value_or(0), frame_count);
+  const std::int64_t end = clamp_bound(range.end.value_or(frame_count), frame_count);
   std::vector<Index> frames;
   for (std::int64_t frame = begin; frame < end; frame += range.step)
     frames.push_back(static_cast<Index>(frame));

@@ -2,14 +2,16 @@
 
 #include <cmath>
 
+#include "base/try.h"
+
 namespace foldproof {
 
-void Joined::pose(const CheckedStep& step, double t, std::vector<double>& out) const {
+void JoinedMesh::pose(const CheckedStep& step, double t, std::vector<double>& out) const {
   out.resize(std::size_t{topology.vertex_count()} * 3);
   for (std::size_t object = 0; object < step.x0.size(); ++object) {
     const std::span<const double> x0 = step.x0[object], x1 = step.x1[object];
-    double* place = out.data() + first_vertex[object] * 3;
-    for (std::size_t k = 0; k < x0.size(); ++k) place[k] = std::lerp(x0[k], x1[k], t);
+    double* x = out.data() + first_vertex[object] * 3;
+    for (std::size_t k = 0; k < x0.size(); ++k) x[k] = std::lerp(x0[k], x1[k], t);
   }
 }
 
@@ -23,8 +25,8 @@ void mark_faces(Motions motions, const CheckedStep& step, std::vector<std::uint8
   }
 }
 
-Result<Joined> join(Motions motions, const char* option) {
-  Joined joined;
+Result<JoinedMesh> join(Motions motions, const char* option) {
+  JoinedMesh joined;
   std::size_t vertices = 0;
   std::vector<Triangle> triangles;
   for (const auto& motion : motions) {
@@ -36,12 +38,11 @@ Result<Joined> join(Motions motions, const char* option) {
     }
     vertices += motion->topology().vertex_count();
     if (vertices >= kNoIndex || triangles.size() >= kNoIndex) {
-      return fail(option, "all objects together are too large for one mesh", "check fewer objects at a time");
+      return fail(ErrorCode::LimitExceeded, option, "all objects together are too large for one mesh",
+                  "check fewer objects at a time");
     }
   }
-  auto topology = Topology::make(static_cast<Index>(vertices), std::move(triangles));
-  if (!topology) return tl::unexpected(topology.error());
-  joined.topology = std::move(*topology);
+  joined.topology = FOLDPROOF_TRY(Topology::make(static_cast<Index>(vertices), std::move(triangles)));
   return joined;
 }
 

@@ -5,18 +5,18 @@
 
 namespace foldproof {
 
-struct Joined {
+struct JoinedMesh {
   Topology topology;
-  std::vector<std::size_t> first_vertex, first_face;  ///< Where each object starts in it.
+  std::vector<std::size_t> first_vertex, first_face;  ///< Per object.
 
   /// Fills `out` with the pose at `t` of the step.
   void pose(const CheckedStep& step, double t, std::vector<double>& out) const;
 };
 
-/// Per face of the joined mesh, 1 when it takes part in a collision of the step.
+/// Per face of the joined mesh, 1 when it collides in the step.
 void mark_faces(Motions motions, const CheckedStep& step, std::vector<std::uint8_t>& out);
 
-/// `option`: for the error, when they are too large together.
-Result<Joined> join(Motions motions, const char* option);
+/// Error, which names `option`: they are too large together.
+Result<JoinedMesh> join(Motions motions, const char* option);
 
 }  // namespace foldproof

@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "base/try.h"
 #include "report/json_values.h"
 #include "report/text_file.h"
 
@@ -19,11 +20,11 @@ class JsonReport : public ReportWriter {
   }
 
   Result<void> start(const CheckedStep& pose) override {
-    file_.add("\"start\":{{\"frame\":{},\"crossings\":{},\"milliseconds\":{}", pose.place.frame,
+    file_.add("\"start\":{{\"frame\":{},\"crossings\":{},\"milliseconds\":{}", pose.index.frame,
               pose.collisions.triangle_triangle, dump(to_json(pose.milliseconds)));
     if (pairs_) {
       file_.add(",\n\"pairs\":{{");
-      if (auto done = add_triangles(*pose.pose); !done) return done;
+      FOLDPROOF_TRY(add_triangles(*pose.pose));
       file_.add("}}");
     }
     file_.add("}},\n");
@@ -31,8 +32,8 @@ class JsonReport : public ReportWriter {
   }
 
   Result<void> step(const CheckedStep& step) override {
-    Json json = {{"frame", step.place.frame},
-                 {"substep", step.place.substep},
+    Json json = {{"frame", step.index.frame},
+                 {"substep", step.index.substep},
                  {"collisions", to_json(step.collisions, poses_)},
                  {"earliest_toi", step.earliest_toi},
                  {"milliseconds", to_json(step.milliseconds)},
@@ -41,9 +42,9 @@ class JsonReport : public ReportWriter {
       json["listed"] = to_json(listed, poses_);
     if (statistical_) add_misses(json, step.missed, step.proven_milliseconds);
     std::string text = dump(json);
-    text.pop_back();  // The pairs may follow before the closing brace.
+    text.pop_back();  // the pairs may follow before the closing brace
     begin_steps();
-    file_.add("{}\n{}", step.place.number == 0 ? "" : ",", text);
+    file_.add("{}\n{}", step.index.number == 0 ? "" : ",", text);
     if (pairs_) {
       file_.add(",\"pairs\":{{");
       auto done = step.pose ? add_pairs(*step.pose) : add_pairs(*step.step);
@@ -62,7 +63,7 @@ class JsonReport : public ReportWriter {
   }
 
  private:
-  /// What is said of the first frame stands before them.
+  /// Opens the list of steps, after the answer for the first frame.
   void begin_steps() {
     if (!std::exchange(steps_begun_, true)) file_.add("\"steps\":[");
   }
@@ -73,7 +74,7 @@ class JsonReport : public ReportWriter {
     for (const VertexFaceCollision& c : result.vertex_face) {
       file_.add("{}[{},{},{},{},{}]", separator, c.vertex_object, c.vertex, c.face_object, c.face, c.toi);
       separator = ",";
-      if (auto done = file_.flush_if_large(); !done) return done;
+      FOLDPROOF_TRY(file_.flush_if_large());
     }
     file_.add("],\"ee\":[");
     separator = "";
@@ -81,7 +82,7 @@ class JsonReport : public ReportWriter {
       file_.add("{}[{},{},{},{},{},{},{}]", separator, c.object_a, c.a[0], c.a[1], c.object_b, c.b[0], c.b[1],
                 c.toi);
       separator = ",";
-      if (auto done = file_.flush_if_large(); !done) return done;
+      FOLDPROOF_TRY(file_.flush_if_large());
     }
     file_.add("]");
     return {};
@@ -98,7 +99,7 @@ class JsonReport : public ReportWriter {
     for (const TriangleCrossing& c : result.crossings) {
       file_.add("{}[{},{},{},{}]", separator, c.object_a, c.triangle_a, c.object_b, c.triangle_b);
       separator = ",";
-      if (auto done = file_.flush_if_large(); !done) return done;
+      FOLDPROOF_TRY(file_.flush_if_large());
     }
     file_.add("]");
     return {};
@@ -112,9 +113,8 @@ class JsonReport : public ReportWriter {
 
 Result<std::unique_ptr<ReportWriter>> json_report(const std::string& path, Motions motions,
                                                   const ReportInfo& info) {
-  auto file = FileWriter::open(path);
-  if (!file) return tl::unexpected(file.error());
-  return std::make_unique<JsonReport>(std::move(*file), motions, info);
+  auto file = FOLDPROOF_TRY(FileWriter::open(path));
+  return std::make_unique<JsonReport>(std::move(file), motions, info);
 }
 
 }  // namespace foldproof

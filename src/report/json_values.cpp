@@ -44,23 +44,20 @@ Json objects_json(Motions motions, const CheckSettings& settings) {
 Json settings_json(const ReportInfo& info, Index frame_count) {
   const CheckSettings& settings = info.settings;
   const std::vector<Index> frames = select_frames(settings.frames, frame_count);
-  const auto end_frame = [&](bool last) {
-    return frames.empty() ? 0 : last ? frames.back() : frames.front();
-  };
-  Json json = {
-      {"static", settings.poses},
-      {"frames", {{"first", end_frame(false)}, {"last", end_frame(true)}, {"step", settings.frames.step}}},
-      {"substeps", settings.substeps},
-      {"steps_only", settings.steps_only},
-      {"within", settings.step.within},
-      {"between", settings.step.between},
-      {"thickness", settings.step.thickness},
-      {"tolerance", settings.step.tolerance},
-      {"first", settings.step.earliest_only},
-      {"limit", settings.step.max_listed},
-      {"certificates", settings.step.certificates},
-      {"weld", info.read.weld},
-      {"fps", info.read.fps}};
+  const Index first = frames.empty() ? 0 : frames.front(), last = frames.empty() ? 0 : frames.back();
+  Json json = {{"static", settings.poses},
+               {"frames", {{"first", first}, {"last", last}, {"step", settings.frames.step}}},
+               {"substeps", settings.substeps},
+               {"steps_only", settings.steps_only},
+               {"within", settings.step.within},
+               {"between", settings.step.between},
+               {"thickness", settings.step.thickness},
+               {"tolerance", settings.step.tolerance},
+               {"first", settings.step.earliest_only},
+               {"limit", settings.step.max_listed},
+               {"certificates", settings.step.certificates},
+               {"weld", info.read.weld},
+               {"fps", info.read.fps}};
   if (settings.step.mode == Mode::Paper) {
     json["mode"] = "paper (STATISTICAL: can miss collisions)";
     json["miss_rate"] = settings.step.miss_rate;

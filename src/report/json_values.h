@@ -1,4 +1,4 @@
-/// Parts of reports in JSON (docs/reports.md), the same in every report.
+/// JSON values common to all reports (docs/reports.md).
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,7 +9,7 @@ namespace foldproof {
 
 using Json = nlohmann::ordered_json;
 
-/// One line of JSON. File names need not be UTF-8; what is not becomes U+FFFD.
+/// One line of JSON. Invalid UTF-8, which file names may contain, becomes U+FFFD.
 std::string dump(const Json& json);
 
 Json to_json(const CollisionCounts& counts, bool poses);
@@ -17,7 +17,7 @@ Json to_json(const StageTimes& times);
 Json to_json(const Work& work);
 Json objects_json(Motions motions, const CheckSettings& settings);
 Json settings_json(const ReportInfo& info, Index frame_count);
-/// What only statistical answers have.
+/// Adds the fields of statistical answers.
 void add_misses(Json& json, std::uint64_t missed, double proven_milliseconds);
 Json totals_json(const CheckTotals& totals, bool poses, bool statistical);
 

@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "base/try.h"
 #include "report/joined.h"
 
 namespace foldproof {
@@ -27,7 +28,8 @@ Result<Pattern> parse_pattern(const std::string& path) {
   if (has_width) std::from_chars(path.data() + percent + 1, path.data() + d, width);
   if (d == std::string::npos || path[d] != 'd' || width > 20 || (has_width && path[percent + 1] != '0') ||
       path.find('%', d) != std::string::npos) {
-    return fail("--ply", fmt::format("'{}' has a '%' that is not one %d or %04d", path),
+    return fail(ErrorCode::InvalidArgument, "--ply",
+                fmt::format("'{}' has a '%' that is not one %d or %04d", path),
                 "use one %d or %04d where the frame number goes, or no '%'");
   }
   return Pattern{
@@ -36,16 +38,16 @@ Result<Pattern> parse_pattern(const std::string& path) {
 
 class PlyReport : public ReportWriter {
  public:
-  PlyReport(Pattern pattern, Motions motions, Joined joined, Index substeps)
+  PlyReport(Pattern pattern, Motions motions, JoinedMesh joined, Index substeps)
       : pattern_(std::move(pattern)), motions_(motions), joined_(std::move(joined)), substeps_(substeps) {}
 
-  /// Shown for itself where no step collides.
+  /// The first frame is also what is written when no step collides.
   Result<void> start(const CheckedStep& pose) override {
     mark_faces(motions_, pose, crosses_);
     joined_.pose(pose, 0, positions_);
     mark({});
     if (!pattern_.numbered || pose.collisions.sum() == 0) return {};
-    return write(std::uint64_t{pose.place.frame} * substeps_);
+    return write(std::uint64_t{pose.index.frame} * substeps_);
   }
 
   Result<void> step(const CheckedStep& step) override {
@@ -53,11 +55,11 @@ class PlyReport : public ReportWriter {
     if (pattern_.numbered) {
       if (collisions == 0) return {};
       keep(step);
-      return write(std::uint64_t{step.place.frame} * substeps_ + step.place.substep);
+      return write(std::uint64_t{step.index.frame} * substeps_ + step.index.substep);
     }
-    if (positions_.empty() || collisions > most_collisions_) {
+    if (positions_.empty() || collisions > max_collisions_) {
       keep(step);
-      most_collisions_ = collisions;
+      max_collisions_ = collisions;
     }
     return {};
   }
@@ -72,7 +74,7 @@ class PlyReport : public ReportWriter {
     mark(collides);
   }
 
-  /// Of each face, whether it collides, and whether it crosses in the first frame.
+  /// Marks each face: bit 0 if it collides, bit 1 if it crosses in the first frame.
   void mark(std::span<const std::uint8_t> collides) {
     marks_.assign(joined_.topology.triangles().size(), 0);
     for (std::size_t i = 0; i < collides.size(); ++i) marks_[i] = collides[i];
@@ -86,9 +88,9 @@ class PlyReport : public ReportWriter {
 
   Pattern pattern_;
   Motions motions_;
-  Joined joined_;
+  JoinedMesh joined_;
   Index substeps_;
-  std::uint64_t most_collisions_ = 0;
+  std::uint64_t max_collisions_ = 0;
   std::vector<double> positions_;
   std::vector<std::uint8_t> marks_, crosses_;
 };
@@ -97,13 +99,11 @@ class PlyReport : public ReportWriter {
 
 Result<std::unique_ptr<ReportWriter>> ply_report(const std::string& path, Motions motions,
                                                  const CheckSettings& settings) {
-  auto pattern = parse_pattern(path);
-  if (!pattern) return tl::unexpected(pattern.error());
-  // The mesh is written at the end of a check that may be long: see now that it can be.
-  if (const auto probe = FileWriter::open(pattern->name(0)); !probe) return tl::unexpected(probe.error());
-  auto joined = join(motions, "--ply");
-  if (!joined) return tl::unexpected(joined.error());
-  return std::make_unique<PlyReport>(std::move(*pattern), motions, std::move(*joined), settings.substeps);
+  auto pattern = FOLDPROOF_TRY(parse_pattern(path));
+  // The mesh is written at the end of a check that may be long; make sure now that it can be written.
+  FOLDPROOF_TRY(FileWriter::open(pattern.name(0)));
+  auto joined = FOLDPROOF_TRY(join(motions, "--ply"));
+  return std::make_unique<PlyReport>(std::move(pattern), motions, std::move(joined), settings.substeps);
 }
 
 }  // namespace foldproof

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/try.h"
 #include "report/report.h"
 
 namespace foldproof {
 namespace {
 
-/// Positions of every object at one time, and the spans that a query takes.
+/// Positions of all objects at one time.
 class Pose {
  public:
   explicit Pose(Motions motions) {
@@ -25,12 +26,12 @@ class Pose {
 
   Result<void> read(Motions motions, Index frame) {
     for (std::size_t i = 0; i < objects_.size(); ++i) {
-      if (auto done = motions[i]->read_frame(frame, objects_[i]); !done) return done;
+      FOLDPROOF_TRY(motions[i]->read_frame(frame, objects_[i]));
     }
     return {};
   }
 
-  /// The pose at `t` of the way from `a` to `b`. Keeps a vertex that stands still exactly where it is.
+  /// The pose at time `t` in [0,1] between `a` and `b`. A vertex that does not move keeps its exact position.
   void blend(const Pose& a, const Pose& b, double t) {
     for (std::size_t i = 0; i < objects_.size(); ++i) {
       for (std::size_t k = 0; k < objects_[i].size(); ++k) {
@@ -67,30 +68,30 @@ Result<std::vector<Object>> make_objects(Motions motions, const CheckSettings& s
   return objects;
 }
 
-// Nobody can predict certificates of an object without a model.
+// Only models predict certificates.
 Result<void> require_predictions(Motions motions, const CheckSettings& settings) {
   if (settings.step.mode != Mode::Paper) return {};
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const Model* model = settings.models.empty() ? nullptr : settings.models[i].get();
     if (model && model->learned && model->learned->certificates) continue;
-    return fail(motions[i]->name(),
+    return fail(ErrorCode::NotLearned, motions[i]->name(),
                 "has no model that predicts its certificates, and the mode paper needs one",
                 "give --model one trained on at least 3 poses that differ");
   }
   return {};
 }
 
-void sum_up(CollisionCounts& sum, const CollisionCounts& more) {
+void add_counts(CollisionCounts& sum, const CollisionCounts& more) {
   sum.vertex_face += more.vertex_face;
   sum.edge_edge += more.edge_edge;
   sum.triangle_triangle += more.triangle_triangle;
 }
 
-/// A check that is under way.
-class Run {
+/// One call of run_check.
+class CheckRun {
  public:
-  Run(Motions motions, const CheckSettings& settings, Writers writers, const CheckHooks& hooks,
-      std::vector<Index> frames)
+  CheckRun(Motions motions, const CheckSettings& settings, Writers writers, const CheckHooks& hooks,
+           std::vector<Index> frames)
       : motions_(motions), settings_(settings), writers_(writers), hooks_(hooks), frames_(std::move(frames)) {
     totals_.first_frame = frames_.front();
     totals_.last_frame = frames_.back();
@@ -102,22 +103,18 @@ class Run {
     std::optional<StepChecker> checker;
     StaticResult result, proven_result;
     for (const Index frame : frames_) {
-      if (const auto done = pose.read(motions_, frame); !done) return tl::unexpected(done.error());
+      FOLDPROOF_TRY(pose.read(motions_, frame));
       if (!checker) {
-        const auto objects = make_objects(motions_, settings_, pose);
-        if (!objects) return tl::unexpected(objects.error());
-        checker.emplace(*objects);
-        prepare_comparison(*objects);
+        const auto objects = FOLDPROOF_TRY(make_objects(motions_, settings_, pose));
+        checker.emplace(objects);
+        prepare_comparison(objects);
       }
       if (stop_requested()) return totals_;
-      if (const auto done = checker->check_static(pose.positions(), settings_.step, result); !done) {
-        return tl::unexpected(done.error());
-      }
+      FOLDPROOF_TRY(checker->check_static(pose.positions(), settings_.step, result));
       if (proven_) {
-        const auto done = proven_->check_static(pose.positions(), proven_settings_, proven_result);
-        if (!done) return tl::unexpected(done.error());
+        FOLDPROOF_TRY(proven_->check_static(pose.positions(), proven_settings_, proven_result));
       }
-      const CheckedStep step{.place = {totals_.steps, frame, frame, 0},
+      const CheckedStep step{.index = {totals_.steps, frame, frame, 0},
                              .collisions = {.triangle_triangle = result.crossing_count},
                              .work = result.work,
                              .milliseconds = result.milliseconds,
@@ -127,42 +124,39 @@ class Run {
                              .explanation = explanation_in(result),
                              .missed = proven_ ? proven_result.crossing_count - result.crossing_count : 0,
                              .proven_milliseconds = proven_result.milliseconds.total};
-      if (const auto done = deliver(step); !done) return tl::unexpected(done.error());
+      FOLDPROOF_TRY(deliver(step));
     }
     return finish();
   }
 
   Result<CheckTotals> steps() {
     Pose from(motions_), to(motions_);
-    if (const auto done = from.read(motions_, frames_[0]); !done) return tl::unexpected(done.error());
-    const auto objects = make_objects(motions_, settings_, from);
-    if (!objects) return tl::unexpected(objects.error());
+    FOLDPROOF_TRY(from.read(motions_, frames_[0]));
+    const auto objects = FOLDPROOF_TRY(make_objects(motions_, settings_, from));
     if (!settings_.steps_only) {
       if (stop_requested()) return totals_;
-      if (const auto done = start(*objects, from); !done) return tl::unexpected(done.error());
+      FOLDPROOF_TRY(start(objects, from));
     }
-    StepChecker checker(*objects);
-    prepare_comparison(*objects);
+    StepChecker checker(objects);
+    prepare_comparison(objects);
     if (frames_.size() == 1) {
       if (stop_requested()) return totals_;
-      const auto done = check(checker, {0, frames_[0], frames_[0], 0}, from, from);
-      if (!done) return tl::unexpected(done.error());
+      FOLDPROOF_TRY(check(checker, {0, frames_[0], frames_[0], 0}, from, from));
     }
-    std::optional<Pose> near, far;  // Ends of a part of a step.
+    std::optional<Pose> part_start, part_end;
     if (settings_.substeps > 1) {
-      near.emplace(motions_);
-      far.emplace(motions_);
+      part_start.emplace(motions_);
+      part_end.emplace(motions_);
     }
     for (std::size_t i = 1; i < frames_.size(); ++i) {
-      if (const auto done = to.read(motions_, frames_[i]); !done) return tl::unexpected(done.error());
+      FOLDPROOF_TRY(to.read(motions_, frames_[i]));
       for (Index part = 0; part < settings_.substeps; ++part) {
         if (stop_requested()) return totals_;
         const bool first = part == 0, last = part + 1 == settings_.substeps;
-        if (!last) far->blend(from, to, static_cast<double>(part + 1) / settings_.substeps);
-        const StepPlace place{totals_.steps, frames_[i - 1], frames_[i], part};
-        const auto done = check(checker, place, first ? from : *near, last ? to : *far);
-        if (!done) return tl::unexpected(done.error());
-        if (!last) std::swap(near, far);
+        if (!last) part_end->blend(from, to, static_cast<double>(part + 1) / settings_.substeps);
+        const StepIndex index{totals_.steps, frames_[i - 1], frames_[i], part};
+        FOLDPROOF_TRY(check(checker, index, first ? from : *part_start, last ? to : *part_end));
+        if (!last) std::swap(part_start, part_end);
       }
       std::swap(from, to);
     }
@@ -172,18 +166,18 @@ class Run {
  private:
   std::uint64_t expected_steps() const {
     if (settings_.poses) return frames_.size();
-    if (frames_.size() == 1) return 1;  // It stands still.
+    if (frames_.size() == 1) return 1;  // without motion
     return (frames_.size() - 1) * std::uint64_t{settings_.substeps};
   }
 
-  // Exact in every mode. It has a checker of its own, so that the steps' answers tell of steps only.
+  // Exact in every mode. It has a checker of its own, so that the work of the steps is counted separately.
   Result<void> start(const std::vector<Object>& objects, const Pose& first) {
-    StepSettings asked = settings_.step;
-    asked.mode = Mode::Proven;
-    asked.explain = false;
+    StepSettings exact = settings_.step;
+    exact.mode = Mode::Proven;
+    exact.explain = false;
     StaticResult result;
-    if (auto done = StepChecker(objects).check_static(first.positions(), asked, result); !done) return done;
-    const CheckedStep pose{.place = {0, frames_[0], frames_[0], 0},
+    FOLDPROOF_TRY(StepChecker(objects).check_static(first.positions(), exact, result));
+    const CheckedStep pose{.index = {0, frames_[0], frames_[0], 0},
                            .collisions = {.triangle_triangle = result.crossing_count},
                            .work = result.work,
                            .milliseconds = result.milliseconds,
@@ -192,19 +186,17 @@ class Run {
                            .pose = &result};
     totals_.start(pose);
     for (const auto& writer : writers_) {
-      if (auto done = writer->start(pose); !done) return done;
+      FOLDPROOF_TRY(writer->start(pose));
     }
     return {};
   }
 
-  Result<void> check(StepChecker& checker, const StepPlace& place, const Pose& x0, const Pose& x1) {
-    auto done = checker.check(x0.positions(), x1.positions(), settings_.step, result_);
-    if (!done) return done;
+  Result<void> check(StepChecker& checker, const StepIndex& index, const Pose& x0, const Pose& x1) {
+    FOLDPROOF_TRY(checker.check(x0.positions(), x1.positions(), settings_.step, result_));
     if (proven_) {
-      done = proven_->check(x0.positions(), x1.positions(), proven_settings_, proven_result_);
-      if (!done) return done;
+      FOLDPROOF_TRY(proven_->check(x0.positions(), x1.positions(), proven_settings_, proven_result_));
     }
-    return deliver({.place = place,
+    return deliver({.index = index,
                     .collisions = {result_.vertex_face_count, result_.edge_edge_count, 0},
                     .earliest_toi = result_.earliest_toi,
                     .work = result_.work,
@@ -217,8 +209,8 @@ class Run {
                     .proven_milliseconds = proven_result_.milliseconds.total});
   }
 
-  // Mode::Paper: the checker that it is compared with. The statistical answer is always part of the proven
-  // one: both pass the same pairs to the same narrow phase. So counts are enough.
+  // Mode::Paper: makes the checker to compare with. The statistical answer is a subset of the proven one,
+  // since both pass the same pairs to the same narrow phase. So counts are enough.
   void prepare_comparison(const std::vector<Object>& objects) {
     if (settings_.step.mode != Mode::Paper) return;
     proven_settings_ = settings_.step;
@@ -235,7 +227,7 @@ class Run {
   Result<void> deliver(const CheckedStep& step) {
     totals_.add(step);
     for (const auto& writer : writers_) {
-      if (auto done = writer->step(step); !done) return done;
+      FOLDPROOF_TRY(writer->step(step));
     }
     if (hooks_.progress) hooks_.progress(totals_, totals_.steps_expected);
     return {};
@@ -249,7 +241,7 @@ class Run {
   Result<CheckTotals> finish() {
     if (stop_requested()) return totals_;
     for (const auto& writer : writers_) {
-      if (const auto done = writer->finish(totals_); !done) return tl::unexpected(done.error());
+      FOLDPROOF_TRY(writer->finish(totals_));
     }
     return totals_;
   }
@@ -268,26 +260,28 @@ class Run {
 }  // namespace
 
 Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings& settings) {
-  if (motions.empty()) return fail("motions", "none given", "name at least one");
+  if (motions.empty()) return fail(ErrorCode::InvalidArgument, "motions", "none given", "name at least one");
   const Index count = motions[0]->frame_count();
   for (const auto& motion : motions) {
     if (motion->frame_count() == count) continue;
-    return fail(motion->name(),
+    return fail(ErrorCode::InvalidArgument, motion->name(),
                 fmt::format("has {} frames, but {} has {}", motion->frame_count(), motions[0]->name(), count),
                 "objects that are checked together need equally many frames");
   }
   if (settings.step.between && !settings.step.within && motions.size() < 2) {
-    return fail(motions[0]->name(), "is the only object, so there is nothing between objects to check",
+    return fail(ErrorCode::InvalidArgument, motions[0]->name(),
+                "is the only object, so there is nothing between objects to check",
                 "name a second motion, or leave --between out");
   }
   std::vector<Index> frames = select_frames(settings.frames, count);
   const std::size_t needed = settings.steps_only && !settings.poses ? 2 : 1;
   if (frames.size() >= needed) return frames;
   if (count < needed) {
-    return fail(motions[0]->name(), "has 1 frame, and a step goes from one frame to the next",
+    return fail(ErrorCode::InvalidArgument, motions[0]->name(),
+                "has 1 frame, and a step goes from one frame to the next",
                 "check it without --steps-only: its crossing triangles are found");
   }
-  return fail("--frames",
+  return fail(ErrorCode::InvalidArgument, "--frames",
               fmt::format("selects {} of {} frames, and {} needed", frames.size(), count,
                           needed == 1 ? "one is" : "two are"),
               "select more; frames count from 0 and the end of A:B is not included");
@@ -296,13 +290,13 @@ Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings&
 Result<void> require_models_of(Motions motions, const CheckSettings& settings) {
   if (settings.models.empty()) return {};
   if (settings.models.size() != motions.size()) {
-    return fail("models", fmt::format("are {} for {} motions", settings.models.size(), motions.size()),
+    return fail(ErrorCode::InvalidArgument, "models",
+                fmt::format("are {} for {} motions", settings.models.size(), motions.size()),
                 "give one for all, or one for each");
   }
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (!settings.models[i]) continue;
-    auto ok = require_model_of(*settings.models[i], motions[i]->topology(), motions[i]->name());
-    if (!ok) return ok;
+    FOLDPROOF_TRY(require_model_of(*settings.models[i], motions[i]->topology(), motions[i]->name()));
   }
   return {};
 }
@@ -319,16 +313,16 @@ void CheckTotals::start(const CheckedStep& pose) {
 
 void CheckTotals::add(const CheckedStep& step) {
   ++steps;
-  sum_up(collisions, step.collisions);
-  sum_up(listed, step.listed());
+  add_counts(collisions, step.collisions);
+  add_counts(listed, step.listed());
   if (step.collisions.sum() > 0) {
     ++steps_with_collisions;
     if (!earliest) {
-      earliest = step.place;
+      earliest = step.index;
       earliest_toi = step.earliest_toi;
     }
     if (step.collisions.sum() > worst_collisions.sum()) {
-      worst = step.place;
+      worst = step.index;
       worst_collisions = step.collisions;
     }
   }
@@ -344,11 +338,10 @@ void CheckTotals::add(const CheckedStep& step) {
 
 Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Writers writers,
                               const CheckHooks& hooks) {
-  auto frames = frames_to_check(motions, settings);
-  if (!frames) return tl::unexpected(frames.error());
-  if (auto ok = require_models_of(motions, settings); !ok) return tl::unexpected(ok.error());
-  if (auto ok = require_predictions(motions, settings); !ok) return tl::unexpected(ok.error());
-  Run run(motions, settings, writers, hooks, std::move(*frames));
+  auto frames = FOLDPROOF_TRY(frames_to_check(motions, settings));
+  FOLDPROOF_TRY(require_models_of(motions, settings));
+  FOLDPROOF_TRY(require_predictions(motions, settings));
+  CheckRun run(motions, settings, writers, hooks, std::move(frames));
   return settings.poses ? run.poses() : run.steps();
 }
 

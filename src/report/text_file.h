@@ -1,10 +1,11 @@
-/// A text file that is written in large pieces and appears only when it is complete.
+/// A text file that is written in large blocks and appears only when it is complete.
 #pragma once
 
 #include <fmt/format.h>
 
 #include <iterator>
 
+#include "base/try.h"
 #include "foldproof/io.h"
 
 namespace foldproof {
@@ -18,16 +19,16 @@ class TextFile {
     fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
   }
 
-  /// Writes what was added once it is worth a call. To be called now and then between `add`s.
-  Result<void> flush_if_large() { return text_.size() < kPiece ? Result<void>{} : flush(); }
+  /// Writes the buffer if it has grown large. Call it regularly between `add`s.
+  Result<void> flush_if_large() { return text_.size() < kBlock ? Result<void>{} : flush(); }
 
   Result<void> commit() {
-    if (auto done = flush(); !done) return done;
+    FOLDPROOF_TRY(flush());
     return file_.commit();
   }
 
  private:
-  static constexpr std::size_t kPiece = 1 << 16;
+  static constexpr std::size_t kBlock = 1 << 16;
 
   Result<void> flush() {
     auto done = file_.write(std::span<const char>(text_.data(), text_.size()));

@@ -1,5 +1,5 @@
-// A motion and its answer for ParaView: VTK's XML polygon files, one per step, and the collection that gives
-// each its time.
+// A motion and its answer for ParaView: a VTK XML polygon file per step, and the collection that assigns them
+// times.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -8,6 +8,7 @@
 #include <limits>
 #include <system_error>
 
+#include "base/try.h"
 #include "io/bytes.h"
 #include "report/joined.h"
 #include "report/text_file.h"
@@ -34,16 +35,16 @@ std::string xml_text(const std::string& text) {
   return out;
 }
 
-/// One array of a file, and the element of the XML that it stands in.
+/// An array of a file, and the XML element that it belongs to.
 struct Array {
   const char *section, *type, *name;
   int components;
   std::span<const char> bytes;
 };
 
-/// The elements that announce arrays; those of a section are consecutive. `offset`: where the bytes of the
-/// first one will be, and then those of the next one after these.
-std::string announce(std::span<const Array> arrays, std::uint64_t& offset) {
+/// The XML elements that declare arrays; those of a section are consecutive. `offset`: byte offset of the
+/// first array's data; advances past them all.
+std::string declare(std::span<const Array> arrays, std::uint64_t& offset) {
   std::string xml;
   std::string_view section;
   for (const Array& a : arrays) {
@@ -52,7 +53,7 @@ std::string announce(std::span<const Array> arrays, std::uint64_t& offset) {
       section = a.section;
       xml += fmt::format("<{}>\n", section);
     }
-    // Only field data needs to be told its length, and there it is 1.
+    // Only field data needs an explicit length, which is 1 here.
     xml += fmt::format(
         "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"{} format=\"appended\" "
         "offset=\"{}\"/>\n",
@@ -67,41 +68,40 @@ struct Mesh {
   std::span<const Array> fields, arrays;
 };
 
-/// Raw bytes after the XML, each array's with their number before them: what VTK calls appended data, the one
-/// encoding that neither makes the file larger nor needs a decoder.
+/// Writes the arrays as raw bytes after the XML, each preceded by its size: VTK's "appended data", the only
+/// encoding that neither enlarges the file nor needs a decoder.
 Result<void> write_vtp(const std::string& path, const Mesh& mesh) {
-  auto file = FileWriter::open(path);
-  if (!file) return tl::unexpected(file.error());
+  auto file = FOLDPROOF_TRY(FileWriter::open(path));
   std::uint64_t offset = 0;
   std::string xml =
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
       "<PolyData>\n";
-  xml += announce(mesh.fields, offset);
+  xml += declare(mesh.fields, offset);
   xml += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfPolys=\"{}\">\n", mesh.points, mesh.polygons);
-  xml += announce(mesh.arrays, offset);
+  xml += declare(mesh.arrays, offset);
   xml += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
-  if (auto done = file->write(xml); !done) return done;
+  FOLDPROOF_TRY(file.write(xml));
   for (const auto& arrays : {mesh.fields, mesh.arrays}) {
     for (const Array& a : arrays) {
       const std::array<std::uint64_t, 1> size{a.bytes.size()};
-      if (auto done = file->write(bytes_of(size)); !done) return done;
-      if (auto done = file->write(a.bytes); !done) return done;
+      FOLDPROOF_TRY(file.write(bytes_of(size)));
+      FOLDPROOF_TRY(file.write(a.bytes));
     }
   }
-  if (auto done = file->write(std::string("\n</AppendedData>\n</VTKFile>\n")); !done) return done;
-  return file->commit();
+  FOLDPROOF_TRY(file.write(std::string("\n</AppendedData>\n</VTKFile>\n")));
+  return file.commit();
 }
 
 tl::unexpected<Error> directory_error(const fs::path& directory, const std::error_code& code) {
-  return fail(directory.string(), "cannot be written: " + code.message(),
+  return fail(ErrorCode::FileAccess, directory.string(), "cannot be written: " + code.message(),
               "check the directory, its permissions and the free space");
 }
 
-/// A directory that appears under its name, in place of an older one, only when `commit` is called.
+/// A directory that appears under its name, replacing an older one, only when `commit` is called.
 class NewDirectory {
  public:
-  /// Error: something stands there that this program did not write.
+  /// Error: the target has files that this program did not write.
   static Result<NewDirectory> open(const fs::path& target) {
     std::error_code code;
     if (fs::exists(target, code)) {
@@ -110,7 +110,7 @@ class NewDirectory {
         ours = ours && entry.path().extension() == ".vtp";
       if (!ours || code) {
         return fail(
-            "--vtk",
+            ErrorCode::FileAccess, "--vtk",
             fmt::format("'{}' is there already and holds other things than .vtp files", target.string()),
             "choose another name, or move that away");
       }
@@ -134,7 +134,7 @@ class NewDirectory {
   Result<void> commit() {
     std::error_code code;
     const fs::path old = temporary_ / "old";
-    fs::rename(target_, old, code);  // fails when there is none
+    fs::rename(target_, old, code);  // fails when there is no older one
     fs::rename(temporary_, target_, code);
     if (code) {
       const std::error_code reason = code;
@@ -151,14 +151,14 @@ class NewDirectory {
   fs::path target_, temporary_;
 };
 
-/// A number that holds for the whole step, as an array of one value.
+/// A value for the whole step, as an array of one element.
 template <class T>
 using One = std::array<T, 1>;
 
 class VtkReport : public ReportWriter {
  public:
-  VtkReport(TextFile collection, NewDirectory directory, std::string folder, Motions motions, Joined joined,
-            Index substeps)
+  VtkReport(TextFile collection, NewDirectory directory, std::string folder, Motions motions,
+            JoinedMesh joined, Index substeps)
       : collection_(std::move(collection)),
         directory_(std::move(directory)),
         folder_(std::move(folder)),
@@ -169,7 +169,7 @@ class VtkReport : public ReportWriter {
     for (std::size_t i = 0; i < motions.size(); ++i)
       object_.insert(object_.end(), motions[i]->topology().vertex_count(), static_cast<std::int32_t>(i));
     for (std::size_t i = 0; i < topology.triangles().size(); ++i)
-      ends_.push_back(static_cast<std::int32_t>(3 * i + 3));
+      polygon_ends_.push_back(static_cast<std::int32_t>(3 * i + 3));
     collection_.add(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
         "<Collection>\n");
@@ -181,19 +181,19 @@ class VtkReport : public ReportWriter {
   }
 
   Result<void> step(const CheckedStep& step) override {
-    const std::string name = fmt::format("step{:06}.vtp", step.place.number);
-    if (auto done = write(directory_ / name, step); !done) return done;
-    const StepPlace& place = step.place;
-    const double part = static_cast<double>(place.substep) / substeps_;
+    const std::string name = fmt::format("step{:06}.vtp", step.index.number);
+    FOLDPROOF_TRY(write(directory_ / name, step));
+    const StepIndex& index = step.index;
+    const double part = static_cast<double>(index.substep) / substeps_;
     collection_.add("<DataSet timestep=\"{}\" part=\"0\" file=\"{}/{}\"/>\n",
-                    place.frame + part * (place.next_frame - place.frame), folder_, name);
+                    index.frame + part * (index.next_frame - index.frame), folder_, name);
     return collection_.flush_if_large();
   }
 
-  /// The collection comes last: whoever sees it finds the files that it names.
+  /// The collection comes last, so that the files it refers to exist.
   Result<void> finish(const CheckTotals&) override {
     collection_.add("</Collection>\n</VTKFile>\n");
-    if (auto done = directory_.commit(); !done) return done;
+    FOLDPROOF_TRY(directory_.commit());
     return collection_.commit();
   }
 
@@ -204,8 +204,8 @@ class VtkReport : public ReportWriter {
     mark_faces(motions_, step, collides_);
     joined_.pose(step, 1, displacement_);
     for (std::size_t k = 0; k < positions_.size(); ++k) displacement_[k] -= positions_[k];
-    const One<std::int32_t> frame{static_cast<std::int32_t>(step.place.frame)};
-    const One<std::int32_t> substep{static_cast<std::int32_t>(step.place.substep)};
+    const One<std::int32_t> frame{static_cast<std::int32_t>(step.index.frame)};
+    const One<std::int32_t> substep{static_cast<std::int32_t>(step.index.substep)};
     const One<std::uint64_t> collisions{step.collisions.sum()}, listed{step.listed().sum()};
     const One<double> toi{step.earliest_toi};
     const std::array<Array, 5> fields{{
@@ -224,7 +224,7 @@ class VtkReport : public ReportWriter {
     if (step.explanation) add_explanation(*step.explanation, arrays);
     arrays.push_back({"Points", "Float64", "Points", 3, bytes_of(positions_)});
     arrays.push_back({"Polys", "Int32", "connectivity", 1, bytes_of(topology.triangles())});
-    arrays.push_back({"Polys", "Int32", "offsets", 1, bytes_of(ends_)});
+    arrays.push_back({"Polys", "Int32", "offsets", 1, bytes_of(polygon_ends_)});
     return write_vtp(path, {topology.vertex_count(), topology.triangles().size(), fields, arrays});
   }
 
@@ -244,11 +244,11 @@ class VtkReport : public ReportWriter {
 
   TextFile collection_;
   NewDirectory directory_;
-  std::string folder_;  // as XML has it
+  std::string folder_;  // escaped for XML
   Motions motions_;
-  Joined joined_;
+  JoinedMesh joined_;
   Index substeps_;
-  std::vector<std::int32_t> object_, ends_;
+  std::vector<std::int32_t> object_, polygon_ends_;
   std::vector<double> positions_, displacement_;
   std::vector<std::uint8_t> collides_, crosses_;
   std::vector<std::int8_t> level_;
@@ -261,22 +261,20 @@ class VtkReport : public ReportWriter {
 Result<std::unique_ptr<ReportWriter>> vtk_report(const std::string& path, Motions motions,
                                                  const CheckSettings& settings) {
   if (extension_of(path) != ".pvd") {
-    return fail("--vtk", fmt::format("'{}' does not end in .pvd", path),
+    return fail(ErrorCode::InvalidArgument, "--vtk", fmt::format("'{}' does not end in .pvd", path),
                 "name a file that does, as ParaView expects; the meshes go into a directory beside it");
   }
-  auto joined = join(motions, "--vtk");
-  if (!joined) return tl::unexpected(joined.error());
-  // ParaView's polygon files count corners with signed 32-bit integers here, which halves them.
-  constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
-  if (joined->topology.triangles().size() > kMost / 3 || joined->topology.vertex_count() > kMost) {
-    return fail("--vtk", "all objects together are too large for one mesh", "check fewer objects at a time");
+  auto joined = FOLDPROOF_TRY(join(motions, "--vtk"));
+  // Signed 32-bit integers count the corners, which halves the files.
+  constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
+  if (joined.topology.triangles().size() > kMax / 3 || joined.topology.vertex_count() > kMax) {
+    return fail(ErrorCode::LimitExceeded, "--vtk", "all objects together are too large for one mesh",
+                "check fewer objects at a time");
   }
-  auto collection = FileWriter::open(path);
-  if (!collection) return tl::unexpected(collection.error());
-  auto directory = NewDirectory::open(fs::path(path).replace_extension());
-  if (!directory) return tl::unexpected(directory.error());
-  return std::make_unique<VtkReport>(TextFile(std::move(*collection)), std::move(*directory),
-                                     xml_text(fs::path(path).stem().string()), motions, std::move(*joined),
+  auto collection = FOLDPROOF_TRY(FileWriter::open(path));
+  auto directory = FOLDPROOF_TRY(NewDirectory::open(fs::path(path).replace_extension()));
+  return std::make_unique<VtkReport>(TextFile(std::move(collection)), std::move(directory),
+                                     xml_text(fs::path(path).stem().string()), motions, std::move(joined),
                                      settings.substeps);
 }
 

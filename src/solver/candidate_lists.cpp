@@ -5,18 +5,19 @@
 #include <limits>
 #include <utility>
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// V4: what one rounding takes from a bound, and what it adds to how far something went.
-constexpr double kDown = 1 - 0x1p-50, kUp = 1 + 0x1p-50, kDriftRounding = 0x1p-51;
+// V4: bounds and displacements are rounded outwards by these.
+constexpr double kDown = 1 - 0x1p-50, kUp = 1 + 0x1p-50, kDisplacementRounding = 0x1p-51;
 constexpr std::size_t kGrain = 64;
 
-void add_rows(double (&rows)[2][4], const double (&other)[2][4]) {
+// Both hold minima and negated maxima.
+void merge_bounds(double (&bounds)[2][4], const double (&other)[2][4]) {
   for (int corner = 0; corner < 2; ++corner) {
     for (int axis = 0; axis < 4; ++axis)
-      rows[corner][axis] = std::min(rows[corner][axis], other[corner][axis]);
+      bounds[corner][axis] = std::min(bounds[corner][axis], other[corner][axis]);
   }
 }
 
@@ -35,119 +36,118 @@ template <int Ends>
 CandidateLists<Ends>::CandidateLists(const CollisionMesh& mesh, const ContactFilter& filter)
     : mesh_(mesh),
       filter_(filter),
-      tree_(*mesh.hierarchy()),
-      all_may_(mesh.filter().all_may()),
+      hierarchy_(*mesh.hierarchy()),
+      allows_all_(mesh.filter().allows_all()),
       operations_(box_operations<Ends>()),
-      edges_begin_(static_cast<Index>(tree_.vertex_ids().size())),
-      triangles_begin_(edges_begin_ + static_cast<Index>(tree_.edge_ids().size())),
-      ids_(tree_.vertex_ids().begin(), tree_.vertex_ids().end()),
-      leaf_vertices_(list_leaf_vertices(tree_)),
-      vertex_places_(edges_begin_),
-      leaf_nodes_(tree_.leaf_count()),
-      rows_(tree_.leaf_count()) {
-  for (Index place = 0; place < edges_begin_; ++place) vertex_places_[place] = {place};
-  std::vector<Index> edge_places(tree_.edge_ids().size());
-  for (Index place = 0; place < edge_places.size(); ++place) {
-    ids_.push_back(mesh.edge_of(tree_.edge_ids()[place]));
-    edge_places[ids_.back()] = place;
+      edges_begin_(static_cast<Index>(hierarchy_.vertex_ids().size())),
+      triangles_begin_(edges_begin_ + static_cast<Index>(hierarchy_.edge_ids().size())),
+      ids_(hierarchy_.vertex_ids().begin(), hierarchy_.vertex_ids().end()),
+      leaf_vertices_(list_leaf_vertices(hierarchy_)),
+      vertex_corners_(edges_begin_),
+      leaf_nodes_(hierarchy_.leaf_count()),
+      rows_(hierarchy_.leaf_count()) {
+  for (Index v = 0; v < edges_begin_; ++v) vertex_corners_[v] = {v};
+  std::vector<Index> edge_of_row(hierarchy_.edge_ids().size());
+  for (Index e = 0; e < edge_of_row.size(); ++e) {
+    ids_.push_back(mesh.edge_row(hierarchy_.edge_ids()[e]));
+    edge_of_row[ids_.back()] = e;
   }
-  for (Index place = 0; place < tree_.triangles().size(); ++place) {
-    const Index triangle = tree_.triangle_ids()[place];
+  for (Index t = 0; t < hierarchy_.triangles().size(); ++t) {
+    const Index triangle = hierarchy_.triangle_ids()[t];
     ids_.push_back(triangle);
     switch (filter.element(triangle)) {
       case Element::Face:
-        elements_.push_back(triangles_begin_ + place);
+        elements_.push_back(triangles_begin_ + t);
         break;
       case Element::Edge:
-        elements_.push_back(edges_begin_ + edge_places[filter.codim_edge(triangle)]);
+        elements_.push_back(edges_begin_ + edge_of_row[filter.codim_edge(triangle)]);
         break;
       case Element::Point:
-        elements_.push_back(tree_.triangles()[place][0]);
+        elements_.push_back(hierarchy_.triangles()[t][0]);
         break;
     }
   }
-  for (Index node = 0; node < tree_.nodes().size(); ++node) {
-    if (tree_.nodes()[node].is_leaf()) leaf_nodes_[tree_.nodes()[node].leaf_begin] = node;
+  for (Index node = 0; node < hierarchy_.nodes().size(); ++node) {
+    if (hierarchy_.nodes()[node].is_leaf()) leaf_nodes_[hierarchy_.nodes()[node].leaf_begin] = node;
   }
 }
 
-// What lies between two boxes at least.
+// A lower bound of the separation of two nodes' boxes.
 template <int Ends>
-double CandidateLists<Ends>::between(Index node_a, Index node_b) const {
-  const double apart = separation(boxes_[node_a], boxes_[node_b]);
-  return std::min(apart, std::numeric_limits<double>::max()) * kDown;
+double CandidateLists<Ends>::box_separation(Index node_a, Index node_b) const {
+  return std::min(separation(boxes_[node_a], boxes_[node_b]), std::numeric_limits<double>::max()) * kDown;
 }
 
-// By how much what lies below two nodes came nearer since the call before, at most.
+// An upper bound of how much closer features below two nodes came to each other since the last call.
 template <int Ends>
-double CandidateLists<Ends>::melted(Index node_a, Index node_b) const {
-  const auto &a = drifts_[node_a].x, &b = drifts_[node_b].x;
-  double least = kInfinity;
+double CandidateLists<Ends>::closing_distance(Index node_a, Index node_b) const {
+  const auto &a = displacements_[node_a].x, &b = displacements_[node_b].x;
+  double change = kInfinity;  // of the separation, the smallest along any axis and side
   for (int axis = 0; axis < 3; ++axis) {
-    least = std::min(least, a[0][axis] + b[1][axis]);
-    least = std::min(least, b[0][axis] + a[1][axis]);
+    change = std::min(change, a[0][axis] + b[1][axis]);
+    change = std::min(change, b[0][axis] + a[1][axis]);
   }
-  return -least * kUp;
+  return -change * kUp;
 }
 
-// As much room as makes testing what is listed and listing anew cost least together: the one grows with the
-// room as a share of a feature's size, the other with the number of times that the room is used up.
+// The skin that minimizes the cost of testing listed pairs, which grows with the skin relative to the size of
+// features, plus that of rebuilding lists, which grows with how often the skin is used up.
 template <int Ends>
-double CandidateLists<Ends>::room_for(Index node_a, Index node_b) const {
-  constexpr double kAtFirst = 1.0 / 64, kMost = 1.0 / 8, kCosts = 1;
+double CandidateLists<Ends>::skin_for(Index node_a, Index node_b) const {
+  constexpr double kFirst = 1.0 / 64, kMax = 1.0 / 8, kCostRatio = 1;
   double side = 0;
   for (const Index node : {node_a, node_b}) {
     const auto& x = boxes_[node].x[0];
     for (int axis = 0; axis < 3; ++axis) side = std::max(side, -x[0][axis] - x[1][axis]);
   }
-  if (!started_) return side * kAtFirst;
-  const double melted = this->melted(node_a, node_b);
-  if (!(melted < side * kMost / 2)) return 0;
-  return std::min(side * kMost, std::max(2 * melted, std::sqrt(kCosts * melted * side)));
+  if (!reuse_) return side * kFirst;
+  const double closing = closing_distance(node_a, node_b);
+  if (!(closing < side * kMax / 2)) return 0;
+  return std::min(side * kMax, std::max(2 * closing, std::sqrt(kCostRatio * closing * side)));
 }
 
 template <int Ends>
 void CandidateLists<Ends>::fit_leaf(Index leaf) {
-  Drift& drift = drifts_[leaf_nodes_[leaf]];
+  DisplacementBounds& displacement = displacements_[leaf_nodes_[leaf]];
   const Index first = leaf_vertices_.begin[leaf], last = leaf_vertices_.begin[leaf + 1];
-  operations_.fit_moving(points_.data(), before_.data(),
-                         std::span(leaf_vertices_.places).subspan(first, last - first),
-                         boxes_[leaf_nodes_[leaf]], drift.x);
-  // Farther than numbers go is as far as can be, in both directions: then no sum is NaN.
-  for (auto& corner : drift.x) {
-    for (double& d : corner) d = std::isfinite(d) ? d - std::abs(d) * kDriftRounding : -kInfinity;
+  operations_.fit_moving(points_.data(), last_points_.data(),
+                         std::span(leaf_vertices_.vertices).subspan(first, last - first),
+                         boxes_[leaf_nodes_[leaf]], displacement.x);
+  // A displacement that overflows may be any, in both directions; so no sum of bounds is NaN.
+  for (auto& corner : displacement.x) {
+    for (double& d : corner) d = std::isfinite(d) ? d - std::abs(d) * kDisplacementRounding : -kInfinity;
   }
 }
 
 template <int Ends>
 void CandidateLists<Ends>::fit_features() {
-  const auto fit = [&](Index begin, auto corners, auto fit_boxes) {
+  const auto fit = [&](Index first, auto corners, auto fit_boxes) {
     parallel_for(IndexRange{0, corners.size()}, 64 * kGrain, [&](IndexRange range) {
       fit_boxes(points_.data(), corners.subspan(range.begin, range.size()),
-                &feature_boxes_[begin + range.begin]);
+                &feature_boxes_[first + range.begin]);
     });
   };
-  fit(0, std::span<const std::array<Index, 1>>(vertex_places_), operations_.fit_vertices);
-  fit(edges_begin_, tree_.edges(), operations_.fit_edges);
-  fit(triangles_begin_, tree_.triangles(), operations_.fit_triangles);
+  fit(0, std::span<const std::array<Index, 1>>(vertex_corners_), operations_.fit_vertices);
+  fit(edges_begin_, hierarchy_.edges(), operations_.fit_edges);
+  fit(triangles_begin_, hierarchy_.triangles(), operations_.fit_triangles);
 }
 
-// Boxes and drifts, of all leaves and then upwards.
+// Boxes and displacements of features and leaves, then of their ancestors.
 template <int Ends>
-void CandidateLists<Ends>::move(const std::array<const double*, Ends>& x) {
-  const auto nodes = tree_.nodes();
+void CandidateLists<Ends>::set_positions(const std::array<const double*, Ends>& x) {
+  const auto nodes = hierarchy_.nodes();
   boxes_.resize(nodes.size());
-  drifts_.resize(nodes.size());
+  displacements_.resize(nodes.size());
   feature_boxes_.resize(ids_.size());
-  points_.swap(before_);
-  points_.resize(tree_.vertex_ids().size());
+  points_.swap(last_points_);
+  points_.resize(hierarchy_.vertex_ids().size());
   parallel_for(IndexRange{0, points_.size()}, 16 * kGrain, [&](IndexRange range) {
-    for (std::size_t place = range.begin; place < range.end; ++place) {
+    for (std::size_t v = range.begin; v < range.end; ++v) {
       for (int end = 0; end < Ends; ++end)
-        std::copy_n(x[end] + 3 * std::size_t{tree_.vertex_ids()[place]}, 3, points_[place].x[end]);
+        std::copy_n(x[end] + 3 * std::size_t{hierarchy_.vertex_ids()[v]}, 3, points_[v].x[end]);
     }
   });
-  if (!started_) before_ = points_;
+  if (!reuse_) last_points_ = points_;
   parallel_for(IndexRange{0, leaf_nodes_.size()}, kGrain, [&](IndexRange range) {
     for (std::size_t leaf = range.begin; leaf < range.end; ++leaf) fit_leaf(static_cast<Index>(leaf));
   });
@@ -155,96 +155,96 @@ void CandidateLists<Ends>::move(const std::array<const double*, Ends>& x) {
   for (std::size_t node = nodes.size(); node-- > 0;) {
     if (nodes[node].is_leaf()) continue;
     boxes_[node] = boxes_[node + 1];
-    drifts_[node] = drifts_[node + 1];
-    for (int end = 0; end < Ends; ++end) add_rows(boxes_[node].x[end], boxes_[nodes[node].right].x[end]);
-    add_rows(drifts_[node].x, drifts_[nodes[node].right].x);
+    displacements_[node] = displacements_[node + 1];
+    for (int end = 0; end < Ends; ++end) merge_bounds(boxes_[node].x[end], boxes_[nodes[node].right].x[end]);
+    merge_bounds(displacements_[node].x, displacements_[nodes[node].right].x);
   }
 }
 
-// What no longer holds is looked at again, from there down.
+// Traverses again below the nodes that are no longer separated.
 template <int Ends>
-void CandidateLists<Ends>::renew_front() {
+void CandidateLists<Ends>::update_front() {
   parallel_for(IndexRange{0, front_.size()}, 64 * kGrain, [&](IndexRange range) {
     for (std::size_t k = range.begin; k < range.end; ++k) {
-      Apart& proof = front_[k];
-      proof.covers = (proof.covers - melted(proof.a, proof.b)) * kDown;
-      if (!(proof.covers >= needed_)) proof.covers = between(proof.a, proof.b);
+      SeparatedNodes& pair = front_[k];
+      pair.min_separation = (pair.min_separation - closing_distance(pair.a, pair.b)) * kDown;
+      if (!(pair.min_separation >= required_)) pair.min_separation = box_separation(pair.a, pair.b);
     }
   });
-  std::erase_if(front_, [&](const Apart& proof) {
-    if (proof.covers >= needed_) return false;
-    pending_.push_back({proof.a, proof.b});
+  std::erase_if(front_, [&](const SeparatedNodes& pair) {
+    if (pair.min_separation >= required_) return false;
+    pending_.push_back({pair.a, pair.b});
     return true;
   });
-  descend();
+  traverse_pending();
 }
 
-// From the root, as the front only ever gets finer, and neighbours stay; lists that are still needed do so
-// too.
+// Traverses from the root, as updates only refine the front and add neighbours. Rows whose neighbours are all
+// found again keep their lists.
 template <int Ends>
-void CandidateLists<Ends>::renew_all() {
+void CandidateLists<Ends>::rebuild_front() {
   front_.clear();
   for (Row& row : rows_) {
-    for (Neighbour& neighbour : row.neighbours) neighbour.seen = false;
+    for (Neighbour& neighbour : row.neighbours) neighbour.found = false;
   }
-  pending_.assign(tree_.nodes().empty() ? 0 : 1, {0, 0});
-  descend();
-  neighbours_ = 0;
+  pending_.assign(hierarchy_.nodes().empty() ? 0 : 1, {0, 0});
+  traverse_pending();
+  neighbour_count_ = 0;
   for (Row& row : rows_) {
-    if (std::erase_if(row.neighbours, [](const Neighbour& neighbour) { return !neighbour.seen; }) > 0) {
+    if (std::erase_if(row.neighbours, [](const Neighbour& neighbour) { return !neighbour.found; }) > 0) {
       row.list.clear();
       for (Neighbour& neighbour : row.neighbours) neighbour = {neighbour.node, 0, -kInfinity, true};
     }
-    neighbours_ += row.neighbours.size();
+    neighbour_count_ += row.neighbours.size();
   }
 }
 
 template <int Ends>
-void CandidateLists<Ends>::descend() {
-  const auto nodes = tree_.nodes();
+void CandidateLists<Ends>::traverse_pending() {
+  const auto nodes = hierarchy_.nodes();
   while (!pending_.empty()) {
     const NodePair pair = pending_.back();
     pending_.pop_back();
-    ++tests_;
+    ++node_tests_;
     if (pair.a != pair.b) {
-      const double apart = between(pair.a, pair.b);
-      if (apart >= needed_) {
-        front_.push_back({pair.a, pair.b, apart});
+      const double separation = box_separation(pair.a, pair.b);
+      if (separation >= required_) {
+        front_.push_back({pair.a, pair.b, separation});
         continue;
       }
     }
     if (nodes[pair.a].is_leaf() && nodes[pair.b].is_leaf()) {
       add_neighbour(pair);
     } else if (pair.a == pair.b) {
-      push_below_self(nodes, pair.a, pending_);
+      push_self_children(nodes, pair.a, pending_);
     } else {
-      push_below(nodes, nodes, pair, pending_);
+      push_children(nodes, nodes, pair, pending_);
     }
   }
 }
 
 template <int Ends>
 void CandidateLists<Ends>::add_neighbour(NodePair leaves) {
-  auto& row = rows_[tree_.nodes()[leaves.a].leaf_begin].neighbours;
+  auto& row = rows_[hierarchy_.nodes()[leaves.a].leaf_begin].neighbours;
   const auto at =
       std::lower_bound(row.begin(), row.end(), leaves.b,
                        [](const Neighbour& neighbour, Index node) { return neighbour.node < node; });
   if (at != row.end() && at->node == leaves.b) {
-    at->seen = true;
+    at->found = true;
   } else {
     row.insert(at, {leaves.b, at == row.begin() ? 0 : std::prev(at)->end, -kInfinity, true});
-    ++neighbours_;
+    ++neighbour_count_;
   }
 }
 
-// The features of a leaf that are near a box.
+// The features of a leaf within a distance of a box.
 template <int Ends>
-void CandidateLists<Ends>::list_near(Index node, const Box& other, double reach, Near& near) const {
-  const Index leaf = tree_.nodes()[node].leaf_begin;
-  const Hierarchy::Leaf &from = tree_.leaves()[leaf], &to = tree_.leaves()[leaf + 1];
+void CandidateLists<Ends>::find_near(Index node, const Box& other, double distance, Near& near) const {
+  const Index leaf = hierarchy_.nodes()[node].leaf_begin;
+  const Hierarchy::Leaf &from = hierarchy_.leaves()[leaf], &to = hierarchy_.leaves()[leaf + 1];
   const auto choose = [&](Index first, Index last, std::vector<Index>& chosen) {
     chosen.resize(last - first);
-    chosen.resize(operations_.keep_near(feature_boxes_.data(), first, last, other, reach, chosen.data()));
+    chosen.resize(operations_.keep_near(feature_boxes_.data(), first, last, other, distance, chosen.data()));
   };
   choose(from.vertices, to.vertices, near.vertices);
   choose(edges_begin_ + from.edges, edges_begin_ + to.edges, near.edges);
@@ -253,88 +253,91 @@ void CandidateLists<Ends>::list_near(Index node, const Box& other, double reach,
 
 template <int Ends>
 template <class Visit>
-void CandidateLists<Ends>::each_near(double reach, std::vector<BoxPair>& pairs, Visit visit) const {
-  pairs.resize(operations_.keep_near_pairs(feature_boxes_.data(), pairs, reach, pairs.data()));
+void CandidateLists<Ends>::visit_near_pairs(double distance, std::vector<BoxPair>& pairs, Visit visit) const {
+  pairs.resize(operations_.keep_near_pairs(feature_boxes_.data(), pairs, distance, pairs.data()));
   for (const auto [a, b] : pairs) visit(a, b);
   pairs.clear();
 }
 
 template <int Ends>
-void CandidateLists<Ends>::list_vertices(double reach, const Near& with_vertices, const Near& with_triangles,
-                                         Local& local) const {
+void CandidateLists<Ends>::list_vertices(double distance, const Near& with_vertices,
+                                         const Near& with_triangles, Scratch& scratch) const {
   for (const Index v : with_vertices.vertices) {
-    for (const Index t : with_triangles.triangles) local.pairs.push_back({v, t});
+    for (const Index t : with_triangles.triangles) scratch.pairs.push_back({v, t});
   }
-  each_near(reach, local.pairs, [&](Index v, Index t) {
+  visit_near_pairs(distance, scratch.pairs, [&](Index v, Index t) {
     const Index element = elements_[t - triangles_begin_];
-    if (share_vertex(std::array{v}, tree_.triangles()[t - triangles_begin_])) return;
-    if (!(all_may_ && element == t) && !filter_.vertex_face(ids_[v], ids_[t])) return;
+    if (share_vertex(std::array{v}, hierarchy_.triangles()[t - triangles_begin_])) return;
+    if (!(allows_all_ && element == t) && !filter_.vertex_face(ids_[v], ids_[t])) return;
     const bool edge = element >= edges_begin_ && element < triangles_begin_;
-    local.list.push_back(edge ? BoxPair{element, v} : BoxPair{v, element});
+    scratch.list.push_back(edge ? BoxPair{element, v} : BoxPair{v, element});
   });
 }
 
 template <int Ends>
-void CandidateLists<Ends>::list_edges(bool self, double reach, Local& local) const {
-  const auto &a = local.near[0].edges, &b = local.near[self ? 0 : 1].edges;
+void CandidateLists<Ends>::list_edges(bool self, double distance, Scratch& scratch) const {
+  const auto &a = scratch.near[0].edges, &b = scratch.near[self ? 0 : 1].edges;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t k = self ? i + 1 : 0; k < b.size(); ++k) local.pairs.push_back({a[i], b[k]});
+    for (std::size_t k = self ? i + 1 : 0; k < b.size(); ++k) scratch.pairs.push_back({a[i], b[k]});
   }
-  each_near(reach, local.pairs, [&](Index e, Index g) {
-    if (share_vertex(tree_.edges()[e - edges_begin_], tree_.edges()[g - edges_begin_])) return;
-    if (all_may_ || filter_.edge_edge(mesh_.edges()[ids_[e]], mesh_.edges()[ids_[g]]))
-      local.list.push_back({e, g});
+  visit_near_pairs(distance, scratch.pairs, [&](Index e, Index g) {
+    if (share_vertex(hierarchy_.edges()[e - edges_begin_], hierarchy_.edges()[g - edges_begin_])) return;
+    if (allows_all_ || filter_.edge_edge(mesh_.edges()[ids_[e]], mesh_.edges()[ids_[g]]))
+      scratch.list.push_back({e, g});
   });
 }
 
-// Appends to the local list what is to be listed of two leaves, or of one with itself.
+// Appends the list of two leaves, or of one with itself, to the scratch.
 template <int Ends>
-void CandidateLists<Ends>::renew(Index node, Neighbour& neighbour, Local& local) const {
+void CandidateLists<Ends>::rebuild_list(Index node, Neighbour& neighbour, Scratch& scratch) const {
   const bool self = neighbour.node == node;
   if (!self) {
-    neighbour.covers = between(node, neighbour.node);
-    if (neighbour.covers >= needed_) return;
+    neighbour.min_separation = box_separation(node, neighbour.node);
+    if (neighbour.min_separation >= required_) return;
   }
-  const double reach = needed_ + room_for(node, neighbour.node);
-  ++local.listed;
-  const Near &a = local.near[0], &b = local.near[self ? 0 : 1];
-  list_near(node, boxes_[neighbour.node], reach, local.near[0]);
-  if (!self) list_near(neighbour.node, boxes_[node], reach, local.near[1]);
-  list_vertices(reach, a, b, local);
-  if (!self) list_vertices(reach, b, a, local);
-  list_edges(self, reach, local);
-  neighbour.covers = reach;
+  const double distance = required_ + skin_for(node, neighbour.node);
+  ++scratch.lists_built;
+  const Near &a = scratch.near[0], &b = scratch.near[self ? 0 : 1];
+  find_near(node, boxes_[neighbour.node], distance, scratch.near[0]);
+  if (!self) find_near(neighbour.node, boxes_[node], distance, scratch.near[1]);
+  list_vertices(distance, a, b, scratch);
+  if (!self) list_vertices(distance, b, a, scratch);
+  list_edges(self, distance, scratch);
+  neighbour.min_separation = distance;
 }
 
 template <int Ends>
-void CandidateLists<Ends>::renew_row(Index leaf, Local& local) {
+void CandidateLists<Ends>::update_row(Index leaf, Scratch& scratch) {
   Row& row = rows_[leaf];
-  bool holds = true;
+  bool complete = true;
   for (Neighbour& neighbour : row.neighbours) {
-    if (started_) neighbour.covers = (neighbour.covers - melted(leaf_nodes_[leaf], neighbour.node)) * kDown;
-    holds &= neighbour.covers >= needed_;
+    if (reuse_)
+      neighbour.min_separation =
+          (neighbour.min_separation - closing_distance(leaf_nodes_[leaf], neighbour.node)) * kDown;
+    complete &= neighbour.min_separation >= required_;
   }
-  if (holds) return;
-  local.list.clear();
+  if (complete) return;
+  scratch.list.clear();
   Index begin = 0;
   for (Neighbour& neighbour : row.neighbours) {
     const Index end = neighbour.end;
-    if (neighbour.covers >= needed_) {
-      local.list.insert(local.list.end(), row.list.begin() + begin, row.list.begin() + end);
+    if (neighbour.min_separation >= required_) {
+      scratch.list.insert(scratch.list.end(), row.list.begin() + begin, row.list.begin() + end);
     } else {
-      renew(leaf_nodes_[leaf], neighbour, local);
+      rebuild_list(leaf_nodes_[leaf], neighbour, scratch);
     }
-    neighbour.end = static_cast<Index>(local.list.size());
+    neighbour.end = static_cast<Index>(scratch.list.size());
     begin = end;
   }
-  row.list.assign(local.list.begin(), local.list.end());
+  row.list.assign(scratch.list.begin(), scratch.list.end());
 }
 
 template <int Ends>
-void CandidateLists<Ends>::renew_rows() {
+void CandidateLists<Ends>::update_rows() {
   parallel_for(IndexRange{0, rows_.size()}, kGrain, [&](IndexRange range) {
-    Local& local = locals_.local();
-    for (std::size_t leaf = range.begin; leaf < range.end; ++leaf) renew_row(static_cast<Index>(leaf), local);
+    Scratch& scratch = scratch_.local();
+    for (std::size_t leaf = range.begin; leaf < range.end; ++leaf)
+      update_row(static_cast<Index>(leaf), scratch);
   });
 }
 
@@ -342,29 +345,29 @@ template <int Ends>
 void CandidateLists<Ends>::clear() {
   pending_.clear();
   for (Row& row : rows_) row = {};
-  for (Local& local : locals_) local = {};
-  neighbours_ = 0;
+  for (Scratch& scratch : scratch_) scratch = {};
+  neighbour_count_ = 0;
 }
 
 template <int Ends>
 void CandidateLists<Ends>::update(const std::array<const double*, Ends>& x, double inflation, Work& work) {
-  constexpr std::size_t kMore = 2;
-  started_ = std::exchange(complete_, false);
-  if (!started_) clear();
+  constexpr std::size_t kMaxGrowth = 2;
+  reuse_ = std::exchange(complete_, false);
+  if (!reuse_) clear();
   inflation_ = inflation;
-  needed_ = inflation * (1 + 0x1p-40) + std::numeric_limits<double>::min();
-  tests_ = front_.size();
-  move(x);
-  if (!started_ || front_.size() + neighbours_ > kMore * proofs_at_first_ + kGrain) {
-    renew_all();
-    proofs_at_first_ = front_.size() + neighbours_;
+  required_ = inflation * (1 + 0x1p-40) + std::numeric_limits<double>::min();
+  node_tests_ = front_.size();
+  set_positions(x);
+  if (!reuse_ || front_.size() + neighbour_count_ > kMaxGrowth * rebuilt_size_ + kGrain) {
+    rebuild_front();
+    rebuilt_size_ = front_.size() + neighbour_count_;
   } else {
-    renew_front();
+    update_front();
   }
-  renew_rows();
+  update_rows();
   complete_ = true;
-  work.node_tests += tests_;
-  for (Local& local : locals_) work.leaf_pairs += std::exchange(local.listed, 0);
+  work.node_tests += node_tests_;
+  for (Scratch& scratch : scratch_) work.leaf_pairs += std::exchange(scratch.lists_built, 0);
 }
 
 template <int Ends>
@@ -393,4 +396,4 @@ void CandidateLists<Ends>::find(IndexRange rows, std::vector<BoxPair>& scratch, 
 template class CandidateLists<1>;
 template class CandidateLists<2>;
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

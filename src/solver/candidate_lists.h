@@ -1,112 +1,113 @@
-/// Which features come near each other, from call to call. What Verlet lists are to particles: pairs are
-/// listed with some room, and a list holds until what it speaks of has moved by its room, one part against
-/// the other (docs/soundness.md, V4).
+/// Verlet lists of features that are close, kept between calls. A list holds all pairs within a skin beyond
+/// the inflation, and stays complete until its two leaves have moved towards each other by the skin
+/// (docs/soundness.md, V4).
 #pragma once
 
 #include "base/parallel.h"
 #include "solver/contact_filter.h"
 #include "solver/near_boxes.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// Ends: 1 for poses, 2 for steps, during which vertices go straight from one end to the other.
+/// Ends: 1 for poses, 2 for steps, during which vertices move straight from one end to the other.
 template <int Ends>
 class CandidateLists {
  public:
   CandidateLists(const CollisionMesh& mesh, const ContactFilter& filter);
 
   /// Makes the lists complete for these positions and this inflation. Adds to `work`. Precondition: positions
-  /// are finite and have the mesh's size.
+  /// are finite and fit the mesh.
   void update(const std::array<const double*, Ends>& x, double inflation, Work& work);
 
-  /// After an update: the pairs that count and whose boxes come within the inflation. Which these are, and
-  /// their order, depends on the last positions and inflation alone. By rows, several threads at once.
-  /// Appends to `out`.
+  /// After an update: appends to `out` the relevant pairs whose boxes come within the inflation. The result
+  /// and its order depend on the last positions and inflation alone. Threads may do different rows at once.
   std::size_t row_count() const { return rows_.size(); }
   void find(IndexRange rows, std::vector<BoxPair>& scratch, Candidates& out) const;
 
  private:
-  using Point = PlacedPoint<Ends>;
-  using Box = PlacedBox<Ends>;
-  /// How far vertices went since the call before, at any end: along each axis the least, and the negated
-  /// most.
-  struct Drift {
+  using Point = PointAtEnds<Ends>;
+  using Box = BoxAtEnds<Ends>;
+  /// How far vertices moved since the last call, at any end: along each axis the minimum, and the negated
+  /// maximum.
+  struct DisplacementBounds {
     double x[2][4];
   };
-  /// Two nodes that are apart: whatever is below them, `covers` lies between the boxes of any two features.
-  struct Apart {
+  /// Two separated nodes: the boxes of any two features below them have at least `min_separation`.
+  struct SeparatedNodes {
     Index a, b;
-    double covers;
+    double min_separation;
   };
-  /// A leaf that was near the row's leaf, or is that leaf: between features that are not listed lies
-  /// `covers`.
+  /// A leaf that was close to the row's leaf, or is that leaf: the boxes of two features that are not listed
+  /// have at least `min_separation`.
   struct Neighbour {
     Index node;
-    Index end;  ///< Of what is listed for it in the row; it begins where that of the one before ends.
-    double covers;
-    bool seen;  ///< While all is looked at again.
+    Index end;  ///< Of its part of the row's list, which starts where the last neighbour's part ends.
+    double min_separation;
+    bool found;  ///< By the present rebuild.
   };
   struct Row {
     std::vector<Neighbour> neighbours;  ///< Ascending.
-    std::vector<BoxPair> list;          ///< Features; of an edge and a point the edge comes first.
+    std::vector<BoxPair> list;          ///< Features. Of an edge and a point, the edge comes first.
   };
-  /// Features of one leaf that are near another.
+  /// Features of one leaf that are close to another.
   struct Near {
     std::vector<Index> vertices, edges, triangles;
   };
-  struct Local {
+  /// Scratch of one thread.
+  struct Scratch {
     std::array<Near, 2> near;
     std::vector<BoxPair> pairs, list;
-    std::uint64_t listed = 0;  ///< How many lists were made.
+    std::uint64_t lists_built = 0;
   };
 
-  double between(Index node_a, Index node_b) const;
-  double melted(Index node_a, Index node_b) const;
-  double room_for(Index node_a, Index node_b) const;
+  double box_separation(Index node_a, Index node_b) const;
+  double closing_distance(Index node_a, Index node_b) const;
+  double skin_for(Index node_a, Index node_b) const;
   void clear();
-  void move(const std::array<const double*, Ends>& x);
+  void set_positions(const std::array<const double*, Ends>& x);
   void fit_leaf(Index leaf);
   void fit_features();
-  void renew_front();
-  void renew_all();
-  void descend();
+  void update_front();
+  void rebuild_front();
+  void traverse_pending();
   void add_neighbour(NodePair leaves);
-  void renew_rows();
-  void renew_row(Index leaf, Local& local);
-  void renew(Index node, Neighbour& neighbour, Local& local) const;
-  void list_near(Index node, const Box& other, double reach, Near& near) const;
+  void update_rows();
+  void update_row(Index leaf, Scratch& scratch);
+  void rebuild_list(Index node, Neighbour& neighbour, Scratch& scratch) const;
+  void find_near(Index node, const Box& other, double distance, Near& near) const;
   template <class Visit>
-  void each_near(double reach, std::vector<BoxPair>& pairs, Visit visit) const;
-  void list_vertices(double reach, const Near& with_vertices, const Near& with_triangles, Local& local) const;
-  void list_edges(bool self, double reach, Local& local) const;
+  void visit_near_pairs(double distance, std::vector<BoxPair>& pairs, Visit visit) const;
+  void list_vertices(double distance, const Near& with_vertices, const Near& with_triangles,
+                     Scratch& scratch) const;
+  void list_edges(bool self, double distance, Scratch& scratch) const;
 
   const CollisionMesh& mesh_;
   const ContactFilter& filter_;
-  const Hierarchy& tree_;
-  const bool all_may_;  // no filter
+  const Hierarchy& hierarchy_;
+  const bool allows_all_;  // no filter
   const BoxOperations<Ends>& operations_;
   // Features are vertices, then edges, then triangles, each in leaf order.
   Index edges_begin_, triangles_begin_;
-  std::vector<Index> ids_;  // per feature: of a vertex, the row of an edge, of a triangle of the hierarchy
-  std::vector<Index> elements_;  // per triangle in leaf order: the feature that it stands for
+  std::vector<Index> ids_;       // per feature: a vertex id, a row of edges(), or the hierarchy's triangle id
+  std::vector<Index> elements_;  // per triangle in leaf order: the feature that it represents
   LeafVertexLists leaf_vertices_;
-  std::vector<std::array<Index, 1>> vertex_places_;  // 0, 1, 2, ...
+  std::vector<std::array<Index, 1>> vertex_corners_;  // {0}, {1}, {2}, ...
   std::vector<Index> leaf_nodes_;
 
-  bool complete_ = false;  // what follows is of the call before, which was not cut off by an exception
-  bool started_ = false;   // there was such a call
+  bool complete_ = false;  // the last update was not cut off by an exception
+  bool reuse_ = false;     // this update starts from the state of the last one
   double inflation_ = 0;
-  double needed_ = 0;  // a little more: what lies so far apart is not within the inflation by the test either
-  std::vector<Point> points_, before_;      // in leaf order; at the call before
-  std::vector<Box> boxes_, feature_boxes_;  // of nodes; of features
-  std::vector<Drift> drifts_;               // of nodes
-  std::vector<Apart> front_;
-  std::vector<Row> rows_;            // per leaf: it and leaves that come later
-  std::vector<NodePair> pending_;    // to be looked at, with what lies below
-  std::size_t neighbours_ = 0;       // of all rows
-  std::size_t proofs_at_first_ = 0;  // how many there were when all was looked at
-  std::uint64_t tests_ = 0;
-  PerThread<Local> locals_;
+  double required_ = 0;  // features with this separation are beyond the inflation, rounding included
+  std::vector<Point> points_, last_points_;        // in leaf order; of this and the last call
+  std::vector<Box> boxes_, feature_boxes_;         // of nodes; of features
+  std::vector<DisplacementBounds> displacements_;  // of nodes
+  std::vector<SeparatedNodes> front_;
+  std::vector<Row> rows_;            // per leaf: its neighbours among itself and later leaves
+  std::vector<NodePair> pending_;    // to be traversed
+  std::size_t neighbour_count_ = 0;  // of all rows
+  std::size_t rebuilt_size_ = 0;     // of the front and the neighbours after the last rebuild
+  std::uint64_t node_tests_ = 0;
+  PerThread<Scratch> scratch_;
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

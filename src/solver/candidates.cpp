@@ -1,10 +1,11 @@
-// Pairs of features that may be near each other.
+// Pairs of features that may be close.
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "base/parallel.h"
+#include "base/try.h"
 #include "solver/contact_checker.h"
 
 namespace foldproof {
@@ -17,12 +18,12 @@ void append(const std::vector<Pair>& from, std::vector<Pair>& to) {
 
 Result<void> check_length(const char* name, double value) {
   if (!(value >= 0) || !std::isfinite(value))
-    return fail(name, "is not a length", "give a number of at least 0");
+    return fail(ErrorCode::InvalidArgument, name, "is not a length", "give a number of at least 0");
   return {};
 }
 
-// minimum_distance looks this far first, as a share of the bound, and each time this much farther.
-constexpr double kFirstLook = 1.0 / 256, kFarther = 4;
+// minimum_distance starts its search with this share of the bound, and enlarges it by this factor.
+constexpr double kFirstShare = 1.0 / 256, kGrowth = 4;
 
 }  // namespace
 
@@ -33,51 +34,51 @@ void Candidates::clear() {
   vertex_vertex.clear();
 }
 
-template <class Look, class Take>
+template <class Process, class Merge>
 Result<void> ContactChecker::Impl::find(std::span<const double> x0, std::span<const double> x1,
-                                        double distance, Look look, Take take) {
+                                        double distance, Process process, Merge merge) {
   constexpr std::size_t kRowsPerPart = 64, kPartsPerRound = 32;
   const PlainArithmetic plain;
   Stopwatch total, watch;
   const std::span<const double> from[] = {x0}, to[] = {x1};
-  if (auto ok = pipeline.motion.check(from, to); !ok) return ok;
+  FOLDPROOF_TRY(pipeline.motion.check(from, to));
   milliseconds.update += watch.lap();
   const auto search = [&](auto& lists, auto ends) {
     lists.update(ends, distance, work);
     milliseconds.traverse += watch.lap();
     for (std::size_t done = 0; done < lists.row_count(); done += kRowsPerPart * kPartsPerRound) {
-      const std::size_t left = lists.row_count() - done;
-      const std::size_t count = std::min(kPartsPerRound, (left + kRowsPerPart - 1) / kRowsPerPart);
+      const std::size_t remaining = lists.row_count() - done;
+      const std::size_t count = std::min(kPartsPerRound, (remaining + kRowsPerPart - 1) / kRowsPerPart);
       parts.resize(std::max(parts.size(), count));
       parallel_for(std::size_t{0}, count, [&](std::size_t k) {
         const std::size_t begin = done + k * kRowsPerPart;
         parts[k].found.clear();
         lists.find({begin, std::min(begin + kRowsPerPart, lists.row_count())}, parts[k].scratch,
                    parts[k].found);
-        look(parts[k]);
+        process(parts[k]);
       });
       for (const Part& part : std::span(parts).first(count)) {
         work.candidates_vf += part.found.size() - part.found.edge_edge.size();
         work.candidates_ee += part.found.edge_edge.size();
-        take(part);
+        merge(part);
       }
     }
   };
   if (x0.data() == x1.data()) {
-    search(of_pose, std::array{x0.data()});
+    search(pose_lists, std::array{x0.data()});
   } else {
-    search(of_step, std::array{x0.data(), x1.data()});
+    search(step_lists, std::array{x0.data(), x1.data()});
   }
   milliseconds.narrow += watch.lap();
   milliseconds.total += total.lap();
   return {};
 }
 
-double ContactChecker::Impl::least_distance(const Candidates& found, std::span<const double> x) const {
-  double least = std::numeric_limits<double>::infinity();
+double ContactChecker::Impl::min_distance(const Candidates& found, std::span<const double> x) const {
+  double smallest = std::numeric_limits<double>::infinity();
   const auto at = [&](Index v) { return position(x, v); };
   const auto near_face = [&](Index v, const Triangle& t) {
-    least = std::min(least, vertex_face_closest({at(v), at(t[0]), at(t[1]), at(t[2])}).distance);
+    smallest = std::min(smallest, vertex_face_closest({at(v), at(t[0]), at(t[1]), at(t[2])}).distance);
   };
   for (const auto& pair : found.vertex_face) near_face(pair.vertex, mesh->faces()[pair.face]);
   for (const auto& pair : found.edge_vertex) {
@@ -88,16 +89,16 @@ double ContactChecker::Impl::least_distance(const Candidates& found, std::span<c
     near_face(pair.vertex_a, {pair.vertex_b, pair.vertex_b, pair.vertex_b});
   for (const auto& pair : found.edge_edge) {
     const Edge &a = mesh->edges()[pair.edge_a], &b = mesh->edges()[pair.edge_b];
-    least = std::min(least, edge_edge_closest({at(a[0]), at(a[1]), at(b[0]), at(b[1])}).distance);
+    smallest = std::min(smallest, edge_edge_closest({at(a[0]), at(a[1]), at(b[0]), at(b[1])}).distance);
   }
-  return least;
+  return smallest;
 }
 
 Result<void> ContactChecker::candidates(std::span<const double> x0, std::span<const double> x1,
                                         double inflation, Candidates& out) {
-  impl_->begin();
+  impl_->start_call();
   out.clear();
-  if (auto ok = check_length("inflation", inflation); !ok) return ok;
+  FOLDPROOF_TRY(check_length("inflation", inflation));
   return impl_->find(
       x0, x1, inflation, [](const auto&) {},
       [&](const auto& part) {
@@ -114,18 +115,17 @@ Result<void> ContactChecker::candidates(std::span<const double> x, double inflat
 
 Result<double> ContactChecker::minimum_distance(std::span<const double> x, double bound) {
   const PlainArithmetic plain;
-  impl_->begin();
-  if (auto ok = check_length("bound", bound); !ok) return tl::unexpected(ok.error());
-  // Among the last denormal numbers a share of the bound would round to zero, and stay there.
-  const double first = std::min(bound, std::max(bound * kFirstLook, std::numeric_limits<double>::min()));
-  for (double reach = first;; reach = std::min(bound, reach * kFarther)) {
-    double least = std::numeric_limits<double>::infinity();
-    const auto found = impl_->find(
-        x, x, reach, [&](auto& part) { part.least = impl_->least_distance(part.found, x); },
-        [&](const auto& part) { least = std::min(least, part.least); });
-    if (!found) return tl::unexpected(found.error());
-    if (least <= reach) return least;
-    if (reach >= bound) return std::numeric_limits<double>::infinity();
+  impl_->start_call();
+  FOLDPROOF_TRY(check_length("bound", bound));
+  // A share of a denormal bound could round to zero, and stay there.
+  const double first = std::min(bound, std::max(bound * kFirstShare, std::numeric_limits<double>::min()));
+  for (double distance = first;; distance = std::min(bound, distance * kGrowth)) {
+    double smallest = std::numeric_limits<double>::infinity();
+    FOLDPROOF_TRY(impl_->find(
+        x, x, distance, [&](auto& part) { part.min_distance = impl_->min_distance(part.found, x); },
+        [&](const auto& part) { smallest = std::min(smallest, part.min_distance); }));
+    if (smallest <= distance) return smallest;
+    if (distance >= bound) return std::numeric_limits<double>::infinity();
   }
 }
 

@@ -1,17 +1,17 @@
 #include "solver/contact_checker.h"
-#include "base/parallel.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "base/plain_arithmetic.h"
+#include "base/try.h"
 
 namespace foldproof {
 namespace {
 
-// A step whose end, once rounded, is in contact is made shorter so often.
-constexpr int kShorter = 16;
+// Steps to test at most until one is free with its end rounded (V3).
+constexpr int kMaxTrials = 16;
 
 }  // namespace
 
@@ -41,8 +41,7 @@ StepSettings ContactChecker::Impl::step_settings(double distance) const {
 Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0, std::span<const double> x1,
                                                       double min_distance) {
   const std::span<const double> from[] = {x0}, to[] = {x1};
-  if (auto ok = check_step({pipeline, nullptr, &filter}, from, to, step_settings(min_distance), step); !ok)
-    return tl::unexpected(ok.error());
+  FOLDPROOF_TRY(check_step({pipeline, nullptr, &filter}, from, to, step_settings(min_distance), step));
   work += step.work;
   milliseconds += step.milliseconds;
   return step.clean() ? std::numeric_limits<double>::infinity() : step.earliest_toi;
@@ -62,40 +61,38 @@ const StageTimes& ContactChecker::milliseconds() const { return impl_->milliseco
 Result<StepSize> ContactChecker::collision_free_step_size(std::span<const double> x0,
                                                           std::span<const double> x1, double min_distance) {
   const PlainArithmetic plain;
-  impl_->begin();
-  const double approach = impl_->settings.conservative_rescaling;
-  if (!(approach > 0 && approach <= 1))
-    return fail("conservative_rescaling", "is not a share of the way", "give a number above 0 and at most 1");
-  auto contact = impl_->earliest_contact(x0, x1, min_distance);
-  if (!contact) return tl::unexpected(contact.error());
-  if (*contact > 1) return StepSize{1, StepSize::Limit::None};
-  if (*contact == 0) return StepSize{0, StepSize::Limit::Start};
-  double share = approach * *contact;
-  auto& reached = impl_->reached;
-  reached.resize(x0.size());
-  for (int i = 0; i < kShorter && share > 0; ++i) {
-    step_towards(x0, x1, share, reached);
-    contact = impl_->earliest_contact(x0, reached, min_distance);
-    if (!contact) return tl::unexpected(contact.error());
-    if (*contact > 1) return StepSize{share, StepSize::Limit::Contact};
-    share *= std::min(0.5, approach * *contact);
+  impl_->start_call();
+  const double rescaling = impl_->settings.conservative_rescaling;
+  if (!(rescaling > 0 && rescaling <= 1))
+    return fail(ErrorCode::InvalidArgument, "conservative_rescaling", "is not a share of the way",
+                "give a number above 0 and at most 1");
+  double contact = FOLDPROOF_TRY(impl_->earliest_contact(x0, x1, min_distance));
+  if (contact > 1) return StepSize{1, StepSize::Limit::None};
+  if (contact == 0) return StepSize{0, StepSize::Limit::Start};
+  double share = rescaling * contact;
+  auto& end = impl_->end_positions;
+  end.resize(x0.size());
+  for (int i = 0; i < kMaxTrials && share > 0; ++i) {
+    step_towards(x0, x1, share, end);
+    contact = FOLDPROOF_TRY(impl_->earliest_contact(x0, end, min_distance));
+    if (contact > 1) return StepSize{share, StepSize::Limit::Contact};
+    share *= std::min(0.5, rescaling * contact);
   }
   return StepSize{0, StepSize::Limit::Undecided};
 }
 
 Verdict ContactChecker::is_step_collision_free(std::span<const double> x0, std::span<const double> x1,
                                                double min_distance) {
-  impl_->begin();
-  const auto contact = impl_->earliest_contact(x0, x1, min_distance);
-  return contact.map([](double time) { return time > 1; });
+  impl_->start_call();
+  return impl_->earliest_contact(x0, x1, min_distance).map([](double contact) { return contact > 1; });
 }
 
 Verdict ContactChecker::has_intersections(std::span<const double> x) {
-  impl_->begin();
+  impl_->start_call();
   Impl& m = *impl_;
   const std::span<const double> pose[] = {x};
   StepSettings settings = m.step_settings(0);
-  settings.max_listed = 0;  // that there is one is enough
+  settings.max_listed = 0;  // whether there is one is all that matters
   if (auto ok = check_pose({m.pipeline, nullptr, &m.filter}, pose, settings, m.pose); !ok)
     return Result<bool>(tl::unexpected(ok.error()));
   m.work = m.pose.work;

@@ -12,10 +12,10 @@ struct ContactChecker::Impl {
         settings(with),
         filter(*mesh),
         pipeline({mesh->hierarchy()}),
-        of_pose(*mesh, filter),
-        of_step(*mesh, filter) {}
+        pose_lists(*mesh, filter),
+        step_lists(*mesh, filter) {}
 
-  void begin() {
+  void start_call() {
     work = {};
     milliseconds = {};
   }
@@ -24,29 +24,29 @@ struct ContactChecker::Impl {
   Result<double> earliest_contact(std::span<const double> x0, std::span<const double> x1,
                                   double min_distance);
 
-  /// Finds the pairs that count and whose boxes come within `distance` at some time of the step, or in a pose
-  /// where both ends are the same array: `look` has them part by part, several threads at once, and `take`
-  /// has the same parts in order.
-  template <class Look, class Take>
-  Result<void> find(std::span<const double> x0, std::span<const double> x1, double distance, Look look,
-                    Take take);
-  double least_distance(const Candidates& found, std::span<const double> x) const;
+  /// Finds the relevant pairs whose boxes come within `distance` at some time of the step, or in a pose if
+  /// both ends are the same array. Calls `process` for parts of them, in several threads at once, then
+  /// `merge` for the same parts in order.
+  template <class Process, class Merge>
+  Result<void> find(std::span<const double> x0, std::span<const double> x1, double distance, Process process,
+                    Merge merge);
+  double min_distance(const Candidates& found, std::span<const double> x) const;
 
   std::shared_ptr<const CollisionMesh> mesh;
   ContactSettings settings;
   ContactFilter filter;
   Pipeline pipeline;  ///< For steps and intersections.
-  CandidateLists<1> of_pose;
-  CandidateLists<2> of_step;
+  CandidateLists<1> pose_lists;
+  CandidateLists<2> step_lists;
   struct Part {
     Candidates found;
     std::vector<BoxPair> scratch;
-    double least = 0;  ///< Distance of the nearest of them.
+    double min_distance = 0;  ///< The smallest distance of a pair that was found.
   };
   std::vector<Part> parts;
   StepResult step;
   StaticResult pose;
-  std::vector<double> reached;
+  std::vector<double> end_positions;  ///< Of a shortened step.
   Work work;
   StageTimes milliseconds;
 };

@@ -1,12 +1,12 @@
-/// Which of the pairs that the hierarchy finds count, and as what.
+/// Which of the pairs that the hierarchy finds are relevant, and as what.
 #pragma once
 
 #include "check/narrow_phase.h"
 #include "foldproof/solver.h"
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
-/// What a triangle of CollisionMesh::hierarchy() stands for.
+/// What a triangle of CollisionMesh::hierarchy() represents.
 enum class Element : std::uint8_t { Face, Edge, Point };
 
 class ContactFilter final : public PairFilter {
@@ -26,25 +26,25 @@ class ContactFilter final : public PairFilter {
     switch (element(triangle)) {
       case Element::Face:
         break;
-      case Element::Edge:  // edges with vertices of edges and faces: the pairs of edges, of vertices and
-                           // faces
+      case Element::Edge:
+        // Other vertices need no such pair: they have pairs of edges, and of vertices and faces (V2).
         if (!mesh_.is_codim_point(vertex)) return false;
         break;
-      case Element::Point:  // two points come as each other's vertex; one of both will do
+      case Element::Point:
+        // Two points come as each other's vertex; one of both pairs is enough.
         if (!mesh_.is_codim_point(vertex) || vertex > triangles_[triangle][0]) return false;
         break;
     }
-    return mesh_.filter().any(std::span(&vertex, 1), triangles_[triangle]);
+    return mesh_.filter().allows_any(std::span(&vertex, 1), triangles_[triangle]);
   }
 
-  bool edge_edge(const Edge& a, const Edge& b) const override { return mesh_.filter().any(a, b); }
+  bool edge_edge(const Edge& a, const Edge& b) const override { return mesh_.filter().allows_any(a, b); }
 
-  /// Whether two triangles that meet are an intersection.
+  /// Whether two triangles that intersect count as an intersection.
   bool crossing(Index triangle_a, Index triangle_b) const override;
 
-  /// The row of the codimensional edge that a triangle stands for.
+  /// The row of the codimensional edge that a triangle represents.
   Index codim_edge(Index triangle) const { return mesh_.codim_edges()[triangle - faces_]; }
-  Index codim_point(Index triangle) const { return triangles_[triangle][0]; }
 
  private:
   const CollisionMesh& mesh_;
@@ -52,4 +52,4 @@ class ContactFilter final : public PairFilter {
   Index faces_, faces_and_edges_;
 };
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -3,7 +3,8 @@
 #include <limits>
 #include <random>
 
-#include "statistics/span.h"
+#include "base/try.h"
+#include "statistics/thin_svd.h"
 
 namespace foldproof {
 namespace {
@@ -11,115 +12,115 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kTries = 10;
-constexpr int kMostIterations = 200;
-constexpr double kSubstantial = 0.25;
+constexpr int kRuns = 10;
+constexpr int kMaxIterations = 200;
+constexpr double kMinSilhouette = 0.25;
 
 struct Nearest {
   Index cluster;
   double squared;
 };
 
-Nearest nearest_centre(const MatrixXd& centres, const VectorView& point) {
+Nearest nearest_center(const MatrixXd& centers, const VectorView& point) {
   Nearest best{0, std::numeric_limits<double>::infinity()};
-  for (Eigen::Index c = 0; c < centres.cols(); ++c) {
-    const double squared = (centres.col(c) - point).squaredNorm();
+  for (Eigen::Index c = 0; c < centers.cols(); ++c) {
+    const double squared = (centers.col(c) - point).squaredNorm();
     if (squared < best.squared) best = {static_cast<Index>(c), squared};
   }
   return best;
 }
 
-// k-means++: each next centre is a point, drawn with a probability in proportion to its squared distance from
-// the centres so far. Fewer centres than asked for when every point is a centre.
-MatrixXd first_centres(const MatrixView& points, Index count, std::uint64_t seed) {
+// k-means++: each next center is a point, chosen at random with a probability in proportion to its squared
+// distance from the centers so far. Returns fewer than `count` centers when every point is one.
+MatrixXd initial_centers(const MatrixView& points, Index count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   // Not std::uniform_real_distribution, whose numbers differ between standard libraries.
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
 
-  MatrixXd centres(points.rows(), count);
+  MatrixXd centers(points.rows(), count);
   const auto n = points.cols();
-  centres.col(0) = points.col(static_cast<Eigen::Index>(uniform() * static_cast<double>(n)));
-  VectorXd squared = (points.colwise() - centres.col(0)).colwise().squaredNorm();
-  Eigen::Index made = 1;
-  while (made < count && squared.maxCoeff() > 0) {
-    double left = uniform() * squared.sum();
+  centers.col(0) = points.col(static_cast<Eigen::Index>(uniform() * static_cast<double>(n)));
+  VectorXd squared = (points.colwise() - centers.col(0)).colwise().squaredNorm();
+  Eigen::Index found = 1;
+  while (found < count && squared.maxCoeff() > 0) {
+    double remaining = uniform() * squared.sum();
     Eigen::Index chosen = 0;
     for (Eigen::Index k = 0; k < n; ++k) {
       if (squared[k] == 0) continue;
       chosen = k;
-      left -= squared[k];
-      if (left < 0) break;
+      remaining -= squared[k];
+      if (remaining < 0) break;
     }
-    centres.col(made) = points.col(chosen);
-    const VectorXd to_new = (points.colwise() - centres.col(made)).colwise().squaredNorm();
+    centers.col(found) = points.col(chosen);
+    const VectorXd to_new = (points.colwise() - centers.col(found)).colwise().squaredNorm();
     squared = squared.cwiseMin(to_new);
-    ++made;
+    ++found;
   }
-  return centres.leftCols(made);
+  return centers.leftCols(found);
 }
 
-// Gives every empty group the point that is farthest from its own centre. There are at least as many
-// different points as groups, so while a group is empty another one holds two different points.
-void fill_empty(const MatrixView& points, Clusters& clusters) {
+// Moves to every empty cluster the point that is farthest from its own center. There are at least as many
+// different points as clusters, so while one cluster is empty another one holds two different points.
+void fill_empty_clusters(const MatrixView& points, Clusters& clusters) {
   std::vector<Index> sizes(clusters.count(), 0);
   for (const Index c : clusters.cluster_of) ++sizes[c];
   for (Index empty = 0; empty < clusters.count(); ++empty) {
     if (sizes[empty] > 0) continue;
     Index farthest = 0;
-    double most = -1;
+    double largest = -1;
     for (Index k = 0; k < clusters.cluster_of.size(); ++k) {
       const Index c = clusters.cluster_of[k];
-      const double squared = (points.col(k) - clusters.centres.col(c)).squaredNorm();
-      if (sizes[c] > 1 && squared > most) farthest = k, most = squared;
+      const double squared = (points.col(k) - clusters.centers.col(c)).squaredNorm();
+      if (sizes[c] > 1 && squared > largest) farthest = k, largest = squared;
     }
     --sizes[clusters.cluster_of[farthest]];
     clusters.cluster_of[farthest] = empty;
-    clusters.centres.col(empty) = points.col(farthest);
+    clusters.centers.col(empty) = points.col(farthest);
     sizes[empty] = 1;
   }
 }
 
-void move_centres(const MatrixView& points, Clusters& clusters) {
+void update_centers(const MatrixView& points, Clusters& clusters) {
   std::vector<double> sizes(clusters.count(), 0);
-  clusters.centres.setZero();
+  clusters.centers.setZero();
   for (Index k = 0; k < clusters.cluster_of.size(); ++k) {
-    clusters.centres.col(clusters.cluster_of[k]) += points.col(k);
+    clusters.centers.col(clusters.cluster_of[k]) += points.col(k);
     ++sizes[clusters.cluster_of[k]];
   }
-  for (Index c = 0; c < clusters.count(); ++c) clusters.centres.col(c) /= sizes[c];
+  for (Index c = 0; c < clusters.count(); ++c) clusters.centers.col(c) /= sizes[c];
 }
 
-Clusters lloyd(const MatrixView& points, MatrixXd centres) {
+Clusters lloyd(const MatrixView& points, MatrixXd centers) {
   Clusters clusters;
-  clusters.centres = std::move(centres);
+  clusters.centers = std::move(centers);
   clusters.cluster_of.assign(points.cols(), 0);
-  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const std::vector<Index> before = clusters.cluster_of;
     for (Index k = 0; k < before.size(); ++k) {
-      clusters.cluster_of[k] = nearest_centre(clusters.centres, points.col(k)).cluster;
+      clusters.cluster_of[k] = nearest_center(clusters.centers, points.col(k)).cluster;
     }
-    fill_empty(points, clusters);
+    fill_empty_clusters(points, clusters);
     if (iteration > 0 && clusters.cluster_of == before) break;
-    move_centres(points, clusters);
+    update_centers(points, clusters);
   }
   for (Index k = 0; k < clusters.cluster_of.size(); ++k) {
-    clusters.spread += (points.col(k) - clusters.centres.col(clusters.cluster_of[k])).squaredNorm();
+    clusters.spread += (points.col(k) - clusters.centers.col(clusters.cluster_of[k])).squaredNorm();
   }
   return clusters;
 }
 
 void number_by_first_point(Clusters& clusters) {
   std::vector<Index> new_number(clusters.count(), kNoIndex);
-  MatrixXd centres(clusters.centres.rows(), clusters.centres.cols());
+  MatrixXd centers(clusters.centers.rows(), clusters.centers.cols());
   Index next = 0;
   for (Index& c : clusters.cluster_of) {
     if (new_number[c] == kNoIndex) {
-      centres.col(next) = clusters.centres.col(c);
+      centers.col(next) = clusters.centers.col(c);
       new_number[c] = next++;
     }
     c = new_number[c];
   }
-  clusters.centres = std::move(centres);
+  clusters.centers = std::move(centers);
 }
 
 void find_medoids(const MatrixView& points, Clusters& clusters) {
@@ -127,12 +128,12 @@ void find_medoids(const MatrixView& points, Clusters& clusters) {
   std::vector<double> least(clusters.count(), std::numeric_limits<double>::infinity());
   for (Index k = 0; k < clusters.cluster_of.size(); ++k) {
     const Index c = clusters.cluster_of[k];
-    const double squared = (points.col(k) - clusters.centres.col(c)).squaredNorm();
+    const double squared = (points.col(k) - clusters.centers.col(c)).squaredNorm();
     if (squared < least[c]) least[c] = squared, clusters.medoids[c] = k;
   }
 }
 
-// A point alone in its group counts 0, as Rousseeuw has it.
+// A point alone in its cluster has silhouette 0 (Rousseeuw).
 double mean_silhouette(const MatrixView& points, const Clusters& clusters) {
   if (clusters.count() < 2) return 0;
   std::vector<double> sizes(clusters.count(), 0);
@@ -141,14 +142,14 @@ double mean_silhouette(const MatrixView& points, const Clusters& clusters) {
   for (Index k = 0; k < clusters.cluster_of.size(); ++k) {
     const Index own = clusters.cluster_of[k];
     if (sizes[own] < 2) continue;
-    VectorXd to_group = VectorXd::Zero(clusters.count());
+    VectorXd to_cluster = VectorXd::Zero(clusters.count());
     for (Index other = 0; other < clusters.cluster_of.size(); ++other) {
-      to_group[clusters.cluster_of[other]] += (points.col(k) - points.col(other)).norm();
+      to_cluster[clusters.cluster_of[other]] += (points.col(k) - points.col(other)).norm();
     }
-    const double inside = to_group[own] / (sizes[own] - 1);
+    const double inside = to_cluster[own] / (sizes[own] - 1);
     double outside = std::numeric_limits<double>::infinity();
     for (Index c = 0; c < clusters.count(); ++c) {
-      if (c != own) outside = std::min(outside, to_group[c] / sizes[c]);
+      if (c != own) outside = std::min(outside, to_cluster[c] / sizes[c]);
     }
     const double larger = std::max(inside, outside);
     if (larger > 0) sum += (outside - inside) / larger;
@@ -159,12 +160,12 @@ double mean_silhouette(const MatrixView& points, const Clusters& clusters) {
 }  // namespace
 
 Result<Clusters> k_means(const MatrixView& points, Index count) {
-  if (auto checked = check_columns(points, "point"); !checked) return tl::unexpected(checked.error());
-  if (count == 0) return fail("clusters", "none are asked for", "ask for at least one");
+  FOLDPROOF_TRY(check_columns(points, "point"));
+  if (count == 0) return fail(ErrorCode::InvalidArgument, "clusters", "are 0", "give at least one");
   count = std::min(count, static_cast<Index>(points.cols()));
   Clusters best;
-  for (int seed = 1; seed <= kTries; ++seed) {
-    Clusters clusters = lloyd(points, first_centres(points, count, seed));
+  for (int seed = 1; seed <= kRuns; ++seed) {
+    Clusters clusters = lloyd(points, initial_centers(points, count, seed));
     if (seed == 1 || clusters.spread < best.spread) best = std::move(clusters);
   }
   number_by_first_point(best);
@@ -173,11 +174,11 @@ Result<Clusters> k_means(const MatrixView& points, Index count) {
   return best;
 }
 
-Result<Clusters> cluster(const MatrixView& points, Index most) {
-  auto best = k_means(points, most == 0 ? 0 : 1);
-  for (Index count = 2; best && count <= std::min(most, static_cast<Index>(points.cols())); ++count) {
+Result<Clusters> cluster(const MatrixView& points, Index max_count) {
+  auto best = k_means(points, max_count == 0 ? 0 : 1);
+  for (Index count = 2; best && count <= std::min(max_count, static_cast<Index>(points.cols())); ++count) {
     auto clusters = k_means(points, count);
-    if (clusters && clusters->silhouette >= kSubstantial && clusters->silhouette > best->silhouette) {
+    if (clusters && clusters->silhouette >= kMinSilhouette && clusters->silhouette > best->silhouette) {
       best = std::move(clusters);
     }
   }

@@ -1,4 +1,4 @@
-// The file of results, which must be whole whenever the program ends.
+// The file of results, which must be valid whenever the program ends.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
@@ -10,6 +10,7 @@
 #include <set>
 #include <system_error>
 
+#include "base/try.h"
 #include "report/json_values.h"
 #include "sweep/sweep.h"
 
@@ -17,51 +18,52 @@ namespace foldproof {
 namespace {
 
 tl::unexpected<Error> file_error(const std::string& path, const char* what, int code) {
-  return fail(path, what + (": " + std::generic_category().message(code)),
+  return fail(ErrorCode::FileAccess, path, what + (": " + std::generic_category().message(code)),
               "check the directory, its permissions and the free space");
 }
 
-/// What a path becomes in a line; the same unless it is no UTF-8.
+/// A path as it is written in a line: the same, unless it is not valid UTF-8.
 std::string as_written(const std::string& path) { return Json::parse(dump(path)).get<std::string>(); }
 
 bool lies_below(const std::string& path, std::span<const std::string> directories) {
   for (const std::string& directory : directories) {
-    const std::string begin = directory.ends_with('/') ? directory : directory + '/';
-    if (path == directory || path.starts_with(begin)) return true;
+    const std::string prefix = directory.ends_with('/') ? directory : directory + '/';
+    if (path == directory || path.starts_with(prefix)) return true;
   }
   return false;
 }
 
-/// An end that was cut off; what is no begin of a line of ours shall not be taken away.
-bool is_begin_of_line(std::string_view text) {
-  constexpr std::string_view kBegin = "{\"path\":\"";
-  return text.starts_with(kBegin) || kBegin.starts_with(text);
+/// Whether a truncated last line may be the start of a line of results. Other text must not be removed.
+bool is_start_of_line(std::string_view text) {
+  constexpr std::string_view kStart = "{\"path\":\"";
+  return text.starts_with(kStart) || kStart.starts_with(text);
 }
 
-/// Goes through an old file's lines and says what stays.
-class Sorter {
+/// Decides which lines of an existing file to keep.
+class LineFilter {
  public:
-  Sorter(const SweepInput& input, const std::string& hash, bool again)
+  LineFilter(const SweepInput& input, const std::string& hash, bool again)
       : input_(input), hash_(hash), again_(again) {
     for (std::size_t i = 0; i < input.motions.size(); ++i) {
       const std::string& path = input.motions[i].path;
-      // Names that are no UTF-8 could stand for one another in the file.
+      // Names that are not valid UTF-8 are ambiguous in the file.
       if (as_written(path) == path) by_path_[path] = i;
     }
   }
 
-  Result<void> sort(const std::string& path, std::string_view text) {
+  Result<void> read(const std::string& path, std::string_view text) {
     for (std::size_t number = 1; !text.empty(); ++number) {
       const std::size_t end = text.find('\n');
       const std::string line(text.substr(0, end));
-      const bool cut = end == text.npos;
-      text.remove_prefix(cut ? text.size() : end + 1);
-      changed |= cut;
+      const bool truncated = end == text.npos;
+      text.remove_prefix(truncated ? text.size() : end + 1);
+      changed |= truncated;
       auto record = read_sweep_line(line);
-      if (!record && cut && is_begin_of_line(line)) return {};
+      if (!record && truncated && is_start_of_line(line)) return {};
       if (!record)
-        return fail(fmt::format("{}:{}", path, number), "is no result of a sweep", "name another file");
-      if (stays(*record)) {
+        return fail(ErrorCode::InvalidFile, fmt::format("{}:{}", path, number), "is no result of a sweep",
+                    "name another file");
+      if (keep(*record)) {
         kept += line + '\n';
       } else {
         changed = true;
@@ -76,7 +78,7 @@ class Sorter {
   std::set<std::size_t> done;
 
  private:
-  bool stays(SweepRecord& record) {
+  bool keep(SweepRecord& record) {
     const auto found = by_path_.find(record.path);
     if (found == by_path_.end()) return !lies_below(record.path, written_directories_);
     const SweepMotion& motion = input_.motions[found->second];
@@ -102,13 +104,13 @@ class Sorter {
 
 Result<std::string> read_all(const std::string& path, int descriptor) {
   std::string text;
-  char piece[1 << 16];
+  char block[1 << 16];
   for (;;) {
-    const ssize_t count = ::read(descriptor, piece, sizeof piece);
+    const ssize_t count = ::read(descriptor, block, sizeof block);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return file_error(path, "cannot be read", errno);
     if (count == 0) return text;
-    text.append(piece, static_cast<std::size_t>(count));
+    text.append(block, static_cast<std::size_t>(count));
   }
 }
 
@@ -117,25 +119,27 @@ Result<std::string> read_all(const std::string& path, int descriptor) {
 struct SweepFile::State {
   std::string path;
   int descriptor = -1;
-  std::vector<std::size_t> left;
+  std::vector<std::size_t> remaining;
   std::vector<SweepRecord> records;
 
   ~State() {
     if (descriptor >= 0) ::close(descriptor);
   }
 
-  /// Opens the file, makes it if need be, and holds others off it.
-  Result<void> take_hold() {
+  /// Opens the file, creates it if necessary, and locks it.
+  Result<void> open_and_lock() {
     if (descriptor >= 0) ::close(descriptor);
     descriptor = ::open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0666);
     if (descriptor < 0) return file_error(path, "cannot be written", errno);
     struct ::stat status = {};
     if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-      return fail(path, "is no file that a sweep can go on with", "name a file, which need not be there yet");
+      return fail(ErrorCode::FileAccess, path, "is not a regular file",
+                  "name a file, which may be a new one");
     }
-    // Where a file system has no locks, there is nothing to hold others off with.
+    // Other errors are ignored: some file systems have no locks.
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-      return fail(path, "is being written by another sweep", "wait for that, or name another file");
+      return fail(ErrorCode::FileAccess, path, "is being written by another sweep",
+                  "wait for that, or name another file");
     }
     return {};
   }
@@ -146,49 +150,46 @@ SweepFile::SweepFile(SweepFile&&) noexcept = default;
 SweepFile& SweepFile::operator=(SweepFile&&) noexcept = default;
 SweepFile::~SweepFile() = default;
 
-const std::vector<std::size_t>& SweepFile::left() const { return state_->left; }
+const std::vector<std::size_t>& SweepFile::remaining() const { return state_->remaining; }
 const std::vector<SweepRecord>& SweepFile::records() const { return state_->records; }
 
 Result<SweepFile> SweepFile::open(const std::string& path, const SweepInput& input,
                                   const std::string& settings_hash, bool again) {
   auto state = std::make_unique<State>();
   state->path = path;
-  if (auto held = state->take_hold(); !held) return tl::unexpected(held.error());
-  const auto text = read_all(path, state->descriptor);
-  if (!text) return tl::unexpected(text.error());
-  Sorter sorter(input, settings_hash, again);
-  if (auto sorted = sorter.sort(path, *text); !sorted) return tl::unexpected(sorted.error());
-  if (sorter.changed) {
-    auto file = FileWriter::open(path);
-    if (!file) return tl::unexpected(file.error());
-    if (auto done = file->write(sorter.kept); !done) return tl::unexpected(done.error());
-    if (auto done = file->commit(); !done) return tl::unexpected(done.error());
-    if (auto held = state->take_hold(); !held) return tl::unexpected(held.error());
+  FOLDPROOF_TRY(state->open_and_lock());
+  const auto text = FOLDPROOF_TRY(read_all(path, state->descriptor));
+  LineFilter lines(input, settings_hash, again);
+  FOLDPROOF_TRY(lines.read(path, text));
+  if (lines.changed) {
+    auto file = FOLDPROOF_TRY(FileWriter::open(path));
+    FOLDPROOF_TRY(file.write(lines.kept));
+    FOLDPROOF_TRY(file.commit());
+    FOLDPROOF_TRY(state->open_and_lock());
   }
-  state->records = std::move(sorter.records);
+  state->records = std::move(lines.records);
   for (std::size_t i = 0; i < input.motions.size(); ++i) {
-    if (!sorter.done.contains(i)) state->left.push_back(i);
+    if (!lines.done.contains(i)) state->remaining.push_back(i);
   }
   return SweepFile(std::move(state));
 }
 
 Result<void> SweepFile::add(const std::string& line) {
-  auto record = read_sweep_line(line);
-  if (!record) return tl::unexpected(record.error());
-  const ::off_t begin = ::lseek(state_->descriptor, 0, SEEK_END);
+  auto record = FOLDPROOF_TRY(read_sweep_line(line));
+  const ::off_t start = ::lseek(state_->descriptor, 0, SEEK_END);
   const std::string text = line + '\n';
-  for (std::size_t at = 0; at < text.size();) {
-    const ssize_t count = ::write(state_->descriptor, text.data() + at, text.size() - at);
+  for (std::size_t written = 0; written < text.size();) {
+    const ssize_t count = ::write(state_->descriptor, text.data() + written, text.size() - written);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) {
       const int code = errno;
-      // Should this fail, too, the next sweep mends it.
-      [[maybe_unused]] const int cut = ::ftruncate(state_->descriptor, begin);
+      // If this fails too, the next sweep removes the incomplete line.
+      [[maybe_unused]] const int truncated = ::ftruncate(state_->descriptor, start);
       return file_error(state_->path, "cannot be written", code);
     }
-    at += static_cast<std::size_t>(count);
+    written += static_cast<std::size_t>(count);
   }
-  state_->records.push_back(std::move(*record));
+  state_->records.push_back(std::move(record));
   return {};
 }
 

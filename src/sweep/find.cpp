@@ -1,4 +1,4 @@
-// Which files below a directory make a motion together.
+// Groups the files below a directory into motions.
 #include <fmt/format.h>
 #include <sys/stat.h>
 
@@ -16,48 +16,49 @@ namespace {
 namespace fs = std::filesystem;
 using io::FileKind, io::is_kind;
 
-/// What a directory holds, each in natural order.
-struct Folder {
+/// The entries of a directory by kind, each in natural order.
+struct Entries {
   std::vector<std::string> folders, meshes, caches, animations, buffers;
 };
 
-std::error_code list(const std::string& path, Folder& folder) {
+std::error_code list(const std::string& path, Entries& entries) {
   std::error_code status;
   for (fs::directory_iterator at(path, status), end; !status && at != end; at.increment(status)) {
     const std::string file = at->path().string();
     std::error_code ignored;
     if (at->path().filename().string().starts_with('.')) continue;
     if (at->is_directory(ignored)) {
-      // A link could lead round in a circle.
-      if (!at->is_symlink(ignored)) folder.folders.push_back(file);
+      // A link could form a cycle.
+      if (!at->is_symlink(ignored)) entries.folders.push_back(file);
     } else if (is_kind(file, FileKind::Mesh)) {
-      folder.meshes.push_back(file);
+      entries.meshes.push_back(file);
     } else if (is_kind(file, FileKind::PointCache)) {
-      folder.caches.push_back(file);
+      entries.caches.push_back(file);
     } else if (is_kind(file, FileKind::Animation)) {
-      folder.animations.push_back(file);
+      entries.animations.push_back(file);
     } else if (extension_of(file) == ".bin") {
-      folder.buffers.push_back(file);
+      entries.buffers.push_back(file);
     }
   }
-  for (auto* files : {&folder.folders, &folder.meshes, &folder.caches, &folder.animations, &folder.buffers})
+  for (auto* files :
+       {&entries.folders, &entries.meshes, &entries.caches, &entries.animations, &entries.buffers})
     std::sort(files->begin(), files->end(), io::natural_less);
   return status;
 }
 
-/// Size and time go into the results, so that a later sweep knows whether a file is still the same.
-void look_at(SweepMotion& motion, std::span<const std::string> files) {
+/// Adds the size and modification time of files, by which a later sweep recognizes changes.
+void add_status(SweepMotion& motion, std::span<const std::string> files) {
   for (const std::string& file : files) {
     struct ::stat status = {};
-    if (::stat(file.c_str(), &status) != 0) continue;  // opening it will say why
+    if (::stat(file.c_str(), &status) != 0) continue;  // opening the file will report why
     motion.bytes += static_cast<std::uint64_t>(status.st_size);
     motion.modified = std::max(motion.modified,
                                std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec);
   }
 }
 
-/// The name of a frame around its number, which is the last run of digits before the extension; nothing when
-/// there is no number.
+/// A frame's file name with '*' for its number, the last run of digits before the extension; nothing if there
+/// is no number.
 std::optional<std::string> series_of(const std::string& mesh) {
   const fs::path path(mesh);
   const std::string stem = path.stem().string();
@@ -74,50 +75,50 @@ class Finder {
  public:
   explicit Finder(bool poses) : poses_(poses) {}
 
-  void look_below(const std::string& path) {
-    Folder folder;
-    if (list(path, folder)) add(path, {path});  // opening it will say what is wrong
-    for (const std::string& animation : folder.animations) {
-      add(animation, {animation}, extension_of(animation) == ".gltf" ? folder.buffers : kNone);
+  void search(const std::string& path) {
+    Entries entries;
+    if (list(path, entries)) add(path, {path});  // opening the directory will report the error
+    for (const std::string& animation : entries.animations) {
+      add(animation, {animation}, extension_of(animation) == ".gltf" ? entries.buffers : kNone);
     }
-    find_series(path, pair_caches(folder));
-    for (const std::string& below : folder.folders) look_below(below);
+    find_series(path, pair_caches(entries));
+    for (const std::string& child : entries.folders) search(child);
   }
 
   SweepInput input;
 
  private:
-  /// `beside`: files that may be part of it.
+  /// `beside`: files that may belong to it.
   void add(std::string path, std::vector<std::string> files, std::span<const std::string> beside = kNone) {
     std::error_code status;
-    const fs::path whole = fs::canonical(files.back(), status);
-    if (!known_.insert(status ? files.back() : whole.string()).second) return;
+    const fs::path canonical = fs::canonical(files.back(), status);
+    if (!known_.insert(status ? files.back() : canonical.string()).second) return;
     SweepMotion motion{std::move(path), std::move(files)};
-    look_at(motion, motion.files);
-    look_at(motion, beside);
+    add_status(motion, motion.files);
+    add_status(motion, beside);
     input.motions.push_back(std::move(motion));
   }
 
-  /// Each cache moves the mesh of its stem, or the only one there is. Gives the meshes that none moves.
-  std::vector<std::string> pair_caches(const Folder& folder) {
-    std::map<fs::path, std::string> by_stem;  // the first mesh of each
-    for (const std::string& mesh : folder.meshes) by_stem.emplace(fs::path(mesh).stem(), mesh);
-    std::set<std::string> moved;
-    for (const std::string& cache : folder.caches) {
+  /// Pairs each cache with the mesh of the same stem, or with the only mesh. Returns the unpaired meshes.
+  std::vector<std::string> pair_caches(const Entries& entries) {
+    std::map<fs::path, std::string> by_stem;  // the first mesh of each stem
+    for (const std::string& mesh : entries.meshes) by_stem.emplace(fs::path(mesh).stem(), mesh);
+    std::set<std::string> paired;
+    for (const std::string& cache : entries.caches) {
       const auto mesh = by_stem.find(fs::path(cache).stem());
       if (mesh != by_stem.end()) {
-        moved.insert(mesh->second);
+        paired.insert(mesh->second);
         add(cache, {mesh->second, cache});
-      } else if (folder.meshes.size() == 1) {
-        moved.insert(folder.meshes[0]);
-        add(cache, {folder.meshes[0], cache});
+      } else if (entries.meshes.size() == 1) {
+        paired.insert(entries.meshes[0]);
+        add(cache, {entries.meshes[0], cache});
       } else {
-        add(cache, {cache});  // opening it will say that there is no mesh
+        add(cache, {cache});  // opening it will report the missing mesh
       }
     }
-    std::vector<std::string> left = folder.meshes;
-    std::erase_if(left, [&](const std::string& mesh) { return moved.contains(mesh); });
-    return left;
+    std::vector<std::string> unpaired = entries.meshes;
+    std::erase_if(unpaired, [&](const std::string& mesh) { return paired.contains(mesh); });
+    return unpaired;
   }
 
   void find_series(const std::string& path, const std::vector<std::string>& meshes) {
@@ -136,7 +137,7 @@ class Finder {
 
   static inline const std::vector<std::string> kNone;
   bool poses_;
-  std::set<std::string> known_;  // whole paths, for directories that overlap
+  std::set<std::string> known_;  // canonical paths, since directories may overlap
 };
 
 }  // namespace
@@ -146,15 +147,18 @@ Result<SweepInput> find_motions(std::span<const std::string> directories, bool p
   for (std::string directory : directories) {
     while (directory.size() > 1 && directory.back() == '/') directory.pop_back();
     std::error_code status;
-    if (!fs::exists(directory, status)) return fail(directory, "is not there", "check its name");
+    if (!fs::exists(directory, status))
+      return fail(ErrorCode::FileAccess, directory, "is not there", "check its name");
     if (!fs::is_directory(directory, status)) {
-      return fail(directory, "is no directory",
+      return fail(ErrorCode::FileAccess, directory, "is no directory",
                   "name the directory that it lies in, or check it alone with 'foldproof check'");
     }
     fs::directory_iterator opened(directory, status);
-    if (status) return fail(directory, "cannot be listed: " + status.message(), "check the permissions");
+    if (status)
+      return fail(ErrorCode::FileAccess, directory, "cannot be listed: " + status.message(),
+                  "check the permissions");
     finder.input.directories.push_back(directory);
-    finder.look_below(directory);
+    finder.search(directory);
   }
   auto& motions = finder.input.motions;
   std::stable_sort(motions.begin(), motions.end(),

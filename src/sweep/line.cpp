@@ -1,10 +1,11 @@
-// A motion's check as a line of JSON, and back.
+// Checks a motion and converts the result to a line of JSON, and back.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <new>
 
+#include "base/try.h"
 #include "io/readers.h"
 #include "report/json_values.h"
 #include "sweep/sweep.h"
@@ -17,9 +18,8 @@ Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const Rea
       motion.files.size() > 2 ||
       (motion.files.size() == 2 && extension_of(motion.files[0]) == extension_of(motion.files[1]));
   if (!frames) {
-    auto opened = open_motions(motion.files, options);
-    if (!opened) return tl::unexpected(opened.error());
-    return std::move(opened->front());
+    auto opened = FOLDPROOF_TRY(open_motions(motion.files, options));
+    return std::move(opened.front());
   }
   auto opened = io::open_sequence(motion.path, motion.files);
   if (opened && options.weld) opened = io::weld(std::move(*opened));
@@ -40,28 +40,26 @@ void set_failed(Json& line, const Error& error) {
   line["error"] = error.line();
 }
 
-/// Fills in what is found. False when the check was cancelled.
+/// Checks a motion and adds the results to `line`. False if the check was cancelled.
 Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSettings& settings,
                         const CheckHooks& hooks) {
-  auto motion = open_motion(found, settings.read);
-  if (!motion) return tl::unexpected(motion.error());
-  const Topology& topology = (*motion)->topology();
+  auto motion = FOLDPROOF_TRY(open_motion(found, settings.read));
+  const Topology& topology = motion->topology();
   const auto model = std::find_if(settings.models.begin(), settings.models.end(),
                                   [&](const auto& m) { return m->hierarchy()->topology() == topology; });
   CheckSettings check = settings.check;
-  check.step.max_listed = 0;  // only numbers are kept
+  check.step.max_listed = 0;  // only counts are needed
   if (model != settings.models.end()) check.models = {*model};
-  const Json object = objects_json(std::span(&*motion, 1), check)[0];
+  const Json object = objects_json(std::span(&motion, 1), check)[0];
   for (const char* key : {"vertices", "triangles", "frames", "model"}) line[key] = object[key];
-  if (!check.poses && check.steps_only && (*motion)->frame_count() == 1) {
+  if (!check.poses && check.steps_only && motion->frame_count() == 1) {
     line["state"] = name_of(SweepState::Still);
     return true;
   }
-  const auto totals = run_check(std::span(&*motion, 1), check, {}, hooks);
-  if (!totals) return tl::unexpected(totals.error());
-  line["state"] = name_of(totals->clean() ? SweepState::Clean : SweepState::Collides);
-  line["totals"] = totals_json(*totals, check.poses, false);
-  return !totals->cancelled;
+  const auto totals = FOLDPROOF_TRY(run_check(std::span(&motion, 1), check, {}, hooks));
+  line["state"] = name_of(totals.clean() ? SweepState::Clean : SweepState::Collides);
+  line["totals"] = totals_json(totals, check.poses, false);
+  return !totals.cancelled;
 }
 
 Result<SweepState> state_of(const std::string& name) {
@@ -69,21 +67,21 @@ Result<SweepState> state_of(const std::string& name) {
        {SweepState::Clean, SweepState::Collides, SweepState::Failed, SweepState::Still}) {
     if (name == name_of(state)) return state;
   }
-  return fail(name, "is no state", "remove the line");
+  return fail(ErrorCode::InvalidFile, name, "is no state", "remove the line");
 }
 
-/// Takes the numbers that a checked motion has.
+/// Reads the fields of a checked motion.
 void read_totals(const Json& totals, SweepRecord& record) {
   totals.at("steps").get_to(record.steps);
   totals.at("steps_with_collisions").get_to(record.steps_with_collisions);
   for (const auto& [kind, count] : totals.at("collisions").items())
     record.collisions += count.get<std::uint64_t>();
   const auto frame = [&](const char* key) -> std::optional<std::uint64_t> {
-    const Json& place = totals.at(key);
-    if (place.is_null()) return std::nullopt;
-    return place.at("frame").get<std::uint64_t>();
+    const Json& step = totals.at(key);
+    if (step.is_null()) return std::nullopt;
+    return step.at("frame").get<std::uint64_t>();
   };
-  // Lines of before the first frame was asked have none.
+  // Lines of older versions lack it.
   if (totals.contains("starts_crossing") && !totals.at("starts_crossing").is_null())
     record.starts_crossing = totals.at("starts_crossing").get<std::uint64_t>();
   record.first_frame = frame("earliest");
@@ -153,9 +151,7 @@ Result<SweepRecord> read_sweep_line(const std::string& line) {
     json.at("bytes").get_to(record.bytes);
     json.at("modified").get_to(record.modified);
     json.at("seconds").get_to(record.seconds);
-    const auto state = state_of(json.at("state").get<std::string>());
-    if (!state) return tl::unexpected(state.error());
-    record.state = *state;
+    record.state = FOLDPROOF_TRY(state_of(json.at("state").get<std::string>()));
     if (json.contains("error")) json.at("error").get_to(record.error);
     if (json.contains("vertices")) {
       json.at("vertices").get_to(record.vertices);
@@ -166,7 +162,7 @@ Result<SweepRecord> read_sweep_line(const std::string& line) {
     if (json.contains("totals")) read_totals(json.at("totals"), record);
     return record;
   } catch (const Json::exception&) {
-    return fail("the line", "is no result of a sweep", "name another file");
+    return fail(ErrorCode::InvalidFile, "the line", "is no result of a sweep", "name another file");
   }
 }
 

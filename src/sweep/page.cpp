@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/try.h"
 #include "report/json_values.h"
 #include "report/text_file.h"
 #include "sweep/sweep.h"
@@ -11,8 +12,8 @@
 namespace foldproof {
 namespace {
 
-/// Sorts by the column whose heading is clicked, the other way round on the next click. What follows is its
-/// SHA-256 in base64, without which a browser does not run it; a test computes it anew.
+/// Sorts by the column whose heading is clicked, in reverse on the next click. Its SHA-256 in base64 follows,
+/// without which browsers do not run it; a test recomputes it.
 constexpr const char* kScript = R"(
 document.querySelectorAll("th").forEach((head, column) => {
   head.tabIndex = 0;
@@ -47,7 +48,7 @@ th:first-child, td:first-child { text-align: left; overflow-wrap: anywhere; }
 @media (prefers-color-scheme: dark) { .collides { color: #f77; } .failed { color: #fb5; } .starts { color: #e79bc8; } }
 )";
 
-/// Text in HTML, where a name's bytes are no UTF-8 with U+FFFD.
+/// Escapes text for HTML. Invalid UTF-8 becomes U+FFFD.
 std::string html(const std::string& text) {
   std::string safe;
   for (const char c : Json::parse(dump(text)).get<std::string>()) {
@@ -75,7 +76,7 @@ std::string frame_cell(const std::optional<std::uint64_t>& frame) {
   return frame ? fmt::format("<td>{}</td>", *frame) : "<td data-v=\"-1\"></td>";
 }
 
-/// What a reader wants to see comes first.
+/// Sort order: what needs attention comes first.
 int rank_of(SweepState state) {
   switch (state) {
     case SweepState::Collides:
@@ -126,7 +127,7 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
   file.add("<span class=\"failed\">{} failed</span>, {} {}, {} of a single pose.</p>\n", counts[1], counts[2],
            info.steps_only ? "in whose steps no contact begins" : "clean", counts[3]);
   if (info.steps_only)
-    file.add("<p>Only the steps were asked: what crosses from the first frame on is not told.</p>\n");
+    file.add("<p>Only the steps were checked: crossings from the first frame on were not tested.</p>\n");
   file.add("<details><summary>How this was made</summary><p>Foldproof {}, {:.1f} s of checking.</p>",
            version(), seconds);
   file.add("<p><code>{}</code></p></details>\n", html(info.command));
@@ -136,9 +137,8 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
 
 Result<void> write_sweep_page(const std::string& path, std::span<const SweepRecord> records,
                               const SweepPageInfo& info) {
-  auto opened = FileWriter::open(path);
-  if (!opened) return tl::unexpected(opened.error());
-  TextFile file(std::move(*opened));
+  auto opened = FOLDPROOF_TRY(FileWriter::open(path));
+  TextFile file(std::move(opened));
   add_head(file, records, info);
   file.add("<table>\n<thead><tr><th>motion</th><th>state</th><th>{1}</th><th>{2}</th><th>colliding {0}</th>",
            info.poses ? "poses" : "steps", "crossing pairs of the first frame", "colliding pairs");
@@ -155,7 +155,7 @@ Result<void> write_sweep_page(const std::string& path, std::span<const SweepReco
   });
   for (const SweepRecord* record : sorted) {
     add_row(file, *record);
-    if (auto done = file.flush_if_large(); !done) return done;
+    FOLDPROOF_TRY(file.flush_if_large());
   }
   file.add("</tbody>\n</table>\n<script>{}</script>\n</body>\n</html>\n", kScript);
   return file.commit();

@@ -1,4 +1,4 @@
-/// Sweeps: a whole library of motions is checked, with one line of JSON for each (docs/sweep.md).
+/// Sweeps: check a whole library of motions, with one line of JSON for each (docs/sweep.md).
 #pragma once
 
 #include <deque>
@@ -12,49 +12,49 @@
 
 namespace foldproof {
 
-/// A motion that lies below a directory.
+/// A motion found below a directory.
 struct SweepMotion {
-  std::string path;  ///< Its name in results: a file, or the directory of its frames, as far as it was typed.
+  std::string path;  ///< Its name in results: a file, or the directory of its frames; relative as given.
   std::vector<std::string> files;  ///< One file; a mesh and its point cache; or frames in order.
-  std::uint64_t bytes = 0;         ///< Of all its files.
-  std::int64_t modified = 0;       ///< When the newest of them was, nanoseconds since 1970.
+  std::uint64_t bytes = 0;         ///< Size of all its files.
+  std::int64_t modified = 0;       ///< Modification time of the newest file, nanoseconds since 1970.
 };
 
 struct SweepInput {
   std::vector<std::string> directories;  ///< As given, without '/' at their ends.
-  std::vector<SweepMotion> motions;      ///< By path, ascending; none twice.
-  std::uint64_t single_meshes = 0;       ///< Mesh files that are left over, as nothing moves them.
+  std::vector<SweepMotion> motions;      ///< Sorted by path, without duplicates.
+  std::uint64_t single_meshes = 0;       ///< Number of mesh files that belong to no motion.
 };
 
-/// Finds the motions below directories, in the way that docs/sweep.md says. Hidden files and directories, and
-/// links to directories, are passed over. `poses`: single meshes count as motions. What cannot be opened is
-/// found as well. Error: one of `directories` is none.
+/// Finds the motions below directories (docs/sweep.md). Skips hidden files and directories, and links to
+/// directories. `poses`: single meshes count as motions. Motions that cannot be opened are found as well.
+/// Error: one of `directories` is not a readable directory.
 Result<SweepInput> find_motions(std::span<const std::string> directories, bool poses = false);
 
 /// How each motion is checked.
 struct SweepSettings {
   CheckSettings check;  ///< Without models.
   ReadOptions read;
-  std::vector<std::shared_ptr<const Model>> models;  ///< The first of a motion's mesh is used.
+  std::vector<std::shared_ptr<const Model>> models;  ///< The first one of a motion's mesh is used.
 };
 
-/// Tells settings apart that may give other answers: 16 hexadecimal digits. Models, certificates and the
-/// number of threads do not count; the library's version does.
+/// A hash of the settings that may change answers: 16 hexadecimal digits. It covers the library's version,
+/// but not models, certificates or the number of threads.
 std::string settings_hash(const SweepSettings& settings);
 
 enum class SweepState : std::uint8_t {
   Clean,  ///< With CheckSettings::steps_only: no contact begins in a step.
   Collides,
-  Failed,  ///< Could not be read to its end.
-  Still,   ///< A single pose, and CheckSettings::steps_only: nothing was asked.
+  Failed,  ///< A frame could not be read.
+  Still,   ///< A single pose with CheckSettings::steps_only: nothing to check.
 };
 
 /// "clean", "collides", "failed", "still".
 const char* name_of(SweepState state);
 
-/// What a line of results says.
+/// The content of a line of results.
 struct SweepRecord {
-  std::string path, settings, error, model;  ///< Error and model: empty without.
+  std::string path, settings, error, model;  ///< Error and model: empty if there is none.
   SweepState state = SweepState::Failed;
   std::uint64_t bytes = 0;
   std::int64_t modified = 0;
@@ -62,40 +62,39 @@ struct SweepRecord {
   std::uint64_t vertices = 0, triangles = 0, frames = 0;
   std::uint64_t steps = 0, steps_with_collisions = 0, collisions = 0;
   std::optional<std::uint64_t> starts_crossing;           ///< CheckTotals::starts_crossing.
-  std::optional<std::uint64_t> first_frame, worst_frame;  ///< Where the first and the worst step begin.
+  std::optional<std::uint64_t> first_frame, worst_frame;  ///< Of the first and the worst colliding step.
 };
 
-/// Error: not a line of ours.
+/// Error: not a line of results.
 Result<SweepRecord> read_sweep_line(const std::string& line);
 
-/// Checks a motion: its line of JSON, without the line's end; none when `hooks.cancel` ended the check. A
-/// motion that cannot be read or does not fit into memory is a line, too.
+/// Checks a motion and returns its line of JSON, without the line end; none if `hooks.cancel` ended the
+/// check. A motion that cannot be read or does not fit into memory gives a line, too.
 std::optional<std::string> sweep_line(const SweepMotion& motion, const SweepSettings& settings,
                                       const CheckHooks& hooks = {});
 
-/// The line of a motion that cannot be checked for a reason outside of it.
+/// The line of a motion that could not be checked.
 std::string failed_sweep_line(const SweepMotion& motion, const SweepSettings& settings, const Error& error);
 
-/// The file of results: one line per motion, written as they come. Whenever the program ends, what stands
-/// there are whole lines, and maybe the begin of one, which the next `open` takes away.
+/// The file of results: one line per motion, written as they come. Whenever the program ends, the file has
+/// complete lines, and possibly the start of one more, which the next `open` removes.
 class SweepFile {
  public:
-  /// Keeps the lines of `input`'s motions that stand for the same bytes, time and settings, and takes away
-  /// the others of these motions, and those below the input's directories that are not there any more. Lines
-  /// of motions elsewhere stay. `again`: keeps none of the input's. Error: the file cannot be written,
-  /// has other things in it, or another sweep is writing to it.
+  /// Opens or creates the file. Of `input`'s motions it keeps lines with the same bytes, time and settings
+  /// and removes the others. It also removes lines of motions that no longer exist below the input's
+  /// directories; lines of other motions stay. `again`: keeps no line of the input's motions. Error: the file
+  /// cannot be written, has other content, or another sweep is writing to it.
   static Result<SweepFile> open(const std::string& path, const SweepInput& input,
                                 const std::string& settings_hash, bool again);
   SweepFile(SweepFile&&) noexcept;
   SweepFile& operator=(SweepFile&&) noexcept;
   ~SweepFile();
 
-  /// Numbers of the input's motions that have no line yet.
-  const std::vector<std::size_t>& left() const;
-  /// Of the input's motions: those kept first, then those added.
+  /// Indices of the input's motions that have no line yet.
+  const std::vector<std::size_t>& remaining() const;
+  /// The records of the input's motions: first those kept, then those added.
   const std::vector<SweepRecord>& records() const;
-  /// The line has been given to the system whole when this returns. Error: it cannot be written, and then no
-  /// part of it stands there.
+  /// Writes a complete line. Error: it cannot be written; then no part of it is in the file.
   Result<void> add(const std::string& line);
 
  private:
@@ -104,37 +103,37 @@ class SweepFile {
   std::unique_ptr<State> state_;
 };
 
-/// Hands work out to several workers, the largest first.
+/// Distributes motions to workers, the largest first.
 class SweepQueue {
  public:
-  /// `todo`: numbers of `motions`.
+  /// `todo`: indices of `motions`.
   SweepQueue(std::span<const SweepMotion> motions, std::vector<std::size_t> todo);
 
-  /// What a worker is to do next; none when nothing is left to hand out.
-  std::optional<std::size_t> take(int worker);
-  /// A worker's answer has come. False when another gave it before.
+  /// Assigns the next motion to a worker; none when the queue is empty.
+  std::optional<std::size_t> assign(int worker);
+  /// Call it when a worker has answered. False if another worker has answered for this motion before.
   bool finish(int worker, std::size_t motion);
-  /// A worker is gone. Its motion goes to another, unless it is the second worker that was lost over it: then
-  /// this gives the motion, which counts as finished.
-  std::optional<std::size_t> lose(int worker);
-  bool finished() const { return open_.empty(); }
+  /// Call it when a worker is lost. Its motion returns to the queue. If the motion has lost a second worker,
+  /// it counts as finished, and is returned.
+  std::optional<std::size_t> worker_lost(int worker);
+  bool finished() const { return unfinished_.empty(); }
 
  private:
-  std::deque<std::size_t> waiting_;
-  std::map<std::size_t, int> open_;  ///< Unfinished ones, and how many workers were lost over each.
-  std::map<int, std::size_t> taken_;
+  std::deque<std::size_t> queue_;
+  std::map<std::size_t, int> unfinished_;  ///< Motions, and how many workers each has lost.
+  std::map<int, std::size_t> assigned_;    ///< By worker.
 };
 
-/// What the summary page says besides the records.
+/// Input of the summary page besides the records.
 struct SweepPageInfo {
-  std::string command;  ///< What was typed.
+  std::string command;  ///< The command line.
   std::vector<std::string> directories;
   bool poses = false;
   bool steps_only = false;
 };
 
-/// One HTML file that opens anywhere: a table of all records, those that collide or failed first, sorted by a
-/// click on a column. Names are text in it, whatever they hold. Error: it cannot be written.
+/// Writes a self-contained HTML file: a table of all records, those that collide or failed first, sortable by
+/// column. Names are escaped. Error: it cannot be written.
 Result<void> write_sweep_page(const std::string& path, std::span<const SweepRecord> records,
                               const SweepPageInfo& info);
 

@@ -6,10 +6,10 @@ namespace foldproof::adversary {
 namespace {
 
 // How often a smaller case is tried.
-constexpr int kMostTries = 2000;
+constexpr int kMaxTries = 2000;
 
 bool fails(const Case& c, int& tries) {
-  if (c.objects.empty() || c.steps.empty() || ++tries > kMostTries) return false;
+  if (c.objects.empty() || c.steps.empty() || ++tries > kMaxTries) return false;
   Tally unused;
   return !run_case(c, unused).empty();
 }

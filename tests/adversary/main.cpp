@@ -16,7 +16,7 @@ namespace foldproof::adversary {
 namespace {
 
 // A case takes milliseconds.
-constexpr long kMostSeconds = 20;
+constexpr long kMaxSeconds = 20;
 
 struct Options {
   double seconds = 10;
@@ -94,7 +94,7 @@ int search(const Options& options) {
   for (std::uint64_t number = options.first;
        options.single ? number == options.first : seconds() < options.seconds; ++number) {
     now_case = number;
-    let_run(kMostSeconds);
+    let_run(kMaxSeconds);
     Source source = numbered(options.seed, number);
     const Case c = make_case(source);
     const std::string scene = run_case(c, tally), wrong = scene.empty() ? ask_touching(source, tally) : scene;

@@ -16,7 +16,7 @@ namespace {
 using oracle::Kind;
 
 // How many questions of a step exact arithmetic is asked at most: it costs as much as all the rest.
-constexpr int kMostExact = 12, kMostApproaches = 4;
+constexpr int kMaxExact = 12, kMaxApproaches = 4;
 
 struct Feature {
   std::array<Index, 3> vertices;
@@ -165,7 +165,7 @@ class StepCheck {
   }
 
   bool may_ask() {
-    const int most = ccd_.thickness == 0 ? kMostExact : kMostApproaches;
+    const int most = ccd_.thickness == 0 ? kMaxExact : kMaxApproaches;
     if (exact_ >= most || rng_() % 4 == 0) return false;
     ++exact_;
     ++tally_.asked;

@@ -71,7 +71,7 @@ std::string check_reduced(const Case& c, Tally& tally) {
     Poses x[2];
     for (int k = 0; k < 4; ++k) {
       x[k % 2].emplace_back(3 * std::size_t{o.vertex_count});
-      place_vertices(*motion, {p[k]}, x[k % 2].back());
+      pose_vertices(*motion, {p[k]}, x[k % 2].back());
     }
     const std::vector<std::span<const double>> x0(x[0].begin(), x[0].end()), x1(x[1].begin(), x[1].end());
     settings.tolerance = reduced.tolerance;

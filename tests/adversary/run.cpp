@@ -172,7 +172,7 @@ class Player {
   std::string play(const Step& step) {
     ++tally_.steps;
     StepSettings plain = step.settings;
-    plain.certificates = plain.ahead = plain.earliest_only = false;
+    plain.certificates = plain.look_ahead = plain.earliest_only = false;
     const auto all_targets = targets();
     {
       now_doing = "a step for itself";
@@ -198,11 +198,11 @@ class Player {
     StepResult result;
     std::string wrong = check(*main_, step, maybe_explained(step.settings), result);
     if (wrong.empty()) wrong = differs(step, result, expected_);
-    tally_.served += result.searched == 0;
+    tally_.served += result.search_steps == 0;
     return wrong.empty()
                ? ""
                : fmt::format("the long-lived checker (searched {}) differs from one without certificates: {}",
-                             result.searched, wrong);
+                             result.search_steps, wrong);
   }
 
   // Numbers that are none, in the middle of a motion that may be served.
@@ -347,7 +347,7 @@ class Player {
       std::optional<StepChecker>& checker = which == 0 ? without_ahead_ : without_certificates_;
       if (!checker) checker.emplace(own_);
       StepSettings settings = step.settings;
-      (which == 0 ? settings.ahead : settings.certificates) = false;
+      (which == 0 ? settings.look_ahead : settings.certificates) = false;
       settings = maybe_explained(settings);
       StepResult result;
       std::string wrong = check(*checker, step, settings, result);

@@ -73,7 +73,7 @@ struct SolverCheck::Impl {
   std::string candidates(const Pose& x0, const Pose& x1, double inflation, Tally& tally);
   std::string candidates_going_on(Pose x0, Pose x1, double inflation, std::mt19937_64& rng, Tally& tally);
   std::string intersections(const Pose& x, Tally& tally);
-  std::string least_distance(const Pose& x, double bound, Tally& tally);
+  std::string min_distance(const Pose& x, double bound, Tally& tally);
 };
 
 SolverCheck::~SolverCheck() = default;
@@ -223,7 +223,7 @@ std::string SolverCheck::Impl::intersections(const Pose& x, Tally& tally) {
   return answer.is_yes() ? "has_intersections says so, but no two elements meet" : "";
 }
 
-std::string SolverCheck::Impl::least_distance(const Pose& x, double bound, Tally& tally) {
+std::string SolverCheck::Impl::min_distance(const Pose& x, double bound, Tally& tally) {
   now_doing = "minimum_distance";
   const auto answer = checker->minimum_distance(x, bound);
   if (!answer) return "minimum_distance is refused: " + answer.error().line();
@@ -262,7 +262,7 @@ std::string SolverCheck::check(const Step& step, std::mt19937_64& rng, Tally& ta
       const double bounds[] = {0,           side,     distance,
                                side * 1e-6, 4 * side, 0x1p-1074 * static_cast<double>(1 + rng() % 1000),
                                1e-300};
-      return impl_->least_distance(x0, bounds[rng() % std::size(bounds)], tally);
+      return impl_->min_distance(x0, bounds[rng() % std::size(bounds)], tally);
     }
     default:
       return impl_->steps(x0, x1, distance, tally);

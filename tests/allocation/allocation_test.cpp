@@ -159,10 +159,10 @@ TEST(ReducedShape, ProvesWithoutAllocating) {
   const std::vector<double> p0{0, 0}, near{0.5 * shape->radius(0) * shape->motion()->deviations()[0], 0},
       far{40 * near[0], 0};
   EXPECT_EQ(shape->proven_free(p0, near, scratch), ReducedProof::Free);
-  EXPECT_EQ(shape->find_open(p0, far, scratch), ReducedProof::Open);
+  EXPECT_EQ(shape->find_unproven(p0, far, scratch), ReducedProof::Unproven);
   const long before = allocations;
   shape->proven_free(p0, near, scratch);
-  shape->find_open(p0, far, scratch);
+  shape->find_unproven(p0, far, scratch);
   EXPECT_EQ(allocations - before, 0);
 }
 

@@ -31,9 +31,8 @@ struct Scene : TemporaryDirectory {
 };
 
 // --- Answers
-// ------------------------------------------------------------------------------------------------------
 
-TEST(Check, ExitCodesTellTheAnswer) {
+TEST(Check, ExitCodesReportTheAnswer) {
   const Scene scene;
   EXPECT_EQ(check_in(scene, {"clean"}).code, 0);
   EXPECT_EQ(check_in(scene, {"sink"}).code, 1);
@@ -44,7 +43,7 @@ TEST(Check, ExitCodesTellTheAnswer) {
   EXPECT_EQ(check_in(scene, {"sink", "--frames", "1:3"}).code, 1);
 }
 
-TEST(Check, SummaryTellsWhatAPersonAsks) {
+TEST(Check, SummaryHasTheMainResults) {
   const Scene scene;
   const Outcome found = check_in(scene, {"sink"});
   for (const char* part :
@@ -58,8 +57,8 @@ TEST(Check, SummaryTellsWhatAPersonAsks) {
               HasSubstr("No collisions: no triangles cross in frame 0, and all 2 steps are proven free.\n"));
 }
 
-// Two half-merged spheres that move together come into no contact, and yet one goes through the other.
-TEST(Check, WhatCrossesFromTheStartIsSaidEverywhere) {
+// Two overlapping spheres that move together have no new contact, and yet intersect.
+TEST(Check, CrossingsFromTheStartAreInAllReports) {
   const TemporaryDirectory directory;
   ASSERT_TRUE(write_npz(directory / "merged.npz", *two_spheres(1.03)));
   ASSERT_TRUE(write_npz(directory / "apart.npz", *two_spheres(2.5)));
@@ -88,9 +87,8 @@ TEST(Check, WhatCrossesFromTheStartIsSaidEverywhere) {
 
   const Outcome steps = check_in(directory, {"merged.npz", "--steps-only", "--json", "b.json"});
   EXPECT_EQ(steps.code, 0);
-  EXPECT_THAT(steps.out,
-              HasSubstr("No contact begins in all 2 steps, proven. What crosses from frame 0 on was "
-                        "not asked (--steps-only).\n"));
+  EXPECT_THAT(steps.out, HasSubstr("No contact begins in all 2 steps, proven. Crossings from frame 0 on were "
+                                   "not tested (--steps-only).\n"));
   EXPECT_TRUE(json::parse(read_file(directory / "b.json"))["totals"]["starts_crossing"].is_null());
   EXPECT_THAT(steps.out, Not(HasSubstr("free")));
 
@@ -100,7 +98,7 @@ TEST(Check, WhatCrossesFromTheStartIsSaidEverywhere) {
               HasSubstr("No collisions: no triangles cross in frame 0, and all 2 steps are proven free.\n"));
 }
 
-TEST(Check, ASingleFrameIsAMotionThatStandsStill) {
+TEST(Check, ASingleFrameIsAStepWithoutMotion) {
   const Scene scene;
   const Outcome crossing = check_in(scene, {"pose.obj"});
   EXPECT_EQ(crossing.code, 1);
@@ -128,7 +126,7 @@ TEST(Check, QuietPrintsNothing) {
   EXPECT_EQ(found.err, "");
 }
 
-TEST(Check, ReportsGoWhereTheyAreWanted) {
+TEST(Check, ReportsGoToTheirFiles) {
   const Scene scene;
   const Outcome found =
       check_in(scene, {"sink", "--json", "a.json", "--pairs", "--csv", "a.csv", "--ply", "a.ply"});
@@ -151,12 +149,12 @@ TEST(Check, PairsWithoutAFileAreListed) {
   EXPECT_THAT(check_in(scene, {"pose.obj", "--static", "--pairs"}).out, HasSubstr("face 0 crosses face 1"));
 }
 
-TEST(Check, ALimitLeavesPairsOutButCountsThem) {
+TEST(Check, ALimitListsFewerPairsButCountsAll) {
   const Scene scene;
-  const std::string told = check_in(scene, {"sink", "--pairs", "--limit", "1"}).out;
-  EXPECT_THAT(told, HasSubstr("frame 2 substep 0\n  1 of 2 pairs:\n"));
-  EXPECT_THAT(told, HasSubstr("colliding pairs         3 "));
-  EXPECT_THAT(told, HasSubstr("  listed                2 of 3 "));
+  const std::string out = check_in(scene, {"sink", "--pairs", "--limit", "1"}).out;
+  EXPECT_THAT(out, HasSubstr("frame 2 substep 0\n  1 of 2 pairs:\n"));
+  EXPECT_THAT(out, HasSubstr("colliding pairs         3 "));
+  EXPECT_THAT(out, HasSubstr("  listed                2 of 3 "));
   EXPECT_THAT(check_in(scene, {"sink"}).out, Not(HasSubstr("listed")));
 }
 
@@ -198,7 +196,6 @@ TEST(Check, HelpAndVersion) {
 }
 
 // --- Errors
-// -------------------------------------------------------------------------------------------------------
 
 struct Mistake {
   std::vector<std::string> arguments;
@@ -353,7 +350,6 @@ TEST(Check, AFullDiskBehindStandardOutputIsAnError) {
 }
 
 // --- Threads
-// ------------------------------------------------------------------------------------------------------
 
 /// Two wavy sheets that pass through each other, so that many pairs collide.
 std::unique_ptr<Motion> waves(double phase, double direction) {
@@ -379,7 +375,7 @@ std::unique_ptr<Motion> waves(double phase, double direction) {
   return memory_motion("waves", *Topology::make(kSide * kSide, std::move(triangles)), std::move(frames));
 }
 
-/// Without the values that a clock makes.
+/// Removes measured times.
 std::string without_times(std::string text) {
   const std::string key = "\"milliseconds\":{";
   for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + key.size())) {

@@ -1,4 +1,4 @@
-// foldproof check --explain, as a person types it.
+// foldproof check --explain, on the command line.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

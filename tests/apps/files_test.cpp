@@ -1,4 +1,4 @@
-// What outputs may be called: never what is read, and nothing that cannot be written.
+// Names of outputs: never an input, and only what can be written.
 #include <gmock/gmock.h>
 
 #include <csignal>
@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 namespace fs = std::filesystem;
 
-/// A motion in every form that is read, each under several names.
+/// A motion in every input format, with several names for the same files.
 struct Inputs : TemporaryDirectory {
   Inputs() {
     const auto motion = bending_tube(kSmallTube, {0, 0.5, 1, 1.5});
@@ -96,7 +96,6 @@ TEST(FileArguments, NothingIsWrittenOverWhatIsRead) {
       {{"info", "tube.model", "--json", "tube.model"}, "(MODEL tube.model)"},
       {{"sweep", "lib", "-o", "lib/deep/a.npz"}, "(DIR lib)"},
       {{"sweep", "lib", "-o", "r.jsonl", "--summary", "lib/deep/a.npz"}, "--summary lib/deep/a.npz"},
-      {{"reproduce", "--data", "lib", "--force", "-o", "./lib"}, "(--data lib)"},
   };
   for (const auto& [words, said] : clashes) expect_one_line_error(inputs.run(words), said);
   EXPECT_EQ(inputs.bytes(), before);
@@ -119,7 +118,7 @@ TEST(FileArguments, TwoOutputsAreTwoFiles) {
   EXPECT_EQ(inputs.bytes(), before);
 }
 
-/// Commands up to the name of an output. What they read is not there: that is found out later.
+/// Commands up to the name of an output. Their inputs do not exist, which is noticed later.
 const std::vector<Words> kOutputs{
     {"check", "none", "--json"},       {"check", "none", "--csv"},
     {"check", "none", "--ply"},        {"check", "none", "--vtk"},
@@ -149,14 +148,11 @@ TEST(FileArguments, OutputsNameWhatCanBeWrittenBeforeAnythingIsRead) {
     expect_one_line_error(with(std::string(300, 'x') + ".npz"), "cannot be written: the name is too long");
     expect_one_line_error(with("p.csv/a.npz"),
                           option + " p.csv/a.npz: cannot be written: 'p.csv' is no directory");
-    // And with a good name it is the input that is complained of.
+    // With a valid name, the error is about the input.
     const Outcome outcome = with("new.npz");
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.err, StartsWith("foldproof: none")) << ::testing::PrintToString(words);
   }
-  expect_one_line_error(inputs.run({"reproduce", "-o", ""}),
-                        "-o: names nothing; name the directory to write");
-  expect_one_line_error(inputs.run({"reproduce", "-o", "a.npz"}), "-o a.npz: is no directory");
   for (const Words& words : {Words{"predict", "none", "none"}, Words{"suggest", "none"},
                              Words{"radius", "none", "--sample", "1"}}) {
     Words all = words;
@@ -196,7 +192,7 @@ TEST(FileArguments, WhatIsNotReadMayBeReplaced) {
   good({"sweep", "lib", "--quiet", "-o", "lib/r.jsonl", "--summary", "lib/page.html"});
 }
 
-/// What a full disk leaves: an error, and nothing else.
+/// A full disk causes an error and leaves no files.
 TEST(FileArguments, AFullDiskIsAnErrorAndLeavesNothing) {
   const Inputs inputs;
   for (const char* name : {"full.npz", "full.obj", "full.ply", "full.png"})
@@ -251,16 +247,16 @@ TEST(FileArguments, InputsHaveNames) {
 /// Interrupts a program that is at work.
 Outcome interrupted(const Inputs& inputs, const Words& words, int signal = SIGINT) {
   return run_program(words, {.directory = inputs.path(), .while_it_runs = [&](pid_t child) {
-                               // From the time on when it takes the signal itself.
+                               // Wait until the program handles the signal.
                                const std::string status = "/proc/" + std::to_string(child) + "/status";
-                               const auto takes_it = [&] {
+                               const auto handles_it = [&] {
                                  const std::string text = read_file(status);
                                  const std::size_t at = text.find("SigCgt:");
                                  if (at == text.npos) return true;
                                  return (std::stoull(text.substr(at + 7), nullptr, 16) >> (SIGINT - 1) & 1) !=
                                         0;
                                };
-                               for (int k = 0; k < 60'000 && !takes_it(); ++k)
+                               for (int k = 0; k < 60'000 && !handles_it(); ++k)
                                  std::this_thread::sleep_for(std::chrono::milliseconds(1));
                                ::kill(child, signal);
                              }});

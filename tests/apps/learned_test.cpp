@@ -1,4 +1,4 @@
-// train, info, predict and suggest as a person uses them to learn shapes.
+// train, info, predict and suggest on the command line to learn shapes.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -60,19 +60,19 @@ TEST(LearnedProgram, TrainReportsWhatWasLearned) {
   EXPECT_EQ(learned["modes"], 2);
   EXPECT_EQ(learned["poses"].size(), 6u);
   EXPECT_LE(learned["key_points"].size(), 30u);
-  EXPECT_GT(learned["poses"][5]["left_out"]["projection"]["mean"],
+  EXPECT_GT(learned["poses"][5]["leave_one_out"]["projection"]["mean"],
             learned["poses"][5]["trained"]["projection"]["mean"]);
   EXPECT_GT(learned["poses"][0]["trained"]["projection"]["mean_share"], 0);
   EXPECT_GT(learned["regions"].size(), 3u);
-  const Outcome told = scene.run({"info", "a.model"});
-  EXPECT_THAT(told.out, HasSubstr("leave one out"));
-  EXPECT_THAT(told.out, HasSubstr("regions that the other poses tell worst"));
+  const Outcome text = scene.run({"info", "a.model"});
+  EXPECT_THAT(text.out, HasSubstr("leave-one-out  cluster"));
+  EXPECT_THAT(text.out, HasSubstr("regions of largest leave-one-out error"));
 }
 
 TEST(LearnedProgram, LearningCanBeLeftOut) {
   const Scene scene;
   EXPECT_THAT(scene.run({"train", "poses.npz", "-o", "a.model", "--no-learning"}).out,
-              HasSubstr("learned                 nothing: not wanted\n"));
+              HasSubstr("learned                 nothing: not requested\n"));
   EXPECT_THAT(scene.run({"train", "poses.npz", "--frames", ":2", "-o", "b.model"}).out,
               HasSubstr("learned                 nothing: too few poses\n"));
   EXPECT_THAT(scene.run({"train", "poses.npz", "-o", "c.model", "--subspace", "kernel-pca"}).out,
@@ -128,7 +128,7 @@ TEST(LearnedProgram, SuggestNamesAndWritesThePose) {
   EXPECT_THAT(alone.out, HasSubstr("one"));
   EXPECT_EQ(std::count(alone.out.begin(), alone.out.end(), '\n'), 3);
   const Outcome known = scene.run({"suggest", "tube.model", "poses.npz"});
-  EXPECT_EQ(known.out, "The model can tell every frame.\n");
+  EXPECT_EQ(known.out, "The model represents every frame.\n");
   EXPECT_EQ(scene.run({"suggest", "tube.model", "poses.npz", "-o", "pose.obj"}).code, 2);
 }
 
@@ -154,7 +154,7 @@ TEST(LearnedProgram, MistakesGetOneLineAndLeaveNoFile) {
       {{"train", "poses.npz", "-o", "a.model", "--modes", "-1"}, "--modes"},
       {{"predict"}, "MODEL"},
       {{"predict", "tube.model"}, "KEYPOINTS: is missing"},
-      {{"predict", "bare.model", "run.npz"}, "bare.model: has learned no shapes; train it anew"},
+      {{"predict", "bare.model", "run.npz"}, "bare.model: has learned no shapes; train it again"},
       {{"predict", "tube.model", "short.csv"}, "short.csv: lacks key points, for example in frame 0"},
       {{"predict", "tube.model", "other.npz"}, "tube.model: is a model of another mesh"},
       {{"predict", "tube.model", "run.npz", "run.npz"}, "are 2 motions; give one"},

@@ -63,7 +63,7 @@ inline Outcome run_program(std::vector<std::string> arguments, const RunOptions&
   return outcome;
 }
 
-/// A mistake of the user's: exit code 2, nothing on standard output, and one line that has `said` in it.
+/// Expects an error: exit code 2, nothing on standard output, and one line that contains `said`.
 inline void expect_one_line_error(const Outcome& outcome, const std::string& said) {
   EXPECT_EQ(outcome.code, 2) << said << '\n' << outcome.out << outcome.err;
   EXPECT_EQ(outcome.signal, 0) << said;
@@ -73,7 +73,7 @@ inline void expect_one_line_error(const Outcome& outcome, const std::string& sai
   EXPECT_EQ(outcome.err.find('\n') + 1, outcome.err.size()) << outcome.err;
 }
 
-/// Runs `foldproof check` with what a person would type, in `directory`.
+/// Runs `foldproof check` in `directory`.
 inline Outcome check_in(const TemporaryDirectory& directory, std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "check");
   return run_program(std::move(arguments), {.directory = directory.path()});
@@ -83,7 +83,7 @@ inline void write_file(const std::string& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
-/// A directory of OBJ frames, as a person has them.
+/// Writes a directory of OBJ frames.
 inline void write_frames(const std::string& directory, Motion& motion) {
   std::filesystem::create_directories(directory);
   std::vector<double> x(std::size_t{motion.topology().vertex_count()} * 3);

@@ -1,4 +1,4 @@
-// The program on reduced motion: how far a model's shapes may go, and motions told by coordinates.
+// The program on reduced motion: certified radii, and motions given by coordinates.
 #include <fstream>
 
 #include "apps/program.h"
@@ -94,7 +94,7 @@ TEST_F(Reduced, CheckAsksTheFirstFrameToo) {
   const Outcome steps =
       run({"check", "--reduced", "cloth.model", "still.csv", "cloth.model", "upright.csv", "--steps-only"});
   EXPECT_EQ(steps.code, 0) << steps.err;
-  EXPECT_EQ(steps.out.find("not asked what crosses in frame 0"), 0u) << steps.out;
+  EXPECT_EQ(steps.out.find("not tested for crossings in frame 0"), 0u) << steps.out;
 }
 
 TEST_F(Reduced, RefusesInOneLine) {

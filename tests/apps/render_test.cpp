@@ -1,4 +1,4 @@
-// render as a person uses it.
+// render on the command line.
 #include <gmock/gmock.h>
 
 #include "apps/program.h"
@@ -67,37 +67,45 @@ TEST(RenderProgram, DrawsAFrame) {
   EXPECT_EQ(with("g.png", {"--view", "0,0,2"}), first);
 }
 
-TEST(RenderProgram, ColoursCollisionsCertificatesAndErrors) {
+TEST(RenderProgram, ColorsCollisionsCertificatesAndErrors) {
   const Scene scene;
-  const auto told = [&](std::vector<std::string> arguments) {
+  const auto output = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"--size", "90x60", "-o", "a.png"});
     const Outcome outcome = scene.run(arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     scene.png("a.png");
     return outcome.out;
   };
-  EXPECT_EQ(told({"bend.npz", "--color", "collisions"}),
+  EXPECT_EQ(output({"bend.npz", "--color", "collisions"}),
             "0 crossing pairs of triangles in frame 0; 0 colliding pairs on the way to the next\n");
   const std::string plain = scene.png("a.png");
-  EXPECT_THAT(told({"bend.npz", "--color", "collisions", "--frame", "2"}),
+  EXPECT_THAT(output({"bend.npz", "--color", "collisions", "--frame", "2"}),
               HasSubstr("pairs on the way to the next, the first 0."));
   EXPECT_NE(scene.png("a.png"), plain);
-  EXPECT_THAT(told({"bend.npz", "--color", "collisions", "--frame", "3"}),
+  EXPECT_THAT(output({"bend.npz", "--color", "collisions", "--frame", "3"}),
               EndsWith("crossing pairs of triangles in frame 3\n"));
-  EXPECT_THAT(told({"bend.npz", "--color", "certificates"}),
+  EXPECT_THAT(output({"bend.npz", "--color", "certificates"}),
               EndsWith("of 3,072 faces proven free of contact\n"));
   EXPECT_EQ(scene.run({"bend.npz", "--color", "collisions", "--frame", "2", "--quiet", "-o", "a.png"}).out,
             "");
 
   EXPECT_EQ(
       run_program({"train", "bend.npz", "--quiet", "-o", "tube.model"}, {.directory = scene.path()}).code, 0);
-  told({"bend.npz", "--color", "certificates", "--model", "tube.model"});
+  output({"bend.npz", "--color", "certificates", "--model", "tube.model"});
+  EXPECT_EQ(output({"bend.npz"}), "");
+  const std::string without = scene.png("a.png");
+  EXPECT_EQ(output({"bend.npz", "--key-points", "tube.model"}), "");
+  EXPECT_NE(scene.png("a.png"), without);
+  EXPECT_TRUE(write_obj(scene / "other.obj", tube(4, 4), bent(4, 4, 0)));
+  expect_one_line_error(scene.run({"other.obj", "--key-points", "tube.model", "-o", "a.png"}),
+                        "tube.model: is a model of none of these meshes");
 
-  EXPECT_THAT(told({"bend.npz", "--frame", "1", "--color", "error", "--truth", "bend.npz"}),
+  EXPECT_THAT(output({"bend.npz", "--frame", "1", "--color", "error", "--truth", "bend.npz"}),
               StartsWith("distance mean 0, largest 0 mesh units"));
-  EXPECT_THAT(told({"off.obj", "--color", "error", "--truth", "bend.npz"}), HasSubstr("distance mean"));
-  EXPECT_THAT(told({"bend.npz", "--frame", "1", "--color", "error", "--truth", "off.obj", "--scale", "0.5"}),
-              HasSubstr("largest 0.25 mesh units; darkest from 0.5 on"));
+  EXPECT_THAT(output({"off.obj", "--color", "error", "--truth", "bend.npz"}), HasSubstr("distance mean"));
+  EXPECT_THAT(
+      output({"bend.npz", "--frame", "1", "--color", "error", "--truth", "off.obj", "--scale", "0.5"}),
+      HasSubstr("largest 0.25 mesh units; darkest from 0.5 on"));
 }
 
 TEST(RenderProgram, ExplainsMistakesInOneLine) {

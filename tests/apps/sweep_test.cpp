@@ -1,4 +1,4 @@
-// foldproof sweep, as a person types it, alone and below mpirun.
+// foldproof sweep, on the command line, alone and below mpirun.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -19,13 +19,13 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// A file that others are writing to, or may not be there yet.
+/// Reads a file that others may be writing, or that may not exist yet.
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Names and states, sorted, of a whole file of results.
+/// Names and states in a file of results, sorted.
 std::vector<std::string> states(const std::string& path) {
   std::vector<std::string> all;
   std::ifstream file(path);
@@ -39,7 +39,7 @@ std::vector<std::string> states(const std::string& path) {
   return all;
 }
 
-/// Something of everything.
+/// Motions of every format and state.
 struct Library : TemporaryDirectory {
   Library() {
     std::filesystem::create_directories(*this / "lib/sub");
@@ -59,7 +59,7 @@ struct Library : TemporaryDirectory {
 const auto kAll = ElementsAre("lib/broken.glb failed", "lib/sink collides", "lib/sub/fall.npz clean",
                               "lib/sub/n.pc2 collides");
 
-TEST(Sweep, ChecksALibraryAndGoesOn) {
+TEST(Sweep, ChecksALibraryAndContinues) {
   const Library library;
   const Outcome first = library.sweep({"--summary", "page.html"});
   EXPECT_EQ(first.code, 1);
@@ -111,7 +111,7 @@ TEST(Sweep, SaysWhatIsWrongInOneLine) {
   expect_one_line_error(run({"sweep", "nowhere", "-o", "r.jsonl"}), "nowhere: is not there");
   expect_one_line_error(run({"sweep", "lib/broken.glb", "-o", "r.jsonl"}), "is no directory");
   expect_one_line_error(run({"sweep", "lib", "-o", "no/r.jsonl"}), "no/r.jsonl: cannot be written");
-  expect_one_line_error(run({"sweep", "lib", "-o", "/dev/null"}), "is no file that a sweep can go on with");
+  expect_one_line_error(run({"sweep", "lib", "-o", "/dev/null"}), "is not a regular file");
   expect_one_line_error(run({"sweep", "lib", "-o", "lib/broken.glb"}), "would write over 'lib/broken.glb'");
   write_file(library / "other.txt", read_file(library / "lib/broken.glb"));
   expect_one_line_error(run({"sweep", "lib", "-o", "other.txt"}), "other.txt:1: is no result of a sweep");
@@ -133,7 +133,7 @@ struct LongLibrary : TemporaryDirectory {
 
   std::size_t lines() const { return states(*this / "r.jsonl").size(); }
 
-  /// Waits until there are lines, but not for ever.
+  /// Waits until there are lines, with a time limit.
   void wait_for_lines(std::size_t count) const {
     const auto start = std::chrono::steady_clock::now();
     while (std::chrono::steady_clock::now() - start < 20s) {
@@ -163,7 +163,7 @@ TEST(Sweep, MayBeStoppedAtAnyTime) {
                                         }});
     if (signal == SIGINT) {
       EXPECT_EQ(stopped.code, 130);
-      EXPECT_THAT(stopped.err, HasSubstr("of 4 motions are done; the same command goes on from there\n"));
+      EXPECT_THAT(stopped.err, HasSubstr("of 4 motions are done; the same command continues from there\n"));
     } else {
       EXPECT_EQ(stopped.signal, SIGKILL);
     }
@@ -178,7 +178,7 @@ TEST(Sweep, MayBeStoppedAtAnyTime) {
 
 #ifdef FOLDPROOF_MPIRUN
 
-/// What a person types after "mpirun", on a machine that may have fewer cores than there are ranks.
+/// Arguments of mpirun, also for machines with fewer cores than ranks.
 std::vector<std::string> by_ranks(const char* count, std::vector<std::string> sweep,
                                   std::vector<std::string> options = {}) {
   std::vector<std::string> all = {"--allow-run-as-root", "--oversubscribe", "-n", count};
@@ -234,7 +234,7 @@ TEST(SweepByMpi, DoesTheWorkOfARankThatIsKilled) {
                      library.wait_for_lines(1);
                      kill_rank(library.path(), 2);
                    }});
-  EXPECT_THAT(found.err, HasSubstr("rank 2: has not been heard of for 2 s; the other ranks do its work"));
+  EXPECT_THAT(found.err, HasSubstr("rank 2: has not responded for 2 s; the other ranks do its work"));
   EXPECT_THAT(found.out, HasSubstr("\n  collide               8\n")) << found.err;
   EXPECT_EQ(library.lines(), 8u);
 }

@@ -1,4 +1,4 @@
-// train, info and check --model as a person uses them.
+// train, info and check --model on the command line.
 #include <gmock/gmock.h>
 
 #include <csignal>
@@ -38,7 +38,7 @@ TEST(TrainProgram, WritesAModelThatCheckUses) {
   EXPECT_EQ(trained.code, 0) << trained.err;
   EXPECT_EQ(trained.err, "");
   for (const char* part :
-       {"triangles               3,072\n", "poses                   3  (3 drawn in)\n", "charts",
+       {"triangles               3,072\n", "poses                   3  (3 references)\n", "charts",
         "bytes per triangle and reference)\n", "time", "% of leaves and of pairs"}) {
     EXPECT_THAT(trained.out, HasSubstr(part));
   }
@@ -87,7 +87,7 @@ TEST(TrainProgram, InfoShowsWhatIsInside) {
   EXPECT_EQ(shown.code, 0);
   for (const char* part :
        {"tube.model", "trained by              foldproof ", "3,072 triangles, 1,568 vertices, hash ",
-        "poses                   6  (6 drawn in)", "yes        bend.npz, frame 0\n", "level ",
+        "poses                   6  (6 references)", "yes        bend.npz, frame 0\n", "level ",
         "kappa, median", "\npairs "}) {
     EXPECT_THAT(shown.out, HasSubstr(part));
   }
@@ -112,10 +112,10 @@ TEST(TrainProgram, InfoNamesWhatIsHardToProve) {
   ASSERT_EQ(scene.run({"train", "sink", "--frames", "0", "-o", "needle.model"}).code, 0);
   EXPECT_THAT(scene.run({"info", "needle.model"}).out,
               HasSubstr("Hard to prove: 1 of 1 leaves in some reference pose, 1 in every one.\n"
-                        "     poses  why         triangles\n    1 of 1  tangled     0 1\n"));
+                        "     poses  why          triangles\n    1 of 1  overlapping  0 1\n"));
   ASSERT_EQ(scene.run({"info", "needle.model", "--json", "a.json"}).code, 0);
   EXPECT_EQ(scene.report("a.json")["hard_leaves"],
-            json::parse(R"([{"references":1,"why":"tangled","triangles":[0,1]}])"));
+            json::parse(R"([{"references":1,"why":"overlapping","triangles":[0,1]}])"));
 }
 
 TEST(TrainProgram, AModelServesTheObjectsOfItsMesh) {

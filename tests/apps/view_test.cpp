@@ -1,4 +1,4 @@
-// view and report as a person uses them.
+// view and report on the command line.
 #include <gmock/gmock.h>
 
 #include <csignal>
@@ -24,7 +24,7 @@ struct ViewScene : TemporaryDirectory {
   }
 };
 
-/// Programs are tested with the page that they carry; one without says how to get it.
+/// Skipped if the program was built without a page; then it says how to get one.
 class View : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -1,12 +1,11 @@
-// What is assumed of conversions between kinds of numbers, over all floats.
+// The assumptions about conversions between number types, over all floats.
 #include "arithmetic/everything.h"
 #include "reduced/pose.h"
 
 namespace foldproof::testing {
 namespace {
 
-// B4: places on a grid. Within the grid the integer part; beyond the integers the nearest of them, so that a
-// place never falls.
+// B4: cells on a grid. The integer part, saturated beyond the range of integers, so the cell is monotone.
 TEST(Conversions, FloatToIntTruncatesAndSaturates) {
   on_every_target([] {
     std::vector<std::int32_t> to(kRun);
@@ -22,7 +21,7 @@ TEST(Conversions, FloatToIntTruncatesAndSaturates) {
   });
 }
 
-// B4: a number that fits a byte stays what it is. Of others nothing is assumed: some instruction sets take
+// B4: a number that fits a byte is unchanged. Nothing is assumed of others: some instruction sets convert
 // 32768 to 0.
 TEST(Conversions, IntToByteKeepsWhatFits) {
   on_every_target([] {
@@ -36,40 +35,40 @@ TEST(Conversions, IntToByteKeepsWhatFits) {
   });
 }
 
-// B2: rounding into the frame, |y| < 1. The nearest float, of two the even one, denormal ones included;
-// beyond the largest that or infinity, as the instruction set has it. At every float, and at and beside the
-// middle between every two.
+// B2: rounding to the frame, |y| < 1. To the nearest float, ties to even, denormals included; beyond the
+// largest float to it or to infinity, depending on the instruction set. At every float, and at and next to
+// the midpoint of every two.
 TEST(Conversions, DoubleToFloatRoundsToNearestEven) {
-  constexpr float kMost = std::numeric_limits<float>::max();
+  constexpr float kMax = std::numeric_limits<float>::max();
   on_every_target([] {
-    std::vector<double> asked(4 * kRun);
+    std::vector<double> inputs(4 * kRun);
     std::vector<float> expected(4 * kRun), to(4 * kRun);
     std::uint64_t wrong = 0;
     over_floats(251, [&](std::span<const float> from) {
       for (std::size_t i = 0; i < kRun; ++i) {
         const auto bits = std::bit_cast<std::uint32_t>(from[i]) & 0x7fffffff;
         const float here = std::bit_cast<float>(bits), next = std::bit_cast<float>(bits + 1);
-        const bool last = here >= kMost;
+        const bool last = here >= kMax;
         const double middle = last ? here : (double{here} + next) / 2;
         const auto m = std::bit_cast<std::uint64_t>(middle);
         const double numbers[4] = {here, middle, std::bit_cast<double>(m - 1), std::bit_cast<double>(m + 1)};
         const float nearest[4] = {here, bits % 2 == 0 ? here : next, here, next};
         for (int k = 0; k < 4; ++k) {
-          asked[4 * i + k] = std::copysign(last ? double{here} : numbers[k], from[i]);
+          inputs[4 * i + k] = std::copysign(last ? double{here} : numbers[k], from[i]);
           expected[4 * i + k] = std::copysign(last ? here : nearest[k], from[i]);
         }
       }
-      double_to_float(asked, to);
+      double_to_float(inputs, to);
       for (std::size_t i = 0; i < to.size(); ++i) {
-        const bool beyond = std::isinf(expected[i]) && std::abs(to[i]) == kMost;
-        wrong += !identical(to[i], beyond ? std::copysign(kMost, expected[i]) : expected[i]);
+        const bool beyond = std::isinf(expected[i]) && std::abs(to[i]) == kMax;
+        wrong += !identical(to[i], beyond ? std::copysign(kMax, expected[i]) : expected[i]);
       }
     });
     EXPECT_EQ(wrong, 0u);
   });
 }
 
-// The same where a step strays far from its frame (F1): never back to where the frame is.
+// A step far outside its frame (F1) never rounds to a coordinate within it.
 TEST(Conversions, DoubleBeyondFloatsStaysBeyond) {
   on_every_target([] {
     std::vector<double> from;
@@ -88,7 +87,7 @@ TEST(Conversions, DoubleBeyondFloatsStaysBeyond) {
 // R5: radii are rounded down, and norms up, to the next float.
 TEST(Conversions, RoundUpAndRoundDownNeverPassTheNumber) {
   std::uint64_t wrong = 0;
-  const auto look = [&](double x) {
+  const auto test = [&](double x) {
     const float up = round_up(x), down = round_down(x);
     wrong += !(double{up} >= x) + !(double{down} <= x);
     // The next floats, unless there is none.
@@ -98,13 +97,13 @@ TEST(Conversions, RoundUpAndRoundDownNeverPassTheNumber) {
   over_floats(1009, [&](std::span<const float> from) {
     for (const float f : from) {
       const double x = f;
-      for (const double way : {-INFINITY, INFINITY}) look(std::nextafter(x, way));
-      look(x);
-      look(x * (1 + 0x1p-25));
+      for (const double direction : {-INFINITY, INFINITY}) test(std::nextafter(x, direction));
+      test(x);
+      test(x * (1 + 0x1p-25));
     }
   });
   for (const double x : edge_numbers<double>()) {
-    if (x == x) look(x);
+    if (x == x) test(x);
   }
   EXPECT_EQ(wrong, 0u);
 }
@@ -117,7 +116,7 @@ TEST(Conversions, FloatToDoubleIsExact) {
     over_floats(251, [&](std::span<const float> from) {
       float_to_double(from, to);
       for (std::size_t i = 0; i < from.size(); ++i) {
-        // Denormals, too, by way of the bits: float x = m 2^e.
+        // From the bits, denormals included: float x = m 2^e.
         const auto bits = std::bit_cast<std::uint32_t>(from[i]);
         const int exponent = static_cast<int>(bits >> 23 & 255);
         if (exponent == 255) {

@@ -1,4 +1,4 @@
-/// All floats, all instruction sets.
+/// Exhaustive loops: all floats, all instruction sets.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 
 namespace foldproof::testing {
 
-/// Does it on each instruction set of this machine that the build has.
+/// Calls the function on each instruction set that both this machine and the build have.
 template <class Function>
 void on_every_target(const Function& function) {
   const std::int64_t targets = (hwy::SupportedTargets() | HWY_EMU128 | HWY_SCALAR) & targets_of_build();
@@ -31,28 +31,28 @@ void on_every_target(const Function& function) {
   }
 }
 
-/// Floats in order, both zeros apart: number 0 is -infinity, the last one infinity.
+/// Floats in ascending order, -0 before 0: number 0 is -infinity, the last one infinity.
 inline constexpr std::uint32_t kInfinity = 0x7f800000, kFloats = 2 * kInfinity + 2;
 inline float float_number(std::uint32_t i) {
   return std::bit_cast<float>(i <= kInfinity ? 0x80000000 + (kInfinity - i) : i - kInfinity - 1);
 }
 
-inline bool all_floats_asked() {
+inline bool wants_all_floats() {
   const char* all = std::getenv("FOLDPROOF_ALL_FLOATS");
   return all != nullptr && std::string(all) == "1";
 }
 
-/// Hands over floats in ascending order, from -infinity to infinity, in runs of kRun with one
-/// float in common. With FOLDPROOF_ALL_FLOATS=1 that is all of them, unless `never_all`; else all within 64
-/// of powers of two, and of what lies between one of `stride`.
+/// Visits floats in ascending order, from -infinity to infinity, in runs of kRun that overlap by one float.
+/// With FOLDPROOF_ALL_FLOATS=1 all of them, unless `never_all`; else those within 64 of powers of two, and
+/// every `stride`-th one between.
 inline constexpr std::size_t kRun = 4096;
 template <class Visit>
 void over_floats(std::uint32_t stride, const Visit& visit, bool never_all = false) {
-  static const bool asked = [] {
-    std::puts(all_floats_asked() ? "all floats" : "some floats; all with FOLDPROOF_ALL_FLOATS=1");
-    return all_floats_asked();
+  static const bool all = [] {
+    std::puts(wants_all_floats() ? "all floats" : "some floats; all with FOLDPROOF_ALL_FLOATS=1");
+    return wants_all_floats();
   }();
-  const bool everything = asked && !never_all;
+  const bool everything = all && !never_all;
   std::vector<float> run;
   const auto put = [&](float x) {
     run.push_back(x);
@@ -70,7 +70,7 @@ void over_floats(std::uint32_t stride, const Visit& visit, bool never_all = fals
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
     if (everything || bits_near(bits)) {
       ++i;
-    } else {  // up to where the next power of two is near
+    } else {  // stop where the next power of two is near
       const std::uint32_t rest = bits & 0x7fffff;
       const std::uint32_t left = bits >> 31 ? rest - 63 : 0x7fffff - 63 - rest;
       i += std::max(1u, std::min(stride, left));
@@ -80,7 +80,7 @@ void over_floats(std::uint32_t stride, const Visit& visit, bool never_all = fals
   visit(std::span<const float>(run));
 }
 
-/// Signs, all exponents, mantissas at their ends and in the middle, infinities and NaN.
+/// Both signs, all exponents, mantissas at their ends and in the middle, infinities and NaN.
 template <class T>
 std::vector<T> edge_numbers() {
   using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
@@ -97,7 +97,7 @@ std::vector<T> edge_numbers() {
   return numbers;
 }
 
-/// The same number down to the sign of zero, or both none.
+/// Equal, including the sign of zero, or both NaN.
 template <class T>
 bool identical(T a, T b) {
   return std::memcmp(&a, &b, sizeof(T)) == 0 || (a != a && b != b);

@@ -1,4 +1,4 @@
-/// m 2^e with integers of any size: what sums and products of doubles are before they are rounded.
+/// Numbers m 2^e with integers of any size: exact sums and products of doubles.
 #pragma once
 
 #include <bit>
@@ -27,17 +27,17 @@ struct Dyadic {
   int sign() const { return m.sign(); }
 };
 
-/// Whether r is the double nearest to a number, of two the even one; beyond the largest, infinity.
-/// `above(m)`: the sign of the number less m.
+/// Whether r is a number rounded to the nearest double, ties to even, infinity beyond the largest double.
+/// `above(m)`: the sign of the number minus m.
 template <class Above>
 bool is_nearest(double r, const Above& above) {
   const auto at = [](double x) { return std::isinf(x) ? Dyadic(std::signbit(x) ? -1 : 1, 1024) : Dyadic(x); };
   const double infinity = std::numeric_limits<double>::infinity();
   const bool even = (std::bit_cast<std::uint64_t>(r) & 1) == 0;
   const Dyadic half(1, -1);
-  for (const double way : {infinity, -infinity}) {
-    if (r == way) continue;
-    const int side = above((at(r) + at(std::nextafter(r, way))) * half) * (way > 0 ? 1 : -1);
+  for (const double direction : {infinity, -infinity}) {
+    if (r == direction) continue;
+    const int side = above((at(r) + at(std::nextafter(r, direction))) * half) * (direction > 0 ? 1 : -1);
     if (side > 0 || (side == 0 && !even)) return false;
   }
   return true;

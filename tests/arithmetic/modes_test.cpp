@@ -1,5 +1,5 @@
-// Whatever mode a program has set for its arithmetic, answers are the same bits, in every thread, and the
-// program has its mode again afterwards.
+// Whatever floating-point mode a program has set, answers are the same bits in every thread, and the
+// program's mode is restored afterwards.
 #include <gtest/gtest.h>
 #if defined(FOLDPROOF_THREADS_TBB)
 #include <tbb/task_arena.h>
@@ -36,7 +36,7 @@ constexpr Mode kModes[] = {
     {"division by zero and invalid trapped", FE_TONEAREST, 0x1d00},
 };
 
-// While it lives, this thread calculates so.
+// Sets a mode for this thread during its lifetime.
 struct InMode {
   explicit InMode(const Mode& mode) {
     std::fegetenv(&before);
@@ -47,7 +47,7 @@ struct InMode {
 #endif
   }
   ~InMode() { std::fesetenv(&before); }
-  bool stands() const {
+  bool is_unchanged() const {
 #if defined(__SSE2__)
     return (_mm_getcsr() & ~0x3fu) == set;
 #else
@@ -65,11 +65,11 @@ struct Bits {
   void add(std::uint64_t x) { all.push_back(x); }
 };
 
-// Two sheets that go through each other, `size` across: the smallest ones have denormal coordinates.
+// Two sheets that pass through each other, `size` across: the smallest ones have denormal coordinates.
 struct Sheets {
   std::vector<Object> hierarchies;
   std::vector<std::vector<double>> x0, x1;
-  std::vector<double> folded;  // the first one, as it lies doubled up
+  std::vector<double> folded;  // the first sheet, folded in half
   double across, thickness;
 };
 Sheets sheets(double size) {
@@ -149,7 +149,7 @@ Bits solver_answers(const Sheets& s) {
 
 struct Pair {
   FourPoints x0, x1;
-  Vec3 d, middle;  // almost in a plane with the first three, on a line with the first two: no filter can tell
+  Vec3 d, middle;  // almost in the plane of the first three, on the line of the first two: beyond the filters
 };
 std::vector<Pair> some_pairs(double size) {
   std::vector<Pair> pairs;
@@ -186,7 +186,7 @@ Bits pair_answers(const std::vector<Pair>& pairs, double size) {
   return bits;
 }
 
-// With oneTBB: in an arena made here, whose threads and tasks have the caller's mode.
+// With oneTBB: in an arena that is made here, so its threads and tasks have the caller's mode.
 template <class Body>
 void in_own_arena(const Body& body) {
 #if defined(FOLDPROOF_THREADS_TBB)
@@ -202,14 +202,14 @@ void expect_same_in_all_modes(const Answers& answers) {
   for (const Mode& mode : kModes) {
     SCOPED_TRACE(mode.name);
     Bits inside;
-    bool stood = false;
-    std::thread([&] {  // whose mode and arena are its own
+    bool unchanged = false;
+    std::thread([&] {  // with a mode and arena of its own
       const InMode in_mode(mode);
       in_own_arena([&] { inside = answers(); });
-      stood = in_mode.stands();
+      unchanged = in_mode.is_unchanged();
     })
         .join();
-    EXPECT_TRUE(stood);
+    EXPECT_TRUE(unchanged);
     EXPECT_TRUE(inside.all == expected.all);
   }
 }
@@ -237,20 +237,20 @@ TEST(Modes, ChangeNoAnswerAboutAPair) {
   }
 }
 
-// Tasks of an arena that was made in another mode than the caller's, either way.
-TEST(Modes, AreThoseOfNoTask) {
+// Tasks run in the mode that proofs assume, whether or not their arena was made in another one.
+TEST(Modes, DoNotApplyToTasks) {
   for (const Mode& mode : kModes) {
     SCOPED_TRACE(mode.name);
     std::atomic<int> wrong{0}, tasks{0};
-    const auto look = [&](std::size_t) {
+    const auto test = [&](std::size_t) {
       const volatile double tiny = 0x1p-1060, one = 1, zero = 0;
       ++tasks;
       wrong += tiny * one == 0 || one + 0x1p-54 != one || -one - 0x1p-54 != -one || std::isfinite(one / zero);
     };
     std::thread([&] {
       const InMode in_mode(mode);
-      in_own_arena([&] { parallel_for(std::size_t{0}, std::size_t{1000}, look); });
-      EXPECT_TRUE(in_mode.stands());
+      in_own_arena([&] { parallel_for(std::size_t{0}, std::size_t{1000}, test); });
+      EXPECT_TRUE(in_mode.is_unchanged());
     }).join();
     EXPECT_EQ(tasks, 1000);
     EXPECT_EQ(wrong, 0);

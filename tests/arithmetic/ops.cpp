@@ -107,7 +107,7 @@ void OnBytes(const std::uint8_t (&a)[32], const std::uint8_t (&b)[32], ByteOps& 
   for (std::size_t lane = 0; lane < 32; lane += hn::Lanes(d)) {
     const auto x = hn::LoadU(d, a + lane), y = hn::LoadU(d, b + lane);
     hn::StoreU(hn::SaturatedSub(x, y), d, out.difference + lane);
-    hn::StoreU(hn::Min(x, y), d, out.least + lane);
+    hn::StoreU(hn::Min(x, y), d, out.min + lane);
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, hn::Eq(x, y), bits);
     std::uint32_t some;
@@ -155,7 +155,7 @@ unsigned FirstLanes(unsigned n) {
   return all;
 }
 
-bool MoveAbout(const testing::Moved& moved) {
+bool Permute(const testing::Permuted& out) {
   const hn::CappedTag<float, 8> d;
   const std::size_t n = hn::Lanes(d);
   alignas(32) float numbers[32];
@@ -163,12 +163,12 @@ bool MoveAbout(const testing::Moved& moved) {
   for (std::size_t row = 0; row < 8; row += n) {
     hn::Vec<decltype(d)> x, y, z, w;
     hn::LoadInterleaved4(d, numbers + 4 * row, x, y, z, w);
-    hn::StoreU(x, d, &moved.interleaved4[row]);
-    hn::StoreU(y, d, &moved.interleaved4[8 + row]);
-    hn::StoreU(z, d, &moved.interleaved4[16 + row]);
-    hn::StoreU(w, d, &moved.interleaved4[24 + row]);
+    hn::StoreU(x, d, &out.interleaved4[row]);
+    hn::StoreU(y, d, &out.interleaved4[8 + row]);
+    hn::StoreU(z, d, &out.interleaved4[16 + row]);
+    hn::StoreU(w, d, &out.interleaved4[24 + row]);
     hn::StoreInterleaved2(hn::LoadU(d, numbers + row), hn::LoadU(d, numbers + 8 + row), d,
-                          &moved.interleaved2[2 * row]);
+                          &out.interleaved2[2 * row]);
   }
 #if HWY_TARGET == HWY_SCALAR
   return false;
@@ -177,17 +177,17 @@ bool MoveAbout(const testing::Moved& moved) {
   alignas(32) static constexpr double kA[4] = {0, 1, 2, 3}, kB[4] = {10, 11, 12, 13};
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(dd)) {
     const auto a = hn::Load(dd, kA + lane), b = hn::Load(dd, kB + lane);
-    hn::StoreU(hn::InterleaveLower(dd, a, b), dd, &moved.lower[lane]);
-    hn::StoreU(hn::InterleaveUpper(dd, a, b), dd, &moved.upper[lane]);
-    hn::StoreU(hn::Shuffle01(a), dd, &moved.swapped[lane]);
+    hn::StoreU(hn::InterleaveLower(dd, a, b), dd, &out.lower[lane]);
+    hn::StoreU(hn::InterleaveUpper(dd, a, b), dd, &out.upper[lane]);
+    hn::StoreU(hn::Shuffle01(a), dd, &out.swapped[lane]);
   }
   return true;
 #endif
 }
 
 template <std::size_t kWidth>
-void PlaceAll(const testing::OneGrid& one, std::span<const float> x, std::span<std::uint8_t> lower,
-              std::span<std::uint8_t> upper) {
+void QuantizeAll(const testing::OneGrid& one, std::span<const float> x, std::span<std::uint8_t> lower,
+                 std::span<std::uint8_t> upper) {
   const hn::CappedTag<float, kWidth> d;
   LeafGrid grid;
   std::fill_n(grid.origin, 8, one.origin);
@@ -196,19 +196,19 @@ void PlaceAll(const testing::OneGrid& one, std::span<const float> x, std::span<s
   for (std::size_t i = 0; i < x.size(); i += 8) {
     for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
       const auto v = hn::LoadU(d, &x[i + lane]);
-      PlaceOnGrid(d, v, v, one.margin, grid, lane, box);
+      Quantize(d, v, v, one.margin, grid, lane, box);
     }
     std::copy_n(box.x[0], 8, &lower[i]);
     std::copy_n(box.x[1], 8, &upper[i]);
   }
 }
-void PlaceFeatures(const testing::OneGrid& grid, std::span<const float> x, std::span<std::uint8_t> lower,
-                   std::span<std::uint8_t> upper) {
-  PlaceAll<8>(grid, x, lower, upper);
+void QuantizeFeatures(const testing::OneGrid& grid, std::span<const float> x, std::span<std::uint8_t> lower,
+                      std::span<std::uint8_t> upper) {
+  QuantizeAll<8>(grid, x, lower, upper);
 }
-void PlaceNodes(const testing::OneGrid& grid, std::span<const float> x, std::span<std::uint8_t> lower,
-                std::span<std::uint8_t> upper) {
-  PlaceAll<4>(grid, x, lower, upper);
+void QuantizeNodes(const testing::OneGrid& grid, std::span<const float> x, std::span<std::uint8_t> lower,
+                   std::span<std::uint8_t> upper) {
+  QuantizeAll<4>(grid, x, lower, upper);
 }
 
 const char* TargetInUse() { return hwy::TargetName(HWY_TARGET); }
@@ -229,9 +229,9 @@ HWY_EXPORT(FloatToDouble);
 HWY_EXPORT(OnBytes);
 HWY_EXPORT(OnMasks);
 HWY_EXPORT(FirstLanes);
-HWY_EXPORT(MoveAbout);
-HWY_EXPORT(PlaceFeatures);
-HWY_EXPORT(PlaceNodes);
+HWY_EXPORT(Permute);
+HWY_EXPORT(QuantizeFeatures);
+HWY_EXPORT(QuantizeNodes);
 HWY_EXPORT(TargetInUse);
 
 namespace testing {
@@ -265,10 +265,11 @@ MaskOps on_masks(unsigned a, unsigned b) {
   return out;
 }
 unsigned first_lanes(unsigned n) { return HWY_DYNAMIC_DISPATCH(FirstLanes)(n); }
-bool move_about(const Moved& moved) { return HWY_DYNAMIC_DISPATCH(MoveAbout)(moved); }
-void place_on_grid(const OneGrid& grid, bool wide, std::span<const float> x, std::span<std::uint8_t> lower,
-                   std::span<std::uint8_t> upper) {
-  (wide ? HWY_DYNAMIC_DISPATCH(PlaceFeatures) : HWY_DYNAMIC_DISPATCH(PlaceNodes))(grid, x, lower, upper);
+bool permute(const Permuted& out) { return HWY_DYNAMIC_DISPATCH(Permute)(out); }
+void quantize(const OneGrid& grid, bool wide, std::span<const float> x, std::span<std::uint8_t> lower,
+              std::span<std::uint8_t> upper) {
+  (wide ? HWY_DYNAMIC_DISPATCH(QuantizeFeatures) : HWY_DYNAMIC_DISPATCH(QuantizeNodes))(grid, x, lower,
+                                                                                        upper);
 }
 const char* target_in_use() { return HWY_DYNAMIC_DISPATCH(TargetInUse)(); }
 std::int64_t targets_of_build() { return HWY_TARGETS; }

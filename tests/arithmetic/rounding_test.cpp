@@ -1,5 +1,5 @@
-// What every rounding bound of docs/soundness.md assumes: one rounding per operation, to the nearest,
-// denormal numbers like all others; and what is assumed of signs, comparisons, minima and masks.
+// The assumptions of every rounding bound in docs/soundness.md: one rounding to nearest per operation,
+// denormals included; and those about signs, comparisons, minima and masks.
 #include <random>
 
 #include "arithmetic/everything.h"
@@ -50,7 +50,7 @@ Pairs hard_pairs(std::size_t count) {
   return p;
 }
 
-double plain(Op op, double a, double b) {
+double scalar(Op op, double a, double b) {
   switch (op) {
     case Op::Add:
       return a + b;
@@ -68,7 +68,7 @@ double plain(Op op, double a, double b) {
 }
 
 bool rounded_once(Op op, double a, double b) {
-  const double r = plain(op, a, b);
+  const double r = scalar(op, a, b);
   if (!std::isfinite(a) || !std::isfinite(b) || r != r) return true;
   if (op == Op::Div && b == 0) return true;
   return is_nearest(r, [&](const Dyadic& m) {
@@ -92,8 +92,8 @@ TEST(Rounding, OfAllSquareRootsExponentsIsToNearest) {
   for (const double x : edge_numbers<double>()) ASSERT_TRUE(rounded_once(Op::Sqrt, x, 0)) << x;
 }
 
-// The lanes are held against what stands above.
-TEST(Rounding, LanesRoundAsPlainNumbersDo) {
+// The lanes are compared with the scalar operations, which the tests above check.
+TEST(Rounding, LanesRoundLikeScalars) {
   Pairs p = hard_pairs(1 << 20);
   const std::vector<double> edges = edge_numbers<double>();
   for (std::size_t i = 0; i < edges.size() / 8 * 8; ++i) p.a[i] = edges[i];
@@ -102,29 +102,29 @@ TEST(Rounding, LanesRoundAsPlainNumbersDo) {
     for (const Op op : {Op::Add, Op::Sub, Op::Mul, Op::Div, Op::Sqrt}) {
       apply(op, Operands<double>{p.a, p.b, out});
       for (std::size_t i = 0; i < out.size(); ++i)
-        ASSERT_TRUE(identical(out[i], plain(op, p.a[i], p.b[i]))) << p.a[i] << ' ' << p.b[i];
+        ASSERT_TRUE(identical(out[i], scalar(op, p.a[i], p.b[i]))) << p.a[i] << ' ' << p.b[i];
     }
   });
 }
 
-// Of floats: computed in double and rounded again, which for one operation is the same as rounding once.
+// Floats: computing one operation in double and rounding the result equals rounding once.
 TEST(Rounding, OfFloatsIsToNearestOnce) {
   const std::vector<float> edges = edge_numbers<float>();
   Rng rng(6);
   std::vector<float> a, b;
-  const auto draw = [&] {
+  const auto random_float = [&] {
     return rng() % 2 ? edges[rng() % edges.size()] : std::bit_cast<float>(std::uint32_t(rng()));
   };
   while (a.size() < 1 << 20) {
-    a.push_back(draw());
-    b.push_back(rng() % 2 ? draw() : std::ldexp(draw(), static_cast<int>(rng() % 300) - 150));
+    a.push_back(random_float());
+    b.push_back(rng() % 2 ? random_float() : std::ldexp(random_float(), static_cast<int>(rng() % 300) - 150));
   }
   on_every_target([&] {
     std::vector<float> out(a.size());
     for (const Op op : {Op::Add, Op::Sub, Op::Mul, Op::Div}) {
       apply(op, Operands<float>{a, b, out});
       for (std::size_t i = 0; i < out.size(); ++i)
-        ASSERT_TRUE(identical(out[i], static_cast<float>(plain(op, a[i], b[i])))) << a[i] << ' ' << b[i];
+        ASSERT_TRUE(identical(out[i], static_cast<float>(scalar(op, a[i], b[i])))) << a[i] << ' ' << b[i];
     }
   });
 }
@@ -150,11 +150,11 @@ TEST(Rounding, ProductsAreRoundedBeforeTheyAreAdded) {
       ASSERT_EQ(cross[i], ab - cc);
       fused += std::fma(a[i], b[i], -cc) != ab - cc;
     }
-    EXPECT_GT(fused, 500);  // it would show
+    EXPECT_GT(fused, 500);  // fused operations would fail this test
   });
 }
 
-// Equal, unless it is a minimum of both zeros: which of them is anything. Of NaN nothing is assumed.
+// A minimum of both zeros may be either of them. Nothing is assumed of minima of NaN.
 template <class T>
 void expect_orders(const std::vector<T>& numbers) {
   std::vector<T> a, b;
@@ -174,7 +174,8 @@ void expect_orders(const std::vector<T>& numbers) {
     const auto one_of = [](T x, T y, T r) { return identical(r, x) || identical(r, y); };
     each(Op::Min, [&](T x, T y, T r) { return none(x, y) || (r <= x && r <= y && one_of(x, y, r)); });
     each(Op::Max, [&](T x, T y, T r) { return none(x, y) || (r >= x && r >= y && one_of(x, y, r)); });
-    each(Op::Gt, [](T x, T y, T r) { return r == (x > y); });  // all of these: false of NaN
+    // Comparisons are false for NaN.
+    each(Op::Gt, [](T x, T y, T r) { return r == (x > y); });
     each(Op::Ge, [](T x, T y, T r) { return r == (x >= y); });
     each(Op::Lt, [](T x, T y, T r) { return r == (x < y); });
     each(Op::Le, [](T x, T y, T r) { return r == (x <= y); });
@@ -199,7 +200,7 @@ TEST(Bytes, AllPairs) {
         const ByteOps out = on_bytes(a, b);
         for (int k = 0; k < 32; ++k) {
           ASSERT_EQ(out.difference[k], std::max(a[k] - b[k], 0));
-          ASSERT_EQ(out.least[k], std::min(a[k], b[k]));
+          ASSERT_EQ(out.min[k], std::min(a[k], b[k]));
           ASSERT_EQ(out.equal >> k & 1, a[k] == b[k]);
         }
       }
@@ -227,13 +228,13 @@ TEST(Masks, AllPairs) {
   });
 }
 
-TEST(Moves, EachNumberGoesWhereItIsSaidTo) {
+TEST(Permutations, MoveEachNumberToItsLane) {
   on_every_target([] {
     std::vector<float> four(32), two(16);
     std::vector<double> lower(4), upper(4), swapped(4);
-    const bool crosses = move_about({four, two, lower, upper, swapped});
+    const bool crosses = permute({four, two, lower, upper, swapped});
     for (int i = 0; i < 32; ++i) ASSERT_EQ(four[i], 4 * (i % 8) + i / 8);
-    // Registers take as many as they hold: x y x y...
+    // Per register: x y x y...
     for (int i = 0; i < 16; ++i) ASSERT_EQ(two[i], i / 2 + 8 * (i % 2));
     if (!crosses) return;
     for (int i = 0; i < 4; ++i) {  // two by two

@@ -5,7 +5,7 @@
 namespace foldproof {
 namespace {
 
-TEST(Error, IsOneLineWithPlaceProblemAndMend) {
+TEST(Error, IsOneLineWithPlaceProblemAndRemedy) {
   const Error error{"walk.obj:12", "face names vertex 99", "export the mesh again"};
   EXPECT_EQ(error.line(), "walk.obj:12: face names vertex 99; export the mesh again");
 }

@@ -35,15 +35,17 @@ TEST(ParallelFor, BlocksTogetherAreTheRange) {
   }
 }
 
-TEST(ParallelFor, MayStandInsideAnother) {
+TEST(ParallelFor, MayBeNested) {
   std::vector<std::atomic<int>> visits(200 * 50);
   parallel_for(0, 200, [&](int outer) {
-    parallel_for(0, 50, [&](int inner) { ++visits[static_cast<std::size_t>(outer * 50 + inner)]; });
+    parallel_for(0, 50, [&](int inner) {
+      ++visits[static_cast<std::size_t>(outer) * 50 + static_cast<std::size_t>(inner)];
+    });
   });
   EXPECT_TRUE(std::all_of(visits.begin(), visits.end(), [](const auto& n) { return n == 1; }));
 }
 
-TEST(ParallelFor, HandsExceptionsToTheCaller) {
+TEST(ParallelFor, PassesExceptionsToTheCaller) {
   for (int repetition = 0; repetition < 20; ++repetition) {
     std::atomic<int> visits = 0;
     try {
@@ -63,7 +65,7 @@ TEST(ParallelFor, HandsExceptionsToTheCaller) {
   }
 }
 
-TEST(ParallelFor, CallersOnSeveralThreadsDoNotDisturbEachOther) {
+TEST(ParallelFor, MayBeCalledByConcurrentThreads) {
   std::vector<int> sums(6);
   std::vector<std::thread> callers;
   for (int& sum : sums) {
@@ -78,8 +80,8 @@ TEST(ParallelFor, CallersOnSeveralThreadsDoNotDisturbEachOther) {
   for (const int sum : sums) EXPECT_EQ(sum, 20 * 1000 * 999 / 2);
 }
 
-// Text is joined in order or not the same.
-TEST(ParallelReduce, JoinsBlocksInOrderForAnyNumberOfThreads) {
+// Concatenation is associative but not commutative.
+TEST(ParallelReduce, CombinesBlocksInOrderForAnyNumberOfThreads) {
   std::string expected;
   for (int i = 2; i < 900; ++i) expected += std::to_string(i) + ' ';
   for (const int threads : {1, 2, 5}) {
@@ -121,8 +123,8 @@ TEST(PerThread, EachThreadHasItsOwn) {
 }
 
 TEST(PerThread, SeveralDoNotMix) {
-  for (int repetition = 0; repetition < 10;
-       ++repetition) {  // the later ones may lie where the first ones lay
+  for (int repetition = 0; repetition < 10; ++repetition) {
+    // Later ones may get the addresses of earlier ones.
     PerThread<int> ones([] { return 1; }), twos([] { return 2; });
     std::atomic<int> mixed = 0;
     parallel_for(0, 300, [&](int) {

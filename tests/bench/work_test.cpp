@@ -35,7 +35,7 @@ Counts counts_of(Motion& motion, Index steps, bool ahead) {
        choose_steps(motion.frame_count(), StepSize::Tenth, {.steps = steps, .all = false})) {
     EXPECT_TRUE(loader.load(step));
     const std::span<const double> x0 = loader.x0(), x1 = loader.x1();
-    EXPECT_TRUE(checker.check(x0, x1, {.ahead = ahead}, result));
+    EXPECT_TRUE(checker.check(x0, x1, {.look_ahead = ahead}, result));
     counts.node_tests += result.work.node_tests;
     counts.certificate_tests += result.work.certificate_tests;
     counts.leaf_pairs += result.work.leaf_pairs;

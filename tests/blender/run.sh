@@ -9,7 +9,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/home" "$work/files"
 "$2/tools/blender_addon" "$work/addon.zip"
-# Nothing of the user's own Blender is read or changed.
+# Does not read or change the user's own Blender settings.
 HOME=$work/home BLENDER_USER_CONFIG=$work/home BLENDER_USER_SCRIPTS=$work/home \
   blender --background --factory-startup --python-exit-code 1 --python "$2/tests/blender/test_addon.py" \
   -- "$1" "$work/addon.zip" "$work/files"

@@ -64,7 +64,7 @@ def key(animated, path, values, index=-1):
 def two_planes():
     """A floor of 4 x 4 squares of side 0.5, and a strip of 2 squares that passes through it a quarter of the way from
     frame 6 to 7, over squares 10 and 11 of the floor. The floor stands half a metre up and is twice as large as its
-    mesh, so that only world space tells."""
+    mesh, so that only world space gives the right answer."""
     vertices, faces = grid(4, -0.5, 0.5, -0.5, 0.5)
     floor = new_object("Floor", vertices, faces)
     floor.location.z = 0.5
@@ -114,7 +114,7 @@ def bending_tube():
 
 
 def program_says(objects, frames):
-    """For each step, how many collisions the program finds in the world's coordinates, taken without the add-on."""
+    """The number of collisions per step that the program finds in world coordinates, computed without the add-on."""
     paths = []
     for made in objects:
         poses = []
@@ -235,7 +235,7 @@ class Addon(unittest.TestCase):
         bpy.ops.foldproof.check()
         self.assertEqual(list(markers()), [10])
 
-    def test_what_crosses_from_the_start_has_a_colour_and_words_of_its_own(self):
+    def test_crossings_from_the_start_have_their_own_color_and_text(self):
         floor, strip = two_planes()
         strip.animation_data_clear()
         strip.location.z, strip.rotation_euler.y = 0.6, 0.3  # it stands in the floor at every frame
@@ -287,7 +287,7 @@ class Addon(unittest.TestCase):
         self.fails(bpy.ops.foldproof.check, "There is no model of Tube: train one")
 
     def test_a_point_cache_in_a_modifier(self):
-        """As importers leave it: the mesh stands still, and a modifier reads its points from a file."""
+        """As after an import: the mesh is static, and a modifier reads its points from a file."""
         tube = bending_tube()
         expected = [i + 1 for i, count in enumerate(program_says([tube], range(1, 12))) if count]
         frames = np.load(WORK / "Tube-expected.npz")["vertices"].astype("<f4")
@@ -365,7 +365,7 @@ class Addon(unittest.TestCase):
         self.expect_nothing_left()
 
     def modal(self, event_types):
-        """The operator as a window drives it. Blender without one cannot, so its part is played here."""
+        """Drives the operator like a window. Blender without a window cannot, so this simulates it."""
         interface = addon("interface")
 
         class Played(interface.FOLDPROOF_OT_check.__mro__[1]):
@@ -399,7 +399,7 @@ class Addon(unittest.TestCase):
     def test_the_modal_operator(self):
         two_planes()
         answer, said = self.modal(["TIMER", "TIMER", "MOUSEMOVE", "ESC"])
-        self.assertEqual((answer, said[-1]), ({"CANCELLED"}, ({"WARNING"}, "Cancelled: marks are as they were")))
+        self.assertEqual((answer, said[-1]), ({"CANCELLED"}, ({"WARNING"}, "Cancelled: marks are unchanged")))
         self.assertEqual(markers(), {})
         self.expect_nothing_left()
 
@@ -413,7 +413,7 @@ class Addon(unittest.TestCase):
         self.assertEqual(list(markers()), [6])
 
     def test_the_panel(self):
-        """Without a window nothing is drawn; that it names only what there is can be seen."""
+        """Without a window nothing is drawn, but the names that the panel uses can be checked."""
         icons = bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items.keys()
         test, drawn = self, []
 
@@ -423,8 +423,8 @@ class Addon(unittest.TestCase):
 
             def operator(self, name, text="", icon="NONE"):
                 test.assertIn(icon, icons)
-                room, operator = name.split(".")
-                getattr(getattr(bpy.ops, room), operator).get_rna_type()
+                module, operator = name.split(".")
+                getattr(getattr(bpy.ops, module), operator).get_rna_type()
                 return types.SimpleNamespace()
 
             def label(self, text, icon):

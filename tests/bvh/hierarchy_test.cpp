@@ -23,7 +23,7 @@ std::vector<Mesh> all_meshes() {
   return {testing::cloth(1), testing::cloth(40), testing::soup(300, 1), testing::soup(1, 2), testing::odd()};
 }
 
-// Each id once: the order is a permutation of the ids that should be there.
+// The ids are a permutation of the expected ones.
 void expect_permutation(std::span<const Index> ids, const std::set<Index>& expected) {
   EXPECT_EQ(ids.size(), expected.size());
   EXPECT_EQ(std::set<Index>(ids.begin(), ids.end()), expected);
@@ -61,7 +61,7 @@ TEST(Hierarchy, LeafOrderNamesTheUsersFeatures) {
   }
 }
 
-// A leaf owns only features of its own triangles, so a box around the triangles holds all it owns.
+// A leaf owns only features of its own triangles, so a box around the triangles bounds all it owns.
 TEST(Hierarchy, LeavesOwnFeaturesOfTheirTriangles) {
   for (const Mesh& mesh : all_meshes()) {
     const Hierarchy tree = build(mesh, 4);
@@ -113,12 +113,12 @@ TEST(Hierarchy, LeavesAreFullAndNeverTooLarge) {
   EXPECT_LE(tree.leaf_count(), 5000u / 16 * 9 / 8);
 }
 
-// Components of a leaf's triangles over common edges.
-int pieces_of_leaf(const Hierarchy& tree, Index leaf) {
+// The number of components of a leaf's triangles, connected over common edges.
+int component_count(const Hierarchy& tree, Index leaf) {
   const Index begin = tree.leaves()[leaf].triangles, end = tree.leaves()[leaf + 1].triangles;
   std::vector<Index> group(end - begin);
   for (Index i = 0; i < group.size(); ++i) group[i] = i;
-  int pieces = static_cast<int>(group.size());
+  int components = static_cast<int>(group.size());
   for (Index i = 0; i < group.size(); ++i) {
     for (Index k = 0; k < i; ++k) {
       int common = 0;
@@ -126,22 +126,22 @@ int pieces_of_leaf(const Hierarchy& tree, Index leaf) {
         for (const Index w : tree.triangles()[begin + k]) common += v == w;
       }
       if (common < 2 || group[i] == group[k]) continue;
-      --pieces;
+      --components;
       const Index old = group[i];
       for (Index& g : group) g = g == old ? group[k] : g;
     }
   }
-  return pieces;
+  return components;
 }
 
 TEST(Hierarchy, LeavesAreConnectedPiecesOfSurface) {
   const Hierarchy tree = build(testing::cloth(50), 16);
   int connected = 0;
-  for (Index leaf = 0; leaf < tree.leaf_count(); ++leaf) connected += pieces_of_leaf(tree, leaf) == 1;
+  for (Index leaf = 0; leaf < tree.leaf_count(); ++leaf) connected += component_count(tree, leaf) == 1;
   EXPECT_GE(connected, 0.95 * tree.leaf_count());
 }
 
-TEST(Hierarchy, RefusesBadPositions) {
+TEST(Hierarchy, RejectsBadPositions) {
   Mesh mesh = testing::cloth(2);
   mesh.positions[7] = std::nan("");
   auto tree = Hierarchy::build(mesh.topology, mesh.positions);
@@ -153,7 +153,7 @@ TEST(Hierarchy, RefusesBadPositions) {
   EXPECT_THAT(tree.error().line(), HasSubstr("26 numbers for 9 vertices"));
 }
 
-// What from_parts asks for.
+// The argument of from_parts.
 std::vector<Index> leaf_sizes(const Hierarchy& tree) {
   std::vector<Index> sizes;
   for (const Hierarchy::Node& node : tree.nodes()) {
@@ -167,7 +167,7 @@ std::vector<Index> triangle_order(const Hierarchy& tree) {
   return {tree.triangle_ids().begin(), tree.triangle_ids().end()};
 }
 
-TEST(Hierarchy, IsTheSameAgainFromItsParts) {
+TEST(Hierarchy, IsRestoredFromItsParts) {
   for (const Mesh& mesh : all_meshes()) {
     const Hierarchy tree = build(mesh, 8);
     const auto again = Hierarchy::from_parts(mesh.topology, triangle_order(tree), leaf_sizes(tree));
@@ -189,7 +189,7 @@ TEST(Hierarchy, IsTheSameAgainFromItsParts) {
   }
 }
 
-TEST(Hierarchy, RefusesPartsThatMakeNoTree) {
+TEST(Hierarchy, RejectsPartsThatAreNoTree) {
   const Mesh mesh = testing::cloth(2);  // 8 triangles
   const std::vector<Index> order{0, 1, 2, 3, 4, 5, 6, 7};
   const auto error_of = [&](std::vector<Index> triangles, std::vector<Index> sizes) {
@@ -210,7 +210,7 @@ TEST(Hierarchy, RefusesPartsThatMakeNoTree) {
   EXPECT_THAT(error_of({0, 1, 2}, {3}), HasSubstr("does not name every triangle once"));
 }
 
-TEST(Hierarchy, TakesTheLargestCoordinatesThatDoublesHave) {
+TEST(Hierarchy, HandlesTheLargestDoubles) {
   Mesh mesh = testing::cloth(8);
   for (double& c : mesh.positions) c = (c - 0.5) * 1.7e308;
   EXPECT_EQ(build(mesh, 4).triangle_ids().size(), 128u);

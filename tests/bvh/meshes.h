@@ -1,4 +1,4 @@
-/// Small generated meshes for the tests of this room.
+/// Small generated meshes for tests of hierarchies.
 #pragma once
 
 #include <cmath>
@@ -32,14 +32,14 @@ inline Mesh cloth(Index side) {
   return {*Topology::make(row * row, std::move(triangles)), std::move(x)};
 }
 
-/// `count` triangles that share nothing, at random places in the unit cube.
+/// `count` triangles without common vertices, at random positions in the unit cube.
 inline Mesh soup(Index count, std::uint32_t seed) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<double> place(0, 1), offset(-0.05, 0.05);
+  std::uniform_real_distribution<double> unit(0, 1), offset(-0.05, 0.05);
   std::vector<Triangle> triangles;
   std::vector<double> x;
   for (Index t = 0; t < count; ++t) {
-    const double center[3] = {place(random), place(random), place(random)};
+    const double center[3] = {unit(random), unit(random), unit(random)};
     for (int corner = 0; corner < 3; ++corner) {
       for (const double c : center) x.push_back(c + offset(random));
     }
@@ -60,8 +60,8 @@ inline Mesh odd() {
   return {*Topology::make(8, std::move(triangles)), std::move(x)};
 }
 
-/// Every coordinate moved by up to `amount`.
-inline std::vector<double> shaken(const std::vector<double>& x, double amount, std::uint32_t seed) {
+/// The positions with every coordinate moved by up to `amount`.
+inline std::vector<double> perturbed(const std::vector<double>& x, double amount, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> move(-amount, amount);
   std::vector<double> y = x;

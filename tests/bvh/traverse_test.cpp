@@ -15,25 +15,24 @@ namespace {
 using foldproof::testing::Mesh;
 
 struct Moving {
-  KineticTree tree;
+  KineticBvh bvh;
   std::vector<double> x0, x1;
 };
 
 Moving moving(const Mesh& mesh, double amount, std::uint32_t seed, Index leaf_triangles,
               const Frame& frame = {}) {
   auto hierarchy = Hierarchy::build(mesh.topology, mesh.positions, {leaf_triangles});
-  Moving m{KineticTree(std::make_shared<Hierarchy>(std::move(*hierarchy))), mesh.positions,
-           testing::shaken(mesh.positions, amount, seed)};
-  m.tree.refit(frame, m.x0, m.x1);
-  for (Index leaf = 0; leaf < m.tree.hierarchy->leaf_count(); ++leaf) m.tree.fill_features(leaf);
+  Moving m{KineticBvh(std::make_shared<Hierarchy>(std::move(*hierarchy))), mesh.positions,
+           testing::perturbed(mesh.positions, amount, seed)};
+  m.bvh.refit(frame, m.x0, m.x1);
+  for (Index leaf = 0; leaf < m.bvh.hierarchy->leaf_count(); ++leaf) m.bvh.fill_features(leaf);
   return m;
 }
 
 using Ids = std::vector<Index>;
 
-// The gap that kinetic boxes see, computed plainly in double: the largest over the six sides of the smaller
-// end.
-double plain_gap(const Moving& a, const Ids& feature_a, const Moving& b, const Ids& feature_b) {
+// The gap between kinetic boxes, in double: the maximum over the six sides of the smaller gap of both ends.
+double expected_gap(const Moving& a, const Ids& feature_a, const Moving& b, const Ids& feature_b) {
   double best = -1e300;
   for (int axis = 0; axis < 3; ++axis) {
     double above = 1e300, below = 1e300;
@@ -62,7 +61,7 @@ bool share(const Ids& a, const Ids& b) {
 // All features by the user's ids: vertices, edges or triangles.
 std::vector<Ids> features(const Moving& m, int corners) {
   std::vector<Ids> all;
-  const Hierarchy& h = *m.tree.hierarchy;
+  const Hierarchy& h = *m.bvh.hierarchy;
   if (corners == 1)
     for (const Index v : h.vertex_ids()) all.push_back({v});
   if (corners == 2)
@@ -79,7 +78,7 @@ std::vector<Ids> features(const Moving& m, int corners) {
 
 CandidateBuffer all_candidates(const Moving& a, const Moving& b, float margin) {
   CandidateBuffer found;
-  const Traversal traversal{&a.tree, &b.tree, margin};
+  const Traversal traversal{&a.bvh, &b.bvh, margin};
   std::vector<NodePair> stack;
   TraversalResult result;
   traverse(traversal, {0, 0}, stack, result);
@@ -88,36 +87,36 @@ CandidateBuffer all_candidates(const Moving& a, const Moving& b, float margin) {
   return found;
 }
 
-// A step of the widest grid of a leaf (docs/soundness.md, B4).
-double grid_step(const Moving& m) {
-  float least = std::numeric_limits<float>::infinity();
-  for (const LeafGrid& grid : m.tree.grids)
-    least = std::min(least, *std::min_element(grid.scale, grid.scale + 8));
-  return 1 / least;
+// The largest cell of a leaf's grid (docs/soundness.md, B4).
+double max_cell_size(const Moving& m) {
+  float min_scale = std::numeric_limits<float>::infinity();
+  for (const LeafGrid& grid : m.bvh.grids)
+    min_scale = std::min(min_scale, *std::min_element(grid.scale, grid.scale + 8));
+  return 1 / min_scale;
 }
 
-// Every pair whose gap is below the distance is found, exactly once; none that is clearly farther; none
-// incident.
+// Every pair whose gap is within the distance is found exactly once, no pair that is clearly farther, and no
+// incident pair.
 void expect_complete(const Moving& a, const Moving& b, int corners_a, int corners_b, double distance,
                      const std::vector<CandidateBuffer::Pair>& found) {
   const bool same = &a == &b;
   const auto fa = features(a, corners_a), fb = features(b, corners_b);
-  std::map<std::pair<Index, Index>, int> times;
+  std::map<std::pair<Index, Index>, int> counts;
   for (auto [i, k] : found) {
     if (same && corners_a == corners_b && k < i) std::swap(i, k);
-    ++times[{i, k}];
+    ++counts[{i, k}];
   }
-  const double grid = 2 * std::max(grid_step(a), grid_step(b));
+  const double grid = 2 * std::max(max_cell_size(a), max_cell_size(b));
   std::size_t near = 0;
   for (Index i = 0; i < fa.size(); ++i) {
     for (Index k = same && corners_a == corners_b ? i + 1 : 0; k < fb.size(); ++k) {
-      const int seen = times.count({i, k}) ? times[{i, k}] : 0;
-      const double gap = plain_gap(a, fa[i], b, fb[k]);
+      const int seen = counts.count({i, k}) ? counts[{i, k}] : 0;
+      const double gap = expected_gap(a, fa[i], b, fb[k]);
       if (same && share(fa[i], fb[k])) {
         EXPECT_EQ(seen, 0);
       } else if (gap <= distance) {
         ++near;
-        EXPECT_EQ(seen, 1) << "missed, or produced twice";
+        EXPECT_EQ(seen, 1) << "missed, or found twice";
       } else if (gap > distance + grid + 4e-6) {
         EXPECT_EQ(seen, 0) << "gap " << gap << " is wide";
       }
@@ -148,7 +147,7 @@ TEST(Traverse, FindsEachNearPairOfFeaturesOnceBetweenObjects) {
   expect_complete(a, b, 3, 1, 0.01, found.face_vertex);
 }
 
-TEST(Traverse, FlatLeavesAreToldApart) {
+TEST(Traverse, SeparatesFlatLeaves) {
   // Two flat sheets, one a little above the other: their triangles have boxes without a height.
   Mesh low = testing::cloth(6), high = low;
   for (std::size_t i = 2; i < low.positions.size(); i += 3) {
@@ -156,10 +155,10 @@ TEST(Traverse, FlatLeavesAreToldApart) {
     high.positions[i] = 1e-3;
   }
   const Moving a = moving(low, 0, 1, 4), b = moving(high, 0, 1, 4);
-  const Traversal traversal{&a.tree, &b.tree, separation_margin({}, 0)};
+  const Traversal traversal{&a.bvh, &b.bvh, separation_margin({}, 0)};
   CandidateBuffer found;
-  for (Index i = 0; i < a.tree.hierarchy->leaf_count(); ++i) {
-    for (Index k = 0; k < b.tree.hierarchy->leaf_count(); ++k) find_candidates(traversal, {i, k}, found);
+  for (Index i = 0; i < a.bvh.hierarchy->leaf_count(); ++i) {
+    for (Index k = 0; k < b.bvh.hierarchy->leaf_count(); ++k) find_candidates(traversal, {i, k}, found);
   }
   EXPECT_TRUE(found.vertex_face.empty() && found.face_vertex.empty() && found.edge_edge.empty());
 }
@@ -168,9 +167,9 @@ TEST(Traverse, AMarginBeyondTheFrameFindsEverything) {
   const Moving a = moving(testing::cloth(5), 0.1, 1, 4), b = moving(testing::soup(20, 5), 0.1, 2, 16);
   for (const double distance : {3.0, 1e20, 1e300}) {
     const auto found = all_candidates(a, b, separation_margin({}, distance));
-    EXPECT_EQ(found.edge_edge.size(), a.tree.hierarchy->edges().size() * b.tree.hierarchy->edges().size());
+    EXPECT_EQ(found.edge_edge.size(), a.bvh.hierarchy->edges().size() * b.bvh.hierarchy->edges().size());
     EXPECT_EQ(found.vertex_face.size(),
-              a.tree.hierarchy->vertex_ids().size() * b.tree.hierarchy->triangles().size());
+              a.bvh.hierarchy->vertex_ids().size() * b.bvh.hierarchy->triangles().size());
   }
 }
 
@@ -189,7 +188,7 @@ TEST(Traverse, AllInstructionSetsFindTheSameCandidates) {
 
 TEST(Traverse, DescendingByLevelsFindsTheSameLeafPairs) {
   const Moving m = moving(testing::cloth(20), 0.05, 3, 4);
-  const Traversal traversal{&m.tree, &m.tree, separation_margin({}, 0)};
+  const Traversal traversal{&m.bvh, &m.bvh, separation_margin({}, 0)};
   std::vector<NodePair> stack, scratch, front{{0, 0}};
   TraversalResult whole, cut;
   traverse(traversal, {0, 0}, stack, whole);
@@ -204,13 +203,13 @@ TEST(Traverse, DescendingByLevelsFindsTheSameLeafPairs) {
   EXPECT_EQ(whole.node_tests, cut.node_tests);
 }
 
-// Theorem 1: at every time the sliding box holds what it bounds, up to the rounding that the margin covers.
-TEST(KineticBox, HoldsItsVerticesAtEveryTime) {
+// Theorem 1: the kinetic box bounds its vertices at every time, up to the rounding that the margin covers.
+TEST(KineticBox, BoundsItsVerticesAtEveryTime) {
   const Frame frame{{0.5, 0.5, 0}, 0.25};
   const Moving m = moving(testing::cloth(12), 0.4, 11, 8, frame);
-  const Hierarchy& h = *m.tree.hierarchy;
+  const Hierarchy& h = *m.bvh.hierarchy;
   for (Index node = 0; node < h.nodes().size(); ++node) {
-    const auto& box = m.tree.boxes[node].x;
+    const auto& box = m.bvh.boxes[node].x;
     const Index first = h.leaves()[h.nodes()[node].leaf_begin].triangles;
     const Index last = h.leaves()[h.nodes()[node].leaf_end].triangles;
     for (Index t = first; t < last; ++t) {

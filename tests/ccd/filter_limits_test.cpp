@@ -1,4 +1,5 @@
-// E1 and E2 where numbers end: the filter's limits, denormal differences, overflow; against integers.
+// E1 and E2 at the ends of double's range: the filter's limits, denormal differences, overflow. Compared with
+// exact integers.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,9 +12,9 @@
 namespace foldproof::oracle {
 namespace {
 
-constexpr double kMost = std::numeric_limits<double>::max();
+constexpr double kMax = std::numeric_limits<double>::max();
 
-// Sizes of coordinates: those at which the filter begins and ends to apply, and the ends of the numbers.
+// Sizes of coordinates: the limits of the filter and of double's range.
 int some_exponent(Rng& rng) {
   constexpr int kExponents[] = {-1074, -1073, -1060, -1022, -1021, -700, -540, -512, -484, -400,
                                 -323,  -322,  -321,  -160,  -52,   0,    52,   160,  320,  321,
@@ -29,14 +30,14 @@ double some_number(int exponent, Rng& rng) {
     case 1:
       return sign * std::ldexp(1 + std::ldexp(static_cast<double>(rng() >> 12), -52), exponent);
     case 2:
-      return sign * std::nextafter(std::ldexp(1.0, exponent), rng() % 2 ? 0 : kMost);
+      return sign * std::nextafter(std::ldexp(1.0, exponent), rng() % 2 ? 0 : kMax);
     default:
-      return sign * (rng() % 8 == 0 ? kMost : 0);
+      return sign * (rng() % 8 == 0 ? kMax : 0);
   }
 }
 
 double shifted(double x, int units) {
-  for (; units != 0; units -= units > 0 ? 1 : -1) x = std::nextafter(x, units > 0 ? kMost : -kMost);
+  for (; units != 0; units -= units > 0 ? 1 : -1) x = std::nextafter(x, units > 0 ? kMax : -kMax);
   return x;
 }
 
@@ -45,7 +46,7 @@ Vec3 nearly_between(const Vec3& a, const Vec3& b, const Vec3& c, Rng& rng) {
   const double s = static_cast<double>(rng() % 5) / 4, t = (1 - s) * static_cast<double>(rng() % 5) / 4;
   Vec3 p = a * (1 - s - t) + b * s + c * t;
   const bool exact = rng() % 2;
-  for (double& x : p) x = shifted(std::clamp(x, -kMost, kMost), exact ? 0 : int(rng() % 5) - 2);
+  for (double& x : p) x = shifted(std::clamp(x, -kMax, kMax), exact ? 0 : int(rng() % 5) - 2);
   return p;
 }
 
@@ -60,14 +61,14 @@ Four some_points(Rng& rng) {
     for (int axis = 0; axis < 3; ++axis)
       (*x)[axis] = some_number(rng() % 8 == 0 ? some_exponent(rng) : exponents[one_size ? 0 : axis], rng);
   }
-  if (far) {  // a few units apart
+  if (far) {  // a few ulps apart
     for (int axis = 0; axis < 3; ++axis) {
       for (Vec3* x : {&p.b, &p.c, &p.d}) (*x)[axis] = shifted(p.a[axis], int(rng() % 7) - 3);
     }
   }
   if (rng() % 2) p.d = nearly_between(p.a, p.b, p.c, rng);
   for (Vec3* x : {&p.a, &p.b, &p.c, &p.d}) {
-    for (double& c : *x) c = std::isfinite(c) ? c : kMost;
+    for (double& c : *x) c = std::isfinite(c) ? c : kMax;
   }
   return p;
 }
@@ -91,7 +92,7 @@ TEST(FilterLimits, AreaAgreesWithIntegers) {
   for (int i = 0; i < 20000; ++i) {
     Four p = some_points(rng);
     if (rng() % 2) p.c = nearly_between(p.a, p.b, p.b, rng);
-    for (double& x : p.c) x = std::isfinite(x) ? x : kMost;
+    for (double& x : p.c) x = std::isfinite(x) ? x : kMax;
     const bool expected = !collinear(p.a, p.b, p.c);
     with_area += expected;
     ASSERT_EQ(triangle_has_area(p.a, p.b, p.c), expected)

@@ -1,4 +1,4 @@
-// The narrow phase against the exact oracle, over every family of cases. Seeds are fixed.
+// The narrow phase compared with the exact oracle, over every family of cases. Seeds are fixed.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ double size_of(const Case& c) {
   return size;
 }
 
-// What double arithmetic can do, or something coarser.
+// The resolution of double arithmetic, or something coarser.
 double some_tolerance(const Case& c, Rng& rng) {
   constexpr std::array<double, 4> kRelative = {0, 0x1p-30, 0x1p-20, 0x1p-8};
   return kRelative[rng() % kRelative.size()] * size_of(c);
@@ -74,9 +74,9 @@ TEST_P(NarrowPhase, MissesNothingAndStaysWithinTolerance) {
   EXPECT_LE(tally.undecided, tally.cases / 100);
 }
 
-TEST_P(NarrowPhase, SeparatedWhenClearlyApart) {
-  // Beyond thickness + tolerance all the time, a Hit is not allowed: at no time is it within.
-  int apart = 0;
+TEST_P(NarrowPhase, IsSeparatedBeyondTheTolerance) {
+  // A pair that stays beyond thickness + tolerance must not be a Hit.
+  int separated = 0;
   for (const Kind kind : kKinds) {
     Rng rng(12);
     for (int i = 0; i < kCases / 4 && !HasFailure(); ++i) {
@@ -85,12 +85,12 @@ TEST_P(NarrowPhase, SeparatedWhenClearlyApart) {
       settings.tolerance = size_of(c) * 0x1p-30;
       const double bound = allowed_tolerance(c.x0, c.x1, settings);
       if (bound == 0 || approach(kind, c.x0, c.x1, bound, bound / 8) != Approach::Beyond) continue;
-      ++apart;
+      ++separated;
       EXPECT_EQ(narrow_phase(kind, c.x0, c.x1, settings).answer, Answer::Separated)
           << describe(kind, c.x0, c.x1, settings);
     }
   }
-  EXPECT_GT(apart, kCases / 60);  // Families of near misses have few.
+  EXPECT_GT(separated, kCases / 60);  // families of near misses have few
 }
 
 TEST_P(NarrowPhase, StopsAtTheLatestTime) {
@@ -144,7 +144,7 @@ TEST_P(NarrowPhase, ThicknessIsSound) {
 INSTANTIATE_TEST_SUITE_P(Families, NarrowPhase, ::testing::ValuesIn(families().begin(), families().end()),
                          [](const auto& instance) { return std::string(instance.param.name); });
 
-// ---- The same truth from another side: each variant touches exactly when the original does.
+// ---- Symmetries: each variant touches exactly when the original does.
 
 Case swapped(Kind kind, const Case& c, Rng& rng) {
   const auto arrange = [&](const std::array<int, 4>& order) {
@@ -214,10 +214,10 @@ TEST_P(Invariance, EveryViewOfAPairHasTheSameTruth) {
       touched += truth;
       ++cases;
       for (const Case& view : views) {
-        // The judge asks the oracle anew for each view: a Hit where the truth is a miss must be within
+        // The judge consults the oracle for each view: a Hit where the truth is a miss must be within
         // tolerance.
         EXPECT_EQ(expect_sound(kind, view, CcdSettings{}).touched, truth)
-            << "the oracle itself changed its mind\n"
+            << "the oracle contradicts itself\n"
             << describe(kind, view.x0, view.x1, CcdSettings{});
       }
     }

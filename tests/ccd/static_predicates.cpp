@@ -1,4 +1,4 @@
-// The exact predicates against CGAL's exact kernel and the oracle's integers.
+// The exact predicates compared with CGAL's exact kernel and the oracle's integers.
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ Vec3 random_point(Rng& rng) {
   std::uniform_real_distribution<double> unit(-1, 1);
   return {unit(rng), unit(rng), unit(rng)};
 }
-// Rounding moves these off their common plane by less than a double product can tell.
+// Rounding moves these off their common plane by less than a product of doubles resolves.
 Vec3 nearly_flat_point(Rng& rng) {
   const Vec3 p = random_point(rng);
   return {p.x() * 0.1, p.y() * 0.1, (p.x() + p.y()) * 0.1};
@@ -65,7 +65,7 @@ void PrintTo(const PointFamily& family, std::ostream* out) { *out << family.name
 
 class StaticPredicates : public ::testing::TestWithParam<PointFamily> {
  protected:
-  Points draw(int count) {
+  Points random_points(int count) {
     Points points;
     for (int i = 0; i < count; ++i) points.push_back(GetParam().make(rng_));
     return points;
@@ -75,7 +75,7 @@ class StaticPredicates : public ::testing::TestWithParam<PointFamily> {
 
 TEST_P(StaticPredicates, OrientationAgreesWithCgal) {
   for (int i = 0; i < 3000; ++i) {
-    const Points p = draw(4);
+    const Points p = random_points(4);
     const int expected = -static_cast<int>(CGAL::orientation(cgal(p[0]), cgal(p[1]), cgal(p[2]), cgal(p[3])));
     ASSERT_EQ(orient3d(p[0], p[1], p[2], p[3]), expected) << text(p);
     ASSERT_EQ(orientation(p[0], p[1], p[2], p[3]), expected) << "the oracle disagrees\n" << text(p);
@@ -84,7 +84,7 @@ TEST_P(StaticPredicates, OrientationAgreesWithCgal) {
 
 TEST_P(StaticPredicates, OrientationIsExactAtEveryScale) {
   for (int i = 0; i < 1000; ++i) {
-    Points p = draw(4);
+    Points p = random_points(4);
     const int expected = orientation(p[0], p[1], p[2], p[3]);
     for (const double factor : {0x1p-1000, 0x1p-340, 0x1p340, 0x1p980}) {
       Points q = p;
@@ -99,7 +99,7 @@ TEST_P(StaticPredicates, OrientationIsExactAtEveryScale) {
 TEST_P(StaticPredicates, TrianglesAgreeWithCgalAndTheOracle) {
   int hits = 0;
   for (int i = 0; i < 1500; ++i) {
-    const Points p = draw(6);
+    const Points p = random_points(6);
     const std::array<Vec3, 3> a = {p[0], p[1], p[2]}, b = {p[3], p[4], p[5]};
     const bool expected = hulls_intersect(a, b);
     hits += expected;
@@ -116,7 +116,7 @@ TEST_P(StaticPredicates, TrianglesAgreeWithCgalAndTheOracle) {
 TEST_P(StaticPredicates, SegmentAndTriangleAgreeWithCgalAndTheOracle) {
   int hits = 0;
   for (int i = 0; i < 1500; ++i) {
-    const Points p = draw(5);
+    const Points p = random_points(5);
     const std::array<Vec3, 2> s = {p[0], p[1]};
     const std::array<Vec3, 3> t = {p[2], p[3], p[4]};
     const bool expected = hulls_intersect(s, t);
@@ -134,7 +134,7 @@ TEST_P(StaticPredicates, SegmentAndTriangleAgreeWithCgalAndTheOracle) {
 TEST_P(StaticPredicates, FoldingAgreesWithCgalAndTheOracle) {
   int folds = 0;
   for (int i = 0; i < 3000; ++i) {
-    const Points p = draw(4);
+    const Points p = random_points(4);
     const bool expected = meet_beyond_edge(p[0], p[1], p[2], p[3]);
     folds += expected;
     ASSERT_EQ(triangles_fold(p[0], p[1], p[2], p[3]), expected) << text(p);

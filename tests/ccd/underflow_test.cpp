@@ -1,5 +1,5 @@
-// What underflows is accounted for: no pair is called separated because digits were lost at the lower end of
-// double's range.
+// Underflow is accounted for: no pair is separated because digits were lost at the lower end of double's
+// range.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -49,20 +49,20 @@ double rough_distance(const FeaturePair& pair, std::span<const Vec3> x0, std::sp
     for (int k = 0; k < 4; ++k) x[k] = (1 - t) * from[k] + t * to[k];
     return (pair.kind == Kind::VertexFace ? vertex_face_closest(x) : edge_edge_closest(x)).distance;
   };
-  constexpr int kLooks = 9;
-  double best = 0, least = distance_at(0);
-  for (int k = 1; k < kLooks; ++k) {
-    const double t = double(k) / (kLooks - 1), d = distance_at(t);
-    if (d < least) std::tie(best, least) = std::pair(t, d);
+  constexpr int kSamples = 9;
+  double nearest_time = 0, nearest = distance_at(0);
+  for (int k = 1; k < kSamples; ++k) {
+    const double t = double(k) / (kSamples - 1), d = distance_at(t);
+    if (d < nearest) std::tie(nearest_time, nearest) = std::pair(t, d);
   }
-  for (double step = 0.5 / (kLooks - 1); step > 1e-4; step /= 2) {
-    for (const double t : {best - step, best + step}) {
+  for (double step = 0.5 / (kSamples - 1); step > 1e-4; step /= 2) {
+    for (const double t : {nearest_time - step, nearest_time + step}) {
       if (t < 0 || t > 1) continue;
       const double d = distance_at(t);
-      if (d < least) std::tie(best, least) = std::pair(t, d);
+      if (d < nearest) std::tie(nearest_time, nearest) = std::pair(t, d);
     }
   }
-  return least;
+  return nearest;
 }
 
 bool comes_within(const FeaturePair& pair, std::span<const Vec3> x0, std::span<const Vec3> x1, double gap) {
@@ -87,7 +87,7 @@ namespace {
 
 using Corners = std::array<std::uint16_t, 3>;
 
-bool boxes_apart(const Corners& a, const Corners& b, std::span<const Vec3> x) {
+bool boxes_separated(const Corners& a, const Corners& b, std::span<const Vec3> x) {
   const Vec3 a_low = x[a[0]].cwiseMin(x[a[1]]).cwiseMin(x[a[2]]),
              a_high = x[a[0]].cwiseMax(x[a[1]]).cwiseMax(x[a[2]]);
   const Vec3 b_low = x[b[0]].cwiseMin(x[b[1]]).cwiseMin(x[b[2]]),
@@ -103,7 +103,7 @@ std::string find_crossing(const Patch& patch, std::span<const Vec3> x) {
   for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const auto &a = patch.triangles[i], &b = patch.triangles[j];
-      if (boxes_apart(a, b, x)) continue;
+      if (boxes_separated(a, b, x)) continue;
       if (oracle::triangles_cross({a[0], a[1], a[2]}, {b[0], b[1], b[2]}, positions))
         return fmt::format("triangles {} and {} cross", i, j);
     }

@@ -1,4 +1,4 @@
-/// What a certificate says cannot be: features of a patch, without a common vertex, that come too close.
+/// Finds what a certificate excludes: features of a patch without a common vertex that come too close.
 #pragma once
 
 #include <string>
@@ -19,19 +19,19 @@ std::vector<FeaturePair> all_pairs(const Patch& patch);
 
 FourPoints points_of(const FeaturePair& pair, std::span<const Vec3> x);
 
-/// How near the pair comes during the step; not exact, for aiming.
+/// An estimate of how near the pair comes during the step.
 double rough_distance(const FeaturePair& pair, std::span<const Vec3> x0, std::span<const Vec3> x1);
 
-/// Exactly: does the pair come as close as `gap` or closer? Undecided by exact brackets, which end at a
-/// relative 2^-24, counts as no.
+/// Whether the pair comes within `gap`, exactly. Counts as no where exact brackets, which end at a relative
+/// 2^-24, do not decide.
 bool comes_within(const FeaturePair& pair, std::span<const Vec3> x0, std::span<const Vec3> x1, double gap);
 
-/// The first pair that comes within `gap`, with its coordinates; empty when there is none. The narrow phase,
-/// which is held against the exact oracle elsewhere, leaves out what it proves to be farther apart.
+/// The first pair that comes within `gap`, with its coordinates; empty where there is none. Skips pairs that
+/// the narrow phase separates; other tests compare it with the exact oracle.
 std::string find_contact(const Patch& patch, std::span<const Vec3> x0, std::span<const Vec3> x1, double gap);
 
-/// The first two triangles that have more in common than their common vertices and edges; empty when there
-/// are none. Exact.
+/// The first two triangles that meet outside of their common vertices and edges; empty where there are none.
+/// Exact.
 std::string find_crossing(const Patch& patch, std::span<const Vec3> x);
 
 }  // namespace foldproof::testing

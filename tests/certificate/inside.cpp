@@ -1,41 +1,41 @@
 #include "certificate/inside.h"
 
-// The library's file once more, under other names, so that its inner functions can be called.
+// Compiles the library's file again, under other names, so that its inner functions can be called.
 #if !defined(HWY_COMPILE_ONLY_SCALAR) && \
     !defined(HWY_COMPILE_ONLY_EMU128)  // as tests/tools/fallback.cmake has it
 #define HWY_COMPILE_ONLY_STATIC
 #endif
 #define chart_holds chart_holds_again
 #define chart_margin chart_margin_again
-#define fit_of fit_again
-#define weight_of weight_again
-#define FindDoubtful FindDoubtfulAgain
-#define Gather GatherAgain
-#define Draw DrawAgain
-#define DrawCorners DrawCornersAgain
-#define AllForward AllForwardAgain
+#define fit_of fit_of_again
+#define weight_of weight_of_again
+#define FindUnproven FindUnprovenAgain
+#define ComputeMoments ComputeMomentsAgain
+#define PullBackVertices PullBackVerticesAgain
+#define PullBackCorners PullBackCornersAgain
+#define AllPositiveDefinite AllPositiveDefiniteAgain
 #define FirstBelow FirstBelowAgain
-namespace foldproof {
+namespace foldproof::internal {
 bool chart_holds(const ChartView&, std::span<const MovingVertex>, double, ChartScratch&);
 double chart_margin(const ChartView&, std::span<const MovingVertex>, ChartScratch&, double);
 ChartLibrary::Fit fit_of(std::span<const std::array<float, 3>>,
                          std::span<const std::array<std::uint16_t, 3>>);
 float weight_of(std::span<const std::array<float, 3>>, const std::array<std::uint16_t, 3>&);
-}  // namespace foldproof
-#include "certificate/chart_test.cpp"
+}  // namespace foldproof::internal
+#include "certificate/chart_holds.cpp"
 
 namespace foldproof {
 
-UsedInTest used_in_test(const ChartView& chart, std::span<const MovingVertex> vertices, double gap) {
+PullBackUsed pull_back_used(const ChartView& chart, std::span<const MovingVertex> vertices, double gap) {
   ChartScratch scratch;
-  chart_holds(chart, vertices, gap, scratch);  // makes room
+  chart_holds(chart, vertices, gap, scratch);  // resizes the scratch
   Moments moments;
-  HWY_STATIC_DISPATCH(Gather)(chart, vertices, scratch, moments);
+  HWY_STATIC_DISPATCH(ComputeMoments)(chart, vertices, scratch, moments);
   PullBack pull{};
-  pull_back(chart.fit, moments, pull);
-  UsedInTest used{};
+  fit_pull_back(chart.fit, moments, pull);
+  PullBackUsed used{};
   for (int k = 0; k < 2; ++k) std::copy_n(pull.column[k], 3, used.w[k]);
-  used.lambda = margin_of(pull, moments, chart.fit.least_altitude, gap);
+  used.lambda = margin_of(pull, moments, chart.fit.min_altitude, gap);
   return used;
 }
 

@@ -1,16 +1,16 @@
-/// What chart_holds works with, for tests to see.
+/// Gives tests access to what chart_holds computes inside.
 #pragma once
 
-#include "certificate/chart_test.h"
+#include "certificate/chart_holds.h"
 
 namespace foldproof {
 
-/// W of Theorem 2, and lambda.
-struct UsedInTest {
+/// W and lambda of Theorem 2.
+struct PullBackUsed {
   float w[2][3];
   float lambda;
 };
-/// What chart_holds uses on the same arguments, the same bits. Precondition: the chart holds.
-UsedInTest used_in_test(const ChartView& chart, std::span<const MovingVertex> vertices, double gap);
+/// What chart_holds uses for the same arguments, bit for bit. Precondition: the chart holds.
+PullBackUsed pull_back_used(const ChartView& chart, std::span<const MovingVertex> vertices, double gap);
 
 }  // namespace foldproof

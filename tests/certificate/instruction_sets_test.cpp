@@ -1,4 +1,4 @@
-// The same answers on every instruction set that this machine has, plain scalar code included.
+// All instruction sets of this machine, scalar code included, give the same answers.
 #include <gtest/gtest.h>
 
 #include "certificate/patches.h"
@@ -8,27 +8,27 @@
 namespace foldproof::testing {
 namespace {
 
-// Answers of chart_holds and plane_separates on many steps, half of them true.
+// Answers of chart_holds and plane_separates on many steps; about half are true.
 std::vector<bool> answers() {
   std::vector<bool> all;
   Rng rng(41);
   ChartScratch scratch;
   for (int round = 0; round < 12; ++round) {
-    for (const PosedPatch& p : drawable_patches(rng)) {
-      Drawing drawing;
-      if (draw(p.patch, p.x, drawing) != ChartOutcome::Made) continue;
-      const Chart chart(p.patch, drawing);
+    for (const PosedPatch& p : chartable_patches(rng)) {
+      UvMap uv_map;
+      if (parametrize(p.patch, p.x, uv_map) != ChartOutcome::Made) continue;
+      const Chart chart(p.patch, uv_map);
       HalfPass control(0.05), plane_control(1);
       for (int k = 0; k < 20; ++k) {
         const Step step = random_step(p, control.size(), rng);
         all.push_back(chart_holds(chart.view(), step.vertices, k % 3 * 1e-3, scratch));
-        control.tell(all.back());
+        control.record(all.back());
         const std::size_t middle = 1 + rng() % (p.x.size() - 1);
         const std::span<const Index> ids(chart.vertices);
         const double gap = 0.01 * plane_control.size();
         all.push_back(plane_separates(step.vertices, ids.subspan(0, middle / 2 + 1), step.vertices,
                                       ids.subspan(middle / 2 + 1), gap));
-        plane_control.tell(all.back());
+        plane_control.record(all.back());
       }
     }
   }

@@ -18,12 +18,12 @@ Vec3 random_direction(Rng& rng) {
   }
 }
 
-PosedPatch sheet(std::string name, int columns, int rows, const Place3& place) {
+PosedPatch sheet(std::string name, int columns, int rows, const Surface& surface) {
   PosedPatch p{std::move(name), {}, {}};
   for (int j = 0; j <= rows; ++j) {
     for (int i = 0; i <= columns; ++i) {
       p.patch.vertices.push_back(static_cast<Index>(p.x.size()));
-      p.x.push_back(place(double(i) / columns, double(j) / rows));
+      p.x.push_back(surface(double(i) / columns, double(j) / rows));
     }
   }
   const auto at = [&](int i, int j) { return static_cast<std::uint16_t>(j * (columns + 1) + i); };
@@ -75,7 +75,7 @@ PosedPatch fan(Rng& rng) {
 
 }  // namespace
 
-std::vector<PosedPatch> drawable_patches(Rng& rng) {
+std::vector<PosedPatch> chartable_patches(Rng& rng) {
   std::vector<PosedPatch> all;
   all.push_back(sheet("flat", 4, 4, flat));
   all.push_back(sheet("bumpy", 5, 4, [&](double u, double v) {
@@ -95,38 +95,37 @@ std::vector<PosedPatch> drawable_patches(Rng& rng) {
     const std::size_t i = t / 2 % 2, j = t / 2 / 2;
     return (i == 0) == (j < 2);
   }));
-  const PosedPatch bay = sheet("bay", 5, 4, flat);
-  all.push_back(part_of(bay, [](std::size_t t) { return t / 2 % 5 != 2 || t / 2 / 5 == 0; }));
+  const PosedPatch not_convex = sheet("not_convex", 5, 4, flat);
+  all.push_back(part_of(not_convex, [](std::size_t t) { return t / 2 % 5 != 2 || t / 2 / 5 == 0; }));
   all.push_back(sheet("strip", 20, 1, [](double u, double v) {
     return Vec3(0.5 * u - 0.25, 0.03 * v + 0.05 * std::sin(6 * u), 0.02 * std::cos(9 * u));
   }));
   all.push_back(fan(rng));
   all.push_back(sheet("slivers", 12, 2, [&](double u, double v) {
-    // Columns that are ever narrower.
+    // The columns become narrower and narrower.
     return Vec3(0.5 * u * u * u - 0.25, 0.5 * v - 0.25, 0.01 * std::sin(20 * v));
   }));
   return all;
 }
 
-Chart::Chart(const Patch& patch, const Drawing& drawing)
-    : vertices(patch.vertices), triangles(patch.triangles) {
-  for (std::size_t i = 0; i < drawing.places.size(); ++i) {
-    points.push_back({static_cast<float>(drawing.places[i][0]), static_cast<float>(drawing.places[i][1]),
-                      static_cast<float>(drawing.heights[i])});
+Chart::Chart(const Patch& patch, const UvMap& uv_map) : vertices(patch.vertices), triangles(patch.triangles) {
+  for (std::size_t i = 0; i < uv_map.uvs.size(); ++i) {
+    points.push_back({static_cast<float>(uv_map.uvs[i][0]), static_cast<float>(uv_map.uvs[i][1]),
+                      static_cast<float>(uv_map.heights[i])});
   }
-  for (const Place corner : kChartCorners)
+  for (const Uv corner : kChartCorners)
     points.push_back({static_cast<float>(corner[0]), static_cast<float>(corner[1]), 0});
-  triangles.insert(triangles.end(), drawing.fillers.begin(), drawing.fillers.end());
+  triangles.insert(triangles.end(), uv_map.scaffold.begin(), uv_map.scaffold.end());
   for (const auto& t : triangles) weights.push_back(weight_of(points, t));
   fit = fit_of(points, triangles);
 }
 
-ChartOutcome draw(const Patch& patch, std::span<const Vec3> x, Drawing& out) {
+ChartOutcome parametrize(const Patch& patch, std::span<const Vec3> x, UvMap& out) {
   std::vector<std::array<float, 3>> positions;
   for (const Vec3& p : x)
     positions.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
-  ChartMaker maker;
-  return maker.draw(patch, positions, maker.facing(patch, positions), out);
+  Parametrizer parametrizer;
+  return parametrizer.build(patch, positions, parametrizer.facing(patch, positions), out);
 }
 
 Step::Step(std::vector<Vec3> from, std::vector<Vec3> to) : x0(std::move(from)), x1(std::move(to)) {
@@ -153,10 +152,10 @@ std::vector<Vec3> deformed(std::span<const Vec3> x, double amplitude, double rou
 }
 
 std::vector<Vec3> moved(std::span<const Vec3> x, double angle, double shift, Rng& rng) {
-  const Eigen::AngleAxisd turn(angle, random_direction(rng));
-  const Vec3 way = shift * uniform(rng, 0, 1) * random_direction(rng);
+  const Eigen::AngleAxisd rotation(angle, random_direction(rng));
+  const Vec3 translation = shift * uniform(rng, 0, 1) * random_direction(rng);
   std::vector<Vec3> result;
-  for (const Vec3& p : x) result.push_back(turn * p + way);
+  for (const Vec3& p : x) result.push_back(rotation * p + translation);
   return result;
 }
 

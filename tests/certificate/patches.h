@@ -1,4 +1,4 @@
-/// Generated patches, charts of them, and motions, for the tests of this room and the search.
+/// Generated patches, their charts, and motions, for the tests of this module and for tests/search.
 #pragma once
 
 #include <functional>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "certificate/chart_test.h"
+#include "certificate/chart_holds.h"
 #include "oracle/families.h"
 
 namespace foldproof::testing {
@@ -27,19 +27,19 @@ struct PosedPatch {
   std::vector<Vec3> x;
 };
 
-using Place3 = std::function<Vec3(double, double)>;
-/// columns x rows cells of two triangles each; `place` maps (u, v) in [0,1]^2 to a point.
-PosedPatch sheet(std::string name, int columns, int rows, const Place3& place);
-/// Keeps the triangles that `keep` wants, by number, and the vertices that these use.
+using Surface = std::function<Vec3(double, double)>;
+/// columns x rows cells of two triangles each; `surface` maps (u, v) in [0,1]^2 to a point.
+PosedPatch sheet(std::string name, int columns, int rows, const Surface& surface);
+/// The triangles for whose numbers `keep` is true, and their vertices.
 PosedPatch part_of(const PosedPatch& whole, const std::function<bool(std::size_t)>& keep);
 
-/// Patches that can be drawn, about half a unit across: flat, bumpy, curved, with a hole, two parts that
-/// touch in one vertex, with a bay, a long strip, a fan, slivers.
-std::vector<PosedPatch> drawable_patches(Rng& rng);
+/// Patches that have charts, about half a unit across: flat, bumpy, curved, with a hole, two parts that touch
+/// in one vertex, not convex, a long strip, a fan, slivers.
+std::vector<PosedPatch> chartable_patches(Rng& rng);
 
-/// What chart_holds reads, from a drawing.
+/// The data that chart_holds reads, from a UV map.
 struct Chart {
-  Chart(const Patch& patch, const Drawing& drawing);
+  Chart(const Patch& patch, const UvMap& uv_map);
   ChartView view() const { return {vertices, points, triangles, weights, fit}; }
 
   std::vector<Index> vertices;
@@ -49,10 +49,10 @@ struct Chart {
   ChartLibrary::Fit fit;
 };
 
-/// As ChartMaker draws a patch in a pose rounded to single precision.
-ChartOutcome draw(const Patch& patch, std::span<const Vec3> x, Drawing& out);
+/// Parametrizer::build for a pose rounded to single precision.
+ChartOutcome parametrize(const Patch& patch, std::span<const Vec3> x, UvMap& out);
 
-/// Ends of a step, and the same in single precision; coordinates in [-1, 1].
+/// Positions at both ends of a step, and the same in single precision; coordinates in [-1, 1].
 struct Step {
   Step(std::vector<Vec3> from, std::vector<Vec3> to);
   std::vector<Vec3> x0, x1;
@@ -61,20 +61,20 @@ struct Step {
 
 /// A smooth random deformation of size `amplitude` with noise of `roughness` times that.
 std::vector<Vec3> deformed(std::span<const Vec3> x, double amplitude, double roughness, Rng& rng);
-/// Turned about the origin by `angle` around a random axis, moved by up to `shift`.
+/// Rotated about the origin by `angle` around a random axis, translated by up to `shift`.
 std::vector<Vec3> moved(std::span<const Vec3> x, double angle, double shift, Rng& rng);
-/// Scaled about its middle so that it fits into [-1, 1] with room to spare, when it does not.
+/// Centers and scales positions that do not fit into [-1, 1] with a margin.
 void fit_into_frame(std::vector<Vec3>& x0, std::vector<Vec3>& x1);
 
-/// A random step of a patch: deformed at both ends, turned by up to three radians.
+/// A random step of a patch: deformed at both ends, rotated by up to three radians.
 Step random_step(const PosedPatch& patch, double amplitude, Rng& rng);
 
-/// Picks sizes such that about half of all tries pass.
+/// Adapts a size so that about half of all tries pass.
 class HalfPass {
  public:
   explicit HalfPass(double size) : size_(size) {}
   double size() const { return size_; }
-  void tell(bool passed) {
+  void record(bool passed) {
     size_ *= passed ? 1.4 : 1 / 1.4;
     ++(passed ? passes_ : failures_);
   }

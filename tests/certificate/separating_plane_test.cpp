@@ -1,4 +1,4 @@
-// What plane_separates promises, held against exact arithmetic.
+// plane_separates against exact arithmetic.
 #include "certificate/separating_plane.h"
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ struct Cloud {
   Step step;
 };
 
-// Two clouds of points, of any shape, at distances around `distance`, that move together and by themselves.
+// Two point clouds about `distance` apart, with a common motion and motions of their own.
 Cloud random_cloud(double size, double distance, Rng& rng) {
   std::vector<Vec3> x0, x1;
   std::vector<Index> ids[2];
@@ -26,13 +26,13 @@ Cloud random_cloud(double size, double distance, Rng& rng) {
   const int kind = static_cast<int>(rng() % 3);
   for (int side = 0; side < 2; ++side) {
     const std::size_t count = 1 + rng() % 20;
-    const Vec3 middle = offset + (side - 0.5) * (distance + size) * axis;
+    const Vec3 center = offset + (side - 0.5) * (distance + size) * axis;
     const Vec3 motion = uniform(rng, 0, 0.4) * random_direction(rng) * (kind == 1 ? 1 : 0.1);
     for (std::size_t k = 0; k < count; ++k) {
       const Vec3 p = size * uniform(rng, 0, 0.5) * random_direction(rng);
       ids[side].push_back(static_cast<Index>(x0.size()));
-      x0.push_back(middle + p);
-      x1.push_back(middle + motion + p + 0.2 * size * random_direction(rng));
+      x0.push_back(center + p);
+      x1.push_back(center + motion + p + 0.2 * size * random_direction(rng));
     }
   }
   if (kind == 2) x1 = moved(x1, uniform(rng, 0, 2), 0.1, rng);
@@ -40,15 +40,15 @@ Cloud random_cloud(double size, double distance, Rng& rng) {
   return {ids[0], ids[1], Step(std::move(x0), std::move(x1))};
 }
 
-// Hulls of moving points come near each other at some time exactly when some features do; to leave no doubt,
-// and as points are few, the moving points are taken as all triangles and edges that they span.
+// Convex hulls come within a gap exactly when some of their features do. This samples triangles and edges
+// between any of their points.
 std::string find_contact_of_hulls(const Cloud& cloud, double gap) {
   const auto &x0 = cloud.step.x0, &x1 = cloud.step.x1;
   const auto at = [](const std::vector<Index>& ids, std::size_t i) { return ids[i % ids.size()]; };
   CcdSettings settings;
   settings.thickness = gap;
   Rng rng(5);
-  const auto look = [&](const FeaturePair& pair) {
+  const auto comes_near = [&](const FeaturePair& pair) {
     const FourPoints from = points_of(pair, x0), to = points_of(pair, x1);
     const CcdResult r = pair.kind == oracle::Kind::VertexFace ? vertex_face_ccd(from, to, settings)
                                                               : edge_edge_ccd(from, to, settings);
@@ -58,20 +58,20 @@ std::string find_contact_of_hulls(const Cloud& cloud, double gap) {
     const bool swap = rng() % 2;
     const auto &s = swap ? cloud.b : cloud.a, &t = swap ? cloud.a : cloud.b;
     const auto id = [&](const std::vector<Index>& ids) { return static_cast<std::uint16_t>(at(ids, rng())); };
-    if (look({oracle::Kind::VertexFace, {id(s), id(t), id(t), id(t)}}) ||
-        look({oracle::Kind::EdgeEdge, {id(s), id(s), id(t), id(t)}}))
-      return fmt::format("features of the hulls meet at gap {}", gap);
+    if (comes_near({oracle::Kind::VertexFace, {id(s), id(t), id(t), id(t)}}) ||
+        comes_near({oracle::Kind::EdgeEdge, {id(s), id(s), id(t), id(t)}}))
+      return fmt::format("features of the hulls come within {}", gap);
   }
   return {};
 }
 
-// The hulls at both ends and in between do not meet: exact, on positions that are doubles.
+// Whether the hulls meet at a time. Exact, for positions rounded to double.
 bool hulls_meet_at(const Cloud& cloud, double t) {
   std::vector<Vec3> p, q;
   const auto at = [&](Index v) { return Vec3((1 - t) * cloud.step.x0[v] + t * cloud.step.x1[v]); };
   for (const Index v : cloud.a) p.push_back(at(v));
   for (const Index v : cloud.b) q.push_back(at(v));
-  // The exact answer takes time that grows with the fourth power: only small clouds.
+  // Of few points, as the time of the exact test grows with the fourth power of their number.
   if (p.size() > 5) p.resize(5);
   if (q.size() > 5) q.resize(5);
   return oracle::hulls_intersect(p, q);
@@ -84,12 +84,12 @@ TEST(PlaneSeparates, WhatIsSeparatedStaysFartherApartThanTheGap) {
     for (const double gap : {0.0, 1e-5, 1e-3, 0.1}) {
       HalfPass control(0.1);
       for (int k = 0; k < 60; ++k, ++tries) {
-        // Closer after every success.
+        // Nearer after every success.
         const double distance = gap + size * (1 - control.size());
         const Cloud cloud = random_cloud(size, distance, rng);
         const bool separated =
             plane_separates(cloud.step.vertices, cloud.a, cloud.step.vertices, cloud.b, gap);
-        control.tell(separated);
+        control.record(separated);
         const std::string contact = find_contact_of_hulls(cloud, gap);
         if (!separated) {
           contacts += !contact.empty();
@@ -107,8 +107,8 @@ TEST(PlaneSeparates, WhatIsSeparatedStaysFartherApartThanTheGap) {
   EXPECT_GT(contacts, 50);
 }
 
-// Touching, by exact numbers: never separated, not even by nothing.
-TEST(PlaneSeparates, TouchingIsNotApart) {
+// Clouds with a common point are not separated, even with a gap of zero.
+TEST(PlaneSeparates, TouchingCloudsAreNotSeparated) {
   Rng rng(52);
   for (int k = 0; k < 500; ++k) {
     Cloud cloud = random_cloud(0.2, 0.05, rng);
@@ -121,8 +121,8 @@ TEST(PlaneSeparates, TouchingIsNotApart) {
   }
 }
 
-// Coordinates near the smallest numbers: products vanish, lengths become zero.
-TEST(PlaneSeparates, VanishingNumbersAreNotApart) {
+// Coordinates near the smallest numbers: products and lengths underflow.
+TEST(PlaneSeparates, UnderflowSeparatesNothing) {
   Rng rng(53);
   for (int k = 0; k < 20000; ++k) {
     const double size = log_uniform(rng, 1e-45, 5e-7);
@@ -142,11 +142,10 @@ TEST(PlaneSeparates, VanishingNumbersAreNotApart) {
   }
 }
 
-// A remembered normal saves the search where it still separates, and costs nothing else: whatever it is, what
-// is said stays true.
-TEST(PlaneSeparates, TriesTheNormalItIsGiven) {
+// The given normal is returned where it still separates. No given normal changes the answer.
+TEST(PlaneSeparates, TriesTheGivenNormal) {
   Rng rng(77);
-  int found = 0, again = 0, spoiled = 0;
+  int found = 0, kept = 0, changed = 0;
   for (int k = 0; k < 400; ++k) {
     const Cloud cloud = random_cloud(uniform(rng, 0.05, 0.4), uniform(rng, -0.05, 0.2), rng);
     const auto separates = [&](PlaneNormal& normal) {
@@ -157,19 +156,19 @@ TEST(PlaneSeparates, TriesTheNormalItIsGiven) {
     EXPECT_EQ(plain, normal != PlaneNormal{});
     found += plain;
     const PlaneNormal first = normal;
-    again += plain && separates(normal) && normal == first;
-    // Nonsense is no proof: where there is one, the search finds it as it would have.
-    for (const PlaneNormal& nonsense :
+    kept += plain && separates(normal) && normal == first;
+    // The search finds a normal regardless of a useless one.
+    for (const PlaneNormal& useless :
          {PlaneNormal{NAN, 1, 0}, PlaneNormal{INFINITY, 0, 0}, PlaneNormal{1e-20f, 0, 0},
           PlaneNormal{-first[0], -first[1], -first[2]}}) {
-      PlaneNormal given = nonsense;
-      spoiled += separates(given) != plain;
+      PlaneNormal given = useless;
+      changed += separates(given) != plain;
     }
   }
   EXPECT_GT(found, 100);
   EXPECT_LT(found, 390);
-  EXPECT_EQ(again, found);
-  EXPECT_EQ(spoiled, 0);
+  EXPECT_EQ(kept, found);
+  EXPECT_EQ(changed, 0);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// chart_is_valid against plain exact geometry, on drawings that were spoiled in every way one can think of.
+// chart_is_valid against simple exact geometry, on charts that were corrupted in many ways.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,55 +10,59 @@
 namespace foldproof::testing {
 namespace {
 
-struct Drawn {
+struct TestChart {
   Patch patch;
-  Drawing drawing;
+  UvMap uv_map;
 };
 
 std::size_t any(Rng& rng, std::size_t count) { return rng() % count; }
 
 using Corners = std::array<std::uint16_t, 3>;
 
-Corners& any_triangle(Drawn& d, Rng& rng) {
-  const std::size_t patch = d.patch.triangles.size(), all = patch + d.drawing.fillers.size(),
+Corners& any_triangle(TestChart& chart, Rng& rng) {
+  const std::size_t patch = chart.patch.triangles.size(), all = patch + chart.uv_map.scaffold.size(),
                     k = any(rng, all);
-  return k < patch ? d.patch.triangles[k] : d.drawing.fillers[k - patch];
+  return k < patch ? chart.patch.triangles[k] : chart.uv_map.scaffold[k - patch];
 }
 
-void turn_triangle(Drawn& d, Rng& rng) {
-  Corners& t = any_triangle(d, rng);
+void reverse_triangle(TestChart& chart, Rng& rng) {
+  Corners& t = any_triangle(chart, rng);
   std::swap(t[0], t[1]);
 }
-void begin_elsewhere(Drawn& d, Rng& rng) {
-  Corners& t = any_triangle(d, rng);
+void rotate_corners(TestChart& chart, Rng& rng) {
+  Corners& t = any_triangle(chart, rng);
   std::rotate(t.begin(), t.begin() + 1, t.end());
 }
-void drop_filler(Drawn& d, Rng& rng) {
-  d.drawing.fillers.erase(d.drawing.fillers.begin() +
-                          static_cast<std::ptrdiff_t>(any(rng, d.drawing.fillers.size())));
+void remove_scaffold_triangle(TestChart& chart, Rng& rng) {
+  chart.uv_map.scaffold.erase(chart.uv_map.scaffold.begin() +
+                              static_cast<std::ptrdiff_t>(any(rng, chart.uv_map.scaffold.size())));
 }
-void double_triangle(Drawn& d, Rng& rng) { d.drawing.fillers.push_back(any_triangle(d, rng)); }
-void swap_corner(Drawn& d, Rng& rng) {
-  any_triangle(d, rng)[any(rng, 3)] = static_cast<std::uint16_t>(any(rng, d.drawing.places.size() + 4));
+void duplicate_triangle(TestChart& chart, Rng& rng) {
+  chart.uv_map.scaffold.push_back(any_triangle(chart, rng));
 }
-void name_nobody(Drawn& d, Rng& rng) {
-  any_triangle(d, rng)[any(rng, 3)] = static_cast<std::uint16_t>(d.drawing.places.size() + 4 + any(rng, 100));
+void replace_corner(TestChart& chart, Rng& rng) {
+  any_triangle(chart, rng)[any(rng, 3)] = static_cast<std::uint16_t>(any(rng, chart.uv_map.uvs.size() + 4));
 }
-void shift_place(Drawn& d, Rng& rng) {
-  Place& p = d.drawing.places[any(rng, d.drawing.places.size())];
-  const double way = log_uniform(rng, 1, 20000);
-  for (auto& c : p) c = static_cast<std::int16_t>(std::clamp(c + uniform(rng, -way, way), -32767.0, 32767.0));
+void use_missing_vertex(TestChart& chart, Rng& rng) {
+  any_triangle(chart, rng)[any(rng, 3)] =
+      static_cast<std::uint16_t>(chart.uv_map.uvs.size() + 4 + any(rng, 100));
 }
-void swap_places(Drawn& d, Rng& rng) {
-  auto& places = d.drawing.places;
-  std::swap(places[any(rng, places.size())], places[any(rng, places.size())]);
+void shift_uv(TestChart& chart, Rng& rng) {
+  Uv& p = chart.uv_map.uvs[any(rng, chart.uv_map.uvs.size())];
+  const double distance = log_uniform(rng, 1, 20000);
+  for (auto& c : p)
+    c = static_cast<std::int16_t>(std::clamp(c + uniform(rng, -distance, distance), -32767.0, 32767.0));
 }
-// Two triangles with a common side get the other diagonal: the square stays covered when their union is
+void swap_uvs(TestChart& chart, Rng& rng) {
+  auto& uvs = chart.uv_map.uvs;
+  std::swap(uvs[any(rng, uvs.size())], uvs[any(rng, uvs.size())]);
+}
+// Flips the diagonal of two triangles with a common side. The square stays covered where their union is
 // convex.
-void turn_diagonal(Drawn& d, Rng& rng) {
-  auto& f = d.drawing.fillers;
+void flip_diagonal(TestChart& chart, Rng& rng) {
+  auto& scaffold = chart.uv_map.scaffold;
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    Corners &s = f[any(rng, f.size())], &t = f[any(rng, f.size())];
+    Corners &s = scaffold[any(rng, scaffold.size())], &t = scaffold[any(rng, scaffold.size())];
     for (int k = 0; k < 9; ++k, std::rotate(s.begin(), s.begin() + 1, s.end())) {
       if (k % 3 == 0) std::rotate(t.begin(), t.begin() + 1, t.end());
       if (s[0] != t[1] || s[1] != t[0]) continue;
@@ -69,72 +73,77 @@ void turn_diagonal(Drawn& d, Rng& rng) {
     }
   }
 }
-// A triangle is cut in three at a vertex that no other uses. The corners of the square follow the vertices.
-void cut_triangle(Drawn& d, Rng& rng) {
-  const auto added = static_cast<std::uint16_t>(d.drawing.places.size());
-  for (auto* group : {&d.patch.triangles, &d.drawing.fillers}) {
+// Splits a triangle in three at a new vertex. The numbers of the square's corners follow those of the
+// vertices.
+void split_triangle(TestChart& chart, Rng& rng) {
+  const auto added = static_cast<std::uint16_t>(chart.uv_map.uvs.size());
+  for (auto* group : {&chart.patch.triangles, &chart.uv_map.scaffold}) {
     for (Corners& c : *group) {
       for (std::uint16_t& v : c) v = static_cast<std::uint16_t>(v + (v >= added));
     }
   }
-  Corners& t = any_triangle(d, rng);
+  Corners& t = any_triangle(chart, rng);
   const Corners old = t;
   t = {old[0], old[1], added};
-  d.drawing.fillers.push_back({old[1], old[2], added});
-  d.drawing.fillers.push_back({old[2], old[0], added});
-  Place middle{};
+  chart.uv_map.scaffold.push_back({old[1], old[2], added});
+  chart.uv_map.scaffold.push_back({old[2], old[0], added});
+  Uv centroid{};
   for (int c = 0; c < 2; ++c) {
     int sum = 0;
     for (const std::uint16_t v : old)
-      sum += v < added ? d.drawing.places[v][c] : kChartCorners[v - added - 1][c];
-    middle[c] = static_cast<std::int16_t>(sum / 3);
+      sum += v < added ? chart.uv_map.uvs[v][c] : kChartCorners[v - added - 1][c];
+    centroid[c] = static_cast<std::int16_t>(sum / 3);
   }
-  d.patch.vertices.push_back(added);
-  d.drawing.places.push_back(middle);
+  chart.patch.vertices.push_back(added);
+  chart.uv_map.uvs.push_back(centroid);
 }
 
-struct Spoiling {
+struct Corruption {
   const char* name;
-  void (*spoil)(Drawn&, Rng&);
+  void (*apply)(TestChart&, Rng&);
 };
-constexpr Spoiling kSpoilings[] = {{"turn_triangle", turn_triangle}, {"begin_elsewhere", begin_elsewhere},
-                                   {"drop_filler", drop_filler},     {"double_triangle", double_triangle},
-                                   {"swap_corner", swap_corner},     {"name_nobody", name_nobody},
-                                   {"shift_place", shift_place},     {"swap_places", swap_places},
-                                   {"turn_diagonal", turn_diagonal}};
+constexpr Corruption kCorruptions[] = {{"reverse_triangle", reverse_triangle},
+                                       {"rotate_corners", rotate_corners},
+                                       {"remove_scaffold_triangle", remove_scaffold_triangle},
+                                       {"duplicate_triangle", duplicate_triangle},
+                                       {"replace_corner", replace_corner},
+                                       {"use_missing_vertex", use_missing_vertex},
+                                       {"shift_uv", shift_uv},
+                                       {"swap_uvs", swap_uvs},
+                                       {"flip_diagonal", flip_diagonal}};
 
-std::vector<Drawn> drawings(Rng& rng) {
-  std::vector<Drawn> all;
-  for (const PosedPatch& p : drawable_patches(rng)) {
-    Drawn d{p.patch, {}};
-    if (draw(p.patch, p.x, d.drawing) == ChartOutcome::Made) all.push_back(std::move(d));
+std::vector<TestChart> valid_charts(Rng& rng) {
+  std::vector<TestChart> all;
+  for (const PosedPatch& p : chartable_patches(rng)) {
+    TestChart chart{p.patch, {}};
+    if (parametrize(p.patch, p.x, chart.uv_map) == ChartOutcome::Made) all.push_back(std::move(chart));
   }
   return all;
 }
 
-TEST(ChartIsValid, AgreesWithPlainGeometryOnSpoiledDrawings) {
+TEST(ChartIsValid, AgreesWithSimpleGeometryOnCorruptedCharts) {
   Rng rng(11);
-  const std::vector<Drawn> good = drawings(rng);
+  const std::vector<TestChart> good = valid_charts(rng);
   ASSERT_GE(good.size(), 8u);
   int valid = 0, tries = 0;
   for (int round = 0; round < 400; ++round) {
-    Drawn d = good[any(rng, good.size())];
+    TestChart chart = good[any(rng, good.size())];
     std::string what;
-    // Several in a row may cancel each other. The harmless ones come more often, so that many stay valid.
+    // Several in a row may cancel out. Harmless ones are more frequent, so that many charts stay valid.
     for (std::size_t n = 1 + any(rng, 3); n > 0; --n) {
-      const Spoiling& s = any(rng, 3) == 0 ? kSpoilings[any(rng, std::size(kSpoilings))]
-                                           : kSpoilings[std::array{1, 6, 8}[any(rng, 3)]];
-      s.spoil(d, rng);
-      what += std::string(" ") + s.name;
+      const Corruption& corruption = any(rng, 3) == 0 ? kCorruptions[any(rng, std::size(kCorruptions))]
+                                                      : kCorruptions[std::array{1, 6, 8}[any(rng, 3)]];
+      corruption.apply(chart, rng);
+      what += std::string(" ") + corruption.name;
     }
-    const Coverage coverage(d.patch, d.drawing, rng());
-    const bool expected = coverage.all_good(), actual = chart_is_valid(d.patch, d.drawing);
+    const Coverage coverage(chart.patch, chart.uv_map, rng());
+    const bool expected = coverage.is_valid(), actual = chart_is_valid(chart.patch, chart.uv_map);
     ++tries;
     valid += actual;
     if (actual) {
-      ASSERT_TRUE(expected) << "taken for valid after" << what;
+      ASSERT_TRUE(expected) << "accepted after" << what;
     } else {
-      // The square's sides must be whole, which the theorem does not ask for.
+      // Vertices on the sides of the square are refused, although the theorem allows them.
       ASSERT_TRUE(!expected || coverage.touches_border()) << "refused after" << what;
     }
   }
@@ -142,60 +151,59 @@ TEST(ChartIsValid, AgreesWithPlainGeometryOnSpoiledDrawings) {
   EXPECT_LT(valid, 0.7 * tries);
 }
 
-TEST(ChartIsValid, EachSpoilingAloneIsSeen) {
+TEST(ChartIsValid, EachCorruptionAloneIsFound) {
   Rng rng(12);
-  const std::vector<Drawn> good = drawings(rng);
-  for (const auto spoil : {turn_triangle, drop_filler, double_triangle, name_nobody}) {
-    for (const Drawn& drawn : good) {
-      Drawn d = drawn;
-      spoil(d, rng);
-      EXPECT_FALSE(chart_is_valid(d.patch, d.drawing));
+  const std::vector<TestChart> good = valid_charts(rng);
+  for (const auto apply :
+       {reverse_triangle, remove_scaffold_triangle, duplicate_triangle, use_missing_vertex}) {
+    for (TestChart chart : good) {
+      apply(chart, rng);
+      EXPECT_FALSE(chart_is_valid(chart.patch, chart.uv_map));
     }
   }
 }
 
 TEST(ChartIsValid, AFinerTriangulationStaysValid) {
   Rng rng(13);
-  for (const Drawn& drawn : drawings(rng)) {
-    Drawn d = drawn;
-    int cut = 0;
+  for (TestChart chart : valid_charts(rng)) {
+    int splits = 0;
     for (int k = 0; k < 10; ++k) {
-      Drawn before = d;
-      cut_triangle(d, rng);
-      const bool valid = chart_is_valid(d.patch, d.drawing);
-      EXPECT_EQ(valid, Coverage(d.patch, d.drawing, k).all_good());
-      cut += valid;
-      if (!valid) d = before;  // cut in the middle of a thin triangle, rounded to its border
+      TestChart before = chart;
+      split_triangle(chart, rng);
+      const bool valid = chart_is_valid(chart.patch, chart.uv_map);
+      EXPECT_EQ(valid, Coverage(chart.patch, chart.uv_map, k).is_valid());
+      splits += valid;
+      if (!valid) chart = before;  // the new vertex was rounded to the border of a thin triangle
     }
-    EXPECT_GT(cut, 5);
+    EXPECT_GT(splits, 5);
   }
 }
 
 TEST(ChartIsValid, SizesThatDoNotMatchAreRefused) {
   Rng rng(14);
-  Drawn d = drawings(rng)[0];
-  d.drawing.places.pop_back();
-  EXPECT_FALSE(chart_is_valid(d.patch, d.drawing));
-  d = drawings(rng)[0];
-  d.patch.vertices.push_back(99);
-  EXPECT_FALSE(chart_is_valid(d.patch, d.drawing));
+  TestChart chart = valid_charts(rng)[0];
+  chart.uv_map.uvs.pop_back();
+  EXPECT_FALSE(chart_is_valid(chart.patch, chart.uv_map));
+  chart = valid_charts(rng)[0];
+  chart.patch.vertices.push_back(99);
+  EXPECT_FALSE(chart_is_valid(chart.patch, chart.uv_map));
   EXPECT_FALSE(chart_is_valid({}, {}));
 }
 
-// Two sheets of one square each, one above the other, and one that winds round a vertex twice: local checks
-// pass, the count of the outline does not.
+// Two layers of the square, and triangles that wind around a vertex twice: each triangle is valid, the total
+// area is not.
 TEST(ChartIsValid, CoveringTwiceIsRefused) {
-  Drawing twice;
+  UvMap twice;
   Patch none;
-  twice.fillers = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}, {1, 2, 3}};
+  twice.scaffold = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}, {1, 2, 3}};
   EXPECT_FALSE(chart_is_valid(none, twice));
-  twice.fillers = {{0, 1, 2}, {0, 2, 3}};
+  twice.scaffold = {{0, 1, 2}, {0, 2, 3}};
   EXPECT_TRUE(chart_is_valid(none, twice));
   // Around the vertex 0, two turns.
   Patch wheel;
-  Drawing winding;
+  UvMap winding;
   wheel.vertices = {0, 1, 2, 3, 4};
-  winding.places = {{0, 0}, {10000, 10000}, {-10000, 10000}, {-10000, -10000}, {10000, -10000}};
+  winding.uvs = {{0, 0}, {10000, 10000}, {-10000, 10000}, {-10000, -10000}, {10000, -10000}};
   const auto corner = [](int k) { return static_cast<std::uint16_t>(5 + k % 4); };
   const auto inner = [](int k) { return static_cast<std::uint16_t>(1 + k % 4); };
   for (int k = 0; k < 4; ++k) {

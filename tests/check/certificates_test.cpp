@@ -1,5 +1,5 @@
-// Certificates only remove work: with and without them, every step of many gives the same answer, bit for
-// bit. One checker sees all steps, as charts are drawn on the way.
+// Certificates only remove work: with and without them, every step has the same answer, bit for bit. One
+// checker runs all steps of a motion, since it builds charts from step to step.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -46,14 +46,14 @@ TEST_P(Films, CertificatesNeverChangeAnAnswer) {
       hits += both.sums.hits;
     }
   }
-  // Otherwise nothing was tested.
+  // Otherwise the test would prove nothing.
   EXPECT_GT(passes, 100u);
   EXPECT_LT(with, without);
   EXPECT_GT(hits, 50u);
 }
 
-// The larger the tolerance and the thickness, the wider the gap that certificates must leave; and only some
-// pairs may be asked for.
+// Certificates must prove a gap that grows with tolerance and thickness; and steps may exclude kinds of
+// pairs.
 TEST_P(Films, SettingsChangeFromStepToStep) {
   Comparison both(hierarchies(film_, 8));
   for (std::size_t k = 0; k + 1 < film_.poses.size(); ++k) {
@@ -63,7 +63,7 @@ TEST_P(Films, SettingsChangeFromStepToStep) {
     settings.within = k % 5 != 4;
     settings.between = k % 7 != 3;
     ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k], film_.poses[k + 1], settings)) << "step " << k;
-    // Backwards: the pose at the begin is another one than where charts were drawn.
+    // Backwards: the start is not the pose in which charts were built.
     ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k + 1], film_.poses[k], settings)) << "step " << k;
   }
   EXPECT_GT(both.sums.passes, 50u);
@@ -105,7 +105,7 @@ TEST_P(Films, EarliestOnlyIsTheSameWithCertificates) {
     ASSERT_TRUE(with.check(x0, x1, settings, a));
     settings.certificates = false;
     ASSERT_TRUE(without.check(x0, x1, settings, b));
-    a.work.undecided = b.work.undecided = 0;  // depends on luck with threads
+    a.work.undecided = b.work.undecided = 0;  // depends on the order of threads
     ASSERT_NO_FATAL_FAILURE(expect_same(a, b)) << "step " << k;
   }
 }
@@ -137,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(Generated, Films,
 
 struct RealFilm {
   const char* name;
-  Index first;  ///< Where the short run begins; something touches there where it ever does.
+  Index first;  ///< Where the short run starts: at collisions, if the motion has any.
 };
 void PrintTo(const RealFilm& film, std::ostream* out) { *out << film.name; }
 
@@ -176,7 +176,7 @@ class RealFilms : public ::testing::TestWithParam<RealFilm> {
     };
     print("steps", both.sums);
     if (both.statics.steps > 0) print("poses", both.statics);
-    if (both.sums.steps > 2 && both.sums.served == 0) {
+    if (both.sums.steps > 2 && both.sums.covered == 0) {
       EXPECT_GT(both.sums.passes, 0u);
       EXPECT_LT(both.sums.pairs_with, both.sums.pairs_without);
     }
@@ -194,8 +194,8 @@ TEST_P(RealFilms, FullSteps) {
   report(both);
 }
 
-// Each searched for itself and explained, so that certificates are used also where they do not pay; and with
-// searches that look ahead.
+// Once without look-ahead and explained, so that certificates are used also where they do not pay; once with
+// look-ahead.
 TEST_P(RealFilms, TenthsOfSteps) {
   for (const bool ahead : {false, true}) {
     Comparison both = comparison();
@@ -208,7 +208,7 @@ TEST_P(RealFilms, TenthsOfSteps) {
       for (int part = 1; part <= tenths; ++part) {
         for (std::size_t i = 0; i < from[0].size(); ++i)
           next[0][i] = from[0][i] + (to[0][i] - from[0][i]) * part / 10;
-        ASSERT_NO_FATAL_FAILURE(both.step(now, next, {.ahead = ahead, .explain = !ahead}))
+        ASSERT_NO_FATAL_FAILURE(both.step(now, next, {.look_ahead = ahead, .explain = !ahead}))
             << "frame " << k << ", tenth " << part;
         std::swap(now, next);
       }
@@ -217,13 +217,13 @@ TEST_P(RealFilms, TenthsOfSteps) {
       }
     }
     report(both);
-    EXPECT_EQ(both.sums.served > 0, ahead);
+    EXPECT_EQ(both.sums.covered > 0, ahead);
   }
 }
 
 TEST_P(RealFilms, FullStepsWithModels) {
   if (!all_) GTEST_SKIP() << "Training takes long. Set FOLDPROOF_ALL_FRAMES=1 to run this test.";
-  // Every tenth frame is offered; all of them become references, or one.
+  // Trained on every tenth frame; all of them become references, or one.
   for (const Index references : {0, 1}) {
     std::vector<TrainPose> chosen;
     for (Index k = 0; k < motion_->frame_count(); k += 10) chosen.push_back({motion_.get(), k});

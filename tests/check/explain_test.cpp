@@ -1,4 +1,4 @@
-// What a query says about its certificates, on generated meshes whose answer is known.
+// Explanations of queries on generated meshes whose answer is known.
 #include <gmock/gmock.h>
 
 #include <bit>
@@ -25,7 +25,7 @@ std::size_t count(const std::vector<Reason>& reasons, Reason wanted) {
   return static_cast<std::size_t>(std::count(reasons.begin(), reasons.end(), wanted));
 }
 
-/// An open tube that is bent into a part of a ring.
+/// An open tube, bent to an arc.
 Mesh tube(double bend) {
   constexpr Index kAround = 24, kAlong = 60;
   std::vector<Triangle> triangles;
@@ -82,7 +82,7 @@ std::uint64_t tested(const Explanation& e) {
   return std::accumulate(e.leaf_pairs.begin() + 1, e.leaf_pairs.end(), std::uint64_t{0});
 }
 
-TEST(Explanation, ABendingTubeIsCertifiedOnceItsChartsAreDrawn) {
+TEST(Explanation, ABendingTubeIsCertifiedOnceItsChartsAreBuilt) {
   Stepper tube_steps(tube(0.5));
   StepSettings off;
   off.certificates = false;
@@ -101,9 +101,9 @@ TEST(Explanation, ABendingTubeIsCertifiedOnceItsChartsAreDrawn) {
     EXPECT_EQ(explained.leaf_pairs[at(Reason::Certified)] + tested(explained),
               all_tested.result.work.leaf_pairs);
     if (k == 1) {
-      EXPECT_THAT(level, Each(-1)) << "charts are drawn from the second step on";
+      EXPECT_THAT(level, Each(-1)) << "charts are built from the second step on";
       EXPECT_THAT(margin, Each(0));
-      EXPECT_THAT(reason, Each(Reason::NotDrawn));
+      EXPECT_THAT(reason, Each(Reason::NotBuilt));
     }
   }
   const auto& [level, margin, reason] = tube_steps.result.explanation.objects[0];
@@ -133,7 +133,7 @@ double mean_margin(const Explanation::Object& object) {
   return sum / static_cast<double>(proven);
 }
 
-TEST(Explanation, MarginsSayHowFarTheShapeIsFromItsCharts) {
+TEST(Explanation, MarginsDecreaseWithTheDistanceFromTheChart) {
   Stepper steps(tube(0.5));
   for (int k = 0; k < 10; ++k) steps.step(tube(0.5).positions);
   const double still = mean_margin(steps.result.explanation.objects[0]);
@@ -144,8 +144,8 @@ TEST(Explanation, MarginsSayHowFarTheShapeIsFromItsCharts) {
   EXPECT_LT(far, near - 0.02);
 }
 
-/// Holds levels against the hierarchy: a level leads from the root to a node whose triangles all have it.
-/// Returns how many leaves have one.
+/// Compares levels with the hierarchy: all triangles below a proven node have its level. Returns how many
+/// leaves have a level.
 std::size_t leaves_with_level(const Hierarchy& h, std::span<const std::int8_t> level) {
   std::size_t proven = 0;
   for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
@@ -165,15 +165,15 @@ std::size_t leaves_with_level(const Hierarchy& h, std::span<const std::int8_t> l
   return proven;
 }
 
-TEST(Explanation, ALevelIsThatOfANodeWithEverythingBelowIt) {
+TEST(Explanation, ALevelIsThatOfANodeAboveAllItsTriangles) {
   Stepper steps(tube(0.5));
   for (int k = 1; k <= 10; ++k) steps.step(tube(0.5 + 0.02 * k).positions);
   EXPECT_GT(leaves_with_level(*steps.tree, steps.result.explanation.objects[0].level),
             steps.tree->leaf_count() / 2);
 }
 
-/// Copies of a mesh beside each other, far apart.
-Mesh eight_of(const Mesh& one) {
+/// Copies of a mesh side by side, far from each other.
+Mesh eight_copies(const Mesh& one) {
   std::vector<Triangle> triangles;
   std::vector<double> x;
   const Index vertices = one.topology.vertex_count();
@@ -187,11 +187,11 @@ Mesh eight_of(const Mesh& one) {
 }
 
 TEST(Explanation, ALevelMayBeThatOfALeaf) {
-  // One leaf each. Nothing proves two of them together: a chart shows a single piece.
-  const Mesh squares = eight_of(testing::cloth(2));
+  // One leaf per copy. No chart proves two of them together: a chart covers one connected component.
+  const Mesh squares = eight_copies(testing::cloth(2));
   Stepper steps(squares, {}, {.leaf_triangles = 8});
   ASSERT_EQ(steps.tree->leaf_count(), 8u);
-  // Larger nodes have their turn first, in vain.
+  // Charts of larger nodes are tried first and fail.
   for (int k = 0; k < 12; ++k) steps.step(squares.positions);
   EXPECT_GT(leaves_with_level(*steps.tree, steps.result.explanation.objects[0].level), 0u);
   EXPECT_THAT(steps.result.explanation.objects[0].level, Each(AnyOf(-1, 3)));
@@ -207,7 +207,7 @@ std::vector<Index> owners(const Hierarchy& h, std::span<const Index> ids, Index 
   return owner;
 }
 
-/// Counts the collisions of leaves without a common vertex: nothing is more telling than those.
+/// Counts the collisions of leaves without a common vertex, whose reason must be NearOther.
 std::size_t expect_near(const Stepper& steps, const char* family) {
   const Hierarchy& h = *steps.tree;
   const PatchSlots slots(steps.tree);
@@ -224,14 +224,14 @@ std::size_t expect_near(const Stepper& steps, const char* family) {
   return count;
 }
 
-TEST(Explanation, WhatCollidesIsNeverCalledCertified) {
+TEST(Explanation, CollidingTrianglesAreNotCertified) {
   oracle::Rng rng(7);
   std::size_t collisions = 0, near = 0, certified = 0;
   for (const oracle::MeshFamily& family : oracle::mesh_families()) {
     const oracle::Mesh mesh = family.make(rng);
     Stepper steps({mesh.topology(), mesh.positions});
     for (int k = 0; k < 12; ++k) {
-      // Gentle steps, so that there are charts, and then some that are not.
+      // Small steps, so that charts are built, then a large one.
       steps.step(oracle::deformed(mesh.positions, k % 4 == 3 ? 0.4 : 0.01, 0, rng));
       const auto& reason = steps.result.explanation.objects[0].reason;
       for (const VertexFaceCollision& c : steps.result.vertex_face) {
@@ -248,7 +248,8 @@ TEST(Explanation, WhatCollidesIsNeverCalledCertified) {
   EXPECT_GT(certified, 100u);
 }
 
-/// A sheet that is folded in two; its halves are `gap` apart, upside down when that is negative.
+/// A sheet that is folded in half, with a gap between the halves; when it is negative they have swapped
+/// sides.
 Mesh folded(double gap) {
   Mesh sheet = testing::cloth(24);
   for (std::size_t i = 0; i < sheet.positions.size(); i += 3) {
@@ -259,7 +260,7 @@ Mesh folded(double gap) {
   return sheet;
 }
 
-TEST(Explanation, PartsThatPassThroughEachOtherAreNear) {
+TEST(Explanation, PartsThatPassThroughEachOtherAreNearOther) {
   Stepper steps(folded(0.05));
   for (int k = 0; k < 6; ++k) steps.step(folded(0.05 - 0.001 * k).positions);
   EXPECT_LT(count(steps.result.explanation.objects[0].reason, Reason::NearOther), 300u);
@@ -269,18 +270,18 @@ TEST(Explanation, PartsThatPassThroughEachOtherAreNear) {
   EXPECT_GT(through.leaf_pairs[at(Reason::NearOther)], 0u);
 }
 
-TEST(Explanation, WhatShakesTooMuchFailsItsCharts) {
+TEST(Explanation, LargePerturbationsFailTheCharts) {
   const Mesh sheet = testing::cloth(24);
   Stepper steps(sheet);
-  std::uint64_t gentle = 0, wild = 0;
+  std::uint64_t small = 0, large = 0;
   for (std::uint32_t k = 0; k < 20; ++k) {
-    const std::uint64_t failed = steps.step(testing::shaken(sheet.positions, k < 10 ? 0.001 : 0.03, k))
+    const std::uint64_t failed = steps.step(testing::perturbed(sheet.positions, k < 10 ? 0.001 : 0.03, k))
                                      .leaf_pairs[at(Reason::TestFailed)];
-    if (k < 8) continue;  // charts are being drawn
-    (k < 10 ? gentle : wild) = std::max(k < 10 ? gentle : wild, failed);
+    if (k < 8) continue;  // charts are still being built
+    (k < 10 ? small : large) = std::max(k < 10 ? small : large, failed);
   }
-  EXPECT_GT(wild, 100u);
-  EXPECT_LT(gentle, wild / 5);
+  EXPECT_GT(large, 100u);
+  EXPECT_LT(small, large / 5);
 }
 
 TEST(Explanation, AClosedLeafIsTooCurved) {
@@ -290,12 +291,12 @@ TEST(Explanation, AClosedLeafIsTooCurved) {
     if (std::popcount(corner) % 2 == 0) std::swap(t[0], t[1]);
     triangles.push_back(t);
   }
-  const Mesh octahedra = eight_of(
+  const Mesh octahedra = eight_copies(
       {*Topology::make(6, std::move(triangles)), {-1, 0, 0, 1, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, -1, 0, 0, 1}});
   const std::vector<double>& x = octahedra.positions;
   Stepper steps(octahedra, {}, {.leaf_triangles = 8});
   ASSERT_EQ(steps.tree->leaf_count(), 8u);
-  EXPECT_THAT(steps.step(x).objects[0].reason, Each(Reason::NotDrawn));
+  EXPECT_THAT(steps.step(x).objects[0].reason, Each(Reason::NotBuilt));
   for (int k = 0; k < 3; ++k) steps.step(x);
   EXPECT_THAT(steps.result.explanation.objects[0].reason, Each(Reason::TooCurved));
   EXPECT_THAT(steps.result.explanation.objects[0].level, Each(-1));
@@ -315,7 +316,7 @@ TEST(Explanation, WithoutCertificatesEverythingIsOff) {
   }
 }
 
-/// Answers to ten steps of two tubes that cross, and a pose.
+/// Explanations of ten steps of two tubes that cross, and of the pose after each.
 std::vector<Explanation> two_tubes(int threads) {
   const ThreadLimit limit(threads);
   const Mesh first = tube(0.5);
@@ -324,16 +325,16 @@ std::vector<Explanation> two_tubes(int threads) {
   StepSettings settings;
   settings.explain = true;
   std::vector<Explanation> all;
-  const auto place = [](int k) { return tube(0.5 + 0.02 * k).positions; };
+  const auto along = [](int k) { return tube(0.5 + 0.02 * k).positions; };
   const auto across = [&](int k) {
-    std::vector<double> x = place(k);
+    std::vector<double> x = along(k);
     for (std::size_t i = 0; i < x.size(); i += 3) std::swap(x[i + 1], x[i + 2]);
     return x;
   };
   StepResult result;
   StaticResult pose;
   for (int k = 0; k < 10; ++k) {
-    const auto a0 = place(k), b0 = across(k), a1 = place(k + 1), b1 = across(k + 1);
+    const auto a0 = along(k), b0 = across(k), a1 = along(k + 1), b1 = across(k + 1);
     const std::span<const double> from[] = {a0, b0}, to[] = {a1, b1};
     EXPECT_TRUE(checker.check(from, to, settings, result));
     all.push_back(result.explanation);
@@ -344,12 +345,12 @@ std::vector<Explanation> two_tubes(int threads) {
   return all;
 }
 
-TEST(Explanation, IsTheSameForAnyNumberOfThreadsAndTellsObjectsApart) {
+TEST(Explanation, IsTheSameForAnyNumberOfThreadsAndPerObject) {
   const auto one = two_tubes(1), many = two_tubes(4);
   ASSERT_EQ(one.size(), many.size());
   for (std::size_t i = 0; i < one.size(); ++i) {
     ASSERT_EQ(one[i].objects.size(), 2u);
-    const Reason crossing = i == 0 ? Reason::NotDrawn : Reason::NearOther;
+    const Reason crossing = i == 0 ? Reason::NotBuilt : Reason::NearOther;
     EXPECT_EQ(one[i].leaf_pairs, many[i].leaf_pairs);
     for (int object = 0; object < 2; ++object) {
       EXPECT_EQ(one[i].objects[object].level, many[i].objects[object].level);

@@ -20,12 +20,13 @@ Topology sheet(Index columns, Index rows) {
   return Topology::make((columns + 1) * (rows + 1), std::move(triangles)).value();
 }
 
-template <class Place>
-Pose sheet_pose(Index columns, Index rows, Place place) {
+// Vertices at position(u, v), u and v in [0,1].
+template <class Position>
+Pose sheet_pose(Index columns, Index rows, Position position) {
   Pose x;
   for (Index j = 0; j <= rows; ++j) {
     for (Index i = 0; i <= columns; ++i) {
-      const Vec3 p = place(double(i) / columns, double(j) / rows);
+      const Vec3 p = position(double(i) / columns, double(j) / rows);
       x.insert(x.end(), {p.x(), p.y(), p.z()});
     }
   }
@@ -37,7 +38,7 @@ double to_and_fro(int step, int steps) { return 0.5 - 0.5 * std::cos(2 * std::nu
 
 constexpr int kSteps = 40;
 
-// Rolled up along its length by an ever larger angle until it meets itself, and unrolled.
+// A sheet that is rolled up along its length until it touches itself, and unrolled.
 Film bending(Rng&) {
   Film film;
   film.topologies.push_back(sheet(60, 12));
@@ -51,7 +52,7 @@ Film bending(Rng&) {
   return film;
 }
 
-// Folded flat onto itself along a line, and opened.
+// A sheet that is folded flat onto itself along a line, and opened.
 Film folding(Rng& rng) {
   Film film;
   film.topologies.push_back(sheet(40, 16));
@@ -69,7 +70,7 @@ Film folding(Rng& rng) {
   return film;
 }
 
-// A long strip twisted about its own line, by several turns.
+// A long strip that is twisted about its axis by several turns.
 Film twisting(Rng&) {
   Film film;
   film.topologies.push_back(sheet(60, 8));
@@ -83,7 +84,7 @@ Film twisting(Rng&) {
   return film;
 }
 
-// Bodies that drift through each other while they breathe.
+// Bodies that drift through each other while they grow and shrink.
 Film several_bodies(Rng& rng) {
   Film film;
   std::vector<Mesh> meshes;
@@ -105,7 +106,7 @@ Film several_bodies(Rng& rng) {
   return film;
 }
 
-// Poses that have nothing to do with each other, in between short quiet stretches.
+// Unrelated poses between short stretches of small motion.
 Film jumping(Rng& rng) {
   Film film;
   const Mesh mesh = mesh_families()[rng() % 2].make(rng);

@@ -1,4 +1,4 @@
-/// Films: motions of a few objects, and a comparison of checkers that see the same steps.
+/// Films: motions of a few objects, and a comparison of two checkers on the same steps.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace foldproof::oracle {
 
 using Pose = std::vector<double>;
 
-/// Some objects and their poses one after the other.
+/// Some objects and their poses over time.
 struct Film {
   std::vector<Topology> topologies;
   std::vector<std::vector<Pose>> poses;  ///< By time, then by object.
@@ -53,14 +53,14 @@ inline bool same_counts(const Work& a, const Work& b) {
 }
 
 struct Sums {
-  std::uint64_t steps = 0, served = 0, passes = 0, pairs_with = 0, pairs_without = 0, hits = 0;
-  // Searches that look ahead are for more than the step: their pairs count on neither side.
-  void add(const Work& with, const Work& without, std::size_t found, Index searched = 1) {
+  std::uint64_t steps = 0, covered = 0, passes = 0, pairs_with = 0, pairs_without = 0, hits = 0;
+  // A search that looks ahead finds pairs for later steps as well, so its pairs are not compared.
+  void add(const Work& with, const Work& without, std::size_t found, Index search_steps = 1) {
     ++steps;
-    served += searched == 0;
+    covered += search_steps == 0;
     passes += with.certificate_passes;
     hits += found;
-    if (searched == 1) {
+    if (search_steps == 1) {
       pairs_with += with.leaf_pairs;
       pairs_without += without.leaf_pairs;
       EXPECT_LE(with.leaf_pairs, without.leaf_pairs);
@@ -92,14 +92,14 @@ class Comparison {
     settings.certificates = false;
     ASSERT_TRUE(without_.check(x0, x1, settings, without));
     ASSERT_NO_FATAL_FAILURE(expect_same(with, without));
-    sums.add(with.work, without.work, with.vertex_face.size() + with.edge_edge.size(), with.searched);
+    sums.add(with.work, without.work, with.vertex_face.size() + with.edge_edge.size(), with.search_steps);
   }
 
   void pose(const std::vector<Pose>& pose) {
     StaticResult with, without;
     const auto x = spans(pose);
     StepSettings settings;
-    settings.explain = true;  // certificates also where they do not pay
+    settings.explain = true;  // uses certificates also where they do not pay
     ASSERT_TRUE(with_.check_static(x, settings, with));
     settings.certificates = false;
     ASSERT_TRUE(without_.check_static(x, settings, without));

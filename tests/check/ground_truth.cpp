@@ -1,4 +1,4 @@
-// Published steps and single queries with symbolic ground truth. None of it may be missed.
+// Published steps and single queries with symbolic ground truth. No collision may be missed.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -29,8 +29,7 @@ Scene read_step(const std::filesystem::path& directory) {
   return scene;
 }
 
-// The list names edges by their vertices; a pair is looked up with each edge's smaller vertex, and the
-// smaller edge, first.
+// Keys have each edge's smaller vertex first, and the smaller edge first.
 PairKey edge_key(const std::vector<Index>& ids) {
   std::array<Edge, 2> e = {Edge{ids[0], ids[1]}, Edge{ids[2], ids[3]}};
   for (Edge& edge : e) std::sort(edge.begin(), edge.end());
@@ -102,7 +101,7 @@ TEST_P(GroundTruth, EveryListedCollisionIsReported) {
   print(GetParam(), "edge-edge  ", compare(result.edge_edge, ee, scene, result.tolerance));
 }
 
-// The lists themselves, each pair by the exact oracle: a sample of them, for the oracle's sake.
+// A sample of the lists compared with the exact oracle, to test the oracle.
 TEST_P(GroundTruth, OracleAgreesWithTheLists) {
   const auto data = data_directory();
   if (!data) GTEST_SKIP() << kNoData;
@@ -130,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(Steps, GroundTruth, ::testing::Values("cloth-ball", "ro
                            return name;
                          });
 
-TEST(GroundTruthQueries, EveryHitIsHit) {
+TEST(GroundTruthQueries, EveryHitIsReported) {
   const auto data = data_directory();
   if (!data) GTEST_SKIP() << kNoData;
   int hits = 0, extra = 0, undecided = 0;

@@ -1,5 +1,5 @@
-// Many objects that share one mesh: the same answer as when all of them are one mesh, and no pair of them
-// looked at that is far apart.
+// Many objects that share one mesh: the same answer as when all of them are one mesh, without tests of
+// objects that are far from each other.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -50,7 +50,7 @@ struct BodyMotion : Motion {
   std::string name_ = "body";
 };
 
-/// All bodies at both ends of a step: loosely in a grid, each with a motion of its own.
+/// All bodies at both ends of a step: near the points of a grid, each with a motion of its own.
 struct Crowd {
   Body body;
   std::vector<Positions3> x0, x1;
@@ -69,13 +69,13 @@ struct Crowd {
     }
   }
 
-  /// All bodies have one hierarchy, and one library of charts with `model`.
+  /// All bodies share a hierarchy and, with `with_model`, a chart library.
   StepResult as_objects(const Model& model, bool with_model, bool certificates) const {
     StepChecker checker(std::vector(kBodies, with_model ? model.object() : Object(model.hierarchy())));
     const std::vector<std::span<const double>> from(x0.begin(), x0.end()), to(x1.begin(), x1.end());
     StepResult answer;
-    for (int k = 0; k < 3; ++k) {  // charts and planes come into play from the second step on
-      EXPECT_TRUE(checker.check(from, to, {.certificates = certificates, .ahead = false}, answer));
+    for (int k = 0; k < 3; ++k) {  // charts and planes are used from the second step on
+      EXPECT_TRUE(checker.check(from, to, {.certificates = certificates, .look_ahead = false}, answer));
     }
     return answer;
   }
@@ -137,12 +137,12 @@ TEST(SweepAndPrune, FindsEveryPairThatIsNear) {
     std::vector<SweepAndPrune::Pair> expected;
     for (Index a = 0; a < count; ++a) {
       for (Index b = a + 1; b < count; ++b) {
-        bool apart = false;
+        bool separated = false;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-          apart |= boxes[b].low[axis] - boxes[a].high[axis] > 0.1;
-          apart |= boxes[a].low[axis] - boxes[b].high[axis] > 0.1;
+          separated |= boxes[b].low[axis] - boxes[a].high[axis] > 0.1;
+          separated |= boxes[a].low[axis] - boxes[b].high[axis] > 0.1;
         }
-        if (!apart) expected.push_back({a, b});
+        if (!separated) expected.push_back({a, b});
       }
     }
     const auto found = sweep.pairs(boxes, 0.1);

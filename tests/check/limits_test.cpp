@@ -1,5 +1,5 @@
-// What is counted and what is listed, triangles that are copies of others, vertices that nobody uses, and
-// coordinates at the ends of what numbers hold.
+// Limits: how many pairs are counted and listed, copies of triangles, unused vertices, and coordinates at the
+// ends of double's range.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -59,7 +59,7 @@ std::vector<oracle::PairKey> keys(const std::vector<TriangleCrossing>& crossings
 
 TEST(Limits, AllAreCountedAndThoseWithTheSmallestIdsAreListed) {
   oracle::Rng rng(77);
-  std::uint64_t left_out = 0;
+  std::uint64_t not_listed = 0;
   for (const oracle::MeshFamily& family : oracle::mesh_families()) {
     SCOPED_TRACE(family.name);
     const Scene scene = scene_of({&family, &oracle::mesh_families()[0]}, rng);
@@ -80,7 +80,7 @@ TEST(Limits, AllAreCountedAndThoseWithTheSmallestIdsAreListed) {
         EXPECT_EQ(some.edge_edge_count, all.edge_edge_count);
         EXPECT_EQ(some.earliest_toi, all.earliest_toi);
         EXPECT_EQ(some.clean(), all.clean());
-        left_out += all.count() - some.vertex_face.size() - some.edge_edge.size();
+        not_listed += all.count() - some.vertex_face.size() - some.edge_edge.size();
         const StaticResult crossings = pose(scene, settings);
         EXPECT_EQ(keys(crossings.crossings), keys(first(all_crossings.crossings, limit)));
         EXPECT_EQ(crossings.crossing_count, all_crossings.crossing_count);
@@ -93,11 +93,11 @@ TEST(Limits, AllAreCountedAndThoseWithTheSmallestIdsAreListed) {
       }
     }
   }
-  EXPECT_GT(left_out, 10000u);
+  EXPECT_GT(not_listed, 10000u);
 }
 
-// Many more than the limit, so that what is gathered is cut down again and again.
-TEST(Limits, ALongListIsCutDownOnTheWay) {
+// Many more pairs than the limit, so that the list is cut several times.
+TEST(Limits, ALongListIsCutSeveralTimes) {
   Scene scene;
   std::vector<Triangle> triangles;
   std::vector<double> x;
@@ -119,8 +119,8 @@ TEST(Limits, ALongListIsCutDownOnTheWay) {
   }
 }
 
-// Every mesh with some triangles again, in the same order and in others.
-TEST(Copies, AnswersAreThoseOfBruteForce) {
+// Meshes with copies of triangles, with their vertices in the same order and in others.
+TEST(Copies, AnswersEqualBruteForce) {
   oracle::Rng rng(78);
   std::uint64_t crossings = 0, hits = 0;
   for (const oracle::MeshFamily& family : oracle::mesh_families()) {
@@ -173,7 +173,7 @@ TEST(Copies, AnswersAreThoseOfBruteForce) {
   EXPECT_GT(hits, 1000u);
 }
 
-// A polygon that goes round three vertices, as a fan: every third triangle has an area.
+// A fan of a polygon that repeats three vertices: every third triangle has an area.
 Scene fan(Index corners) {
   Scene scene;
   std::vector<Triangle> triangles;
@@ -184,7 +184,7 @@ Scene fan(Index corners) {
   return scene;
 }
 
-TEST(Copies, APolygonThatGoesRoundManyTimesTakesLittle) {
+TEST(Copies, ARepeatedPolygonCostsLittle) {
   const Scene scene = fan(75'000);
   const std::uint64_t with_area = 25'000;
   StepSettings settings;
@@ -194,7 +194,7 @@ TEST(Copies, APolygonThatGoesRoundManyTimesTakesLittle) {
   EXPECT_EQ(crossed.crossing_count, with_area * (with_area - 1) / 2);
   ASSERT_EQ(crossed.crossings.size(), settings.max_listed);
   for (std::size_t i = 0; i < crossed.crossings.size(); ++i) {
-    // Triangle 0 and every third after it; those of triangle 0 first.
+    // Pairs of triangle 0 come first: with every third triangle after it.
     const auto a = static_cast<Index>(i / (with_area - 1)), k = static_cast<Index>(i);
     if (a > 0) break;
     EXPECT_EQ(oracle::key(crossed.crossings[i]), oracle::key(TriangleCrossing{0, 0, 0, 3 * (k + 1)}));
@@ -206,7 +206,7 @@ TEST(Copies, APolygonThatGoesRoundManyTimesTakesLittle) {
   EXPECT_LT(moved.work.leaf_pairs, 10u);
 }
 
-TEST(Copies, APointThatIsThereManyTimesCrossesNothing) {
+TEST(Copies, CopiesOfAPointDoNotCross) {
   Scene scene;
   scene.topologies.push_back(*Topology::make(1, std::vector<Triangle>(200'000, Triangle{0, 0, 0})));
   scene.x0 = scene.x1 = {{1, 2, 3}};
@@ -215,8 +215,8 @@ TEST(Copies, APointThatIsThereManyTimesCrossesNothing) {
   EXPECT_LT(crossed.work.leaf_pairs, 10u);
 }
 
-// Two triangles and a vertex that neither uses.
-struct Loose {
+// Two triangles and an unused vertex.
+struct WithUnusedVertex {
   Topology topology = *Topology::make(7, {{0, 1, 2}, {3, 4, 5}});
   std::vector<double> x{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 5, 5, 5};
 };
@@ -226,21 +226,21 @@ constexpr double kNotFinite[] = {std::numeric_limits<double>::quiet_NaN(),
                                  -std::numeric_limits<double>::infinity()};
 
 TEST(Unused, AVertexThatIsNotFiniteIsAnError) {
-  const Loose loose;
-  auto hierarchy = std::make_shared<const Hierarchy>(*Hierarchy::build(loose.topology, loose.x));
+  const WithUnusedVertex mesh;
+  auto hierarchy = std::make_shared<const Hierarchy>(*Hierarchy::build(mesh.topology, mesh.x));
   StepChecker checker({hierarchy});
   StepResult step;
   StaticResult pose;
   for (const double bad : kNotFinite) {
     for (const int axis : {0, 1, 2}) {
-      std::vector<double> spoilt = loose.x;
-      spoilt[18 + axis] = bad;
-      EXPECT_FALSE(Hierarchy::build(loose.topology, spoilt));
-      const std::span<const double> good[] = {loose.x}, with_bad[] = {spoilt};
-      const auto at_begin = checker.check(with_bad, good, {}, step),
+      std::vector<double> invalid = mesh.x;
+      invalid[18 + axis] = bad;
+      EXPECT_FALSE(Hierarchy::build(mesh.topology, invalid));
+      const std::span<const double> good[] = {mesh.x}, with_bad[] = {invalid};
+      const auto at_start = checker.check(with_bad, good, {}, step),
                  at_end = checker.check(good, with_bad, {}, step);
-      ASSERT_FALSE(at_begin);
-      EXPECT_EQ(at_begin.error().line(),
+      ASSERT_FALSE(at_start);
+      EXPECT_EQ(at_start.error().line(),
                 "object 0, vertex 6: has a coordinate in x0 that is not finite; repair the positions");
       ASSERT_FALSE(at_end);
       EXPECT_EQ(at_end.error().line(),
@@ -252,10 +252,10 @@ TEST(Unused, AVertexThatIsNotFiniteIsAnError) {
 }
 
 // Two triangles one above the other; the upper one moves through the lower.
-TEST(Magnitude, AnswersHoldAtTheEndsOfWhatNumbersHold) {
+TEST(Magnitude, AnswersHoldAtTheEndsOfTheRange) {
   const auto topology = *Topology::make(6, {{0, 1, 2}, {3, 4, 5}});
-  constexpr double most = std::numeric_limits<double>::max();
-  for (const double size : {8e307, 1.7e308, most, 0x1p990, 0x1p1000, 1.0, 0x1p-990, 0x1p-1000}) {
+  constexpr double max = std::numeric_limits<double>::max();
+  for (const double size : {8e307, 1.7e308, max, 0x1p990, 0x1p1000, 1.0, 0x1p-990, 0x1p-1000}) {
     SCOPED_TRACE(size);
     const auto above = [&](double z) {
       return std::vector<double>{-size,     -size,     0, size,     -size,     0, -size,     size,     0,
@@ -279,7 +279,7 @@ TEST(Magnitude, AnswersHoldAtTheEndsOfWhatNumbersHold) {
   }
 }
 
-TEST(Magnitude, SmallAndLargeGoTogether) {
+TEST(Magnitude, SmallAndLargeObjectsTogether) {
   const auto small = *Topology::make(6, {{0, 1, 2}, {3, 4, 5}}), large = *Topology::make(3, {{0, 1, 2}});
   const double s = 0x1p-990, l = 8e307;
   const std::vector<double> tiny{0, 0, 0, s, 0, 0, 0, s, 0, 0, 0, s, s, 0, s, 0, s, s};
@@ -301,13 +301,13 @@ TEST(Magnitude, SmallAndLargeGoTogether) {
 TEST(StepChecker, NoObjectsHaveNoCollisions) {
   StepChecker checker({});
   StepResult step;
-  step.searched = 0;  // of a step before
+  step.search_steps = 0;  // as from an earlier step
   step.tolerance = 7;
   StaticResult found;
   for (int k = 0; k < 3; ++k) {
     ASSERT_TRUE(checker.check({}, {}, {}, step));
     EXPECT_TRUE(step.clean());
-    EXPECT_EQ(step.searched, 1);
+    EXPECT_EQ(step.search_steps, 1);
     EXPECT_LT(step.tolerance, 1e-300);
     ASSERT_TRUE(checker.check_static({}, {}, found));
     EXPECT_TRUE(found.clean());

@@ -1,5 +1,5 @@
-// The mode paper: what it finds is part of the proven answer, what it may miss follows from how much it
-// believes, and it never goes unnoticed.
+// Mode::Paper: its answer is a part of the proven one, its misses grow with the miss rate, and they are
+// counted.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,18 +40,18 @@ TEST_F(PaperMode, FindsAPartOfTheProvenAnswerWithLessWork) {
   StepChecker both = checker();
   std::uint64_t found = 0, proven_pairs = 0, leaf_pairs = 0, plain_pairs = 0;
   for (double angle = 0.5; angle < 7.5; angle += 0.5) {
-    const StepResult believed = answer(both, angle, angle + 0.4, paper(1));
+    const StepResult predicted = answer(both, angle, angle + 0.4, paper(1));
     const StepResult proven = answer(both, angle, angle + 0.4, {});
     const StepResult plain = answer(both, angle, angle + 0.4, {.certificates = false});
     const auto less = [](const auto& a, const auto& b) { return oracle::key(a) < oracle::key(b); };
     EXPECT_TRUE(std::includes(proven.vertex_face.begin(), proven.vertex_face.end(),
-                              believed.vertex_face.begin(), believed.vertex_face.end(), less));
-    EXPECT_TRUE(std::includes(proven.edge_edge.begin(), proven.edge_edge.end(), believed.edge_edge.begin(),
-                              believed.edge_edge.end(), less));
-    EXPECT_EQ(believed.work.certificate_tests, 0u);
-    found += believed.vertex_face.size() + believed.edge_edge.size();
+                              predicted.vertex_face.begin(), predicted.vertex_face.end(), less));
+    EXPECT_TRUE(std::includes(proven.edge_edge.begin(), proven.edge_edge.end(), predicted.edge_edge.begin(),
+                              predicted.edge_edge.end(), less));
+    EXPECT_EQ(predicted.work.certificate_tests, 0u);
+    found += predicted.vertex_face.size() + predicted.edge_edge.size();
     proven_pairs += proven.vertex_face.size() + proven.edge_edge.size();
-    leaf_pairs += believed.work.leaf_pairs;
+    leaf_pairs += predicted.work.leaf_pairs;
     plain_pairs += plain.work.leaf_pairs;
   }
   EXPECT_GT(proven_pairs, 0u);
@@ -59,8 +59,8 @@ TEST_F(PaperMode, FindsAPartOfTheProvenAnswerWithLessWork) {
   EXPECT_LT(2 * leaf_pairs, plain_pairs);
 }
 
-// Beliefs that were never wrong on poses held out are few or none; with none the answer is whole.
-TEST_F(PaperMode, BelievesLessTheLessMayBeWrong) {
+// The lower the miss rate, the fewer predictions are accepted.
+TEST_F(PaperMode, AcceptsFewerPredictionsAtALowerMissRate) {
   StepChecker paper_checker = checker();
   std::uint64_t last = 0;
   for (const double miss_rate : {1.0, 0.1, 0.01, 0.0}) {
@@ -72,7 +72,7 @@ TEST_F(PaperMode, BelievesLessTheLessMayBeWrong) {
   }
 }
 
-TEST_F(PaperMode, LeavesTheProvenAnswerAsItIs) {
+TEST_F(PaperMode, DoesNotChangeLaterProvenAnswers) {
   StepChecker mixed = checker(), pure = checker();
   for (double angle = 5; angle < 7; angle += 0.5) {
     answer(mixed, angle, angle + 0.4, paper(1));
@@ -82,7 +82,7 @@ TEST_F(PaperMode, LeavesTheProvenAnswerAsItIs) {
   }
 }
 
-TEST_F(PaperMode, SaysWhatIsMissing) {
+TEST_F(PaperMode, NeedsAPredictor) {
   StepChecker without({model_->charts});
   const auto x = bent(kShape.around, kShape.along, 1);
   const std::span<const double> pose[] = {x};
@@ -97,19 +97,19 @@ TEST_F(PaperMode, IsComparedWithTheProvenAnswer) {
   motions.push_back(bending_tube(kShape, {4, 5, 6, 7, 8}));
   CheckSettings settings;
   settings.step = paper(1);
-  const auto refused = run_check(motions, settings, {});
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().line().find("--model"), std::string::npos);
+  const auto rejected = run_check(motions, settings, {});
+  ASSERT_FALSE(rejected);
+  EXPECT_NE(rejected.error().line().find("--model"), std::string::npos);
   settings.models = {model_};
-  const auto believed = run_check(motions, settings, {});
-  ASSERT_TRUE(believed) << believed.error().line();
+  const auto predicted = run_check(motions, settings, {});
+  ASSERT_TRUE(predicted) << predicted.error().line();
   settings.step.mode = Mode::Proven;
   const auto proven = run_check(motions, settings, {});
   ASSERT_TRUE(proven);
   EXPECT_EQ(proven->missed, 0u);
   EXPECT_GT(proven->collisions.sum(), 0u);
-  EXPECT_EQ(believed->collisions.sum() + believed->missed, proven->collisions.sum());
-  EXPECT_GT(believed->proven_milliseconds, 0);
+  EXPECT_EQ(predicted->collisions.sum() + predicted->missed, proven->collisions.sum());
+  EXPECT_GT(predicted->proven_milliseconds, 0);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Whole queries against brute force on generated meshes. Culling is wide enough for thickness and tolerance,
-// so the answers must not just be close: they must be the same pairs with the same times, bit for bit.
+// Whole queries compared with brute force on generated meshes. Culling allows for thickness and tolerance, so
+// the answers must be the same pairs with bit-equal times.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace foldproof::oracle {
 namespace {
 
 struct Movement {
-  double motion;  ///< Size of the deformation between the ends of the step; the meshes are about 1.
+  double motion;  ///< Size of the deformation during the step; the meshes' size is about 1.
   double grid;    ///< Positions are multiples of this; 0 for any position.
 };
 constexpr Movement kMovements[] = {{0.01, 0}, {0.4, 0}, {0.05, 1.0 / 64}, {0.3, 1.0 / 8}};
@@ -130,14 +130,14 @@ TEST_P(QueryProperties, WithinOneMeshEqualsBruteForce) {
   EXPECT_GT(hits, 50u);
 }
 
-TEST_P(QueryProperties, ReportedToleranceIsTheOneAskedForOrTheDefault) {
+TEST_P(QueryProperties, ReportsTheRequestedOrDefaultTolerance) {
   Rng rng(52);
   const Scene scene = scenes(rng, 2)[1];
   StepSettings settings;
   settings.tolerance = 0x1p-12;
-  const StepResult asked = run(scene, settings, 16);
-  EXPECT_EQ(asked.tolerance, 0x1p-12);
-  expect_identical(asked, brute_force_step(scene, settings, 0x1p-12));
+  const StepResult requested = run(scene, settings, 16);
+  EXPECT_EQ(requested.tolerance, 0x1p-12);
+  expect_identical(requested, brute_force_step(scene, settings, 0x1p-12));
   settings.tolerance = 0;
   Vec3 lo = Vec3::Constant(1e300), hi = -lo;
   for (const auto* x : {&scene.x0, &scene.x1}) {
@@ -170,8 +170,8 @@ TEST_P(QueryProperties, SeveralObjectsEqualBruteForce) {
   EXPECT_GT(hits, 50u);
 }
 
-// Boxes may be kept in single precision, which ends near 1e38 and has steps of 1e5 far from the origin.
-TEST_P(QueryProperties, AnyScaleAndPlaceEqualsBruteForce) {
+// Boxes may be in single precision, whose range ends near 1e38 and whose ulps are large far from the origin.
+TEST_P(QueryProperties, AnyScaleAndPositionEqualsBruteForce) {
   Rng rng(60);
   const Scene unit = scenes(rng, 2)[1];
   std::size_t hits = 0;
@@ -244,8 +244,8 @@ TEST_P(QueryProperties, EarliestOnlyIsTheFirstOfAll) {
   }
 }
 
-// What a checker remembers for its certificates may change its work, never its answer.
-TEST_P(QueryProperties, AReusedCheckerForgetsTheLastStep) {
+// The certificates of a checker depend on earlier steps: that may change its work, never its answer.
+TEST_P(QueryProperties, AReusedCheckerGivesTheSameAnswer) {
   Rng rng(56);
   const Scene scene = scenes(rng, 2)[1];
   const auto x0 = scene.spans0(), x1 = scene.spans1();
@@ -262,7 +262,7 @@ TEST_P(QueryProperties, AReusedCheckerForgetsTheLastStep) {
   }
 }
 
-// ---- The same step seen differently. Times and near misses may round differently; contacts may not be lost.
+// ---- Symmetries. Times and near misses may round differently; contacts may not be lost.
 
 template <class Collision>
 void expect_same_contacts(const std::vector<Collision>& a, const std::set<PairKey>& b, const Scene& scene) {

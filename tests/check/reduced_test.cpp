@@ -1,5 +1,5 @@
-// Reduced queries against StepChecker on the meshes rebuilt from the same coordinates: the same pairs with
-// the same times, bit for bit.
+// Reduced queries compared with StepChecker on the meshes reconstructed from the same coordinates: the same
+// pairs with bit-equal times.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -20,52 +20,52 @@ namespace {
 using ShapePointer = std::shared_ptr<const ReducedShape>;
 
 ShapePointer shape_of(const ReducedMesh& mesh, const ReducedSettings& settings = {},
-                      std::size_t extra_centres = 0) {
+                      std::size_t extra_centers = 0) {
   const auto motion = mesh.motion();
-  std::vector<ReducedCentre> centres{{std::vector<double>(motion->modes(), 0.0)}};
+  std::vector<ReducedCenter> centers{{std::vector<double>(motion->modes(), 0.0)}};
   std::mt19937 random(3);
-  for (std::size_t k = 0; k < extra_centres; ++k) {
-    centres.push_back({random_direction(*motion, random)});
-    for (double& c : centres.back().p) c *= 1.5;
+  for (std::size_t k = 0; k < extra_centers; ++k) {
+    centers.push_back({random_direction(*motion, random)});
+    for (double& c : centers.back().p) c *= 1.5;
   }
-  return std::make_shared<const ReducedShape>(ReducedShape::build(motion, centres, settings).value());
+  return std::make_shared<const ReducedShape>(ReducedShape::build(motion, centers, settings).value());
 }
 
 std::vector<ReducedChecker::Object> objects_of(const std::vector<ShapePointer>& shapes) {
   return {shapes.begin(), shapes.end()};
 }
 
-// Coordinates and placements of all objects at both ends of a step.
+// Coordinates and poses of all objects at both ends of a step.
 struct Step {
   std::vector<std::vector<double>> p0, p1;
-  std::vector<ReducedPose> begin, end;
+  std::vector<ReducedPose> start, end;
 };
 
-Step random_step(const std::vector<ShapePointer>& shapes, double distance, double stride,
+Step random_step(const std::vector<ShapePointer>& shapes, double distance, double length,
                  std::mt19937& random) {
   Step step;
   for (const ShapePointer& shape : shapes) {
     auto p = random_direction(*shape->motion(), random), q = random_direction(*shape->motion(), random);
     for (std::size_t k = 0; k < p.size(); ++k) {
       p[k] *= distance;
-      q[k] = p[k] + stride * q[k];
+      q[k] = p[k] + length * q[k];
     }
     step.p0.push_back(p);
     step.p1.push_back(q);
   }
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    step.begin.push_back({step.p0[i]});
+    step.start.push_back({step.p0[i]});
     step.end.push_back({step.p1[i]});
   }
   return step;
 }
 
-// Runs both checkers; gives the reduced one's answer.
+// Runs both checkers and returns the reduced one's answer.
 StepResult expect_same_answer(const std::vector<ShapePointer>& shapes, const Step& step,
                               StepSettings settings) {
   ReducedChecker reduced(objects_of(shapes));
   StepResult answer, expected;
-  const auto done = reduced.check(step.begin, step.end, settings, answer);
+  const auto done = reduced.check(step.start, step.end, settings, answer);
   EXPECT_TRUE(done) << (done ? "" : done.error().line());
   std::vector<Object> objects;
   std::vector<std::vector<double>> x0, x1;
@@ -74,8 +74,8 @@ StepResult expect_same_answer(const std::vector<ShapePointer>& shapes, const Ste
     objects.push_back(motion.hierarchy());
     for (auto* x : {&x0, &x1})
       x->emplace_back(3 * std::size_t{motion.hierarchy()->topology().vertex_count()});
-    place_vertices(motion, step.begin[i], x0.back());
-    place_vertices(motion, step.end[i], x1.back());
+    pose_vertices(motion, step.start[i], x0.back());
+    pose_vertices(motion, step.end[i], x1.back());
   }
   settings.tolerance = answer.tolerance;
   StepChecker checker(objects);
@@ -94,8 +94,8 @@ TEST(ReducedChecker, AnswersAsStepCheckerWithinOneObject) {
   std::size_t hits = 0, clean = 0;
   std::uint64_t with_balls = 0, with_boxes = 0;
   for (const auto& mesh : {bending_tube(16, 40, 0.6), waving_cloth(16)}) {
-    for (const std::size_t extra_centres : {0, 2}) {
-      const std::vector<ShapePointer> shapes{shape_of(mesh, {}, extra_centres)};
+    for (const std::size_t extra_centers : {0, 2}) {
+      const std::vector<ShapePointer> shapes{shape_of(mesh, {}, extra_centers)};
       std::mt19937 random(21);
       for (const double distance : {0.5, 2.0, 6.0, 80.0}) {
         for (int round = 0; round < 4; ++round) {
@@ -106,7 +106,7 @@ TEST(ReducedChecker, AnswersAsStepCheckerWithinOneObject) {
           StepSettings without;
           without.certificates = false;
           StepResult by_boxes;
-          ASSERT_TRUE(ReducedChecker(objects_of(shapes)).check(step.begin, step.end, without, by_boxes));
+          ASSERT_TRUE(ReducedChecker(objects_of(shapes)).check(step.start, step.end, without, by_boxes));
           expect_same(by_boxes.vertex_face, answer.vertex_face);
           expect_same(by_boxes.edge_edge, answer.edge_edge);
           with_balls += answer.work.leaf_pairs;
@@ -120,10 +120,10 @@ TEST(ReducedChecker, AnswersAsStepCheckerWithinOneObject) {
   EXPECT_LT(with_balls, with_boxes);
 }
 
-TEST(ReducedChecker, LooksAtOnePairOfNodesInsideTheRootsBall) {
+TEST(ReducedChecker, TestsOnePairOfNodesInsideTheRootsBall) {
   const std::vector<ShapePointer> shapes{shape_of(bending_tube(32, 80, 0.4))};
   ASSERT_GT(shapes[0]->radius(0), 0.5);
-  ASSERT_TRUE(shapes[0]->always_open().empty());
+  ASSERT_TRUE(shapes[0]->never_certified().empty());
   std::mt19937 random(22);
   const Step step = random_step(shapes, 0.4 * shapes[0]->radius(0), 0.1, random);
   StepSettings settings;
@@ -134,13 +134,13 @@ TEST(ReducedChecker, LooksAtOnePairOfNodesInsideTheRootsBall) {
   EXPECT_EQ(answer.work.leaf_pairs, 0u);
 }
 
-TEST(ReducedChecker, NothingOfAnEarlierAnswerStays) {
+TEST(ReducedChecker, OverwritesEarlierAnswers) {
   ReducedChecker checker({});
   StepResult step;
-  step.searched = 0;
+  step.search_steps = 0;
   step.tolerance = 7;
   ASSERT_TRUE(checker.check({}, {}, {}, step));
-  EXPECT_EQ(step.searched, 1);
+  EXPECT_EQ(step.search_steps, 1);
   EXPECT_EQ(step.tolerance, 0);
 }
 
@@ -179,23 +179,23 @@ TEST(ReducedChecker, AnswersForSeveralPlacedObjects) {
   for (int round = 0; round < 12; ++round) {
     Step step = random_step(shapes, round % 3 + 0.5, 0.5, random);
     for (std::size_t i = 0; i < shapes.size(); ++i) {
-      step.begin[i].rotation = random_rotation(random);
-      step.begin[i].translation = Vec3(normal(random), normal(random), normal(random)) * 0.7;
-      step.end[i].rotation = round % 2 ? random_rotation(random) : step.begin[i].rotation;
+      step.start[i].rotation = random_rotation(random);
+      step.start[i].translation = Vec3(normal(random), normal(random), normal(random)) * 0.7;
+      step.end[i].rotation = round % 2 ? random_rotation(random) : step.start[i].rotation;
       step.end[i].translation =
-          step.begin[i].translation + Vec3(normal(random), normal(random), normal(random)) * 0.2;
+          step.start[i].translation + Vec3(normal(random), normal(random), normal(random)) * 0.2;
     }
     StepSettings settings;
     settings.earliest_only = round == 11;
     const StepResult answer = expect_same_answer(shapes, step, settings);
     for (const auto& c : answer.vertex_face) ++(c.vertex_object == c.face_object ? within : between);
-    EXPECT_EQ(answer.work.certificate_tests > 0, round % 2 == 0) << "balls serve what does not turn";
+    EXPECT_EQ(answer.work.certificate_tests > 0, round % 2 == 0) << "balls apply unless objects turn";
   }
   EXPECT_GT(within, 0u);
   EXPECT_GT(between, 0u);
 }
 
-TEST(ReducedChecker, RefusesChartsOfAnotherHierarchy) {
+TEST(ReducedChecker, RejectsChartsOfAnotherHierarchy) {
   const std::vector<ShapePointer> shapes{shape_of(waving_cloth(6))};
   std::mt19937 random(26);
   const Step step = random_step(shapes, 1, 0.1, random);
@@ -203,48 +203,48 @@ TEST(ReducedChecker, RefusesChartsOfAnotherHierarchy) {
     auto charts = std::make_shared<const ChartLibrary>(std::make_shared<const PatchSlots>(hierarchy));
     ReducedChecker checker({{shapes[0], charts}});
     StepResult answer;
-    return checker.check(step.begin, step.end, {}, answer).has_value();
+    return checker.check(step.start, step.end, {}, answer).has_value();
   };
   EXPECT_TRUE(answers(shapes[0]->motion()->hierarchy()));
   EXPECT_FALSE(answers(waving_cloth(7).motion()->hierarchy()));
   EXPECT_FALSE(answers(std::make_shared<const Hierarchy>(*shapes[0]->motion()->hierarchy())));
 }
 
-TEST(ReducedChecker, RefusesWhatItCannotCheck) {
+TEST(ReducedChecker, RejectsInvalidInput) {
   const std::vector<ShapePointer> shapes{shape_of(waving_cloth(6))};
   ReducedChecker checker(objects_of(shapes));
   StepResult answer;
   std::mt19937 random(25);
   const Step good = random_step(shapes, 1, 0.1, random);
-  ASSERT_TRUE(checker.check(good.begin, good.end, {}, answer));
-  const auto refused = [&](const ReducedPose& pose) {
+  ASSERT_TRUE(checker.check(good.start, good.end, {}, answer));
+  const auto rejected = [&](const ReducedPose& pose) {
     const std::vector<ReducedPose> bad{pose};
-    return !checker.check(good.begin, bad, {}, answer) && !checker.check(bad, good.end, {}, answer);
+    return !checker.check(good.start, bad, {}, answer) && !checker.check(bad, good.end, {}, answer);
   };
-  ReducedPose pose = good.begin[0];
-  EXPECT_FALSE(refused(pose));
+  ReducedPose pose = good.start[0];
+  EXPECT_FALSE(rejected(pose));
   auto p = good.p0[0];
   p[0] = std::nan("");
   pose.p = p;
-  EXPECT_TRUE(refused(pose));
+  EXPECT_TRUE(rejected(pose));
   p[0] = 1e300;
-  EXPECT_TRUE(refused(pose));
-  pose = good.begin[0];
+  EXPECT_TRUE(rejected(pose));
+  pose = good.start[0];
   pose.p = pose.p.first(2);
-  EXPECT_TRUE(refused(pose));
-  pose = good.begin[0];
+  EXPECT_TRUE(rejected(pose));
+  pose = good.start[0];
   pose.rotation(0, 0) = 1.1;
-  EXPECT_TRUE(refused(pose));
-  pose = good.begin[0];
+  EXPECT_TRUE(rejected(pose));
+  pose = good.start[0];
   pose.translation[1] = INFINITY;
-  EXPECT_TRUE(refused(pose));
+  EXPECT_TRUE(rejected(pose));
   EXPECT_FALSE(checker.check({}, {}, {}, answer));
   StepSettings settings;
   settings.thickness = -1;
-  EXPECT_FALSE(checker.check(good.begin, good.end, settings, answer));
+  EXPECT_FALSE(checker.check(good.start, good.end, settings, answer));
 }
 
-// Bodies that share one shape, most of them far from each other.
+// Objects that share one shape, most of them far from each other.
 TEST(ReducedChecker, AnswersForTwoThousandInstances) {
   const std::vector<ShapePointer> shapes(2000, shape_of(bending_tube(5, 6, 0.6)));
   std::mt19937 random(8);
@@ -254,23 +254,22 @@ TEST(ReducedChecker, AnswersForTwoThousandInstances) {
     const Vec3 cell(static_cast<double>(i % 13), static_cast<double>(i / 13 % 13),
                     static_cast<double>(i / 169));
     const Vec3 axis(number(random), number(random), number(random));
-    step.begin[i].rotation = Eigen::AngleAxisd(3 * number(random), axis.normalized()).toRotationMatrix();
-    step.end[i].rotation = step.begin[i].rotation;
-    step.begin[i].translation = 9.0 * cell + Vec3(number(random), number(random), number(random));
+    step.start[i].rotation = Eigen::AngleAxisd(3 * number(random), axis.normalized()).toRotationMatrix();
+    step.end[i].rotation = step.start[i].rotation;
+    step.start[i].translation = 9.0 * cell + Vec3(number(random), number(random), number(random));
     step.end[i].translation =
-        step.begin[i].translation + 0.3 * Vec3(number(random), number(random), number(random));
+        step.start[i].translation + 0.3 * Vec3(number(random), number(random), number(random));
   }
   const StepResult answer = expect_same_answer(shapes, step, {});
   EXPECT_GT(pairs_in(answer), 100u);
-  EXPECT_LT(answer.work.node_tests, 100'000u);  // of two million pairs of bodies
+  EXPECT_LT(answer.work.node_tests, 100'000u);  // of two million pairs of objects
   fmt::print("{} collisions, {} node tests\n", pairs_in(answer), answer.work.node_tests);
 }
 
-// Separate poses of real meshes: a subspace of their shapes, and steps between them.
+// Single poses of real meshes: a subspace of their shapes, and steps between them.
 class ReducedPoseSets : public ::testing::TestWithParam<const char*> {};
 
-// Every pose to the next one, in full and a small part of the way from the mean; unless
-// FOLDPROOF_ALL_FRAMES=1, one such pair of poses.
+// From every pose to the next, and two short steps; only the first pose unless FOLDPROOF_ALL_FRAMES=1.
 TEST_P(ReducedPoseSets, AnswerAsStepChecker) {
   const auto data = oracle::data_directory();
   if (!data) GTEST_SKIP() << oracle::kNoData;
@@ -297,7 +296,7 @@ TEST_P(ReducedPoseSets, AnswerAsStepChecker) {
       Step step;
       step.p0.emplace_back(from.data(), from.data() + from.size());
       step.p1.emplace_back(to.data(), to.data() + to.size());
-      step.begin.push_back({step.p0[0]});
+      step.start.push_back({step.p0[0]});
       step.end.push_back({step.p1[0]});
       const StepResult answer = expect_same_answer(shapes, step, {});
       ASSERT_FALSE(HasFailure()) << "pose " << k;
@@ -307,8 +306,8 @@ TEST_P(ReducedPoseSets, AnswerAsStepChecker) {
     }
   }
   EXPECT_GT(proven, 0u);
-  fmt::print("{:14} {:3} steps, {:7} collisions, all as on the rebuilt meshes; radius {:.3f}\n", GetParam(),
-             steps, found, shapes[0]->radius(0));
+  fmt::print("{:14} {:3} steps, {:7} collisions, all as on the reconstructed meshes; radius {:.3f}\n",
+             GetParam(), steps, found, shapes[0]->radius(0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Real, ReducedPoseSets,

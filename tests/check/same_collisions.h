@@ -1,4 +1,4 @@
-/// Two lists of collisions that are to be the same.
+/// Comparison of two lists of collisions.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 namespace foldproof::testing {
 
-/// The same pairs in the same order, with the same answers at the same times, bit for bit.
+/// Expects the same pairs in the same order, with the same answers and bit-equal times.
 template <class Collision>
 void expect_same(const std::vector<Collision>& a, const std::vector<Collision>& b) {
   ASSERT_EQ(a.size(), b.size());

@@ -1,5 +1,5 @@
-// Nothing is missed where the parts of a scene differ much in size, nor far from the origin, nor near the
-// ends of double's range, on any instruction set.
+// No collision is missed where parts of a scene differ much in size, far from the origin, or near the ends of
+// double's range, on any instruction set.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,16 +31,16 @@ std::size_t crossings(StepChecker& checker, std::vector<std::span<const double>>
   return result.crossings.size();
 }
 
-// Two small triangles, one `height` above the other: one leaf, whose grid is fine across and coarse along.
+// Two triangles, one kHeight above the other: one leaf, whose grid is fine along z and coarse along x and y.
 constexpr double kHeight = 1e-3;
 const Pose kSheet{0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 2, kHeight, 3, 2, kHeight, 2, 3, kHeight};
 
-// A triangle that stands from below the sheet to `ratio` times its height; at `x` = 2.2 it pierces the sheet.
+// A triangle that extends from below the sheet to `ratio` times its height; at x = 2.2 it pierces the sheet.
 Pose spike(double x, double ratio) {
   return {x, 2.2, -0.01, x + 0.1, 2.2, -0.01, x + 0.05, 2.25, ratio * kHeight};
 }
 
-// Ratios at which places on the leaf's grid leave 16 bits and more.
+// Ratios at which cells on the leaf's grid exceed 16 bits and more.
 std::vector<double> ratios() {
   std::vector<double> all;
   for (double r = 100; r < 160; r += 0.125) all.push_back(r);
@@ -48,7 +48,7 @@ std::vector<double> ratios() {
   return all;
 }
 
-TEST(Sizes, TallThingsThroughAFlatLeafAreFoundInEitherOrder) {
+TEST(Sizes, FindsTallObjectsThroughAFlatLeafInEitherOrder) {
   on_each_target([] {
     for (const double ratio : ratios()) {
       const Pose before = spike(1.2, ratio), after = spike(2.2, ratio);
@@ -66,26 +66,26 @@ TEST(Sizes, TallThingsThroughAFlatLeafAreFoundInEitherOrder) {
   });
 }
 
-// A tip that arrives at a wall at the end of its second step, where doubles are `unit` apart and nothing is
-// larger than `size` of these.
-TEST(Sizes, LookingAheadFarFromTheOriginMissesNothing) {
+// A tip that reaches a wall at the end of its second step. An ulp of the positions is kUnit; the scene's
+// extent is about `size` ulps.
+TEST(Sizes, LookAheadFarFromTheOriginMissesNothing) {
   constexpr double kFar = 0x1p40, kUnit = 0x1p-13;
   for (double size = 10; size <= 5e5; size *= 2) {
     for (int start = -8; start < 0; ++start) {
-      for (const int stride : {1, 2}) {
+      for (const int step_length : {1, 2}) {
         const auto tip = [&](double k) {
           const double x = kFar + k * kUnit, back = kFar + (k - size) * kUnit, w = size * kUnit;
           return Pose{x, 0, 0, back, w * 0.3, w * 0.1, back, -w * 0.3, w * 0.2};
         };
-        const double at = kFar + (start + 2 * stride) * kUnit, w = size * kUnit;
+        const double at = kFar + (start + 2 * step_length) * kUnit, w = size * kUnit;
         const Pose wall{at, -w, -w, at, w, -w, at, 0, w};
         StepChecker checker({object({{0, 1, 2}}, tip(0)), object({{0, 1, 2}}, wall)});
         StepSettings settings;
         for (int step = 0; step < 2; ++step) {
-          const Pose x0 = tip(start + step * stride), x1 = tip(start + (step + 1) * stride);
+          const Pose x0 = tip(start + step * step_length), x1 = tip(start + (step + 1) * step_length);
           const std::size_t found = collisions(checker, {x0, wall}, {x1, wall}, settings);
           if (step == 1) {
-            EXPECT_GT(found, 0u) << "size " << size << ", start " << start << ", stride " << stride;
+            EXPECT_GT(found, 0u) << "size " << size << ", start " << start << ", step_length " << step_length;
           }
         }
       }
@@ -93,8 +93,8 @@ TEST(Sizes, LookingAheadFarFromTheOriginMissesNothing) {
   }
 }
 
-// The normal of a face whose squared area is a denormal number is not of length one, unless it is made so.
-TEST(Sizes, ThicknessFarAboveAFaceIsKept) {
+// The squared area of the face is denormal, so naive normalization would not give a unit normal.
+TEST(Sizes, AppliesAThicknessFarAboveTheSizeOfAFace) {
   on_each_target([] {
     for (const double a : {1.2e-81, 1.64e-81, 3e-81, 1e-79, 1e-68, 1e-40}) {
       const Pose x0{0, 0, 0, a, 0, 0, 0, a, 0, 0, 0, 1.3, 1, 0, 2, 0, 1, 2};

@@ -1,5 +1,5 @@
-// One question about the first frame and one about each step are enough: where no triangles cross at the
-// start and no step collides, none cross at any time (docs/soundness.md).
+// One static query for the first frame and one query per step suffice: where no triangles cross at the start
+// and no step collides, none cross at any time (docs/soundness.md).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,12 +17,12 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-/// What was found on the way from one pose to the other.
-struct Way {
+/// Results for a step.
+struct Outcome {
   bool starts_free = false, step_free = false;
-  int crossing_at = -1;  ///< The first eighth of the way at which triangles cross; -1: none does.
+  int crossing_at = -1;  ///< The first eighth of the step at which triangles cross; -1: none do.
 
-  bool keeps_the_promise() const { return !(starts_free && step_free && crossing_at >= 0); }
+  bool is_sound() const { return !(starts_free && step_free && crossing_at >= 0); }
 };
 
 std::vector<double> between(std::span<const double> x0, std::span<const double> x1, int eighths) {
@@ -38,20 +38,20 @@ bool crosses(StepChecker& checker, std::span<const double> x) {
   return !pose.clean();
 }
 
-/// Positions of both ends are small integers, so that the eighths between them are exact.
-Way look(const Topology& topology, std::span<const double> x0, std::span<const double> x1) {
+/// Checks a step whose ends are small integers, so that the eighths between them are exact.
+Outcome check(const Topology& topology, std::span<const double> x0, std::span<const double> x1) {
   auto tree = Hierarchy::build(topology, x0);
   EXPECT_TRUE(tree);
   StepChecker checker({std::make_shared<const Hierarchy>(std::move(*tree))});
-  Way way{.starts_free = !crosses(checker, x0)};
-  if (!way.starts_free) return way;
+  Outcome outcome{.starts_free = !crosses(checker, x0)};
+  if (!outcome.starts_free) return outcome;
   StepResult step;
   const std::span<const double> from[] = {x0}, to[] = {x1};
   EXPECT_TRUE(checker.check(from, to, {}, step));
-  way.step_free = step.clean();
-  for (int k = 1; k <= 8 && way.crossing_at < 0; ++k)
-    if (crosses(checker, between(x0, x1, k))) way.crossing_at = k;
-  return way;
+  outcome.step_free = step.clean();
+  for (int k = 1; k <= 8 && outcome.crossing_at < 0; ++k)
+    if (crosses(checker, between(x0, x1, k))) outcome.crossing_at = k;
+  return outcome;
 }
 
 std::vector<double> on_grid(Index vertices, int cells, Rng& rng) {
@@ -68,13 +68,13 @@ std::string text_of(std::span<const Triangle> triangles, std::span<const double>
   return text;
 }
 
-// Two triangles that share no vertex, one, two, or have one another's, on a grid so coarse that vertices
-// coincide, triangles are segments and points, and everything touches exactly.
-TEST(StartAndSteps, TwoTrianglesOfAnyKindCrossOnlyAfterAContact) {
+// Two triangles with up to three common vertices, on a grid so coarse that vertices coincide, triangles are
+// segments and points, and contacts are exact.
+TEST(StartAndSteps, TwoTrianglesCrossOnlyAfterAContact) {
   Rng rng(71);
-  std::array<int, 4> free{}, turned{};  // by how many vertices they share
+  std::array<int, 4> free{}, crossed{};  // by the number of common vertices
   for (int k = 0; k < 12000; ++k) {
-    // A triangle may name a vertex twice, or thrice.
+    // A triangle may name a vertex several times.
     std::array<Triangle, 2> pair{};
     const Index shared = k % 3, pool = 6 - shared;
     for (Index i = 0; i < 3; ++i) {
@@ -89,35 +89,34 @@ TEST(StartAndSteps, TwoTrianglesOfAnyKindCrossOnlyAfterAContact) {
     const auto x0 = on_grid(pool, cells, rng), x1 = on_grid(pool, cells, rng);
     const auto topology = Topology::make(pool, {pair[0], pair[1]});
     ASSERT_TRUE(topology) << topology.error().line();
-    const Way way = look(*topology, x0, x1);
-    ASSERT_TRUE(way.keeps_the_promise())
-        << text_of(pair, x0, x1) << "\ncrosses at eighth " << way.crossing_at;
-    free[common.size()] += way.starts_free && way.step_free;
-    turned[common.size()] += way.starts_free && way.crossing_at >= 0;
+    const Outcome outcome = check(*topology, x0, x1);
+    ASSERT_TRUE(outcome.is_sound()) << text_of(pair, x0, x1) << "\ncrosses at eighth " << outcome.crossing_at;
+    free[common.size()] += outcome.starts_free && outcome.step_free;
+    crossed[common.size()] += outcome.starts_free && outcome.crossing_at >= 0;
   }
   for (int shared = 0; shared < 3; ++shared) {
     EXPECT_GT(free[shared], 100) << shared;
-    EXPECT_GT(turned[shared], 100) << shared;
+    EXPECT_GT(crossed[shared], 100) << shared;
   }
 }
 
-// They would cross as soon as they have an area, and no vertex or edge meets one that is not its own.
-TEST(StartAndSteps, TheSameTriangleTwiceCrossesFromTheStartAlsoWithoutAnArea) {
+// They cross as soon as they have an area, but without a contact between features that share no vertex.
+TEST(StartAndSteps, CopiesOfATriangleCrossEvenWithoutAnArea) {
   const std::vector<double> point(9, 1.0), proper = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   for (const Triangle& again : {Triangle{0, 1, 2}, Triangle{2, 0, 1}, Triangle{0, 2, 1}}) {
     const auto twice = Topology::make(3, {{0, 1, 2}, again});
-    EXPECT_FALSE(look(*twice, point, proper).starts_free);
-    EXPECT_FALSE(look(*twice, proper, point).starts_free);
+    EXPECT_FALSE(check(*twice, point, proper).starts_free);
+    EXPECT_FALSE(check(*twice, proper, point).starts_free);
   }
-  // Nothing is hidden behind a triangle that names a vertex twice: it never has an area.
-  const Way side = look(*Topology::make(3, {{0, 1, 2}, {0, 1, 1}}), point, proper);
+  // A triangle that names a vertex twice never has an area, so it cannot cross unnoticed.
+  const Outcome side = check(*Topology::make(3, {{0, 1, 2}, {0, 1, 1}}), point, proper);
   EXPECT_TRUE(side.starts_free && side.crossing_at < 0);
 }
 
-// Triangles around one vertex, closed or open, of which every two have it in common.
-TEST(StartAndSteps, AFanCannotGoThroughItselfUnseen) {
+// A closed or open fan: all triangles have one common vertex.
+TEST(StartAndSteps, AFanCannotPassThroughItselfUnnoticed) {
   Rng rng(72);
-  int free = 0, turned = 0;
+  int free = 0, crossed = 0;
   for (int k = 0; k < 4000; ++k) {
     const Index spokes = 3 + k % 5;
     const bool closed = k % 2 == 0;
@@ -128,36 +127,36 @@ TEST(StartAndSteps, AFanCannotGoThroughItselfUnseen) {
       const double angle = 6.2831853 * i / spokes;
       x0.insert(x0.end(), {std::round(32 * std::cos(angle)), std::round(32 * std::sin(angle)), 0});
     }
-    // Small motions keep it open, large ones fold it or pull it through itself.
+    // Small motions keep it free, large ones fold it or pull it through itself.
     std::vector<double> x1 = x0;
     const int size = 8 << k % 4;
     for (double& coordinate : x1) coordinate += static_cast<double>(rng() % (2 * size + 1)) - size;
-    const Way way = look(*Topology::make(spokes + 1, std::move(fan)), x0, x1);
-    ASSERT_TRUE(way.starts_free);
-    ASSERT_TRUE(way.keeps_the_promise()) << k << ": crosses at eighth " << way.crossing_at;
-    free += way.step_free;
-    turned += way.crossing_at >= 0;
+    const Outcome outcome = check(*Topology::make(spokes + 1, std::move(fan)), x0, x1);
+    ASSERT_TRUE(outcome.starts_free);
+    ASSERT_TRUE(outcome.is_sound()) << k << ": crosses at eighth " << outcome.crossing_at;
+    free += outcome.step_free;
+    crossed += outcome.crossing_at >= 0;
   }
   EXPECT_GT(free, 300);
-  EXPECT_GT(turned, 300);
+  EXPECT_GT(crossed, 300);
 }
 
-// Two triangles with a common edge close like a book and open on the other side: that they lie on each other
-// halfway is a contact of a vertex with the other's face.
+// Two triangles with a common edge close like a book and open on the other side. Halfway they are folded
+// flat: a contact of a vertex with the other triangle.
 TEST(StartAndSteps, FoldingFlatIsAContact) {
   const auto book = Topology::make(4, {{0, 1, 2}, {1, 0, 3}});
   const std::vector<double> open = {0, 0, 0, 0, 4, 0, 4, 2, 2, 3, 2, -2};
   std::vector<double> through = open;
   std::swap(through[8], through[11]);
-  const Way way = look(*book, open, through);
-  EXPECT_TRUE(way.starts_free);
-  EXPECT_FALSE(way.step_free);
-  EXPECT_EQ(way.crossing_at, 4);
+  const Outcome outcome = check(*book, open, through);
+  EXPECT_TRUE(outcome.starts_free);
+  EXPECT_FALSE(outcome.step_free);
+  EXPECT_EQ(outcome.crossing_at, 4);
 }
 
 class GeneratedMotions : public ::testing::TestWithParam<MeshFamily> {};
 
-/// Without the triangles that cross others in a pose.
+/// The mesh without triangles that cross others in a pose.
 Topology without_crossings(const Mesh& mesh, std::span<const double> x) {
   auto tree = Hierarchy::build(mesh.topology(), x);
   EXPECT_TRUE(tree);
@@ -165,35 +164,35 @@ Topology without_crossings(const Mesh& mesh, std::span<const double> x) {
   StaticResult pose;
   const std::span<const double> spans[] = {x};
   EXPECT_TRUE(checker.check_static(spans, {}, pose));
-  std::set<Index> left_out;
+  std::set<Index> removed;
   for (const TriangleCrossing& c : pose.crossings)
-    if (!left_out.count(c.triangle_a)) left_out.insert(c.triangle_b);
+    if (!removed.count(c.triangle_a)) removed.insert(c.triangle_b);
   std::vector<Triangle> kept;
   for (Index t = 0; t < mesh.triangles.size(); ++t)
-    if (!left_out.count(t)) kept.push_back(mesh.triangles[t]);
+    if (!removed.count(t)) kept.push_back(mesh.triangles[t]);
   return *Topology::make(mesh.vertex_count, std::move(kept));
 }
 
-// From poses without crossings, with steps from tiny to wild.
-TEST_P(GeneratedMotions, KeepThePromise) {
+// From poses without crossings, with steps of all sizes.
+TEST_P(GeneratedMotions, AreSound) {
   Rng rng(73);
   const Mesh mesh = GetParam().make(rng);
-  int free = 0, turned = 0;
+  int free = 0, crossed = 0;
   for (int k = 0; k < 24; ++k) {
     const double amplitude = 0.3 * std::ldexp(1.0, -2 * (k % 8));
     const double grid = std::ldexp(1.0, k % 3 == 0 ? -20 : -6);
     const auto x0 = deformed(mesh.positions, k % 2 == 0 ? 0 : amplitude, grid, rng);
     const auto x1 = deformed(x0, amplitude, grid, rng);
-    const Way way = look(without_crossings(mesh, x0), x0, x1);
-    ASSERT_TRUE(way.starts_free);
-    ASSERT_TRUE(way.keeps_the_promise()) << k << ": crosses at eighth " << way.crossing_at;
-    free += way.step_free;
-    turned += way.crossing_at >= 0;
+    const Outcome outcome = check(without_crossings(mesh, x0), x0, x1);
+    ASSERT_TRUE(outcome.starts_free);
+    ASSERT_TRUE(outcome.is_sound()) << k << ": crosses at eighth " << outcome.crossing_at;
+    free += outcome.step_free;
+    crossed += outcome.crossing_at >= 0;
   }
-  if (std::string_view(GetParam().name) != "damaged") {  // whose copies of vertices touch in every step
+  if (std::string_view(GetParam().name) != "damaged") {  // its copies of vertices touch in every step
     EXPECT_GT(free, 0);
   }
-  EXPECT_GT(turned, 0);
+  EXPECT_GT(crossed, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, GeneratedMotions,
@@ -202,8 +201,8 @@ INSTANTIATE_TEST_SUITE_P(Meshes, GeneratedMotions,
 
 class RealMotions : public ::testing::TestWithParam<const char*> {};
 
-// From every frame without crossings, as far as the steps are free.
-TEST_P(RealMotions, KeepThePromise) {
+// All steps of a motion.
+TEST_P(RealMotions, AreSound) {
   const auto data = data_directory();
   if (!data) GTEST_SKIP() << kNoData;
   const auto motion = open_real_motion(*data, GetParam());
@@ -214,7 +213,7 @@ TEST_P(RealMotions, KeepThePromise) {
   ASSERT_TRUE(tree);
   StepChecker checker({std::make_shared<const Hierarchy>(std::move(*tree))});
   bool crossing = crosses(checker, from);
-  int free = 0, crossing_frames = crossing, turned = 0;
+  int free = 0, crossing_frames = crossing, crossed = 0;
   for (Index k = 1; k < frames; ++k) {
     ASSERT_TRUE(motion->read_frame(k, to));
     StepResult step;
@@ -223,13 +222,13 @@ TEST_P(RealMotions, KeepThePromise) {
     const bool crosses_then = crosses(checker, to);
     EXPECT_FALSE(!crossing && step.clean() && crosses_then) << GetParam() << " frame " << k;
     free += !crossing && step.clean();
-    turned += !crossing && crosses_then;
+    crossed += !crossing && crosses_then;
     crossing_frames += crosses_then;
     crossing = crosses_then;
     std::swap(from, to);
   }
   fmt::print("{:16} {} frames, {} of them cross; {} steps free from a free frame, {} end in a crossing\n",
-             GetParam(), frames, crossing_frames, free, turned);
+             GetParam(), frames, crossing_frames, free, crossed);
 }
 
 INSTANTIATE_TEST_SUITE_P(Motions, RealMotions,

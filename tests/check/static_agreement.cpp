@@ -1,4 +1,4 @@
-// Crossing triangles of a pose against CGAL's own self-intersection test, and against exact integers.
+// Crossing triangles of a pose compared with CGAL's self-intersection test and with exact integers.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
@@ -35,19 +35,18 @@ std::vector<Kernel::Point_3> points(std::span<const double> x) {
 
 std::pair<Index, Index> ordered(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 
-// One pose of one topology, as CGAL sees it.
+// One pose of one topology, tested by CGAL.
 class CgalPose {
  public:
   CgalPose(const Topology& topology, std::span<const double> x)
       : topology_(topology), x_(x), points_(points(x)) {}
 
-  // By CGAL's own function where the triangles form a mesh, by its kernel and the same rule where they do
-  // not.
+  // By CGAL's own function where the triangles form a mesh, else by its kernel with the same rule.
   Crossings crossings() const {
     std::vector<std::vector<std::size_t>> polygons;
     for (const Triangle& t : topology_.triangles()) polygons.push_back({t[0], t[1], t[2]});
     Crossings result = Pmp::is_polygon_soup_a_polygon_mesh(polygons) ? by_mesh(polygons) : by_boxes(false);
-    // CGAL leaves degenerate triangles out; the exact integers decide those.
+    // CGAL skips degenerate triangles; the exact integers decide those.
     result.merge(by_boxes(true));
     return result;
   }
@@ -60,7 +59,7 @@ class CgalPose {
 
   Crossings by_mesh(const std::vector<std::vector<std::size_t>>& polygons) const {
     SurfaceMesh mesh;
-    // Faces keep their order, and with it their number.
+    // Faces keep their order, so their ids do not change.
     Pmp::polygon_soup_to_polygon_mesh(points_, polygons, mesh);
     std::vector<std::pair<SurfaceMesh::Face_index, SurfaceMesh::Face_index>> pairs;
     Pmp::self_intersections<CGAL::Sequential_tag>(mesh, std::back_inserter(pairs));
@@ -146,7 +145,7 @@ void expect_equal(const Crossings& actual, const Crossings& expected, const std:
 
 struct RealMotion {
   const char* name;
-  Index stride;  ///< Every so many frames, unless FOLDPROOF_ALL_FRAMES=1.
+  Index stride;  ///< Tests every stride-th frame, unless FOLDPROOF_ALL_FRAMES=1.
 };
 
 void PrintTo(const RealMotion& motion, std::ostream* out) { *out << motion.name; }
@@ -184,7 +183,7 @@ TEST_P(RealPoses, CrossingsEqualCgals) {
 INSTANTIATE_TEST_SUITE_P(Motions, RealPoses, ::testing::ValuesIn(kRealMotions),
                          [](const auto& instance) { return std::string(instance.param.name); });
 
-// ---- Generated meshes, which cross, touch and fold on purpose.
+// ---- Generated meshes that cross, touch and fold.
 
 class GeneratedPoses : public ::testing::TestWithParam<MeshFamily> {};
 
@@ -213,8 +212,8 @@ TEST_P(GeneratedPoses, CrossingsEqualCgalsAndTheOracle) {
   EXPECT_GT(crossings, 100u);
 }
 
-// Exact predicates see a power of two as nothing; the boxes before them must not either.
-TEST_P(GeneratedPoses, EveryScaleCrossesAlike) {
+// A power of two does not change exact predicates; nor may it change the boxes' tests.
+TEST_P(GeneratedPoses, PowersOfTwoChangeNothing) {
   Rng rng(63);
   const Mesh mesh = GetParam().make(rng);
   Scene scene;

@@ -34,11 +34,11 @@ class ScratchFile {
 };
 
 /// Opens what the arguments name and reads the first and the last frame. Bad files are errors with a place
-/// and a mend; good ones have finite coordinates. Anything else stops the program.
+/// and a remedy; good ones have finite coordinates. Anything else stops the program.
 inline void open_and_read(const std::vector<std::string>& arguments, bool weld) {
   const auto check = [](const Result<void>& result) {
     if (!result &&
-        (result.error().where.empty() || result.error().problem.empty() || result.error().mend.empty())) {
+        (result.error().where.empty() || result.error().problem.empty() || result.error().remedy.empty())) {
       std::abort();
     }
     return result.has_value();

@@ -48,7 +48,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto model = foldproof::load_model(file.path());
   if (!model) {
     const foldproof::Error& error = model.error();
-    if (error.where.empty() || error.problem.empty() || error.mend.empty()) std::abort();
+    if (error.where.empty() || error.problem.empty() || error.remedy.empty()) std::abort();
     return 0;
   }
   foldproof::summarize(*model);

@@ -1,4 +1,4 @@
-/// Makes small glTF files for tests: numbers go into one buffer, JSON is given by the test.
+/// Builds small glTF files for tests: numbers go into one buffer, the test sets the JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@ class GltfBuilder {
     json["scenes"] = {{{"nodes", {0}}}};
   }
 
-  /// Bytes as a buffer view; gives its index.
+  /// Adds bytes as a buffer view; returns its index.
   int view(const std::string& bytes, int stride = 0) {
     buffer.resize((buffer.size() + 3) / 4 * 4);
     json["bufferViews"].push_back(
@@ -37,7 +37,7 @@ class GltfBuilder {
     return 5126;
   }
 
-  /// Numbers as an accessor; gives its index.
+  /// Adds numbers as an accessor; returns its index.
   template <class T>
   int accessor(const std::string& type, const std::vector<T>& values) {
     const std::size_t width = type == "SCALAR" ? 1 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 16;
@@ -51,14 +51,14 @@ class GltfBuilder {
   }
   int floats(const std::string& type, const std::vector<float>& values) { return accessor(type, values); }
 
-  /// A mesh of one triangle (0,0,0) (1,0,0) (0,1,0); gives its primitive.
+  /// Adds a mesh of one triangle (0,0,0) (1,0,0) (0,1,0); returns its primitive.
   Json& triangle() {
     const int position = floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0});
     json["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", position}}}}}}});
     return json["meshes"].back()["primitives"][0];
   }
 
-  /// An animation of one channel; gives its sampler.
+  /// Adds an animation of one channel; returns its sampler.
   Json& animate(int node, const std::string& path, int times, int values) {
     json["animations"].push_back(
         {{"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", path}}}}}},
@@ -86,7 +86,7 @@ class GltfBuilder {
         {{"byteLength", buffer.size()}, {"uri", "data:application/octet-stream;base64," + base64(buffer)}}};
     return json.dump();
   }
-  /// With the buffer in a file of its own.
+  /// With the buffer in a separate file.
   std::string gltf_beside(const std::string& uri) {
     json["buffers"] = {{{"byteLength", buffer.size()}, {"uri", uri}}};
     return json.dump();

@@ -300,7 +300,7 @@ TEST_F(GltfTest, AnimationsPlayTogetherAndTheLongestWins) {
   expect_frame(*motion, 2, {2, 0, 0, 5, 0, 0, 2, 3, 0});
 }
 
-TEST_F(GltfTest, NamesPlaceAndMendInTheScene) {
+TEST_F(GltfTest, ReportsLocationAndRemedyInTheScene) {
   EXPECT_EQ(error([](Json&) {}), "no error");
   EXPECT_EQ(error([](Json& j) { j["asset"]["version"] = "1.0"; }), "a.gltf: is not glTF 2; export glTF 2.0");
   EXPECT_EQ(error([](Json& j) { j["nodes"][0]["mesh"] = 1; }),

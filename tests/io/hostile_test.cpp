@@ -1,5 +1,4 @@
-// Files that are cut off, that lie, or that somebody else's fuzzer would like: an error or a mesh, never a
-// crash.
+// Truncated, inconsistent and corrupted files: an error or a mesh, never a crash.
 #include <sys/resource.h>
 
 #include <chrono>
@@ -9,11 +8,11 @@
 namespace foldproof::testing {
 namespace {
 
-/// A good file of every format, and how to name it.
+/// A valid file of a format, and its name.
 struct Sample {
   std::string name;
   std::string bytes;
-  std::string mesh;  ///< Stands before a point cache.
+  std::string mesh;  ///< The mesh file of a point cache.
   bool text = false;
 };
 
@@ -82,17 +81,17 @@ class HostileTest : public IoTest {
     if (read) return true;
     EXPECT_THAT(read.error().where, ::testing::HasSubstr(sample.name));
     EXPECT_FALSE(read.error().problem.empty());
-    EXPECT_FALSE(read.error().mend.empty());
+    EXPECT_FALSE(read.error().remedy.empty());
     EXPECT_EQ(read.error().line().find('\n'), std::string::npos);
     return false;
   }
 };
 
-TEST_F(HostileTest, WholeSamplesAreGood) {
+TEST_F(HostileTest, CompleteSamplesAreValid) {
   for (const Sample& sample : samples()) EXPECT_TRUE(survives(sample, sample.bytes)) << sample.name;
 }
 
-TEST_F(HostileTest, FilesCutAtEveryLengthAreErrors) {
+TEST_F(HostileTest, FilesTruncatedAtAnyLengthAreErrors) {
   for (const Sample& sample : samples()) {
     for (std::size_t length = 0; length < sample.bytes.size(); ++length) {
       const bool good = survives(sample, std::string_view(sample.bytes).substr(0, length));
@@ -102,20 +101,20 @@ TEST_F(HostileTest, FilesCutAtEveryLengthAreErrors) {
   }
 }
 
-TEST_F(HostileTest, EveryByteMayBeSpoiled) {
+TEST_F(HostileTest, AnyByteMayBeCorrupt) {
   for (const Sample& sample : samples()) {
     for (std::size_t at = 0; at < sample.bytes.size(); ++at) {
-      for (const char spoiled : {'\0', '\xff', '9', '-', static_cast<char>(sample.bytes[at] ^ 1)}) {
+      for (const char corrupt : {'\0', '\xff', '9', '-', static_cast<char>(sample.bytes[at] ^ 1)}) {
         std::string bytes = sample.bytes;
-        bytes[at] = spoiled;
+        bytes[at] = corrupt;
         survives(sample, bytes);
       }
     }
   }
 }
 
-/// Opening under a limit on memory: a header that is believed before it is checked meets the limit.
-TEST_F(HostileTest, HeadersThatLieCostNoMemory) {
+/// Opens files under a memory limit, which a header that is trusted before it is checked would exceed.
+TEST_F(HostileTest, FalseHeadersUseNoMemory) {
   const auto little = std::endian::little, big = std::endian::big;
   const std::string mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   const std::string ply_end = "\nproperty double x\nproperty double y\nproperty double z\nelement face ";
@@ -133,7 +132,7 @@ TEST_F(HostileTest, HeadersThatLieCostNoMemory) {
   copies.json["nodes"] = Json::array();
   for (int i = 0; i < 10000; ++i) copies.json["nodes"].push_back({{"mesh", 0}});
   copies.json.erase("scene");
-  const std::vector<Sample> liars{
+  const std::vector<Sample> false_headers{
       {"a.off", "OFF\n4000000000 4000000000 0\n0 0 0\n", "", true},
       {"a.off", "OFF\n9223372036854775807 9223372036854775807 0\n0 0 0\n", "", true},
       {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4000000000 0 1 2\n", "", true},
@@ -158,7 +157,7 @@ TEST_F(HostileTest, HeadersThatLieCostNoMemory) {
   struct rusage before, after;
   ::getrusage(RUSAGE_SELF, &before);
   const auto start = std::chrono::steady_clock::now();
-  for (const Sample& liar : liars)
+  for (const Sample& liar : false_headers)
     EXPECT_FALSE(survives(liar, liar.bytes)) << liar.name << liar.bytes.substr(0, 200);
   const auto seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ::getrusage(RUSAGE_SELF, &after);

@@ -1,5 +1,5 @@
-// Files that a reader could take more than linear time or memory for. They are so large that one that takes
-// quadratic time does not end before the tests are given up.
+// Files on which a careless reader takes more than linear time or memory. They are so large that quadratic
+// time exceeds the time limit of the tests.
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -83,7 +83,7 @@ TEST_F(LinearTest, CsvOfManyColumnsAndOfManyFrames) {
   EXPECT_EQ(rows->shape, (std::vector<std::uint64_t>{300'000, 3}));
 }
 
-TEST_F(LinearTest, WeldedVerticesAtOnePlace) {
+TEST_F(LinearTest, WeldedVerticesAtOnePosition) {
   std::string text = repeated("v 1 2 3\n", 300'000) + "v 1 0 0\nv 0 1 0\n";
   for (int i = 1; i <= 300'000; ++i) text += fmt::format("f {} 300001 300002\n", i);
   const auto motion = open({files.write("a.obj", text)}, {.weld = true});
@@ -153,7 +153,7 @@ TEST_F(LinearTest, GltfNodesThatShareASkin) {
   EXPECT_TRUE(std::equal(kTrianglePositions.begin(), kTrianglePositions.end(), x.end() - 9));
 }
 
-// What has no corner is looked at for every node that shows it all the same.
+// Primitives without corners are processed for every node, too.
 TEST_F(LinearTest, GltfNodesThatShareManyEmptyPrimitives) {
   GltfBuilder b;
   Json primitive = b.triangle();
@@ -171,7 +171,7 @@ TEST_F(LinearTest, GltfNodesThatShareManyEmptyPrimitives) {
             "meshes");
 }
 
-// Accessors that show the same bytes: the file says little, and means much.
+// Accessors that share bytes: a small file with many values.
 TEST_F(LinearTest, GltfAccessorsThatShareBytes) {
   GltfBuilder b;
   b.triangle();
@@ -205,7 +205,7 @@ TEST_F(LinearTest, GltfMorphTargetsThatShareBytes) {
   EXPECT_THAT(open_error({files.write("a.gltf", b.gltf())}), ::testing::HasSubstr("morph targets"));
 }
 
-// One long animation among many short ones, whose length was asked for at every comparison.
+// One long animation among many short ones, whose durations must not be recomputed for every comparison.
 TEST_F(LinearTest, GltfAnimationsOfManyChannels) {
   GltfBuilder b;
   b.triangle();

@@ -87,7 +87,7 @@ TEST_F(NpzTest, ReadsEveryTypeOrderAndHeaderVersion) {
   }
 }
 
-TEST_F(NpzTest, NamesArrayAndMend) {
+TEST_F(NpzTest, ReportsArrayAndRemedy) {
   const std::string again = "; save the archive with numpy.savez again";
   EXPECT_EQ(open_error({npz({{"faces.npy", kFaces}})}),
             "a.npz: holds no array 'vertices'; save arrays named 'faces' and 'vertices'");

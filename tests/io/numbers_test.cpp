@@ -50,14 +50,14 @@ TEST_F(NumbersTest, AnArrayOfAnNpz) {
   ASSERT_TRUE(table) << table.error().line();
   EXPECT_THAT(table->shape, ElementsAre(1, 3, 3));
   EXPECT_EQ(table->values, kTrianglePositions);
-  EXPECT_EQ(npz_holds(path, "vertices"), true);
-  EXPECT_EQ(npz_holds(path, "keypoints"), false);
+  EXPECT_EQ(npz_has_array(path, "vertices"), true);
+  EXPECT_EQ(npz_has_array(path, "keypoints"), false);
   const auto faces = read_npz_numbers(path, "faces"), none = read_npz_numbers(path, "keypoints");
   ASSERT_FALSE(faces);
   ASSERT_FALSE(none);
   EXPECT_THAT(shown(faces.error()), HasSubstr("a.npz, array 'faces': is not float32 or float64; "));
   EXPECT_THAT(shown(none.error()), HasSubstr("a.npz: holds no array 'keypoints'; "));
-  EXPECT_FALSE(npz_holds(files.write("b.npz", "no archive"), "vertices"));
+  EXPECT_FALSE(npz_has_array(files.write("b.npz", "no archive"), "vertices"));
 }
 
 TEST_F(NumbersTest, APoseAsObjReadsBack) {

@@ -64,7 +64,7 @@ TEST_F(ObjTest, ReadsNumbersCorrectlyRounded) {
   EXPECT_EQ(x[3], 9007199254740992.0);
 }
 
-TEST_F(ObjTest, NamesLineAndMend) {
+TEST_F(ObjTest, ReportsLineAndRemedy) {
   const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   const std::string again = "; export the mesh again";
   const std::string not_finite = "; export the mesh without NaN or infinite coordinates";

@@ -34,7 +34,7 @@ TEST_F(OffTest, CutsPolygonsIntoFans) {
   EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 3}, {0, 1, 2}, {0, 2, 3}}));
 }
 
-TEST_F(OffTest, NamesLineAndMend) {
+TEST_F(OffTest, ReportsLineAndRemedy) {
   const std::string head = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n";
   const std::string again = "; export the mesh again";
   EXPECT_EQ(off_error(""),

@@ -1,4 +1,4 @@
-// Arguments to motions: directories, globs, the order of frames, mixed formats, welding.
+// Opening motions: directories, globs, the order of frames, mixed formats, welding.
 #include "io/formats.h"
 #include "io/support.h"
 
@@ -20,7 +20,7 @@ TEST_F(OpenTest, EveryArgumentIsAMotionOfItsOwn) {
   EXPECT_EQ(frame(*(*motions)[2], 0)[2], 1);
 }
 
-// Each row of the table has the reader of its kind, which is called without a look, and no other.
+// Each row of the table has exactly the reader of its kind, which is called without a null check.
 TEST_F(OpenTest, EveryFormatHasTheReaderOfItsKind) {
   for (const char* extension : {".obj", ".off", ".ply", ".pc2", ".mdd", ".npz", ".gltf", ".GLB"}) {
     const io::FileFormat* format = io::format_of(std::string("run/a") + extension);
@@ -35,11 +35,11 @@ TEST_F(OpenTest, EveryFormatHasTheReaderOfItsKind) {
   }
 }
 
-TEST_F(OpenTest, FramesStandInNaturalOrder) {
+TEST_F(OpenTest, FramesAreInNaturalOrder) {
   const std::vector<std::string> names{"f1.obj",  "f2.obj",   "f09.obj",   "f9.obj",
                                        "f10.obj", "f100.obj", "g.obj",     "g0.obj",
                                        "g00.obj", "g1a3.obj", "g1a20.obj", "g18446744073709551617.obj"};
-  // Written back to front, so that the order of the directory is of no help.
+  // Written in reverse, so that the order of the directory does not help.
   for (std::size_t i = names.size(); i-- > 0;) files.write("run/" + names[i], obj_at(static_cast<double>(i)));
   files.write("run/readme.txt", "not a mesh");
   files.write("run/.hidden.obj", "not a mesh");
@@ -66,7 +66,7 @@ TEST_F(OpenTest, ANameWithGlobCharactersThatExistsIsAFile) {
   EXPECT_EQ(frame(*motion, 0)[2], 4);
 }
 
-TEST_F(OpenTest, NamesWhatCannotBeAMotion) {
+TEST_F(OpenTest, ReportsWhatIsNotAMotion) {
   files.write("empty/readme.txt", "nothing");
   files.write("mixed/a.obj", obj_at(1));
   files.write("mixed/b.ply", "ply");
@@ -114,19 +114,20 @@ TEST_F(OpenTest, NamesTheFirstFaceThatChanges) {
   files.write("run/7.obj", "v 0 0 nan\n");
   const auto motion = open({files.path("run")});
   ASSERT_TRUE(motion);
-  const std::string mend = "; give frames of one mesh, with the same faces in the same order";
+  const std::string remedy = "; give frames of one mesh, with the same faces in the same order";
   EXPECT_EQ(frame_error(*motion, 0), "no error");
   EXPECT_EQ(frame_error(*motion, 1), "no error") << "the same triangles";
   EXPECT_EQ(frame_error(*motion, 2),
             "run/2.obj (frame 2): face 2 differs from the first frame's: triangle (1 3 2) instead of (1 2 "
             "3), counting "
             "from 0" +
-                mend);
-  EXPECT_EQ(frame_error(*motion, 3), "run/3.obj (frame 3): has 5 vertices, but the first frame has 4" + mend);
+                remedy);
+  EXPECT_EQ(frame_error(*motion, 3),
+            "run/3.obj (frame 3): has 5 vertices, but the first frame has 4" + remedy);
   EXPECT_EQ(frame_error(*motion, 4),
-            "run/4.obj (frame 4): has 3 triangles, but the first frame has 4" + mend);
+            "run/4.obj (frame 4): has 3 triangles, but the first frame has 4" + remedy);
   EXPECT_EQ(frame_error(*motion, 5),
-            "run/5.obj (frame 5): has 5 triangles, but the first frame has 4" + mend);
+            "run/5.obj (frame 5): has 5 triangles, but the first frame has 4" + remedy);
   EXPECT_EQ(frame_error(*motion, 6),
             "run/6.obj:5 (frame 6): face refers to vertex 9, but there are 4; export the mesh again");
   EXPECT_EQ(frame_error(*motion, 7),
@@ -139,8 +140,7 @@ TEST_F(OpenTest, NamesTheFirstFaceThatChanges) {
 }
 
 TEST_F(OpenTest, WeldMergesEqualVerticesOfTheFirstFrame) {
-  // Two triangles as a soup: vertices 3 and 5 repeat 1 and 2; -0 and 0 are the same place. Vertex 6 is
-  // unused.
+  // Two separate triangles: vertices 3 and 5 repeat 1 and 2, as -0 equals 0. Vertex 6 is unused.
   const std::string faces = "f 1 2 3\nf 4 5 6\n";
   files.write("run/0.obj", "v 9 9 9\nv 1 0 0\nv 0 1 0\nv 1 -0 0\nv 1 1 0\nv 0 1 -0\nv 5 5 5\n" + faces);
   files.write("run/1.obj", "v 8 8 8\nv 2 0 0\nv 0 2 0\nv 7 7 7\nv 2 2 0\nv 6 6 6\nv 4 4 4\n" + faces);
@@ -151,10 +151,10 @@ TEST_F(OpenTest, WeldMergesEqualVerticesOfTheFirstFrame) {
   EXPECT_EQ(frame(*motion, 0), (std::vector<double>{9, 9, 9, 1, 0, 0, 0, 1, 0, 1, 1, 0, 5, 5, 5}));
   EXPECT_EQ(frame(*motion, 1), (std::vector<double>{8, 8, 8, 2, 0, 0, 0, 2, 0, 2, 2, 0, 4, 4, 4}));
   const auto plain = open({files.path("run")});
-  EXPECT_EQ(plain->topology().vertex_count(), 7u) << "never without being asked";
+  EXPECT_EQ(plain->topology().vertex_count(), 7u) << "only on request";
 }
 
-TEST_F(OpenTest, MemoryMotionGivesBackItsFrames) {
+TEST_F(OpenTest, MemoryMotionReturnsItsFrames) {
   auto topology = Topology::make(3, {{0, 1, 2}});
   const auto motion =
       memory_motion("mine", *topology, {kTrianglePositions, {9, 8, 7, 6, 5, 4, 3, 2, 1}, {1, 2, 3}});

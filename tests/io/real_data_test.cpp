@@ -1,4 +1,4 @@
-// The real motions beside the project, when they are there: everything opens and has the documented size.
+// Captured motions, if they are present: all open and have the documented sizes.
 #include <gtest/gtest.h>
 
 #include <chrono>

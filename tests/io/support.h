@@ -1,4 +1,4 @@
-/// Small files in a directory of their own, and short ways to open them.
+/// Small files in a scratch directory, and shortcuts to open them.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -15,11 +15,11 @@
 
 namespace foldproof::testing {
 
-/// Removed with all that is in it.
+/// A temporary directory, removed with its content.
 class ScratchDirectory {
  public:
   ScratchDirectory() {
-    // In memory where there is such a place: some tests write tens of thousands of files.
+    // In memory if possible: some tests write tens of thousands of files.
     const bool memory = std::filesystem::is_directory("/dev/shm");
     const auto parent = memory ? std::filesystem::path("/dev/shm") : std::filesystem::temp_directory_path();
     std::string name = (parent / "foldproof-test-XXXXXX").string();
@@ -61,7 +61,7 @@ std::string bytes_of(T value, std::endian order = std::endian::little) {
 
 class IoTest : public ::testing::Test {
  protected:
-  /// The one motion that the arguments name.
+  /// Opens the only motion that the arguments name.
   std::unique_ptr<Motion> open(const std::vector<std::string>& arguments, const ReadOptions& options = {}) {
     auto motions = open_motions(arguments, options);
     if (!motions) {
@@ -83,7 +83,7 @@ class IoTest : public ::testing::Test {
     return {motion.topology().triangles().begin(), motion.topology().triangles().end()};
   }
 
-  /// What a person reads, with the scratch directory left out.
+  /// The error's line, without the scratch directory.
   std::string shown(const Error& error) const {
     std::string line = error.line();
     for (std::size_t at; (at = line.find(files.path(""))) != line.npos;)

@@ -1,4 +1,4 @@
-// Files appear whole or not at all, and what is written reads back.
+// Files appear complete or not at all, and written data can be read back.
 #include <random>
 
 #include "io/support.h"
@@ -26,7 +26,7 @@ TEST_F(WriterTest, AFileAppearsOnCommitOnly) {
     ASSERT_TRUE(file->write(std::string("hello ")));
     ASSERT_TRUE(file->write(std::string(1 << 20, 'x')));
     EXPECT_FALSE(std::filesystem::exists(path));
-    EXPECT_EQ(listing().size(), 1u) << "the temporary stands beside the target";
+    EXPECT_EQ(listing().size(), 1u) << "the temporary file is beside the target";
     const std::string replacement = "HELLO";
     ASSERT_TRUE(file->rewrite(0, replacement));
     ASSERT_TRUE(file->write(std::string("!")));
@@ -82,17 +82,17 @@ TEST_F(WriterTest, NamesTheTargetThatCannotBeWritten) {
     const auto file = FileWriter::open(files.path(name));
     return file ? "no error" : shown(file.error());
   };
-  const std::string mend = "; check the directory, its permissions and the free space";
-  EXPECT_EQ(error("none/a.txt"), "none/a.txt: cannot be written: No such file or directory" + mend);
+  const std::string remedy = "; check the directory, its permissions and the free space";
+  EXPECT_EQ(error("none/a.txt"), "none/a.txt: cannot be written: No such file or directory" + remedy);
   std::filesystem::create_directory(files.path("directory"));
-  EXPECT_EQ(error("directory"), "directory: cannot be written: Is a directory" + mend);
+  EXPECT_EQ(error("directory"), "directory: cannot be written: Is a directory" + remedy);
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "This system has no /dev/full.";
   auto full = FileWriter::open("/dev/full");
   ASSERT_TRUE(full);
   ASSERT_TRUE(full->write(std::string("x")));
   const auto committed = full->commit();
   ASSERT_FALSE(committed);
-  EXPECT_EQ(committed.error().line(), "/dev/full: cannot be written: No space left on device" + mend);
+  EXPECT_EQ(committed.error().line(), "/dev/full: cannot be written: No space left on device" + remedy);
 }
 
 TEST_F(WriterTest, PlyKeepsPositionsTrianglesAndMarks) {
@@ -149,7 +149,7 @@ struct RandomMotion {
       for (Index i = 0; i < 3 * vertices; ++i) frame.push_back(number());
     }
   }
-  // Floats, so that PC2 keeps them as well.
+  // Single-precision values, which PC2 keeps exactly.
   double number() {
     const auto mantissa = static_cast<float>(static_cast<int>(random() % 20001) - 10000);
     return static_cast<double>(std::ldexp(mantissa / 7, static_cast<int>(random() % 200) - 100));

@@ -16,8 +16,8 @@ using testing::bent;
 using testing::cylinder;
 using ::testing::HasSubstr;
 
-KeyPoints made(const std::vector<double>& rest, const MatrixXd& poses, const Pca& subspace,
-               const KeyPointSettings& settings) {
+KeyPoints key_points_of(const std::vector<double>& rest, const MatrixXd& poses, const Pca& subspace,
+                        const KeyPointSettings& settings) {
   auto result = choose_key_points(rest, poses, subspace, settings);
   EXPECT_TRUE(result) << result.error().line();
   return result ? *result : KeyPoints{};
@@ -27,7 +27,7 @@ double root_mean_square(const MatrixXd& poses, const Pca& subspace, std::span<co
   const KeyPointMap map(subspace, vertices);
   double sum = 0;
   for (Eigen::Index k = 0; k < poses.cols(); ++k) {
-    sum += (poses.col(k) - subspace.rebuild(map.coordinates(map.gather(poses.col(k))))).squaredNorm();
+    sum += (poses.col(k) - subspace.reconstruct(map.coordinates(map.gather(poses.col(k))))).squaredNorm();
   }
   return std::sqrt(sum / (static_cast<double>(poses.size()) / 3));
 }
@@ -38,8 +38,8 @@ struct ChooseTest : ::testing::Test {
   Pca subspace = *pca(poses, {5, 1.0});
 };
 
-TEST_F(ChooseTest, KeepsTheBookOfItsRounds) {
-  const KeyPoints chosen = made(rest, poses, subspace, {0.01, 0.2, 0, 4, 0});
+TEST_F(ChooseTest, RecordsItsRounds) {
+  const KeyPoints chosen = key_points_of(rest, poses, subspace, {0.01, 0.2, 0, 4, 0});
   const std::set<Index> different(chosen.vertices.begin(), chosen.vertices.end());
   EXPECT_EQ(different.size(), chosen.vertices.size());
   EXPECT_LT(*different.rbegin(), 600u);
@@ -47,7 +47,7 @@ TEST_F(ChooseTest, KeepsTheBookOfItsRounds) {
   ASSERT_EQ(chosen.errors.size(), 5u);
   EXPECT_EQ(chosen.round_ends.back(), chosen.vertices.size());
   const std::vector<Index> first(chosen.vertices.begin(), chosen.vertices.begin() + chosen.round_ends[0]);
-  EXPECT_EQ(first, thin_by_radius(rest, 6));
+  EXPECT_EQ(first, poisson_disk_sample(rest, 6));
   for (std::size_t round = 0; round < 5; ++round) {
     const std::span<const Index> so_far(chosen.vertices.data(), chosen.round_ends[round]);
     EXPECT_NEAR(chosen.errors[round], root_mean_square(poses, subspace, so_far), 1e-9) << round;
@@ -57,32 +57,32 @@ TEST_F(ChooseTest, KeepsTheBookOfItsRounds) {
   }
 }
 
-TEST_F(ChooseTest, RoundsBringDownTheError) {
-  const KeyPoints chosen = made(rest, poses, subspace, {0.004, 0.2, 0, 6});
+TEST_F(ChooseTest, RoundsReduceTheError) {
+  const KeyPoints chosen = key_points_of(rest, poses, subspace, {0.004, 0.2, 0, 6});
   EXPECT_LT(chosen.errors.back(), 0.7 * chosen.errors.front());
-  // What remains is mostly outside the subspace, which no key point mends.
+  // The remaining error is mostly outside the subspace; key points cannot reduce it.
   std::vector<Index> all(600);
   for (Index v = 0; v < 600; ++v) all[v] = v;
   EXPECT_LT(chosen.errors.back(), 1.2 * root_mean_square(poses, subspace, all));
 }
 
 TEST_F(ChooseTest, StopsAtTheBudgetTheToleranceAndTheRounds) {
-  EXPECT_EQ(made(rest, poses, subspace, {0.02, 0.04, 0, 32, 0}).vertices.size(), 24u);
-  EXPECT_EQ(made(rest, poses, subspace, {0.02, 0.04, 0, 0}).round_ends.size(), 1u);
-  EXPECT_EQ(made(rest, poses, subspace, {0.02, 0.02, 0, 32}).vertices.size(), 12u);
-  const KeyPoints free = made(rest, poses, subspace, {0.004, 0.5, 0, 32, 0});
+  EXPECT_EQ(key_points_of(rest, poses, subspace, {0.02, 0.04, 0, 32, 0}).vertices.size(), 24u);
+  EXPECT_EQ(key_points_of(rest, poses, subspace, {0.02, 0.04, 0, 0}).round_ends.size(), 1u);
+  EXPECT_EQ(key_points_of(rest, poses, subspace, {0.02, 0.02, 0, 32}).vertices.size(), 12u);
+  const KeyPoints free = key_points_of(rest, poses, subspace, {0.004, 0.5, 0, 32, 0});
   const double size = 4;  // The cylinder's length.
   const double between = (free.errors[1] + free.errors[2]) / 2;
-  const KeyPoints stopped = made(rest, poses, subspace, {0.004, 0.5, between / size, 32, 0});
+  const KeyPoints stopped = key_points_of(rest, poses, subspace, {0.004, 0.5, between / size, 32, 0});
   ASSERT_EQ(stopped.errors.size(), 3u);
   EXPECT_GT(stopped.errors[1], between);
   EXPECT_LE(stopped.errors[2], between);
   EXPECT_TRUE(std::equal(stopped.vertices.begin(), stopped.vertices.end(), free.vertices.begin()));
 }
 
-TEST_F(ChooseTest, TakesBackRoundsThatGainNothing) {
-  const KeyPoints all = made(rest, poses, subspace, {0.004, 0.9, 0, 20, 0});
-  const KeyPoints kept = made(rest, poses, subspace, {0.004, 0.9, 0, 20, 3});
+TEST_F(ChooseTest, DiscardsRoundsThatGainNothing) {
+  const KeyPoints all = key_points_of(rest, poses, subspace, {0.004, 0.9, 0, 20, 0});
+  const KeyPoints kept = key_points_of(rest, poses, subspace, {0.004, 0.9, 0, 20, 3});
   ASSERT_LT(kept.errors.size() + 3, all.errors.size());
   EXPECT_EQ(kept.errors.back(), *std::min_element(kept.errors.begin(), kept.errors.end()));
   EXPECT_EQ(kept.vertices.size(), kept.round_ends.back());
@@ -93,52 +93,52 @@ TEST_F(ChooseTest, TakesBackRoundsThatGainNothing) {
   EXPECT_GT(*std::min_element(after, after + 3), 0.999 * kept.errors.back());
 }
 
-TEST_F(ChooseTest, EndsWhenNothingIsLeftToMend) {
+TEST_F(ChooseTest, EndsWhenTheResidualIsRounding) {
   const Pca whole = *pca(poses, {0, 1.0});
-  const KeyPoints chosen = made(rest, poses, whole, {0.02, 0.9, 0, 32});
+  const KeyPoints chosen = key_points_of(rest, poses, whole, {0.02, 0.9, 0, 32});
   EXPECT_LT(chosen.vertices.size(), 100u);
   EXPECT_LT(chosen.errors.back(), 1e-6);
 }
 
 TEST_F(ChooseTest, TakesTheLargestAndTheMostOpposed) {
-  // One mode, set by hand: vertex 100 moves most, 200 most against it, 300 more than 200 but sideways.
+  // One mode, set by hand: vertex 100 moves most, 200 most against it, 300 farther than 200 but sideways.
   Pca one = *pca(poses, {1, 1.0});
   one.basis.setZero();
   one.basis.col(0).segment<3>(300) << 0.8, 0, 0;
   one.basis.col(0).segment<3>(600) << -0.3, 0.1, 0;
   one.basis.col(0).segment<3>(900) << -0.1, 0.5, 0;
   one.basis.col(0).segment<3>(1200) << 0.7, 0, 0;
-  const KeyPoints chosen = made(rest, poses, one, {0.004, 0.5, 0, 1, 0});
+  const KeyPoints chosen = key_points_of(rest, poses, one, {0.004, 0.5, 0, 1, 0});
   const std::vector<Index> added(chosen.vertices.begin() + chosen.round_ends[0], chosen.vertices.end());
   EXPECT_EQ(added, (std::vector<Index>{100, 200}));
   one.basis.col(0).segment<3>(600).setZero();
   one.basis.col(0).segment<3>(900).setZero();  // Nothing moves against it now.
-  const KeyPoints single = made(rest, poses, one, {0.004, 0.5, 0, 1, 0});
+  const KeyPoints single = key_points_of(rest, poses, one, {0.004, 0.5, 0, 1, 0});
   EXPECT_EQ(single.vertices.size(), single.round_ends[0] + 1u);
 }
 
-TEST_F(ChooseTest, LaterRoundsLookAtTheResidual) {
-  // Vertex 321 leaves the mesh in one pose only, far from what the five modes know.
+TEST_F(ChooseTest, LaterRoundsUseTheResidual) {
+  // Vertex 321 leaves the mesh in a single pose, far outside the five modes.
   MatrixXd torn = poses;
   torn.col(6).segment<3>(3 * 321) += Vec3(0, 0, 30);
-  const KeyPoints chosen = made(rest, torn, subspace, {0.004, 0.5, 0, 2, 0});
+  const KeyPoints chosen = key_points_of(rest, torn, subspace, {0.004, 0.5, 0, 2, 0});
   EXPECT_EQ(chosen.vertices[chosen.round_ends[1]], 321u);
 }
 
 TEST_F(ChooseTest, WorksWithoutModesOrMotion) {
   const MatrixXd still = poses.col(0).replicate(1, 3);
-  const KeyPoints chosen = made(rest, still, *pca(still), {});
-  EXPECT_EQ(chosen.vertices, thin_by_radius(rest, 12));
+  const KeyPoints chosen = key_points_of(rest, still, *pca(still), {});
+  EXPECT_EQ(chosen.vertices, poisson_disk_sample(rest, 12));
   EXPECT_EQ(chosen.errors, std::vector<double>{0});
-  // Poses that the subspace knows nothing of: rounds go by what is left, and more than 128 poses are too many
-  // to look at.
+  // A subspace without modes: rounds use the residuals, of at most 128 poses.
   const Pca nothing = *pca(poses.leftCols(1));
-  EXPECT_EQ(made(rest, bent(rest, 150, 3), nothing, {0.02, 0.04, 0, 32, 0}).vertices.size(), 24u);
+  EXPECT_EQ(key_points_of(rest, bent(rest, 150, 3), nothing, {0.02, 0.04, 0, 32, 0}).vertices.size(), 24u);
 }
 
 TEST_F(ChooseTest, GivesTheSameTwice) {
   const KeyPointSettings settings{0.01, 0.1, 0, 5};
-  EXPECT_EQ(made(rest, poses, subspace, settings).vertices, made(rest, poses, subspace, settings).vertices);
+  EXPECT_EQ(key_points_of(rest, poses, subspace, settings).vertices,
+            key_points_of(rest, poses, subspace, settings).vertices);
 }
 
 TEST_F(ChooseTest, RefusesWhatDoesNotFit) {

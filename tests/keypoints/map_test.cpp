@@ -43,12 +43,12 @@ struct MapTest : ::testing::Test {
 
 TEST_F(MapTest, FindsTheCoordinatesOfAPoseInTheSubspace) {
   const KeyPointMap map(subspace, std::vector<Index>{300, 5, 77, 160});
-  const VectorXd p = VectorXd::LinSpaced(6, -1, 2), x = subspace.rebuild(p);
+  const VectorXd p = VectorXd::LinSpaced(6, -1, 2), x = subspace.reconstruct(p);
   EXPECT_FALSE(map.rank_deficient());
   EXPECT_LE((map.coordinates(map.gather(x)) - p).norm(), 1e-9 * p.norm());
 }
 
-TEST_F(MapTest, SolvesLeastSquaresWeightedByShares) {
+TEST_F(MapTest, SolvesLeastSquaresWeightedByNearestVertices) {
   const std::vector<Index> vertices{300, 5, 77, 160, 161, 12};
   const KeyPointMap map(subspace, vertices);
   VectorXd x = poses.col(3);
@@ -62,21 +62,21 @@ TEST_F(MapTest, SolvesLeastSquaresWeightedByShares) {
   EXPECT_LE((map.coordinates(keys) - expected).norm(), 1e-9 * expected.norm());
 }
 
-TEST_F(MapTest, StaysCalmWhenKeyPointsDoNotTellModesApart) {
+TEST_F(MapTest, StaysBoundedWhenKeyPointsDoNotDetermineAllModes) {
   // One vertex has three numbers for six modes.
   const KeyPointMap map(subspace, std::vector<Index>{150});
   EXPECT_TRUE(map.rank_deficient());
   const VectorXd keys = map.gather(poses.col(2));
   const VectorXd p = map.coordinates(keys);
-  EXPECT_LE((map.gather(subspace.rebuild(p)) - keys).norm(), 1e-3);
-  // The shortest p that does it, but for the ridge.
+  EXPECT_LE((map.gather(subspace.reconstruct(p)) - keys).norm(), 1e-3);
+  // The shortest solution, except for the ridge.
   const VectorXd shortest = key_rows(subspace.basis, {150})
                                 .completeOrthogonalDecomposition()
                                 .solve(keys - key_rows(subspace.mean, {150}));
   EXPECT_LE((p - shortest).norm(), 1e-4 * shortest.norm());
 }
 
-TEST_F(MapTest, LeavesAModeThatKeyPointsDoNotSeeAtZero) {
+TEST_F(MapTest, KeepsUndeterminedModesAtZero) {
   Pca blind = subspace;
   for (const Index v : {4, 90, 200}) blind.basis.col(2).segment<3>(3 * v).setZero();
   const KeyPointMap map(blind, std::vector<Index>{4, 90, 200});
@@ -84,8 +84,8 @@ TEST_F(MapTest, LeavesAModeThatKeyPointsDoNotSeeAtZero) {
   EXPECT_LE(std::abs(map.coordinates(map.gather(poses.col(1)))[2]), 1e-9);
 }
 
-TEST_F(MapTest, CrowdsOfKeyPointsDoNotOutvoteTheRest) {
-  // Sixteen neighbours against six that are spread out; the pose is not in the subspace, so it matters.
+TEST_F(MapTest, ClustersOfKeyPointsDoNotOutweighTheOthers) {
+  // Sixteen neighbours against six that are spread out, in a pose outside the subspace.
   std::vector<Index> vertices{300, 5, 77, 160, 210, 12};
   const VectorXd x = bent(rest, 1, 99).col(0);
   const double spread_out = pose_error(subspace, KeyPointMap(subspace, vertices), x).total.mean;
@@ -111,7 +111,7 @@ TEST_F(MapTest, MeasuresDistancesOfVertices) {
   EXPECT_EQ(distance.worst_vertex, 0u);
 }
 
-TEST_F(MapTest, TellsErrorOfTheSubspaceFromErrorOfTheKeyPoints) {
+TEST_F(MapTest, SeparatesProjectionErrorAndCueingError) {
   const std::vector<Index> vertices{300, 5, 77, 160, 161, 12};
   const KeyPointMap map(subspace, vertices);
   const VectorXd x = bent(rest, 1, 99).col(0);
@@ -134,7 +134,7 @@ TEST_F(MapTest, TellsErrorOfTheSubspaceFromErrorOfTheKeyPoints) {
   EXPECT_LE(pose_error(subspace, KeyPointMap(subspace, all), x).cueing.worst, 1e-9);
 }
 
-TEST_F(MapTest, LeavesOneOutAsTrainingWithoutItDoes) {
+TEST_F(MapTest, LeaveOneOutEqualsTrainingWithoutTheSample) {
   const std::vector<Index> vertices{300, 5, 77, 160, 161, 12, 250};
   for (const SubspaceSize size : {SubspaceSize{0, 0.98}, SubspaceSize{4, 1.0}}) {
     const auto errors = leave_one_out(poses, size, vertices);
@@ -155,7 +155,7 @@ TEST_F(MapTest, LeavesOneOutAsTrainingWithoutItDoes) {
   }
 }
 
-TEST_F(MapTest, LeavesOneOutOfFewOrEqualPoses) {
+TEST_F(MapTest, LeaveOneOutOfFewOrEqualPoses) {
   const std::vector<Index> vertices{1, 2};
   EXPECT_TRUE(leave_one_out(poses.leftCols(1), {}, vertices)->empty());
   const auto two = leave_one_out(poses.leftCols(2), {}, vertices);

@@ -6,8 +6,8 @@
 namespace foldproof {
 namespace {
 
-// The rounds are cut short: what is tested is that the parts fit together on a real mesh.
-TEST(RealData, KeyPointsStandForTheHand) {
+// With few rounds: it tests that the parts fit together on a real mesh.
+TEST(RealData, KeyPointsReconstructTheHand) {
   const auto data = oracle::data_directory();
   if (!data) GTEST_SKIP() << oracle::kNoData;
   const auto motion = oracle::open_motion({*data / "hand/hand-train.obj", *data / "hand/hand-train.pc2"});
@@ -32,7 +32,7 @@ TEST(RealData, KeyPointsStandForTheHand) {
     from_all += error.projection.mean;
     from_key_points += error.total.mean;
   }
-  EXPECT_LE(from_key_points, 2 * from_all);  // Few, and hardly worse than all.
+  EXPECT_LE(from_key_points, 2 * from_all);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// A surface and made-up poses of it for the tests of key points.
+/// A surface and generated poses of it for the tests of key points.
 #pragma once
 
 #include <Eigen/Dense>
@@ -24,7 +24,7 @@ inline Eigen::Map<const Eigen::VectorXd> as_vector(const std::vector<double>& po
   return {positions.data(), static_cast<Eigen::Index>(positions.size())};
 }
 
-/// Poses of it in columns: bent along a circle in a direction and by an angle, and blown up in the middle.
+/// Poses of it in columns: bent along a circle, in a random direction by a random angle, and bulging.
 inline Eigen::MatrixXd bent(const std::vector<double>& positions, int count, unsigned seed) {
   std::mt19937 random(seed);
   const auto uniform = [&](double from, double to) { return from + (to - from) * random() * 0x1p-32; };

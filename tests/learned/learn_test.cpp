@@ -1,4 +1,4 @@
-// What is learned from poses whose shapes are known, and what it is good for.
+// Learning from poses of known shapes.
 #include <gmock/gmock.h>
 
 #include "learned/scene.h"
@@ -14,14 +14,14 @@ using ::testing::IsEmpty;
 TrainSettings all_energy() {
   TrainSettings settings;
   settings.learning.size.energy = 1;
-  settings.learning.key_points = {.first_share = 0.05, .most_share = 0.1};
+  settings.learning.key_points = {.first_share = 0.05, .max_share = 0.1};
   return settings;
 }
 
 const std::vector<std::array<double, 2>> kAngles = {{0, 0},    {0.5, 0},     {1, 0.5},  {1.5, -0.5},
                                                     {-1, 0.5}, {-1.5, -0.5}, {-0.5, 0}, {0.8, 0.2}};
 
-TEST(Learn, TrainingPosesComeBack) {
+TEST(Learn, ReconstructsTrainingPoses) {
   const auto motion = bending_twice(kSmallTubeToLearn, kAngles);
   const Model model = trained(*motion, all_energy());
   ASSERT_TRUE(model.learned) << model.not_learned;
@@ -35,14 +35,13 @@ TEST(Learn, TrainingPosesComeBack) {
     const PoseError error = predictor.error(x);
     EXPECT_LT(error.total.worst, 1e-3 * learned.size) << k;
     EXPECT_LT(error.projection.worst, 1e-5 * learned.size) << k;
-    EXPECT_LT((learned.pca.rebuild(learned.coordinates.col(k)) - x).norm(), 1e-5 * x.norm());
-    EXPECT_GT(learned.poses[k].left_out.projection.mean, learned.poses[k].trained.projection.mean);
+    EXPECT_LT((learned.pca.reconstruct(learned.coordinates.col(k)) - x).norm(), 1e-5 * x.norm());
+    EXPECT_GT(learned.poses[k].leave_one_out.projection.mean, learned.poses[k].trained.projection.mean);
   }
-  // The pose that goes farthest is told worst by the others.
   ASSERT_EQ(learned.poses.size(), 8u);
 }
 
-TEST(Learn, KernelPcaKeepsToTheTrainingPoses) {
+TEST(Learn, KernelPcaReconstructsTrainingPoses) {
   TrainSettings settings = all_energy();
   settings.learning.subspace = SubspaceKind::KernelPca;
   const auto motion = bending_twice(kSmallTubeToLearn, kAngles);
@@ -55,7 +54,7 @@ TEST(Learn, KernelPcaKeepsToTheTrainingPoses) {
   }
 }
 
-TEST(Learn, MarginsFromKeyPointsDoNotDependOnThePlace) {
+TEST(Learn, PredictedMarginsDoNotDependOnPositionAndOrientation) {
   const auto motion = bending_twice(kSmallTubeToLearn, kAngles);
   const Model model = trained(*motion, all_energy());
   ASSERT_TRUE(model.learned && model.learned->certificates);
@@ -67,10 +66,10 @@ TEST(Learn, MarginsFromKeyPointsDoNotDependOnThePlace) {
   Eigen::VectorXd moved = k;
   for (Eigen::Index i = 0; i < k.size(); i += 3) moved.segment<3>(i) << 5 - k[i + 1], k[i] + 7, k[i + 2] - 2;
   EXPECT_LT((map.margins(k) - map.margins(moved)).cwiseAbs().maxCoeff(), 1e-6);
-  EXPECT_GT((map.place(k) - map.place(keys.gather(frame_of(*motion, 5)))).norm(), 1);  // shapes still differ
+  EXPECT_GT((map.align(k) - map.align(keys.gather(frame_of(*motion, 5)))).norm(), 1);  // shapes still differ
 }
 
-// The margin is what tells whether a chart holds, so it agrees with what training counts as proven.
+// A chart holds where its margin is positive, so margins agree with what training counts as proven.
 TEST(Learn, MarginsArePositiveWhereLeavesAreProven) {
   const auto motion = bending_tube(kTube, {0, 1, 2, 6.2});
   const Model model = trained(*motion, {.references = 1, .learn = false});
@@ -78,27 +77,28 @@ TEST(Learn, MarginsArePositiveWhereLeavesAreProven) {
   const auto nodes = predictable_nodes(*model.charts);
   ASSERT_GT(nodes.size(), 100u);
   const Eigen::VectorXd straight = frame_of(*motion, 0), curled = frame_of(*motion, 3);
-  const auto of = [&](const Eigen::VectorXd& x) {
-    return meter.of(nodes, std::span(x.data(), static_cast<std::size_t>(x.size())));
+  const auto margins_in = [&](const Eigen::VectorXd& x) {
+    return meter.measure(nodes, std::span(x.data(), static_cast<std::size_t>(x.size())));
   };
-  const Eigen::VectorXd at_home = of(straight), away = of(curled);
-  EXPECT_GT(at_home.minCoeff(), 0);
-  EXPECT_LE(at_home.maxCoeff(), 1);
-  EXPECT_LT(away.minCoeff(), 0);
-  EXPECT_GT(at_home.sum(), away.sum());
+  const Eigen::VectorXd in_straight = margins_in(straight), in_curled = margins_in(curled);
+  EXPECT_GT(in_straight.minCoeff(), 0);
+  EXPECT_LE(in_straight.maxCoeff(), 1);
+  EXPECT_LT(in_curled.minCoeff(), 0);
+  EXPECT_GT(in_straight.sum(), in_curled.sum());
 }
 
-TEST(Learn, CertificatesAreToldBetterThanByHabit) {
+TEST(Learn, PredictsCertificatesBetterThanTheMajority) {
   std::vector<double> angles;
   for (int k = 0; k < 24; ++k) angles.push_back(7.0 * ((k * 7) % 24) / 24);
   const Model model = trained(*bending_tube(kTube, angles), {.references = 1});
   ASSERT_TRUE(model.learned && model.learned->certificates);
-  EXPECT_GT(model.learned->certificates->right, 0.9);
-  EXPECT_GT(model.learned->certificates->right, model.learned->certificates->guessed + 0.1);
+  const CertificateMap& map = *model.learned->certificates;
+  EXPECT_GT(map.balanced_accuracy, 0.9);
+  EXPECT_GT(map.balanced_accuracy, map.majority_accuracy + 0.1);
 }
 
 TEST(Learn, RegionsMakeUpTheMeshAndTheWorstIsWherePosesDiffer) {
-  // Only the far end of the tube does something that no other pose shows.
+  // Only the far end of the tube moves as in no other pose.
   auto frames = std::vector<std::vector<double>>{};
   for (int k = 0; k < 6; ++k) frames.push_back(bent_twice(kSmallTubeToLearn, 0.1 * k, 0));
   const std::size_t last_ring = frames[3].size() - 3 * kSmallTubeToLearn.around;
@@ -129,22 +129,22 @@ TEST(Learn, SaysWhyNothingWasLearned) {
   };
   EXPECT_EQ(model_of({0, 1}).learned, nullptr);
   EXPECT_EQ(model_of({0, 1}).not_learned, "too few poses");
-  EXPECT_EQ(model_of({0, 1, 2}, false).not_learned, "not wanted");
+  EXPECT_EQ(model_of({0, 1, 2}, false).not_learned, "not requested");
   EXPECT_THAT(model_of({1, 1, 1}).not_learned, HasSubstr("are all the same"));
   EXPECT_EQ(model_of({0, 1, 2}).not_learned, "");
 }
 
-TEST(Learn, ManyPosesAreThinned) {
+TEST(Learn, ManyPosesAreSubsampled) {
   std::vector<double> angles;
   for (int k = 0; k < 20; ++k) angles.push_back(0.1 * k);
   TrainSettings settings;
-  settings.learning.most_poses = 7;
+  settings.learning.max_poses = 7;
   const Model model = trained(*bending_tube(kSmallTube, angles), settings);
   ASSERT_EQ(model.learned->poses.size(), 7u);
   EXPECT_EQ(model.learned->poses[3].pose, 8u);
 }
 
-TEST(Suggest, FindsTheFrameThatGoesWhereNoPoseWent) {
+TEST(Suggest, FindsTheFrameThatDiffersMostFromThePoses) {
   const auto poses = bending_twice(kSmallTubeToLearn, {{0, 0}, {0.5, 0}, {1, 0}, {-0.5, 0}, {-1, 0}});
   const Model model = trained(*poses, all_energy());
   const auto run = bending_twice(kSmallTubeToLearn, {{0.2, 0}, {0.4, 0.1}, {0.1, 1}, {0.3, 0.6}, {-0.2, 0}});
@@ -156,8 +156,8 @@ TEST(Suggest, FindsTheFrameThatGoesWhereNoPoseWent) {
   EXPECT_EQ(found->front().why, Suggestion::Why::Frame);
   const Eigen::VectorXd x = frame_of(*run, 2);
   EXPECT_EQ(found->front().positions, std::vector<double>(x.begin(), x.end()));
-  // One pose teaches nearly all of the direction.
-  EXPECT_LT(found->front().left, 0.05 * found->front().distance.mean);
+  // One pose covers nearly all of the direction.
+  EXPECT_LT(found->front().mean_after, 0.05 * found->front().distance.mean);
   EXPECT_NEAR(found->front().distance.worst, 1, 0.1);
 }
 
@@ -179,7 +179,7 @@ TEST(Suggest, FindsTheSideThatPosesNeverTake) {
   EXPECT_EQ(suggest_poses(*model.learned, 1).size(), 1u);
 }
 
-TEST(Suggest, NothingWhereAllIsKnown) {
+TEST(Suggest, NothingWhenAllIsRepresented) {
   const auto poses = bending_twice(kSmallTubeToLearn, kAngles);
   const Model model = trained(*poses, all_energy());
   const std::vector<Index> frames = {0, 3, 5};
@@ -192,7 +192,7 @@ TEST(Suggest, NothingWhereAllIsKnown) {
   EXPECT_THAT(wrong.error().line(), HasSubstr("has 108 vertices, and the model has 300"));
 }
 
-TEST(Learn, TheHandIsToldFromKeyPoints) {
+TEST(Learn, TheHandIsReconstructedFromKeyPoints) {
   const auto data = oracle::data_directory();
   if (!data) GTEST_SKIP() << oracle::kNoData;
   const auto open = [&](const std::string& name) {
@@ -201,7 +201,7 @@ TEST(Learn, TheHandIsToldFromKeyPoints) {
   const auto train = open("hand-train"), run = open("hand-anim");
   std::vector<TrainPose> poses;
   for (Index k = 0; k < 10; ++k) poses.push_back({train.get(), 4 * k});
-  const auto model = train_model(poses, {.references = 1, .most_triangles = 64});
+  const auto model = train_model(poses, {.references = 1, .max_triangles = 64});
   ASSERT_TRUE(model) << model.error().line();
   const Predictor predictor(model->learned);
   EXPECT_LE(model->learned->key_points.vertices.size(), 35148 * 0.04);

@@ -1,11 +1,11 @@
-/// A tube that bends to two sides, and what is learned from it.
+/// A tube that bends in two directions.
 #pragma once
 
 #include "model/cylinder.h"
 
 namespace foldproof::testing {
 
-/// The tube, bent by `up` in its plane and then out of it by `aside`, each a little along its length.
+/// The tube, bent gradually along its length: by `up` in its plane, and then by `aside` out of it.
 inline std::vector<double> bent_twice(TubeShape shape, double up, double aside) {
   std::vector<double> x = bent(shape.around, shape.along, up);
   for (std::size_t i = 0; i < x.size(); i += 3) x[i + 2] += aside * x[i] * x[i] / 36;

@@ -1,4 +1,4 @@
-// Key-point tracks in all their forms.
+// Key-point tracks of every kind.
 #include <fmt/format.h>
 
 #include "io/support.h"
@@ -41,7 +41,7 @@ TEST_F(TracksTest, ARowPerFrame) {
   EXPECT_THAT(tracks->positions, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12));
 }
 
-TEST_F(TracksTest, WhatIsWrongIsSaid) {
+TEST_F(TracksTest, ErrorsNameWhatIsWrong) {
   EXPECT_THAT(error("0,7,1,2,3\n"), HasSubstr("a.csv: lacks key points, for example in frame 0; "));
   EXPECT_THAT(error("0,7,1,2,3\n0,7,1,2,3\n0,2,1,2,3\n"), HasSubstr("has vertex 7 twice in frame 0; "));
   EXPECT_THAT(error("0,7,1,2,3\n0,2,1,2,3\n1,7,1,2,3\n1,3,1,2,3\n"), HasSubstr("example in frame 1; "));
@@ -50,7 +50,7 @@ TEST_F(TracksTest, WhatIsWrongIsSaid) {
 }
 
 TEST_F(TracksTest, FromAnArrayOfAnNpz) {
-  // 'vertices' of a motion is an array of the right kind; only its name is another.
+  // A motion's array 'vertices' has the right kind, but another name.
   const auto motion = memory_motion("a", *Topology::make(3, kOneTriangle), {kTrianglePositions});
   ASSERT_TRUE(write_npz(files.path("a.npz"), *motion));
   std::string bytes = read_bytes(files.path("a.npz"));
@@ -61,10 +61,10 @@ TEST_F(TracksTest, FromAnArrayOfAnNpz) {
   EXPECT_THAT(shown(tracks.error()), HasSubstr("b.npz: holds no array 'keypoints'; "));
 }
 
-TEST_F(TracksTest, AMotionGivesThem) {
+TEST_F(TracksTest, FromAMotion) {
   const auto motion = bending_tube(kSmallTube, {0, 1, 2});
   const std::vector<Index> frames = {2, 0};
-  const auto tracks = tracks_of(*motion, kVertices, frames);
+  const auto tracks = extract_tracks(*motion, kVertices, frames);
   ASSERT_TRUE(tracks);
   EXPECT_EQ(tracks->frames, 2u);
   const auto x = frame(*motion, 2), y = frame(*motion, 0);
@@ -77,7 +77,7 @@ TEST_F(TracksTest, PredictionIsAMotion) {
   const Model model = trained(*poses);
   const auto predictor = std::make_shared<const Predictor>(model.learned);
   const std::vector<Index> frames = {3, 1};
-  auto tracks = tracks_of(*poses, model.learned->key_points.vertices, frames);
+  auto tracks = extract_tracks(*poses, model.learned->key_points.vertices, frames);
   ASSERT_TRUE(tracks);
   const auto motion = predicted_motion("p", poses->topology(), predictor, *tracks);
   ASSERT_EQ(motion->frame_count(), 2u);

@@ -24,26 +24,26 @@ TEST(Topology, KeepsTrianglesThatNameAVertexTwice) {
                                                   std::array<Index, 3>{kNoIndex, kNoIndex, kNoIndex}));
 }
 
-TEST(Topology, RefusesATriangleThatNamesAMissingVertex) {
+TEST(Topology, RejectsATriangleThatNamesAMissingVertex) {
   const auto mesh = Topology::make(3, {{0, 1, 2}, {0, 1, 3}});
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().line(),
             "triangle 1: names vertex 3, but there are 3 (counting from 0); export the mesh again");
 }
 
-TEST(Topology, RefusesAMeshWithoutTriangles) {
+TEST(Topology, RejectsAMeshWithoutTriangles) {
   const auto mesh = Topology::make(3, {});
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().line(), "mesh: has no triangles; give a mesh with at least one face");
 }
 
-TEST(Topology, EqualityLooksAtOrder) {
+TEST(Topology, EqualityDependsOnOrder) {
   const auto a = Topology::make(4, {{0, 1, 2}, {2, 1, 3}}), b = Topology::make(4, {{2, 1, 3}, {0, 1, 2}});
   EXPECT_TRUE(*a == *a);
   EXPECT_FALSE(*a == *b);
 }
 
-TEST(ShareVertex, LooksAtAllCorners) {
+TEST(ShareVertex, ComparesAllCorners) {
   EXPECT_TRUE(share_vertex({0, 1, 2}, {5, 4, 0}));
   EXPECT_FALSE(share_vertex({0, 1, 2}, {5, 4, 3}));
 }

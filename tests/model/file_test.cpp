@@ -1,4 +1,4 @@
-// Models as files: what is written reads back, and what somebody else wrote is refused or harmless.
+// Models as files: what is written reads back, and damaged files are refused or harmless.
 #include <gmock/gmock.h>
 
 #include "foldproof/check.h"
@@ -16,7 +16,7 @@ std::string golden_path(int version) {
          ".model";
 }
 
-/// Where the number of the format version stands: the root table's first field.
+/// Byte offset of the format version, the root table's first field.
 std::size_t version_at(const std::string& bytes) {
   const auto load = [&]<class T>(std::size_t at, T value) {
     std::memcpy(&value, bytes.data() + at, sizeof(T));
@@ -38,7 +38,7 @@ class ModelFileTest : public ::testing::Test {
     const auto model = loaded(bytes);
     if (model) return "no error";
     EXPECT_EQ(model.error().line().find('\n'), std::string::npos);
-    EXPECT_FALSE(model.error().mend.empty());
+    EXPECT_FALSE(model.error().remedy.empty());
     EXPECT_THAT(model.error().where, StartsWith(files.path("b.model")));
     return model.error().line().substr(files.path("").size());
   }
@@ -48,7 +48,7 @@ class ModelFileTest : public ::testing::Test {
 void expect_same(const Model& a, const Model& b) {
   EXPECT_EQ(a.program, b.program);
   EXPECT_EQ(a.settings.references, b.settings.references);
-  EXPECT_EQ(a.settings.most_triangles, b.settings.most_triangles);
+  EXPECT_EQ(a.settings.max_triangles, b.settings.max_triangles);
   ASSERT_EQ(a.poses.size(), b.poses.size());
   for (std::size_t k = 0; k < a.poses.size(); ++k) {
     EXPECT_EQ(a.poses[k].name, b.poses[k].name);
@@ -75,7 +75,7 @@ void expect_same(const Model& a, const Model& b) {
     EXPECT_TRUE(std::ranges::equal(ca.vertices(x), cb.vertices(y)));
     EXPECT_TRUE(std::ranges::equal(ca.points(x), cb.points(y)));
     EXPECT_TRUE(std::ranges::equal(ca.triangles(x), cb.triangles(y)));
-    EXPECT_TRUE(std::ranges::equal(ca.collar(x), cb.collar(y)));
+    EXPECT_TRUE(std::ranges::equal(ca.ring(x), cb.ring(y)));
   }
 }
 
@@ -92,7 +92,7 @@ TEST_F(ModelFileTest, ReadsBackAsItWas) {
 
 TEST_F(ModelFileTest, HardLeavesReadBack) {
   Model model = small_model();
-  model.hard_leaves = {{0, 1, Obstacle::Tangled}, {2, 2, Obstacle::TooThin}};
+  model.hard_leaves = {{0, 1, Obstacle::Overlapping}, {2, 2, Obstacle::TooThin}};
   const auto read = loaded(saved(model));
   ASSERT_TRUE(read) << read.error().line();
   expect_same(model, *read);
@@ -108,13 +108,13 @@ void expect_same(const Pca& a, const Pca& b) {
 void expect_same(const Learned& a, const Learned& b) {
   EXPECT_EQ(a.settings.subspace, b.settings.subspace);
   EXPECT_EQ(a.settings.size.energy, b.settings.size.energy);
-  EXPECT_EQ(a.settings.key_points.most_share, b.settings.key_points.most_share);
-  EXPECT_EQ(a.settings.most_poses, b.settings.most_poses);
+  EXPECT_EQ(a.settings.key_points.max_share, b.settings.key_points.max_share);
+  EXPECT_EQ(a.settings.max_poses, b.settings.max_poses);
   EXPECT_EQ(a.size, b.size);
   expect_same(a.pca, b.pca);
   ASSERT_EQ(a.kernel.has_value(), b.kernel.has_value());
   if (a.kernel) {
-    expect_same(a.kernel->span, b.kernel->span);
+    expect_same(a.kernel->pca, b.kernel->pca);
     EXPECT_EQ(a.kernel->samples, b.kernel->samples);
     EXPECT_EQ(a.kernel->width, b.kernel->width);
     EXPECT_EQ(a.kernel->weights, b.kernel->weights);
@@ -125,23 +125,23 @@ void expect_same(const Learned& a, const Learned& b) {
   for (std::size_t k = 0; k < a.poses.size(); ++k) {
     EXPECT_EQ(a.poses[k].pose, b.poses[k].pose);
     EXPECT_EQ(a.poses[k].trained.cueing.worst, b.poses[k].trained.cueing.worst);
-    EXPECT_EQ(a.poses[k].left_out.projection.mean, b.poses[k].left_out.projection.mean);
-    EXPECT_EQ(a.poses[k].left_out.total.worst_vertex, b.poses[k].left_out.total.worst_vertex);
+    EXPECT_EQ(a.poses[k].leave_one_out.projection.mean, b.poses[k].leave_one_out.projection.mean);
+    EXPECT_EQ(a.poses[k].leave_one_out.total.worst_vertex, b.poses[k].leave_one_out.total.worst_vertex);
   }
   EXPECT_EQ(a.coordinates, b.coordinates);
   EXPECT_EQ(a.key_points.vertices, b.key_points.vertices);
   EXPECT_EQ(a.key_points.round_ends, b.key_points.round_ends);
   EXPECT_EQ(a.key_points.errors, b.key_points.errors);
   EXPECT_EQ(a.clusters.cluster_of, b.clusters.cluster_of);
-  EXPECT_EQ(a.clusters.centres, b.clusters.centres);
+  EXPECT_EQ(a.clusters.centers, b.clusters.centers);
   EXPECT_EQ(a.clusters.medoids, b.clusters.medoids);
   ASSERT_TRUE(a.certificates && b.certificates);
   EXPECT_EQ(a.certificates->nodes, b.certificates->nodes);
   EXPECT_EQ(a.certificates->cca.weights, b.certificates->cca.weights);
-  EXPECT_EQ(a.certificates->cca.loads, b.certificates->cca.loads);
+  EXPECT_EQ(a.certificates->cca.loadings, b.certificates->cca.loadings);
   EXPECT_EQ(a.certificates->thresholds, b.certificates->thresholds);
   EXPECT_EQ(a.certificates->sources, b.certificates->sources);
-  EXPECT_EQ(a.certificates->right, b.certificates->right);
+  EXPECT_EQ(a.certificates->balanced_accuracy, b.certificates->balanced_accuracy);
   ASSERT_EQ(a.regions.size(), b.regions.size());
   for (std::size_t k = 0; k < a.regions.size(); ++k) {
     EXPECT_EQ(a.regions[k].node, b.regions[k].node);
@@ -178,7 +178,7 @@ TEST_F(ModelFileTest, WhatWasLearnedIsCheckedNumberByNumber) {
   using L = Learned&;
   using C = CertificateMap&;
   EXPECT_EQ(error_of([](L l, C) { l.pca.deviations[0] = 0; }),
-            "b.model, learned subspace: not as it should be; copy the model again, or train it anew");
+            "b.model, learned subspace: is damaged; copy the model again, or train it anew");
   EXPECT_THAT(error_of([](L l, C) { l.pca.mean[3] = NAN; }), HasSubstr("learned subspace"));
   EXPECT_THAT(error_of([](L l, C) { l.pca.basis *= 2; }), HasSubstr("learned subspace"));
   EXPECT_THAT(error_of([](L l, C) { l.pca.mean.conservativeResize(6); }), HasSubstr("learned subspace"));
@@ -199,8 +199,8 @@ TEST_F(ModelFileTest, WhatWasLearnedIsCheckedNumberByNumber) {
   EXPECT_THAT(error_of([](L, C c) { c.nodes[0] = 9999; }), HasSubstr("learned certificates"));
   EXPECT_THAT(error_of([](L, C c) { std::swap(c.nodes[0], c.nodes[1]); }), HasSubstr("learned certificates"));
   EXPECT_THAT(error_of([](L, C c) { c.thresholds[0] = NAN; }), HasSubstr("learned certificates"));
-  EXPECT_THAT(error_of([](L, C c) { c.cca.loads(0, 0) = NAN; }), HasSubstr("learned certificates"));
-  EXPECT_THAT(error_of([](L, C c) { c.right = 1.5; }), HasSubstr("learned certificates"));
+  EXPECT_THAT(error_of([](L, C c) { c.cca.loadings(0, 0) = NAN; }), HasSubstr("learned certificates"));
+  EXPECT_THAT(error_of([](L, C c) { c.balanced_accuracy = 1.5; }), HasSubstr("learned certificates"));
 }
 
 TEST_F(ModelFileTest, DISABLED_WriteGolden) {
@@ -250,14 +250,14 @@ TEST_F(ModelFileTest, CutWithALearnedPartIsAnError) {
   }
 }
 
-/// A spoiled learned part is refused, or it may be used: nothing is read beyond its end.
-TEST_F(ModelFileTest, SpoiledNumbersAreRefusedOrHarmless) {
+/// A damaged learned part is refused or usable: nothing is read beyond its end.
+TEST_F(ModelFileTest, DamagedNumbersAreRefusedOrHarmless) {
   const std::string bytes = saved(small_learned_model(SubspaceKind::KernelPca));
   std::size_t refused = 0, used = 0;
   for (std::size_t at = 0; at < bytes.size(); at += 11) {
-    std::string spoiled = bytes;
-    spoiled[at] = static_cast<char>(spoiled[at] ^ (0x80 >> at % 8));
-    const auto read = loaded(spoiled);
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ (0x80 >> at % 8));
+    const auto read = loaded(damaged);
     if (!read || !read->learned) {
       ++refused;
       continue;
@@ -273,7 +273,7 @@ TEST_F(ModelFileTest, SpoiledNumbersAreRefusedOrHarmless) {
   EXPECT_GT(used, 10u);
 }
 
-/// Everything a tube reports that bends until it meets itself.
+/// The collisions of a tube that bends until it touches itself.
 StepResult answer(const std::shared_ptr<const Hierarchy>& hierarchy,
                   std::shared_ptr<const ChartLibrary> charts) {
   const auto x0 = bent(kSmallTube.around, kSmallTube.along, 5.9),
@@ -285,17 +285,17 @@ StepResult answer(const std::shared_ptr<const Hierarchy>& hierarchy,
   return result;
 }
 
-TEST_F(ModelFileTest, EveryByteMayBeSpoiled) {
+TEST_F(ModelFileTest, EveryByteMayBeDamaged) {
   const Model model = small_model();
   const std::string bytes = saved(model);
   const StepResult truth = answer(model.hierarchy(), nullptr);
   ASSERT_GT(truth.edge_edge.size(), 10u);
   std::size_t refused = 0, tries = 0;
   for (std::size_t at = 0; at < bytes.size(); ++at) {
-    std::string spoiled = bytes;
-    spoiled[at] = static_cast<char>(spoiled[at] ^ (1 << at * 5 % 8));
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ (1 << at * 5 % 8));
     ++tries;
-    const auto read = loaded(spoiled);
+    const auto read = loaded(damaged);
     if (!read) {
       ++refused;
       EXPECT_EQ(read.error().line().find('\n'), std::string::npos);
@@ -328,19 +328,19 @@ TEST_F(ModelFileTest, OtherVersionsAreNamed) {
   }
 }
 
-TEST_F(ModelFileTest, ADrawingThatOverlapsIsRefused) {
+TEST_F(ModelFileTest, AnOverlappingChartIsRefused) {
   Model model = small_model();
   const auto& slots = model.charts->slots();
   Patch patch;
   PatchReader(*slots).read(0, patch);
-  Drawing drawing;
-  drawing.places.resize(patch.vertices.size());
-  drawing.heights.resize(patch.vertices.size());
-  drawing.fillers.resize(2 * patch.vertices.size() + 2 - patch.triangles.size());
+  UvMap uv_map;
+  uv_map.uvs.resize(patch.vertices.size());
+  uv_map.heights.resize(patch.vertices.size());
+  uv_map.scaffold.resize(2 * patch.vertices.size() + 2 - patch.triangles.size());
   const auto charts = std::make_shared<ChartLibrary>(slots);
-  charts->add(0, 0, patch, {}, drawing);
+  charts->add(0, 0, patch, {}, uv_map);
   model.charts = charts;
-  EXPECT_THAT(load_error(saved(model)), HasSubstr("chart 0: is no drawing of its patch"));
+  EXPECT_THAT(load_error(saved(model)), HasSubstr("chart 0: is not a valid chart of its patch"));
 }
 
 TEST_F(ModelFileTest, ContentsThatMakeNoSenseAreRefused) {
@@ -354,20 +354,20 @@ TEST_F(ModelFileTest, ContentsThatMakeNoSenseAreRefused) {
               HasSubstr("chart 0: comes from no reference pose"));
   EXPECT_THAT(error_of([](Model& m) { m.poses[1].proven = NAN; }), HasSubstr("pose 1: has a share"));
   EXPECT_THAT(error_of([](Model& m) {
-                m.hard_leaves = {{99, 1, Obstacle::Tangled}};
+                m.hard_leaves = {{99, 1, Obstacle::Overlapping}};
               }),
               HasSubstr("hard leaf 0: makes no sense"));
   EXPECT_THAT(error_of([](Model& m) {
-                m.hard_leaves = {{1, 1, Obstacle::Tangled}, {1, 1, Obstacle::Tangled}};
+                m.hard_leaves = {{1, 1, Obstacle::Overlapping}, {1, 1, Obstacle::Overlapping}};
               }),
               HasSubstr("hard leaf 1: makes no sense"));
   EXPECT_THAT(error_of([](Model& m) {
-                m.hard_leaves = {{1, 3, Obstacle::Tangled}};
+                m.hard_leaves = {{1, 3, Obstacle::Overlapping}};
               }),
               HasSubstr("makes no sense"));
 }
 
-TEST_F(ModelFileTest, NothingStaysBehindWhereNothingCanBeWritten) {
+TEST_F(ModelFileTest, LeavesNoFileBehindWhenWritingFails) {
   EXPECT_FALSE(save_model(small_model(), files.path("no/where.model")));
   EXPECT_FALSE(save_model(small_model(), "/dev/full"));
   EXPECT_TRUE(std::filesystem::is_empty(files.path("")));

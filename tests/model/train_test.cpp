@@ -1,4 +1,4 @@
-// What training proves, and what it says about a mesh.
+// What training proves and reports about a mesh.
 #include <gmock/gmock.h>
 
 #include "base/parallel.h"
@@ -42,7 +42,7 @@ TEST(Train, ABendingTubeIsMostlyProven) {
   const Model model = trained(*motion);
   EXPECT_THAT(references_of(model), ElementsAre(0, 1, 2, 3, 4, 5, 6));
   for (const TrainedPose& pose : model.poses) EXPECT_GT(pose.proven, 0.97) << pose.name;
-  // In steps between poses that it has never seen.
+  // In steps between poses that it was not trained on.
   for (const double angle : {0.25, 1.25, 2.75}) {
     const auto [on, off] = with_and_without(model, angle, angle + 0.05);
     EXPECT_LT(on.work.leaf_pairs, off.work.leaf_pairs / 20) << angle;
@@ -51,7 +51,7 @@ TEST(Train, ABendingTubeIsMostlyProven) {
   }
 }
 
-TEST(Train, AModelLeavesTheAnswerAsItIs) {
+TEST(Train, AModelDoesNotChangeTheAnswer) {
   const Model model = trained(*bending_tube(kTube, {0, 3, 6}));
   const auto [on, off] = with_and_without(model, 5, 8);
   EXPECT_GT(on.work.certificate_passes, 50u);
@@ -61,14 +61,14 @@ TEST(Train, AModelLeavesTheAnswerAsItIs) {
   for (std::size_t k = 0; k < on.edge_edge.size(); ++k) EXPECT_EQ(on.edge_edge[k].toi, off.edge_edge[k].toi);
 }
 
-TEST(Train, DrawsInShapesThatAreMadeFromTheSubspace) {
+TEST(Train, BuildsChartsInRandomPosesOfTheSubspace) {
   const auto motion = bending_tube(kTube, {-2.5, 0, 2.5});
   TrainSettings settings;
   const Model few = *train_model(all_poses(*motion), settings);
-  settings.made = 12;
+  settings.random_poses = 12;
   const Model more = *train_model(all_poses(*motion), settings);
   ASSERT_EQ(more.poses.size(), 15u);
-  EXPECT_THAT(more.poses[3].name, HasSubstr("made"));
+  EXPECT_EQ(more.poses[3].name, "random pose 1 of 12");
   EXPECT_EQ(summarize(more).references, 15u);
   EXPECT_GT(more.charts->charts().size(), few.charts->charts().size());
   for (const TrainedPose& pose : more.poses) EXPECT_GT(pose.proven, 0.9) << pose.name;
@@ -101,12 +101,12 @@ TEST(Train, ReferencesAreThePosesThatDifferMost) {
   EXPECT_THAT(references_of(trained(*motion, {.references = 3})), ElementsAre(0, 4, 5));
   // The last pose only repeats the first.
   const auto all_but_one = references_of(trained(*motion, {.references = 99}));
-  EXPECT_EQ(all_but_one.size(), 7u);  // as many as there are poses: nothing is chosen
+  EXPECT_EQ(all_but_one.size(), 7u);  // all poses are references: none is chosen
   const auto repeats = bending_tube(kTube, {0, 2, 0, 2, 0});
   EXPECT_THAT(references_of(trained(*repeats, {.references = 4})), ElementsAre(0, 1));
 }
 
-TEST(Train, SixteenReferencesAreEnoughUnlessMoreAreWanted) {
+TEST(Train, UsesSixteenReferencesByDefault) {
   std::vector<double> angles;
   for (int k = 0; k < 20; ++k) angles.push_back(0.1 * k);
   const auto motion = bending_tube(kSmallTube, angles);
@@ -138,7 +138,7 @@ TEST(Train, StaysWithinItsSize) {
 }
 
 TEST(Train, SpareChartsStandInWhereLargeOnesFail) {
-  // Charts of the straight tube only, asked in a tube that is bent a lot.
+  // Charts of the straight tube only, tested in a tube that is bent a lot.
   const Model model = trained(*bending_tube(kTube, {0}));
   const auto [on, off] = with_and_without(model, 2.5, 2.55);
   EXPECT_LT(on.work.leaf_pairs, off.work.leaf_pairs / 4);
@@ -160,7 +160,7 @@ TEST(Train, OddMeshesAreFine) {
   EXPECT_EQ(model.poses[0].proven, 0);
 }
 
-TEST(Train, EveryCollapseOfAPoseIsSurvived) {
+TEST(Train, DegeneratePosesAreFine) {
   const std::size_t size = 3 * std::size_t{tube(8, 6).vertex_count()};
   std::vector<double> flat = bent(8, 6, 0), huge = flat;
   for (std::size_t i = 2; i < size; i += 3) flat[i] = 0;
@@ -172,7 +172,7 @@ TEST(Train, EveryCollapseOfAPoseIsSurvived) {
   EXPECT_EQ(model.poses[3].proven, model.poses[0].proven);
 }
 
-TEST(Train, TellsHowManyPosesAreDone) {
+TEST(Train, ReportsProgress) {
   std::vector<double> parts;
   TrainHooks hooks;
   hooks.progress = [&](double part) { parts.push_back(part); };
@@ -188,7 +188,7 @@ std::string train_error(std::span<const TrainPose> poses, const TrainHooks& hook
   return model ? "no error" : model.error().line();
 }
 
-TEST(Train, SaysWhatIsWrongWithPoses) {
+TEST(Train, ErrorsNameWhatIsWrongWithPoses) {
   EXPECT_THAT(train_error({}), HasSubstr("poses: are none"));
   const auto one = bending_tube(kSmallTube, {0, 1}, "one.npz"), other = bending_tube(kTube, {0}, "two.obj");
   std::vector<TrainPose> poses = all_poses(*one);
@@ -230,8 +230,8 @@ TEST(Summary, KappaOfAFlatSheetIsOne) {
   EXPECT_EQ(summary.proven, 1);
   ASSERT_EQ(summary.levels[0].charts, 1u);
   EXPECT_EQ(summary.levels[0].charted, 1u);
-  EXPECT_GE(summary.levels[0].kappa_most, 1);
-  EXPECT_LT(summary.levels[0].kappa_most, 1 + 1e-12);
+  EXPECT_GE(summary.levels[0].kappa_max, 1);
+  EXPECT_LT(summary.levels[0].kappa_max, 1 + 1e-12);
   Index nodes = 0;
   for (const ModelSummary::Level& level : summary.levels) nodes += level.slots;
   EXPECT_EQ(nodes, model.hierarchy()->nodes().size());
@@ -245,7 +245,7 @@ TEST(Summary, KappaOfARoofIsThatOfItsSlope) {
   const Model model = trained(*memory_motion("roof", *roof, {x}));
   const ModelSummary summary = summarize(model);
   ASSERT_EQ(summary.levels[0].charts, 1u);
-  EXPECT_NEAR(summary.levels[0].kappa_most, std::sqrt(2), 1e-3);
+  EXPECT_NEAR(summary.levels[0].kappa_max, std::sqrt(2), 1e-3);
 }
 
 }  // namespace

@@ -44,35 +44,35 @@ void shift_first(Kind kind, FourPoints& x, const Vec3& by) {
   if (kind == Kind::EdgeEdge) x[1] += by;
 }
 
-struct Place {
+struct Uv {
   double i, j;
 };
 
 // Fourths at which a pair meets: inside, or (for a miss, most often) outside.
-Place uniform_place(Kind kind, Rng& rng, double inside) {
+Uv uniform_place(Kind kind, Rng& rng, double inside) {
   const bool hit = chance(rng, inside);
   while (true) {
-    const Place p = {uniform(rng, -4, 8), uniform(rng, -4, 8)};
+    const Uv p = {uniform(rng, -4, 8), uniform(rng, -4, 8)};
     const bool in =
         p.i >= 0 && p.j >= 0 && (kind == Kind::VertexFace ? p.i + p.j <= 4 : p.i <= 4 && p.j <= 4);
     if (in == hit) return p;
   }
 }
-Place integer_place(Kind kind, Rng& rng, double inside) {
+Uv integer_place(Kind kind, Rng& rng, double inside) {
   const bool hit = chance(rng, inside);
   while (true) {
-    const Place p = {double(integer(rng, -1, 5)), double(integer(rng, -1, 5))};
+    const Uv p = {double(integer(rng, -1, 5)), double(integer(rng, -1, 5))};
     const bool in =
         p.i >= 0 && p.j >= 0 && (kind == Kind::VertexFace ? p.i + p.j <= 4 : p.i <= 4 && p.j <= 4);
     if (in == hit) return p;
   }
 }
 // On the border of the feature: an edge or corner of the face, an end of an edge.
-Place border_place(Kind kind, Rng& rng) {
+Uv border_place(Kind kind, Rng& rng) {
   const double along = integer(rng, 0, 4);
   if (kind == Kind::EdgeEdge) {
     const double end = integer(rng, 0, 1) * 4;
-    return chance(rng, 0.5) ? Place{end, along} : Place{along, end};
+    return chance(rng, 0.5) ? Uv{end, along} : Uv{along, end};
   }
   switch (integer(rng, 0, 2)) {
     case 0:
@@ -97,7 +97,7 @@ FourPoints uniform_motion(Rng& rng, double size) {
 double exact_time(Rng& rng) { return integer(rng, 0, 2) / 2.0; }
 
 Case random_case(Kind kind, Rng& rng) {
-  const Place p = uniform_place(kind, rng, 0.5);
+  const Uv p = uniform_place(kind, rng, 0.5);
   const FourPoints contact = pose(kind, uniform_vector(rng, 1), uniform_vector(rng, 1), p.i, p.j);
   Case result = through(contact, uniform_motion(rng, 3), uniform(rng, 0, 1));
   const Vec3 centre = uniform_vector(rng, 2);
@@ -109,7 +109,7 @@ Case random_case(Kind kind, Rng& rng) {
 }
 
 Case grid_case(Kind kind, Rng& rng) {
-  const Place p = integer_place(kind, rng, 0.4);
+  const Uv p = integer_place(kind, rng, 0.4);
   const FourPoints contact = pose(kind, integer_vector(rng, 2), integer_vector(rng, 2), p.i, p.j);
   return through(contact, integer_motion(rng, 4), exact_time(rng));
 }
@@ -142,7 +142,7 @@ Case degenerate_case(Kind kind, Rng& rng) {
 }
 
 Case touching_case(Kind kind, Rng& rng) {
-  const Place p = border_place(kind, rng);
+  const Uv p = border_place(kind, rng);
   FourPoints contact = pose(kind, integer_vector(rng, 3), integer_vector(rng, 3), p.i, p.j);
   if (chance(rng, 0.55)) shift_first(kind, contact, integer_vector(rng, 2));
   // At the very start or end, or passing along the border in between.
@@ -228,7 +228,7 @@ Case far_case(Kind kind, Rng& rng) {
 }
 
 Case fast_case(Kind kind, Rng& rng) {
-  const Place p = uniform_place(kind, rng, 0.5);
+  const Uv p = uniform_place(kind, rng, 0.5);
   const FourPoints contact = pose(kind, uniform_vector(rng, 1), uniform_vector(rng, 1), p.i, p.j);
   FourPoints motion = uniform_motion(rng, 1);
   shift_first(kind, motion, uniform_vector(rng, std::ldexp(1.0, integer(rng, 8, 24))));
@@ -257,7 +257,7 @@ Case near_miss_case(Kind kind, Rng& rng) {
 }
 
 Case mixed_scale_case(Kind kind, Rng& rng) {
-  const Place p = uniform_place(kind, rng, 0.55);
+  const Uv p = uniform_place(kind, rng, 0.55);
   const Vec3 u = uniform_vector(rng, std::ldexp(1.0, integer(rng, -20, 20)));
   const Vec3 w = uniform_vector(rng, std::ldexp(1.0, integer(rng, -20, 20)));
   FourPoints motion;

@@ -19,8 +19,8 @@ Index add_vertex(Mesh& mesh, double x, double y, double z) {
 
 // A grid of (columns + 1) x (rows + 1) vertices and two triangles a cell; `place` maps (u, v) in [0,1]^2 to a
 // point.
-template <class Place>
-Mesh sheet(Index columns, Index rows, bool closed_in_u, Place place) {
+template <class Uv>
+Mesh sheet(Index columns, Index rows, bool closed_in_u, Uv place) {
   Mesh mesh;
   const Index width = closed_in_u ? columns : columns + 1;
   for (Index j = 0; j <= rows; ++j) {

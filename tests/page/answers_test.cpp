@@ -1,4 +1,4 @@
-// What the page is told, number by number, against the library's own answers.
+// The page's data, compared with the library's own answers.
 #include <malloc.h>
 
 #include <algorithm>
@@ -23,20 +23,20 @@ std::vector<double> frame_of(Motion& motion, Index k) {
 
 std::vector<float> single(const std::vector<double>& x) { return {x.begin(), x.end()}; }
 
-/// The library's own answers to the steps between all frames of some motions.
+/// The library's own answers for the steps of motions.
 class Truth {
  public:
   explicit Truth(std::vector<std::unique_ptr<Motion>> motions) : motions_(std::move(motions)) {
-    std::vector<Object> trees;
+    std::vector<Object> objects;
     for (const auto& motion : motions_) {
-      trees.push_back(
+      objects.push_back(
           std::make_shared<const Hierarchy>(*Hierarchy::build(motion->topology(), frame_of(*motion, 0))));
     }
-    trees_ = trees;
-    checker_.emplace(std::move(trees));
+    objects_ = objects;
+    checker_.emplace(std::move(objects));
   }
 
-  /// The step from `k`; steps are to be asked for in order.
+  /// The step from frame `k`. Call it for the steps in order.
   const StepResult& step(Index k) {
     x0_.clear();
     x1_.clear();
@@ -56,17 +56,17 @@ class Truth {
     return x;
   }
   Motion& motion(Index object) { return *motions_[object]; }
-  const Hierarchy& tree(Index object) const { return *trees_[object].hierarchy(); }
+  const Hierarchy& hierarchy(Index object) const { return *objects_[object].hierarchy(); }
 
  private:
   std::vector<std::unique_ptr<Motion>> motions_;
-  std::vector<Object> trees_;
+  std::vector<Object> objects_;
   std::optional<StepChecker> checker_;
   StepResult result_;
   std::vector<std::vector<double>> x0_, x1_;
 };
 
-/// The tube with a second one across its way.
+/// The tube, and a second one that crosses its path.
 std::vector<std::unique_ptr<Motion>> two_tubes() {
   std::vector<std::vector<double>> frames;
   for (int k = 0; k < 8; ++k) {
@@ -74,10 +74,10 @@ std::vector<std::unique_ptr<Motion>> two_tubes() {
     for (std::size_t i = 2; i < x.size(); i += 3) x[i] += 2 - 0.5 * k;
     frames.push_back(std::move(x));
   }
-  return list(meeting_tube(), memory_motion("bar", tube(10, 12), std::move(frames)));
+  return list(colliding_tube(), memory_motion("bar", tube(10, 12), std::move(frames)));
 }
 
-TEST(PageAnswers, TheSceneTellsWhatThereIs) {
+TEST(PageAnswers, TheSceneDescribesItsObjects) {
   CheckSettings check;
   check.frames = *parse_frame_range("1:8:2");
   check.substeps = 3;
@@ -131,31 +131,31 @@ TEST(PageAnswers, FramesAndTrianglesAreThoseOfTheMotions) {
   }
 }
 
-void expect_same(const Json& told, const StepResult& step, Index number) {
-  EXPECT_EQ(told["number"], number);
-  EXPECT_EQ(told["frame"], number);
-  EXPECT_EQ(told["next_frame"], number + 1);
-  EXPECT_EQ(told["substep"], 0);
-  EXPECT_EQ(told["vertex_face"], step.vertex_face.size());
-  EXPECT_EQ(told["edge_edge"], step.edge_edge.size());
-  EXPECT_EQ(told["undecided"], step.work.undecided);
-  EXPECT_EQ(told["toi"], step.earliest_toi);
-  EXPECT_EQ(told["tolerance"], step.tolerance);
-  EXPECT_EQ(told["node_tests"], step.work.node_tests);
-  EXPECT_EQ(told["certificate_tests"], step.work.certificate_tests);
-  EXPECT_EQ(told["certificate_passes"], step.work.certificate_passes);
-  EXPECT_EQ(told["leaf_pairs"], step.work.leaf_pairs);
-  EXPECT_EQ(told["candidates"], step.work.candidates_vf + step.work.candidates_ee);
-  EXPECT_EQ(told["reasons"], Json(step.explanation.leaf_pairs));
-  EXPECT_GT(told["ms"]["total"], 0);
+void expect_same(const Json& answer, const StepResult& step, Index number) {
+  EXPECT_EQ(answer["number"], number);
+  EXPECT_EQ(answer["frame"], number);
+  EXPECT_EQ(answer["next_frame"], number + 1);
+  EXPECT_EQ(answer["substep"], 0);
+  EXPECT_EQ(answer["vertex_face"], step.vertex_face.size());
+  EXPECT_EQ(answer["edge_edge"], step.edge_edge.size());
+  EXPECT_EQ(answer["undecided"], step.work.undecided);
+  EXPECT_EQ(answer["toi"], step.earliest_toi);
+  EXPECT_EQ(answer["tolerance"], step.tolerance);
+  EXPECT_EQ(answer["node_tests"], step.work.node_tests);
+  EXPECT_EQ(answer["certificate_tests"], step.work.certificate_tests);
+  EXPECT_EQ(answer["certificate_passes"], step.work.certificate_passes);
+  EXPECT_EQ(answer["leaf_pairs"], step.work.leaf_pairs);
+  EXPECT_EQ(answer["candidates"], step.work.candidates_vf + step.work.candidates_ee);
+  EXPECT_EQ(answer["reasons"], Json(step.explanation.leaf_pairs));
+  EXPECT_GT(answer["ms"]["total"], 0);
 }
 
-/// How far a point is from a vertex, an edge or a face.
+/// The distance of a point from a vertex, an edge or a face.
 double distance(const Vec3& point, const std::vector<Vec3>& corners) {
   return vertex_face_closest({point, corners.front(), corners[corners.size() / 2], corners.back()}).distance;
 }
 
-/// Both lists hold the same collisions, the page's by time of impact; points lie where features meet.
+/// Expects the same collisions, sorted by time of impact, with points where the features meet.
 void expect_same_collisions(const Json& by_time, const StepResult& step, Truth& truth) {
   ASSERT_THAT(by_time, SizeIs(step.vertex_face.size() + step.edge_edge.size()));
   std::vector<Json> items(by_time.begin(), by_time.end());
@@ -291,10 +291,10 @@ TEST(PageAnswers, BoxesAreThoseOfTheHierarchy) {
     const std::string path = "/api/objects/" + std::to_string(i) + "/boxes";
     for (Index level = 0; level <= levels; ++level) {
       std::vector<float> boxes;
-      collect(truth.tree(i), 0, level, single(frame_of(truth.motion(i), 5)), boxes);
+      collect(truth.hierarchy(i), 0, level, single(frame_of(truth.motion(i), 5)), boxes);
       EXPECT_EQ(served.numbers<float>(path + "?frame=5&level=" + std::to_string(level)), boxes);
       if (level == levels) {
-        EXPECT_THAT(boxes, SizeIs(6 * truth.tree(i).leaf_count()));
+        EXPECT_THAT(boxes, SizeIs(6 * truth.hierarchy(i).leaf_count()));
       }
     }
     served.json(path + "?level=" + std::to_string(levels + 1), 404);
@@ -302,14 +302,14 @@ TEST(PageAnswers, BoxesAreThoseOfTheHierarchy) {
   }
 }
 
-TEST(PageAnswers, AStepsWayIsCutIntoParts) {
+TEST(PageAnswers, StepsAreDividedIntoSubsteps) {
   CheckSettings check;
   check.substeps = 5;
   Served served(page_of(list(needle(kSinking)), check));
   const Json all = served.all_steps();
   ASSERT_THAT(all["steps"], SizeIs(20));
-  // The tip meets the floor 0.6 of the way from frame 1 to 2: in the fourth part, at its begin, or the
-  // third's end.
+  // The tip meets the floor 0.6 of the way from frame 1 to 2: at the end of the third part, or the start of
+  // the fourth.
   int hits = 0;
   for (const Json& step : all["steps"]) {
     if (step["frame"] != 1 || step["vertex_face"] == 0) continue;
@@ -324,7 +324,7 @@ TEST(PageAnswers, AStepsWayIsCutIntoParts) {
   EXPECT_GE(hits, 1);
 }
 
-TEST(PageAnswers, FourHundredFramesStayOutOfMemory) {
+TEST(PageAnswers, FramesAreNotKeptInMemory) {
   const auto held = [] { return mallinfo2().uordblks; };
   auto page = page_of(list(bending_tube(kTube, std::vector<double>(400, 1.0))));
   Served served(std::move(page));
@@ -349,7 +349,7 @@ TEST(PageAnswers, ManyStepsComeAThousandAtATime) {
   EXPECT_THAT(served.json("/api/steps?from=9999999")["steps"], SizeIs(0));
 }
 
-TEST(PageAnswers, ASinglePoseIsAMotionThatStandsStill) {
+TEST(PageAnswers, ASinglePoseIsAStepWithoutMotion) {
   Served served(page_of(list(bending_tube(kSmallTube, {1}))));
   EXPECT_EQ(served.json("/api/scene")["steps"], 1);
   const Json steps = served.all_steps();
@@ -359,40 +359,41 @@ TEST(PageAnswers, ASinglePoseIsAMotionThatStandsStill) {
   EXPECT_EQ(steps["steps"][0]["next_frame"], 0);
   EXPECT_THAT(served.numbers<float>("/api/objects/0/frames/0"), SizeIs(3 * 12 * 9));
   EXPECT_THAT(served.json("/api/steps/1/collisions", 404)["error"], HasSubstr("no step 1"));
-  Served crossing(page_of(two_balls(1)));
+  Served crossing(page_of(sphere_pair(1)));
   EXPECT_GT(crossing.all_steps()["start"]["crossings"], 0);
 }
 
 /// What the library itself says of the first frame.
 StaticResult crossings_of(const std::vector<std::unique_ptr<Motion>>& motions) {
-  std::vector<Object> trees;
+  std::vector<Object> objects;
   std::vector<std::vector<double>> frames;
   for (const auto& motion : motions) {
     frames.push_back(frame_of(*motion, 0));
-    trees.push_back(std::make_shared<const Hierarchy>(*Hierarchy::build(motion->topology(), frames.back())));
+    objects.push_back(
+        std::make_shared<const Hierarchy>(*Hierarchy::build(motion->topology(), frames.back())));
   }
   const std::vector<std::span<const double>> x(frames.begin(), frames.end());
   StaticResult result;
-  EXPECT_TRUE(StepChecker(trees).check_static(x, {}, result));
+  EXPECT_TRUE(StepChecker(objects).check_static(x, {}, result));
   return result;
 }
 
 TEST(PageAnswers, WhatCrossesFromTheStartIsToldThoughNoStepCollides) {
-  const auto motions = two_balls(5);
+  const auto motions = sphere_pair(5);
   const StaticResult truth = crossings_of(motions);
   ASSERT_GT(truth.crossings.size(), 20u);
-  Served served(page_of(two_balls(5)));
+  Served served(page_of(sphere_pair(5)));
   const Json all = served.all_steps();
   EXPECT_EQ(all["start"]["frame"], 0);
   EXPECT_EQ(all["start"]["crossings"], truth.crossings.size());
   for (const Json& step : all["steps"])
     EXPECT_EQ(step["vertex_face"].get<int>() + step["edge_edge"].get<int>(), 0);
-  const Json told = served.json("/api/start/crossings");
-  EXPECT_EQ(told["total"], truth.crossings.size());
-  ASSERT_THAT(told["items"], SizeIs(truth.crossings.size()));
+  const Json answer = served.json("/api/start/crossings");
+  EXPECT_EQ(answer["total"], truth.crossings.size());
+  ASSERT_THAT(answer["items"], SizeIs(truth.crossings.size()));
   for (std::size_t k = 0; k < truth.crossings.size(); ++k) {
     const TriangleCrossing& c = truth.crossings[k];
-    const Json& item = told["items"][k];
+    const Json& item = answer["items"][k];
     EXPECT_EQ(item["kind"], "tt");
     EXPECT_EQ(item["object_a"], c.object_a);
     EXPECT_EQ(item["a"], Json::array({c.triangle_a}));
@@ -402,7 +403,7 @@ TEST(PageAnswers, WhatCrossesFromTheStartIsToldThoughNoStepCollides) {
     EXPECT_NEAR(item["point"][0], 0.5, 0.1);
   }
   EXPECT_TRUE(served.json("/api/start/crossings?offset=3&limit=2")["items"] ==
-              Json::array({told["items"][3], told["items"][4]}));
+              Json::array({answer["items"][3], answer["items"][4]}));
   served.json("/api/start/crossings?limit=1001", 400);
   for (Index i = 0; i < 2; ++i) {
     EXPECT_EQ(served.numbers<std::uint8_t>("/api/start/faces/" + std::to_string(i)),
@@ -412,7 +413,7 @@ TEST(PageAnswers, WhatCrossesFromTheStartIsToldThoughNoStepCollides) {
 }
 
 TEST(PageAnswers, AFreeStartIsToldToBeFree) {
-  Served served(page_of(two_balls(3, 2.5)));
+  Served served(page_of(sphere_pair(3, 2.5)));
   EXPECT_EQ(served.all_steps()["start"]["crossings"], 0);
   EXPECT_THAT(served.json("/api/start/crossings")["items"], SizeIs(0));
   EXPECT_THAT(served.numbers<std::uint8_t>("/api/start/faces/0"), ::testing::Each(0));
@@ -421,7 +422,7 @@ TEST(PageAnswers, AFreeStartIsToldToBeFree) {
 TEST(PageAnswers, StepsOnlyAsksNothingOfTheStart) {
   CheckSettings check;
   check.steps_only = true;
-  Served served(page_of(two_balls(3), check));
+  Served served(page_of(sphere_pair(3), check));
   EXPECT_EQ(served.json("/api/scene")["settings"]["steps_only"], true);
   const Json all = served.all_steps();
   EXPECT_EQ(all["state"], "done");
@@ -431,7 +432,7 @@ TEST(PageAnswers, StepsOnlyAsksNothingOfTheStart) {
 }
 
 TEST(PageAnswers, AStoppedCheckIsNotDone) {
-  const auto page = page_of(two_balls(3));
+  const auto page = page_of(sphere_pair(3));
   const std::atomic<bool> stop{true};
   page->work(stop);
   const Json all = Json::parse(page->get("/api/steps").body);
@@ -448,7 +449,7 @@ TEST(PageAnswers, AStoppedCheckIsNotDone) {
 
 TEST(PageAnswers, AMotionThatTurnsBadFailsWithOneLine) {
   std::vector<std::unique_ptr<Motion>> motions;
-  motions.push_back(std::make_unique<BadFrom>(meeting_tube(), 3));
+  motions.push_back(std::make_unique<UnreadableFrom>(colliding_tube(), 3));
   Served served(page_of(std::move(motions)));
   const Json all = served.all_steps();
   EXPECT_EQ(all["state"], "failed");
@@ -484,12 +485,12 @@ TEST(PageAnswers, ModelsTellShapes) {
   CheckSettings check;
   check.models = {model};
   Served served(page_of(list(bending_tube(kSmallTube, angles)), check));
-  const Json told = served.json("/api/scene")["objects"][0]["model"];
-  EXPECT_EQ(told["modes"], learned.pca.modes());
-  EXPECT_EQ(told["poses"], 5);
-  EXPECT_EQ(told["key_points"], Json(learned.key_points.vertices));
-  EXPECT_THAT(told["energy"], SizeIs(learned.pca.modes()));
-  EXPECT_EQ(told["deviations"][0], learned.pca.deviations[0]);
+  const Json answer = served.json("/api/scene")["objects"][0]["model"];
+  EXPECT_EQ(answer["modes"], learned.pca.modes());
+  EXPECT_EQ(answer["poses"], 5);
+  EXPECT_EQ(answer["key_points"], Json(learned.key_points.vertices));
+  EXPECT_THAT(answer["energy"], SizeIs(learned.pca.modes()));
+  EXPECT_EQ(answer["deviations"][0], learned.pca.deviations[0]);
   const auto floats = [](const Eigen::VectorXd& x) { return std::vector<float>(x.begin(), x.end()); };
   EXPECT_EQ(served.numbers<float>("/api/objects/0/model/mean"), floats(learned.pca.mean));
   for (Index k = 0; k < learned.pca.modes(); ++k) {
@@ -515,11 +516,11 @@ TEST(PageAnswers, ModelsTellShapes) {
   ASSERT_TRUE(shape);
   EXPECT_EQ(radius["radius"], shape->radius(0));
   EXPECT_EQ(radius["share"], normal_share(shape->radius(0), reduced->modes()));
-  EXPECT_EQ(radius["left_out"], shape->left_out(0).size());
+  EXPECT_EQ(radius["uncertified"], shape->uncertified(0).size());
 }
 
 TEST(PageAnswers, WithoutAModelThereIsNone) {
-  Served served(page_of(list(meeting_tube())));
+  Served served(page_of(list(colliding_tube())));
   for (const char* path : {"/api/objects/0/model/mean", "/api/objects/0/model/modes/0",
                            "/api/objects/0/model/radius", "/api/objects/0/prediction/0"}) {
     EXPECT_THAT(served.json(path, 404)["error"].get<std::string>(), HasSubstr("no model"));
@@ -533,18 +534,18 @@ TEST(PageOpen, SaysWhatDoesNotFit) {
     return page ? "" : page.error().line();
   };
   EXPECT_THAT(error_of({}), HasSubstr("none given"));
-  EXPECT_THAT(error_of(list(meeting_tube(3), meeting_tube(4))), HasSubstr("equally many frames"));
+  EXPECT_THAT(error_of(list(colliding_tube(3), colliding_tube(4))), HasSubstr("equally many frames"));
   CheckSettings check;
   check.frames = *parse_frame_range("50:60");
-  EXPECT_THAT(error_of(list(meeting_tube()), check), HasSubstr("--frames"));
+  EXPECT_THAT(error_of(list(colliding_tube()), check), HasSubstr("--frames"));
   check = {};
   check.steps_only = true;
-  EXPECT_THAT(error_of(list(meeting_tube(1)), check), HasSubstr("--steps-only"));
+  EXPECT_THAT(error_of(list(colliding_tube(1)), check), HasSubstr("--steps-only"));
   check = {};
   check.models = {std::make_shared<const Model>(small_model())};
-  EXPECT_THAT(error_of(list(meeting_tube()), check), HasSubstr("tube"));
+  EXPECT_THAT(error_of(list(colliding_tube()), check), HasSubstr("tube"));
   std::vector<std::unique_ptr<Motion>> bad;
-  bad.push_back(std::make_unique<BadFrom>(meeting_tube(), 0));
+  bad.push_back(std::make_unique<UnreadableFrom>(colliding_tube(), 0));
   EXPECT_EQ(error_of(std::move(bad)), "tube, frame 0: is torn; export it again");
 }
 

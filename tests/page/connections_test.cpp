@@ -1,4 +1,4 @@
-// Who is slow, asks for too much or never ends, and what becomes of the others.
+// Clients that are slow, demanding or never end, and their effect on others.
 #include "page/connections.h"
 
 #include <arpa/inet.h>
@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 using Clock = std::chrono::steady_clock;
 
-/// Says what a browser would not.
+/// A client that sends arbitrary bytes.
 class Raw {
  public:
   explicit Raw(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
@@ -48,7 +48,7 @@ class Raw {
     }
     return true;
   }
-  /// Up to the end of the connection. Fails the test where that does not come.
+  /// Reads to the end of the connection. Fails the test if it is not closed.
   std::string all() const {
     std::string text;
     std::array<char, 4096> bytes;
@@ -82,7 +82,7 @@ std::vector<Raw> crowd(int port, int count, const std::string& words) {
   return all;
 }
 
-/// Bytes that this program holds in memory.
+/// Resident memory of this program, bytes.
 std::size_t memory() {
   std::ifstream file("/proc/self/statm");
   std::size_t pages = 0;
@@ -91,28 +91,28 @@ std::size_t memory() {
 }
 
 void expect_quick_answer(int port, std::chrono::seconds limit = 2s) {
-  const auto begin = Clock::now();
+  const auto start = Clock::now();
   httplib::Client client("127.0.0.1", port);
   client.set_read_timeout(20);
   const auto answer = client.Get("/api/scene");
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->status, 200);
-  EXPECT_LT(Clock::now() - begin, limit);
+  EXPECT_LT(Clock::now() - start, limit);
 }
 
-TEST(PageConnections, ASlowCrowdKeepsNobodyOut) {
-  Served served(page_of(list(meeting_tube(3))));
+TEST(PageConnections, SlowClientsDoNotBlockOthers) {
+  Served served(page_of(list(colliding_tube(3))));
   const std::vector<Raw> silent = crowd(served.port(), 200, "");
   expect_quick_answer(served.port());
   const std::vector<Raw> slow = crowd(served.port(), 200, "GET /api/scene HTTP/1.1\r\nHost: 127");
   expect_quick_answer(served.port());
-  // Those that came first made room.
+  // The oldest were closed.
   EXPECT_FALSE(silent.front().is_open());
   EXPECT_TRUE(slow.back().is_open());
 }
 
-TEST(PageConnections, WhoFetchesNothingKeepsNobodyOutAndMemoryIsBounded) {
-  const auto page = page_of(list(meeting_tube(3)));
+TEST(PageConnections, UnreadAnswersDoNotBlockOthersAndMemoryIsBounded) {
+  const auto page = page_of(list(colliding_tube(3)));
   const std::string large(std::size_t{1} << 22, 'x');
   const PageFile files[] = {{"view/index.html", large}};
   auto server = PageServer::open(*page, files);
@@ -122,19 +122,19 @@ TEST(PageConnections, WhoFetchesNothingKeepsNobodyOutAndMemoryIsBounded) {
   const std::size_t before = memory();
   const std::string words = head(server->port(), "GET / HTTP/1.1", "Connection: close\r\n");
   const std::vector<Raw> lazy = crowd(server->port(), 120, words);
-  // It comes after all that was asked before, half a GB, on a machine that may be busy.
+  // It follows all earlier answers, half a GB, on a machine that may be busy.
   expect_quick_answer(server->port(), 20s);
   ::malloc_trim(0);
-  EXPECT_LT(memory(), before + Connections::kMostUnsent * 5 / 4);
+  EXPECT_LT(memory(), before + Connections::kMaxUnsent * 5 / 4);
   expect_quick_answer(server->port());
-  EXPECT_LT(lazy.front().all().size(), large.size()) << "the oldest makes room";
+  EXPECT_LT(lazy.front().all().size(), large.size()) << "the oldest is dropped";
   EXPECT_GT(lazy.back().all().size(), large.size());
   stop = true;
   thread.join();
 }
 
-TEST(PageConnections, TakesNoRequestOfAnyLength) {
-  Served served(page_of(list(meeting_tube(3))));
+TEST(PageConnections, RefusesLongRequests) {
+  Served served(page_of(list(colliding_tube(3))));
   const int port = served.port();
   const std::string many_headers = [] {
     std::string text;
@@ -148,59 +148,59 @@ TEST(PageConnections, TakesNoRequestOfAnyLength) {
     client.say(words);
     EXPECT_THAT(client.all(), StartsWith("HTTP/1.1 431 Request Header Fields Too Large\r\n"));
   }
-  // What fits is asked of the library, which has limits for single lines.
+  // Smaller heads go to the library, which limits single lines.
   const Raw client(port);
   client.say(head(port, "GET /" + std::string(9000, 'x') + " HTTP/1.1", "Connection: close\r\n"));
   EXPECT_THAT(client.all(), StartsWith("HTTP/1.1 414 "));
 }
 
-TEST(PageConnections, ARequestLineWithoutEndTakesNoMemory) {
-  Served served(page_of(list(meeting_tube(3))));
+TEST(PageConnections, AnEndlessRequestLineUsesNoMemory) {
+  Served served(page_of(list(colliding_tube(3))));
   served.all_steps();
   const std::size_t before = memory();
   const Raw client(served.port());
   const std::string megabyte(std::size_t{1} << 20, 'x');
-  const auto begin = Clock::now();
+  const auto start = Clock::now();
   client.say("GET /");
-  std::size_t most = 0;
-  for (int k = 0; k < 50 && client.say(megabyte); ++k) most = std::max(most, memory());
+  std::size_t peak = 0;
+  for (int k = 0; k < 50 && client.say(megabyte); ++k) peak = std::max(peak, memory());
   client.all();
-  EXPECT_LT(Clock::now() - begin, 10s);
-  EXPECT_LT(most, before + (std::size_t{16} << 20));
+  EXPECT_LT(Clock::now() - start, 10s);
+  EXPECT_LT(peak, before + (std::size_t{16} << 20));
   EXPECT_EQ(served.get("/").status, 200);
 }
 
-TEST(PageConnections, EndsThoseThatIdleOrTakeTheirTime) {
-  Served served(page_of(list(meeting_tube(3))));
+TEST(PageConnections, ClosesIdleAndSlowConnections) {
+  Served served(page_of(list(colliding_tube(3))));
   const Raw idle(served.port()), used(served.port()), slow(served.port());
   used.say(head(served.port(), "GET /nothing HTTP/1.1"));
   const std::string words = "GET /" + std::string(1000, 'x');
-  const auto begin = Clock::now();
-  for (std::size_t k = 0; Clock::now() - begin < 7s && slow.is_open(); ++k) {
+  const auto start = Clock::now();
+  for (std::size_t k = 0; Clock::now() - start < 7s && slow.is_open(); ++k) {
     slow.say(std::string_view(words).substr(std::min(k, words.size() - 1), 1));
     std::this_thread::sleep_for(10ms);
   }
-  const auto lasted = Clock::now() - begin;
+  const auto lasted = Clock::now() - start;
   EXPECT_GT(lasted, Connections::kHeadTime - 1s);
   EXPECT_LT(lasted, Connections::kHeadTime + 1s);
   EXPECT_EQ(idle.all(), "");
   EXPECT_THAT(used.all(), EndsWith("{\"error\":\"there is nothing here\"}"));
 }
 
-TEST(PageConnections, StopsAtOnceWithAllKindsOfThemOpen) {
-  auto served = std::make_unique<Served>(page_of(list(meeting_tube(3))));
+TEST(PageConnections, StopsAtOnceWithOpenConnections) {
+  auto served = std::make_unique<Served>(page_of(list(colliding_tube(3))));
   served->all_steps();
   const int port = served->port();
   const std::vector<Raw> idle = crowd(port, 20, ""), slow = crowd(port, 20, "GET / HT"),
                          used = crowd(port, 20, head(port, "GET / HTTP/1.1"));
   served->get("/");
-  const auto begin = Clock::now();
+  const auto start = Clock::now();
   served.reset();
-  EXPECT_LT(Clock::now() - begin, 1s);
+  EXPECT_LT(Clock::now() - start, 1s);
 }
 
-TEST(PageConnections, AnswersOneAfterTheOtherOnAConnection) {
-  Served served(page_of(list(meeting_tube(3))));
+TEST(PageConnections, AnswersSeveralRequestsOnAConnection) {
+  Served served(page_of(list(colliding_tube(3))));
   const int port = served.port();
   const auto answers = [&](const std::string& words) {
     const Raw client(port);
@@ -217,7 +217,7 @@ TEST(PageConnections, AnswersOneAfterTheOtherOnAConnection) {
                     head(port, "HEAD / HTTP/1.1", closing)),
             (Lines{"200", "404", "200"}));
   EXPECT_EQ(answers(head(port, "GET / HTTP/1.0")), Lines{"200"});
-  // What follows a head is no request, whatever it looks like.
+  // A body is never taken for a request.
   const std::string inner = head(port, "GET /api/scene HTTP/1.1");
   const std::string length = "Content-Length: " + std::to_string(inner.size()) + "\r\n";
   EXPECT_EQ(answers(head(port, "POST / HTTP/1.1", length) + inner), Lines{"405"});
@@ -226,14 +226,14 @@ TEST(PageConnections, AnswersOneAfterTheOtherOnAConnection) {
                     inner),
             Lines{"200"});
   EXPECT_EQ(answers(head(port, "POST / HTTP/1.1", length + "Expect: 100-continue\r\n")), Lines{"405"});
-  // And what is no request ends the connection.
+  // Invalid requests close the connection.
   for (const char* words : {"\r\n\r\n", "\n\r\n", "GET\r\n\r\n", "\r\nGET / HTTP/1.1\r\n\r\n",
                             "GET / HTTP/9.9\r\nHost: x\r\n\r\n", "\x16\x03\x01\n\r\n"})
     EXPECT_EQ(answers(words + inner), Lines{"400"}) << words;
 }
 
-TEST(PageConnections, GivesNoPartsHoweverManyAreAskedFor) {
-  Served served(page_of(list(meeting_tube(3))));
+TEST(PageConnections, IgnoresRanges) {
+  Served served(page_of(list(colliding_tube(3))));
   std::string many = "bytes=0-1";
   while (many.size() < 8000) many += ",0-1";
   for (const std::string& range : {std::string("bytes=0-3"), many}) {
@@ -242,11 +242,11 @@ TEST(PageConnections, GivesNoPartsHoweverManyAreAskedFor) {
     EXPECT_EQ(response.body, kStubPage[0].bytes);
     EXPECT_FALSE(response.has_header("Content-Encoding"));
   }
-  // As the library has it for what it cannot read.
+  // The library's answer to an invalid range.
   EXPECT_EQ(served.get("/", {{"Range", "bytes=99999999999999999999999-"}}).status, 416);
 }
 
-/// The socket that this program listens at.
+/// The socket on which this program listens.
 int listening_at(int port) {
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
     const int socket = std::stoi(entry.path().filename());
@@ -261,9 +261,9 @@ int listening_at(int port) {
   return -1;
 }
 
-TEST(PageConnections, SaysWhenItCannotListenInsteadOfWaiting) {
+TEST(PageConnections, ReportsWhenListeningFails) {
   for (const bool while_it_serves : {false, true}) {
-    const auto page = page_of(list(meeting_tube(3)));
+    const auto page = page_of(list(colliding_tube(3)));
     auto server = PageServer::open(*page, kStubPage);
     ASSERT_TRUE(server);
     const int socket = listening_at(server->port());
@@ -278,19 +278,19 @@ TEST(PageConnections, SaysWhenItCannotListenInsteadOfWaiting) {
     } else {
       end();
     }
-    const auto begin = Clock::now();
+    const auto start = Clock::now();
     const std::atomic<bool> never = false;
     const auto served = server->serve(never);
     if (ender.joinable()) ender.join();
     ASSERT_FALSE(served);
     EXPECT_EQ(served.error().line(),
               "the page's server: can no longer listen: Invalid argument; start it again");
-    EXPECT_LT(Clock::now() - begin, 10s);
+    EXPECT_LT(Clock::now() - start, 10s);
   }
 }
 
-TEST(PageConnections, SaysWhenThereAreNoMoreSockets) {
-  const auto page = page_of(list(meeting_tube(3)));
+TEST(PageConnections, ReportsWhenThereAreNoMoreSockets) {
+  const auto page = page_of(list(colliding_tube(3)));
   std::vector<int> all;
   for (int taken; (taken = ::dup(STDERR_FILENO)) >= 0 && all.size() < 100'000;) all.push_back(taken);
   const auto server = PageServer::open(*page, kStubPage);

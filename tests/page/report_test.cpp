@@ -58,8 +58,8 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-TEST(MailedReport, HoldsWhatTheCheckFound) {
-  const Reported reported(list(meeting_tube()));
+TEST(HtmlReport, HoldsWhatTheCheckFound) {
+  const Reported reported(list(colliding_tube()));
   ASSERT_EQ(reported.error, "");
   const Json data = reported.data();
   EXPECT_EQ(data["program"], "foldproof");
@@ -89,8 +89,8 @@ TEST(MailedReport, HoldsWhatTheCheckFound) {
   EXPECT_EQ(leaf_pairs, reported.totals.work.leaf_pairs);
 }
 
-TEST(MailedReport, ShowsTheWorstStepsAndAll) {
-  const Reported reported(list(meeting_tube(12)));
+TEST(HtmlReport, ShowsTheWorstStepsAndAllSteps) {
+  const Reported reported(list(colliding_tube(12)));
   const Json data = reported.data();
   const std::uint64_t colliding = reported.totals.steps_with_collisions;
   ASSERT_GT(colliding, 1u);
@@ -118,7 +118,7 @@ TEST(MailedReport, ShowsTheWorstStepsAndAll) {
   }
 }
 
-TEST(MailedReport, OfAFreeMotionShowsThatItIsFree) {
+TEST(HtmlReport, ShowsAFreeMotion) {
   const Reported reported(list(bending_tube(kSmallTube, {0.1, 0.2, 0.3})));
   const Json data = reported.data();
   EXPECT_TRUE(reported.totals.clean());
@@ -127,8 +127,8 @@ TEST(MailedReport, OfAFreeMotionShowsThatItIsFree) {
   EXPECT_EQ(data["pictures"][0]["caption"], "Nothing collides. The pose is that of frame 0.");
 }
 
-TEST(MailedReport, ShowsWhatCrossesFromTheStart) {
-  const Reported reported(two_balls(4));
+TEST(HtmlReport, ShowsWhatCrossesFromTheStart) {
+  const Reported reported(sphere_pair(4));
   ASSERT_EQ(reported.error, "");
   EXPECT_FALSE(reported.totals.clean());
   EXPECT_EQ(reported.totals.collisions.sum(), 0u);
@@ -143,12 +143,12 @@ TEST(MailedReport, ShowsWhatCrossesFromTheStart) {
                 " crossing pairs of triangles; pink are triangles that cross.");
 }
 
-TEST(MailedReport, ShowsTheStartBesideTheWorstSteps) {
-  // The balls are half inside each other and go on into each other.
+TEST(HtmlReport, ShowsTheStartBesideTheWorstSteps) {
+  // The spheres overlap by half and move further into each other.
   std::vector<std::vector<double>> left, right;
   for (int k = 0; k < 4; ++k) {
-    left.push_back(ball_at(0));
-    right.push_back(ball_at(1 - 0.2 * k, 0.07));
+    left.push_back(sphere_at(0));
+    right.push_back(sphere_at(1 - 0.2 * k, 0.07));
   }
   const Reported reported(list(memory_motion("left", tube(16, 12), std::move(left)),
                                memory_motion("right", tube(16, 12), std::move(right))));
@@ -160,22 +160,22 @@ TEST(MailedReport, ShowsTheStartBesideTheWorstSteps) {
     EXPECT_THAT(data["pictures"][k]["caption"].get<std::string>(), HasSubstr("pink those that cross in"));
 }
 
-TEST(MailedReport, WithStepsOnlyClaimsNothingOfTheStart) {
+TEST(HtmlReport, WithStepsOnlyClaimsNothingOfTheStart) {
   CheckSettings settings;
   settings.steps_only = true;
-  const Reported reported(two_balls(3), settings);
+  const Reported reported(sphere_pair(3), settings);
   const Json data = reported.data();
   EXPECT_TRUE(data["start"].is_null());
   EXPECT_EQ(data["settings"]["steps_only"], true);
   ASSERT_THAT(data["pictures"], SizeIs(1));
   EXPECT_EQ(data["pictures"][0]["caption"],
-            "No step has a contact; what crosses from the start was not asked. The pose is that of frame 0.");
+            "No step has a contact; crossings from the start were not tested. The pose is that of frame 0.");
 }
 
-/// Hands on what it gets, and says at the end that there were to be more steps.
-class StoppedEarly final : public ReportWriter {
+/// Forwards to another writer, but claims at the end that more steps were expected.
+class CancelledReport final : public ReportWriter {
  public:
-  explicit StoppedEarly(std::unique_ptr<ReportWriter> writer) : writer_(std::move(writer)) {}
+  explicit CancelledReport(std::unique_ptr<ReportWriter> writer) : writer_(std::move(writer)) {}
   Result<void> start(const CheckedStep& pose) override { return writer_->start(pose); }
   Result<void> step(const CheckedStep& step) override { return writer_->step(step); }
   Result<void> finish(const CheckTotals& whole) override {
@@ -189,14 +189,14 @@ class StoppedEarly final : public ReportWriter {
   std::unique_ptr<ReportWriter> writer_;
 };
 
-TEST(MailedReport, OfAStoppedCheckSaysHowFarItCame) {
+TEST(HtmlReport, ReportsHowFarACancelledCheckCame) {
   const TemporaryDirectory directory;
-  const auto motions = two_balls(4, 2.5);
+  const auto motions = sphere_pair(4, 2.5);
   CheckSettings settings;
   settings.step.explain = true;
   auto writer = page_report(directory / "report.html", motions, {{settings, {}}, ""}, kStubPage);
   ASSERT_TRUE(writer);
-  const std::unique_ptr<ReportWriter> writers[] = {std::make_unique<StoppedEarly>(std::move(*writer))};
+  const std::unique_ptr<ReportWriter> writers[] = {std::make_unique<CancelledReport>(std::move(*writer))};
   ASSERT_TRUE(run_check(motions, settings, writers));
   const std::string html = read_file(directory / "report.html");
   EXPECT_THAT(html, HasSubstr("\"stopped\":true"));
@@ -204,40 +204,40 @@ TEST(MailedReport, OfAStoppedCheckSaysHowFarItCame) {
   EXPECT_THAT(html, HasSubstr("Nothing collides in the 3 steps that were checked."));
 }
 
-TEST(MailedReport, OfASingleFrameTellsWhatCrosses) {
-  const Reported reported(two_balls(1));
+TEST(HtmlReport, ReportsCrossingsOfASingleFrame) {
+  const Reported reported(sphere_pair(1));
   ASSERT_EQ(reported.error, "");
   const Json data = reported.data();
   EXPECT_GT(data["start"]["crossings"], 0);
   EXPECT_THAT(data["steps"], SizeIs(1));
 }
 
-TEST(MailedReport, NamesAreTextAndNothingElse) {
+TEST(HtmlReport, NamesAreEscaped) {
   std::vector<std::vector<double>> frames{needle_frame(1), needle_frame(-1)};
   const Reported reported(
       list(memory_motion(kNasty, *Topology::make(6, {{0, 1, 2}, {3, 4, 5}}), std::move(frames))));
   ASSERT_EQ(reported.error, "");
   EXPECT_EQ(reported.data()["objects"][0]["name"],
             "</script><script>alert(1)</script><b title=\"x\">&\xef\xbf\xbd\n.npz");
-  // Two elements of our own, and nothing of the name's.
+  // The report's own two elements, and none from the name.
   EXPECT_EQ(count(reported.html, "<script"), 2u);
   EXPECT_EQ(count(reported.html, "</script"), 2u);
   EXPECT_EQ(count(reported.html, "<b"), 1u) << "the body";
   EXPECT_THAT(reported.html, HasSubstr("<title>script>&lt;b title=\"x\">&amp;")) << "the last part of a path";
-  // The sum is that of the script; nothing may be loaded.
+  // The hash is that of the script; nothing may be loaded.
   EXPECT_THAT(reported.html, HasSubstr("default-src 'none'; script-src 'sha256-c3R1Yg=='; style-src"));
   EXPECT_THAT(reported.html, HasSubstr("<script>'report'</script>"));
   EXPECT_THAT(reported.html, HasSubstr("<style>body{}</style>"));
 }
 
-TEST(MailedReport, IsWholeOrNotThere) {
+TEST(HtmlReport, IsCompleteOrAbsent) {
   std::vector<std::unique_ptr<Motion>> motions;
-  motions.push_back(std::make_unique<BadFrom>(meeting_tube(), 5));
+  motions.push_back(std::make_unique<UnreadableFrom>(colliding_tube(), 5));
   const Reported torn(std::move(motions));
   EXPECT_EQ(torn.error, "tube, frame 5: is torn; export it again");
   EXPECT_THAT(torn.names(), Not(::testing::Contains("report.html")));
-  const Reported without(list(meeting_tube(3)), {}, std::span(kStubPage).first(2));
-  EXPECT_THAT(without.error, HasSubstr("report/report.js: is not there"));
+  const Reported without(list(colliding_tube(3)), {}, std::span(kStubPage).first(2));
+  EXPECT_THAT(without.error, HasSubstr("report/report.js: is missing"));
   EXPECT_THAT(without.names(), IsEmpty());
 }
 

@@ -1,4 +1,4 @@
-/// A page on a real socket, and what a browser asks for.
+/// Serves a page on a real socket, and reads it as a browser does.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ inline std::unique_ptr<Page> page_of(std::vector<std::unique_ptr<Motion>> motion
   return page ? std::move(*page) : nullptr;
 }
 
-/// Numbers as they came.
+/// The body as an array of numbers.
 template <class T>
 std::vector<T> numbers_in(const std::string& body) {
   EXPECT_EQ(body.size() % sizeof(T), 0u);
@@ -40,7 +40,7 @@ std::vector<T> numbers_in(const std::string& body) {
   return values;
 }
 
-/// Serves until it is destroyed.
+/// Serves a page until it is destroyed.
 class Served {
  public:
   explicit Served(std::unique_ptr<Page> page) : page_(std::move(page)) {
@@ -49,7 +49,7 @@ class Served {
     server_ = std::make_unique<PageServer>(std::move(*server));
     client_ = std::make_unique<httplib::Client>("127.0.0.1", server_->port());
     client_->set_keep_alive(true);
-    client_->set_read_timeout(60);  // a busy machine is no failure
+    client_->set_read_timeout(60);  // for busy machines
     thread_ = std::thread([this] {
       const auto served = server_->serve(stop_);
       EXPECT_TRUE(served) << served.error().line();
@@ -67,8 +67,7 @@ class Served {
 
   httplib::Response get(const std::string& path, const httplib::Headers& headers = {}) {
     auto result = client_->Get(path, headers);
-    // The server may end a connection that idles in the very moment that it is used again; browsers, too, ask
-    // anew.
+    // The server may close an idle connection just when it is used again. Browsers retry, too.
     if (!result) result = client_->Get(path, headers);
     EXPECT_TRUE(result) << path;
     return result ? *result : httplib::Response{};
@@ -86,7 +85,7 @@ class Served {
     EXPECT_EQ(response.get_header_value("Content-Type"), "application/octet-stream");
     return numbers_in<T>(response.body);
   }
-  /// The list of all steps, once there are no more to come.
+  /// The answer for all steps, once the check has ended.
   Json all_steps() {
     for (int k = 0; k < 1000; ++k) {
       Json answer = json("/api/steps?from=0");
@@ -105,49 +104,52 @@ class Served {
   std::thread thread_;
 };
 
-/// A tube that bends until its ends run into each other.
-inline std::unique_ptr<Motion> meeting_tube(std::size_t frames = 8, double farthest = 7) {
+/// A tube that bends until its ends collide.
+inline std::unique_ptr<Motion> colliding_tube(std::size_t frames = 8, double max_angle = 7) {
   std::vector<double> angles;
   for (std::size_t k = 0; k < frames; ++k)
-    angles.push_back(0.5 + farthest * static_cast<double>(k) / static_cast<double>(frames));
+    angles.push_back(0.5 + max_angle * static_cast<double>(k) / static_cast<double>(frames));
   return bending_tube({24, 30}, angles, "tube");
 }
 
-/// A ball around x = `middle`, y = `lift`.
-inline std::vector<double> ball_at(double middle, double lift = 0, Index around = 16, Index rings = 12) {
+/// A unit sphere centered at (x, y, 0).
+inline std::vector<double> sphere_at(double center_x, double center_y = 0, Index around = 16,
+                                     Index rings = 12) {
   std::vector<double> x;
   for (Index ring = 0; ring <= rings; ++ring) {
     const double angle = std::numbers::pi * (ring + 0.01) / (rings + 0.02);  // no two vertices at a pole
     for (Index i = 0; i < around; ++i) {
       const double turn = 2 * std::numbers::pi * i / around;
-      x.insert(x.end(), {middle + std::sin(angle) * std::cos(turn), lift + std::cos(angle),
+      x.insert(x.end(), {center_x + std::sin(angle) * std::cos(turn), center_y + std::cos(angle),
                          std::sin(angle) * std::sin(turn)});
     }
   }
   return x;
 }
 
-/// Two balls that are half inside each other, `apart` 1, or not, and move together.
-inline std::vector<std::unique_ptr<Motion>> two_balls(std::size_t frames, double apart = 1) {
+/// Two spheres that move together. At a distance of 1 they overlap by half.
+inline std::vector<std::unique_ptr<Motion>> sphere_pair(std::size_t frames, double distance = 1) {
   std::vector<std::vector<double>> left, right;
   for (std::size_t k = 0; k < frames; ++k) {
-    left.push_back(ball_at(0.3 * static_cast<double>(k)));
-    right.push_back(ball_at(0.3 * static_cast<double>(k) + apart, 0.07));  // not mirrored: no two edges touch
+    left.push_back(sphere_at(0.3 * static_cast<double>(k)));
+    // Not a mirror image, so that no two edges touch.
+    right.push_back(sphere_at(0.3 * static_cast<double>(k) + distance, 0.07));
   }
   return list(memory_motion("left", tube(16, 12), std::move(left)),
               memory_motion("right", tube(16, 12), std::move(right)));
 }
 
-/// A motion that turns bad at a frame.
-class BadFrom final : public Motion {
+/// A motion that cannot be read from a frame on.
+class UnreadableFrom final : public Motion {
  public:
-  BadFrom(std::unique_ptr<Motion> motion, Index frame) : motion_(std::move(motion)), frame_(frame) {}
+  UnreadableFrom(std::unique_ptr<Motion> motion, Index frame) : motion_(std::move(motion)), frame_(frame) {}
   const std::string& name() const override { return motion_->name(); }
   const Topology& topology() const override { return motion_->topology(); }
   Index frame_count() const override { return motion_->frame_count(); }
   Result<void> read_frame(Index k, std::span<double> out) override {
     if (k < frame_) return motion_->read_frame(k, out);
-    return fail(name() + ", frame " + std::to_string(k), "is torn", "export it again");
+    return fail(ErrorCode::InvalidFile, name() + ", frame " + std::to_string(k), "is torn",
+                "export it again");
   }
 
  private:

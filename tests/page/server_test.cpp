@@ -1,4 +1,4 @@
-// Who is let in, and what there is to be had.
+// Access control, and the files and errors that are served.
 #include "page/served.h"
 
 namespace foldproof {
@@ -7,8 +7,8 @@ namespace {
 using namespace foldproof::testing;
 using ::testing::HasSubstr;
 
-TEST(PageServer, GivesThePageAndNothingElse) {
-  Served served(page_of(list(meeting_tube(3))));
+TEST(PageServer, ServesThePageAndNothingElse) {
+  Served served(page_of(list(colliding_tube(3))));
   const httplib::Response index = served.get("/");
   EXPECT_EQ(index.status, 200);
   EXPECT_EQ(index.body, kStubPage[0].bytes);
@@ -26,7 +26,7 @@ TEST(PageServer, GivesThePageAndNothingElse) {
 }
 
 TEST(PageServer, RefusesBadNumbersInOneLine) {
-  Served served(page_of(list(meeting_tube(3))));
+  Served served(page_of(list(colliding_tube(3))));
   served.all_steps();
   for (const char* path :
        {"/api/objects/-1/triangles", "/api/objects/x/frames/0", "/api/objects/0/frames/1.5",
@@ -47,7 +47,7 @@ TEST(PageServer, RefusesBadNumbersInOneLine) {
 }
 
 TEST(PageServer, IsForThisMachineOnly) {
-  Served served(page_of(list(meeting_tube(3))));
+  Served served(page_of(list(colliding_tube(3))));
   const std::string port = std::to_string(served.port());
   for (const std::string& host : {"127.0.0.1:" + port, "localhost:" + port, "[::1]:" + port})
     EXPECT_EQ(served.get("/api/scene", {{"Host", host}}).status, 200) << host;
@@ -66,8 +66,8 @@ TEST(PageServer, IsForThisMachineOnly) {
   EXPECT_FALSE(elsewhere.Get("/"));
 }
 
-TEST(PageServer, TellsTheBrowserToBeCareful) {
-  Served served(page_of(list(meeting_tube(3))));
+TEST(PageServer, SendsSecurityHeaders) {
+  Served served(page_of(list(colliding_tube(3))));
   for (const char* path : {"/", "/api/scene", "/api/objects/0/triangles", "/nothing"}) {
     const httplib::Response response = served.get(path);
     const std::string policy = response.get_header_value("Content-Security-Policy");
@@ -81,7 +81,7 @@ TEST(PageServer, TellsTheBrowserToBeCareful) {
 }
 
 TEST(PageServer, OnlyReads) {
-  Served served(page_of(list(meeting_tube(3))));
+  Served served(page_of(list(colliding_tube(3))));
   httplib::Client& client = served.client();
   EXPECT_EQ(client.Post("/api/scene", "x=1", "text/plain")->status, 405);
   EXPECT_EQ(client.Put("/api/scene", "x=1", "text/plain")->status, 405);
@@ -92,8 +92,8 @@ TEST(PageServer, OnlyReads) {
   EXPECT_EQ(head->body, "");
 }
 
-TEST(PageServer, TakesAFreePortAndSaysWhenAGivenOneIsTaken) {
-  const auto a = page_of(list(meeting_tube(3))), b = page_of(list(meeting_tube(3)));
+TEST(PageServer, TakesAFreePortAndReportsATakenOne) {
+  const auto a = page_of(list(colliding_tube(3))), b = page_of(list(colliding_tube(3)));
   const auto first = PageServer::open(*a, kStubPage), second = PageServer::open(*b, kStubPage);
   ASSERT_TRUE(first && second);
   EXPECT_GE(first->port(), kFirstPagePort);
@@ -105,22 +105,22 @@ TEST(PageServer, TakesAFreePortAndSaysWhenAGivenOneIsTaken) {
                 ": is taken, or not yours to take; give another, or none: a free one is found");
 }
 
-TEST(PageServer, EndsSoonWhileItChecksAndSomebodyListens) {
+TEST(PageServer, StopsDuringACheckWithAnOpenConnection) {
   // Some seconds of work, and a connection that idles.
   auto served =
       std::make_unique<Served>(page_of(list(bending_tube({64, 200}, std::vector<double>(400, 6.2)))));
   served->get("/api/scene");
   EXPECT_EQ(served->json("/api/steps")["state"], "running");
-  const auto begin = std::chrono::steady_clock::now();
+  const auto start = std::chrono::steady_clock::now();
   httplib::Client idle("127.0.0.1", served->port());
   idle.set_keep_alive(true);
   EXPECT_TRUE(idle.Get("/"));
   served.reset();
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(4));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(4));
 }
 
-TEST(PageServer, ServesManyAtATime) {
-  Served served(page_of(list(meeting_tube(8))));
+TEST(PageServer, ServesManyClientsAtATime) {
+  Served served(page_of(list(colliding_tube(8))));
   std::vector<std::thread> browsers;
   std::atomic<int> good = 0;
   for (int b = 0; b < 8; ++b) {

@@ -1,4 +1,4 @@
-// PNG files, read back by libpng.
+// PNG files, read back with libpng.
 #include <gmock/gmock.h>
 #include <png.h>
 
@@ -22,7 +22,7 @@ Image pattern(Index width, Index height) {
   return image;
 }
 
-TEST(Png, IsWhatWasWritten) {
+TEST(Png, RoundTrip) {
   const TemporaryDirectory directory;
   for (const auto& [width, height] : {std::pair{37u, 11u}, {1u, 1u}, {300u, 2u}}) {
     const Image image = pattern(width, height);
@@ -36,7 +36,7 @@ TEST(Png, IsWhatWasWritten) {
     EXPECT_EQ(read.width, width);
     EXPECT_EQ(read.height, height);
     read.format = PNG_FORMAT_RGB;
-    std::vector<Colour> pixels(std::size_t{width} * height);
+    std::vector<Color> pixels(std::size_t{width} * height);
     ASSERT_TRUE(png_image_finish_read(&read, nullptr, pixels.data(), 0, nullptr));
     EXPECT_EQ(pixels, image.pixels);
     ASSERT_TRUE(write_png(directory / "b.png", image));
@@ -47,7 +47,7 @@ TEST(Png, IsWhatWasWritten) {
 TEST(Png, ErrorsLeaveNoFile) {
   const TemporaryDirectory directory;
   EXPECT_THAT(write_png(directory / "a.png", Image{}).error().line(), HasSubstr("without pixels"));
-  EXPECT_THAT(write_png(directory / "a.png", Image{2, 2, {Colour{}}}).error().line(),
+  EXPECT_THAT(write_png(directory / "a.png", Image{2, 2, {Color{}}}).error().line(),
               HasSubstr("without pixels"));
   EXPECT_THAT(write_png(directory / "none/a.png", pattern(2, 2)).error().line(),
               HasSubstr("cannot be written"));

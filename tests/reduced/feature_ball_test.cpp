@@ -1,5 +1,4 @@
-// Balls below leaves: leaves that bend too far for a chart, folds, fans and needles, against every pair of
-// their features.
+// Balls of leaves from their features: leaves that bend too far for a chart, folds, fans and needles.
 #include <gtest/gtest.h>
 
 #include "reduced/features.h"
@@ -7,7 +6,7 @@
 namespace foldproof::testing {
 namespace {
 
-// A mesh whose mean is `rest` and whose modes bend, stretch and shake it, each by about `amount` of its size.
+// A mesh whose mean is `rest`. Its modes bend, stretch and shake it, each by about `amount` of its size.
 ReducedMesh shaken(Topology topology, std::vector<double> rest, double amount) {
   std::mt19937 random(17);
   std::normal_distribution<double> normal(0, 1);
@@ -76,85 +75,83 @@ class FeatureBalls : public ::testing::TestWithParam<const char*> {
     const std::string name = GetParam();
     return name == "roll" ? roll() : name == "bellows" ? bellows() : fan(name == "needles");
   }
-  // Every leaf with itself and every two, some leaves so large that all of the mesh is one.
+  // Every leaf with itself and every two, for several sizes of leaves; the largest holds the whole mesh.
   template <class Visit>
   void each_pair(Visit visit) const {
     for (const Index leaf_triangles : {4, 12, 64}) {
       const auto motion = mesh().motion(leaf_triangles);
-      Maker maker(motion);
+      BallSetup setup(motion);
       std::vector<Index> leaves;
       for (Index n = 0; n < motion->hierarchy()->nodes().size(); ++n) {
         if (motion->hierarchy()->nodes()[n].is_leaf()) leaves.push_back(n);
       }
       for (std::size_t i = 0; i < leaves.size(); ++i) {
-        for (std::size_t j = i; j < leaves.size(); ++j) visit(maker, NodePairIds{leaves[i], leaves[j]});
+        for (std::size_t j = i; j < leaves.size(); ++j) visit(setup, NodePairIds{leaves[i], leaves[j]});
       }
     }
   }
 };
 
 TEST_P(FeatureBalls, ProveEveryPairOfLeavesThatDoesNotTouch) {
-  each_pair([](Maker& maker, NodePairIds pair) {
-    EXPECT_GT(maker.balls.feature_radius(pair, 0, 0, 1e6), 0.01) << pair[0] << " " << pair[1];
+  each_pair([](BallSetup& setup, NodePairIds pair) {
+    EXPECT_GT(setup.balls.feature_radius(pair, 0, 0, 1e6), 0.01) << pair[0] << " " << pair[1];
   });
 }
 
 TEST_P(FeatureBalls, StepsInsideAreFree) {
   std::mt19937 random(41);
-  each_pair([&](Maker& maker, NodePairIds pair) {
-    const double radius = maker.balls.feature_radius(pair, 0, 0, 1e6);
-    const Features features(*maker.motion, pair);
+  each_pair([&](BallSetup& setup, NodePairIds pair) {
+    const double radius = setup.balls.feature_radius(pair, 0, 0, 1e6);
+    const Features features(*setup.motion, pair);
     for (int k = 0; k < 6; ++k) {
-      const auto p0 = scaled(random_direction(*maker.motion, random), radius);
-      const auto p1 = scaled(random_direction(*maker.motion, random), radius);
+      const auto p0 = scaled(random_direction(*setup.motion, random), radius);
+      const auto p1 = scaled(random_direction(*setup.motion, random), radius);
       ASSERT_FALSE(features.touch(p0, p1)) << pair[0] << " " << pair[1] << " radius " << radius;
-      ASSERT_GT(features.distance(p0), maker.input.gap);
+      ASSERT_GT(features.distance(p0), setup.input.gap);
     }
   });
 }
 
-// The search finds contact not far beyond the ball, so it would find it inside as well.
-TEST_P(FeatureBalls, SearchBreaksNoneButFindsEachPlantedMistake) {
+TEST_P(FeatureBalls, SearchFindsContactOnlyWhereBallsAreTooLarge) {
   std::mt19937 random(42);
-  int tried = 0, broken_when_wrong = 0;
-  each_pair([&](Maker& maker, NodePairIds pair) {
-    const double radius = maker.balls.feature_radius(pair, 0, 0, 1e6);
+  int tried = 0, found_when_wrong = 0;
+  each_pair([&](BallSetup& setup, NodePairIds pair) {
+    const double radius = setup.balls.feature_radius(pair, 0, 0, 1e6);
     if (radius > 20 || tried > 30) return;
     ++tried;
-    EXPECT_FALSE(search_breaks(*maker.motion, pair, radius, 60, random)) << pair[0] << " " << pair[1];
-    broken_when_wrong += search_breaks(*maker.motion, pair, 5 * radius, 60, random);
+    EXPECT_FALSE(search_finds_contact(*setup.motion, pair, radius, 60, random)) << pair[0] << " " << pair[1];
+    found_when_wrong += search_finds_contact(*setup.motion, pair, 5 * radius, 60, random);
   });
   EXPECT_GT(tried, 3);
-  EXPECT_GE(broken_when_wrong, tried / 2);
+  EXPECT_GE(found_when_wrong, tried / 2);
 }
 
-// No pair of features is forgotten: each alone reaches as far as the leaves do, and one no farther.
+// No pair of features is forgotten: the leaves' radius is the smallest of those of their pairs of features.
 TEST_P(FeatureBalls, AreTheSmallestOverAllPairsOfFeatures) {
-  each_pair([](Maker& maker, NodePairIds pair) {
-    const CentrePose& pose = maker.poses[0];
-    double least = 1e6;
+  each_pair([](BallSetup& setup, NodePairIds pair) {
+    const CenterPose& pose = setup.poses[0];
+    double smallest = 1e6;
     PlaneBall plane;
-    Features(*maker.motion, pair).any([&](const std::array<Index, 4>& v, bool edges) {
+    Features(*setup.motion, pair).any([&](const std::array<Index, 4>& v, bool edges) {
       FourPoints x;
       for (std::size_t k = 0; k < 4; ++k) x[k] = pose.at(v[k]);
-      const Vec3 apart = (edges ? edge_edge_closest : vertex_face_closest)(x).difference;
+      const Vec3 direction = (edges ? edge_edge_closest : vertex_face_closest)(x).difference;
       const std::size_t first = edges ? 2 : 1;
-      const TwoSets sets{std::span(v).first(first), std::span(v).subspan(first), apart};
-      least = std::min(least, plane.radius(*maker.motion, pose, sets, maker.input.gap, 1e6));
+      const TwoSets sets{std::span(v).first(first), std::span(v).subspan(first), direction};
+      smallest = std::min(smallest, plane.radius(*setup.motion, pose, sets, setup.input.gap, 1e6));
       return false;
     });
-    const double radius = maker.balls.feature_radius(pair, 0, 0, 1e6);
-    EXPECT_GE(radius, least * (1 - 1e-9));
-    EXPECT_LE(radius, least * 1.5 + 1e-9);  // boxes may do better than a plane, rarely and not by much
+    const double radius = setup.balls.feature_radius(pair, 0, 0, 1e6);
+    EXPECT_GE(radius, smallest * (1 - 1e-9));
+    EXPECT_LE(radius, smallest * 1.5 + 1e-9);  // boxes may beat a plane, rarely and not by much
   });
 }
 
-// A search that knows of a ball already may stop there, and one that needs no more as well.
-TEST_P(FeatureBalls, StopWhereNoMoreIsAskedFor) {
-  each_pair([](Maker& maker, NodePairIds pair) {
-    const double radius = maker.balls.feature_radius(pair, 0, 0, 1e6);
-    EXPECT_EQ(maker.balls.feature_radius(pair, 0, 0, radius / 2), radius / 2);
-    EXPECT_LE(maker.balls.feature_radius(pair, 0, 2 * radius, 1e6), 2 * radius);
+TEST_P(FeatureBalls, StopAtTheKnownAndAtTheLargestRadius) {
+  each_pair([](BallSetup& setup, NodePairIds pair) {
+    const double radius = setup.balls.feature_radius(pair, 0, 0, 1e6);
+    EXPECT_EQ(setup.balls.feature_radius(pair, 0, 0, radius / 2), radius / 2);
+    EXPECT_LE(setup.balls.feature_radius(pair, 0, 2 * radius, 1e6), 2 * radius);
   });
 }
 

@@ -1,4 +1,4 @@
-/// Pairs of nodes feature by feature, and a search that tries to break a ball.
+/// Pairs of nodes feature by feature, and a search for contact within a ball.
 #pragma once
 
 #include "foldproof/ccd.h"
@@ -7,19 +7,19 @@
 
 namespace foldproof::testing {
 
-// Everything that makes balls around the mean of one model.
-struct Maker {
-  explicit Maker(const ReducedMesh& mesh, double gap = 1e-7) : Maker(mesh.motion(), gap) {}
-  explicit Maker(std::shared_ptr<const ReducedMotion> m, double gap = 1e-7)
+// All that balls around the mean of one model are computed from.
+struct BallSetup {
+  explicit BallSetup(const ReducedMesh& mesh, double gap = 1e-7) : BallSetup(mesh.motion(), gap) {}
+  explicit BallSetup(std::shared_ptr<const ReducedMotion> m, double gap = 1e-7)
       : motion(std::move(m)),
         slots(motion->hierarchy()),
-        nodes(*motion, poses = {CentrePose(*motion, std::vector<double>(motion->modes(), 0.0))}),
+        nodes(*motion, poses = {CenterPose(*motion, std::vector<double>(motion->modes(), 0.0))}),
         input{*motion, nodes, slots, poses, gap, 120'000},
         balls(input) {}
 
   std::shared_ptr<const ReducedMotion> motion;
   PatchSlots slots;
-  std::vector<CentrePose> poses;
+  std::vector<CenterPose> poses;
   NodeMotions nodes;
   BallInput input;
   PairBalls balls;
@@ -31,8 +31,7 @@ class Features {
   Features(const ReducedMotion& motion, NodePairIds pair)
       : motion_(motion), h_(*motion.hierarchy()), pair_(pair) {}
 
-  // Visits every vertex-face and edge-edge pair without a common vertex until the visitor says that it is
-  // enough.
+  // Visits vertex-face and edge-edge pairs without a common vertex until the visitor returns true.
   template <class Visit>
   bool any(Visit visit) const {
     for (const auto& [a, b] : {std::pair(pair_[0], pair_[1]), std::pair(pair_[1], pair_[0])}) {
@@ -68,20 +67,20 @@ class Features {
   }
 
   double distance(std::span<const double> p) const {
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     any([&](const std::array<Index, 4>& v, bool edges) {
       FourPoints x;
       for (int k = 0; k < 4; ++k) x[k] = at(v[k], p);
-      least = std::min(least, (edges ? edge_edge_closest : vertex_face_closest)(x).distance);
+      smallest = std::min(smallest, (edges ? edge_edge_closest : vertex_face_closest)(x).distance);
       return false;
     });
-    return least;
+    return smallest;
   }
 
  private:
-  Vec3 at(Index place, std::span<const double> p) const {
+  Vec3 at(Index v, std::span<const double> p) const {
     double x[3];
-    motion_.vertex(place, p, x);
+    motion_.vertex(v, p, x);
     return {x[0], x[1], x[2]};
   }
   const ReducedMotion& motion_;
@@ -89,36 +88,36 @@ class Features {
   NodePairIds pair_;
 };
 
-inline std::vector<double> scaled(std::vector<double> q, double by) {
-  for (double& c : q) c *= by;
+inline std::vector<double> scaled(std::vector<double> q, double factor) {
+  for (double& c : q) c *= factor;
   return q;
 }
 
-// Climbs along the surface of the ball towards contact; true when the way from the centre there touches.
-inline bool search_breaks(const ReducedMotion& motion, NodePairIds pair, double radius, int rounds,
-                          std::mt19937& random) {
+// Moves on the surface of the ball towards contact. True when a step from the center to the surface touches.
+inline bool search_finds_contact(const ReducedMotion& motion, NodePairIds pair, double radius, int rounds,
+                                 std::mt19937& random) {
   const Features features(motion, pair);
-  const std::vector<double> centre(motion.modes(), 0.0);
+  const std::vector<double> center(motion.modes(), 0.0);
   auto best = random_direction(motion, random);
   double nearest = features.distance(scaled(best, radius));
-  double stride = 1;
+  double step_size = 1;
   for (int round = 0; round < rounds; ++round) {
     const auto step = random_direction(motion, random);
     std::vector<double> next(best.size());
     double square = 0;
     for (std::size_t k = 0; k < next.size(); ++k) {
-      next[k] = best[k] + stride * step[k];
+      next[k] = best[k] + step_size * step[k];
       square += std::pow(next[k] / motion.deviations()[k], 2);
     }
     next = scaled(next, 1 / std::sqrt(square));
-    if (features.touch(centre, scaled(next, radius))) return true;
+    if (features.touch(center, scaled(next, radius))) return true;
     const double distance = features.distance(scaled(next, radius));
     if (distance < nearest) {
       nearest = distance;
       best = next;
-      stride = std::min(1.0, stride * 1.5);
+      step_size = std::min(1.0, step_size * 1.5);
     } else {
-      stride = std::max(0.02, stride * 0.9);
+      step_size = std::max(0.02, step_size * 0.9);
     }
   }
   return false;

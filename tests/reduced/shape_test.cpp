@@ -1,4 +1,4 @@
-// Whole shapes: Eq. 8 at the root and below, several centres, what is left out, and what is refused.
+// Whole shapes: Eq. 8 at the root and below, several centers, uncertified pairs, and errors.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -20,7 +20,7 @@ std::vector<double> at_distance(const ReducedMotion& motion, double distance, st
   return p;
 }
 
-// Every pair of features of the rebuilt meshes.
+// Tests every pair of features of the reconstructed meshes.
 bool touches(const ReducedMesh& mesh, const ReducedMotion& motion, std::span<const double> p0,
              std::span<const double> p1) {
   oracle::Scene scene;
@@ -37,49 +37,49 @@ TEST(ReducedShape, NothingTouchesWithinTheRadius) {
     const auto motion = mesh.motion(4);
     const auto shape = ReducedShape::build(motion, {{zeros(*motion)}}).value();
     ASSERT_GT(shape.radius(0), 0.3);
-    ASSERT_TRUE(shape.always_open().empty());
+    ASSERT_TRUE(shape.never_certified().empty());
     std::mt19937 random(31);
     ReducedShape::Scratch scratch;
     for (int round = 0; round < 4; ++round) {
       const auto p0 = at_distance(*motion, 0.9999 * shape.radius(0), random);
       const auto p1 = at_distance(*motion, 0.9999 * shape.radius(0), random);
       EXPECT_EQ(shape.proven_free(p0, p1, scratch), ReducedProof::Free);
-      EXPECT_EQ(scratch.visits, 1u) << "inside the root's ball one look is enough";
+      EXPECT_EQ(scratch.visited, 1u) << "inside the root's ball one pair is enough";
       EXPECT_FALSE(touches(mesh, *motion, p0, p1));
     }
   }
 }
 
-// Far beyond the radius some steps are still proven, pair by pair, and those are free.
+// Beyond the radius some steps are still proven, pair by pair, and those are free.
 TEST(ReducedShape, ProvenStepsBeyondTheRadiusAreFree) {
   const ReducedMesh mesh = waving_cloth(12);
   const auto motion = mesh.motion();
   std::mt19937 random(32);
-  std::vector<ReducedCentre> centres{{zeros(*motion)}};
-  for (int k = 0; k < 3; ++k) centres.push_back({at_distance(*motion, 2, random)});
-  const auto shape = ReducedShape::build(motion, centres).value();
+  std::vector<ReducedCenter> centers{{zeros(*motion)}};
+  for (int k = 0; k < 3; ++k) centers.push_back({at_distance(*motion, 2, random)});
+  const auto shape = ReducedShape::build(motion, centers).value();
   ReducedShape::Scratch scratch;
-  int proven = 0, open = 0;
+  int proven = 0, unproven = 0;
   for (int round = 0; round < 40; ++round) {
     auto p0 = at_distance(*motion, 1.5 * shape.radius(0), random), p1 = p0;
     for (double& c : p1) c *= 0.98;
     const ReducedProof answer = shape.proven_free(p0, p1, scratch);
-    EXPECT_EQ(answer, shape.find_open(p0, p1, scratch));
-    EXPECT_EQ(answer == ReducedProof::Open, !scratch.open.empty());
-    (answer == ReducedProof::Free ? proven : open) += 1;
+    EXPECT_EQ(answer, shape.find_unproven(p0, p1, scratch));
+    EXPECT_EQ(answer == ReducedProof::Unproven, !scratch.unproven.empty());
+    (answer == ReducedProof::Free ? proven : unproven) += 1;
     if (answer == ReducedProof::Free && proven <= 6) {
       EXPECT_FALSE(touches(mesh, *motion, p0, p1));
     }
   }
   EXPECT_GT(proven, 0);
-  EXPECT_GT(open, 0);
+  EXPECT_GT(unproven, 0);
 }
 
-// A cloth whose mean lies folded through itself: the pairs that touch there are named, and the rest has a
+// A cloth whose mean passes through itself: the pairs that touch there are uncertified, all others have a
 // radius.
-TEST(ReducedShape, NamesWhatTouchesAtTheCentre) {
+TEST(ReducedShape, ListsThePairsThatTouchAtTheCenter) {
   ReducedMesh mesh = waving_cloth(12);
-  // One corner's vertex is pulled below the middle of the sheet, its neighbour stands above.
+  // One corner's vertex is pulled below the middle of the sheet, its neighbour above.
   const Index row = 13;
   mesh.subspace.mean[3 + 2] += 0.1;
   for (int axis = 0; axis < 3; ++axis)
@@ -87,7 +87,7 @@ TEST(ReducedShape, NamesWhatTouchesAtTheCentre) {
   const auto motion = mesh.motion();
   const auto shape = ReducedShape::build(motion, {{zeros(*motion)}}).value();
   EXPECT_GT(shape.radius(0), 0);
-  ASSERT_FALSE(shape.left_out(0).empty());
+  ASSERT_FALSE(shape.uncertified(0).empty());
   std::vector<double> x(mesh.rest.size());
   motion->positions(zeros(*motion), x);
   StepChecker checker({motion->hierarchy()});
@@ -101,20 +101,20 @@ TEST(ReducedShape, NamesWhatTouchesAtTheCentre) {
     for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t)
       leaf_of[h.triangle_ids()[t]] = leaf;
   }
-  std::set<std::array<Index, 2>> crossing, named;
+  std::set<std::array<Index, 2>> crossing, listed;
   for (const auto& c : crossings.crossings)
     crossing.insert({std::min(leaf_of[c.triangle_a], leaf_of[c.triangle_b]),
                      std::max(leaf_of[c.triangle_a], leaf_of[c.triangle_b])});
-  for (const LeftOut& out : shape.left_out(0)) {
-    if (out.touches) named.insert({out.leaf_a, out.leaf_b});
+  for (const UncertifiedPair& pair : shape.uncertified(0)) {
+    if (pair.touches) listed.insert({pair.leaf_a, pair.leaf_b});
   }
-  EXPECT_EQ(crossing, named);
+  EXPECT_EQ(crossing, listed);
   ReducedShape::Scratch scratch;
-  EXPECT_EQ(shape.proven_free(zeros(*motion), zeros(*motion), scratch), ReducedProof::FreeButLeft);
+  EXPECT_EQ(shape.proven_free(zeros(*motion), zeros(*motion), scratch), ReducedProof::FreeExceptUncertified);
 }
 
-// What reaches less far can be left out and is named; the rest then keeps apart as far as it says.
-TEST(ReducedShape, LeavesOutWhatReachesLessFar) {
+// Pairs with small balls may count as uncertified. All others are then separated within the larger radius.
+TEST(ReducedShape, CertifiesALargerRadiusWithoutPairsOfSmallBalls) {
   ReducedMesh mesh = waving_cloth(12);
   // One corner's vertex hangs just above the middle of the sheet.
   const Index row = 13, middle = 6 * row + 6;
@@ -124,15 +124,15 @@ TEST(ReducedShape, LeavesOutWhatReachesLessFar) {
   const auto shape = ReducedShape::build(motion, {{zeros(*motion)}}).value();
   const auto all = shape.certified(0, 0);
   EXPECT_EQ(all.radius, shape.radius(0));
-  EXPECT_EQ(all.left_out.size(), shape.left_out(0).size());
+  EXPECT_EQ(all.uncertified.size(), shape.uncertified(0).size());
   const double at_least = 1.5 * all.radius;
-  const auto most = shape.certified(0, at_least);
-  EXPECT_GE(most.radius, at_least);
-  ASSERT_GT(most.left_out.size(), all.left_out.size());
-  std::set<std::array<Index, 2>> left;
-  for (const LeftOut& l : most.left_out) {
-    left.insert({l.leaf_a, l.leaf_b});
-    EXPECT_LT(l.radius, at_least);
+  const auto larger = shape.certified(0, at_least);
+  EXPECT_GE(larger.radius, at_least);
+  ASSERT_GT(larger.uncertified.size(), all.uncertified.size());
+  std::set<std::array<Index, 2>> uncertified;
+  for (const UncertifiedPair& pair : larger.uncertified) {
+    uncertified.insert({pair.leaf_a, pair.leaf_b});
+    EXPECT_LT(pair.radius, at_least);
   }
   const Hierarchy& h = *motion->hierarchy();
   std::vector<Index> leaf_node(h.leaf_count());
@@ -141,11 +141,11 @@ TEST(ReducedShape, LeavesOutWhatReachesLessFar) {
   }
   std::mt19937 random(35);
   for (int round = 0; round < 3; ++round) {
-    const auto p0 = at_distance(*motion, 0.999 * most.radius, random);
-    const auto p1 = at_distance(*motion, 0.999 * most.radius, random);
+    const auto p0 = at_distance(*motion, 0.999 * larger.radius, random);
+    const auto p1 = at_distance(*motion, 0.999 * larger.radius, random);
     for (Index a = 0; a < h.leaf_count(); ++a) {
       for (Index b = a; b < h.leaf_count(); ++b) {
-        if (left.contains({a, b})) continue;
+        if (uncertified.contains({a, b})) continue;
         ASSERT_FALSE(Features(*motion, {leaf_node[a], leaf_node[b]}).touch(p0, p1)) << a << " " << b;
       }
     }
@@ -176,7 +176,7 @@ TEST(ReducedShape, WorksWithOneMode) {
   EXPECT_GE(shape.distance(0, p0), 0.9 * shape.radius(0));
 }
 
-TEST(ReducedShape, ProvesNothingFromWhatIsNoCoordinate) {
+TEST(ReducedShape, ProvesNothingFromInvalidCoordinates) {
   const auto motion = waving_cloth(6).motion();
   const auto shape = ReducedShape::build(motion, {{zeros(*motion)}}).value();
   ReducedShape::Scratch scratch;
@@ -184,14 +184,14 @@ TEST(ReducedShape, ProvesNothingFromWhatIsNoCoordinate) {
   auto bad = good;
   for (const double number : {std::nan(""), double{INFINITY}, 1e308}) {
     bad[1] = number;
-    EXPECT_EQ(shape.proven_free(good, bad, scratch), ReducedProof::Open);
-    EXPECT_EQ(shape.proven_free(bad, good, scratch), ReducedProof::Open);
+    EXPECT_EQ(shape.proven_free(good, bad, scratch), ReducedProof::Unproven);
+    EXPECT_EQ(shape.proven_free(bad, good, scratch), ReducedProof::Unproven);
   }
-  EXPECT_EQ(shape.proven_free(good, std::span(good).first(1), scratch), ReducedProof::Open);
-  EXPECT_EQ(shape.proven_free({}, {}, scratch), ReducedProof::Open);
+  EXPECT_EQ(shape.proven_free(good, std::span(good).first(1), scratch), ReducedProof::Unproven);
+  EXPECT_EQ(shape.proven_free({}, {}, scratch), ReducedProof::Unproven);
 }
 
-TEST(ReducedShape, RefusesWhatItCannotBuild) {
+TEST(ReducedShape, RefusesInvalidInput) {
   const ReducedMesh mesh = waving_cloth(6);
   const auto motion = mesh.motion();
   EXPECT_FALSE(ReducedShape::build(motion, {}));
@@ -215,8 +215,8 @@ TEST(ReducedShape, RefusesWhatItCannotBuild) {
   EXPECT_TRUE(refused([](Pca& s) { s.basis(3, 0) = 1e39; }));
 }
 
-// Tabled values of the chi-square distribution: 1 to 3 standard deviations of one number, and the median and
-// the 95th percentile of more.
+// Tabulated values of the chi-square distribution: 1 to 3 standard deviations of one number, and the median
+// and the 95th percentile of more.
 TEST(NormalShare, IsTheChiSquareDistribution) {
   EXPECT_NEAR(normal_share(1, 1), 0.682689, 1e-6);
   EXPECT_NEAR(normal_share(3, 1), 0.997300, 1e-6);
@@ -234,14 +234,14 @@ TEST(ReducedMotion, IsMeanPlusBasisTimesCoordinates) {
   const auto p = at_distance(*motion, 3, random);
   std::vector<double> x(mesh.rest.size());
   motion->positions(p, x);
-  const Eigen::VectorXd expected =
-      mesh.subspace.rebuild(Eigen::Map<const Eigen::VectorXd>(p.data(), static_cast<Eigen::Index>(p.size())));
+  const Eigen::VectorXd expected = mesh.subspace.reconstruct(
+      Eigen::Map<const Eigen::VectorXd>(p.data(), static_cast<Eigen::Index>(p.size())));
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(x[i], expected[static_cast<Eigen::Index>(i)], 1e-12);
-  for (Index place = 0; place < motion->hierarchy()->vertex_ids().size(); ++place) {
+  for (Index v = 0; v < motion->hierarchy()->vertex_ids().size(); ++v) {
     double alone[3];
-    motion->vertex(place, p, alone);
+    motion->vertex(v, p, alone);
     for (int axis = 0; axis < 3; ++axis)
-      EXPECT_EQ(alone[axis], x[3 * motion->hierarchy()->vertex_ids()[place] + axis]);
+      EXPECT_EQ(alone[axis], x[3 * motion->hierarchy()->vertex_ids()[v] + axis]);
   }
 }
 

@@ -1,4 +1,4 @@
-/// Generated meshes with a subspace, for the tests of reduced motion.
+/// Generated meshes with a subspace, for tests of reduced motion.
 #pragma once
 
 #include <cmath>
@@ -38,8 +38,8 @@ inline Topology grid(Index cells_u, Index cells_v, bool wrap) {
   return *Topology::make(columns * (cells_v + 1), std::move(triangles));
 }
 
-/// A tube of radius 1 and length 10 that bends in two directions, twists and bulges. Poses are drawn at
-/// random; their principal components are the model.
+/// A tube of radius 1 and length 10 that bends in two directions, twists and bulges. Its subspace has the
+/// principal components of random poses.
 inline ReducedMesh bending_tube(Index around, Index along, double bend, Index modes = 6) {
   ReducedMesh mesh{grid(around, along, true), {}, {}};
   std::mt19937 random(5);
@@ -51,7 +51,7 @@ inline ReducedMesh bending_tube(Index around, Index along, double bend, Index mo
       for (Index i = 0; i < around; ++i) {
         const double s = 10.0 * j / along - 5, phi = 2 * std::numbers::pi * i / around + twist * s / 5;
         const double r = 1 + bulge * std::exp(-s * s);
-        // Bent in the plane of `angle`, about the middle, with a soft joint.
+        // Bent about the middle in the plane of `angle`, with a soft joint.
         const double u = r * std::cos(phi - angle), w = r * std::sin(phi - angle);
         const double turn = bent * std::tanh(s / 2) / 2;
         const double along_x = s - u * std::sin(turn),
@@ -73,7 +73,7 @@ inline ReducedMesh bending_tube(Index around, Index along, double bend, Index mo
   return mesh;
 }
 
-/// A square cloth of side 1 that waves and rolls up.
+/// A square cloth of side 1 that waves and rolls up, with such a subspace.
 inline ReducedMesh waving_cloth(Index side, Index modes = 6) {
   ReducedMesh mesh{grid(side, side, false), {}, {}};
   std::mt19937 random(9);

@@ -1,4 +1,4 @@
-// The files that say what certificates did.
+// Explain reports: npz, csv and ply.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -34,7 +34,7 @@ std::unique_ptr<Motion> ripple(Index side, double height) {
   return memory_motion("ripple", sheet.topology, std::move(frames));
 }
 
-/// A check with --explain and what it left.
+/// A check with an explain report, and its output.
 struct Checked {
   Checked(Motions motions, const std::string& name, CheckSettings settings = {}) : path(directory / name) {
     settings.step.explain = true;
@@ -52,7 +52,7 @@ struct Checked {
   CheckTotals totals;
 };
 
-/// The rows of a file without its head, cut at commas.
+/// The rows of a file without its head, split at commas.
 std::vector<std::vector<std::string>> rows(const std::string& path, const std::string& head) {
   std::istringstream file(read_file(path));
   std::string line;
@@ -86,7 +86,7 @@ TEST(ExplainReport, CsvCountsEveryTriangleAndLeafPair) {
     }
   }
   ASSERT_THAT(triangles, SizeIs(2 * (kFrames - 1)));
-  for (const auto& [place, count] : triangles) EXPECT_EQ(count, place.second == "0" ? 512u : 800u);
+  for (const auto& [key, count] : triangles) EXPECT_EQ(count, key.second == "0" ? 512u : 800u);
   std::uint64_t tested = 0;
   for (std::size_t i = 0; i < kReasonNames.size(); ++i) {
     EXPECT_EQ(pairs[kReasonNames[i]], checked.totals.leaf_pairs[i]) << kReasonNames[i];
@@ -96,7 +96,7 @@ TEST(ExplainReport, CsvCountsEveryTriangleAndLeafPair) {
   EXPECT_GT(pairs["certified"], tested);
 }
 
-/// The data of an array that stands in the archive as it is.
+/// The data of an array that is stored uncompressed.
 std::string array_of(const std::string& archive, const std::string& name) {
   const std::size_t named = archive.find(name + ".npy");
   if (named == archive.npos) return {};
@@ -121,7 +121,7 @@ TEST(ExplainReport, NpzHoldsEveryTriangleAndStep) {
   const std::string frames = array_of(archive, "frame"), substeps = array_of(archive, "substep");
   ASSERT_THAT(frames, SizeIs(4 * steps));
   ASSERT_THAT(substeps, SizeIs(4 * steps));
-  std::map<std::string, int> counted, told;
+  std::map<std::string, int> counted, reported;
   std::size_t with_margin = 0;
   for (const std::string object : {"0", "1"}) {
     const std::string level = array_of(archive, "level_" + object),
@@ -144,16 +144,16 @@ TEST(ExplainReport, NpzHoldsEveryTriangleAndStep) {
   }
   for (const auto& row : rows(counts.path, "frame,substep,kind,object,reason,level,count")) {
     if (row[2] != "triangles") continue;
-    told[fmt::format("{} {} {} {} {}", row[0], row[1], row[3], row[4], row[5])] = std::stoi(row[6]);
+    reported[fmt::format("{} {} {} {} {}", row[0], row[1], row[3], row[4], row[5])] = std::stoi(row[6]);
   }
-  EXPECT_EQ(counted, told);
+  EXPECT_EQ(counted, reported);
   EXPECT_GT(with_margin, 0u);
   // With one object the arrays have plain names.
   const Checked single(list(ripple(8, 0)), "a.npz");
   EXPECT_THAT(array_of(read_file(single.path), "level"), SizeIs(128 * (kFrames - 1)));
 }
 
-/// The five properties per face of a PLY, which stand at its end in records of 18 bytes.
+/// The five properties per face of a PLY, which ends with records of 18 bytes.
 std::vector<std::string> face_values(const std::string& path, std::size_t faces) {
   const std::string bytes = read_file(path);
   EXPECT_THAT(bytes, HasSubstr("property char level\nproperty uchar reason\nproperty uchar red\n"
@@ -164,7 +164,7 @@ std::vector<std::string> face_values(const std::string& path, std::size_t faces)
   return values;
 }
 
-TEST(ExplainReport, PlyShowsAStepInColour) {
+TEST(ExplainReport, PlyShowsAStepInColor) {
   CheckSettings settings;
   settings.frames = *parse_frame_range("0:2");
   const Checked checked(list(ripple(4, 0), ripple(6, 1)), "a.ply", settings);
@@ -183,7 +183,7 @@ TEST(ExplainReport, PlyShowsTheWorstStep) {
   std::map<std::string, std::map<std::string, int>> triangles;  // by frame and reason
   for (const auto& row : rows(counts.path, "frame,substep,kind,object,reason,level,count")) {
     if (row[2] == "triangles") triangles[row[0]][row[4]] += std::stoi(row[6]);
-    if (row[2] == "leaf_pairs" && row[4] != "certified" && row[4] != "not_drawn")
+    if (row[2] == "leaf_pairs" && row[4] != "certified" && row[4] != "not_built")
       tested[row[0]] += std::stoi(row[6]);
   }
   const auto worst = std::max_element(tested.begin(), tested.end(),
@@ -210,7 +210,7 @@ TEST(ExplainReport, PosesAreExplainedAsWell) {
 TEST(ExplainReport, RefusesWhatItCannotWrite) {
   const auto motions = list(needle(kSinking));
   CheckSettings settings;
-  EXPECT_FALSE(explain_report("a.csv", motions, settings)) << "nobody explains the steps";
+  EXPECT_FALSE(explain_report("a.csv", motions, settings)) << "the steps have no explanation";
   settings.step.explain = true;
   for (const char* path : {"a.txt", "a", "npz", "a.npz/b", "no/where.npz", "no/where.csv", "no/where.ply"}) {
     const auto writer = explain_report(path, motions, settings);

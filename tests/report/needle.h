@@ -1,4 +1,4 @@
-/// A motion whose every collision is known: a triangle, tip down, sinks through a large floor triangle.
+/// A motion with known collisions: a triangle, tip down, sinks through a large floor triangle.
 #pragma once
 
 #include <gtest/gtest.h>

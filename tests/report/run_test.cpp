@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 /// Remembers what it was told.
 struct Recorder : ReportWriter {
   struct Seen {
-    StepPlace place;
+    StepIndex index;
     CollisionCounts collisions;
     double earliest_toi;
     std::vector<std::vector<double>> x0, x1;
@@ -28,12 +28,12 @@ struct Recorder : ReportWriter {
     EXPECT_EQ(s.step, nullptr);
     EXPECT_EQ(s.explanation, nullptr);
     EXPECT_EQ(s.collisions.sum(), s.pose->crossings.size());
-    EXPECT_EQ(s.place.frame, s.place.next_frame);
+    EXPECT_EQ(s.index.frame, s.index.next_frame);
     log.starts.push_back(s.pose->crossings);
     return {};
   }
   Result<void> step(const CheckedStep& s) override {
-    Seen seen{s.place, s.collisions, s.earliest_toi, {}, {}};
+    Seen seen{s.index, s.collisions, s.earliest_toi, {}, {}};
     for (std::size_t object = 0; object < s.x0.size(); ++object) {
       seen.x0.emplace_back(s.x0[object].begin(), s.x0[object].end());
       seen.x1.emplace_back(s.x1[object].begin(), s.x1[object].end());
@@ -74,9 +74,9 @@ TEST(RunCheck, FindsEachVertexThatPassesTheFloorAndWhen) {
   const std::uint64_t hits[] = {0, 1, 2, 0};
   for (Index k = 0; k < 4; ++k) {
     const auto& step = log.steps[k];
-    EXPECT_EQ(step.place.number, k);
-    EXPECT_EQ(step.place.frame, k);
-    EXPECT_EQ(step.place.next_frame, k + 1);
+    EXPECT_EQ(step.index.number, k);
+    EXPECT_EQ(step.index.frame, k);
+    EXPECT_EQ(step.index.next_frame, k + 1);
     EXPECT_EQ(step.collisions.vertex_face, hits[k]) << k;
     EXPECT_EQ(step.collisions.edge_edge, 0u) << k;
     EXPECT_NEAR(step.earliest_toi, hits[k] ? 0.6 : 1, 1e-6);
@@ -103,21 +103,21 @@ TEST(RunCheck, ACleanMotionIsClean) {
   EXPECT_FALSE(totals->worst);
 }
 
-TEST(RunCheck, LooksOnlyAtTheSelectedFrames) {
+TEST(RunCheck, ChecksOnlyTheSelectedFrames) {
   auto log = check(list(needle(kSinking)), with_frames("2:5")).log;
   ASSERT_EQ(log.steps.size(), 2u);
-  EXPECT_EQ(log.steps[0].place.frame, 2u);
-  EXPECT_EQ(log.steps[0].place.number, 0u);
+  EXPECT_EQ(log.steps[0].index.frame, 2u);
+  EXPECT_EQ(log.steps[0].index.number, 0u);
 
   // Every second frame: a step goes from frame 0 to 2 and from 2 to 4.
   log = check(list(needle(kSinking)), with_frames("::2")).log;
   ASSERT_EQ(log.steps.size(), 2u);
-  EXPECT_EQ(log.steps[0].place.next_frame, 2u);
+  EXPECT_EQ(log.steps[0].index.next_frame, 2u);
   EXPECT_NEAR(log.steps[0].earliest_toi, 0.8, 1e-6);
   EXPECT_EQ(log.steps[1].x1[0], needle_frame(kSinking[4]));
 }
 
-TEST(RunCheck, SubstepsCutAStepIntoPartsThatMeetExactly) {
+TEST(RunCheck, SubstepsDivideAStepWithoutGaps) {
   CheckSettings settings = with_frames("1:3");
   settings.substeps = 7;
   const auto log = check(list(needle(kSinking)), settings).log;
@@ -125,13 +125,13 @@ TEST(RunCheck, SubstepsCutAStepIntoPartsThatMeetExactly) {
   EXPECT_EQ(log.steps.front().x0[0], needle_frame(kSinking[1]));
   EXPECT_EQ(log.steps.back().x1[0], needle_frame(kSinking[2]));
   for (Index k = 0; k < 7; ++k) {
-    EXPECT_EQ(log.steps[k].place.frame, 1u);
-    EXPECT_EQ(log.steps[k].place.substep, k);
+    EXPECT_EQ(log.steps[k].index.frame, 1u);
+    EXPECT_EQ(log.steps[k].index.substep, k);
     if (k > 0) {
       EXPECT_EQ(log.steps[k].x0, log.steps[k - 1].x1);
     }
     EXPECT_NEAR(log.steps[k].x0[0][11], 0.6 - k / 7.0, 1e-12);
-    // What stands still must not tremble.
+    // The floor keeps its exact position.
     for (int c = 0; c < 9; ++c) EXPECT_EQ(log.steps[k].x0[0][c], needle_frame(0)[c]);
     EXPECT_EQ(log.steps[k].collisions.vertex_face, k == 4 ? 1u : 0u) << k;  // 0.6 is 4.2 of 7 parts
   }
@@ -218,7 +218,7 @@ TEST(RunCheck, ASingleFrameIsAMotionThatStandsStill) {
   EXPECT_EQ(close.totals->steps_expected, 1u);
   EXPECT_EQ(close.totals->collisions.vertex_face, 1u);
   ASSERT_EQ(close.log.steps.size(), 1u);
-  EXPECT_EQ(close.log.steps[0].place.next_frame, 0u);
+  EXPECT_EQ(close.log.steps[0].index.next_frame, 0u);
   thick.step.thickness = 0.5;
   EXPECT_TRUE(check(list(needle({0.6})), thick).totals->clean());
 
@@ -268,7 +268,7 @@ struct BrokenMotion : Motion {
   const Topology& topology() const override { return inner->topology(); }
   Index frame_count() const override { return inner->frame_count(); }
   Result<void> read_frame(Index k, std::span<double> out) override {
-    if (k == 3) return fail("frame 3", "is broken", "mend it");
+    if (k == 3) return fail(ErrorCode::InvalidFile, "frame 3", "is broken", "repair it");
     return inner->read_frame(k, out);
   }
   std::unique_ptr<Motion> inner;
@@ -286,7 +286,7 @@ TEST(RunCheck, AFrameThatCannotBeReadEndsTheCheckUnfinished) {
 TEST(RunCheck, AWriterThatFailsEndsTheCheck) {
   struct Full : ReportWriter {
     Result<void> step(const CheckedStep& s) override {
-      return s.place.number < 2 ? Result<void>{} : fail("disk", "is full", "empty it");
+      return s.index.number < 2 ? Result<void>{} : fail(ErrorCode::FileAccess, "disk", "is full", "empty it");
     }
     Result<void> finish(const CheckTotals&) override { return {}; }
   };
@@ -297,7 +297,7 @@ TEST(RunCheck, AWriterThatFailsEndsTheCheck) {
   EXPECT_EQ(totals.error().where, "disk");
 }
 
-TEST(RunCheck, TellsItsProgressAndStopsWhenAsked) {
+TEST(RunCheck, ReportsProgressAndStopsOnRequest) {
   std::atomic<bool> stop = false;
   std::vector<std::uint64_t> done;
   CheckHooks hooks;
@@ -317,15 +317,15 @@ TEST(RunCheck, TellsItsProgressAndStopsWhenAsked) {
   EXPECT_EQ(totals->steps, 3u);
   EXPECT_EQ(totals->steps_expected, 8u);
   EXPECT_EQ(totals->collisions.sum(), 0u);
-  EXPECT_FALSE(totals->clean()) << "what was not looked at is not free";
+  EXPECT_FALSE(totals->clean()) << "unchecked steps are not free";
 
-  // Stopped before anything was asked.
+  // Stopped before the first test.
   const auto nothing = check(list(needle({-0.4, -0.4})), {}, hooks).totals;
   EXPECT_EQ(nothing->starts_crossing, std::nullopt);
   EXPECT_FALSE(nothing->clean());
 }
 
-TEST(RunCheck, OnlyTheEarliestWhenAsked) {
+TEST(RunCheck, OnlyTheEarliestOnRequest) {
   CheckSettings settings = with_frames("2:4");
   settings.step.earliest_only = true;
   EXPECT_EQ(check(list(needle(kSinking)), settings).totals->collisions.sum(), 1u);

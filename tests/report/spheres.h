@@ -1,5 +1,4 @@
-/// Two spheres in one mesh that move together: nothing comes into contact on the way, whether they are apart
-/// or half merged.
+/// Two spheres in one mesh that move together: no step has a contact, whether they are separated or overlap.
 #pragma once
 
 #include <cmath>
@@ -11,8 +10,8 @@
 
 namespace foldproof::testing {
 
-/// Both of radius 1, their middles `distance` apart along x; in each frame a quarter farther along y. The
-/// second is turned and lifted a little, so that no two vertices or edges meet.
+/// Unit spheres with their centers `distance` apart along x; each frame moves them by a quarter along y. The
+/// second is rotated and lifted slightly, so that no two vertices or edges touch.
 inline std::unique_ptr<Motion> two_spheres(double distance, std::size_t frames = 3) {
   constexpr Index kAround = 16, kAcross = 9;
   constexpr double kPi = 3.14159265358979323846;

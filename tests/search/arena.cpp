@@ -19,8 +19,8 @@ namespace {
 
 class ChartCertificate : public Certificate {
  public:
-  ChartCertificate(const Patch& patch, const Drawing& drawing, Honesty honesty)
-      : chart_(numbered(patch), drawing) {
+  ChartCertificate(const Patch& patch, const UvMap& uv_map, Honesty honesty)
+      : chart_(numbered(patch), uv_map) {
     if (honesty == Honesty::Planted) chart_.triangles.erase(chart_.triangles.begin());
     pairs_ = testing::all_pairs(patch);
   }
@@ -69,8 +69,8 @@ class PlaneCertificate : public Certificate {
 
 }  // namespace
 
-std::unique_ptr<Certificate> chart_certificate(const Patch& patch, const Drawing& drawing, Honesty honesty) {
-  return std::make_unique<ChartCertificate>(patch, drawing, honesty);
+std::unique_ptr<Certificate> chart_certificate(const Patch& patch, const UvMap& uv_map, Honesty honesty) {
+  return std::make_unique<ChartCertificate>(patch, uv_map, honesty);
 }
 std::unique_ptr<Certificate> plane_certificate(const Patch& a, const Patch& b, Honesty honesty) {
   return std::make_unique<PlaneCertificate>(a, b, honesty);
@@ -110,7 +110,7 @@ FeaturePair Attack::choose_target(std::span<const Vec3> x) const {
   return best;
 }
 
-// As KineticTree::refit does it.
+// As KineticBvh::refit does it.
 void Attack::refit(State& state) const {
   state.vertices.resize(state.x[0].size());
   for (std::size_t v = 0; v < state.vertices.size(); ++v) {

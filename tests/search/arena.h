@@ -27,7 +27,7 @@ enum class Honesty { Real, Planted };
 
 /// A chart's promise about its patch; the vertices are those of the patch, in its order. The planted mistake:
 /// it leaves a triangle out.
-std::unique_ptr<Certificate> chart_certificate(const Patch& patch, const Drawing& drawing, Honesty honesty);
+std::unique_ptr<Certificate> chart_certificate(const Patch& patch, const UvMap& uv_map, Honesty honesty);
 /// A plane between two leaves without a common vertex: the vertices of `a`, then those of `b`. The planted
 /// mistake: it leaves the last vertex of `b` out.
 std::unique_ptr<Certificate> plane_certificate(const Patch& a, const Patch& b, Honesty honesty);

@@ -8,8 +8,8 @@
 #include <cstring>
 #include <string>
 
-#include "bvh/kinetic.h"
-#include "certificate/patch_drawer.h"
+#include "bvh/kinetic_bvh.h"
+#include "certificate/chart_builder.h"
 #include "search/arena.h"
 #include "search/meshes.h"
 
@@ -26,15 +26,15 @@ struct Options {
   Honesty honesty = Honesty::Real;
 };
 
-// A mesh with what is needed to draw its patches.
+// A mesh with what is needed to build charts of its patches.
 class Target {
  public:
   Target(SearchMesh mesh, Honesty honesty) : mesh_(std::move(mesh)), honesty_(honesty) {
     hierarchy_ = std::make_shared<const Hierarchy>(Hierarchy::build(mesh_.topology, mesh_.positions).value());
     slots_ = std::make_unique<PatchSlots>(hierarchy_);
-    drawer_ = std::make_unique<PatchDrawer>(*slots_);
+    builder_ = std::make_unique<ChartBuilder>(*slots_);
     reader_ = std::make_unique<PatchReader>(*slots_);
-    tree_ = std::make_unique<KineticTree>(hierarchy_);
+    tree_ = std::make_unique<KineticBvh>(hierarchy_);
     low_ = high_ = Vec3(mesh_.positions[0], mesh_.positions[1], mesh_.positions[2]);
     for (std::size_t i = 0; i < mesh_.positions.size(); i += 3) {
       const Vec3 p(mesh_.positions[i], mesh_.positions[i + 1], mesh_.positions[i + 2]);
@@ -54,7 +54,7 @@ class Target {
 
  private:
   static constexpr int kTries = 6000;
-  static constexpr Index kMostLeaves = 8;
+  static constexpr Index kMaxLeaves = 8;
 
   // Around the mesh with a little room, or around a scene in which the mesh is small and off the centre,
   // anywhere.
@@ -85,12 +85,12 @@ class Target {
     for (int search = 0; search < 200; ++search) {
       const auto slot = static_cast<Index>(rng() % slots_->count());
       if (too_large(slot)) continue;
-      drawn_.slot = slot;
-      drawer_->draw(tree_->vertices, drawn_);
-      if (drawn_.outcome != ChartOutcome::Made) continue;
-      const auto certificate = chart_certificate(drawn_.patch, drawn_.drawing, honesty_);
+      built_.slot = slot;
+      builder_->build(tree_->vertices, built_);
+      if (built_.outcome != ChartOutcome::Made) continue;
+      const auto certificate = chart_certificate(built_.patch, built_.uv_map, honesty_);
       if (certificate->pairs().empty()) continue;
-      return Attack(*certificate, where, pose(drawn_.patch.vertices), rng).run(kTries, tally);
+      return Attack(*certificate, where, pose(built_.patch.vertices), rng).run(kTries, tally);
     }
     return {};
   }
@@ -115,7 +115,7 @@ class Target {
   bool too_large(Index slot) const {
     if (slots_->is_pair(slot)) return false;
     const Hierarchy::Node& node = hierarchy_->nodes()[slot];
-    return node.leaf_end - node.leaf_begin > kMostLeaves;
+    return node.leaf_end - node.leaf_begin > kMaxLeaves;
   }
 
   Patch leaf(Index number) {
@@ -133,10 +133,10 @@ class Target {
   Honesty honesty_;
   std::shared_ptr<const Hierarchy> hierarchy_;
   std::unique_ptr<PatchSlots> slots_;
-  std::unique_ptr<PatchDrawer> drawer_;
+  std::unique_ptr<ChartBuilder> builder_;
   std::unique_ptr<PatchReader> reader_;
-  std::unique_ptr<KineticTree> tree_;
-  DrawnPatch drawn_;
+  std::unique_ptr<KineticBvh> tree_;
+  BuiltChart built_;
   Vec3 low_, high_;
 };
 
@@ -188,7 +188,7 @@ bool parse(int argc, char** argv, Options& options) {
     }
     if (++i == argc) return false;
     if (name == "--seconds") {
-      options.seconds = std::atof(argv[i]);
+      options.seconds = std::strtod(argv[i], nullptr);
     } else if (name == "--seed") {
       options.seed = std::strtoull(argv[i], nullptr, 10);
     } else if (name == "--mesh") {

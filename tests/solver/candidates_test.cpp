@@ -1,4 +1,4 @@
-// Candidates: complete, of the right kinds, and none that the filter forbids.
+// Candidates: complete, of the right kinds, and none that the filter excludes.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ ContactChecker checker_of(const Soup& soup, CollisionFilter filter = {}, Index l
       std::make_shared<const CollisionMesh>(mesh_of(soup, std::move(filter), leaf_triangles)));
 }
 
-// Nearer than `inflation` at the ends or at times in between, by exact distances.
+// Whether the exact distance is <= inflation at the ends or at some times in between.
 bool sampled_within(const FeaturePair& pair, const Soup& soup, double inflation) {
   for (const double t : {0.0, 0.13, 0.5, 0.77, 1.0}) {
     if (within_distance(pair.kind(), pair.at(soup.x0), pair.at(soup.x1), t, Rational(inflation))) return true;
@@ -36,7 +36,7 @@ void expect_complete(const Candidates& found, std::span<const FeaturePair> pairs
     ASSERT_FALSE(sampled_within(pair, soup, inflation)) << pair.ids[0] << ' ' << pair.ids[1];
     ASSERT_NE(approach(pair.kind(), pair.at(soup.x0), pair.at(soup.x1), inflation, 1e-4), Approach::Within);
   }
-  for (const auto& key : keys) ASSERT_TRUE(all.contains(key)) << "no pair that counts";
+  for (const auto& key : keys) ASSERT_TRUE(all.contains(key)) << "not a relevant pair";
   for (const FeaturePair& pair : pairs)
     within += keys.contains(pair.key()) && sampled_within(pair, soup, inflation);
 }
@@ -67,7 +67,7 @@ TEST(Candidates, AreComplete) {
   EXPECT_GT(within, 300);
 }
 
-// A sheet with rods and points above it that waves a little: charts prove most of it.
+// A sheet that waves a little, with rods and points above it: charts prove most of it.
 Soup waving_sheet(int n, double phase) {
   Soup soup;
   const auto add = [&](double x, double y, double z) { soup.x0.insert(soup.x0.end(), {x, y, z}); };
@@ -93,41 +93,41 @@ Soup waving_sheet(int n, double phase) {
   return soup;
 }
 
-// Next positions, after which lists may hold, fail here and there, or all fail.
-void go_on(Rng& rng, std::vector<double>& x, double grid) {
+// Moves vertices such that all lists, some, or none stay complete.
+void move(Rng& rng, std::vector<double>& x, double grid) {
   std::uniform_real_distribution<double> unit(-1, 1);
   const auto round = [&](double v) { return std::round(v / grid) * grid; };
-  const double far = std::ldexp(unit(rng), static_cast<int>(rng() % 6) - 6);
+  const double distance = std::ldexp(unit(rng), static_cast<int>(rng() % 6) - 6);
   switch (rng() % 8) {
     case 0:  // nothing
       break;
-    case 1: {  // all the same way, sometimes so far that little of the shape is left
-      const double way = rng() % 4 == 0 ? 0x1p53 : round(far * 100);
-      for (double& v : x) v += way;
+    case 1: {  // all together, sometimes so far that rounding destroys the shape
+      const double shift = rng() % 4 == 0 ? 0x1p53 : round(distance * 100);
+      for (double& v : x) v += shift;
       break;
     }
     case 2: {  // one vertex
       const std::size_t v = rng() % (x.size() / 3);
-      for (std::size_t axis = 0; axis < 3; ++axis) x[3 * v + axis] += round(far);
+      for (std::size_t axis = 0; axis < 3; ++axis) x[3 * v + axis] += round(distance);
       break;
     }
-    case 3:  // elsewhere
+    case 3:  // new positions
       for (double& v : x) v = round((unit(rng) + 1) / 2);
       break;
     case 4:  // flatter
       for (std::size_t i = 2; i < x.size(); i += 3) x[i] = round(x[i] * 0.75);
       break;
-    default:  // a little turn
+    default:  // a small rotation
       for (std::size_t i = 0; i + 2 < x.size(); i += 3) {
-        const double angle = far / 16, u = x[i], v = x[i + 1];
+        const double angle = distance / 16, u = x[i], v = x[i + 1];
         x[i] = round(u - angle * v);
         x[i + 1] = round(v + angle * u);
       }
   }
 }
 
-// Two checkers that are asked again and again, against boxes of all pairs.
-TEST(Candidates, AreThePairsWithNearBoxesWhateverWasAskedBefore) {
+// Many calls of the same checker, against the boxes of all pairs.
+TEST(Candidates, AreThePairsWithCloseBoxesWhateverTheEarlierCalls) {
   std::size_t listed = 0, not_listed = 0;
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     Rng rng(seed);
@@ -138,10 +138,10 @@ TEST(Candidates, AreThePairsWithNearBoxesWhateverWasAskedBefore) {
     const auto pairs = all_pairs(soup, checker.mesh().edges(), all_may);
     Candidates found;
     for (int call = 0; call < 60; ++call) {
-      go_on(rng, soup.x0, grid);
+      move(rng, soup.x0, grid);
       if (call % 16 == 0) soup.x0 = random_soup(rng, faces, 5, 5, 0.1, grid).x0;
       if (rng() % 2 == 0) soup.x1 = soup.x0;
-      go_on(rng, soup.x1, grid);
+      move(rng, soup.x1, grid);
       const double inflations[] = {0, grid, 0.0625, 0.0625, 0.0625, 0.25, 1, 0x1p-1074};
       const double inflation = inflations[rng() % std::size(inflations)];
       const bool pose = rng() % 2 == 0;
@@ -184,38 +184,38 @@ TEST(Candidates, AreTheSameOnEveryInstructionSet) {
   }
 }
 
-TEST(Candidates, AreListedAnewOnlyWhereTheShapeChanged) {
+TEST(Candidates, ListsAreRebuiltOnlyWhereTheShapeChanged) {
   constexpr int kSize = 40;
   constexpr double kInflation = 0.01;
   std::vector<double> x = waving_sheet(kSize, 0).x0;
   ContactChecker checker = checker_of(waving_sheet(kSize, 0));
   Candidates found;
-  const auto lists_made = [&] {
+  const auto lists_built = [&] {
     EXPECT_TRUE(checker.candidates(x, kInflation, found));
     return checker.work().leaf_pairs;
   };
-  const std::uint64_t all = lists_made();
+  const std::uint64_t all = lists_built();
   EXPECT_GT(all, 1000);
-  EXPECT_EQ(lists_made(), 0);
-  for (std::size_t i = 0; i < x.size(); i += 3) x[i] += 0.25;  // all of it, and exactly
-  EXPECT_LT(lists_made(), all / 20);
+  EXPECT_EQ(lists_built(), 0);
+  for (std::size_t i = 0; i < x.size(); i += 3) x[i] += 0.25;  // a translation without rounding
+  EXPECT_LT(lists_built(), all / 20);
   x[0] += 0.5;
-  EXPECT_LT(lists_made(), all / 20);
-  std::uint64_t made = 0;
+  EXPECT_LT(lists_built(), all / 20);
+  std::uint64_t built = 0;
   for (int step = 1; step <= 20; ++step) {
     x = waving_sheet(kSize, 0.002 * step).x0;
     for (std::size_t i = 0; i < x.size(); i += 3) x[i] += 0.25;
-    made += lists_made();
+    built += lists_built();
   }
-  EXPECT_LT(made, 20 * all / 4);
+  EXPECT_LT(built, 20 * all / 4);
 }
 
-TEST(Candidates, FilterLeavesOutExactlyWhatItForbids) {
+TEST(Candidates, FilterExcludesExactlyThePairsItSays) {
   Rng rng(7);
   const Soup soup = random_soup(rng, 30, 20, 20, 0.1, 0x1p-40);
   std::vector<Index> group(soup.vertex_count());
   for (Index v = 0; v < group.size(); ++v) group[v] = (v / 5) % 4;
-  const std::vector<std::array<Index, 2>> apart = {{0, 0}, {2, 1}, {3, 3}};
+  const std::vector<std::array<Index, 2>> excluded = {{0, 0}, {2, 1}, {3, 3}};
   const auto can = [&](Index i, Index j) {
     const auto [a, b] = std::minmax(group[i], group[j]);
     return !(a == b && (a == 0 || a == 3)) && !(a == 1 && b == 2);
@@ -233,7 +233,7 @@ TEST(Candidates, FilterLeavesOutExactlyWhatItForbids) {
   };
   const auto patch = [&](Index i, Index j) { return group[i] != group[j]; };
   const std::pair<CollisionFilter, Keys> cases[] = {
-      {CollisionFilter::groups(group, apart).value(), expected_of(can)},
+      {CollisionFilter::groups(group, excluded).value(), expected_of(can)},
       {CollisionFilter(can), expected_of(can)},
       {CollisionFilter::patches(group).value(), expected_of(patch)},
       {CollisionFilter([](Index, Index) { return false; }), {}}};
@@ -245,7 +245,7 @@ TEST(Candidates, FilterLeavesOutExactlyWhatItForbids) {
   }
 }
 
-TEST(CollisionMesh, KeepsTheUsersEdgesAndAddsThoseOfFaces) {
+TEST(CollisionMesh, KeepsTheUsersEdgesAndAppendsThoseOfFaces) {
   const std::vector<double> x(3 * 9, 0.5);
   const auto mesh = CollisionMesh::make(x, {{7, 2}, {2, 1}, {5, 7}}, {{0, 1, 2}, {1, 3, 2}}).value();
   const std::vector<Edge> expected = {{7, 2}, {2, 1}, {5, 7}, {0, 1}, {0, 2}, {1, 3}, {2, 3}};
@@ -257,7 +257,7 @@ TEST(CollisionMesh, KeepsTheUsersEdgesAndAddsThoseOfFaces) {
   EXPECT_EQ(mesh.faces().size(), 2);
   for (std::size_t e = 0; e < mesh.edges().size(); ++e) {
     const Edge& edge = mesh.hierarchy()->topology().edges()[e];
-    const Edge& row = mesh.edges()[mesh.edge_of(static_cast<Index>(e))];
+    const Edge& row = mesh.edges()[mesh.edge_row(static_cast<Index>(e))];
     EXPECT_EQ(edge, (Edge{std::min(row[0], row[1]), std::max(row[0], row[1])}));
   }
   CollisionMeshSettings inside;
@@ -266,7 +266,7 @@ TEST(CollisionMesh, KeepsTheUsersEdgesAndAddsThoseOfFaces) {
   EXPECT_EQ(CollisionMesh::make(x, {}, {}).value().codim_points().size(), 9);
 }
 
-TEST(CollisionMesh, SaysWhatIsWrong) {
+TEST(CollisionMesh, RefusesInvalidInput) {
   const std::vector<double> x(9, 0.5);
   const auto problem = [&](std::vector<Edge> edges, std::vector<Triangle> faces,
                            CollisionMeshSettings s = {}) {
@@ -274,7 +274,7 @@ TEST(CollisionMesh, SaysWhatIsWrong) {
     return mesh ? std::string() : mesh.error().line();
   };
   EXPECT_EQ(problem({{0, 3}}, {}),
-            "edge 0: names vertex 3, but there are 3 (counting from 0); mend the edge matrix");
+            "edge 0: names vertex 3, but there are 3 (counting from 0); correct the edge matrix");
   EXPECT_EQ(problem({{0, 1}, {2, 2}}, {}),
             "edge 1: goes from vertex 2 to itself; leave it out; a vertex in no edge and no face is a point");
   EXPECT_EQ(problem({{0, 1}, {1, 2}, {1, 0}}, {}), "edge 2: is the same as edge 0; give every edge once");

@@ -1,4 +1,4 @@
-// Step sizes and poses against exact arithmetic and brute force.
+// Step sizes and intersections against exact arithmetic and brute force.
 
 #include <gtest/gtest.h>
 
@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kTolerance = 1e-7;
 
-// More of everything for a longer run by hand.
+// More rounds for a longer run by hand.
 int rounds(int usual) {
-  const char* times = std::getenv("FOLDPROOF_ROUNDS");
-  return times == nullptr ? usual : usual * std::max(1, std::atoi(times));
+  const char* factor = std::getenv("FOLDPROOF_ROUNDS");
+  return factor == nullptr ? usual : usual * std::max(1, std::atoi(factor));
 }
 
 ContactChecker checker_of(const Soup& soup, CollisionFilter filter = {}, bool certificates = true) {
@@ -32,7 +32,7 @@ bool exact_contact(const FeaturePair& pair, std::span<const double> x0, std::spa
   return approach(pair.kind(), pair.at(x0), pair.at(x1), distance, 1e-12) == Approach::Within;
 }
 
-// The earliest contact by asking the narrow phase about every pair.
+// The earliest contact, from the narrow phase of every pair.
 double brute_contact(std::span<const FeaturePair> pairs, const Soup& soup, double distance) {
   CcdSettings ccd;
   ccd.thickness = distance;
@@ -46,7 +46,7 @@ double brute_contact(std::span<const FeaturePair> pairs, const Soup& soup, doubl
   return earliest;
 }
 
-// In an `if` it would be true for a no as well.
+// Otherwise an `if` would take a no for a yes.
 static_assert(!std::is_constructible_v<bool, Verdict>);
 
 struct Counts {
@@ -73,15 +73,14 @@ void test_step_sizes(std::uint64_t seed, double distance, double grid, Counts& c
   }
   ASSERT_EQ(checker.is_step_collision_free(soup.x0, soup.x1, distance).is_yes(), brute > 1) << seed;
   ++(share == 1 ? counts.whole : share == 0 ? counts.none : counts.part);
-  std::vector<double> reached(soup.x0.size());
-  step_towards(soup.x0, soup.x1, share, reached);
+  std::vector<double> end(soup.x0.size());
+  step_towards(soup.x0, soup.x1, share, end);
   if (share > 0) {
-    ASSERT_TRUE(checker.is_step_collision_free(soup.x0, reached, distance).is_yes()) << seed;
-    for (const FeaturePair& pair : pairs)
-      ASSERT_FALSE(exact_contact(pair, soup.x0, reached, distance)) << seed;
+    ASSERT_TRUE(checker.is_step_collision_free(soup.x0, end, distance).is_yes()) << seed;
+    for (const FeaturePair& pair : pairs) ASSERT_FALSE(exact_contact(pair, soup.x0, end, distance)) << seed;
   }
   if (share == 1) return;
-  // Not for nothing: something comes within the tolerance of contact.
+  // With good reason: something comes within the tolerance of contact.
   bool near = false;
   for (const FeaturePair& pair : pairs)
     near = near || exact_contact(pair, soup.x0, soup.x1, distance + kTolerance);
@@ -105,7 +104,7 @@ TEST(ContactChecker, NeverStepsIntoExactContactOnAGrid) {
     if (HasFatalFailure()) return;
   }
   EXPECT_GT(counts.part, 10);
-  EXPECT_GT(counts.none, 2);  // things that stand on the same point of the grid
+  EXPECT_GT(counts.none, 2);  // elements that start on the same grid point
 }
 
 TEST(ContactChecker, KeepsTheMinimumDistance) {
@@ -119,7 +118,7 @@ TEST(ContactChecker, KeepsTheMinimumDistance) {
   EXPECT_GT(counts.none, 1);
 }
 
-// Each pair of codimensional elements alone, on a way that brings them to the distance 0.1 half way.
+// Each pair of codimensional elements alone; half way through the step their distance is 0.1.
 TEST(ContactChecker, FindsPointsAndEdgesWithinTheMinimumDistance) {
   const std::vector<double> still = {-1, 0, 0, 1, 0, 0};
   for (const bool edge : {true, false}) {
@@ -165,7 +164,7 @@ TEST(ContactChecker, StepsAreTheSameWhateverCertificatesAndThreads) {
   }
 }
 
-TEST(ContactChecker, ASolverThatGoesOnWhereItStoppedIsNotCaught) {
+TEST(ContactChecker, StepsThatStartWhereTheLastOneEndedAreNotStuck) {
   // A point falls on a face again and again.
   const std::vector<double> start = {-1, -1, 0, 1, -1, 0, 0, 1, 0, 0, 0, 1};
   Soup soup;
@@ -197,7 +196,7 @@ TEST(ContactChecker, IntersectionsAreExact) {
   int crossing = 0;
   for (int seed = 0; seed < rounds(60); ++seed) {
     Rng rng(3000000 + static_cast<std::uint64_t>(seed));
-    // No neighbours: all elements are apart in their vertices.
+    // No neighbours: no two elements have a vertex in common.
     Soup soup = random_soup(rng, 3, 2, 3, 0, seed % 2 == 0 ? 0x1p-30 : 0x1p-3);
     std::erase_if(soup.edges, [](const Edge& e) { return e[0] != e[1] + 1; });
     ASSERT_EQ(soup.edges.size(), 2);
@@ -242,15 +241,15 @@ TEST(ContactChecker, NeighboursFoldOnFacesAndNotOnRods) {
   EXPECT_TRUE(checker_of(whisker).is_step_collision_free(whisker.x0, whisker.x0).is_no());
 }
 
-TEST(ContactChecker, FindsTheLeastDistance) {
+TEST(ContactChecker, FindsTheMinimumDistance) {
   for (int seed = 0; seed < rounds(40); ++seed) {
     Rng rng(4000000 + static_cast<std::uint64_t>(seed));
     const Soup soup = random_soup(rng, 2, 3, 4, 0, 0x1p-40);
     ContactChecker checker = checker_of(soup);
-    Rational least = 1000;
+    Rational smallest = 1000;
     for (const FeaturePair& pair : all_pairs(soup, checker.mesh().edges(), all_may))
-      least = std::min(least, squared_distance(pair.kind(), pair.at(soup.x0), pair.at(soup.x0), 0));
-    const double expected = std::sqrt(least.convert_to<double>());
+      smallest = std::min(smallest, squared_distance(pair.kind(), pair.at(soup.x0), pair.at(soup.x0), 0));
+    const double expected = std::sqrt(smallest.convert_to<double>());
     EXPECT_NEAR(checker.minimum_distance(soup.x0, 5).value(), expected, 1e-14) << seed;
     EXPECT_NEAR(checker.minimum_distance(soup.x0, expected * 1.0001).value(), expected, 1e-14) << seed;
     if (expected > 1e-9) {
@@ -260,7 +259,7 @@ TEST(ContactChecker, FindsTheLeastDistance) {
   }
 }
 
-TEST(ContactChecker, SaysWhatIsWrong) {
+TEST(ContactChecker, RefusesInvalidInput) {
   Soup soup;
   soup.faces = {{0, 1, 2}};
   soup.x0 = {0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 5, 5};

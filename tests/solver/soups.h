@@ -1,4 +1,4 @@
-/// Codimensional soups, and every pair of their features one after the other: too simple to be wrong.
+/// Codimensional soups, and all pairs of their features by brute force.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ struct Soup {
   Index vertex_count() const { return static_cast<Index>(x0.size() / 3); }
 };
 
-/// What two features are.
+/// The kinds of two features.
 enum class Features { VertexFace, EdgeEdge, EdgeVertex, VertexVertex };
 
 /// Two features: their ids as in Candidates, and their vertices as the narrow phase and the oracle take them.
@@ -35,7 +35,7 @@ struct FeaturePair {
   auto key() const { return std::pair(features, ids); }
 };
 
-/// May features with these vertices collide? As the documentation says it.
+/// Whether features with these vertices may collide, as CollisionFilter documents it.
 template <class CanCollide>
 bool may_collide(std::span<const Index> a, std::span<const Index> b, CanCollide can_collide) {
   bool any = false;
@@ -48,14 +48,14 @@ bool may_collide(std::span<const Index> a, std::span<const Index> b, CanCollide 
   return any;
 }
 
-/// Every pair that counts: from index matrices, without CollisionMesh. `edges` holds those of faces too.
+/// Every relevant pair: from index matrices, without CollisionMesh. `edges` holds those of faces too.
 template <class CanCollide>
 std::vector<FeaturePair> all_pairs(const Soup& soup, std::span<const Edge> edges, CanCollide can_collide) {
   std::set<Index> with_edge;
-  std::set<std::set<Index>> of_faces;
+  std::set<std::set<Index>> face_edges;
   for (const Triangle& t : soup.faces) {
     with_edge.insert(t.begin(), t.end());
-    for (int k = 0; k < 3; ++k) of_faces.insert({t[k], t[(k + 1) % 3]});
+    for (int k = 0; k < 3; ++k) face_edges.insert({t[k], t[(k + 1) % 3]});
   }
   for (const Edge& e : edges) with_edge.insert(e.begin(), e.end());
   std::vector<FeaturePair> pairs;
@@ -72,7 +72,7 @@ std::vector<FeaturePair> all_pairs(const Soup& soup, std::span<const Edge> edges
     if (with_edge.contains(v)) continue;
     for (Index e = 0; e < edges.size(); ++e) {
       const Edge& s = edges[e];
-      if (of_faces.contains({s[0], s[1]})) continue;
+      if (face_edges.contains({s[0], s[1]})) continue;
       add(Features::EdgeVertex, {e, v}, one(v), s, {v, s[0], s[1], s[1]});
     }
     for (Index w = v + 1; w < soup.vertex_count(); ++w) {
@@ -81,7 +81,7 @@ std::vector<FeaturePair> all_pairs(const Soup& soup, std::span<const Edge> edges
   }
   for (Index a = 0; a < edges.size(); ++a) {
     for (Index b = a + 1; b < edges.size(); ++b) {
-      // In the library's order: a time of impact depends on it in its last digits.
+      // In the library's order, on which the last digits of a time of impact depend.
       Edge e = {std::min(edges[a][0], edges[a][1]), std::max(edges[a][0], edges[a][1])};
       Edge g = {std::min(edges[b][0], edges[b][1]), std::max(edges[b][0], edges[b][1])};
       if (g < e) std::swap(e, g);
@@ -91,19 +91,19 @@ std::vector<FeaturePair> all_pairs(const Soup& soup, std::span<const Edge> edges
   return pairs;
 }
 
-/// Whether no axis keeps the boxes of the two features more than `inflation` apart, on the same side at both
+/// Whether no axis separates the boxes of the two features by more than `inflation`, on the same side at both
 /// ends.
 inline bool boxes_within(const FeaturePair& pair, std::span<const double> x0, std::span<const double> x1,
                          double inflation) {
-  const int first = pair.kind() == Kind::EdgeEdge ? 2 : 1;  // so many points are of the first
+  const int first = pair.kind() == Kind::EdgeEdge ? 2 : 1;  // number of points of the first feature
   const auto gap = [&](std::span<const double> x, int axis, bool above) {
     double low[2], high[2];
     for (int k = 0; k < 4; ++k) {
       const double v = x[3 * pair.vertices[k] + axis];
       const int which = k < first ? 0 : 1;
-      const bool begins = k == 0 || k == first;
-      low[which] = begins ? v : std::min(low[which], v);
-      high[which] = begins ? v : std::max(high[which], v);
+      const bool is_first = k == 0 || k == first;
+      low[which] = is_first ? v : std::min(low[which], v);
+      high[which] = is_first ? v : std::max(high[which], v);
     }
     return above ? low[0] - high[1] : low[1] - high[0];
   };
@@ -117,18 +117,18 @@ inline bool boxes_within(const FeaturePair& pair, std::span<const double> x0, st
 
 inline bool all_may(Index, Index) { return true; }
 
-/// Small elements in a box, each moving on its own; coordinates are multiples of `grid`.
+/// Small elements in a box that move independently; coordinates are multiples of `grid`.
 inline Soup random_soup(Rng& rng, int faces, int edges, int points, double speed, double grid) {
-  std::uniform_real_distribution<double> place(0, 1), size(-0.15, 0.15), go(-speed, speed);
+  std::uniform_real_distribution<double> center(0, 1), offset(-0.15, 0.15), velocity(-speed, speed);
   Soup soup;
   const auto round = [&](double v) { return std::round(v / grid) * grid; };
   const auto element = [&](int corners) {
-    const Vec3 at(place(rng), place(rng), place(rng)), move(go(rng), go(rng), go(rng));
+    const Vec3 at(center(rng), center(rng), center(rng)), move(velocity(rng), velocity(rng), velocity(rng));
     for (int k = 0; k < corners; ++k) {
       for (int axis = 0; axis < 3; ++axis) {
-        const double x = round(at[axis] + size(rng));
+        const double x = round(at[axis] + offset(rng));
         soup.x0.push_back(x);
-        soup.x1.push_back(round(x + move[axis] + speed * size(rng)));
+        soup.x1.push_back(round(x + move[axis] + speed * offset(rng)));
       }
     }
     return soup.vertex_count() - static_cast<Index>(corners);
@@ -155,7 +155,7 @@ inline CollisionMesh mesh_of(const Soup& soup, CollisionFilter filter = {}, Inde
   return std::move(*mesh);
 }
 
-/// The pairs of an answer, with the features' kinds.
+/// The pairs of an answer, each with the kinds of its features.
 inline std::set<std::pair<Features, std::array<Index, 2>>> keys_of(const Candidates& c) {
   std::set<std::pair<Features, std::array<Index, 2>>> keys;
   for (const auto& p : c.vertex_face) keys.insert({Features::VertexFace, {p.vertex, p.face}});

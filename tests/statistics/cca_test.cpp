@@ -8,11 +8,11 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using testing::centred;
+using testing::centered;
 using testing::covariance;
 using testing::noise;
 
-Cca made(const MatrixXd& x, const MatrixXd& y, Index dimensions, double ridge = 1e-3) {
+Cca cca_of(const MatrixXd& x, const MatrixXd& y, Index dimensions, double ridge = 1e-3) {
   auto result = cca(x, y, dimensions, ridge);
   EXPECT_TRUE(result) << result.error().line();
   return result ? *result : Cca{};
@@ -25,25 +25,25 @@ MatrixXd ridged(const MatrixXd& samples, double ridge, Eigen::Index rank) {
   return c;
 }
 
-// Ridge regression by the normal equations, sizes squared and all.
+// Ridge regression by the normal equations, with matrices of the squared size.
 VectorXd ridge_regression(const MatrixXd& x, const MatrixXd& y, double ridge, const VectorXd& at) {
   const Eigen::Index rank = std::min(x.rows(), x.cols() - 1);
-  const MatrixXd cross = centred(y) * centred(x).transpose() / static_cast<double>(x.cols() - 1);
+  const MatrixXd cross = centered(y) * centered(x).transpose() / static_cast<double>(x.cols() - 1);
   return y.rowwise().mean() + cross * ridged(x, ridge, rank).ldlt().solve(at - x.rowwise().mean());
 }
 
-TEST(Cca, AgreesWithTheGeneralisedEigenproblem) {
+TEST(Cca, AgreesWithTheGeneralizedEigenproblem) {
   const MatrixXd x = noise(5, 30, 1);
   const MatrixXd y = noise(4, 5, 2) * x + 2 * noise(4, 30, 3);
   for (const double ridge : {1e-6, 1e-3, 0.1}) {
     MatrixXd joint = MatrixXd::Zero(9, 9), metric = MatrixXd::Zero(9, 9);
-    joint.topRightCorner(5, 4) = centred(x) * centred(y).transpose() / 29;
+    joint.topRightCorner(5, 4) = centered(x) * centered(y).transpose() / 29;
     joint.bottomLeftCorner(4, 5) = joint.topRightCorner(5, 4).transpose();
     metric.topLeftCorner(5, 5) = ridged(x, ridge, 5);
     metric.bottomRightCorner(4, 4) = ridged(y, ridge, 4);
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> direct(joint, metric);
 
-    const Cca result = made(x, y, 9, ridge);
+    const Cca result = cca_of(x, y, 9, ridge);
     ASSERT_EQ(result.dimensions(), 4u);
     for (Eigen::Index k = 0; k < 4; ++k) {
       EXPECT_NEAR(result.correlations[k], direct.eigenvalues()[8 - k], 1e-9) << ridge << ", pair " << k;
@@ -64,7 +64,7 @@ TEST(Cca, WithAllDimensionsIsRidgeRegression) {
     const VectorXd at = noise(x_size, 1, 6);
     for (const double ridge : {1e-4, 0.05}) {
       const VectorXd expected = ridge_regression(x, y, ridge, at);
-      const VectorXd predicted = made(x, y, 1000, ridge).predict(at);
+      const VectorXd predicted = cca_of(x, y, 1000, ridge).predict(at);
       EXPECT_LE((predicted - expected).norm(), 1e-9 * expected.norm())
           << x_size << " " << y_size << " " << ridge;
     }
@@ -74,7 +74,7 @@ TEST(Cca, WithAllDimensionsIsRidgeRegression) {
 TEST(Cca, FindsALinearRuleOfFewDimensions) {
   const MatrixXd hidden = noise(3, 40, 7);
   const MatrixXd to_x = noise(300, 3, 8), to_y = noise(50, 3, 9);
-  const Cca result = made(to_x * hidden, to_y * hidden, 3, 1e-9);
+  const Cca result = cca_of(to_x * hidden, to_y * hidden, 3, 1e-9);
   ASSERT_EQ(result.dimensions(), 3u);
   EXPECT_GT(result.correlations[2], 0.999);
   const VectorXd unseen = noise(3, 1, 10);
@@ -84,10 +84,10 @@ TEST(Cca, FindsALinearRuleOfFewDimensions) {
 TEST(Cca, FewerDimensionsKeepTheBestCorrelated) {
   const MatrixXd x = noise(6, 80, 11);
   const MatrixXd y = noise(6, 6, 12) * x + noise(6, 80, 13);
-  const Cca all = made(x, y, 6), two = made(x, y, 2);
+  const Cca all = cca_of(x, y, 6), two = cca_of(x, y, 2);
   ASSERT_EQ(two.dimensions(), 2u);
   EXPECT_EQ(two.weights, all.weights.leftCols(2));
-  EXPECT_EQ(two.loads, all.loads.leftCols(2));
+  EXPECT_EQ(two.loadings, all.loadings.leftCols(2));
   for (Eigen::Index k = 0; k + 1 < 6; ++k) EXPECT_GE(all.correlations[k], all.correlations[k + 1]);
   EXPECT_LE(all.correlations[0], 1);
   EXPECT_GE(all.correlations[5], 0);
@@ -96,15 +96,15 @@ TEST(Cca, FewerDimensionsKeepTheBestCorrelated) {
 TEST(Cca, WithoutSpreadPredictsTheMean) {
   const MatrixXd x = noise(7, 9, 14), y = noise(5, 9, 15);
   const MatrixXd same_x = x.col(0).replicate(1, 9), same_y = y.col(0).replicate(1, 9);
-  EXPECT_EQ(made(x, same_y, 3).predict(x.col(3)), VectorXd(y.col(0)));
-  EXPECT_LE((made(same_x, y, 3).predict(x.col(3)) - y.rowwise().mean()).norm(), 1e-12);
-  EXPECT_EQ(made(x.leftCols(1), y.leftCols(1), 3).predict(x.col(3)), VectorXd(y.col(0)));
+  EXPECT_EQ(cca_of(x, same_y, 3).predict(x.col(3)), VectorXd(y.col(0)));
+  EXPECT_LE((cca_of(same_x, y, 3).predict(x.col(3)) - y.rowwise().mean()).norm(), 1e-12);
+  EXPECT_EQ(cca_of(x.leftCols(1), y.leftCols(1), 3).predict(x.col(3)), VectorXd(y.col(0)));
 }
 
 TEST(Cca, GivesTheSameTwice) {
   const MatrixXd x = noise(40, 20, 16), y = noise(30, 20, 17);
-  EXPECT_EQ(made(x, y, 5).weights, made(x, y, 5).weights);
-  EXPECT_EQ(made(x, y, 5).loads, made(x, y, 5).loads);
+  EXPECT_EQ(cca_of(x, y, 5).weights, cca_of(x, y, 5).weights);
+  EXPECT_EQ(cca_of(x, y, 5).loadings, cca_of(x, y, 5).loadings);
 }
 
 TEST(Cca, RefusesWhatDoesNotFit) {

@@ -12,18 +12,18 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using testing::noise;
 
-Clusters made(const MatrixXd& points, Index count) {
+Clusters clusters_of(const MatrixXd& points, Index count) {
   auto result = k_means(points, count);
   EXPECT_TRUE(result) << result.error().line();
   return result ? *result : Clusters{};
 }
 
-// Groups around corners that are far apart; point k belongs to group k % groups.
+// Groups around distant corners; point k belongs to group k % groups.
 MatrixXd blobs(Index groups, Index points, unsigned seed) {
-  MatrixXd centres(3, groups);
-  for (Index g = 0; g < groups; ++g) centres.col(g) << 10.0 * (g & 1), 10.0 * (g >> 1 & 1), 10.0 * (g >> 2);
+  MatrixXd centers(3, groups);
+  for (Index g = 0; g < groups; ++g) centers.col(g) << 10.0 * (g & 1), 10.0 * (g >> 1 & 1), 10.0 * (g >> 2);
   MatrixXd result = noise(3, points, seed);
-  for (Index k = 0; k < points; ++k) result.col(k) += centres.col(k % groups);
+  for (Index k = 0; k < points; ++k) result.col(k) += centers.col(k % groups);
   return result;
 }
 
@@ -50,14 +50,14 @@ TEST(KMeans, IsAsTightAsTheBestOfAllGroupings) {
       for (Index k = 0; k < 8; ++k) groups[k] = grouping >> k & 1;
       least = std::min(least, spread_of(points, groups, 2));
     }
-    EXPECT_NEAR(made(points, 2).spread, least, 1e-9) << seed;
+    EXPECT_NEAR(clusters_of(points, 2).spread, least, 1e-9) << seed;
   }
 }
 
-TEST(KMeans, EveryPointIsWithItsNearestCentre) {
+TEST(KMeans, EveryPointIsWithItsNearestCenter) {
   const MatrixXd points = noise(4, 200, 30);
   for (const Index count : {1u, 2u, 7u, 50u}) {
-    const Clusters clusters = made(points, count);
+    const Clusters clusters = clusters_of(points, count);
     ASSERT_EQ(clusters.count(), count);
     EXPECT_NEAR(clusters.spread, spread_of(points, clusters.cluster_of, count), 1e-9);
     Index seen = 0;
@@ -65,39 +65,39 @@ TEST(KMeans, EveryPointIsWithItsNearestCentre) {
       const Index own = clusters.cluster_of[k];
       ASSERT_LE(own, seen);  // Numbered by first point.
       seen = std::max(seen, own + 1);
-      const VectorXd squared = (clusters.centres.colwise() - points.col(k)).colwise().squaredNorm();
+      const VectorXd squared = (clusters.centers.colwise() - points.col(k)).colwise().squaredNorm();
       EXPECT_LE(squared[own], squared.minCoeff() + 1e-9);
       const Index medoid = clusters.medoids[own];
       EXPECT_EQ(clusters.cluster_of[medoid], own);
-      EXPECT_LE((points.col(medoid) - clusters.centres.col(own)).norm(),
-                (points.col(k) - clusters.centres.col(own)).norm());
+      EXPECT_LE((points.col(medoid) - clusters.centers.col(own)).norm(),
+                (points.col(k) - clusters.centers.col(own)).norm());
     }
     EXPECT_EQ(seen, count);
   }
 }
 
-TEST(KMeans, HasNoEmptyGroupEvenAmongEqualPoints) {
+TEST(KMeans, HasNoEmptyClusterEvenAmongEqualPoints) {
   MatrixXd points(1, 12);
   points << 1, 1, 1, 1, 2, 2, 2, 2, 2, 5, 5, 5;
   for (const Index count : {1u, 2u, 3u, 4u, 40u}) {
-    const Clusters clusters = made(points, count);
+    const Clusters clusters = clusters_of(points, count);
     EXPECT_EQ(clusters.count(), std::min(count, 3u));
     EXPECT_EQ(std::set<Index>(clusters.cluster_of.begin(), clusters.cluster_of.end()).size(),
               clusters.count());
   }
-  EXPECT_EQ(made(points, 3).spread, 0);
+  EXPECT_EQ(clusters_of(points, 3).spread, 0);
 }
 
 TEST(KMeans, MeasuresTheSilhouette) {
   MatrixXd points(1, 4);
   points << 0, 1, 10, 11;
   const double outer = 1 - 1 / 10.5, inner = 1 - 1 / 9.5;
-  EXPECT_NEAR(made(points, 2).silhouette, (outer + inner) / 2, 1e-12);
-  EXPECT_EQ(made(points, 1).silhouette, 0);
-  EXPECT_EQ(made(points, 4).silhouette, 0);  // Each alone.
+  EXPECT_NEAR(clusters_of(points, 2).silhouette, (outer + inner) / 2, 1e-12);
+  EXPECT_EQ(clusters_of(points, 1).silhouette, 0);
+  EXPECT_EQ(clusters_of(points, 4).silhouette, 0);  // Each point alone.
 }
 
-TEST(KMeans, ChoosesTheCountThatShows) {
+TEST(KMeans, ChoosesTheCountOfLargestSilhouette) {
   for (const Index groups : {2u, 3u, 5u, 8u}) {
     const auto clusters = cluster(blobs(groups, 80, 31), 12);
     ASSERT_TRUE(clusters);
@@ -112,10 +112,10 @@ TEST(KMeans, ChoosesTheCountThatShows) {
 
 TEST(KMeans, GivesTheSameTwice) {
   const MatrixXd points = noise(3, 300, 33);
-  EXPECT_EQ(made(points, 9).cluster_of, made(points, 9).cluster_of);
+  EXPECT_EQ(clusters_of(points, 9).cluster_of, clusters_of(points, 9).cluster_of);
 }
 
-TEST(KMeans, RefusesWhatCannotBeGrouped) {
+TEST(KMeans, RefusesWhatCannotBeClustered) {
   EXPECT_FALSE(k_means(MatrixXd(3, 0), 2));
   EXPECT_FALSE(k_means(MatrixXd::Ones(3, 4), 0));
   EXPECT_FALSE(cluster(MatrixXd::Ones(3, 4), 0));

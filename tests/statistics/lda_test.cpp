@@ -12,7 +12,7 @@ using testing::covariance;
 using testing::noise;
 using Classes = std::vector<std::uint8_t>;
 
-Lda made(const MatrixXd& points, const Classes& classes, double ridge = 1e-3) {
+Lda lda_of(const MatrixXd& points, const Classes& classes, double ridge = 1e-3) {
   auto result = lda(points, classes, ridge);
   EXPECT_TRUE(result) << result.error().line();
   return result ? *result : Lda{};
@@ -23,20 +23,20 @@ struct Labelled {
   Classes classes;
 };
 
-// Two clouds, stretched, `apart` from each other; every third point is of class 1.
-Labelled clouds(Eigen::Index size, Eigen::Index count, double apart, unsigned seed) {
-  Labelled made{noise(size, size, seed) * noise(size, count, seed + 1), Classes(count, 0)};
-  const VectorXd way = apart * noise(size, 1, seed + 2);
+// Two stretched clouds at a distance; every third point is of class 1.
+Labelled clouds(Eigen::Index size, Eigen::Index count, double distance, unsigned seed) {
+  Labelled set{noise(size, size, seed) * noise(size, count, seed + 1), Classes(count, 0)};
+  const VectorXd offset = distance * noise(size, 1, seed + 2);
   for (Eigen::Index k = 0; k < count; k += 3) {
-    made.points.col(k) += way;
-    made.classes[k] = 1;
+    set.points.col(k) += offset;
+    set.classes[k] = 1;
   }
-  return made;
+  return set;
 }
 
 struct Scatter {
   MatrixXd within;
-  VectorXd apart;
+  VectorXd mean_difference;
 };
 
 Scatter scatter(const Labelled& set) {
@@ -63,32 +63,33 @@ double balanced_error(const Lda& result, const Labelled& set, double threshold) 
   return (wrong[0] / sizes[0] + wrong[1] / sizes[1]) / 2;
 }
 
-TEST(Lda, AgreesWithTheGeneralisedEigenproblem) {
+TEST(Lda, AgreesWithTheGeneralizedEigenproblem) {
   const Labelled set = clouds(5, 60, 2, 1);
   const Scatter s = scatter(set);
   const double ridge = 0.01;
   MatrixXd metric = s.within;
   metric.diagonal().array() += ridge * s.within.trace() / 5;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> direct(s.apart * s.apart.transpose(), metric);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> direct(
+      s.mean_difference * s.mean_difference.transpose(), metric);
   VectorXd expected = direct.eigenvectors().col(4).normalized();
-  if (expected.dot(s.apart) < 0) expected = -expected;
-  EXPECT_LE((made(set.points, set.classes, ridge).direction - expected).norm(), 1e-9);
+  if (expected.dot(s.mean_difference) < 0) expected = -expected;
+  EXPECT_LE((lda_of(set.points, set.classes, ridge).direction - expected).norm(), 1e-9);
 }
 
-TEST(Lda, WorksInTheSpanWhenNumbersOutnumberPoints) {
+TEST(Lda, WorksWhenNumbersOutnumberPoints) {
   const Labelled set = clouds(120, 16, 1, 2);
   const Scatter s = scatter(set);
   MatrixXd metric = s.within;
   metric.diagonal().array() += 1e-3 * s.within.trace() / 15;  // 16 points span 15 directions.
-  const VectorXd expected = metric.ldlt().solve(s.apart).normalized();
-  EXPECT_LE((made(set.points, set.classes).direction - expected).norm(), 1e-7);
+  const VectorXd expected = metric.ldlt().solve(s.mean_difference).normalized();
+  EXPECT_LE((lda_of(set.points, set.classes).direction - expected).norm(), 1e-7);
 }
 
 TEST(Lda, NoOtherThresholdSeparatesBetter) {
-  for (const double apart : {0.1, 0.5, 2.0}) {
+  for (const double distance : {0.1, 0.5, 2.0}) {
     for (unsigned seed = 3; seed < 13; ++seed) {
-      const Labelled set = clouds(3, 45, apart, seed);
-      const Lda result = made(set.points, set.classes);
+      const Labelled set = clouds(3, 45, distance, seed);
+      const Lda result = lda_of(set.points, set.classes);
       EXPECT_NEAR(balanced_error(result, set, result.threshold), result.error, 1e-12);
       EXPECT_LE(result.error, 0.5);
       const VectorXd scores = set.points.transpose() * result.direction;
@@ -103,22 +104,22 @@ TEST(Lda, NoOtherThresholdSeparatesBetter) {
 TEST(Lda, CutsInTheMiddleOfTheWidestGap) {
   MatrixXd points(1, 6);
   points << 0, 1, 2, 8, 9, 10;
-  const Lda result = made(points, {0, 0, 0, 1, 1, 1});
+  const Lda result = lda_of(points, {0, 0, 0, 1, 1, 1});
   EXPECT_DOUBLE_EQ(result.threshold, 5);
   EXPECT_EQ(result.error, 0);
   EXPECT_GT(result.score(VectorXd::Constant(1, 5.5)), 0);
   EXPECT_LT(result.score(VectorXd::Constant(1, 4.5)), 0);
-  // Class 1 below: the direction turns, and above 0 still means class 1.
-  const Lda turned = made(points, {1, 1, 1, 0, 0, 0});
+  // Class 1 below: the direction is reversed, and a score above 0 still means class 1.
+  const Lda turned = lda_of(points, {1, 1, 1, 0, 0, 0});
   EXPECT_GT(turned.score(VectorXd::Constant(1, 0)), 0);
   EXPECT_DOUBLE_EQ(turned.threshold, -5);
 }
 
-TEST(Lda, TakesTheSharesOfBothClasses) {
-  // One point of class 1 among many: saying "class 0" always would be right nearly always, and useless.
+TEST(Lda, MinimizesTheBalancedError) {
+  // One point of class 1 among many: "always class 0" would be nearly always right, and useless.
   MatrixXd points(1, 9);
   points << 0, 1, 2, 3, 4, 5, 6, 6.5, 6;
-  const Lda result = made(points, {0, 0, 0, 0, 0, 0, 0, 0, 1});
+  const Lda result = lda_of(points, {0, 0, 0, 0, 0, 0, 0, 0, 1});
   EXPECT_NEAR(result.threshold, 5.5, 1e-12);
   EXPECT_NEAR(result.error, (2.0 / 8) / 2, 1e-12);
 }
@@ -126,18 +127,18 @@ TEST(Lda, TakesTheSharesOfBothClasses) {
 TEST(Lda, SeparatesTwoPointsAndClassesWithoutSpread) {
   MatrixXd points(3, 4);
   points << 0, 0, 3, 3, 1, 1, 1, 1, 0, 0, 4, 4;
-  const Lda result = made(points, {0, 0, 1, 1});
+  const Lda result = lda_of(points, {0, 0, 1, 1});
   EXPECT_LE((result.direction - Eigen::Vector3d(0.6, 0, 0.8)).norm(), 1e-12);
   EXPECT_NEAR(result.threshold, 2.5, 1e-12);
-  EXPECT_EQ(made(points.middleCols(1, 2), {0, 1}).error, 0);
+  EXPECT_EQ(lda_of(points.middleCols(1, 2), {0, 1}).error, 0);
 }
 
 TEST(Lda, GivesTheSameTwice) {
   const Labelled set = clouds(40, 20, 1, 20);
-  EXPECT_EQ(made(set.points, set.classes).direction, made(set.points, set.classes).direction);
+  EXPECT_EQ(lda_of(set.points, set.classes).direction, lda_of(set.points, set.classes).direction);
 }
 
-TEST(Lda, RefusesWhatCannotBeToldApart) {
+TEST(Lda, RefusesClassesThatCannotBeSeparated) {
   MatrixXd points = noise(3, 4, 21);
   EXPECT_FALSE(lda(points, Classes{1, 1, 1, 1}));
   EXPECT_EQ(lda(points, Classes{0, 0, 0, 0}).error().line(),

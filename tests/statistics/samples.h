@@ -1,4 +1,4 @@
-/// Made-up samples for the tests of statistics.
+/// Random samples for the tests of statistics.
 #pragma once
 
 #include <Eigen/Dense>
@@ -16,8 +16,7 @@ inline Eigen::MatrixXd noise(Eigen::Index rows, Eigen::Index columns, unsigned s
   });
 }
 
-/// `rank` independent directions, each `ratio` times as strong as the one before, around a mean that is not
-/// 0.
+/// `rank` independent directions, each `ratio` times as strong as the one before, around a mean other than 0.
 inline Eigen::MatrixXd graded(Eigen::Index size, Eigen::Index count, Eigen::Index rank, double ratio,
                               unsigned seed) {
   const Eigen::MatrixXd directions = noise(size, rank, seed), factors = noise(rank, count, seed + 1);
@@ -27,12 +26,12 @@ inline Eigen::MatrixXd graded(Eigen::Index size, Eigen::Index count, Eigen::Inde
   return (directions * strength.asDiagonal() * factors).colwise() + mean;
 }
 
-inline Eigen::MatrixXd centred(const Eigen::MatrixXd& samples) {
+inline Eigen::MatrixXd centered(const Eigen::MatrixXd& samples) {
   return samples.colwise() - samples.rowwise().mean();
 }
 
 inline Eigen::MatrixXd covariance(const Eigen::MatrixXd& samples) {
-  const Eigen::MatrixXd c = centred(samples);
+  const Eigen::MatrixXd c = centered(samples);
   return c * c.transpose() / static_cast<double>(samples.cols() - 1);
 }
 

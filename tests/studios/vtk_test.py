@@ -1,4 +1,4 @@
-"""What `foldproof check --vtk` writes, read back with VTK's own reader.
+"""Reads the output of `foldproof check --vtk` with VTK's own reader.
 
 Run as: vtk_test.py PROGRAM. Exit code 77, which ctest calls skipped, without VTK.
 """
@@ -41,7 +41,7 @@ def motion_of(offsets, tilt):
 
 
 def faces_of(pairs, triangles_of):
-    """Per object, which triangles the pairs of a JSON report name, or the vertices and edges around which they lie."""
+    """Per object, the triangles that collide by a JSON report, including those around colliding vertices and edges."""
     marks = [np.zeros(len(triangles), bool) for triangles in triangles_of]
     for vertex_object, vertex, face_object, face, _ in pairs["vf"]:
         marks[vertex_object] |= (triangles_of[vertex_object] == vertex).any(1)
@@ -78,7 +78,7 @@ class Vtk(unittest.TestCase):
             np.savez(self.directory / f"{name}.npz", faces=triangles, vertices=frames)
 
     def check(self, *options):
-        """The report, and per step its time and what VTK read."""
+        """The report, the times of the steps, and the meshes that VTK reads."""
         command = [PROGRAM, "check", "a.npz", "b.npz", "--json", "j.json", "--pairs", "--vtk", "out & more.pvd"]
         done = subprocess.run([*command, *options], cwd=self.directory, capture_output=True, text=True)
         self.assertEqual(done.returncode, 1, done.stderr)
@@ -139,7 +139,7 @@ class Vtk(unittest.TestCase):
         self.expect_answers(report, meshes)
 
     def test_what_crosses_in_the_first_frame(self):
-        """From frame 2 on the sheets stand through each other."""
+        """From frame 2 on the sheets intersect."""
         report, _, meshes = self.check()
         self.assertFalse(any(arrays_of(mesh.GetCellData())["starts_crossing"].any() for mesh in meshes))
         report, times, meshes = self.check("--frames", "3")

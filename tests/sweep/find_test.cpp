@@ -1,4 +1,4 @@
-// What counts as a motion below a directory.
+// Finding the motions below a directory.
 #include <gmock/gmock.h>
 
 #include "report/needle.h"
@@ -13,7 +13,7 @@ using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// A directory with files of these names; what is in them is not looked at.
+/// A directory with files of these names; their content does not matter.
 struct Library : TemporaryDirectory {
   explicit Library(const std::vector<std::string>& files) {
     for (const std::string& file : files) {

@@ -37,19 +37,19 @@ struct Library : TemporaryDirectory {
     return SweepFile::open(results(), found, settings_hash(settings), again);
   }
 
-  /// Does what is left; gives the numbers of what it did.
+  /// Checks the remaining motions; returns their indices.
   std::vector<std::size_t> sweep(bool again = false) const {
     const SweepInput found = input();
     auto file = open(found, again);
     EXPECT_TRUE(file) << file.error().line();
     if (!file) return {};
-    const std::vector<std::size_t> left = file->left();
-    for (const std::size_t motion : left) {
+    const std::vector<std::size_t> remaining = file->remaining();
+    for (const std::size_t motion : remaining) {
       const auto line = sweep_line(found.motions[motion], settings);
       EXPECT_TRUE(line && file->add(*line));
     }
     EXPECT_EQ(file->records().size(), found.motions.size());
-    return left;
+    return remaining;
   }
 
   SweepSettings settings;
@@ -113,7 +113,7 @@ TEST(SweepLine, WhatCrossesFromTheStartIsNotClean) {
   EXPECT_NE(settings_hash(steps), settings_hash({}));
 }
 
-TEST(SweepLine, ThoseOfBeforeTheFirstFrameWasAskedCanBeRead) {
+TEST(SweepLine, LinesWithoutTheFirstFrameCanBeRead) {
   const SweepRecord record = record_of(
       R"({"path":"x.npz","state":"clean","settings":"0","bytes":1,"modified":1,"seconds":0.5,"vertices":3,)"
       R"("triangles":1,"frames":2,"model":null,"totals":{"steps":1,"steps_with_collisions":0,)"
@@ -172,7 +172,7 @@ TEST(SweepLine, IsNoneWhenTheCheckWasCancelled) {
   EXPECT_FALSE(sweep_line(library.input().motions[0], library.settings, hooks));
 }
 
-TEST(SweepFile, GoesOnWhereItStopped) {
+TEST(SweepFile, ContinuesWhereItStopped) {
   const ThreeNeedles library;
   EXPECT_THAT(library.sweep(), ElementsAre(0, 1, 2));
   const std::string whole = read_file(library.results());
@@ -181,7 +181,7 @@ TEST(SweepFile, GoesOnWhereItStopped) {
   EXPECT_THAT(library.sweep(true), ElementsAre(0, 1, 2));
 }
 
-TEST(SweepFile, MendsALastLineThatWasCutAnywhere) {
+TEST(SweepFile, RepairsATruncatedLastLine) {
   const ThreeNeedles library;
   library.sweep();
   const std::string whole = read_file(library.results());
@@ -191,14 +191,14 @@ TEST(SweepFile, MendsALastLineThatWasCutAnywhere) {
     const SweepInput input = library.input();
     const auto file = library.open(input);
     ASSERT_TRUE(file) << length << ": " << file.error().line();
-    // What lacks nothing but its end is whole.
+    // A line that lacks only its line end is complete.
     const bool lost = length < whole.size() - 1;
-    EXPECT_EQ(file->left().size(), lost ? 1u : 0u) << length;
+    EXPECT_EQ(file->remaining().size(), lost ? 1u : 0u) << length;
     EXPECT_EQ(read_file(library.results()), lost ? whole.substr(0, last) : whole) << length;
   }
 }
 
-TEST(SweepFile, ChecksAnewWhatChanged) {
+TEST(SweepFile, ChecksAgainWhatChanged) {
   ThreeNeedles library;
   library.sweep();
   library.add("b.npz", {3, 2, 1, -1});
@@ -264,21 +264,21 @@ TEST(SweepQueue, HandsOutTheLargestFirst) {
   const std::vector<SweepMotion> motions = {
       {"a", {}, 5, 0}, {"b", {}, 9, 0}, {"c", {}, 7, 0}, {"d", {}, 8, 0}};
   SweepQueue queue(motions, {0, 1, 2});
-  EXPECT_EQ(queue.take(1), 1u);
-  EXPECT_EQ(queue.take(2), 2u);
-  EXPECT_EQ(queue.take(1), 0u);
-  EXPECT_EQ(queue.take(1), std::nullopt);
+  EXPECT_EQ(queue.assign(1), 1u);
+  EXPECT_EQ(queue.assign(2), 2u);
+  EXPECT_EQ(queue.assign(1), 0u);
+  EXPECT_EQ(queue.assign(1), std::nullopt);
 }
 
 TEST(SweepQueue, GivesALostWorkersMotionToAnotherOnce) {
   const std::vector<SweepMotion> motions = {{"a", {}, 5, 0}, {"b", {}, 9, 0}};
   SweepQueue queue(motions, {0, 1});
-  EXPECT_EQ(queue.take(1), 1u);
-  EXPECT_EQ(queue.lose(1), std::nullopt);
-  EXPECT_EQ(queue.lose(1), std::nullopt) << "it had one motion only";
-  EXPECT_EQ(queue.take(2), 1u);
-  EXPECT_EQ(queue.lose(2), 1u) << "two workers were lost over it";
-  EXPECT_EQ(queue.take(3), 0u);
+  EXPECT_EQ(queue.assign(1), 1u);
+  EXPECT_EQ(queue.worker_lost(1), std::nullopt);
+  EXPECT_EQ(queue.worker_lost(1), std::nullopt) << "it had one motion only";
+  EXPECT_EQ(queue.assign(2), 1u);
+  EXPECT_EQ(queue.worker_lost(2), 1u) << "two workers were lost over it";
+  EXPECT_EQ(queue.assign(3), 0u);
   EXPECT_FALSE(queue.finished());
   EXPECT_TRUE(queue.finish(3, 0));
   EXPECT_TRUE(queue.finished());
@@ -287,10 +287,10 @@ TEST(SweepQueue, GivesALostWorkersMotionToAnotherOnce) {
 TEST(SweepQueue, TakesOneAnswerWhenALostWorkerComesBack) {
   const std::vector<SweepMotion> motions = {{"a", {}, 5, 0}};
   SweepQueue queue(motions, {0});
-  queue.take(1);
-  queue.lose(1);
+  queue.assign(1);
+  queue.worker_lost(1);
   EXPECT_TRUE(queue.finish(1, 0));
-  EXPECT_EQ(queue.take(2), std::nullopt);
+  EXPECT_EQ(queue.assign(2), std::nullopt);
   EXPECT_FALSE(queue.finish(2, 0));
   EXPECT_TRUE(queue.finished());
 }
@@ -332,7 +332,7 @@ TEST(SweepPage, HasAColumnForWhatCrossesInTheFirstFrame) {
   ASSERT_TRUE(write_sweep_page(directory / "page.html", std::span(&starts, 1), {"", {"lib"}, false, true}));
   page = read_file(directory / "page.html");
   EXPECT_THAT(page, HasSubstr("1 in whose steps no contact begins"));
-  EXPECT_THAT(page, HasSubstr("Only the steps were asked"));
+  EXPECT_THAT(page, HasSubstr("Only the steps were checked"));
 }
 
 TEST(SweepPage, NamesTheHashOfItsScript) {

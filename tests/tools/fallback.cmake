@@ -36,13 +36,14 @@ function(foldproof_fallback_tests MODULE FILTER)
     $<FILTER:$<FILTER:$<TARGET_OBJECTS:test_${MODULE}>,EXCLUDE,/ops\\.cpp>,EXCLUDE,/inside\\.cpp>)
   target_link_libraries(test_${MODULE}_fallback PRIVATE foldproof_app fmt::fmt GTest::gmock GTest::gtest_main hwy ${ARGN})
   gtest_discover_tests(test_${MODULE}_fallback TEST_PREFIX fallback/ EXTRA_ARGS --gtest_filter=${FILTER}
-    TEST_FILTER ${FILTER} PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
+    TEST_FILTER ${FILTER} PROPERTIES LABELS ${MODULE}_fallback TIMEOUT 600 DISCOVERY_TIMEOUT 60)
   # That it is in use, and alone; and that its answers are those of the other instruction sets.
   add_test(NAME fallback/${MODULE}_agrees COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DPROGRAM=$<TARGET_FILE:test_${MODULE}>
     -DFALLBACK=$<TARGET_FILE:test_${MODULE}_fallback> -P ${CMAKE_CURRENT_SOURCE_DIR}/tools/same_answers.cmake)
+  foldproof_test_part(${MODULE}_fallback test_${MODULE} test_${MODULE}_fallback)
 endfunction()
 
 foldproof_fallback_tests(arithmetic * foldproof_oracle foldproof_threads)
 foldproof_fallback_tests(bvh *:-Hierarchy* foldproof_oracle)
-foldproof_fallback_tests(ccd March* foldproof_oracle CGAL::CGAL)
+foldproof_fallback_tests(ccd ConservativeAdvancement* foldproof_oracle CGAL::CGAL)
 foldproof_fallback_tests(certificate *InstructionSets*:*Plane* foldproof_oracle foldproof_threads)

@@ -1,13 +1,13 @@
-// The report: the program puts this script, its style and the data into one file that opens anywhere, offline.
+// The report: the program embeds this script, its style and the data in one file that opens anywhere, offline.
 import '../shared/base.css';
 import './report.css';
 import { Charts } from '../shared/charts';
 import { css, kReasons } from '../shared/colours';
 import { append, el } from '../shared/dom';
 import { counted, grouped, milliseconds, percent, short, toiText } from '../shared/format';
-import { beginOf, collisionsOf, placeText, type Step } from '../shared/steps';
+import { startOf, collisionsOf, stepText, type Step } from '../shared/steps';
 import { applyTheme, onTheme, startTheme, themeButton } from '../shared/theme';
-import { kStartNotAsked, startText, verdictOf, type Found, type Kind, type Start } from '../shared/verdict';
+import { kStartNotTested, startText, verdictOf, type Found, type Kind, type Start } from '../shared/verdict';
 
 interface Counts {
   vf: number;
@@ -21,7 +21,7 @@ interface Data {
   command: string;
   objects: { name: string; vertices: number; triangles: number; frames: number; model: string | null | { name: string } }[];
   settings: Record<string, unknown>;
-  start: Start | null; // nothing where it was not asked
+  start: Start | null; // null if it was not tested
   totals: {
     steps: number;
     steps_expected: number;
@@ -79,18 +79,18 @@ function foundIn({ settings, start, totals }: Data, single: boolean): Found {
   };
 }
 
-/** What the answer rests on. */
+/** What the answer is based on. */
 function kindOfProof(data: Data, found: Found): string {
   if (found.statistical) return 'The answer for the steps is statistical and can miss collisions.';
-  if (found.state !== 'done') return 'The check was stopped: of the steps that are not listed nothing is known.';
+  if (found.state !== 'done') return 'The check was stopped: nothing is known about steps that are not listed.';
   if (found.single) return 'The answer is exact.';
   const steps = 'Nothing is sampled: between frames every vertex moves along a straight line, and a step with no pair listed is proven to have no contact.';
-  if (data.start === null) return `${steps} A step tells only what comes into contact: ${kStartNotAsked}, so parts may be inside each other without being listed.`;
-  if (data.start.crossings > 0) return `${steps} What crosses from the start can go on crossing without any contact.`;
+  if (data.start === null) return `${steps} A step finds only new contacts: ${kStartNotTested}, so parts may be inside each other without being listed.`;
+  if (data.start.crossings > 0) return `${steps} Triangles that cross from the start can go on crossing without any contact.`;
   return steps;
 }
 
-/** What was found, in sentences. */
+/** The results, in sentences. */
 function summary(data: Data, substeps: number): { verdict: string; text: string; kind: Kind } {
   const { totals } = data;
   const found = foundIn(data, isSingle(data));
@@ -99,7 +99,7 @@ function summary(data: Data, substeps: number): { verdict: string; text: string;
   const what = found.single ? 'A single frame' : counted(totals.steps, 'step');
   const time = totals.milliseconds.total + (data.start?.ms.total ?? 0);
   const parts = [`${what} of ${counted(data.objects.length, 'object')} with ${counted(triangles, 'triangle')} ${found.single || totals.steps === 1 ? 'was' : 'were'} checked in ${milliseconds(time)}.`];
-  const where = (place: { frame: number; substep: number }) => `frame ${place.frame}${substeps > 1 ? `, part ${place.substep + 1} of ${substeps}` : ''}`;
+  const where = (step: { frame: number; substep: number }) => `frame ${step.frame}${substeps > 1 ? `, part ${step.substep + 1} of ${substeps}` : ''}`;
   if (found.pairs > 0) parts.push(`${counted(found.pairs, 'pair')} of features ${found.pairs === 1 ? 'collides' : 'collide'}: ${counted(totals.collisions.vf, 'vertex–face pair')} and ${grouped(totals.collisions.ee)} edge–edge.`);
   if (totals.earliest && !found.single) parts.push(`The first contact comes ${toiText(totals.earliest.toi)} of the way from ${where(totals.earliest)}.`);
   if (totals.worst && !found.single) parts.push(`The worst step starts at ${where(totals.worst)}, with ${counted(total(totals.worst.collisions), 'pair')}.`);
@@ -110,22 +110,22 @@ function summary(data: Data, substeps: number): { verdict: string; text: string;
 
 const isSingle = ({ steps }: Data): boolean => steps.length === 1 && steps[0]!.frame === steps[0]!.next_frame;
 
-/** The two questions, which only together say that nothing goes through anything. */
-function questions(data: Data): HTMLElement {
+/** The two tests, which only together prove that nothing intersects. */
+function tests(data: Data): HTMLElement {
   const { start, totals } = data;
   const found = foundIn(data, isSingle(data));
   const first = data.steps[0]?.frame ?? start?.frame ?? 0;
   const last = data.steps.at(-1)?.next_frame ?? first;
   const answer = (text: string, kind: Kind) => el('span', { className: `answer ${kind}` }, text);
-  const crossings = start === null ? answer('not asked (--steps-only)', 'run') : start.crossings === 0 ? answer('none', 'free') : answer(counted(start.crossings, 'pair'), 'hit');
+  const crossings = start === null ? answer('not tested (--steps-only)', 'run') : start.crossings === 0 ? answer('none', 'free') : answer(counted(start.crossings, 'pair'), 'hit');
   const pairs = found.pairs > 0 ? `${counted(found.pairs, 'pair')}${found.single ? '' : ` in ${grouped(found.colliding)} of ${counted(totals.steps, 'step')}`}` : 'none';
-  const rest = found.state === 'done' ? '' : `; ${grouped(totals.steps_expected - totals.steps)} of ${counted(totals.steps_expected, 'step')} not checked`;
-  const contacts = answer(pairs + rest, found.pairs > 0 ? 'hit' : rest ? 'stopped' : found.statistical || start?.crossings !== 0 ? 'run' : 'free');
+  const unchecked = found.state === 'done' ? '' : `; ${grouped(totals.steps_expected - totals.steps)} of ${counted(totals.steps_expected, 'step')} not checked`;
+  const contacts = answer(pairs + unchecked, found.pairs > 0 ? 'hit' : unchecked ? 'stopped' : found.statistical || start?.crossings !== 0 ? 'run' : 'free');
   const second = found.single ? `Pairs in contact in frame ${first}` : `Contacts in the steps from frame ${first} to ${last}`;
   return section(
-    'What was asked',
+    'Results',
     table(
-      ['question', 'answer', 'time'],
+      ['test', 'result', 'time'],
       [
         [`Triangles that cross in frame ${first}`, crossings, start === null ? '–' : milliseconds(start.ms.total)],
         [second, contacts, milliseconds(totals.milliseconds.total)],
@@ -143,7 +143,7 @@ function reasonsTable(data: Data): HTMLElement | null {
   const rows = sums.flatMap((n, k) => {
     const reason = names[k];
     if (n === 0 || !reason) return [];
-    const mark = el('span', { className: 'reason' }, el('span', { className: 'swatch', style: { background: css(reason.colour) } }), reason.title);
+    const mark = el('span', { className: 'reason' }, el('span', { className: 'swatch', style: { background: css(reason.color) } }), reason.title);
     return [[mark, grouped(n), percent(n / every), reason.help]];
   });
   return section('What was proven, and why not the rest', el('p', {}, 'Pairs of leaves, patches of a dozen triangles or so, whose boxes come near each other; sums over the steps.'), table(['', 'leaf pairs', 'share', ''], rows, [false, true, true, false]));
@@ -160,7 +160,7 @@ function worstSteps(data: Data, substeps: number): HTMLElement | null {
     worst.length < 10 ? 'Steps with collisions' : 'The ten worst steps',
     table(
       ['step', 'vertex–face', 'edge–edge', 'first contact (share of the step)', 'time'],
-      worst.map((step) => [placeText(step, substeps), grouped(step.vertex_face), grouped(step.edge_edge), toiText(step.toi), milliseconds(step.ms.total)]),
+      worst.map((step) => [stepText(step, substeps), grouped(step.vertex_face), grouped(step.edge_edge), toiText(step.toi), milliseconds(step.ms.total)]),
       [false, true, true, true, true],
     ),
   );
@@ -179,8 +179,8 @@ function makeCharts(data: Data, substeps: number): { charts: Charts; box: HTMLEl
   const last = data.steps[data.steps.length - 1]!;
   const charts = new Charts({
     substeps,
-    low: beginOf(first, substeps),
-    high: beginOf(last, substeps) + (last.next_frame - last.frame) / substeps,
+    low: startOf(first, substeps),
+    high: startOf(last, substeps) + (last.next_frame - last.frame) / substeps,
     height: kChartHeight,
   });
   return { charts, box: section('Step by step', charts.element) };
@@ -198,7 +198,7 @@ function build(data: Data): void {
     el('header', {}, el('div', {}, el('p', { className: 'brand' }, 'Foldproof report'), el('h1', { className: kind }, verdict)), themeButton()),
     el('p', { className: 'lead' }, text),
     ...data.notes.map((note) => el('p', { className: 'note' }, note)),
-    questions(data),
+    tests(data),
     pictures(data),
     section(
       'Objects',
@@ -215,7 +215,7 @@ function build(data: Data): void {
   charts.charts.setSteps(data.steps);
   if (data.start && data.start.crossings > 0) charts.charts.setStart(data.start.frame, startText(data.start));
   onTheme(() => charts.charts.restyle());
-  // Paper is white.
+  // Print in the light theme.
   window.addEventListener('beforeprint', () => {
     document.documentElement.dataset['theme'] = 'light';
     charts.charts.restyle();

@@ -1,13 +1,13 @@
-// Charts of what the check did, step by step; the page ties them to its timeline.
+// Charts of the check's results and work by step; the page links them to its timeline.
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { el } from './dom';
 import { brief, grouped, milliseconds } from './format';
-import { beginOf, type Step } from './steps';
+import { startOf, type Step } from './steps';
 
 interface Series {
   label: string;
-  colour: string; // a CSS variable
+  color: string; // a CSS variable
   value: (step: Step) => number;
 }
 
@@ -16,11 +16,11 @@ interface Chart {
   title: string;
   unit: string;
   stacked: boolean;
-  spread?: boolean; // small values are spread out: nearly logarithmic, and zero has a place
+  spread?: boolean; // a nearly logarithmic scale (asinh) that includes zero
   series: Series[];
 }
 
-// The parts of a stack stand from the bottom up.
+// The parts of a stack are listed from the bottom up.
 const kCharts: Chart[] = [
   {
     id: 'collisions',
@@ -28,8 +28,8 @@ const kCharts: Chart[] = [
     unit: 'pairs per step',
     stacked: true,
     series: [
-      { label: 'edge–edge', colour: '--c-ee', value: (s) => s.edge_edge },
-      { label: 'vertex–face', colour: '--c-vf', value: (s) => s.vertex_face },
+      { label: 'edge–edge', color: '--c-ee', value: (s) => s.edge_edge },
+      { label: 'vertex–face', color: '--c-vf', value: (s) => s.vertex_face },
     ],
   },
   {
@@ -38,12 +38,12 @@ const kCharts: Chart[] = [
     unit: 'ms',
     stacked: true,
     series: [
-      { label: 'update', colour: '--c-update', value: (s) => s.ms.update },
-      { label: 'traverse', colour: '--c-traverse', value: (s) => s.ms.traverse },
-      { label: 'narrow', colour: '--c-narrow', value: (s) => s.ms.narrow },
+      { label: 'update', color: '--c-update', value: (s) => s.ms.update },
+      { label: 'traverse', color: '--c-traverse', value: (s) => s.ms.traverse },
+      { label: 'narrow', color: '--c-narrow', value: (s) => s.ms.narrow },
       {
         label: 'other',
-        colour: '--c-other',
+        color: '--c-other',
         value: (s) => Math.max(0, s.ms.total - s.ms.update - s.ms.traverse - s.ms.narrow),
       },
     ],
@@ -55,10 +55,10 @@ const kCharts: Chart[] = [
     stacked: false,
     spread: true,
     series: [
-      { label: 'node pairs', colour: '--c-nodes', value: (s) => s.node_tests },
-      { label: 'proofs tried', colour: '--c-tests', value: (s) => s.certificate_tests },
-      { label: 'proofs found (culls)', colour: '--c-passes', value: (s) => s.certificate_passes },
-      { label: 'leaf pairs tested', colour: '--c-leaves', value: (s) => s.leaf_pairs },
+      { label: 'node pairs', color: '--c-nodes', value: (s) => s.node_tests },
+      { label: 'proofs tried', color: '--c-tests', value: (s) => s.certificate_tests },
+      { label: 'proofs found (culls)', color: '--c-passes', value: (s) => s.certificate_passes },
+      { label: 'leaf pairs tested', color: '--c-leaves', value: (s) => s.leaf_pairs },
     ],
   },
   {
@@ -66,7 +66,7 @@ const kCharts: Chart[] = [
     title: 'Candidates for the narrow phase',
     unit: 'pairs per step',
     stacked: false,
-    series: [{ label: 'candidates', colour: '--c-candidates', value: (s) => s.candidates }],
+    series: [{ label: 'candidates', color: '--c-candidates', value: (s) => s.candidates }],
   },
 ];
 
@@ -74,16 +74,16 @@ const variable = (name: string): string => getComputedStyle(document.documentEle
 
 const decades = (_: uPlot, __: number, ___: number, high: number): number[] => [0, ...Array.from({ length: 12 }, (____, k) => 10 ** (k + 1)).filter((tick) => tick <= high)];
 
-/** Columns for uPlot: a value holds from where its step begins to where it ends. */
+/** Columns for uPlot: a value applies from the start to the end of its step. */
 function columns(chart: Chart, steps: Step[], substeps: number): uPlot.AlignedData {
   const last = steps.at(-1);
   const closed = last ? [...steps, last] : [];
-  const x = steps.map((step) => beginOf(step, substeps));
-  if (last) x.push(beginOf(last, substeps) + (last.next_frame - last.frame) / substeps);
+  const x = steps.map((step) => startOf(step, substeps));
+  if (last) x.push(startOf(last, substeps) + (last.next_frame - last.frame) / substeps);
   const rows = chart.series.map((series) => closed.map((step) => series.value(step)));
   if (chart.stacked) {
     for (let s = 1; s < rows.length; ++s) rows[s] = rows[s]!.map((value, k) => value + rows[s - 1]![k]!);
-    rows.reverse(); // The highest is drawn first.
+    rows.reverse(); // the highest is drawn first
   }
   return [x, ...rows];
 }
@@ -91,9 +91,9 @@ function columns(chart: Chart, steps: Step[], substeps: number): uPlot.AlignedDa
 export interface ChartOptions {
   substeps: number;
   low: number;
-  high: number; // frames that the axis spans
+  high: number; // the frames at both ends of the axis
   height: number;
-  seek?: (step: number) => void; // a click, by the step's number
+  seek?: (step: number) => void; // called on a click, with the step's number
 }
 
 export class Charts {
@@ -102,7 +102,7 @@ export class Charts {
   private readonly sync = uPlot.sync('steps');
   private readonly resize = new ResizeObserver(() => this.fit());
   private steps: Step[] = [];
-  private place = 0;
+  private position = 0;
   private current = 0;
   private hovering = false;
   private start: { frame: number; text: string } | null = null;
@@ -122,7 +122,7 @@ export class Charts {
     this.moveNow();
   }
 
-  /** Marks the first frame, in which triangles cross; what that means stands under the chart of collisions. */
+  /** Marks the first frame, in which triangles cross, and adds an explanation under the chart of collisions. */
   setStart(frame: number, text: string): void {
     this.start = { frame, text };
     for (const { chart, box, start } of this.plots) {
@@ -133,16 +133,16 @@ export class Charts {
     this.moveNow();
   }
 
-  /** Where the timeline stands: in frames, and the step's number. */
-  setNow(place: number, step: number): void {
-    this.place = place;
+  /** Sets the timeline's position: in frames, and the step's number. */
+  setNow(position: number, step: number): void {
+    this.position = position;
     const moved = step !== this.current;
     this.current = step;
     if (moved) this.showValues();
     this.moveNow();
   }
 
-  /** Anew, in the colours of the present theme. */
+  /** Rebuilds the charts in the colors of the current theme. */
   restyle(): void {
     for (const { plot } of this.plots) plot.destroy();
     this.plots.length = 0;
@@ -200,15 +200,15 @@ export class Charts {
   }
 
   private line(chart: Chart, series: Series): uPlot.Series {
-    const colour = variable(series.colour);
+    const color = variable(series.color);
     return {
       label: series.label,
-      stroke: colour,
+      stroke: color,
       width: chart.stacked ? 1 : 1.75,
-      ...(chart.stacked ? { fill: colour } : {}),
+      ...(chart.stacked ? { fill: color } : {}),
       paths: uPlot.paths.stepped!({ align: 1 }),
       points: { show: false },
-      // The legend tells a part's own value, not the height of the stack.
+      // The legend shows a part's own value, not the height of the stack.
       value: (_, __, ___, index) => {
         const step = index === null || index === undefined ? undefined : this.steps[Math.min(index, this.steps.length - 1)];
         if (!step) return '–';
@@ -236,7 +236,7 @@ export class Charts {
 
   private moveNow(): void {
     for (const { plot, now, start } of this.plots) {
-      now.style.transform = `translateX(${plot.valToPos(this.place, 'x')}px)`;
+      now.style.transform = `translateX(${plot.valToPos(this.position, 'x')}px)`;
       if (this.start) start.style.transform = `translateX(${plot.valToPos(this.start.frame, 'x')}px)`;
     }
   }

@@ -1,6 +1,6 @@
-// Every colour that means something. Those of reasons and levels are explanation_colour's (src/report/faces.cpp), errors are
-// in map_colour's (src/picture/colour.cpp), so that pictures from the command line look alike. Okabe and Ito's colours and
-// even steps of lightness stay apart for the colour-blind.
+// All colors with a meaning. Reasons and levels have those of explanation_color (src/report/faces.cpp), errors those of
+// map_color (src/picture/colour.cpp), so pictures from the command line look the same. Okabe and Ito's colors and even steps
+// of lightness are distinguishable with color vision deficiency.
 
 export type Rgb = [number, number, number];
 
@@ -13,25 +13,25 @@ export const kYellow: Rgb = [240, 228, 66];
 export const kOrange: Rgb = [230, 159, 0];
 export const kPink: Rgb = [204, 121, 167];
 export const kPurple: Rgb = [88, 28, 76];
-export const kGrey: Rgb = [128, 128, 128];
+export const kGray: Rgb = [128, 128, 128];
 export const kNothingToProve: Rgb = [221, 221, 221];
 
-/** A shade of one hue per object, light enough for marks in every other colour. */
-export const kObjectColours: Rgb[] = [kClay, [170, 190, 200], [200, 186, 160], [184, 180, 204], [176, 198, 176]];
+/** A light shade per object, on which marks of every other color are visible. */
+export const kObjectColors: Rgb[] = [kClay, [170, 190, 200], [200, 186, 160], [184, 180, 204], [176, 198, 176]];
 
-/** What a certificate's reason is called here, in words; by the names of docs/reports.md. */
-export const kReasons: Record<string, { colour: Rgb; title: string; help: string }> = {
-  certified: { colour: [0, 84, 142], title: 'Proven free', help: 'nothing had to be tested' },
-  not_drawn: { colour: kYellow, title: 'Not drawn yet', help: 'its turn for a chart is still to come' },
-  test_failed: { colour: kOrange, title: 'Moved too far from its charts', help: 'smaller steps or a model help' },
-  tangled: { colour: kGreen, title: 'Overlaps when drawn flat', help: 'when last tried, no flat drawing was possible' },
-  too_curved: { colour: kPink, title: 'Too curved', help: 'no direction that all its triangles face; a finer mesh helps' },
-  near_other: { colour: [213, 94, 0], title: 'Near another part', help: 'too near for a plane between them: this is what must be tested' },
-  off: { colour: kGrey, title: 'Certificates off', help: 'the check was told not to use them' },
+/** Reasons by their names in docs/reports.md: color, title and help text. */
+export const kReasons: Record<string, { color: Rgb; title: string; help: string }> = {
+  certified: { color: [0, 84, 142], title: 'Proven free', help: 'nothing had to be tested' },
+  not_built: { color: kYellow, title: 'Not built yet', help: 'its chart will be built in a later step' },
+  test_failed: { color: kOrange, title: 'Moved too far from its charts', help: 'smaller steps or a model help' },
+  overlapping: { color: kGreen, title: 'Overlaps in the plane', help: 'the last attempt found no parametrization without overlaps' },
+  too_curved: { color: kPink, title: 'Too curved', help: 'no direction that all its triangles face; a finer mesh helps' },
+  near_other: { color: [213, 94, 0], title: 'Near another part', help: 'too near for a separating plane: these pairs must be tested' },
+  off: { color: kGray, title: 'Certificates off', help: 'the check ran without them' },
 };
 
-/** Certified: the paler the deeper the level whose chart proved it. */
-export function levelColour(level: number): Rgb {
+/** The color of a certified triangle: paler for deeper levels of the chart that proved it. */
+export function levelColor(level: number): Rgb {
   if (level < 0) return kNothingToProve;
   const pale = Math.min(level, 15) * 12;
   return [pale, 60 + pale, Math.trunc(128 + (pale * 2) / 3)];
@@ -46,7 +46,7 @@ const kErrorStops: Lab[] = [
   [0.45, 0.155, -0.02],
   [0.3, 0.07, -0.09],
 ];
-// Blue throughout: the other hues tell reasons.
+// Blue throughout: the other hues mark reasons.
 const kMarginStops: Lab[] = [
   [0.26, 0, -0.11],
   [0.43, -0.02, -0.14],
@@ -79,20 +79,20 @@ function toRgb([lightness, a, b]: Lab): Rgb {
 
 function ramp(stops: Lab[]): (value: number) => Rgb {
   return (value) => {
-    const place = Math.min(1, Math.max(0, Number.isFinite(value) ? value : 0)) * (stops.length - 1);
-    const k = Math.min(Math.floor(place), stops.length - 2);
+    const position = Math.min(1, Math.max(0, Number.isFinite(value) ? value : 0)) * (stops.length - 1);
+    const k = Math.min(Math.floor(position), stops.length - 2);
     const [from, to] = [stops[k]!, stops[k + 1]!];
-    const mix = (i: 0 | 1 | 2) => from[i] + (place - k) * (to[i] - from[i]);
+    const mix = (i: 0 | 1 | 2) => from[i] + (position - k) * (to[i] - from[i]);
     return toRgb([mix(0), mix(1), mix(2)]);
   };
 }
 
-export const errorColour = ramp(kErrorStops);
-export const marginColour = ramp(kMarginStops);
-/** Contact points: white touches at the begin of the step, dark blue at its end. */
-export const timeColour = ramp(kTimeStops);
+export const errorColor = ramp(kErrorStops);
+export const marginColor = ramp(kMarginStops);
+/** Contact points: from white for the start of the step to dark blue for its end. */
+export const timeColor = ramp(kTimeStops);
 
 export const css = ([r, g, b]: Rgb): string => `rgb(${Math.round(r)} ${Math.round(g)} ${Math.round(b)})`;
 
-export const gradient = (colour: (value: number) => Rgb): string =>
-  `linear-gradient(90deg, ${Array.from({ length: 9 }, (_, k) => css(colour(k / 8))).join(', ')})`;
+export const gradient = (color: (value: number) => Rgb): string =>
+  `linear-gradient(90deg, ${Array.from({ length: 9 }, (_, k) => css(color(k / 8))).join(', ')})`;

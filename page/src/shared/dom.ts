@@ -1,4 +1,4 @@
-// Elements without markup: whatever comes from files enters the page as text.
+// Elements without markup: strings from files enter the page as text.
 
 type Child = Node | string | null | undefined | false;
 type Properties = Record<string, unknown>;
@@ -30,14 +30,14 @@ export function append(parent: Element, ...children: Child[]): void {
   for (const child of children) if (child) parent.append(child);
 }
 
-/** Sets the text only when it differs, so that nothing is laid out anew for nothing. */
+/** Sets the text only when it differs, to avoid needless layout. */
 export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
 const kSvg = 'http://www.w3.org/2000/svg';
 
-/** A 24 x 24 icon from one path, drawn in the colour of the text. */
+/** A 24 x 24 icon from one path, drawn in the color of the text. */
 export function icon(path: string): SVGSVGElement {
   const svg = document.createElementNS(kSvg, 'svg');
   svg.setAttribute('viewBox', '0 0 24 24');

@@ -1,4 +1,4 @@
-// Numbers as people read them.
+// Numbers in readable form.
 
 const kGrouped = new Intl.NumberFormat('en-US', { maximumFractionDigits: 0 });
 
@@ -7,7 +7,7 @@ export const grouped = (value: number): string => kGrouped.format(value);
 export const counted = (value: number, noun: string, plural = `${noun}s`): string =>
   `${grouped(value)} ${value === 1 ? noun : plural}`;
 
-/** Four digits that mean something, as plain as possible. */
+/** Four significant digits, as plain as possible. */
 export function short(value: number): string {
   if (!Number.isFinite(value)) return '–';
   if (value === 0) return '0';

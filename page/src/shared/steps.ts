@@ -1,4 +1,4 @@
-// What the program tells of each step; the same in the page and in the report.
+// The program's data for a step; the same in the page and in the report.
 
 export interface Step {
   number: number;
@@ -7,7 +7,7 @@ export interface Step {
   substep: number;
   vertex_face: number;
   edge_edge: number;
-  /** How many of them are listed and marked. */
+  /** How many collisions are listed and marked. */
   listed: number;
   undecided: number;
   toi: number;
@@ -23,9 +23,9 @@ export interface Step {
 
 export const collisionsOf = (step: Step): number => step.vertex_face + step.edge_edge;
 
-/** Where a step begins, counted in frames of the motion. */
-export const beginOf = (step: Step, substeps: number): number =>
+/** The start of a step, in frames of the motion. */
+export const startOf = (step: Step, substeps: number): number =>
   step.frame + (step.substep * (step.next_frame - step.frame)) / substeps;
 
-export const placeText = (step: Step, substeps: number): string =>
+export const stepText = (step: Step, substeps: number): string =>
   `frame ${step.frame} to ${step.next_frame}` + (substeps > 1 ? `, part ${step.substep + 1} of ${substeps}` : '');

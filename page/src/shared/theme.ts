@@ -1,4 +1,4 @@
-// Light or dark: as the system has it, until the user says otherwise.
+// Light or dark: the system's setting, until the user changes it.
 import { el, icon } from './dom';
 
 const kKey = 'foldproof-theme';
@@ -16,7 +16,7 @@ function stored(): string | null {
 
 export const isDark = (): boolean => document.documentElement.dataset['theme'] === 'dark';
 
-/** As stored or as the system has it. */
+/** Applies the stored setting, or the system's. */
 export function applyTheme(): void {
   const choice = stored();
   const dark = choice === null ? system.matches : choice === 'dark';

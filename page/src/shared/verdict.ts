@@ -1,4 +1,4 @@
-// What a check says as a whole; the same words in the page and in the report.
+// The overall result of a check, in the same words in the page and in the report.
 import { counted, grouped } from './format';
 
 /** The answer for the first frame. */
@@ -11,13 +11,13 @@ export interface Start {
 export interface Found {
   state: 'running' | 'done' | 'stopped' | 'failed' | 'gone';
   done: number;
-  total: number; // steps that there are to be
+  total: number; // expected steps
   pairs: number;
   colliding: number; // steps
-  start: Start | null; // nothing where it was not asked, or is not answered yet
+  start: Start | null; // null if not tested, or not yet
   stepsOnly: boolean;
   statistical: boolean;
-  single: boolean; // one frame, whose only step stands still
+  single: boolean; // one frame, whose only step has no motion
 }
 
 export type Kind = 'run' | 'free' | 'hit' | 'stopped';
@@ -27,7 +27,7 @@ export interface Verdict {
   kind: Kind;
 }
 
-export const kStartNotAsked = 'what crosses from the start was not asked (--steps-only)';
+export const kStartNotTested = 'crossings from the start were not tested (--steps-only)';
 
 export const startText = ({ frame, crossings }: Start, single = false): string =>
   crossings === 0 ? `Nothing crosses in frame ${frame}` : `Frame ${frame} ${single ? 'has' : 'starts with'} ${counted(crossings, 'crossing pair')} of triangles`;
@@ -64,8 +64,8 @@ export function verdictOf(found: Found): Verdict {
   const contacts = `${counted(pairs, 'colliding pair')} in ${grouped(found.colliding)} of ${steps}`;
   if (found.single && start) return single(start, pairs);
   if (start && start.crossings > 0) return { text: `${startText(start)}; ${can.toLowerCase()}${pairs > 0 ? contacts : `no new contact in ${steps}`}`, kind: 'hit' };
-  if (pairs > 0) return { text: `${can}${contacts}${start ? '' : `; ${kStartNotAsked}`}`, kind: 'hit' };
-  if (!start) return { text: `${can}${can ? 'no' : 'No'} contact in ${steps}; ${kStartNotAsked}`, kind: 'run' };
+  if (pairs > 0) return { text: `${can}${contacts}${start ? '' : `; ${kStartNotTested}`}`, kind: 'hit' };
+  if (!start) return { text: `${can}${can ? 'no' : 'No'} contact in ${steps}; ${kStartNotTested}`, kind: 'run' };
   if (found.statistical) return { text: `${can}no collision found in ${steps}`, kind: 'run' };
   return { text: `Proven free of collisions: frame ${start.frame} and ${found.total === 1 ? 'the step from it' : `all ${steps}`}`, kind: 'free' };
 }

@@ -1,4 +1,4 @@
-// What the program serves; docs/viewer.md tells the endpoints.
+// The program's HTTP interface, documented in docs/viewer.md.
 import type { Step } from '../shared/steps';
 import type { Start } from '../shared/verdict';
 
@@ -38,13 +38,13 @@ export interface SceneInfo {
 export interface StepsAnswer {
   state: 'running' | 'done' | 'stopped' | 'failed';
   error?: string | null;
-  start: Start | null; // also nothing where it is not asked
+  start: Start | null; // null if not tested, or not yet
   done: number;
   total: number;
   steps: Step[];
 }
 
-/** Of features that collide in a step, or (tt) of triangles that cross in the first frame. */
+/** A pair of features that collide in a step, or (tt) of triangles that cross in the first frame. */
 export interface Pair {
   kind: 'vf' | 'ee' | 'tt';
   object_a: number;
@@ -61,11 +61,11 @@ export interface Radius {
   progress?: number;
   radius?: number;
   share?: number;
-  left_out?: number;
+  uncertified?: number;
   error?: string | null;
 }
 
-/** What the program answered instead, in its own words. */
+/** An error that the program answered, in its words. */
 export class ApiError extends Error {}
 /** The program did not answer at all. */
 export class GoneError extends Error {}
@@ -83,7 +83,7 @@ async function get(path: string, signal?: AbortSignal): Promise<Response> {
   try {
     text = String(((await response.json()) as { error?: unknown }).error ?? text);
   } catch {
-    // No JSON: the status has to do.
+    // Not JSON: report the status.
   }
   throw new ApiError(text);
 }

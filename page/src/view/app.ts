@@ -1,4 +1,4 @@
-// Brings the parts together: every picture starts in tick().
+// Connects all parts of the page. Every picture starts in tick().
 import * as THREE from 'three';
 import { Charts } from '../shared/charts';
 import { kBlue, kSky, type Rgb } from '../shared/colours';
@@ -23,7 +23,7 @@ import { Stage } from './stage';
 import { Surface, type Poses } from './surface';
 import { Timeline } from './timeline';
 
-const kAllPairsMs = 150; // How long a step is looked at before all of its pairs are listed.
+const kAllPairsMs = 150; // How long a step is shown before all of its pairs are listed.
 const kChartHeight = 150;
 
 export class App {
@@ -55,7 +55,7 @@ export class App {
   private stepSince = 0;
   private shownPairs: Pair[] | null = null;
   private shownFaces = -1;
-  private crossingAsked = false;
+  private crossingsRequested = false;
   private both = false;
   private shownBoxes: Float32Array[] | null = null;
   private counts: FaceCounts | null = null;
@@ -79,7 +79,7 @@ export class App {
     this.timeline = new Timeline(scene, this.clock, this.check, {
       play: () => this.play(!this.clock.playing),
       move: (by) => this.goTo(() => this.clock.move(by)),
-      seekPlace: (place) => this.goTo(() => this.clock.seekPlace(place), true),
+      seekPosition: (position) => this.goTo(() => this.clock.seekPosition(position), true),
       seekTime: (t) => this.goTo(() => this.clock.seek(this.clock.step, t)),
       collision: (direction) => this.nextCollision(direction),
     });
@@ -104,17 +104,17 @@ export class App {
     const high = new THREE.Vector3(...scene.high);
     const size = high.clone().sub(low);
     const scale = 2 / Math.max(size.x, size.y, size.z, 1e-30);
-    this.stage = new Stage(this.layout.stage, { centre: low.clone().add(high).multiplyScalar(0.5), scale }, () => this.bounds(new THREE.Box3(low, high)));
+    this.stage = new Stage(this.layout.stage, { center: low.clone().add(high).multiplyScalar(0.5), scale }, () => this.bounds(new THREE.Box3(low, high)));
     this.lines = new PairLines(this.stage.viewport);
   }
 
   async start(): Promise<void> {
     this.fillPanels();
     this.bindKeys();
-    this.check.begin();
-    this.data.frames.aim(0);
+    this.check.startPolling();
+    this.data.frames.prefetch(0);
     await this.makeSurfaces();
-    this.wantCrossings();
+    this.requestCrossings();
     onTheme(() => this.restyle());
     this.restyle();
     Object.defineProperty(window, 'foldproof', { value: { state: () => this.report() } });
@@ -126,7 +126,7 @@ export class App {
     const all = await Promise.all(scene.objects.map((_, i) => getIndices(`objects/${i}/triangles`)));
     scene.objects.forEach((object, i) => {
       const surface = new Surface(object, i, all[i]!, scene.reasons, stage.frame);
-      surface.mesh.visible = false; // Until its first frame is there.
+      surface.mesh.visible = false; // until its first frame is loaded
       this.surfaces.push(surface);
       const boxes = new Boxes(stage.frame);
       this.boxes.push(boxes);
@@ -135,7 +135,7 @@ export class App {
       this.keys.push(keys);
       stage.scene.add(surface.mesh, boxes.lines, ...(keys ? [keys] : []));
     });
-    this.contacts = new ContactPoints(stage.frame, stage.ratio, this.surfaces[0]!.place);
+    this.contacts = new ContactPoints(stage.frame, stage.ratio, this.surfaces[0]!.positionUniforms);
     stage.scene.add(this.contacts.group, this.lines.group);
     this.inspector = new Inspector(stage, this.surfaces, scene, this.layout.card, (point, size) => stage.approach(point, size));
   }
@@ -165,7 +165,7 @@ export class App {
   private bindKeys(): void {
     const { clock, layers, stage, timeline } = this;
     const step = (by: number) => () => this.goTo(() => clock.move(by));
-    const time = (by: number) => () => this.goTo(() => clock.seekPlace(clock.place + by / clock.substeps));
+    const time = (by: number) => () => this.goTo(() => clock.seekPosition(clock.position + by / clock.substeps));
     listen({
       ' ': () => this.play(!clock.playing),
       ArrowLeft: step(-1), ArrowRight: step(1), 'Shift+ArrowLeft': step(-10), 'Shift+ArrowRight': step(10),
@@ -185,7 +185,7 @@ export class App {
     });
   }
 
-  // --- What happens
+  // --- Actions
 
   private play(playing: boolean): void {
     if (playing && this.clock.still) return;
@@ -196,7 +196,7 @@ export class App {
     this.dirty = true;
   }
 
-  /** Another place in time; what was chosen in another step is chosen no more. */
+  /** Moves in time; a pair chosen in another step is deselected. */
   private goTo(move: () => void, playOn = false): void {
     if (!playOn) this.play(false);
     this.showMotion();
@@ -204,7 +204,7 @@ export class App {
     this.dirty = true;
   }
 
-  /** The timeline is about the motion; whoever uses it wants to see that, and not a made shape. */
+  /** Using the timeline shows the motion instead of a shape of the model. */
   private showMotion(): void {
     if (this.layout.openTab === 'shapes') this.layout.open('collisions');
   }
@@ -226,7 +226,7 @@ export class App {
     this.dirty = true;
   }
 
-  /** Of what is shown now; `first` before anything is. */
+  /** The bounds of what is shown; `first` before anything is. */
   private bounds(first: THREE.Box3): THREE.Box3 {
     if (this.surfaces.length > 0 && this.dirty) this.update();
     const box = new THREE.Box3();
@@ -238,7 +238,7 @@ export class App {
     return box.isEmpty() ? first : box;
   }
 
-  /** How large the pair's triangle or edges are, mesh units. */
+  /** The size of the pair's triangle or edges, mesh units. */
   private sizeOf(pair: Pair): number {
     const [p, q] = [new THREE.Vector3(), new THREE.Vector3()];
     const a = this.surfaces[pair.object_a]!;
@@ -259,22 +259,22 @@ export class App {
     this.dirty = true;
     this.layout.warn(check.state === 'failed' ? `The check stopped: ${check.error}` : '');
     this.layout.say(check.verdict(), check.state === 'running' ? check.done / Math.max(1, check.total) : null);
-    this.wantCrossings();
+    this.requestCrossings();
   }
 
-  /** Fetches once which triangles cross in the first frame, if any do. */
-  private wantCrossings(): void {
-    if (this.crossingAsked || !this.check.startsCrossing || this.surfaces.length === 0) return;
-    this.crossingAsked = true;
+  /** Fetches the triangles that cross in the first frame, once, if there are any. */
+  private requestCrossings(): void {
+    if (this.crossingsRequested || !this.check.startsCrossing || this.surfaces.length === 0) return;
+    this.crossingsRequested = true;
     this.surfaces.forEach((surface, i) => {
       getBytes(`start/faces/${i}`).then(
         (faces) => {
-          surface.cross(faces);
-          this.shownFaces = -1; // What does both is to be looked for again.
+          surface.setCrossingFaces(faces);
+          this.shownFaces = -1; // Recomputes `both`.
           this.dirty = true;
         },
         (error: unknown) => {
-          this.crossingAsked = false;
+          this.crossingsRequested = false;
           this.fail(error);
         },
       );
@@ -295,7 +295,7 @@ export class App {
   private restyle(): void {
     const style = getComputedStyle(document.documentElement);
     this.stage.background(style.getPropertyValue('--stage').trim());
-    for (const boxes of this.boxes) boxes.colour(isDark() ? kSky : kBlue);
+    for (const boxes of this.boxes) boxes.color(isDark() ? kSky : kBlue);
     this.timeline.paint();
     this.charts.restyle();
     this.dirty = true;
@@ -304,12 +304,12 @@ export class App {
   // --- Every picture
 
   private loop(now: number): void {
-    const begin = performance.now();
+    const start = performance.now();
     this.tick(now);
     const middle = performance.now();
     const drew = this.stage.draw(now);
     if (drew) {
-      this.spent.script += middle - begin;
+      this.spent.script += middle - start;
       this.spent.drawing += performance.now() - middle;
       ++this.spent.pictures;
       if (this.spent.firstPicture === 0 && this.surfaces[0]?.mesh.visible) this.spent.firstPicture = performance.now();
@@ -321,23 +321,23 @@ export class App {
     const { clock } = this;
     const seconds = Math.min(0.1, Math.max(0, (now - this.last) / 1000));
     this.last = now;
-    // A frame that is not there yet is waited for; nothing is skipped unseen.
+    // Playing waits for frames that are not loaded; none is skipped.
     if (clock.playing && !this.waiting) {
       if (!clock.advance(seconds * this.scene.fps * clock.speed)) this.play(false);
       this.dirty = true;
     }
     if (!this.dirty && !this.waiting && now - this.stepSince < kAllPairsMs) return;
     if (this.dirty || this.waiting) this.update();
-    if (!clock.playing && now - this.stepSince >= kAllPairsMs) this.wantAllPairs();
+    if (!clock.playing && now - this.stepSince >= kAllPairsMs) this.requestAllPairs();
   }
 
-  private wantAllPairs(): void {
-    if (this.atStart && !this.pairs.get(kStart)?.complete) return this.pairs.want(kStart, true);
+  private requestAllPairs(): void {
+    if (this.atStart && !this.pairs.get(kStart)?.complete) return this.pairs.request(kStart, true);
     const step = this.check.steps[this.clock.step];
-    if (step && step.vertex_face + step.edge_edge > 0 && !this.pairs.get(step.number)?.complete) this.pairs.want(step.number, true);
+    if (step && step.vertex_face + step.edge_edge > 0 && !this.pairs.get(step.number)?.complete) this.pairs.request(step.number, true);
   }
 
-  /** What crosses in the first frame is listed with the step that goes from there. */
+  /** Crossings of the first frame are listed with its step. */
   private get atStart(): boolean {
     return this.check.startsCrossing && this.clock.step === 0;
   }
@@ -352,8 +352,8 @@ export class App {
       this.chosen = null;
       this.lines.clear();
     }
-    this.data.frames.aim(this.clock.frame);
-    this.data.faces.aim(this.clock.step);
+    this.data.frames.prefetch(this.clock.frame);
+    this.data.faces.prefetch(this.clock.step);
     const shaping = this.layout.openTab === 'shapes' && this.shapes !== null;
     this.waiting = shaping ? !this.showShape() : !this.showFrame();
     this.showFaces(shaping);
@@ -364,14 +364,14 @@ export class App {
 
   private showShape(): boolean {
     const shapes = this.shapes!;
-    if (!shapes.ready) return true; // Until then the motion stays; a change arrives with the mean.
+    if (!shapes.ready) return true; // The motion is shown until the mean is loaded.
     const surface = this.surfaces[this.shapeObject]!;
     const pose = { data: shapes.shape, tag: `shape/${shapes.version}` };
     surface.pose(pose, pose, 0);
     surface.mesh.visible = true;
     this.surfaces.forEach((other, i) => {
       if (i !== this.shapeObject) other.mesh.visible = false;
-      other.paint({ ...this.layers.state, paint: 'plain', collisions: false, crossings: false, errorScale: 1, edgeColour: edgeColour() });
+      other.paint({ ...this.layers.state, paint: 'plain', collisions: false, crossings: false, errorScale: 1, edgeColor: edgeColor() });
     });
     return true;
   }
@@ -383,7 +383,7 @@ export class App {
     const next = Math.min(k + 1, scene.frames - 1);
     const [a, b] = [data.frames.get(k), data.frames.get(next)];
     const predicted = state.source === 'prediction' || state.paint === 'error';
-    if (predicted) data.predictions.aim(k);
+    if (predicted) data.predictions.prefetch(k);
     const [pa, pb] = predicted ? [data.predictions.get(k), data.predictions.get(next)] : [undefined, undefined];
     if (!a || !b || (predicted && (!pa || !pb))) return false;
     this.surfaces.forEach((surface, i) => {
@@ -399,12 +399,12 @@ export class App {
       surface.pose(shown[0], shown[1], clock.blend);
       surface.mesh.visible = state.visible[i]!;
       const paint = state.paint === 'error' && !hasPrediction ? 'plain' : state.paint;
-      surface.paint({ ...state, paint, errorScale: this.errorScale, edgeColour: edgeColour() });
+      surface.paint({ ...state, paint, errorScale: this.errorScale, edgeColor: edgeColor() });
     });
     return true;
   }
 
-  /** How far a frame's prediction is off; the scale grows to the largest seen, in round numbers. */
+  /** Measures the error of a frame's prediction. The color scale grows to the largest error, in round numbers. */
   private measure(k: number, object: number, truth: Float32Array, prediction: Float32Array): void {
     const key = k * this.scene.objects.length + object;
     if (this.errors.has(key)) return;
@@ -423,11 +423,11 @@ export class App {
   }
 
   private showFaces(shaping: boolean): void {
-    const told = !shaping && this.data.facesTold(this.clock.step);
-    const slot = told ? this.data.faces.get(this.clock.step) : undefined;
-    if (told && !slot && this.clock.playing) this.waiting = true;
+    const needed = !shaping && this.data.needsFaces(this.clock.step);
+    const slot = needed ? this.data.faces.get(this.clock.step) : undefined;
+    if (needed && !slot && this.clock.playing) this.waiting = true;
     const changed = slot !== undefined && this.shownFaces !== this.clock.step;
-    this.surfaces.forEach((surface, i) => surface.tell(slot?.parts[i] ?? null, changed));
+    this.surfaces.forEach((surface, i) => surface.setFaces(slot?.parts[i] ?? null, changed));
     this.shownFaces = slot ? this.clock.step : -1;
     if (!slot) this.counts = null;
     else if (changed || !this.counts) this.counts = countFaces(slot.parts, this.scene.objects.map(({ triangles }) => triangles));
@@ -439,8 +439,8 @@ export class App {
     const { state } = layers;
     const step = this.check.steps[clock.step];
     const colliding = step !== undefined && step.vertex_face + step.edge_edge > 0;
-    if (this.atStart && !this.pairs.get(kStart)) this.pairs.want(kStart, false);
-    else if (colliding && !this.pairs.get(clock.step)) this.pairs.want(clock.step, false);
+    if (this.atStart && !this.pairs.get(kStart)) this.pairs.request(kStart, false);
+    else if (colliding && !this.pairs.get(clock.step)) this.pairs.request(clock.step, false);
     const pairs = colliding ? this.pairs.get(clock.step) : undefined;
     this.contacts.group.visible = state.contacts && !shaping && (pairs?.items.length ?? 0) > 0;
     if (pairs && (pairs.items !== this.shownPairs || !pairs.complete)) {
@@ -452,7 +452,7 @@ export class App {
     this.keys.forEach((keys, i) => {
       if (keys) keys.visible = state.keyPoints && this.surfaces[i]!.mesh.visible;
     });
-    if (state.boxes && !shaping) void data.wantBoxes(Math.round(clock.frame + clock.blend), state.level);
+    if (state.boxes && !shaping) void data.requestBoxes(Math.round(clock.frame + clock.blend), state.level);
     const { boxes } = data;
     if (boxes && boxes.data !== this.shownBoxes) {
       this.shownBoxes = boxes.data;
@@ -507,13 +507,13 @@ export class App {
     return count > 0 ? { scale: this.errorScale, largest, rms: Math.sqrt(squares / count) } : null;
   }
 
-  /** For tests and for the curious (in the browser's console). */
+  /** For tests and for the browser's console. */
   private report(): Record<string, unknown> {
     const { clock, spent } = this;
     return {
       step: clock.step,
       t: clock.t,
-      place: clock.place,
+      position: clock.position,
       playing: clock.playing,
       waiting: this.waiting,
       camera: this.stage.camera.position.toArray(),
@@ -535,5 +535,5 @@ export class App {
   }
 }
 
-const edgeColour = (): Rgb => (isDark() ? [10, 14, 17] : [40, 48, 54]);
+const edgeColor = (): Rgb => (isDark() ? [10, 14, 17] : [40, 48, 54]);
 

@@ -1,15 +1,15 @@
-// The check as it goes on: its steps, and the pairs of the step that is looked at.
+// The progress of the check: its steps, and the pairs of the current step.
 import { collisionsOf, type Step } from '../shared/steps';
 import { verdictOf, type Found, type Start, type Verdict } from '../shared/verdict';
 import { ApiError, getJson, GoneError, type Pair, type SceneInfo, type StepsAnswer } from './api';
 
 const kPollMs = 400;
 const kPage = 1000;
-const kMostListed = 10_000; // More than anyone reads; the program has the rest (check --csv).
-const kKept = 48; // steps whose pairs are kept
-export const kStart = -1; // stands for the first frame where steps have numbers
+const kMaxListed = 10_000; // More than anyone reads; check --csv writes all.
+const kMaxCached = 48; // steps
+export const kStart = -1; // the first frame, in place of a step's number
 
-/** What is known of a step: it collides; nothing goes through anything until its end; or it has no contact of its own. */
+/** The result of a step: it collides; everything is proven free until its end; or it only has no new contact. */
 export type StepKind = 'hit' | 'free' | 'calm';
 
 export class Check {
@@ -21,7 +21,7 @@ export class Check {
   pairs = 0;
   colliding = 0;
   start: Start | null = null;
-  private contactFree = 0; // How many steps from the first one on have no collision.
+  private contactFree = 0; // the number of steps from the first one on without collisions
 
   constructor(
     private readonly scene: SceneInfo,
@@ -29,7 +29,7 @@ export class Check {
     private readonly failed: (error: unknown) => void,
   ) {}
 
-  begin(): void {
+  startPolling(): void {
     void this.poll();
   }
 
@@ -37,12 +37,12 @@ export class Check {
     return (this.start?.crossings ?? 0) > 0;
   }
 
-  /** Nothing goes through anything until the end of so many steps: frame and steps are free, without a gap. */
+  /** The number of steps until whose end everything is proven free: the first frame and all steps so far. */
   get free(): number {
     return this.start?.crossings === 0 ? this.contactFree : 0;
   }
 
-  /** Whether a step without a contact is not told to be free. */
+  /** Whether some step has no contact but is not proven free. */
   get calm(): boolean {
     return this.steps.length > this.colliding + this.free;
   }
@@ -62,10 +62,10 @@ export class Check {
     return { state, done, total: this.scene.steps, pairs, colliding, start, stepsOnly: steps_only === true, statistical: mode === 'paper', single: this.scene.frames === 1 };
   }
 
-  /** Where the next collision is in a direction, a step or kStart; nothing where there is none. */
+  /** The next step with collisions in a direction, or kStart; null if there is none. */
   nextColliding(step: number, t: number, direction: 1 | -1): number | null {
     const first = this.steps[0];
-    // Before the first step's contacts one is still at the start.
+    // Before the contacts of the first step, the position counts as the start.
     const from = direction > 0 && step === 0 && this.startsCrossing && first && t < first.toi ? kStart : step;
     for (let n = from + direction; n >= 0 && n < this.steps.length; n += direction) {
       if (collisionsOf(this.steps[n]!) > 0) return n;
@@ -85,7 +85,7 @@ export class Check {
         else if (this.colliding === 0) ++this.contactFree;
       }
       this.start = answer.start;
-      // Once the program says so there are no more; but the last thousand may still be on its way.
+      // The program may be done while the last thousand steps are still to be fetched.
       this.state = answer.state === 'done' && this.steps.length < answer.done ? 'running' : answer.state;
       this.error = answer.error ?? '';
       this.total = answer.total;
@@ -110,16 +110,16 @@ export class Check {
 export interface PairsOfStep {
   step: number;
   total: number;
-  items: Pair[]; // by time of impact, once there are no more to come
+  items: Pair[]; // by time of impact
   complete: boolean;
 }
 
-/** Pairs of steps and of the first frame (kStart), fetched when they are looked at. */
+/** Pairs of steps and of the first frame (kStart), fetched on demand. */
 export class PairStore {
-  private readonly kept = new Map<number, PairsOfStep>(); // oldest first
+  private readonly cached = new Map<number, PairsOfStep>(); // oldest first
   private busy = false;
-  private wish: number | null = null;
-  private wishAll = false;
+  private requested: number | null = null;
+  private requestedAll = false;
 
   constructor(
     private readonly arrived: (pairs: PairsOfStep) => void,
@@ -127,42 +127,42 @@ export class PairStore {
   ) {}
 
   get(step: number): PairsOfStep | undefined {
-    return this.kept.get(step);
+    return this.cached.get(step);
   }
 
   /** Fetches the first pairs of a step or of kStart, or all that are listed. */
-  want(step: number, all: boolean): void {
-    this.wish = step;
-    this.wishAll = all;
+  request(step: number, all: boolean): void {
+    this.requested = step;
+    this.requestedAll = all;
     if (!this.busy) void this.work();
   }
 
   private unfinished(): boolean {
-    const pairs = this.wish === null ? undefined : this.kept.get(this.wish);
-    return this.wish !== null && (!pairs || (this.wishAll && !pairs.complete));
+    const pairs = this.requested === null ? undefined : this.cached.get(this.requested);
+    return this.requested !== null && (!pairs || (this.requestedAll && !pairs.complete));
   }
 
   private async work(): Promise<void> {
     this.busy = true;
     try {
-      while (this.unfinished()) await this.page(this.wish!);
+      while (this.unfinished()) await this.page(this.requested!);
     } catch (error) {
-      this.wish = null;
+      this.requested = null;
       this.failed(error);
     }
     this.busy = false;
   }
 
   private async page(step: number): Promise<void> {
-    const pairs = this.kept.get(step) ?? { step, total: 0, items: [], complete: false };
+    const pairs = this.cached.get(step) ?? { step, total: 0, items: [], complete: false };
     const path = step === kStart ? 'start/crossings' : `steps/${step}/collisions`;
     const answer = await getJson<{ total: number; items: Pair[] }>(`${path}?offset=${pairs.items.length}&limit=${kPage}`);
     pairs.total = answer.total;
     pairs.items.push(...answer.items);
-    pairs.complete = answer.items.length === 0 || pairs.items.length >= Math.min(answer.total, kMostListed);
-    this.kept.delete(step);
-    this.kept.set(step, pairs);
-    if (this.kept.size > kKept) this.kept.delete(this.kept.keys().next().value as number);
+    pairs.complete = answer.items.length === 0 || pairs.items.length >= Math.min(answer.total, kMaxListed);
+    this.cached.delete(step);
+    this.cached.set(step, pairs);
+    if (this.cached.size > kMaxCached) this.cached.delete(this.cached.keys().next().value as number);
     this.arrived(pairs);
   }
 }

@@ -1,5 +1,5 @@
-// Where the timeline stands: a step and how far into it. Both are kept apart, so that the end of a step and the begin of the
-// next one, which are the same place, stay what the user chose.
+// The timeline's position: a step and the time within it. Both are stored, because the end of a step and the start of the
+// next one are the same position, but different choices of the user.
 
 export class Clock {
   step = 0;
@@ -14,23 +14,23 @@ export class Clock {
     readonly frames: number,
   ) {}
 
-  /** The frame at or before this moment, among those selected. */
+  /** The index of the frame at or before this moment. */
   get frame(): number {
     return Math.min(Math.floor(this.step / this.substeps), Math.max(0, this.frames - 2));
   }
 
-  /** A single frame, in which no time passes. */
+  /** Whether there is only one frame, so that no time passes. */
   get still(): boolean {
     return this.frames === 1;
   }
 
-  /** How far from `frame` to the next one. */
+  /** The share of the way from `frame` to the next one. */
   get blend(): number {
     return this.still ? 0 : (this.step - this.frame * this.substeps + this.t) / this.substeps;
   }
 
   /** In frames from the first selected one. */
-  get place(): number {
+  get position(): number {
     return this.still ? 0 : (this.step + this.t) / this.substeps;
   }
 
@@ -43,14 +43,14 @@ export class Clock {
     this.t = this.still ? 0 : Math.min(Math.max(0, t), 1);
   }
 
-  /** To a place in frames; the end of the last step is reached, other ends are the next begin. */
-  seekPlace(place: number): void {
-    const steps = Math.min(Math.max(0, place * this.substeps), this.steps);
+  /** Moves to a position in frames. The end of a step becomes the start of the next one, except for the last. */
+  seekPosition(position: number): void {
+    const steps = Math.min(Math.max(0, position * this.substeps), this.steps);
     if (steps >= this.steps) this.seek(this.steps - 1, 1);
     else this.seek(Math.floor(steps), steps - Math.floor(steps));
   }
 
-  /** Whole steps on or back; back within a step goes to its begin first. */
+  /** Moves by whole steps. Backward from within a step, the first move goes to its start. */
   move(by: number): void {
     if (by < 0 && this.t > 1e-6) {
       this.seek(this.step + by + 1, 0);
@@ -61,19 +61,19 @@ export class Clock {
     }
   }
 
-  /** Plays on by so many frames; false at an end where it stops. */
+  /** Advances by so many frames; false at an end where playing stops. */
   advance(frames: number): boolean {
-    const place = this.place + frames;
+    const position = this.position + frames;
     const end = this.steps / this.substeps;
-    if (place < end) {
-      this.seekPlace(place);
+    if (position < end) {
+      this.seekPosition(position);
       return true;
     }
     if (this.loop && end > 0) {
-      this.seekPlace(place % end);
+      this.seekPosition(position % end);
       return true;
     }
-    this.seekPlace(end);
+    this.seekPosition(end);
     return false;
   }
 }

@@ -1,9 +1,9 @@
-// The list of pairs. Only the rows in sight exist.
-import { css, timeColour } from '../shared/colours';
+// The list of pairs. Only visible rows exist.
+import { css, timeColor } from '../shared/colours';
 import { el, icon, setText } from '../shared/dom';
 import { counted, grouped, toiText } from '../shared/format';
-import { collisionsOf, placeText, type Step } from '../shared/steps';
-import { kStartNotAsked, startText, stoppedText } from '../shared/verdict';
+import { collisionsOf, stepText, type Step } from '../shared/steps';
+import { kStartNotTested, startText, stoppedText } from '../shared/verdict';
 import type { Pair, SceneInfo } from './api';
 import type { Check, PairsOfStep } from './check';
 
@@ -50,7 +50,7 @@ export class CollisionPanel {
     );
   }
 
-  /** What is known of the present step; `step` is undefined while it is not checked. `crossings`: those of the first frame, where that is shown. */
+  /** Shows a step; `step` is undefined while it is not checked. `crossings`: those of the first frame, if they are listed. */
   show(step: Step | undefined, pairs: PairsOfStep | undefined, crossings: PairsOfStep | undefined): void {
     this.showStart();
     if (step) this.showStep(step, pairs);
@@ -65,24 +65,24 @@ export class CollisionPanel {
     this.start.classList.toggle('hit', check.startsCrossing);
     this.start.disabled = !check.startsCrossing;
     if (check.start) setText(this.startText, `${startText(check.start, this.scene.frames === 1)}.`);
-    else if (check.found().stepsOnly) setText(this.startText, `${kStartNotAsked[0]!.toUpperCase()}${kStartNotAsked.slice(1)}.`);
+    else if (check.found().stepsOnly) setText(this.startText, `${kStartNotTested[0]!.toUpperCase()}${kStartNotTested.slice(1)}.`);
     else setText(this.startText, check.state === 'running' ? `Frame ${first} is not checked yet.` : `Frame ${first} was not checked.`);
   }
 
   private showStep(step: Step, pairs: PairsOfStep | undefined): void {
     const count = collisionsOf(step);
     const single = this.scene.frames === 1;
-    const place = single ? `frame ${step.frame}` : placeText(step, this.scene.substeps);
+    const where = single ? `frame ${step.frame}` : stepText(step, this.scene.substeps);
     const kind = this.check.kindOf(step);
-    if (kind === 'free') this.say(single ? 'Free of crossings' : 'Free of collisions', place, '');
-    else if (kind === 'hit') this.say(counted(count, single ? 'pair in contact' : 'colliding pair', single ? 'pairs in contact' : 'colliding pairs'), place, this.details(step, pairs));
-    else this.say(single ? 'No other contact' : 'No new contact in this step', place, single ? '' : this.whyNotFree());
+    if (kind === 'free') this.say(single ? 'Free of crossings' : 'Free of collisions', where, '');
+    else if (kind === 'hit') this.say(counted(count, single ? 'pair in contact' : 'colliding pair', single ? 'pairs in contact' : 'colliding pairs'), where, this.details(step, pairs));
+    else this.say(single ? 'No other contact' : 'No new contact in this step', where, single ? '' : this.whyNotFree());
   }
 
   /** Why a step without a contact is not free of collisions. */
   private whyNotFree(): string {
-    if (this.check.startsCrossing) return 'A step tells what comes into contact. What crosses from the start can go on crossing without any.';
-    return this.check.start ? 'A step tells what comes into contact. What collided before may be inside each other now.' : 'A step tells what comes into contact, and nothing of what crosses from the start.';
+    if (this.check.startsCrossing) return 'A step finds new contacts. Triangles that cross from the start can go on crossing without any.';
+    return this.check.start ? 'A step finds new contacts. Parts that collided before may be inside each other now.' : 'A step finds new contacts. Crossings from the start were not tested.';
   }
 
   private listPairs(crossings: Pair[], contacts: Pair[]): void {
@@ -105,11 +105,11 @@ export class CollisionPanel {
     return parts.join('');
   }
 
-  private say(title: string, place: string, note: string): void {
-    const text = `${title}\n${place}`;
+  private say(title: string, where: string, note: string): void {
+    const text = `${title}\n${where}`;
     if (this.head.dataset['text'] !== text) {
       this.head.dataset['text'] = text;
-      this.head.replaceChildren(el('strong', {}, title), el('span', {}, place));
+      this.head.replaceChildren(el('strong', {}, title), el('span', {}, where));
     }
     setText(this.note, note);
   }
@@ -145,7 +145,7 @@ export class CollisionPanel {
       row.replaceChildren(
         el('span', { className: `kind ${pair.kind}`, title: kKinds[pair.kind][1] }, kKinds[pair.kind][0]),
         el('span', { className: 'what' }, el('span', {}, a), el('span', {}, b)),
-        pair.kind === 'tt' ? el('span', { className: 'toi' }, el('span', { className: 'swatch crossing' }), 'start') : el('span', { className: 'toi' }, el('span', { className: 'swatch round', style: { background: css(timeColour(pair.toi)) } }), toiText(pair.toi), pair.answer === 'undecided' && el('small', {}, 'undecided')),
+        pair.kind === 'tt' ? el('span', { className: 'toi' }, el('span', { className: 'swatch crossing' }), 'start') : el('span', { className: 'toi' }, el('span', { className: 'swatch round', style: { background: css(timeColor(pair.toi)) } }), toiText(pair.toi), pair.answer === 'undecided' && el('small', {}, 'undecided')),
       );
     });
   }

@@ -1,4 +1,4 @@
-// Everything that streams: frames, predictions, answers per triangle, boxes. All of it is bounded in bytes.
+// All streamed data: frames, predictions, answers per triangle, boxes. Its size is bounded.
 import { collisionsOf } from '../shared/steps';
 import { getFloats, GoneError, type SceneInfo } from './api';
 import type { Check } from './check';
@@ -8,7 +8,7 @@ import { faceBytesOf, floatsOf } from './surface';
 
 const kMegabyte = 1 << 20;
 
-/** Half for frames, a quarter for answers, a quarter for predictions. A phone gets less. */
+/** Bytes: half for frames, a quarter each for answers and predictions. Less on phones. */
 function budget(): number {
   const memory = (navigator as { deviceMemory?: number }).deviceMemory ?? 8;
   const small = memory < 4 || matchMedia('(pointer: coarse)').matches;
@@ -22,7 +22,7 @@ export class Data {
   readonly budget = budget();
   boxes: { frame: number; level: number; data: Float32Array[] } | null = null;
   private boxesBusy = false;
-  private boxesRest = 0;
+  private boxesRetryAfter = 0;
 
   constructor(
     private readonly scene: SceneInfo,
@@ -32,12 +32,12 @@ export class Data {
     private readonly failed: (error: unknown) => void,
   ) {
     const floats = scene.objects.map(({ vertices }) => ({ elements: floatsOf(vertices), bytes: 12 * vertices }));
-    const common = { arrived: changed, failed };
-    const positions = { ...common, count: scene.frames, parts: floats, make: (n: number) => new Float32Array(n), wanted: () => true };
+    const common = { loaded: changed, failed };
+    const positions = { ...common, count: scene.frames, parts: floats, make: (n: number) => new Float32Array(n), needed: () => true };
     this.frames = new Ring({ ...positions, budget: this.budget / 2, path: (i, k) => `objects/${i}/frames/${k}` });
     this.predictions = new Ring({
       ...positions,
-      // Objects that have none are asked for nothing.
+      // Objects without a prediction have no data.
       parts: floats.map((part, i) => (this.predicts(i) ? part : { elements: 0, bytes: 0 })),
       budget: this.budget / 4,
       path: (i, k) => `objects/${i}/prediction/${k}`,
@@ -49,7 +49,7 @@ export class Data {
       budget: this.budget / 4,
       make: (n) => new Uint8Array(n),
       path: (i, n) => `steps/${n}/faces/${i}`,
-      wanted: (n) => this.facesTold(n),
+      needed: (n) => this.needsFaces(n),
     });
   }
 
@@ -57,8 +57,8 @@ export class Data {
     return (this.scene.objects[object]?.model?.key_points.length ?? 0) > 0;
   }
 
-  /** Whether a step has anything to show on triangles with the present layers. */
-  facesTold(step: number): boolean {
+  /** Whether the current layers show any data of a step's triangles. */
+  needsFaces(step: number): boolean {
     const answer = this.check.steps[step];
     if (!answer) return false;
     const { paint, collisions } = this.layers();
@@ -69,9 +69,9 @@ export class Data {
     return this.frames.bytes() + this.predictions.bytes() + this.faces.bytes();
   }
 
-  /** The boxes of a frame; one question at a time, the latest wish next. */
-  async wantBoxes(frame: number, level: number): Promise<void> {
-    if (this.boxesBusy || (this.boxes?.frame === frame && this.boxes.level === level) || performance.now() < this.boxesRest) return;
+  /** Fetches the boxes of a frame, one request at a time. */
+  async requestBoxes(frame: number, level: number): Promise<void> {
+    if (this.boxesBusy || (this.boxes?.frame === frame && this.boxes.level === level) || performance.now() < this.boxesRetryAfter) return;
     this.boxesBusy = true;
     try {
       const data: Float32Array[] = [];
@@ -79,7 +79,7 @@ export class Data {
       this.boxes = { frame, level, data };
       this.changed();
     } catch (error) {
-      this.boxesRest = performance.now() + (error instanceof GoneError ? 1500 : 10_000);
+      this.boxesRetryAfter = performance.now() + (error instanceof GoneError ? 1500 : 10_000);
       this.failed(error);
     } finally {
       this.boxesBusy = false;

@@ -1,11 +1,11 @@
-// The keys, and a few words on how to read the page.
+// The keys, and how to read the page.
 import { el } from '../shared/dom';
 
 export const kKeys: [string, string][] = [
   ['Space', 'play or pause'],
-  ['← →', 'one step back or on; with Shift ten'],
-  [', .', 'a hundredth of a step back or on'],
-  ['Home End', 'to the begin or the end'],
+  ['← →', 'one step back or forward; with Shift ten'],
+  [', .', 'a hundredth of a step back or forward'],
+  ['Home End', 'to the start or the end'],
   ['[ ]', 'slower or faster'],
   ['P N', 'previous or next step with collisions, or the start if it crosses'],
   ['↑ ↓', 'previous or next pair of the list, and fly there'],
@@ -13,7 +13,7 @@ export const kKeys: [string, string][] = [
   ['1 2 3', 'from the front, the side, the top'],
   ['W A S D with Shift', 'orbit'],
   ['+ −', 'zoom'],
-  ['V', 'next colour of the surface'],
+  ['V', 'next color of the surface'],
   ['C O T K B E X', 'collisions, crossings of the start, contact points, key points, boxes, edges, see through'],
   ['D', 'light or dark'],
   ['L', 'legend'],
@@ -33,10 +33,10 @@ export function helpDialog(): HTMLDialogElement {
   const dialog = el('dialog', { className: 'help', 'aria-label': 'Help' });
   dialog.append(
     el('form', { method: 'dialog' }, el('h2', {}, 'Keys and mouse'), el('button', { className: 'small' }, 'Close')),
-    el('p', {}, 'Drag to orbit, right-drag or two fingers to pan, wheel or pinch to zoom. A click on the surface tells about the triangle; a double click turns around it.'),
+    el('p', {}, 'Drag to orbit, right-drag or two fingers to pan, wheel or pinch to zoom. A click on the surface shows what is known about the triangle; a double click orbits around it.'),
     table,
-    el('p', {}, 'Between two frames every vertex moves along a straight line; that is the motion which is checked, and what you see. A time of impact is a share of the step: 0 at its begin, 1 at its end.'),
-    el('p', {}, 'A step tells what comes into contact in it. What crosses in the first frame and moves on like that comes into no contact: so the first frame is asked for its crossing triangles, and green is only what follows a free frame without a collision in between.'),
+    el('p', {}, 'Between two frames every vertex moves along a straight line; this motion is checked and shown. A time of impact is a share of the step: 0 at its start, 1 at its end.'),
+    el('p', {}, 'A step finds new contacts. Triangles that cross in the first frame and move together make none. So the first frame is tested for crossing triangles, and a step is green only if that frame is free and nothing has collided since.'),
   );
   dialog.addEventListener('click', (event) => {
     if (event.target === dialog) dialog.close();

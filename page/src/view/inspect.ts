@@ -1,4 +1,4 @@
-// A click on the surface tells what is known of the triangle under it.
+// A click on the surface shows what is known about the triangle under it.
 import * as THREE from 'three';
 import { kReasons } from '../shared/colours';
 import { el } from '../shared/dom';
@@ -28,7 +28,7 @@ export class Inspector {
       const hit = this.pick(event);
       this.chosen = hit ? { object: hit.object, face: hit.face } : null;
       this.changed = true;
-      this.render(this.told, this.step);
+      this.render(this.faces, this.step);
     });
     canvas.addEventListener('dblclick', (event) => {
       const hit = this.pick(event);
@@ -36,7 +36,7 @@ export class Inspector {
     });
   }
 
-  private told: Uint8Array[] | null = null;
+  private faces: Uint8Array[] | null = null;
   private step = -1;
 
   private pick(event: MouseEvent): { object: number; face: number; point: THREE.Vector3 } | null {
@@ -50,19 +50,19 @@ export class Inspector {
     return best;
   }
 
-  /** What is told of the triangles of the present step. */
-  show(told: Uint8Array[] | null, step: number): void {
-    this.told = told;
+  /** Shows the data of the current step's triangles. */
+  show(faces: Uint8Array[] | null, step: number): void {
+    this.faces = faces;
     this.step = step;
-    this.render(told, step);
+    this.render(faces, step);
   }
 
-  private render(told: Uint8Array[] | null, step: number): void {
+  private render(faces: Uint8Array[] | null, step: number): void {
     this.card.hidden = this.chosen === null;
     if (!this.chosen) return;
     const { object, face } = this.chosen;
     const crosses = this.surfaces[object]!.crosses(face);
-    const key = `${object}/${face}/${step}/${told !== null}/${crosses}`;
+    const key = `${object}/${face}/${step}/${faces !== null}/${crosses}`;
     if (key === this.shown && !this.changed) return;
     this.shown = key;
     this.changed = false;
@@ -72,7 +72,7 @@ export class Inspector {
       el('strong', {}, `Triangle ${face}${this.scene.objects.length > 1 ? ` of ${info.name}` : ''}`),
       el('span', {}, `vertices ${corners}`),
       ...(crosses ? [el('span', {}, `Crosses another triangle in frame ${this.scene.frame_numbers[0] ?? 0}.`)] : []),
-      el('span', {}, told ? this.proof(told[object]!, face, info.triangles) : 'Choose a proof colour or a colliding step to see what is known of it'),
+      el('span', {}, faces ? this.proof(faces[object]!, face, info.triangles) : 'Choose a proof color or a colliding step to see what is known of it'),
     );
   }
 

@@ -1,4 +1,4 @@
-// Keys, wherever the focus is, but for fields that use them themselves.
+// Keyboard shortcuts, except in fields that use the keys themselves.
 
 export type KeyActions = Record<string, (event: KeyboardEvent) => void>;
 

@@ -1,4 +1,4 @@
-// What is drawn, as switches; a switch that cannot work says why.
+// Switches for what is shown; a disabled switch says why.
 import { append, el, setText } from '../shared/dom';
 import type { SceneInfo } from './api';
 import type { Paint } from './surface';
@@ -24,21 +24,21 @@ type Switch = 'collisions' | 'crossings' | 'contacts' | 'keyPoints' | 'boxes' | 
 const kSwitches: [Switch, string, string, string][] = [
   ['collisions', 'Collisions', 'C', 'triangles that take part in a collision, red'],
   ['crossings', 'Crossings from the start', 'O', 'triangles that cross in the first frame, hatched pink'],
-  ['contacts', 'Contact points', 'T', 'where pairs touch, coloured by time of impact'],
-  ['keyPoints', 'Key points', 'K', 'the vertices that tell the shape'],
-  ['boxes', 'Boxes of the hierarchy', 'B', 'what the search for near parts sees'],
+  ['contacts', 'Contact points', 'T', 'where pairs touch, colored by time of impact'],
+  ['keyPoints', 'Key points', 'K', 'the vertices that determine the shape'],
+  ['boxes', 'Boxes of the hierarchy', 'B', 'the bounding boxes that the broad phase tests'],
   ['edges', 'Edges of triangles', 'E', ''],
   ['seeThrough', 'See through', 'X', 'collisions and crossings stay solid'],
 ];
 
 const kPaints: [Paint, string, string][] = [
   ['plain', 'Plain', 'clay'],
-  ['level', 'Proof: level', 'proven free, by the level of the hierarchy that proved it; the rest by reason'],
-  ['margin', 'Proof: margin', 'proven free, by how much room the proof had left; the rest by reason'],
+  ['level', 'Proof: level', 'proven free, by the level of the hierarchy that proved it; others by reason'],
+  ['margin', 'Proof: margin', 'proven free, by the slack of the proof; others by reason'],
   ['error', 'Prediction error', 'distance between the motion and what key points predict'],
 ];
 
-/** Why a layer cannot be had, or nothing. */
+/** Why layers are unavailable; empty if they are available. */
 export function whyNot(scene: SceneInfo): { keyPoints: string; error: string; crossings: string } {
   const model = scene.objects.some((object) => object.model);
   const learned = scene.objects.some((object) => (object.model?.key_points.length ?? 0) > 0);
@@ -46,7 +46,7 @@ export function whyNot(scene: SceneInfo): { keyPoints: string; error: string; cr
   return {
     keyPoints: learned ? '' : missing,
     error: learned ? '' : missing,
-    crossings: scene.settings['steps_only'] === true ? 'Not asked: start without --steps-only.' : '',
+    crossings: scene.settings['steps_only'] === true ? 'Not tested: start without --steps-only.' : '',
   };
 }
 
@@ -83,7 +83,7 @@ export class LayerPanel {
 
   private build(): void {
     const why = whyNot(this.scene);
-    const paints = el('fieldset', {}, el('legend', {}, 'Colour of the surface'));
+    const paints = el('fieldset', {}, el('legend', {}, 'Color of the surface'));
     for (const [paint, title, help] of kPaints) {
       const reason = paint === 'error' ? why.error : '';
       const input = el('input', { type: 'radio', name: 'paint', value: paint, checked: paint === 'plain', disabled: reason !== '' });
@@ -159,7 +159,7 @@ export class LayerPanel {
     this.changed();
   }
 
-  /** The next surface colour that can be had. */
+  /** Switches to the next available surface color. */
   cyclePaint(): void {
     const usable = kPaints.map(([paint]) => paint).filter((paint) => !this.paints.get(paint)!.disabled);
     this.setPaint(usable[(usable.indexOf(this.state.paint) + 1) % usable.length]!);

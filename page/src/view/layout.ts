@@ -1,4 +1,4 @@
-// Where things stand on the page.
+// The layout of the page.
 import { append, el, icon, setText } from '../shared/dom';
 import { themeButton } from '../shared/theme';
 import type { Verdict } from '../shared/verdict';
@@ -57,7 +57,7 @@ export class Layout {
     this.aside.append(tabBar, body);
     append(this.stage, this.tools(), this.legend, this.card, this.verdict, this.banner);
     root.replaceChildren(el('div', { className: 'app' }, this.header(scene), this.stage, timeline(this), this.aside));
-    // On a phone it would hide the picture; a touch on its button opens it.
+    // On a phone the legend would hide the picture; its button opens it.
     this.legend.classList.toggle('closed', matchMedia('(max-width: 760px)').matches);
     this.open('collisions');
   }
@@ -93,7 +93,7 @@ export class Layout {
     this.panels.get(tab)!.replaceChildren(content);
   }
 
-  /** A tab whose content cannot be had, and why. */
+  /** Shows why a tab has no content. */
   refuse(tab: Tab, why: string): void {
     this.fill(tab, el('div', { className: 'panel' }, el('p', { className: 'note' }, why)));
   }
@@ -117,7 +117,7 @@ export class Layout {
     if (share !== null) this.progress.value = share;
   }
 
-  /** An error, as text, with what to do; empty: none. */
+  /** Shows an error with a remedy; an empty text hides it. */
   warn(text: string): void {
     setText(this.bannerText, text);
     this.banner.hidden = text === '';

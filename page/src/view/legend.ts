@@ -1,10 +1,10 @@
-// What every colour in the picture means.
-import { css, errorColour, gradient, kBlue, kNothingToProve, kObjectColours, kOrange, kPink, kReasons, kRed, kSky, levelColour, marginColour, timeColour, type Rgb } from '../shared/colours';
+// The legend: the meaning of every color in the picture.
+import { css, errorColor, gradient, kBlue, kNothingToProve, kObjectColors, kOrange, kPink, kReasons, kRed, kSky, levelColor, marginColor, timeColor, type Rgb } from '../shared/colours';
 import { el } from '../shared/dom';
 import { grouped, percent, short } from '../shared/format';
 import type { LayerState } from './layers';
 
-/** How many triangles have what; by reason's number, and of the certified by level + 1. */
+/** Numbers of triangles: by reason, and of certified ones by level + 1. */
 export interface FaceCounts {
   triangles: number;
   colliding: number;
@@ -29,11 +29,11 @@ export function countFaces(parts: Uint8Array[], triangles: number[]): FaceCounts
 
 export interface LegendState {
   layers: LayerState;
-  shapes: boolean; // a made shape is shown, and not the motion
-  start: { frame: number; faces: number | null } | null; // where something crosses in the first frame
-  both: boolean; // a triangle does both
-  free: boolean; // a step can be told to be free
-  calm: boolean; // a step without a contact is not told to be free
+  shapes: boolean; // a shape of the model is shown instead of the motion
+  start: { frame: number; faces: number | null } | null; // if something crosses in the first frame
+  both: boolean; // a triangle collides and crosses
+  free: boolean; // some step is proven free
+  calm: boolean; // some step has no contact but is not proven free
   reasons: string[];
   objects: string[];
   counts: FaceCounts | null;
@@ -42,13 +42,13 @@ export interface LegendState {
   error: { scale: number; largest: number; rms: number } | null;
 }
 
-const swatch = (colour: Rgb, className = ''): HTMLElement => el('span', { className: `swatch ${className}`, style: { background: css(colour) } });
+const swatch = (color: Rgb, className = ''): HTMLElement => el('span', { className: `swatch ${className}`, style: { background: css(color) } });
 
 const item = (mark: HTMLElement, text: string, value = ''): HTMLElement =>
   el('li', {}, mark, el('span', {}, text), value !== '' && el('b', {}, value));
 
-function scale(colour: (value: number) => Rgb, title: string, ends: [string, string], value = ''): HTMLElement {
-  return el('li', { className: 'scale' }, el('span', { className: 'name' }, title, value !== '' && el('b', {}, value)), el('span', { className: 'bar', style: { background: gradient(colour) } }), el('span', { className: 'ends' }, el('span', {}, ends[0]), el('span', {}, ends[1])));
+function scale(color: (value: number) => Rgb, title: string, ends: [string, string], value = ''): HTMLElement {
+  return el('li', { className: 'scale' }, el('span', { className: 'name' }, title, value !== '' && el('b', {}, value)), el('span', { className: 'bar', style: { background: gradient(color) } }), el('span', { className: 'ends' }, el('span', {}, ends[0]), el('span', {}, ends[1])));
 }
 
 function proofItems(state: LegendState): HTMLElement[] {
@@ -58,15 +58,15 @@ function proofItems(state: LegendState): HTMLElement[] {
   if (layers.paint === 'level') {
     const levels = counts ? counts.levels.slice(1).flatMap((n, level) => (n > 0 ? [level] : [])) : [];
     const [low, high] = [levels[0] ?? 0, levels.at(-1) ?? 15];
-    items.push(scale((v) => levelColour(Math.round(low + v * (high - low))), 'Proven free, by level of the proof', [`${low} (large patches)`, `${high} (small)`], share(counts?.reasons[0])));
+    items.push(scale((v) => levelColor(Math.round(low + v * (high - low))), 'Proven free, by level of the proof', [`${low} (large patches)`, `${high} (small)`], share(counts?.reasons[0])));
   } else {
-    items.push(scale(marginColour, 'Proven free, by margin of the proof', ['0 (just)', '1 (as drawn)'], share(counts?.reasons[0])));
+    items.push(scale(marginColor, 'Proven free, by margin of the proof', ['0 (barely)', '1 (as built)'], share(counts?.reasons[0])));
   }
   if (!counts || counts.levels[0]! > 0) items.push(item(swatch(kNothingToProve), 'Proven free by boxes and planes alone'));
   state.reasons.forEach((name, k) => {
     const reason = kReasons[name];
     if (k === 0 || !reason || (counts && counts.reasons[k] === 0)) return;
-    const line = item(swatch(reason.colour), reason.title, share(counts?.reasons[k]));
+    const line = item(swatch(reason.color), reason.title, share(counts?.reasons[k]));
     line.title = reason.help;
     items.push(line);
   });
@@ -77,10 +77,10 @@ function proofItems(state: LegendState): HTMLElement[] {
 export function legendItems(state: LegendState): HTMLElement[] {
   const { layers } = state;
   const items: HTMLElement[] = [];
-  if (state.shapes) return [el('li', {}, 'A shape of the model: no motion, hence no collisions and proofs of steps')];
+  if (state.shapes) return [el('li', {}, 'A shape of the model: without motion there are no collisions or proofs of steps')];
   if (layers.source === 'prediction') items.push(el('li', {}, 'The shape is the prediction from key points'));
   if (layers.paint === 'plain' && state.objects.length > 1) {
-    state.objects.forEach((name, i) => items.push(item(swatch(kObjectColours[i % kObjectColours.length]!), name)));
+    state.objects.forEach((name, i) => items.push(item(swatch(kObjectColors[i % kObjectColors.length]!), name)));
   }
   const striped = layers.paint !== 'plain';
   if (layers.collisions) items.push(item(swatch(kRed, striped ? 'striped' : ''), 'Colliding triangles in this step', state.counts ? grouped(state.counts.colliding) : ''));
@@ -89,13 +89,13 @@ export function legendItems(state: LegendState): HTMLElement[] {
     if (layers.collisions && state.both) items.push(item(swatch(kRed, 'both'), 'Both'));
   }
   if (layers.contacts) {
-    items.push(scale(timeColour, 'Contact points, time of impact', ['0 begin of step', '1 end']));
-    items.push(item(el('span', { className: 'ring' }), 'Contact still to come in this step'));
+    items.push(scale(timeColor, 'Contact points, time of impact', ['0 start of step', '1 end']));
+    items.push(item(el('span', { className: 'ring' }), 'Contact later in this step'));
   }
   if (state.chosen) items.push(item(swatch(kOrange), 'Chosen pair: vertex, first edge or triangle'), item(swatch(kBlue), 'Chosen pair: face, second edge or triangle'));
   if (layers.paint === 'level' || layers.paint === 'margin') items.push(...proofItems(state));
   if (layers.paint === 'error' && state.error) {
-    items.push(scale(errorColour, 'Prediction error, mesh units', ['0', `${short(state.error.scale)} or more`]));
+    items.push(scale(errorColor, 'Prediction error, mesh units', ['0', `${short(state.error.scale)} or more`]));
     items.push(el('li', {}, `largest ${short(state.error.largest)}, root mean square ${short(state.error.rms)}`));
   }
   if (layers.keyPoints) items.push(item(swatch(kSky, 'round'), 'Key points'));

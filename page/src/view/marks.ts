@@ -1,19 +1,19 @@
-// What is drawn beside the surfaces: contact points, key points, the chosen pair, boxes.
+// Marks beside the surfaces: contact points, key points, the chosen pair, boxes.
 import * as THREE from 'three';
-import { kBlue, kOrange, kSky, timeColour, type Rgb } from '../shared/colours';
+import { kBlue, kOrange, kSky, timeColor, type Rgb } from '../shared/colours';
 import type { Pair } from './api';
 import { kBoxVertex, kFlatFragment, kLineVertex, kPointFragment, kPointVertex } from './shaders';
 import { rampOf, vec3, type Surface } from './surface';
 
 const kEverywhere = new THREE.Sphere(new THREE.Vector3(), 1e9);
-const kHidden = 0.2; // How much is seen of what lies behind a surface.
+const kHidden = 0.2; // opacity of marks behind a surface
 
 interface Frame {
-  centre: THREE.Vector3;
+  center: THREE.Vector3;
   scale: number;
 }
 
-/** The same points twice: as they are, and faintly where they are hidden. */
+/** Draws the same points twice: opaque where visible, faint where hidden. */
 function pointLayer(geometry: THREE.BufferGeometry, uniforms: Record<string, THREE.IUniform>, byVertex: boolean): THREE.Group {
   geometry.boundingSphere = kEverywhere;
   const group = new THREE.Group();
@@ -40,38 +40,38 @@ export class ContactPoints {
   readonly group: THREE.Group;
   private readonly geometry = new THREE.BufferGeometry();
   private readonly uniforms;
-  private room = 0;
+  private capacity = 0;
 
   constructor(
     private readonly frame: Frame,
     private readonly ratio: number,
-    anyPlace: Record<string, THREE.IUniform>,
+    positionUniforms: Record<string, THREE.IUniform>,
   ) {
-    this.uniforms = { ...anyPlace, timeRamp: { value: rampOf(timeColour) }, now: { value: 0 }, size: { value: 10 * ratio } };
+    this.uniforms = { ...positionUniforms, timeRamp: { value: rampOf(timeColor) }, now: { value: 0 }, size: { value: 10 * ratio } };
     this.group = pointLayer(this.geometry, this.uniforms, false);
     this.reserve(1024);
   }
 
   private reserve(count: number): void {
-    this.room = count;
+    this.capacity = count;
     this.geometry.dispose();
     this.geometry.setAttribute('position_', new THREE.BufferAttribute(new Float32Array(3 * count), 3));
     this.geometry.setAttribute('toi', new THREE.BufferAttribute(new Float32Array(count), 1));
   }
 
   set(pairs: Pair[]): void {
-    if (pairs.length > this.room) this.reserve(Math.max(pairs.length, 2 * this.room));
-    const places = this.geometry.getAttribute('position_') as THREE.BufferAttribute;
+    if (pairs.length > this.capacity) this.reserve(Math.max(pairs.length, 2 * this.capacity));
+    const points = this.geometry.getAttribute('position_') as THREE.BufferAttribute;
     const times = this.geometry.getAttribute('toi') as THREE.BufferAttribute;
-    const { centre, scale } = this.frame;
+    const { center, scale } = this.frame;
     pairs.forEach((pair, k) => {
       const [x, y, z] = pair.point as [number, number, number];
-      places.setXYZ(k, (x - centre.x) * scale, (y - centre.y) * scale, (z - centre.z) * scale);
+      points.setXYZ(k, (x - center.x) * scale, (y - center.y) * scale, (z - center.z) * scale);
       times.setX(k, pair.toi);
     });
     // Many points show where, few show which.
     this.uniforms.size.value = this.ratio * (pairs.length > 400 ? 6 : pairs.length > 60 ? 8 : 11);
-    places.needsUpdate = true;
+    points.needsUpdate = true;
     times.needsUpdate = true;
     this.geometry.setDrawRange(0, pairs.length);
   }
@@ -85,7 +85,7 @@ export function keyPoints(surface: Surface, ids: number[], ratio: number): THREE
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('vertex', new THREE.BufferAttribute(Uint32Array.from(ids), 1));
   geometry.setDrawRange(0, ids.length);
-  return pointLayer(geometry, { ...surface.place, only: { value: vec3(kSky) }, size: { value: (ids.length > 200 ? 5.5 : 8) * ratio } }, true);
+  return pointLayer(geometry, { ...surface.positionUniforms, only: { value: vec3(kSky) }, size: { value: (ids.length > 200 ? 5.5 : 8) * ratio } }, true);
 }
 
 /** The edges of a triangle. */
@@ -94,7 +94,7 @@ function outline(surface: Surface, face: number): [number, number][] {
   return [[p, q], [q, r], [r, p]];
 }
 
-/** The chosen pair's edges, over everything; orange is what is named first, blue the other. */
+/** The chosen pair's edges, over everything; the first feature is orange, the second blue. */
 export class PairLines {
   readonly group = new THREE.Group();
 
@@ -123,7 +123,7 @@ export class PairLines {
     }
   }
 
-  private add(surface: Surface, lines: [number, number][], colour: Rgb): void {
+  private add(surface: Surface, lines: [number, number][], color: Rgb): void {
     const from: number[] = [];
     const to: number[] = [];
     const end: number[] = [];
@@ -153,7 +153,7 @@ export class PairLines {
         transparent: true,
         depthTest: false,
         side: THREE.DoubleSide,
-        uniforms: { ...surface.place, viewport: this.viewport, width: { value: width }, only: { value: rim ? new THREE.Vector3(1, 1, 1) : vec3(colour) }, opacity: { value: 1 } },
+        uniforms: { ...surface.positionUniforms, viewport: this.viewport, width: { value: width }, only: { value: rim ? new THREE.Vector3(1, 1, 1) : vec3(color) }, opacity: { value: 1 } },
       });
       const mesh = new THREE.Mesh(geometry, material);
       mesh.frustumCulled = false;
@@ -191,7 +191,7 @@ export class Boxes {
       fragmentShader: kFlatFragment,
       transparent: true,
       depthWrite: false,
-      uniforms: { centre: { value: frame.centre }, scale: { value: frame.scale }, only: { value: vec3(kBlue) }, opacity: { value: 0.7 } },
+      uniforms: { center: { value: frame.center }, scale: { value: frame.scale }, only: { value: vec3(kBlue) }, opacity: { value: 0.7 } },
     });
     this.lines = new THREE.LineSegments(this.geometry, material);
     this.lines.frustumCulled = false;
@@ -206,7 +206,7 @@ export class Boxes {
     this.geometry.instanceCount = boxes.length / 6;
   }
 
-  colour(colour: Rgb): void {
-    ((this.lines.material as THREE.ShaderMaterial).uniforms['only']!.value as THREE.Vector3).copy(vec3(colour));
+  color(color: Rgb): void {
+    ((this.lines.material as THREE.ShaderMaterial).uniforms['only']!.value as THREE.Vector3).copy(vec3(color));
   }
 }

@@ -1,16 +1,16 @@
-// A cache of numbered, equally large pieces (frames, answers of steps) that never holds more than its budget. It fetches
-// ahead of where the timeline stands and gives up what lies farthest ahead of it, which is what was just played.
+// A cache of numbered entries of equal size (frames, answers of steps) with a bounded size. It prefetches entries after the
+// timeline's position and evicts the farthest ones after it, cyclically, which are those just played.
 import { getInto } from './api';
 
 export interface Slot<T> {
   key: number;
   ready: boolean;
-  parts: T[]; // one array per object, padded to whole rows of a texture
+  parts: T[]; // one array per object, padded to complete rows of a texture
 }
 
 export interface PartSize {
   elements: number; // with padding
-  bytes: number; // of the answer, without
+  bytes: number; // of the answer, without padding
 }
 
 type Array_ = Float32Array<ArrayBuffer> | Uint8Array<ArrayBuffer>;
@@ -21,12 +21,12 @@ export interface RingOptions<T extends Array_> {
   budget: number; // bytes
   make: (elements: number) => T;
   path: (part: number, key: number) => string;
-  wanted: (key: number) => boolean; // asked for each key before it is fetched
-  arrived: (key: number) => void;
+  needed: (key: number) => boolean; // called for each key before it is fetched
+  loaded: (key: number) => void;
   failed: (error: unknown) => void;
 }
 
-const kAtOnce = 3; // A browser opens six connections to a host, and others want some.
+const kMaxLoads = 3; // A browser opens six connections to a host; some remain for other requests.
 const kRetryMs = 1500;
 
 export class Ring<T extends Array_> {
@@ -36,12 +36,12 @@ export class Ring<T extends Array_> {
   private readonly slotBytes: number;
   private now = 0;
   private loading = 0;
-  private restUntil = 0;
+  private retryAfter = 0;
 
   constructor(private readonly options: RingOptions<T>) {
     const width = options.make(0).BYTES_PER_ELEMENT;
     this.slotBytes = Math.max(1, options.parts.reduce((sum, part) => sum + part.elements * width, 0));
-    // Three is what a step between two frames and the next one need.
+    // A step between two frames and the next one need three.
     this.capacity = Math.min(options.count, Math.max(3, Math.floor(options.budget / this.slotBytes)));
   }
 
@@ -54,7 +54,7 @@ export class Ring<T extends Array_> {
     return slot?.ready ? slot : undefined;
   }
 
-  /** How many keys from this one on are there. */
+  /** The number of consecutive keys from this one on that are loaded. */
   ahead(key: number): number {
     let n = 0;
     while (n < this.capacity && this.get((key + n) % this.options.count)) ++n;
@@ -62,14 +62,9 @@ export class Ring<T extends Array_> {
   }
 
   /** Fetches from this key on. */
-  aim(key: number): void {
+  prefetch(key: number): void {
     this.now = key;
-    this.pump();
-  }
-
-  /** Drops all there is, because it would be answered differently now. */
-  clear(): void {
-    for (const slot of this.slots) if (slot.ready) this.drop(slot);
+    this.loadNext();
   }
 
   private drop(slot: Slot<T>): void {
@@ -82,18 +77,18 @@ export class Ring<T extends Array_> {
     return (key - this.now + this.options.count) % this.options.count;
   }
 
-  private pump(): void {
-    if (this.loading >= kAtOnce || performance.now() < this.restUntil) return;
-    for (let d = 0; d < this.capacity && this.loading < kAtOnce; ++d) {
+  private loadNext(): void {
+    if (this.loading >= kMaxLoads || performance.now() < this.retryAfter) return;
+    for (let d = 0; d < this.capacity && this.loading < kMaxLoads; ++d) {
       const key = (this.now + d) % this.options.count;
-      if (this.byKey.has(key) || !this.options.wanted(key)) continue;
-      const slot = this.takeSlot(d);
+      if (this.byKey.has(key) || !this.options.needed(key)) continue;
+      const slot = this.freeSlot(d);
       if (!slot) return;
       void this.load(slot, key);
     }
   }
 
-  private takeSlot(distance: number): Slot<T> | undefined {
+  private freeSlot(distance: number): Slot<T> | undefined {
     const free = this.slots.find((slot) => slot.key < 0);
     if (free) return free;
     if (this.slots.length < this.capacity) {
@@ -120,15 +115,15 @@ export class Ring<T extends Array_> {
         if (parts[i]!.bytes > 0) await getInto(path(i, key), new Uint8Array(slot.parts[i]!.buffer), parts[i]!.bytes);
       }
       slot.ready = true;
-      this.options.arrived(key);
+      this.options.loaded(key);
     } catch (error) {
       this.drop(slot);
-      this.restUntil = performance.now() + kRetryMs;
-      setTimeout(() => this.pump(), kRetryMs + 50);
+      this.retryAfter = performance.now() + kRetryMs;
+      setTimeout(() => this.loadNext(), kRetryMs + 50);
       this.options.failed(error);
     } finally {
       --this.loading;
     }
-    this.pump();
+    this.loadNext();
   }
 }

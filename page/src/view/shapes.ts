@@ -1,10 +1,10 @@
-// The model's shapes: sliders for the modes, how far the shape is from the mean, and how far is proven free.
+// The model's shapes: sliders for the modes, the distance from the mean, and the certified radius.
 import { el, setText } from '../shared/dom';
 import { counted, percent, short } from '../shared/format';
 import { getFloats, getJson, type ObjectInfo, type Radius } from './api';
 import { floatsOf } from './surface';
 
-const kMostDeviations = 3;
+const kMaxDeviations = 3;
 const kShownAtFirst = 8;
 const kPollMs = 700;
 
@@ -24,7 +24,7 @@ export class ShapePanel {
   private readonly about = el('p', { className: 'note' });
   private mean: Float32Array | null = null;
   private modes: Float32Array[] = [];
-  private asked = false;
+  private requested = false;
 
   constructor(
     private readonly object: ObjectInfo,
@@ -41,7 +41,7 @@ export class ShapePanel {
     const model = this.object.model!;
     const rows = el('div', { className: 'sliders' });
     for (let j = 0; j < model.modes; ++j) {
-      const slider = el('input', { type: 'range', min: String(-kMostDeviations), max: String(kMostDeviations), step: '0.01', value: '0', 'aria-label': `Mode ${j + 1}, in standard deviations` });
+      const slider = el('input', { type: 'range', min: String(-kMaxDeviations), max: String(kMaxDeviations), step: '0.01', value: '0', 'aria-label': `Mode ${j + 1}, in standard deviations` });
       const value = el('output', {}, '0 σ');
       slider.addEventListener('input', () => this.set(j, Number(slider.value)));
       slider.addEventListener('dblclick', () => this.set(j, 0));
@@ -57,14 +57,14 @@ export class ShapePanel {
       more.hidden = true;
     });
     const reset = el('button', { className: 'small', type: 'button', onclick: () => this.setAll(() => 0) }, 'Mean shape');
-    const random = el('button', { className: 'small', type: 'button', title: 'Every mode drawn from the normal distribution of the training poses', onclick: () => this.setAll(normal) }, 'A likely shape');
+    const random = el('button', { className: 'small', type: 'button', title: 'Samples every mode from the normal distribution of the training poses', onclick: () => this.setAll(normal) }, 'A likely shape');
     this.element.append(this.norms, this.verdict, el('div', { className: 'row' }, reset, random, more), rows, this.about);
   }
 
   /** Loads the mean and the modes, and asks for the radius, when the panel is first opened. */
   open(): void {
-    if (this.asked) return;
-    this.asked = true;
+    if (this.requested) return;
+    this.requested = true;
     this.describe();
     void this.load();
     void this.askRadius();
@@ -82,7 +82,7 @@ export class ShapePanel {
         if (this.coordinates[j] !== 0) this.compute();
       }
     } catch (error) {
-      this.asked = false;
+      this.requested = false;
       this.failed(error);
     }
   }
@@ -105,7 +105,7 @@ export class ShapePanel {
   }
 
   private setAll(value: () => number): void {
-    for (let j = 0; j < this.coordinates.length; ++j) this.coordinates[j] = Math.min(kMostDeviations, Math.max(-kMostDeviations, value()));
+    for (let j = 0; j < this.coordinates.length; ++j) this.coordinates[j] = Math.min(kMaxDeviations, Math.max(-kMaxDeviations, value()));
     this.compute();
   }
 
@@ -139,25 +139,25 @@ export class ShapePanel {
       const c = this.coordinates[j]!;
       slider.value = String(c);
       setText(this.values[j]!, `${c > 0 ? '+' : ''}${c.toFixed(2)} σ`);
-      // How far this slider alone may go inside the radius, the others as they are.
-      const reach = radius === null ? 0 : Math.sqrt(Math.max(0, radius * radius - (sum - c * c)));
-      const share = Math.min(1, reach / kMostDeviations);
+      // The range of this slider inside the radius while the others stay.
+      const limit = radius === null ? 0 : Math.sqrt(Math.max(0, radius * radius - (sum - c * c)));
+      const share = Math.min(1, limit / kMaxDeviations);
       slider.style.setProperty('--in-from', `${50 - 50 * share}%`);
       slider.style.setProperty('--in-to', `${50 + 50 * share}%`);
     });
     this.showVerdict();
   }
 
-  /** Whether the present shape is proven; also shown over the picture. */
+  /** Whether the current shape is proven free; also shown over the picture. */
   verdictText(): { text: string; kind: 'inside' | 'outside' | 'open' } {
     const { radius } = this;
-    if (!radius) return { text: 'Asking how far is proven…', kind: 'open' };
-    if (radius.state === 'computing') return { text: `Proving a radius: ${percent(radius.progress ?? 0)}`, kind: 'open' };
+    if (!radius) return { text: 'Requesting the certified radius…', kind: 'open' };
+    if (radius.state === 'computing') return { text: `Computing the certified radius: ${percent(radius.progress ?? 0)}`, kind: 'open' };
     if (radius.state === 'failed') return { text: `No certified radius: ${radius.error ?? 'it failed'}`, kind: 'open' };
     if (!this.inside) return { text: 'Outside the certified radius: nothing is proven here', kind: 'outside' };
-    const left = radius.left_out ?? 0;
+    const uncertified = radius.uncertified ?? 0;
     return {
-      text: `Inside the certified radius: proven not to touch itself${left > 0 ? `, but for ${counted(left, 'pair')} of patches` : ''}`,
+      text: `Inside the certified radius: proven not to touch itself${uncertified > 0 ? `, but for ${counted(uncertified, 'pair')} of patches` : ''}`,
       kind: 'inside',
     };
   }
@@ -170,12 +170,12 @@ export class ShapePanel {
     const model = this.object.model!;
     const parts = [`σ: standard deviations of ${counted(model.poses, 'training pose')}. Green on a slider: inside the certified radius, the others as they are.`];
     if (done?.share !== undefined) parts.push(`${percent(done.share)} of a normal distribution of shapes lies inside it.`);
-    if (done?.left_out) parts.push(`${counted(done.left_out, 'pair')} of patches that touch or nearly touch in the mean shape ${done.left_out === 1 ? 'is' : 'are'} left out of it; foldproof radius names them.`);
+    if (done?.uncertified) parts.push(`${counted(done.uncertified, 'pair')} of patches that touch or nearly touch in the mean shape ${done.uncertified === 1 ? 'is' : 'are'} not covered; foldproof radius lists them.`);
     setText(this.about, parts.join(' '));
   }
 }
 
-/** Box and Muller's way from even to normal. */
+/** A normally distributed number (Box and Muller). */
 function normal(): number {
   return Math.sqrt(-2 * Math.log(1 - Math.random())) * Math.cos(2 * Math.PI * Math.random());
 }

@@ -1,10 +1,10 @@
-// From where a contact can be seen: it usually lies between two parts of a surface.
+// Finds a direction from which a contact is visible: it usually lies between two parts of a surface.
 import * as THREE from 'three';
 import type { Surface } from './surface';
 
 const kDirections = 64;
 
-/** Evenly spread over the sphere (a Fibonacci lattice). */
+/** Directions evenly distributed over the sphere (a Fibonacci lattice). */
 function lattice(): THREE.Vector3[] {
   const golden = Math.PI * (3 - Math.sqrt(5));
   return Array.from({ length: kDirections }, (_, k) => {
@@ -15,11 +15,11 @@ function lattice(): THREE.Vector3[] {
 }
 
 /**
- * The direction nearest to `wish` in which nothing beyond `least` hides the point; `wish` when there is none. Nearly straight
- * from above and below are left out: there the camera would roll.
+ * The direction nearest to `preferred` from which nothing farther than `minDistance` hides the point; `preferred` if there is
+ * none. Directions from nearly straight above or below are excluded: there the camera would roll.
  */
-export function clearDirection(surfaces: Surface[], point: THREE.Vector3, least: number, wish: THREE.Vector3): THREE.Vector3 {
-  const candidates = [wish, ...lattice().filter((d) => Math.abs(d.y) < 0.95).sort((a, b) => b.dot(wish) - a.dot(wish))];
+export function clearDirection(surfaces: Surface[], point: THREE.Vector3, minDistance: number, preferred: THREE.Vector3): THREE.Vector3 {
+  const candidates = [preferred, ...lattice().filter((d) => Math.abs(d.y) < 0.95).sort((a, b) => b.dot(preferred) - a.dot(preferred))];
   const shown = surfaces.filter((surface) => surface.mesh.visible);
-  return candidates.find((d) => !shown.some((surface) => surface.blocks(new THREE.Ray(point, d), least))) ?? wish;
+  return candidates.find((d) => !shown.some((surface) => surface.blocks(new THREE.Ray(point, d), minDistance))) ?? preferred;
 }

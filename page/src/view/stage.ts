@@ -1,4 +1,4 @@
-// The camera, what the mouse and fingers do with it, and the picture. Draws only when something has changed.
+// The camera, its controls, and the picture. Draws only when something has changed.
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
@@ -10,11 +10,11 @@ const kSides: Record<Side, THREE.Vector3> = {
 };
 const kFlightMs = 450;
 
-/** Things are kept this much smaller than the picture; where that is narrow, they stay clear of the buttons over it. */
-const room = ({ clientWidth, clientHeight }: HTMLElement): number => (clientWidth < 700 ? 1 / Math.max(0.4, 1 - 104 / Math.max(1, clientHeight)) : 1.03);
+/** The framing margin as a factor; on narrow screens it keeps the content clear of the buttons over the picture. */
+const framingMargin = ({ clientWidth, clientHeight }: HTMLElement): number => (clientWidth < 700 ? 1 / Math.max(0.4, 1 - 104 / Math.max(1, clientHeight)) : 1.03);
 
 interface Flight {
-  begin: number;
+  start: number;
   from: THREE.Vector3;
   fromTarget: THREE.Vector3;
   to: THREE.Vector3;
@@ -32,10 +32,10 @@ export class Stage {
   private flight: Flight | null = null;
   private dirty = true;
 
-  /** `frame` maps mesh units to the scene's: the first frame's box becomes 2 units large, around 0. */
+  /** `frame` maps mesh units to those of the scene, where the first frame's box has size 2 and center 0. */
   constructor(
     readonly parent: HTMLElement,
-    readonly frame: { centre: THREE.Vector3; scale: number },
+    readonly frame: { center: THREE.Vector3; scale: number },
     private readonly bounds: () => THREE.Box3, // of what is shown, mesh units
   ) {
     this.canvas.tabIndex = 0;
@@ -60,21 +60,21 @@ export class Stage {
     this.dirty = true;
   }
 
-  background(colour: string): void {
-    this.renderer.setClearColor(new THREE.Color(colour));
+  background(color: string): void {
+    this.renderer.setClearColor(new THREE.Color(color));
     this.redraw();
   }
 
-  /** Everything in view, from a little above and aside. */
+  /** Shows everything, slightly from above and from the side. */
   reset(animated = true): void {
-    this.look(new THREE.Vector3(0.45, 0.25, 1), animated);
+    this.lookFrom(new THREE.Vector3(0.45, 0.25, 1), animated);
   }
 
   side(side: Side): void {
-    this.look(kSides[side], true);
+    this.lookFrom(kSides[side], true);
   }
 
-  private look(direction: THREE.Vector3, animated: boolean): void {
+  private lookFrom(direction: THREE.Vector3, animated: boolean): void {
     const d = direction.clone().normalize();
     const up = Math.abs(d.y) > 0.9 ? new THREE.Vector3(0, 0, -1) : new THREE.Vector3(0, 1, 0);
     const right = up.clone().cross(d).normalize();
@@ -83,19 +83,19 @@ export class Stage {
     const size = box.getSize(new THREE.Vector3()).multiplyScalar(this.frame.scale);
     const half = (axis: THREE.Vector3) => (Math.abs(axis.x) * size.x + Math.abs(axis.y) * size.y + Math.abs(axis.z) * size.z) / 2;
     const tangent = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
-    const distance = half(d) + room(this.parent) * Math.max(half(above) / tangent, half(right) / (tangent * this.camera.aspect), 1e-3);
-    const target = box.getCenter(new THREE.Vector3()).sub(this.frame.centre).multiplyScalar(this.frame.scale);
+    const distance = half(d) + framingMargin(this.parent) * Math.max(half(above) / tangent, half(right) / (tangent * this.camera.aspect), 1e-3);
+    const target = box.getCenter(new THREE.Vector3()).sub(this.frame.center).multiplyScalar(this.frame.scale);
     this.fly(d.multiplyScalar(distance).add(target), target, animated);
   }
 
-  /** From what is looked at to the eye. */
+  /** The direction from the target to the eye. */
   get direction(): THREE.Vector3 {
     return this.camera.position.clone().sub(this.controls.target).normalize();
   }
 
-  /** Comes as near to a point in mesh units as `size` fills a good part of the picture. */
+  /** Moves to a point in mesh units, so near that `size` fills a good part of the picture. */
   approach(point: THREE.Vector3, size: number, direction = this.direction): void {
-    const target = point.clone().sub(this.frame.centre).multiplyScalar(this.frame.scale);
+    const target = point.clone().sub(this.frame.center).multiplyScalar(this.frame.scale);
     const distance = Math.max((5 * size * this.frame.scale) / Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2)), 1e-3);
     this.fly(target.clone().addScaledVector(direction, distance), target, true);
   }
@@ -107,7 +107,7 @@ export class Stage {
       this.camera.position.copy(to);
       this.controls.target.copy(toTarget);
     } else {
-      this.flight = { begin: performance.now(), from: this.camera.position.clone(), fromTarget: this.controls.target.clone(), to, toTarget };
+      this.flight = { start: performance.now(), from: this.camera.position.clone(), fromTarget: this.controls.target.clone(), to, toTarget };
     }
     this.dirty = true;
   }
@@ -133,14 +133,14 @@ export class Stage {
     const caster = new THREE.Raycaster();
     caster.setFromCamera(new THREE.Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2), this.camera);
     const { origin, direction } = caster.ray;
-    return new THREE.Ray(origin.clone().divideScalar(this.frame.scale).add(this.frame.centre), direction.clone());
+    return new THREE.Ray(origin.clone().divideScalar(this.frame.scale).add(this.frame.center), direction.clone());
   }
 
-  /** Draws if there is a reason to; true when it did. */
+  /** Draws if something has changed; true if it did. */
   draw(now: number): boolean {
     if (this.flight) {
-      const { begin, from, fromTarget, to, toTarget } = this.flight;
-      const s = Math.min(1, (now - begin) / kFlightMs);
+      const { start, from, fromTarget, to, toTarget } = this.flight;
+      const s = Math.min(1, (now - start) / kFlightMs);
       const eased = s * s * (3 - 2 * s);
       this.camera.position.lerpVectors(from, to, Math.max(0, eased));
       this.controls.target.lerpVectors(fromTarget, toTarget, Math.max(0, eased));
@@ -165,6 +165,6 @@ export class Stage {
     (this.viewport.value as THREE.Vector2).set(width, height);
     this.camera.aspect = width / height;
     this.dirty = true;
-    this.draw(performance.now()); // At once: a canvas is empty after a change of its size.
+    this.draw(performance.now()); // At once, as resizing clears the canvas.
   }
 }

@@ -1,6 +1,6 @@
-// The timeline: what each step answered at a glance, and where the picture stands.
+// The timeline: the answers of all steps, and the current position.
 import { el, icon, setText } from '../shared/dom';
-import { collisionsOf, placeText, type Step } from '../shared/steps';
+import { collisionsOf, stepText, type Step } from '../shared/steps';
 import type { SceneInfo } from './api';
 import type { Check } from './check';
 import type { Clock } from './clock';
@@ -13,7 +13,7 @@ const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4];
 export interface TimelineActions {
   play: () => void;
   move: (steps: number) => void;
-  seekPlace: (place: number) => void;
+  seekPosition: (position: number) => void;
   seekTime: (t: number) => void;
   collision: (direction: 1 | -1) => void;
 }
@@ -54,7 +54,7 @@ export class Timeline {
     return el(
       'div',
       { className: 'buttons' },
-      button('M6 5h2v14H6zm3 7 9-7v14z', 'To the begin (Home)', () => this.actions.seekPlace(0)),
+      button('M6 5h2v14H6zm3 7 9-7v14z', 'To the start (Home)', () => this.actions.seekPosition(0)),
       button('M17 5v14l-11-7z', s > 1 ? 'One substep back (←)' : 'One step back (←)', () => this.actions.move(-1)),
       play,
       button('M7 5v14l11-7z', s > 1 ? 'One substep on (→)' : 'One step on (→)', () => this.actions.move(1)),
@@ -77,7 +77,7 @@ export class Timeline {
     );
     const seek = (event: PointerEvent) => {
       const box = track.getBoundingClientRect();
-      this.actions.seekPlace(((event.clientX - box.left) / box.width) * (this.scene.frames - 1));
+      this.actions.seekPosition(((event.clientX - box.left) / box.width) * (this.scene.frames - 1));
     };
     track.addEventListener('pointerdown', (event) => {
       track.setPointerCapture(event.pointerId);
@@ -89,7 +89,7 @@ export class Timeline {
     return track;
   }
 
-  /** The answers of all steps: hatched until checked; green as far as nothing goes through anything, grey where nothing more is known than that there is no new contact; red and as high as there are many collisions. What crosses in the first frame stands at its begin. */
+  /** The answers of all steps: hatched until checked; green up to where everything is proven free; gray where only new contacts are ruled out; red bars for numbers of collisions. Crossings in the first frame are marked at the start. */
   paint(): void {
     const { clientWidth: width, clientHeight: height } = this.track;
     if (width === 0) return;
@@ -99,10 +99,10 @@ export class Timeline {
     const g = this.strip.getContext('2d')!;
     g.scale(ratio, ratio);
     const style = getComputedStyle(document.documentElement);
-    const colour = (name: string) => style.getPropertyValue(name).trim();
-    g.fillStyle = colour('--stage');
+    const color = (name: string) => style.getPropertyValue(name).trim();
+    g.fillStyle = color('--stage');
     g.fillRect(0, 0, width, height);
-    g.strokeStyle = colour('--line');
+    g.strokeStyle = color('--line');
     for (let x = -height; x < width; x += 6) {
       g.beginPath();
       g.moveTo(x, height);
@@ -111,31 +111,31 @@ export class Timeline {
     }
     const total = Math.max(1, this.scene.steps);
     const { free, steps, startsCrossing } = this.check;
-    g.fillStyle = colour('--calm');
+    g.fillStyle = color('--calm');
     g.fillRect(0, 0, (steps.length / total) * width, height);
-    g.fillStyle = colour('--free');
+    g.fillStyle = color('--free');
     g.fillRect(0, 0, (free / total) * width, height);
-    let most = 1;
-    for (const step of steps) most = Math.max(most, collisionsOf(step));
-    if (startsCrossing) this.paintStart(g, this.clock.still ? width : kStartWidth, height, colour);
-    g.fillStyle = colour('--bar');
+    let maxCount = 1;
+    for (const step of steps) maxCount = Math.max(maxCount, collisionsOf(step));
+    if (startsCrossing) this.paintStart(g, this.clock.still ? width : kStartWidth, height, color);
+    g.fillStyle = color('--bar');
     for (const step of steps) {
       const count = collisionsOf(step);
       if (count === 0) continue;
-      const tall = Math.max(5, (Math.log1p(count) / Math.log1p(most)) * (height - 3));
+      const barHeight = Math.max(5, (Math.log1p(count) / Math.log1p(maxCount)) * (height - 3));
       const x = (step.number / total) * width;
-      g.fillRect(x, height - tall, Math.max(2, width / total + 0.4), tall);
+      g.fillRect(x, height - barHeight, Math.max(2, width / total + 0.4), barHeight);
     }
   }
 
-  private paintStart(g: CanvasRenderingContext2D, width: number, height: number, colour: (name: string) => string): void {
+  private paintStart(g: CanvasRenderingContext2D, width: number, height: number, color: (name: string) => string): void {
     g.save();
     g.beginPath();
     g.rect(0, 0, width, height);
     g.clip();
-    g.fillStyle = colour('--cross');
+    g.fillStyle = color('--cross');
     g.fillRect(0, 0, width, height);
-    g.strokeStyle = colour('--cross-dark');
+    g.strokeStyle = color('--cross-dark');
     g.lineWidth = 2.5;
     for (let x = 0; x < width + height; x += 6.5) {
       g.beginPath();
@@ -144,24 +144,24 @@ export class Timeline {
       g.stroke();
     }
     g.restore();
-    g.fillStyle = colour('--cross-dark');
+    g.fillStyle = color('--cross-dark');
     g.fillRect(width - 1.5, 0, 1.5, height);
   }
 
-  /** Moves the cursor and says where it is. */
+  /** Updates the cursor and the text of the position. */
   show(waiting: boolean): void {
     const { clock, scene } = this;
-    const share = scene.frames > 1 ? clock.place / (scene.frames - 1) : 0;
+    const share = scene.frames > 1 ? clock.position / (scene.frames - 1) : 0;
     this.cursor.style.left = `${100 * share}%`;
     if (document.activeElement !== this.within) this.within.value = String(clock.t);
     const step = this.check.steps[clock.step];
     const from = scene.frame_numbers[clock.frame] ?? 0;
     const to = scene.frame_numbers[Math.min(clock.frame + 1, scene.frames - 1)] ?? from;
-    const place = { frame: from, next_frame: to, substep: clock.step % clock.substeps } as Step;
-    const text = clock.still ? `frame ${from}` : `${placeText(step ?? place, clock.substeps)}, ${clock.t.toFixed(3)} of the way`;
+    const unchecked = { frame: from, next_frame: to, substep: clock.step % clock.substeps } as Step;
+    const text = clock.still ? `frame ${from}` : `${stepText(step ?? unchecked, clock.substeps)}, ${clock.t.toFixed(3)} of the way`;
     setText(this.where, waiting ? `loading ${text}` : text);
-    this.track.setAttribute('aria-valuenow', clock.place.toFixed(3));
-    this.track.setAttribute('aria-valuetext', this.check.startsCrossing && clock.place === 0 ? `${text}, starts crossing` : text);
+    this.track.setAttribute('aria-valuenow', clock.position.toFixed(3));
+    this.track.setAttribute('aria-valuetext', this.check.startsCrossing && clock.position === 0 ? `${text}, starts crossing` : text);
   }
 
   showPlaying(playing: boolean): void {
