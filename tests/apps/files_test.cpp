@@ -290,7 +290,7 @@ TEST(InterruptedProgram, LeavesNothingAndSaysSo) {
       {{"train", "long.npz", "-o", "a.model"}, "no model was written"},
       {{"check", "--reduced", "tube.model", "long.csv", "--csv", "a.csv"}, "no report was written"},
       {{"predict", "tube.model", "many.npz", "-o", "a.npz"}, "the prediction was not finished"},
-      {{"suggest", "tube.model", "many.npz", "-o", "a.obj"}, "not all frames were looked at"},
+      {{"suggest", "tube.model", "many.npz", "-o", "a.obj"}, "not all frames were read"},
   };
   for (const auto& [words, said] : all) {
     for (const int signal : {SIGINT, SIGTERM}) {
