@@ -104,7 +104,7 @@ Result<Row> measure_row(Motion& motion, const Stride& stride, double inflation, 
 }  // namespace
 
 Result<json> measure_candidates(const std::vector<SceneInfo>& scenes, const CandidatePlan& plan) {
-  json rows;
+  json rows = json::array();
   for (const SceneInfo& scene : scenes) {
     if (scene.kind != SceneKind::Motion) continue;
     auto motion = FOLDPROOF_TRY(open_scene(scene));

@@ -210,7 +210,7 @@ Result<json> measure_row(const SceneInfo& scene, StepSize size, Training trainin
 }  // namespace
 
 Result<json> compare_certificates(const std::vector<SceneInfo>& scenes, const CertificatePlan& plan) {
-  json rows;
+  json rows = json::array();
   for (const SceneInfo& scene : scenes) {
     for (const StepSize size : {StepSize::Full, StepSize::Tenth}) {
       for (const Training training : {Training::None, Training::EveryTenthFrame, Training::OwnPoses}) {

@@ -158,7 +158,7 @@ Result<void> add_rows(Index triangles, const ReducedPlan& plan, json& rows) {
 }  // namespace
 
 Result<json> measure_reduced(const ReducedPlan& plan) {
-  json rows;
+  json rows = json::array();
   for (Index triangles = 10'000; triangles <= plan.largest; triangles *= 10)
     FOLDPROOF_TRY(add_rows(triangles, plan, rows));
   return rows;

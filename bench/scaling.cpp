@@ -113,7 +113,7 @@ Result<json> measure_growth(Plan plan) {
 Result<json> measure_threads(const Plan& plan) {
   if (std::thread::hardware_concurrency() < 2)
     return fail("--thread-scaling", "this machine has one processor", "run it on one with two");
-  json rows;
+  json rows = json::array();
   for (const SceneInfo& scene : growth_scenes()) {
     const Index n = scene.triangles;
     const bool wanted = n > 199'000 && (n < 300'000 || n > 1'500'000) && n <= plan.growth_largest;
@@ -125,7 +125,7 @@ Result<json> measure_threads(const Plan& plan) {
 }
 
 Result<json> measure_training() {
-  json rows;
+  json rows = json::array();
   for (const PoseSet& set : pose_sets()) {
     const SceneInfo scene{set.name, SceneKind::Motion, set.files};
     if (!is_available(scene)) continue;
