@@ -77,6 +77,6 @@ def test_mistakes_are_explained(reproduce, tmp_path):
     (tmp_path / "file").write_text("")
     for arguments, problem in ((["-o", "a", "--data", "empty"], "empty: holds nothing that is known"),
                                (["-o", "a", "--data", "bad"], "a.obj"), (["-o", "file/out"], "file/out"),
-                               (["-o", "a", "--threads", "-3"], "threads")):
+                               (["-o", "a", "--threads", "-3"], "-3 is not between")):
         done = reproduce(*arguments)
         assert done.returncode == 1 and problem in done.stderr and done.stderr.count("\n") == 1, done.stderr
