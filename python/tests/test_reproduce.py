@@ -35,7 +35,8 @@ def reproduce(tmp_path):
 
     def run(*arguments):
         command = [sys.executable, SCRIPT, "--quick", "--program", program, *arguments]
-        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+        module = {**os.environ, "PYTHONPATH": str(pathlib.Path(foldproof.__file__).parents[1])}
+        return subprocess.run(command, cwd=tmp_path, env=module, capture_output=True, text=True, timeout=120)
 
     return run
 
