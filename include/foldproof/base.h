@@ -50,7 +50,7 @@ inline tl::unexpected<Error> fail(ErrorCode code, std::string where, std::string
                                   std::string remedy) {
   return tl::unexpected<Error>(Error{std::move(where), std::move(problem), std::move(remedy), code});
 }
-// To go: every call names its code.
+/// The same with ErrorCode::InvalidArgument.
 inline tl::unexpected<Error> fail(std::string where, std::string problem, std::string mend) {
   return fail(ErrorCode::InvalidArgument, std::move(where), std::move(problem), std::move(mend));
 }

@@ -248,7 +248,9 @@ void bind_reduced(py::module_& module) {
       module, "ReducedChecker",
       "Checks objects that move in reduced coordinates. Where balls prove them free, no vertex is read. "
       "Calls of one checker wait for each other.")
-      .def(py::init(&make_checker), py::arg("shapes"), "shapes: a ReducedShape, or a list of them.")
+      .def(py::init(&make_checker), py::arg("shapes"),
+           "shapes: a ReducedShape, or a list of them. Certificates of their models are used from the first "
+           "step on.")
       .def("check", &check, py::arg("start"), py::arg("end"),
            with_settings(
                "What StepChecker.check answers for the vertices at both ends (ReducedShape.positions), "

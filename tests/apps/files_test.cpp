@@ -253,7 +253,7 @@ Outcome interrupted(const Inputs& inputs, const Words& words, int signal = SIGIN
                                  const std::string text = read_file(status);
                                  const std::size_t at = text.find("SigCgt:");
                                  if (at == text.npos) return true;
-                                 return (std::stoull(text.substr(at + 7), nullptr, 16) >> (SIGINT - 1) & 1) !=
+                                 return (std::stoull(text.substr(at + 7), nullptr, 16) >> (signal - 1) & 1) !=
                                         0;
                                };
                                for (int k = 0; k < 60'000 && !handles_it(); ++k)
