@@ -360,9 +360,10 @@ KineticBvh::Deviation KineticBvh::deviation(const Frame& frame, std::span<const 
   return parallel_reduce(
       IndexRange{0, ids.size()}, kVerticesPerTask, Deviation{},
       [&](IndexRange range, Deviation d) {
-        const float max = HWY_DYNAMIC_DISPATCH(MaxDeviation)(frame, ids.subspan(range.begin, range.size()),
-                                                             x0, x1, &vertices[range.begin], times, d.bounds);
-        return Deviation{d.bounds, std::max(d.max, max)};
+        d.max = std::max(
+            d.max, HWY_DYNAMIC_DISPATCH(MaxDeviation)(frame, ids.subspan(range.begin, range.size()), x0, x1,
+                                                      &vertices[range.begin], times, d.bounds));
+        return d;
       },
       [](const Deviation& a, const Deviation& b) {
         return Deviation{united(a.bounds, b.bounds), std::max(a.max, b.max)};
