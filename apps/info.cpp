@@ -21,7 +21,7 @@ constexpr const char* kFooter =
     R"(It shows the poses that the model was trained on, its size, and how much of the mesh it proves free of contact with
 itself:
 
-  proven    share of leaves (patches of about a dozen triangles) and of pairs of neighbouring leaves that the charts
+  proven    share of leaves (patches of about a dozen triangles) and of pairs of neighboring leaves that the charts
             prove in a pose. What is not proven is tested; no answer depends on it.
   kappa     steepness of charts: how many times longer a path on the surface may be than the straight line below it in
             the chart. 1 is flat. The steeper a chart, the less the patch may bend before the chart stops holding.

@@ -21,7 +21,7 @@ Colors of --color:
                 faces that cross in this frame already. For the last frame, or a single pose, pink alone
   certificates  blue: proven free of contact between this frame and the next, paler for smaller patches; other
                 colors: why not (docs/reports.md, --explain)
-  error         distance of each vertex from --truth: pale grey is none, then yellow, red, and dark purple for the
+  error         distance of each vertex from --truth: pale gray is none, then yellow, red, and dark purple for the
                 largest, or for --scale
 
 Examples:

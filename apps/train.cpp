@@ -69,7 +69,7 @@ std::string summary(const TrainArguments& a, const Model& model, double seconds)
   }
   row("time", fmt::format("{:.3g} s", seconds));
   row("proven in these poses",
-      fmt::format("{:.1f} % of leaves and of pairs of neighbouring leaves", 100 * s.proven));
+      fmt::format("{:.1f} % of leaves and of pairs of neighboring leaves", 100 * s.proven));
   return text + learned_summary(model);
 }
 

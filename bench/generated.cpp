@@ -35,7 +35,7 @@ std::unique_ptr<Motion> animate(const char* name, const Rest& rest, Index frames
   return memory_motion(name, std::move(*topology), std::move(sequence));
 }
 
-/// Where a straight line along x goes when a stretch of it, `bend_length` long and centred at 0, is bent by
+/// Where a straight line along x goes when a stretch of it, `bend_length` long and centerd at 0, is bent by
 /// `angle`. `offset` is the distance from the line towards the inside of the bend.
 struct Bent {
   double along, towards;
@@ -188,19 +188,19 @@ std::unique_ptr<Motion> ball_heap() {
   constexpr double kApart = 2.5;
   Rest rest;
   for (Index place = 0; place < kAcross * kAcross * kAcross; ++place) {
-    const Vec3 centre = kApart * Vec3(place % kAcross, place / kAcross % kAcross, place / kAcross / kAcross);
+    const Vec3 center = kApart * Vec3(place % kAcross, place / kAcross % kAcross, place / kAcross / kAcross);
     const Eigen::Matrix3d turn =
         Eigen::AngleAxisd(0.7 * place, Vec3(1, 0.3 * place, 2).normalized()).toRotationMatrix();
     const auto first = static_cast<Index>(rest.points.size());
-    for (const Vec3& p : ball.points) rest.points.push_back(centre + turn * p);
+    for (const Vec3& p : ball.points) rest.points.push_back(center + turn * p);
     for (const auto& [a, b, c] : ball.triangles) rest.triangles.push_back({a + first, b + first, c + first});
   }
   return animate("ball-heap", rest, 25, [=](const Vec3& p, double t) {
-    const Vec3 centre = (p / kApart).array().round().matrix();
+    const Vec3 center = (p / kApart).array().round().matrix();
     // Pressed from above the balls grow wide; ever more of them overlap, by little.
     const Vec3 radii(1 + 0.1 * t, 1 + 0.1 * t, 1 - 0.2 * t);
     const double spacing = 2 - 0.02 * t;
-    return Vec3((spacing * centre + (p - kApart * centre)).cwiseProduct(radii));
+    return Vec3((spacing * center + (p - kApart * center)).cwiseProduct(radii));
   });
 }
 

@@ -19,7 +19,7 @@ std::unique_ptr<Motion> folding_cloth();
 /// Two sheets that lie on each other and slide: the bumps of the one touch the other in some hundred places.
 std::unique_ptr<Motion> pressed_cloths();
 
-/// Sixty-four balls that are pressed together until all neighbours touch and flatten each other.
+/// Sixty-four balls that are pressed together until all neighbors touch and flatten each other.
 std::unique_ptr<Motion> ball_heap();
 
 /// A square sheet with waves that run over it, 2 * side^2 triangles. It never touches itself.

@@ -17,7 +17,7 @@ Result<nlohmann::json> measure_growth(Plan plan);
 Result<nlohmann::json> measure_threads(const Plan& plan);
 
 /// Training with all that it does by default, on the sets of poses of the data that are there. `proven`: of
-/// the neighbourhoods in all poses, as the model says.
+/// the neighborhoods in all poses, as the model says.
 Result<nlohmann::json> measure_training();
 
 }  // namespace foldproof::bench

@@ -2,9 +2,9 @@
 import { readFileSync } from 'node:fs';
 import { defineConfig } from 'vite';
 
-/** Puts the licences of bundled packages before the scripts, as they require. */
-const licences = (...packages) => ({
-  name: 'licences',
+/** Puts the licenses of bundled packages before the scripts, as they require. */
+const licenses = (...packages) => ({
+  name: 'licenses',
   generateBundle(_, bundle) {
     const texts = packages.map((name) => `${name}\n\n${readFileSync(`node_modules/${name}/LICENSE`, 'utf8').trim()}`);
     for (const file of Object.values(bundle)) {
@@ -14,7 +14,7 @@ const licences = (...packages) => ({
 });
 
 const view = {
-  plugins: [licences('three', 'uplot')],
+  plugins: [licenses('three', 'uplot')],
   build: {
     outDir: 'dist/view',
     emptyOutDir: true,
@@ -28,7 +28,7 @@ const view = {
 };
 
 const report = {
-  plugins: [licences('uplot')],
+  plugins: [licenses('uplot')],
   build: {
     outDir: 'dist/report',
     emptyOutDir: true,

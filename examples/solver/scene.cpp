@@ -103,14 +103,14 @@ Sphere icosphere(int quartered) {
   return s;
 }
 
-// Springs along the edges, across them against bending, and to the centre, which is inside and collides with
+// Springs along the edges, across them against bending, and to the center, which is inside and collides with
 // nothing.
-void add_ball(Scene& scene, int quartered, const Vec3& centre) {
+void add_ball(Scene& scene, int quartered, const Vec3& center) {
   const Sphere sphere = icosphere(quartered);
   const Index first = scene.vertex_count();
   const double share = kBallMass / (static_cast<double>(sphere.points.size()) + 1);
-  for (const Vec3& p : sphere.points) add_vertex(scene, centre + kBallRadius * p.normalized(), share);
-  const Index middle = add_vertex(scene, centre, share);
+  for (const Vec3& p : sphere.points) add_vertex(scene, center + kBallRadius * p.normalized(), share);
+  const Index middle = add_vertex(scene, center, share);
   const double radial = 4000.0 / static_cast<double>(sphere.points.size());
   for (Index v = first; v < middle; ++v) add_spring(scene, v, middle, radial);
   std::map<std::pair<Index, Index>, Index> opposite;
@@ -145,27 +145,27 @@ void add_floor(Scene& scene, double rise = 0) {
   }
 }
 
-// A vertex at each ring's centre, which collides with nothing, holds it open.
+// A vertex at each ring's center, which collides with nothing, holds it open.
 void add_rod(Scene& scene, Index around, Index rings, double radius, double length) {
   constexpr double kMass = 2;
   const double share = kMass / (rings * (around + 1.0));
   for (Index r = 0; r < rings; ++r) {
     const double z = length * r / (rings - 1);
-    const Vec3 centre(z - length / 2, 1e-3 * std::sin(9 * z),
+    const Vec3 center(z - length / 2, 1e-3 * std::sin(9 * z),
                       1);  // a little bent, so that it knows where to go
     for (Index k = 0; k < around; ++k) {
       const double angle = 2 * kPi * (k + 0.5 * (r % 2)) / around;
-      add_vertex(scene, centre + radius * Vec3(0, std::cos(angle), std::sin(angle)), share);
+      add_vertex(scene, center + radius * Vec3(0, std::cos(angle), std::sin(angle)), share);
     }
-    add_vertex(scene, centre, share);
+    add_vertex(scene, center, share);
   }
   const auto id = [&](Index r, Index k) { return r * (around + 1) + k % around; };
-  const auto centre = [&](Index r) { return r * (around + 1) + around; };
+  const auto center = [&](Index r) { return r * (around + 1) + around; };
   for (Index r = 0; r < rings; ++r) {
     for (Index k = 0; k < around; ++k) {
       add_spring(scene, id(r, k), id(r, k + 1), 200);
       add_spring(scene, id(r, k), id(r, k + 2), 2);
-      add_spring(scene, id(r, k), centre(r), 400.0 / around);
+      add_spring(scene, id(r, k), center(r), 400.0 / around);
       if (r + 2 < rings) add_spring(scene, id(r, k), id(r + 2, k), 2);
       if (r + 1 == rings) continue;
       // Odd rings are turned by half a cell, so that a cell's short diagonal changes sides.
@@ -176,8 +176,8 @@ void add_rod(Scene& scene, Index around, Index rings, double radius, double leng
       scene.faces.push_back({id(r, k), right, left});
       scene.faces.push_back({id(r, k), id(r, k + 1), right});
     }
-    if (r + 1 < rings) add_spring(scene, centre(r), centre(r + 1), 200);
-    if (r + 2 < rings) add_spring(scene, centre(r), centre(r + 2), 20);
+    if (r + 1 < rings) add_spring(scene, center(r), center(r + 1), 200);
+    if (r + 2 < rings) add_spring(scene, center(r), center(r + 2), 20);
   }
 }
 

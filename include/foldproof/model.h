@@ -45,7 +45,7 @@ struct HardLeaf {
 struct TrainedPose {
   std::string name;  ///< For messages: file and frame.
   bool reference;    ///< Charts were built in it.
-  /// Share of neighbourhoods that the charts prove in this pose, in [0, 1]. Neighbourhoods: each leaf with
+  /// Share of neighborhoods that the charts prove in this pose, in [0, 1]. Neighborhoods: each leaf with
   /// itself, and each pair of leaves with a common vertex.
   float proven;
 };

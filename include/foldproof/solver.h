@@ -210,7 +210,7 @@ class ContactChecker {
   Result<void> candidates(std::span<const double> x, double inflation, Candidates& out);
 
   /// Whether two elements (faces, codimensional edges, codimensional points) have a point in common, decided
-  /// exactly. For neighbours see StepChecker::check_static; codimensional elements with a common vertex never
+  /// exactly. For neighbors see StepChecker::check_static; codimensional elements with a common vertex never
   /// count. The filter is called for all pairs of their vertices that are not both common to them.
   Verdict has_intersections(std::span<const double> x);
 

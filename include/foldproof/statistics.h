@@ -149,7 +149,7 @@ struct Lda {
 
 /// `is_class_1`: one entry per column of `points`, 0 or not 0. The direction is S^-1 (mean_1 - mean_0), where
 /// S is the within-class covariance plus `ridge` times its mean variance (over the directions that the points
-/// span) on the diagonal. Thresholds are tried midway between neighbouring scores; the one of least `error`
+/// span) on the diagonal. Thresholds are tried midway between neighboring scores; the one of least `error`
 /// is taken, and of equal ones that in the widest gap. Error: sizes differ, a number that is not finite, a
 /// class without points, classes of equal means, ridge not > 0. Cost: O(size * points^2 + points^3), with the
 /// roles of size and points exchanged when size is smaller.

@@ -31,8 +31,8 @@ figure = plt.figure(figsize=(10, 4))
 counts = figure.add_subplot(1, 2, 1, xlabel="frame", ylabel="colliding pairs")
 counts.bar(found.steps["frame"], found.steps["vertex_face"] + found.steps["edge_edge"])
 mesh = figure.add_subplot(1, 2, 2, projection="3d", box_aspect=np.ptp(frames[-1], axis=0))
-for marked, colour in ((faces, "crimson"), (~faces, "lightgrey")):
-    mesh.plot_trisurf(*frames[-1].T, triangles=triangles[marked], color=colour)
+for marked, color in ((faces, "crimson"), (~faces, "lightgrey")):
+    mesh.plot_trisurf(*frames[-1].T, triangles=triangles[marked], color=color)
 figure.savefig("collisions.png", dpi=100)
 print(f"collisions.png: {np.count_nonzero(found.steps['edge_edge'])} of {len(found.steps)} steps collide")
 # Prints: collisions.png: 9 of 24 steps collide

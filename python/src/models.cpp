@@ -216,10 +216,10 @@ void bind_models(py::module_& module) {
       .def_property_readonly(
           "poses", &poses_of,
           "A dict per training pose: name, reference (charts were built in it), proven (share "
-          "of neighbourhoods).")
+          "of neighborhoods).")
       .def_property_readonly(
           "proven", [](const Model& m) { return summarize(m).proven; },
-          "Share of neighbourhoods proven free in the training poses, in [0, 1].")
+          "Share of neighborhoods proven free in the training poses, in [0, 1].")
       .def_property_readonly(
           "chart_count", [](const Model& m) { return m.charts->charts().size(); },
           "How many charts it holds.")

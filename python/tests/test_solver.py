@@ -33,7 +33,7 @@ def test_candidates_are_all_pairs_when_inflation_is_large():
     x, edges, faces = cloth_and_points(np.random.default_rng(2))
     mesh = foldproof.CollisionMesh(x, edges, faces)
     near = foldproof.ContactChecker(mesh).candidates(x, inflation=10)
-    # 12 vertices and 2 faces less their corners; 8 edges less neighbours.
+    # 12 vertices and 2 faces less their corners; 8 edges less neighbors.
     assert near.vertex_face.shape == (12 * 2 - 6, 2)
     share = sum(len({*mesh.edges[a], *mesh.edges[b]}) == 4 for a in range(8) for b in range(a))
     assert near.edge_edge.shape == (share, 2) and (near.edge_edge[:, 0] < near.edge_edge[:, 1]).all()

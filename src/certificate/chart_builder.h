@@ -10,7 +10,7 @@ namespace foldproof::inline internal {
 struct BuiltChart {
   Index slot = 0;
   Patch patch;              ///< Includes the ring.
-  std::vector<Index> ring;  ///< Neighbouring leaves that face the same way as a node's patch.
+  std::vector<Index> ring;  ///< Neighboring leaves that face the same way as a node's patch.
   UvMap uv_map;
   ChartOutcome outcome = ChartOutcome::TooCurved;
 };

@@ -43,7 +43,7 @@ PatchSlots::PatchSlots(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(
 
 Index PatchSlots::of_leaves(Index leaf_a, Index leaf_b) const {
   const auto [a, b] = std::minmax(leaf_a, leaf_b);
-  // Neighbours ascend, and around a vertex of high valence there are many.
+  // Neighbors ascend, and around a vertex of high valence there are many.
   const auto first = neighbor_.begin() + begin_[a], last = neighbor_.begin() + begin_[a + 1];
   const auto found = std::lower_bound(first, last, b);
   if (found == last || *found != b) return kNoIndex;

@@ -47,7 +47,7 @@ class Grid {
   }
 
  private:
-  // Counts from 1, so that no neighbour has a negative coordinate. The radius is at least 2^-20 of the size,
+  // Counts from 1, so that no neighbor has a negative coordinate. The radius is at least 2^-20 of the size,
   // so 21 bits hold each coordinate.
   Cell cell_of(Index v) const {
     return ((positions_.col(v) - corner_).array() / radius_).floor().cast<std::int64_t>() + 1;

@@ -20,7 +20,7 @@ constexpr double kRidges[] = {0.01, 0.1, 1, 10};
 // Poses of either class that a threshold needs.
 constexpr Eigen::Index kMinPerClass = 3;
 
-/// The poses that a fold of the cross-validation holds out. They are consecutive, because neighbouring frames
+/// The poses that a fold of the cross-validation holds out. They are consecutive, because neighboring frames
 /// of a motion nearly repeat each other.
 struct Fold {
   Eigen::Index begin, end;

@@ -12,7 +12,7 @@ Result<void> require_few_loose_vertices(const Topology& topology, const std::str
               "remove vertices that no triangle uses");
 }
 
-Result<void> require_few_neighbours(const Hierarchy& hierarchy, const std::string& where) {
+Result<void> require_few_neighbors(const Hierarchy& hierarchy, const std::string& where) {
   struct VertexUse {
     Index last_leaf = kNoIndex;
     std::uint64_t leaves = 0;

@@ -9,6 +9,6 @@ namespace foldproof::inline internal {
 Result<void> require_few_loose_vertices(const Topology& topology, const std::string& where);
 
 /// Error when so many leaves share single vertices that a list of all their pairs would fill the memory.
-Result<void> require_few_neighbours(const Hierarchy& hierarchy, const std::string& where);
+Result<void> require_few_neighbors(const Hierarchy& hierarchy, const std::string& where);
 
 }  // namespace foldproof::inline internal

@@ -62,7 +62,7 @@ class Reader {
     if (file_.leaf_sizes()) sizes.assign(file_.leaf_sizes()->begin(), file_.leaf_sizes()->end());
     auto hierarchy = Hierarchy::from_parts(std::move(*topology), std::move(order), sizes);
     if (!hierarchy) return bad(hierarchy.error().where, hierarchy.error().problem);
-    FOLDPROOF_TRY(require_few_neighbours(*hierarchy, path_));
+    FOLDPROOF_TRY(require_few_neighbors(*hierarchy, path_));
     return std::make_shared<const Hierarchy>(std::move(*hierarchy));
   }
 

@@ -114,7 +114,7 @@ class Training {
     positions_.resize(std::size_t{3} * first.topology().vertex_count());
     FOLDPROOF_TRY(read_pose(0));
     auto hierarchy = FOLDPROOF_TRY(Hierarchy::build(first.topology(), positions_));
-    FOLDPROOF_TRY(require_few_neighbours(hierarchy, first.name()));
+    FOLDPROOF_TRY(require_few_neighbors(hierarchy, first.name()));
     const auto slots =
         std::make_shared<const PatchSlots>(std::make_shared<const Hierarchy>(std::move(hierarchy)));
     const auto references = FOLDPROOF_TRY(choose(*slots));

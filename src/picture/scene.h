@@ -2,7 +2,7 @@
 #pragma once
 
 #include "picture/camera.h"
-#include "picture/colour.h"
+#include "picture/color.h"
 
 namespace foldproof::picture {
 

@@ -18,7 +18,7 @@ constexpr Index kMaxHops = 4;
 
 }  // namespace
 
-bool PairBalls::are_neighbours(NodePairIds pair) const {
+bool PairBalls::are_neighbors(NodePairIds pair) const {
   const auto nodes = input_.motion.hierarchy()->nodes();
   const auto size = [&](Index node) { return nodes[node].leaf_end - nodes[node].leaf_begin; };
   const auto [large, small] = size(pair[0]) >= size(pair[1]) ? pair : NodePairIds{pair[1], pair[0]};
@@ -30,7 +30,7 @@ bool PairBalls::are_neighbours(NodePairIds pair) const {
   return false;
 }
 
-// Breadth-first search from one node over neighbouring leaves, not through `to`: their distances in `hops`.
+// Breadth-first search from one node over neighboring leaves, not through `to`: their distances in `hops`.
 void PairBalls::count_hops(Index from, Index to, std::vector<std::uint8_t>& hops) {
   const auto nodes = input_.motion.hierarchy()->nodes();
   queue_.clear();
@@ -115,7 +115,7 @@ double PairBalls::radius(NodePairIds pair, Index center, double max_radius) {
   double best = radius_by_spheres(input_.nodes, pair[0], pair[1], center, input_.poses[center].p,
                                   input_.motion.deviations(), input_.gap, 1e6);
   if (best >= max_radius) return best;
-  if (are_neighbours(pair)) {
+  if (are_neighbors(pair)) {
     best = std::max(best, chart_radius(pair, center));
   } else {
     const auto nodes = input_.motion.hierarchy()->nodes();

@@ -44,7 +44,7 @@ class PairBalls {
   void count_hops(Index from, Index to, std::vector<std::uint8_t>& hops);
   bool find_bridge(NodePairIds pair, Index detour);
   double chart_radius(NodePairIds pair, Index center);
-  bool are_neighbours(NodePairIds pair) const;
+  bool are_neighbors(NodePairIds pair) const;
 
   const BallInput& input_;
   PatchReader reader_;

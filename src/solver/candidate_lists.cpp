@@ -179,23 +179,23 @@ void CandidateLists<Ends>::update_front() {
   traverse_pending();
 }
 
-// Traverses from the root, as updates only refine the front and add neighbours. Rows whose neighbours are all
+// Traverses from the root, as updates only refine the front and add neighbors. Rows whose neighbors are all
 // found again keep their lists.
 template <int Ends>
 void CandidateLists<Ends>::rebuild_front() {
   front_.clear();
   for (Row& row : rows_) {
-    for (Neighbour& neighbour : row.neighbours) neighbour.found = false;
+    for (Neighbor& neighbor : row.neighbors) neighbor.found = false;
   }
   pending_.assign(hierarchy_.nodes().empty() ? 0 : 1, {0, 0});
   traverse_pending();
-  neighbour_count_ = 0;
+  neighbor_count_ = 0;
   for (Row& row : rows_) {
-    if (std::erase_if(row.neighbours, [](const Neighbour& neighbour) { return !neighbour.found; }) > 0) {
+    if (std::erase_if(row.neighbors, [](const Neighbor& neighbor) { return !neighbor.found; }) > 0) {
       row.list.clear();
-      for (Neighbour& neighbour : row.neighbours) neighbour = {neighbour.node, 0, -kInfinity, true};
+      for (Neighbor& neighbor : row.neighbors) neighbor = {neighbor.node, 0, -kInfinity, true};
     }
-    neighbour_count_ += row.neighbours.size();
+    neighbor_count_ += row.neighbors.size();
   }
 }
 
@@ -214,7 +214,7 @@ void CandidateLists<Ends>::traverse_pending() {
       }
     }
     if (nodes[pair.a].is_leaf() && nodes[pair.b].is_leaf()) {
-      add_neighbour(pair);
+      add_neighbor(pair);
     } else if (pair.a == pair.b) {
       push_self_children(nodes, pair.a, pending_);
     } else {
@@ -224,16 +224,15 @@ void CandidateLists<Ends>::traverse_pending() {
 }
 
 template <int Ends>
-void CandidateLists<Ends>::add_neighbour(NodePair leaves) {
-  auto& row = rows_[hierarchy_.nodes()[leaves.a].leaf_begin].neighbours;
-  const auto at =
-      std::lower_bound(row.begin(), row.end(), leaves.b,
-                       [](const Neighbour& neighbour, Index node) { return neighbour.node < node; });
+void CandidateLists<Ends>::add_neighbor(NodePair leaves) {
+  auto& row = rows_[hierarchy_.nodes()[leaves.a].leaf_begin].neighbors;
+  const auto at = std::lower_bound(row.begin(), row.end(), leaves.b,
+                                   [](const Neighbor& neighbor, Index node) { return neighbor.node < node; });
   if (at != row.end() && at->node == leaves.b) {
     at->found = true;
   } else {
     row.insert(at, {leaves.b, at == row.begin() ? 0 : std::prev(at)->end, -kInfinity, true});
-    ++neighbour_count_;
+    ++neighbor_count_;
   }
 }
 
@@ -289,44 +288,44 @@ void CandidateLists<Ends>::list_edges(bool self, double distance, Scratch& scrat
 
 // Appends the list of two leaves, or of one with itself, to the scratch.
 template <int Ends>
-void CandidateLists<Ends>::rebuild_list(Index node, Neighbour& neighbour, Scratch& scratch) const {
-  const bool self = neighbour.node == node;
+void CandidateLists<Ends>::rebuild_list(Index node, Neighbor& neighbor, Scratch& scratch) const {
+  const bool self = neighbor.node == node;
   if (!self) {
-    neighbour.min_separation = box_separation(node, neighbour.node);
-    if (neighbour.min_separation >= required_) return;
+    neighbor.min_separation = box_separation(node, neighbor.node);
+    if (neighbor.min_separation >= required_) return;
   }
-  const double distance = required_ + skin_for(node, neighbour.node);
+  const double distance = required_ + skin_for(node, neighbor.node);
   ++scratch.lists_built;
   const Near &a = scratch.near[0], &b = scratch.near[self ? 0 : 1];
-  find_near(node, boxes_[neighbour.node], distance, scratch.near[0]);
-  if (!self) find_near(neighbour.node, boxes_[node], distance, scratch.near[1]);
+  find_near(node, boxes_[neighbor.node], distance, scratch.near[0]);
+  if (!self) find_near(neighbor.node, boxes_[node], distance, scratch.near[1]);
   list_vertices(distance, a, b, scratch);
   if (!self) list_vertices(distance, b, a, scratch);
   list_edges(self, distance, scratch);
-  neighbour.min_separation = distance;
+  neighbor.min_separation = distance;
 }
 
 template <int Ends>
 void CandidateLists<Ends>::update_row(Index leaf, Scratch& scratch) {
   Row& row = rows_[leaf];
   bool complete = true;
-  for (Neighbour& neighbour : row.neighbours) {
+  for (Neighbor& neighbor : row.neighbors) {
     if (reuse_)
-      neighbour.min_separation =
-          (neighbour.min_separation - closing_distance(leaf_nodes_[leaf], neighbour.node)) * kDown;
-    complete &= neighbour.min_separation >= required_;
+      neighbor.min_separation =
+          (neighbor.min_separation - closing_distance(leaf_nodes_[leaf], neighbor.node)) * kDown;
+    complete &= neighbor.min_separation >= required_;
   }
   if (complete) return;
   scratch.list.clear();
   Index begin = 0;
-  for (Neighbour& neighbour : row.neighbours) {
-    const Index end = neighbour.end;
-    if (neighbour.min_separation >= required_) {
+  for (Neighbor& neighbor : row.neighbors) {
+    const Index end = neighbor.end;
+    if (neighbor.min_separation >= required_) {
       scratch.list.insert(scratch.list.end(), row.list.begin() + begin, row.list.begin() + end);
     } else {
-      rebuild_list(leaf_nodes_[leaf], neighbour, scratch);
+      rebuild_list(leaf_nodes_[leaf], neighbor, scratch);
     }
-    neighbour.end = static_cast<Index>(scratch.list.size());
+    neighbor.end = static_cast<Index>(scratch.list.size());
     begin = end;
   }
   row.list.assign(scratch.list.begin(), scratch.list.end());
@@ -346,7 +345,7 @@ void CandidateLists<Ends>::clear() {
   pending_.clear();
   for (Row& row : rows_) row = {};
   for (Scratch& scratch : scratch_) scratch = {};
-  neighbour_count_ = 0;
+  neighbor_count_ = 0;
 }
 
 template <int Ends>
@@ -358,9 +357,9 @@ void CandidateLists<Ends>::update(const std::array<const double*, Ends>& x, doub
   required_ = inflation * (1 + 0x1p-40) + std::numeric_limits<double>::min();
   node_tests_ = front_.size();
   set_positions(x);
-  if (!reuse_ || front_.size() + neighbour_count_ > kMaxGrowth * rebuilt_size_ + kGrain) {
+  if (!reuse_ || front_.size() + neighbor_count_ > kMaxGrowth * rebuilt_size_ + kGrain) {
     rebuild_front();
-    rebuilt_size_ = front_.size() + neighbour_count_;
+    rebuilt_size_ = front_.size() + neighbor_count_;
   } else {
     update_front();
   }

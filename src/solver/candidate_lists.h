@@ -39,15 +39,15 @@ class CandidateLists {
   };
   /// A leaf that was close to the row's leaf, or is that leaf: the boxes of two features that are not listed
   /// have at least `min_separation`.
-  struct Neighbour {
+  struct Neighbor {
     Index node;
-    Index end;  ///< Of its part of the row's list, which starts where the last neighbour's part ends.
+    Index end;  ///< Of its part of the row's list, which starts where the last neighbor's part ends.
     double min_separation;
     bool found;  ///< By the present rebuild.
   };
   struct Row {
-    std::vector<Neighbour> neighbours;  ///< Ascending.
-    std::vector<BoxPair> list;          ///< Features. Of an edge and a point, the edge comes first.
+    std::vector<Neighbor> neighbors;  ///< Ascending.
+    std::vector<BoxPair> list;        ///< Features. Of an edge and a point, the edge comes first.
   };
   /// Features of one leaf that are close to another.
   struct Near {
@@ -70,10 +70,10 @@ class CandidateLists {
   void update_front();
   void rebuild_front();
   void traverse_pending();
-  void add_neighbour(NodePair leaves);
+  void add_neighbor(NodePair leaves);
   void update_rows();
   void update_row(Index leaf, Scratch& scratch);
-  void rebuild_list(Index node, Neighbour& neighbour, Scratch& scratch) const;
+  void rebuild_list(Index node, Neighbor& neighbor, Scratch& scratch) const;
   void find_near(Index node, const Box& other, double distance, Near& near) const;
   template <class Visit>
   void visit_near_pairs(double distance, std::vector<BoxPair>& pairs, Visit visit) const;
@@ -102,10 +102,10 @@ class CandidateLists {
   std::vector<Box> boxes_, feature_boxes_;         // of nodes; of features
   std::vector<DisplacementBounds> displacements_;  // of nodes
   std::vector<SeparatedNodes> front_;
-  std::vector<Row> rows_;            // per leaf: its neighbours among itself and later leaves
-  std::vector<NodePair> pending_;    // to be traversed
-  std::size_t neighbour_count_ = 0;  // of all rows
-  std::size_t rebuilt_size_ = 0;     // of the front and the neighbours after the last rebuild
+  std::vector<Row> rows_;           // per leaf: its neighbors among itself and later leaves
+  std::vector<NodePair> pending_;   // to be traversed
+  std::size_t neighbor_count_ = 0;  // of all rows
+  std::size_t rebuilt_size_ = 0;    // of the front and the neighbors after the last rebuild
   std::uint64_t node_tests_ = 0;
   PerThread<Scratch> scratch_;
 };

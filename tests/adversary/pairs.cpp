@@ -258,7 +258,7 @@ std::vector<Vec3> corners(const Triangle& t, std::span<const double> x) {
 
 bool has(const Triangle& t, Index v) { return v == t[0] || v == t[1] || v == t[2]; }
 
-// Neighbours of which a look says that they do not cross.
+// Neighbors of which a look says that they do not cross.
 bool plainly_clear(const Triangle& a, const Triangle& b, std::span<const double> x) {
   std::vector<Index> common, only_a, only_b;
   for (const Index v : a) (has(b, v) ? common : only_a).push_back(v);

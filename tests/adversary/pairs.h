@@ -24,7 +24,7 @@ std::string check_step(const Case& c, const Step& step, const StepResult& answer
 std::string check_pose(const Case& c, const Poses& x, const StepSettings& settings,
                        const StaticResult& answer, Tally& tally);
 
-/// Exactly, but for neighbours that are plainly apart: do two triangles of one object cross?
+/// Exactly, but for neighbors that are plainly apart: do two triangles of one object cross?
 bool triangles_cross(const Triangle& a, const Triangle& b, std::span<const double> x, Tally& tally);
 /// Of triangles that have no vertex in common.
 bool triangles_meet(std::span<const Vec3> a, std::span<const Vec3> b, Tally& tally);

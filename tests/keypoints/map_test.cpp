@@ -85,7 +85,7 @@ TEST_F(MapTest, KeepsUndeterminedModesAtZero) {
 }
 
 TEST_F(MapTest, ClustersOfKeyPointsDoNotOutweighTheOthers) {
-  // Sixteen neighbours against six that are spread out, in a pose outside the subspace.
+  // Sixteen neighbors against six that are spread out, in a pose outside the subspace.
   std::vector<Index> vertices{300, 5, 77, 160, 210, 12};
   const VectorXd x = bent(rest, 1, 99).col(0);
   const double spread_out = pose_error(subspace, KeyPointMap(subspace, vertices), x).total.mean;

@@ -100,10 +100,10 @@ Case random_case(Kind kind, Rng& rng) {
   const Uv p = uniform_place(kind, rng, 0.5);
   const FourPoints contact = pose(kind, uniform_vector(rng, 1), uniform_vector(rng, 1), p.i, p.j);
   Case result = through(contact, uniform_motion(rng, 3), uniform(rng, 0, 1));
-  const Vec3 centre = uniform_vector(rng, 2);
+  const Vec3 center = uniform_vector(rng, 2);
   for (int k = 0; k < 4; ++k) {
-    result.x0[k] += centre;
-    result.x1[k] += centre;
+    result.x0[k] += center;
+    result.x1[k] += center;
   }
   return result;
 }
@@ -217,12 +217,12 @@ Case tiny_case(Kind kind, Rng& rng) {
 
 Case far_case(Kind kind, Rng& rng) {
   const double distance = std::ldexp(1.0, integer(rng, 10, 45));
-  const Vec3 centre = uniform_vector(rng, distance),
+  const Vec3 center = uniform_vector(rng, distance),
              drift = chance(rng, 0.5) ? uniform_vector(rng, distance) : Vec3::Zero();
   Case c = random_case(kind, rng);
   for (int k = 0; k < 4; ++k) {
-    c.x0[k] += centre;
-    c.x1[k] += centre + drift;
+    c.x0[k] += center;
+    c.x1[k] += center + drift;
   }
   return c;
 }

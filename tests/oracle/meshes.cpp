@@ -70,10 +70,10 @@ Mesh soup(Rng& rng) {
   Mesh mesh;
   for (int i = 0; i < 60; ++i) {
     Triangle t;
-    const Vec3 centre(uniform(rng, -0.5, 0.5), uniform(rng, -0.5, 0.5), uniform(rng, -0.5, 0.5));
+    const Vec3 center(uniform(rng, -0.5, 0.5), uniform(rng, -0.5, 0.5), uniform(rng, -0.5, 0.5));
     for (Index& v : t) {
-      v = add_vertex(mesh, centre.x() + uniform(rng, -0.2, 0.2), centre.y() + uniform(rng, -0.2, 0.2),
-                     centre.z() + uniform(rng, -0.2, 0.2));
+      v = add_vertex(mesh, center.x() + uniform(rng, -0.2, 0.2), center.y() + uniform(rng, -0.2, 0.2),
+                     center.z() + uniform(rng, -0.2, 0.2));
     }
     mesh.triangles.push_back(t);
   }

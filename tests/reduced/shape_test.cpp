@@ -79,7 +79,7 @@ TEST(ReducedShape, ProvenStepsBeyondTheRadiusAreFree) {
 // radius.
 TEST(ReducedShape, ListsThePairsThatTouchAtTheCenter) {
   ReducedMesh mesh = waving_cloth(12);
-  // One corner's vertex is pulled below the middle of the sheet, its neighbour above.
+  // One corner's vertex is pulled below the middle of the sheet, its neighbor above.
   const Index row = 13;
   mesh.subspace.mean[3 + 2] += 0.1;
   for (int axis = 0; axis < 3; ++axis)

@@ -56,7 +56,7 @@ class Target {
   static constexpr int kTries = 6000;
   static constexpr Index kMaxLeaves = 8;
 
-  // Around the mesh with a little room, or around a scene in which the mesh is small and off the centre,
+  // Around the mesh with a little room, or around a scene in which the mesh is small and off the center,
   // anywhere.
   Frame frame(Rng& rng) const {
     const double size = (high_ - low_).maxCoeff();

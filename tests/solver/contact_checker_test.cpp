@@ -196,7 +196,7 @@ TEST(ContactChecker, IntersectionsAreExact) {
   int crossing = 0;
   for (int seed = 0; seed < rounds(60); ++seed) {
     Rng rng(3000000 + static_cast<std::uint64_t>(seed));
-    // No neighbours: no two elements have a vertex in common.
+    // No neighbors: no two elements have a vertex in common.
     Soup soup = random_soup(rng, 3, 2, 3, 0, seed % 2 == 0 ? 0x1p-30 : 0x1p-3);
     std::erase_if(soup.edges, [](const Edge& e) { return e[0] != e[1] + 1; });
     ASSERT_EQ(soup.edges.size(), 2);
@@ -221,7 +221,7 @@ TEST(ContactChecker, IntersectionsAreExact) {
   EXPECT_GT(crossing, 10);
 }
 
-TEST(ContactChecker, NeighboursFoldOnFacesAndNotOnRods) {
+TEST(ContactChecker, NeighborsFoldOnFacesAndNotOnRods) {
   Soup fold;  // two triangles folded flat onto each other along their edge
   fold.faces = {{0, 1, 2}, {0, 1, 3}};
   fold.x0 = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.1, 0.9, 0};

@@ -18,14 +18,14 @@ Lda lda_of(const MatrixXd& points, const Classes& classes, double ridge = 1e-3) 
   return result ? *result : Lda{};
 }
 
-struct Labelled {
+struct Labeled {
   MatrixXd points;
   Classes classes;
 };
 
 // Two stretched clouds at a distance; every third point is of class 1.
-Labelled clouds(Eigen::Index size, Eigen::Index count, double distance, unsigned seed) {
-  Labelled set{noise(size, size, seed) * noise(size, count, seed + 1), Classes(count, 0)};
+Labeled clouds(Eigen::Index size, Eigen::Index count, double distance, unsigned seed) {
+  Labeled set{noise(size, size, seed) * noise(size, count, seed + 1), Classes(count, 0)};
   const VectorXd offset = distance * noise(size, 1, seed + 2);
   for (Eigen::Index k = 0; k < count; k += 3) {
     set.points.col(k) += offset;
@@ -39,7 +39,7 @@ struct Scatter {
   VectorXd mean_difference;
 };
 
-Scatter scatter(const Labelled& set) {
+Scatter scatter(const Labeled& set) {
   MatrixXd group[2] = {MatrixXd(set.points.rows(), 0), MatrixXd(set.points.rows(), 0)};
   for (std::size_t k = 0; k < set.classes.size(); ++k) {
     MatrixXd& own = group[set.classes[k]];
@@ -53,7 +53,7 @@ Scatter scatter(const Labelled& set) {
   return {within, group[1].rowwise().mean() - group[0].rowwise().mean()};
 }
 
-double balanced_error(const Lda& result, const Labelled& set, double threshold) {
+double balanced_error(const Lda& result, const Labeled& set, double threshold) {
   double wrong[2] = {0, 0}, sizes[2] = {0, 0};
   for (std::size_t k = 0; k < set.classes.size(); ++k) {
     const bool above = result.direction.dot(set.points.col(static_cast<Eigen::Index>(k))) > threshold;
@@ -64,7 +64,7 @@ double balanced_error(const Lda& result, const Labelled& set, double threshold) 
 }
 
 TEST(Lda, AgreesWithTheGeneralizedEigenproblem) {
-  const Labelled set = clouds(5, 60, 2, 1);
+  const Labeled set = clouds(5, 60, 2, 1);
   const Scatter s = scatter(set);
   const double ridge = 0.01;
   MatrixXd metric = s.within;
@@ -77,7 +77,7 @@ TEST(Lda, AgreesWithTheGeneralizedEigenproblem) {
 }
 
 TEST(Lda, WorksWhenNumbersOutnumberPoints) {
-  const Labelled set = clouds(120, 16, 1, 2);
+  const Labeled set = clouds(120, 16, 1, 2);
   const Scatter s = scatter(set);
   MatrixXd metric = s.within;
   metric.diagonal().array() += 1e-3 * s.within.trace() / 15;  // 16 points span 15 directions.
@@ -88,7 +88,7 @@ TEST(Lda, WorksWhenNumbersOutnumberPoints) {
 TEST(Lda, NoOtherThresholdSeparatesBetter) {
   for (const double distance : {0.1, 0.5, 2.0}) {
     for (unsigned seed = 3; seed < 13; ++seed) {
-      const Labelled set = clouds(3, 45, distance, seed);
+      const Labeled set = clouds(3, 45, distance, seed);
       const Lda result = lda_of(set.points, set.classes);
       EXPECT_NEAR(balanced_error(result, set, result.threshold), result.error, 1e-12);
       EXPECT_LE(result.error, 0.5);
@@ -134,7 +134,7 @@ TEST(Lda, SeparatesTwoPointsAndClassesWithoutSpread) {
 }
 
 TEST(Lda, GivesTheSameTwice) {
-  const Labelled set = clouds(40, 20, 1, 20);
+  const Labeled set = clouds(40, 20, 1, 20);
   EXPECT_EQ(lda_of(set.points, set.classes).direction, lda_of(set.points, set.classes).direction);
 }
 

@@ -2,7 +2,7 @@
 import '../shared/base.css';
 import './report.css';
 import { Charts } from '../shared/charts';
-import { css, kReasons } from '../shared/colours';
+import { css, kReasons } from '../shared/colors';
 import { append, el } from '../shared/dom';
 import { counted, grouped, milliseconds, percent, short, toiText } from '../shared/format';
 import { startOf, collisionsOf, stepText, type Step } from '../shared/steps';

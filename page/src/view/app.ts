@@ -1,7 +1,7 @@
 // Connects all parts of the page. Every picture starts in tick().
 import * as THREE from 'three';
 import { Charts } from '../shared/charts';
-import { kBlue, kSky, type Rgb } from '../shared/colours';
+import { kBlue, kSky, type Rgb } from '../shared/colors';
 import { el, setText } from '../shared/dom';
 import { startText } from '../shared/verdict';
 import { isDark, onTheme, toggleTheme } from '../shared/theme';

@@ -1,5 +1,5 @@
 // The list of pairs. Only visible rows exist.
-import { css, timeColor } from '../shared/colours';
+import { css, timeColor } from '../shared/colors';
 import { el, icon, setText } from '../shared/dom';
 import { counted, grouped, toiText } from '../shared/format';
 import { collisionsOf, stepText, type Step } from '../shared/steps';

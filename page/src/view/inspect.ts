@@ -1,6 +1,6 @@
 // A click on the surface shows what is known about the triangle under it.
 import * as THREE from 'three';
-import { kReasons } from '../shared/colours';
+import { kReasons } from '../shared/colors';
 import { el } from '../shared/dom';
 import type { SceneInfo } from './api';
 import type { Stage } from './stage';

@@ -1,5 +1,5 @@
 // The legend: the meaning of every color in the picture.
-import { css, errorColor, gradient, kBlue, kNothingToProve, kObjectColors, kOrange, kPink, kReasons, kRed, kSky, levelColor, marginColor, timeColor, type Rgb } from '../shared/colours';
+import { css, errorColor, gradient, kBlue, kNothingToProve, kObjectColors, kOrange, kPink, kReasons, kRed, kSky, levelColor, marginColor, timeColor, type Rgb } from '../shared/colors';
 import { el } from '../shared/dom';
 import { grouped, percent, short } from '../shared/format';
 import type { LayerState } from './layers';

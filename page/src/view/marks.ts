@@ -1,6 +1,6 @@
 // Marks beside the surfaces: contact points, key points, the chosen pair, boxes.
 import * as THREE from 'three';
-import { kBlue, kOrange, kSky, timeColor, type Rgb } from '../shared/colours';
+import { kBlue, kOrange, kSky, timeColor, type Rgb } from '../shared/colors';
 import type { Pair } from './api';
 import { kBoxVertex, kFlatFragment, kLineVertex, kPointFragment, kPointVertex } from './shaders';
 import { rampOf, vec3, type Surface } from './surface';

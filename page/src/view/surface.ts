@@ -1,6 +1,6 @@
 // One object's surface. Positions and data of triangles are in textures, see shaders.ts.
 import * as THREE from 'three';
-import { errorColor, kClay, kGray, kNothingToProve, kObjectColors, kPink, kPurple, kReasons, kRed, marginColor, type Rgb } from '../shared/colours';
+import { errorColor, kClay, kGray, kNothingToProve, kObjectColors, kPink, kPurple, kReasons, kRed, marginColor, type Rgb } from '../shared/colors';
 import type { ObjectInfo } from './api';
 import { kSurfaceFragment, kSurfaceVertex } from './shaders';
 

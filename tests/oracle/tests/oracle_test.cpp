@@ -51,7 +51,7 @@ TEST(Oracle, BorderOfTheFaceBelongsToIt) {
 }
 
 // The segment from (2t,1) to (-1,-t) passes the origin when 1 = 2 t^2.
-TEST(Oracle, IrrationalTimeOfImpactIsBracketedByNeighbouringDoubles) {
+TEST(Oracle, IrrationalTimeOfImpactIsBracketedByNeighboringDoubles) {
   for (const double depth : {0.0, 1.0}) {  // A face that is a segment, and a proper one.
     const FourPoints x0 = {Vec3(0, 0, 0), Vec3(0, 1, 0), Vec3(-1, 0, depth), Vec3(-1, 0, -depth)};
     const FourPoints x1 = {Vec3(0, 0, 0), Vec3(2, 1, 0), Vec3(-1, -1, depth), Vec3(-1, -1, -depth)};

@@ -1,7 +1,7 @@
 // Color maps: even steps of lightness, also with color vision deficiency.
 #include <gmock/gmock.h>
 
-#include "picture/colour.h"
+#include "picture/color.h"
 
 namespace foldproof {
 namespace {

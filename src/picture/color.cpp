@@ -1,4 +1,4 @@
-#include "picture/colour.h"
+#include "picture/color.h"
 
 #include <algorithm>
 #include <cmath>
