@@ -1,10 +1,33 @@
 # `./dev all`, for a night without anybody: every check at full length, whatever fails, and docs/quality.md says what came
-# of it. The table is written anew after each check, so that there is one however this ends. Begun again for the same commit,
-# on another machine too if it has the page, it goes on with what has not passed.
+# of it. The table is written anew after each check, so that there is one however this ends. Begun again, on another machine
+# too if it has the page, it runs what has not passed and what reads files that have changed since it passed.
 # shellcheck shell=bash
 source tools/checks.sh
 
 all_checks=(test lint address thread fuzz search floats frames mutants bench)
+
+# Folders and headers of modules.
+modules() {
+  local module
+  for module in "$@"; do echo "src/$module" "include/foldproof/$module.h"; done
+}
+
+query_sources="CMakeLists.txt CMakePresets.json $(modules base mesh ccd bvh certificate check solver statistics reduced | xargs)"
+library_sources="$query_sources $(modules io keypoints learned model | xargs)"
+
+# inputs_of CHECK: the files whose change makes it run again, as git's pathspecs. How sources are built together
+# (src/CMakeLists.txt) counts only where everything does.
+inputs_of() {
+  case $1 in
+    fuzz) echo "$library_sources tests/fuzz tests/adversary tests/oracle tests/certificate tests/solver" ;;
+    search) echo "$query_sources tests/adversary tests/search tests/oracle tests/certificate tests/solver" ;;
+    floats) echo "$query_sources tests/arithmetic" ;;
+    frames) echo "$library_sources tests/check tests/keypoints tests/learned tests/oracle" ;;
+    mutants) echo "$query_sources tests/mutants tools/mutants tests/adversary tests/search tests/oracle tests/check tests/certificate tests/solver" ;;
+    bench) echo "CMakeLists.txt CMakePresets.json src include bench examples/solver tools/bench_tables" ;;
+    *) echo ". :!docs :!CHANGELOG.md :!CONTRIBUTING.md" ;;
+  esac
+}
 
 # Programs with tests that take fewer frames of the real motions unless told otherwise.
 programs_with_frames=(test_check test_keypoints test_learned test_oracle)
@@ -42,7 +65,7 @@ what_is() {
   case $1 in
     test) echo 'every test, the page in Chromium too (`./dev test`)' ;;
     lint) echo 'layers, format, clang-tidy on every source (`./dev lint`)' ;;
-    address) echo 'every test under the address and undefined-behaviour sanitizers' ;;
+    address) echo 'every test under the address and undefined-behavior sanitizers' ;;
     thread) echo 'every test under the thread sanitizer' ;;
     fuzz) echo "every fuzz target, $minutes min each" ;;
     fuzz_*) echo "fuzz target ${1#fuzz_}" ;;
@@ -77,16 +100,17 @@ machine() {
 
 # write_quality STATE
 write_quality() {
-  local k result counts seconds changed=''
-  [[ -z $all_changed ]] || changed=', with changes that are not committed'
+  local k result counts seconds commit
   {
-    printf '# Quality\n\nWhat `./dev all` found. It writes this page.\n\n'
-    printf '* Commit: %s%s\n* Begun: %s\n* Machine: %s\n* State: %s\n' "$all_commit" "$changed" "$all_date" "$(machine)" "$1"
+    printf '# Quality\n\nWhat `./dev all` found. It writes this page. Each row has the commit that was checked; none of the files\n'
+    printf 'that the check reads has changed from there to the commit named first.\n\n'
+    printf '* Commit: %s\n* Last run: %s\n* Machine: %s\n* State: %s\n' "$all_commit" "$all_date" "$(machine)" "$1"
     printf '* Lengths: `--minutes %s`; in full it is `--minutes %s`\n' "$minutes" "$full_minutes"
-    printf '\n| check | what | result | counts | min:s |\n|---|---|---|---|---|\n'
+    printf '\n| check | what | result | counts | min:s | commit |\n|---|---|---|---|---|---|\n'
     for k in "${!check_names[@]}"; do
-      IFS='|' read -r result counts seconds <<<"${check_rows[k]}"
-      printf '| %s | %s | %s | %s | %s |\n' "${check_names[k]}" "$(what_is "${check_names[k]}")" "$result" "$counts" "$(clock "$seconds")"
+      IFS='|' read -r result counts seconds commit <<<"${check_rows[k]}|"
+      [[ $commit ]] && commit=${commit%|} || commit=$all_commit
+      printf '| %s | %s | %s | %s | %s | %s |\n' "${check_names[k]}" "$(what_is "${check_names[k]}")" "$result" "$counts" "$(clock "$seconds")" "$commit"
     done
     for k in "${waiting[@]}"; do
       rows_of "$k" || true
@@ -95,29 +119,31 @@ write_quality() {
   mv docs/quality.md.new docs/quality.md
 }
 
-# read_quality: what passed before, from the page as it stands, if it is of this very commit and length.
+# read_quality: the rows of the page as it stands, if it is of this length and nothing is uncommitted.
 read_quality() {
   local page=docs/quality.md
-  [[ -z $all_changed ]] && grep -qsx -- "\* Commit: $all_commit" "$page" && grep -qs "^\* Lengths: \`--minutes $minutes\`" "$page" || return 0
-  all_date=$(sed -n 's/^\* Begun: //p' "$page")
+  [[ -z $all_changed ]] && grep -qs "^\* Lengths: \`--minutes $minutes\`" "$page" || return 0
   mapfile -t rows_before < <(grep '^| [a-z]' "$page")
 }
 
-# rows_of CHECK: its rows and those of its parts, as the page has them, if it passed before.
+# rows_of CHECK: its rows and those of its parts, as the page has them, if it passed and nothing that it reads has changed.
 rows_of() {
-  local rows
-  rows=$(printf '%s\n' "${rows_before[@]}" | grep -E "^\| $1(_[^ ]*)? \|") && [[ $rows == *"$1 | "*" | passed | "* ]] && echo "$rows"
+  local rows commit inputs
+  rows=$(printf '%s\n' "${rows_before[@]}" | grep -E "^\| $1(_[^ ]*)? \|") && [[ $rows == *"$1 | "*" | passed | "* ]] || return 1
+  commit=$(sed -n -E '1 s/.* \| ([0-9a-f]+) \|$/\1/p' <<<"$rows")
+  read -r -a inputs <<<"$(inputs_of "$1")"
+  [[ $commit ]] && git diff --quiet "$commit" HEAD -- "${inputs[@]}" 2>/dev/null && echo "$rows"
 }
 
-# take_rows CHECK: its rows, if it passed before.
+# take_rows CHECK: its rows, if they still hold.
 take_rows() {
-  local rows name result counts clock
+  local rows name result counts clock commit
   rows=$(rows_of "$1") || return 1
-  while IFS='|' read -r _ name _ result counts clock _; do
-    clock=${clock# } clock=${clock% } counts=${counts# } name=${name# } result=${result# }
-    add_row "${name% }" "${result% }" "${counts% }" $((10#${clock%:*} * 60 + 10#${clock#*:}))
+  while IFS='|' read -r _ name _ result counts clock commit _; do
+    clock=${clock# } clock=${clock% } counts=${counts# } name=${name# } result=${result# } commit=${commit# }
+    add_row "${name% }" "${result% }" "${counts% }" "$((10#${clock%:*} * 60 + 10#${clock#*:}))|${commit% }"
   done <<<"$rows"
-  printf '%-12s passed before\n' "$1"
+  printf '%-12s passed before, at %s\n' "$1" "${commit% }"
 }
 
 read_all_arguments() {
@@ -142,6 +168,7 @@ do_all() {
   read_all_arguments "$@"
   all_commit=$(git log -1 --format=%h -- . ':!docs/quality.md') all_date=$(date -u '+%Y-%m-%d %H:%M UTC')
   all_changed=$(git status --porcelain -- . ':!docs/quality.md')
+  [[ -z $all_changed ]] || all_commit+=' and changes'
   # Now, as nobody is there later to type a password.
   need lib test studio demo python package browser mpi fuzz lint bench
   trap 'stop_checks; write_quality "stopped before its end"; echo; print_checks; exit 130' INT TERM

@@ -3,7 +3,7 @@
 # shellcheck shell=bash
 
 skipped=77
-check_names=() check_rows=() # the second: result|counts|seconds
+check_names=() check_rows=() # the second: result|counts|seconds, and |commit where it is not of this run
 checks_failed=0
 running='' running_job='' running_since=0
 
@@ -82,7 +82,7 @@ print_checks() {
   local k result counts seconds
   printf '%-12s %-8s %8s  %s\n' check result time counts
   for k in "${!check_names[@]}"; do
-    IFS='|' read -r result counts seconds <<<"${check_rows[k]}"
+    IFS='|' read -r result counts seconds _ <<<"${check_rows[k]}"
     printf '%-12s %-8s %8s  %s\n' "${check_names[k]}" "$result" "$(clock "$seconds")" "$counts"
   done
 }

@@ -130,11 +130,31 @@ do_all""")
 
     def test_goes_on_where_only_the_page_is(self):
         self.assertEqual(self.run_all("--only", "fuzz")[2], 1)
-        begun = re.search("Begun: .*", (self.folder / "docs" / "quality.md").read_text())[0]
         shutil.rmtree(self.folder / "out")
         self.run_all("--only", "test", killed=True)
         self.assertEqual(self.run_all("--only", "test")[1]["fuzz_ply"], ("passed", "30 inputs"))
-        self.assertIn(begun, (self.folder / "docs" / "quality.md").read_text())
+
+    def test_only_a_change_of_what_it_reads_runs_a_check_again(self):
+        (self.folder / "tests" / "fuzz").mkdir(parents=True)
+        page = self.folder / "docs" / "quality.md"
+        for changed, again in (("apps", ["test"]), ("tests/fuzz/target.cpp", ["test", "fuzz"]), ("docs/page.md", []),
+                               ("CMakeLists.txt", ["test", "fuzz"])):
+            with self.subTest(changed):
+                self.run_all("--only", "test,fuzz")
+                self.commit()
+                (self.folder / changed).write_text("changed")
+                self.commit()
+                old = set(re.findall(r"\| ([0-9a-f]+) \|$", page.read_text(), re.MULTILINE))
+                self.assertEqual(self.run_all("--only", "test,fuzz")[2], len(again))
+                rows = dict(re.findall(r"^\| (\w+) \|.* \| ([0-9a-f]+) \|$", page.read_text(), re.MULTILINE))
+                self.assertEqual([name for name in ("test", "fuzz") if rows[name] not in old], again)
+                self.assertEqual(rows["fuzz_obj"], rows["fuzz"])
+
+    def test_rows_of_a_commit_that_is_not_here_do_not_count(self):
+        self.run_all("--only", "test")
+        page = self.folder / "docs" / "quality.md"
+        page.write_text(re.sub(r"\| [0-9a-f]+ \|$", "| 0123456 |", page.read_text(), flags=re.MULTILINE))
+        self.assertEqual(self.run_all("--only", "test")[2], 1)
 
     def test_another_commit_or_length_or_a_change_begins_anew(self):
         self.assertEqual(self.run_all("--only", "test")[2], 1)
