@@ -4,28 +4,52 @@
 # shellcheck shell=bash
 source tools/checks.sh
 
-all_checks=(test lint address thread fuzz search floats frames mutants bench)
+# Checks of everything go by groups of modules, so that a change of the program does not check the query again.
+all_checks=(test)
+for name in lint address thread; do all_checks+=("${name}_query" "${name}_models" "${name}_rest"); done
+all_checks+=(fuzz search floats frames mutants bench)
 
-# Folders and headers of modules.
-modules() {
-  local module
-  for module in "$@"; do echo "src/$module" "include/foldproof/$module.h"; done
+query_modules='base mesh ccd bvh certificate check solver statistics reduced'
+query_tests="$query_modules arithmetic allocation oracle search adversary"
+model_modules='io keypoints learned model'
+
+# in_group GROUP FORMAT: a regular expression from the modules of a group of tests; FORMAT has %s in their place.
+in_group() {
+  local modules=$query_tests
+  [[ $1 == query ]] || modules=$model_modules
+  printf "$2" "${modules// /|}"
 }
 
-query_sources="CMakeLists.txt CMakePresets.json $(modules base mesh ccd bvh certificate check solver statistics reduced | xargs)"
-library_sources="$query_sources $(modules io keypoints learned model | xargs)"
+# sources_of MODULE...
+sources_of() {
+  local module
+  for module in "$@"; do echo "src/$module" "include/foldproof/$module.h"; done | xargs
+}
+
+# tests_of MODULE...
+tests_of() {
+  printf 'tests/%s ' "$@"
+}
 
 # inputs_of CHECK: the files whose change makes it run again, as git's pathspecs. How sources are built together
 # (src/CMakeLists.txt) counts only where everything does.
 inputs_of() {
+  local query models
+  # shellcheck disable=SC2086  # lists of words
+  query="CMakeLists.txt CMakePresets.json $(sources_of $query_modules)" models=$(sources_of $model_modules)
+  # shellcheck disable=SC2086
   case $1 in
-    fuzz) echo "$library_sources tests/fuzz tests/adversary tests/oracle tests/certificate tests/solver" ;;
-    search) echo "$query_sources tests/adversary tests/search tests/oracle tests/certificate tests/solver" ;;
-    floats) echo "$query_sources tests/arithmetic" ;;
-    frames) echo "$library_sources tests/check tests/keypoints tests/learned tests/oracle" ;;
-    mutants) echo "$query_sources tests/mutants tools/mutants tests/adversary tests/search tests/oracle tests/check tests/certificate tests/solver" ;;
-    bench) echo "CMakeLists.txt CMakePresets.json src include bench examples/solver tools/bench_tables" ;;
-    *) echo ". :!docs :!CHANGELOG.md :!CONTRIBUTING.md" ;;
+    lint_query) echo ".clang-tidy tests/.clang-tidy $query $(tests_of $query_tests)" ;;
+    lint_models) echo ".clang-tidy tests/.clang-tidy $query $models $(tests_of $model_modules)" ;;
+    address_query | thread_query) echo "$query $(tests_of $query_tests)" ;;
+    address_models | thread_models) echo "$query $models $(tests_of $query_tests $model_modules)" ;;
+    fuzz) echo "$query $models $(tests_of fuzz adversary oracle certificate solver)" ;;
+    search) echo "$query $(tests_of adversary search oracle certificate solver)" ;;
+    floats) echo "$query $(tests_of arithmetic)" ;;
+    frames) echo "$query $models $(tests_of check keypoints learned oracle)" ;;
+    mutants) echo "$query tools/mutants $(tests_of mutants adversary search oracle check certificate solver)" ;;
+    bench) echo 'CMakeLists.txt CMakePresets.json src include bench examples/solver tools/bench_tables' ;;
+    *) echo '. :!docs :!CHANGELOG.md :!CONTRIBUTING.md' ;;
   esac
 }
 
@@ -40,9 +64,40 @@ all_floats() {
 }
 
 all_test() { do_test; }
-all_lint() { do_lint; }
-all_address() { sanitize_address; }
-all_thread() { sanitize_thread; }
+
+# tidy_group GROUP: clang-tidy on the sources of a group; rest is what the others leave.
+tidy_group() {
+  local sources
+  prepare_tidy
+  case $1 in
+    rest) mapfile -t sources < <(tidy_sources | grep -Ev "$(in_group query '^(src|tests)/(%s)/')|$(in_group models '^(src|tests)/(%s)/')") ;;
+    *) mapfile -t sources < <(tidy_sources | grep -E "$(in_group "$1" '^(src|tests)/(%s)/')") ;;
+  esac
+  run_clang_tidy "${sources[@]}"
+  echo "${#sources[@]} sources are clean"
+}
+
+all_lint_query() { tidy_group query; }
+all_lint_models() { tidy_group models; }
+all_lint_rest() {
+  lint_basics
+  tidy_group rest
+}
+
+# sanitize_group SANITIZER GROUP: the tests of a group.
+sanitize_group() {
+  case $2 in
+    rest) "sanitize_$1" -LE "$(in_group query '^(%s)(_fallback)?$')|$(in_group models '^(%s)$')" ;;
+    *) "sanitize_$1" -L "$(in_group "$2" '^(%s)(_fallback)?$')" ;;
+  esac
+}
+
+all_address_query() { sanitize_group address query; }
+all_address_models() { sanitize_group address models; }
+all_address_rest() { sanitize_group address rest; }
+all_thread_query() { sanitize_group thread query; }
+all_thread_models() { sanitize_group thread models; }
+all_thread_rest() { sanitize_group thread rest; }
 all_fuzz() { do_fuzz $((60 * minutes)); }
 all_search() { do_search $((360 * minutes)); }
 
@@ -62,11 +117,15 @@ all_bench() { do_bench --quick; }
 
 # what_is NAME: for the table.
 what_is() {
+  local group='the rest'
+  [[ $1 != *_query ]] || group='the query'
+  [[ $1 != *_models ]] || group='files and models'
   case $1 in
     test) echo 'every test, the page in Chromium too (`./dev test`)' ;;
-    lint) echo 'layers, format, clang-tidy on every source (`./dev lint`)' ;;
-    address) echo 'every test under the address and undefined-behavior sanitizers' ;;
-    thread) echo 'every test under the thread sanitizer' ;;
+    lint_rest) echo "layers, format, the page's types; clang-tidy on the rest (\`./dev lint\`)" ;;
+    lint_*) echo "clang-tidy on $group" ;;
+    address_*) echo "tests of $group under the address and undefined-behavior sanitizers" ;;
+    thread_*) echo "tests of $group under the thread sanitizer" ;;
     fuzz) echo "every fuzz target, $minutes min each" ;;
     fuzz_*) echo "fuzz target ${1#fuzz_}" ;;
     search) echo "search for answers that are wrong, $((13 * minutes)) min of processor time (\`./dev search\`)" ;;
