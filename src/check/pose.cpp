@@ -9,6 +9,7 @@
 #include "check/answer.h"
 #include "check/smallest_k.h"
 #include "check/step.h"
+#include "check/triangles_cross.h"
 
 namespace foldproof::internal {
 namespace {
@@ -16,41 +17,7 @@ namespace {
 struct Pose {
   const StepMotion& motion;
   Positions x;
-
-  std::array<Vec3, 3> corners(Index object, const Triangle& t) const {
-    return {position(x[object], t[0]), position(x[object], t[1]), position(x[object], t[2])};
-  }
 };
-
-// Whether two triangles with the same vertices cross: always, even without an area, because they cross as
-// soon as they have one. Not when they name a vertex twice: they are a shared edge or vertex.
-bool copies_cross(const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }
-
-// Two triangles of one object cross when they meet beyond their common vertices and edges.
-bool triangles_cross(const Pose& pose, Index object, const Triangle& s, const Triangle& t) {
-  std::array<Index, 3> shared{}, only_s{}, only_t{};
-  int common = 0, count_s = 0, count_t = 0;
-  for (const Index v : s) {
-    const bool both = std::find(t.begin(), t.end(), v) != t.end();
-    (both ? shared[common++] : only_s[count_s++]) = v;
-  }
-  for (const Index v : t) {
-    if (std::find(s.begin(), s.end(), v) == s.end()) only_t[count_t++] = v;
-  }
-  const auto p = [&](Index v) { return position(pose.x[object], v); };
-  if (common == 0) return triangles_intersect(pose.corners(object, s), pose.corners(object, t));
-  if (count_s == 0 && count_t == 0) return copies_cross(s);
-  if (count_s == 0 || count_t == 0) return false;
-  if (count_s == 1 && count_t == 1)
-    return triangles_fold(p(shared[0]), p(shared[1]), p(only_s[0]), p(only_t[0]));
-  // One common vertex: they meet elsewhere only where the opposite side of one meets the other. The opposite
-  // side of a triangle that names a vertex twice may be a point.
-  const auto opposite_side = [&](const std::array<Index, 3>& only, int count) {
-    return std::array<Vec3, 2>{p(only[0]), p(only[count - 1])};
-  };
-  return segment_intersects_triangle(opposite_side(only_s, count_s), pose.corners(object, t)) ||
-         segment_intersects_triangle(opposite_side(only_t, count_t), pose.corners(object, s));
-}
 
 void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pair pair,
                const PairFilter* filter, std::vector<TriangleCrossing>& out) {
@@ -61,8 +28,8 @@ void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pai
   if (filter != nullptr && !filter->crossing(a, b)) return;
   const Triangle &s = ha.topology().triangles()[a], &t = hb.topology().triangles()[b];
   const bool cross = object_a == object_b
-                         ? triangles_cross(pose, object_a, s, t)
-                         : triangles_intersect(pose.corners(object_a, s), pose.corners(object_b, t));
+                         ? triangles_cross(pose.x[object_a], s, t)
+                         : triangles_intersect(corners(pose.x[object_a], s), corners(pose.x[object_b], t));
   if (cross) out.push_back({object_a, a, object_b, b});
 }
 
