@@ -6,7 +6,7 @@ They communicate by files (NPZ and JSON), so nothing has to be built for Blender
 bl_info = {
     "name": "Foldproof",
     "author": "The Foldproof authors",
-    "version": (0, 1, 0),
+    "version": (0, 2, 0),
     "blender": (3, 4, 0),
     "location": "3D View > Sidebar > Foldproof",
     "description": "Finds every collision of moving meshes, between frames too",

@@ -6,6 +6,9 @@ endif()
 set(WORK ${CMAKE_CURRENT_BINARY_DIR}/package)
 set(CONSUMER ${CMAKE_CURRENT_SOURCE_DIR}/package)
 set(EXAMPLE_SOURCE ${CMAKE_CURRENT_BINARY_DIR}/readme_example.cpp)
+# The version that the documentation asks for, so that it cannot be one that is no longer there.
+file(STRINGS ${PROJECT_SOURCE_DIR}/docs/cpp.md DOCUMENTED_VERSION REGEX "^find_package\\(foldproof")
+string(REGEX MATCH "[0-9.]+" DOCUMENTED_VERSION "${DOCUMENTED_VERSION}")
 set(EXAMPLE_OUTPUT "vertex 3 meets face 0 at 0.600 of the step\n")
 
 add_test(NAME package_install COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR} --prefix ${WORK}/prefix)
@@ -21,7 +24,7 @@ endif()
 foreach(FORM ${FORMS})
   add_test(NAME consumer_${FORM} COMMAND ${CMAKE_CTEST_COMMAND} --build-and-test ${CONSUMER} ${WORK}/${FORM}
     --build-generator ${CMAKE_GENERATOR}
-    --build-options -DFORM=${FORM} -DEXAMPLE=${EXAMPLE_SOURCE} -DFOLDPROOF_SOURCE=${PROJECT_SOURCE_DIR}
+    --build-options -DFORM=${FORM} -DVERSION=${DOCUMENTED_VERSION} -DEXAMPLE=${EXAMPLE_SOURCE} -DFOLDPROOF_SOURCE=${PROJECT_SOURCE_DIR}
     -DFOLDPROOF_THREADS=${FOLDPROOF_THREADS}
     -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE}
     "-DCMAKE_CXX_FLAGS_RELEASE=${CMAKE_CXX_FLAGS_RELEASE}" -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
