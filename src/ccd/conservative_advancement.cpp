@@ -321,12 +321,11 @@ HWY_INLINE ConservativeAdvancement::Answers Iterate(ConservativeAdvancement::Lan
 }
 
 template <int N>
-HWY_INLINE void NearestPoints(const MinkowskiBatch& patches, double (&distance)[8],
-                              double (&difference)[3][8]) {
+HWY_INLINE void NearestPoints(const MinkowskiBatch& patches, NearestBatch& nearest) {
   for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(D())) {
     const PatchClosest c = ClosestToOrigin(Load<N>(patches.d[0], lane));
-    hn::Store(c.distance, D(), distance + lane);
-    Store(c.difference, difference, lane);
+    hn::Store(c.distance, D(), nearest.distance + lane);
+    Store(c.difference, nearest.difference, lane);
   }
 }
 
@@ -346,11 +345,11 @@ ConservativeAdvancement::Answers Iterate4(ConservativeAdvancement::Lanes& lanes,
                                           bool use_volume) {
   return Iterate<4>(lanes, busy, use_volume);
 }
-void NearestPoints3(const MinkowskiBatch& patches, double (&distance)[8], double (&difference)[3][8]) {
-  NearestPoints<3>(patches, distance, difference);
+void NearestPoints3(const MinkowskiBatch& patches, NearestBatch& nearest) {
+  NearestPoints<3>(patches, nearest);
 }
-void NearestPoints4(const MinkowskiBatch& patches, double (&distance)[8], double (&difference)[3][8]) {
-  NearestPoints<4>(patches, distance, difference);
+void NearestPoints4(const MinkowskiBatch& patches, NearestBatch& nearest) {
+  NearestPoints<4>(patches, nearest);
 }
 
 }  // namespace foldproof::HWY_NAMESPACE
@@ -484,10 +483,10 @@ Closest closest_of_first(PairBatch& pairs, bool edge_edge) {
   const double scale = scale_points(pairs, 0, 0);
   MinkowskiBatch patches;
   (edge_edge ? HWY_DYNAMIC_DISPATCH(MakePatches4) : HWY_DYNAMIC_DISPATCH(MakePatches3))(pairs, patches);
-  double distance[8], difference[3][8];
-  (edge_edge ? HWY_DYNAMIC_DISPATCH(NearestPoints4) : HWY_DYNAMIC_DISPATCH(NearestPoints3))(patches, distance,
-                                                                                            difference);
-  return {distance[0] / scale, Vec3(difference[0][0], difference[1][0], difference[2][0]) / scale};
+  NearestBatch nearest;
+  (edge_edge ? HWY_DYNAMIC_DISPATCH(NearestPoints4) : HWY_DYNAMIC_DISPATCH(NearestPoints3))(patches, nearest);
+  const auto& d = nearest.difference;
+  return {nearest.distance[0] / scale, Vec3(d[0][0], d[1][0], d[2][0]) / scale};
 }
 
 }  // namespace foldproof::internal

@@ -31,6 +31,12 @@ struct alignas(64) MinkowskiBatch {
   double volume_error[8];  ///< N3
 };
 
+/// How near the features of eight pairs are, and the difference of their nearest points.
+struct alignas(64) NearestBatch {
+  double distance[8];
+  double difference[3][8];  ///< [axis][lane]
+};
+
 /// Conservative advancement (Mirtich 1996) of pairs of one kind through the step.
 class ConservativeAdvancement {
  public:
