@@ -273,7 +273,7 @@ PageAnswer Page::Impl::collisions(Numbers n, const PageQuery& query) const {
   const auto contacts = store->contacts(n[0], part->offset, part->limit);
   if (!contacts) return refuse(contacts.error());
   Json items = Json::array();
-  for (const Contact& contact : *contacts) items.push_back(contact_json(contact));
+  for (const ContactPoint& contact : *contacts) items.push_back(contact_json(contact));
   return json_answer({{"total", step->collisions.sum()}, {"items", std::move(items)}});
 }
 

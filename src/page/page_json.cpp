@@ -41,7 +41,7 @@ Json crossing_json(const StartCrossing& c) {
           {"point", c.point}};
 }
 
-Json contact_json(const Contact& c) {
+Json contact_json(const ContactPoint& c) {
   const auto ids = [&](const std::array<Index, 2>& pair) {
     return c.vertex_face ? Json{pair[0]} : Json(pair);
   };

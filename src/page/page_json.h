@@ -10,7 +10,7 @@ Json step_json(const StepRecord& step);
 Json start_json(const StartRecord& start);
 /// Like contact_json, of kind "tt".
 Json crossing_json(const StartCrossing& crossing);
-Json contact_json(const Contact& contact);
+Json contact_json(const ContactPoint& contact);
 
 /// What a model has learned of a mesh; null without one.
 Json model_json(const Model* model);

@@ -28,17 +28,17 @@ tl::unexpected<Error> unreadable() {
   return fail(ErrorCode::FileAccess, kWhere, "cannot be read back from the temporary file", "start again");
 }
 
-std::vector<Contact> contacts_of(const CheckedStep& step, Motions motions) {
-  std::vector<Contact> contacts;
+std::vector<ContactPoint> contacts_of(const CheckedStep& step, Motions motions) {
+  std::vector<ContactPoint> contacts;
   contacts.reserve(step.step->vertex_face.size() + step.step->edge_edge.size());
-  const auto add = [&](const auto& c, Contact contact, const Vec3& point) {
+  const auto add = [&](const auto& c, ContactPoint contact, const Vec3& point) {
     contact.toi = c.toi;
     contact.answer = c.answer;
     contact.point = {point.x(), point.y(), point.z()};
     contacts.push_back(contact);
   };
   for (const VertexFaceCollision& c : step.step->vertex_face) {
-    Contact contact{.object_a = c.vertex_object, .object_b = c.face_object, .vertex_face = true};
+    ContactPoint contact{.object_a = c.vertex_object, .object_b = c.face_object, .vertex_face = true};
     contact.a[0] = c.vertex;
     contact.b[0] = c.face;
     add(c, contact, contact_point(step.x0, step.x1, c, motions[c.face_object]->topology().triangles()));
@@ -48,7 +48,7 @@ std::vector<Contact> contacts_of(const CheckedStep& step, Motions motions) {
         contact_point(step.x0, step.x1, c));
   }
   std::stable_sort(contacts.begin(), contacts.end(),
-                   [](const Contact& a, const Contact& b) { return a.toi < b.toi; });
+                   [](const ContactPoint& a, const ContactPoint& b) { return a.toi < b.toi; });
   return contacts;
 }
 
@@ -127,7 +127,7 @@ Result<std::vector<std::uint8_t>> StepStore::crossing_faces(Index object) const 
 
 Result<void> StepStore::add(const CheckedStep& step) {
   Entry entry{.record = record_of(step), .contacts_at = details_size_, .faces_at = 0};
-  const std::vector<Contact> contacts = contacts_of(step, motions_);
+  const std::vector<ContactPoint> contacts = contacts_of(step, motions_);
   FOLDPROOF_TRY(append(bytes_of(std::span(contacts))));
   entry.faces_at = details_size_;
   for (Index i = 0; i < motions_.size(); ++i) {
@@ -156,13 +156,13 @@ Result<StepRecord> StepStore::record(std::uint64_t number) const {
   return found.record;
 }
 
-Result<std::vector<Contact>> StepStore::contacts(std::uint64_t number, std::uint64_t offset,
-                                                 std::uint64_t limit) const {
+Result<std::vector<ContactPoint>> StepStore::contacts(std::uint64_t number, std::uint64_t offset,
+                                                      std::uint64_t limit) const {
   const auto found = FOLDPROOF_TRY(entry(number));
   const std::uint64_t all = found.record.listed;
   offset = std::min(offset, all);
-  std::vector<Contact> contacts(std::min(limit, all - offset));
-  if (!details_.read_at(found.contacts_at + offset * sizeof(Contact), bytes_of(contacts)))
+  std::vector<ContactPoint> contacts(std::min(limit, all - offset));
+  if (!details_.read_at(found.contacts_at + offset * sizeof(ContactPoint), bytes_of(contacts)))
     return unreadable();
   return contacts;
 }

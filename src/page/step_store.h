@@ -36,7 +36,7 @@ struct StartCrossing {
 };
 
 /// A collision and its contact point.
-struct Contact {
+struct ContactPoint {
   double toi = 0;
   std::array<double, 3> point{};  ///< Mesh units.
   Index object_a = 0, object_b = 0;
@@ -75,8 +75,8 @@ class StepStore {
   // Preconditions: number < count(). Error: the temporary file cannot be read.
   Result<StepRecord> record(std::uint64_t number) const;
   /// Sorted by time of impact, then vertex-face first, then by ids; fewer than `limit` at the end.
-  Result<std::vector<Contact>> contacts(std::uint64_t number, std::uint64_t offset,
-                                        std::uint64_t limit) const;
+  Result<std::vector<ContactPoint>> contacts(std::uint64_t number, std::uint64_t offset,
+                                             std::uint64_t limit) const;
   /// One per triangle.
   Result<std::vector<FaceRecord>> faces(std::uint64_t number, Index object) const;
 
