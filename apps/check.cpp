@@ -40,13 +40,16 @@ Examples:
   foldproof check walk.glb --json a.json --pairs  every pair with its time of impact, to a file
   foldproof check walk.glb --ply worst.ply        the worst step's mesh, colliding faces marked 1, those that cross
                                                   in the first frame 2, both 3
+  foldproof check walk.glb --contacts --unit m    what goes through what, in which frames, how deep
   foldproof check walk.glb --vtk walk.pvd         the motion with its collisions, for ParaView
   foldproof check walk.glb --explain why.csv      what was proven free, and why not the rest)";
 
 struct CheckArguments : StepArguments {
-  std::string json, csv, ply, vtk, explain, mode = "proven";
+  std::string json, csv, contacts_csv, ply, vtk, explain, mode = "proven";
+  std::vector<std::string> parts;
+  std::string unit;
   double miss_rate = 0.01;
-  bool poses = false, first = false, pairs = false, quiet = false, reduced = false;
+  bool poses = false, first = false, all_contacts = false, pairs = false, quiet = false, reduced = false;
 };
 
 void add_query_options(const Subcommand& check, CheckArguments& a) {
@@ -104,6 +107,22 @@ void add_report_options(const Subcommand& check, CheckArguments& a) {
   add("--explain", a.explain,
       "Which triangles were proven free, or why not: .npz all, .csv counts, .ply a colored mesh of the step "
       "with most left to test");
+  check
+      .add_flag("--contacts", a.all_contacts,
+                fmt::format("List all contacts in the summary, not only the {} worst", kFewContacts))
+      .group(group);
+  add("--contacts-csv", a.contacts_csv, "A row per contact and frame: triangles, curves, areas, depth");
+  a.files
+      .reads(
+          check.add_option("--parts", a.parts,
+                           "Names of an object's parts, for contacts: a text file with a name per triangle; "
+                           "one for each object, in order"))
+      .type_name("FILE")
+      .one_value_each_time()
+      .group(group);
+  check.add_option("--unit", a.unit, "What a mesh unit is, such as cm: named beside lengths")
+      .type_name("NAME")
+      .group(group);
   check.add_flag("--quiet", a.quiet, "Print nothing but errors").group(group);
 }
 
@@ -123,6 +142,8 @@ Result<void> require_mode_fits(const CheckArguments& a) {
                 "omit one of them; --json labels its answer as statistical");
   };
   if (!a.csv.empty()) return conflict("--csv");
+  if (a.all_contacts) return conflict("--contacts");
+  if (!a.contacts_csv.empty()) return conflict("--contacts-csv");
   if (!a.ply.empty()) return conflict("--ply");
   if (!a.vtk.empty()) return conflict("--vtk");
   if (!a.explain.empty()) return conflict("--explain");
@@ -162,6 +183,9 @@ Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& se
   if (!a.csv.empty()) {
     FOLDPROOF_TRY(append(writers, csv_report(a.csv)));
   }
+  if (!a.contacts_csv.empty()) {
+    FOLDPROOF_TRY(append(writers, contacts_csv(a.contacts_csv, motions, settings)));
+  }
   if (!a.ply.empty()) {
     FOLDPROOF_TRY(append(writers, ply_report(a.ply, motions, settings)));
   }
@@ -178,12 +202,27 @@ Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& se
 // Refuses options that --reduced does not support.
 Result<void> require_reduced(const CheckArguments& a) {
   const bool other = a.poses || a.substeps != 1 || !a.models.empty() || !a.motion.frames.empty() || a.pairs ||
+                     a.all_contacts || !a.contacts_csv.empty() || !a.parts.empty() || !a.unit.empty() ||
                      !a.json.empty() || !a.ply.empty() || !a.vtk.empty() || !a.explain.empty();
   if (!other) return {};
-  return fail(
-      ErrorCode::InvalidArgument, "--reduced",
-      "does not go with --static, --substeps, --model, --frames, --pairs, --json, --ply, --vtk or --explain",
-      "leave them out, or check the motion that 'foldproof predict' writes");
+  return fail(ErrorCode::InvalidArgument, "--reduced",
+              "does not go with --static, --substeps, --model, --frames, --pairs, --contacts, "
+              "--contacts-csv, --parts, "
+              "--unit, --json, --ply, --vtk or --explain",
+              "leave them out, or check the motion that 'foldproof predict' writes");
+}
+
+Result<std::vector<ObjectParts>> read_all_parts(std::span<const std::string> paths, Motions motions) {
+  std::vector<ObjectParts> parts;
+  if (paths.empty()) return parts;
+  if (paths.size() != motions.size()) {
+    return fail(ErrorCode::InvalidArgument, "--parts",
+                fmt::format("is given {} times for {}", paths.size(), counted(motions.size(), "object")),
+                "give it once for each object, in order");
+  }
+  for (std::size_t i = 0; i < paths.size(); ++i)
+    parts.push_back(FOLDPROOF_TRY(read_parts(paths[i], motions[i]->topology())));
+  return parts;
 }
 
 Result<int> check(const CheckArguments& a) {
@@ -197,10 +236,13 @@ Result<int> check(const CheckArguments& a) {
   }
   const auto motions = FOLDPROOF_TRY(open_motions(a.motions, a.motion.read));
   settings.models = FOLDPROOF_TRY(load_models(a.models, motions));
+  settings.parts = FOLDPROOF_TRY(read_all_parts(a.parts, motions));
+  settings.unit = a.unit;
   // From here on an interrupt must not leave incomplete files behind.
   watch_for_interrupt();
   const auto writers = FOLDPROOF_TRY(open_writers(a, settings, motions));
-  return run_and_summarize(motions, settings, writers, a.quiet);
+  return run_and_summarize(motions, settings, writers, a.quiet,
+                           a.all_contacts ? std::size_t{~0u} : kFewContacts);
 }
 
 }  // namespace

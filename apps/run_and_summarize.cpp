@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "contact_lines.h"
 #include "options.h"
 #include "terminal.h"
 
 namespace foldproof {
 
-Result<int> run_and_summarize(Motions motions, const CheckSettings& settings, Writers writers, bool quiet) {
+Result<int> run_and_summarize(Motions motions, const CheckSettings& settings, Writers writers, bool quiet,
+                              std::size_t contacts) {
   ProgressBar bar(!quiet);
   CheckHooks hooks;
   hooks.progress = [&](const CheckTotals& totals, std::uint64_t expected) {
@@ -28,7 +30,9 @@ Result<int> run_and_summarize(Motions motions, const CheckSettings& settings, Wr
                  "no report was written"});
     return kExitInterrupted;
   }
-  if (!quiet) print_output(summary(motions, settings, *totals));
+  if (!quiet) {
+    print_output(summary(motions, settings, *totals) + contact_lines(motions, settings, *totals, contacts));
+  }
   return exit_code(totals->clean());
 }
 

@@ -11,6 +11,8 @@ class JsonReport : public ReportWriter {
  public:
   JsonReport(FileWriter file, Motions motions, const ReportInfo& info)
       : file_(std::move(file)),
+        motions_(motions),
+        settings_(info.settings),
         pairs_(info.pairs),
         poses_(info.settings.poses),
         statistical_(info.settings.step.mode == Mode::Paper) {
@@ -58,7 +60,11 @@ class JsonReport : public ReportWriter {
   Result<void> finish(const CheckTotals& totals) override {
     begin_steps();
     const Json json = totals_json(totals, poses_, statistical_);
-    file_.add("\n],\n\"totals\":{},\n\"clean\":{}}}\n", dump(json), totals.clean());
+    file_.add("\n],\n");
+    if (totals.contacts_found) {
+      FOLDPROOF_TRY(add_contacts(totals));
+    }
+    file_.add("\"totals\":{},\n\"clean\":{}}}\n", dump(json), totals.clean());
     return file_.commit();
   }
 
@@ -66,6 +72,19 @@ class JsonReport : public ReportWriter {
   /// Opens the list of steps, after the answer for the first frame.
   void begin_steps() {
     if (!std::exchange(steps_begun_, true)) file_.add("\"steps\":[");
+  }
+
+  Result<void> add_contacts(const CheckTotals& totals) {
+    file_.add("\"contacts\":[");
+    const char* separator = "\n";
+    for (const Contact& contact : totals.contacts) {
+      file_.add("{}{}", separator,
+                dump(contact_json(contact, side_names(contact, motions_, settings_), pairs_)));
+      separator = ",\n";
+      FOLDPROOF_TRY(file_.flush_if_large());
+    }
+    file_.add("\n],\n");
+    return {};
   }
 
   Result<void> add_pairs(const StepResult& result) {
@@ -106,6 +125,8 @@ class JsonReport : public ReportWriter {
   }
 
   TextFile file_;
+  Motions motions_;
+  const CheckSettings settings_;
   bool pairs_, poses_, statistical_, steps_begun_ = false;
 };
 

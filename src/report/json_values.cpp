@@ -58,6 +58,7 @@ Json settings_json(const ReportInfo& info, Index frame_count) {
                {"certificates", settings.step.certificates},
                {"weld", info.read.weld},
                {"fps", info.read.fps}};
+  if (!settings.unit.empty()) json["unit"] = settings.unit;
   if (settings.step.mode == Mode::Paper) {
     json["mode"] = "paper (STATISTICAL: can miss collisions)";
     json["miss_rate"] = settings.step.miss_rate;
@@ -68,6 +69,57 @@ Json settings_json(const ReportInfo& info, Index frame_count) {
 void add_misses(Json& json, std::uint64_t missed, double proven_milliseconds) {
   json["missed"] = missed;
   json["proven_milliseconds"] = proven_milliseconds;
+}
+
+namespace {
+
+Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json to_json(const Vec3& v) { return Json::array({v[0], v[1], v[2]}); }
+
+Json to_json(const ContactFrame& frame) {
+  return {{"time", frame.time},
+          {"crossings", frame.crossings},
+          {"triangles", frame.triangles},
+          {"curve_length", frame.curve_length},
+          {"closed", frame.closed},
+          {"area", Json::array({number_or_null(frame.area[0]), number_or_null(frame.area[1])})},
+          {"depth", number_or_null(frame.depth)}};
+}
+
+}  // namespace
+
+Json contact_json(const Contact& contact, const std::array<std::string, 2>& names, bool lists) {
+  Json frames = Json::array(), sides = Json::array(), curves = Json::array();
+  for (const ContactFrame& frame : contact.frames) frames.push_back(to_json(frame));
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Contact::Side& s = contact.sides[side];
+    sides.push_back({{"object", s.object}, {"name", names[side]}});
+    if (lists) sides.back().update({{"triangles", s.triangles}, {"inside", s.inside}});
+  }
+  Json json = {{"number", contact.number},
+               {"joined", contact.joined},
+               {"sides", sides},
+               {"folded", contact.folded},
+               {"from_start", contact.from_start},
+               {"healed", contact.healed},
+               {"first_time", contact.first_time},
+               {"last_time", contact.last_time},
+               {"pairs", contact.pairs},
+               {"depth", number_or_null(contact.depth())},
+               {"worst", contact.frames.empty() ? Json(nullptr) : Json(contact.frames[contact.worst].time)},
+               {"point", to_json(contact.point)},
+               {"box", Json::array({to_json(contact.low), to_json(contact.high)})},
+               {"normal", to_json(contact.normal)},
+               {"frames", frames}};
+  if (!lists) return json;
+  for (const auto& curve : contact.curves) {
+    Json points = Json::array();
+    for (const Vec3& point : curve) points.push_back(to_json(point));
+    curves.push_back(std::move(points));
+  }
+  json["curves"] = std::move(curves);
+  return json;
 }
 
 Json totals_json(const CheckTotals& totals, bool poses, bool statistical) {
@@ -84,6 +136,11 @@ Json totals_json(const CheckTotals& totals, bool poses, bool statistical) {
                {"work", to_json(totals.work)}};
   if (totals.listed.sum() < totals.collisions.sum()) json["listed"] = to_json(totals.listed, poses);
   if (statistical) add_misses(json, totals.missed, totals.proven_milliseconds);
+  if (totals.contacts_found) {
+    json["contacts"] = {{"count", totals.contacts.size()},
+                        {"unknown_frames", totals.contact_unknown_frames},
+                        {"milliseconds", {{"total", totals.contact_milliseconds}}}};
+  }
   if (totals.earliest) {
     json["earliest"] = {{"frame", totals.earliest->frame},
                         {"substep", totals.earliest->substep},

@@ -19,6 +19,8 @@ Json objects_json(Motions motions, const CheckSettings& settings);
 Json settings_json(const ReportInfo& info, Index frame_count);
 /// Adds the fields of statistical answers.
 void add_misses(Json& json, std::uint64_t missed, double proven_milliseconds);
+/// `lists`: with the triangles of both sides and the curves, in the worst frame.
+Json contact_json(const Contact& contact, const std::array<std::string, 2>& names, bool lists);
 Json totals_json(const CheckTotals& totals, bool poses, bool statistical);
 
 }  // namespace foldproof

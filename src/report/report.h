@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "foldproof/check.h"
+#include "foldproof/contacts.h"
 #include "foldproof/model.h"
 
 namespace foldproof {
@@ -26,6 +27,16 @@ Result<FrameRange> parse_frame_range(const std::string& text);
 /// The selected frames, ascending. Empty when the range selects none.
 std::vector<Index> select_frames(const FrameRange& range, Index frame_count);
 
+/// Parts of an object, for the names of contacts.
+struct ObjectParts {
+  std::vector<std::string> names;
+  std::vector<Index> of_triangle;  ///< Index into names; empty: the object has no parts.
+};
+
+/// Reads the part of each triangle: a text file with a name per line, in the order of the triangles. Error:
+/// it cannot be read, has an empty line or another number of lines.
+Result<ObjectParts> read_parts(const std::string& path, const Topology& topology);
+
 struct CheckSettings {
   StepSettings step;
   bool poses = false;  ///< Find crossing triangles of each selected frame, not collisions between frames.
@@ -33,6 +44,11 @@ struct CheckSettings {
   /// but triangles that cross at its start may go on crossing. Only both tests together prove that nothing
   /// intersects at any time (docs/soundness.md). Has no effect with `poses`.
   bool steps_only = false;
+  /// Join what collides into contacts. Has no effect in Mode::Paper and with earliest_only, whose answers are
+  /// not complete.
+  bool contacts = true;
+  std::vector<ObjectParts> parts;  ///< One per motion; or empty.
+  std::string unit;                ///< Name of a mesh unit, for reports; empty: not known.
   FrameRange frames;
   Index substeps = 1;  ///< Linear parts that each step between two frames is divided into; at least 1.
   std::vector<std::shared_ptr<const Model>> models;  ///< One per motion, null for none; or empty.
@@ -73,6 +89,7 @@ struct CheckedStep {
   const StepResult* step = nullptr;          ///< Null for a pose.
   const StaticResult* pose = nullptr;        ///< Null for a step.
   const Explanation* explanation = nullptr;  ///< Null unless StepSettings::explain is set.
+  const ContactFinder* contacts = nullptr;   ///< As of the end of the step; null if they are not found.
   /// Mode::Paper: collisions of the proven answer that this one misses, and the time of that answer. Else 0.
   std::uint64_t missed = 0;
   double proven_milliseconds = 0;
@@ -104,6 +121,15 @@ struct CheckTotals {
   std::uint64_t missed = 0;        ///< Mode::Paper: sum over the steps.
   double proven_milliseconds = 0;  ///< Mode::Paper: sum over the steps.
   bool cancelled = false;          ///< Stopped by request; the numbers cover the steps until then.
+
+  /// What collides and crosses, joined into contacts, the worst first; their times are frames, with fractions
+  /// between them. Complete at the end of the check.
+  std::vector<Contact> contacts;
+  bool contacts_found = false;  ///< Whether they were looked for (CheckSettings::contacts).
+  /// Frames of which is not known which triangles cross: too many pairs (StepSettings::max_listed), or
+  /// CheckSettings::steps_only.
+  std::uint64_t contact_unknown_frames = 0;
+  double contact_milliseconds = 0;  ///< Time to find contacts; not in `milliseconds`.
 
   /// The check is complete and found nothing. With starts_crossing: no two triangles intersect at any time.
   bool clean() const {
@@ -157,6 +183,14 @@ Result<std::unique_ptr<ReportWriter>> json_report(const std::string& path, Motio
 /// vertex, b0 the face; ee: a0 a1 and b0 b1 are the edges' vertices; tt: a0 and b0 are triangles that cross
 /// in the first frame or in a pose, without toi.
 Result<std::unique_ptr<ReportWriter>> csv_report(const std::string& path);
+
+/// A row per contact and frame in which it crosses; a contact that only touches has one row, without a frame
+/// (docs/contacts.md).
+Result<std::unique_ptr<ReportWriter>> contacts_csv(const std::string& path, Motions motions,
+                                                   const CheckSettings& settings);
+
+/// The names of the two sides of a contact: their parts where there are any, else their objects.
+std::array<std::string, 2> side_names(const Contact& contact, Motions motions, const CheckSettings& settings);
 
 /// All objects in one PLY, in the pose of the step's first contact. Mark 1: faces that collide, including
 /// those around a colliding vertex or edge; 2: faces that cross in the first frame; 3: both. Without '%' in

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/try.h"
+#include "report/motion_contacts.h"
 #include "report/report.h"
 
 namespace foldproof {
@@ -105,25 +106,28 @@ class CheckRun {
     for (const Index frame : frames_) {
       FOLDPROOF_TRY(pose.read(motions_, frame));
       if (!checker) {
-        const auto objects = FOLDPROOF_TRY(make_objects(motions_, settings_, pose));
-        checker.emplace(objects);
-        prepare_comparison(objects);
+        FOLDPROOF_TRY(prepare(pose));
+        checker.emplace(objects_);
       }
       if (stop_requested()) return totals_;
       FOLDPROOF_TRY(checker->check_static(pose.positions(), settings_.step, result));
       if (proven_) {
         FOLDPROOF_TRY(proven_->check_static(pose.positions(), proven_settings_, proven_result));
       }
-      const CheckedStep step{.index = {totals_.steps, frame, frame, 0},
-                             .collisions = {.triangle_triangle = result.crossing_count},
-                             .work = result.work,
-                             .milliseconds = result.milliseconds,
-                             .x0 = pose.positions(),
-                             .x1 = pose.positions(),
-                             .pose = &result,
-                             .explanation = explanation_in(result),
-                             .missed = proven_ ? proven_result.crossing_count - result.crossing_count : 0,
-                             .proven_milliseconds = proven_result.milliseconds.total};
+      CheckedStep step{.index = {totals_.steps, frame, frame, 0},
+                       .collisions = {.triangle_triangle = result.crossing_count},
+                       .work = result.work,
+                       .milliseconds = result.milliseconds,
+                       .x0 = pose.positions(),
+                       .x1 = pose.positions(),
+                       .pose = &result,
+                       .explanation = explanation_in(result),
+                       .missed = proven_ ? proven_result.crossing_count - result.crossing_count : 0,
+                       .proven_milliseconds = proven_result.milliseconds.total};
+      if (contacts_) {
+        contacts_->pose(step);
+        step.contacts = &contacts_->finder();
+      }
       FOLDPROOF_TRY(deliver(step));
     }
     return finish();
@@ -132,13 +136,12 @@ class CheckRun {
   Result<CheckTotals> steps() {
     Pose from(motions_), to(motions_);
     FOLDPROOF_TRY(from.read(motions_, frames_[0]));
-    const auto objects = FOLDPROOF_TRY(make_objects(motions_, settings_, from));
+    FOLDPROOF_TRY(prepare(from));
     if (!settings_.steps_only) {
       if (stop_requested()) return totals_;
-      FOLDPROOF_TRY(start(objects, from));
+      FOLDPROOF_TRY(start(from));
     }
-    StepChecker checker(objects);
-    prepare_comparison(objects);
+    StepChecker checker(objects_);
     if (frames_.size() == 1) {
       if (stop_requested()) return totals_;
       FOLDPROOF_TRY(check(checker, {0, frames_[0], frames_[0], 0}, from, from));
@@ -170,21 +173,32 @@ class CheckRun {
     return (frames_.size() - 1) * std::uint64_t{settings_.substeps};
   }
 
+  Result<void> prepare(const Pose& first) {
+    objects_ = FOLDPROOF_TRY(make_objects(motions_, settings_, first));
+    prepare_comparison();
+    contacts_ = FOLDPROOF_TRY(MotionContacts::make(motions_, settings_, objects_));
+    return {};
+  }
+
   // Exact in every mode. It has a checker of its own, so that the work of the steps is counted separately.
-  Result<void> start(const std::vector<Object>& objects, const Pose& first) {
+  Result<void> start(const Pose& first) {
     StepSettings exact = settings_.step;
     exact.mode = Mode::Proven;
     exact.explain = false;
     StaticResult result;
-    FOLDPROOF_TRY(StepChecker(objects).check_static(first.positions(), exact, result));
-    const CheckedStep pose{.index = {0, frames_[0], frames_[0], 0},
-                           .collisions = {.triangle_triangle = result.crossing_count},
-                           .work = result.work,
-                           .milliseconds = result.milliseconds,
-                           .x0 = first.positions(),
-                           .x1 = first.positions(),
-                           .pose = &result};
+    FOLDPROOF_TRY(StepChecker(objects_).check_static(first.positions(), exact, result));
+    CheckedStep pose{.index = {0, frames_[0], frames_[0], 0},
+                     .collisions = {.triangle_triangle = result.crossing_count},
+                     .work = result.work,
+                     .milliseconds = result.milliseconds,
+                     .x0 = first.positions(),
+                     .x1 = first.positions(),
+                     .pose = &result};
     totals_.start(pose);
+    if (contacts_) {
+      contacts_->pose(pose);
+      pose.contacts = &contacts_->finder();
+    }
     for (const auto& writer : writers_) {
       FOLDPROOF_TRY(writer->start(pose));
     }
@@ -196,27 +210,32 @@ class CheckRun {
     if (proven_) {
       FOLDPROOF_TRY(proven_->check(x0.positions(), x1.positions(), proven_settings_, proven_result_));
     }
-    return deliver({.index = index,
-                    .collisions = {result_.vertex_face_count, result_.edge_edge_count, 0},
-                    .earliest_toi = result_.earliest_toi,
-                    .work = result_.work,
-                    .milliseconds = result_.milliseconds,
-                    .x0 = x0.positions(),
-                    .x1 = x1.positions(),
-                    .step = &result_,
-                    .explanation = explanation_in(result_),
-                    .missed = proven_ ? proven_result_.count() - result_.count() : 0,
-                    .proven_milliseconds = proven_result_.milliseconds.total});
+    CheckedStep step{.index = index,
+                     .collisions = {result_.vertex_face_count, result_.edge_edge_count, 0},
+                     .earliest_toi = result_.earliest_toi,
+                     .work = result_.work,
+                     .milliseconds = result_.milliseconds,
+                     .x0 = x0.positions(),
+                     .x1 = x1.positions(),
+                     .step = &result_,
+                     .explanation = explanation_in(result_),
+                     .missed = proven_ ? proven_result_.count() - result_.count() : 0,
+                     .proven_milliseconds = proven_result_.milliseconds.total};
+    if (contacts_) {
+      FOLDPROOF_TRY(contacts_->step(step));
+      step.contacts = &contacts_->finder();
+    }
+    return deliver(step);
   }
 
   // Mode::Paper: makes the checker to compare with. The statistical answer is a subset of the proven one,
   // since both pass the same pairs to the same narrow phase. So counts are enough.
-  void prepare_comparison(const std::vector<Object>& objects) {
+  void prepare_comparison() {
     if (settings_.step.mode != Mode::Paper) return;
     proven_settings_ = settings_.step;
     proven_settings_.mode = Mode::Proven;
     proven_settings_.max_listed = 0;
-    proven_.emplace(objects);
+    proven_.emplace(objects_);
   }
 
   template <class Answer>
@@ -240,6 +259,7 @@ class CheckRun {
 
   Result<CheckTotals> finish() {
     if (stop_requested()) return totals_;
+    if (contacts_) contacts_->finish(totals_);
     for (const auto& writer : writers_) {
       FOLDPROOF_TRY(writer->finish(totals_));
     }
@@ -251,6 +271,8 @@ class CheckRun {
   Writers writers_;
   const CheckHooks& hooks_;
   std::vector<Index> frames_;
+  std::vector<Object> objects_;
+  std::unique_ptr<MotionContacts> contacts_;  // null: not looked for
   StepResult result_, proven_result_;
   std::optional<StepChecker> proven_;  // Mode::Paper
   StepSettings proven_settings_;

@@ -1,0 +1,85 @@
+#include "contact_lines.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "terminal.h"
+
+namespace foldproof {
+namespace {
+
+// A frame, or a time between two.
+std::string time_name(double time) { return fmt::format("{:.6g}", time); }
+
+// The parts or objects; the place where there is only one object.
+std::string who(const Contact& contact, Motions motions, const CheckSettings& settings) {
+  if (motions.size() == 1 && settings.parts.empty()) {
+    const Vec3& at = contact.point;
+    return fmt::format("at ({:.3g}, {:.3g}, {:.3g})", at[0], at[1], at[2]);
+  }
+  auto names = side_names(contact, motions, settings);
+  for (std::string& name : names) name = cell(name);
+  if (names[0] != names[1]) return names[0] + " - " + names[1];
+  return contact.within() ? names[0] + " with itself" : names[0] + " with another";
+}
+
+std::string when(const Contact& contact) {
+  if (contact.frames.empty()) {
+    const std::string first = time_name(contact.first_time), last = time_name(contact.last_time);
+    return first == last ? "time " + first : fmt::format("times {} to {}", first, last);
+  }
+  const double first = contact.frames.front().time, last = contact.frames.back().time;
+  return first == last ? "frame " + time_name(first)
+                       : fmt::format("frames {}-{}", time_name(first), time_name(last));
+}
+
+std::string how_bad(const Contact& contact, const std::string& unit) {
+  if (contact.frames.empty())
+    return fmt::format("touches between frames, {}", counted(contact.pairs, "pair"));
+  const ContactFrame& frame = contact.frames[contact.worst];
+  const std::string space = unit.empty() ? "" : " " + unit;
+  std::string text = fmt::format("worst {}: {}", time_name(frame.time), counted(frame.triangles, "triangle"));
+  if (frame.depth) return text + fmt::format(", {:.3g}{} deep", *frame.depth, space);
+  return text + fmt::format(", no region: crosses along {:.3g}{}", frame.curve_length, space);
+}
+
+}  // namespace
+
+std::string contact_lines(Motions motions, const CheckSettings& settings, const CheckTotals& totals,
+                          std::size_t count) {
+  if (!totals.contacts_found || totals.contacts.empty()) return "";
+  struct Line {
+    std::string number, who, when, bad;
+  };
+  std::vector<Line> lines;
+  std::array<std::size_t, 3> width{};
+  for (const Contact& contact : std::span(totals.contacts).first(std::min(count, totals.contacts.size()))) {
+    const Line& line =
+        lines.emplace_back(Line{fmt::format("#{}", contact.number), who(contact, motions, settings),
+                                when(contact), how_bad(contact, settings.unit)});
+    width[0] = std::max(width[0], line.number.size());
+    width[1] = std::max(width[1], line.who.size());
+    width[2] = std::max(width[2], line.when.size());
+    if (contact.from_start) lines.back().bad += ", from the start";
+  }
+  std::string text = fmt::format("\n{}, the worst first:\n", counted(totals.contacts.size(), "contact"));
+  for (const Line& line : lines) {
+    fmt::format_to(std::back_inserter(text), "{:<{}}  {:<{}}  {:<{}}  {}\n", line.number, width[0], line.who,
+                   width[1], line.when, width[2], line.bad);
+  }
+  if (lines.size() < totals.contacts.size()) {
+    text +=
+        fmt::format("and {} more (--contacts lists all)\n", grouped(totals.contacts.size() - lines.size()));
+  }
+  if (totals.contact_unknown_frames > 0) {
+    text += fmt::format("In {} it is not known which triangles cross{}.\n",
+                        counted(totals.contact_unknown_frames, "frame"),
+                        settings.steps_only ? " (--steps-only)" : ": too many pairs (--limit)");
+  }
+  return text;
+}
+
+}  // namespace foldproof

@@ -1,0 +1,220 @@
+#include "contacts/curves.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "check/motion.h"
+#include "foldproof/ccd.h"
+
+namespace foldproof::internal {
+namespace {
+
+// In [-1,1], from the bits of a coordinate.
+double noise(double coordinate, std::uint64_t seed) {
+  std::uint64_t h = (std::bit_cast<std::uint64_t>(coordinate + 0.0) ^ seed) * 0x9E3779B97F4A7C15u;
+  h = (h ^ (h >> 32)) * 0xD1B54A32D192ED03u;
+  return static_cast<double>(h >> 11) * 0x1p-52 - 1;
+}
+
+// Positions that are displaced a little.
+class Displaced {
+ public:
+  Displaced(std::span<const CrossingPair> pairs, const Surfaces& surfaces, Positions x) : x_(x) {
+    double largest = 0;
+    for (const CrossingPair& pair : pairs) {
+      for (int side = 0; side < 2; ++side) {
+        const Index object = pair.object(side);
+        for (const Index v : surfaces.topology(object).triangles()[pair.triangle(side)])
+          largest = std::max(largest, position(x[object], v).cwiseAbs().maxCoeff());
+      }
+    }
+    scale_ = largest * 0x1p-40;
+  }
+
+  Vec3 at(Index object, Index vertex) const {
+    const Vec3 p = position(x_[object], vertex);
+    const std::uint64_t seed = (object + 1) * 0x632BE59BD9B4E019u;
+    const double all = noise(p[0], seed) + noise(p[1], seed + 1) + noise(p[2], seed + 2);
+    return p + scale_ * Vec3(noise(all, seed + 3), noise(all, seed + 4), noise(all, seed + 5));
+  }
+
+ private:
+  Positions x_;
+  double scale_;
+};
+
+// One end of the segment in which two triangles cross.
+struct End {
+  Index pair;
+  Piercing piercing;
+};
+
+auto key(const Piercing& p) { return std::tie(p.side, p.object, p.edge, p.face); }
+
+class Tracer {
+ public:
+  Tracer(const Surfaces& surfaces, std::span<const CrossingPair> pairs, Positions x, Curves& out)
+      : surfaces_(surfaces), x_(pairs, surfaces, x), out_(out), pairs_(out.pairs) {
+    pairs_.assign(pairs.begin(), pairs.end());
+  }
+
+  void trace() {
+    for (const CrossingPair& pair : pairs_) given_.push_back(key_of(pair));
+    std::sort(given_.begin(), given_.end());
+    for (Index i = 0; i < pairs_.size(); ++i) add_ends(i);  // which adds pairs
+    number_piercings();
+    out_.lines.clear();
+    out_.closed = !segments_.empty();
+    out_.length = 0;
+    link_segments();
+    for (Index n = 0; n < out_.piercings.size(); ++n) {
+      const Index degree = first_[n + 1] - first_[n];
+      if (degree % 2 != 0) out_.closed = false;
+      if (degree != 2) {
+        while (next_segment(n) != kNoIndex) follow(n);
+      }
+    }
+    for (Index n = 0; n < out_.piercings.size(); ++n) {
+      if (next_segment(n) != kNoIndex) follow(n);
+    }
+  }
+
+ private:
+  using PairKey = std::array<Index, 4>;
+  static PairKey key_of(const CrossingPair& pair) {
+    return {pair.object(0), pair.triangle(0), pair.object(1), pair.triangle(1)};
+  }
+
+  // A curve that leaves the pair's triangle of `side` through an edge goes on in the other triangles there.
+  void add_next_pairs(CrossingPair pair, int side, const Edge& edge) {
+    surfaces_.triangles_with_edge(pair.object(side), edge, at_edge_);
+    for (const Index t : at_edge_) {
+      ((side == 0) != pair.reversed ? pair.triangles.triangle_a : pair.triangles.triangle_b) = t;
+      const PairKey key = key_of(pair);
+      if (std::binary_search(given_.begin(), given_.end(), key) || !added_.insert(key).second) continue;
+      pairs_.push_back(pair);
+    }
+  }
+
+  // Where the edges of the triangle of `side` pass through the other triangle.
+  void add_piercings(Index i, int side) {
+    const CrossingPair pair = pairs_[i];
+    const Index object = pair.object(side), other = pair.object(1 - side);
+    const Triangle &t = surfaces_.topology(object).triangles()[pair.triangle(side)],
+                   &f = surfaces_.topology(other).triangles()[pair.triangle(1 - side)];
+    const std::array<Vec3, 3> corners{x_.at(other, f[0]), x_.at(other, f[1]), x_.at(other, f[2])};
+    for (int k = 0; k < 3; ++k) {
+      const Edge edge{std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])};
+      const auto is_corner = [&](Index v) {
+        return object == other && std::find(f.begin(), f.end(), v) != f.end();
+      };
+      if (edge[0] == edge[1] || is_corner(edge[0]) || is_corner(edge[1])) continue;
+      const Vec3 p = x_.at(object, edge[0]), q = x_.at(object, edge[1]);
+      const int above = orient3d(corners[0], corners[1], corners[2], p);
+      if (above == 0 || orient3d(corners[0], corners[1], corners[2], q) != -above) continue;
+      const int turn = orient3d(p, q, corners[0], corners[1]);
+      if (turn == 0 || orient3d(p, q, corners[1], corners[2]) != turn ||
+          orient3d(p, q, corners[2], corners[0]) != turn)
+        continue;
+      const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+      const double from = normal.dot(p - corners[0]), to = normal.dot(q - corners[0]);
+      const double share = from == to ? 0.5 : std::clamp(from / (from - to), 0.0, 1.0);
+      ends_.push_back({i,
+                       {side, object, edge, surfaces_.triangle(other, pair.triangle(1 - side)), share,
+                        p + share * (q - p)}});
+      add_next_pairs(pair, side, edge);
+    }
+  }
+
+  void add_ends(Index i) {
+    const CrossingPair pair = pairs_[i];
+    const std::size_t before = ends_.size();
+    add_piercings(i, 0);
+    add_piercings(i, 1);
+    if (pair.object(0) != pair.object(1)) return;
+    const auto triangles = surfaces_.topology(pair.object(0)).triangles();
+    const Triangle &s = triangles[pair.triangle(0)], &t = triangles[pair.triangle(1)];
+    Index common = kNoIndex, count = 0;
+    for (const Index v : s) {
+      if (std::find(t.begin(), t.end(), v) != t.end()) common = v, ++count;
+    }
+    if (count == 1 && ends_.size() == before + 1) {
+      ends_.push_back({i, {0, pair.object(0), {common, common}, kNoIndex, 0, x_.at(pair.object(0), common)}});
+    }
+  }
+
+  // Lists each piercing once, and the segments by their numbers.
+  void number_piercings() {
+    std::stable_sort(ends_.begin(), ends_.end(),
+                     [](const End& a, const End& b) { return key(a.piercing) < key(b.piercing); });
+    out_.piercings.clear();
+    std::vector<std::array<Index, 2>> of_pair(pairs_.size(), {kNoIndex, kNoIndex});
+    for (const End& end : ends_) {
+      if (out_.piercings.empty() || key(out_.piercings.back()) != key(end.piercing))
+        out_.piercings.push_back(end.piercing);
+      auto& both = of_pair[end.pair];
+      (both[0] == kNoIndex ? both[0] : both[1]) = static_cast<Index>(out_.piercings.size() - 1);
+    }
+    for (const auto& both : of_pair) {
+      if (both[1] != kNoIndex) segments_.push_back(both);
+    }
+  }
+
+  void link_segments() {
+    first_.assign(out_.piercings.size() + 1, 0);
+    for (const auto& segment : segments_) {
+      for (const Index n : segment) ++first_[n + 1];
+    }
+    for (std::size_t n = 1; n < first_.size(); ++n) first_[n] += first_[n - 1];
+    at_.resize(2 * segments_.size());
+    next_.assign(first_.begin(), first_.end() - 1);
+    for (Index s = 0; s < segments_.size(); ++s) {
+      for (const Index n : segments_[s]) at_[next_[n]++] = s;
+    }
+    next_.assign(first_.begin(), first_.end() - 1);
+    used_.assign(segments_.size(), 0);
+  }
+
+  // A segment at a piercing that no line has yet.
+  Index next_segment(Index n) {
+    while (next_[n] < first_[n + 1] && used_[at_[next_[n]]]) ++next_[n];
+    return next_[n] < first_[n + 1] ? at_[next_[n]] : kNoIndex;
+  }
+
+  // A line from a piercing to where it ends, branches or comes back.
+  void follow(Index n) {
+    auto& line = out_.lines.emplace_back(1, n);
+    for (Index s = next_segment(n); s != kNoIndex; s = next_segment(n)) {
+      used_[s] = 1;
+      const Index to = segments_[s][0] == n ? segments_[s][1] : segments_[s][0];
+      out_.length += (out_.piercings[to].position - out_.piercings[n].position).norm();
+      line.push_back(to);
+      n = to;
+      if (first_[n + 1] - first_[n] != 2) break;
+    }
+  }
+
+  const Surfaces& surfaces_;
+  Displaced x_;
+  Curves& out_;
+  std::vector<CrossingPair>& pairs_;
+  std::vector<PairKey> given_;  // sorted
+  std::set<PairKey> added_;
+  std::vector<Index> at_edge_;
+  std::vector<End> ends_;
+  std::vector<std::array<Index, 2>> segments_;  // two piercings each
+  std::vector<Index> first_, at_, next_;        // segments at each piercing
+  std::vector<std::uint8_t> used_;
+};
+
+}  // namespace
+
+void trace_curves(const Surfaces& surfaces, std::span<const CrossingPair> pairs, Positions x, Curves& out) {
+  Tracer(surfaces, pairs, x, out).trace();
+}
+
+}  // namespace foldproof::internal

@@ -1,0 +1,453 @@
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "base/plain_arithmetic.h"
+#include "check/motion.h"
+#include "contacts/follow_crossings.h"
+#include "contacts/frame.h"
+#include "contacts/joiner.h"
+#include "foldproof/contacts.h"
+
+namespace foldproof {
+namespace {
+
+using namespace internal;
+
+// A contact that may go on.
+struct Open {
+  Contact contact;
+  bool continues = false;                               // in this slice
+  bool crosses = false;                                 // in the last frame
+  std::array<std::map<Index, std::uint64_t>, 2> votes;  // triangles per part
+};
+
+// What an element adds to its contact.
+struct Impact {
+  double time = std::numeric_limits<double>::infinity();  // infinity: none, it crosses
+  Vec3 point = Vec3::Zero();
+};
+
+void swap_sides(Open& open) {
+  std::swap(open.contact.sides[0], open.contact.sides[1]);
+  std::swap(open.votes[0], open.votes[1]);
+  open.contact.normal = -open.contact.normal;
+  for (ContactFrame& frame : open.contact.frames) std::swap(frame.area[0], frame.area[1]);
+}
+
+bool is_worse_frame(const ContactFrame& a, const ContactFrame& b) {
+  const auto key = [](const ContactFrame& f) { return std::pair(f.depth.value_or(-1), f.curve_length); };
+  return key(a) > key(b);
+}
+
+// Frames of two contacts that have joined: those of the same time are one, as bad as the worse.
+std::vector<ContactFrame> joined_frames(const std::vector<ContactFrame>& a,
+                                        const std::vector<ContactFrame>& b) {
+  std::vector<ContactFrame> out;
+  for (std::size_t i = 0, k = 0; i < a.size() || k < b.size();) {
+    if (k == b.size() || (i < a.size() && a[i].time < b[k].time)) {
+      out.push_back(a[i++]);
+    } else if (i == a.size() || b[k].time < a[i].time) {
+      out.push_back(b[k++]);
+    } else {
+      ContactFrame frame = is_worse_frame(b[k], a[i]) ? b[k] : a[i];
+      frame.crossings = a[i].crossings + b[k].crossings;
+      frame.triangles = a[i].triangles + b[k].triangles;
+      frame.curve_length = a[i].curve_length + b[k].curve_length;
+      frame.closed = a[i].closed && b[k].closed;
+      for (int side = 0; side < 2; ++side) {
+        const auto &p = a[i].area[side], &q = b[k].area[side];
+        frame.area[side] = p && q ? std::optional(*p + *q) : std::nullopt;
+      }
+      out.push_back(frame);
+      ++i, ++k;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+bool is_worse(const Contact& a, const Contact& b) {
+  const auto key = [](const Contact& c) {
+    const bool crosses = !c.frames.empty();
+    return std::tuple(crosses ? c.frames[c.worst].depth.value_or(-1) : -2.0,
+                      crosses ? c.frames[c.worst].curve_length : 0.0, c.pairs);
+  };
+  if (key(a) != key(b)) return key(a) > key(b);
+  return a.number < b.number;
+}
+
+struct ContactFinder::Impl {
+  Impl(std::vector<const Topology*> topologies, Parts all_parts)
+      : surfaces(std::move(topologies)), parts(std::move(all_parts)), measurer(surfaces) {}
+
+  void set_crossings(const StaticResult& all);
+  void slice(double begin, double end, Positions x0, Positions x1, const StepResult* step);
+  void add_elements(double begin, double end, Positions x0, Positions x1, const StepResult* step);
+  void add_element(std::array<Index, 2> objects, std::span<const Index> a, std::span<const Index> b,
+                   const Impact& impact);
+  void name_groups(const Joiner::Groups& groups);
+  void note_elements(const Joiner::Groups& groups, const StepResult* step);
+  void vote(Open& open, int side, Index object, Index triangle);
+  void measure_frame(double time, Positions x);
+  void end_contacts(bool all);
+  Label resolve(Label label) const;
+  void join(Label a, Label b);
+  void star(Index object, Index vertex, std::vector<Index>& out) const;
+  void around_edge(Index object, const Edge& edge, std::vector<Index>& out);
+
+  Surfaces surfaces;
+  Parts parts;
+  Joiner joiner;
+  FrameMeasurer measurer;
+
+  bool begun = false, known = false;
+  double time = 0;
+  std::vector<TriangleCrossing> crossings, tested;
+  std::map<Index, Open> open;
+  std::vector<Label> joined{{}};  // per number: the contact that it has joined; itself if none
+  std::vector<Contact> ended;
+
+  // Of this slice, per element: vertex-face, then edge-edge pairs, then crossings.
+  std::size_t vertex_faces = 0, edge_edges = 0;
+  std::vector<std::array<Index, 2>> objects;
+  std::vector<Impact> impacts;
+  std::vector<Label> labels;   // per group
+  std::vector<Index> numbers;  // per element
+  std::vector<Inside> inside;
+  std::vector<Index> side_a, side_b, at_edge;
+};
+
+// The vertices of the triangles around a vertex.
+void ContactFinder::Impl::star(Index object, Index vertex, std::vector<Index>& out) const {
+  out.assign(1, surfaces.vertex(object, vertex));
+  for (const Index t : surfaces.triangles_at(object, vertex)) {
+    for (const Index v : surfaces.corners(object, t)) {
+      if (std::find(out.begin(), out.end(), v) == out.end()) out.push_back(v);
+    }
+  }
+}
+
+void ContactFinder::Impl::around_edge(Index object, const Edge& edge, std::vector<Index>& out) {
+  out = {surfaces.vertex(object, edge[0]), surfaces.vertex(object, edge[1])};
+  surfaces.triangles_with_edge(object, edge, at_edge);
+  for (const Index t : at_edge) {
+    for (const Index v : surfaces.corners(object, t)) {
+      if (std::find(out.begin(), out.end(), v) == out.end()) out.push_back(v);
+    }
+  }
+}
+
+void ContactFinder::Impl::add_element(std::array<Index, 2> of, std::span<const Index> a,
+                                      std::span<const Index> b, const Impact& impact) {
+  objects.push_back(of);
+  impacts.push_back(impact);
+  joiner.add(a, b);
+}
+
+void ContactFinder::Impl::add_elements(double begin, double end, Positions x0, Positions x1,
+                                       const StepResult* step) {
+  objects.clear();
+  impacts.clear();
+  vertex_faces = step ? step->vertex_face.size() : 0;
+  edge_edges = step ? step->edge_edge.size() : 0;
+  joiner.begin(vertex_faces + edge_edges + crossings.size());
+  const auto at = [&](Index object, Index vertex, double toi) -> Vec3 {
+    return (1 - toi) * position(x0[object], vertex) + toi * position(x1[object], vertex);
+  };
+  for (std::size_t i = 0; i < vertex_faces; ++i) {
+    const VertexFaceCollision& c = step->vertex_face[i];
+    star(c.vertex_object, c.vertex, side_a);
+    const Triangle face = surfaces.corners(c.face_object, c.face);
+    add_element({c.vertex_object, c.face_object}, side_a, face,
+                {begin + c.toi * (end - begin), at(c.vertex_object, c.vertex, c.toi)});
+  }
+  for (std::size_t i = 0; i < edge_edges; ++i) {
+    const EdgeEdgeCollision& c = step->edge_edge[i];
+    around_edge(c.object_a, c.a, side_a);
+    around_edge(c.object_b, c.b, side_b);
+    const Vec3 middle = (at(c.object_a, c.a[0], c.toi) + at(c.object_a, c.a[1], c.toi) +
+                         at(c.object_b, c.b[0], c.toi) + at(c.object_b, c.b[1], c.toi)) /
+                        4;
+    add_element({c.object_a, c.object_b}, side_a, side_b, {begin + c.toi * (end - begin), middle});
+  }
+  for (const TriangleCrossing& c : crossings) {
+    add_element({c.object_a, c.object_b}, surfaces.corners(c.object_a, c.triangle_a),
+                surfaces.corners(c.object_b, c.triangle_b), {});
+  }
+}
+
+Label ContactFinder::Impl::resolve(Label label) const {
+  while (joined[label.number].number != label.number) {
+    const Label next = joined[label.number];
+    label = {next.number, label.reversed != next.reversed};
+  }
+  return label;
+}
+
+// Two labels of one group: their contacts are one from now on.
+void ContactFinder::Impl::join(Label a, Label b) {
+  a = resolve(a);
+  b = resolve(b);
+  if (a.number == b.number) {
+    if (a.reversed != b.reversed) open.at(a.number).contact.folded = true;
+    return;
+  }
+  if (b.number < a.number) std::swap(a, b);
+  const bool reversed = a.reversed != b.reversed;
+  joined[b.number] = {a.number, reversed};
+  Open &into = open.at(a.number), &from = open.at(b.number);
+  if (reversed) swap_sides(from);
+  Contact &c = into.contact, &other = from.contact;
+  const bool other_is_worse = is_worse(other, c);
+  const double worst_time = [&] {
+    const Contact& worse = other_is_worse ? other : c;
+    return worse.frames.empty() ? 0.0 : worse.frames[worse.worst].time;
+  }();
+  std::vector<ContactFrame> frames = joined_frames(c.frames, other.frames);
+  if (other_is_worse) {
+    c.sides = std::move(other.sides);
+    c.point = other.point;
+    c.low = other.low;
+    c.high = other.high;
+    c.normal = other.normal;
+    c.curves = std::move(other.curves);
+  }
+  c.frames = std::move(frames);
+  c.worst = 0;
+  for (std::size_t i = 0; i < c.frames.size(); ++i) {
+    if (c.frames[i].time == worst_time) c.worst = i;
+  }
+  c.joined.push_back(b.number);
+  c.joined.insert(c.joined.end(), other.joined.begin(), other.joined.end());
+  std::sort(c.joined.begin(), c.joined.end());
+  c.folded |= other.folded;
+  c.from_start |= other.from_start;
+  c.first_time = std::min(c.first_time, other.first_time);
+  c.last_time = std::max(c.last_time, other.last_time);
+  c.pairs += other.pairs;
+  for (int side = 0; side < 2; ++side) {
+    for (const auto& [part, count] : from.votes[side]) into.votes[side][part] += count;
+  }
+  open.erase(b.number);
+}
+
+// Gives every group the contact that it continues, or a new one.
+void ContactFinder::Impl::name_groups(const Joiner::Groups& groups) {
+  const std::size_t count = groups.labels.size();
+  labels.assign(count, {});
+  std::vector<double> first(count, std::numeric_limits<double>::infinity());
+  std::vector<std::size_t> first_element(count, impacts.size());
+  for (std::size_t e = impacts.size(); e-- > 0;) {
+    const Index g = groups.group[e];
+    first[g] = std::min(first[g], impacts[e].time);
+    first_element[g] = e;
+  }
+  std::vector<std::size_t> fresh;
+  for (std::size_t g = 0; g < count; ++g) {
+    const auto& old = groups.labels[g];
+    if (old.empty()) fresh.push_back(g);
+    for (std::size_t i = 1; i < old.size(); ++i) join(old[0], old[i]);
+  }
+  std::stable_sort(fresh.begin(), fresh.end(),
+                   [&](std::size_t a, std::size_t b) { return first[a] < first[b]; });
+  for (const std::size_t g : fresh) {
+    const auto number = static_cast<Index>(joined.size());
+    const std::array<Index, 2>& of = objects[first_element[g]];
+    const bool reversed = of[1] < of[0];
+    joined.push_back({number, false});
+    labels[g] = {number, reversed};
+    Open& made = open[number];
+    made.contact.number = number;
+    for (int side = 0; side < 2; ++side) made.contact.sides[side].object = of[reversed ? 1 - side : side];
+    made.contact.from_start = !begun;
+    made.contact.first_time = made.contact.last_time = begun ? std::min(first[g], time) : time;
+  }
+  for (std::size_t g = 0; g < count; ++g) {
+    if (!groups.labels[g].empty()) labels[g] = resolve(groups.labels[g][0]);
+    Open& it = open.at(labels[g].number);
+    it.contact.folded |= groups.folded[g] != 0;
+    it.continues = true;
+  }
+}
+
+void ContactFinder::Impl::vote(Open& to, int side, Index object, Index triangle) {
+  if (object < parts.size() && !parts[object].empty()) ++to.votes[side][parts[object][triangle]];
+}
+
+void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const StepResult* step) {
+  numbers.resize(impacts.size());
+  for (std::size_t e = 0; e < impacts.size(); ++e) {
+    const Label& label = labels[groups.group[e]];
+    numbers[e] = label.number;
+    Open& to = open.at(label.number);
+    Contact& c = to.contact;
+    const bool reversed = label.reversed != static_cast<bool>(groups.reversed[e]);
+    const int first = reversed ? 1 : 0;
+    if (e < vertex_faces + edge_edges) {
+      ++c.pairs;
+      if (c.frames.empty() && (c.pairs == 1 || impacts[e].time < c.first_time))
+        c.point = c.low = c.high = impacts[e].point;
+      c.first_time = c.from_start ? c.first_time : std::min(c.first_time, impacts[e].time);
+      c.last_time = std::max(c.last_time, impacts[e].time);
+    }
+    if (e < vertex_faces) {
+      const VertexFaceCollision& pair = step->vertex_face[e];
+      vote(to, first, pair.vertex_object, surfaces.triangles_at(pair.vertex_object, pair.vertex).front());
+      vote(to, 1 - first, pair.face_object, pair.face);
+    } else if (e >= vertex_faces + edge_edges) {
+      const TriangleCrossing& pair = crossings[e - vertex_faces - edge_edges];
+      vote(to, first, pair.object_a, pair.triangle_a);
+      vote(to, 1 - first, pair.object_b, pair.triangle_b);
+    }
+  }
+}
+
+void ContactFinder::Impl::measure_frame(double now, Positions x) {
+  const Joiner::Groups& groups = joiner.groups();
+  std::map<Index, std::vector<CrossingPair>> by_contact;
+  const std::size_t begin = vertex_faces + edge_edges;
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    const Label& label = labels[groups.group[begin + i]];
+    by_contact[label.number].push_back(
+        {crossings[i], label.reversed != static_cast<bool>(groups.reversed[begin + i])});
+  }
+  for (auto& [number, it] : open) it.crosses = false;
+  inside.clear();
+  for (const auto& [number, pairs] : by_contact) {
+    Open& it = open.at(number);
+    Contact& c = it.contact;
+    it.crosses = true;
+    ContactFrame frame;
+    measurer.measure(pairs, c.folded, x, frame);
+    for (int side = 0; side < 2; ++side) {
+      for (const Index t : measurer.inside(side)) inside.push_back({c.sides[side].object, t, number});
+    }
+    frame.time = now;
+    c.last_time = std::max(c.last_time, now);
+    c.frames.push_back(frame);
+    if (c.frames.size() > 1 && !is_worse_frame(frame, c.frames[c.worst])) continue;
+    c.worst = c.frames.size() - 1;
+    measurer.describe(pairs, x, c);
+  }
+}
+
+void ContactFinder::Impl::end_contacts(bool all) {
+  for (auto at = open.begin(); at != open.end();) {
+    Open& it = at->second;
+    if (!all && it.continues) {
+      it.continues = false;
+      ++at;
+      continue;
+    }
+    it.contact.healed = !(all && it.crosses);
+    for (int side = 0; side < 2; ++side) {
+      std::uint64_t most = 0;
+      for (const auto& [part, count] : it.votes[side]) {
+        if (count > most) most = count, it.contact.sides[side].part = part;
+      }
+    }
+    ended.push_back(std::move(it.contact));
+    at = open.erase(at);
+  }
+}
+
+void ContactFinder::Impl::slice(double begin, double end, Positions x0, Positions x1,
+                                const StepResult* step) {
+  add_elements(begin, end, x0, x1, step);
+  time = end;
+  const Joiner::Groups& groups = joiner.groups();
+  name_groups(groups);
+  note_elements(groups, step);
+  joiner.end(labels);
+  measure_frame(end, x1);
+  end_contacts(false);
+  begun = true;
+}
+
+Result<ContactFinder> ContactFinder::make(std::vector<const Topology*> topologies, Parts parts) {
+  std::uint64_t vertices = 0, triangles = 0;
+  for (const Topology* topology : topologies) {
+    vertices += topology->vertex_count();
+    triangles += topology->triangles().size();
+  }
+  if (vertices >= kNoIndex || triangles >= kNoIndex)
+    return fail(ErrorCode::LimitExceeded, "objects", "have more than 2^32 - 2 vertices or triangles in all",
+                "look for contacts of fewer objects at a time");
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!parts[i].empty() && (i >= topologies.size() || parts[i].size() != topologies[i]->triangles().size()))
+      return fail(ErrorCode::InvalidArgument, "parts",
+                  "have not one number per triangle of object " + std::to_string(i),
+                  "give a part for each triangle, or none");
+  }
+  return ContactFinder(std::make_unique<Impl>(std::move(topologies), std::move(parts)));
+}
+
+ContactFinder::ContactFinder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ContactFinder::~ContactFinder() = default;
+ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
+ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;
+
+void ContactFinder::Impl::set_crossings(const StaticResult& all) {
+  known = all.crossings.size() == all.crossing_count;
+  crossings.clear();
+  if (known) crossings = all.crossings;
+}
+
+void ContactFinder::start(double time, Positions x, const StaticResult& crossings) {
+  const PlainArithmetic plain;
+  impl_->set_crossings(crossings);
+  impl_->slice(time, time, x, x, nullptr);
+}
+
+void ContactFinder::step(double begin, double end, Positions x0, Positions x1, const StepResult& step,
+                         const StaticResult* crossings) {
+  const PlainArithmetic plain;
+  Impl& impl = *impl_;
+  impl.begun = true;
+  impl.known = impl.known && step.vertex_face.size() == step.vertex_face_count &&
+               step.edge_edge.size() == step.edge_edge_count;
+  if (crossings) {
+    impl.set_crossings(*crossings);
+  } else if (impl.known) {
+    follow_crossings(impl.surfaces, step, x1, impl.tested, impl.crossings);
+  } else {
+    impl.crossings.clear();
+  }
+  impl.slice(begin, end, x0, x1, &step);
+}
+
+bool ContactFinder::is_known() const { return impl_->known; }
+std::span<const TriangleCrossing> ContactFinder::crossings() const { return impl_->crossings; }
+std::span<const Index> ContactFinder::vertex_face_contacts() const {
+  return std::span(impl_->numbers).first(impl_->vertex_faces);
+}
+std::span<const Index> ContactFinder::edge_edge_contacts() const {
+  return std::span(impl_->numbers).subspan(impl_->vertex_faces, impl_->edge_edges);
+}
+std::span<const Index> ContactFinder::crossing_contacts() const {
+  return std::span(impl_->numbers).subspan(impl_->vertex_faces + impl_->edge_edges);
+}
+std::span<const ContactFinder::Inside> ContactFinder::inside() const { return impl_->inside; }
+std::optional<double> ContactFinder::depth_now(Index number) const {
+  const auto at = impl_->open.find(number);
+  if (at == impl_->open.end() || !at->second.crosses) return std::nullopt;
+  return at->second.contact.frames.back().depth;
+}
+Index ContactFinder::joined_number(Index number) const { return impl_->resolve({number, false}).number; }
+std::size_t ContactFinder::open_count() const { return impl_->open.size(); }
+
+std::vector<Contact> ContactFinder::take_ended() {
+  std::vector<Contact> out;
+  out.swap(impl_->ended);
+  std::sort(out.begin(), out.end(), [](const Contact& a, const Contact& b) { return a.number < b.number; });
+  return out;
+}
+
+std::vector<Contact> ContactFinder::finish() {
+  impl_->end_contacts(true);
+  return take_ended();
+}
+
+}  // namespace foldproof

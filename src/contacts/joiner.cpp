@@ -1,0 +1,151 @@
+#include "contacts/joiner.h"
+
+#include <algorithm>
+
+namespace foldproof::internal {
+namespace {
+
+std::uint64_t mix(std::uint64_t key) {
+  key *= 0x9E3779B97F4A7C15u;
+  return key ^ (key >> 29);
+}
+
+}  // namespace
+
+Joiner::Entry& Joiner::Map::find(std::uint64_t key) {
+  const std::size_t mask = entries.size() - 1;
+  for (std::size_t i = mix(key) & mask;; i = (i + 1) & mask) {
+    if (entries[i].key == key || entries[i].key == kFree) return entries[i];
+  }
+}
+
+void Joiner::Map::grow() {
+  std::vector<Entry> old(std::max<std::size_t>(64, 2 * entries.size()));
+  old.swap(entries);
+  for (const Entry& entry : old) {
+    if (entry.key != kFree) find(entry.key) = entry;
+  }
+}
+
+void Joiner::begin(std::size_t element_count) {
+  std::swap(now_, before_);
+  std::fill(now_.entries.begin(), now_.entries.end(), Entry{});
+  now_.count = 0;
+  links_.clear();
+  links_.reserve(element_count);
+  folded_.clear();
+  found_.clear();
+}
+
+Joiner::Link Joiner::find_root(Index element) {
+  Link link{element, false};
+  while (links_[link.parent].parent != link.parent) {
+    const Link next = links_[link.parent];
+    link = {next.parent, link.reversed != next.reversed};
+  }
+  // The next search is shorter.
+  bool reversed = link.reversed;
+  for (Index e = element; links_[e].parent != link.parent && e != link.parent;) {
+    const Link next = links_[e];
+    links_[e] = {link.parent, reversed};
+    reversed = reversed != next.reversed;
+    e = next.parent;
+  }
+  return link;
+}
+
+void Joiner::join(Index a, Index b, bool reversed) {
+  const Link root_a = find_root(a), root_b = find_root(b);
+  const bool relation = (root_a.reversed != root_b.reversed) != reversed;
+  if (root_a.parent == root_b.parent) {
+    folded_[root_a.parent] |= relation;
+    return;
+  }
+  // The first element is the root, so that groups are in order.
+  const auto [root, child] = std::minmax(root_a.parent, root_b.parent);
+  links_[child] = {root, relation};
+  folded_[root] |= folded_[child];
+}
+
+// `u` is on the first side of the newest element, `w` on the second.
+void Joiner::add_key(Index u, Index w) {
+  const bool reversed = w < u;
+  if (reversed) std::swap(u, w);
+  const std::uint64_t key = std::uint64_t{u} << 32 | w;
+  const auto element = static_cast<Index>(links_.size() - 1);
+  if (2 * (now_.count + 1) > now_.entries.size()) now_.grow();
+  Entry& entry = now_.find(key);
+  if (entry.key == key) {
+    if (entry.element != element) join(entry.element, element, entry.reversed != reversed);
+    return;
+  }
+  entry = {key, {}, element, reversed};
+  ++now_.count;
+  if (before_.count == 0) return;
+  const Entry& old = before_.find(key);
+  if (old.key != key) return;
+  const Label label{old.label.number, old.label.reversed != reversed};
+  if (found_.empty() || found_.back().first != element || found_.back().second.number != label.number ||
+      found_.back().second.reversed != label.reversed)
+    found_.emplace_back(element, label);
+}
+
+void Joiner::add(std::span<const Index> a, std::span<const Index> b) {
+  links_.push_back({static_cast<Index>(links_.size()), false});
+  folded_.push_back(0);
+  // Vertices of both sides do not say which side is which.
+  const auto without = [](std::span<const Index> all, std::span<const Index> other, std::vector<Index>& out) {
+    out.clear();
+    for (const Index v : all) {
+      if (std::find(other.begin(), other.end(), v) == other.end()) out.push_back(v);
+    }
+    if (out.empty()) out.assign(all.begin(), all.end());
+  };
+  without(a, b, only_a_);
+  without(b, a, only_b_);
+  for (const Index u : only_a_) {
+    for (const Index w : only_b_) {
+      if (u != w) add_key(u, w);
+    }
+  }
+}
+
+const Joiner::Groups& Joiner::groups() {
+  constexpr Index kNone = kNoIndex;
+  groups_.group.assign(links_.size(), kNone);
+  groups_.reversed.assign(links_.size(), 0);
+  groups_.labels.clear();
+  groups_.folded.clear();
+  for (Index e = 0; e < links_.size(); ++e) {
+    const Link root = find_root(e);
+    if (root.parent == e) {
+      groups_.group[e] = static_cast<Index>(groups_.folded.size());
+      groups_.folded.push_back(folded_[e]);
+    } else {
+      groups_.group[e] = groups_.group[root.parent];
+    }
+    groups_.reversed[e] = root.reversed;
+  }
+  groups_.labels.resize(groups_.folded.size());
+  for (const auto& [element, label] : found_) {
+    groups_.labels[groups_.group[element]].push_back(
+        {label.number, label.reversed != static_cast<bool>(groups_.reversed[element])});
+  }
+  return groups_;
+}
+
+void Joiner::end(std::span<const Label> labels) {
+  for (Entry& entry : now_.entries) {
+    if (entry.key == kFree) continue;
+    const Label& label = labels[groups_.group[entry.element]];
+    entry.label = {label.number,
+                   (label.reversed != static_cast<bool>(groups_.reversed[entry.element])) != entry.reversed};
+  }
+}
+
+void Joiner::clear() {
+  std::fill(now_.entries.begin(), now_.entries.end(), Entry{});
+  now_.count = 0;
+}
+
+}  // namespace foldproof::internal

@@ -1,0 +1,96 @@
+#include "contacts/nearest.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace foldproof::internal {
+namespace {
+
+constexpr Index kLeafSize = 4;
+
+Vec3 nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double square = d.squaredNorm();
+  return square > 0 ? Vec3(a + std::clamp((p - a).dot(d) / square, 0.0, 1.0) * d) : a;
+}
+
+double box_distance2(const Vec3& p, const Vec3& low, const Vec3& high) {
+  return (low - p).cwiseMax(p - high).cwiseMax(0).squaredNorm();
+}
+
+}  // namespace
+
+Vec3 nearest_on_triangle(const Vec3& p, const std::array<Vec3, 3>& t) {
+  const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
+  bool inside = n.squaredNorm() > 0;
+  for (int k = 0; k < 3 && inside; ++k) inside = n.dot((t[(k + 1) % 3] - t[k]).cross(p - t[k])) >= 0;
+  if (inside) return p - n.dot(p - t[0]) / n.squaredNorm() * n;
+  Vec3 best = nearest_on_segment(p, t[0], t[1]);
+  for (int k = 1; k < 3; ++k) {
+    const Vec3 q = nearest_on_segment(p, t[k], t[(k + 1) % 3]);
+    if ((q - p).squaredNorm() < (best - p).squaredNorm()) best = q;
+  }
+  return best;
+}
+
+void NearestTriangles::build(std::span<const std::array<Vec3, 3>> triangles) {
+  triangles_.assign(triangles.begin(), triangles.end());
+  nodes_.clear();
+  if (!triangles_.empty()) build_node(0, static_cast<Index>(triangles_.size()));
+}
+
+Index NearestTriangles::build_node(Index begin, Index end) {
+  const auto id = static_cast<Index>(nodes_.size());
+  Node node;
+  node.low = node.high = triangles_[begin][0];
+  for (Index i = begin; i < end; ++i) {
+    for (const Vec3& v : triangles_[i]) {
+      node.low = node.low.cwiseMin(v);
+      node.high = node.high.cwiseMax(v);
+    }
+  }
+  node.begin = begin;
+  node.end = end;
+  nodes_.push_back(node);
+  if (end - begin <= kLeafSize) return id;
+  int axis;
+  (node.high - node.low).maxCoeff(&axis);
+  const Index middle = begin + (end - begin) / 2;
+  const auto center = [&](const std::array<Vec3, 3>& t) { return t[0][axis] + t[1][axis] + t[2][axis]; };
+  std::nth_element(triangles_.begin() + begin, triangles_.begin() + middle, triangles_.begin() + end,
+                   [&](const auto& a, const auto& b) { return center(a) < center(b); });
+  build_node(begin, middle);
+  const Index right = build_node(middle, end);
+  nodes_[id].right = right;
+  return id;
+}
+
+Vec3 NearestTriangles::nearest(const Vec3& p, double limit) const {
+  Vec3 best = triangles_[0][0];
+  double best2 = std::min((best - p).squaredNorm(), limit * limit * (1 + 1e-12));
+  if ((best - p).squaredNorm() > best2) best2 = std::nextafter(best2, 2 * best2 + 1);
+  std::array<Index, 64> stack;  // the tree is balanced: at most 32 levels
+  std::size_t size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const Index id = stack[--size];
+    const Node& node = nodes_[id];
+    if (box_distance2(p, node.low, node.high) > best2) continue;
+    if (node.right == 0) {
+      for (Index i = node.begin; i < node.end; ++i) {
+        const Vec3 q = nearest_on_triangle(p, triangles_[i]);
+        if ((q - p).squaredNorm() <= best2) best = q, best2 = (q - p).squaredNorm();
+      }
+      continue;
+    }
+    const Index left = id + 1, right = node.right;
+    const bool left_first = box_distance2(p, nodes_[left].low, nodes_[left].high) <=
+                            box_distance2(p, nodes_[right].low, nodes_[right].high);
+    stack[size++] = left_first ? right : left;
+    stack[size++] = left_first ? left : right;
+  }
+  return best;
+}
+
+}  // namespace foldproof::internal

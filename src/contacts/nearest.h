@@ -1,0 +1,33 @@
+/// The nearest point of a set of triangles.
+#pragma once
+
+#include "foldproof/mesh.h"
+
+namespace foldproof::inline internal {
+
+/// A tree of boxes over triangles of one pose. Buffers are kept.
+class NearestTriangles {
+ public:
+  /// Replaces the triangles. Cost: O(n log n).
+  void build(std::span<const std::array<Vec3, 3>> triangles);
+  /// The nearest point to `p`. If it is farther than `limit`, any point that is. Precondition: not empty.
+  Vec3 nearest(const Vec3& p, double limit) const;
+  bool empty() const { return nodes_.empty(); }
+
+ private:
+  struct Node {
+    Vec3 low, high;
+    Index right = 0;  // child; the left one is the next node. 0: a leaf
+    Index begin = 0, end = 0;
+  };
+  Index build_node(Index begin, Index end);
+
+  std::vector<std::array<Vec3, 3>> triangles_;
+  std::vector<Node> nodes_;
+};
+
+/// The nearest point of a triangle to `p` (Ericson, Real-Time Collision Detection, 5.1.5). Degenerate
+/// triangles are fine.
+Vec3 nearest_on_triangle(const Vec3& p, const std::array<Vec3, 3>& triangle);
+
+}  // namespace foldproof::inline internal

@@ -1,0 +1,108 @@
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "apps/program.h"
+#include "report/spheres.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Two spheres in one mesh; they cross from the start and stay so.
+struct Merged : TemporaryDirectory {
+  Merged() { EXPECT_TRUE(write_npz(*this / "merged.npz", *motion)); }
+  std::unique_ptr<Motion> motion = two_spheres(1.03);
+  json report(const std::string& name) const { return json::parse(read_file(*this / name)); }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(*this / name) << text; }
+  // The first half of the triangles is one sphere, the second the other.
+  std::string halves() const {
+    std::string text;
+    const std::size_t count = motion->topology().triangles().size();
+    for (std::size_t i = 0; i < count; ++i) text += i < count / 2 ? "left\n" : "right\n";
+    return text;
+  }
+};
+
+TEST(Contacts, AreInTheSummaryWithPartsFramesAndDepth) {
+  const Merged scene;
+  scene.write("parts.txt", scene.halves());
+  const Outcome found = check_in(scene, {"merged.npz", "--parts", "parts.txt", "--unit", "cm"});
+  EXPECT_EQ(found.code, 1) << found.err;
+  EXPECT_THAT(found.out, HasSubstr("\n1 contact, the worst first:\n#1  left - right  frames 0-"));
+  EXPECT_THAT(found.out, HasSubstr(" cm deep, from the start\n"));
+  const Outcome plain = check_in(scene, {"merged.npz"});
+  EXPECT_THAT(plain.out, HasSubstr("#1  at ("));
+  EXPECT_THAT(plain.out, Not(HasSubstr(" cm")));
+  EXPECT_EQ(check_in(scene, {"merged.npz", "--quiet"}).out, "");
+}
+
+TEST(Contacts, AreInTheJsonReport) {
+  const Merged scene;
+  check_in(scene, {"merged.npz", "--json", "a.json"});
+  check_in(scene, {"merged.npz", "--json", "b.json", "--pairs"});
+  const json contact = scene.report("a.json")["contacts"].at(0),
+             with = scene.report("b.json")["contacts"].at(0);
+  EXPECT_EQ(contact["number"], 1);
+  EXPECT_EQ(contact["from_start"], true);
+  EXPECT_EQ(contact["healed"], false);
+  EXPECT_EQ(contact["frames"].size(), scene.motion->frame_count());
+  EXPECT_GT(contact["depth"], 0.1);
+  EXPECT_EQ(contact["frames"][0]["closed"], true);
+  EXPECT_FALSE(contact.contains("curves"));
+  EXPECT_GT(with["sides"][0]["triangles"].size(), with["sides"][0]["inside"].size());
+  EXPECT_GT(with["curves"][0].size(), 8u);
+  EXPECT_EQ(with["curves"][0].front(), with["curves"][0].back());
+  EXPECT_EQ(scene.report("a.json")["totals"]["contacts"]["unknown_frames"], 0);
+}
+
+TEST(Contacts, AreRowsOfACsv) {
+  const Merged scene;
+  scene.write("parts.txt", scene.halves());
+  check_in(scene, {"merged.npz", "--parts", "parts.txt", "--contacts-csv", "a.csv"});
+  const std::string rows = read_file(scene / "a.csv");
+  EXPECT_THAT(rows, HasSubstr("\n1,left,right,1,0,0,"));
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1 + scene.motion->frame_count());
+}
+
+TEST(Contacts, OfPosesAreFoundToo) {
+  const Merged scene;
+  const Outcome found = check_in(scene, {"merged.npz", "--static"});
+  EXPECT_THAT(found.out, HasSubstr("\n1 contact, the worst first:\n"));
+}
+
+TEST(Contacts, SayWhatIsNotKnown) {
+  const Merged scene;
+  const Outcome cut = check_in(scene, {"merged.npz", "--limit", "5"});
+  EXPECT_THAT(cut.out, Not(HasSubstr("contacts, the worst")));
+  const TemporaryDirectory directory;
+  write_frames(directory.path() + "/sink", *needle(kSinking));
+  const Outcome steps = check_in(directory, {"sink", "--steps-only"});
+  EXPECT_THAT(steps.out, HasSubstr("it is not known which triangles cross (--steps-only).\n"));
+  EXPECT_THAT(steps.out, HasSubstr("touches between frames"));
+}
+
+TEST(Contacts, BadPartsFilesAreOneLineErrors) {
+  const Merged scene;
+  scene.write("short.txt", "left\nright\n");
+  scene.write("empty.txt", "left\n\nright\n");
+  const auto error = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "merged.npz");
+    const Outcome found = check_in(scene, arguments);
+    EXPECT_EQ(found.code, 2);
+    EXPECT_EQ(std::count(found.err.begin(), found.err.end(), '\n'), 1);
+    return found.err;
+  };
+  EXPECT_THAT(error({"--parts", "short.txt"}), HasSubstr("short.txt: has 2 lines for "));
+  EXPECT_THAT(error({"--parts", "empty.txt"}), HasSubstr("empty.txt:2: is empty"));
+  EXPECT_THAT(error({"--parts", "none.txt"}), HasSubstr("none.txt"));
+  EXPECT_THAT(error({"--parts", "short.txt", "--parts", "short.txt"}), HasSubstr("for 1 object"));
+}
+
+}  // namespace
+}  // namespace foldproof

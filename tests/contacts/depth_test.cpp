@@ -1,0 +1,153 @@
+// Depth, frames and number of contacts whose geometry is known.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "contacts/scenes.h"
+
+namespace foldproof {
+namespace {
+
+using namespace oracle;
+
+Film film_of(std::vector<Mesh> meshes, std::vector<std::vector<Pose>> poses) {
+  Film film;
+  for (const Mesh& mesh : meshes) film.topologies.push_back(mesh.topology());
+  film.poses = std::move(poses);
+  return film;
+}
+
+// The one contact of two meshes in one pose.
+Contact contact_of(const Mesh& a, const Pose& at_a, const Mesh& b, const Pose& at_b) {
+  auto found = contacts_of(film_of({a, b}, {{at_a, at_b}}));
+  EXPECT_EQ(found.contacts.size(), 1u);
+  return found.contacts.empty() ? Contact{} : found.contacts[0];
+}
+
+void expect_depth(const Contact& contact, double depth) {
+  ASSERT_EQ(contact.frames.size(), 1u);
+  EXPECT_TRUE(contact.frames[0].closed);
+  ASSERT_TRUE(contact.depth());
+  EXPECT_NEAR(*contact.depth(), depth, 0.01 * depth);
+}
+
+TEST(Depth, SphereInSphere) {
+  const Mesh ball = unit_sphere(80);
+  for (const double sunk : {0.05, 0.2, 0.5}) {
+    const Contact contact = contact_of(ball, ball.positions, ball,
+                                       placed(ball, 0.9, Vec3(1.1, 1.2, 0.7).normalized() * (1.9 - sunk)));
+    expect_depth(contact, sunk);
+    EXPECT_GT(contact.normal.cwiseAbs().dot(Vec3(1.1, 1.2, 0.7).normalized()), 0.98);
+    EXPECT_TRUE(contact.frames[0].area[0] && contact.frames[0].area[1]);
+    // A cap of height h of a sphere of radius r has the area 2 pi r h.
+    const double d = 1.9 - sunk, h = 1 - (d * d + 1 - 0.81) / (2 * d);
+    EXPECT_NEAR(*contact.frames[0].area[0], 2 * M_PI * h, 0.02 * 2 * M_PI * h);
+  }
+}
+
+TEST(Depth, SphereInPlane) {
+  const Mesh ball = unit_sphere(30), plane = square(33);
+  for (const double sunk : {0.03, 0.11, 0.3}) {
+    const Contact contact =
+        contact_of(ball, placed(ball, 0.5, {0.013, 0.007, 0.5 - sunk}), plane, plane.positions);
+    expect_depth(contact, sunk);
+    EXPECT_NEAR(std::abs(contact.normal.z()), 1, 1e-2);
+  }
+}
+
+TEST(Depth, SphereInTorus) {
+  const Mesh ball = unit_sphere(30), ring = torus(1, 0.3, 160, 60);
+  for (const double sunk : {0.04, 0.15}) {
+    // From above, over the middle of the tube.
+    const Contact contact = contact_of(
+        ball, placed(ball, 0.4, {1 * std::cos(0.3), std::sin(0.3), 0.7 - sunk}), ring, ring.positions);
+    expect_depth(contact, sunk);
+  }
+}
+
+// An outward face or an inward one: the smaller region is inside.
+TEST(Depth, DoesNotDependOnOrientation) {
+  const Mesh ball = unit_sphere(16);
+  Mesh inside_out = ball;
+  for (Triangle& t : inside_out.triangles) std::swap(t[0], t[1]);
+  const Pose at = placed(ball, 1, {1.7, 0.2, 0.1});
+  const Contact one = contact_of(ball, ball.positions, ball, at),
+                other = contact_of(inside_out, ball.positions, ball, at);
+  EXPECT_EQ(one.depth(), other.depth());
+  EXPECT_EQ(one.sides[0].inside, other.sides[0].inside);
+}
+
+TEST(Depth, NoRegionWhereACurveEndsAtABorder) {
+  const Mesh sheet = square(12);
+  Pose standing = sheet.positions;
+  for (std::size_t v = 0; v < standing.size() / 3; ++v) {
+    const Vec3 p(standing[3 * v], standing[3 * v + 1], standing[3 * v + 2]);
+    standing[3 * v] = 0.03;
+    standing[3 * v + 1] = 0.5 * p.x() + 0.011;
+    standing[3 * v + 2] = p.y() + 0.02;
+  }
+  const Contact contact = contact_of(sheet, sheet.positions, sheet, standing);
+  ASSERT_EQ(contact.frames.size(), 1u);
+  EXPECT_FALSE(contact.frames[0].closed);
+  EXPECT_FALSE(contact.depth());
+  EXPECT_FALSE(contact.frames[0].area[0]);
+  EXPECT_NEAR(contact.frames[0].curve_length, 1.0, 1e-6);
+  ASSERT_EQ(contact.curves.size(), 1u);
+}
+
+TEST(Depth, DoesNotChangeWhenMovedRigidly) {
+  const Mesh ball = unit_sphere(14), ring = torus(1, 0.3, 50, 18);
+  const Pose at_ball = placed(ball, 0.4, {1 * std::cos(0.3), std::sin(0.3), 0.55});
+  const Contact still = contact_of(ball, at_ball, ring, ring.positions);
+  ASSERT_TRUE(still.depth());
+  Rng rng(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int round = 0; round < 20; ++round) {
+    const Eigen::Quaterniond turn =
+        Eigen::Quaterniond(uniform(rng), uniform(rng), uniform(rng), uniform(rng)).normalized();
+    const Vec3 shift = 10 * Vec3(uniform(rng), uniform(rng), uniform(rng));
+    const auto moved = [&](Pose x) {
+      for (std::size_t v = 0; v < x.size() / 3; ++v) {
+        const Vec3 p = turn * Vec3(x[3 * v], x[3 * v + 1], x[3 * v + 2]) + shift;
+        for (int k = 0; k < 3; ++k) x[3 * v + static_cast<std::size_t>(k)] = p[k];
+      }
+      return x;
+    };
+    const Contact contact = contact_of(ball, moved(at_ball), ring, moved(ring.positions));
+    ASSERT_TRUE(contact.depth());
+    EXPECT_NEAR(*contact.depth(), *still.depth(), 1e-9);
+    EXPECT_NEAR(contact.frames[0].curve_length, still.frames[0].curve_length, 1e-8);
+    EXPECT_EQ(contact.sides[0].inside, still.sides[0].inside);
+    EXPECT_EQ(contact.sides[1].inside, still.sides[1].inside);
+    EXPECT_NEAR((contact.normal - turn * still.normal).norm(), 0, 1e-6);
+  }
+}
+
+TEST(Frames, TwoSpheresThatPassThroughEachOther) {
+  const Mesh ball = unit_sphere(12);
+  std::vector<std::vector<Pose>> poses;
+  std::vector<bool> crosses;
+  for (int k = 0; k <= 30; ++k) {
+    const double x = 3 - 0.19 * k;  // from 3 to -2.7
+    poses.push_back({ball.positions, placed(ball, 0.7, {x, 0.1, 0.05})});
+    const double distance = Vec3(x, 0.1, 0.05).norm();
+    // Whole inside: nothing crosses, and the contact goes on when the spheres' surfaces meet again.
+    crosses.push_back(distance < 1.69 && distance > 0.31);
+  }
+  const Found found = contacts_of(film_of({ball, ball}, poses));
+  std::vector<double> frames;
+  for (const Contact& contact : found.contacts) {
+    for (const ContactFrame& frame : contact.frames) frames.push_back(frame.time);
+    EXPECT_FALSE(contact.from_start);
+    EXPECT_TRUE(contact.healed);
+  }
+  std::vector<double> expected;
+  for (std::size_t k = 0; k < crosses.size(); ++k) {
+    if (crosses[k]) expected.push_back(double(k));
+  }
+  EXPECT_EQ(frames, expected);
+}
+
+}  // namespace
+}  // namespace foldproof

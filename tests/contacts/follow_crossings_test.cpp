@@ -1,0 +1,131 @@
+// What crosses in a frame, from the frame before and the step between, against a static query of the frame.
+#include <gtest/gtest.h>
+
+#include "contacts/scenes.h"
+#include "oracle/data.h"
+
+namespace foldproof {
+namespace {
+
+using namespace oracle;
+
+// Every frame of a film, against a checker of its own.
+void expect_followed(const Film& film, const StepSettings& settings) {
+  const Found found = contacts_of(film, settings);
+  StepSettings plain = settings;
+  plain.certificates = false;
+  StepChecker fresh(hierarchies(film, 16));
+  for (std::size_t k = 0; k < film.poses.size(); ++k) {
+    StaticResult expected, got;
+    ASSERT_TRUE(fresh.check_static(spans(film.poses[k]), plain, expected));
+    got.crossings = found.crossings[k];
+    ASSERT_EQ(got.crossings.size(), expected.crossings.size()) << "frame " << k;
+    ASSERT_NO_FATAL_FAILURE(expect_same(got, expected)) << "frame " << k;
+  }
+}
+
+class GeneratedFilms : public ::testing::TestWithParam<FilmFamily> {};
+
+TEST_P(GeneratedFilms, CrossAsStaticQueriesSay) {
+  Rng rng(11);
+  const Film film = GetParam().make(rng);
+  for (const double thickness : {0.0, 0.02}) {
+    StepSettings settings;
+    settings.thickness = thickness;
+    ASSERT_NO_FATAL_FAILURE(expect_followed(film, settings));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, GeneratedFilms,
+                         ::testing::ValuesIn(generated_films().begin(), generated_films().end()),
+                         [](const auto& info) { return info.param.name; });
+
+class MeshFamilies : public ::testing::TestWithParam<MeshFamily> {};
+
+// Small films of several meshes, on a grid too, where triangles touch, are degenerate and lie on each other.
+TEST_P(MeshFamilies, CrossAsStaticQueriesSay) {
+  Rng rng(12);
+  for (int round = 0; round < 24; ++round) {
+    Film film;
+    const int objects = 1 + round % 3;
+    std::vector<Mesh> meshes;
+    for (int i = 0; i < objects; ++i) {
+      meshes.push_back(GetParam().make(rng));
+      film.topologies.push_back(meshes.back().topology());
+    }
+    const double grid = round % 2 ? 0.125 : 0.0;
+    for (int k = 0; k < 5; ++k) {
+      auto& poses = film.poses.emplace_back();
+      for (const Mesh& mesh : meshes) poses.push_back(deformed(mesh.positions, 0.3, grid, rng));
+    }
+    StepSettings settings;
+    settings.within = round % 5 != 4;
+    settings.between = round % 7 != 6;
+    ASSERT_NO_FATAL_FAILURE(expect_followed(film, settings)) << "round " << round;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, MeshFamilies,
+                         ::testing::ValuesIn(mesh_families().begin(), mesh_families().end()),
+                         [](const auto& info) { return info.param.name; });
+
+class RealCrossings : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(RealCrossings, CrossAsStaticQueriesSay) {
+  const auto data = data_directory();
+  if (!data) GTEST_SKIP() << kNoData;
+  const auto motion = open_real_motion(*data, GetParam());
+  Film film;
+  film.topologies.push_back(motion->topology());
+  const Index frames = all_frames() ? motion->frame_count() : std::min<Index>(8, motion->frame_count());
+  for (Index k = 0; k < frames; ++k) {
+    auto& pose = film.poses.emplace_back(1);
+    pose[0].resize(3 * std::size_t{motion->topology().vertex_count()});
+    ASSERT_TRUE(motion->read_frame(k, pose[0]));
+  }
+  expect_followed(film, {});
+}
+
+INSTANTIATE_TEST_SUITE_P(Motions, RealCrossings,
+                         ::testing::Values("samba", "rumba", "hand_anim", "rod_twist", "cloth_funnel"),
+                         [](const auto& info) { return std::string(info.param); });
+
+// Two spheres; the second moves along x.
+class CutLists : public ::testing::Test {
+ protected:
+  const Mesh mesh = unit_sphere(6);
+  const std::vector<Topology> topologies{mesh.topology(), mesh.topology()};
+  std::vector<Pose> at(double x) const { return {mesh.positions, placed(mesh, 1, {x, 0, 0})}; }
+  StepChecker checker{hierarchies({topologies, {at(3)}}, 16)};
+  ContactFinder finder = ContactFinder::make({&topologies[0], &topologies[1]}).value();
+  StaticResult first, last;
+  StepResult step;
+};
+
+TEST_F(CutLists, WhatCrossesIsNotKnownUntilItIsSaid) {
+  StepSettings few;
+  few.max_listed = 10;
+  ASSERT_TRUE(checker.check_static(spans(at(3)), {}, first));
+  finder.start(0, spans(at(3)), first);
+  EXPECT_TRUE(finder.is_known());
+  ASSERT_TRUE(checker.check(spans(at(3)), spans(at(1.5)), few, step));
+  ASSERT_GT(step.count(), 20u);
+  finder.step(0, 1, spans(at(3)), spans(at(1.5)), step);
+  EXPECT_FALSE(finder.is_known());
+  EXPECT_TRUE(finder.crossings().empty());
+
+  ASSERT_TRUE(checker.check(spans(at(1.5)), spans(at(1.4)), few, step));
+  ASSERT_TRUE(checker.check_static(spans(at(1.4)), {}, last));
+  finder.step(1, 2, spans(at(1.5)), spans(at(1.4)), step, &last);
+  EXPECT_TRUE(finder.is_known());
+  EXPECT_EQ(finder.crossings().size(), last.crossing_count);
+  const auto contacts = finder.finish();
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_FALSE(contacts[0].healed);
+  EXPECT_FALSE(contacts[0].from_start);
+  ASSERT_EQ(contacts[0].frames.size(), 1u);
+  EXPECT_EQ(contacts[0].frames[0].time, 2);
+}
+
+}  // namespace
+}  // namespace foldproof
