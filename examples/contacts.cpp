@@ -8,28 +8,24 @@ int main() {
   using namespace foldproof;
   // A tetrahedron sinks through a floor, one unit each frame.
   const auto mesh = Topology::make(7, {{0, 1, 2}, {3, 5, 4}, {3, 4, 6}, {4, 5, 6}, {5, 3, 6}}).value();
-  const auto pose = [](int frame) {
+  std::vector<double> x;
+  const auto set_pose = [&](int frame) {
     const double z = 1.8 - frame;
-    return std::vector<double>{-9,    -9,  0, 20,    -9, 0,   -9,    20,  0,   0, 0,
-                               z + 2, 1.5, 0, z + 2, 0,  1.5, z + 2, 0.5, 0.5, z};
+    x = {-9, -9, 0, 20, -9, 0, -9, 20, 0, 0, 0, z + 2, 1.5, 0, z + 2, 0, 1.5, z + 2, 0.5, 0.5, z};
   };
-  std::vector<double> x0 = pose(0), x1;
-  StepChecker checker({Hierarchy::build(mesh, x0).value()});
-  ContactFinder finder = ContactFinder::make({&mesh}).value();
-  StaticResult first;
-  if (!checker.check_static(x0, {}, first)) return 1;
-  finder.start(0, x0, first);
-  StepResult step;
-  for (int frame = 1; frame <= 3; ++frame) {
-    x1 = pose(frame);
-    if (!checker.check(x0, x1, {}, step)) return 1;
-    finder.step(frame - 1, frame, x0, x1, step);
-    x0.swap(x1);
-  }
-  for (const Contact& contact : finder.finish()) {
+  set_pose(0);
+  const std::vector<Object> objects{Hierarchy::build(mesh, x).value()};
+  int frame = 0;
+  const auto next = [&]() -> Result<std::optional<MotionFrame>> {
+    if (frame > 3) return std::nullopt;
+    set_pose(frame);
+    return MotionFrame{static_cast<double>(frame++), x};
+  };
+  const auto done = find_contacts(objects, next, [](const Contact& contact) {
     std::printf("contact %u: first at time %.2f", contact.number, contact.first_time);
     if (const auto depth = contact.depth())
       std::printf(", worst at time %g, %.2f deep", contact.frames[contact.worst].time, *depth);
     std::printf("; its point is (%.2f, %.2f, %.2f)\n", contact.point[0], contact.point[1], contact.point[2]);
-  }
+  });
+  return done ? 0 : 1;
 }

@@ -1,6 +1,7 @@
 /// Contacts: what goes through what, where, from when to when, how deep. Made from the answers of a check.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -129,5 +130,22 @@ class ContactFinder {
   explicit ContactFinder(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// A frame of a motion: its time and the positions of all objects, which are read until the next is asked
+/// for.
+struct MotionFrame {
+  double time = 0;
+  Positions x;
+};
+
+/// Checks a motion frame by frame and passes each contact to `ended` when it has ended, those that last until
+/// the end of the motion then. `next` returns the frames in order and none after the last. Where a step or a
+/// pose has more pairs than settings.max_listed, those listed are joined. Memory: the meshes, two frames, one
+/// answer and the contacts that have not ended. Error: what `next` or StepChecker returns; Mode::Paper and
+/// earliest_only, whose answers are not complete; those of ContactFinder::make.
+Result<void> find_contacts(const std::vector<Object>& objects,
+                           const std::function<Result<std::optional<MotionFrame>>()>& next,
+                           const std::function<void(Contact)>& ended, const StepSettings& settings = {},
+                           Parts parts = {});
 
 }  // namespace foldproof

@@ -300,7 +300,9 @@ void Page::Impl::check(const std::atomic<bool>& stop) {
   std::unique_ptr<ReportWriter> writers[] = {std::make_unique<StoreWriter>(*store)};
   CheckHooks hooks;
   hooks.cancel = &stop;
-  const auto totals = run_check(scene->motions(), scene->settings(), writers, hooks);
+  CheckSettings settings = scene->settings();
+  settings.contacts = false;  // not shown
+  const auto totals = run_check(scene->motions(), settings, writers, hooks);
   if (!totals) return end_check(State::Failed, totals.error().line());
   end_check(totals->cancelled ? State::Stopped : State::Done, {});
 }

@@ -25,6 +25,24 @@ void mark_faces(Motions motions, const CheckedStep& step, std::vector<std::uint8
   }
 }
 
+void mark_contacts(const JoinedMesh& joined, const ContactFinder& contacts, std::vector<std::int32_t>& number,
+                   std::vector<float>& depth) {
+  number.assign(joined.topology.triangles().size(), 0);
+  depth.assign(number.size(), 0);
+  const auto mark = [&](Index object, Index triangle, Index contact) {
+    const std::size_t face = joined.first_face[object] + triangle;
+    number[face] = static_cast<std::int32_t>(contact);
+    depth[face] = static_cast<float>(contacts.depth_now(contact).value_or(0));
+  };
+  const auto crossings = contacts.crossings();
+  const auto of_crossings = contacts.crossing_contacts();
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    mark(crossings[i].object_a, crossings[i].triangle_a, of_crossings[i]);
+    mark(crossings[i].object_b, crossings[i].triangle_b, of_crossings[i]);
+  }
+  for (const ContactFinder::Inside& in : contacts.inside()) mark(in.object, in.triangle, in.contact);
+}
+
 Result<JoinedMesh> join(Motions motions, const char* option) {
   JoinedMesh joined;
   std::size_t vertices = 0;

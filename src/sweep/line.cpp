@@ -49,6 +49,7 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
                                   [&](const auto& m) { return m->hierarchy()->topology() == topology; });
   CheckSettings check = settings.check;
   check.step.max_listed = 0;  // only counts are needed
+  check.contacts = false;
   if (model != settings.models.end()) check.models = {*model};
   const Json object = objects_json(std::span(&motion, 1), check)[0];
   for (const char* key : {"vertices", "triangles", "frames", "model"}) line[key] = object[key];

@@ -148,8 +148,12 @@ class Vtk(unittest.TestCase):
         pairs = {"vf": [], "ee": [], "tt": report["start"]["pairs"]["tt"]}
         np.testing.assert_array_equal(crosses, faces_of(pairs, [triangles for triangles, _ in self.motions]))
         self.assertTrue(0 < crosses.sum() < 144)
+        contact = arrays_of(meshes[0].GetCellData())["contact"]
+        self.assertTrue(np.all(contact[crosses != 0] > 0))
+        self.assertEqual(set(contact) - {0}, {c["number"] for c in report["contacts"]})
         report, _, meshes = self.check("--steps-only")
         self.assertNotIn("starts_crossing", arrays_of(meshes[0].GetCellData()))
+        self.assertNotIn("contact", arrays_of(meshes[0].GetCellData()))
 
     def test_explanation(self):
         _, _, meshes = self.check("--explain", "why.npz")

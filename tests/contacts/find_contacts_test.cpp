@@ -1,0 +1,94 @@
+#include <gtest/gtest.h>
+
+#include "contacts/scenes.h"
+
+namespace foldproof {
+namespace {
+
+using namespace oracle;
+
+// Hands out the frames of a film, each in the same memory.
+class Frames {
+ public:
+  explicit Frames(const Film& film) : film_(film) {}
+  Result<std::optional<MotionFrame>> operator()() {
+    if (next_ == film_.poses.size()) return std::nullopt;
+    pose_ = film_.poses[next_];
+    spans_ = spans(pose_);
+    return MotionFrame{static_cast<double>(next_++), spans_};
+  }
+
+ private:
+  const Film& film_;
+  std::size_t next_ = 0;
+  std::vector<Pose> pose_;
+  std::vector<std::span<const double>> spans_;
+};
+
+Film passing_balls() {
+  const Mesh ball = unit_sphere(8);
+  Film film;
+  film.topologies = {ball.topology(), ball.topology()};
+  for (int k = 0; k <= 12; ++k)
+    film.poses.push_back({ball.positions, placed(ball, 1, {-3 + 0.5 * k, 1.4, 0.1})});
+  return film;
+}
+
+Result<std::vector<Contact>> found_in(const Film& film, const StepSettings& settings = {}) {
+  std::vector<Contact> contacts;
+  Frames frames(film);
+  const auto done = find_contacts(
+      hierarchies(film, 16), std::ref(frames),
+      [&](Contact contact) { contacts.push_back(std::move(contact)); }, settings);
+  if (!done) return tl::unexpected(done.error());
+  return contacts;
+}
+
+TEST(FindContacts, FindsWhatTheFinderFinds) {
+  const Film film = passing_balls();
+  const auto found = found_in(film).value();
+  const auto expected = contacts_of(film).contacts;
+  ASSERT_EQ(found.size(), 1u);
+  ASSERT_EQ(expected.size(), 1u);
+  EXPECT_EQ(found[0].first_time, expected[0].first_time);
+  EXPECT_EQ(found[0].frames.size(), expected[0].frames.size());
+  EXPECT_EQ(found[0].depth(), expected[0].depth());
+  EXPECT_TRUE(found[0].healed);
+}
+
+// Lists that are cut lose pairs, not what crosses in frames of which all crossings are listed.
+TEST(FindContacts, AsksForPosesWhereListsAreCut) {
+  const Film film = passing_balls();
+  const auto all = found_in(film).value();
+  StepSettings few;
+  few.max_listed = 60;
+  const auto found = found_in(film, few).value();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_LT(found[0].pairs, all[0].pairs);
+  EXPECT_GT(found[0].frames.size(), 0u);
+}
+
+TEST(FindContacts, RefusesAnswersThatAreNotComplete) {
+  StepSettings first;
+  first.earliest_only = true;
+  EXPECT_FALSE(found_in(passing_balls(), first));
+  StepSettings paper;
+  paper.mode = Mode::Paper;
+  EXPECT_FALSE(found_in(passing_balls(), paper));
+}
+
+TEST(FindContacts, PassesOnAnErrorOfTheFrames) {
+  const Film film = passing_balls();
+  int calls = 0;
+  const auto done = find_contacts(
+      hierarchies(film, 16),
+      [&]() -> Result<std::optional<MotionFrame>> {
+        if (++calls == 2) return tl::unexpected(Error{"frame 1", "is missing", "find it"});
+        return MotionFrame{0, Positions()};
+      },
+      [](const Contact&) {});
+  EXPECT_FALSE(done);
+}
+
+}  // namespace
+}  // namespace foldproof
