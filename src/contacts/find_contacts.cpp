@@ -33,6 +33,7 @@ Result<void> find_contacts(const std::vector<Object>& objects,
                 "leave Mode::Paper and earliest_only out to find contacts");
   }
   std::vector<const Topology*> topologies;
+  topologies.reserve(objects.size());
   for (const Object& object : objects) topologies.push_back(&object.hierarchy()->topology());
   auto finder = FOLDPROOF_TRY(ContactFinder::make(std::move(topologies), std::move(parts)));
   const auto first = FOLDPROOF_TRY(next());

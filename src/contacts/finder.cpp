@@ -83,12 +83,12 @@ struct ContactFinder::Impl {
       : surfaces(std::move(topologies)), parts(std::move(all_parts)), measurer(surfaces) {}
 
   void set_crossings(const StaticResult& all);
-  void slice(double begin, double end, Positions x0, Positions x1, const StepResult* step);
-  void add_elements(double begin, double end, Positions x0, Positions x1, const StepResult* step);
+  void slice(double begin, double end, Positions x0, Positions x1, const StepResult& step);
+  void add_elements(double begin, double end, Positions x0, Positions x1, const StepResult& step);
   void add_element(std::array<Index, 2> objects, std::span<const Index> a, std::span<const Index> b,
                    const Impact& impact);
   void name_groups(const Joiner::Groups& groups);
-  void note_elements(const Joiner::Groups& groups, const StepResult* step);
+  void note_elements(const Joiner::Groups& groups, const StepResult& step);
   void vote(Open& open, int side, Index object, Index triangle);
   void measure_frame(double time, Positions x);
   void end_contacts(bool all);
@@ -147,24 +147,24 @@ void ContactFinder::Impl::add_element(std::array<Index, 2> of, std::span<const I
 }
 
 void ContactFinder::Impl::add_elements(double begin, double end, Positions x0, Positions x1,
-                                       const StepResult* step) {
+                                       const StepResult& step) {
   objects.clear();
   impacts.clear();
-  vertex_faces = step ? step->vertex_face.size() : 0;
-  edge_edges = step ? step->edge_edge.size() : 0;
+  vertex_faces = step.vertex_face.size();
+  edge_edges = step.edge_edge.size();
   joiner.begin(vertex_faces + edge_edges + crossings.size());
   const auto at = [&](Index object, Index vertex, double toi) -> Vec3 {
     return (1 - toi) * position(x0[object], vertex) + toi * position(x1[object], vertex);
   };
   for (std::size_t i = 0; i < vertex_faces; ++i) {
-    const VertexFaceCollision& c = step->vertex_face[i];
+    const VertexFaceCollision& c = step.vertex_face[i];
     star(c.vertex_object, c.vertex, side_a);
     const Triangle face = surfaces.corners(c.face_object, c.face);
     add_element({c.vertex_object, c.face_object}, side_a, face,
                 {begin + c.toi * (end - begin), at(c.vertex_object, c.vertex, c.toi)});
   }
   for (std::size_t i = 0; i < edge_edges; ++i) {
-    const EdgeEdgeCollision& c = step->edge_edge[i];
+    const EdgeEdgeCollision& c = step.edge_edge[i];
     around_edge(c.object_a, c.a, side_a);
     around_edge(c.object_b, c.b, side_b);
     const Vec3 middle = (at(c.object_a, c.a[0], c.toi) + at(c.object_a, c.a[1], c.toi) +
@@ -276,7 +276,7 @@ void ContactFinder::Impl::vote(Open& to, int side, Index object, Index triangle)
   if (object < parts.size() && !parts[object].empty()) ++to.votes[side][parts[object][triangle]];
 }
 
-void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const StepResult* step) {
+void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const StepResult& step) {
   numbers.resize(impacts.size());
   for (std::size_t e = 0; e < impacts.size(); ++e) {
     const Label& label = labels[groups.group[e]];
@@ -293,7 +293,7 @@ void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const Step
       c.last_time = std::max(c.last_time, impacts[e].time);
     }
     if (e < vertex_faces) {
-      const VertexFaceCollision& pair = step->vertex_face[e];
+      const VertexFaceCollision& pair = step.vertex_face[e];
       vote(to, first, pair.vertex_object, surfaces.triangles_at(pair.vertex_object, pair.vertex).front());
       vote(to, 1 - first, pair.face_object, pair.face);
     } else if (e >= vertex_faces + edge_edges) {
@@ -354,7 +354,7 @@ void ContactFinder::Impl::end_contacts(bool all) {
 }
 
 void ContactFinder::Impl::slice(double begin, double end, Positions x0, Positions x1,
-                                const StepResult* step) {
+                                const StepResult& step) {
   add_elements(begin, end, x0, x1, step);
   time = end;
   const Joiner::Groups& groups = joiner.groups();
@@ -398,7 +398,7 @@ void ContactFinder::Impl::set_crossings(const StaticResult& all) {
 void ContactFinder::start(double time, Positions x, const StaticResult& crossings) {
   const PlainArithmetic plain;
   impl_->set_crossings(crossings);
-  impl_->slice(time, time, x, x, nullptr);
+  impl_->slice(time, time, x, x, StepResult());
 }
 
 void ContactFinder::step(double begin, double end, Positions x0, Positions x1, const StepResult& step,
@@ -415,7 +415,7 @@ void ContactFinder::step(double begin, double end, Positions x0, Positions x1, c
   } else {
     impl.crossings.clear();
   }
-  impl.slice(begin, end, x0, x1, &step);
+  impl.slice(begin, end, x0, x1, step);
 }
 
 bool ContactFinder::is_known() const { return impl_->known; }

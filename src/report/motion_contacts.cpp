@@ -20,8 +20,10 @@ Result<std::unique_ptr<MotionContacts>> MotionContacts::make(Motions motions, co
                                                              const std::vector<Object>& objects) {
   if (!settings.contacts || settings.step.mode == Mode::Paper || settings.step.earliest_only) return nullptr;
   std::vector<const Topology*> topologies;
+  topologies.reserve(motions.size());
   for (const auto& motion : motions) topologies.push_back(&motion->topology());
   Parts parts;
+  parts.reserve(settings.parts.size());
   for (const ObjectParts& object : settings.parts) parts.emplace_back(object.of_triangle);
   auto finder = FOLDPROOF_TRY(ContactFinder::make(std::move(topologies), std::move(parts)));
   return std::unique_ptr<MotionContacts>(new MotionContacts(settings, objects, std::move(finder)));

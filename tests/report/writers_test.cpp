@@ -43,12 +43,12 @@ std::vector<std::string> keys(const json& object) {
 
 TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
   const json report = json_of(list(needle(kSinking, "name with \"quotes\"")), {}, true);
-  EXPECT_THAT(keys(report),
-              ElementsAre("clean", "contacts", "foldproof", "objects", "settings", "start", "steps", "totals"));
+  EXPECT_THAT(keys(report), ElementsAre("clean", "contacts", "foldproof", "objects", "settings", "start",
+                                        "steps", "totals"));
   for (const json& contact : report["contacts"]) {
-    EXPECT_THAT(keys(contact),
-                ElementsAre("box", "curves", "depth", "first_time", "folded", "frames", "from_start", "healed",
-                            "joined", "last_time", "normal", "number", "pairs", "point", "sides", "worst"));
+    EXPECT_THAT(keys(contact), ElementsAre("box", "curves", "depth", "first_time", "folded", "frames",
+                                           "from_start", "healed", "joined", "last_time", "normal", "number",
+                                           "pairs", "point", "sides", "worst"));
   }
   EXPECT_EQ(report["foldproof"], version());
   EXPECT_EQ(
