@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "base/try.h"
 #include "check_reduced.h"
@@ -207,8 +208,7 @@ Result<void> require_reduced(const CheckArguments& a) {
   if (!other) return {};
   return fail(ErrorCode::InvalidArgument, "--reduced",
               "does not go with --static, --substeps, --model, --frames, --pairs, --contacts, "
-              "--contacts-csv, --parts, "
-              "--unit, --json, --ply, --vtk or --explain",
+              "--contacts-csv, --parts, --unit, --json, --ply, --vtk or --explain",
               "leave them out, or check the motion that 'foldproof predict' writes");
 }
 
@@ -242,7 +242,7 @@ Result<int> check(const CheckArguments& a) {
   watch_for_interrupt();
   const auto writers = FOLDPROOF_TRY(open_writers(a, settings, motions));
   return run_and_summarize(motions, settings, writers, a.quiet,
-                           a.all_contacts ? std::size_t{~0u} : kFewContacts);
+                           a.all_contacts ? std::numeric_limits<std::size_t>::max() : kFewContacts);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "terminal.h"
@@ -42,15 +41,17 @@ std::string how_bad(const Contact& contact, const std::string& unit) {
   const ContactFrame& frame = contact.frames[contact.worst];
   const std::string space = unit.empty() ? "" : " " + unit;
   std::string text = fmt::format("worst {}: {}", time_name(frame.time), counted(frame.triangles, "triangle"));
-  if (frame.depth) return text + fmt::format(", {:.3g}{} deep", *frame.depth, space);
-  return text + fmt::format(", no region: crosses along {:.3g}{}", frame.curve_length, space);
+  text += frame.depth ? fmt::format(", {:.3g}{} deep", *frame.depth, space)
+                      : fmt::format(", no region: crosses along {:.3g}{}", frame.curve_length, space);
+  return text + (contact.from_start ? ", from the start" : "");
 }
 
 }  // namespace
 
 std::string contact_lines(Motions motions, const CheckSettings& settings, const CheckTotals& totals,
                           std::size_t count) {
-  if (!totals.contacts_found || totals.contacts.empty()) return "";
+  const bool is_cut = totals.contact_unknown_frames > 0 && !settings.steps_only;
+  if (!totals.contacts_found || (totals.contacts.empty() && !is_cut)) return "";
   struct Line {
     std::string number, who, when, bad;
   };
@@ -63,9 +64,9 @@ std::string contact_lines(Motions motions, const CheckSettings& settings, const 
     width[0] = std::max(width[0], line.number.size());
     width[1] = std::max(width[1], line.who.size());
     width[2] = std::max(width[2], line.when.size());
-    if (contact.from_start) lines.back().bad += ", from the start";
   }
-  std::string text = fmt::format("\n{}, the worst first:\n", counted(totals.contacts.size(), "contact"));
+  std::string text = "\n";
+  if (!lines.empty()) text += counted(totals.contacts.size(), "contact") + ", the worst first:\n";
   for (const Line& line : lines) {
     fmt::format_to(std::back_inserter(text), "{:<{}}  {:<{}}  {:<{}}  {}\n", line.number, width[0], line.who,
                    width[1], line.when, width[2], line.bad);

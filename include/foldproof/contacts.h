@@ -17,11 +17,11 @@ struct ContactFrame {
   std::uint64_t triangles = 0;  ///< Triangles that cross or are inside, on both sides.
   double curve_length = 0;      ///< Of the curves in which the surfaces cross, mesh units.
   bool closed = false;          ///< Whether all of these curves are closed.
-  /// Per side: the area inside the other surface, mesh units squared. None: no region can be told, because a
+  /// Per side: the area inside the other surface, mesh units squared. None: there is no region, because a
   /// curve ends at a border, or does not divide the surface.
   std::array<std::optional<double>, 2> area;
-  /// The largest distance of what is inside to the other surface, mesh units. None: neither side has a region
-  /// that can be told; curve_length says how large the contact is instead.
+  /// The largest distance of what is inside to the other surface, mesh units. None: neither side has a
+  /// region; curve_length says how large the contact is instead.
   std::optional<double> depth;
 };
 
@@ -54,7 +54,7 @@ struct Contact {
 
   /// The frames in which triangles cross, ascending. Empty: surfaces touch between frames only.
   std::vector<ContactFrame> frames;
-  /// Index of the worst frame: the deepest one; where no depth can be told that with the longest curve.
+  /// Index of the worst frame: the deepest one; without a depth, the one with the longest curve.
   std::size_t worst = 0;
   /// Where it is, in the worst frame: the deepest point, or the curve's middle; without frames the place of
   /// first impact.
@@ -113,7 +113,7 @@ class ContactFinder {
     Index contact;
   };
   std::span<const Inside> inside() const;
-  /// The depth of an open contact in the last frame; none where it does not cross, or none can be told.
+  /// The depth of an open contact in the last frame; none where it does not cross or has no region.
   std::optional<double> depth_now(Index number) const;
   /// The smallest number of the contacts that this one has joined so far.
   Index joined_number(Index number) const;

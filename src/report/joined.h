@@ -17,7 +17,7 @@ struct JoinedMesh {
 void mark_faces(Motions motions, const CheckedStep& step, std::vector<std::uint8_t>& out);
 
 /// Per face of the joined mesh: the contact in whose frame it crosses or is inside, 0 for none, and the
-/// contact's depth in that frame, 0 where none can be told.
+/// contact's depth in that frame, 0 where it has none.
 void mark_contacts(const JoinedMesh& joined, const ContactFinder& contacts, std::vector<std::int32_t>& number,
                    std::vector<float>& depth);
 

@@ -80,6 +80,7 @@ TEST(Contacts, SayWhatIsNotKnown) {
   const Merged scene;
   const Outcome cut = check_in(scene, {"merged.npz", "--limit", "5"});
   EXPECT_THAT(cut.out, Not(HasSubstr("contacts, the worst")));
+  EXPECT_THAT(cut.out, HasSubstr("it is not known which triangles cross: too many pairs (--limit).\n"));
   const TemporaryDirectory directory;
   write_frames(directory.path() + "/sink", *needle(kSinking));
   const Outcome steps = check_in(directory, {"sink", "--steps-only"});

@@ -61,7 +61,7 @@ std::optional<std::vector<KnownContact>> contacts_of(const Ball& a, const Ball& 
   return out;
 }
 
-// Contacts that would be told apart by less than the balls' flattening are not wanted.
+// Whether the number of contacts stays the same when distances differ by the balls' flattening.
 bool is_clear(const Ball& a, const Ball& b, const std::vector<KnownContact>& known) {
   const double touch = a.radius + b.radius;
   for (const double slack : {-2 * kFlattening, 2 * kFlattening}) {
