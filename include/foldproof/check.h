@@ -153,6 +153,8 @@ struct StepResult {
 
   std::uint64_t count() const { return vertex_face_count + edge_edge_count; }
   bool clean() const { return count() == 0; }
+  /// False when there are more than StepSettings::max_listed.
+  bool lists_all() const { return vertex_face.size() + edge_edge.size() == count(); }
 };
 
 /// Answer of a static query. Sorted by ids.

@@ -50,11 +50,9 @@ Result<void> find_contacts(const std::vector<Object>& objects,
     const auto frame = FOLDPROOF_TRY(next());
     if (!frame) break;
     FOLDPROOF_TRY(checker.check(last.positions(), frame->x, settings, step));
-    const bool is_cut = step.vertex_face.size() + step.edge_edge.size() < step.count() || !finder.is_known();
-    if (is_cut) {
-      FOLDPROOF_TRY(checker.check_static(frame->x, settings, crossings));
-    }
-    finder.step(last_time, frame->time, last.positions(), frame->x, step, is_cut ? &crossings : nullptr);
+    const bool asks = !step.lists_all() || !finder.is_known();
+    if (asks) FOLDPROOF_TRY(checker.check_static(frame->x, settings, crossings));
+    finder.step(last_time, frame->time, last.positions(), frame->x, step, asks ? &crossings : nullptr);
     for (Contact& contact : finder.take_ended()) ended(std::move(contact));
     last.keep(frame->x);
     last_time = frame->time;

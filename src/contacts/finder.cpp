@@ -406,8 +406,7 @@ void ContactFinder::step(double begin, double end, Positions x0, Positions x1, c
   const PlainArithmetic plain;
   Impl& impl = *impl_;
   impl.begun = true;
-  impl.known = impl.known && step.vertex_face.size() == step.vertex_face_count &&
-               step.edge_edge.size() == step.edge_edge_count;
+  impl.known = impl.known && step.lists_all();
   if (crossings) {
     impl.set_crossings(*crossings);
   } else if (impl.known) {

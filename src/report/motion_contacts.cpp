@@ -54,8 +54,7 @@ void MotionContacts::pose(const CheckedStep& pose) {
 
 Result<void> MotionContacts::step(const CheckedStep& step) {
   const auto begin = Clock::now();
-  const bool is_cut = step.listed().sum() < step.collisions.sum();
-  const bool asks = started_ && (is_cut || !finder_.is_known());
+  const bool asks = started_ && (!step.step->lists_all() || !finder_.is_known());
   if (asks) {
     if (!static_checker_) static_checker_.emplace(objects_);
     FOLDPROOF_TRY(static_checker_->check_static(step.x1, settings_.step, crossings_));
