@@ -3,9 +3,9 @@
 import time
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
-from . import jobs, marks, program
+from . import contacts, jobs, marks, program
 from .problem import Problem
 
 _running = None  # the status text of the running job
@@ -53,6 +53,8 @@ class FoldproofSettings(bpy.types.PropertyGroup):
     use_models: BoolProperty(name="Use Models", description="Check faster with trained models; the answer is the same")
     folder: StringProperty(name="Models", description="The folder of models", subtype="DIR_PATH", default="//foldproof/")
     message: StringProperty()
+    contacts: CollectionProperty(type=contacts.FoldproofContact)
+    contact: IntProperty(name="Contact", description="Shows the contact at its worst frame", update=contacts.show)
 
 
 def executable_of(context):
@@ -197,7 +199,7 @@ class FOLDPROOF_OT_select(bpy.types.Operator):
 
 
 class FOLDPROOF_OT_clear(bpy.types.Operator):
-    """Remove Foldproof's data from this file: marks on faces, colors and markers on the timeline"""
+    """Remove Foldproof's data from this file: contacts, their markers and vertex groups, marks on faces and colors"""
 
     bl_idname = "foldproof.clear"
     bl_label = "Clear Marks"
@@ -211,9 +213,17 @@ class FOLDPROOF_OT_clear(bpy.types.Operator):
         for mesh in bpy.data.meshes:
             if marks.RESULTS in mesh:
                 marks.clear(mesh)
-        marks.remove_markers(context.scene)
+        contacts.clear(context.scene)
         context.scene.foldproof.message = ""
         return {"FINISHED"}
+
+
+class FOLDPROOF_UL_contacts(bpy.types.UIList):
+    def draw_item(self, context, layout, _data, contact, _icon, _active_data, _active_property, _index=0, _flag=0):
+        row = layout.split(factor=0.5)
+        row.label(text=contact.name)
+        row.label(text=contact.frames())
+        row.label(text=contact.how_bad(context.scene.unit_settings))
 
 
 class FOLDPROOF_PT_panel(bpy.types.Panel):
@@ -239,6 +249,8 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
             wrapped(layout, f"{_running}; Esc cancels", "TIME", context.region.width)
         elif settings.message:
             wrapped(layout, settings.message, "INFO", context.region.width)
+        if settings.contacts:
+            layout.template_list("FOLDPROOF_UL_contacts", "", settings, "contacts", settings, "contact", rows=4)
         row = layout.row(align=True)
         row.operator("screen.marker_jump", text="Previous", icon="PREV_KEYFRAME").next = False
         row.operator("screen.marker_jump", text="Next", icon="NEXT_KEYFRAME").next = True
@@ -265,11 +277,13 @@ def wrapped(layout, text, icon, width):
 
 _classes = (
     FoldproofPreferences,
+    contacts.FoldproofContact,
     FoldproofSettings,
     FOLDPROOF_OT_check,
     FOLDPROOF_OT_train,
     FOLDPROOF_OT_select,
     FOLDPROOF_OT_clear,
+    FOLDPROOF_UL_contacts,
     FOLDPROOF_PT_panel,
 )
 

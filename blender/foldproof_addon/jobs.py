@@ -6,7 +6,7 @@ import tempfile
 
 import bpy
 
-from . import marks, motion, program
+from . import contacts, marks, motion, program
 from .problem import Problem
 
 
@@ -72,32 +72,28 @@ def check(context, executable):
         if settings.pairs != "ALL":
             arguments.append("--within" if settings.pairs == "WITHIN" else "--between")
         yield from program.run(arguments, folder, "Looking for collisions", 0.9)
-        start, steps = program.read_answer(answer, sampled)
+        start, steps, found = program.read_answer(answer, sampled)
+    contacts.store(scene, sampled, found, times)
     return _mark(scene, sampled, start, steps, [frames[k // parts] for k in range(len(times))], times, poses)
 
 
 def _mark(scene, sampled, start, steps, frame_of, times, poses):
     polygons = {each.object.data: {} for each in sampled}  # objects may share a mesh
     crossing = {each.object.data: set() for each in sampled}
-    counts = {}
     unknown = 0
-    crossings, marked = start
+    _, marked = start
     for each, triangles in zip(sampled, marked):
         found = set(each.polygon_of[triangles].tolist())
         unknown += -1 in found
         crossing[each.object.data].update(found - {-1})
-    if crossings:
-        counts[frame_of[0]] = crossings
-    for number, count, _, marked in steps:
+    for number, _, _, marked in steps:
         frame = frame_of[number]
-        counts[frame] = counts.get(frame, 0) + count
         for each, triangles in zip(sampled, marked):
             found = set(each.polygon_of[triangles].tolist())
             unknown += -1 in found
             polygons[each.object.data].setdefault(frame, set()).update(found - {-1})
     for mesh, by_frame in polygons.items():
         marks.store(mesh, by_frame, crossing[mesh])
-    marks.put_markers(scene, counts)
     marks.show(scene)
     text = _summary(start, steps, times, poses, len({frame_of[number] for number, *_ in steps}))
     return text + ("; some of them on faces that a modifier made by itself" if unknown else "")

@@ -11,7 +11,6 @@ RESULTS = "foldproof"
 COLLIDES = "foldproof_collides"  # face attribute, boolean
 STARTS = "foldproof_starts_crossing"  # face attribute, boolean, the same at every frame
 COLOR = "foldproof_color"  # color attribute
-MARKER = "Foldproof: "
 _RED, _PINK, _GREY = (0.8, 0.05, 0.02, 1.0), (0.6, 0.19, 0.39, 1.0), (0.6, 0.6, 0.6, 1.0)
 _pauses = 0
 
@@ -85,18 +84,6 @@ def show(scene, _depsgraph=None):
     for mesh in bpy.data.meshes:
         if RESULTS in mesh and not mesh.is_editmode:
             _show(mesh, scene.frame_current)
-
-
-def put_markers(scene, counts):
-    """Puts a marker on the timeline at each frame after which something collides."""
-    remove_markers(scene)
-    for frame, count in counts.items():
-        scene.timeline_markers.new(f"{MARKER}{count:,}", frame=frame)
-
-
-def remove_markers(scene):
-    for marker in [m for m in scene.timeline_markers if m.name.startswith(MARKER)]:
-        scene.timeline_markers.remove(marker)
 
 
 def clear(mesh):

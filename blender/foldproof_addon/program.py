@@ -70,8 +70,9 @@ class _Triangles:
 
 
 def read_answer(path, sampled):
-    """Reads the crossings of the first frame, as (number of pairs, crossing triangles per object), and the steps with
-    collisions, as (step, number of collisions, earliest toi, colliding triangles per object)."""
+    """Reads the crossings of the first frame, as (number of pairs, crossing triangles per object), the steps with
+    collisions, as (step, number of collisions, earliest toi, colliding triangles per object), and the contacts, as they
+    are in the report."""
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -94,7 +95,7 @@ def read_answer(path, sampled):
             faces[b].append(face_b)
         marked = [each.around(*found) for each, *found in zip(objects, faces, vertices, edges)]
         steps.append((number, count, step["earliest_toi"], marked))
-    return _start_of(report, len(objects)), steps
+    return _start_of(report, len(objects)), steps, report["contacts"]
 
 
 def _start_of(report, objects):

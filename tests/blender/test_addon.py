@@ -15,6 +15,7 @@ import time
 import types
 import unittest
 
+import bmesh
 import bpy
 import numpy as np
 
@@ -53,7 +54,10 @@ def grid(cells, x0, x1, y0, y1):
 def key(animated, path, values, index=-1):
     """Linear between keys."""
     for frame, value in values.items():
-        setattr(animated, path, value)
+        if index < 0:
+            setattr(animated, path, value)
+        else:
+            getattr(animated, path)[index] = value
         animated.keyframe_insert(path, index=index, frame=frame)
     action = animated.id_data.animation_data.action
     for curve in action.fcurves:
@@ -76,6 +80,21 @@ def two_planes():
     )
     key(strip, "location", {1: (0, 0, 1.55), 11: (0, 0, -0.45)})
     return floor, strip
+
+
+def ball_in_box():
+    """A cube of side 2 around the origin, and a ball of radius 0.5 that dips into its top from frame 3 on, is deepest, by
+    0.4, at frame 6, and has left at frame 11."""
+    cube = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    box = new_object("Box", cube, [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+    made = bmesh.new()
+    bmesh.ops.create_uvsphere(made, u_segments=24, v_segments=12, radius=0.5)
+    ball = new_object("Ball", [], [])
+    made.to_mesh(ball.data)
+    made.free()
+    ball.location = (0.2, 0.1, 0)
+    key(ball, "location", {1: 2, 6: 1.1, 11: 2}, index=2)
+    return box, ball
 
 
 def bending_tube():
@@ -168,7 +187,7 @@ class Addon(unittest.TestCase):
         self.scene.frame_set(4)
         self.assertEqual(bpy.ops.foldproof.check(), {"FINISHED"})
         self.assertEqual(self.scene.frame_current, 4)
-        self.assertEqual(markers(), {3: "mine", 6: f"Foldproof: {expected[5]}"})
+        self.assertEqual(markers(), {3: "mine", 6: "Foldproof: Floor - Strip"})
         self.assertEqual(self.settings.message, "Collisions in 1 frame, the first at 6.25")
         for frame, floor_faces, strip_faces in ((5, [], []), (6, [10, 11], [0, 1]), (7, [], [])):
             self.scene.frame_set(frame)
@@ -262,14 +281,74 @@ class Addon(unittest.TestCase):
         bpy.ops.foldproof.clear()
         self.assertEqual([a.name for a in floor.data.attributes if a.name.startswith("foldproof")], [])
 
+    def test_contacts_are_listed_marked_and_shown(self):
+        box, ball = ball_in_box()
+        mine = ball.vertex_groups.new(name="mine")
+        bpy.ops.foldproof.check()
+        contact, = self.settings.contacts
+        self.assertEqual((contact.name, contact.frames()), ("Ball - Box", "4-8"))
+        self.assertEqual(contact.worst, 6)
+        self.assertAlmostEqual(contact.depth, 0.4, delta=0.05)
+        self.assertEqual(contact.how_bad(self.scene.unit_settings), "40 cm deep")
+        self.assertEqual(markers(), {3: "Foldproof: Ball - Box, begins", 6: "Foldproof: Ball - Box, worst"})
+        self.assertEqual([g.name for g in box.vertex_groups], ["Foldproof: Ball - Box"])  # its top crosses
+        group = ball.vertex_groups["Foldproof: Ball - Box"]
+        self.assertEqual(ball.vertex_groups.active, mine)
+        weights = {v.index: g.weight for v in ball.data.vertices for g in v.groups if g.group == group.index}
+        below = {v.index for v in ball.data.vertices if v.co.z + 1.1 < 1}
+        self.assertEqual({v for v, weight in weights.items() if weight == 1} - below, set())
+        self.assertGreater(list(weights.values()).count(1), 12)
+        self.assertEqual(below - set(weights), set())
+
+        # What a click does. Without a window no view moves by itself.
+        self.scene.frame_set(2)
+        self.settings.contact = 0
+        self.assertEqual(self.scene.frame_current, 6)
+        view = types.SimpleNamespace(view_perspective="CAMERA")
+        addon("contacts").aim(view, contact)
+        self.assertEqual(view.view_perspective, "PERSP")
+        np.testing.assert_allclose(view.view_location, (0.2, 0.1, 0.6), atol=0.1)
+        self.assertGreater(view.view_distance, 0.5)
+        self.settings.contact = 7  # there is none
+        self.assertEqual(self.scene.frame_current, 6)
+
+        bpy.ops.foldproof.check()  # replaces what there was
+        self.assertEqual((len(self.settings.contacts), len(markers())), (1, 2))
+        self.assertEqual([g.name for g in ball.vertex_groups], ["mine", "Foldproof: Ball - Box"])
+        bpy.ops.ed.undo_push(message="before")
+        bpy.ops.foldproof.clear()
+        bpy.ops.ed.undo_push(message="cleared")
+        bpy.ops.ed.undo()
+        self.assertEqual((len(bpy.context.scene.foldproof.contacts), len(markers())), (1, 2))
+        self.assertEqual(len(bpy.data.objects["Ball"].vertex_groups), 2)
+        bpy.ops.ed.redo()
+        self.assertEqual((len(bpy.context.scene.foldproof.contacts), markers()), (0, {}))
+        groups = {o.name: [g.name for g in o.vertex_groups] for o in bpy.data.objects}
+        self.assertEqual(groups, {"Ball": ["mine"], "Box": []})
+
+    def test_contacts_of_one_object_and_between_frames(self):
+        self.settings.samples = 2
+        tube = bending_tube()
+        bpy.ops.foldproof.check()
+        worst = self.settings.contacts[0]
+        self.assertEqual(worst.name, "Tube with itself")
+        self.assertTrue(worst.crosses and worst.first <= worst.worst <= worst.last <= 11)
+        self.assertEqual(worst.worst % 0.5, 0)
+        bpy.data.objects.remove(tube)
+        two_planes()
+        bpy.ops.foldproof.check()
+        contact, = self.settings.contacts
+        self.assertEqual((contact.frames(), contact.how_bad(self.scene.unit_settings)), ("6.25", "touches"))
+
     def test_a_rig_and_a_model_trained_from_its_keys(self):
         tube = bending_tube()
         expected = program_says([tube], range(1, 12))
         colliding = [i + 1 for i, count in enumerate(expected) if count]
         self.assertTrue(colliding and colliding[0] > 3, expected)
         bpy.ops.foldproof.check()
-        self.assertEqual(markers(), {f: f"Foldproof: {expected[f - 1]:,}" for f in colliding})
         kept = tube.data["foldproof"].to_dict()
+        self.assertEqual(sorted(map(int, kept["frames"])), colliding)
+        self.assertEqual(markers()[colliding[0]].removesuffix(", begins"), "Foldproof: Tube with itself")
         self.assertGreater(len(kept["frames"][str(colliding[-1])]), 2)
 
         self.fails(bpy.ops.foldproof.train, "has no name yet: save it")
@@ -297,7 +376,7 @@ class Addon(unittest.TestCase):
         cache = tube.modifiers.new("Cache", "MESH_CACHE")
         cache.cache_format, cache.filepath, cache.frame_start = "PC2", str(WORK / "tube.pc2"), 1
         bpy.ops.foldproof.check()
-        self.assertEqual(list(markers()), expected)
+        self.assertEqual(sorted(map(int, tube.data["foldproof"]["frames"].keys())), expected)
 
     def test_marks_stay_in_the_file(self):
         two_planes()
@@ -427,11 +506,19 @@ class Addon(unittest.TestCase):
                 getattr(getattr(bpy.ops, module), operator).get_rna_type()
                 return types.SimpleNamespace()
 
-            def label(self, text, icon):
+            def label(self, text, icon="NONE"):
                 test.assertIn(icon, icons)
                 drawn.append(text)
 
+            def template_list(self, name, _id, data, items, active_data, active, rows):
+                test.assertTrue(isinstance(getattr(active_data, active), int))
+                for item in getattr(data, items):
+                    getattr(addon("interface"), name).draw_item(None, context, self, data, item, 0, active_data, active)
+
             def row(self, align=False):
+                return self
+
+            def split(self, factor):
                 return self
 
             column, separator = row, lambda self: None
@@ -440,10 +527,14 @@ class Addon(unittest.TestCase):
         context = types.SimpleNamespace(
             scene=self.scene, region=types.SimpleNamespace(width=200), preferences=bpy.context.preferences
         )
+        two_planes()
+        bpy.ops.foldproof.check()
         self.settings.message = "what was found " * 5
         bpy.context.preferences.addons[NAME].preferences.program = "/nowhere/foldproof"
         addon("interface").FOLDPROOF_PT_panel.draw(panel, context)
         self.assertIn("'/nowhere/foldproof' is not", "".join(drawn))
+        self.assertEqual([text for text in drawn if text in ("Floor - Strip", "6.25", "touches")],
+                         ["Floor - Strip", "6.25", "touches"])
         self.assertEqual("".join(drawn).count("found"), 5)
         self.assertLess(max(map(len, drawn)), 30)
 
