@@ -5,7 +5,7 @@
 source tools/checks.sh
 
 # Checks of everything go by groups of modules, so that a change of the program does not check the query again.
-all_checks=(test)
+all_checks=(test proofs)
 for name in lint address thread; do all_checks+=("${name}_query" "${name}_models" "${name}_rest"); done
 all_checks+=(fuzz search floats frames mutants bench)
 
@@ -46,6 +46,7 @@ inputs_of() {
     fuzz) echo "$query $models $(tests_of fuzz adversary oracle certificate solver)" ;;
     search) echo "$query $(tests_of adversary search oracle certificate solver)" ;;
     floats) echo "$query $(tests_of arithmetic)" ;;
+    proofs) echo "$query tools/proofs proofs docs/soundness.md" ;;
     frames) echo "$query $models $(tests_of check keypoints learned oracle)" ;;
     mutants) echo "$query tools/mutants $(tests_of mutants adversary search oracle check certificate solver)" ;;
     bench) echo 'CMakeLists.txt CMakePresets.json src include bench examples/solver tools/bench_tables' ;;
@@ -64,6 +65,7 @@ all_floats() {
 }
 
 all_test() { do_test; }
+all_proofs() { do_proofs; }
 
 # tidy_group GROUP: clang-tidy on the sources of a group; rest is what the others leave.
 tidy_group() {
@@ -132,6 +134,7 @@ what_is() {
     search_answers*) echo 'small scenes of very different sizes, asked in every way' ;;
     search_*) echo 'meshes moved towards collisions that certificates exclude' ;;
     floats) echo 'what proofs assume of arithmetic, for every float' ;;
+    proofs) echo 'the proofs of docs/soundness.md, read by Gappa and Coq' ;;
     frames) echo 'real motions, every frame' ;;
     mutants) echo 'planted defects that the guards must find' ;;
     bench) echo 'the benchmarks, `--quick`' ;;
@@ -229,7 +232,7 @@ do_all() {
   all_changed=$(git status --porcelain -- . ':!docs/quality.md')
   [[ -z $all_changed ]] || all_commit+=' and changes'
   # Now, as nobody is there later to type a password.
-  need lib test studio demo python package browser mpi fuzz lint bench
+  need lib test studio demo python package browser mpi fuzz lint bench proofs
   trap 'stop_checks; write_quality "stopped before its end"; echo; print_checks; exit 130' INT TERM
   say "everything, whatever fails; docs/quality.md says what came of it, out/checks what was printed"
   local name rows_before=() waiting=("${all_checks[@]}")
