@@ -1,6 +1,6 @@
-(* Theorem 2: a chart whose triangles have a positive definite map keeps points apart. Given are the pieces into which the
-   triangles of the square cut the segment from q to p; that a valid chart has them is the hypothesis that Coq does not
-   prove (tests/proofs counts them on all small triangulations). *)
+(* Theorem 2: a chart whose triangles have a positive definite map keeps points apart. The triangles of the square cut the
+   segment from q to p into pieces. That those of a valid chart do so is the one hypothesis, which
+   tests/proofs/triangulations_test.cpp checks on all small cases. *)
 (* S1: the test of a triangle by its sides. *)
 (* code src/certificate/chart_holds.cpp
  *   if (!(k11 > 0 && k22 > 0 && k11 * k22 * kNearlyFour > k12 * k12)) return false;
@@ -74,6 +74,26 @@ Proof.
   rewrite H1 in S. lra.
 Qed.
 
+(* The claim for a chart. x t p is where the point with uv coordinates p is at the time t; triangles are the maps of all
+   triangles of R at both ends. *)
+Section Chart.
+Variable x : R -> uv -> vec.
+Variable triangles : list (matrix * matrix).
+Hypothesis valid_chart_triangulates_the_square : forall p q : uv, exists pieces,
+  shares pieces = 1 /\
+  (forall c, In c pieces -> 0 <= share c /\ In (at_start c, at_end c) triangles) /\
+  (forall t, sub (x t p) (x t q) = change t (P (u1 p - u1 q) (u2 p - u2 q)) pieces).
+
+Theorem Theorem_2_chart W lambda p q t :
+  0 <= t <= 1 ->
+  (forall a e, In (a, e) triangles -> definite W lambda a /\ definite W lambda e) ->
+  let u := P (u1 p - u1 q) (u2 p - u2 q) in dot (apply W u) (sub (x t p) (x t q)) >= lambda * square u.
+Proof.
+  intros Ht H u. destruct (valid_chart_triangulates_the_square p q) as (pieces & H1 & Hin & ->).
+  apply Theorem_2; trivial. intros c Hc. destruct (Hin c Hc) as [Hs Ht']. split; trivial. apply H; trivial.
+Qed.
+End Chart.
+
 Lemma norm_square a : norm a * norm a = dot a a.
 Proof. apply sqrt_sqrt. unfold dot. nra. Qed.
 
@@ -138,6 +158,7 @@ Proof.
 Qed.
 
 Print Assumptions Theorem_2.
+Print Assumptions Theorem_2_chart.
 Print Assumptions Theorem_2_distance.
 Print Assumptions Theorem_2_gap.
 Print Assumptions S1.
