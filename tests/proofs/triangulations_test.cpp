@@ -65,9 +65,10 @@ bool fit_together(const Points& p, const Corners& s, const Corners& t) {
 // Every triangle over the points, in one or in both orientations.
 std::vector<Corners> all_triangles(const Points& p, bool both_orientations) {
   std::vector<Corners> all;
-  for (std::uint16_t a = 0; a < p.at.size(); ++a) {
-    for (std::uint16_t b = a + 1; b < p.at.size(); ++b) {
-      for (std::uint16_t c = b + 1; c < p.at.size(); ++c) {
+  const auto count = static_cast<std::uint16_t>(p.at.size());
+  for (std::uint16_t a = 0; a < count; ++a) {
+    for (std::uint16_t b = a + 1; b < count; ++b) {
+      for (std::uint16_t c = b + 1; c < count; ++c) {
         const bool counterclockwise = area(p, a, b, c) > 0;
         if (counterclockwise || both_orientations) all.push_back({a, b, c});
         if (!counterclockwise || both_orientations) all.push_back({a, c, b});
