@@ -14,11 +14,12 @@ a, b, c, d = v[:-1, :-1], v[1:, :-1], v[1:, 1:], v[:-1, 1:]
 triangles = np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))])
 
 
-def rolled(turn):
+def rolled(turn: float) -> np.ndarray:
     angle = turn * np.arange(length + 1) / length
     x, z = np.cumsum(np.cos(angle)), np.cumsum(np.sin(angle))
     across = np.arange(width + 1.0)
-    return np.stack(np.broadcast_arrays(x[:, None] + 0.1 * across, across, z[:, None]), -1).reshape(-1, 3)
+    points: np.ndarray = np.stack(np.broadcast_arrays(x[:, None] + 0.1 * across, across, z[:, None]), -1).reshape(-1, 3)
+    return points
 
 
 frames = np.stack([rolled(turn) for turn in np.linspace(1, 9, 25)])

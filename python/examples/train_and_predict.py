@@ -4,14 +4,15 @@ import numpy as np
 import foldproof
 
 
-def tail(angle, rings=60, around=12):
+def tail(angle: float, rings: int = 60, around: int = 12) -> np.ndarray:
     """A tube that bends by an angle, (rings x around) x 3; generated."""
     turn = angle * np.arange(rings) / rings
     spine = np.cumsum(np.stack([np.cos(turn), 0 * turn, np.sin(turn)], axis=-1), axis=0)
     phi = 2 * np.pi * np.arange(around) / around
     out = np.stack([-np.sin(turn), 0 * turn, np.cos(turn)], axis=-1)
     ring = out[:, None] * np.cos(phi)[:, None] + np.array([0, 1, 0]) * np.sin(phi)[:, None]
-    return (spine[:, None] + ring).reshape(-1, 3)
+    points: np.ndarray = (spine[:, None] + ring).reshape(-1, 3)
+    return points
 
 
 v = np.arange(60 * 12).reshape(60, 12)

@@ -5,7 +5,73 @@ place, everything else is converted once. Triangles are T x 3 vertex ids. Functi
 whose text says where the problem is, what it is and how to fix it.
 """
 
-from ._core import *  # noqa: F403
-from ._core import __version__
+from ._checks import CheckResult, check
+from ._classes import complete_classes
+from ._contacts import Contact, Contacts, ContactSide, find_contacts
+from ._core import (
+    HIT,
+    REASONS,
+    UNDECIDED,
+    Candidates,
+    CollisionMesh,
+    ContactChecker,
+    ContactFinder,
+    Hierarchy,
+    Model,
+    Motion,
+    ReducedChecker,
+    ReducedShape,
+    StaticResult,
+    StepChecker,
+    StepResult,
+    __version__,
+    load,
+    open_motion,
+    open_motions,
+    set_threads,
+    step_towards,
+    train,
+    write_motion,
+)
+from ._errors import Error, FileError, FileMissingError
+from ._page import Page, view
 
-__all__ = [name for name in dir() if not name.startswith("_")] + ["__version__"]
+__all__ = [
+    "HIT",
+    "REASONS",
+    "UNDECIDED",
+    "Candidates",
+    "CheckResult",
+    "CollisionMesh",
+    "Contact",
+    "ContactChecker",
+    "ContactFinder",
+    "ContactSide",
+    "Contacts",
+    "Error",
+    "FileError",
+    "FileMissingError",
+    "Hierarchy",
+    "Model",
+    "Motion",
+    "Page",
+    "ReducedChecker",
+    "ReducedShape",
+    "StaticResult",
+    "StepChecker",
+    "StepResult",
+    "__version__",
+    "check",
+    "find_contacts",
+    "load",
+    "open_motion",
+    "open_motions",
+    "set_threads",
+    "step_towards",
+    "train",
+    "view",
+    "write_motion",
+]
+
+complete_classes()
+del complete_classes

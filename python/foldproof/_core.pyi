@@ -1,12 +1,15 @@
 import os
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Literal, TypedDict, final
+from typing import Any, Literal, SupportsIndex, TypedDict, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
+from ._contacts import Contact
+
 __version__: str
+SETTINGS: str
 HIT: int
 UNDECIDED: int
 REASONS: tuple[str, ...]
@@ -17,6 +20,7 @@ _Frames = slice | int | str | None
 _Floats = NDArray[np.float64]
 _Ids = NDArray[np.uint32]
 _Rows = NDArray[np.void]
+_Parts = Sequence[Sequence[str] | NDArray[np.str_] | None] | NDArray[np.str_] | None
 
 class _StepSettings(TypedDict, total=False):
     within: bool
@@ -40,11 +44,6 @@ class _TrainSettings(TypedDict, total=False):
     energy: float
     key_points: float
 
-class Error(ValueError):
-    where: str
-    problem: str
-    remedy: str
-
 @final
 class Motion:
     def __init__(self, triangles: ArrayLike, frames: ArrayLike, name: str = "array") -> None: ...
@@ -55,8 +54,16 @@ class Motion:
     @property
     def vertex_count(self) -> int: ...
     def __len__(self) -> int: ...
-    def __getitem__(self, frame: int) -> _Floats: ...
+    @overload
+    def __getitem__(self, index: SupportsIndex) -> _Floats: ...
+    @overload
+    def __getitem__(self, index: slice) -> Motion: ...
     def __iter__(self) -> Iterator[_Floats]: ...
+    # From _classes.py:
+    @staticmethod
+    def from_arrays(vertices: ArrayLike, faces: ArrayLike, name: str = "array") -> Motion: ...
+    @staticmethod
+    def from_meshes(meshes: Any, name: str = "meshes") -> Motion: ...
 
 @final
 class Hierarchy:
@@ -152,31 +159,18 @@ class StepChecker:
     def check_static(self, x: ArrayLike | Sequence[ArrayLike], **settings: Unpack[_StepSettings]) -> StaticResult: ...
 
 @final
-class CheckResult:
+class ContactFinder:
+    def __init__(
+        self,
+        objects: Hierarchy | Model | Sequence[Hierarchy | Model],
+        *,
+        parts: _Parts = None,
+        **settings: Unpack[_StepSettings],
+    ) -> None: ...
+    def add(self, x: ArrayLike | Sequence[ArrayLike], time: float | None = None) -> list[Contact]: ...
+    def finish(self) -> list[Contact]: ...
     @property
-    def clean(self) -> bool: ...
-    @property
-    def steps(self) -> _Rows: ...
-    @property
-    def vertex_face(self) -> _Rows: ...
-    @property
-    def edge_edge(self) -> _Rows: ...
-    @property
-    def crossings(self) -> _Rows: ...
-    @property
-    def starts_crossing(self) -> int | None: ...
-    @property
-    def start_crossings(self) -> _Rows: ...
-    @property
-    def collisions(self) -> int: ...
-    @property
-    def missed(self) -> int: ...
-    @property
-    def tolerance(self) -> float: ...
-    @property
-    def work(self) -> dict[str, int]: ...
-    @property
-    def milliseconds(self) -> dict[str, float]: ...
+    def open_count(self) -> int: ...
 
 @final
 class ReducedShape:
@@ -280,13 +274,16 @@ def load(path: _Path) -> Model: ...
 def check(
     motions: Motion | Sequence[Motion],
     *,
-    models: Model | Sequence[Model | None] | None = None,
-    frames: _Frames = None,
-    static: bool = False,
-    steps_only: bool = False,
-    substeps: int = 1,
-    keep: bool = True,
-    reports: _Path | Sequence[_Path] = (),
-    progress: _Progress = None,
+    models: Model | Sequence[Model | None] | None,
+    frames: _Frames,
+    static: bool,
+    steps_only: bool,
+    substeps: int,
+    keep: bool,
+    contacts: bool,
+    parts: _Parts,
+    unit: str,
+    reports: _Path | Sequence[_Path],
+    progress: _Progress,
     **settings: Unpack[_StepSettings],
-) -> CheckResult: ...
+) -> dict[str, Any]: ...

@@ -1,9 +1,20 @@
 #include "arrays.h"
 
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
 namespace foldproof::python {
 namespace {
 
-py::handle error_class;  // lives as long as the module, which Python never unloads
+/// The Python class for an error.
+const char* class_of(const Error& error) {
+  if (error.code != ErrorCode::FileAccess) return "Error";
+  std::error_code failure;
+  const bool missing =
+      std::filesystem::status(error.where, failure).type() == std::filesystem::file_type::not_found;
+  return missing ? "FileMissingError" : "FileError";
+}
 
 std::string shape_text(const py::array& x) { return py::str(py::tuple(x.attr("shape"))).cast<std::string>(); }
 
@@ -20,24 +31,17 @@ void refuse(std::string where, std::string problem, std::string remedy) {
   throw Refused{{std::move(where), std::move(problem), std::move(remedy)}};
 }
 
-void bind_errors(py::module_& module) {
-  const char* doc =
-      "Why a file, mesh or argument was refused; a ValueError whose text is one line.\n\n"
-      "where: file and place, or argument. problem: what is wrong. remedy: what to do about it.";
-  PyObject* made = PyErr_NewExceptionWithDoc("foldproof.Error", doc, PyExc_ValueError, nullptr);
-  if (made == nullptr) throw py::error_already_set();
-  error_class = made;
-  module.attr("Error") = error_class;
+void translate_errors() {
   // By value, as pybind11 calls it. NOLINTNEXTLINE(performance-unnecessary-value-param)
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const Refused& refused) {
-      const py::object error = error_class(text_of(refused.error.line()));
-      error.attr("where") = text_of(refused.error.where);
-      error.attr("problem") = text_of(refused.error.problem);
-      error.attr("remedy") = text_of(refused.error.remedy);
-      PyErr_SetObject(error_class.ptr(), error.ptr());
+      const Error& error = refused.error;
+      const py::object made =
+          py::module_::import("foldproof._errors")
+              .attr(class_of(error))(text_of(error.where), text_of(error.problem), text_of(error.remedy));
+      PyErr_SetObject(py::type::of(made).ptr(), made.ptr());
     }
   });
 }
@@ -59,6 +63,19 @@ Numbers numbers_of(const py::handle& x, const char* what, std::initializer_list<
   auto numbers = Numbers::ensure(array);
   if (!numbers) throw py::error_already_set();
   return numbers;
+}
+
+void require_finite(const Numbers& x, const char* what) {
+  const auto numbers = span_of(x);
+  const auto bad = std::find_if(numbers.begin(), numbers.end(), [](double v) { return !std::isfinite(v); });
+  if (bad == numbers.end()) return;
+  auto rest = static_cast<py::ssize_t>(bad - numbers.begin());
+  std::string place;
+  for (py::ssize_t k = x.ndim(); k-- > 0; rest /= x.shape(k)) {
+    if (!place.empty()) place.insert(0, ", ");
+    place.insert(0, std::to_string(rest % x.shape(k)));
+  }
+  refuse(what + ("[" + place + "]"), "is not finite", "give finite numbers");
 }
 
 std::vector<Index> ids_of(const py::handle& x, const char* what, const char* thing, py::ssize_t columns,

@@ -4,6 +4,7 @@
 #include <pybind11/numpy.h>
 
 #include <initializer_list>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,8 @@ T take(Result<T>&& result) {
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
-/// Defines the class foldproof.Error.
-void bind_errors(py::module_& module);
+/// Makes Refused an instance of a class in python/foldproof/_errors.py.
+void translate_errors();
 
 /// A caller's float64 array: in place if C-contiguous and aligned, else a copy. Keeps it alive.
 using Numbers =
@@ -37,6 +38,9 @@ using Numbers =
 /// other shapes, objects without real numbers.
 Numbers numbers_of(const py::handle& x, const char* what, std::initializer_list<py::ssize_t> shape,
                    const char* layout);
+
+/// Refused: numbers that are not finite, at the first one's place, as "frames[3, 7, 1]".
+void require_finite(const Numbers& x, const char* what);
 
 inline std::span<const double> span_of(const Numbers& x) {
   return {x.data(), static_cast<std::size_t>(x.size())};
@@ -73,6 +77,15 @@ py::array view_of(const T* data, std::vector<py::ssize_t> shape, const py::objec
 template <class T>
 py::array view_of(const std::vector<T>& values, const py::object& owner) {
   return view_of(values.data(), {static_cast<py::ssize_t>(values.size())}, owner);
+}
+
+/// A read-only array that owns the rows.
+template <class T>
+py::array owned_rows(std::vector<T> rows) {
+  auto storage = std::make_unique<std::vector<T>>(std::move(rows));
+  const std::vector<T>& kept = *storage;
+  return view_of(kept,
+                 py::capsule(storage.release(), [](void* p) { delete static_cast<std::vector<T>*>(p); }));
 }
 
 /// An array that owns the numbers.

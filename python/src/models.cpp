@@ -119,6 +119,7 @@ Eigen::Map<const Eigen::VectorXd> vector_of(const Numbers& x) { return {x.data()
 py::array project(const Model& model, const py::object& positions) {
   const Pca& pca = learned_of(model).pca;
   const Numbers x = numbers_of(positions, "positions", {vertices_of(model), 3}, "V x 3");
+  require_finite(x, "positions");
   const Eigen::VectorXd p = pca.project(vector_of(x));
   return owned({p.data(), p.data() + p.size()}, {p.size()});
 }
@@ -126,6 +127,7 @@ py::array project(const Model& model, const py::object& positions) {
 py::array reconstruct(const Model& model, const py::object& coordinates) {
   const Pca& pca = learned_of(model).pca;
   const Numbers p = numbers_of(coordinates, "p", {pca.modes()}, "one number per mode");
+  require_finite(p, "p");
   const Eigen::VectorXd x = pca.reconstruct(vector_of(p));
   return owned({x.data(), x.data() + x.size()}, {vertices_of(model), 3});
 }
@@ -138,9 +140,7 @@ py::array predict(const Model& model, const py::object& key_positions, const py:
   const std::string layout = "F x K x 3, or K x 3 for one frame, with K = " + std::to_string(points);
   const Numbers keys =
       numbers_of(array ? array : key_positions, "key_positions", {-1, points, 3}, layout.c_str());
-  for (const double x : span_of(keys)) {
-    if (!std::isfinite(x)) refuse("key_positions", "hold a number that is not finite", "give finite numbers");
-  }
+  require_finite(keys, "key_positions");
   const py::ssize_t frames = keys.shape(0), size = 3 * vertices_of(model);
   std::vector<double> positions(static_cast<std::size_t>(frames * size));
   const double* key = keys.data();

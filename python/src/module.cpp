@@ -26,15 +26,17 @@ PYBIND11_MODULE(_core, module) {
   const py::object name = module.attr("__name__");
   module.attr("__name__") = "foldproof";  // the module name that classes show
   module.attr("__version__") = foldproof::version();
-  bind_errors(module);
+  translate_errors();
   module.def("set_threads", &set_threads, py::arg("count"),
              "Limits the number of threads of all later calls; 0: all cores. Answers do not depend on it.");
   bind_motions(module);
   bind_hierarchy(module);
   bind_models(module);
   bind_steps(module);
+  bind_contacts(module);
   bind_checks(module);
   bind_reduced(module);
   bind_solver(module);
+  add_signatures(module);
   module.attr("__name__") = name;
 }

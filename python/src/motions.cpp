@@ -40,6 +40,23 @@ class ArrayMotion final : public Motion {
   std::span<const double> positions_;
 };
 
+/// Some frames of another motion.
+class SlicedMotion final : public Motion {
+ public:
+  SlicedMotion(SharedMotion whole, py::ssize_t begin, py::ssize_t step, py::ssize_t count)
+      : whole_(std::move(whole)), begin_(begin), step_(step), count_(count) {}
+  const std::string& name() const override { return whole_.name(); }
+  const Topology& topology() const override { return whole_.topology(); }
+  Index frame_count() const override { return static_cast<Index>(count_); }
+  Result<void> read_frame(Index k, std::span<double> out) override {
+    return whole_.read_frame(static_cast<Index>(begin_ + static_cast<py::ssize_t>(k) * step_), out);
+  }
+
+ private:
+  SharedMotion whole_;
+  py::ssize_t begin_, step_, count_;
+};
+
 std::shared_ptr<SharedMotion> array_motion(const py::handle& triangles, const py::handle& frames,
                                            std::string name) {
   py::object array = py::reinterpret_borrow<py::object>(frames);
@@ -47,6 +64,7 @@ std::shared_ptr<SharedMotion> array_motion(const py::handle& triangles, const py
     array = array[py::make_tuple(py::none(), py::ellipsis())];  // a single pose
   Numbers numbers = numbers_of(array, "frames", {-1, -1, 3}, "F x V x 3, or V x 3 for one");
   if (numbers.size() == 0) refuse("frames", "are empty", "give at least one frame of one vertex");
+  require_finite(numbers, "frames");
   Topology topology = take(Topology::make(static_cast<Index>(numbers.shape(1)), triangles_of(triangles)));
   return std::make_shared<SharedMotion>(
       std::make_unique<ArrayMotion>(std::move(name), std::move(topology), std::move(numbers)));
@@ -67,6 +85,7 @@ std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, doubl
     motions = take(open_motions(arguments, options));
   }
   std::vector<std::shared_ptr<SharedMotion>> shared;
+  shared.reserve(motions.size());
   for (auto& motion : motions) shared.push_back(std::make_shared<SharedMotion>(std::move(motion)));
   return shared;
 }
@@ -97,6 +116,21 @@ py::array read_frame(SharedMotion& motion, std::int64_t k) {
     take(motion.read_frame(static_cast<Index>(frame), positions));
   }
   return owned(std::move(positions), {vertices, 3});
+}
+
+py::object item_of(SharedMotion& motion, const py::object& index) {
+  if (!PySlice_Check(index.ptr())) {
+    const py::ssize_t frame = PyNumber_AsSsize_t(index.ptr(), PyExc_IndexError);
+    if (frame == -1 && PyErr_Occurred() != nullptr) throw py::error_already_set();
+    return read_frame(motion, frame);
+  }
+  py::ssize_t begin = 0, end = 0, step = 0, count = 0;
+  const auto slice = index.cast<py::slice>();
+  if (!slice.compute(motion.frame_count(), &begin, &end, &step, &count)) throw py::error_already_set();
+  if (count == 0)
+    refuse("slice", "selects none of " + std::to_string(motion.frame_count()) + " frames",
+           "select at least one");
+  return py::cast(std::make_shared<SharedMotion>(std::make_unique<SlicedMotion>(motion, begin, step, count)));
 }
 
 py::array triangles_of_motion(const py::object& self) {
@@ -148,7 +182,8 @@ void bind_motions(py::module_& module) {
   py::class_<SharedMotion, std::shared_ptr<SharedMotion>>(
       module, "Motion",
       "Triangles, and positions of their vertices in every frame; frames are read on demand.\n\n"
-      "motion[k] is frame k; iterating over a motion yields its frames. Thread-safe.")
+      "motion[k] is frame k, motion[10:20] and motion[::2] are motions of these frames; iterating over a "
+      "motion yields its frames. Motions are equal when triangles and positions are. Thread-safe.")
       .def(py::init(&array_motion), py::arg("triangles"), py::arg("frames"), py::arg("name") = "array",
            "From arrays: triangles T x 3 vertex ids (integers), frames F x V x 3 in mesh units.\n\n"
            "Float64 in C order is used in place, so do not change it while a call runs; everything else is "
@@ -160,9 +195,10 @@ void bind_motions(py::module_& module) {
       .def_property_readonly(
           "vertex_count", [](const SharedMotion& m) { return m.topology().vertex_count(); }, "V.")
       .def("__len__", &SharedMotion::frame_count)
-      .def("__getitem__", &read_frame, py::arg("frame"),
-           "V x 3 float64, a new array, in mesh units; negative numbers count from the end.\n\n"
-           "Error: this frame cannot be read. IndexError: it does not exist.");
+      .def("__getitem__", &item_of, py::arg("index"),
+           "A frame: V x 3 float64, a new array, in mesh units; negative numbers count from the end. For a "
+           "slice: a Motion of these frames, which are read on demand.\n\n"
+           "Error: the frame cannot be read; the slice selects none. IndexError: the frame does not exist.");
   module.def("open_motion", &open_one, py::arg("fps") = 24.0, py::arg("weld") = false,
              "Opens one motion: OBJ, OFF or PLY (with .pc2 or .mdd), a directory of them, glTF, GLB, NPZ.\n\n"
              "fps: sampling rate of animated glTF. weld: merge vertices that coincide in the first frame. "

@@ -66,9 +66,8 @@ StepSettings step_settings(const py::kwargs& settings) {
   return s;
 }
 
-std::string with_settings(const char* doc) {
-  return std::string(doc) +
-         "\n\nsettings, all by keyword:\n"
+std::string settings_documentation() {
+  return "settings, all by keyword:\n"
          "  within=True          collisions of each object with itself\n"
          "  between=True         collisions of every two objects\n"
          "  thickness=0.0        mesh units; closer than or equal to this is a collision\n"
@@ -84,6 +83,8 @@ std::string with_settings(const char* doc) {
          "  mode='proven'        or 'paper', which is STATISTICAL and can miss collisions\n"
          "  miss_rate=0.01       mode 'paper': the largest share of misses in training";
 }
+
+std::string with_settings(const char* doc) { return std::string(doc) + "\n\n" + settings_documentation(); }
 
 py::dict work_of(const Work& work) {
   py::dict d;

@@ -19,48 +19,15 @@ struct Checker {
 
 std::unique_ptr<Checker> make_checker(const py::object& objects) {
   auto made = std::make_unique<Checker>();
-  for (const auto& object : items_of(objects)) {
-    if (py::isinstance<Model>(object)) {
-      made->objects.push_back(object.cast<std::shared_ptr<Model>>()->object());
-    } else if (py::isinstance<Hierarchy>(object)) {
-      made->objects.emplace_back(std::shared_ptr<const Hierarchy>(object.cast<std::shared_ptr<Hierarchy>>()));
-    } else {
-      throw py::type_error("objects: expected a foldproof.Hierarchy or a foldproof.Model, or a list of them");
-    }
-  }
-  if (made->objects.empty()) refuse("objects", "are none", "give at least one");
+  made->objects = objects_of(objects);
   made->checker.emplace(made->objects);
   return made;
-}
-
-/// Positions of all objects at one time; keeps the arrays.
-struct Pose {
-  std::vector<Numbers> arrays;
-  std::vector<std::span<const double>> spans;
-};
-
-Pose pose_of(const py::object& x, const char* what, const Checker& checker) {
-  const py::list items = items_of(x);
-  if (items.size() != checker.objects.size()) {
-    refuse(what,
-           "has " + std::to_string(items.size()) + " arrays for " + std::to_string(checker.objects.size()) +
-               " objects",
-           "give a list with one array V x 3 per object");
-  }
-  Pose pose;
-  for (std::size_t k = 0; k < items.size(); ++k) {
-    const Index vertices = checker.objects[k].hierarchy()->topology().vertex_count();
-    const std::string layout = "V x 3 with V = " + std::to_string(vertices);
-    pose.arrays.push_back(numbers_of(items[k], what, {vertices, 3}, layout.c_str()));
-    pose.spans.push_back(span_of(pose.arrays.back()));
-  }
-  return pose;
 }
 
 std::unique_ptr<StepResult> check(Checker& self, const py::object& x0, const py::object& x1,
                                   const py::kwargs& settings) {
   const StepSettings step = step_settings(settings);
-  const Pose from = pose_of(x0, "x0", self), to = pose_of(x1, "x1", self);
+  const Pose from = pose_of(x0, "x0", self.objects), to = pose_of(x1, "x1", self.objects);
   auto result = std::make_unique<StepResult>();
   const py::gil_scoped_release unlocked;
   const std::lock_guard lock(self.mutex);
@@ -70,7 +37,7 @@ std::unique_ptr<StepResult> check(Checker& self, const py::object& x0, const py:
 
 std::unique_ptr<StaticResult> check_static(Checker& self, const py::object& x, const py::kwargs& settings) {
   const StepSettings step = step_settings(settings);
-  const Pose pose = pose_of(x, "x", self);
+  const Pose pose = pose_of(x, "x", self.objects);
   auto result = std::make_unique<StaticResult>();
   const py::gil_scoped_release unlocked;
   const std::lock_guard lock(self.mutex);
@@ -154,6 +121,39 @@ void bind_answers(py::module_& module) {
 }
 
 }  // namespace
+
+std::vector<Object> objects_of(const py::object& objects) {
+  std::vector<Object> all;
+  for (const auto& object : items_of(objects)) {
+    if (py::isinstance<Model>(object)) {
+      all.push_back(object.cast<std::shared_ptr<Model>>()->object());
+    } else if (py::isinstance<Hierarchy>(object)) {
+      all.emplace_back(std::shared_ptr<const Hierarchy>(object.cast<std::shared_ptr<Hierarchy>>()));
+    } else {
+      throw py::type_error("objects: expected a foldproof.Hierarchy or a foldproof.Model, or a list of them");
+    }
+  }
+  if (all.empty()) refuse("objects", "are none", "give at least one");
+  return all;
+}
+
+Pose pose_of(const py::object& x, const char* what, const std::vector<Object>& objects) {
+  const py::list items = items_of(x);
+  if (items.size() != objects.size()) {
+    refuse(
+        what,
+        "has " + std::to_string(items.size()) + " arrays for " + std::to_string(objects.size()) + " objects",
+        "give a list with one array V x 3 per object");
+  }
+  Pose pose;
+  for (std::size_t k = 0; k < items.size(); ++k) {
+    const Index vertices = objects[k].hierarchy()->topology().vertex_count();
+    const std::string layout = "V x 3 with V = " + std::to_string(vertices);
+    pose.arrays.push_back(numbers_of(items[k], what, {vertices, 3}, layout.c_str()));
+    pose.spans.push_back(span_of(pose.arrays.back()));
+  }
+  return pose;
+}
 
 void register_collision_types() {
   PYBIND11_NUMPY_DTYPE(VertexFaceCollision, vertex_object, vertex, face_object, face, toi, answer);

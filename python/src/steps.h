@@ -22,9 +22,23 @@ py::dict milliseconds_of(const StageTimes& times);
 /// A list or tuple unchanged, anything else as one item.
 py::list items_of(const py::object& one_or_several);
 
+/// A Hierarchy, a Model, or a list of them. TypeError: anything else. Refused: none.
+std::vector<Object> objects_of(const py::object& objects);
+
+/// Positions of all objects at one time; keeps the arrays.
+struct Pose {
+  std::vector<Numbers> arrays;
+  std::vector<std::span<const double>> spans;
+};
+
+/// One array V x 3 per object. Refused: other numbers and shapes of arrays.
+Pose pose_of(const py::object& x, const char* what, const std::vector<Object>& objects);
+
 /// Registers the NumPy types of collisions. Call it once.
 void register_collision_types();
 
+/// A line per setting.
+std::string settings_documentation();
 /// `doc`, followed by the documentation of the settings.
 std::string with_settings(const char* doc);
 

@@ -19,6 +19,6 @@ x0 = [[-9, -9, 0], [20, -9, 0], [-9, 20, 0], [0, 0, 0.6], [1, 0, 2], [0, 1, 2]]
 x1 = [[-9, -9, 0], [20, -9, 0], [-9, 20, 0], [0, 0, -0.4], [1, 0, 1], [0, 1, 1]]
 hit, = foldproof.check(foldproof.Motion([[0, 1, 2], [3, 4, 5]], [x0, x1])).vertex_face
 package = pathlib.Path(foldproof.__file__).parent
-assert (package / "py.typed").exists() and (package / "__init__.pyi").exists() and "venv" in str(package)
+assert (package / "py.typed").exists() and (package / "_core.pyi").exists() and "venv" in str(package)
 print(f"installed and works: {hit['face']} {hit['toi']:.3f}")
 TEXT

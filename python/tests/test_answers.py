@@ -67,7 +67,7 @@ def test_what_crosses_from_the_start_is_the_programs(triangles, frames, program,
     assert not found.clean and found.collisions == 0 and found.starts_crossing == len(theirs)
     mine = list(zip(found.start_crossings["triangle_a"], found.start_crossings["triangle_b"]))
     assert sorted(mine) == sorted(theirs)
-    assert repr(found) == (f"<foldproof.CheckResult: 0 collisions in 0 of 1 step; "
+    assert repr(found) == (f"<foldproof.CheckResult: 0 collisions in 0 of 1 step, 1 contact; "
                            f"frame 0 starts with {len(theirs)} crossing pairs of triangles>")
     counted = foldproof.check(motion, keep=False)
     assert counted.starts_crossing == len(theirs) and len(counted.start_crossings) == 0

@@ -93,8 +93,13 @@ def test_bad_triangles_are_refused(frames, bad, words):
 def test_bad_frames_name_frame_and_vertex(triangles, frames):
     frames = frames.copy()
     frames[3, 7, 1] = np.nan
+    with pytest.raises(ValueError, match=r"frames\[3, 7, 1\]: is not finite; give finite numbers"):
+        foldproof.Motion(triangles, frames)
+    changed = np.zeros_like(frames)
+    motion = foldproof.Motion(triangles, changed)
+    changed[3, 7, 1] = np.inf
     with pytest.raises(foldproof.Error, match="array, frame 3, vertex 7: a coordinate is not finite"):
-        foldproof.check(foldproof.Motion(triangles, frames))
+        foldproof.check(motion)
     with pytest.raises(foldproof.Error, match="give F x V x 3"):
         foldproof.Motion(triangles, frames[:, :, :2])
     with pytest.raises(foldproof.Error, match="frames: are empty"):
