@@ -68,12 +68,12 @@ class Proofs(unittest.TestCase):
     def test_an_operation_of_the_code(self):
         self.copy("n_corners.g")
         self.edit("src/ccd/lanes.h", "const V s = hn::Sub(Number(1), t);", "const V s = hn::Sub(t, Number(1));")
-        self.refuses("src/ccd/lanes.h has no longer the line: const V s", "--code")
+        self.refuses("src/ccd/lanes.h no longer has the line: const V s", "--code")
 
     def test_a_constant_that_is_gone(self):
         self.copy("n1_threshold.g")
         self.edit("src/ccd/bounds.h", "kDotError", "kProjectionError")
-        self.refuses("src/ccd/bounds.h has no longer the constant", "--code")
+        self.refuses("src/ccd/bounds.h no longer has the constant", "--code")
 
     def test_the_table_names_all_proofs(self):
         self.copy("n_corners.g")
