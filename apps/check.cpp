@@ -117,11 +117,11 @@ void add_report_options(const Subcommand& check, CheckArguments& a) {
       .reads(
           check.add_option("--parts", a.parts,
                            "Names of an object's parts, for contacts: a text file with a name per triangle; "
-                           "one for each object, in order"))
+                           "one for each object, in order [those that the motion's file names]"))
       .type_name("FILE")
       .one_value_each_time()
       .group(group);
-  check.add_option("--unit", a.unit, "What a mesh unit is, such as cm: named beside lengths")
+  check.add_option("--unit", a.unit, "What a mesh unit is, such as cm: named beside lengths [m for glTF]")
       .type_name("NAME")
       .group(group);
   check.add_flag("--quiet", a.quiet, "Print nothing but errors").group(group);

@@ -15,7 +15,7 @@ std::string time_name(double time) { return fmt::format("{:.6g}", time); }
 
 // The parts or objects; the place where there is only one object.
 std::string who(const Contact& contact, Motions motions, const CheckSettings& settings) {
-  if (motions.size() == 1 && settings.parts.empty()) {
+  if (motions.size() == 1 && parts_of(0, motions, settings).names.empty()) {
     const Vec3& at = contact.point;
     return fmt::format("at ({:.3g}, {:.3g}, {:.3g})", at[0], at[1], at[2]);
   }
@@ -55,12 +55,13 @@ std::string contact_lines(Motions motions, const CheckSettings& settings, const 
   struct Line {
     std::string number, who, when, bad;
   };
+  const std::string unit = unit_of(motions, settings);
   std::vector<Line> lines;
   std::array<std::size_t, 3> width{};
   for (const Contact& contact : std::span(totals.contacts).first(std::min(count, totals.contacts.size()))) {
     const Line& line =
         lines.emplace_back(Line{fmt::format("#{}", contact.number), who(contact, motions, settings),
-                                when(contact), how_bad(contact, settings.unit)});
+                                when(contact), how_bad(contact, unit)});
     width[0] = std::max(width[0], line.number.size());
     width[1] = std::max(width[1], line.who.size());
     width[2] = std::max(width[2], line.when.size());

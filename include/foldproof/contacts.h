@@ -23,6 +23,10 @@ struct ContactFrame {
   /// The largest distance of what is inside to the other surface, mesh units. None: neither side has a
   /// region; curve_length says how large the contact is instead.
   std::optional<double> depth;
+
+  /// How bad it is, as a depth in mesh units: the depth; without one, a twentieth of curve_length, which is
+  /// as deep as contacts with such curves usually are (docs/contacts.md).
+  double severity() const { return depth.value_or(curve_length / 20); }
 };
 
 /// One contact: colliding features and crossing triangles that are connected on both surfaces and in time.
@@ -54,7 +58,7 @@ struct Contact {
 
   /// The frames in which triangles cross, ascending. Empty: surfaces touch between frames only.
   std::vector<ContactFrame> frames;
-  /// Index of the worst frame: the deepest one; without a depth, the one with the longest curve.
+  /// Index of the worst frame: the one with the largest severity.
   std::size_t worst = 0;
   /// Where it is, in the worst frame: the deepest point, or the curve's middle; without frames the place of
   /// first impact.
@@ -66,12 +70,14 @@ struct Contact {
   /// Curves in the worst frame, as polylines; a closed one repeats its first point.
   std::vector<std::vector<Vec3>> curves;
 
+  /// In the worst frame.
   std::optional<double> depth() const {
     return frames.empty() ? std::optional<double>() : frames[worst].depth;
   }
 };
 
-/// Whether `a` is worse than `b`: deeper, else with a longer curve, else with more pairs, else first.
+/// Whether `a` is worse than `b`: more severe in its worst frame, where one that crosses is worse than one
+/// that only touches; else with more pairs; else first.
 bool is_worse(const Contact& a, const Contact& b);
 
 /// A number per triangle of an object: which part of it the triangle belongs to. Empty: no parts.

@@ -3,11 +3,18 @@
 
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "foldproof/mesh.h"
 
 namespace foldproof {
+
+/// Parts of a mesh, by name.
+struct ObjectParts {
+  std::vector<std::string> names;
+  std::vector<Index> of_triangle;  ///< An index into names for each triangle; empty: there are no parts.
+};
 
 /// One topology and its frames, read one at a time; memory holds a frame or two, never the sequence.
 class Motion {
@@ -16,6 +23,11 @@ class Motion {
   /// The file or directory it came from, for messages.
   virtual const std::string& name() const = 0;
   virtual const Topology& topology() const = 0;
+  /// The parts that the file names, such as the groups of an OBJ (docs/formats.md). None where it names fewer
+  /// than two.
+  virtual const ObjectParts& parts() const;
+  /// What a mesh unit is, where the format defines it: "m" for glTF. Empty: not known.
+  virtual std::string unit() const { return {}; }
   /// At least 1.
   virtual Index frame_count() const = 0;
   /// Fills `out` (vertex_count x 3, row-major, mesh units) with frame `k` < frame_count(). Frames may be read
@@ -69,11 +81,12 @@ class FileWriter {
 Result<void> write_ply(const std::string& path, const Topology& topology, std::span<const double> positions,
                        std::span<const std::uint8_t> marks);
 
-/// A PLY property of faces.
+/// A PLY property of faces: one value per triangle. The PLY type is that of the values.
 struct FaceProperty {
-  const char* type;  ///< "uchar" or "char".
   const char* name;
-  std::span<const std::uint8_t> values;  ///< One per triangle, the bytes of `type`.
+  std::variant<std::span<const std::uint8_t>, std::span<const std::int8_t>, std::span<const std::int32_t>,
+               std::span<const float>>
+      values;
 };
 
 /// As write_ply, with any properties.

@@ -36,7 +36,7 @@ void swap_sides(Open& open) {
 }
 
 bool is_worse_frame(const ContactFrame& a, const ContactFrame& b) {
-  const auto key = [](const ContactFrame& f) { return std::pair(f.depth.value_or(-1), f.curve_length); };
+  const auto key = [](const ContactFrame& f) { return std::pair(f.severity(), f.curve_length); };
   return key(a) > key(b);
 }
 
@@ -70,9 +70,7 @@ std::vector<ContactFrame> joined_frames(const std::vector<ContactFrame>& a,
 
 bool is_worse(const Contact& a, const Contact& b) {
   const auto key = [](const Contact& c) {
-    const bool crosses = !c.frames.empty();
-    return std::tuple(crosses ? c.frames[c.worst].depth.value_or(-1) : -2.0,
-                      crosses ? c.frames[c.worst].curve_length : 0.0, c.pairs);
+    return std::pair(c.frames.empty() ? -1.0 : c.frames[c.worst].severity(), c.pairs);
   };
   if (key(a) != key(b)) return key(a) > key(b);
   return a.number < b.number;

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/try.h"
-#include "io/gltf_scene.h"
+#include "io/gltf_parts.h"
 #include "io/readers.h"
 
 namespace foldproof::io {
@@ -43,18 +43,22 @@ class GltfMotion final : public Motion {
     frames_ = static_cast<Index>(std::max(frames, 1.0));
     FOLDPROOF_TRY(check_size());
     std::vector<Triangle> triangles;
+    std::vector<GltfTriangles> runs;
     for (const std::size_t node : scene_.mesh_nodes) {
-      FOLDPROOF_TRY(add_node(node, triangles));
+      FOLDPROOF_TRY(add_node(node, triangles, runs));
     }
     if (triangles.empty())
       return fail(ErrorCode::InvalidFile, name(), "shows no triangles",
                   "export a scene with triangle meshes");
+    parts_ = gltf_parts(scene_, runs, triangles);
     topology_ = FOLDPROOF_TRY(Topology::make(static_cast<Index>(vertex_count_), std::move(triangles)));
     return {};
   }
 
   const std::string& name() const override { return document_.path(); }
   const Topology& topology() const override { return topology_; }
+  const ObjectParts& parts() const override { return parts_; }
+  std::string unit() const override { return "m"; }
   Index frame_count() const override { return frames_; }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
@@ -122,7 +126,8 @@ class GltfMotion final : public Motion {
   }
 
   /// Adds the vertices and triangles of a node's mesh.
-  Result<void> add_node(std::size_t node, std::vector<Triangle>& triangles) {
+  Result<void> add_node(std::size_t node, std::vector<Triangle>& triangles,
+                        std::vector<GltfTriangles>& runs) {
     const std::size_t mesh_index = *scene_.nodes[node].mesh;
     const GltfMesh& mesh = scene_.meshes[mesh_index];
     std::vector<std::size_t> first_vertex;
@@ -142,6 +147,8 @@ class GltfMotion final : public Motion {
                     "export the file again");
       }
       const std::uint64_t count = primitive.mode == 4 ? corners / 3 : corners - 2;
+      const auto offset = static_cast<Index>(first_vertex[primitive.vertex_set]);
+      runs.push_back({node, &primitive, count, offset});
       for (std::uint64_t i = 0; i < count; ++i) {
         Triangle triangle;
         const auto corner = triangle_corners(primitive.mode, i);
@@ -153,7 +160,7 @@ class GltfMotion final : public Motion {
                                     v, vertices),
                         "export the file again");
           }
-          triangle[c] = static_cast<Index>(first_vertex[primitive.vertex_set] + v);
+          triangle[c] = static_cast<Index>(offset + v);
         }
         triangles.push_back(triangle);
       }
@@ -290,6 +297,7 @@ class GltfMotion final : public Motion {
   std::size_t vertex_count_ = 0;
   std::vector<Instance> instances_;
   Topology topology_;
+  ObjectParts parts_;
   std::vector<GltfNode> posed_nodes_;
   std::vector<Eigen::Matrix4d> world_;
   std::vector<std::vector<Affine>> joints_;  // per skin; empty until needed in this frame

@@ -18,6 +18,8 @@ class SceneReader {
 
   Result<GltfScene> read() {
     read_nodes();
+    for (const Json& material : document_.list("materials"))
+      scene_.materials.push_back(document_.text(material, "name", ""));
     if (!failed()) order_nodes();
     if (!failed()) read_meshes();
     if (!failed()) read_skins();
@@ -40,6 +42,7 @@ class SceneReader {
 
   void read_node(const Json& json, std::size_t i, const std::string& json_path) {
     GltfNode& node = scene_.nodes[i];
+    node.name = document_.text(json, "name", "");
     Eigen::Matrix4d matrix;  // glTF and Eigen both store columns
     if (document_.numbers(json, "matrix", {matrix.data(), 16}, json_path)) node.matrix = matrix;
     document_.numbers(json, "translation", {node.translation.data(), 3}, json_path);
@@ -115,6 +118,7 @@ class SceneReader {
     for (std::size_t i = 0; i < meshes.size() && !failed(); ++i) {
       const std::string json_path = fmt::format("meshes[{}]", i);
       GltfMesh mesh;
+      mesh.name = document_.text(meshes[i], "name", "");
       std::map<std::vector<std::size_t>, std::size_t> sets;
       std::size_t number = 0;
       for (const Json& primitive : document_.list(meshes[i], "primitives", json_path)) {
@@ -151,6 +155,7 @@ class SceneReader {
         document_.set_error(json_path, "indices are not unsigned integers in a buffer");
       }
     }
+    primitive.material = document_.optional_count(json, "material", json_path);
     const std::size_t targets = mesh.vertex_sets[primitive.vertex_set].targets.size();
     if (!mesh.primitives.empty() && targets != mesh.targets) {
       document_.set_error(json_path, "has another number of morph targets than the primitive before");

@@ -9,6 +9,7 @@
 namespace foldproof::io {
 
 struct GltfNode {
+  std::string name;
   std::optional<Eigen::Matrix4d> matrix;  ///< If given, replaces the three below.
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
@@ -29,9 +30,11 @@ struct GltfPrimitive {
   std::size_t vertex_set = 0;
   std::optional<GltfAccessor> indices;
   std::uint64_t mode = 4;  ///< 4 triangles, 5 strip, 6 fan.
+  std::optional<std::size_t> material;
 };
 
 struct GltfMesh {
+  std::string name;
   std::vector<GltfVertexSet> vertex_sets;
   std::vector<GltfPrimitive> primitives;  ///< Of triangles only.
   std::vector<double> weights;
@@ -59,6 +62,7 @@ struct GltfScene {
   std::vector<std::size_t> mesh_nodes;     ///< Nodes of the scene that have a mesh, depth first.
   std::vector<GltfMesh> meshes;
   std::vector<GltfSkin> skins;
+  std::vector<std::string> materials;  ///< Names.
   std::vector<GltfChannel> channels;  ///< At most one per path of a node.
   double duration = 0;                ///< Time of the last key of any channel, seconds.
 };

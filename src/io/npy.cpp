@@ -12,6 +12,7 @@ namespace foldproof::io {
 namespace {
 
 constexpr std::string_view kMagic("\x93NUMPY", 6);
+constexpr std::size_t kMaxText = std::size_t{1} << 20;  // characters of an element
 
 /// Parses the header's text, a Python dictionary as NumPy writes it.
 class DictionaryParser {
@@ -70,8 +71,8 @@ class DictionaryParser {
   }
   bool parse_type(NpyHeader& header) {
     const auto type = string();
-    if (!type || type->size() != 3) return false;
-    const char order = (*type)[0], digit = (*type)[2];
+    if (!type || type->size() < 3) return false;
+    const char order = (*type)[0];
     if (order == '>') {
       header.order = std::endian::big;
     } else if (order == '=') {
@@ -80,8 +81,14 @@ class DictionaryParser {
       return false;
     }
     header.kind = (*type)[1];
-    header.item_bytes = static_cast<std::size_t>(digit - '0');
-    return digit == '1' || digit == '2' || digit == '4' || digit == '8';
+    const char* end = type->data() + type->size();
+    const auto [stop, status] = std::from_chars(type->data() + 2, end, header.item_bytes);
+    if (status != std::errc() || stop != end) return false;
+    if (header.kind != 'S' && header.kind != 'U')
+      return std::has_single_bit(header.item_bytes) && header.item_bytes <= 8;
+    if (header.item_bytes == 0 || header.item_bytes > kMaxText) return false;
+    if (header.kind == 'U') header.item_bytes *= 4;
+    return true;
   }
   bool parse_shape(std::vector<std::uint64_t>& shape) {
     if (!accept('(')) return false;
@@ -120,6 +127,21 @@ Result<NpyHeader> parse_npy_header(const std::string& where, std::string_view by
     return bad("has an array header that is not understood");
   }
   return header;
+}
+
+std::int64_t load_integer(const char* bytes, const NpyHeader& header) {
+  const bool is_signed = header.kind == 'i';
+  switch (header.item_bytes) {
+    case 1:
+      return is_signed ? load<std::int8_t>(bytes, header.order) : load<std::uint8_t>(bytes, header.order);
+    case 2:
+      return is_signed ? load<std::int16_t>(bytes, header.order) : load<std::uint16_t>(bytes, header.order);
+    case 4:
+      return is_signed ? load<std::int32_t>(bytes, header.order)
+                       : static_cast<std::int64_t>(load<std::uint32_t>(bytes, header.order));
+    default:
+      return load<std::int64_t>(bytes, header.order);
+  }
 }
 
 std::string npy_header(std::string_view type, std::span<const std::uint64_t> shape) {

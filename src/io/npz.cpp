@@ -4,34 +4,13 @@
 #include "base/try.h"
 #include "io/bytes.h"
 #include "io/npz_array.h"
+#include "io/npz_parts.h"
 #include "io/readers.h"
 
 namespace foldproof::io {
 namespace {
 
 constexpr const char* kNameArrays = "save arrays named 'faces' and 'vertices'";
-
-/// The id at `bytes`, or kNoIndex when it is not in range.
-Index load_index(const char* bytes, const NpyHeader& h) {
-  const auto narrow = [](auto value) {
-    return value >= 0 && static_cast<std::uint64_t>(value) < kNoIndex ? static_cast<Index>(value) : kNoIndex;
-  };
-  const bool is_signed = h.kind == 'i';
-  switch (h.item_bytes) {
-    case 1:
-      return is_signed ? narrow(load<std::int8_t>(bytes, h.order))
-                       : narrow(load<std::uint8_t>(bytes, h.order));
-    case 2:
-      return is_signed ? narrow(load<std::int16_t>(bytes, h.order))
-                       : narrow(load<std::uint16_t>(bytes, h.order));
-    case 4:
-      return is_signed ? narrow(load<std::int32_t>(bytes, h.order))
-                       : narrow(load<std::uint32_t>(bytes, h.order));
-    default:
-      return is_signed ? narrow(load<std::int64_t>(bytes, h.order))
-                       : narrow(load<std::uint64_t>(bytes, h.order));
-  }
-}
 
 class NpzMotion final : public Motion {
  public:
@@ -45,11 +24,14 @@ class NpzMotion final : public Motion {
       FOLDPROOF_TRY(array->open(archive_.get(), name_, bytes, name, kNameArrays));
     }
     FOLDPROOF_TRY(check_vertices());
-    return read_faces(faces);
+    FOLDPROOF_TRY(read_faces(faces));
+    parts_ = FOLDPROOF_TRY(npz_parts(archive_.get(), name_, bytes, topology_.triangles().size()));
+    return {};
   }
 
   const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
+  const ObjectParts& parts() const override { return parts_; }
   Index frame_count() const override { return frames_; }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
@@ -102,14 +84,14 @@ class NpzMotion final : public Motion {
     std::vector<Triangle> triangles(header.shape[0]);
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
-        const Index v = load_index(bytes.data() + (3 * i + k) * header.item_bytes, header);
-        if (v >= vertex_count_) {
+        const std::int64_t v = load_integer(bytes.data() + (3 * i + k) * header.item_bytes, header);
+        if (v < 0 || static_cast<std::uint64_t>(v) >= vertex_count_) {
           return fail(ErrorCode::InvalidFile, fmt::format("{}, face {}", faces.where(), i),
                       fmt::format("refers to a vertex that does not exist: there are {}, counting from 0",
                                   vertex_count_),
                       kSaveArrayAgain);
         }
-        triangles[i][k] = v;
+        triangles[i][k] = static_cast<Index>(v);
       }
     }
     topology_ = FOLDPROOF_TRY(Topology::make(static_cast<Index>(vertex_count_), std::move(triangles)));
@@ -122,6 +104,7 @@ class NpzMotion final : public Motion {
   std::uint64_t vertex_count_ = 0;
   Index frames_ = 0;
   Topology topology_;
+  ObjectParts parts_;
   std::vector<char> buffer_;
 };
 

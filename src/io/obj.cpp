@@ -2,6 +2,7 @@
 // indices of vertices that follow later.
 #include <fmt/format.h>
 
+#include "io/parts.h"
 #include "io/readers.h"
 #include "io/text.h"
 
@@ -21,6 +22,12 @@ class ObjParser {
         read = read_vertex();
       } else if (keyword == "f" || keyword == "fo") {  // "fo" is an obsolete form of "f"
         read = read_face();
+      } else if (keyword == "o") {
+        begin_part(objects_);
+      } else if (keyword == "g") {
+        begin_part(groups_);
+      } else if (keyword == "usemtl") {
+        begin_part(materials_);
       }  // other statements affect neither positions nor connectivity
       if (!read) return tl::unexpected(read.error());
     }
@@ -30,10 +37,19 @@ class ObjParser {
           fmt::format("face refers to vertex {}, but there are {}", highest_.index + 1, mesh_.vertex_count()),
           "export the mesh again");
     }
+    for (const NameRuns* names : {&objects_, &groups_, &materials_}) {
+      if (mesh_.parts.names.empty()) mesh_.parts = names->parts(mesh_.triangles.size());
+    }
     return std::move(mesh_);
   }
 
  private:
+  // Statements without a name are the default group's.
+  void begin_part(NameRuns& names) {
+    const std::string_view name = cursor_.rest_of_line();
+    names.begin(mesh_.triangles.size(), name.empty() ? "default" : name);
+  }
+
   // Columns after the third (a weight or a color) are ignored.
   Result<void> read_vertex() {
     for (int k = 0; k < 3; ++k) {
@@ -84,6 +100,7 @@ class ObjParser {
   TextCursor cursor_;
   MeshData mesh_;
   std::vector<Index> polygon_;
+  NameRuns objects_, groups_, materials_;
   // Faces may precede their vertices, so the highest index is checked at the end.
   struct {
     std::int64_t index = -1;

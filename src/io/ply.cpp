@@ -8,6 +8,7 @@
 
 #include "base/try.h"
 #include "io/bytes.h"
+#include "io/parts.h"
 #include "io/readers.h"
 #include "io/text.h"
 
@@ -33,7 +34,7 @@ std::optional<PlyType> ply_type(std::string_view name) {
 }
 
 /// The role of a property in the mesh. The values of X, Y and Z are the coordinate's index.
-enum class Role : std::uint8_t { X, Y, Z, Polygon, None };
+enum class Role : std::uint8_t { X, Y, Z, Polygon, Part, None };
 
 struct Property {
   PlyType type;
@@ -60,6 +61,7 @@ struct Header {
   std::size_t size = 0;  ///< Bytes, including the line end after end_header.
   std::uint64_t lines = 0;
   std::uint64_t vertices = 0;
+  std::string_view part_kind;  ///< What the property with Role::Part holds.
 };
 
 class HeaderParser {
@@ -148,6 +150,11 @@ class HeaderParser {
       if (!property.count || value->is_float)
         return error("the vertices of a face are not a list of integers");
       property.role = Role::Polygon;
+    }
+    if (element.name == "face" && !property.count && !value->is_float && !element.has(Role::Part) &&
+        !part_kind(name).empty()) {
+      property.role = Role::Part;
+      header_.part_kind = part_kind(name);
     }
     if (property.role != Role::None && element.has(property.role)) {
       return error(fmt::format("property '{}' is declared twice", name));
@@ -303,6 +310,7 @@ class BodyParser {
       return fail(ErrorCode::InvalidFile, source_.where(), "there is more data than the header announces",
                   "export the mesh again");
     }
+    mesh_.parts = parts_by_number(header_.part_kind, parts_);
     return std::move(mesh_);
   }
 
@@ -314,6 +322,7 @@ class BodyParser {
 
   Result<void> read_record(const Element& element, std::uint64_t record) {
     std::array<double, 3> position{};
+    std::optional<std::int64_t> part;
     if (!source_.begin_record()) return error(Scan::Missing, element, record);
     for (const Property& property : element.properties) {
       if (property.count) {
@@ -324,7 +333,11 @@ class BodyParser {
       const Scan scan = source_.value(property.type, value);
       const bool used = property.role != Role::None;
       if (scan != Scan::Ok && (used || scan != Scan::NotFinite)) return error(scan, element, record);
-      if (used) position[static_cast<std::size_t>(property.role)] = value;
+      if (property.role == Role::Part) {
+        part = static_cast<std::int64_t>(std::clamp(value, -0x1p53, 0x1p53));  // text may exceed the type
+      } else if (used) {
+        position[static_cast<std::size_t>(property.role)] = value;
+      }
     }
     if (!source_.end_record()) {
       return fail(ErrorCode::InvalidFile, source_.where(),
@@ -334,6 +347,7 @@ class BodyParser {
     if (element.name == "vertex") {
       mesh_.positions.insert(mesh_.positions.end(), position.begin(), position.end());
     }
+    if (part) parts_.resize(mesh_.triangles.size(), *part);
     return {};
   }
 
@@ -369,6 +383,7 @@ class BodyParser {
   const Header& header_;
   Source source_;
   MeshData mesh_;
+  std::vector<std::int64_t> parts_;  // per triangle
   std::vector<Index> polygon_;
 };
 

@@ -19,11 +19,12 @@ struct Layout {
 
 class PointCache final : public Motion {
  public:
-  PointCache(std::string name, Topology topology, InputFile file, Layout layout)
-      : name_(std::move(name)), topology_(std::move(topology)), file_(std::move(file)), layout_(layout) {}
+  PointCache(InputFile file, Layout layout, Topology topology, ObjectParts parts)
+      : topology_(std::move(topology)), parts_(std::move(parts)), file_(std::move(file)), layout_(layout) {}
 
-  const std::string& name() const override { return name_; }
+  const std::string& name() const override { return file_.path(); }
   const Topology& topology() const override { return topology_; }
+  const ObjectParts& parts() const override { return parts_; }
   Index frame_count() const override { return static_cast<Index>(layout_.frames); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
@@ -37,8 +38,8 @@ class PointCache final : public Motion {
   }
 
  private:
-  std::string name_;
   Topology topology_;
+  ObjectParts parts_;
   InputFile file_;
   Layout layout_;
   std::vector<char> buffer_;
@@ -122,7 +123,7 @@ Result<std::unique_ptr<Motion>> open_cache(const std::string& mesh_path, const s
   auto mesh = FOLDPROOF_TRY(read_mesh(mesh_path));
   FOLDPROOF_TRY(check_layout(file, layout, mesh.vertex_count(), mesh_path));
   auto topology = FOLDPROOF_TRY(Topology::make(mesh.vertex_count(), std::move(mesh.triangles)));
-  return std::make_unique<PointCache>(cache_path, std::move(topology), std::move(file), layout);
+  return std::make_unique<PointCache>(std::move(file), layout, std::move(topology), std::move(mesh.parts));
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ struct MeshData {
   std::vector<double> positions;  ///< vertex_count x 3.
   std::vector<Triangle> triangles;
   std::vector<Index> faces;  ///< The file's face of each triangle; empty if every face is a triangle.
+  ObjectParts parts;         ///< Those that the file names.
 
   Index vertex_count() const { return static_cast<Index>(positions.size() / 3); }
   /// At least three vertices.

@@ -18,11 +18,13 @@ class MeshSequence final : public Motion {
     auto first = FOLDPROOF_TRY(read(0));
     topology_ = FOLDPROOF_TRY(Topology::make(first.vertex_count(), std::move(first.triangles)));
     first_ = std::move(first.positions);
+    parts_ = std::move(first.parts);
     return {};
   }
 
   const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
+  const ObjectParts& parts() const override { return parts_; }
   Index frame_count() const override { return static_cast<Index>(paths_.size()); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
@@ -77,6 +79,7 @@ class MeshSequence final : public Motion {
   std::string name_;
   std::vector<std::string> paths_;
   Topology topology_;
+  ObjectParts parts_;
   std::vector<double> first_;  // positions of frame 0, which open() reads
 };
 

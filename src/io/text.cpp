@@ -80,6 +80,15 @@ bool TextCursor::at_word_end() const {
 
 std::string_view TextCursor::word() { return at_line_end() ? std::string_view{} : tail(); }
 
+std::string_view TextCursor::rest_of_line() {
+  while (at_ != end_ && is_blank(*at_)) ++at_;
+  const char* begin = at_;
+  at_ = std::find_if(at_, end_, is_line_end);
+  std::string_view text(begin, static_cast<std::size_t>(at_ - begin));
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
 std::string_view TextCursor::tail() {
   const char* begin = at_;
   while (!at_word_end()) ++at_;

@@ -35,6 +35,8 @@ class TextCursor {
   bool skip_to_content();
   /// The next word on this line, empty at its end.
   std::string_view word();
+  /// All that follows on this line, comments too, without blanks around it.
+  std::string_view rest_of_line();
 
   Scan number(double& value);
   Scan integer(std::int64_t& value);

@@ -62,16 +62,22 @@ Result<void> require_sizes(const std::string& path, const Topology& topology,
   };
   if (positions.size() != 3 * vertices) return wrong(fmt::format("{} numbers", positions.size()));
   for (const FaceProperty& p : properties) {
-    if (p.values.size() != triangles) return wrong(fmt::format("{} values of '{}'", p.values.size(), p.name));
+    const std::size_t count = std::visit([](const auto& values) { return values.size(); }, p.values);
+    if (count != triangles) return wrong(fmt::format("{} values of '{}'", count, p.name));
   }
   return {};
+}
+
+const char* ply_type(const FaceProperty& property) {
+  static constexpr std::array<const char*, 4> kTypes{"uchar", "char", "int", "float"};  // in variant's order
+  return kTypes[property.values.index()];
 }
 
 }  // namespace
 
 Result<void> write_ply(const std::string& path, const Topology& topology, std::span<const double> positions,
                        std::span<const std::uint8_t> marks) {
-  const FaceProperty mark{"uchar", "mark", marks};
+  const FaceProperty mark{"mark", marks};
   return write_ply_properties(path, topology, positions, std::span(&mark, marks.empty() ? 0 : 1));
 }
 
@@ -85,7 +91,7 @@ Result<void> write_ply_properties(const std::string& path, const Topology& topol
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
       "property double z\nelement face {}\nproperty list uchar {} vertex_indices\n",
       topology.vertex_count(), triangles.size(), topology.vertex_count() <= kMaxSigned ? "int" : "uint");
-  for (const FaceProperty& p : properties) header += fmt::format("property {} {}\n", p.type, p.name);
+  for (const FaceProperty& p : properties) header += fmt::format("property {} {}\n", ply_type(p), p.name);
   FOLDPROOF_TRY(file.write(header + "end_header\n"));
   std::vector<char> bytes;
   for (const double x : positions) append(bytes, x);
@@ -94,7 +100,8 @@ Result<void> write_ply_properties(const std::string& path, const Topology& topol
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     bytes.push_back(3);
     for (const Index v : triangles[i]) append(bytes, v);
-    for (const FaceProperty& p : properties) bytes.push_back(static_cast<char>(p.values[i]));
+    for (const FaceProperty& p : properties)
+      std::visit([&](const auto& values) { append(bytes, values[i]); }, p.values);
   }
   FOLDPROOF_TRY(file.write(bytes));
   return file.commit();

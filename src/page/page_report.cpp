@@ -88,8 +88,7 @@ class PageReport final : public ReportWriter {
               embedded(version()));
     file_.add("\"made\":{},\"command\":{},", embedded(now()), embedded(info.command));
     file_.add("\"objects\":{},", embedded(objects_json(motions, info.check.settings)));
-    file_.add("\"settings\":{},\n\"steps\":[",
-              embedded(settings_json(info.check, motions.empty() ? 0 : motions[0]->frame_count())));
+    file_.add("\"settings\":{},\n\"steps\":[", embedded(settings_json(info.check, motions)));
     script_ = files.at(kScript);
     auto snapshots = Snapshots::open(motions, substeps_);
     if (snapshots) {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <unordered_map>
 
@@ -83,13 +84,24 @@ Result<ObjectParts> read_parts(const std::string& path, const Topology& topology
   return parts;
 }
 
+const ObjectParts& parts_of(Index object, Motions motions, const CheckSettings& settings) {
+  return settings.parts.empty() ? motions[object]->parts() : settings.parts[object];
+}
+
+std::string unit_of(Motions motions, const CheckSettings& settings) {
+  if (!settings.unit.empty() || motions.empty()) return settings.unit;
+  const std::string unit = motions.front()->unit();
+  const bool all = std::ranges::all_of(motions, [&](const auto& motion) { return motion->unit() == unit; });
+  return all ? unit : "";
+}
+
 std::array<std::string, 2> side_names(const Contact& contact, Motions motions,
                                       const CheckSettings& settings) {
   std::array<std::string, 2> names;
   for (std::size_t side = 0; side < 2; ++side) {
     const Contact::Side& s = contact.sides[side];
-    const bool has_part = s.object < settings.parts.size() && s.part != kNoIndex;
-    names[side] = has_part ? settings.parts[s.object].names[s.part] : motions[s.object]->name();
+    names[side] =
+        s.part == kNoIndex ? motions[s.object]->name() : parts_of(s.object, motions, settings).names[s.part];
   }
   return names;
 }

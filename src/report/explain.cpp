@@ -110,7 +110,8 @@ class ExplainPly : public ReportWriter {
     if (!positions_.empty() && tested <= max_tested_) return {};
     max_tested_ = tested;
     joined_.pose(step, 0, positions_);
-    for (auto& property : properties_) property.clear();
+    level_.clear();
+    for (auto& property : bytes_) property.clear();
     for (const Explanation::Object& object : step.explanation->objects) {
       for (std::size_t t = 0; t < object.level.size(); ++t) add_face(object.reason[t], object.level[t]);
     }
@@ -118,26 +119,28 @@ class ExplainPly : public ReportWriter {
   }
 
   Result<void> finish(const CheckTotals&) override {
-    static constexpr std::array<const char*, 5> kNames{"level", "reason", "red", "green", "blue"};
-    std::vector<FaceProperty> properties;
-    for (std::size_t i = 0; i < kNames.size(); ++i)
-      properties.push_back({i == 0 ? "char" : "uchar", kNames[i], properties_[i]});
+    const std::array<FaceProperty, 5> properties{{{"level", level_},
+                                                  {"reason", bytes_[0]},
+                                                  {"red", bytes_[1]},
+                                                  {"green", bytes_[2]},
+                                                  {"blue", bytes_[3]}}};
     return write_ply_properties(path_, joined_.topology, positions_, properties);
   }
 
  private:
   void add_face(Reason reason, std::int8_t level) {
-    properties_[0].push_back(static_cast<std::uint8_t>(level));
-    properties_[1].push_back(static_cast<std::uint8_t>(reason));
+    level_.push_back(level);
+    bytes_[0].push_back(static_cast<std::uint8_t>(reason));
     const auto color = explanation_color(reason, level);
-    for (std::size_t k = 0; k < 3; ++k) properties_[2 + k].push_back(color[k]);
+    for (std::size_t k = 0; k < 3; ++k) bytes_[1 + k].push_back(color[k]);
   }
 
   std::string path_;
   JoinedMesh joined_;
   std::uint64_t max_tested_ = 0;
   std::vector<double> positions_;
-  std::array<std::vector<std::uint8_t>, 5> properties_;
+  std::vector<std::int8_t> level_;
+  std::array<std::vector<std::uint8_t>, 4> bytes_;  // reason, red, green, blue
 };
 
 }  // namespace

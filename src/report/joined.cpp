@@ -25,10 +25,12 @@ void mark_faces(Motions motions, const CheckedStep& step, std::vector<std::uint8
   }
 }
 
-void mark_contacts(const JoinedMesh& joined, const ContactFinder& contacts, std::vector<std::int32_t>& number,
-                   std::vector<float>& depth) {
-  number.assign(joined.topology.triangles().size(), 0);
+void ContactMarks::update(const JoinedMesh& joined, const CheckedStep& step) {
+  if (!step.contacts) return;
+  const ContactFinder& contacts = *step.contacts;
+  number.assign(joined.topology.triangles().size(), contacts.is_known() ? 0 : -1);
   depth.assign(number.size(), 0);
+  if (!contacts.is_known()) return;
   const auto mark = [&](Index object, Index triangle, Index contact) {
     const std::size_t face = joined.first_face[object] + triangle;
     number[face] = static_cast<std::int32_t>(contact);

@@ -16,10 +16,15 @@ struct JoinedMesh {
 /// Per face of the joined mesh, 1 when it collides in the step.
 void mark_faces(Motions motions, const CheckedStep& step, std::vector<std::uint8_t>& out);
 
-/// Per face of the joined mesh: the contact in whose frame it crosses or is inside, 0 for none, and the
-/// contact's depth in that frame, 0 where it has none.
-void mark_contacts(const JoinedMesh& joined, const ContactFinder& contacts, std::vector<std::int32_t>& number,
-                   std::vector<float>& depth);
+/// The contacts of the joined mesh's faces in a frame. Empty where they are not looked for.
+struct ContactMarks {
+  /// The contact in which the face crosses or is inside, 0 for none; all -1 where that is not known.
+  std::vector<std::int32_t> number;
+  std::vector<float> depth;  ///< The contact's depth in this frame, 0 where it has none.
+
+  /// Marks the faces as of the step's end, if there are contacts.
+  void update(const JoinedMesh& joined, const CheckedStep& step);
+};
 
 /// Error, which names `option`: they are too large together.
 Result<JoinedMesh> join(Motions motions, const char* option);

@@ -16,9 +16,8 @@ class JsonReport : public ReportWriter {
         pairs_(info.pairs),
         poses_(info.settings.poses),
         statistical_(info.settings.step.mode == Mode::Paper) {
-    const Index frame_count = motions.empty() ? 0 : motions[0]->frame_count();
     file_.add("{{\"foldproof\":{},\n\"objects\":{},\n\"settings\":{},\n", dump(version()),
-              dump(objects_json(motions, info.settings)), dump(settings_json(info, frame_count)));
+              dump(objects_json(motions, info.settings)), dump(settings_json(info, motions)));
   }
 
   Result<void> start(const CheckedStep& pose) override {

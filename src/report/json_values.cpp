@@ -41,9 +41,10 @@ Json objects_json(Motions motions, const CheckSettings& settings) {
   return objects;
 }
 
-Json settings_json(const ReportInfo& info, Index frame_count) {
+Json settings_json(const ReportInfo& info, Motions motions) {
   const CheckSettings& settings = info.settings;
-  const std::vector<Index> frames = select_frames(settings.frames, frame_count);
+  const std::vector<Index> frames =
+      select_frames(settings.frames, motions.empty() ? 0 : motions[0]->frame_count());
   const Index first = frames.empty() ? 0 : frames.front(), last = frames.empty() ? 0 : frames.back();
   Json json = {{"static", settings.poses},
                {"frames", {{"first", first}, {"last", last}, {"step", settings.frames.step}}},
@@ -58,7 +59,7 @@ Json settings_json(const ReportInfo& info, Index frame_count) {
                {"certificates", settings.step.certificates},
                {"weld", info.read.weld},
                {"fps", info.read.fps}};
-  if (!settings.unit.empty()) json["unit"] = settings.unit;
+  if (const std::string unit = unit_of(motions, settings); !unit.empty()) json["unit"] = unit;
   if (settings.step.mode == Mode::Paper) {
     json["mode"] = "paper (STATISTICAL: can miss collisions)";
     json["miss_rate"] = settings.step.miss_rate;

@@ -16,7 +16,7 @@ Json to_json(const CollisionCounts& counts, bool poses);
 Json to_json(const StageTimes& times);
 Json to_json(const Work& work);
 Json objects_json(Motions motions, const CheckSettings& settings);
-Json settings_json(const ReportInfo& info, Index frame_count);
+Json settings_json(const ReportInfo& info, Motions motions);
 /// Adds the fields of statistical answers.
 void add_misses(Json& json, std::uint64_t missed, double proven_milliseconds);
 /// `lists`: with the triangles of both sides and the curves, in the worst frame.

@@ -23,8 +23,8 @@ Result<std::unique_ptr<MotionContacts>> MotionContacts::make(Motions motions, co
   topologies.reserve(motions.size());
   for (const auto& motion : motions) topologies.push_back(&motion->topology());
   Parts parts;
-  parts.reserve(settings.parts.size());
-  for (const ObjectParts& object : settings.parts) parts.emplace_back(object.of_triangle);
+  parts.reserve(motions.size());
+  for (Index i = 0; i < motions.size(); ++i) parts.emplace_back(parts_of(i, motions, settings).of_triangle);
   auto finder = FOLDPROOF_TRY(ContactFinder::make(std::move(topologies), std::move(parts)));
   return std::unique_ptr<MotionContacts>(new MotionContacts(settings, objects, std::move(finder)));
 }

@@ -44,6 +44,8 @@ class PlyReport : public ReportWriter {
   /// The first frame is also what is written when no step collides.
   Result<void> start(const CheckedStep& pose) override {
     mark_faces(motions_, pose, crosses_);
+    contacts_.update(joined_, pose);
+    kept_contacts_ = contacts_;
     joined_.pose(pose, 0, positions_);
     mark({});
     if (!pattern_.numbered || pose.collisions.sum() == 0) return {};
@@ -51,6 +53,17 @@ class PlyReport : public ReportWriter {
   }
 
   Result<void> step(const CheckedStep& step) override {
+    if (step.pose) contacts_.update(joined_, step);
+    FOLDPROOF_TRY(add(step));
+    if (!step.pose && !contacts_.number.empty())
+      contacts_.update(joined_, step);  // of the next step's first pose
+    return {};
+  }
+
+  Result<void> finish(const CheckTotals&) override { return pattern_.numbered ? Result<void>{} : write(0); }
+
+ private:
+  Result<void> add(const CheckedStep& step) {
     const std::uint64_t collisions = step.collisions.sum();
     if (pattern_.numbered) {
       if (collisions == 0) return {};
@@ -64,10 +77,8 @@ class PlyReport : public ReportWriter {
     return {};
   }
 
-  Result<void> finish(const CheckTotals&) override { return pattern_.numbered ? Result<void>{} : write(0); }
-
- private:
   void keep(const CheckedStep& step) {
+    kept_contacts_ = contacts_;
     joined_.pose(step, step.collisions.sum() > 0 ? step.earliest_toi : 0, positions_);
     std::vector<std::uint8_t> collides;
     mark_faces(motions_, step, collides);
@@ -83,7 +94,11 @@ class PlyReport : public ReportWriter {
   }
 
   Result<void> write(std::uint64_t number) const {
-    return write_ply(pattern_.name(number), joined_.topology, positions_, marks_);
+    const std::array<FaceProperty, 3> properties{
+        {{"mark", marks_}, {"contact", kept_contacts_.number}, {"contact_depth", kept_contacts_.depth}}};
+    const std::size_t count = kept_contacts_.number.empty() ? 1 : 3;
+    return write_ply_properties(pattern_.name(number), joined_.topology, positions_,
+                                std::span(properties).first(count));
   }
 
   Pattern pattern_;
@@ -93,6 +108,8 @@ class PlyReport : public ReportWriter {
   std::uint64_t max_collisions_ = 0;
   std::vector<double> positions_;
   std::vector<std::uint8_t> marks_, crosses_;
+  ContactMarks contacts_;       // of the frame at which the next step starts
+  ContactMarks kept_contacts_;  // of the pose that is written
 };
 
 }  // namespace

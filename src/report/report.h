@@ -27,12 +27,6 @@ Result<FrameRange> parse_frame_range(const std::string& text);
 /// The selected frames, ascending. Empty when the range selects none.
 std::vector<Index> select_frames(const FrameRange& range, Index frame_count);
 
-/// Parts of an object, for the names of contacts.
-struct ObjectParts {
-  std::vector<std::string> names;
-  std::vector<Index> of_triangle;  ///< Index into names; empty: the object has no parts.
-};
-
 /// Reads the part of each triangle: a text file with a name per line, in the order of the triangles. Error:
 /// it cannot be read, has an empty line or another number of lines.
 Result<ObjectParts> read_parts(const std::string& path, const Topology& topology);
@@ -47,8 +41,8 @@ struct CheckSettings {
   /// Join what collides into contacts. Has no effect in Mode::Paper and with earliest_only, whose answers are
   /// not complete.
   bool contacts = true;
-  std::vector<ObjectParts> parts;  ///< One per motion; or empty.
-  std::string unit;                ///< Name of a mesh unit, for reports; empty: not known.
+  std::vector<ObjectParts> parts;  ///< One per motion; or empty: those that the files name.
+  std::string unit;                ///< Name of a mesh unit, for reports; empty: the files'.
   FrameRange frames;
   Index substeps = 1;  ///< Linear parts that each step between two frames is divided into; at least 1.
   std::vector<std::shared_ptr<const Model>> models;  ///< One per motion, null for none; or empty.
@@ -57,6 +51,12 @@ struct CheckSettings {
 };
 
 using Motions = std::span<const std::unique_ptr<Motion>>;
+
+/// The parts of an object: the settings', else those that its file names.
+const ObjectParts& parts_of(Index object, Motions motions, const CheckSettings& settings);
+
+/// What a mesh unit is: the settings' name, else the one that the formats of all motions define; or empty.
+std::string unit_of(Motions motions, const CheckSettings& settings);
 
 /// The frames that run_check reads. Error: no motions, different frame counts, a range that selects no frame
 /// (or only one with CheckSettings::steps_only), `between` alone with a single object.

@@ -177,15 +177,16 @@ class VtkReport : public ReportWriter {
 
   Result<void> start(const CheckedStep& pose) override {
     mark_faces(motions_, pose, crosses_);
-    note_contacts(pose);
+    contacts_.update(joined_, pose);
     return {};
   }
 
   Result<void> step(const CheckedStep& step) override {
     const std::string name = fmt::format("step{:06}.vtp", step.index.number);
-    if (step.pose) note_contacts(step);
+    if (step.pose) contacts_.update(joined_, step);
     FOLDPROOF_TRY(write(directory_ / name, step));
-    if (!step.pose && !contact_.empty()) note_contacts(step);  // of the next step's first pose
+    if (!step.pose && !contacts_.number.empty())
+      contacts_.update(joined_, step);  // of the next step's first pose
     const StepIndex& index = step.index;
     const double part = static_cast<double>(index.substep) / substeps_;
     collection_.add("<DataSet timestep=\"{}\" part=\"0\" file=\"{}/{}\"/>\n",
@@ -201,12 +202,6 @@ class VtkReport : public ReportWriter {
   }
 
  private:
-  void note_contacts(const CheckedStep& step) {
-    if (!step.contacts) return;
-    mark_contacts(joined_, *step.contacts, contact_, contact_depth_);
-    if (!step.contacts->is_known()) contact_.assign(contact_.size(), -1);
-  }
-
   Result<void> write(const std::string& path, const CheckedStep& step) {
     const Topology& topology = joined_.topology;
     joined_.pose(step, 0, positions_);
@@ -230,9 +225,9 @@ class VtkReport : public ReportWriter {
         {"CellData", "UInt8", "collides", 1, bytes_of(collides_)},
     };
     if (!crosses_.empty()) arrays.push_back({"CellData", "UInt8", "starts_crossing", 1, bytes_of(crosses_)});
-    if (!contact_.empty()) {
-      arrays.push_back({"CellData", "Int32", "contact", 1, bytes_of(contact_)});
-      arrays.push_back({"CellData", "Float32", "contact_depth", 1, bytes_of(contact_depth_)});
+    if (!contacts_.number.empty()) {
+      arrays.push_back({"CellData", "Int32", "contact", 1, bytes_of(contacts_.number)});
+      arrays.push_back({"CellData", "Float32", "contact_depth", 1, bytes_of(contacts_.depth)});
     }
     if (step.explanation) add_explanation(*step.explanation, arrays);
     arrays.push_back({"Points", "Float64", "Points", 3, bytes_of(positions_)});
@@ -264,8 +259,7 @@ class VtkReport : public ReportWriter {
   std::vector<std::int32_t> object_, polygon_ends_;
   std::vector<double> positions_, displacement_;
   std::vector<std::uint8_t> collides_, crosses_;
-  std::vector<std::int32_t> contact_;
-  std::vector<float> contact_depth_;
+  ContactMarks contacts_;
   std::vector<std::int8_t> level_;
   std::vector<float> margin_;
   std::vector<Reason> reason_;

@@ -1,9 +1,11 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "apps/program.h"
+#include "io/gltf_builder.h"
 #include "report/spheres.h"
 
 namespace foldproof {
@@ -40,6 +42,42 @@ TEST(Contacts, AreInTheSummaryWithPartsFramesAndDepth) {
   EXPECT_THAT(plain.out, HasSubstr("#1  at ("));
   EXPECT_THAT(plain.out, Not(HasSubstr(" cm")));
   EXPECT_EQ(check_in(scene, {"merged.npz", "--quiet"}).out, "");
+}
+
+// An OBJ and a glTF name parts and unit themselves; options win.
+TEST(Contacts, HaveTheNamesOfTheFile) {
+  const Merged scene;
+  const auto triangles = scene.motion->topology().triangles();
+  std::vector<double> x(std::size_t{3} * scene.motion->topology().vertex_count());
+  ASSERT_TRUE(scene.motion->read_frame(0, x));
+  std::string text;
+  for (std::size_t i = 0; i < x.size(); i += 3) text += fmt::format("v {} {} {}\n", x[i], x[i + 1], x[i + 2]);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (2 * i % triangles.size() == 0) text += i == 0 ? "g near\n" : "g far\n";
+    text += fmt::format("f {} {} {}\n", triangles[i][0] + 1, triangles[i][1] + 1, triangles[i][2] + 1);
+  }
+  scene.write("a.obj", text);
+  scene.write("parts.txt", scene.halves());
+  EXPECT_THAT(check_in(scene, {"a.obj"}).out, HasSubstr("\n#1  near - far  frame 0"));
+  EXPECT_THAT(check_in(scene, {"a.obj", "--parts", "parts.txt"}).out,
+              HasSubstr("\n#1  left - right  frame 0"));
+  check_in(scene, {"a.obj", "--json", "a.json", "--contacts-csv", "a.csv"});
+  EXPECT_EQ(scene.report("a.json")["contacts"][0]["sides"][1]["name"], "far");
+  EXPECT_FALSE(scene.report("a.json")["settings"].contains("unit"));
+  EXPECT_THAT(read_file(scene / "a.csv"), HasSubstr("\n1,near,far,"));
+}
+
+TEST(Contacts, HaveTheUnitOfTheFormat) {
+  GltfBuilder b;
+  b.triangle() = {{"attributes",
+                   {{"POSITION", b.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.2f, 0.2f, -1, 0.3f, 0.2f, 1,
+                                                   0.2f, 0.3f, 1})}}}};
+  b.json["nodes"] = {{{"mesh", 0}}};
+  const TemporaryDirectory directory;
+  std::ofstream(directory / "a.gltf") << b.gltf();
+  EXPECT_THAT(check_in(directory, {"a.gltf", "--json", "a.json"}).out, HasSubstr(" m, from the start\n"));
+  EXPECT_EQ(json::parse(read_file(directory / "a.json"))["settings"]["unit"], "m");
+  EXPECT_THAT(check_in(directory, {"a.gltf", "--unit", "feet"}).out, HasSubstr(" feet, from the start\n"));
 }
 
 TEST(Contacts, AreInTheJsonReport) {

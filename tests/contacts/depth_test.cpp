@@ -124,6 +124,45 @@ TEST(Depth, DoesNotChangeWhenMovedRigidly) {
   }
 }
 
+// A contact that crosses in one frame.
+Contact crossing(Index number, std::optional<double> depth, double curve_length, std::uint64_t pairs = 1) {
+  Contact contact;
+  contact.number = number;
+  contact.pairs = pairs;
+  contact.frames.resize(1);
+  contact.frames[0].depth = depth;
+  contact.frames[0].curve_length = curve_length;
+  return contact;
+}
+
+TEST(Order, ALongCurveWithoutDepthIsWorseThanAShallowContact) {
+  Contact touching;
+  touching.number = 1;
+  touching.pairs = 99;
+  const std::vector<Contact> worst_first{
+      crossing(7, 0.5, 1),    crossing(6, std::nullopt, 6), crossing(5, 0.2, 1),      crossing(3, 0.1, 9, 5),
+      crossing(2, 0.1, 1, 4), crossing(4, 0.1, 1, 4),       crossing(8, 6e-6, 0.001), touching};
+  for (std::size_t i = 0; i < worst_first.size(); ++i) {
+    for (std::size_t k = 0; k < worst_first.size(); ++k)
+      EXPECT_EQ(is_worse(worst_first[i], worst_first[k]), i < k) << i << " " << k;
+  }
+}
+
+// A ball sinks through the middle of a sheet, then over its border, where there is no region.
+TEST(Order, TheWorstFrameMayHaveNoDepth) {
+  const Mesh ball = unit_sphere(10), sheet = square(20);
+  const Film film = film_of({ball, sheet}, {{placed(ball, 0.4, {0.013, 0.007, 0.39}), sheet.positions},
+                                            {placed(ball, 0.4, {0.9, 0.007, 0.1}), sheet.positions}});
+  const auto found = contacts_of(film);
+  ASSERT_EQ(found.contacts.size(), 1u);
+  const Contact& contact = found.contacts[0];
+  ASSERT_EQ(contact.frames.size(), 2u);
+  EXPECT_LT(contact.frames[0].depth.value_or(1), 0.02);
+  EXPECT_FALSE(contact.frames[1].depth);
+  EXPECT_EQ(contact.worst, 1u);
+  EXPECT_FALSE(contact.depth());
+}
+
 TEST(Frames, TwoSpheresThatPassThroughEachOther) {
   const Mesh ball = unit_sphere(12);
   std::vector<std::vector<Pose>> poses;

@@ -1,23 +1,7 @@
-#include <zip.h>
-
-#include "io/support.h"
+#include "io/npz_builder.h"
 
 namespace foldproof::testing {
 namespace {
-
-std::string npy(const std::string& type, const std::string& shape, const std::string& data, int version = 1) {
-  std::string text = "{'descr': '" + type + "', 'fortran_order': False, 'shape': (" + shape + "), }\n";
-  const auto size = static_cast<std::uint32_t>(text.size());
-  return std::string("\x93NUMPY", 6) + static_cast<char>(version) + '\0' +
-         (version == 1 ? bytes_of(static_cast<std::uint16_t>(size)) : bytes_of(size)) + text + data;
-}
-
-template <class T>
-std::string array(const std::vector<T>& values, std::endian order = std::endian::little) {
-  std::string bytes;
-  for (const T x : values) bytes += bytes_of(x, order);
-  return bytes;
-}
 
 const std::vector<double> kFrames{1, 2, 3, 4, 5, 6, 7, 8, 9, -1, -2, -3, -4, -5, -6, -7, -8, -9};
 const std::string kFaces = npy("<i4", "1, 3", array<std::int32_t>({0, 1, 2}));
@@ -26,17 +10,7 @@ const std::string kVertices = npy("<f8", "2, 3, 3", array(kFrames));
 class NpzTest : public IoTest {
  protected:
   std::string npz(const std::vector<std::pair<std::string, std::string>>& members, bool packed = false) {
-    const std::string path = files.path("a.npz");
-    std::filesystem::remove(path);
-    zip_t* archive = zip_open(path.c_str(), ZIP_CREATE, nullptr);
-    for (const auto& [name, data] : members) {
-      zip_source_t* source = zip_source_buffer(archive, data.data(), data.size(), 0);
-      const auto index = zip_file_add(archive, name.c_str(), source, 0);
-      zip_set_file_compression(archive, static_cast<zip_uint64_t>(index),
-                               packed ? ZIP_CM_DEFLATE : ZIP_CM_STORE, 0);
-    }
-    EXPECT_EQ(zip_close(archive), 0);
-    return path;
+    return write_archive(files.path("a.npz"), members, packed);
   }
   std::string npz_of(const std::string& faces, const std::string& vertices, bool packed = false) {
     return npz({{"faces.npy", faces}, {"vertices.npy", vertices}}, packed);

@@ -21,7 +21,10 @@ struct Marks : ReportWriter {
   Result<void> start(const CheckedStep& pose) override { return step(pose); }
   Result<void> step(const CheckedStep& step) override {
     if (!step.contacts) return {};
-    mark_contacts(joined, *step.contacts, seen.number.emplace_back(), seen.depth.emplace_back());
+    ContactMarks marks;
+    marks.update(joined, step);
+    seen.number.push_back(marks.number);
+    seen.depth.push_back(marks.depth);
     return {};
   }
   Result<void> finish(const CheckTotals&) override { return {}; }

@@ -85,13 +85,15 @@ inline std::string read_file(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The marks of a PLY that write_ply wrote: the last byte of each 14-byte face record at its end.
+/// The marks of a PLY that ply_report wrote: the byte after the vertices of each face record at its end. Two
+/// more properties of four bytes follow where it has contacts.
 inline std::vector<int> read_marks(const std::string& path, std::size_t faces) {
   const std::string bytes = read_file(path);
   std::vector<int> marks;
-  EXPECT_GE(bytes.size(), faces * 14);
-  for (std::size_t face = 0; face < faces && bytes.size() >= faces * 14; ++face) {
-    marks.push_back(static_cast<unsigned char>(bytes[bytes.size() - (faces - face) * 14 + 13]));
+  const std::size_t record = bytes.find("\nproperty int contact\n") == bytes.npos ? 14 : 22;
+  EXPECT_GE(bytes.size(), faces * record);
+  for (std::size_t face = 0; face < faces && bytes.size() >= faces * record; ++face) {
+    marks.push_back(static_cast<unsigned char>(bytes[bytes.size() - (faces - face) * record + 13]));
   }
   return marks;
 }

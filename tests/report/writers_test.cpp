@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "report/needle.h"
+#include "report/spheres.h"
 
 namespace foldproof {
 namespace {
@@ -250,6 +251,33 @@ TEST(PlyReport, MarksTheWorstStepInThePoseOfFirstContact) {
   ASSERT_TRUE(written->front()->read_frame(0, positions));
   EXPECT_NEAR(positions[4 * 3 + 2], 0, 1e-6);  // vertices 4 and 5 touch the floor
   EXPECT_NEAR(positions[3 * 3 + 2], -1, 1e-6);
+}
+
+TEST(PlyReport, HasTheContactsOfTheFrameAtWhichItsStepStarts) {
+  const TemporaryDirectory directory;
+  const auto motions = list(two_spheres(1.03));
+  ASSERT_TRUE(run_check(motions, {}, one(ply_report(directory / "a%d.ply", motions, {}))));
+  const std::string first = directory / directory.names().front(), bytes = read_file(first);
+  EXPECT_THAT(bytes,
+              HasSubstr("\nproperty uchar mark\nproperty int contact\nproperty float contact_depth\n"));
+  const std::size_t faces = motions[0]->topology().triangles().size();
+  std::size_t inside = 0;
+  for (std::size_t face = 0; face < faces; ++face) {
+    std::int32_t contact = 0;
+    float depth = 0;
+    const char* record = bytes.data() + bytes.size() - 22 * (faces - face);
+    std::memcpy(&contact, record + 14, 4);
+    std::memcpy(&depth, record + 18, 4);
+    EXPECT_TRUE(contact == 0 || contact == 1) << contact;
+    EXPECT_EQ(depth > 0.1, contact == 1) << depth;
+    inside += contact == 1 && record[13] == 0;
+  }
+  EXPECT_GT(inside, 0u);  // what is inside neither collides nor crosses
+
+  CheckSettings steps_only;
+  steps_only.steps_only = true;
+  ASSERT_TRUE(run_check(motions, steps_only, one(ply_report(directory / "b.ply", motions, steps_only))));
+  EXPECT_THAT(read_file(directory / "b.ply"), Not(HasSubstr("contact")));
 }
 
 TEST(PlyReport, WithoutCollisionsShowsTheFirstPoseUnmarked) {

@@ -1,0 +1,104 @@
+#include "io/gltf_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace foldproof::io {
+namespace {
+
+/// Weights that joint_parts() may read. Accessors may share bytes, so the size of the file does not limit
+/// them.
+constexpr std::uint64_t kMaxWeights = std::uint64_t{1} << 32;
+
+std::string node_name(const GltfScene& scene, std::size_t i) {
+  const GltfNode& node = scene.nodes[i];
+  if (!node.name.empty()) return node.name;
+  const std::string mesh = node.mesh ? scene.meshes[*node.mesh].name : "";
+  return mesh.empty() ? fmt::format("node {}", i) : mesh;
+}
+
+std::string material_name(const GltfScene& scene, const std::optional<std::size_t>& i) {
+  if (!i) return "no material";
+  const bool has_name = *i < scene.materials.size() && !scene.materials[*i].empty();
+  return has_name ? scene.materials[*i] : fmt::format("material {}", *i);
+}
+
+/// Finds the joint that moves most of a triangle.
+class JointFinder {
+ public:
+  JointFinder(const GltfVertexSet& vertices, Index first_vertex, std::size_t joints)
+      : vertices_(vertices), first_vertex_(first_vertex), sums_(joints) {}
+
+  Index find(const Triangle& triangle) {
+    for (const Index v : triangle) add(v - first_vertex_);
+    Index best = 0;  // that of vertices without weights
+    for (const Index joint : seen_) {
+      if (sums_[joint] > sums_[best] || (sums_[joint] == sums_[best] && joint < best)) best = joint;
+    }
+    for (const Index joint : seen_) sums_[joint] = 0;
+    seen_.clear();
+    return best;
+  }
+
+ private:
+  void add(std::uint64_t vertex) {
+    for (const auto& [ids, weights] : vertices_.influences) {
+      for (int c = 0; c < 4; ++c) {
+        const double weight = weights.get(vertex, c);
+        const auto joint = static_cast<std::size_t>(ids.get(vertex, c));
+        if (!(weight > 0) || joint >= sums_.size()) continue;
+        sums_[joint] += weight;
+        seen_.push_back(static_cast<Index>(joint));
+      }
+    }
+  }
+
+  const GltfVertexSet& vertices_;
+  Index first_vertex_;
+  std::vector<double> sums_;  // per joint
+  std::vector<Index> seen_;   // joints with a sum
+};
+
+/// Precondition: all runs are of one node, which has a skin.
+ObjectParts joint_parts(const GltfScene& scene, std::span<const GltfTriangles> runs,
+                        std::span<const Triangle> triangles) {
+  const GltfNode& node = scene.nodes[runs.front().node];
+  const GltfMesh& mesh = scene.meshes[*node.mesh];
+  std::uint64_t weights = 0;
+  for (const GltfTriangles& run : runs)
+    weights += 12 * run.triangles * mesh.vertex_sets[run.primitive->vertex_set].influences.size();
+  if (weights > kMaxWeights) return {};
+  std::vector<std::string> names;
+  for (const std::size_t joint : scene.skins[*node.skin].joints) names.push_back(node_name(scene, joint));
+  std::vector<Index> of_triangle;
+  of_triangle.reserve(triangles.size());
+  for (const GltfTriangles& run : runs) {
+    JointFinder finder(mesh.vertex_sets[run.primitive->vertex_set], run.first_vertex, names.size());
+    for (const Triangle& triangle : triangles.subspan(of_triangle.size(), run.triangles))
+      of_triangle.push_back(finder.find(triangle));
+  }
+  return parts_by_name(names, of_triangle);
+}
+
+}  // namespace
+
+ObjectParts gltf_parts(const GltfScene& scene, std::span<const GltfTriangles> runs,
+                       std::span<const Triangle> triangles) {
+  NameRuns nodes, materials;
+  std::size_t begin = 0;
+  for (const GltfTriangles& run : runs) {
+    nodes.begin(begin, node_name(scene, run.node));
+    materials.begin(begin, material_name(scene, run.primitive->material));
+    begin += run.triangles;
+  }
+  for (const NameRuns* names : {&nodes, &materials}) {
+    ObjectParts parts = names->parts(triangles.size());
+    if (!parts.names.empty()) return parts;
+  }
+  const bool one =
+      std::ranges::all_of(runs, [&](const GltfTriangles& run) { return run.node == runs.front().node; });
+  return one && scene.nodes[runs.front().node].skin ? joint_parts(scene, runs, triangles) : ObjectParts();
+}
+
+}  // namespace foldproof::io
