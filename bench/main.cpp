@@ -16,6 +16,7 @@
 #include "base/try.h"
 #include "candidates.h"
 #include "certificates.h"
+#include "contacts.h"
 #include "machine.h"
 #include "memory.h"
 #include "reduced.h"
@@ -32,8 +33,8 @@ struct Options {
   std::vector<std::string> scenes, peers;
   std::string size = "all", json, memory_of, command;
   bool list = false, quick = false, no_memory = false, certificates = false, candidates = false,
-       reduced = false, simulation = false, growth = false, threads = false, training = false,
-       everything = false;
+       contacts = false, reduced = false, simulation = false, growth = false, threads = false,
+       training = false, everything = false;
   int cpu = -1;
   double trained_before = NAN;
   Plan plan;
@@ -85,6 +86,8 @@ void add_options(CLI::App& app, Options& options) {
                "Compare foldproof with itself, with certificates and without, after different trainings");
   app.add_flag("--candidates", options.candidates,
                "Candidates within an inflation, of poses that follow each other, for a barrier solver");
+  app.add_flag("--contacts", options.contacts,
+               "What finding contacts costs beside the check, on whole motions");
   app.add_flag(
       "--reduced", options.reduced,
       "Steps told by coordinates of a subspace: one generated shape at 10,000 to 1,000,000 triangles");
@@ -164,8 +167,9 @@ Result<void> measure_chosen(const Options& options, json& results) {
                                     .only = options.scenes.empty() ? "" : options.scenes.front(),
                                     .processor_time = time,
                                     .narrate = isatty(STDERR_FILENO) != 0}));
-  if (options.certificates || options.candidates) {
+  if (options.certificates || options.candidates || options.contacts) {
     const auto scenes = FOLDPROOF_TRY(chosen_scenes(options.scenes));
+    if (options.contacts) return keep("contacts", measure_contacts(scenes, time));
     if (options.certificates)
       return keep("certificates", compare_certificates(scenes, {.processor_time = time}));
     return keep("candidates", measure_candidates(scenes, {.peers = plan.peers, .processor_time = time}));

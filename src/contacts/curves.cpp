@@ -107,15 +107,18 @@ class Tracer {
     const Triangle &t = surfaces_.topology(object).triangles()[pair.triangle(side)],
                    &f = surfaces_.topology(other).triangles()[pair.triangle(1 - side)];
     const std::array<Vec3, 3> corners{x_.at(other, f[0]), x_.at(other, f[1]), x_.at(other, f[2])};
+    const std::array<Vec3, 3> own{x_.at(object, t[0]), x_.at(object, t[1]), x_.at(object, t[2])};
+    std::array<int, 3> above{};  // 0 for a common vertex
     for (int k = 0; k < 3; ++k) {
-      const Edge edge{std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])};
-      const auto is_corner = [&](Index v) {
-        return object == other && std::find(f.begin(), f.end(), v) != f.end();
-      };
-      if (edge[0] == edge[1] || is_corner(edge[0]) || is_corner(edge[1])) continue;
-      const Vec3 p = x_.at(object, edge[0]), q = x_.at(object, edge[1]);
-      const int above = orient3d(corners[0], corners[1], corners[2], p);
-      if (above == 0 || orient3d(corners[0], corners[1], corners[2], q) != -above) continue;
+      if (object != other || std::find(f.begin(), f.end(), t[k]) == f.end())
+        above[k] = orient3d(corners[0], corners[1], corners[2], own[k]);
+    }
+    for (int k = 0; k < 3; ++k) {
+      // An edge begins at its vertex of the smaller number.
+      const int next = (k + 1) % 3, first = t[next] < t[k] ? next : k, last = first == k ? next : k;
+      const Edge edge{t[first], t[last]};
+      if (edge[0] == edge[1] || above[first] == 0 || above[last] != -above[first]) continue;
+      const Vec3 &p = own[first], &q = own[last];
       const int turn = orient3d(p, q, corners[0], corners[1]);
       if (turn == 0 || orient3d(p, q, corners[1], corners[2]) != turn ||
           orient3d(p, q, corners[2], corners[0]) != turn)

@@ -12,25 +12,27 @@ std::uint64_t mix(std::uint64_t key) {
 
 }  // namespace
 
-Joiner::Entry& Joiner::Map::find(std::uint64_t key) {
-  const std::size_t mask = entries.size() - 1;
-  for (std::size_t i = mix(key) & mask;; i = (i + 1) & mask) {
-    if (entries[i].key == key || entries[i].key == kFree) return entries[i];
-  }
+Index& Joiner::Map::slot(std::uint64_t key) {
+  const std::size_t mask = slots.size() - 1;
+  std::size_t i = mix(key) & mask;
+  while (slots[i] != kNoIndex && entries[slots[i]].key != key) i = (i + 1) & mask;
+  return slots[i];
 }
 
-void Joiner::Map::grow() {
-  std::vector<Entry> old(std::max<std::size_t>(64, 2 * entries.size()));
-  old.swap(entries);
-  for (const Entry& entry : old) {
-    if (entry.key != kFree) find(entry.key) = entry;
-  }
+void Joiner::Map::make_room() {
+  if (2 * (entries.size() + 1) <= slots.size()) return;
+  slots.assign(std::max<std::size_t>(64, 2 * slots.size()), kNoIndex);
+  for (Index i = 0; i < entries.size(); ++i) slot(entries[i].key) = i;
+}
+
+void Joiner::Map::clear() {
+  entries.clear();
+  std::fill(slots.begin(), slots.end(), kNoIndex);
 }
 
 void Joiner::begin(std::size_t element_count) {
   std::swap(now_, before_);
-  std::fill(now_.entries.begin(), now_.entries.end(), Entry{});
-  now_.count = 0;
+  now_.clear();
   links_.clear();
   links_.reserve(element_count);
   folded_.clear();
@@ -73,17 +75,19 @@ void Joiner::add_key(Index u, Index w) {
   if (reversed) std::swap(u, w);
   const std::uint64_t key = std::uint64_t{u} << 32 | w;
   const auto element = static_cast<Index>(links_.size() - 1);
-  if (2 * (now_.count + 1) > now_.entries.size()) now_.grow();
-  Entry& entry = now_.find(key);
-  if (entry.key == key) {
+  now_.make_room();
+  Index& slot = now_.slot(key);
+  if (slot != kNoIndex) {
+    const Entry& entry = now_.entries[slot];
     if (entry.element != element) join(entry.element, element, entry.reversed != reversed);
     return;
   }
-  entry = {key, {}, element, reversed};
-  ++now_.count;
-  if (before_.count == 0) return;
-  const Entry& old = before_.find(key);
-  if (old.key != key) return;
+  slot = static_cast<Index>(now_.entries.size());
+  now_.entries.push_back({key, {}, element, reversed});
+  if (before_.entries.empty()) return;
+  const Index known = before_.slot(key);
+  if (known == kNoIndex) return;
+  const Entry& old = before_.entries[known];
   const Label label{old.label.number, old.label.reversed != reversed};
   if (found_.empty() || found_.back().first != element || found_.back().second.number != label.number ||
       found_.back().second.reversed != label.reversed)
@@ -136,16 +140,12 @@ const Joiner::Groups& Joiner::groups() {
 
 void Joiner::end(std::span<const Label> labels) {
   for (Entry& entry : now_.entries) {
-    if (entry.key == kFree) continue;
     const Label& label = labels[groups_.group[entry.element]];
     entry.label = {label.number,
                    (label.reversed != static_cast<bool>(groups_.reversed[entry.element])) != entry.reversed};
   }
 }
 
-void Joiner::clear() {
-  std::fill(now_.entries.begin(), now_.entries.end(), Entry{});
-  now_.count = 0;
-}
+void Joiner::clear() { now_.clear(); }
 
 }  // namespace foldproof::internal

@@ -38,17 +38,17 @@ class Joiner {
 
  private:
   struct Entry {
-    std::uint64_t key = kFree;
+    std::uint64_t key = 0;
     Label label;        // of the last slice
     Index element = 0;  // in this slice: the first element that has the key
     bool reversed = false;
   };
-  static constexpr std::uint64_t kFree = ~std::uint64_t{0};
   struct Map {
     std::vector<Entry> entries;
-    std::size_t count = 0;
-    Entry& find(std::uint64_t key);  // the key's entry, or the free one where it goes
-    void grow();
+    std::vector<Index> slots;        // a hash table of entries, at most half full; kNoIndex: free
+    Index& slot(std::uint64_t key);  // the key's slot, or the free one where it goes
+    void make_room();
+    void clear();
   };
   struct Link {
     Index parent;

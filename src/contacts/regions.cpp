@@ -43,6 +43,7 @@ void RegionFinder::collect_cuts(const Curves& curves, int side) {
 }
 
 bool RegionFinder::is_cut(Index u, Index w) const {
+  if (cut_stamps_[u] != stamp_ || cut_stamps_[w] != stamp_) return false;
   const Edge edge{std::min(u, w), std::max(u, w)};
   const auto at = std::lower_bound(cuts_.begin(), cuts_.end(), edge,
                                    [](const Cut& cut, const Edge& e) { return cut.edge < e; });
@@ -103,12 +104,21 @@ void RegionFinder::visit(Index component) {
 // Grows all components at the same pace until at most one is not complete.
 void RegionFinder::grow() {
   components_.clear();
-  if (++stamp_ == 0) std::fill(stamps_.begin(), stamps_.end(), 0), stamp_ = 1;
+  if (++stamp_ == 0) {
+    std::fill(stamps_.begin(), stamps_.end(), 0);
+    std::fill(cut_stamps_.begin(), cut_stamps_.end(), 0);
+    stamp_ = 1;
+  }
   const std::size_t vertices = surfaces_.topology(object_).vertex_count();
-  if (stamps_.size() < vertices) stamps_.resize(vertices, 0), component_at_.resize(vertices);
+  if (stamps_.size() < vertices) {
+    stamps_.resize(vertices, 0);
+    cut_stamps_.resize(vertices, 0);
+    component_at_.resize(vertices);
+  }
   active_.clear();
   for (const Cut& cut : cuts_) {
     for (const Index v : cut.edge) {
+      cut_stamps_[v] = stamp_;
       if (component_of(v) != kNoIndex) continue;
       const auto component = static_cast<Index>(components_.size());
       components_.push_back({component, {}, 0});
@@ -176,7 +186,8 @@ Region RegionFinder::region(const Curves& curves, std::span<const Index> crossin
   }
   std::sort(out.vertices.begin(), out.vertices.end());
   const auto is_inside = [&](Index v) {
-    return std::binary_search(out.vertices.begin(), out.vertices.end(), v);
+    const Index component = component_of(v);
+    return component != kNoIndex && inside_[component] == 1;
   };
   const auto triangles = surfaces_.topology(object_).triangles();
   for (const Index v : out.vertices) {

@@ -52,7 +52,7 @@ class RegionFinder {
   std::vector<Component> components_;
   std::vector<Index> active_;
   std::vector<Index> component_at_;  // per vertex of the object, with `stamp_`
-  std::vector<std::uint32_t> stamps_;
+  std::vector<std::uint32_t> stamps_, cut_stamps_;
   std::uint32_t stamp_ = 0;
   std::vector<std::uint8_t> inside_;  // per component
 };
