@@ -1,39 +1,51 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
 #include "base/try.h"
 #include "commands.h"
 #include "options.h"
-#include "picture/picture.h"
+#include "report/contact_pictures.h"
 #include "terminal.h"
 
 namespace foldproof {
 namespace {
 
 constexpr const char* kFooter = R"(  pose.obj                        a single pose
-Several motions are several objects in one picture. The camera is fitted to the objects; y points up.
+Several motions are several objects in one picture. The camera is fitted to the whole motion, so that pictures of its
+frames go together. y points up in glTF; for other files, z does if the motion stands on a ground across z, else y.
+--up says it.
+
+Views of --view:
+  auto          with --color collisions or contacts, what collides: the worst contact from in front or behind, along its normal, or
+                from where more of it is visible, with the objects in this frame around it. Else from the front,
+                slightly from the right and from above
+  front, back, side, top, or the direction from the objects to the eye as x,y,z
 
 Colors of --color:
   plain         none
   collisions    red: faces that collide between this frame and the next, in the pose of the first contact; pink:
                 faces that cross in this frame already. For the last frame, or a single pose, pink alone
+  contacts      what is inside what in this frame, or crosses it: one side of each contact is red, the other blue; the
+                curves in which they cross are black
   certificates  blue: proven free of contact between this frame and the next, paler for smaller patches; other
                 colors: why not (docs/reports.md, --explain)
   error         distance of each vertex from --truth: pale gray is none, then yellow, red, and dark purple for the
                 largest, or for --scale
 
 Examples:
-  foldproof render walk.glb -o walk.png                             frame 0 from the front
+  foldproof render walk.glb -o walk.png                             frame 0
   foldproof render walk.glb --frame 12 --color collisions -o c.png  what collides on the way to frame 13
+  foldproof render walk.glb --frame 12 --color contacts -o c.png    what crosses in frame 12
   foldproof render body.npz --color certificates --model body.model -o p.png
   foldproof render rebuilt.npz --color error --truth walk.glb --frame 3 -o e.png
   foldproof render walk.glb --view 1,0.5,1 --size 600x900 -o w.png  from the upper front right)";
 
 struct RenderArguments {
   std::vector<std::string> motions, models;
-  std::string picture, truth, key_points, color = "plain", view = "front", size = "1200x900";
+  std::string picture, truth, key_points, color = "plain", view = "auto", up = "auto", size = "1200x900";
   std::int64_t frame = 0;
   double scale = 0;
   bool flat = false, quiet = false;
@@ -51,6 +63,7 @@ struct Poses {
 struct Colored {
   Poses poses;
   std::vector<std::vector<Color>> faces, vertices;  ///< Per object; or empty.
+  std::vector<Contact> contacts;                    ///< Of what collides and crosses, the worst first.
   std::string summary;
 };
 
@@ -132,22 +145,63 @@ void mark(const Objects& motions, const Answer& answer, Color color, Colored& ou
   }
 }
 
-Result<void> color_crossings(StepChecker& checker, const Objects& motions, Index frame, Colored& out) {
+Result<StaticResult> color_crossings(StepChecker& checker, const Objects& motions, Index frame,
+                                     Colored& out) {
   StaticResult answer;
   FOLDPROOF_TRY(checker.check_static(out.poses.spans(), {}, answer));
   mark(motions, answer, colors::kPink, out);
   out.summary =
       fmt::format("{} of triangles in frame {}", counted(answer.crossing_count, "crossing pair"), frame);
+  return answer;
+}
+
+Result<ContactFinder> finder_of(const Objects& motions) {
+  std::vector<const Topology*> topologies;
+  for (const auto& motion : motions) topologies.push_back(&motion->topology());
+  return ContactFinder::make(std::move(topologies));
+}
+
+std::vector<Contact> worst_first(ContactFinder& finder) {
+  std::vector<Contact> contacts = finder.finish();
+  std::sort(contacts.begin(), contacts.end(), is_worse);
+  return contacts;
+}
+
+Result<void> color_contacts(const RenderArguments& a, const Objects& motions, Index frame, Colored& out) {
+  auto checker = FOLDPROOF_TRY(checker_of(a, motions, out.poses));
+  StaticResult answer;
+  FOLDPROOF_TRY(checker.check_static(out.poses.spans(), {}, answer));
+  auto finder = FOLDPROOF_TRY(finder_of(motions));
+  finder.start(frame, out.poses.spans(), answer);
+  out.contacts = worst_first(finder);
+  for (const auto& motion : motions)
+    out.faces.emplace_back(motion->topology().triangles().size(), colors::kClay);
+  for (const Contact& contact : out.contacts) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      for (const Index triangle : contact.sides[side].triangles)
+        out.faces[contact.sides[side].object][triangle] = kSideColors[side];
+    }
+  }
+  out.summary = fmt::format("{} in frame {}", counted(out.contacts.size(), "contact"), frame);
+  if (!out.contacts.empty() && out.contacts[0].depth())
+    out.summary += fmt::format(", the deepest {:.3g}", *out.contacts[0].depth());
   return {};
 }
 
 Result<void> color_collisions(const RenderArguments& a, const Objects& motions, Index frame, Colored& out) {
   auto checker = FOLDPROOF_TRY(checker_of(a, motions, out.poses));
-  FOLDPROOF_TRY(color_crossings(checker, motions, frame, out));
-  if (frame + 1 == motions[0]->frame_count()) return {};
+  const auto crossings = FOLDPROOF_TRY(color_crossings(checker, motions, frame, out));
+  auto finder = FOLDPROOF_TRY(finder_of(motions));
+  finder.start(frame, out.poses.spans(), crossings);
+  if (frame + 1 == motions[0]->frame_count()) {
+    out.contacts = worst_first(finder);
+    return {};
+  }
   const auto next = FOLDPROOF_TRY(read(motions, frame + 1));
   StepResult answer;
   FOLDPROOF_TRY(checker.check(out.poses.spans(), next.spans(), {}, answer));
+  finder.step(frame, frame + 1, out.poses.spans(), next.spans(), answer);
+  out.contacts = worst_first(finder);
   mark(motions, answer, colors::kRed, out);
   const std::uint64_t pairs = answer.count();
   out.summary += fmt::format("; {} on the way to the next", counted(pairs, "colliding pair"));
@@ -235,6 +289,7 @@ Result<Colored> color(const RenderArguments& a, const Objects& motions) {
   auto poses = FOLDPROOF_TRY(read(motions, frame));
   Colored out{.poses = std::move(poses), .faces = {}, .vertices = {}, .summary = {}};
   FOLDPROOF_TRY(a.color == "collisions"     ? color_collisions(a, motions, frame, out)
+                : a.color == "contacts"     ? color_contacts(a, motions, frame, out)
                 : a.color == "certificates" ? color_certificates(a, motions, frame, out)
                 : a.color == "error"        ? color_error(a, motions, out)
                                             : Result<void>{});
@@ -258,13 +313,69 @@ Result<void> add_key_points(const RenderArguments& a, const Objects& motions, co
   return {};
 }
 
+/// The meshes of a picture.
+std::vector<PictureMesh> meshes_of(const RenderArguments& a, const Objects& motions, const Colored& colored) {
+  std::vector<PictureMesh> meshes;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    PictureMesh mesh{.topology = &motions[i]->topology(), .positions = colored.poses.objects[i]};
+    if (!colored.faces.empty()) mesh.face_colors = colored.faces[i];
+    if (!colored.vertices.empty()) mesh.vertex_colors = colored.vertices[i];
+    mesh.smooth = !a.flat;
+    meshes.push_back(mesh);
+  }
+  return meshes;
+}
+
+/// The view of the worst contact.
+Result<View> view_of_worst(const Colored& colored, std::span<const PictureMesh> meshes, Up up) {
+  const Contact& worst = colored.contacts.front();
+  std::vector<std::vector<std::uint8_t>> marked;
+  for (const auto& faces : colored.faces) {
+    auto& marks = marked.emplace_back(faces.size(), 0);
+    // What only touches has no triangles of its own.
+    for (std::size_t t = 0; worst.frames.empty() && t < faces.size(); ++t)
+      marks[t] = faces[t] != colors::kClay;
+  }
+  for (const Contact::Side& side : worst.sides) {
+    for (const Index triangle : side.triangles) marked[side.object][triangle] = 1;
+  }
+  return view_of(meshes, marked, worst.normal, up);
+}
+
+Result<View> view_for(const RenderArguments& a, const Objects& motions, const Colored& colored,
+                      std::span<const PictureMesh> meshes) {
+  auto extent = FOLDPROOF_TRY(extent_of(motions));
+  if (a.up != "auto") extent.up = a.up == "y" ? Up::Y : Up::Z;
+  if (a.view == "auto" && !colored.contacts.empty()) return view_of_worst(colored, meshes, extent.up);
+  View view = a.view == "auto" ? default_view(extent.up) : FOLDPROOF_TRY(parse_view(a.view, extent.up));
+  for (const auto& x : colored.poses.objects) {
+    for (std::size_t k = 0; k < x.size(); k += 3) extent.box.extend(Eigen::Map<const Vec3>(&x[k]));
+  }
+  view.fit = extent.box;
+  return view;
+}
+
+void add_curves(const Colored& colored, Panel& panel) {
+  Eigen::AlignedBox3d box;
+  for (const auto& x : colored.poses.objects) {
+    for (std::size_t k = 0; k < x.size(); k += 3) box.extend(Eigen::Map<const Vec3>(&x[k]));
+  }
+  constexpr double kDot = 0.003;
+  for (const Contact& contact : colored.contacts) {
+    panel.points.push_back(dots_along(contact, kDot * box.sizes().maxCoeff()));
+    panel.points.back().size = kDot;
+  }
+}
+
 int report_interrupted() {
   print_error({"interrupted", "the picture was not finished", "nothing was written"});
   return kExitInterrupted;
 }
 
 Result<int> render(const RenderArguments& a) {
-  const auto view = FOLDPROOF_TRY(parse_view(a.view));
+  if (a.view != "auto") {
+    FOLDPROOF_TRY(parse_view(a.view));
+  }
   const auto size = FOLDPROOF_TRY(size_of(a.size));
   FOLDPROOF_TRY(require_options_that_fit(a));
   FOLDPROOF_TRY(require_number("--fps", a.read.fps, false));
@@ -275,14 +386,9 @@ Result<int> render(const RenderArguments& a) {
   if (interrupted) return report_interrupted();
   if (!colored) return tl::unexpected(colored.error());
 
-  Panel panel{.view = view};
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    PictureMesh mesh{.topology = &motions[i]->topology(), .positions = colored->poses.objects[i]};
-    if (!colored->faces.empty()) mesh.face_colors = colored->faces[i];
-    if (!colored->vertices.empty()) mesh.vertex_colors = colored->vertices[i];
-    mesh.smooth = !a.flat;
-    panel.meshes.push_back(mesh);
-  }
+  Panel panel{.meshes = meshes_of(a, motions, *colored)};
+  panel.view = FOLDPROOF_TRY(view_for(a, motions, *colored, panel.meshes));
+  if (a.color == "contacts") add_curves(*colored, panel);
   FOLDPROOF_TRY(add_key_points(a, motions, colored->poses, panel));
   const auto image = FOLDPROOF_TRY(draw_picture(std::span(&panel, 1), {.width = size[0], .height = size[1]}));
   if (interrupted) return report_interrupted();
@@ -304,9 +410,11 @@ Command add_render(CommandLine& program) {
       .type_name("FILE")
       .required();
   command.add_option("--frame", a->frame, "The frame; negative ones count from the end [0]").type_name("K");
-  command.add_option("--color", a->color, "plain, collisions, certificates or error (see below) [plain]")
+  command
+      .add_option("--color", a->color,
+                  "plain, collisions, contacts, certificates or error (see below) [plain]")
       .type_name("WHAT")
-      .one_of({"plain", "collisions", "certificates", "error"});
+      .one_of({"plain", "collisions", "contacts", "certificates", "error"});
   files.reads(command.add_option("--truth", a->truth, "For --color error: what the mesh should be"))
       .type_name("MOTION");
   command
@@ -320,8 +428,12 @@ Command add_render(CommandLine& program) {
   files.reads(command.add_option("--key-points", a->key_points, "A model, whose key points are red balls"))
       .type_name("FILE");
   command
-      .add_option("--view", a->view, "front, back, side, top, or the direction to the eye as x,y,z [front]")
+      .add_option("--view", a->view,
+                  "auto, front, back, side, top, or the direction to the eye as x,y,z (see above) [auto]")
       .type_name("VIEW");
+  command.add_option("--up", a->up, "The axis that points up: auto, y or z (see above) [auto]")
+      .type_name("AXIS")
+      .one_of({"auto", "y", "z"});
   command.add_option("--size", a->size, "In pixels [1200x900]").type_name("WxH");
   command.add_flag("--flat", a->flat, "Flat shading");
   command.add_option("--fps", a->read.fps, "Sampling rate for animated glTF, frames per second [24]")

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "picture/upright.h"
+
 namespace foldproof {
 namespace picture {
 namespace {
@@ -67,26 +69,29 @@ ScreenPoint Camera::project(const Vec3& x) const {
 
 }  // namespace picture
 
-Result<View> parse_view(const std::string& text) {
-  if (text == "front") return View{.from = {0, 0, 1}};
-  if (text == "back") return View{.from = {0, 0, -1}};
-  if (text == "side") return View{.from = {1, 0, 0}};
-  if (text == "top") return View{.from = {0, 1, 0}, .up = {0, 0, -1}};
-  View view;
+Result<View> parse_view(const std::string& text, Up up) {
+  if (text == "front") return upright({.from = {0, 0, 1}}, up);
+  if (text == "back") return upright({.from = {0, 0, -1}}, up);
+  if (text == "side") return upright({.from = {1, 0, 0}}, up);
+  if (text == "top") return upright({.from = {0, 1, 0}, .up = {0, 0, -1}}, up);
+  Vec3 from;
   const char *next = text.data(), *const end = next + text.size();
   bool valid = true;
   for (int axis = 0; axis < 3; ++axis) {
     if (axis > 0) valid = valid && next != end && *next++ == ',';
-    const auto number = std::from_chars(next, end, view.from[axis]);
+    const auto number = std::from_chars(next, end, from[axis]);
     valid = valid && number.ec == std::errc{};
     next = number.ptr;
   }
-  if (!valid || next != end || !view.from.allFinite() || view.from.isZero(0)) {
+  if (!valid || next != end || !from.allFinite() || from.isZero(0)) {
     return fail(ErrorCode::InvalidArgument, "--view", "'" + text + "' is no view",
-                "give front, back, side, top, or a direction to the eye as x,y,z");
+                "give auto, front, back, side, top, or a direction to the eye as x,y,z");
   }
-  const double horizontal = std::hypot(view.from.x(), view.from.z());
-  if (horizontal < 1e-3 * std::abs(view.from.y())) view.up = {0, 0, view.from.y() > 0 ? -1.0 : 1.0};
+  View view = upright({}, up);
+  view.from = from;
+  const Vec3 vertical = view.up * view.up.dot(from);
+  if ((from - vertical).norm() < 1e-3 * vertical.norm())
+    view.up = upright({.up = {0, 0, view.up.dot(from) > 0 ? -1.0 : 1.0}}, up).up;
   return view;
 }
 

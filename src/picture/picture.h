@@ -4,6 +4,7 @@
 /// same bytes every time.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <optional>
 #include <vector>
 
@@ -20,8 +21,8 @@ struct Color {
 /// Colors that remain distinguishable with color vision deficiency (Okabe and Ito 2008, "Color Universal
 /// Design"), and clay.
 namespace colors {
-inline constexpr Color kWhite{255, 255, 255}, kClay{196, 192, 186}, kRed{213, 44, 0}, kBlue{0, 114, 178},
-    kSky{86, 180, 233}, kGreen{0, 158, 115}, kYellow{240, 228, 66}, kOrange{230, 159, 0},
+inline constexpr Color kWhite{255, 255, 255}, kBlack{0, 0, 0}, kClay{196, 192, 186}, kRed{213, 44, 0},
+    kBlue{0, 114, 178}, kSky{86, 180, 233}, kGreen{0, 158, 115}, kYellow{240, 228, 66}, kOrange{230, 159, 0},
     kPink{204, 121, 167};
 }  // namespace colors
 
@@ -41,7 +42,9 @@ struct PictureMesh {
   Color color = colors::kClay;                ///< If there are none of the following.
   std::span<const Color> face_colors = {};    ///< None, or one per triangle.
   std::span<const Color> vertex_colors = {};  ///< None, or one per vertex; not together with face_colors.
-  bool smooth = true;  ///< Normals are interpolated between vertices; false: flat shading.
+  /// Normals are interpolated, except across edges where the surface turns by more than 60 degrees; false:
+  /// flat shading.
+  bool smooth = true;
 };
 
 /// Points, drawn as small spheres of one size.
@@ -50,6 +53,9 @@ struct PicturePoints {
   Color color = colors::kRed;
   double size = 0.012;  ///< Radius as a share of the panel's largest extent, in (0, 1].
 };
+
+/// The axis of the mesh that points up in pictures.
+enum class Up : std::uint8_t { Y, Z };
 
 /// The direction of the view. The camera is fitted so that everything in the panel is visible.
 struct View {
@@ -62,11 +68,14 @@ struct View {
     double radius;  ///< Mesh units, > 0.
   };
   std::optional<Focus> focus = {};
+  /// What the camera is fitted to, mesh units, such as the box of a whole motion; none: the panel's content.
+  /// It must contain that.
+  std::optional<Eigen::AlignedBox3d> fit = {};
 };
 
-/// Parses "front" (the eye looks along -z), "back", "side" (along -x), "top" (along -y), or the direction
-/// x,y,z from the content's center to the eye. y points up; in views from the top, -z does.
-Result<View> parse_view(const std::string& text);
+/// Parses "front" (with y up, the eye looks along -z), "back", "side" (along -x), "top" (along -y), or the
+/// direction x,y,z from the content's center to the eye. In views from the top, the back of the scene is up.
+Result<View> parse_view(const std::string& text, Up up = Up::Y);
 
 /// One of the views in a picture.
 struct Panel {
@@ -76,16 +85,17 @@ struct Panel {
 };
 
 struct PictureSettings {
-  Index width = 1200, height = 900;  ///< Pixels, 1 to 16384 each, 2^26 together.
-  Index samples = 3;                 ///< Antialiasing: samples^2 per pixel, 1 to 8.
-  Color background = colors::kWhite;
+  Index width = 1200, height = 900;                  ///< Pixels, 1 to 16384 each, 2^26 together.
+  Index samples = 3;                                 ///< Antialiasing: samples^2 per pixel, 1 to 8.
+  std::optional<Color> background = colors::kWhite;  ///< None: transparent.
   Index columns = 0;       ///< Of panels, which fill rows from the top left. 0: makes panels most square.
   bool same_scale = true;  ///< All panels without a focus have the same scale.
 };
 
 struct Image {
   Index width = 0, height = 0;
-  std::vector<Color> pixels;  ///< Rows from the top.
+  std::vector<Color> pixels;             ///< Rows from the top.
+  std::vector<std::uint8_t> alpha = {};  ///< Opacity of each pixel; or empty: all are opaque.
 };
 
 /// Draws panels side by side. Shading is two-sided: a triangle that faces the eye has exactly its color,
@@ -95,7 +105,7 @@ struct Image {
 /// without a direction.
 Result<Image> draw_picture(std::span<const Panel> panels, const PictureSettings& settings = {});
 
-/// Encodes a PNG (8-bit RGB, sRGB). Error: no pixels, or too many.
+/// Encodes a PNG (8-bit RGB or RGBA, sRGB). Error: no pixels, or too many.
 Result<std::string> png_bytes(const Image& image);
 
 /// A PNG file that appears whole or not at all. Error: it cannot be written.

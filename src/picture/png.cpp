@@ -5,21 +5,39 @@
 
 namespace foldproof {
 
+namespace {
+
+/// Pixels with their opacity, as libpng reads them.
+std::vector<std::uint8_t> interleaved(const Image& image) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(4 * image.pixels.size());
+  for (std::size_t k = 0; k < image.pixels.size(); ++k) {
+    const Color& c = image.pixels[k];
+    bytes.insert(bytes.end(), {c.red, c.green, c.blue, image.alpha[k]});
+  }
+  return bytes;
+}
+
+}  // namespace
+
 // Uses libpng's simplified interface, which returns errors instead of calling longjmp.
 Result<std::string> png_bytes(const Image& image) {
   const std::size_t pixels = std::size_t{image.width} * image.height;
-  if (pixels == 0 || image.pixels.size() != pixels)
+  if (pixels == 0 || image.pixels.size() != pixels || (!image.alpha.empty() && image.alpha.size() != pixels))
     return fail(ErrorCode::InvalidArgument, "a picture", "is without pixels",
                 "draw one of at least one pixel");
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   header.width = image.width;
   header.height = image.height;
-  header.format = PNG_FORMAT_RGB;
+  header.format = image.alpha.empty() ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
   std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(header), '\0');
   png_alloc_size_t size = bytes.size();
   static_assert(sizeof(Color) == 3, "pixels go to libpng as they are");
-  if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr)) {
+  const std::vector<std::uint8_t> rgba =
+      image.alpha.empty() ? std::vector<std::uint8_t>() : interleaved(image);
+  const void* data = image.alpha.empty() ? static_cast<const void*>(image.pixels.data()) : rgba.data();
+  if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, data, 0, nullptr)) {
     return fail(ErrorCode::LimitExceeded, "a picture", std::string("cannot be made a PNG: ") + header.message,
                 "draw a smaller one");
   }

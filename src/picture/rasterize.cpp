@@ -67,12 +67,21 @@ Result<void> require_panel(const Panel& panel) {
                             std::isfinite(panel.view.focus->radius)))
     return fail(ErrorCode::InvalidArgument, "view", "has a focus without an extent",
                 "give a finite center and a radius above 0");
+  if (panel.view.fit &&
+      (panel.view.fit->isEmpty() || !panel.view.fit->min().allFinite() || !panel.view.fit->max().allFinite()))
+    return fail(ErrorCode::InvalidArgument, "view", "is fitted to an empty or infinite box",
+                "give a finite box");
   return {};
 }
 
-/// The bounding box of a panel's content, in the view's axes.
+/// The box that a panel's camera is fitted to, in the view's axes.
 Box bounds(const Panel& panel, const Eigen::Matrix3d& axes) {
   Box box;
+  if (panel.view.fit) {
+    for (int corner = 0; corner < 8; ++corner)
+      box.extend(axes * panel.view.fit->corner(static_cast<Box::CornerType>(corner)));
+    return box;
+  }
   for (const PictureMesh& mesh : panel.meshes) {
     for (std::size_t k = 0; k < mesh.positions.size(); k += 3)
       box.extend(axes * Eigen::Map<const Vec3>(&mesh.positions[k]));
@@ -175,7 +184,8 @@ Result<Image> draw_picture(std::span<const Panel> panels, const PictureSettings&
   if (panels.empty()) return fail(ErrorCode::InvalidArgument, "picture", "has no panel", "give at least one");
   const auto scenes = FOLDPROOF_TRY(make_scenes(panels, settings));
   Image image{settings.width, settings.height, {}};
-  image.pixels.resize(std::size_t{image.width} * image.height, settings.background);
+  image.pixels.resize(std::size_t{image.width} * image.height, settings.background.value_or(Color{}));
+  if (!settings.background) image.alpha.resize(image.pixels.size(), 0);
   for (const Scene& scene : scenes) {
     const Bands bands(scene, settings.samples);
     parallel_for(std::size_t{0}, bands.faces.size(), [&](std::size_t band) {

@@ -8,12 +8,16 @@
 namespace foldproof::picture {
 namespace {
 
-/// Shading relative to a surface that faces the eye. The light comes from the eye's upper left.
+/// Shading relative to a surface that faces the eye. The light comes from the eye's upper left, and wraps
+/// around, so that shapes show in its shadow, too.
 float brightness(const Eigen::Vector3f& normal) {
   static const Eigen::Vector3f light = Eigen::Vector3f(-0.45F, 0.55F, 1).normalized();
-  constexpr float kAmbient = 0.22F, kDirect = 0.78F;
-  const float facing = kAmbient + kDirect * light.z();
-  return (kAmbient + kDirect * std::max(0.0F, normal.dot(light))) / facing;
+  const auto shade = [](float toward_light) {
+    constexpr float kAmbient = 0.15F, kDirect = 0.85F;
+    const float half = 0.5F + 0.5F * toward_light;
+    return kAmbient + kDirect * half * half;
+  };
+  return shade(normal.dot(light)) / shade(light.z());
 }
 
 /// Twice the signed area of a triangle on screen, positive if it turns from x to y.
@@ -86,13 +90,14 @@ class Rows {
     }
   }
 
-  LinearColor color(Index line, Index column, const LinearColor& background) const {
+  /// None: the background.
+  std::optional<LinearColor> color(Index line, Index column) const {
     const Index number = visible_[std::size_t{line} * width_ + column];
-    if (number == kNoIndex) return background;
+    if (number == kNoIndex) return std::nullopt;
     const double x = column + 0.5, y = top_ + line + 0.5;
     if (number < scene_.faces.size()) return color_of_face(scene_.faces[number], x, y);
     const Sphere& sphere = scene_.spheres[number - scene_.faces.size()];
-    return sphere.color * brightness(sphere_normal(sphere, x, y));
+    return LinearColor(sphere.color * brightness(sphere_normal(sphere, x, y)));
   }
 
  private:
@@ -161,22 +166,29 @@ class Rows {
 
 }  // namespace
 
-void draw_rows(const Scene& scene, Index samples, Color background, std::array<Index, 2> rows,
+void draw_rows(const Scene& scene, Index samples, std::optional<Color> background, std::array<Index, 2> rows,
                std::span<const Index> faces, std::span<const Index> spheres, Image& image) {
   Rows drawn(scene, samples, rows);
   for (const Index face : faces) drawn.draw_face(face);
   for (const Index sphere : spheres) drawn.draw_sphere(sphere);
-  const LinearColor linear_background = to_linear(background);
-  const float weight = 1.0F / static_cast<float>(samples * samples);
+  const LinearColor behind = to_linear(background.value_or(Color{}));  // black adds nothing
+  const auto count = static_cast<float>(samples * samples);
   for (Index row = rows[0]; row < rows[1]; ++row) {
-    Color* pixels = &image.pixels[std::size_t{scene.area.y + row} * image.width + scene.area.x];
+    const std::size_t first = std::size_t{scene.area.y + row} * image.width + scene.area.x;
     for (Index column = 0; column < scene.area.width; ++column) {
       LinearColor sum = LinearColor::Zero();
+      float covered = 0;
       for (Index line = 0; line < samples; ++line) {
-        for (Index k = 0; k < samples; ++k)
-          sum += drawn.color((row - rows[0]) * samples + line, column * samples + k, linear_background);
+        for (Index k = 0; k < samples; ++k) {
+          const auto color = drawn.color((row - rows[0]) * samples + line, column * samples + k);
+          covered += color ? 1.0F : 0.0F;
+          sum += color.value_or(behind);
+        }
       }
-      pixels[column] = to_color(sum * weight);
+      const float weight = background ? count : std::max(covered, 1.0F);
+      image.pixels[first + column] = to_color(sum / weight);
+      if (!background)
+        image.alpha[first + column] = static_cast<std::uint8_t>(std::lround(255 * covered / count));
     }
   }
 }

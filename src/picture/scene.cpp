@@ -1,5 +1,7 @@
 #include "picture/scene.h"
 
+#include <numeric>
+
 namespace foldproof::picture {
 namespace {
 
@@ -21,12 +23,12 @@ class SceneBuilder {
     const Index first_normal = add_normals(mesh);
     for (Index t = 0; t < triangles.size(); ++t) {
       Face face;
-      for (int k = 0; k < 3; ++k) {
+      for (Index k = 0; k < 3; ++k) {
         const Index vertex = triangles[t][k];
         const Index color = !mesh.vertex_colors.empty() ? vertex : !mesh.face_colors.empty() ? t : 0;
         face.vertices[k] = first_vertex + vertex;
         face.colors[k] = first_color + color;
-        face.normals[k] = first_normal + (mesh.smooth ? vertex : t);
+        face.normals[k] = first_normal + (mesh.smooth ? 3 * t + k : t);
       }
       scene_.faces.push_back(face);
     }
@@ -46,18 +48,48 @@ class SceneBuilder {
     return Eigen::Map<const Vec3>(&mesh.positions[3 * std::size_t{vertex}]);
   }
 
-  /// Adds one normal per vertex, weighted by area, or one per triangle. Returns the index of the first.
+  /// Adds one normal per corner of a triangle, or one per triangle. Returns the index of the first.
   Index add_normals(const PictureMesh& mesh) {
     const auto first = static_cast<Index>(scene_.normals.size());
-    const auto triangles = mesh.topology->triangles();
-    if (mesh.smooth) scene_.normals.resize(first + mesh.topology->vertex_count(), Eigen::Vector3f::Zero());
-    for (const Triangle& t : triangles) {
+    std::vector<Eigen::Vector3f> of_triangle;
+    for (const Triangle& t : mesh.topology->triangles()) {
       const Vec3 a = position(mesh, t[0]);
       const Vec3 normal = scene_.camera.rotate((position(mesh, t[1]) - a).cross(position(mesh, t[2]) - a));
-      if (!mesh.smooth) scene_.normals.emplace_back(normal.cast<float>());
-      for (int k = 0; mesh.smooth && k < 3; ++k) scene_.normals[first + t[k]] += normal.cast<float>();
+      of_triangle.emplace_back(normal.cast<float>());
+    }
+    if (mesh.smooth) {
+      add_smooth_normals(*mesh.topology, of_triangle);
+    } else {
+      scene_.normals.insert(scene_.normals.end(), of_triangle.begin(), of_triangle.end());
     }
     return first;
+  }
+
+  /// A corner's normal: that of the triangles around its vertex, weighted by area, without those that turn
+  /// away from its own by more than the crease angle.
+  void add_smooth_normals(const Topology& topology, const std::vector<Eigen::Vector3f>& of_triangle) {
+    constexpr float kCrease = 0.5F;  // the cosine of 60 degrees
+    const auto triangles = topology.triangles();
+    std::vector<Index> begin(topology.vertex_count() + std::size_t{1}, 0), around(3 * triangles.size());
+    for (const Triangle& t : triangles) {
+      for (const Index vertex : t) ++begin[vertex + std::size_t{1}];
+    }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<Index> next(begin.begin(), begin.end() - 1);
+    for (Index t = 0; t < triangles.size(); ++t) {
+      for (const Index vertex : triangles[t]) around[next[vertex]++] = t;
+    }
+    for (Index t = 0; t < triangles.size(); ++t) {
+      const Eigen::Vector3f& own = of_triangle[t];
+      for (const Index vertex : triangles[t]) {
+        Eigen::Vector3f sum = own;
+        for (Index i = begin[vertex]; i < begin[vertex + std::size_t{1}]; ++i) {
+          const Eigen::Vector3f& other = of_triangle[around[i]];
+          if (around[i] != t && own.dot(other) >= kCrease * own.norm() * other.norm()) sum += other;
+        }
+        scene_.normals.push_back(sum);
+      }
+    }
   }
 
   Scene& scene_;

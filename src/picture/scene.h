@@ -37,7 +37,7 @@ Scene make_scene(const Panel& panel, const PixelRect& area, const Camera& camera
 
 /// Draws the rows [rows[0], rows[1]) of the scene's area into the image. `faces` and `spheres`: all that may
 /// overlap these rows.
-void draw_rows(const Scene& scene, Index samples, Color background, std::array<Index, 2> rows,
+void draw_rows(const Scene& scene, Index samples, std::optional<Color> background, std::array<Index, 2> rows,
                std::span<const Index> faces, std::span<const Index> spheres, Image& image);
 
 }  // namespace foldproof::picture

@@ -138,9 +138,11 @@ Json totals_json(const CheckTotals& totals, bool poses, bool statistical) {
   if (totals.listed.sum() < totals.collisions.sum()) json["listed"] = to_json(totals.listed, poses);
   if (statistical) add_misses(json, totals.missed, totals.proven_milliseconds);
   if (totals.contacts_found) {
-    json["contacts"] = {{"count", totals.contacts.size()},
-                        {"unknown_frames", totals.contact_unknown_frames},
-                        {"milliseconds", {{"total", totals.contact_milliseconds}}}};
+    json["contacts"] = {
+        {"count", totals.contacts.size()},
+        {"depth", number_or_null(totals.contacts.empty() ? std::nullopt : totals.contacts[0].depth())},
+        {"unknown_frames", totals.contact_unknown_frames},
+        {"milliseconds", {{"total", totals.contact_milliseconds}}}};
   }
   if (totals.earliest) {
     json["earliest"] = {{"frame", totals.earliest->frame},

@@ -64,7 +64,9 @@ TEST(RenderProgram, DrawsAFrame) {
   EXPECT_NE(with("d.png", {"--frame", "2"}), first);
   EXPECT_NE(with("e.png", {"--view", "side"}), first);
   EXPECT_NE(with("f.png", {"--flat"}), first);
-  EXPECT_EQ(with("g.png", {"--view", "0,0,2"}), first);
+  EXPECT_NE(with("i.png", {"--up", "z"}), first);
+  EXPECT_EQ(with("j.png", {"--up", "y", "--view", "auto"}), first);
+  EXPECT_EQ(with("g.png", {"--view", "0,0,2"}), with("h.png", {"--view", "front"}));
 }
 
 TEST(RenderProgram, ColorsCollisionsCertificatesAndErrors) {
@@ -118,6 +120,7 @@ TEST(RenderProgram, ExplainsMistakesInOneLine) {
       {{"bend.npz", "-o", "a.png", "--frame", "4"}, "there is no frame 4 among 4"},
       {{"bend.npz", "-o", "a.png", "--frame", "-5"}, "there is no frame -5 among 4"},
       {{"bend.npz", "-o", "a.png", "--view", "left"}, "'left' is no view"},
+      {{"bend.npz", "-o", "a.png", "--up", "x"}, "x"},
       {{"bend.npz", "-o", "a.png", "--size", "10"}, "'10' is no size"},
       {{"bend.npz", "-o", "a.png", "--size", "0x10"}, "'0x10' is no size"},
       {{"bend.npz", "-o", "a.png", "--size", "99999x10"}, "cannot be drawn"},

@@ -300,6 +300,68 @@ TEST(Picture, PanelsAreSideBySide) {
   EXPECT_EQ(at(column, 50, 250), colors::kGreen);
 }
 
+/// A cube's faces are flat, though its vertices are shared; a ball is round.
+TEST(Picture, CreasesStaySharp) {
+  std::vector<double> x;
+  for (int v = 0; v < 8; ++v) x.insert(x.end(), {v & 1 ? 1.0 : -1, v & 2 ? 1.0 : -1, v & 4 ? 1.0 : -1});
+  const Mesh cube{*Topology::make(8, {{0, 2, 3},
+                                      {0, 3, 1},
+                                      {4, 5, 7},
+                                      {4, 7, 6},
+                                      {0, 1, 5},
+                                      {0, 5, 4},
+                                      {2, 6, 7},
+                                      {2, 7, 3},
+                                      {0, 4, 6},
+                                      {0, 6, 2},
+                                      {1, 3, 7},
+                                      {1, 7, 5}}),
+                  x};
+  PictureMesh smooth = cube.picture(), flat = smooth;
+  flat.smooth = false;
+  const View view{.from = {0.4, 0.3, 1}};
+  const PictureSettings settings{.width = 60, .height = 60};
+  EXPECT_EQ(draw({{.meshes = {smooth}, .view = view}}, settings).pixels,
+            draw({{.meshes = {flat}, .view = view}}, settings).pixels);
+}
+
+TEST(Picture, LooksTheSameFarFromTheOrigin) {
+  const Mesh here = sphere(64, 32, {0, 0, 0}, 1), there = sphere(64, 32, {1e6, -1e6, 1e6}, 1);
+  const PictureSettings settings{.width = 80, .height = 80};
+  const Image near = draw({{.meshes = {here.picture()}}}, settings);
+  const Image far = draw({{.meshes = {there.picture()}}}, settings);
+  for (std::size_t k = 0; k < near.pixels.size(); ++k) {
+    ASSERT_NEAR(near.pixels[k].red, far.pixels[k].red, 2) << k;
+  }
+}
+
+TEST(Picture, IsFittedToABox) {
+  const Mesh wall = square(1, 0);
+  View view = kFlat;
+  view.fit = Eigen::AlignedBox3d(Vec3(-1, -1, 0), Vec3(3, 1, 0));
+  const Image image =
+      draw({{.meshes = {wall.picture(colors::kRed)}, .view = view}}, {.width = 100, .height = 50});
+  EXPECT_EQ(at(image, 25, 25), colors::kRed);
+  EXPECT_EQ(at(image, 75, 25), colors::kWhite);
+}
+
+TEST(Picture, TheBackgroundMayBeTransparent) {
+  const Mesh wall = square(1, 0);
+  const Image image = draw({{.meshes = {wall.picture(colors::kRed)}, .view = kFlat}},
+                           {.width = 60, .height = 40, .background = std::nullopt});
+  ASSERT_EQ(image.alpha.size(), image.pixels.size());
+  EXPECT_EQ(image.alpha[0], 0);
+  EXPECT_EQ(image.alpha[20 * 60 + 30], 255);
+  // At an edge, the color is that of the mesh: nothing shines through from a background.
+  std::size_t edge = 0;
+  for (std::size_t k = 0; k < image.pixels.size(); ++k) {
+    if (image.alpha[k] == 0) continue;
+    EXPECT_EQ(image.pixels[k], colors::kRed);
+    edge += image.alpha[k] < 255;
+  }
+  EXPECT_GT(edge, 0u);
+}
+
 TEST(Picture, EdgesAreSmoothed) {
   const Mesh wall = square(1, 0);
   View turned = kFlat;
@@ -368,6 +430,8 @@ TEST(Picture, RefusesInvalidInput) {
   EXPECT_THAT(problem({{.meshes = {wall.picture()}, .view = {.from = {0, 2, 0}}}}), HasSubstr("direction"));
   EXPECT_THAT(problem({{.meshes = {wall.picture()}, .view = {.focus = View::Focus{{0, 0, 0}, 0}}}}),
               HasSubstr("extent"));
+  EXPECT_THAT(problem({{.meshes = {wall.picture()}, .view = {.fit = Eigen::AlignedBox3d()}}}),
+              HasSubstr("finite box"));
   EXPECT_THAT(problem({{.points = {{{{0, 0, 0}}, colors::kRed, 0}}}}), HasSubstr("size for points"));
   EXPECT_THAT(problem({{.points = {{{{0, INFINITY, 0}}}}}}), HasSubstr("not finite"));
 }
@@ -378,6 +442,14 @@ TEST(PictureView, IsParsed) {
   EXPECT_EQ(parse_view("side")->from, Vec3(1, 0, 0));
   EXPECT_EQ(parse_view("top")->up, Vec3(0, 0, -1));
   EXPECT_EQ(parse_view("1,-2.5,1e1")->from, Vec3(1, -2.5, 10));
+  EXPECT_EQ(parse_view("front", Up::Z)->from, Vec3(0, -1, 0));
+  EXPECT_EQ(parse_view("front", Up::Z)->up, Vec3(0, 0, 1));
+  EXPECT_EQ(parse_view("side", Up::Z)->from, Vec3(1, 0, 0));
+  EXPECT_EQ(parse_view("top", Up::Z)->from, Vec3(0, 0, 1));
+  EXPECT_EQ(parse_view("top", Up::Z)->up, Vec3(0, 1, 0));
+  EXPECT_EQ(parse_view("1,-2.5,1e1", Up::Z)->from, Vec3(1, -2.5, 10));
+  EXPECT_TRUE(
+      draw_picture(std::vector<Panel>{{.view = *parse_view("0,0,-3", Up::Z)}}, {.width = 4, .height = 4}));
   EXPECT_TRUE(draw_picture(std::vector<Panel>{{.view = *parse_view("0,-3,0")}}, {.width = 4, .height = 4}));
   for (const char* bad : {"", "left", "1,2", "1,2,3,4", "0,0,0", "1,2,x", "nan,0,1", "1,inf,0"}) {
     const auto view = parse_view(bad);

@@ -44,6 +44,26 @@ TEST(Png, RoundTrip) {
   }
 }
 
+TEST(Png, KeepsOpacity) {
+  Image image = pattern(5, 3);
+  for (std::size_t k = 0; k < image.pixels.size(); ++k)
+    image.alpha.push_back(static_cast<std::uint8_t>(255 - 17 * k));
+  const auto bytes = png_bytes(image);
+  ASSERT_TRUE(bytes);
+  png_image read{};
+  read.version = PNG_IMAGE_VERSION;
+  ASSERT_TRUE(png_image_begin_read_from_memory(&read, bytes->data(), bytes->size()));
+  read.format = PNG_FORMAT_RGBA;
+  std::vector<std::uint8_t> rgba(4 * image.pixels.size());
+  ASSERT_TRUE(png_image_finish_read(&read, nullptr, rgba.data(), 0, nullptr));
+  for (std::size_t k = 0; k < image.pixels.size(); ++k) {
+    EXPECT_EQ((Color{rgba[4 * k], rgba[4 * k + 1], rgba[4 * k + 2]}), image.pixels[k]);
+    EXPECT_EQ(rgba[4 * k + 3], image.alpha[k]);
+  }
+  image.alpha.pop_back();
+  EXPECT_FALSE(png_bytes(image));
+}
+
 TEST(Png, ErrorsLeaveNoFile) {
   const TemporaryDirectory directory;
   EXPECT_THAT(write_png(directory / "a.png", Image{}).error().line(), HasSubstr("without pixels"));

@@ -1,0 +1,162 @@
+#include "picture/upright.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/try.h"
+
+namespace foldproof {
+namespace {
+
+using Box = Eigen::AlignedBox3d;
+
+int axis_of(Up up) { return up == Up::Y ? 1 : 2; }
+
+/// How far the lowest, or highest, point of the poses moves along each axis.
+Vec3 moved(std::span<const Box> poses, const Vec3& (Box::*end)() const) {
+  Box ends;
+  for (const Box& pose : poses) ends.extend((pose.*end)());
+  return ends.sizes();
+}
+
+Result<Box> box_of(std::span<const std::unique_ptr<Motion>> motions, Index frame) {
+  Box box;
+  std::vector<double> x;
+  for (const auto& motion : motions) {
+    x.resize(std::size_t{motion->topology().vertex_count()} * 3);
+    FOLDPROOF_TRY(motion->read_frame(frame, x));
+    for (std::size_t k = 0; k < x.size(); k += 3) box.extend(Eigen::Map<const Vec3>(&x[k]));
+  }
+  return box;
+}
+
+/// The number of pixels that are not black.
+Result<std::size_t> visible(const Panel& panel) {
+  const auto image = FOLDPROOF_TRY(draw_picture(
+      std::span(&panel, 1), {.width = 200, .height = 175, .samples = 1, .background = colors::kBlack}));
+  return static_cast<std::size_t>(
+      std::count_if(image.pixels.begin(), image.pixels.end(), [](Color c) { return c.red > 0; }));
+}
+
+Box box_of_marked(std::span<const PictureMesh> meshes, std::span<const std::vector<std::uint8_t>> marked) {
+  Box box;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const auto triangles = meshes[i].topology->triangles();
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      for (const Index v : triangles[t]) {
+        if (marked[i][t]) box.extend(Eigen::Map<const Vec3>(&meshes[i].positions[3 * std::size_t{v}]));
+      }
+    }
+  }
+  return box;
+}
+
+/// Around the mesh, from above and below in turn.
+std::vector<View> views_around(Up up) {
+  std::vector<View> views;
+  for (int k = 0; k < 8; ++k) {
+    const double angle = k * std::numbers::pi / 4;
+    views.push_back(upright({.from = {std::sin(angle), k % 2 == 0 ? 0.35 : -0.35, std::cos(angle)}}, up));
+  }
+  return views;
+}
+
+}  // namespace
+
+Up guess_up(std::span<const Box> poses) {
+  if (poses.empty()) return Up::Y;
+  Box motion;
+  for (const Box& pose : poses) motion.extend(pose);
+  const Vec3 lowest = moved(poses, &Box::min), highest = moved(poses, &Box::max);
+  const double size = motion.sizes().maxCoeff();
+  const auto stands_across = [&](int axis, int other) {
+    const bool moves = std::max(lowest[axis], highest[axis]) > 1e-3 * size;
+    return moves && lowest[axis] <= 0.05 * size && 3 * lowest[axis] <= lowest[other];
+  };
+  return stands_across(2, 1) && !stands_across(1, 2) ? Up::Z : Up::Y;
+}
+
+Result<MotionExtent> extent_of(std::span<const std::unique_ptr<Motion>> motions) {
+  constexpr Index kFrames = 32;
+  const Index last = motions[0]->frame_count() - 1, steps = std::min(last, kFrames - 1);
+  MotionExtent extent;
+  std::vector<Box> poses;
+  for (Index k = 0; k <= steps; ++k) {
+    const auto frame = static_cast<Index>(steps == 0 ? 0 : std::uint64_t{last} * k / steps);
+    const Box box = FOLDPROOF_TRY(box_of(motions, frame));
+    extent.box.extend(box);
+    poses.push_back(box);
+  }
+  const bool is_gltf = std::any_of(motions.begin(), motions.end(), [](const auto& motion) {
+    const std::string extension = extension_of(motion->name());
+    return extension == ".glb" || extension == ".gltf";
+  });
+  extent.up = is_gltf ? Up::Y : guess_up(poses);
+  return extent;
+}
+
+View upright(const View& view, Up up) {
+  if (up == Up::Y) return view;
+  const auto turn = [](const Vec3& v) { return Vec3(v.x(), -v.z(), v.y()); };
+  View turned = view;
+  turned.from = turn(view.from);
+  turned.up = turn(view.up);
+  return turned;
+}
+
+View default_view(Up up) { return upright({.from = {0.4, 0.3, 1}}, up); }
+
+View view_along(const Vec3& normal, Up up) {
+  View view = default_view(up);
+  const double height = normal[axis_of(up)];
+  const double limit = std::sin(std::numbers::pi / 3) * normal.norm();
+  Vec3 level = normal - height * view.up;
+  // From straight above, the front stays below.
+  if (level.norm() < 1e-6 * normal.norm()) level = upright({.from = {0, 0, 1}}, up).from;
+  if (std::abs(height) <= limit) {
+    view.from = normal;
+  } else {
+    view.from = 0.5 * normal.norm() * level.normalized() + std::copysign(limit, height) * view.up;
+  }
+  return view;
+}
+
+Result<View> view_of(std::span<const PictureMesh> meshes, std::span<const std::vector<std::uint8_t>> marked,
+                     const Vec3& normal, Up up) {
+  Panel shown{.meshes = {meshes.begin(), meshes.end()}};
+  std::vector<std::vector<Color>> black_and_white(meshes.size());
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    for (const std::uint8_t mark : marked[i])
+      black_and_white[i].push_back(mark ? colors::kWhite : colors::kBlack);
+    shown.meshes[i].face_colors = black_and_white[i];
+    shown.meshes[i].vertex_colors = {};
+    shown.meshes[i].smooth = false;
+  }
+  View best = default_view(up);
+  const Box box = box_of_marked(meshes, marked);
+  if (box.isEmpty()) return best;
+  // Small marks would be less than a pixel.
+  const View::Focus near{box.center(), std::max(0.6 * box.diagonal().norm(), 1e-300)};
+
+  // What the preferred views show counts twice.
+  std::size_t most = 0;
+  const auto consider = [&](const View& view, std::size_t weight) -> Result<void> {
+    shown.view = view;
+    shown.view.focus = near;
+    const std::size_t pixels = weight * FOLDPROOF_TRY(visible(shown));
+    if (pixels > most) best = view;
+    most = std::max(most, pixels);
+    return {};
+  };
+  for (const double side : {1.0, -1.0}) {
+    if (normal.isZero(0)) break;
+    FOLDPROOF_TRY(consider(view_along(side * normal, up), 2));
+  }
+  for (const View& view : views_around(up)) {
+    FOLDPROOF_TRY(consider(view, 1));
+  }
+  return best;
+}
+
+}  // namespace foldproof

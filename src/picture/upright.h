@@ -1,0 +1,36 @@
+/// Which axis of a motion points up, and from where it is best seen. page/src/shared/upright.ts has the same
+/// rules for the page; tests/picture/upright.json holds cases for both.
+#pragma once
+
+#include "picture/picture.h"
+
+namespace foldproof {
+
+/// Guesses the axis that points up from the boxes of some poses: z if the motion stands on a ground across z,
+/// and on none across y; else y. It stands on a ground if its lowest point moves by at most 5 % of the
+/// motion's size, a third of what it moves along the other axis, while something does move along this one.
+Up guess_up(std::span<const Eigen::AlignedBox3d> poses);
+
+/// What is known of motions before they are drawn.
+struct MotionExtent {
+  Up up = Up::Y;            ///< glTF says that y points up; a guess for other files.
+  Eigen::AlignedBox3d box;  ///< Around 32 frames at most, evenly distributed, with the first and the last.
+};
+/// Precondition: at least one motion, of equally many frames. Error: a frame that cannot be read.
+Result<MotionExtent> extent_of(std::span<const std::unique_ptr<Motion>> motions);
+
+/// Turns a view of a scene with y up into the same view of a scene with `up`.
+View upright(const View& view, Up up);
+/// From the front, slightly from the right and from above.
+View default_view(Up up);
+/// Looks along a normal, but from at most 60 degrees above or below, where the picture would not be upright.
+View view_along(const Vec3& normal, Up up);
+
+/// A view in which the marked triangles are visible: along the normal, from either side, unless twice as much
+/// of them is visible from another direction around the mesh. `marked`: 1 or 0 per triangle of each mesh.
+/// `normal`: may be zero. Cost: that of ten pictures of 200 x 175
+/// pixels.
+Result<View> view_of(std::span<const PictureMesh> meshes, std::span<const std::vector<std::uint8_t>> marked,
+                     const Vec3& normal, Up up);
+
+}  // namespace foldproof

@@ -1,0 +1,49 @@
+/// Pictures of contacts, for the HTML report and for sweeps.
+#pragma once
+
+#include "picture/upright.h"
+#include "report/report.h"
+
+namespace foldproof {
+
+/// The colors of a contact's sides.
+inline constexpr std::array<Color, 2> kSideColors{colors::kRed, colors::kBlue};
+
+/// The curves of a contact as black dots, one at every `spacing`.
+PicturePoints dots_along(const Contact& contact, double spacing);
+
+/// Reads a checked motion again and draws it on a transparent ground, which goes with light and dark pages.
+class ContactPictures {
+ public:
+  /// Keeps a reference to both. Error: a frame that cannot be read.
+  static Result<ContactPictures> open(Motions motions, const CheckSettings& settings);
+
+  /// Pixels, and whether small contacts are shown a second time, from near.
+  struct Format {
+    Index width, height;
+    bool near;
+  };
+  /// A PNG of a contact in its worst frame, or at its first impact if nothing crosses in a frame. Its
+  /// sides have kSideColors. Cost: half a second for 70,000 triangles.
+  Result<std::string> draw(const Contact& contact, const Format& format);
+  /// A PNG of the first frame.
+  Result<std::string> draw_first_frame(const Format& format);
+
+ private:
+  ContactPictures(Motions motions, const CheckSettings& settings, std::vector<Index> frames, Up up)
+      : motions_(motions), settings_(settings), frames_(std::move(frames)), up_(up) {}
+  Result<void> read(double time);
+  std::vector<PictureMesh> meshes() const;
+
+  Motions motions_;
+  const CheckSettings& settings_;
+  std::vector<Index> frames_;  // that were checked
+  Up up_;
+  std::vector<std::vector<double>> pose_;  // per object
+  Eigen::AlignedBox3d box_;                // around the pose
+};
+
+/// A PNG as the address of an <img>.
+std::string data_url(std::string_view png);
+
+}  // namespace foldproof

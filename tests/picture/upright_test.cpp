@@ -1,0 +1,86 @@
+// Which axis points up, and from where contacts are seen. upright.json has cases that the page's tests check,
+// too.
+#include "picture/upright.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace foldproof {
+namespace {
+
+using nlohmann::json;
+
+json cases() { return json::parse(std::ifstream(FOLDPROOF_SOURCE_DIR "/tests/picture/upright.json")); }
+
+Up up_of(const json& value) { return value["up"] == "z" ? Up::Z : Up::Y; }
+Vec3 vector_of(const json& value) { return {value[0], value[1], value[2]}; }
+
+TEST(Upright, GuessesTheAxisThatPointsUp) {
+  for (const json& motion : cases()["motions"]) {
+    std::vector<Eigen::AlignedBox3d> poses;
+    for (const json& box : motion["poses"]) poses.emplace_back(vector_of(box), Vec3(box[3], box[4], box[5]));
+    EXPECT_EQ(guess_up(poses), up_of(motion)) << motion["name"];
+  }
+  EXPECT_EQ(guess_up({}), Up::Y);
+}
+
+TEST(Upright, LooksAlongANormal) {
+  const json all = cases();
+  for (const json& one : all["normals"]) {
+    const View view = view_along(vector_of(one["normal"]), up_of(one));
+    EXPECT_LT((view.from - vector_of(one["from"])).norm(), 1e-9) << one;
+    EXPECT_EQ(view.up, up_of(one) == Up::Y ? Vec3(0, 1, 0) : Vec3(0, 0, 1));
+  }
+  for (const json& one : all["defaults"])
+    EXPECT_LT((default_view(up_of(one)).from - vector_of(one["from"])).norm(), 1e-9) << one;
+}
+
+/// A triangle that stands on z = 0 and hops along y, in memory as a file of any format.
+std::vector<std::unique_ptr<Motion>> walk(const std::string& name, int frames) {
+  std::vector<std::vector<double>> poses;
+  for (int k = 0; k < frames; ++k) {
+    const double y = 0.1 * k;
+    poses.push_back({0, y, 0, 1, y, 0, 0, y, 2 + 0.1 * (k % 2)});
+  }
+  std::vector<std::unique_ptr<Motion>> motions;
+  motions.push_back(memory_motion(name, *Topology::make(3, {{0, 1, 2}}), std::move(poses)));
+  return motions;
+}
+
+TEST(Upright, ExtentCoversAllOfAMotion) {
+  for (const int frames : {1, 2, 32, 33, 500}) {
+    const auto extent = extent_of(walk("walk.npz", frames));
+    ASSERT_TRUE(extent);
+    EXPECT_NEAR(extent->box.max().y(), 0.1 * (frames - 1), 1e-9);
+    EXPECT_EQ(extent->up, frames == 1 ? Up::Y : Up::Z);
+  }
+  EXPECT_EQ(extent_of(walk("walk.glb", 9))->up, Up::Y);
+}
+
+/// A square across `x` = const, with a mark on one triangle of it.
+struct Wall {
+  Topology topology = *Topology::make(8, {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}});
+  /// The second square is in front of the first and hides it.
+  std::vector<double> x{-1, -1, 0,   1, -1, 0,   1, 1, 0,   -1, 1, 0,
+                        -1, -1, 0.2, 1, -1, 0.2, 1, 1, 0.2, -1, 1, 0.2};
+  View seen(std::vector<std::uint8_t> marked, const Vec3& normal, Up up = Up::Y) const {
+    const PictureMesh mesh{.topology = &topology, .positions = x};
+    const std::vector<std::vector<std::uint8_t>> marks{std::move(marked)};
+    return *view_of(std::span(&mesh, 1), marks, normal, up);
+  }
+};
+
+TEST(Upright, ShowsWhatIsMarked) {
+  const Wall wall;
+  EXPECT_EQ(wall.seen({0, 0, 1, 0}, {0, 0, 1}).from, Vec3(0, 0, 1));
+  EXPECT_EQ(wall.seen({1, 0, 0, 0}, {0, 0, 1}).from, Vec3(0, 0, -1));  // from the front, it is hidden
+  EXPECT_LT(wall.seen({1, 0, 0, 0}, {0, 0, 0}).from.z(), 0);
+  // The normal along the wall shows nothing of it.
+  EXPECT_GT(wall.seen({0, 0, 1, 1}, {1, 0, 0}).from.z(), 0.5);
+  EXPECT_EQ(wall.seen({0, 0, 0, 0}, {0, 0, 0}, Up::Z).from, default_view(Up::Z).from);
+}
+
+}  // namespace
+}  // namespace foldproof
