@@ -12,8 +12,8 @@ namespace {
 
 constexpr const char* kFooter = R"(Several motions are several objects, and need equally many frames.
 
-The report is one file that opens in any browser, offline. It shows what crosses in the first frame, what collides and
-when, charts of every step, pictures of the first frame and of the worst steps, what was proven and why not the rest, the
+The report is one file that opens in any browser, offline. It shows the contacts, the worst first, with pictures; what
+crosses in the first frame, what collides and when; charts of every step; what was proven and why not the rest; the
 settings and the version. It names files as they were typed.
 
 Exit code: 0 no collision and no crossing in the first frame, 1 collisions or crossings, 2 error.

@@ -27,7 +27,10 @@ test('opens from a file, offline, and shows the results', async () => {
   assert.match(await page.locator('h1').innerText(), /^[\d,]+ colliding pairs in \d+ of 29 steps$/);
   assert.match(await page.locator('body').innerText(), /a<b>&/);
   assert.equal(await page.locator('.chart canvas').count(), 4);
-  assert.ok((await page.locator('figure img').count()) >= 1);
+  assert.ok((await page.locator('.contact img').count()) >= 1);
+  assert.match(await page.locator('.contact').first().innerText(), /#\d+\s.*a<b>&.* with itself[^]*(deep|crosses along|touches)/);
+  assert.equal(await page.locator('main > section h2').first().innerText(), await page.locator('.contacts h2').innerText(), 'contacts come first');
+  assert.ok((await page.locator('.lanes a').count()) >= 1);
   assert.ok(await page.evaluate(() => Array.from(document.images).every((image) => image.complete && image.naturalWidth > 0)));
   assert.deepEqual([...new Set(requests)].filter((start) => start !== 'file:' && start !== 'data:'), []);
   assert.deepEqual(errors, []);
@@ -54,9 +57,12 @@ test('reports crossings of two overlapping spheres, though no step collides', as
   assert.match(verdict, /^Frame 0 starts with [\d,]+ crossing pairs of triangles; no new contact in 5 steps$/);
   assert.equal(kind, 'hit');
   assert.match(text, /Triangles that cross in frame 0\s+[\d,]+ pairs/);
-  assert.match(text, /pink are triangles that cross/);
-  assert.equal(await page.locator('figure img').count(), 1);
-  assert.ok(await page.locator('.chart[data-chart=collisions] .start-mark').isVisible());
+  assert.match(text, /The contact\s/);
+  assert.match(text, /deep/);
+  assert.match(text, /there from the start; there at the end/);
+  assert.equal(await page.locator('.contact img').count(), 1);
+  assert.ok(await page.locator('.chart .start-mark').first().isVisible());
+  assert.equal(await page.locator('.chart[data-chart=collisions]').count(), 0, 'a chart of nothing is left out');
   assert.equal(await page.locator('.free').count(), 0, 'nothing is green');
   await close();
 });
@@ -67,6 +73,9 @@ test('reports a free motion', async () => {
   assert.equal(kind, 'free');
   assert.equal(await page.locator('.answer.free').count(), 2);
   assert.equal(await page.locator('.start-mark:visible').count(), 0);
+  assert.equal(await page.locator('.contacts').count(), 0);
+  assert.equal(await page.locator('.chart[data-chart=collisions]').count(), 0);
+  assert.equal(await page.locator('figure img').count(), 1);
   await close();
 });
 
@@ -96,6 +105,18 @@ test('reports how far a stopped check came', async () => {
   assert.equal(kind, 'stopped');
   assert.match(text, /none; 7,195 of 7,200 steps not checked/);
   assert.doesNotMatch(text, /proven free of collisions/i);
+  await close();
+});
+
+test('pictures go with dark pages', async () => {
+  const { page, close } = await openPage(browser, pathToFileURL(file).href);
+  const corner = await page.locator('.contact img').first().evaluate((image) => {
+    const canvas = Object.assign(document.createElement('canvas'), { width: image.naturalWidth, height: image.naturalHeight });
+    const context = canvas.getContext('2d');
+    context.drawImage(image, 0, 0);
+    return [...context.getImageData(0, 0, 1, 1).data];
+  });
+  assert.equal(corner[3], 0, 'the ground is transparent');
   await close();
 });
 

@@ -26,10 +26,11 @@ struct PageReportInfo {
   std::string command;  ///< The command line.
 };
 
-/// A self-contained HTML file: summary, charts, pictures of crossings in the first frame and of the worst
-/// steps, settings. Steps are written as they come; memory holds the poses of seven pictures. `files`: those
-/// under "report/" with their hashes (tools/embed.py); they must outlive the writer. Precondition: no poses.
-/// Error: settings.step.explain is not set, the file cannot be written, a file of the page is missing.
+/// A self-contained HTML file: summary, the worst 200 contacts, pictures of the worst ten, charts, settings.
+/// Steps are written as they come; at the end the motions are read again for the pictures. `files`: those
+/// under "report/" with their hashes (tools/embed.py); they must outlive the writer, as must the motions.
+/// Precondition: no poses. Error: settings.step.explain is not set, the file cannot be written, a file of the
+/// page is missing, a frame cannot be read again.
 Result<std::unique_ptr<ReportWriter>> page_report(const std::string& path, Motions motions,
                                                   const PageReportInfo& info,
                                                   std::span<const PageFile> files);

@@ -6,7 +6,7 @@
 #include "base/try.h"
 #include "page/page.h"
 #include "page/page_json.h"
-#include "page/snapshots.h"
+#include "report/contact_pictures.h"
 #include "report/text_file.h"
 
 namespace foldproof {
@@ -14,6 +14,9 @@ namespace {
 
 constexpr const char* kScript = "report/report.js";
 constexpr const char* kStyle = "report/report.css";
+// Of a motion with more contacts, the worst are listed, and the worst of them drawn.
+constexpr std::size_t kListed = 200, kPictures = 10;
+constexpr ContactPictures::Format kFormat{960, 420, true};
 
 /// JSON for a <script> element. It has '<' only in strings, where it is escaped so that it cannot end the
 /// element.
@@ -46,20 +49,6 @@ std::string html_text(std::string_view text) {
   return safe;
 }
 
-std::string base64(std::string_view bytes) {
-  constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
 std::string now() {
   const std::time_t seconds = std::time(nullptr);
   std::tm utc{};
@@ -73,7 +62,7 @@ class PageReport final : public ReportWriter {
  public:
   PageReport(FileWriter file, Motions motions, const PageReportInfo& info,
              const std::map<std::string_view, std::string_view>& files)
-      : file_(std::move(file)), motions_(motions), substeps_(info.check.settings.substeps) {
+      : file_(std::move(file)), motions_(motions), settings_(info.check.settings) {
     file_.add("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
     file_.add("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
     file_.add(
@@ -90,48 +79,63 @@ class PageReport final : public ReportWriter {
     file_.add("\"objects\":{},", embedded(objects_json(motions, info.check.settings)));
     file_.add("\"settings\":{},\n\"steps\":[", embedded(settings_json(info.check, motions)));
     script_ = files.at(kScript);
-    auto snapshots = Snapshots::open(motions, substeps_);
-    if (snapshots) {
-      snapshots_.emplace(std::move(*snapshots));
-    } else {
-      notes_.push_back("There are no pictures: " + snapshots.error().line());
-    }
   }
 
   Result<void> start(const CheckedStep& pose) override {
-    if (snapshots_) snapshots_->start(pose);
     start_ = start_json({pose.index.frame, pose.collisions.triangle_triangle, pose.milliseconds});
     return {};
   }
 
   Result<void> step(const CheckedStep& step) override {
-    if (snapshots_) snapshots_->add(step);
     file_.add("{}\n{}", step.index.number == 0 ? "" : ",", embedded(step_json(record_of(step))));
     return file_.flush_if_large();
   }
 
   Result<void> finish(const CheckTotals& totals) override {
-    if (totals.listed.sum() < totals.collisions.sum()) {
-      notes_.push_back(fmt::format("Of {} colliding pairs the pictures mark {}; more with --limit.",
-                                   totals.collisions.sum(), totals.listed.sum()));
-    }
-    file_.add("\n],\n\"start\":{},\n\"totals\":{},\n\"pictures\":[", embedded(start_),
+    file_.add("\n],\n\"start\":{},\n\"totals\":{},\n\"contacts\":[", embedded(start_),
               embedded(totals_json(totals, false, false)));
-    if (snapshots_) {
-      const auto pictures = FOLDPROOF_TRY(snapshots_->draw(totals));
-      for (const Snapshot& picture : pictures) {
-        file_.add("{}\n{}", &picture == pictures.data() ? "" : ",",
-                  embedded({{"step", picture.step ? Json(*picture.step) : Json(nullptr)},
-                            {"caption", picture.caption},
-                            {"png", "data:image/png;base64," + base64(picture.png)}}));
-      }
+    pictures_.emplace(ContactPictures::open(motions_, settings_));
+    FOLDPROOF_TRY(add_contacts(totals));
+    const Json first_frame = totals.contacts.empty()
+                                 ? picture_url([](ContactPictures& p) { return p.draw_first_frame(kFormat); })
+                                 : Json();
+    if (!*pictures_) notes_.push_back("Pictures are missing: " + pictures_->error().line());
+    if (totals.contact_unknown_frames > 0) {
+      notes_.push_back(fmt::format("It is not known which triangles cross in {} of the frames{}.",
+                                   totals.contact_unknown_frames,
+                                   settings_.steps_only ? " (--steps-only)" : ": too many pairs (--limit)"));
     }
-    file_.add("\n],\n\"notes\":{}}}</script>\n<script>{}</script>\n</body>\n</html>\n", embedded(notes_),
-              script_);
+    file_.add("\n],\n\"picture\":{},\n\"notes\":{}}}</script>\n", embedded(first_frame), embedded(notes_));
+    file_.add("<script>{}</script>\n</body>\n</html>\n", script_);
     return file_.commit();
   }
 
  private:
+  /// The worst contacts, the first of them with pictures.
+  Result<void> add_contacts(const CheckTotals& totals) {
+    const std::size_t count = std::min(totals.contacts.size(), kListed);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Contact& contact = totals.contacts[i];
+      Json json = contact_json(contact, side_names(contact, motions_, settings_), false);
+      if (i < kPictures)
+        json["picture"] =
+            picture_url([&](ContactPictures& pictures) { return pictures.draw(contact, kFormat); });
+      file_.add("{}\n{}", i == 0 ? "" : ",", embedded(json));
+      FOLDPROOF_TRY(file_.flush_if_large());
+    }
+    return {};
+  }
+
+  /// A picture for <img>. After an error there are no more pictures: null.
+  template <class Draw>
+  Json picture_url(Draw draw) {
+    if (!*pictures_) return nullptr;
+    const Result<std::string> png = draw(**pictures_);
+    if (png) return data_url(*png);
+    *pictures_ = tl::unexpected(png.error());
+    return nullptr;
+  }
+
   /// Replaces invalid UTF-8 by U+FFFD.
   static std::string valid_utf8(const std::string& text) {
     return Json::parse(dump(text)).get<std::string>();
@@ -139,10 +143,10 @@ class PageReport final : public ReportWriter {
 
   TextFile file_;
   Motions motions_;
-  Index substeps_;
+  const CheckSettings settings_;
   std::string_view script_;
-  std::optional<Snapshots> snapshots_;
-  Json start_ = nullptr;  // the answer for the first frame, if there is one
+  std::optional<Result<ContactPictures>> pictures_;  // from the end of the check on
+  Json start_ = nullptr;                             // the answer for the first frame, if there is one
   std::vector<std::string> notes_;
 };
 

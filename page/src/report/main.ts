@@ -1,6 +1,7 @@
 // The report: the program embeds this script, its style and the data in one file that opens anywhere, offline.
 import '../shared/base.css';
 import './report.css';
+import { contactsSection, type Contact } from './contacts';
 import { Charts } from '../shared/charts';
 import { css, kReasons } from '../shared/colors';
 import { append, el } from '../shared/dom';
@@ -34,9 +35,11 @@ interface Data {
     milliseconds: { total: number; update: number; traverse: number; narrow: number };
     work: Record<string, number>;
     missed?: number;
+    contacts?: { count: number };
   };
   steps: Step[];
-  pictures: { step: number; caption: string; png: string }[];
+  contacts: Contact[];
+  picture: string | null; // of the first frame, if there are no contacts
   notes: string[];
 }
 
@@ -179,9 +182,11 @@ function makeCharts(data: Data, substeps: number): { charts: Charts; box: HTMLEl
   const last = data.steps[data.steps.length - 1]!;
   const charts = new Charts({
     substeps,
+    steps: data.steps,
     low: startOf(first, substeps),
     high: startOf(last, substeps) + (last.next_frame - last.frame) / substeps,
     height: kChartHeight,
+    leaveOut: (values) => values.every((value) => value === 0),
   });
   return { charts, box: section('Step by step', charts.element) };
 }
@@ -198,8 +203,9 @@ function build(data: Data): void {
     el('header', {}, el('div', {}, el('p', { className: 'brand' }, 'Foldproof report'), el('h1', { className: kind }, verdict)), themeButton()),
     el('p', { className: 'lead' }, text),
     ...data.notes.map((note) => el('p', { className: 'note' }, note)),
+    contactsSection(data.contacts, data.totals.contacts?.count ?? 0, scaleOf(data)),
     tests(data),
-    pictures(data),
+    firstFrame(data),
     section(
       'Objects',
       table(['object', 'vertices', 'triangles', 'frames', 'model'], data.objects.map((o) => [o.name, grouped(o.vertices), grouped(o.triangles), grouped(o.frames), model(o.model)]), [false, true, true, true, false]),
@@ -223,13 +229,16 @@ function build(data: Data): void {
   window.addEventListener('afterprint', applyTheme);
 }
 
-function pictures(data: Data): HTMLElement | null {
-  if (data.pictures.length === 0) return null;
-  const box = el('div', { className: 'pictures' });
-  for (const picture of data.pictures) box.append(el('figure', {}, el('img', { src: picture.png, alt: picture.caption }), el('figcaption', {}, picture.caption)));
-  const starts = (data.start?.crossings ?? 0) > 0;
-  const collides = data.totals.steps_with_collisions > 0;
-  return section(starts && collides ? 'The start and the worst steps' : starts ? 'The start' : collides ? 'The worst steps' : 'The first frame', box);
+function scaleOf({ settings, steps }: Data) {
+  const [first, last] = [steps[0], steps.at(-1)];
+  return { unit: String(settings['unit'] ?? ''), low: first?.frame ?? 0, high: last?.next_frame ?? 0 };
+}
+
+/** What was checked, if there is no contact to show. */
+function firstFrame({ picture, start, steps }: Data): HTMLElement | null {
+  if (!picture) return null;
+  const caption = `Frame ${steps[0]?.frame ?? start?.frame ?? 0}`;
+  return el('figure', {}, el('img', { src: picture, alt: caption }), el('figcaption', {}, caption));
 }
 
 startTheme();

@@ -90,10 +90,12 @@ function columns(chart: Chart, steps: Step[], substeps: number): uPlot.AlignedDa
 
 export interface ChartOptions {
   substeps: number;
+  steps?: Step[]; // to begin with
   low: number;
   high: number; // the frames at both ends of the axis
   height: number;
   seek?: (step: number) => void; // called on a click, with the step's number
+  leaveOut?: (values: number[]) => boolean; // charts of these values
 }
 
 export class Charts {
@@ -109,6 +111,7 @@ export class Charts {
 
   constructor(private readonly options: ChartOptions) {
     this.resize.observe(this.element);
+    this.steps = options.steps ?? [];
     this.build();
   }
 
@@ -152,8 +155,13 @@ export class Charts {
     if (this.start) this.setStart(this.start.frame, this.start.text);
   }
 
+  private shown(): Chart[] {
+    const { leaveOut } = this.options;
+    return kCharts.filter((chart) => !leaveOut?.(chart.series.flatMap((series) => this.steps.map((step) => series.value(step)))));
+  }
+
   private build(): void {
-    for (const chart of kCharts) {
+    for (const chart of this.shown()) {
       const box = el('section', { className: 'chart', 'data-chart': chart.id }, el('h3', {}, `${chart.title} `, el('small', {}, chart.spread ? `${chart.unit}, logarithmic` : chart.unit)));
       this.element.append(box);
       const plot = new uPlot(this.describe(chart), columns(chart, [], 1), box);
