@@ -7,11 +7,16 @@
 
 #include "base/try.h"
 #include "io/readers.h"
+#include "report/contact_pictures.h"
 #include "report/json_values.h"
 #include "sweep/sweep.h"
 
 namespace foldproof {
 namespace {
+
+// Per step; contacts need pairs, and more than these would cost more than the check.
+constexpr std::uint64_t kMaxListed = 1'000'000;
+constexpr ContactPictures::Format kThumbnail{160, 120, false};
 
 Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const ReadOptions& options) {
   const bool frames =
@@ -40,6 +45,15 @@ void set_failed(Json& line, const Error& error) {
   line["error"] = error.line();
 }
 
+/// The worst contact, or the first frame. Without it, a line is complete, too.
+void add_thumbnail(Json& line, Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
+  auto pictures = ContactPictures::open(motions, settings);
+  if (!pictures) return;
+  const auto png = totals.contacts.empty() ? pictures->draw_first_frame(kThumbnail)
+                                           : pictures->draw(totals.contacts.front(), kThumbnail);
+  if (png) line["thumbnail"] = data_url(*png);
+}
+
 /// Checks a motion and adds the results to `line`. False if the check was cancelled.
 Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSettings& settings,
                         const CheckHooks& hooks) {
@@ -48,8 +62,8 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
   const auto model = std::find_if(settings.models.begin(), settings.models.end(),
                                   [&](const auto& m) { return m->hierarchy()->topology() == topology; });
   CheckSettings check = settings.check;
-  check.step.max_listed = 0;  // only counts are needed
-  check.contacts = false;
+  check.step.max_listed = kMaxListed;
+  check.contacts = !check.poses;
   if (model != settings.models.end()) check.models = {*model};
   const Json object = objects_json(std::span(&motion, 1), check)[0];
   for (const char* key : {"vertices", "triangles", "frames", "model"}) line[key] = object[key];
@@ -60,6 +74,7 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
   const auto totals = FOLDPROOF_TRY(run_check(std::span(&motion, 1), check, {}, hooks));
   line["state"] = name_of(totals.clean() ? SweepState::Clean : SweepState::Collides);
   line["totals"] = totals_json(totals, check.poses, false);
+  if (!totals.cancelled) add_thumbnail(line, std::span(&motion, 1), check, totals);
   return !totals.cancelled;
 }
 
@@ -85,6 +100,11 @@ void read_totals(const Json& totals, SweepRecord& record) {
   // Lines of older versions lack it.
   if (totals.contains("starts_crossing") && !totals.at("starts_crossing").is_null())
     record.starts_crossing = totals.at("starts_crossing").get<std::uint64_t>();
+  if (totals.contains("contacts")) {
+    const Json& contacts = totals.at("contacts");
+    record.contacts = contacts.at("count").get<std::uint64_t>();
+    if (!contacts.at("depth").is_null()) record.depth = contacts.at("depth").get<double>();
+  }
   record.first_frame = frame("earliest");
   record.worst_frame = frame("worst");
 }
@@ -111,6 +131,7 @@ std::string settings_hash(const SweepSettings& settings) {
   const Json all = {{"version", version()},
                     {"static", check.poses},
                     {"start", !check.poses && !check.steps_only},
+                    {"contacts", !check.poses},
                     {"frames", {end(check.frames.begin), end(check.frames.end), check.frames.step}},
                     {"substeps", check.substeps},
                     {"thickness", check.step.thickness},
@@ -160,6 +181,7 @@ Result<SweepRecord> read_sweep_line(const std::string& line) {
       json.at("frames").get_to(record.frames);
       if (!json.at("model").is_null()) json.at("model").get_to(record.model);
     }
+    if (json.contains("thumbnail")) json.at("thumbnail").get_to(record.thumbnail);
     if (json.contains("totals")) read_totals(json.at("totals"), record);
     return record;
   } catch (const Json::exception&) {

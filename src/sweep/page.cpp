@@ -42,6 +42,7 @@ th { position: sticky; top: 0; background: Canvas; cursor: pointer; }
 th[aria-sort=ascending]::after { content: " \25b4"; }
 th[aria-sort=descending]::after { content: " \25be"; }
 th:first-child, td:first-child { text-align: left; overflow-wrap: anywhere; }
+td img { display: block; width: 120px; height: 90px; object-fit: contain; }
 .collides { color: #c22; font-weight: 600; }
 .failed { color: #b60; font-weight: 600; }
 .starts { color: #a3457f; font-weight: 600; }
@@ -72,8 +73,18 @@ std::string html(const std::string& text) {
   return safe;
 }
 
-std::string frame_cell(const std::optional<std::uint64_t>& frame) {
-  return frame ? fmt::format("<td>{}</td>", *frame) : "<td data-v=\"-1\"></td>";
+/// Thousands are separated; the column is sorted by the number itself.
+std::string number_cell(const std::optional<std::uint64_t>& number, std::string_view css = "") {
+  if (!number) return "<td data-v=\"-1\"></td>";
+  std::string digits = fmt::format("{}", *number);
+  for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, 1, ',');
+  return fmt::format("<td{}{}{} data-v=\"{}\">{}</td>", css.empty() ? "" : " class=\"", css,
+                     css.empty() ? "" : "\"", *number, digits);
+}
+
+std::string depth_cell(const std::optional<double>& depth) {
+  if (!depth) return "<td data-v=\"-1\"></td>";
+  return fmt::format("<td data-v=\"{}\">{:.3g}</td>", *depth, *depth);
 }
 
 /// Sort order: what needs attention comes first.
@@ -92,17 +103,16 @@ int rank_of(SweepState state) {
 }
 
 void add_row(TextFile& file, const SweepRecord& r) {
-  file.add("<tr><td>{}", html(r.path));
+  file.add("<tr><td>");
+  if (!r.thumbnail.empty()) file.add("<img src=\"{}\" alt=\"\">", html(r.thumbnail));
+  file.add("{}", html(r.path));
   if (!r.error.empty()) file.add("<details><summary>why</summary>{}</details>", html(r.error));
   file.add("</td><td class=\"{0}\" data-v=\"{1}\">{0}</td>", name_of(r.state), rank_of(r.state));
-  if (r.starts_crossing) {
-    file.add("<td class=\"{}\">{}</td>", *r.starts_crossing > 0 ? "starts" : "", *r.starts_crossing);
-  } else {
-    file.add("<td data-v=\"-1\"></td>");
-  }
-  file.add("<td>{}</td><td>{}</td><td>{}</td>", r.collisions, r.steps_with_collisions, r.steps);
-  file.add("{}{}", frame_cell(r.first_frame), frame_cell(r.worst_frame));
-  file.add("<td>{}</td><td>{}</td><td>{}</td>", r.vertices, r.triangles, r.frames);
+  file.add("{}{}", number_cell(r.contacts), depth_cell(r.depth));
+  file.add("{}", number_cell(r.starts_crossing, r.starts_crossing.value_or(0) > 0 ? "starts" : ""));
+  file.add("{}{}{}", number_cell(r.collisions), number_cell(r.steps_with_collisions), number_cell(r.steps));
+  file.add("{}{}", number_cell(r.first_frame), number_cell(r.worst_frame));
+  file.add("{}{}{}", number_cell(r.vertices), number_cell(r.triangles), number_cell(r.frames));
   file.add("<td>{:.2f}</td><td>{}</td></tr>\n", r.seconds, html(r.model));
 }
 
@@ -112,7 +122,7 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
   file.add(
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'sha256-{}'; ",
       kScriptHash);
-  file.add("style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n");
+  file.add("style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n");
   std::string where;
   for (const std::string& directory : info.directories) where += (where.empty() ? "" : ", ") + directory;
   file.add("<title>{0} - Foldproof sweep</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n",
@@ -140,8 +150,10 @@ Result<void> write_sweep_page(const std::string& path, std::span<const SweepReco
   auto opened = FOLDPROOF_TRY(FileWriter::open(path));
   TextFile file(std::move(opened));
   add_head(file, records, info);
-  file.add("<table>\n<thead><tr><th>motion</th><th>state</th><th>{1}</th><th>{2}</th><th>colliding {0}</th>",
-           info.poses ? "poses" : "steps", "crossing pairs of the first frame", "colliding pairs");
+  file.add(
+      "<table>\n<thead><tr><th>motion</th><th>state</th><th>contacts</th><th>deepest</th><th>{1}</"
+      "th><th>{2}</th><th>colliding {0}</th>",
+      info.poses ? "poses" : "steps", "crossing pairs of the first frame", "colliding pairs");
   file.add("<th>{}</th><th>first frame</th><th>worst frame</th><th>vertices</th>",
            info.poses ? "poses" : "steps");
   file.add("<th>triangles</th><th>frames</th><th>seconds</th><th>model</th></tr></thead>\n<tbody>\n");
@@ -149,6 +161,7 @@ Result<void> write_sweep_page(const std::string& path, std::span<const SweepReco
   for (const SweepRecord& record : records) sorted.push_back(&record);
   std::sort(sorted.begin(), sorted.end(), [](const SweepRecord* a, const SweepRecord* b) {
     if (a->state != b->state) return rank_of(a->state) < rank_of(b->state);
+    if (a->depth != b->depth) return a->depth > b->depth;  // none is less than any
     if (a->collisions != b->collisions) return a->collisions > b->collisions;
     const auto start = [](const SweepRecord* r) { return r->starts_crossing.value_or(0); };
     return start(a) != start(b) ? start(a) > start(b) : a->path < b->path;

@@ -80,11 +80,18 @@ TEST(SweepLine, SaysWhatWasFound) {
   EXPECT_EQ(sinking.steps_with_collisions, 2u);
   EXPECT_EQ(sinking.first_frame, 1u);
   EXPECT_EQ(sinking.worst_frame, 2u);
+  EXPECT_EQ(sinking.contacts, 1u);
+  EXPECT_EQ(sinking.depth, std::nullopt);  // the needle's side is open
+  EXPECT_THAT(sinking.thumbnail, StartsWith("data:image/png;base64,"));
+  EXPECT_LT(sinking.thumbnail.size(), 20000u);
   EXPECT_EQ(sinking.vertices, 6u);
   EXPECT_EQ(sinking.triangles, 2u);
   EXPECT_EQ(sinking.frames, 5u);
   EXPECT_EQ(sinking.bytes, std::filesystem::file_size(library / "in/a.npz"));
-  EXPECT_EQ(record_of(*sweep_line(input.motions[1], library.settings)).state, SweepState::Clean);
+  const SweepRecord clean = record_of(*sweep_line(input.motions[1], library.settings));
+  EXPECT_EQ(clean.state, SweepState::Clean);
+  EXPECT_EQ(clean.contacts, 0u);
+  EXPECT_THAT(clean.thumbnail, StartsWith("data:image/png;base64,"));
   EXPECT_EQ(record_of(*sweep_line(input.motions[2], library.settings)).state, SweepState::Clean);
   SweepSettings steps;
   steps.check.steps_only = true;
@@ -324,7 +331,7 @@ TEST(SweepPage, HasAColumnForWhatCrossesInTheFirstFrame) {
   ASSERT_TRUE(write_sweep_page(directory / "page.html", std::span(&starts, 1), {"", {"lib"}}));
   std::string page = read_file(directory / "page.html");
   EXPECT_THAT(page, HasSubstr("<th>crossing pairs of the first frame</th><th>colliding pairs</th>"));
-  EXPECT_THAT(page, HasSubstr("<td class=\"starts\">312</td><td>0</td>"));
+  EXPECT_THAT(page, HasSubstr("<td class=\"starts\" data-v=\"312\">312</td><td data-v=\"0\">0</td>"));
   EXPECT_THAT(page, Not(HasSubstr("Only the steps")));
 
   starts.starts_crossing.reset();
@@ -333,6 +340,28 @@ TEST(SweepPage, HasAColumnForWhatCrossesInTheFirstFrame) {
   page = read_file(directory / "page.html");
   EXPECT_THAT(page, HasSubstr("1 in whose steps no contact begins"));
   EXPECT_THAT(page, HasSubstr("Only the steps were checked"));
+}
+
+TEST(SweepPage, ShowsContactsTheDeepestFirst) {
+  const TemporaryDirectory directory;
+  SweepRecord many{.path = "many.npz", .state = SweepState::Collides};
+  many.collisions = 1'234'567;
+  many.contacts = 1021;
+  SweepRecord deep{.path = "deep.npz", .state = SweepState::Collides};
+  deep.collisions = 3;
+  deep.contacts = 1;
+  deep.depth = 0.0456789;
+  deep.thumbnail = "data:image/png;base64,QUJD";
+  const SweepRecord records[] = {many, deep};
+  ASSERT_TRUE(write_sweep_page(directory / "page.html", records, {"", {"lib"}}));
+  const std::string page = read_file(directory / "page.html");
+  EXPECT_LT(page.find("deep.npz"), page.find("many.npz"));
+  EXPECT_THAT(page, HasSubstr("<th>contacts</th><th>deepest</th>"));
+  EXPECT_THAT(page, HasSubstr("<td data-v=\"1021\">1,021</td><td data-v=\"-1\"></td>"));
+  EXPECT_THAT(page, HasSubstr("<td data-v=\"1\">1</td><td data-v=\"0.0456789\">0.0457</td>"));
+  EXPECT_THAT(page, HasSubstr("<td data-v=\"1234567\">1,234,567</td>"));
+  EXPECT_THAT(page, HasSubstr("<img src=\"data:image/png;base64,QUJD\" alt=\"\">deep.npz"));
+  EXPECT_THAT(page, HasSubstr("img-src data:"));
 }
 
 TEST(SweepPage, NamesTheHashOfItsScript) {
