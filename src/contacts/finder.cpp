@@ -2,6 +2,7 @@
 #include <limits>
 #include <map>
 
+#include "base/parallel.h"
 #include "base/plain_arithmetic.h"
 #include "check/motion.h"
 #include "contacts/follow_crossings.h"
@@ -20,6 +21,13 @@ struct Open {
   bool continues = false;                               // in this slice
   bool crosses = false;                                 // in the last frame
   std::array<std::map<Index, std::uint64_t>, 2> votes;  // triangles per part
+};
+
+// A contact in a frame.
+struct InFrame {
+  Open* open = nullptr;
+  std::vector<CrossingPair> pairs;
+  std::array<std::vector<Index>, 2> inside = {};  // triangles, per side
 };
 
 // What an element adds to its contact.
@@ -78,7 +86,9 @@ bool is_worse(const Contact& a, const Contact& b) {
 
 struct ContactFinder::Impl {
   Impl(std::vector<const Topology*> topologies, Parts all_parts)
-      : surfaces(std::move(topologies)), parts(std::move(all_parts)), measurer(surfaces) {}
+      : surfaces(std::move(topologies)),
+        parts(std::move(all_parts)),
+        measurers([this] { return FrameMeasurer(surfaces); }) {}
 
   void set_crossings(const StaticResult& all);
   void slice(double begin, double end, Positions x0, Positions x1, const StepResult& step);
@@ -88,7 +98,8 @@ struct ContactFinder::Impl {
   void name_groups(const Joiner::Groups& groups);
   void note_elements(const Joiner::Groups& groups, const StepResult& step);
   void vote(Open& open, int side, Index object, Index triangle);
-  void measure_frame(double time, Positions x);
+  void measure_frame(double now, Positions x);
+  void measure_contact(InFrame& frame, double now, Positions x);
   void end_contacts(bool all);
   Label resolve(Label label) const;
   void join(Label a, Label b);
@@ -98,7 +109,7 @@ struct ContactFinder::Impl {
   Surfaces surfaces;
   Parts parts;
   Joiner joiner;
-  FrameMeasurer measurer;
+  PerThread<FrameMeasurer> measurers;
 
   bool begun = false, known = false;
   double time = 0;
@@ -302,32 +313,42 @@ void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const Step
   }
 }
 
+void ContactFinder::Impl::measure_contact(InFrame& of, double now, Positions x) {
+  FrameMeasurer& measurer = measurers.local();
+  Contact& c = of.open->contact;
+  ContactFrame frame;
+  measurer.measure(of.pairs, c.folded, x, frame);
+  for (int side = 0; side < 2; ++side)
+    of.inside[side].assign(measurer.inside(side).begin(), measurer.inside(side).end());
+  frame.time = now;
+  c.last_time = std::max(c.last_time, now);
+  c.frames.push_back(frame);
+  if (c.frames.size() > 1 && !is_worse_frame(frame, c.frames[c.worst])) return;
+  c.worst = c.frames.size() - 1;
+  measurer.describe(of.pairs, x, c);
+}
+
 void ContactFinder::Impl::measure_frame(double now, Positions x) {
+  for (auto& [number, it] : open) it.crosses = false;
   const Joiner::Groups& groups = joiner.groups();
-  std::map<Index, std::vector<CrossingPair>> by_contact;
   const std::size_t begin = vertex_faces + edge_edges;
+  std::map<Index, std::size_t> places;  // in all
+  std::vector<InFrame> all;
   for (std::size_t i = 0; i < crossings.size(); ++i) {
     const Label& label = labels[groups.group[begin + i]];
-    by_contact[label.number].push_back(
+    const auto [place, is_new] = places.try_emplace(label.number, all.size());
+    if (is_new) all.push_back({&open.at(label.number), {}});
+    all[place->second].pairs.push_back(
         {crossings[i], label.reversed != static_cast<bool>(groups.reversed[begin + i])});
   }
-  for (auto& [number, it] : open) it.crosses = false;
+  parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) { measure_contact(all[i], now, x); });
   inside.clear();
-  for (const auto& [number, pairs] : by_contact) {
-    Open& it = open.at(number);
-    Contact& c = it.contact;
-    it.crosses = true;
-    ContactFrame frame;
-    measurer.measure(pairs, c.folded, x, frame);
+  for (const auto& [number, place] : places) {
+    all[place].open->crosses = true;
     for (int side = 0; side < 2; ++side) {
-      for (const Index t : measurer.inside(side)) inside.push_back({c.sides[side].object, t, number});
+      const Index object = all[place].open->contact.sides[side].object;
+      for (const Index t : all[place].inside[side]) inside.push_back({object, t, number});
     }
-    frame.time = now;
-    c.last_time = std::max(c.last_time, now);
-    c.frames.push_back(frame);
-    if (c.frames.size() > 1 && !is_worse_frame(frame, c.frames[c.worst])) continue;
-    c.worst = c.frames.size() - 1;
-    measurer.describe(pairs, x, c);
   }
 }
 
