@@ -51,24 +51,27 @@ class SceneBuilder {
   /// Adds one normal per corner of a triangle, or one per triangle. Returns the index of the first.
   Index add_normals(const PictureMesh& mesh) {
     const auto first = static_cast<Index>(scene_.normals.size());
-    std::vector<Eigen::Vector3f> of_triangle;
+    std::vector<Vec3> of_triangle;  // as long as twice the area
     for (const Triangle& t : mesh.topology->triangles()) {
       const Vec3 a = position(mesh, t[0]);
-      const Vec3 normal = scene_.camera.rotate((position(mesh, t[1]) - a).cross(position(mesh, t[2]) - a));
-      of_triangle.emplace_back(normal.cast<float>());
+      of_triangle.push_back(scene_.camera.rotate((position(mesh, t[1]) - a).cross(position(mesh, t[2]) - a)));
     }
     if (mesh.smooth) {
       add_smooth_normals(*mesh.topology, of_triangle);
     } else {
-      scene_.normals.insert(scene_.normals.end(), of_triangle.begin(), of_triangle.end());
+      for (const Vec3& normal : of_triangle) add_normal(normal);
     }
     return first;
   }
 
+  void add_normal(const Vec3& normal) {
+    scene_.normals.emplace_back(normal.stableNormalized().cast<float>());
+  }
+
   /// A corner's normal: that of the triangles around its vertex, weighted by area, without those that turn
   /// away from its own by more than the crease angle.
-  void add_smooth_normals(const Topology& topology, const std::vector<Eigen::Vector3f>& of_triangle) {
-    constexpr float kCrease = 0.5F;  // the cosine of 60 degrees
+  void add_smooth_normals(const Topology& topology, const std::vector<Vec3>& of_triangle) {
+    constexpr double kCrease = 0.5;  // the cosine of 60 degrees
     const auto triangles = topology.triangles();
     std::vector<Index> begin(topology.vertex_count() + std::size_t{1}, 0), around(3 * triangles.size());
     for (const Triangle& t : triangles) {
@@ -79,15 +82,17 @@ class SceneBuilder {
     for (Index t = 0; t < triangles.size(); ++t) {
       for (const Index vertex : triangles[t]) around[next[vertex]++] = t;
     }
+    std::vector<Vec3> unit;
+    unit.reserve(of_triangle.size());
+    for (const Vec3& normal : of_triangle) unit.emplace_back(normal.stableNormalized());
     for (Index t = 0; t < triangles.size(); ++t) {
-      const Eigen::Vector3f& own = of_triangle[t];
       for (const Index vertex : triangles[t]) {
-        Eigen::Vector3f sum = own;
+        Vec3 sum = of_triangle[t];
         for (Index i = begin[vertex]; i < begin[vertex + std::size_t{1}]; ++i) {
-          const Eigen::Vector3f& other = of_triangle[around[i]];
-          if (around[i] != t && own.dot(other) >= kCrease * own.norm() * other.norm()) sum += other;
+          const Index other = around[i];
+          if (other != t && unit[t].dot(unit[other]) >= kCrease) sum += of_triangle[other];
         }
-        scene_.normals.push_back(sum);
+        add_normal(sum);
       }
     }
   }

@@ -28,7 +28,8 @@ struct Scene {
   std::vector<ScreenPoint> vertices;  ///< Of all meshes.
   std::vector<Face> faces;
   std::vector<LinearColor> colors;
-  std::vector<Eigen::Vector3f> normals;  ///< In the camera's axes, of any length, by the triangles' winding.
+  std::vector<Eigen::Vector3f>
+      normals;  ///< In the camera's axes, of unit length or zero, by the triangles' winding.
   std::vector<Sphere> spheres;
 };
 

@@ -15,12 +15,17 @@ using nlohmann::json;
 json cases() { return json::parse(std::ifstream(FOLDPROOF_SOURCE_DIR "/tests/picture/upright.json")); }
 
 Up up_of(const json& value) { return value["up"] == "z" ? Up::Z : Up::Y; }
-Vec3 vector_of(const json& value) { return {value[0], value[1], value[2]}; }
+/// Three numbers, from the one at `first` on.
+Vec3 vector_of(const json& values, std::size_t first = 0) {
+  Vec3 vector;
+  for (std::size_t k = 0; k < 3; ++k) vector[static_cast<Eigen::Index>(k)] = values[first + k].get<double>();
+  return vector;
+}
 
 TEST(Upright, GuessesTheAxisThatPointsUp) {
   for (const json& motion : cases()["motions"]) {
     std::vector<Eigen::AlignedBox3d> poses;
-    for (const json& box : motion["poses"]) poses.emplace_back(vector_of(box), Vec3(box[3], box[4], box[5]));
+    for (const json& box : motion["poses"]) poses.emplace_back(vector_of(box), vector_of(box, 3));
     EXPECT_EQ(guess_up(poses), up_of(motion)) << motion["name"];
   }
   EXPECT_EQ(guess_up({}), Up::Y);
