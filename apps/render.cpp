@@ -287,7 +287,7 @@ Result<void> require_options_that_fit(const RenderArguments& a) {
 Result<Colored> color(const RenderArguments& a, const Objects& motions) {
   const auto frame = FOLDPROOF_TRY(frame_of(a, motions));
   auto poses = FOLDPROOF_TRY(read(motions, frame));
-  Colored out{.poses = std::move(poses), .faces = {}, .vertices = {}, .summary = {}};
+  Colored out{.poses = std::move(poses), .faces = {}, .vertices = {}, .contacts = {}, .summary = {}};
   FOLDPROOF_TRY(a.color == "collisions"     ? color_collisions(a, motions, frame, out)
                 : a.color == "contacts"     ? color_contacts(a, motions, frame, out)
                 : a.color == "certificates" ? color_certificates(a, motions, frame, out)
