@@ -184,7 +184,7 @@ Result<void> color_contacts(const RenderArguments& a, const Objects& motions, In
   }
   out.summary = fmt::format("{} in frame {}", counted(out.contacts.size(), "contact"), frame);
   if (!out.contacts.empty() && out.contacts[0].depth())
-    out.summary += fmt::format(", the deepest {:.3g}", *out.contacts[0].depth());
+    out.summary += fmt::format(", the worst {:.3g} deep", *out.contacts[0].depth());
   return {};
 }
 

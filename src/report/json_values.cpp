@@ -1,5 +1,7 @@
 #include "report/json_values.h"
 
+#include <algorithm>
+
 namespace foldproof {
 
 std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
@@ -138,11 +140,12 @@ Json totals_json(const CheckTotals& totals, bool poses, bool statistical) {
   if (totals.listed.sum() < totals.collisions.sum()) json["listed"] = to_json(totals.listed, poses);
   if (statistical) add_misses(json, totals.missed, totals.proven_milliseconds);
   if (totals.contacts_found) {
-    json["contacts"] = {
-        {"count", totals.contacts.size()},
-        {"depth", number_or_null(totals.contacts.empty() ? std::nullopt : totals.contacts[0].depth())},
-        {"unknown_frames", totals.contact_unknown_frames},
-        {"milliseconds", {{"total", totals.contact_milliseconds}}}};
+    std::optional<double> deepest;
+    for (const Contact& contact : totals.contacts) deepest = std::max(deepest, contact.depth());
+    json["contacts"] = {{"count", totals.contacts.size()},
+                        {"depth", number_or_null(deepest)},
+                        {"unknown_frames", totals.contact_unknown_frames},
+                        {"milliseconds", {{"total", totals.contact_milliseconds}}}};
   }
   if (totals.earliest) {
     json["earliest"] = {{"frame", totals.earliest->frame},
