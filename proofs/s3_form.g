@@ -4,7 +4,8 @@
 #   const auto c = hn::Add(hn::Mul(e1, eta2), hn::Mul(e2, eta1));
 #   const auto k = hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
 #   const auto k12 = hn::Add(hn::InterleaveLower(d, c, c), hn::InterleaveUpper(d, c, c));
-#   if (!(largest_sum * extent < kMaxMapped && min_altitude >= kMinAltitude)) return INFINITY;
+#   const double mapped = largest_sum * extent;
+#   if (!(mapped >= kMinMapped && mapped < kMaxMapped && min_altitude >= kMinAltitude)) return INFINITY;
 #
 # Sides have 17 bits and eta has 24, so products are exact. K12 + K21 is off by 2^-52 of the sum of its products'
 # absolute values, which is 1 here; and K11 by less.

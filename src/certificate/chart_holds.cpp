@@ -23,7 +23,7 @@ struct Moments {
 inline constexpr double kNearlyFour = 4 * (1 - 0x1p-48);
 /// Assumptions of the margin lambda (S3). Charts and pull-backs beyond them prove nothing.
 inline constexpr float kMinAltitude = 4;
-inline constexpr double kMaxMapped = 0x1p18;
+inline constexpr double kMinMapped = 1400, kMaxMapped = 0x1p18;
 /// (1 - 2^-4)^2: the limit on the square of a triangle's change (S3a).
 inline constexpr float kMaxSquaredChange = 0.878f;
 
@@ -316,7 +316,8 @@ float margin_of(const PullBack& w, const Moments& m, double min_altitude, double
     largest_sum = std::max(largest_sum, sum);
   }
   const double extent = *std::max_element(m.extent, m.extent + 8);
-  if (!(largest_sum * extent < kMaxMapped && min_altitude >= kMinAltitude)) return INFINITY;
+  const double mapped = largest_sum * extent;
+  if (!(mapped >= kMinMapped && mapped < kMaxMapped && min_altitude >= kMinAltitude)) return INFINITY;
   const double rounding = largest_sum * 0x1p-24 * (3 + 64 * extent);
   const double margin = (gap * std::sqrt(square) + 3 * rounding + 0x1p-13) / min_altitude * 1.03;
   return static_cast<float>(margin) * (1 + 0x1p-20f);

@@ -8,6 +8,7 @@
 #include "contacts/follow_crossings.h"
 #include "contacts/frame.h"
 #include "contacts/joiner.h"
+#include "contacts/scaled.h"
 #include "foldproof/contacts.h"
 
 namespace foldproof {
@@ -99,7 +100,7 @@ struct ContactFinder::Impl {
   void note_elements(const Joiner::Groups& groups, const StepResult& step);
   void vote(Open& open, int side, Index object, Index triangle);
   void measure_frame(double now, Positions x);
-  void measure_contact(InFrame& frame, double now, Positions x);
+  void measure_contact(InFrame& frame, double now, const Scaled& x);
   void end_contacts(bool all);
   Label resolve(Label label) const;
   void join(Label a, Label b);
@@ -313,11 +314,12 @@ void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const Step
   }
 }
 
-void ContactFinder::Impl::measure_contact(InFrame& of, double now, Positions x) {
+void ContactFinder::Impl::measure_contact(InFrame& of, double now, const Scaled& x) {
   FrameMeasurer& measurer = measurers.local();
   Contact& c = of.open->contact;
   ContactFrame frame;
-  measurer.measure(of.pairs, c.folded, x, frame);
+  measurer.measure(of.pairs, c.folded, x.positions(), frame);
+  x.restore(frame);
   for (int side = 0; side < 2; ++side)
     of.inside[side].assign(measurer.inside(side).begin(), measurer.inside(side).end());
   frame.time = now;
@@ -325,7 +327,8 @@ void ContactFinder::Impl::measure_contact(InFrame& of, double now, Positions x) 
   c.frames.push_back(frame);
   if (c.frames.size() > 1 && !is_worse_frame(frame, c.frames[c.worst])) return;
   c.worst = c.frames.size() - 1;
-  measurer.describe(of.pairs, x, c);
+  measurer.describe(of.pairs, x.positions(), c);
+  x.restore(c);
 }
 
 void ContactFinder::Impl::measure_frame(double now, Positions x) {
@@ -341,8 +344,10 @@ void ContactFinder::Impl::measure_frame(double now, Positions x) {
     all[place->second].pairs.push_back(
         {crossings[i], label.reversed != static_cast<bool>(groups.reversed[begin + i])});
   }
-  parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) { measure_contact(all[i], now, x); });
   inside.clear();
+  if (all.empty()) return;
+  const Scaled scaled(x);
+  parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) { measure_contact(all[i], now, scaled); });
   for (const auto& [number, place] : places) {
     all[place].open->crosses = true;
     for (int side = 0; side < 2; ++side) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "certificate/chart_builder.h"
 #include "certificate/contacts.h"
@@ -256,6 +257,29 @@ constexpr double kThinPositions[][4] = {{0x1.b54f58p-9, -0x1.bcca38p-10, 0x1.7b3
                                         {0x1.56d002p-4, 0x1.03a8p-2, 0x1.56dp-4, 0x1.03a8p-2},
                                         {-0x1.bce006p-5, 0x1.0bb8p-2, -0x1.bcep-5, 0x1.0bb8p-2},
                                         {-0x1.6c0802p-3, 0x1.9818p-3, -0x1.6c08p-3, 0x1.9818p-3}};
+
+// The uvs of a patch, shrunk around the center of the square.
+UvMap shrunk(UvMap uv_map, double factor) {
+  for (Uv& uv : uv_map.uvs) {
+    for (auto& c : uv) c = static_cast<std::int16_t>(std::lround(c * factor));
+  }
+  return uv_map;
+}
+
+// Rounding of sides that end in a corner of the square is only covered where the patch is not much smaller.
+TEST(ChartSoundness, AChartWhosePatchIsTooSmallProvesNothing) {
+  const PosedPatch p = sheet("flat", 4, 4, [](double u, double v) { return Vec3(u - 0.5, v - 0.5, 0); });
+  UvMap uv_map;
+  ASSERT_EQ(parametrize(p.patch, p.x, uv_map), ChartOutcome::Made);
+  const Step still(p.x, p.x);
+  ChartScratch scratch;
+  for (const auto& [factor, holds] : {std::pair(1.0, true), {0.05, true}, {0.03, false}, {0.01, false}}) {
+    const UvMap small = shrunk(uv_map, factor);
+    ASSERT_TRUE(chart_is_valid(p.patch, small)) << factor;
+    const Chart chart(p.patch, small);
+    EXPECT_EQ(chart_holds(chart.view(), still.vertices, 0, scratch), holds) << factor;
+  }
+}
 
 TEST(ChartSoundness, AThinTriangleThatTurnsOverIsFound) {
   Patch patch;

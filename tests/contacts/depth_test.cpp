@@ -124,6 +124,26 @@ TEST(Depth, DoesNotChangeWhenMovedRigidly) {
   }
 }
 
+TEST(Depth, ScalesWithCoordinatesOfAnySize) {
+  const Mesh ball = unit_sphere(14), ring = torus(1, 0.3, 50, 18);
+  const Pose at_ball = placed(ball, 0.4, {1 * std::cos(0.3), std::sin(0.3), 0.55});
+  const Contact one = contact_of(ball, at_ball, ring, ring.positions);
+  ASSERT_TRUE(one.depth());
+  for (const int exponent : {-960, -520, -201, -199, 199, 201, 520, 960}) {
+    SCOPED_TRACE(exponent);
+    const auto scaled = [&](Pose x) {
+      for (double& c : x) c = std::ldexp(c, exponent);
+      return x;
+    };
+    const Contact contact = contact_of(ball, scaled(at_ball), ring, scaled(ring.positions));
+    ASSERT_TRUE(contact.depth());
+    EXPECT_NEAR(std::ldexp(*contact.depth(), -exponent), *one.depth(), 1e-9);
+    EXPECT_NEAR(std::ldexp(contact.frames[0].curve_length, -exponent), one.frames[0].curve_length, 1e-9);
+    EXPECT_NEAR(std::ldexp(contact.point.x(), -exponent), one.point.x(), 1e-9);
+    EXPECT_EQ(contact.sides[0].inside, one.sides[0].inside);
+  }
+}
+
 // A contact that crosses in one frame.
 Contact crossing(Index number, std::optional<double> depth, double curve_length, std::uint64_t pairs = 1) {
   Contact contact;
