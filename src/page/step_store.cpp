@@ -52,6 +52,20 @@ std::vector<ContactPoint> contacts_of(const CheckedStep& step, Motions motions) 
   return contacts;
 }
 
+void extend(std::optional<Bounds>& bounds, Positions x) {
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const std::span<const double> object = x[i];
+    for (std::size_t k = 0; k + 2 < object.size(); k += 3) {
+      const std::array<double, 3> point{object[k], object[k + 1], object[k + 2]};
+      if (!bounds) bounds = Bounds{point, point};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        bounds->low[axis] = std::min(bounds->low[axis], point[axis]);
+        bounds->high[axis] = std::max(bounds->high[axis], point[axis]);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 StepRecord record_of(const CheckedStep& step) {
@@ -126,7 +140,9 @@ Result<std::vector<std::uint8_t>> StepStore::crossing_faces(Index object) const 
 }
 
 Result<void> StepStore::add(const CheckedStep& step) {
-  Entry entry{.record = record_of(step), .contacts_at = details_size_, .faces_at = 0};
+  if (!bounds_) extend(bounds_, step.x0);
+  extend(bounds_, step.x1);
+  Entry entry{.record = record_of(step), .contacts_at = details_size_, .faces_at = 0, .bounds = *bounds_};
   const std::vector<ContactPoint> contacts = contacts_of(step, motions_);
   FOLDPROOF_TRY(append(bytes_of(std::span(contacts))));
   entry.faces_at = details_size_;
@@ -154,6 +170,11 @@ Result<StepStore::Entry> StepStore::entry(std::uint64_t number) const {
 Result<StepRecord> StepStore::record(std::uint64_t number) const {
   const auto found = FOLDPROOF_TRY(entry(number));
   return found.record;
+}
+
+Result<Bounds> StepStore::bounds(std::uint64_t number) const {
+  const auto found = FOLDPROOF_TRY(entry(number));
+  return found.bounds;
 }
 
 Result<std::vector<ContactPoint>> StepStore::contacts(std::uint64_t number, std::uint64_t offset,

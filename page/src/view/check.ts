@@ -4,6 +4,7 @@ import { verdictOf, type Found, type Start, type Verdict } from '../shared/verdi
 import { ApiError, getJson, GoneError, type Pair, type SceneInfo, type StepsAnswer } from './api';
 
 const kPollMs = 400;
+const kAliveMs = 5000;
 const kPage = 1000;
 const kMaxListed = 10_000; // More than anyone reads; check --csv writes all.
 const kMaxCached = 48; // steps
@@ -21,6 +22,8 @@ export class Check {
   pairs = 0;
   colliding = 0;
   start: Start | null = null;
+  low: number[] | null = null; // the bounds of all checked steps
+  high: number[] | null = null;
   private contactFree = 0; // the number of steps from the first one on without collisions
 
   constructor(
@@ -85,14 +88,17 @@ export class Check {
         else if (this.colliding === 0) ++this.contactFree;
       }
       this.start = answer.start;
+      this.low = answer.low ?? this.low;
+      this.high = answer.high ?? this.high;
       // The program may be done while the last thousand steps are still to be fetched.
       this.state = answer.state === 'done' && this.steps.length < answer.done ? 'running' : answer.state;
       this.error = answer.error ?? '';
       this.total = answer.total;
       this.done = Math.max(answer.done, this.steps.length);
       this.changed(from);
-      if (this.steps.length >= answer.done && answer.state !== 'running') return;
-      if (answer.steps.length === 1000) wait = 0;
+      // Afterwards it is asked only whether it is still there.
+      if (this.steps.length >= answer.done && answer.state !== 'running') wait = kAliveMs;
+      else if (answer.steps.length === kPage) wait = 0;
     } catch (error) {
       if (this.state === 'running') {
         this.state = error instanceof GoneError ? 'gone' : 'failed';
