@@ -246,17 +246,15 @@ PageAnswer Page::Impl::steps(Numbers, const PageQuery& query) const {
   json["start"] = start ? start_json(*start) : Json(nullptr);
   json["done"] = done;
   json["total"] = scene->steps();
-  if (done > 0) {
-    const auto box = store->bounds(done - 1);
-    if (!box) return refuse(box.error());
-    json["low"] = box->low;
-    json["high"] = box->high;
-  }
   Json& list = json["steps"] = Json::array();
   for (std::uint64_t k = *from; k < done && list.size() < kMaxItems; ++k) {
     const auto step = store->record(k);
     if (!step) return refuse(step.error());
+    const auto bounds = store->bounds(k);
+    if (!bounds) return refuse(bounds.error());
     list.push_back(step_json(*step));
+    list.back()["low"] = bounds->low;
+    list.back()["high"] = bounds->high;
   }
   return json_answer(json);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include "base/try.h"
@@ -52,18 +53,16 @@ std::vector<ContactPoint> contacts_of(const CheckedStep& step, Motions motions) 
   return contacts;
 }
 
-void extend(std::optional<Bounds>& bounds, Positions x) {
+Bounds bounds_of(Positions x) {
+  constexpr double kMax = std::numeric_limits<double>::infinity();
+  Bounds bounds{{kMax, kMax, kMax}, {-kMax, -kMax, -kMax}};
   for (std::size_t i = 0; i < x.size(); ++i) {
-    const std::span<const double> object = x[i];
-    for (std::size_t k = 0; k + 2 < object.size(); k += 3) {
-      const std::array<double, 3> point{object[k], object[k + 1], object[k + 2]};
-      if (!bounds) bounds = Bounds{point, point};
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        bounds->low[axis] = std::min(bounds->low[axis], point[axis]);
-        bounds->high[axis] = std::max(bounds->high[axis], point[axis]);
-      }
+    for (std::size_t k = 0; k < x[i].size(); ++k) {
+      bounds.low[k % 3] = std::min(bounds.low[k % 3], x[i][k]);
+      bounds.high[k % 3] = std::max(bounds.high[k % 3], x[i][k]);
     }
   }
+  return bounds;
 }
 
 }  // namespace
@@ -140,9 +139,8 @@ Result<std::vector<std::uint8_t>> StepStore::crossing_faces(Index object) const 
 }
 
 Result<void> StepStore::add(const CheckedStep& step) {
-  if (!bounds_) extend(bounds_, step.x0);
-  extend(bounds_, step.x1);
-  Entry entry{.record = record_of(step), .contacts_at = details_size_, .faces_at = 0, .bounds = *bounds_};
+  Entry entry{
+      .record = record_of(step), .contacts_at = details_size_, .faces_at = 0, .bounds = bounds_of(step.x1)};
   const std::vector<ContactPoint> contacts = contacts_of(step, motions_);
   FOLDPROOF_TRY(append(bytes_of(std::span(contacts))));
   entry.faces_at = details_size_;

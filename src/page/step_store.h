@@ -79,7 +79,7 @@ class StepStore {
 
   // Preconditions: number < count(). Error: the temporary file cannot be read.
   Result<StepRecord> record(std::uint64_t number) const;
-  /// The bounds of all objects at the ends of all steps up to this one, and at the begin of the first.
+  /// The bounds of all objects at the end of a step.
   Result<Bounds> bounds(std::uint64_t number) const;
   /// Sorted by time of impact, then vertex-face first, then by ids; fewer than `limit` at the end.
   Result<std::vector<ContactPoint>> contacts(std::uint64_t number, std::uint64_t offset,
@@ -91,7 +91,7 @@ class StepStore {
   struct Entry {
     StepRecord record;
     std::uint64_t contacts_at, faces_at;  // bytes in details_
-    Bounds bounds;                        // of this step and all before
+    Bounds bounds;                        // at its end
   };
   StepStore(Motions motions, io::Spool entries, io::Spool details);
   Result<void> append(std::span<const char> bytes);
@@ -101,7 +101,6 @@ class StepStore {
   std::vector<std::uint64_t> first_face_;  // per object, then the total
   io::Spool entries_, details_;
   std::uint64_t details_size_ = 0;
-  std::optional<Bounds> bounds_;  // of what was added
   std::atomic<std::uint64_t> count_{0};
   StartRecord start_;                 // valid once started_
   std::uint64_t start_faces_at_ = 0;  // offset in details_; the crossings are at 0

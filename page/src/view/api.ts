@@ -36,15 +36,19 @@ export interface SceneInfo {
   reasons: string[];
 }
 
+/** Of all objects, mesh units. */
+export interface Bounds {
+  low: number[];
+  high: number[];
+}
+
 export interface StepsAnswer {
   state: 'running' | 'done' | 'stopped' | 'failed';
   error?: string | null;
   start: Start | null; // null if not tested, or not yet
   done: number;
   total: number;
-  low?: number[]; // the bounds of all checked steps
-  high?: number[];
-  steps: Step[];
+  steps: (Step & Bounds)[];
 }
 
 export interface ContactFrame {

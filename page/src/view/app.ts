@@ -3,7 +3,7 @@ import * as THREE from 'three';
 import { Charts } from '../shared/charts';
 import { el, setText } from '../shared/dom';
 import { isDark, onTheme } from '../shared/theme';
-import { guessUp } from '../shared/upright';
+import { guessUp, type Vector } from '../shared/upright';
 import { startText } from '../shared/verdict';
 import { ApiError, getBytes, getIndices, GoneError, type SceneInfo } from './api';
 import { Recorder, savePicture } from './capture';
@@ -82,7 +82,7 @@ export class App {
     this.contacts = new Contacts(scene, () => this.contactsKnown(), failed);
     this.layers = new LayerPanel(scene, changed);
     const size = scene.high.map((high, k) => high - scene.low[k]!) as [number, number, number];
-    this.options = new ViewOptions(this.link.up ?? guessUp(size), (turned) => this.optionsChanged(turned));
+    this.options = new ViewOptions(this.link.up ?? 'y', (turned) => this.optionsChanged(turned));
     this.data = new Data(scene, this.check, () => this.layers.state, changed, failed);
     this.track = new Track(scene, this.clock, this.check, this.contacts, {
       seek: (position) => this.navigator.goTo(() => this.clock.seekPosition(position), true),
@@ -224,12 +224,12 @@ export class App {
     return shown && !shown.isEmpty() ? shown : this.motionBox;
   }
 
-  private grow(): void {
-    const { low, high } = this.check;
-    if (!low || !high) return;
-    const box = this.boxOf(low, high, this.stage.scale);
+  /** Takes in the steps from this one on. */
+  private grow(from: number): void {
+    const box = this.motionBox.clone();
+    for (const { low, high } of this.check.bounds.slice(from)) box.union(this.boxOf(low, high, this.stage.scale));
     if (this.motionBox.containsBox(box)) return;
-    this.motionBox.union(box);
+    this.motionBox.copy(box);
     this.stage.ground.place(this.motionBox, this.stage.camera.up);
     if (!this.stage.camera.moved) this.stage.camera.showAll(false);
   }
@@ -260,11 +260,20 @@ export class App {
     if (check.steps.length > from || from === 0) this.timeline.paint();
     this.chartsDirty = true;
     this.dirty = true;
-    this.grow();
+    this.grow(from);
     this.layout.warn(check.state === 'failed' ? `The check stopped: ${check.error}` : '');
     this.showVerdict();
     this.requestCrossings();
-    if (check.state !== 'running' && check.state !== 'gone') void this.contacts.load();
+    if (check.state === 'running' || check.state === 'gone' || this.contacts.state !== 'waiting') return;
+    this.guessUp();
+    void this.contacts.load();
+  }
+
+  /** All poses are known: guesses which axis is up, unless the user or the page's address says it. */
+  private guessUp(): void {
+    if (this.link.up !== null || this.options.turned) return;
+    const up = guessUp([this.scene, ...this.check.bounds].map(({ low, high }) => ({ min: low as unknown as Vector, max: high as unknown as Vector })));
+    if (up !== this.options.state.up) this.options.setUp(up);
   }
 
   private showVerdict(): void {

@@ -1,11 +1,12 @@
 // The camera: a turntable around an upright axis, flights, views from six sides, and what it follows.
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import type { Up } from '../shared/upright';
+import { defaultDirection, upright, type Up, type Vector } from '../shared/upright';
 
 export type Side = 'front' | 'back' | 'right' | 'left' | 'top' | 'bottom';
+/** With y up. From straight above, the front is below. */
+const kSides: Record<Side, Vector> = { front: [0, 0, 1], back: [0, 0, -1], right: [1, 0, 0], left: [-1, 0, 0], top: [0, 1, 1e-4], bottom: [0, -1, 1e-4] };
 const kFlightMs = 450;
-const kX = new THREE.Vector3(1, 0, 0);
 
 /** The framing margin as a factor; on narrow screens it keeps the content clear of the buttons over the picture. */
 const framingMargin = ({ clientWidth, clientHeight }: HTMLElement): number => (clientWidth < 700 ? 1 / Math.max(0.55, 1 - 104 / Math.max(1, clientHeight)) : 1.06);
@@ -22,6 +23,7 @@ interface Flight {
 export class Camera {
   readonly eye = new THREE.PerspectiveCamera(32, 1, 0.01, 100);
   readonly up = new THREE.Vector3(0, 1, 0);
+  axis: Up = 'y';
   /** Whether the user has moved the camera since it last showed everything. */
   moved = false;
   private controls!: OrbitControls;
@@ -38,7 +40,8 @@ export class Camera {
 
   /** Turns the upright axis; call showAll() then. */
   setUp(up: Up): void {
-    this.up.set(0, up === 'y' ? 1 : 0, up === 'z' ? 1 : 0);
+    this.axis = up;
+    this.up.copy(this.turned([0, 1, 0]));
     this.eye.up.copy(this.up);
     const target = this.controls?.target ?? new THREE.Vector3();
     this.controls?.dispose();
@@ -60,38 +63,19 @@ export class Camera {
     return this.controls.target;
   }
 
-  /** The horizontal axis that points to the viewer of the front. */
-  private get front(): THREE.Vector3 {
-    return kX.clone().cross(this.up);
-  }
-
-  private directionOf(side: Side): THREE.Vector3 {
-    const { up, front } = this;
-    const tilt = front.clone().multiplyScalar(1e-4); // from straight above, the front is below
-    switch (side) {
-      case 'front':
-        return front;
-      case 'back':
-        return front.negate();
-      case 'right':
-        return kX.clone();
-      case 'left':
-        return kX.clone().negate();
-      case 'top':
-        return up.clone().add(tilt);
-      case 'bottom':
-        return up.clone().negate().add(tilt);
-    }
+  /** A direction of a scene with y up. */
+  private turned(direction: Vector): THREE.Vector3 {
+    return new THREE.Vector3(...upright(direction, this.axis));
   }
 
   /** Shows everything, slightly from above and from the side. */
   showAll(animated = true): void {
-    this.lookFrom(this.front.addScaledVector(kX, 0.45).addScaledVector(this.up, 0.25), animated);
+    this.lookFrom(new THREE.Vector3(...defaultDirection(this.axis)), animated);
     this.moved = false;
   }
 
   side(side: Side): void {
-    this.lookFrom(this.directionOf(side), true);
+    this.lookFrom(this.turned(kSides[side]), true);
     this.moved = true;
   }
 

@@ -1,7 +1,7 @@
 // The progress of the check: its steps, and the pairs of the current step.
 import { collisionsOf, type Step } from '../shared/steps';
 import { verdictOf, type Found, type Start, type Verdict } from '../shared/verdict';
-import { ApiError, getJson, GoneError, type Pair, type SceneInfo, type StepsAnswer } from './api';
+import { ApiError, getJson, GoneError, type Bounds, type Pair, type SceneInfo, type StepsAnswer } from './api';
 
 const kPollMs = 400;
 const kAliveMs = 5000;
@@ -22,8 +22,8 @@ export class Check {
   pairs = 0;
   colliding = 0;
   start: Start | null = null;
-  low: number[] | null = null; // the bounds of all checked steps
-  high: number[] | null = null;
+  /** The bounds at the end of each step. */
+  readonly bounds: Bounds[] = [];
   private contactFree = 0; // the number of steps from the first one on without collisions
 
   constructor(
@@ -83,13 +83,12 @@ export class Check {
       const answer = await getJson<StepsAnswer>(`steps?from=${from}`);
       for (const step of answer.steps) {
         this.steps.push(step);
+        this.bounds.push({ low: step.low, high: step.high });
         this.pairs += collisionsOf(step);
         if (collisionsOf(step) > 0) ++this.colliding;
         else if (this.colliding === 0) ++this.contactFree;
       }
       this.start = answer.start;
-      this.low = answer.low ?? this.low;
-      this.high = answer.high ?? this.high;
       // The program may be done while the last thousand steps are still to be fetched.
       this.state = answer.state === 'done' && this.steps.length < answer.done ? 'running' : answer.state;
       this.error = answer.error ?? '';

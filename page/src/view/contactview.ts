@@ -3,6 +3,7 @@ import * as THREE from 'three';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
+import { directionAlong } from '../shared/upright';
 import type { Contact } from './api';
 import type { Stage } from './stage';
 import type { Surface } from './surface';
@@ -104,14 +105,12 @@ export class ContactView {
     stage.focus = { point: place, radius: this.radius, sides: [a!, b!] };
   }
 
-  /** The direction to look from: along its normal, from the side on which the camera is, and not along the upright axis. */
+  /** The direction to look from: along its normal, from the side on which the camera is. Null without a normal. */
   direction(): THREE.Vector3 | null {
     const normal = new THREE.Vector3(...(this.contact!.normal as [number, number, number]));
     if (normal.lengthSq() === 0) return null;
-    const { direction, up } = this.stage.camera;
+    const { axis, direction } = this.stage.camera;
     if (normal.dot(direction) < 0) normal.negate();
-    const steep = normal.dot(up);
-    if (Math.abs(steep) > 0.85) normal.addScaledVector(direction.clone().addScaledVector(up, -direction.dot(up)), 0.6).addScaledVector(up, -0.3 * Math.sign(steep));
-    return normal.normalize();
+    return new THREE.Vector3(...directionAlong(normal.toArray(), axis)).normalize();
   }
 }

@@ -46,7 +46,7 @@ export function keyActions({ clock, help, layers, layout, navigator, options, st
     '4': () => camera.side('back'), '5': () => camera.side('left'), '6': () => camera.side('bottom'),
     W: () => camera.orbit(0, 0.1), S: () => camera.orbit(0, -0.1), A: () => camera.orbit(-0.1, 0), D: () => camera.orbit(0.1, 0),
     '+': () => camera.zoom(0.85), '=': () => camera.zoom(0.85), '-': () => camera.zoom(1.18),
-    z: () => options.setUp(options.state.up === 'y' ? 'z' : 'y'),
+    z: () => options.turn(options.state.up === 'y' ? 'z' : 'y'),
     v: () => layers.cyclePaint(),
     c: () => layers.toggle('collisions'), o: () => layers.toggle('crossings'), t: () => layers.toggle('contacts'), k: () => layers.toggle('keyPoints'),
     b: () => layers.toggle('boxes'), e: () => layers.toggle('edges'), x: () => layers.toggle('seeThrough'),

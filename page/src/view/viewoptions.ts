@@ -14,6 +14,8 @@ export interface ViewState {
 export class ViewOptions {
   readonly element: HTMLElement;
   readonly state: ViewState;
+  /** Whether the user has chosen the upright axis. */
+  turned = false;
   private readonly ups = new Map<Up, HTMLInputElement>();
 
   constructor(guess: Up, private readonly changed: (upTurned: boolean) => void) {
@@ -26,7 +28,7 @@ export class ViewOptions {
     const ups = el('div', { className: 'choice', role: 'radiogroup', 'aria-label': 'Upright axis' }, 'Upright axis');
     for (const up of ['y', 'z'] as const) {
       const input = el('input', { type: 'radio', name: 'up', value: up, checked: up === guess });
-      input.addEventListener('change', () => this.setUp(up));
+      input.addEventListener('change', () => this.turn(up));
       this.ups.set(up, input);
       ups.append(el('label', {}, input, up));
     }
@@ -62,6 +64,11 @@ export class ViewOptions {
       this.changed(false);
     });
     return el('fieldset', { className: 'options' }, el('legend', {}, 'Cut'), el('div', { className: 'choice' }, axis, at, turn));
+  }
+
+  turn(up: Up): void {
+    this.turned = true;
+    this.setUp(up);
   }
 
   setUp(up: Up): void {
