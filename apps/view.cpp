@@ -81,7 +81,7 @@ Command add_view(CommandLine& program) {
   command.footer(std::string(kMotionHelp) + kFooter);
   const auto a = std::make_shared<ViewArguments>();
   add_step_options(command, *a);
-  command.add_option("--unit", a->unit, "What a mesh unit is, such as cm: named beside lengths")
+  command.add_option("--unit", a->unit, "What a mesh unit is, such as cm: named beside lengths [m for glTF]")
       .type_name("NAME");
   command
       .add_option("--port", a->port,

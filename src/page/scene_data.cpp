@@ -90,7 +90,7 @@ Json SceneData::json() const {
             {"between", s.between},
             {"certificates", s.certificates},
             {"steps_only", settings_.steps_only},
-            {"unit", settings_.unit},
+            {"unit", unit_of(motions_, settings_)},
             {"mode", s.mode == Mode::Paper ? "paper" : "proven"}}},
           {"reasons", kReasonNames}};
 }
