@@ -18,7 +18,7 @@ constexpr const char* kFooter = R"(  pose.obj                        a single po
 Several motions are several objects, and need equally many frames.
 
 The page shows the motion at once, while the check runs: it first finds what crosses in the first frame, then what
-collides in each step. Answers appear as they come. The page is served to this machine only
+collides in each step. Answers appear as they come; contacts at the end. The page is served to this machine only
 (http://127.0.0.1:PORT), reads only the files named here, and writes nothing. Ctrl-C ends it.
 
 Examples:
@@ -32,6 +32,7 @@ Examples:
                                                   ssh -L 8000:127.0.0.1:8000 THAT_MACHINE)";
 
 struct ViewArguments : StepArguments {
+  std::string unit;
   int port = 0;
   bool no_browser = false;
 };
@@ -59,6 +60,7 @@ Result<int> view(const ViewArguments& a) {
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
   auto opened = FOLDPROOF_TRY(open_motions(a));
+  opened.settings.unit = a.unit;
   const auto page =
       FOLDPROOF_TRY(Page::open({std::move(opened.motions), std::move(opened.settings), a.motion.read}));
   const std::atomic<bool>& stop = watch_for_interrupt();
@@ -79,6 +81,8 @@ Command add_view(CommandLine& program) {
   command.footer(std::string(kMotionHelp) + kFooter);
   const auto a = std::make_shared<ViewArguments>();
   add_step_options(command, *a);
+  command.add_option("--unit", a->unit, "What a mesh unit is, such as cm: named beside lengths [m for glTF]")
+      .type_name("NAME");
   command
       .add_option("--port", a->port,
                   fmt::format("Where to serve [the first free one from {} on]", kFirstPagePort))

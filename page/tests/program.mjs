@@ -35,7 +35,7 @@ export function makeTube(name, { around = 16, along = 60, frames }) {
 }
 
 /** Generated data: two unit spheres that move together; at a distance of 1 they overlap by half. OBJ and PC2, paths of both. */
-export function makeSpheres(name, { around = 32, along = 24, frames, distance = 1 }) {
+export function makeSpheres(name, { around = 32, along = 24, frames, distance = 1, far }) {
   const sphere = around * (along + 1);
   const faces = [];
   for (const first of [1, sphere + 1]) {
@@ -48,18 +48,20 @@ export function makeSpheres(name, { around = 32, along = 24, frames, distance = 
     }
   }
   const values = [];
+  // On a grid, so that adding `far` loses nothing.
+  const place = (...point) => (far === undefined ? point : point.map((value) => far + Math.round(value * 4096) / 4096));
   for (let frame = 0; frame < frames; ++frame) {
     for (const k of [0, 1]) {
       for (let ring = 0; ring <= along; ++ring) {
         const angle = (Math.PI * (ring + 0.05)) / (along + 0.1);
         for (let i = 0; i < around; ++i) {
           const turn = (2 * Math.PI * i) / around;
-          values.push(0.25 * frame + k * distance + Math.sin(angle) * Math.cos(turn), 0.07 * k + Math.cos(angle), Math.sin(angle) * Math.sin(turn));
+          values.push(...place(0.25 * frame + k * distance + Math.sin(angle) * Math.cos(turn), 0.07 * k + Math.cos(angle), Math.sin(angle) * Math.sin(turn)));
         }
       }
     }
   }
-  return write(name, faces, Float32Array.from(values), frames);
+  return write(name, faces, Float64Array.from(values), frames);
 }
 
 function write(name, faces, values, frames) {
@@ -74,7 +76,7 @@ function write(name, faces, values, frames) {
   head.writeInt32LE(frames, 28);
   const [obj, pc2] = [join(folder, `${name}.obj`), join(folder, `${name}.pc2`)];
   writeFileSync(obj, [...lines, ...faces, ''].join('\n'));
-  writeFileSync(pc2, Buffer.concat([head, Buffer.from(values.buffer)]));
+  writeFileSync(pc2, Buffer.concat([head, Buffer.from(Float32Array.from(values).buffer)]));
   return [obj, pc2];
 }
 

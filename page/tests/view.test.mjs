@@ -1,5 +1,6 @@
 // The page in a real browser, against the real program.
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 import { join } from 'node:path';
 import { folder, launch, makeSpheres, makeTube, openPage, phone, picture, removeFolder, run, state, until, view } from './program.mjs';
@@ -46,7 +47,7 @@ async function visit(server, body, size) {
 test('loads and plays a motion of 400 frames', () =>
   visit(withModel, async (page) => {
     assert.equal((await state(page)).steps, kFrames - 1);
-    assert.match(await page.locator('.status').innerText(), /colliding pairs in \d+ of 399 steps/);
+    assert.match(await page.locator('.status .text').innerText(), /colliding pairs in \d+ of 399 steps/);
     await page.keyboard.press(' ');
     const { position } = await until(page, (s) => s.playing && s.position > 2, 'playing');
     await until(page, (s) => s.position > position + 2, 'the frame to go on');
@@ -75,6 +76,7 @@ test('scrubs on the timeline, steps with keys and buttons', () =>
 
 test('picks a pair and flies there', () =>
   visit(withModel, async (page) => {
+    await page.click('#tab-collisions');
     await page.keyboard.press('n');
     const row = page.locator('.pair:visible').first();
     await row.waitFor();
@@ -92,12 +94,12 @@ test('picks a pair and flies there', () =>
 
 test('switches every layer', () =>
   visit(withModel, async (page) => {
+    await page.click('#tab-collisions');
     await page.keyboard.press('n');
     await until(page, (s) => s.facesShown === s.step && !s.waiting, 'the answer of the step');
     await page.locator('.pair:visible').first().click();
     await page.keyboard.press('-');
     await page.keyboard.press('-');
-    await page.keyboard.press('l'); // The legend lies over the picture.
     await page.waitForTimeout(400);
     await page.click('#tab-layers');
     for (const layer of ['collisions', 'contacts', 'keyPoints', 'boxes', 'edges', 'seeThrough']) {
@@ -131,6 +133,8 @@ test('moves sliders and distinguishes inside from outside', () =>
     await slider.fill(String(Math.min(3, radius * 0.5).toFixed(2)));
     assert.equal(await page.locator('.badge').getAttribute('data-kind'), 'inside');
     assert.ok(differs(await picture(page), before));
+    const wide = page.locator('.shapes >> text=Up to 3 σ');
+    if (await wide.isVisible()) await wide.click();
     for (const one of await page.locator('.slider:visible input').all()) await one.fill('3');
     const { norm } = await state(page);
     await page.waitForTimeout(60);
@@ -164,6 +168,7 @@ test('goes without a model, says why, and takes substeps', () =>
     await page.click('#tab-shapes');
     assert.match(await page.locator('#panel-shapes').innerText(), /--model/);
     assert.equal((await state(page)).steps, 11 * 4);
+    await page.keyboard.press('Home');
     await page.keyboard.press('ArrowRight');
     assert.equal((await state(page)).position, 0.25);
   }));
@@ -202,7 +207,7 @@ async function withPage(args, body, { end = 'done', prepare = async () => {} } =
   }
 }
 
-const verdict = async (page) => ({ text: await page.locator('.status').innerText(), kind: await page.locator('.status').getAttribute('data-kind') });
+const verdict = async (page) => ({ text: await page.locator('.status .text').innerText(), kind: await page.locator('.status').getAttribute('data-kind') });
 
 /** How many pixels of the timeline are of the color that a free step has. */
 const green = (page) =>
@@ -222,18 +227,21 @@ test('reports crossings of two overlapping spheres, though no step collides', ()
     assert.equal(kind, 'hit');
     const { start } = await until(page, (s) => s.crossingFaces[0] > 0, 'the triangles that cross');
     assert.equal(await green(page), 0, 'no step is shown as free');
+    await page.keyboard.press('l');
     assert.match(await page.locator('.legend').innerText(), /Triangles that cross in frame 0[^]*starts crossing/);
+    await page.keyboard.press('l'); // The legend lies over the picture.
+    await page.keyboard.press('r'); // The page begins at the contact.
+    await page.keyboard.press('Home');
+    await page.click('#tab-collisions');
     await page.locator('.pair:visible .kind.tt').first().waitFor();
     assert.match(await page.locator('.collisions').innerText(), new RegExp(`Frame 0 starts with ${start.crossings} crossing pairs`));
     for (const step of [0, 3]) {
       assert.equal((await state(page)).step, step);
       assert.equal(await page.locator('.collisions .head').innerText().then((head) => head.split('\n')[0]), 'No new contact in this step');
-      await page.keyboard.press('l'); // The legend lies over the picture.
       const hatched = await picture(page);
       await page.keyboard.press('o');
       await looks(page, (now) => differs(now, hatched), `crossings are seen in step ${step}`);
       await page.keyboard.press('o');
-      await page.keyboard.press('l');
       if (step === 0) for (let k = 0; k < 3; ++k) await page.keyboard.press('ArrowRight');
     }
     await page.keyboard.press('p');
@@ -241,14 +249,120 @@ test('reports crossings of two overlapping spheres, though no step collides', ()
     const { camera } = await state(page);
     await page.locator('.pair:visible').first().click();
     await until(page, (s) => s.camera.join() !== camera.join(), 'the flight to a pair');
+    await page.keyboard.press('l');
     assert.match(await page.locator('.legend').innerText(), /first edge or triangle/);
+  }));
+
+test('opens on the worst contact and goes to others', () =>
+  withPage(makeSpheres('touching', { frames: 5, distance: 1.9 }), async (page) => {
+    const { contact, camera, position } = await until(page, (s) => s.contact !== null && s.curve && !s.waiting, 'the worst contact with its curve');
+    assert.equal(contact, 1);
+    assert.match(await page.locator('.status .count').innerText(), /^1 contact$/);
+    const card = page.locator('.contact').first();
+    assert.match(await card.innerText(), /#1\s+0\.\d+ deep[^]*within|frames? 0[^]*from the start/);
+    assert.equal(await card.getAttribute('aria-selected'), 'true');
+    const near = await picture(page);
+    await page.keyboard.press('r');
+    const away = await until(page, (s) => s.contact === null && s.camera.join() !== camera.join(), 'leaving it');
+    assert.ok(differs(await picture(page), near));
+    await page.keyboard.press('End');
+    await page.click('.leads >> text=Worst');
+    const back = await until(page, (s) => s.contact === 1 && s.position === position && s.curve, 'the worst again');
+    assert.notDeepEqual(back.camera, away.camera);
+    assert.match(await page.evaluate(() => new Promise((done) => setTimeout(() => done(location.hash), 500))), /contact=1&.*camera=/);
+    await page.mouse.move(...(await page.locator('.track').boundingBox().then((box) => [box.x + box.width / 2, box.y + 30])));
+    await page.locator('.hovercard:visible canvas:visible').waitFor();
+    assert.match(await page.locator('.hovercard').innerText(), /frame 2\s+#1 0\.\d+ deep/);
+  }));
+
+test('shows again what its address says', async () => {
+  const server = await view(...makeSpheres('linked', { frames: 5 }));
+  const { page, errors, close } = await openPage(browser, `${server.url}#at=3&up=z&camera=1,2,3,0,0,0`);
+  await until(page, (s) => s.contacts === 1 && s.firstPicture > 0, 'the contacts', 20_000);
+  const { position, up, camera, contact } = await state(page);
+  assert.deepEqual({ position, up: up[2], contact }, { position: 3, up: 1, contact: null });
+  assert.deepEqual(camera.map((value) => Math.round(value)), [1, 2, 3]);
+  assert.deepEqual(errors, []);
+  await close();
+  await server.end();
+});
+
+test('looks the same far from the origin', async () => {
+  const pictures = [];
+  for (const far of [0, 1_000_000]) {
+    await withPage(makeSpheres(`far-${far}`, { frames: 1, distance: 2.5, far }).slice(0, 1), async (page) => {
+      await page.keyboard.press('e');
+      await page.waitForTimeout(100);
+      pictures.push(await picture(page));
+    });
+  }
+  assert.ok(!differs(...pictures), 'a sphere at a million');
+});
+
+test('zooms its timeline, loops a range, goes to a typed frame', () =>
+  visit(withModel, async (page) => {
+    const { x, y, width } = await page.locator('.track').boundingBox();
+    await page.mouse.move(x + width / 4, y + 6);
+    await page.mouse.down();
+    await page.mouse.move(x + width / 2, y + 6, { steps: 3 });
+    await page.mouse.up();
+    await page.keyboard.press('Home');
+    await page.keyboard.press(' ');
+    const { position } = await until(page, (s) => s.position > 0, 'playing');
+    assert.ok(position >= 99 && position <= 201, `plays in the range, not at ${position}`);
+    await page.keyboard.press(' ');
+    await page.mouse.move(x + width / 2, y + 30);
+    for (let k = 0; k < 4; ++k) await page.mouse.wheel(0, -400);
+    await page.mouse.click(x + width - 2, y + 30);
+    const end = (await until(page, (s) => s.position !== position, 'the right end')).position;
+    assert.ok(end < 300, `the track shows a part, its end is at ${end}`);
+    await page.keyboard.press('g');
+    await page.keyboard.type('7');
+    await page.keyboard.press('Enter');
+    await until(page, (s) => s.position === 7, 'frame 7');
+  }));
+
+test('saves a picture and a video', () =>
+  visit(without, async (page) => {
+    const saved = async (title) => {
+      const [download] = await Promise.all([page.waitForEvent('download'), page.click(`[aria-label="${title}"]`)]);
+      return readFileSync(await download.path());
+    };
+    assert.deepEqual([...(await saved('Save the picture (PNG)')).subarray(1, 4)], [...Buffer.from('PNG')]);
+    await page.click('[aria-label="Record a video (WebM)"]');
+    await page.waitForTimeout(600);
+    assert.deepEqual([...(await saved('Record a video (WebM)')).subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3]);
+  }));
+
+test('cuts, turns upright, looks from six sides', () =>
+  visit(without, async (page) => {
+    await page.keyboard.press('r');
+    await page.keyboard.press('Home');
+    await page.waitForTimeout(100);
+    const whole = await picture(page);
+    await page.click('#tab-layers');
+    await page.selectOption('[data-option=cut]', 'x');
+    await looks(page, (now) => differs(now, whole), 'a cut');
+    await page.selectOption('[data-option=cut]', '');
+    await looks(page, (now) => !differs(now, whole), 'no cut');
+    const cameras = [];
+    for (const key of '123456') {
+      await page.keyboard.press(key);
+      cameras.push((await state(page)).camera.map((value) => Math.sign(Math.round(10 * value))).join());
+    }
+    assert.equal(new Set(cameras).size, 6, `six sides: ${cameras.join(' ')}`);
+    await page.keyboard.press('z');
+    await until(page, (s) => s.up[2] === 1, 'z up');
   }));
 
 test('reports a free motion', () =>
   withPage(makeSpheres('apart', { frames: 6, distance: 2.5 }), async (page) => {
     assert.deepEqual(await verdict(page), { text: 'Proven free of collisions: frame 0 and all 5 steps', kind: 'free' });
     assert.ok((await green(page)) > 1000);
-    assert.match(await page.locator('.collisions').innerText(), /Nothing crosses in frame 0\.\s+Free of collisions/);
+    assert.match(await page.locator('.contacts').innerText(), /No contacts\s+Nothing touches or crosses at any time/);
+    await page.click('#tab-collisions');
+    assert.match(await page.locator('.collisions').innerText(), /Nothing crosses in frame 0\.\s+Nothing collides up to here/);
+    await page.keyboard.press('l');
     assert.doesNotMatch(await page.locator('.legend').innerText(), /cross/);
   }));
 
@@ -258,6 +372,7 @@ test('claims nothing about untested crossings', () =>
     assert.match(text, /^No contact in 5 steps; crossings from the start were not tested/);
     assert.equal(kind, 'run');
     assert.equal(await green(page), 0);
+    await page.click('#tab-collisions');
     assert.match(await page.locator('.collisions').innerText(), /Crossings from the start were not tested/);
     await page.click('#tab-layers');
     assert.ok(await page.locator('[data-layer=crossings]').isDisabled());
@@ -268,6 +383,7 @@ test('shows a single frame as a motion of one frame', () =>
     const { text, kind } = await verdict(page);
     assert.match(text, /^Frame 0 has [\d,]+ crossing pairs of triangles$/);
     assert.equal(kind, 'hit');
+    await page.click('#tab-collisions');
     await page.locator('.pair:visible .kind.tt').first().waitFor();
     await page.keyboard.press('ArrowRight');
     assert.equal((await state(page)).t, 0, 'no time passes');
@@ -296,6 +412,7 @@ for (const [what, prepare, end] of [
       async (page) => {
         assert.deepEqual(await verdict(page), { text: 'Stopped at 3 of 5 steps; the rest is unknown', kind: 'stopped' });
         assert.equal(await page.locator('.status progress').isVisible(), false);
+        await page.click('#tab-collisions');
         await page.keyboard.press('End');
         await page.waitForTimeout(50);
         assert.match(await page.locator('.collisions .head').innerText(), /^Not checked/);
@@ -310,6 +427,7 @@ test('says it when the program is gone', async () => {
   const { page, errors, close } = await openPage(browser, server.url);
   await until(page, (s) => s.state === 'done', 'the check');
   await server.end();
+  await page.keyboard.press('Home');
   await page.keyboard.press('b');
   await page.locator('.banner:visible').waitFor({ timeout: 5000 });
   assert.match(await page.locator('.banner').innerText(), /no longer answers.*Start foldproof view again/);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/try.h"
+#include "page/found_contacts.h"
 #include "page/radius.h"
 
 namespace foldproof {
@@ -29,12 +30,16 @@ PageAnswer binary_answer(std::span<const T> values) {
       200, "application/octet-stream", {reinterpret_cast<const char*>(values.data()), values.size_bytes()}};
 }
 
-/// Converts doubles to single precision, which the page uses.
-PageAnswer float_answer(std::span<const double> values) {
-  return binary_answer(std::span<const float>(std::vector<float>(values.begin(), values.end())));
+/// Converts to single precision, which the page uses. Positions must be relative to a nearby point by then.
+PageAnswer float_answer(std::span<const double> values, const Vec3& origin = Vec3::Zero()) {
+  std::vector<float> floats;
+  floats.reserve(values.size());
+  for (std::size_t k = 0; k < values.size(); ++k)
+    floats.push_back(static_cast<float>(values[k] - origin[static_cast<Eigen::Index>(k % 3)]));
+  return binary_answer(std::span<const float>(floats));
 }
-PageAnswer float_answer(const Eigen::Ref<const Eigen::VectorXd>& values) {
-  return float_answer(std::span(values.data(), static_cast<std::size_t>(values.size())));
+PageAnswer float_answer(const Eigen::Ref<const Eigen::VectorXd>& values, const Vec3& origin = Vec3::Zero()) {
+  return float_answer(std::span(values.data(), static_cast<std::size_t>(values.size())), origin);
 }
 
 std::optional<std::uint64_t> number_in(std::string_view text) {
@@ -65,6 +70,7 @@ struct Page::Impl {
   mutable std::mutex mutex;  // guards the following
   State state = State::Running;
   std::string failure;
+  std::shared_ptr<const FoundContacts> found;  // null before the end of the check
 
   // The numbers in a path, in order.
   using Numbers = std::span<const std::uint64_t>;
@@ -83,6 +89,8 @@ struct Page::Impl {
   PageAnswer crossing_faces(Numbers, const PageQuery&) const;
   PageAnswer collisions(Numbers, const PageQuery&) const;
   PageAnswer faces(Numbers, const PageQuery&) const;
+  PageAnswer contacts(Numbers, const PageQuery&) const;
+  PageAnswer contact(Numbers, const PageQuery&) const;
 
   const PageObject& object(std::uint64_t i) const { return *scene->objects()[i]; }
   std::optional<PageAnswer> missing_object(std::uint64_t i) const;
@@ -91,6 +99,7 @@ struct Page::Impl {
   std::optional<PageAnswer> missing_start() const;
   std::optional<PageAnswer> missing_step(std::uint64_t number) const;
   PageAnswer not_yet(const std::string& what) const;
+  tl::expected<std::shared_ptr<const FoundContacts>, PageAnswer> contacts_found() const;
   void check(const std::atomic<bool>& stop);
   void end_check(State end, std::string line);
 };
@@ -179,7 +188,7 @@ PageAnswer Page::Impl::frame(Numbers n, const PageQuery&) const {
   if (auto answer = missing_object(n[0])) return *answer;
   if (auto answer = missing_frame(n[1])) return *answer;
   const auto x = scene->frame(static_cast<Index>(n[0]), static_cast<Index>(n[1]));
-  return x ? float_answer(**x) : refuse(x.error());
+  return x ? float_answer(**x, scene->center()) : refuse(x.error());
 }
 
 PageAnswer Page::Impl::boxes(Numbers n, const PageQuery& query) const {
@@ -202,12 +211,12 @@ PageAnswer Page::Impl::prediction(Numbers n, const PageQuery&) const {
   if (!x) return refuse(x.error());
   const Predictor& predictor = object(n[0]).predictor();
   const Eigen::Map<const Eigen::VectorXd> pose((*x)->data(), static_cast<Eigen::Index>((*x)->size()));
-  return float_answer(predictor.from_key_points(predictor.key_point_map().gather(pose)));
+  return float_answer(predictor.from_key_points(predictor.key_point_map().gather(pose)), scene->center());
 }
 
 PageAnswer Page::Impl::mean(Numbers n, const PageQuery&) const {
   if (auto answer = missing_modes(n[0])) return *answer;
-  return float_answer(object(n[0]).learned()->pca.mean);
+  return float_answer(object(n[0]).learned()->pca.mean, scene->center());
 }
 
 PageAnswer Page::Impl::mode(Numbers n, const PageQuery&) const {
@@ -241,7 +250,11 @@ PageAnswer Page::Impl::steps(Numbers, const PageQuery& query) const {
   for (std::uint64_t k = *from; k < done && list.size() < kMaxItems; ++k) {
     const auto step = store->record(k);
     if (!step) return refuse(step.error());
+    const auto bounds = store->bounds(k);
+    if (!bounds) return refuse(bounds.error());
     list.push_back(step_json(*step));
+    list.back()["low"] = bounds->low;
+    list.back()["high"] = bounds->high;
   }
   return json_answer(json);
 }
@@ -290,6 +303,30 @@ PageAnswer Page::Impl::faces(Numbers n, const PageQuery&) const {
   return answer;
 }
 
+tl::expected<std::shared_ptr<const FoundContacts>, PageAnswer> Page::Impl::contacts_found() const {
+  {
+    const std::lock_guard lock(mutex);
+    if (found) return found;
+  }
+  return tl::unexpected(not_yet("the last step, so what the contacts are"));
+}
+
+PageAnswer Page::Impl::contacts(Numbers, const PageQuery& query) const {
+  const auto all = contacts_found();
+  if (!all) return all.error();
+  const auto part = part_of(query);
+  if (!part) return part.error();
+  return json_answer((*all)->json(part->offset, part->limit));
+}
+
+PageAnswer Page::Impl::contact(Numbers n, const PageQuery&) const {
+  const auto all = contacts_found();
+  if (!all) return all.error();
+  const std::size_t count = (*all)->contacts.size();
+  if (n[0] >= count) return refuse(404, fmt::format("there is no contact {} among {}", n[0], count));
+  return json_answer((*all)->json(n[0]));
+}
+
 void Page::Impl::end_check(State end, std::string line) {
   const std::lock_guard lock(mutex);
   state = end;
@@ -300,10 +337,13 @@ void Page::Impl::check(const std::atomic<bool>& stop) {
   std::unique_ptr<ReportWriter> writers[] = {std::make_unique<StoreWriter>(*store)};
   CheckHooks hooks;
   hooks.cancel = &stop;
-  CheckSettings settings = scene->settings();
-  settings.contacts = false;  // not shown
-  const auto totals = run_check(scene->motions(), settings, writers, hooks);
+  auto totals = run_check(scene->motions(), scene->settings(), writers, hooks);
   if (!totals) return end_check(State::Failed, totals.error().line());
+  if (!totals->cancelled) {
+    auto all = std::make_shared<const FoundContacts>(*totals, scene->motions(), scene->settings());
+    const std::lock_guard lock(mutex);
+    found = std::move(all);
+  }
   end_check(totals->cancelled ? State::Stopped : State::Done, {});
 }
 
@@ -337,6 +377,8 @@ PageAnswer Page::get(std::string_view path, const PageQuery& query) const {
       {"/api/start/faces/#", &Impl::crossing_faces},
       {"/api/steps/#/collisions", &Impl::collisions},
       {"/api/steps/#/faces/#", &Impl::faces},
+      {"/api/contacts", &Impl::contacts},
+      {"/api/contacts/#", &Impl::contact},
   };
   const auto parts = split(path);
   for (const Route& route : routes) {

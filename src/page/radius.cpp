@@ -6,6 +6,23 @@
 #include "foldproof/reduced.h"
 
 namespace foldproof {
+namespace {
+
+std::vector<Index> triangles_of(const Hierarchy& hierarchy, std::span<const UncertifiedPair> pairs) {
+  std::vector<Index> triangles;
+  for (const UncertifiedPair& pair : pairs) {
+    for (const Index leaf : {pair.leaf_a, pair.leaf_b}) {
+      const Index end = hierarchy.leaves()[leaf + 1].triangles;
+      for (Index k = hierarchy.leaves()[leaf].triangles; k < end; ++k)
+        triangles.push_back(hierarchy.triangle_ids()[k]);
+    }
+  }
+  std::sort(triangles.begin(), triangles.end());
+  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  return triangles;
+}
+
+}  // namespace
 
 Json RadiusService::request(Index object) {
   const std::lock_guard lock(mutex_);
@@ -22,6 +39,7 @@ Json RadiusService::request(Index object) {
           {"radius", entry.radius},
           {"share", entry.share},
           {"uncertified", entry.uncertified},
+          {"uncertified_triangles", entry.uncertified_triangles},
           {"error", entry.error}};
 }
 
@@ -69,7 +87,8 @@ RadiusService::Entry RadiusService::compute(Index object, const std::atomic<bool
           .progress = 1,
           .radius = radius,
           .share = normal_share(radius, shape->motion()->modes()),
-          .uncertified = shape->uncertified(0).size()};
+          .uncertified = shape->uncertified(0).size(),
+          .uncertified_triangles = triangles_of(*shown.hierarchy, shape->uncertified(0))};
 }
 
 }  // namespace foldproof

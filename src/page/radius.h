@@ -23,6 +23,7 @@ class RadiusService {
     enum class State : std::uint8_t { Idle, Queued, Done, Failed } state = State::Idle;
     double progress = 0, radius = 0, share = 0;
     std::size_t uncertified = 0;
+    std::vector<Index> uncertified_triangles = {};  // of these pairs, ascending
     std::string error = {};
   };
   Entry compute(Index object, const std::atomic<bool>& stop);

@@ -80,6 +80,7 @@ Json SceneData::json() const {
           {"substeps", settings_.substeps},
           {"steps", steps()},
           {"objects", std::move(objects)},
+          {"center", {center().x(), center().y(), center().z()}},
           {"low", {low_.x(), low_.y(), low_.z()}},
           {"high", {high_.x(), high_.y(), high_.z()}},
           {"settings",
@@ -89,6 +90,7 @@ Json SceneData::json() const {
             {"between", s.between},
             {"certificates", s.certificates},
             {"steps_only", settings_.steps_only},
+            {"unit", unit_of(motions_, settings_)},
             {"mode", s.mode == Mode::Paper ? "paper" : "proven"}}},
           {"reasons", kReasonNames}};
 }
@@ -110,9 +112,11 @@ Result<std::vector<float>> SceneData::boxes(Index i, Index k, Index level) const
         high = high.cwiseMax(corner);
       }
     }
-    // Rounding is monotonic, so a rounded box still contains its rounded vertices.
-    for (const double c : {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()})
-      boxes.push_back(static_cast<float>(c));
+    // Subtraction and rounding are monotonic, so a rounded box still contains its rounded vertices.
+    for (const Vec3& corner : {low, high}) {
+      for (Eigen::Index axis = 0; axis < 3; ++axis)
+        boxes.push_back(static_cast<float>(corner[axis] - center()[axis]));
+    }
   }
   return boxes;
 }

@@ -37,11 +37,14 @@ class SceneData {
   /// 1 for a single frame: a step without motion.
   std::uint64_t steps() const;
 
+  /// The middle of the first frame. Positions are sent relative to it, as single precision is fine near 0.
+  Vec3 center() const { return (low_ + high_) / 2; }
+
   Json json() const;
   Result<SharedMotion::Frame> frame(Index object, Index k) const {
     return objects_[object]->motion->frame(frames_[k]);
   }
-  /// Low and high corners of the boxes of nodes at a depth, and of leaves above it.
+  /// Low and high corners of the boxes of nodes at a depth, and of leaves above it, relative to the center.
   Result<std::vector<float>> boxes(Index object, Index k, Index level) const;
 
  private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include "base/try.h"
@@ -50,6 +51,18 @@ std::vector<ContactPoint> contacts_of(const CheckedStep& step, Motions motions) 
   std::stable_sort(contacts.begin(), contacts.end(),
                    [](const ContactPoint& a, const ContactPoint& b) { return a.toi < b.toi; });
   return contacts;
+}
+
+Bounds bounds_of(Positions x) {
+  constexpr double kMax = std::numeric_limits<double>::infinity();
+  Bounds bounds{{kMax, kMax, kMax}, {-kMax, -kMax, -kMax}};
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    for (std::size_t k = 0; k < x[i].size(); ++k) {
+      bounds.low[k % 3] = std::min(bounds.low[k % 3], x[i][k]);
+      bounds.high[k % 3] = std::max(bounds.high[k % 3], x[i][k]);
+    }
+  }
+  return bounds;
 }
 
 }  // namespace
@@ -126,7 +139,8 @@ Result<std::vector<std::uint8_t>> StepStore::crossing_faces(Index object) const 
 }
 
 Result<void> StepStore::add(const CheckedStep& step) {
-  Entry entry{.record = record_of(step), .contacts_at = details_size_, .faces_at = 0};
+  Entry entry{
+      .record = record_of(step), .contacts_at = details_size_, .faces_at = 0, .bounds = bounds_of(step.x1)};
   const std::vector<ContactPoint> contacts = contacts_of(step, motions_);
   FOLDPROOF_TRY(append(bytes_of(std::span(contacts))));
   entry.faces_at = details_size_;
@@ -154,6 +168,11 @@ Result<StepStore::Entry> StepStore::entry(std::uint64_t number) const {
 Result<StepRecord> StepStore::record(std::uint64_t number) const {
   const auto found = FOLDPROOF_TRY(entry(number));
   return found.record;
+}
+
+Result<Bounds> StepStore::bounds(std::uint64_t number) const {
+  const auto found = FOLDPROOF_TRY(entry(number));
+  return found.bounds;
 }
 
 Result<std::vector<ContactPoint>> StepStore::contacts(std::uint64_t number, std::uint64_t offset,

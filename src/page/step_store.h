@@ -53,6 +53,11 @@ struct FaceRecord {
   std::uint8_t margin;  ///< 0 to 255 for 0 to 1.
 };
 
+/// An axis-aligned box, mesh units.
+struct Bounds {
+  std::array<double, 3> low{}, high{};
+};
+
 /// One thread adds steps while any number of threads read those already added.
 class StepStore {
  public:
@@ -74,6 +79,8 @@ class StepStore {
 
   // Preconditions: number < count(). Error: the temporary file cannot be read.
   Result<StepRecord> record(std::uint64_t number) const;
+  /// The bounds of all objects at the end of a step.
+  Result<Bounds> bounds(std::uint64_t number) const;
   /// Sorted by time of impact, then vertex-face first, then by ids; fewer than `limit` at the end.
   Result<std::vector<ContactPoint>> contacts(std::uint64_t number, std::uint64_t offset,
                                              std::uint64_t limit) const;
@@ -84,6 +91,7 @@ class StepStore {
   struct Entry {
     StepRecord record;
     std::uint64_t contacts_at, faces_at;  // bytes in details_
+    Bounds bounds;                        // at its end
   };
   StepStore(Motions motions, io::Spool entries, io::Spool details);
   Result<void> append(std::span<const char> bytes);

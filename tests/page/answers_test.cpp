@@ -11,7 +11,6 @@ namespace foldproof {
 namespace {
 
 using namespace foldproof::testing;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
@@ -21,7 +20,13 @@ std::vector<double> frame_of(Motion& motion, Index k) {
   return x;
 }
 
-std::vector<float> single(const std::vector<double>& x) { return {x.begin(), x.end()}; }
+/// As positions are sent: relative to the scene's center.
+std::vector<float> single(const std::vector<double>& x, const Json& scene) {
+  std::vector<float> floats;
+  for (std::size_t k = 0; k < x.size(); ++k)
+    floats.push_back(static_cast<float>(x[k] - scene["center"][k % 3].get<double>()));
+  return floats;
+}
 
 /// The library's own answers for the steps of motions.
 class Truth {
@@ -127,7 +132,7 @@ TEST(PageAnswers, FramesAndTrianglesAreThoseOfTheMotions) {
     EXPECT_EQ(served.numbers<Index>(object + "/triangles"), triangles);
     for (const Index k : {2, 0, 1})
       EXPECT_EQ(served.numbers<float>(object + "/frames/" + std::to_string(k)),
-                single(frame_of(*motions[i], 3 * k)));
+                single(frame_of(*motions[i], 3 * k), served.json("/api/scene")));
   }
 }
 
@@ -285,13 +290,14 @@ void collect(const Hierarchy& h, Index node, Index depth, const std::vector<floa
 TEST(PageAnswers, BoxesAreThoseOfTheHierarchy) {
   Served served(page_of(two_tubes()));
   Truth truth(two_tubes());
+  const Json scene = served.json("/api/scene");
   for (Index i = 0; i < 2; ++i) {
-    const Index levels = served.json("/api/scene")["objects"][i]["levels"];
+    const Index levels = scene["objects"][i]["levels"];
     ASSERT_GT(levels, 2u);
     const std::string path = "/api/objects/" + std::to_string(i) + "/boxes";
     for (Index level = 0; level <= levels; ++level) {
       std::vector<float> boxes;
-      collect(truth.hierarchy(i), 0, level, single(frame_of(truth.motion(i), 5)), boxes);
+      collect(truth.hierarchy(i), 0, level, single(frame_of(truth.motion(i), 5), scene), boxes);
       EXPECT_EQ(served.numbers<float>(path + "?frame=5&level=" + std::to_string(level)), boxes);
       if (level == levels) {
         EXPECT_THAT(boxes, SizeIs(6 * truth.hierarchy(i).leaf_count()));
@@ -412,6 +418,26 @@ TEST(PageAnswers, WhatCrossesFromTheStartIsToldThoughNoStepCollides) {
   served.json("/api/start/faces/2", 404);
 }
 
+TEST(PageAnswers, BoundsAreThoseOfTheEndsOfSteps) {
+  Served served(page_of(sphere_pair(5)));
+  const Json steps = served.all_steps()["steps"];
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_NEAR(steps[k]["low"][0], 0.3 * (k + 1) - 1, 0.01);
+    EXPECT_NEAR(steps[k]["high"][0], 0.3 * (k + 1) + 2, 0.01);
+  }
+}
+
+TEST(PageAnswers, PositionsFarFromTheOriginKeepTheirPrecision) {
+  const std::vector<double> near = sphere_at(0.25);
+  std::vector<double> far = near;
+  for (double& value : far) value += 1e8;
+  Served served(page_of(list(memory_motion("far", tube(16, 12), {far}))));
+  const auto x = served.numbers<float>("/api/objects/0/frames/0");
+  const Json center = served.json("/api/scene")["center"];
+  for (std::size_t k = 0; k < x.size(); ++k)
+    ASSERT_NEAR(x[k] + (center[k % 3].get<double>() - 1e8), near[k], 1e-6) << k;
+}
+
 TEST(PageAnswers, AFreeStartIsToldToBeFree) {
   Served served(page_of(sphere_pair(3, 2.5)));
   EXPECT_EQ(served.all_steps()["start"]["crossings"], 0);
@@ -492,7 +518,11 @@ TEST(PageAnswers, ModelsTellShapes) {
   EXPECT_THAT(answer["energy"], SizeIs(learned.pca.modes()));
   EXPECT_EQ(answer["deviations"][0], learned.pca.deviations[0]);
   const auto floats = [](const Eigen::VectorXd& x) { return std::vector<float>(x.begin(), x.end()); };
-  EXPECT_EQ(served.numbers<float>("/api/objects/0/model/mean"), floats(learned.pca.mean));
+  const Json scene = served.json("/api/scene");
+  const auto place = [&](const Eigen::VectorXd& x) {
+    return single(std::vector<double>(x.begin(), x.end()), scene);
+  };
+  EXPECT_EQ(served.numbers<float>("/api/objects/0/model/mean"), place(learned.pca.mean));
   for (Index k = 0; k < learned.pca.modes(); ++k) {
     EXPECT_EQ(served.numbers<float>("/api/objects/0/model/modes/" + std::to_string(k)),
               floats(learned.pca.basis.col(k)));
@@ -502,7 +532,7 @@ TEST(PageAnswers, ModelsTellShapes) {
   const std::vector<double> x = frame_of(*motion, 2);
   const Eigen::Map<const Eigen::VectorXd> pose(x.data(), static_cast<Eigen::Index>(x.size()));
   EXPECT_EQ(served.numbers<float>("/api/objects/0/prediction/2"),
-            floats(predictor.from_key_points(predictor.key_point_map().gather(pose))));
+            place(predictor.from_key_points(predictor.key_point_map().gather(pose))));
 
   Json radius;
   for (int k = 0; k < 1000 && (radius = served.json("/api/objects/0/model/radius"))["state"] == "computing";
@@ -517,6 +547,7 @@ TEST(PageAnswers, ModelsTellShapes) {
   EXPECT_EQ(radius["radius"], shape->radius(0));
   EXPECT_EQ(radius["share"], normal_share(shape->radius(0), reduced->modes()));
   EXPECT_EQ(radius["uncertified"], shape->uncertified(0).size());
+  EXPECT_EQ(radius["uncertified_triangles"].empty(), shape->uncertified(0).empty());
 }
 
 TEST(PageAnswers, WithoutAModelThereIsNone) {

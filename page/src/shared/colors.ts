@@ -55,10 +55,10 @@ const kMarginStops: Lab[] = [
   [0.93, -0.055, -0.03],
 ];
 const kTimeStops: Lab[] = [
-  [0.98, 0, 0],
-  [0.72, -0.05, -0.11],
-  [0.4, -0.01, -0.17],
-  [0.22, 0, -0.09],
+  [0.93, -0.03, 0.15],
+  [0.77, -0.12, 0.03],
+  [0.62, -0.04, -0.13],
+  [0.55, 0.1, -0.16],
 ];
 
 const encode = (light: number): number => {
@@ -89,7 +89,7 @@ function ramp(stops: Lab[]): (value: number) => Rgb {
 
 export const errorColor = ramp(kErrorStops);
 export const marginColor = ramp(kMarginStops);
-/** Contact points: from white for the start of the step to dark blue for its end. */
+/** Contact points: from yellow for the start of the step to violet for its end, seen on light and on dark ground. */
 export const timeColor = ramp(kTimeStops);
 
 export const css = ([r, g, b]: Rgb): string => `rgb(${Math.round(r)} ${Math.round(g)} ${Math.round(b)})`;

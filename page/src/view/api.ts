@@ -29,10 +29,17 @@ export interface SceneInfo {
   substeps: number;
   steps: number;
   objects: ObjectInfo[];
+  center: number[]; // positions of vertices are relative to it
   low: number[];
   high: number[];
   settings: Record<string, unknown>;
   reasons: string[];
+}
+
+/** Of all objects, mesh units. */
+export interface Bounds {
+  low: number[];
+  high: number[];
 }
 
 export interface StepsAnswer {
@@ -41,7 +48,42 @@ export interface StepsAnswer {
   start: Start | null; // null if not tested, or not yet
   done: number;
   total: number;
-  steps: Step[];
+  steps: (Step & Bounds)[];
+}
+
+export interface ContactFrame {
+  time: number;
+  crossings: number;
+  triangles: number;
+  curve_length: number;
+  depth: number | null;
+}
+
+/** What goes through what (docs/contacts.md). Times are frames of the motion. */
+export interface Contact {
+  number: number;
+  joined: number[];
+  sides: { object: number; name: string; triangles?: number[]; inside?: number[] }[];
+  folded: boolean;
+  from_start: boolean;
+  healed: boolean;
+  first_time: number;
+  last_time: number;
+  pairs: number;
+  depth: number | null;
+  worst: number | null;
+  point: number[];
+  box: [number[], number[]];
+  normal: number[];
+  frames: ContactFrame[];
+  curves?: number[][][];
+}
+
+export interface ContactsAnswer {
+  searched: boolean;
+  unknown_frames: number;
+  total: number;
+  items: Contact[];
 }
 
 /** A pair of features that collide in a step, or (tt) of triangles that cross in the first frame. */
@@ -61,7 +103,8 @@ export interface Radius {
   progress?: number;
   radius?: number;
   share?: number;
-  uncertified?: number;
+  uncertified?: number; // pairs of patches that the radius leaves out
+  uncertified_triangles?: number[];
   error?: string | null;
 }
 

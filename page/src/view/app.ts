@@ -1,27 +1,33 @@
 // Connects all parts of the page. Every picture starts in tick().
 import * as THREE from 'three';
 import { Charts } from '../shared/charts';
-import { kBlue, kSky, type Rgb } from '../shared/colors';
 import { el, setText } from '../shared/dom';
+import { isDark, onTheme } from '../shared/theme';
+import { guessUp, type Vector } from '../shared/upright';
 import { startText } from '../shared/verdict';
-import { isDark, onTheme, toggleTheme } from '../shared/theme';
-import { ApiError, getBytes, getIndices, GoneError, type Pair, type SceneInfo } from './api';
+import { ApiError, getBytes, getIndices, GoneError, type SceneInfo } from './api';
+import { Recorder, savePicture } from './capture';
 import { Check, kStart, PairStore } from './check';
 import { Clock } from './clock';
 import { CollisionPanel } from './collisions';
+import { ContactPanel } from './contactpanel';
+import { Contacts } from './contacts';
+import { Content } from './content';
 import { Data } from './data';
 import { helpDialog } from './help';
+import { HoverCard } from './hovercard';
 import { Inspector } from './inspect';
-import { listen } from './keyboard';
-import { clearDirection } from './sight';
+import { keyActions, listen } from './keyboard';
 import { LayerPanel } from './layers';
 import { Layout, type Tab } from './layout';
-import { countFaces, legendItems, type FaceCounts } from './legend';
-import { Boxes, ContactPoints, keyPoints, PairLines } from './marks';
+import { legendItems } from './legend';
+import { Navigator, type Parts } from './navigator';
 import { ShapePanel } from './shapes';
 import { Stage } from './stage';
-import { Surface, type Poses } from './surface';
 import { Timeline } from './timeline';
+import { Track } from './track';
+import { readUrl, writeUrl, type UrlState } from './urlstate';
+import { ViewOptions } from './viewoptions';
 
 const kAllPairsMs = 150; // How long a step is shown before all of its pairs are listed.
 const kChartHeight = 150;
@@ -30,37 +36,36 @@ export class App {
   private readonly clock: Clock;
   private readonly layout: Layout;
   private readonly layers: LayerPanel;
+  private readonly options: ViewOptions;
   private readonly check: Check;
   private readonly pairs: PairStore;
+  private readonly contacts: Contacts;
   private readonly data: Data;
+  private readonly track: Track;
   private readonly timeline: Timeline;
+  private readonly hover: HoverCard;
   private readonly collisions: CollisionPanel;
+  private readonly cards: ContactPanel;
   private readonly charts: Charts;
   private readonly stage: Stage;
-  private readonly surfaces: Surface[] = [];
-  private readonly boxes: Boxes[] = [];
-  private readonly keys: (THREE.Group | null)[] = [];
+  private readonly recorder: Recorder;
+  private readonly navigator: Navigator;
   private readonly help = helpDialog();
-  private contacts!: ContactPoints;
-  private lines: PairLines;
+  private readonly motionBox: THREE.Box3; // of the whole motion, in the scene
+  private readonly link: UrlState = readUrl();
+  private content: Content | null = null; // null before the triangles are loaded
   private shapes: ShapePanel | null = null;
   private shapeObject = -1;
-  private inspector!: Inspector;
+  private inspector: Inspector | null = null;
 
   private dirty = true;
   private last = 0;
   private waiting = false;
-  private chosen: { step: number; pair: Pair } | null = null;
+  private shaping = false; // the tab of the model's shapes is open
+  private followed: THREE.Vector3 | null = null;
   private shownStep = -1;
   private stepSince = 0;
-  private shownPairs: Pair[] | null = null;
-  private shownFaces = -1;
   private crossingsRequested = false;
-  private both = false;
-  private shownBoxes: Float32Array[] | null = null;
-  private counts: FaceCounts | null = null;
-  private readonly errors = new Map<number, { largest: number; rms: number }>();
-  private errorScale = 0;
   private legendKey = '';
   private chartsDirty = true;
   private readonly spent = { script: 0, drawing: 0, pictures: 0, started: performance.now(), firstPicture: 0 };
@@ -74,75 +79,85 @@ export class App {
     this.clock = new Clock(scene.steps, scene.substeps, scene.frames);
     this.check = new Check(scene, (from) => this.checked(from), failed);
     this.pairs = new PairStore(changed, failed);
+    this.contacts = new Contacts(scene, () => this.contactsKnown(), failed);
     this.layers = new LayerPanel(scene, changed);
-    this.data = new Data(scene, this.check, () => this.layers.state, () => this.arrived(), failed);
-    this.timeline = new Timeline(scene, this.clock, this.check, {
-      play: () => this.play(!this.clock.playing),
-      move: (by) => this.goTo(() => this.clock.move(by)),
-      seekPosition: (position) => this.goTo(() => this.clock.seekPosition(position), true),
-      seekTime: (t) => this.goTo(() => this.clock.seek(this.clock.step, t)),
-      collision: (direction) => this.nextCollision(direction),
+    const size = scene.high.map((high, k) => high - scene.low[k]!) as [number, number, number];
+    this.options = new ViewOptions(this.link.up ?? 'y', (turned) => this.optionsChanged(turned));
+    this.data = new Data(scene, this.check, () => this.layers.state, changed, failed);
+    this.track = new Track(scene, this.clock, this.check, this.contacts, {
+      seek: (position) => this.navigator.goTo(() => this.clock.seekPosition(position), true),
+      choose: (index) => void this.navigator.chooseContact(index),
+      hover: (position, x, lane) => this.hover.show(position, x, this.track.element.clientWidth, lane),
+      leave: () => this.hover.hide(),
     });
-    this.collisions = new CollisionPanel(scene, this.check, (pair) => this.choose(pair), (direction) => this.nextCollision(direction), () => this.goTo(() => this.clock.seek(0)));
+    this.hover = new HoverCard(scene, this.check, this.contacts, (position, width, height) => this.thumbnail(position, width, height));
+    this.timeline = new Timeline(scene, this.clock, this.check, this.track, this.hover, {
+      play: () => this.navigator.play(!this.clock.playing),
+      move: (by) => this.navigator.goTo(() => this.clock.move(by)),
+      seekPosition: (position) => this.navigator.goTo(() => this.clock.seekPosition(position), true),
+      seekTime: (t) => this.navigator.goTo(() => this.clock.seek(this.clock.step, t)),
+      collision: (direction) => this.navigator.nextCollision(direction),
+    });
+    this.collisions = new CollisionPanel(scene, this.check, (pair) => this.navigator.choose(pair), (direction) => this.navigator.nextCollision(direction), () => this.navigator.goTo(() => this.clock.seek(0)));
+    this.cards = new ContactPanel(scene, this.check, this.contacts, (index) => void this.navigator.chooseContact(index));
     const numbers = scene.frame_numbers;
-    this.charts = new Charts({
-      substeps: scene.substeps,
-      low: numbers[0] ?? 0,
-      high: numbers.at(-1) ?? 1,
-      height: kChartHeight,
-      seek: (step) => this.goTo(() => this.clock.seek(step)),
-    });
-    this.layout = new Layout(root, scene, () => this.timeline.element, {
-      reset: () => this.stage.reset(),
-      side: (side) => this.stage.side(side),
-      zoom: (factor) => this.stage.zoom(factor),
-      legend: () => this.layout.legend.classList.toggle('closed'),
-      help: () => this.help.showModal(),
-    });
+    this.charts = new Charts({ substeps: scene.substeps, low: numbers[0] ?? 0, high: numbers.at(-1) ?? 1, height: kChartHeight, seek: (step) => this.navigator.goTo(() => this.clock.seek(step)) });
+    this.layout = new Layout(root, scene, () => this.timeline.element, this.tools());
     root.append(this.help);
-    const low = new THREE.Vector3(...scene.low);
-    const high = new THREE.Vector3(...scene.high);
-    const size = high.clone().sub(low);
-    const scale = 2 / Math.max(size.x, size.y, size.z, 1e-30);
-    this.stage = new Stage(this.layout.stage, { center: low.clone().add(high).multiplyScalar(0.5), scale }, () => this.bounds(new THREE.Box3(low, high)));
-    this.lines = new PairLines(this.stage.viewport);
+    const scale = 2 / Math.max(...size, 1e-30);
+    this.motionBox = this.boxOf(scene.low, scene.high, scale);
+    this.stage = new Stage(this.layout.stage, scale, () => this.bounds());
+    this.layout.stage.append(this.stage.gizmo.element);
+    this.recorder = new Recorder(this.stage.canvas, scene.title, (recording) => this.layout.showRecording(recording));
+    this.navigator = new Navigator(this.parts(), changed, failed);
+    this.optionsChanged(true);
+    if (this.link.at !== null) this.clock.seekPosition(this.link.at);
+    if (this.link.camera) this.stage.camera.place(new THREE.Vector3(...(this.link.camera.slice(0, 3) as [number, number, number])), new THREE.Vector3(...(this.link.camera.slice(3) as [number, number, number])));
+    this.navigator.touched = this.link.at !== null || this.link.camera !== null;
   }
 
   async start(): Promise<void> {
     this.fillPanels();
-    this.bindKeys();
+    listen(keyActions({ ...this.parts(), navigator: this.navigator, layers: this.layers, options: this.options, help: this.help }));
     this.check.startPolling();
-    this.data.frames.prefetch(0);
-    await this.makeSurfaces();
-    this.requestCrossings();
+    this.data.frames.prefetch(this.clock.frame);
     onTheme(() => this.restyle());
+    this.restyle();
+    const triangles = await Promise.all(this.scene.objects.map((_, i) => getIndices(`objects/${i}/triangles`)));
+    this.content = this.navigator.content = new Content(this.scene, this.stage, this.data, triangles);
+    this.inspector = new Inspector(this.stage, this.content.surfaces, this.scene, this.layout.card, (point, size) => this.stage.camera.approach(point.multiplyScalar(this.stage.scale), 5 * size * this.stage.scale));
+    this.navigator.onDeselect = () => this.inspector?.close();
+    this.requestCrossings();
+    this.beginAtContact();
     this.restyle();
     Object.defineProperty(window, 'foldproof', { value: { state: () => this.report() } });
     requestAnimationFrame((now) => this.loop(now));
   }
 
-  private async makeSurfaces(): Promise<void> {
-    const { scene, stage } = this;
-    const all = await Promise.all(scene.objects.map((_, i) => getIndices(`objects/${i}/triangles`)));
-    scene.objects.forEach((object, i) => {
-      const surface = new Surface(object, i, all[i]!, scene.reasons, stage.frame);
-      surface.mesh.visible = false; // until its first frame is loaded
-      this.surfaces.push(surface);
-      const boxes = new Boxes(stage.frame);
-      this.boxes.push(boxes);
-      const ids = object.model?.key_points ?? [];
-      const keys = ids.length > 0 ? keyPoints(surface, ids, stage.ratio) : null;
-      this.keys.push(keys);
-      stage.scene.add(surface.mesh, boxes.lines, ...(keys ? [keys] : []));
-    });
-    this.contacts = new ContactPoints(stage.frame, stage.ratio, this.surfaces[0]!.positionUniforms);
-    stage.scene.add(this.contacts.group, this.lines.group);
-    this.inspector = new Inspector(stage, this.surfaces, scene, this.layout.card, (point, size) => stage.approach(point, size));
+  private parts(): Parts {
+    const { clock, check, contacts, collisions, cards, layout, stage, timeline, track } = this;
+    return { clock, check, contacts, collisions, cards, layout, stage, timeline, track };
+  }
+
+  private tools() {
+    return {
+      reset: () => this.navigator.showAll(),
+      side: (side: 'front' | 'right' | 'top') => this.stage.camera.side(side),
+      zoom: (factor: number) => this.stage.camera.zoom(factor),
+      legend: () => this.layout.legend.classList.toggle('closed'),
+      help: () => this.help.showModal(),
+      picture: () => void savePicture(this.stage.png(), this.scene.title, this.frameName()),
+      video: () => this.record(),
+      first: () => this.navigator.goToFirst(),
+      worst: () => void this.navigator.chooseContact(0),
+    };
   }
 
   private fillPanels(): void {
     const { layout, scene } = this;
+    layout.fill('contacts', this.cards.element);
     layout.fill('collisions', this.collisions.element);
+    this.layers.element.append(this.options.element);
     layout.fill('layers', this.layers.element);
     layout.fill('charts', el('div', { className: 'panel' }, this.charts.element));
     if (this.clock.still) layout.refuse('charts', 'A single frame has no steps, hence no charts.');
@@ -156,121 +171,149 @@ export class App {
       layout.refuse('shapes', any ? 'The model has learned no shapes: train it on more poses (foldproof train POSES... -o body.model).' : 'Shapes come from a model. Make one with foldproof train POSES... -o body.model and start with --model body.model.');
     }
     layout.onTab = (tab: Tab) => {
-      if (tab === 'shapes') this.shapes?.open();
+      if (this.shaping !== (tab === 'shapes')) this.navigator.deselect(); // also what a shape marks
+      this.shaping = tab === 'shapes';
+      if (this.shaping) this.shapes?.open();
       this.chartsDirty = true;
       this.dirty = true;
     };
   }
 
-  private bindKeys(): void {
-    const { clock, layers, stage, timeline } = this;
-    const step = (by: number) => () => this.goTo(() => clock.move(by));
-    const time = (by: number) => () => this.goTo(() => clock.seekPosition(clock.position + by / clock.substeps));
-    listen({
-      ' ': () => this.play(!clock.playing),
-      ArrowLeft: step(-1), ArrowRight: step(1), 'Shift+ArrowLeft': step(-10), 'Shift+ArrowRight': step(10),
-      ',': time(-0.01), '.': time(0.01),
-      Home: () => this.goTo(() => clock.seek(0)), End: () => this.goTo(() => clock.seek(clock.steps, 1)),
-      '[': () => timeline.changeSpeed(-1), ']': () => timeline.changeSpeed(1),
-      p: () => this.nextCollision(-1), n: () => this.nextCollision(1),
-      ArrowUp: () => this.collisions.move(-1), ArrowDown: () => this.collisions.move(1),
-      r: () => stage.reset(), '0': () => stage.reset(),
-      '1': () => stage.side('front'), '2': () => stage.side('side'), '3': () => stage.side('top'),
-      W: () => stage.orbit(0, 0.1), S: () => stage.orbit(0, -0.1), A: () => stage.orbit(-0.1, 0), D: () => stage.orbit(0.1, 0),
-      '+': () => stage.zoom(0.85), '=': () => stage.zoom(0.85), '-': () => stage.zoom(1.18),
-      v: () => layers.cyclePaint(),
-      c: () => layers.toggle('collisions'), o: () => layers.toggle('crossings'), t: () => layers.toggle('contacts'), k: () => layers.toggle('keyPoints'),
-      b: () => layers.toggle('boxes'), e: () => layers.toggle('edges'), x: () => layers.toggle('seeThrough'),
-      d: toggleTheme, l: () => this.layout.legend.classList.toggle('closed'), '?': () => this.help.showModal(),
-    });
-  }
-
   // --- Actions
 
-  private play(playing: boolean): void {
-    if (playing && this.clock.still) return;
-    if (playing) this.showMotion();
-    if (playing && this.clock.atEnd) this.clock.seek(0);
-    this.clock.playing = playing;
-    this.timeline.showPlaying(playing);
-    this.dirty = true;
+  private record(): void {
+    if (this.recorder.recording) return this.recorder.stop();
+    if (!this.recorder.start()) return this.layout.warn('This browser cannot record videos.');
+    this.navigator.play(true);
   }
 
-  /** Moves in time; a pair chosen in another step is deselected. */
-  private goTo(move: () => void, playOn = false): void {
-    if (!playOn) this.play(false);
-    this.showMotion();
-    move();
-    this.dirty = true;
+  private frameName(): string {
+    return `frame_${Number(this.clock.position.toFixed(2))}`;
   }
 
-  /** Using the timeline shows the motion instead of a shape of the model. */
-  private showMotion(): void {
-    if (this.layout.openTab === 'shapes') this.layout.open('collisions');
-  }
-
-  private nextCollision(direction: 1 | -1): void {
-    const step = this.check.nextColliding(this.clock.step, this.clock.t, direction);
-    if (step === kStart) this.goTo(() => this.clock.seek(0));
-    else if (step !== null) this.goTo(() => this.clock.seek(step, this.check.steps[step]!.toi));
-  }
-
-  private choose(pair: Pair): void {
-    this.chosen = { step: this.clock.step, pair };
-    this.goTo(() => this.clock.seek(this.clock.step, pair.toi));
-    this.update();
-    this.lines.show(this.surfaces, pair);
-    const point = new THREE.Vector3(...pair.point);
-    const size = this.sizeOf(pair);
-    this.stage.approach(point, size, clearDirection(this.surfaces, point, 2 * size, this.stage.direction));
-    this.dirty = true;
-  }
-
-  /** The bounds of what is shown; `first` before anything is. */
-  private bounds(first: THREE.Box3): THREE.Box3 {
-    if (this.surfaces.length > 0 && this.dirty) this.update();
-    const box = new THREE.Box3();
-    const at = new THREE.Vector3();
-    for (const surface of this.surfaces) {
-      if (!surface.mesh.visible) continue;
-      for (let v = 0; v < surface.info.vertices; ++v) box.expandByPoint(surface.vertex(v, at));
+  private optionsChanged(turned: boolean): void {
+    const { state } = this.options;
+    const { stage } = this;
+    if (turned) {
+      stage.camera.setUp(state.up);
+      stage.camera.showAll(false);
     }
-    return box.isEmpty() ? first : box;
+    stage.ground.grid.visible = state.ground;
+    stage.ground.place(this.motionBox, stage.camera.up);
+    this.followed = null;
+    const axis = 'xyz'.indexOf(state.cut || '-');
+    const plane = new THREE.Vector3();
+    if (axis >= 0) plane.setComponent(axis, state.cutTurned ? -1 : 1);
+    const at = axis < 0 ? 1 : this.motionBox.min.getComponent(axis) + state.cutAt * (this.motionBox.max.getComponent(axis) - this.motionBox.min.getComponent(axis));
+    stage.focusUniforms.clip.value.set(plane.x, plane.y, plane.z, axis < 0 ? 1 : state.cutTurned ? -at : at);
+    this.dirty = true;
+    stage.redraw();
   }
 
-  /** The size of the pair's triangle or edges, mesh units. */
-  private sizeOf(pair: Pair): number {
-    const [p, q] = [new THREE.Vector3(), new THREE.Vector3()];
-    const a = this.surfaces[pair.object_a]!;
-    const b = this.surfaces[pair.object_b]!;
-    if (pair.kind === 'ee') {
-      const first = a.vertex(pair.a[0]!, p).distanceTo(a.vertex(pair.a[1]!, q));
-      return Math.max(first, b.vertex(pair.b[0]!, p).distanceTo(b.vertex(pair.b[1]!, q)));
-    }
-    const k = 3 * pair.b[0]!;
-    const first = b.vertex(b.triangles[k]!, p).distanceTo(b.vertex(b.triangles[k + 1]!, q));
-    return Math.max(first, q.distanceTo(b.vertex(b.triangles[k + 2]!, p)));
+  // --- What the camera sees
+
+  private boxOf(low: number[], high: number[], scale: number): THREE.Box3 {
+    const at = (point: number[]) => new THREE.Vector3(...(point.map((value, k) => (value - this.scene.center[k]!) * scale) as [number, number, number]));
+    return new THREE.Box3(at(low), at(high));
   }
+
+  /** The whole motion as far as it is known; of a shape of the model, or with a camera that follows, what is shown. */
+  private bounds(): THREE.Box3 {
+    const own = this.shaping || this.options?.state.follow;
+    const shown = own && this.content?.visible ? this.content.bounds() : null;
+    return shown && !shown.isEmpty() ? shown : this.motionBox;
+  }
+
+  /** Takes in the steps from this one on. */
+  private grow(from: number): void {
+    const box = this.motionBox.clone();
+    for (const { low, high } of this.check.bounds.slice(from)) box.union(this.boxOf(low, high, this.stage.scale));
+    if (this.motionBox.containsBox(box)) return;
+    this.motionBox.copy(box);
+    this.stage.ground.place(this.motionBox, this.stage.camera.up);
+    if (!this.stage.camera.moved) this.stage.camera.showAll(false);
+  }
+
+  private follow(content: Content): void {
+    if (!this.options.state.follow) return;
+    const middle = content.middle();
+    if (this.followed) this.stage.camera.shift(middle.clone().sub(this.followed));
+    this.followed = middle;
+  }
+
+  /** A small picture of another frame; null if it is not loaded. */
+  private thumbnail(position: number, width: number, height: number): ImageData | null {
+    const { content } = this;
+    if (!content || this.clock.playing || this.shaping) return null;
+    const there = new Clock(this.clock.steps, this.clock.substeps, this.clock.frames);
+    there.seekPosition(position);
+    if (!content.showFrame(there, this.layers.state)) return null;
+    const image = this.stage.thumbnail(width, height);
+    content.showFrame(this.clock, this.layers.state);
+    return image;
+  }
+
+  // --- Answers
 
   private checked(from: number): void {
     const { check } = this;
     if (check.steps.length > from || from === 0) this.timeline.paint();
     this.chartsDirty = true;
     this.dirty = true;
+    this.grow(from);
     this.layout.warn(check.state === 'failed' ? `The check stopped: ${check.error}` : '');
-    this.layout.say(check.verdict(), check.state === 'running' ? check.done / Math.max(1, check.total) : null);
+    this.showVerdict();
     this.requestCrossings();
+    if (check.state === 'running' || check.state === 'gone' || this.contacts.state !== 'waiting') return;
+    this.guessUp();
+    void this.contacts.load();
+  }
+
+  /** All poses are known: guesses which axis is up, unless the user or the page's address says it. */
+  private guessUp(): void {
+    if (this.link.up !== null || this.options.turned) return;
+    const up = guessUp([this.scene, ...this.check.bounds].map(({ low, high }) => ({ min: low as unknown as Vector, max: high as unknown as Vector })));
+    if (up !== this.options.state.up) this.options.setUp(up);
+  }
+
+  private showVerdict(): void {
+    const { check, contacts } = this;
+    this.layout.say(check.verdict(), check.state === 'running' ? check.done / Math.max(1, check.total) : null);
+    this.layout.lead(contacts.state === 'known' ? contacts.total : null, check.pairs > 0 || check.startsCrossing);
+  }
+
+  private contactsKnown(): void {
+    this.showVerdict();
+    this.timeline.paint();
+    this.dirty = true;
+    this.beginAtContact();
+  }
+
+  /** Opens the contact of the page's address, else the worst one, once both the list and the meshes are loaded. */
+  private beginAtContact(): void {
+    if (!this.content || this.contacts.state !== 'known') return;
+    const linked = this.link.contact === null ? -1 : this.contacts.items.findIndex(({ number }) => number === this.link.contact);
+    if (linked >= 0) void this.chooseLinked(linked);
+    else if (!this.navigator.touched && this.contacts.items.length > 0) void this.navigator.chooseContact(0);
+  }
+
+  /** The contact of the page's address, seen as it was. */
+  private async chooseLinked(index: number): Promise<void> {
+    const { at, camera } = this.link;
+    await this.navigator.chooseContact(index, camera === null);
+    if (at !== null) this.navigator.goTo(() => this.clock.seekPosition(at));
   }
 
   /** Fetches the triangles that cross in the first frame, once, if there are any. */
   private requestCrossings(): void {
-    if (this.crossingsRequested || !this.check.startsCrossing || this.surfaces.length === 0) return;
+    const { content } = this;
+    if (this.crossingsRequested || !this.check.startsCrossing || !content) return;
     this.crossingsRequested = true;
-    this.surfaces.forEach((surface, i) => {
+    content.surfaces.forEach((surface, i) => {
       getBytes(`start/faces/${i}`).then(
         (faces) => {
           surface.setCrossingFaces(faces);
-          this.shownFaces = -1; // Recomputes `both`.
+          content.shownFaces = -1; // Recomputes `both`.
           this.dirty = true;
         },
         (error: unknown) => {
@@ -279,10 +322,6 @@ export class App {
         },
       );
     });
-  }
-
-  private arrived(): void {
-    this.dirty = true;
   }
 
   private fail(error: unknown): void {
@@ -294,8 +333,8 @@ export class App {
 
   private restyle(): void {
     const style = getComputedStyle(document.documentElement);
-    this.stage.background(style.getPropertyValue('--stage').trim());
-    for (const boxes of this.boxes) boxes.color(isDark() ? kSky : kBlue);
+    this.stage.background(style.getPropertyValue('--stage').trim(), style.getPropertyValue('--grid').trim());
+    this.content?.restyle();
     this.timeline.paint();
     this.charts.restyle();
     this.dirty = true;
@@ -312,7 +351,11 @@ export class App {
       this.spent.script += middle - start;
       this.spent.drawing += performance.now() - middle;
       ++this.spent.pictures;
-      if (this.spent.firstPicture === 0 && this.surfaces[0]?.mesh.visible) this.spent.firstPicture = performance.now();
+      if (this.spent.firstPicture === 0 && this.content?.visible) {
+        this.spent.firstPicture = performance.now();
+        this.layout.loaded();
+      }
+      writeUrl(() => this.linkNow());
     }
     requestAnimationFrame((next) => this.loop(next));
   }
@@ -323,7 +366,7 @@ export class App {
     this.last = now;
     // Playing waits for frames that are not loaded; none is skipped.
     if (clock.playing && !this.waiting) {
-      if (!clock.advance(seconds * this.scene.fps * clock.speed)) this.play(false);
+      if (!clock.advance(seconds * this.scene.fps * clock.speed)) this.navigator.play(false);
       this.dirty = true;
     }
     if (!this.dirty && !this.waiting && now - this.stepSince < kAllPairsMs) return;
@@ -343,138 +386,53 @@ export class App {
   }
 
   private update(): void {
+    const { content, clock } = this;
     this.dirty = false;
-    if (this.clock.step !== this.shownStep) {
-      this.shownStep = this.clock.step;
+    if (clock.step !== this.shownStep) {
+      this.shownStep = clock.step;
       this.stepSince = performance.now();
     }
-    if (this.chosen && this.chosen.step !== this.clock.step) {
-      this.chosen = null;
-      this.lines.clear();
-    }
-    this.data.frames.prefetch(this.clock.frame);
-    this.data.faces.prefetch(this.clock.step);
-    const shaping = this.layout.openTab === 'shapes' && this.shapes !== null;
-    this.waiting = shaping ? !this.showShape() : !this.showFrame();
-    this.showFaces(shaping);
-    this.showMarks(shaping);
-    this.showText(shaping);
+    this.navigator.leave(clock.step);
+    this.data.frames.prefetch(clock.frame);
+    this.data.faces.prefetch(clock.step);
+    if (!content) return;
+    const shaping = this.shaping && this.shapes !== null;
+    if (shaping) content.showShape(this.shapes!, this.shapeObject, this.layers.state);
+    this.waiting = !shaping && !content.showFrame(clock, this.layers.state);
+    if (!this.waiting && !shaping) this.follow(content);
+    this.showFaces(content, shaping);
+    this.showMarks(content, shaping);
+    if (!this.waiting) this.navigator.arrive();
+    this.showText(content, shaping);
     this.stage.redraw();
   }
 
-  private showShape(): boolean {
-    const shapes = this.shapes!;
-    if (!shapes.ready) return true; // The motion is shown until the mean is loaded.
-    const surface = this.surfaces[this.shapeObject]!;
-    const pose = { data: shapes.shape, tag: `shape/${shapes.version}` };
-    surface.pose(pose, pose, 0);
-    surface.mesh.visible = true;
-    this.surfaces.forEach((other, i) => {
-      if (i !== this.shapeObject) other.mesh.visible = false;
-      other.paint({ ...this.layers.state, paint: 'plain', collisions: false, crossings: false, errorScale: 1, edgeColor: edgeColor() });
-    });
-    return true;
-  }
-
-  private showFrame(): boolean {
-    const { clock, data, scene } = this;
-    const { state } = this.layers;
-    const k = clock.frame;
-    const next = Math.min(k + 1, scene.frames - 1);
-    const [a, b] = [data.frames.get(k), data.frames.get(next)];
-    const predicted = state.source === 'prediction' || state.paint === 'error';
-    if (predicted) data.predictions.prefetch(k);
-    const [pa, pb] = predicted ? [data.predictions.get(k), data.predictions.get(next)] : [undefined, undefined];
-    if (!a || !b || (predicted && (!pa || !pb))) return false;
-    this.surfaces.forEach((surface, i) => {
-      const truth: [Poses, Poses] = [{ data: a.parts[i]!, tag: `frame/${k}` }, { data: b.parts[i]!, tag: `frame/${next}` }];
-      let shown = truth;
-      const hasPrediction = predicted && data.predicts(i);
-      if (hasPrediction) {
-        const prediction: [Poses, Poses] = [{ data: pa!.parts[i]!, tag: `prediction/${k}` }, { data: pb!.parts[i]!, tag: `prediction/${next}` }];
-        if (state.source === 'prediction') shown = prediction;
-        surface.reference(...(shown === prediction ? truth : prediction));
-        this.measure(k, i, a.parts[i]!, pa!.parts[i]!);
-      }
-      surface.pose(shown[0], shown[1], clock.blend);
-      surface.mesh.visible = state.visible[i]!;
-      const paint = state.paint === 'error' && !hasPrediction ? 'plain' : state.paint;
-      surface.paint({ ...state, paint, errorScale: this.errorScale, edgeColor: edgeColor() });
-    });
-    return true;
-  }
-
-  /** Measures the error of a frame's prediction. The color scale grows to the largest error, in round numbers. */
-  private measure(k: number, object: number, truth: Float32Array, prediction: Float32Array): void {
-    const key = k * this.scene.objects.length + object;
-    if (this.errors.has(key)) return;
-    const n = 3 * this.scene.objects[object]!.vertices;
-    let [largest, sum] = [0, 0];
-    for (let c = 0; c < n; c += 3) {
-      const d = (truth[c]! - prediction[c]!) ** 2 + (truth[c + 1]! - prediction[c + 1]!) ** 2 + (truth[c + 2]! - prediction[c + 2]!) ** 2;
-      largest = Math.max(largest, d);
-      sum += d;
-    }
-    this.errors.set(key, { largest: Math.sqrt(largest), rms: Math.sqrt((3 * sum) / n) });
-    if (largest > this.errorScale ** 2) {
-      const power = 10 ** Math.floor(Math.log10(Math.sqrt(largest)));
-      this.errorScale = [1, 2, 5, 10].map((f) => f * power).find((s) => s >= Math.sqrt(largest)) ?? 10 * power;
-    }
-  }
-
-  private showFaces(shaping: boolean): void {
+  private showFaces(content: Content, shaping: boolean): void {
     const needed = !shaping && this.data.needsFaces(this.clock.step);
     const slot = needed ? this.data.faces.get(this.clock.step) : undefined;
     if (needed && !slot && this.clock.playing) this.waiting = true;
-    const changed = slot !== undefined && this.shownFaces !== this.clock.step;
-    this.surfaces.forEach((surface, i) => surface.setFaces(slot?.parts[i] ?? null, changed));
-    this.shownFaces = slot ? this.clock.step : -1;
-    if (!slot) this.counts = null;
-    else if (changed || !this.counts) this.counts = countFaces(slot.parts, this.scene.objects.map(({ triangles }) => triangles));
-    if (changed || !slot) this.both = slot !== undefined && this.surfaces.some((surface, i) => slot.parts[i]!.subarray(0, surface.info.triangles).some((collides, face) => collides !== 0 && surface.crosses(face)));
+    content.showFaces(this.clock.step, slot?.parts ?? null);
   }
 
-  private showMarks(shaping: boolean): void {
-    const { clock, data, layers } = this;
-    const { state } = layers;
+  private showMarks(content: Content, shaping: boolean): void {
+    const { clock } = this;
+    const { state } = this.layers;
     const step = this.check.steps[clock.step];
     const colliding = step !== undefined && step.vertex_face + step.edge_edge > 0;
     if (this.atStart && !this.pairs.get(kStart)) this.pairs.request(kStart, false);
     else if (colliding && !this.pairs.get(clock.step)) this.pairs.request(clock.step, false);
-    const pairs = colliding ? this.pairs.get(clock.step) : undefined;
-    this.contacts.group.visible = state.contacts && !shaping && (pairs?.items.length ?? 0) > 0;
-    if (pairs && (pairs.items !== this.shownPairs || !pairs.complete)) {
-      this.shownPairs = pairs.complete ? pairs.items : null;
-      this.contacts.set(pairs.items);
-    }
-    this.contacts.setTime(clock.t);
-    this.lines.group.visible = this.chosen !== null && !shaping;
-    this.keys.forEach((keys, i) => {
-      if (keys) keys.visible = state.keyPoints && this.surfaces[i]!.mesh.visible;
-    });
-    if (state.boxes && !shaping) void data.requestBoxes(Math.round(clock.frame + clock.blend), state.level);
-    const { boxes } = data;
-    if (boxes && boxes.data !== this.shownBoxes) {
-      this.shownBoxes = boxes.data;
-      boxes.data.forEach((values, i) => this.boxes[i]!.set(values));
-    }
-    this.boxes.forEach((one, i) => (one.lines.visible = state.boxes && !shaping && boxes !== null && state.visible[i]!));
+    content.showPoints(colliding ? this.pairs.get(clock.step) : undefined, state.contacts && !shaping, clock);
+    content.lines.group.visible = this.navigator.chosen !== null && !shaping;
+    content.contact.show(this.navigator.contact !== null && !shaping, clock.position, this.navigator.contact === null ? 0 : this.navigator.worstPosition(this.navigator.contact));
+    content.showKeysAndBoxes(state, clock, shaping);
   }
 
-  private showText(shaping: boolean): void {
-    const { check, clock, layers, scene } = this;
+  private showText(content: Content, shaping: boolean): void {
+    const { check, clock, scene } = this;
     this.timeline.show(this.waiting);
+    this.cards.show(this.navigator.contact);
     this.collisions.show(check.steps[clock.step], this.pairs.get(clock.step), this.atStart ? this.pairs.get(kStart) : undefined);
-    if (this.layout.openTab === 'charts' && !clock.still) {
-      if (this.chartsDirty) {
-        this.charts.setSteps(check.steps);
-        if (check.start && check.startsCrossing) this.charts.setStart(check.start.frame, startText(check.start));
-      }
-      this.chartsDirty = false;
-      const first = scene.frame_numbers[clock.frame] ?? 0;
-      const second = scene.frame_numbers[Math.min(clock.frame + 1, scene.frames - 1)] ?? first;
-      this.charts.setNow(first + clock.blend * (second - first), clock.step);
-    }
+    if (this.layout.openTab === 'charts' && !clock.still) this.showCharts();
     const { verdict } = this.layout;
     verdict.hidden = !shaping;
     if (shaping) {
@@ -482,58 +440,77 @@ export class App {
       setText(verdict, text);
       verdict.dataset['kind'] = kind;
     }
-    this.inspector.show(shaping ? null : this.data.faces.get(clock.step)?.parts ?? null, clock.step);
-    const error = this.errorNow();
+    this.inspector!.show(shaping ? null : this.data.faces.get(clock.step)?.parts ?? null, clock.step);
     const boxFrame = this.data.boxes ? (scene.frame_numbers[this.data.boxes.frame] ?? null) : null;
-    const faces = this.surfaces.map(({ crossingFaces }) => crossingFaces);
+    this.showLegend(content, shaping, boxFrame);
+  }
+
+  private showCharts(): void {
+    const { check, clock, scene } = this;
+    if (this.chartsDirty) {
+      this.charts.setSteps(check.steps);
+      if (check.start && check.startsCrossing) this.charts.setStart(check.start.frame, startText(check.start));
+    }
+    this.chartsDirty = false;
+    const first = scene.frame_numbers[clock.frame] ?? 0;
+    const second = scene.frame_numbers[Math.min(clock.frame + 1, scene.frames - 1)] ?? first;
+    this.charts.setNow(first + clock.blend * (second - first), clock.step);
+  }
+
+  private showLegend(content: Content, shaping: boolean, boxFrame: number | null): void {
+    const { check, scene } = this;
+    const layers = this.layers.state;
+    const error = content.errors.at(this.clock.frame);
+    const faces = content.surfaces.map(({ crossingFaces }) => crossingFaces);
     const start = check.start && check.startsCrossing ? { frame: check.start.frame, faces: faces.some((n) => n === null) ? null : faces.reduce<number>((sum, n) => sum + n!, 0) } : null;
-    const key = JSON.stringify([layers.state, start, check.free > 0, check.calm, this.both, shaping, this.shownFaces, boxFrame, this.chosen !== null, error]);
+    const key = JSON.stringify([layers, start, check.free > 0, check.calm, content.both, shaping, content.shownFaces, boxFrame, this.navigator.chosen !== null, this.navigator.contact, error]);
     if (key === this.legendKey) return;
     this.legendKey = key;
+    const contact = this.navigator.contact === null ? null : this.contacts.sideNames(this.contacts.items[this.navigator.contact]!);
     this.layout.legend.replaceChildren(
-      ...legendItems({ layers: layers.state, shapes: shaping, start, free: check.free > 0, calm: check.calm, both: this.both, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: this.counts, boxFrame, chosen: this.chosen !== null, error }),
+      ...legendItems({ layers, shapes: shaping, start, free: check.free > 0, calm: check.calm, both: content.both, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: content.counts, boxFrame, chosen: this.navigator.chosen !== null, contact, error }),
     );
   }
 
-  private errorNow(): { scale: number; largest: number; rms: number } | null {
-    let [largest, squares, count] = [0, 0, 0];
-    this.scene.objects.forEach((_, i) => {
-      const error = this.errors.get(this.clock.frame * this.scene.objects.length + i);
-      if (!error) return;
-      largest = Math.max(largest, error.largest);
-      squares += error.rms ** 2;
-      ++count;
-    });
-    return count > 0 ? { scale: this.errorScale, largest, rms: Math.sqrt(squares / count) } : null;
+  private linkNow(): UrlState {
+    const { eye, target, moved } = this.stage.camera;
+    return {
+      at: this.clock.position,
+      contact: this.navigator.contact === null ? null : this.contacts.items[this.navigator.contact]!.number,
+      up: this.options.state.up,
+      camera: moved ? [...eye.position.toArray(), ...target.toArray()] : null,
+    };
   }
 
   /** For tests and for the browser's console. */
   private report(): Record<string, unknown> {
-    const { clock, spent } = this;
+    const { clock, spent, content } = this;
     return {
       step: clock.step,
       t: clock.t,
       position: clock.position,
       playing: clock.playing,
       waiting: this.waiting,
-      camera: this.stage.camera.position.toArray(),
+      camera: this.stage.camera.eye.position.toArray(),
+      up: this.stage.camera.up.toArray(),
       bytes: this.data.bytes(),
       budget: this.data.budget,
       framesAhead: this.data.frames.ahead(clock.frame),
       steps: this.check.steps.length,
       state: this.check.state,
+      contacts: this.contacts.state === 'known' ? this.contacts.items.length : null,
+      contact: this.navigator.contact === null ? null : this.contacts.items[this.navigator.contact]!.number,
+      curve: content?.contact.group.visible ?? false,
       start: this.check.start,
-      crossingFaces: this.surfaces.map(({ crossingFaces }) => crossingFaces),
+      crossingFaces: content?.surfaces.map(({ crossingFaces }) => crossingFaces) ?? [],
       pictures: spent.pictures,
       scriptMs: spent.script,
       drawMs: spent.drawing,
       firstPicture: spent.firstPicture,
       radius: this.shapes?.radius ?? null,
       norm: this.shapes?.norm ?? null,
-      facesShown: this.shownFaces,
+      facesShown: content?.shownFaces ?? -1,
+      dark: isDark(),
     };
   }
 }
-
-const edgeColor = (): Rgb => (isDark() ? [10, 14, 17] : [40, 48, 54]);
-

@@ -1,9 +1,10 @@
 // The progress of the check: its steps, and the pairs of the current step.
 import { collisionsOf, type Step } from '../shared/steps';
 import { verdictOf, type Found, type Start, type Verdict } from '../shared/verdict';
-import { ApiError, getJson, GoneError, type Pair, type SceneInfo, type StepsAnswer } from './api';
+import { ApiError, getJson, GoneError, type Bounds, type Pair, type SceneInfo, type StepsAnswer } from './api';
 
 const kPollMs = 400;
+const kAliveMs = 5000;
 const kPage = 1000;
 const kMaxListed = 10_000; // More than anyone reads; check --csv writes all.
 const kMaxCached = 48; // steps
@@ -21,6 +22,8 @@ export class Check {
   pairs = 0;
   colliding = 0;
   start: Start | null = null;
+  /** The bounds at the end of each step. */
+  readonly bounds: Bounds[] = [];
   private contactFree = 0; // the number of steps from the first one on without collisions
 
   constructor(
@@ -80,6 +83,7 @@ export class Check {
       const answer = await getJson<StepsAnswer>(`steps?from=${from}`);
       for (const step of answer.steps) {
         this.steps.push(step);
+        this.bounds.push({ low: step.low, high: step.high });
         this.pairs += collisionsOf(step);
         if (collisionsOf(step) > 0) ++this.colliding;
         else if (this.colliding === 0) ++this.contactFree;
@@ -91,8 +95,9 @@ export class Check {
       this.total = answer.total;
       this.done = Math.max(answer.done, this.steps.length);
       this.changed(from);
-      if (this.steps.length >= answer.done && answer.state !== 'running') return;
-      if (answer.steps.length === 1000) wait = 0;
+      // Afterwards it is asked only whether it is still there.
+      if (this.steps.length >= answer.done && answer.state !== 'running') wait = kAliveMs;
+      else if (answer.steps.length === kPage) wait = 0;
     } catch (error) {
       if (this.state === 'running') {
         this.state = error instanceof GoneError ? 'gone' : 'failed';

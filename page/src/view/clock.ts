@@ -7,6 +7,8 @@ export class Clock {
   playing = false;
   speed = 1;
   loop = true;
+  /** Positions between which it plays; null: from the begin to the end. */
+  range: [number, number] | null = null;
 
   constructor(
     readonly steps: number,
@@ -64,13 +66,13 @@ export class Clock {
   /** Advances by so many frames; false at an end where playing stops. */
   advance(frames: number): boolean {
     const position = this.position + frames;
-    const end = this.steps / this.substeps;
+    const [begin, end] = this.range ?? [0, this.steps / this.substeps];
     if (position < end) {
-      this.seekPosition(position);
+      this.seekPosition(Math.max(begin, position));
       return true;
     }
-    if (this.loop && end > 0) {
-      this.seekPosition(position % end);
+    if (this.loop && end > begin) {
+      this.seekPosition(begin + ((position - end) % (end - begin)));
       return true;
     }
     this.seekPosition(end);

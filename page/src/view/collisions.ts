@@ -5,6 +5,7 @@ import { counted, grouped, toiText } from '../shared/format';
 import { collisionsOf, stepText, type Step } from '../shared/steps';
 import { kStartNotTested, startText, stoppedText } from '../shared/verdict';
 import type { Pair, SceneInfo } from './api';
+import { copyButton } from './copy';
 import type { Check, PairsOfStep } from './check';
 
 const kRowHeight = 44;
@@ -55,7 +56,9 @@ export class CollisionPanel {
     this.showStart();
     if (step) this.showStep(step, pairs);
     else this.say(this.check.state === 'running' ? 'Not checked yet' : 'Not checked', '', this.check.state === 'running' ? '' : `${stoppedText(this.check.found())}.`);
-    this.head.dataset['kind'] = step ? this.check.kindOf(step) : 'open';
+    // Green is for a check that finds nothing at all.
+    const kind = step ? this.check.kindOf(step) : 'open';
+    this.head.dataset['kind'] = kind === 'free' && this.check.verdict().kind !== 'free' ? 'calm' : kind;
     this.listPairs(crossings?.items ?? kNone, step && pairs?.step === step.number ? pairs.items : kNone);
   }
 
@@ -74,7 +77,7 @@ export class CollisionPanel {
     const single = this.scene.frames === 1;
     const where = single ? `frame ${step.frame}` : stepText(step, this.scene.substeps);
     const kind = this.check.kindOf(step);
-    if (kind === 'free') this.say(single ? 'Free of crossings' : 'Free of collisions', where, '');
+    if (kind === 'free') this.say(single ? 'Nothing crosses' : 'Nothing collides up to here', where, '');
     else if (kind === 'hit') this.say(counted(count, single ? 'pair in contact' : 'colliding pair', single ? 'pairs in contact' : 'colliding pairs'), where, this.details(step, pairs));
     else this.say(single ? 'No other contact' : 'No new contact in this step', where, single ? '' : this.whyNotFree());
   }
@@ -145,6 +148,7 @@ export class CollisionPanel {
       row.replaceChildren(
         el('span', { className: `kind ${pair.kind}`, title: kKinds[pair.kind][1] }, kKinds[pair.kind][0]),
         el('span', { className: 'what' }, el('span', {}, a), el('span', {}, b)),
+        ...(pair === this.chosen ? [copyButton(`${a}, ${b}`)] : []),
         pair.kind === 'tt' ? el('span', { className: 'toi' }, el('span', { className: 'swatch crossing' }), 'start') : el('span', { className: 'toi' }, el('span', { className: 'swatch round', style: { background: css(timeColor(pair.toi)) } }), toiText(pair.toi), pair.answer === 'undecided' && el('small', {}, 'undecided')),
       );
     });

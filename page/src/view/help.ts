@@ -8,9 +8,12 @@ export const kKeys: [string, string][] = [
   ['Home End', 'to the start or the end'],
   ['[ ]', 'slower or faster'],
   ['P N', 'previous or next step with collisions, or the start if it crosses'],
-  ['↑ ↓', 'previous or next pair of the list, and fly there'],
+  ['↑ ↓', 'previous or next contact or pair of the list, and fly there'],
+  ['G', 'type a frame'],
   ['R or 0', 'see everything'],
-  ['1 2 3', 'from the front, the side, the top'],
+  ['1 2 3 4 5 6', 'from the front, the right, the top, the back, the left, below'],
+  ['Z', 'turns the upright axis: y or z'],
+  ['Esc', 'leaves the chosen contact, pair or triangle'],
   ['W A S D with Shift', 'orbit'],
   ['+ −', 'zoom'],
   ['V', 'next color of the surface'],
@@ -33,7 +36,7 @@ export function helpDialog(): HTMLDialogElement {
   const dialog = el('dialog', { className: 'help', 'aria-label': 'Help' });
   dialog.append(
     el('form', { method: 'dialog' }, el('h2', {}, 'Keys and mouse'), el('button', { className: 'small' }, 'Close')),
-    el('p', {}, 'Drag to orbit, right-drag or two fingers to pan, wheel or pinch to zoom. A click on the surface shows what is known about the triangle; a double click orbits around it.'),
+    el('p', {}, 'Drag to orbit, right-drag or two fingers to pan, wheel or pinch to zoom. A click on the surface shows what is known about the triangle; a double click orbits around it. Over the timeline the wheel zooms, with Shift it moves; dragging along the frame numbers marks a range to repeat, a click there ends it.'),
     table,
     el('p', {}, 'Between two frames every vertex moves along a straight line; this motion is checked and shown. A time of impact is a share of the step: 0 at its start, 1 at its end.'),
     el('p', {}, 'A step finds new contacts. Triangles that cross in the first frame and move together make none. So the first frame is tested for crossing triangles, and a step is green only if that frame is free and nothing has collided since.'),

@@ -3,6 +3,7 @@ import * as THREE from 'three';
 import { kReasons } from '../shared/colors';
 import { el } from '../shared/dom';
 import type { SceneInfo } from './api';
+import { copyButton } from './copy';
 import type { Stage } from './stage';
 import type { Surface } from './surface';
 
@@ -32,12 +33,18 @@ export class Inspector {
     });
     canvas.addEventListener('dblclick', (event) => {
       const hit = this.pick(event);
-      if (hit) this.approach(hit.point, 0.06 / stage.frame.scale);
+      if (hit) this.approach(hit.point, 0.06 / stage.scale);
     });
   }
 
   private faces: Uint8Array[] | null = null;
   private step = -1;
+
+  /** Takes the card away. */
+  close(): void {
+    this.chosen = null;
+    this.render(null, -1);
+  }
 
   private pick(event: MouseEvent): { object: number; face: number; point: THREE.Vector3 } | null {
     const ray = this.stage.ray(event.clientX, event.clientY);
@@ -69,8 +76,9 @@ export class Inspector {
     const info = this.scene.objects[object]!;
     const corners = Array.from(this.surfaces[object]!.triangles.subarray(3 * face, 3 * face + 3)).join(', ');
     this.card.replaceChildren(
+      el('button', { className: 'quiet close', type: 'button', title: 'Close (Escape)', 'aria-label': 'Close', onclick: () => this.close() }, '×'),
       el('strong', {}, `Triangle ${face}${this.scene.objects.length > 1 ? ` of ${info.name}` : ''}`),
-      el('span', {}, `vertices ${corners}`),
+      el('span', {}, `vertices ${corners} `, copyButton(`triangle ${face}, vertices ${corners}`)),
       ...(crosses ? [el('span', {}, `Crosses another triangle in frame ${this.scene.frame_numbers[0] ?? 0}.`)] : []),
       el('span', {}, faces ? this.proof(faces[object]!, face, info.triangles) : 'Choose a proof color or a colliding step to see what is known of it'),
     );

@@ -22,9 +22,9 @@ export interface LayerState {
 type Switch = 'collisions' | 'crossings' | 'contacts' | 'keyPoints' | 'boxes' | 'edges' | 'seeThrough';
 
 const kSwitches: [Switch, string, string, string][] = [
-  ['collisions', 'Collisions', 'C', 'triangles that take part in a collision, red'],
+  ['collisions', 'Collisions', 'C', 'triangles that take part in a collision, red; hidden ones shine through'],
   ['crossings', 'Crossings from the start', 'O', 'triangles that cross in the first frame, hatched pink'],
-  ['contacts', 'Contact points', 'T', 'where pairs touch, colored by time of impact'],
+  ['contacts', 'Contact points', 'T', 'where pairs touch, colored by time of impact; seen from near'],
   ['keyPoints', 'Key points', 'K', 'the vertices that determine the shape'],
   ['boxes', 'Boxes of the hierarchy', 'B', 'the bounding boxes that the broad phase tests'],
   ['edges', 'Edges of triangles', 'E', ''],

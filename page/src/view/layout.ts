@@ -1,12 +1,14 @@
 // The layout of the page.
 import { append, el, icon, setText } from '../shared/dom';
+import { counted } from '../shared/format';
 import { themeButton } from '../shared/theme';
 import type { Verdict } from '../shared/verdict';
 import type { SceneInfo } from './api';
 
-export type Tab = 'collisions' | 'layers' | 'shapes' | 'charts';
+export type Tab = 'contacts' | 'collisions' | 'layers' | 'shapes' | 'charts';
 const kTabs: [Tab, string][] = [
-  ['collisions', 'Collisions'],
+  ['contacts', 'Contacts'],
+  ['collisions', 'Pairs'],
   ['layers', 'Layers'],
   ['shapes', 'Shapes'],
   ['charts', 'Charts'],
@@ -14,26 +16,35 @@ const kTabs: [Tab, string][] = [
 
 export interface ToolActions {
   reset: () => void;
-  side: (side: 'front' | 'side' | 'top') => void;
+  side: (side: 'front' | 'right' | 'top') => void;
   zoom: (factor: number) => void;
   legend: () => void;
   help: () => void;
+  picture: () => void;
+  video: () => void;
+  first: () => void;
+  worst: () => void;
 }
 
 export class Layout {
   readonly stage = el('section', { className: 'stage', 'aria-label': 'Picture' });
-  readonly legend = el('ul', { className: 'legend', 'aria-label': 'Legend' });
+  readonly legend = el('ul', { className: 'legend closed', 'aria-label': 'Legend' });
   readonly card = el('div', { className: 'card', hidden: true, role: 'status' });
   readonly verdict = el('div', { className: 'badge', hidden: true });
   private readonly status = el('div', { className: 'status', role: 'status' });
-  private readonly statusText = el('span', {});
+  private readonly statusText = el('span', { className: 'text' });
+  private readonly contactText = el('b', { className: 'count', hidden: true });
+  private readonly leads = el('span', { className: 'leads', hidden: true });
+  private readonly worst: HTMLButtonElement;
+  private readonly loading = el('div', { className: 'loading', role: 'status' }, 'Loading the first frame…', el('progress', {}));
+  private readonly video: HTMLButtonElement;
   private readonly progress = el('progress', { max: 1, value: 0, hidden: true });
   private readonly banner = el('div', { className: 'banner', role: 'alert', hidden: true });
   private readonly bannerText = el('span', {});
   private readonly panels = new Map<Tab, HTMLElement>();
   private readonly tabs = new Map<Tab, HTMLButtonElement>();
   private readonly aside = el('aside', {});
-  private tab: Tab = 'collisions';
+  private tab: Tab = 'contacts';
   onTab: (tab: Tab) => void = () => {};
 
   constructor(
@@ -42,7 +53,11 @@ export class Layout {
     timeline: (layout: Layout) => HTMLElement,
     private readonly actions: ToolActions,
   ) {
-    this.status.append(this.statusText, this.progress);
+    const lead = (text: string, title: string, action: () => void) => el('button', { type: 'button', title, onclick: action }, text);
+    this.worst = lead('Worst', 'Go to the worst contact', () => actions.worst());
+    this.leads.append(lead('First', 'Go to what touches or crosses first', () => actions.first()), this.worst);
+    this.status.append(this.contactText, this.statusText, this.progress, this.leads);
+    this.video = this.tool(icon('M4 6h11v12H4zm12.5 4.5L21 7.5v9l-4.5-3z'), 'Record a video (WebM)', () => actions.video());
     this.banner.append(this.bannerText, el('button', { className: 'small', type: 'button', onclick: () => location.reload() }, 'Load again'));
     const tabBar = el('div', { className: 'tabs', role: 'tablist' });
     const body = el('div', { className: 'body' });
@@ -55,11 +70,9 @@ export class Layout {
       body.append(panel);
     }
     this.aside.append(tabBar, body);
-    append(this.stage, this.tools(), this.legend, this.card, this.verdict, this.banner);
+    append(this.stage, this.loading, this.tools(), this.legend, this.card, this.verdict, this.banner);
     root.replaceChildren(el('div', { className: 'app' }, this.header(scene), this.stage, timeline(this), this.aside));
-    // On a phone the legend would hide the picture; its button opens it.
-    this.legend.classList.toggle('closed', matchMedia('(max-width: 760px)').matches);
-    this.open('collisions');
+    this.open('contacts');
   }
 
   private header(scene: SceneInfo): HTMLElement {
@@ -75,18 +88,42 @@ export class Layout {
   }
 
   private tools(): HTMLElement {
-    const tool = (text: Node | string, title: string, action: () => void) => el('button', { type: 'button', title, 'aria-label': title, onclick: action }, text);
+    const tool = this.tool.bind(this);
     return el(
       'div',
       { className: 'tools' },
       tool(icon('M4 4h6v2H6v4H4zm10 0h6v6h-2V6h-4zM4 14h2v4h4v2H4zm14 0h2v6h-6v-2h4z'), 'See everything (R)', () => this.actions.reset()),
       tool('Front', 'From the front (1)', () => this.actions.side('front')),
-      tool('Side', 'From the side (2)', () => this.actions.side('side')),
+      tool('Side', 'From the side (2)', () => this.actions.side('right')),
       tool('Top', 'From the top (3)', () => this.actions.side('top')),
       tool('+', 'Nearer (+)', () => this.actions.zoom(0.8)),
       tool('−', 'Farther (−)', () => this.actions.zoom(1.25)),
       tool('Legend', 'Legend (L)', () => this.actions.legend()),
+      tool(icon('M4 7h4l1.5-2h5L16 7h4v12H4zm8 2.5a3.5 3.5 0 1 0 0 7 3.5 3.5 0 0 0 0-7z'), 'Save the picture (PNG)', () => this.actions.picture()),
+      this.video,
     );
+  }
+
+  private tool(text: Node | string, title: string, action: () => void): HTMLButtonElement {
+    return el('button', { type: 'button', title, 'aria-label': title, onclick: action }, text);
+  }
+
+  showRecording(recording: boolean): void {
+    this.video.classList.toggle('recording', recording);
+    this.video.title = recording ? 'End the video and save it' : 'Record a video (WebM)';
+  }
+
+  /** The first frame is shown. */
+  loaded(): void {
+    this.loading.hidden = true;
+  }
+
+  /** How many contacts there are, null if that is not known, and whether there is a first thing to go to. */
+  lead(contacts: number | null, any: boolean): void {
+    this.contactText.hidden = !contacts;
+    setText(this.contactText, contacts ? counted(contacts, 'contact') : '');
+    this.leads.hidden = !any;
+    this.worst.disabled = !contacts;
   }
 
   fill(tab: Tab, content: HTMLElement): void {

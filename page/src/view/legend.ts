@@ -39,6 +39,7 @@ export interface LegendState {
   counts: FaceCounts | null;
   boxFrame: number | null;
   chosen: boolean;
+  contact: string[] | null; // the sides of the chosen contact
   error: { scale: number; largest: number; rms: number } | null;
 }
 
@@ -73,6 +74,8 @@ function proofItems(state: LegendState): HTMLElement[] {
   return items;
 }
 
+const mark = (kind: string, text: string): HTMLElement => el('span', { className: 'mark' }, el('span', { className: `swatch ${kind}` }), text);
+
 /** The legend's lines for what is switched on. */
 export function legendItems(state: LegendState): HTMLElement[] {
   const { layers } = state;
@@ -90,8 +93,9 @@ export function legendItems(state: LegendState): HTMLElement[] {
   }
   if (layers.contacts) {
     items.push(scale(timeColor, 'Contact points, time of impact', ['0 start of step', '1 end']));
-    items.push(item(el('span', { className: 'ring' }), 'Contact later in this step'));
+    items.push(el('li', { className: 'marks' }, 'Seen from near:', mark('diamond', 'first'), mark('square', 'last'), mark('later', 'still to come')));
   }
+  if (state.contact) items.push(...state.contact.map((name, k) => item(swatch(k === 0 ? kOrange : kBlue), `${name}, inside; pale where it crosses`)), item(el('span', { className: 'swatch curve' }), 'Where the surfaces cross, in the worst frame'));
   if (state.chosen) items.push(item(swatch(kOrange), 'Chosen pair: vertex, first edge or triangle'), item(swatch(kBlue), 'Chosen pair: face, second edge or triangle'));
   if (layers.paint === 'level' || layers.paint === 'margin') items.push(...proofItems(state));
   if (layers.paint === 'error' && state.error) {
@@ -100,7 +104,6 @@ export function legendItems(state: LegendState): HTMLElement[] {
   }
   if (layers.keyPoints) items.push(item(swatch(kSky, 'round'), 'Key points'));
   if (layers.boxes && state.boxFrame !== null) items.push(item(swatch(kBlue, 'box'), `Boxes, level ${layers.level}, frame ${state.boxFrame}`));
-  const mark = (kind: string, text: string) => el('span', { className: 'mark' }, el('span', { className: `swatch ${kind}` }), text);
   const marks = [mark('hit', 'collides'), mark('open', 'unchecked')];
   if (state.calm) marks.unshift(mark('calm', 'no new contact'));
   if (state.free) marks.unshift(mark('free', 'free'));

@@ -8,10 +8,7 @@ import { rampOf, vec3, type Surface } from './surface';
 const kEverywhere = new THREE.Sphere(new THREE.Vector3(), 1e9);
 const kHidden = 0.2; // opacity of marks behind a surface
 
-interface Frame {
-  center: THREE.Vector3;
-  scale: number;
-}
+const kNear = 2; // Contact points are shown from nearer than this; what is seen from afar has size 2.
 
 /** Draws the same points twice: opaque where visible, faint where hidden. */
 function pointLayer(geometry: THREE.BufferGeometry, uniforms: Record<string, THREE.IUniform>, byVertex: boolean): THREE.Group {
@@ -26,7 +23,7 @@ function pointLayer(geometry: THREE.BufferGeometry, uniforms: Record<string, THR
       transparent: true,
       depthTest: !hidden,
       depthWrite: false,
-      uniforms: { ...uniforms, opacity: { value: hidden ? kHidden : 1 } },
+      uniforms: { farthest: { value: 1e9 }, ...uniforms, opacity: { value: hidden ? kHidden : 1 } },
     });
     const points = new THREE.Points(geometry, material);
     points.frustumCulled = false;
@@ -43,11 +40,12 @@ export class ContactPoints {
   private capacity = 0;
 
   constructor(
-    private readonly frame: Frame,
+    private readonly center: THREE.Vector3,
+    private readonly scale: number,
     private readonly ratio: number,
     positionUniforms: Record<string, THREE.IUniform>,
   ) {
-    this.uniforms = { ...positionUniforms, timeRamp: { value: rampOf(timeColor) }, now: { value: 0 }, size: { value: 10 * ratio } };
+    this.uniforms = { ...positionUniforms, timeRamp: { value: rampOf(timeColor) }, now: { value: 0 }, firstTime: { value: 0 }, lastTime: { value: 1 }, size: { value: 10 * ratio }, farthest: { value: kNear } };
     this.group = pointLayer(this.geometry, this.uniforms, false);
     this.reserve(1024);
   }
@@ -63,12 +61,14 @@ export class ContactPoints {
     if (pairs.length > this.capacity) this.reserve(Math.max(pairs.length, 2 * this.capacity));
     const points = this.geometry.getAttribute('position_') as THREE.BufferAttribute;
     const times = this.geometry.getAttribute('toi') as THREE.BufferAttribute;
-    const { center, scale } = this.frame;
+    const { center, scale } = this;
     pairs.forEach((pair, k) => {
       const [x, y, z] = pair.point as [number, number, number];
       points.setXYZ(k, (x - center.x) * scale, (y - center.y) * scale, (z - center.z) * scale);
       times.setX(k, pair.toi);
     });
+    this.uniforms.firstTime.value = pairs[0]?.toi ?? 0;
+    this.uniforms.lastTime.value = pairs.length > 1 ? pairs.at(-1)!.toi : 2; // A single point is the first.
     // Many points show where, few show which.
     this.uniforms.size.value = this.ratio * (pairs.length > 400 ? 6 : pairs.length > 60 ? 8 : 11);
     points.needsUpdate = true;
@@ -168,7 +168,7 @@ export class Boxes {
   readonly lines: THREE.LineSegments;
   private readonly geometry = new THREE.InstancedBufferGeometry();
 
-  constructor(frame: Frame) {
+  constructor(scale: number) {
     const corners: number[] = [];
     for (let axis = 0; axis < 3; ++axis) {
       for (let k = 0; k < 4; ++k) {
@@ -191,7 +191,7 @@ export class Boxes {
       fragmentShader: kFlatFragment,
       transparent: true,
       depthWrite: false,
-      uniforms: { center: { value: frame.center }, scale: { value: frame.scale }, only: { value: vec3(kBlue) }, opacity: { value: 0.7 } },
+      uniforms: { scale: { value: scale }, only: { value: vec3(kBlue) }, opacity: { value: 0.7 } },
     });
     this.lines = new THREE.LineSegments(this.geometry, material);
     this.lines.frustumCulled = false;

@@ -1,5 +1,5 @@
-// Vertices are fetched from textures by index. Frames are uploaded as received, the GPU interpolates between two frames, and
-// flat normals are screen-space derivatives, so the script computes nothing when the frame changes.
+// Vertices are fetched from textures by index. Frames are uploaded as received with the normals of their vertices, and the GPU
+// interpolates between two frames. Positions are relative to the scene's center, in mesh units.
 
 const kFetch = /* glsl */ `
 precision highp float;
@@ -8,36 +8,43 @@ precision highp sampler2D;
 precision highp usampler2D;
 uniform sampler2D posA, posB;
 uniform float blend;
-uniform vec3 center;
 uniform float scale;
 vec3 at(sampler2D positions, int vertex) {
   int width = textureSize(positions, 0).x;
   return texelFetch(positions, ivec2(vertex % width, vertex / width), 0).xyz;
 }
 vec3 vertexPosition(int vertex) {
-  return (mix(at(posA, vertex), at(posB, vertex), blend) - center) * scale;
+  return mix(at(posA, vertex), at(posB, vertex), blend) * scale;
 }
 `;
 
+// GLOW: the second pass, which draws marked triangles that are hidden.
 export const kSurfaceVertex = /* glsl */ `
 ${kFetch}
 in uint vertex;
-uniform sampler2D refA, refB;
-uniform usampler2D faces, crosses;
+uniform sampler2D refA, refB, normalA, normalB;
+uniform usampler2D faces, crosses, contact;
 uniform int triangles;
 uniform int surface;       // 0 plain, 1 level, 2 margin, 3 error
-uniform bool hasFaces, showCollisions, showCrossings;
+uniform bool hasFaces, showCollisions, showCrossings, showContact;
 uniform float errorScale;
 uniform vec3 plain, red;
 uniform vec3 reasonColors[8];
 uniform vec3 marginRamp[9];
 uniform vec3 nothing;
 out vec3 eye;
+out vec3 place;              // in the scene
+out vec3 smoothNormal;
 out vec3 corner;
 out float distanceRatio;
 flat out vec3 color;
 flat out int marked;         // 1 collides in the step, 2 crosses in the first frame, 3 both
+flat out int part;           // of the chosen contact: 1 and 2 the first side, crossing and inside, 3 and 4 the second; 0 none
 
+uint faceMark(usampler2D marks, int face) {
+  int width = textureSize(marks, 0).x;
+  return texelFetch(marks, ivec2(face % width, face / width), 0).r;
+}
 uint faceData(int plane, int face) {
   int width = textureSize(faces, 0).x;
   int k = plane * triangles + face;
@@ -53,6 +60,8 @@ void main() {
   vec3 p = vertexPosition(v);
   vec4 seen = modelViewMatrix * vec4(p, 1.0);
   eye = seen.xyz;
+  place = p;
+  smoothNormal = mat3(modelViewMatrix) * mix(at(normalA, v), at(normalB, v), blend);
   corner = vec3(side == 0, side == 1, side == 2);
   color = plain;
   marked = 0;
@@ -73,15 +82,16 @@ void main() {
     }
   }
   if (surface == 3) {
-    vec3 other = (mix(at(refA, v), at(refB, v), blend) - center) * scale;
+    vec3 other = mix(at(refA, v), at(refB, v), blend) * scale;
     distanceRatio = length(p - other) / (scale * max(errorScale, 1e-30));
     if (hasFaces && showCollisions && faceData(0, face) != 0u) marked = 1;
   }
-  if (showCrossings) {
-    int width = textureSize(crosses, 0).x;
-    if (texelFetch(crosses, ivec2(face % width, face / width), 0).r != 0u) marked += 2;
-  }
+  if (showCrossings && faceMark(crosses, face) != 0u) marked += 2;
+  part = showContact ? int(faceMark(contact, face)) : 0;
   gl_Position = projectionMatrix * seen;
+#ifdef GLOW
+  if (marked == 0 && part == 0) gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // outside of the picture
+#endif
 }
 `;
 
@@ -89,20 +99,52 @@ export const kSurfaceFragment = /* glsl */ `
 precision highp float;
 precision highp int;
 in vec3 eye;
+in vec3 place;
+in vec3 smoothNormal;
 in vec3 corner;
 in float distanceRatio;
 flat in vec3 color;
 flat in int marked;
+flat in int part;
 uniform int surface;
-uniform vec3 red, pink, purple;
+uniform vec3 red, pink, purple, first, second;
+uniform vec4 focus;          // the chosen contact: its place before the eye and its radius; radius 0: none
+uniform int nearSide;        // its side that is nearer to the eye, 1 or 2
+uniform vec4 clip;           // what is beyond this plane is cut away
 uniform vec3 errorRamp[9];
 uniform bool edges, seeThrough;
 uniform vec3 edgeColor;
 out vec4 result;
+
+/** Light from above and a bright rim, as on a sphere of clay. */
+float matcap(vec3 n) {
+  float key = max(0.0, dot(n, normalize(vec3(-0.35, 0.55, 0.75))));
+  float rim = pow(1.0 - abs(n.z), 3.0);
+  return 0.42 + 0.5 * key + 0.1 * n.y + 0.1 * pow(key, 24.0) + 0.1 * rim;
+}
+/** Keeps a share of the pixels in an ordered pattern, so that surfaces behind are visible in any drawing order. */
+bool kept(float share) {
+  ivec2 at = ivec2(gl_FragCoord.xy) & 3;
+  int low = (at.x & 1) ^ (at.y & 1), high = (at.x >> 1) ^ (at.y >> 1);
+  int rank = 8 * low + 4 * (at.y & 1) + 2 * high + (at.y >> 1);
+  return (float(rank) + 0.5) / 16.0 < share;
+}
+/** How solid what is between the eye and the chosen contact is: least before its middle. */
+float solidBefore() {
+  if (focus.w == 0.0 || eye.z < focus.z) return 1.0;
+  float aside = length(eye.xy * (focus.z / eye.z) - focus.xy);
+  return mix(0.2, 1.0, smoothstep(0.4 * focus.w, focus.w, aside));
+}
 void main() {
+  if (dot(place, clip.xyz) > clip.w) discard;
   bool stripe = mod(gl_FragCoord.x + gl_FragCoord.y, 9.0) < 4.5;
-  // Every other pixel is discarded, so that surfaces behind are visible in any drawing order.
-  if (seeThrough && marked == 0 && mod(floor(gl_FragCoord.x) + floor(gl_FragCoord.y), 2.0) < 0.5) discard;
+#ifdef GLOW
+  if (part != 0 && focus.w > 0.0) discard; // What is before the chosen contact is see-through already.
+#else
+  if (part == 0 && !kept(solidBefore())) discard;
+  if (part != 0 && (part + 1) / 2 == nearSide && !kept(0.5)) discard;
+  if (seeThrough && marked == 0 && part == 0 && !kept(0.5)) discard;
+#endif
   vec3 base = color;
   if (surface == 3) {
     float e = clamp(distanceRatio, 0.0, 1.0) * 8.0;
@@ -113,12 +155,20 @@ void main() {
   if (marked == 1) base = surface == 0 || stripe ? red : vec3(1.0);
   // Crossings from the start are hatched the other way and dark, which distinguishes them from collisions in a step.
   if (marked >= 2) base = mod(gl_FragCoord.x - gl_FragCoord.y, 10.0) < 4.0 ? purple : marked == 2 ? pink : red;
+  if (part != 0) base = part < 3 ? first : second;
+  if (part == 1 || part == 3) base = mix(base, vec3(1.0), 0.45);
+#ifdef GLOW
+  result = vec4(base, 0.4);
+  return;
+#endif
   vec3 normal = cross(dFdx(eye), dFdy(eye));
   float size = length(normal);
   normal = size > 0.0 ? normal / size : vec3(0.0, 0.0, 1.0);
-  vec3 key = normalize(vec3(-0.35, 0.55, 0.75));
-  float lit = 0.50 + 0.38 * max(0.0, dot(normal, key)) + 0.14 * normal.z + 0.06 * normal.y;
-  vec3 shaded = base * min(lit, 1.06);
+  vec3 bent = dot(smoothNormal, smoothNormal) > 0.0 ? normalize(smoothNormal) : normal;
+  if (dot(bent, normal) < 0.0) bent = -bent;
+  // Sharp edges stay sharp.
+  if (dot(bent, normal) > 0.7) normal = bent;
+  vec3 shaded = base * min(matcap(normal), 1.12);
   if (!gl_FrontFacing) shaded *= 0.72;
   if (edges) {
     vec3 width = fwidth(corner);
@@ -132,7 +182,7 @@ void main() {
 }
 `;
 
-/** Round marks of a size in pixels. `filled`: those whose time of impact has passed. */
+/** Marks of a size in pixels: round, the first impact a diamond and the last a square. Those still to come are pale. */
 export const kPointVertex = /* glsl */ `
 ${kFetch}
 #ifdef BY_VERTEX
@@ -142,43 +192,49 @@ uniform vec3 only;
 in vec3 position_;
 in float toi;
 uniform vec3 timeRamp[9];
-uniform float now;
+uniform float now, firstTime, lastTime;
 #endif
-uniform float size;
+uniform float size, farthest;
 out vec3 color;
-out float filled;
+flat out int shape; // 0 round, 1 diamond, 2 square
+out float strength;
 void main() {
 #ifdef BY_VERTEX
   vec3 p = vertexPosition(int(vertex));
   color = only;
-  filled = 1.0;
+  shape = 0;
+  strength = 1.0;
 #else
   vec3 p = position_;
   float e = clamp(toi, 0.0, 1.0) * 8.0;
   int k = min(int(e), 7);
   color = mix(timeRamp[k], timeRamp[k + 1], e - float(k));
-  filled = now >= toi - 1e-6 ? 1.0 : 0.0;
+  shape = toi <= firstTime ? 1 : toi >= lastTime ? 2 : 0;
+  strength = now >= toi - 1e-6 ? 1.0 : 0.45;
 #endif
-  gl_Position = projectionMatrix * viewMatrix * vec4(p, 1.0);
+  vec4 seen = viewMatrix * vec4(p, 1.0);
+  gl_Position = projectionMatrix * seen;
   gl_Position.z -= 0.0004 * gl_Position.w; // in front of its surface
-  gl_PointSize = size;
+  gl_PointSize = shape == 0 ? size : size * 1.5;
+  if (-seen.z > farthest) gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // outside of the picture
 }
 `;
 
 export const kPointFragment = /* glsl */ `
 precision highp float;
 in vec3 color;
-in float filled;
+flat in int shape;
+in float strength;
 uniform float opacity, size;
 out vec4 result;
 void main() {
-  float r = length(gl_PointCoord - 0.5) * 2.0;
+  vec2 at = abs(gl_PointCoord - 0.5) * 2.0;
+  float r = shape == 1 ? at.x + at.y : shape == 2 ? max(at.x, at.y) * 1.25 : length(at);
   if (r > 1.0) discard;
-  if (filled < 0.5 && r < 0.42) discard;
   // The rim is 1.5 pixels wide, and paler on small points, which it would otherwise dominate.
   bool rim = r > 1.0 - 3.0 / size;
   vec3 dark = size < 8.0 ? color * 0.45 : vec3(0.05, 0.07, 0.09);
-  result = vec4(rim ? dark : color, opacity);
+  result = vec4(rim ? dark : color, opacity * strength);
 }
 `;
 
@@ -214,10 +270,9 @@ export const kBoxVertex = /* glsl */ `
 precision highp float;
 in vec3 corner;
 in vec3 low, high;
-uniform vec3 center;
 uniform float scale;
 void main() {
-  vec3 p = (mix(low, high, corner) - center) * scale;
+  vec3 p = mix(low, high, corner) * scale;
   gl_Position = projectionMatrix * viewMatrix * vec4(p, 1.0);
 }
 `;

@@ -5,6 +5,7 @@ import { getFloats, getJson, type ObjectInfo, type Radius } from './api';
 import { floatsOf } from './surface';
 
 const kMaxDeviations = 3;
+const kRadii = 2; // Sliders first go to this multiple of the certified radius.
 const kShownAtFirst = 8;
 const kPollMs = 700;
 
@@ -15,11 +16,15 @@ export class ShapePanel {
   ready = false;
   norm = 0;
   radius: Radius | null = null;
+  /** Per triangle: 1 where it is in a pair of patches that the proof leaves out; null if there are none. */
+  uncertified: Uint8Array | null = null;
 
   private readonly sliders: HTMLInputElement[] = [];
   private readonly values: HTMLElement[] = [];
   private readonly coordinates: Float64Array; // in standard deviations
   private readonly norms = el('p', { className: 'norm' });
+  private readonly wide = el('button', { className: 'small', type: 'button', hidden: true }, `Up to ${kMaxDeviations} σ`);
+  private range = kMaxDeviations;
   private readonly verdict = el('p', { className: 'verdict' });
   private readonly about = el('p', { className: 'note' });
   private mean: Float32Array | null = null;
@@ -41,7 +46,7 @@ export class ShapePanel {
     const model = this.object.model!;
     const rows = el('div', { className: 'sliders' });
     for (let j = 0; j < model.modes; ++j) {
-      const slider = el('input', { type: 'range', min: String(-kMaxDeviations), max: String(kMaxDeviations), step: '0.01', value: '0', 'aria-label': `Mode ${j + 1}, in standard deviations` });
+      const slider = el('input', { type: 'range', min: String(-kMaxDeviations), max: String(kMaxDeviations), step: 'any', value: '0', 'aria-label': `Mode ${j + 1}, in standard deviations` });
       const value = el('output', {}, '0 σ');
       slider.addEventListener('input', () => this.set(j, Number(slider.value)));
       slider.addEventListener('dblclick', () => this.set(j, 0));
@@ -57,8 +62,12 @@ export class ShapePanel {
       more.hidden = true;
     });
     const reset = el('button', { className: 'small', type: 'button', onclick: () => this.setAll(() => 0) }, 'Mean shape');
-    const random = el('button', { className: 'small', type: 'button', title: 'Samples every mode from the normal distribution of the training poses', onclick: () => this.setAll(normal) }, 'A likely shape');
-    this.element.append(this.norms, this.verdict, el('div', { className: 'row' }, reset, random, more), rows, this.about);
+    const random = el('button', { className: 'small', type: 'button', title: 'Samples every mode from the normal distribution of the training poses', onclick: () => this.showLikely() }, 'A likely shape');
+    this.wide.addEventListener('click', () => {
+      this.setRange(kMaxDeviations);
+      this.wide.hidden = true;
+    });
+    this.element.append(this.norms, this.verdict, el('div', { className: 'row' }, reset, random, more, this.wide), rows, this.about);
   }
 
   /** Loads the mean and the modes, and asks for the radius, when the panel is first opened. */
@@ -94,14 +103,42 @@ export class ShapePanel {
       this.radius = { state: 'failed', error: String((error as Error).message) };
       this.failed(error);
     }
+    const left = this.radius.uncertified_triangles ?? [];
+    if (left.length > 0) {
+      this.uncertified = new Uint8Array(this.object.triangles);
+      for (const face of left) this.uncertified[face] = 1;
+    }
+    this.fitSliders();
     this.describe();
     this.changed();
     if (this.radius.state === 'computing') setTimeout(() => void this.askRadius(), kPollMs);
   }
 
+  /** A radius far below the sliders' ends would be too small to be seen or hit: they end nearby until the user asks for all. */
+  private fitSliders(): void {
+    const radius = this.radius?.state === 'done' ? (this.radius.radius ?? 0) : 0;
+    this.wide.hidden = !(radius > 0 && kRadii * radius < kMaxDeviations);
+    if (!this.wide.hidden) this.setRange(kRadii * radius);
+  }
+
+  private setRange(range: number): void {
+    this.range = Math.min(kMaxDeviations, range);
+    for (const slider of this.sliders) {
+      slider.min = String(-this.range);
+      slider.max = String(this.range);
+    }
+    this.describe();
+  }
+
   private set(mode: number, deviations: number): void {
     this.coordinates[mode] = deviations;
     this.compute();
+  }
+
+  private showLikely(): void {
+    this.setRange(kMaxDeviations);
+    this.wide.hidden = true;
+    this.setAll(normal);
   }
 
   private setAll(value: () => number): void {
@@ -141,7 +178,7 @@ export class ShapePanel {
       setText(this.values[j]!, `${c > 0 ? '+' : ''}${c.toFixed(2)} σ`);
       // The range of this slider inside the radius while the others stay.
       const limit = radius === null ? 0 : Math.sqrt(Math.max(0, radius * radius - (sum - c * c)));
-      const share = Math.min(1, limit / kMaxDeviations);
+      const share = Math.min(1, limit / this.range);
       slider.style.setProperty('--in-from', `${50 - 50 * share}%`);
       slider.style.setProperty('--in-to', `${50 + 50 * share}%`);
     });
@@ -154,12 +191,21 @@ export class ShapePanel {
     if (!radius) return { text: 'Requesting the certified radius…', kind: 'open' };
     if (radius.state === 'computing') return { text: `Computing the certified radius: ${percent(radius.progress ?? 0)}`, kind: 'open' };
     if (radius.state === 'failed') return { text: `No certified radius: ${radius.error ?? 'it failed'}`, kind: 'open' };
-    if (!this.inside) return { text: 'Outside the certified radius: nothing is proven here', kind: 'outside' };
+    if (!this.inside) return { text: `Outside the certified radius (${short(this.norm)} σ from the mean, proven up to ${short(radius.radius ?? 0)} σ): no part is proven here. ${this.farthest()}`, kind: 'outside' };
     const uncertified = radius.uncertified ?? 0;
     return {
       text: `Inside the certified radius: proven not to touch itself${uncertified > 0 ? `, but for ${counted(uncertified, 'pair')} of patches` : ''}`,
       kind: 'inside',
     };
+  }
+
+  /** The slider that goes farthest. */
+  private farthest(): string {
+    let far = 0;
+    this.coordinates.forEach((c, j) => {
+      if (Math.abs(c) > Math.abs(this.coordinates[far]!)) far = j;
+    });
+    return `Mode ${far + 1} goes farthest, ${short(Math.abs(this.coordinates[far] ?? 0))} σ`;
   }
 
   private showVerdict(): void {
@@ -170,7 +216,7 @@ export class ShapePanel {
     const model = this.object.model!;
     const parts = [`σ: standard deviations of ${counted(model.poses, 'training pose')}. Green on a slider: inside the certified radius, the others as they are.`];
     if (done?.share !== undefined) parts.push(`${percent(done.share)} of a normal distribution of shapes lies inside it.`);
-    if (done?.uncertified) parts.push(`${counted(done.uncertified, 'pair')} of patches that touch or nearly touch in the mean shape ${done.uncertified === 1 ? 'is' : 'are'} not covered; foldproof radius lists them.`);
+    if (done?.uncertified) parts.push(`${counted(done.uncertified, 'pair')} of patches that touch or nearly touch in the mean shape ${done.uncertified === 1 ? 'is' : 'are'} not covered (orange on the shape); foldproof radius lists them.`);
     setText(this.about, parts.join(' '));
   }
 }

@@ -18,8 +18,8 @@ function lattice(): THREE.Vector3[] {
  * The direction nearest to `preferred` from which nothing farther than `minDistance` hides the point; `preferred` if there is
  * none. Directions from nearly straight above or below are excluded: there the camera would roll.
  */
-export function clearDirection(surfaces: Surface[], point: THREE.Vector3, minDistance: number, preferred: THREE.Vector3): THREE.Vector3 {
-  const candidates = [preferred, ...lattice().filter((d) => Math.abs(d.y) < 0.95).sort((a, b) => b.dot(preferred) - a.dot(preferred))];
+export function clearDirection(surfaces: Surface[], point: THREE.Vector3, minDistance: number, preferred: THREE.Vector3, up: THREE.Vector3): THREE.Vector3 {
+  const candidates = [preferred, ...lattice().filter((d) => Math.abs(d.dot(up)) < 0.95).sort((a, b) => b.dot(preferred) - a.dot(preferred))];
   const shown = surfaces.filter((surface) => surface.mesh.visible);
   return candidates.find((d) => !shown.some((surface) => surface.blocks(new THREE.Ray(point, d), minDistance))) ?? preferred;
 }

@@ -1,161 +1,169 @@
-// The camera, its controls, and the picture. Draws only when something has changed.
+// The picture: what is in it, when it is drawn, and pictures of it. Draws only when something has changed.
 import * as THREE from 'three';
-import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { Camera } from './camera';
+import { Gizmo } from './gizmo';
+import { Ground } from './ground';
+import type { FocusUniforms } from './surface';
 
-export type Side = 'front' | 'side' | 'top';
-const kSides: Record<Side, THREE.Vector3> = {
-  front: new THREE.Vector3(0, 0, 1),
-  side: new THREE.Vector3(1, 0, 0),
-  top: new THREE.Vector3(0, 1, 0.0001),
-};
-const kFlightMs = 450;
+const kOverview = 0.24; // of the shorter side of the picture
 
-/** The framing margin as a factor; on narrow screens it keeps the content clear of the buttons over the picture. */
-const framingMargin = ({ clientWidth, clientHeight }: HTMLElement): number => (clientWidth < 700 ? 1 / Math.max(0.4, 1 - 104 / Math.max(1, clientHeight)) : 1.03);
-
-interface Flight {
-  start: number;
-  from: THREE.Vector3;
-  fromTarget: THREE.Vector3;
-  to: THREE.Vector3;
-  toTarget: THREE.Vector3;
+/** The chosen contact, in the scene. */
+export interface Focus {
+  point: THREE.Vector3;
+  radius: number;
+  sides: [THREE.Vector3, THREE.Vector3]; // the middle of each
 }
 
 export class Stage {
   readonly scene = new THREE.Scene();
-  readonly camera = new THREE.PerspectiveCamera(32, 1, 0.01, 100);
   readonly canvas = document.createElement('canvas');
+  readonly camera: Camera;
+  readonly ground = new Ground();
+  readonly gizmo: Gizmo;
   readonly viewport: THREE.IUniform = { value: new THREE.Vector2(1, 1) };
   readonly ratio = Math.min(devicePixelRatio, 2);
+  readonly focusUniforms: FocusUniforms = { focus: { value: new THREE.Vector4() }, nearSide: { value: 0 }, clip: { value: new THREE.Vector4(0, 0, 0, 1) } };
+  focus: Focus | null = null;
   private readonly renderer: THREE.WebGLRenderer;
-  private readonly controls: OrbitControls;
-  private flight: Flight | null = null;
+  private readonly wide = new THREE.PerspectiveCamera(32, 1, 0.01, 200);
+  private readonly marker = new THREE.Mesh(new THREE.SphereGeometry(1, 16, 12), new THREE.MeshBasicMaterial({ color: 0xd52c00, depthTest: false, transparent: true }));
   private dirty = true;
 
-  /** `frame` maps mesh units to those of the scene, where the first frame's box has size 2 and center 0. */
+  /** Positions in mesh units from the scene's center are multiplied by `scale`: the first frame's box has size 2. */
   constructor(
     readonly parent: HTMLElement,
-    readonly frame: { center: THREE.Vector3; scale: number },
-    private readonly bounds: () => THREE.Box3, // of what is shown, mesh units
+    readonly scale: number,
+    private readonly bounds: () => THREE.Box3, // of what is shown, in the scene
   ) {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('aria-label', 'The meshes: drag to orbit, right-drag or two fingers to pan, wheel or pinch to zoom');
     parent.prepend(this.canvas);
     this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: 'high-performance' });
     this.renderer.setPixelRatio(this.ratio);
-    this.controls = new OrbitControls(this.camera, this.canvas);
-    this.controls.enableDamping = true;
-    this.controls.dampingFactor = 0.18;
-    this.controls.zoomToCursor = true;
-    this.controls.minDistance = 1e-4;
-    this.controls.maxDistance = 40;
-    this.controls.addEventListener('change', () => (this.dirty = true));
-    this.controls.addEventListener('start', () => (this.flight = null));
+    this.renderer.autoClear = false;
+    this.camera = new Camera(this.canvas, parent, bounds, () => (this.dirty = true));
+    this.gizmo = new Gizmo((side) => this.camera.side(side), () => this.camera.up);
+    this.marker.renderOrder = 9;
+    this.marker.visible = false;
+    this.scene.add(this.ground.grid, this.marker);
     new ResizeObserver(() => this.resize()).observe(parent);
     this.resize();
-    this.reset(false);
   }
 
   redraw(): void {
     this.dirty = true;
   }
 
-  background(color: string): void {
+  background(color: string, grid: string): void {
     this.renderer.setClearColor(new THREE.Color(color));
+    this.ground.color(grid);
     this.redraw();
   }
 
-  /** Shows everything, slightly from above and from the side. */
-  reset(animated = true): void {
-    this.lookFrom(new THREE.Vector3(0.45, 0.25, 1), animated);
-  }
-
-  side(side: Side): void {
-    this.lookFrom(kSides[side], true);
-  }
-
-  private lookFrom(direction: THREE.Vector3, animated: boolean): void {
-    const d = direction.clone().normalize();
-    const up = Math.abs(d.y) > 0.9 ? new THREE.Vector3(0, 0, -1) : new THREE.Vector3(0, 1, 0);
-    const right = up.clone().cross(d).normalize();
-    const above = d.clone().cross(right);
-    const box = this.bounds();
-    const size = box.getSize(new THREE.Vector3()).multiplyScalar(this.frame.scale);
-    const half = (axis: THREE.Vector3) => (Math.abs(axis.x) * size.x + Math.abs(axis.y) * size.y + Math.abs(axis.z) * size.z) / 2;
-    const tangent = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
-    const distance = half(d) + framingMargin(this.parent) * Math.max(half(above) / tangent, half(right) / (tangent * this.camera.aspect), 1e-3);
-    const target = box.getCenter(new THREE.Vector3()).sub(this.frame.center).multiplyScalar(this.frame.scale);
-    this.fly(d.multiplyScalar(distance).add(target), target, animated);
-  }
-
-  /** The direction from the target to the eye. */
-  get direction(): THREE.Vector3 {
-    return this.camera.position.clone().sub(this.controls.target).normalize();
-  }
-
-  /** Moves to a point in mesh units, so near that `size` fills a good part of the picture. */
-  approach(point: THREE.Vector3, size: number, direction = this.direction): void {
-    const target = point.clone().sub(this.frame.center).multiplyScalar(this.frame.scale);
-    const distance = Math.max((5 * size * this.frame.scale) / Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2)), 1e-3);
-    this.fly(target.clone().addScaledVector(direction, distance), target, true);
-  }
-
-  private fly(to: THREE.Vector3, toTarget: THREE.Vector3, animated: boolean): void {
-    const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
-    if (!animated || still) {
-      this.flight = null;
-      this.camera.position.copy(to);
-      this.controls.target.copy(toTarget);
-    } else {
-      this.flight = { start: performance.now(), from: this.camera.position.clone(), fromTarget: this.controls.target.clone(), to, toTarget };
-    }
-    this.dirty = true;
-  }
-
-  orbit(right: number, up: number): void {
-    const offset = this.camera.position.clone().sub(this.controls.target);
-    const spherical = new THREE.Spherical().setFromVector3(offset);
-    spherical.theta -= right;
-    spherical.phi = Math.min(Math.max(spherical.phi - up, 0.01), Math.PI - 0.01);
-    this.camera.position.setFromSpherical(spherical).add(this.controls.target);
-    this.dirty = true;
-  }
-
-  zoom(factor: number): void {
-    const offset = this.camera.position.clone().sub(this.controls.target).multiplyScalar(factor);
-    this.camera.position.copy(this.controls.target).add(offset);
-    this.dirty = true;
-  }
-
-  /** The ray under a point of the window, in mesh units. */
+  /** The ray under a point of the window, in mesh units from the scene's center. */
   ray(x: number, y: number): THREE.Ray {
     const box = this.canvas.getBoundingClientRect();
     const caster = new THREE.Raycaster();
-    caster.setFromCamera(new THREE.Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2), this.camera);
+    caster.setFromCamera(new THREE.Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2), this.camera.eye);
     const { origin, direction } = caster.ray;
-    return new THREE.Ray(origin.clone().divideScalar(this.frame.scale).add(this.frame.center), direction.clone());
+    return new THREE.Ray(origin.clone().divideScalar(this.scale), direction.clone());
   }
 
   /** Draws if something has changed; true if it did. */
   draw(now: number): boolean {
-    if (this.flight) {
-      const { start, from, fromTarget, to, toTarget } = this.flight;
-      const s = Math.min(1, (now - start) / kFlightMs);
-      const eased = s * s * (3 - 2 * s);
-      this.camera.position.lerpVectors(from, to, Math.max(0, eased));
-      this.controls.target.lerpVectors(fromTarget, toTarget, Math.max(0, eased));
-      if (s >= 1) this.flight = null;
-      this.dirty = true;
-    }
-    this.controls.update();
+    if (this.camera.update(now)) this.dirty = true;
     if (!this.dirty) return false;
     this.dirty = false;
-    const distance = this.camera.position.distanceTo(this.controls.target);
-    this.camera.near = Math.max(distance * 0.02, 1e-5);
-    this.camera.far = distance + 20;
-    this.camera.updateProjectionMatrix();
-    this.renderer.render(this.scene, this.camera);
+    this.render();
     return true;
+  }
+
+  private render(): void {
+    const { eye } = this.camera;
+    this.camera.fitDepth();
+    eye.updateMatrixWorld();
+    this.setFocus(eye);
+    this.renderer.clear();
+    this.renderer.render(this.scene, eye);
+    this.gizmo.show(eye);
+    if (this.focus) this.renderOverview(this.focus);
+  }
+
+  private setFocus(eye: THREE.Camera | null): void {
+    const { focus, nearSide } = this.focusUniforms;
+    if (!this.focus || !eye) {
+      focus.value.w = 0;
+      nearSide.value = 0;
+      return;
+    }
+    const at = this.focus.point.clone().applyMatrix4(eye.matrixWorldInverse);
+    focus.value.set(at.x, at.y, at.z, 2.2 * this.focus.radius);
+    const [a, b] = this.focus.sides.map((side) => side.clone().applyMatrix4(eye.matrixWorldInverse).z);
+    nearSide.value = a! > b! ? 1 : 2;
+  }
+
+  /** Everything, small in a corner, with a dot at the chosen contact. */
+  private renderOverview({ point }: Focus): void {
+    const { wide, renderer } = this;
+    const { clientWidth: width, clientHeight: height } = this.parent;
+    const size = Math.round(kOverview * Math.min(width, height));
+    const sphere = this.bounds().getBoundingSphere(new THREE.Sphere());
+    const distance = (1.05 * sphere.radius) / Math.sin(THREE.MathUtils.degToRad(wide.fov / 2));
+    wide.up.copy(this.camera.up);
+    wide.position.copy(sphere.center).addScaledVector(this.camera.direction, distance);
+    wide.lookAt(sphere.center);
+    wide.near = 0.01 * distance;
+    wide.far = 3 * distance;
+    wide.updateProjectionMatrix();
+    wide.updateMatrixWorld();
+    this.setFocus(null);
+    this.marker.position.copy(point);
+    this.marker.scale.setScalar(0.05 * sphere.radius);
+    this.marker.visible = true;
+    // Top right; on a narrow picture the buttons are there, so bottom left.
+    const [left, bottom] = width < 700 ? [10, 10] : [width - size - 10, height - size - 10];
+    renderer.setViewport(left, bottom, size, size);
+    renderer.setScissor(left, bottom, size, size);
+    renderer.setScissorTest(true);
+    renderer.clear();
+    renderer.render(this.scene, wide);
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, width, height);
+    this.marker.visible = false;
+  }
+
+  /** A small picture of the scene as it is, from where the camera is; the picture on the page stays. */
+  thumbnail(width: number, height: number): ImageData {
+    const { eye } = this.camera;
+    const target = new THREE.WebGLRenderTarget(width, height);
+    const ground = this.renderer.getClearColor(new THREE.Color());
+    const wide = this.wide;
+    const sphere = this.bounds().getBoundingSphere(new THREE.Sphere());
+    wide.copy(eye);
+    if (this.focus === null) {
+      wide.position.copy(sphere.center).addScaledVector(this.camera.direction, sphere.radius / Math.sin(THREE.MathUtils.degToRad(wide.fov / 2)));
+    }
+    wide.aspect = width / height;
+    wide.updateProjectionMatrix();
+    wide.updateMatrixWorld();
+    this.renderer.setRenderTarget(target);
+    this.renderer.setClearColor(ground.clone().convertLinearToSRGB()); // what a target gets is not converted
+    this.renderer.clear();
+    this.renderer.render(this.scene, wide);
+    const pixels = new Uint8ClampedArray(4 * width * height);
+    this.renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
+    this.renderer.setRenderTarget(null);
+    this.renderer.setClearColor(ground);
+    target.dispose();
+    const image = new ImageData(width, height);
+    for (let y = 0; y < height; ++y) image.data.set(pixels.subarray(4 * width * (height - 1 - y), 4 * width * (height - y)), 4 * width * y);
+    return image;
+  }
+
+  /** The picture as PNG. */
+  png(): Promise<Blob | null> {
+    this.render(); // The canvas keeps its content only until the browser shows it.
+    return new Promise((done) => this.canvas.toBlob(done, 'image/png'));
   }
 
   private resize(): void {
@@ -163,7 +171,7 @@ export class Stage {
     if (width === 0 || height === 0) return;
     this.renderer.setSize(width, height, false);
     (this.viewport.value as THREE.Vector2).set(width, height);
-    this.camera.aspect = width / height;
+    this.camera.eye.aspect = width / height;
     this.dirty = true;
     this.draw(performance.now()); // At once, as resizing clears the canvas.
   }

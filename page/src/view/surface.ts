@@ -1,7 +1,8 @@
 // One object's surface. Positions and data of triangles are in textures, see shaders.ts.
 import * as THREE from 'three';
-import { errorColor, kClay, kGray, kNothingToProve, kObjectColors, kPink, kPurple, kReasons, kRed, marginColor, type Rgb } from '../shared/colors';
+import { errorColor, kBlue, kClay, kGray, kNothingToProve, kObjectColors, kOrange, kPink, kPurple, kReasons, kRed, marginColor, type Rgb } from '../shared/colors';
 import type { ObjectInfo } from './api';
+import { vertexNormals } from './normals';
 import { kSurfaceFragment, kSurfaceVertex } from './shaders';
 
 const kRow = 2048; // Texels in a row; every WebGL 2 supports 2048 rows.
@@ -13,20 +14,42 @@ export const vec3 = ([r, g, b]: Rgb): THREE.Vector3 => new THREE.Vector3(r / 255
 export const rampOf = (color: (value: number) => Rgb): THREE.Vector3[] =>
   Array.from({ length: 9 }, (_, k) => vec3(color(k / 8)));
 
-/** A texture of positions, with a tag for its current content. */
+function vectorTexture(data: Float32Array<ArrayBuffer>): THREE.DataTexture {
+  const texture = new THREE.DataTexture(data, kRow, data.length / 3 / kRow, THREE.RGBFormat, THREE.FloatType);
+  texture.internalFormat = 'RGB32F';
+  texture.needsUpdate = true;
+  return texture;
+}
+
+/** A small integer per triangle. */
+function markTexture(): THREE.DataTexture {
+  const texture = new THREE.DataTexture(new Uint8Array(kRow), kRow, 1, THREE.RedIntegerFormat, THREE.UnsignedByteType);
+  texture.needsUpdate = true; // An integer texture without an upload would be bound as another type.
+  return texture;
+}
+
+function setMarks(texture: THREE.DataTexture, marks: Uint8Array): void {
+  const padded = new Uint8Array(Math.ceil(marks.length / kRow) * kRow);
+  padded.set(marks);
+  texture.dispose();
+  texture.image = { data: padded, width: kRow, height: padded.length / kRow };
+  texture.needsUpdate = true;
+}
+
+/** Textures of positions and normals, with a tag for their current content. */
 class Positions {
-  private readonly texture: THREE.DataTexture;
+  readonly texture: THREE.DataTexture;
+  readonly normals: THREE.DataTexture;
   data: Float32Array<ArrayBuffer>;
   tag = '';
 
-  constructor(private readonly floats: number) {
+  constructor(
+    private readonly floats: number,
+    private readonly triangles: Uint32Array | null, // null: without normals
+  ) {
     this.data = new Float32Array(floats);
-    this.texture = new THREE.DataTexture(this.data, kRow, floats / 3 / kRow, THREE.RGBFormat, THREE.FloatType);
-    this.texture.internalFormat = 'RGB32F';
-    this.texture.needsUpdate = true;
-  }
-  get uniform(): THREE.DataTexture {
-    return this.texture;
+    this.texture = vectorTexture(this.data);
+    this.normals = vectorTexture(new Float32Array(triangles ? floats : 3 * kRow));
   }
   set(data: Float32Array<ArrayBuffer>, tag: string): void {
     if (data.length !== this.floats) throw new Error('positions of another size');
@@ -34,9 +57,9 @@ class Positions {
     this.texture.image.data = data;
     this.texture.needsUpdate = true;
     this.tag = tag;
-  }
-  dispose(): void {
-    this.texture.dispose();
+    if (!this.triangles) return;
+    vertexNormals(data, this.triangles, this.normals.image.data as Float32Array);
+    this.normals.needsUpdate = true;
   }
 }
 
@@ -44,9 +67,9 @@ class Positions {
 class FramePair {
   a: Positions;
   b: Positions;
-  constructor(floats: number) {
-    this.a = new Positions(floats);
-    this.b = new Positions(floats);
+  constructor(floats: number, triangles: Uint32Array | null) {
+    this.a = new Positions(floats, triangles);
+    this.b = new Positions(floats, triangles);
   }
   set(dataA: Float32Array<ArrayBuffer>, tagA: string, dataB: Float32Array<ArrayBuffer>, tagB: string): void {
     if (this.a.tag !== tagA && this.b.tag === tagA) [this.a, this.b] = [this.b, this.a];
@@ -54,6 +77,13 @@ class FramePair {
     if (this.a.tag !== tagA) this.a.set(dataA, tagA);
     if (this.b.tag !== tagB) this.b.set(dataB, tagB);
   }
+}
+
+/** The chosen contact and the plane that cuts, common to all surfaces. */
+export interface FocusUniforms extends Record<string, THREE.IUniform> {
+  focus: THREE.IUniform<THREE.Vector4>;
+  nearSide: THREE.IUniform<number>;
+  clip: THREE.IUniform<THREE.Vector4>;
 }
 
 export interface Poses {
@@ -66,14 +96,17 @@ const kPaints: Paint[] = ['plain', 'level', 'margin', 'error'];
 
 export class Surface {
   readonly mesh: THREE.Mesh;
+  /** Marked triangles that are hidden, shining through. */
+  readonly glow: THREE.Mesh;
   /** Uniforms that give vertex positions, shared with marks at vertices of this object. */
-  readonly positionUniforms: Record<'posA' | 'posB' | 'blend' | 'center' | 'scale', THREE.IUniform>;
+  readonly positionUniforms: Record<'posA' | 'posB' | 'blend' | 'scale', THREE.IUniform>;
   private readonly material: THREE.ShaderMaterial;
   private readonly shown: FramePair;
   private other: FramePair | null = null;
   private readonly faces: THREE.DataTexture;
   private faceSource: Uint8Array<ArrayBuffer> | null = null;
-  private readonly crossTexture: THREE.DataTexture;
+  private readonly crossTexture = markTexture();
+  private readonly contactTexture = markTexture();
   private crossing: Uint8Array<ArrayBuffer> | null = null;
 
   constructor(
@@ -81,19 +114,16 @@ export class Surface {
     readonly index: number,
     readonly triangles: Uint32Array,
     reasons: string[],
-    frame: { center: THREE.Vector3; scale: number },
+    scale: number,
+    focus: FocusUniforms,
   ) {
-    this.shown = new FramePair(floatsOf(info.vertices));
-    this.faces = new THREE.DataTexture(new Uint8Array(kRow), kRow, 1, THREE.RedIntegerFormat, THREE.UnsignedByteType);
-    this.faces.needsUpdate = true; // An integer texture without an upload would be bound as another type.
-    this.crossTexture = new THREE.DataTexture(new Uint8Array(kRow), kRow, 1, THREE.RedIntegerFormat, THREE.UnsignedByteType);
-    this.crossTexture.needsUpdate = true;
+    this.shown = new FramePair(floatsOf(info.vertices), triangles);
+    this.faces = markTexture();
     this.positionUniforms = {
-      posA: { value: this.shown.a.uniform },
-      posB: { value: this.shown.b.uniform },
+      posA: { value: this.shown.a.texture },
+      posB: { value: this.shown.b.texture },
       blend: { value: 0 },
-      center: { value: frame.center },
-      scale: { value: frame.scale },
+      scale: { value: scale },
     };
     this.material = new THREE.ShaderMaterial({
       glslVersion: THREE.GLSL3,
@@ -102,8 +132,15 @@ export class Surface {
       side: THREE.DoubleSide,
       uniforms: {
         ...this.positionUniforms,
-        refA: { value: this.shown.a.uniform },
-        refB: { value: this.shown.b.uniform },
+        ...focus,
+        normalA: { value: this.shown.a.normals },
+        normalB: { value: this.shown.b.normals },
+        refA: { value: this.shown.a.texture },
+        refB: { value: this.shown.b.texture },
+        contact: { value: this.contactTexture },
+        showContact: { value: false },
+        first: { value: vec3(kOrange) },
+        second: { value: vec3(kBlue) },
         faces: { value: this.faces },
         triangles: { value: info.triangles },
         surface: { value: 0 },
@@ -131,6 +168,21 @@ export class Surface {
     geometry.boundingSphere = new THREE.Sphere(new THREE.Vector3(), 1e9);
     this.mesh = new THREE.Mesh(geometry, this.material);
     this.mesh.frustumCulled = false;
+    const hidden = new THREE.ShaderMaterial({
+      glslVersion: THREE.GLSL3,
+      vertexShader: kSurfaceVertex,
+      fragmentShader: kSurfaceFragment,
+      defines: { GLOW: 1 },
+      uniforms: this.material.uniforms,
+      side: THREE.DoubleSide,
+      transparent: true,
+      depthFunc: THREE.GreaterDepth,
+      depthWrite: false,
+    });
+    this.glow = new THREE.Mesh(geometry, hidden);
+    this.glow.frustumCulled = false;
+    this.glow.renderOrder = 1;
+    this.mesh.add(this.glow); // so that both are shown or hidden together
   }
 
   private set(name: string, value: unknown): boolean {
@@ -143,22 +195,26 @@ export class Surface {
   /** Sets the two poses between which the surface is interpolated. */
   pose(a: Poses, b: Poses, blend: number): void {
     this.shown.set(a.data, a.tag, b.data, b.tag);
-    this.positionUniforms.posA.value = this.shown.a.uniform;
-    this.positionUniforms.posB.value = this.shown.b.uniform;
+    this.positionUniforms.posA.value = this.shown.a.texture;
+    this.positionUniforms.posB.value = this.shown.b.texture;
+    this.set('normalA', this.shown.a.normals);
+    this.set('normalB', this.shown.b.normals);
     this.positionUniforms.blend.value = blend;
   }
 
   /** Sets the two poses from which errors are measured. */
   reference(a: Poses, b: Poses): void {
-    this.other ??= new FramePair(floatsOf(this.info.vertices));
+    this.other ??= new FramePair(floatsOf(this.info.vertices), null);
     this.other.set(a.data, a.tag, b.data, b.tag);
-    this.set('refA', this.other.a.uniform);
-    this.set('refB', this.other.b.uniform);
+    this.set('refA', this.other.a.texture);
+    this.set('refB', this.other.b.texture);
   }
 
   /** Sets the data of the triangles in the current step; null if there is none (yet). */
   setFaces(data: Uint8Array<ArrayBuffer> | null, changed: boolean): void {
     this.set('hasFaces', data !== null);
+    const { hasFaces, showCollisions, showCrossings, showContact } = this.material.uniforms;
+    this.glow.visible = (hasFaces!.value && showCollisions!.value) || showCrossings!.value || showContact!.value;
     if (data === null || (data === this.faceSource && !changed)) return;
     this.faceSource = data;
     if (this.faces.image.height !== data.length / kRow) this.faces.dispose();
@@ -168,13 +224,15 @@ export class Surface {
 
   /** Sets which triangles cross others in the first frame, one byte each. */
   setCrossingFaces(data: Uint8Array<ArrayBuffer>): void {
-    const padded = new Uint8Array(Math.ceil(data.length / kRow) * kRow);
-    padded.set(data);
     this.crossing = data;
     this.crossingFaces = data.reduce((sum, one) => sum + one, 0);
-    this.crossTexture.dispose();
-    this.crossTexture.image = { data: padded, width: kRow, height: padded.length / kRow };
-    this.crossTexture.needsUpdate = true;
+    setMarks(this.crossTexture, data);
+  }
+
+  /** Sets which part of the chosen contact each triangle is (shaders.ts); null without one. */
+  setContact(marks: Uint8Array | null): void {
+    this.set('showContact', marks !== null);
+    if (marks) setMarks(this.contactTexture, marks);
   }
 
   crosses(face: number): boolean {
@@ -194,7 +252,7 @@ export class Surface {
     (this.material.uniforms['edgeColor']!.value as THREE.Vector3).copy(vec3(options.edgeColor));
   }
 
-  /** The current position of a vertex, in mesh units. */
+  /** The current position of a vertex, in mesh units from the scene's center. */
   vertex(v: number, out: THREE.Vector3): THREE.Vector3 {
     const { data: a } = this.shown.a;
     const { data: b } = this.shown.b;

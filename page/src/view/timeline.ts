@@ -1,13 +1,14 @@
-// The timeline: the answers of all steps, and the current position.
+// The timeline: buttons, the position, and the track.
 import { el, icon, setText } from '../shared/dom';
-import { collisionsOf, stepText, type Step } from '../shared/steps';
+import { stepText, type Step } from '../shared/steps';
 import type { SceneInfo } from './api';
 import type { Check } from './check';
 import type { Clock } from './clock';
+import type { HoverCard } from './hovercard';
+import type { Track } from './track';
 
 const kPlay = 'M7 4v16l13-8z';
 const kPause = 'M6 4h4v16H6zm8 0h4v16h-4z';
-const kStartWidth = 9;
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4];
 
 export interface TimelineActions {
@@ -21,22 +22,38 @@ export interface TimelineActions {
 export class Timeline {
   readonly element: HTMLElement;
   private readonly playIcon = icon(kPlay);
-  private readonly strip = el('canvas', { className: 'strip' });
-  private readonly cursor = el('div', { className: 'cursor' });
+  private readonly number = el('input', { type: 'number', className: 'number', step: '1', 'aria-label': 'Frame', title: 'Type a frame (G)' });
   private readonly where = el('output', { className: 'where' });
   private readonly within = el('input', { type: 'range', min: '0', max: '1', step: '0.001', value: '0', className: 'within', 'aria-label': 'Time within the step' });
-  private readonly track: HTMLElement;
 
   constructor(
     private readonly scene: SceneInfo,
     private readonly clock: Clock,
     private readonly check: Check,
+    private readonly track: Track,
+    card: HoverCard,
     private readonly actions: TimelineActions,
   ) {
-    this.track = this.makeTrack();
-    this.element = el('div', { className: 'timeline' }, this.makeButtons(), this.track);
+    this.element = el('div', { className: 'timeline' }, this.makeButtons(), track.element, card.element);
     this.within.addEventListener('input', () => actions.seekTime(Number(this.within.value)));
-    new ResizeObserver(() => this.paint()).observe(this.track);
+    this.number.addEventListener('change', () => this.goToTyped());
+  }
+
+  /** Goes to the frame that was typed, or the last one before it. */
+  private goToTyped(): void {
+    const typed = this.number.valueAsNumber;
+    const numbers = this.scene.frame_numbers;
+    if (Number.isFinite(typed)) this.actions.seekPosition(Math.max(0, numbers.filter((number) => number <= typed).length - 1));
+    this.number.blur();
+  }
+
+  typeFrame(): void {
+    this.number.focus();
+    this.number.select();
+  }
+
+  paint(): void {
+    this.track.paint();
   }
 
   private makeButtons(): HTMLElement {
@@ -62,97 +79,17 @@ export class Timeline {
       button('M13 5v14l9-7zm-4 4a3 3 0 1 0 0 6 3 3 0 0 0 0-6z', 'Next step with collisions (N)', () => this.actions.collision(1), 'collision'),
       speed,
       el('label', { className: 'inner', title: 'Time within the step (, and .)' }, el('span', {}, 'in step'), this.within),
+      el('label', { className: 'go' }, 'frame ', this.number),
       this.where,
     );
   }
 
   changeSpeed: (by: number) => void = () => {};
 
-  private makeTrack(): HTMLElement {
-    const track = el(
-      'div',
-      { className: 'track', tabIndex: 0, role: 'slider', 'aria-label': 'Timeline, in frames', 'aria-valuemin': '0', 'aria-valuemax': String(this.scene.frames - 1) },
-      this.strip,
-      this.cursor,
-    );
-    const seek = (event: PointerEvent) => {
-      const box = track.getBoundingClientRect();
-      this.actions.seekPosition(((event.clientX - box.left) / box.width) * (this.scene.frames - 1));
-    };
-    track.addEventListener('pointerdown', (event) => {
-      track.setPointerCapture(event.pointerId);
-      seek(event);
-    });
-    track.addEventListener('pointermove', (event) => {
-      if (track.hasPointerCapture(event.pointerId)) seek(event);
-    });
-    return track;
-  }
-
-  /** The answers of all steps: hatched until checked; green up to where everything is proven free; gray where only new contacts are ruled out; red bars for numbers of collisions. Crossings in the first frame are marked at the start. */
-  paint(): void {
-    const { clientWidth: width, clientHeight: height } = this.track;
-    if (width === 0) return;
-    const ratio = Math.min(devicePixelRatio, 2);
-    this.strip.width = width * ratio;
-    this.strip.height = height * ratio;
-    const g = this.strip.getContext('2d')!;
-    g.scale(ratio, ratio);
-    const style = getComputedStyle(document.documentElement);
-    const color = (name: string) => style.getPropertyValue(name).trim();
-    g.fillStyle = color('--stage');
-    g.fillRect(0, 0, width, height);
-    g.strokeStyle = color('--line');
-    for (let x = -height; x < width; x += 6) {
-      g.beginPath();
-      g.moveTo(x, height);
-      g.lineTo(x + height, 0);
-      g.stroke();
-    }
-    const total = Math.max(1, this.scene.steps);
-    const { free, steps, startsCrossing } = this.check;
-    g.fillStyle = color('--calm');
-    g.fillRect(0, 0, (steps.length / total) * width, height);
-    g.fillStyle = color('--free');
-    g.fillRect(0, 0, (free / total) * width, height);
-    let maxCount = 1;
-    for (const step of steps) maxCount = Math.max(maxCount, collisionsOf(step));
-    if (startsCrossing) this.paintStart(g, this.clock.still ? width : kStartWidth, height, color);
-    g.fillStyle = color('--bar');
-    for (const step of steps) {
-      const count = collisionsOf(step);
-      if (count === 0) continue;
-      const barHeight = Math.max(5, (Math.log1p(count) / Math.log1p(maxCount)) * (height - 3));
-      const x = (step.number / total) * width;
-      g.fillRect(x, height - barHeight, Math.max(2, width / total + 0.4), barHeight);
-    }
-  }
-
-  private paintStart(g: CanvasRenderingContext2D, width: number, height: number, color: (name: string) => string): void {
-    g.save();
-    g.beginPath();
-    g.rect(0, 0, width, height);
-    g.clip();
-    g.fillStyle = color('--cross');
-    g.fillRect(0, 0, width, height);
-    g.strokeStyle = color('--cross-dark');
-    g.lineWidth = 2.5;
-    for (let x = 0; x < width + height; x += 6.5) {
-      g.beginPath();
-      g.moveTo(x, 0);
-      g.lineTo(x - height, height);
-      g.stroke();
-    }
-    g.restore();
-    g.fillStyle = color('--cross-dark');
-    g.fillRect(width - 1.5, 0, 1.5, height);
-  }
-
   /** Updates the cursor and the text of the position. */
   show(waiting: boolean): void {
     const { clock, scene } = this;
-    const share = scene.frames > 1 ? clock.position / (scene.frames - 1) : 0;
-    this.cursor.style.left = `${100 * share}%`;
+    this.track.showCursor();
     if (document.activeElement !== this.within) this.within.value = String(clock.t);
     const step = this.check.steps[clock.step];
     const from = scene.frame_numbers[clock.frame] ?? 0;
@@ -160,8 +97,9 @@ export class Timeline {
     const unchecked = { frame: from, next_frame: to, substep: clock.step % clock.substeps } as Step;
     const text = clock.still ? `frame ${from}` : `${stepText(step ?? unchecked, clock.substeps)}, ${clock.t.toFixed(3)} of the way`;
     setText(this.where, waiting ? `loading ${text}` : text);
-    this.track.setAttribute('aria-valuenow', clock.position.toFixed(3));
-    this.track.setAttribute('aria-valuetext', this.check.startsCrossing && clock.position === 0 ? `${text}, starts crossing` : text);
+    if (document.activeElement !== this.number) this.number.value = String(from + Math.round((to - from) * clock.blend * 100) / 100);
+    this.track.element.setAttribute('aria-valuenow', clock.position.toFixed(3));
+    this.track.element.setAttribute('aria-valuetext', this.check.startsCrossing && clock.position === 0 ? `${text}, starts crossing` : text);
   }
 
   showPlaying(playing: boolean): void {

@@ -1,0 +1,116 @@
+// The contacts that the check found, the worst first. They are known when it has ended.
+import { short } from '../shared/format';
+import { ApiError, getJson, type Contact, type ContactFrame, type ContactsAnswer, type SceneInfo } from './api';
+
+const kPage = 1000;
+
+export class Contacts {
+  items: Contact[] = [];
+  total = 0;
+  unknownFrames = 0;
+  state: 'waiting' | 'loading' | 'known' | 'none' = 'waiting'; // none: not looked for, or the check was stopped
+  private readonly details = new Map<number, Contact>();
+
+  constructor(
+    private readonly scene: SceneInfo,
+    private readonly changed: () => void,
+    private readonly failed: (error: unknown) => void,
+  ) {}
+
+  /** Fetches the list, once the check has ended. */
+  async load(): Promise<void> {
+    if (this.state !== 'waiting') return;
+    this.state = 'loading';
+    try {
+      const { searched, unknown_frames, total, items } = await getJson<ContactsAnswer>(`contacts?limit=${kPage}`);
+      this.items = items;
+      this.total = total;
+      this.unknownFrames = unknown_frames;
+      this.state = searched ? 'known' : 'none';
+    } catch (error) {
+      this.state = error instanceof ApiError ? 'none' : 'waiting';
+      if (this.state === 'waiting') this.failed(error);
+    }
+    this.changed();
+  }
+
+  /** A contact of the list with its triangles and curves. */
+  async detail(index: number): Promise<Contact> {
+    let contact = this.details.get(index);
+    if (!contact) {
+      contact = await getJson<Contact>(`contacts/${index}`);
+      this.details.set(index, contact);
+    }
+    return contact;
+  }
+
+  /** The index of the contact that begins first. */
+  get first(): number {
+    let best = 0;
+    this.items.forEach((contact, k) => {
+      if (contact.first_time < this.items[best]!.first_time) best = k;
+    });
+    return best;
+  }
+
+  /** A frame of the motion as a position of the timeline, which counts the selected frames. */
+  positionOf(time: number): number {
+    const numbers = this.scene.frame_numbers;
+    let k = 0;
+    while (k + 1 < numbers.length && numbers[k + 1]! <= time) ++k;
+    const [from, to] = [numbers[k] ?? 0, numbers[k + 1] ?? numbers[k] ?? 0];
+    return to > from ? k + (time - from) / (to - from) : k;
+  }
+
+  /** Those that cross, or touch, near a position, with what they are there. */
+  at(position: number): { index: number; contact: Contact; frame: ContactFrame | null }[] {
+    const found: { index: number; contact: Contact; frame: ContactFrame | null }[] = [];
+    this.items.forEach((contact, index) => {
+      if (position < this.positionOf(contact.first_time) - 0.5 || position > this.positionOf(contact.last_time) + 0.5) return;
+      let nearest: ContactFrame | null = null;
+      for (const frame of contact.frames) {
+        if (!nearest || Math.abs(this.positionOf(frame.time) - position) < Math.abs(this.positionOf(nearest.time) - position)) nearest = frame;
+      }
+      found.push({ index, contact, frame: nearest });
+    });
+    return found;
+  }
+
+  private get unit(): string {
+    const unit = this.scene.settings['unit'];
+    return typeof unit === 'string' && unit !== '' ? ` ${unit}` : '';
+  }
+
+  /** "0.0843 cm deep", or how long the curve is where there is no depth. */
+  sizeText(contact: Contact, frame = worstOf(contact)): string {
+    if (!frame) return 'touches between frames';
+    if (frame.depth !== null) return `${short(frame.depth)}${this.unit} deep`;
+    return `curve ${short(frame.curve_length)}${this.unit} long`;
+  }
+
+  /** The names of the two sides, where they differ. */
+  sideNames({ sides }: Contact): string[] {
+    const names = sides.map(({ name }) => name);
+    return names[0] === names[1] ? ['First side', 'Second side'] : names;
+  }
+
+  /** The names of the two sides as one; what is within one object is named by its place. */
+  title(contact: Contact): string {
+    const [a, b] = [contact.sides[0]!.name, contact.sides[1]!.name];
+    if (a !== b) return `${a} – ${b}`;
+    const at = contact.point.map((value) => String(Number(value.toPrecision(2)))).join(', ');
+    return this.scene.objects.length > 1 || this.scene.objects[0]!.name !== a ? `within ${a}` : `at (${at})`;
+  }
+}
+
+export function worstOf(contact: Contact): ContactFrame | undefined {
+  return contact.frames.find(({ time }) => time === contact.worst);
+}
+
+/** The frames in which a contact is, as text. */
+export function framesText(contact: Contact): string {
+  const { frames, first_time, last_time } = contact;
+  if (frames.length === 0) return `frame ${short(first_time)}`;
+  const [from, to] = [Math.floor(first_time), Math.ceil(last_time)];
+  return from === to ? `frame ${from}` : `frames ${from}–${to}`;
+}

@@ -1,0 +1,59 @@
+// A card over the timeline: the frame under the pointer, its contacts, and a small picture.
+import { el } from '../shared/dom';
+import { grouped } from '../shared/format';
+import { collisionsOf } from '../shared/steps';
+import type { SceneInfo } from './api';
+import type { Check } from './check';
+import type { Contacts } from './contacts';
+
+const kWidth = 168;
+const kHeight = 112;
+const kMaxLines = 4;
+const kRestMs = 60; // A picture is drawn when the pointer rests.
+
+export class HoverCard {
+  readonly element = el('div', { className: 'hovercard', hidden: true });
+  private readonly picture = el('canvas', { width: kWidth, height: kHeight });
+  private readonly text = el('div', { className: 'lines' });
+  private timer = 0;
+
+  constructor(
+    private readonly scene: SceneInfo,
+    private readonly check: Check,
+    private readonly contacts: Contacts,
+    private readonly draw: (position: number, width: number, height: number) => ImageData | null, // null: not loaded
+  ) {
+    this.element.append(this.picture, this.text);
+  }
+
+  show(position: number, x: number, width: number, lane: number | null): void {
+    const frame = Math.round(position);
+    this.text.replaceChildren(el('strong', {}, `frame ${this.scene.frame_numbers[frame] ?? frame}`), ...this.lines(frame, lane));
+    this.element.hidden = false;
+    this.element.style.left = `${Math.min(Math.max(0, x - kWidth / 2), Math.max(0, width - kWidth - 16))}px`;
+    clearTimeout(this.timer);
+    this.timer = window.setTimeout(() => {
+      const image = this.draw(frame, kWidth, kHeight);
+      this.picture.hidden = image === null;
+      if (image) this.picture.getContext('2d')!.putImageData(image, 0, 0);
+    }, kRestMs);
+  }
+
+  private lines(frame: number, lane: number | null): HTMLElement[] {
+    const found = this.contacts.at(frame);
+    if (found.length === 0) {
+      const step = this.check.steps[frame * Number(this.scene.substeps)];
+      return [el('span', {}, step ? (collisionsOf(step) > 0 ? `${grouped(collisionsOf(step))} colliding pairs` : 'no contact') : 'not checked')];
+    }
+    const first = found.filter(({ index }) => index === lane);
+    const listed = [...first, ...found.filter(({ index }) => index !== lane)].slice(0, kMaxLines);
+    const lines = listed.map(({ contact, frame }) => el('span', {}, `#${contact.number} ${this.contacts.sizeText(contact, frame ?? undefined)}`));
+    if (found.length > kMaxLines) lines.push(el('span', {}, `and ${found.length - kMaxLines} more`));
+    return lines;
+  }
+
+  hide(): void {
+    clearTimeout(this.timer);
+    this.element.hidden = true;
+  }
+}
