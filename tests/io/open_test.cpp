@@ -60,6 +60,34 @@ TEST_F(OpenTest, FramesAreInNaturalOrder) {
   }
 }
 
+TEST_F(OpenTest, NumberedMeshesAreTheFramesOfOneMotion) {
+  for (const int k : {1, 2, 10}) files.write("run/f" + std::to_string(k) + ".obj", obj_at(k));
+  const auto heights = [](Motion& motion) {
+    std::vector<double> z;
+    for (Index k = 0; k < motion.frame_count(); ++k) z.push_back(frame(motion, k)[2]);
+    return z;
+  };
+  // As a shell expands f*.obj.
+  const std::vector<std::string> expanded{files.path("run/f1.obj"), files.path("run/f10.obj"),
+                                          files.path("run/f2.obj"), files.write("other.obj", obj_at(9))};
+  const auto motions = open_motions(expanded);
+  ASSERT_TRUE(motions);
+  ASSERT_EQ(motions->size(), 2u);
+  EXPECT_THAT(heights(*(*motions)[0]), ::testing::ElementsAre(1, 2, 10));
+  EXPECT_EQ((*motions)[0]->name(), files.path("run/f1.obj") + " to " + files.path("run/f10.obj"));
+  EXPECT_EQ((*motions)[1]->name(), files.path("other.obj"));
+  EXPECT_EQ(open_motions(expanded, {.separate = true})->size(), 4u);
+
+  const auto pattern = open({files.path("run/f%02d.obj")});
+  ASSERT_TRUE(pattern);
+  EXPECT_THAT(heights(*pattern), ::testing::ElementsAre(1, 2, 10));
+  EXPECT_EQ(open_error({files.path("run/g%d.obj")}),
+            "run/g%d.obj: matches no files; %d stands for a number in their names");
+  const auto odd = open({files.write("100%d.obj", obj_at(4))});
+  ASSERT_TRUE(odd) << "a file of this name exists";
+  EXPECT_EQ(frame(*odd, 0)[2], 4);
+}
+
 TEST_F(OpenTest, ANameWithGlobCharactersThatExistsIsAFile) {
   const auto motion = open({files.write("a[1].obj", obj_at(4))});
   ASSERT_TRUE(motion);
