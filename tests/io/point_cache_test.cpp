@@ -107,9 +107,9 @@ TEST_F(PointCacheTest, NamesWhatIsWrongWithAHeader) {
 TEST_F(PointCacheTest, NamesWhatIsMissing) {
   const std::string mesh = files.write("a.obj", kObj), cache = files.write("a.pc2", pc2(3, 2, kTwoFrames));
   EXPECT_EQ(open_error({cache}),
-            "a.pc2: is a point cache without a mesh; name its OBJ, OFF or PLY file right before it");
+            "a.pc2: is a point cache without a mesh; name its mesh file right before it");
   EXPECT_EQ(open_error({mesh, cache, cache}),
-            "a.pc2: is a point cache without a mesh; name its OBJ, OFF or PLY file right before it");
+            "a.pc2: is a point cache without a mesh; name its mesh file right before it");
   EXPECT_EQ(open_error({mesh, files.path("b.pc2")}),
             "b.pc2: cannot be opened: No such file or directory; check the name and the permissions");
   EXPECT_EQ(open_error({files.path("b.obj"), cache}),
