@@ -16,6 +16,7 @@
 
 #include "base/try.h"
 #include "io/formats.h"
+#include "io/numbered.h"
 
 namespace foldproof {
 namespace {
@@ -223,6 +224,8 @@ std::vector<fs::path> read_under(const std::string& name, Input input) {
       for (std::size_t k = 0; k < matches.gl_pathc; ++k) add_file(matches.gl_pathv[k], files);
     }
     ::globfree(&matches);
+  } else if (const auto pattern = io::number_pattern(name); pattern && !fs::exists(name, code)) {
+    for (const std::string& file : io::numbered_files(*pattern)) add_file(file, files);
   } else {
     add_file(name, files);
   }

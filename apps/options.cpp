@@ -56,6 +56,10 @@ void add_motion_options(const Subcommand& command, MotionOptions& options) {
       .add_flag("--weld", options.read.weld,
                 "Merge vertices that coincide in the first frame (changes vertex numbers)")
       .group(kMotionGroup);
+  command
+      .add_flag("--separate", options.read.separate,
+                "Numbered mesh files are motions of their own, not frames of one")
+      .group(kMotionGroup);
 }
 
 Result<FrameRange> frame_range_of(const MotionOptions& options) {

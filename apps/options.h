@@ -21,11 +21,13 @@ inline constexpr const char* kMotionGroup = "Which part of the motion";
 /// Describes motions, for the footer of a help text.
 inline constexpr const char* kMotionHelp = R"(A MOTION is one topology and its frames:
   walk.glb  walk.gltf  walk.npz   an animation; NPZ holds 'faces' and 'vertices' (frames x n x 3)
-  walk.obj walk.pc2               a mesh (OBJ, OFF, PLY) followed by its point cache (.pc2, .mdd)
+  x.npy faces.npy                 the same as two files
+  walk.obj walk.pc2               a mesh (OBJ, OFF, PLY, STL) followed by its point cache (.pc2, .mdd)
   frames/  'frames/*.ply'         a directory or a quoted glob of meshes, a frame each, in natural order
+  walk_%04d.obj  walk_*.obj       numbered meshes, a frame each; --separate makes them motions of their own
 )";
 
-/// Adds --frames, --fps and --weld.
+/// Adds --frames, --fps, --weld and --separate.
 void add_motion_options(const Subcommand& command, MotionOptions& options);
 
 /// The frames that --frames selects. Error: --frames or --fps is invalid.

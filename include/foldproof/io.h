@@ -39,14 +39,18 @@ class Motion {
 struct ReadOptions {
   double fps = 24;    ///< Sampling rate for animated glTF, frames per second.
   bool weld = false;  ///< Merge vertices that have exactly equal coordinates in the first frame.
+  /// Mesh files whose names differ only in a number are motions of their own, not frames of one.
+  bool separate = false;
 };
 
 /// A path's extension in lower case, with its dot; empty when it has none.
 std::string extension_of(const std::string& path);
 
 /// Opens the motions that a command line names. An OBJ, OFF or PLY file followed by its .pc2 or .mdd is one
-/// motion. Every other argument is a motion of its own: a mesh file (one frame), a directory or quoted glob
-/// of mesh files (a frame each, in natural order), or a .gltf, .glb or .npz file.
+/// motion; so are mesh files one after the other whose names differ only in a number (unless
+/// ReadOptions::separate). Every other argument is a motion of its own: a mesh file (one frame); a directory
+/// or quoted glob of mesh files, or a name with "%d" or "%04d" for their number (a frame each, in natural
+/// order); or a .gltf, .glb or .npz file.
 Result<std::vector<std::unique_ptr<Motion>>> open_motions(std::span<const std::string> arguments,
                                                           const ReadOptions& options = {});
 
@@ -104,7 +108,8 @@ Result<void> write_obj_pc2(const std::string& obj_path, const std::string& pc2_p
 Result<void> write_npz(const std::string& path, Motion& motion);
 
 /// Writes a motion in the format that the extension names: .npz; .obj, with the frames in a .pc2 beside it
-/// when there are several; .ply, for one frame.
+/// when there are several; .ply, for one frame. "%d" or "%04d" in the name of an .obj or .ply: a file per
+/// frame, numbered from 0; an error removes those that it has written.
 Result<void> write_motion(const std::string& path, Motion& motion);
 
 /// Finite numbers from a file.

@@ -116,11 +116,12 @@ class Predictor {
   Eigen::VectorXd from_key_points(const VectorView& key_positions) const;
   /// From all vertices of a pose: its best reconstruction in the subspace.
   Eigen::VectorXd from_all_points(const VectorView& x) const;
+  /// From coordinates of the subspace, one per mode.
+  Eigen::VectorXd from_coordinates(const Eigen::VectorXd& p) const;
   /// Of the reconstructions of a pose.
   PoseError error(const VectorView& x) const;
 
  private:
-  Eigen::VectorXd reconstruct(const Eigen::VectorXd& p) const;
   std::shared_ptr<const Learned> learned_;
   KeyPointMap map_;
 };

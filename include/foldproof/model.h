@@ -93,6 +93,25 @@ struct TrainHooks {
 Result<Model> train_model(std::span<const TrainPose> poses, const TrainSettings& settings,
                           const TrainHooks& hooks = {});
 
+struct SampleSettings {
+  Index count = 10;        ///< Number of shapes, at least 1.
+  std::uint64_t seed = 1;  ///< The same seed gives the same shapes.
+  double spread = 1;       ///< Factor of the learned standard deviations; positive.
+};
+
+struct Samples {
+  std::unique_ptr<Motion> shapes;  ///< A frame per shape, computed when it is read.
+  std::uint64_t drawn = 0;         ///< With those that were refused.
+};
+
+/// Draws shapes from what the model has learned: each mode's coordinate from a normal distribution with the
+/// deviation of the training poses. Refuses those in which two triangles cross, so that all others are proven
+/// free of that (StepChecker::check_static). Vertices are rounded to single precision before, so that files
+/// of any format hold the shapes that were checked. Error: nothing is learned, a setting out of range,
+/// cancelled, more than 1000 draws of which less than one in a hundred is free.
+Result<Samples> sample_shapes(const Model& model, const SampleSettings& settings,
+                              const TrainHooks& hooks = {});
+
 /// Writes a file (docs/model.md), which appears whole or not at all. Error: it cannot be written, or would
 /// exceed 2 GB.
 Result<void> save_model(const Model& model, const std::string& path);

@@ -1,5 +1,8 @@
 #include "io/formats.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 namespace foldproof::io {
@@ -16,9 +19,11 @@ constexpr FileFormat kFormats[] = {
     {.extension = ".obj", .kind = FileKind::Mesh, .parse_mesh = parse_obj},
     {.extension = ".off", .kind = FileKind::Mesh, .parse_mesh = parse_off},
     {.extension = ".ply", .kind = FileKind::Mesh, .parse_mesh = parse_ply},
+    {.extension = ".stl", .kind = FileKind::Mesh, .parse_mesh = parse_stl},
     {.extension = ".pc2", .kind = FileKind::PointCache, .open_cache = open_pc2},
     {.extension = ".mdd", .kind = FileKind::PointCache, .open_cache = open_mdd},
     {.extension = ".npz", .kind = FileKind::Animation, .open_animation = open_archive},
+    {.extension = ".npy", .kind = FileKind::Array},
     {.extension = ".gltf", .kind = FileKind::Animation, .open_animation = open_scene},
     {.extension = ".glb", .kind = FileKind::Animation, .open_animation = open_scene},
 };
@@ -30,6 +35,16 @@ const FileFormat* format_of(const std::string& path) {
   const auto found =
       std::ranges::find_if(kFormats, [&](const FileFormat& format) { return extension == format.extension; });
   return found == std::end(kFormats) ? nullptr : found;
+}
+
+std::string extensions_of(FileKind kind) {
+  std::vector<std::string_view> found;
+  for (const FileFormat& format : kFormats) {
+    if (format.kind == kind) found.push_back(format.extension);
+  }
+  const std::string_view last = found.back();
+  found.pop_back();
+  return found.empty() ? std::string(last) : fmt::format("{} or {}", fmt::join(found, ", "), last);
 }
 
 bool is_kind(const std::string& path, FileKind kind) {

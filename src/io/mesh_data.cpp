@@ -43,7 +43,7 @@ Result<MeshData> read_mesh(const std::string& path) {
   const FileFormat* format = format_of(path);
   if (format == nullptr || format->kind != FileKind::Mesh)
     return fail(ErrorCode::UnsupportedFormat, path, "is not a mesh format that is read here",
-                "give .obj, .off or .ply");
+                fmt::format("give {}", extensions_of(FileKind::Mesh)));
   auto file = FOLDPROOF_TRY(read_file(path));
   const std::string_view bytes(file.data(), file.size());
   auto mesh = format->parse_mesh(path, bytes);

@@ -4,9 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <charconv>
-#include <optional>
 
-#include "io/bytes.h"
+#include "base/try.h"
 
 namespace foldproof::io {
 namespace {
@@ -111,7 +110,7 @@ class DictionaryParser {
 
 Result<NpyHeader> parse_npy_header(const std::string& where, std::string_view bytes) {
   const auto bad = [&](const char* problem) {
-    return fail(ErrorCode::InvalidFile, where, problem, "save the archive with numpy.savez again");
+    return fail(ErrorCode::InvalidFile, where, problem, kSaveArrayAgain);
   };
   if (bytes.size() < 12 || !bytes.starts_with(kMagic)) return bad("is not a NumPy array");
   const int version = static_cast<unsigned char>(bytes[6]);
@@ -142,6 +141,36 @@ std::int64_t load_integer(const char* bytes, const NpyHeader& header) {
     default:
       return load<std::int64_t>(bytes, header.order);
   }
+}
+
+Result<void> NpyArray::parse(std::string where, std::string_view start, std::uint64_t size) {
+  where_ = std::move(where);
+  header_ = FOLDPROOF_TRY(parse_npy_header(where_, start));
+  if (header_.fortran_order) {
+    return fail(ErrorCode::UnsupportedFormat, where_, "is in Fortran order",
+                "save numpy.ascontiguousarray(array)");
+  }
+  elements_ = (size - header_.data) / header_.item_bytes;
+  std::uint64_t remaining = elements_;
+  bool fits = (size - header_.data) % header_.item_bytes == 0;
+  for (const std::uint64_t extent : header_.shape) {
+    if (extent == 0)
+      return fail(ErrorCode::InvalidFile, where_, "is empty", "save at least one triangle and one frame");
+    fits = fits && remaining % extent == 0;
+    remaining /= extent;
+  }
+  if (!fits || remaining != 1) {
+    return fail(ErrorCode::InvalidFile, where_,
+                fmt::format("its shape does not fit its {} bytes", size - header_.data), kSaveArrayAgain);
+  }
+  return {};
+}
+
+Result<void> NpyFile::open(const std::string& path) {
+  file_ = FOLDPROOF_TRY(InputFile::open(path));
+  std::vector<char> start(std::min<std::uint64_t>(file_->size(), kNpyHeaderLimit));
+  FOLDPROOF_TRY(file_->read_at(0, start));
+  return parse(path, {start.data(), start.size()}, file_->size());
 }
 
 std::string npy_header(std::string_view type, std::span<const std::uint64_t> shape) {

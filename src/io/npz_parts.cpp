@@ -42,7 +42,7 @@ std::string text_of(std::string_view bytes, const NpyHeader& header) {
 }
 
 /// Calls `use` with the bytes of each element, in order; memory holds a block of them.
-Result<void> for_each_element(NpzArray& array, const auto& use) {
+Result<void> for_each_element(NpyArray& array, const auto& use) {
   const std::size_t item = array.header().item_bytes;
   const std::uint64_t per_block = std::max<std::uint64_t>(1, (std::uint64_t{1} << 20) / item);
   std::vector<char> block;
@@ -56,9 +56,9 @@ Result<void> for_each_element(NpzArray& array, const auto& use) {
   return {};
 }
 
-Result<ObjectParts> parts_from(NpzArray& array, std::string_view kind) {
+Result<ObjectParts> parts_from(NpyArray& array, std::string_view kind) {
   const NpyHeader& header = array.header();
-  if (header.kind == 'i' || header.kind == 'u') {
+  if (array.is_integer()) {
     std::vector<std::int64_t> numbers;
     numbers.reserve(array.elements());
     FOLDPROOF_TRY(for_each_element(
@@ -94,7 +94,7 @@ Result<ObjectParts> npz_parts(zip_t* archive, const std::string& path, std::uint
     name.resize(name.size() - kEnding.size());
     const std::string_view kind = part_kind(name);
     NpzArray array;
-    if (kind.empty() || !array.open(archive, path, file_size, name.c_str(), "") ||
+    if (kind.empty() || !array.open(archive, path, file_size, name, "") ||
         !is_per_triangle(array.header(), triangles))
       continue;
     return parts_from(array, kind);

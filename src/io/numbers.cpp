@@ -104,7 +104,7 @@ Result<NumberTable> read_npz_numbers(const std::string& path, const std::string&
   const auto archive = FOLDPROOF_TRY(open_archive(path, bytes));
   NpzArray numbers;
   const std::string remedy = fmt::format("save an array of that name, with numpy.savez(file, {}=...)", array);
-  FOLDPROOF_TRY(numbers.open(archive.get(), path, bytes, array.c_str(), remedy.c_str()));
+  FOLDPROOF_TRY(numbers.open(archive.get(), path, bytes, array, remedy));
   const NpyHeader& header = numbers.header();
   if (header.kind != 'f' || header.item_bytes < 4) {
     return fail(ErrorCode::UnsupportedFormat, numbers.where(), "is not float32 or float64",

@@ -23,11 +23,11 @@ class ObjParser {
       } else if (keyword == "f" || keyword == "fo") {  // "fo" is an obsolete form of "f"
         read = read_face();
       } else if (keyword == "o") {
-        begin_part(objects_);
+        objects_.begin(mesh_.triangles.size(), cursor_.rest_of_line());
       } else if (keyword == "g") {
-        begin_part(groups_);
+        groups_.begin(mesh_.triangles.size(), cursor_.rest_of_line());
       } else if (keyword == "usemtl") {
-        begin_part(materials_);
+        materials_.begin(mesh_.triangles.size(), cursor_.rest_of_line());
       }  // other statements affect neither positions nor connectivity
       if (!read) return tl::unexpected(read.error());
     }
@@ -44,12 +44,6 @@ class ObjParser {
   }
 
  private:
-  // Statements without a name are the default group's.
-  void begin_part(NameRuns& names) {
-    const std::string_view name = cursor_.rest_of_line();
-    names.begin(mesh_.triangles.size(), name.empty() ? "default" : name);
-  }
-
   // Columns after the third (a weight or a color) are ignored.
   Result<void> read_vertex() {
     for (int k = 0; k < 3; ++k) {

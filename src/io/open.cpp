@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <new>
+#include <optional>
 
 #include "io/formats.h"
+#include "io/numbered.h"
 
 namespace foldproof {
 namespace io {
@@ -15,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_mesh(const std::string& path) { return is_kind(path, FileKind::Mesh); }
+bool is_array(const std::string& path) { return is_kind(path, FileKind::Array); }
 bool is_point_cache(const std::string& path) { return is_kind(path, FileKind::PointCache); }
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -54,7 +57,8 @@ Result<std::unique_ptr<Motion>> open_frames(const std::string& name, std::vector
   std::sort(paths.begin(), paths.end(), natural_less);
   const auto mesh = std::find_if(paths.begin(), paths.end(), is_mesh);
   if (mesh == paths.end()) {
-    return fail(ErrorCode::InvalidArgument, name, "holds no OBJ, OFF or PLY files",
+    return fail(ErrorCode::InvalidArgument, name,
+                fmt::format("holds no {} files", extensions_of(FileKind::Mesh)),
                 "name mesh files, or a directory that holds them");
   }
   for (const std::string& p : paths) {
@@ -100,33 +104,55 @@ Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const Read
   const fs::file_status status = fs::status(argument, ignored);
   if (fs::is_directory(status)) return open_directory(argument);
   if (!fs::exists(status) && argument.find_first_of("*?[") != std::string::npos) return open_glob(argument);
+  if (const auto pattern = number_pattern(argument); pattern && !fs::exists(status)) {
+    auto files = numbered_files(*pattern);
+    if (files.empty())
+      return fail(ErrorCode::FileAccess, argument, "matches no files",
+                  "%d stands for a number in their names");
+    return open_frames(argument, std::move(files));
+  }
   const FileFormat* format = format_of(argument);
   if (format == nullptr)
     return fail(ErrorCode::UnsupportedFormat, argument, "is not a format that is read here",
-                "give .obj, .off, .ply, .gltf, .glb or .npz, or a mesh followed by its .pc2 or .mdd");
+                fmt::format("give {}, {}, or a mesh followed by its {}", extensions_of(FileKind::Mesh),
+                            extensions_of(FileKind::Animation), extensions_of(FileKind::PointCache)));
   switch (format->kind) {
     case FileKind::Mesh:
       return open_sequence(argument, {argument});
     case FileKind::Animation:
       return format->open_animation(argument, options);
+    case FileKind::Array:
+      return fail(ErrorCode::InvalidArgument, argument, "is one array",
+                  "name two .npy files, one after the other: vertices and faces");
     case FileKind::PointCache:
       break;
   }
   return fail(ErrorCode::InvalidArgument, argument, "is a point cache without a mesh",
-              "name its OBJ, OFF or PLY file right before it");
+              "name its mesh file right before it");
 }
 
 Result<std::vector<std::unique_ptr<Motion>>> open_all(std::span<const std::string> arguments,
                                                       const ReadOptions& options) {
   std::vector<std::unique_ptr<Motion>> motions;
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    const std::string& argument = arguments[i];
+  for (std::size_t i = 0; i < arguments.size();) {
+    const auto rest = arguments.subspan(i);
+    const std::size_t numbered = options.separate ? 1 : count_numbered(rest);
     Result<std::unique_ptr<Motion>> motion;
-    if (is_mesh(argument) && i + 1 < arguments.size() && is_point_cache(arguments[i + 1])) {
-      const std::string& cache = arguments[++i];
-      motion = format_of(cache)->open_cache(argument, cache);
+    if (is_mesh(rest[0]) && rest.size() > 1 && is_point_cache(rest[1])) {
+      motion = format_of(rest[1])->open_cache(rest[0], rest[1]);
+      i += 2;
+    } else if (numbered > 1) {
+      const auto files = rest.first(numbered);
+      motion = open_frames(fmt::format("{} to {}", *std::ranges::min_element(files, natural_less),
+                                       *std::ranges::max_element(files, natural_less)),
+                           {files.begin(), files.end()});
+      i += numbered;
+    } else if (is_array(rest[0]) && rest.size() > 1 && is_array(rest[1])) {
+      motion = open_npy(rest[0], rest[1]);
+      i += 2;
     } else {
-      motion = open_one(argument, options);
+      motion = open_one(rest[0], options);
+      ++i;
     }
     if (motion && options.weld) motion = weld(std::move(*motion));
     if (!motion) return tl::unexpected(motion.error());

@@ -57,7 +57,7 @@ std::string_view part_kind(std::string_view name) {
 
 void NameRuns::begin(std::size_t triangle, std::string_view name) {
   if (!runs_.empty() && runs_.back().first == triangle) runs_.pop_back();  // had no triangles
-  runs_.push_back({triangle, std::string(name)});
+  runs_.push_back({triangle, name.empty() ? "default" : std::string(name)});
 }
 
 ObjectParts NameRuns::parts(std::size_t triangles) const {

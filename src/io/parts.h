@@ -21,7 +21,7 @@ std::string_view part_kind(std::string_view name);
 /// Names that hold from a triangle on until the next, in files with statements such as "g arm".
 class NameRuns {
  public:
-  /// `triangle`: the next one, never smaller than before.
+  /// `triangle`: the next one, never smaller than before. An empty name is "default".
   void begin(std::size_t triangle, std::string_view name);
   /// Triangles before the first name belong to "default".
   ObjectParts parts(std::size_t triangles) const;

@@ -19,10 +19,14 @@ struct Layout {
 
 class PointCache final : public Motion {
  public:
-  PointCache(InputFile file, Layout layout, Topology topology, ObjectParts parts)
-      : topology_(std::move(topology)), parts_(std::move(parts)), file_(std::move(file)), layout_(layout) {}
+  PointCache(std::string name, InputFile file, Layout layout, Topology topology, ObjectParts parts)
+      : name_(std::move(name)),
+        topology_(std::move(topology)),
+        parts_(std::move(parts)),
+        file_(std::move(file)),
+        layout_(layout) {}
 
-  const std::string& name() const override { return file_.path(); }
+  const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
   const ObjectParts& parts() const override { return parts_; }
   Index frame_count() const override { return static_cast<Index>(layout_.frames); }
@@ -38,6 +42,7 @@ class PointCache final : public Motion {
   }
 
  private:
+  std::string name_;
   Topology topology_;
   ObjectParts parts_;
   InputFile file_;
@@ -123,7 +128,8 @@ Result<std::unique_ptr<Motion>> open_cache(const std::string& mesh_path, const s
   auto mesh = FOLDPROOF_TRY(read_mesh(mesh_path));
   FOLDPROOF_TRY(check_layout(file, layout, mesh.vertex_count(), mesh_path));
   auto topology = FOLDPROOF_TRY(Topology::make(mesh.vertex_count(), std::move(mesh.triangles)));
-  return std::make_unique<PointCache>(std::move(file), layout, std::move(topology), std::move(mesh.parts));
+  return std::make_unique<PointCache>(mesh_path, std::move(file), layout, std::move(topology),
+                                      std::move(mesh.parts));
 }
 
 }  // namespace

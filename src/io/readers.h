@@ -33,6 +33,8 @@ inline constexpr std::uint64_t kMaxTriangles = kNoIndex / 3 - 1;
 Result<MeshData> parse_obj(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_off(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_ply(const std::string& path, std::string_view bytes);
+/// Corners at exactly the same place are one vertex.
+Result<MeshData> parse_stl(const std::string& path, std::string_view bytes);
 /// Reads and parses a mesh file, by its extension. On success it also has vertices and triangles, no more
 /// than the maxima above.
 Result<MeshData> read_mesh(const std::string& path);
@@ -52,6 +54,8 @@ Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, const std
 
 /// NumPy archive with `faces` and `vertices`.
 Result<std::unique_ptr<Motion>> open_npz(const std::string& path);
+/// Two NumPy files: the one with integers holds the faces.
+Result<std::unique_ptr<Motion>> open_npy(const std::string& one, const std::string& other);
 /// glTF or GLB, sampled at `fps`.
 Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps);
 

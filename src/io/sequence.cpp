@@ -53,7 +53,9 @@ class MeshSequence final : public Motion {
   Result<void> check_same(Index k, const MeshData& mesh) const {
     const auto different = [&](std::string problem) {
       return fail(ErrorCode::InvalidFile, with_frame(paths_[k], k), std::move(problem),
-                  "give frames of one mesh, with the same faces in the same order");
+                  extension_of(paths_[k]) == ".stl"
+                      ? "export OBJ or PLY: STL does not number vertices, so those at one place are one"
+                      : "give frames of one mesh, with the same faces in the same order");
     };
     if (mesh.vertex_count() != topology_.vertex_count()) {
       return different(fmt::format("has {} vertices, but the first frame has {}", mesh.vertex_count(),

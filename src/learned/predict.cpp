@@ -44,7 +44,7 @@ class PredictedMotion final : public Motion {
 Predictor::Predictor(std::shared_ptr<const Learned> learned)
     : learned_(std::move(learned)), map_(learned_->pca, learned_->key_points.vertices) {}
 
-VectorXd Predictor::reconstruct(const VectorXd& p) const {
+VectorXd Predictor::from_coordinates(const VectorXd& p) const {
   if (!learned_->kernel) return learned_->pca.reconstruct(p);
   const KernelPca& kernel = *learned_->kernel;
   const VectorXd y = kernel.pca.project(learned_->pca.reconstruct(p));
@@ -52,11 +52,11 @@ VectorXd Predictor::reconstruct(const VectorXd& p) const {
 }
 
 VectorXd Predictor::from_key_points(const VectorView& key_positions) const {
-  return reconstruct(map_.coordinates(key_positions));
+  return from_coordinates(map_.coordinates(key_positions));
 }
 
 VectorXd Predictor::from_all_points(const VectorView& x) const {
-  return reconstruct(learned_->pca.project(x));
+  return from_coordinates(learned_->pca.project(x));
 }
 
 PoseError Predictor::error(const VectorView& x) const {

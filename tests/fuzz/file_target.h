@@ -49,6 +49,11 @@ inline void open_and_read(const std::vector<std::string>& arguments, bool weld) 
     return;
   }
   Motion& motion = *motions->front();
+  const ObjectParts& parts = motion.parts();
+  if (!parts.names.empty() && parts.of_triangle.size() != motion.topology().triangles().size()) std::abort();
+  for (const Index part : parts.of_triangle) {
+    if (part >= parts.names.size()) std::abort();
+  }
   std::vector<double> positions(std::size_t{3} * motion.topology().vertex_count());
   for (const Index k : {Index{0}, motion.frame_count() - 1}) {
     if (!check(motion.read_frame(k, positions))) continue;
@@ -74,6 +79,19 @@ inline int read_as_cache(const char* extension, const std::uint8_t* data, std::s
   if (!std::filesystem::exists(mesh.path())) mesh.write(text.data(), text.size());
   file.write(reinterpret_cast<const char*>(data), size);
   open_and_read({mesh.path(), file.path()}, size % 2 == 1);
+  return 0;
+}
+
+/// The bytes as a .npy file, together with one of the faces of a triangle.
+inline int read_as_array(const std::uint8_t* data, std::size_t size) {
+  static const ScratchFile file(".npy");
+  static const ScratchFile faces("-faces.npy");
+  static const std::string array = std::string("\x93NUMPY\1\0\x3c\0", 10) +
+                                   "{'descr': '|u1', 'fortran_order': False, 'shape': (1, 3), }\n" +
+                                   std::string("\0\1\2", 3);
+  if (!std::filesystem::exists(faces.path())) faces.write(array.data(), array.size());
+  file.write(reinterpret_cast<const char*>(data), size);
+  open_and_read({file.path(), faces.path()}, size % 2 == 1);
   return 0;
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "io/gltf_builder.h"
+#include "io/npz_builder.h"
 
 namespace foldproof::testing {
 namespace {
@@ -31,6 +32,13 @@ GltfBuilder animated() {
   return b;
 }
 
+std::string binary_stl() {
+  std::string bytes(80, ' ');
+  bytes += bytes_of(std::uint32_t{1}) + std::string(12, '\0');
+  for (const double x : kTrianglePositions) bytes += bytes_of(static_cast<float>(x));
+  return bytes + "ab";
+}
+
 std::vector<Sample> samples() {
   const ScratchDirectory files;
   const auto topology = Topology::make(4, {{0, 1, 2}, {1, 3, 2}});
@@ -55,6 +63,13 @@ std::vector<Sample> samples() {
           {"a.ply", read_bytes(files.path("a.ply")), "", false},
           {"a.pc2", read_bytes(files.path("a.pc2")), obj, false},
           {"a.mdd", mdd, obj, false},
+          {"a.stl", binary_stl(), "", false},
+          {"b.stl",
+           "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+           "endfacet\nendsolid\n",
+           "", true},
+          {"a.npy", npy("<f8", "4, 3", array(still)),
+           npy("<i4", "2, 3", array<std::int32_t>({0, 1, 2, 1, 3, 2})), false},
           {"a.npz", read_bytes(files.path("a.npz")), "", false},
           {"a.gltf", b.gltf(), "", false},
           {"a.glb", b.glb(), "", false}};
@@ -65,7 +80,8 @@ class HostileTest : public IoTest {
   /// Opens, reads the first and the last frame; the error, if any, is one line that names the file.
   bool survives(const Sample& sample, std::string_view bytes) {
     std::vector<std::string> arguments;
-    if (!sample.mesh.empty()) arguments.push_back(files.write("mesh.obj", sample.mesh));
+    if (!sample.mesh.empty())
+      arguments.push_back(files.write(sample.name == "a.npy" ? "faces.npy" : "mesh.obj", sample.mesh));
     arguments.push_back(files.write(sample.name, bytes));
     const auto motions = open_motions(arguments);
     Result<void> read;
@@ -75,6 +91,9 @@ class HostileTest : public IoTest {
       read = motion.read_frame(0, positions);
       if (read) read = motion.read_frame(motion.frame_count() - 1, positions);
       for (const double x : positions) EXPECT_TRUE(!read || std::isfinite(x));
+      const ObjectParts& parts = motion.parts();
+      EXPECT_EQ(parts.of_triangle.size(), parts.names.empty() ? 0 : motion.topology().triangles().size());
+      for (const Index part : parts.of_triangle) EXPECT_LT(part, parts.names.size());
     } else {
       read = tl::unexpected(motions.error());
     }
@@ -146,6 +165,8 @@ TEST_F(HostileTest, FalseHeadersUseNoMemory) {
       {"a.ply",
        "ply\nformat binary_big_endian 1.0\nelement vertex 0" + ply_end + "1" + list + "\xff\xff\xff\xff", "",
        true},
+      {"a.stl", std::string(80, ' ') + "\xff\xff\xff\xff", ""},
+      {"a.npy", npy("<f8", "1152921504606846976, 3", ""), npy("<i4", "1, 3", array<std::int32_t>({0, 1, 2}))},
       {"a.pc2",
        std::string("POINTCACHE2\0", 12) + bytes_of(1, little) + bytes_of(3) + bytes_of(0.f) + bytes_of(1.f) +
            bytes_of(2147483647),

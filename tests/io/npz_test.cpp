@@ -61,11 +61,45 @@ TEST_F(NpzTest, ReadsEveryTypeOrderAndHeaderVersion) {
   }
 }
 
+TEST_F(NpzTest, ReadsArraysUnderTheNamesThatPeopleUse) {
+  for (const auto& [faces, vertices] : std::vector<std::pair<std::string, std::string>>{
+           {"F", "V"}, {"faces", "verts"}, {"triangles", "positions"}, {"tris", "points"}, {"f", "x"}}) {
+    const auto motion = open({npz({{faces + ".npy", kFaces}, {vertices + ".npy", kVertices}})});
+    ASSERT_TRUE(motion) << faces;
+    EXPECT_EQ(triangles(*motion), kOneTriangle);
+    EXPECT_EQ(motion->frame_count(), 2u);
+  }
+  const std::string rest = npy("<f8", "3, 3", array(kTrianglePositions));
+  const auto both = open({npz({{"V.npy", rest}, {"vertices.npy", kVertices}, {"F.npy", kFaces}})});
+  ASSERT_TRUE(both);
+  EXPECT_EQ(both->frame_count(), 2u);  // the usual name comes first
+}
+
+TEST_F(NpzTest, ReadsAPairOfNpyFilesInEitherOrder) {
+  const std::string faces = files.write("faces.npy", kFaces), vertices = files.write("x.npy", kVertices);
+  for (const auto& arguments : {std::vector{faces, vertices}, std::vector{vertices, faces}}) {
+    const auto motion = open(arguments);
+    ASSERT_TRUE(motion);
+    EXPECT_EQ(motion->name(), vertices);
+    EXPECT_EQ(triangles(*motion), kOneTriangle);
+    EXPECT_EQ(frame(*motion, 1), (std::vector<double>{-1, -2, -3, -4, -5, -6, -7, -8, -9}));
+  }
+  EXPECT_EQ(open_error({vertices}),
+            "x.npy: is one array; name two .npy files, one after the other: vertices and faces");
+  EXPECT_EQ(open_error({faces, faces}),
+            "faces.npy: is not float32 or float64; save vertices.astype('float64')");
+  EXPECT_EQ(open_error({vertices, vertices}), "x.npy: does not hold integers; save faces.astype('int32')");
+  EXPECT_EQ(open_error({faces, files.write("cut.npy", kVertices.substr(0, kVertices.size() - 8))}),
+            "cut.npy: its shape does not fit its 136 bytes; save the array with NumPy again");
+  EXPECT_EQ(open_error({faces, files.write("nan.npy", "abc")}),
+            "nan.npy: is not a NumPy array; save the array with NumPy again");
+}
+
 TEST_F(NpzTest, ReportsArrayAndRemedy) {
-  const std::string again = "; save the archive with numpy.savez again";
+  const std::string again = "; save the array with NumPy again";
   EXPECT_EQ(open_error({npz({{"faces.npy", kFaces}})}),
             "a.npz: holds no array 'vertices'; save arrays named 'faces' and 'vertices'");
-  EXPECT_EQ(open_error({npz({{"f.npy", kFaces}})}),
+  EXPECT_EQ(open_error({npz({{"v.npy", kVertices}})}),
             "a.npz: holds no array 'faces'; save arrays named 'faces' and 'vertices'");
   EXPECT_EQ(open_error({files.write("b.npz", "PK")}),
             "b.npz: is not a whole ZIP archive; copy the file again, or save it with numpy.savez");
@@ -140,7 +174,7 @@ TEST_F(NpzTest, NoticesDamagedPackedData) {
   ASSERT_TRUE(motion);
   for (int attempt = 0; attempt < 2; ++attempt) {
     EXPECT_EQ(frame_error(*motion, 1999),
-              "b.npz, array 'vertices': the packed data is damaged; save the archive with numpy.savez again");
+              "b.npz, array 'vertices': the packed data is damaged; save the array with NumPy again");
   }
 }
 

@@ -22,14 +22,15 @@ TEST_F(OpenTest, EveryArgumentIsAMotionOfItsOwn) {
 
 // Each row of the table has exactly the reader of its kind, which is called without a null check.
 TEST_F(OpenTest, EveryFormatHasTheReaderOfItsKind) {
-  for (const char* extension : {".obj", ".off", ".ply", ".pc2", ".mdd", ".npz", ".gltf", ".GLB"}) {
+  for (const char* extension :
+       {".obj", ".off", ".ply", ".stl", ".pc2", ".mdd", ".npz", ".npy", ".gltf", ".GLB"}) {
     const io::FileFormat* format = io::format_of(std::string("run/a") + extension);
     ASSERT_NE(format, nullptr) << extension;
     EXPECT_EQ(format->parse_mesh != nullptr, format->kind == io::FileKind::Mesh) << extension;
     EXPECT_EQ(format->open_cache != nullptr, format->kind == io::FileKind::PointCache) << extension;
     EXPECT_EQ(format->open_animation != nullptr, format->kind == io::FileKind::Animation) << extension;
   }
-  for (const char* path : {"a.stl", "obj", "a", "", "a.obj.zip"}) {
+  for (const char* path : {"a.step", "obj", "a", "", "a.obj.zip"}) {
     EXPECT_EQ(io::format_of(path), nullptr) << path;
     EXPECT_FALSE(io::read_mesh(path)) << path;
   }
@@ -60,6 +61,34 @@ TEST_F(OpenTest, FramesAreInNaturalOrder) {
   }
 }
 
+TEST_F(OpenTest, NumberedMeshesAreTheFramesOfOneMotion) {
+  for (const int k : {1, 2, 10}) files.write("run/f" + std::to_string(k) + ".obj", obj_at(k));
+  const auto heights = [](Motion& motion) {
+    std::vector<double> z;
+    for (Index k = 0; k < motion.frame_count(); ++k) z.push_back(frame(motion, k)[2]);
+    return z;
+  };
+  // As a shell expands f*.obj.
+  const std::vector<std::string> expanded{files.path("run/f1.obj"), files.path("run/f10.obj"),
+                                          files.path("run/f2.obj"), files.write("other.obj", obj_at(9))};
+  const auto motions = open_motions(expanded);
+  ASSERT_TRUE(motions);
+  ASSERT_EQ(motions->size(), 2u);
+  EXPECT_THAT(heights(*(*motions)[0]), ::testing::ElementsAre(1, 2, 10));
+  EXPECT_EQ((*motions)[0]->name(), files.path("run/f1.obj") + " to " + files.path("run/f10.obj"));
+  EXPECT_EQ((*motions)[1]->name(), files.path("other.obj"));
+  EXPECT_EQ(open_motions(expanded, {.separate = true})->size(), 4u);
+
+  const auto pattern = open({files.path("run/f%02d.obj")});
+  ASSERT_TRUE(pattern);
+  EXPECT_THAT(heights(*pattern), ::testing::ElementsAre(1, 2, 10));
+  EXPECT_EQ(open_error({files.path("run/g%d.obj")}),
+            "run/g%d.obj: matches no files; %d stands for a number in their names");
+  const auto odd = open({files.write("100%d.obj", obj_at(4))});
+  ASSERT_TRUE(odd) << "a file of this name exists";
+  EXPECT_EQ(frame(*odd, 0)[2], 4);
+}
+
 TEST_F(OpenTest, ANameWithGlobCharactersThatExistsIsAFile) {
   const auto motion = open({files.write("a[1].obj", obj_at(4))});
   ASSERT_TRUE(motion);
@@ -73,7 +102,8 @@ TEST_F(OpenTest, ReportsWhatIsNotAMotion) {
   files.write("cached/a.obj", obj_at(1));
   files.write("cached/a.pc2", "POINTCACHE2");
   const std::string no_mesh =
-      ": holds no OBJ, OFF or PLY files; name mesh files, or a directory that holds them";
+      ": holds no .obj, .off, .ply or .stl files; name mesh files, or a directory that "
+      "holds them";
   const std::string one = "; name one of them, or keep one format in a directory";
   EXPECT_EQ(open_error({files.path("empty")}), "empty" + no_mesh);
   EXPECT_EQ(open_error({files.path("empty/*")}), "empty/*" + no_mesh);
@@ -87,10 +117,9 @@ TEST_F(OpenTest, ReportsWhatIsNotAMotion) {
   EXPECT_EQ(open_error({files.path("none.obj")}), "none.obj" + check);
   EXPECT_EQ(open_error({files.path("none.gltf")}), "none.gltf" + check);
   EXPECT_EQ(open_error({files.path("none.npz")}), "none.npz" + check);
-  EXPECT_EQ(open_error({files.write("a.stl", "solid")}),
-            "a.stl: is not a format that is read here; give .obj, .off, .ply, .gltf, .glb or .npz, or a mesh "
-            "followed by "
-            "its .pc2 or .mdd");
+  EXPECT_EQ(open_error({files.write("a.xyz", "0 0 0")}),
+            "a.xyz: is not a format that is read here; give .obj, .off, .ply or .stl, .npz, .gltf or "
+            ".glb, or a mesh followed by its .pc2 or .mdd");
   EXPECT_EQ(open_error({}), "arguments: no motion is named; name a mesh file or a directory");
   std::filesystem::create_directory(files.path("dir.obj"));
   EXPECT_EQ(open_error({files.path("dir.obj")}), "dir.obj" + no_mesh);

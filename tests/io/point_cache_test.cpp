@@ -36,7 +36,7 @@ TEST_F(PointCacheTest, ReadsFramesInAnyOrder) {
     SCOPED_TRACE(cache);
     const auto motion = open({mesh, cache});
     ASSERT_TRUE(motion);
-    EXPECT_EQ(motion->name(), cache);
+    EXPECT_EQ(motion->name(), mesh);
     EXPECT_EQ(motion->frame_count(), 2u);
     EXPECT_EQ(triangles(*motion), kOneTriangle);
     EXPECT_EQ(frame(*motion, 1), (std::vector<double>{-1, -2, -3, -4, -5, -6, -7, -8, -9}));
@@ -49,7 +49,7 @@ TEST_F(PointCacheTest, RefusesAFrameThatIsNotThereAndABufferOfTheWrongSize) {
   const auto motion = open({files.write("a.obj", kObj), files.write("a.pc2", pc2(3, 2, kTwoFrames))});
   ASSERT_TRUE(motion);
   EXPECT_EQ(frame_error(*motion, 2),
-            "a.pc2 (frame 2): does not exist: there are 2 frames, counting from 0; ask for an earlier frame");
+            "a.obj (frame 2): does not exist: there are 2 frames, counting from 0; ask for an earlier frame");
   std::vector<double> small(8);
   const auto read = motion->read_frame(0, small);
   ASSERT_FALSE(read);
@@ -107,9 +107,9 @@ TEST_F(PointCacheTest, NamesWhatIsWrongWithAHeader) {
 TEST_F(PointCacheTest, NamesWhatIsMissing) {
   const std::string mesh = files.write("a.obj", kObj), cache = files.write("a.pc2", pc2(3, 2, kTwoFrames));
   EXPECT_EQ(open_error({cache}),
-            "a.pc2: is a point cache without a mesh; name its OBJ, OFF or PLY file right before it");
+            "a.pc2: is a point cache without a mesh; name its mesh file right before it");
   EXPECT_EQ(open_error({mesh, cache, cache}),
-            "a.pc2: is a point cache without a mesh; name its OBJ, OFF or PLY file right before it");
+            "a.pc2: is a point cache without a mesh; name its mesh file right before it");
   EXPECT_EQ(open_error({mesh, files.path("b.pc2")}),
             "b.pc2: cannot be opened: No such file or directory; check the name and the permissions");
   EXPECT_EQ(open_error({files.path("b.obj"), cache}),

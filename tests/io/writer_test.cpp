@@ -119,6 +119,22 @@ TEST_F(WriterTest, PlyKeepsPositionsTrianglesAndMarks) {
   EXPECT_FALSE(std::filesystem::exists(files.path("b.ply")));
 }
 
+TEST_F(WriterTest, AFilePerFrameWhereTheNameHasANumber) {
+  const auto topology = *Topology::make(3, {{0, 1, 2}});
+  std::vector<std::vector<double>> frames{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 0.1, 1, 0, 0, 0, 1, 0}};
+  for (const char* extension : {".obj", ".ply"}) {
+    const std::string name = files.path(std::string("shape_%03d") + extension);
+    ASSERT_TRUE(write_motion(name, *memory_motion("two", topology, frames)));
+    const auto read = open_motions(std::vector{name});
+    ASSERT_TRUE(read);
+    ASSERT_EQ(read->front()->frame_count(), 2u);
+    std::vector<double> x(9);
+    ASSERT_TRUE(read->front()->read_frame(1, x));
+    EXPECT_EQ(x, frames[1]);
+    EXPECT_TRUE(std::filesystem::exists(files.path(std::string("shape_001") + extension)));
+  }
+}
+
 TEST_F(WriterTest, AMotionThatFailsHalfWayLeavesNoFiles) {
   const auto topology = Topology::make(3, {{0, 1, 2}});
   const auto motion = memory_motion("mine", *topology, {kTrianglePositions, {1, 2}});

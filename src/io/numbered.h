@@ -1,0 +1,29 @@
+/// Mesh files that are numbered: the frames of one motion.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace foldproof::io {
+
+/// A path in whose file name "%d" or "%04d" stands for a number.
+struct NumberPattern {
+  std::string before, after;
+  int width = 0;  ///< Of the number, filled with zeros.
+
+  std::string name(std::uint64_t number) const;
+};
+
+/// None: the file's name has not exactly one '%', or one that is neither "%d" nor "%0", at most 20, "d".
+std::optional<NumberPattern> number_pattern(const std::string& path);
+
+/// The existing files whose names have a number of any width where the pattern has it, unsorted.
+std::vector<std::string> numbered_files(const NumberPattern& pattern);
+
+/// How many arguments, from the first on, are mesh files whose names differ only in their last number. A mesh
+/// that a point cache follows is not among them. At least 1. Precondition: there is an argument.
+std::size_t count_numbered(std::span<const std::string> arguments);
+
+}  // namespace foldproof::io
