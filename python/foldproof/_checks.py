@@ -130,21 +130,23 @@ def check(
     """Checks a Motion, or several that move together (a list): the triangles that cross in the first frame, then every
     step. No pair that touches is missing.
 
-    models: a Model, or a list with one per motion (None for motions without one). frames: a slice, 'A:B:STEP' or None for
-    all. static: find the triangles that cross in each frame, instead of collisions in steps. steps_only: do not test the
-    first frame for crossings. substeps: linear parts that a step is divided into. keep: keep every colliding pair (some 40
-    bytes each); else only counts and contacts. contacts: join what collides into contacts. parts: names for their sides, one
-    per triangle; for a list of motions a list with an entry for each, which may be None. unit: name of a mesh unit, for tables and
-    reports. reports: path or paths to write, .json, .csv or .ply, which appear complete or not at all. progress: called
-    with the share that is done. Ctrl-C cancels it. Error: motions that do not fit together, frames that cannot be read, a
-    report that cannot be written.
+    models: a Model, or a list with one per motion (None for motions without one). frames: a slice, 'A:B:STEP' or None
+    for all. static: find the triangles that cross in each frame, instead of collisions in steps. steps_only: do not
+    test the first frame for crossings. substeps: linear parts that a step is divided into. keep: keep every colliding
+    pair (some 40 bytes each); else only counts and contacts. contacts: join what collides into contacts. parts: names
+    for their sides, one per triangle; for a list of motions a list with an entry for each, which may be None; without
+    it, those that files name. unit: name of a mesh unit, for tables and reports; without it, the files'. reports:
+    path or paths to write, .json, .csv or .ply, which appear complete or not at all. progress: called with the share
+    that is done. Ctrl-C cancels it. Error: motions that do not fit together, frames that cannot be read, a report
+    that cannot be written.
     """
     found = _core.check(
         motions, models=models, frames=frames, static=static, steps_only=steps_only, substeps=substeps, keep=keep,
         contacts=contacts, parts=parts, unit=unit, reports=reports, progress=progress, **settings,
     )  # fmt: skip
-    joined, unknown = found.pop("contacts"), found.pop("unknown_frames")
-    return CheckResult(**found, static=static, _contacts=None if joined is None else Contacts(joined, unit, unknown))
+    joined, named_unit, unknown = found.pop("contacts"), found.pop("unit"), found.pop("unknown_frames")
+    listed = None if joined is None else Contacts(joined, named_unit, unknown)
+    return CheckResult(**found, static=static, _contacts=listed)
 
 
 check.__doc__ = f"{check.__doc__}\n{_core.SETTINGS}"

@@ -170,6 +170,7 @@ py::dict fields_of(Found found, const Request& request) {
   for (const Contact& contact : totals.contacts)
     contacts.append(contact_of(contact, side_names(contact, request.motions, request.settings)));
   d["contacts"] = totals.contacts_found ? py::object(contacts) : py::none();
+  d["unit"] = unit_of(request.motions, request.settings);
   d["unknown_frames"] = totals.contact_unknown_frames;
   return d;
 }

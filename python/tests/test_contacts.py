@@ -122,6 +122,17 @@ def test_parts_name_the_sides(dip):
             foldproof.check(dip, parts=parts)
 
 
+def test_parts_of_files_name_the_sides(tmp_path):
+    def faces(triangles, first):
+        return "\n".join(f"f {a} {b} {c}" for a, b, c in np.asarray(triangles) + first + 1)
+
+    points = np.concatenate([BELOW[3], ABOVE[3]])
+    vertices = "\n".join(f"v {x} {y} {z}" for x, y, z in points)
+    (tmp_path / "a.obj").write_text(f"{vertices}\ng torso\n{faces(FACES, 0)}\ng arm\n{faces(SPIKE_FACES, 8)}\n")
+    contact, = foldproof.check(foldproof.open_motion(tmp_path / "a.obj")[::1]).contacts
+    assert {side.name for side in contact.sides} == {"torso", "arm"}
+
+
 def test_contacts_that_were_not_looked_for(motion):
     for settings in ({"contacts": False}, {"earliest_only": True}):
         found = foldproof.check(motion, **settings)
