@@ -62,6 +62,8 @@ def _triangles_of(faces: ArrayLike) -> NDArray[Any]:
 
 def _facts_of_motion(motion: Motion) -> dict[str, str]:
     counts = {"frames": len(motion), "vertices": motion.vertex_count, "triangles": len(motion.triangles)}
+    if motion.parts is not None:
+        counts["parts"] = len(np.unique(motion.parts))
     return {noun: f"{count:,}" for noun, count in counts.items()}
 
 
@@ -87,8 +89,12 @@ def _same_motion(a: Motion, b: object) -> Any:
     return same_mesh and all(np.array_equal(x, y) for x, y in zip(a, b))
 
 
-def _copy_of_motion(motion: Motion) -> tuple[type[Motion], tuple[Any, ...]]:
-    return Motion, (motion.triangles, np.stack(list(motion)), motion.name)
+def _copy_of_motion(motion: Motion) -> tuple[Any, tuple[Any, ...]]:
+    return _motion_of, (motion.triangles, np.stack(list(motion)), motion.name, motion.parts)
+
+
+def _motion_of(triangles: ArrayLike, frames: ArrayLike, name: str, parts: NDArray[np.str_] | None) -> Motion:
+    return Motion(triangles, frames, name, parts=parts)
 
 
 def _bytes_of(model: Model) -> bytes:

@@ -46,9 +46,20 @@ class _TrainSettings(TypedDict, total=False):
 
 @final
 class Motion:
-    def __init__(self, triangles: ArrayLike, frames: ArrayLike, name: str = "array") -> None: ...
+    def __init__(
+        self,
+        triangles: ArrayLike,
+        frames: ArrayLike,
+        name: str = "array",
+        *,
+        parts: Sequence[str] | NDArray[np.str_] | None = None,
+    ) -> None: ...
     @property
     def name(self) -> str: ...
+    @property
+    def parts(self) -> NDArray[np.str_] | None: ...
+    @property
+    def unit(self) -> str: ...
     @property
     def triangles(self) -> _Ids: ...
     @property

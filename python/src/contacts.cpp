@@ -55,24 +55,6 @@ py::array points_of(const std::vector<Vec3>& points) {
 
 py::array vector_of(const Vec3& v) { return owned({v.begin(), v.end()}, {3}); }
 
-ObjectParts parts_of_one(const py::handle& names, std::size_t triangles, std::size_t object) {
-  ObjectParts parts;
-  if (names.is_none()) return parts;
-  const std::string where = "parts of object " + std::to_string(object);
-  std::unordered_map<std::string, Index> known;
-  for (const py::handle name : names) {
-    const auto text = py::str(name).cast<std::string>();
-    const auto [at, is_new] = known.try_emplace(text, static_cast<Index>(parts.names.size()));
-    if (is_new) parts.names.push_back(text);
-    parts.of_triangle.push_back(at->second);
-  }
-  if (parts.of_triangle.size() == triangles) return parts;
-  refuse(where,
-         "are " + std::to_string(parts.of_triangle.size()) + " names for " + std::to_string(triangles) +
-             " triangles",
-         "give one name per triangle");
-}
-
 /// Finds contacts frame by frame. Keeps the last frame, since callers may reuse their arrays.
 class Finder {
  public:
@@ -177,6 +159,23 @@ class Finder {
 
 }  // namespace
 
+ObjectParts object_parts(const py::handle& names, std::size_t triangles, const std::string& where) {
+  ObjectParts parts;
+  if (names.is_none()) return parts;
+  std::unordered_map<std::string, Index> known;
+  for (const py::handle name : names) {
+    const auto text = py::str(name).cast<std::string>();
+    const auto [at, is_new] = known.try_emplace(text, static_cast<Index>(parts.names.size()));
+    if (is_new) parts.names.push_back(text);
+    parts.of_triangle.push_back(at->second);
+  }
+  if (parts.of_triangle.size() == triangles) return parts;
+  refuse(where,
+         "are " + std::to_string(parts.of_triangle.size()) + " names for " + std::to_string(triangles) +
+             " triangles",
+         "give one name per triangle");
+}
+
 std::vector<ObjectParts> parts_of(const py::object& parts, const py::object& owners,
                                   const std::vector<std::size_t>& triangles) {
   if (parts.is_none()) return {};
@@ -188,7 +187,8 @@ std::vector<ObjectParts> parts_of(const py::object& parts, const py::object& own
            "give a list with an entry per object: a name per triangle, or None");
   }
   std::vector<ObjectParts> all;
-  for (std::size_t k = 0; k < entries.size(); ++k) all.push_back(parts_of_one(entries[k], triangles[k], k));
+  for (std::size_t k = 0; k < entries.size(); ++k)
+    all.push_back(object_parts(entries[k], triangles[k], "parts of object " + std::to_string(k)));
   return all;
 }
 

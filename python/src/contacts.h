@@ -14,6 +14,9 @@ namespace foldproof::python {
 /// `names`: of the two sides.
 pybind11::object contact_of(const Contact& contact, const std::array<std::string, 2>& names);
 
+/// The parts of one object: None, or a name per triangle. Refused: other lengths. `where`: for the message.
+ObjectParts object_parts(const pybind11::handle& names, std::size_t triangles, const std::string& where);
+
 /// The parts of objects, or of motions: None, or an entry for each, which is None or has a name per triangle.
 /// `owners`: what the caller gave, whose only one takes the entry itself. Refused: other lengths.
 /// `triangles`: the number of triangles of each.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "arrays.h"
+#include "contacts.h"
 #include "module.h"
 
 namespace foldproof::python {
@@ -12,12 +13,16 @@ namespace {
 /// A motion whose frames are an array of the caller, used in place.
 class ArrayMotion final : public Motion {
  public:
-  ArrayMotion(std::string name, Topology topology, Numbers frames)
-      : name_(std::move(name)), topology_(std::move(topology)), frames_(std::move(frames)) {
+  ArrayMotion(std::string name, Topology topology, Numbers frames, ObjectParts parts)
+      : name_(std::move(name)),
+        topology_(std::move(topology)),
+        frames_(std::move(frames)),
+        parts_(std::move(parts)) {
     positions_ = span_of(frames_);
   }
   const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
+  const ObjectParts& parts() const override { return parts_; }
   Index frame_count() const override {
     return static_cast<Index>(positions_.size() / topology_.vertex_count() / 3);
   }
@@ -37,6 +42,7 @@ class ArrayMotion final : public Motion {
   std::string name_;
   Topology topology_;
   Numbers frames_;
+  ObjectParts parts_;
   std::span<const double> positions_;
 };
 
@@ -60,7 +66,7 @@ class SlicedMotion final : public Motion {
 };
 
 std::shared_ptr<SharedMotion> array_motion(const py::handle& triangles, const py::handle& frames,
-                                           std::string name) {
+                                           std::string name, const py::object& parts) {
   py::object array = py::reinterpret_borrow<py::object>(frames);
   if (py::isinstance<py::array>(array) && array.attr("ndim").cast<int>() == 2)
     array = array[py::make_tuple(py::none(), py::ellipsis())];  // a single pose
@@ -68,8 +74,9 @@ std::shared_ptr<SharedMotion> array_motion(const py::handle& triangles, const py
   if (numbers.size() == 0) refuse("frames", "are empty", "give at least one frame of one vertex");
   require_finite(numbers, "frames");
   Topology topology = take(Topology::make(static_cast<Index>(numbers.shape(1)), triangles_of(triangles)));
-  return std::make_shared<SharedMotion>(
-      std::make_unique<ArrayMotion>(std::move(name), std::move(topology), std::move(numbers)));
+  ObjectParts named = object_parts(parts, topology.triangles().size(), "parts");
+  return std::make_shared<SharedMotion>(std::make_unique<ArrayMotion>(std::move(name), std::move(topology),
+                                                                      std::move(numbers), std::move(named)));
 }
 
 ReadOptions read_options(double fps, bool weld) {
@@ -141,6 +148,14 @@ py::array triangles_of_motion(const py::object& self) {
                  self);
 }
 
+py::object parts_of_motion(const SharedMotion& motion) {
+  const ObjectParts& parts = motion.parts();
+  if (parts.of_triangle.empty()) return py::none();
+  py::list names;
+  for (const std::string& name : parts.names) names.append(text_of(name));
+  return py::array(names)[owned_rows(parts.of_triangle)];
+}
+
 }  // namespace
 
 std::vector<std::unique_ptr<Motion>> motions_of(const py::handle& motions) {
@@ -187,12 +202,20 @@ void bind_motions(py::module_& module) {
       "motion[k] is frame k, motion[10:20] and motion[::2] are motions of these frames; iterating over a "
       "motion yields its frames. Motions are equal when triangles and positions are. Thread-safe.")
       .def(py::init(&array_motion), py::arg("triangles"), py::arg("frames"), py::arg("name") = "array",
+           py::kw_only(), py::arg("parts") = py::none(),
            "From arrays: triangles T x 3 vertex ids (integers), frames F x V x 3 in mesh units.\n\n"
            "Float64 in C order is used in place, so do not change it while a call runs; everything else is "
-           "converted once. One pose may be V x 3. Error: other shapes, ids beyond V.")
+           "converted once. One pose may be V x 3. parts: a name per triangle, for the sides of contacts. "
+           "Error: "
+           "other shapes, ids beyond V, numbers that are not finite.")
       .def_property_readonly(
           "name", [](const SharedMotion& m) { return text_of(m.name()); },
           "For messages: the file, or 'array'.")
+      .def_property_readonly("parts", &parts_of_motion,
+                             "T names, the part of each triangle; None where the file names none.")
+      .def_property_readonly(
+          "unit", [](const SharedMotion& m) { return text_of(m.unit()); },
+          "What a mesh unit is, where the format defines it ('m' for glTF); else empty.")
       .def_property_readonly("triangles", &triangles_of_motion, "T x 3 vertex ids, uint32; read-only.")
       .def_property_readonly(
           "vertex_count", [](const SharedMotion& m) { return m.topology().vertex_count(); }, "V.")

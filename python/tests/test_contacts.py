@@ -129,8 +129,19 @@ def test_parts_of_files_name_the_sides(tmp_path):
     points = np.concatenate([BELOW[3], ABOVE[3]])
     vertices = "\n".join(f"v {x} {y} {z}" for x, y, z in points)
     (tmp_path / "a.obj").write_text(f"{vertices}\ng torso\n{faces(FACES, 0)}\ng arm\n{faces(SPIKE_FACES, 8)}\n")
-    contact, = foldproof.check(foldproof.open_motion(tmp_path / "a.obj")[::1]).contacts
-    assert {side.name for side in contact.sides} == {"torso", "arm"}
+    motion = foldproof.open_motion(tmp_path / "a.obj")
+    assert motion.parts.tolist() == ["torso"] * 12 + ["arm"] * 22 and motion.unit == ""
+    assert repr(motion).endswith("21 vertices, 34 triangles, 2 parts>")
+    for each in (motion[::1], pickle.loads(pickle.dumps(motion))):
+        contact, = foldproof.check(each).contacts
+        assert {side.name for side in contact.sides} == {"torso", "arm"}
+
+
+def test_parts_of_a_motion():
+    motion = foldproof.Motion(FACES, BELOW, parts=PARTS)
+    assert motion.parts.tolist() == PARTS and foldproof.Motion(FACES, BELOW).parts is None
+    with pytest.raises(foldproof.Error, match="parts: are 3 names for 12 triangles; give one name per triangle"):
+        foldproof.Motion(FACES, BELOW, parts=PARTS[:3])
 
 
 def test_contacts_that_were_not_looked_for(motion):

@@ -73,7 +73,7 @@ def test_everything_is_documented():
 
 
 def test_classes_have_signatures():
-    assert str(inspect.signature(foldproof.Motion)) == "(triangles, frames, name='array')"
+    assert str(inspect.signature(foldproof.Motion)) == "(triangles, frames, name='array', *, parts=None)"
     assert list(inspect.signature(foldproof.check).parameters)[:3] == ["motions", "models", "frames"]
     checker = foldproof.ContactChecker(foldproof.CollisionMesh([[0, 0, 0]]))
     assert str(inspect.signature(checker.candidates)) == "(x0, x1=None, *, inflation)"
