@@ -149,7 +149,7 @@ Result<int> train(const TrainArguments& a) {
 Command add_train(CommandLine& program) {
   const Subcommand command =
       program.add_subcommand("train", "Make a model from poses of a mesh, which makes its checks faster");
-  command.footer(std::string(kMotionHelp) + kFooter);
+  command.footer(fmt::format("{}{}", kMotionHelp, kFooter));
   const auto a = std::make_shared<TrainArguments>();
   a->files
       .reads(command.add_option("POSES", a->poses, "The poses to train on: motions of one mesh (see below)"))
