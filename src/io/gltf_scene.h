@@ -63,8 +63,8 @@ struct GltfScene {
   std::vector<GltfMesh> meshes;
   std::vector<GltfSkin> skins;
   std::vector<std::string> materials;  ///< Names.
-  std::vector<GltfChannel> channels;  ///< At most one per path of a node.
-  double duration = 0;                ///< Time of the last key of any channel, seconds.
+  std::vector<GltfChannel> channels;   ///< At most one per path of a node.
+  double duration = 0;                 ///< Time of the last key of any channel, seconds.
 };
 
 /// Error: the document's first error.
