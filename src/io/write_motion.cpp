@@ -18,7 +18,7 @@ Result<void> write_frame(const std::string& path, Motion& motion, Index k) {
 // A file per frame. An error takes back those that were written.
 Result<void> write_frames(const io::NumberPattern& pattern, Motion& motion) {
   for (Index k = 0; k < motion.frame_count(); ++k) {
-    const auto done = write_frame(pattern.name(k), motion, k);
+    auto done = write_frame(pattern.name(k), motion, k);
     if (done) continue;
     std::error_code ignored;
     for (Index written = 0; written < k; ++written) std::filesystem::remove(pattern.name(written), ignored);
