@@ -15,13 +15,12 @@ namespace {
 
 constexpr const char* kFooter = R"(  pose.obj                        a single pose
 Several motions are several objects in one picture. The camera is fitted to the whole motion, so that pictures of its
-frames go together. y points up in glTF; for other files, z does if the motion stands on a ground across z, else y.
---up says it.
+frames go together. The axis that points up is y for glTF. For other files it is guessed: z if the motion stands on
+a ground across z, else y. --up sets it.
 
 Views of --view:
-  auto          with --color collisions or contacts, what collides: the worst contact from in front or behind, along its normal, or
-                from where more of it is visible, with the objects in this frame around it. Else from the front,
-                slightly from the right and from above
+  auto          with --color collisions or contacts, the worst contact with the objects around it: along its normal,
+                or from where more of it is visible. Else from the front, slightly from the right and from above
   front, back, side, top, or the direction from the objects to the eye as x,y,z
 
 Colors of --color:
@@ -348,18 +347,14 @@ Result<View> view_for(const RenderArguments& a, const Objects& motions, const Co
   if (a.up != "auto") extent.up = a.up == "y" ? Up::Y : Up::Z;
   if (a.view == "auto" && !colored.contacts.empty()) return view_of_worst(colored, meshes, extent.up);
   View view = a.view == "auto" ? default_view(extent.up) : FOLDPROOF_TRY(parse_view(a.view, extent.up));
-  for (const auto& x : colored.poses.objects) {
-    for (std::size_t k = 0; k < x.size(); k += 3) extent.box.extend(Eigen::Map<const Vec3>(&x[k]));
-  }
+  for (const auto& x : colored.poses.objects) extent.box.extend(box_of(x));
   view.fit = extent.box;
   return view;
 }
 
 void add_curves(const Colored& colored, Panel& panel) {
   Eigen::AlignedBox3d box;
-  for (const auto& x : colored.poses.objects) {
-    for (std::size_t k = 0; k < x.size(); k += 3) box.extend(Eigen::Map<const Vec3>(&x[k]));
-  }
+  for (const auto& x : colored.poses.objects) box.extend(box_of(x));
   constexpr double kDot = 0.003;
   for (const Contact& contact : colored.contacts) {
     panel.points.push_back(dots_along(contact, kDot * box.sizes().maxCoeff()));

@@ -93,15 +93,17 @@ struct TrainHooks {
 Result<Model> train_model(std::span<const TrainPose> poses, const TrainSettings& settings,
                           const TrainHooks& hooks = {});
 
+/// Which shapes sample_shapes draws.
 struct SampleSettings {
   Index count = 10;        ///< Number of shapes, at least 1.
   std::uint64_t seed = 1;  ///< The same seed gives the same shapes.
   double spread = 1;       ///< Factor of the learned standard deviations; positive.
 };
 
+/// What sample_shapes has drawn.
 struct Samples {
   std::unique_ptr<Motion> shapes;  ///< A frame per shape, computed when it is read.
-  std::uint64_t drawn = 0;         ///< With those that were refused.
+  std::uint64_t drawn = 0;         ///< How many were drawn, refused ones included.
 };
 
 /// Draws shapes from what the model has learned: each mode's coordinate from a normal distribution with the

@@ -20,13 +20,13 @@ Vec3 moved(std::span<const Box> poses, const Vec3& (Box::*end)() const) {
   return ends.sizes();
 }
 
-Result<Box> box_of(std::span<const std::unique_ptr<Motion>> motions, Index frame) {
+Result<Box> box_of_frame(std::span<const std::unique_ptr<Motion>> motions, Index frame) {
   Box box;
   std::vector<double> x;
   for (const auto& motion : motions) {
     x.resize(std::size_t{motion->topology().vertex_count()} * 3);
     FOLDPROOF_TRY(motion->read_frame(frame, x));
-    for (std::size_t k = 0; k < x.size(); k += 3) box.extend(Eigen::Map<const Vec3>(&x[k]));
+    box.extend(box_of(x));
   }
   return box;
 }
@@ -64,6 +64,12 @@ std::vector<View> views_around(Up up) {
 
 }  // namespace
 
+Box box_of(std::span<const double> x) {
+  Box box;
+  for (std::size_t k = 0; k < x.size(); k += 3) box.extend(Eigen::Map<const Vec3>(&x[k]));
+  return box;
+}
+
 Up guess_up(std::span<const Box> poses) {
   if (poses.empty()) return Up::Y;
   Box motion;
@@ -84,7 +90,7 @@ Result<MotionExtent> extent_of(std::span<const std::unique_ptr<Motion>> motions)
   std::vector<Box> poses;
   for (Index k = 0; k <= steps; ++k) {
     const auto frame = static_cast<Index>(steps == 0 ? 0 : std::uint64_t{last} * k / steps);
-    const Box box = FOLDPROOF_TRY(box_of(motions, frame));
+    const Box box = FOLDPROOF_TRY(box_of_frame(motions, frame));
     extent.box.extend(box);
     poses.push_back(box);
   }

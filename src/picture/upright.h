@@ -6,6 +6,9 @@
 
 namespace foldproof {
 
+/// The box around positions (n x 3, row-major).
+Eigen::AlignedBox3d box_of(std::span<const double> x);
+
 /// Guesses the axis that points up from the boxes of some poses: z if the motion stands on a ground across z,
 /// and on none across y; else y. It stands on a ground if its lowest point moves by at most 5 % of the
 /// motion's size, a third of what it moves along the other axis, while something does move along this one.

@@ -83,7 +83,7 @@ Result<void> ContactPictures::read(double time) {
       FOLDPROOF_TRY(motions_[i]->read_frame(next, end));
     }
     for (std::size_t k = 0; t > 0 && k < x.size(); ++k) x[k] = std::lerp(x[k], end[k], t);
-    for (std::size_t k = 0; k < x.size(); k += 3) box_.extend(Eigen::Map<const Vec3>(&x[k]));
+    box_.extend(box_of(x));
   }
   return {};
 }

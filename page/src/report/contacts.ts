@@ -1,20 +1,10 @@
 // What goes through what: a lane for each contact over the frames, and a card with its picture.
+import type { Contact } from '../shared/contact';
 import { el } from '../shared/dom';
 import { counted, grouped, short } from '../shared/format';
 
-export interface Contact {
-  number: number;
-  sides: { object: number; name: string }[];
-  folded: boolean;
-  from_start: boolean;
-  healed: boolean;
-  first_time: number;
-  last_time: number;
-  pairs: number;
-  depth: number | null;
-  worst: number | null; // the time of the worst frame
-  point: [number, number, number];
-  frames: { time: number; crossings: number; triangles: number; curve_length: number; closed: boolean; depth: number | null }[];
+/** A contact and its picture. */
+export interface PicturedContact extends Contact {
   picture?: string | null;
 }
 
@@ -74,7 +64,7 @@ function facts(contact: Contact, scale: Scale): [string, string][] {
   return rows;
 }
 
-function card(contact: Contact, scale: Scale): HTMLElement {
+function card(contact: PicturedContact, scale: Scale): HTMLElement {
   const list = el('dl', {});
   for (const [key, value] of facts(contact, scale)) list.append(el('dt', {}, key), el('dd', {}, value));
   const pictured = contact.picture ? el('img', { src: contact.picture, alt: `Contact ${contact.number}: ${names(contact)}, ${when(contact)}` }) : null;
@@ -107,7 +97,7 @@ function rest(contacts: Contact[], scale: Scale): HTMLElement | null {
 }
 
 /** All contacts, the worst first; null if there are none. `count`: of all, also those that are not listed. */
-export function contactsSection(contacts: Contact[], count: number, scale: Scale): HTMLElement | null {
+export function contactsSection(contacts: PicturedContact[], count: number, scale: Scale): HTMLElement | null {
   if (contacts.length === 0) return null;
   const pictured = contacts.filter(({ picture }) => picture);
   const cards = pictured.length > 0 ? pictured : contacts.slice(0, 1);

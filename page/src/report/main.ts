@@ -1,7 +1,7 @@
 // The report: the program embeds this script, its style and the data in one file that opens anywhere, offline.
 import '../shared/base.css';
 import './report.css';
-import { contactsSection, type Contact } from './contacts';
+import { contactsSection, type PicturedContact } from './contacts';
 import { Charts } from '../shared/charts';
 import { css, kReasons } from '../shared/colors';
 import { append, el } from '../shared/dom';
@@ -38,7 +38,7 @@ interface Data {
     contacts?: { count: number };
   };
   steps: Step[];
-  contacts: Contact[];
+  contacts: PicturedContact[];
   picture: string | null; // of the first frame, if there are no contacts
   notes: string[];
 }

@@ -1,4 +1,5 @@
 // The program's HTTP interface, documented in docs/viewer.md.
+import type { Contact } from '../shared/contact';
 import type { Step } from '../shared/steps';
 import type { Start } from '../shared/verdict';
 
@@ -49,34 +50,6 @@ export interface StepsAnswer {
   done: number;
   total: number;
   steps: (Step & Bounds)[];
-}
-
-export interface ContactFrame {
-  time: number;
-  crossings: number;
-  triangles: number;
-  curve_length: number;
-  depth: number | null;
-}
-
-/** What goes through what (docs/contacts.md). Times are frames of the motion. */
-export interface Contact {
-  number: number;
-  joined: number[];
-  sides: { object: number; name: string; triangles?: number[]; inside?: number[] }[];
-  folded: boolean;
-  from_start: boolean;
-  healed: boolean;
-  first_time: number;
-  last_time: number;
-  pairs: number;
-  depth: number | null;
-  worst: number | null;
-  point: number[];
-  box: [number[], number[]];
-  normal: number[];
-  frames: ContactFrame[];
-  curves?: number[][][];
 }
 
 export interface ContactsAnswer {

@@ -1,7 +1,8 @@
 // A card per contact, the worst first.
 import { counted, grouped } from '../shared/format';
 import { el, setText } from '../shared/dom';
-import type { Contact, SceneInfo } from './api';
+import type { Contact } from '../shared/contact';
+import type { SceneInfo } from './api';
 import type { Check } from './check';
 import { framesText, worstOf, type Contacts } from './contacts';
 

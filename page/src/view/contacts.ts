@@ -1,6 +1,7 @@
 // The contacts that the check found, the worst first. They are known when it has ended.
 import { short } from '../shared/format';
-import { ApiError, getJson, type Contact, type ContactFrame, type ContactsAnswer, type SceneInfo } from './api';
+import type { Contact, ContactFrame } from '../shared/contact';
+import { ApiError, getJson, type ContactsAnswer, type SceneInfo } from './api';
 
 const kPage = 1000;
 

@@ -4,7 +4,7 @@ import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
 import { directionAlong } from '../shared/upright';
-import type { Contact } from './api';
+import type { Contact } from '../shared/contact';
 import type { Stage } from './stage';
 import type { Surface } from './surface';
 
