@@ -1,4 +1,4 @@
-# N1: a computed projection above A, off by 26 u M, proves a distance above D.
+# N1: a computed projection above A, off by 22 u M, proves a distance above D.
 # code src/ccd/conservative_advancement.cpp
 #   min_projection_ = hn::Add(hn::Mul(thickness, Number(1 + 8 * kUnit)), hn::Mul(Number(kDotError), Row(lanes.patch.extent)));
 #
@@ -7,7 +7,7 @@
 # constant src/ccd/conservative_advancement.cpp: hn::Mul(thickness, Number({}))
 kEnlarged = 9007199254741000b-53;
 # constant src/ccd/bounds.h: kDotError = {};
-kDotError = 32b-53;
+kDotError = 23b-53;
 
 thickness = mul_rel<53>(D, kEnlarged);
 thicknessh = thickness + h0;
@@ -15,11 +15,11 @@ error = mul_rel<53>(kDotError, 1);
 errorh = error + h1;
 A = add_rel<53>(thicknessh, errorh);
 
-# What exceeds A - 26 u exceeds D (1 + 6 u). Divided by |n| <= 1 + 5 u this exceeds D.
+# What exceeds A - 22 u exceeds D (1 + 6 u). Divided by |n| <= 1 + 5 u this exceeds D.
 { D in [0,2] /\ |h0| <= 1b-960 /\ |h1| <= 1b-960
-  -> A - (D * 9007199254740998b-53 + 26b-53) >= 0 }
+  -> A - (D * 9007199254740998b-53 + 22b-53) >= 0 }
 
-A - (D * 9007199254740998b-53 + 26b-53) ->
+A - (D * 9007199254740998b-53 + 22b-53) ->
   (A - (thicknessh + errorh)) + (thickness - D * kEnlarged) + (error - kDotError) + h0 + h1
-  + (D * 2b-53 + 6b-53);
+  + (D * 2b-53 + 1b-53);
 $ D in 32;

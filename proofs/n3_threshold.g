@@ -7,7 +7,7 @@
 # S = x y z of any size, so each operation has a factor k for its relative error, and products have underflow h.
 
 # constant src/ccd/bounds.h: kDetError = {};
-kDetError = 256b-53;
+kDetError = 139b-53;
 # constant src/ccd/bounds.h: kDetUnderflow = {};
 kDetUnderflow = 1e-260;
 

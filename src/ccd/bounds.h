@@ -7,9 +7,9 @@ inline constexpr double kUnit = 0x1p-53;
 
 /// N1: error of the difference of two moving points, projected on a direction no longer than 1 + 5 units,
 /// relative to the largest coordinate.
-inline constexpr double kDotError = 32 * kUnit;
+inline constexpr double kDotError = 23 * kUnit;
 /// N3: error of a determinant of three differences, relative to the product of the axes' largest coordinates.
-inline constexpr double kDetError = 256 * kUnit;
+inline constexpr double kDetError = 139 * kUnit;
 /// N3: underflow adds this to it, for coordinates up to kLarge.
 inline constexpr double kDetUnderflow = 1e-260;
 /// N1: a vector is only normalized when its squared length is at least this, so that underflow is far below
