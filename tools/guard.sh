@@ -17,7 +17,7 @@ guarded_by_thread=(
 )
 guard_fuzz_seconds=10
 guard_search_seconds=60
-guard_tidy_sources=30  # some eight minutes; `./dev lint` checks all
+guard_tidy_sources=20  # some five minutes; `./dev lint` checks all
 
 # The commit that changes are counted from: where this branch left origin/main, else the one before. None in a clone
 # without a past.

@@ -62,8 +62,8 @@ class Proofs(unittest.TestCase):
 
     def test_a_constant_of_the_code(self):
         self.copy("n1_threshold.g")
-        self.edit("src/ccd/bounds.h", "kDotError = 32 * kUnit", "kDotError = 31 * kUnit")
-        self.refuses("src/ccd/bounds.h has 31*kUnit where the proof has kDotError = 32b-53", "--code")
+        self.edit("src/ccd/bounds.h", "kDotError = 23 * kUnit", "kDotError = 22 * kUnit")
+        self.refuses("src/ccd/bounds.h has 22*kUnit where the proof has kDotError = 23b-53", "--code")
 
     def test_an_operation_of_the_code(self):
         self.copy("n_corners.g")
@@ -86,8 +86,8 @@ class Proofs(unittest.TestCase):
     def test_constants_that_are_too_small_are_not_proven(self):
         """In the code and in the proof alike."""
         for name, source, of_code, of_proof in (
-            ("n1_threshold.g", "src/ccd/bounds.h", ("32 * kUnit", "24 * kUnit"), ("32b-53", "24b-53")),
-            ("n3_threshold.g", "src/ccd/bounds.h", ("256 * kUnit", "128 * kUnit"), ("256b-53", "128b-53")),
+            ("n1_threshold.g", "src/ccd/bounds.h", ("23 * kUnit", "22 * kUnit"), ("23b-53", "22b-53")),
+            ("n3_threshold.g", "src/ccd/bounds.h", ("139 * kUnit", "138 * kUnit"), ("139b-53", "138b-53")),
             ("v4_lists.g", "src/solver/candidate_lists.cpp", ("kUp = 1 + 0x1p-50", "kUp = 1 + 0x1p-53"),
              ("kUp = 1125899906842625b-50", "kUp = 9007199254740993b-53")),
         ):
