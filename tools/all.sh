@@ -86,20 +86,20 @@ all_lint_rest() {
   tidy_group rest
 }
 
-# sanitize_group SANITIZER GROUP: the tests of a group.
+# sanitize_group PRESET GROUP: the tests of a group.
 sanitize_group() {
   case $2 in
-    rest) "sanitize_$1" -LE "$(in_group query '^(%s)(_fallback)?$')|$(in_group models '^(%s)$')" ;;
-    *) "sanitize_$1" -L "$(in_group "$2" '^(%s)(_fallback)?$')" ;;
+    rest) sanitize "$1" . -LE "$(in_group query '^(%s)(_fallback)?$')|$(in_group models '^(%s)$')" ;;
+    *) sanitize "$1" "$(in_group "$2" '^(%s)(_fallback)?$')" ;;
   esac
 }
 
-all_address_query() { sanitize_group address query; }
-all_address_models() { sanitize_group address models; }
-all_address_rest() { sanitize_group address rest; }
-all_thread_query() { sanitize_group thread query; }
-all_thread_models() { sanitize_group thread models; }
-all_thread_rest() { sanitize_group thread rest; }
+all_address_query() { sanitize_group asan query; }
+all_address_models() { sanitize_group asan models; }
+all_address_rest() { sanitize_group asan rest; }
+all_thread_query() { sanitize_group tsan query; }
+all_thread_models() { sanitize_group tsan models; }
+all_thread_rest() { sanitize_group tsan rest; }
 all_fuzz() { do_fuzz $((60 * minutes)); }
 all_search() { do_search $((360 * minutes)); }
 
