@@ -1,27 +1,34 @@
 #include "contacts/joiner.h"
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
+#include <bit>
 
 namespace foldproof::internal {
 namespace {
 
-std::uint64_t mix(std::uint64_t key) {
-  key *= 0x9E3779B97F4A7C15u;
-  return key ^ (key >> 29);
+// Where a key's slot is looked for first. Keys whose last bits alone differ, which come one after the other,
+// are neighbors.
+std::uint64_t place_of(std::uint64_t key) {
+  constexpr std::uint64_t kNeighbors = 15;
+  const std::uint64_t block = (key & ~kNeighbors) * 0x9E3779B97F4A7C15u;
+  return (block ^ (block >> 29)) + (key & kNeighbors);
 }
 
 }  // namespace
 
 Index& Joiner::Map::slot(std::uint64_t key) {
   const std::size_t mask = slots.size() - 1;
-  std::size_t i = mix(key) & mask;
+  std::size_t i = place_of(key) & mask;
   while (slots[i] != kNoIndex && entries[slots[i]].key != key) i = (i + 1) & mask;
   return slots[i];
 }
 
-void Joiner::Map::make_room() {
-  if (2 * (entries.size() + 1) <= slots.size()) return;
-  slots.assign(std::max<std::size_t>(64, 2 * slots.size()), kNoIndex);
+void Joiner::Map::make_room(std::size_t count) {
+  const std::size_t needed = std::bit_ceil(2 * (entries.size() + count));
+  if (needed <= slots.size()) return;
+  slots.assign(std::max<std::size_t>(64, needed), kNoIndex);
   for (Index i = 0; i < entries.size(); ++i) slot(entries[i].key) = i;
 }
 
@@ -69,13 +76,20 @@ void Joiner::join(Index a, Index b, bool reversed) {
   folded_[root] |= folded_[child];
 }
 
-// `u` is on the first side of the newest element, `w` on the second.
-void Joiner::add_key(Index u, Index w) {
-  const bool reversed = w < u;
-  if (reversed) std::swap(u, w);
-  const std::uint64_t key = std::uint64_t{u} << 32 | w;
+// Fetches what the newest element's keys will look for, all at once.
+void Joiner::fetch_keys() {
+  now_.make_room(keys_.size());
+  const std::size_t mask = now_.slots.size() - 1;
+  for (const auto& [key, reversed] : keys_) hwy::Prefetch(&now_.slots[place_of(key) & mask]);
+  for (const auto& [key, reversed] : keys_) {
+    const Index likely = now_.slots[place_of(key) & mask];
+    if (likely != kNoIndex) hwy::Prefetch(&now_.entries[likely]);
+  }
+}
+
+// A key of the newest element.
+void Joiner::add_key(std::uint64_t key, bool reversed) {
   const auto element = static_cast<Index>(links_.size() - 1);
-  now_.make_room();
   Index& slot = now_.slot(key);
   if (slot != kNoIndex) {
     const Entry& entry = now_.entries[slot];
@@ -107,11 +121,14 @@ void Joiner::add(std::span<const Index> a, std::span<const Index> b) {
   };
   without(a, b, only_a_);
   without(b, a, only_b_);
+  keys_.clear();
   for (const Index u : only_a_) {
     for (const Index w : only_b_) {
-      if (u != w) add_key(u, w);
+      if (u != w) keys_.emplace_back(std::uint64_t{std::min(u, w)} << 32 | std::max(u, w), w < u);
     }
   }
+  fetch_keys();
+  for (const auto& [key, reversed] : keys_) add_key(key, reversed);
 }
 
 const Joiner::Groups& Joiner::groups() {

@@ -45,9 +45,9 @@ class Joiner {
   };
   struct Map {
     std::vector<Entry> entries;
-    std::vector<Index> slots;        // a hash table of entries, at most half full; kNoIndex: free
-    Index& slot(std::uint64_t key);  // the key's slot, or the free one where it goes
-    void make_room();
+    std::vector<Index> slots;           // a hash table of entries, at most half full; kNoIndex: free
+    Index& slot(std::uint64_t key);     // the key's slot, or the free one where it goes
+    void make_room(std::size_t count);  // for so many more
     void clear();
   };
   struct Link {
@@ -55,7 +55,8 @@ class Joiner {
     bool reversed;
   };
 
-  void add_key(Index u, Index w);
+  void fetch_keys();
+  void add_key(std::uint64_t key, bool reversed);
   Link find_root(Index element);
   void join(Index a, Index b, bool reversed);
 
@@ -64,6 +65,8 @@ class Joiner {
   std::vector<std::uint8_t> folded_;
   std::vector<std::pair<Index, Label>> found_;  // labels of the last slice, per element
   std::vector<Index> only_a_, only_b_;
+  std::vector<std::pair<std::uint64_t, bool>>
+      keys_;  // of the newest element; whether its sides are in reverse order
   Groups groups_;
 };
 
