@@ -284,6 +284,24 @@ test('opens on the worst contact and goes to others', () =>
     assert.match(await page.locator('.hovercard').innerText(), /frame 2\s+#1 0\.\d+ deep/);
   }));
 
+test('lists contacts of one object, and those between two', async () => {
+  const [a, b] = ['one', 'other'].map((name) => makeSpheres(name, { frames: 3, distance: 1.9 }));
+  const server = await view(...a, ...b);
+  await visit(server, async (page) => {
+    await until(page, (s) => s.contacts > 2, 'contacts');
+    const count = async (choice) => {
+      await page.selectOption('[aria-label="Between which"]', choice);
+      return page.locator('.contact').count();
+    };
+    const names = await page.locator('[label=of] option').allInnerTexts();
+    assert.equal(names.length, 2);
+    const [all, ofOne, ofOther, both] = [await count(''), await count(names[0]), await count(names[1]), await count(names.join(' – '))];
+    assert.ok(ofOne < all && both < ofOne, `${[all, ofOne, ofOther, both]}`);
+    assert.equal(all, ofOne + ofOther - both);
+  });
+  await server.end();
+});
+
 test('shows again what its address says', async () => {
   const server = await view(...makeSpheres('linked', { frames: 5 }));
   const { page, errors, close } = await openPage(browser, `${server.url}#at=3&up=z&camera=1,2,3,0,0,0`);

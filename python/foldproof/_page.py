@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import weakref
 from typing import TYPE_CHECKING
@@ -57,15 +58,20 @@ class Page:
         return f"<foldproof.Page {self.url if self._close.alive else 'closed'}>"
 
     def _repr_html_(self) -> str:
-        return f'<a href="{self.url}" target="_blank">{self.url}</a>'
+        if not self._close.alive:
+            return repr(self).replace("<", "&lt;")
+        return (
+            f'<iframe src="{self.url}" width="100%" height="640" style="border: 0" allowfullscreen></iframe>'
+            f'<a href="{self.url}" target="_blank">{self.url}</a>'
+        )
 
 
 def view(*motions: Motion | _Path, program: _Path = "foldproof", options: tuple[str, ...] = ()) -> Page:
     """Shows motions, their collisions and contacts on a page, by the program `foldproof view`: returns a Page.
 
     motions: Motion or path, one or several that move together. program: its path, or its name to look for in PATH.
-    options: for the program, such as ('--thickness', '0.01'). The browser opens where there is a display; a notebook shows
-    a link. A script keeps the page open with .wait(). Error: the program is not there or refuses a motion.
+    options: for the program, such as ('--thickness', '0.01'). The browser opens where there is a display; a notebook
+    shows the page itself, if it runs on the machine of the browser. A script keeps the page open with .wait(). Error: the program is not there or refuses a motion.
     """
     found = shutil.which(os.fsdecode(program))
     if found is None:
@@ -78,7 +84,8 @@ def view(*motions: Motion | _Path, program: _Path = "foldproof", options: tuple[
             write_motion(paths[-1], motion)
         else:
             paths.append(os.fsdecode(motion))
-    command = [found, "view", *paths, *options]
+    in_notebook = ("--no-browser",) if "ipykernel" in sys.modules and "--no-browser" not in options else ()
+    command = [found, "view", *paths, *options, *in_notebook]
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     return Page(process, folder)
 

@@ -1,5 +1,6 @@
 """foldproof.view: the page of the program, which ends with its Page."""
 import os
+import sys
 import urllib.request
 
 import pytest
@@ -22,9 +23,10 @@ def test_the_page_is_served_until_it_is_closed(motion, where, tmp_path):
     except foldproof.Error as error:
         pytest.skip(f"the program has no page: {error}")
     with page:
-        assert page.url.startswith("http://127.0.0.1:") and page.url in repr(page) and page.url in page._repr_html_()
+        assert page.url.startswith("http://127.0.0.1:") and page.url in repr(page)
+        assert f'<iframe src="{page.url}"' in page._repr_html_()
         assert b"<html" in urllib.request.urlopen(page.url).read()
-    assert repr(page) == "<foldproof.Page closed>"
+    assert repr(page) == "<foldproof.Page closed>" and page._repr_html_() == "&lt;foldproof.Page closed>"
     with pytest.raises(OSError):
         urllib.request.urlopen(page.url)
 
@@ -46,6 +48,13 @@ def test_a_page_ends_with_python_or_its_program(tmp_path, motion):
     with pytest.raises(ProcessLookupError):
         os.kill(int((tmp_path / "pid").read_text()), 0)
     assert not os.path.exists(os.path.dirname(written))
+
+
+def test_a_notebook_shows_the_page_itself(tmp_path, motion, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ipykernel", sys)
+    program = stand_in(tmp_path / "serves", f'echo "$@" > {tmp_path}/arguments; echo "http://127.0.0.1:7/ (Ctrl-C ends it)"')
+    with foldproof.view("walk.glb", program=program, options=("--frames", "2:9")):
+        assert (tmp_path / "arguments").read_text() == "view walk.glb --frames 2:9 --no-browser\n"
 
 
 def test_what_the_program_refuses_is_an_error(tmp_path):

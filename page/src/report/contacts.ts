@@ -1,5 +1,5 @@
 // What goes through what: a lane for each contact over the frames, and a card with its picture.
-import type { Contact } from '../shared/contact';
+import { worstOf, type Contact } from '../shared/contact';
 import { el } from '../shared/dom';
 import { counted, grouped, short } from '../shared/format';
 
@@ -26,11 +26,10 @@ function when({ frames, first_time, last_time }: Contact): string {
   return first === last ? `frame ${time(first)}` : `frames ${time(first)} to ${time(last)}`;
 }
 
-const worstFrame = (contact: Contact) => contact.frames.find((frame) => frame.time === contact.worst);
 
 /** How large it is, in a few words. */
 function size(contact: Contact, scale: Scale): string {
-  const frame = worstFrame(contact);
+  const frame = worstOf(contact);
   if (!frame) return 'touches';
   return frame.depth === null ? `crosses along ${length(frame.curve_length, scale)}` : `${length(frame.depth, scale)} deep`;
 }
@@ -50,7 +49,7 @@ function title(contact: Contact): HTMLElement {
 }
 
 function facts(contact: Contact, scale: Scale): [string, string][] {
-  const frame = worstFrame(contact);
+  const frame = worstOf(contact);
   const rows: [string, string][] = [[contact.frames.length > 0 ? 'crosses in' : 'touches at', when(contact)]];
   if (frame) {
     rows.push(['worst frame', `${time(frame.time)}: ${counted(frame.triangles, 'triangle')}`]);

@@ -27,3 +27,7 @@ export interface Contact {
   frames: ContactFrame[];
   curves?: number[][][];
 }
+
+export function worstOf(contact: Contact): ContactFrame | undefined {
+  return contact.frames.find(({ time }) => time === contact.worst);
+}

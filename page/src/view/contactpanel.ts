@@ -1,10 +1,10 @@
 // A card per contact, the worst first.
 import { counted, grouped } from '../shared/format';
 import { el, setText } from '../shared/dom';
-import type { Contact } from '../shared/contact';
+import { worstOf, type Contact } from '../shared/contact';
 import type { SceneInfo } from './api';
 import type { Check } from './check';
-import { framesText, worstOf, type Contacts } from './contacts';
+import { framesText, type Contacts } from './contacts';
 
 type Kind = 'all' | 'deep' | 'curve' | 'touch';
 const kKinds: [Kind, string][] = [
@@ -69,9 +69,14 @@ export class ContactPanel {
 
   private build(): void {
     this.listed = this.contacts.items;
-    const names = [...new Set(this.listed.map(sidesOf))].sort();
-    this.sides.replaceChildren(el('option', { value: '' }, 'between all'), ...names.map((name) => el('option', { value: name }, name)));
-    this.sides.hidden = names.length < 2;
+    const options = (label: string, names: string[]) => el('optgroup', { label }, ...[...new Set(names)].sort().map((name) => el('option', { value: name }, name)));
+    const pairs = this.listed.map(sidesOf);
+    this.sides.replaceChildren(
+      el('option', { value: '' }, 'between all'),
+      options('of', this.listed.flatMap(({ sides }) => sides.map(({ name }) => name))),
+      options('between', pairs),
+    );
+    this.sides.hidden = new Set(pairs).size < 2;
     this.filters.hidden = this.listed.length < 3;
     this.cards = new Map(this.listed.map((contact, index) => [index, this.card(contact, index)]));
     this.filter();
@@ -80,7 +85,8 @@ export class ContactPanel {
   private filter(): void {
     const shown = [...this.cards].filter(([index]) => {
       const contact = this.listed![index]!;
-      return (this.sides.value === '' || sidesOf(contact) === this.sides.value) && (this.kinds.value === 'all' || kindOf(contact) === this.kinds.value);
+      const between = ['', sidesOf(contact), ...contact.sides.map(({ name }) => name)];
+      return between.includes(this.sides.value) && ['all', kindOf(contact)].includes(this.kinds.value);
     });
     this.list.replaceChildren(...shown.map(([, card]) => card));
     if (shown.length === 0 && this.cards.size > 0) this.list.append(el('p', { className: 'note' }, 'None is like that.'));

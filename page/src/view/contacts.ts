@@ -1,6 +1,6 @@
 // The contacts that the check found, the worst first. They are known when it has ended.
 import { short } from '../shared/format';
-import type { Contact, ContactFrame } from '../shared/contact';
+import { worstOf, type Contact, type ContactFrame } from '../shared/contact';
 import { ApiError, getJson, type ContactsAnswer, type SceneInfo } from './api';
 
 const kPage = 1000;
@@ -104,14 +104,9 @@ export class Contacts {
   }
 }
 
-export function worstOf(contact: Contact): ContactFrame | undefined {
-  return contact.frames.find(({ time }) => time === contact.worst);
-}
-
-/** The frames in which a contact is, as text. */
-export function framesText(contact: Contact): string {
-  const { frames, first_time, last_time } = contact;
+/** The frames in which a contact crosses, as text. */
+export function framesText({ frames, first_time }: Contact): string {
   if (frames.length === 0) return `frame ${short(first_time)}`;
-  const [from, to] = [Math.floor(first_time), Math.ceil(last_time)];
+  const [from, to] = [short(frames[0]!.time), short(frames.at(-1)!.time)];
   return from === to ? `frame ${from}` : `frames ${from}–${to}`;
 }
