@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "terminal.h"
@@ -13,11 +14,18 @@ namespace {
 // A frame, or a time between two.
 std::string time_name(double time) { return fmt::format("{:.6g}", time); }
 
+// To a tenth of the contact's size, as far from the origin as it may be.
+std::string place_of(const Contact& contact) {
+  const Vec3& at = contact.point;
+  const double places = std::ceil(std::log10(at.cwiseAbs().maxCoeff() / (contact.high - contact.low).norm()));
+  const int digits = std::isfinite(places) ? std::clamp(static_cast<int>(places) + 2, 3, 17) : 3;
+  return fmt::format("at ({:.{}g}, {:.{}g}, {:.{}g})", at[0], digits, at[1], digits, at[2], digits);
+}
+
 // The parts or objects; the place where there is only one object.
 std::string who(const Contact& contact, Motions motions, const CheckSettings& settings) {
   if (motions.size() == 1 && parts_of(0, motions, settings).names.empty()) {
-    const Vec3& at = contact.point;
-    return fmt::format("at ({:.3g}, {:.3g}, {:.3g})", at[0], at[1], at[2]);
+    return place_of(contact);
   }
   auto names = side_names(contact, motions, settings);
   for (std::string& name : names) name = cell(name);

@@ -106,7 +106,7 @@ export class App {
     root.append(this.help);
     const scale = 2 / Math.max(...size, 1e-30);
     this.motionBox = this.boxOf(scene.low, scene.high, scale);
-    this.stage = new Stage(this.layout.stage, scale, () => this.bounds());
+    this.stage = new Stage(this.layout.stage, scale, () => this.bounds(), () => this.poseBounds() ?? this.bounds());
     this.layout.stage.append(this.stage.gizmo.element);
     this.recorder = new Recorder(this.stage.canvas, scene.title, (recording) => this.layout.showRecording(recording));
     this.navigator = new Navigator(this.parts(), changed, failed);
@@ -217,10 +217,14 @@ export class App {
     return new THREE.Box3(at(low), at(high));
   }
 
+  private poseBounds(): THREE.Box3 | null {
+    return this.content?.visible ? this.content.bounds() : null;
+  }
+
   /** The whole motion as far as it is known; of a shape of the model, or with a camera that follows, what is shown. */
   private bounds(): THREE.Box3 {
     const own = this.shaping || this.options?.state.follow;
-    const shown = own && this.content?.visible ? this.content.bounds() : null;
+    const shown = own ? this.poseBounds() : null;
     return shown && !shown.isEmpty() ? shown : this.motionBox;
   }
 

@@ -99,9 +99,15 @@ export class Contacts {
   title(contact: Contact): string {
     const [a, b] = [contact.sides[0]!.name, contact.sides[1]!.name];
     if (a !== b) return `${a} – ${b}`;
-    const at = contact.point.map((value) => String(Number(value.toPrecision(2)))).join(', ');
+    const at = contact.point.map((value) => String(Number(value.toPrecision(digitsOf(contact))))).join(', ');
     return this.scene.objects.length > 1 || this.scene.objects[0]!.name !== a ? `within ${a}` : `at (${at})`;
   }
+}
+
+/** How many digits say where a contact is, to a tenth of its size. */
+function digitsOf({ point, box: [low, high] }: Contact): number {
+  const places = Math.ceil(Math.log10(Math.max(...point.map(Math.abs)) / Math.hypot(...high!.map((value, axis) => value - low![axis]!))));
+  return Number.isFinite(places) ? Math.min(Math.max(places + 2, 3), 17) : 3;
 }
 
 /** The frames in which a contact crosses, as text. */

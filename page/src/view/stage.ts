@@ -33,7 +33,8 @@ export class Stage {
   constructor(
     readonly parent: HTMLElement,
     readonly scale: number,
-    private readonly bounds: () => THREE.Box3, // of what is shown, in the scene
+    bounds: () => THREE.Box3, // of the motion, in the scene
+    private readonly poseBounds: () => THREE.Box3, // of what is shown of it
   ) {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('aria-label', 'The meshes: drag to orbit, right-drag or two fingers to pan, wheel or pinch to zoom');
@@ -102,12 +103,12 @@ export class Stage {
     nearSide.value = a! > b! ? 1 : 2;
   }
 
-  /** Everything, small in a corner, with a dot at the chosen contact. */
+  /** The pose, small in a corner, with a dot at the chosen contact. */
   private renderOverview({ point }: Focus): void {
     const { wide, renderer } = this;
     const { clientWidth: width, clientHeight: height } = this.parent;
     const size = Math.round(kOverview * Math.min(width, height));
-    const sphere = this.bounds().getBoundingSphere(new THREE.Sphere());
+    const sphere = this.poseBounds().getBoundingSphere(new THREE.Sphere());
     const distance = (1.05 * sphere.radius) / Math.sin(THREE.MathUtils.degToRad(wide.fov / 2));
     wide.up.copy(this.camera.up);
     wide.position.copy(sphere.center).addScaledVector(this.camera.direction, distance);
@@ -138,7 +139,7 @@ export class Stage {
     const target = new THREE.WebGLRenderTarget(width, height);
     const ground = this.renderer.getClearColor(new THREE.Color());
     const wide = this.wide;
-    const sphere = this.bounds().getBoundingSphere(new THREE.Sphere());
+    const sphere = this.poseBounds().getBoundingSphere(new THREE.Sphere());
     wide.copy(eye);
     if (this.focus === null) {
       wide.position.copy(sphere.center).addScaledVector(this.camera.direction, sphere.radius / Math.sin(THREE.MathUtils.degToRad(wide.fov / 2)));
