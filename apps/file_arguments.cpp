@@ -191,7 +191,12 @@ class Uris : public nlohmann::json::json_sax_t {
 
 void add_file(const fs::path& path, std::vector<fs::path>& files) {
   files.push_back(path);
-  if (extension_of(path.string()) != ".gltf") return;
+  const std::string extension = extension_of(path.string());
+  if (extension == ".pvd") {
+    for (const std::string& file : io::pvd_files(path.string()).value_or(std::vector<std::string>()))
+      files.emplace_back(file);
+  }
+  if (extension != ".gltf") return;
   std::ifstream text(path, std::ios::binary);
   Uris uris;
   nlohmann::json::sax_parse(text, &uris);

@@ -22,9 +22,11 @@ inline constexpr const char* kMotionGroup = "Which part of the motion";
 inline constexpr const char* kMotionHelp = R"(A MOTION is one topology and its frames:
   walk.glb  walk.gltf  walk.npz   an animation; NPZ holds 'faces' and 'vertices' (frames x n x 3)
   x.npy faces.npy                 the same as two files
-  walk.obj walk.pc2               a mesh (OBJ, OFF, PLY, STL) followed by its point cache (.pc2, .mdd)
+  walk.obj walk.pc2               a mesh followed by its point cache (.pc2, .mdd)
+  walk.pvd                        the VTK files of a ParaView collection
   frames/  'frames/*.ply'         a directory or a quoted glob of meshes, a frame each, in natural order
   walk_%04d.obj  walk_*.obj       numbered meshes, a frame each; --separate makes them motions of their own
+Meshes are OBJ, OFF, PLY, STL, VTP, VTU and MSH.
 )";
 
 /// Adds --frames, --fps, --weld and --separate.

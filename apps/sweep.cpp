@@ -14,8 +14,8 @@ namespace foldproof {
 namespace {
 
 constexpr const char* kFooter = R"(Below each DIR these are motions:
-  walk.glb  walk.gltf  walk.npz   each file
-  walk.pc2  walk.mdd              with the OBJ, OFF or PLY of the same stem, or the only one beside it
+  .glb .gltf .npz .pvd            each file
+  walk.pc2  walk.mdd              with the mesh of the same stem, or the only one beside it
   run001.obj run002.obj ...       two meshes or more whose names differ in their last number only: frames of one motion
 Each is one object, checked against itself. Single meshes are skipped, except with --static.
 

@@ -50,7 +50,7 @@ if(FOLDPROOF_THREADS STREQUAL "tbb")
   string(APPEND LINKED " tbb")
 endif()
 pkg_config_file(foldproof "${PROJECT_DESCRIPTION}" "eigen3" "${LINKED}")
-pkg_config_file(foldproof_io "Files of meshes and motions, for Foldproof" "foldproof = ${PROJECT_VERSION}" "libzip zlib")
+pkg_config_file(foldproof_io "Files of meshes and motions, for Foldproof" "foldproof = ${PROJECT_VERSION}" "libzip pugixml zlib")
 pkg_config_file(foldproof_model "Models learned from example poses, for Foldproof" "foldproof_io = ${PROJECT_VERSION}" "")
 
 set(CPACK_PACKAGE_NAME foldproof)
@@ -73,7 +73,7 @@ set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "The program foldproof: checks, trains, 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libfoldproof-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libeigen3-dev, libexpected-dev, libfmt-dev, libhwy-dev, libzip-dev, pkgconf, zlib1g-dev")
+  "libeigen3-dev, libexpected-dev, libfmt-dev, libhwy-dev, libpugixml-dev, libzip-dev, pkgconf, zlib1g-dev")
 if(FOLDPROOF_THREADS STREQUAL "tbb")
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libtbb-dev")
 endif()

@@ -225,7 +225,7 @@ void bind_motions(py::module_& module) {
            "slice: a Motion of these frames, which are read on demand.\n\n"
            "Error: the frame cannot be read; the slice selects none. IndexError: the frame does not exist.");
   module.def("open_motion", &open_one, py::arg("fps") = 24.0, py::arg("weld") = false,
-             "Opens one motion: OBJ, OFF or PLY (with .pc2 or .mdd), a directory of them, glTF, GLB, NPZ.\n\n"
+             "Opens one motion: a mesh (with .pc2 or .mdd), a directory of meshes, glTF, GLB, NPZ, PVD.\n\n"
              "fps: sampling rate of animated glTF. weld: merge vertices that coincide in the first frame. "
              "Error: as for the program (docs/formats.md).");
   module.def("open_motions", &open_list, py::arg("fps") = 24.0, py::arg("weld") = false,

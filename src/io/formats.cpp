@@ -14,15 +14,22 @@ Result<std::unique_ptr<Motion>> open_archive(const std::string& path, const Read
 Result<std::unique_ptr<Motion>> open_scene(const std::string& path, const ReadOptions& options) {
   return open_gltf(path, options.fps);
 }
+Result<std::unique_ptr<Motion>> open_collection(const std::string& path, const ReadOptions&) {
+  return open_pvd(path);
+}
 
 constexpr FileFormat kFormats[] = {
     {.extension = ".obj", .kind = FileKind::Mesh, .parse_mesh = parse_obj},
     {.extension = ".off", .kind = FileKind::Mesh, .parse_mesh = parse_off},
     {.extension = ".ply", .kind = FileKind::Mesh, .parse_mesh = parse_ply},
     {.extension = ".stl", .kind = FileKind::Mesh, .parse_mesh = parse_stl},
+    {.extension = ".vtp", .kind = FileKind::Mesh, .parse_mesh = parse_vtp},
+    {.extension = ".vtu", .kind = FileKind::Mesh, .parse_mesh = parse_vtu},
+    {.extension = ".msh", .kind = FileKind::Mesh, .parse_mesh = parse_msh},
     {.extension = ".pc2", .kind = FileKind::PointCache, .open_cache = open_pc2},
     {.extension = ".mdd", .kind = FileKind::PointCache, .open_cache = open_mdd},
     {.extension = ".npz", .kind = FileKind::Animation, .open_animation = open_archive},
+    {.extension = ".pvd", .kind = FileKind::Animation, .open_animation = open_collection},
     {.extension = ".npy", .kind = FileKind::Array},
     {.extension = ".gltf", .kind = FileKind::Animation, .open_animation = open_scene},
     {.extension = ".glb", .kind = FileKind::Animation, .open_animation = open_scene},

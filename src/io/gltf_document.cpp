@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "base/try.h"
+#include "io/base64.h"
 
 namespace foldproof::io {
 namespace {
@@ -30,14 +31,6 @@ int component_count(std::string_view type) {
   if (type == "VEC3") return 3;
   if (type == "VEC4") return 4;
   return type == "MAT4" ? 16 : 0;
-}
-
-int base64_digit(char c) {
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  if (c == '+') return 62;
-  return c == '/' ? 63 : -1;
 }
 
 std::optional<std::vector<char>> decode_base64(std::string_view text) {

@@ -35,6 +35,11 @@ Result<MeshData> parse_off(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_ply(const std::string& path, std::string_view bytes);
 /// Corners at exactly the same place are one vertex.
 Result<MeshData> parse_stl(const std::string& path, std::string_view bytes);
+/// VTK's polygons, and cells: surfaces, else the boundary of volumes.
+Result<MeshData> parse_vtp(const std::string& path, std::string_view bytes);
+Result<MeshData> parse_vtu(const std::string& path, std::string_view bytes);
+/// Gmsh's surfaces, else the boundary of its volumes.
+Result<MeshData> parse_msh(const std::string& path, std::string_view bytes);
 /// Reads and parses a mesh file, by its extension. On success it also has vertices and triangles, no more
 /// than the maxima above.
 Result<MeshData> read_mesh(const std::string& path);
@@ -56,6 +61,10 @@ Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, const std
 Result<std::unique_ptr<Motion>> open_npz(const std::string& path);
 /// Two NumPy files: the one with integers holds the faces.
 Result<std::unique_ptr<Motion>> open_npy(const std::string& one, const std::string& other);
+/// The files of a VTK collection in the order of their times. Error: it refers to a file that is not below
+/// its directory, or to several at one time.
+Result<std::vector<std::string>> pvd_files(const std::string& path);
+Result<std::unique_ptr<Motion>> open_pvd(const std::string& path);
 /// glTF or GLB, sampled at `fps`.
 Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps);
 

@@ -71,6 +71,13 @@ std::optional<std::string> series_of(const std::string& mesh) {
   return (path.parent_path() / name).string();
 }
 
+/// The path without links; as it is where there is no such file.
+std::string canonical(const std::string& path) {
+  std::error_code status;
+  const fs::path found = fs::canonical(path, status);
+  return status ? path : found.string();
+}
+
 class Finder {
  public:
   explicit Finder(bool poses) : poses_(poses) {}
@@ -79,8 +86,12 @@ class Finder {
     Entries entries;
     if (list(path, entries)) add(path, {path});  // opening the directory will report the error
     for (const std::string& animation : entries.animations) {
-      add(animation, {animation}, extension_of(animation) == ".gltf" ? entries.buffers : kNone);
+      const auto frames = extension_of(animation) == ".pvd" ? io::pvd_files(animation).value_or(kNone) : kNone;
+      for (const std::string& frame : frames) in_collections_.insert(canonical(frame));
+      add(animation, {animation}, extension_of(animation) == ".gltf" ? entries.buffers : frames);
     }
+    std::erase_if(entries.meshes,
+                  [&](const std::string& mesh) { return in_collections_.contains(canonical(mesh)); });
     find_series(path, pair_caches(entries));
     for (const std::string& child : entries.folders) search(child);
   }
@@ -90,9 +101,7 @@ class Finder {
  private:
   /// `beside`: files that may belong to it.
   void add(std::string path, std::vector<std::string> files, std::span<const std::string> beside = kNone) {
-    std::error_code status;
-    const fs::path canonical = fs::canonical(files.back(), status);
-    if (!known_.insert(status ? files.back() : canonical.string()).second) return;
+    if (!known_.insert(canonical(files.back())).second) return;
     SweepMotion motion{std::move(path), std::move(files)};
     add_status(motion, motion.files);
     add_status(motion, beside);
@@ -138,6 +147,7 @@ class Finder {
   static inline const std::vector<std::string> kNone;
   bool poses_;
   std::set<std::string> known_;  // canonical paths, since directories may overlap
+  std::set<std::string> in_collections_;  // canonical paths of meshes that are frames of a collection
 };
 
 }  // namespace

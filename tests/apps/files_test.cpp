@@ -38,6 +38,10 @@ struct Inputs : TemporaryDirectory {
     write_file(*this / "walk.gltf",
                R"({"asset":{"version":"2.0"},"images":[{"uri":"data:,x"}],"buffers":[{"uri":"b%20c.bin"}]})");
     write_file(*this / "b c.bin", "buffer");
+    write_file(*this / "run.pvd",
+               R"(<VTKFile type="Collection"><Collection><DataSet file="collected/f.vtp"/></Collection></VTKFile>)");
+    fs::create_directories(*this / "collected");
+    write_file(*this / "collected/f.vtp", "a mesh");
     fs::create_symlink("a.npz", *this / "soft");
     fs::create_hard_link(*this / "a.npz", *this / "hard");
     fs::create_directory_symlink("frames", *this / "elsewhere");
@@ -79,6 +83,8 @@ TEST(FileArguments, NothingIsWrittenOverWhatIsRead) {
       {{"check", "plys", "--ply", "plys/f%04d.ply"}, "--ply plys/f%04d.ply: would write over 'plys/f"},
       {{"check", "walk.gltf", "--json", "b c.bin"},
        "would write over 'b c.bin', which is read (MOTION walk.gltf)"},
+      {{"check", "run.pvd", "--json", "collected/f.vtp"},
+       "would write over 'collected/f.vtp', which is read (MOTION run.pvd)"},
       {{"check", "a.npz", "--model", "tube.model", "--json", "tube.model"}, "(--model tube.model)"},
       {{"check", "--reduced", "tube.model", "p.csv", "--csv", "p.csv"}, "(MOTION p.csv)"},
       {{"report", "a.npz", "-o", "a.npz"}, "-o a.npz: would write over 'a.npz'"},

@@ -39,6 +39,31 @@ std::string binary_stl() {
   return bytes + "ab";
 }
 
+/// With appended raw arrays.
+std::string vtp() {
+  std::string xml =
+      "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\">"
+      "<Points><DataArray type=\"Float64\" format=\"appended\" offset=\"0\"/></Points><Polys>"
+      "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"appended\" offset=\"76\"/>"
+      "<DataArray type=\"Int32\" Name=\"offsets\" format=\"appended\" offset=\"92\"/>"
+      "</Polys></Piece></PolyData><AppendedData encoding=\"raw\">_";
+  for (const std::string& bytes :
+       {array(kTrianglePositions), array<std::int32_t>({0, 1, 2}), array<std::int32_t>({3})})
+    xml += bytes_of(static_cast<std::uint32_t>(bytes.size())) + bytes;
+  return xml;
+}
+
+const char* const kVtu =
+    "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">"
+    "<Points><DataArray type=\"Float32\" format=\"ascii\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points><Cells>"
+    "<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray>"
+    "<DataArray type=\"Int64\" Name=\"offsets\" format=\"binary\">CAAAAAQAAAAAAAAA</DataArray>"
+    "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10</DataArray>"
+    "</Cells></Piece></UnstructuredGrid></VTKFile>";
+const char* const kMsh =
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 3 1 3\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n$EndNodes\n"
+    "$Elements\n1 1 1 1\n2 1 2 1\n1 1 2 3\n$EndElements\n";
+
 std::vector<Sample> samples() {
   const ScratchDirectory files;
   const auto topology = Topology::make(4, {{0, 1, 2}, {1, 3, 2}});
@@ -68,6 +93,9 @@ std::vector<Sample> samples() {
            "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
            "endfacet\nendsolid\n",
            "", true},
+          {"a.vtp", vtp(), "", false},
+          {"a.vtu", kVtu, "", false},
+          {"a.msh", kMsh, "", true},
           {"a.npy", npy("<f8", "4, 3", array(still)),
            npy("<i4", "2, 3", array<std::int32_t>({0, 1, 2, 1, 3, 2})), false},
           {"a.npz", read_bytes(files.path("a.npz")), "", false},
@@ -167,6 +195,8 @@ TEST_F(HostileTest, FalseHeadersUseNoMemory) {
        true},
       {"a.stl", std::string(80, ' ') + "\xff\xff\xff\xff", ""},
       {"a.npy", npy("<f8", "1152921504606846976, 3", ""), npy("<i4", "1, 3", array<std::int32_t>({0, 1, 2}))},
+      {"a.vtp", vtp().replace(vtp().find("\"3\""), 3, "\"4000000000\""), ""},
+      {"a.vtp", vtp().replace(vtp().find('_') + 1, 4, "\xff\xff\xff\xff"), ""},
       {"a.pc2",
        std::string("POINTCACHE2\0", 12) + bytes_of(1, little) + bytes_of(3) + bytes_of(0.f) + bytes_of(1.f) +
            bytes_of(2147483647),

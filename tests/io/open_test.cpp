@@ -23,7 +23,8 @@ TEST_F(OpenTest, EveryArgumentIsAMotionOfItsOwn) {
 // Each row of the table has exactly the reader of its kind, which is called without a null check.
 TEST_F(OpenTest, EveryFormatHasTheReaderOfItsKind) {
   for (const char* extension :
-       {".obj", ".off", ".ply", ".stl", ".pc2", ".mdd", ".npz", ".npy", ".gltf", ".GLB"}) {
+       {".obj", ".off", ".ply", ".stl", ".vtp", ".vtu", ".msh", ".pc2", ".mdd", ".npz", ".pvd", ".npy", ".gltf",
+        ".GLB"}) {
     const io::FileFormat* format = io::format_of(std::string("run/a") + extension);
     ASSERT_NE(format, nullptr) << extension;
     EXPECT_EQ(format->parse_mesh != nullptr, format->kind == io::FileKind::Mesh) << extension;
@@ -102,7 +103,7 @@ TEST_F(OpenTest, ReportsWhatIsNotAMotion) {
   files.write("cached/a.obj", obj_at(1));
   files.write("cached/a.pc2", "POINTCACHE2");
   const std::string no_mesh =
-      ": holds no .obj, .off, .ply or .stl files; name mesh files, or a directory that "
+      ": holds no .obj, .off, .ply, .stl, .vtp, .vtu or .msh files; name mesh files, or a directory that "
       "holds them";
   const std::string one = "; name one of them, or keep one format in a directory";
   EXPECT_EQ(open_error({files.path("empty")}), "empty" + no_mesh);
@@ -118,8 +119,8 @@ TEST_F(OpenTest, ReportsWhatIsNotAMotion) {
   EXPECT_EQ(open_error({files.path("none.gltf")}), "none.gltf" + check);
   EXPECT_EQ(open_error({files.path("none.npz")}), "none.npz" + check);
   EXPECT_EQ(open_error({files.write("a.xyz", "0 0 0")}),
-            "a.xyz: is not a format that is read here; give .obj, .off, .ply or .stl, .npz, .gltf or "
-            ".glb, or a mesh followed by its .pc2 or .mdd");
+            "a.xyz: is not a format that is read here; give .obj, .off, .ply, .stl, .vtp, .vtu or "
+            ".msh, .npz, .pvd, .gltf or .glb, or a mesh followed by its .pc2 or .mdd");
   EXPECT_EQ(open_error({}), "arguments: no motion is named; name a mesh file or a directory");
   std::filesystem::create_directory(files.path("dir.obj"));
   EXPECT_EQ(open_error({files.path("dir.obj")}), "dir.obj" + no_mesh);

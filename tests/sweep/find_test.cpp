@@ -79,6 +79,18 @@ TEST(FindMotions, TakesSingleMeshesForPosesOnly) {
   EXPECT_THAT(library.found(true), ElementsAre("chair.obj", "table.ply"));
 }
 
+TEST(FindMotions, TakesTheMeshesOfACollectionAsItsFrames) {
+  const Library library({"run/f1.vtp", "run/f2.vtp", "run/f3.vtp", "more/f1.vtp", "more/f2.vtp"});
+  std::ofstream(library / "run.pvd") << "<VTKFile type=\"Collection\"><Collection>"
+                                        "<DataSet timestep=\"0\" file=\"run/f1.vtp\"/>"
+                                        "<DataSet timestep=\"1\" file=\"run/f2.vtp\"/>"
+                                        "</Collection></VTKFile>";
+  const SweepInput input = library.input();
+  EXPECT_THAT(library.found(), ElementsAre("run.pvd", "more"));
+  EXPECT_EQ(input.single_meshes, 1u);
+  EXPECT_EQ(input.motions[0].bytes, std::filesystem::file_size(library / "run.pvd") + 10);
+}
+
 TEST(FindMotions, FindsNothingTwiceAndFollowsNoLinkToADirectory) {
   const Library library({"a/walk.glb"});
   std::filesystem::create_directory_symlink(library.path(), library / "a/round");

@@ -1,0 +1,196 @@
+// VTK's XML files as ParaView writes them: polygons, cells, and collections of them over time. A reader of
+// our own over pugixml: VTK's aborts or warns on damaged files and brings dozens of libraries.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "base/try.h"
+#include "io/cells.h"
+#include "io/parts.h"
+#include "io/vtk_file.h"
+
+namespace foldproof::io {
+namespace {
+
+namespace fs = std::filesystem;
+using pugi::xml_node;
+
+std::optional<CellShape> shape_of(std::int64_t vtk_type) {
+  switch (vtk_type) {
+    case 5:  // triangle
+    case 7:  // polygon
+    case 9:  // quad
+      return CellShape::Polygon;
+    case 6:
+      return CellShape::Strip;
+    case 8:
+      return CellShape::Pixel;
+    case 10:
+      return CellShape::Tetrahedron;
+    case 11:
+      return CellShape::Voxel;
+    case 12:
+      return CellShape::Hexahedron;
+    case 13:
+      return CellShape::Wedge;
+    case 14:
+      return CellShape::Pyramid;
+    default:
+      return std::nullopt;
+  }
+}
+
+/// Vertices, edges and chains of them bound nothing.
+bool is_surface(std::int64_t vtk_type) { return vtk_type < 0 || vtk_type > 4; }
+
+class VtkMesh {
+ public:
+  explicit VtkMesh(VtkFile file) : file_(std::move(file)) {}
+
+  Result<MeshData> read() {
+    for (const xml_node piece : file_.content().children("Piece")) {
+      FOLDPROOF_TRY(read_piece(piece));
+    }
+    const std::vector<std::int64_t> parts = cells_.finish();
+    mesh_.parts = parts_by_number(part_kind_, parts);
+    return std::move(mesh_);
+  }
+
+ private:
+  static xml_node array(xml_node section, const char* name) {
+    return section.find_child_by_attribute("DataArray", "Name", name);
+  }
+
+  Result<void> read_piece(xml_node piece) {
+    const std::uint64_t points = FOLDPROOF_TRY(file_.count(piece, "NumberOfPoints"));
+    first_vertex_ = mesh_.vertex_count();
+    if (points > kMaxVertices - first_vertex_) return file_.error(piece, "has too many points");
+    vertex_count_ = static_cast<Index>(points);
+    if (points > 0) {
+      const xml_node coordinates = piece.child("Points").child("DataArray");
+      const auto positions = FOLDPROOF_TRY(file_.values<double>(coordinates));
+      if (positions.size() != 3 * points)
+        return file_.error(coordinates,
+                           fmt::format("has {} numbers for {} points", positions.size(), points));
+      FOLDPROOF_TRY(check_finite(file_.path(), positions));
+      mesh_.positions.insert(mesh_.positions.end(), positions.begin(), positions.end());
+    }
+    FOLDPROOF_TRY(read_labels(piece.child("CellData")));
+    std::uint64_t first_cell = 0;
+    for (const char* section : {"Verts", "Lines"}) {
+      first_cell += FOLDPROOF_TRY(file_.count(piece, fmt::format("NumberOf{}", section).c_str()));
+    }
+    for (const auto& [section, type] : {std::pair("Polys", 7), std::pair("Strips", 6)}) {
+      const std::uint64_t count =
+          FOLDPROOF_TRY(file_.count(piece, fmt::format("NumberOf{}", section).c_str()));
+      if (count == 0) continue;
+      FOLDPROOF_TRY(read_cells(piece.child(section), count, first_cell, type));
+      first_cell += count;
+    }
+    const std::uint64_t cells = FOLDPROOF_TRY(file_.count(piece, "NumberOfCells"));
+    return cells == 0 ? Result<void>() : read_cells(piece.child("Cells"), cells, 0, std::nullopt);
+  }
+
+  // The first array of integers whose name says that it names parts.
+  Result<void> read_labels(xml_node cell_data) {
+    labels_.clear();
+    for (const xml_node data : cell_data.children("DataArray")) {
+      const std::string_view kind = part_kind(data.attribute("Name").value());
+      if (kind.empty() || std::string_view(data.attribute("type").value()).starts_with("Float")) continue;
+      labels_ = FOLDPROOF_TRY(file_.values<std::int64_t>(data));
+      part_kind_ = kind;
+      return {};
+    }
+    return {};
+  }
+
+  /// `type`: of all cells; none: the file says it for each.
+  Result<void> read_cells(xml_node section, std::uint64_t count, std::uint64_t first_cell,
+                          std::optional<std::int64_t> type) {
+    const auto ends = FOLDPROOF_TRY(file_.values<std::int64_t>(array(section, "offsets")));
+    const auto ids = FOLDPROOF_TRY(file_.values<std::int64_t>(array(section, "connectivity")));
+    std::vector<std::int64_t> types;
+    if (!type) types = FOLDPROOF_TRY(file_.values<std::int64_t>(array(section, "types")));
+    if (ends.size() != count || (!type && types.size() != count))
+      return file_.error(section, fmt::format("has {} offsets for {} cells", ends.size(), count));
+    std::vector<Index> cell;
+    std::int64_t begin = 0;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const auto wrong = [&](std::string problem) {
+        return file_.error(section, fmt::format("cell {} {}", i, std::move(problem)));
+      };
+      if (ends[i] < begin || static_cast<std::uint64_t>(ends[i]) > ids.size())
+        return wrong("has an offset that is not within its vertices");
+      cell.clear();
+      for (; begin < ends[i]; ++begin) {
+        const std::int64_t id = ids[static_cast<std::size_t>(begin)];
+        if (id < 0 || id >= vertex_count_)
+          return wrong(
+              fmt::format("refers to vertex {}, but there are {} (counting from 0)", id, vertex_count_));
+        cell.push_back(first_vertex_ + static_cast<Index>(id));
+      }
+      const std::int64_t kind = type ? *type : types[i];
+      if (!is_surface(kind)) continue;
+      const auto shape = shape_of(kind);
+      if (!shape) return wrong(fmt::format("is of VTK's type {}, which is not read", kind));
+      const std::uint64_t label = first_cell + i;
+      if (!cells_.add(*shape, cell, label < labels_.size() ? labels_[label] : 0))
+        return wrong(fmt::format("has {} vertices", cell.size()));
+    }
+    return {};
+  }
+
+  VtkFile file_;
+  MeshData mesh_;
+  CellCollector cells_{mesh_};
+  Index first_vertex_ = 0, vertex_count_ = 0;  // of the piece
+  std::string_view part_kind_;
+  std::vector<std::int64_t> labels_;  // per cell of the piece
+};
+
+}  // namespace
+
+Result<MeshData> parse_vtp(const std::string& path, std::string_view bytes) {
+  return VtkMesh(FOLDPROOF_TRY(VtkFile::parse(path, bytes, "PolyData"))).read();
+}
+
+Result<MeshData> parse_vtu(const std::string& path, std::string_view bytes) {
+  return VtkMesh(FOLDPROOF_TRY(VtkFile::parse(path, bytes, "UnstructuredGrid"))).read();
+}
+
+Result<std::vector<std::string>> pvd_files(const std::string& path) {
+  const auto bytes = FOLDPROOF_TRY(read_file(path));
+  const auto file = FOLDPROOF_TRY(VtkFile::parse(path, {bytes.data(), bytes.size()}, "Collection"));
+  std::vector<std::pair<double, std::string>> frames;
+  for (const xml_node set : file.content().children("DataSet")) {
+    const fs::path name = set.attribute("file").value();
+    const auto leaves = [](const fs::path& part) { return part == ".."; };
+    if (name.empty() || name.is_absolute() || std::ranges::any_of(name, leaves)) {
+      return fail(ErrorCode::InvalidFile, path,
+                  fmt::format("refers to '{}', which is not below its directory", name.string()),
+                  "keep the files of a collection beside it");
+    }
+    frames.emplace_back(set.attribute("timestep").as_double(),
+                        (fs::path(path).parent_path() / name).string());
+  }
+  std::ranges::stable_sort(frames, {}, &std::pair<double, std::string>::first);
+  std::vector<std::string> files;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i > 0 && frames[i].first == frames[i - 1].first) {
+      return fail(ErrorCode::UnsupportedFormat, path,
+                  fmt::format("has several parts at time {}", frames[i].first),
+                  "append them into one data set in ParaView and save that");
+    }
+    files.push_back(frames[i].second);
+  }
+  if (files.empty()) return fail(ErrorCode::InvalidFile, path, "refers to no files", "write the file again");
+  return files;
+}
+
+Result<std::unique_ptr<Motion>> open_pvd(const std::string& path) {
+  return open_sequence(path, FOLDPROOF_TRY(pvd_files(path)));
+}
+
+}  // namespace foldproof::io

@@ -1,0 +1,125 @@
+#include "io/support.h"
+
+namespace foldproof::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const std::string kNames = "$PhysicalNames\n2\n2 7 \"left wing\"\n2 8 \"right\"\n$EndPhysicalNames\n";
+
+// Nodes 10, 20, 30 and 5; a line, a triangle of group 7 and a quad of group 8.
+const std::string kOld =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + kNames +
+    "$Nodes\n4\n10 0 0 0\n20 1 0 0\n30 0 1 0\n5 1 1 0.5\n$EndNodes\n"
+    "$Elements\n3\n1 1 2 0 1 10 20\n2 2 2 7 1 10 20 30\n3 3 2 8 2 10 20 5 30\n$EndElements\n";
+const std::string kNew =
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n" + kNames +
+    "$Entities\n1 0 2 0\n1 0 0 0 0\n1 0 0 0 1 1 1 1 7 1 4\n2 0 0 0 1 1 1 1 8 0\n$EndEntities\n"
+    "$Nodes\n2 4 5 30\n2 1 0 3\n10\n20\n30\n0 0 0\n1 0 0\n0 1 0\n2 2 1 1\n5\n1 1 0.5 0.1 0.2\n$EndNodes\n"
+    "$Elements\n3 3 1 3\n1 1 1 1\n1 10 20\n2 1 2 1\n2 10 20 30\n2 2 3 1\n3 10 20 5 30\n$EndElements\n";
+
+/// The same meshes in binary.
+std::string binary_old(std::endian order) {
+  const auto i = [&](std::initializer_list<std::int32_t> values) {
+    std::string bytes;
+    for (const std::int32_t value : values) bytes += bytes_of(value, order);
+    return bytes;
+  };
+  const auto node = [&](std::int32_t tag, double x, double y, double z) {
+    return i({tag}) + bytes_of(x, order) + bytes_of(y, order) + bytes_of(z, order);
+  };
+  return "$MeshFormat\n2.2 1 8\n" + i({1}) + "\n$EndMeshFormat\n" + kNames + "$Nodes\n4\n" +
+         node(10, 0, 0, 0) + node(20, 1, 0, 0) + node(30, 0, 1, 0) + node(5, 1, 1, 0.5) +
+         "\n$EndNodes\n$Elements\n3\n" + i({1, 1, 2, 1, 0, 1, 10, 20}) + i({2, 1, 2, 2, 7, 1, 10, 20, 30}) +
+         i({3, 1, 2, 3, 8, 2, 10, 20, 5, 30}) + "\n$EndElements\n";
+}
+
+std::string binary_new() {
+  const auto i = [](std::initializer_list<std::int32_t> values) {
+    std::string bytes;
+    for (const std::int32_t value : values) bytes += bytes_of(value);
+    return bytes;
+  };
+  const auto n = [](std::initializer_list<std::uint64_t> values) {
+    std::string bytes;
+    for (const std::uint64_t value : values) bytes += bytes_of(value);
+    return bytes;
+  };
+  const auto d = [](std::initializer_list<double> values) {
+    std::string bytes;
+    for (const double value : values) bytes += bytes_of(value);
+    return bytes;
+  };
+  const std::string box = d({0, 0, 0, 1, 1, 1});
+  return "$MeshFormat\n4.1 1 8\n" + i({1}) + "\n$EndMeshFormat\n" + kNames + "$Entities\n" + n({1, 0, 2, 0}) +
+         i({1}) + d({0, 0, 0}) + n({0}) + i({1}) + box + n({1}) + i({7}) + n({1}) + i({4}) + i({2}) + box +
+         n({1}) + i({8}) + n({0}) + "\n$EndEntities\n$Nodes\n" + n({2, 4, 5, 30}) + i({2, 1, 0}) +
+         n({3, 10, 20, 30}) + d({0, 0, 0, 1, 0, 0, 0, 1, 0}) + i({2, 2, 1}) + n({1, 5}) +
+         d({1, 1, 0.5, 0.1, 0.2}) + "\n$EndNodes\n$Elements\n" + n({3, 3, 1, 3}) + i({1, 1, 1}) +
+         n({1, 1, 10, 20}) + i({2, 1, 2}) + n({1, 2, 10, 20, 30}) + i({2, 2, 3}) + n({1, 3, 10, 20, 5, 30}) +
+         "\n$EndElements\n";
+}
+
+class MshTest : public IoTest {};
+
+TEST_F(MshTest, ReadsBothVersionsInTextAndBinary) {
+  for (const std::string& bytes :
+       {kOld, kNew, binary_old(std::endian::little), binary_old(std::endian::big), binary_new()}) {
+    const auto motion = open({files.write("a.msh", bytes)});
+    ASSERT_TRUE(motion) << bytes;
+    EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 2}, {0, 1, 3}, {0, 3, 2}}));
+    EXPECT_EQ(frame(*motion, 0), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.5}));
+    EXPECT_THAT(motion->parts().names, ElementsAre("left wing", "right"));
+    EXPECT_THAT(motion->parts().of_triangle, ElementsAre(0, 1, 1));
+  }
+}
+
+TEST_F(MshTest, WithoutGroupsPartsAreEntities) {
+  std::string bytes = kOld;
+  for (const char* group : {" 2 7 1 ", " 2 8 2 "}) bytes[bytes.find(group) + 3] = '0';
+  EXPECT_THAT(open({files.write("a.msh", bytes)})->parts().names, ElementsAre("surface 1", "surface 2"));
+}
+
+TEST_F(MshTest, OfVolumesOnlyTheBoundaryIsLeft) {
+  const std::string head =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n";
+  const auto volume = open({files.write("a.msh", head + "$Elements\n1\n1 4 0 1 2 3 4\n$EndElements\n")});
+  ASSERT_TRUE(volume);
+  EXPECT_EQ(volume->topology().triangles().size(), 4u);
+  const auto both =
+      open({files.write("b.msh", head + "$Elements\n2\n1 4 0 1 2 3 4\n2 2 0 1 2 3\n$EndElements\n")});
+  ASSERT_TRUE(both);
+  EXPECT_EQ(triangles(*both), kOneTriangle);
+}
+
+TEST_F(MshTest, BadFilesAreOneLineErrors) {
+  const std::string again = "; save the mesh again as Gmsh 4.1 or 2.2";
+  const auto changed = [&](const std::string& bytes, const std::string& from, const std::string& to) {
+    std::string copy = bytes;
+    copy.replace(copy.find(from), from.size(), to);
+    return open_error({files.write("a.msh", copy)});
+  };
+  EXPECT_EQ(open_error({files.write("a.msh", "")}), "a.msh:1: does not start with $MeshFormat" + again);
+  EXPECT_EQ(changed(kNew, "4.1 0", "4.0 0"), "a.msh:3: Gmsh's format '4.0 0 8' is not read" + again);
+  EXPECT_EQ(changed(kOld, "\n4\n10", "\n4000000000\n10"),
+            "a.msh:11: announces more than the file holds" + again);
+  EXPECT_EQ(
+      changed(kOld, "1 0 0\n", "1 0 nan\n"),
+      "a.msh:12: coordinate z of node 20 is not finite; export the mesh without NaN or infinite coordinates");
+  EXPECT_EQ(changed(kOld, "20 1 0 0", "10 1 0 0"), "a.msh:12: node 10 is there twice" + again);
+  EXPECT_EQ(changed(kOld, "7 1 10 20 30", "7 1 10 20 31"),
+            "a.msh:19: an element refers to node 31, which is not there" + again);
+  EXPECT_EQ(
+      changed(kOld, "2 2 2 7", "2 9 2 7"),
+      "a.msh:19: elements of Gmsh's type 9 are not read; save the mesh with elements of the first order");
+  EXPECT_THAT(changed(kOld, "$EndElements", ""), HasSubstr("the file ends within $Elements"));
+  EXPECT_THAT(changed(kNew, "2 1 0 3\n", "2 1 0 300000000\n"), HasSubstr("a number is missing or wrong"));
+  const std::string binary = binary_new();
+  for (std::size_t length = 0; length + 14 < binary.size(); ++length)
+    EXPECT_NE(open_error({files.write("a.msh", binary.substr(0, length))}), "no error") << length;
+}
+
+}  // namespace
+}  // namespace foldproof::testing
