@@ -86,7 +86,8 @@ class Finder {
     Entries entries;
     if (list(path, entries)) add(path, {path});  // opening the directory will report the error
     for (const std::string& animation : entries.animations) {
-      const auto frames = extension_of(animation) == ".pvd" ? io::pvd_files(animation).value_or(kNone) : kNone;
+      const auto frames =
+          extension_of(animation) == ".pvd" ? io::pvd_files(animation).value_or(kNone) : kNone;
       for (const std::string& frame : frames) in_collections_.insert(canonical(frame));
       add(animation, {animation}, extension_of(animation) == ".gltf" ? entries.buffers : frames);
     }
@@ -146,7 +147,7 @@ class Finder {
 
   static inline const std::vector<std::string> kNone;
   bool poses_;
-  std::set<std::string> known_;  // canonical paths, since directories may overlap
+  std::set<std::string> known_;           // canonical paths, since directories may overlap
   std::set<std::string> in_collections_;  // canonical paths of meshes that are frames of a collection
 };
 

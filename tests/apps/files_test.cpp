@@ -38,8 +38,9 @@ struct Inputs : TemporaryDirectory {
     write_file(*this / "walk.gltf",
                R"({"asset":{"version":"2.0"},"images":[{"uri":"data:,x"}],"buffers":[{"uri":"b%20c.bin"}]})");
     write_file(*this / "b c.bin", "buffer");
-    write_file(*this / "run.pvd",
-               R"(<VTKFile type="Collection"><Collection><DataSet file="collected/f.vtp"/></Collection></VTKFile>)");
+    write_file(
+        *this / "run.pvd",
+        R"(<VTKFile type="Collection"><Collection><DataSet file="collected/f.vtp"/></Collection></VTKFile>)");
     fs::create_directories(*this / "collected");
     write_file(*this / "collected/f.vtp", "a mesh");
     fs::create_symlink("a.npz", *this / "soft");

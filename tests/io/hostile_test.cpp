@@ -61,7 +61,8 @@ const char* const kVtu =
     "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10</DataArray>"
     "</Cells></Piece></UnstructuredGrid></VTKFile>";
 const char* const kMsh =
-    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 3 1 3\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n$EndNodes\n"
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 3 1 3\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 "
+    "0\n$EndNodes\n"
     "$Elements\n1 1 1 1\n2 1 2 1\n1 1 2 3\n$EndElements\n";
 
 std::vector<Sample> samples() {
