@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <unordered_map>
 
 #include "base/try.h"
 #include "io/bytes.h"
@@ -202,7 +201,7 @@ class MshParser {
     return in_.failed() ? Result<void>(damaged()) : Result<void>();
   }
 
-  Result<void> read_position(std::int64_t tag) {
+  Result<void> read_node(std::int64_t tag) {
     for (int k = 0; k < 3; ++k) {
       Scan scan;
       mesh_.positions.push_back(in_.real(scan));
@@ -210,9 +209,21 @@ class MshParser {
         return tl::unexpected(
             scan_error(scan, in_.where(), fmt::format("coordinate {} of node {}", "xyz"[k], tag)));
     }
-    if (!vertex_of_.try_emplace(tag, static_cast<Index>(vertex_of_.size())).second)
-      return error(fmt::format("node {} is there twice", tag));
+    nodes_.emplace_back(tag, static_cast<Index>(nodes_.size()));
     return {};
+  }
+
+  /// By their tags, for find_node().
+  Result<void> sort_nodes() {
+    std::ranges::sort(nodes_);
+    const auto twice = std::ranges::adjacent_find(nodes_, {}, &Node::first);
+    return twice == nodes_.end() ? Result<void>()
+                                 : error(fmt::format("node {} is there twice", twice->first));
+  }
+
+  Index find_node(std::int64_t tag) const {
+    const auto found = std::ranges::lower_bound(nodes_, tag, {}, &Node::first);
+    return found == nodes_.end() || found->first != tag ? kNoIndex : found->second;
   }
 
   // Counts are on lines of their own in version 2.2, also in binary files.
@@ -230,9 +241,9 @@ class MshParser {
     for (std::uint64_t i = 0; i < count; ++i) {
       const std::int64_t tag = in_.integer();
       if (in_.failed()) return damaged();
-      FOLDPROOF_TRY(read_position(tag));
+      FOLDPROOF_TRY(read_node(tag));
     }
-    return {};
+    return sort_nodes();
   }
 
   Result<void> read_nodes() {
@@ -247,11 +258,11 @@ class MshParser {
       for (std::int64_t& tag : tags) tag = in_.size();
       if (in_.failed() || dimension < 0 || dimension > 3) return damaged();
       for (const std::int64_t tag : tags) {
-        FOLDPROOF_TRY(read_position(tag));
+        FOLDPROOF_TRY(read_node(tag));
         if (parametric) in_.skip_reals(static_cast<std::uint64_t>(dimension));
       }
     }
-    return in_.failed() ? Result<void>(damaged()) : Result<void>();
+    return in_.failed() ? Result<void>(damaged()) : sort_nodes();
   }
 
   static const ElementType* type_of(std::int64_t number) {
@@ -269,11 +280,10 @@ class MshParser {
     std::array<Index, 8> vertices;
     for (std::size_t k = 0; k < type.vertices; ++k) {
       const std::int64_t tag = is_new_ ? in_.size() : in_.integer();
-      const auto found = vertex_of_.find(tag);
       if (in_.failed()) return damaged();
-      if (found == vertex_of_.end())
+      vertices[k] = find_node(tag);
+      if (vertices[k] == kNoIndex)
         return error(fmt::format("an element refers to node {}, which is not there", tag));
-      vertices[k] = found->second;
     }
     if (type.shape == CellShape::Wedge) {  // the other way around than in VTK
       std::swap(vertices[1], vertices[2]);
@@ -350,11 +360,12 @@ class MshParser {
   }
 
   using Key = std::pair<std::int64_t, std::int64_t>;  // dimension and tag
+  using Node = std::pair<std::int64_t, Index>;        // tag and vertex
   MshSource in_;
   bool is_new_ = false;  // version 4.1
   MeshData mesh_;
   CellCollector cells_{mesh_};
-  std::unordered_map<std::int64_t, Index> vertex_of_;  // by the node's tag
+  std::vector<Node> nodes_;
   std::map<Key, std::string> names_;
   std::map<Key, std::int64_t> groups_;  // of entities
   std::map<std::array<std::int64_t, 3>, std::size_t> part_ids_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 
@@ -172,8 +173,11 @@ Result<std::vector<std::string>> pvd_files(const std::string& path) {
                   fmt::format("refers to '{}', which is not below its directory", name.string()),
                   "keep the files of a collection beside it");
     }
-    frames.emplace_back(set.attribute("timestep").as_double(),
-                        (fs::path(path).parent_path() / name).string());
+    const double time = set.attribute("timestep").as_double();
+    if (!std::isfinite(time))
+      return fail(ErrorCode::InvalidFile, path, fmt::format("the time of '{}' is not finite", name.string()),
+                  "write the file again");
+    frames.emplace_back(time, (fs::path(path).parent_path() / name).string());
   }
   std::ranges::stable_sort(frames, {}, &std::pair<double, std::string>::first);
   std::vector<std::string> files;

@@ -64,15 +64,15 @@ Result<VtkFile> VtkFile::parse(const std::string& path, std::string_view bytes, 
   file.path_ = path;
   file.type_ = type;
   file.budget_ = bytes.size();
-  std::string xml;
+  std::string declared;
+  std::string_view xml = bytes;
   // Appended data need not be XML, so the text ends with the tag that opens it.
   const std::size_t tag = bytes.find("<AppendedData"), end = bytes.find('>', std::min(tag, bytes.size()));
   if (tag != bytes.npos && end != bytes.npos) {
-    xml = std::string(bytes.substr(0, end)) + "/></VTKFile>";
+    declared = std::string(bytes.substr(0, end)) + "/></VTKFile>";
+    xml = declared;
     const std::size_t start = bytes.find('_', end);
     if (start != bytes.npos) file.appended_ = bytes.substr(start + 1);
-  } else {
-    xml = bytes;
   }
   const pugi::xml_parse_result parsed = file.document_.load_buffer(xml.data(), xml.size());
   if (!parsed) {
@@ -81,11 +81,13 @@ Result<VtkFile> VtkFile::parse(const std::string& path, std::string_view bytes, 
   }
   const pugi::xml_node root = file.document_.child("VTKFile");
   const std::string found = root.attribute("type").value(), compressor = root.attribute("compressor").value();
-  if (!file.content() || found != type) {
+  if (found != type) {
     return fail(ErrorCode::UnsupportedFormat, path,
                 found.empty() ? "is not a VTK XML file" : fmt::format("holds {}, not {}", found, type),
                 "give the file the extension of what it holds: .vtp polygons, .vtu cells, .pvd a collection");
   }
+  if (!file.content())
+    return fail(ErrorCode::InvalidFile, path, fmt::format("has no element {}", type), kWriteAgain);
   if (!compressor.empty() && compressor != "vtkZLibDataCompressor") {
     return fail(ErrorCode::UnsupportedFormat, path, fmt::format("is compressed with {}", compressor),
                 "write it with zlib, or not compressed");

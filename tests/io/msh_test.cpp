@@ -108,7 +108,7 @@ TEST_F(MshTest, BadFilesAreOneLineErrors) {
   EXPECT_EQ(
       changed(kOld, "1 0 0\n", "1 0 nan\n"),
       "a.msh:12: coordinate z of node 20 is not finite; export the mesh without NaN or infinite coordinates");
-  EXPECT_EQ(changed(kOld, "20 1 0 0", "10 1 0 0"), "a.msh:12: node 10 is there twice" + again);
+  EXPECT_EQ(changed(kOld, "20 1 0 0", "10 1 0 0"), "a.msh:14: node 10 is there twice" + again);
   EXPECT_EQ(changed(kOld, "7 1 10 20 30", "7 1 10 20 31"),
             "a.msh:19: an element refers to node 31, which is not there" + again);
   EXPECT_EQ(

@@ -233,6 +233,8 @@ TEST_F(VtkTest, CollectionsAreFramesInTheOrderOfTheirTimes) {
   EXPECT_THAT(open_error({pvd(set("0", "/etc/passwd"))}), HasSubstr("not below its directory"));
   EXPECT_THAT(open_error({pvd(set("0", "run/a.vtp") + set("0", "run/b.vtp"))}),
               HasSubstr("has several parts at time 0;"));
+  EXPECT_EQ(open_error({pvd(set("nan", "run/a.vtp"))}),
+            "a.pvd: the time of 'run/a.vtp' is not finite; write the file again");
   EXPECT_EQ(open_error({pvd("")}), "a.pvd: refers to no files; write the file again");
 }
 
@@ -244,6 +246,8 @@ TEST_F(VtkTest, BadFilesAreOneLineErrors) {
   EXPECT_THAT(open_error({files.write("a.vtp", "<a/>")}), HasSubstr("a.vtp: is not a VTK XML file; "));
   EXPECT_THAT(open_error({files.write("a.vtu", file("PolyData", ""))}),
               HasSubstr("a.vtu: holds PolyData, not UnstructuredGrid; "));
+  EXPECT_EQ(open_error({files.write("a.vtp", "<VTKFile type=\"PolyData\"/>")}),
+            "a.vtp: has no element PolyData" + again);
   EXPECT_EQ(error("", "compressor=\"vtkLZ4DataCompressor\""),
             "a.vtp: is compressed with vtkLZ4DataCompressor; write it with zlib, or not compressed");
   const auto changed = [&](const std::string& from, const std::string& to) {

@@ -86,9 +86,9 @@ TEST(FindMotions, TakesTheMeshesOfACollectionAsItsFrames) {
                                         "<DataSet timestep=\"1\" file=\"run/f2.vtp\"/>"
                                         "</Collection></VTKFile>";
   const SweepInput input = library.input();
-  EXPECT_THAT(library.found(), ElementsAre("run.pvd", "more"));
+  EXPECT_THAT(library.found(), ElementsAre("more", "run.pvd"));
   EXPECT_EQ(input.single_meshes, 1u);
-  EXPECT_EQ(input.motions[0].bytes, std::filesystem::file_size(library / "run.pvd") + 10);
+  EXPECT_EQ(input.motions[1].bytes, std::filesystem::file_size(library / "run.pvd") + 10);
 }
 
 TEST(FindMotions, FindsNothingTwiceAndFollowsNoLinkToADirectory) {
