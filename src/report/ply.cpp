@@ -1,45 +1,24 @@
 #include <fmt/format.h>
 
-#include <charconv>
-
 #include "base/try.h"
+#include "io/numbered.h"
 #include "report/joined.h"
 
 namespace foldproof {
 namespace {
 
-/// A path with at most one "%d" or "%04d" in it.
-struct Pattern {
-  std::string before, after;
-  bool numbered = false;
-  int width = 0;
+/// Where a step's mesh is written.
+struct Target {
+  std::string path;
+  std::optional<io::NumberPattern> pattern;  ///< None: one mesh.
 
-  std::string name(std::uint64_t number) const {
-    return numbered ? fmt::format("{}{:0{}}{}", before, number, width, after) : before;
-  }
+  std::string name(std::uint64_t number) const { return pattern ? pattern->name(number) : path; }
 };
-
-Result<Pattern> parse_pattern(const std::string& path) {
-  const std::size_t percent = path.find('%');
-  if (percent == std::string::npos) return Pattern{.before = path, .after = {}};
-  const std::size_t d = path.find_first_not_of("0123456789", percent + 1);
-  int width = 0;
-  const bool has_width = d != std::string::npos && d > percent + 1;
-  if (has_width) std::from_chars(path.data() + percent + 1, path.data() + d, width);
-  if (d == std::string::npos || path[d] != 'd' || width > 20 || (has_width && path[percent + 1] != '0') ||
-      path.find('%', d) != std::string::npos) {
-    return fail(ErrorCode::InvalidArgument, "--ply",
-                fmt::format("'{}' has a '%' that is not one %d or %04d", path),
-                "use one %d or %04d where the frame number goes, or no '%'");
-  }
-  return Pattern{
-      .before = path.substr(0, percent), .after = path.substr(d + 1), .numbered = true, .width = width};
-}
 
 class PlyReport : public ReportWriter {
  public:
-  PlyReport(Pattern pattern, Motions motions, JoinedMesh joined, Index substeps)
-      : pattern_(std::move(pattern)), motions_(motions), joined_(std::move(joined)), substeps_(substeps) {}
+  PlyReport(Target target, Motions motions, JoinedMesh joined, Index substeps)
+      : target_(std::move(target)), motions_(motions), joined_(std::move(joined)), substeps_(substeps) {}
 
   /// The first frame is also what is written when no step collides.
   Result<void> start(const CheckedStep& pose) override {
@@ -48,7 +27,7 @@ class PlyReport : public ReportWriter {
     kept_contacts_ = contacts_;
     joined_.pose(pose, 0, positions_);
     mark({});
-    if (!pattern_.numbered || pose.collisions.sum() == 0) return {};
+    if (!target_.pattern || pose.collisions.sum() == 0) return {};
     return write(std::uint64_t{pose.index.frame} * substeps_);
   }
 
@@ -60,12 +39,12 @@ class PlyReport : public ReportWriter {
     return {};
   }
 
-  Result<void> finish(const CheckTotals&) override { return pattern_.numbered ? Result<void>{} : write(0); }
+  Result<void> finish(const CheckTotals&) override { return target_.pattern ? Result<void>{} : write(0); }
 
  private:
   Result<void> add(const CheckedStep& step) {
     const std::uint64_t collisions = step.collisions.sum();
-    if (pattern_.numbered) {
+    if (target_.pattern) {
       if (collisions == 0) return {};
       keep(step);
       return write(std::uint64_t{step.index.frame} * substeps_ + step.index.substep);
@@ -97,11 +76,11 @@ class PlyReport : public ReportWriter {
     const std::array<FaceProperty, 3> properties{
         {{"mark", marks_}, {"contact", kept_contacts_.number}, {"contact_depth", kept_contacts_.depth}}};
     const std::size_t count = kept_contacts_.number.empty() ? 1 : 3;
-    return write_ply_properties(pattern_.name(number), joined_.topology, positions_,
+    return write_ply_properties(target_.name(number), joined_.topology, positions_,
                                 std::span(properties).first(count));
   }
 
-  Pattern pattern_;
+  Target target_;
   Motions motions_;
   JoinedMesh joined_;
   Index substeps_;
@@ -116,11 +95,16 @@ class PlyReport : public ReportWriter {
 
 Result<std::unique_ptr<ReportWriter>> ply_report(const std::string& path, Motions motions,
                                                  const CheckSettings& settings) {
-  auto pattern = FOLDPROOF_TRY(parse_pattern(path));
+  Target target{path, io::number_pattern(path)};
+  if (!target.pattern && path.find('%') != std::string::npos) {
+    return fail(ErrorCode::InvalidArgument, "--ply",
+                fmt::format("'{}' has a '%' that is not one %d or %04d in its name", path),
+                "use one %d or %04d where the frame number goes, or no '%'");
+  }
   // The mesh is written at the end of a check that may be long; make sure now that it can be written.
-  FOLDPROOF_TRY(FileWriter::open(pattern.name(0)));
+  FOLDPROOF_TRY(FileWriter::open(target.name(0)));
   auto joined = FOLDPROOF_TRY(join(motions, "--ply"));
-  return std::make_unique<PlyReport>(std::move(pattern), motions, std::move(joined), settings.substeps);
+  return std::make_unique<PlyReport>(std::move(target), motions, std::move(joined), settings.substeps);
 }
 
 }  // namespace foldproof
