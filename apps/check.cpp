@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "base/try.h"
-#include "check_reduced.h"
 #include "commands.h"
+#include "reduced_motions.h"
 #include "run_and_summarize.h"
 #include "step_options.h"
 #include "terminal.h"
@@ -157,10 +157,21 @@ Result<void> require_mode_fits(const CheckArguments& a) {
   return {};
 }
 
+// Refuses options that --reduced does not support.
+Result<void> require_reduced_fits(const CheckArguments& a) {
+  const bool other = a.poses || a.substeps != 1 || !a.models.empty() || !a.explain.empty() ||
+                     a.mode == "paper" || a.motion.read.weld;
+  if (!a.reduced || !other) return {};
+  return fail(ErrorCode::InvalidArgument, "--reduced",
+              "does not go with --static, --substeps, --model, --explain, --mode paper or --weld",
+              "leave them out, or check the motion that 'foldproof predict' writes");
+}
+
 Result<CheckSettings> settings_of(const CheckArguments& a) {
   auto settings = FOLDPROOF_TRY(step_settings(a));
   FOLDPROOF_TRY(a.files.check());
   FOLDPROOF_TRY(require_mode_fits(a));
+  FOLDPROOF_TRY(require_reduced_fits(a));
   settings.poses = a.poses;
   settings.step.mode = a.mode == "paper" ? Mode::Paper : Mode::Proven;
   settings.step.miss_rate = a.miss_rate;
@@ -200,18 +211,6 @@ Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& se
   return writers;
 }
 
-// Refuses options that --reduced does not support.
-Result<void> require_reduced(const CheckArguments& a) {
-  const bool other = a.poses || a.substeps != 1 || !a.models.empty() || !a.motion.frames.empty() || a.pairs ||
-                     a.all_contacts || !a.contacts_csv.empty() || !a.parts.empty() || !a.unit.empty() ||
-                     !a.json.empty() || !a.ply.empty() || !a.vtk.empty() || !a.explain.empty();
-  if (!other) return {};
-  return fail(ErrorCode::InvalidArgument, "--reduced",
-              "does not go with --static, --substeps, --model, --frames, --pairs, --contacts, "
-              "--contacts-csv, --parts, --unit, --json, --ply, --vtk or --explain",
-              "leave them out, or check the motion that 'foldproof predict' writes");
-}
-
 Result<std::vector<ObjectParts>> read_all_parts(std::span<const std::string> paths, Motions motions) {
   std::vector<ObjectParts> parts;
   if (paths.empty()) return parts;
@@ -230,12 +229,13 @@ Result<int> check(const CheckArguments& a) {
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
 
+  std::vector<std::unique_ptr<Motion>> motions;
   if (a.reduced) {
-    FOLDPROOF_TRY(require_reduced(a));
-    return check_reduced({a.motions, settings.step, a.steps_only, a.csv, a.quiet});
+    motions = FOLDPROOF_TRY(open_reduced(a.motions, a.quiet, settings));
+  } else {
+    motions = FOLDPROOF_TRY(open_motions(a.motions, a.motion.read));
+    settings.models = FOLDPROOF_TRY(load_models(a.models, motions));
   }
-  const auto motions = FOLDPROOF_TRY(open_motions(a.motions, a.motion.read));
-  settings.models = FOLDPROOF_TRY(load_models(a.models, motions));
   settings.parts = FOLDPROOF_TRY(read_all_parts(a.parts, motions));
   settings.unit = a.unit;
   // From here on an interrupt must not leave incomplete files behind.

@@ -49,7 +49,7 @@ int finish(const Result<int>& result) {
     return *result;
   }
   print_error(result.error());
-  return kExitError;
+  return result.error().code == ErrorCode::Interrupted ? kExitInterrupted : kExitError;
 }
 
 }  // namespace

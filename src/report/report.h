@@ -27,6 +27,8 @@ Result<FrameRange> parse_frame_range(const std::string& text);
 /// The selected frames, ascending. Empty when the range selects none.
 std::vector<Index> select_frames(const FrameRange& range, Index frame_count);
 
+class ReducedTrack;
+
 /// Reads the part of each triangle: a text file with a name per line, in the order of the triangles. Error:
 /// it cannot be read, has an empty line or another number of lines.
 Result<ObjectParts> read_parts(const std::string& path, const Topology& topology);
@@ -48,6 +50,9 @@ struct CheckSettings {
   std::vector<std::shared_ptr<const Model>> models;  ///< One per motion, null for none; or empty.
   /// One per motion, for those without a model. Empty: built from the first selected frame.
   std::vector<std::shared_ptr<const Hierarchy>> hierarchies;
+  /// The motions themselves, if coordinates of a subspace describe them: steps are checked in these
+  /// coordinates. Else empty. Not with `poses`, Mode::Paper, explain and substeps.
+  std::vector<const ReducedTrack*> reduced;
 };
 
 using Motions = std::span<const std::unique_ptr<Motion>>;

@@ -5,6 +5,7 @@
 
 #include "base/try.h"
 #include "report/motion_contacts.h"
+#include "report/reduced_track.h"
 #include "report/report.h"
 
 namespace foldproof {
@@ -166,7 +167,44 @@ class CheckRun {
     return finish();
   }
 
+  // Vertices are computed only for steps in which somebody reads them.
+  Result<CheckTotals> reduced_steps() {
+    Pose from(motions_), to(motions_);
+    FOLDPROOF_TRY(from.read(motions_, frames_[0]));
+    FOLDPROOF_TRY(prepare(from));
+    if (!settings_.steps_only) {
+      if (stop_requested()) return totals_;
+      FOLDPROOF_TRY(start(from));
+    }
+    std::vector<ReducedChecker::Object> objects;
+    for (const ReducedTrack* track : settings_.reduced) objects.push_back(track->object());
+    ReducedChecker checker(std::move(objects));
+    for (std::uint64_t k = 0; k < totals_.steps_expected; ++k) {
+      if (stop_requested()) return totals_;
+      const StepIndex index{k, frames_[k], frames_[std::min<std::size_t>(k + 1, frames_.size() - 1)], 0};
+      FOLDPROOF_TRY(checker.check(reduced_poses(index.frame), reduced_poses(index.next_frame), settings_.step,
+                                  result_));
+      if (reads_positions()) {
+        FOLDPROOF_TRY(from.read(motions_, index.frame));
+        FOLDPROOF_TRY(to.read(motions_, index.next_frame));
+      }
+      FOLDPROOF_TRY(answer(index, from, to));
+    }
+    return finish();
+  }
+
  private:
+  std::vector<ReducedPose> reduced_poses(Index frame) const {
+    std::vector<ReducedPose> poses;
+    for (const ReducedTrack* track : settings_.reduced) poses.push_back(track->pose(frame));
+    return poses;
+  }
+
+  bool reads_positions() const {
+    if (!writers_.empty() || result_.count() > 0) return true;
+    return contacts_ && (contacts_->finder().open_count() > 0 || !contacts_->finder().is_known());
+  }
+
   std::uint64_t expected_steps() const {
     if (settings_.poses) return frames_.size();
     if (frames_.size() == 1) return 1;  // without motion
@@ -210,6 +248,11 @@ class CheckRun {
     if (proven_) {
       FOLDPROOF_TRY(proven_->check(x0.positions(), x1.positions(), proven_settings_, proven_result_));
     }
+    return answer(index, x0, x1);
+  }
+
+  // Passes result_ on.
+  Result<void> answer(const StepIndex& index, const Pose& x0, const Pose& x1) {
     CheckedStep step{.index = index,
                      .collisions = {result_.vertex_face_count, result_.edge_edge_count, 0},
                      .earliest_toi = result_.earliest_toi,
@@ -364,7 +407,8 @@ Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Wr
   FOLDPROOF_TRY(require_models_of(motions, settings));
   FOLDPROOF_TRY(require_predictions(motions, settings));
   CheckRun run(motions, settings, writers, hooks, std::move(frames));
-  return settings.poses ? run.poses() : run.steps();
+  if (settings.poses) return run.poses();
+  return settings.reduced.empty() ? run.steps() : run.reduced_steps();
 }
 
 }  // namespace foldproof

@@ -1,0 +1,146 @@
+#include "reduced_motions.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <filesystem>
+
+#include "base/try.h"
+#include "options.h"
+#include "report/reduced_track.h"
+#include "terminal.h"
+
+namespace foldproof {
+namespace {
+
+using Frames = ReducedTrack::Frames;
+
+Result<void> wrong_columns(const std::string& path, std::uint64_t columns, Index modes) {
+  return fail(path, fmt::format("has {} columns", columns),
+              fmt::format("give {0}, one per mode, or {1} with a placement behind them", modes, modes + 7));
+}
+
+// p, then optionally a quaternion w x y z and a translation x y z per row.
+Result<Frames> from_csv(const std::string& path, Index modes) {
+  const auto table = FOLDPROOF_TRY(read_csv(path));
+  const std::uint64_t columns = table.shape[1];
+  if (columns != modes && columns != modes + 7)
+    return tl::unexpected(wrong_columns(path, columns, modes).error());
+  Frames frames;
+  for (std::uint64_t k = 0; k < table.shape[0]; ++k) {
+    const double* row = &table.values[k * columns];
+    frames.p.insert(frames.p.end(), row, row + modes);
+    if (columns == modes) continue;
+    const double* q = row + modes;
+    const Eigen::Quaternion<double> turn(q[0], q[1], q[2], q[3]);
+    if (!(turn.norm() > 0)) return fail(path, fmt::format("row {} has no quaternion", k), "give w x y z");
+    frames.rotation.push_back(turn.normalized().toRotationMatrix());
+    frames.translation.emplace_back(q[4], q[5], q[6]);
+  }
+  return frames;
+}
+
+Result<Frames> from_tracks(const std::string& path, const Learned& learned) {
+  const auto tracks = FOLDPROOF_TRY(read_key_point_tracks(path, learned.key_points.vertices));
+  const KeyPointMap map(learned.pca, learned.key_points.vertices);
+  Frames frames;
+  const std::size_t width = std::size_t{tracks.points} * 3;
+  for (Index k = 0; k < tracks.frames; ++k) {
+    const Eigen::VectorXd p = map.coordinates(
+        Eigen::Map<const Eigen::VectorXd>(&tracks.positions[k * width], static_cast<Eigen::Index>(width)));
+    frames.p.insert(frames.p.end(), p.begin(), p.end());
+  }
+  return frames;
+}
+
+// Arrays p (frames x modes), and optionally rotation (frames x 3 x 3) and translation (frames x 3).
+Result<Frames> from_npz(const std::string& path, Index modes) {
+  const auto p = FOLDPROOF_TRY(read_npz_numbers(path, "p"));
+  if (p.shape.size() != 2 || p.shape[1] != modes)
+    return fail(path, "'p' has not one column per mode", fmt::format("give frames x {}", modes));
+  const std::uint64_t count = p.shape[0];
+  Frames frames{p.values, {}, {}};
+  for (const auto& [name, numbers] : {std::pair("rotation", 9u), std::pair("translation", 3u)}) {
+    const auto there = FOLDPROOF_TRY(npz_has_array(path, name));
+    if (!there) continue;
+    const auto array = FOLDPROOF_TRY(read_npz_numbers(path, name));
+    if (array.values.size() != count * numbers)
+      return fail(path, fmt::format("'{}' has not {} numbers per frame", name, numbers),
+                  "give them for all frames");
+    for (std::uint64_t k = 0; k < count; ++k) {
+      const double* from = &array.values[k * numbers];
+      if (numbers == 9) {
+        frames.rotation.emplace_back(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(from));
+      } else {
+        frames.translation.emplace_back(Eigen::Map<const Vec3>(from));
+      }
+    }
+  }
+  return frames;
+}
+
+Result<Frames> read_frames(const std::string& path, const Learned& learned) {
+  const Index modes = learned.pca.modes();
+  if (std::filesystem::path(path).extension() == ".npz") {
+    const auto tracked = FOLDPROOF_TRY(npz_has_array(path, "keypoints"));
+    return tracked ? from_tracks(path, learned) : from_npz(path, modes);
+  }
+  const auto table = FOLDPROOF_TRY(read_csv(path));
+  // A row of as many numbers as coordinates have is one of coordinates, unless names say otherwise.
+  const std::uint64_t columns = table.shape[1];
+  const bool named = !table.names.empty() && table.names[0] == "frame";
+  const bool coordinates = columns == modes || columns == modes + 7;
+  const bool tracked = named || (!coordinates && columns == 3 * learned.key_points.vertices.size());
+  return tracked ? from_tracks(path, learned) : from_csv(path, modes);
+}
+
+// Balls around the mean, and around the clusters if there are several.
+Result<std::shared_ptr<const ReducedShape>> shape_of(const Model& model, double thickness,
+                                                     const ReducedHooks& hooks) {
+  auto motion = FOLDPROOF_TRY(ReducedMotion::make(model.hierarchy(), model.learned->pca));
+  std::vector<ReducedCenter> centers{{std::vector<double>(motion.modes(), 0.0)}};
+  const Clusters& clusters = model.learned->clusters;
+  for (Index c = 0; clusters.count() > 1 && c < clusters.count(); ++c) {
+    const auto center = clusters.centers.col(c);
+    centers.push_back({{center.data(), center.data() + center.size()}});
+  }
+  // Enough for the thickness and the tolerance.
+  ReducedSettings settings;
+  if (thickness > 0) settings.clearance = thickness * 1.001 + model.learned->size * 0x1p-24;
+  auto shape = ReducedShape::build(std::make_shared<const ReducedMotion>(std::move(motion)),
+                                   std::move(centers), settings, hooks);
+  if (!shape && *hooks.cancel)
+    return fail(ErrorCode::Interrupted, "interrupted", "while proving balls", "no report was written");
+  return std::make_shared<const ReducedShape>(FOLDPROOF_TRY(std::move(shape)));
+}
+
+}  // namespace
+
+Result<std::vector<std::unique_ptr<Motion>>> open_reduced(const std::vector<std::string>& files, bool quiet,
+                                                          CheckSettings& settings) {
+  if (files.size() % 2 != 0)
+    return fail(ErrorCode::InvalidArgument, "--reduced", "takes a model and coordinates for each object",
+                "give MODEL COORDINATES in turn");
+  ProgressBar bar(!quiet);
+  ReducedHooks hooks;
+  hooks.progress = [&](double part) { bar.show(part, "proving balls"); };
+  hooks.cancel = &watch_for_interrupt();
+  std::vector<std::unique_ptr<Motion>> motions;
+  for (std::size_t i = 0; i < files.size(); i += 2) {
+    const std::string& coordinates = files[i + 1];
+    const auto model = std::make_shared<const Model>(FOLDPROOF_TRY(load_learned_model(files[i])));
+    auto frames = FOLDPROOF_TRY(read_frames(coordinates, *model->learned));
+    if (frames.p.empty())
+      return fail(ErrorCode::InvalidFile, coordinates, "has no frames", "give at least one");
+    auto shape = FOLDPROOF_TRY(shape_of(*model, settings.step.thickness, hooks));
+    auto track = std::make_unique<ReducedTrack>(
+        coordinates, ReducedChecker::Object{std::move(shape), model->charts}, std::move(frames));
+    settings.reduced.push_back(track.get());
+    settings.models.push_back(model);
+    motions.push_back(std::move(track));
+  }
+  return motions;
+}
+
+}  // namespace foldproof
