@@ -1,10 +1,12 @@
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <ctime>
 #include <limits>
 
 #include "base/try.h"
 #include "commands.h"
+#include "file_watch.h"
 #include "reduced_motions.h"
 #include "run_and_summarize.h"
 #include "step_options.h"
@@ -39,9 +41,11 @@ Examples:
   foldproof check cloth/ --thickness 0.001        closer than 0.001 mesh units counts
   foldproof check --reduced body.model p.csv      a motion given by coordinates of the model's subspace
   foldproof check walk.glb --json a.json --pairs  every pair with its time of impact, to a file
+  foldproof check walk.glb --json - | jq .totals  the report on standard output, the summary on standard error
   foldproof check walk.glb --ply worst.ply        the worst step's mesh, colliding faces marked 1, those that cross
                                                   in the first frame 2, both 3
   foldproof check walk.glb --contacts --unit m    what goes through what, in which frames, how deep
+  foldproof check walk.glb --watch                checks again each time that the file is exported
   foldproof check walk.glb --vtk walk.pvd         the motion with its collisions, for ParaView
   foldproof check walk.glb --explain why.csv      what was proven free, and why not the rest)";
 
@@ -50,7 +54,8 @@ struct CheckArguments : StepArguments {
   std::vector<std::string> parts;
   std::string unit;
   double miss_rate = 0.01;
-  bool poses = false, first = false, all_contacts = false, pairs = false, quiet = false, reduced = false;
+  bool poses = false, first = false, all_contacts = false, pairs = false, quiet = false, reduced = false,
+       watch = false;
 };
 
 void add_query_options(const Subcommand& check, CheckArguments& a) {
@@ -71,7 +76,6 @@ void add_mode_options(const Subcommand& check, CheckArguments& a) {
       .add_option("--mode", a.mode,
                   "proven: no collision is missing. paper: STATISTICAL, can miss collisions; trusts the "
                   "certificates that key points predict, as the paper does, and counts misses [proven]")
-      .type_name("proven|paper")
       .one_of({"proven", "paper"})
       .group(group);
   check
@@ -91,12 +95,12 @@ void add_report_options(const Subcommand& check, CheckArguments& a) {
                        Output output = Output::File) {
     a.files.writes(check.add_option(option, file, description), output).type_name("FILE").group(group);
   };
-  add("--json", a.json, "The complete answer, step by step");
+  add("--json", a.json, "The complete answer, step by step; - is standard output", Output::Text);
   check
       .add_flag("--pairs", a.pairs,
                 "List every colliding pair: in the JSON file, or on standard output without --json")
       .group(group);
-  add("--csv", a.csv, "A row per collision");
+  add("--csv", a.csv, "A row per collision", Output::Text);
   add("--ply", a.ply,
       "The worst step's mesh, colliding faces marked 1, crossing ones of the first frame 2, both 3; with "
       "%04d in FILE, one per step with collisions",
@@ -112,7 +116,8 @@ void add_report_options(const Subcommand& check, CheckArguments& a) {
       .add_flag("--contacts", a.all_contacts,
                 fmt::format("List all contacts in the summary, not only the {} worst", kFewContacts))
       .group(group);
-  add("--contacts-csv", a.contacts_csv, "A row per contact and frame: triangles, curves, areas, depth");
+  add("--contacts-csv", a.contacts_csv, "A row per contact and frame: triangles, curves, areas, depth",
+      Output::Text);
   a.files
       .reads(
           check.add_option("--parts", a.parts,
@@ -124,12 +129,13 @@ void add_report_options(const Subcommand& check, CheckArguments& a) {
   check.add_option("--unit", a.unit, "What a mesh unit is, such as cm: named beside lengths [m for glTF]")
       .type_name("NAME")
       .group(group);
-  check.add_flag("--quiet", a.quiet, "Print nothing but errors").group(group);
+  check.add_flag("-q,--quiet", a.quiet, "Print nothing but errors").group(group);
 }
 
 void add_options(const Subcommand& check, CheckArguments& a) {
   add_step_options(check, a);
   check.add_flag("--reduced", a.reduced, "Coordinates of a model's subspace instead of motions (see below)");
+  check.add_flag("--watch", a.watch, "Check again each time that a file has changed, until Ctrl-C");
   add_query_options(check, a);
   add_mode_options(check, a);
   add_report_options(check, a);
@@ -224,7 +230,7 @@ Result<std::vector<ObjectParts>> read_all_parts(std::span<const std::string> pat
   return parts;
 }
 
-Result<int> check(const CheckArguments& a) {
+Result<int> check_once(const CheckArguments& a) {
   auto settings = FOLDPROOF_TRY(settings_of(a));
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
@@ -245,6 +251,27 @@ Result<int> check(const CheckArguments& a) {
                            a.all_contacts ? std::numeric_limits<std::size_t>::max() : kFewContacts);
 }
 
+Result<int> check_and_watch(const CheckArguments& a) {
+  FOLDPROOF_TRY(settings_of(a));  // what watching cannot mend
+  const std::atomic<bool>& interrupted = watch_for_interrupt();
+  FileWatch files(a.files, interrupted);
+  while (true) {
+    files.settle();
+    const auto result = check_once(a);
+    if (interrupted) return kExitInterrupted;
+    if (!result) {
+      if (files.is_changing()) continue;  // it was half written
+      print_error(result.error());
+    }
+    FOLDPROOF_TRY(flush_output());
+    if (!a.quiet) print_notice("\nWaiting for a file to change. Ctrl-C ends this.\n");
+    const std::string changed = files.wait();
+    if (interrupted) return kExitInterrupted;
+    if (!a.quiet)
+      print_notice(fmt::format("{:%H:%M:%S} {} has changed.\n", fmt::localtime(std::time(nullptr)), changed));
+  }
+}
+
 }  // namespace
 
 Command add_check(CommandLine& program) {
@@ -252,7 +279,7 @@ Command add_check(CommandLine& program) {
   command.footer(std::string(kMotionHelp) + kFooter);
   const auto arguments = std::make_shared<CheckArguments>();
   add_options(command, *arguments);
-  return [arguments] { return check(*arguments); };
+  return [arguments] { return arguments->watch ? check_and_watch(*arguments) : check_once(*arguments); };
 }
 
 }  // namespace foldproof

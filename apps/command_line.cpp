@@ -3,19 +3,83 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
 #include <sstream>
+
+#include "nearest_name.h"
 
 namespace foldproof {
 namespace {
 
-/// Converts an error of CLI11, which may have several lines, to one line with a remedy.
-Error command_line_error(const CLI::App& program, const CLI::ParseError& error) {
-  std::string command = "foldproof";
-  for (const CLI::App* chosen : program.get_subcommands()) command += " " + chosen->get_name();
+constexpr const char* kHelp = "help";
+
+std::vector<std::string> names_of(const CLI::Option& option) {
+  std::vector<std::string> names;
+  for (const std::string& name : option.get_snames()) names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+  if (names.empty()) names.push_back(option.get_name() + (option.get_items_expected_max() > 1 ? "..." : ""));
+  return names;
+}
+
+const CLI::App& chosen_command(const CLI::App& program) {
+  const auto chosen = program.get_subcommands();
+  return chosen.empty() ? program : *chosen.front();
+}
+
+/// What an unknown word was meant to be, as a remedy; empty: nothing is like it.
+std::string meant_by(const CLI::App& command, const std::string& word) {
+  std::vector<std::string> known;
+  const bool is_option = word.starts_with('-');
+  for (const CLI::Option* option : command.get_options()) {
+    if (!is_option) break;
+    const auto names = names_of(*option);
+    known.insert(known.end(), names.begin(), names.end());
+  }
+  if (!is_option) {
+    for (const CLI::App* other : command.get_subcommands([](const CLI::App*) { return true; }))
+      known.push_back(other->get_name());
+  }
+  const auto name = nearest_name(word.substr(0, word.find('=')), known);
+  if (name) return fmt::format("did you mean '{}'?", *name);
+  std::error_code ignored;
+  if (!is_option && command.get_parent() == nullptr && std::filesystem::exists(word, ignored))
+    return fmt::format("did you mean 'foldproof check {}'?", word);
+  return "";
+}
+
+Error command_line_error(const CLI::App& command, std::string problem, std::string remedy = "") {
+  const std::string name = command.get_parent() ? "foldproof " + command.get_name() : "foldproof";
+  if (remedy.empty()) remedy = fmt::format("'{} --help' shows what there is", name);
+  return {"command line", std::move(problem), std::move(remedy), ErrorCode::InvalidArgument};
+}
+
+Error unknown_word(const CLI::App& command, const std::string& word) {
+  const std::string of = command.get_parent() ? " of foldproof " + command.get_name() : " of foldproof";
+  std::string problem = fmt::format("'{}' is no command{}", word, of);
+  if (command.get_parent()) problem = fmt::format("'{}' is one argument too many", word);
+  if (word.starts_with('-')) problem = fmt::format("'{}' is no option{}", word, of);
+  return command_line_error(command, problem, meant_by(command, word));
+}
+
+/// An error of CLI11, which may have several lines.
+Error parse_error(const CLI::App& program, const CLI::ParseError& error) {
+  const CLI::App& command = chosen_command(program);
+  const auto unknown = program.remaining(true);
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) && !unknown.empty())
+    return unknown_word(command, unknown.front());
   std::string problem = error.what();
   while (!problem.empty() && problem.back() == '\n') problem.pop_back();
-  return {"command line", problem, fmt::format("'{} --help' shows what there is", command),
-          ErrorCode::InvalidArgument};
+  return command_line_error(command, problem);
+}
+
+/// What `help` and these words print.
+Result<std::string> help_of(const CLI::App& program, std::span<const std::string> words) {
+  if (words.empty()) return program.help();
+  for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; })) {
+    if (command->get_name() == words.front()) return command->help(program.get_name());
+  }
+  return tl::unexpected(unknown_word(program, words.front()));
 }
 
 /// Omits the notes on which options exclude each other, which obscure the descriptions.
@@ -35,10 +99,11 @@ Option Option::required() const { return Option(option_->required()); }
 bool Option::is_required() const { return option_->get_required(); }
 Option Option::excludes(Option other) const { return Option(option_->excludes(other.option_)); }
 Option Option::one_of(const std::vector<std::string>& values) const {
-  return Option(option_->check(CLI::IsMember(values)));
+  return Option(option_->check(CLI::IsMember(values).description(""))
+                    ->type_name(fmt::format("{}", fmt::join(values, "|"))));
 }
 Option Option::between(double least, double most) const {
-  return Option(option_->check(CLI::Range(least, most)));
+  return Option(option_->check(CLI::Range(least, most).description("")));
 }
 Option Option::expected(int least, int most) const { return Option(option_->expected(least, most)); }
 Option Option::one_value_each_time() const { return Option(option_->allow_extra_args(false)); }
@@ -67,6 +132,7 @@ Option Subcommand::add_flag(const std::string& names, bool& value, const std::st
 }
 Option Subcommand::option(const char* name) const { return Option(app_->get_option(name)); }
 void Subcommand::footer(const std::string& text) const { app_->footer(text); }
+void Subcommand::hide() const { app_->group(""); }
 
 CommandLine::CommandLine(const std::string& about, const std::string& footer)
     : app_(std::make_unique<CLI::App>(about)) {
@@ -74,9 +140,12 @@ CommandLine::CommandLine(const std::string& about, const std::string& footer)
   const auto formatter = std::make_shared<HelpFormatter>();
   formatter->column_width(26);
   app_->formatter(formatter);
-  app_->set_version_flag("--version", std::string("foldproof ") + version());
+  app_->set_version_flag("-V,--version", std::string("foldproof ") + version(),
+                         "Print the version, and exit");
+  app_->set_help_flag("-h,--help", "Print this help, and exit");
   app_->require_subcommand(0, 1);  // none is the caller's error, so that unknown words are reported first
   app_->footer(footer);
+  app_->add_subcommand(kHelp, "Show the options of a command, with examples: help COMMAND");
 }
 CommandLine::~CommandLine() = default;
 
@@ -85,16 +154,41 @@ Subcommand CommandLine::add_subcommand(const std::string& name, const std::strin
 }
 
 Result<std::optional<std::string>> CommandLine::parse(std::span<char* const> arguments) {
+  std::vector<std::string> words;
+  for (const char* word : arguments.subspan(std::min<std::size_t>(1, arguments.size())))
+    words.push_back(word);
+  if (!words.empty() && words.front() == kHelp) return help_of(*app_, std::span(words).subspan(1));
+  std::reverse(words.begin(), words.end());  // as CLI11 takes them
   try {
-    app_->parse(static_cast<int>(arguments.size()), arguments.data());
+    app_->parse(std::move(words));
   } catch (const CLI::Success& help) {  // --help or --version
     std::ostringstream text;
     app_->exit(help, text, text);
     return text.str();
   } catch (const CLI::ParseError& error) {
-    return tl::unexpected(command_line_error(*app_, error));
+    return tl::unexpected(parse_error(*app_, error));
   }
   return std::nullopt;
+}
+
+std::string CommandLine::help() const { return app_->help(); }
+
+std::vector<CommandDescription> CommandLine::describe() const {
+  const auto description = [](const CLI::App& app) {
+    CommandDescription command{app.get_name(), app.get_description(), app.get_footer(), {}};
+    for (const CLI::Option* option : app.get_options()) {
+      command.options.push_back(
+          {names_of(*option), option->get_items_expected_max() > 0 ? option->get_type_name() : "",
+           option->get_description(), option->get_group(), option->get_positional(), option->get_required()});
+    }
+    std::ranges::stable_partition(command.options, &OptionDescription::is_argument);
+    return command;
+  };
+  std::vector<CommandDescription> commands{description(*app_)};
+  for (const CLI::App* app :
+       app_->get_subcommands([](const CLI::App* app) { return !app->get_group().empty(); }))
+    commands.push_back(description(*app));
+  return commands;
 }
 
 bool CommandLine::chose(const std::string& subcommand) const { return app_->got_subcommand(subcommand); }

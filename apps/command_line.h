@@ -33,7 +33,7 @@ class Option {
   Option required() const;
   bool is_required() const;
   Option excludes(Option other) const;
-  /// Accepts only these values.
+  /// Accepts only these values, which also stand for the value in the help: "proven|paper".
   Option one_of(const std::vector<std::string>& values) const;
   /// Accepts only numbers from `least` to `most`.
   Option between(double least, double most) const;
@@ -66,9 +66,25 @@ class Subcommand {
   Option option(const char* name) const;
   /// What the help text ends with.
   void footer(const std::string& text) const;
+  /// Leaves it out of the program's help.
+  void hide() const;
 
  private:
   CLI::App* app_;
+};
+
+/// An option or argument, in words.
+struct OptionDescription {
+  std::vector<std::string> names;  ///< "-o" and "--output"; of an argument, "MOTION..." or "DIR".
+  std::string value;               ///< What stands for the value: "FILE", "proven|paper"; a flag has none.
+  std::string description, group;
+  bool is_argument, is_required;
+};
+
+/// A subcommand in words, for its manual page and for completion.
+struct CommandDescription {
+  std::string name, description, footer;
+  std::vector<OptionDescription> options;  ///< Arguments first, in order.
 };
 
 class CommandLine {
@@ -78,8 +94,12 @@ class CommandLine {
 
   Subcommand add_subcommand(const std::string& name, const std::string& description);
 
-  /// A text to print, if --help or --version asks for one, or else nothing. Error: what does not parse.
+  /// A text to print, if --help, help or --version asks for one, or else nothing. Error: what does not parse.
   Result<std::optional<std::string>> parse(std::span<char* const> arguments);
+  /// What --help prints.
+  std::string help() const;
+  /// The program, with its own options, then all subcommands that --help lists.
+  std::vector<CommandDescription> describe() const;
   /// Whether the parsed command line names this subcommand.
   bool chose(const std::string& subcommand) const;
 

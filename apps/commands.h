@@ -24,6 +24,10 @@ Command add_predict(CommandLine& program);
 Command add_suggest(CommandLine& program);
 Command add_render(CommandLine& program);
 Command add_radius(CommandLine& program);
+Command add_sample(CommandLine& program);
+Command add_demo(CommandLine& program);
+/// `program` must outlive the returned function.
+Command add_write_share(CommandLine& program);
 Command add_view(CommandLine& program);
 /// `arguments`: the command line, which reports quote.
 Command add_report(CommandLine& program, std::span<char* const> arguments);

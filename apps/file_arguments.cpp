@@ -17,11 +17,15 @@
 #include "base/try.h"
 #include "io/formats.h"
 #include "io/numbered.h"
+#include "terminal.h"
 
 namespace foldproof {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kStandardOutput = "-";
+
 using Output = FileArguments::Output;
 using Input = FileArguments::Input;
 
@@ -75,6 +79,9 @@ Result<void> require_good_name(const Option& option, const std::string& path, Ou
         fmt::format("name the file to write{}", option.is_required() ? "" : ", or leave the option out"));
   }
   const std::string where = fmt::format("{} {}", option.name(), path);
+  if (path == kStandardOutput && output == Output::Text) return {};
+  if (path == kStandardOutput)
+    return fail(ErrorCode::InvalidArgument, where, "cannot be standard output", "name a file");
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
   if (code == std::errc::filename_too_long)
@@ -101,21 +108,6 @@ Result<void> require_good_name(const Option& option, const std::string& path, Ou
 
 // ---- Files that outputs replace
 
-/// Files in `directory` whose names are `before`, digits, `after`.
-std::vector<fs::path> numbered(const fs::path& directory, std::string_view before, std::string_view after) {
-  std::vector<fs::path> found;
-  std::error_code code;
-  for (fs::directory_iterator at(directory, code), end; !code && at != end; at.increment(code)) {
-    const std::string name = at->path().filename().string();
-    if (name.size() <= before.size() + after.size() || !name.starts_with(before) || !name.ends_with(after))
-      continue;
-    const std::string_view number =
-        std::string_view(name).substr(before.size(), name.size() - before.size() - after.size());
-    if (number.find_first_not_of("0123456789") == number.npos) found.push_back(at->path());
-  }
-  return found;
-}
-
 /// All existing files that an output may replace.
 std::vector<fs::path> replaced(const fs::path& path, Output output) {
   std::vector<fs::path> files{path};
@@ -127,13 +119,10 @@ std::vector<fs::path> replaced(const fs::path& path, Output output) {
     for (fs::directory_iterator at(stem, code), end; !code && at != end; at.increment(code))
       files.push_back(at->path());
   }
-  const std::string name = path.filename().string();
-  const std::size_t percent = name.find('%'),
-                    d = name.find('d', percent == name.npos ? name.size() : percent);
-  if (output == Output::Numbered && d != name.npos) {
-    const auto more = numbered(directory_of(path), std::string_view(name).substr(0, percent),
-                               std::string_view(name).substr(d + 1));
-    files.insert(files.end(), more.begin(), more.end());
+  const auto pattern = io::number_pattern(path.string());
+  if (pattern && (output == Output::Numbered || output == Output::Motion)) {
+    const auto numbered = io::numbered_files(*pattern);
+    files.insert(files.end(), numbered.begin(), numbered.end());
   }
   return files;
 }
@@ -249,6 +238,17 @@ Option FileArguments::writes(Option option, Output output) {
   return option;
 }
 
+std::vector<fs::path> FileArguments::files_read() const {
+  std::vector<fs::path> files;
+  for (const auto& [option, input] : inputs_) {
+    for (const std::string& name : option.values()) {
+      const auto under = read_under(name, input);
+      files.insert(files.end(), under.begin(), under.end());
+    }
+  }
+  return files;
+}
+
 Result<void> FileArguments::check() const {
   for (const auto& [option, input] : inputs_) {
     const auto given = option.values();
@@ -266,7 +266,12 @@ Result<void> FileArguments::check() const {
     const auto twice = [&] {
       return fail(ErrorCode::InvalidArgument, where, "is named for two outputs", "give each its own file");
     };
-    if (!names.insert(canonical(path)).second) return twice();
+    const bool is_file = path != kStandardOutput;
+    if (!names.insert(is_file ? canonical(path) : path).second) return twice();
+    if (!is_file) {
+      print_to_standard_error();
+      continue;
+    }
     for (const fs::path& file : replaced(path, output)) {
       const auto id = id_of(file);
       if (id && !replaceable.emplace(*id, where).second && replaceable[*id] != where) return twice();

@@ -2,6 +2,7 @@
 /// writable.
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
 #include "command_line.h"
@@ -13,7 +14,8 @@ class FileArguments {
   /// What an output's name refers to.
   enum class Output : std::uint8_t {
     File,
-    Motion,      ///< .npz, .obj with a .pc2 beside it, .ply.
+    Text,        ///< A file, or "-": standard output.
+    Motion,      ///< .npz, .obj with a .pc2 beside it, .ply; %d or %04d in the name as below.
     Numbered,    ///< %d or %04d in the name is replaced by numbers.
     Collection,  ///< A file, and a directory of its name without the extension.
   };
@@ -30,8 +32,12 @@ class FileArguments {
   /// Call it after the command line was parsed. Error: an input or output has an empty name; an output is a
   /// directory, is in a directory that does not exist or is not writable, has an unsupported extension, or is
   /// the same file as an input or another output, also under another name, by a link, as a member of a
-  /// directory of frames, or as a buffer of a glTF. Of inputs, only the buffer names of a glTF are read.
+  /// directory of frames, or as a buffer of a glTF. Of inputs, only the buffer names of a glTF are read. If
+  /// an output is "-", print_output prints on standard error from then on.
   Result<void> check() const;
+
+  /// All files that the inputs refer to, whether they exist or not.
+  std::vector<std::filesystem::path> files_read() const;
 
  private:
   struct Read {

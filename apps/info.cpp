@@ -206,7 +206,10 @@ Command add_info(CommandLine& program) {
   a->files.reads(command.add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
       .type_name("")
       .required();
-  a->files.writes(command.add_option("--json", a->json, "Write all of it as JSON")).type_name("FILE");
+  a->files
+      .writes(command.add_option("--json", a->json, "Write all of it as JSON; - is standard output"),
+              FileArguments::Output::Text)
+      .type_name("FILE");
   return [a] { return info(*a); };
 }
 

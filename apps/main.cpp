@@ -14,8 +14,8 @@ constexpr const char* kAbout =
     "too.";
 
 constexpr const char* kFooter =
-    "Try:\n  foldproof check walk.glb\n  foldproof view walk.glb\n  foldproof check --help\n  foldproof "
-    "train --help";
+    "Try:\n  foldproof check walk.glb\n  foldproof view walk.glb\n  foldproof help check\n  foldproof "
+    "help train";
 
 Result<int> run(int argc, char** argv) {
   CommandLine program(kAbout, kFooter);
@@ -29,7 +29,10 @@ Result<int> run(int argc, char** argv) {
                                                                  {"predict", add_predict(program)},
                                                                  {"suggest", add_suggest(program)},
                                                                  {"render", add_render(program)},
-                                                                 {"radius", add_radius(program)}};
+                                                                 {"radius", add_radius(program)},
+                                                                 {"sample", add_sample(program)},
+                                                                 {"demo", add_demo(program)},
+                                                                 {"write-share", add_write_share(program)}};
 
   const auto text = FOLDPROOF_TRY(program.parse(arguments));
   if (text) {
@@ -39,8 +42,9 @@ Result<int> run(int argc, char** argv) {
   for (const auto& [name, command] : commands) {
     if (program.chose(name)) return command();
   }
-  return fail(ErrorCode::InvalidArgument, "command line", "names no command",
-              "'foldproof --help' shows what there is");
+  // Nothing was checked: scripts must not read this as "no collisions".
+  print_notice(program.help());
+  return kExitError;
 }
 
 int finish(const Result<int>& result) {

@@ -6,6 +6,7 @@
 #include "base/try.h"
 #include "commands.h"
 #include "foldproof/model.h"
+#include "interruptible_motion.h"
 #include "learned_text.h"
 #include "options.h"
 #include "terminal.h"
@@ -27,7 +28,7 @@ Examples:
   foldproof predict body.model --list-key-points         which vertices to track
   foldproof predict body.model tracks.csv -o walk.npz    reconstruct the mesh
   foldproof predict body.model walk.glb                  how well key points reconstruct this motion
-  foldproof predict body.model tracks.npz --truth walk.glb -o walk.obj)";
+  foldproof predict body.model tracks.csv --truth walk.glb -o walk.obj)";
 
 struct PredictArguments {
   std::string model, output;
@@ -123,26 +124,6 @@ Result<std::string> compare(const Input& input, Motion& predicted, const Predict
   return text;
 }
 
-/// A motion whose frames fail to read once the program is interrupted, so that writing it ends.
-class Interruptible final : public Motion {
- public:
-  Interruptible(Motion& motion, const std::atomic<bool>& interrupted)
-      : motion_(motion), interrupted_(interrupted) {}
-  const std::string& name() const override { return motion_.name(); }
-  const Topology& topology() const override { return motion_.topology(); }
-  Index frame_count() const override { return motion_.frame_count(); }
-  Result<void> read_frame(Index k, std::span<double> out) override {
-    if (interrupted_) {
-      return fail(ErrorCode::Interrupted, "interrupted", "the motion was not finished", "run it again");
-    }
-    return motion_.read_frame(k, out);
-  }
-
- private:
-  Motion& motion_;
-  const std::atomic<bool>& interrupted_;
-};
-
 int report_interrupted(bool written) {
   print_error({"interrupted", written ? "while comparing" : "the prediction was not finished",
                written ? "the motion is written" : "nothing was written"});
@@ -172,7 +153,7 @@ Result<int> predict(const PredictArguments& a) {
   // From here on, an interrupt must not leave a half-written file behind.
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   if (!a.output.empty()) {
-    Interruptible motion(*predicted, interrupted);
+    InterruptibleMotion motion(*predicted, interrupted);
     const auto done = write_motion(a.output, motion);
     if (!done && interrupted) return report_interrupted(false);
     if (!done) return tl::unexpected(done.error());
@@ -216,7 +197,7 @@ Command add_predict(CommandLine& program) {
   command.add_flag("--list-key-points", a->list, "Print the vertices to track, and exit");
   add_motion_options(command, a->motion);
   add_threads_option(command, a->threads, "At most N threads [all cores]");
-  command.add_flag("--quiet", a->quiet, "Print nothing but errors");
+  command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");
   return [a] { return predict(*a); };
 }
 

@@ -272,7 +272,7 @@ Command add_radius(CommandLine& program) {
                   "List pairs of leaves with a smaller radius than R as uncertified, too [0]")
       .type_name("R");
   add_threads_option(command, a->threads, "At most N threads [all cores]");
-  command.add_flag("--quiet", a->quiet, "Print nothing but errors");
+  command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");
   return [a] { return radius(*a); };
 }
 

@@ -405,10 +405,7 @@ Command add_render(CommandLine& program) {
       .type_name("FILE")
       .required();
   command.add_option("--frame", a->frame, "The frame; negative ones count from the end [0]").type_name("K");
-  command
-      .add_option("--color", a->color,
-                  "plain, collisions, contacts, certificates or error (see below) [plain]")
-      .type_name("WHAT")
+  command.add_option("--color", a->color, "What colors say (see below) [plain]")
       .one_of({"plain", "collisions", "contacts", "certificates", "error"});
   files.reads(command.add_option("--truth", a->truth, "For --color error: what the mesh should be"))
       .type_name("MOTION");
@@ -426,15 +423,13 @@ Command add_render(CommandLine& program) {
       .add_option("--view", a->view,
                   "auto, front, back, side, top, or the direction to the eye as x,y,z (see above) [auto]")
       .type_name("VIEW");
-  command.add_option("--up", a->up, "The axis that points up: auto, y or z (see above) [auto]")
-      .type_name("AXIS")
-      .one_of({"auto", "y", "z"});
+  command.add_option("--up", a->up, "The axis that points up (see above) [auto]").one_of({"auto", "y", "z"});
   command.add_option("--size", a->size, "In pixels [1200x900]").type_name("WxH");
   command.add_flag("--flat", a->flat, "Flat shading");
   command.add_option("--fps", a->read.fps, "Sampling rate for animated glTF, frames per second [24]")
       .type_name("RATE");
   command.add_flag("--weld", a->read.weld, "Merge vertices that coincide in the first frame");
-  command.add_flag("--quiet", a->quiet, "Print nothing but errors");
+  command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");
   return [a] { return render(*a); };
 }
 

@@ -55,7 +55,7 @@ Command add_report(CommandLine& program, std::span<char* const> arguments) {
   a->files.writes(command.add_option("-o,--output", a->output, "The report to write"))
       .type_name("FILE")
       .required();
-  command.add_flag("--quiet", a->quiet, "Print nothing but errors");
+  command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");
   return [a] { return report(*a); };
 }
 

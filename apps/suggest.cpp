@@ -126,7 +126,7 @@ Command add_suggest(CommandLine& program) {
   command.add_option("--count", a->count, "How many, at most [3]").type_name("N");
   add_motion_options(command, a->options);
   add_threads_option(command, a->threads, "At most N threads [all cores]");
-  command.add_flag("--quiet", a->quiet, "Print nothing but errors");
+  command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");
   return [a] { return suggest(*a); };
 }
 

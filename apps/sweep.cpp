@@ -29,8 +29,7 @@ Examples:
   foldproof sweep library -o results.jsonl                        check everything below library/
   foldproof sweep library -o results.jsonl --summary page.html    and write a table of all motions
   foldproof sweep library -o results.jsonl --again                check everything again
-  foldproof sweep walks runs -o results.jsonl --model body.model --model hand.model
-                                                                  each model for the motions of its mesh
+  foldproof sweep library cloth -o all.jsonl --model body.model   two folders; the model for motions of its mesh
   mpirun -n 9 foldproof sweep library -o results.jsonl            eight processes check, one distributes (docs/sweep.md))";
 
 struct SweepArguments : StepArguments {
@@ -67,7 +66,7 @@ void add_options(const Subcommand& sweep, SweepArguments& a) {
       .type_name("PAGE")
       .group(group);
   sweep.add_flag("--again", a.again, "Check everything, even motions that have a line").group(group);
-  sweep.add_flag("--quiet", a.quiet, "Print nothing but errors").group(group);
+  sweep.add_flag("-q,--quiet", a.quiet, "Print nothing but errors").group(group);
   sweep
       .add_option(
           "--patience", a.patience,

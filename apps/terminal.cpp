@@ -4,36 +4,63 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <iterator>
 #include <numeric>
+#include <string_view>
 #include <system_error>
 
 namespace foldproof {
 
-void print_error(const Error& error) {
-  const std::string line = "foldproof: " + error.line() + "\n";
-  std::fwrite(line.data(), 1, line.size(), stderr);
-}
-
 namespace {
+
+/// Where print_output prints.
+std::FILE* output = stdout;
 
 /// The errno of the first failure of standard output; 0 if there was none.
 int output_failure = 0;
 
+bool has_color(std::FILE* stream) {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string_view(value != nullptr ? value : "");
+  };
+  const std::string_view terminal = variable("TERM");
+  return variable("NO_COLOR").empty() && !terminal.empty() && terminal != "dumb" &&
+         ::isatty(::fileno(stream)) == 1;
+}
+
+std::string colored_for(std::FILE* stream, const std::string& text, Tone tone) {
+  if (!has_color(stream)) return text;
+  constexpr std::array kCodes = {32, 31, 33};  // green, red, yellow
+  return fmt::format("\x1b[1;{}m{}\x1b[0m", kCodes[static_cast<std::size_t>(tone)], text);
+}
+
 }  // namespace
 
+void print_notice(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+
+void print_error(const Error& error) {
+  print_notice(colored_for(stderr, "foldproof:", Tone::Bad) + " " + error.line() + "\n");
+}
+
+std::string colored(const std::string& text, Tone tone) { return colored_for(output, text, tone); }
+
+void print_to_standard_error() { output = stderr; }
+
 void print_output(const std::string& text) {
-  if (output_failure == 0 && std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
+  if (output_failure == 0 && std::fwrite(text.data(), 1, text.size(), output) != text.size())
     output_failure = errno;
 }
 
 Result<void> flush_output() {
-  if (output_failure == 0 && std::fflush(stdout) != 0) output_failure = errno;
+  if (output_failure == 0 && std::fflush(output) != 0) output_failure = errno;
   if (output_failure == 0 || output_failure == EPIPE) return {};
-  return fail(ErrorCode::FileAccess, "standard output",
+  return fail(ErrorCode::FileAccess, output == stdout ? "standard output" : "standard error",
               "cannot be written: " + std::generic_category().message(output_failure),
               "check where it goes and the free space");
 }
@@ -196,67 +223,77 @@ std::string closing_sentence(const CheckSettings& settings, const CheckTotals& t
   return totals.clean() ? clean_sentence(settings, totals) : found_sentence(settings, totals);
 }
 
+std::string row(const char* label, const std::string& value) {
+  return fmt::format("{:<24}{}\n", label, value);
+}
+
+/// What the mode paper missed, and what the proven answer costs.
+std::string paper_rows(const CheckSettings& settings, const CheckTotals& totals) {
+  const std::uint64_t all = totals.collisions.sum() + totals.missed;
+  const double steps = static_cast<double>(std::max<std::uint64_t>(totals.steps, 1));
+  return row("missed",
+             fmt::format("{} of the {} in the proven answer ({:.3g} %)", grouped(totals.missed), grouped(all),
+                         all ? 100.0 * static_cast<double>(totals.missed) / static_cast<double>(all) : 0.0)) +
+         row("proven answer",
+             fmt::format("{:.3g} ms per {}, {:.2f} times as long", totals.proven_milliseconds / steps,
+                         settings.poses ? "frame" : "step",
+                         totals.proven_milliseconds / std::max(1e-9, totals.milliseconds.total)));
+}
+
 }  // namespace
 
 std::string summary(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
   std::string text = objects_table(motions) + "\n";
-  const auto row = [&](const char* label, const std::string& value) {
-    fmt::format_to(Text(text), "{:<24}{}\n", label, value);
-  };
+  const auto add = [&](const char* label, const std::string& value) { text += row(label, value); };
   const CollisionCounts& found = totals.collisions;
   const double steps = static_cast<double>(std::max<std::uint64_t>(totals.steps, 1));
   if (settings.step.mode == Mode::Paper) {
-    row("mode",
+    add("mode",
         fmt::format("paper: STATISTICAL, can miss collisions (tuned to miss {:g} % on poses held out)",
                     100 * settings.step.miss_rate));
   }
   if (totals.starts_crossing) {
-    row("first frame", starts_crossing(totals)
+    add("first frame", starts_crossing(totals)
                            ? start_of(totals)
                            : fmt::format("no triangles cross in frame {}", totals.first_frame));
   } else if (!settings.poses) {
-    row("first frame", "not tested for crossings (--steps-only)");
+    add("first frame", "not tested for crossings (--steps-only)");
   }
-  row(settings.poses ? "frames checked" : "steps checked",
+  add(settings.poses ? "frames checked" : "steps checked",
       fmt::format("{}  (frames {} to {})", grouped(totals.steps), totals.first_frame, totals.last_frame));
-  row("  with collisions", grouped(totals.steps_with_collisions));
-  row("colliding pairs", settings.poses
+  add("  with collisions", grouped(totals.steps_with_collisions));
+  add("colliding pairs", settings.poses
                              ? grouped(found.sum()) + "  (triangles that cross)"
                              : fmt::format("{}  (vertex-face {}, edge-edge {})", grouped(found.sum()),
                                            grouped(found.vertex_face), grouped(found.edge_edge)));
   if (totals.listed.sum() < found.sum()) {
-    row("  listed", fmt::format("{} of {}  (those with the smallest ids; more with --limit)",
+    add("  listed", fmt::format("{} of {}  (those with the smallest ids; more with --limit)",
                                 grouped(totals.listed.sum()), grouped(found.sum())));
   }
-  if (settings.step.mode == Mode::Paper) {
-    const std::uint64_t all = found.sum() + totals.missed;
-    row("missed",
-        fmt::format("{} of the {} in the proven answer ({:.3g} %)", grouped(totals.missed), grouped(all),
-                    all ? 100.0 * static_cast<double>(totals.missed) / static_cast<double>(all) : 0.0));
-    row("proven answer", fmt::format("{:.3g} ms per {}, {:.2f} times as long",
-                                     totals.proven_milliseconds / steps, settings.poses ? "frame" : "step",
-                                     totals.proven_milliseconds / std::max(1e-9, totals.milliseconds.total)));
-  }
+  if (settings.step.mode == Mode::Paper) text += paper_rows(settings, totals);
   if (totals.worst) {
-    row("worst", fmt::format("{}: {}", step_name(*totals.worst, settings),
+    add("worst", fmt::format("{}: {}", step_name(*totals.worst, settings),
                              counted(totals.worst_collisions.sum(), "pair")));
     std::string earliest = step_name(*totals.earliest, settings);
     if (totals.earliest->frame != totals.earliest->next_frame)
       earliest += fmt::format(", time of impact {:.6g}", totals.earliest_toi);
-    row("earliest", earliest);
+    add("earliest", earliest);
   }
   if (!settings.poses) {
-    row("undecided pairs",
+    add("undecided pairs",
         grouped(totals.work.undecided) + (totals.work.undecided ? "  (counted as collisions)" : ""));
-    row("tolerance", fmt::format("{:.3g} mesh units", totals.tolerance));
+    add("tolerance", fmt::format("{:.3g} mesh units", totals.tolerance));
   }
-  if (settings.step.explain) row("certified", certified_share(totals.leaf_pairs));
+  if (settings.step.explain) add("certified", certified_share(totals.leaf_pairs));
   if (totals.starts_crossing)
-    row("time, first frame", fmt::format("{:.3g} ms", totals.start_milliseconds.total));
-  row(settings.poses ? "time per frame" : "time per step",
+    add("time, first frame", fmt::format("{:.3g} ms", totals.start_milliseconds.total));
+  add(settings.poses ? "time per frame" : "time per step",
       fmt::format("{:.3g} ms, the slowest {:.3g} ms  (reading files not counted)",
                   totals.milliseconds.total / steps, totals.slowest_step));
-  return text + "\n" + closing_sentence(settings, totals) + "\n";
+  const Tone tone = settings.step.mode == Mode::Paper ? Tone::Doubtful
+                    : totals.clean()                  ? Tone::Good
+                                                      : Tone::Bad;
+  return text + "\n" + colored(closing_sentence(settings, totals), tone) + "\n";
 }
 
 namespace {

@@ -14,6 +14,18 @@ void print_error(const Error& error);
 /// Prints text on standard output.
 void print_output(const std::string& text);
 
+/// From now on print_output prints on standard error: standard output takes a report.
+void print_to_standard_error();
+
+/// Prints text on standard error.
+void print_notice(const std::string& text);
+
+/// What a color says.
+enum class Tone : std::uint8_t { Good, Bad, Doubtful };
+
+/// The text for print_output, in color on a terminal that has it, unless NO_COLOR is set (no-color.org).
+std::string colored(const std::string& text, Tone tone);
+
 /// Error: standard output could not be written. A closed pipe is no error.
 Result<void> flush_output();
 

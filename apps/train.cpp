@@ -28,14 +28,14 @@ mesh's shapes: a subspace, key points, clusters of poses, and the reconstruction
   leave-one-out error  between a training pose and its reconstruction from what the other poses teach
 
 Examples:
-  foldproof train walk.glb -o body.model             learn from all frames (the 16 that differ most)
-  foldproof train poses/ walk.glb -o body.model      from separate poses and a motion
-  foldproof train walk.glb --frames ::10 -o b.model  from every tenth frame
+  foldproof train walk.glb -o body.model               learn from all frames (the 16 that differ most)
+  foldproof train poses/ walk.glb -o body.model        from separate poses and a motion
+  foldproof train walk.glb --frames ::10 -o b.model    from every tenth frame
   foldproof train walk.glb --references 40 -o b.model  a larger model that proves a little more
-  foldproof check run.glb --model body.model         use it
-  foldproof info body.model                          show what it holds
-  foldproof predict body.model tracks.csv -o run.npz reconstruct shapes from key points
-  foldproof suggest body.model run.glb               which pose to add)";
+  foldproof check run.glb --model body.model           use it
+  foldproof info body.model                            show what it holds
+  foldproof predict body.model tracks.csv -o run.npz   reconstruct shapes from key points
+  foldproof suggest body.model run.glb                 which pose to add)";
 
 struct TrainArguments {
   std::vector<std::string> poses;
@@ -172,8 +172,8 @@ Command add_train(CommandLine& program) {
   command.add_option("--energy", a->energy, "Share of the variance that the subspace keeps [0.999]")
       .type_name("SHARE")
       .group(kLearningGroup);
-  command.add_option("--subspace", a->subspace, "pca, or kernel-pca, which keeps shapes near the poses [pca]")
-      .type_name("KIND")
+  command.add_option("--subspace", a->subspace, "kernel-pca keeps shapes near the poses [pca]")
+      .type_name("pca|kernel-pca")
       .group(kLearningGroup);
   command.add_option("--key-points", a->key_points, "Key points, at most, as a share of the vertices [0.04]")
       .type_name("SHARE")
@@ -182,7 +182,7 @@ Command add_train(CommandLine& program) {
   add_motion_options(command, a->motion);
   add_threads_option(command, a->threads,
                      "At most N threads; the model is the same for any number [all cores]");
-  command.add_flag("--quiet", a->quiet, "Print nothing but errors");
+  command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");
   return [a] { return train(*a); };
 }
 

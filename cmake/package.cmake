@@ -7,6 +7,7 @@ if(BUILD_SHARED_LIBS AND TARGET foldproof_program)
 endif()
 if(TARGET foldproof_program)
   install(TARGETS foldproof_program RUNTIME COMPONENT program)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT program)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/foldproof RENAME copyright COMPONENT program)
 endif()
 

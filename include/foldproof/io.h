@@ -62,6 +62,7 @@ std::unique_ptr<Motion> memory_motion(std::string name, Topology topology,
 /// The temporary file is in the target's directory, so the final rename is atomic.
 class FileWriter {
  public:
+  /// "-" is standard output, which is written directly; that its reader has closed it is no error.
   static Result<FileWriter> open(const std::string& path);
   FileWriter(FileWriter&&) noexcept;
   FileWriter& operator=(FileWriter&&) noexcept;

@@ -24,10 +24,11 @@ tl::unexpected<Error> write_error(const std::string& path, int code) {
               "check the directory, its permissions and the free space");
 }
 
-int write_fully(int descriptor, std::span<const char> bytes) {
+int write_fully(int descriptor, bool may_close, std::span<const char> bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
+    if (count < 0 && errno == EPIPE && may_close) return 0;
     if (count < 0) return errno;
     bytes = bytes.subspan(static_cast<std::size_t>(count));
   }
@@ -45,9 +46,10 @@ std::string temporary_name(const fs::path& target) {
 }  // namespace
 
 struct FileWriter::State {
-  std::string path;       // as the caller gave it
-  std::string target;     // with symbolic links resolved, so that a link stays a link
-  std::string temporary;  // empty for pipes and terminals, which are written directly
+  std::string path;        // as the caller gave it
+  std::string target;      // with symbolic links resolved, so that a link stays a link
+  std::string temporary;   // empty for pipes, terminals and standard output, which are written directly
+  bool may_close = false;  // standard output: whoever reads it may have seen enough
   int descriptor = -1;
   int failure = 0;
   std::vector<char> buffer;
@@ -58,7 +60,7 @@ struct FileWriter::State {
   }
 
   Result<void> flush() {
-    if (failure == 0) failure = write_fully(descriptor, buffer);
+    if (failure == 0) failure = write_fully(descriptor, may_close, buffer);
     buffer.clear();
     if (failure != 0) return write_error(path, failure);
     return {};
@@ -73,6 +75,13 @@ Result<FileWriter> FileWriter::open(const std::string& path) {
   FileWriter writer;
   writer.state_ = std::make_unique<State>();
   State& state = *writer.state_;
+  if (path == "-") {
+    state.path = "standard output";
+    state.may_close = true;
+    state.descriptor = ::dup(STDOUT_FILENO);
+    if (state.descriptor < 0) return write_error(state.path, errno);
+    return writer;
+  }
   state.path = path;
   std::error_code status;
   const fs::path resolved = fs::canonical(path, status);
@@ -97,7 +106,7 @@ Result<void> FileWriter::write(std::span<const char> bytes) {
     state.buffer.insert(state.buffer.end(), bytes.begin(), bytes.end());
     return {};
   }
-  state.failure = write_fully(state.descriptor, bytes);
+  state.failure = write_fully(state.descriptor, state.may_close, bytes);
   if (state.failure != 0) return write_error(state.path, state.failure);
   return {};
 }

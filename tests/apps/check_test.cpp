@@ -228,8 +228,7 @@ TEST_P(CheckMistakes, GetOneLineAndExitCode2) {
 
 INSTANTIATE_TEST_SUITE_P(
     CommandLine, CheckMistakes,
-    ::testing::Values(Mistake{{}, "foldproof --help"}, Mistake{{"chekc"}, "chekc"},
-                      Mistake{{"check"}, "MOTION"},
+    ::testing::Values(Mistake{{"chekc"}, "chekc"}, Mistake{{"check"}, "MOTION"},
                       Mistake{{"check", "sink", "--frobnicate"}, "--frobnicate"},
                       Mistake{{"check", "sink", "--frames"}, "--frames"},
                       Mistake{{"check", "sink", "--frames", "a:b"}, "'a:b'"},

@@ -1,0 +1,64 @@
+#include "file_watch.h"
+
+#include <algorithm>
+#include <thread>
+
+namespace foldproof {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::chrono::milliseconds kPause(100);
+constexpr int kPausesToSettle = 3, kPausesOfAWriter = 10;
+
+}  // namespace
+
+FileWatch::FileWatch(const FileArguments& files, const std::atomic<bool>& interrupted)
+    : files_(files), interrupted_(interrupted) {}
+
+FileWatch::State FileWatch::look() const {
+  State state;
+  for (const fs::path& path : files_.files_read()) {
+    std::error_code none, code;
+    const auto time = fs::last_write_time(path, none);
+    const std::uintmax_t size = fs::file_size(path, code);  // a directory has none
+    state.emplace_back(path.string(), code ? 0 : size, none ? fs::file_time_type() : time);
+  }
+  std::ranges::sort(state);
+  return state;
+}
+
+bool FileWatch::pause() const {
+  std::this_thread::sleep_for(kPause);
+  return !interrupted_;
+}
+
+void FileWatch::settle() {
+  settled_ = look();
+  for (int quiet = 0; quiet < kPausesToSettle && pause(); ++quiet) {
+    State now = look();
+    if (now == settled_) continue;
+    settled_ = std::move(now);
+    quiet = -1;
+  }
+}
+
+bool FileWatch::is_changing() {
+  for (int k = 0; k < kPausesOfAWriter; ++k) {
+    if (look() != settled_) return true;
+    if (!pause()) return false;
+  }
+  return false;
+}
+
+std::string FileWatch::wait() {
+  do {
+    const State now = look();
+    if (now == settled_) continue;
+    const auto [changed, before] = std::ranges::mismatch(now, settled_);
+    return std::get<0>(changed != now.end() ? *changed : *before);
+  } while (pause());
+  return "";
+}
+
+}  // namespace foldproof

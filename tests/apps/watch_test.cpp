@@ -1,0 +1,73 @@
+// check --watch: again, each time that a file changes.
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <thread>
+
+#include "apps/program.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// Waits until a file holds a text, at most 20 seconds.
+void wait_for(const std::string& path, const std::string& text) {
+  for (int k = 0; k < 1000; ++k) {
+    if (std::filesystem::exists(path) && read_file(path).find(text) != std::string::npos) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  FAIL() << path << " never held " << text;
+}
+
+TEST(Watch, ChecksAgainWhenAFileHasChangedAndIsWholeAgain) {
+  const TemporaryDirectory directory;
+  ASSERT_TRUE(write_npz(directory / "a.npz", *needle({3, 2, 1})));
+  ASSERT_TRUE(write_npz(directory / "sink.npz", *needle(kSinking)));
+  const std::string sinking = read_file(directory / "sink.npz");
+  const auto half = static_cast<std::ptrdiff_t>(sinking.size() / 2);
+  const Outcome watched = run_program(
+      {"check", "a.npz", "--watch", "--json", "a.json"},
+      {.directory = directory.path(), .while_it_runs = [&](pid_t child) {
+         wait_for(directory / "a.json", "\"clean\":true");
+         std::ofstream slow(directory / "a.npz", std::ios::binary);
+         slow.write(sinking.data(), half).flush();
+         std::this_thread::sleep_for(std::chrono::milliseconds(700));  // longer than it takes to settle
+         slow.write(sinking.data() + half, static_cast<std::ptrdiff_t>(sinking.size()) - half);
+         slow.close();
+         wait_for(directory / "a.json", "\"clean\":false");
+         ::kill(child, SIGINT);
+       }});
+  EXPECT_EQ(watched.code, 130) << watched.err;
+  EXPECT_THAT(watched.out, HasSubstr("No collisions: "));
+  EXPECT_THAT(watched.out, HasSubstr("Collisions in 2 of 4 steps"));
+  EXPECT_THAT(watched.err, HasSubstr("a.npz has changed."));
+  EXPECT_THAT(watched.err, Not(HasSubstr("foldproof: a.npz")));
+}
+
+TEST(Watch, WaitsForAFileThatCannotBeReadToBeMended) {
+  const TemporaryDirectory directory;
+  write_file(directory / "a.obj", "v 0 0 zero\n");
+  const auto motion = needle(kSinking);
+  std::vector<double> x(3 * std::size_t{motion->topology().vertex_count()});
+  ASSERT_TRUE(motion->read_frame(0, x));
+  const Outcome watched = run_program({"check", "a.obj", "--watch", "--json", "a.json"},
+                                      {.directory = directory.path(), .while_it_runs = [&](pid_t child) {
+                                         std::this_thread::sleep_for(std::chrono::milliseconds(1800));
+                                         EXPECT_TRUE(write_obj(directory / "a.obj", motion->topology(), x));
+                                         wait_for(directory / "a.json", "\"clean\":true");
+                                         ::kill(child, SIGTERM);
+                                       }});
+  EXPECT_EQ(watched.code, 130);
+  EXPECT_THAT(watched.err, HasSubstr("foldproof: a.obj:1"));
+}
+
+TEST(Watch, MistakesOnTheCommandLineEndIt) {
+  const TemporaryDirectory directory;
+  expect_one_line_error(check_in(directory, {"a.obj", "--watch", "--thickness", "-1"}), "--thickness");
+}
+
+}  // namespace
+}  // namespace foldproof
