@@ -19,7 +19,8 @@ namespace {
 // Notebooks that this machine serves show the page in a frame.
 constexpr const char* kSecurityPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors http://127.0.0.1:* http://localhost:*";
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors http://127.0.0.1:* "
+    "http://localhost:*";
 
 /// The head of a request, and a buffer for the answer.
 class Exchange : public httplib::Stream {
