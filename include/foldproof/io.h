@@ -46,11 +46,11 @@ struct ReadOptions {
 /// A path's extension in lower case, with its dot; empty when it has none.
 std::string extension_of(const std::string& path);
 
-/// Opens the motions that a command line names. An OBJ, OFF or PLY file followed by its .pc2 or .mdd is one
-/// motion; so are mesh files one after the other whose names differ only in a number (unless
+/// Opens the motions that a command line names (docs/formats.md). A mesh file followed by its .pc2 or .mdd is
+/// one motion; so are mesh files one after the other whose names differ only in a number (unless
 /// ReadOptions::separate). Every other argument is a motion of its own: a mesh file (one frame); a directory
 /// or quoted glob of mesh files, or a name with "%d" or "%04d" for their number (a frame each, in natural
-/// order); or a .gltf, .glb or .npz file.
+/// order); or a .gltf, .glb, .npz or .pvd file.
 Result<std::vector<std::unique_ptr<Motion>>> open_motions(std::span<const std::string> arguments,
                                                           const ReadOptions& options = {});
 
