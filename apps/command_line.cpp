@@ -181,7 +181,8 @@ std::vector<CommandDescription> CommandLine::describe() const {
           {names_of(*option), option->get_items_expected_max() > 0 ? option->get_type_name() : "",
            option->get_description(), option->get_group(), option->get_positional(), option->get_required()});
     }
-    std::ranges::stable_partition(command.options, &OptionDescription::is_argument);
+    std::stable_partition(command.options.begin(), command.options.end(),
+                          [](const OptionDescription& option) { return option.is_argument; });
     return command;
   };
   std::vector<CommandDescription> commands{description(*app_)};

@@ -99,6 +99,7 @@ std::unique_ptr<Motion> motion(std::string name, std::vector<Triangle> triangles
                                std::vector<double> (*pose)(const Stride&),
                                const std::vector<Stride>& strides) {
   std::vector<std::vector<double>> frames;
+  frames.reserve(strides.size());
   for (const Stride& stride : strides) frames.push_back(pose(stride));
   const auto vertices = static_cast<Index>(frames.front().size() / 3);
   return memory_motion(std::move(name), Topology::make(vertices, std::move(triangles)).value(),
