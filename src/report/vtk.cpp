@@ -182,34 +182,63 @@ class VtkReport : public ReportWriter {
   }
 
   Result<void> step(const CheckedStep& step) override {
-    const std::string name = fmt::format("step{:06}.vtp", step.index.number);
     if (step.pose) contacts_.update(joined_, step);
-    FOLDPROOF_TRY(write(directory_ / name, step));
-    if (!step.pose && !contacts_.number.empty())
-      contacts_.update(joined_, step);  // of the next step's first pose
-    const StepIndex& index = step.index;
-    const double part = static_cast<double>(index.substep) / substeps_;
-    collection_.add("<DataSet timestep=\"{}\" part=\"0\" file=\"{}/{}\"/>\n",
-                    index.frame + part * (index.next_frame - index.frame), folder_, name);
-    return collection_.flush_if_large();
+    describe(step);
+    FOLDPROOF_TRY(write(step));
+    if (step.index.next_frame == step.index.frame) return {};
+    if (!contacts_.number.empty()) contacts_.update(joined_, step);  // of the next step's first pose
+    last_ = step.index;
+    joined_.pose(step, 1, end_);
+    return {};
   }
 
   /// The collection comes last, so that the files it refers to exist.
   Result<void> finish(const CheckTotals&) override {
+    if (!end_.empty()) FOLDPROOF_TRY(write_last_pose());
     collection_.add("</Collection>\n</VTKFile>\n");
     FOLDPROOF_TRY(directory_.commit());
     return collection_.commit();
   }
 
  private:
-  Result<void> write(const std::string& path, const CheckedStep& step) {
-    const Topology& topology = joined_.topology;
+  void describe(const CheckedStep& step) {
     joined_.pose(step, 0, positions_);
     mark_faces(motions_, step, collides_);
     joined_.pose(step, 1, displacement_);
     for (std::size_t k = 0; k < positions_.size(); ++k) displacement_[k] -= positions_[k];
-    const One<std::int32_t> frame{static_cast<std::int32_t>(step.index.frame)};
-    const One<std::int32_t> substep{static_cast<std::int32_t>(step.index.substep)};
+    level_.clear();
+    margin_.clear();
+    reason_.clear();
+    if (!step.explanation) return;
+    for (const Explanation::Object& object : step.explanation->objects) {
+      level_.insert(level_.end(), object.level.begin(), object.level.end());
+      margin_.insert(margin_.end(), object.margin.begin(), object.margin.end());
+      reason_.insert(reason_.end(), object.reason.begin(), object.reason.end());
+    }
+  }
+
+  /// The pose at the end of the last step, from which no step begins.
+  Result<void> write_last_pose() {
+    positions_ = end_;
+    std::fill(displacement_.begin(), displacement_.end(), 0.0);
+    std::fill(collides_.begin(), collides_.end(), std::uint8_t{0});
+    std::fill(level_.begin(), level_.end(), std::int8_t{-1});
+    std::fill(margin_.begin(), margin_.end(), 0.0f);
+    std::fill(reason_.begin(), reason_.end(), Reason::Certified);
+    const StepResult nothing;
+    CheckedStep none;
+    none.step = &nothing;
+    none.index = {last_.number + 1, last_.next_frame, last_.next_frame, 0};
+    none.earliest_toi = 1;
+    return write(none);
+  }
+
+  /// Writes what is described, and adds it to the collection.
+  Result<void> write(const CheckedStep& step) {
+    const StepIndex& index = step.index;
+    const Topology& topology = joined_.topology;
+    const One<std::int32_t> frame{static_cast<std::int32_t>(index.frame)};
+    const One<std::int32_t> substep{static_cast<std::int32_t>(index.substep)};
     const One<std::uint64_t> collisions{step.collisions.sum()}, listed{step.listed().sum()};
     const One<double> toi{step.earliest_toi};
     const std::array<Array, 5> fields{{
@@ -229,25 +258,21 @@ class VtkReport : public ReportWriter {
       arrays.push_back({"CellData", "Int32", "contact", 1, bytes_of(contacts_.number)});
       arrays.push_back({"CellData", "Float32", "contact_depth", 1, bytes_of(contacts_.depth)});
     }
-    if (step.explanation) add_explanation(*step.explanation, arrays);
+    if (!level_.empty()) {
+      arrays.push_back({"CellData", "Int8", "level", 1, bytes_of(level_)});
+      arrays.push_back({"CellData", "Float32", "margin", 1, bytes_of(margin_)});
+      arrays.push_back({"CellData", "UInt8", "reason", 1, bytes_of(reason_)});
+    }
     arrays.push_back({"Points", "Float64", "Points", 3, bytes_of(positions_)});
     arrays.push_back({"Polys", "Int32", "connectivity", 1, bytes_of(topology.triangles())});
     arrays.push_back({"Polys", "Int32", "offsets", 1, bytes_of(polygon_ends_)});
-    return write_vtp(path, {topology.vertex_count(), topology.triangles().size(), fields, arrays});
-  }
-
-  void add_explanation(const Explanation& explanation, std::vector<Array>& arrays) {
-    level_.clear();
-    margin_.clear();
-    reason_.clear();
-    for (const Explanation::Object& object : explanation.objects) {
-      level_.insert(level_.end(), object.level.begin(), object.level.end());
-      margin_.insert(margin_.end(), object.margin.begin(), object.margin.end());
-      reason_.insert(reason_.end(), object.reason.begin(), object.reason.end());
-    }
-    arrays.push_back({"CellData", "Int8", "level", 1, bytes_of(level_)});
-    arrays.push_back({"CellData", "Float32", "margin", 1, bytes_of(margin_)});
-    arrays.push_back({"CellData", "UInt8", "reason", 1, bytes_of(reason_)});
+    const std::string name = fmt::format("step{:06}.vtp", index.number);
+    FOLDPROOF_TRY(
+        write_vtp(directory_ / name, {topology.vertex_count(), topology.triangles().size(), fields, arrays}));
+    const double part = static_cast<double>(index.substep) / substeps_;
+    collection_.add("<DataSet timestep=\"{}\" part=\"0\" file=\"{}/{}\"/>\n",
+                    index.frame + part * (index.next_frame - index.frame), folder_, name);
+    return collection_.flush_if_large();
   }
 
   TextFile collection_;
@@ -258,6 +283,8 @@ class VtkReport : public ReportWriter {
   Index substeps_;
   std::vector<std::int32_t> object_, polygon_ends_;
   std::vector<double> positions_, displacement_;
+  StepIndex last_;
+  std::vector<double> end_;  // positions at its end; none before the first step, and of poses
   std::vector<std::uint8_t> collides_, crosses_;
   ContactMarks contacts_;
   std::vector<std::int8_t> level_;

@@ -31,10 +31,25 @@ TEST(VtkReport, AFileForEachStepAndTheirTimes) {
   const TemporaryDirectory directory;
   ASSERT_TRUE(check(directory / "a.b.pvd", list(needle(kSinking))));
   EXPECT_THAT(directory.names(), ElementsAre("a.b", "a.b.pvd"));
-  EXPECT_THAT(names_in(directory / "a.b"),
-              ElementsAre("step000000.vtp", "step000001.vtp", "step000002.vtp", "step000003.vtp"));
+  EXPECT_THAT(names_in(directory / "a.b"), ElementsAre("step000000.vtp", "step000001.vtp", "step000002.vtp",
+                                                       "step000003.vtp", "step000004.vtp"));
   EXPECT_THAT(read_file(directory / "a.b.pvd"),
               HasSubstr("<DataSet timestep=\"2\" part=\"0\" file=\"a.b/step000002.vtp\"/>"));
+}
+
+TEST(VtkReport, ReadBackItIsTheWholeMotion) {
+  const TemporaryDirectory directory;
+  const auto motion = needle(kSinking);
+  ASSERT_TRUE(check(directory / "a.pvd", list(needle(kSinking))));
+  const std::string path = directory / "a.pvd";
+  const auto read = open_motions(std::span(&path, 1));
+  ASSERT_TRUE(read);
+  ASSERT_EQ((*read)[0]->frame_count(), motion->frame_count());
+  for (Index k = 0; k < motion->frame_count(); ++k) {
+    std::vector<double> written(3 * motion->topology().vertex_count()), given(written.size());
+    ASSERT_TRUE((*read)[0]->read_frame(k, written) && motion->read_frame(k, given));
+    EXPECT_EQ(written, given) << "frame " << k;
+  }
 }
 
 TEST(VtkReport, ASingleFrameIsOneMesh) {
@@ -49,7 +64,7 @@ TEST(VtkReport, AnOlderOneIsReplacedAsAWhole) {
   ASSERT_TRUE(check(directory / "a.pvd", list(needle(kSinking))));
   ASSERT_TRUE(check(directory / "a.pvd", list(needle({1.6, 0.6}))));
   EXPECT_THAT(directory.names(), ElementsAre("a", "a.pvd"));
-  EXPECT_THAT(names_in(directory / "a"), ElementsAre("step000000.vtp"));
+  EXPECT_THAT(names_in(directory / "a"), ElementsAre("step000000.vtp", "step000001.vtp"));
 }
 
 TEST(VtkReport, ACancelledCheckLeavesWhatWasThere) {
@@ -64,7 +79,7 @@ TEST(VtkReport, ACancelledCheckLeavesWhatWasThere) {
   EXPECT_TRUE(totals->cancelled);
   EXPECT_EQ(totals->steps, 1u);
   EXPECT_THAT(directory.names(), ElementsAre("a", "a.pvd"));
-  EXPECT_THAT(names_in(directory / "a"), ElementsAre("step000000.vtp"));
+  EXPECT_THAT(names_in(directory / "a"), ElementsAre("step000000.vtp", "step000001.vtp"));
   EXPECT_EQ(read_file(directory / "a.pvd"), before);
 }
 

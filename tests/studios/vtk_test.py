@@ -116,21 +116,25 @@ class Vtk(unittest.TestCase):
 
     def test_steps(self):
         report, times, meshes = self.check()
-        self.assertEqual(times, [0, 1, 2])
+        self.assertEqual(times, [0, 1, 2, 3])
+        *meshes, last = meshes
         marked = [arrays_of(mesh.GetCellData())["collides"].sum() for mesh in meshes]
         self.assertEqual(marked[0], 0)
         self.assertTrue(0 < marked[2] < 144, marked)
         self.expect_meshes(meshes, self.frames()[:-1], self.frames()[1:])
         self.expect_answers(report, meshes)
         self.assertNotIn("reason", arrays_of(meshes[0].GetCellData()))
+        self.expect_meshes([last], self.frames()[-1:], self.frames()[-1:])
+        self.assertEqual(arrays_of(last.GetCellData())["collides"].sum(), 0)
+        self.assertEqual(arrays_of(last.GetFieldData())["earliest_toi"][0], 1)
 
     def test_parts_of_steps_and_ranges(self):
         report, times, meshes = self.check("--frames", "1::2", "--substeps", "4")
-        self.assertEqual(times, [1, 1.5, 2, 2.5])
+        self.assertEqual(times, [1, 1.5, 2, 2.5, 3])
         np.testing.assert_array_equal(vtk_to_numpy(meshes[0].GetPoints().GetData()), self.frames()[1])
         middle = (self.frames()[1] + self.frames()[3]) / 2
         np.testing.assert_allclose(vtk_to_numpy(meshes[2].GetPoints().GetData()), middle, rtol=0, atol=1e-15)
-        self.expect_answers(report, meshes)
+        self.expect_answers(report, meshes[:-1])
 
     def test_poses(self):
         report, times, meshes = self.check("--static")
@@ -156,12 +160,13 @@ class Vtk(unittest.TestCase):
         self.assertNotIn("contact", arrays_of(meshes[0].GetCellData()))
 
     def test_explanation(self):
-        _, _, meshes = self.check("--explain", "why.npz")
+        _, _, [*meshes, last] = self.check("--explain", "why.npz")
         why = np.load(self.directory / "why.npz")
         for i, mesh in enumerate(meshes):
             cells = arrays_of(mesh.GetCellData())
             for name in ("level", "margin", "reason"):
                 np.testing.assert_array_equal(cells[name], np.concatenate([why[f"{name}_0"][i], why[f"{name}_1"][i]]))
+        self.assertEqual(set(arrays_of(last.GetCellData())["level"]), {-1})
 
 
 if __name__ == "__main__":
