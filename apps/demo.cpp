@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <filesystem>
 
@@ -7,6 +6,8 @@
 #include "commands.h"
 #include "demo_motions.h"
 #include "foldproof/model.h"
+#include "io/bytes.h"
+#include "io/new_directory.h"
 #include "options.h"
 #include "terminal.h"
 #include "write_glb.h"
@@ -17,8 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFooter =
-    R"(It writes a generated motion and what all examples name, in Foldproof's help texts and documentation. In that directory,
-they can be typed as they stand:
+    R"(It writes a generated motion and the other files that the examples in Foldproof's help texts and documentation use, so
+that these can be typed in that directory as they stand:
   walk.glb        two legs that walk, and brush against each other
   run.glb         the same with longer strides
   pose.obj        one pose, in which the legs cross
@@ -60,12 +61,6 @@ std::vector<Stride> training_strides() {
   return strides;
 }
 
-Result<void> write_text(const fs::path& path, const std::string& text) {
-  auto file = FOLDPROOF_TRY(FileWriter::open(path.string()));
-  FOLDPROOF_TRY(file.write(text));
-  return file.commit();
-}
-
 Result<void> write_motions(const fs::path& directory, Motion& walk) {
   for (const char* folder : {"poses", "cloth", "library"}) fs::create_directory(directory / folder);
   const auto run = legs("run", gait(17, 0.6, 0.6));
@@ -83,7 +78,7 @@ Result<void> write_motions(const fs::path& directory, Motion& walk) {
   FOLDPROOF_TRY(write_motion(at("cloth/frame_%02d.obj"), *cloth));
   FOLDPROOF_TRY(write_motion(at("library/skirt.npz"), *shirt));
   FOLDPROOF_TRY(write_glb(at("library/run.glb"), *run));
-  return write_text(at("parts.txt"), fmt::format("{}\n", fmt::join(leg_parts(), "\n")));
+  return io::write_file(at("parts.txt"), fmt::format("{}\n", fmt::join(leg_parts(), "\n")));
 }
 
 /// Trains on the poses; writes the model, and what it says of the walk.
@@ -104,54 +99,19 @@ Result<void> write_model(const fs::path& directory, Motion& walk, const TrainHoo
     const Eigen::VectorXd p = model.learned->pca.project(x);
     coordinates += fmt::format("{}\n", fmt::join(p.begin(), p.end(), ","));
   }
-  FOLDPROOF_TRY(write_text(directory / "tracks.csv", tracks));
-  return write_text(directory / "p.csv", coordinates);
+  FOLDPROOF_TRY(io::write_file((directory / "tracks.csv").string(), tracks));
+  return io::write_file((directory / "p.csv").string(), coordinates);
 }
-
-/// A directory beside the one to write, which takes its name when it is complete, and else disappears.
-class NewDirectory {
- public:
-  explicit NewDirectory(fs::path target)
-      : target_(std::move(target)), path_(fmt::format("{}.{}.part", target_.string(), ::getpid())) {}
-  ~NewDirectory() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  NewDirectory(const NewDirectory&) = delete;
-  NewDirectory& operator=(const NewDirectory&) = delete;
-
-  const fs::path& path() const { return path_; }
-
-  Result<void> create() {
-    std::error_code code;
-    if (fs::exists(fs::symlink_status(target_, code)))
-      return fail(ErrorCode::FileAccess, target_.string(), "is already there", "name a new directory");
-    if (!fs::create_directory(path_, code)) return not_written(code);
-    return {};
-  }
-
-  Result<void> commit() {
-    std::error_code code;
-    fs::rename(path_, target_, code);
-    return code ? not_written(code) : Result<void>{};
-  }
-
- private:
-  Result<void> not_written(const std::error_code& code) const {
-    return fail(ErrorCode::FileAccess, target_.string(), "cannot be written: " + code.message(),
-                "name a directory elsewhere");
-  }
-
-  fs::path target_, path_;
-};
 
 Result<int> demo(const DemoArguments& a) {
   fs::path target(a.directory);
   if (!target.has_filename()) target = target.parent_path();  // "legs/"
   if (target.empty()) return fail(ErrorCode::InvalidArgument, "DIR", "names nothing", "name a new directory");
   const std::atomic<bool>& interrupted = watch_for_interrupt();
-  NewDirectory directory(target);
-  FOLDPROOF_TRY(directory.create());
+  std::error_code ignored;
+  if (fs::exists(fs::symlink_status(target, ignored)))
+    return fail(ErrorCode::FileAccess, target.string(), "is already there", "name a new directory");
+  auto directory = FOLDPROOF_TRY(io::NewDirectory::open(target));
   const auto walk = legs("walk", walking_strides());
   FOLDPROOF_TRY(write_motions(directory.path(), *walk));
   ProgressBar bar(!a.quiet);

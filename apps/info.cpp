@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "file_arguments.h"
 #include "foldproof/model.h"
+#include "io/bytes.h"
 #include "learned_text.h"
 #include "terminal.h"
 
@@ -189,11 +190,9 @@ Result<int> info(const InfoArguments& a) {
                  learned_tables(model));
     return kExitClean;
   }
-  auto file = FOLDPROOF_TRY(FileWriter::open(a.json));
   const std::string text =
       to_json(model, s, bytes).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-  FOLDPROOF_TRY(file.write(text));
-  FOLDPROOF_TRY(file.commit());
+  FOLDPROOF_TRY(io::write_file(a.json, text));
   return kExitClean;
 }
 

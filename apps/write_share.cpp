@@ -3,7 +3,7 @@
 
 #include "base/try.h"
 #include "commands.h"
-#include "foldproof/io.h"
+#include "io/bytes.h"
 #include "manual.h"
 
 namespace foldproof {
@@ -14,9 +14,7 @@ namespace fs = std::filesystem;
 Result<void> write_file(const fs::path& path, const std::string& text) {
   std::error_code ignored;
   fs::create_directories(path.parent_path(), ignored);
-  auto file = FOLDPROOF_TRY(FileWriter::open(path.string()));
-  FOLDPROOF_TRY(file.write(text));
-  return file.commit();
+  return io::write_file(path.string(), text);
 }
 
 Result<int> write_share(const fs::path& share, const std::vector<CommandDescription>& commands) {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/try.h"
+#include "foldproof/io.h"
 
 namespace foldproof::io {
 namespace {
@@ -101,6 +102,12 @@ Result<std::vector<char>> read_file(const std::string& path) {
   std::vector<char> bytes(file.size());
   FOLDPROOF_TRY(file.read_at(0, bytes));
   return bytes;
+}
+
+Result<void> write_file(const std::string& path, std::span<const char> bytes) {
+  auto file = FOLDPROOF_TRY(FileWriter::open(path));
+  FOLDPROOF_TRY(file.write(bytes));
+  return file.commit();
 }
 
 std::string at_byte(const std::string& path, std::uint64_t offset) {

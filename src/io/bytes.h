@@ -50,6 +50,8 @@ class MappedFile {
 
 /// Reads a whole regular file.
 Result<std::vector<char>> read_file(const std::string& path);
+/// Writes a whole file, by FileWriter.
+Result<void> write_file(const std::string& path, std::span<const char> bytes);
 
 /// Reads a number from any address, aligned or not, in the given byte order.
 template <class T>

@@ -1,6 +1,7 @@
 #include <png.h>
 
 #include "base/try.h"
+#include "io/bytes.h"
 #include "picture/picture.h"
 
 namespace foldproof {
@@ -48,9 +49,7 @@ Result<std::string> png_bytes(const Image& image) {
 Result<void> write_png(const std::string& path, const Image& image) {
   const auto bytes = png_bytes(image);
   if (!bytes) return fail(bytes.error().code, path, bytes.error().problem, bytes.error().remedy);
-  auto file = FOLDPROOF_TRY(FileWriter::open(path));
-  FOLDPROOF_TRY(file.write(*bytes));
-  return file.commit();
+  return io::write_file(path, *bytes);
 }
 
 }  // namespace foldproof

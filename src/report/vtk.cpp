@@ -1,15 +1,16 @@
 // A motion and its answer for ParaView: a VTK XML polygon file per step, and the collection that assigns them
 // times.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <system_error>
 
 #include "base/try.h"
 #include "io/bytes.h"
+#include "io/new_directory.h"
 #include "report/joined.h"
 #include "report/text_file.h"
 
@@ -18,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using io::bytes_of;
+using io::NewDirectory;
 
 std::string xml_text(const std::string& text) {
   std::string out;
@@ -93,63 +95,18 @@ Result<void> write_vtp(const std::string& path, const Mesh& mesh) {
   return file.commit();
 }
 
-tl::unexpected<Error> directory_error(const fs::path& directory, const std::error_code& code) {
-  return fail(ErrorCode::FileAccess, directory.string(), "cannot be written: " + code.message(),
-              "check the directory, its permissions and the free space");
+/// Error: the directory has files that this program did not write.
+Result<void> require_ours(const fs::path& directory) {
+  std::error_code code;
+  if (!fs::exists(directory, code)) return {};
+  bool ours = fs::is_directory(directory, code);
+  for (const auto& entry : fs::directory_iterator(directory, code))
+    ours = ours && entry.path().extension() == ".vtp";
+  if (ours && !code) return {};
+  return fail(ErrorCode::FileAccess, "--vtk",
+              fmt::format("'{}' is there already and holds other things than .vtp files", directory.string()),
+              "choose another name, or move that away");
 }
-
-/// A directory that appears under its name, replacing an older one, only when `commit` is called.
-class NewDirectory {
- public:
-  /// Error: the target has files that this program did not write.
-  static Result<NewDirectory> open(const fs::path& target) {
-    std::error_code code;
-    if (fs::exists(target, code)) {
-      bool ours = fs::is_directory(target, code);
-      for (const auto& entry : fs::directory_iterator(target, code))
-        ours = ours && entry.path().extension() == ".vtp";
-      if (!ours || code) {
-        return fail(
-            ErrorCode::FileAccess, "--vtk",
-            fmt::format("'{}' is there already and holds other things than .vtp files", target.string()),
-            "choose another name, or move that away");
-      }
-    }
-    NewDirectory made;
-    made.target_ = target;
-    made.temporary_ =
-        target.parent_path() / fmt::format(".{}.{}.part", target.filename().string(), ::getpid());
-    if (!fs::create_directory(made.temporary_, code)) return directory_error(target, code);
-    return made;
-  }
-  NewDirectory(NewDirectory&& other) noexcept
-      : target_(std::move(other.target_)), temporary_(std::exchange(other.temporary_, {})) {}
-  ~NewDirectory() {
-    std::error_code ignored;
-    if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
-  }
-
-  fs::path operator/(const std::string& name) const { return temporary_ / name; }
-
-  Result<void> commit() {
-    std::error_code code;
-    const fs::path old = temporary_ / "old";
-    fs::rename(target_, old, code);  // fails when there is no older one
-    fs::rename(temporary_, target_, code);
-    if (code) {
-      const std::error_code reason = code;
-      fs::rename(old, target_, code);
-      return directory_error(target_, reason);
-    }
-    temporary_.clear();
-    fs::remove_all(target_ / "old", code);
-    return {};
-  }
-
- private:
-  NewDirectory() = default;
-  fs::path target_, temporary_;
-};
 
 /// A value for the whole step, as an array of one element.
 template <class T>
@@ -188,15 +145,14 @@ class VtkReport : public ReportWriter {
     if (step.index.next_frame == step.index.frame) return {};
     if (!contacts_.number.empty()) contacts_.update(joined_, step);  // of the next step's first pose
     last_ = step.index;
-    joined_.pose(step, 1, end_);
     return {};
   }
 
   /// The collection comes last, so that the files it refers to exist.
   Result<void> finish(const CheckTotals&) override {
-    if (!end_.empty()) FOLDPROOF_TRY(write_last_pose());
+    if (last_) FOLDPROOF_TRY(write_last_pose());
     collection_.add("</Collection>\n</VTKFile>\n");
-    FOLDPROOF_TRY(directory_.commit());
+    FOLDPROOF_TRY(directory_.replace());
     return collection_.commit();
   }
 
@@ -204,8 +160,9 @@ class VtkReport : public ReportWriter {
   void describe(const CheckedStep& step) {
     joined_.pose(step, 0, positions_);
     mark_faces(motions_, step, collides_);
-    joined_.pose(step, 1, displacement_);
-    for (std::size_t k = 0; k < positions_.size(); ++k) displacement_[k] -= positions_[k];
+    joined_.pose(step, 1, end_);
+    displacement_.resize(end_.size());
+    for (std::size_t k = 0; k < end_.size(); ++k) displacement_[k] = end_[k] - positions_[k];
     level_.clear();
     margin_.clear();
     reason_.clear();
@@ -228,7 +185,7 @@ class VtkReport : public ReportWriter {
     const StepResult nothing;
     CheckedStep none;
     none.step = &nothing;
-    none.index = {last_.number + 1, last_.next_frame, last_.next_frame, 0};
+    none.index = {last_->number + 1, last_->next_frame, last_->next_frame, 0};
     none.earliest_toi = 1;
     return write(none);
   }
@@ -267,8 +224,8 @@ class VtkReport : public ReportWriter {
     arrays.push_back({"Polys", "Int32", "connectivity", 1, bytes_of(topology.triangles())});
     arrays.push_back({"Polys", "Int32", "offsets", 1, bytes_of(polygon_ends_)});
     const std::string name = fmt::format("step{:06}.vtp", index.number);
-    FOLDPROOF_TRY(
-        write_vtp(directory_ / name, {topology.vertex_count(), topology.triangles().size(), fields, arrays}));
+    FOLDPROOF_TRY(write_vtp((directory_.path() / name).string(),
+                            {topology.vertex_count(), topology.triangles().size(), fields, arrays}));
     const double part = static_cast<double>(index.substep) / substeps_;
     collection_.add("<DataSet timestep=\"{}\" part=\"0\" file=\"{}/{}\"/>\n",
                     index.frame + part * (index.next_frame - index.frame), folder_, name);
@@ -282,9 +239,8 @@ class VtkReport : public ReportWriter {
   JoinedMesh joined_;
   Index substeps_;
   std::vector<std::int32_t> object_, polygon_ends_;
-  std::vector<double> positions_, displacement_;
-  StepIndex last_;
-  std::vector<double> end_;  // positions at its end; none before the first step, and of poses
+  std::vector<double> positions_, end_, displacement_;  // of the step
+  std::optional<StepIndex> last_;                       // the last step with motion
   std::vector<std::uint8_t> collides_, crosses_;
   ContactMarks contacts_;
   std::vector<std::int8_t> level_;
@@ -308,7 +264,9 @@ Result<std::unique_ptr<ReportWriter>> vtk_report(const std::string& path, Motion
                 "check fewer objects at a time");
   }
   auto collection = FOLDPROOF_TRY(FileWriter::open(path));
-  auto directory = FOLDPROOF_TRY(NewDirectory::open(fs::path(path).replace_extension()));
+  const fs::path target = fs::path(path).replace_extension();
+  FOLDPROOF_TRY(require_ours(target));
+  auto directory = FOLDPROOF_TRY(NewDirectory::open(target));
   return std::make_unique<VtkReport>(TextFile(std::move(collection)), std::move(directory),
                                      xml_text(fs::path(path).stem().string()), motions, std::move(joined),
                                      settings.substeps);

@@ -1,0 +1,62 @@
+#include "io/new_directory.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <system_error>
+#include <utility>
+
+#include "base/try.h"
+
+namespace foldproof::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+tl::unexpected<Error> write_error(const fs::path& target, const std::error_code& code) {
+  return fail(ErrorCode::FileAccess, target.string(), "cannot be written: " + code.message(),
+              "check the directory, its permissions and the free space");
+}
+
+}  // namespace
+
+Result<NewDirectory> NewDirectory::open(fs::path target) {
+  NewDirectory made;
+  const fs::path path =
+      target.parent_path() / fmt::format(".{}.{}.part", target.filename().string(), ::getpid());
+  std::error_code code;
+  if (!fs::create_directory(path, code)) return write_error(target, code);
+  made.target_ = std::move(target);
+  made.path_ = path;
+  return made;
+}
+
+NewDirectory::NewDirectory(NewDirectory&& other) noexcept
+    : target_(std::move(other.target_)), path_(std::exchange(other.path_, {})) {}
+
+NewDirectory::~NewDirectory() {
+  std::error_code ignored;
+  if (!path_.empty()) fs::remove_all(path_, ignored);
+}
+
+Result<void> NewDirectory::commit() {
+  std::error_code code;
+  fs::rename(path_, target_, code);
+  if (code) return write_error(target_, code);
+  path_.clear();
+  return {};
+}
+
+Result<void> NewDirectory::replace() {
+  std::error_code ignored;
+  const fs::path old = path_ / "old";
+  fs::rename(target_, old, ignored);  // fails when there is none
+  if (auto done = commit(); !done) {
+    fs::rename(old, target_, ignored);
+    return done;
+  }
+  fs::remove_all(target_ / "old", ignored);
+  return {};
+}
+
+}  // namespace foldproof::io
