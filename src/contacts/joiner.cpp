@@ -78,7 +78,6 @@ void Joiner::join(Index a, Index b, bool reversed) {
 
 // Fetches what the newest element's keys will look for, all at once.
 void Joiner::fetch_keys() {
-  now_.make_room(keys_.size());
   const std::size_t mask = now_.slots.size() - 1;
   for (const auto& [key, reversed] : keys_) hwy::Prefetch(&now_.slots[place_of(key) & mask]);
   for (const auto& [key, reversed] : keys_) {
@@ -127,6 +126,7 @@ void Joiner::add(std::span<const Index> a, std::span<const Index> b) {
       if (u != w) keys_.emplace_back(std::uint64_t{std::min(u, w)} << 32 | std::max(u, w), w < u);
     }
   }
+  now_.make_room(keys_.size());
   fetch_keys();
   for (const auto& [key, reversed] : keys_) add_key(key, reversed);
 }

@@ -136,12 +136,8 @@ class CheckRun {
 
   Result<CheckTotals> steps() {
     Pose from(motions_), to(motions_);
-    FOLDPROOF_TRY(from.read(motions_, frames_[0]));
-    FOLDPROOF_TRY(prepare(from));
-    if (!settings_.steps_only) {
-      if (stop_requested()) return totals_;
-      FOLDPROOF_TRY(start(from));
-    }
+    FOLDPROOF_TRY(begin(from));
+    if (stop_requested()) return totals_;
     StepChecker checker(objects_);
     if (frames_.size() == 1) {
       if (stop_requested()) return totals_;
@@ -170,12 +166,8 @@ class CheckRun {
   // Vertices are computed only for steps in which somebody reads them.
   Result<CheckTotals> reduced_steps() {
     Pose from(motions_), to(motions_);
-    FOLDPROOF_TRY(from.read(motions_, frames_[0]));
-    FOLDPROOF_TRY(prepare(from));
-    if (!settings_.steps_only) {
-      if (stop_requested()) return totals_;
-      FOLDPROOF_TRY(start(from));
-    }
+    FOLDPROOF_TRY(begin(from));
+    if (stop_requested()) return totals_;
     std::vector<ReducedChecker::Object> objects;
     for (const ReducedTrack* track : settings_.reduced) objects.push_back(track->object());
     ReducedChecker checker(std::move(objects));
@@ -194,6 +186,14 @@ class CheckRun {
   }
 
  private:
+  // Reads the first frame, and asks what crosses in it.
+  Result<void> begin(Pose& first) {
+    FOLDPROOF_TRY(first.read(motions_, frames_[0]));
+    FOLDPROOF_TRY(prepare(first));
+    if (settings_.steps_only || stop_requested()) return {};
+    return start(first);
+  }
+
   std::vector<ReducedPose> reduced_poses(Index frame) const {
     std::vector<ReducedPose> poses;
     for (const ReducedTrack* track : settings_.reduced) poses.push_back(track->pose(frame));
