@@ -44,6 +44,17 @@ TEST(Contacts, AreInTheSummaryWithPartsFramesAndDepth) {
   EXPECT_EQ(check_in(scene, {"merged.npz", "--quiet"}).out, "");
 }
 
+TEST(Contacts, SayWhereTheyAreFarFromTheOriginToo) {
+  const TemporaryDirectory directory;
+  const auto near = two_spheres(1.03);
+  std::vector<double> x(std::size_t{3} * near->topology().vertex_count());
+  ASSERT_TRUE(near->read_frame(0, x));
+  for (double& value : x) value += 1e6 + 0.5;
+  ASSERT_TRUE(write_npz(directory / "far.npz", *memory_motion("far", near->topology(), {x})));
+  const Outcome found = check_in(directory, {"far.npz"});
+  EXPECT_THAT(found.out, ::testing::ContainsRegex("#1  at \\(100000[01]\\.[0-9]+, "));
+}
+
 // An OBJ and a glTF name parts and unit themselves; options win.
 TEST(Contacts, HaveTheNamesOfTheFile) {
   const Merged scene;
