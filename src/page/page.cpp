@@ -167,6 +167,7 @@ std::optional<PageAnswer> Page::Impl::missing_step(std::uint64_t number) const {
 
 std::optional<PageAnswer> Page::Impl::missing_start() const {
   if (store->started()) return std::nullopt;
+  if (scene->settings().poses) return refuse(404, "with --static, steps say what crosses in each frame");
   if (scene->settings().steps_only)
     return refuse(404, "crossings in the first frame were not tested (--steps-only)");
   return not_yet("the first frame");
@@ -266,7 +267,7 @@ PageAnswer Page::Impl::crossings(Numbers, const PageQuery& query) const {
   const auto crossings = store->crossings(part->offset, part->limit);
   if (!crossings) return refuse(crossings.error());
   Json items = Json::array();
-  for (const StartCrossing& crossing : *crossings) items.push_back(crossing_json(crossing));
+  for (const ContactPoint& crossing : *crossings) items.push_back(contact_json(crossing));
   return json_answer({{"total", store->started()->crossings}, {"items", std::move(items)}});
 }
 

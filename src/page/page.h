@@ -29,7 +29,7 @@ struct PageReportInfo {
 /// A self-contained HTML file: summary, the worst 200 contacts, pictures of the worst ten, charts, settings.
 /// Steps are written as they come; at the end the motions are read again for the pictures. `files`: those
 /// under "report/" with their hashes (tools/embed.py); they must outlive the writer, as must the motions.
-/// Precondition: no poses. Error: settings.step.explain is not set, the file cannot be written, a file of the
+/// Error: settings.step.explain is not set, the file cannot be written, a file of the
 /// page is missing, a frame cannot be read again.
 Result<std::unique_ptr<ReportWriter>> page_report(const std::string& path, Motions motions,
                                                   const PageReportInfo& info,
@@ -38,7 +38,7 @@ Result<std::unique_ptr<ReportWriter>> page_report(const std::string& path, Motio
 /// What the page shows.
 struct PageInput {
   std::vector<std::unique_ptr<Motion>> motions;
-  CheckSettings check;  ///< The page overrides `poses` and `explain`.
+  CheckSettings check;  ///< The page overrides `explain`.
   ReadOptions read;     ///< How the motions were read, for display.
 };
 
@@ -65,8 +65,8 @@ class Page {
   /// `path` starts with "/api/" and is decoded. Thread-safe.
   PageAnswer get(std::string_view path, const PageQuery& query = {}) const;
 
-  /// Finds crossings in the first frame, checks all steps, then certifies radii on request. Returns after the
-  /// current step once `stop` is set. Call it once, from one thread.
+  /// Runs the check, then certifies radii on request. Returns after the current step once `stop` is set. Call
+  /// it once, from one thread.
   void work(const std::atomic<bool>& stop);
 
  private:

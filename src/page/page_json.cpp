@@ -13,6 +13,7 @@ Json step_json(const StepRecord& s) {
           {"substep", s.index.substep},
           {"vertex_face", s.collisions.vertex_face},
           {"edge_edge", s.collisions.edge_edge},
+          {"crossings", s.collisions.triangle_triangle},
           {"listed", s.listed},
           {"undecided", s.work.undecided},
           {"toi", s.earliest_toi},
@@ -30,28 +31,19 @@ Json start_json(const StartRecord& s) {
   return {{"frame", s.frame}, {"crossings", s.crossings}, {"ms", to_json(s.milliseconds)}};
 }
 
-Json crossing_json(const StartCrossing& c) {
-  return {{"kind", "tt"},
-          {"object_a", c.triangles.object_a},
-          {"a", Json::array({c.triangles.triangle_a})},
-          {"object_b", c.triangles.object_b},
-          {"b", Json::array({c.triangles.triangle_b})},
-          {"toi", 0},
-          {"answer", "crossing"},
-          {"point", c.point}};
-}
-
 Json contact_json(const ContactPoint& c) {
+  constexpr std::array<const char*, 3> kKinds{"vf", "ee", "tt"};
   const auto ids = [&](const std::array<Index, 2>& pair) {
-    return c.vertex_face ? Json{pair[0]} : Json(pair);
+    return c.kind == PairKind::EdgeEdge ? Json(pair) : Json::array({pair[0]});
   };
-  return {{"kind", c.vertex_face ? "vf" : "ee"},
+  const char* answer = c.answer == Answer::Hit ? "hit" : "undecided";
+  return {{"kind", kKinds[static_cast<std::size_t>(c.kind)]},
           {"object_a", c.object_a},
           {"a", ids(c.a)},
           {"object_b", c.object_b},
           {"b", ids(c.b)},
           {"toi", c.toi},
-          {"answer", c.answer == Answer::Hit ? "hit" : "undecided"},
+          {"answer", c.kind == PairKind::Triangles ? "crossing" : answer},
           {"point", c.point}};
 }
 

@@ -8,8 +8,6 @@ namespace foldproof {
 
 Json step_json(const StepRecord& step);
 Json start_json(const StartRecord& start);
-/// Like contact_json, of kind "tt".
-Json crossing_json(const StartCrossing& crossing);
 Json contact_json(const ContactPoint& contact);
 
 /// What a model has learned of a mesh; null without one.

@@ -93,7 +93,7 @@ class PageReport final : public ReportWriter {
 
   Result<void> finish(const CheckTotals& totals) override {
     file_.add("\n],\n\"start\":{},\n\"totals\":{},\n\"contacts\":[", embedded(start_),
-              embedded(totals_json(totals, false, false)));
+              embedded(totals_json(totals, settings_.poses, false)));
     pictures_.emplace(ContactPictures::open(motions_, settings_));
     FOLDPROOF_TRY(add_contacts(totals));
     const Json first_frame = totals.contacts.empty()

@@ -18,7 +18,6 @@ Result<std::unique_ptr<SceneData>> SceneData::open(PageInput input) {
   scene->settings_ = std::move(input.check);
   scene->read_ = input.read;
   CheckSettings& settings = scene->settings_;
-  settings.poses = false;
   auto frames = FOLDPROOF_TRY(frames_to_check(input.motions, settings));
   FOLDPROOF_TRY(require_models_of(input.motions, settings));
   scene->frames_ = std::move(frames);
@@ -58,7 +57,8 @@ Result<void> SceneData::add(Index i) {
 }
 
 std::uint64_t SceneData::steps() const {
-  return frames_.size() == 1 ? 1 : (frames_.size() - 1) * std::uint64_t{settings_.substeps};
+  if (settings_.poses || frames_.size() == 1) return frames_.size();
+  return (frames_.size() - 1) * std::uint64_t{settings_.substeps};
 }
 
 Json SceneData::json() const {
@@ -84,7 +84,8 @@ Json SceneData::json() const {
           {"low", {low_.x(), low_.y(), low_.z()}},
           {"high", {high_.x(), high_.y(), high_.z()}},
           {"settings",
-           {{"thickness", s.thickness},
+           {{"static", settings_.poses},
+            {"thickness", s.thickness},
             {"tolerance", s.tolerance},
             {"within", s.within},
             {"between", s.between},

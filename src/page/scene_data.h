@@ -34,7 +34,7 @@ class SceneData {
   const CheckSettings& settings() const { return settings_; }
   std::span<const std::unique_ptr<PageObject>> objects() const { return objects_; }
   std::span<const Index> frames() const { return frames_; }
-  /// 1 for a single frame: a step without motion.
+  /// In a static check every frame is one; else 1 for a single frame: a step without motion.
   std::uint64_t steps() const;
 
   /// The middle of the first frame. Positions are sent relative to it, as single precision is fine near 0.

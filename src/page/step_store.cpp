@@ -29,7 +29,30 @@ tl::unexpected<Error> unreadable() {
   return fail(ErrorCode::FileAccess, kWhere, "cannot be read back from the temporary file", "start again");
 }
 
+std::vector<ContactPoint> crossings_of(const CheckedStep& pose, Motions motions) {
+  const auto corners = [&](Index object, Index triangle) {
+    std::array<Vec3, 3> x;
+    const Triangle& t = motions[object]->topology().triangles()[triangle];
+    for (std::size_t k = 0; k < 3; ++k)
+      x[k] = Eigen::Map<const Vec3>(&pose.x0[object][3 * std::size_t{t[k]}]);
+    return x;
+  };
+  std::vector<ContactPoint> crossings;
+  crossings.reserve(pose.pose->crossings.size());
+  for (const TriangleCrossing& c : pose.pose->crossings) {
+    const Vec3 point = crossing_point(corners(c.object_a, c.triangle_a), corners(c.object_b, c.triangle_b));
+    crossings.push_back({.point = {point.x(), point.y(), point.z()},
+                         .object_a = c.object_a,
+                         .object_b = c.object_b,
+                         .a = {c.triangle_a, 0},
+                         .b = {c.triangle_b, 0},
+                         .kind = PairKind::Triangles});
+  }
+  return crossings;
+}
+
 std::vector<ContactPoint> contacts_of(const CheckedStep& step, Motions motions) {
+  if (step.pose) return crossings_of(step, motions);
   std::vector<ContactPoint> contacts;
   contacts.reserve(step.step->vertex_face.size() + step.step->edge_edge.size());
   const auto add = [&](const auto& c, ContactPoint contact, const Vec3& point) {
@@ -39,13 +62,16 @@ std::vector<ContactPoint> contacts_of(const CheckedStep& step, Motions motions) 
     contacts.push_back(contact);
   };
   for (const VertexFaceCollision& c : step.step->vertex_face) {
-    ContactPoint contact{.object_a = c.vertex_object, .object_b = c.face_object, .vertex_face = true};
-    contact.a[0] = c.vertex;
-    contact.b[0] = c.face;
-    add(c, contact, contact_point(step.x0, step.x1, c, motions[c.face_object]->topology().triangles()));
+    add(c,
+        {.object_a = c.vertex_object,
+         .object_b = c.face_object,
+         .a = {c.vertex, 0},
+         .b = {c.face, 0},
+         .kind = PairKind::VertexFace},
+        contact_point(step.x0, step.x1, c, motions[c.face_object]->topology().triangles()));
   }
   for (const EdgeEdgeCollision& c : step.step->edge_edge) {
-    add(c, {.object_a = c.object_a, .object_b = c.object_b, .a = c.a, .b = c.b},
+    add(c, {.object_a = c.object_a, .object_b = c.object_b, .a = c.a, .b = c.b, .kind = PairKind::EdgeEdge},
         contact_point(step.x0, step.x1, c));
   }
   std::stable_sort(contacts.begin(), contacts.end(),
@@ -72,7 +98,7 @@ StepRecord record_of(const CheckedStep& step) {
           .collisions = step.collisions,
           .listed = step.listed().sum(),
           .earliest_toi = step.earliest_toi,
-          .tolerance = step.step->tolerance,
+          .tolerance = step.step ? step.step->tolerance : 0,
           .work = step.work,
           .leaf_pairs = step.explanation->leaf_pairs,
           .milliseconds = step.milliseconds};
@@ -97,25 +123,15 @@ Result<void> StepStore::append(std::span<const char> bytes) {
 }
 
 Result<void> StepStore::start(const CheckedStep& pose) {
-  const auto corners = [&](Index object, Index triangle) {
-    std::array<Vec3, 3> x;
-    const Triangle& t = motions_[object]->topology().triangles()[triangle];
-    for (std::size_t k = 0; k < 3; ++k)
-      x[k] = Eigen::Map<const Vec3>(&pose.x0[object][3 * std::size_t{t[k]}]);
-    return x;
-  };
-  std::vector<StartCrossing> crossings;
-  for (const TriangleCrossing& c : pose.pose->crossings) {
-    const Vec3 point = crossing_point(corners(c.object_a, c.triangle_a), corners(c.object_b, c.triangle_b));
-    crossings.push_back({{point.x(), point.y(), point.z()}, c});
-  }
-  FOLDPROOF_TRY(append(bytes_of(std::span<const StartCrossing>(crossings))));
+  const std::vector<ContactPoint> crossings = crossings_of(pose, motions_);
+  FOLDPROOF_TRY(append(bytes_of(std::span(crossings))));
   start_faces_at_ = details_size_;
   for (Index i = 0; i < motions_.size(); ++i) {
     const std::vector<std::uint8_t> faces = colliding_faces(motions_[i]->topology(), i, *pose.pose);
     FOLDPROOF_TRY(append(bytes_of(std::span<const std::uint8_t>(faces))));
   }
-  start_ = {pose.index.frame, crossings.size(), pose.milliseconds};
+  start_listed_ = crossings.size();
+  start_ = {pose.index.frame, pose.collisions.triangle_triangle, pose.milliseconds};
   started_.store(true, std::memory_order_release);
   return {};
 }
@@ -125,10 +141,10 @@ std::optional<StartRecord> StepStore::started() const {
   return start_;
 }
 
-Result<std::vector<StartCrossing>> StepStore::crossings(std::uint64_t offset, std::uint64_t limit) const {
-  offset = std::min(offset, start_.crossings);
-  std::vector<StartCrossing> crossings(std::min(limit, start_.crossings - offset));
-  if (!details_.read_at(offset * sizeof(StartCrossing), bytes_of(crossings))) return unreadable();
+Result<std::vector<ContactPoint>> StepStore::crossings(std::uint64_t offset, std::uint64_t limit) const {
+  offset = std::min(offset, start_listed_);
+  std::vector<ContactPoint> crossings(std::min(limit, start_listed_ - offset));
+  if (!details_.read_at(offset * sizeof(ContactPoint), bytes_of(crossings))) return unreadable();
   return crossings;
 }
 
@@ -145,7 +161,9 @@ Result<void> StepStore::add(const CheckedStep& step) {
   FOLDPROOF_TRY(append(bytes_of(std::span(contacts))));
   entry.faces_at = details_size_;
   for (Index i = 0; i < motions_.size(); ++i) {
-    const std::vector<std::uint8_t> colliding = colliding_faces(motions_[i]->topology(), i, *step.step);
+    const Topology& topology = motions_[i]->topology();
+    const std::vector<std::uint8_t> colliding =
+        step.pose ? colliding_faces(topology, i, *step.pose) : colliding_faces(topology, i, *step.step);
     const Explanation::Object& why = step.explanation->objects[i];
     std::vector<FaceRecord> faces(colliding.size());
     for (std::size_t t = 0; t < faces.size(); ++t) {

@@ -9,7 +9,7 @@
 
 namespace foldproof {
 
-/// The totals of a step.
+/// The totals of a step. A step of a static check is a pose.
 struct StepRecord {
   StepIndex index;
   CollisionCounts collisions;
@@ -29,25 +29,21 @@ struct StartRecord {
   StageTimes milliseconds;
 };
 
-/// Two triangles that cross in the first frame, and a common point.
-struct StartCrossing {
-  std::array<double, 3> point{};  ///< Mesh units.
-  TriangleCrossing triangles;
-};
+enum class PairKind : std::uint8_t { VertexFace, EdgeEdge, Triangles };
 
-/// A collision and its contact point.
+/// Two features that collide, or two triangles that cross in a pose, and the point where they meet.
 struct ContactPoint {
-  double toi = 0;
+  double toi = 0;                 ///< 0 for triangles.
   std::array<double, 3> point{};  ///< Mesh units.
   Index object_a = 0, object_b = 0;
-  std::array<Index, 2> a{}, b{};  ///< Vertices of edges; the vertex and the face in [0] for vertex-face.
-  bool vertex_face = false;
+  std::array<Index, 2> a{}, b{};  ///< Vertices of edges; else the vertex, face or triangle in [0].
+  PairKind kind = PairKind::EdgeEdge;
   Answer answer = Answer::Hit;
 };
 
 /// The answer for a triangle in a step.
 struct FaceRecord {
-  std::uint8_t colliding;  ///< 0 or 1.
+  std::uint8_t colliding;  ///< 0 or 1; in a pose, whether it crosses another.
   std::uint8_t reason;
   std::int8_t level;
   std::uint8_t margin;  ///< 0 to 255 for 0 to 1.
@@ -69,7 +65,7 @@ class StepStore {
   std::optional<StartRecord> started() const;
   // Preconditions: started(). Error: the temporary file cannot be read.
   /// Sorted by ids; fewer than `limit` at the end.
-  Result<std::vector<StartCrossing>> crossings(std::uint64_t offset, std::uint64_t limit) const;
+  Result<std::vector<ContactPoint>> crossings(std::uint64_t offset, std::uint64_t limit) const;
   /// One per triangle: 1 when it crosses another.
   Result<std::vector<std::uint8_t>> crossing_faces(Index object) const;
 
@@ -102,8 +98,8 @@ class StepStore {
   io::Spool entries_, details_;
   std::uint64_t details_size_ = 0;
   std::atomic<std::uint64_t> count_{0};
-  StartRecord start_;                 // valid once started_
-  std::uint64_t start_faces_at_ = 0;  // offset in details_; the crossings are at 0
+  StartRecord start_;                                    // valid once started_
+  std::uint64_t start_listed_ = 0, start_faces_at_ = 0;  // its crossings are at 0 in details_
   std::atomic<bool> started_{false};
 };
 

@@ -14,12 +14,6 @@ using namespace foldproof::testing;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-std::vector<double> frame_of(Motion& motion, Index k) {
-  std::vector<double> x(3 * std::size_t{motion.topology().vertex_count()});
-  EXPECT_TRUE(motion.read_frame(k, x));
-  return x;
-}
-
 /// As positions are sent: relative to the scene's center.
 std::vector<float> single(const std::vector<double>& x, const Json& scene) {
   std::vector<float> floats;
@@ -369,55 +363,6 @@ TEST(PageAnswers, ASinglePoseIsAStepWithoutMotion) {
   EXPECT_GT(crossing.all_steps()["start"]["crossings"], 0);
 }
 
-/// What the library itself says of the first frame.
-StaticResult crossings_of(const std::vector<std::unique_ptr<Motion>>& motions) {
-  std::vector<Object> objects;
-  std::vector<std::vector<double>> frames;
-  for (const auto& motion : motions) {
-    frames.push_back(frame_of(*motion, 0));
-    objects.push_back(
-        std::make_shared<const Hierarchy>(*Hierarchy::build(motion->topology(), frames.back())));
-  }
-  const std::vector<std::span<const double>> x(frames.begin(), frames.end());
-  StaticResult result;
-  EXPECT_TRUE(StepChecker(objects).check_static(x, {}, result));
-  return result;
-}
-
-TEST(PageAnswers, WhatCrossesFromTheStartIsToldThoughNoStepCollides) {
-  const auto motions = sphere_pair(5);
-  const StaticResult truth = crossings_of(motions);
-  ASSERT_GT(truth.crossings.size(), 20u);
-  Served served(page_of(sphere_pair(5)));
-  const Json all = served.all_steps();
-  EXPECT_EQ(all["start"]["frame"], 0);
-  EXPECT_EQ(all["start"]["crossings"], truth.crossings.size());
-  for (const Json& step : all["steps"])
-    EXPECT_EQ(step["vertex_face"].get<int>() + step["edge_edge"].get<int>(), 0);
-  const Json answer = served.json("/api/start/crossings");
-  EXPECT_EQ(answer["total"], truth.crossings.size());
-  ASSERT_THAT(answer["items"], SizeIs(truth.crossings.size()));
-  for (std::size_t k = 0; k < truth.crossings.size(); ++k) {
-    const TriangleCrossing& c = truth.crossings[k];
-    const Json& item = answer["items"][k];
-    EXPECT_EQ(item["kind"], "tt");
-    EXPECT_EQ(item["object_a"], c.object_a);
-    EXPECT_EQ(item["a"], Json::array({c.triangle_a}));
-    EXPECT_EQ(item["object_b"], c.object_b);
-    EXPECT_EQ(item["b"], Json::array({c.triangle_b}));
-    // Both balls have a radius of about 1, so they cross halfway between their middles.
-    EXPECT_NEAR(item["point"][0], 0.5, 0.1);
-  }
-  EXPECT_TRUE(served.json("/api/start/crossings?offset=3&limit=2")["items"] ==
-              Json::array({answer["items"][3], answer["items"][4]}));
-  served.json("/api/start/crossings?limit=1001", 400);
-  for (Index i = 0; i < 2; ++i) {
-    EXPECT_EQ(served.numbers<std::uint8_t>("/api/start/faces/" + std::to_string(i)),
-              colliding_faces(motions[i]->topology(), i, truth));
-  }
-  served.json("/api/start/faces/2", 404);
-}
-
 TEST(PageAnswers, BoundsAreThoseOfTheEndsOfSteps) {
   Served served(page_of(sphere_pair(5)));
   const Json steps = served.all_steps()["steps"];
@@ -436,25 +381,6 @@ TEST(PageAnswers, PositionsFarFromTheOriginKeepTheirPrecision) {
   const Json center = served.json("/api/scene")["center"];
   for (std::size_t k = 0; k < x.size(); ++k)
     ASSERT_NEAR(x[k] + (center[k % 3].get<double>() - 1e8), near[k], 1e-6) << k;
-}
-
-TEST(PageAnswers, AFreeStartIsToldToBeFree) {
-  Served served(page_of(sphere_pair(3, 2.5)));
-  EXPECT_EQ(served.all_steps()["start"]["crossings"], 0);
-  EXPECT_THAT(served.json("/api/start/crossings")["items"], SizeIs(0));
-  EXPECT_THAT(served.numbers<std::uint8_t>("/api/start/faces/0"), ::testing::Each(0));
-}
-
-TEST(PageAnswers, StepsOnlyAsksNothingOfTheStart) {
-  CheckSettings check;
-  check.steps_only = true;
-  Served served(page_of(sphere_pair(3), check));
-  EXPECT_EQ(served.json("/api/scene")["settings"]["steps_only"], true);
-  const Json all = served.all_steps();
-  EXPECT_EQ(all["state"], "done");
-  EXPECT_TRUE(all["start"].is_null());
-  EXPECT_THAT(served.json("/api/start/crossings", 404)["error"], HasSubstr("--steps-only"));
-  EXPECT_THAT(served.json("/api/start/faces/0", 404)["error"], HasSubstr("--steps-only"));
 }
 
 TEST(PageAnswers, AStoppedCheckIsNotDone) {

@@ -207,6 +207,25 @@ TEST(HtmlReport, ReportsCrossingsOfASingleFrame) {
   EXPECT_THAT(data["steps"], SizeIs(1));
 }
 
+TEST(HtmlReport, ShowsPosesOfAStaticCheck) {
+  CheckSettings settings;
+  settings.poses = true;
+  const Reported reported(sphere_pair(3), settings);
+  ASSERT_EQ(reported.error, "");
+  const Json data = reported.data();
+  EXPECT_EQ(data["settings"]["static"], true);
+  EXPECT_TRUE(data["start"].is_null());
+  EXPECT_EQ(data["totals"]["collisions"]["tt"], reported.totals.collisions.triangle_triangle);
+  ASSERT_THAT(data["steps"], SizeIs(3));
+  for (const Json& step : data["steps"]) {
+    EXPECT_GT(step["crossings"], 0);
+    EXPECT_EQ(step["frame"], step["next_frame"]);
+  }
+  ASSERT_THAT(data["contacts"], SizeIs(1));
+  EXPECT_THAT(data["contacts"][0]["picture"].get<std::string>(), StartsWith(kPng));
+  EXPECT_THAT(data["notes"], IsEmpty());
+}
+
 TEST(HtmlReport, NamesAreEscaped) {
   std::vector<std::vector<double>> frames{needle_frame(1), needle_frame(-1)};
   const Reported reported(

@@ -112,6 +112,12 @@ inline std::unique_ptr<Motion> colliding_tube(std::size_t frames = 8, double max
   return bending_tube({24, 30}, angles, "tube");
 }
 
+inline std::vector<double> frame_of(Motion& motion, Index k) {
+  std::vector<double> x(3 * std::size_t{motion.topology().vertex_count()});
+  EXPECT_TRUE(motion.read_frame(k, x));
+  return x;
+}
+
 /// A unit sphere centered at (x, y, 0).
 inline std::vector<double> sphere_at(double center_x, double center_y = 0, Index around = 16,
                                      Index rings = 12) {

@@ -8,9 +8,10 @@ export interface PicturedContact extends Contact {
   picture?: string | null;
 }
 
-/** How lengths are written, and the frames at both ends of the motion. */
+/** How lengths are written, and the frames at both ends. */
 export interface Scale {
   unit: string;
+  poses: boolean; // with no motion between them
   low: number;
   high: number;
 }
@@ -58,7 +59,7 @@ function facts(contact: Contact, scale: Scale): [string, string][] {
   }
   rows.push(['place', `(${contact.point.map(short).join(', ')})`]);
   if (contact.pairs > 0) rows.push(['new contacts', counted(contact.pairs, 'pair')]);
-  const notes = [contact.from_start && 'there from the start', !contact.healed && 'there at the end', contact.folded && 'one piece folded onto itself'].filter(Boolean);
+  const notes = [contact.from_start && !scale.poses && 'there from the start', !contact.healed && !scale.poses && 'there at the end', contact.folded && 'one piece folded onto itself'].filter(Boolean);
   if (notes.length > 0) rows.push(['', notes.join('; ')]);
   return rows;
 }

@@ -6,13 +6,15 @@ import { Charts } from '../shared/charts';
 import { css, kReasons } from '../shared/colors';
 import { append, el } from '../shared/dom';
 import { counted, grouped, milliseconds, percent, short, toiText } from '../shared/format';
-import { startOf, collisionsOf, stepText, type Step } from '../shared/steps';
+import { collisionsOf, spanOf, stepText, type Step } from '../shared/steps';
 import { applyTheme, onTheme, startTheme, themeButton } from '../shared/theme';
-import { kStartNotTested, startText, verdictOf, type Found, type Kind, type Start } from '../shared/verdict';
+import { startText, verdictOf, type Found, type Kind, type Start } from '../shared/verdict';
+import { capital, isStatic, kBetweenNotTested, kStartNotTested, wordsOf } from '../shared/words';
 
 interface Counts {
   vf: number;
   ee: number;
+  tt?: number; // in a static check
 }
 
 interface Data {
@@ -66,26 +68,28 @@ function append_<T extends HTMLElement>(parent: T, children: HTMLElement[]): T {
   return parent;
 }
 
-const total = (counts: number | Counts): number => (typeof counts === 'number' ? counts : counts.vf + counts.ee);
+const total = (counts: number | Counts): number => (typeof counts === 'number' ? counts : counts.vf + counts.ee + (counts.tt ?? 0));
 
 function foundIn({ settings, start, totals }: Data, single: boolean): Found {
   return {
     state: totals.stopped ? 'stopped' : 'done',
     done: totals.steps,
     total: totals.steps_expected,
-    pairs: totals.collisions.vf + totals.collisions.ee,
+    pairs: total(totals.collisions),
     colliding: totals.steps_with_collisions,
     start,
     stepsOnly: settings['steps_only'] === true,
     statistical: settings['mode'] === 'paper',
     single,
+    poses: isStatic(settings),
   };
 }
 
 /** What the answer is based on. */
 function kindOfProof(data: Data, found: Found): string {
   if (found.statistical) return 'The answer for the steps is statistical and can miss collisions.';
-  if (found.state !== 'done') return 'The check was stopped: nothing is known about steps that are not listed.';
+  if (found.state !== 'done') return `The check was stopped: nothing is known about ${wordsOf(found.poses).step}s that are not listed.`;
+  if (found.poses) return `The answer is exact. ${kBetweenNotTested}`;
   if (found.single) return 'The answer is exact.';
   const steps = 'Nothing is sampled: between frames every vertex moves along a straight line, and a step with no pair listed is proven to have no contact.';
   if (data.start === null) return `${steps} A step finds only new contacts: ${kStartNotTested}, so parts may be inside each other without being listed.`;
@@ -99,21 +103,34 @@ function summary(data: Data, substeps: number): { verdict: string; text: string;
   const found = foundIn(data, isSingle(data));
   const verdict = verdictOf(found);
   const triangles = data.objects.reduce((sum, object) => sum + object.triangles, 0);
-  const what = found.single ? 'A single frame' : counted(totals.steps, 'step');
+  const what = found.single ? 'A single frame' : counted(totals.steps, wordsOf(found.poses).step);
   const time = totals.milliseconds.total + (data.start?.ms.total ?? 0);
   const parts = [`${what} of ${counted(data.objects.length, 'object')} with ${counted(triangles, 'triangle')} ${found.single || totals.steps === 1 ? 'was' : 'were'} checked in ${milliseconds(time)}.`];
+  parts.push(...(found.poses ? posesText(data) : stepsText(data, found, substeps)), kindOfProof(data, found));
+  return { verdict: verdict.text, text: parts.join(' '), kind: verdict.kind };
+}
+
+/** What the steps of a motion found. */
+function stepsText({ totals }: Data, found: Found, substeps: number): string[] {
+  const parts: string[] = [];
   const where = (step: { frame: number; substep: number }) => `frame ${step.frame}${substeps > 1 ? `, part ${step.substep + 1} of ${substeps}` : ''}`;
   if (found.pairs > 0) parts.push(`${counted(found.pairs, 'pair')} of features ${found.pairs === 1 ? 'collides' : 'collide'}: ${counted(totals.collisions.vf, 'vertex–face pair')} and ${grouped(totals.collisions.ee)} edge–edge.`);
   if (totals.earliest && !found.single) parts.push(`The first contact comes ${toiText(totals.earliest.toi)} of the way from ${where(totals.earliest)}.`);
   if (totals.worst && !found.single) parts.push(`The worst step starts at ${where(totals.worst)}, with ${counted(total(totals.worst.collisions), 'pair')}.`);
   const undecided = totals.work['undecided'] ?? 0;
   if (undecided > 0) parts.push(`${counted(undecided, 'pair')} could not be decided within the iteration limit and ${undecided === 1 ? 'is' : 'are'} counted as collisions.`);
-  return { verdict: verdict.text, text: [...parts, kindOfProof(data, found)].join(' '), kind: verdict.kind };
+  return parts;
+}
+
+/** Which frames of a static check have crossings. */
+function posesText({ totals: { earliest, steps, worst } }: Data): string[] {
+  if (steps === 1 || !earliest || !worst) return [];
+  return [`The first frame with crossings is ${earliest.frame}.`, `The worst is frame ${worst.frame}, with ${counted(total(worst.collisions), 'pair')}.`];
 }
 
 const isSingle = ({ steps }: Data): boolean => steps.length === 1 && steps[0]!.frame === steps[0]!.next_frame;
 
-/** The two tests, which only together prove that nothing intersects. */
+/** The two tests of a motion, which only together prove that nothing intersects; or that of all poses. */
 function tests(data: Data): HTMLElement {
   const { start, totals } = data;
   const found = foundIn(data, isSingle(data));
@@ -121,21 +138,15 @@ function tests(data: Data): HTMLElement {
   const last = data.steps.at(-1)?.next_frame ?? first;
   const answer = (text: string, kind: Kind) => el('span', { className: `answer ${kind}` }, text);
   const crossings = start === null ? answer('not tested (--steps-only)', 'run') : start.crossings === 0 ? answer('none', 'free') : answer(counted(start.crossings, 'pair'), 'hit');
-  const pairs = found.pairs > 0 ? `${counted(found.pairs, 'pair')}${found.single ? '' : ` in ${grouped(found.colliding)} of ${counted(totals.steps, 'step')}`}` : 'none';
-  const unchecked = found.state === 'done' ? '' : `; ${grouped(totals.steps_expected - totals.steps)} of ${counted(totals.steps_expected, 'step')} not checked`;
-  const contacts = answer(pairs + unchecked, found.pairs > 0 ? 'hit' : unchecked ? 'stopped' : found.statistical || start?.crossings !== 0 ? 'run' : 'free');
+  const { step } = wordsOf(found.poses);
+  const pairs = found.pairs > 0 ? `${counted(found.pairs, 'pair')}${found.single ? '' : ` in ${grouped(found.colliding)} of ${counted(totals.steps, step)}`}` : 'none';
+  const unchecked = found.state === 'done' ? '' : `; ${grouped(totals.steps_expected - totals.steps)} of ${counted(totals.steps_expected, step)} not checked`;
+  const proves = !found.statistical && (found.poses || start?.crossings === 0);
+  const contacts = answer(pairs + unchecked, found.pairs > 0 ? 'hit' : unchecked ? 'stopped' : proves ? 'free' : 'run');
   const second = found.single ? `Pairs in contact in frame ${first}` : `Contacts in the steps from frame ${first} to ${last}`;
-  return section(
-    'Results',
-    table(
-      ['test', 'result', 'time'],
-      [
-        [`Triangles that cross in frame ${first}`, crossings, start === null ? '–' : milliseconds(start.ms.total)],
-        [second, contacts, milliseconds(totals.milliseconds.total)],
-      ],
-      [false, false, true],
-    ),
-  );
+  const startRow = [`Triangles that cross in frame ${first}`, crossings, start === null ? '–' : milliseconds(start.ms.total)];
+  const stepsRow = [found.poses ? `Triangles that cross in ${found.single ? `frame ${first}` : `frames ${first} to ${last}`}` : second, contacts, milliseconds(totals.milliseconds.total)];
+  return section('Results', table(['test', 'result', 'time'], found.poses ? [stepsRow] : [startRow, stepsRow], [false, false, true]));
 }
 
 function reasonsTable(data: Data): HTMLElement | null {
@@ -149,7 +160,7 @@ function reasonsTable(data: Data): HTMLElement | null {
     const mark = el('span', { className: 'reason' }, el('span', { className: 'swatch', style: { background: css(reason.color) } }), reason.title);
     return [[mark, grouped(n), percent(n / every), reason.help]];
   });
-  return section('What was proven, and why not the rest', el('p', {}, 'Pairs of leaves, patches of a dozen triangles or so, whose boxes come near each other; sums over the steps.'), table(['', 'leaf pairs', 'share', ''], rows, [false, true, true, false]));
+  return section('What was proven, and why not the rest', el('p', {}, 'Pairs of leaves, patches of a dozen triangles or so, whose boxes come near each other; sums over everything that was checked.'), table(['', 'leaf pairs', 'share', ''], rows, [false, true, true, false]));
 }
 
 function section(title: string, ...content: (HTMLElement | null)[]): HTMLElement {
@@ -157,15 +168,19 @@ function section(title: string, ...content: (HTMLElement | null)[]): HTMLElement
 }
 
 function worstSteps(data: Data, substeps: number): HTMLElement | null {
+  const poses = isStatic(data.settings);
+  const { step, collisions } = wordsOf(poses);
   const worst = data.steps.filter((step) => collisionsOf(step) > 0).sort((a, b) => collisionsOf(b) - collisionsOf(a)).slice(0, 10);
   if (worst.length === 0) return null;
   return section(
-    worst.length < 10 ? 'Steps with collisions' : 'The ten worst steps',
-    table(
-      ['step', 'vertex–face', 'edge–edge', 'first contact (share of the step)', 'time'],
-      worst.map((step) => [stepText(step, substeps), grouped(step.vertex_face), grouped(step.edge_edge), toiText(step.toi), milliseconds(step.ms.total)]),
-      [false, true, true, true, true],
-    ),
+    worst.length < 10 ? `${capital(step)}s with ${collisions}` : `The ten worst ${step}s`,
+    poses
+      ? table(['frame', 'crossing pairs', 'time'], worst.map((pose) => [String(pose.frame), grouped(pose.crossings), milliseconds(pose.ms.total)]), [false, true, true])
+      : table(
+          ['step', 'vertex–face', 'edge–edge', 'first contact (share of the step)', 'time'],
+          worst.map((one) => [stepText(one, substeps), grouped(one.vertex_face), grouped(one.edge_edge), toiText(one.toi), milliseconds(one.ms.total)]),
+          [false, true, true, true, true],
+        ),
   );
 }
 
@@ -178,17 +193,19 @@ const plain = (value: unknown): string => {
 };
 
 function makeCharts(data: Data, substeps: number): { charts: Charts; box: HTMLElement } {
-  const first = data.steps[0]!;
-  const last = data.steps[data.steps.length - 1]!;
+  const { step: stride } = data.settings['frames'] as { step: number };
+  const span = (step: Step) => spanOf(step, substeps, stride);
+  const poses = isStatic(data.settings);
   const charts = new Charts({
-    substeps,
+    poses,
+    spanOf: span,
     steps: data.steps,
-    low: startOf(first, substeps),
-    high: startOf(last, substeps) + (last.next_frame - last.frame) / substeps,
+    low: span(data.steps[0]!)[0],
+    high: span(data.steps.at(-1)!)[1],
     height: kChartHeight,
     leaveOut: (values) => values.every((value) => value === 0),
   });
-  return { charts, box: section('Step by step', charts.element) };
+  return { charts, box: section(`${capital(wordsOf(poses).step)} by ${wordsOf(poses).step}`, charts.element) };
 }
 
 function build(data: Data): void {
@@ -213,7 +230,7 @@ function build(data: Data): void {
     charts?.box,
     isSingle(data) ? null : worstSteps(data, substeps),
     reasonsTable(data),
-    section('Settings', table(['setting', 'value'], Object.entries(data.settings).map(([key, value]) => [key, plain(value)]), [false, false]), el('p', { className: 'note' }, `Largest tolerance used: ${short(data.totals.tolerance)} mesh units.`)),
+    section('Settings', table(['setting', 'value'], Object.entries(data.settings).map(([key, value]) => [key, plain(value)]), [false, false]), isStatic(data.settings) ? null : el('p', { className: 'note' }, `Largest tolerance used: ${short(data.totals.tolerance)} mesh units.`)),
     el('footer', {}, el('p', {}, `Made by ${data.program} ${data.version} on ${data.made} with`), el('pre', {}, data.command)),
   );
   document.body.replaceChildren(page);
@@ -231,7 +248,7 @@ function build(data: Data): void {
 
 function scaleOf({ settings, steps }: Data) {
   const [first, last] = [steps[0], steps.at(-1)];
-  return { unit: String(settings['unit'] ?? ''), low: first?.frame ?? 0, high: last?.next_frame ?? 0 };
+  return { unit: String(settings['unit'] ?? ''), poses: isStatic(settings), low: first?.frame ?? 0, high: last?.next_frame ?? 0 };
 }
 
 /** What was checked, if there is no contact to show. */

@@ -3,7 +3,8 @@ import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { el } from './dom';
 import { brief, grouped, milliseconds } from './format';
-import { startOf, type Step } from './steps';
+import type { Step } from './steps';
+import { capital, wordsOf } from './words';
 
 interface Series {
   label: string;
@@ -20,21 +21,18 @@ interface Chart {
   series: Series[];
 }
 
+const kPairs: Series[] = [
+  { label: 'edge–edge', color: '--c-ee', value: (s) => s.edge_edge },
+  { label: 'vertex–face', color: '--c-vf', value: (s) => s.vertex_face },
+];
+const kCrossings: Series[] = [{ label: 'pairs of triangles', color: '--c-vf', value: (s) => s.crossings }];
+
 // The parts of a stack are listed from the bottom up.
-const kCharts: Chart[] = [
-  {
-    id: 'collisions',
-    title: 'Collisions',
-    unit: 'pairs per step',
-    stacked: true,
-    series: [
-      { label: 'edge–edge', color: '--c-ee', value: (s) => s.edge_edge },
-      { label: 'vertex–face', color: '--c-vf', value: (s) => s.vertex_face },
-    ],
-  },
+const chartsOf = (poses: boolean, { step, collisions } = wordsOf(poses)): Chart[] => [
+  { id: 'collisions', title: capital(collisions), unit: `pairs per ${step}`, stacked: true, series: poses ? kCrossings : kPairs },
   {
     id: 'time',
-    title: 'Time per step, by stage',
+    title: `Time per ${step}, by stage`,
     unit: 'ms',
     stacked: true,
     series: [
@@ -51,7 +49,7 @@ const kCharts: Chart[] = [
   {
     id: 'tests',
     title: 'Tests and culls',
-    unit: 'count per step',
+    unit: `count per ${step}`,
     stacked: false,
     spread: true,
     series: [
@@ -64,7 +62,7 @@ const kCharts: Chart[] = [
   {
     id: 'candidates',
     title: 'Candidates for the narrow phase',
-    unit: 'pairs per step',
+    unit: `pairs per ${step}`,
     stacked: false,
     series: [{ label: 'candidates', color: '--c-candidates', value: (s) => s.candidates }],
   },
@@ -74,12 +72,15 @@ const variable = (name: string): string => getComputedStyle(document.documentEle
 
 const decades = (_: uPlot, __: number, ___: number, high: number): number[] => [0, ...Array.from({ length: 12 }, (____, k) => 10 ** (k + 1)).filter((tick) => tick <= high)];
 
+/** From where to where on the axis a step is drawn. */
+type SpanOf = (step: Step) => [number, number];
+
 /** Columns for uPlot: a value applies from the start to the end of its step. */
-function columns(chart: Chart, steps: Step[], substeps: number): uPlot.AlignedData {
+function columns(chart: Chart, steps: Step[], spanOf: SpanOf): uPlot.AlignedData {
   const last = steps.at(-1);
   const closed = last ? [...steps, last] : [];
-  const x = steps.map((step) => startOf(step, substeps));
-  if (last) x.push(startOf(last, substeps) + (last.next_frame - last.frame) / substeps);
+  const x = steps.map((step) => spanOf(step)[0]);
+  if (last) x.push(spanOf(last)[1]);
   const rows = chart.series.map((series) => closed.map((step) => series.value(step)));
   if (chart.stacked) {
     for (let s = 1; s < rows.length; ++s) rows[s] = rows[s]!.map((value, k) => value + rows[s - 1]![k]!);
@@ -89,7 +90,8 @@ function columns(chart: Chart, steps: Step[], substeps: number): uPlot.AlignedDa
 }
 
 export interface ChartOptions {
-  substeps: number;
+  poses: boolean;
+  spanOf: SpanOf;
   steps?: Step[]; // to begin with
   low: number;
   high: number; // the frames at both ends of the axis
@@ -119,7 +121,7 @@ export class Charts {
   setSteps(steps: Step[]): void {
     this.steps = steps;
     for (const { chart, plot } of this.plots) {
-      plot.setData(columns(chart, steps, this.options.substeps));
+      plot.setData(columns(chart, steps, this.options.spanOf));
     }
     this.showValues();
     this.moveNow();
@@ -156,15 +158,15 @@ export class Charts {
   }
 
   private shown(): Chart[] {
-    const { leaveOut } = this.options;
-    return kCharts.filter((chart) => !leaveOut?.(chart.series.flatMap((series) => this.steps.map((step) => series.value(step)))));
+    const { leaveOut, poses } = this.options;
+    return chartsOf(poses).filter((chart) => !leaveOut?.(chart.series.flatMap((series) => this.steps.map((step) => series.value(step)))));
   }
 
   private build(): void {
     for (const chart of this.shown()) {
       const box = el('section', { className: 'chart', 'data-chart': chart.id }, el('h3', {}, `${chart.title} `, el('small', {}, chart.spread ? `${chart.unit}, logarithmic` : chart.unit)));
       this.element.append(box);
-      const plot = new uPlot(this.describe(chart), columns(chart, [], 1), box);
+      const plot = new uPlot(this.describe(chart), columns(chart, [], this.options.spanOf), box);
       const now = el('div', { className: 'now' });
       const start = el('div', { className: 'start-mark', hidden: true });
       plot.over.append(start);
@@ -175,12 +177,17 @@ export class Charts {
         this.showValues();
       });
       plot.over.addEventListener('click', () => {
-        const index = plot.cursor.idx;
-        const step = typeof index === 'number' ? this.steps[Math.min(index, this.steps.length - 1)] : undefined;
+        const step = this.steps[this.indexAt(plot.posToVal(plot.cursor.left ?? 0, 'x'))];
         if (step) this.options.seek?.(step.number);
       });
       this.plots.push({ chart, plot, box, now, start });
     }
+  }
+
+  /** The step at a place of the axis. */
+  private indexAt(x: number): number {
+    const after = this.steps.findIndex((step) => x < this.options.spanOf(step)[1]);
+    return after < 0 ? this.steps.length - 1 : after;
   }
 
   private describe(chart: Chart): uPlot.Options {
@@ -190,17 +197,17 @@ export class Charts {
       width: this.width(),
       height: this.options.height,
       padding: [8, 10, 0, 0],
-      cursor: { sync: { key: this.sync.key }, points: { show: false }, y: false, drag: { x: false, y: false } },
+      cursor: { sync: { key: this.sync.key }, points: { show: false }, y: false, drag: { x: false, y: false }, dataIdx: (_, __, ___, x) => this.indexAt(x) },
       scales: {
         x: { time: false, range: () => [this.options.low, Math.max(this.options.high, this.options.low + 1)] },
         y: { range: (_, __, high) => [0, high > 0 ? high * (chart.spread ? 1.6 : 1.08) : 1], ...(chart.spread ? { distr: 4 as const, asinh: 10 } : {}) },
       },
       axes: [
-        { ...axis, size: 36, label: 'frame of the motion', labelSize: 14, labelFont: '11px system-ui, sans-serif', labelGap: 0, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000] },
+        { ...axis, size: 36, label: 'frame', labelSize: 14, labelFont: '11px system-ui, sans-serif', labelGap: 0, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000] },
         { ...axis, size: 58, label: chart.unit, labelSize: 14, labelFont: '11px system-ui, sans-serif', labelGap: 0, values: (_, ticks) => ticks.map((tick: number | null) => (tick === null ? '' : brief(tick))), ...(chart.spread ? { splits: decades, filter: (_: uPlot, ticks: number[]) => ticks } : {}) },
       ],
       series: [
-        { label: 'frame', value: (_, x) => (x === null || x === undefined ? '–' : String(Number(x.toFixed(3)))) },
+        { label: 'frame', value: (_, x, __, index) => (x === null || x === undefined ? '–' : String(this.options.poses ? this.steps[index!]?.frame : Number(x.toFixed(3)))) },
         ...series.map((one) => this.line(chart, one)),
       ],
       legend: { live: true },

@@ -1,5 +1,6 @@
 // The program's data for a step; the same in the page and in the report.
 
+/** A step of a motion, or a pose of a static check, whose two frames are the same. */
 export interface Step {
   number: number;
   frame: number;
@@ -7,6 +8,8 @@ export interface Step {
   substep: number;
   vertex_face: number;
   edge_edge: number;
+  /** Pairs of triangles, in a pose. */
+  crossings: number;
   /** How many collisions are listed and marked. */
   listed: number;
   undecided: number;
@@ -21,11 +24,22 @@ export interface Step {
   ms: { total: number; update: number; traverse: number; narrow: number };
 }
 
-export const collisionsOf = (step: Step): number => step.vertex_face + step.edge_edge;
+export const collisionsOf = (step: Step): number => step.vertex_face + step.edge_edge + step.crossings;
 
 /** The start of a step, in frames of the motion. */
-export const startOf = (step: Step, substeps: number): number =>
+const startOf = (step: Step, substeps: number): number =>
   step.frame + (step.substep * (step.next_frame - step.frame)) / substeps;
 
-export const stepText = (step: Step, substeps: number): string =>
-  `frame ${step.frame} to ${step.next_frame}` + (substeps > 1 ? `, part ${step.substep + 1} of ${substeps}` : '');
+const standsStill = (step: Step): boolean => step.frame === step.next_frame;
+
+/** From where to where a step is drawn, in frames; a pose is drawn around its frame. `stride`: from frame to frame. */
+export function spanOf(step: Step, substeps: number, stride: number): [number, number] {
+  if (standsStill(step)) return [step.frame - stride / 2, step.frame + stride / 2];
+  const from = startOf(step, substeps);
+  return [from, from + (step.next_frame - step.frame) / substeps];
+}
+
+export function stepText(step: Step, substeps: number): string {
+  if (standsStill(step)) return `frame ${step.frame}`;
+  return `frame ${step.frame} to ${step.next_frame}` + (substeps > 1 ? `, part ${step.substep + 1} of ${substeps}` : '');
+}

@@ -1,5 +1,6 @@
 // The overall result of a check, in the same words in the page and in the report.
 import { counted, grouped } from './format';
+import { kStartNotTested, wordsOf } from './words';
 
 /** The answer for the first frame. */
 export interface Start {
@@ -18,6 +19,7 @@ export interface Found {
   stepsOnly: boolean;
   statistical: boolean;
   single: boolean; // one frame, whose only step has no motion
+  poses: boolean; // a static check, whose steps are poses
 }
 
 export type Kind = 'run' | 'free' | 'hit' | 'stopped';
@@ -27,25 +29,27 @@ export interface Verdict {
   kind: Kind;
 }
 
-export const kStartNotTested = 'crossings from the start were not tested (--steps-only)';
-
 export const startText = ({ frame, crossings }: Start, single = false): string =>
   crossings === 0 ? `Nothing crosses in frame ${frame}` : `Frame ${frame} ${single ? 'has' : 'starts with'} ${counted(crossings, 'crossing pair')} of triangles`;
 
-export const stoppedText = ({ done, total }: Found): string => `Stopped at ${grouped(done)} of ${counted(total, 'step')}`;
+const pairsText = ({ pairs, poses }: Found): string => counted(pairs, `${wordsOf(poses).colliding} pair`) + (poses ? ' of triangles' : '');
+
+const stepsText = ({ poses, total }: Found): string => counted(total, wordsOf(poses).step);
+
+export const stoppedText = (found: Found): string => `Stopped at ${grouped(found.done)} of ${stepsText(found)}`;
 
 function stopped(found: Found): Verdict {
   const crosses = (found.start?.crossings ?? 0) > 0;
   const parts = [stoppedText(found)];
   if (crosses) parts.push(startText(found.start!, found.single).replace('Frame', 'frame'));
-  if (found.pairs > 0) parts.push(`${counted(found.pairs, 'colliding pair')} until then`);
+  if (found.pairs > 0) parts.push(`${pairsText(found)} until then`);
   if (parts.length === 1) parts.push('the rest is unknown');
   return { text: parts.join('; '), kind: crosses || found.pairs > 0 ? 'hit' : 'stopped' };
 }
 
 function running(found: Found): Verdict {
   const crosses = (found.start?.crossings ?? 0) > 0;
-  const checking = found.single ? 'Checking' : `Checking: ${grouped(found.done)} of ${counted(found.total, 'step')}, ${counted(found.pairs, 'pair')} so far`;
+  const checking = found.single ? 'Checking' : `Checking: ${grouped(found.done)} of ${stepsText(found)}, ${counted(found.pairs, 'pair')} so far`;
   return { text: crosses ? `${startText(found.start!, found.single)}. ${checking}` : checking, kind: crosses || found.pairs > 0 ? 'hit' : 'run' };
 }
 
@@ -59,9 +63,13 @@ export function verdictOf(found: Found): Verdict {
   const { start, pairs } = found;
   if (found.state === 'running') return running(found);
   if (found.state !== 'done') return stopped(found);
-  const steps = counted(found.total, 'step');
+  const steps = stepsText(found);
   const can = found.statistical ? 'Statistical, can miss: ' : '';
-  const contacts = `${counted(pairs, 'colliding pair')} in ${grouped(found.colliding)} of ${steps}`;
+  const contacts = `${pairsText(found)} in ${grouped(found.colliding)} of ${steps}`;
+  if (found.poses) {
+    if (pairs > 0) return { text: `${can}${contacts}`, kind: 'hit' };
+    return { text: `${can || 'Proven free: '}nothing crosses in ${found.single ? 'the one frame' : `any of ${steps}`}`, kind: can ? 'run' : 'free' };
+  }
   if (found.single && start) return single(start, pairs);
   if (start && start.crossings > 0) return { text: `${startText(start)}; ${can.toLowerCase()}${pairs > 0 ? contacts : `no new contact in ${steps}`}`, kind: 'hit' };
   if (pairs > 0) return { text: `${can}${contacts}${start ? '' : `; ${kStartNotTested}`}`, kind: 'hit' };

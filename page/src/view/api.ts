@@ -59,7 +59,7 @@ export interface ContactsAnswer {
   items: Contact[];
 }
 
-/** A pair of features that collide in a step, or (tt) of triangles that cross in the first frame. */
+/** A pair of features that collide in a step, or (tt) of triangles that cross in a pose or in the first frame. */
 export interface Pair {
   kind: 'vf' | 'ee' | 'tt';
   object_a: number;

@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { Charts } from '../shared/charts';
 import { el, setText } from '../shared/dom';
+import { collisionsOf, spanOf } from '../shared/steps';
 import { isDark, onTheme } from '../shared/theme';
 import { guessUp, type Vector } from '../shared/upright';
 import { startText } from '../shared/verdict';
@@ -50,7 +51,7 @@ export class App {
   private readonly stage: Stage;
   private readonly recorder: Recorder;
   private readonly navigator: Navigator;
-  private readonly help = helpDialog();
+  private readonly help: HTMLDialogElement;
   private readonly motionBox: THREE.Box3; // of the whole motion, in the scene
   private readonly link: UrlState = readUrl();
   private content: Content | null = null; // null before the triangles are loaded
@@ -76,8 +77,9 @@ export class App {
   ) {
     const failed = (error: unknown) => this.fail(error);
     const changed = () => (this.dirty = true);
-    this.clock = new Clock(scene.steps, scene.substeps, scene.frames);
+    this.clock = new Clock(scene);
     this.check = new Check(scene, (from) => this.checked(from), failed);
+    this.help = helpDialog(this.check.poses);
     this.pairs = new PairStore(changed, failed);
     this.contacts = new Contacts(scene, () => this.contactsKnown(), failed);
     this.layers = new LayerPanel(scene, changed);
@@ -100,8 +102,7 @@ export class App {
     });
     this.collisions = new CollisionPanel(scene, this.check, (pair) => this.navigator.choose(pair), (direction) => this.navigator.nextCollision(direction), () => this.navigator.goTo(() => this.clock.seek(0)));
     this.cards = new ContactPanel(scene, this.check, this.contacts, (index) => void this.navigator.chooseContact(index));
-    const numbers = scene.frame_numbers;
-    this.charts = new Charts({ substeps: scene.substeps, low: numbers[0] ?? 0, high: numbers.at(-1) ?? 1, height: kChartHeight, seek: (step) => this.navigator.goTo(() => this.clock.seek(step)) });
+    this.charts = this.makeCharts();
     this.layout = new Layout(root, scene, () => this.timeline.element, this.tools());
     root.append(this.help);
     const scale = 2 / Math.max(...size, 1e-30);
@@ -134,6 +135,20 @@ export class App {
     requestAnimationFrame((now) => this.loop(now));
   }
 
+  private makeCharts(): Charts {
+    const { frame_numbers: numbers, substeps } = this.scene;
+    const stride = (numbers[1] ?? 1) - (numbers[0] ?? 0);
+    const margin = this.clock.still ? stride / 2 : 0;
+    return new Charts({
+      poses: this.check.poses,
+      spanOf: (step) => spanOf(step, substeps, stride),
+      low: (numbers[0] ?? 0) - margin,
+      high: (numbers.at(-1) ?? 1) + margin,
+      height: kChartHeight,
+      seek: (step) => this.navigator.goTo(() => this.clock.seek(step)),
+    });
+  }
+
   private parts(): Parts {
     const { clock, check, contacts, collisions, cards, layout, stage, timeline, track } = this;
     return { clock, check, contacts, collisions, cards, layout, stage, timeline, track };
@@ -160,7 +175,7 @@ export class App {
     this.layers.element.append(this.options.element);
     layout.fill('layers', this.layers.element);
     layout.fill('charts', el('div', { className: 'panel' }, this.charts.element));
-    if (this.clock.still) layout.refuse('charts', 'A single frame has no steps, hence no charts.');
+    if (this.clock.frames === 1) layout.refuse('charts', 'A single frame has no charts.');
     this.shapeObject = scene.objects.findIndex((object) => (object.model?.modes ?? 0) > 0);
     const object = scene.objects[this.shapeObject];
     if (object) {
@@ -249,7 +264,7 @@ export class App {
   private thumbnail(position: number, width: number, height: number): ImageData | null {
     const { content } = this;
     if (!content || this.clock.playing || this.shaping) return null;
-    const there = new Clock(this.clock.steps, this.clock.substeps, this.clock.frames);
+    const there = new Clock(this.scene);
     there.seekPosition(position);
     if (!content.showFrame(there, this.layers.state)) return null;
     const image = this.stage.thumbnail(width, height);
@@ -381,7 +396,7 @@ export class App {
   private requestAllPairs(): void {
     if (this.atStart && !this.pairs.get(kStart)?.complete) return this.pairs.request(kStart, true);
     const step = this.check.steps[this.clock.step];
-    if (step && step.vertex_face + step.edge_edge > 0 && !this.pairs.get(step.number)?.complete) this.pairs.request(step.number, true);
+    if (step && collisionsOf(step) > 0 && !this.pairs.get(step.number)?.complete) this.pairs.request(step.number, true);
   }
 
   /** Crossings of the first frame are listed with its step. */
@@ -422,7 +437,7 @@ export class App {
     const { clock } = this;
     const { state } = this.layers;
     const step = this.check.steps[clock.step];
-    const colliding = step !== undefined && step.vertex_face + step.edge_edge > 0;
+    const colliding = step !== undefined && collisionsOf(step) > 0;
     if (this.atStart && !this.pairs.get(kStart)) this.pairs.request(kStart, false);
     else if (colliding && !this.pairs.get(clock.step)) this.pairs.request(clock.step, false);
     content.showPoints(colliding ? this.pairs.get(clock.step) : undefined, state.contacts && !shaping, clock);
@@ -436,7 +451,7 @@ export class App {
     this.timeline.show(this.waiting);
     this.cards.show(this.navigator.contact);
     this.collisions.show(check.steps[clock.step], this.pairs.get(clock.step), this.atStart ? this.pairs.get(kStart) : undefined);
-    if (this.layout.openTab === 'charts' && !clock.still) this.showCharts();
+    if (this.layout.openTab === 'charts' && clock.frames > 1) this.showCharts();
     const { verdict } = this.layout;
     verdict.hidden = !shaping;
     if (shaping) {
@@ -472,7 +487,7 @@ export class App {
     this.legendKey = key;
     const contact = this.navigator.contact === null ? null : this.contacts.sideNames(this.contacts.items[this.navigator.contact]!);
     this.layout.legend.replaceChildren(
-      ...legendItems({ layers, shapes: shaping, start, free: check.free > 0, calm: check.calm, both: content.both, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: content.counts, boxFrame, chosen: this.navigator.chosen !== null, contact, error }),
+      ...legendItems({ layers, poses: check.poses, shapes: shaping, start, free: check.free > 0, calm: check.calm, both: content.both, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: content.counts, boxFrame, chosen: this.navigator.chosen !== null, contact, error }),
     );
   }
 

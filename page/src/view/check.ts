@@ -1,6 +1,7 @@
 // The progress of the check: its steps, and the pairs of the current step.
 import { collisionsOf, type Step } from '../shared/steps';
 import { verdictOf, type Found, type Start, type Verdict } from '../shared/verdict';
+import { isStatic } from '../shared/words';
 import { ApiError, getJson, GoneError, type Bounds, type Pair, type SceneInfo, type StepsAnswer } from './api';
 
 const kPollMs = 400;
@@ -10,7 +11,7 @@ const kMaxListed = 10_000; // More than anyone reads; check --csv writes all.
 const kMaxCached = 48; // steps
 export const kStart = -1; // the first frame, in place of a step's number
 
-/** The result of a step: it collides; everything is proven free until its end; or it only has no new contact. */
+/** The result of a step: it collides; it and, in a motion, all before it is proven free; or it only has no new contact. */
 export type StepKind = 'hit' | 'free' | 'calm';
 
 export class Check {
@@ -24,13 +25,17 @@ export class Check {
   start: Start | null = null;
   /** The bounds at the end of each step. */
   readonly bounds: Bounds[] = [];
+  /** Steps are poses, each checked by itself. */
+  readonly poses: boolean;
   private contactFree = 0; // the number of steps from the first one on without collisions
 
   constructor(
     private readonly scene: SceneInfo,
     private readonly changed: (from: number) => void,
     private readonly failed: (error: unknown) => void,
-  ) {}
+  ) {
+    this.poses = isStatic(scene.settings);
+  }
 
   startPolling(): void {
     void this.poll();
@@ -40,8 +45,9 @@ export class Check {
     return (this.start?.crossings ?? 0) > 0;
   }
 
-  /** The number of steps until whose end everything is proven free: the first frame and all steps so far. */
+  /** The number of steps that are proven free: in a motion the first ones, if its first frame is free. */
   get free(): number {
+    if (this.poses) return this.steps.length - this.colliding;
     return this.start?.crossings === 0 ? this.contactFree : 0;
   }
 
@@ -52,7 +58,7 @@ export class Check {
 
   kindOf(step: Step): StepKind {
     if (collisionsOf(step) > 0) return 'hit';
-    return step.number < this.free ? 'free' : 'calm';
+    return this.poses || step.number < this.free ? 'free' : 'calm';
   }
 
   verdict(): Verdict {
@@ -62,7 +68,7 @@ export class Check {
   found(): Found {
     const { mode, steps_only } = this.scene.settings;
     const { state, done, pairs, colliding, start } = this;
-    return { state, done, total: this.scene.steps, pairs, colliding, start, stepsOnly: steps_only === true, statistical: mode === 'paper', single: this.scene.frames === 1 };
+    return { state, done, total: this.scene.steps, pairs, colliding, start, stepsOnly: steps_only === true, statistical: mode === 'paper', single: this.scene.frames === 1, poses: this.poses };
   }
 
   /** The next step with collisions in a direction, or kStart; null if there is none. */

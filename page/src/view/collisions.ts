@@ -1,9 +1,10 @@
 // The list of pairs. Only visible rows exist.
 import { css, timeColor } from '../shared/colors';
-import { el, icon, setText } from '../shared/dom';
+import { append, el, icon, setText } from '../shared/dom';
 import { counted, grouped, toiText } from '../shared/format';
 import { collisionsOf, stepText, type Step } from '../shared/steps';
-import { kStartNotTested, startText, stoppedText } from '../shared/verdict';
+import { startText, stoppedText } from '../shared/verdict';
+import { capital, kBetweenNotTested, kStartNotTested, wordsOf } from '../shared/words';
 import type { Pair, SceneInfo } from './api';
 import { copyButton } from './copy';
 import type { Check, PairsOfStep } from './check';
@@ -18,7 +19,7 @@ export class CollisionPanel {
   private readonly startText = el('span', {});
   private readonly head = el('div', { className: 'head' });
   private readonly note = el('p', { className: 'note' });
-  private readonly list = el('div', { className: 'pairs', role: 'listbox', 'aria-label': 'Colliding pairs', tabIndex: 0 });
+  private readonly list = el('div', { className: 'pairs', role: 'listbox', tabIndex: 0 });
   private readonly space = el('div', { className: 'space' });
   private readonly rows: HTMLElement[] = [];
   private crossings = kNone;
@@ -34,6 +35,8 @@ export class CollisionPanel {
     goToStart: () => void,
   ) {
     this.start = el('button', { className: 'start', type: 'button', title: 'Go to the start', onclick: goToStart }, el('span', { className: 'swatch crossing' }), this.startText);
+    const { step, collisions, colliding, orStart } = wordsOf(check.poses);
+    this.list.setAttribute('aria-label', `${capital(colliding)} pairs`);
     const button = (path: string, title: string, direction: 1 | -1) =>
       el('button', { className: 'small', type: 'button', title, onclick: () => go(direction) }, icon(path), direction < 0 ? 'Previous' : 'Next');
     this.list.append(this.space);
@@ -43,17 +46,18 @@ export class CollisionPanel {
     this.element = el(
       'div',
       { className: 'panel collisions' },
-      this.start,
+      !check.poses && this.start,
       this.head,
-      el('div', { className: 'row' }, button('M15 5l-8 7 8 7z', 'Previous step with collisions, or the start if it crosses (P)', -1), button('M9 5l8 7-8 7z', 'Next step with collisions (N)', 1)),
+      el('div', { className: 'row' }, button('M15 5l-8 7 8 7z', `Previous ${step} with ${collisions}${orStart} (P)`, -1), button('M9 5l8 7-8 7z', `Next ${step} with ${collisions} (N)`, 1)),
       this.note,
+      check.poses && el('p', { className: 'note' }, kBetweenNotTested),
       this.list,
     );
   }
 
   /** Shows a step; `step` is undefined while it is not checked. `crossings`: those of the first frame, if they are listed. */
   show(step: Step | undefined, pairs: PairsOfStep | undefined, crossings: PairsOfStep | undefined): void {
-    this.showStart();
+    if (!this.check.poses) this.showStart();
     if (step) this.showStep(step, pairs);
     else this.say(this.check.state === 'running' ? 'Not checked yet' : 'Not checked', '', this.check.state === 'running' ? '' : `${stoppedText(this.check.found())}.`);
     // Green is for a check that finds nothing at all.
@@ -68,17 +72,18 @@ export class CollisionPanel {
     this.start.classList.toggle('hit', check.startsCrossing);
     this.start.disabled = !check.startsCrossing;
     if (check.start) setText(this.startText, `${startText(check.start, this.scene.frames === 1)}.`);
-    else if (check.found().stepsOnly) setText(this.startText, `${kStartNotTested[0]!.toUpperCase()}${kStartNotTested.slice(1)}.`);
+    else if (check.found().stepsOnly) setText(this.startText, `${capital(kStartNotTested)}.`);
     else setText(this.startText, check.state === 'running' ? `Frame ${first} is not checked yet.` : `Frame ${first} was not checked.`);
   }
 
   private showStep(step: Step, pairs: PairsOfStep | undefined): void {
     const count = collisionsOf(step);
-    const single = this.scene.frames === 1;
-    const where = single ? `frame ${step.frame}` : stepText(step, this.scene.substeps);
+    const { poses } = this.check;
+    const single = this.scene.frames === 1 && !poses;
+    const where = stepText(step, this.scene.substeps);
     const kind = this.check.kindOf(step);
-    if (kind === 'free') this.say(single ? 'Nothing crosses' : 'Nothing collides up to here', where, '');
-    else if (kind === 'hit') this.say(counted(count, single ? 'pair in contact' : 'colliding pair', single ? 'pairs in contact' : 'colliding pairs'), where, this.details(step, pairs));
+    if (kind === 'free') this.say(single || poses ? 'Nothing crosses' : 'Nothing collides up to here', where, '');
+    else if (kind === 'hit') this.say(single ? counted(count, 'pair in contact', 'pairs in contact') : counted(count, `${wordsOf(poses).colliding} pair`), where, this.details(step, pairs));
     else this.say(single ? 'No other contact' : 'No new contact in this step', where, single ? '' : this.whyNotFree());
   }
 
@@ -99,10 +104,14 @@ export class CollisionPanel {
   }
 
   private details(step: Step, pairs: PairsOfStep | undefined): string {
-    if (this.scene.frames === 1) return 'Closer than or as close as the thickness, without moving.';
-    const parts = [`First contact ${toiText(step.toi)} of the way. ${counted(step.vertex_face, 'vertex–face pair')}, ${grouped(step.edge_edge)} edge–edge`];
-    if (step.undecided > 0) parts.push(`, ${grouped(step.undecided)} of them undecided and counted as collisions`);
-    parts.push('. ');
+    const { poses } = this.check;
+    if (this.scene.frames === 1 && !poses) return 'Closer than or as close as the thickness, without moving.';
+    const parts: string[] = [];
+    if (!poses) {
+      parts.push(`First contact ${toiText(step.toi)} of the way. ${counted(step.vertex_face, 'vertex–face pair')}, ${grouped(step.edge_edge)} edge–edge`);
+      if (step.undecided > 0) parts.push(`, ${grouped(step.undecided)} of them undecided and counted as collisions`);
+      parts.push('. ');
+    }
     if (step.listed < collisionsOf(step)) parts.push(`Only ${grouped(step.listed)} are marked; --limit N marks more. `);
     if (pairs?.complete && pairs.items.length < step.listed) parts.push(`The first ${grouped(pairs.items.length)} are listed; foldproof check --csv writes all. `);
     return parts.join('');
@@ -149,9 +158,17 @@ export class CollisionPanel {
         el('span', { className: `kind ${pair.kind}`, title: kKinds[pair.kind][1] }, kKinds[pair.kind][0]),
         el('span', { className: 'what' }, el('span', {}, a), el('span', {}, b)),
         ...(pair === this.chosen ? [copyButton(`${a}, ${b}`)] : []),
-        pair.kind === 'tt' ? el('span', { className: 'toi' }, el('span', { className: 'swatch crossing' }), 'start') : el('span', { className: 'toi' }, el('span', { className: 'swatch round', style: { background: css(timeColor(pair.toi)) } }), toiText(pair.toi), pair.answer === 'undecided' && el('small', {}, 'undecided')),
+        this.when(pair),
       );
     });
+  }
+
+  /** When a pair of a motion touches; pairs of a pose have no time. */
+  private when(pair: Pair): HTMLElement {
+    const time = el('span', { className: 'toi' });
+    if (pair.kind !== 'tt') append(time, el('span', { className: 'swatch round', style: { background: css(timeColor(pair.toi)) } }), toiText(pair.toi), pair.answer === 'undecided' && el('small', {}, 'undecided'));
+    else if (!this.check.poses) append(time, el('span', { className: 'swatch crossing' }), 'start');
+    return time;
   }
 
   private pick(index: number): void {

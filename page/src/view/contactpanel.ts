@@ -2,6 +2,7 @@
 import { counted, grouped } from '../shared/format';
 import { el, setText } from '../shared/dom';
 import { worstOf, type Contact } from '../shared/contact';
+import { kBetweenNotTested, wordsOf } from '../shared/words';
 import type { SceneInfo } from './api';
 import type { Check } from './check';
 import { framesText, type Contacts } from './contacts';
@@ -48,6 +49,7 @@ export class ContactPanel {
 
   private showHead(): void {
     const { contacts, check } = this;
+    const { step, collisions, colliding } = wordsOf(check.poses);
     const { state, total, unknownFrames } = contacts;
     const notes: string[] = [];
     let title = 'Contacts';
@@ -55,14 +57,15 @@ export class ContactPanel {
       title = total === 0 ? 'No contacts' : `${counted(total, 'contact')}, the worst first`;
       if (total > contacts.items.length) notes.push(`The worst ${grouped(contacts.items.length)} are listed; foldproof check --contacts prints all.`);
       if (unknownFrames > 0) notes.push(`What crosses is not known in ${counted(unknownFrames, 'frame')}: too many pairs, or not tested.`);
-      if (total === 0) notes.push(check.verdict().kind === 'free' ? 'Nothing touches or crosses at any time.' : 'Nothing was found that collides.');
+      if (total === 0) notes.push(check.verdict().kind !== 'free' ? `No ${collisions} were found.` : check.poses ? 'Nothing crosses in any frame.' : 'Nothing touches or crosses at any time.');
     } else if (state === 'none') {
       notes.push(this.scene.settings['mode'] === 'paper' ? 'The statistical mode finds no contacts.' : 'Contacts are found when a check has ended. This one did not reach its end; see the pairs.');
     } else if (check.state === 'running') {
-      notes.push(`They are found when all steps are checked. ${check.pairs > 0 ? 'The colliding pairs so far are under Pairs.' : 'Nothing has collided so far.'}`);
+      notes.push(`They are found when all ${step}s are checked. ${check.pairs > 0 ? `The ${colliding} pairs so far are under Pairs.` : `No ${collisions} so far.`}`);
     } else {
       notes.push(check.state === 'done' ? 'Loading…' : 'The program no longer answers, so they are not known.');
     }
+    if (check.poses) notes.push(kBetweenNotTested);
     if (this.head.textContent !== title) this.head.replaceChildren(el('strong', {}, title));
     setText(this.note, notes.join(' '));
   }
@@ -97,7 +100,7 @@ export class ContactPanel {
     const facts = [framesText(contact)];
     if (worst && contact.frames.length > 1) facts.push(`worst ${worst.time}`);
     if (worst) facts.push(counted(worst.triangles, 'triangle'));
-    const notes = [contact.from_start && 'from the start', contact.folded && 'folded onto itself', worst && contact.depth === null && 'no depth: its curve encloses no region'].filter((note) => note !== false && note !== undefined);
+    const notes = [contact.from_start && !this.check.poses && 'from the start', contact.folded && 'folded onto itself', worst && contact.depth === null && 'no depth: its curve encloses no region'].filter((note) => note !== false && note !== undefined);
     return el(
       'button',
       { type: 'button', className: 'contact', role: 'option', 'data-contact': String(contact.number), onclick: () => this.choose(index) },

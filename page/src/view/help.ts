@@ -1,13 +1,14 @@
 // The keys, and how to read the page.
 import { el } from '../shared/dom';
+import { kBetweenNotTested, wordsOf } from '../shared/words';
 
-export const kKeys: [string, string][] = [
+const keysOf = (poses: boolean, { step, collisions, orStart } = wordsOf(poses)): [string, string][] => [
   ['Space', 'play or pause'],
-  ['← →', 'one step back or forward; with Shift ten'],
-  [', .', 'a hundredth of a step back or forward'],
+  ['← →', `one ${step} back or forward; with Shift ten`],
+  ...(poses ? [] : [[', .', 'a hundredth of a step back or forward'] as [string, string]]),
   ['Home End', 'to the start or the end'],
   ['[ ]', 'slower or faster'],
-  ['P N', 'previous or next step with collisions, or the start if it crosses'],
+  ['P N', `previous or next ${step} with ${collisions}${orStart}`],
   ['↑ ↓', 'previous or next contact or pair of the list, and fly there'],
   ['G', 'type a frame'],
   ['R or 0', 'see everything'],
@@ -17,15 +18,21 @@ export const kKeys: [string, string][] = [
   ['W A S D with Shift', 'orbit'],
   ['+ −', 'zoom'],
   ['V', 'next color of the surface'],
-  ['C O T K B E X', 'collisions, crossings of the start, contact points, key points, boxes, edges, see through'],
+  poses ? ['C K B E X', 'crossings, key points, boxes, edges, see through'] : ['C O T K B E X', 'collisions, crossings of the start, contact points, key points, boxes, edges, see through'],
   ['D', 'light or dark'],
   ['L', 'legend'],
   ['?', 'this help'],
 ];
 
-export function helpDialog(): HTMLDialogElement {
+const kMotionHelp = [
+  'Between two frames every vertex moves along a straight line; this motion is checked and shown. A time of impact is a share of the step: 0 at its start, 1 at its end.',
+  'A step finds new contacts. Triangles that cross in the first frame and move together make none. So the first frame is tested for crossing triangles, and a step is green only if that frame is free and nothing has collided since.',
+];
+const kPosesHelp = [`${kBetweenNotTested} A frame is green if no two triangles cross in it; this is decided exactly.`];
+
+export function helpDialog(poses: boolean): HTMLDialogElement {
   const table = el('table', {});
-  for (const [keys, text] of kKeys) {
+  for (const [keys, text] of keysOf(poses)) {
     const cell = el('td', {});
     keys.split(' ').forEach((key, k) => {
       if (k > 0) cell.append(' ');
@@ -38,8 +45,7 @@ export function helpDialog(): HTMLDialogElement {
     el('form', { method: 'dialog' }, el('h2', {}, 'Keys and mouse'), el('button', { className: 'small' }, 'Close')),
     el('p', {}, 'Drag to orbit, right-drag or two fingers to pan, wheel or pinch to zoom. A click on the surface shows what is known about the triangle; a double click orbits around it. Over the timeline the wheel zooms, with Shift it moves; dragging along the frame numbers marks a range to repeat, a click there ends it.'),
     table,
-    el('p', {}, 'Between two frames every vertex moves along a straight line; this motion is checked and shown. A time of impact is a share of the step: 0 at its start, 1 at its end.'),
-    el('p', {}, 'A step finds new contacts. Triangles that cross in the first frame and move together make none. So the first frame is tested for crossing triangles, and a step is green only if that frame is free and nothing has collided since.'),
+    ...(poses ? kPosesHelp : kMotionHelp).map((text) => el('p', {}, text)),
   );
   dialog.addEventListener('click', (event) => {
     if (event.target === dialog) dialog.close();

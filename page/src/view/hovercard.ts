@@ -1,7 +1,8 @@
 // A card over the timeline: the frame under the pointer, its contacts, and a small picture.
 import { el } from '../shared/dom';
-import { grouped } from '../shared/format';
+import { counted } from '../shared/format';
 import { collisionsOf } from '../shared/steps';
+import { wordsOf } from '../shared/words';
 import type { SceneInfo } from './api';
 import type { Check } from './check';
 import type { Contacts } from './contacts';
@@ -42,8 +43,10 @@ export class HoverCard {
   private lines(frame: number, lane: number | null): HTMLElement[] {
     const found = this.contacts.at(frame);
     if (found.length === 0) {
-      const step = this.check.steps[frame * Number(this.scene.substeps)];
-      return [el('span', {}, step ? (collisionsOf(step) > 0 ? `${grouped(collisionsOf(step))} colliding pairs` : 'no contact') : 'not checked')];
+      const { poses, steps } = this.check;
+      const step = steps[frame * this.scene.substeps];
+      const none = poses ? 'nothing crosses' : 'no contact';
+      return [el('span', {}, step ? (collisionsOf(step) > 0 ? counted(collisionsOf(step), `${wordsOf(poses).colliding} pair`) : none) : 'not checked')];
     }
     const first = found.filter(({ index }) => index === lane);
     const listed = [...first, ...found.filter(({ index }) => index !== lane)].slice(0, kMaxLines);

@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { kReasons } from '../shared/colors';
 import { el } from '../shared/dom';
+import { capital, isStatic, wordsOf, type Words } from '../shared/words';
 import type { SceneInfo } from './api';
 import { copyButton } from './copy';
 import type { Stage } from './stage';
@@ -12,6 +13,7 @@ const kStillPixels = 4; // A press that moves farther is a drag.
 export class Inspector {
   private chosen: { object: number; face: number } | null = null;
   private shown = '';
+  private readonly words: Words;
   private changed = false;
 
   constructor(
@@ -21,6 +23,7 @@ export class Inspector {
     private readonly card: HTMLElement,
     private readonly approach: (point: THREE.Vector3, size: number) => void,
   ) {
+    this.words = wordsOf(isStatic(scene.settings));
     let press = [0, 0];
     const { canvas } = stage;
     canvas.addEventListener('pointerdown', (event) => (press = [event.clientX, event.clientY]));
@@ -80,14 +83,15 @@ export class Inspector {
       el('strong', {}, `Triangle ${face}${this.scene.objects.length > 1 ? ` of ${info.name}` : ''}`),
       el('span', {}, `vertices ${corners} `, copyButton(`triangle ${face}, vertices ${corners}`)),
       ...(crosses ? [el('span', {}, `Crosses another triangle in frame ${this.scene.frame_numbers[0] ?? 0}.`)] : []),
-      el('span', {}, faces ? this.proof(faces[object]!, face, info.triangles) : 'Choose a proof color or a colliding step to see what is known of it'),
+      el('span', {}, faces ? this.proof(faces[object]!, face, info.triangles) : `Choose a proof color or a ${this.words.step} with ${this.words.collisions} to see what is known of it`),
     );
   }
 
   private proof(data: Uint8Array, face: number, n: number): string {
     const reason = kReasons[this.scene.reasons[data[n + face]!] ?? ''];
     const level = (data[2 * n + face]! << 24) >> 24;
-    const parts = [data[face] !== 0 ? 'Collides in this step.' : 'No collision in this step.', `${reason?.title ?? 'Unknown'}${level >= 0 ? `, level ${level}` : ''}`];
+    const { step, collisions, collides } = this.words;
+    const parts = [`${data[face] !== 0 ? capital(collides) : `No ${collisions}`} in this ${step}.`, `${reason?.title ?? 'Unknown'}${level >= 0 ? `, level ${level}` : ''}`];
     if (level >= 0) parts.push(`margin ${(data[3 * n + face]! / 255).toFixed(2)}`);
     return `${parts[0]} ${parts.slice(1).join(', ')}.`;
   }

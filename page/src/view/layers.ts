@@ -1,5 +1,6 @@
 // Switches for what is shown; a disabled switch says why.
 import { append, el, setText } from '../shared/dom';
+import { isStatic } from '../shared/words';
 import type { SceneInfo } from './api';
 import type { Paint } from './surface';
 
@@ -31,11 +32,18 @@ const kSwitches: [Switch, string, string, string][] = [
   ['seeThrough', 'See through', 'X', 'collisions and crossings stay solid'],
 ];
 
+/** Those of poses: no pose follows from the first, and nothing in it moves into contact. */
+const kPoseSwitches: typeof kSwitches = [
+  ['collisions', 'Crossings', 'C', 'triangles that cross in this frame, red; hidden ones shine through'],
+  ...kSwitches.filter(([name]) => name === 'keyPoints' || name === 'boxes' || name === 'edges'),
+  ['seeThrough', 'See through', 'X', 'crossings stay solid'],
+];
+
 const kPaints: [Paint, string, string][] = [
   ['plain', 'Plain', 'clay'],
   ['level', 'Proof: level', 'proven free, by the level of the hierarchy that proved it; others by reason'],
   ['margin', 'Proof: margin', 'proven free, by the slack of the proof; others by reason'],
-  ['error', 'Prediction error', 'distance between the motion and what key points predict'],
+  ['error', 'Prediction error', 'distance between the surface and what key points predict'],
 ];
 
 /** Why layers are unavailable; empty if they are available. */
@@ -57,17 +65,19 @@ export class LayerPanel {
   private readonly switches = new Map<Switch, HTMLInputElement>();
   private readonly level: HTMLInputElement;
   private readonly levelText = el('output');
+  private readonly poses: boolean;
 
   constructor(
     private readonly scene: SceneInfo,
     private readonly changed: () => void,
   ) {
+    this.poses = isStatic(scene.settings);
     const deepest = Math.max(0, ...scene.objects.map((object) => object.levels));
     this.state = {
       paint: 'plain',
       collisions: true,
       crossings: true,
-      contacts: true,
+      contacts: !this.poses,
       keyPoints: false,
       boxes: false,
       level: Math.min(4, deepest),
@@ -92,7 +102,7 @@ export class LayerPanel {
       paints.append(this.line(input, title, reason || help, reason !== ''));
     }
     const marks = el('fieldset', {}, el('legend', {}, 'Shown'));
-    for (const [name, title, key, help] of kSwitches) {
+    for (const [name, title, key, help] of this.poses ? kPoseSwitches : kSwitches) {
       const reason = name === 'keyPoints' ? why.keyPoints : name === 'crossings' ? why.crossings : '';
       const input = el('input', { type: 'checkbox', checked: this.state[name], disabled: reason !== '', 'data-layer': name });
       input.addEventListener('change', () => this.set(name, input.checked));
@@ -111,7 +121,7 @@ export class LayerPanel {
   private sources(reason: string): HTMLElement {
     const box = el('fieldset', {}, el('legend', {}, 'Shape'));
     const all: [ShapeSource, string, string][] = [
-      ['motion', 'The motion', ''],
+      ['motion', this.poses ? 'The frames' : 'The motion', ''],
       ['prediction', 'Its prediction from key points', reason],
     ];
     for (const [source, title, why] of all) {
@@ -140,8 +150,8 @@ export class LayerPanel {
   }
 
   set(name: Switch, value: boolean): void {
-    const input = this.switches.get(name)!;
-    if (input.disabled) return;
+    const input = this.switches.get(name);
+    if (!input || input.disabled) return;
     input.checked = value;
     this.state[name] = value;
     this.changed();

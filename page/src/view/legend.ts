@@ -2,6 +2,7 @@
 import { css, errorColor, gradient, kBlue, kNothingToProve, kObjectColors, kOrange, kPink, kReasons, kRed, kSky, levelColor, marginColor, timeColor, type Rgb } from '../shared/colors';
 import { el } from '../shared/dom';
 import { grouped, percent, short } from '../shared/format';
+import { capital, wordsOf } from '../shared/words';
 import type { LayerState } from './layers';
 
 /** Numbers of triangles: by reason, and of certified ones by level + 1. */
@@ -29,6 +30,7 @@ export function countFaces(parts: Uint8Array[], triangles: number[]): FaceCounts
 
 export interface LegendState {
   layers: LayerState;
+  poses: boolean; // steps are poses
   shapes: boolean; // a shape of the model is shown instead of the motion
   start: { frame: number; faces: number | null } | null; // if something crosses in the first frame
   both: boolean; // a triangle collides and crosses
@@ -79,6 +81,7 @@ const mark = (kind: string, text: string): HTMLElement => el('span', { className
 /** The legend's lines for what is switched on. */
 export function legendItems(state: LegendState): HTMLElement[] {
   const { layers } = state;
+  const { step, colliding, collides } = wordsOf(state.poses);
   const items: HTMLElement[] = [];
   if (state.shapes) return [el('li', {}, 'A shape of the model: without motion there are no collisions or proofs of steps')];
   if (layers.source === 'prediction') items.push(el('li', {}, 'The shape is the prediction from key points'));
@@ -86,7 +89,7 @@ export function legendItems(state: LegendState): HTMLElement[] {
     state.objects.forEach((name, i) => items.push(item(swatch(kObjectColors[i % kObjectColors.length]!), name)));
   }
   const striped = layers.paint !== 'plain';
-  if (layers.collisions) items.push(item(swatch(kRed, striped ? 'striped' : ''), 'Colliding triangles in this step', state.counts ? grouped(state.counts.colliding) : ''));
+  if (layers.collisions) items.push(item(swatch(kRed, striped ? 'striped' : ''), `${capital(colliding)} triangles in this ${step}`, state.counts ? grouped(state.counts.colliding) : ''));
   if (state.start && layers.crossings) {
     items.push(item(swatch(kPink, 'crossing'), `Triangles that cross in frame ${state.start.frame}`, state.start.faces === null ? '' : grouped(state.start.faces)));
     if (layers.collisions && state.both) items.push(item(swatch(kRed, 'both'), 'Both'));
@@ -104,7 +107,7 @@ export function legendItems(state: LegendState): HTMLElement[] {
   }
   if (layers.keyPoints) items.push(item(swatch(kSky, 'round'), 'Key points'));
   if (layers.boxes && state.boxFrame !== null) items.push(item(swatch(kBlue, 'box'), `Boxes, level ${layers.level}, frame ${state.boxFrame}`));
-  const marks = [mark('hit', 'collides'), mark('open', 'unchecked')];
+  const marks = [mark('hit', collides), mark('open', 'unchecked')];
   if (state.calm) marks.unshift(mark('calm', 'no new contact'));
   if (state.free) marks.unshift(mark('free', 'free'));
   if (state.start) marks.unshift(mark('crossing', 'starts crossing'));

@@ -1,4 +1,5 @@
 // Where the user is: the time, and the contact or pair that is chosen.
+import { collisionsOf } from '../shared/steps';
 import type { Pair } from './api';
 import type { Check } from './check';
 import { kStart } from './check';
@@ -42,7 +43,7 @@ export class Navigator {
 
   play(playing: boolean): void {
     const { clock, timeline } = this.parts;
-    if (playing && clock.still) return;
+    if (playing && clock.frames === 1) return;
     if (playing) {
       this.touched = true;
       this.showMotion();
@@ -107,7 +108,7 @@ export class Navigator {
     const { check, clock, contacts } = this.parts;
     if (contacts.items.length > 0) return void this.chooseContact(contacts.first);
     if (check.startsCrossing) return this.goTo(() => clock.seek(0));
-    const step = check.steps.find((one) => one.vertex_face + one.edge_edge > 0);
+    const step = check.steps.find((one) => collisionsOf(one) > 0);
     if (step) this.goTo(() => clock.seek(step.number, step.toi));
   }
 
@@ -127,11 +128,14 @@ export class Navigator {
     };
   }
 
-  /** A pair chosen in another step is deselected. */
+  /** A pair chosen in another step is deselected, and so is a contact that is not in this pose. */
   leave(step: number): void {
-    if (!this.chosen || this.chosen.step === step) return;
-    this.chosen = null;
-    this.content?.lines.clear();
+    if (this.chosen && this.chosen.step !== step) {
+      this.chosen = null;
+      this.content?.lines.clear();
+    }
+    const { clock, contacts } = this.parts;
+    if (clock.still && this.contact !== null && !contacts.at(step).some(({ index }) => index === this.contact)) this.setContact(null);
   }
 
   /** The position at which a contact of the list is worst, or first touches. */

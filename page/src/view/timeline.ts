@@ -1,6 +1,7 @@
 // The timeline: buttons, the position, and the track.
 import { el, icon, setText } from '../shared/dom';
 import { stepText, type Step } from '../shared/steps';
+import { wordsOf } from '../shared/words';
 import type { SceneInfo } from './api';
 import type { Check } from './check';
 import type { Clock } from './clock';
@@ -61,24 +62,25 @@ export class Timeline {
       el('button', { className: `quiet ${className}`, type: 'button', title, 'aria-label': title, onclick: action }, icon(path));
     const play = el('button', { className: 'play', type: 'button', title: 'Play or pause (Space)', 'aria-label': 'Play or pause', onclick: this.actions.play }, this.playIcon);
     const speed = el('select', { title: 'Speed ([ and ])', 'aria-label': 'Speed', className: 'speed' });
-    for (const value of kSpeeds) speed.append(el('option', { value: String(value), selected: value === 1 }, `${value}×`));
+    for (const value of kSpeeds) speed.append(el('option', { value: String(value), selected: value === this.clock.speed }, `${value}×`));
     speed.addEventListener('change', () => (this.clock.speed = Number(speed.value)));
     this.changeSpeed = (by) => {
       speed.selectedIndex = Math.min(Math.max(0, speed.selectedIndex + by), kSpeeds.length - 1);
       this.clock.speed = Number(speed.value);
     };
-    const s = this.clock.substeps;
+    const { step, collisions, orStart } = wordsOf(this.check.poses);
+    const one = this.clock.substeps > 1 ? 'substep' : step;
     return el(
       'div',
       { className: 'buttons' },
       button('M6 5h2v14H6zm3 7 9-7v14z', 'To the start (Home)', () => this.actions.seekPosition(0)),
-      button('M17 5v14l-11-7z', s > 1 ? 'One substep back (←)' : 'One step back (←)', () => this.actions.move(-1)),
+      button('M17 5v14l-11-7z', `One ${one} back (←)`, () => this.actions.move(-1)),
       play,
-      button('M7 5v14l11-7z', s > 1 ? 'One substep on (→)' : 'One step on (→)', () => this.actions.move(1)),
-      button('M11 5v14l-9-7zm4 4a3 3 0 1 1 0 6 3 3 0 0 1 0-6z', 'Previous step with collisions, or the start if it crosses (P)', () => this.actions.collision(-1), 'collision'),
-      button('M13 5v14l9-7zm-4 4a3 3 0 1 0 0 6 3 3 0 0 0 0-6z', 'Next step with collisions (N)', () => this.actions.collision(1), 'collision'),
+      button('M7 5v14l11-7z', `One ${one} on (→)`, () => this.actions.move(1)),
+      button('M11 5v14l-9-7zm4 4a3 3 0 1 1 0 6 3 3 0 0 1 0-6z', `Previous ${step} with ${collisions}${orStart} (P)`, () => this.actions.collision(-1), 'collision'),
+      button('M13 5v14l9-7zm-4 4a3 3 0 1 0 0 6 3 3 0 0 0 0-6z', `Next ${step} with ${collisions} (N)`, () => this.actions.collision(1), 'collision'),
       speed,
-      el('label', { className: 'inner', title: 'Time within the step (, and .)' }, el('span', {}, 'in step'), this.within),
+      !this.clock.still && el('label', { className: 'inner', title: 'Time within the step (, and .)' }, el('span', {}, 'in step'), this.within),
       el('label', { className: 'go' }, 'frame ', this.number),
       this.where,
     );

@@ -30,6 +30,8 @@ export class Track {
   private readonly lanesBox = el('div', { className: 'lanes', hidden: true });
   private readonly cursor = el('div', { className: 'cursor' });
   private view: [number, number]; // positions at the left and the right end
+  private readonly ends: [number, number]; // the farthest that there are
+  private readonly margin: number; // what a pose takes before and after its position
   private chosen: number | null = null;
 
   constructor(
@@ -39,7 +41,9 @@ export class Track {
     private readonly contacts: Contacts,
     private readonly actions: TrackActions,
   ) {
-    this.view = [0, this.last];
+    this.margin = clock.still ? 0.5 : 0;
+    this.ends = [-this.margin, clock.end + this.margin];
+    this.view = this.ends;
     this.lanesBox.append(this.lanes);
     this.element = el(
       'div',
@@ -50,10 +54,6 @@ export class Track {
     );
     this.listen();
     new ResizeObserver(() => this.paint()).observe(this.element);
-  }
-
-  private get last(): number {
-    return Math.max(1, this.scene.frames - 1);
   }
 
   private get width(): number {
@@ -68,7 +68,7 @@ export class Track {
   private positionAt(clientX: number): number {
     const [from, to] = this.view;
     const share = (clientX - this.element.getBoundingClientRect().left) / this.width;
-    return Math.min(Math.max(0, from + share * (to - from)), this.scene.frames - 1);
+    return Math.min(Math.max(0, from + share * (to - from)), this.clock.end);
   }
 
   private listen(): void {
@@ -98,7 +98,7 @@ export class Track {
       const lane = this.laneAt(event);
       if (lane !== null) this.actions.choose(lane);
     });
-    element.addEventListener('dblclick', () => this.zoomTo(0, this.last));
+    element.addEventListener('dblclick', () => this.zoomTo(...this.ends));
     element.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
   }
 
@@ -113,14 +113,15 @@ export class Track {
     if (overLanes && !event.ctrlKey) return; // scrolls the lanes
     event.preventDefault();
     const [from, to] = this.view;
+    const [first, last] = this.ends;
     if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
       const by = ((event.deltaX || event.deltaY) / this.width) * (to - from);
-      const shift = Math.min(Math.max(by, -from), this.last - to);
+      const shift = Math.min(Math.max(by, first - from), last - to);
       return this.zoomTo(from + shift, to + shift);
     }
     const at = this.positionAt(event.clientX);
-    const size = Math.min(this.last, Math.max(2 / this.clock.substeps, (to - from) * 1.0015 ** event.deltaY));
-    const begin = Math.min(Math.max(0, at - ((at - from) / (to - from)) * size), this.last - size);
+    const size = Math.min(last - first, Math.max(2 / this.clock.substeps, (to - from) * 1.0015 ** event.deltaY));
+    const begin = Math.min(Math.max(first, at - ((at - from) / (to - from)) * size), last - size);
     this.zoomTo(begin, begin + size);
   }
 
@@ -183,7 +184,7 @@ export class Track {
     g.fillStyle = color('--panel');
     g.fillRect(0, 0, width, kRuler);
     if (this.clock.range) {
-      const [a, b] = this.clock.range.map((position) => this.toX(position)) as [number, number];
+      const [a, b] = [this.toX(this.clock.range[0] - this.margin), this.toX(this.clock.range[1] + this.margin)];
       g.fillStyle = color('--accent');
       g.globalAlpha = 0.35;
       g.fillRect(a, 0, b - a, kRuler);
@@ -196,7 +197,7 @@ export class Track {
     const power = 10 ** Math.floor(Math.log10(Math.max(rough, 1)));
     const stride = [1, 2, 5, 10].map((f) => f * power).find((s) => s >= rough) ?? 1;
     g.beginPath();
-    for (let k = Math.ceil(from); k <= Math.min(to, this.scene.frames - 1); ++k) {
+    for (let k = Math.ceil(from); k <= Math.min(to, this.clock.end); ++k) {
       const main = k % stride === 0;
       if (!main && (to - from) / width > 0.25) continue;
       const x = Math.round(this.toX(k)) + 0.5;
@@ -208,7 +209,7 @@ export class Track {
     g.stroke();
   }
 
-  /** Hatched until checked; green up to where everything is proven free; gray where only new contacts are ruled out; red bars for numbers of collisions, linear. Crossings in the first frame are marked at the start. */
+  /** Hatched until checked; green where everything is proven free; gray where only new contacts are ruled out; red bars for numbers of collisions, linear. Crossings in the first frame are marked at the start. */
   private paintSteps(g: CanvasRenderingContext2D, color: Color): void {
     const { width } = this;
     g.fillStyle = color('--stage');
@@ -220,17 +221,19 @@ export class Track {
       g.lineTo(x + kStrip, 0);
     }
     g.stroke();
-    const { free, steps, startsCrossing } = this.check;
-    const xOf = (step: number) => (this.clock.still ? step * width : this.toX(step / this.clock.substeps));
-    const fill = (name: string, end: number) => {
-      g.fillStyle = color(name);
-      g.fillRect(xOf(0), 0, xOf(end) - xOf(0), kStrip);
-    };
-    fill('--calm', steps.length);
-    fill('--free', free);
+    const { check } = this;
+    const { steps } = check;
+    const xOf = (step: number) => this.toX(step / this.clock.substeps - this.margin);
+    const isFree = (step: number) => check.kindOf(steps[step]!) === 'free';
+    for (let from = 0, to = 0; from < steps.length; from = to) {
+      const free = isFree(from);
+      while (to < steps.length && isFree(to) === free) ++to;
+      g.fillStyle = color(free ? '--free' : '--calm');
+      g.fillRect(xOf(from), 0, xOf(to) - xOf(from), kStrip);
+    }
     let maxCount = 1;
     for (const step of steps) maxCount = Math.max(maxCount, collisionsOf(step));
-    if (startsCrossing) this.paintStart(g, xOf(0), this.clock.still ? width : kStartWidth, color);
+    if (check.startsCrossing) this.paintStart(g, xOf(0), this.clock.still ? width : kStartWidth, color);
     g.fillStyle = color('--bar');
     for (const step of steps) {
       const count = collisionsOf(step);
@@ -263,7 +266,7 @@ export class Track {
   /** A lane per contact: from its first to its last time, as high as it is deep; without a depth, as its curve is long. */
   private paintLanes(color: Color): void {
     const items = this.contacts.items.slice(0, kMaxLanes);
-    this.lanesBox.hidden = items.length === 0 || this.clock.still;
+    this.lanesBox.hidden = items.length === 0 || this.clock.frames === 1;
     if (this.lanesBox.hidden) return;
     this.lanes.style.height = `${items.length * kLane}px`;
     const g = this.prepare(this.lanes, items.length * kLane);
@@ -286,7 +289,7 @@ export class Track {
       g.fillStyle = color('--line');
       g.fillRect(0, bottom, this.width, 1);
       g.fillStyle = color('--bar');
-      g.fillRect(x(contact.first_time), bottom - 2, Math.max(3, x(contact.last_time) - x(contact.first_time)), 2);
+      g.fillRect(x(contact.first_time), bottom - 2, Math.max(contact.frames.length > 0 ? 0 : 3, x(contact.last_time) - x(contact.first_time)), 2);
       const wide = Math.max(2, (this.toX(1) - this.toX(0)) * 0.9);
       for (const frame of contact.frames) {
         g.globalAlpha = frame.depth === null ? 0.45 : 1;
@@ -294,7 +297,7 @@ export class Track {
         g.fillRect(x(frame.time) - wide / 2, bottom - height, wide, height);
       }
       g.globalAlpha = 1;
-      this.paintLabel(g, color, `#${contact.number}`, [x(contact.first_time), x(contact.last_time)], bottom - kLane / 2 + 1);
+      this.paintLabel(g, color, `#${contact.number}`, [x(contact.first_time) - wide / 2, x(contact.last_time) + wide / 2], bottom - kLane / 2 + 1);
     });
   }
 

@@ -32,7 +32,7 @@ export class ViewOptions {
       this.ups.set(up, input);
       ups.append(el('label', {}, input, up));
     }
-    box.append(ups, this.check('follow', 'Follow the motion', 'the camera moves along'), this.check('ground', 'Ground', 'a grid at the lowest point of the motion'));
+    box.append(ups, this.check('follow', 'Follow the mesh', 'the camera moves along'), this.check('ground', 'Ground', 'a grid at the lowest point of all frames'));
     return box;
   }
 
