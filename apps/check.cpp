@@ -54,20 +54,13 @@ struct CheckArguments : StepArguments {
   std::vector<std::string> parts;
   std::string unit;
   double miss_rate = 0.01;
-  bool poses = false, first = false, all_contacts = false, pairs = false, quiet = false, reduced = false,
-       watch = false;
+  bool first = false, all_contacts = false, pairs = false, quiet = false, reduced = false, watch = false;
 };
 
 void add_query_options(const Subcommand& check, CheckArguments& a) {
-  const std::string group = check.option("--thickness").group();
-  const Option poses =
-      check.add_flag("--static", a.poses, "Find triangles that cross in each frame instead, exactly")
-          .group(group);
   check.add_flag("--first", a.first, "Find only the earliest collision of each step")
-      .group(group)
-      .excludes(poses);
-  for (const char* option : {"--thickness", "--tolerance", "--substeps", "--steps-only"})
-    check.option(option).excludes(poses);
+      .group(check.option("--thickness").group())
+      .excludes(check.option("--static"));
 }
 
 void add_mode_options(const Subcommand& check, CheckArguments& a) {
@@ -178,7 +171,6 @@ Result<CheckSettings> settings_of(const CheckArguments& a) {
   FOLDPROOF_TRY(a.files.check());
   FOLDPROOF_TRY(require_mode_fits(a));
   FOLDPROOF_TRY(require_reduced_fits(a));
-  settings.poses = a.poses;
   settings.step.mode = a.mode == "paper" ? Mode::Paper : Mode::Proven;
   settings.step.miss_rate = a.miss_rate;
   settings.step.earliest_only = a.first;

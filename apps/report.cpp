@@ -14,13 +14,14 @@ constexpr const char* kFooter = R"(Several motions are several objects, and need
 
 The report is one file that opens in any browser, offline. It shows the contacts, the worst first, with pictures; what
 crosses in the first frame, what collides and when; charts of every step; what was proven and why not the rest; the
-settings and the version. It names files as they were typed.
+settings and the version. With --static it shows what crosses in each frame instead. It names files as they were typed.
 
 Exit code: 0 no collision and no crossing in the first frame, 1 collisions or crossings, 2 error.
 
 Examples:
   foldproof report walk.glb -o report.html
   foldproof report body.npz shirt.npz --between -o shirt.html
+  foldproof report poses/ --static -o poses.html
   foldproof report walk.glb --model body.model --frames 10:21 -o report.html)";
 
 struct ReportArguments : StepArguments {

@@ -15,8 +15,8 @@ Result<int> run_and_summarize(Motions motions, const CheckSettings& settings, Wr
   CheckHooks hooks;
   hooks.progress = [&](const CheckTotals& totals, std::uint64_t expected) {
     bar.show(static_cast<double>(totals.steps) / static_cast<double>(expected),
-             fmt::format("{} of {} steps, {} with collisions", totals.steps, expected,
-                         totals.steps_with_collisions));
+             fmt::format("{} of {} {}s, {} with collisions", totals.steps, expected,
+                         settings.poses ? "frame" : "step", totals.steps_with_collisions));
   };
   hooks.cancel = &watch_for_interrupt();
   const auto totals = run_check(motions, settings, writers, hooks);

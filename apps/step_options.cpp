@@ -53,11 +53,16 @@ void add_setting_options(const Subcommand& command, StepArguments& a) {
       .add_flag("--steps-only", a.steps_only,
                 "Find only contacts between frames: do not test for crossings in the first frame")
       .group(group);
+  const Option poses =
+      command.add_flag("--static", a.poses, "Find triangles that cross in each frame instead, exactly")
+          .group(group);
 
   add_motion_options(command, a.motion);
   command.add_option("--substeps", a.substeps, "Cut each step into N linear parts [1]")
       .type_name("N")
       .group(kMotionGroup);
+  for (const char* option : {"--thickness", "--tolerance", "--substeps", "--steps-only"})
+    command.option(option).excludes(poses);
 
   const char* speed = "Speed (these do not change the answer)";
   const Option model =
@@ -82,6 +87,7 @@ Result<CheckSettings> step_settings(const StepArguments& a) {
   if (a.substeps < 1)
     return fail(ErrorCode::InvalidArgument, "--substeps", "must not be 0", "give 1 or more");
   CheckSettings settings;
+  settings.poses = a.poses;
   settings.substeps = a.substeps;
   settings.steps_only = a.steps_only;
   settings.step = {.within = !a.between,

@@ -11,7 +11,7 @@ struct StepArguments {
   Index substeps = 1;
   double thickness = 0, tolerance = 0;
   std::uint64_t limit = StepSettings().max_listed;
-  bool within = false, between = false, no_certificates = false, steps_only = false;
+  bool within = false, between = false, no_certificates = false, steps_only = false, poses = false;
   int threads = 0;
   FileArguments files;
 };

@@ -35,7 +35,7 @@ Examples:
 struct SweepArguments : StepArguments {
   std::string output, summary, command;
   double patience = 30;
-  bool poses = false, again = false, quiet = false;
+  bool again = false, quiet = false;
 };
 
 void add_options(const Subcommand& sweep, SweepArguments& a) {
@@ -47,13 +47,8 @@ void add_options(const Subcommand& sweep, SweepArguments& a) {
   add_setting_options(sweep, a);
   sweep.option("--model").description(
       "A model from 'foldproof train', used for the motions of its mesh; may be given several times");
-  const Option poses =
-      sweep
-          .add_flag("--static", a.poses,
-                    "Find triangles that cross in each frame instead, exactly; also in single meshes")
-          .group(sweep.option("--thickness").group());
-  for (const char* option : {"--thickness", "--tolerance", "--substeps", "--steps-only"})
-    sweep.option(option).excludes(poses);
+  sweep.option("--static")
+      .description("Find triangles that cross in each frame instead, exactly; also in single meshes");
 
   const char* group = "Output";
   a.files
@@ -78,7 +73,6 @@ void add_options(const Subcommand& sweep, SweepArguments& a) {
 Result<SweepSettings> load_settings(const SweepArguments& a) {
   const auto check = FOLDPROOF_TRY(step_settings(a));
   SweepSettings settings{check, a.motion.read, {}};
-  settings.check.poses = a.poses;
   settings.models = FOLDPROOF_TRY(load_models(a.models, {}));
   return settings;
 }

@@ -18,13 +18,15 @@ constexpr const char* kFooter = R"(  pose.obj                        a single po
 Several motions are several objects, and need equally many frames.
 
 The page shows the motion at once, while the check runs: it first finds what crosses in the first frame, then what
-collides in each step. Answers appear as they come; contacts at the end. The page is served to this machine only
-(http://127.0.0.1:PORT), reads only the files named here, and writes nothing. Ctrl-C ends it.
+collides in each step. With --static, frames are no motion but poses of their own, and it finds what crosses in each.
+Answers appear as they come; contacts at the end. The page is served to this machine only (http://127.0.0.1:PORT),
+reads only the files named here, and writes nothing. Ctrl-C ends it.
 
 Examples:
   foldproof view walk.glb                         look at it in the browser
   foldproof view body.npz shirt.npz               two objects
   foldproof view walk.glb --model body.model      with key points, mode sliders and predictions
+  foldproof view poses/ --static                  poses that are no motion: what crosses in each of them
   foldproof view walk.glb --frames 10:21          only frames 10 to 20
   foldproof view walk.glb --substeps 10           each step in ten straight parts
   foldproof view walk.glb --no-browser --port 8000

@@ -34,8 +34,8 @@ export function makeTube(name, { around = 16, along = 60, frames }) {
   return write(name, faces, values, frames);
 }
 
-/** Generated data: two unit spheres that move together; at a distance of 1 they overlap by half. OBJ and PC2, paths of both. */
-export function makeSpheres(name, { around = 32, along = 24, frames, distance = 1, far }) {
+/** Generated data: two unit spheres that move together; at a distance of 1 they overlap by half. `distances`: one per frame. OBJ and PC2, paths of both. */
+export function makeSpheres(name, { around = 32, along = 24, distances, frames = distances?.length, distance = 1, far }) {
   const sphere = around * (along + 1);
   const faces = [];
   for (const first of [1, sphere + 1]) {
@@ -52,11 +52,12 @@ export function makeSpheres(name, { around = 32, along = 24, frames, distance = 
   const place = (...point) => (far === undefined ? point : point.map((value) => far + Math.round(value * 4096) / 4096));
   for (let frame = 0; frame < frames; ++frame) {
     for (const k of [0, 1]) {
+      const apart = k * (distances?.[frame] ?? distance);
       for (let ring = 0; ring <= along; ++ring) {
         const angle = (Math.PI * (ring + 0.05)) / (along + 0.1);
         for (let i = 0; i < around; ++i) {
           const turn = (2 * Math.PI * i) / around;
-          values.push(...place(0.25 * frame + k * distance + Math.sin(angle) * Math.cos(turn), 0.07 * k + Math.cos(angle), Math.sin(angle) * Math.sin(turn)));
+          values.push(...place(0.25 * frame + apart + Math.sin(angle) * Math.cos(turn), 0.07 * k + Math.cos(angle), Math.sin(angle) * Math.sin(turn)));
         }
       }
     }

@@ -94,6 +94,24 @@ test('shows a single frame', async () => {
   await close();
 });
 
+test('reports the poses of a static check', async () => {
+  const poses = makeSpheres('poses', { distances: [2.5, 1.4, 2.5, 1] });
+  const { page, verdict, kind, text, close } = await read(reportOf('poses', poses, '--static'));
+  assert.match(verdict, /^[\d,]+ crossing pairs of triangles in 2 of 4 frames$/);
+  assert.equal(kind, 'hit');
+  assert.match(text, /first frame with crossings is 1\. The worst is frame 3, with [\d,]+ pairs\..*what happens between frames is not tested/);
+  assert.match(text, /Frames with crossings/);
+  assert.doesNotMatch(text.slice(0, text.indexOf('Settings')), /\bstep|collision|collid|motion|start/i);
+  assert.equal(await page.locator('.contact img').count(), 2);
+  assert.ok(await page.locator('.chart[data-chart=collisions]').isVisible());
+  await close();
+  const free = await read(reportOf('free', poses, '--static', '--frames', '0:4:2'));
+  assert.equal(free.verdict, 'Proven free: nothing crosses in any of 2 frames');
+  assert.equal(free.kind, 'free');
+  assert.equal(await free.page.locator('.answer.free').count(), 1);
+  await free.close();
+});
+
 test('reports how far a stopped check came', async () => {
   const whole = readFileSync(reportOf('whole', makeSpheres('whole', { frames: 6, distance: 2.5 })), 'utf8');
   const cut = whole.replace('"stopped":false', '"stopped":true').replace('"steps_expected":5', '"steps_expected":7200');

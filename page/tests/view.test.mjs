@@ -417,6 +417,69 @@ test('shows a single frame as a motion of one frame', () =>
     assert.equal(await page.locator('.where').innerText(), 'frame 0');
   }));
 
+/** Everything that a page says, in all its tabs. */
+async function wordsOf(page) {
+  const texts = [];
+  for (const key of ['l', '?', 'Escape']) await page.keyboard.press(key);
+  for (const tab of ['contacts', 'collisions', 'layers', 'charts']) {
+    await page.click(`#tab-${tab}`);
+    await page.waitForTimeout(50);
+    texts.push(await page.evaluate(() => [document.querySelector('.app').innerText, document.querySelector('dialog').textContent, ...[...document.querySelectorAll('[title]')].map(({ title }) => title)].join('\n')));
+  }
+  return texts.join('\n');
+}
+
+test('shows the poses of a static check', () =>
+  withPage([...makeSpheres('poses', { distances: [2.5, 1.4, 2.5, 1, 2.5] }), '--static'], async (page) => {
+    const { text, kind } = await verdict(page);
+    assert.match(text, /^[\d,]+ crossing pairs of triangles in 2 of 5 frames$/);
+    assert.equal(kind, 'hit');
+    const worst = await until(page, (s) => s.contact !== null && s.curve && !s.waiting, 'the worst contact with its curve');
+    assert.deepEqual([worst.position, worst.contacts, worst.steps], [3, 2, 5]);
+    assert.match(await page.locator('.contacts').innerText(), /what happens between frames is not tested[^]*frame 3[^]*frame 1/);
+    assert.ok((await green(page)) > 1000);
+    await page.keyboard.press('Home');
+    await until(page, (s) => s.contact === null && !s.waiting, 'a pose without the contact');
+    await page.keyboard.press('r');
+    const visited = [];
+    for (const key of ['n', 'n', 'n', 'p', 'ArrowRight', '.', 'End']) {
+      await page.keyboard.press(key);
+      visited.push((await until(page, (s) => !s.waiting, 'the pose')).position);
+    }
+    assert.deepEqual(visited, [1, 3, 3, 1, 2, 2, 4]);
+    assert.equal(await page.locator('.where').innerText(), 'frame 4');
+    await page.click('#tab-collisions');
+    assert.match(await page.locator('.collisions .head').innerText(), /^Nothing crosses\s+frame 4$/);
+    await page.keyboard.press('p');
+    const row = page.locator('.pair:visible .kind.tt').first();
+    await row.waitFor();
+    const red = await picture(page);
+    await page.keyboard.press('c');
+    await looks(page, (now) => differs(now, red), 'triangles that cross are marked');
+    await page.keyboard.press('c');
+    const before = await state(page);
+    await row.click();
+    const there = await until(page, (s) => s.camera.join() !== before.camera.join(), 'the flight to a pair');
+    assert.equal(there.position, 3);
+    const said = await wordsOf(page);
+    assert.match(said, /Crossing triangles in this frame/);
+    assert.doesNotMatch(said, /\bstep|collision|collid|motion|in contact/i);
+  }));
+
+test('plays poses one after the other, with nothing between them', () =>
+  withPage([...makeSpheres('played', { distances: [2.5, 2.6, 2.7, 2.8] }), '--static'], async (page) => {
+    assert.deepEqual(await verdict(page), { text: 'Proven free: nothing crosses in any of 4 frames', kind: 'free' });
+    assert.match(await page.locator('.contacts').innerText(), /No contacts\s+Nothing crosses in any frame/);
+    assert.equal(await page.locator('[aria-label="Time within the step"]').count(), 0);
+    const box = await page.locator('.track').boundingBox();
+    await page.mouse.click(box.x + 0.6 * box.width, box.y + 30);
+    assert.equal((await state(page)).position, 2, 'the third of four quarters');
+    await page.keyboard.press(' ');
+    const seen = new Set();
+    await until(page, ({ position }) => seen.add(position).size === 4, 'all four');
+    assert.deepEqual([...seen].sort(), [0, 1, 2, 3]);
+  }));
+
 /** Passes on only the first `count` steps, with a given state, and then does `next`. */
 const cutAfter = (count, state, next) => async (page) => {
   let requests = 0;
@@ -429,21 +492,22 @@ const cutAfter = (count, state, next) => async (page) => {
   });
 };
 
-for (const [what, prepare, end] of [
-  ['was stopped', cutAfter(3, 'stopped'), 'stopped'],
-  ['is gone with its program', cutAfter(3, 'running', (route) => route.abort()), 'gone'],
+for (const [what, prepare, end, options, reached] of [
+  ['was stopped', cutAfter(3, 'stopped'), 'stopped', [], '3 of 5 steps'],
+  ['is gone with its program', cutAfter(3, 'running', (route) => route.abort()), 'gone', [], '3 of 5 steps'],
+  ['was static and stopped', cutAfter(3, 'stopped'), 'stopped', ['--static'], '3 of 6 frames'],
 ]) {
   test(`reports how far a check came that ${what}`, () =>
     withPage(
-      makeSpheres(what.replaceAll(' ', '-'), { frames: 6, distance: 2.5 }),
+      [...makeSpheres(what.replaceAll(' ', '-'), { frames: 6, distance: 2.5 }), ...options],
       async (page) => {
-        assert.deepEqual(await verdict(page), { text: 'Stopped at 3 of 5 steps; the rest is unknown', kind: 'stopped' });
+        assert.deepEqual(await verdict(page), { text: `Stopped at ${reached}; the rest is unknown`, kind: 'stopped' });
         assert.equal(await page.locator('.status progress').isVisible(), false);
         await page.click('#tab-collisions');
         await page.keyboard.press('End');
         await page.waitForTimeout(50);
         assert.match(await page.locator('.collisions .head').innerText(), /^Not checked/);
-        assert.match(await page.locator('.collisions').innerText(), /Stopped at 3 of 5 steps/);
+        assert.match(await page.locator('.collisions').innerText(), new RegExp(`Stopped at ${reached}`));
       },
       { end, prepare },
     ));

@@ -78,6 +78,8 @@ TEST_F(View, ReportsWithTheExitCodesOfACheck) {
   EXPECT_THAT(outcome.out, HasSubstr("Collisions in "));
   EXPECT_THAT(read_file(scene_ / "it's.html"),
               HasSubstr(R"("command":"foldproof report bend.npz -o 'it'\\''s.html'")"));
+  EXPECT_EQ(scene_.run({"report", "bend.npz", "--frames", "0", "--static", "-o", "pose.html"}).code, 0);
+  EXPECT_EQ(scene_.run({"report", "bend.npz", "--static", "-o", "poses.html"}).code, 1);
 }
 
 TEST_F(View, ExplainsMistakesInOneLine) {
@@ -88,6 +90,8 @@ TEST_F(View, ExplainsMistakesInOneLine) {
       {{"view", "bend.npz", "--frames", "9:"}, "--frames"},
       {{"view", "bend.npz", "--model", "bend.npz"}, "bend.npz"},
       {{"view", "bend.npz", "free.npz"}, "equally many frames"},
+      {{"view", "bend.npz", "--static", "--thickness", "1"}, "--static"},
+      {{"report", "bend.npz", "--static", "--substeps", "2", "-o", "a.html"}, "--static"},
       {{"report", "bend.npz"}, "--output is required"},
       {{"report", "bend.npz", "-o", "no/a.html"}, "no/a.html"},
       {{"report", "bend.npz", "--frames", "9:", "-o", "a.html"}, "--frames"},
