@@ -110,6 +110,9 @@ test('reports the poses of a static check', async () => {
   assert.equal(free.kind, 'free');
   assert.equal(await free.page.locator('.answer.free').count(), 1);
   await free.close();
+  const one = await read(reportOf('one', poses, '--static', '--frames', '1'));
+  assert.match(one.verdict, /^[\d,]+ crossing pairs of triangles in the one frame$/);
+  await one.close();
 });
 
 test('reports how far a stopped check came', async () => {

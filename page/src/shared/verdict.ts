@@ -66,10 +66,8 @@ export function verdictOf(found: Found): Verdict {
   const steps = stepsText(found);
   const can = found.statistical ? 'Statistical, can miss: ' : '';
   const contacts = `${pairsText(found)} in ${grouped(found.colliding)} of ${steps}`;
-  if (found.poses) {
-    if (pairs > 0) return { text: `${can}${contacts}`, kind: 'hit' };
-    return { text: `${can || 'Proven free: '}nothing crosses in ${found.single ? 'the one frame' : `any of ${steps}`}`, kind: can ? 'run' : 'free' };
-  }
+  if (found.poses && pairs > 0) return { text: `${can}${found.single ? `${pairsText(found)} in the one frame` : contacts}`, kind: 'hit' };
+  if (found.poses) return { text: `${can || 'Proven free: '}nothing crosses in ${found.single ? 'the one frame' : `any of ${steps}`}`, kind: can ? 'run' : 'free' };
   if (found.single && start) return single(start, pairs);
   if (start && start.crossings > 0) return { text: `${startText(start)}; ${can.toLowerCase()}${pairs > 0 ? contacts : `no new contact in ${steps}`}`, kind: 'hit' };
   if (pairs > 0) return { text: `${can}${contacts}${start ? '' : `; ${kStartNotTested}`}`, kind: 'hit' };
