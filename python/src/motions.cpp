@@ -79,15 +79,11 @@ std::shared_ptr<SharedMotion> array_motion(const py::handle& triangles, const py
                                                                       std::move(numbers), std::move(named)));
 }
 
-ReadOptions read_options(double fps, bool weld) {
-  if (!(fps > 0) || !std::isfinite(fps)) refuse("fps", "is not a finite, positive number", "give another");
-  return {.fps = fps, .weld = weld};
-}
-
-std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, double fps, bool weld) {
+std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, const ReadOptions& options) {
   std::vector<std::string> arguments;
   for (const auto& path : paths) arguments.push_back(path_of(path));
-  const ReadOptions options = read_options(fps, weld);
+  if (!(options.fps > 0) || !std::isfinite(options.fps))
+    refuse("fps", "is not a finite, positive number", "give another");
   std::vector<std::unique_ptr<Motion>> motions;
   {
     const py::gil_scoped_release unlocked;
@@ -99,14 +95,15 @@ std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, doubl
   return shared;
 }
 
-py::list open_list(const py::args& paths, double fps, bool weld) {
+py::list open_list(const py::args& paths, double fps, bool weld, bool separate) {
   py::list list;
-  for (auto& motion : open_all(paths, fps, weld)) list.append(std::move(motion));
+  for (auto& motion : open_all(paths, {.fps = fps, .weld = weld, .separate = separate}))
+    list.append(std::move(motion));
   return list;
 }
 
 std::shared_ptr<SharedMotion> open_one(const py::args& paths, double fps, bool weld) {
-  auto motions = open_all(paths, fps, weld);
+  auto motions = open_all(paths, {.fps = fps, .weld = weld});
   if (motions.size() != 1)
     refuse("paths", "are " + std::to_string(motions.size()) + " motions", "give one, or use open_motions");
   return std::move(motions.front());
@@ -229,7 +226,10 @@ void bind_motions(py::module_& module) {
              "fps: sampling rate of animated glTF. weld: merge vertices that coincide in the first frame. "
              "Error: as for the program (docs/formats.md).");
   module.def("open_motions", &open_list, py::arg("fps") = 24.0, py::arg("weld") = false,
-             "Opens any number of motions: a list.");
+             py::arg("separate") = false,
+             "Opens any number of motions: a list.\n\n"
+             "separate: mesh files whose names differ only in a number are motions of their own, not frames "
+             "of one. Otherwise as open_motion.");
   module.def(
       "write_motion",
       [](const py::object& path, SharedMotion& motion) {

@@ -192,3 +192,12 @@ def test_files_come_back(motion, frames, tmp_path):
     assert len(foldproof.open_motions(tmp_path / "a.npz", str(tmp_path / "a.npz"))) == 2
     with pytest.raises(foldproof.Error, match="are 2 motions"):
         foldproof.open_motion(tmp_path / "a.npz", tmp_path / "a.npz")
+
+
+def test_numbered_meshes_are_frames_unless_separate(motion, frames, tmp_path):
+    paths = [tmp_path / "pose1.obj", tmp_path / "pose2.obj"]
+    for k, path in enumerate(paths):
+        foldproof.write_motion(path, motion[k:k + 1])
+    assert [len(read) for read in foldproof.open_motions(*paths)] == [2]
+    separate = foldproof.open_motions(*paths, separate=True)
+    assert [len(read) for read in separate] == [1, 1] and np.array_equal(separate[1][0], frames[1])
