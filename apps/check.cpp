@@ -231,7 +231,7 @@ Result<int> check_once(const CheckArguments& a) {
   if (a.reduced) {
     motions = FOLDPROOF_TRY(open_reduced(a.motions, a.quiet, settings));
   } else {
-    motions = FOLDPROOF_TRY(open_motions(a.motions, a.motion.read));
+    motions = FOLDPROOF_TRY(read_motions(a.motions, a.motion.read, a.quiet));
     settings.models = FOLDPROOF_TRY(load_models(a.models, motions));
   }
   settings.parts = FOLDPROOF_TRY(read_all_parts(a.parts, motions));

@@ -7,6 +7,8 @@
 #include <csignal>
 
 #include "base/try.h"
+#include "io/progress.h"
+#include "terminal.h"
 
 namespace foldproof {
 namespace {
@@ -79,9 +81,24 @@ Result<Model> load_learned_model(const std::string& path) {
   return model;
 }
 
+Result<std::vector<std::unique_ptr<Motion>>> read_motions(std::span<const std::string> arguments,
+                                                          const ReadOptions& options, bool quiet) {
+  std::string current;
+  std::optional<ProgressBar> bar;  // of the current file
+  const auto progress = [&](const std::string& file, std::uint64_t done, std::uint64_t all) {
+    if (file != current) bar.emplace(!quiet);
+    current = file;
+    const double bytes = static_cast<double>(done), of = static_cast<double>(all);
+    const std::string amount =
+        done == all ? "now building its mesh" : fmt::format("{:.0f} of {:.0f} MB", bytes / 1e6, of / 1e6);
+    bar->show(bytes / of, fmt::format("reading {}: {}", cell(file), amount));
+  };
+  return io::open_with_progress(arguments, options, progress);
+}
+
 Result<std::unique_ptr<Motion>> open_motion_of(const Model& model, const std::vector<std::string>& arguments,
-                                               const ReadOptions& options) {
-  auto motions = FOLDPROOF_TRY(open_motions(arguments, options));
+                                               const ReadOptions& options, bool quiet) {
+  auto motions = FOLDPROOF_TRY(read_motions(arguments, options, quiet));
   if (motions.size() != 1) {
     return fail(ErrorCode::InvalidArgument, arguments[0],
                 fmt::format("and the following arguments are {} motions", motions.size()), "give one");

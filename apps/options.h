@@ -41,9 +41,13 @@ void add_threads_option(const Subcommand& command, int& threads, const char* des
 /// Loads a model that has learned shapes. Error: it cannot be loaded, or has not.
 Result<Model> load_learned_model(const std::string& path);
 
-/// Opens the only motion that a command line names. Error: several motions, or another mesh than the model's.
+/// open_motions; on a terminal, unless `quiet`, it shows how much of a large file is read.
+Result<std::vector<std::unique_ptr<Motion>>> read_motions(std::span<const std::string> arguments,
+                                                          const ReadOptions& options, bool quiet);
+
+/// The same for the only motion of a command line. Error: several, or another mesh than the model's.
 Result<std::unique_ptr<Motion>> open_motion_of(const Model& model, const std::vector<std::string>& arguments,
-                                               const ReadOptions& options);
+                                               const ReadOptions& options, bool quiet);
 
 /// Sets a limit; 0 means none. Error: the number is out of range.
 Result<void> limit_threads(int threads, std::optional<ThreadLimit>& limit);

@@ -63,7 +63,7 @@ Result<Input> read_input(const PredictArguments& a, const Model& model) {
   }
   const auto& whole = tracked ? a.truth : a.key_points;
   if (!whole.empty()) {
-    input.truth = FOLDPROOF_TRY(open_motion_of(model, whole, a.motion.read));
+    input.truth = FOLDPROOF_TRY(open_motion_of(model, whole, a.motion.read, a.quiet));
     input.frames = select_frames(range, input.truth->frame_count());
     if (input.frames.empty()) {
       return fail(ErrorCode::InvalidArgument, "--frames", "selects none", "select more; frames count from 0");

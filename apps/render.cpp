@@ -246,7 +246,7 @@ Result<void> color_certificates(const RenderArguments& a, const Objects& motions
 
 Result<void> color_error(const RenderArguments& a, const Objects& motions, Colored& out) {
   const std::string truth_name[] = {a.truth};
-  const auto truth = FOLDPROOF_TRY(open_motions(truth_name, a.read));
+  const auto truth = FOLDPROOF_TRY(read_motions(truth_name, a.read, a.quiet));
   const auto frame = FOLDPROOF_TRY(truth[0]->frame_count() == 1 ? Result<Index>(0) : frame_of(a, truth));
   const auto expected = FOLDPROOF_TRY(read(truth, frame));
   if (motions.size() != 1 || expected.objects[0].size() != out.poses.objects[0].size())
@@ -375,7 +375,7 @@ Result<int> render(const RenderArguments& a) {
   FOLDPROOF_TRY(require_options_that_fit(a));
   FOLDPROOF_TRY(require_number("--fps", a.read.fps, false));
   FOLDPROOF_TRY(a.files.check());
-  const auto motions = FOLDPROOF_TRY(open_motions(a.motions, a.read));
+  const auto motions = FOLDPROOF_TRY(read_motions(a.motions, a.read, a.quiet));
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   const auto colored = color(a, motions);
   if (interrupted) return report_interrupted();

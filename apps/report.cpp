@@ -34,7 +34,7 @@ Result<int> report(const ReportArguments& a) {
   const auto files = FOLDPROOF_TRY(require_page_files());
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
-  auto opened = FOLDPROOF_TRY(open_motions(a));
+  auto opened = FOLDPROOF_TRY(open_motions(a, a.quiet));
   CheckSettings& settings = opened.settings;
   settings.step.explain = true;
   // From here on an interrupt must not leave an incomplete file behind.

@@ -119,9 +119,9 @@ Result<std::vector<std::shared_ptr<const Model>>> load_models(std::span<const st
   return models;
 }
 
-Result<OpenedMotions> open_motions(const StepArguments& a) {
+Result<OpenedMotions> open_motions(const StepArguments& a, bool quiet) {
   auto settings = FOLDPROOF_TRY(step_settings(a));
-  auto motions = FOLDPROOF_TRY(open_motions(a.motions, a.motion.read));
+  auto motions = FOLDPROOF_TRY(read_motions(a.motions, a.motion.read, quiet));
   settings.models = FOLDPROOF_TRY(load_models(a.models, motions));
   return OpenedMotions{std::move(motions), std::move(settings)};
 }

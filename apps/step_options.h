@@ -35,6 +35,8 @@ struct OpenedMotions {
   std::vector<std::unique_ptr<Motion>> motions;
   CheckSettings settings;
 };
-Result<OpenedMotions> open_motions(const StepArguments& arguments);
+
+/// By read_motions.
+Result<OpenedMotions> open_motions(const StepArguments& arguments, bool quiet = false);
 
 }  // namespace foldproof

@@ -70,7 +70,7 @@ std::string table(const std::vector<Suggestion>& suggestions, const Model& model
 Result<std::vector<Suggestion>> find(const SuggestArguments& a, const Model& model) {
   if (a.motion.empty()) return suggest_poses(*model.learned, a.count);
   const auto range = FOLDPROOF_TRY(frame_range_of(a.options));
-  const auto motion = FOLDPROOF_TRY(open_motion_of(model, a.motion, a.options.read));
+  const auto motion = FOLDPROOF_TRY(open_motion_of(model, a.motion, a.options.read, a.quiet));
   const auto frames = select_frames(range, motion->frame_count());
   if (frames.empty()) {
     return fail(ErrorCode::InvalidArgument, "--frames", "selects none", "select more; frames count from 0");

@@ -70,15 +70,15 @@ ProgressBar::ProgressBar(bool enabled) : enabled_(enabled && ::isatty(STDERR_FIL
 void ProgressBar::show(double part, const std::string& text) {
   if (!enabled_) return;
   const Clock::time_point now = Clock::now();
-  // At most ten times a second, and not for short work.
-  if (now - last_ < std::chrono::milliseconds(100)) return;
+  const bool completes = shown_ && part >= 1;
+  if (now - last_ < kPause && !completes) return;
   last_ = now;
   constexpr int kWidth = 30;
   const double spent = std::chrono::duration<double>(now - start_).count();
   const std::int64_t remaining = std::llround(spent / part - spent);
   const int filled = static_cast<int>(part * kWidth);
-  const std::string line = fmt::format("\r\x1b[K[{:#<{}}{:.<{}}] {}, {}:{:02} left", "", filled, "",
-                                       kWidth - filled, text, remaining / 60, remaining % 60);
+  std::string line = fmt::format("\r\x1b[K[{:#<{}}{:.<{}}] {}", "", filled, "", kWidth - filled, text);
+  if (part < 1) line += fmt::format(", {}:{:02} left", remaining / 60, remaining % 60);
   std::fwrite(line.data(), 1, line.size(), stderr);
   shown_ = true;
 }

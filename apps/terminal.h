@@ -37,15 +37,17 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `part`: the share of the work that is done, in (0,1]; `text`: the same in words.
+  /// `part`: the share of the work that is done, in (0,1]; `text`: the same in words. Nothing appears in the
+  /// first half second.
   void show(double part, const std::string& text);
   /// Erases the bar, so that other text can follow.
   void clear();
 
  private:
   using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds kDelay{500}, kPause{100};
   bool enabled_, shown_ = false;
-  Clock::time_point start_ = Clock::now(), last_ = start_;
+  Clock::time_point start_ = Clock::now(), last_ = start_ + kDelay - kPause;
 };
 
 /// 1234567 -> "1,234,567".

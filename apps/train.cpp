@@ -121,7 +121,7 @@ Result<int> train(const TrainArguments& a) {
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
   FOLDPROOF_TRY(a.files.check());
-  const auto motions = FOLDPROOF_TRY(open_motions(a.poses, a.motion.read));
+  const auto motions = FOLDPROOF_TRY(read_motions(a.poses, a.motion.read, a.quiet));
   const auto poses = FOLDPROOF_TRY(poses_of(motions, range));
 
   const std::atomic<bool>& interrupted = watch_for_interrupt();

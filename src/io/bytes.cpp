@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "base/try.h"
-#include "foldproof/io.h"
 
 namespace foldproof::io {
 namespace {
@@ -97,10 +96,17 @@ MappedFile::~MappedFile() {
   if (!bytes_.empty()) ::munmap(const_cast<std::uint8_t*>(bytes_.data()), bytes_.size());
 }
 
-Result<std::vector<char>> read_file(const std::string& path) {
+Result<std::vector<char>> read_file(const std::string& path, const ReadProgress& progress) {
+  constexpr std::uint64_t kBlock = std::uint64_t{1} << 22;
   auto file = FOLDPROOF_TRY(InputFile::open(path));
-  std::vector<char> bytes(file.size());
-  FOLDPROOF_TRY(file.read_at(0, bytes));
+  std::vector<char> bytes;
+  bytes.reserve(file.size());
+  while (bytes.size() < file.size()) {
+    const std::size_t done = bytes.size();
+    bytes.resize(std::min(done + kBlock, file.size()));
+    FOLDPROOF_TRY(file.read_at(done, std::span(bytes).subspan(done)));
+    if (progress) progress(path, bytes.size(), file.size());
+  }
   return bytes;
 }
 

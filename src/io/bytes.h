@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "foldproof/base.h"
+#include "io/progress.h"
 
 namespace foldproof::io {
 
@@ -49,7 +49,7 @@ class MappedFile {
 };
 
 /// Reads a whole regular file.
-Result<std::vector<char>> read_file(const std::string& path);
+Result<std::vector<char>> read_file(const std::string& path, const ReadProgress& progress = {});
 /// Writes a whole file, by FileWriter.
 Result<void> write_file(const std::string& path, std::span<const char> bytes);
 

@@ -8,14 +8,17 @@
 namespace foldproof::io {
 namespace {
 
-Result<std::unique_ptr<Motion>> open_archive(const std::string& path, const ReadOptions&) {
-  return open_npz(path);
+Result<std::unique_ptr<Motion>> open_archive(const std::string& path, const ReadOptions&,
+                                             const ReadProgress& progress) {
+  return open_npz(path, progress);
 }
-Result<std::unique_ptr<Motion>> open_scene(const std::string& path, const ReadOptions& options) {
-  return open_gltf(path, options.fps);
+Result<std::unique_ptr<Motion>> open_scene(const std::string& path, const ReadOptions& options,
+                                           const ReadProgress& progress) {
+  return open_gltf(path, options.fps, progress);
 }
-Result<std::unique_ptr<Motion>> open_collection(const std::string& path, const ReadOptions&) {
-  return open_pvd(path);
+Result<std::unique_ptr<Motion>> open_collection(const std::string& path, const ReadOptions&,
+                                                const ReadProgress& progress) {
+  return open_pvd(path, progress);
 }
 
 constexpr FileFormat kFormats[] = {

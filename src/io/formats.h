@@ -14,9 +14,10 @@ struct FileFormat {
   FileKind kind;
   // Only the reader for `kind` is set; none for arrays.
   Result<MeshData> (*parse_mesh)(const std::string& path, std::string_view bytes) = nullptr;
-  Result<std::unique_ptr<Motion>> (*open_cache)(const std::string& mesh, const std::string& cache) = nullptr;
-  Result<std::unique_ptr<Motion>> (*open_animation)(const std::string& path,
-                                                    const ReadOptions& options) = nullptr;
+  Result<std::unique_ptr<Motion>> (*open_cache)(const std::string& mesh, const std::string& cache,
+                                                const ReadProgress& progress) = nullptr;
+  Result<std::unique_ptr<Motion>> (*open_animation)(const std::string& path, const ReadOptions& options,
+                                                    const ReadProgress& progress) = nullptr;
 };
 
 /// Looks up a path's extension, in any case; null when the format cannot be read.

@@ -305,12 +305,12 @@ class GltfMotion final : public Motion {
 
 }  // namespace
 
-Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps) {
+Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps, const ReadProgress& progress) {
   if (!(fps > 0) || !std::isfinite(fps)) {
     return fail(ErrorCode::InvalidArgument, "--fps", fmt::format("{} is not a sampling rate", fps),
                 "give a number above zero");
   }
-  auto document = FOLDPROOF_TRY(GltfDocument::read(path));
+  auto document = FOLDPROOF_TRY(GltfDocument::read(path, progress));
   auto scene = FOLDPROOF_TRY(read_gltf_scene(document));
   auto motion = std::make_unique<GltfMotion>(std::move(document), std::move(scene), fps);
   FOLDPROOF_TRY(motion->open());

@@ -294,16 +294,16 @@ bool GltfDocument::within_budget(std::uint64_t count, const std::string& json_pa
   return false;
 }
 
-Result<GltfDocument> GltfDocument::read(const std::string& path) {
+Result<GltfDocument> GltfDocument::read(const std::string& path, const ReadProgress& progress) {
   GltfDocument document;
   document.path_ = path;
-  auto file = FOLDPROOF_TRY(read_file(path));
+  auto file = FOLDPROOF_TRY(read_file(path, progress));
   const bool is_glb = std::string_view(file.data(), file.size()).starts_with("glTF");
   const auto parsed =
       is_glb ? document.split_glb(std::move(file)) : document.parse_json({file.data(), file.size()}, 0);
   if (!parsed) return tl::unexpected(parsed.error());
   document.check_extensions();
-  if (!document.error_) document.load_buffers();
+  if (!document.error_) document.load_buffers(progress);
   if (document.error_) return tl::unexpected(*document.error_);
   return document;
 }
@@ -382,14 +382,14 @@ void GltfDocument::check_extensions() {
   }
 }
 
-void GltfDocument::load_buffers() {
+void GltfDocument::load_buffers(const ReadProgress& progress) {
   const Json& buffers = list("buffers");
   for (std::size_t i = 0; i < buffers.size() && !error_; ++i) {
     const std::string json_path = fmt::format("buffers[{}]", i);
     const std::uint64_t length = count(buffers[i], "byteLength", json_path);
     Buffer bytes;
     if (const auto uri = buffers[i].find("uri"); uri != buffers[i].end()) {
-      auto loaded = load_uri(uri->is_string() ? uri->get<std::string>() : "", json_path);
+      auto loaded = load_uri(uri->is_string() ? uri->get<std::string>() : "", json_path, progress);
       if (!loaded) {
         error_ = loaded.error();
         return;
@@ -410,7 +410,8 @@ void GltfDocument::load_buffers() {
 }
 
 /// Loads embedded data, or a file in or below the directory of this one.
-Result<GltfDocument::Buffer> GltfDocument::load_uri(const std::string& uri, const std::string& json_path) {
+Result<GltfDocument::Buffer> GltfDocument::load_uri(const std::string& uri, const std::string& json_path,
+                                                    const ReadProgress& progress) {
   const std::string where = fmt::format("{}, {}", path_, json_path);
   if (uri.starts_with("data:")) {
     const std::size_t comma = uri.find(',');
@@ -436,7 +437,7 @@ Result<GltfDocument::Buffer> GltfDocument::load_uri(const std::string& uri, cons
   }
   Buffer& file = files_[target.string()];
   if (file) return file;
-  auto bytes = read_file(target.string());
+  auto bytes = read_file(target.string(), progress);
   if (!bytes)
     return fail(bytes.error().code, where,
                 fmt::format("buffer '{}' {}", uri.substr(0, 200), bytes.error().problem),

@@ -43,7 +43,7 @@ class GltfDocument {
  public:
   using Json = nlohmann::json;
 
-  static Result<GltfDocument> read(const std::string& path);
+  static Result<GltfDocument> read(const std::string& path, const ReadProgress& progress);
 
   const std::string& path() const { return path_; }
   const std::optional<Error>& error() const { return error_; }
@@ -83,8 +83,8 @@ class GltfDocument {
   Result<void> split_glb(std::vector<char> file);
   Result<void> parse_json(std::string_view text, std::uint64_t offset);
   void check_extensions();
-  void load_buffers();
-  Result<Buffer> load_uri(const std::string& uri, const std::string& json_path);
+  void load_buffers(const ReadProgress& progress);
+  Result<Buffer> load_uri(const std::string& uri, const std::string& json_path, const ReadProgress& progress);
   std::span<const char> view(std::size_t index, std::uint64_t& stride);
   GltfValues values(const Json& source, const GltfValues& shape, const std::string& json_path);
 

@@ -39,12 +39,12 @@ void MeshData::add_polygon(std::span<const Index> polygon) {
   }
 }
 
-Result<MeshData> read_mesh(const std::string& path) {
+Result<MeshData> read_mesh(const std::string& path, const ReadProgress& progress) {
   const FileFormat* format = format_of(path);
   if (format == nullptr || format->kind != FileKind::Mesh)
     return fail(ErrorCode::UnsupportedFormat, path, "is not a mesh format that is read here",
                 fmt::format("give {}", extensions_of(FileKind::Mesh)));
-  auto file = FOLDPROOF_TRY(read_file(path));
+  auto file = FOLDPROOF_TRY(read_file(path, progress));
   const std::string_view bytes(file.data(), file.size());
   auto mesh = format->parse_mesh(path, bytes);
   if (!mesh) return mesh;

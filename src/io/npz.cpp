@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/try.h"
+#include "io/array_names.h"
 #include "io/bytes.h"
 #include "io/npz_array.h"
 #include "io/npz_parts.h"
@@ -14,10 +15,6 @@ namespace foldproof::io {
 namespace {
 
 constexpr const char* kNameArrays = "save arrays named 'faces' and 'vertices'";
-
-/// Names of arrays in lower case, the usual one first.
-constexpr std::array<std::string_view, 6> kVertexNames{"vertices", "verts", "positions", "points", "v", "x"};
-constexpr std::array<std::string_view, 4> kFaceNames{"faces", "triangles", "tris", "f"};
 
 class ArrayMotion final : public Motion {
  public:
@@ -130,7 +127,7 @@ std::string find_name(zip_t* archive, std::span<const std::string_view> names) {
 
 }  // namespace
 
-Result<std::unique_ptr<Motion>> open_npz(const std::string& path) {
+Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadProgress& progress) {
   std::uint64_t bytes = 0;
   auto archive = FOLDPROOF_TRY(open_archive(path, bytes));
   zip_t* zip = archive.get();
@@ -138,9 +135,11 @@ Result<std::unique_ptr<Motion>> open_npz(const std::string& path) {
   auto vertices = std::make_unique<NpzArray>();
   FOLDPROOF_TRY(faces.open(zip, path, bytes, find_name(zip, kFaceNames), kNameArrays));
   FOLDPROOF_TRY(vertices->open(zip, path, bytes, find_name(zip, kVertexNames), kNameArrays));
+  NpzArray& frames = *vertices;
   auto motion = std::make_unique<ArrayMotion>(path, std::move(vertices), std::move(archive));
   FOLDPROOF_TRY(motion->open(faces));
   motion->set_parts(FOLDPROOF_TRY(npz_parts(zip, path, bytes, motion->topology().triangles().size())));
+  FOLDPROOF_TRY(frames.unpack(progress));
   return motion;
 }
 

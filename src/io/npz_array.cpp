@@ -23,15 +23,18 @@ tl::unexpected<Error> damaged(const std::string& where) {
   return fail(ErrorCode::InvalidFile, where, "the archive is damaged here", kSaveArrayAgain);
 }
 
-Result<Spool> unpack(zip_file_t* member, std::uint64_t bytes, const std::string& where) {
+Result<Spool> spool_of(zip_file_t* member, std::uint64_t bytes, const std::string& where,
+                       const ReadProgress& progress) {
   auto spool = Spool::open(where);
   if (!spool) return spool;
   std::vector<char> block(std::size_t{1} << 20);
-  while (bytes > 0) {
-    const zip_int64_t count = zip_fread(member, block.data(), std::min<std::uint64_t>(block.size(), bytes));
+  for (std::uint64_t done = 0; done < bytes;) {
+    const zip_int64_t count =
+        zip_fread(member, block.data(), std::min<std::uint64_t>(block.size(), bytes - done));
     if (count <= 0) return fail(ErrorCode::InvalidFile, where, "the packed data is damaged", kSaveArrayAgain);
     FOLDPROOF_TRY(spool->append(std::span(block).first(static_cast<std::size_t>(count))));
-    bytes -= static_cast<std::uint64_t>(count);
+    done += static_cast<std::uint64_t>(count);
+    if (progress) progress(where, done, bytes);
   }
   return spool;
 }
@@ -90,14 +93,18 @@ Result<void> NpzArray::read_at(std::uint64_t offset, std::span<char> out) {
     }
     return {};
   }
-  if (!spool_) {
-    // Reading the header has advanced the stream, and a packed stream cannot seek back.
-    member_.reset(zip_fopen_index(archive_, index_, 0));
-    if (!member_) return damaged(where());
-    const std::uint64_t bytes = header().data + elements() * header().item_bytes;
-    spool_ = FOLDPROOF_TRY(unpack(member_.get(), bytes, where()));
-  }
+  FOLDPROOF_TRY(unpack());
   if (!spool_->read_at(offset, out)) return damaged(where());
+  return {};
+}
+
+Result<void> NpzArray::unpack(const ReadProgress& progress) {
+  if (stored_ || spool_) return {};
+  // Reading the header has advanced the stream, and a packed stream cannot seek back.
+  member_.reset(zip_fopen_index(archive_, index_, 0));
+  if (!member_) return damaged(where());
+  const std::uint64_t bytes = header().data + elements() * header().item_bytes;
+  spool_ = FOLDPROOF_TRY(spool_of(member_.get(), bytes, where(), progress));
   return {};
 }
 

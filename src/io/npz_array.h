@@ -31,6 +31,8 @@ class NpzArray final : public NpyArray {
   Result<void> open(zip_t* archive, const std::string& path, std::uint64_t file_size, const std::string& name,
                     const std::string& remedy);
   Result<void> read_at(std::uint64_t offset, std::span<char> out) override;
+  /// Unpacks a packed array now; without this, the first read does.
+  Result<void> unpack(const ReadProgress& progress = {});
 
  private:
   bool read_fully(std::span<char> out);

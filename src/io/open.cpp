@@ -52,7 +52,8 @@ bool natural_less(const std::string& a, const std::string& b) {
 namespace {
 
 /// Opens the mesh files among `paths` as the frames of one motion.
-Result<std::unique_ptr<Motion>> open_frames(const std::string& name, std::vector<std::string> paths) {
+Result<std::unique_ptr<Motion>> open_frames(const std::string& name, std::vector<std::string> paths,
+                                            const ReadProgress& progress) {
   std::erase_if(paths, [](const std::string& p) { return format_of(p) == nullptr; });
   std::sort(paths.begin(), paths.end(), natural_less);
   const auto mesh = std::find_if(paths.begin(), paths.end(), is_mesh);
@@ -69,10 +70,10 @@ Result<std::unique_ptr<Motion>> open_frames(const std::string& name, std::vector
   }
   if (paths.size() >= kNoIndex)
     return fail(ErrorCode::LimitExceeded, name, "holds too many files", "name fewer frames");
-  return open_sequence(name, std::move(paths));
+  return open_sequence(name, std::move(paths), progress);
 }
 
-Result<std::unique_ptr<Motion>> open_directory(const std::string& path) {
+Result<std::unique_ptr<Motion>> open_directory(const std::string& path, const ReadProgress& progress) {
   std::error_code status;
   std::vector<std::string> paths;
   for (fs::directory_iterator at(path, status), end; !status && at != end; at.increment(status)) {
@@ -83,10 +84,10 @@ Result<std::unique_ptr<Motion>> open_directory(const std::string& path) {
   if (status)
     return fail(ErrorCode::FileAccess, path, "cannot be listed: " + status.message(),
                 "check the permissions");
-  return open_frames(path, std::move(paths));
+  return open_frames(path, std::move(paths), progress);
 }
 
-Result<std::unique_ptr<Motion>> open_glob(const std::string& pattern) {
+Result<std::unique_ptr<Motion>> open_glob(const std::string& pattern, const ReadProgress& progress) {
   ::glob_t matches{};
   const int status = ::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &matches);
   std::vector<std::string> paths(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
@@ -96,20 +97,22 @@ Result<std::unique_ptr<Motion>> open_glob(const std::string& pattern) {
                 "check the permissions of the directories");
   }
   if (paths.empty()) return fail(ErrorCode::FileAccess, pattern, "matches no files", "check the pattern");
-  return open_frames(pattern, std::move(paths));
+  return open_frames(pattern, std::move(paths), progress);
 }
 
-Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const ReadOptions& options) {
+Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const ReadOptions& options,
+                                         const ReadProgress& progress) {
   std::error_code ignored;
   const fs::file_status status = fs::status(argument, ignored);
-  if (fs::is_directory(status)) return open_directory(argument);
-  if (!fs::exists(status) && argument.find_first_of("*?[") != std::string::npos) return open_glob(argument);
+  if (fs::is_directory(status)) return open_directory(argument, progress);
+  if (!fs::exists(status) && argument.find_first_of("*?[") != std::string::npos)
+    return open_glob(argument, progress);
   if (const auto pattern = number_pattern(argument); pattern && !fs::exists(status)) {
     auto files = numbered_files(*pattern);
     if (files.empty())
       return fail(ErrorCode::FileAccess, argument, "matches no files",
                   "%d stands for a number in their names");
-    return open_frames(argument, std::move(files));
+    return open_frames(argument, std::move(files), progress);
   }
   const FileFormat* format = format_of(argument);
   if (format == nullptr)
@@ -118,9 +121,9 @@ Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const Read
                             extensions_of(FileKind::Animation), extensions_of(FileKind::PointCache)));
   switch (format->kind) {
     case FileKind::Mesh:
-      return open_sequence(argument, {argument});
+      return open_sequence(argument, {argument}, progress);
     case FileKind::Animation:
-      return format->open_animation(argument, options);
+      return format->open_animation(argument, options, progress);
     case FileKind::Array:
       return fail(ErrorCode::InvalidArgument, argument, "is one array",
                   "name two .npy files, one after the other: vertices and faces");
@@ -132,26 +135,27 @@ Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const Read
 }
 
 Result<std::vector<std::unique_ptr<Motion>>> open_all(std::span<const std::string> arguments,
-                                                      const ReadOptions& options) {
+                                                      const ReadOptions& options,
+                                                      const ReadProgress& progress) {
   std::vector<std::unique_ptr<Motion>> motions;
   for (std::size_t i = 0; i < arguments.size();) {
     const auto rest = arguments.subspan(i);
     const std::size_t numbered = options.separate ? 1 : count_numbered(rest);
     Result<std::unique_ptr<Motion>> motion;
     if (is_mesh(rest[0]) && rest.size() > 1 && is_point_cache(rest[1])) {
-      motion = format_of(rest[1])->open_cache(rest[0], rest[1]);
+      motion = format_of(rest[1])->open_cache(rest[0], rest[1], progress);
       i += 2;
     } else if (numbered > 1) {
       const auto files = rest.first(numbered);
       motion = open_frames(fmt::format("{} to {}", *std::ranges::min_element(files, natural_less),
                                        *std::ranges::max_element(files, natural_less)),
-                           {files.begin(), files.end()});
+                           {files.begin(), files.end()}, progress);
       i += numbered;
     } else if (is_array(rest[0]) && rest.size() > 1 && is_array(rest[1])) {
       motion = open_npy(rest[0], rest[1]);
       i += 2;
     } else {
-      motion = open_one(rest[0], options);
+      motion = open_one(rest[0], options, progress);
       ++i;
     }
     if (motion && options.weld) motion = weld(std::move(*motion));
@@ -162,6 +166,21 @@ Result<std::vector<std::unique_ptr<Motion>>> open_all(std::span<const std::strin
 }
 
 }  // namespace
+
+Result<std::vector<std::unique_ptr<Motion>>> open_with_progress(std::span<const std::string> arguments,
+                                                                const ReadOptions& options,
+                                                                const ReadProgress& progress) {
+  if (arguments.empty())
+    return fail(ErrorCode::InvalidArgument, "arguments", "no motion is named",
+                "name a mesh file or a directory");
+  try {
+    return open_all(arguments, options, progress);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::LimitExceeded, arguments.front(), "does not fit into memory",
+                "use a smaller mesh or a larger machine");
+  }
+}
+
 }  // namespace io
 
 std::string extension_of(const std::string& path) {
@@ -174,15 +193,7 @@ std::string extension_of(const std::string& path) {
 
 Result<std::vector<std::unique_ptr<Motion>>> open_motions(std::span<const std::string> arguments,
                                                           const ReadOptions& options) {
-  if (arguments.empty())
-    return fail(ErrorCode::InvalidArgument, "arguments", "no motion is named",
-                "name a mesh file or a directory");
-  try {
-    return io::open_all(arguments, options);
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::LimitExceeded, arguments.front(), "does not fit into memory",
-                "use a smaller mesh or a larger machine");
-  }
+  return io::open_with_progress(arguments, options, {});
 }
 
 }  // namespace foldproof

@@ -122,10 +122,11 @@ Result<Layout> read_mdd_header(const InputFile& file) {
 }
 
 Result<std::unique_ptr<Motion>> open_cache(const std::string& mesh_path, const std::string& cache_path,
+                                           const ReadProgress& progress,
                                            Result<Layout> (*read_header)(const InputFile&)) {
   auto file = FOLDPROOF_TRY(InputFile::open(cache_path));
   const auto layout = FOLDPROOF_TRY(read_header(file));
-  auto mesh = FOLDPROOF_TRY(read_mesh(mesh_path));
+  auto mesh = FOLDPROOF_TRY(read_mesh(mesh_path, progress));
   FOLDPROOF_TRY(check_layout(file, layout, mesh.vertex_count(), mesh_path));
   auto topology = FOLDPROOF_TRY(Topology::make(mesh.vertex_count(), std::move(mesh.triangles)));
   return std::make_unique<PointCache>(mesh_path, std::move(file), layout, std::move(topology),
@@ -134,12 +135,14 @@ Result<std::unique_ptr<Motion>> open_cache(const std::string& mesh_path, const s
 
 }  // namespace
 
-Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, const std::string& cache_path) {
-  return open_cache(mesh_path, cache_path, read_pc2_header);
+Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, const std::string& cache_path,
+                                         const ReadProgress& progress) {
+  return open_cache(mesh_path, cache_path, progress, read_pc2_header);
 }
 
-Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, const std::string& cache_path) {
-  return open_cache(mesh_path, cache_path, read_mdd_header);
+Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, const std::string& cache_path,
+                                         const ReadProgress& progress) {
+  return open_cache(mesh_path, cache_path, progress, read_mdd_header);
 }
 
 }  // namespace foldproof::io

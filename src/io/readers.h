@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "foldproof/io.h"
+#include "io/progress.h"
 
 namespace foldproof::io {
 
@@ -42,7 +42,7 @@ Result<MeshData> parse_vtu(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_msh(const std::string& path, std::string_view bytes);
 /// Reads and parses a mesh file, by its extension. On success it also has vertices and triangles, no more
 /// than the maxima above.
-Result<MeshData> read_mesh(const std::string& path);
+Result<MeshData> read_mesh(const std::string& path, const ReadProgress& progress = {});
 
 /// Error at the first coordinate that is not finite: "<where>, vertex 7".
 Result<void> check_finite(const std::string& where, std::span<const double> positions);
@@ -52,21 +52,24 @@ Result<void> check_request(const Motion& motion, Index frame, std::span<const do
 /// Natural order, frame9 before frame10: runs of digits compare as numbers, the rest byte by byte.
 bool natural_less(const std::string& a, const std::string& b);
 /// Mesh files as the frames of a motion, in the given order.
-Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths);
+Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths,
+                                              const ReadProgress& progress = {});
 /// A mesh and its point cache.
-Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, const std::string& cache_path);
-Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, const std::string& cache_path);
+Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, const std::string& cache_path,
+                                         const ReadProgress& progress);
+Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, const std::string& cache_path,
+                                         const ReadProgress& progress);
 
 /// NumPy archive with `faces` and `vertices`.
-Result<std::unique_ptr<Motion>> open_npz(const std::string& path);
+Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadProgress& progress);
 /// Two NumPy files: the one with integers holds the faces.
 Result<std::unique_ptr<Motion>> open_npy(const std::string& one, const std::string& other);
 /// The files of a VTK collection in the order of their times. Error: it refers to a file that is not below
 /// its directory, or to several at one time.
 Result<std::vector<std::string>> pvd_files(const std::string& path);
-Result<std::unique_ptr<Motion>> open_pvd(const std::string& path);
+Result<std::unique_ptr<Motion>> open_pvd(const std::string& path, const ReadProgress& progress);
 /// glTF or GLB, sampled at `fps`.
-Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps);
+Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps, const ReadProgress& progress);
 
 /// Merges vertices that have exactly the same position in the first frame. The first of each set is kept; the
 /// order stays.

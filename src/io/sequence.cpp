@@ -14,8 +14,8 @@ class MeshSequence final : public Motion {
   MeshSequence(std::string name, std::vector<std::string> paths)
       : name_(std::move(name)), paths_(std::move(paths)) {}
 
-  Result<void> open() {
-    auto first = FOLDPROOF_TRY(read(0));
+  Result<void> open(const ReadProgress& progress) {
+    auto first = FOLDPROOF_TRY(read(0, progress));
     topology_ = FOLDPROOF_TRY(Topology::make(first.vertex_count(), std::move(first.triangles)));
     first_ = std::move(first.positions);
     parts_ = std::move(first.parts);
@@ -44,8 +44,8 @@ class MeshSequence final : public Motion {
     return paths_.size() > 1 ? fmt::format("{} (frame {})", where, k) : where;
   }
 
-  Result<MeshData> read(Index k) const {
-    auto mesh = read_mesh(paths_[k]);
+  Result<MeshData> read(Index k, const ReadProgress& progress = {}) const {
+    auto mesh = read_mesh(paths_[k], progress);
     if (!mesh) mesh.error().where = with_frame(std::move(mesh.error().where), k);
     return mesh;
   }
@@ -87,9 +87,10 @@ class MeshSequence final : public Motion {
 
 }  // namespace
 
-Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths) {
+Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths,
+                                              const ReadProgress& progress) {
   auto motion = std::make_unique<MeshSequence>(std::move(name), std::move(paths));
-  FOLDPROOF_TRY(motion->open());
+  FOLDPROOF_TRY(motion->open(progress));
   return motion;
 }
 

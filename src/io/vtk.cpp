@@ -193,8 +193,8 @@ Result<std::vector<std::string>> pvd_files(const std::string& path) {
   return files;
 }
 
-Result<std::unique_ptr<Motion>> open_pvd(const std::string& path) {
-  return open_sequence(path, FOLDPROOF_TRY(pvd_files(path)));
+Result<std::unique_ptr<Motion>> open_pvd(const std::string& path, const ReadProgress& progress) {
+  return open_sequence(path, FOLDPROOF_TRY(pvd_files(path)), progress);
 }
 
 }  // namespace foldproof::io

@@ -25,6 +25,7 @@ struct RunOptions {
   std::string directory = ".";                    ///< Where it runs.
   std::string program = FOLDPROOF_PROGRAM;        ///< Or one that starts it.
   int output = -1;                                ///< Takes its standard output instead of `Outcome::out`.
+  int error = -1;                                 ///< Takes its standard error instead of `Outcome::err`.
   std::function<void(pid_t)> while_it_runs = {};  ///< Called once, right after the start.
 };
 
@@ -40,7 +41,11 @@ inline Outcome run_program(std::vector<std::string> arguments, const RunOptions&
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addchdir_np(&actions, options.directory.c_str());
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err_path.c_str(), O_WRONLY | O_CREAT, 0600);
+  if (options.error >= 0) {
+    posix_spawn_file_actions_adddup2(&actions, options.error, STDERR_FILENO);
+  } else {
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err_path.c_str(), O_WRONLY | O_CREAT, 0600);
+  }
   if (options.output >= 0) {
     posix_spawn_file_actions_adddup2(&actions, options.output, STDOUT_FILENO);
   } else {
@@ -59,7 +64,7 @@ inline Outcome run_program(std::vector<std::string> arguments, const RunOptions&
   if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);
   if (options.output < 0) outcome.out = read_file(out_path);
-  outcome.err = read_file(err_path);
+  if (options.error < 0) outcome.err = read_file(err_path);
   return outcome;
 }
 

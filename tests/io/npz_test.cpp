@@ -170,12 +170,8 @@ TEST_F(NpzTest, NoticesDamagedPackedData) {
   std::string bytes = read_bytes(npz_of(kFaces, vertices, true));
   for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 50; ++i)
     bytes[i] = static_cast<char>(~bytes[i]);
-  const auto motion = open({files.write("b.npz", bytes)});
-  ASSERT_TRUE(motion);
-  for (int attempt = 0; attempt < 2; ++attempt) {
-    EXPECT_EQ(frame_error(*motion, 1999),
-              "b.npz, array 'vertices': the packed data is damaged; save the array with NumPy again");
-  }
+  EXPECT_EQ(open_error({files.write("b.npz", bytes)}),
+            "b.npz, array 'vertices': the packed data is damaged; save the array with NumPy again");
 }
 
 }  // namespace

@@ -1,0 +1,13 @@
+/// Names of a motion's NumPy arrays, in lower case, the usual one first (docs/formats.md).
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace foldproof::io {
+
+inline constexpr std::array<std::string_view, 6> kVertexNames{"vertices", "verts", "positions",
+                                                              "points",   "v",     "x"};
+inline constexpr std::array<std::string_view, 4> kFaceNames{"faces", "triangles", "tris", "f"};
+
+}  // namespace foldproof::io

@@ -1,0 +1,99 @@
+// The progress bar of a file that takes long to read, on a terminal.
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "apps/program.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr std::uint64_t kSize = 128'000'000;
+
+/// A terminal that nobody looks at.
+class Terminal {
+ public:
+  Terminal() : master_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)) {
+    EXPECT_EQ(::grantpt(master_), 0);
+    EXPECT_EQ(::unlockpt(master_), 0);
+    program_ = ::open(::ptsname(master_), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+  ~Terminal() {
+    ::close(program_);
+    ::close(master_);
+  }
+  /// The program's side.
+  int program() const { return program_; }
+  std::string shown() const {
+    std::string text(std::size_t{1} << 16, '\0');
+    text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::read(master_, text.data(), text.size()))));
+    return text;
+  }
+
+ private:
+  int master_ = -1, program_ = -1;
+};
+
+/// What a process has read so far.
+std::uint64_t bytes_read(pid_t process) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/io");
+  std::string name;
+  std::uint64_t bytes = kSize;  // once it has ended
+  file >> name >> bytes;
+  return bytes;
+}
+
+/// Stops a process for longer than it takes until the bar appears, while it reads the file. False: it was too
+/// fast.
+bool stop_while_it_reads(pid_t process) {
+  while (bytes_read(process) < kSize / 16) std::this_thread::sleep_for(std::chrono::microseconds(100));
+  ::kill(process, SIGSTOP);
+  const bool reads = bytes_read(process) < kSize / 4 * 3;
+  if (reads) std::this_thread::sleep_for(std::chrono::milliseconds(600));
+  ::kill(process, SIGCONT);
+  return reads;
+}
+
+/// What `foldproof check` prints on a terminal for a file of zeros that takes long to read.
+std::string shown_for_slow_file(std::vector<std::string> arguments) {
+  const TemporaryDirectory directory;
+  write_file(directory / "slow.gltf", "");
+  std::filesystem::resize_file(directory / "slow.gltf", kSize);
+  arguments.insert(arguments.begin(), {"check", "slow.gltf"});
+  for (int attempt = 0; attempt < 20; ++attempt) {
+    const Terminal terminal;
+    bool slow = false;
+    const auto stop = [&](pid_t process) { slow = stop_while_it_reads(process); };
+    run_program(arguments,
+                {.directory = directory.path(), .error = terminal.program(), .while_it_runs = stop});
+    if (slow) return terminal.shown();
+  }
+  return "it was never slow";
+}
+
+TEST(ReadingProgress, IsShownOnATerminal) {
+  const std::string text = shown_for_slow_file({});
+  EXPECT_THAT(text, HasSubstr("] reading slow.gltf: "));
+  EXPECT_THAT(text, HasSubstr(" of 128 MB, 0:0"));
+  EXPECT_THAT(text, HasSubstr("[##############################] reading slow.gltf: now building its mesh"));
+  const std::string last = text.substr(text.rfind("\r\x1b[K") + 4);  // the bar is erased before the error
+  EXPECT_THAT(last, HasSubstr("is not valid JSON here"));
+}
+
+TEST(ReadingProgress, IsNotShownIfQuiet) {
+  EXPECT_THAT(shown_for_slow_file({"-q"}),
+              ::testing::AllOf(HasSubstr("is not valid JSON"), Not(HasSubstr("reading"))));
+}
+
+}  // namespace
+}  // namespace foldproof
