@@ -16,6 +16,7 @@ namespace {
 constexpr const char* kFooter = R"(Below each DIR these are motions:
   .glb .gltf .npz .pvd            each file
   walk.pc2  walk.mdd              with the mesh of the same stem, or the only one beside it
+  a_vertices.npy a_faces.npy      two whose names differ in the last word only, or vertices.npy and faces.npy
   run001.obj run002.obj ...       two meshes or more whose names differ in their last number only: frames of one motion
 Each is one object, checked against itself. Single meshes are skipped, except with --static.
 
@@ -170,6 +171,14 @@ std::string list_of(const std::vector<SweepRecord>& records, SweepState state, c
   return (state == SweepState::Failed ? "\nCould not be read:\n" : "\nCollide:\n") + text;
 }
 
+/// "2 single mesh files and 1 single .npy file"
+std::string left_out(const SweepInput& input) {
+  const std::string meshes = counted(input.single_meshes, "single mesh file");
+  if (input.single_arrays == 0) return meshes;
+  const std::string arrays = counted(input.single_arrays, "single .npy file");
+  return input.single_meshes == 0 ? arrays : meshes + " and " + arrays;
+}
+
 std::string closing(const SweepArguments& a, const SweepInput& input, const SweepFile& file,
                     const SweepSettings& settings) {
   const auto& records = file.records();
@@ -185,8 +194,8 @@ std::string closing(const SweepArguments& a, const SweepInput& input, const Swee
                       count(SweepState::Collides), count(SweepState::Failed));
   if (count(SweepState::Still) != "0")
     text += fmt::format("  a single pose         {}\n", count(SweepState::Still));
-  if (input.single_meshes > 0)
-    text += fmt::format("skipped                 {}\n", counted(input.single_meshes, "single mesh file"));
+  if (input.single_meshes + input.single_arrays > 0)
+    text += fmt::format("skipped                 {}\n", left_out(input));
   if (a.steps_only) text += "first frames            not tested for crossings (--steps-only)\n";
   for (const auto& model : settings.models) {
     const bool used =
@@ -210,7 +219,7 @@ Result<SweepInput> find_some(const SweepArguments& a) {
   auto input = find_motions(a.motions, a.poses);
   if (input && input->motions.empty()) {
     return fail(ErrorCode::InvalidArgument, a.motions[0],
-                fmt::format("holds no motions, and {}", counted(input->single_meshes, "single mesh file")),
+                fmt::format("holds no motions, and {}", left_out(*input)),
                 "'foldproof sweep --help' lists what is found; --static checks single meshes");
   }
   return input;

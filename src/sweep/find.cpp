@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "io/array_names.h"
 #include "io/formats.h"
 #include "sweep/sweep.h"
 
@@ -18,7 +19,7 @@ using io::FileKind, io::is_kind;
 
 /// The entries of a directory by kind, each in natural order.
 struct Entries {
-  std::vector<std::string> folders, meshes, caches, animations, buffers;
+  std::vector<std::string> folders, meshes, caches, animations, arrays, buffers;
 };
 
 std::error_code list(const std::string& path, Entries& entries) {
@@ -36,12 +37,14 @@ std::error_code list(const std::string& path, Entries& entries) {
       entries.caches.push_back(file);
     } else if (is_kind(file, FileKind::Animation)) {
       entries.animations.push_back(file);
+    } else if (is_kind(file, FileKind::Array)) {
+      entries.arrays.push_back(file);
     } else if (extension_of(file) == ".bin") {
       entries.buffers.push_back(file);
     }
   }
-  for (auto* files :
-       {&entries.folders, &entries.meshes, &entries.caches, &entries.animations, &entries.buffers})
+  for (auto* files : {&entries.folders, &entries.meshes, &entries.caches, &entries.animations,
+                      &entries.arrays, &entries.buffers})
     std::sort(files->begin(), files->end(), io::natural_less);
   return status;
 }
@@ -93,6 +96,7 @@ class Finder {
     }
     std::erase_if(entries.meshes,
                   [&](const std::string& mesh) { return in_collections_.contains(canonical(mesh)); });
+    pair_arrays(entries.arrays);
     find_series(path, pair_caches(entries));
     for (const std::string& child : entries.folders) search(child);
   }
@@ -129,6 +133,37 @@ class Finder {
     std::vector<std::string> unpaired = entries.meshes;
     std::erase_if(unpaired, [&](const std::string& mesh) { return paired.contains(mesh); });
     return unpaired;
+  }
+
+  /// Pairs arrays of faces and of vertices whose names differ in that word only, at their end.
+  void pair_arrays(const std::vector<std::string>& arrays) {
+    struct Pair {
+      std::vector<std::string> faces, vertices;
+    };
+    std::map<std::string, Pair> pairs;  // by what precedes the word
+    for (const std::string& array : arrays) {
+      std::string word = fs::path(array).stem().string();
+      const std::size_t begin = word.find_last_of("_-. ") + 1;
+      Pair& pair = pairs[word.substr(0, begin)];
+      word.erase(0, begin);
+      std::ranges::transform(word, word.begin(), [](unsigned char c) { return std::tolower(c); });
+      const auto is_one_of = [&](const auto& names) { return std::ranges::find(names, word) != names.end(); };
+      if (is_one_of(io::kFaceNames)) {
+        pair.faces.push_back(array);
+      } else if (is_one_of(io::kVertexNames)) {
+        pair.vertices.push_back(array);
+      } else {
+        ++input.single_arrays;
+      }
+    }
+    for (const auto& [start, pair] : pairs) {
+      const auto& [faces, vertices] = pair;
+      if (faces.size() == 1 && vertices.size() == 1) {
+        add(vertices[0], {faces[0], vertices[0]});
+      } else {
+        input.single_arrays += faces.size() + vertices.size();
+      }
+    }
   }
 
   void find_series(const std::string& path, const std::vector<std::string>& meshes) {

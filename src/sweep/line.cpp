@@ -6,7 +6,7 @@
 #include <new>
 
 #include "base/try.h"
-#include "io/readers.h"
+#include "io/formats.h"
 #include "report/contact_pictures.h"
 #include "report/json_values.h"
 #include "sweep/sweep.h"
@@ -19,9 +19,7 @@ constexpr std::uint64_t kMaxListed = 1'000'000;
 constexpr ContactPictures::Format kThumbnail{160, 120, false};
 
 Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const ReadOptions& options) {
-  const bool frames =
-      motion.files.size() > 2 ||
-      (motion.files.size() == 2 && extension_of(motion.files[0]) == extension_of(motion.files[1]));
+  const bool frames = motion.files.size() > 1 && io::is_kind(motion.files.back(), io::FileKind::Mesh);
   if (!frames) {
     auto opened = FOLDPROOF_TRY(open_motions(motion.files, options));
     return std::move(opened.front());

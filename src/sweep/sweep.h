@@ -15,15 +15,17 @@ namespace foldproof {
 /// A motion found below a directory.
 struct SweepMotion {
   std::string path;  ///< Its name in results: a file, or the directory of its frames; relative as given.
-  std::vector<std::string> files;  ///< One file; a mesh and its point cache; or frames in order.
-  std::uint64_t bytes = 0;         ///< Size of all its files.
-  std::int64_t modified = 0;       ///< Modification time of the newest file, nanoseconds since 1970.
+  /// One file; a mesh and its point cache; faces and vertices; or frames in order.
+  std::vector<std::string> files;
+  std::uint64_t bytes = 0;    ///< Size of all its files.
+  std::int64_t modified = 0;  ///< Modification time of the newest file, nanoseconds since 1970.
 };
 
 struct SweepInput {
   std::vector<std::string> directories;  ///< As given, without '/' at their ends.
   std::vector<SweepMotion> motions;      ///< Sorted by path, without duplicates.
   std::uint64_t single_meshes = 0;       ///< Number of mesh files that belong to no motion.
+  std::uint64_t single_arrays = 0;       ///< The same of .npy files.
 };
 
 /// Finds the motions below directories (docs/sweep.md). Skips hidden files and directories, and links to

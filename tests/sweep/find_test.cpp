@@ -60,6 +60,20 @@ TEST(FindMotions, GivesEachCacheTheMeshOfItsStemOrTheOnlyOne) {
   EXPECT_EQ(input.single_meshes, 2u);
 }
 
+TEST(FindMotions, PairsArraysWhoseNamesDifferInTheLastWordOnly) {
+  const Library library({"a/vertices.npy", "a/faces.npy", "b/arm_V.npy", "b/arm_F.npy", "b/leg-points.npy",
+                         "b/leg-tris.npy", "lost/arm_v.npy", "lost/leg_f.npy", "lost/weights.npy",
+                         "many/x.npy", "many/v.npy", "many/f.npy"});
+  const SweepInput input = library.input();
+  std::vector<std::string> pairs;
+  for (const SweepMotion& motion : input.motions)
+    pairs.push_back(library.name(motion.path) + " " + library.name(motion.files[0]));
+  EXPECT_THAT(pairs, ElementsAre("a/vertices.npy a/faces.npy", "b/arm_V.npy b/arm_F.npy",
+                                 "b/leg-points.npy b/leg-tris.npy"));
+  EXPECT_EQ(input.motions[0].bytes, 10u);
+  EXPECT_EQ(input.single_arrays, 6u);
+}
+
 TEST(FindMotions, TakesMeshesThatDifferInTheirLastNumberAsFrames) {
   const Library library({"frames/f10.obj", "frames/f9.obj", "frames/f11.obj", "takes/a1_001.ply",
                          "takes/a1_002.ply", "takes/a2_001.ply", "takes/a2_002.ply", "takes/a2_002.off",

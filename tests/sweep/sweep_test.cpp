@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "io/npy.h"
 #include "report/needle.h"
 #include "report/spheres.h"
 #include "sweep/sweep.h"
@@ -118,6 +119,26 @@ TEST(SweepLine, WhatCrossesFromTheStartIsNotClean) {
   EXPECT_EQ(found(1, steps).state, SweepState::Clean);
   EXPECT_EQ(found(1, steps).starts_crossing, std::nullopt);
   EXPECT_NE(settings_hash(steps), settings_hash({}));
+}
+
+TEST(SweepLine, ReadsAPairOfArrays) {
+  const Library library;
+  const auto write = [&](const std::string& name, std::string_view type, std::vector<std::uint64_t> shape,
+                         std::span<const char> values) {
+    std::ofstream(library / ("in/" + name), std::ios::binary)
+        << io::npy_header(type, shape) << std::string_view(values.data(), values.size());
+  };
+  std::vector<double> frames;
+  for (const double height : kSinking) {
+    for (const double x : needle_frame(height)) frames.push_back(x);
+  }
+  const std::vector<std::int32_t> faces{0, 1, 2, 3, 4, 5};
+  write("faces.npy", "<i4", {2, 3}, io::bytes_of(faces));
+  write("vertices.npy", "<f8", {kSinking.size(), 6, 3}, io::bytes_of(frames));
+  const SweepRecord record = record_of(*sweep_line(library.input().motions.at(0), library.settings));
+  EXPECT_EQ(record.path, library / "in/vertices.npy");
+  EXPECT_EQ(record.collisions, 3u);
+  EXPECT_EQ(record.error, "");
 }
 
 TEST(SweepLine, LinesWithoutTheFirstFrameCanBeRead) {
