@@ -38,7 +38,7 @@ PageAnswer float_answer(std::span<const double> values, const Vec3& origin = Vec
     floats.push_back(static_cast<float>(values[k] - origin[static_cast<Eigen::Index>(k % 3)]));
   return binary_answer(std::span<const float>(floats));
 }
-PageAnswer float_answer(const Eigen::Ref<const Eigen::VectorXd>& values, const Vec3& origin = Vec3::Zero()) {
+PageAnswer vector_answer(const Eigen::Ref<const Eigen::VectorXd>& values, const Vec3& origin = Vec3::Zero()) {
   return float_answer(std::span(values.data(), static_cast<std::size_t>(values.size())), origin);
 }
 
@@ -67,7 +67,9 @@ struct Page::Impl {
   std::unique_ptr<SceneData> scene;
   std::unique_ptr<StepStore> store;
   std::unique_ptr<RadiusService> radii;
-  mutable std::mutex mutex;  // guards the following
+  std::vector<std::unique_ptr<ReportWriter>> writers;
+  std::optional<MotionCheck> check;  // until it has ended
+  mutable std::mutex mutex;          // guards the following
   State state = State::Running;
   std::string failure;
   std::shared_ptr<const FoundContacts> found;  // null before the end of the check
@@ -100,7 +102,7 @@ struct Page::Impl {
   std::optional<PageAnswer> missing_step(std::uint64_t number) const;
   PageAnswer not_yet(const std::string& what) const;
   tl::expected<std::shared_ptr<const FoundContacts>, PageAnswer> contacts_found() const;
-  void check(const std::atomic<bool>& stop);
+  bool advance(const std::atomic<bool>& stop);
   void end_check(State end, std::string line);
 };
 
@@ -212,19 +214,19 @@ PageAnswer Page::Impl::prediction(Numbers n, const PageQuery&) const {
   if (!x) return refuse(x.error());
   const Predictor& predictor = object(n[0]).predictor();
   const Eigen::Map<const Eigen::VectorXd> pose((*x)->data(), static_cast<Eigen::Index>((*x)->size()));
-  return float_answer(predictor.from_key_points(predictor.key_point_map().gather(pose)), scene->center());
+  return vector_answer(predictor.from_key_points(predictor.key_point_map().gather(pose)), scene->center());
 }
 
 PageAnswer Page::Impl::mean(Numbers n, const PageQuery&) const {
   if (auto answer = missing_modes(n[0])) return *answer;
-  return float_answer(object(n[0]).learned()->pca.mean, scene->center());
+  return vector_answer(object(n[0]).learned()->pca.mean, scene->center());
 }
 
 PageAnswer Page::Impl::mode(Numbers n, const PageQuery&) const {
   if (auto answer = missing_modes(n[0])) return *answer;
   const Pca& pca = object(n[0]).learned()->pca;
   if (n[1] >= pca.modes()) return refuse(404, fmt::format("there is no mode {} among {}", n[1], pca.modes()));
-  return float_answer(pca.basis.col(static_cast<Eigen::Index>(n[1])));
+  return vector_answer(pca.basis.col(static_cast<Eigen::Index>(n[1])));
 }
 
 PageAnswer Page::Impl::radius(Numbers n, const PageQuery&) const {
@@ -334,18 +336,25 @@ void Page::Impl::end_check(State end, std::string line) {
   failure = std::move(line);
 }
 
-void Page::Impl::check(const std::atomic<bool>& stop) {
-  std::unique_ptr<ReportWriter> writers[] = {std::make_unique<StoreWriter>(*store)};
-  CheckHooks hooks;
-  hooks.cancel = &stop;
-  auto totals = run_check(scene->motions(), scene->settings(), writers, hooks);
-  if (!totals) return end_check(State::Failed, totals.error().line());
-  if (!totals->cancelled) {
-    auto all = std::make_shared<const FoundContacts>(*totals, scene->motions(), scene->settings());
+bool Page::Impl::advance(const std::atomic<bool>& stop) {
+  if (!check) return radii->compute_queued(stop);
+  if (stop) {
+    check.reset();
+    end_check(State::Stopped, {});
+    return true;
+  }
+  const auto more = check->advance();
+  if (more && *more) return true;
+  if (!more) {
+    end_check(State::Failed, more.error().line());
+  } else {
+    auto all = std::make_shared<const FoundContacts>(check->totals(), scene->motions(), scene->settings());
     const std::lock_guard lock(mutex);
     found = std::move(all);
+    state = State::Done;
   }
-  end_check(totals->cancelled ? State::Stopped : State::Done, {});
+  check.reset();
+  return true;
 }
 
 Page::Page(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -353,9 +362,14 @@ Page::~Page() = default;
 
 Result<std::unique_ptr<Page>> Page::open(PageInput input) {
   auto impl = std::make_unique<Impl>();
+  const auto writer = std::move(input.writer);
   impl->scene = FOLDPROOF_TRY(SceneData::open(std::move(input)));
   impl->store = FOLDPROOF_TRY(StepStore::open(impl->scene->motions()));
   impl->radii = std::make_unique<RadiusService>(*impl->scene);
+  impl->writers.push_back(std::make_unique<StoreWriter>(*impl->store));
+  if (writer) impl->writers.push_back(FOLDPROOF_TRY(writer(impl->scene->motions(), impl->scene->settings())));
+  impl->check =
+      FOLDPROOF_TRY(MotionCheck::make(impl->scene->motions(), impl->scene->settings(), impl->writers));
   return std::unique_ptr<Page>(new Page(std::move(impl)));
 }
 
@@ -404,13 +418,21 @@ PageAnswer Page::get(std::string_view path, const PageQuery& query) const {
   return refuse(404, "there is nothing here");
 }
 
-void Page::work(const std::atomic<bool>& stop) {
+bool Page::advance(const std::atomic<bool>& stop) {
   try {
-    impl_->check(stop);
-    impl_->radii->work(stop);
+    return impl_->advance(stop);
   } catch (const std::bad_alloc&) {
+    impl_->check.reset();
     impl_->end_check(Impl::State::Failed, "memory: there is not enough; view fewer objects at a time");
+    return true;
   }
+}
+
+void Page::work(const std::atomic<bool>& stop) {
+  while (!stop) {
+    if (!advance(stop)) impl_->radii->wait();
+  }
+  advance(stop);  // says that the check was stopped, if it was
 }
 
 }  // namespace foldproof

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -40,6 +41,8 @@ struct PageInput {
   std::vector<std::unique_ptr<Motion>> motions;
   CheckSettings check;  ///< The page overrides `explain`.
   ReadOptions read;     ///< How the motions were read, for display.
+  /// Makes another receiver of the answers, such as a page_report(); or empty.
+  std::function<Result<std::unique_ptr<ReportWriter>>(Motions, const CheckSettings&)> writer = {};
 };
 
 /// The response to a request.
@@ -65,8 +68,10 @@ class Page {
   /// `path` starts with "/api/" and is decoded. Thread-safe.
   PageAnswer get(std::string_view path, const PageQuery& query = {}) const;
 
-  /// Runs the check, then certifies radii on request. Returns after the current step once `stop` is set. Call
-  /// it once, from one thread.
+  /// Does the next part of the check, then certifies radii on request. False if there is nothing to do. Ends
+  /// the check if `stop` is set. Not thread-safe.
+  bool advance(const std::atomic<bool>& stop);
+  /// Advances or waits for requests until `stop` is set. Call it once, from one thread.
   void work(const std::atomic<bool>& stop);
 
  private:

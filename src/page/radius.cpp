@@ -43,21 +43,21 @@ Json RadiusService::request(Index object) {
           {"error", entry.error}};
 }
 
-void RadiusService::work(const std::atomic<bool>& stop) {
-  const auto is_queued = [](const Entry& e) { return e.state == Entry::State::Queued; };
+bool RadiusService::compute_queued(const std::atomic<bool>& stop) {
   std::unique_lock lock(mutex_);
-  while (!stop) {
-    const auto next = std::find_if(entries_.begin(), entries_.end(), is_queued);
-    if (next == entries_.end()) {
-      // Poll: a signal handler sets `stop` and cannot notify.
-      queued_.wait_for(lock, std::chrono::milliseconds(50));
-      continue;
-    }
-    lock.unlock();
-    Entry entry = compute(static_cast<Index>(next - entries_.begin()), stop);
-    lock.lock();
-    *next = std::move(entry);
-  }
+  const auto next = std::ranges::find(entries_, Entry::State::Queued, &Entry::state);
+  if (next == entries_.end()) return false;
+  lock.unlock();
+  Entry entry = compute(static_cast<Index>(next - entries_.begin()), stop);
+  lock.lock();
+  *next = std::move(entry);
+  return true;
+}
+
+void RadiusService::wait() {
+  std::unique_lock lock(mutex_);
+  // Not for longer: a signal handler cannot notify.
+  queued_.wait_for(lock, std::chrono::milliseconds(50));
 }
 
 RadiusService::Entry RadiusService::compute(Index object, const std::atomic<bool>& stop) {

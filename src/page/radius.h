@@ -15,8 +15,10 @@ class RadiusService {
   /// The state of an object's radius. The first request queues its computation. Precondition: the object has
   /// modes.
   Json request(Index object);
-  /// Computes queued radii, one after the other, until `stop` is set.
-  void work(const std::atomic<bool>& stop);
+  /// Computes a queued radius; false if there is none.
+  bool compute_queued(const std::atomic<bool>& stop);
+  /// Waits until a radius is queued, but not for long.
+  void wait();
 
  private:
   struct Entry {

@@ -165,11 +165,33 @@ struct CheckHooks {
   const std::atomic<bool>* cancel = nullptr;
 };
 
-/// Checks `motions` and passes each answer to all writers: first the triangles that cross in the first frame,
-/// exactly and in every mode, then the collisions of each step. A single frame has one step without motion,
-/// which finds pairs as close as the thickness. With Mode::Paper every step is checked a second time, proven,
-/// to count misses. Memory holds two frames per object (four with substeps) and one answer. Error: those of
-/// frames_to_check, a model of another mesh, a frame that cannot be read, a writer's error.
+/// A check of motions whose caller decides when it goes on; run_check does it at once. Passes each answer to
+/// all writers: first the triangles that cross in the first frame, exactly and in every mode, then the
+/// collisions of each step. A single frame has one step without motion, which finds pairs as close as the
+/// thickness. With Mode::Paper every step is checked a second time, proven, to count misses. Memory holds two
+/// frames per object (four with substeps) and one answer.
+class MotionCheck {
+ public:
+  /// All arguments must outlive the check. Error: those of frames_to_check, a model of another mesh.
+  static Result<MotionCheck> make(Motions motions, const CheckSettings& settings, Writers writers);
+  MotionCheck(MotionCheck&&) noexcept;
+  MotionCheck& operator=(MotionCheck&&) noexcept;
+  ~MotionCheck();
+
+  /// Does the next part: reads the first frame; finds what crosses in it; then a step per call; at last joins
+  /// contacts and finishes the writers. False after that; do not call it again. Error: a frame that cannot be
+  /// read, a writer's error.
+  Result<bool> advance();
+  /// Of what is done so far.
+  CheckTotals& totals();
+
+ private:
+  class Impl;
+  explicit MotionCheck(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A MotionCheck from its beginning to its end. Error: those of MotionCheck.
 Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Writers writers,
                               const CheckHooks& hooks = {});
 

@@ -89,109 +89,108 @@ void add_counts(CollisionCounts& sum, const CollisionCounts& more) {
   sum.triangle_triangle += more.triangle_triangle;
 }
 
-/// One call of run_check.
-class CheckRun {
+}  // namespace
+
+// Stages follow each other; each call of advance() does a part of one.
+class MotionCheck::Impl {
  public:
-  CheckRun(Motions motions, const CheckSettings& settings, Writers writers, const CheckHooks& hooks,
-           std::vector<Index> frames)
-      : motions_(motions), settings_(settings), writers_(writers), hooks_(hooks), frames_(std::move(frames)) {
+  Impl(Motions motions, const CheckSettings& settings, Writers writers, std::vector<Index> frames)
+      : motions_(motions),
+        settings_(settings),
+        writers_(writers),
+        frames_(std::move(frames)),
+        from_(motions),
+        to_(motions) {
     totals_.first_frame = frames_.front();
     totals_.last_frame = frames_.back();
     totals_.steps_expected = expected_steps();
   }
 
-  Result<CheckTotals> poses() {
-    Pose pose(motions_);
-    std::optional<StepChecker> checker;
-    StaticResult result, proven_result;
-    for (const Index frame : frames_) {
-      FOLDPROOF_TRY(pose.read(motions_, frame));
-      if (!checker) {
-        FOLDPROOF_TRY(prepare(pose));
-        checker.emplace(objects_);
-      }
-      if (stop_requested()) return totals_;
-      FOLDPROOF_TRY(checker->check_static(pose.positions(), settings_.step, result));
-      if (proven_) {
-        FOLDPROOF_TRY(proven_->check_static(pose.positions(), proven_settings_, proven_result));
-      }
-      CheckedStep step{.index = {totals_.steps, frame, frame, 0},
-                       .collisions = {.triangle_triangle = result.crossing_count},
-                       .work = result.work,
-                       .milliseconds = result.milliseconds,
-                       .x0 = pose.positions(),
-                       .x1 = pose.positions(),
-                       .pose = &result,
-                       .explanation = explanation_in(result),
-                       .missed = proven_ ? proven_result.crossing_count - result.crossing_count : 0,
-                       .proven_milliseconds = proven_result.milliseconds.total};
-      if (contacts_) {
-        contacts_->pose(step);
-        step.contacts = &contacts_->finder();
-      }
-      FOLDPROOF_TRY(deliver(step));
-    }
-    return finish();
-  }
+  CheckTotals& totals() { return totals_; }
 
-  Result<CheckTotals> steps() {
-    Pose from(motions_), to(motions_);
-    FOLDPROOF_TRY(begin(from));
-    if (stop_requested()) return totals_;
-    StepChecker checker(objects_);
-    if (frames_.size() == 1) {
-      if (stop_requested()) return totals_;
-      FOLDPROOF_TRY(check(checker, {0, frames_[0], frames_[0], 0}, from, from));
+  Result<bool> advance() {
+    switch (stage_) {
+      case Stage::FirstFrame:
+        FOLDPROOF_TRY(from_.read(motions_, frames_[0]));
+        FOLDPROOF_TRY(prepare());
+        stage_ = settings_.poses || settings_.steps_only ? Stage::Steps : Stage::Crossings;
+        return true;
+      case Stage::Crossings:
+        FOLDPROOF_TRY(start());
+        stage_ = Stage::Steps;
+        return true;
+      case Stage::Steps:
+        FOLDPROOF_TRY(step(totals_.steps));
+        if (totals_.steps == totals_.steps_expected) stage_ = Stage::End;
+        return true;
+      case Stage::End:
+        break;
     }
-    std::optional<Pose> part_start, part_end;
-    if (settings_.substeps > 1) {
-      part_start.emplace(motions_);
-      part_end.emplace(motions_);
+    if (contacts_) contacts_->finish(totals_);
+    for (const auto& writer : writers_) {
+      FOLDPROOF_TRY(writer->finish(totals_));
     }
-    for (std::size_t i = 1; i < frames_.size(); ++i) {
-      FOLDPROOF_TRY(to.read(motions_, frames_[i]));
-      for (Index part = 0; part < settings_.substeps; ++part) {
-        if (stop_requested()) return totals_;
-        const bool first = part == 0, last = part + 1 == settings_.substeps;
-        if (!last) part_end->blend(from, to, static_cast<double>(part + 1) / settings_.substeps);
-        const StepIndex index{totals_.steps, frames_[i - 1], frames_[i], part};
-        FOLDPROOF_TRY(check(checker, index, first ? from : *part_start, last ? to : *part_end));
-        if (!last) std::swap(part_start, part_end);
-      }
-      std::swap(from, to);
-    }
-    return finish();
-  }
-
-  // Vertices are computed only for steps in which somebody reads them.
-  Result<CheckTotals> reduced_steps() {
-    Pose from(motions_), to(motions_);
-    FOLDPROOF_TRY(begin(from));
-    if (stop_requested()) return totals_;
-    std::vector<ReducedChecker::Object> objects;
-    for (const ReducedTrack* track : settings_.reduced) objects.push_back(track->object());
-    ReducedChecker checker(std::move(objects));
-    for (std::uint64_t k = 0; k < totals_.steps_expected; ++k) {
-      if (stop_requested()) return totals_;
-      const StepIndex index{k, frames_[k], frames_[std::min<std::size_t>(k + 1, frames_.size() - 1)], 0};
-      FOLDPROOF_TRY(checker.check(reduced_poses(index.frame), reduced_poses(index.next_frame), settings_.step,
-                                  result_));
-      if (reads_positions()) {
-        FOLDPROOF_TRY(from.read(motions_, index.frame));
-        FOLDPROOF_TRY(to.read(motions_, index.next_frame));
-      }
-      FOLDPROOF_TRY(answer(index, from, to));
-    }
-    return finish();
+    return false;
   }
 
  private:
-  // Reads the first frame, and asks what crosses in it.
-  Result<void> begin(Pose& first) {
-    FOLDPROOF_TRY(first.read(motions_, frames_[0]));
-    FOLDPROOF_TRY(prepare(first));
-    if (settings_.steps_only || stop_requested()) return {};
-    return start(first);
+  enum class Stage : std::uint8_t { FirstFrame, Crossings, Steps, End };
+
+  Result<void> step(std::uint64_t number) {
+    if (settings_.poses) return pose(number);
+    return settings_.reduced.empty() ? linear_step(number) : reduced_step(number);
+  }
+
+  Result<void> pose(std::uint64_t number) {
+    const Index frame = frames_[number];
+    if (number > 0) FOLDPROOF_TRY(from_.read(motions_, frame));
+    StaticResult& result = static_result_;
+    FOLDPROOF_TRY(checker_->check_static(from_.positions(), settings_.step, result));
+    if (proven_) {
+      FOLDPROOF_TRY(proven_->check_static(from_.positions(), proven_settings_, proven_static_result_));
+    }
+    CheckedStep step{.index = {number, frame, frame, 0},
+                     .collisions = {.triangle_triangle = result.crossing_count},
+                     .work = result.work,
+                     .milliseconds = result.milliseconds,
+                     .x0 = from_.positions(),
+                     .x1 = from_.positions(),
+                     .pose = &result,
+                     .explanation = explanation_in(result),
+                     .missed = proven_ ? proven_static_result_.crossing_count - result.crossing_count : 0,
+                     .proven_milliseconds = proven_static_result_.milliseconds.total};
+    if (contacts_) {
+      contacts_->pose(step);
+      step.contacts = &contacts_->finder();
+    }
+    return deliver(step);
+  }
+
+  Result<void> linear_step(std::uint64_t number) {
+    if (frames_.size() == 1) return check({0, frames_[0], frames_[0], 0}, from_, from_);
+    const std::uint64_t i = number / settings_.substeps;
+    const auto part = static_cast<Index>(number % settings_.substeps);
+    const bool first = part == 0, last = part + 1 == settings_.substeps;
+    if (first) FOLDPROOF_TRY(to_.read(motions_, frames_[i + 1]));
+    if (!last) part_end_->blend(from_, to_, static_cast<double>(part + 1) / settings_.substeps);
+    FOLDPROOF_TRY(check({number, frames_[i], frames_[i + 1], part}, first ? from_ : *part_start_,
+                        last ? to_ : *part_end_));
+    std::swap(part_start_, part_end_);
+    if (last) std::swap(from_, to_);
+    return {};
+  }
+
+  // Vertices are computed only for steps in which somebody reads them.
+  Result<void> reduced_step(std::uint64_t number) {
+    const StepIndex index{number, frames_[number],
+                          frames_[std::min<std::size_t>(number + 1, frames_.size() - 1)], 0};
+    FOLDPROOF_TRY(reduced_checker_->check(reduced_poses(index.frame), reduced_poses(index.next_frame),
+                                          settings_.step, result_));
+    if (reads_positions()) {
+      FOLDPROOF_TRY(from_.read(motions_, index.frame));
+      FOLDPROOF_TRY(to_.read(motions_, index.next_frame));
+    }
+    return answer(index, from_, to_);
   }
 
   std::vector<ReducedPose> reduced_poses(Index frame) const {
@@ -211,26 +210,37 @@ class CheckRun {
     return (frames_.size() - 1) * std::uint64_t{settings_.substeps};
   }
 
-  Result<void> prepare(const Pose& first) {
-    objects_ = FOLDPROOF_TRY(make_objects(motions_, settings_, first));
-    prepare_comparison();
+  Result<void> prepare() {
+    objects_ = FOLDPROOF_TRY(make_objects(motions_, settings_, from_));
     contacts_ = FOLDPROOF_TRY(MotionContacts::make(motions_, settings_, objects_));
+    prepare_comparison();
+    if (settings_.reduced.empty()) {
+      checker_.emplace(objects_);
+    } else {
+      std::vector<ReducedChecker::Object> objects;
+      for (const ReducedTrack* track : settings_.reduced) objects.push_back(track->object());
+      reduced_checker_.emplace(std::move(objects));
+    }
+    if (settings_.substeps > 1) {
+      part_start_.emplace(motions_);
+      part_end_.emplace(motions_);
+    }
     return {};
   }
 
   // Exact in every mode. It has a checker of its own, so that the work of the steps is counted separately.
-  Result<void> start(const Pose& first) {
+  Result<void> start() {
     StepSettings exact = settings_.step;
     exact.mode = Mode::Proven;
     exact.explain = false;
     StaticResult result;
-    FOLDPROOF_TRY(StepChecker(objects_).check_static(first.positions(), exact, result));
+    FOLDPROOF_TRY(StepChecker(objects_).check_static(from_.positions(), exact, result));
     CheckedStep pose{.index = {0, frames_[0], frames_[0], 0},
                      .collisions = {.triangle_triangle = result.crossing_count},
                      .work = result.work,
                      .milliseconds = result.milliseconds,
-                     .x0 = first.positions(),
-                     .x1 = first.positions(),
+                     .x0 = from_.positions(),
+                     .x1 = from_.positions(),
                      .pose = &result};
     totals_.start(pose);
     if (contacts_) {
@@ -243,8 +253,8 @@ class CheckRun {
     return {};
   }
 
-  Result<void> check(StepChecker& checker, const StepIndex& index, const Pose& x0, const Pose& x1) {
-    FOLDPROOF_TRY(checker.check(x0.positions(), x1.positions(), settings_.step, result_));
+  Result<void> check(const StepIndex& index, const Pose& x0, const Pose& x1) {
+    FOLDPROOF_TRY(checker_->check(x0.positions(), x1.positions(), settings_.step, result_));
     if (proven_) {
       FOLDPROOF_TRY(proven_->check(x0.positions(), x1.positions(), proven_settings_, proven_result_));
     }
@@ -291,38 +301,26 @@ class CheckRun {
     for (const auto& writer : writers_) {
       FOLDPROOF_TRY(writer->step(step));
     }
-    if (hooks_.progress) hooks_.progress(totals_, totals_.steps_expected);
     return {};
-  }
-
-  bool stop_requested() {
-    totals_.cancelled = hooks_.cancel && hooks_.cancel->load(std::memory_order_relaxed);
-    return totals_.cancelled;
-  }
-
-  Result<CheckTotals> finish() {
-    if (stop_requested()) return totals_;
-    if (contacts_) contacts_->finish(totals_);
-    for (const auto& writer : writers_) {
-      FOLDPROOF_TRY(writer->finish(totals_));
-    }
-    return totals_;
   }
 
   Motions motions_;
   const CheckSettings& settings_;
   Writers writers_;
-  const CheckHooks& hooks_;
   std::vector<Index> frames_;
+  Stage stage_ = Stage::FirstFrame;
+  Pose from_, to_;
+  std::optional<Pose> part_start_, part_end_;  // with substeps
   std::vector<Object> objects_;
   std::unique_ptr<MotionContacts> contacts_;  // null: not looked for
+  std::optional<StepChecker> checker_;
+  std::optional<ReducedChecker> reduced_checker_;  // in place of checker_
   StepResult result_, proven_result_;
+  StaticResult static_result_, proven_static_result_;
   std::optional<StepChecker> proven_;  // Mode::Paper
   StepSettings proven_settings_;
   CheckTotals totals_;
 };
-
-}  // namespace
 
 Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings& settings) {
   if (motions.empty()) return fail(ErrorCode::InvalidArgument, "motions", "none given", "name at least one");
@@ -401,14 +399,33 @@ void CheckTotals::add(const CheckedStep& step) {
   slowest_step = std::max(slowest_step, step.milliseconds.total);
 }
 
-Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Writers writers,
-                              const CheckHooks& hooks) {
+MotionCheck::MotionCheck(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+MotionCheck::MotionCheck(MotionCheck&&) noexcept = default;
+MotionCheck& MotionCheck::operator=(MotionCheck&&) noexcept = default;
+MotionCheck::~MotionCheck() = default;
+
+Result<MotionCheck> MotionCheck::make(Motions motions, const CheckSettings& settings, Writers writers) {
   auto frames = FOLDPROOF_TRY(frames_to_check(motions, settings));
   FOLDPROOF_TRY(require_models_of(motions, settings));
   FOLDPROOF_TRY(require_predictions(motions, settings));
-  CheckRun run(motions, settings, writers, hooks, std::move(frames));
-  if (settings.poses) return run.poses();
-  return settings.reduced.empty() ? run.steps() : run.reduced_steps();
+  return MotionCheck(std::make_unique<Impl>(motions, settings, writers, std::move(frames)));
+}
+
+Result<bool> MotionCheck::advance() { return impl_->advance(); }
+CheckTotals& MotionCheck::totals() { return impl_->totals(); }
+
+Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Writers writers,
+                              const CheckHooks& hooks) {
+  auto check = FOLDPROOF_TRY(MotionCheck::make(motions, settings, writers));
+  CheckTotals& totals = check.totals();
+  for (bool more = true; more;) {
+    totals.cancelled = hooks.cancel && hooks.cancel->load(std::memory_order_relaxed);
+    if (totals.cancelled) break;
+    const std::uint64_t steps = totals.steps;
+    more = FOLDPROOF_TRY(check.advance());
+    if (hooks.progress && totals.steps > steps) hooks.progress(totals, totals.steps_expected);
+  }
+  return std::move(totals);
 }
 
 }  // namespace foldproof
