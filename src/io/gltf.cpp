@@ -148,7 +148,7 @@ class GltfMotion final : public Motion {
       }
       const std::uint64_t count = primitive.mode == 4 ? corners / 3 : corners - 2;
       const auto offset = static_cast<Index>(first_vertex[primitive.vertex_set]);
-      runs.push_back({node, &primitive, count, offset});
+      runs.push_back({node, &primitive, static_cast<std::size_t>(count), offset});
       for (std::uint64_t i = 0; i < count; ++i) {
         Triangle triangle;
         const auto corner = triangle_corners(primitive.mode, i);

@@ -330,7 +330,7 @@ Result<void> GltfDocument::split_glb(std::vector<char> file) {
       return fail(ErrorCode::InvalidFile, at_byte(path_, at), "a chunk reaches beyond the end of the file",
                   remedy);
     }
-    const std::uint64_t length = word(at);
+    const std::size_t length = word(at);
     const std::uint32_t kind = word(at + 4);
     at += kChunkHeader;
     if (!has_json) {
