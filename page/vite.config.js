@@ -1,5 +1,8 @@
-// Two builds: `foldproof view` serves dist/view, `foldproof report` embeds dist/report in its file.
-import { readFileSync } from 'node:fs';
+// Three builds: `foldproof view` serves dist/view, `foldproof report` embeds dist/report in its file, and dist/web is the page
+// that needs no program (./dev web).
+import { createHash } from 'node:crypto';
+import { readdirSync, readFileSync } from 'node:fs';
+import { resolve } from 'node:path';
 import { defineConfig } from 'vite';
 
 /** Puts the licenses of bundled packages before the scripts, as they require. */
@@ -44,4 +47,36 @@ const report = {
   },
 };
 
-export default defineConfig(({ mode }) => (mode === 'report' ? report : view));
+/** Writes offline.js, a service worker that keeps all files of this build in the browser. */
+const offline = (publicDir) => ({
+  name: 'offline',
+  generateBundle(_, bundle) {
+    const files = ['./', ...Object.keys(bundle), ...readdirSync(publicDir)].filter((name) => !name.endsWith('.html'));
+    const version = createHash('sha256').update(JSON.stringify(files)).digest('hex').slice(0, 16);
+    const source = readFileSync('src/web/offline.js', 'utf8').replace("'VERSION'", JSON.stringify(version)).replace("['FILES']", JSON.stringify(files));
+    this.emitFile({ type: 'asset', fileName: 'offline.js', source });
+  },
+});
+
+const web = {
+  root: 'web',
+  base: './',
+  plugins: [licenses('three', 'uplot', 'fflate'), offline('web/public')],
+  resolve: {
+    alias: [
+      { find: 'foldproof-engine', replacement: resolve('../build-web/foldproof.js') },
+      { find: /^foldproof-sample/, replacement: resolve('../build-web/demo/walk.glb') },
+    ],
+  },
+  assetsInclude: ['**/*.glb'],
+  worker: { format: 'es' },
+  build: {
+    outDir: '../../out/web',
+    emptyOutDir: true,
+    modulePreload: { polyfill: false },
+    target: 'es2022',
+    chunkSizeWarningLimit: 8000,
+  },
+};
+
+export default defineConfig(({ mode }) => ({ report, web })[mode] ?? view);

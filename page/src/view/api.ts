@@ -86,10 +86,20 @@ export class ApiError extends Error {}
 /** The program did not answer at all. */
 export class GoneError extends Error {}
 
+/** Answers a request for the data of the scene. */
+export type Source = (path: string, signal?: AbortSignal) => Promise<Response>;
+
+let source: Source = (path, signal) => fetch(`/api/${path}`, signal ? { signal } : {});
+
+/** Where the data comes from, if not from the program that serves the page. */
+export function useSource(other: Source): void {
+  source = other;
+}
+
 async function get(path: string, signal?: AbortSignal): Promise<Response> {
   let response: Response;
   try {
-    response = await fetch(`/api/${path}`, signal ? { signal } : {});
+    response = await source(path, signal);
   } catch (error) {
     if (signal?.aborted) throw error;
     throw new GoneError('The program no longer answers.');

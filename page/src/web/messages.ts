@@ -1,0 +1,26 @@
+// What the page and its worker say to each other.
+
+/** A file and its path below the dropped folder. */
+export interface InputFile {
+  path: string;
+  blob: Blob;
+}
+
+export interface Settings {
+  thickness: number; // mesh units
+  substeps: number;
+  static: boolean; // each frame by itself
+  fps: number; // glTF: frames per second
+}
+
+export type Request =
+  | { id: number; kind: 'open'; files: InputFile[]; settings: Settings }
+  | { id: number; kind: 'get'; path: string }
+  | { id: number; kind: 'report' }
+  | { id: number; kind: 'stop' };
+
+export interface Answer {
+  id: number;
+  status: number;
+  body: ArrayBuffer;
+}

@@ -1,0 +1,81 @@
+// The page's data and its check, for JavaScript in a worker: one scene at a time.
+#include <memory>
+#include <string>
+
+#include "base/try.h"
+#include "page/page_json.h"
+#include "page_files.h"
+
+namespace foldproof {
+namespace {
+
+std::unique_ptr<Page> page;
+std::atomic<bool> stop = false;
+PageAnswer answer;
+
+constexpr const char* kReport = "/report.html";  // there from the end of the check on
+
+/// The parameters of "a=1&b=2".
+PageQuery query_of(std::string_view text) {
+  PageQuery query;
+  while (!text.empty()) {
+    const std::string_view item = text.substr(0, text.find('&'));
+    text.remove_prefix(std::min(item.size() + 1, text.size()));
+    const std::size_t equals = std::min(item.find('='), item.size());
+    query.emplace(item.substr(0, equals), item.substr(std::min(equals + 1, item.size())));
+  }
+  return query;
+}
+
+Result<void> open(const Json& request) {
+  const std::vector<std::string> files = request["files"], models = request["models"];
+  PageInput input;
+  input.read.fps = request["fps"];
+  input.motions = FOLDPROOF_TRY(open_motions(files, input.read));
+  input.check.substeps = request["substeps"];
+  input.check.step.thickness = request["thickness"];
+  input.check.poses = request["static"];
+  for (const std::string& model : models)
+    input.check.models.push_back(std::make_shared<const Model>(FOLDPROOF_TRY(load_model(model))));
+  if (models.size() == 1) input.check.models.resize(input.motions.size(), input.check.models[0]);
+  const std::string command = request["command"];
+  input.writer = [read = input.read, command](Motions motions, const CheckSettings& settings) {
+    return page_report(kReport, motions, {{settings, read}, command}, page_files());
+  };
+  page = FOLDPROOF_TRY(Page::open(std::move(input)));
+  return {};
+}
+
+}  // namespace
+}  // namespace foldproof
+
+// Status 200 or an error's, as of the page's server; what it says is in foldproof_body().
+extern "C" {
+
+/// `request`: the arguments of `foldproof view`: {"files": ["walk.glb"], "models": [], "thickness": 0,
+/// "substeps": 1, "static": false, "fps": 24, "command": "what the report names"}.
+int foldproof_open(const char* request) {
+  using namespace foldproof;
+  page.reset();
+  const auto opened = open(Json::parse(request));
+  answer = opened ? PageAnswer{} : PageAnswer{400, "application/json", error_json(opened.error().line())};
+  return answer.status;
+}
+
+/// Does a part of the check: 0 if nothing is left to do.
+int foldproof_advance() { return foldproof::page->advance(foldproof::stop) ? 1 : 0; }
+
+/// Ends the check.
+void foldproof_stop() { foldproof::stop = true; }
+
+int foldproof_get(const char* target) {
+  using namespace foldproof;
+  const std::string_view text = target;
+  const std::size_t mark = std::min(text.find('?'), text.size());
+  answer = page->get(text.substr(0, mark), query_of(text.substr(std::min(mark + 1, text.size()))));
+  return answer.status;
+}
+
+const char* foldproof_body() { return foldproof::answer.body.data(); }
+std::size_t foldproof_body_size() { return foldproof::answer.body.size(); }
+}

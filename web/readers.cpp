@@ -1,0 +1,37 @@
+// Readers of formats whose libraries are not part of the WebAssembly build.
+#include <filesystem>
+
+#include "base/try.h"
+#include "io/array_motion.h"
+
+namespace foldproof::io {
+namespace {
+
+tl::unexpected<Error> not_read(const std::string& path) {
+  return fail(ErrorCode::UnsupportedFormat, path, "is not read in the browser",
+              "convert it, or give it to the program");
+}
+
+}  // namespace
+
+Result<MeshData> parse_vtp(const std::string& path, std::string_view) { return not_read(path); }
+Result<MeshData> parse_vtu(const std::string& path, std::string_view) { return not_read(path); }
+Result<std::unique_ptr<Motion>> open_pvd(const std::string& path) { return not_read(path); }
+
+// The page has unpacked the archive into a directory beside it.
+Result<std::unique_ptr<Motion>> open_npz(const std::string& path) {
+  const std::string directory = path + ".arrays";
+  std::vector<std::string> members;
+  for (const auto& member : std::filesystem::directory_iterator(directory))
+    members.push_back(member.path().filename().string());
+  const ArrayNames names = find_arrays(members);
+  NpyFile faces;
+  auto vertices = std::make_unique<NpyFile>();
+  FOLDPROOF_TRY(faces.open(directory + "/" + names.faces + ".npy"));
+  FOLDPROOF_TRY(vertices->open(directory + "/" + names.vertices + ".npy"));
+  auto motion = std::make_unique<ArrayMotion>(path, std::move(vertices), nullptr);
+  FOLDPROOF_TRY(motion->open(faces));
+  return motion;
+}
+
+}  // namespace foldproof::io
