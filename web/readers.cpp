@@ -16,10 +16,12 @@ tl::unexpected<Error> not_read(const std::string& path) {
 
 Result<MeshData> parse_vtp(const std::string& path, std::string_view) { return not_read(path); }
 Result<MeshData> parse_vtu(const std::string& path, std::string_view) { return not_read(path); }
-Result<std::unique_ptr<Motion>> open_pvd(const std::string& path) { return not_read(path); }
+Result<std::unique_ptr<Motion>> open_pvd(const std::string& path, const ReadProgress&) {
+  return not_read(path);
+}
 
 // The page has unpacked the archive into a directory beside it.
-Result<std::unique_ptr<Motion>> open_npz(const std::string& path) {
+Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadProgress&) {
   const std::string directory = path + ".arrays";
   std::vector<std::string> members;
   for (const auto& member : std::filesystem::directory_iterator(directory))
