@@ -246,7 +246,7 @@ TEST(IpcToolkit, StepSizesAreNeverTooLarge) {
   EXPECT_GT(free, 3);
 }
 
-TEST(NarrowPhase, TimesAreSharesOfTheTimeToContact) {
+TEST(IpcToolkit, TimesAreSharesOfTheTimeToContact) {
   ipc_toolkit::NarrowPhaseCCD ccd;
   const Eigen::Vector3d p0(0, 0, 1), p1(0, 0, -1), q(0, 0, 0);
   double toi = 7;
