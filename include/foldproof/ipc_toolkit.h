@@ -1,0 +1,300 @@
+/// Foldproof in simulators that use ipc-toolkit: a broad phase and a narrow phase behind its interfaces.
+///
+/// Needs ipc-toolkit 1.3 or newer, which is not part of Foldproof. docs/ipc_toolkit.md says what to change in
+/// a simulator, and for which releases this is written. Errors are exceptions here, as in ipc-toolkit:
+/// std::invalid_argument for bad input, std::logic_error for what is not supported. They say what to do.
+#pragma once
+
+#include <cmath>
+#include <ipc/broad_phase/broad_phase.hpp>
+#include <ipc/ccd/narrow_phase_ccd.hpp>
+#include <optional>
+#include <stdexcept>
+#include <tuple>
+
+#include "foldproof/solver.h"
+
+namespace foldproof::ipc_toolkit {
+
+/// Types that differ between releases of ipc-toolkit, taken from the signatures of its interfaces.
+namespace detail {
+
+template <class Member>
+struct Signature;
+
+template <class Class, class Answer, class First, class... Others>
+struct Signature<Answer (Class::*)(First, Others...) const> {
+  using Parameter = First;
+};
+/// Of a function that is not overloaded: the type of its first parameter.
+template <auto member>
+using Parameter = typename Signature<decltype(member)>::Parameter;
+
+/// Of the build function that takes one pose.
+template <class Vertices, class Elements>
+std::tuple<Vertices, Elements> build_parameters(void (::ipc::BroadPhase::*build)(Vertices, Elements, Elements,
+                                                                                 double));
+using Build = decltype(build_parameters(&::ipc::BroadPhase::build));
+
+/// The function overrides one only since 1.4, so it is not marked so.
+class NamedBroadPhase : public ::ipc::BroadPhase {
+ public:
+  virtual std::string name() const { return "Foldproof"; }  // NOLINT(modernize-use-override)
+};
+
+/// The value, or the error as an exception.
+template <class T>
+T value_of(Result<T> result) {
+  if (!result) throw std::invalid_argument("foldproof: " + result.error().line());
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
+}
+
+}  // namespace detail
+
+/// Finds candidates by ContactChecker::candidates with twice the radius of inflation: every pair of features
+/// whose distance is at most that at some time of the step, or in the pose, if ipc-toolkit's filters allow
+/// it. Filters are asked when candidates are listed. 3D only. Keep it: from build to build it reuses its
+/// lists while edges and faces stay the same. One thread at a time.
+class BroadPhase : public detail::NamedBroadPhase {
+ public:
+  using Vertices = std::tuple_element_t<0, detail::Build>;
+  using Elements = std::tuple_element_t<1, detail::Build>;
+  using ::ipc::BroadPhase::build;
+
+  /// One pose. Here as below, the filters of ipc-toolkit need what its own function keeps.
+  void build(Vertices vertices, Elements edges, Elements faces, double inflation_radius = 0) override {
+    require_3d(vertices);
+    ::ipc::BroadPhase::build(vertices, edges, faces, inflation_radius);
+    keep(edges, faces, inflation_radius);
+    x0_ = positions_of(vertices);
+    x1_.clear();
+  }
+  /// A step.
+  void build(Vertices vertices_t0, Vertices vertices_t1, Elements edges, Elements faces,
+             double inflation_radius = 0) override {
+    require_3d(vertices_t0);
+    require_3d(vertices_t1);
+    ::ipc::BroadPhase::build(vertices_t0, vertices_t1, edges, faces, inflation_radius);
+    keep(edges, faces, inflation_radius);
+    x0_ = positions_of(vertices_t0);
+    x1_ = positions_of(vertices_t1);
+  }
+  void clear() override {
+    ::ipc::BroadPhase::clear();
+    inflation_.reset();
+  }
+
+  void detect_vertex_vertex_candidates(
+      detail::Parameter<&::ipc::BroadPhase::detect_vertex_vertex_candidates> candidates) const override {
+    require_positions();
+    if (x0_.empty()) return;
+    vertices_.find({}, x0_, x1_, *inflation_);
+    for (const auto& [a, b] : vertices_.found.vertex_vertex) {
+      if (can_vertices_collide(a, b)) candidates.emplace_back(int(a), int(b));
+    }
+  }
+  /// Of all edges with all vertices, which are points of their own here.
+  void detect_edge_vertex_candidates(
+      detail::Parameter<&::ipc::BroadPhase::detect_edge_vertex_candidates> candidates) const override {
+    require_positions();
+    if (edges_.empty()) return;
+    const Index n = vertex_count();
+    edges_and_points_.find({.edges = edges_, .others = n}, twice(x0_), twice(x1_), *inflation_);
+    for (const auto& [edge, point] : edges_and_points_.found.edge_vertex) {
+      if (can_edge_vertex_collide(edge, point - n)) candidates.emplace_back(int(edge), int(point - n));
+    }
+  }
+  void detect_edge_edge_candidates(
+      detail::Parameter<&::ipc::BroadPhase::detect_edge_edge_candidates> candidates) const override {
+    for (const auto& [a, b] : near().edge_edge) {
+      // Edges of faces that ipc-toolkit was not given come behind its own.
+      if (b < edges_.size() && can_edges_collide(a, b)) candidates.emplace_back(int(a), int(b));
+    }
+  }
+  void detect_face_vertex_candidates(
+      detail::Parameter<&::ipc::BroadPhase::detect_face_vertex_candidates> candidates) const override {
+    for (const auto& [vertex, face] : near().vertex_face) {
+      if (can_face_vertex_collide(face, vertex)) candidates.emplace_back(int(face), int(vertex));
+    }
+  }
+  /// In one pose, as ipc::has_intersections asks: a point that moves from one end of an edge to the other
+  /// comes near a face at rest exactly if the edge is near it.
+  void detect_edge_face_candidates(
+      detail::Parameter<&::ipc::BroadPhase::detect_edge_face_candidates> candidates) const override {
+    require_positions();
+    if (!x1_.empty())
+      throw std::logic_error("foldproof: edge-face candidates are those of one pose; build with one pose");
+    if (edges_.empty() || faces_.empty()) return;
+    const Index n = vertex_count();
+    std::vector<double> from = x0_, to = x0_;
+    for (const auto& [a, b] : edges_) {
+      from.insert(from.end(), &x0_[3 * a], &x0_[3 * a] + 3);
+      to.insert(to.end(), &x0_[3 * b], &x0_[3 * b] + 3);
+    }
+    faces_and_points_.find({.faces = faces_, .others = n}, from, to, *inflation_);
+    for (const auto& [point, face] : faces_and_points_.found.vertex_face) {
+      if (can_edge_face_collide(point - n, face)) candidates.emplace_back(int(point - n), int(face));
+    }
+  }
+  void detect_face_face_candidates(
+      detail::Parameter<&::ipc::BroadPhase::detect_face_face_candidates>) const override {
+    throw std::logic_error("foldproof: no face-face candidates; ask another broad phase, as ipc::BruteForce");
+  }
+
+ private:
+  struct Mesh {
+    std::vector<Edge> edges = {};
+    std::vector<Triangle> faces = {};
+    Index vertex_count = 0;
+    Index others = 0;  ///< If not 0: vertices from here on collide with those before, and nothing else does.
+    bool operator==(const Mesh&) const = default;
+  };
+  /// A checker for one kind of candidates, kept while its mesh stays the same.
+  struct Query {
+    Mesh mesh;
+    std::optional<ContactChecker> checker;
+    Candidates found;
+
+    /// `x1` is empty for one pose.
+    void find(Mesh wanted, std::span<const double> x0, std::span<const double> x1, double inflation) {
+      wanted.vertex_count = static_cast<Index>(x0.size() / 3);
+      if (!checker || mesh != wanted) start(std::move(wanted), x0);
+      detail::value_of(x1.empty() ? checker->candidates(x0, inflation, found)
+                                  : checker->candidates(x0, x1, inflation, found));
+    }
+    void start(Mesh wanted, std::span<const double> x0) {
+      CollisionMeshSettings settings;
+      if (wanted.others != 0) {
+        std::vector<Index> group(wanted.vertex_count, 0);
+        std::fill(group.begin() + wanted.others, group.end(), 1);
+        const std::array<std::array<Index, 2>, 2> excluded{{{0, 0}, {1, 1}}};
+        settings.filter = detail::value_of(CollisionFilter::groups(std::move(group), excluded));
+      }
+      checker.emplace(std::make_shared<const CollisionMesh>(
+          detail::value_of(CollisionMesh::make(x0, wanted.edges, wanted.faces, settings))));
+      mesh = std::move(wanted);
+    }
+  };
+
+  static std::vector<double> positions_of(Vertices vertices) {
+    std::vector<double> x(vertices.size());
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = vertices(i / 3, i % 3);
+    return x;
+  }
+  static std::vector<double> twice(std::vector<double> x) {
+    x.reserve(2 * x.size());
+    x.insert(x.end(), x.begin(), x.end());
+    return x;
+  }
+  static void require_3d(Vertices vertices) {
+    if (vertices.cols() != 3)
+      throw std::invalid_argument("foldproof: positions have " + std::to_string(vertices.cols()) +
+                                  " columns, not 3; keep a broad phase of ipc-toolkit for 2D");
+  }
+  void require_positions() const {
+    if (!inflation_)
+      throw std::logic_error("foldproof: no positions were given; call build with vertices, not boxes");
+  }
+  Index vertex_count() const { return static_cast<Index>(x0_.size() / 3); }
+
+  void keep(Elements edges, Elements faces, double inflation_radius) {
+    edges_.resize(edges.rows());
+    for (std::size_t i = 0; i < edges_.size(); ++i)
+      for (int k = 0; k < 2; ++k) edges_[i][k] = static_cast<Index>(edges(i, k));
+    faces_.resize(faces.rows());
+    for (std::size_t i = 0; i < faces_.size(); ++i)
+      for (int k = 0; k < 3; ++k) faces_[i][k] = static_cast<Index>(faces(i, k));
+    inflation_ = 2 * inflation_radius;
+    near_is_found_ = false;
+  }
+  const Candidates& near() const {
+    require_positions();
+    if (!near_is_found_) {
+      near_.found.clear();
+      if (!edges_.empty() || !faces_.empty())
+        near_.find({.edges = edges_, .faces = faces_}, x0_, x1_, *inflation_);
+      near_is_found_ = true;
+    }
+    return near_.found;
+  }
+
+  std::vector<double> x0_, x1_;  ///< x1_ is empty for one pose.
+  std::vector<Edge> edges_;
+  std::vector<Triangle> faces_;
+  std::optional<double> inflation_;  ///< None: nothing is built.
+  mutable Query near_, vertices_, edges_and_points_, faces_and_points_;
+  mutable bool near_is_found_ = false;
+};
+
+/// Narrow phase by vertex_face_ccd and edge_edge_ccd. False is proven: farther than `min_distance` from time
+/// 0 to `tmax`. True: `toi` is a time up to which the pair is proven farther, and not above `tmax`; it is 0
+/// if the pair starts too close. An undecided pair counts as true. `toi` is set with true only. 3D only.
+/// Thread-safe.
+class NarrowPhaseCCD : public ::ipc::NarrowPhaseCCD {
+ public:
+  /// `toi` is this share of the time to contact, in (0,1]. With 1 the next step may start in contact.
+  double conservative_rescaling = 0.8;
+  /// Mesh units. Pairs closer than `min_distance` plus this may count as contact. 0: 2^-30 of the largest
+  /// side of the box around the pair during the step.
+  double tolerance = 0;
+
+  using Point = detail::Parameter<&::ipc::NarrowPhaseCCD::point_point_ccd>;
+  using Point3 = detail::Parameter<&::ipc::NarrowPhaseCCD::edge_edge_ccd>;
+
+  bool point_point_ccd(Point p0_t0, Point p1_t0, Point p0_t1, Point p1_t1, double& toi,
+                       double min_distance = 0, double tmax = 1) const override {
+    const Vec3 p0 = in_3d(p0_t0), q0 = in_3d(p1_t0), p1 = in_3d(p0_t1), q1 = in_3d(p1_t1);
+    return collide(foldproof::edge_edge_ccd, {p0, p0, q0, q0}, {p1, p1, q1, q1}, toi,
+                   {min_distance, tolerance, tmax});
+  }
+  bool point_edge_ccd(Point p_t0, Point e0_t0, Point e1_t0, Point p_t1, Point e0_t1, Point e1_t1, double& toi,
+                      double min_distance = 0, double tmax = 1) const override {
+    const Vec3 p0 = in_3d(p_t0), p1 = in_3d(p_t1);
+    return collide(foldproof::edge_edge_ccd, {p0, p0, in_3d(e0_t0), in_3d(e1_t0)},
+                   {p1, p1, in_3d(e0_t1), in_3d(e1_t1)}, toi, {min_distance, tolerance, tmax});
+  }
+  bool point_triangle_ccd(Point3 p_t0, Point3 t0_t0, Point3 t1_t0, Point3 t2_t0, Point3 p_t1, Point3 t0_t1,
+                          Point3 t1_t1, Point3 t2_t1, double& toi, double min_distance = 0,
+                          double tmax = 1) const override {
+    return collide(foldproof::vertex_face_ccd, {p_t0, t0_t0, t1_t0, t2_t0}, {p_t1, t0_t1, t1_t1, t2_t1}, toi,
+                   {min_distance, tolerance, tmax});
+  }
+  bool edge_edge_ccd(Point3 ea0_t0, Point3 ea1_t0, Point3 eb0_t0, Point3 eb1_t0, Point3 ea0_t1, Point3 ea1_t1,
+                     Point3 eb0_t1, Point3 eb1_t1, double& toi, double min_distance = 0,
+                     double tmax = 1) const override {
+    return collide(foldproof::edge_edge_ccd, {ea0_t0, ea1_t0, eb0_t0, eb1_t0},
+                   {ea0_t1, ea1_t1, eb0_t1, eb1_t1}, toi, {min_distance, tolerance, tmax});
+  }
+
+ private:
+  static Vec3 in_3d(Point p) {
+    if (p.size() != 3)
+      throw std::invalid_argument("foldproof: a point has " + std::to_string(p.size()) +
+                                  " coordinates, not 3; keep a narrow phase of ipc-toolkit for 2D");
+    return p;
+  }
+  bool collide(decltype(vertex_face_ccd)* ccd, const FourPoints& x0, const FourPoints& x1, double& toi,
+               CcdSettings settings) const {
+    Vec3 low = x0[0], high = x0[0];
+    bool finite = std::isfinite(settings.thickness) && std::isfinite(settings.tolerance);
+    for (const FourPoints* points : {&x0, &x1}) {
+      for (const Vec3& p : *points) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+        finite = finite && p.allFinite();
+      }
+    }
+    if (!(finite && settings.thickness >= 0 && settings.tolerance >= 0 && settings.latest >= 0 &&
+          settings.latest <= 1 && conservative_rescaling > 0 && conservative_rescaling <= 1))
+      throw std::invalid_argument(
+          "foldproof: give finite positions, min_distance and tolerance finite and >= 0, tmax in [0,1], "
+          "conservative_rescaling in (0,1]");
+    if (settings.tolerance == 0) settings.tolerance = 0x1p-30 * (high - low).maxCoeff();
+    const CcdResult result = ccd(x0, x1, settings);
+    if (result.answer == Answer::Separated) return false;
+    toi = conservative_rescaling * result.toi;
+    return true;
+  }
+};
+
+}  // namespace foldproof::ipc_toolkit
