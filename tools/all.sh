@@ -199,13 +199,14 @@ rows_of() {
 
 # take_rows CHECK: its rows, if they still hold.
 take_rows() {
-  local rows name result counts clock commit
+  local rows name result counts clock commit passed_at
   rows=$(rows_of "$1") || return 1
   while IFS='|' read -r _ name _ result counts clock commit _; do
     clock=${clock# } clock=${clock% } counts=${counts# } name=${name# } result=${result# } commit=${commit# }
     add_row "${name% }" "${result% }" "${counts% }" "$((10#${clock%:*} * 60 + 10#${clock#*:}))|${commit% }"
+    passed_at=${commit% }
   done <<<"$rows"
-  printf '%-12s passed before, at %s\n' "$1" "${commit% }"
+  printf '%-12s passed before, at %s\n' "$1" "$passed_at"
 }
 
 read_all_arguments() {
