@@ -1,6 +1,6 @@
 // Runs the engine: reads the files, checks step by step, and answers requests between the steps.
 import createFoldproof, { type Engine } from 'foldproof-engine';
-import { unzip, zlibSync } from 'fflate';
+import { unzipSync, zlibSync } from 'fflate';
 import { argumentsOf } from './arguments';
 import type { Answer, InputFile, Request, Settings } from './messages';
 
@@ -14,10 +14,6 @@ const turns = new MessageChannel(); // lets requests in between two steps
 const bytesOf = (text: string): ArrayBuffer => new TextEncoder().encode(text).buffer as ArrayBuffer;
 const failure = (id: number, line: string): Answer => ({ id, status: 500, body: bytesOf(JSON.stringify({ error: line })) });
 
-/** The arrays of an NPZ. */
-const arraysOf = (bytes: Uint8Array): Promise<Record<string, Uint8Array>> =>
-  new Promise((resolve, reject) => unzip(bytes, { filter: ({ name }) => /^[^/]+\.npy$/.test(name) }, (error, arrays) => (error ? reject(error) : resolve(arrays))));
-
 async function store({ FS }: Engine, { path, blob }: InputFile): Promise<void> {
   const at = `${kFolder}/${path}`;
   FS.mkdirTree(at.slice(0, at.lastIndexOf('/')));
@@ -25,7 +21,8 @@ async function store({ FS }: Engine, { path, blob }: InputFile): Promise<void> {
   FS.writeFile(at, bytes, { canOwn: true });
   if (!/\.npz$/i.test(path)) return;
   FS.mkdirTree(`${at}.arrays`);
-  for (const [name, array] of Object.entries(await arraysOf(bytes))) FS.writeFile(`${at}.arrays/${name}`, array, { canOwn: true });
+  const arrays = unzipSync(bytes, { filter: ({ name }) => /^[^/]+\.npy$/.test(name) });
+  for (const [name, array] of Object.entries(arrays)) FS.writeFile(`${at}.arrays/${name}`, array, { canOwn: true });
 }
 
 async function open(engine: Engine, files: InputFile[], settings: Settings): Promise<number> {
