@@ -57,6 +57,7 @@ extern "C" {
 int foldproof_open(const char* request) {
   using namespace foldproof;
   page.reset();
+  stop = false;
   const auto opened = open(Json::parse(request));
   answer = opened ? PageAnswer{} : PageAnswer{400, "application/json", error_json(opened.error().line())};
   return answer.status;

@@ -24,7 +24,8 @@ Result<std::unique_ptr<Motion>> open_pvd(const std::string& path, const ReadProg
 Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadProgress&) {
   const std::string directory = path + ".arrays";
   std::vector<std::string> members;
-  for (const auto& member : std::filesystem::directory_iterator(directory))
+  std::error_code ignored;  // without the directory, the arrays are reported missing
+  for (const auto& member : std::filesystem::directory_iterator(directory, ignored))
     members.push_back(member.path().filename().string());
   const ArrayNames names = find_arrays(members);
   NpyFile faces;

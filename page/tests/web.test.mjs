@@ -158,9 +158,17 @@ test('shows the sample without a network', () =>
 test('unpacks archives, joins frames, and says what it cannot read', () =>
   visit(async (page) => {
     const choose = (...files) => page.locator('input[type=file]').first().setInputFiles(files);
+    run('demo', join(folder, 'demo'));
     await choose({ name: 'broken.obj', mimeType: 'text/plain', buffer: Buffer.from('v 1 2 x\n') });
     await page.getByRole('alert').getByText('broken.obj:1').waitFor();
-    run('demo', join(folder, 'demo'));
+    await choose({ name: 'broken.npz', mimeType: 'application/zip', buffer: Buffer.from('PK no archive') });
+    await page.getByRole('alert').getByText('broken.npz: is not a complete ZIP archive').waitFor();
+    await page.getByText('Options').click();
+    await page.getByLabel('Thickness').fill('');
+    await choose(join(folder, 'demo', 'pose.obj'));
+    assert.equal(await page.getByLabel('Thickness').evaluate((input) => input.validity.valid), false);
+    assert.ok(await page.getByText('Drop a motion here').isVisible());
+    await page.getByLabel('Thickness').fill('0');
     await choose(join(folder, 'demo', 'body.npz'));
     await checked(page);
     await page.getByRole('button', { name: 'Open', exact: true }).click();

@@ -72,7 +72,7 @@ const variable = (name: string): string => getComputedStyle(document.documentEle
 
 const decades = (_: uPlot, __: number, ___: number, high: number): number[] => [0, ...Array.from({ length: 12 }, (____, k) => 10 ** (k + 1)).filter((tick) => tick <= high)];
 
-/** From where to where on the axis a step is drawn. */
+/** The interval of the axis in which a step is drawn. */
 type SpanOf = (step: Step) => [number, number];
 
 /** Columns for uPlot: a value applies from the start to the end of its step. */

@@ -32,7 +32,7 @@ const startOf = (step: Step, substeps: number): number =>
 
 const standsStill = (step: Step): boolean => step.frame === step.next_frame;
 
-/** From where to where a step is drawn, in frames; a pose is drawn around its frame. `stride`: from frame to frame. */
+/** The interval in which a step is drawn, in frames; that of a pose is centered on its frame. `stride`: between two selected frames. */
 export function spanOf(step: Step, substeps: number, stride: number): [number, number] {
   if (standsStill(step)) return [step.frame - stride / 2, step.frame + stride / 2];
   const from = startOf(step, substeps);

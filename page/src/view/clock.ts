@@ -24,7 +24,7 @@ export class Clock {
     this.steps = steps;
     this.substeps = this.still ? 1 : substeps;
     this.frames = frames;
-    this.speed = isStatic(settings) ? 0.1 : 1; // Poses that do not follow from each other need time to be seen.
+    this.speed = isStatic(settings) ? 0.1 : 1; // Poses are no motion: each needs time to be seen.
   }
 
   /** The index of the frame at or before this moment. */

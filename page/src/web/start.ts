@@ -15,17 +15,23 @@ function sampleFile(): InputFile {
 export class StartPage {
   private readonly files = el('input', { type: 'file', multiple: true, hidden: true, accept: [...kReadable, '.bin'].join() });
   private readonly folder = el('input', { type: 'file', multiple: true, hidden: true, webkitdirectory: true });
-  private readonly thickness = el('input', { type: 'number', min: '0', step: 'any', value: '0', id: 'thickness' });
-  private readonly substeps = el('input', { type: 'number', min: '1', max: '1000', value: '1', id: 'substeps' });
+  private readonly thickness = el('input', { type: 'number', required: true, min: '0', step: 'any', value: '0', id: 'thickness' });
+  private readonly substeps = el('input', { type: 'number', required: true, min: '1', max: '1000', value: '1', id: 'substeps' });
   private readonly poses = el('input', { type: 'checkbox', id: 'poses' });
-  private readonly fps = el('input', { type: 'number', min: '1', max: '1000', value: '24', id: 'fps' });
+  private readonly fps = el('input', { type: 'number', required: true, min: '1', max: '1000', value: '24', id: 'fps' });
   private readonly alert = el('p', { className: 'alert', role: 'alert', hidden: true });
   private readonly zone: HTMLElement;
   readonly element: HTMLElement;
 
   constructor(private readonly open: (files: InputFile[], settings: Settings) => void) {
     const button = (text: string, action: () => void, className = '') => el('button', { type: 'button', className, onclick: action }, text);
-    for (const input of [this.files, this.folder]) input.addEventListener('change', () => this.take(chosen(input.files ?? [])));
+    for (const input of [this.files, this.folder]) {
+      input.addEventListener('change', () => {
+        const files = chosen(input.files ?? []);
+        input.value = ''; // so that the same file can be chosen again
+        this.take(files);
+      });
+    }
     this.zone = el(
       'section',
       { className: 'zone' },

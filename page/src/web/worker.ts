@@ -14,6 +14,15 @@ const turns = new MessageChannel(); // lets requests in between two steps
 const bytesOf = (text: string): ArrayBuffer => new TextEncoder().encode(text).buffer as ArrayBuffer;
 const failure = (id: number, line: string): Answer => ({ id, status: 500, body: bytesOf(JSON.stringify({ error: line })) });
 
+/** The arrays of an NPZ. */
+function arraysOf(path: string, bytes: Uint8Array): Record<string, Uint8Array> {
+  try {
+    return unzipSync(bytes, { filter: ({ name }) => /^[^/]+\.npy$/.test(name) });
+  } catch {
+    throw new Error(`${path}: is not a complete ZIP archive; save it again`);
+  }
+}
+
 async function store({ FS }: Engine, { path, blob }: InputFile): Promise<void> {
   const at = `${kFolder}/${path}`;
   FS.mkdirTree(at.slice(0, at.lastIndexOf('/')));
@@ -21,8 +30,7 @@ async function store({ FS }: Engine, { path, blob }: InputFile): Promise<void> {
   FS.writeFile(at, bytes, { canOwn: true });
   if (!/\.npz$/i.test(path)) return;
   FS.mkdirTree(`${at}.arrays`);
-  const arrays = unzipSync(bytes, { filter: ({ name }) => /^[^/]+\.npy$/.test(name) });
-  for (const [name, array] of Object.entries(arrays)) FS.writeFile(`${at}.arrays/${name}`, array, { canOwn: true });
+  for (const [name, array] of Object.entries(arraysOf(path, bytes))) FS.writeFile(`${at}.arrays/${name}`, array, { canOwn: true });
 }
 
 async function open(engine: Engine, files: InputFile[], settings: Settings): Promise<number> {
