@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "check/motion.h"
+#include "contacts/lengths.h"
 #include "foldproof/ccd.h"
 
 namespace foldproof::internal {
@@ -124,7 +125,7 @@ class Tracer {
           orient3d(p, q, corners[2], corners[0]) != turn)
         continue;
       const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-      const double from = normal.dot(p - corners[0]), to = normal.dot(q - corners[0]);
+      const double from = dot(normal, p - corners[0]), to = dot(normal, q - corners[0]);
       const double share = from == to ? 0.5 : std::clamp(from / (from - to), 0.0, 1.0);
       ends_.push_back({i,
                        {side, object, edge, surfaces_.triangle(other, pair.triangle(1 - side)), share,
@@ -194,7 +195,7 @@ class Tracer {
     for (Index s = next_segment(n); s != kNoIndex; s = next_segment(n)) {
       used_[s] = 1;
       const Index to = segments_[s][0] == n ? segments_[s][1] : segments_[s][0];
-      out_.length += (out_.piercings[to].position - out_.piercings[n].position).norm();
+      out_.length += length(out_.piercings[to].position - out_.piercings[n].position);
       line.push_back(to);
       n = to;
       if (first_[n + 1] - first_[n] != 2) break;

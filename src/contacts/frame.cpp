@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "check/triangles_cross.h"
+#include "contacts/lengths.h"
 
 namespace foldproof::internal {
 namespace {
@@ -53,7 +54,7 @@ void FrameMeasurer::list_other_surface(int side, Positions x) {
   } else {
     Vec3 low = points_[0], high = points_[0];
     for (const Vec3& p : points_) low = low.cwiseMin(p), high = high.cwiseMax(p);
-    const Vec3 around = Vec3::Constant((high - low).norm() / 2);
+    const Vec3 around = Vec3::Constant(length(high - low) / 2);
     const auto is_near = [&](Index t) {
       const auto c = corners(x[object], triangles[t]);
       return (c[0].cwiseMin(c[1]).cwiseMin(c[2]).array() <= (high + around).array()).all() &&
@@ -92,10 +93,10 @@ void FrameMeasurer::find_deepest(int side, Positions x) {
   // point.
   Vec3 known = other_corners_[0][0];
   for (const Vec3& p : points_) {
-    const double limit = (known - p).norm();
+    const double limit = length(known - p);
     if (limit <= *depth_) continue;
     known = tree_.nearest(p, limit);
-    const double distance = (known - p).norm();
+    const double distance = length(known - p);
     if (distance <= *depth_) continue;
     depth_ = distance;
     deepest_ = p;
@@ -172,11 +173,11 @@ void FrameMeasurer::describe(std::span<const CrossingPair> pairs, Positions x, C
       for (int side = 0; side < 2; ++side) {
         const Index object = pair.object(side);
         const auto c = corners(x[object], surfaces_.topology(object).triangles()[pair.triangle(side)]);
-        normal += (side == 0 ? -1 : 1) * (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+        normal += (side == 0 ? -1 : 1) * direction((c[1] - c[0]).cross(c[2] - c[0]));
       }
     }
   }
-  out.normal = normal.norm() > 0 ? Vec3(normal.normalized()) : Vec3::Zero();
+  out.normal = direction(normal);
 }
 
 }  // namespace foldproof::internal

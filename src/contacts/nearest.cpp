@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contacts/lengths.h"
+
 namespace foldproof::internal {
 namespace {
 
@@ -11,25 +13,30 @@ constexpr Index kLeafSize = 4;
 
 Vec3 nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
-  const double square = d.squaredNorm();
-  return square > 0 ? Vec3(a + std::clamp((p - a).dot(d) / square, 0.0, 1.0) * d) : a;
+  const double square = square_length(d);
+  return square > 0 ? Vec3(a + std::clamp(dot(p - a, d) / square, 0.0, 1.0) * d) : a;
 }
 
 double box_distance2(const Vec3& p, const Vec3& low, const Vec3& high) {
-  return (low - p).cwiseMax(p - high).cwiseMax(0).squaredNorm();
+  return square_length((low - p).cwiseMax(p - high).cwiseMax(0));
+}
+
+bool is_less(const Vec3& a, const Vec3& b) {
+  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
 }
 
 }  // namespace
 
 Vec3 nearest_on_triangle(const Vec3& p, const std::array<Vec3, 3>& t) {
   const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
-  bool inside = n.squaredNorm() > 0;
-  for (int k = 0; k < 3 && inside; ++k) inside = n.dot((t[(k + 1) % 3] - t[k]).cross(p - t[k])) >= 0;
-  if (inside) return p - n.dot(p - t[0]) / n.squaredNorm() * n;
+  const double square = square_length(n);
+  bool inside = square > 0;
+  for (int k = 0; k < 3 && inside; ++k) inside = dot(n, (t[(k + 1) % 3] - t[k]).cross(p - t[k])) >= 0;
+  if (inside) return p - dot(n, p - t[0]) / square * n;
   Vec3 best = nearest_on_segment(p, t[0], t[1]);
   for (int k = 1; k < 3; ++k) {
     const Vec3 q = nearest_on_segment(p, t[k], t[(k + 1) % 3]);
-    if ((q - p).squaredNorm() < (best - p).squaredNorm()) best = q;
+    if (square_length(q - p) < square_length(best - p)) best = q;
   }
   return best;
 }
@@ -68,8 +75,8 @@ Index NearestTriangles::build_node(Index begin, Index end) {
 
 Vec3 NearestTriangles::nearest(const Vec3& p, double limit) const {
   Vec3 best = triangles_[0][0];
-  double best2 = std::min((best - p).squaredNorm(), limit * limit * (1 + 1e-12));
-  if ((best - p).squaredNorm() > best2) best2 = std::nextafter(best2, 2 * best2 + 1);
+  double best2 = std::min(square_length(best - p), limit * limit * (1 + 1e-12));
+  bool found = false;
   std::array<Index, 64> stack;  // the tree is balanced: at most 32 levels
   std::size_t size = 0;
   stack[size++] = 0;
@@ -80,7 +87,9 @@ Vec3 NearestTriangles::nearest(const Vec3& p, double limit) const {
     if (node.right == 0) {
       for (Index i = node.begin; i < node.end; ++i) {
         const Vec3 q = nearest_on_triangle(p, triangles_[i]);
-        if ((q - p).squaredNorm() <= best2) best = q, best2 = (q - p).squaredNorm();
+        const double q2 = square_length(q - p);
+        // Of equally near ones the same in every order.
+        if (q2 < best2 || (q2 == best2 && (!found || is_less(q, best)))) best = q, best2 = q2, found = true;
       }
       continue;
     }
