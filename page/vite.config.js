@@ -64,7 +64,7 @@ const web = {
   plugins: [licenses('three', 'uplot', 'fflate'), offline('web/public')],
   resolve: {
     alias: [
-      { find: 'foldproof-engine', replacement: resolve('../build-web/foldproof.js') },
+      { find: 'foldproof-engine', replacement: resolve('../build-web/page_engine.js') },
       { find: /^foldproof-sample/, replacement: resolve('../build-web/demo/walk.glb') },
     ],
   },

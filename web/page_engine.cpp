@@ -1,5 +1,6 @@
 // The page's data and its check, for JavaScript in a worker: one scene at a time.
 #include <memory>
+#include <new>
 #include <string>
 
 #include "base/try.h"
@@ -46,6 +47,18 @@ Result<void> open(const Json& request) {
   return {};
 }
 
+/// The status of the answer that `make` makes, or of an error.
+template <class Make>
+int answer_with(Make make) {
+  try {
+    answer = make();
+  } catch (const std::bad_alloc&) {
+    answer = {507, "application/json",
+              error_json("memory: is not enough; check fewer frames or objects at a time")};
+  }
+  return answer.status;
+}
+
 }  // namespace
 }  // namespace foldproof
 
@@ -58,9 +71,10 @@ int foldproof_open(const char* request) {
   using namespace foldproof;
   page.reset();
   stop = false;
-  const auto opened = open(Json::parse(request));
-  answer = opened ? PageAnswer{} : PageAnswer{400, "application/json", error_json(opened.error().line())};
-  return answer.status;
+  return answer_with([&] {
+    const auto opened = open(Json::parse(request));
+    return opened ? PageAnswer{} : PageAnswer{400, "application/json", error_json(opened.error().line())};
+  });
 }
 
 /// Does a part of the check: 0 if nothing is left to do.
@@ -73,8 +87,9 @@ int foldproof_get(const char* target) {
   using namespace foldproof;
   const std::string_view text = target;
   const std::size_t mark = std::min(text.find('?'), text.size());
-  answer = page->get(text.substr(0, mark), query_of(text.substr(std::min(mark + 1, text.size()))));
-  return answer.status;
+  return answer_with([&] {
+    return page->get(text.substr(0, mark), query_of(text.substr(std::min(mark + 1, text.size()))));
+  });
 }
 
 const char* foldproof_body() { return foldproof::answer.body.data(); }
