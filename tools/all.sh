@@ -7,7 +7,7 @@ source tools/checks.sh
 # Checks of everything go by groups of modules, so that a change of the program does not check the query again.
 all_checks=(test proofs)
 for name in lint address thread; do all_checks+=("${name}_query" "${name}_models" "${name}_rest"); done
-all_checks+=(fuzz search floats frames mutants bench web npm arm64 compilers)
+all_checks+=(fuzz search floats frames mutants bench arm64 s390x compilers)
 
 query_modules='base mesh ccd bvh certificate check solver statistics reduced'
 query_tests="$query_modules arithmetic allocation oracle search adversary"
@@ -116,9 +116,8 @@ all_frames() {
 
 all_mutants() { do_mutants; }
 all_bench() { do_bench --quick; }
-all_web() { do_web; }
-all_npm() { do_npm; }
 all_arm64() { do_arm64; }
+all_s390x() { do_s390x; }
 all_compilers() { do_compilers; }
 
 # what_is NAME: for the table.
@@ -127,7 +126,7 @@ what_is() {
   [[ $1 != *_query ]] || group='the query'
   [[ $1 != *_models ]] || group='files and models'
   case $1 in
-    test) echo 'every test, the page in Chromium too (`./dev test`)' ;;
+    test) echo 'every test, those in Chromium and of WebAssembly too (`./dev test`)' ;;
     lint_rest) echo "layers, format, the page's types; clang-tidy on the rest (\`./dev lint\`)" ;;
     lint_*) echo "clang-tidy on $group" ;;
     address_*) echo "tests of $group under the address and undefined-behavior sanitizers" ;;
@@ -142,9 +141,8 @@ what_is() {
     frames) echo 'real motions, every frame' ;;
     mutants) echo 'planted defects that the guards must find' ;;
     bench) echo 'the benchmarks, `--quick`' ;;
-    web) echo 'the page without a program (`./dev web`)' ;;
-    npm) echo 'the npm package (`./dev npm`)' ;;
     arm64) echo "the core's tests on 64-bit ARM, in QEMU (\`./dev arm64\`)" ;;
+    s390x) echo "tests of files on a machine of the other byte order, in QEMU (\`./dev s390x\`)" ;;
     compilers) echo "warnings of GCC and Clang, and the library's tests built by each (\`./dev compilers\`)" ;;
   esac
 }
@@ -241,7 +239,7 @@ do_all() {
   all_changed=$(git status --porcelain -- . ':!docs/quality.md')
   [[ -z $all_changed ]] || all_commit+=' and changes'
   # Now, as nobody is there later to type a password.
-  need lib test studio demo python package browser mpi fuzz lint bench proofs web arm64 compilers
+  need lib test studio demo python package browser mpi fuzz lint bench proofs web arm64 s390x compilers
   trap 'stop_checks; write_quality "stopped before its end"; echo; print_checks; exit 130' INT TERM
   say "everything, whatever fails; docs/quality.md says what came of it, out/checks what was printed"
   local name rows_before=() waiting=("${all_checks[@]}")

@@ -62,7 +62,15 @@ function programRows(files, ...options) {
   return lines.map((line) => line.split(',').map((field, k) => (k === 9 && field !== '' ? String(Number(field)) : field)));
 }
 
-const near = (a, b) => Math.abs(a - b) <= 1e-9 * Math.max(1, Math.abs(a));
+/** A contact, under the names that the program's JSON has; without what that leaves out. */
+function contactRow({ sides, curves, ...contact }) {
+  const snake = (value) => {
+    if (typeof value !== 'object' || value === null) return value;
+    if (Array.isArray(value)) return value.map(snake);
+    return Object.fromEntries(Object.entries(value).map(([key, inner]) => [key.replaceAll(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`), snake(inner)]));
+  };
+  return snake({ ...contact, sides: sides.map(({ object }) => object) });
+}
 
 test('finds what the program finds, to the last bit', async () => {
   for (const [files, settings, options] of [
@@ -78,13 +86,8 @@ test('finds what the program finds, to the last bit', async () => {
     assert.equal(found.collisions, totals.collisions.vf + totals.collisions.ee);
     assert.equal(found.startsCrossing, found.startCrossings.triangleA.length);
     assert.equal(found.contacts.length, contacts.length);
-    found.contacts.forEach((contact, k) => {
-      assert.equal(contact.number, contacts[k].number);
-      assert.equal(contact.pairs, contacts[k].pairs);
-      assert.equal(contact.fromStart, contacts[k].from_start);
-      assert.ok(contact.point.every((x, axis) => near(x, contacts[k].point[axis])));
-      assert.ok(contact.frames.every((frame, n) => near(frame.curveLength, contacts[k].frames[n].curve_length)));
-    });
+    assert.ok(contacts.length > 0);
+    assert.deepEqual(found.contacts.map(contactRow), contacts.map(({ sides, ...contact }) => ({ ...contact, sides: sides.map(({ object }) => object) })));
   }
 });
 

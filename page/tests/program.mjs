@@ -12,7 +12,7 @@ export const removeFolder = () => rmSync(folder, { recursive: true, force: true 
 
 /** Runs the program to its end; its standard output. */
 export function run(...args) {
-  const { status, stdout, stderr, error } = spawnSync(program, args, { encoding: 'utf8' });
+  const { status, stdout, stderr, error } = spawnSync(program, args, { encoding: 'utf8', maxBuffer: 2 ** 30 });
   if (error) throw new Error(`${program}: ${error.message}; set FOLDPROOF to the program`);
   if (status > 1) throw new Error(`${program} ${args.join(' ')}: ${stderr}`);
   return stdout;

@@ -136,9 +136,10 @@ TEST(HtmlReport, ShowsWhatCrossesFromTheStart) {
 /// Surfaces that touch on the way from a frame to the next cross in none, but have a picture.
 TEST(HtmlReport, ShowsWhatTouchesBetweenFrames) {
   std::vector<std::vector<double>> frames{needle_frame(1), needle_frame(-1)};
+  CheckSettings settings;
+  settings.substeps = 3;
   const Reported reported(
-      list(memory_motion("needle", *Topology::make(6, {{0, 1, 2}, {3, 4, 5}}), std::move(frames))),
-      {.frames = {}, .substeps = 3});
+      list(memory_motion("needle", *Topology::make(6, {{0, 1, 2}, {3, 4, 5}}), std::move(frames))), settings);
   ASSERT_EQ(reported.error, "");
   const Json data = reported.data();
   ASSERT_THAT(data["contacts"], Not(IsEmpty()));

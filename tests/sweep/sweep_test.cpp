@@ -365,10 +365,14 @@ TEST(SweepPage, HasAColumnForWhatCrossesInTheFirstFrame) {
 
 TEST(SweepPage, ShowsContactsTheDeepestFirst) {
   const TemporaryDirectory directory;
-  SweepRecord many{.path = "many.npz", .state = SweepState::Collides};
+  SweepRecord many;
+  many.path = "many.npz";
+  many.state = SweepState::Collides;
   many.collisions = 1'234'567;
   many.contacts = 1021;
-  SweepRecord deep{.path = "deep.npz", .state = SweepState::Collides};
+  SweepRecord deep;
+  deep.path = "deep.npz";
+  deep.state = SweepState::Collides;
   deep.collisions = 3;
   deep.contacts = 1;
   deep.depth = 0.0456789;
