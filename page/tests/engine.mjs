@@ -4,6 +4,7 @@ import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { dirname } from 'node:path';
 import { deflateSync } from 'node:zlib';
+import { unzipSync } from 'fflate';
 
 /** The engine in Node, with these files open and checked; a function that answers a request. */
 export async function engineOf(files, settings = {}) {
@@ -14,6 +15,9 @@ export async function engineOf(files, settings = {}) {
   for (const file of files) {
     engine.FS.mkdirTree(dirname(file));
     engine.FS.writeFile(file, readFileSync(file));
+    if (!file.endsWith('.npz')) continue;
+    engine.FS.mkdir(`${file}.arrays`);  // as the worker unpacks it
+    for (const [name, bytes] of Object.entries(unzipSync(readFileSync(file)))) engine.FS.writeFile(`${file}.arrays/${name}`, bytes);
   }
   const request = { files, models: [], thickness: 0, substeps: 1, static: false, fps: 24, command: 'a test', ...settings };
   const body = () => Buffer.from(engine.HEAPU8.slice(engine._foldproof_body(), engine._foldproof_body() + engine._foldproof_body_size()));
