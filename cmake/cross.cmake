@@ -13,9 +13,9 @@ set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(ENV{PKG_CONFIG_LIBDIR} ${CROSS_ROOT}/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/pkgconfig:${CROSS_ROOT}/usr/share/pkgconfig)
 set(ENV{PKG_CONFIG_SYSROOT_DIR} ${CROSS_ROOT})
-# Libraries of libraries.
+# Libraries that are named without a path, and libraries of libraries.
 set(CROSS_LIBRARIES ${CROSS_ROOT}/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}:${CROSS_ROOT}/lib/${CMAKE_LIBRARY_ARCHITECTURE})
-string(REPLACE ":" " -Wl,-rpath-link," RPATH_LINK ${CROSS_LIBRARIES})
-set(CMAKE_EXE_LINKER_FLAGS_INIT "-Wl,--allow-shlib-undefined -Wl,-rpath-link,${RPATH_LINK}")
+string(REPLACE ":" " -L" SEARCHED ${CROSS_LIBRARIES})
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-L${SEARCHED} -Wl,--allow-shlib-undefined -Wl,-rpath-link,${CROSS_LIBRARIES}")
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-${CMAKE_SYSTEM_PROCESSOR} -L /usr/${CMAKE_LIBRARY_ARCHITECTURE}
   -E LD_LIBRARY_PATH=${CROSS_LIBRARIES})
