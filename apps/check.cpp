@@ -85,8 +85,10 @@ void add_report_options(const Subcommand& check, CheckArguments& a) {
   const char* group = "Output";
   using Output = FileArguments::Output;
   const auto add = [&](const char* option, std::string& file, const char* description,
-                       Output output = Output::File) {
-    a.files.writes(check.add_option(option, file, description), output).type_name("FILE").group(group);
+                       Output output = Output::File, std::vector<std::string> endings = {}) {
+    a.files.writes(check.add_option(option, file, description), output, std::move(endings))
+        .type_name("FILE")
+        .group(group);
   };
   add("--json", a.json, "The complete answer, step by step; - is standard output", Output::Text);
   check
@@ -97,14 +99,15 @@ void add_report_options(const Subcommand& check, CheckArguments& a) {
   add("--ply", a.ply,
       "The worst step's mesh, colliding faces marked 1, crossing ones of the first frame 2, both 3; with "
       "%04d in FILE, one per step with collisions",
-      Output::Numbered);
+      Output::Numbered, {".ply"});
   add("--vtk", a.vtk,
       "For ParaView: every step's mesh, colliding faces marked; FILE ends in .pvd, the meshes go into a "
       "directory beside it",
       Output::Collection);
   add("--explain", a.explain,
       "Which triangles were proven free, or why not: .npz all, .csv counts, .ply a colored mesh of the step "
-      "with most left to test");
+      "with most left to test",
+      Output::File, {".npz", ".csv", ".ply"});
   check
       .add_flag("--contacts", a.all_contacts,
                 fmt::format("List all contacts in the summary, not only the {} worst", kFewContacts))

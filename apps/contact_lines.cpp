@@ -43,9 +43,12 @@ std::string when(const Contact& contact) {
                        : fmt::format("frames {}-{}", time_name(first), time_name(last));
 }
 
-std::string how_bad(const Contact& contact, const std::string& unit) {
+// `all_known`: what crosses is known in every frame.
+std::string how_bad(const Contact& contact, const std::string& unit, bool all_known) {
   if (contact.frames.empty())
-    return fmt::format("touches between frames, {}", counted(contact.pairs, "pair"));
+    return fmt::format("{}, {}",
+                       all_known ? "touches between frames" : "touches; not known whether it crosses",
+                       counted(contact.pairs, "pair"));
   const ContactFrame& frame = contact.frames[contact.worst];
   const std::string space = unit.empty() ? "" : " " + unit;
   std::string text = fmt::format("worst {}: {}", time_name(frame.time), counted(frame.triangles, "triangle"));
@@ -69,7 +72,7 @@ std::string contact_lines(Motions motions, const CheckSettings& settings, const 
   for (const Contact& contact : std::span(totals.contacts).first(std::min(count, totals.contacts.size()))) {
     const Line& line =
         lines.emplace_back(Line{fmt::format("#{}", contact.number), who(contact, motions, settings),
-                                when(contact), how_bad(contact, unit)});
+                                when(contact), how_bad(contact, unit, totals.contact_unknown_frames == 0)});
     width[0] = std::max(width[0], line.number.size());
     width[1] = std::max(width[1], line.who.size());
     width[2] = std::max(width[2], line.when.size());

@@ -106,6 +106,25 @@ Result<void> require_good_name(const Option& option, const std::string& path, Ou
   return require_directory_to_write(where, directory_of(code ? fs::path(path) : target));
 }
 
+/// So that no motion is replaced by a table or a picture, and no file is named what it is not.
+Result<void> require_good_ending(const Option& option, const std::string& path, Output output,
+                                 const std::vector<std::string>& endings) {
+  const std::string ending = extension_of(path);
+  if (output == Output::Motion || output == Output::Collection || ending.empty()) return {};
+  const std::string where = fmt::format("{} {}", option.name(), path);
+  if (endings.empty()) {
+    if (io::format_of(path) == nullptr) return {};
+    return fail(ErrorCode::InvalidArgument, where, fmt::format("has the ending of a motion, {}", ending),
+                "name a file that ends otherwise");
+  }
+  if (std::ranges::find(endings, ending) != endings.end()) return {};
+  std::string allowed = endings[0];
+  for (std::size_t k = 1; k < endings.size(); ++k)
+    allowed += (k + 1 < endings.size() ? ", " : " or ") + endings[k];
+  return fail(ErrorCode::InvalidArgument, where, fmt::format("ends in {}, not in {}", ending, allowed),
+              "name another file");
+}
+
 // ---- Files that outputs replace
 
 /// All existing files that an output may replace.
@@ -233,8 +252,8 @@ Option FileArguments::reads(Option option, Input input) {
   return option;
 }
 
-Option FileArguments::writes(Option option, Output output) {
-  outputs_.push_back({option, output});
+Option FileArguments::writes(Option option, Output output, std::vector<std::string> endings) {
+  outputs_.push_back({option, output, std::move(endings)});
   return option;
 }
 
@@ -257,7 +276,7 @@ Result<void> FileArguments::check() const {
   }
   std::set<std::string> names;
   std::map<FileId, std::string> replaceable;  // existing files, and the output that would replace them
-  for (const auto& [option, output] : outputs_) {
+  for (const auto& [option, output, endings] : outputs_) {
     const auto given = option.values();
     if (given.empty()) continue;
     const std::string& path = given.back();
@@ -277,8 +296,8 @@ Result<void> FileArguments::check() const {
       if (id && !replaceable.emplace(*id, where).second && replaceable[*id] != where) return twice();
     }
   }
-  if (replaceable.empty()) return {};
   for (const auto& [option, input] : inputs_) {
+    if (replaceable.empty()) break;
     for (const std::string& name : option.values()) {
       for (const fs::path& file : read_under(name, input)) {
         const auto id = id_of(file);
@@ -290,6 +309,10 @@ Result<void> FileArguments::check() const {
             "name another file to write");
       }
     }
+  }
+  for (const auto& [option, output, endings] : outputs_) {
+    const auto given = option.values();
+    if (!given.empty()) FOLDPROOF_TRY(require_good_ending(option, given.back(), output, endings));
   }
   return {};
 }

@@ -27,11 +27,13 @@ class FileArguments {
 
   /// Registers an option, which must outlive this, and returns it.
   Option reads(Option option, Input input = Input::Motion);
-  Option writes(Option option, Output output = Output::File);
+  /// `endings`: those that the file may have, of which it may also have none; any that no motion has unless
+  /// told.
+  Option writes(Option option, Output output = Output::File, std::vector<std::string> endings = {});
 
   /// Call it after the command line was parsed. Error: an input or output has an empty name; an output is a
-  /// directory, is in a directory that does not exist or is not writable, has an unsupported extension, or is
-  /// the same file as an input or another output, also under another name, by a link, as a member of a
+  /// directory, is in a directory that does not exist or is not writable, has an ending that it may not have,
+  /// or is the same file as an input or another output, also under another name, by a link, as a member of a
   /// directory of frames, or as a buffer of a glTF. Of inputs, only the buffer names of a glTF are read. If
   /// an output is "-", print_output prints on standard error from then on.
   Result<void> check() const;
@@ -47,6 +49,7 @@ class FileArguments {
   struct Write {
     Option option;
     Output output;
+    std::vector<std::string> endings;
   };
   std::vector<Read> inputs_;
   std::vector<Write> outputs_;

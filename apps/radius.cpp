@@ -261,7 +261,9 @@ Command add_radius(CommandLine& program) {
       .writes(command.add_option("-o,--output", a->output, "Write them as a motion: .npz, .obj or .ply"),
               FileArguments::Output::Motion)
       .type_name("FILE");
-  files.writes(command.add_option("--ply", a->ply, "Write the mean with uncertified triangles marked 1"))
+  files
+      .writes(command.add_option("--ply", a->ply, "Write the mean with uncertified triangles marked 1"),
+              FileArguments::Output::File, {".ply"})
       .type_name("FILE");
   command
       .add_option("--clearance", a->clearance,

@@ -39,7 +39,7 @@ Examples:
   foldproof render walk.glb --frame 12 --color collisions -o c.png  what collides on the way to frame 13
   foldproof render walk.glb --frame 12 --color contacts -o c.png    what crosses in frame 12
   foldproof render body.npz --color certificates --model body.model -o p.png
-  foldproof render rebuilt.npz --color error --truth walk.glb --frame 3 -o e.png
+  foldproof render run.glb --color error --truth walk.glb --frame 3 -o e.png
   foldproof render walk.glb --view 1,0.5,1 --size 600x900 -o w.png  from the upper front right)";
 
 struct RenderArguments {
@@ -80,10 +80,10 @@ Result<Index> frame_of(const RenderArguments& a, const Objects& motions) {
   const std::int64_t count = motions[0]->frame_count();
   for (const auto& motion : motions) {
     if (motion->frame_count() != count)
-      return fail(
-          ErrorCode::InvalidArgument, motion->name(),
-          fmt::format("has {} frames, but {} has {}", motion->frame_count(), motions[0]->name(), count),
-          "objects in one picture need equally many frames");
+      return fail(ErrorCode::InvalidArgument, motion->name(),
+                  fmt::format("has {}, but {} has {}", counted(motion->frame_count(), "frame"),
+                              motions[0]->name(), count),
+                  "objects in one picture need equally many frames");
   }
   const std::int64_t frame = a.frame < 0 ? a.frame + count : a.frame;
   if (frame >= 0 && frame < count) return static_cast<Index>(frame);
@@ -375,7 +375,9 @@ Result<int> render(const RenderArguments& a) {
   FOLDPROOF_TRY(require_options_that_fit(a));
   FOLDPROOF_TRY(require_number("--fps", a.read.fps, false));
   FOLDPROOF_TRY(a.files.check());
-  const auto motions = FOLDPROOF_TRY(read_motions(a.motions, a.read, a.quiet));
+  ReadOptions read = a.read;
+  read.still = true;
+  const auto motions = FOLDPROOF_TRY(read_motions(a.motions, read, a.quiet));
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   const auto colored = color(a, motions);
   if (interrupted) return report_interrupted();
@@ -401,7 +403,9 @@ Command add_render(CommandLine& program) {
   const auto a = std::make_shared<RenderArguments>();
   FileArguments& files = a->files;
   files.reads(command.add_option("MOTION", a->motions, "What to draw (see below)")).type_name("").required();
-  files.writes(command.add_option("-o,--output", a->picture, "The picture to write"))
+  files
+      .writes(command.add_option("-o,--output", a->picture, "The picture to write"),
+              FileArguments::Output::File, {".png"})
       .type_name("FILE")
       .required();
   command.add_option("--frame", a->frame, "The frame; negative ones count from the end [0]").type_name("K");

@@ -53,7 +53,9 @@ Command add_report(CommandLine& program, std::span<char* const> arguments) {
   const auto a = std::make_shared<ReportArguments>();
   a->command = command_line(arguments);
   add_step_options(command, *a);
-  a->files.writes(command.add_option("-o,--output", a->output, "The report to write"))
+  a->files
+      .writes(command.add_option("-o,--output", a->output, "The report to write"),
+              FileArguments::Output::File, {".html", ".htm"})
       .type_name("FILE")
       .required();
   command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");

@@ -6,6 +6,8 @@
 namespace foldproof {
 
 struct StepArguments {
+  StepArguments() { motion.read.still = true; }
+
   std::vector<std::string> motions, models;
   MotionOptions motion;
   Index substeps = 1;

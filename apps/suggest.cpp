@@ -23,8 +23,8 @@ examples are few:
 
 Examples:
   foldproof suggest body.model run.glb               which frames of the run to train on
-  foldproof suggest body.model run.glb -o pose.obj   write the first of them
-  foldproof suggest body.model -o pose.ply           from the training poses alone)";
+  foldproof suggest body.model run.glb -o worst.obj  write the first of them
+  foldproof suggest body.model -o next.ply           from the training poses alone)";
 
 struct SuggestArguments {
   std::string model, output;

@@ -58,7 +58,9 @@ void add_options(const Subcommand& sweep, SweepArguments& a) {
       .type_name("RESULTS")
       .required()
       .group(group);
-  a.files.writes(sweep.add_option("--summary", a.summary, "A table of all motions, one HTML file"))
+  a.files
+      .writes(sweep.add_option("--summary", a.summary, "A table of all motions, one HTML file"),
+              FileArguments::Output::File, {".html", ".htm"})
       .type_name("PAGE")
       .group(group);
   sweep.add_flag("--again", a.again, "Check everything, even motions that have a line").group(group);

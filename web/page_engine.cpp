@@ -32,6 +32,7 @@ Result<void> open(const Json& request) {
   const std::vector<std::string> files = request["files"], models = request["models"];
   PageInput input;
   input.read.fps = request["fps"];
+  input.read.still = true;
   input.motions = FOLDPROOF_TRY(open_motions(files, input.read));
   input.check.substeps = request["substeps"];
   input.check.step.thickness = request["thickness"];

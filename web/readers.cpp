@@ -28,12 +28,15 @@ Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadProg
   for (const auto& member : std::filesystem::directory_iterator(directory, ignored))
     members.push_back(member.path().filename().string());
   const ArrayNames names = find_arrays(members);
-  NpyFile faces;
-  auto vertices = std::make_unique<NpyFile>();
-  FOLDPROOF_TRY(faces.open(directory + "/" + names.faces + ".npy"));
-  FOLDPROOF_TRY(vertices->open(directory + "/" + names.vertices + ".npy"));
+  const auto open = [&](const std::string& name) -> Result<std::unique_ptr<NpyFile>> {
+    auto array = std::make_unique<NpyFile>();
+    FOLDPROOF_TRY(array->open(directory + "/" + name + ".npy"));
+    return array;
+  };
+  const auto faces = FOLDPROOF_TRY(open(FOLDPROOF_TRY(choose_faces(path, names))));
+  auto vertices = FOLDPROOF_TRY(open_vertices(path, names, open));
   auto motion = std::make_unique<ArrayMotion>(path, std::move(vertices), nullptr);
-  FOLDPROOF_TRY(motion->open(faces));
+  FOLDPROOF_TRY(motion->open(*faces));
   return motion;
 }
 

@@ -41,6 +41,8 @@ struct ReadOptions {
   bool weld = false;  ///< Merge vertices that have exactly equal coordinates in the first frame.
   /// Mesh files whose names differ only in a number are motions of their own, not frames of one.
   bool separate = false;
+  /// Motions of a single frame stand still as long as the longest of the others lasts.
+  bool still = false;
 };
 
 /// A path's extension in lower case, with its dot; empty when it has none.

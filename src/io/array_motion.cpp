@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 #include "base/try.h"
 #include "io/array_names.h"
@@ -12,28 +11,39 @@
 namespace foldproof::io {
 namespace {
 
-/// The first of these names that is there.
-std::string find_name(const std::map<std::string, std::string>& by_lower_case,
-                      std::span<const std::string_view> names) {
-  for (const std::string_view name : names) {
-    if (const auto found = by_lower_case.find(std::string(name)); found != by_lower_case.end())
-      return found->second;
+/// Those of `names` that are among the usual ones, in any case.
+std::vector<std::string> find_names(std::span<const std::string> names,
+                                    std::span<const std::string_view> usual) {
+  std::vector<std::string> found;
+  for (const std::string& name : names) {
+    std::string lower = name;
+    std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (std::ranges::find(usual, lower) != usual.end()) found.push_back(name);
   }
-  return std::string(names.front());
+  if (found.empty()) found.emplace_back(usual.front());
+  return found;
 }
 
 }  // namespace
 
 ArrayNames find_arrays(std::span<const std::string> members) {
-  std::map<std::string, std::string> by_lower_case;
+  std::vector<std::string> names;
   for (const std::string& path : members) {
-    if (extension_of(path) != ".npy") continue;
-    const std::string name = path.substr(0, path.size() - 4);
-    std::string lower = name;
-    std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
-    by_lower_case.emplace(std::move(lower), name);
+    if (extension_of(path) == ".npy") names.push_back(path.substr(0, path.size() - 4));
   }
-  return {find_name(by_lower_case, kVertexNames), find_name(by_lower_case, kFaceNames)};
+  return {find_names(names, kVertexNames), find_names(names, kFaceNames)};
+}
+
+tl::unexpected<Error> several_arrays(const std::string& path, const char* what,
+                                     std::span<const std::string> names) {
+  return fail(ErrorCode::InvalidFile, path,
+              fmt::format("holds several arrays of {}: {}", what, fmt::join(names, ", ")),
+              "save only the one that is meant");
+}
+
+Result<std::string> choose_faces(const std::string& path, const ArrayNames& names) {
+  if (names.faces.size() > 1) return several_arrays(path, "faces", names.faces);
+  return names.faces[0];
 }
 
 Result<void> ArrayMotion::open(NpyArray& faces) {

@@ -1,19 +1,43 @@
 /// A motion whose vertices and faces are NumPy arrays.
 #pragma once
 
+#include "base/try.h"
 #include "io/npy.h"
 #include "io/readers.h"
 
 namespace foldproof::io {
 
-/// Names of arrays, without .npy.
+/// Names of arrays that may be meant, without .npy.
 struct ArrayNames {
-  std::string vertices, faces;
+  std::vector<std::string> vertices, faces;
 };
 /// Those of an archive with these members, in any case: the usual ones and what others use. The usual ones if
 /// there are none.
 ArrayNames find_arrays(std::span<const std::string> members);
 
+/// The error for several arrays that may be meant.
+tl::unexpected<Error> several_arrays(const std::string& path, const char* what,
+                                     std::span<const std::string> names);
+
+/// The array of faces, of those with these names. Error: there are several.
+Result<std::string> choose_faces(const std::string& path, const ArrayNames& names);
+
+/// The array of vertices: of several, the only one that has frames. `open`: a name to its open array. Error:
+/// it is not clear which is meant.
+template <class Open>
+auto open_vertices(const std::string& path, const ArrayNames& names, const Open& open) -> decltype(open("")) {
+  auto array = FOLDPROOF_TRY(open(names.vertices[0]));
+  if (names.vertices.size() == 1) return array;
+  decltype(array) with_frames;
+  for (const std::string& name : names.vertices) {
+    auto other = FOLDPROOF_TRY(open(name));
+    if (other->header().shape.size() != 3) continue;
+    if (with_frames) return several_arrays(path, "vertices", names.vertices);
+    with_frames = std::move(other);
+  }
+  if (!with_frames) return several_arrays(path, "vertices", names.vertices);
+  return with_frames;
+}
 /// Vertices are read frame by frame.
 class ArrayMotion final : public Motion {
  public:

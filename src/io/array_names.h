@@ -8,6 +8,6 @@ namespace foldproof::io {
 
 inline constexpr std::array<std::string_view, 6> kVertexNames{"vertices", "verts", "positions",
                                                               "points",   "v",     "x"};
-inline constexpr std::array<std::string_view, 4> kFaceNames{"faces", "triangles", "tris", "f"};
+inline constexpr std::array<std::string_view, 5> kFaceNames{"faces", "triangles", "tris", "cells", "f"};
 
 }  // namespace foldproof::io

@@ -100,6 +100,16 @@ Result<std::unique_ptr<Motion>> open_glob(const std::string& pattern, const Read
   return open_frames(pattern, std::move(paths), progress);
 }
 
+/// What to do about a format that is not read.
+std::string remedy_for(std::string_view extension) {
+  if (extension == ".vtk") return "save it as .vtp or .vtu";
+  for (const char* scene : {".abc", ".blend", ".dae", ".fbx", ".usd", ".usda", ".usdc", ".usdz"}) {
+    if (extension == scene) return "open it in Blender, and export it as .glb or .obj";
+  }
+  return fmt::format("give {}, {}, or a mesh followed by its {}", extensions_of(FileKind::Mesh),
+                     extensions_of(FileKind::Animation), extensions_of(FileKind::PointCache));
+}
+
 Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const ReadOptions& options,
                                          const ReadProgress& progress) {
   std::error_code ignored;
@@ -117,8 +127,7 @@ Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const Read
   const FileFormat* format = format_of(argument);
   if (format == nullptr)
     return fail(ErrorCode::UnsupportedFormat, argument, "is not a format that is read here",
-                fmt::format("give {}, {}, or a mesh followed by its {}", extensions_of(FileKind::Mesh),
-                            extensions_of(FileKind::Animation), extensions_of(FileKind::PointCache)));
+                remedy_for(extension_of(argument)));
   switch (format->kind) {
     case FileKind::Mesh:
       return open_sequence(argument, {argument}, progress);
@@ -162,6 +171,7 @@ Result<std::vector<std::unique_ptr<Motion>>> open_all(std::span<const std::strin
     if (!motion) return tl::unexpected(motion.error());
     motions.push_back(std::move(*motion));
   }
+  if (options.still) stand_still(motions);
   return motions;
 }
 

@@ -74,5 +74,10 @@ Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps, c
 /// Merges vertices that have exactly the same position in the first frame. The first of each set is kept; the
 /// order stays.
 Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion);
+/// How many vertices that would merge into others.
+Result<Index> count_weldable(Motion& motion);
+
+/// Motions of one frame get as many as the longest has, all the same.
+void stand_still(std::span<std::unique_ptr<Motion>> motions);
 
 }  // namespace foldproof::io

@@ -55,7 +55,8 @@ class MeshSequence final : public Motion {
       return fail(ErrorCode::InvalidFile, with_frame(paths_[k], k), std::move(problem),
                   extension_of(paths_[k]) == ".stl"
                       ? "export OBJ or PLY: STL does not number vertices, so those at one place are one"
-                      : "give frames of one mesh, with the same faces in the same order");
+                      : "give frames of one mesh, with the same faces in the same order, or separate meshes "
+                        "(--separate)");
     };
     if (mesh.vertex_count() != topology_.vertex_count()) {
       return different(fmt::format("has {} vertices, but the first frame has {}", mesh.vertex_count(),

@@ -18,8 +18,11 @@ class TextCursor {
     char comment = '#';         ///< Starts a comment to the end of the line; '\0': none.
     bool continuation = false;  ///< A backslash at the end of a line joins the next one to it.
   };
+  /// Skips the byte order mark that some editors put first.
   TextCursor(std::string_view text, Dialect dialect)
-      : at_(text.data()), end_(text.data() + text.size()), dialect_(dialect) {}
+      : at_(text.data()), end_(text.data() + text.size()), dialect_(dialect) {
+    if (text.starts_with("\xef\xbb\xbf")) at_ += 3;
+  }
 
   bool at_end() const { return at_ == end_; }
   /// Counts from 1.

@@ -37,13 +37,11 @@ class WeldedMotion final : public Motion {
   std::vector<double> frame_;
 };
 
-}  // namespace
-
-Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion) {
-  const Topology& topology = motion->topology();
-  const Index count = topology.vertex_count();
+/// Of every vertex, the first one that has its position in the first frame.
+Result<std::vector<Index>> first_at_same_place(Motion& motion) {
+  const Index count = motion.topology().vertex_count();
   std::vector<double> positions(std::size_t{3} * count);
-  FOLDPROOF_TRY(motion->read_frame(0, positions));
+  FOLDPROOF_TRY(motion.read_frame(0, positions));
   // Compares numbers, not bits: -0 equals 0.
   const auto compare = [&](Index a, Index b) {
     const double *p = &positions[std::size_t{3} * a], *q = &positions[std::size_t{3} * b];
@@ -58,11 +56,27 @@ Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion) {
     const int sign = compare(a, b);
     return sign != 0 ? sign < 0 : a < b;
   });
-  std::vector<Index> first(count);  // the first vertex at the same position
+  std::vector<Index> first(count);
   for (Index i = 0; i < count; ++i) {
     const bool same = i > 0 && compare(order[i - 1], order[i]) == 0;
     first[order[i]] = same ? first[order[i - 1]] : order[i];
   }
+  return first;
+}
+
+}  // namespace
+
+Result<Index> count_weldable(Motion& motion) {
+  const auto first = FOLDPROOF_TRY(first_at_same_place(motion));
+  Index count = 0;
+  for (Index v = 0; v < first.size(); ++v) count += first[v] != v;
+  return count;
+}
+
+Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion) {
+  const Topology& topology = motion->topology();
+  const Index count = topology.vertex_count();
+  const auto first = FOLDPROOF_TRY(first_at_same_place(*motion));
   std::vector<Index> kept, renumbered(count);
   for (Index v = 0; v < count; ++v) {
     if (first[v] == v) {

@@ -61,8 +61,7 @@ std::string data_url(std::string_view png) { return "data:image/png;base64," + b
 
 Result<ContactPictures> ContactPictures::open(Motions motions, const CheckSettings& settings) {
   const auto extent = FOLDPROOF_TRY(extent_of(motions));
-  return ContactPictures(motions, settings, select_frames(settings.frames, motions[0]->frame_count()),
-                         extent.up);
+  return ContactPictures(motions, select_frames(settings.frames, motions[0]->frame_count()), extent.up);
 }
 
 /// Reads the pose at a time in frames, on the straight way between two that were checked.

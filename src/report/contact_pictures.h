@@ -30,13 +30,12 @@ class ContactPictures {
   Result<std::string> draw_first_frame(const Format& format);
 
  private:
-  ContactPictures(Motions motions, const CheckSettings& settings, std::vector<Index> frames, Up up)
-      : motions_(motions), settings_(settings), frames_(std::move(frames)), up_(up) {}
+  ContactPictures(Motions motions, std::vector<Index> frames, Up up)
+      : motions_(motions), frames_(std::move(frames)), up_(up) {}
   Result<void> read(double time);
   std::vector<PictureMesh> meshes() const;
 
   Motions motions_;
-  const CheckSettings& settings_;
   std::vector<Index> frames_;  // that were checked
   Up up_;
   std::vector<std::vector<double>> pose_;  // per object

@@ -328,13 +328,14 @@ Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings&
   for (const auto& motion : motions) {
     if (motion->frame_count() == count) continue;
     return fail(ErrorCode::InvalidArgument, motion->name(),
-                fmt::format("has {} frames, but {} has {}", motion->frame_count(), motions[0]->name(), count),
+                fmt::format("has {} frame{}, but {} has {}", motion->frame_count(),
+                            motion->frame_count() == 1 ? "" : "s", motions[0]->name(), count),
                 "objects that are checked together need equally many frames");
   }
   if (settings.step.between && !settings.step.within && motions.size() < 2) {
     return fail(ErrorCode::InvalidArgument, motions[0]->name(),
                 "is the only object, so there is nothing between objects to check",
-                "name a second motion, or leave --between out");
+                "name a second motion, or leave --between out; numbered meshes are one, unless --separate");
   }
   std::vector<Index> frames = select_frames(settings.frames, count);
   const std::size_t needed = settings.steps_only && !settings.poses ? 2 : 1;

@@ -86,6 +86,7 @@ class Finder {
   explicit Finder(bool poses) : poses_(poses) {}
 
   void search(const std::string& path) {
+    if (!searched_.insert(canonical(path)).second) return;
     Entries entries;
     if (list(path, entries)) add(path, {path});  // opening the directory will report the error
     for (const std::string& animation : entries.animations) {
@@ -182,8 +183,8 @@ class Finder {
 
   static inline const std::vector<std::string> kNone;
   bool poses_;
-  std::set<std::string> known_;           // canonical paths, since directories may overlap
-  std::set<std::string> in_collections_;  // canonical paths of meshes that are frames of a collection
+  std::set<std::string> searched_, known_;  // canonical paths, since directories may overlap
+  std::set<std::string> in_collections_;    // canonical paths of meshes that are frames of a collection
 };
 
 }  // namespace

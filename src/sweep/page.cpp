@@ -46,6 +46,7 @@ td img { display: block; width: 120px; height: 90px; object-fit: contain; }
 .collides { color: #c22; font-weight: 600; }
 .failed { color: #b60; font-weight: 600; }
 .starts { color: #a3457f; font-weight: 600; }
+@media (max-width: 60rem) { table { display: block; overflow-x: auto; } th { position: static; } }
 @media (prefers-color-scheme: dark) { .collides { color: #f77; } .failed { color: #fb5; } .starts { color: #e79bc8; } }
 )";
 
@@ -133,8 +134,10 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
     ++counts.at(static_cast<std::size_t>(rank_of(r.state)));
     seconds += r.seconds;
   }
-  file.add("<p><b>{} motions</b>: <span class=\"collides\">{} collide</span>, ", records.size(), counts[0]);
-  file.add("<span class=\"failed\">{} failed</span>, {} {}, {} of a single pose.</p>\n", counts[1], counts[2],
+  file.add("<p><b>{} motions</b>: <span{}>{} collide</span>, ", records.size(),
+           counts[0] > 0 ? " class=\"collides\"" : "", counts[0]);
+  file.add("<span{}>{} failed</span>, {} {}, {} of a single pose.</p>\n",
+           counts[1] > 0 ? " class=\"failed\"" : "", counts[1], counts[2],
            info.steps_only ? "in whose steps no contact begins" : "clean", counts[3]);
   if (info.steps_only)
     file.add("<p>Only the steps were checked: crossings from the first frame on were not tested.</p>\n");

@@ -118,6 +118,37 @@ TEST(Check, ASingleFrameIsAStepWithoutMotion) {
   EXPECT_THAT(far.out, HasSubstr("and all is farther apart than the thickness, proven.\n"));
 }
 
+TEST(Check, ASingleFrameStandsStillBesideAMotion) {
+  const Scene scene;
+  std::filesystem::copy_file(scene / "floor/frame0.obj", scene / "ground.obj");
+  const Outcome moved = check_in(scene, {"tip", "floor", "--json", "moved.json"});
+  const Outcome still = check_in(scene, {"tip", "ground.obj", "--json", "still.json"});
+  EXPECT_EQ(moved.code, 1);
+  EXPECT_EQ(still.code, 1) << still.err;
+  EXPECT_EQ(scene.report("still.json")["totals"]["collisions"],
+            scene.report("moved.json")["totals"]["collisions"]);
+}
+
+// What newcomers take for collisions.
+TEST(Check, HintsAtDoubledVerticesAndAtFramesThatAreNotOneMotion) {
+  const Scene scene;
+  write_file(scene / "seam.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 4 6 5\n");
+  const std::string doubled =
+      "Of the 6 vertices of seam.obj, 2 lie exactly where others do, and so their triangles touch.\n"
+      "If they belong to one surface, check it with --weld.\n";
+  EXPECT_THAT(check_in(scene, {"seam.obj"}).out, HasSubstr(doubled));
+  const Outcome welded = check_in(scene, {"seam.obj", "--weld"});
+  EXPECT_EQ(welded.code, 0);
+  EXPECT_THAT(welded.out, Not(HasSubstr("--weld")));
+  EXPECT_THAT(check_in(scene, {"sink"}).out, Not(HasSubstr("--weld")));
+
+  for (const char* name : {"one side.obj", "two sides.obj", "no sides.obj"})
+    std::filesystem::copy_file(scene / "clean/frame0.obj", scene / name);
+  EXPECT_THAT(check_in(scene, {"one side.obj", "two sides.obj", "no sides.obj"}).out,
+              HasSubstr("All 3 meshes have the same triangles. If they are frames of one motion"));
+  EXPECT_THAT(check_in(scene, {"one side.obj", "two sides.obj"}).out, Not(HasSubstr("the same triangles")));
+}
+
 TEST(Check, QuietPrintsNothing) {
   const Scene scene;
   const Outcome found = check_in(scene, {"sink", "--quiet", "--pairs"});

@@ -50,7 +50,8 @@ TEST(CheckExplain, MistakesGetOneLineAndLeaveNothing) {
   const Scene scene;
   const auto before = scene.names();
   const std::vector<std::pair<std::vector<std::string>, const char*>> mistakes{
-      {{"sink", "--explain", "a.txt"}, "'a.txt' ends in none of .npz, .csv and .ply; name a file that does"},
+      {{"sink", "--explain", "a.txt"},
+       "--explain a.txt: ends in .txt, not in .npz, .csv or .ply; name another file"},
       {{"sink", "--explain", "npz"}, "'npz' ends in none"},
       {{"sink", "--explain", "no/where.npz"}, "no/where.npz"},
       {{"sink", "--csv", "a.csv", "--explain", "a.csv"}, "a.csv: is named for two outputs"},

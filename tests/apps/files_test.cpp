@@ -156,7 +156,8 @@ TEST(FileArguments, OutputsNameWhatCanBeWrittenBeforeAnythingIsRead) {
     expect_one_line_error(with("p.csv/a.npz"),
                           option + " p.csv/a.npz: cannot be written: 'p.csv' is no directory");
     // With a valid name, the error is about the input.
-    const Outcome outcome = with("new.npz");
+    const bool is_motion = words[0] == "predict" || words[0] == "suggest" || words[2] == "--sample";
+    const Outcome outcome = with(is_motion ? "new.npz" : "new");
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.err, StartsWith("foldproof: none")) << ::testing::PrintToString(words);
   }
@@ -167,6 +168,27 @@ TEST(FileArguments, OutputsNameWhatCanBeWrittenBeforeAnythingIsRead) {
     expect_one_line_error(inputs.run(all),
                           "-o a.xyz: is not a format that is written here; name it .npz, .obj or .ply");
   }
+  EXPECT_EQ(inputs.bytes(), before);
+}
+
+/// A motion must not be lost to a picture or a table, nor a file be named what it is not.
+TEST(FileArguments, OutputsEndAsWhatTheyAre) {
+  const Inputs inputs;
+  const auto before = inputs.bytes();
+  const std::vector<std::pair<Words, std::string>> mistakes{
+      {{"check", "frames", "--json", "a.npz"},
+       "--json a.npz: has the ending of a motion, .npz; name a file that"},
+      {{"check", "a.npz", "--csv", "walk.pc2"}, "has the ending of a motion, .pc2"},
+      {{"check", "a.npz", "--ply", "walk.obj"},
+       "--ply walk.obj: ends in .obj, not in .ply; name another file"},
+      {{"train", "frames", "-o", "a.npz"}, "has the ending of a motion, .npz"},
+      {{"sweep", "plys", "-o", "walk.gltf"}, "has the ending of a motion, .gltf"},
+      {{"sweep", "plys", "-o", "r.jsonl", "--summary", "a.npz"}, "ends in .npz, not in .html or .htm"},
+      {{"render", "frames", "-o", "a.npz"}, "-o a.npz: ends in .npz, not in .png"},
+      {{"render", "frames", "-o", "a.jpg"}, "-o a.jpg: ends in .jpg, not in .png"},
+      {{"report", "frames", "-o", "a.pdf"}, "-o a.pdf: ends in .pdf, not in .html or .htm"},
+      {{"radius", "tube.model", "--ply", "walk.obj"}, "ends in .obj, not in .ply"}};
+  for (const auto& [words, said] : mistakes) expect_one_line_error(inputs.run(words), said);
   EXPECT_EQ(inputs.bytes(), before);
 }
 

@@ -16,6 +16,7 @@ using ::testing::StartsWith;
 struct Scene : TemporaryDirectory {
   Scene() {
     EXPECT_TRUE(write_npz(path() + "/bend.npz", *bending_tube(kTube, {0, 1, 4.5, 6.5})));
+    EXPECT_TRUE(write_npz(path() + "/short.npz", *bending_tube(kTube, {0, 1})));
     std::vector<double> shifted = bent(kTube.around, kTube.along, 1);
     for (std::size_t k = 0; k < shifted.size(); k += 3) shifted[k] += 0.25 * (k % 2);
     EXPECT_TRUE(write_obj(path() + "/off.obj", tube(kTube.around, kTube.along), shifted));
@@ -130,7 +131,7 @@ TEST(RenderProgram, ExplainsMistakesInOneLine) {
       {{"bend.npz", "-o", "a.png", "--scale", "2"}, "for --color error only"},
       {{"bend.npz", "-o", "a.png", "--color", "error", "--truth", "other.obj"}, "is another mesh"},
       {{"bend.npz", "-o", "a.png", "--color", "certificates", "--frame", "3"}, "this is the last one"},
-      {{"bend.npz", "other.obj", "-o", "a.png"}, "equally many frames"},
+      {{"bend.npz", "short.npz", "-o", "a.png"}, "has 2 frames, but bend.npz has 4"},
       {{"bend.npz", "-o", "a.png", "--color", "collisions", "--model", "bend.npz"}, "bend.npz"},
   };
   for (const auto& [arguments, problem] : mistakes) {

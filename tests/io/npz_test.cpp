@@ -62,17 +62,36 @@ TEST_F(NpzTest, ReadsEveryTypeOrderAndHeaderVersion) {
 }
 
 TEST_F(NpzTest, ReadsArraysUnderTheNamesThatPeopleUse) {
-  for (const auto& [faces, vertices] : std::vector<std::pair<std::string, std::string>>{
-           {"F", "V"}, {"faces", "verts"}, {"triangles", "positions"}, {"tris", "points"}, {"f", "x"}}) {
+  for (const auto& [faces, vertices] :
+       std::vector<std::pair<std::string, std::string>>{{"F", "V"},
+                                                        {"faces", "verts"},
+                                                        {"triangles", "positions"},
+                                                        {"tris", "points"},
+                                                        {"cells", "points"},
+                                                        {"f", "x"}}) {
     const auto motion = open({npz({{faces + ".npy", kFaces}, {vertices + ".npy", kVertices}})});
     ASSERT_TRUE(motion) << faces;
     EXPECT_EQ(triangles(*motion), kOneTriangle);
     EXPECT_EQ(motion->frame_count(), 2u);
   }
+}
+
+/// A rest pose beside the frames must not be checked in their place.
+TEST_F(NpzTest, OfSeveralArraysTheOneWithFramesIsMeant) {
   const std::string rest = npy("<f8", "3, 3", array(kTrianglePositions));
-  const auto both = open({npz({{"V.npy", rest}, {"vertices.npy", kVertices}, {"F.npy", kFaces}})});
-  ASSERT_TRUE(both);
-  EXPECT_EQ(both->frame_count(), 2u);  // the usual name comes first
+  for (const auto& [pose, frames] : std::vector<std::pair<std::string, std::string>>{
+           {"vertices", "positions"}, {"V", "vertices"}, {"v", "x"}, {"x", "v"}}) {
+    const auto motion = open({npz({{pose + ".npy", rest}, {frames + ".npy", kVertices}, {"F.npy", kFaces}})});
+    ASSERT_TRUE(motion) << pose;
+    EXPECT_EQ(motion->frame_count(), 2u) << pose;
+  }
+  const std::string one = "; save only the one that is meant";
+  EXPECT_EQ(open_error({npz({{"v.npy", rest}, {"V.npy", rest}, {"faces.npy", kFaces}})}),
+            "a.npz: holds several arrays of vertices: v, V" + one);
+  EXPECT_EQ(open_error({npz({{"verts.npy", kVertices}, {"x.npy", kVertices}, {"faces.npy", kFaces}})}),
+            "a.npz: holds several arrays of vertices: verts, x" + one);
+  EXPECT_EQ(open_error({npz({{"x.npy", kVertices}, {"f.npy", kFaces}, {"faces.npy", kFaces}})}),
+            "a.npz: holds several arrays of faces: f, faces" + one);
 }
 
 TEST_F(NpzTest, ReadsAPairOfNpyFilesInEitherOrder) {
@@ -97,10 +116,11 @@ TEST_F(NpzTest, ReadsAPairOfNpyFilesInEitherOrder) {
 
 TEST_F(NpzTest, ReportsArrayAndRemedy) {
   const std::string again = "; save the array with NumPy again";
-  EXPECT_EQ(open_error({npz({{"faces.npy", kFaces}})}),
-            "a.npz: holds no array 'vertices'; save arrays named 'faces' and 'vertices'");
+  EXPECT_EQ(
+      open_error({npz({{"faces.npy", kFaces}})}),
+      "a.npz: holds no array 'vertices'; save arrays named 'faces' and 'vertices'; its arrays are faces.npy");
   EXPECT_EQ(open_error({npz({{"v.npy", kVertices}})}),
-            "a.npz: holds no array 'faces'; save arrays named 'faces' and 'vertices'");
+            "a.npz: holds no array 'faces'; save arrays named 'faces' and 'vertices'; its arrays are v.npy");
   EXPECT_EQ(open_error({files.write("b.npz", "PK")}),
             "b.npz: is not a whole ZIP archive; copy the file again, or save it with numpy.savez");
   EXPECT_EQ(npz_error("hello", kVertices), "a.npz, array 'faces': is not a NumPy array" + again);

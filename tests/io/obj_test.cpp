@@ -29,6 +29,7 @@ TEST_F(ObjTest, ReadsEveryWayToWriteTheSameMesh) {
            "v 0 0 \\\n0\nv 1 0 0\nv 0 1 0\nf 1 \\\r\n2 3\n",
            "v +0.0 0e5 0\nv 1.0e+0 -0 .0\nv 0 10e-1 0.\nfo 1 2 3\nl 1 2\np 1\n",
            "v 1e-400 0 -0.00000001e-320\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+           "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
            "# a path\\\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
        }) {
     SCOPED_TRACE(text);

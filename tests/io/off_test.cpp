@@ -11,6 +11,7 @@ class OffTest : public IoTest {
 TEST_F(OffTest, ReadsEveryWayToWriteTheSameMesh) {
   for (const char* text : {
            "OFF\n3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+           "\xef\xbb\xbfOFF\n3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
            "OFF 3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2",
            "OFF\r\n3 1\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n",
            "# made by hand\nOFF # yes\n\n# counts\n3 1 0\n\n0 0 0 # first\n1 0 0\n0 1 0\n# faces\n3 0 1 2 "

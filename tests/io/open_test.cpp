@@ -120,6 +120,10 @@ TEST_F(OpenTest, ReportsWhatIsNotAMotion) {
   EXPECT_EQ(open_error({files.write("a.xyz", "0 0 0")}),
             "a.xyz: is not a format that is read here; give .obj, .off, .ply, .stl, .vtp, .vtu or "
             ".msh, .npz, .pvd, .gltf or .glb, or a mesh followed by its .pc2 or .mdd");
+  EXPECT_EQ(open_error({files.write("a.vtk", "")}),
+            "a.vtk: is not a format that is read here; save it as .vtp or .vtu");
+  EXPECT_EQ(open_error({files.write("a.FBX", "")}),
+            "a.FBX: is not a format that is read here; open it in Blender, and export it as .glb or .obj");
   EXPECT_EQ(open_error({}), "arguments: no motion is named; name a mesh file or a directory");
   std::filesystem::create_directory(files.path("dir.obj"));
   EXPECT_EQ(open_error({files.path("dir.obj")}), "dir.obj" + no_mesh);
@@ -143,7 +147,8 @@ TEST_F(OpenTest, NamesTheFirstFaceThatChanges) {
   files.write("run/7.obj", "v 0 0 nan\n");
   const auto motion = open({files.path("run")});
   ASSERT_TRUE(motion);
-  const std::string remedy = "; give frames of one mesh, with the same faces in the same order";
+  const std::string remedy =
+      "; give frames of one mesh, with the same faces in the same order, or separate meshes (--separate)";
   EXPECT_EQ(frame_error(*motion, 0), "no error");
   EXPECT_EQ(frame_error(*motion, 1), "no error") << "the same triangles";
   EXPECT_EQ(frame_error(*motion, 2),

@@ -1,7 +1,7 @@
 // What goes through what: a lane for each contact over the frames, and a card with its picture.
 import { worstOf, type Contact } from '../shared/contact';
 import { el } from '../shared/dom';
-import { counted, grouped, short } from '../shared/format';
+import { counted, grouped, placeText, short } from '../shared/format';
 
 /** A contact and its picture. */
 export interface PicturedContact extends Contact {
@@ -57,7 +57,7 @@ function facts(contact: Contact, scale: Scale): [string, string][] {
     rows.push(frame.depth === null ? ['depth', 'none: no region lies inside'] : ['depth', length(frame.depth, scale)]);
     rows.push(['curves', `${length(frame.curve_length, scale)} long${frame.closed ? ', closed' : ', open'}`]);
   }
-  rows.push(['place', `(${contact.point.map(short).join(', ')})`]);
+  rows.push(['place', placeText(contact)]);
   if (contact.pairs > 0) rows.push(['new contacts', counted(contact.pairs, 'pair')]);
   const notes = [contact.from_start && !scale.poses && 'there from the start', !contact.healed && !scale.poses && 'there at the end', contact.folded && 'one piece folded onto itself'].filter(Boolean);
   if (notes.length > 0) rows.push(['', notes.join('; ')]);

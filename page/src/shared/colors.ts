@@ -22,7 +22,7 @@ export const kObjectColors: Rgb[] = [kClay, [170, 190, 200], [200, 186, 160], [1
 /** Reasons by their names in docs/reports.md: color, title and help text. */
 export const kReasons: Record<string, { color: Rgb; title: string; help: string }> = {
   certified: { color: [0, 84, 142], title: 'Proven free', help: 'nothing had to be tested' },
-  not_built: { color: kYellow, title: 'Not built yet', help: 'its chart will be built later' },
+  not_built: { color: kYellow, title: 'Not built yet', help: 'its chart has not been built' },
   test_failed: { color: kOrange, title: 'Moved too far from its charts', help: 'smaller movements or a model help' },
   overlapping: { color: kGreen, title: 'Overlaps in the plane', help: 'the last attempt found no parametrization without overlaps' },
   too_curved: { color: kPink, title: 'Too curved', help: 'no direction that all its triangles face; a finer mesh helps' },

@@ -22,6 +22,7 @@ export class ContactPanel {
   readonly element: HTMLElement;
   private readonly head = el('div', { className: 'head' });
   private readonly note = el('p', { className: 'note' });
+  private shown = 0;
   private readonly filters = el('div', { className: 'row filters', hidden: true });
   private readonly sides = el('select', { 'aria-label': 'Between which' });
   private readonly kinds = el('select', { 'aria-label': 'Of which kind' });
@@ -54,7 +55,7 @@ export class ContactPanel {
     const notes: string[] = [];
     let title = 'Contacts';
     if (state === 'known') {
-      title = total === 0 ? 'No contacts' : `${counted(total, 'contact')}, the worst first`;
+      title = total === 0 ? 'No contacts' : `${this.shown < this.cards.size ? `${grouped(this.shown)} of ` : ''}${counted(total, 'contact')}, the worst first`;
       if (total > contacts.items.length) notes.push(`The worst ${grouped(contacts.items.length)} are listed; foldproof check --contacts prints all.`);
       if (unknownFrames > 0) notes.push(`What crosses is not known in ${counted(unknownFrames, 'frame')}: too many pairs, or not tested.`);
       if (total === 0) notes.push(check.verdict().kind !== 'free' ? `No ${collisions} were found.` : check.poses ? 'Nothing crosses in any frame.' : 'Nothing touches or crosses at any time.');
@@ -91,7 +92,9 @@ export class ContactPanel {
       const between = ['', sidesOf(contact), ...contact.sides.map(({ name }) => name)];
       return between.includes(this.sides.value) && ['all', kindOf(contact)].includes(this.kinds.value);
     });
+    this.shown = shown.length;
     this.list.replaceChildren(...shown.map(([, card]) => card));
+    this.showHead();
     if (shown.length === 0 && this.cards.size > 0) this.list.append(el('p', { className: 'note' }, 'None is like that.'));
   }
 

@@ -1,5 +1,5 @@
 // The contacts that the check found, the worst first. They are known when it has ended.
-import { short } from '../shared/format';
+import { placeText, short, touchText } from '../shared/format';
 import { worstOf, type Contact, type ContactFrame } from '../shared/contact';
 import { ApiError, getJson, type ContactsAnswer, type SceneInfo } from './api';
 
@@ -84,7 +84,7 @@ export class Contacts {
 
   /** "0.0843 cm deep", or how long the curve is where there is no depth. */
   sizeText(contact: Contact, frame = worstOf(contact)): string {
-    if (!frame) return 'touches between frames';
+    if (!frame) return touchText(this.unknownFrames);
     if (frame.depth !== null) return `${short(frame.depth)}${this.unit} deep`;
     return `curve ${short(frame.curve_length)}${this.unit} long`;
   }
@@ -99,15 +99,8 @@ export class Contacts {
   title(contact: Contact): string {
     const [a, b] = [contact.sides[0]!.name, contact.sides[1]!.name];
     if (a !== b) return `${a} – ${b}`;
-    const at = contact.point.map((value) => String(Number(value.toPrecision(digitsOf(contact))))).join(', ');
-    return this.scene.objects.length > 1 || this.scene.objects[0]!.name !== a ? `within ${a}` : `at (${at})`;
+    return this.scene.objects.length > 1 || this.scene.objects[0]!.name !== a ? `within ${a}` : `at ${placeText(contact)}`;
   }
-}
-
-/** How many digits say where a contact is, to a tenth of its size. */
-function digitsOf({ point, box: [low, high] }: Contact): number {
-  const places = Math.ceil(Math.log10(Math.max(...point.map(Math.abs)) / Math.hypot(...high!.map((value, axis) => value - low![axis]!))));
-  return Number.isFinite(places) ? Math.min(Math.max(places + 2, 3), 17) : 3;
 }
 
 /** The frames in which a contact crosses, as text. */

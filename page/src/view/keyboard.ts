@@ -13,7 +13,7 @@ export function listen(actions: KeyActions): void {
     if (target instanceof HTMLInputElement && target.type === 'number') return;
     const typing = target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && (['range', 'radio'].includes(target.type)));
     if (typing && /^(Arrow|Home|End|Page)/.test(event.key)) return;
-    if (event.key === ' ' && (target instanceof HTMLButtonElement || target instanceof HTMLInputElement)) return;
+    if (event.key === ' ' && (target instanceof HTMLButtonElement || target instanceof HTMLInputElement) && target.getAttribute('role') !== 'option') return;
     const action = actions[(event.shiftKey && event.key.length > 1 ? 'Shift+' : '') + event.key];
     if (!action) return;
     event.preventDefault();

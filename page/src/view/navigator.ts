@@ -106,7 +106,7 @@ export class Navigator {
 
   goToFirst(): void {
     const { check, clock, contacts } = this.parts;
-    if (contacts.items.length > 0) return void this.chooseContact(contacts.first);
+    if (contacts.items.length > 0) return void this.chooseContact(contacts.first, true, contacts.positionOf(contacts.items[contacts.first]!.first_time));
     if (check.startsCrossing) return this.goTo(() => clock.seek(0));
     const step = check.steps.find((one) => collisionsOf(one) > 0);
     if (step) this.goTo(() => clock.seek(step.number, step.toi));
@@ -145,15 +145,15 @@ export class Navigator {
     return contacts.positionOf(contact.worst ?? contact.first_time);
   }
 
-  /** Goes to a contact of the list in its worst frame; with `fly` the camera goes there, too. */
-  async chooseContact(index: number, fly = true): Promise<void> {
+  /** Goes to a contact of the list, in its worst frame unless told; with `fly` the camera goes there, too. */
+  async chooseContact(index: number, fly = true, position?: number): Promise<void> {
     const { content } = this;
     const { cards, clock, contacts, stage } = this.parts;
     if (!content || !contacts.items[index]) return;
     this.deselect();
     this.setContact(index);
     cards.reveal(index);
-    this.goTo(() => clock.seekPosition(this.worstPosition(index)));
+    this.goTo(() => clock.seekPosition(position ?? this.worstPosition(index)));
     try {
       const contact = await contacts.detail(index);
       if (this.contact !== index) return; // Another was chosen meanwhile.
