@@ -23,7 +23,8 @@ do_release() {
   for part in package wheel web npm blender; do
     (cd "$sources" && ./dev "$part") || die "the release has no $part (see above)"
   done
-  cp "$sources"/out/{package/*.deb,wheel/*.whl,npm/*.tgz,foldproof_addon.zip} "$release"
+  cp "$sources"/out/{package/*.deb,wheel/*.whl,foldproof_addon.zip} "$release"
+  cp "$sources"/out/npm/*.tgz "$release/foldproof-npm-$version.tgz"
   pack_folder "$sources/out/web" "foldproof-web-$version"
   "$sources/tools/sbom" "$version" "$(git rev-parse "$tag^{commit}")" "$release/foldproof-$version.spdx.json"
   (cd "$release" && sha256sum -- * >SHA256SUMS)

@@ -9,7 +9,7 @@ const sum = (times) => times.reduce((all, time) => all + time, 0);
 async function inWebAssembly(files) {
   const get = await engineOf(files);
   const { steps } = JSON.parse(String(await get('steps')));
-  return { ms: sum(steps.map((step) => step.ms)), steps: steps.length, pairs: sum(steps.map((step) => step.vertex_face + step.edge_edge)) };
+  return { ms: sum(steps.map((step) => step.ms.total)), steps: steps.length, pairs: sum(steps.map((step) => step.vertex_face + step.edge_edge)) };
 }
 
 function inProgram(files) {
