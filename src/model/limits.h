@@ -5,6 +5,9 @@
 
 namespace foldproof::inline internal {
 
+/// Error on processors with the other byte order: arrays of a model file are used as they are.
+Result<void> require_byte_order(const std::string& path);
+
 /// Error when far more vertices than triangles.
 Result<void> require_few_loose_vertices(const Topology& topology, const std::string& where);
 

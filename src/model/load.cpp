@@ -196,6 +196,7 @@ bool has_structure(std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 Result<Model> load_model(const std::string& path) {
+  FOLDPROOF_TRY(require_byte_order(path));
   const auto mapped = FOLDPROOF_TRY(io::MappedFile::open(path));
   const auto bytes = mapped.bytes();
   constexpr std::size_t kIdentifierEnd = 12;  // size, offset of the root, identifier

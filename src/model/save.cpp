@@ -3,6 +3,7 @@
 #include "base/try.h"
 #include "model/format.h"
 #include "model/learned_file.h"
+#include "model/limits.h"
 
 namespace foldproof {
 namespace {
@@ -113,6 +114,7 @@ void build(FlatBufferBuilder& builder, const Model& model) {
 }  // namespace
 
 Result<void> save_model(const Model& model, const std::string& path) {
+  FOLDPROOF_TRY(require_byte_order(path));
   auto writer = FOLDPROOF_TRY(FileWriter::open(path));
   const std::uint64_t bytes = size_bound(model);
   if (bytes >= FLATBUFFERS_MAX_BUFFER_SIZE) {

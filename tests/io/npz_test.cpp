@@ -44,7 +44,7 @@ TEST_F(NpzTest, ReadsEveryTypeOrderAndHeaderVersion) {
            {npy("<i2", "1, 3", array<std::int16_t>({0, 1, 2}), 3),
             npy(">f4", "1, 3, 3", array<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, big))},
            {npy(">i4", "1, 3", array<std::int32_t>({0, 1, 2}, big)),
-            npy("=f8", "3, 3", array(kTrianglePositions))},
+            npy("=f8", "3, 3", array(kTrianglePositions, std::endian::native))},
            {npy("<u4", "1, 3", array<std::uint32_t>({0, 1, 2})),
             npy("<f8", "3, 3", array(kTrianglePositions))},
            {npy("<i8", "1, 3", array<std::int64_t>({0, 1, 2})),
