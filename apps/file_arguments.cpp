@@ -118,11 +118,8 @@ Result<void> require_good_ending(const Option& option, const std::string& path, 
                 "name a file that ends otherwise");
   }
   if (std::ranges::find(endings, ending) != endings.end()) return {};
-  std::string allowed = endings[0];
-  for (std::size_t k = 1; k < endings.size(); ++k)
-    allowed += (k + 1 < endings.size() ? ", " : " or ") + endings[k];
-  return fail(ErrorCode::InvalidArgument, where, fmt::format("ends in {}, not in {}", ending, allowed),
-              "name another file");
+  return fail(ErrorCode::InvalidArgument, where,
+              fmt::format("ends in {}, not in {}", ending, io::any_of(endings)), "name another file");
 }
 
 // ---- Files that outputs replace

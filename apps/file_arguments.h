@@ -27,8 +27,8 @@ class FileArguments {
 
   /// Registers an option, which must outlive this, and returns it.
   Option reads(Option option, Input input = Input::Motion);
-  /// `endings`: those that the file may have, of which it may also have none; any that no motion has unless
-  /// told.
+  /// `endings`: those that the file's name may have; by default, all but those of motions. A name without an
+  /// ending is always allowed.
   Option writes(Option option, Output output = Output::File, std::vector<std::string> endings = {});
 
   /// Call it after the command line was parsed. Error: an input or output has an empty name; an output is a

@@ -43,6 +43,8 @@ Examples:
   foldproof render walk.glb --view 1,0.5,1 --size 600x900 -o w.png  from the upper front right)";
 
 struct RenderArguments {
+  RenderArguments() { read.still = true; }
+
   std::vector<std::string> motions, models;
   std::string picture, truth, key_points, color = "plain", view = "auto", up = "auto", size = "1200x900";
   std::int64_t frame = 0;
@@ -375,9 +377,7 @@ Result<int> render(const RenderArguments& a) {
   FOLDPROOF_TRY(require_options_that_fit(a));
   FOLDPROOF_TRY(require_number("--fps", a.read.fps, false));
   FOLDPROOF_TRY(a.files.check());
-  ReadOptions read = a.read;
-  read.still = true;
-  const auto motions = FOLDPROOF_TRY(read_motions(a.motions, read, a.quiet));
+  const auto motions = FOLDPROOF_TRY(read_motions(a.motions, a.read, a.quiet));
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   const auto colored = color(a, motions);
   if (interrupted) return report_interrupted();

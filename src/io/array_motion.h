@@ -26,18 +26,18 @@ Result<std::string> choose_faces(const std::string& path, const ArrayNames& name
 /// it is not clear which is meant.
 template <class Open>
 auto open_vertices(const std::string& path, const ArrayNames& names, const Open& open) -> decltype(open("")) {
-  auto array = FOLDPROOF_TRY(open(names.vertices[0]));
-  if (names.vertices.size() == 1) return array;
-  decltype(array) with_frames;
+  if (names.vertices.size() == 1) return open(names.vertices[0]);
+  const auto unclear = several_arrays(path, "vertices", names.vertices);
+  decltype(open("")) with_frames = unclear;
   for (const std::string& name : names.vertices) {
-    auto other = FOLDPROOF_TRY(open(name));
-    if (other->header().shape.size() != 3) continue;
-    if (with_frames) return several_arrays(path, "vertices", names.vertices);
-    with_frames = std::move(other);
+    auto array = FOLDPROOF_TRY(open(name));
+    if (array->header().shape.size() != 3) continue;
+    if (with_frames) return unclear;
+    with_frames = std::move(array);
   }
-  if (!with_frames) return several_arrays(path, "vertices", names.vertices);
   return with_frames;
 }
+
 /// Vertices are read frame by frame.
 class ArrayMotion final : public Motion {
  public:

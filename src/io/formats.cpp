@@ -47,14 +47,18 @@ const FileFormat* format_of(const std::string& path) {
   return found == std::end(kFormats) ? nullptr : found;
 }
 
+std::string any_of(std::span<const std::string> extensions) {
+  const std::string& last = extensions.back();
+  if (extensions.size() == 1) return last;
+  return fmt::format("{} or {}", fmt::join(extensions.first(extensions.size() - 1), ", "), last);
+}
+
 std::string extensions_of(FileKind kind) {
-  std::vector<std::string_view> found;
+  std::vector<std::string> found;
   for (const FileFormat& format : kFormats) {
-    if (format.kind == kind) found.push_back(format.extension);
+    if (format.kind == kind) found.emplace_back(format.extension);
   }
-  const std::string_view last = found.back();
-  found.pop_back();
-  return found.empty() ? std::string(last) : fmt::format("{} or {}", fmt::join(found, ", "), last);
+  return any_of(found);
 }
 
 bool is_kind(const std::string& path, FileKind kind) {

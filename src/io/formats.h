@@ -20,6 +20,8 @@ struct FileFormat {
                                                     const ReadProgress& progress) = nullptr;
 };
 
+/// ".npz, .csv or .ply", for messages; at least one.
+std::string any_of(std::span<const std::string> extensions);
 /// Looks up a path's extension, in any case; null when the format cannot be read.
 const FileFormat* format_of(const std::string& path);
 /// The extensions of a kind, for messages: ".pc2 or .mdd".

@@ -30,7 +30,7 @@ void stand_still(std::span<std::unique_ptr<Motion>> motions) {
   Index frames = 1;
   for (const auto& motion : motions) frames = std::max(frames, motion->frame_count());
   for (auto& motion : motions) {
-    if (motion->frame_count() < frames && motion->frame_count() == 1)
+    if (frames > 1 && motion->frame_count() == 1)
       motion = std::make_unique<StillMotion>(std::move(motion), frames);
   }
 }

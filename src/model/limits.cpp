@@ -8,8 +8,9 @@ namespace foldproof::internal {
 
 Result<void> require_byte_order(const std::string& path) {
   if (std::endian::native == std::endian::little) return {};
-  return fail(ErrorCode::UnsupportedFormat, path, "holds a model, and this processor orders bytes otherwise",
-              "use a little-endian machine, such as x86-64 or 64-bit ARM");
+  return fail(ErrorCode::UnsupportedFormat, path,
+              "models are little-endian, and this processor is big-endian",
+              "use another machine, such as x86-64 or 64-bit ARM");
 }
 
 Result<void> require_few_loose_vertices(const Topology& topology, const std::string& where) {

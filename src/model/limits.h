@@ -5,7 +5,7 @@
 
 namespace foldproof::inline internal {
 
-/// Error on processors with the other byte order: arrays of a model file are used as they are.
+/// Error on big-endian processors: arrays of a model file, which is little-endian, are used in place.
 Result<void> require_byte_order(const std::string& path);
 
 /// Error when far more vertices than triangles.

@@ -1,7 +1,7 @@
 // What goes through what: a lane for each contact over the frames, and a card with its picture.
-import { worstOf, type Contact } from '../shared/contact';
+import { placeText, worstOf, type Contact } from '../shared/contact';
 import { el } from '../shared/dom';
-import { counted, grouped, placeText, short } from '../shared/format';
+import { counted, grouped, short } from '../shared/format';
 
 /** A contact and its picture. */
 export interface PicturedContact extends Contact {

@@ -31,3 +31,13 @@ export interface Contact {
 export function worstOf(contact: Contact): ContactFrame | undefined {
   return contact.frames.find(({ time }) => time === contact.worst);
 }
+
+/** Where a contact is, to a tenth of its size. */
+export function placeText({ point, box: [low, high] }: Contact): string {
+  const places = Math.ceil(Math.log10(Math.max(...point.map(Math.abs)) / Math.hypot(...high.map((value, axis) => value - low[axis]!))));
+  const digits = Number.isFinite(places) ? Math.min(Math.max(places + 2, 3), 17) : 3;
+  return `(${point.map((value) => String(Number(value.toPrecision(digits)))).join(', ')})`;
+}
+
+/** What a contact does that crosses in no frame, as far as is known. */
+export const touchText = (unknownFrames: number): string => (unknownFrames > 0 ? 'touches; not known whether it crosses' : 'touches between frames');

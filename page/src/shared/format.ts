@@ -35,13 +35,3 @@ export const percent = (share: number): string => {
 };
 
 export const toiText = (toi: number): string => toi.toFixed(4);
-
-/** Where a contact is, to a tenth of its size. */
-export function placeText({ point, box: [low, high] }: { point: number[]; box: number[][] }): string {
-  const places = Math.ceil(Math.log10(Math.max(...point.map(Math.abs)) / Math.hypot(...high!.map((value, axis) => value - low![axis]!))));
-  const digits = Number.isFinite(places) ? Math.min(Math.max(places + 2, 3), 17) : 3;
-  return `(${point.map((value) => String(Number(value.toPrecision(digits)))).join(', ')})`;
-}
-
-/** What a contact does that crosses in no frame, as far as is known. */
-export const touchText = (unknownFrames: number): string => (unknownFrames > 0 ? 'touches; not known whether it crosses' : 'touches between frames');

@@ -43,8 +43,8 @@ export class ContactPanel {
   }
 
   show(chosen: number | null): void {
-    this.showHead();
     if (this.contacts.items !== this.listed) this.build();
+    else this.showHead();
     for (const [index, card] of this.cards) card.setAttribute('aria-selected', String(index === chosen));
   }
 

@@ -1,6 +1,6 @@
 // The contacts that the check found, the worst first. They are known when it has ended.
-import { placeText, short, touchText } from '../shared/format';
-import { worstOf, type Contact, type ContactFrame } from '../shared/contact';
+import { short } from '../shared/format';
+import { placeText, touchText, worstOf, type Contact, type ContactFrame } from '../shared/contact';
 import { ApiError, getJson, type ContactsAnswer, type SceneInfo } from './api';
 
 const kPage = 1000;

@@ -145,7 +145,7 @@ export class Navigator {
     return contacts.positionOf(contact.worst ?? contact.first_time);
   }
 
-  /** Goes to a contact of the list, in its worst frame unless told; with `fly` the camera goes there, too. */
+  /** Goes to a contact of the list, at `position` or else in its worst frame; with `fly` the camera goes there, too. */
   async chooseContact(index: number, fly = true, position?: number): Promise<void> {
     const { content } = this;
     const { cards, clock, contacts, stage } = this.parts;
