@@ -29,7 +29,7 @@ class BuildWithCMake(build_ext):
 
     def configure(self, build):
         options = [f"-DPython3_EXECUTABLE={sys.executable}", "-DCMAKE_BUILD_TYPE=Release", "-DFOLDPROOF_PYTHON=ON",
-                   "-DFOLDPROOF_PROGRAM=OFF", "-DFOLDPROOF_TESTS=OFF", "-DFOLDPROOF_INSTALL=OFF"]
+                   "-DFOLDPROOF_PROGRAM=OFF", "-DFOLDPROOF_TESTS=OFF", "-DFOLDPROOF_INSTALL=OFF", "-DCMAKE_UNITY_BUILD=ON"]
         if shutil.which("ninja"):
             options.append("-GNinja")
         if shutil.which("ccache"):

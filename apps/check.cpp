@@ -15,7 +15,7 @@
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kCheckFooter =
     R"(  pose.obj                        a single frame, checked as a motion of one step without movement
 Several motions are several objects, and need equally many frames.
 With --reduced, instead of motions: MODEL COORDINATES for each object, coordinates of the model's subspace by frame:
@@ -128,7 +128,7 @@ void add_report_options(const Subcommand& check, CheckArguments& a) {
   check.add_flag("-q,--quiet", a.quiet, "Print nothing but errors").group(group);
 }
 
-void add_options(const Subcommand& check, CheckArguments& a) {
+void add_check_options(const Subcommand& check, CheckArguments& a) {
   add_step_options(check, a);
   check.add_flag("--reduced", a.reduced, "Coordinates of a model's subspace instead of motions (see below)");
   check.add_flag("--watch", a.watch, "Check again each time that a file has changed, until Ctrl-C");
@@ -169,7 +169,7 @@ Result<void> require_reduced_fits(const CheckArguments& a) {
               "leave them out, or check the motion that 'foldproof predict' writes");
 }
 
-Result<CheckSettings> settings_of(const CheckArguments& a) {
+Result<CheckSettings> check_settings_of(const CheckArguments& a) {
   auto settings = FOLDPROOF_TRY(step_settings(a));
   FOLDPROOF_TRY(a.files.check());
   FOLDPROOF_TRY(require_mode_fits(a));
@@ -226,7 +226,7 @@ Result<std::vector<ObjectParts>> read_all_parts(std::span<const std::string> pat
 }
 
 Result<int> check_once(const CheckArguments& a) {
-  auto settings = FOLDPROOF_TRY(settings_of(a));
+  auto settings = FOLDPROOF_TRY(check_settings_of(a));
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
 
@@ -247,7 +247,7 @@ Result<int> check_once(const CheckArguments& a) {
 }
 
 Result<int> check_and_watch(const CheckArguments& a) {
-  FOLDPROOF_TRY(settings_of(a));  // what watching cannot mend
+  FOLDPROOF_TRY(check_settings_of(a));  // what watching cannot mend
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   FileWatch files(a.files, interrupted);
   while (true) {
@@ -271,9 +271,9 @@ Result<int> check_and_watch(const CheckArguments& a) {
 
 Command add_check(CommandLine& program) {
   const Subcommand command = program.add_subcommand("check", "Find every collision of one or more motions");
-  command.footer(std::string(kMotionHelp) + kFooter);
+  command.footer(std::string(kMotionHelp) + kCheckFooter);
   const auto arguments = std::make_shared<CheckArguments>();
-  add_options(command, *arguments);
+  add_check_options(command, *arguments);
   return [arguments] { return arguments->watch ? check_and_watch(*arguments) : check_once(*arguments); };
 }
 

@@ -44,7 +44,7 @@ std::string escaped(const std::string& text, std::string_view characters) {
 }
 
 /// In single quotes, for bash and zsh.
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
   return out + "'";
@@ -89,7 +89,7 @@ complete -o default -F _foldproof foldproof
 std::string zsh_completion(const std::vector<CommandDescription>& commands) {
   std::string names, cases;
   for (std::size_t k = 1; k < commands.size(); ++k) {
-    names += "    " + quoted(escaped(commands[k].name, ":") + ":" + commands[k].description) + "\n";
+    names += "    " + in_quotes(escaped(commands[k].name, ":") + ":" + commands[k].description) + "\n";
     cases += fmt::format("    {})\n      _arguments", commands[k].name);
     for (const OptionDescription& option : commands[k].options) {
       const auto values = choices(option);
@@ -98,12 +98,12 @@ std::string zsh_completion(const std::vector<CommandDescription>& commands) {
       for (const std::string& name : option.names) {
         if (!option.is_argument)
           cases += " \\\n        " +
-                   quoted(fmt::format("*{}[{}]{}", name, escaped(option.description, "[]:\\"), value));
+                   in_quotes(fmt::format("*{}[{}]{}", name, escaped(option.description, "[]:\\"), value));
       }
     }
     const std::string rest =
         commands[k].name == "help" ? fmt::format("({})", fmt::join(command_names(commands), " ")) : "_files";
-    cases += " \\\n        " + quoted("*:file:" + rest) + "\n      ;;\n";
+    cases += " \\\n        " + in_quotes("*:file:" + rest) + "\n      ;;\n";
   }
   return fmt::format(R"(#compdef foldproof
 # Completion of foldproof for zsh.

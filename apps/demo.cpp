@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter =
+constexpr const char* kDemoFooter =
     R"(It writes a generated motion and the other files that the examples in Foldproof's help texts and documentation use, so
 that these can be typed in that directory as they stand:
   walk.glb        two legs that walk, and brush against each other
@@ -134,7 +134,7 @@ Result<int> demo(const DemoArguments& a) {
 Command add_demo(CommandLine& program) {
   const Subcommand command =
       program.add_subcommand("demo", "Write a small motion and its model, to try everything with");
-  command.footer(kFooter);
+  command.footer(kDemoFooter);
   const auto a = std::make_shared<DemoArguments>();
   command.add_option("DIR", a->directory, "A new directory").type_name("").required();
   command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");

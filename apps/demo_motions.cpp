@@ -32,7 +32,7 @@ Vec3 middle(double s, const Stride& stride) {
 }
 
 /// Thinner towards the feet, whose ends are round.
-double radius(double s) {
+double tube_radius(double s) {
   const double end = std::min(1.0, (1 - std::abs(s)) / 0.09);
   return kRadius * (1.25 - 0.45 * std::abs(s)) * std::sqrt(1 - (1 - end) * (1 - end));
 }
@@ -49,7 +49,7 @@ std::vector<double> pose_of_legs(const Stride& stride) {
     const Vec3 a = Vec3::UnitY().cross(along).normalized(), b = along.cross(a);
     for (Index i = 0; i < kAround; ++i) {
       const double turn = 2 * pi * i / kAround;
-      add_vertex(middle(s, stride) + radius(s) * (std::cos(turn) * a + std::sin(turn) * b), x);
+      add_vertex(middle(s, stride) + tube_radius(s) * (std::cos(turn) * a + std::sin(turn) * b), x);
     }
   }
   add_vertex(middle(1, stride), x);

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kFooter =
+constexpr const char* kInfoFooter =
     R"(It shows the poses that the model was trained on, its size, and how much of the mesh it proves free of contact with
 itself:
 
@@ -48,7 +48,7 @@ struct InfoArguments {
 };
 
 /// How many of the hardest leaves are listed.
-constexpr std::size_t kListed = 8;
+constexpr std::size_t kListedLeaves = 8;
 
 const char* reason(Obstacle obstacle) {
   switch (obstacle) {
@@ -132,7 +132,7 @@ std::string hard_table(const Model& model, const ModelSummary& s) {
       "\nHard to prove: {} of {} leaves in some reference pose, {} in every one.\n", grouped(leaves.size()),
       grouped(model.hierarchy()->leaf_count()), grouped(static_cast<std::uint64_t>(always)));
   text += fmt::format("{:>10}  {:<11}  triangles\n", "poses", "why");
-  for (std::size_t k = 0; k < std::min(leaves.size(), kListed); ++k) {
+  for (std::size_t k = 0; k < std::min(leaves.size(), kListedLeaves); ++k) {
     const auto ids = triangles_of(model, leaves[k]);
     text += fmt::format("{:>10}  {:<11}  {}{}\n", fmt::format("{} of {}", leaves[k].references, s.references),
                         reason(leaves[k].obstacle),
@@ -200,7 +200,7 @@ Result<int> info(const InfoArguments& a) {
 
 Command add_info(CommandLine& program) {
   const Subcommand command = program.add_subcommand("info", "Show what is inside a model");
-  command.footer(kFooter);
+  command.footer(kInfoFooter);
   const auto a = std::make_shared<InfoArguments>();
   a->files.reads(command.add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
       .type_name("")

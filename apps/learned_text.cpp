@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// How many badly represented poses and regions are listed.
-constexpr std::size_t kListed = 5;
+constexpr std::size_t kListedRows = 5;
 
 /// Over all poses: the mean of the means, and the worst.
 struct Overall {
@@ -35,10 +35,6 @@ double share(double distance, double size) { return size > 0 ? distance / size :
 
 const char* name(SubspaceKind kind) { return kind == SubspaceKind::KernelPca ? "kernel PCA" : "PCA"; }
 
-std::string row(const char* label, const std::string& value) {
-  return fmt::format("{:<24}{}\n", label, value);
-}
-
 Index triangles_below(const Model& model, Index node) {
   const Hierarchy& h = *model.hierarchy();
   return h.leaves()[h.nodes()[node].leaf_end].triangles - h.leaves()[h.nodes()[node].leaf_begin].triangles;
@@ -48,13 +44,13 @@ std::string badly_represented(const Model& model) {
   const Learned& learned = *model.learned;
   const auto poses = badly_represented_poses(learned), regions = badly_represented_regions(learned);
   std::string text;
-  for (std::size_t k = 0; k < std::min(poses.size(), kListed); ++k) {
+  for (std::size_t k = 0; k < std::min(poses.size(), kListedRows); ++k) {
     const LearnedPose& pose = learned.poses[poses[k]];
     text += row(k == 0 ? "badly represented" : "",
                 fmt::format("pose {}: mean {}", cell(model.poses[pose.pose].name),
                             distance_text(pose.leave_one_out.projection.mean, learned.size)));
   }
-  for (std::size_t k = 0; k < std::min(regions.size(), kListed); ++k) {
+  for (std::size_t k = 0; k < std::min(regions.size(), kListedRows); ++k) {
     const LearnedRegion& region = learned.regions[regions[k]];
     text += row(poses.empty() && k == 0 ? "badly represented" : "",
                 fmt::format("region around vertex {}: mean {}, {}", region.worst_vertex,
@@ -171,7 +167,7 @@ std::string learned_tables(const Model& model) {
   std::iota(order.begin(), order.end(), Index{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](Index a, Index b) { return learned.regions[a].mean > learned.regions[b].mean; });
-  if (order.size() > kListed) order.resize(kListed);
+  if (order.size() > kListedRows) order.resize(kListedRows);
   text += fmt::format("\n{:>12}{:>12}  regions of largest leave-one-out error\n", "mean", "worst");
   for (const Index k : order) {
     const LearnedRegion& r = learned.regions[k];

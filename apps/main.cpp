@@ -13,12 +13,12 @@ constexpr const char* kAbout =
     "Finds every collision of moving triangle meshes, with themselves and with each other, between frames "
     "too.";
 
-constexpr const char* kFooter =
+constexpr const char* kProgramFooter =
     "Try:\n  foldproof check walk.glb\n  foldproof view walk.glb\n  foldproof help check\n  foldproof "
     "help train";
 
 Result<int> run(int argc, char** argv) {
-  CommandLine program(kAbout, kFooter);
+  CommandLine program(kAbout, kProgramFooter);
   const std::span<char* const> arguments(argv, static_cast<std::size_t>(argc));
   const std::vector<std::pair<std::string, Command>> commands = {{"check", add_check(program)},
                                                                  {"view", add_view(program)},

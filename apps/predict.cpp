@@ -14,7 +14,8 @@
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter = R"(KEYPOINTS gives the positions of the model's key points, frame by frame:
+constexpr const char* kPredictFooter =
+    R"(KEYPOINTS gives the positions of the model's key points, frame by frame:
   tracks.csv  with the columns frame, vertex, x, y, z, rows in any order
   tracks.csv  or with x y z of every key point in a row, a row per frame
   tracks.npz  or with the array 'keypoints', frames x points x 3
@@ -47,16 +48,16 @@ Result<bool> are_tracks(const std::vector<std::string>& arguments) {
   return extension == ".csv";
 }
 
-struct Input {
+struct PredictInput {
   KeyPointTracks tracks;
   std::unique_ptr<Motion> truth;  ///< Null: nothing to compare with.
   std::vector<Index> frames;      ///< Of the truth.
 };
 
-Result<Input> read_input(const PredictArguments& a, const Model& model) {
+Result<PredictInput> read_input(const PredictArguments& a, const Model& model) {
   const auto range = FOLDPROOF_TRY(frame_range_of(a.motion));
   const auto tracked = FOLDPROOF_TRY(are_tracks(a.key_points));
-  Input input;
+  PredictInput input;
   if (!tracked && !a.truth.empty()) {
     return fail(ErrorCode::InvalidArgument, "--truth",
                 "is given, but the key points come from a whole motion already", "leave it out");
@@ -98,7 +99,7 @@ struct Comparison {
   }
 };
 
-Result<std::string> compare(const Input& input, Motion& predicted, const Predictor& predictor,
+Result<std::string> compare(const PredictInput& input, Motion& predicted, const Predictor& predictor,
                             const std::atomic<bool>& interrupted) {
   Comparison keys, all;
   Eigen::VectorXd x(3 * Eigen::Index{predicted.topology().vertex_count()}), y(x.size());
@@ -178,7 +179,7 @@ Result<int> predict(const PredictArguments& a) {
 
 Command add_predict(CommandLine& program) {
   const Subcommand command = program.add_subcommand("predict", "Reconstruct a mesh from its key points");
-  command.footer(kFooter);
+  command.footer(kPredictFooter);
   const auto a = std::make_shared<PredictArguments>();
   FileArguments& files = a->files;
   files.reads(command.add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))

@@ -15,7 +15,7 @@
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kRadiusFooter =
     R"(Within the radius of a center no combination of modes makes the surface touch itself: proven, not sampled. Distances are
 in standard deviations of the training poses (Mahalanobis). The radius says nothing about regions that touch in the center's
 own pose, or come closer to themselves than the clearance; these are listed. A region that nearly touches makes the radius
@@ -60,7 +60,7 @@ Centers centers_of(const Learned& learned, const ReducedMotion& motion) {
   return centers;
 }
 
-std::string table(const ReducedShape& shape, const Centers& centers, const Learned& learned) {
+std::string radius_table(const ReducedShape& shape, const Centers& centers, const Learned& learned) {
   std::string text = fmt::format("{:<12}{:>10}{:>17}{:>23}{:>29}\n", "center", "radius", "share of normal",
                                  "training poses inside", "uncertified pairs of leaves");
   const auto inside = [&](Index center, Eigen::Index pose) {
@@ -239,7 +239,7 @@ Result<int> radius(const RadiusArguments& a) {
     print_output(fmt::format("{}: {}, {}; farther apart than {:.3g} mesh units\n", cell(a.model),
                              counted(shape->motion()->modes(), "mode"),
                              counted(model.hierarchy()->triangles().size(), "triangle"), shape->clearance()) +
-                 table(*shape, centers, *model.learned) + region_list(*shape, centers));
+                 radius_table(*shape, centers, *model.learned) + region_list(*shape, centers));
   }
   return kExitClean;
 }
@@ -249,7 +249,7 @@ Result<int> radius(const RadiusArguments& a) {
 Command add_radius(CommandLine& program) {
   const Subcommand command =
       program.add_subcommand("radius", "Prove how far a model's shapes may go without touching themselves");
-  command.footer(kFooter);
+  command.footer(kRadiusFooter);
   const auto a = std::make_shared<RadiusArguments>();
   FileArguments& files = a->files;
   files.reads(command.add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))

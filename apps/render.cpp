@@ -13,7 +13,7 @@
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter = R"(  pose.obj                        a single pose
+constexpr const char* kRenderFooter = R"(  pose.obj                        a single pose
 Several motions are several objects in one picture. The camera is fitted to the whole motion, so that pictures of its
 frames go together. The axis that points up is y for glTF. For other files it is guessed: z if the motion stands on
 a ground across z, else y. --up sets it.
@@ -399,7 +399,7 @@ Result<int> render(const RenderArguments& a) {
 Command add_render(CommandLine& program) {
   const Subcommand command =
       program.add_subcommand("render", "Draw a frame into a PNG file; no display is needed");
-  command.footer(std::string(kMotionHelp) + kFooter);
+  command.footer(std::string(kMotionHelp) + kRenderFooter);
   const auto a = std::make_shared<RenderArguments>();
   FileArguments& files = a->files;
   files.reads(command.add_option("MOTION", a->motions, "What to draw (see below)")).type_name("").required();

@@ -10,7 +10,7 @@
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter = R"(Several motions are several objects, and need equally many frames.
+constexpr const char* kReportFooter = R"(Several motions are several objects, and need equally many frames.
 
 The report is one file that opens in any browser, offline. It shows the contacts, the worst first, with pictures; what
 crosses in the first frame, what collides and when; charts of every step; what was proven and why not the rest; the
@@ -49,7 +49,7 @@ Result<int> report(const ReportArguments& a) {
 Command add_report(CommandLine& program, std::span<char* const> arguments) {
   const Subcommand command =
       program.add_subcommand("report", "Check motions and write the results to one HTML file");
-  command.footer(std::string(kMotionHelp) + kFooter);
+  command.footer(std::string(kMotionHelp) + kReportFooter);
   const auto a = std::make_shared<ReportArguments>();
   a->command = command_line(arguments);
   add_step_options(command, *a);

@@ -10,7 +10,7 @@
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kSampleFooter =
     R"(The shapes are distributed as the training poses are: each mode of the subspace varies by the standard deviation that was
 learned. A shape in which two triangles cross is refused, and another is drawn. No triangles cross in a shape that is
 written: proven, and for the very numbers in the file. For shapes that are proven together with all between them, see
@@ -64,7 +64,7 @@ Result<int> sample(const SampleArguments& a) {
 Command add_sample(CommandLine& program) {
   const Subcommand command =
       program.add_subcommand("sample", "Draw shapes from a model that do not cross themselves");
-  command.footer(kFooter);
+  command.footer(kSampleFooter);
   const auto a = std::make_shared<SampleArguments>();
   a->files.reads(command.add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
       .type_name("")

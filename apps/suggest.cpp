@@ -10,7 +10,7 @@
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kSuggestFooter =
     R"(With a MOTION of the mesh, it lists the frame that the model reconstructs worst, then the frame that is worst once the
 first is added, and so on. Add these frames to the training poses.
 
@@ -53,7 +53,7 @@ const char* no_suggestion(bool frames) {
                 : "No direction has only one example, and no mode is one-sided";
 }
 
-std::string table(const std::vector<Suggestion>& suggestions, const Model& model, bool frames) {
+std::string suggestion_table(const std::vector<Suggestion>& suggestions, const Model& model, bool frames) {
   const double size = model.learned->size;
   if (suggestions.empty()) return std::string(no_suggestion(frames)) + ".\n";
   std::string text = fmt::format("{:>22}{:>22}{:>10}{}  pose\n", "error, mean", "error, worst", "at vertex",
@@ -103,7 +103,7 @@ Result<int> suggest(const SuggestArguments& a) {
         memory_motion("suggestion", model.hierarchy()->topology(), {suggestions->front().positions});
     FOLDPROOF_TRY(write_motion(a.output, *pose));
   }
-  if (!a.quiet) print_output(table(*suggestions, model, !a.motion.empty()));
+  if (!a.quiet) print_output(suggestion_table(*suggestions, model, !a.motion.empty()));
   return kExitClean;
 }
 
@@ -111,7 +111,7 @@ Result<int> suggest(const SuggestArguments& a) {
 
 Command add_suggest(CommandLine& program) {
   const Subcommand command = program.add_subcommand("suggest", "Suggest poses to add to those of a model");
-  command.footer(kFooter);
+  command.footer(kSuggestFooter);
   const auto a = std::make_shared<SuggestArguments>();
   FileArguments& files = a->files;
   files.reads(command.add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))

@@ -13,7 +13,7 @@
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter = R"(Below each DIR these are motions:
+constexpr const char* kSweepFooter = R"(Below each DIR these are motions:
   .glb .gltf .npz .pvd            each file
   walk.pc2  walk.mdd              with the mesh of the same stem, or the only one beside it
   a_vertices.npy a_faces.npy      two whose names differ in the last word only, or vertices.npy and faces.npy
@@ -39,7 +39,7 @@ struct SweepArguments : StepArguments {
   bool again = false, quiet = false;
 };
 
-void add_options(const Subcommand& sweep, SweepArguments& a) {
+void add_sweep_options(const Subcommand& sweep, SweepArguments& a) {
   a.files
       .reads(sweep.add_option("DIR", a.motions, "Where to look for motions (see below)"),
              FileArguments::Input::Library)
@@ -281,10 +281,10 @@ Result<int> sweep(const SweepArguments& a) {
 Command add_sweep(CommandLine& program, std::span<char* const> arguments) {
   const Subcommand command = program.add_subcommand(
       "sweep", "Check every motion below directories, and continue where it was stopped");
-  command.footer(kFooter);
+  command.footer(kSweepFooter);
   const auto a = std::make_shared<SweepArguments>();
   a->command = command_line(arguments);
-  add_options(command, *a);
+  add_sweep_options(command, *a);
   return [a] { return sweep(*a); };
 }
 

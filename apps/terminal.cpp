@@ -98,6 +98,10 @@ std::string counted(std::uint64_t number, const char* noun) {
   return fmt::format("{} {}{}", grouped(number), noun, number == 1 ? "" : "s");
 }
 
+std::string row(const char* label, const std::string& value) {
+  return fmt::format("{:<24}{}\n", label, value);
+}
+
 std::string cell(std::string name) {
   constexpr std::size_t kLongest = 48;
   for (char& c : name) {
@@ -221,10 +225,6 @@ std::string closing_sentence(const CheckSettings& settings, const CheckTotals& t
                        counted(totals.collisions.sum() + totals.missed, "colliding pair"));
   }
   return totals.clean() ? clean_sentence(settings, totals) : found_sentence(settings, totals);
-}
-
-std::string row(const char* label, const std::string& value) {
-  return fmt::format("{:<24}{}\n", label, value);
 }
 
 /// What the mode paper missed, and what the proven answer costs.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kLearningGroup = "What is learned about shapes (3 poses or more)";
 
-constexpr const char* kFooter = R"(  pose.obj                        a single pose
+constexpr const char* kTrainFooter = R"(  pose.obj                        a single pose
 Several motions are more poses of the same mesh: same triangles, same order. What they do to the mesh matters, not how
 long they are: give poses in which it bends as far as it ever will. Poses in which it touches or crosses itself are fine.
 
@@ -84,7 +84,7 @@ Result<std::vector<TrainPose>> poses_of(Motions motions, const FrameRange& range
               "select more; frames count from 0 and the end of A:B is not included");
 }
 
-Result<TrainSettings> settings_of(const TrainArguments& a) {
+Result<TrainSettings> train_settings_of(const TrainArguments& a) {
   TrainSettings settings{.references = a.references,
                          .random_poses = a.random_poses,
                          .learn = !a.no_learning,
@@ -117,7 +117,7 @@ Result<TrainSettings> settings_of(const TrainArguments& a) {
 Result<int> train(const TrainArguments& a) {
   const auto start = std::chrono::steady_clock::now();
   const auto range = FOLDPROOF_TRY(frame_range_of(a.motion));
-  const auto settings = FOLDPROOF_TRY(settings_of(a));
+  const auto settings = FOLDPROOF_TRY(train_settings_of(a));
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
   FOLDPROOF_TRY(a.files.check());
@@ -149,7 +149,7 @@ Result<int> train(const TrainArguments& a) {
 Command add_train(CommandLine& program) {
   const Subcommand command =
       program.add_subcommand("train", "Make a model from poses of a mesh, which makes its checks faster");
-  command.footer(fmt::format("{}{}", kMotionHelp, kFooter));
+  command.footer(fmt::format("{}{}", kMotionHelp, kTrainFooter));
   const auto a = std::make_shared<TrainArguments>();
   a->files
       .reads(command.add_option("POSES", a->poses, "The poses to train on: motions of one mesh (see below)"))

@@ -14,7 +14,7 @@
 namespace foldproof {
 namespace {
 
-constexpr const char* kFooter = R"(  pose.obj                        a single pose: what crosses in it
+constexpr const char* kViewFooter = R"(  pose.obj                        a single pose: what crosses in it
 Several motions are several objects, and need equally many frames.
 
 The page shows the motion at once, while the check runs: it first finds what crosses in the first frame, then what
@@ -80,7 +80,7 @@ Result<int> view(const ViewArguments& a) {
 Command add_view(CommandLine& program) {
   const Subcommand command =
       program.add_subcommand("view", "Look at motions, collisions and proofs in the browser");
-  command.footer(std::string(kMotionHelp) + kFooter);
+  command.footer(std::string(kMotionHelp) + kViewFooter);
   const auto a = std::make_shared<ViewArguments>();
   add_step_options(command, *a);
   command.add_option("--unit", a->unit, "What a mesh unit is, such as cm: named beside lengths [m for glTF]")

@@ -127,7 +127,7 @@ std::vector<std::unique_ptr<ReportWriter>> writers_of(const Request& request) {
   return writers;
 }
 
-std::vector<std::size_t> triangles_of(const std::vector<std::unique_ptr<Motion>>& motions) {
+std::vector<std::size_t> triangle_counts(const std::vector<std::unique_ptr<Motion>>& motions) {
   std::vector<std::size_t> counts;
   counts.reserve(motions.size());
   for (const auto& motion : motions) counts.push_back(motion->topology().triangles().size());
@@ -196,7 +196,7 @@ void bind_checks(py::module_& module) {
     request.settings.steps_only = steps_only;
     request.settings.substeps = substeps;
     request.settings.contacts = contacts;
-    request.settings.parts = parts_of(parts, motions, triangles_of(request.motions));
+    request.settings.parts = parts_of(parts, motions, triangle_counts(request.motions));
     request.settings.unit = unit;
     request.settings.step = step_settings(settings);
     for (const auto& path : items_of(reports)) request.reports.push_back(path_of(path));

@@ -32,7 +32,7 @@ py::object none_or(const std::optional<double>& value) {
   return value ? py::object(py::float_(*value)) : py::none();
 }
 
-py::array frames_of(const Contact& contact) {
+py::array frame_array(const Contact& contact) {
   std::vector<FrameRow> rows;
   rows.reserve(contact.frames.size());
   for (const ContactFrame& f : contact.frames) {
@@ -53,7 +53,7 @@ py::array points_of(const std::vector<Vec3>& points) {
   return owned(std::move(numbers), {static_cast<py::ssize_t>(points.size()), 3});
 }
 
-py::array vector_of(const Vec3& v) { return owned({v.begin(), v.end()}, {3}); }
+py::array array_of(const Vec3& v) { return owned({v.begin(), v.end()}, {3}); }
 
 /// Finds contacts frame by frame. Keeps the last frame, since callers may reuse their arrays.
 class Finder {
@@ -214,10 +214,10 @@ py::object contact_of(const Contact& contact, const std::array<std::string, 2>& 
   fields["pairs"] = contact.pairs;
   fields["depth"] = none_or(contact.depth());
   fields["worst"] = crosses ? py::object(py::float_(contact.frames[contact.worst].time)) : py::none();
-  fields["point"] = vector_of(contact.point);
+  fields["point"] = array_of(contact.point);
   fields["box"] = points_of({contact.low, contact.high});
-  fields["normal"] = vector_of(contact.normal);
-  fields["frames"] = frames_of(contact);
+  fields["normal"] = array_of(contact.normal);
+  fields["frames"] = frame_array(contact);
   fields["curves"] = py::tuple(curves);
   return module.attr("Contact")(**fields);
 }

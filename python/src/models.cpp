@@ -9,7 +9,7 @@
 namespace foldproof::python {
 namespace {
 
-double number_of(const py::handle& value) { return value.cast<double>(); }
+double to_double(const py::handle& value) { return value.cast<double>(); }
 
 /// One keyword argument of train.
 void set(TrainSettings& s, const std::string& name, const py::handle& value) {
@@ -23,10 +23,10 @@ void set(TrainSettings& s, const std::string& name, const py::handle& value) {
   } else if (name == "modes") {
     learning.size.modes = value.cast<Index>();
   } else if (name == "energy") {
-    learning.size.energy = number_of(value);
+    learning.size.energy = to_double(value);
   } else if (name == "key_points") {
-    learning.key_points.max_share = number_of(value);
-    learning.key_points.first_share = number_of(value) / 2;
+    learning.key_points.max_share = to_double(value);
+    learning.key_points.first_share = to_double(value) / 2;
   } else if (name == "subspace") {
     const auto kind = value.cast<std::string>();
     if (kind != "pca" && kind != "kernel-pca")

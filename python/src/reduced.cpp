@@ -144,14 +144,14 @@ const char* proven_free(Shape& self, const py::object& p0, const py::object& p1)
   }
 }
 
-struct Checker {
+struct PoseChecker {
   std::vector<py::object> shapes;
   std::optional<ReducedChecker> checker;
   std::mutex mutex;
 };
 
-std::unique_ptr<Checker> make_checker(const py::object& shapes) {
-  auto made = std::make_unique<Checker>();
+std::unique_ptr<PoseChecker> make_pose_checker(const py::object& shapes) {
+  auto made = std::make_unique<PoseChecker>();
   std::vector<ReducedChecker::Object> objects;
   for (const auto& item : items_of(shapes)) {
     if (!py::isinstance<Shape>(item))
@@ -165,7 +165,7 @@ std::unique_ptr<Checker> make_checker(const py::object& shapes) {
   return made;
 }
 
-std::vector<Placed> ends_of(const Checker& self, const py::object& given, const char* what) {
+std::vector<Placed> ends_of(const PoseChecker& self, const py::object& given, const char* what) {
   py::list items;
   if (self.shapes.size() == 1 && !py::isinstance<py::list>(given)) {
     items.append(given);
@@ -184,8 +184,8 @@ std::vector<Placed> ends_of(const Checker& self, const py::object& given, const 
   return ends;
 }
 
-std::unique_ptr<StepResult> check(Checker& self, const py::object& start, const py::object& end,
-                                  const py::kwargs& settings) {
+std::unique_ptr<StepResult> check_poses(PoseChecker& self, const py::object& start, const py::object& end,
+                                        const py::kwargs& settings) {
   const StepSettings step = step_settings(settings);
   const auto from = ends_of(self, start, "start"), to = ends_of(self, end, "end");
   const auto poses = [](const std::vector<Placed>& placed) {
@@ -244,14 +244,14 @@ void bind_reduced(py::module_& module) {
       .def("proven_free", &proven_free, py::arg("p0"), py::arg("p1"),
            "Whether nothing touches on the way from p0 to p1: 'free', 'free_except_uncertified' (but for "
            "pairs of patches that are certified around no center) or 'unproven'.");
-  py::class_<Checker>(
+  py::class_<PoseChecker>(
       module, "ReducedChecker",
       "Checks objects that move in reduced coordinates. Where balls prove them free, no vertex is read. "
       "Calls of one checker wait for each other.")
-      .def(py::init(&make_checker), py::arg("shapes"),
+      .def(py::init(&make_pose_checker), py::arg("shapes"),
            "shapes: a ReducedShape, or a list of them. Certificates of their models are used from the first "
            "step on.")
-      .def("check", &check, py::arg("start"), py::arg("end"),
+      .def("check", &check_poses, py::arg("start"), py::arg("end"),
            with_settings(
                "What StepChecker.check answers for the vertices at both ends (ReducedShape.positions), "
                "which move straight.\n\n"

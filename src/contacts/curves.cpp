@@ -54,7 +54,7 @@ struct End {
   Piercing piercing;
 };
 
-auto key(const Piercing& p) { return std::tie(p.side, p.object, p.edge, p.face); }
+auto identity_of(const Piercing& p) { return std::tie(p.side, p.object, p.edge, p.face); }
 
 class Tracer {
  public:
@@ -153,12 +153,13 @@ class Tracer {
 
   // Lists each piercing once, and the segments by their numbers.
   void number_piercings() {
-    std::stable_sort(ends_.begin(), ends_.end(),
-                     [](const End& a, const End& b) { return key(a.piercing) < key(b.piercing); });
+    std::stable_sort(ends_.begin(), ends_.end(), [](const End& a, const End& b) {
+      return identity_of(a.piercing) < identity_of(b.piercing);
+    });
     out_.piercings.clear();
     std::vector<std::array<Index, 2>> of_pair(pairs_.size(), {kNoIndex, kNoIndex});
     for (const End& end : ends_) {
-      if (out_.piercings.empty() || key(out_.piercings.back()) != key(end.piercing))
+      if (out_.piercings.empty() || identity_of(out_.piercings.back()) != identity_of(end.piercing))
         out_.piercings.push_back(end.piercing);
       auto& both = of_pair[end.pair];
       (both[0] == kNoIndex ? both[0] : both[1]) = static_cast<Index>(out_.piercings.size() - 1);

@@ -9,6 +9,7 @@
 
 #include "io/formats.h"
 #include "io/numbered.h"
+#include "io/text.h"
 
 namespace foldproof {
 namespace io {
@@ -19,8 +20,6 @@ namespace fs = std::filesystem;
 bool is_mesh(const std::string& path) { return is_kind(path, FileKind::Mesh); }
 bool is_array(const std::string& path) { return is_kind(path, FileKind::Array); }
 bool is_point_cache(const std::string& path) { return is_kind(path, FileKind::PointCache); }
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// The run of digits that starts at `i`, without leading zeros; advances `i` past it.
 std::string_view digit_run(std::string_view text, std::size_t& i) {

@@ -11,7 +11,6 @@ namespace {
 
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // Tells underflow from overflow, for which std::from_chars returns the same error.
 bool is_below_one(std::string_view number) {

@@ -8,6 +8,8 @@
 
 namespace foldproof::io {
 
+inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
 /// The outcome of reading a number. Missing: the line ends first.
 enum class Scan : std::uint8_t { Ok, Missing, Malformed, NotFinite };
 

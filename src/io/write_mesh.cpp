@@ -68,7 +68,7 @@ Result<void> require_sizes(const std::string& path, const Topology& topology,
   return {};
 }
 
-const char* ply_type(const FaceProperty& property) {
+const char* ply_name(const FaceProperty& property) {
   static constexpr std::array<const char*, 4> kTypes{"uchar", "char", "int", "float"};  // in variant's order
   return kTypes[property.values.index()];
 }
@@ -91,7 +91,7 @@ Result<void> write_ply_properties(const std::string& path, const Topology& topol
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
       "property double z\nelement face {}\nproperty list uchar {} vertex_indices\n",
       topology.vertex_count(), triangles.size(), topology.vertex_count() <= kMaxSigned ? "int" : "uint");
-  for (const FaceProperty& p : properties) header += fmt::format("property {} {}\n", ply_type(p), p.name);
+  for (const FaceProperty& p : properties) header += fmt::format("property {} {}\n", ply_name(p), p.name);
   FOLDPROOF_TRY(file.write(header + "end_header\n"));
   std::vector<char> bytes;
   for (const double x : positions) append(bytes, x);

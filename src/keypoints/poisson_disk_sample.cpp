@@ -6,7 +6,7 @@
 namespace foldproof {
 namespace {
 
-using Positions = Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>;
+using Points = Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>;
 using Cell = Eigen::Array<std::int64_t, 3, 1>;
 
 constexpr int kMaxTrials = 40;
@@ -22,7 +22,7 @@ struct Entry {
 // Vertices sorted into cubes with sides of one radius: all within the radius of a vertex are in 27 cubes.
 class Grid {
  public:
-  Grid(const Positions& positions, const Vec3& corner, double radius)
+  Grid(const Points& positions, const Vec3& corner, double radius)
       : positions_(positions), corner_(corner), radius_(radius) {
     entries_.reserve(positions.cols());
     for (Index v = 0; v < positions.cols(); ++v) entries_.push_back({key(cell_of(v)), v});
@@ -57,14 +57,14 @@ class Grid {
            static_cast<std::uint64_t>(c[2]);
   }
 
-  const Positions& positions_;
+  const Points& positions_;
   Vec3 corner_;
   double radius_;
   std::vector<Entry> entries_;
 };
 
 // Stops when more than `max_count` are kept.
-std::vector<Index> sample(const Positions& positions, const Vec3& corner, double radius, Index max_count) {
+std::vector<Index> sample(const Points& positions, const Vec3& corner, double radius, Index max_count) {
   const Grid grid(positions, corner, radius);
   std::vector<char> dropped(positions.cols(), 0);
   std::vector<Index> kept;
@@ -79,7 +79,7 @@ std::vector<Index> sample(const Positions& positions, const Vec3& corner, double
 }  // namespace
 
 std::vector<Index> poisson_disk_sample(std::span<const double> positions, Index count) {
-  const Positions points(positions.data(), 3, static_cast<Eigen::Index>(positions.size() / 3));
+  const Points points(positions.data(), 3, static_cast<Eigen::Index>(positions.size() / 3));
   if (points.cols() == 0) return {};
   const Vec3 corner = points.rowwise().minCoeff();
   const double size = (points.rowwise().maxCoeff() - corner).maxCoeff();

@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 // A mode is one-sided when poses go at least this many times as far to one side as to the other.
 constexpr double kOneSided = 2;
 // Distances below this share of the size are rounding: bases are floats.
-constexpr double kRounding = 1e-6;
+constexpr double kDistanceRounding = 1e-6;
 
 std::vector<double> as_positions(const VectorXd& x) { return {x.begin(), x.end()}; }
 
@@ -111,7 +111,8 @@ std::vector<Suggestion> suggest_poses(const Learned& learned, Index count) {
   std::stable_sort(all.begin(), all.end(), [](const Suggestion& a, const Suggestion& b) {
     return a.distance.mean > b.distance.mean;
   });
-  std::erase_if(all, [&](const Suggestion& s) { return !(s.distance.mean > kRounding * learned.size); });
+  std::erase_if(all,
+                [&](const Suggestion& s) { return !(s.distance.mean > kDistanceRounding * learned.size); });
   if (all.size() > count) all.erase(all.begin() + count, all.end());
   return all;
 }
@@ -131,7 +132,7 @@ Result<std::vector<Suggestion>> suggest_frames(const Learned& learned, Motion& m
     const auto farthest = FOLDPROOF_TRY(find_farthest(subspace, motion, frames, hooks));
     if (hooks.progress) hooks.progress((round + 1.0) / (count + 1.0));
     if (!chosen.empty()) chosen.back().mean_after = farthest.mean;
-    if (round == count || !(farthest.distance.mean > kRounding * learned.size)) break;
+    if (round == count || !(farthest.distance.mean > kDistanceRounding * learned.size)) break;
     subspace.add(farthest.residual);
     chosen.push_back(
         {Suggestion::Why::Frame, farthest.frame, farthest.distance, 0, as_positions(farthest.x)});

@@ -12,12 +12,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Eigen::Index kMaxModes = 1024;
+constexpr Eigen::Index kMaxStoredModes = 1024;
 // Bases are rounded to floats, so they are only nearly orthonormal.
 constexpr double kNearlyOrthonormal = 1e-4;
 
 template <class T>
-Eigen::Index size_of(const flatbuffers::Vector<T>* vector) {
+Eigen::Index count_of(const flatbuffers::Vector<T>* vector) {
   return vector ? static_cast<Eigen::Index>(vector->size()) : 0;
 }
 
@@ -65,8 +65,8 @@ class LearnedReader {
   template <class T>
   MatrixXd matrix(const flatbuffers::Vector<T>* numbers, Eigen::Index rows, Eigen::Index columns,
                   const char* part) {
-    const bool fits =
-        rows > 0 ? size_of(numbers) % rows == 0 && size_of(numbers) / rows == columns : size_of(numbers) == 0;
+    const bool fits = rows > 0 ? count_of(numbers) % rows == 0 && count_of(numbers) / rows == columns
+                               : count_of(numbers) == 0;
     if (!require(fits && rows > 0 && columns > 0, part)) return {};
     MatrixXd read =
         Eigen::Map<const Eigen::Matrix<T, -1, -1>>(numbers->data(), rows, columns).template cast<double>();
@@ -109,7 +109,7 @@ class LearnedReader {
   }
 
   void read_poses(Learned& learned) {
-    if (!require(size_of(file_.poses()) >= 3, "poses")) return;
+    if (!require(count_of(file_.poses()) >= 3, "poses")) return;
     for (const file::LearnedPose* pose : *file_.poses()) {
       const bool ascending = learned.poses.empty() || pose->pose() > learned.poses.back().pose;
       require(ascending && pose->pose() < model_poses_, "poses");
@@ -118,8 +118,8 @@ class LearnedReader {
   }
 
   void read_subspace(const file::Subspace* file, const char* part, Pca& out) {
-    const Eigen::Index modes = file ? size_of(file->deviations()) : 0;
-    if (!require(modes > 0 && modes <= kMaxModes, part)) return;
+    const Eigen::Index modes = file ? count_of(file->deviations()) : 0;
+    if (!require(modes > 0 && modes <= kMaxStoredModes, part)) return;
     out.mean = vector(file->mean(), 3 * Eigen::Index{vertices_}, part);
     out.basis = matrix(file->basis(), 3 * Eigen::Index{vertices_}, modes, part);
     out.deviations = vector(file->deviations(), modes, part);
@@ -135,8 +135,8 @@ class LearnedReader {
   void read_kernel(const file::Kernel& file, KernelPca& out) {
     const char* const part = "kernel";
     read_subspace(file.pca(), part, out.pca);
-    const Eigen::Index modes = size_of(file.deviations());
-    if (!require(modes <= kMaxModes, part)) return;
+    const Eigen::Index modes = count_of(file.deviations());
+    if (!require(modes <= kMaxStoredModes, part)) return;
     out.samples = matrix(file.samples(), out.pca.modes(), poses_, part);
     out.width = file.width();
     out.weights = matrix(file.weights(), poses_, modes, part);
@@ -164,7 +164,7 @@ class LearnedReader {
   void read_clusters(Eigen::Index modes, Clusters& out) {
     const char* const part = "clusters";
     const file::Clusters* file = file_.clusters();
-    const auto count = file ? size_of(file->medoids()) : 0;
+    const auto count = file ? count_of(file->medoids()) : 0;
     if (!require(count > 0 && count <= poses_, part)) return;
     out.centers = matrix(file->centers(), modes, count, part);
     out.cluster_of = indices(file->cluster_of(), static_cast<Index>(count), part);
@@ -181,14 +181,14 @@ class LearnedReader {
     out.nodes = indices(file.nodes(), static_cast<Index>(hierarchy_.nodes().size()), part);
     require(std::is_sorted(out.nodes.begin(), out.nodes.end(), std::less_equal<>()), part);
     const auto nodes = static_cast<Eigen::Index>(out.nodes.size());
-    const Eigen::Index dimensions = size_of(file.correlations());
-    if (!require(nodes > 0 && keys_ > 0 && dimensions <= kMaxModes, part)) return;
+    const Eigen::Index dimensions = count_of(file.correlations());
+    if (!require(nodes > 0 && keys_ > 0 && dimensions <= kMaxStoredModes, part)) return;
     out.anchor = vector(file.anchor(), keys_, part);
     out.cca.mean_x = vector(file.mean_x(), keys_, part);
     out.cca.mean_y = vector(file.mean_y(), nodes, part);
     read_cca_matrices(file, nodes, dimensions, out.cca);
     if (file.thresholds()) out.thresholds.assign(file.thresholds()->begin(), file.thresholds()->end());
-    for (Eigen::Index k = 0; k < size_of(file.sources()); ++k) {
+    for (Eigen::Index k = 0; k < count_of(file.sources()); ++k) {
       const auto source = file.sources()->Get(static_cast<flatbuffers::uoffset_t>(k));
       require(source <= static_cast<std::uint8_t>(CertificateMap::Source::None), part);
       out.sources.push_back(static_cast<CertificateMap::Source>(source));
@@ -208,8 +208,8 @@ class LearnedReader {
 
   void read_calibration(const file::Certificates& file, CertificateMap& out) {
     const char* const part = "certificates";
-    if (!require(size_of(file.calibration_excess()) == size_of(file.calibration_miss_rate()), part)) return;
-    for (flatbuffers::uoffset_t k = 0; k < size_of(file.calibration_excess()); ++k) {
+    if (!require(count_of(file.calibration_excess()) == count_of(file.calibration_miss_rate()), part)) return;
+    for (flatbuffers::uoffset_t k = 0; k < count_of(file.calibration_excess()); ++k) {
       const CertificateMap::CalibrationPoint point{file.calibration_excess()->Get(k),
                                                    file.calibration_miss_rate()->Get(k)};
       const bool ordered = out.calibration.empty() || point.excess >= out.calibration.back().excess;
@@ -223,7 +223,7 @@ class LearnedReader {
                          Cca& out) {
     const char* const part = "certificates";
     if (dimensions == 0) {
-      require(size_of(file.weights()) == 0 && size_of(file.loadings()) == 0, part);
+      require(count_of(file.weights()) == 0 && count_of(file.loadings()) == 0, part);
       out.weights.resize(keys_, 0);
       out.loadings.resize(nodes, 0);
       return;

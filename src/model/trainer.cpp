@@ -11,7 +11,7 @@ constexpr std::int64_t kBytesPerTriangle = 100;
 constexpr std::size_t kBytesPerChart = 20;
 
 // Slots processed at once. Memory holds a chart of each.
-constexpr std::size_t kBatch = 1024;
+constexpr std::size_t kPoseBatch = 1024;
 
 }  // namespace
 
@@ -89,9 +89,9 @@ void Trainer::process(Index slot, SlotResult& out) {
 // Visits the results in the order of the slots, so that the charts do not depend on the number of threads.
 template <class Visit>
 void Trainer::process(std::span<const Index> slots, Visit visit) {
-  results_.resize(kBatch);
-  for (std::size_t first = 0; first < slots.size(); first += kBatch) {
-    const auto batch = slots.subspan(first, std::min(kBatch, slots.size() - first));
+  results_.resize(kPoseBatch);
+  for (std::size_t first = 0; first < slots.size(); first += kPoseBatch) {
+    const auto batch = slots.subspan(first, std::min(kPoseBatch, slots.size() - first));
     parallel_for(std::size_t{0}, batch.size(), [&](std::size_t i) { process(batch[i], results_[i]); });
     for (std::size_t i = 0; i < batch.size(); ++i) visit(batch[i], results_[i]);
   }

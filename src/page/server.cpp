@@ -92,7 +92,9 @@ const char* type_of(std::string_view path) {
   return "application/octet-stream";
 }
 
-PageAnswer refuse(int status, const char* line) { return {status, "application/json", error_json(line)}; }
+PageAnswer error_answer(int status, const char* line) {
+  return {status, "application/json", error_json(line)};
+}
 
 // In a DNS rebinding attack, a foreign host name resolves to this machine, but the Host header has that name.
 bool is_this_machine(const httplib::Request& request, int port) {
@@ -134,13 +136,14 @@ struct PageServer::Impl {
 };
 
 PageAnswer PageServer::Impl::answer(const httplib::Request& request) const {
-  if (!is_this_machine(request, port)) return refuse(403, "this page is for the machine that it runs on");
+  if (!is_this_machine(request, port))
+    return error_answer(403, "this page is for the machine that it runs on");
   if (request.method != "GET" && request.method != "HEAD")
-    return refuse(405, "there is nothing but GET here");
+    return error_answer(405, "there is nothing but GET here");
   if (request.path.starts_with("/api/"))
     return page->get(request.path, {request.params.begin(), request.params.end()});
   const auto file = files.find(request.path);
-  if (file == files.end()) return refuse(404, "there is nothing here");
+  if (file == files.end()) return error_answer(404, "there is nothing here");
   return {200, type_of(file->first == "/" ? ".html" : file->first), std::string(file->second)};
 }
 
@@ -169,7 +172,7 @@ void PageServer::Impl::prepare() {
   });
   http.set_exception_handler(
       [](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
-        send(refuse(500, "there is not enough memory for this"), response);
+        send(error_answer(500, "there is not enough memory for this"), response);
       });
 }
 
