@@ -42,7 +42,7 @@ struct Piece {
 };
 
 /// The half of a piece to which a triangle belongs.
-enum Side : std::uint8_t { kLeft, kRight, kReachedLeft, kReachedRight };
+enum SplitSide : std::uint8_t { kLeft, kRight, kReachedLeft, kReachedRight };
 
 /// Centers of triangles.
 class Centers {
@@ -200,7 +200,7 @@ class Splitter {
       bool moved = false;
       for (Index t = 0; t < size(); ++t) {
         if (t == first || t == second) continue;
-        const float* distance = distance_to_end(static_cast<Side>(side_[t]));
+        const float* distance = distance_to_end(static_cast<SplitSide>(side_[t]));
         bool connected = false;
         for_each_neighbor(t, [&](Index other, float) {
           connected |= side_[other] == side_[t] && distance[other] < distance[t];
@@ -271,7 +271,7 @@ class Splitter {
   }
   Vec3 center(Index t) const { return centers_.of(from_->ids[piece_.begin + t]); }
 
-  const float* distance_to_end(Side side) {
+  const float* distance_to_end(SplitSide side) {
     return side == kLeft ? distance_to_first() : distance_to_second_.data();
   }
 
@@ -281,7 +281,7 @@ class Splitter {
     number_.resize(size());
     for (Index t = 0; t < size(); ++t) number_[t] = counts[side_[t]]++;
     Index at = piece_.begin, entry = neighbors_.front().begin;
-    for (const Side half : {kLeft, kRight}) {
+    for (const SplitSide half : {kLeft, kRight}) {
       const float* distance = distance_to_end(half);
       for (Index t = 0; t < size(); ++t) {
         if (side_[t] != half) continue;

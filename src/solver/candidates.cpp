@@ -12,7 +12,7 @@ namespace foldproof {
 namespace {
 
 template <class Pair>
-void append(const std::vector<Pair>& from, std::vector<Pair>& to) {
+void append_pairs(const std::vector<Pair>& from, std::vector<Pair>& to) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
@@ -102,10 +102,10 @@ Result<void> ContactChecker::candidates(std::span<const double> x0, std::span<co
   return impl_->find(
       x0, x1, inflation, [](const auto&) {},
       [&](const auto& part) {
-        append(part.found.vertex_face, out.vertex_face);
-        append(part.found.edge_edge, out.edge_edge);
-        append(part.found.edge_vertex, out.edge_vertex);
-        append(part.found.vertex_vertex, out.vertex_vertex);
+        append_pairs(part.found.vertex_face, out.vertex_face);
+        append_pairs(part.found.edge_edge, out.edge_edge);
+        append_pairs(part.found.edge_vertex, out.edge_vertex);
+        append_pairs(part.found.vertex_vertex, out.vertex_vertex);
       });
 }
 

@@ -13,16 +13,16 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kRuns = 10;
-constexpr int kMaxIterations = 200;
+constexpr int kMaxRounds = 200;
 constexpr double kMinSilhouette = 0.25;
 
-struct Nearest {
+struct NearestCenter {
   Index cluster;
   double squared;
 };
 
-Nearest nearest_center(const MatrixXd& centers, const VectorView& point) {
-  Nearest best{0, std::numeric_limits<double>::infinity()};
+NearestCenter nearest_center(const MatrixXd& centers, const VectorView& point) {
+  NearestCenter best{0, std::numeric_limits<double>::infinity()};
   for (Eigen::Index c = 0; c < centers.cols(); ++c) {
     const double squared = (centers.col(c) - point).squaredNorm();
     if (squared < best.squared) best = {static_cast<Index>(c), squared};
@@ -94,7 +94,7 @@ Clusters lloyd(const MatrixView& points, MatrixXd centers) {
   Clusters clusters;
   clusters.centers = std::move(centers);
   clusters.cluster_of.assign(points.cols(), 0);
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+  for (int iteration = 0; iteration < kMaxRounds; ++iteration) {
     const std::vector<Index> before = clusters.cluster_of;
     for (Index k = 0; k < before.size(); ++k) {
       clusters.cluster_of[k] = nearest_center(clusters.centers, points.col(k)).cluster;

@@ -45,10 +45,10 @@ Wrong cells_on(const OneGrid& grid, bool wide, std::uint32_t stride, bool never_
         quantize(grid, wide, x, lower, upper);
         std::uint64_t decreases = 0, mismatches = 0;
         for (std::size_t i = 1; i < x.size(); ++i)
-          decreases += (lower[i] < lower[i - 1]) | (upper[i] < upper[i - 1]);
+          decreases += int{lower[i] < lower[i - 1]} | int{upper[i] < upper[i - 1]};
         for (std::size_t i = 0; i < x.size(); ++i) {
-          mismatches += (lower[i] != expected_cell(x[i] - grid.margin, grid)) |
-                        (upper[i] != expected_cell(x[i] + grid.margin, grid));
+          mismatches += int{lower[i] != expected_cell(x[i] - grid.margin, grid)} |
+                        int{upper[i] != expected_cell(x[i] + grid.margin, grid)};
         }
         if (decreases + mismatches != 0 && wrong.decreases + wrong.mismatches == 0) wrong.first = x[0];
         wrong.decreases += decreases;

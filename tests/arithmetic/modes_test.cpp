@@ -86,7 +86,8 @@ Sheets sheets(double size) {
   for (int object = 0; object < 2; ++object) {
     std::vector<double> x0, x1;
     for (Index v = 0; v < kSide * kSide; ++v) {
-      const double x = (v / kSide + 0.3 * object) / kSide, y = (v % kSide + 0.2 * object) / kSide;
+      const Index row = v / kSide, column = v % kSide;
+      const double x = (row + 0.3 * object) / kSide, y = (column + 0.2 * object) / kSide;
       const double z = 0.1 * std::sin(9 * x) * std::cos(7 * y) * (object == 0 ? 1 : -1) + 0.1 * object;
       for (const double c : {x, y, z}) x0.push_back(size * c);
       for (const double c : {x, y + 0.01, z + 0.03 * (object == 0 ? x : -y)}) x1.push_back(size * c);
@@ -177,7 +178,7 @@ Bits pair_answers(const std::vector<Pair>& pairs, double size) {
     bits.add(vertex_face_closest(x0).distance);
     bits.add(edge_edge_closest(x0).distance);
     bits.add(ccd_resolution(size));
-    bits.add(std::uint64_t(orient3d(x0[0], x0[1], x0[2], d) + 1));
+    bits.add(std::uint64_t{1} + orient3d(x0[0], x0[1], x0[2], d));
     bits.add(std::uint64_t(triangle_has_area(x0[0], middle, x0[1])));
     bits.add(std::uint64_t(triangles_intersect({x0[0], x0[1], x0[2]}, {x1[0], x1[1], d})));
     bits.add(std::uint64_t(segment_intersects_triangle({x1[0], d}, {x0[0], x0[1], x0[2]})));

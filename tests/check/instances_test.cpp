@@ -58,7 +58,8 @@ struct Crowd {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> number(-1, 1);
     for (Index i = 0; i < kBodies; ++i) {
-      const Vec3 cell(i % 13, i / 13 % 13, i / 169);
+      const Index column = i % 13, row = i / 13 % 13, layer = i / 169;
+      const Vec3 cell(column, row, layer);
       const Vec3 at = 4.6 * cell + 0.8 * Vec3(number(random), number(random), number(random));
       const Vec3 by = 0.8 * Vec3(number(random), number(random), number(random));
       auto &from = x0.emplace_back(body.x), &to = x1.emplace_back(body.x);

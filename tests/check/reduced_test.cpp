@@ -251,8 +251,8 @@ TEST(ReducedChecker, AnswersForTwoThousandInstances) {
   std::uniform_real_distribution<double> number(-1, 1);
   Step step = random_step(shapes, 0.3, 0.1, random);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const Vec3 cell(static_cast<double>(i % 13), static_cast<double>(i / 13 % 13),
-                    static_cast<double>(i / 169));
+    const std::size_t column = i % 13, row = i / 13 % 13, layer = i / 169;
+    const Vec3 cell(static_cast<double>(column), static_cast<double>(row), static_cast<double>(layer));
     const Vec3 axis(number(random), number(random), number(random));
     step.start[i].rotation = Eigen::AngleAxisd(3 * number(random), axis.normalized()).toRotationMatrix();
     step.end[i].rotation = step.start[i].rotation;

@@ -40,9 +40,9 @@ std::shared_ptr<const ChartLibrary> charts_of(std::shared_ptr<const Hierarchy> h
   const auto ids = hierarchy->vertex_ids();
   std::array<std::uint16_t, std::size(kUvs)> in_patch{};
   UvMap map;
-  for (std::uint16_t i = 0; i < std::size(kUvs); ++i) {
+  for (std::size_t i = 0; i < std::size(kUvs); ++i) {
     const Index v = ids[patch.vertices[i]];
-    in_patch[v] = i;
+    in_patch[v] = static_cast<std::uint16_t>(i);
     map.uvs.push_back(kUvs[v]);
   }
   map.heights.assign(std::size(kUvs), 0);

@@ -16,7 +16,7 @@ constexpr double kTolerance = 1e-7;
 // More rounds for a longer run by hand.
 int rounds(int usual) {
   const char* factor = std::getenv("FOLDPROOF_ROUNDS");
-  return factor == nullptr ? usual : usual * std::max(1, std::atoi(factor));
+  return factor == nullptr ? usual : usual * std::max(1, static_cast<int>(std::strtol(factor, nullptr, 10)));
 }
 
 ContactChecker checker_of(const Soup& soup, CollisionFilter filter = {}, bool certificates = true) {
