@@ -20,10 +20,13 @@ if(CMAKE_CXX_COMPILER_LAUNCHER)
 else()
   message(STATUS "Without ccache as CMAKE_CXX_COMPILER_LAUNCHER the forms that build the whole library again are not tested")
 endif()
-# These two build the whole library once more; its objects are in the cache.
+# These two build the core once more.
+set(TARGET_OF_package all)
+set(TARGET_OF_subdirectory consumer)
+set(TARGET_OF_fetch consumer)
 foreach(FORM ${FORMS})
   add_test(NAME consumer_${FORM} COMMAND ${CMAKE_CTEST_COMMAND} --build-and-test ${CONSUMER} ${WORK}/${FORM}
-    --build-generator ${CMAKE_GENERATOR}
+    --build-generator ${CMAKE_GENERATOR} --build-target ${TARGET_OF_${FORM}}
     --build-options -DFORM=${FORM} -DVERSION=${DOCUMENTED_VERSION} -DEXAMPLE=${EXAMPLE_SOURCE} -DFOLDPROOF_SOURCE=${PROJECT_SOURCE_DIR}
     -DFOLDPROOF_THREADS=${FOLDPROOF_THREADS}
     -DCMAKE_UNITY_BUILD=$CACHE{CMAKE_UNITY_BUILD} -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE}

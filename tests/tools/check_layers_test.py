@@ -97,8 +97,7 @@ class CheckLayers(unittest.TestCase):
 
     def library(self, **sources):
         """A tree with sources a and b in one library, given what their unnamed namespaces have."""
-        tree = {"src/CMakeLists.txt": "foldproof_library(foldproof base mesh)\n",
-                "cmake/unity.cmake": "set(FOLDPROOF_ALONE\n  mesh/alone.cpp)\n"}
+        tree = {"src/CMakeLists.txt": "foldproof_library(foldproof base mesh)\n"}
         for (name, text), folder in zip(sources.items(), ("base", "mesh")):
             tree[f"src/{folder}/{name}.cpp"] = f"namespace foldproof {{\nnamespace {{\n\n{text}\n}}  // namespace\n}}  // namespace foldproof\n"
         return tree
@@ -115,7 +114,6 @@ class CheckLayers(unittest.TestCase):
         self.accepts(self.library(a="int f(int a) {\n  int x = 1;\n}\n", b="int f(int a, int b = 0) {\n  int x = 1;\n}\n"))
         self.accepts(self.library(a="using V = Eigen::V;\nnamespace fs = std::fs;\nusing Eigen::V;\n",
                                   b="using V = Eigen::V;\nnamespace fs = std::fs;\nusing Eigen::V;\n"))
-        self.accepts(self.library(a="struct Side {};\n", alone="struct Side {};\n"))
 
 
 if __name__ == "__main__":
