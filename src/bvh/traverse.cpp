@@ -308,11 +308,11 @@ void prefetch(const T* first, std::size_t count) {
 
 template <int N>
 void prefetch_blocks(const FeatureBlocks<N>& features, Index leaf) {
-  const Index begin = features.begin[leaf];
-  prefetch(&features.boxes[begin], 1);
-  prefetch(&features.ids[begin], 1);
-  __builtin_prefetch(&features.used[begin]);
-  __builtin_prefetch(&features.first[begin]);
+  const Index begin = features.begin[leaf];  // past the last block where the last leaves have none
+  prefetch(features.boxes.data() + begin, 1);
+  prefetch(features.ids.data() + begin, 1);
+  __builtin_prefetch(features.used.data() + begin);
+  __builtin_prefetch(features.first.data() + begin);
 }
 
 void prefetch_leaf(const KineticBvh& bvh, Index leaf) {
@@ -321,7 +321,7 @@ void prefetch_leaf(const KineticBvh& bvh, Index leaf) {
   prefetch_blocks(bvh.face_blocks, leaf);
   prefetch(&bvh.grids[leaf], 1);
   prefetch(&bvh.boxes[bvh.leaf_node(leaf)], 1);
-  prefetch(&bvh.vertices[bvh.hierarchy->leaves()[leaf].vertices], 8);
+  prefetch(bvh.vertices.data() + bvh.hierarchy->leaves()[leaf].vertices, 8);
 }
 
 }  // namespace

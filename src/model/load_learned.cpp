@@ -179,7 +179,8 @@ class LearnedReader {
   void read_certificates(const file::Certificates& file, CertificateMap& out) {
     const char* const part = "certificates";
     out.nodes = indices(file.nodes(), static_cast<Index>(hierarchy_.nodes().size()), part);
-    require(std::is_sorted(out.nodes.begin(), out.nodes.end(), std::less_equal<>()), part);
+    const auto out_of_order = std::adjacent_find(out.nodes.begin(), out.nodes.end(), std::greater_equal<>());
+    require(out_of_order == out.nodes.end(), part);
     const auto nodes = static_cast<Eigen::Index>(out.nodes.size());
     const Eigen::Index dimensions = count_of(file.correlations());
     if (!require(nodes > 0 && keys_ > 0 && dimensions <= kMaxStoredModes, part)) return;
