@@ -13,9 +13,15 @@ double log_uniform(Rng& rng, double low, double high) {
 
 Vec3 random_direction(Rng& rng) {
   for (;;) {
-    const Vec3 d(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1));
+    const double z = uniform(rng, -1, 1), y = uniform(rng, -1, 1), x = uniform(rng, -1, 1);
+    const Vec3 d(x, y, z);
     if (d.norm() > 0.1 && d.norm() < 1) return d.normalized();
   }
+}
+
+Vec3 random_vector(Rng& rng, double low, double high) {
+  const Vec3 direction = random_direction(rng);
+  return uniform(rng, low, high) * direction;
 }
 
 PosedPatch sheet(std::string name, int columns, int rows, const Surface& surface) {
@@ -79,8 +85,8 @@ std::vector<PosedPatch> chartable_patches(Rng& rng) {
   std::vector<PosedPatch> all;
   all.push_back(sheet("flat", 4, 4, flat));
   all.push_back(sheet("bumpy", 5, 4, [&](double u, double v) {
-    return Vec3(flat(u, v) +
-                Vec3(uniform(rng, -0.02, 0.02), uniform(rng, -0.02, 0.02), uniform(rng, -0.04, 0.04)));
+    const double z = uniform(rng, -0.04, 0.04), y = uniform(rng, -0.02, 0.02), x = uniform(rng, -0.02, 0.02);
+    return Vec3(flat(u, v) + Vec3(x, y, z));
   }));
   all.push_back(sheet("cap", 5, 5, [](double u, double v) {
     const double a = 2.2 * (u - 0.5), b = 2.2 * (v - 0.5);
@@ -147,13 +153,13 @@ std::vector<Vec3> deformed(std::span<const Vec3> x, double amplitude, double rou
     for (std::size_t v = 0; v < x.size(); ++v)
       result[v] += amplitude / 3 * std::sin(frequency.dot(x[v]) + phase) * direction;
   }
-  for (Vec3& p : result) p += amplitude * roughness * uniform(rng, 0, 1) * random_direction(rng);
+  for (Vec3& p : result) p += amplitude * roughness * random_vector(rng, 0, 1);
   return result;
 }
 
 std::vector<Vec3> moved(std::span<const Vec3> x, double angle, double shift, Rng& rng) {
   const Eigen::AngleAxisd rotation(angle, random_direction(rng));
-  const Vec3 translation = shift * uniform(rng, 0, 1) * random_direction(rng);
+  const Vec3 translation = shift * random_vector(rng, 0, 1);
   std::vector<Vec3> result;
   for (const Vec3& p : x) result.push_back(rotation * p + translation);
   return result;
@@ -177,7 +183,8 @@ void fit_into_frame(std::vector<Vec3>& x0, std::vector<Vec3>& x1) {
 
 Step random_step(const PosedPatch& patch, double amplitude, Rng& rng) {
   const double roughness = rng() % 2 ? 0.1 : 1;
-  std::vector<Vec3> x0 = moved(deformed(patch.x, amplitude, roughness, rng), uniform(rng, 0, 3), 0.3, rng);
+  const double angle = uniform(rng, 0, 3);
+  std::vector<Vec3> x0 = moved(deformed(patch.x, amplitude, roughness, rng), angle, 0.3, rng);
   std::vector<Vec3> x1 = deformed(x0, amplitude, roughness, rng);
   x1 = moved(x1, rng() % 4 ? uniform(rng, 0, 1) : uniform(rng, 0, 3), 0.3, rng);
   fit_into_frame(x0, x1);

@@ -18,7 +18,11 @@ inline double uniform(Rng& rng, double low, double high) {
 }
 /// Evenly spread orders of magnitude.
 double log_uniform(Rng& rng, double low, double high);
+// Compilers evaluate arguments in different orders. So that cases are the same everywhere, what draws from
+// `rng` is a declaration of its own, or one of these functions.
 Vec3 random_direction(Rng& rng);
+/// A random direction times a number between these.
+Vec3 random_vector(Rng& rng, double low, double high);
 
 /// A patch in a pose. Its vertices are numbered from 0.
 struct PosedPatch {

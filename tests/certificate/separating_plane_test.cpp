@@ -22,14 +22,14 @@ struct Cloud {
 Cloud random_cloud(double size, double distance, Rng& rng) {
   std::vector<Vec3> x0, x1;
   std::vector<Index> ids[2];
-  const Vec3 axis = random_direction(rng), offset = uniform(rng, -0.2, 0.2) * random_direction(rng);
+  const Vec3 axis = random_direction(rng), offset = random_vector(rng, -0.2, 0.2);
   const int kind = static_cast<int>(rng() % 3);
   for (int side = 0; side < 2; ++side) {
     const std::size_t count = 1 + rng() % 20;
     const Vec3 center = offset + (side - 0.5) * (distance + size) * axis;
-    const Vec3 motion = uniform(rng, 0, 0.4) * random_direction(rng) * (kind == 1 ? 1 : 0.1);
+    const Vec3 motion = random_vector(rng, 0, 0.4) * (kind == 1 ? 1 : 0.1);
     for (std::size_t k = 0; k < count; ++k) {
-      const Vec3 p = size * uniform(rng, 0, 0.5) * random_direction(rng);
+      const Vec3 p = size * random_vector(rng, 0, 0.5);
       ids[side].push_back(static_cast<Index>(x0.size()));
       x0.push_back(center + p);
       x1.push_back(center + motion + p + 0.2 * size * random_direction(rng));
@@ -103,7 +103,7 @@ TEST(PlaneSeparates, WhatIsSeparatedStaysFartherApartThanTheGap) {
     }
   }
   EXPECT_GT(passes, 0.3 * tries);
-  EXPECT_LT(passes, 0.8 * tries);
+  EXPECT_LT(passes, 0.7 * tries);
   EXPECT_GT(contacts, 50);
 }
 
@@ -147,7 +147,8 @@ TEST(PlaneSeparates, TriesTheGivenNormal) {
   Rng rng(77);
   int found = 0, kept = 0, changed = 0;
   for (int k = 0; k < 400; ++k) {
-    const Cloud cloud = random_cloud(uniform(rng, 0.05, 0.4), uniform(rng, -0.05, 0.2), rng);
+    const double distance = uniform(rng, -0.05, 0.2), size = uniform(rng, 0.05, 0.4);
+    const Cloud cloud = random_cloud(size, distance, rng);
     const auto separates = [&](PlaneNormal& normal) {
       return plane_separates(cloud.step.vertices, cloud.a, cloud.step.vertices, cloud.b, 0, &normal);
     };
@@ -166,7 +167,7 @@ TEST(PlaneSeparates, TriesTheGivenNormal) {
     }
   }
   EXPECT_GT(found, 100);
-  EXPECT_LT(found, 398);
+  EXPECT_LT(found, 390);
   EXPECT_EQ(kept, found);
   EXPECT_EQ(changed, 0);
 }
