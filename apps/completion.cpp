@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "manual.h"
+#include "options.h"
 
 namespace foldproof {
 namespace {
@@ -41,13 +42,6 @@ std::string escaped(const std::string& text, std::string_view characters) {
     out += c;
   }
   return out;
-}
-
-/// In single quotes, for bash and zsh.
-std::string in_quotes(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
-  return out + "'";
 }
 
 }  // namespace

@@ -23,12 +23,16 @@ std::string quoted(std::string_view argument) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:=,+@%";
   if (!argument.empty() && argument.find_first_not_of(kPlain) == argument.npos) return std::string(argument);
-  std::string text = "'";
-  for (const char c : argument) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
+  return in_quotes(argument);
 }
 
 }  // namespace
+
+std::string in_quotes(std::string_view text) {
+  std::string quotes = "'";
+  for (const char c : text) quotes += c == '\'' ? "'\\''" : std::string(1, c);
+  return quotes + "'";
+}
 
 std::string command_line(std::span<char* const> arguments) {
   std::string line = "foldproof";

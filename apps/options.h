@@ -55,6 +55,9 @@ Result<void> limit_threads(int threads, std::optional<ThreadLimit>& limit);
 /// Error: not finite, negative, or zero if that is not allowed.
 Result<void> require_number(const char* option, double value, bool zero_allowed);
 
+/// In single quotes, for a shell.
+std::string in_quotes(std::string_view text);
+
 /// The command line, quoted for a shell, with foldproof as the program's name.
 std::string command_line(std::span<char* const> arguments);
 

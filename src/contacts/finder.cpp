@@ -14,8 +14,6 @@
 namespace foldproof {
 namespace {
 
-using namespace internal;
-
 // A contact that may go on.
 struct Open {
   Contact contact;

@@ -11,6 +11,7 @@
 
 #include "base/try.h"
 #include "foldproof/io.h"
+#include "io/write_error.h"
 
 namespace foldproof {
 namespace {
@@ -20,8 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kBufferBytes = std::size_t{1} << 18;
 
 tl::unexpected<Error> write_error(const std::string& path, int code) {
-  return fail(ErrorCode::FileAccess, path, "cannot be written: " + std::generic_category().message(code),
-              "check the directory, its permissions and the free space");
+  return io::write_error(path, {code, std::generic_category()});
 }
 
 int write_fully(int descriptor, bool may_close, std::span<const char> bytes) {

@@ -7,16 +7,12 @@
 #include <utility>
 
 #include "base/try.h"
+#include "io/write_error.h"
 
 namespace foldproof::io {
 namespace {
 
 namespace fs = std::filesystem;
-
-tl::unexpected<Error> directory_error(const fs::path& target, const std::error_code& code) {
-  return fail(ErrorCode::FileAccess, target.string(), "cannot be written: " + code.message(),
-              "check the directory, its permissions and the free space");
-}
 
 }  // namespace
 
@@ -25,7 +21,7 @@ Result<NewDirectory> NewDirectory::open(fs::path target) {
   const fs::path path =
       target.parent_path() / fmt::format(".{}.{}.part", target.filename().string(), ::getpid());
   std::error_code code;
-  if (!fs::create_directory(path, code)) return directory_error(target, code);
+  if (!fs::create_directory(path, code)) return write_error(target, code);
   made.target_ = std::move(target);
   made.path_ = path;
   return made;
@@ -42,7 +38,7 @@ NewDirectory::~NewDirectory() {
 Result<void> NewDirectory::commit() {
   std::error_code code;
   fs::rename(path_, target_, code);
-  if (code) return directory_error(target_, code);
+  if (code) return write_error(target_, code);
   path_.clear();
   return {};
 }

@@ -13,8 +13,6 @@
 namespace foldproof {
 namespace {
 
-using namespace io;
-
 constexpr const char* kOneRowPerLine = "write one row per line, numbers with commas between them";
 
 std::string_view trimmed(std::string_view text) {
@@ -70,7 +68,7 @@ class CsvReader {
         return {};
       }
     }
-    const std::string where = at_line(path_, line_);
+    const std::string where = io::at_line(path_, line_);
     if (fields.size() != columns_) {
       return fail(ErrorCode::InvalidFile, where,
                   fmt::format("has {} numbers, and the first line has {}", fields.size(), columns_),
@@ -95,17 +93,17 @@ class CsvReader {
 }  // namespace
 
 Result<NumberTable> read_csv(const std::string& path) {
-  const auto bytes = FOLDPROOF_TRY(read_file(path));
+  const auto bytes = FOLDPROOF_TRY(io::read_file(path));
   return CsvReader(path).read({bytes.data(), bytes.size()});
 }
 
 Result<NumberTable> read_npz_numbers(const std::string& path, const std::string& array) {
   std::uint64_t bytes = 0;
-  const auto archive = FOLDPROOF_TRY(open_archive(path, bytes));
-  NpzArray numbers;
+  const auto archive = FOLDPROOF_TRY(io::open_archive(path, bytes));
+  io::NpzArray numbers;
   const std::string remedy = fmt::format("save an array of that name, with numpy.savez(file, {}=...)", array);
   FOLDPROOF_TRY(numbers.open(archive.get(), path, bytes, array, remedy));
-  const NpyHeader& header = numbers.header();
+  const io::NpyHeader& header = numbers.header();
   if (header.kind != 'f' || header.item_bytes < 4) {
     return fail(ErrorCode::UnsupportedFormat, numbers.where(), "is not float32 or float64",
                 "save its .astype('float64')");
@@ -116,8 +114,8 @@ Result<NumberTable> read_npz_numbers(const std::string& path, const std::string&
   table.values.reserve(numbers.elements());
   for (std::uint64_t i = 0; i < numbers.elements(); ++i) {
     const char* item = raw.data() + i * header.item_bytes;
-    table.values.push_back(header.item_bytes == 8 ? load<double>(item, header.order)
-                                                  : static_cast<double>(load<float>(item, header.order)));
+    table.values.push_back(header.item_bytes == 8 ? io::load<double>(item, header.order)
+                                                  : static_cast<double>(io::load<float>(item, header.order)));
     if (!std::isfinite(table.values.back())) {
       return fail(ErrorCode::NonFinite, numbers.where(), fmt::format("number {} is not finite", i),
                   "save finite numbers");
@@ -128,7 +126,7 @@ Result<NumberTable> read_npz_numbers(const std::string& path, const std::string&
 
 Result<bool> npz_has_array(const std::string& path, const std::string& array) {
   std::uint64_t bytes = 0;
-  const auto archive = FOLDPROOF_TRY(open_archive(path, bytes));
+  const auto archive = FOLDPROOF_TRY(io::open_archive(path, bytes));
   return zip_name_locate(archive.get(), fmt::format("{}.npy", array).c_str(), 0) >= 0;
 }
 

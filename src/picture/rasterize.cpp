@@ -10,7 +10,11 @@
 namespace foldproof {
 namespace {
 
-using namespace picture;
+using picture::Box;
+using picture::Camera;
+using picture::PixelRect;
+using picture::Scene;
+using picture::Sphere;
 
 constexpr Index kBandRows = 32;
 constexpr Index kMaxPixels = 16384;
@@ -133,7 +137,7 @@ Result<std::vector<Scene>> make_scenes(std::span<const Panel> panels, const Pict
   Vec3 largest = Vec3::Zero();
   for (const Panel& panel : panels) {
     FOLDPROOF_TRY(require_panel(panel));
-    const auto oriented = FOLDPROOF_TRY(orientation(panel.view));
+    const auto oriented = FOLDPROOF_TRY(picture::orientation(panel.view));
     axes.push_back(oriented);
     boxes.push_back(bounds(panel, oriented));
     largest = largest.cwiseMax(boxes.back().sizes());

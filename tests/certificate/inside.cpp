@@ -22,7 +22,7 @@ ChartLibrary::Fit fit_of(std::span<const std::array<float, 3>>,
                          std::span<const std::array<std::uint16_t, 3>>);
 float weight_of(std::span<const std::array<float, 3>>, const std::array<std::uint16_t, 3>&);
 }  // namespace foldproof::internal
-#include "certificate/chart_holds.cpp"  // NOLINT(bugprone-suspicious-include): what it does not show
+#include "certificate/chart_holds.cpp"  // NOLINT(bugprone-suspicious-include)
 
 namespace foldproof {
 

@@ -15,16 +15,13 @@ add_test(NAME package_install COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINAR
 set_tests_properties(package_install PROPERTIES FIXTURES_SETUP installed)
 
 # As a subdirectory the core is built once more; with FetchContent the build is the same, and is configured only.
-set(FORMS package subdirectory)
-set(TARGET_OF_package all)
-set(TARGET_OF_subdirectory consumer)
 set(CONSUMER_OPTIONS -DVERSION=${DOCUMENTED_VERSION} -DEXAMPLE=${EXAMPLE_SOURCE} -DFOLDPROOF_SOURCE=${PROJECT_SOURCE_DIR}
   -DFOLDPROOF_THREADS=${FOLDPROOF_THREADS} -DCMAKE_UNITY_BUILD=$CACHE{CMAKE_UNITY_BUILD} -DCMAKE_PREFIX_PATH=${WORK}/prefix
   -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE} "-DCMAKE_CXX_FLAGS_RELEASE=${CMAKE_CXX_FLAGS_RELEASE}"
   -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER})
-foreach(FORM ${FORMS})
+foreach(FORM package subdirectory)
   add_test(NAME consumer_${FORM} COMMAND ${CMAKE_CTEST_COMMAND} --build-and-test ${CONSUMER} ${WORK}/${FORM}
-    --build-generator ${CMAKE_GENERATOR} --build-target ${TARGET_OF_${FORM}} --build-options -DFORM=${FORM} ${CONSUMER_OPTIONS}
+    --build-generator ${CMAKE_GENERATOR} --build-options -DFORM=${FORM} ${CONSUMER_OPTIONS}
     --test-command consumer)
   set_tests_properties(consumer_${FORM} PROPERTIES PASS_REGULAR_EXPRESSION "${EXAMPLE_OUTPUT}" TIMEOUT 900)
 endforeach()

@@ -110,6 +110,10 @@ class CheckLayers(unittest.TestCase):
                          "src/mesh/b.cpp: src/base/a.cpp has " + name)
         self.refuses(self.library(a="using Points = std::vector<int>;\n", b="using Points = std::span<int>;\n"), "Points")
 
+    def test_no_source_of_a_library_uses_a_whole_namespace(self):
+        self.refuses(self.library(a="using namespace io;\n"), "src/base/a.cpp: 'using namespace io;'")
+        self.accepts(self.library(a="using namespace std::chrono_literals;\nvoid f() {\n  using namespace io;\n}\n"))
+
     def test_names_that_can_be_told_apart_pass(self):
         self.accepts(self.library(a="int f(int a) {\n  int x = 1;\n}\n", b="int f(int a, int b = 0) {\n  int x = 1;\n}\n"))
         self.accepts(self.library(a="using V = Eigen::V;\nnamespace fs = std::fs;\nusing Eigen::V;\n",

@@ -18,12 +18,7 @@ if(NOT FOLDPROOF_LACKS_SCALAR)
 endif()
 
 file(GLOB_RECURSE SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*.cpp)
-foreach(SOURCE ${SOURCES})
-  file(STRINGS ${SOURCE} ONCE_PER_SET REGEX "hwy/foreach_target.h")
-  if(ONCE_PER_SET)
-    list(APPEND FALLBACK_SOURCES ${SOURCE})
-  endif()
-endforeach()
+foldproof_once_per_set(FALLBACK_SOURCES ${SOURCES})
 add_library(foldproof_fallback OBJECT ${FALLBACK_SOURCES} ${CMAKE_CURRENT_SOURCE_DIR}/arithmetic/ops.cpp
   ${CMAKE_CURRENT_SOURCE_DIR}/certificate/inside.cpp)
 target_include_directories(foldproof_fallback PRIVATE ${PROJECT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
