@@ -12,14 +12,52 @@ namespace {
 using namespace oracle;
 
 constexpr Index kDivisions = 10;
-// Balls are polyhedra: their surfaces lie within this of the unit sphere.
-constexpr double kFlattening = 0.006;
 constexpr int kSteps = 16;
+
+// How a ball, a polyhedron, differs from the unit sphere around it.
+struct Polyhedron {
+  double flattening = 0;  // the largest distance of its surface from the sphere
+  double angle = 0;       // from any direction to the nearest vertex or middle of an edge, at most
+};
+
+Polyhedron measured(const Mesh& ball) {
+  Polyhedron out;
+  double spacing = 0;  // on the triangles, from any point to the nearest vertex or middle
+  for (const Triangle& t : ball.triangles) {
+    Vec3 p[3];
+    for (int k = 0; k < 3; ++k) p[k] = Eigen::Map<const Vec3>(&ball.positions[3 * t[k]]);
+    const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]);
+    out.flattening = std::max(out.flattening, 1 - std::abs(normal.normalized().dot(p[0])));
+    const double circumradius =
+        (p[1] - p[0]).norm() * (p[2] - p[1]).norm() * (p[0] - p[2]).norm() / (2 * normal.norm());
+    spacing = std::max(spacing, circumradius / 2);
+  }
+  out.angle = 2 * std::asin(spacing / (2 * (1 - out.flattening)));
+  return out;
+}
+
+const Polyhedron& polyhedron() {
+  static const Polyhedron measures = measured(unit_sphere(kDivisions));
+  return measures;
+}
+
+// Spheres of these radii are depth deep in each other; of the polyhedra in their place it is this at least.
+double least_depth(double radius_a, double radius_b, double depth) {
+  const double d = radius_a + radius_b - depth, kept = 1 - polyhedron().flattening;
+  double least = 0;
+  for (const auto& [r, other] : {std::pair(radius_a, radius_b), std::pair(radius_b, radius_a)}) {
+    // The vertex or middle of one ball nearest to the center of the other.
+    const double point = r * kept;
+    const double away = std::sqrt(d * d + point * point - 2 * d * point * std::cos(polyhedron().angle));
+    least = std::max(least, other * kept - away);
+  }
+  return least;
+}
 
 struct KnownContact {
   double first_time;
   std::vector<double> frames;
-  double depth;
+  double least_depth, depth;
 };
 
 struct Ball {
@@ -40,7 +78,7 @@ double distance_at(const Ball& a, const Ball& b, double time) {
 
 // The contacts of two balls, from their distance; nothing where flattened balls may differ.
 std::optional<std::vector<KnownContact>> contacts_of(const Ball& a, const Ball& b) {
-  const double touch = a.radius + b.radius, margin = 2 * kFlattening;
+  const double touch = a.radius + b.radius, margin = touch * polyhedron().flattening;
   std::vector<KnownContact> out;
   bool within = false;
   for (int i = 0; i <= kSteps * 64; ++i) {
@@ -49,13 +87,14 @@ std::optional<std::vector<KnownContact>> contacts_of(const Ball& a, const Ball& 
     const bool is_frame = i % 64 == 0;
     if (is_frame && std::abs(d - touch) < margin) return std::nullopt;
     if (!within && d < touch) {
-      out.push_back({time, {}, 0});
+      out.push_back({time, {}, 0, 0});
       within = true;
     }
     if (within && d > touch) within = false;
     if (is_frame && within) {
       out.back().frames.push_back(time);
       out.back().depth = std::max(out.back().depth, touch - d);
+      out.back().least_depth = least_depth(a.radius, b.radius, out.back().depth);
     }
   }
   return out;
@@ -64,7 +103,7 @@ std::optional<std::vector<KnownContact>> contacts_of(const Ball& a, const Ball& 
 // Whether the number of contacts stays the same when distances differ by the balls' flattening.
 bool is_clear(const Ball& a, const Ball& b, const std::vector<KnownContact>& known) {
   const double touch = a.radius + b.radius;
-  for (const double slack : {-2 * kFlattening, 2 * kFlattening}) {
+  for (const double slack : {-touch * polyhedron().flattening, 0.0}) {
     bool within = false;
     std::size_t count = 0;
     for (int i = 0; i <= kSteps * 64; ++i) {
@@ -170,9 +209,8 @@ void expect_known(const std::vector<Contact>& found, std::vector<KnownContact> k
     }
     const auto matches = [&](std::size_t i) {
       return !taken[i] && std::abs(known[i].first_time - contact.first_time) < 0.4 &&
-             known[i].frames == frames &&
-             std::abs(known[i].depth - contact.depth().value_or(0)) <
-                 0.01 * known[i].depth + 2.5 * kFlattening;
+             known[i].frames == frames && known[i].least_depth <= contact.depth().value_or(0) &&
+             contact.depth().value_or(0) <= known[i].depth + 1e-9;
     };
     std::size_t i = 0;
     while (i < known.size() && !matches(i)) ++i;
