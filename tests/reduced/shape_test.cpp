@@ -61,7 +61,8 @@ TEST(ReducedShape, ProvenStepsBeyondTheRadiusAreFree) {
   ReducedShape::Scratch scratch;
   int proven = 0, unproven = 0;
   for (int round = 0; round < 40; ++round) {
-    auto p0 = at_distance(*motion, 1.5 * shape.radius(0), random), p1 = p0;
+    const double beyond = 1.001 + 0.0004 * round * round;  // of the radius; to 1.6
+    auto p0 = at_distance(*motion, beyond * shape.radius(0), random), p1 = p0;
     for (double& c : p1) c *= 0.98;
     const ReducedProof answer = shape.proven_free(p0, p1, scratch);
     EXPECT_EQ(answer, shape.find_unproven(p0, p1, scratch));

@@ -66,7 +66,8 @@ inline ReducedMesh bending_tube(Index around, Index along, double bend, Index mo
   Eigen::MatrixXd samples(mesh.rest.size(), 30);
   for (Eigen::Index k = 0; k < samples.cols(); ++k) {
     const double a = bend * normal(random), b = bend * normal(random);
-    const auto x = pose(a, b, 0.2 * normal(random), 0.1 * normal(random));
+    const double bulge = 0.1 * normal(random), twist = 0.2 * normal(random);
+    const auto x = pose(a, b, twist, bulge);
     samples.col(k) = Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
   }
   mesh.subspace = pca(samples, {.modes = modes}).value();
@@ -93,7 +94,8 @@ inline ReducedMesh waving_cloth(Index side, Index modes = 6) {
   mesh.rest = pose(0, 0, 0);
   Eigen::MatrixXd samples(mesh.rest.size(), 30);
   for (Eigen::Index k = 0; k < samples.cols(); ++k) {
-    const auto x = pose(1.5 * normal(random), 0.1 * normal(random), 0.3 * normal(random));
+    const double cross = 0.3 * normal(random), wave = 0.1 * normal(random), roll = 1.5 * normal(random);
+    const auto x = pose(roll, wave, cross);
     samples.col(k) = Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
   }
   mesh.subspace = pca(samples, {.modes = modes}).value();
