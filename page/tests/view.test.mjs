@@ -16,6 +16,17 @@ async function looks(page, condition, what) {
   assert.fail(what);
 }
 
+/** The picture once nothing moves. */
+async function still(page) {
+  await until(page, (s) => !s.waiting, 'what is asked for');
+  for (let last = await picture(page); ; ) {
+    await page.waitForTimeout(100);
+    const now = await picture(page);
+    if (!differs(now, last)) return now;
+    last = now;
+  }
+}
+
 /** Where the camera is after a flight. */
 async function landed(page) {
   for (let last = ''; ; await page.waitForTimeout(100)) {
@@ -69,12 +80,12 @@ test('loads and plays a motion of 400 frames', () =>
 
 test('scrubs on the timeline, steps with keys and buttons', () =>
   visit(withModel, async (page) => {
-    const before = await picture(page);
+    const before = await still(page);
     const box = await page.locator('.track').boundingBox();
     await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
     const { position, step } = await until(page, (s) => Math.abs(s.position - (kFrames - 1) / 2) < 2 && !s.waiting, 'the middle');
     assert.ok(position > 0);
-    assert.ok(differs(await picture(page), before));
+    await looks(page, (now) => differs(now, before), 'the middle');
     await page.keyboard.press('ArrowRight');
     assert.equal((await state(page)).step, step + 1);
     await page.click('[title="One step back (←)"]');
@@ -90,14 +101,12 @@ test('picks a pair and flies there', () =>
     const row = page.locator('.pair:visible').first();
     await row.waitFor();
     const before = await state(page);
-    const seen = await picture(page);
+    const seen = await still(page);
     await row.click();
-    await page.waitForTimeout(60);
-    const now = await state(page);
-    assert.notDeepEqual(now.camera, before.camera);
+    const now = await until(page, (s) => s.camera.join() !== before.camera.join(), 'the flight to a pair');
     const toi = Number((await row.locator('.toi').innerText()).match(/\d\.\d+/)[0]);
     assert.ok(Math.abs(now.t - toi) < 1e-3, `the time is ${now.t} and the pair's ${toi}`);
-    assert.ok(differs(await picture(page), seen));
+    await looks(page, (picture) => differs(picture, seen), 'the pair');
     await page.keyboard.press('r');
   }));
 
@@ -109,22 +118,20 @@ test('switches every layer', () =>
     await page.locator('.pair:visible').first().click();
     await page.keyboard.press('-');
     await page.keyboard.press('-');
-    await page.waitForTimeout(400);
     await page.click('#tab-layers');
     for (const layer of ['collisions', 'contacts', 'keyPoints', 'boxes', 'edges', 'seeThrough']) {
-      const before = await picture(page);
+      const before = await still(page);
       const box = page.locator(`[data-layer=${layer}]`);
       await box.click();
       await looks(page, (now) => differs(now, before), `${layer} shows`);
       await box.click();
       await looks(page, (now) => !differs(now, before), `${layer} goes back to what was`);
     }
-    const seen = [await picture(page)];
+    const seen = [await still(page)];
     for (const paint of ['level', 'margin', 'error']) {
       await page.click(`input[value=${paint}]`);
-      await until(page, (s) => !s.waiting, paint);
-      await page.waitForTimeout(100);
-      seen.push(await picture(page));
+      await looks(page, (now) => differs(now, seen.at(-1)), `the color ${paint}`);
+      seen.push(await still(page));
       assert.ok((await page.locator('.legend .scale').count()) >= 1, `${paint} has a legend`);
     }
     assert.equal(new Set(seen.map((png) => png.toString('base64'))).size, seen.length, 'every color looks different');
@@ -137,25 +144,23 @@ test('moves sliders and distinguishes inside from outside', () =>
     const { radius } = (await state(page)).radius;
     assert.ok(radius > 0, 'this shape has a radius');
     await page.locator('.badge[data-kind=inside]').waitFor();
-    const before = await picture(page);
+    const before = await still(page);
     const slider = page.locator('.slider input').first();
     await slider.fill(String(Math.min(3, radius * 0.5).toFixed(2)));
     assert.equal(await page.locator('.badge').getAttribute('data-kind'), 'inside');
-    assert.ok(differs(await picture(page), before));
+    await looks(page, (now) => differs(now, before), 'another shape');
     const wide = page.locator('.shapes >> text=Up to 3 σ');
     if (await wide.isVisible()) await wide.click();
     for (const one of await page.locator('.slider:visible input').all()) await one.fill('3');
-    const { norm } = await state(page);
-    await page.waitForTimeout(60);
-    assert.equal(await page.locator('.badge').getAttribute('data-kind'), norm > radius ? 'outside' : 'inside');
-    assert.ok(norm > radius, 'the sliders go beyond the radius');
+    assert.ok((await state(page)).norm > radius, 'the sliders go beyond the radius');
+    await page.locator('.badge[data-kind=outside]').waitFor();
     assert.match(await page.locator('.badge').innerText(), /Outside the certified radius/);
   }));
 
 test('ties charts to the timeline', () =>
   visit(withModel, async (page) => {
     await page.click('#tab-charts');
-    await page.waitForTimeout(100);
+    await page.locator('.chart .u-over').nth(3).waitFor();
     assert.equal(await page.locator('.chart').count(), 4);
     const box = await page.locator('.chart[data-chart=time] .u-over').boundingBox();
     await page.mouse.click(box.x + box.width / 4, box.y + box.height / 2);
@@ -247,7 +252,7 @@ test('reports crossings of two overlapping spheres, though no step collides', ()
     for (const step of [0, 3]) {
       assert.equal((await state(page)).step, step);
       assert.equal(await page.locator('.collisions .head').innerText().then((head) => head.split('\n')[0]), 'No new contact in this step');
-      const hatched = await picture(page);
+      const hatched = await still(page);
       await page.keyboard.press('o');
       await looks(page, (now) => differs(now, hatched), `crossings are seen in step ${step}`);
       await page.keyboard.press('o');
@@ -270,15 +275,15 @@ test('opens on the worst contact and goes to others', () =>
     const card = page.locator('.contact').first();
     assert.match(await card.innerText(), /#1\s+0\.\d+ deep[^]*within|frames? 0[^]*from the start/);
     assert.equal(await card.getAttribute('aria-selected'), 'true');
-    const near = await picture(page);
+    const near = await still(page);
     await page.keyboard.press('r');
     const away = await until(page, (s) => s.contact === null && s.camera.join() !== camera.join(), 'leaving it');
-    assert.ok(differs(await picture(page), near));
+    await looks(page, (now) => differs(now, near), 'all of it');
     await page.keyboard.press('End');
     await page.click('.leads >> text=Worst');
     const back = await until(page, (s) => s.contact === 1 && s.position === position && s.curve, 'the worst again');
     assert.notDeepEqual(back.camera, away.camera);
-    assert.match(await page.evaluate(() => new Promise((done) => setTimeout(() => done(location.hash), 500))), /contact=1&.*camera=/);
+    await page.waitForFunction(() => /contact=1&.*camera=/.test(location.hash));
     await page.mouse.move(...(await page.locator('.track').boundingBox().then((box) => [box.x + box.width / 2, box.y + 30])));
     await page.locator('.hovercard:visible canvas:visible').waitFor();
     assert.match(await page.locator('.hovercard').innerText(), /frame 2\s+#1 0\.\d+ deep/);
@@ -318,9 +323,10 @@ test('looks the same far from the origin', async () => {
   const pictures = [];
   for (const far of [0, 1_000_000]) {
     await withPage(makeSpheres(`far-${far}`, { frames: 1, distance: 2.5, far }).slice(0, 1), async (page) => {
+      const smooth = await still(page);
       await page.keyboard.press('e');
-      await page.waitForTimeout(100);
-      pictures.push(await picture(page));
+      await looks(page, (now) => differs(now, smooth), 'edges');
+      pictures.push(await still(page));
     });
   }
   assert.ok(!differs(...pictures), 'a sphere at a million');
@@ -338,10 +344,11 @@ test('zooms its timeline, loops a range, goes to a typed frame', () =>
     const { position } = await until(page, (s) => s.position > 0, 'playing');
     assert.ok(position >= 99 && position <= 201, `plays in the range, not at ${position}`);
     await page.keyboard.press(' ');
+    const stopped = (await until(page, (s) => !s.playing, 'the stop')).position;
     await page.mouse.move(x + width / 2, y + 30);
     for (let k = 0; k < 4; ++k) await page.mouse.wheel(0, -400);
     await page.mouse.click(x + width - 2, y + 30);
-    const end = (await until(page, (s) => s.position !== position, 'the right end')).position;
+    const end = (await until(page, (s) => s.position !== stopped, 'the right end')).position;
     assert.ok(end < 300, `the track shows a part, its end is at ${end}`);
     await page.keyboard.press('g');
     await page.keyboard.type('7');
@@ -365,8 +372,7 @@ test('cuts, turns upright, looks from six sides', () =>
   visit(without, async (page) => {
     await page.keyboard.press('r');
     await page.keyboard.press('Home');
-    await page.waitForTimeout(100);
-    const whole = await picture(page);
+    const whole = await still(page);
     await page.click('#tab-layers');
     await page.selectOption('[data-option=cut]', 'x');
     await looks(page, (now) => differs(now, whole), 'a cut');
@@ -453,7 +459,7 @@ test('shows the poses of a static check', () =>
     await page.keyboard.press('p');
     const row = page.locator('.pair:visible .kind.tt').first();
     await row.waitFor();
-    const red = await picture(page);
+    const red = await still(page);
     await page.keyboard.press('c');
     await looks(page, (now) => differs(now, red), 'triangles that cross are marked');
     await page.keyboard.press('c');
