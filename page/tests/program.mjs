@@ -145,8 +145,6 @@ export async function openPage(browser, url, size = laptop) {
   return { page, errors, close: () => context.close() };
 }
 
-export const state = (page) => page.evaluate(() => window.foldproof.state());
-
 /** Waits until the page's state meets a condition. */
 export async function until(page, condition, what, milliseconds = 10_000) {
   const end = Date.now() + milliseconds;
@@ -158,9 +156,24 @@ export async function until(page, condition, what, milliseconds = 10_000) {
   }
 }
 
+/** Waits for what has changed to be drawn: the page draws once per animation frame. */
+const drawn = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+/** The page's state once it shows what it was asked for. */
+export async function state(page) {
+  await drawn(page);
+  return until(page, (s) => !s.waiting, 'what is asked for');
+}
+
+/** What an element says once the page shows what it was asked for. */
+export async function textOf(page, selector) {
+  await state(page);
+  return page.locator(selector).innerText();
+}
+
 /** The center of the picture, without overlays. */
 export async function picture(page) {
-  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  await drawn(page);
   const box = await page.locator('.stage canvas').boundingBox();
   const { x, y, width, height } = box;
   return page.screenshot({ clip: { x: x + width / 4, y: y + height / 4, width: width / 2, height: height / 2 } });

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 import { join } from 'node:path';
-import { folder, launch, makeSpheres, makeTube, openPage, phone, picture, removeFolder, run, state, until, view } from './program.mjs';
+import { folder, launch, makeSpheres, makeTube, openPage, phone, picture, removeFolder, run, state, textOf, until, view } from './program.mjs';
 
 const kFrames = 400;
 let browser, withModel, without;
@@ -18,7 +18,7 @@ async function looks(page, condition, what) {
 
 /** The picture once nothing moves. */
 async function still(page) {
-  await until(page, (s) => !s.waiting, 'what is asked for');
+  await state(page);
   for (let last = await picture(page); ; ) {
     await page.waitForTimeout(100);
     const now = await picture(page);
@@ -67,13 +67,12 @@ async function visit(server, body, size) {
 test('loads and plays a motion of 400 frames', () =>
   visit(withModel, async (page) => {
     assert.equal((await state(page)).steps, kFrames - 1);
-    assert.match(await page.locator('.status .text').innerText(), /colliding pairs in \d+ of 399 steps/);
+    assert.match(await textOf(page, '.status .text'), /colliding pairs in \d+ of 399 steps/);
     await page.keyboard.press(' ');
     const { position } = await until(page, (s) => s.playing && s.position > 2, 'playing');
     await until(page, (s) => s.position > position + 2, 'the frame to go on');
     await page.click('.play');
     assert.equal((await state(page)).playing, false);
-    await page.waitForTimeout(50);
     const { bytes, budget } = await state(page);
     assert.ok(bytes > 0 && bytes <= budget, `${bytes} bytes of ${budget}`);
   }));
@@ -154,7 +153,7 @@ test('moves sliders and distinguishes inside from outside', () =>
     for (const one of await page.locator('.slider:visible input').all()) await one.fill('3');
     assert.ok((await state(page)).norm > radius, 'the sliders go beyond the radius');
     await page.locator('.badge[data-kind=outside]').waitFor();
-    assert.match(await page.locator('.badge').innerText(), /Outside the certified radius/);
+    assert.match(await textOf(page, '.badge'), /Outside the certified radius/);
   }));
 
 test('ties charts to the timeline', () =>
@@ -170,7 +169,7 @@ test('ties charts to the timeline', () =>
 
 test('shows names as text', () =>
   visit(withModel, async (page) => {
-    assert.match(await page.locator('header .title').innerText(), /<img src=x onerror=alert\(1\)>/);
+    assert.match(await textOf(page, 'header .title'), /<img src=x onerror=alert\(1\)>/);
     assert.equal(await page.locator('img').count(), 0);
   }));
 
@@ -178,9 +177,9 @@ test('goes without a model, says why, and takes substeps', () =>
   visit(without, async (page) => {
     await page.click('#tab-layers');
     for (const name of ['[data-layer=keyPoints]', 'input[value=error]', 'input[value=prediction]']) assert.ok(await page.locator(name).isDisabled(), name);
-    assert.match(await page.locator('.layers').innerText(), /Needs a model/);
+    assert.match(await textOf(page, '.layers'), /Needs a model/);
     await page.click('#tab-shapes');
-    assert.match(await page.locator('#panel-shapes').innerText(), /--model/);
+    assert.match(await textOf(page, '#panel-shapes'), /--model/);
     assert.equal((await state(page)).steps, 11 * 4);
     await page.keyboard.press('Home');
     await page.keyboard.press('ArrowRight');
@@ -221,7 +220,7 @@ async function withPage(args, body, { end = 'done', prepare = async () => {} } =
   }
 }
 
-const verdict = async (page) => ({ text: await page.locator('.status .text').innerText(), kind: await page.locator('.status').getAttribute('data-kind') });
+const verdict = async (page) => ({ text: await textOf(page, '.status .text'), kind: await page.locator('.status').getAttribute('data-kind') });
 
 /** How many pixels of the timeline are of the color that a free step has. */
 const green = (page) =>
@@ -242,16 +241,16 @@ test('reports crossings of two overlapping spheres, though no step collides', ()
     const { start } = await until(page, (s) => s.crossingFaces[0] > 0, 'the triangles that cross');
     assert.equal(await green(page), 0, 'no step is shown as free');
     await page.keyboard.press('l');
-    assert.match(await page.locator('.legend').innerText(), /Triangles that cross in frame 0[^]*starts crossing/);
+    assert.match(await textOf(page, '.legend'), /Triangles that cross in frame 0[^]*starts crossing/);
     await page.keyboard.press('l'); // The legend lies over the picture.
     await page.keyboard.press('r'); // The page begins at the contact.
     await page.keyboard.press('Home');
     await page.click('#tab-collisions');
     await page.locator('.pair:visible .kind.tt').first().waitFor();
-    assert.match(await page.locator('.collisions').innerText(), new RegExp(`Frame 0 starts with ${start.crossings} crossing pairs`));
+    assert.match(await textOf(page, '.collisions'), new RegExp(`Frame 0 starts with ${start.crossings} crossing pairs`));
     for (const step of [0, 3]) {
       assert.equal((await state(page)).step, step);
-      assert.equal(await page.locator('.collisions .head').innerText().then((head) => head.split('\n')[0]), 'No new contact in this step');
+      assert.equal(await textOf(page, '.collisions .head').then((head) => head.split('\n')[0]), 'No new contact in this step');
       const hatched = await still(page);
       await page.keyboard.press('o');
       await looks(page, (now) => differs(now, hatched), `crossings are seen in step ${step}`);
@@ -264,14 +263,14 @@ test('reports crossings of two overlapping spheres, though no step collides', ()
     await page.locator('.pair:visible').first().click();
     await until(page, (s) => s.camera.join() !== camera.join(), 'the flight to a pair');
     await page.keyboard.press('l');
-    assert.match(await page.locator('.legend').innerText(), /first edge or triangle/);
+    assert.match(await textOf(page, '.legend'), /first edge or triangle/);
   }));
 
 test('opens on the worst contact and goes to others', () =>
   withPage(makeSpheres('touching', { frames: 5, distance: 1.9 }), async (page) => {
     const { contact, camera, position } = await until(page, (s) => s.contact !== null && s.curve && !s.waiting, 'the worst contact with its curve');
     assert.equal(contact, 1);
-    assert.match(await page.locator('.status .count').innerText(), /^1 contact$/);
+    assert.match(await textOf(page, '.status .count'), /^1 contact$/);
     const card = page.locator('.contact').first();
     assert.match(await card.innerText(), /#1\s+0\.\d+ deep[^]*within|frames? 0[^]*from the start/);
     assert.equal(await card.getAttribute('aria-selected'), 'true');
@@ -286,7 +285,7 @@ test('opens on the worst contact and goes to others', () =>
     await page.waitForFunction(() => /contact=1&.*camera=/.test(location.hash));
     await page.mouse.move(...(await page.locator('.track').boundingBox().then((box) => [box.x + box.width / 2, box.y + 30])));
     await page.locator('.hovercard:visible canvas:visible').waitFor();
-    assert.match(await page.locator('.hovercard').innerText(), /frame 2\s+#1 0\.\d+ deep/);
+    assert.match(await textOf(page, '.hovercard'), /frame 2\s+#1 0\.\d+ deep/);
   }));
 
 test('lists contacts of one object, and those between two', async () => {
@@ -296,6 +295,7 @@ test('lists contacts of one object, and those between two', async () => {
     await until(page, (s) => s.contacts > 2, 'contacts');
     const count = async (choice) => {
       await page.selectOption('[aria-label="Between which"]', choice);
+      await state(page);
       return page.locator('.contact').count();
     };
     const names = await page.locator('[label=of] option').allInnerTexts();
@@ -392,11 +392,11 @@ test('reports a free motion', () =>
   withPage(makeSpheres('apart', { frames: 6, distance: 2.5 }), async (page) => {
     assert.deepEqual(await verdict(page), { text: 'Proven free of collisions: frame 0 and all 5 steps', kind: 'free' });
     assert.ok((await green(page)) > 1000);
-    assert.match(await page.locator('.contacts').innerText(), /No contacts\s+Nothing touches or crosses at any time/);
+    assert.match(await textOf(page, '.contacts'), /No contacts\s+Nothing touches or crosses at any time/);
     await page.click('#tab-collisions');
-    assert.match(await page.locator('.collisions').innerText(), /Nothing crosses in frame 0\.\s+Nothing collides up to here/);
+    assert.match(await textOf(page, '.collisions'), /Nothing crosses in frame 0\.\s+Nothing collides up to here/);
     await page.keyboard.press('l');
-    assert.doesNotMatch(await page.locator('.legend').innerText(), /cross/);
+    assert.doesNotMatch(await textOf(page, '.legend'), /cross/);
   }));
 
 test('claims nothing about untested crossings', () =>
@@ -406,7 +406,7 @@ test('claims nothing about untested crossings', () =>
     assert.equal(kind, 'run');
     assert.equal(await green(page), 0);
     await page.click('#tab-collisions');
-    assert.match(await page.locator('.collisions').innerText(), /Crossings from the start were not tested/);
+    assert.match(await textOf(page, '.collisions'), /Crossings from the start were not tested/);
     await page.click('#tab-layers');
     assert.ok(await page.locator('[data-layer=crossings]').isDisabled());
   }));
@@ -420,7 +420,7 @@ test('shows a single frame as a motion of one frame', () =>
     await page.locator('.pair:visible .kind.tt').first().waitFor();
     await page.keyboard.press('ArrowRight');
     assert.equal((await state(page)).t, 0, 'no time passes');
-    assert.equal(await page.locator('.where').innerText(), 'frame 0');
+    assert.equal(await textOf(page, '.where'), 'frame 0');
   }));
 
 /** Everything that a page says, in all its tabs. */
@@ -429,7 +429,7 @@ async function wordsOf(page) {
   for (const key of ['l', '?', 'Escape']) await page.keyboard.press(key);
   for (const tab of ['contacts', 'collisions', 'layers', 'charts']) {
     await page.click(`#tab-${tab}`);
-    await page.waitForTimeout(50);
+    await state(page);
     texts.push(await page.evaluate(() => [document.querySelector('.app').innerText, document.querySelector('dialog').textContent, ...[...document.querySelectorAll('[title]')].map(({ title }) => title)].join('\n')));
   }
   return texts.join('\n');
@@ -442,7 +442,7 @@ test('shows the poses of a static check', () =>
     assert.equal(kind, 'hit');
     const worst = await until(page, (s) => s.contact !== null && s.curve && !s.waiting, 'the worst contact with its curve');
     assert.deepEqual([worst.position, worst.contacts, worst.steps], [3, 2, 5]);
-    assert.match(await page.locator('.contacts').innerText(), /what happens between frames is not tested[^]*frame 3[^]*frame 1/);
+    assert.match(await textOf(page, '.contacts'), /what happens between frames is not tested[^]*frame 3[^]*frame 1/);
     assert.ok((await green(page)) > 1000);
     await page.keyboard.press('Home');
     await until(page, (s) => s.contact === null && !s.waiting, 'a pose without the contact');
@@ -450,12 +450,12 @@ test('shows the poses of a static check', () =>
     const visited = [];
     for (const key of ['n', 'n', 'n', 'p', 'ArrowRight', '.', 'End']) {
       await page.keyboard.press(key);
-      visited.push((await until(page, (s) => !s.waiting, 'the pose')).position);
+      visited.push((await state(page)).position);
     }
     assert.deepEqual(visited, [1, 3, 3, 1, 2, 2, 4]);
-    assert.equal(await page.locator('.where').innerText(), 'frame 4');
+    assert.equal(await textOf(page, '.where'), 'frame 4');
     await page.click('#tab-collisions');
-    assert.match(await page.locator('.collisions .head').innerText(), /^Nothing crosses\s+frame 4$/);
+    assert.match(await textOf(page, '.collisions .head'), /^Nothing crosses\s+frame 4$/);
     await page.keyboard.press('p');
     const row = page.locator('.pair:visible .kind.tt').first();
     await row.waitFor();
@@ -475,7 +475,7 @@ test('shows the poses of a static check', () =>
 test('plays poses one after the other, with nothing between them', () =>
   withPage([...makeSpheres('played', { distances: [2.5, 2.6, 2.7, 2.8] }), '--static'], async (page) => {
     assert.deepEqual(await verdict(page), { text: 'Proven free: nothing crosses in any of 4 frames', kind: 'free' });
-    assert.match(await page.locator('.contacts').innerText(), /No contacts\s+Nothing crosses in any frame/);
+    assert.match(await textOf(page, '.contacts'), /No contacts\s+Nothing crosses in any frame/);
     assert.equal(await page.locator('[aria-label="Time within the step"]').count(), 0);
     const box = await page.locator('.track').boundingBox();
     await page.mouse.click(box.x + 0.6 * box.width, box.y + 30);
@@ -511,9 +511,8 @@ for (const [what, prepare, end, options, reached] of [
         assert.equal(await page.locator('.status progress').isVisible(), false);
         await page.click('#tab-collisions');
         await page.keyboard.press('End');
-        await page.waitForTimeout(50);
-        assert.match(await page.locator('.collisions .head').innerText(), /^Not checked/);
-        assert.match(await page.locator('.collisions').innerText(), new RegExp(`Stopped at ${reached}`));
+        assert.match(await textOf(page, '.collisions .head'), /^Not checked/);
+        assert.match(await textOf(page, '.collisions'), new RegExp(`Stopped at ${reached}`));
       },
       { end, prepare },
     ));
@@ -522,12 +521,12 @@ for (const [what, prepare, end, options, reached] of [
 test('says it when the program is gone', async () => {
   const server = await view(...makeTube('short', { frames: 6 }));
   const { page, errors, close } = await openPage(browser, server.url);
-  await until(page, (s) => s.state === 'done', 'the check');
+  await until(page, (s) => s.state === 'done' && s.framesAhead >= 6, 'the check, and every frame');
   await server.end();
   await page.keyboard.press('Home');
   await page.keyboard.press('b');
   await page.locator('.banner:visible').waitFor({ timeout: 5000 });
-  assert.match(await page.locator('.banner').innerText(), /no longer answers.*Start foldproof view again/);
+  assert.match(await textOf(page, '.banner'), /no longer answers.*Start foldproof view again/);
   await page.keyboard.press('ArrowRight');
   assert.equal((await state(page)).step, 1, 'what is loaded can still be looked at');
   assert.deepEqual(errors.filter((text) => !/Failed to load resource/.test(text)), []);

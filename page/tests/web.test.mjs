@@ -6,7 +6,7 @@ import { extname, join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { gzipSync } from 'node:zlib';
 import { engineOf } from './engine.mjs';
-import { folder, laptop, launch, makeSpheres, makeTube, phone, removeFolder, run, until, view } from './program.mjs';
+import { folder, laptop, launch, makeSpheres, makeTube, phone, removeFolder, run, textOf, until, view } from './program.mjs';
 
 const site = '../out/web';
 const types = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml', '.webmanifest': 'application/manifest+json' };
@@ -122,7 +122,7 @@ test('checks files that are chosen, and asks the network for nothing', () =>
     await page.locator('input[type=file]').first().setInputFiles(files);
     await checked(page);
     const { collisions } = JSON.parse(run('check', ...files, '--json', '-', '--quiet')).totals;
-    const verdict = await page.locator('.status .text').innerText();
+    const verdict = await textOf(page, '.status .text');
     assert.equal(Number(/^[\d,.\s]+/.exec(verdict)[0].replaceAll(/\D/g, '')), collisions.vf + collisions.ee);
     assert.deepEqual(requests.slice(before), []);
   }));
