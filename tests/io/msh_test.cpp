@@ -5,7 +5,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 const std::string kNames = "$PhysicalNames\n2\n2 7 \"left wing\"\n2 8 \"right\"\n$EndPhysicalNames\n";
 

@@ -14,8 +14,7 @@ TEST_F(OffTest, ReadsEveryWayToWriteTheSameMesh) {
            "\xef\xbb\xbfOFF\n3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
            "OFF 3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2",
            "OFF\r\n3 1\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n",
-           "# made by hand\nOFF # yes\n\n# counts\n3 1 0\n\n0 0 0 # first\n1 0 0\n0 1 0\n# faces\n3 0 1 2 "
-           "255 0 0\n\n",
+           "# text\nOFF # yes\n\n# counts\n3 1 0\n\n0 0 0 # one\n1 0 0\n0 1 0\n# faces\n3 0 1 2 255 0 0\n\n",
            "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n0 1 0 0 0 0 1\n3 0 1 2\n",
            "NOFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n",
            "STCNOFF\n3 1 0\n0 0 0 0 0 1 1 1 1 1 0 0\n1 0 0\n0 1 0\n3 0 1 2 0.5 0.5 0.5\n",
