@@ -72,8 +72,8 @@ test('loads and plays a motion of 400 frames', () =>
     const { position } = await until(page, (s) => s.playing && s.position > 2, 'playing');
     await until(page, (s) => s.position > position + 2, 'the frame to go on');
     await page.click('.play');
-    assert.equal((await state(page)).playing, false);
-    const { bytes, budget } = await state(page);
+    const { playing, bytes, budget } = await state(page);
+    assert.equal(playing, false);
     assert.ok(bytes > 0 && bytes <= budget, `${bytes} bytes of ${budget}`);
   }));
 
