@@ -85,6 +85,29 @@ TEST(ConservativeAdvancement, LanesAnswerLikeSinglePairs) {
   }
 }
 
+// A search for the earliest contact lowers the latest time to that of a contact; others at the same time are
+// found all the same.
+TEST(ConservativeAdvancement, AContactAtTheLatestTimeIsFound) {
+  for (const Kind kind : {Kind::VertexFace, Kind::EdgeEdge}) {
+    const std::vector<Case> cases = some_cases(kind, 100);
+    int later_than_the_start = 0;
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      CcdSettings settings;
+      const CcdResult found = alone(kind, cases[i], settings);
+      if (found.answer != Answer::Hit) continue;
+      settings.latest = found.toi;
+      const CcdResult again = alone(kind, cases[i], settings);
+      ASSERT_EQ(again.answer, Answer::Hit) << i;
+      ASSERT_EQ(again.toi, found.toi) << i;
+      if (found.toi == 0) continue;
+      ++later_than_the_start;
+      settings.latest = std::nextafter(found.toi, 0.0);
+      ASSERT_EQ(alone(kind, cases[i], settings).answer, Answer::Separated) << i;
+    }
+    EXPECT_GT(later_than_the_start, cases.size() / 8);
+  }
+}
+
 TEST(ConservativeAdvancement, AllInstructionSetsAgree) {
   const auto answers = [] {
     std::vector<std::pair<Answer, double>> all;
