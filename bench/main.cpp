@@ -97,7 +97,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--growth", options.growth, "The same shapes from 10,000 to 2,000,000 triangles");
   app.add_option("--growth-largest", plan.growth_largest,
                  "Triangles at most, for less memory and time than the largest take (default: no limit)");
-  app.add_flag("--thread-scaling", options.threads, "One thread and two, from 200,000 triangles");
+  app.add_flag("--thread-scaling", options.threads, "1, 2, 4, ... threads, from 200,000 triangles");
   app.add_flag("--training", options.training, "Training on the sets of poses of the data");
   app.add_flag("--everything", options.everything,
                "The main tables, --growth, --thread-scaling and --training");

@@ -1,6 +1,7 @@
 #include "scaling.h"
 
 #include <algorithm>
+#include <deque>
 #include <thread>
 
 #include <nlohmann/json.hpp>
@@ -57,44 +58,45 @@ class Team {
     const double processor = now_milliseconds(true);
     const double start = now_milliseconds(false);
     const Result<void> done = checker_.check(loader.x0(), loader.x1(), {}, result_);
-    const double end = now_milliseconds(false);
-    wall_ += end - start;
+    if (!measured) return done;
+    ++steps_;
+    wall_ += now_milliseconds(false) - start;
     processor_ += now_milliseconds(true) - processor;
-    steps_ += measured ? 1 : 0;
-    measured_ += measured ? end - start : 0;
     return done;
   }
-  int steps() const { return steps_; }
-  double mean_milliseconds() const { return measured_ / steps_; }
-  double processors() const { return processor_ / wall_; }
+  json figures() const {
+    return {{"threads", threads_}, {"milliseconds", wall_ / steps_}, {"processors", processor_ / wall_}};
+  }
 
  private:
   int threads_;
   StepChecker checker_;
   StepResult result_;
   int steps_ = 0;
-  double wall_ = 0, processor_ = 0, measured_ = 0;
+  double wall_ = 0, processor_ = 0;
 };
 
-Result<json> measure_threads(const SceneInfo& scene, const Plan& plan) {
-  auto motion = FOLDPROOF_TRY(open_scene(scene));
-  auto hierarchy = FOLDPROOF_TRY(build_hierarchy(*motion, plan.hierarchy));
-  Team teams[] = {{hierarchy, 1}, {hierarchy, 2}};
-  StepLoader loader(*motion);
-  const auto steps = choose_steps(motion->frame_count(), StepSize::Tenth, plan.sampling);
+Result<json> measure_threads(Motion& motion, StepSize size, const Plan& plan) {
+  auto hierarchy = FOLDPROOF_TRY(build_hierarchy(motion, plan.hierarchy));
+  const int processors = static_cast<int>(std::thread::hardware_concurrency());
+  std::deque<Team> teams;
+  for (int threads = 1; threads <= processors; threads *= 2) teams.emplace_back(hierarchy, threads);
+  StepLoader loader(motion);
+  const auto steps = choose_steps(motion.frame_count(), size, plan.sampling);
   for (std::size_t k = 0; k < steps.size(); ++k) {
     FOLDPROOF_TRY(loader.load(steps[k]));
-    // Whoever goes second finds the positions in the cache: turn about.
-    for (const std::size_t t : {k % 2, 1 - k % 2}) {
-      FOLDPROOF_TRY(teams[t].take(loader, steps[k].measured));
-    }
+    // Who goes later finds the positions in the cache: turn about.
+    for (std::size_t t = 0; t < teams.size(); ++t)
+      FOLDPROOF_TRY(teams[(k + t) % teams.size()].take(loader, steps[k].measured));
   }
-  return json{{"name", scene.name},
-              {"triangles", motion->topology().triangles().size()},
-              {"steps", teams[0].steps()},
-              {"one_milliseconds", teams[0].mean_milliseconds()},
-              {"two_milliseconds", teams[1].mean_milliseconds()},
-              {"processors", teams[1].processors()}};
+  json figures = json::array();
+  for (const Team& team : teams) figures.push_back(team.figures());
+  const auto measured =
+      std::count_if(steps.begin(), steps.end(), [](const StepChoice& s) { return s.measured; });
+  return json{{"step", size_name(size)},
+              {"triangles", motion.topology().triangles().size()},
+              {"steps", measured},
+              {"teams", figures}};
 }
 
 }  // namespace
@@ -118,8 +120,12 @@ Result<json> measure_threads(const Plan& plan) {
     const Index n = scene.triangles;
     const bool wanted = n > 199'000 && (n < 300'000 || n > 1'500'000) && n <= plan.growth_largest;
     if (!wanted || !is_available(scene)) continue;
-    auto row = FOLDPROOF_TRY(measure_threads(scene, plan));
-    rows.push_back(std::move(row));
+    auto motion = FOLDPROOF_TRY(open_scene(scene));
+    for (const StepSize size : {StepSize::Full, StepSize::Tenth}) {
+      auto row = FOLDPROOF_TRY(measure_threads(*motion, size, plan));
+      row["name"] = scene.name;
+      rows.push_back(std::move(row));
+    }
   }
   return rows;
 }

@@ -10,10 +10,10 @@ namespace foldproof::bench {
 /// Tenth steps of the growth scenes: foldproof with certificates alone, and the floor. Error: as measure.
 Result<nlohmann::json> measure_growth(Plan plan);
 
-/// One mesh with one thread and with two, the same steps one after the other: mean milliseconds of wall time,
-/// and how many processors the two threads had on average, less than 2 also on a busy machine. Rows: the
-/// growth scenes with about 200,000 triangles and with about 2,000,000. The process must not be pinned to one
-/// processor.
+/// Full and tenth steps with 1, 2, 4, ... threads, as many as the machine has processors, all on the same
+/// steps one after the other. Of each number of threads (`teams`): mean milliseconds of wall time, and how
+/// many processors they had on average, fewer than threads also on a busy machine. Rows: the growth scenes
+/// with about 200,000 triangles and with about 2,000,000. The process must not be pinned to one processor.
 Result<nlohmann::json> measure_threads(const Plan& plan);
 
 /// Training with all that it does by default, on the sets of poses of the data that are there. `proven`: of

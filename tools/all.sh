@@ -50,7 +50,7 @@ inputs_of() {
     frames) echo "$query $models $(tests_of check keypoints learned oracle)" ;;
     mutants) echo "$query tools/mutants $(tests_of mutants adversary search oracle ccd check certificate solver)" ;;
     bench) echo 'CMakeLists.txt CMakePresets.json src include bench examples/solver tools/bench_tables' ;;
-    arm64 | s390x | compilers) echo 'dev CMakeLists.txt CMakePresets.json cmake src include apps examples tests :!tests/mutants tools/cross_root tools/demo_poses.cpp' ;;
+    arm64 | s390x | compilers) echo 'dev CMakeLists.txt CMakePresets.json cmake src include apps examples tests :!tests/mutants :!tests/tools tools/cross_root tools/demo_poses.cpp' ;;
     *) echo '. :!docs :!CHANGELOG.md :!CONTRIBUTING.md' ;;
   esac
 }
