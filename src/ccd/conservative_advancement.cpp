@@ -369,23 +369,54 @@ HWY_EXPORT(NearestPoints4);
 
 namespace {
 
-// Scales a pair by a power of two, which is returned, so that products neither overflow nor underflow.
-double scale_points(PairBatch& pairs, int lane, double thickness) {
-  double size = thickness;
-  for (const auto& end : pairs.x) {
-    for (const auto& point : end) {
-      for (const auto& axis : point) size = std::max(size, std::abs(axis[lane]));
-    }
+void copy_lane(const MinkowskiBatch& from, int from_lane, bool edge_edge, MinkowskiBatch& to, int lane) {
+  for (int row = 0; row < (edge_edge ? 12 : 9); ++row) {
+    for (int end = 0; end < 2; ++end)
+      to.d[end][row / 3][row % 3][lane] = from.d[end][row / 3][row % 3][from_lane];
   }
-  if (size == 0) return 1;
+  to.extent[lane] = from.extent[from_lane];
+  to.volume_error[lane] = from.volume_error[from_lane];
+}
+
+void make_patches(const PairBatch& pairs, bool edge_edge, MinkowskiBatch& patches) {
+  (edge_edge ? HWY_DYNAMIC_DISPATCH(MakePatches4) : HWY_DYNAMIC_DISPATCH(MakePatches3))(pairs, patches);
+}
+
+// Scales a pair's differences by a power of two, which is returned, so that products neither overflow nor
+// underflow. Points are not scaled: beside a large common coordinate digits of the others would be lost.
+double scale_differences(const PairBatch& pairs, bool edge_edge, int lane, double thickness,
+                         MinkowskiBatch& patches) {
+  double scale = 1;
+  if (!std::isfinite(patches.extent[lane])) {
+    // The differences overflow; those of a quarter of the points do not.
+    scale = 0.25;
+    PairBatch quarter = pairs;
+    for (auto& end : quarter.x) {
+      for (auto& point : end) {
+        for (auto& axis : point) axis[lane] *= scale;
+      }
+    }
+    MinkowskiBatch smaller;
+    make_patches(quarter, edge_edge, smaller);
+    copy_lane(smaller, lane, edge_edge, patches, lane);
+  }
+  const double extent = std::max(patches.extent[lane], thickness * scale);
+  if (extent == 0) return 1;
   // Clamped so that the scale itself is a finite normal number.
-  const double scale = std::ldexp(1.0, -std::clamp(std::ilogb(size), -1000, 1000));
-  for (auto& end : pairs.x) {
-    for (auto& point : end) {
-      for (auto& axis : point) axis[lane] *= scale;
+  const double factor = std::ldexp(1.0, -std::clamp(std::ilogb(extent), -1000, 1000));
+  double size[3] = {};
+  for (auto& end : patches.d) {
+    for (int k = 0; k < (edge_edge ? 4 : 3); ++k) {
+      for (int axis = 0; axis < 3; ++axis) {
+        double& d = end[k][axis][lane];
+        d *= factor;
+        size[axis] = std::max(size[axis], std::abs(d));
+      }
     }
   }
-  return scale;
+  patches.extent[lane] = std::max({size[0], size[1], size[2]});
+  patches.volume_error[lane] = kDetError * (size[0] * size[1] * size[2]) + kDetUnderflow;
+  return scale * factor;
 }
 
 }  // namespace
@@ -399,7 +430,7 @@ unsigned ConservativeAdvancement::load(const PairBatch& pairs, int count) {
     scale_[lane] = 1;
     const double size = std::max(loaded_.extent[lane], settings_.thickness);
     if (size < kLarge && !(size < kSmall)) continue;
-    rescale(pairs, lane);
+    scale_[lane] = scale_differences(pairs, edge_edge_, lane, settings_.thickness, loaded_);
     rescaled = true;
   }
   if (settings_.thickness > 0) return all;
@@ -410,41 +441,10 @@ unsigned ConservativeAdvancement::load(const PairBatch& pairs, int count) {
   return all & ~separated;
 }
 
-// Computes a patch again from scaled points.
-void ConservativeAdvancement::rescale(const PairBatch& pairs, int lane) {
-  PairBatch scaled = pairs;
-  const double scale = scale_points(scaled, lane, settings_.thickness);
-  MinkowskiBatch patch;
-  (edge_edge_ ? HWY_DYNAMIC_DISPATCH(MakePatches4) : HWY_DYNAMIC_DISPATCH(MakePatches3))(scaled, patch);
-  double again = 1;
-  if (patch.extent[lane] > 0 && patch.extent[lane] < kSmall && settings_.thickness * scale < kSmall) {
-    // Tiny but far from the origin: the differences are exact and can be scaled once more.
-    again = std::ldexp(1.0, -std::max(std::ilogb(patch.extent[lane]), -1000));
-  }
-  double size[3] = {};
-  for (int end = 0; end < 2; ++end) {
-    for (int k = 0; k < (edge_edge_ ? 4 : 3); ++k) {
-      for (int axis = 0; axis < 3; ++axis) {
-        const double d = patch.d[end][k][axis][lane] * again;
-        loaded_.d[end][k][axis][lane] = d;
-        size[axis] = std::max(size[axis], std::abs(d));
-      }
-    }
-  }
-  loaded_.extent[lane] = std::max({size[0], size[1], size[2]});
-  loaded_.volume_error[lane] = kDetError * (size[0] * size[1] * size[2]) + kDetUnderflow;
-  scale_[lane] = scale * again;
-}
-
 int ConservativeAdvancement::start(int k, double latest) {
   const int lane = __builtin_ctz(~busy_);
   busy_ |= 1u << lane;
-  for (int row = 0; row < (edge_edge_ ? 12 : 9); ++row) {
-    for (int end = 0; end < 2; ++end)
-      lanes_.patch.d[end][row / 3][row % 3][lane] = loaded_.d[end][row / 3][row % 3][k];
-  }
-  lanes_.patch.extent[lane] = loaded_.extent[k];
-  lanes_.patch.volume_error[lane] = loaded_.volume_error[k];
+  copy_lane(loaded_, k, edge_edge_, lanes_.patch, lane);
   const double thickness = settings_.thickness * scale_[k];
   lanes_.thickness[lane] = thickness;
   lanes_.tolerance[lane] = std::max(std::max(settings_.tolerance, kMinTolerance) * scale_[k],
@@ -479,10 +479,10 @@ unsigned ConservativeAdvancement::iterate() {
   return done;
 }
 
-Closest closest_of_first(PairBatch& pairs, bool edge_edge) {
-  const double scale = scale_points(pairs, 0, 0);
+Closest closest_of_first(const PairBatch& pairs, bool edge_edge) {
   MinkowskiBatch patches;
-  (edge_edge ? HWY_DYNAMIC_DISPATCH(MakePatches4) : HWY_DYNAMIC_DISPATCH(MakePatches3))(pairs, patches);
+  make_patches(pairs, edge_edge, patches);
+  const double scale = scale_differences(pairs, edge_edge, 0, 0, patches);
   NearestBatch nearest;
   (edge_edge ? HWY_DYNAMIC_DISPATCH(NearestPoints4) : HWY_DYNAMIC_DISPATCH(NearestPoints3))(patches, nearest);
   const auto& d = nearest.difference;

@@ -67,8 +67,6 @@ class ConservativeAdvancement {
   };
 
  private:
-  void rescale(const PairBatch& pairs, int lane);
-
   bool edge_edge_;
   CcdSettings settings_;
   MinkowskiBatch loaded_;
@@ -80,6 +78,6 @@ class ConservativeAdvancement {
 };
 
 /// A closest pair of points of the first pair of a batch at t=0.
-Closest closest_of_first(PairBatch& pairs, bool edge_edge);
+Closest closest_of_first(const PairBatch& pairs, bool edge_edge);
 
 }  // namespace foldproof::inline internal

@@ -74,5 +74,58 @@ TEST(Underflow, VolumesOfLongThinFacesKeepNoFalseSign) {
   });
 }
 
+// Points of a plane x = P, whose other coordinates are multiples of a unit.
+struct PlaneX {
+  double x, unit;
+  Vec3 operator()(double y, double z) const { return {x, y * unit, z * unit}; }
+};
+
+// Visits planes at all distances from the origin, with all units from 2^-1030 on.
+template <class Visit>
+void for_each_plane(Visit visit) {
+  for (int place = -1000; place <= 1000; place += 10) {
+    for (int unit = -1030; unit <= 900; unit += 10)
+      visit(PlaneX{std::ldexp(1.0, place), std::ldexp(1.0, unit)});
+  }
+}
+
+// The vertex ends on a slanted side of the face, at a point that is exact.
+TEST(Underflow, ContactsBesideALargeCommonCoordinateAreFound) {
+  on_each_target([] {
+    for_each_plane([](const PlaneX& at) {
+      for (const double slope : {0x1p-40, 0x1p-20, 0x1p-5, 1.0}) {
+        const FourPoints x0{at(0.5, -1), at(0, 0), at(1, slope), at(0, 1)};
+        FourPoints x1 = x0;
+        x1[0] = at(0.5, slope / 2);
+        // A pair of edges with the same contact.
+        const FourPoints e0{at(0.5, -1), at(0.5, -2), at(0, 0), at(1, slope)};
+        FourPoints e1 = e0;
+        e1[0] = x1[0];
+        EXPECT_NE(vertex_face_ccd(x0, x1, {}).answer, Answer::Separated)
+            << at.x << " " << at.unit << " " << slope;
+        EXPECT_NE(edge_edge_ccd(e0, e1, {}).answer, Answer::Separated)
+            << at.x << " " << at.unit << " " << slope;
+      }
+    });
+  });
+}
+
+TEST(Underflow, FeaturesApartBesideALargeCommonCoordinateAreSeparated) {
+  on_each_target([] {
+    for_each_plane([](const PlaneX& at) {
+      const FourPoints x{at(1, -16), at(0, 0), at(1, 0), at(0, 1)},
+          e{at(0, -16), at(1, -16), at(0, 0), at(1, 0)};
+      for (const double thickness : {0.0, 0x1p-1074}) {
+        CcdSettings settings;
+        settings.thickness = thickness;
+        EXPECT_EQ(vertex_face_ccd(x, x, settings).answer, Answer::Separated) << at.x << " " << at.unit;
+        EXPECT_EQ(edge_edge_ccd(e, e, settings).answer, Answer::Separated) << at.x << " " << at.unit;
+      }
+      EXPECT_EQ(vertex_face_closest(x).distance, 16 * at.unit) << at.x;
+      EXPECT_EQ(edge_edge_closest(e).distance, 16 * at.unit) << at.x;
+    });
+  });
+}
+
 }  // namespace
 }  // namespace foldproof
