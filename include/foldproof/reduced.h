@@ -177,7 +177,8 @@ void pose_vertices(const ReducedMotion& motion, const ReducedPose& pose, std::sp
 /// its cost does not depend on the size of the meshes. Far from every center balls may leave more than two
 /// pairs of nodes unproven per leaf. Then the object's vertices are computed, and it is checked as
 /// StepChecker does, with charts. Owns scratch of the meshes' size. A second step of the same kind and size
-/// allocates nothing; with charts, once no more are built. One checker per thread.
+/// allocates nothing; with charts, once no more are built. A call that throws, for want of memory, makes the
+/// next one start afresh. One checker per thread.
 class ReducedChecker {
  public:
   struct Object {

@@ -176,7 +176,9 @@ double ChartBall::triangle_radius(const std::array<std::uint16_t, 3>& triangle, 
   };
   const Gram gram{dot(h_, h_), dot(h_, u1_), dot(h_, u2_), dot(u1_, u1_), dot(u1_, u2_), dot(u2_, u2_)};
   const auto radius = [&](double square) { return margin / (std::sqrt(square) * (1 + kSumError) + error); };
-  return radius(gram.quick_bound()) >= best ? best : std::min(best, radius(gram.bound()));
+  if (radius(gram.quick_bound()) >= best) return best;
+  const double found = radius(gram.bound());
+  return found > 0 ? std::min(best, found) : 0;  // 0 also for what is not a number
 }
 
 double ChartBall::radius(const ReducedMotion& motion, const CenterPose& pose, const Patch& patch,

@@ -31,7 +31,11 @@ struct ReducedChecker::Impl {
   std::vector<NodePair> stack;
   ReducedShape::Scratch scratch;
   std::vector<std::span<const double>> x0, x1;
+  bool running = false;  // between calls: an exception cut off the last one
 
+  Result<void> check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
+                     const StepSettings& settings, StepResult& out);
+  void start_afresh();
   bool traverse_balls(Index object, Index task, double distance, Work& work);
   Result<void> traverse_vertices(Index task, double distance, const StepSettings& settings, Work& work);
   Result<void> traverse_within(Index task, double distance, const StepSettings& settings, Work& work);
@@ -210,27 +214,40 @@ void ReducedChecker::Impl::compute_features(const Frame& frame, double distance)
   }
 }
 
+void ReducedChecker::Impl::start_afresh() {
+  for (ReducedObject& object : objects) object = ReducedObject(object.shape_pointer());
+  for (auto& pipeline : pipelines) pipeline.reset();
+  chunks.clear();
+}
+
 Result<void> ReducedChecker::check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
                                    const StepSettings& settings, StepResult& out) {
   const PlainArithmetic plain;
+  if (std::exchange(impl_->running, true)) impl_->start_afresh();
+  const auto done = impl_->check(start, end, settings, out);
+  impl_->running = false;
+  return done;
+}
+
+Result<void> ReducedChecker::Impl::check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
+                                         const StepSettings& settings, StepResult& out) {
   Stopwatch watch;
   clear(out);
-  Impl& m = *impl_;
   FOLDPROOF_TRY(check_settings(settings));
-  if (start.size() != m.objects.size() || end.size() != m.objects.size()) {
+  if (start.size() != objects.size() || end.size() != objects.size()) {
     return fail(ErrorCode::InvalidArgument, "poses",
                 fmt::format("are given for {} and {} objects", start.size(), end.size()),
-                fmt::format("give them for all {}", m.objects.size()));
+                fmt::format("give them for all {}", objects.size()));
   }
-  for (Index i = 0; i < m.objects.size(); ++i) {
-    if (m.meshes[i].hierarchy() != m.bvhs[i].hierarchy)
+  for (Index i = 0; i < objects.size(); ++i) {
+    if (meshes[i].hierarchy() != bvhs[i].hierarchy)
       return fail(ErrorCode::InvalidArgument, fmt::format("object {}", i),
                   "has charts of another hierarchy than its shape's",
                   "build the shape with the hierarchy that the charts were trained with");
-    FOLDPROOF_TRY(m.objects[i].start_step(i, start[i], end[i]));
+    FOLDPROOF_TRY(objects[i].start_step(i, start[i], end[i]));
   }
-  if (m.objects.empty()) return {};
-  const Bounds bounds = m.bound();
+  if (objects.empty()) return {};
+  const Bounds bounds = bound();
   if (!bounds.finite)
     return fail(ErrorCode::LimitExceeded, "poses", "have positions beyond the range of double",
                 "make their coordinates smaller");
@@ -239,22 +256,22 @@ Result<void> ReducedChecker::check(std::span<const ReducedPose> start, std::span
 
   const double distance = settings.thickness + out.tolerance;
   const Frame frame = frame_around(bounds.low, bounds.high);
-  m.leaf_pairs.clear();
-  FOLDPROOF_TRY(m.traverse_objects(frame, distance, settings, out.work));
-  m.compute_features(frame, distance);
-  out.work.leaf_pairs = m.leaf_pairs.size();
+  leaf_pairs.clear();
+  FOLDPROOF_TRY(traverse_objects(frame, distance, settings, out.work));
+  compute_features(frame, distance);
+  out.work.leaf_pairs = leaf_pairs.size();
   out.milliseconds.traverse = watch.lap();
   out.milliseconds.total = out.milliseconds.update + out.milliseconds.traverse;
-  if (m.leaf_pairs.empty()) return {};
+  if (leaf_pairs.empty()) return {};
 
-  m.x0.clear();
-  m.x1.clear();
-  for (const ReducedObject& object : m.objects) {
-    m.x0.push_back(object.positions(0));
-    m.x1.push_back(object.positions(1));
+  x0.clear();
+  x1.clear();
+  for (const ReducedObject& object : objects) {
+    x0.push_back(object.positions(0));
+    x1.push_back(object.positions(1));
   }
-  const NarrowStep step(settings, out.tolerance, m.bvhs, m.tasks, m.x0, m.x1);
-  test_leaf_pairs(step, m.leaf_pairs, m.chunks, watch, out);
+  const NarrowStep step(settings, out.tolerance, bvhs, tasks, x0, x1);
+  test_leaf_pairs(step, leaf_pairs, chunks, watch, out);
   finish(settings, out);
   out.milliseconds.narrow += watch.lap();
   out.milliseconds.total = out.milliseconds.update + out.milliseconds.traverse + out.milliseconds.narrow;

@@ -65,8 +65,9 @@ Result<double> ReducedObject::check_pose(Index object, const ReducedPose& pose) 
     if (!std::isfinite(p))
       return fail(ErrorCode::NonFinite, where(), "has a coordinate that is not finite", "repair it");
   }
+  // A maximum may pass over NaN.
   const Eigen::Matrix3d square = pose.rotation.transpose() * pose.rotation;
-  if (!pose.translation.allFinite() ||
+  if (!pose.translation.allFinite() || !pose.rotation.allFinite() ||
       !(((square - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff()) < kOrthogonalTolerance))
     return fail(ErrorCode::InvalidArgument, where(),
                 "has a matrix that is no rotation, or a translation that is not finite",

@@ -37,9 +37,11 @@ constexpr double kMaxRadius = 1e6;
 constexpr double kNoTurn = 1e3;
 constexpr int kMaxFits = 4;
 
-// The largest rho with a - b rho - c rho^2 >= 0.
+// The largest rho with a - b rho - c rho^2 >= 0. What is not a number has none.
 double largest_rho(double a, double b, double c) {
-  return a > 0 ? std::min(kMaxRadius, 2 * a / (b + std::sqrt(b * b + 4 * a * c) + 1e-300)) : 0;
+  if (!(a > 0)) return 0;
+  const double rho = 2 * a / (b + std::sqrt(b * b + 4 * a * c) + 1e-300);
+  return rho > 0 ? std::min(kMaxRadius, rho) : 0;
 }
 
 }  // namespace

@@ -35,6 +35,18 @@ Result<void> check_centers(const ReducedMotion& motion, std::vector<ReducedCente
   return {};
 }
 
+// R5: squares of sizes and of motions neither overflow nor lose what is not far below the rounding error.
+Result<void> check_range(const ReducedMotion& motion, std::span<const CenterPose> poses) {
+  constexpr double kLargest = 1e70, kSmallest = 1e-70;
+  const auto fits = [](const CenterPose& pose) {
+    return pose.max_coordinate >= kSmallest && pose.max_coordinate <= kLargest;
+  };
+  if (motion.max_coordinate(motion.deviations()) <= kLargest && std::ranges::all_of(poses, fits)) return {};
+  return fail(ErrorCode::LimitExceeded, "subspace",
+              fmt::format("has shapes or deviations outside {} to {}", kSmallest, kLargest),
+              "choose another unit of length");
+}
+
 double size_of(const CenterPose& pose) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (std::size_t i = 0; i < pose.x.size(); i += 3) {
@@ -59,6 +71,7 @@ Result<ReducedShape> ReducedShape::build(std::shared_ptr<const ReducedMotion> mo
   std::vector<CenterPose> poses;
   poses.reserve(centers.size());
   for (const ReducedCenter& center : centers) poses.emplace_back(*motion, center.p);
+  FOLDPROOF_TRY(check_range(*motion, poses));
   impl->clearance = settings.clearance > 0 ? settings.clearance : size_of(poses[0]) * 0x1p-24;
   impl->nodes = std::make_shared<const NodeMotions>(*motion, poses);
   for (const double deviation : motion->deviations()) impl->inverse_deviations.push_back(1 / deviation);
@@ -122,12 +135,13 @@ CertifiedRadius ReducedShape::certified(Index center, double at_least) const {
 // Each term has a few roundings, the sum one per mode; the margin is far above them.
 float ReducedShape::Impl::distance(Index center, std::span<const double> p) const {
   const std::vector<double>& c = centers[center].p;
-  double square = 0;
+  double square = 0, largest = 0;
   for (std::size_t k = 0; k < c.size(); ++k) {
     const double q = (p[k] - c[k]) * inverse_deviations[k];
     square += q * q;
+    largest = std::max(largest, std::abs(q));
   }
-  const double norm = std::sqrt(square) * (1 + kSumError);
+  const double norm = std::max(std::sqrt(square), largest) * (1 + kSumError);  // squares may underflow
   return norm < 1e30 ? round_up(norm) : std::numeric_limits<float>::infinity();
 }
 

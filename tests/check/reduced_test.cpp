@@ -235,6 +235,11 @@ TEST(ReducedChecker, RejectsInvalidInput) {
   pose = good.start[0];
   pose.rotation(0, 0) = 1.1;
   EXPECT_TRUE(rejected(pose));
+  for (int entry = 0; entry < 9; ++entry) {
+    pose = good.start[0];
+    pose.rotation(entry / 3, entry % 3) = std::nan("");
+    EXPECT_TRUE(rejected(pose)) << entry;
+  }
   pose = good.start[0];
   pose.translation[1] = INFINITY;
   EXPECT_TRUE(rejected(pose));

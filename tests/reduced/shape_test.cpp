@@ -216,6 +216,29 @@ TEST(ReducedShape, RefusesInvalidInput) {
   EXPECT_TRUE(refused([](Pca& s) { s.basis(3, 0) = 1e39; }));
 }
 
+// R5: squares that underflow or overflow make balls too large.
+TEST(ReducedShape, RefusesWhatSquaresCannotHold) {
+  const ReducedMesh mesh = waving_cloth(6);
+  const auto build = [&](double scale, double deviation_scale) {
+    ReducedMesh other = mesh;
+    for (double& x : other.rest) x *= scale;
+    other.subspace.mean *= scale;
+    other.subspace.deviations *= deviation_scale;
+    const auto motion = other.motion();
+    return ReducedShape::build(motion, {{zeros(*motion)}});
+  };
+  for (const double scale : {0x1p-1000, 0x1p-536, 1e-71, 1e71, 0x1p1000}) EXPECT_FALSE(build(scale, scale));
+  for (const double deviations : {1e71, 1e156, 1e200, 1e300}) EXPECT_FALSE(build(1, deviations));
+  // Powers of two change nothing but the unit.
+  const auto shape = build(1, 1);
+  ASSERT_TRUE(shape);
+  for (const double scale : {0x1p-228, 0x1p228}) {
+    const auto scaled = build(scale, scale);
+    ASSERT_TRUE(scaled);
+    EXPECT_EQ(scaled->radius(0), shape->radius(0)) << scale;
+  }
+}
+
 // Tabulated values of the chi-square distribution: 1 to 3 standard deviations of one number, and the median
 // and the 95th percentile of more.
 TEST(NormalShare, IsTheChiSquareDistribution) {
