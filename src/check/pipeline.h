@@ -1,6 +1,8 @@
 /// The pipeline of a query on a set of objects. Its stages: motion, broad phase, culling, narrow phase.
 #pragma once
 
+#include <memory>
+
 #include "check/broad_phase.h"
 #include "check/narrow_phase.h"
 
@@ -23,5 +25,16 @@ struct Pipeline {
   BroadPhase broad_phase;
   std::vector<Chunk> chunks;  ///< Scratch of the narrow phase.
 };
+
+/// Runs a call on what a checker remembers from call to call. A call that throws, for want of memory or from
+/// a user's filter, may leave anything behind: it loses the memory, and the next one makes it anew.
+template <class Memory, class Make, class Run>
+auto run_on(std::unique_ptr<Memory>& memory, Make make, Run run) {
+  std::unique_ptr<Memory> mine = std::move(memory);
+  if (!mine) mine = make();
+  auto result = run(*mine);
+  memory = std::move(mine);
+  return result;
+}
 
 }  // namespace foldproof::inline internal

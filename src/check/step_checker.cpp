@@ -55,24 +55,40 @@ Object::Object(std::shared_ptr<const ChartLibrary> charts, std::shared_ptr<const
       predictor_(std::move(predictor)) {}
 
 struct StepChecker::Impl {
+  struct Memory {
+    explicit Memory(const std::vector<Object>& objects) : pipeline(objects) {}
+    Pipeline pipeline;
+    LookAhead look_ahead;
+  };
+
+  explicit Impl(std::vector<Object> given) : distinct(remove_copies(given)), objects(std::move(given)) {}
+  template <class Run>
+  Result<void> run(Run run) {
+    return run_on(
+        memory, [&] { return std::make_unique<Memory>(objects); }, run);
+  }
+
   std::vector<std::shared_ptr<const DistinctTriangles>> distinct;
-  Pipeline pipeline;
-  LookAhead look_ahead;
+  std::vector<Object> objects;  // without copies
+  std::unique_ptr<Memory> memory = std::make_unique<Memory>(objects);
 };
 
-StepChecker::StepChecker(std::vector<Object> objects)
-    : impl_(new Impl{remove_copies(objects), Pipeline(objects), {}}) {}
+StepChecker::StepChecker(std::vector<Object> objects) : impl_(new Impl(std::move(objects))) {}
 StepChecker::~StepChecker() = default;
 StepChecker::StepChecker(StepChecker&&) noexcept = default;
 StepChecker& StepChecker::operator=(StepChecker&&) noexcept = default;
 
 Result<void> StepChecker::check(Positions x0, Positions x1, const StepSettings& settings, StepResult& out) {
-  return check_step({impl_->pipeline, &impl_->look_ahead, nullptr, impl_->distinct}, x0, x1, settings, out);
+  return impl_->run([&](Impl::Memory& memory) {
+    return check_step({memory.pipeline, &memory.look_ahead, nullptr, impl_->distinct}, x0, x1, settings, out);
+  });
 }
 
 Result<void> StepChecker::check_static(Positions x, const StepSettings& settings, StaticResult& out) {
-  impl_->look_ahead.invalidate();
-  return check_pose({impl_->pipeline, nullptr, nullptr, impl_->distinct}, x, settings, out);
+  return impl_->run([&](Impl::Memory& memory) {
+    memory.look_ahead.invalidate();
+    return check_pose({memory.pipeline, nullptr, nullptr, impl_->distinct}, x, settings, out);
+  });
 }
 
 }  // namespace foldproof

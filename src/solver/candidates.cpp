@@ -41,7 +41,7 @@ Result<void> ContactChecker::Impl::find(std::span<const double> x0, std::span<co
   const PlainArithmetic plain;
   Stopwatch total, watch;
   const std::span<const double> from[] = {x0}, to[] = {x1};
-  FOLDPROOF_TRY(pipeline.motion.check(from, to));
+  FOLDPROOF_TRY(run([&](const Pipeline& used) { return used.motion.check(from, to); }));
   milliseconds.update += watch.lap();
   const auto search = [&](auto& lists, auto ends) {
     lists.update(ends, distance, work);

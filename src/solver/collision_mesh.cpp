@@ -42,6 +42,15 @@ Result<void> check_edges(Index vertex_count, std::span<const Edge> edges) {
   return {};
 }
 
+Result<void> check_faces(std::span<const Triangle> faces) {
+  const auto point =
+      std::ranges::find_if(faces, [](const Triangle& t) { return t[0] == t[1] && t[1] == t[2]; });
+  if (point == faces.end()) return {};
+  return fail(ErrorCode::InvalidMesh, fmt::format("face {}", point - faces.begin()),
+              fmt::format("names vertex {} three times", (*point)[0]),
+              "leave it out; a vertex in no edge and no face is a point");
+}
+
 Result<void> check_parts(std::size_t numbers, std::span<const Edge> edges, const CollisionFilter& filter) {
   if (numbers % 3 != 0 || numbers / 3 >= kNoIndex) {
     return fail(ErrorCode::InvalidArgument, "rest positions", fmt::format("are {} numbers", numbers),
@@ -90,6 +99,7 @@ Result<CollisionMesh> CollisionMesh::make(std::span<const double> rest_positions
                                           std::vector<Triangle> faces, CollisionMeshSettings settings) {
   const auto count = static_cast<Index>(rest_positions.size() / 3);
   FOLDPROOF_TRY(check_parts(rest_positions.size(), edges, settings.filter));
+  FOLDPROOF_TRY(check_faces(faces));
   CollisionMesh mesh;
   mesh.filter_ = std::move(settings.filter);
   mesh.face_count_ = static_cast<Index>(faces.size());

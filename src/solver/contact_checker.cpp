@@ -41,7 +41,9 @@ StepSettings ContactChecker::Impl::step_settings(double distance) const {
 Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0, std::span<const double> x1,
                                                       double min_distance) {
   const std::span<const double> from[] = {x0}, to[] = {x1};
-  FOLDPROOF_TRY(check_step({pipeline, nullptr, &filter}, from, to, step_settings(min_distance), step));
+  FOLDPROOF_TRY(run([&](Pipeline& used) {
+    return check_step({used, nullptr, &filter}, from, to, step_settings(min_distance), step);
+  }));
   work += step.work;
   milliseconds += step.milliseconds;
   return step.clean() ? std::numeric_limits<double>::infinity() : step.earliest_toi;
@@ -68,7 +70,11 @@ Result<StepSize> ContactChecker::collision_free_step_size(std::span<const double
                 "give a number above 0 and at most 1");
   double contact = FOLDPROOF_TRY(impl_->earliest_contact(x0, x1, min_distance));
   if (contact > 1) return StepSize{1, StepSize::Limit::None};
-  if (contact == 0) return StepSize{0, StepSize::Limit::Start};
+  if (contact == 0) {
+    const StepResult& step = impl_->step;
+    const Answer first = step.vertex_face.empty() ? step.edge_edge[0].answer : step.vertex_face[0].answer;
+    return StepSize{0, first == Answer::Hit ? StepSize::Limit::Start : StepSize::Limit::Undecided};
+  }
   double share = rescaling * contact;
   auto& end = impl_->end_positions;
   end.resize(x0.size());
@@ -93,8 +99,10 @@ Verdict ContactChecker::has_intersections(std::span<const double> x) {
   const std::span<const double> pose[] = {x};
   StepSettings settings = m.step_settings(0);
   settings.max_listed = 0;  // whether there is one is all that matters
-  if (auto ok = check_pose({m.pipeline, nullptr, &m.filter}, pose, settings, m.pose); !ok)
-    return Result<bool>(tl::unexpected(ok.error()));
+  const auto done = m.run([&](Pipeline& used) {
+    return check_pose({used, nullptr, &m.filter}, pose, settings, m.pose);
+  });
+  if (!done) return Result<bool>(tl::unexpected(done.error()));
   m.work = m.pose.work;
   m.milliseconds = m.pose.milliseconds;
   return Result<bool>(!m.pose.clean());

@@ -11,10 +11,17 @@ struct ContactChecker::Impl {
       : mesh(std::move(of)),
         settings(with),
         filter(*mesh),
-        pipeline({mesh->hierarchy()}),
         pose_lists(*mesh, filter),
         step_lists(*mesh, filter) {}
 
+  std::unique_ptr<Pipeline> make_pipeline() const {
+    return std::make_unique<Pipeline>(std::vector<Object>{mesh->hierarchy()});
+  }
+  template <class Run>
+  Result<void> run(Run run) {
+    return run_on(
+        pipeline, [&] { return make_pipeline(); }, run);
+  }
   void start_call() {
     work = {};
     milliseconds = {};
@@ -35,7 +42,7 @@ struct ContactChecker::Impl {
   std::shared_ptr<const CollisionMesh> mesh;
   ContactSettings settings;
   ContactFilter filter;
-  Pipeline pipeline;  ///< For steps and intersections.
+  std::unique_ptr<Pipeline> pipeline = make_pipeline();  ///< For steps and intersections.
   CandidateLists<1> pose_lists;
   CandidateLists<2> step_lists;
   struct Part {

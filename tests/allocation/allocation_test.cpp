@@ -1,22 +1,25 @@
-// A second step of the same size allocates nothing. This file replaces operator new, so it is a
-// program of its own.
+// A second step of the same size allocates nothing, and a call for which memory does not suffice spoils none
+// after it. This file replaces operator new, so it is a program of its own.
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <new>
+#include <stdexcept>
 
 #include "base/parallel.h"
 #include "foldproof/reduced.h"
 #include "foldproof/solver.h"
 
 namespace {
-std::atomic<long> allocations{0};
+std::atomic<long> allocations{0}, failing{-1};  // the latter: so many calls from now
 
 void* count_and_allocate(std::size_t size, std::size_t alignment) {
   ++allocations;
+  if (failing > 0 && --failing == 0) throw std::bad_alloc();
   void* p =
       std::aligned_alloc(alignment, (std::max<std::size_t>(size, 1) + alignment - 1) / alignment * alignment);
   if (p == nullptr) throw std::bad_alloc();
@@ -27,7 +30,8 @@ void* count_and_allocate(std::size_t size, std::size_t alignment) {
 void* operator new(std::size_t size) { return count_and_allocate(size, alignof(std::max_align_t)); }
 void* operator new(std::size_t size, std::align_val_t a) { return count_and_allocate(size, std::size_t(a)); }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  return count_and_allocate(size, alignof(std::max_align_t));
+  ++allocations;
+  return std::malloc(size);
 }
 void operator delete(void* p) noexcept { std::free(p); }
 void operator delete(void* p, std::size_t) noexcept { std::free(p); }
@@ -191,6 +195,131 @@ TEST(ContactChecker, AllocatesNothingFromTheSecondLineSearchOn) {
   const long before = allocations;
   search();
   EXPECT_EQ(allocations - before, 0);
+}
+
+// Calls `call` on new checkers of `make` so that its first allocation fails, then a later one, and so on until
+// none fails, each time after `before`. After it the calls of `after` must answer as ever.
+template <class Make, class Call, class After>
+int for_each_failure(Make make, Call before, Call call, After after) {
+  const ThreadLimit one(1);
+  for (int count = 1;; count += 1 + count / 16) {
+    auto checker = make();
+    before(checker);
+    failing = count;
+    bool failed = false;
+    try {
+      call(checker);
+    } catch (const std::bad_alloc&) {
+      failed = true;
+    }
+    failing = -1;
+    if (!failed) return count;
+    after(checker, count);
+    if (::testing::Test::HasFailure()) return count;
+  }
+}
+
+struct Turns {
+  double from, to;
+};
+
+StepResult answer_of(StepChecker& checker, Turns turns, const StepSettings& settings) {
+  const auto x0 = strip(kLength, turns.from), x1 = strip(kLength, turns.to);
+  const std::span<const double> from[] = {x0}, to[] = {x1};
+  StepResult step;
+  EXPECT_TRUE(checker.check(from, to, settings, step));
+  return step;
+}
+
+bool same_collisions(const StepResult& a, const StepResult& b) {
+  return std::equal(a.vertex_face.begin(), a.vertex_face.end(), b.vertex_face.begin(), b.vertex_face.end(),
+                    [](const VertexFaceCollision& x, const VertexFaceCollision& y) {
+                      return x.vertex == y.vertex && x.face == y.face && x.toi == y.toi;
+                    }) &&
+         std::equal(a.edge_edge.begin(), a.edge_edge.end(), b.edge_edge.begin(), b.edge_edge.end(),
+                    [](const EdgeEdgeCollision& x, const EdgeEdgeCollision& y) {
+                      return x.a == y.a && x.b == y.b && x.toi == y.toi;
+                    });
+}
+
+TEST(StepChecker, AnswersAsEverAfterACallWithoutMemory) {
+  for (const bool certificates : {false, true}) {
+    StepSettings settings;
+    settings.certificates = certificates;
+    const Turns later[] = {{5.2, 8}, {5.2, 8.4}, {8.4, 8.5}, {8.5, 8.6}};
+    std::vector<StepResult> expected;
+    for (const Turns turns : later) {
+      StepChecker fresh = checker_of_strip();
+      expected.push_back(answer_of(fresh, turns, settings));
+      EXPECT_FALSE(expected.back().clean());
+    }
+    using Call = std::function<void(StepChecker&)>;
+    const int failures =
+        for_each_failure(checker_of_strip, Call([&](StepChecker& checker) {
+                           for (int k = 0; k < 4; ++k)
+                             answer_of(checker, {5 + 0.05 * k, 5.05 + 0.05 * k}, settings);
+                         }),
+                         Call([&](StepChecker& checker) {
+                           answer_of(checker, {5.2, 8}, settings);
+                         }),
+                         [&](StepChecker& checker, int count) {
+                           for (std::size_t k = 0; k < expected.size(); ++k) {
+                             EXPECT_TRUE(same_collisions(answer_of(checker, later[k], settings), expected[k]))
+                                 << "allocation " << count << ", call " << k << " after it";
+                           }
+                         });
+    EXPECT_GT(failures, 20);
+  }
+}
+
+TEST(ReducedChecker, AnswersAsEverAfterACallWithoutMemory) {
+  const auto shape = reduced_strip();
+  const auto answer = [&](ReducedChecker& checker, double begin, double end) {
+    const double deviation = shape->motion()->deviations()[0];
+    const std::vector<double> p0{begin * deviation, 0}, p1{end * deviation, 0};
+    const ReducedPose from{p0}, to{p1};
+    StepResult step;
+    EXPECT_TRUE(checker.check({&from, 1}, {&to, 1}, {}, step));
+    return step;
+  };
+  const auto make = [&] { return ReducedChecker({shape}); };
+  ReducedChecker fresh = make();
+  const StepResult expected[] = {answer(fresh, 0, 1), answer(fresh, 0.1, 1.05)};
+  EXPECT_FALSE(expected[0].clean());
+  using Call = std::function<void(ReducedChecker&)>;
+  const int failures = for_each_failure(
+      make, Call([&](ReducedChecker& checker) { answer(checker, 0, 0.5 * shape->radius(0)); }),
+      Call([&](ReducedChecker& checker) { answer(checker, 0, 1); }), [&](ReducedChecker& checker, int count) {
+        EXPECT_TRUE(same_collisions(answer(checker, 0, 1), expected[0])) << "allocation " << count;
+        EXPECT_TRUE(same_collisions(answer(checker, 0.1, 1.05), expected[1])) << "allocation " << count;
+      });
+  EXPECT_GT(failures, 20);
+}
+
+// What a filter throws comes through, too.
+TEST(ContactChecker, AnswersAsEverAfterAFilterThatThrows) {
+  const auto x0 = strip(kLength, 5), x1 = strip(kLength, 8);
+  const auto triangles = strip_topology();
+  const auto faces = triangles.triangles();
+  long left = -1;
+  CollisionMeshSettings settings;
+  settings.filter = CollisionFilter([&](Index, Index) {
+    if (left > 0 && --left == 0) throw std::runtime_error("the filter's");
+    return true;
+  });
+  const auto mesh = std::make_shared<const CollisionMesh>(
+      CollisionMesh::make(x0, {}, {faces.begin(), faces.end()}, settings).value());
+  const ThreadLimit one(1);
+  const double expected = ContactChecker(mesh).collision_free_step_size(x0, x1).value().share;
+  ASSERT_LT(expected, 1);
+  for (const long count : {1, 10, 100, 1000}) {
+    ContactChecker checker(mesh);
+    EXPECT_TRUE(checker.is_step_collision_free(x0, x0).is_yes());
+    left = count;
+    EXPECT_THROW(static_cast<void>(checker.collision_free_step_size(x0, x1)), std::runtime_error);
+    left = -1;
+    EXPECT_EQ(checker.collision_free_step_size(x0, x1).value().share, expected) << count;
+  }
 }
 
 }  // namespace

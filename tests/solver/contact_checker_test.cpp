@@ -259,6 +259,15 @@ TEST(ContactChecker, FindsTheMinimumDistance) {
   }
 }
 
+// V2: such a face is a point, but would have the pairs of a face.
+TEST(CollisionMesh, RefusesAFaceThatIsAPoint) {
+  const std::vector<double> x{0, 0, 1, -1, 0, 0, 1, 0, 0};
+  const auto mesh = CollisionMesh::make(x, {{1, 2}}, {{0, 1, 2}, {0, 0, 0}});
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.error().where, "face 1");
+  EXPECT_TRUE(CollisionMesh::make(x, {{1, 2}}, {{0, 1, 2}, {0, 0, 1}}));
+}
+
 TEST(ContactChecker, RefusesInvalidInput) {
   Soup soup;
   soup.faces = {{0, 1, 2}};
