@@ -58,7 +58,9 @@ void add_setting_options(const Subcommand& command, StepArguments& a) {
           .group(group);
 
   add_motion_options(command, a.motion);
-  command.add_option("--substeps", a.substeps, "Cut each step into N linear parts [1]")
+  command
+      .add_option("--substeps", a.substeps,
+                  "Cut each step into N linear parts, through poses rounded to doubles [1]")
       .type_name("N")
       .group(kMotionGroup);
   for (const char* option : {"--thickness", "--tolerance", "--substeps", "--steps-only"})

@@ -46,7 +46,9 @@ struct CheckSettings {
   std::vector<ObjectParts> parts;  ///< One per motion; or empty: those that the files name.
   std::string unit;                ///< Name of a mesh unit, for reports; empty: the files'.
   FrameRange frames;
-  Index substeps = 1;  ///< Linear parts that each step between two frames is divided into; at least 1.
+  /// Linear parts that each step between two frames is divided into; at least 1. The poses in between are
+  /// rounded to doubles, and what is checked is the path through them.
+  Index substeps = 1;
   std::vector<std::shared_ptr<const Model>> models;  ///< One per motion, null for none; or empty.
   /// One per motion, for those without a model. Empty: built from the first selected frame.
   std::vector<std::shared_ptr<const Hierarchy>> hierarchies;
