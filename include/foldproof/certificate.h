@@ -149,6 +149,11 @@ class ChartLibrary {
   /// Replaces a chart by another of the same slot.
   void replace(Index chart, Index source, const Patch& patch, std::span<const Index> ring,
                const UvMap& uv_map);
+  /// Both in two parts. place() makes room for a chart, in the place of `old` unless that is kNoIndex, and
+  /// returns its index; fill() sets its contents. Threads may fill different charts at once.
+  Index place(Index slot, Index source, Index old, const Patch& patch, std::span<const Index> ring,
+              const UvMap& uv_map);
+  void fill(Index chart, const Patch& patch, std::span<const Index> ring, const UvMap& uv_map);
 
   const std::shared_ptr<const PatchSlots>& slots() const { return slots_; }
   std::span<const Chart> charts() const { return charts_; }
@@ -170,8 +175,6 @@ class ChartLibrary {
   static std::span<const T> part(const std::vector<T>& all, Range range) {
     return std::span(all).subspan(range.begin, range.count);
   }
-  void fill(Chart& chart, const Patch& patch, std::span<const Index> ring, const UvMap& uv_map);
-
   std::shared_ptr<const PatchSlots> slots_;
   std::vector<Index> first_;
   std::vector<Chart> charts_;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <numeric>
 
 #include "base/parallel.h"
 
@@ -27,7 +28,7 @@ ChartCache::ChartCache(std::shared_ptr<const PatchSlots> slots, std::shared_ptr<
     : trained_(std::move(trained)),
       own_(std::move(slots)),
       states_(own_.slots()->count()),
-      covered_(own_.slots()->hierarchy()->leaf_count(), 0),
+      covered_(own_.slots()->hierarchy()->leaf_count(), Cover::None),
       leaf_normals_(own_.slots()->hierarchy()->leaf_count()),
       builders_([this] { return ChartBuilder(*own_.slots()); }) {}
 
@@ -92,27 +93,33 @@ void ChartCache::add_build(Index slot) {
 void ChartCache::run_builds(std::span<const MovingVertex> vertices) {
   parallel_for(std::size_t{0}, build_count_,
                [&](std::size_t i) { builders_.local().build(vertices, builds_[i]); });
-  for (std::size_t i = 0; i < build_count_; ++i) store(builds_[i]);
+  places_.clear();
+  for (std::size_t i = 0; i < build_count_; ++i) places_.push_back(place(builds_[i]));
+  parallel_for(std::size_t{0}, build_count_, [&](std::size_t i) {
+    if (places_[i] != kNoIndex) own_.fill(places_[i], builds_[i].patch, builds_[i].ring, builds_[i].uv_map);
+  });
   charts_built_ += build_count_;
 }
 
-void ChartCache::store(const BuiltChart& build) {
+// Makes room for a chart. Returns its index in the library, or kNoIndex where the build failed. The slots of
+// one run are different, so are their charts.
+Index ChartCache::place(const BuiltChart& build) {
   // Counts as a failure until the chart holds once: one that is built again and again is useless.
   back_off(build.slot, build.outcome);
-  if (build.outcome != ChartOutcome::Made) return;
+  if (build.outcome != ChartOutcome::Made) return kNoIndex;
   SlotState& state = states_[build.slot];
   state.failed_tests = 0;
   state.test_from = step_;
+  Index oldest = kNoIndex;
   if (state.built < kMaxCharts) {
-    own_.add(build.slot, step_, build.patch, build.ring, build.uv_map);
     ++state.built;
-    return;
+  } else {
+    oldest = own_.first(build.slot);
+    for (Index c = oldest; c != kNoIndex; c = own_.charts()[c].next) {
+      if (own_.charts()[c].source < own_.charts()[oldest].source) oldest = c;
+    }
   }
-  Index oldest = own_.first(build.slot);
-  for (Index c = oldest; c != kNoIndex; c = own_.charts()[c].next) {
-    if (own_.charts()[c].source < own_.charts()[oldest].source) oldest = c;
-  }
-  own_.replace(oldest, step_, build.patch, build.ring, build.uv_map);
+  return own_.place(build.slot, step_, oldest, build.patch, build.ring, build.uv_map);
 }
 
 const Eigen::Vector3f& ChartCache::leaf_normal(Index leaf, std::span<const MovingVertex> vertices) {
@@ -147,43 +154,76 @@ bool ChartCache::looks_flat(Index node, std::span<const MovingVertex> vertices) 
   }
 }
 
+// The largest first. A counting sort: comparisons would read the sizes of nodes far apart again and again.
+void ChartCache::sort_requested_nodes() {
+  size_begin_.assign(kMaxTriangles + 2, 0);
+  const auto rank = [&](Index node) { return kMaxTriangles - slots().triangle_count(node); };
+  for (const Index node : requested_nodes_) ++size_begin_[rank(node) + 1];
+  std::partial_sum(size_begin_.begin(), size_begin_.end(), size_begin_.begin());
+  sorted_nodes_.resize(requested_nodes_.size());
+  for (const Index node : requested_nodes_) sorted_nodes_[size_begin_[rank(node)]++] = node;
+  requested_nodes_.swap(sorted_nodes_);
+}
+
 // Builds from the largest node to the smallest, in rounds. Nodes below one that is being built wait; those
 // whose ancestor fails are tried in the next round.
 void ChartCache::build_nodes(std::span<const MovingVertex> vertices, std::size_t& budget) {
-  const auto nodes = slots().hierarchy()->nodes();
-  // Unlike std::stable_sort, std::sort does not allocate.
-  std::sort(requested_nodes_.begin(), requested_nodes_.end(), [&](Index a, Index b) {
-    const Index size_a = slots().triangle_count(a), size_b = slots().triangle_count(b);
-    return size_a != size_b ? size_a > size_b : a < b;
-  });
-  std::fill(covered_.begin(), covered_.end(), 0);
-  const auto mark = [&](Index node, std::uint8_t value) {
-    std::fill(covered_.begin() + nodes[node].leaf_begin, covered_.begin() + nodes[node].leaf_end, value);
-  };
+  sort_requested_nodes();
+  std::fill(covered_.begin(), covered_.end(), Cover::None);
   while (!requested_nodes_.empty()) {
     build_count_ = 0;
-    std::size_t kept = 0;
-    for (const Index node : requested_nodes_) {
-      const std::size_t cost = slots().triangle_count(node) * 3 / 2;  // roughly, with a ring
-      if (cost > budget) continue;
-      if (covered_[nodes[node].leaf_begin]) {
-        requested_nodes_[kept++] = node;
-      } else if (!looks_flat(node, vertices)) {
-        back_off(node, ChartOutcome::TooCurved);
-      } else {
-        budget -= cost;
-        mark(node, 1);
-        add_build(node);
-      }
-    }
+    choose_nodes(vertices, budget);
     if (build_count_ == 0) break;
-    requested_nodes_.resize(kept);
     run_builds(vertices);
     for (std::size_t i = 0; i < build_count_; ++i) {
-      if (builds_[i].outcome != ChartOutcome::Made) mark(builds_[i].slot, 0);
+      if (builds_[i].outcome != ChartOutcome::Made) cover(builds_[i].slot, Cover::None);
     }
   }
   requested_nodes_.clear();
+}
+
+// Adds the builds of a round; keeps the requests of nodes that wait. Nodes that are not below one another and
+// that the budget allows are tested at once; the choice is that of testing one after the other.
+void ChartCache::choose_nodes(std::span<const MovingVertex> vertices, std::size_t& budget) {
+  const auto cost_of = [&](Index node) {
+    return slots().triangle_count(node) * std::size_t{3} / 2;
+  };  // with a ring
+  std::size_t kept = 0;
+  for (auto next = requested_nodes_.begin(); next != requested_nodes_.end();) {
+    maybe_flat_.clear();
+    for (std::size_t total = 0; next != requested_nodes_.end(); ++next) {
+      const std::size_t cost = cost_of(*next);
+      if (cost > budget) continue;
+      const Cover covered = covered_[slots().hierarchy()->nodes()[*next].leaf_begin];
+      if (covered == Cover::Built) {
+        requested_nodes_[kept++] = *next;
+        continue;
+      }
+      if (covered == Cover::MaybeBuilt || total + cost > budget) break;
+      total += cost;
+      cover(*next, Cover::MaybeBuilt);
+      maybe_flat_.push_back(*next);
+    }
+    is_flat_.resize(maybe_flat_.size());
+    parallel_for(std::size_t{0}, maybe_flat_.size(),
+                 [&](std::size_t k) { is_flat_[k] = looks_flat(maybe_flat_[k], vertices); });
+    for (std::size_t k = 0; k < maybe_flat_.size(); ++k) {
+      const Index node = maybe_flat_[k];
+      cover(node, is_flat_[k] ? Cover::Built : Cover::None);
+      if (is_flat_[k]) {
+        budget -= cost_of(node);
+        add_build(node);
+      } else {
+        back_off(node, ChartOutcome::TooCurved);
+      }
+    }
+  }
+  requested_nodes_.resize(kept);
+}
+
+void ChartCache::cover(Index node, Cover value) {
+  const Hierarchy::Node& n = slots().hierarchy()->nodes()[node];
+  std::fill(covered_.begin() + n.leaf_begin, covered_.begin() + n.leaf_end, value);
 }
 
 void ChartCache::build_pairs(std::span<const MovingVertex> vertices, std::size_t& budget) {
@@ -193,7 +233,7 @@ void ChartCache::build_pairs(std::span<const MovingVertex> vertices, std::size_t
     const std::size_t cost = slots().triangle_count(slot);
     if (cost > budget) break;
     // A new chart of a node above may prove the pair as well.
-    if (covered_[a] || covered_[b]) continue;
+    if (covered_[a] != Cover::None || covered_[b] != Cover::None) continue;
     budget -= cost;
     add_build(slot);
   }

@@ -70,17 +70,21 @@ class ChartCache {
     ChartOutcome outcome : 2 = ChartOutcome::Made;  // of the last build, if there was one
     Index last = kNoIndex;                          // the chart that held last
   };
+  enum class Cover : std::uint8_t { None, MaybeBuilt, Built };
   struct LeafNormal {
     Eigen::Vector3f direction;
     std::uint32_t step = 0;
   };
   void build_nodes(std::span<const MovingVertex> vertices, std::size_t& budget);
+  void sort_requested_nodes();
+  void choose_nodes(std::span<const MovingVertex> vertices, std::size_t& budget);
   void build_pairs(std::span<const MovingVertex> vertices, std::size_t& budget);
+  void cover(Index node, Cover value);
   const Eigen::Vector3f& leaf_normal(Index leaf, std::span<const MovingVertex> vertices);
   bool looks_flat(Index node, std::span<const MovingVertex> vertices);
   void add_build(Index slot);
   void run_builds(std::span<const MovingVertex> vertices);
-  void store(const BuiltChart& build);
+  Index place(const BuiltChart& build);
   void back_off(Index slot, ChartOutcome outcome);
   bool holds(const ChartLibrary& library, Index chart, std::span<const MovingVertex> vertices, double gap,
              ChartTester& tester) const;
@@ -89,9 +93,13 @@ class ChartCache {
   ChartLibrary own_;
   std::vector<SlotState> states_;
   std::vector<Index> requested_nodes_, requested_pairs_;
-  std::vector<BuiltChart> builds_;  // the first build_count_; the rest keep their buffers
+  std::vector<Index> sorted_nodes_, size_begin_;  // scratch
+  std::vector<BuiltChart> builds_;                // the first build_count_; the rest keep their buffers
+  std::vector<Index> places_;                     // where the library has their charts; parallel to builds_
   std::size_t build_count_ = 0, charts_built_ = 0;
-  std::vector<std::uint8_t> covered_;  // per leaf: a chart of a node above it was built in this step
+  std::vector<Cover> covered_;  // per leaf: whether a chart of a node above it is built in this step
+  std::vector<Index> maybe_flat_;
+  std::vector<std::uint8_t> is_flat_;  // parallel to maybe_flat_
   std::vector<LeafNormal> leaf_normals_;
   PerThread<ChartBuilder> builders_;
   std::uint32_t step_ = 0;

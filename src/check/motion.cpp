@@ -153,13 +153,14 @@ Result<void> StepMotion::read(Positions x0, Positions x1) {
 }
 
 StepMotion::StepLocation StepMotion::locate(Positions x0, Positions x1) const {
-  constexpr std::size_t kSampleStride = 61;
+  constexpr std::size_t kMinStride = 61, kMaxSamples = 4096;
   using Vector = Eigen::Vector3d;
   // Of each vertex: its displacement during the motion, and the step's ends, relative to the motion's start.
   const auto for_each_sample = [&](auto visit) {
     for (Index i = 0; i < bvhs_.size(); ++i) {
       const auto ids = hierarchy(i).vertex_ids();
-      for (std::size_t k = i % kSampleStride; k < ids.size(); k += kSampleStride) {
+      const std::size_t stride = std::max(kMinStride, ids.size() / kMaxSamples);
+      for (std::size_t k = i % stride; k < ids.size(); k += stride) {
         const float* v = bvhs_[i].vertices[k].x;
         const Vector origin = Eigen::Map<const Eigen::Vector3f>(v).cast<double>();
         const Vector displacement = Eigen::Map<const Eigen::Vector3f>(v + 4).cast<double>() - origin;

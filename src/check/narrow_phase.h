@@ -1,8 +1,10 @@
 /// Stage 4 of the pipeline, narrow phase: candidate pairs of features, and which of them collide.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 
+#include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "check/distinct.h"
 #include "check/motion.h"
@@ -32,10 +34,11 @@ struct Chunk {
 /// `round(count)` processes chunks [0, count).
 template <class Round>
 void in_rounds(std::span<const LeafPair> pairs, std::vector<Chunk>& chunks, Round round) {
-  constexpr std::size_t kPairsPerChunk = 128, kChunksPerRound = 32;
+  constexpr std::size_t kPairsPerChunk = 128;
+  const std::size_t chunks_per_round = 8 * static_cast<std::size_t>(std::max(4, thread_count()));
   while (!pairs.empty()) {
     std::size_t count = 0;
-    for (; count < kChunksPerRound && !pairs.empty(); ++count) {
+    for (; count < chunks_per_round && !pairs.empty(); ++count) {
       if (count == chunks.size()) chunks.emplace_back();
       chunks[count].pairs = pairs.first(std::min(kPairsPerChunk, pairs.size()));
       pairs = pairs.subspan(chunks[count].pairs.size());
