@@ -197,8 +197,8 @@ TEST(ContactChecker, AllocatesNothingFromTheSecondLineSearchOn) {
   EXPECT_EQ(allocations - before, 0);
 }
 
-// Calls `call` on new checkers of `make` so that its first allocation fails, then a later one, and so on until
-// none fails, each time after `before`. After it the calls of `after` must answer as ever.
+// Calls `call` on new checkers of `make` so that its first allocation fails, then a later one, and so on
+// until none fails, each time after `before`. After it the calls of `after` must answer as ever.
 template <class Make, class Call, class After>
 int for_each_failure(Make make, Call before, Call call, After after) {
   const ThreadLimit one(1);
