@@ -185,6 +185,11 @@ class Builder {
     // Affine maps leave what touches touching: without a thickness each axis may have a scale of its own.
     const bool stretched = settings_.thickness == 0 && source_.one_in(10);
     const bool far = !stretched && source_.one_in(3);
+    // Or all is in one plane, as far off as doubles go.
+    if (stretched && source_.one_in(3)) {
+      plane_axis_ = source_.whole(0, 2);
+      plane_ = std::ldexp(source_.sign(), source_.whole(-990, 990));
+    }
     for (int axis = 0; axis < 3; ++axis) {
       if (stretched && source_.one_in(2)) stretch_[axis] = source_.whole(-600, 0);
       const bool here = far && source_.one_in(2);
@@ -207,8 +212,10 @@ class Builder {
         if (angle > 0) p = middle + matrix * (p - middle);
         p += s * motion_.way[k][v] + s * s * motion_.bend[k][v];
         if (motion_.shake > 0) p += motion_.shake * random_vector(source_);
-        for (int axis = 0; axis < 3; ++axis)
-          pose.push_back(std::ldexp(p[axis] + offset_[axis], exponent_ + stretch_[axis]));
+        for (int axis = 0; axis < 3; ++axis) {
+          const double x = std::ldexp(p[axis] + offset_[axis], exponent_ + stretch_[axis]);
+          pose.push_back(axis == plane_axis_ ? plane_ : x);
+        }
       }
     }
     return poses;
@@ -264,6 +271,8 @@ class Builder {
   Vec3 offset_ = Vec3::Zero();
   int exponent_ = 0;
   std::array<int, 3> stretch_{};
+  int plane_axis_ = -1;
+  double plane_ = 0;
 };
 
 }  // namespace
