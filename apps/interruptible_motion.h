@@ -16,6 +16,7 @@ class InterruptibleMotion final : public Motion {
   const Topology& topology() const override { return motion_.topology(); }
   const ObjectParts& parts() const override { return motion_.parts(); }
   std::string unit() const override { return motion_.unit(); }
+  std::vector<std::string> notes() const override { return motion_.notes(); }
   Index frame_count() const override { return motion_.frame_count(); }
   Result<void> read_frame(Index k, std::span<double> out) override {
     if (interrupted_) {

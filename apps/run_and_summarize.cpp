@@ -39,6 +39,16 @@ std::string frames_hint(Motions motions) {
       motions.size());
 }
 
+/// What readers left out comes last, where it is read.
+std::string notes_of(Motions motions) {
+  std::string text;
+  for (const auto& motion : motions) {
+    for (const std::string& note : motion->notes())
+      text += fmt::format("\n{}: {}\n", cell(motion->name()), cell(note));
+  }
+  return text;
+}
+
 }  // namespace
 
 Result<int> run_and_summarize(Motions motions, const CheckSettings& settings, Writers writers, bool quiet,
@@ -65,7 +75,7 @@ Result<int> run_and_summarize(Motions motions, const CheckSettings& settings, Wr
   if (!quiet) {
     print_output(summary(motions, settings, *totals) + contact_lines(motions, settings, *totals, contacts) +
                  (totals->clean() || !settings.reduced.empty() ? "" : weld_hint(motions)) +
-                 frames_hint(motions));
+                 frames_hint(motions) + notes_of(motions));
   }
   return exit_code(totals->clean());
 }

@@ -28,6 +28,8 @@ class Motion {
   virtual const ObjectParts& parts() const;
   /// What a mesh unit is, where the format defines it: "m" for glTF. Empty: not known.
   virtual std::string unit() const { return {}; }
+  /// What the file holds and this motion leaves out, or what was assumed: one sentence each, for the user.
+  virtual std::vector<std::string> notes() const { return {}; }
   /// At least 1.
   virtual Index frame_count() const = 0;
   /// Fills `out` (vertex_count x 3, row-major, mesh units) with frame `k` < frame_count(). Frames may be read

@@ -55,6 +55,7 @@ class SlicedMotion final : public Motion {
   const Topology& topology() const override { return whole_.topology(); }
   const ObjectParts& parts() const override { return whole_.parts(); }
   std::string unit() const override { return whole_.unit(); }
+  std::vector<std::string> notes() const override { return whole_.notes(); }
   Index frame_count() const override { return static_cast<Index>(count_); }
   Result<void> read_frame(Index k, std::span<double> out) override {
     return whole_.read_frame(static_cast<Index>(begin_ + static_cast<py::ssize_t>(k) * step_), out);

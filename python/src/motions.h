@@ -21,6 +21,7 @@ class SharedMotion final : public Motion {
   const Topology& topology() const override { return state_->motion->topology(); }
   const ObjectParts& parts() const override { return state_->motion->parts(); }
   std::string unit() const override { return state_->motion->unit(); }
+  std::vector<std::string> notes() const override { return state_->motion->notes(); }
   Index frame_count() const override { return state_->motion->frame_count(); }
   Result<void> read_frame(Index k, std::span<double> out) override {
     const std::lock_guard lock(state_->mutex);

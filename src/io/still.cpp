@@ -13,6 +13,7 @@ class StillMotion final : public Motion {
   const Topology& topology() const override { return pose_->topology(); }
   const ObjectParts& parts() const override { return pose_->parts(); }
   std::string unit() const override { return pose_->unit(); }
+  std::vector<std::string> notes() const override { return pose_->notes(); }
   Index frame_count() const override { return frames_; }
   Result<void> read_frame(Index k, std::span<double> out) override {
     FOLDPROOF_TRY(check_request(*this, k, out));

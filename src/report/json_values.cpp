@@ -39,6 +39,7 @@ Json objects_json(Motions motions, const CheckSettings& settings) {
                        {"triangles", motion.topology().triangles().size()},
                        {"frames", motion.frame_count()},
                        {"model", model ? Json(model->name) : Json(nullptr)}});
+    if (const auto notes = motion.notes(); !notes.empty()) objects.back()["notes"] = notes;
   }
   return objects;
 }
