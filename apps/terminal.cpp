@@ -179,6 +179,13 @@ std::string start_of(const CheckTotals& totals) {
                      counted(*totals.starts_crossing, "crossing pair"));
 }
 
+/// The pairs that were left out.
+std::string untested_sentence(Motions motions, const CheckSettings& settings) {
+  if (!settings.step.within) return " Pairs within one mesh were not tested (--between).";
+  if (!settings.step.between && motions.size() > 1) return " Pairs of two meshes were not tested (--within).";
+  return "";
+}
+
 /// The closing sentence if nothing was found. It claims freedom only if everything was tested.
 std::string clean_sentence(const CheckSettings& settings, const CheckTotals& totals) {
   const std::string all = totals.steps == 1 ? "the one step" : "all " + counted(totals.steps, "step");
@@ -217,14 +224,15 @@ std::string found_sentence(const CheckSettings& settings, const CheckTotals& tot
                             counted(totals.steps, settings.poses ? "frame" : "step"), when);
 }
 
-std::string closing_sentence(const CheckSettings& settings, const CheckTotals& totals) {
+std::string closing_sentence(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
   if (settings.step.mode == Mode::Paper) {
     return fmt::format("{}STATISTICAL: the mode paper found {} of {}. Omit --mode for the proven answer.",
                        starts_crossing(totals) ? "F" + start_of(totals).substr(1) + ". " : "",
                        grouped(totals.collisions.sum()),
                        counted(totals.collisions.sum() + totals.missed, "colliding pair"));
   }
-  return totals.clean() ? clean_sentence(settings, totals) : found_sentence(settings, totals);
+  return (totals.clean() ? clean_sentence(settings, totals) : found_sentence(settings, totals)) +
+         untested_sentence(motions, settings);
 }
 
 /// What the mode paper missed, and what the proven answer costs.
@@ -256,6 +264,10 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
     add("first frame", starts_crossing(totals)
                            ? start_of(totals)
                            : fmt::format("no triangles cross in frame {}", totals.first_frame));
+    if (totals.start_listed < *totals.starts_crossing) {
+      add("  listed", fmt::format("{} of {}  (those with the smallest ids; more with --limit)",
+                                  grouped(totals.start_listed), grouped(*totals.starts_crossing)));
+    }
   } else if (!settings.poses) {
     add("first frame", "not tested for crossings (--steps-only)");
   }
@@ -293,10 +305,15 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
   const Tone tone = settings.step.mode == Mode::Paper ? Tone::Doubtful
                     : totals.clean()                  ? Tone::Good
                                                       : Tone::Bad;
-  return text + "\n" + colored(closing_sentence(settings, totals), tone) + "\n";
+  return text + "\n" + colored(closing_sentence(motions, settings, totals), tone) + "\n";
 }
 
 namespace {
+
+void announce_listed(const CheckedStep& step) {
+  if (step.listed().sum() < step.collisions.sum())
+    print_output(fmt::format("  {} of {} pairs:\n", step.listed().sum(), step.collisions.sum()));
+}
 
 class PairListing : public ReportWriter {
  public:
@@ -305,6 +322,7 @@ class PairListing : public ReportWriter {
   Result<void> start(const CheckedStep& pose) override {
     if (pose.collisions.sum() == 0) return {};
     print_output(fmt::format("frame {} at the start\n", pose.index.frame));
+    announce_listed(pose);
     list(*pose.pose);
     return {};
   }
@@ -312,8 +330,7 @@ class PairListing : public ReportWriter {
   Result<void> step(const CheckedStep& step) override {
     if (step.collisions.sum() == 0) return {};
     print_output(fmt::format("frame {} substep {}\n", step.index.frame, step.index.substep));
-    if (step.listed().sum() < step.collisions.sum())
-      print_output(fmt::format("  {} of {} pairs:\n", step.listed().sum(), step.collisions.sum()));
+    announce_listed(step);
     if (step.pose) {
       list(*step.pose);
       return {};

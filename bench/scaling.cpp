@@ -78,7 +78,7 @@ class Team {
 
 Result<json> measure_threads(Motion& motion, StepSize size, const Plan& plan) {
   auto hierarchy = FOLDPROOF_TRY(build_hierarchy(motion, plan.hierarchy));
-  const int processors = static_cast<int>(std::thread::hardware_concurrency());
+  const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   std::deque<Team> teams;
   for (int threads = 1; threads <= processors; threads *= 2) teams.emplace_back(hierarchy, threads);
   StepLoader loader(motion);

@@ -74,10 +74,10 @@ def check(context, executable):
         yield from program.run(arguments, folder, "Looking for collisions", 0.9)
         start, steps, found = program.read_answer(answer, sampled)
     contacts.store(scene, sampled, found, times)
-    return _mark(scene, sampled, start, steps, [frames[k // parts] for k in range(len(times))], times, poses)
+    return _mark(scene, sampled, start, steps, [frames[k // parts] for k in range(len(times))], times, poses, settings.pairs)
 
 
-def _mark(scene, sampled, start, steps, frame_of, times, poses):
+def _mark(scene, sampled, start, steps, frame_of, times, poses, pairs):
     polygons = {each.object.data: {} for each in sampled}  # objects may share a mesh
     crossing = {each.object.data: set() for each in sampled}
     unknown = 0
@@ -96,6 +96,8 @@ def _mark(scene, sampled, start, steps, frame_of, times, poses):
         marks.store(mesh, by_frame, crossing[mesh])
     marks.show(scene)
     text = _summary(start, steps, times, poses, len({frame_of[number] for number, *_ in steps}))
+    if len(sampled) > 1 and pairs != "ALL":
+        text += "; pairs of two meshes were not tested" if pairs == "WITHIN" else "; pairs within one mesh were not tested"
     return text + ("; some of them on faces that a modifier made by itself" if unknown else "")
 
 

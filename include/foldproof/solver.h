@@ -59,8 +59,9 @@ class CollisionMesh {
   /// `rest_positions`: vertex_count x 3, row-major; the hierarchy is split by this pose (any will do).
   /// `edges`: two vertex ids each, in either order. `faces`: three vertex ids each. Edges of faces that
   /// `edges` lacks are appended, so an empty matrix, or one with only the codimensional edges, is enough.
-  /// Error: an id out of range, an edge twice or from a vertex to itself, nothing that could collide, a
-  /// filter for another number of vertices, positions that are not finite. Cost: as Hierarchy::build.
+  /// Error: an id out of range, an edge twice or from a vertex to itself, a face that names one vertex three
+  /// times, nothing that could collide, a filter for another number of vertices, positions that are not
+  /// finite. Cost: as Hierarchy::build.
   static Result<CollisionMesh> make(std::span<const double> rest_positions, std::vector<Edge> edges,
                                     std::vector<Triangle> faces, CollisionMeshSettings settings = {});
 
@@ -160,8 +161,8 @@ struct StepSize {
     None,     ///< It is 1.
     Contact,  ///< There is contact on the way.
     Start,    ///< It is 0: x0 itself is in contact, or closer than min_distance plus the tolerance.
-    /// It is 0: no step could be proven free, though no contact at x0 is known. This happens at needles, or
-    /// where the tolerance is not far above the rounding of positions.
+    /// It is 0: no step could be proven free, or the first pair that stands in the way at x0 is undecided.
+    /// This happens at needles, or where the tolerance is not far above the rounding of positions.
     Undecided,
   } limit;
 };

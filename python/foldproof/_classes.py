@@ -46,7 +46,11 @@ def _arrays_of(mesh: Any) -> tuple[NDArray[Any], NDArray[Any]]:
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
         return np.asarray(mesh.vertices), _triangles_of(mesh.faces)
     if hasattr(mesh, "points") and hasattr(mesh, "cells"):
-        flat = [_triangles_of(block.data) for block in mesh.cells if block.type in ("triangle", "quad")]
+        cells = [block for block in mesh.cells if not block.type.startswith(("vertex", "line"))]
+        other = sorted({block.type for block in cells} - {"triangle", "quad"})
+        if other:
+            raise Error("mesh", f"has cells of type {', '.join(other)}", "give a surface of triangles and quads alone")
+        flat = [_triangles_of(block.data) for block in cells]
         if not flat:
             raise Error("mesh", "has no cells of triangles or quads", "give a surface")
         return np.asarray(mesh.points), np.concatenate(flat)

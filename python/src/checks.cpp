@@ -109,13 +109,27 @@ void add_models(const py::object& models, Request& request) {
   }
 }
 
+/// Of the first motion; `weld`: of any.
+ReadOptions read_options(const Request& request) {
+  ReadOptions read;
+  for (std::size_t i = request.motions.size(); i-- > 0;) {
+    const auto* motion = dynamic_cast<const SharedMotion*>(request.motions[i].get());
+    if (motion == nullptr) continue;
+    const bool weld = read.weld || motion->read().weld;
+    read = motion->read();
+    read.weld = weld;
+  }
+  return read;
+}
+
 std::vector<std::unique_ptr<ReportWriter>> writers_of(const Request& request) {
   std::vector<std::unique_ptr<ReportWriter>> writers;
   for (const std::string& path : request.reports) {
     const std::string extension = extension_of(path);
     if (extension == ".json") {
-      writers.push_back(take(
-          json_report(path, request.motions, {.settings = request.settings, .read = {}, .pairs = true})));
+      writers.push_back(
+          take(json_report(path, request.motions,
+                           {.settings = request.settings, .read = read_options(request), .pairs = true})));
     } else if (extension == ".csv") {
       writers.push_back(take(csv_report(path)));
     } else if (extension == ".ply") {

@@ -92,7 +92,7 @@ std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, const
   }
   std::vector<std::shared_ptr<SharedMotion>> shared;
   shared.reserve(motions.size());
-  for (auto& motion : motions) shared.push_back(std::make_shared<SharedMotion>(std::move(motion)));
+  for (auto& motion : motions) shared.push_back(std::make_shared<SharedMotion>(std::move(motion), options));
   return shared;
 }
 
@@ -137,7 +137,8 @@ py::object item_of(SharedMotion& motion, const py::object& index) {
   if (count == 0)
     refuse("slice", "selects none of " + std::to_string(motion.frame_count()) + " frames",
            "select at least one");
-  return py::cast(std::make_shared<SharedMotion>(std::make_unique<SlicedMotion>(motion, begin, step, count)));
+  return py::cast(std::make_shared<SharedMotion>(std::make_unique<SlicedMotion>(motion, begin, step, count),
+                                                 motion.read()));
 }
 
 py::array triangles_of_motion(const py::object& self) {

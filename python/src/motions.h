@@ -14,8 +14,11 @@ namespace foldproof::python {
 /// A motion with shared ownership that several threads may read.
 class SharedMotion final : public Motion {
  public:
-  explicit SharedMotion(std::unique_ptr<Motion> motion)
-      : state_(std::make_shared<State>(std::move(motion))) {}
+  explicit SharedMotion(std::unique_ptr<Motion> motion, const ReadOptions& read = {})
+      : state_(std::make_shared<State>(std::move(motion), read)) {}
+
+  /// How its files were read.
+  const ReadOptions& read() const { return state_->read; }
 
   const std::string& name() const override { return state_->motion->name(); }
   const Topology& topology() const override { return state_->motion->topology(); }
@@ -30,8 +33,9 @@ class SharedMotion final : public Motion {
 
  private:
   struct State {
-    explicit State(std::unique_ptr<Motion> m) : motion(std::move(m)) {}
+    State(std::unique_ptr<Motion> m, const ReadOptions& options) : motion(std::move(m)), read(options) {}
     std::unique_ptr<Motion> motion;
+    ReadOptions read;
     std::mutex mutex;
   };
   std::shared_ptr<State> state_;

@@ -63,6 +63,8 @@ StepSettings step_settings(const py::kwargs& settings) {
     }
     if (!known) throw py::type_error("'" + name + "' is not a setting of a check");
   }
+  if (!s.within && !s.between)
+    refuse("within and between", "are both off, so nothing would be tested", "leave one of them on");
   return s;
 }
 

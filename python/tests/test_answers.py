@@ -1,5 +1,6 @@
 """What Python gets is what the program says."""
 import csv
+import json
 import pathlib
 import re
 
@@ -86,6 +87,21 @@ def test_what_crosses_from_the_start_is_the_programs(triangles, frames, program,
 def test_reports_are_written_whole(motion, tmp_path):
     foldproof.check(motion, reports=[tmp_path / "a.json", tmp_path / "a.csv", tmp_path / "a.ply"], keep=False)
     assert all((tmp_path / f"a.{kind}").stat().st_size > 100 for kind in ("json", "csv", "ply"))
+
+
+def test_checks_that_would_test_nothing_are_refused(motion):
+    with pytest.raises(foldproof.Error, match="substeps: must not be 0"):
+        foldproof.check(motion, substeps=0)
+    with pytest.raises(foldproof.Error, match="nothing would be tested"):
+        foldproof.check(motion, within=False, between=False)
+
+
+def test_a_report_says_how_files_were_read(motion, tmp_path):
+    foldproof.write_motion(tmp_path / "roll.npz", motion)
+    read = foldproof.open_motion(tmp_path / "roll.npz", fps=60, weld=True)
+    foldproof.check(read[1:], reports=tmp_path / "a.json", keep=False)
+    settings = json.loads((tmp_path / "a.json").read_text())["settings"]
+    assert settings["fps"] == 60 and settings["weld"] is True
 
 
 def test_step_by_step_is_the_whole_check(motion, triangles, frames):

@@ -66,6 +66,9 @@ def test_meshes_of_other_libraries(triangles, frames):
         foldproof.Motion.from_meshes([trimeshes[0], types.SimpleNamespace(vertices=frames[0], faces=triangles[1:])])
     with pytest.raises(foldproof.Error, match="no cells of triangles"):
         foldproof.Motion.from_meshes(types.SimpleNamespace(points=frames[0], cells=[line]))
+    polygon = types.SimpleNamespace(type="polygon", data=np.array([[0, 5, 6, 7, 1]]))
+    with pytest.raises(foldproof.Error, match="cells of type polygon"):
+        foldproof.Motion.from_meshes(types.SimpleNamespace(points=frames[0], cells=[quad, polygon]))
     with pytest.raises(foldproof.Error, match="are none"):
         foldproof.Motion.from_meshes([])
     with pytest.raises(TypeError, match="trimesh"):

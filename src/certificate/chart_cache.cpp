@@ -156,8 +156,9 @@ bool ChartCache::looks_flat(Index node, std::span<const MovingVertex> vertices) 
 
 // The largest first. A counting sort: comparisons would read the sizes of nodes far apart again and again.
 void ChartCache::sort_requested_nodes() {
-  size_begin_.assign(kMaxTriangles + 2, 0);
-  const auto rank = [&](Index node) { return kMaxTriangles - slots().triangle_count(node); };
+  const Index largest = std::min(kMaxTriangles, slots().triangle_count(0));
+  size_begin_.assign(largest + 2, 0);
+  const auto rank = [&](Index node) { return largest - slots().triangle_count(node); };
   for (const Index node : requested_nodes_) ++size_begin_[rank(node) + 1];
   std::partial_sum(size_begin_.begin(), size_begin_.end(), size_begin_.begin());
   sorted_nodes_.resize(requested_nodes_.size());
@@ -168,8 +169,9 @@ void ChartCache::sort_requested_nodes() {
 // Builds from the largest node to the smallest, in rounds. Nodes below one that is being built wait; those
 // whose ancestor fails are tried in the next round.
 void ChartCache::build_nodes(std::span<const MovingVertex> vertices, std::size_t& budget) {
-  sort_requested_nodes();
   std::fill(covered_.begin(), covered_.end(), Cover::None);
+  if (requested_nodes_.empty()) return;
+  sort_requested_nodes();
   while (!requested_nodes_.empty()) {
     build_count_ = 0;
     choose_nodes(vertices, budget);

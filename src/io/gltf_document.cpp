@@ -446,4 +446,20 @@ Result<GltfDocument::Buffer> GltfDocument::load_uri(const std::string& uri, cons
   return file;
 }
 
+std::vector<std::string> gltf_files(const std::string& path) {
+  std::vector<std::string> files;
+  const auto bytes = read_file(path, {});
+  if (!bytes) return files;
+  const Json json = Json::parse(bytes->begin(), bytes->end(), nullptr, false);
+  const auto buffers = json.is_object() ? json.find("buffers") : json.end();
+  if (buffers == json.end() || !buffers->is_array()) return files;
+  for (const Json& buffer : *buffers) {
+    const auto uri = buffer.is_object() ? buffer.find("uri") : buffer.end();
+    if (uri == buffer.end() || !uri->is_string() || uri->get_ref<const std::string&>().starts_with("data:"))
+      continue;
+    files.push_back((fs::path(path).parent_path() / decode_percent(uri->get<std::string>())).string());
+  }
+  return files;
+}
+
 }  // namespace foldproof::io

@@ -68,6 +68,8 @@ Result<std::unique_ptr<Motion>> open_npy(const std::string& one, const std::stri
 /// its directory, or to several at one time.
 Result<std::vector<std::string>> pvd_files(const std::string& path);
 Result<std::unique_ptr<Motion>> open_pvd(const std::string& path, const ReadProgress& progress);
+/// The files beside a .gltf that its buffers name, as paths; none where it cannot be read.
+std::vector<std::string> gltf_files(const std::string& path);
 /// glTF or GLB, sampled at `fps`.
 Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps, const ReadProgress& progress);
 

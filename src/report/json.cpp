@@ -23,6 +23,9 @@ class JsonReport : public ReportWriter {
   Result<void> start(const CheckedStep& pose) override {
     file_.add("\"start\":{{\"frame\":{},\"crossings\":{},\"milliseconds\":{}", pose.index.frame,
               pose.collisions.triangle_triangle, dump(to_json(pose.milliseconds)));
+    if (const std::uint64_t listed = pose.listed().triangle_triangle;
+        listed < pose.collisions.triangle_triangle)
+      file_.add(",\"listed\":{}", listed);
     if (pairs_) {
       file_.add(",\n\"pairs\":{{");
       FOLDPROOF_TRY(add_triangles(*pose.pose));

@@ -115,6 +115,7 @@ struct CheckTotals {
   std::optional<std::uint64_t> starts_crossing;
   StageTimes start_milliseconds;  ///< Times of that test; `milliseconds` excludes them.
   CollisionCounts collisions;
+  std::uint64_t start_listed = 0;  ///< Of starts_crossing, those that the first frame's answer lists.
   CollisionCounts listed;          ///< Collisions that the steps' answers list.
   std::optional<StepIndex> worst;  ///< The step with the most collisions, the first of several.
   CollisionCounts worst_collisions;

@@ -332,6 +332,11 @@ Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings&
                             motion->frame_count() == 1 ? "" : "s", motions[0]->name(), count),
                 "objects that are checked together need equally many frames");
   }
+  if (!settings.step.between && !settings.step.within)
+    return fail(ErrorCode::InvalidArgument, "within and between", "are both off, so nothing would be tested",
+                "leave one of them on");
+  if (settings.substeps == 0)
+    return fail(ErrorCode::InvalidArgument, "substeps", "must not be 0", "give 1 or more");
   if (settings.step.between && !settings.step.within && motions.size() < 2) {
     return fail(ErrorCode::InvalidArgument, motions[0]->name(),
                 "is the only object, so there is nothing between objects to check",
@@ -372,6 +377,7 @@ CollisionCounts CheckedStep::listed() const {
 
 void CheckTotals::start(const CheckedStep& pose) {
   starts_crossing = pose.collisions.triangle_triangle;
+  start_listed = pose.listed().triangle_triangle;
   start_milliseconds = pose.milliseconds;
 }
 

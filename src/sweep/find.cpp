@@ -19,7 +19,7 @@ using io::FileKind, io::is_kind;
 
 /// The entries of a directory by kind, each in natural order.
 struct Entries {
-  std::vector<std::string> folders, meshes, caches, animations, arrays, buffers;
+  std::vector<std::string> folders, meshes, caches, animations, arrays;
 };
 
 std::error_code list(const std::string& path, Entries& entries) {
@@ -39,12 +39,10 @@ std::error_code list(const std::string& path, Entries& entries) {
       entries.animations.push_back(file);
     } else if (is_kind(file, FileKind::Array)) {
       entries.arrays.push_back(file);
-    } else if (extension_of(file) == ".bin") {
-      entries.buffers.push_back(file);
     }
   }
-  for (auto* files : {&entries.folders, &entries.meshes, &entries.caches, &entries.animations,
-                      &entries.arrays, &entries.buffers})
+  for (auto* files :
+       {&entries.folders, &entries.meshes, &entries.caches, &entries.animations, &entries.arrays})
     std::sort(files->begin(), files->end(), io::natural_less);
   return status;
 }
@@ -54,9 +52,12 @@ void add_status(SweepMotion& motion, std::span<const std::string> files) {
   for (const std::string& file : files) {
     struct ::stat status = {};
     if (::stat(file.c_str(), &status) != 0) continue;  // opening the file will report why
+    const std::int64_t modified =
+        std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
     motion.bytes += static_cast<std::uint64_t>(status.st_size);
-    motion.modified = std::max(motion.modified,
-                               std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec);
+    motion.modified = std::max(motion.modified, modified);
+    motion.status.add(
+        fmt::format("{}\n{}\n{}\n", fs::path(file).filename().string(), status.st_size, modified));
   }
 }
 
@@ -93,7 +94,7 @@ class Finder {
       const auto frames =
           extension_of(animation) == ".pvd" ? io::pvd_files(animation).value_or(kNone) : kNone;
       for (const std::string& frame : frames) in_collections_.insert(canonical(frame));
-      add(animation, {animation}, extension_of(animation) == ".gltf" ? entries.buffers : frames);
+      add(animation, {animation}, extension_of(animation) == ".gltf" ? io::gltf_files(animation) : frames);
     }
     std::erase_if(entries.meshes,
                   [&](const std::string& mesh) { return in_collections_.contains(canonical(mesh)); });

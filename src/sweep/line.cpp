@@ -35,6 +35,7 @@ Json head_of(const SweepMotion& motion, const SweepSettings& settings) {
           {"settings", settings_hash(settings)},
           {"bytes", motion.bytes},
           {"modified", motion.modified},
+          {"status", motion.status.text()},
           {"seconds", 0.0}};
 }
 
@@ -123,6 +124,8 @@ const char* name_of(SweepState state) {
   return "failed";
 }
 
+std::string Hash::text() const { return fmt::format("{:016x}", value_); }
+
 std::string settings_hash(const SweepSettings& settings) {
   const CheckSettings& check = settings.check;
   const auto end = [](const std::optional<std::int64_t>& e) { return e ? Json(*e) : Json(nullptr); };
@@ -136,9 +139,9 @@ std::string settings_hash(const SweepSettings& settings) {
                     {"tolerance", check.step.tolerance},
                     {"weld", settings.read.weld},
                     {"fps", settings.read.fps}};
-  std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
-  for (const char c : dump(all)) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return fmt::format("{:016x}", hash);
+  Hash hash;
+  hash.add(dump(all));
+  return hash.text();
 }
 
 std::optional<std::string> sweep_line(const SweepMotion& motion, const SweepSettings& settings,
@@ -168,6 +171,7 @@ Result<SweepRecord> read_sweep_line(const std::string& line) {
     SweepRecord record;
     json.at("path").get_to(record.path);
     json.at("settings").get_to(record.settings);
+    record.status = json.value("status", "");  // a line without it is checked again
     json.at("bytes").get_to(record.bytes);
     json.at("modified").get_to(record.modified);
     json.at("seconds").get_to(record.seconds);

@@ -6,11 +6,25 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "report/report.h"
 
 namespace foldproof {
+
+/// FNV-1a. Not for adversaries.
+class Hash {
+ public:
+  void add(std::string_view bytes) {
+    for (const char c : bytes) value_ = (value_ ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  }
+  /// 16 hexadecimal digits.
+  std::string text() const;
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325u;
+};
 
 /// A motion found below a directory.
 struct SweepMotion {
@@ -19,6 +33,8 @@ struct SweepMotion {
   std::vector<std::string> files;
   std::uint64_t bytes = 0;    ///< Size of all its files.
   std::int64_t modified = 0;  ///< Modification time of the newest file, nanoseconds since 1970.
+  /// A hash of the names, sizes and modification times of all its files. Another one: something has changed.
+  Hash status;
 };
 
 struct SweepInput {
@@ -56,7 +72,7 @@ const char* name_of(SweepState state);
 
 /// The content of a line of results.
 struct SweepRecord {
-  std::string path, settings, error, model;  ///< Error and model: empty if there is none.
+  std::string path, settings, status, error, model;  ///< Error and model: empty if there is none.
   SweepState state = SweepState::Failed;
   std::uint64_t bytes = 0;
   std::int64_t modified = 0;

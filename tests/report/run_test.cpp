@@ -252,6 +252,16 @@ TEST(RunCheck, RefusesWhatCannotBeChecked) {
     ASSERT_FALSE(totals) << range;
     EXPECT_THAT(totals.error().line(), HasSubstr("--frames: selects 0 of 5 frames, and one is needed"));
   }
+  CheckSettings nothing;
+  nothing.step.within = nothing.step.between = false;
+  const auto untested = check(list(needle(kSinking), needle(kSinking)), nothing).totals;
+  ASSERT_FALSE(untested);
+  EXPECT_THAT(untested.error().line(), HasSubstr("nothing would be tested"));
+  CheckSettings no_parts;
+  no_parts.substeps = 0;
+  const auto parts = check(list(needle(kSinking)), no_parts).totals;
+  ASSERT_FALSE(parts);
+  EXPECT_THAT(parts.error().line(), HasSubstr("substeps: must not be 0"));
   CheckSettings only;
   only.steps_only = true;
   for (const char* range : {"3:3", "3:4", "9:", "2"}) {

@@ -117,12 +117,17 @@ TEST(FindMotions, FindsNothingTwiceAndFollowsNoLinkToADirectory) {
 }
 
 TEST(FindMotions, SeesThatABufferOfAGltfChanged) {
-  const Library library({"a.gltf", "a.bin"});
-  EXPECT_EQ(library.input().motions[0].bytes, 10u);
+  const Library library({"a.gltf", "below/a b.bin", "other.bin"});
+  const std::string json = R"({"buffers":[{"uri":"below/a%20b.bin"},{"uri":"data:;base64,AA=="},{}]})";
+  std::ofstream(library / "a.gltf") << json;
+  EXPECT_EQ(library.input().motions[0].bytes, json.size() + 5);
   const auto later = std::filesystem::file_time_type::clock::now() + std::chrono::hours(1);
-  const auto before = library.input().motions[0].modified;
-  std::filesystem::last_write_time(library / "a.bin", later);
-  EXPECT_GT(library.input().motions[0].modified, before);
+  const SweepMotion before = library.input().motions[0];
+  std::filesystem::last_write_time(library / "other.bin", later);
+  EXPECT_EQ(library.input().motions[0].status.text(), before.status.text());
+  std::filesystem::last_write_time(library / "below/a b.bin", later);
+  EXPECT_GT(library.input().motions[0].modified, before.modified);
+  EXPECT_NE(library.input().motions[0].status.text(), before.status.text());
 }
 
 TEST(FindMotions, SaysWhatIsNoDirectory) {

@@ -234,6 +234,10 @@ TEST(SweepFile, ChecksAgainWhatChanged) {
   const auto later = std::filesystem::file_time_type::clock::now() + std::chrono::hours(1);
   std::filesystem::last_write_time(library / "in/a.npz", later);
   EXPECT_THAT(library.sweep(), ElementsAre(0));
+  // Of the same size, and older than the others: restored from a backup.
+  const auto earlier = std::filesystem::file_time_type::clock::now() - std::chrono::hours(1000);
+  std::filesystem::last_write_time(library / "in/a.npz", earlier);
+  EXPECT_THAT(library.sweep(), ElementsAre(0));
   library.settings.check.step.thickness = 0.1;
   EXPECT_THAT(library.sweep(), ElementsAre(0, 1, 2));
   // Nothing that makes it faster changes an answer.

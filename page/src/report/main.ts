@@ -8,7 +8,7 @@ import { append, el } from '../shared/dom';
 import { counted, grouped, milliseconds, percent, short, toiText } from '../shared/format';
 import { collisionsOf, spanOf, stepText, type Step } from '../shared/steps';
 import { applyTheme, onTheme, startTheme, themeButton } from '../shared/theme';
-import { startText, verdictOf, type Found, type Kind, type Start } from '../shared/verdict';
+import { startText, untestedText, verdictOf, type Found, type Kind, type Start } from '../shared/verdict';
 import { capital, isStatic, kBetweenNotTested, kStartNotTested, wordsOf } from '../shared/words';
 
 interface Counts {
@@ -70,7 +70,7 @@ function append_<T extends HTMLElement>(parent: T, children: HTMLElement[]): T {
 
 const total = (counts: number | Counts): number => (typeof counts === 'number' ? counts : counts.vf + counts.ee + (counts.tt ?? 0));
 
-function foundIn({ settings, start, totals }: Data, single: boolean): Found {
+function foundIn({ settings, objects, start, totals }: Data, single: boolean): Found {
   return {
     state: totals.stopped ? 'stopped' : 'done',
     done: totals.steps,
@@ -82,6 +82,7 @@ function foundIn({ settings, start, totals }: Data, single: boolean): Found {
     statistical: settings['mode'] === 'paper',
     single,
     poses: isStatic(settings),
+    untested: untestedText(settings, objects.length),
   };
 }
 

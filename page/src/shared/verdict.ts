@@ -20,6 +20,7 @@ export interface Found {
   statistical: boolean;
   single: boolean; // one frame, whose only step has no motion
   poses: boolean; // a static check, whose steps are poses
+  untested: string; // pairs of meshes that were left out, for the end of the verdict
 }
 
 export type Kind = 'run' | 'free' | 'hit' | 'stopped';
@@ -59,7 +60,18 @@ function single(start: Start, pairs: number): Verdict {
   return crosses ? { text: startText(start, true), kind: 'hit' } : { text: `Proven free: nothing crosses in frame ${start.frame}`, kind: 'free' };
 }
 
+/** What was left out when only pairs within meshes, or only those between them, were tested. */
+export function untestedText(settings: Record<string, unknown>, objects: number): string {
+  if (settings['within'] === false) return '; pairs within one mesh were not tested';
+  return settings['between'] === false && objects > 1 ? '; pairs of two meshes were not tested' : '';
+}
+
 export function verdictOf(found: Found): Verdict {
+  const { text, kind } = verdictOfTested(found);
+  return { text: text + (found.state === 'done' ? found.untested : ''), kind };
+}
+
+function verdictOfTested(found: Found): Verdict {
   const { start, pairs } = found;
   if (found.state === 'running') return running(found);
   if (found.state !== 'done') return stopped(found);

@@ -1,6 +1,6 @@
 // The progress of the check: its steps, and the pairs of the current step.
 import { collisionsOf, type Step } from '../shared/steps';
-import { verdictOf, type Found, type Start, type Verdict } from '../shared/verdict';
+import { untestedText, verdictOf, type Found, type Start, type Verdict } from '../shared/verdict';
 import { isStatic } from '../shared/words';
 import { ApiError, getJson, GoneError, type Bounds, type Pair, type SceneInfo, type StepsAnswer } from './api';
 
@@ -68,7 +68,7 @@ export class Check {
   found(): Found {
     const { mode, steps_only } = this.scene.settings;
     const { state, done, pairs, colliding, start } = this;
-    return { state, done, total: this.scene.steps, pairs, colliding, start, stepsOnly: steps_only === true, statistical: mode === 'paper', single: this.scene.frames === 1, poses: this.poses };
+    return { state, done, total: this.scene.steps, pairs, colliding, start, stepsOnly: steps_only === true, statistical: mode === 'paper', single: this.scene.frames === 1, poses: this.poses, untested: untestedText(this.scene.settings, this.scene.objects.length) };
   }
 
   /** The next step with collisions in a direction, or kStart; null if there is none. */
