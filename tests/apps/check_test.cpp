@@ -213,7 +213,10 @@ TEST(Check, WithinAndBetween) {
   const Scene scene;
   EXPECT_EQ(check_in(scene, {"floor", "tip"}).code, 1);
   EXPECT_EQ(check_in(scene, {"floor", "tip", "--between"}).code, 1);
-  EXPECT_EQ(check_in(scene, {"floor", "tip", "--within"}).code, 0);
+  const Outcome within = check_in(scene, {"floor", "tip", "--within"});
+  EXPECT_EQ(within.code, 0);
+  EXPECT_THAT(within.out, HasSubstr("Pairs of two meshes were not tested (--within)."));
+  EXPECT_THAT(check_in(scene, {"sink", "--within"}).out, Not(HasSubstr("were not tested")));
 }
 
 TEST(Check, HelpAndVersion) {
