@@ -156,6 +156,7 @@ class SceneReader {
       }
     }
     primitive.material = document_.optional_count(json, "material", json_path);
+      if (primitive.indices->base.normalized) document_.set_error(json_path, "indices are normalized");
     const std::size_t targets = mesh.vertex_sets[primitive.vertex_set].targets.size();
     if (!mesh.primitives.empty() && targets != mesh.targets) {
       document_.set_error(json_path, "has another number of morph targets than the primitive before");
@@ -210,6 +211,7 @@ class SceneReader {
       if (!influence[0].is_unsigned()) document_.set_error(json_path, "joints are not unsigned integers");
       set.influences.push_back(std::move(influence));
     }
+      if (influence[0].base.normalized) document_.set_error(json_path, "joints are normalized");
     return set;
   }
 
@@ -283,6 +285,11 @@ class SceneReader {
   }
 
   std::vector<GltfChannel> read_animation(const Json& json, const std::string& json_path) {
+      const std::string path = document_.text(*target, "path", "");
+      if (path == "pointer") {
+        check_pointer(*target, where);
+        continue;
+      }
     std::vector<GltfChannel> channels;
     const Json& samplers = document_.list(json, "samplers", json_path);
     std::size_t number = 0;
@@ -295,10 +302,21 @@ class SceneReader {
       }
       if (failed()) return {};
       const auto node = document_.optional_index(*target, "node", "nodes", where);
+  /// KHR_animation_pointer can drive whatever has a place in the JSON. Only looks can be left out.
+  void check_pointer(const Json& target, const std::string& json_path) {
+    static const Json::json_pointer kPointer("/extensions/KHR_animation_pointer/pointer");
+    const Json pointer = target.contains(kPointer) ? target[kPointer] : Json();
+    const std::string text = pointer.is_string() ? pointer.get<std::string>() : "";
+    for (const char* looks : {"/materials/", "/cameras/", "/extensions/KHR_lights_punctual/"}) {
+      if (text.starts_with(looks)) return;
+    }
+    document_.set_error(json_path, "'KHR_animation_pointer' is not read",
+                        "bake the animation to node transforms");
+  }
+
       if (!node) continue;  // by the specification, a channel without a node has no effect
       GltfChannel channel;
       channel.node = *node;
-      const std::string path = document_.text(*target, "path", "");
       if (path == "weights" && !scene_.nodes[*node].mesh) continue;
       read_sampler(samplers[sampler], path, where, channel);
       if (failed()) return {};
