@@ -44,7 +44,7 @@ std::string notes_of(Motions motions) {
   std::string text;
   for (const auto& motion : motions) {
     for (const std::string& note : motion->notes())
-      text += fmt::format("\n{}: {}\n", cell(motion->name()), cell(note));
+      text += fmt::format("\n{}: {}\n", cell(motion->name()), printable(note));
   }
   return text;
 }

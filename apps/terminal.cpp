@@ -102,11 +102,16 @@ std::string row(const char* label, const std::string& value) {
   return fmt::format("{:<24}{}\n", label, value);
 }
 
-std::string cell(std::string name) {
-  constexpr std::size_t kLongest = 48;
-  for (char& c : name) {
+std::string printable(std::string text) {
+  for (char& c : text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
   }
+  return text;
+}
+
+std::string cell(std::string name) {
+  constexpr std::size_t kLongest = 48;
+  name = printable(std::move(name));
   if (name.size() > kLongest) {
     std::size_t from = name.size() - (kLongest - 3);
     while (from < name.size() && (static_cast<unsigned char>(name[from]) & 0xc0) == 0x80)

@@ -59,6 +59,9 @@ std::string counted(std::uint64_t number, const char* noun);
 /// A row of a summary: what it is, and its value.
 std::string row(const char* label, const std::string& value);
 
+/// Replaces control characters.
+std::string printable(std::string text);
+
 /// Shortens a name for a table cell to its end, which distinguishes files, and replaces control characters.
 std::string cell(std::string name);
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/try.h"
+#include "io/gltf_frames.h"
 #include "io/gltf_parts.h"
 #include "io/readers.h"
 
@@ -29,18 +30,17 @@ struct Instance {
 class GltfMotion final : public Motion {
  public:
   GltfMotion(GltfDocument document, GltfScene scene, double fps)
-      : document_(std::move(document)), scene_(std::move(scene)), fps_(fps) {}
+      : document_(std::move(document)), scene_(std::move(scene)), fps_(fps), frames_(fps, scene_.duration) {}
 
   Result<void> open() {
-    // Key times are stored as floats, so the last one may lie slightly after its frame.
-    constexpr double kRounding = 1e-4;
-    const double frames = std::ceil(scene_.duration * fps_ - kRounding) + 1;
-    if (!(frames <= kMaxFrames)) {
+    if (!(frames_.count() <= kMaxFrames)) {
       return fail(ErrorCode::LimitExceeded, name(),
                   fmt::format("{} seconds at {} frames a second are too many frames", scene_.duration, fps_),
                   "choose a lower --fps");
     }
-    frames_ = static_cast<Index>(std::max(frames, 1.0));
+    notes_ = scene_.notes;
+    if (std::string note = note_on_keys(scene_, fps_, kMaxFrames); !note.empty())
+      notes_.push_back(std::move(note));
     FOLDPROOF_TRY(check_size());
     std::vector<Triangle> triangles;
     std::vector<GltfTriangles> runs;
@@ -59,11 +59,12 @@ class GltfMotion final : public Motion {
   const Topology& topology() const override { return topology_; }
   const ObjectParts& parts() const override { return parts_; }
   std::string unit() const override { return "m"; }
-  Index frame_count() const override { return frames_; }
+  std::vector<std::string> notes() const override { return notes_; }
+  Index frame_count() const override { return static_cast<Index>(frames_.count()); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
     FOLDPROOF_TRY(check_request(*this, k, out));
-    evaluate(std::min(k / fps_, scene_.duration));
+    evaluate(frames_.time(k));
     joints_.assign(scene_.skins.size(), {});
     const std::string where = fmt::format("{}, frame {}", name(), k);
     for (const Instance& instance : instances_) {
@@ -293,7 +294,8 @@ class GltfMotion final : public Motion {
   GltfDocument document_;
   GltfScene scene_;
   double fps_;
-  Index frames_ = 1;
+  GltfFrames frames_;
+  std::vector<std::string> notes_;
   std::size_t vertex_count_ = 0;
   std::vector<Instance> instances_;
   Topology topology_;

@@ -1,7 +1,7 @@
 // Interpolation between the keys of an animation (glTF 2.0 specification, appendix C).
 #include <cmath>
 
-#include "io/gltf_scene.h"
+#include "io/gltf_frames.h"
 
 namespace foldproof::io {
 namespace {
@@ -13,11 +13,30 @@ void slerp(std::span<const double> from, std::span<const double> to, double s, s
   Eigen::Map<Eigen::Vector4d>(out.data()) = a.normalized().slerp(s, b.normalized()).coeffs();
 }
 
+/// The keys before and after a time; the same key twice where its value holds.
+std::pair<std::uint64_t, std::uint64_t> find_keys(const GltfAccessor& times, double time) {
+  const std::uint64_t keys = times.count();
+  std::uint64_t next = 0;  // the first key after `time`
+  for (std::uint64_t high = keys; next < high;) {
+    const std::uint64_t probe = (next + high) / 2;
+    if (times.get(probe, 0) <= time) {
+      next = probe + 1;
+    } else {
+      high = probe;
+    }
+  }
+  if (next == 0) return {0, 0};
+  if (next == keys) return {keys - 1, keys - 1};
+  const double before = time - times.get(next - 1, 0), after = times.get(next, 0) - time;
+  const std::uint64_t nearest = after < before ? next : next - 1;
+  if (is_time_of_key(time, times.get(nearest, 0))) return {nearest, nearest};
+  return {next - 1, next};
+}
+
 }  // namespace
 
 void sample_channel(const GltfChannel& channel, double time, std::span<double> out) {
   const bool cubic = channel.interpolation == GltfInterpolation::CubicSpline;
-  const std::uint64_t keys = channel.times.count();
   // A key has one element for a transform, one per target for weights. A spline stores in-tangent, value and
   // out-tangent.
   const bool scalars = channel.path == GltfPath::Weights;
@@ -27,21 +46,11 @@ void sample_channel(const GltfChannel& channel, double time, std::span<double> o
     return scalars ? channel.values.get(element + i, 0) : channel.values.get(element, static_cast<int>(i));
   };
   const std::uint64_t value_part = cubic ? 1 : 0;
-  std::uint64_t next = 0;  // the first key after `time`
-  for (std::uint64_t high = keys; next < high;) {
-    const std::uint64_t probe = (next + high) / 2;
-    if (channel.times.get(probe, 0) <= time) {
-      next = probe + 1;
-    } else {
-      high = probe;
-    }
-  }
-  if (next == 0 || next == keys || channel.interpolation == GltfInterpolation::Step) {
-    const std::uint64_t key = next == 0 ? 0 : next - 1;
+  const auto [key, next] = find_keys(channel.times, time);
+  if (key == next || channel.interpolation == GltfInterpolation::Step) {
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = value(key, value_part, i);
     return;
   }
-  const std::uint64_t key = next - 1;
   const double t0 = channel.times.get(key, 0), interval = channel.times.get(next, 0) - t0;
   const double s = (time - t0) / interval;
   if (channel.path == GltfPath::Rotation && !cubic) {

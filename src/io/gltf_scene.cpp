@@ -7,6 +7,8 @@
 #include <map>
 #include <set>
 
+#include "io/gltf_clips.h"
+
 namespace foldproof::io {
 namespace {
 
@@ -154,6 +156,7 @@ class SceneReader {
       if (!primitive.indices->is_unsigned() || primitive.indices->base.bytes == nullptr) {
         document_.set_error(json_path, "indices are not unsigned integers in a buffer");
       }
+      if (primitive.indices->base.normalized) document_.set_error(json_path, "indices are normalized");
     }
     primitive.material = document_.optional_count(json, "material", json_path);
     const std::size_t targets = mesh.vertex_sets[primitive.vertex_set].targets.size();
@@ -208,6 +211,7 @@ class SceneReader {
       check_count(influence[0]);
       check_count(influence[1]);
       if (!influence[0].is_unsigned()) document_.set_error(json_path, "joints are not unsigned integers");
+      if (influence[0].base.normalized) document_.set_error(json_path, "joints are normalized");
       set.influences.push_back(std::move(influence));
     }
     return set;
@@ -256,30 +260,17 @@ class SceneReader {
 
   void read_animations() {
     const Json& animations = document_.list("animations");
-    struct Animation {
-      std::vector<GltfChannel> channels;
-      double duration = 0;  // time of the last key of any channel
-    };
-    std::vector<Animation> all;
+    std::vector<GltfClip> clips;
     for (std::size_t i = 0; i < animations.size() && !failed(); ++i) {
-      all.push_back({read_animation(animations[i], fmt::format("animations[{}]", i))});
+      const std::string json_path = fmt::format("animations[{}]", i);
+      const std::string name = document_.text(animations[i], "name", "");
+      GltfClip clip{name.empty() ? json_path : fmt::format("'{}'", name),
+                    read_animation(animations[i], json_path)};
+      for (const GltfChannel& channel : clip.channels)
+        clip.duration = std::max(clip.duration, channel.times.get(channel.times.count() - 1, 0));
+      clips.push_back(std::move(clip));
     }
-    if (failed()) return;
-    // All animations play together from time 0. Where two drive the same property, as clips of one character
-    // do, the longest wins.
-    for (Animation& animation : all) {
-      for (const GltfChannel& c : animation.channels)
-        animation.duration = std::max(animation.duration, c.times.get(c.times.count() - 1, 0));
-    }
-    std::stable_sort(all.begin(), all.end(),
-                     [](const auto& a, const auto& b) { return a.duration > b.duration; });
-    std::set<std::pair<std::size_t, GltfPath>> driven;
-    for (Animation& animation : all) {
-      scene_.duration = std::max(scene_.duration, animation.duration);
-      for (GltfChannel& channel : animation.channels) {
-        if (driven.emplace(channel.node, channel.path).second) scene_.channels.push_back(std::move(channel));
-      }
-    }
+    if (!failed()) play_together(std::move(clips), scene_);
   }
 
   std::vector<GltfChannel> read_animation(const Json& json, const std::string& json_path) {
@@ -294,17 +285,33 @@ class SceneReader {
         document_.set_error(where, "has no target, or a sampler that does not exist");
       }
       if (failed()) return {};
+      const std::string path = document_.text(*target, "path", "");
+      if (path == "pointer") {
+        check_pointer(*target, where);
+        continue;
+      }
       const auto node = document_.optional_index(*target, "node", "nodes", where);
       if (!node) continue;  // by the specification, a channel without a node has no effect
       GltfChannel channel;
       channel.node = *node;
-      const std::string path = document_.text(*target, "path", "");
       if (path == "weights" && !scene_.nodes[*node].mesh) continue;
       read_sampler(samplers[sampler], path, where, channel);
       if (failed()) return {};
       channels.push_back(std::move(channel));
     }
     return channels;
+  }
+
+  /// KHR_animation_pointer can drive whatever has a place in the JSON. Only looks can be left out.
+  void check_pointer(const Json& target, const std::string& json_path) {
+    static const Json::json_pointer kPointer("/extensions/KHR_animation_pointer/pointer");
+    const Json pointer = target.contains(kPointer) ? target[kPointer] : Json();
+    const std::string text = pointer.is_string() ? pointer.get<std::string>() : "";
+    for (const char* looks : {"/materials/", "/cameras/", "/extensions/KHR_lights_punctual/"}) {
+      if (text.starts_with(looks)) return;
+    }
+    document_.set_error(json_path, "'KHR_animation_pointer' is not read",
+                        "bake the animation to node transforms");
   }
 
   void read_sampler(const Json& json, const std::string& path, const std::string& json_path,
@@ -326,8 +333,8 @@ class SceneReader {
     channel.path = known_path->second;
     channel.interpolation = interpolation->second;
     const bool rotation = channel.path == GltfPath::Rotation, weights = channel.path == GltfPath::Weights;
-    channel.times =
-        document_.accessor(document_.index(json, "input", "accessors", json_path), "SCALAR", json_path);
+    channel.times_index = document_.index(json, "input", "accessors", json_path);
+    channel.times = document_.accessor(channel.times_index, "SCALAR", json_path);
     channel.values = document_.accessor(document_.index(json, "output", "accessors", json_path),
                                         weights ? "SCALAR" : (rotation ? "VEC4" : "VEC3"), json_path);
     if (failed()) return;
@@ -344,7 +351,7 @@ class SceneReader {
                                                  channel.values.count()));
       return;
     }
-    check_times(document_.index(json, "input", "accessors", json_path), channel.times);
+    check_times(channel.times_index, channel.times);
   }
 
   void check_times(std::size_t index, const GltfAccessor& times) {

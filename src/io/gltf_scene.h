@@ -53,6 +53,7 @@ struct GltfChannel {
   std::size_t node = 0;
   GltfPath path = GltfPath::Translation;
   GltfInterpolation interpolation = GltfInterpolation::Linear;
+  std::size_t times_index = 0;  ///< The accessor of the times, which channels may share.
   GltfAccessor times, values;
 };
 
@@ -65,12 +66,14 @@ struct GltfScene {
   std::vector<std::string> materials;  ///< Names.
   std::vector<GltfChannel> channels;   ///< At most one per path of a node.
   double duration = 0;                 ///< Time of the last key of any channel, seconds.
+  std::vector<std::string> notes;      ///< On what was left out of it, as in Motion::notes.
 };
 
 /// Error: the document's first error.
 Result<GltfScene> read_gltf_scene(GltfDocument& document);
 
-/// Interpolates the `out.size()` numbers of a channel at a time, without normalization.
+/// Interpolates the `out.size()` numbers of a channel at a time, without normalization. A time that differs
+/// from a key's by no more than rounding takes the key (is_time_of_key).
 void sample_channel(const GltfChannel& channel, double time, std::span<double> out);
 
 }  // namespace foldproof::io

@@ -300,6 +300,43 @@ TEST_F(GltfTest, AnimationsPlayTogetherAndTheLongestWins) {
   expect_frame(*motion, 2, {2, 0, 0, 5, 0, 0, 2, 3, 0});
 }
 
+TEST_F(GltfTest, RefusesNormalizedIndicesAndJoints) {
+  EXPECT_EQ(error([](Json& j) { j["accessors"][1]["normalized"] = true; }),
+            "a.gltf, meshes[0].primitives[0]: indices are normalized" + again);
+  EXPECT_EQ(error([](Json& j) { j["accessors"][1]["normalized"] = false; }), "no error");
+  GltfBuilder b;
+  Json& attributes = b.triangle()["attributes"];
+  attributes["WEIGHTS_0"] = b.floats("VEC4", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  attributes["JOINTS_0"] = b.accessor<std::uint8_t>("VEC4", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  b.json["skins"] = {{{"joints", {0, 0}}}};
+  b.json["nodes"] = {{{"mesh", 0}, {"skin", 0}}};
+  EXPECT_EQ(open_error({files.write("a.gltf", b.gltf())}), "no error");
+  b.json["accessors"].back()["normalized"] = true;
+  EXPECT_EQ(open_error({files.write("a.gltf", b.gltf())}),
+            "a.gltf, meshes[0].primitives[0]: joints are normalized" + again);
+}
+
+TEST_F(GltfTest, RefusesPointersToWhatMoves) {
+  const auto with_target = [&](const Json& target) {
+    return error([&](Json& j) { j["animations"][0]["channels"][0]["target"] = target; });
+  };
+  const auto with_pointer = [&](const Json& pointer) {
+    return with_target(
+        {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}});
+  };
+  const std::string refused =
+      "a.gltf, animations[0].channels[0]: 'KHR_animation_pointer' is not read; "
+      "bake the animation to node transforms";
+  EXPECT_EQ(with_pointer("/nodes/0/translation"), refused);
+  EXPECT_EQ(with_pointer("/meshes/0/weights/0"), refused);
+  EXPECT_EQ(with_pointer(7), refused);
+  EXPECT_EQ(with_target({{"path", "pointer"}}), refused);
+  EXPECT_EQ(with_target({{"path", "pointer"}, {"node", 0}}), refused);
+  EXPECT_EQ(with_target({{"path", "pointer"}, {"extensions", 7}}), refused);
+  EXPECT_EQ(with_pointer("/materials/0/emissiveFactor"), "no error") << "it moves nothing";
+  EXPECT_EQ(with_target({{"path", "translation"}}), "no error") << "without a node it has no effect";
+}
+
 TEST_F(GltfTest, ReportsLocationAndRemedyInTheScene) {
   EXPECT_EQ(error([](Json&) {}), "no error");
   EXPECT_EQ(error([](Json& j) { j["asset"]["version"] = "1.0"; }), "a.gltf: is not glTF 2; export glTF 2.0");
