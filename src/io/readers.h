@@ -35,10 +35,10 @@ Result<MeshData> parse_off(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_ply(const std::string& path, std::string_view bytes);
 /// Corners at exactly the same place are one vertex.
 Result<MeshData> parse_stl(const std::string& path, std::string_view bytes);
-/// VTK's polygons, and cells: surfaces, else the boundary of volumes.
+/// VTK's polygons, and cells: surfaces and the boundary of volumes.
 Result<MeshData> parse_vtp(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_vtu(const std::string& path, std::string_view bytes);
-/// Gmsh's surfaces, else the boundary of its volumes.
+/// Gmsh's surfaces and the boundary of its volumes.
 Result<MeshData> parse_msh(const std::string& path, std::string_view bytes);
 /// Reads and parses a mesh file, by its extension. On success it also has vertices and triangles, no more
 /// than the maxima above.
