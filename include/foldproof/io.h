@@ -40,7 +40,7 @@ class Motion {
 
 struct ReadOptions {
   double fps = 24;    ///< Sampling rate for animated glTF, frames per second.
-  bool weld = false;  ///< Merge vertices that have exactly equal coordinates in the first frame.
+  bool weld = false;  ///< Merge vertices at exactly one place in the first frame. Where they part: an error.
   /// Mesh files whose names differ only in a number are motions of their own, not frames of one.
   bool separate = false;
   /// Motions of a single frame stand still as long as the longest of the others lasts.

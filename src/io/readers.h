@@ -72,7 +72,7 @@ Result<std::unique_ptr<Motion>> open_pvd(const std::string& path, const ReadProg
 Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps, const ReadProgress& progress);
 
 /// Merges vertices that have exactly the same position in the first frame. The first of each set is kept; the
-/// order stays.
+/// order stays. A frame in which merged vertices part is an error.
 Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion);
 /// How many vertices that would merge into others.
 Result<Index> count_weldable(Motion& motion);

@@ -177,7 +177,8 @@ TEST_F(OpenTest, WeldMergesEqualVerticesOfTheFirstFrame) {
   // Two separate triangles: vertices 3 and 5 repeat 1 and 2, as -0 equals 0. Vertex 6 is unused.
   const std::string faces = "f 1 2 3\nf 4 5 6\n";
   files.write("run/0.obj", "v 9 9 9\nv 1 0 0\nv 0 1 0\nv 1 -0 0\nv 1 1 0\nv 0 1 -0\nv 5 5 5\n" + faces);
-  files.write("run/1.obj", "v 8 8 8\nv 2 0 0\nv 0 2 0\nv 7 7 7\nv 2 2 0\nv 6 6 6\nv 4 4 4\n" + faces);
+  files.write("run/1.obj", "v 8 8 8\nv 2 0 0\nv 0 2 0\nv 2 0 0\nv 2 2 0\nv -0 2 0\nv 4 4 4\n" + faces);
+  files.write("run/2.obj", "v 8 8 8\nv 2 0 0\nv 0 2 0\nv 2 0 0\nv 2 2 0\nv 0 2 1e-9\nv 4 4 4\n" + faces);
   const auto motion = open({files.path("run")}, {.weld = true});
   ASSERT_TRUE(motion);
   EXPECT_EQ(motion->topology().vertex_count(), 5u);
@@ -202,3 +203,5 @@ TEST_F(OpenTest, MemoryMotionReturnsItsFrames) {
 
 }  // namespace
 }  // namespace foldproof::testing
+  EXPECT_EQ(frame_error(*motion, 2),
+            "run: vertices 2 and 5, which --weld merged, part in frame 2; check without --weld");
