@@ -124,8 +124,8 @@ struct NumberTable {
   std::vector<double> values;        ///< Row-major.
 };
 
-/// Reads text with a row per line and commas between numbers; the first line may hold names. Empty lines and
-/// lines that start with '#' are skipped. Shape: rows x columns.
+/// Reads text with a row per line and commas between numbers; the first line may hold names, none of which is
+/// a number, NaN or infinity. Empty lines and lines that start with '#' are skipped. Shape: rows x columns.
 Result<NumberTable> read_csv(const std::string& path);
 
 /// Reads a float32 or float64 array of any shape from an NPZ into memory.
