@@ -51,9 +51,10 @@ Result<void> check_request(const Motion& motion, Index frame, std::span<const do
 
 /// Natural order, frame9 before frame10: runs of digits compare as numbers, the rest byte by byte.
 bool natural_less(const std::string& a, const std::string& b);
-/// Mesh files as the frames of a motion, in the given order.
+/// Mesh files as the frames of a motion, in the given order. `notes`: the motion's.
 Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths,
-                                              const ReadProgress& progress = {});
+                                              const ReadProgress& progress = {},
+                                              std::vector<std::string> notes = {});
 /// A mesh and its point cache.
 Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, const std::string& cache_path,
                                          const ReadProgress& progress);
