@@ -137,7 +137,8 @@ std::vector<fs::path> replaced(const fs::path& path, Output output) {
   }
   const auto pattern = io::number_pattern(path.string());
   if (pattern && (output == Output::Numbered || output == Output::Motion)) {
-    const auto numbered = io::numbered_files(*pattern);
+    std::error_code ignored;
+    const auto numbered = io::numbered_files(*pattern, ignored);
     files.insert(files.end(), numbered.begin(), numbered.end());
   }
   return files;
@@ -235,7 +236,7 @@ std::vector<fs::path> read_under(const std::string& name, Input input) {
     }
     ::globfree(&matches);
   } else if (const auto pattern = io::number_pattern(name); pattern && !fs::exists(name, code)) {
-    for (const std::string& file : io::numbered_files(*pattern)) add_file(file, files);
+    for (const std::string& file : io::numbered_files(*pattern, code)) add_file(file, files);
   } else {
     add_file(name, files);
   }

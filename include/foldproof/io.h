@@ -40,7 +40,7 @@ class Motion {
 
 struct ReadOptions {
   double fps = 24;    ///< Sampling rate for animated glTF, frames per second.
-  bool weld = false;  ///< Merge vertices that have exactly equal coordinates in the first frame.
+  bool weld = false;  ///< Merge vertices at exactly one place in the first frame. Where they part: an error.
   /// Mesh files whose names differ only in a number are motions of their own, not frames of one.
   bool separate = false;
   /// Motions of a single frame stand still as long as the longest of the others lasts.
@@ -124,8 +124,8 @@ struct NumberTable {
   std::vector<double> values;        ///< Row-major.
 };
 
-/// Reads text with a row per line and commas between numbers; the first line may hold names. Empty lines and
-/// lines that start with '#' are skipped. Shape: rows x columns.
+/// Reads text with a row per line and commas between numbers; the first line may hold names, none of which is
+/// a number, NaN or infinity. Empty lines and lines that start with '#' are skipped. Shape: rows x columns.
 Result<NumberTable> read_csv(const std::string& path);
 
 /// Reads a float32 or float64 array of any shape from an NPZ into memory.

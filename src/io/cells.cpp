@@ -33,6 +33,46 @@ const Volume& volume(CellShape shape) {
   }
 }
 
+/// The indices of `values` in ascending order of these; of equal ones, the first comes first.
+template <class T>
+std::vector<std::size_t> sorted_order(const std::vector<T>& values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
+    return values[a] != values[b] ? values[a] < values[b] : a < b;
+  });
+  return order;
+}
+
+/// Triangles by their vertices, in any order.
+class SurfaceTriangles {
+ public:
+  explicit SurfaceTriangles(std::vector<Triangle> triangles) : triangles_(std::move(triangles)) {
+    for (Triangle& t : triangles_) std::ranges::sort(t);
+    std::ranges::sort(triangles_);
+  }
+
+  /// The triangles of a face of three or four vertices that are not among these. Of its two diagonals, a face
+  /// of four has the one that leaves fewer.
+  std::vector<Triangle> missing(std::span<const Index> v) const {
+    if (v.size() == 3) return not_here({{v[0], v[1], v[2]}});
+    auto one = not_here({{v[0], v[1], v[2]}, {v[0], v[2], v[3]}});
+    auto other = not_here({{v[1], v[2], v[3]}, {v[1], v[3], v[0]}});
+    return one.size() <= other.size() ? one : other;
+  }
+
+ private:
+  std::vector<Triangle> not_here(std::vector<Triangle> triangles) const {
+    std::erase_if(triangles, [&](Triangle t) {
+      std::ranges::sort(t);
+      return std::ranges::binary_search(triangles_, t);
+    });
+    return triangles;
+  }
+
+  std::vector<Triangle> triangles_;
+};
+
 }  // namespace
 
 void CellCollector::add_polygon(std::span<const Index> vertices, std::int64_t part) {
@@ -56,29 +96,62 @@ bool CellCollector::add(CellShape shape, std::span<const Index> vertices, std::i
   }
   const Volume& v = volume(shape);
   if (vertices.size() != v.vertices) return false;
+  Corners sorted;
+  sorted.fill(kNoIndex);
+  std::ranges::copy(vertices, sorted.begin());
+  std::ranges::sort(sorted);
   for (const auto& corners : v.faces) {
-    Face face{{kNoIndex, kNoIndex, kNoIndex, kNoIndex}, part};
+    Face face{{kNoIndex, kNoIndex, kNoIndex, kNoIndex}, part, volumes_.size()};
     std::ranges::transform(corners, face.vertices.begin(), [&](std::uint8_t c) { return vertices[c]; });
     faces_.push_back(face);
   }
+  volumes_.push_back(sorted);
   return true;
 }
 
-std::vector<std::int64_t> CellCollector::finish() {
-  if (!mesh_.triangles.empty()) return std::move(parts_);
+/// Of every volume, the first one that has its corners.
+std::vector<std::size_t> CellCollector::merge_volumes() const {
+  const std::vector<std::size_t> order = sorted_order(volumes_);
+  std::vector<std::size_t> first(volumes_.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const bool same = i > 0 && volumes_[order[i - 1]] == volumes_[order[i]];
+    first[order[i]] = same ? first[order[i - 1]] : order[i];
+  }
+  return first;
+}
+
+/// Of every face, whether it is on the boundary: the first one of those that have the same vertices, if all
+/// of them belong to one volume.
+std::vector<bool> CellCollector::find_boundary() const {
+  const std::vector<std::size_t> first = merge_volumes();
   std::vector<std::array<Index, 4>> keys;
   keys.reserve(faces_.size());
   for (const Face& face : faces_) std::ranges::sort(keys.emplace_back(face.vertices));
-  std::vector<std::size_t> order(faces_.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
-  std::vector<bool> inside(faces_.size());
-  for (std::size_t i = 1; i < order.size(); ++i) {
-    if (keys[order[i - 1]] == keys[order[i]]) inside[order[i - 1]] = inside[order[i]] = true;
+  const std::vector<std::size_t> order = sorted_order(keys);
+  std::vector<bool> boundary(faces_.size());
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    const std::size_t volume = first[faces_[order[begin]].volume];
+    bool one_volume = true;
+    for (; end < order.size() && keys[order[end]] == keys[order[begin]]; ++end)
+      one_volume = one_volume && first[faces_[order[end]].volume] == volume;
+    boundary[order[begin]] = one_volume;
   }
+  return boundary;
+}
+
+std::vector<std::int64_t> CellCollector::finish() {
+  if (faces_.empty()) return std::move(parts_);
+  const SurfaceTriangles surface(mesh_.triangles);
+  const std::vector<bool> boundary = find_boundary();
   for (std::size_t i = 0; i < faces_.size(); ++i) {
-    const std::size_t count = faces_[i].vertices[3] == kNoIndex ? 3 : 4;
-    if (!inside[i]) add_polygon(std::span(faces_[i].vertices).first(count), faces_[i].part);
+    if (!boundary[i]) continue;
+    const std::span<const Index> vertices = std::span(faces_[i].vertices).first(faces_[i].size());
+    const std::vector<Triangle> missing = surface.missing(vertices);
+    if (missing.size() + 2 == vertices.size()) {
+      add_polygon(vertices, faces_[i].part);
+    } else {
+      for (const Triangle& t : missing) add_polygon(t, faces_[i].part);
+    }
   }
   return std::move(parts_);
 }

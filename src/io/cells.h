@@ -1,5 +1,7 @@
-/// Triangles of a mesh of cells: its surfaces; where it has none, the boundary of its volumes.
+/// Triangles of a mesh of cells: its surfaces and the boundary of its volumes.
 #pragma once
+
+#include <array>
 
 #include "io/readers.h"
 
@@ -15,19 +17,27 @@ class CellCollector {
   /// `vertices`: in VTK's order. `part`: a number that the cell's triangles get. False: the shape has another
   /// number of vertices.
   bool add(CellShape shape, std::span<const Index> vertices, std::int64_t part);
-  /// Where there are no surfaces, adds the faces that only one volume has, in their order. Files often hold
-  /// both, which would be the same triangles twice. Returns the part of each triangle.
+  /// Adds the faces that only one volume has, in their order, without the triangles that are there already,
+  /// as files often hold both. Volumes with the same corners are one. Returns the part of each triangle.
   std::vector<std::int64_t> finish();
 
  private:
   struct Face {
     std::array<Index, 4> vertices;  // a triangle's last is kNoIndex
     std::int64_t part;
+    std::size_t volume;
+
+    std::size_t size() const { return vertices[3] == kNoIndex ? 3 : 4; }
   };
+  using Corners = std::array<Index, 8>;  // ascending; kNoIndex behind the last
+
   void add_polygon(std::span<const Index> vertices, std::int64_t part);
+  std::vector<std::size_t> merge_volumes() const;
+  std::vector<bool> find_boundary() const;
 
   MeshData& mesh_;
-  std::vector<Face> faces_;
+  std::vector<Corners> volumes_;
+  std::vector<Face> faces_;  // of the volumes
   std::vector<std::int64_t> parts_;
 };
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "io/formats.h"
+#include "io/text.h"
 
 namespace foldproof::io {
 namespace {
@@ -40,6 +41,23 @@ bool is_numbered(std::string_view path, const NumberPattern& pattern) {
   return number.find_first_not_of(kDigits) == number.npos;
 }
 
+using NumberPair = std::pair<std::uint64_t, std::uint64_t>;
+
+/// The numbers of two paths that differ in one number only.
+std::optional<NumberPair> different_numbers(std::string_view a, std::string_view b) {
+  auto begin = static_cast<std::size_t>(std::ranges::mismatch(a, b).in1 - a.begin());
+  while (begin > 0 && is_digit(a[begin - 1])) --begin;
+  const auto take_number = [begin](std::string_view& text, std::uint64_t& number) {
+    text.remove_prefix(begin);
+    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    return status == std::errc();
+  };
+  NumberPair numbers;
+  const bool both = take_number(a, numbers.first) && take_number(b, numbers.second);
+  return both && a == b ? std::optional(numbers) : std::nullopt;
+}
+
 }  // namespace
 
 std::string NumberPattern::name(std::uint64_t number) const {
@@ -58,16 +76,31 @@ std::optional<NumberPattern> number_pattern(const std::string& path) {
   return pattern.width > 20 ? std::nullopt : std::optional(pattern);
 }
 
-std::vector<std::string> numbered_files(const NumberPattern& pattern) {
+std::vector<std::string> numbered_files(const NumberPattern& pattern, std::error_code& status) {
   const std::string directory = pattern.before.substr(0, file_name_of(pattern.before));
   std::vector<std::string> files;
-  std::error_code code;
-  for (fs::directory_iterator at(directory.empty() ? "." : directory, code), end; !code && at != end;
-       at.increment(code)) {
+  for (fs::directory_iterator at(directory.empty() ? "." : directory, status), end; !status && at != end;
+       at.increment(status)) {
     std::string file = directory + at->path().filename().string();
     if (is_numbered(file, pattern)) files.push_back(std::move(file));
   }
   return files;
+}
+
+std::vector<std::string> notes_on_gaps(std::span<const std::string> paths) {
+  std::optional<NumberPair> first;
+  std::size_t others = 0;
+  for (std::size_t i = 1; i < paths.size(); ++i) {
+    const auto numbers = different_numbers(paths[i - 1], paths[i]);
+    if (!numbers || numbers->second <= numbers->first || numbers->second - numbers->first == 1) continue;
+    if (first) ++others;
+    if (!first) first = numbers;
+  }
+  if (!first) return {};
+  const std::string jump = fmt::format("frame numbers jump from {} to {}", first->first, first->second);
+  if (others == 0) return {jump + ": the step between them was not in the files"};
+  return {
+      fmt::format("{}, and at {} more places: the steps between them were not in the files", jump, others)};
 }
 
 std::size_t count_numbered(std::span<const std::string> arguments) {

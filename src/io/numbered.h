@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace foldproof::io {
@@ -19,8 +20,12 @@ struct NumberPattern {
 /// None: the file's name has not exactly one '%', or one that is neither "%d" nor "%0", at most 20, "d".
 std::optional<NumberPattern> number_pattern(const std::string& path);
 
-/// The existing files whose names have a number of any width where the pattern has it, unsorted.
-std::vector<std::string> numbered_files(const NumberPattern& pattern);
+/// The existing files whose names have a number of any width where the pattern has it, unsorted. `status`:
+/// why their directory could not be listed to its end.
+std::vector<std::string> numbered_files(const NumberPattern& pattern, std::error_code& status);
+
+/// The note for the user if the numbers in the names of frames, which are in their order, leave some out.
+std::vector<std::string> notes_on_gaps(std::span<const std::string> paths);
 
 /// How many arguments, from the first on, are mesh files whose names differ only in their last number. A mesh
 /// that a point cache follows is not among them. At least 1. Precondition: there is an argument.

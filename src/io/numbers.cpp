@@ -1,7 +1,7 @@
 // Tables of numbers: CSV text and single arrays of a NumPy archive.
 #include <fmt/format.h>
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 
 #include "base/try.h"
@@ -32,10 +32,17 @@ std::vector<std::string_view> fields_of(std::string_view line) {
   return fields;
 }
 
-bool parse_number(std::string_view text, double& value) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+io::Scan scan_number(std::string_view text, double& value) {
+  io::TextCursor cursor(text, {.comment = '\0', .continuation = false});
+  const io::Scan scan = cursor.number(value);
+  return cursor.at_end() ? scan : io::Scan::Malformed;
+}
+
+/// Whether a field stands where a number should, even if it is not finite ("1.#IND" is NaN on old Windows).
+bool is_numeric(std::string_view text) {
+  double value;
+  const io::Scan scan = scan_number(text, value);
+  return scan == io::Scan::Ok || scan == io::Scan::NotFinite || text.find(".#") != text.npos;
 }
 
 class CsvReader {
@@ -60,10 +67,9 @@ class CsvReader {
 
  private:
   Result<void> add(const std::vector<std::string_view>& fields) {
-    double value = 0;
     if (columns_ == 0) {
       columns_ = fields.size();
-      if (!parse_number(fields[0], value)) {
+      if (std::ranges::none_of(fields, is_numeric)) {
         table_.names.assign(fields.begin(), fields.end());
         return {};
       }
@@ -75,7 +81,8 @@ class CsvReader {
                   kOneRowPerLine);
     }
     for (const std::string_view field : fields) {
-      if (!parse_number(field, value)) {
+      double value;
+      if (scan_number(field, value) != io::Scan::Ok) {
         return fail(ErrorCode::InvalidFile, where, fmt::format("'{}' is not a finite number", field),
                     kOneRowPerLine);
       }

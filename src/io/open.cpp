@@ -3,10 +3,13 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <new>
 #include <optional>
+#include <system_error>
 
+#include "base/try.h"
 #include "io/formats.h"
 #include "io/numbered.h"
 #include "io/text.h"
@@ -50,10 +53,9 @@ bool natural_less(const std::string& a, const std::string& b) {
 
 namespace {
 
-/// Opens the mesh files among `paths` as the frames of one motion.
+/// Opens mesh files as the frames of one motion.
 Result<std::unique_ptr<Motion>> open_frames(const std::string& name, std::vector<std::string> paths,
                                             const ReadProgress& progress) {
-  std::erase_if(paths, [](const std::string& p) { return format_of(p) == nullptr; });
   std::sort(paths.begin(), paths.end(), natural_less);
   const auto mesh = std::find_if(paths.begin(), paths.end(), is_mesh);
   if (mesh == paths.end()) {
@@ -69,7 +71,12 @@ Result<std::unique_ptr<Motion>> open_frames(const std::string& name, std::vector
   }
   if (paths.size() >= kNoIndex)
     return fail(ErrorCode::LimitExceeded, name, "holds too many files", "name fewer frames");
-  return open_sequence(name, std::move(paths), progress);
+  auto notes = notes_on_gaps(paths);
+  return open_sequence(name, std::move(paths), progress, std::move(notes));
+}
+
+tl::unexpected<Error> cannot_list(const std::string& path, const std::error_code& status) {
+  return fail(ErrorCode::FileAccess, path, "cannot be listed: " + status.message(), "check the permissions");
 }
 
 Result<std::unique_ptr<Motion>> open_directory(const std::string& path, const ReadProgress& progress) {
@@ -78,24 +85,47 @@ Result<std::unique_ptr<Motion>> open_directory(const std::string& path, const Re
   for (fs::directory_iterator at(path, status), end; !status && at != end; at.increment(status)) {
     const std::string name = at->path().filename().string();
     std::error_code ignored;
-    if (!name.starts_with('.') && !at->is_directory(ignored)) paths.push_back(at->path().string());
+    if (!name.starts_with('.') && format_of(name) != nullptr && !at->is_directory(ignored))
+      paths.push_back(at->path().string());
   }
-  if (status)
-    return fail(ErrorCode::FileAccess, path, "cannot be listed: " + status.message(),
-                "check the permissions");
+  if (status) return cannot_list(path, status);
   return open_frames(path, std::move(paths), progress);
 }
 
-Result<std::unique_ptr<Motion>> open_glob(const std::string& pattern, const ReadProgress& progress) {
+bool is_missing(const std::error_code& status) {
+  return status == std::errc::no_such_file_or_directory || status == std::errc::not_a_directory;
+}
+
+/// What matches a glob, in natural order.
+Result<std::vector<std::string>> expand_glob(const std::string& pattern) {
+  // ::glob passes no state to its callback, which must not throw either.
+  static thread_local std::array<char, 4096> directory;
+  static thread_local int code;
+  const auto stop_at = [](const char* path, int error) {
+    if (is_missing({error, std::generic_category()})) return 0;
+    *fmt::format_to_n(directory.data(), directory.size() - 1, "{}", path).out = '\0';
+    code = error;
+    return 1;
+  };
   ::glob_t matches{};
-  const int status = ::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &matches);
+  const int status = ::glob(pattern.c_str(), GLOB_NOSORT, stop_at, &matches);
   std::vector<std::string> paths(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
   ::globfree(&matches);
-  if (status != 0 && status != GLOB_NOMATCH) {
-    return fail(ErrorCode::FileAccess, pattern, "cannot be expanded",
-                "check the permissions of the directories");
-  }
+  if (status == GLOB_ABORTED) return cannot_list(directory.data(), {code, std::generic_category()});
+  if (status == GLOB_NOSPACE) throw std::bad_alloc();
+  std::sort(paths.begin(), paths.end(), natural_less);
+  return paths;
+}
+
+Result<std::unique_ptr<Motion>> open_glob(const std::string& pattern, const ReadProgress& progress) {
+  auto paths = FOLDPROOF_TRY(expand_glob(pattern));
   if (paths.empty()) return fail(ErrorCode::FileAccess, pattern, "matches no files", "check the pattern");
+  const auto other = std::ranges::find(paths, nullptr, format_of);
+  if (other != paths.end()) {
+    return fail(ErrorCode::UnsupportedFormat, pattern,
+                fmt::format("matches {}, which is not a format that is read here", *other),
+                "give a pattern that only the frames match, such as 'run/*.obj'");
+  }
   return open_frames(pattern, std::move(paths), progress);
 }
 
@@ -117,7 +147,9 @@ Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const Read
   if (!fs::exists(status) && argument.find_first_of("*?[") != std::string::npos)
     return open_glob(argument, progress);
   if (const auto pattern = number_pattern(argument); pattern && !fs::exists(status)) {
-    auto files = numbered_files(*pattern);
+    std::error_code listed;
+    auto files = numbered_files(*pattern, listed);
+    if (listed && !is_missing(listed)) return cannot_list(argument, listed);
     if (files.empty())
       return fail(ErrorCode::FileAccess, argument, "matches no files",
                   "%d stands for a number in their names");

@@ -35,10 +35,10 @@ Result<MeshData> parse_off(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_ply(const std::string& path, std::string_view bytes);
 /// Corners at exactly the same place are one vertex.
 Result<MeshData> parse_stl(const std::string& path, std::string_view bytes);
-/// VTK's polygons, and cells: surfaces, else the boundary of volumes.
+/// VTK's polygons, and cells: surfaces and the boundary of volumes.
 Result<MeshData> parse_vtp(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_vtu(const std::string& path, std::string_view bytes);
-/// Gmsh's surfaces, else the boundary of its volumes.
+/// Gmsh's surfaces and the boundary of its volumes.
 Result<MeshData> parse_msh(const std::string& path, std::string_view bytes);
 /// Reads and parses a mesh file, by its extension. On success it also has vertices and triangles, no more
 /// than the maxima above.
@@ -51,9 +51,10 @@ Result<void> check_request(const Motion& motion, Index frame, std::span<const do
 
 /// Natural order, frame9 before frame10: runs of digits compare as numbers, the rest byte by byte.
 bool natural_less(const std::string& a, const std::string& b);
-/// Mesh files as the frames of a motion, in the given order.
+/// Mesh files as the frames of a motion, in the given order. `notes`: the motion's.
 Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths,
-                                              const ReadProgress& progress = {});
+                                              const ReadProgress& progress = {},
+                                              std::vector<std::string> notes = {});
 /// A mesh and its point cache.
 Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, const std::string& cache_path,
                                          const ReadProgress& progress);
@@ -74,7 +75,7 @@ std::vector<std::string> gltf_files(const std::string& path);
 Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps, const ReadProgress& progress);
 
 /// Merges vertices that have exactly the same position in the first frame. The first of each set is kept; the
-/// order stays.
+/// order stays. A frame in which merged vertices part is an error.
 Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion);
 /// How many vertices that would merge into others.
 Result<Index> count_weldable(Motion& motion);

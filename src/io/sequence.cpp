@@ -11,8 +11,8 @@ namespace {
 
 class MeshSequence final : public Motion {
  public:
-  MeshSequence(std::string name, std::vector<std::string> paths)
-      : name_(std::move(name)), paths_(std::move(paths)) {}
+  MeshSequence(std::string name, std::vector<std::string> paths, std::vector<std::string> notes)
+      : name_(std::move(name)), paths_(std::move(paths)), notes_(std::move(notes)) {}
 
   Result<void> open(const ReadProgress& progress) {
     auto first = FOLDPROOF_TRY(read(0, progress));
@@ -25,6 +25,7 @@ class MeshSequence final : public Motion {
   const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
   const ObjectParts& parts() const override { return parts_; }
+  std::vector<std::string> notes() const override { return notes_; }
   Index frame_count() const override { return static_cast<Index>(paths_.size()); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
@@ -80,7 +81,7 @@ class MeshSequence final : public Motion {
   }
 
   std::string name_;
-  std::vector<std::string> paths_;
+  std::vector<std::string> paths_, notes_;
   Topology topology_;
   ObjectParts parts_;
   std::vector<double> first_;  // positions of frame 0, which open() reads
@@ -89,8 +90,8 @@ class MeshSequence final : public Motion {
 }  // namespace
 
 Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths,
-                                              const ReadProgress& progress) {
-  auto motion = std::make_unique<MeshSequence>(std::move(name), std::move(paths));
+                                              const ReadProgress& progress, std::vector<std::string> notes) {
+  auto motion = std::make_unique<MeshSequence>(std::move(name), std::move(paths), std::move(notes));
   FOLDPROOF_TRY(motion->open(progress));
   return motion;
 }

@@ -2,8 +2,8 @@
 // distance.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "base/try.h"
 #include "io/bytes.h"
@@ -17,40 +17,48 @@ namespace {
 constexpr std::size_t kHeader = 80, kFacet = 50;
 constexpr const char* kExportAgain = "export the mesh as STL again";
 
-/// Numbers vertices in the order in which they come. Those at exactly the same place are one.
+/// Collects the corners of facets, and numbers vertices in the order in which they come. Corners at exactly
+/// the same place are one vertex. Sorts: a file could be made to defeat a hash.
 class Welder {
  public:
-  explicit Welder(MeshData& mesh) : mesh_(mesh) {}
+  void reserve(std::size_t facets) { corners_.reserve(3 * facets); }
+  void add(const std::array<double, 3>& x) { corners_.push_back({x, corners_.size()}); }
+  std::size_t facets() const { return corners_.size() / 3; }
 
-  Index vertex(const std::array<double, 3>& x) {
-    const auto [at, is_new] = ids_.try_emplace(x, static_cast<Index>(ids_.size()));
-    if (is_new) mesh_.positions.insert(mesh_.positions.end(), x.begin(), x.end());
-    return at->second;
+  /// Adds vertices and triangles to an empty mesh.
+  void finish(MeshData& mesh) {
+    std::ranges::sort(corners_, [](const Corner& a, const Corner& b) {
+      return a.x != b.x ? a.x < b.x : a.place < b.place;  // -0 equals 0
+    });
+    std::vector<std::size_t> first(corners_.size());  // per place, where the first corner that equals it is
+    for (std::size_t i = 0, begin = 0; i < corners_.size(); ++i) {
+      if (corners_[i].x != corners_[begin].x) begin = i;
+      first[corners_[i].place] = begin;
+    }
+    mesh.triangles.resize(facets());
+    for (std::size_t place = 0; place < first.size(); ++place) {
+      const auto& [x, earliest] = corners_[first[place]];
+      Index& vertex = mesh.triangles[place / 3][place % 3];
+      vertex = earliest == place ? mesh.vertex_count() : mesh.triangles[earliest / 3][earliest % 3];
+      if (earliest == place) mesh.positions.insert(mesh.positions.end(), x.begin(), x.end());
+    }
   }
 
  private:
-  struct Hash {
-    std::size_t operator()(const std::array<double, 3>& x) const {
-      std::uint64_t hash = 0;
-      for (const double c : x) {
-        hash = (hash ^ std::bit_cast<std::uint64_t>(c + 0.0)) * 0x9E3779B97F4A7C15u;  // -0 equals 0
-        hash ^= hash >> 29;
-      }
-      return hash;
-    }
+  struct Corner {
+    std::array<double, 3> x;
+    std::size_t place;  // in the file
   };
-  MeshData& mesh_;
-  std::unordered_map<std::array<double, 3>, Index, Hash> ids_;
+  std::vector<Corner> corners_;
 };
 
 Result<MeshData> parse_binary(const std::string& path, std::string_view bytes, std::uint32_t facets) {
   MeshData mesh;
-  Welder welder(mesh);
-  mesh.triangles.reserve(facets);
+  Welder welder;
+  welder.reserve(facets);
   for (std::uint32_t i = 0; i < facets; ++i) {
     // The normal, 12 bytes, comes first; two bytes of attributes come last.
     const std::size_t corners = kHeader + 4 + i * kFacet + 12;
-    Triangle triangle;
     for (std::size_t corner = 0; corner < 3; ++corner) {
       std::array<double, 3> x;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -59,10 +67,10 @@ Result<MeshData> parse_binary(const std::string& path, std::string_view bytes, s
         return fail(ErrorCode::NonFinite, fmt::format("{}, facet {}", path, i), "a coordinate is not finite",
                     "export the mesh without NaN or infinite coordinates");
       }
-      triangle[corner] = welder.vertex(x);
+      welder.add(x);
     }
-    mesh.triangles.push_back(triangle);
   }
+  welder.finish(mesh);
   return mesh;
 }
 
@@ -79,12 +87,13 @@ class AsciiParser {
       } else if (keyword == "endfacet") {
         FOLDPROOF_TRY(end_facet());
       } else if (keyword == "solid") {
-        solids_.begin(mesh_.triangles.size(), cursor_.rest_of_line());
+        solids_.begin(welder_.facets(), cursor_.rest_of_line());
       } else if (keyword != "facet" && keyword != "outer" && keyword != "endloop" && keyword != "endsolid") {
         return error("is not understood");
       }
     }
-    if (!corners_.empty()) return error("the file ends within a facet");
+    if (corners_ != 0) return error("the file ends within a facet");
+    welder_.finish(mesh_);
     mesh_.parts = solids_.parts(mesh_.triangles.size());
     return std::move(mesh_);
   }
@@ -102,23 +111,23 @@ class AsciiParser {
             scan_error(scan, at_line(path_, cursor_.line()), fmt::format("coordinate {}", "xyz"[k])));
       }
     }
-    corners_.push_back(welder_.vertex(x));
+    welder_.add(x);
+    ++corners_;
     return {};
   }
 
   Result<void> end_facet() {
-    if (corners_.size() != 3) return error(fmt::format("facet has {} vertices", corners_.size()));
-    mesh_.triangles.push_back({corners_[0], corners_[1], corners_[2]});
-    corners_.clear();
+    if (corners_ != 3) return error(fmt::format("facet has {} vertices", corners_));
+    corners_ = 0;
     return {};
   }
 
   const std::string& path_;
   TextCursor cursor_;
   MeshData mesh_;
-  Welder welder_{mesh_};
+  Welder welder_;
   NameRuns solids_;
-  std::vector<Index> corners_;
+  std::size_t corners_ = 0;  // of the facet so far
 };
 
 }  // namespace

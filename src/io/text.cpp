@@ -53,7 +53,7 @@ bool TextCursor::at_line_end() {
       break;
     }
   }
-  return at_ == end_ || is_line_end(*at_) || (dialect_.comment != '\0' && *at_ == dialect_.comment);
+  return at_ == end_ || is_line_end(*at_) || at_comment();
 }
 
 void TextCursor::next_line() {
@@ -72,8 +72,7 @@ bool TextCursor::skip_to_content() {
 }
 
 bool TextCursor::at_word_end() const {
-  return at_ == end_ || is_blank(*at_) || is_line_end(*at_) ||
-         (dialect_.comment != '\0' && *at_ == dialect_.comment) ||
+  return at_ == end_ || is_blank(*at_) || is_line_end(*at_) || at_comment() ||
          (dialect_.continuation && *at_ == '\\' && end_ - at_ >= 2 && is_line_end(at_[1]));
 }
 
@@ -101,7 +100,7 @@ Scan TextCursor::number(double& value) {
   if (status == std::errc::invalid_argument) return Scan::Malformed;
   const std::string_view text(at_, static_cast<std::size_t>(stop - at_));
   at_ = stop;
-  if (!at_word_end()) return Scan::Malformed;
+  if (!at_word_end() || at_comment()) return Scan::Malformed;
   if (status == std::errc::result_out_of_range) {
     if (!is_below_one(text)) return Scan::NotFinite;
     value = 0;
@@ -115,7 +114,7 @@ Scan TextCursor::leading_integer(std::int64_t& value) {
   const auto [stop, status] = std::from_chars(at_, end_, value);
   if (status != std::errc()) return Scan::Malformed;
   at_ = stop;
-  return Scan::Ok;
+  return at_comment() ? Scan::Malformed : Scan::Ok;
 }
 
 Scan TextCursor::integer(std::int64_t& value) {

@@ -17,7 +17,8 @@ enum class Scan : std::uint8_t { Ok, Missing, Malformed, NotFinite };
 class TextCursor {
  public:
   struct Dialect {
-    char comment = '#';         ///< Starts a comment to the end of the line; '\0': none.
+    /// Starts a comment to the end of the line, but not within a number ("1.#INF" is none); '\0': none.
+    char comment = '#';
     bool continuation = false;  ///< A backslash at the end of a line joins the next one to it.
   };
   /// Skips the byte order mark that some editors put first.
@@ -52,6 +53,7 @@ class TextCursor {
 
  private:
   bool skip_continuation();
+  bool at_comment() const { return at_ != end_ && dialect_.comment != '\0' && *at_ == dialect_.comment; }
   bool at_word_end() const;
   const char* at_;
   const char* end_;

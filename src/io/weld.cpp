@@ -1,4 +1,6 @@
 // Merges vertices that have exactly the same position in the first frame.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -10,8 +12,8 @@ namespace {
 
 class WeldedMotion final : public Motion {
  public:
-  WeldedMotion(std::unique_ptr<Motion> motion, Topology topology, std::vector<Index> kept)
-      : motion_(std::move(motion)), topology_(std::move(topology)), kept_(std::move(kept)) {}
+  WeldedMotion(std::unique_ptr<Motion> motion, Topology topology, std::vector<Index> first)
+      : motion_(std::move(motion)), topology_(std::move(topology)), first_(std::move(first)) {}
 
   const std::string& name() const override { return motion_->name(); }
   const Topology& topology() const override { return topology_; }
@@ -24,9 +26,15 @@ class WeldedMotion final : public Motion {
     FOLDPROOF_TRY(check_request(*this, k, out));
     frame_.resize(std::size_t{3} * motion_->topology().vertex_count());
     FOLDPROOF_TRY(motion_->read_frame(k, frame_));
-    for (std::size_t v = 0; v < kept_.size(); ++v) {
-      std::copy_n(frame_.begin() + std::ptrdiff_t{3} * kept_[v], 3,
-                  out.begin() + static_cast<std::ptrdiff_t>(3 * v));
+    auto kept = out.begin();
+    for (Index v = 0; v < first_.size(); ++v) {
+      const double *x = &frame_[std::size_t{3} * v], *merged_into = &frame_[std::size_t{3} * first_[v]];
+      if (!std::equal(x, x + 3, merged_into)) {
+        return fail(ErrorCode::InvalidMesh, name(),
+                    fmt::format("vertices {} and {}, which --weld merged, part in frame {}", first_[v], v, k),
+                    "check without --weld");
+      }
+      if (first_[v] == v) kept = std::copy_n(x, 3, kept);
     }
     return {};
   }
@@ -34,7 +42,7 @@ class WeldedMotion final : public Motion {
  private:
   std::unique_ptr<Motion> motion_;
   Topology topology_;
-  std::vector<Index> kept_;  // per new vertex, the first old vertex that was merged into it
+  std::vector<Index> first_;  // per old vertex, the first one that has its position in the first frame
   std::vector<double> frame_;
 };
 
@@ -77,22 +85,16 @@ Result<Index> count_weldable(Motion& motion) {
 Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion) {
   const Topology& topology = motion->topology();
   const Index count = topology.vertex_count();
-  const auto first = FOLDPROOF_TRY(first_at_same_place(*motion));
-  std::vector<Index> kept, renumbered(count);
-  for (Index v = 0; v < count; ++v) {
-    if (first[v] == v) {
-      renumbered[v] = static_cast<Index>(kept.size());
-      kept.push_back(v);
-    } else {
-      renumbered[v] = renumbered[first[v]];
-    }
-  }
+  auto first = FOLDPROOF_TRY(first_at_same_place(*motion));
+  Index kept = 0;
+  std::vector<Index> renumbered(count);
+  for (Index v = 0; v < count; ++v) renumbered[v] = first[v] == v ? kept++ : renumbered[first[v]];
   std::vector<Triangle> triangles(topology.triangles().begin(), topology.triangles().end());
   for (Triangle& t : triangles) {
     for (Index& v : t) v = renumbered[v];
   }
-  auto welded = FOLDPROOF_TRY(Topology::make(static_cast<Index>(kept.size()), std::move(triangles)));
-  return std::make_unique<WeldedMotion>(std::move(motion), std::move(welded), std::move(kept));
+  auto welded = FOLDPROOF_TRY(Topology::make(kept, std::move(triangles)));
+  return std::make_unique<WeldedMotion>(std::move(motion), std::move(welded), std::move(first));
 }
 
 }  // namespace foldproof::io

@@ -1,7 +1,9 @@
 // Key-point tracks: positions of key points, frame by frame.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <unordered_map>
 
@@ -44,6 +46,7 @@ class LongTable {
     for (std::size_t k = 0; k < vertices_.size(); ++k) point_of[vertices_[k]] = k;
     std::set<double> frames;
     for (std::uint64_t row = 0; row < table_.shape[0]; ++row) frames.insert(at(row, 0));
+    FOLDPROOF_TRY(check_consecutive(frames));
     std::unordered_map<double, std::size_t> frame_of;
     for (const double frame : frames) frame_of.emplace(frame, frame_of.size());
     // A table of few rows must not claim much memory.
@@ -75,6 +78,18 @@ class LongTable {
     return fail(ErrorCode::InvalidFile, path_,
                 fmt::format("lacks key points, for example in frame {}", frame),
                 "give every key point in every frame; 'predict MODEL --list-key-points' lists them");
+  }
+
+  // The step between two frames is a straight line, which frames that are missing need not lie on.
+  Result<void> check_consecutive(const std::set<double>& frames) const {
+    const auto gap = std::ranges::adjacent_find(frames, [](double a, double b) { return b != a + 1; });
+    if (gap == frames.end()) return {};
+    const double frame = *gap, next = *std::next(gap);
+    return fail(ErrorCode::InvalidFile, path_,
+                next < frame + 1
+                    ? fmt::format("has frame {} right after frame {}", next, frame)
+                    : fmt::format("lacks frame {}: frame {} follows frame {}", frame + 1, next, frame),
+                "number frames one after the other, and give all of them");
   }
 
   Result<void> find_columns() {

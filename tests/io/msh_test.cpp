@@ -84,13 +84,15 @@ TEST_F(MshTest, WithoutGroupsPartsAreEntities) {
 TEST_F(MshTest, OfVolumesOnlyTheBoundaryIsLeft) {
   const std::string head =
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n";
-  const auto volume = open({files.write("a.msh", head + "$Elements\n1\n1 4 0 1 2 3 4\n$EndElements\n")});
-  ASSERT_TRUE(volume);
-  EXPECT_EQ(volume->topology().triangles().size(), 4u);
-  const auto both =
-      open({files.write("b.msh", head + "$Elements\n2\n1 4 0 1 2 3 4\n2 2 0 1 2 3\n$EndElements\n")});
-  ASSERT_TRUE(both);
-  EXPECT_EQ(triangles(*both), kOneTriangle);
+  const auto read = [&](const std::string& elements) {
+    return open({files.write("a.msh", head + "$Elements\n" + elements + "$EndElements\n")});
+  };
+  const std::vector<Triangle> faces{{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1}};
+  EXPECT_EQ(triangles(*read("1\n1 4 0 1 2 3 4\n")), faces);
+  EXPECT_EQ(triangles(*read("2\n1 4 0 1 2 3 4\n2 2 0 1 2 3\n")),
+            (std::vector<Triangle>{{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}));
+  const auto grouped = read("3\n1 4 2 1 1 1 2 3 4\n2 4 2 2 1 1 2 3 4\n3 4 2 2 1 2 1 4 3\n");
+  EXPECT_EQ(triangles(*grouped), faces) << "an element per physical group";
 }
 
 TEST_F(MshTest, BadFilesAreOneLineErrors) {

@@ -1,4 +1,5 @@
 // Tables of numbers: CSV and arrays of an NPZ.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "io/support.h"
@@ -40,6 +41,17 @@ TEST_F(NumbersTest, BadCsvIsNamedByItsLine) {
   EXPECT_THAT(csv_error("1,2\n3,1e999\n"), HasSubstr("'1e999' is not a finite number"));
   EXPECT_THAT(csv_error(std::string("1,2\n3,\x01\n")), HasSubstr("'?' is not a finite number"));
   EXPECT_FALSE(read_csv(files.path("missing.csv")));
+}
+
+TEST_F(NumbersTest, ALineWithANumberHoldsNoNames) {
+  for (const char* first : {"nan,0.5", "1e999,0.5", "-INF,0.5", "x,0.5", ",0.5", "1;2,0.5", "NaN,nan",
+                            "1e999,-1e999", "inf,Infinity", "-nan(ind),-1.#IND", "1.#QNAN,1.#INF"}) {
+    EXPECT_THAT(csv_error(fmt::format("{}\n3,4\n", first)), HasSubstr("a.csv:1: ")) << first;
+  }
+  const auto named = read_csv(files.write("a.csv", "nano,information\n3,1e-999\n"));
+  ASSERT_TRUE(named) << named.error().line();
+  EXPECT_THAT(named->names, ElementsAre("nano", "information"));
+  EXPECT_THAT(named->values, ElementsAre(3, 0));
 }
 
 TEST_F(NumbersTest, AnArrayOfAnNpz) {

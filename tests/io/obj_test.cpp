@@ -73,6 +73,10 @@ TEST_F(ObjTest, ReportsLineAndRemedy) {
   EXPECT_EQ(obj_error("v 0 0 0\nv nan 0 0\n"),
             "a.obj:2: coordinate x of vertex 2 is not finite" + not_finite);
   EXPECT_EQ(obj_error("v 0 0 -inf\n"), "a.obj:1: coordinate z of vertex 1 is not finite" + not_finite);
+  for (const char* number : {"-1.#IND", "1.#QNAN", "1.#INF", "1#"}) {
+    EXPECT_EQ(obj_error(three + "v 0 0 " + number + "\nf 1 2 3\n"),
+              "a.obj:4: coordinate z of vertex 4 is not a number" + again);
+  }
   EXPECT_EQ(obj_error("v 1e309 0 0\n"), "a.obj:1: coordinate x of vertex 1 is not finite" + not_finite);
   EXPECT_EQ(obj_error("v 0 1000000e99999999999999999999 0\n"),
             "a.obj:1: coordinate y of vertex 1 is not finite" + not_finite);
@@ -85,6 +89,7 @@ TEST_F(ObjTest, ReportsLineAndRemedy) {
   EXPECT_EQ(obj_error(three + "f 1 2 99999999999999999999\n"),
             "a.obj:4: a vertex of the face is not a number" + again);
   EXPECT_EQ(obj_error(three + "f 1 2 3.5\n"), "a.obj:4: a vertex of the face is not a number" + again);
+  EXPECT_EQ(obj_error(three + "f 1 2 3#4\n"), "a.obj:4: a vertex of the face is not a number" + again);
   EXPECT_EQ(obj_error(three + "f 1 2 /3\n"), "a.obj:4: a vertex of the face is not a number" + again);
   EXPECT_EQ(obj_error(three + "f 1 2\n"),
             "a.obj:4: face has 2 vertices; remove faces with fewer than three vertices");

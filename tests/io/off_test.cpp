@@ -59,6 +59,9 @@ TEST_F(OffTest, ReportsLineAndRemedy) {
   EXPECT_EQ(
       off_error("OFF\n3 1 0\n0 0 0\n1 0 inf\n0 1 0\n3 0 1 2\n"),
       "a.off:4: coordinate z of vertex 1 is not finite; export the mesh without NaN or infinite coordinates");
+  EXPECT_EQ(off_error("OFF\n3 1 0\n0 0 0\n1 0 1.#INF\n0 1 0\n3 0 1 2\n"),
+            "a.off:4: coordinate z of vertex 1 is not a number" + again);
+  EXPECT_EQ(off_error(head + "3 0 1 2#\n"), "a.off:6: vertex 2 of face 0 is not a number" + again);
   EXPECT_EQ(off_error(head + "3 0 1 3\n"),
             "a.off:6: face 0 refers to vertex 3, but there are 3 (counting from 0)" + again);
   EXPECT_EQ(off_error(head + "3 0 1 -1\n"),

@@ -46,7 +46,7 @@ TEST_F(OpenTest, FramesAreInNaturalOrder) {
   files.write("run/.hidden.obj", "not a mesh");
   files.write("run/deeper/f1.obj", obj_at(99));
   for (const std::string& argument :
-       {files.path("run"), files.path("run/"), files.path("run/*"), files.path("ru?/*.obj")}) {
+       {files.path("run"), files.path("run/"), files.path("run/*.obj"), files.path("ru?/*.[o]bj")}) {
     SCOPED_TRACE(argument);
     const auto motion = open({argument});
     ASSERT_TRUE(motion);
@@ -106,7 +106,8 @@ TEST_F(OpenTest, ReportsWhatIsNotAMotion) {
       "holds them";
   const std::string one = "; name one of them, or keep one format in a directory";
   EXPECT_EQ(open_error({files.path("empty")}), "empty" + no_mesh);
-  EXPECT_EQ(open_error({files.path("empty/*")}), "empty/*" + no_mesh);
+  files.write("only/a.pc2", "POINTCACHE2");
+  EXPECT_EQ(open_error({files.path("only/*")}), "only/*" + no_mesh);
   EXPECT_EQ(open_error({files.path("mixed")}), "mixed: mixes formats: mixed/a.obj and mixed/b.ply" + one);
   EXPECT_EQ(open_error({files.path("mixed/?.*")}),
             "mixed/?.*: mixes formats: mixed/a.obj and mixed/b.ply" + one);
@@ -127,6 +128,59 @@ TEST_F(OpenTest, ReportsWhatIsNotAMotion) {
   EXPECT_EQ(open_error({}), "arguments: no motion is named; name a mesh file or a directory");
   std::filesystem::create_directory(files.path("dir.obj"));
   EXPECT_EQ(open_error({files.path("dir.obj")}), "dir.obj" + no_mesh);
+}
+
+TEST_F(OpenTest, AGlobLeavesNothingOut) {
+  files.write("run/f1.obj", obj_at(1));
+  files.write("run/f2.obj.tmp", obj_at(2));
+  files.write("run/f3.obj", obj_at(3));
+  const std::string narrow =
+      ", which is not a format that is read here; give a pattern that only the frames match, such as "
+      "'run/*.obj'";
+  EXPECT_EQ(open_error({files.path("run/*")}), "run/*: matches run/f2.obj.tmp" + narrow);
+  EXPECT_EQ(open({files.path("run/*.obj")})->frame_count(), 2u);
+  files.write("parts/f1.obj", obj_at(1));
+  files.write("parts/deeper/f2.obj", obj_at(2));
+  EXPECT_EQ(open_error({files.path("parts/*")}), "parts/*: matches parts/deeper" + narrow);
+  EXPECT_EQ(open({files.path("parts/*.obj")})->frame_count(), 1u);
+}
+
+TEST_F(OpenTest, ADirectoryThatCannotBeReadIsAnError) {
+  files.write("runs/a/f1.obj", obj_at(1));
+  files.write("runs/readme.txt", "not a directory");
+  std::filesystem::create_symlink("nowhere", files.path("runs/gone"));
+  EXPECT_EQ(open({files.path("runs/*/f?.obj")})->frame_count(), 1u);
+  std::filesystem::create_symlink("b", files.path("runs/b"));  // a loop, which root cannot read either
+  const std::string listed = ": cannot be listed: Too many levels of symbolic links; check the permissions";
+  EXPECT_EQ(open_error({files.path("runs/b/f?.obj")}), "runs/b" + listed);
+  EXPECT_EQ(open_error({files.path("runs/b/f%d.obj")}), "runs/b/f%d.obj" + listed);
+  EXPECT_EQ(open_error({files.path("none/f%d.obj")}),
+            "none/f%d.obj: matches no files; %d stands for a number in their names");
+}
+
+TEST_F(OpenTest, NumbersThatAreLeftOutAreNoted) {
+  using ::testing::ElementsAre;
+  using ::testing::IsEmpty;
+  const auto notes = [&](const std::vector<std::string>& names, const std::string& argument = "") {
+    std::filesystem::remove_all(files.path("run"));
+    for (const std::string& name : names) files.write("run/" + name, obj_at(1));
+    return open({files.path("run" + argument)}, {.still = true})->notes();
+  };
+  const std::string gap = "frame numbers jump from 2 to 4: the step between them was not in the files";
+  for (const char* argument : {"", "/*.obj", "/f%d.obj"}) {
+    EXPECT_THAT(notes({"f0001.obj", "f0002.obj", "f0004.obj", "f0005.obj"}, argument), ElementsAre(gap));
+    EXPECT_THAT(notes({"f7.obj", "f08.obj", "f9.obj", "f10.obj"}, argument), IsEmpty());
+  }
+  EXPECT_THAT(notes({"f2_high.obj", "f4_high.obj"}), ElementsAre(gap));
+  EXPECT_THAT(
+      notes({"f0.obj", "f2.obj", "f3.obj", "f6.obj", "f9.obj"}),
+      ElementsAre("frame numbers jump from 0 to 2, and at 2 more places: the steps between them were not in "
+                  "the files"));
+  EXPECT_THAT(notes({"a.obj", "b.obj", "b0.obj", "b00.obj", "c5.obj"}), IsEmpty()) << "nothing is numbered";
+  EXPECT_THAT(notes({"d1_t1.obj", "d3_t5.obj", "d99999999999999999999.obj"}), IsEmpty());
+  const auto shell = open({files.write("s1.obj", obj_at(1)), files.write("s3.obj", obj_at(1))});
+  EXPECT_EQ(shell->notes().size(), 1u);
+  EXPECT_EQ(open({files.path("s1.obj"), files.path("s3.obj")}, {.weld = true})->notes().size(), 1u);
 }
 
 TEST_F(OpenTest, APipeIsRefusedAtOnce) {
@@ -177,13 +231,16 @@ TEST_F(OpenTest, WeldMergesEqualVerticesOfTheFirstFrame) {
   // Two separate triangles: vertices 3 and 5 repeat 1 and 2, as -0 equals 0. Vertex 6 is unused.
   const std::string faces = "f 1 2 3\nf 4 5 6\n";
   files.write("run/0.obj", "v 9 9 9\nv 1 0 0\nv 0 1 0\nv 1 -0 0\nv 1 1 0\nv 0 1 -0\nv 5 5 5\n" + faces);
-  files.write("run/1.obj", "v 8 8 8\nv 2 0 0\nv 0 2 0\nv 7 7 7\nv 2 2 0\nv 6 6 6\nv 4 4 4\n" + faces);
+  files.write("run/1.obj", "v 8 8 8\nv 2 0 0\nv 0 2 0\nv 2 0 0\nv 2 2 0\nv -0 2 0\nv 4 4 4\n" + faces);
+  files.write("run/2.obj", "v 8 8 8\nv 2 0 0\nv 0 2 0\nv 2 0 0\nv 2 2 0\nv 0 2 1e-9\nv 4 4 4\n" + faces);
   const auto motion = open({files.path("run")}, {.weld = true});
   ASSERT_TRUE(motion);
   EXPECT_EQ(motion->topology().vertex_count(), 5u);
   EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}}));
   EXPECT_EQ(frame(*motion, 0), (std::vector<double>{9, 9, 9, 1, 0, 0, 0, 1, 0, 1, 1, 0, 5, 5, 5}));
   EXPECT_EQ(frame(*motion, 1), (std::vector<double>{8, 8, 8, 2, 0, 0, 0, 2, 0, 2, 2, 0, 4, 4, 4}));
+  EXPECT_EQ(frame_error(*motion, 2),
+            "run: vertices 2 and 5, which --weld merged, part in frame 2; check without --weld");
   const auto plain = open({files.path("run")});
   EXPECT_EQ(plain->topology().vertex_count(), 7u) << "only on request";
 }

@@ -203,8 +203,43 @@ TEST_F(VtkTest, OfVolumesOnlyTheBoundaryIsLeft) {
   EXPECT_NEAR(volume("0 1 3 2 4", "14"), 1 / 3., 1e-12);
 }
 
+TEST_F(VtkTest, VolumesWithTheSameCornersAreOne) {
+  const auto one = triangles(*cells("0 1 2 4", "4", "10"));
+  EXPECT_EQ(triangles(*cells("0 1 2 4 0 1 2 4", "4 8", "10 10")), one);
+  EXPECT_EQ(triangles(*cells("0 1 2 4 4 2 1 0 1 0 2 4", "4 8 12", "10 10 10")), one);
+  EXPECT_EQ(triangles(*cells("0 1 2 4 1 2 4 7 0 1 2 4 7 4 2 1", "4 8 12 16", "10 10 10 10")),
+            triangles(*cells("0 1 2 4 1 2 4 7", "4 8", "10 10")));
+  // A voxel and a hexahedron.
+  EXPECT_EQ(triangles(*cells("0 1 2 3 4 5 6 7 0 1 3 2 4 5 7 6", "8 16", "11 12")),
+            triangles(*cells("0 1 2 3 4 5 6 7", "8", "11")));
+}
+
+TEST_F(VtkTest, VolumesWithoutThicknessKeepTheirFaces) {
+  const auto found = triangles(*cells("0 1 2 0 1 2", "6", "13"));  // a wedge with both ends at one place
+  EXPECT_EQ(std::count(found.begin(), found.end(), Triangle{0, 1, 2}), 1);
+}
+
+TEST_F(VtkTest, SurfacesComeBeforeTheBoundaryOfVolumes) {
+  const std::vector<Triangle> tetrahedron{{0, 1, 4}, {1, 2, 4}, {2, 0, 4}, {0, 2, 1}};
+  // A triangle elsewhere, one of the four faces, all of them, and one between two volumes.
+  auto expected = tetrahedron;
+  expected.insert(expected.begin(), {8, 9, 10});
+  EXPECT_EQ(triangles(*cells("0 1 2 4 8 9 10", "4 7", "10 5")), expected);
+  EXPECT_EQ(triangles(*cells("0 1 2 4 0 1 2", "4 7", "10 5")),
+            (std::vector<Triangle>{{0, 1, 2}, {0, 1, 4}, {1, 2, 4}, {2, 0, 4}}));
+  EXPECT_EQ(triangles(*cells("0 1 2 4 0 1 4 1 2 4 2 0 4 0 2 1", "4 7 10 13 16", "10 5 5 5 5")), tetrahedron);
+  EXPECT_EQ(triangles(*cells("0 1 2 4 1 2 4 7 1 2 4", "4 8 11", "10 10 5")).size(), 7u);
+  // The bottom of a cube as a quad that starts elsewhere, as two triangles on either diagonal, and half of
+  // it.
+  const std::string cube = "0 1 3 2 4 5 7 6";
+  EXPECT_EQ(triangles(*cells(cube + " 1 3 2 0", "8 12", "12 9")).size(), 12u);
+  EXPECT_EQ(triangles(*cells(cube + " 0 1 3 0 3 2", "8 11 14", "12 5 5")).size(), 12u);
+  EXPECT_EQ(triangles(*cells(cube + " 0 1 2 1 3 2", "8 11 14", "12 5 5")).size(), 12u);
+  EXPECT_EQ(triangles(*cells(cube + " 0 1 3", "8 11", "12 5")).size(), 12u);
+  EXPECT_EQ(triangles(*cells(cube + " 0 1 2", "8 11", "12 5")).size(), 12u);
+}
+
 TEST_F(VtkTest, CellsOfSurfacesAreKeptAndLinesIgnored) {
-  EXPECT_EQ(triangles(*cells("0 1 2 4 0 1 2", "4 7", "10 5")), kOneTriangle);  // not the volume's faces, too
   EXPECT_EQ(
       triangles(*cells("0 1 0 1 2 0 1 2 3 0 1 3 2 0 1 2 3", "2 5 9 13 17", "3 5 8 9 6")),
       (std::vector<Triangle>{{0, 1, 2}, {0, 1, 3}, {0, 3, 2}, {0, 1, 3}, {0, 3, 2}, {0, 1, 2}, {1, 3, 2}}));

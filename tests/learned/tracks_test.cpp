@@ -27,7 +27,7 @@ TEST_F(TracksTest, TheLongTableComesInAnyOrder) {
   const auto tracks = read(
       "z,frame,vertex,x,y\n"
       "3,10,2,1,2\n9,10,99,9,9\n6,10,7,4,5\n"
-      "0.5,12,7,0,0\n0.25,12,2,0,0\n");
+      "0.5,11,7,0,0\n0.25,11,2,0,0\n");
   ASSERT_TRUE(tracks) << tracks.error().line();
   EXPECT_EQ(tracks->frames, 2u);
   EXPECT_EQ(tracks->points, 2u);
@@ -45,6 +45,11 @@ TEST_F(TracksTest, ErrorsNameWhatIsWrong) {
   EXPECT_THAT(error("0,7,1,2,3\n"), HasSubstr("a.csv: lacks key points, for example in frame 0; "));
   EXPECT_THAT(error("0,7,1,2,3\n0,7,1,2,3\n0,2,1,2,3\n"), HasSubstr("has vertex 7 twice in frame 0; "));
   EXPECT_THAT(error("0,7,1,2,3\n0,2,1,2,3\n1,7,1,2,3\n1,3,1,2,3\n"), HasSubstr("example in frame 1; "));
+  const std::string two = "0,7,1,2,3\n0,2,1,2,3\n1,7,1,2,3\n1,2,1,2,3\n";
+  const std::string all = "; number frames one after the other, and give all of them";
+  EXPECT_EQ(error(two + "4,7,1,2,3\n4,2,1,2,3\n"), "a.csv: lacks frame 2: frame 4 follows frame 1" + all);
+  EXPECT_EQ(error(two + "-2,7,1,2,3\n-2,2,1,2,3\n"), "a.csv: lacks frame -1: frame 0 follows frame -2" + all);
+  EXPECT_EQ(error(two + "1.5,7,1,2,3\n1.5,2,1,2,3\n"), "a.csv: has frame 1.5 right after frame 1" + all);
   EXPECT_THAT(error("frame,vertex,x,y,w\n0,7,1,2,3\n"), HasSubstr("has no column 'z'; "));
   EXPECT_THAT(error("1,2,3\n"), HasSubstr("has 3 columns, and the model has 2 key points; "));
 }
