@@ -57,7 +57,7 @@ class Team {
     const ThreadLimit limit(threads_);
     const double processor = now_milliseconds(true);
     const double start = now_milliseconds(false);
-    const Result<void> done = checker_.check(loader.x0(), loader.x1(), {}, result_);
+    Result<void> done = checker_.check(loader.x0(), loader.x1(), {}, result_);
     if (!measured) return done;
     ++steps_;
     wall_ += now_milliseconds(false) - start;

@@ -19,8 +19,7 @@ constexpr std::array kRates{12.0,      15.0,     23.976024, 24.0,  25.0,  29.970
 /// Sorts, and removes what occurs twice.
 void make_distinct(std::vector<double>& times) {
   std::ranges::sort(times);
-  const auto rest = std::ranges::unique(times);
-  times.erase(rest.begin(), rest.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
 }
 
 /// The times of all keys, each once. Accessors may share bytes, so there can be many more keys than times:

@@ -224,7 +224,7 @@ Result<void> ReducedChecker::check(std::span<const ReducedPose> start, std::span
                                    const StepSettings& settings, StepResult& out) {
   const PlainArithmetic plain;
   if (std::exchange(impl_->running, true)) impl_->start_afresh();
-  const auto done = impl_->check(start, end, settings, out);
+  auto done = impl_->check(start, end, settings, out);
   impl_->running = false;
   return done;
 }

@@ -34,7 +34,7 @@ struct SweepMotion {
   std::uint64_t bytes = 0;    ///< Size of all its files.
   std::int64_t modified = 0;  ///< Modification time of the newest file, nanoseconds since 1970.
   /// A hash of the names, sizes and modification times of all its files. Another one: something has changed.
-  Hash status;
+  Hash status = {};
 };
 
 struct SweepInput {
