@@ -149,6 +149,7 @@ std::string pack(std::size_t number, const SweepMotion& motion) {
   const auto add = [&](const std::string& field) { (text += '\0') += field; };
   add(fmt::format("{}", motion.bytes));
   add(fmt::format("{}", motion.modified));
+  add(motion.status);
   add(motion.path);
   for (const std::string& file : motion.files) add(file);
   return text;
@@ -161,8 +162,11 @@ SweepMotion unpack(const std::string& text, std::size_t& number) {
     fields.push_back(text.substr(at, end - at));
   }
   number = std::stoull(fields.at(0));
-  return {
-      fields.at(3), {fields.begin() + 4, fields.end()}, std::stoull(fields.at(1)), std::stoll(fields.at(2))};
+  return {.path = fields.at(4),
+          .files = {fields.begin() + 5, fields.end()},
+          .bytes = std::stoull(fields.at(1)),
+          .modified = std::stoll(fields.at(2)),
+          .status = fields.at(3)};
 }
 
 /// Rank 0.

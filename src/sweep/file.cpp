@@ -82,7 +82,7 @@ class LineFilter {
     const auto found = by_path_.find(record.path);
     if (found == by_path_.end()) return !lies_below(record.path, written_directories_);
     const SweepMotion& motion = input_.motions[found->second];
-    const bool same = record.status == motion.status.text() && record.settings == hash_ && !again_;
+    const bool same = record.status == motion.status && record.settings == hash_ && !again_;
     if (!same || !done.insert(found->second).second) return false;
     records.push_back(std::move(record));
     return true;

@@ -48,7 +48,7 @@ std::error_code list(const std::string& path, Entries& entries) {
 }
 
 /// Adds the size and modification time of files, by which a later sweep recognizes changes.
-void add_status(SweepMotion& motion, std::span<const std::string> files) {
+void add_status(SweepMotion& motion, Hash& hash, std::span<const std::string> files) {
   for (const std::string& file : files) {
     struct ::stat status = {};
     if (::stat(file.c_str(), &status) != 0) continue;  // opening the file will report why
@@ -56,8 +56,7 @@ void add_status(SweepMotion& motion, std::span<const std::string> files) {
         std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
     motion.bytes += static_cast<std::uint64_t>(status.st_size);
     motion.modified = std::max(motion.modified, modified);
-    motion.status.add(
-        fmt::format("{}\n{}\n{}\n", fs::path(file).filename().string(), status.st_size, modified));
+    hash.add(fmt::format("{}\n{}\n{}\n", fs::path(file).filename().string(), status.st_size, modified));
   }
 }
 
@@ -110,8 +109,10 @@ class Finder {
   void add(std::string path, std::vector<std::string> files, std::span<const std::string> beside = kNone) {
     if (!known_.insert(canonical(files.back())).second) return;
     SweepMotion motion{std::move(path), std::move(files)};
-    add_status(motion, motion.files);
-    add_status(motion, beside);
+    Hash hash;
+    add_status(motion, hash, motion.files);
+    add_status(motion, hash, beside);
+    motion.status = hash.text();
     input.motions.push_back(std::move(motion));
   }
 

@@ -35,7 +35,7 @@ Json head_of(const SweepMotion& motion, const SweepSettings& settings) {
           {"settings", settings_hash(settings)},
           {"bytes", motion.bytes},
           {"modified", motion.modified},
-          {"status", motion.status.text()},
+          {"status", motion.status},
           {"seconds", 0.0}};
 }
 

@@ -33,8 +33,8 @@ struct SweepMotion {
   std::vector<std::string> files;
   std::uint64_t bytes = 0;    ///< Size of all its files.
   std::int64_t modified = 0;  ///< Modification time of the newest file, nanoseconds since 1970.
-  /// A hash of the names, sizes and modification times of all its files. Another one: something has changed.
-  Hash status = {};
+  /// A Hash of the names, sizes and modification times of all its files. Another one: something has changed.
+  std::string status = {};
 };
 
 struct SweepInput {

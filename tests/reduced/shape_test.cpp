@@ -232,10 +232,17 @@ TEST(ReducedShape, RefusesWhatSquaresCannotHold) {
   // Powers of two change nothing but the unit.
   const auto shape = build(1, 1);
   ASSERT_TRUE(shape);
-  for (const double scale : {0x1p-228, 0x1p228}) {
+  for (const double scale : {0x1p-40, 0x1p40}) {
     const auto scaled = build(scale, scale);
     ASSERT_TRUE(scaled);
     EXPECT_EQ(scaled->radius(0), shape->radius(0)) << scale;
+  }
+  // Where the sixth power of a size leaves the doubles, planes do not turn.
+  for (const double scale : {0x1p-228, 0x1p228}) {
+    const auto scaled = build(scale, scale);
+    ASSERT_TRUE(scaled);
+    EXPECT_GT(scaled->radius(0), 1) << scale;
+    EXPECT_LE(scaled->radius(0), shape->radius(0)) << scale;
   }
 }
 

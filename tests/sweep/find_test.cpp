@@ -124,10 +124,10 @@ TEST(FindMotions, SeesThatABufferOfAGltfChanged) {
   const auto later = std::filesystem::file_time_type::clock::now() + std::chrono::hours(1);
   const SweepMotion before = library.input().motions[0];
   std::filesystem::last_write_time(library / "other.bin", later);
-  EXPECT_EQ(library.input().motions[0].status.text(), before.status.text());
+  EXPECT_EQ(library.input().motions[0].status, before.status);
   std::filesystem::last_write_time(library / "below/a b.bin", later);
   EXPECT_GT(library.input().motions[0].modified, before.modified);
-  EXPECT_NE(library.input().motions[0].status.text(), before.status.text());
+  EXPECT_NE(library.input().motions[0].status, before.status);
 }
 
 TEST(FindMotions, SaysWhatIsNoDirectory) {
