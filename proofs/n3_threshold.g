@@ -2,7 +2,7 @@
 # code src/ccd/conservative_advancement.cpp
 #   const V volume = hn::Mul(hn::Mul(size.x, size.y), size.z);
 #   const V error = hn::Add(hn::Mul(Number(kDetError), volume), Number(kDetUnderflow));
-#   loaded_.volume_error[lane] = kDetError * (size[0] * size[1] * size[2]) + kDetUnderflow;
+#   patches.volume_error[lane] = kDetError * (size[0] * size[1] * size[2]) + kDetUnderflow;
 #
 # S = x y z of any size, so each operation has a factor k for its relative error, and products have underflow h.
 
