@@ -175,6 +175,7 @@ class ChartLibrary {
   static std::span<const T> part(const std::vector<T>& all, Range range) {
     return std::span(all).subspan(range.begin, range.count);
   }
+
   std::shared_ptr<const PatchSlots> slots_;
   std::vector<Index> first_;
   std::vector<Chart> charts_;

@@ -229,8 +229,8 @@ class Object {
 /// Answers queries on a fixed set of objects. Keeps its scratch, so a second step of the same size does not
 /// allocate; with certificates, once no more charts are built and searches that look ahead find no more
 /// candidates than before. A call that throws, for want of memory, makes the next one start afresh. Use one
-/// checker per thread. Threads inside a query come from oneTBB: limit them
-/// with tbb::global_control or a task arena of your own.
+/// checker per thread. Threads inside a query come from oneTBB: limit them with tbb::global_control or a task
+/// arena of your own.
 class StepChecker {
  public:
   explicit StepChecker(std::vector<Object> objects);

@@ -205,6 +205,7 @@ class ReducedChecker {
 
  private:
   struct Impl;
+  std::vector<Object> objects_;
   std::unique_ptr<Impl> impl_;
 };
 

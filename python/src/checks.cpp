@@ -3,6 +3,8 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
+
 #include "contacts.h"
 #include "long_call.h"
 #include "module.h"
@@ -111,14 +113,10 @@ void add_models(const py::object& models, Request& request) {
 
 /// Of the first motion; `weld`: of any.
 ReadOptions read_options(const Request& request) {
+  const auto read_of = [](const auto& motion) { return static_cast<const SharedMotion&>(*motion).read(); };
   ReadOptions read;
-  for (std::size_t i = request.motions.size(); i-- > 0;) {
-    const auto* motion = dynamic_cast<const SharedMotion*>(request.motions[i].get());
-    if (motion == nullptr) continue;
-    const bool weld = read.weld || motion->read().weld;
-    read = motion->read();
-    read.weld = weld;
-  }
+  if (!request.motions.empty()) read = read_of(request.motions.front());
+  read.weld = std::ranges::any_of(request.motions, [&](const auto& motion) { return read_of(motion).weld; });
   return read;
 }
 

@@ -41,7 +41,7 @@ class SharedMotion final : public Motion {
   std::shared_ptr<State> state_;
 };
 
-/// One motion, or several in a list or tuple.
+/// One motion, or several in a list or tuple; each is a SharedMotion.
 std::vector<std::unique_ptr<Motion>> motions_of(const pybind11::handle& motions);
 
 /// None, a slice, an int, or text as the program reads it ("A:B:STEP").

@@ -378,8 +378,10 @@ void copy_lane(const MinkowskiBatch& from, int from_lane, bool edge_edge, Minkow
   to.volume_error[lane] = from.volume_error[from_lane];
 }
 
-void make_patches(const PairBatch& pairs, bool edge_edge, MinkowskiBatch& patches) {
-  (edge_edge ? HWY_DYNAMIC_DISPATCH(MakePatches4) : HWY_DYNAMIC_DISPATCH(MakePatches3))(pairs, patches);
+// Bit k is set when pair k is proven separated at thickness 0.
+unsigned make_patches(const PairBatch& pairs, bool edge_edge, MinkowskiBatch& patches) {
+  return edge_edge ? HWY_DYNAMIC_DISPATCH(MakePatches4)(pairs, patches)
+                   : HWY_DYNAMIC_DISPATCH(MakePatches3)(pairs, patches);
 }
 
 // Scales a pair's differences by a power of two, which is returned, so that products neither overflow nor
@@ -423,8 +425,7 @@ double scale_differences(const PairBatch& pairs, bool edge_edge, int lane, doubl
 
 unsigned ConservativeAdvancement::load(const PairBatch& pairs, int count) {
   const unsigned all = (1u << count) - 1;
-  unsigned separated = edge_edge_ ? HWY_DYNAMIC_DISPATCH(MakePatches4)(pairs, loaded_)
-                                  : HWY_DYNAMIC_DISPATCH(MakePatches3)(pairs, loaded_);
+  unsigned separated = make_patches(pairs, edge_edge_, loaded_);
   bool rescaled = false;
   for (int lane = 0; lane < count; ++lane) {
     scale_[lane] = 1;

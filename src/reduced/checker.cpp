@@ -31,11 +31,10 @@ struct ReducedChecker::Impl {
   std::vector<NodePair> stack;
   ReducedShape::Scratch scratch;
   std::vector<std::span<const double>> x0, x1;
-  bool running = false;  // between calls: an exception cut off the last one
 
+  explicit Impl(const std::vector<ReducedChecker::Object>& given);
   Result<void> check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
                      const StepSettings& settings, StepResult& out);
-  void start_afresh();
   bool traverse_balls(Index object, Index task, double distance, Work& work);
   Result<void> traverse_vertices(Index task, double distance, const StepSettings& settings, Work& work);
   Result<void> traverse_within(Index task, double distance, const StepSettings& settings, Work& work);
@@ -48,15 +47,18 @@ struct ReducedChecker::Impl {
   Bounds bound();
 };
 
-ReducedChecker::ReducedChecker(std::vector<Object> objects) : impl_(new Impl) {
-  impl_->pipelines.resize(objects.size());
-  for (Object& object : objects) {
+ReducedChecker::Impl::Impl(const std::vector<ReducedChecker::Object>& given) {
+  pipelines.resize(given.size());
+  for (const ReducedChecker::Object& object : given) {
     const std::shared_ptr<const Hierarchy>& hierarchy = object.shape->motion()->hierarchy();
-    impl_->bvhs.emplace_back(hierarchy);
-    impl_->meshes.push_back(object.charts ? foldproof::Object(std::move(object.charts)) : hierarchy);
-    impl_->objects.emplace_back(std::move(object.shape));
+    bvhs.emplace_back(hierarchy);
+    meshes.push_back(object.charts ? foldproof::Object(object.charts) : hierarchy);
+    objects.emplace_back(object.shape);
   }
 }
+
+ReducedChecker::ReducedChecker(std::vector<Object> objects)
+    : objects_(std::move(objects)), impl_(new Impl(objects_)) {}
 ReducedChecker::~ReducedChecker() = default;
 ReducedChecker::ReducedChecker(ReducedChecker&&) noexcept = default;
 ReducedChecker& ReducedChecker::operator=(ReducedChecker&&) noexcept = default;
@@ -214,19 +216,12 @@ void ReducedChecker::Impl::compute_features(const Frame& frame, double distance)
   }
 }
 
-void ReducedChecker::Impl::start_afresh() {
-  for (ReducedObject& object : objects) object = ReducedObject(object.shape_pointer());
-  for (auto& pipeline : pipelines) pipeline.reset();
-  chunks.clear();
-}
-
 Result<void> ReducedChecker::check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
                                    const StepSettings& settings, StepResult& out) {
   const PlainArithmetic plain;
-  if (std::exchange(impl_->running, true)) impl_->start_afresh();
-  auto done = impl_->check(start, end, settings, out);
-  impl_->running = false;
-  return done;
+  return run_on(
+      impl_, [&] { return std::make_unique<Impl>(objects_); },
+      [&](Impl& impl) { return impl.check(start, end, settings, out); });
 }
 
 Result<void> ReducedChecker::Impl::check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,

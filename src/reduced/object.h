@@ -26,7 +26,6 @@ class ReducedObject {
   /// apart than `distance`.
   bool balls_apply(double distance) const;
   const ReducedShape& shape() const { return *shape_; }
-  const std::shared_ptr<const ReducedShape>& shape_pointer() const { return shape_; }
   const ReducedPose& pose(int end) const { return poses_[end]; }
 
   /// Computes the vertices of a leaf, here and in `bvh`, and its box from them; once per step.
