@@ -87,6 +87,20 @@ test('claims nothing about untested crossings', async () => {
   await close();
 });
 
+test('says which pairs were not tested', async () => {
+  const one = makeSpheres('one', { frames: 6, distance: 2.5 });
+  const both = [...one, ...makeSpheres('other', { frames: 6, distance: 2.5 })];
+  const verdictOf = async (name, motions, option) => {
+    const { verdict, close } = await read(reportOf(name, motions, option));
+    await close();
+    return verdict;
+  };
+  const free = 'Proven free of collisions: frame 0 and all 5 steps';
+  assert.equal(await verdictOf('within', both, '--within'), `${free}; pairs of two meshes were not tested`);
+  assert.equal(await verdictOf('within-one', one, '--within'), free);
+  assert.match(await verdictOf('between', both, '--between'), /; pairs within one mesh were not tested$/);
+});
+
 test('shows a single frame', async () => {
   const { verdict, kind, close } = await read(reportOf('single', makeSpheres('single', { frames: 1 }).slice(0, 1)));
   assert.match(verdict, /^Frame 0 has [\d,]+ crossing pairs of triangles$/);

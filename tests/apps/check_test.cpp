@@ -43,6 +43,17 @@ TEST(Check, ExitCodesReportTheAnswer) {
   EXPECT_EQ(check_in(scene, {"sink", "--frames", "1:3"}).code, 1);
 }
 
+TEST(Check, NotesOfAReaderAreShownWhole) {
+  const Scene scene;
+  std::filesystem::remove(scene / "clean/frame1.obj");
+  const std::string note = "frame numbers jump from 0 to 2: the step between them was not in the files";
+  const Outcome checked = check_in(scene, {"clean", "--json", "a.json"});
+  EXPECT_THAT(checked.out, HasSubstr("\nclean: " + note + "\n"));
+  EXPECT_EQ(scene.report("a.json")["objects"][0]["notes"], json::array({note}));
+  check_in(scene, {"sink", "--json", "b.json"});
+  EXPECT_FALSE(scene.report("b.json")["objects"][0].contains("notes"));
+}
+
 TEST(Check, SummaryHasTheMainResults) {
   const Scene scene;
   const Outcome found = check_in(scene, {"sink"});

@@ -236,6 +236,18 @@ TEST(ReducedShape, RefusesWhatSquaresCannotHold) {
   }
 }
 
+// R5: it is rounded up, also where its square is no number above 0.
+TEST(ReducedShape, ADistanceIsNeverZeroBesideACenter) {
+  const auto motion = waving_cloth(6).motion();
+  const auto shape = ReducedShape::build(motion, {{zeros(*motion)}}).value();
+  for (const double q : {1e-200, 1e-160, 1e-20, 1.0}) {
+    std::vector<double> p = zeros(*motion);
+    p[1] = q * motion->deviations()[1];
+    EXPECT_GE(shape.distance(0, p), q);
+  }
+  EXPECT_EQ(shape.distance(0, zeros(*motion)), 0);
+}
+
 // Tabulated values of the chi-square distribution: 1 to 3 standard deviations of one number, and the median
 // and the 95th percentile of more.
 TEST(NormalShare, IsTheChiSquareDistribution) {
