@@ -1,6 +1,6 @@
 // Shared by the tests: motions, the program that serves them, and a browser.
 import { spawn, spawnSync } from 'node:child_process';
-import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
@@ -64,6 +64,15 @@ export function makeSpheres(name, { around = 32, along = 24, distances, frames =
   }
   return write(name, faces, Float64Array.from(values), frames);
 }
+
+/** Generated data: a triangle in four frames, the third of which is missing. */
+export function makeGap(name) {
+  const frames = join(folder, name);
+  mkdirSync(frames);
+  for (const frame of [0, 1, 3]) writeFileSync(join(frames, `f${frame}.obj`), `v 0 0 ${frame}\nv 1 0 0\nv 0 1 0\nf 1 2 3\n`);
+  return [frames];
+}
+export const gapNote = /: frame numbers jump from 1 to 3: the step between them was not in the files/;
 
 function write(name, faces, values, frames) {
   const vertices = values.length / 3 / frames;

@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
-import { folder, launch, makeSpheres, makeTube, openPage, phone, removeFolder, run } from './program.mjs';
+import { folder, gapNote, launch, makeGap, makeSpheres, makeTube, openPage, phone, removeFolder, run } from './program.mjs';
 
 let browser;
 const file = join(folder, 'report.html');
@@ -84,6 +84,13 @@ test('claims nothing about untested crossings', async () => {
   assert.match(verdict, /^No contact in 5 steps; crossings from the start were not tested/);
   assert.equal(kind, 'run');
   assert.equal(await page.locator('.free').count(), 0, 'nothing is green');
+  await close();
+});
+
+test('says what the reader of a motion left out', async () => {
+  const { verdict, text, close } = await read(reportOf('gap', makeGap('gap')));
+  assert.match(verdict, /^Proven free/);
+  assert.match(text, gapNote);
   await close();
 });
 

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 import { join } from 'node:path';
-import { folder, launch, makeSpheres, makeTube, openPage, phone, picture, removeFolder, run, state, textOf, until, view } from './program.mjs';
+import { folder, gapNote, launch, makeGap, makeSpheres, makeTube, openPage, phone, picture, removeFolder, run, state, textOf, until, view } from './program.mjs';
 
 const kFrames = 400;
 let browser, withModel, without;
@@ -397,6 +397,12 @@ test('reports a free motion', () =>
     assert.match(await textOf(page, '.collisions'), /Nothing crosses in frame 0\.\s+Nothing collides up to here/);
     await page.keyboard.press('l');
     assert.doesNotMatch(await textOf(page, '.legend'), /cross/);
+  }));
+
+test('says what the reader of a motion left out', () =>
+  withPage(makeGap('gap'), async (page) => {
+    await page.click('#tab-collisions');
+    assert.match(await textOf(page, '.collisions'), gapNote);
   }));
 
 test('claims nothing about untested crossings', () =>

@@ -7,6 +7,7 @@
 
 #include "base/try.h"
 #include "io/formats.h"
+#include "io/numbered.h"
 #include "report/contact_pictures.h"
 #include "report/json_values.h"
 #include "sweep/sweep.h"
@@ -24,7 +25,7 @@ Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const Rea
     auto opened = FOLDPROOF_TRY(open_motions(motion.files, options));
     return std::move(opened.front());
   }
-  auto opened = io::open_sequence(motion.path, motion.files);
+  auto opened = io::open_sequence(motion.path, motion.files, {}, io::notes_on_gaps(motion.files));
   if (opened && options.weld) opened = io::weld(std::move(*opened));
   return opened;
 }
@@ -66,6 +67,7 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
   if (model != settings.models.end()) check.models = {*model};
   const Json object = objects_json(std::span(&motion, 1), check)[0];
   for (const char* key : {"vertices", "triangles", "frames", "model"}) line[key] = object[key];
+  if (object.contains("notes")) line["notes"] = object["notes"];
   if (!check.poses && check.steps_only && motion->frame_count() == 1) {
     line["state"] = name_of(SweepState::Still);
     return true;
@@ -177,6 +179,7 @@ Result<SweepRecord> read_sweep_line(const std::string& line) {
     json.at("seconds").get_to(record.seconds);
     record.state = FOLDPROOF_TRY(state_of(json.at("state").get<std::string>()));
     if (json.contains("error")) json.at("error").get_to(record.error);
+    if (json.contains("notes")) json.at("notes").get_to(record.notes);
     if (json.contains("vertices")) {
       json.at("vertices").get_to(record.vertices);
       json.at("triangles").get_to(record.triangles);

@@ -158,14 +158,31 @@ TEST(SweepLine, HasTheTotalsOfTheReport) {
     EXPECT_TRUE(line.at("totals").contains(key)) << key;
 }
 
-TEST(SweepLine, ReadsFramesOfMeshesAndTellsOfABrokenOne) {
-  const Library library;
-  const auto motion = needle(kSinking);
-  std::vector<double> x(18);
-  for (Index frame = 0; frame < 5; ++frame) {
-    ASSERT_TRUE(motion->read_frame(frame, x));
-    ASSERT_TRUE(write_obj(library / ("in/f" + std::to_string(frame) + ".obj"), motion->topology(), x));
+/// The sinking needle as the meshes of its five frames.
+struct Frames : Library {
+  Frames() {
+    const auto motion = needle(kSinking);
+    std::vector<double> x(18);
+    for (Index frame = 0; frame < 5; ++frame) {
+      EXPECT_TRUE(motion->read_frame(frame, x));
+      EXPECT_TRUE(write_obj(*this / ("in/f" + std::to_string(frame) + ".obj"), motion->topology(), x));
+    }
   }
+};
+
+TEST(SweepLine, TellsOfFramesThatAreMissing) {
+  const Frames library;
+  EXPECT_THAT(record_of(*sweep_line(library.input().motions.at(0), library.settings)).notes, IsEmpty());
+  std::filesystem::remove(library / "in/f2.obj");
+  const SweepRecord record = record_of(*sweep_line(library.input().motions.at(0), library.settings));
+  const std::string note = "frame numbers jump from 1 to 3: the step between them was not in the files";
+  EXPECT_THAT(record.notes, ElementsAre(note));
+  ASSERT_TRUE(write_sweep_page(library / "page.html", {&record, 1}, {"", {"in"}, false}));
+  EXPECT_THAT(read_file(library / "page.html"), HasSubstr(note));
+}
+
+TEST(SweepLine, ReadsFramesOfMeshesAndTellsOfABrokenOne) {
+  const Frames library;
   EXPECT_EQ(record_of(*sweep_line(library.input().motions.at(0), library.settings)).collisions, 3u);
   std::ofstream(library / "in/f3.obj") << "f 1 2 3\n";
   const SweepRecord broken = record_of(*sweep_line(library.input().motions.at(0), library.settings));

@@ -4,7 +4,7 @@ import './report.css';
 import { contactsSection, type PicturedContact } from './contacts';
 import { Charts } from '../shared/charts';
 import { css, kReasons } from '../shared/colors';
-import { append, el } from '../shared/dom';
+import { append, el, notesOfReaders } from '../shared/dom';
 import { counted, grouped, milliseconds, percent, short, toiText } from '../shared/format';
 import { collisionsOf, spanOf, stepText, type Step } from '../shared/steps';
 import { applyTheme, onTheme, startTheme, themeButton } from '../shared/theme';
@@ -22,7 +22,7 @@ interface Data {
   version: string;
   made: string;
   command: string;
-  objects: { name: string; vertices: number; triangles: number; frames: number; model: string | null | { name: string } }[];
+  objects: { name: string; vertices: number; triangles: number; frames: number; model: string | null | { name: string }; notes?: string[] }[];
   settings: Record<string, unknown>;
   start: Start | null; // null if it was not tested
   totals: {
@@ -220,6 +220,7 @@ function build(data: Data): void {
     { className: 'report' },
     el('header', {}, el('div', {}, el('p', { className: 'brand' }, 'Foldproof report'), el('h1', { className: kind }, verdict)), themeButton()),
     el('p', { className: 'lead' }, text),
+    ...notesOfReaders(data.objects),
     ...data.notes.map((note) => el('p', { className: 'note' }, note)),
     contactsSection(data.contacts, data.totals.contacts?.count ?? 0, scaleOf(data)),
     tests(data),

@@ -26,6 +26,10 @@ export function el<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
+/** What the readers of objects left out or assumed. */
+export const notesOfReaders = (objects: { name: string; notes?: string[] }[]): HTMLElement[] =>
+  objects.flatMap(({ name, notes = [] }) => notes.map((note) => el('p', { className: 'note' }, `${name}: ${note}`)));
+
 export function append(parent: Element, ...children: Child[]): void {
   for (const child of children) if (child) parent.append(child);
 }

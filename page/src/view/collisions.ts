@@ -1,6 +1,6 @@
 // The list of pairs. Only visible rows exist.
 import { css, timeColor } from '../shared/colors';
-import { append, el, icon, setText } from '../shared/dom';
+import { append, el, icon, notesOfReaders, setText } from '../shared/dom';
 import { counted, grouped, toiText } from '../shared/format';
 import { collisionsOf, stepText, type Step } from '../shared/steps';
 import { startText, stoppedText } from '../shared/verdict';
@@ -51,6 +51,7 @@ export class CollisionPanel {
       el('div', { className: 'row' }, button('M15 5l-8 7 8 7z', `Previous ${step} with ${collisions}${orStart} (P)`, -1), button('M9 5l8 7-8 7z', `Next ${step} with ${collisions} (N)`, 1)),
       this.note,
       check.poses && el('p', { className: 'note' }, kBetweenNotTested),
+      ...notesOfReaders(scene.objects),
       this.list,
     );
   }
