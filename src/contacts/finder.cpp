@@ -17,9 +17,10 @@ namespace {
 // A contact that may go on.
 struct Open {
   Contact contact;
-  bool continues = false;                               // in this slice
-  bool crosses = false;                                 // in the last frame
-  std::array<std::map<Index, std::uint64_t>, 2> votes;  // triangles per part
+  bool continues = false;                                         // in this slice
+  bool crosses = false;                                           // in the last frame
+  double first_impact = std::numeric_limits<double>::infinity();  // whose place `point` is without frames
+  std::array<std::map<Index, std::uint64_t>, 2> votes;            // triangles per part
 };
 
 // A contact in a frame.
@@ -175,9 +176,9 @@ void ContactFinder::Impl::add_elements(double begin, double end, Positions x0, P
     const EdgeEdgeCollision& c = step.edge_edge[i];
     around_edge(c.object_a, c.a, side_a);
     around_edge(c.object_b, c.b, side_b);
-    const Vec3 middle = (at(c.object_a, c.a[0], c.toi) + at(c.object_a, c.a[1], c.toi) +
-                         at(c.object_b, c.b[0], c.toi) + at(c.object_b, c.b[1], c.toi)) /
-                        4;
+    // Quarters, as the sum could overflow.
+    const Vec3 middle = at(c.object_a, c.a[0], c.toi) / 4 + at(c.object_a, c.a[1], c.toi) / 4 +
+                        at(c.object_b, c.b[0], c.toi) / 4 + at(c.object_b, c.b[1], c.toi) / 4;
     add_element({c.object_a, c.object_b}, side_a, side_b, {begin + c.toi * (end - begin), middle});
   }
   for (const TriangleCrossing& c : crossings) {
@@ -208,7 +209,9 @@ void ContactFinder::Impl::join(Label a, Label b) {
   Open &into = open.at(a.number), &from = open.at(b.number);
   if (reversed) swap_sides(from);
   Contact &c = into.contact, &other = from.contact;
-  const bool other_is_worse = is_worse(other, c);
+  const bool touch_only = c.frames.empty() && other.frames.empty();
+  const bool other_is_worse = touch_only ? from.first_impact < into.first_impact : is_worse(other, c);
+  into.first_impact = std::min(into.first_impact, from.first_impact);
   const double worst_time = [&] {
     const Contact& worse = other_is_worse ? other : c;
     return worse.frames.empty() ? 0.0 : worse.frames[worse.worst].time;
@@ -295,8 +298,10 @@ void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const Step
     const int first = reversed ? 1 : 0;
     if (e < vertex_faces + edge_edges) {
       ++c.pairs;
-      if (c.frames.empty() && (c.pairs == 1 || impacts[e].time < c.first_time))
+      if (c.frames.empty() && impacts[e].time < to.first_impact) {
+        to.first_impact = impacts[e].time;
         c.point = c.low = c.high = impacts[e].point;
+      }
       c.first_time = c.from_start ? c.first_time : std::min(c.first_time, impacts[e].time);
       c.last_time = std::max(c.last_time, impacts[e].time);
     }

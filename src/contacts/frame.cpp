@@ -93,9 +93,8 @@ void FrameMeasurer::find_deepest(int side, Positions x) {
   // point.
   Vec3 known = other_corners_[0][0];
   for (const Vec3& p : points_) {
-    const double limit = length(known - p);
-    if (limit <= *depth_) continue;
-    known = tree_.nearest(p, limit);
+    if (length(known - p) <= *depth_) continue;
+    known = tree_.nearest(p, known);
     const double distance = length(known - p);
     if (distance <= *depth_) continue;
     depth_ = distance;

@@ -73,10 +73,9 @@ Index NearestTriangles::build_node(Index begin, Index end) {
   return id;
 }
 
-Vec3 NearestTriangles::nearest(const Vec3& p, double limit) const {
-  Vec3 best = triangles_[0][0];
-  double best2 = std::min(square_length(best - p), limit * limit * (1 + 1e-12));
-  bool found = false;
+Vec3 NearestTriangles::nearest(const Vec3& p, const Vec3& known) const {
+  Vec3 best = known;
+  double best2 = square_length(best - p);
   std::array<Index, 64> stack;  // the tree is balanced: at most 32 levels
   std::size_t size = 0;
   stack[size++] = 0;
@@ -89,7 +88,7 @@ Vec3 NearestTriangles::nearest(const Vec3& p, double limit) const {
         const Vec3 q = nearest_on_triangle(p, triangles_[i]);
         const double q2 = square_length(q - p);
         // Of equally near ones the same in every order.
-        if (q2 < best2 || (q2 == best2 && (!found || is_less(q, best)))) best = q, best2 = q2, found = true;
+        if (q2 < best2 || (q2 == best2 && is_less(q, best))) best = q, best2 = q2;
       }
       continue;
     }

@@ -10,8 +10,8 @@ class NearestTriangles {
  public:
   /// Replaces the triangles. Cost: O(n log n).
   void build(std::span<const std::array<Vec3, 3>> triangles);
-  /// The nearest point to `p`. If it is farther than `limit`, any point that is. Precondition: not empty.
-  Vec3 nearest(const Vec3& p, double limit) const;
+  /// The nearest point to `p`; `known`, which is one of the triangles' points, if none is nearer.
+  Vec3 nearest(const Vec3& p, const Vec3& known) const;
   bool empty() const { return nodes_.empty(); }
 
  private:

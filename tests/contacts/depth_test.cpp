@@ -66,6 +66,43 @@ TEST(Depth, SphereInTorus) {
   }
 }
 
+// Neighbors in a column of the wall have one nearest point in the floor, which rounding moves.
+TEST(Depth, SmallPrismThroughALargeFloor) {
+  Mesh floor = square(1), prism;
+  prism.vertex_count = 42;
+  const double spacing = 3e-5;
+  const Index around = 6, along = 7;
+  for (Index k = 0; k < around; ++k) {
+    const double angle = 2 * M_PI * k / around;
+    for (Index r = 0; r < along; ++r)
+      prism.positions.insert(
+          prism.positions.end(),
+          {spacing * std::cos(angle) + 0.3, spacing * std::sin(angle) + 0.2, spacing * (along - r - 2.5)});
+  }
+  for (Index k = 0; k < around; ++k) {
+    const Index a = k * along, b = (k + 1) % around * along;
+    for (Index r = 0; r + 1 < along; ++r) {
+      prism.triangles.push_back({a + r, b + r, a + r + 1});
+      prism.triangles.push_back({b + r, b + r + 1, a + r + 1});
+    }
+    if (k == 0 || k + 1 == around) continue;
+    prism.triangles.push_back({0, b, a});
+    prism.triangles.push_back({along - 1, a + along - 1, b + along - 1});
+  }
+  Rng rng(7);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int round = 0; round < 30; ++round) {
+    const Eigen::Quaterniond turn =
+        Eigen::Quaterniond(uniform(rng), uniform(rng), uniform(rng), uniform(rng)).normalized();
+    const auto turned = [&](Pose x) {
+      Eigen::Map<Eigen::Matrix3Xd> points(x.data(), 3, static_cast<Eigen::Index>(x.size() / 3));
+      points = (turn.toRotationMatrix() * points).eval();
+      return x;
+    };
+    expect_depth(contact_of(floor, turned(floor.positions), prism, turned(prism.positions)), 1.5 * spacing);
+  }
+}
+
 // An outward face or an inward one: the smaller region is inside.
 TEST(Depth, DoesNotDependOnOrientation) {
   const Mesh ball = unit_sphere(16);

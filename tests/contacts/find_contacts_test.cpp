@@ -56,6 +56,32 @@ TEST(FindContacts, FindsWhatTheFinderFinds) {
   EXPECT_TRUE(found[0].healed);
 }
 
+/// The edge of a standing triangle in which a hanging one, that sinks from z = 1.2 to `height`, lands first.
+std::vector<Contact> sinking_triangle(double height, double scale) {
+  Film film;
+  film.topologies = {*Topology::make(3, {{0, 1, 2}}), *Topology::make(3, {{0, 1, 2}})};
+  for (const double z : {1.2, height}) {
+    film.poses.push_back(
+        {{1, 0.1, 1, 1.2, 0.1, 1, 1.1, 0.1, 0.5}, {1.1, 0, z, 1.1, 0.2, z, 1.1, 0.1, z + 0.3}});
+    for (Pose& pose : film.poses.back()) {
+      for (double& x : pose) x *= scale;
+    }
+  }
+  return found_in(film).value();
+}
+
+TEST(FindContacts, WithoutFramesTheContactIsWhereItBegins) {
+  for (const double scale : {1.0, 1e308}) {
+    const auto found = sinking_triangle(-0.2, scale);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_TRUE(found[0].frames.empty());
+    EXPECT_GT(found[0].pairs, 1u);
+    EXPECT_NEAR(found[0].first_time, 1.0 / 7, 1e-6);
+    EXPECT_LT((found[0].point / scale - Vec3(1.1, 0.1, 1)).norm(), 1e-6) << found[0].point.transpose();
+    EXPECT_EQ(found[0].low, found[0].point);
+  }
+}
+
 // Lists that are cut lose pairs, not what crosses in frames of which all crossings are listed.
 TEST(FindContacts, AsksForPosesWhereListsAreCut) {
   const Film film = passing_balls();
