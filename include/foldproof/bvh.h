@@ -38,7 +38,7 @@ class Hierarchy {
 
   /// Restores a hierarchy from its stored parts: its triangle_ids(), and for every node in depth-first order
   /// the number of triangles that it owns as a leaf, 0 for an inner node. Error: they do not form a hierarchy
-  /// of this topology.
+  /// of this topology, or one of more than 1,024 levels.
   static Result<Hierarchy> from_parts(Topology topology, std::vector<Index> triangle_ids,
                                       std::span<const Index> leaf_sizes);
 

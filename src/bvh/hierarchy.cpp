@@ -25,6 +25,18 @@ Result<void> check_positions(const Topology& topology, std::span<const double> p
   return {};
 }
 
+// One that is built has some 700 levels at most, as each half has at least 1/32 of the triangles (split.cpp).
+constexpr Index kMaxLevels = 1024;
+
+bool is_shallow(std::span<const Hierarchy::Node> nodes) {
+  std::vector<Index> level(nodes.size());
+  for (Index id = 0; id < nodes.size(); ++id) {
+    if (level[id] == kMaxLevels) return false;
+    if (!nodes[id].is_leaf()) level[id + 1] = level[nodes[id].right] = level[id] + 1;
+  }
+  return true;
+}
+
 }  // namespace
 
 Result<Hierarchy> Hierarchy::build(Topology topology, std::span<const double> positions,
@@ -57,6 +69,9 @@ Result<Hierarchy> Hierarchy::from_parts(Topology topology, std::vector<Index> tr
   tree.triangle_ids_ = std::move(triangle_ids);
   if (!tree.build_nodes(leaf_sizes))
     return fail(ErrorCode::InvalidMesh, "nodes", "do not form a tree over the triangles", "build it again");
+  if (!is_shallow(tree.nodes_))
+    return fail(ErrorCode::LimitExceeded, "nodes", fmt::format("have more than {} levels", kMaxLevels),
+                "build it again");
   tree.assign_owners();
   return tree;
 }

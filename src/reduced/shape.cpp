@@ -38,8 +38,10 @@ Result<void> check_centers(const ReducedMotion& motion, std::vector<ReducedCente
 // R5: squares of sizes and of motions neither overflow nor lose what is not far below the rounding error.
 Result<void> check_range(const ReducedMotion& motion, std::span<const CenterPose> poses) {
   constexpr double kLargest = 1e70, kSmallest = 1e-70;
+  // Infinity less infinity is no number, which no comparison of coordinates notices.
   const auto fits = [](const CenterPose& pose) {
-    return pose.max_coordinate >= kSmallest && pose.max_coordinate <= kLargest;
+    return std::isfinite(pose.rounding) && pose.max_coordinate >= kSmallest &&
+           pose.max_coordinate <= kLargest;
   };
   if (motion.max_coordinate(motion.deviations()) <= kLargest && std::ranges::all_of(poses, fits)) return {};
   return fail(ErrorCode::LimitExceeded, "subspace",

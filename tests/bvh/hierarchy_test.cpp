@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "bvh/meshes.h"
@@ -208,6 +209,22 @@ TEST(Hierarchy, RejectsPartsThatAreNoTree) {
   EXPECT_THAT(error_of({0, 1, 2, 3, 4, 5, 6, 6}, {8}), HasSubstr("does not name every triangle once"));
   EXPECT_THAT(error_of({0, 1, 2, 3, 4, 5, 6, 8}, {8}), HasSubstr("does not name every triangle once"));
   EXPECT_THAT(error_of({0, 1, 2}, {3}), HasSubstr("does not name every triangle once"));
+}
+
+// Queries may recurse over levels.
+TEST(Hierarchy, RejectsAChainOfLeaves) {
+  const Mesh mesh = testing::cloth(23);
+  const auto count = static_cast<Index>(mesh.topology.triangles().size());
+  std::vector<Index> order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  for (const Index leaves : {1024u, 1025u}) {
+    std::vector<Index> sizes;
+    for (Index k = 1; k < leaves; ++k) sizes.insert(sizes.end(), {0, 1});
+    sizes.push_back(count - (leaves - 1));
+    const auto tree = Hierarchy::from_parts(mesh.topology, order, sizes);
+    EXPECT_EQ(tree ? "no error" : tree.error().line(),
+              leaves == 1024 ? "no error" : "nodes: have more than 1024 levels; build it again");
+  }
 }
 
 TEST(Hierarchy, HandlesTheLargestDoubles) {

@@ -236,6 +236,19 @@ TEST(ReducedShape, RefusesWhatSquaresCannotHold) {
   }
 }
 
+// Two modes whose products are infinite and cancel: such coordinates are no number, and no maximum notices
+// it.
+TEST(ReducedShape, RefusesACenterThatIsNoShape) {
+  ReducedMesh mesh = waving_cloth(6);
+  mesh.subspace.basis.setZero();
+  mesh.subspace.basis(0, 0) = 1e10;
+  mesh.subspace.basis(0, 1) = -1e10;
+  const auto motion = mesh.motion();
+  std::vector<double> p = zeros(*motion);
+  p[0] = p[1] = 1e308;
+  EXPECT_FALSE(ReducedShape::build(motion, {{p}}));
+}
+
 // R5: it is rounded up, also where its square is no number above 0.
 TEST(ReducedShape, ADistanceIsNeverZeroBesideACenter) {
   const auto motion = waving_cloth(6).motion();
