@@ -22,7 +22,7 @@ enum class Mode : std::uint8_t {
 
 struct StepSettings {
   bool within = true;    ///< Collisions of each object with itself.
-  bool between = true;   ///< Collisions of every two objects.
+  bool between = true;   ///< Collisions of every two objects. One of the two must be on.
   double thickness = 0;  ///< Mesh units, >= 0. A distance up to this is a collision.
   double tolerance = 0;  ///< Mesh units. How far beyond `thickness` a reported pair may be. 0: 2^-30 of the
                          ///< largest side of the scene's bounding box during the step.

@@ -126,6 +126,9 @@ double tolerance_for(const StepSettings& settings, double extent) {
 }
 
 Result<void> check_settings(const StepSettings& settings) {
+  if (!settings.between && !settings.within)
+    return fail(ErrorCode::InvalidArgument, "within and between", "are both off, so nothing would be tested",
+                "leave one of them on");
   for (const auto& [name, value] :
        {std::pair("thickness", settings.thickness), std::pair("tolerance", settings.tolerance)}) {
     if (!(value >= 0) || !std::isfinite(value))

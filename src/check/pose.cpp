@@ -117,6 +117,7 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
   out.crossing_count = 0;
   out.work = {};
   out.milliseconds = {};
+  FOLDPROOF_TRY(check_settings(settings));
   FOLDPROOF_TRY(pipeline.motion.update(x, x));
   out.milliseconds.update = watch.lap();
   FOLDPROOF_TRY(pipeline.find_leaf_pairs(x, x, settings, 0, out.work));

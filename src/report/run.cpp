@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/try.h"
+#include "check/answer.h"
 #include "report/motion_contacts.h"
 #include "report/reduced_track.h"
 #include "report/report.h"
@@ -332,9 +333,7 @@ Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings&
                             motion->frame_count() == 1 ? "" : "s", motions[0]->name(), count),
                 "objects that are checked together need equally many frames");
   }
-  if (!settings.step.between && !settings.step.within)
-    return fail(ErrorCode::InvalidArgument, "within and between", "are both off, so nothing would be tested",
-                "leave one of them on");
+  FOLDPROOF_TRY(check_settings(settings.step));
   if (settings.substeps == 0)
     return fail(ErrorCode::InvalidArgument, "substeps", "must not be 0", "give 1 or more");
   if (settings.step.between && !settings.step.within && motions.size() < 2) {

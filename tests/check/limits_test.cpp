@@ -303,6 +303,19 @@ TEST(Magnitude, SmallAndLargeObjectsTogether) {
   EXPECT_TRUE(pose.clean());
 }
 
+TEST(StepChecker, RefusesToTestNothing) {
+  StepChecker checker({});
+  StepSettings nothing;
+  nothing.within = nothing.between = false;
+  StepResult step;
+  StaticResult pose;
+  for (const Result<void>& answer :
+       {checker.check({}, {}, nothing, step), checker.check_static({}, nothing, pose)}) {
+    ASSERT_FALSE(answer);
+    EXPECT_EQ(answer.error().where, "within and between");
+  }
+}
+
 TEST(StepChecker, NoObjectsHaveNoCollisions) {
   StepChecker checker({});
   StepResult step;
