@@ -143,7 +143,7 @@ what_is() {
     mutants) echo 'planted defects that the guards must find' ;;
     bench) echo 'the benchmarks, `--quick`' ;;
     arm64) echo "the core's tests on 64-bit ARM, in QEMU (\`./dev arm64\`)" ;;
-    s390x) echo "tests that read and write motions on a big-endian machine, in QEMU (\`./dev s390x\`)" ;;
+    s390x) echo "tests of motion files and of answers on a big-endian machine, in QEMU (\`./dev s390x\`)" ;;
     compilers) echo "warnings of GCC and Clang, and the library's tests built by each (\`./dev compilers\`)" ;;
   esac
 }

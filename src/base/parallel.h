@@ -3,8 +3,8 @@
 ///
 /// For all loops: iterations run in any order and concurrently; the calling thread takes part. Loops may be
 /// nested. When an iteration throws, running iterations finish, the rest are skipped, and the caller gets one
-/// of the exceptions. Each iteration holds a PlainArithmetic: oneTBB runs tasks in the floating-point mode in
-/// which their arena was made, not in that of the caller.
+/// of the exceptions. Each iteration, and each combination of two values, holds a PlainArithmetic: oneTBB
+/// runs tasks in the floating-point mode in which their arena was made, not in that of the caller.
 #pragma once
 
 #include <algorithm>
@@ -74,13 +74,23 @@ Value parallel_reduce(IndexRange range, std::size_t grain, const Value& identity
         const PlainArithmetic plain;
         return body(IndexRange{block.begin(), block.end()}, value);
       },
-      combine);
+      [&](const Value& a, const Value& b) {
+        const PlainArithmetic plain;
+        return combine(a, b);
+      });
+}
+
+/// body(). While it waits for loops that it starts, this thread runs nothing else: for the user's code, which
+/// may start loops.
+template <class Body>
+void isolated(const Body& body) {
+  tbb::this_task_arena::isolate(body);
 }
 
 /// A T per thread, made on the thread's first call of local(): PerThread<T>() or PerThread<T>(make), where
 /// make() returns a T. begin() and end() visit all of them; no loop may be running. A body that starts a loop
-/// of its own must not keep local() across it: this thread may run another iteration of the outer loop
-/// meanwhile.
+/// of its own must not keep local() across it, unless isolated: this thread may run another iteration of the
+/// outer loop meanwhile.
 template <class T>
 using PerThread = tbb::enumerable_thread_specific<T>;
 
@@ -137,6 +147,11 @@ void parallel_for(IndexRange range, std::size_t grain, const Body& body) {
     body(IndexRange{begin, std::min(range.end, begin + grain)});
   };
   run_in_parallel((range.size() + grain - 1) / grain, std::ref(run));
+}
+
+template <class Body>
+void isolated(const Body& body) {
+  body();  // a thread that waits runs nothing
 }
 
 template <class Value, class Body, class Combine>

@@ -1,6 +1,5 @@
 /// Boxes of features, quantized to bytes on the grid of a leaf (docs/soundness.md, B4). Highway includes this
 /// file once per instruction set.
-#include <cstring>
 
 #include "bvh/kinetic_bvh.h"
 
@@ -85,8 +84,8 @@ HWY_INLINE std::uint32_t NearLanes(const ByteBox& one, const BoxBlock& block) {
     }
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, hn::Eq(separation, hn::Zero(d)), bits);
-    std::uint32_t some;
-    std::memcpy(&some, bits, 4);
+    std::uint32_t some = 0;  // byte by byte, as machines order bytes differently
+    for (int byte = 0; byte < 4; ++byte) some |= std::uint32_t{bits[byte]} << (8 * byte);
     near |= some << lane;
   }
   return near;

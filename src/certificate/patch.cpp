@@ -87,7 +87,10 @@ void PatchReader::add_leaf(Index leaf, Patch& out) { add_leaves(leaf, leaf + 1, 
 void PatchReader::read(Index slot, Patch& out) {
   out.vertices.clear();
   out.triangles.clear();
-  ++patch_;
+  if (++patch_ == 0) {  // after 2^32 patches
+    std::ranges::fill(last_patch_, 0u);
+    patch_ = 1;
+  }
   if (slots_.is_pair(slot)) {
     for (const Index leaf : slots_.leaves_of(slot)) add_leaf(leaf, out);
   } else {

@@ -335,8 +335,10 @@ template <int Ends>
 void CandidateLists<Ends>::update_rows() {
   parallel_for(IndexRange{0, rows_.size()}, kGrain, [&](IndexRange range) {
     Scratch& scratch = scratch_.local();
-    for (std::size_t leaf = range.begin; leaf < range.end; ++leaf)
-      update_row(static_cast<Index>(leaf), scratch);
+    isolated([&] {  // filters are the user's
+      for (std::size_t leaf = range.begin; leaf < range.end; ++leaf)
+        update_row(static_cast<Index>(leaf), scratch);
+    });
   });
 }
 

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <cstring>
 #include <thread>
+#include <tuple>
+#include <utility>
 
 #include "base/parallel.h"
 #include "foldproof/check.h"
@@ -238,23 +240,56 @@ TEST(Modes, ChangeNoAnswerAboutAPair) {
   }
 }
 
+bool is_plain() {
+  const volatile double tiny = 0x1p-1060, one = 1, zero = 0;
+  return tiny * one != 0 && one + 0x1p-54 == one && -one - 0x1p-54 == -one && !std::isfinite(one / zero);
+}
+
 // Tasks run in the mode that proofs assume, whether or not their arena was made in another one.
 TEST(Modes, DoNotApplyToTasks) {
   for (const Mode& mode : kModes) {
     SCOPED_TRACE(mode.name);
     std::atomic<int> wrong{0}, tasks{0};
-    const auto test = [&](std::size_t) {
-      const volatile double tiny = 0x1p-1060, one = 1, zero = 0;
+    const auto test = [&] {
       ++tasks;
-      wrong += tiny * one == 0 || one + 0x1p-54 != one || -one - 0x1p-54 != -one || std::isfinite(one / zero);
+      wrong += !is_plain();
     };
     std::thread([&] {
       const InMode in_mode(mode);
-      in_own_arena([&] { parallel_for(std::size_t{0}, std::size_t{1000}, test); });
+      in_own_arena([&] { parallel_for(std::size_t{0}, std::size_t{1000}, [&](std::size_t) { test(); }); });
       EXPECT_TRUE(in_mode.is_unchanged());
     }).join();
     EXPECT_EQ(tasks, 1000);
     EXPECT_EQ(wrong, 0);
+  }
+}
+
+TEST(Modes, DoNotApplyToCombinations) {
+  for (const Mode& mode : kModes) {
+    SCOPED_TRACE(mode.name);
+    int plain = 0, all = 0;
+    // oneTBB combines values only where another thread has taken a part.
+    const auto reduce = [&] {
+      for (int attempt = 0; attempt < 1000 && all == 0; ++attempt) {
+        std::tie(all, plain) = parallel_reduce(
+            IndexRange{0, 64}, 1, std::pair(0, 0),
+            [](IndexRange, std::pair<int, int> value) {
+              [[maybe_unused]] volatile int busy = 0;
+              for (int k = 0; k < 10'000; ++k) busy = k;
+              return value;
+            },
+            [](std::pair<int, int> a, std::pair<int, int> b) {
+              return std::pair(a.first + b.first + 1, a.second + b.second + (is_plain() ? 1 : 0));
+            });
+      }
+    };
+    std::thread([&] {
+      const InMode in_mode(mode);
+      in_own_arena(reduce);
+      EXPECT_TRUE(in_mode.is_unchanged());
+    }).join();
+    EXPECT_TRUE(all > 0 || std::thread::hardware_concurrency() == 1);
+    EXPECT_EQ(plain, all);
   }
 }
 

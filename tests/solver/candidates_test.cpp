@@ -2,13 +2,25 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "oracle/one_target.h"
 #include "soups.h"
 
 namespace foldproof::oracle {
 namespace {
+
+// With oneTBB: in an arena for this many threads, whether or not the machine has them.
+template <class Body>
+void in_arena([[maybe_unused]] int threads, const Body& body) {
+#if defined(FOLDPROOF_THREADS_TBB)
+  tbb::task_arena(threads).execute(body);
+#else
+  body();
+#endif
+}
 
 using Keys = std::set<std::pair<Features, std::array<Index, 2>>>;
 
@@ -208,6 +220,30 @@ TEST(Candidates, ListsAreRebuiltOnlyWhereTheShapeChanged) {
     built += lists_built();
   }
   EXPECT_LT(built, 20 * all / 4);
+}
+
+// A thread that waits for a loop of the user's filter must not take up another block of lists meanwhile.
+TEST(Candidates, AFilterMayStartLoops) {
+  const Soup sheet = waving_sheet(50, 0);
+  std::atomic<int> calls = 0;
+  const CollisionFilter loops([&](Index, Index) {
+    if (++calls % 64 == 0) {
+      parallel_for(0, 8, [](int k) {
+        [[maybe_unused]] volatile int busy = 0;
+        for (int i = 0; i < 2'000 * (k + 1); ++i) busy = i;
+      });
+    }
+    return true;
+  });
+  const auto found_in_arena = [&](const CollisionFilter& filter) {
+    ContactChecker checker = checker_of(sheet, filter);
+    Candidates found;
+    in_arena(8, [&] { EXPECT_TRUE(checker.candidates(sheet.x0, 0.1, found)); });
+    return found.size();
+  };
+  const ThreadLimit threads(8);
+  const std::size_t expected = found_in_arena(CollisionFilter([](Index, Index) { return true; }));
+  for (int repetition = 0; repetition < 3; ++repetition) EXPECT_EQ(found_in_arena(loops), expected);
 }
 
 TEST(Candidates, FilterExcludesExactlyThePairsItSays) {
