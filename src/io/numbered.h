@@ -1,11 +1,11 @@
 /// Mesh files that are numbered: the frames of one motion.
 #pragma once
 
-#include <compare>
 #include <optional>
 #include <span>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "foldproof/base.h"
@@ -27,12 +27,9 @@ std::optional<NumberPattern> number_pattern(const std::string& path);
 /// why their directory could not be listed to its end.
 std::vector<std::string> numbered_files(const NumberPattern& pattern, std::error_code& status);
 
-/// What a path has around the last number in its file's name. A '-' before the number, which may be its sign,
-/// is in neither.
-struct AroundNumber {
-  std::string before, after;
-  auto operator<=>(const AroundNumber&) const = default;
-};
+/// What a path has before and after the last number in its file's name. A '-' before the number, which may be
+/// its sign, is in neither.
+using AroundNumber = std::pair<std::string, std::string>;
 
 /// None: there is no number.
 std::optional<AroundNumber> around_number(const std::string& path);
