@@ -56,7 +56,9 @@ std::string FileWatch::wait() {
     const State now = look();
     if (now == settled_) continue;
     const auto [changed, before] = std::ranges::mismatch(now, settled_);
-    return std::get<0>(changed != now.end() ? *changed : *before);
+    // Both are sorted, so the one that comes first is missing from the other, or differs.
+    if (changed == now.end()) return std::get<0>(*before);
+    return std::get<0>(before == settled_.end() ? *changed : std::min(*changed, *before));
   } while (pause());
   return "";
 }

@@ -122,9 +122,9 @@ double GltfAccessor::get(std::uint64_t i, int component) const {
   return base.get(i, component);
 }
 
-bool GltfAccessor::is_unsigned() const {
-  return base.component_type == kUnsignedByte || base.component_type == kUnsignedShort ||
-         base.component_type == kUnsignedInt;
+bool GltfValues::is_unsigned() const {
+  return component_type == kUnsignedByte || component_type == kUnsignedShort ||
+         component_type == kUnsignedInt;
 }
 
 void GltfDocument::set_error(const std::string& json_path, std::string problem, std::string remedy) {
@@ -269,6 +269,7 @@ GltfAccessor GltfDocument::accessor(std::size_t index, std::string_view type, co
   index_shape.component_type = static_cast<int>(count(*indices, "componentType", json_path) & 0xffff);
   index_shape.components = 1;
   index_shape.count = replaced;
+  if (!index_shape.is_unsigned()) set_error(json_path, "'sparse' indices are not unsigned integers");
   shape.count = replaced;
   result.replaced = values(*indices, index_shape, json_path);
   result.values = values(*replacements, shape, json_path);

@@ -24,6 +24,7 @@ struct GltfValues {
   double get(std::uint64_t i, int component) const;
   /// Of an unsigned integer type.
   std::uint32_t integer(std::uint64_t i, int component) const;
+  bool is_unsigned() const;
 };
 
 /// Values, some of which a sparse accessor replaces.
@@ -34,7 +35,6 @@ struct GltfAccessor {
 
   std::uint64_t count() const { return base.count; }
   double get(std::uint64_t i, int component) const;
-  bool is_unsigned() const;
 };
 
 /// Keeps the first error; every later query returns a harmless default. So a reader needs to check for errors

@@ -153,7 +153,7 @@ class SceneReader {
     if (const auto indices = document_.optional_index(json, "indices", "accessors", json_path)) {
       primitive.indices = document_.accessor(*indices, "SCALAR", json_path);
       if (failed()) return;
-      if (!primitive.indices->is_unsigned() || primitive.indices->base.bytes == nullptr) {
+      if (!primitive.indices->base.is_unsigned() || primitive.indices->base.bytes == nullptr) {
         document_.set_error(json_path, "indices are not unsigned integers in a buffer");
       }
       if (primitive.indices->base.normalized) document_.set_error(json_path, "indices are normalized");
@@ -210,7 +210,8 @@ class SceneReader {
                                             read(attributes, fmt::format("WEIGHTS_{}", i), "VEC4")};
       check_count(influence[0]);
       check_count(influence[1]);
-      if (!influence[0].is_unsigned()) document_.set_error(json_path, "joints are not unsigned integers");
+      if (!influence[0].base.is_unsigned())
+        document_.set_error(json_path, "joints are not unsigned integers");
       if (influence[0].base.normalized) document_.set_error(json_path, "joints are normalized");
       set.influences.push_back(std::move(influence));
     }

@@ -59,6 +59,11 @@ class MshSource {
     return text;
   }
   bool at_end() const { return at_ == bytes_.size(); }
+  /// Whether the line `text` comes next; moves behind it.
+  bool skip_line(const std::string& text) {
+    skip_blanks();
+    return line() == text;
+  }
   /// Moves behind the line `text`; false when there is none.
   bool skip_behind(const std::string& text) {
     const std::size_t found = bytes_.find("\n" + text, at_ == 0 ? 0 : at_ - 1);
@@ -131,14 +136,11 @@ class MshParser {
     while (!in_.at_end()) {
       const std::string section(in_.line());
       if (!section.starts_with('$')) continue;
-      Result<void> read;
-      if (section == "$PhysicalNames") read = read_names();
-      if (section == "$Entities") read = read_entities();
-      if (section == "$Nodes") read = is_new_ ? read_nodes() : read_old_nodes();
-      if (section == "$Elements") read = is_new_ ? read_elements() : read_old_elements();
-      if (!read) return tl::unexpected(read.error());
-      if (!in_.skip_behind("$End" + section.substr(1)))
-        return error(fmt::format("the file ends within {}", section));
+      const std::string end = "$End" + section.substr(1);
+      const bool is_read = FOLDPROOF_TRY(read_section(section));
+      if (is_read && in_.skip_line(end)) continue;
+      if (!in_.skip_behind(end)) return error(fmt::format("the file ends within {}", section));
+      if (is_read) return error(fmt::format("{} holds more than it announces", section));
     }
     return finish();
   }
@@ -165,6 +167,24 @@ class MshParser {
     }
     if (!in_.skip_behind("$EndMeshFormat")) return error("the file ends within $MeshFormat");
     return {};
+  }
+
+  /// False: a section that is not read.
+  Result<bool> read_section(const std::string& section) {
+    Result<void> read;
+    if (section == "$PhysicalNames") {
+      read = read_names();
+    } else if (section == "$Entities") {
+      read = read_entities();
+    } else if (section == "$Nodes") {
+      read = is_new_ ? read_nodes() : read_old_nodes();
+    } else if (section == "$Elements") {
+      read = is_new_ ? read_elements() : read_old_elements();
+    } else {
+      return false;
+    }
+    FOLDPROOF_TRY(read);
+    return true;
   }
 
   // Lines such as: 2 7 "left wing"

@@ -23,6 +23,17 @@ tl::unexpected<Error> damaged(const std::string& where) {
   return fail(ErrorCode::InvalidFile, where, "the archive is damaged here", kSaveArrayAgain);
 }
 
+tl::unexpected<Error> wrong_checksum(const std::string& where) {
+  return fail(ErrorCode::InvalidFile, where, "its checksum is wrong", kSaveArrayAgain);
+}
+
+/// Whether a member that was read to its end has the right checksum, which libzip compares only where it
+/// finds the end. True also if parts of it were skipped.
+bool is_whole(zip_file_t* member) {
+  char more = 0;
+  return zip_fread(member, &more, 1) == 0;
+}
+
 Result<Spool> spool_of(zip_file_t* member, std::uint64_t bytes, const std::string& where,
                        const ReadProgress& progress) {
   auto spool = Spool::open(where);
@@ -36,6 +47,7 @@ Result<Spool> spool_of(zip_file_t* member, std::uint64_t bytes, const std::strin
     done += static_cast<std::uint64_t>(count);
     if (progress) progress(where, done, bytes);
   }
+  if (!is_whole(member)) return wrong_checksum(where);
   return spool;
 }
 
@@ -91,7 +103,8 @@ Result<void> NpzArray::read_at(std::uint64_t offset, std::span<char> out) {
     if (zip_fseek(member_.get(), static_cast<zip_int64_t>(offset), SEEK_SET) != 0 || !read_fully(out)) {
       return damaged(where());
     }
-    return {};
+    const bool ends = offset + out.size() == bytes();
+    return ends && !is_whole(member_.get()) ? Result<void>(wrong_checksum(where())) : Result<void>();
   }
   FOLDPROOF_TRY(unpack());
   if (!spool_->read_at(offset, out)) return damaged(where());
@@ -103,8 +116,7 @@ Result<void> NpzArray::unpack(const ReadProgress& progress) {
   // Reading the header has advanced the stream, and a packed stream cannot seek back.
   member_.reset(zip_fopen_index(archive_, index_, 0));
   if (!member_) return damaged(where());
-  const std::uint64_t bytes = header().data + elements() * header().item_bytes;
-  spool_ = FOLDPROOF_TRY(spool_of(member_.get(), bytes, where(), progress));
+  spool_ = FOLDPROOF_TRY(spool_of(member_.get(), bytes(), where(), progress));
   return {};
 }
 

@@ -36,6 +36,8 @@ class NpzArray final : public NpyArray {
 
  private:
   bool read_fully(std::span<char> out);
+  /// Of the whole member.
+  std::uint64_t bytes() const { return header().data + elements() * header().item_bytes; }
 
   zip_t* archive_ = nullptr;
   zip_uint64_t index_ = 0;

@@ -16,22 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kDigits = "0123456789";
 
-/// What a path has around a number in its file's name.
-struct Around {
-  std::string before, after;
-  bool operator==(const Around&) const = default;
-};
-
 std::size_t file_name_of(const std::string& path) { return path.find_last_of('/') + 1; }
-
-/// Around the last number.
-std::optional<Around> around_number(const std::string& path) {
-  const std::size_t name = file_name_of(path), last = path.find_last_of(kDigits);
-  if (last == path.npos || last < name) return std::nullopt;
-  const std::size_t before = path.find_last_not_of(kDigits, last);
-  const std::size_t first = before == path.npos ? 0 : before + 1;
-  return Around{path.substr(0, first), path.substr(last + 1)};
-}
 
 bool is_numbered(std::string_view path, const NumberPattern& pattern) {
   const auto& [before, after, width] = pattern;
@@ -41,21 +26,62 @@ bool is_numbered(std::string_view path, const NumberPattern& pattern) {
   return number.find_first_not_of(kDigits) == number.npos;
 }
 
-using NumberPair = std::pair<std::uint64_t, std::uint64_t>;
+/// How two paths differ: what they have in common before the first difference, and what each has then. A
+/// number that differs is whole.
+struct Difference {
+  Difference(std::string_view first, std::string_view second) {
+    auto begin = static_cast<std::size_t>(std::ranges::mismatch(first, second).in1 - first.begin());
+    while (begin > 0 && is_digit(first[begin - 1])) --begin;
+    before = first.substr(0, begin);
+    a = first.substr(begin);
+    b = second.substr(begin);
+  }
 
-/// The numbers of two paths that differ in one number only.
-std::optional<NumberPair> different_numbers(std::string_view a, std::string_view b) {
-  auto begin = static_cast<std::size_t>(std::ranges::mismatch(a, b).in1 - a.begin());
-  while (begin > 0 && is_digit(a[begin - 1])) --begin;
-  const auto take_number = [begin](std::string_view& text, std::uint64_t& number) {
-    text.remove_prefix(begin);
-    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
-    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-    return status == std::errc();
-  };
-  NumberPair numbers;
-  const bool both = take_number(a, numbers.first) && take_number(b, numbers.second);
-  return both && a == b ? std::optional(numbers) : std::nullopt;
+  static std::string_view number(std::string_view text) {
+    return text.substr(0, std::min(text.find_first_not_of(kDigits), text.size()));
+  }
+  static bool same_but_for_number(std::string_view a, std::string_view b) {
+    const std::string_view x = number(a), y = number(b);
+    return !x.empty() && !y.empty() && a.substr(x.size()) == b.substr(y.size());
+  }
+  bool is_number() const { return same_but_for_number(a, b); }
+  /// "f-1" and "f0".
+  bool is_sign() const { return a.starts_with('-') && same_but_for_number(a.substr(1), b); }
+
+  /// Whether the numbers of the paths are negative if a '-' before them is a sign. It surely is none after a
+  /// letter, unless `signs`.
+  bool may_be_negative(bool signs) const {
+    constexpr std::string_view kBeforeSign = "/ ._-=(";
+    const std::size_t whole =
+        before.find_last_not_of(kDigits, is_fraction() ? before.size() - 2 : before.npos);
+    if (!is_number() || whole == before.npos || before[whole] != '-') return false;
+    return signs || whole == 0 || kBeforeSign.find(before[whole - 1]) != kBeforeSign.npos;
+  }
+
+  /// Whether the paths are in the other order if the numbers are decimal fractions. They are none where they
+  /// count on from 9 to 10.
+  bool may_be_reversed_fractions() const {
+    const std::string_view x = number(a), y = number(b);
+    if (!is_fraction() || x.empty()) return false;
+    if (!is_number()) return a.substr(x.size()).starts_with('.') && a.substr(x.size() + 1) == b;  // no number
+    const bool counts = y.starts_with('1') && y.size() == x.size() + 1 &&
+                        x.find_first_not_of('9') == x.npos && y.find_first_not_of('0', 1) == y.npos;
+    return y < x && !counts;
+  }
+
+  std::string_view before, a, b;
+
+ private:
+  bool is_fraction() const {
+    return before.size() >= 2 && before.back() == '.' && is_digit(before[before.size() - 2]);
+  }
+};
+
+/// Nothing where it does not fit.
+std::optional<std::uint64_t> value_of(std::string_view number) {
+  std::uint64_t value = 0;
+  const auto status = std::from_chars(number.data(), number.data() + number.size(), value).ec;
+  return status == std::errc() ? std::optional(value) : std::nullopt;
 }
 
 }  // namespace
@@ -87,20 +113,48 @@ std::vector<std::string> numbered_files(const NumberPattern& pattern, std::error
   return files;
 }
 
-std::vector<std::string> notes_on_gaps(std::span<const std::string> paths) {
-  std::optional<NumberPair> first;
-  std::size_t others = 0;
+std::optional<AroundNumber> around_number(const std::string& path) {
+  const std::size_t name = file_name_of(path), last = path.find_last_of(kDigits);
+  if (last == path.npos || last < name) return std::nullopt;
+  std::size_t first = path.find_last_not_of(kDigits, last) + 1;
+  if (first > name && path[first - 1] == '-') --first;
+  return AroundNumber{path.substr(0, first), path.substr(last + 1)};
+}
+
+Result<std::vector<std::string>> notes_on_order(std::span<const std::string> paths) {
+  bool signs = false;
+  for (std::size_t i = 1; i < paths.size(); ++i) signs |= Difference(paths[i - 1], paths[i]).is_sign();
+  std::string jump, break_off;  // the first of each
+  std::size_t jumps = 0, breaks = 0;
   for (std::size_t i = 1; i < paths.size(); ++i) {
-    const auto numbers = different_numbers(paths[i - 1], paths[i]);
-    if (!numbers || numbers->second <= numbers->first || numbers->second - numbers->first == 1) continue;
-    if (first) ++others;
-    if (!first) first = numbers;
+    const Difference differ(paths[i - 1], paths[i]);
+    const std::size_t name = differ.before.find_last_of('/') + 1;
+    const std::string a = paths[i - 1].substr(name), b = paths[i].substr(name);
+    const bool negative = differ.may_be_negative(signs);
+    if (negative || differ.may_be_reversed_fractions()) {
+      return fail(ErrorCode::InvalidArgument, paths[i - 1],
+                  fmt::format("is sorted before {}, but comes after it if its number is {}", b,
+                              negative ? "negative" : "a decimal fraction"),
+                  "rename the frames by whole numbers from 0 on");
+    }
+    const auto x = value_of(differ.a), y = value_of(differ.b);
+    if (!differ.is_number() || (x && x == y)) {
+      const bool numbered = (a + b).find_first_of(kDigits) != a.npos;
+      if (numbered && breaks++ == 0)
+        break_off = fmt::format("{} is followed by {}, which does not continue its numbering", a, b);
+    } else if (x && y && *y - *x != 1 && jumps++ == 0) {
+      jump = fmt::format("frame numbers jump from {} to {}", *x, *y);
+    }
   }
-  if (!first) return {};
-  const std::string jump = fmt::format("frame numbers jump from {} to {}", first->first, first->second);
-  if (others == 0) return {jump + ": the step between them was not in the files"};
-  return {
-      fmt::format("{}, and at {} more places: the steps between them were not in the files", jump, others)};
+  std::vector<std::string> notes;
+  const auto add = [&](std::string note, std::size_t count, const char* one, const char* several) {
+    if (count == 1) notes.push_back(note + one);
+    if (count > 1) notes.push_back(fmt::format("{}, and at {} more places{}", note, count - 1, several));
+  };
+  add(jump, jumps, ": the step between them was not in the files",
+      ": the steps between them were not in the files");
+  add(break_off, breaks, ": these may be two motions", ": these may be several motions");
+  return notes;
 }
 
 std::size_t count_numbered(std::span<const std::string> arguments) {

@@ -5,7 +5,10 @@
 #include <span>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
+
+#include "foldproof/base.h"
 
 namespace foldproof::io {
 
@@ -24,8 +27,17 @@ std::optional<NumberPattern> number_pattern(const std::string& path);
 /// why their directory could not be listed to its end.
 std::vector<std::string> numbered_files(const NumberPattern& pattern, std::error_code& status);
 
-/// The note for the user if the numbers in the names of frames, which are in their order, leave some out.
-std::vector<std::string> notes_on_gaps(std::span<const std::string> paths);
+/// What a path has before and after the last number in its file's name. A '-' before the number, which may be
+/// its sign, is in neither.
+using AroundNumber = std::pair<std::string, std::string>;
+
+/// None: there is no number.
+std::optional<AroundNumber> around_number(const std::string& path);
+
+/// The notes for the user on frames, which are in natural order: numbers that their names leave out, and
+/// names that do not continue the numbering. Error: their order is another one if their numbers are negative
+/// or decimal fractions, as in "f.-1" and "f.-2", or "f1.5" and "f1.25".
+Result<std::vector<std::string>> notes_on_order(std::span<const std::string> paths);
 
 /// How many arguments, from the first on, are mesh files whose names differ only in their last number. A mesh
 /// that a point cache follows is not among them. At least 1. Precondition: there is an argument.

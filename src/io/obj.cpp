@@ -2,12 +2,23 @@
 // indices of vertices that follow later.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 #include "io/parts.h"
 #include "io/readers.h"
 #include "io/text.h"
 
 namespace foldproof::io {
 namespace {
+
+/// Statements that add no surface: texture coordinates, normals, points, lines, grouping, display, and what
+/// describes curves and surfaces, which "curv" and "surf" would add.
+constexpr std::array<std::string_view, 30> kWithoutFaces{
+    "vt",     "vn",     "vp",     "p",      "l",        "s",        "mg",         "bevel",
+    "lod",    "mtllib", "usemap", "maplib", "c_interp", "d_interp", "shadow_obj", "trace_obj",
+    "cstype", "deg",    "bmat",   "step",   "parm",     "trim",     "hole",       "scrv",
+    "sp",     "end",    "con",    "ctech",  "stech",    "curv2"};
 
 class ObjParser {
  public:
@@ -28,8 +39,13 @@ class ObjParser {
         groups_.begin(mesh_.triangles.size(), cursor_.rest_of_line());
       } else if (keyword == "usemtl") {
         materials_.begin(mesh_.triangles.size(), cursor_.rest_of_line());
-      }  // other statements affect neither positions nor connectivity
+      } else if (std::ranges::find(kWithoutFaces, keyword) == kWithoutFaces.end()) {
+        read = fail(ErrorCode::UnsupportedFormat, at_line(path_, cursor_.line()),
+                    fmt::format("the statement '{}' is not read, and may add faces", keyword.substr(0, 20)),
+                    "export the mesh as polygons");
+      }
       if (!read) return tl::unexpected(read.error());
+      while (!cursor_.at_line_end()) cursor_.word();  // on lines that continue this one, too
     }
     if (highest_.index >= mesh_.vertex_count()) {
       return fail(

@@ -71,7 +71,7 @@ Result<std::unique_ptr<Motion>> open_frames(const std::string& name, std::vector
   }
   if (paths.size() >= kNoIndex)
     return fail(ErrorCode::LimitExceeded, name, "holds too many files", "name fewer frames");
-  auto notes = notes_on_gaps(paths);
+  auto notes = FOLDPROOF_TRY(notes_on_order(paths));
   return open_sequence(name, std::move(paths), progress, std::move(notes));
 }
 
@@ -153,6 +153,12 @@ Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const Read
     if (files.empty())
       return fail(ErrorCode::FileAccess, argument, "matches no files",
                   "%d stands for a number in their names");
+    const auto negative = numbered_files({pattern->before + '-', pattern->after}, listed);
+    if (!negative.empty()) {
+      return fail(ErrorCode::InvalidArgument, argument,
+                  fmt::format("leaves out {}, whose number may be negative", negative.front()),
+                  "rename the frames by whole numbers from 0 on, or move that file elsewhere");
+    }
     return open_frames(argument, std::move(files), progress);
   }
   const FileFormat* format = format_of(argument);

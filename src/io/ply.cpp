@@ -165,6 +165,11 @@ class HeaderParser {
 
   Result<Header> finish() {
     if (!has_format_) return error("header has no line 'format'");
+    if (names_.contains("tristrips")) {
+      return fail(ErrorCode::UnsupportedFormat, at_line(path_, cursor_.line()),
+                  "header declares triangle strips, which are not read",
+                  "export the mesh as PLY with its faces");
+    }
     bool positions = false, polygons = false;
     for (const Element& e : header_.elements) {
       if (e.name == "vertex") positions = e.has(Role::X) && e.has(Role::Y) && e.has(Role::Z);

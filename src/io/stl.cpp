@@ -80,15 +80,20 @@ class AsciiParser {
       : path_(path), cursor_(text, {.comment = '\0', .continuation = false}) {}
 
   Result<MeshData> parse() {
-    for (; cursor_.skip_to_content(); cursor_.next_line()) {
+    while (cursor_.skip_to_content()) {
       const std::string_view keyword = cursor_.word();
       if (keyword == "vertex") {
         FOLDPROOF_TRY(read_vertex());
       } else if (keyword == "endfacet") {
         FOLDPROOF_TRY(end_facet());
-      } else if (keyword == "solid") {
-        solids_.begin(welder_.facets(), cursor_.rest_of_line());
-      } else if (keyword != "facet" && keyword != "outer" && keyword != "endloop" && keyword != "endsolid") {
+      } else if (keyword == "normal") {
+        for (int k = 0; k < 3 && cursor_.skip_to_content(); ++k) cursor_.word();
+      } else if (keyword == "solid" || keyword == "endsolid") {
+        const std::string_view name = cursor_.rest_of_line();
+        if (name.find("facet") != name.npos && name.find("vertex") != name.npos)
+          return error("a facet is on the line of its solid");
+        if (keyword == "solid") solids_.begin(welder_.facets(), name);
+      } else if (keyword != "facet" && keyword != "outer" && keyword != "loop" && keyword != "endloop") {
         return error("is not understood");
       }
     }

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 
 #include "base/try.h"
 #include "io/cells.h"
 #include "io/parts.h"
+#include "io/text.h"
 #include "io/vtk_file.h"
 
 namespace foldproof::io {
@@ -64,8 +64,16 @@ class VtkMesh {
     return section.find_child_by_attribute("DataArray", "Name", name);
   }
 
+  /// What a section of the piece holds, by the piece's attribute, which may be absent only with the section.
+  Result<std::uint64_t> count(xml_node piece, const char* section) const {
+    const std::string attribute = fmt::format("NumberOf{}", section);
+    if (*piece.attribute(attribute.c_str()).value() == '\0' && piece.child(section).child("DataArray"))
+      return file_.error(piece, fmt::format("has {}, but no {}", section, attribute));
+    return file_.count(piece, attribute.c_str());
+  }
+
   Result<void> read_piece(xml_node piece) {
-    const std::uint64_t points = FOLDPROOF_TRY(file_.count(piece, "NumberOfPoints"));
+    const std::uint64_t points = FOLDPROOF_TRY(count(piece, "Points"));
     first_vertex_ = mesh_.vertex_count();
     if (points > kMaxVertices - first_vertex_) return file_.error(piece, "has too many points");
     vertex_count_ = static_cast<Index>(points);
@@ -81,16 +89,15 @@ class VtkMesh {
     FOLDPROOF_TRY(read_labels(piece.child("CellData")));
     std::uint64_t first_cell = 0;
     for (const char* section : {"Verts", "Lines"}) {
-      first_cell += FOLDPROOF_TRY(file_.count(piece, fmt::format("NumberOf{}", section).c_str()));
+      first_cell += FOLDPROOF_TRY(count(piece, section));
     }
     for (const auto& [section, type] : {std::pair("Polys", 7), std::pair("Strips", 6)}) {
-      const std::uint64_t count =
-          FOLDPROOF_TRY(file_.count(piece, fmt::format("NumberOf{}", section).c_str()));
-      if (count == 0) continue;
-      FOLDPROOF_TRY(read_cells(piece.child(section), count, first_cell, type));
-      first_cell += count;
+      const std::uint64_t cells = FOLDPROOF_TRY(count(piece, section));
+      if (cells == 0) continue;
+      FOLDPROOF_TRY(read_cells(piece.child(section), cells, first_cell, type));
+      first_cell += cells;
     }
-    const std::uint64_t cells = FOLDPROOF_TRY(file_.count(piece, "NumberOfCells"));
+    const std::uint64_t cells = FOLDPROOF_TRY(count(piece, "Cells"));
     return cells == 0 ? Result<void>() : read_cells(piece.child("Cells"), cells, 0, std::nullopt);
   }
 
@@ -173,10 +180,13 @@ Result<std::vector<std::string>> pvd_files(const std::string& path) {
                   fmt::format("refers to '{}', which is not below its directory", name.string()),
                   "keep the files of a collection beside it");
     }
-    const double time = set.attribute("timestep").as_double();
-    if (!std::isfinite(time))
-      return fail(ErrorCode::InvalidFile, path, fmt::format("the time of '{}' is not finite", name.string()),
+    TextCursor text(set.attribute("timestep").as_string("0"), {.comment = '\0', .continuation = false});
+    double time = 0;
+    if (text.number(time) != Scan::Ok || text.skip_to_content()) {
+      return fail(ErrorCode::InvalidFile, path,
+                  fmt::format("the time of '{}' is not a finite number", name.string()),
                   "write the file again");
+    }
     frames.emplace_back(time, (fs::path(path).parent_path() / name).string());
   }
   std::ranges::stable_sort(frames, {}, &std::pair<double, std::string>::first);

@@ -9,6 +9,7 @@
 
 #include "io/array_names.h"
 #include "io/formats.h"
+#include "io/numbered.h"
 #include "sweep/sweep.h"
 
 namespace foldproof {
@@ -58,20 +59,6 @@ void add_status(SweepMotion& motion, Hash& hash, std::span<const std::string> fi
     motion.modified = std::max(motion.modified, modified);
     hash.add(fmt::format("{}\n{}\n{}\n", fs::path(file).filename().string(), status.st_size, modified));
   }
-}
-
-/// A frame's file name with '*' for its number, the last run of digits before the extension; nothing if there
-/// is no number.
-std::optional<std::string> series_of(const std::string& mesh) {
-  const fs::path path(mesh);
-  const std::string stem = path.stem().string();
-  constexpr const char* kDigits = "0123456789";
-  const std::size_t last = stem.find_last_of(kDigits);
-  if (last == stem.npos) return std::nullopt;
-  const std::size_t before = stem.find_last_not_of(kDigits, last);
-  const std::size_t first = before == stem.npos ? 0 : before + 1;
-  const std::string name = stem.substr(0, first) + '*' + stem.substr(last + 1) + path.extension().string();
-  return (path.parent_path() / name).string();
 }
 
 /// The path without links; as it is where there is no such file.
@@ -170,11 +157,14 @@ class Finder {
   }
 
   void find_series(const std::string& path, const std::vector<std::string>& meshes) {
-    std::map<std::string, std::vector<std::string>> series;
-    for (const std::string& mesh : meshes) series[series_of(mesh).value_or(mesh)].push_back(mesh);
-    for (const auto& [name, frames] : series) {
+    std::map<io::AroundNumber, std::vector<std::string>> series;
+    for (const std::string& mesh : meshes)
+      series[io::around_number(mesh).value_or(io::AroundNumber{mesh, ""})].push_back(mesh);
+    for (const auto& [around, frames] : series) {
       if (frames.size() > 1) {
-        add(frames.size() == meshes.size() ? path : name, frames);
+        const auto& [before, after] = around;
+        const char* number = frames[0][before.size()] == '-' ? "-*" : "*";
+        add(frames.size() == meshes.size() ? path : before + number + after, frames);
       } else if (poses_) {
         add(frames[0], frames);
       } else {

@@ -25,7 +25,8 @@ Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const Rea
     auto opened = FOLDPROOF_TRY(open_motions(motion.files, options));
     return std::move(opened.front());
   }
-  auto opened = io::open_sequence(motion.path, motion.files, {}, io::notes_on_gaps(motion.files));
+  auto opened =
+      io::open_sequence(motion.path, motion.files, {}, FOLDPROOF_TRY(io::notes_on_order(motion.files)));
   if (opened && options.weld) opened = io::weld(std::move(*opened));
   return opened;
 }

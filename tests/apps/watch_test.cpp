@@ -64,6 +64,26 @@ TEST(Watch, WaitsForAFileThatCannotBeReadToBeMended) {
   EXPECT_THAT(watched.err, HasSubstr("foldproof: a.obj:1"));
 }
 
+TEST(Watch, NamesAFileThatWasRemoved) {
+  const TemporaryDirectory directory;
+  const auto motion = needle({3, 2, 1});
+  std::vector<double> x(3 * std::size_t{motion->topology().vertex_count()});
+  for (Index k = 0; k < 3; ++k) {
+    ASSERT_TRUE(motion->read_frame(k, x));
+    ASSERT_TRUE(write_obj(directory / ("f" + std::to_string(k + 1) + ".obj"), motion->topology(), x));
+  }
+  const Outcome watched = run_program({"check", "f%d.obj", "--watch", "--json", "a.json"},
+                                      {.directory = directory.path(), .while_it_runs = [&](pid_t child) {
+                                         wait_for(directory / "a.json", "\"clean\":true");
+                                         std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+                                         std::filesystem::remove(directory / "f2.obj");
+                                         wait_for(directory / "a.json", "jump from 1 to 3");
+                                         ::kill(child, SIGINT);
+                                       }});
+  EXPECT_THAT(watched.err, HasSubstr("f2.obj has changed."));
+  EXPECT_THAT(watched.err, Not(HasSubstr("f3.obj has changed.")));
+}
+
 TEST(Watch, MistakesOnTheCommandLineEndIt) {
   const TemporaryDirectory directory;
   expect_one_line_error(check_in(directory, {"a.obj", "--watch", "--thickness", "-1"}), "--thickness");

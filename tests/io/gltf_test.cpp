@@ -146,6 +146,11 @@ TEST_F(GltfTest, ReadsInterleavedSparseAndNormalizedNumbers) {
   const auto motion = gltf(b);
   ASSERT_TRUE(motion);
   expect_frame(*motion, 0, {0, 1, -1, 1, 1, -1, 0, 0, 0});  // -32768 and -32767 are both -1
+  for (const int type : {5120, 5122, 5126}) {
+    b.json["accessors"][0]["sparse"]["indices"]["componentType"] = type;
+    EXPECT_EQ(open_error({files.write("b.gltf", b.gltf())}),
+              "b.gltf, accessors[0]: 'sparse' indices are not unsigned integers" + again);
+  }
 }
 
 TEST_F(GltfTest, SamplesTranslationFromFirstToLastKey) {

@@ -116,6 +116,15 @@ TEST_F(MshTest, BadFilesAreOneLineErrors) {
       changed(kOld, "2 2 2 7", "2 9 2 7"),
       "a.msh:19: elements of Gmsh's type 9 are not read; save the mesh with elements of the first order");
   EXPECT_THAT(changed(kOld, "$EndElements", ""), HasSubstr("the file ends within $Elements"));
+  for (const auto& [from, to] :
+       {std::pair("$Elements\n3\n", "$Elements\n2\n"), std::pair("$Nodes\n4\n", "$Nodes\n3\n"),
+        std::pair("PhysicalNames\n2\n", "PhysicalNames\n1\n")}) {
+    EXPECT_THAT(changed(kOld, from, to), HasSubstr(" holds more than it announces")) << from;
+  }
+  EXPECT_THAT(changed(kNew, "$Elements\n3 3 ", "$Elements\n2 3 "),
+              HasSubstr("$Elements holds more than it announces"));
+  EXPECT_THAT(changed(kNew, "$Entities\n1 0 2 0\n", "$Entities\n1 0 1 0\n"),
+              HasSubstr("$Entities holds more than it announces"));
   EXPECT_THAT(changed(kNew, "2 1 0 3\n", "2 1 0 300000000\n"), HasSubstr("a number is missing or wrong"));
   const std::string binary = binary_new();
   for (std::size_t length = 0; length + 14 < binary.size(); ++length)

@@ -181,13 +181,37 @@ TEST_F(NpzTest, RefusesASizeThatPackedBytesCannotGive) {
   EXPECT_THAT(error, ::testing::EndsWith("packed bytes for it; copy or save the archive again"));
 }
 
+std::string many_frames() {
+  std::vector<double> values(18000);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i * i % 977) / 7;
+  return npy("<f8", "2000, 3, 3", array(values));
+}
+
+TEST_F(NpzTest, ComparesTheChecksumsOfWhatIsReadWhole) {
+  std::string bytes = read_bytes(npz_of(kFaces, many_frames()));
+  const std::string error = ": its checksum is wrong; save the array with NumPy again";
+  const auto motion = open({files.write("b.npz", bytes)});
+  for (const Index k : {7u, 1999u, 3u, 1999u}) EXPECT_EQ(frame_error(*motion, k), "no error");
+  for (Index k = 0; k < 2000; ++k) ASSERT_EQ(frame_error(*motion, k), "no error") << k;
+  for (const Index k : {1999u, 0u}) EXPECT_EQ(frame_error(*motion, k), "no error");
+
+  bytes[bytes.size() / 2] ^= 1;  // the last bit of a number
+  const auto damaged = open({files.write("b.npz", bytes)});
+  for (Index k = 0; k + 1 < 2000; ++k) ASSERT_EQ(frame_error(*damaged, k), "no error") << k;
+  EXPECT_EQ(frame_error(*damaged, 1999), "b.npz, array 'vertices'" + error);
+
+  bytes = read_bytes(npz_of(npy("<i4", "1, 3", array<std::int32_t>({0, 1, 2})), many_frames()));
+  bytes[bytes.find(std::string("\2\0\0\0PK", 6))] = 1;
+  EXPECT_EQ(open_error({files.write("b.npz", bytes)}), "b.npz, array 'faces'" + error);
+
+  bytes = read_bytes(npz_of(kFaces, many_frames(), true));
+  // The checksum of 'vertices' in the directory, the last entry.
+  bytes[bytes.rfind("PK\1\2") + 16] ^= 1;
+  EXPECT_EQ(open_error({files.write("b.npz", bytes)}), "b.npz, array 'vertices'" + error);
+}
+
 TEST_F(NpzTest, NoticesDamagedPackedData) {
-  std::string vertices = npy("<f8", "2000, 3, 3", [] {
-    std::vector<double> values(18000);
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i * i % 977) / 7;
-    return array(values);
-  }());
-  std::string bytes = read_bytes(npz_of(kFaces, vertices, true));
+  std::string bytes = read_bytes(npz_of(kFaces, many_frames(), true));
   for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 50; ++i)
     bytes[i] = static_cast<char>(~bytes[i]);
   EXPECT_EQ(open_error({files.write("b.npz", bytes)}),

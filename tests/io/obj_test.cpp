@@ -29,6 +29,7 @@ TEST_F(ObjTest, ReadsEveryWayToWriteTheSameMesh) {
            "v +0.0 0e5 0\nv 1.0e+0 -0 .0\nv 0 10e-1 0.\nfo 1 2 3\nl 1 2\np 1\n",
            "v 1e-400 0 -0.00000001e-320\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
            "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+           "vn 0 0 \\\n1\nv 0 0 0 1 1 \\\n1\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2 \\\n3\ncstype bezier\nend\n",
            "# a path\\\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
        }) {
     SCOPED_TRACE(text);
@@ -93,6 +94,11 @@ TEST_F(ObjTest, ReportsLineAndRemedy) {
   EXPECT_EQ(obj_error(three + "f 1 2 /3\n"), "a.obj:4: a vertex of the face is not a number" + again);
   EXPECT_EQ(obj_error(three + "f 1 2\n"),
             "a.obj:4: face has 2 vertices; remove faces with fewer than three vertices");
+  for (const std::string keyword : {"F", "face", "surf", "curv", "call", "1"}) {
+    EXPECT_EQ(obj_error(three + "f 1 2 3\n" + keyword + " 0 1 2\n"),
+              "a.obj:5: the statement '" + keyword +
+                  "' is not read, and may add faces; export the mesh as polygons");
+  }
   EXPECT_EQ(obj_error(three), "a.obj: has no faces; export the mesh with its faces");
   EXPECT_EQ(obj_error(""), "a.obj: has no vertices" + again);
   EXPECT_EQ(obj_error("f 1 2 3"), "a.obj:1: face refers to vertex 3, but there are 0" + again);

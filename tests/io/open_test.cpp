@@ -176,11 +176,92 @@ TEST_F(OpenTest, NumbersThatAreLeftOutAreNoted) {
       notes({"f0.obj", "f2.obj", "f3.obj", "f6.obj", "f9.obj"}),
       ElementsAre("frame numbers jump from 0 to 2, and at 2 more places: the steps between them were not in "
                   "the files"));
-  EXPECT_THAT(notes({"a.obj", "b.obj", "b0.obj", "b00.obj", "c5.obj"}), IsEmpty()) << "nothing is numbered";
-  EXPECT_THAT(notes({"d1_t1.obj", "d3_t5.obj", "d99999999999999999999.obj"}), IsEmpty());
+  EXPECT_THAT(notes({"a.obj", "b.obj", "c.obj"}), IsEmpty()) << "nothing is numbered";
+  EXPECT_THAT(notes({"d99999999999999999998.obj", "d99999999999999999999.obj"}), IsEmpty());
   const auto shell = open({files.write("s1.obj", obj_at(1)), files.write("s3.obj", obj_at(1))});
   EXPECT_EQ(shell->notes().size(), 1u);
   EXPECT_EQ(open({files.path("s1.obj"), files.path("s3.obj")}, {.weld = true})->notes().size(), 1u);
+}
+
+TEST_F(OpenTest, NamesThatDoNotContinueTheNumberingAreNoted) {
+  using ::testing::ElementsAre;
+  const auto notes = [&](const std::vector<std::string>& names, const std::string& argument = "run") {
+    std::filesystem::remove_all(files.path("run"));
+    for (const std::string& name : names) files.write("run/" + name, obj_at(1));
+    return open({files.path(argument)})->notes();
+  };
+  EXPECT_THAT(
+      notes({"left_1.obj", "left_2.obj", "right_1.obj", "right_2.obj"}),
+      ElementsAre("left_2.obj is followed by right_1.obj, which does not continue its numbering: these "
+                  "may be two motions"));
+  EXPECT_THAT(
+      notes({"f01.obj", "f1.obj", "f2.obj"}),
+      ElementsAre("f01.obj is followed by f1.obj, which does not continue its numbering: these may be "
+                  "two motions"));
+  EXPECT_THAT(
+      notes({"1/f1.obj", "1/f2.obj", "2/f1.obj", "f.obj"}, "run/?/*.obj"),
+      ElementsAre("1/f2.obj is followed by 2/f1.obj, which does not continue its numbering: these may "
+                  "be two motions"));
+  EXPECT_THAT(
+      notes({"a1_b1.obj", "a1_b3.obj", "a2_b1.obj", "c.obj"}),
+      ElementsAre("frame numbers jump from 1 to 3: the step between them was not in the files",
+                  "a1_b3.obj is followed by a2_b1.obj, which does not continue its numbering, and at 1 "
+                  "more places: these may be several motions"));
+}
+
+TEST_F(OpenTest, NegativeAndFractionalNumbersAreNotPutInAWrongOrder) {
+  using ::testing::ElementsAre;
+  const std::string rename = "; rename the frames by whole numbers from 0 on";
+  const auto fill = [&](const std::vector<std::string>& names) {
+    std::filesystem::remove_all(files.path("run"));
+    for (std::size_t i = 0; i < names.size(); ++i)
+      files.write("run/" + names[i], obj_at(static_cast<double>(i)));
+  };
+  // Each is in the order of the numbers; the third is what is sorted before the fourth.
+  const auto refused = [&](const std::vector<std::string>& names, const std::string& a, const std::string& b,
+                           const std::string& number) {
+    fill(names);
+    const std::string error =
+        "run/" + a + ": is sorted before " + b + ", but comes after it if its number is " + number + rename;
+    EXPECT_EQ(open_error({files.path("run")}), error);
+    EXPECT_EQ(open_error({files.path("run/*.obj")}), error);
+    std::vector<std::string> named;
+    for (const std::string& name : names) named.push_back(files.path("run/" + name));
+    EXPECT_EQ(open_error(named), error);
+    EXPECT_EQ(open_error(named, {.separate = true}), "no error");
+  };
+  const auto accepted = [&](const std::vector<std::string>& names) {
+    fill(names);
+    const auto motion = open({files.path("run")});
+    ASSERT_TRUE(motion);
+    for (Index k = 0; k < motion->frame_count(); ++k) EXPECT_EQ(frame(*motion, k)[2], k) << names[k];
+    EXPECT_THAT(motion->notes(), ElementsAre());
+  };
+  refused({"f.-0002.obj", "f.-0001.obj", "f.0000.obj"}, "f.-0001.obj", "f.-0002.obj", "negative");
+  refused({"f_-2.obj", "f_-1.obj"}, "f_-1.obj", "f_-2.obj", "negative");
+  refused({"-2.obj", "-1.obj", "0.obj"}, "-1.obj", "-2.obj", "negative");
+  refused({"f-2.obj", "f-1.obj", "f0.obj", "f1.obj"}, "f-1.obj", "f-2.obj", "negative");
+  refused({"f_-1.50.obj", "f_-1.25.obj"}, "f_-1.25.obj", "f_-1.50.obj", "negative");
+  refused({"f_1.25.obj", "f_1.5.obj"}, "f_1.5.obj", "f_1.25.obj", "a decimal fraction");
+  refused({"f_1.05.obj", "f_1.1.obj"}, "f_1.1.obj", "f_1.05.obj", "a decimal fraction");
+  fill({"f_1.obj", "f_1.5.obj", "f_2.obj"});
+  EXPECT_EQ(
+      open_error({files.path("run")}),
+      "run/f_1.5.obj: is sorted before f_1.obj, but comes after it if its number is a decimal fraction" +
+          rename);
+  accepted({"a-9.obj", "a-10.obj", "a-11.obj"});
+  accepted({"shot-01.obj", "shot-02.obj"});
+  accepted({"2024-01-09.obj", "2024-01-10.obj"});
+  accepted({"v1.2_003.obj", "v1.2_004.obj"});
+  accepted({"v1.9.obj", "v1.10.obj"});
+  accepted({"v1.99.obj", "v1.100.obj", "v1.101.obj"});
+  accepted({"f_0.0001.obj", "f_0.0002.obj"});
+  accepted({"f.1.obj", "f.2.obj", "f.3.obj"});
+  fill({"f-1.obj", "f0.obj", "f1.obj"});
+  EXPECT_EQ(
+      open_error({files.path("run/f%d.obj")}),
+      "run/f%d.obj: leaves out run/f-1.obj, whose number may be negative; rename the frames by whole numbers "
+      "from 0 on, or move that file elsewhere");
 }
 
 TEST_F(OpenTest, APipeIsRefusedAtOnce) {

@@ -147,6 +147,11 @@ TEST_F(PlyTest, NamesPlaceAndMendInHeaders) {
   const std::string vertex = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
   EXPECT_EQ(ply_error(""), "a.ply:1: does not start with the line 'ply'" + again);
   EXPECT_EQ(ply_error("plywood\n"), "a.ply:1: does not start with the line 'ply'" + again);
+  EXPECT_EQ(
+      ply_error(start + vertex +
+                "element face 1\nproperty list uchar int vertex_indices\nelement tristrips 1\n"
+                "property list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 2\n"),
+      "a.ply:11: header declares triangle strips, which are not read; export the mesh as PLY with its faces");
   EXPECT_EQ(ply_error("ply\n"), "a.ply:2: the file ends before 'end_header'" + again);
   EXPECT_EQ(ply_error("ply\nformat utf8 1.0\n"),
             "a.ply:2: format is not ascii, binary_little_endian or binary_big_endian" + again);

@@ -50,6 +50,22 @@ TEST_F(StlTest, CornersAtTheSamePlaceAreOneVertexInTheOrderInWhichTheyCome) {
   EXPECT_EQ(triangles(*zeros), (std::vector<Triangle>{{0, 1, 0}}));
 }
 
+TEST_F(StlTest, LinesMayEndAnywhereBetweenWords) {
+  std::string joined = ascii(kTwo), split = joined;
+  const std::size_t first = joined.find('\n') + 1;
+  std::replace(joined.begin() + static_cast<std::ptrdiff_t>(first), joined.end(), '\n', ' ');
+  for (std::size_t at = first; (at = split.find("facet normal 0 ", at)) != split.npos; ++at)
+    split[at + 5] = '\n';
+  for (const std::string& bytes : {joined, split}) {
+    const auto motion = open({files.write("a.stl", bytes)});
+    ASSERT_TRUE(motion);
+    EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 2}, {2, 1, 3}}));
+  }
+  joined[first - 1] = ' ';
+  EXPECT_EQ(open_error({files.write("a.stl", joined + "\n" + ascii(kTwo))}),
+            "a.stl:1: a facet is on the line of its solid; export the mesh as STL again");
+}
+
 TEST_F(StlTest, BinaryIsExactAndAsciiIsRoundedToDoubles) {
   EXPECT_EQ(frame(*open({files.write("a.stl", binary(kTwo))}), 0)[9], static_cast<double>(0.1f));
   EXPECT_EQ(frame(*open({files.write("a.stl", ascii(kTwo))}), 0)[9], 0.1);

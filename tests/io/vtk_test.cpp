@@ -269,7 +269,12 @@ TEST_F(VtkTest, CollectionsAreFramesInTheOrderOfTheirTimes) {
   EXPECT_THAT(open_error({pvd(set("0", "run/a.vtp") + set("0", "run/b.vtp"))}),
               HasSubstr("has several parts at time 0;"));
   EXPECT_EQ(open_error({pvd(set("nan", "run/a.vtp"))}),
-            "a.pvd: the time of 'run/a.vtp' is not finite; write the file again");
+            "a.pvd: the time of 'run/a.vtp' is not a finite number; write the file again");
+  for (const char* time : {"1,5", "t1", "1 2", "1s", ""}) {
+    EXPECT_EQ(open_error({pvd(set(time, "run/a.vtp"))}),
+              "a.pvd: the time of 'run/a.vtp' is not a finite number; write the file again");
+  }
+  EXPECT_EQ(open({pvd("<DataSet file=\"run/a.vtp\"/>")})->frame_count(), 1u);
   EXPECT_EQ(open_error({pvd("")}), "a.pvd: refers to no files; write the file again");
 }
 
@@ -295,6 +300,10 @@ TEST_F(VtkTest, BadFilesAreOneLineErrors) {
   EXPECT_EQ(changed("Points=\"4\"", "Points=\"4000000000\""),
             "a.vtp, DataArray 'Points': has 12 numbers for 4000000000 points" + again);
   EXPECT_EQ(changed("Points=\"4\"", "Points=\"x\""), "a.vtp, Piece: NumberOfPoints is not a count" + again);
+  EXPECT_EQ(changed("NumberOfPoints=\"4\"", ""), "a.vtp, Piece: has Points, but no NumberOfPoints" + again);
+  EXPECT_EQ(changed("NumberOfPolys=\"2\"", ""), "a.vtp, Piece: has Polys, but no NumberOfPolys" + again);
+  EXPECT_EQ(changed("NumberOfStrips=\"1\"", "NumberOfStrips=\"\""),
+            "a.vtp, Piece: has Strips, but no NumberOfStrips" + again);
   EXPECT_EQ(changed("1 3<", "1 4<"),
             "a.vtp, Polys: cell 1 refers to vertex 4, but there are 4 (counting from 0)" + again);
   EXPECT_EQ(changed("4 7", "4 8"),

@@ -87,6 +87,14 @@ TEST(FindMotions, TakesMeshesThatDifferInTheirLastNumberAsFrames) {
   EXPECT_EQ(input.single_meshes, 2u);
 }
 
+TEST(FindMotions, KeepsNumbersThatMayBeNegativeBesideOthers) {
+  const Library library({"a/f-1.obj", "a/f-2.obj", "a/f0.obj", "a/g.obj", "b/f.-1.obj", "b/f.0.obj",
+                         "b/g.obj", "c/f-1.obj", "c/f-2.obj", "c/g.obj"});
+  EXPECT_THAT(library.found(), ElementsAre("a/f-*.obj", "b/f.-*.obj", "c/f-*.obj"));
+  EXPECT_EQ(library.input().motions[0].files.size(), 3u);
+  EXPECT_EQ(library.input().motions[1].files.size(), 2u);
+}
+
 TEST(FindMotions, TakesSingleMeshesForPosesOnly) {
   const Library library({"chair.obj", "table.ply"});
   EXPECT_THAT(library.found(), IsEmpty());

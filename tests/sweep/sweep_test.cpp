@@ -190,6 +190,16 @@ TEST(SweepLine, ReadsFramesOfMeshesAndTellsOfABrokenOne) {
   EXPECT_THAT(broken.error, HasSubstr("in/f3.obj"));
 }
 
+TEST(SweepLine, RefusesNumbersThatMayBeNegative) {
+  const Frames library;
+  for (const char* number : {"1", "2"})
+    std::filesystem::rename(library / ("in/f" + std::string(number) + ".obj"),
+                            library / ("in/f-" + std::string(number) + ".obj"));
+  const SweepRecord refused = record_of(*sweep_line(library.input().motions.at(0), library.settings));
+  EXPECT_EQ(refused.state, SweepState::Failed);
+  EXPECT_THAT(refused.error, HasSubstr("in/f-1.obj: is sorted before f-2.obj"));
+}
+
 TEST(SweepLine, UsesTheModelOfItsMesh) {
   const ThreeNeedles library;
   const auto motion = needle(kSinking);
