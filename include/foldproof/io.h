@@ -124,8 +124,9 @@ struct NumberTable {
   std::vector<double> values;        ///< Row-major.
 };
 
-/// Reads text with a row per line and commas between numbers; the first line may hold names, none of which is
-/// a number, NaN or infinity. Empty lines and lines that start with '#' are skipped. Shape: rows x columns.
+/// Reads text with a row per line and commas between numbers; the first line may hold names, all different,
+/// each with a letter, and none a number, NaN, infinity or a word such as "null". Empty lines are skipped,
+/// and those that start with '#', unless a spreadsheet's error does, such as #N/A. Shape: rows x columns.
 Result<NumberTable> read_csv(const std::string& path);
 
 /// Reads a float32 or float64 array of any shape from an NPZ into memory.
