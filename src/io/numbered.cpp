@@ -33,14 +33,6 @@ std::optional<Around> around_number(const std::string& path) {
   return Around{path.substr(0, first), path.substr(last + 1)};
 }
 
-bool is_numbered(std::string_view path, const NumberPattern& pattern) {
-  const auto& [before, after, width] = pattern;
-  if (path.size() <= before.size() + after.size() || !path.starts_with(before) || !path.ends_with(after))
-    return false;
-  const auto number = path.substr(before.size(), path.size() - before.size() - after.size());
-  return number.find_first_not_of(kDigits) == number.npos;
-}
-
 using NumberPair = std::pair<std::uint64_t, std::uint64_t>;
 
 /// The numbers of two paths that differ in one number only.
@@ -74,6 +66,14 @@ std::optional<NumberPattern> number_pattern(const std::string& path) {
   NumberPattern pattern{path.substr(0, percent), path.substr(d + 1)};
   std::from_chars(width.data(), width.data() + width.size(), pattern.width);
   return pattern.width > 20 ? std::nullopt : std::optional(pattern);
+}
+
+bool is_numbered(std::string_view path, const NumberPattern& pattern) {
+  const auto& [before, after, width] = pattern;
+  if (path.size() <= before.size() + after.size() || !path.starts_with(before) || !path.ends_with(after))
+    return false;
+  const auto number = path.substr(before.size(), path.size() - before.size() - after.size());
+  return number.find_first_not_of(kDigits) == number.npos;
 }
 
 std::vector<std::string> numbered_files(const NumberPattern& pattern, std::error_code& status) {
