@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "arrays.h"
+#include <filesystem>
 #include "contacts.h"
 #include "module.h"
 
@@ -92,7 +93,9 @@ std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, const
   }
   std::vector<std::shared_ptr<SharedMotion>> shared;
   shared.reserve(motions.size());
-  for (auto& motion : motions) shared.push_back(std::make_shared<SharedMotion>(std::move(motion), options));
+  for (std::string& path : arguments) path = std::filesystem::absolute(path).string();
+  for (auto& motion : motions)
+    shared.push_back(std::make_shared<SharedMotion>(std::move(motion), options, arguments));
   return shared;
 }
 
@@ -138,7 +141,7 @@ py::object item_of(SharedMotion& motion, const py::object& index) {
     refuse("slice", "selects none of " + std::to_string(motion.frame_count()) + " frames",
            "select at least one");
   return py::cast(std::make_shared<SharedMotion>(std::make_unique<SlicedMotion>(motion, begin, step, count),
-                                                 motion.read()));
+                                                 motion.read(), motion.paths()));
 }
 
 py::array triangles_of_motion(const py::object& self) {
