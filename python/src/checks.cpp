@@ -233,6 +233,11 @@ py::dict fields_of(Found found, const Request& request) {
   py::dict d;
   d["clean"] = totals.clean();
   d["first_frame"] = totals.first_frame;
+  py::list notes;
+  for (const auto& motion : request.motions) {
+    for (const std::string& note : motion->notes()) notes.append(text_of(motion->name() + ": " + note));
+  }
+  d["notes"] = notes;
   d["starts_crossing"] = totals.starts_crossing;
   d["start_crossings"] = owned_rows(std::move(found.start_crossings));
   d["steps"] = owned_rows(std::move(found.steps));
@@ -276,14 +281,14 @@ void bind_checks(py::module_& module) {
     request.settings.parts = parts_of(parts, motions, triangle_counts(request.motions));
     request.settings.unit = unit;
     request.settings.step = step_settings(settings);
+    require_static_fits(request.settings);
     for (const auto& path : items_of(reports)) request.reports.push_back(path_of(path));
+    require_reports_apart(request);
     return fields_of(run(request, progress), request);
   };
   // foldproof.check has the documentation.
   module.attr("SETTINGS") = settings_documentation();
-    require_static_fits(request.settings);
   module.def("check", check, py::arg("motions"), py::kw_only(), py::arg("models"), py::arg("frames"),
-    require_reports_apart(request);
              py::arg("static"), py::arg("steps_only"), py::arg("substeps"), py::arg("keep"),
              py::arg("contacts"), py::arg("parts"), py::arg("unit"), py::arg("reports"), py::arg("progress"));
 }

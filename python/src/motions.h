@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "report/report.h"
@@ -20,9 +21,9 @@ class SharedMotion final : public Motion {
 
   /// How its files were read.
   const ReadOptions& read() const { return state_->read; }
-
   /// Absolute, as they were given to open_motions; frames may be read from them as long as this lives.
   const std::vector<std::string>& paths() const { return state_->paths; }
+
   const std::string& name() const override { return state_->motion->name(); }
   const Topology& topology() const override { return state_->motion->topology(); }
   const ObjectParts& parts() const override { return state_->motion->parts(); }
@@ -40,8 +41,8 @@ class SharedMotion final : public Motion {
         : motion(std::move(m)), read(options), paths(std::move(files)) {}
     std::unique_ptr<Motion> motion;
     ReadOptions read;
-    std::mutex mutex;
     std::vector<std::string> paths;
+    std::mutex mutex;
   };
   std::shared_ptr<State> state_;
 };
