@@ -200,6 +200,23 @@ TEST(Check, ALimitListsFewerPairsButCountsAll) {
   EXPECT_THAT(check_in(scene, {"sink"}).out, Not(HasSubstr("listed")));
 }
 
+TEST(Check, TheEarliestPairsAreNotCalledAllOrTheWorst) {
+  const Scene scene;
+  const std::string out = check_in(scene, {"sink", "--first"}).out;
+  EXPECT_THAT(out, HasSubstr("\nearliest pairs          2 "));
+  EXPECT_THAT(out, Not(HasSubstr("colliding pairs")));
+  EXPECT_THAT(out, Not(HasSubstr("\nworst ")));
+}
+
+TEST(Check, ContactsOfAFewPairsAndOfOnePoseSaySo) {
+  const Scene scene;
+  const char* limited = "Contacts join the listed pairs only (--limit).\n";
+  EXPECT_THAT(check_in(scene, {"sink", "--limit", "1"}).out, HasSubstr(limited));
+  EXPECT_THAT(check_in(scene, {"sink"}).out, Not(HasSubstr(limited)));
+  const std::string pose = check_in(scene, {"sink", "--frames", "0", "--thickness", "2"}).out;
+  EXPECT_THAT(pose, HasSubstr("  frame 0  touches, "));
+}
+
 TEST(Check, OptionsReachTheQuery) {
   const Scene scene;
   const auto settings = [&](std::vector<std::string> options) {
