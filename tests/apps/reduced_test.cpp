@@ -201,6 +201,8 @@ TEST_F(Reduced, RefusesInOneLine) {
       {{"check", "--reduced", "cloth.model", "one.csv", "--steps-only"}, "one.csv: has 1 frame"},
       {{"check", "--reduced", "cloth.model", "wide.csv"}, "wide.csv"},
       {{"check", "--reduced", "cloth.model", "p.csv", "--static"}, "--static"},
+      {{"check", "--reduced", "cloth.model", "p.csv", "--fps", "30"}, "does not go with --static"},
+      {{"check", "--reduced", "cloth.model", "p.csv", "--separate"}, "does not go with --static"},
       {{"check", "--reduced", "poses.npz", "p.csv"}, "poses.npz"},
       {{"radius", "poses.npz"}, "poses.npz"},
       {{"radius", "cloth.model", "--sample", "3"}, "--sample: goes with -o"},
