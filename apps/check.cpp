@@ -139,6 +139,9 @@ void add_check_options(const Subcommand& check, CheckArguments& a) {
 
 // A statistical answer goes only into outputs that label it as such.
 Result<void> require_mode_fits(const CheckArguments& a) {
+  if (a.mode != "paper" && a.miss_rate != CheckArguments().miss_rate)
+    return fail(ErrorCode::InvalidArgument, "--miss-rate", "goes with --mode paper",
+                "leave it out; without that mode nothing is missed");
   if (a.mode != "paper") return {};
   const auto conflict = [](const char* option) {
     return fail(ErrorCode::InvalidArgument, "--mode paper", fmt::format("does not go with {}", option),
@@ -162,10 +165,12 @@ Result<void> require_mode_fits(const CheckArguments& a) {
 // Refuses options that --reduced does not support.
 Result<void> require_reduced_fits(const CheckArguments& a) {
   const bool other = a.poses || a.substeps != 1 || !a.models.empty() || !a.explain.empty() ||
-                     a.mode == "paper" || a.motion.read.weld;
+                     a.mode == "paper" || a.motion.read.weld || a.motion.read.separate ||
+                     a.motion.read.fps != ReadOptions().fps;
   if (!a.reduced || !other) return {};
   return fail(ErrorCode::InvalidArgument, "--reduced",
-              "does not go with --static, --substeps, --model, --explain, --mode paper or --weld",
+              "does not go with --static, --substeps, --model, --explain, --mode paper, --weld, --fps or "
+              "--separate",
               "leave them out, or check the motion that 'foldproof predict' writes");
 }
 

@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 
@@ -82,6 +84,18 @@ Result<std::string> help_of(const CLI::App& program, std::span<const std::string
   return tl::unexpected(unknown_word(program, words.front()));
 }
 
+/// Of numbers that are out of range CLI11 takes the nearest that is in it.
+template <class T>
+std::string range_problem(const std::string& text) {
+  errno = 0;
+  if constexpr (std::is_signed_v<T>) {
+    std::strtoll(text.c_str(), nullptr, 0);
+  } else {
+    std::strtoull(text.c_str(), nullptr, 0);
+  }
+  return errno == ERANGE ? text + " is out of range" : "";
+}
+
 /// Omits the notes on which options exclude each other, which obscure the descriptions.
 struct HelpFormatter : CLI::Formatter {
   std::string make_option_opts(const CLI::Option* option) const override {
@@ -114,7 +128,9 @@ std::vector<std::string> Option::values() const { return option_->results(); }
 
 template <class T>
 Option Subcommand::add_option(const std::string& names, T& value, const std::string& description) const {
-  return Option(app_->add_option(names, value, description));
+  CLI::Option* option = app_->add_option(names, value, description);
+  if constexpr (std::is_integral_v<T>) option->check(range_problem<T>);
+  return Option(option);
 }
 template Option Subcommand::add_option(const std::string&, std::string&, const std::string&) const;
 template Option Subcommand::add_option(const std::string&, std::vector<std::string>&,

@@ -33,7 +33,8 @@ std::string who(const Contact& contact, Motions motions, const CheckSettings& se
   return contact.within() ? names[0] + " with itself" : names[0] + " with another";
 }
 
-std::string when(const Contact& contact) {
+std::string when(const Contact& contact, const CheckTotals& totals) {
+  if (totals.first_frame == totals.last_frame) return fmt::format("frame {}", totals.first_frame);
   if (contact.frames.empty()) {
     const std::string first = time_name(contact.first_time), last = time_name(contact.last_time);
     return first == last ? "time " + first : fmt::format("times {} to {}", first, last);
@@ -43,12 +44,16 @@ std::string when(const Contact& contact) {
                        : fmt::format("frames {}-{}", time_name(first), time_name(last));
 }
 
-// `all_known`: what crosses is known in every frame.
-std::string how_bad(const Contact& contact, const std::string& unit, bool all_known) {
-  if (contact.frames.empty())
+std::string how_bad(const Contact& contact, const std::string& unit, const CheckTotals& totals) {
+  if (contact.frames.empty()) {
+    const bool all_known = totals.contact_unknown_frames == 0,
+               single = totals.first_frame == totals.last_frame;
     return fmt::format("{}, {}",
-                       all_known ? "touches between frames" : "touches; not known whether it crosses",
+                       !all_known ? "touches; not known whether it crosses"
+                       : single   ? "touches"
+                                  : "touches between frames",
                        counted(contact.pairs, "pair"));
+  }
   const ContactFrame& frame = contact.frames[contact.worst];
   const std::string space = unit.empty() ? "" : " " + unit;
   std::string text = fmt::format("worst {}: {}", time_name(frame.time), counted(frame.triangles, "triangle"));
@@ -72,7 +77,7 @@ std::string contact_lines(Motions motions, const CheckSettings& settings, const 
   for (const Contact& contact : std::span(totals.contacts).first(std::min(count, totals.contacts.size()))) {
     const Line& line =
         lines.emplace_back(Line{fmt::format("#{}", contact.number), who(contact, motions, settings),
-                                when(contact), how_bad(contact, unit, totals.contact_unknown_frames == 0)});
+                                when(contact, totals), how_bad(contact, unit, totals)});
     width[0] = std::max(width[0], line.number.size());
     width[1] = std::max(width[1], line.who.size());
     width[2] = std::max(width[2], line.when.size());
@@ -87,6 +92,8 @@ std::string contact_lines(Motions motions, const CheckSettings& settings, const 
     text +=
         fmt::format("and {} more (--contacts lists all)\n", grouped(totals.contacts.size() - lines.size()));
   }
+  if (totals.listed.sum() < totals.collisions.sum())
+    text += "Contacts join the listed pairs only (--limit).\n";
   if (totals.contact_unknown_frames > 0) {
     text += fmt::format("In {} it is not known which triangles cross{}.\n",
                         counted(totals.contact_unknown_frames, "frame"),

@@ -1,21 +1,16 @@
 #include "file_arguments.h"
 
 #include <fmt/format.h>
-#include <glob.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 
 #include "base/try.h"
 #include "io/formats.h"
+#include "io/named_files.h"
 #include "io/numbered.h"
 #include "terminal.h"
 
@@ -28,24 +23,6 @@ constexpr const char* kStandardOutput = "-";
 
 using Output = FileArguments::Output;
 using Input = FileArguments::Input;
-
-/// Identifies a file on a disk, independent of its name.
-using FileId = std::pair<::dev_t, ::ino_t>;
-
-/// Nothing if there is no file or directory that writing could overwrite.
-std::optional<FileId> id_of(const fs::path& path) {
-  struct ::stat status = {};
-  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
-  if (!S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode)) return std::nullopt;
-  return FileId{status.st_dev, status.st_ino};
-}
-
-/// The same for all spellings of a path, whether or not the file exists.
-std::string canonical(const fs::path& path) {
-  std::error_code code;
-  const fs::path full = fs::weakly_canonical(fs::absolute(path, code), code);
-  return code ? path.lexically_normal().string() : full.string();
-}
 
 /// The directory that contains a path's file.
 fs::path directory_of(const fs::path& path) {
@@ -79,9 +56,10 @@ Result<void> require_good_name(const Option& option, const std::string& path, Ou
         fmt::format("name the file to write{}", option.is_required() ? "" : ", or leave the option out"));
   }
   const std::string where = fmt::format("{} {}", option.name(), path);
-  if (path == kStandardOutput && output == Output::Text) return {};
-  if (path == kStandardOutput)
+  if (io::is_standard_output(path)) {
+    if (output == Output::Text) return {};
     return fail(ErrorCode::InvalidArgument, where, "cannot be standard output", "name a file");
+  }
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
   if (code == std::errc::filename_too_long)
@@ -102,8 +80,7 @@ Result<void> require_good_name(const Option& option, const std::string& path, Ou
                 "name another file");
   }
   // Of a link, the file that it refers to is replaced.
-  const fs::path target = fs::canonical(path, code);
-  return require_directory_to_write(where, directory_of(code ? fs::path(path) : target));
+  return require_directory_to_write(where, directory_of(io::write_target(path).file));
 }
 
 /// So that no motion is replaced by a table or a picture, and no file is named what it is not.
@@ -123,6 +100,41 @@ Result<void> require_good_ending(const Option& option, const std::string& path, 
 }
 
 // ---- Files that outputs replace
+
+/// What an output takes: no other may have it.
+struct Taken {
+  std::string where;               ///< The option and its value.
+  std::vector<std::string> names;  ///< Canonical.
+  std::string directory;           ///< Among the names; all that is in it is replaced. Empty: there is none.
+  std::optional<io::NumberPattern> pattern;
+};
+
+Taken taken_by(const std::string& where, const fs::path& path, Output output) {
+  Taken taken{where, {io::canonical(path)}, {}, {}};
+  if (output == Output::Motion && extension_of(path.string()) == ".obj")
+    taken.names.push_back(io::canonical(fs::path(path).replace_extension(".pc2")));
+  if (output == Output::Collection)
+    taken.names.push_back(taken.directory = io::canonical(fs::path(path).replace_extension()));
+  if (output == Output::Numbered || output == Output::Motion)
+    taken.pattern = io::number_pattern(taken.names[0]);
+  return taken;
+}
+
+/// A file that an output writes under a name.
+std::string example_of(const Taken& taken, const std::string& name) {
+  if (name == taken.directory) return name + "/step000000.vtp";
+  return taken.pattern && name == taken.names[0] ? taken.pattern->name(0) : name;
+}
+
+/// Whether an output would write what another takes.
+bool writes_into(const Taken& output, const Taken& other) {
+  return std::ranges::any_of(output.names, [&](const std::string& name) {
+    const std::string file = example_of(output, name);
+    return std::ranges::find(other.names, name) != other.names.end() ||
+           (!other.directory.empty() && file.starts_with(other.directory + "/")) ||
+           (other.pattern && io::is_numbered(file, *other.pattern));
+  });
+}
 
 /// All existing files that an output may replace.
 std::vector<fs::path> replaced(const fs::path& path, Output output) {
@@ -144,103 +156,35 @@ std::vector<fs::path> replaced(const fs::path& path, Output output) {
   return files;
 }
 
-// ---- Files that inputs read
+/// Existing files, and the output that would replace them.
+using Replaceable = std::map<io::FileId, std::string>;
 
-/// Whether a file may hold frames or motions.
-bool may_be_read(const fs::path& path) { return io::format_of(path.string()) != nullptr; }
-
-/// "a%20b.bin" -> "a b.bin"
-std::string without_escapes(const std::string& uri) {
-  std::string text;
-  const auto digit = [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; };
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) && digit(uri[i + 2])) {
-      text += static_cast<char>(std::stoi(uri.substr(i + 1, 2), nullptr, 16));
-      i += 2;
-    } else {
-      text += uri[i];
-    }
-  }
-  return text;
-}
-
-/// Collects the values of "uri" without keeping the rest of a possibly large file.
-class Uris : public nlohmann::json::json_sax_t {
- public:
-  std::vector<std::string> all;
-
-  bool key(string_t& name) override {
-    is_uri_ = name == "uri";
-    return true;
-  }
-  bool string(string_t& value) override {
-    if (std::exchange(is_uri_, false) && !value.starts_with("data:")) all.push_back(value);
-    return true;
-  }
-  bool null() override { return true; }
-  bool boolean(bool) override { return true; }
-  bool number_integer(number_integer_t) override { return true; }
-  bool number_unsigned(number_unsigned_t) override { return true; }
-  bool number_float(number_float_t, const string_t&) override { return true; }
-  bool binary(binary_t&) override { return true; }
-  bool start_object(std::size_t) override { return true; }
-  bool end_object() override { return true; }
-  bool start_array(std::size_t) override { return true; }
-  bool end_array() override { return true; }
-  bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception&) override {
-    return false;
-  }
-
- private:
-  bool is_uri_ = false;
-};
-
-void add_file(const fs::path& path, std::vector<fs::path>& files) {
-  files.push_back(path);
-  const std::string extension = extension_of(path.string());
-  if (extension == ".pvd") {
-    for (const std::string& file : io::pvd_files(path.string()).value_or(std::vector<std::string>()))
-      files.emplace_back(file);
-  }
-  if (extension != ".gltf") return;
-  std::ifstream text(path, std::ios::binary);
-  Uris uris;
-  nlohmann::json::sax_parse(text, &uris);
-  for (const std::string& uri : uris.all) files.push_back(path.parent_path() / without_escapes(uri));
-}
-
-template <class Directory>
-void add_members(const fs::path& directory, std::vector<fs::path>& files) {
-  std::error_code code;
-  for (Directory at(directory, fs::directory_options::skip_permission_denied, code), end; !code && at != end;
-       at.increment(code)) {
-    if (may_be_read(at->path())) add_file(at->path(), files);
-  }
-}
-
-/// All files that an input refers to.
 std::vector<fs::path> read_under(const std::string& name, Input input) {
-  std::vector<fs::path> files;
-  std::error_code code;
-  if (fs::is_directory(name, code)) {
-    files.emplace_back(name);
-    if (input == Input::Library) {
-      add_members<fs::recursive_directory_iterator>(name, files);
-    } else {
-      add_members<fs::directory_iterator>(name, files);
-    }
-  } else if (!fs::exists(name, code) && name.find_first_of("*?[") != name.npos) {
-    ::glob_t matches{};
-    if (::glob(name.c_str(), GLOB_NOSORT, nullptr, &matches) == 0) {
-      for (std::size_t k = 0; k < matches.gl_pathc; ++k) add_file(matches.gl_pathv[k], files);
-    }
-    ::globfree(&matches);
-  } else if (const auto pattern = io::number_pattern(name); pattern && !fs::exists(name, code)) {
-    for (const std::string& file : io::numbered_files(*pattern, code)) add_file(file, files);
-  } else {
-    add_file(name, files);
+  return io::files_of(name, input == Input::Library);
+}
+
+/// Error: an output would replace what an input reads, or be read as a part of it the next time.
+Result<void> require_apart(const Option& option, const std::string& name, Input input,
+                           std::span<const Taken> outputs, const Replaceable& replaceable) {
+  for (const fs::path& file : read_under(name, input)) {
+    const auto id = io::file_id(file);
+    const auto clash = id ? replaceable.find(*id) : replaceable.end();
+    if (clash == replaceable.end()) continue;
+    return fail(
+        ErrorCode::InvalidArgument, clash->second,
+        fmt::format("would write over '{}', which is read ({} {})", file.string(), option.name(), name),
+        "name another file to write");
   }
-  return files;
+  for (const Taken& output : outputs) {
+    const auto becomes_frame = [&](const std::string& taken) {
+      return input == Input::Motion && io::will_read(name, example_of(output, taken));
+    };
+    if (std::ranges::any_of(output.names, becomes_frame))
+      return fail(ErrorCode::InvalidArgument, output.where,
+                  fmt::format("would be a frame of what is read ({} {})", option.name(), name),
+                  "name a file elsewhere");
+  }
+  return {};
 }
 
 }  // namespace
@@ -272,40 +216,30 @@ Result<void> FileArguments::check() const {
     if (std::find(given.begin(), given.end(), "") != given.end())
       return fail(ErrorCode::InvalidArgument, option.name(), "names nothing", "name what is to be read");
   }
-  std::set<std::string> names;
-  std::map<FileId, std::string> replaceable;  // existing files, and the output that would replace them
+  std::vector<Taken> all;
+  Replaceable replaceable;
   for (const auto& [option, output, endings] : outputs_) {
     const auto given = option.values();
     if (given.empty()) continue;
     const std::string& path = given.back();
     FOLDPROOF_TRY(require_good_name(option, path, output));
     const std::string where = fmt::format("{} {}", option.name(), path);
-    const auto twice = [&] {
+    const bool is_file = !io::is_standard_output(path);
+    const Taken taken = is_file ? taken_by(where, path, output) : Taken{where, {kStandardOutput}, {}, {}};
+    bool twice = std::ranges::any_of(
+        all, [&](const Taken& other) { return writes_into(taken, other) || writes_into(other, taken); });
+    all.push_back(taken);
+    if (!is_file) print_to_standard_error();
+    for (const fs::path& file : is_file ? replaced(path, output) : std::vector<fs::path>()) {
+      const auto id = io::file_id(file);
+      twice = twice || (id && !replaceable.emplace(*id, where).second && replaceable[*id] != where);
+    }
+    if (twice)
       return fail(ErrorCode::InvalidArgument, where, "is named for two outputs", "give each its own file");
-    };
-    const bool is_file = path != kStandardOutput;
-    if (!names.insert(is_file ? canonical(path) : path).second) return twice();
-    if (!is_file) {
-      print_to_standard_error();
-      continue;
-    }
-    for (const fs::path& file : replaced(path, output)) {
-      const auto id = id_of(file);
-      if (id && !replaceable.emplace(*id, where).second && replaceable[*id] != where) return twice();
-    }
   }
   for (const auto& [option, input] : inputs_) {
-    if (replaceable.empty()) break;
     for (const std::string& name : option.values()) {
-      for (const fs::path& file : read_under(name, input)) {
-        const auto id = id_of(file);
-        const auto clash = id ? replaceable.find(*id) : replaceable.end();
-        if (clash == replaceable.end()) continue;
-        return fail(
-            ErrorCode::InvalidArgument, clash->second,
-            fmt::format("would write over '{}', which is read ({} {})", file.string(), option.name(), name),
-            "name another file to write");
-      }
+      if (!all.empty()) FOLDPROOF_TRY(require_apart(option, name, input, all, replaceable));
     }
   }
   for (const auto& [option, output, endings] : outputs_) {

@@ -34,8 +34,9 @@ class FileArguments {
   /// Call it after the command line was parsed. Error: an input or output has an empty name; an output is a
   /// directory, is in a directory that does not exist or is not writable, has an ending that it may not have,
   /// or is the same file as an input or another output, also under another name, by a link, as a member of a
-  /// directory of frames, or as a buffer of a glTF. Of inputs, only the buffer names of a glTF are read. If
-  /// an output is "-", print_output prints on standard error from then on.
+  /// directory of frames, as a buffer of a glTF, in the directory of a collection, or by a number in its
+  /// name; or it would be a frame of an input the next time. Of inputs, only the buffer names of a glTF are
+  /// read. If an output is standard output, print_output prints on standard error from then on.
   Result<void> check() const;
 
   /// All files that the inputs refer to, whether they exist or not.

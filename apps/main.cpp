@@ -1,3 +1,6 @@
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -47,6 +50,13 @@ Result<int> run(int argc, char** argv) {
   return kExitError;
 }
 
+/// Files that are opened later must not take the place of a standard stream that was closed at the start.
+void open_standard_streams() {
+  for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor) {
+    if (::fcntl(descriptor, F_GETFD) == -1 && ::open("/dev/null", O_RDWR) < 0) return;
+  }
+}
+
 int finish(const Result<int>& result) {
   if (result) {
     if (const auto done = flush_output(); !done) return finish(tl::unexpected(done.error()));
@@ -60,6 +70,7 @@ int finish(const Result<int>& result) {
 }  // namespace foldproof
 
 int main(int argc, char** argv) {
+  foldproof::open_standard_streams();
   // A closed pipe, as in `foldproof check ... | head`, must not end the check.
   std::signal(SIGPIPE, SIG_IGN);
   // Exceeding a file size limit must not end it either, which would leave an incomplete file: writing fails.

@@ -48,6 +48,11 @@ Result<bool> are_tracks(const std::vector<std::string>& arguments) {
   return extension == ".csv";
 }
 
+bool selects_or_reads_otherwise(const MotionOptions& motion) {
+  return !motion.frames.empty() || motion.read.weld || motion.read.separate ||
+         motion.read.fps != ReadOptions().fps;
+}
+
 struct PredictInput {
   KeyPointTracks tracks;
   std::unique_ptr<Motion> truth;  ///< Null: nothing to compare with.
@@ -63,6 +68,10 @@ Result<PredictInput> read_input(const PredictArguments& a, const Model& model) {
                 "is given, but the key points come from a whole motion already", "leave it out");
   }
   const auto& whole = tracked ? a.truth : a.key_points;
+  if (whole.empty() && selects_or_reads_otherwise(a.motion)) {
+    return fail(ErrorCode::InvalidArgument, "--frames, --fps, --weld and --separate",
+                "are about a whole motion, and there is none", "leave them out, or give --truth");
+  }
   if (!whole.empty()) {
     input.truth = FOLDPROOF_TRY(open_motion_of(model, whole, a.motion.read, a.quiet));
     input.frames = select_frames(range, input.truth->frame_count());

@@ -4,7 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
+#include <map>
 
 #include "base/try.h"
 #include "options.h"
@@ -21,12 +23,35 @@ Result<void> wrong_columns(const std::string& path, std::uint64_t columns, Index
               fmt::format("give {0}, one per mode, or {1} with a placement behind them", modes, modes + 7));
 }
 
+/// Columns are taken by their place; a name that means another one would turn the motion into a different
+/// one.
+Result<void> require_names_fit(const std::string& path, const NumberTable& table, Index modes) {
+  // Which column of a placement, w x y z tx ty tz, a name may mean; "": none.
+  const std::map<std::string, std::string> columns{{"frame", ""}, {"time", ""}, {"t", ""},   {"vertex", ""},
+                                                   {"w", "0"},    {"x", "14"},  {"y", "25"}, {"z", "36"},
+                                                   {"qw", "0"},   {"qx", "1"},  {"qy", "2"}, {"qz", "3"},
+                                                   {"tx", "4"},   {"ty", "5"},  {"tz", "6"}};
+  for (std::size_t c = 0; c < table.names.size(); ++c) {
+    std::string name = table.names[c];
+    std::ranges::transform(name, name.begin(), [](unsigned char letter) { return std::tolower(letter); });
+    const auto meant = columns.find(name);
+    if (meant == columns.end()) continue;
+    if (c >= modes && meant->second.find(std::to_string(c - modes)) != std::string::npos) continue;
+    return fail(
+        path, fmt::format("has '{}' as column {}", table.names[c], c + 1),
+        fmt::format("give {}, one per mode, then maybe w x y z of a quaternion and x y z of a translation",
+                    counted(modes, "number")));
+  }
+  return {};
+}
+
 // p, then optionally a quaternion w x y z and a translation x y z per row.
 Result<Frames> from_csv(const std::string& path, Index modes) {
   const auto table = FOLDPROOF_TRY(read_csv(path));
   const std::uint64_t columns = table.shape[1];
   if (columns != modes && columns != modes + 7)
     return tl::unexpected(wrong_columns(path, columns, modes).error());
+  FOLDPROOF_TRY(require_names_fit(path, table, modes));
   Frames frames;
   for (std::uint64_t k = 0; k < table.shape[0]; ++k) {
     const double* row = &table.values[k * columns];
@@ -61,13 +86,16 @@ Result<Frames> from_npz(const std::string& path, Index modes) {
     return fail(path, "'p' has not one column per mode", fmt::format("give frames x {}", modes));
   const std::uint64_t count = p.shape[0];
   Frames frames{p.values, {}, {}};
-  for (const auto& [name, numbers] : {std::pair("rotation", 9u), std::pair("translation", 3u)}) {
+  using Shape = std::vector<std::uint64_t>;
+  for (const auto& [name, shape] :
+       {std::pair("rotation", Shape{count, 3, 3}), std::pair("translation", Shape{count, 3})}) {
     const auto there = FOLDPROOF_TRY(npz_has_array(path, name));
     if (!there) continue;
     const auto array = FOLDPROOF_TRY(read_npz_numbers(path, name));
-    if (array.values.size() != count * numbers)
-      return fail(path, fmt::format("'{}' has not {} numbers per frame", name, numbers),
-                  "give them for all frames");
+    if (array.shape != shape)
+      return fail(path, fmt::format("'{}' is of shape {}", name, fmt::join(array.shape, " x ")),
+                  fmt::format("give {} for the frames of 'p'", fmt::join(shape, " x ")));
+    const std::uint64_t numbers = shape.size() == 3 ? 9 : 3;
     for (std::uint64_t k = 0; k < count; ++k) {
       const double* from = &array.values[k * numbers];
       if (numbers == 9) {

@@ -279,18 +279,21 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
   add(settings.poses ? "frames checked" : "steps checked",
       fmt::format("{}  (frames {} to {})", grouped(totals.steps), totals.first_frame, totals.last_frame));
   add("  with collisions", grouped(totals.steps_with_collisions));
-  add("colliding pairs", settings.poses
-                             ? grouped(found.sum()) + "  (triangles that cross)"
-                             : fmt::format("{}  (vertex-face {}, edge-edge {})", grouped(found.sum()),
-                                           grouped(found.vertex_face), grouped(found.edge_edge)));
+  const bool first_only = settings.step.earliest_only;
+  add(first_only ? "earliest pairs" : "colliding pairs",
+      settings.poses ? grouped(found.sum()) + "  (triangles that cross)"
+                     : fmt::format("{}  (vertex-face {}, edge-edge {})", grouped(found.sum()),
+                                   grouped(found.vertex_face), grouped(found.edge_edge)));
   if (totals.listed.sum() < found.sum()) {
     add("  listed", fmt::format("{} of {}  (those with the smallest ids; more with --limit)",
                                 grouped(totals.listed.sum()), grouped(found.sum())));
   }
   if (settings.step.mode == Mode::Paper) text += paper_rows(settings, totals);
   if (totals.worst) {
-    add("worst", fmt::format("{}: {}", step_name(*totals.worst, settings),
-                             counted(totals.worst_collisions.sum(), "pair")));
+    // Of the earliest pairs alone, their number says nothing.
+    if (!first_only)
+      add("worst", fmt::format("{}: {}", step_name(*totals.worst, settings),
+                               counted(totals.worst_collisions.sum(), "pair")));
     std::string earliest = step_name(*totals.earliest, settings);
     if (totals.earliest->frame != totals.earliest->next_frame)
       earliest += fmt::format(", time of impact {:.6g}", totals.earliest_toi);

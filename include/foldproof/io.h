@@ -66,7 +66,8 @@ std::unique_ptr<Motion> memory_motion(std::string name, Topology topology,
 /// The temporary file is in the target's directory, so the final rename is atomic.
 class FileWriter {
  public:
-  /// "-" is standard output, which is written directly; that its reader has closed it is no error.
+  /// "-" is standard output, which is written directly, as are other names of what is open already, such as
+  /// /dev/stdout; that the reader of standard output has closed it is no error.
   static Result<FileWriter> open(const std::string& path);
   FileWriter(FileWriter&&) noexcept;
   FileWriter& operator=(FileWriter&&) noexcept;
@@ -75,7 +76,7 @@ class FileWriter {
   Result<void> write(const std::string& text) {
     return write(std::span<const char>(text.data(), text.size()));
   }
-  /// Overwrites bytes already written. Error: the target is a pipe or a terminal.
+  /// Overwrites bytes already written. Error: the target is written directly.
   Result<void> rewrite(std::uint64_t offset, std::span<const char> bytes);
   Result<void> commit();
 
@@ -124,8 +125,9 @@ struct NumberTable {
   std::vector<double> values;        ///< Row-major.
 };
 
-/// Reads text with a row per line and commas between numbers; the first line may hold names, none of which is
-/// a number, NaN or infinity. Empty lines and lines that start with '#' are skipped. Shape: rows x columns.
+/// Reads text with a row per line and commas between numbers; the first line may hold names, all different,
+/// each with a letter, and none a number, NaN, infinity or a word such as "null". Empty lines are skipped,
+/// and those that start with '#', unless a spreadsheet's error does, such as #N/A. Shape: rows x columns.
 Result<NumberTable> read_csv(const std::string& path);
 
 /// Reads a float32 or float64 array of any shape from an NPZ into memory.

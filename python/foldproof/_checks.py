@@ -34,8 +34,9 @@ class CheckResult:
     starts_crossing: the number of pairs of triangles that cross in the first frame, exact; None with steps_only or static,
     which do not test it. start_crossings: these pairs, as StaticResult.crossings; empty with keep=False. missed: mode
     'paper', collisions of the proven answer that it misses, over all steps. tolerance: the largest of a step, mesh units.
-    work, milliseconds: sums over the steps, as in StepResult. first_frame: the first that was checked. static: whether
-    frames were checked, not steps.
+    work, milliseconds: sums over the steps, as in StepResult. first_frame: the first that was checked. notes: what the
+    readers of the motions left out or assumed (Motion.notes), after the motion's name. static: whether frames were
+    checked, not steps.
     """
 
     clean: bool
@@ -51,6 +52,7 @@ class CheckResult:
     work: dict[str, int]
     milliseconds: dict[str, float]
     first_frame: int
+    notes: list[str]
     static: bool
     _contacts: Contacts | None
 
@@ -97,6 +99,9 @@ class CheckResult:
         return f"<p>{html.escape(self._summary())}</p>{contacts}"
 
     def _summary(self) -> str:
+        return "; ".join([self._counts(), *self.notes])
+
+    def _counts(self) -> str:
         """'12 collisions in 3 of 32 steps, 2 contacts; frame 0 starts with 4 crossing pairs of triangles'."""
         colliding = np.count_nonzero(self.steps["vertex_face"] + self.steps["edge_edge"] + self.steps["crossings"])
         noun = "frame" if self.static else "step"

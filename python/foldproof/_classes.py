@@ -93,14 +93,6 @@ def _same_motion(a: Motion, b: object) -> Any:
     return same_mesh and all(np.array_equal(x, y) for x, y in zip(a, b))
 
 
-def _copy_of_motion(motion: Motion) -> tuple[Any, tuple[Any, ...]]:
-    return _motion_of, (motion.triangles, np.stack(list(motion)), motion.name, motion.parts)
-
-
-def _motion_of(triangles: ArrayLike, frames: ArrayLike, name: str, parts: NDArray[np.str_] | None) -> Motion:
-    return Motion(triangles, frames, name, parts=parts)
-
-
 def _bytes_of(model: Model) -> bytes:
     with tempfile.TemporaryDirectory(prefix="foldproof-") as folder:
         path = os.path.join(folder, "model")
@@ -148,7 +140,6 @@ def complete_classes() -> None:
         _repr_html_=lambda self: _table("Motion", self.name, _facts_of_motion(self)),
         __eq__=_same_motion,
         __hash__=None,
-        __reduce__=_copy_of_motion,
     )
     _set(
         Model,

@@ -4,8 +4,11 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <set>
 
 #include "contacts.h"
+#include "io/named_files.h"
+#include "io/numbered.h"
 #include "long_call.h"
 #include "module.h"
 #include "motions.h"
@@ -120,6 +123,69 @@ ReadOptions read_options(const Request& request) {
   return read;
 }
 
+/// Refused: settings that are about the ways between frames, where only frames are checked.
+void require_static_fits(const CheckSettings& settings) {
+  if (!settings.poses) return;
+  const std::pair<const char*, bool> given[] = {{"steps_only", settings.steps_only},
+                                                {"substeps", settings.substeps != 1},
+                                                {"thickness", settings.step.thickness != 0},
+                                                {"tolerance", settings.step.tolerance != 0},
+                                                {"earliest_only", settings.step.earliest_only}};
+  for (const auto& [name, is_given] : given) {
+    if (is_given) refuse(name, "does not go with static", "omit one of them");
+  }
+}
+
+/// All files that a report replaces or may write; the first has its name.
+std::vector<std::string> files_of_report(const std::string& path) {
+  std::vector<std::string> files{path};
+  const auto pattern = io::number_pattern(path);
+  if (!pattern || extension_of(path) != ".ply") return files;
+  std::error_code ignored;
+  files = io::numbered_files(*pattern, ignored);
+  files.insert(files.begin(), pattern->name(0));
+  return files;
+}
+
+/// Whether a report, which may have a number in its name, may write the file of another.
+bool writes_file_of(const std::string& report, const std::string& other) {
+  const std::string name = io::canonical(report), file = io::canonical(files_of_report(other)[0]);
+  const auto pattern = io::number_pattern(name);
+  return name == file || (pattern && extension_of(report) == ".ply" && io::is_numbered(file, *pattern));
+}
+
+/// Refused: reports that would replace each other or what the motions are read from, or become a part of it.
+void require_reports_apart(const Request& request) {
+  std::set<std::string> inputs;
+  for (const auto& motion : request.motions) {
+    const auto& paths = static_cast<const SharedMotion&>(*motion).paths();
+    inputs.insert(paths.begin(), paths.end());
+  }
+  std::set<io::FileId> read;
+  for (const std::string& input : inputs) {
+    for (const auto& file : io::files_of(input)) {
+      if (const auto id = io::file_id(file)) read.insert(*id);
+    }
+  }
+  for (std::size_t i = 0; i < request.reports.size(); ++i) {
+    const std::string& report = request.reports[i];
+    const auto files = files_of_report(report);
+    for (const std::string& file : files) {
+      const auto id = io::file_id(file);
+      if (id && read.contains(*id))
+        refuse(report, "would write over '" + file + "', which is read", "name another file to write");
+    }
+    for (const std::string& other : std::span(request.reports).first(i)) {
+      if (writes_file_of(report, other) || writes_file_of(other, report))
+        refuse(report, "is named for two reports", "give each its own file");
+    }
+    for (const std::string& input : inputs) {
+      if (io::will_read(input, files[0]))
+        refuse(report, "would be a frame of what is read ('" + input + "')", "name a file elsewhere");
+    }
+  }
+}
+
 std::vector<std::unique_ptr<ReportWriter>> writers_of(const Request& request) {
   std::vector<std::unique_ptr<ReportWriter>> writers;
   for (const std::string& path : request.reports) {
@@ -167,6 +233,11 @@ py::dict fields_of(Found found, const Request& request) {
   py::dict d;
   d["clean"] = totals.clean();
   d["first_frame"] = totals.first_frame;
+  py::list notes;
+  for (const auto& motion : request.motions) {
+    for (const std::string& note : motion->notes()) notes.append(text_of(motion->name() + ": " + note));
+  }
+  d["notes"] = notes;
   d["starts_crossing"] = totals.starts_crossing;
   d["start_crossings"] = owned_rows(std::move(found.start_crossings));
   d["steps"] = owned_rows(std::move(found.steps));
@@ -204,14 +275,15 @@ void bind_checks(py::module_& module) {
     add_models(models, request);
     request.settings.frames = frames_of(frames);
     request.settings.poses = poses;
-    if (poses && steps_only) refuse("steps_only", "does not go with static", "omit one of them");
     request.settings.steps_only = steps_only;
     request.settings.substeps = substeps;
     request.settings.contacts = contacts;
     request.settings.parts = parts_of(parts, motions, triangle_counts(request.motions));
     request.settings.unit = unit;
     request.settings.step = step_settings(settings);
+    require_static_fits(request.settings);
     for (const auto& path : items_of(reports)) request.reports.push_back(path_of(path));
+    require_reports_apart(request);
     return fields_of(run(request, progress), request);
   };
   // foldproof.check has the documentation.

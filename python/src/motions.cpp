@@ -1,7 +1,10 @@
 #include "motions.h"
 
+#include <pybind11/stl.h>
+
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "arrays.h"
 #include "contacts.h"
@@ -13,16 +16,24 @@ namespace {
 /// A motion whose frames are an array of the caller, used in place.
 class ArrayMotion final : public Motion {
  public:
-  ArrayMotion(std::string name, Topology topology, Numbers frames, ObjectParts parts)
+  /// What is not known of an array alone.
+  struct Origin {
+    std::string unit = {};
+    std::vector<std::string> notes = {};
+  };
+  ArrayMotion(std::string name, Topology topology, Numbers frames, ObjectParts parts, Origin origin)
       : name_(std::move(name)),
         topology_(std::move(topology)),
         frames_(std::move(frames)),
-        parts_(std::move(parts)) {
+        parts_(std::move(parts)),
+        origin_(std::move(origin)) {
     positions_ = span_of(frames_);
   }
   const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
   const ObjectParts& parts() const override { return parts_; }
+  std::string unit() const override { return origin_.unit; }
+  std::vector<std::string> notes() const override { return origin_.notes; }
   Index frame_count() const override {
     return static_cast<Index>(positions_.size() / topology_.vertex_count() / 3);
   }
@@ -43,6 +54,7 @@ class ArrayMotion final : public Motion {
   Topology topology_;
   Numbers frames_;
   ObjectParts parts_;
+  Origin origin_;
   std::span<const double> positions_;
 };
 
@@ -66,8 +78,9 @@ class SlicedMotion final : public Motion {
   py::ssize_t begin_, step_, count_;
 };
 
-std::shared_ptr<SharedMotion> array_motion(const py::handle& triangles, const py::handle& frames,
-                                           std::string name, const py::object& parts) {
+std::unique_ptr<Motion> motion_of_arrays(const py::handle& triangles, const py::handle& frames,
+                                         std::string name, const py::object& parts,
+                                         ArrayMotion::Origin origin) {
   py::object array = py::reinterpret_borrow<py::object>(frames);
   if (py::isinstance<py::array>(array) && array.attr("ndim").cast<int>() == 2)
     array = array[py::make_tuple(py::none(), py::ellipsis())];  // a single pose
@@ -76,8 +89,13 @@ std::shared_ptr<SharedMotion> array_motion(const py::handle& triangles, const py
   require_finite(numbers, "frames");
   Topology topology = take(Topology::make(static_cast<Index>(numbers.shape(1)), triangles_of(triangles)));
   ObjectParts named = object_parts(parts, topology.triangles().size(), "parts");
-  return std::make_shared<SharedMotion>(std::make_unique<ArrayMotion>(std::move(name), std::move(topology),
-                                                                      std::move(numbers), std::move(named)));
+  return std::make_unique<ArrayMotion>(std::move(name), std::move(topology), std::move(numbers),
+                                       std::move(named), std::move(origin));
+}
+
+std::shared_ptr<SharedMotion> array_motion(const py::handle& triangles, const py::handle& frames,
+                                           std::string name, const py::object& parts) {
+  return std::make_shared<SharedMotion>(motion_of_arrays(triangles, frames, std::move(name), parts, {}));
 }
 
 std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, const ReadOptions& options) {
@@ -92,7 +110,9 @@ std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, const
   }
   std::vector<std::shared_ptr<SharedMotion>> shared;
   shared.reserve(motions.size());
-  for (auto& motion : motions) shared.push_back(std::make_shared<SharedMotion>(std::move(motion), options));
+  for (std::string& path : arguments) path = std::filesystem::absolute(path).string();
+  for (auto& motion : motions)
+    shared.push_back(std::make_shared<SharedMotion>(std::move(motion), options, arguments));
   return shared;
 }
 
@@ -138,7 +158,7 @@ py::object item_of(SharedMotion& motion, const py::object& index) {
     refuse("slice", "selects none of " + std::to_string(motion.frame_count()) + " frames",
            "select at least one");
   return py::cast(std::make_shared<SharedMotion>(std::make_unique<SlicedMotion>(motion, begin, step, count),
-                                                 motion.read()));
+                                                 motion.read(), motion.paths()));
 }
 
 py::array triangles_of_motion(const py::object& self) {
@@ -153,6 +173,30 @@ py::object parts_of_motion(const SharedMotion& motion) {
   py::list names;
   for (const std::string& name : parts.names) names.append(text_of(name));
   return py::array(names)[owned_rows(parts.of_triangle)];
+}
+
+py::list notes_of_motion(const SharedMotion& motion) {
+  py::list notes;
+  for (const std::string& note : motion.notes()) notes.append(text_of(note));
+  return notes;
+}
+
+/// What pickle keeps: all frames, and how they were read.
+py::tuple state_of(const py::object& self) {
+  const auto& motion = self.cast<const SharedMotion&>();
+  const ReadOptions& read = motion.read();
+  return py::make_tuple(triangles_of_motion(self), py::module_::import("numpy").attr("stack")(py::list(self)),
+                        py::bytes(motion.name()), parts_of_motion(motion), py::bytes(motion.unit()),
+                        motion.notes(), read.fps, read.weld, read.separate);
+}
+
+std::shared_ptr<SharedMotion> motion_of_state(const py::tuple& state) {
+  if (state.size() != 9) refuse("motion", "was pickled by another version", "pickle it again");
+  ArrayMotion::Origin origin{state[4].cast<std::string>(), state[5].cast<std::vector<std::string>>()};
+  const ReadOptions read{
+      .fps = state[6].cast<double>(), .weld = state[7].cast<bool>(), .separate = state[8].cast<bool>()};
+  return std::make_shared<SharedMotion>(
+      motion_of_arrays(state[0], state[1], state[2].cast<std::string>(), state[3], std::move(origin)), read);
 }
 
 }  // namespace
@@ -215,9 +259,12 @@ void bind_motions(py::module_& module) {
       .def_property_readonly(
           "unit", [](const SharedMotion& m) { return text_of(m.unit()); },
           "What a mesh unit is, where the format defines it ('m' for glTF); else empty.")
+      .def_property_readonly("notes", &notes_of_motion,
+                             "What the reader left out or assumed, a line each; empty if nothing.")
       .def_property_readonly("triangles", &triangles_of_motion, "T x 3 vertex ids, uint32; read-only.")
       .def_property_readonly(
           "vertex_count", [](const SharedMotion& m) { return m.topology().vertex_count(); }, "V.")
+      .def(py::pickle(&state_of, &motion_of_state))
       .def("__len__", &SharedMotion::frame_count)
       .def("__getitem__", &item_of, py::arg("index"),
            "A frame: V x 3 float64, a new array, in mesh units; negative numbers count from the end. For a "

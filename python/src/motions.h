@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "report/report.h"
@@ -14,11 +15,14 @@ namespace foldproof::python {
 /// A motion with shared ownership that several threads may read.
 class SharedMotion final : public Motion {
  public:
-  explicit SharedMotion(std::unique_ptr<Motion> motion, const ReadOptions& read = {})
-      : state_(std::make_shared<State>(std::move(motion), read)) {}
+  explicit SharedMotion(std::unique_ptr<Motion> motion, const ReadOptions& read = {},
+                        std::vector<std::string> paths = {})
+      : state_(std::make_shared<State>(std::move(motion), read, std::move(paths))) {}
 
   /// How its files were read.
   const ReadOptions& read() const { return state_->read; }
+  /// Absolute, as they were given to open_motions; frames may be read from them as long as this lives.
+  const std::vector<std::string>& paths() const { return state_->paths; }
 
   const std::string& name() const override { return state_->motion->name(); }
   const Topology& topology() const override { return state_->motion->topology(); }
@@ -33,9 +37,11 @@ class SharedMotion final : public Motion {
 
  private:
   struct State {
-    State(std::unique_ptr<Motion> m, const ReadOptions& options) : motion(std::move(m)), read(options) {}
+    State(std::unique_ptr<Motion> m, const ReadOptions& options, std::vector<std::string> files)
+        : motion(std::move(m)), read(options), paths(std::move(files)) {}
     std::unique_ptr<Motion> motion;
     ReadOptions read;
+    std::vector<std::string> paths;
     std::mutex mutex;
   };
   std::shared_ptr<State> state_;

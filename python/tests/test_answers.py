@@ -96,6 +96,38 @@ def test_checks_that_would_test_nothing_are_refused(motion):
         foldproof.check(motion, within=False, between=False)
 
 
+@pytest.mark.parametrize("setting", [{"thickness": 0.1}, {"tolerance": 0.1}, {"substeps": 2}, {"earliest_only": True}])
+def test_frames_alone_take_no_settings_of_steps(motion, setting):
+    with pytest.raises(foldproof.Error, match=f"{next(iter(setting))}: does not go with static"):
+        foldproof.check(motion, static=True, **setting)
+    assert foldproof.check(motion, static=True, thickness=0.0, substeps=1).static
+
+
+def test_reports_replace_neither_each_other_nor_what_is_read(motion, tmp_path, monkeypatch):
+    (tmp_path / "run").mkdir()
+    for k in range(3):
+        foldproof.write_motion(tmp_path / f"run/fr_{k}.ply", motion[k : k + 1])
+    monkeypatch.chdir(tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.ply")}
+    numbered, directory = foldproof.open_motion("run/fr_%d.ply"), foldproof.open_motion("run")[1:]
+    (tmp_path / "link.ply").symlink_to("run/fr_1.ply")
+    for each, reports, error in (
+        (numbered, "run/fr_1.ply", "run/fr_1.ply: would write over '.*fr_1.ply', which is read"),
+        (directory, ["a.json", "./run/fr_2.ply"], "would write over"),
+        (directory, "link.ply", "would write over"),
+        (numbered, "run/fr_%03d.ply", "would write over"),
+        (numbered, "run/fr_9.ply", "would be a frame of what is read"),
+        (directory, "run/worst.ply", "would be a frame of what is read"),
+        (motion, ["d.json", "./d.json"], "./d.json: is named for two reports"),
+        (motion, ["w%d.ply", "w9.ply"], "w9.ply: is named for two reports"),
+    ):
+        with pytest.raises(foldproof.Error, match=error):
+            foldproof.check(each, reports=reports)
+    assert before == {path: path.read_bytes() for path in tmp_path.rglob("*.ply") if not path.is_symlink()}
+    for _ in range(2):
+        foldproof.check(directory, reports=["run/a.json", "w%d.ply", "w.csv"])
+
+
 def test_a_report_says_how_files_were_read(motion, tmp_path):
     foldproof.write_motion(tmp_path / "roll.npz", motion)
     read = foldproof.open_motion(tmp_path / "roll.npz", fps=60, weld=True)

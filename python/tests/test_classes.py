@@ -1,4 +1,5 @@
 """What classes have beyond their numbers: text, slices, copies, equality, errors, and meshes of other libraries."""
+import json
 import pickle
 import types
 
@@ -33,6 +34,22 @@ def test_copies_are_equal(motion, model, frames):
     for thing in (motion, model):
         with pytest.raises(TypeError, match="unhashable"):
             hash(thing)
+
+
+def test_what_readers_leave_out_is_said_and_copied(motion, tmp_path):
+    for k in (0, 2):
+        foldproof.write_motion(tmp_path / f"f{k}.obj", motion[k : k + 1])
+    read = foldproof.open_motion(tmp_path / "f%d.obj", fps=30, weld=True)
+    note = "frame numbers jump from 0 to 2: the step between them was not in the files"
+    assert motion.notes == [] and read.notes == read[:1].notes == [note]
+    found = foldproof.check(read)
+    assert found.notes == [f"{read.name}: {note}"]
+    assert note in repr(found) and note in found._repr_html_() and "; " not in repr(foldproof.check(motion)).split("; ", 1)[1]
+    copy = pickle.loads(pickle.dumps(read))
+    assert copy.notes == [note] and copy.name == read.name
+    foldproof.check(copy, reports=tmp_path / "a.json")
+    settings = json.loads((tmp_path / "a.json").read_text())["settings"]
+    assert settings["fps"] == 30 and settings["weld"] is True
 
 
 def test_text(motion, model, triangles, frames):

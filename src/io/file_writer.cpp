@@ -11,6 +11,7 @@
 
 #include "base/try.h"
 #include "foldproof/io.h"
+#include "io/named_files.h"
 #include "io/write_error.h"
 
 namespace foldproof {
@@ -48,7 +49,7 @@ std::string temporary_name(const fs::path& target) {
 struct FileWriter::State {
   std::string path;        // as the caller gave it
   std::string target;      // with symbolic links resolved, so that a link stays a link
-  std::string temporary;   // empty for pipes, terminals and standard output, which are written directly
+  std::string temporary;   // empty for pipes, terminals and what is open already, which are written directly
   bool may_close = false;  // standard output: whoever reads it may have seen enough
   int descriptor = -1;
   int failure = 0;
@@ -83,9 +84,15 @@ Result<FileWriter> FileWriter::open(const std::string& path) {
     return writer;
   }
   state.path = path;
+  const io::WriteTarget target = io::write_target(path);
+  if (target.descriptor >= 0) {
+    state.may_close = target.descriptor == STDOUT_FILENO;
+    state.descriptor = ::fcntl(target.descriptor, F_DUPFD_CLOEXEC, 0);
+    if (state.descriptor < 0) return write_error(path, errno);
+    return writer;
+  }
   std::error_code status;
-  const fs::path resolved = fs::canonical(path, status);
-  state.target = status ? path : resolved.string();
+  state.target = target.file.string();
   if (fs::is_directory(state.target, status)) return write_error(path, EISDIR);
   const bool special = fs::exists(state.target, status) && !fs::is_regular_file(state.target, status);
   const std::string name = special ? path : temporary_name(state.target);
@@ -114,6 +121,7 @@ Result<void> FileWriter::write(std::span<const char> bytes) {
 Result<void> FileWriter::rewrite(std::uint64_t offset, std::span<const char> bytes) {
   State& state = *state_;
   FOLDPROOF_TRY(state.flush());
+  if (state.temporary.empty()) return write_error(state.path, state.failure = ESPIPE);
   while (!bytes.empty()) {
     const ssize_t count = ::pwrite(state.descriptor, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (count < 0 && errno == EINTR) continue;

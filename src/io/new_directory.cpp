@@ -1,8 +1,10 @@
 #include "io/new_directory.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <system_error>
 #include <utility>
 
@@ -18,13 +20,19 @@ namespace fs = std::filesystem;
 
 Result<NewDirectory> NewDirectory::open(fs::path target) {
   NewDirectory made;
-  const fs::path path =
-      target.parent_path() / fmt::format(".{}.{}.part", target.filename().string(), ::getpid());
-  std::error_code code;
-  if (!fs::create_directory(path, code)) return write_error(target, code);
-  made.target_ = std::move(target);
-  made.path_ = path;
-  return made;
+  constexpr int kMostTries = 1000;  // another process of this number may have left some behind
+  int code = EEXIST;
+  for (int number = 0; number < kMostTries && code == EEXIST; ++number) {
+    made.path_ =
+        target.parent_path() / fmt::format(".{}.{}-{}.part", target.filename().string(), ::getpid(), number);
+    code = ::mkdir(made.path_.c_str(), 0777) == 0 ? 0 : errno;
+  }
+  if (code == 0) {
+    made.target_ = std::move(target);
+    return made;
+  }
+  made.path_.clear();
+  return write_error(target, {code, std::generic_category()});
 }
 
 NewDirectory::NewDirectory(NewDirectory&& other) noexcept

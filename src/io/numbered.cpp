@@ -18,14 +18,6 @@ constexpr const char* kDigits = "0123456789";
 
 std::size_t file_name_of(const std::string& path) { return path.find_last_of('/') + 1; }
 
-bool is_numbered(std::string_view path, const NumberPattern& pattern) {
-  const auto& [before, after, width] = pattern;
-  if (path.size() <= before.size() + after.size() || !path.starts_with(before) || !path.ends_with(after))
-    return false;
-  const auto number = path.substr(before.size(), path.size() - before.size() - after.size());
-  return number.find_first_not_of(kDigits) == number.npos;
-}
-
 /// How two paths differ: what they have in common before the first difference, and what each has then. A
 /// number that differs is whole.
 struct Difference {
@@ -100,6 +92,14 @@ std::optional<NumberPattern> number_pattern(const std::string& path) {
   NumberPattern pattern{path.substr(0, percent), path.substr(d + 1)};
   std::from_chars(width.data(), width.data() + width.size(), pattern.width);
   return pattern.width > 20 ? std::nullopt : std::optional(pattern);
+}
+
+bool is_numbered(std::string_view path, const NumberPattern& pattern) {
+  const auto& [before, after, width] = pattern;
+  if (path.size() <= before.size() + after.size() || !path.starts_with(before) || !path.ends_with(after))
+    return false;
+  const auto number = path.substr(before.size(), path.size() - before.size() - after.size());
+  return number.find_first_not_of(kDigits) == number.npos;
 }
 
 std::vector<std::string> numbered_files(const NumberPattern& pattern, std::error_code& status) {

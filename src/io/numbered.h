@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -22,6 +23,9 @@ struct NumberPattern {
 
 /// None: the file's name has not exactly one '%', or one that is neither "%d" nor "%0", at most 20, "d".
 std::optional<NumberPattern> number_pattern(const std::string& path);
+
+/// Whether a path has a number of any width where the pattern has it.
+bool is_numbered(std::string_view path, const NumberPattern& pattern);
 
 /// The existing files whose names have a number of any width where the pattern has it, unsorted. `status`:
 /// why their directory could not be listed to its end.

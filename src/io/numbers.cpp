@@ -2,7 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
+#include <set>
 
 #include "base/try.h"
 #include "foldproof/io.h"
@@ -45,6 +48,26 @@ bool is_numeric(std::string_view text) {
   return scan == io::Scan::Ok || scan == io::Scan::NotFinite || text.find(".#") != text.npos;
 }
 
+/// What spreadsheets write where a formula failed.
+bool is_formula_error(std::string_view text) {
+  constexpr std::array<std::string_view, 9> kErrors{"#N/A",   "#NUM!",  "#VALUE!", "#DIV/0!", "#REF!",
+                                                    "#NAME?", "#NULL!", "#SPILL!", "#CALC!"};
+  return std::ranges::any_of(kErrors, [&](std::string_view error) { return text.starts_with(error); });
+}
+
+/// Whether a field may name a column: it is no number and does not stand for a missing one.
+bool is_name(std::string_view text) {
+  constexpr std::array<std::string_view, 8> kMissing{"null", "none", "nil", "na",
+                                                     "n/a",  "<na>", "nan", "missing"};
+  std::string lower(text);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto is_letter = [](char c) {
+    return static_cast<unsigned char>(c) >= 0x80 || (c >= 'a' && c <= 'z');
+  };
+  return std::ranges::any_of(lower, is_letter) && !is_numeric(text) && !is_formula_error(text) &&
+         std::ranges::find(kMissing, lower) == kMissing.end();
+}
+
 class CsvReader {
  public:
   explicit CsvReader(const std::string& path) : path_(path) {}
@@ -57,7 +80,8 @@ class CsvReader {
       if (line.ends_with('\r')) line.remove_suffix(1);
       begin = end + 1;
       ++line_;
-      if (trimmed(line).empty() || trimmed(line).front() == '#') continue;
+      const std::string_view content = trimmed(line);
+      if (content.empty() || (content.front() == '#' && !is_formula_error(content))) continue;
       FOLDPROOF_TRY(add(fields_of(line)));
     }
     if (rows_ == 0) return fail(ErrorCode::InvalidFile, path_, "holds no numbers", kOneRowPerLine);
@@ -67,14 +91,15 @@ class CsvReader {
 
  private:
   Result<void> add(const std::vector<std::string_view>& fields) {
+    const std::string where = io::at_line(path_, line_);
     if (columns_ == 0) {
       columns_ = fields.size();
-      if (std::ranges::none_of(fields, is_numeric)) {
+      if (std::ranges::all_of(fields, is_name)) {
         table_.names.assign(fields.begin(), fields.end());
-        return {};
+        if (std::set(fields.begin(), fields.end()).size() == columns_) return {};
+        return fail(ErrorCode::InvalidFile, where, "names two columns alike", "give each its own name");
       }
     }
-    const std::string where = io::at_line(path_, line_);
     if (fields.size() != columns_) {
       return fail(ErrorCode::InvalidFile, where,
                   fmt::format("has {} numbers, and the first line has {}", fields.size(), columns_),

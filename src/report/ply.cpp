@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <system_error>
+
 #include "base/try.h"
 #include "io/numbered.h"
 #include "report/joined.h"
@@ -20,6 +23,14 @@ class PlyReport : public ReportWriter {
   PlyReport(Target target, Motions motions, JoinedMesh joined, Index substeps)
       : target_(std::move(target)), motions_(motions), joined_(std::move(joined)), substeps_(substeps) {}
 
+  PlyReport(const PlyReport&) = delete;
+  PlyReport& operator=(const PlyReport&) = delete;
+  /// A report appears whole or not at all.
+  ~PlyReport() override {
+    std::error_code ignored;
+    for (const std::string& path : unfinished_) std::filesystem::remove(path, ignored);
+  }
+
   /// The first frame is also what is written when no step collides.
   Result<void> start(const CheckedStep& pose) override {
     mark_faces(motions_, pose, crosses_);
@@ -39,7 +50,11 @@ class PlyReport : public ReportWriter {
     return {};
   }
 
-  Result<void> finish(const CheckTotals&) override { return target_.pattern ? Result<void>{} : write(0); }
+  Result<void> finish(const CheckTotals&) override {
+    if (!target_.pattern) FOLDPROOF_TRY(write(0));
+    unfinished_.clear();
+    return {};
+  }
 
  private:
   Result<void> add(const CheckedStep& step) {
@@ -72,15 +87,18 @@ class PlyReport : public ReportWriter {
       marks_[i] = static_cast<std::uint8_t>(marks_[i] | crosses_[i] << 1);
   }
 
-  Result<void> write(std::uint64_t number) const {
+  Result<void> write(std::uint64_t number) {
     const std::array<FaceProperty, 3> properties{
         {{"mark", marks_}, {"contact", kept_contacts_.number}, {"contact_depth", kept_contacts_.depth}}};
     const std::size_t count = kept_contacts_.number.empty() ? 1 : 3;
-    return write_ply_properties(target_.name(number), joined_.topology, positions_,
-                                std::span(properties).first(count));
+    FOLDPROOF_TRY(write_ply_properties(target_.name(number), joined_.topology, positions_,
+                                       std::span(properties).first(count)));
+    unfinished_.push_back(target_.name(number));
+    return {};
   }
 
   Target target_;
+  std::vector<std::string> unfinished_;  // written, before the whole report is
   Motions motions_;
   JoinedMesh joined_;
   Index substeps_;

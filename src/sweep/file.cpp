@@ -82,7 +82,9 @@ class LineFilter {
     const auto found = by_path_.find(record.path);
     if (found == by_path_.end()) return !lies_below(record.path, written_directories_);
     const SweepMotion& motion = input_.motions[found->second];
-    const bool same = record.status == motion.status && record.settings == hash_ && !again_;
+    // What failed may have failed for want of memory, space or permissions, which come back.
+    const bool same = record.status == motion.status && record.settings == hash_ && !again_ &&
+                      record.state != SweepState::Failed;
     if (!same || !done.insert(found->second).second) return false;
     records.push_back(std::move(record));
     return true;

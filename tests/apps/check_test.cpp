@@ -200,6 +200,23 @@ TEST(Check, ALimitListsFewerPairsButCountsAll) {
   EXPECT_THAT(check_in(scene, {"sink"}).out, Not(HasSubstr("listed")));
 }
 
+TEST(Check, TheEarliestPairsAreNotCalledAllOrTheWorst) {
+  const Scene scene;
+  const std::string out = check_in(scene, {"sink", "--first"}).out;
+  EXPECT_THAT(out, HasSubstr("\nearliest pairs          2 "));
+  EXPECT_THAT(out, Not(HasSubstr("colliding pairs")));
+  EXPECT_THAT(out, Not(HasSubstr("\nworst ")));
+}
+
+TEST(Check, ContactsOfAFewPairsAndOfOnePoseSaySo) {
+  const Scene scene;
+  const char* limited = "Contacts join the listed pairs only (--limit).\n";
+  EXPECT_THAT(check_in(scene, {"sink", "--limit", "1"}).out, HasSubstr(limited));
+  EXPECT_THAT(check_in(scene, {"sink"}).out, Not(HasSubstr(limited)));
+  const std::string pose = check_in(scene, {"sink", "--frames", "0", "--thickness", "2"}).out;
+  EXPECT_THAT(pose, HasSubstr("  frame 0  touches, "));
+}
+
 TEST(Check, OptionsReachTheQuery) {
   const Scene scene;
   const auto settings = [&](std::vector<std::string> options) {
@@ -293,6 +310,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Mistake{{"check", "sink", "--static", "--thickness", "1"}, "--static"},
                       Mistake{{"check", "sink", "--static", "--substeps", "2"}, "--static"},
                       Mistake{{"check", "sink", "--static", "--first"}, "--static"},
+                      Mistake{{"check", "sink", "--miss-rate", "0.2"}, "--miss-rate: goes with --mode paper"},
+                      Mistake{{"check", "sink", "--limit", "99999999999999999999"}, "is out of range"},
                       Mistake{{"check", "sink", "clean"}, "has 3 frames, but sink has 5"},
                       Mistake{{"check", "sink", "--static", "--steps-only"}, "--static"},
                       Mistake{{"check", "pose.obj", "--steps-only"}, "without --steps-only"}));

@@ -120,9 +120,67 @@ TEST(FileArguments, TwoOutputsAreTwoFiles) {
       {"check", "plys", "--ply", "f%d.ply", "--explain", "./f%d.ply"},
       {"radius", "tube.model", "--sample", "2", "-o", "s.ply", "--ply", "./s.ply"},
       {"sweep", "lib", "-o", "r", "--summary", "./r"},
+      {"check", "a.npz", "--json", "v", "--vtk", "v.pvd"},
+      {"check", "a.npz", "--vtk", "v.pvd", "--csv", "./v"},
+      {"check", "a.npz", "--ply", "plys/worst.ply", "--vtk", "plys.pvd"},
+      {"check", "a.npz", "--ply", "w%d.ply", "--explain", "w9.ply"},
+      {"check", "a.npz", "--ply", "w%04d.ply", "--explain", "frames/../w0.ply"},
+      {"check", "a.npz", "--json", "-", "--csv", "/dev/stdout"},
   };
   for (const Words& words : twice) expect_one_line_error(inputs.run(words), "is named for two outputs");
   EXPECT_EQ(inputs.bytes(), before);
+}
+
+/// It would change the answer of the same command.
+TEST(FileArguments, NoOutputBecomesAFrameOfAnInput) {
+  const Inputs inputs;
+  const auto before = inputs.bytes();
+  const std::vector<Words> frames{{"check", "plys", "--ply", "plys/worst.ply"},
+                                  {"check", "elsewhere", "--ply", "frames/worst.ply"},
+                                  {"check", "plys/*.ply", "--ply", "./plys/worst.ply"},
+                                  {"check", "plys/*.ply", "--ply", "plys/w%d.ply"},
+                                  {"check", "plys/f%d.ply", "--ply", "plys/f12.ply"},
+                                  {"check", "plys/f%d.ply", "--explain", "plys/f003.ply"},
+                                  {"check", "plys", "--vtk", "plys/run.pvd"},
+                                  {"predict", "tube.model", "frames", "-o", "frames/again.npz"}};
+  for (const Words& words : frames)
+    expect_one_line_error(inputs.run(words), "would be a frame of what is read");
+  EXPECT_EQ(inputs.bytes(), before);
+  for (const char* elsewhere : {"worst.ply", "frames/worst.ply"}) {
+    const Outcome outcome = inputs.run({"check", "plys", "--quiet", "--ply", elsewhere});
+    EXPECT_LE(outcome.code, 1) << outcome.err;
+  }
+}
+
+/// What goes there already must stay, and two outputs must not mix.
+TEST(FileArguments, OtherNamesOfStandardOutputAreStandardOutput) {
+  const Inputs inputs;
+  fs::create_symlink("/proc/self/fd/1", inputs / "link");
+  const auto in_shell = [&](const std::string& rest) {
+    const std::string line =
+        std::string("echo before > out; exec ") + FOLDPROOF_PROGRAM + " check a.npz " + rest;
+    return run_program({"-c", line}, {.directory = inputs.path(), .program = "/bin/sh"});
+  };
+  for (const char* name : {"-", "/dev/stdout", "link", "out"}) {
+    const Outcome outcome = in_shell(std::string("--csv ") + name + " >> out");
+    EXPECT_LE(outcome.code, 1) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("steps checked")) << name;
+    EXPECT_THAT(read_file(inputs / "out"), StartsWith("before\nframe,substep,kind,")) << name;
+    EXPECT_THAT(read_file(inputs / "out"), ::testing::Not(HasSubstr("steps checked"))) << name;
+    EXPECT_TRUE(fs::is_symlink(inputs / "link"));
+  }
+  expect_one_line_error(in_shell("--ply link"), "--ply link: cannot be standard output; name a file");
+}
+
+TEST(FileArguments, ClosedStandardOutputIsNotTheNextFile) {
+  const Inputs inputs;
+  const std::string line = std::string("exec ") + FOLDPROOF_PROGRAM + " check a.npz --csv a.csv --pairs >&-";
+  const Outcome outcome = run_program({"-c", line}, {.directory = inputs.path(), .program = "/bin/sh"});
+  EXPECT_LE(outcome.code, 1) << outcome.err;
+  const std::string csv = read_file(inputs / "a.csv");
+  EXPECT_THAT(csv, StartsWith("frame,substep,kind,"));
+  EXPECT_THAT(csv, ::testing::Not(HasSubstr("meets")));
+  EXPECT_THAT(csv, ::testing::Not(HasSubstr("steps checked")));
 }
 
 /// Commands up to the name of an output. Their inputs do not exist, which is noticed later.

@@ -6,6 +6,7 @@
 #include "apps/program.h"
 #include "foldproof/io.h"
 #include "foldproof/model.h"
+#include "io/npz_builder.h"
 #include "reduced/shapes.h"
 
 namespace foldproof::testing {
@@ -151,6 +152,45 @@ TEST_F(Reduced, CheckAnswersAsForTheMotionOfVertices) {
   EXPECT_TRUE(std::ifstream(directory_ / "all/step000002.vtp").good());
 }
 
+TEST_F(Reduced, NamesOfColumnsMeanWhatTheyStandFor) {
+  std::string modes;
+  for (Index k = 0; k < modes_; ++k) modes += fmt::format("{}p{}", k ? "," : "", k);
+  const auto check_named = [&](const std::string& names, const std::string& placement) {
+    write_coordinates("p.csv", {0, 0.1}, placement);
+    write_file(directory_ / "p.csv", names + "\n" + read_file(directory_ / "p.csv"));
+    return run({"check", "--reduced", "cloth.model", "p.csv"});
+  };
+  const std::string placed = ",1,0,0,0,0,0,0";
+  EXPECT_EQ(check_named(modes, "").code, 0);
+  for (const char* names : {",w,x,y,z,tx,ty,tz", ",qw,qx,qy,qz,X,Y,Z", ",a,b,c,d,e,f,g"})
+    EXPECT_EQ(check_named(modes + names, placed).code, 0) << names;
+  expect_one_line_error(
+      check_named(modes + ",tx,ty,tz,w,x,y,z", placed),
+      fmt::format("p.csv: has 'tx' as column {}; give {} numbers, one per mode", modes_ + 1, modes_));
+  expect_one_line_error(check_named(modes + ",x,y,z,w,tx,ty,tz", placed), "p.csv: has 'x' as column");
+  expect_one_line_error(check_named("Time" + modes.substr(2), ""), "p.csv: has 'Time' as column 1; ");
+}
+
+TEST_F(Reduced, PlacementsInAnArrayHaveTheirShape) {
+  const auto check_with = [&](const std::string& name, const std::string& shape,
+                              std::vector<double> numbers) {
+    const std::vector<double> p(3 * modes_);
+    write_archive(directory_ / "p.npz", {{"p.npy", npy("<f8", fmt::format("3, {}", modes_), array(p))},
+                                         {name + ".npy", npy("<f8", shape, array(numbers))}});
+    return run({"check", "--reduced", "cloth.model", "p.npz"});
+  };
+  std::vector<double> turns;
+  for (int k = 0; k < 3; ++k) turns.insert(turns.end(), {1, 0, 0, 0, 1, 0, 0, 0, 1});
+  const std::vector<double> shifts(9);
+  EXPECT_EQ(check_with("rotation", "3, 3, 3", turns).code, 0);
+  EXPECT_EQ(check_with("translation", "3, 3", shifts).code, 0);
+  expect_one_line_error(check_with("translation", "9,", shifts),
+                        "p.npz: 'translation' is of shape 9; give 3 x 3 for the frames of 'p'");
+  expect_one_line_error(check_with("translation", "1, 9", shifts), "'translation' is of shape 1 x 9; ");
+  expect_one_line_error(check_with("rotation", "3, 9", turns),
+                        "'rotation' is of shape 3 x 9; give 3 x 3 x 3");
+}
+
 TEST_F(Reduced, RefusesInOneLine) {
   write_coordinates("p.csv", {0, 0.5});
   write_coordinates("one.csv", {0});
@@ -161,6 +201,8 @@ TEST_F(Reduced, RefusesInOneLine) {
       {{"check", "--reduced", "cloth.model", "one.csv", "--steps-only"}, "one.csv: has 1 frame"},
       {{"check", "--reduced", "cloth.model", "wide.csv"}, "wide.csv"},
       {{"check", "--reduced", "cloth.model", "p.csv", "--static"}, "--static"},
+      {{"check", "--reduced", "cloth.model", "p.csv", "--fps", "30"}, "does not go with --static"},
+      {{"check", "--reduced", "cloth.model", "p.csv", "--separate"}, "does not go with --static"},
       {{"check", "--reduced", "poses.npz", "p.csv"}, "poses.npz"},
       {{"radius", "poses.npz"}, "poses.npz"},
       {{"radius", "cloth.model", "--sample", "3"}, "--sample: goes with -o"},

@@ -58,6 +58,8 @@ TEST(SampleCommand, WritesShapesThatDoNotCrossAndSaysHowManyWereRefused) {
 TEST(SampleCommand, RefusesInOneLineAndLeavesNothing) {
   const Trained scene;
   expect_one_line_error(scene.run({"sample", "tube.model", "-o", "a.npz", "--count", "0"}), "--count: is 0");
+  expect_one_line_error(scene.run({"sample", "tube.model", "-o", "a.npz", "--seed", "99999999999999999999"}),
+                        "--seed: 99999999999999999999 is out of range");
   expect_one_line_error(scene.run({"sample", "tube.model", "-o", "a.npz", "--spread", "inf"}), "--spread");
   expect_one_line_error(scene.run({"sample", "tube.model", "-o", "a.ply"}), "put %04d into the name");
   const Outcome stopped = run_program({"sample", "tube.model", "-o", "shape_%d.obj", "--count", "4000000"},

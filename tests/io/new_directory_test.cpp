@@ -1,6 +1,7 @@
 #include "io/new_directory.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -40,6 +41,20 @@ TEST(NewDirectory, OnlyReplaceTakesTheNameOfAnother) {
   ASSERT_TRUE(made->replace());
   EXPECT_TRUE(fs::is_empty(folder / "a"));
   EXPECT_THAT(folder.names(), ElementsAre("a"));
+}
+
+TEST(NewDirectory, LeavesWhatAnotherProcessOfItsNumberLeftBehind) {
+  const TemporaryDirectory folder;
+  const std::string left = "." + std::string("a.") + std::to_string(::getpid());
+  fs::create_directory(folder / (left + "-0.part"));
+  std::ofstream(folder / (left + "-1.part")) << "a file";
+  auto made = NewDirectory::open(folder / "a");
+  ASSERT_TRUE(made) << made.error().line();
+  ASSERT_TRUE(made->commit());
+  EXPECT_EQ(folder.names().size(), 3u);
+  const auto failed = NewDirectory::open(folder / "none/a");
+  ASSERT_FALSE(failed);
+  EXPECT_NE(failed.error().line().find("No such file or directory"), std::string::npos);
 }
 
 }  // namespace

@@ -54,6 +54,21 @@ TEST_F(NumbersTest, ALineWithANumberHoldsNoNames) {
   EXPECT_THAT(named->values, ElementsAre(3, 0));
 }
 
+/// Else a frame would vanish.
+TEST_F(NumbersTest, ARowOfMissingNumbersIsNeitherACommentNorNames) {
+  for (const char* row :
+       {",,", "null,NULL,None", "N/A,n/a,NA", "nan,nil,<NA>", "-,--,?", "p0,,p2", "p0,#N/A,p2",
+        "#N/A,#NUM!,#VALUE!", "#DIV/0!,1,2", "#REF!,1,2", "#NAME?,1,2", "#NULL!,1,2"}) {
+    EXPECT_THAT(csv_error(fmt::format("{}\n1,2,3\n", row)), HasSubstr("a.csv:1: '")) << row;
+    EXPECT_THAT(csv_error(fmt::format("1,2,3\n{}\n", row)), HasSubstr("a.csv:2: '")) << row;
+  }
+  EXPECT_THAT(csv_error("p,q,p\n1,2,3\n"),
+              HasSubstr("a.csv:1: names two columns alike; give each its own name"));
+  const auto named = read_csv(files.write("a.csv", "#Names of nulls:\nnullity,m\xc3\xa4r,\xc3\xa4\n1,2,3\n"));
+  ASSERT_TRUE(named) << named.error().line();
+  EXPECT_EQ(named->names.size(), 3u);
+}
+
 TEST_F(NumbersTest, AnArrayOfAnNpz) {
   const auto motion = memory_motion("a", *Topology::make(3, kOneTriangle), {kTrianglePositions});
   const std::string path = files.path("a.npz");

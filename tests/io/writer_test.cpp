@@ -1,4 +1,6 @@
 // Files appear complete or not at all, and written data can be read back.
+#include <fcntl.h>
+
 #include <random>
 
 #include "io/support.h"
@@ -70,11 +72,36 @@ TEST_F(WriterTest, FollowsLinksAndWritesIntoPipesAndDevices) {
   EXPECT_TRUE(std::filesystem::is_symlink(files.path("link.txt")));
   EXPECT_EQ(read_bytes(files.path("target.txt")), "new");
 
+  std::filesystem::create_symlink("later.txt", files.path("dangling.txt"));
+  file = FileWriter::open(files.path("dangling.txt"));
+  ASSERT_TRUE(file);
+  ASSERT_TRUE(file->write(std::string("new")));
+  ASSERT_TRUE(file->commit());
+  EXPECT_TRUE(std::filesystem::is_symlink(files.path("dangling.txt")));
+  EXPECT_EQ(read_bytes(files.path("later.txt")), "new");
+
   auto null = FileWriter::open("/dev/null");
   ASSERT_TRUE(null);
   ASSERT_TRUE(null->write(std::string("gone")));
   ASSERT_TRUE(null->commit());
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST_F(WriterTest, WritesOnIntoWhatIsOpenAlready) {
+  const int open = ::open(files.write("open.txt", "old ").c_str(), O_WRONLY | O_APPEND);
+  ASSERT_GE(open, 0);
+  std::filesystem::create_symlink("/dev/fd/" + std::to_string(open), files.path("link.txt"));
+  for (const std::string& name : {files.path("link.txt"), "/proc/self/fd/" + std::to_string(open)}) {
+    auto file = FileWriter::open(name);
+    ASSERT_TRUE(file) << file.error().line();
+    ASSERT_TRUE(file->write(std::string("new ")));
+    EXPECT_FALSE(file->rewrite(0, std::string("x")));
+    auto again = FileWriter::open(name);
+    ASSERT_TRUE(again && again->write(std::string("new ")) && again->commit());
+  }
+  ::close(open);
+  EXPECT_EQ(read_bytes(files.path("open.txt")), "old new new new new ");
+  EXPECT_FALSE(FileWriter::open("/dev/fd/" + std::to_string(open)));
 }
 
 TEST_F(WriterTest, NamesTheTargetThatCannotBeWritten) {

@@ -188,6 +188,23 @@ TEST(Reports, LeaveNoFileUnlessFinished) {
   EXPECT_THAT(directory.names(), IsEmpty());
 }
 
+TEST(Reports, LeaveNoneOfTheirFilesUnlessFinished) {
+  const TemporaryDirectory directory;
+  const auto motions = list(needle(kSinking));
+  {
+    std::atomic<bool> stop = false;
+    const auto after_collisions = [&](const CheckTotals& totals, std::uint64_t) {
+      stop = totals.steps_with_collisions > 0;
+    };
+    const auto totals = run_check(motions, {}, one(ply_report(directory / "a%d.ply", motions, {})),
+                                  {.progress = after_collisions, .cancel = &stop});
+    ASSERT_TRUE(totals);
+    EXPECT_TRUE(totals->cancelled);
+    EXPECT_EQ(totals->steps_with_collisions, 1u);
+  }
+  EXPECT_THAT(directory.names(), IsEmpty());
+}
+
 TEST(Reports, SayAtOnceThatAFileCannotBeWritten) {
   const auto motions = list(needle(kSinking));
   EXPECT_FALSE(json_report("/nowhere/a.json", motions, {}));

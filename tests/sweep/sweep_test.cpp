@@ -236,6 +236,23 @@ TEST(SweepFile, ContinuesWhereItStopped) {
   EXPECT_THAT(library.sweep(true), ElementsAre(0, 1, 2));
 }
 
+/// For want of memory or permission, say, of which neither the file nor the settings tell.
+TEST(SweepFile, ChecksAgainWhatFailed) {
+  const ThreeNeedles library;
+  library.sweep();
+  const SweepInput found = library.input();
+  std::filesystem::remove(library.results());
+  {
+    auto file = library.open(found);
+    ASSERT_TRUE(file);
+    const Error error{"memory", "there is not enough", "check fewer"};
+    ASSERT_TRUE(file->add(failed_sweep_line(found.motions[1], library.settings, error)));
+  }
+  EXPECT_THAT(library.sweep(), ElementsAre(0, 1, 2));
+  EXPECT_THAT(read_file(library.results()), Not(HasSubstr("not enough")));
+  EXPECT_THAT(library.sweep(), IsEmpty());
+}
+
 TEST(SweepFile, RepairsATruncatedLastLine) {
   const ThreeNeedles library;
   library.sweep();
