@@ -107,7 +107,8 @@ void add_row(TextFile& file, const SweepRecord& r) {
   file.add("<tr><td>");
   if (!r.thumbnail.empty()) file.add("<img src=\"{}\" alt=\"\">", html(r.thumbnail));
   file.add("{}", html(r.path));
-  for (const std::string& note : r.notes) file.add("<details><summary>note</summary>{}</details>", html(note));
+  for (const std::string& note : r.notes)
+    file.add("<details><summary>note</summary>{}</details>", html(note));
   if (!r.error.empty()) file.add("<details><summary>why</summary>{}</details>", html(r.error));
   file.add("</td><td class=\"{0}\" data-v=\"{1}\">{0}</td>", name_of(r.state), rank_of(r.state));
   file.add("{}{}", number_cell(r.contacts), depth_cell(r.depth));

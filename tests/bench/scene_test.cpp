@@ -80,10 +80,14 @@ TEST(StepLoader, GoesSmoothlyThroughTheFrames) {
     ASSERT_TRUE(loader.load(step));
     if (!step.measured) continue;
     EXPECT_EQ(loader.x0()[0], last) << "steps follow each other without a gap";
-    if (step.part == 0) EXPECT_EQ(loader.x0()[0], places[step.frame]);
+    if (step.part == 0) {
+      EXPECT_EQ(loader.x0()[0], places[step.frame]);
+    }
     const double way = loader.x1()[0] - loader.x0()[0];
     // Bends are spread: no step turns by more than a few hundredths of the way between two frames.
-    if (place_of(step) > 0) EXPECT_NEAR(way, last_way, 2e-3);
+    if (place_of(step) > 0) {
+      EXPECT_NEAR(way, last_way, 2e-3);
+    }
     last = loader.x1()[0];
     last_way = way;
   }
