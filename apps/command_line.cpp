@@ -84,13 +84,14 @@ Result<std::string> help_of(const CLI::App& program, std::span<const std::string
   return tl::unexpected(unknown_word(program, words.front()));
 }
 
-/// Of numbers that are out of range CLI11 takes the nearest that is in it.
+/// Of numbers that are out of range CLI11 takes one that is in it.
 template <class T>
 std::string range_problem(const std::string& text) {
   errno = 0;
   if constexpr (std::is_signed_v<T>) {
     std::strtoll(text.c_str(), nullptr, 0);
   } else {
+    if (text.starts_with('-')) return text + " is below 0";
     std::strtoull(text.c_str(), nullptr, 0);
   }
   return errno == ERANGE ? text + " is out of range" : "";

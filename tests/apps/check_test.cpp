@@ -312,6 +312,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Mistake{{"check", "sink", "--static", "--first"}, "--static"},
                       Mistake{{"check", "sink", "--miss-rate", "0.2"}, "--miss-rate: goes with --mode paper"},
                       Mistake{{"check", "sink", "--limit", "99999999999999999999"}, "is out of range"},
+                      Mistake{{"check", "sink", "--limit", "-1"}, "is below 0"},
                       Mistake{{"check", "sink", "clean"}, "has 3 frames, but sink has 5"},
                       Mistake{{"check", "sink", "--static", "--steps-only"}, "--static"},
                       Mistake{{"check", "pose.obj", "--steps-only"}, "without --steps-only"}));

@@ -61,7 +61,7 @@ TEST_P(Films, SettingsChangeFromStepToStep) {
     settings.thickness = std::array{0.0, 0.02, 0.0, 0.001}[k % 4];
     settings.tolerance = std::array{0.0, 0.0, 0.01}[k % 3];
     settings.within = k % 5 != 4;
-    settings.between = k % 7 != 3;
+    settings.between = k % 7 != 3 || !settings.within;
     ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k], film_.poses[k + 1], settings)) << "step " << k;
     // Backwards: the start is not the pose in which charts were built.
     ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k + 1], film_.poses[k], settings)) << "step " << k;

@@ -40,4 +40,4 @@ export function placeText({ point, box: [low, high] }: Contact): string {
 }
 
 /** What a contact does that crosses in no frame, as far as is known. */
-export const touchText = (unknownFrames: number): string => (unknownFrames > 0 ? 'touches; not known whether it crosses' : 'touches between frames');
+export const touchText = (unknownFrames: number, single: boolean): string => (unknownFrames > 0 ? 'touches; not known whether it crosses' : single ? 'touches' : 'touches between frames');

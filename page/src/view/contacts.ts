@@ -84,7 +84,7 @@ export class Contacts {
 
   /** "0.0843 cm deep", or how long the curve is where there is no depth. */
   sizeText(contact: Contact, frame = worstOf(contact)): string {
-    if (!frame) return touchText(this.unknownFrames);
+    if (!frame) return touchText(this.unknownFrames, this.scene.frames === 1);
     if (frame.depth !== null) return `${short(frame.depth)}${this.unit} deep`;
     return `curve ${short(frame.curve_length)}${this.unit} long`;
   }
