@@ -75,7 +75,7 @@ void add_mode_options(const Subcommand& check, CheckArguments& a) {
       .add_option(
           "--miss-rate", a.miss_rate,
           "With --mode paper: trust predictions only as far as they would have missed at most this share of "
-          "what was not proven in poses held out from training [0.01]")
+          "what is not proven in the training poses, by cross-validation; new motions miss more [0.01]")
       .type_name("SHARE")
       .between(0.0, 1.0)
       .group(group);

@@ -36,7 +36,8 @@ of predicted certificates:
   leave-one-out  between a training pose and its reconstruction from what the other poses teach
   balanced accuracy
                  of predictions for held-out poses, over nodes that are proven in some poses but not in others. 50 % is
-                 chance; 'majority' is the accuracy of always predicting a node's more frequent outcome.
+                 chance; 'majority' is the accuracy of always predicting a node's more frequent outcome. Charts of
+                 these poses and thresholds are kept, so both are better than in new poses.
 
 Examples:
   foldproof info body.model

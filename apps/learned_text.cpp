@@ -63,6 +63,11 @@ std::string badly_represented(const Model& model) {
 std::string certificate_row(const Learned& learned) {
   if (!learned.certificates) return "";
   const CertificateMap& map = *learned.certificates;
+  // Only then: other folds do not tell a node's rare outcome.
+  if (map.majority_accuracy == 1)
+    return row("certificates",
+               fmt::format("{} nodes, each proven in all poses or in none: nothing to predict",
+                           grouped(map.nodes.size())));
   return row(
       "certificates",
       fmt::format("{} nodes, balanced accuracy {:.0f} %  (majority {:.0f} %, chance 50 %)",
@@ -147,6 +152,7 @@ std::string learned_summary(const Model& model) {
   error("cueing error", overall(learned, [](const auto& p) { return p.trained.cueing; }));
   error("leave-one-out error", overall(learned, [](const auto& p) { return p.leave_one_out.projection; }));
   error("  from key points", overall(learned, [](const auto& p) { return p.leave_one_out.total; }));
+  if (learned.kernel) text += row("", "leave-one-out errors are those of the linear subspace");
   return text + badly_represented(model);
 }
 

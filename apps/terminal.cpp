@@ -261,9 +261,9 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
   const CollisionCounts& found = totals.collisions;
   const double steps = static_cast<double>(std::max<std::uint64_t>(totals.steps, 1));
   if (settings.step.mode == Mode::Paper) {
-    add("mode",
-        fmt::format("paper: STATISTICAL, can miss collisions (tuned to miss {:g} % on poses held out)",
-                    100 * settings.step.miss_rate));
+    add("mode", fmt::format("paper: STATISTICAL, can miss collisions (miss rate {:g} % in training poses; "
+                            "new motions miss more)",
+                            100 * settings.step.miss_rate));
   }
   if (totals.starts_crossing) {
     add("first frame", starts_crossing(totals)

@@ -190,11 +190,11 @@ class Learner {
 std::vector<Index> far_above_median(const std::vector<double>& distances) {
   if (distances.empty()) return {};
   std::vector<double> sorted = distances;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+  std::ranges::sort(sorted);
+  const double twice_median = sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2];
   std::vector<Index> far;
   for (Index k = 0; k < distances.size(); ++k) {
-    if (distances[k] > 2 * *middle) far.push_back(k);
+    if (distances[k] > twice_median) far.push_back(k);
   }
   std::stable_sort(far.begin(), far.end(), [&](Index a, Index b) { return distances[a] > distances[b]; });
   return far;

@@ -34,12 +34,12 @@ export class PredictionErrors {
   /** Those of a frame, over all objects; null if none is measured. */
   at(frame: number): ErrorNow | null {
     let [largest, squares, count] = [0, 0, 0];
-    this.scene.objects.forEach((_, i) => {
+    this.scene.objects.forEach(({ vertices }, i) => {
       const error = this.measured.get(frame * this.scene.objects.length + i);
       if (!error) return;
       largest = Math.max(largest, error.largest);
-      squares += error.rms ** 2;
-      ++count;
+      squares += vertices * error.rms ** 2;
+      count += vertices;
     });
     return count > 0 ? { scale: this.scale, largest, rms: Math.sqrt(squares / count) } : null;
   }

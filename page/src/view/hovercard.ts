@@ -44,9 +44,14 @@ export class HoverCard {
     const found = this.contacts.at(frame);
     if (found.length === 0) {
       const { poses, steps } = this.check;
-      const step = steps[frame * this.scene.substeps];
+      const substeps = poses ? 1 : this.scene.substeps;
+      // No step begins in the last frame; it shows those that end there.
+      const begin = Math.min(frame * substeps, Math.max(0, this.scene.steps - substeps));
+      const parts = Array.from({ length: Math.min(substeps, this.scene.steps - begin) }, (_, k) => steps[begin + k]);
+      const pairs = parts.reduce((sum, step) => sum + (step ? collisionsOf(step) : 0), 0);
       const none = poses ? 'nothing crosses' : 'no contact';
-      return [el('span', {}, step ? (collisionsOf(step) > 0 ? counted(collisionsOf(step), `${wordsOf(poses).colliding} pair`) : none) : 'not checked')];
+      const all = parts.every((step) => step !== undefined);
+      return [el('span', {}, pairs > 0 ? counted(pairs, `${wordsOf(poses).colliding} pair`) : all ? none : 'not checked')];
     }
     const first = found.filter(({ index }) => index === lane);
     const listed = [...first, ...found.filter(({ index }) => index !== lane)].slice(0, kMaxLines);

@@ -65,6 +65,10 @@ export class StartPage {
   }
 
   private options(): HTMLElement {
+    // Both are about the ways between frames.
+    this.poses.addEventListener('change', () => {
+      for (const input of [this.thickness, this.substeps]) input.disabled = this.poses.checked;
+    });
     const row = (input: HTMLInputElement, text: string, note: string) => el('label', { htmlFor: input.id }, el('span', {}, text), input, el('small', {}, note));
     return el(
       'details',
@@ -78,8 +82,9 @@ export class StartPage {
   }
 
   private take(files: InputFile[]): void {
+    const poses = this.poses.checked;
     for (const input of [this.thickness, this.substeps, this.fps]) if (!input.reportValidity()) return;
-    if (files.length > 0) this.open(files, { thickness: this.thickness.valueAsNumber, substeps: this.substeps.valueAsNumber, static: this.poses.checked, fps: this.fps.valueAsNumber });
+    if (files.length > 0) this.open(files, { thickness: poses ? 0 : this.thickness.valueAsNumber, substeps: poses ? 1 : this.substeps.valueAsNumber, static: poses, fps: this.fps.valueAsNumber });
   }
 
   warn(text: string): void {
