@@ -88,7 +88,7 @@ void PatchReader::read(Index slot, Patch& out) {
   out.vertices.clear();
   out.triangles.clear();
   if (++patch_ == 0) {  // after 2^32 patches
-    std::ranges::fill(last_patch_, 0u);
+    std::fill(last_patch_.begin(), last_patch_.end(), 0u);
     patch_ = 1;
   }
   if (slots_.is_pair(slot)) {

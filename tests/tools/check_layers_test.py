@@ -74,6 +74,12 @@ class CheckLayers(unittest.TestCase):
         self.refuses({path: text for path in paths},
                      *(f"{path}:{line}: includes tbb" for path in paths for line in range(1, 6)))
 
+    def test_algorithms_are_there_for_the_page(self):
+        offered = {"web/standard_library.h": "using ::ranges::sort;\n"}
+        self.accepts({"src/mesh/a.cpp": "void f() { std::ranges::sort(x); }\n", **offered})
+        self.accepts({"tests/mesh/a.cpp": "void f() { std::ranges::fill(x, 0); }\n", **offered})
+        self.refuses({"src/mesh/a.cpp": "\nvoid f() { std::ranges::fill(x, 0); }\n", **offered}, "src/mesh/a.cpp:2", "std::ranges::fill")
+
     def test_sizes(self):
         self.accepts({"src/mesh/a.cpp": "\n" * 600, "include/foldproof/mesh.h": "\n" * 300})
         self.refuses({"src/mesh/a.cpp": "\n" * 601}, "601 lines")
