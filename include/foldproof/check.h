@@ -31,7 +31,7 @@ struct StepSettings {
   std::uint64_t max_listed = 10'000'000;
   Mode mode = Mode::Proven;
   /// Mode::Paper: accept only as many predictions as would have been wrong about at most this share of
-  /// unproven nodes in the poses that training held out (CertificateMap::CalibrationPoint). In [0,1].
+  /// unproven nodes in training poses (CertificateMap::CalibrationPoint); new motions miss more. In [0,1].
   double miss_rate = 0.01;
   /// Use certificates where they pay: they prove pairs of leaves free of contact, which then need no test. A
   /// checker measures from counts whether they pay, and backs off while they do not. Never changes the

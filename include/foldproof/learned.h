@@ -67,7 +67,8 @@ struct CertificateMap {
 
   /// When a node is predicted as proven only at a margin more than `excess` above its threshold, the share
   /// `miss_rate` of the unproven pairs of pose and node is still predicted as proven. Measured by
-  /// cross-validation, with one miss added, because few examples cannot show small rates.
+  /// cross-validation, with one miss added, because few examples cannot show small rates. Charts that were
+  /// built in the poses of a fold are not left out with it, nor do thresholds change, so new poses miss more.
   struct CalibrationPoint {
     double excess, miss_rate;
   };
