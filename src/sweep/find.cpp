@@ -164,7 +164,7 @@ class Finder {
       if (frames.size() > 1) {
         const auto& [before, after] = around;
         const char* number = frames[0][before.size()] == '-' ? "-*" : "*";
-        add(frames.size() == meshes.size() ? path : before + number + after, frames);
+        add(frames.size() == meshes.size() ? path : fmt::format("{}{}{}", before, number, after), frames);
       } else if (poses_) {
         add(frames[0], frames);
       } else {

@@ -14,7 +14,6 @@ using namespace foldproof::testing;
 using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using ::testing::StartsWith;
 
 /// Poses of a tube, a run of it that goes elsewhere, and another mesh.
 struct Scene : TemporaryDirectory {

@@ -1,4 +1,6 @@
 // The program on reduced motion: certified radii, and motions given by coordinates.
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <fstream>
 #include <nlohmann/json.hpp>
