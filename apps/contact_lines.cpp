@@ -34,7 +34,7 @@ std::string who(const Contact& contact, Motions motions, const CheckSettings& se
 }
 
 std::string when(const Contact& contact, const CheckTotals& totals) {
-  if (totals.first_frame == totals.last_frame) return fmt::format("frame {}", totals.first_frame);
+  if (is_single_frame(totals)) return fmt::format("frame {}", totals.first_frame);
   if (contact.frames.empty()) {
     const std::string first = time_name(contact.first_time), last = time_name(contact.last_time);
     return first == last ? "time " + first : fmt::format("times {} to {}", first, last);
@@ -46,13 +46,10 @@ std::string when(const Contact& contact, const CheckTotals& totals) {
 
 std::string how_bad(const Contact& contact, const std::string& unit, const CheckTotals& totals) {
   if (contact.frames.empty()) {
-    const bool all_known = totals.contact_unknown_frames == 0,
-               single = totals.first_frame == totals.last_frame;
-    return fmt::format("{}, {}",
-                       !all_known ? "touches; not known whether it crosses"
-                       : single   ? "touches"
-                                  : "touches between frames",
-                       counted(contact.pairs, "pair"));
+    const char* touches = totals.contact_unknown_frames > 0 ? "touches; not known whether it crosses"
+                          : is_single_frame(totals)         ? "touches"
+                                                            : "touches between frames";
+    return fmt::format("{}, {}", touches, counted(contact.pairs, "pair"));
   }
   const ContactFrame& frame = contact.frames[contact.worst];
   const std::string space = unit.empty() ? "" : " " + unit;

@@ -24,11 +24,6 @@ constexpr const char* kStandardOutput = "-";
 using Output = FileArguments::Output;
 using Input = FileArguments::Input;
 
-/// The directory that contains a path's file.
-fs::path directory_of(const fs::path& path) {
-  return path.parent_path().empty() ? fs::path(".") : path.parent_path();
-}
-
 // ---- Names of outputs
 
 Result<void> require_directory_to_write(const std::string& where, const fs::path& directory) {
@@ -80,7 +75,7 @@ Result<void> require_good_name(const Option& option, const std::string& path, Ou
                 "name another file");
   }
   // Of a link, the file that it refers to is replaced.
-  return require_directory_to_write(where, directory_of(io::write_target(path).file));
+  return require_directory_to_write(where, io::directory_of(io::write_target(path).file));
 }
 
 /// So that no motion is replaced by a table or a picture, and no file is named what it is not.

@@ -174,8 +174,6 @@ std::string certified_share(const ReasonCounts& leaf_pairs) {
   return text;
 }
 
-bool is_single_frame(const CheckTotals& totals) { return totals.first_frame == totals.last_frame; }
-
 bool starts_crossing(const CheckTotals& totals) { return totals.starts_crossing.value_or(0) > 0; }
 
 /// "frame 0 starts with 312 crossing pairs of triangles"

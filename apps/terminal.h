@@ -65,6 +65,9 @@ std::string printable(std::string text);
 /// Shortens a name for a table cell to its end, which distinguishes files, and replaces control characters.
 std::string cell(std::string name);
 
+/// Whether a check was of one frame, in which no time passes.
+inline bool is_single_frame(const CheckTotals& totals) { return totals.first_frame == totals.last_frame; }
+
 /// The tables and the closing sentence of a finished check.
 std::string summary(Motions motions, const CheckSettings& settings, const CheckTotals& totals);
 

@@ -20,10 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path directory_of(const fs::path& path) {
-  return path.parent_path().empty() ? fs::path(".") : path.parent_path();
-}
-
 /// The number of a path like /proc/self/fd/1 or /dev/fd/1; -1: it is none.
 int number_of_descriptor(const fs::path& path) {
   const std::string name = path.filename().string();
@@ -119,6 +115,10 @@ void add_members(const fs::path& directory, std::vector<fs::path>& files) {
 }
 
 }  // namespace
+
+fs::path directory_of(const fs::path& path) {
+  return path.parent_path().empty() ? fs::path(".") : path.parent_path();
+}
 
 WriteTarget write_target(const std::string& path) {
   constexpr int kMostLinks = 40;  // as many as Linux follows

@@ -10,6 +10,9 @@
 
 namespace foldproof::io {
 
+/// The directory that contains a path's file.
+std::filesystem::path directory_of(const std::filesystem::path& path);
+
 /// Where writing to a path goes.
 struct WriteTarget {
   std::filesystem::path file;  ///< Links are followed, also those to files that do not exist yet.

@@ -8,6 +8,7 @@ namespace foldproof::testing {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -121,6 +122,19 @@ TEST(Learn, RegionsMakeUpTheMeshAndTheWorstIsWherePosesDiffer) {
   const auto poses = badly_represented_poses(learned);
   ASSERT_FALSE(poses.empty());
   EXPECT_EQ(poses[0], 3u);
+}
+
+// Of an even number of errors the median is between the two middle ones: 3 here, and 7 is more than twice it.
+TEST(Learn, BadlyRepresentedIsMoreThanTwiceTheMedian) {
+  const auto bad = [](std::vector<double> errors) {
+    Learned learned;
+    for (const double error : errors) learned.poses.emplace_back().leave_one_out.projection.mean = error;
+    return badly_represented_poses(learned);
+  };
+  EXPECT_THAT(bad({1, 7, 5, 1}), ElementsAre(1u));
+  EXPECT_THAT(bad({1, 6, 5, 1}), IsEmpty());
+  EXPECT_THAT(bad({9, 2, 8, 3, 4}), ElementsAre(0u));
+  EXPECT_THAT(bad({}), IsEmpty());
 }
 
 TEST(Learn, SaysWhyNothingWasLearned) {
