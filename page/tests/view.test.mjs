@@ -392,6 +392,13 @@ test('reports a free motion', () =>
   withPage(makeSpheres('apart', { frames: 6, distance: 2.5 }), async (page) => {
     assert.deepEqual(await verdict(page), { text: 'Proven free of collisions: frame 0 and all 5 steps', kind: 'free' });
     assert.ok((await green(page)) > 1000);
+    // No step begins in the last frame.
+    const { x, y, width } = await page.locator('.track').boundingBox();
+    for (const [share, card] of [[0.4, /frame 2[^]*no contact/], [0.999, /frame 5[^]*no contact/]]) {
+      await page.mouse.move(x + share * width, y + 30);
+      await page.locator('.hovercard:visible').waitFor();
+      assert.match(await textOf(page, '.hovercard'), card);
+    }
     assert.match(await textOf(page, '.contacts'), /No contacts\s+Nothing touches or crosses at any time/);
     await page.click('#tab-collisions');
     assert.match(await textOf(page, '.collisions'), /Nothing crosses in frame 0\.\s+Nothing collides up to here/);
