@@ -48,7 +48,7 @@ inputs_of() {
     floats) echo "$query $(tests_of arithmetic)" ;;
     proofs) echo "$query tools/proofs proofs docs/soundness.md" ;;
     frames) echo "$query $models $(tests_of check keypoints learned oracle)" ;;
-    mutants) echo "$query tools/mutants $(tests_of mutants adversary search oracle ccd check certificate solver allocation reduced)" ;;
+    mutants) echo "$query $(sources_of contacts) tools/mutants $(tests_of mutants adversary search oracle ccd check certificate solver allocation reduced arithmetic contacts)" ;;
     bench) echo 'CMakeLists.txt CMakePresets.json src include bench examples/solver tools/bench_tables' ;;
     arm64 | s390x | compilers) echo 'dev CMakeLists.txt CMakePresets.json cmake src include apps examples tests :!tests/mutants :!tests/tools tools/cross_root tools/demo_poses.cpp' ;;
     *) echo '. :!docs :!CHANGELOG.md :!CONTRIBUTING.md' ;;
