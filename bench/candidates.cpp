@@ -38,7 +38,7 @@ double mean_edge(std::span<const Edge> edges, std::span<const double> x) {
   return sum / static_cast<double>(edges.size());
 }
 
-// Peers see the pose as a step that stands still, and are rebuilt for it.
+// Peers see the pose as a step that stands still, and make their trees for it.
 class PeersHere {
  public:
   PeersHere(const CandidatePlan& plan, const Topology& topology, double inflation) : plan_(plan) {
@@ -48,15 +48,23 @@ class PeersHere {
       peers_.back()->inflate(inflation);
     }
   }
-  void take(std::span<const double> x, Row& row) {
+  // They make their trees and allocate what they need.
+  void warm_up(std::span<const double> x) {
+    for (auto& peer : peers_) peer->step(x, x);
+  }
+  Result<void> take(std::span<const double> x, Row& row) {
+    std::size_t pairs = 0;  // of the first
     for (std::size_t k = 0; k < peers_.size(); ++k) {
+      const std::string& name = plan_.peers[k].name;
       const double start = now_milliseconds(plan_.processor_time);
       const Candidates& found = peers_[k]->step(x, x);
-      row.peers[plan_.peers[k].name] += (now_milliseconds(plan_.processor_time) - start) / plan_.peer_poses;
-      if (k == 0)
-        row.peer_pairs +=
-            static_cast<double>(found.vertex_face.size() + found.edge_edge.size()) / plan_.peer_poses;
+      row.peers[name] += (now_milliseconds(plan_.processor_time) - start) / plan_.peer_poses;
+      const std::size_t here = found.vertex_face.size() + found.edge_edge.size();
+      if (k == 0) pairs = here;
+      if (here != pairs) return fail(name, fmt::format("has {} pairs, others {}", here, pairs), "mend it");
     }
+    row.peer_pairs += static_cast<double>(pairs) / plan_.peer_poses;
+    return {};
   }
 
  private:
@@ -86,13 +94,14 @@ Result<Row> measure_row(Motion& motion, const Stride& stride, double inflation, 
     FOLDPROOF_TRY(checker.candidates(loader.x0(), distance, found));
     const double took = now_milliseconds(plan.processor_time) - start;
     if (k == 0) row.first = took;
+    if (k + 1 == plan.warm_up) peers.warm_up(loader.x0());
     if (k < plan.warm_up) continue;
     ++row.poses;
     row.sum += took;
     row.slowest = std::max(row.slowest, took);
     if ((k - plan.warm_up) % (plan.poses / plan.peer_poses) != 0) continue;
     row.pairs += static_cast<double>(found.size()) / plan.peer_poses;
-    peers.take(loader.x0(), row);
+    FOLDPROOF_TRY(peers.take(loader.x0(), row));
   }
   // Peers' boxes are in single precision, and round to nearest.
   if (!plan.peers.empty() && std::abs(row.pairs / row.peer_pairs - 1) > 1e-3)

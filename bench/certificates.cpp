@@ -82,7 +82,8 @@ class LeafOwners {
 };
 
 // Trains as a user would: on every tenth frame of the motion itself, or on other poses of the mesh.
-Result<std::shared_ptr<const ChartLibrary>> trained(const SceneInfo& scene, Motion& motion, Row& row) {
+Result<std::shared_ptr<const ChartLibrary>> trained(const SceneInfo& scene, Motion& motion,
+                                                    const CertificatePlan& plan, Row& row) {
   std::shared_ptr<const ChartLibrary> none;
   if (row.training == Training::None) return none;
   std::vector<std::unique_ptr<Motion>> others;
@@ -103,15 +104,16 @@ Result<std::shared_ptr<const ChartLibrary>> trained(const SceneInfo& scene, Moti
       for (Index frame = 0; frame < other->frame_count(); ++frame) poses.push_back({other.get(), frame});
     }
   }
-  const double start = now_milliseconds(false);
+  const double start = now_milliseconds(plan.processor_time);
   auto model = FOLDPROOF_TRY(train_model(poses, {}));
-  row.train_seconds = (now_milliseconds(false) - start) / 1e3;
+  row.train_seconds = (now_milliseconds(plan.processor_time) - start) / 1e3;
   row.references = summarize(model).references;
+  std::error_code unknown;
   const auto file =
-      std::filesystem::temp_directory_path() / fmt::format("foldproof-bench-{}.model", getpid());
+      std::filesystem::temp_directory_path(unknown) / fmt::format("foldproof-bench-{}.model", getpid());
   FOLDPROOF_TRY(save_model(model, file.string()));
-  row.model_bytes = static_cast<double>(std::filesystem::file_size(file));
-  std::filesystem::remove(file);
+  row.model_bytes = static_cast<double>(std::filesystem::file_size(file, unknown));
+  std::filesystem::remove(file, unknown);
   return model.charts;
 }
 
@@ -180,7 +182,7 @@ Result<json> measure_row(const SceneInfo& scene, StepSize size, Training trainin
   row.scene = scene.name;
   row.size = size;
   row.training = training;
-  auto charts = FOLDPROOF_TRY(trained(scene, *motion, row));
+  auto charts = FOLDPROOF_TRY(trained(scene, *motion, plan, row));
   std::shared_ptr<const Hierarchy> hierarchy;
   if (charts) {
     hierarchy = charts->slots()->hierarchy();

@@ -31,7 +31,7 @@ using nlohmann::json;
 
 struct Options {
   std::vector<std::string> scenes, peers;
-  std::string size = "all", json, memory_of, command;
+  std::string size = "all", json = "-", memory_of, command;
   bool list = false, quick = false, no_memory = false, certificates = false, candidates = false,
        contacts = false, reduced = false, simulation = false, growth = false, threads = false,
        training = false, everything = false;
@@ -41,7 +41,7 @@ struct Options {
 };
 
 void add_outputs(CLI::App& app, Options& options) {
-  app.add_option("--json", options.json, "Write all figures to this file (default: standard output)");
+  app.add_option("--json", options.json, "Write all figures to this file (default: -, standard output)");
   app.add_flag("--list", options.list, "Name the scenes and peers, and stop");
   app.add_option("--memory-of", options.memory_of,
                  "Print the peak memory of one competitor on one scene, and stop");
@@ -78,7 +78,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--threads", plan.threads, "Threads for foldproof; peers have one")
       ->check(CLI::Range(1, 1024));
   app.add_option("--leaf", plan.hierarchy.leaf_triangles, "Triangles per leaf of foldproof's hierarchy");
-  app.add_option("--cpu", options.cpu, "Processor to stay on (default: where it starts)");
+  app.add_option("--cpu", options.cpu, "Processor to stay on, with one thread (default: where it starts)");
   app.add_flag("--verify", plan.verify, "Check that all candidates agree and contain foldproof's answer");
   app.add_flag("--no-memory", options.no_memory, "Do not measure peak memory");
   app.add_flag("--peer-memory", plan.peer_memory, "Measure the peers' peak memory as well");
@@ -197,16 +197,6 @@ void add_facts(const Options& options, json& results) {
   results["trained_before"] = options.trained_before;
 }
 
-Result<void> write(const std::string& path, const json& results) {
-  if (path.empty()) {
-    fmt::print("{}\n", results.dump());
-    return {};
-  }
-  auto file = FOLDPROOF_TRY(FileWriter::open(path));
-  FOLDPROOF_TRY(file.write(results.dump() + "\n"));
-  return file.commit();
-}
-
 std::vector<StepSize> sizes_called(const std::string& name) {
   if (name == "both") return {StepSize::Full, StepSize::Tenth};
   std::vector<StepSize> sizes;
@@ -231,6 +221,14 @@ Result<void> run(Options& options) {
     print_list();
     return {};
   }
+  const int alone =
+      options.certificates + options.candidates + options.contacts + options.reduced + options.simulation;
+  if (alone > 1 ||
+      (alone == 1 && (options.everything || options.growth || options.threads || options.training)))
+    return fail("options", "these are not measured in one run", "name one of them");
+  if (options.simulation && options.scenes.size() > 1)
+    return fail("--scene", "--simulation takes one scene, or all",
+                "name one of cloth, pile and rod, or none");
   Plan& plan = options.plan;
   plan.memory = !options.no_memory;
   plan.sizes = sizes_called(options.size);
@@ -252,9 +250,12 @@ Result<void> run(Options& options) {
   }
   auto peers = FOLDPROOF_TRY(chosen_peers(options.peers));
   plan.peers = std::move(peers);
+  // Opened first: whoever names no place for the results learns it now.
+  auto file = FOLDPROOF_TRY(FileWriter::open(options.json));
   FOLDPROOF_TRY(measure_chosen(options, results));
   add_facts(options, results);
-  return write(options.json, results);
+  FOLDPROOF_TRY(file.write(results.dump() + "\n"));
+  return file.commit();
 }
 
 }  // namespace

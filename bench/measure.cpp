@@ -56,7 +56,7 @@ class Race {
     }
     // Smooth rows show what foldproof makes of a motion that bends; one family is enough to compare with.
     for (const PeerEntry& entry : plan.peers)
-      active_.push_back(!is_smooth(record.size) || entry.family == main_family(plan.peers));
+      active_.push_back(plan.verify || !is_smooth(record.size) || entry.family == main_family(plan.peers));
   }
 
   Result<void> run(const std::vector<StepChoice>& steps) {
@@ -70,7 +70,8 @@ class Race {
       StepRecord step;
       step.step = steps[k];
       if (auto done = run_step(step, all[k]); !done) return done;
-      if (k + 1 == before && (plan_.one_variant || is_smooth(record_.size))) keep_fastest_variants(step);
+      if (k + 1 == before && !plan_.verify && (plan_.one_variant || is_smooth(record_.size)))
+        keep_fastest_variants(step);
       if (k < before)
         keep(record_.warm_up, k, std::move(step));
       else
@@ -99,13 +100,17 @@ class Race {
       // What learns sees every step; who does not may miss some, and leaves the caches alone.
       if (way == Way::Plain && !all) continue;
       if (auto done = run_way(way, step); !done) return done;
+      const Runner& runner = runners_[static_cast<std::size_t>(way)];
+      if (runner.checker && !same_answer(runners_[0].result, runner.result))
+        return fail(record_.name,
+                    way == Way::Trained ? "has another answer with a model"
+                                        : "has another answer without certificates",
+                    "report this, please");
     }
     const StepResult& result = runners_[0].result;
     step.collisions_vf = result.vertex_face_count;
     step.collisions_ee = result.edge_edge_count;
     if (!all) return {};
-    if (plan_.plain && !same_answer(result, runners_[2].result))
-      return fail(record_.name, "has another answer with certificates", "report this, please");
     std::optional<Verifier> verifier;
     if (plan_.verify && step.step.measured) verifier.emplace(topology_, loader_.x0(), loader_.x1());
     if (auto done = run_peers(step, verifier); !done) return done;
@@ -134,6 +139,7 @@ class Race {
     for (std::size_t p = 0; p < peers_.size(); ++p) {
       StepRecord::OfPeer& of = step.peers.emplace_back();
       if (!active_[p]) continue;
+      if (!step.step.measured) peers_[p]->step(loader_.x0(), loader_.x1());  // makes trees and allocates
       const Candidates* candidates = nullptr;
       of.milliseconds = milliseconds_of([&] { candidates = &peers_[p]->step(loader_.x0(), loader_.x1()); });
       of.candidates_vf = candidates->vertex_face.size();
@@ -163,7 +169,8 @@ class Race {
     for (std::size_t w = 0; w < kWays.size(); ++w)
       if (step.ways[w].milliseconds < best.ways[w].milliseconds) best.ways[w] = step.ways[w];
     for (std::size_t p = 0; p < best.peers.size(); ++p)
-      best.peers[p].milliseconds = std::fmin(best.peers[p].milliseconds, step.peers[p].milliseconds);
+      if (std::isnan(best.peers[p].milliseconds) || step.peers[p].milliseconds < best.peers[p].milliseconds)
+        best.peers[p] = step.peers[p];
   }
 
   const Plan& plan_;
@@ -190,15 +197,15 @@ Result<void> measure_memory(const SceneInfo& scene, const Plan& plan, SceneRecor
 }
 
 /// Trains on every tenth frame, where there are enough of them to speak of.
-Result<void> train(Motion& motion, Prepared& prepared, SceneRecord& record) {
+Result<void> train(Motion& motion, const Plan& plan, Prepared& prepared, SceneRecord& record) {
   std::vector<TrainPose> poses;
   for (Index frame = 0; frame < motion.frame_count(); frame += 10) poses.push_back({&motion, frame});
   if (poses.size() < 2) return {};
   TrainSettings settings;
   settings.learn = false;
-  const double start = now_milliseconds(false);
+  const double start = now_milliseconds(plan.processor_time);
   auto model = FOLDPROOF_TRY(train_model(poses, settings));
-  record.train_seconds = (now_milliseconds(false) - start) / 1e3;
+  record.train_seconds = (now_milliseconds(plan.processor_time) - start) / 1e3;
   record.references = summarize(model).references;
   prepared.charts = model.charts;
   return {};
@@ -218,7 +225,7 @@ Result<void> prepare(const SceneInfo& scene, Motion& motion, const Plan& plan, P
   auto hierarchy = FOLDPROOF_TRY(build_hierarchy(motion, plan.hierarchy));
   record.build_milliseconds = now_milliseconds(plan.processor_time) - start;
   prepared.hierarchy = std::move(hierarchy);
-  return plan.trained ? train(motion, prepared, record) : Result<void>{};
+  return plan.trained ? train(motion, plan, prepared, record) : Result<void>{};
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "base/try.h"
 #include "foldproof/model.h"
 #include "report.h"
+#include "verify.h"
 
 namespace foldproof::bench {
 namespace {
@@ -64,6 +65,7 @@ class Team {
     processor_ += now_milliseconds(true) - processor;
     return done;
   }
+  const StepResult& result() const { return result_; }
   json figures() const {
     return {{"threads", threads_}, {"milliseconds", wall_ / steps_}, {"processors", processor_ / wall_}};
   }
@@ -88,6 +90,9 @@ Result<json> measure_threads(Motion& motion, StepSize size, const Plan& plan) {
     // Who goes later finds the positions in the cache: turn about.
     for (std::size_t t = 0; t < teams.size(); ++t)
       FOLDPROOF_TRY(teams[(k + t) % teams.size()].take(loader, steps[k].measured));
+    for (const Team& team : teams)
+      if (!same_answer(team.result(), teams.front().result()))
+        return fail("--thread-scaling", "the answer depends on the number of threads", "report this, please");
   }
   json figures = json::array();
   for (const Team& team : teams) figures.push_back(team.figures());

@@ -47,7 +47,10 @@ std::filesystem::path data_directory() {
 bool is_available(const SceneInfo& scene) {
   return std::all_of(scene.files.begin(), scene.files.end(), [](const std::string& file) {
     const auto path = data_directory() / file;
-    return std::filesystem::exists(file.find('*') == std::string::npos ? path : path.parent_path());
+    std::error_code none;
+    if (file.find('*') == std::string::npos) return std::filesystem::exists(path, none);
+    return std::filesystem::exists(path.parent_path(), none) &&
+           !std::filesystem::is_empty(path.parent_path(), none);
   });
 }
 

@@ -1,6 +1,7 @@
-/// Embree: rtcCollide on hierarchies that are rebuilt each step. Four variants, for which is fastest differs
-/// from motion to motion: Morton codes or surface area heuristic; one hierarchy per kind of feature, or one
-/// over the triangles whose pairs are then split into pairs of features.
+/// Embree: rtcCollide on hierarchies that are rebuilt or refitted each step. Six variants, for which is
+/// fastest differs from motion to motion: rebuilt with Morton codes or with the surface area heuristic, or
+/// refitted; one hierarchy per kind of feature, or one over the triangles whose pairs are then split into
+/// pairs of features.
 #include <embree3/rtcore.h>
 
 #include <memory>
@@ -23,15 +24,23 @@ RTCBounds rtc_bounds(const Box& box) {
   return {box.lo[0], box.lo[1], box.lo[2], 0, box.hi[0], box.hi[1], box.hi[2], 0};
 }
 
+/// How hierarchies are made in each step. Embree refits a geometry's only in scenes of low quality.
+struct Build {
+  RTCBuildQuality scene, geometry;
+};
+constexpr Build kMorton{RTC_BUILD_QUALITY_LOW, RTC_BUILD_QUALITY_LOW};
+constexpr Build kSah{RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_MEDIUM};
+constexpr Build kRefit{RTC_BUILD_QUALITY_LOW, RTC_BUILD_QUALITY_REFIT};
+
 /// A scene with one user geometry whose primitive i has the box that `bounds` gives.
 class BoxScene {
  public:
-  BoxScene(RTCDevice device, Index count, RTCBuildQuality quality, RTCBoundsFunction bounds, void* user)
+  BoxScene(RTCDevice device, Index count, const Build& build, RTCBoundsFunction bounds, void* user)
       : scene_(rtcNewScene(device)) {
     rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_DYNAMIC);
-    rtcSetSceneBuildQuality(scene_.get(), quality);
+    rtcSetSceneBuildQuality(scene_.get(), build.scene);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryBuildQuality(geometry, quality);
+    rtcSetGeometryBuildQuality(geometry, build.geometry);
     rtcSetGeometryUserPrimitiveCount(geometry, count);
     rtcSetGeometryUserData(geometry, user);
     rtcSetGeometryBoundsFunction(geometry, bounds, user);
@@ -39,7 +48,7 @@ class BoxScene {
     rtcReleaseGeometry(geometry);
   }
 
-  void rebuild() {
+  void update() {
     rtcCommitGeometry(rtcGetGeometry(scene_.get(), 0));
     rtcCommitScene(scene_.get());
   }
@@ -51,8 +60,8 @@ class BoxScene {
 
 class EmbreePeer : public Peer {
  public:
-  explicit EmbreePeer(RTCBuildQuality quality)
-      : quality_(quality), device_(rtcNewDevice("threads=1,set_affinity=0")) {}
+  explicit EmbreePeer(const Build& build)
+      : build_(build), device_(rtcNewDevice("threads=1,set_affinity=0")) {}
 
   void inflate(double distance) override { boxes_.margin = distance / 2; }
 
@@ -70,7 +79,7 @@ class EmbreePeer : public Peer {
     *arguments->bounds_o = rtc_bounds(self->boxes_.face(self->topology_->triangles()[arguments->primID]));
   }
 
-  RTCBuildQuality quality_;
+  Build build_;
   Device device_;
   const Topology* topology_ = nullptr;
   SweptBoxes boxes_;
@@ -86,30 +95,37 @@ class EmbreeFeatures : public EmbreePeer {
     topology_ = &topology;
     RTCDevice device = device_.get();
     EmbreePeer* self = this;
-    edges_.emplace(device, static_cast<Index>(topology.edges().size()), quality_, edge_bounds, self);
-    vertices_.emplace(device, topology.vertex_count(), quality_, vertex_bounds, self);
-    faces_.emplace(device, static_cast<Index>(topology.triangles().size()), quality_, face_bounds, self);
+    edges_.emplace(device, static_cast<Index>(topology.edges().size()), build_, edge_bounds, self);
+    vertices_.emplace(device, topology.vertex_count(), build_, vertex_bounds, self);
+    faces_.emplace(device, static_cast<Index>(topology.triangles().size()), build_, face_bounds, self);
   }
 
   const Candidates& step(std::span<const double> x0, std::span<const double> x1) override {
     boxes_.update(x0, x1);
     candidates_.clear();
-    edges_->rebuild();
-    vertices_->rebuild();
-    faces_->rebuild();
+    edges_->update();
+    vertices_->update();
+    faces_->update();
     rtcCollide(edges_->get(), edges_->get(), collect_edges, this);
     rtcCollide(vertices_->get(), faces_->get(), collect_vertices, this);
     return candidates_;
   }
 
  private:
+  /// A leaf of a refitted hierarchy has several features, and Embree reports all pairs of two leaves that
+  /// meet.
+  bool reports_leaves() const { return build_.geometry == RTC_BUILD_QUALITY_REFIT; }
+
   /// Embree visits a scene against itself in both orders: the half with a < b is kept.
   static void collect_edges(void* user, RTCCollision* collisions, unsigned int count) {
     auto* self = static_cast<EmbreeFeatures*>(user);
     const auto edges = self->topology_->edges();
     for (unsigned int i = 0; i < count; ++i) {
       const Index a = collisions[i].primID0, b = collisions[i].primID1;
-      if (a < b && !incident(edges[a], edges[b])) self->candidates_.edge_edge.push_back({a, b});
+      if (a >= b || incident(edges[a], edges[b])) continue;
+      if (self->reports_leaves() && !overlap(self->boxes_.edge(edges[a]), self->boxes_.edge(edges[b])))
+        continue;
+      self->candidates_.edge_edge.push_back({a, b});
     }
   }
   static void collect_vertices(void* user, RTCCollision* collisions, unsigned int count) {
@@ -117,7 +133,10 @@ class EmbreeFeatures : public EmbreePeer {
     const auto triangles = self->topology_->triangles();
     for (unsigned int i = 0; i < count; ++i) {
       const Index v = collisions[i].primID0, f = collisions[i].primID1;
-      if (!incident(v, triangles[f])) self->candidates_.vertex_face.push_back({v, f});
+      if (incident(v, triangles[f])) continue;
+      if (self->reports_leaves() && !overlap(self->boxes_.vertex(v), self->boxes_.face(triangles[f])))
+        continue;
+      self->candidates_.vertex_face.push_back({v, f});
     }
   }
 
@@ -140,8 +159,7 @@ class EmbreeTriangles : public EmbreePeer {
         own(triangles[t][k], vertex_taken, owned_[t].vertices, owned_[t].vertex_count);
         own(topology.triangle_edges()[t][k], edge_taken, owned_[t].edges, owned_[t].edge_count);
       }
-    EmbreePeer* self = this;
-    faces_.emplace(device_.get(), static_cast<Index>(triangles.size()), quality_, face_bounds, self);
+    faces_.emplace(device_.get(), static_cast<Index>(triangles.size()), build_, known_face_bounds, this);
   }
 
   const Candidates& step(std::span<const double> x0, std::span<const double> x1) override {
@@ -151,12 +169,17 @@ class EmbreeTriangles : public EmbreePeer {
     face_boxes_.clear();
     for (const Triangle& t : topology_->triangles()) face_boxes_.push_back(boxes_.face(t));
     candidates_.clear();
-    faces_->rebuild();
+    faces_->update();
     rtcCollide(faces_->get(), faces_->get(), collect, this);
     return candidates_;
   }
 
  private:
+  static void known_face_bounds(const RTCBoundsFunctionArguments* arguments) {
+    const auto* self = static_cast<const EmbreeTriangles*>(arguments->geometryUserPtr);
+    *arguments->bounds_o = rtc_bounds(self->face_boxes_[arguments->primID]);
+  }
+
   struct Owned {
     std::array<Index, 3> vertices, edges;
     int vertex_count = 0, edge_count = 0;
@@ -201,15 +224,17 @@ class EmbreeTriangles : public EmbreePeer {
   std::optional<BoxScene> faces_;
 };
 
-template <class Variant, RTCBuildQuality quality>
+template <class Variant, const Build& build>
 PeerEntry entry(const char* name) {
-  return {"Embree", name, RTC_VERSION_STRING, [] { return std::make_unique<Variant>(quality); }};
+  return {"Embree", name, RTC_VERSION_STRING, [] { return std::make_unique<Variant>(build); }};
 }
 
-const RegisterPeer kFeaturesMorton{entry<EmbreeFeatures, RTC_BUILD_QUALITY_LOW>("Embree features Morton")};
-const RegisterPeer kFeaturesSah{entry<EmbreeFeatures, RTC_BUILD_QUALITY_MEDIUM>("Embree features SAH")};
-const RegisterPeer kTrianglesMorton{entry<EmbreeTriangles, RTC_BUILD_QUALITY_LOW>("Embree triangles Morton")};
-const RegisterPeer kTrianglesSah{entry<EmbreeTriangles, RTC_BUILD_QUALITY_MEDIUM>("Embree triangles SAH")};
+const RegisterPeer kPeers[] = {RegisterPeer(entry<EmbreeFeatures, kMorton>("Embree features Morton")),
+                               RegisterPeer(entry<EmbreeFeatures, kSah>("Embree features SAH")),
+                               RegisterPeer(entry<EmbreeFeatures, kRefit>("Embree features refit")),
+                               RegisterPeer(entry<EmbreeTriangles, kMorton>("Embree triangles Morton")),
+                               RegisterPeer(entry<EmbreeTriangles, kSah>("Embree triangles SAH")),
+                               RegisterPeer(entry<EmbreeTriangles, kRefit>("Embree triangles refit"))};
 
 }  // namespace
 }  // namespace foldproof::bench

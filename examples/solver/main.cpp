@@ -79,7 +79,7 @@ bool write(const Scene& scene, std::vector<std::vector<double>> frames, const st
 
 void print_shares(const TimedChecker& checker, double seconds) {
   const double with = checker.seconds_with(), without = checker.seconds_without(),
-               rest = seconds - with - without;
+               rest = seconds - with - without - checker.seconds_compared();
   std::printf("processor time, s: solver %.1f, collision with certificates %.1f, without %.1f\n", rest, with,
               without);
   std::printf("collision's share of the time: %.1f %% with certificates, %.1f %% without\n",

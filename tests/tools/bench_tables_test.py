@@ -91,6 +91,10 @@ def check_growth():
 
 
 def check_single_tables():
+    certified = {"name": "walk", "kind": "motion", "step": "full", "training": "every 10th frame",
+                 "triangles": 100, "references": 2, "train_seconds": 3, "model_bytes": 4000, "steps": 10,
+                 "milliseconds_with": 20, "milliseconds_without": 80, "leaf_pairs_with": 60,
+                 "leaf_pairs_without": 210, "colliding": 10, "certificate_tests": 50}
     tables = run(
         trained_before=10,
         thread_scaling=[{"name": "lion-9996", "step": "tenth", "triangles": 9996, "steps": 40,
@@ -99,10 +103,7 @@ def check_single_tables():
                                    {"threads": 4, "milliseconds": 1, "processors": 3.5}]}],
         training=[{"name": "hand-train", "triangles": 70, "poses": 4, "references": 2, "wall_seconds": 6,
                    "processor_seconds": 4, "proven": 0.5}],
-        certificates=[{"name": "walk", "kind": "motion", "step": "full", "training": "every 10th frame",
-                       "triangles": 100, "references": 2, "train_seconds": 3, "model_bytes": 4000, "steps": 10,
-                       "milliseconds_with": 20, "milliseconds_without": 80, "leaf_pairs_with": 60,
-                       "leaf_pairs_without": 210, "colliding": 10, "certificate_tests": 50}] * 2,
+        certificates=[certified, {**certified, "leaf_pairs_with": 210}],
         candidates=[{"name": "walk", "stride": "Newton iteration", "inflation": 0.05, "pairs": 1234.4,
                      "milliseconds": 2, "slowest_milliseconds": 3, "first_milliseconds": 4,
                      "peers": {"Embree features SAH": 30, "Embree triangles SAH": 20}}],
@@ -117,7 +118,7 @@ def check_single_tables():
                                     ("hand-train", "proven %", "50.0"),
                                     ("walk", "removed %", "75.0"), ("walk", "without/with", "4.00"),
                                     ("walk", "s/reference", "1.50"), ("walk", "B/triangle", "20"),
-                                    ("geometric mean of 2 motions", "removed %", "75.0"),
+                                    ("mean of 2 motions, geometric of ratios", "removed %", "37.5"),
                                     ("walk", "its name", "Embree triangles SAH"), ("walk", "peer/foldproof", "10.0"),
                                     ("wave", "share %", "25"),
                                     ("rod, 10 triangles", "slowest/mean", "3.0"),
