@@ -33,7 +33,8 @@ of predicted certificates:
 
   projection     between a training pose and its reconstruction in the subspace
   cueing         what reconstruction from key points alone adds to that
-  leave-one-out  between a training pose and its reconstruction from what the other poses teach
+  leave-one-out  between a training pose and its reconstruction from what the other poses teach (with kernel PCA too,
+                 in a linear subspace)
   balanced accuracy
                  of predictions for held-out poses, over nodes that are proven in some poses but not in others. 50 % is
                  chance; 'majority' is the accuracy of always predicting a node's more frequent outcome. Charts of

@@ -21,6 +21,8 @@ examples are few:
   one-sided    along a mode, the poses go much farther to one side. The suggested pose goes equally far to the other. If
                the mesh can move that way, add such a pose; if it cannot, nothing is missing.
 
+Errors and modes are those of the linear subspace, also where the model has kernel PCA.
+
 Examples:
   foldproof suggest body.model run.glb               which frames of the run to train on
   foldproof suggest body.model run.glb -o worst.obj  write the first of them

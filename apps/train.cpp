@@ -25,7 +25,8 @@ mesh's shapes: a subspace, key points, clusters of poses, and the reconstruction
 
   projection error     between a training pose and its reconstruction in the subspace
   cueing error         what reconstruction from key points alone adds to that
-  leave-one-out error  between a training pose and its reconstruction from what the other poses teach
+  leave-one-out error  between a training pose and its reconstruction from what the other poses teach (with kernel PCA
+                       too, in a linear subspace)
 
 Examples:
   foldproof train walk.glb -o body.model               learn from all frames (the 16 that differ most)
