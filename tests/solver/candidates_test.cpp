@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "base/parallel.h"
 #include "oracle/one_target.h"
@@ -226,13 +228,10 @@ TEST(Candidates, ListsAreRebuiltOnlyWhereTheShapeChanged) {
 TEST(Candidates, AFilterMayStartLoops) {
   const Soup sheet = waving_sheet(50, 0);
   std::atomic<int> calls = 0;
+  // Iterations sleep, so that however busy the machine is, others take them and this thread waits.
   const CollisionFilter loops([&](Index, Index) {
-    if (++calls % 64 == 0) {
-      parallel_for(0, 8, [](int k) {
-        [[maybe_unused]] volatile int busy = 0;
-        for (int i = 0; i < 2'000 * (k + 1); ++i) busy = i;
-      });
-    }
+    if (++calls % 256 == 0)
+      parallel_for(0, 8, [](int) { std::this_thread::sleep_for(std::chrono::microseconds(200)); });
     return true;
   });
   const auto found_in_arena = [&](const CollisionFilter& filter) {
