@@ -230,7 +230,7 @@ TEST(Candidates, AFilterMayStartLoops) {
   std::atomic<int> calls = 0;
   // Iterations sleep, so that however busy the machine is, others take them and this thread waits.
   const CollisionFilter loops([&](Index, Index) {
-    if (++calls % 256 == 0)
+    if (++calls % 2048 == 0)
       parallel_for(0, 8, [](int) { std::this_thread::sleep_for(std::chrono::microseconds(200)); });
     return true;
   });
