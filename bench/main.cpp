@@ -82,6 +82,14 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--verify", plan.verify, "Check that all candidates agree and contain foldproof's answer");
   app.add_flag("--no-memory", options.no_memory, "Do not measure peak memory");
   app.add_flag("--peer-memory", plan.peer_memory, "Measure the peers' peak memory as well");
+  app.add_option(
+         "--trained-before", options.trained_before,
+         "Processor seconds that training on hand-train took before, on this machine, to compare with")
+      ->check(CLI::PositiveNumber);
+}
+
+/// Other tables than the main ones.
+void add_tables(CLI::App& app, Options& options) {
   app.add_flag("--certificates", options.certificates,
                "Compare foldproof with itself, with certificates and without, after different trainings");
   app.add_flag("--candidates", options.candidates,
@@ -95,16 +103,21 @@ void add_options(CLI::App& app, Options& options) {
       "--simulation", options.simulation,
       "What an implicit solver asks in the --steps of three simulations: --scene cloth, pile or rod");
   app.add_flag("--growth", options.growth, "The same shapes from 10,000 to 2,000,000 triangles");
-  app.add_option("--growth-largest", plan.growth_largest,
+  app.add_option("--growth-largest", options.plan.growth_largest,
                  "Triangles at most, for less memory and time than the largest take (default: no limit)");
   app.add_flag("--thread-scaling", options.threads, "1, 2, 4, ... threads, from 200,000 triangles");
   app.add_flag("--training", options.training, "Training on the sets of poses of the data");
   app.add_flag("--everything", options.everything,
                "The main tables, --growth, --thread-scaling and --training");
-  app.add_option(
-         "--trained-before", options.trained_before,
-         "Processor seconds that training on hand-train took before, on this machine, to compare with")
-      ->check(CLI::PositiveNumber);
+  // Each of these is measured alone.
+  const std::vector<std::string> alone = {"--certificates", "--candidates", "--contacts", "--reduced",
+                                          "--simulation"};
+  for (const std::string& name : alone) {
+    for (const std::string& other : alone)
+      if (name != other) app.get_option(name)->excludes(app.get_option(other));
+    for (const char* other : {"--growth", "--thread-scaling", "--training", "--everything"})
+      app.get_option(name)->excludes(app.get_option(other));
+  }
 }
 
 void print_list() {
@@ -221,11 +234,6 @@ Result<void> run(Options& options) {
     print_list();
     return {};
   }
-  const int alone =
-      options.certificates + options.candidates + options.contacts + options.reduced + options.simulation;
-  if (alone > 1 ||
-      (alone == 1 && (options.everything || options.growth || options.threads || options.training)))
-    return fail("options", "these are not measured in one run", "name one of them");
   if (options.simulation && options.scenes.size() > 1)
     return fail("--scene", "--simulation takes one scene, or all",
                 "name one of cloth, pile and rod, or none");
@@ -233,6 +241,10 @@ Result<void> run(Options& options) {
   plan.memory = !options.no_memory;
   plan.sizes = sizes_called(options.size);
   if (options.quick) make_quick(options);
+  auto peers = FOLDPROOF_TRY(chosen_peers(options.peers));
+  plan.peers = std::move(peers);
+  // Opened before anything is measured: whoever names no place for the results learns it now.
+  auto file = FOLDPROOF_TRY(FileWriter::open(options.json));
   json results;
   const bool can_have_two = std::thread::hardware_concurrency() > 1;
   if (options.threads || (options.everything && can_have_two)) {
@@ -248,10 +260,6 @@ Result<void> run(Options& options) {
     return print_peak_bytes({options.scenes.front(), options.memory_of, plan.sizes.front(), plan.sampling,
                              plan.hierarchy, plan.threads});
   }
-  auto peers = FOLDPROOF_TRY(chosen_peers(options.peers));
-  plan.peers = std::move(peers);
-  // Opened first: whoever names no place for the results learns it now.
-  auto file = FOLDPROOF_TRY(FileWriter::open(options.json));
   FOLDPROOF_TRY(measure_chosen(options, results));
   add_facts(options, results);
   FOLDPROOF_TRY(file.write(results.dump() + "\n"));
@@ -267,6 +275,7 @@ int main(int argc, char** argv) {
       "run.");
   foldproof::bench::Options options;
   foldproof::bench::add_options(app, options);
+  foldproof::bench::add_tables(app, options);
   foldproof::bench::add_outputs(app, options);
   options.command = fmt::format("foldproof-bench {}", fmt::join(argv + 1, argv + argc, " "));
   CLI11_PARSE(app, argc, argv);

@@ -66,19 +66,6 @@ class EmbreePeer : public Peer {
   void inflate(double distance) override { boxes_.margin = distance / 2; }
 
  protected:
-  static void edge_bounds(const RTCBoundsFunctionArguments* arguments) {
-    const auto* self = static_cast<const EmbreePeer*>(arguments->geometryUserPtr);
-    *arguments->bounds_o = rtc_bounds(self->boxes_.edge(self->topology_->edges()[arguments->primID]));
-  }
-  static void vertex_bounds(const RTCBoundsFunctionArguments* arguments) {
-    const auto* self = static_cast<const EmbreePeer*>(arguments->geometryUserPtr);
-    *arguments->bounds_o = rtc_bounds(self->boxes_.vertex(arguments->primID));
-  }
-  static void face_bounds(const RTCBoundsFunctionArguments* arguments) {
-    const auto* self = static_cast<const EmbreePeer*>(arguments->geometryUserPtr);
-    *arguments->bounds_o = rtc_bounds(self->boxes_.face(self->topology_->triangles()[arguments->primID]));
-  }
-
   Build build_;
   Device device_;
   const Topology* topology_ = nullptr;
@@ -94,10 +81,9 @@ class EmbreeFeatures : public EmbreePeer {
   void prepare(const Topology& topology) override {
     topology_ = &topology;
     RTCDevice device = device_.get();
-    EmbreePeer* self = this;
-    edges_.emplace(device, static_cast<Index>(topology.edges().size()), build_, edge_bounds, self);
-    vertices_.emplace(device, topology.vertex_count(), build_, vertex_bounds, self);
-    faces_.emplace(device, static_cast<Index>(topology.triangles().size()), build_, face_bounds, self);
+    edges_.emplace(device, static_cast<Index>(topology.edges().size()), build_, edge_bounds, this);
+    vertices_.emplace(device, topology.vertex_count(), build_, vertex_bounds, this);
+    faces_.emplace(device, static_cast<Index>(topology.triangles().size()), build_, face_bounds, this);
   }
 
   const Candidates& step(std::span<const double> x0, std::span<const double> x1) override {
@@ -112,6 +98,19 @@ class EmbreeFeatures : public EmbreePeer {
   }
 
  private:
+  static void edge_bounds(const RTCBoundsFunctionArguments* arguments) {
+    const auto* self = static_cast<const EmbreeFeatures*>(arguments->geometryUserPtr);
+    *arguments->bounds_o = rtc_bounds(self->boxes_.edge(self->topology_->edges()[arguments->primID]));
+  }
+  static void vertex_bounds(const RTCBoundsFunctionArguments* arguments) {
+    const auto* self = static_cast<const EmbreeFeatures*>(arguments->geometryUserPtr);
+    *arguments->bounds_o = rtc_bounds(self->boxes_.vertex(arguments->primID));
+  }
+  static void face_bounds(const RTCBoundsFunctionArguments* arguments) {
+    const auto* self = static_cast<const EmbreeFeatures*>(arguments->geometryUserPtr);
+    *arguments->bounds_o = rtc_bounds(self->boxes_.face(self->topology_->triangles()[arguments->primID]));
+  }
+
   /// A leaf of a refitted hierarchy has several features, and Embree reports all pairs of two leaves that
   /// meet.
   bool reports_leaves() const { return build_.geometry == RTC_BUILD_QUALITY_REFIT; }
@@ -159,7 +158,7 @@ class EmbreeTriangles : public EmbreePeer {
         own(triangles[t][k], vertex_taken, owned_[t].vertices, owned_[t].vertex_count);
         own(topology.triangle_edges()[t][k], edge_taken, owned_[t].edges, owned_[t].edge_count);
       }
-    faces_.emplace(device_.get(), static_cast<Index>(triangles.size()), build_, known_face_bounds, this);
+    faces_.emplace(device_.get(), static_cast<Index>(triangles.size()), build_, face_bounds, this);
   }
 
   const Candidates& step(std::span<const double> x0, std::span<const double> x1) override {
@@ -175,7 +174,7 @@ class EmbreeTriangles : public EmbreePeer {
   }
 
  private:
-  static void known_face_bounds(const RTCBoundsFunctionArguments* arguments) {
+  static void face_bounds(const RTCBoundsFunctionArguments* arguments) {
     const auto* self = static_cast<const EmbreeTriangles*>(arguments->geometryUserPtr);
     *arguments->bounds_o = rtc_bounds(self->face_boxes_[arguments->primID]);
   }
