@@ -58,7 +58,7 @@ struct CheckArguments : StepArguments {
 };
 
 void add_query_options(const Subcommand& check, CheckArguments& a) {
-  check.add_flag("--first", a.first, "Find only the earliest collision of each step")
+  check.add_flag("--first", a.first, "Find only the earliest collision of each step, and no contacts")
       .group(check.option("--thickness").group())
       .excludes(check.option("--static"));
 }
@@ -135,6 +135,9 @@ void add_check_options(const Subcommand& check, CheckArguments& a) {
   add_query_options(check, a);
   add_mode_options(check, a);
   add_report_options(check, a);
+  // Contacts join all collisions of a step.
+  for (const char* option : {"--contacts", "--contacts-csv", "--parts"})
+    check.option("--first").excludes(check.option(option));
 }
 
 // A statistical answer goes only into outputs that label it as such.

@@ -310,6 +310,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Mistake{{"check", "sink", "--static", "--thickness", "1"}, "--static"},
                       Mistake{{"check", "sink", "--static", "--substeps", "2"}, "--static"},
                       Mistake{{"check", "sink", "--static", "--first"}, "--static"},
+                      Mistake{{"check", "sink", "--first", "--contacts"}, "--first"},
+                      Mistake{{"check", "sink", "--first", "--contacts-csv", "c.csv"}, "--first"},
                       Mistake{{"check", "sink", "--miss-rate", "0.2"}, "--miss-rate: goes with --mode paper"},
                       Mistake{{"check", "sink", "--limit", "99999999999999999999"}, "is out of range"},
                       Mistake{{"check", "sink", "--limit", "-1"}, "is below 0"},
