@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "base/try.h"
 #include "commands.h"
 #include "terminal.h"
@@ -100,25 +98,6 @@ Result<CheckSettings> step_settings(const StepArguments& a) {
                    .certificates = !a.no_certificates};
   settings.frames = frames;
   return settings;
-}
-
-Result<std::vector<std::shared_ptr<const Model>>> load_models(std::span<const std::string> paths,
-                                                              Motions motions) {
-  std::vector<std::shared_ptr<const Model>> models;
-  for (const std::string& path : paths) {
-    auto model = FOLDPROOF_TRY(load_model(path));
-    models.push_back(std::make_shared<const Model>(std::move(model)));
-  }
-  if (models.size() != 1 || motions.size() < 2) return models;
-  const auto model = models[0];
-  const auto fits = [&](const auto& motion) { return model->hierarchy()->topology() == motion->topology(); };
-  if (std::none_of(motions.begin(), motions.end(), fits)) {
-    return fail(ErrorCode::InvalidArgument, paths[0], "is a model of none of these meshes",
-                "train a model on one of them");
-  }
-  models.clear();
-  for (const auto& motion : motions) models.push_back(fits(motion) ? model : nullptr);
-  return models;
 }
 
 Result<OpenedMotions> open_motions(const StepArguments& a, bool quiet) {

@@ -27,11 +27,6 @@ void add_setting_options(const Subcommand& command, StepArguments& arguments);
 /// Converts all options except the models. Error: a number out of range, an invalid range of frames.
 Result<CheckSettings> step_settings(const StepArguments& arguments);
 
-/// Loads a model per motion, or none if there are no paths. A single model is used for all motions of its
-/// mesh. Error: a model cannot be loaded, or a single model is of none of several meshes.
-Result<std::vector<std::shared_ptr<const Model>>> load_models(std::span<const std::string> paths,
-                                                              Motions motions);
-
 /// Motions, and settings with the models that fit them.
 struct OpenedMotions {
   std::vector<std::unique_ptr<Motion>> motions;

@@ -1,4 +1,4 @@
-# F1: the end of an extrapolated motion is off by at most 5 u C.
+# F1: the end of an extrapolated motion is off by at most 6 u C.
 # code src/bvh/kinetic_bvh.cpp
 #   const auto more = hn::Set(d, steps - 1);
 #   const auto p = hn::Add(p1, hn::Mul(more, hn::Sub(p1, p0)));

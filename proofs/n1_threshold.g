@@ -1,4 +1,5 @@
-# N1: a computed projection above A, off by 22 u M, proves a distance above D.
+# N1, N5: what is computed above A proves a distance above D, if it is off by at most 22 u M. A projection is off by 16
+# (n1_projection.g), a middle coefficient by 20 (n5_middle.g).
 # code src/ccd/conservative_advancement.cpp
 #   min_projection_ = hn::Add(hn::Mul(thickness, Number(1 + 8 * kUnit)), hn::Mul(Number(kDotError), Row(lanes.patch.extent)));
 #

@@ -1,4 +1,4 @@
-# Narrow phase, rounding of corners: a corner at a time t is off by at most 4.5 u M (the document says 8).
+# Narrow phase, rounding of corners: a corner at a time t is off by at most 4.5 u M on each axis.
 # code src/ccd/lanes.h
 #   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 #   const V s = hn::Sub(Number(1), t);

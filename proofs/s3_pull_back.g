@@ -1,4 +1,4 @@
-# S3: a pulled-back vertex, y - lambda p, is off by at most 4 * 2^-24 w r, before lambda.
+# S3: a pulled-back vertex, y - lambda p, is off by at most 5 * 2^-24 w r, before lambda.
 # code src/certificate/chart_holds.cpp
 #   const auto offset = hn::Sub(hn::Load(d, vertices[chart.vertices[i]].x + lane), origin);
 #   return hn::Add(hn::Add(hn::Mul(x, hn::Set(d, c[0])), hn::Mul(y, hn::Set(d, c[1]))), hn::Mul(z, hn::Set(d, c[2])));

@@ -1,4 +1,4 @@
-# S3: a coordinate of eta is off by at most 16 * 2^-24 (w r + 32000 lambda), between vertices of the patch.
+# S3: a coordinate of eta is off by at most 17 * 2^-24 (w r + 32000 lambda), between vertices of the patch.
 # code src/certificate/chart_holds.cpp
 #   const auto at = hn::Sub(hn::LoadU(d, mapped + k), hn::Mul(margin, uv));
 #   hn::Sub(hn::Load(df, rows[t[k]].x + lane), hn::Load(df, rows[t[0]].x + lane))

@@ -7,7 +7,7 @@
 #   if (HWY_LIKELY(hn::AllTrue(d, hn::Lt(hn::Mul(sum, weight), limit)))) continue;
 #   return static_cast<float>(larger * (1 + 0x1p-20));
 #
-# V is at - uv before its rounding, for a vertex as for a corner of the square. |E^-1| <= sqrt(2) / h with h >= 4.
+# V is at - uv before its rounding, for a vertex as for a corner of the square: at most 2^18 (kMaxMapped) + 2 * 32000. |E^-1| <= sqrt(2) / h with h >= 4.
 
 # constant src/certificate/chart_holds.cpp: kMaxSquaredChange = {};
 kMaxSquaredChange = 0.878;
@@ -24,7 +24,7 @@ entry = float<ieee_32, ne>(v1 - v0);
 limit = float<ieee_32, ne>(kMaxSquaredChange);
 change = sqrt(limit * k) + 2 * 0.077 * 1.41422 / kMinAltitude;
 
-{ |V1| <= 322000 /\ |V0| <= 322000 /\ k in [0.99999,1.00001]
+{ |V1| <= 326200 /\ |V0| <= 326200 /\ k in [0.99999,1.00001]
   -> |entry - (V1 - V0)| <= 0.077 /\ change <= 0.993 }
 
 entry - (V1 - V0) -> (entry - (v1 - v0)) + (v1 - V1) - (v0 - V0);

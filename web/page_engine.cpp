@@ -37,9 +37,7 @@ Result<void> open(const Json& request) {
   input.check.substeps = request["substeps"];
   input.check.step.thickness = request["thickness"];
   input.check.poses = request["static"];
-  for (const std::string& model : models)
-    input.check.models.push_back(std::make_shared<const Model>(FOLDPROOF_TRY(load_model(model))));
-  if (models.size() == 1) input.check.models.resize(input.motions.size(), input.check.models[0]);
+  input.check.models = FOLDPROOF_TRY(load_models(models, input.motions));
   const std::string command = request["command"];
   input.writer = [read = input.read, command](Motions motions, const CheckSettings& settings) {
     return page_report(kReport, motions, {{settings, read}, command}, page_files());

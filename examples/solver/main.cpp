@@ -1,8 +1,9 @@
 // A cloth falls on a soft ball and folds, or soft balls on each other, or a rod is twisted: an implicit
 // solver that steps as far as Foldproof says.
+#include <charconv>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
+#include <string_view>
 
 #include "foldproof/io.h"
 #include "implicit_euler.h"
@@ -29,6 +30,11 @@ struct Options {
   std::string scene = "cloth", output;
 };
 
+bool read_number(std::string_view text, int& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() && number >= 1;
+}
+
 bool read_options(int count, char** arguments, Options& options) {
   for (int i = 1; i < count; i += 2) {
     if (i + 1 == count) return false;
@@ -43,7 +49,7 @@ bool read_options(int count, char** arguments, Options& options) {
                   : name == "--around"     ? &options.around
                   : name == "--look-every" ? &options.look_every
                                            : nullptr;
-    if (number == nullptr || (*number = std::atoi(arguments[i + 1])) < 1) return false;
+    if (number == nullptr || !read_number(arguments[i + 1], *number)) return false;
   }
   const bool known = options.scene == "cloth" || options.scene == "pile" || options.scene == "rod";
   return known && options.cloth >= 3 && options.cloth <= 500 && options.ball <= 6 && options.around >= 6 &&

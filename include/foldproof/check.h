@@ -230,7 +230,7 @@ class Object {
 /// allocate; with certificates, once no more charts are built and searches that look ahead find no more
 /// candidates than before. A call that throws, for want of memory, makes the next one start afresh. Use one
 /// checker per thread. Threads inside a query come from oneTBB: limit them with tbb::global_control or a task
-/// arena of your own.
+/// arena of your own. A task group of yours that is cancelled does not end a query.
 class StepChecker {
  public:
   explicit StepChecker(std::vector<Object> objects);

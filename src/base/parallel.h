@@ -3,8 +3,9 @@
 ///
 /// For all loops: iterations run in any order and concurrently; the calling thread takes part. Loops may be
 /// nested. When an iteration throws, running iterations finish, the rest are skipped, and the caller gets one
-/// of the exceptions. Each iteration, and each combination of two values, holds a PlainArithmetic: oneTBB
-/// runs tasks in the floating-point mode in which their arena was made, not in that of the caller.
+/// of the exceptions. A task group of the caller that is cancelled skips nothing: proofs need every
+/// iteration. Each iteration, and each combination of two values, holds a PlainArithmetic: oneTBB runs tasks
+/// in the floating-point mode in which their arena was made, not in that of the caller.
 #pragma once
 
 #include <algorithm>
@@ -46,20 +47,24 @@ struct IndexRange {
 /// body(i) for each i of [begin, end).
 template <class Integer, class Body>
 void parallel_for(Integer begin, Integer end, const Body& body) {
-  tbb::parallel_for(begin, end, [&](Integer i) {
+  tbb::task_group_context own(tbb::task_group_context::isolated);
+  const auto run = [&](Integer i) {
     const PlainArithmetic plain;
     body(i);
-  });
+  };
+  tbb::parallel_for(begin, end, run, own);
 }
 
 /// body(IndexRange) for blocks of about `grain` indices or more, which together are `range`.
 template <class Body>
 void parallel_for(IndexRange range, std::size_t grain, const Body& body) {
   using Block = tbb::blocked_range<std::size_t>;
-  tbb::parallel_for(Block(range.begin, range.end, grain), [&](const Block& block) {
+  tbb::task_group_context own(tbb::task_group_context::isolated);
+  const auto run = [&](const Block& block) {
     const PlainArithmetic plain;
     body(IndexRange{block.begin(), block.end()});
-  });
+  };
+  tbb::parallel_for(Block(range.begin, range.end, grain), run, own);
 }
 
 /// body(IndexRange, Value) adds a block to a value that starts as `identity`; combine(Value, Value) merges
@@ -68,6 +73,7 @@ template <class Value, class Body, class Combine>
 Value parallel_reduce(IndexRange range, std::size_t grain, const Value& identity, const Body& body,
                       const Combine& combine) {
   using Block = tbb::blocked_range<std::size_t>;
+  tbb::task_group_context own(tbb::task_group_context::isolated);
   return tbb::parallel_reduce(
       Block(range.begin, range.end, grain), identity,
       [&](const Block& block, const Value& value) {
@@ -77,14 +83,16 @@ Value parallel_reduce(IndexRange range, std::size_t grain, const Value& identity
       [&](const Value& a, const Value& b) {
         const PlainArithmetic plain;
         return combine(a, b);
-      });
+      },
+      own);
 }
 
-/// body(). While it waits for loops that it starts, this thread runs nothing else: for the user's code, which
-/// may start loops.
+/// body(). While it waits for loops that it starts, this thread runs nothing else: around the user's code,
+/// which may start loops, and around calls that have a state, which a loop of the user may make in each
+/// iteration.
 template <class Body>
-void isolated(const Body& body) {
-  tbb::this_task_arena::isolate(body);
+auto isolated(const Body& body) {
+  return tbb::this_task_arena::isolate(body);
 }
 
 /// A T per thread, made on the thread's first call of local(): PerThread<T>() or PerThread<T>(make), where
@@ -150,8 +158,8 @@ void parallel_for(IndexRange range, std::size_t grain, const Body& body) {
 }
 
 template <class Body>
-void isolated(const Body& body) {
-  body();  // a thread that waits runs nothing
+auto isolated(const Body& body) {
+  return body();  // a thread that waits runs nothing
 }
 
 template <class Value, class Body, class Combine>

@@ -264,8 +264,9 @@ HWY_INLINE ContactInterval IntervalOf(const MovingBox& a, const MovingBox& b, fl
     hn::Store(to, d, end + lane);
   }
   const float from = std::max({begin[0], begin[1], begin[2]}), to = std::min({end[0], end[1], end[2]});
-  if (always_separated || from > to) return ContactInterval::none();
-  // One unit more at both ends covers the rounding of the quotients.
+  // The quotients are rounded: by less than this, and by less than the unit that both ends get besides.
+  constexpr float kRounding = 0x1p-20;
+  if (always_separated || from > to + kRounding) return ContactInterval::none();
   constexpr float kUnits = ContactInterval::kUnits;
   return {static_cast<std::uint8_t>(std::max(0.f, from * kUnits - 1)),
           static_cast<std::uint8_t>(std::min(to * kUnits + 2, kUnits))};

@@ -182,7 +182,10 @@ StepMotion::StepLocation StepMotion::locate(Positions x0, Positions x1) const {
   StepLocation location{
       {0, 0}, 0, static_cast<float>(motion_displacement), static_cast<float>(step_displacement)};
   if (square > 0) {
-    for (int e = 0; e < 2; ++e) location.times[e] = static_cast<float>(projection[e] / square);
+    for (int e = 0; e < 2; ++e) {
+      const double time = projection[e] / square;
+      if (std::abs(time) < 0x1p100) location.times[e] = static_cast<float>(time);  // no NaN: F1 needs numbers
+    }
   }
   double deviation = 0;
   for_each_sample([&](const Vector& displacement, const Vector& start, const Vector& end) {

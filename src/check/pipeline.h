@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "base/parallel.h"
 #include "check/broad_phase.h"
 #include "check/narrow_phase.h"
 
@@ -26,13 +27,14 @@ struct Pipeline {
   std::vector<Chunk> chunks;  ///< Scratch of the narrow phase.
 };
 
-/// Runs a call on what a checker remembers from call to call. A call that throws, for want of memory or from
-/// a user's filter, may leave anything behind: it loses the memory, and the next one makes it anew.
+/// Runs a call, isolated, on what a checker remembers from call to call. A call that throws, for want of
+/// memory or from a user's filter, may leave anything behind: it loses the memory, and the next one makes it
+/// anew.
 template <class Memory, class Make, class Run>
 auto run_on(std::unique_ptr<Memory>& memory, Make make, Run run) {
   std::unique_ptr<Memory> mine = std::move(memory);
   if (!mine) mine = make();
-  auto result = run(*mine);
+  auto result = isolated([&] { return run(*mine); });
   memory = std::move(mine);
   return result;
 }

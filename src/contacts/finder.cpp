@@ -91,6 +91,8 @@ struct ContactFinder::Impl {
         measurers([this] { return FrameMeasurer(surfaces); }) {}
 
   void set_crossings(const StaticResult& all);
+  void step(double begin, double end, Positions x0, Positions x1, const StepResult& step,
+            const StaticResult* all);
   void slice(double begin, double end, Positions x0, Positions x1, const StepResult& step);
   void add_elements(double begin, double end, Positions x0, Positions x1, const StepResult& step);
   void add_element(std::array<Index, 2> objects, std::span<const Index> a, std::span<const Index> b,
@@ -422,26 +424,30 @@ void ContactFinder::Impl::set_crossings(const StaticResult& all) {
   if (known) crossings = all.crossings;
 }
 
+void ContactFinder::Impl::step(double begin, double end, Positions x0, Positions x1, const StepResult& step,
+                               const StaticResult* all) {
+  begun = true;
+  known = known && step.lists_all();
+  if (all) {
+    set_crossings(*all);
+  } else if (known) {
+    follow_crossings(surfaces, step, x1, tested, crossings);
+  } else {
+    crossings.clear();
+  }
+  slice(begin, end, x0, x1, step);
+}
+
 void ContactFinder::start(double time, Positions x, const StaticResult& crossings) {
   const PlainArithmetic plain;
   impl_->set_crossings(crossings);
-  impl_->slice(time, time, x, x, StepResult());
+  isolated([&] { impl_->slice(time, time, x, x, StepResult()); });
 }
 
 void ContactFinder::step(double begin, double end, Positions x0, Positions x1, const StepResult& step,
                          const StaticResult* crossings) {
   const PlainArithmetic plain;
-  Impl& impl = *impl_;
-  impl.begun = true;
-  impl.known = impl.known && step.lists_all();
-  if (crossings) {
-    impl.set_crossings(*crossings);
-  } else if (impl.known) {
-    follow_crossings(impl.surfaces, step, x1, impl.tested, impl.crossings);
-  } else {
-    impl.crossings.clear();
-  }
-  impl.slice(begin, end, x0, x1, step);
+  isolated([&] { impl_->step(begin, end, x0, x1, step, crossings); });
 }
 
 bool ContactFinder::is_known() const { return impl_->known; }

@@ -68,6 +68,11 @@ std::string unit_of(Motions motions, const CheckSettings& settings);
 /// The frames that run_check reads. Error: no motions, different frame counts, a range that selects no frame
 /// (or only one with CheckSettings::steps_only), `between` alone with a single object.
 Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings& settings);
+
+/// Loads a model per motion, or none if there are no paths. A single model is used for all motions of its
+/// mesh. Error: a model cannot be loaded, or a single model is of none of several meshes.
+Result<std::vector<std::shared_ptr<const Model>>> load_models(std::span<const std::string> paths,
+                                                              Motions motions);
 /// Error: the number of models differs from the number of motions, or a model is of another mesh.
 Result<void> require_models_of(Motions motions, const CheckSettings& settings);
 

@@ -355,20 +355,6 @@ Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings&
               "select more; frames count from 0 and the end of A:B is not included");
 }
 
-Result<void> require_models_of(Motions motions, const CheckSettings& settings) {
-  if (settings.models.empty()) return {};
-  if (settings.models.size() != motions.size()) {
-    return fail(ErrorCode::InvalidArgument, "models",
-                fmt::format("are {} for {} motions", settings.models.size(), motions.size()),
-                "give one for all, or one for each");
-  }
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    if (!settings.models[i]) continue;
-    FOLDPROOF_TRY(require_model_of(*settings.models[i], motions[i]->topology(), motions[i]->name()));
-  }
-  return {};
-}
-
 CollisionCounts CheckedStep::listed() const {
   if (pose) return {0, 0, pose->crossings.size()};
   return {step->vertex_face.size(), step->edge_edge.size(), 0};

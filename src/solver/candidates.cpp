@@ -99,14 +99,14 @@ Result<void> ContactChecker::candidates(std::span<const double> x0, std::span<co
   impl_->start_call();
   out.clear();
   FOLDPROOF_TRY(check_length("inflation", inflation));
-  return impl_->find(
-      x0, x1, inflation, [](const auto&) {},
-      [&](const auto& part) {
-        append_pairs(part.found.vertex_face, out.vertex_face);
-        append_pairs(part.found.edge_edge, out.edge_edge);
-        append_pairs(part.found.edge_vertex, out.edge_vertex);
-        append_pairs(part.found.vertex_vertex, out.vertex_vertex);
-      });
+  const auto append = [&](const auto& part) {
+    append_pairs(part.found.vertex_face, out.vertex_face);
+    append_pairs(part.found.edge_edge, out.edge_edge);
+    append_pairs(part.found.edge_vertex, out.edge_vertex);
+    append_pairs(part.found.vertex_vertex, out.vertex_vertex);
+  };
+  const auto keep = [](const auto&) {};
+  return isolated([&] { return impl_->find(x0, x1, inflation, keep, append); });
 }
 
 Result<void> ContactChecker::candidates(std::span<const double> x, double inflation, Candidates& out) {
@@ -121,9 +121,9 @@ Result<double> ContactChecker::minimum_distance(std::span<const double> x, doubl
   const double first = std::min(bound, std::max(bound * kFirstShare, std::numeric_limits<double>::min()));
   for (double distance = first;; distance = std::min(bound, distance * kGrowth)) {
     double smallest = std::numeric_limits<double>::infinity();
-    FOLDPROOF_TRY(impl_->find(
-        x, x, distance, [&](auto& part) { part.min_distance = impl_->min_distance(part.found, x); },
-        [&](const auto& part) { smallest = std::min(smallest, part.min_distance); }));
+    const auto measure = [&](auto& part) { part.min_distance = impl_->min_distance(part.found, x); };
+    const auto take_min = [&](const auto& part) { smallest = std::min(smallest, part.min_distance); };
+    FOLDPROOF_TRY(isolated([&] { return impl_->find(x, x, distance, measure, take_min); }));
     if (smallest <= distance) return smallest;
     if (distance >= bound) return std::numeric_limits<double>::infinity();
   }

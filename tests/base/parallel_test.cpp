@@ -1,4 +1,4 @@
-#include "base/parallel.h"
+#include "base/callers.h"
 
 #include <gtest/gtest.h>
 
@@ -63,6 +63,23 @@ TEST(ParallelFor, PassesExceptionsToTheCaller) {
     };
     EXPECT_THROW(nested(), int);
   }
+}
+
+TEST(ParallelFor, ACancelledLoopOfTheCallerSkipsNothing) {
+  const auto count_all = [] {
+    std::atomic<int> single = 0, blocks = 0;
+    parallel_for(0, 500, [&](int) { ++single; });
+    parallel_for(IndexRange{0, 500}, 10, [&](IndexRange block) { blocks += static_cast<int>(block.size()); });
+    const auto add = [](IndexRange block, std::size_t sum) { return sum + block.size(); };
+    EXPECT_EQ(single, 500);
+    EXPECT_EQ(blocks, 500);
+    EXPECT_EQ(parallel_reduce(IndexRange{0, 500}, 10, std::size_t{0}, add, std::plus<>()), 500u);
+  };
+  in_cancelled_loop(count_all);
+  const auto throws = [&] {
+    parallel_for(0, 100, [&](int i) { i == 50 ? throw i : parallel_for(0, 3, [&](int) { count_all(); }); });
+  };
+  EXPECT_THROW(throws(), int);
 }
 
 TEST(ParallelFor, MayBeCalledByConcurrentThreads) {

@@ -367,6 +367,44 @@ TEST(LookAhead, AcceptsTheLargestDoubles) {
   }
 }
 
+// A finite start may be infinite in the frame. A step that has no time on the motion then is no cache hit.
+TEST(LookAhead, AStartThatOverflowsIsNoCacheHit) {
+  const double size = 0x1p1000, far = 0x1p1010;
+  const auto at = [&](double height) {
+    Pose pose = sheets_at(0, 0.4 * kEdge);
+    for (std::size_t i = 0; i < pose.size(); ++i)
+      pose[i] = i % 3 == 0 ? far + size * pose[i] : size * (pose[i] + (i % 3 == 2 ? height : 0));
+    return pose;
+  };
+  const auto hierarchy = std::make_shared<const Hierarchy>(Hierarchy::build(two_sheets(), at(0)).value());
+  const std::size_t sampled = 3 * std::size_t{hierarchy->vertex_ids()[0]};
+  StepSettings settings;
+  settings.tolerance = 0x1p983;
+  StepChecker kept({hierarchy});
+  StepResult result;
+  int covered = 0;
+  for (int k = 0; k < 20; ++k) {
+    Pose from = at(0.003 * k), to = at(0.003 * (k + 1));
+    const std::span<const double> x0 = from, x1 = to;
+    ASSERT_TRUE(kept.check(x0, x1, settings, result));
+    if (result.search_steps <= 2) continue;
+    ++covered;
+    // It comes across its own sheet.
+    const double side = to[sampled] < far + size / 2 ? 1 : -1;
+    from = to;
+    to = at(0.003 * (k + 2));
+    from[sampled] = side * std::numeric_limits<double>::max();
+    const std::span<const double> y0 = from, y1 = to;
+    StepChecker fresh({hierarchy});
+    StepResult expected;
+    ASSERT_TRUE(fresh.check(y0, y1, settings, expected));
+    ASSERT_TRUE(kept.check(y0, y1, settings, result));
+    EXPECT_FALSE(expected.clean());
+    ASSERT_NO_FATAL_FAILURE(expect_same(result, expected));
+  }
+  EXPECT_GT(covered, 0);
+}
+
 // F1: the first step lies on the extrapolated motion, although that has many steps and its end is rounded,
 // also far from the origin.
 TEST(LookAhead, TheFirstStepLiesOnTheMotion) {

@@ -19,14 +19,15 @@ set(CONSUMER_OPTIONS -DVERSION=${DOCUMENTED_VERSION} -DEXAMPLE=${EXAMPLE_SOURCE}
   -DFOLDPROOF_THREADS=${FOLDPROOF_THREADS} -DCMAKE_UNITY_BUILD=$CACHE{CMAKE_UNITY_BUILD} -DCMAKE_PREFIX_PATH=${WORK}/prefix
   -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE} "-DCMAKE_CXX_FLAGS_RELEASE=${CMAKE_CXX_FLAGS_RELEASE}"
   -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER})
+set(FLAGS_OF_package -DCMAKE_CXX_FLAGS=-ffast-math)  # which Foldproof takes back
 foreach(FORM package subdirectory)
   add_test(NAME consumer_${FORM} COMMAND ${CMAKE_CTEST_COMMAND} --build-and-test ${CONSUMER} ${WORK}/${FORM}
-    --build-generator ${CMAKE_GENERATOR} --build-options -DFORM=${FORM} ${CONSUMER_OPTIONS}
+    --build-generator ${CMAKE_GENERATOR} --build-options -DFORM=${FORM} ${CONSUMER_OPTIONS} ${FLAGS_OF_${FORM}}
     --test-command consumer)
   set_tests_properties(consumer_${FORM} PROPERTIES PASS_REGULAR_EXPRESSION "${EXAMPLE_OUTPUT}" TIMEOUT 900)
 endforeach()
 add_test(NAME consumer_fetch COMMAND ${CMAKE_COMMAND} -S ${CONSUMER} -B ${WORK}/fetch -G ${CMAKE_GENERATOR} -DFORM=fetch
-  ${CONSUMER_OPTIONS})
+  ${CONSUMER_OPTIONS} -DCMAKE_CXX_FLAGS=-ffast-math)
 set_tests_properties(consumer_package PROPERTIES FIXTURES_REQUIRED installed FIXTURES_SETUP consumer)
 add_test(NAME consumer_native COMMAND ${WORK}/package/native)
 set_tests_properties(consumer_native PROPERTIES FIXTURES_REQUIRED consumer)

@@ -7,22 +7,12 @@
 #include <cmath>
 #include <thread>
 
-#include "base/parallel.h"
+#include "base/callers.h"
 #include "oracle/one_target.h"
 #include "soups.h"
 
 namespace foldproof::oracle {
 namespace {
-
-// With oneTBB: in an arena for this many threads, whether or not the machine has them.
-template <class Body>
-void in_arena([[maybe_unused]] int threads, const Body& body) {
-#if defined(FOLDPROOF_THREADS_TBB)
-  tbb::task_arena(threads).execute(body);
-#else
-  body();
-#endif
-}
 
 using Keys = std::set<std::pair<Features, std::array<Index, 2>>>;
 
@@ -243,6 +233,63 @@ TEST(Candidates, AFilterMayStartLoops) {
   const ThreadLimit threads(8);
   const std::size_t expected = found_in_arena(CollisionFilter([](Index, Index) { return true; }));
   for (int repetition = 0; repetition < 3; ++repetition) EXPECT_EQ(found_in_arena(loops), expected);
+}
+
+// A thread that waits in a call must not take up another iteration of the user's loop, which calls the same
+// checker.
+TEST(Candidates, IterationsOfALoopMayShareTheCheckerOfTheirThread) {
+  const Soup sheet = waving_sheet(30, 0);
+  const CollisionFilter sleeps([calls = std::make_shared<std::atomic<int>>(0)](Index, Index) {
+    if (++*calls % 512 == 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
+    return true;
+  });
+  PerThread<ContactChecker> checkers([&] { return checker_of(sheet, sleeps); });
+  PerThread<int> calls([] { return 0; });
+  std::atomic<int> nested = 0;
+  const auto ask = [&](int i) {
+    int& mine = calls.local();
+    nested += mine++ > 0;
+    ContactChecker& checker = checkers.local();
+    const std::vector<double> x0 = waving_sheet(30, 0.002 * i).x0,
+                              x1 = waving_sheet(30, 0.002 * i + 0.001).x0;
+    Candidates found;
+    EXPECT_TRUE(checker.candidates(x0, x1, 0.1, found));
+    EXPECT_TRUE(checker.minimum_distance(x0, 0.1));
+    EXPECT_TRUE(checker.is_step_collision_free(x0, x1).result());
+    --mine;
+  };
+  const ThreadLimit threads(8);
+  in_arena(8, [&] { parallel_for(0, 64, ask); });
+  EXPECT_EQ(nested, 0);
+}
+
+TEST(Candidates, ACancelledLoopOfTheCallerHidesNone) {
+  Soup sheets = waving_sheet(20, 0);
+  const std::vector<double> lower = sheets.x0;
+  const Index count = sheets.vertex_count();
+  for (std::size_t k = 0, faces = sheets.faces.size(); k < faces; ++k) {
+    const Triangle t = sheets.faces[k];
+    sheets.faces.push_back({t[0] + count, t[1] + count, t[2] + count});
+  }
+  const auto at_distance = [&](double z) {
+    std::vector<double> x = lower;
+    x.insert(x.end(), lower.begin(), lower.end());
+    for (std::size_t i = lower.size() + 2; i < x.size(); i += 3) x[i] += z;
+    return x;
+  };
+  const std::vector<double> near = at_distance(0.01), far = at_distance(5);
+  sheets.x0 = sheets.x1 = far;
+  ContactChecker kept = checker_of(sheets), fresh = checker_of(sheets);
+  Candidates found, expected;
+  ASSERT_TRUE(fresh.candidates(near, 0.1, expected));
+  ASSERT_TRUE(kept.candidates(near, 0.1, found));
+  in_cancelled_loop([&] {
+    EXPECT_TRUE(kept.candidates(far, 0.1, found));
+    EXPECT_FALSE(kept.is_step_collision_free(far, at_distance(-5)).is_yes());
+  });
+  ASSERT_TRUE(kept.candidates(near, 0.1, found));
+  EXPECT_GT(expected.size(), 1000u);
+  EXPECT_EQ(found.size(), expected.size());
 }
 
 TEST(Candidates, FilterExcludesExactlyThePairsItSays) {
