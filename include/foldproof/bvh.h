@@ -45,7 +45,7 @@ class Hierarchy {
   const Topology& topology() const { return topology_; }
   std::span<const Node> nodes() const { return nodes_; }
   std::span<const Leaf> leaves() const { return leaves_; }
-  Index leaf_count() const { return static_cast<Index>(leaves_.size()) - 1; }
+  Index leaf_count() const { return leaves_.empty() ? 0 : static_cast<Index>(leaves_.size()) - 1; }
 
   /// Leaf order -> the user's id.
   std::span<const Index> vertex_ids() const { return vertex_ids_; }

@@ -69,21 +69,23 @@ class Parametrizer {
 bool chart_is_valid(const Patch& patch, const UvMap& uv_map);
 
 /// Numbers the patches of a hierarchy that may have charts: the leaves below each node, and each two leaves
-/// with a common vertex. Immutable.
+/// with a common vertex. Vertices at which more than kMaxLeavesAtVertex leaves meet do not count, or there
+/// would be quadratically many. Immutable.
 class PatchSlots {
  public:
+  static constexpr Index kMaxLeavesAtVertex = 256;
   explicit PatchSlots(std::shared_ptr<const Hierarchy> hierarchy);
 
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return hierarchy_; }
   Index count() const { return node_count() + static_cast<Index>(neighbor_.size()); }
   Index of_node(Index node) const { return node; }
-  /// kNoIndex for equal leaves and for leaves without a common vertex.
+  /// kNoIndex for equal leaves and for leaves without a common vertex that counts.
   Index of_leaves(Index leaf_a, Index leaf_b) const;
   bool is_pair(Index slot) const { return slot >= node_count(); }
   std::array<Index, 2> leaves_of(Index pair_slot) const {
     return {leaf_[pair_slot - node_count()], neighbor_[pair_slot - node_count()]};
   }
-  /// Leaves with a vertex of this one, ascending.
+  /// Leaves with a vertex of this one that counts, ascending.
   std::span<const Index> neighbors(Index leaf) const {
     return std::span(neighbor_).subspan(begin_[leaf], begin_[leaf + 1] - begin_[leaf]);
   }
@@ -134,7 +136,8 @@ class ChartLibrary {
   };
   /// A range of entries in one of the library's arrays.
   struct Range {
-    Index begin = 0, count = 0, capacity = 0;
+    std::size_t begin = 0;
+    Index count = 0, capacity = 0;
   };
   struct Chart {
     Index next = kNoIndex;  ///< The slot's next chart.

@@ -151,8 +151,11 @@ struct StepResult {
   StageTimes milliseconds;
   Explanation explanation;  ///< With StepSettings::explain.
 
+  bool complete = false;  ///< The query came to its end: it failed neither with an error nor an exception.
+
   std::uint64_t count() const { return vertex_face_count + edge_edge_count; }
-  bool clean() const { return count() == 0; }
+  /// Nothing collides; false also where the query failed.
+  bool clean() const { return complete && count() == 0; }
   /// False when there are more than StepSettings::max_listed.
   bool lists_all() const { return vertex_face.size() + edge_edge.size() == count(); }
 };
@@ -165,7 +168,10 @@ struct StaticResult {
   StageTimes milliseconds;
   Explanation explanation;  ///< With StepSettings::explain.
 
-  bool clean() const { return crossing_count == 0; }
+  bool complete = false;  ///< As in StepResult.
+
+  /// Nothing crosses; false also where the query failed.
+  bool clean() const { return complete && crossing_count == 0; }
 };
 
 /// Positions of all objects at one time, mesh units: vertex_count x 3 row-major doubles per object. A view:
@@ -242,7 +248,7 @@ class StepChecker {
   /// vertices move from x0 to x1 along straight lines. Soundness: no pair that touches is missing; a reported
   /// pair comes within thickness + tolerance (docs/soundness.md). Error: wrong sizes, coordinates that are
   /// not finite.
-  Result<void> check(Positions x0, Positions x1, const StepSettings& settings, StepResult& out);
+  [[nodiscard]] Result<void> check(Positions x0, Positions x1, const StepSettings& settings, StepResult& out);
 
   /// Reports every pair of triangles that cross: that have a point in common beyond their common vertices and
   /// edges. Decided with exact arithmetic; `thickness`, `tolerance` and `earliest_only` do not apply. Two
@@ -250,7 +256,7 @@ class StepChecker {
   /// when the side opposite to it meets the other triangle, also in another vertex at the same position; with
   /// the same three vertices, always. Of triangles with the same vertices in the same order only one is
   /// tested, so many copies cost little; an Explanation is the same for all of them.
-  Result<void> check_static(Positions x, const StepSettings& settings, StaticResult& out);
+  [[nodiscard]] Result<void> check_static(Positions x, const StepSettings& settings, StaticResult& out);
 
  private:
   struct Impl;

@@ -19,7 +19,11 @@ using Edge = std::array<Index, 2>;
 /// to.
 class Topology {
  public:
-  /// Error when a triangle names a vertex >= vertex_count, or there are no triangles.
+  /// Edges, up to three per triangle, must fit an Index.
+  static constexpr Index kMaxTriangles = kNoIndex / 3 - 1;
+
+  /// Error when a triangle names a vertex >= vertex_count, or there are no triangles, or more than
+  /// kMaxTriangles.
   /// Cost: one pass; a vertex with many edges sorts them.
   static Result<Topology> make(Index vertex_count, std::vector<Triangle> triangles);
 

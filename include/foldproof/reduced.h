@@ -200,8 +200,8 @@ class ReducedChecker {
   /// same at both ends, and up to thickness plus tolerance of the shape's clearance; boxes do the rest.
   /// StepSettings::explain has no effect. Error: wrong sizes, numbers that are not finite, a matrix that is
   /// no rotation, charts of another hierarchy.
-  Result<void> check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
-                     const StepSettings& settings, StepResult& out);
+  [[nodiscard]] Result<void> check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
+                                   const StepSettings& settings, StepResult& out);
 
  private:
   struct Impl;

@@ -193,8 +193,9 @@ class ContactChecker {
   /// A share of the step that is proven free of contact, rounding included: the step to the positions that
   /// `step_towards` computes is_step_collision_free. Certificates do not change the answer. Cost: that of a
   /// step, and of a second one when the share is below 1.
-  Result<StepSize> collision_free_step_size(std::span<const double> x0, std::span<const double> x1,
-                                            double min_distance = 0);
+  [[nodiscard]] Result<StepSize> collision_free_step_size(std::span<const double> x0,
+                                                          std::span<const double> x1,
+                                                          double min_distance = 0);
 
   /// Yes: proven that no relevant pair comes into contact. No: one does, or comes within the tolerance of it,
   /// or is undecided.
@@ -206,10 +207,10 @@ class ContactChecker {
   /// does not depend on earlier calls. (ipc-toolkit inflates each of two boxes: its radius is half of this.)
   /// Cost: the first call traverses the hierarchy and builds Verlet lists. Later calls rebuild the lists of
   /// leaves that moved relative to each other, and test the listed pairs.
-  Result<void> candidates(std::span<const double> x0, std::span<const double> x1, double inflation,
-                          Candidates& out);
+  [[nodiscard]] Result<void> candidates(std::span<const double> x0, std::span<const double> x1,
+                                        double inflation, Candidates& out);
   /// The same in one pose.
-  Result<void> candidates(std::span<const double> x, double inflation, Candidates& out);
+  [[nodiscard]] Result<void> candidates(std::span<const double> x, double inflation, Candidates& out);
 
   /// Whether two elements (faces, codimensional edges, codimensional points) have a point in common, decided
   /// exactly. For neighbors see StepChecker::check_static; codimensional elements with a common vertex never
@@ -221,7 +222,7 @@ class ContactChecker {
   /// large by less than that, but at needles and nearly parallel edges by less than 2^-26 of the difference.
   /// A face that an edge pierces is not at distance 0: see has_intersections. Cost: as candidates() with the
   /// answer as inflation.
-  Result<double> minimum_distance(std::span<const double> x, double bound);
+  [[nodiscard]] Result<double> minimum_distance(std::span<const double> x, double bound);
 
   /// Of the last call.
   const Work& work() const;

@@ -42,10 +42,14 @@ bool is_shallow(std::span<const Hierarchy::Node> nodes) {
 Result<Hierarchy> Hierarchy::build(Topology topology, std::span<const double> positions,
                                    const HierarchySettings& settings) {
   const PlainArithmetic plain;
+  const auto count = static_cast<Index>(topology.triangles().size());
+  if (count == 0)
+    return fail(ErrorCode::InvalidMesh, "mesh", "has no triangles", "give a mesh with at least one face");
   FOLDPROOF_TRY(check_positions(topology, positions));
   Hierarchy tree;
   tree.topology_ = std::move(topology);
-  SplitSurface split = split_surface(tree.topology_, positions, std::max<Index>(settings.leaf_triangles, 1));
+  SplitSurface split =
+      split_surface(tree.topology_, positions, std::clamp<Index>(settings.leaf_triangles, 1, count));
   tree.triangle_ids_ = std::move(split.triangle_ids);
   tree.build_nodes(split.leaf_sizes);
   tree.assign_owners();

@@ -10,7 +10,7 @@ namespace {
 template <class T>
 void resize(std::vector<T>& all, ChartLibrary::Range& range, std::size_t count) {
   if (count > range.capacity) {
-    range.begin = static_cast<Index>(all.size());
+    range.begin = all.size();
     range.capacity = static_cast<Index>(range.capacity == 0 ? count : count + count / 2);
     all.resize(all.size() + range.capacity);
   }

@@ -1,37 +1,62 @@
 // The patches of a hierarchy and their contents.
 
 #include <algorithm>
+#include <iterator>
 
 #include "foldproof/certificate.h"
 
 namespace foldproof {
 
+namespace {
+
+// The leaves at each vertex, ascending: leaves[begin[v]] to leaves[end[v] - 1].
+struct LeavesAtVertices {
+  explicit LeavesAtVertices(const Hierarchy& h) : begin(h.vertex_ids().size() + 1, 0) {
+    for (const Triangle& t : h.triangles()) {
+      for (const Index v : t) ++begin[v + 1];
+    }
+    for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
+    end.assign(begin.begin(), begin.end() - 1);
+    leaves.resize(begin.back());
+    for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
+      for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
+        for (const Index v : h.triangles()[t]) {
+          if (end[v] == begin[v] || leaves[end[v] - 1] != leaf) leaves[end[v]++] = leaf;
+        }
+      }
+    }
+  }
+  std::span<const Index> at(Index v) const { return std::span(leaves).subspan(begin[v], end[v] - begin[v]); }
+
+  std::vector<Index> begin, end, leaves;
+};
+
+}  // namespace
+
 PatchSlots::PatchSlots(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(std::move(hierarchy)) {
   const Hierarchy& h = *hierarchy_;
-  const auto leaves = h.leaves();
-  const auto for_each_corner = [&](Index leaf, auto visit) {
-    for (Index t = leaves[leaf].triangles; t < leaves[leaf + 1].triangles; ++t) {
-      for (const Index v : h.triangles()[t]) visit(v);
+  const LeavesAtVertices leaves(h);
+  // Fewer where so many pairs could not be numbered.
+  std::size_t most = kMaxLeavesAtVertex;
+  const auto pairs = [&] {
+    std::uint64_t all = 0;
+    for (Index v = 0; v < leaves.end.size(); ++v) {
+      if (const std::uint64_t count = leaves.at(v).size(); count <= most) all += count * count;
     }
+    return all;
   };
-  // Leaves at each vertex, ascending.
-  std::vector<Index> begin(h.vertex_ids().size() + 1, 0);
-  for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) for_each_corner(leaf, [&](Index v) { ++begin[v + 1]; });
-  for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
-  std::vector<Index> end(begin.begin(), begin.end() - 1), leaves_at(begin.back());
-  for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
-    for_each_corner(leaf, [&](Index v) {
-      if (end[v] == begin[v] || leaves_at[end[v] - 1] != leaf) leaves_at[end[v]++] = leaf;
-    });
-  }
+  while (pairs() > kNoIndex / 2) most /= 2;
+
   begin_.push_back(0);
   for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
     const auto first = static_cast<std::ptrdiff_t>(neighbor_.size());
-    for_each_corner(leaf, [&](Index v) {
-      for (Index k = begin[v]; k < end[v]; ++k) {
-        if (leaves_at[k] != leaf) neighbor_.push_back(leaves_at[k]);
+    for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
+      for (const Index v : h.triangles()[t]) {
+        if (leaves.at(v).size() > most) continue;
+        std::ranges::copy_if(leaves.at(v), std::back_inserter(neighbor_),
+                             [&](Index other) { return other != leaf; });
       }
-    });
+    }
     std::sort(neighbor_.begin() + first, neighbor_.end());
     neighbor_.erase(std::unique(neighbor_.begin() + first, neighbor_.end()), neighbor_.end());
     leaf_.resize(neighbor_.size(), leaf);

@@ -106,6 +106,7 @@ void explain_copies(DistinctObjects distinct, Explanation& explanation) {
 }
 
 void clear(StepResult& out) {
+  out.complete = false;
   out.vertex_face.clear();
   out.edge_edge.clear();
   out.vertex_face_count = out.edge_edge_count = 0;
@@ -125,10 +126,14 @@ double tolerance_for(const StepSettings& settings, double extent) {
   return std::max(settings.tolerance > 0 ? settings.tolerance : automatic, resolution);
 }
 
-Result<void> check_settings(const StepSettings& settings) {
+Result<void> check_settings(const StepSettings& settings, std::size_t objects) {
   if (!settings.between && !settings.within)
     return fail(ErrorCode::InvalidArgument, "within and between", "are both off, so nothing would be tested",
                 "leave one of them on");
+  if (!settings.within && objects == 1)
+    return fail(ErrorCode::InvalidArgument, "within",
+                "is off, and there is nothing between objects: there is one",
+                "leave it on, or give more objects");
   for (const auto& [name, value] :
        {std::pair("thickness", settings.thickness), std::pair("tolerance", settings.tolerance)}) {
     if (!(value >= 0) || !std::isfinite(value))

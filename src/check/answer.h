@@ -6,7 +6,7 @@
 namespace foldproof::inline internal {
 
 /// Error: a setting is out of its range, or nothing is asked.
-Result<void> check_settings(const StepSettings& settings);
+Result<void> check_settings(const StepSettings& settings, std::size_t objects);
 /// The tolerance to use in a scene whose bounding box has this largest side.
 double tolerance_for(const StepSettings& settings, double extent);
 

@@ -99,8 +99,7 @@ std::size_t BroadPhase::list_items(const StepMotion& motion, Index object,
           (steps_ + self) % kFrontLifetime != 0) {
         const bool last = at + 1 == front->segments.size();
         const Front::Segment begin = front->segments[at],
-                             end = last ? Front::Segment{0, static_cast<Index>(front->pairs.size()),
-                                                         static_cast<Index>(front->near.size())}
+                             end = last ? Front::Segment{0, front->pairs.size(), front->near.size()}
                                         : front->segments[at + 1];
         item.from_children = false;
         item.starts = std::span(front->pairs).subspan(begin.pairs, end.pairs - begin.pairs);
@@ -185,8 +184,7 @@ void BroadPhase::run_task(Index k, Culling& culling) {
     data.found.leaf_pairs.clear();
   };
   const auto begin_segment = [&](Index node) {
-    data.front.segments.push_back(
-        {node, static_cast<Index>(data.front.pairs.size()), static_cast<Index>(data.front.near.size())});
+    data.front.segments.push_back({node, data.front.pairs.size(), data.front.near.size()});
   };
   // Pairs of leaves that the descent found when it cut the traversal of two objects into tasks.
   if (data.items.empty() && !data.found.leaf_pairs.empty()) begin_segment(0);
@@ -211,8 +209,8 @@ void BroadPhase::store_fronts() {
     for (const Front::Segment& segment : found.segments) {
       // The parts of an item form one segment.
       if (!front->segments.empty() && front->segments.back().node == segment.node) continue;
-      front->segments.push_back({segment.node, static_cast<Index>(front->pairs.size() + segment.pairs),
-                                 static_cast<Index>(front->near.size() + segment.near)});
+      front->segments.push_back(
+          {segment.node, front->pairs.size() + segment.pairs, front->near.size() + segment.near});
     }
     front->pairs.insert(front->pairs.end(), found.pairs.begin(), found.pairs.end());
     front->near.insert(front->near.end(), found.near.begin(), found.near.end());

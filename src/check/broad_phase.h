@@ -33,7 +33,8 @@ class BroadPhase {
     // The front between the two children of one unproven node: `pairs` and `near` from these indices up to
     // those of the next segment. A pair of objects has a single segment.
     struct Segment {
-      Index node, pairs, near;
+      Index node;
+      std::size_t pairs, near;
     };
     std::vector<Segment> segments;   // ascending by node
     std::vector<NodePair> pairs;     // separated nodes

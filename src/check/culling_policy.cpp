@@ -39,8 +39,9 @@ bool CullingPolicy::begin_step(bool trained) {
 
 void CullingPolicy::end_step(const Counts& counts) {
   if (used_) {
-    ++since_without_;
-    if (++used_steps_ <= kWarmUpSteps) return;
+    since_without_ = std::min(since_without_ + 1, kMaxCostAge + 1);
+    used_steps_ = std::min(used_steps_ + 1, kWarmUpSteps + 1);
+    if (used_steps_ <= kWarmUpSteps) return;
     add_to_mean(cost_with_, cost_of(counts));
     return judge();
   }

@@ -113,11 +113,12 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
   Pipeline& pipeline = query.pipeline;
   std::vector<Chunk>& chunks = pipeline.chunks;
   Stopwatch total, watch;
+  out.complete = false;
   out.crossings.clear();
   out.crossing_count = 0;
   out.work = {};
   out.milliseconds = {};
-  FOLDPROOF_TRY(check_settings(settings));
+  FOLDPROOF_TRY(check_settings(settings, x.size()));
   FOLDPROOF_TRY(pipeline.motion.update(x, x));
   out.milliseconds.update = watch.lap();
   FOLDPROOF_TRY(pipeline.find_leaf_pairs(x, x, settings, 0, out.work));
@@ -152,6 +153,7 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
     pipeline.explain(settings, 0, out.explanation);
     explain_copies(query.distinct, out.explanation);
   }
+  out.complete = true;
   return {};
 }
 

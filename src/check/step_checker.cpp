@@ -79,12 +79,14 @@ StepChecker::StepChecker(StepChecker&&) noexcept = default;
 StepChecker& StepChecker::operator=(StepChecker&&) noexcept = default;
 
 Result<void> StepChecker::check(Positions x0, Positions x1, const StepSettings& settings, StepResult& out) {
+  out.complete = false;
   return impl_->run([&](Impl::Memory& memory) {
     return check_step({memory.pipeline, &memory.look_ahead, nullptr, impl_->distinct}, x0, x1, settings, out);
   });
 }
 
 Result<void> StepChecker::check_static(Positions x, const StepSettings& settings, StaticResult& out) {
+  out.complete = false;
   return impl_->run([&](Impl::Memory& memory) {
     memory.look_ahead.invalidate();
     return check_pose({memory.pipeline, nullptr, nullptr, impl_->distinct}, x, settings, out);

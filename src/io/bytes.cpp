@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -38,16 +37,21 @@ Result<InputFile> InputFile::open(const std::string& path) {
                 "save the data to a file and name that");
   }
   file.size_ = static_cast<std::uint64_t>(status.st_size);
+  file.modified_ = status.st_mtim;
   return file;
 }
 
 InputFile::InputFile(InputFile&& other) noexcept
-    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)), size_(other.size_) {}
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      size_(other.size_),
+      modified_(other.modified_) {}
 
 InputFile& InputFile::operator=(InputFile&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(descriptor_, other.descriptor_);
   std::swap(size_, other.size_);
+  std::swap(modified_, other.modified_);
   return *this;
 }
 
@@ -70,30 +74,13 @@ Result<void> InputFile::read_at(std::uint64_t offset, std::span<char> out) const
     }
     done += static_cast<std::size_t>(count);
   }
+  struct stat status {};
+  const bool same = ::fstat(descriptor_, &status) == 0 &&
+                    static_cast<std::uint64_t>(status.st_size) == size_ &&
+                    status.st_mtim.tv_sec == modified_.tv_sec && status.st_mtim.tv_nsec == modified_.tv_nsec;
+  if (!same)
+    return fail(ErrorCode::InvalidFile, path_, "has been written to since it was opened", "open it again");
   return {};
-}
-
-Result<MappedFile> MappedFile::open(const std::string& path) {
-  const auto file = FOLDPROOF_TRY(InputFile::open(path));
-  MappedFile mapped;
-  if (file.size() == 0) return mapped;  // mmap refuses empty files
-  const auto size = static_cast<std::size_t>(file.size());
-  void* bytes = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.descriptor_, 0);
-  if (bytes == MAP_FAILED)
-    return fail(ErrorCode::FileAccess, path, "cannot be mapped: " + reason(errno), "copy it to a local disk");
-  mapped.bytes_ = {static_cast<const std::uint8_t*>(bytes), size};
-  return mapped;
-}
-
-MappedFile::MappedFile(MappedFile&& other) noexcept : bytes_(std::exchange(other.bytes_, {})) {}
-
-MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
-  std::swap(bytes_, other.bytes_);
-  return *this;
-}
-
-MappedFile::~MappedFile() {
-  if (!bytes_.empty()) ::munmap(const_cast<std::uint8_t*>(bytes_.data()), bytes_.size());
 }
 
 Result<std::vector<char>> read_file(const std::string& path, const ReadProgress& progress) {

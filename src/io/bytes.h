@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <ctime>
 #include <vector>
 
 #include "io/progress.h"
@@ -22,30 +23,16 @@ class InputFile {
   const std::string& path() const { return path_; }
   std::uint64_t size() const { return size_; }
 
-  /// Fills `out` with the bytes from `offset`. Error: the file ends before `out` is full.
+  /// Fills `out` with the bytes from `offset`. Error: the file ends before `out` is full, or has been written
+  /// to since it was opened.
   Result<void> read_at(std::uint64_t offset, std::span<char> out) const;
 
  private:
-  friend class MappedFile;
   InputFile() = default;
   std::string path_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
-};
-
-/// The bytes of a regular file, mapped into memory. The file must not be truncated while mapped.
-class MappedFile {
- public:
-  static Result<MappedFile> open(const std::string& path);
-  MappedFile(MappedFile&& other) noexcept;
-  MappedFile& operator=(MappedFile&& other) noexcept;
-  ~MappedFile();
-
-  std::span<const std::uint8_t> bytes() const { return bytes_; }
-
- private:
-  MappedFile() = default;
-  std::span<const std::uint8_t> bytes_;
+  std::timespec modified_{};
 };
 
 /// Reads a whole regular file.

@@ -79,7 +79,7 @@ Result<FileWriter> FileWriter::open(const std::string& path) {
   if (path == "-") {
     state.path = "standard output";
     state.may_close = true;
-    state.descriptor = ::dup(STDOUT_FILENO);
+    state.descriptor = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
     if (state.descriptor < 0) return write_error(state.path, errno);
     return writer;
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "base/c_locale.h"
 #include "base/try.h"
 #include "io/base64.h"
 
@@ -350,6 +351,7 @@ Result<void> GltfDocument::split_glb(std::vector<char> file) {
 
 Result<void> GltfDocument::parse_json(std::string_view text, std::uint64_t offset) {
   const char* remedy = "export the file again";
+  const CLocale numbers;
   try {
     json_ = Json::parse(text.begin(), text.end());
   } catch (const Json::parse_error& e) {
@@ -451,6 +453,7 @@ std::vector<std::string> gltf_files(const std::string& path) {
   std::vector<std::string> files;
   const auto bytes = read_file(path, {});
   if (!bytes) return files;
+  const CLocale numbers;
   const Json json = Json::parse(bytes->begin(), bytes->end(), nullptr, false);
   const auto buffers = json.is_object() ? json.find("buffers") : json.end();
   if (buffers == json.end() || !buffers->is_array()) return files;

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/c_locale.h"
 #include "foldproof/io.h"
 #include "io/formats.h"
 #include "io/numbered.h"
@@ -101,6 +102,7 @@ void add_file(const fs::path& path, std::vector<fs::path>& files) {
   if (extension != ".gltf") return;
   std::ifstream text(path, std::ios::binary);
   Uris uris;
+  const CLocale numbers;
   nlohmann::json::sax_parse(text, &uris);
   for (const std::string& uri : uris.all) files.push_back(path.parent_path() / without_escapes(uri));
 }

@@ -26,7 +26,7 @@ struct MeshData {
 
 /// Ids of vertices, triangles and edges (up to three per triangle) must fit an Index.
 inline constexpr std::uint64_t kMaxVertices = kNoIndex - 1;
-inline constexpr std::uint64_t kMaxTriangles = kNoIndex / 3 - 1;
+inline constexpr std::uint64_t kMaxTriangles = Topology::kMaxTriangles;
 
 /// Parses the bytes of a mesh file; `path` is for errors. On success every index is in range and every
 /// coordinate is finite; the mesh may be empty.

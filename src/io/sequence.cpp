@@ -1,6 +1,8 @@
 // Mesh files as the frames of a motion.
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "base/try.h"
@@ -15,6 +17,7 @@ class MeshSequence final : public Motion {
       : name_(std::move(name)), paths_(std::move(paths)), notes_(std::move(notes)) {}
 
   Result<void> open(const ReadProgress& progress) {
+    for (const std::string& path : paths_) modified_.push_back(time_of(path));
     auto first = FOLDPROOF_TRY(read(0, progress));
     topology_ = FOLDPROOF_TRY(Topology::make(first.vertex_count(), std::move(first.triangles)));
     first_ = std::move(first.positions);
@@ -45,9 +48,27 @@ class MeshSequence final : public Motion {
     return paths_.size() > 1 ? fmt::format("{} (frame {})", where, k) : where;
   }
 
+  static std::filesystem::path current_directory() {
+    std::error_code unknown;
+    return std::filesystem::current_path(unknown);
+  }
+
+  static std::filesystem::file_time_type time_of(const std::filesystem::path& path) {
+    std::error_code unknown;
+    return std::filesystem::last_write_time(path, unknown);
+  }
+
   Result<MeshData> read(Index k, const ReadProgress& progress = {}) const {
-    auto mesh = read_mesh(paths_[k], progress);
-    if (!mesh) mesh.error().where = with_frame(std::move(mesh.error().where), k);
+    // Paths are relative to where the program was when it opened the motion.
+    const std::string path =
+        current_directory() == directory_ ? paths_[k] : (directory_ / paths_[k]).string();
+    auto mesh = read_mesh(path, progress);
+    if (!mesh) {
+      mesh.error().where = with_frame(std::move(mesh.error().where), k);
+    } else if (time_of(path) != modified_[k]) {
+      return fail(ErrorCode::InvalidFile, with_frame(path, k),
+                  "has been written to since the motion was opened", "open it again");
+    }
     return mesh;
   }
 
@@ -82,6 +103,8 @@ class MeshSequence final : public Motion {
 
   std::string name_;
   std::vector<std::string> paths_, notes_;
+  std::vector<std::filesystem::file_time_type> modified_;  // when the motion was opened
+  std::filesystem::path directory_ = current_directory();  // the same
   Topology topology_;
   ObjectParts parts_;
   std::vector<double> first_;  // positions of frame 0, which open() reads

@@ -1,5 +1,6 @@
 #include "io/spool.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -37,7 +38,7 @@ Result<Spool> Spool::open(std::string where) {
   spool.where_ = std::move(where);
   std::error_code status;
   std::string name = (std::filesystem::temp_directory_path(status) / "foldproof-XXXXXX").string();
-  spool.descriptor_ = ::mkstemp(name.data());
+  spool.descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
   if (spool.descriptor_ < 0) return write_error(spool.where_);
   ::unlink(name.c_str());
   return spool;

@@ -9,6 +9,10 @@ namespace foldproof {
 Result<Topology> Topology::make(Index vertex_count, std::vector<Triangle> triangles) {
   if (triangles.empty())
     return fail(ErrorCode::InvalidMesh, "mesh", "has no triangles", "give a mesh with at least one face");
+  if (triangles.size() > kMaxTriangles) {
+    return fail(ErrorCode::LimitExceeded, "mesh", fmt::format("has more than {} triangles", kMaxTriangles),
+                "split it");
+  }
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (const Index v : triangles[i]) {
       if (v >= vertex_count) {

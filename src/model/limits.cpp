@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
+
+#include "foldproof/certificate.h"
 
 namespace foldproof::internal {
 
@@ -35,9 +38,13 @@ Result<void> require_few_neighbors(const Hierarchy& hierarchy, const std::string
       }
     }
   }
+  // Slots of models number all pairs.
+  const auto is_few = [](const VertexUse& use) { return use.leaves <= PatchSlots::kMaxLeavesAtVertex; };
   std::uint64_t pairs = 0;
   for (const VertexUse& use : uses) pairs += use.leaves * use.leaves;
-  if (pairs <= (1u << 26) + 64 * std::uint64_t{hierarchy.triangles().size()}) return {};
+  if (std::ranges::all_of(uses, is_few) &&
+      pairs <= (1u << 26) + 64 * std::uint64_t{hierarchy.triangles().size()})
+    return {};
   return fail(ErrorCode::LimitExceeded, where, "has vertices in which far too many triangles meet",
               "split the mesh there");
 }

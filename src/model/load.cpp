@@ -197,8 +197,8 @@ bool has_structure(std::span<const std::uint8_t> bytes) {
 
 Result<Model> load_model(const std::string& path) {
   FOLDPROOF_TRY(require_byte_order(path));
-  const auto mapped = FOLDPROOF_TRY(io::MappedFile::open(path));
-  const auto bytes = mapped.bytes();
+  const std::vector<char> file = FOLDPROOF_TRY(io::read_file(path));
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(file.data()), file.size());
   constexpr std::size_t kIdentifierEnd = 12;  // size, offset of the root, identifier
   if (bytes.size() < kIdentifierEnd || bytes.size() >= FLATBUFFERS_MAX_BUFFER_SIZE ||
       !file::SizePrefixedModelBufferHasIdentifier(bytes.data())) {

@@ -219,16 +219,19 @@ void ReducedChecker::Impl::compute_features(const Frame& frame, double distance)
 Result<void> ReducedChecker::check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
                                    const StepSettings& settings, StepResult& out) {
   const PlainArithmetic plain;
-  return run_on(
+  out.complete = false;
+  auto done = run_on(
       impl_, [&] { return std::make_unique<Impl>(objects_); },
       [&](Impl& impl) { return impl.check(start, end, settings, out); });
+  out.complete = done.has_value();
+  return done;
 }
 
 Result<void> ReducedChecker::Impl::check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
                                          const StepSettings& settings, StepResult& out) {
   Stopwatch watch;
   clear(out);
-  FOLDPROOF_TRY(check_settings(settings));
+  FOLDPROOF_TRY(check_settings(settings, objects.size()));
   if (start.size() != objects.size() || end.size() != objects.size()) {
     return fail(ErrorCode::InvalidArgument, "poses",
                 fmt::format("are given for {} and {} objects", start.size(), end.size()),

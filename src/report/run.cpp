@@ -333,14 +333,14 @@ Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings&
                             motion->frame_count() == 1 ? "" : "s", motions[0]->name(), count),
                 "objects that are checked together need equally many frames");
   }
-  FOLDPROOF_TRY(check_settings(settings.step));
-  if (settings.substeps == 0)
-    return fail(ErrorCode::InvalidArgument, "substeps", "must not be 0", "give 1 or more");
   if (settings.step.between && !settings.step.within && motions.size() < 2) {
     return fail(ErrorCode::InvalidArgument, motions[0]->name(),
                 "is the only object, so there is nothing between objects to check",
                 "name a second motion, or leave --between out; numbered meshes are one, unless --separate");
   }
+  FOLDPROOF_TRY(check_settings(settings.step, motions.size()));
+  if (settings.substeps == 0)
+    return fail(ErrorCode::InvalidArgument, "substeps", "must not be 0", "give 1 or more");
   std::vector<Index> frames = select_frames(settings.frames, count);
   const std::size_t needed = settings.steps_only && !settings.poses ? 2 : 1;
   if (frames.size() >= needed) return frames;

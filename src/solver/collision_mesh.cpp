@@ -98,6 +98,9 @@ Result<Hierarchy> build_joined(Topology all, Index face_count, std::span<const d
 Result<CollisionMesh> CollisionMesh::make(std::span<const double> rest_positions, std::vector<Edge> edges,
                                           std::vector<Triangle> faces, CollisionMeshSettings settings) {
   const auto count = static_cast<Index>(rest_positions.size() / 3);
+  if (rest_positions.size() / 3 + edges.size() + 4 * faces.size() >= kNoIndex)
+    return fail(ErrorCode::LimitExceeded, "mesh", "has too many vertices, edges and faces to number them",
+                "split it");
   FOLDPROOF_TRY(check_parts(rest_positions.size(), edges, settings.filter));
   FOLDPROOF_TRY(check_faces(faces));
   CollisionMesh mesh;

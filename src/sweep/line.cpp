@@ -5,6 +5,7 @@
 #include <chrono>
 #include <new>
 
+#include "base/c_locale.h"
 #include "base/try.h"
 #include "io/formats.h"
 #include "io/numbered.h"
@@ -169,6 +170,7 @@ std::string failed_sweep_line(const SweepMotion& motion, const SweepSettings& se
 }
 
 Result<SweepRecord> read_sweep_line(const std::string& line) {
+  const CLocale numbers;
   try {
     const Json json = Json::parse(line);
     SweepRecord record;

@@ -154,6 +154,25 @@ TEST(Hierarchy, RejectsBadPositions) {
   EXPECT_THAT(tree.error().line(), HasSubstr("26 numbers for 9 vertices"));
 }
 
+TEST(Hierarchy, RejectsATopologyThatWasMovedAway) {
+  Mesh mesh = testing::cloth(2);
+  const Topology taken = std::move(mesh.topology);
+  for (const Topology& empty : {mesh.topology, Topology()}) {  // NOLINT(bugprone-use-after-move): as it says
+    const auto tree = Hierarchy::build(empty, std::vector<double>(std::size_t{empty.vertex_count()} * 3));
+    ASSERT_FALSE(tree);
+    EXPECT_THAT(tree.error().line(), HasSubstr("has no triangles"));
+  }
+}
+
+TEST(Hierarchy, LeavesMayHoldMoreThanThereIs) {
+  const Mesh mesh = testing::cloth(4);
+  for (const Index most : {32u, 3435973837u, kNoIndex}) {
+    const auto tree = Hierarchy::build(mesh.topology, mesh.positions, {.leaf_triangles = most});
+    ASSERT_TRUE(tree);
+    EXPECT_EQ(tree->leaf_count(), 1u);
+  }
+}
+
 // The argument of from_parts.
 std::vector<Index> leaf_sizes(const Hierarchy& tree) {
   std::vector<Index> sizes;

@@ -57,6 +57,60 @@ std::vector<oracle::PairKey> keys(const std::vector<TriangleCrossing>& crossings
   return all;
 }
 
+TEST(Limits, WhatFailedIsNotClean) {
+  oracle::Rng rng(3);
+  const Scene scene = scene_of({&oracle::mesh_families()[0]}, rng);
+  StepChecker checker(scene.hierarchies(12));
+  StepResult step;
+  StaticResult pose;
+  EXPECT_FALSE(step.clean() || pose.clean());
+  StepSettings settings;
+  settings.max_listed = 0;
+  const auto ask = [&](double coordinate, bool within) {
+    settings.within = within;
+    auto x = scene.x0;
+    x[0][0] = coordinate;
+    const std::vector<std::span<const double>> x0(x.begin(), x.end());
+    return std::array{checker.check(x0, x0, settings, step).has_value() && step.complete,
+                      checker.check_static(x0, settings, pose).has_value() && pose.complete};
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN(), place = scene.x0[0][0];
+  EXPECT_EQ(ask(place, true), (std::array{true, true}));
+  for (const auto& [coordinate, within] : {std::pair(nan, true), std::pair(place, false)}) {
+    EXPECT_EQ(ask(coordinate, within), (std::array{false, false}));
+    EXPECT_FALSE(step.complete || pose.complete || step.clean() || pose.clean());
+  }
+}
+
+// Many triangles around a vertex are found like others, although their leaves have no charts in pairs.
+TEST(Limits, AVertexMayHaveVeryManyTriangles) {
+  const Index count = 4000;
+  std::vector<double> x0{0, 0, 0}, x1;
+  std::vector<Triangle> triangles;
+  for (Index i = 0; i <= count; ++i) {
+    const double angle = 6.0 * i / count;
+    x0.insert(x0.end(), {std::cos(angle), std::sin(angle), 0.0});
+    if (i > 0) triangles.push_back({0, i, i + 1});
+  }
+  x1 = x0;
+  x1[3 * 1] = std::cos(2.0);  // the first vertex of the rim goes through the fan
+  x1[3 * 1 + 1] = std::sin(2.0);
+  x0[3 * 1 + 2] = 0.2;
+  x1[3 * 1 + 2] = -0.2;
+  const auto tree = std::make_shared<const Hierarchy>(
+      *Hierarchy::build(*Topology::make(count + 2, std::move(triangles)), x0, {.leaf_triangles = 4}));
+  StepChecker with({tree}), without({tree});
+  StepResult a, b;
+  StepSettings plain;
+  plain.certificates = false;
+  for (int step = 0; step < 4; ++step) {
+    ASSERT_TRUE(with.check(x0, x1, {}, a));
+    ASSERT_TRUE(without.check(x0, x1, plain, b));
+    ASSERT_NO_FATAL_FAILURE(expect_same(a, b));
+  }
+  EXPECT_FALSE(b.clean());
+}
+
 TEST(Limits, AllAreCountedAndThoseWithTheSmallestIdsAreListed) {
   oracle::Rng rng(77);
   std::uint64_t not_listed = 0;

@@ -36,6 +36,35 @@ TEST_F(OpenTest, EveryFormatHasTheReaderOfItsKind) {
   }
 }
 
+TEST_F(OpenTest, FramesAreThoseOfTheDirectoryInWhichItWasOpened) {
+  for (const double z : {1.0, 2.0}) {
+    const std::string shot = z == 1 ? "one/run/" : "two/run/";
+    files.write(shot + "f1.obj", obj_at(0));
+    files.write(shot + "f2.obj", obj_at(z));
+  }
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(files.path("one"));
+  const auto motion = open({"run"});
+  std::filesystem::current_path(files.path("two"));
+  const bool opened = motion != nullptr;
+  const double z = opened ? frame(*motion, 1)[2] : 0;
+  std::filesystem::current_path(before);
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(z, 1);
+}
+
+TEST_F(OpenTest, NoticesAFrameThatIsWrittenAgain) {
+  files.write("run/f1.obj", obj_at(0));
+  const std::string second = files.write("run/f2.obj", obj_at(1));
+  const auto motion = open({files.path("run")});
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(frame_error(*motion, 1), "no error");
+  std::filesystem::last_write_time(second,
+                                   std::filesystem::file_time_type::clock::now() + std::chrono::hours(1));
+  EXPECT_EQ(frame_error(*motion, 1),
+            "run/f2.obj (frame 1): has been written to since the motion was opened; open it again");
+}
+
 TEST_F(OpenTest, FramesAreInNaturalOrder) {
   const std::vector<std::string> names{"f1.obj",  "f2.obj",   "f09.obj",   "f9.obj",
                                        "f10.obj", "f100.obj", "g.obj",     "g0.obj",

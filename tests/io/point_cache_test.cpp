@@ -121,9 +121,21 @@ TEST_F(PointCacheTest, NoticesAFileThatShrinksWhileItIsRead) {
   const auto motion = open({files.write("a.obj", kObj), cache});
   ASSERT_TRUE(motion);
   std::filesystem::resize_file(cache, 70);
-  EXPECT_EQ(frame_error(*motion, 0), "no error");
+  EXPECT_EQ(frame_error(*motion, 0), "a.pc2: has been written to since it was opened; open it again");
   EXPECT_EQ(frame_error(*motion, 1),
             "a.pc2, byte 70: the file ends here, but more was expected; copy or export it again");
+}
+
+// Its frames would be those of another motion.
+TEST_F(PointCacheTest, NoticesAFileThatIsWrittenAgain) {
+  const std::string cache = files.write("a.pc2", pc2(3, 2, kTwoFrames));
+  const auto motion = open({files.write("a.obj", kObj), cache});
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(frame_error(*motion, 1), "no error");
+  files.write("a.pc2", pc2(3, 2, kTwoFrames));
+  std::filesystem::last_write_time(cache,
+                                   std::filesystem::file_time_type::clock::now() + std::chrono::hours(1));
+  EXPECT_EQ(frame_error(*motion, 1), "a.pc2: has been written to since it was opened; open it again");
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 namespace foldproof {
 namespace {
 
+static_assert(3 * std::uint64_t{Topology::kMaxTriangles} + 2 < kNoIndex);
+
 using testing::ElementsAre;
 
 TEST(Topology, NumbersEveryEdgeOnce) {
