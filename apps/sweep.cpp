@@ -265,7 +265,6 @@ Result<int> lead(const SweepArguments& a, Ranks& ranks) {
 
 Result<int> sweep(const SweepArguments& a) {
   auto ranks = FOLDPROOF_TRY(Ranks::join(a.patience));
-  if (ranks.redundant()) return kExitClean;
   std::optional<ThreadLimit> limit;
   const auto limited = share_cores(a, ranks, limit);
   if (!ranks.leads()) {
