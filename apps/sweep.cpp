@@ -175,7 +175,7 @@ std::string list_of(const std::vector<SweepRecord>& records, SweepState state, c
 
 /// "2 single mesh files and 1 single .npy file"
 std::string left_out(const SweepInput& input) {
-  const std::string meshes = counted(input.single_meshes, "single mesh file");
+  std::string meshes = counted(input.single_meshes, "single mesh file");
   if (input.single_arrays == 0) return meshes;
   const std::string arrays = counted(input.single_arrays, "single .npy file");
   return input.single_meshes == 0 ? arrays : meshes + " and " + arrays;
@@ -265,7 +265,6 @@ Result<int> lead(const SweepArguments& a, Ranks& ranks) {
 
 Result<int> sweep(const SweepArguments& a) {
   auto ranks = FOLDPROOF_TRY(Ranks::join(a.patience));
-  if (ranks.redundant()) return kExitClean;
   std::optional<ThreadLimit> limit;
   const auto limited = share_cores(a, ranks, limit);
   if (!ranks.leads()) {

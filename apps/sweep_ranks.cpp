@@ -41,7 +41,6 @@ int from_environment(const char* open_mpi, const char* others, int fallback) {
 }
 
 int launched_count() { return from_environment("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", 1); }
-int launched_rank() { return from_environment("OMPI_COMM_WORLD_RANK", "PMI_RANK", 0); }
 
 }  // namespace
 
@@ -50,13 +49,9 @@ int launched_rank() { return from_environment("OMPI_COMM_WORLD_RANK", "PMI_RANK"
 Result<Ranks> Ranks::join(double) {
   Ranks ranks;
   if (launched_count() < 2) return ranks;
-  if (launched_rank() == 0) {
-    return fail(ErrorCode::InvalidArgument, "mpirun",
-                fmt::format("started {} processes, but this program was built without MPI", launched_count()),
-                "build it with -DFOLDPROOF_MPI=ON, or run it without mpirun");
-  }
-  ranks.redundant_ = true;
-  return ranks;
+  return fail(ErrorCode::InvalidArgument, "mpirun",
+              fmt::format("started {} processes, but this program was built without MPI", launched_count()),
+              "build it with -DFOLDPROOF_MPI=ON, or run it without mpirun");
 }
 
 Result<bool> Ranks::distribute(const SweepTask&) { return false; }
@@ -376,9 +371,7 @@ Result<Ranks> Ranks::join(double timeout) {
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
   MPI_Comm_size(MPI_COMM_WORLD, &known);
   if (known != launched_count()) {
-    ranks.redundant_ = launched_rank() != 0;
     MPI_Finalize();
-    if (ranks.redundant_) return ranks;
     return fail(ErrorCode::InvalidArgument, "mpirun",
                 fmt::format("started {} processes, of which MPI knows {}", launched_count(), known),
                 "use the mpirun of the MPI that this program was built with");

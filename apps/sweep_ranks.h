@@ -26,13 +26,12 @@ struct SweepTask {
 /// This process among those that mpirun started.
 class Ranks {
  public:
-  /// Error, in rank 0 only: there are several processes, but they cannot communicate.
+  /// Error: there are several processes, but they cannot communicate. Each says so, as a lone process that
+  /// inherited a launcher's environment must not seem to have checked something.
   static Result<Ranks> join(double timeout);
 
   bool alone() const { return count_ == 1; }
   bool leads() const { return rank_ == 0; }
-  /// This process has to exit silently: rank 0 reports the error.
-  bool redundant() const { return redundant_; }
   /// Number of processes on this machine.
   int local_count() const { return local_count_; }
 
@@ -46,7 +45,6 @@ class Ranks {
 
  private:
   int rank_ = 0, count_ = 1, local_count_ = 1;
-  bool redundant_ = false;
   std::set<int> lost_;   ///< Ranks that stopped responding.
   double timeout_ = 30;  ///< Seconds.
 };

@@ -98,6 +98,12 @@ std::string counted(std::uint64_t number, const char* noun) {
   return fmt::format("{} {}{}", grouped(number), noun, number == 1 ? "" : "s");
 }
 
+std::string every_nth_frame(Index n) {
+  constexpr std::array kEndings = {"th", "st", "nd", "rd"};
+  const bool irregular = n % 10 < 4 && n / 10 % 10 != 1;
+  return fmt::format("every {}{} frame", n, kEndings[irregular ? n % 10 : 0]);
+}
+
 std::string row(const char* label, const std::string& value) {
   return fmt::format("{:<24}{}\n", label, value);
 }
@@ -182,11 +188,19 @@ std::string start_of(const CheckTotals& totals) {
                      counted(*totals.starts_crossing, "crossing pair"));
 }
 
-/// The pairs that were left out.
-std::string untested_sentence(Motions motions, const CheckSettings& settings) {
-  if (!settings.step.within) return " Pairs within one mesh were not tested (--between).";
-  if (!settings.step.between && motions.size() > 1) return " Pairs of two meshes were not tested (--within).";
-  return "";
+bool skips_frames(const CheckSettings& settings, const CheckTotals& totals) {
+  return settings.frames.step > 1 && !is_single_frame(totals);
+}
+
+/// The frames and the pairs that were left out.
+std::string untested_sentences(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
+  std::string text;
+  if (skips_frames(settings, totals))
+    text = " Only " + every_nth_frame(settings.frames.step) + " was checked.";
+  if (!settings.step.within) return text + " Pairs within one mesh were not tested (--between).";
+  if (!settings.step.between && motions.size() > 1)
+    return text + " Pairs of two meshes were not tested (--within).";
+  return text;
 }
 
 /// The closing sentence if nothing was found. It claims freedom only if everything was tested.
@@ -235,7 +249,13 @@ std::string closing_sentence(Motions motions, const CheckSettings& settings, con
                        counted(totals.collisions.sum() + totals.missed, "colliding pair"));
   }
   return (totals.clean() ? clean_sentence(settings, totals) : found_sentence(settings, totals)) +
-         untested_sentence(motions, settings);
+         untested_sentences(motions, settings, totals);
+}
+
+/// "(frames 0 to 8, every 2nd frame)"
+std::string frames_checked(const CheckSettings& settings, const CheckTotals& totals) {
+  return fmt::format("(frames {} to {}{})", totals.first_frame, totals.last_frame,
+                     skips_frames(settings, totals) ? ", " + every_nth_frame(settings.frames.step) : "");
 }
 
 /// What the mode paper missed, and what the proven answer costs.
@@ -275,7 +295,7 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
     add("first frame", "not tested for crossings (--steps-only)");
   }
   add(settings.poses ? "frames checked" : "steps checked",
-      fmt::format("{}  (frames {} to {})", grouped(totals.steps), totals.first_frame, totals.last_frame));
+      grouped(totals.steps) + "  " + frames_checked(settings, totals));
   add("  with collisions", grouped(totals.steps_with_collisions));
   const bool first_only = settings.step.earliest_only;
   add(first_only ? "earliest pairs" : "colliding pairs",

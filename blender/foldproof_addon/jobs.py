@@ -52,6 +52,7 @@ def check(context, executable):
     """Checks the selected meshes over the scene's frames, and marks faces and frames."""
     scene, settings = context.scene, context.scene.foldproof
     objects, frames = meshes_to_check(context), frames_of(scene)
+    left_out = _left_out(context)
     poses = settings.kind == "POSES"
     parts = 1 if poses else settings.samples
     if settings.pairs == "BETWEEN" and len(objects) < 2:
@@ -73,8 +74,11 @@ def check(context, executable):
             arguments.append("--within" if settings.pairs == "WITHIN" else "--between")
         yield from program.run(arguments, folder, "Looking for collisions", 0.9)
         start, steps, found = program.read_answer(answer, sampled)
+    for each in sampled:
+        each.expect_unedited()
     contacts.store(scene, sampled, found, times)
-    return _mark(scene, sampled, start, steps, [frames[k // parts] for k in range(len(times))], times, poses, settings.pairs)
+    frame_of = [frames[k // parts] for k in range(len(times))]
+    return _mark(scene, sampled, start, steps, frame_of, times, poses, settings.pairs) + left_out
 
 
 def _mark(scene, sampled, start, steps, frame_of, times, poses, pairs):
@@ -116,6 +120,19 @@ def _summary(start, steps, times, poses, frames):
     following = times[min(number + 1, len(times) - 1)]
     first = times[number] + toi * (following - times[number])
     return f"{text or 'Collisions'} in {frames:,} {'frame' if frames == 1 else 'frames'}, the first at {first:.4g}"
+
+
+def _left_out(context):
+    """Frames and selected objects that are not checked."""
+    text, step = "", context.scene.frame_step
+    if step > 1:
+        ending = "th" if step // 10 % 10 == 1 else {1: "st", 2: "nd", 3: "rd"}.get(step % 10, "th")
+        text = f"; only every {step}{ending} frame was checked"
+    others = sum(o.type != "MESH" for o in context.selected_objects)
+    if others:
+        one = others == 1
+        text += f"; {others:,} selected {'object that is no mesh was' if one else 'objects that are no meshes were'} not checked"
+    return text
 
 
 def _count(things, one, many):

@@ -21,6 +21,12 @@ def numbers(collection, attribute, width=1, kind=np.int32):
     return out
 
 
+def faces_of(mesh):
+    """The polygon and the vertex of each corner."""
+    corners = numbers(mesh.polygons, "loop_total")
+    return np.stack([np.repeat(np.arange(len(corners)), corners), numbers(mesh.loops, "vertex_index")])
+
+
 @contextlib.contextmanager
 def evaluated(scene_object, all_layers=False):
     """The object with modifiers and armatures applied, at the scene's current frame."""
@@ -63,8 +69,9 @@ class Sampled:
             origin = mesh.attributes.get(ORIGIN)
             polygons = numbers(origin.data, "value") - 1 if origin else np.full(len(mesh.polygons), -1, np.int32)
             self.polygon_of = polygons[numbers(mesh.loop_triangles, "polygon_index")]
-            self.loops = numbers(mesh.loops, "vertex_index")
+            self._faces = faces_of(mesh)
             self.vertex_count = len(mesh.vertices)
+        self._own_faces = faces_of(scene_object.data)
         self._archive = zipfile.ZipFile(path, "w")
         with self._archive.open("faces.npy", "w") as member:
             np.lib.format.write_array(member, self.triangles)
@@ -76,14 +83,19 @@ class Sampled:
     def add(self, time):
         """Adds the pose at the scene's current frame, `time`, in world space."""
         with evaluated(self.object) as (mesh, world):
-            loops = numbers(mesh.loops, "vertex_index")
-            if len(mesh.vertices) != self.vertex_count or not np.array_equal(loops, self.loops):
+            if len(mesh.vertices) != self.vertex_count or not np.array_equal(faces_of(mesh), self._faces):
                 raise Problem(
                     f"{self.object.name} has other faces at frame {time:g} than at the first: turn off the modifier "
                     "that changes them, or choose frames between which it does not"
                 )
             local = numbers(mesh.vertices, "co", 3, np.float32).reshape(-1, 3).astype(np.float64)
         self._vertices.write(np.ascontiguousarray(local @ world[:3, :3].T + world[:3, 3]).tobytes())
+
+    def expect_unedited(self):
+        """Marks on another mesh than the one that was sampled would be on wrong faces."""
+        mesh = self.object.data
+        if mesh.is_editmode or not np.array_equal(faces_of(mesh), self._own_faces):
+            raise Problem(f"{self.object.name} was edited meanwhile: check again")
 
     def close(self):
         self._vertices.close()
@@ -93,6 +105,15 @@ class Sampled:
 def set_time(scene, time):
     frame = math.floor(time)
     scene.frame_set(frame, subframe=time - frame)
+
+
+def refuse_instances(objects):
+    """The viewport shows instances, but to_mesh() leaves them out."""
+    instances = bpy.context.evaluated_depsgraph_get().object_instances
+    parents = {instance.parent.original for instance in instances if instance.is_instance}
+    for scene_object in objects:
+        if scene_object in parents:
+            raise Problem(f"{scene_object.name} shows instances, which are no faces of it: realize instances first")
 
 
 def file_names(objects):
@@ -123,6 +144,7 @@ def sample(scene, objects, times, folder):
         for i, time in enumerate(times):
             yield Progress(i / len(times), f"Reading frame {time:g}", needs_scene=True)
             set_time(scene, time)
+            refuse_instances(objects)
             for each in sampled:
                 each.add(time)
     return sampled

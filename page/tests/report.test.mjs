@@ -108,6 +108,12 @@ test('says which pairs were not tested', async () => {
   assert.match(await verdictOf('between', both, '--between'), /; pairs within one mesh were not tested$/);
 });
 
+test('says that it skips frames', async () => {
+  const { verdict, close } = await read(reportOf('stride', makeSpheres('stride', { frames: 7, distance: 2.5 }), '--frames', '::3'));
+  await close();
+  assert.equal(verdict, 'Proven free of collisions: frame 0 and all 2 steps; only every 3rd frame was checked');
+});
+
 test('shows a single frame', async () => {
   const { verdict, kind, close } = await read(reportOf('single', makeSpheres('single', { frames: 1 }).slice(0, 1)));
   assert.match(verdict, /^Frame 0 has [\d,]+ crossing pairs of triangles$/);

@@ -406,6 +406,11 @@ test('reports a free motion', () =>
     assert.doesNotMatch(await textOf(page, '.legend'), /cross/);
   }));
 
+test('says that it skips frames', () =>
+  withPage([...makeSpheres('stride', { frames: 6, distance: 2.5 }), '--frames', '::5'], async (page) => {
+    assert.equal((await verdict(page)).text, 'Proven free of collisions: frame 0 and the step from it; only every 5th frame was checked');
+  }));
+
 test('says what the reader of a motion left out', () =>
   withPage(makeGap('gap'), async (page) => {
     await page.click('#tab-collisions');

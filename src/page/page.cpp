@@ -9,6 +9,7 @@
 
 #include "base/try.h"
 #include "page/found_contacts.h"
+#include "page/page_json.h"
 #include "page/radius.h"
 
 namespace foldproof {
@@ -421,9 +422,9 @@ PageAnswer Page::get(std::string_view path, const PageQuery& query) const {
 bool Page::advance(const std::atomic<bool>& stop) {
   try {
     return impl_->advance(stop);
-  } catch (const std::bad_alloc&) {
+  } catch (const std::exception& error) {
     impl_->check.reset();
-    impl_->end_check(Impl::State::Failed, "memory: there is not enough; view fewer objects at a time");
+    impl_->end_check(Impl::State::Failed, line_of(error));
     return true;
   }
 }

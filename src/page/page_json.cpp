@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <new>
 
 namespace foldproof {
 
@@ -62,6 +63,12 @@ Json model_json(const Model* model) {
 }
 
 std::string error_json(const std::string& line) { return dump({{"error", line}}); }
+
+std::string line_of(const std::exception& thrown) {
+  if (dynamic_cast<const std::bad_alloc*>(&thrown) != nullptr)
+    return "memory: there is not enough; view fewer objects at a time";
+  return Error{"the page", fmt::format("failed: {}", thrown.what()), "please report this"}.line();
+}
 
 std::string title_of(Motions motions) {
   std::string title = std::filesystem::path(motions[0]->name()).filename().string();

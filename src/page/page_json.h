@@ -1,6 +1,8 @@
 /// JSON values common to the page and the HTML report.
 #pragma once
 
+#include <exception>
+
 #include "page/step_store.h"
 #include "report/json_values.h"
 
@@ -15,6 +17,9 @@ Json model_json(const Model* model);
 
 /// {"error": line}
 std::string error_json(const std::string& line);
+
+/// One line for what a handler or the check threw.
+std::string line_of(const std::exception& thrown);
 
 /// The file name of the first motion, and the number of others.
 std::string title_of(Motions motions);

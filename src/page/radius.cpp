@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "foldproof/reduced.h"
+#include "page/page_json.h"
 
 namespace foldproof {
 namespace {
@@ -48,7 +49,12 @@ bool RadiusService::compute_queued(const std::atomic<bool>& stop) {
   const auto next = std::ranges::find(entries_, Entry::State::Queued, &Entry::state);
   if (next == entries_.end()) return false;
   lock.unlock();
-  Entry entry = compute(static_cast<Index>(next - entries_.begin()), stop);
+  Entry entry{.state = Entry::State::Failed};
+  try {
+    entry = compute(static_cast<Index>(next - entries_.begin()), stop);
+  } catch (const std::exception& error) {
+    entry.error = line_of(error);
+  }
   lock.lock();
   *next = std::move(entry);
   return true;

@@ -92,7 +92,7 @@ const char* type_of(std::string_view path) {
   return "application/octet-stream";
 }
 
-PageAnswer error_answer(int status, const char* line) {
+PageAnswer error_answer(int status, const std::string& line) {
   return {status, "application/json", error_json(line)};
 }
 
@@ -171,8 +171,12 @@ void PageServer::Impl::prepare() {
     return httplib::Server::HandlerResponse::Handled;
   });
   http.set_exception_handler(
-      [](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
-        send(error_answer(500, "there is not enough memory for this"), response);
+      [](const httplib::Request&, httplib::Response& response, const std::exception_ptr& thrown) {
+        try {
+          std::rethrow_exception(thrown);
+        } catch (const std::exception& error) {
+          send(error_answer(500, line_of(error)), response);
+        }
       });
 }
 

@@ -127,8 +127,24 @@ struct SweepFile::State {
     if (descriptor >= 0) ::close(descriptor);
   }
 
-  /// Opens the file, creates it if necessary, and locks it.
+  /// Opens the file, creates it if necessary, and locks it. Another sweep may replace it before the lock.
   Result<void> open_and_lock() {
+    // Bounded: on some file systems the numbers of a file change.
+    for (int attempt = 0; attempt < 100; ++attempt) {
+      FOLDPROOF_TRY(try_to_lock());
+      if (has_its_name()) break;
+    }
+    return {};
+  }
+
+ private:
+  bool has_its_name() const {
+    struct ::stat open = {}, named = {};
+    return ::fstat(descriptor, &open) == 0 && ::stat(path.c_str(), &named) == 0 &&
+           open.st_dev == named.st_dev && open.st_ino == named.st_ino;
+  }
+
+  Result<void> try_to_lock() {
     if (descriptor >= 0) ::close(descriptor);
     descriptor = ::open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0666);
     if (descriptor < 0) return file_error(path, "cannot be written", errno);

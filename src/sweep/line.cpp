@@ -18,6 +18,8 @@ namespace {
 
 // Per step; contacts need pairs, and more than these would cost more than the check.
 constexpr std::uint64_t kMaxListed = 1'000'000;
+// Raise it with every change after which an answer may differ: lines of other revisions are checked again.
+constexpr int kAnswerRevision = 1;
 constexpr ContactPictures::Format kThumbnail{160, 120, false};
 
 Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const ReadOptions& options) {
@@ -69,6 +71,7 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
   if (model != settings.models.end()) check.models = {*model};
   const Json object = objects_json(std::span(&motion, 1), check)[0];
   for (const char* key : {"vertices", "triangles", "frames", "model"}) line[key] = object[key];
+  line["frames_checked"] = settings_json({check, settings.read}, std::span(&motion, 1))["frames"];
   if (object.contains("notes")) line["notes"] = object["notes"];
   if (!check.poses && check.steps_only && motion->frame_count() == 1) {
     line["state"] = name_of(SweepState::Still);
@@ -134,6 +137,7 @@ std::string settings_hash(const SweepSettings& settings) {
   const CheckSettings& check = settings.check;
   const auto end = [](const std::optional<std::int64_t>& e) { return e ? Json(*e) : Json(nullptr); };
   const Json all = {{"version", version()},
+                    {"revision", kAnswerRevision},
                     {"static", check.poses},
                     {"start", !check.poses && !check.steps_only},
                     {"contacts", !check.poses},

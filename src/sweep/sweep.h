@@ -56,8 +56,8 @@ struct SweepSettings {
   std::vector<std::shared_ptr<const Model>> models;  ///< The first one of a motion's mesh is used.
 };
 
-/// A hash of the settings that may change answers: 16 hexadecimal digits. It covers the library's version,
-/// but not models, certificates or the number of threads.
+/// A hash of the settings that may change answers: 16 hexadecimal digits. It covers the library's version
+/// and the revision of its answers, but not models, certificates or the number of threads.
 std::string settings_hash(const SweepSettings& settings);
 
 enum class SweepState : std::uint8_t {

@@ -259,16 +259,20 @@ TEST(SweepByMpi, LeavesWholeLinesWhenMpirunEndsAllAfterOne) {
 
 TEST(Sweep, SaysThatItWasBuiltWithoutMpi) {
   const Library library;
-  ::setenv("OMPI_COMM_WORLD_SIZE", "4", 1);
-  ::setenv("OMPI_COMM_WORLD_RANK", "0", 1);
-  expect_one_line_error(library.sweep({}), "started 4 processes, but this program was built without MPI");
-  ::setenv("OMPI_COMM_WORLD_RANK", "3", 1);
-  const Outcome other = library.sweep({});
-  ::unsetenv("OMPI_COMM_WORLD_SIZE");
-  ::unsetenv("OMPI_COMM_WORLD_RANK");
-  EXPECT_EQ(other.code, 0);
-  EXPECT_EQ(other.out + other.err, "");
+  for (const char* rank : {"0", "3"}) {
+    for (const std::string launcher : {"OMPI_COMM_WORLD_", "PMI_"}) {
+      ::setenv((launcher + "SIZE").c_str(), "4", 1);
+      ::setenv((launcher + "RANK").c_str(), rank, 1);
+      expect_one_line_error(library.sweep({}), "started 4 processes, but this program was built without MPI");
+      ::unsetenv((launcher + "SIZE").c_str());
+      ::unsetenv((launcher + "RANK").c_str());
+    }
+  }
   EXPECT_FALSE(std::filesystem::exists(library / "r.jsonl"));
+  ::setenv("OMPI_COMM_WORLD_SIZE", "1", 1);
+  EXPECT_EQ(library.sweep({}).code, 1);  // what it finds
+  ::unsetenv("OMPI_COMM_WORLD_SIZE");
+  EXPECT_THAT(states(library / "r.jsonl"), kAll);
 }
 
 #endif

@@ -414,6 +414,90 @@ class Addon(unittest.TestCase):
         build.frame_start, build.frame_duration = -10, 30
         self.fails(bpy.ops.foldproof.check, "Floor has other faces at frame 2 than at the first")
 
+    def test_instances_are_refused(self):
+        """The strip stays above the floor, but its instances, 6 below it, pass through."""
+        _, strip = two_planes()
+        key(strip, "location", {1: (0, 0, 7), 11: (0, 0, 6)})
+        bpy.ops.foldproof.check()
+        self.assertEqual(self.settings.message, "No collision, proven, in 11 poses")
+        tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
+        tree.inputs.new("NodeSocketGeometry", "Geometry")
+        tree.outputs.new("NodeSocketGeometry", "Geometry")
+        kinds = ("NodeGroupInput", "GeometryNodeInstanceOnPoints", "GeometryNodeTranslateInstances", "GeometryNodeMeshCube",
+                 "GeometryNodeJoinGeometry", "NodeGroupOutput")
+        given, on_points, move, cube, join, out = (tree.nodes.new(kind) for kind in kinds)
+        move.inputs["Translation"].default_value = (0, 0, -6)
+        for start, end, name in ((given, on_points, "Points"), (cube, on_points, "Instance"), (on_points, move, 0),
+                                 (move, join, 0), (given, join, 0), (join, out, 0)):
+            tree.links.new(start.outputs[0], end.inputs[name])
+        strip.modifiers.new("Scatter", "NODES").node_group = tree
+        self.fails(bpy.ops.foldproof.check, "Strip shows instances, which are no faces of it: realize instances first")
+        realize = tree.nodes.new("GeometryNodeRealizeInstances")
+        tree.links.new(join.outputs[0], realize.inputs[0])
+        tree.links.new(realize.outputs[0], out.inputs[0])
+        bpy.ops.foldproof.check()
+        self.assertIn("collisions in 10 frames", self.settings.message)  # 1-unit cubes, which cross each other, too
+
+        strip.modifiers.clear()
+        child = new_object("Child", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+        child.parent, strip.instance_type = strip, "FACES"
+        child.select_set(False)
+        self.fails(bpy.ops.foldproof.check, "Strip shows instances")
+
+    def test_says_what_was_left_out(self):
+        two_planes()
+        self.scene.frame_step = 5
+        bpy.data.objects["Strip"].location.z = 9
+        bpy.data.objects["Strip"].animation_data_clear()
+        bpy.ops.foldproof.check()
+        self.assertEqual(self.settings.message, "No collision, proven, in 3 poses; only every 5th frame was checked")
+        for step, name in ((1, ""), (2, "2nd"), (3, "3rd"), (11, "11th"), (21, "21st"), (112, "112th")):
+            self.scene.frame_step = step
+            self.assertEqual(addon("jobs")._left_out(bpy.context), name and f"; only every {name} frame was checked")
+        self.scene.frame_step = 1
+        for number, text in ((1, "1 selected object that is no mesh was"), (2, "2 selected objects that are no meshes were")):
+            curve = bpy.data.objects.new("Curve", bpy.data.curves.new("Curve", "CURVE"))
+            bpy.context.collection.objects.link(curve)
+            curve.select_set(True)
+            bpy.ops.foldproof.check()
+            self.assertEqual(self.settings.message, f"No collision, proven, in 11 poses; {text} not checked")
+
+    def test_a_mesh_that_was_edited_meanwhile_gets_no_marks(self):
+        floor, _ = two_planes()
+        bpy.context.view_layer.objects.active = floor
+        vertices, faces = grid(4, -0.5, 0.5, -0.5, 0.5)
+
+        def reverse():  # as many faces, in another order
+            floor.data.clear_geometry()
+            floor.data.from_pydata(vertices, [], faces[::-1])
+
+        for edit in (reverse, lambda: bpy.ops.object.mode_set(mode="EDIT")):
+            job = addon("jobs").check(bpy.context, str(PROGRAM))
+            while next(job).needs_scene:
+                pass
+            edit()
+            with self.assertRaisesRegex(addon("problem").Problem, "Floor was edited meanwhile: check again"):
+                for _ in job:
+                    pass
+            bpy.ops.object.mode_set(mode="OBJECT")
+            self.assertEqual((markers(), len(self.settings.contacts), len(floor.vertex_groups)), ({}, 0, 0))
+            self.assertNotIn("foldproof", floor.data)
+
+    def test_other_polygons_over_the_same_corners_are_refused(self):
+        def mesh(faces):
+            made = bpy.data.meshes.new("Seven")
+            made.from_pydata([(x, x * x, 0) for x in range(7)], [], faces)
+            return made
+
+        changing = bpy.data.objects.new("Changing", mesh([(0, 1, 2, 3), (4, 5, 6)]))
+        bpy.context.collection.objects.link(changing)
+        sampled = addon("motion").Sampled(changing, str(WORK / "changing.npz"), 1)
+        changing.data = mesh([(0, 1, 2), (3, 4, 5, 6)])
+        with self.assertRaisesRegex(addon("problem").Problem, "Changing has other faces at frame 1"):
+            sampled.add(1)
+        sampled._vertices.write(bytes(8 * 3 * 7))
+        sampled.close()
+
     def test_cancelling_leaves_everything_as_it_was(self):
         floor, _ = two_planes()
         bpy.ops.foldproof.check()

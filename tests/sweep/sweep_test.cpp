@@ -1,5 +1,8 @@
 // Lines of results, the file that holds them, the queue and the page.
 #include <gmock/gmock.h>
+#include <sys/file.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -7,6 +10,17 @@
 #include "report/needle.h"
 #include "report/spheres.h"
 #include "sweep/sweep.h"
+
+namespace {
+/// What another sweep does between opening and locking the file.
+std::function<void()> before_lock;
+}  // namespace
+
+/// Replaces that of the C library.
+int flock(int descriptor, int operation) noexcept {
+  if (const auto meanwhile = std::exchange(before_lock, {})) meanwhile();
+  return static_cast<int>(::syscall(SYS_flock, descriptor, operation));
+}
 
 namespace foldproof {
 namespace {
@@ -149,6 +163,19 @@ TEST(SweepLine, LinesWithoutTheFirstFrameCanBeRead) {
   EXPECT_EQ(record.steps, 1u);
   EXPECT_EQ(record.starts_crossing, std::nullopt);
 }
+
+TEST(SweepLine, SaysWhichFramesWereChecked) {
+  ThreeNeedles library;
+  const auto frames_checked = [&] {
+    return nlohmann::json::parse(*sweep_line(library.input().motions[0], library.settings))["frames_checked"];
+  };
+  EXPECT_EQ(frames_checked(), (nlohmann::json{{"first", 0}, {"last", 4}, {"step", 1}}));
+  library.settings.check.frames = {1, 4, 2};
+  EXPECT_EQ(frames_checked(), (nlohmann::json{{"first", 1}, {"last", 3}, {"step", 2}}));
+}
+
+/// Answers of the first builds of 0.2.0 could be wrong.
+TEST(SweepLine, SettingsHaveTheRevisionOfAnswers) { EXPECT_NE(settings_hash({}), "44240abbf3c0c7bd"); }
 
 TEST(SweepLine, HasTheTotalsOfTheReport) {
   const ThreeNeedles library;
@@ -324,6 +351,20 @@ TEST(SweepFile, IsWrittenByOneSweepAtATime) {
   const auto second = library.open(input);
   ASSERT_FALSE(second);
   EXPECT_THAT(second.error().line(), HasSubstr("another sweep"));
+}
+
+TEST(SweepFile, IsTheOneOfItsNameOnceItIsLocked) {
+  const ThreeNeedles library;
+  library.sweep();
+  before_lock = [&] {
+    std::filesystem::copy_file(library.results(), library / "new");
+    std::filesystem::rename(library / "new", library.results());
+  };
+  const SweepInput input = library.input();
+  const auto file = library.open(input);
+  ASSERT_TRUE(file) << file.error().line();
+  EXPECT_FALSE(before_lock);
+  EXPECT_FALSE(library.open(input)) << "what is locked is the file that another sweep replaced";
 }
 
 TEST(SweepFile, ChecksNamesThatAreNoTextEveryTime) {

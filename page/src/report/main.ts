@@ -82,7 +82,7 @@ function foundIn({ settings, objects, start, totals }: Data, single: boolean): F
     statistical: settings['mode'] === 'paper',
     single,
     poses: isStatic(settings),
-    untested: untestedText(settings, objects.length),
+    untested: untestedText(settings, objects.length, single ? 1 : strideOf(settings)),
   };
 }
 
@@ -193,9 +193,10 @@ const plain = (value: unknown): string => {
   return String(value);
 };
 
+const strideOf = (settings: Data['settings']): number => (settings['frames'] as { step: number }).step;
+
 function makeCharts(data: Data, substeps: number): { charts: Charts; box: HTMLElement } {
-  const { step: stride } = data.settings['frames'] as { step: number };
-  const span = (step: Step) => spanOf(step, substeps, stride);
+  const span = (step: Step) => spanOf(step, substeps, strideOf(data.settings));
   const poses = isStatic(data.settings);
   const charts = new Charts({
     poses,

@@ -7,6 +7,12 @@ export const grouped = (value: number): string => kGrouped.format(value);
 export const counted = (value: number, noun: string, plural = `${noun}s`): string =>
   `${grouped(value)} ${value === 1 ? noun : plural}`;
 
+const kOrdinals = new Intl.PluralRules('en', { type: 'ordinal' });
+const kEndings: Partial<Record<Intl.LDMLPluralRule, string>> = { one: 'st', two: 'nd', few: 'rd' };
+
+/** "2nd" */
+export const ordinal = (value: number): string => `${value}${kEndings[kOrdinals.select(value)] ?? 'th'}`;
+
 /** Four significant digits, as plain as possible. */
 export function short(value: number): string {
   if (!Number.isFinite(value)) return '–';

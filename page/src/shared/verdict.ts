@@ -1,5 +1,5 @@
 // The overall result of a check, in the same words in the page and in the report.
-import { counted, grouped } from './format';
+import { counted, grouped, ordinal } from './format';
 import { kStartNotTested, wordsOf } from './words';
 
 /** The answer for the first frame. */
@@ -20,7 +20,7 @@ export interface Found {
   statistical: boolean;
   single: boolean; // one frame, whose only step has no motion
   poses: boolean; // a static check, whose steps are poses
-  untested: string; // pairs of meshes that were left out, for the end of the verdict
+  untested: string; // pairs of meshes and frames that were left out, for the end of the verdict
 }
 
 export type Kind = 'run' | 'free' | 'hit' | 'stopped';
@@ -60,10 +60,11 @@ function single(start: Start, pairs: number): Verdict {
   return crosses ? { text: startText(start, true), kind: 'hit' } : { text: `Proven free: nothing crosses in frame ${start.frame}`, kind: 'free' };
 }
 
-/** What was left out when only pairs within meshes, or only those between them, were tested. */
-export function untestedText(settings: Record<string, unknown>, objects: number): string {
-  if (settings['within'] === false) return '; pairs within one mesh were not tested';
-  return settings['between'] === false && objects > 1 ? '; pairs of two meshes were not tested' : '';
+/** What was left out when only some frames, only pairs within meshes, or only those between them, were tested. */
+export function untestedText(settings: Record<string, unknown>, objects: number, stride: number): string {
+  const skipped = stride > 1 ? `; only every ${ordinal(stride)} frame was checked` : '';
+  if (settings['within'] === false) return `${skipped}; pairs within one mesh were not tested`;
+  return settings['between'] === false && objects > 1 ? `${skipped}; pairs of two meshes were not tested` : skipped;
 }
 
 export function verdictOf(found: Found): Verdict {

@@ -17,20 +17,21 @@ const stemOf = (path: string): string => path.slice(0, path.length - extensionOf
 const folderOf = (path: string): string => path.slice(0, Math.max(0, path.lastIndexOf('/')));
 const natural = new Intl.Collator('en', { numeric: true });
 
-/** Meshes and caches of one folder: each cache follows its mesh, the one of the same name or the only one. */
+/** Meshes and caches of one folder: each cache follows the mesh of its name, or the only one where one of each is left. */
 function meshesOf(folder: string, paths: string[]): string[] {
   const meshes = paths.filter(is(kMeshes));
   const caches = paths.filter(is(kCaches));
   if (folder !== '' && meshes.length > 1 && caches.length === 0) return [folder]; // frames
   const left = [...meshes];
   const files: string[] = [];
+  const unnamed: string[] = [];
   for (const cache of caches) {
     const named = left.findIndex((mesh) => stemOf(mesh) === stemOf(cache));
-    const [mesh] = left.splice(named < 0 ? 0 : named, 1);
-    if (mesh !== undefined) files.push(mesh);
-    files.push(cache); // without a mesh the engine says what is missing
+    if (named < 0) unnamed.push(cache);
+    else files.push(...left.splice(named, 1), cache);
   }
-  return [...files, ...left];
+  if (left.length === 1 && unnamed.length === 1) return [...files, ...left, ...unnamed];
+  return [...files, ...unnamed, ...left]; // the engine says what is missing of a cache without a mesh
 }
 
 export function argumentsOf(paths: string[]): Arguments {
