@@ -56,10 +56,11 @@ struct Found {
   std::vector<StartCrossingRow> start_crossings;
 };
 
-/// Collects the answers of the steps.
+/// Collects the answers of the steps. Before the other writers, so that reports appear only if the caller has
+/// not cancelled until then.
 class Collector final : public ReportWriter {
  public:
-  Collector(Found& into, bool pairs) : into_(into), pairs_(pairs) {}
+  Collector(Found& into, bool pairs, LongCall& call) : into_(into), pairs_(pairs), call_(call) {}
 
   Result<void> start(const CheckedStep& pose) override {
     if (!pairs_) return {};
@@ -84,11 +85,15 @@ class Collector final : public ReportWriter {
     }
     return {};
   }
-  Result<void> finish(const CheckTotals&) override { return {}; }
+  Result<void> finish(const CheckTotals&) override {
+    if (call_.commit()) return {};
+    return fail(ErrorCode::Interrupted, "cancelled", "the check was ended", "no report was written");
+  }
 
  private:
   Found& into_;
   bool pairs_;
+  LongCall& call_;
 };
 
 /// The arguments of a check, converted from Python.
@@ -216,7 +221,7 @@ Found run(const Request& request, const py::object& progress) {
   Found found;
   run_long(progress, [&](LongCall& call) {
     auto writers = writers_of(request);
-    writers.push_back(std::make_unique<Collector>(found, request.keep));
+    writers.insert(writers.begin(), std::make_unique<Collector>(found, request.keep, call));
     CheckHooks hooks;
     hooks.cancel = call.cancel();
     hooks.progress = [report = call.progress()](const CheckTotals& totals, std::uint64_t steps) {

@@ -10,6 +10,7 @@
 #include "arrays.h"
 #include "module.h"
 #include "steps.h"
+#include "unlocked.h"
 
 namespace foldproof::python {
 namespace {
@@ -78,7 +79,7 @@ class Finder {
     const Pose pose = pose_of(x, "x", objects_);
     std::vector<Contact> ended;
     {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       const std::lock_guard lock(mutex_);
       require_open();
       ended = add_frame(pose.spans, time.value_or(time_ ? *time_ + 1 : 0));
@@ -89,7 +90,7 @@ class Finder {
   py::list finish() {
     std::vector<Contact> ended;
     {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       const std::lock_guard lock(mutex_);
       require_open();
       ended = finder_->finish();
@@ -99,7 +100,7 @@ class Finder {
   }
 
   std::size_t open_count() {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     const std::lock_guard lock(mutex_);
     return finished_ ? 0 : finder_->open_count();
   }

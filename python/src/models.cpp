@@ -5,6 +5,7 @@
 #include "long_call.h"
 #include "module.h"
 #include "motions.h"
+#include "unlocked.h"
 
 namespace foldproof::python {
 namespace {
@@ -71,13 +72,13 @@ std::shared_ptr<Model> train(const py::object& motions, const py::object& frames
 
 std::shared_ptr<Model> load(const py::object& path) {
   const std::string name = path_of(path);
-  const py::gil_scoped_release gil_released;
+  const Unlocked unlocked;
   return std::make_shared<Model>(take(load_model(name)));
 }
 
 void save(const Model& model, const py::object& path) {
   const std::string name = path_of(path);
-  const py::gil_scoped_release gil_released;
+  const Unlocked unlocked;
   take(save_model(model, name));
 }
 

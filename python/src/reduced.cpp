@@ -8,6 +8,7 @@
 #include "long_call.h"
 #include "module.h"
 #include "steps.h"
+#include "unlocked.h"
 
 namespace foldproof::python {
 namespace {
@@ -124,7 +125,7 @@ py::array positions(const Shape& self, const py::object& p, const py::object& ro
   const Placed object = placed(self, py::make_tuple(p, rotation, translation), "p");
   std::vector<double> x(static_cast<std::size_t>(3 * self.vertices()));
   {
-    const py::gil_scoped_release gil_released;
+    const Unlocked unlocked;
     pose_vertices(*self.shape->motion(), object.pose, x);
   }
   return owned(std::move(x), {self.vertices(), 3});
@@ -132,7 +133,7 @@ py::array positions(const Shape& self, const py::object& p, const py::object& ro
 
 const char* proven_free(Shape& self, const py::object& p0, const py::object& p1) {
   const Numbers from = coordinates_of(self, p0, "p0"), to = coordinates_of(self, p1, "p1");
-  const py::gil_scoped_release gil_released;
+  const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
   switch (self.shape->proven_free(span_of(from), span_of(to), self.scratch)) {
     case ReducedProof::Free:
@@ -195,7 +196,7 @@ std::unique_ptr<StepResult> check_poses(PoseChecker& self, const py::object& sta
   };
   const auto x0 = poses(from), x1 = poses(to);
   auto result = std::make_unique<StepResult>();
-  const py::gil_scoped_release gil_released;
+  const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
   take(self.checker->check(x0, x1, step, *result));
   return result;

@@ -5,6 +5,7 @@
 
 #include "module.h"
 #include "steps.h"
+#include "unlocked.h"
 
 namespace foldproof::python {
 namespace {
@@ -36,7 +37,7 @@ std::shared_ptr<CollisionMesh> make_mesh(const py::object& rest_positions, const
   settings.hierarchy.leaf_triangles = leaf_triangles;
   auto edge_rows = optional_rows<2>(edges, "edges", "E x 2 vertex ids");
   auto face_rows = optional_rows<3>(faces, "faces", "F x 3 vertex ids");
-  const py::gil_scoped_release gil_released;
+  const Unlocked unlocked;
   return std::make_shared<CollisionMesh>(
       take(CollisionMesh::make(span_of(x), std::move(edge_rows), std::move(face_rows), std::move(settings))));
 }
@@ -73,7 +74,7 @@ struct Solver {
   /// Calls the checker without Python's lock.
   template <class Query>
   auto ask(Query query) {
-    const py::gil_scoped_release gil_released;
+    const Unlocked unlocked;
     const std::lock_guard lock(mutex);
     return take(query(checker));
   }

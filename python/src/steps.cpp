@@ -6,6 +6,7 @@
 
 #include "module.h"
 #include "report/report.h"
+#include "unlocked.h"
 
 namespace foldproof::python {
 namespace {
@@ -29,7 +30,7 @@ std::unique_ptr<StepResult> check(Checker& self, const py::object& x0, const py:
   const StepSettings step = step_settings(settings);
   const Pose from = pose_of(x0, "x0", self.objects), to = pose_of(x1, "x1", self.objects);
   auto result = std::make_unique<StepResult>();
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
   take(self.checker->check(from.spans, to.spans, step, *result));
   return result;
@@ -39,7 +40,7 @@ std::unique_ptr<StaticResult> check_static(Checker& self, const py::object& x, c
   const StepSettings step = step_settings(settings);
   const Pose pose = pose_of(x, "x", self.objects);
   auto result = std::make_unique<StaticResult>();
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
   take(self.checker->check_static(pose.spans, step, *result));
   return result;
