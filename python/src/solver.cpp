@@ -182,8 +182,8 @@ void bind_checker(py::module_& module) {
              return std::make_unique<Solver>(
                  std::move(mesh), ContactSettings{certificates, tolerance, conservative_rescaling});
            }),
-           py::arg("mesh"), py::kw_only(), py::arg("certificates") = true, py::arg("tolerance") = 0.0,
-           py::arg("conservative_rescaling") = 0.8,
+           py::arg("mesh").none(false), py::kw_only(), py::arg("certificates") = true,
+           py::arg("tolerance") = 0.0, py::arg("conservative_rescaling") = 0.8,
            "certificates: skip what they prove in steps. tolerance: mesh units; 0: 2^-30 of the size of "
            "everything. conservative_rescaling: the share, in (0, 1], of the way to contact that a step may "
            "go.")
