@@ -185,9 +185,10 @@ std::vector<Placed> ends_of(const PoseChecker& self, const py::object& given, co
   return ends;
 }
 
-std::unique_ptr<StepResult> check_poses(PoseChecker& self, const py::object& start, const py::object& end,
-                                        const py::kwargs& settings) {
+std::unique_ptr<AnswerFor<StepResult>> check_poses(PoseChecker& self, const py::object& start,
+                                                   const py::object& end, const py::kwargs& settings) {
   const StepSettings step = step_settings(settings);
+  refuse_given("ReducedChecker", {{"explain", step.explain}, {"mode='paper'", step.mode == Mode::Paper}});
   const auto from = ends_of(self, start, "start"), to = ends_of(self, end, "end");
   const auto poses = [](const std::vector<Placed>& placed) {
     std::vector<ReducedPose> list;
@@ -195,7 +196,9 @@ std::unique_ptr<StepResult> check_poses(PoseChecker& self, const py::object& sta
     return list;
   };
   const auto x0 = poses(from), x1 = poses(to);
-  auto result = std::make_unique<StepResult>();
+  auto result = std::make_unique<AnswerFor<StepResult>>();
+  for (const py::object& shape : self.shapes)
+    result->objects.emplace_back(shape.cast<const Shape&>().shape->motion()->hierarchy());
   const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
   take(self.checker->check(x0, x1, step, *result));
