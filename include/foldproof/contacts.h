@@ -54,7 +54,7 @@ struct Contact {
   bool healed = false;      ///< It ended before the motion did.
   double first_time = 0;    ///< First impact; the motion's begin with from_start.
   double last_time = 0;     ///< The last frame in which it crosses, or the last impact, whichever is later.
-  std::uint64_t pairs = 0;  ///< Colliding pairs of features, over all steps.
+  std::uint64_t pairs = 0;  ///< Colliding pairs of features, of those listed, over all steps.
 
   /// The frames in which triangles cross, ascending. Empty: surfaces touch between frames only.
   std::vector<ContactFrame> frames;

@@ -35,8 +35,9 @@ class CheckResult:
     which do not test it. start_crossings: these pairs, as StaticResult.crossings; empty with keep=False. missed: mode
     'paper', collisions of the proven answer that it misses, over all steps. tolerance: the largest of a step, mesh units.
     work, milliseconds: sums over the steps, as in StepResult. first_frame: the first that was checked. notes: what the
-    readers of the motions left out or assumed (Motion.notes), after the motion's name. static: whether frames were
-    checked, not steps.
+    readers of the motions left out or assumed (Motion.notes), after the motion's name. untested: what the settings left
+    out, a sentence each. static: whether frames were checked, not steps. statistical: mode 'paper', which can miss
+    collisions.
     """
 
     clean: bool
@@ -53,6 +54,8 @@ class CheckResult:
     milliseconds: dict[str, float]
     first_frame: int
     notes: list[str]
+    untested: list[str]
+    statistical: bool
     static: bool
     _contacts: Contacts | None
 
@@ -88,6 +91,7 @@ class CheckResult:
 
     def _found(self) -> Iterable[Any]:
         yield from (self.clean, self.collisions, self.starts_crossing, self.missed, self.tolerance, self.static)
+        yield from (self.untested, self.statistical)
         yield from (self.steps[name] for name in self.steps.dtype.names or () if name != "milliseconds")
         yield from (self.vertex_face, self.edge_edge, self.crossings, self.start_crossings, self._contacts)
 
@@ -99,7 +103,9 @@ class CheckResult:
         return f"<p>{html.escape(self._summary())}</p>{contacts}"
 
     def _summary(self) -> str:
-        return "; ".join([self._counts(), *self.notes])
+        misses = f"{self.missed:,} known miss{'' if self.missed == 1 else 'es'}"
+        label = [f"STATISTICAL: {misses}"] if self.statistical else []
+        return "; ".join([*label, self._counts(), *self.untested, *self.notes])
 
     def _counts(self) -> str:
         """'12 collisions in 3 of 32 steps, 2 contacts; frame 0 starts with 4 crossing pairs of triangles'."""
@@ -141,9 +147,9 @@ def check(
     pair (some 40 bytes each); else only counts and contacts. contacts: join what collides into contacts. parts: names
     for their sides, one per triangle; for a list of motions a list with an entry for each, which may be None; without
     it, those that files name. unit: name of a mesh unit, for tables and reports; without it, the files'. reports:
-    path or paths to write, .json, .csv or .ply, which appear complete or not at all. progress: called with the share
-    that is done. Ctrl-C cancels it. Error: motions that do not fit together, frames that cannot be read, a report
-    that cannot be written.
+    path or paths to write, .json, .csv or .ply (with mode='paper' only .json), which appear complete or not at all.
+    progress: called with the share that is done. Ctrl-C cancels it. Error: motions that do not fit together, frames that
+    cannot be read, a report that cannot be written.
     """
     found = _core.check(
         motions, models=models, frames=frames, static=static, steps_only=steps_only, substeps=substeps, keep=keep,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from . import _core
 from ._core import Hierarchy, Model, Motion, StaticResult, StepResult, load
 from ._errors import Error
 from ._text import html_table, many
@@ -58,7 +59,7 @@ def _arrays_of(mesh: Any) -> tuple[NDArray[Any], NDArray[Any]]:
 
 
 def _triangles_of(faces: ArrayLike) -> NDArray[Any]:
-    array = np.asarray(faces)
+    array = np.asanyarray(faces)  # keeps a mask, which is refused
     if array.ndim == 2 and array.shape[1] == 4:
         return array[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
     return array
@@ -109,6 +110,10 @@ def _model_of(content: bytes) -> Model:
         return load(path)
 
 
+def _refuse_copy(thing: object, _protocol: int) -> None:
+    raise TypeError(f"cannot pickle or copy a foldproof.{type(thing).__name__}")
+
+
 def _same_model(a: Model, b: object) -> Any:
     return _bytes_of(a) == _bytes_of(b) if isinstance(b, Model) else NotImplemented
 
@@ -132,6 +137,9 @@ def _set(made: type, **members: Any) -> None:
 
 def complete_classes() -> None:
     """Called once, when the package is imported."""
+    for made in vars(_core).values():
+        if isinstance(made, type):
+            _set(made, __reduce_ex__=_refuse_copy)
     _set(
         Motion,
         from_arrays=staticmethod(_motion_from_arrays),
@@ -140,6 +148,8 @@ def complete_classes() -> None:
         _repr_html_=lambda self: _table("Motion", self.name, _facts_of_motion(self)),
         __eq__=_same_motion,
         __hash__=None,
+        # Older protocols would make a Motion of nothing.
+        __reduce_ex__=lambda self, protocol: object.__reduce_ex__(self, max(protocol, 2)),
     )
     _set(
         Model,
@@ -147,7 +157,7 @@ def complete_classes() -> None:
         _repr_html_=lambda self: _table("Model", self.name, _facts_of_model(self)),
         __eq__=_same_model,
         __hash__=None,
-        __reduce__=lambda self: (_model_of, (_bytes_of(self),)),
+        __reduce_ex__=lambda self, _protocol: (_model_of, (_bytes_of(self),)),
     )
     _set(Hierarchy, __repr__=_text_of_hierarchy)
     _set(StepResult, __repr__=_text_of_step)

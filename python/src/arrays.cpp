@@ -22,6 +22,8 @@ std::string shape_text(const py::array& x) { return py::str(py::tuple(x.attr("sh
 py::array any_array(const py::handle& x, const char* what, const char* layout) {
   auto array = py::array::ensure(x);
   if (!array) refuse(what, "is no array", std::string("give ") + layout + " numbers");
+  if (py::hasattr(x, "mask") && py::module_::import("numpy.ma").attr("is_masked")(x).cast<bool>())
+    refuse(what, "has masked entries", "fill them, for example with filled()");
   return array;
 }
 
@@ -96,7 +98,9 @@ std::vector<Index> ids_of(const py::handle& x, const char* what, const char* thi
   for (py::ssize_t i = 0; i < wide.size(); ++i) {
     const std::int64_t id = wide.data()[i];
     if (id < 0 || id >= kNoIndex) {
-      refuse(what, "row " + std::to_string(i / columns) + " names " + thing + ' ' + std::to_string(id),
+      const std::string given =
+          kind == 'u' ? std::to_string(static_cast<std::uint64_t>(id)) : std::to_string(id);
+      refuse(what, "row " + std::to_string(i / columns) + " names " + thing + ' ' + given,
              std::string("count ") + (thing == std::string("vertex") ? "vertices" : "groups") + " from 0");
     }
     ids.push_back(static_cast<Index>(id));

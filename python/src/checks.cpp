@@ -56,10 +56,11 @@ struct Found {
   std::vector<StartCrossingRow> start_crossings;
 };
 
-/// Collects the answers of the steps.
+/// Collects the answers of the steps. Before the other writers, so that reports appear only if the caller has
+/// not cancelled until then.
 class Collector final : public ReportWriter {
  public:
-  Collector(Found& into, bool pairs) : into_(into), pairs_(pairs) {}
+  Collector(Found& into, bool pairs, LongCall& call) : into_(into), pairs_(pairs), call_(call) {}
 
   Result<void> start(const CheckedStep& pose) override {
     if (!pairs_) return {};
@@ -84,11 +85,15 @@ class Collector final : public ReportWriter {
     }
     return {};
   }
-  Result<void> finish(const CheckTotals&) override { return {}; }
+  Result<void> finish(const CheckTotals&) override {
+    if (call_.commit()) return {};
+    return fail(ErrorCode::Interrupted, "cancelled", "the check was ended", "no report was written");
+  }
 
  private:
   Found& into_;
   bool pairs_;
+  LongCall& call_;
 };
 
 /// The arguments of a check, converted from Python.
@@ -123,16 +128,22 @@ ReadOptions read_options(const Request& request) {
   return read;
 }
 
-/// Refused: settings that are about the ways between frames, where only frames are checked.
-void require_static_fits(const CheckSettings& settings) {
-  if (!settings.poses) return;
-  const std::pair<const char*, bool> given[] = {{"steps_only", settings.steps_only},
-                                                {"substeps", settings.substeps != 1},
-                                                {"thickness", settings.step.thickness != 0},
-                                                {"tolerance", settings.step.tolerance != 0},
-                                                {"earliest_only", settings.step.earliest_only}};
-  for (const auto& [name, is_given] : given) {
-    if (is_given) refuse(name, "does not go with static", "omit one of them");
+/// Refused: settings without effect on the poses of frames, and, as by the program, what does not go with a
+/// statistical answer.
+void require_kind_fits(const Request& request) {
+  const CheckSettings& settings = request.settings;
+  const StepSettings& step = settings.step;
+  if (settings.poses) {
+    refuse_given("static", {{"steps_only", settings.steps_only}, {"substeps", settings.substeps != 1}});
+    require_static_fits("static", step);
+  }
+  if (step.mode != Mode::Paper) return;
+  refuse_given("mode='paper'", {{"explain", step.explain},
+                                {"earliest_only", step.earliest_only},
+                                {"certificates=False", !step.certificates}});
+  for (const std::string& report : request.reports) {
+    if (extension_of(report) != ".json")
+      refuse(report, "does not go with mode='paper'", "write .json, which labels its answer as statistical");
   }
 }
 
@@ -216,7 +227,7 @@ Found run(const Request& request, const py::object& progress) {
   Found found;
   run_long(progress, [&](LongCall& call) {
     auto writers = writers_of(request);
-    writers.push_back(std::make_unique<Collector>(found, request.keep));
+    writers.insert(writers.begin(), std::make_unique<Collector>(found, request.keep, call));
     CheckHooks hooks;
     hooks.cancel = call.cancel();
     hooks.progress = [report = call.progress()](const CheckTotals& totals, std::uint64_t steps) {
@@ -225,6 +236,18 @@ Found run(const Request& request, const py::object& progress) {
     found.totals = take(run_check(request.motions, request.settings, writers, hooks));
   });
   return found;
+}
+
+/// What the check left out, a sentence each.
+py::list untested_by(const Request& request) {
+  const CheckSettings& settings = request.settings;
+  py::list untested;
+  if (!settings.step.within) untested.append("pairs within one mesh were not tested");
+  if (!settings.step.between && request.motions.size() > 1)
+    untested.append("pairs of two meshes were not tested");
+  if (settings.poses) untested.append("motion between frames was not tested");
+  if (settings.step.earliest_only) untested.append("only the earliest pair of each step was looked for");
+  return untested;
 }
 
 /// The fields of the Python class foldproof.CheckResult.
@@ -238,6 +261,8 @@ py::dict fields_of(Found found, const Request& request) {
     for (const std::string& note : motion->notes()) notes.append(text_of(motion->name() + ": " + note));
   }
   d["notes"] = notes;
+  d["untested"] = untested_by(request);
+  d["statistical"] = request.settings.step.mode == Mode::Paper;
   d["starts_crossing"] = totals.starts_crossing;
   d["start_crossings"] = owned_rows(std::move(found.start_crossings));
   d["steps"] = owned_rows(std::move(found.steps));
@@ -281,8 +306,8 @@ void bind_checks(py::module_& module) {
     request.settings.parts = parts_of(parts, motions, triangle_counts(request.motions));
     request.settings.unit = unit;
     request.settings.step = step_settings(settings);
-    require_static_fits(request.settings);
     for (const auto& path : items_of(reports)) request.reports.push_back(path_of(path));
+    require_kind_fits(request);
     require_reports_apart(request);
     return fields_of(run(request, progress), request);
   };

@@ -2,6 +2,7 @@
 
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "arrays.h"
 #include "module.h"
 #include "steps.h"
+#include "unlocked.h"
 
 namespace foldproof::python {
 namespace {
@@ -78,7 +80,7 @@ class Finder {
     const Pose pose = pose_of(x, "x", objects_);
     std::vector<Contact> ended;
     {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       const std::lock_guard lock(mutex_);
       require_open();
       ended = add_frame(pose.spans, time.value_or(time_ ? *time_ + 1 : 0));
@@ -89,7 +91,7 @@ class Finder {
   py::list finish() {
     std::vector<Contact> ended;
     {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       const std::lock_guard lock(mutex_);
       require_open();
       ended = finder_->finish();
@@ -98,8 +100,14 @@ class Finder {
     return list_of(ended);
   }
 
+  std::uint64_t unknown_frames() {
+    const Unlocked unlocked;
+    const std::lock_guard lock(mutex_);
+    return unknown_frames_;
+  }
+
   std::size_t open_count() {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     const std::lock_guard lock(mutex_);
     return finished_ ? 0 : finder_->open_count();
   }
@@ -110,6 +118,7 @@ class Finder {
   }
 
   std::vector<Contact> add_frame(Positions x, double time) {
+    if (!std::isfinite(time)) refuse("time", "is not finite", "give a finite number");
     if (time_ && !(time > *time_))
       refuse("time", std::to_string(time) + " is not after the last frame's", "give frames in order");
     if (!time_) {
@@ -122,6 +131,7 @@ class Finder {
       if (asks) take(checker_.check_static(x, settings_, crossings_));
       finder_->step(*time_, time, last, x, step_, asks ? &crossings_ : nullptr);
     }
+    unknown_frames_ += !finder_->is_known();
     time_ = time;
     last_.resize(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) last_[i].assign(x[i].begin(), x[i].end());
@@ -152,6 +162,7 @@ class Finder {
   std::mutex mutex_;
   std::vector<std::vector<double>> last_;
   std::optional<double> time_;  // of last_
+  std::uint64_t unknown_frames_ = 0;
   bool finished_ = false;
   StepResult step_;
   StaticResult crossings_;
@@ -243,7 +254,11 @@ void bind_contacts(py::module_& module) {
           "not after the last one.")
       .def("finish", &Finder::finish,
            "Ends the motion, and with it all contacts. Returns those that were open: a list of Contact.")
-      .def_property_readonly("open_count", &Finder::open_count, "How many contacts have not ended.");
+      .def_property_readonly("open_count", &Finder::open_count, "How many contacts have not ended.")
+      .def_property_readonly(
+          "unknown_frames", &Finder::unknown_frames,
+          "Of how many frames so far it is not known what crosses, because it has more pairs "
+          "than max_listed.");
 }
 
 }  // namespace foldproof::python

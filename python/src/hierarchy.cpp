@@ -2,6 +2,7 @@
 
 #include "arrays.h"
 #include "module.h"
+#include "unlocked.h"
 
 namespace foldproof::python {
 namespace {
@@ -10,7 +11,7 @@ std::shared_ptr<Hierarchy> build(const py::handle& triangles, const py::handle& 
                                  Index leaf_triangles) {
   const Numbers x = numbers_of(positions, "positions", {-1, 3}, "V x 3");
   auto list = triangles_of(triangles);
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   auto topology = take(Topology::make(static_cast<Index>(x.shape(0)), std::move(list)));
   return std::make_shared<Hierarchy>(
       take(Hierarchy::build(std::move(topology), span_of(x), {.leaf_triangles = leaf_triangles})));

@@ -4,6 +4,8 @@
 #include <exception>
 #include <thread>
 
+#include "unlocked.h"
+
 namespace foldproof::python {
 
 namespace py = pybind11;
@@ -18,24 +20,33 @@ void run_long(const py::object& progress, const std::function<void(LongCall&)>& 
       failed = std::current_exception();
     }
     const std::lock_guard lock(call.mutex_);
-    call.done_ = true;
+    call.committed_ = call.done_ = true;
     call.finished_.notify_one();
   });
   double reported = 0;
   for (bool done = false; !done;) {
     {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       std::unique_lock lock(call.mutex_);
       done = call.finished_.wait_for(lock, std::chrono::milliseconds(50), [&] { return call.done_; });
     }
-    if (interrupted) continue;
+    const std::lock_guard lock(call.mutex_);  // the work does not commit meanwhile
+    if (interrupted || call.committed_) continue;
+    const double part = call.part_;
+    const py::float_ share(part);  // not within the try block, as unwinding without Python's lock frees it
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      const double part = call.part_;
-      if (!progress.is_none() && part != reported) progress(reported = part);
-    } catch (...) {
+      if (progress.is_none() || part == reported) continue;
+      reported = part;
+      PyObject* answer = PyObject_CallFunctionObjArgs(progress.ptr(), share.ptr(), nullptr);
+      if (answer == nullptr) throw py::error_already_set();
+      Py_DECREF(answer);
+    } catch (const std::exception&) {
       interrupted = std::current_exception();
       call.cancel_ = true;
+    } catch (...) {  // the unwinding at Python's end, as in Unlocked
+      call.cancel_ = true;
+      wait_for_ever();
     }
   }
   worker.join();

@@ -15,6 +15,11 @@ class LongCall {
  public:
   /// Becomes true when the caller cancels.
   const std::atomic<bool>* cancel() const { return &cancel_; }
+  /// Ends the time in which the caller can cancel, before files appear. False: it has cancelled.
+  bool commit() {
+    const std::lock_guard lock(mutex_);
+    return committed_ = !cancel_;
+  }
   std::function<void(double)> progress() {
     return [this](double part) { part_ = part; };
   }
@@ -25,12 +30,13 @@ class LongCall {
   std::atomic<double> part_ = 0;
   std::mutex mutex_;
   std::condition_variable finished_;
-  bool done_ = false;
+  bool committed_ = false, done_ = false;
 };
 
 /// Runs the work on another thread. Meanwhile the calling thread, the only one on which Python handles
-/// signals, handles signals and calls `progress` (unless None) with the share that is done. The work must not
-/// touch Python objects. Rethrows exceptions of the work, of signal handlers and of `progress`.
+/// signals, handles signals and calls `progress` (unless None) with the share that is done, until the
+/// work commits or ends. The work must not touch Python objects. Rethrows exceptions of the work, of signal
+/// handlers and of `progress`.
 void run_long(const pybind11::object& progress, const std::function<void(LongCall&)>& work);
 
 }  // namespace foldproof::python

@@ -5,6 +5,7 @@
 #include "long_call.h"
 #include "module.h"
 #include "motions.h"
+#include "unlocked.h"
 
 namespace foldproof::python {
 namespace {
@@ -71,13 +72,13 @@ std::shared_ptr<Model> train(const py::object& motions, const py::object& frames
 
 std::shared_ptr<Model> load(const py::object& path) {
   const std::string name = path_of(path);
-  const py::gil_scoped_release gil_released;
+  const Unlocked unlocked;
   return std::make_shared<Model>(take(load_model(name)));
 }
 
 void save(const Model& model, const py::object& path) {
   const std::string name = path_of(path);
-  const py::gil_scoped_release gil_released;
+  const Unlocked unlocked;
   take(save_model(model, name));
 }
 
@@ -134,14 +135,13 @@ py::array reconstruct(const Model& model, const py::object& coordinates) {
 
 py::array predict(const Model& model, const py::object& key_positions, const py::object& progress) {
   const auto points = static_cast<py::ssize_t>(learned_of(model).key_points.vertices.size());
-  py::object array = py::array::ensure(key_positions);
-  const bool single = array && array.attr("ndim").cast<int>() == 2;
-  if (single) array = array[py::make_tuple(py::none(), py::ellipsis())];
+  const py::array array = py::array::ensure(key_positions);
+  const bool single = array && array.ndim() == 2;
   const std::string layout = "F x K x 3, or K x 3 for one frame, with K = " + std::to_string(points);
-  const Numbers keys =
-      numbers_of(array ? array : key_positions, "key_positions", {-1, points, 3}, layout.c_str());
+  const Numbers keys = single ? numbers_of(key_positions, "key_positions", {points, 3}, layout.c_str())
+                              : numbers_of(key_positions, "key_positions", {-1, points, 3}, layout.c_str());
   require_finite(keys, "key_positions");
-  const py::ssize_t frames = keys.shape(0), size = 3 * vertices_of(model);
+  const py::ssize_t frames = single ? 1 : keys.shape(0), size = 3 * vertices_of(model);
   std::vector<double> positions(static_cast<std::size_t>(frames * size));
   const double* key = keys.data();
   run_long(progress, [&](LongCall& call) {

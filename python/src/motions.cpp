@@ -9,6 +9,7 @@
 #include "arrays.h"
 #include "contacts.h"
 #include "module.h"
+#include "unlocked.h"
 
 namespace foldproof::python {
 namespace {
@@ -105,7 +106,7 @@ std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, const
     refuse("fps", "is not a finite, positive number", "give another");
   std::vector<std::unique_ptr<Motion>> motions;
   {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     motions = take(open_motions(arguments, options));
   }
   std::vector<std::shared_ptr<SharedMotion>> shared;
@@ -139,7 +140,7 @@ py::array read_frame(SharedMotion& motion, std::int64_t k) {
   const py::ssize_t vertices = motion.topology().vertex_count();
   std::vector<double> positions(static_cast<std::size_t>(vertices) * 3);
   {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     take(motion.read_frame(static_cast<Index>(frame), positions));
   }
   return owned(std::move(positions), {vertices, 3});
@@ -283,7 +284,7 @@ void bind_motions(py::module_& module) {
       "write_motion",
       [](const py::object& path, SharedMotion& motion) {
         const std::string name = path_of(path);
-        const py::gil_scoped_release unlocked;
+        const Unlocked unlocked;
         take(write_motion(name, motion));
       },
       py::arg("path"), py::arg("motion"),

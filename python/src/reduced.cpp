@@ -8,6 +8,7 @@
 #include "long_call.h"
 #include "module.h"
 #include "steps.h"
+#include "unlocked.h"
 
 namespace foldproof::python {
 namespace {
@@ -124,7 +125,7 @@ py::array positions(const Shape& self, const py::object& p, const py::object& ro
   const Placed object = placed(self, py::make_tuple(p, rotation, translation), "p");
   std::vector<double> x(static_cast<std::size_t>(3 * self.vertices()));
   {
-    const py::gil_scoped_release gil_released;
+    const Unlocked unlocked;
     pose_vertices(*self.shape->motion(), object.pose, x);
   }
   return owned(std::move(x), {self.vertices(), 3});
@@ -132,7 +133,7 @@ py::array positions(const Shape& self, const py::object& p, const py::object& ro
 
 const char* proven_free(Shape& self, const py::object& p0, const py::object& p1) {
   const Numbers from = coordinates_of(self, p0, "p0"), to = coordinates_of(self, p1, "p1");
-  const py::gil_scoped_release gil_released;
+  const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
   switch (self.shape->proven_free(span_of(from), span_of(to), self.scratch)) {
     case ReducedProof::Free:
@@ -184,9 +185,10 @@ std::vector<Placed> ends_of(const PoseChecker& self, const py::object& given, co
   return ends;
 }
 
-std::unique_ptr<StepResult> check_poses(PoseChecker& self, const py::object& start, const py::object& end,
-                                        const py::kwargs& settings) {
+std::unique_ptr<AnswerFor<StepResult>> check_poses(PoseChecker& self, const py::object& start,
+                                                   const py::object& end, const py::kwargs& settings) {
   const StepSettings step = step_settings(settings);
+  refuse_given("ReducedChecker", {{"explain", step.explain}, {"mode='paper'", step.mode == Mode::Paper}});
   const auto from = ends_of(self, start, "start"), to = ends_of(self, end, "end");
   const auto poses = [](const std::vector<Placed>& placed) {
     std::vector<ReducedPose> list;
@@ -194,8 +196,10 @@ std::unique_ptr<StepResult> check_poses(PoseChecker& self, const py::object& sta
     return list;
   };
   const auto x0 = poses(from), x1 = poses(to);
-  auto result = std::make_unique<StepResult>();
-  const py::gil_scoped_release gil_released;
+  auto result = std::make_unique<AnswerFor<StepResult>>();
+  for (const py::object& shape : self.shapes)
+    result->objects.emplace_back(shape.cast<const Shape&>().shape->motion()->hierarchy());
+  const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
   take(self.checker->check(x0, x1, step, *result));
   return result;

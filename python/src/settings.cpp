@@ -68,6 +68,18 @@ StepSettings step_settings(const py::kwargs& settings) {
   return s;
 }
 
+void refuse_given(const char* with, std::initializer_list<std::pair<const char*, bool>> settings) {
+  for (const auto& [name, is_given] : settings) {
+    if (is_given) refuse(name, std::string("does not go with ") + with, "omit one of them");
+  }
+}
+
+void require_static_fits(const char* with, const StepSettings& settings) {
+  refuse_given(with, {{"thickness", settings.thickness != 0},
+                      {"tolerance", settings.tolerance != 0},
+                      {"earliest_only", settings.earliest_only}});
+}
+
 std::string settings_documentation() {
   return "settings, all by keyword:\n"
          "  within=True          collisions of each object with itself\n"

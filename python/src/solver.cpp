@@ -5,6 +5,7 @@
 
 #include "module.h"
 #include "steps.h"
+#include "unlocked.h"
 
 namespace foldproof::python {
 namespace {
@@ -36,7 +37,7 @@ std::shared_ptr<CollisionMesh> make_mesh(const py::object& rest_positions, const
   settings.hierarchy.leaf_triangles = leaf_triangles;
   auto edge_rows = optional_rows<2>(edges, "edges", "E x 2 vertex ids");
   auto face_rows = optional_rows<3>(faces, "faces", "F x 3 vertex ids");
-  const py::gil_scoped_release gil_released;
+  const Unlocked unlocked;
   return std::make_shared<CollisionMesh>(
       take(CollisionMesh::make(span_of(x), std::move(edge_rows), std::move(face_rows), std::move(settings))));
 }
@@ -73,7 +74,7 @@ struct Solver {
   /// Calls the checker without Python's lock.
   template <class Query>
   auto ask(Query query) {
-    const py::gil_scoped_release gil_released;
+    const Unlocked unlocked;
     const std::lock_guard lock(mutex);
     return take(query(checker));
   }
@@ -181,8 +182,8 @@ void bind_checker(py::module_& module) {
              return std::make_unique<Solver>(
                  std::move(mesh), ContactSettings{certificates, tolerance, conservative_rescaling});
            }),
-           py::arg("mesh"), py::kw_only(), py::arg("certificates") = true, py::arg("tolerance") = 0.0,
-           py::arg("conservative_rescaling") = 0.8,
+           py::arg("mesh").none(false), py::kw_only(), py::arg("certificates") = true,
+           py::arg("tolerance") = 0.0, py::arg("conservative_rescaling") = 0.8,
            "certificates: skip what they prove in steps. tolerance: mesh units; 0: 2^-30 of the size of "
            "everything. conservative_rescaling: the share, in (0, 1], of the way to contact that a step may "
            "go.")

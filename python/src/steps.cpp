@@ -6,9 +6,13 @@
 
 #include "module.h"
 #include "report/report.h"
+#include "unlocked.h"
 
 namespace foldproof::python {
 namespace {
+
+using StepAnswer = AnswerFor<StepResult>;
+using StaticAnswer = AnswerFor<StaticResult>;
 
 /// Objects that move together, with a lock, since checks run without Python's lock.
 struct Checker {
@@ -24,22 +28,25 @@ std::unique_ptr<Checker> make_checker(const py::object& objects) {
   return made;
 }
 
-std::unique_ptr<StepResult> check(Checker& self, const py::object& x0, const py::object& x1,
+std::unique_ptr<StepAnswer> check(Checker& self, const py::object& x0, const py::object& x1,
                                   const py::kwargs& settings) {
   const StepSettings step = step_settings(settings);
   const Pose from = pose_of(x0, "x0", self.objects), to = pose_of(x1, "x1", self.objects);
-  auto result = std::make_unique<StepResult>();
-  const py::gil_scoped_release unlocked;
+  auto result = std::make_unique<StepAnswer>();
+  result->objects = self.objects;
+  const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
   take(self.checker->check(from.spans, to.spans, step, *result));
   return result;
 }
 
-std::unique_ptr<StaticResult> check_static(Checker& self, const py::object& x, const py::kwargs& settings) {
+std::unique_ptr<StaticAnswer> check_static(Checker& self, const py::object& x, const py::kwargs& settings) {
   const StepSettings step = step_settings(settings);
+  require_static_fits("check_static", step);
   const Pose pose = pose_of(x, "x", self.objects);
-  auto result = std::make_unique<StaticResult>();
-  const py::gil_scoped_release unlocked;
+  auto result = std::make_unique<StaticAnswer>();
+  result->objects = self.objects;
+  const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
   take(self.checker->check_static(pose.spans, step, *result));
   return result;
@@ -59,6 +66,14 @@ py::list explanation_of(const Explanation& explanation, const py::object& owner)
 
 template <class Answer>
 py::array colliding_faces_of(const Answer& answer, const Hierarchy& hierarchy, Index object) {
+  if (object >= answer.objects.size()) {
+    refuse("object",
+           std::to_string(object) + " is none of the " + std::to_string(answer.objects.size()) +
+               " that were checked",
+           "count them from 0");
+  }
+  if (hierarchy.topology() != answer.objects[object].hierarchy()->topology())
+    refuse("hierarchy", "is not that of object " + std::to_string(object), "give the one that was checked");
   const auto marks = colliding_faces(hierarchy.topology(), object, answer);
   py::array_t<bool> faces(static_cast<py::ssize_t>(marks.size()));
   std::copy(marks.begin(), marks.end(), faces.mutable_data());
@@ -83,23 +98,23 @@ void bind_answer(Class& answer) {
           "foldproof.REASONS); else empty.")
       .def("colliding_faces", &colliding_faces_of<Answer>, py::arg("hierarchy"), py::arg("object") = 0,
            "T booleans: the object's triangles that collide, including those around a colliding vertex or "
-           "edge.");
+           "edge.\n\nhierarchy: of the object. Error: another mesh than was checked.");
 }
 
 void bind_answers(py::module_& module) {
-  py::class_<StepResult> step(
+  py::class_<StepAnswer> step(
       module, "StepResult",
       "Answer of a step: every pair that touches, sorted by ids. Its arrays are views "
       "that keep it alive.");
   bind_answer(step);
   step.def_property_readonly(
           "vertex_face",
-          [](const py::object& self) { return view_of(self.cast<const StepResult&>().vertex_face, self); },
+          [](const py::object& self) { return view_of(self.cast<const StepAnswer&>().vertex_face, self); },
           "Structured array: vertex_object, vertex, face_object, face (ids), toi (in [0, 1] of the step; the "
           "pair does not touch before), answer (HIT or UNDECIDED).")
       .def_property_readonly(
           "edge_edge",
-          [](const py::object& self) { return view_of(self.cast<const StepResult&>().edge_edge, self); },
+          [](const py::object& self) { return view_of(self.cast<const StepAnswer&>().edge_edge, self); },
           "Structured array: object_a, a (2 vertex ids), object_b, b (2 vertex ids), toi, answer.")
       .def_readonly("vertex_face_count", &StepResult::vertex_face_count,
                     "The number of vertex-face pairs, listed (max_listed) or not.")
@@ -109,12 +124,12 @@ void bind_answers(py::module_& module) {
                     "How many steps the search of this step covers, this one included; 0: an earlier search "
                     "covered it.")
       .def_readonly("earliest_toi", &StepResult::earliest_toi, "In [0, 1]; 1 when nothing collides.");
-  py::class_<StaticResult> pose(module, "StaticResult",
+  py::class_<StaticAnswer> pose(module, "StaticResult",
                                 "Answer for one pose: every two triangles that cross.");
   bind_answer(pose);
   pose.def_property_readonly(
           "crossings",
-          [](const py::object& self) { return view_of(self.cast<const StaticResult&>().crossings, self); },
+          [](const py::object& self) { return view_of(self.cast<const StaticAnswer&>().crossings, self); },
           "Structured array: object_a, triangle_a, object_b, triangle_b.")
       .def_readonly("crossing_count", &StaticResult::crossing_count,
                     "The number of crossings, listed (max_listed) or not.");

@@ -16,6 +16,17 @@ namespace foldproof::python {
 /// Converts keyword arguments. TypeError: an unknown one.
 StepSettings step_settings(const py::kwargs& settings);
 
+/// An answer, and what it is about.
+template <class Answer>
+struct AnswerFor : Answer {
+  std::vector<Object> objects;
+};
+
+/// Refused: settings that are given though they have no effect. `with`: what they do not go with.
+void refuse_given(const char* with, std::initializer_list<std::pair<const char*, bool>> settings);
+/// Refused: settings about the ways between poses. `with`: what checks poses alone.
+void require_static_fits(const char* with, const StepSettings& settings);
+
 py::dict work_of(const Work& work);
 py::dict milliseconds_of(const StageTimes& times);
 

@@ -103,6 +103,36 @@ def test_frames_alone_take_no_settings_of_steps(motion, setting):
     assert foldproof.check(motion, static=True, thickness=0.0, substeps=1).static
 
 
+@pytest.mark.parametrize("setting", [{"thickness": 1.0}, {"tolerance": 0.1}, {"earliest_only": True}])
+def test_a_pose_takes_no_settings_of_steps(triangles, frames, setting):
+    checker = foldproof.StepChecker(foldproof.Hierarchy(triangles, frames[0]))
+    with pytest.raises(foldproof.Error, match=f"{next(iter(setting))}: does not go with check_static"):
+        checker.check_static(frames[0], **setting)
+    assert checker.check_static(frames[0], thickness=0.0).clean
+
+
+def test_a_statistical_answer_says_so(motion, model, tmp_path):
+    found = foldproof.check(motion, models=model, mode="paper", reports=tmp_path / "a.json")
+    assert repr(found).startswith(f"<foldproof.CheckResult: STATISTICAL: {found.missed} known misses; {found.collisions:,} col")
+    assert found.statistical and found._repr_html_().startswith("<p>STATISTICAL: ")
+    assert not foldproof.check(motion, models=model).statistical
+    for setting in ({"explain": True}, {"earliest_only": True}, {"certificates": False}, {"reports": tmp_path / "a.csv"},
+                    {"reports": [tmp_path / "b.json", tmp_path / "a.ply"]}):
+        with pytest.raises(foldproof.Error, match="does not go with mode='paper'"):
+            foldproof.check(motion, models=model, mode="paper", **setting)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
+
+
+def test_the_text_says_what_was_left_out(motion):
+    within, between = "pairs within one mesh were not tested", "pairs of two meshes were not tested"
+    for settings, untested in (({}, []), ({"within": False}, [within]), ({"between": False}, [between]),
+                               ({"static": True}, ["motion between frames was not tested"]),
+                               ({"earliest_only": True}, ["only the earliest pair of each step was looked for"])):
+        found = foldproof.check([motion, motion], frames=slice(0, 2), **settings)
+        assert found.untested == untested and all(each in repr(found) for each in untested)
+    assert foldproof.check(motion, frames=slice(0, 2), between=False).untested == []  # there is no second mesh
+
+
 def test_reports_replace_neither_each_other_nor_what_is_read(motion, tmp_path, monkeypatch):
     (tmp_path / "run").mkdir()
     for k in range(3):
@@ -161,6 +191,19 @@ def test_two_objects(triangles, frames):
     assert step.colliding_faces(one, 1).mean() > 0.9
     apart = foldproof.StepChecker([one, one]).check([frames[0], above], [frames[0], below], between=False)
     assert apart.clean
+
+
+def test_colliding_faces_are_those_of_the_checked_mesh(triangles, frames, model):
+    hierarchy, smaller = foldproof.Hierarchy(triangles, frames[0]), foldproof.Hierarchy([[0, 1, 2]], np.eye(3))
+    checker, shape = foldproof.StepChecker(hierarchy), foldproof.ReducedShape(model)
+    p = np.zeros(shape.modes)
+    for answer in (checker.check(frames[-2], frames[-1]), checker.check_static(frames[0]),
+                   foldproof.ReducedChecker(shape).check(p, p)):
+        with pytest.raises(ValueError, match="hierarchy: is not that of object 0"):
+            answer.colliding_faces(smaller)
+        with pytest.raises(ValueError, match="object: 1 is none of the 1 that were checked"):
+            answer.colliding_faces(hierarchy, 1)
+        assert answer.colliding_faces(hierarchy).any() == (not answer.clean)
 
 
 def test_models_change_work_only(triangles, frames, model):
@@ -240,6 +283,9 @@ def test_reduced_checker_answers_as_the_full_one(model):
         assert np.array_equal(ours.vertex_face, truth.vertex_face) and np.array_equal(ours.edge_edge, truth.edge_edge)
         collisions += len(ours.edge_edge)
     assert collisions > 0
+    for setting in ({"explain": True}, {"mode": "paper"}):
+        with pytest.raises(foldproof.Error, match="does not go with ReducedChecker"):
+            reduced.check([p0, p0], [p1, p1], **setting)
     mean = np.zeros(shape.modes)
     assert shape.proven_free(mean, 0.5 * shape.radius() * np.eye(shape.modes)[0] * model.deviations[0]) == "free"
     assert shape.distance(mean) == 0

@@ -65,6 +65,7 @@ def test_unaligned_memory_is_converted(triangles, frames):
     (lambda x: [x, x], "x1: has 2 arrays for 1 objects; give a list with one array V x 3 per object"),
     (lambda x: np.where(np.arange(3) == 1, np.nan, x), "not finite"),
     (lambda x: np.full_like(x, np.inf), "not finite"),
+    (lambda x: np.ma.masked_greater(x, 1), "x1: has masked entries; fill them, for example with filled()"),
     (lambda x: None, "x1: "),
 ])
 def test_bad_positions_are_refused(triangles, frames, bad, words):
@@ -80,6 +81,8 @@ def test_bad_positions_are_refused(triangles, frames, bad, words):
     ([[0, 1, -1]], "triangles: row 0 names vertex -1; count vertices from 0"),
     ([[0, 1, 2], [0, 1, 2**32]], "triangles: row 1 names vertex 4294967296"),
     ([[0, 1, 305]], "305"),
+    (np.array([[0, 1, 2**64 - 2]], np.uint64), "row 0 names vertex 18446744073709551614"),
+    (np.ma.masked_array([[0, 1, 2]], [[True, False, False]]), "triangles: has masked entries"),
     ([[0, 1]], "triangles: have shape (1, 2); give T x 3 vertex ids"),
     ([[0.0, 1, 2]], "triangles: hold float64, not integers"),
     (np.zeros((0, 3), int), "triangles"),
@@ -88,6 +91,16 @@ def test_bad_triangles_are_refused(frames, bad, words):
     with pytest.raises(foldproof.Error) as refused:
         foldproof.Hierarchy(bad, frames[0])
     assert words in str(refused.value)
+
+
+def test_masked_entries_are_refused_everywhere(triangles, frames, model):
+    masked = np.ma.masked_greater(frames, 1)
+    for call in (lambda: foldproof.Motion(triangles, masked), lambda: foldproof.Motion(triangles, masked[0]),
+                 lambda: foldproof.Motion.from_arrays(frames, np.ma.masked_equal(triangles, 7)),
+                 lambda: model.predict(masked[:, model.key_points]), lambda: model.predict(masked[-1, model.key_points])):
+        with pytest.raises(foldproof.Error, match="masked entries"):
+            call()
+    assert foldproof.Motion(triangles, np.ma.masked_array(frames)) == foldproof.Motion(triangles, frames)
 
 
 def test_bad_frames_name_frame_and_vertex(triangles, frames):

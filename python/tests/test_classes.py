@@ -36,6 +36,17 @@ def test_copies_are_equal(motion, model, frames):
             hash(thing)
 
 
+@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
+def test_only_motions_and_models_are_copied(motion, model, frames, protocol):
+    for thing in (motion, model):
+        assert pickle.loads(pickle.dumps(thing, protocol)) == thing
+    hierarchy, mesh = foldproof.Hierarchy(motion.triangles, frames[0]), foldproof.CollisionMesh(frames[0], faces=motion.triangles)
+    checker = foldproof.StepChecker(hierarchy)
+    for thing in (hierarchy, checker, checker.check_static(frames[0]), mesh, foldproof.ContactChecker(mesh)):
+        with pytest.raises(TypeError, match=f"cannot pickle or copy a foldproof.{type(thing).__name__}"):
+            pickle.dumps(thing, protocol)
+
+
 def test_what_readers_leave_out_is_said_and_copied(motion, tmp_path):
     for k in (0, 2):
         foldproof.write_motion(tmp_path / f"f{k}.obj", motion[k : k + 1])

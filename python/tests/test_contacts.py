@@ -158,7 +158,10 @@ def test_frame_by_frame_is_the_whole_check(dip, found):
     assert streamed == list(found.contacts)
     unnamed, = foldproof.find_contacts(objects, zip_frames())
     assert unnamed.between == "object 0 - object 1" and unnamed.depth == found.contacts[0].depth
-    assert list(foldproof.find_contacts(objects, zip_frames(), max_listed=1))  # of what is listed
+    cut = foldproof.ContactFinder(objects, max_listed=1)
+    of_listed = [contact for x in zip_frames() for contact in cut.add(x)]
+    assert of_listed == list(foldproof.find_contacts(objects, zip_frames(), max_listed=1))
+    assert 0 < of_listed[0].pairs < unnamed.pairs and cut.unknown_frames == 3  # frames 2 to 4
 
 
 def zip_frames():
@@ -175,7 +178,11 @@ def test_contacts_come_when_they_end(dip, found):
     assert counts == [(0, 0), (0, 0), (0, 1), (0, 1), (0, 1), (0, 1), (1, 0)]
     with pytest.raises(foldproof.Error, match="time: .* is not after the last"):
         finder.add([BELOW[0], ABOVE[0]], time=3.0)
+    for time in (np.nan, np.inf):
+        with pytest.raises(foldproof.Error, match="time: is not finite"):
+            foldproof.ContactFinder(objects).add([BELOW[0], ABOVE[0]], time=time)
     assert finder.finish() == []
+    assert finder.unknown_frames == 0
     for call in (finder.finish, lambda: finder.add([BELOW[0], ABOVE[0]])):
         with pytest.raises(foldproof.Error, match="has finished"):
             call()

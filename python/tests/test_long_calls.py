@@ -123,6 +123,49 @@ def test_progress_rises_and_its_exceptions_come_out(large):
         foldproof.check(large, substeps=100, progress=stop)
 
 
+def test_progress_cannot_undo_what_is_done(motion, tmp_path):
+    def stop(part):
+        if part == 1:
+            raise RuntimeError("enough")
+
+    raised = False
+    try:
+        foldproof.check(motion, progress=stop, reports=tmp_path / "a.json")
+    except RuntimeError:
+        raised = True
+    assert raised != (tmp_path / "a.json").exists()
+
+
+EXIT = """
+import sys, threading, time
+sys.path.insert(0, {tests!r})
+import numpy as np
+import foldproof
+from conftest import rolled, strip
+x, triangles = rolled(2, 2, 2), strip(2, 2)  # small, so that threads mostly wait for Python's lock
+motion = foldproof.Motion(triangles, np.stack([x, x]))
+called = threading.Event()
+def steps():
+    checker = foldproof.StepChecker(foldproof.Hierarchy(triangles, x))
+    while True:
+        checker.check(x, x)
+def progress(part):
+    called.set()
+    while True:
+        pass
+for work in (steps, steps, lambda: foldproof.check(motion, substeps=200000, progress=progress)):
+    threading.Thread(target=work, daemon=True).start()
+print(called.wait(30))
+time.sleep(2)  # until the check waits for progress to return
+"""
+
+
+def test_python_can_end_while_threads_check():
+    script = EXIT.format(tests=str(pathlib.Path(__file__).parent))
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "True\n", "")
+
+
 def test_threads_can_be_limited(large):
     expected = foldproof.check(large, frames="30:33")
     try:

@@ -107,6 +107,8 @@ def test_refuses():
                 lambda: checker.minimum_distance(x * np.nan, 1)):
         with pytest.raises(foldproof.Error):
             bad()
+    with pytest.raises(TypeError):
+        foldproof.ContactChecker(None)
 
 
 def test_many_threads_may_ask_one_checker(triangles):

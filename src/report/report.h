@@ -250,6 +250,7 @@ Result<std::unique_ptr<ReportWriter>> explain_report(const std::string& path, Mo
                                                      const CheckSettings& settings);
 
 /// Per face of an object, 1 when it collides, including those around a colliding vertex or edge.
+/// Precondition: `answer` is about an object `object` of this topology.
 std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object, const StepResult& answer);
 std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object, const StaticResult& answer);
 
