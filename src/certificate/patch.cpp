@@ -1,7 +1,6 @@
 // The patches of a hierarchy and their contents.
 
 #include <algorithm>
-#include <iterator>
 
 #include "foldproof/certificate.h"
 
@@ -53,8 +52,9 @@ PatchSlots::PatchSlots(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(
     for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
       for (const Index v : h.triangles()[t]) {
         if (leaves.at(v).size() > most) continue;
-        std::ranges::copy_if(leaves.at(v), std::back_inserter(neighbor_),
-                             [&](Index other) { return other != leaf; });
+        for (const Index other : leaves.at(v)) {
+          if (other != leaf) neighbor_.push_back(other);
+        }
       }
     }
     std::sort(neighbor_.begin() + first, neighbor_.end());
