@@ -171,6 +171,7 @@ class Builder {
     if (exact_thickness_ >= 0) s.thickness = exact_thickness_;
     if (source_.one_in(3)) s.tolerance = size_ * source_.spread(1e-12, 1e-2);
     if (source_.one_in(8)) (source_.one_in(2) ? s.within : s.between) = false;
+    s.within |= motion_.base.size() == 1;
   }
   Vec3 random_vertex() {
     const auto& object = motion_.base[source_.pick(static_cast<unsigned>(motion_.base.size()))];

@@ -26,6 +26,7 @@ class StepSweep {
     narrow_.thickness = settings.thickness;
     narrow_.tolerance = tolerance;
     result_.tolerance = tolerance;
+    result_.complete = true;
   }
 
   StepResult run() {
@@ -181,6 +182,7 @@ StaticResult brute_force_static(const Scene& scene, const StepSettings& settings
     }
   }
   result.crossing_count = result.crossings.size();
+  result.complete = true;
   return result;
 }
 
