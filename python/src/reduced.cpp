@@ -192,6 +192,7 @@ std::unique_ptr<AnswerFor<StepResult>> check_poses(PoseChecker& self, const py::
   const auto from = ends_of(self, start, "start"), to = ends_of(self, end, "end");
   const auto poses = [](const std::vector<Placed>& placed) {
     std::vector<ReducedPose> list;
+    list.reserve(placed.size());
     for (const Placed& one : placed) list.push_back(one.pose);
     return list;
   };
