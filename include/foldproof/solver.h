@@ -171,8 +171,8 @@ inline constexpr std::array<const char*, 4> kStepLimitNames{"none", "contact", "
 /// Answers a solver's queries about one collision mesh. It keeps its front, charts, Verlet lists and scratch
 /// between calls. So calls with the same x0, or with poses that follow each other, are cheap, and calls of
 /// the same kind and size allocate nothing. A call that throws, for want of memory or from a filter, makes
-/// the next one start afresh. One checker per thread, also in a loop of oneTBB, which the calls use
-/// themselves.
+/// the next one start afresh. One checker per thread. A call uses several threads through oneTBB
+/// and may be made in the iterations of a oneTBB loop.
 ///
 /// Positions are vertex_count x 3, row-major, mesh units. During a step vertices move straight from x0 to x1.
 /// *Relevant pairs* are a vertex and a face, two edges, a codimensional edge and a codimensional point, and

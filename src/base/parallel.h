@@ -87,9 +87,9 @@ Value parallel_reduce(IndexRange range, std::size_t grain, const Value& identity
       own);
 }
 
-/// body(). While it waits for loops that it starts, this thread runs nothing else: around the user's code,
-/// which may start loops, and around calls that have a state, which a loop of the user may make in each
-/// iteration.
+/// body(). While it waits for loops that it starts, this thread runs nothing else. For the user's code,
+/// which may start loops, and for calls that keep memory, which the user may make in the iterations of a
+/// loop.
 template <class Body>
 auto isolated(const Body& body) {
   return tbb::this_task_arena::isolate(body);

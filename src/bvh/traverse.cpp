@@ -264,7 +264,7 @@ HWY_INLINE ContactInterval IntervalOf(const MovingBox& a, const MovingBox& b, fl
     hn::Store(to, d, end + lane);
   }
   const float from = std::max({begin[0], begin[1], begin[2]}), to = std::min({end[0], end[1], end[2]});
-  // The quotients are rounded: by less than this, and by less than the unit that both ends get besides.
+  // Covers the rounding of the quotients, as does the unit that is added at both ends.
   constexpr float kRounding = 0x1p-20;
   if (always_separated || from > to + kRounding) return ContactInterval::none();
   constexpr float kUnits = ContactInterval::kUnits;

@@ -35,7 +35,7 @@ struct LeavesAtVertices {
 PatchSlots::PatchSlots(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(std::move(hierarchy)) {
   const Hierarchy& h = *hierarchy_;
   const LeavesAtVertices leaves(h);
-  // Fewer where so many pairs could not be numbered.
+  // Fewer where even these would be more pairs than an Index numbers.
   std::size_t most = kMaxLeavesAtVertex;
   const auto pairs = [&] {
     std::uint64_t all = 0;

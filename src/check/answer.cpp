@@ -132,7 +132,7 @@ Result<void> check_settings(const StepSettings& settings, std::size_t objects) {
                 "leave one of them on");
   if (!settings.within && objects == 1)
     return fail(ErrorCode::InvalidArgument, "within",
-                "is off, and there is nothing between objects: there is one",
+                "is off, but there is only one object, so nothing would be tested",
                 "leave it on, or give more objects");
   for (const auto& [name, value] :
        {std::pair("thickness", settings.thickness), std::pair("tolerance", settings.tolerance)}) {

@@ -13,7 +13,7 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
   LookAhead* const look_ahead = query.look_ahead;
   Stopwatch total, watch;
   clear(out);
-  FOLDPROOF_TRY(check_settings(settings, x0.size()));
+  FOLDPROOF_TRY(check_settings(settings, pipeline.motion.size()));
 
   // Motion: reads and validates positions, refits.
   StepMotion& motion = pipeline.motion;

@@ -1,9 +1,6 @@
 // Whatever floating-point mode a program has set, answers are the same bits in every thread, and the
 // program's mode is restored afterwards.
 #include <gtest/gtest.h>
-#if defined(FOLDPROOF_THREADS_TBB)
-#include <tbb/task_arena.h>
-#endif
 
 #include <atomic>
 #include <bit>
@@ -15,7 +12,7 @@
 #include <tuple>
 #include <utility>
 
-#include "base/parallel.h"
+#include "base/callers.h"
 #include "foldproof/check.h"
 #include "foldproof/solver.h"
 #include "oracle/meshes.h"
@@ -190,14 +187,10 @@ Bits pair_answers(const std::vector<Pair>& pairs, double size) {
   return bits;
 }
 
-// With oneTBB: in an arena that is made here, so its threads and tasks have the caller's mode.
+// With oneTBB: an arena that is made here has threads and tasks in the caller's mode.
 template <class Body>
 void in_own_arena(const Body& body) {
-#if defined(FOLDPROOF_THREADS_TBB)
-  tbb::task_arena(2).execute(body);
-#else
-  body();
-#endif
+  in_arena(2, body);
 }
 
 template <class Answers>
