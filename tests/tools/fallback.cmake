@@ -30,8 +30,8 @@ function(foldproof_fallback_tests MODULE FILTER)
   add_executable(test_${MODULE}_fallback $<TARGET_OBJECTS:foldproof_fallback>
     $<FILTER:$<FILTER:$<TARGET_OBJECTS:test_${MODULE}>,EXCLUDE,/ops\\.cpp>,EXCLUDE,/inside\\.cpp>)
   target_link_libraries(test_${MODULE}_fallback PRIVATE foldproof_app fmt::fmt GTest::gmock GTest::gtest_main hwy ${ARGN})
-  gtest_discover_tests(test_${MODULE}_fallback TEST_PREFIX fallback/ EXTRA_ARGS --gtest_filter=${FILTER}
-    TEST_FILTER ${FILTER} PROPERTIES LABELS ${MODULE}_fallback TIMEOUT 600 DISCOVERY_TIMEOUT 60)
+  gtest_discover_tests(test_${MODULE}_fallback TEST_PREFIX fallback/ TEST_FILTER ${FILTER}
+    PROPERTIES LABELS ${MODULE}_fallback TIMEOUT 600 DISCOVERY_TIMEOUT 60)
   # That it is in use, and alone; and that its answers are those of the other instruction sets.
   add_test(NAME fallback/${MODULE}_agrees COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DPROGRAM=$<TARGET_FILE:test_${MODULE}>
     -DFALLBACK=$<TARGET_FILE:test_${MODULE}_fallback> -P ${CMAKE_CURRENT_SOURCE_DIR}/tools/same_answers.cmake)
