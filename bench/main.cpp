@@ -243,6 +243,9 @@ Result<void> run(Options& options) {
   if (options.quick) make_quick(options);
   auto peers = FOLDPROOF_TRY(chosen_peers(options.peers));
   plan.peers = std::move(peers);
+  if (plan.verify && plan.peers.size() < 2)
+    return fail("--verify", fmt::format("compares peers, of which there are {}", plan.peers.size()),
+                "name two of --list, or install their libraries");
   // Opened before anything is measured: whoever names no place for the results learns it now.
   auto file = FOLDPROOF_TRY(FileWriter::open(options.json));
   json results;

@@ -19,7 +19,7 @@ foreach(EXAMPLE ${PYTHON_EXAMPLES})
   string(REGEX REPLACE "([][+.*()^$?|\\])" "\\\\\\1" PRINTS "${CMAKE_MATCH_1}")
   string(REGEX REPLACE "[\\]*;" "." PRINTS "${PRINTS}")  # a semicolon would end a list's item
   set_tests_properties(python_example_${NAME} PROPERTIES ENVIRONMENT "${MODULE_PATH}"
-    PASS_REGULAR_EXPRESSION "(^|\n)${PRINTS}\n")
+    PASS_REGULAR_EXPRESSION "(^|\n)${PRINTS}\n" FAIL_REGULAR_EXPRESSION "Traceback")
 endforeach()
 
 # Types of the package and of its examples, as pyproject.toml asks for.

@@ -31,41 +31,49 @@ tests_of() {
   printf 'tests/%s ' "$@"
 }
 
-# inputs_of CHECK: the files whose change makes it run again, as git's pathspecs. How sources are built together
-# (src/CMakeLists.txt) counts only where everything does.
+# inputs_of CHECK: the files whose change makes it run again, as git's pathspecs. Tests of the query read motions and models.
 inputs_of() {
-  local query models
+  local built='CMakeLists.txt CMakePresets.json src/CMakeLists.txt' query models
+  local tests="$built tests/CMakeLists.txt tests/tools/fallback.cmake tests/base/callers.h"
   # shellcheck disable=SC2086  # lists of words
-  query="CMakeLists.txt CMakePresets.json $(sources_of $query_modules)" models=$(sources_of $model_modules)
+  query=$(sources_of $query_modules) models=$(sources_of $model_modules contacts)
   # shellcheck disable=SC2086
   case $1 in
-    lint_query) echo ".clang-tidy tests/.clang-tidy $query $(tests_of $query_tests)" ;;
-    lint_models) echo ".clang-tidy tests/.clang-tidy $query $models $(tests_of $model_modules)" ;;
-    address_query | thread_query) echo "$query $(tests_of $query_tests)" ;;
-    address_models | thread_models) echo "$query $models $(tests_of $query_tests $model_modules)" ;;
-    fuzz) echo "$query $models $(tests_of fuzz adversary oracle certificate solver)" ;;
-    search) echo "$query $(tests_of adversary search oracle certificate solver)" ;;
-    floats) echo "$query $(tests_of arithmetic)" ;;
-    proofs) echo "$query tools/proofs proofs docs/soundness.md" ;;
-    frames) echo "$query $models $(tests_of check keypoints learned oracle)" ;;
-    mutants) echo "$query $(sources_of contacts) tools/mutants $(tests_of mutants adversary search oracle ccd check certificate solver allocation reduced arithmetic contacts)" ;;
+    lint_query | address_query | thread_query) echo ".clang-tidy tests/.clang-tidy $tests $query $models $(tests_of $query_tests model)" ;;
+    lint_models | address_models | thread_models) echo ".clang-tidy tests/.clang-tidy $tests $query $models $(tests_of $query_tests $model_modules report)" ;;
+    fuzz) echo "$tests $query $models $(tests_of fuzz adversary oracle certificate solver)" ;;
+    search) echo "$tests $query $models $(tests_of adversary search oracle certificate solver)" ;;
+    floats) echo "$tests $query $(tests_of arithmetic oracle)" ;;
+    proofs) echo "$built $query tools/proofs proofs docs/soundness.md" ;;
+    frames) echo "$tests $query $models $(tests_of check contacts oracle bvh io model reduced)" ;;
+    mutants) echo "$tests $query $models tools/mutants $(tests_of mutants adversary search oracle bvh ccd check certificate solver allocation reduced arithmetic contacts model)" ;;
     bench) echo 'CMakeLists.txt CMakePresets.json src include bench examples/solver tools/bench_tables' ;;
-    arm64 | s390x | compilers) echo 'dev CMakeLists.txt CMakePresets.json cmake src include apps examples tests :!tests/mutants :!tests/tools tools/cross_root tools/demo_poses.cpp' ;;
+    arm64 | s390x | compilers) echo 'dev CMakeLists.txt CMakePresets.json cmake src include apps examples tests :!tests/mutants :!tests/tools/*.py tools/cross_root tools/demo_poses.cpp' ;;
+    test) echo '. :!docs/quality.md :!docs/benchmarks :!CHANGELOG.md :!CONTRIBUTING.md' ;;
     *) echo '. :!docs :!CHANGELOG.md :!CONTRIBUTING.md' ;;
   esac
 }
 
 # Programs with tests that take fewer frames of the real motions unless told otherwise.
-programs_with_frames=(test_check test_keypoints test_learned test_oracle)
+programs_with_frames=(test_check test_contacts)
 
 # What proofs assume of conversions, for every float there is and not only some.
 all_floats() {
+  local fallback
   configure release -DFOLDPROOF_TESTS=ON
-  build_preset release test_arithmetic
-  FOLDPROOF_ALL_FLOATS=1 build/test_arithmetic --gtest_brief=1
+  build_preset release test_arithmetic test_arithmetic_fallback
+  export FOLDPROOF_ALL_FLOATS=1
+  build/test_arithmetic_fallback --gtest_brief=1 &
+  fallback=$!
+  build/test_arithmetic --gtest_brief=1
+  wait "$fallback"
 }
 
-all_test() { do_test; }
+# By the compiler of the library, a warning is an error in tests, examples and the Python module too.
+all_test() {
+  configure release -DCMAKE_COMPILE_WARNING_AS_ERROR=ON
+  do_test
+}
 all_proofs() { do_proofs; }
 
 # tidy_group GROUP: clang-tidy on the sources of a group; rest is what the others leave.
@@ -90,7 +98,7 @@ all_lint_rest() {
 # sanitize_group PRESET GROUP: the tests of a group.
 sanitize_group() {
   case $2 in
-    rest) sanitize "$1" . -LE "$(in_group query '^(%s)(_fallback)?$')|$(in_group models '^(%s)$')" ;;
+    rest) sanitize "$1" . "$(in_group query '^(%s)(_fallback)?$')|$(in_group models '^(%s)$')" ;;
     *) sanitize "$1" "$(in_group "$2" '^(%s)(_fallback)?$')" ;;
   esac
 }
@@ -187,7 +195,7 @@ write_quality() {
       printf '| %s | %s | %s | %s | %s | %s |\n' "${check_names[k]}" "$(what_is "${check_names[k]}")" "$result" "$counts" "$(clock "$seconds")" "$commit"
     done
     for k in "${waiting[@]}"; do
-      rows_of "$k" || true
+      rows_of "$k" passed || rows_of "$k" FAILED || true
     done
   } >docs/quality.md.new
   mv docs/quality.md.new docs/quality.md
@@ -200,25 +208,26 @@ read_quality() {
   mapfile -t rows_before < <(grep '^| [a-z]' "$page")
 }
 
-# rows_of CHECK: its rows and those of its parts, as the page has them, if it passed and nothing that it reads has changed.
+# rows_of CHECK RESULT: its rows and those of its parts, as the page has them, if it ended so and nothing that it reads has
+# changed.
 rows_of() {
   local rows commit inputs
-  rows=$(printf '%s\n' "${rows_before[@]}" | grep -E "^\| $1(_[^ ]*)? \|") && [[ $rows == *"$1 | "*" | passed | "* ]] || return 1
+  rows=$(printf '%s\n' "${rows_before[@]}" | grep -E "^\| $1(_[^ ]*)? \|") && [[ ${rows%%$'\n'*} == "| $1 | "*" | $2 | "* ]] || return 1
   commit=$(sed -n -E '1 s/.* \| ([0-9a-f]+) \|$/\1/p' <<<"$rows")
   read -r -a inputs <<<"$(inputs_of "$1")"
   [[ $commit ]] && git diff --quiet "$commit" HEAD -- "${inputs[@]}" 2>/dev/null && echo "$rows"
 }
 
-# take_rows CHECK: its rows, if they still hold.
+# take_rows CHECK RESULT: its rows, if they still hold.
 take_rows() {
-  local rows name result counts clock commit passed_at
-  rows=$(rows_of "$1") || return 1
+  local rows name result counts clock commit ended_at
+  rows=$(rows_of "$1" "$2") || return 1
   while IFS='|' read -r _ name _ result counts clock commit _; do
     clock=${clock# } clock=${clock% } counts=${counts# } name=${name# } result=${result# } commit=${commit# }
     add_row "${name% }" "${result% }" "${counts% }" "$((10#${clock%:*} * 60 + 10#${clock#*:}))|${commit% }"
-    passed_at=${commit% }
+    ended_at=${commit% }
   done <<<"$rows"
-  printf '%-12s passed before, at %s\n' "$1" "$passed_at"
+  printf '%-12s %s before, at %s\n' "$1" "$2" "$ended_at"
 }
 
 read_all_arguments() {
@@ -252,7 +261,7 @@ do_all() {
   read_quality
   for name in "${all_checks[@]}"; do
     waiting=("${waiting[@]:1}")
-    if take_rows "$name"; then
+    if take_rows "$name" passed; then
       :
     elif [[ " ${only[*]} " == *" $name "* ]]; then
       run_check "$name" "all_$name"
@@ -260,6 +269,8 @@ do_all() {
         fuzz) add_parts fuzz $((60 * minutes)) ;;
         search) add_parts search $((360 * minutes)) ;;
       esac
+    elif take_rows "$name" FAILED; then
+      checks_failed=$((checks_failed + 1))
     else
       add_row "$name" skipped 'not asked for' 0
     fi

@@ -62,12 +62,13 @@ counts_of() {
     /^\[  SKIPPED \] [0-9]+ tests?/ { here_skipped += $4 }
     /^(#|ℹ) tests [0-9]+$/ { page += $3 }
     /^(#|ℹ) fail [0-9]+$/ { page_failed += $3 }
+    /^(#|ℹ) skipped [0-9]+$/ { page_skipped += $3 }
     / clean, [0-9]+ inputs$/ { inputs += $(NF - 1); targets++ }
     /[^[:space:]]/ { last = $0 }
     END {
       if (!ran) { ran = here; ran_failed = here_failed; ran_skipped = here_skipped }  # else a part of what ctest ran
       if (ran + page) {
-        printf "%d tests, %d failed, %d skipped", ran + page, ran_failed + page_failed, ran_skipped
+        printf "%d tests, %d failed, %d skipped", ran + page, ran_failed + page_failed, ran_skipped + page_skipped
       } else if (targets) {
         printf "%d targets, %d inputs", targets, inputs
       } else {

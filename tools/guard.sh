@@ -28,26 +28,27 @@ base_of_changes() {
   echo "$base"
 }
 
-# Sources of the library and the program that differ from that commit, or whose header does, those with the most changed
-# lines first.
+# Sources that differ from that commit, or whose header does: those of the library and the program first, and of these those
+# with the most changed lines.
 changed_sources() {
   { git diff --numstat --no-renames "$1" && git ls-files --others --exclude-standard | sed 's,^,0\t0\t,'; } |
-    awk -F '\t' '$3 ~ /^(src|apps)\// { sub(/\.h$/, ".cpp", $3); lines[$3] += $1 + $2 }
-      END { for (source in lines) print lines[source] "\t" source }' |
-    sort -k 1,1nr -k 2 | cut -f 2 | grep -Fxf <(tidy_sources)
+    awk -F '\t' '{ sub(/\.h$/, ".cpp", $3); lines[$3] += $1 + $2 }
+      END { for (source in lines) print (source ~ /^(src|apps)\//) "\t" lines[source] "\t" source }' |
+    sort -k 1,1nr -k 2,2nr -k 3 | cut -f 3 | { grep -Fxf <(tidy_sources) || (($? == 1)); }
 }
 
 guard_tidy() {
-  local base files
+  local base changed files
   base=$(base_of_changes) || {
     echo "no commit before this one is here"
     return "$skipped"
   }
-  mapfile -t files < <(changed_sources "$base")
-  if ((${#files[@]} == 0)); then
-    echo "no source of src or apps differs from $(git log -1 --format=%h "$base")"
+  changed=$(changed_sources "$base")
+  if [[ -z $changed ]]; then
+    echo "no source differs from $(git log -1 --format=%h "$base")"
     return "$skipped"
   fi
+  mapfile -t files <<<"$changed"
   prepare_tidy
   run_clang_tidy "${files[@]:0:guard_tidy_sources}"
   if ((${#files[@]} <= guard_tidy_sources)); then
@@ -66,7 +67,8 @@ run_guarded() {
   configure "$preset"
   build_preset "$preset" "${programs[@]}"
   for entry in "$@"; do
-    "build-$preset/${entry%% *}" --gtest_filter="${entry#* }" --gtest_brief=1
+    "build-$preset/${entry%% *}" --gtest_filter="${entry#* }" --gtest_list_tests | grep '^  ' >/dev/null || die "nothing is called $entry"
+    timeout 600 "build-$preset/${entry%% *}" --gtest_filter="${entry#* }" --gtest_brief=1
   done
 }
 
@@ -84,7 +86,7 @@ guard_thread() {
 guard_search() {
   configure release -DFOLDPROOF_TESTS=ON
   build_preset release adversary
-  build/adversary --seconds "$guard_search_seconds"
+  build/adversary --seed "$RANDOM" --seconds "$guard_search_seconds"
 }
 
 guard_format() { check_format; }

@@ -333,20 +333,8 @@ TEST(FileArguments, InputsHaveNames) {
 
 /// Interrupts a program that is at work.
 Outcome interrupted(const Inputs& inputs, const Words& words, int signal = SIGINT) {
-  return run_program(words, {.directory = inputs.path(), .while_it_runs = [&](pid_t child) {
-                               // Wait until the program handles the signal.
-                               const std::string status = "/proc/" + std::to_string(child) + "/status";
-                               const auto handles_it = [&] {
-                                 const std::string text = read_file(status);
-                                 const std::size_t at = text.find("SigCgt:");
-                                 if (at == text.npos) return true;
-                                 return (std::stoull(text.substr(at + 7), nullptr, 16) >> (signal - 1) & 1) !=
-                                        0;
-                               };
-                               for (int k = 0; k < 60'000 && !handles_it(); ++k)
-                                 std::this_thread::sleep_for(std::chrono::milliseconds(1));
-                               ::kill(child, signal);
-                             }});
+  return run_program(
+      words, {.directory = inputs.path(), .while_it_runs = [&](pid_t child) { interrupt(child, signal); }});
 }
 
 TEST(InterruptedProgram, LeavesNothingAndSaysSo) {

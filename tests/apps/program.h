@@ -7,8 +7,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <functional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "report/needle.h"
@@ -66,6 +69,19 @@ inline Outcome run_program(std::vector<std::string> arguments, const RunOptions&
   if (options.output < 0) outcome.out = read_file(out_path);
   if (options.error < 0) outcome.err = read_file(err_path);
   return outcome;
+}
+
+/// Sends a signal to a program that runs, once it handles it.
+inline void interrupt(pid_t child, int signal = SIGINT) {
+  const std::string status = "/proc/" + std::to_string(child) + "/status";
+  const auto handles_it = [&] {
+    const std::string text = read_file(status);
+    const std::size_t at = text.find("SigCgt:");
+    if (at == text.npos) return true;
+    return (std::stoull(text.substr(at + 7), nullptr, 16) >> (signal - 1) & 1) != 0;
+  };
+  for (int k = 0; k < 60'000 && !handles_it(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ::kill(child, signal);
 }
 
 /// Expects an error: exit code 2, nothing on standard output, and one line that contains `said`.

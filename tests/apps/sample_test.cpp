@@ -65,7 +65,7 @@ TEST(SampleCommand, RefusesInOneLineAndLeavesNothing) {
   const Outcome stopped = run_program({"sample", "tube.model", "-o", "shape_%d.obj", "--count", "4000000"},
                                       {.directory = scene.path(), .while_it_runs = [](pid_t child) {
                                          std::this_thread::sleep_for(std::chrono::milliseconds(500));
-                                         ::kill(child, SIGINT);
+                                         interrupt(child);
                                        }});
   EXPECT_EQ(stopped.code, 130);
   EXPECT_EQ(std::distance(fs::directory_iterator(scene.path()), fs::directory_iterator()), 1);

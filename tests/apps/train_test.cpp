@@ -210,7 +210,7 @@ TEST(TrainProgram, InterruptedLeavesNoFile) {
   RunOptions options{.directory = scene.path()};
   options.while_it_runs = [](pid_t child) {
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    ::kill(child, SIGINT);
+    interrupt(child);
   };
   const Outcome outcome = run_program({"train", "many.npz", "-o", "a.model", "--references", "400"}, options);
   EXPECT_EQ(outcome.code, 130);

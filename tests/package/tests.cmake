@@ -24,7 +24,8 @@ foreach(FORM package subdirectory)
   add_test(NAME consumer_${FORM} COMMAND ${CMAKE_CTEST_COMMAND} --build-and-test ${CONSUMER} ${WORK}/${FORM}
     --build-generator ${CMAKE_GENERATOR} --build-options -DFORM=${FORM} ${CONSUMER_OPTIONS} ${FLAGS_OF_${FORM}}
     --test-command consumer)
-  set_tests_properties(consumer_${FORM} PROPERTIES PASS_REGULAR_EXPRESSION "${EXAMPLE_OUTPUT}" TIMEOUT 900)
+  set_tests_properties(consumer_${FORM} PROPERTIES PASS_REGULAR_EXPRESSION "${EXAMPLE_OUTPUT}" TIMEOUT 900 PROCESSORS 2
+    ENVIRONMENT CMAKE_BUILD_PARALLEL_LEVEL=2)
 endforeach()
 add_test(NAME consumer_fetch COMMAND ${CMAKE_COMMAND} -S ${CONSUMER} -B ${WORK}/fetch -G ${CMAKE_GENERATOR} -DFORM=fetch
   ${CONSUMER_OPTIONS} -DCMAKE_CXX_FLAGS=-ffast-math)
@@ -40,3 +41,4 @@ if(DPKG_SHLIBDEPS)
   add_test(NAME package_deb COMMAND sh ${CONSUMER}/deb.sh ${CMAKE_CPACK_COMMAND} ${PROJECT_BINARY_DIR} ${WORK}/deb ${FOLDPROOF_THREADS})
   set_tests_properties(package_deb PROPERTIES PASS_REGULAR_EXPRESSION "foldproof ${PROJECT_VERSION}" RUN_SERIAL ON)
 endif()
+foldproof_test_part(package all)

@@ -98,7 +98,7 @@ TEST(PageServer, TakesAFreePortAndReportsATakenOne) {
   const auto first = PageServer::open(*a, kStubPage), second = PageServer::open(*b, kStubPage);
   ASSERT_TRUE(first && second);
   EXPECT_GE(first->port(), kFirstPagePort);
-  EXPECT_GT(second->port(), first->port());
+  EXPECT_NE(second->port(), first->port());
   const auto third = PageServer::open(*b, kStubPage, first->port());
   ASSERT_FALSE(third);
   EXPECT_EQ(third.error().line(),

@@ -42,11 +42,11 @@ class Checks(unittest.TestCase):
     def test_counts(self):
         table, _ = run({
             "ctest": "echo ' 1/8 Test #1: blender ...***Skipped 0.01 sec'; echo '[  PASSED  ] 3 tests.'\n"
-                     "echo '75% tests passed, 2 tests failed out of 8'; echo '# tests 5'; echo '# fail 1'; return 8",
+                     "echo '75% tests passed, 2 tests failed out of 8'; echo '# tests 5'; echo '# fail 1'; echo '# skipped 2'; return 8",
             "gtest": "echo '[  PASSED  ] 7 tests.'; echo '[  SKIPPED ] 2 tests, listed below:'; echo '[  PASSED  ] 1 test.'",
             "fuzz": "echo 'obj      clean, 12 inputs'; echo 'ply      clean, 30 inputs'",
         })
-        self.assertEqual(table, {"ctest": ("FAILED", "13 tests, 3 failed, 1 skipped"),
+        self.assertEqual(table, {"ctest": ("FAILED", "13 tests, 3 failed, 3 skipped"),
                                  "gtest": ("passed", "10 tests, 0 failed, 2 skipped"),
                                  "fuzz": ("passed", "2 targets, 42 inputs")})
 
@@ -78,7 +78,12 @@ say() { :; }; need() { :; }; die() { echo "$*" >&2; exit 2; }
 source tools/all.sh
 all_checks=(test fuzz floats)
 all_test() { echo ran >>ran; echo '[  PASSED  ] 3 tests.'; }
-all_fuzz() { echo ran >>ran; echo 'obj      clean, 12 inputs'; echo 'ply      clean, 30 inputs'; }
+all_fuzz() {
+  echo ran >>ran
+  echo 'obj      clean, 12 inputs'
+  [[ ! -f broken ]] || { echo 'ply      FAILED; what it printed is in a file'; return 1; }
+  echo 'ply      clean, 30 inputs'
+}
 all_floats() { [[ -f fixed ]]; echo 'every float'; }
 do_all "$@"
 """
@@ -89,7 +94,7 @@ do_all "$@"
         self.folder = pathlib.Path(folder.name)
         (self.folder / "tools").symlink_to(TOOLS)
         (self.folder / "docs").mkdir()
-        (self.folder / ".gitignore").write_text("/out\n/ran\n/fixed\n")
+        (self.folder / ".gitignore").write_text("/out\n/ran\n/fixed\n/broken\n")
         self.git("init", "--quiet")
         self.commit()
 
@@ -128,6 +133,19 @@ do_all""")
         self.assertEqual(self.run_all(), (0, table, 0))
         self.assertEqual(self.run_all(), (0, table, 0))
 
+    def test_a_part_that_failed_fails_the_check_until_it_passes(self):
+        (self.folder / "fixed").touch()
+        (self.folder / "broken").touch()
+        parts = {"fuzz_obj": "passed", "fuzz_ply": "FAILED"}
+        for ran, *arguments in ((2,), (1,), (0, "--only", "floats")):
+            code, table, runs = self.run_all(*arguments)
+            self.assertEqual((code, runs), (2, ran))
+            self.assertEqual(table["fuzz"][0], "FAILED")
+            self.assertEqual({name: table[name][0] for name in parts}, parts)
+        (self.folder / "broken").unlink()
+        code, table, _ = self.run_all()
+        self.assertEqual((code, table["fuzz"][0], table["fuzz_ply"][0]), (0, "passed", "passed"))
+
     def test_goes_on_where_only_the_page_is(self):
         self.assertEqual(self.run_all("--only", "fuzz")[2], 1)
         shutil.rmtree(self.folder / "out")
@@ -137,7 +155,8 @@ do_all""")
     def test_only_a_change_of_what_it_reads_runs_a_check_again(self):
         (self.folder / "tests" / "fuzz").mkdir(parents=True)
         page = self.folder / "docs" / "quality.md"
-        for changed, again in (("apps", ["test"]), ("tests/fuzz/target.cpp", ["test", "fuzz"]), ("docs/page.md", []),
+        for changed, again in (("apps", ["test"]), ("tests/fuzz/target.cpp", ["test", "fuzz"]), ("docs/page.md", ["test"]),
+                               ("CHANGELOG.md", []),
                                ("CMakeLists.txt", ["test", "fuzz"])):
             with self.subTest(changed):
                 self.run_all("--only", "test,fuzz")
