@@ -141,7 +141,7 @@ what_is() {
   [[ $1 != *_models ]] || group='files and models'
   case $1 in
     test) echo 'every test, those in Chromium and of WebAssembly too (`./dev test`)' ;;
-    lint_rest) echo "layers, format, the page's types; clang-tidy on the rest (\`./dev lint\`)" ;;
+    lint_rest) echo "layers, format, the page's types, pages of the headers; clang-tidy on the rest (\`./dev lint\`)" ;;
     lint_*) echo "clang-tidy on $group" ;;
     address_*) echo "tests of $group under the address and undefined-behavior sanitizers" ;;
     thread_*) echo "tests of $group under the thread sanitizer" ;;
@@ -254,7 +254,7 @@ do_all() {
   all_changed=$(git status --porcelain -- . ':!docs/quality.md')
   [[ -z $all_changed ]] || all_commit+=' and changes'
   # Now, as nobody is there later to type a password.
-  need lib test studio demo python package browser mpi fuzz lint bench proofs web arm64 s390x compilers
+  need lib test studio demo python package docs browser mpi fuzz lint bench proofs web arm64 s390x compilers
   trap 'stop_checks; write_quality "stopped before its end"; echo; print_checks; exit 130' INT TERM
   say "everything, whatever fails; docs/quality.md says what came of it, out/checks what was printed"
   local name rows_before=() waiting=("${all_checks[@]}")

@@ -127,7 +127,7 @@ struct NumberTable {
 
 /// Reads text with a row per line and commas between numbers; the first line may hold names, all different,
 /// each with a letter, and none a number, NaN, infinity or a word such as "null". Empty lines are skipped,
-/// and those that start with '#', unless a spreadsheet's error does, such as #N/A. Shape: rows x columns.
+/// and those that start with '#', unless a spreadsheet's error does, such as `#N/A`. Shape: rows x columns.
 Result<NumberTable> read_csv(const std::string& path);
 
 /// Reads a float32 or float64 array of any shape from an NPZ into memory.
