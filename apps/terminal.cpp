@@ -98,12 +98,6 @@ std::string counted(std::uint64_t number, const char* noun) {
   return fmt::format("{} {}{}", grouped(number), noun, number == 1 ? "" : "s");
 }
 
-std::string every_nth_frame(Index n) {
-  constexpr std::array kEndings = {"th", "st", "nd", "rd"};
-  const bool irregular = n % 10 < 4 && n / 10 % 10 != 1;
-  return fmt::format("every {}{} frame", n, kEndings[irregular ? n % 10 : 0]);
-}
-
 std::string row(const char* label, const std::string& value) {
   return fmt::format("{:<24}{}\n", label, value);
 }

@@ -56,9 +56,6 @@ std::string grouped(std::uint64_t number);
 /// "1 step", "2 steps".
 std::string counted(std::uint64_t number, const char* noun);
 
-/// "every 2nd frame".
-std::string every_nth_frame(Index n);
-
 /// A row of a summary: what it is, and its value.
 std::string row(const char* label, const std::string& value);
 

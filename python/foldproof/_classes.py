@@ -119,10 +119,11 @@ def _same_model(a: Model, b: object) -> Any:
 
 
 def _text_of_step(step: StepResult) -> str:
+    label = "STATISTICAL: " if step.statistical else ""
     if step.clean:
-        return "<foldproof.StepResult: nothing collides>"
+        return f"<foldproof.StepResult: {label}nothing {'found' if label else 'collides'}>"
     found = f"{step.vertex_face_count:,} vertex-face and {step.edge_edge_count:,} edge-edge pairs"
-    return f"<foldproof.StepResult: {found}, the earliest at {step.earliest_toi:.4g}>"
+    return f"<foldproof.StepResult: {label}{found}, the earliest at {step.earliest_toi:.4g}>"
 
 
 def _text_of_hierarchy(hierarchy: Hierarchy) -> str:

@@ -239,9 +239,11 @@ Found run(const Request& request, const py::object& progress) {
 }
 
 /// What the check left out, a sentence each.
-py::list untested_by(const Request& request) {
+py::list untested_by(const Request& request, const CheckTotals& totals) {
   const CheckSettings& settings = request.settings;
   py::list untested;
+  if (settings.frames.step > 1 && totals.first_frame != totals.last_frame)
+    untested.append("only " + every_nth_frame(settings.frames.step) + " was checked");
   if (!settings.step.within) untested.append("pairs within one mesh were not tested");
   if (!settings.step.between && request.motions.size() > 1)
     untested.append("pairs of two meshes were not tested");
@@ -261,7 +263,7 @@ py::dict fields_of(Found found, const Request& request) {
     for (const std::string& note : motion->notes()) notes.append(text_of(motion->name() + ": " + note));
   }
   d["notes"] = notes;
-  d["untested"] = untested_by(request);
+  d["untested"] = untested_by(request, totals);
   d["statistical"] = request.settings.step.mode == Mode::Paper;
   d["starts_crossing"] = totals.starts_crossing;
   d["start_crossings"] = owned_rows(std::move(found.start_crossings));

@@ -34,6 +34,7 @@ std::unique_ptr<StepAnswer> check(Checker& self, const py::object& x0, const py:
   const Pose from = pose_of(x0, "x0", self.objects), to = pose_of(x1, "x1", self.objects);
   auto result = std::make_unique<StepAnswer>();
   result->objects = self.objects;
+  result->statistical = step.mode == Mode::Paper;
   const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
   take(self.checker->check(from.spans, to.spans, step, *result));
@@ -119,6 +120,7 @@ void bind_answers(py::module_& module) {
       .def_readonly("vertex_face_count", &StepResult::vertex_face_count,
                     "The number of vertex-face pairs, listed (max_listed) or not.")
       .def_readonly("edge_edge_count", &StepResult::edge_edge_count, "The number of edge-edge pairs.")
+      .def_readonly("statistical", &StepAnswer::statistical, "Mode 'paper', which can miss collisions.")
       .def_readonly("tolerance", &StepResult::tolerance, "The tolerance used, mesh units.")
       .def_readonly("search_steps", &StepResult::search_steps,
                     "How many steps the search of this step covers, this one included; 0: an earlier search "

@@ -20,6 +20,7 @@ StepSettings step_settings(const py::kwargs& settings);
 template <class Answer>
 struct AnswerFor : Answer {
   std::vector<Object> objects;
+  bool statistical = false;  ///< Mode::Paper.
 };
 
 /// Refused: settings that are given though they have no effect. `with`: what they do not go with.

@@ -74,6 +74,14 @@ def test_text(motion, model, triangles, frames):
     assert repr(checker.check(frames[0], frames[1])) == "<foldproof.StepResult: nothing collides>"
     assert "edge-edge pairs, the earliest at 0>" in repr(checker.check(frames[-2], frames[-1]))
     assert repr(checker.check_static(frames[0])) == "<foldproof.StaticResult: 0 crossing pairs>"
+    assert "; only every 2nd frame was checked" in repr(foldproof.check(motion, frames="::2"))
+
+
+def test_a_step_that_may_miss_says_so(motion, model):
+    checker = foldproof.StepChecker(model)
+    for mode, text in (("proven", "nothing collides"), ("paper", "STATISTICAL: nothing found")):
+        found = checker.check(motion[0], motion[1], mode=mode)
+        assert found.statistical == (mode == "paper") and text in repr(found)
 
 
 def test_text_is_escaped(triangles, frames):

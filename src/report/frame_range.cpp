@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 #include "base/try.h"
@@ -67,6 +68,12 @@ std::vector<Index> select_frames(const FrameRange& range, Index frame_count) {
   for (std::int64_t frame = begin; frame < end; frame += range.step)
     frames.push_back(static_cast<Index>(frame));
   return frames;
+}
+
+std::string every_nth_frame(Index n) {
+  constexpr std::array kEndings = {"th", "st", "nd", "rd"};
+  const bool irregular = n % 10 < 4 && n / 10 % 10 != 1;
+  return fmt::format("every {}{} frame", n, kEndings[irregular ? n % 10 : 0]);
 }
 
 }  // namespace foldproof

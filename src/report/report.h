@@ -24,6 +24,9 @@ struct FrameRange {
 /// Parses "A:B" or "A:B:STEP", where each part may be omitted, or a single frame "A". Error: anything else.
 Result<FrameRange> parse_frame_range(const std::string& text);
 
+/// "every 2nd frame".
+std::string every_nth_frame(Index n);
+
 /// The selected frames, ascending. Empty when the range selects none.
 std::vector<Index> select_frames(const FrameRange& range, Index frame_count);
 

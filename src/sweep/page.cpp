@@ -143,6 +143,8 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
            info.steps_only ? "in whose steps no contact begins" : "clean", counts[3]);
   if (info.steps_only)
     file.add("<p>Only the steps were checked: crossings from the first frame on were not tested.</p>\n");
+  if (!info.frames.empty())
+    file.add("<p>Only the frames {} of each motion were checked.</p>\n", html(info.frames));
   file.add("<details><summary>How this was made</summary><p>Foldproof {}, {:.1f} s of checking.</p>",
            version(), seconds);
   file.add("<p><code>{}</code></p></details>\n", html(info.command));

@@ -79,7 +79,9 @@ TEST(Sweep, ChecksALibraryAndContinues) {
   EXPECT_THAT(states(library / "r.jsonl"), kAll);
 
   std::filesystem::remove(library / "lib/broken.glb");
-  EXPECT_EQ(library.sweep({"--quiet", "--frames", "0:2"}).code, 0);
+  const Outcome start = library.sweep({"--frames", "0:2"});
+  EXPECT_EQ(start.code, 0);
+  EXPECT_THAT(start.out, HasSubstr("\nframes                  only 0:2 of each motion (--frames)\n"));
 }
 
 TEST(Sweep, ChecksSinglePosesExactly) {
