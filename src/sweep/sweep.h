@@ -152,7 +152,7 @@ struct SweepPageInfo {
   std::vector<std::string> directories;
   bool poses = false;
   bool steps_only = false;
-  std::string frames;  ///< The frames that were selected, as text; empty: all.
+  std::string frames = {};  ///< The frames that were selected, as text; empty: all.
 };
 
 /// Writes a self-contained HTML file: a table of all records, those that collide or failed first, sortable by
