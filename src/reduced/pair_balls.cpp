@@ -82,7 +82,7 @@ bool PairBalls::read(NodePairIds pair) {
   };
   count(h.nodes()[pair[0]]);
   if (pair[1] != pair[0]) count(h.nodes()[pair[1]]);
-  triangles += bridge_.size() * (h.triangles().size() / h.leaf_count());
+  for (const Index leaf : bridge_) triangles += h.leaves()[leaf + 1].triangles - h.leaves()[leaf].triangles;
   // Tested before reading, as the reader cannot number more vertices than a chart can.
   if (triangles > input_.max_triangles || vertices > kMaxVerticesOfChart) return false;
   reader_.read(input_.slots.of_node(pair[0]), patch_);
