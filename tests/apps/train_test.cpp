@@ -16,7 +16,6 @@ using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
-using ::testing::StartsWith;
 
 /// A tube that bends until it meets itself, poses of it, its model, and the needle.
 struct Scene : TemporaryDirectory {
