@@ -199,7 +199,7 @@ std::string closing(const SweepArguments& a, const SweepInput& input, const Swee
   if (input.single_meshes + input.single_arrays > 0)
     text += fmt::format("skipped                 {}\n", left_out(input));
   if (a.steps_only) text += "first frames            not tested for crossings (--steps-only)\n";
-  if (!a.motion.frames.empty())
+  if (!settings.check.frames.selects_all())
     text += fmt::format("frames                  only {} of each motion (--frames)\n", a.motion.frames);
   for (const auto& model : settings.models) {
     const bool used =
@@ -256,8 +256,9 @@ Result<int> lead(const SweepArguments& a, Ranks& ranks) {
     return kExitInterrupted;
   }
   if (!a.summary.empty()) {
-    FOLDPROOF_TRY(write_sweep_page(a.summary, records,
-                                   {a.command, input.directories, a.poses, a.steps_only, a.motion.frames}));
+    const std::string frames = settings.check.frames.selects_all() ? "" : a.motion.frames;
+    FOLDPROOF_TRY(
+        write_sweep_page(a.summary, records, {a.command, input.directories, a.poses, a.steps_only, frames}));
   }
   if (!a.quiet) print_output(closing(a, input, file, settings));
   return exit_code(std::all_of(records.begin(), records.end(), [](const SweepRecord& r) {

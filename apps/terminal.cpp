@@ -182,10 +182,6 @@ std::string start_of(const CheckTotals& totals) {
                      counted(*totals.starts_crossing, "crossing pair"));
 }
 
-bool skips_frames(const CheckSettings& settings, const CheckTotals& totals) {
-  return settings.frames.step > 1 && !is_single_frame(totals);
-}
-
 /// The frames and the pairs that were left out.
 std::string untested_sentences(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
   std::string text;

@@ -31,22 +31,24 @@ tests_of() {
   printf 'tests/%s ' "$@"
 }
 
-# inputs_of CHECK: the files whose change makes it run again, as git's pathspecs. Tests of the query read motions and models.
+# inputs_of CHECK: the files whose change makes it run again, as git's pathspecs. Tests of the query read motions and models,
+# and check whole motions.
 inputs_of() {
   local built='CMakeLists.txt CMakePresets.json src/CMakeLists.txt' query models
   local tests="$built tests/CMakeLists.txt tests/tools/fallback.cmake tests/base/callers.h"
+  [[ $1 != lint_* ]] || tests+=' .clang-tidy tests/.clang-tidy'
   # shellcheck disable=SC2086  # lists of words
-  query=$(sources_of $query_modules) models=$(sources_of $model_modules contacts)
+  query=$(sources_of $query_modules) models=$(sources_of $model_modules contacts report picture)
   # shellcheck disable=SC2086
   case $1 in
-    lint_query | address_query | thread_query) echo ".clang-tidy tests/.clang-tidy $tests $query $models $(tests_of $query_tests model)" ;;
-    lint_models | address_models | thread_models) echo ".clang-tidy tests/.clang-tidy $tests $query $models $(tests_of $query_tests $model_modules report)" ;;
+    lint_query | address_query | thread_query) echo "$tests $query $models $(tests_of $query_tests model) tests/io/support.h tests/report/needle.h" ;;
+    lint_models | address_models | thread_models) echo "$tests $query $models $(tests_of $query_tests $model_modules report)" ;;
     fuzz) echo "$tests $query $models $(tests_of fuzz adversary oracle certificate solver)" ;;
     search) echo "$tests $query $models $(tests_of adversary search oracle certificate solver)" ;;
-    floats) echo "$tests $query $(tests_of arithmetic oracle)" ;;
+    floats) echo "$tests $query include/foldproof/io.h $(tests_of arithmetic oracle)" ;;
     proofs) echo "$built $query tools/proofs proofs docs/soundness.md" ;;
-    frames) echo "$tests $query $models $(tests_of check contacts oracle bvh io model reduced)" ;;
-    mutants) echo "$tests $query $models tools/mutants $(tests_of mutants adversary search oracle bvh ccd check certificate solver allocation reduced arithmetic contacts model)" ;;
+    frames) echo "$tests $query $models $(tests_of check contacts oracle bvh io model reduced report)" ;;
+    mutants) echo "$tests $query $models tools/mutants $(tests_of mutants adversary search oracle bvh ccd check certificate solver allocation reduced arithmetic contacts model) tests/io/support.h tests/report/needle.h" ;;
     bench) echo 'CMakeLists.txt CMakePresets.json src include bench examples/solver tools/bench_tables' ;;
     arm64 | s390x | compilers) echo 'dev CMakeLists.txt CMakePresets.json cmake src include apps examples tests :!tests/mutants :!tests/tools/*.py tools/cross_root tools/demo_poses.cpp' ;;
     test) echo '. :!docs/quality.md :!docs/benchmarks :!CHANGELOG.md :!CONTRIBUTING.md' ;;
@@ -59,17 +61,19 @@ programs_with_frames=(test_check test_contacts)
 
 # What proofs assume of conversions, for every float there is and not only some.
 all_floats() {
-  local fallback
+  local fallback status=0
   configure release -DFOLDPROOF_TESTS=ON
   build_preset release test_arithmetic test_arithmetic_fallback
   export FOLDPROOF_ALL_FLOATS=1
   build/test_arithmetic_fallback --gtest_brief=1 &
   fallback=$!
-  build/test_arithmetic --gtest_brief=1
-  wait "$fallback"
+  build/test_arithmetic --gtest_brief=1 || status=1
+  wait "$fallback" || status=1
+  return "$status"
 }
 
-# By the compiler of the library, a warning is an error in tests, examples and the Python module too.
+# Here a warning of GCC is an error in tests, examples and the Python module, too; `./dev compilers` builds the program alone
+# with it.
 all_test() {
   configure release -DCMAKE_COMPILE_WARNING_AS_ERROR=ON
   do_test

@@ -67,7 +67,7 @@ run_guarded() {
   configure "$preset"
   build_preset "$preset" "${programs[@]}"
   for entry in "$@"; do
-    "build-$preset/${entry%% *}" --gtest_filter="${entry#* }" --gtest_list_tests | grep '^  ' >/dev/null || die "nothing is called $entry"
+    require_tests "build-$preset/${entry%% *}" "${entry#* }"
     timeout 600 "build-$preset/${entry%% *}" --gtest_filter="${entry#* }" --gtest_brief=1
   done
 }

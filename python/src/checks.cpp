@@ -242,7 +242,7 @@ Found run(const Request& request, const py::object& progress) {
 py::list untested_by(const Request& request, const CheckTotals& totals) {
   const CheckSettings& settings = request.settings;
   py::list untested;
-  if (settings.frames.step > 1 && totals.first_frame != totals.last_frame)
+  if (skips_frames(settings, totals))
     untested.append("only " + every_nth_frame(settings.frames.step) + " was checked");
   if (!settings.step.within) untested.append("pairs within one mesh were not tested");
   if (!settings.step.between && request.motions.size() > 1)

@@ -76,4 +76,8 @@ std::string every_nth_frame(Index n) {
   return fmt::format("every {}{} frame", n, kEndings[irregular ? n % 10 : 0]);
 }
 
+bool skips_frames(const CheckSettings& settings, const CheckTotals& totals) {
+  return settings.frames.step > 1 && totals.first_frame != totals.last_frame;
+}
+
 }  // namespace foldproof

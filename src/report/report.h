@@ -19,6 +19,7 @@ namespace foldproof {
 struct FrameRange {
   std::optional<std::int64_t> begin, end;
   Index step = 1;  ///< At least 1.
+  bool selects_all() const { return step == 1 && begin.value_or(0) == 0 && !end; }
 };
 
 /// Parses "A:B" or "A:B:STEP", where each part may be omitted, or a single frame "A". Error: anything else.
@@ -156,6 +157,9 @@ struct CheckTotals {
   /// Adds a step; steps come in order.
   void add(const CheckedStep& step);
 };
+
+/// Whether frames between the first and the last were left out.
+bool skips_frames(const CheckSettings& settings, const CheckTotals& totals);
 
 /// Receives the answers of steps in order. A file appears only after `finish`.
 class ReportWriter {

@@ -82,6 +82,7 @@ TEST(Sweep, ChecksALibraryAndContinues) {
   const Outcome start = library.sweep({"--frames", "0:2"});
   EXPECT_EQ(start.code, 0);
   EXPECT_THAT(start.out, HasSubstr("\nframes                  only 0:2 of each motion (--frames)\n"));
+  EXPECT_THAT(library.sweep({"--frames", ":"}).out, Not(HasSubstr("--frames")));
 }
 
 TEST(Sweep, ChecksSinglePosesExactly) {

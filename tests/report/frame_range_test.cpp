@@ -42,6 +42,37 @@ TEST(FrameRange, ASingleNumberIsASingleFrame) {
   EXPECT_THAT(select("-6", 5), IsEmpty());
 }
 
+TEST(FrameRange, KnowsWhetherItSelectsAll) {
+  for (const char* text : {":", "0:", "::1", "::"})
+    EXPECT_TRUE(parse_frame_range(text)->selects_all()) << text;
+  for (const char* text : {"1:", ":9", "::2", "0", "-1:"})
+    EXPECT_FALSE(parse_frame_range(text)->selects_all()) << text;
+}
+
+TEST(FrameRange, SkipsFramesOnlyBetweenTwo) {
+  CheckSettings settings;
+  CheckTotals totals;
+  totals.last_frame = 4;
+  EXPECT_FALSE(skips_frames(settings, totals));
+  settings.frames.step = 2;
+  EXPECT_TRUE(skips_frames(settings, totals));
+  totals.last_frame = 0;
+  EXPECT_FALSE(skips_frames(settings, totals));
+}
+
+TEST(EveryNthFrame, HasTheOrdinalsOfEnglish) {
+  for (const auto& [n, text] : {std::pair{2, "every 2nd frame"},
+                                {3, "every 3rd frame"},
+                                {4, "every 4th frame"},
+                                {11, "every 11th frame"},
+                                {12, "every 12th frame"},
+                                {13, "every 13th frame"},
+                                {21, "every 21st frame"},
+                                {111, "every 111th frame"},
+                                {122, "every 122nd frame"}})
+    EXPECT_EQ(every_nth_frame(static_cast<Index>(n)), text);
+}
+
 TEST(FrameRange, RefusesEverythingElse) {
   for (const char* text : {"", "a", "1:b", "1:2:c", "1:2:3:4", "1.5:2", "1: 2", " 1", "+1", "1-2",
                            "99999999999999999999:", "::0", "::-1", "::4294967296", "1:2:0"}) {

@@ -194,5 +194,28 @@ do_all""")
             "floats": ("skipped", "not asked for")}))
 
 
+class Inputs(unittest.TestCase):
+    """A row of ./dev all holds until one of its inputs changes, so what they include belongs to them."""
+    CHECKS = ("lint_query lint_models address_query address_models thread_query thread_models fuzz search floats frames "
+              "mutants proofs").split()
+
+    def files_of(self, check):
+        inputs = subprocess.run(["bash", "-c", f"set -euo pipefail\nsource tools/all.sh\ninputs_of {check}"],
+                                cwd=TOOLS.parent, capture_output=True, text=True, check=True).stdout.split()
+        files = [path for name in inputs if (path := TOOLS.parent / name).exists()]
+        return {file for path in files for file in ([path] if path.is_file() else path.rglob("*")) if file.is_file()}
+
+    def test_hold_what_they_include(self):
+        places = [TOOLS.parent / name for name in ("src", "tests", "include")]
+        for check in self.CHECKS:
+            files = self.files_of(check)
+            self.assertGreater(len(files), 100, check)
+            for file in (file for file in files if file.suffix in (".cpp", ".h")):
+                for name in re.findall(r'#include "([^"]+)"', file.read_text()):
+                    found = [path for place in (file.parent, *places) if (path := place / name).is_file()]
+                    if found:  # else a header that the build makes
+                        self.assertTrue(found[0].resolve() in files, f"{check} leaves out {name}, which {file} includes")
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -1,4 +1,4 @@
-# What ./dev checks and tools/ are held to.
+# Tests of ./dev and of the programs in tools/.
 add_test(NAME layers COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/tools/check_layers)
 add_test(NAME layers_are_checked COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/check_layers_test.py)
 
