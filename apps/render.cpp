@@ -425,9 +425,9 @@ Command add_render(CommandLine& program) {
       .type_name("FILE");
   command
       .add_option("--view", a->view,
-                  "auto, front, back, side, top, or the direction to the eye as x,y,z (see above) [auto]")
+                  "auto, front, back, side, top, or the direction to the eye as x,y,z (see below) [auto]")
       .type_name("VIEW");
-  command.add_option("--up", a->up, "The axis that points up (see above) [auto]").one_of({"auto", "y", "z"});
+  command.add_option("--up", a->up, "The axis that points up (see below) [auto]").one_of({"auto", "y", "z"});
   command.add_option("--size", a->size, "In pixels [1200x900]").type_name("WxH");
   command.add_flag("--flat", a->flat, "Flat shading");
   command.add_option("--fps", a->read.fps, "Sampling rate for animated glTF, frames per second [24]")

@@ -99,8 +99,8 @@ struct StageTimes {
 enum class Reason : std::uint8_t {
   /// They were not tested: certificates or boxes prove each pair of leaves separated.
   Certified,
-  /// No chart has been tried yet, neither of the patch nor of one that contains it. Always so in a checker's
-  /// first step.
+  /// No chart has been tried yet, neither of the patch nor of one that contains it. Without a model, always so
+  /// in a checker's first step.
   NotBuilt,
   /// The patch or one that contains it has charts, but none of them holds in this step.
   TestFailed,
@@ -246,8 +246,8 @@ class StepChecker {
 
   /// Reports every vertex-face and edge-edge pair without a common vertex that comes into contact while all
   /// vertices move from x0 to x1 along straight lines. Soundness: no pair that touches is missing; a reported
-  /// pair comes within thickness + tolerance (docs/soundness.md). Error: wrong sizes, coordinates that are
-  /// not finite.
+  /// pair comes within thickness + tolerance, unless it is undecided (docs/soundness.md). Error: wrong sizes,
+  /// coordinates that are not finite.
   [[nodiscard]] Result<void> check(Positions x0, Positions x1, const StepSettings& settings, StepResult& out);
 
   /// Reports every pair of triangles that cross: that have a point in common beyond their common vertices and

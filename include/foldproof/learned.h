@@ -195,8 +195,8 @@ struct Suggestion {
   std::vector<double> positions;  ///< The pose, by the user's vertex ids.
 };
 
-/// Suggestions from the training poses alone: directions with a single example, and modes with examples on
-/// one side. At most `count`, largest distance first.
+/// Suggestions from the training poses alone: directions with a single example, and modes with examples
+/// mostly on one side. At most `count`, largest distance first.
 std::vector<Suggestion> suggest_poses(const Learned& learned, Index count);
 
 /// Frames of a motion, chosen one by one: each is the farthest from the linear subspace that the frames

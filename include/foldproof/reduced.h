@@ -132,7 +132,8 @@ class ReducedShape {
   /// The pairs that radius() says nothing about. Ascending.
   std::span<const UncertifiedPair> uncertified(Index center) const;
   /// The radius when pairs of leaves with a ball smaller than `at_least` count as uncertified too. So a few
-  /// pairs that nearly touch do not limit the radius of the whole shape. The radius may exceed `at_least`.
+  /// pairs that nearly touch do not limit the radius of the whole shape. The radius may exceed `at_least`, and
+  /// be smaller, where pairs of inner nodes limit it.
   /// Cost: O(pairs of nodes).
   CertifiedRadius certified(Index center, double at_least) const;
   /// Pairs of leaves that are certified around no center; queries always test them.

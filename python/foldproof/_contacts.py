@@ -54,9 +54,9 @@ class Contact:
     number, joined: its number, in the order in which contacts begin, and those of contacts that became a part of it.
     sides: two of ContactSide. folded: both are the same piece of a surface. from_start: it was there in the first frame.
     healed: it ended before the motion did. first_time, last_time: first impact; the last frame in which it crosses, or
-    the last impact. pairs: colliding pairs of features, over all steps, that are listed (max_listed). depth: the
-    largest; None where nothing has a depth. worst: time of the worst frame, the deepest one, else the one with the
-    longest curve; None where it only touches between frames. point (3), box (2 x 3: low, high), normal (3): in the worst
+    the last impact. pairs: colliding pairs of features, over all steps, that are listed (max_listed). depth: in
+    the worst frame; None where nothing has a depth there. worst: time of the worst frame, that with the largest depth (a
+    twentieth of the curves' length stands for a missing one); None where it only touches between frames. point (3), box (2 x 3: low, high), normal (3): in the worst
     frame, the deepest point or the middle of the curves, the box of the triangles, the direction out. frames: structured
     array, a row per frame in which it crosses: time, crossings (pairs of triangles), triangles (that cross or are
     inside), curve_length, closed, area (2, inside, of each side; NaN where there is no region), depth (NaN where there

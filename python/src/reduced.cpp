@@ -234,8 +234,8 @@ void bind_reduced(py::module_& module) {
       .def(
           "certified", &certified, py::arg("center") = 0, py::arg("at_least") = 0.0,
           "(radius, uncertified): the radius, and the pairs of patches that it says nothing about, a "
-          "structured array of leaf_a, leaf_b, touches, radius. Pairs with a radius below at_least are among "
-          "them.")
+          "structured array of leaf_a, leaf_b, touches, radius. Pairs of leaves with a radius below at_least are "
+          "among them. The radius can be smaller than at_least, where pairs of larger regions limit it.")
       .def(
           "distance",
           [](const Shape& s, const py::object& p, std::int64_t c) {

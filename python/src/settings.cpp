@@ -93,9 +93,9 @@ std::string settings_documentation() {
          "  earliest_only=False  find only the pair with the earliest time of impact\n"
          "  max_listed=10000000  list at most so many pairs of each kind in a step, those with the smallest "
          "ids; all are counted\n"
-         "  explain=False        report what certificates proved\n"
+         "  explain=False        steps of a checker: report what certificates proved (StepResult.explanation)\n"
          "  mode='proven'        or 'paper', which is STATISTICAL and can miss collisions\n"
-         "  miss_rate=0.01       mode 'paper': the largest share of misses in training";
+         "  miss_rate=0.01       mode 'paper': the share of wrong predictions of 'free' that is accepted in training";
 }
 
 std::string with_settings(const char* doc) { return std::string(doc) + "\n\n" + settings_documentation(); }

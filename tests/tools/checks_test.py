@@ -169,6 +169,17 @@ do_all""")
                 self.assertEqual([name for name in ("test", "fuzz") if rows[name] not in old], again)
                 self.assertEqual(rows["fuzz_obj"], rows["fuzz"])
 
+    def test_comments_run_no_check_again_that_compiles(self):
+        source = self.folder / "src" / "ccd"
+        source.parent.mkdir()
+        self.run_all("--only", "test,fuzz")
+        for text, ran in (("int a;\n", 2), ("// Why.\n  /// What.\n//\nint a;\n", 1), ("// Why not.\nint a;\n", 1),
+                          ("// Why not. \\\nint a;\n", 2), ("int a;\n", 2), ("int a;  // Why.\n", 2)):
+            with self.subTest(text):
+                source.write_text(text)
+                self.commit()
+                self.assertEqual(self.run_all("--only", "test,fuzz")[2], ran)
+
     def test_rows_of_a_commit_that_is_not_here_do_not_count(self):
         self.run_all("--only", "test")
         page = self.folder / "docs" / "quality.md"
