@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
+#include <cmath>
 #include <map>
 
 #include "base/try.h"
@@ -58,8 +58,10 @@ Result<Frames> from_csv(const std::string& path, Index modes) {
     frames.p.insert(frames.p.end(), row, row + modes);
     if (columns == modes) continue;
     const double* q = row + modes;
-    const Eigen::Quaternion<double> turn(q[0], q[1], q[2], q[3]);
-    if (!(turn.norm() > 0)) return fail(path, fmt::format("row {} has no quaternion", k), "give w x y z");
+    Eigen::Quaternion<double> turn(q[0], q[1], q[2], q[3]);
+    const double largest = turn.coeffs().cwiseAbs().maxCoeff();
+    if (largest == 0) return fail(path, fmt::format("row {} has no quaternion", k), "give w x y z");
+    for (double& c : turn.coeffs()) c = std::scalbn(c, -std::ilogb(largest));  // so that the norm is finite
     frames.rotation.push_back(turn.normalized().toRotationMatrix());
     frames.translation.emplace_back(q[4], q[5], q[6]);
   }
@@ -110,7 +112,7 @@ Result<Frames> from_npz(const std::string& path, Index modes) {
 
 Result<Frames> read_frames(const std::string& path, const Learned& learned) {
   const Index modes = learned.pca.modes();
-  if (std::filesystem::path(path).extension() == ".npz") {
+  if (extension_of(path) == ".npz") {
     const auto tracked = FOLDPROOF_TRY(npz_has_array(path, "keypoints"));
     return tracked ? from_tracks(path, learned) : from_npz(path, modes);
   }

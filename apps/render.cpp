@@ -246,15 +246,18 @@ Result<void> color_certificates(const RenderArguments& a, const Objects& motions
   return {};
 }
 
-Result<void> color_error(const RenderArguments& a, const Objects& motions, Colored& out) {
+Result<void> color_error(const RenderArguments& a, const Objects& motions, Index frame, Colored& out) {
   const std::string truth_name[] = {a.truth};
   const auto truth = FOLDPROOF_TRY(read_motions(truth_name, a.read, a.quiet));
-  const auto frame = FOLDPROOF_TRY(truth[0]->frame_count() == 1 ? Result<Index>(0) : frame_of(a, truth));
-  const auto expected = FOLDPROOF_TRY(read(truth, frame));
-  if (motions.size() != 1 || expected.objects[0].size() != out.poses.objects[0].size())
+  const auto vertices = [](const Objects& of) { return of[0]->topology().vertex_count(); };
+  if (motions.size() != 1 || truth.size() != 1 || vertices(truth) != vertices(motions))
     return fail(ErrorCode::InvalidArgument, "--truth", "is another mesh",
                 "give a motion with the same vertices in the same order");
-
+  const Index frames = truth[0]->frame_count();
+  if (frames > 1 && frame >= frames)
+    return fail(ErrorCode::InvalidArgument, "--truth", fmt::format("has no frame {}, only {}", frame, frames),
+                "give a motion with as many frames, or a single pose");
+  const auto expected = FOLDPROOF_TRY(read(truth, frames > 1 ? frame : 0));
   std::vector<double> errors;
   double sum = 0, worst = 0;
   for (std::size_t k = 0; k < expected.objects[0].size(); k += 3) {
@@ -292,7 +295,7 @@ Result<Colored> color(const RenderArguments& a, const Objects& motions) {
   FOLDPROOF_TRY(a.color == "collisions"     ? color_collisions(a, motions, frame, out)
                 : a.color == "contacts"     ? color_contacts(a, motions, frame, out)
                 : a.color == "certificates" ? color_certificates(a, motions, frame, out)
-                : a.color == "error"        ? color_error(a, motions, out)
+                : a.color == "error"        ? color_error(a, motions, frame, out)
                                             : Result<void>{});
   return out;
 }

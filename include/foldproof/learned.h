@@ -186,7 +186,7 @@ struct Suggestion {
   enum class Why : std::uint8_t {
     Frame,       ///< A frame that the subspace, with the suggestions before it, reconstructs worst.
     OneExample,  ///< A direction of only one training pose: half way between it and what the others give.
-    OneSided,    ///< A mode along which the training poses go to one side only: equally far to the other.
+    OneSided,    ///< A mode along which they go twice as far to one side, or more: equally far to the other.
   };
   Why why;
   Index number;                   ///< Of the frame, the pose in Model::poses, or the mode.

@@ -327,6 +327,7 @@ void ContactFinder::Impl::measure_contact(InFrame& of, double now, const Scaled&
   x.restore(frame);
   for (int side = 0; side < 2; ++side)
     of.inside[side].assign(measurer.inside(side).begin(), measurer.inside(side).end());
+  if (!c.frames.empty() && c.frames.back().time == now) return;  // a single pose, as a step that stands still
   frame.time = now;
   c.last_time = std::max(c.last_time, now);
   c.frames.push_back(frame);

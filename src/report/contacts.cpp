@@ -12,7 +12,7 @@ namespace foldproof {
 namespace {
 
 std::string quoted(const std::string& name) {
-  if (name.find_first_of(",\"\n") == std::string::npos) return name;
+  if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
   std::string out = "\"";
   for (const char c : name) out += c == '"' ? std::string("\"\"") : std::string(1, c);
   return out + "\"";
@@ -30,6 +30,8 @@ class ContactsCsv : public ReportWriter {
   Result<void> step(const CheckedStep&) override { return {}; }
 
   Result<void> finish(const CheckTotals& totals) override {
+    if (totals.listed.sum() < totals.collisions.sum())
+      file_.add("# contacts join the {} listed of {} pairs\n", totals.listed.sum(), totals.collisions.sum());
     for (const Contact& contact : totals.contacts) {
       const auto names = side_names(contact, motions_, settings_);
       const std::string begin = fmt::format("{},{},{},{:d},{:d},{},{},{}", contact.number, quoted(names[0]),

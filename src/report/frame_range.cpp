@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <limits>
 
 #include "base/try.h"
 #include "report/report.h"
@@ -45,8 +46,9 @@ Result<FrameRange> parse_frame_range(const std::string& text) {
 
   FrameRange range{.begin = parts[0], .end = {}, .step = 1};
   if (parts.size() == 1) {
-    // A single frame. After the last one, -1, there is no frame to name as end.
-    if (*range.begin != -1) range.end = *range.begin + 1;
+    // A single frame. After -1, the last one, and the largest number there is none to name as end.
+    if (*range.begin != -1 && *range.begin != std::numeric_limits<std::int64_t>::max())
+      range.end = *range.begin + 1;
     return range;
   }
   range.end = parts[1];

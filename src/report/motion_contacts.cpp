@@ -59,10 +59,11 @@ Result<void> MotionContacts::step(const CheckedStep& step) {
     if (!static_checker_) static_checker_.emplace(objects_);
     FOLDPROOF_TRY(static_checker_->check_static(step.x1, settings_.step, crossings_));
   }
+  if (step.index.number == 0) last_time_ = step.index.frame;
   const double end = end_of(step.index);
-  finder_.step(step.index.number == 0 ? step.index.frame : last_time_, end, step.x0, step.x1, *step.step,
-               asks ? &crossings_ : nullptr);
-  unknown_frames_ += !finder_.is_known();
+  finder_.step(last_time_, end, step.x0, step.x1, *step.step, asks ? &crossings_ : nullptr);
+  unknown_frames_ += !started_ && step.index.number == 0;
+  unknown_frames_ += !finder_.is_known() && end != last_time_;
   last_time_ = end;
   collect();
   milliseconds_ += milliseconds_since(begin);

@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "apps/program.h"
 #include "io/gltf_builder.h"
@@ -117,6 +118,13 @@ TEST(Contacts, AreRowsOfACsv) {
   const std::string rows = read_file(scene / "a.csv");
   EXPECT_THAT(rows, HasSubstr("\n1,left,right,1,0,0,"));
   EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1 + scene.motion->frame_count());
+
+  scene.write("parts.txt", std::regex_replace(scene.halves(), std::regex("left"), "le\rft"));
+  check_in(scene,
+           {"merged.npz", "--parts", "parts.txt", "--static", "--limit", "5", "--contacts-csv", "a.csv"});
+  EXPECT_THAT(read_file(scene / "a.csv"), HasSubstr("\n# contacts join the 15 listed of "));
+  check_in(scene, {"merged.npz", "--parts", "parts.txt", "--contacts-csv", "a.csv"});
+  EXPECT_THAT(read_file(scene / "a.csv"), HasSubstr("\n1,\"le\rft\",right,"));
 }
 
 TEST(Contacts, OfPosesAreFoundToo) {

@@ -81,6 +81,17 @@ TEST_F(Reduced, CheckFollowsCoordinatesAndPlacements) {
   EXPECT_EQ(run({"check", "--reduced", "cloth.model", "p.csv", "cloth.model", "away.csv"}).code, 0);
 }
 
+TEST_F(Reduced, QuaternionsMayHaveAnyLength) {
+  const auto mesh_of = [&](const std::string& name, double length) {
+    write_coordinates(name + ".csv", {0.1, 0.2}, fmt::format(",{0},{0},0,0,0,0,0", length));
+    EXPECT_EQ(run({"check", "--reduced", "cloth.model", name + ".csv", "--ply", name + ".ply"}).code, 0);
+    return read_file(directory_ / (name + ".ply"));
+  };
+  const std::string mesh = mesh_of("p", 1);
+  EXPECT_EQ(mesh_of("large", 0x1p600), mesh);
+  EXPECT_EQ(mesh_of("small", 0x1p-600), mesh);
+}
+
 TEST_F(Reduced, CheckAsksTheFirstFrameToo) {
   // Upright and still, or a single frame: no contact begins, and yet one cloth stands through the other.
   const std::string upright = ",0.7071067811865476,0.7071067811865476,0,0,0.0312,0.0071,0.0213";
@@ -191,6 +202,13 @@ TEST_F(Reduced, PlacementsInAnArrayHaveTheirShape) {
   expect_one_line_error(check_with("translation", "1, 9", shifts), "'translation' is of shape 1 x 9; ");
   expect_one_line_error(check_with("rotation", "3, 9", turns),
                         "'rotation' is of shape 3 x 9; give 3 x 3 x 3");
+}
+
+TEST_F(Reduced, AnExtensionMayBeInUpperCase) {
+  write_archive(
+      directory_ / "p.NPZ",
+      {{"p.npy", npy("<f8", fmt::format("3, {}", modes_), array(std::vector<double>(3 * modes_)))}});
+  EXPECT_EQ(run({"check", "--reduced", "cloth.model", "p.NPZ"}).code, 0);
 }
 
 TEST_F(Reduced, RefusesInOneLine) {

@@ -109,6 +109,9 @@ TEST(RenderProgram, ColorsCollisionsCertificatesAndErrors) {
   EXPECT_THAT(
       output({"bend.npz", "--frame", "1", "--color", "error", "--truth", "off.obj", "--scale", "0.5"}),
       HasSubstr("largest 0.25 mesh units; darkest from 0.5 on"));
+  // The last frame of the shorter motion, not of the other.
+  EXPECT_EQ(output({"short.npz", "--frame", "-1", "--color", "error", "--truth", "bend.npz"}),
+            output({"short.npz", "--frame", "1", "--color", "error", "--truth", "bend.npz"}));
 }
 
 TEST(RenderProgram, ExplainsMistakesInOneLine) {
@@ -131,6 +134,8 @@ TEST(RenderProgram, ExplainsMistakesInOneLine) {
       {{"bend.npz", "-o", "a.png", "--scale", "2"}, "for --color error only"},
       {{"bend.npz", "-o", "a.png", "--color", "error", "--truth", "other.obj"}, "is another mesh"},
       {{"bend.npz", "-o", "a.png", "--color", "certificates", "--frame", "3"}, "this is the last one"},
+      {{"bend.npz", "-o", "a.png", "--frame", "3", "--color", "error", "--truth", "short.npz"},
+       "--truth: has no frame 3, only 2"},
       {{"bend.npz", "short.npz", "-o", "a.png"}, "has 2 frames, but bend.npz has 4"},
       {{"bend.npz", "-o", "a.png", "--color", "collisions", "--model", "bend.npz"}, "bend.npz"},
   };

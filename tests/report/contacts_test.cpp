@@ -98,6 +98,20 @@ TEST(MotionContacts, SayOfHowManyFramesNothingIsKnown) {
   const auto motions = list(two_spheres(1.03));
   const CheckTotals totals = check(motions, settings, seen);
   EXPECT_EQ(totals.contact_unknown_frames, motions[0]->frame_count());
+  settings.step.max_listed = CheckSettings().step.max_listed;
+  settings.steps_only = true;
+  EXPECT_EQ(check(motions, settings, seen).contact_unknown_frames, motions[0]->frame_count());
+}
+
+TEST(MotionContacts, ListASinglePoseOnce) {
+  Marks::Seen seen;
+  CheckSettings settings;
+  const auto motions = list(two_spheres(1.03, 1));
+  const CheckTotals totals = check(motions, settings, seen);
+  ASSERT_EQ(totals.contacts.size(), 1u);
+  EXPECT_EQ(totals.contacts[0].frames.size(), 1u);
+  settings.step.max_listed = 3;
+  EXPECT_EQ(check(motions, settings, seen).contact_unknown_frames, 1u);
 }
 
 }  // namespace

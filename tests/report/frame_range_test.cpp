@@ -40,6 +40,7 @@ TEST(FrameRange, ASingleNumberIsASingleFrame) {
   EXPECT_THAT(select("-5", 5), ElementsAre(0));
   EXPECT_THAT(select("5", 5), IsEmpty());
   EXPECT_THAT(select("-6", 5), IsEmpty());
+  EXPECT_THAT(select("9223372036854775807", 5), IsEmpty());
 }
 
 TEST(FrameRange, KnowsWhetherItSelectsAll) {
