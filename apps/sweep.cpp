@@ -50,6 +50,8 @@ void add_sweep_options(const Subcommand& sweep, SweepArguments& a) {
       "A model from 'foldproof train', used for the motions of its mesh; may be given several times");
   sweep.option("--static")
       .description("Find triangles that cross in each frame instead, exactly; also in single meshes");
+  sweep.option("--separate")
+      .description("Numbered mesh files are single meshes (see --static), not frames of one motion");
 
   const char* group = "Output";
   a.files
@@ -199,8 +201,14 @@ std::string closing(const SweepArguments& a, const SweepInput& input, const Swee
   if (input.single_meshes + input.single_arrays > 0)
     text += fmt::format("skipped                 {}\n", left_out(input));
   if (a.steps_only) text += "first frames            not tested for crossings (--steps-only)\n";
+  if (a.poses) text += "motion between frames   not tested (--static)\n";
   if (!settings.check.frames.selects_all())
     text += fmt::format("frames                  only {} of each motion (--frames)\n", a.motion.frames);
+  if (const auto cut = std::ranges::count(records, true, &SweepRecord::contacts_cut); cut > 0) {
+    text += fmt::format("contacts                do not join all pairs of {}: ",
+                        counted(static_cast<std::uint64_t>(cut), "motion")) +
+            "more than a million of a kind in a step or frame\n";
+  }
   for (const auto& model : settings.models) {
     const bool used =
         std::any_of(records.begin(), records.end(), [&](const auto& r) { return r.model == model->name; });
@@ -220,7 +228,7 @@ Result<void> require_sense(const SweepArguments& a) {
 }
 
 Result<SweepInput> find_some(const SweepArguments& a) {
-  auto input = find_motions(a.motions, a.poses);
+  auto input = find_motions(a.motions, a.poses, a.motion.read.separate);
   if (input && input->motions.empty()) {
     return fail(ErrorCode::InvalidArgument, a.motions[0],
                 fmt::format("holds no motions, and {}", left_out(*input)),

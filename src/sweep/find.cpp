@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -68,9 +69,14 @@ std::string canonical(const std::string& path) {
   return status ? path : found.string();
 }
 
+/// The path with its directory's links followed, but not one of the file itself.
+std::string place(const fs::path& path) {
+  return (canonical(path.parent_path().string()) / path.filename()).string();
+}
+
 class Finder {
  public:
-  explicit Finder(bool poses) : poses_(poses) {}
+  Finder(bool poses, bool separate) : poses_(poses), separate_(separate) {}
 
   void search(const std::string& path) {
     if (!searched_.insert(canonical(path)).second) return;
@@ -79,11 +85,11 @@ class Finder {
     for (const std::string& animation : entries.animations) {
       const auto frames =
           extension_of(animation) == ".pvd" ? io::pvd_files(animation).value_or(kNone) : kNone;
-      for (const std::string& frame : frames) in_collections_.insert(canonical(frame));
+      for (const std::string& frame : frames) in_collections_.insert(place(frame));
       add(animation, {animation}, extension_of(animation) == ".gltf" ? io::gltf_files(animation) : frames);
     }
     std::erase_if(entries.meshes,
-                  [&](const std::string& mesh) { return in_collections_.contains(canonical(mesh)); });
+                  [&](const std::string& mesh) { return in_collections_.contains(place(mesh)); });
     pair_arrays(entries.arrays);
     find_series(path, pair_caches(entries));
     for (const std::string& child : entries.folders) search(child);
@@ -94,11 +100,14 @@ class Finder {
  private:
   /// `beside`: files that may belong to it.
   void add(std::string path, std::vector<std::string> files, std::span<const std::string> beside = kNone) {
-    if (!known_.insert(canonical(files.back())).second) return;
     SweepMotion motion{std::move(path), std::move(files)};
     Hash hash;
-    add_status(motion, hash, motion.files);
-    add_status(motion, hash, beside);
+    std::vector<std::string> key;
+    for (const auto part : {std::span<const std::string>(motion.files), beside}) {
+      add_status(motion, hash, part);
+      std::ranges::transform(part, std::back_inserter(key), canonical);
+    }
+    if (!known_.insert(std::move(key)).second) return;
     motion.status = hash.text();
     input.motions.push_back(std::move(motion));
   }
@@ -158,8 +167,10 @@ class Finder {
 
   void find_series(const std::string& path, const std::vector<std::string>& meshes) {
     std::map<io::AroundNumber, std::vector<std::string>> series;
-    for (const std::string& mesh : meshes)
-      series[io::around_number(mesh).value_or(io::AroundNumber{mesh, ""})].push_back(mesh);
+    for (const std::string& mesh : meshes) {
+      const auto around = separate_ ? std::nullopt : io::around_number(mesh);
+      series[around.value_or(io::AroundNumber{mesh, ""})].push_back(mesh);
+    }
     for (const auto& [around, frames] : series) {
       if (frames.size() > 1) {
         const auto& [before, after] = around;
@@ -174,15 +185,17 @@ class Finder {
   }
 
   static inline const std::vector<std::string> kNone;
-  bool poses_;
-  std::set<std::string> searched_, known_;  // canonical paths, since directories may overlap
-  std::set<std::string> in_collections_;    // canonical paths of meshes that are frames of a collection
+  bool poses_, separate_;
+  // Canonical paths, since directories may overlap. A motion is known by all its files: it may share some.
+  std::set<std::string> searched_;
+  std::set<std::vector<std::string>> known_;
+  std::set<std::string> in_collections_;  // places of meshes that are frames of a collection
 };
 
 }  // namespace
 
-Result<SweepInput> find_motions(std::span<const std::string> directories, bool poses) {
-  Finder finder(poses);
+Result<SweepInput> find_motions(std::span<const std::string> directories, bool poses, bool separate) {
+  Finder finder(poses, separate);
   for (std::string directory : directories) {
     while (directory.size() > 1 && directory.back() == '/') directory.pop_back();
     std::error_code status;

@@ -110,6 +110,9 @@ void read_totals(const Json& totals, SweepRecord& record) {
     const Json& contacts = totals.at("contacts");
     record.contacts = contacts.at("count").get<std::uint64_t>();
     if (!contacts.at("depth").is_null()) record.depth = contacts.at("depth").get<double>();
+    // With steps_only frames are unknown for another reason.
+    record.contacts_cut =
+        totals.contains("listed") || (record.starts_crossing && contacts.value("unknown_frames", 0) > 0);
   }
   record.first_frame = frame("earliest");
   record.worst_frame = frame("worst");

@@ -19,9 +19,9 @@ document.querySelectorAll("th").forEach((head, column) => {
   head.tabIndex = 0;
   const sort = () => {
     const body = document.querySelector("tbody"), down = head.ariaSort === "ascending";
-    const value = (row) => row.cells[column].dataset.v ?? row.cells[column].textContent;
-    const order = new Intl.Collator(undefined, { numeric: true });
-    const rows = [...body.rows].sort((a, b) => order.compare(value(a), value(b)) * (down ? -1 : 1));
+    const names = new Intl.Collator(undefined, { numeric: true });
+    const order = (a, b) => (a.dataset.v ? a.dataset.v - b.dataset.v : names.compare(a.textContent, b.textContent));
+    const rows = [...body.rows].sort((a, b) => order(a.cells[column], b.cells[column]) * (down ? -1 : 1));
     document.querySelectorAll("th").forEach((other) => (other.ariaSort = null));
     head.ariaSort = down ? "descending" : "ascending";
     body.append(...rows);
@@ -30,7 +30,7 @@ document.querySelectorAll("th").forEach((head, column) => {
   head.onkeydown = (event) => event.key === "Enter" && sort();
 });
 )";
-constexpr const char* kScriptHash = "22HyX9rTjNttKzYn8HPya+5oxjBx7PrlKcjeX+BUTEs=";
+constexpr const char* kScriptHash = "Gl8jasMUXX5RngUDaOPNkMSfQ6T306jAm6OSJekxjos=";
 
 constexpr const char* kStyle = R"(
 :root { color-scheme: light dark; }
@@ -116,7 +116,7 @@ void add_row(TextFile& file, const SweepRecord& r) {
   file.add("{}{}{}", number_cell(r.collisions), number_cell(r.steps_with_collisions), number_cell(r.steps));
   file.add("{}{}", number_cell(r.first_frame), number_cell(r.worst_frame));
   file.add("{}{}{}", number_cell(r.vertices), number_cell(r.triangles), number_cell(r.frames));
-  file.add("<td>{:.2f}</td><td>{}</td></tr>\n", r.seconds, html(r.model));
+  file.add("<td data-v=\"{0}\">{0:.2f}</td><td>{1}</td></tr>\n", r.seconds, html(r.model));
 }
 
 void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepPageInfo& info) {
@@ -143,8 +143,13 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
            info.steps_only ? "in whose steps no contact begins" : "clean", counts[3]);
   if (info.steps_only)
     file.add("<p>Only the steps were checked: crossings from the first frame on were not tested.</p>\n");
+  if (info.poses) file.add("<p>Only the frames were checked: motion between them was not tested.</p>\n");
   if (!info.frames.empty())
     file.add("<p>Only the frames {} of each motion were checked.</p>\n", html(info.frames));
+  if (const auto cut = std::ranges::count(records, true, &SweepRecord::contacts_cut); cut > 0) {
+    file.add("<p>Contacts do not join all pairs of {} motion{}: ", cut, cut == 1 ? "" : "s");
+    file.add("more than a million of a kind in a step or frame.</p>\n");
+  }
   file.add("<details><summary>How this was made</summary><p>Foldproof {}, {:.1f} s of checking.</p>",
            version(), seconds);
   file.add("<p><code>{}</code></p></details>\n", html(info.command));

@@ -45,9 +45,10 @@ struct SweepInput {
 };
 
 /// Finds the motions below directories (docs/sweep.md). Skips hidden files and directories, and links to
-/// directories. `poses`: single meshes count as motions. Motions that cannot be opened are found as well.
-/// Error: one of `directories` is not a readable directory.
-Result<SweepInput> find_motions(std::span<const std::string> directories, bool poses = false);
+/// directories. `poses`: single meshes count as motions. `separate`: numbered meshes are single ones. Motions
+/// that cannot be opened are found as well. Error: one of `directories` is not a readable directory.
+Result<SweepInput> find_motions(std::span<const std::string> directories, bool poses = false,
+                                bool separate = false);
 
 /// How each motion is checked.
 struct SweepSettings {
@@ -80,10 +81,11 @@ struct SweepRecord {
   std::vector<std::string> notes;  ///< Motion::notes().
   std::uint64_t vertices = 0, triangles = 0, frames = 0;
   std::uint64_t steps = 0, steps_with_collisions = 0, collisions = 0;
-  std::optional<std::uint64_t> starts_crossing;           ///< CheckTotals::starts_crossing.
-  std::optional<std::uint64_t> contacts;                  ///< None if they were not looked for.
-  std::optional<double> depth;                            ///< Of the deepest contact, mesh units.
-  std::string thumbnail;                                  ///< A data URL; empty: there is none.
+  std::optional<std::uint64_t> starts_crossing;  ///< CheckTotals::starts_crossing.
+  std::optional<std::uint64_t> contacts;         ///< None if they were not looked for.
+  std::optional<double> depth;                   ///< Of the deepest contact, mesh units.
+  bool contacts_cut = false;                     ///< They do not join all pairs, which were too many.
+  std::string thumbnail;                         ///< A data URL; empty: there is none.
   std::optional<std::uint64_t> first_frame, worst_frame;  ///< Of the first and the worst colliding step.
 };
 

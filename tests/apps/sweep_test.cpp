@@ -94,6 +94,39 @@ TEST(Sweep, ChecksSinglePosesExactly) {
                           "lib/sub/fall.npz clean", "lib/sub/n.pc2 collides"));
 }
 
+TEST(Sweep, SaysWhatWasNotTested) {
+  const Library library;
+  const std::string between = "\nmotion between frames   not tested (--static)\n";
+  EXPECT_THAT(library.sweep({"--static", "--summary", "page.html"}).out, HasSubstr(between));
+  EXPECT_THAT(read_file(library / "page.html"), HasSubstr("motion between them was not tested"));
+  EXPECT_THAT(library.sweep({"--steps-only"}).out,
+              AllOf(HasSubstr("\nfirst frames            not tested"), Not(HasSubstr(between))));
+  EXPECT_THAT(library.sweep({}).out, AllOf(Not(HasSubstr("not tested")), Not(HasSubstr("\ncontacts "))));
+  std::string lines = read_file(library / "r.jsonl");
+  const std::string total = "\"unknown_frames\":0";
+  ASSERT_NE(lines.find(total), lines.npos);
+  lines[lines.find(total) + total.size() - 1] = '1';
+  write_file(library / "r.jsonl", lines);
+  EXPECT_THAT(library.sweep({}).out,
+              HasSubstr("\ncontacts                do not join all pairs of 1 motion: more than a million "));
+}
+
+TEST(Sweep, TakesNumberedMeshesAsSingleOnesIfAsked) {
+  const Library library;
+  std::filesystem::create_directory(library / "poses");
+  for (const char* name : {"run1.obj", "run2.obj"})
+    write_file(library / (std::string("poses/") + name), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"sweep", "poses", "-o", "p.jsonl"});
+    return run_program(more, {.directory = library.path()});
+  };
+  EXPECT_EQ(run({"--static"}).code, 0);
+  EXPECT_THAT(states(library / "p.jsonl"), ElementsAre("poses clean"));
+  EXPECT_EQ(run({"--static", "--separate"}).code, 0);
+  EXPECT_THAT(states(library / "p.jsonl"), ElementsAre("poses/run1.obj clean", "poses/run2.obj clean"));
+  expect_one_line_error(run({"--separate"}), "holds no motions, and 2 single mesh files");
+}
+
 TEST(Sweep, UsesModelsWhereTheyFit) {
   const Library library;
   ASSERT_EQ(run_program({"train", "lib/sink", "-o", "n.model"}, {.directory = library.path()}).code, 0);

@@ -23,16 +23,21 @@ struct Library : TemporaryDirectory {
     }
   }
 
+  void link(const std::string& file, const std::string& to) const {
+    std::filesystem::create_directories(std::filesystem::path(*this / file).parent_path());
+    std::filesystem::create_symlink(*this / to, *this / file);
+  }
+
   /// Paths of the motions, seen from the directory.
-  std::vector<std::string> found(bool poses = false) const {
+  std::vector<std::string> found(bool poses = false, bool separate = false) const {
     std::vector<std::string> names;
-    for (const SweepMotion& motion : input(poses).motions) names.push_back(name(motion.path));
+    for (const SweepMotion& motion : input(poses, separate).motions) names.push_back(name(motion.path));
     return names;
   }
 
-  SweepInput input(bool poses = false) const {
+  SweepInput input(bool poses = false, bool separate = false) const {
     const std::string directories[] = {path()};
-    const auto found = find_motions(directories, poses);
+    const auto found = find_motions(directories, poses, separate);
     EXPECT_TRUE(found) << found.error().line();
     return found.value_or(SweepInput{});
   }
@@ -101,6 +106,13 @@ TEST(FindMotions, TakesSingleMeshesForPosesOnly) {
   EXPECT_THAT(library.found(true), ElementsAre("chair.obj", "table.ply"));
 }
 
+TEST(FindMotions, TakesNumberedMeshesAsSingleOnesIfAsked) {
+  const Library library({"run1.obj", "run2.obj", "walk.npz"});
+  EXPECT_THAT(library.found(true, true), ElementsAre("run1.obj", "run2.obj", "walk.npz"));
+  EXPECT_THAT(library.found(false, true), ElementsAre("walk.npz"));
+  EXPECT_EQ(library.input(false, true).single_meshes, 2u);
+}
+
 TEST(FindMotions, TakesTheMeshesOfACollectionAsItsFrames) {
   const Library library({"run/f1.vtp", "run/f2.vtp", "run/f3.vtp", "more/f1.vtp", "more/f2.vtp"});
   std::ofstream(library / "run.pvd") << "<VTKFile type=\"Collection\"><Collection>"
@@ -122,6 +134,37 @@ TEST(FindMotions, FindsNothingTwiceAndFollowsNoLinkToADirectory) {
   ASSERT_TRUE(found);
   EXPECT_THAT(found->motions, ElementsAre(Field(&SweepMotion::path, library / "a/walk.glb")));
   EXPECT_THAT(found->directories, ElementsAre(library / "a", library.path()));
+}
+
+TEST(FindMotions, FindsMotionsThatShareOnlySomeOfTheirFiles) {
+  const Library library({"a/f1.obj", "a/f2.obj", "b/f1.obj", "cache/body.obj", "cache/walk.pc2",
+                         "cache2/body.obj", "array/faces.npy", "array/v.npy", "array2/faces.npy", "g/x.gltf",
+                         "g/x.bin", "g2/x.bin"});
+  library.link("b/f2.obj", "a/f2.obj");
+  library.link("backward/f1.obj", "a/f2.obj");
+  library.link("backward/f2.obj", "a/f1.obj");
+  library.link("cache2/walk.pc2", "cache/walk.pc2");
+  library.link("array2/v.npy", "array/v.npy");
+  std::ofstream(library / "g/x.gltf") << R"({"buffers":[{"uri":"x.bin"}]})";
+  library.link("g2/x.gltf", "g/x.gltf");
+  const std::vector<std::string> all = library.found();
+  EXPECT_THAT(all, ElementsAre("a", "array/v.npy", "array2/v.npy", "b", "backward", "cache/walk.pc2",
+                               "cache2/walk.pc2", "g/x.gltf", "g2/x.gltf"));
+
+  for (const char* file : {"a/f1.obj", "a/f2.obj", "b/f1.obj", "b/f2.obj", "cache2/body.obj",
+                           "cache2/walk.pc2", "array2/faces.npy", "array2/v.npy", "g2/x.gltf", "g2/x.bin"})
+    library.link(std::string("same/") + file, file);
+  EXPECT_EQ(library.found(), all) << "those of the same files are found once";
+}
+
+TEST(FindMotions, FindsMotionsThatShareFramesWithACollection) {
+  const Library library({"run/f1.vtp", "run/f2.vtp", "other/f1.vtp"});
+  std::ofstream(library / "run.pvd") << "<VTKFile type=\"Collection\"><Collection>"
+                                        "<DataSet timestep=\"0\" file=\"run/f1.vtp\"/>"
+                                        "<DataSet timestep=\"1\" file=\"run/f2.vtp\"/>"
+                                        "</Collection></VTKFile>";
+  library.link("other/f2.vtp", "run/f2.vtp");
+  EXPECT_THAT(library.found(), ElementsAre("other", "run.pvd"));
 }
 
 TEST(FindMotions, SeesThatABufferOfAGltfChanged) {

@@ -164,6 +164,23 @@ TEST(SweepLine, LinesWithoutTheFirstFrameCanBeRead) {
   EXPECT_EQ(record.starts_crossing, std::nullopt);
 }
 
+TEST(SweepLine, TellsWhetherContactsJoinAllPairs) {
+  const ThreeNeedles library;
+  const auto line = nlohmann::json::parse(*sweep_line(library.input().motions[0], library.settings));
+  EXPECT_FALSE(record_of(line.dump()).contacts_cut);
+  auto listed = line;
+  listed["totals"]["listed"] = {{"vf", 1}, {"ee", 0}};
+  EXPECT_TRUE(record_of(listed.dump()).contacts_cut);
+  // Too many triangles cross in a frame.
+  auto unknown = line;
+  unknown["totals"]["contacts"]["unknown_frames"] = 1;
+  EXPECT_TRUE(record_of(unknown.dump()).contacts_cut);
+  unknown["totals"]["starts_crossing"] = nullptr;
+  EXPECT_FALSE(record_of(unknown.dump()).contacts_cut) << "of --steps-only";
+  listed["totals"].erase("contacts");
+  EXPECT_FALSE(record_of(listed.dump()).contacts_cut) << "of --static";
+}
+
 TEST(SweepLine, SaysWhichFramesWereChecked) {
   ThreeNeedles library;
   const auto frames_checked = [&] {
@@ -452,6 +469,24 @@ TEST(SweepPage, HasAColumnForWhatCrossesInTheFirstFrame) {
   EXPECT_THAT(page, HasSubstr("Only the frames ::2 of each motion were checked"));
   EXPECT_THAT(page, HasSubstr("1 in whose steps no contact begins"));
   EXPECT_THAT(page, HasSubstr("Only the steps were checked"));
+  EXPECT_THAT(page, Not(HasSubstr("Only the frames were checked")));
+  ASSERT_TRUE(write_sweep_page(directory / "page.html", std::span(&starts, 1), {"", {"lib"}, true}));
+  EXPECT_THAT(read_file(directory / "page.html"),
+              HasSubstr("Only the frames were checked: motion between them was not tested."));
+}
+
+TEST(SweepPage, SaysInHowManyMotionsContactsDoNotJoinAllPairs) {
+  const TemporaryDirectory directory;
+  std::vector<SweepRecord> records(3);
+  const auto page = [&] {
+    EXPECT_TRUE(write_sweep_page(directory / "page.html", records, {"", {"lib"}}));
+    return read_file(directory / "page.html");
+  };
+  EXPECT_THAT(page(), Not(HasSubstr("do not join")));
+  records[1].contacts_cut = true;
+  EXPECT_THAT(page(), HasSubstr("<p>Contacts do not join all pairs of 1 motion: more than a million of a "));
+  records[2].contacts_cut = true;
+  EXPECT_THAT(page(), HasSubstr("all pairs of 2 motions: "));
 }
 
 TEST(SweepPage, ShowsContactsTheDeepestFirst) {
@@ -478,6 +513,44 @@ TEST(SweepPage, ShowsContactsTheDeepestFirst) {
   EXPECT_THAT(page, HasSubstr("<td data-v=\"1234567\">1,234,567</td>"));
   EXPECT_THAT(page, HasSubstr("<img src=\"data:image/png;base64,QUJD\" alt=\"\">deep.npz"));
   EXPECT_THAT(page, HasSubstr("img-src data:"));
+}
+
+TEST(SweepPage, SortsNumbersByTheirValue) {
+  if (!std::filesystem::exists("/usr/bin/chromium")) GTEST_SKIP() << "Chromium is not installed.";
+  const TemporaryDirectory directory;
+  std::vector<SweepRecord> records(5);
+  const std::optional<double> depths[] = {0.5, 0.12, 0.0843, 2e-7, std::nullopt};
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    records[i].path = "run" + std::to_string(12 - i);
+    records[i].depth = depths[i];
+    records[i].seconds = 0.001 * static_cast<double>(5 - i);
+  }
+  ASSERT_TRUE(write_sweep_page(directory / "page.html", records, {}));
+  const std::string page = read_file(directory / "page.html");
+  /// The names in the order after a click on a heading.
+  const auto clicked = [&](const std::string& heading) {
+    // The policy, which permits no other script, is removed.
+    std::string changed = page;
+    changed.erase(changed.find("<meta http-equiv"),
+                  changed.find("<title>") - changed.find("<meta http-equiv"));
+    changed += "<script>[...document.querySelectorAll('th')].find((head) => head.textContent === '" +
+               heading +
+               "').click(); document.title = 'order ' + [...document.querySelectorAll('tbody tr')].map("
+               "(row) => row.cells[0].textContent).join(' ');</script>";
+    std::ofstream(directory / "clicked.html") << changed;
+    const std::string command =
+        "/usr/bin/chromium --headless --no-sandbox --disable-gpu --dump-dom "
+        "--user-data-dir=" +
+        (directory / "profile") + " file://" + (directory / "clicked.html") + " > " +
+        (directory / "dom.html") + " 2>&1";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    const std::string dom = read_file(directory / "dom.html");
+    const std::size_t begin = dom.find("<title>") + 7;
+    return dom.substr(begin, dom.find("</title>") - begin);
+  };
+  EXPECT_EQ(clicked("deepest"), "order run8 run9 run10 run11 run12");
+  EXPECT_EQ(clicked("seconds"), "order run8 run9 run10 run11 run12");
+  EXPECT_EQ(clicked("motion"), "order run8 run9 run10 run11 run12");
 }
 
 TEST(SweepPage, NamesTheHashOfItsScript) {
