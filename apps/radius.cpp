@@ -213,6 +213,9 @@ Result<int> radius(const RadiusArguments& a) {
   FOLDPROOF_TRY(require_number("--at-least", a.at_least, true));
   FOLDPROOF_TRY(a.files.check());
   if ((a.samples > 0) == a.output.empty()) return fail("--sample", "goes with -o", "give both, or neither");
+  if (a.samples > 1 && extension_of(a.output) == ".obj" && a.output.find('%') == std::string::npos)
+    return fail(a.output, "would have a point cache, whose rounding may make certified shapes touch",
+                "name it .npz, or put %04d into the name");
   const auto model = FOLDPROOF_TRY(load_learned_model(a.model));
   auto motion = FOLDPROOF_TRY(ReducedMotion::make(model.hierarchy(), model.learned->pca));
   Centers centers = centers_of(*model.learned, motion);

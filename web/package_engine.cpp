@@ -1,6 +1,7 @@
 // The functions of the npm package (npm/), for JavaScript. Settings and answers are JSON; the arrays of an
 // answer lie behind foldproof_arrays().
 #include <cstring>
+#include <exception>
 #include <memory>
 #include <new>
 #include <string>
@@ -165,6 +166,7 @@ class AnswerWriter final : public ReportWriter {
     answer = {{"end",
                {{"clean", totals.clean()},
                 {"collisions", totals.collisions.sum()},
+                {"listed", totals.listed.sum()},
                 {"startsCrossing", totals.starts_crossing ? Json(*totals.starts_crossing) : Json(nullptr)},
                 {"tolerance", totals.tolerance},
                 {"contacts", std::move(contacts)},
@@ -247,6 +249,8 @@ int attempt(Body body) {
     return done ? *done : refused(done.error());
   } catch (const std::bad_alloc&) {
     return refused({"memory", "is not enough", "check fewer frames or a part of the mesh at a time"});
+  } catch (const std::exception& failure) {
+    return refused({"foldproof", std::string("failed: ") + failure.what(), "report this with its input"});
   }
 }
 

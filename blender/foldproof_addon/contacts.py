@@ -20,6 +20,7 @@ class FoldproofContact(bpy.types.PropertyGroup):
     last: FloatProperty()
     worst: FloatProperty()
     crosses: BoolProperty()  # else it only touches between frames
+    may_cross: BoolProperty()  # it is not known
     has_depth: BoolProperty()
     depth: FloatProperty()
     curve_length: FloatProperty()
@@ -31,14 +32,15 @@ class FoldproofContact(bpy.types.PropertyGroup):
 
     def how_bad(self, units):
         if not self.crosses:
-            return "touches"
+            return "touches, may cross" if self.may_cross else "touches"
         length = self.depth if self.has_depth else self.curve_length
         text = bpy.utils.units.to_string(units.system, "LENGTH", length * units.scale_length, precision=4)
         return f"{text} {'deep' if self.has_depth else 'long'}"
 
 
-def store(scene, sampled, found, times):
-    """Replaces the contacts of an earlier check. `found`: as in the report; `times`: frame of the scene of each pose."""
+def store(scene, sampled, found, unknown_frames, times):
+    """Replaces the contacts of an earlier check. `found`: as in the report; `unknown_frames`: how many there are of which it
+    is not known what crosses; `times`: frame of the scene of each pose."""
     clear(scene)
     for number, contact in enumerate(found):
         made = scene.foldproof.contacts.add()
@@ -48,6 +50,7 @@ def store(scene, sampled, found, times):
         worst = contact["first_time"] if contact["worst"] is None else contact["worst"]
         made.first, made.last, made.worst = np.interp([crossing[0], crossing[-1], worst], range(len(times)), times)
         made.crosses = bool(contact["frames"])
+        made.may_cross = not made.crosses and unknown_frames > 0
         made.has_depth = contact["depth"] is not None
         made.depth = contact["depth"] or 0
         made.curve_length = max((frame["curve_length"] for frame in contact["frames"]), default=0)

@@ -73,10 +73,10 @@ def check(context, executable):
         if settings.pairs != "ALL":
             arguments.append("--within" if settings.pairs == "WITHIN" else "--between")
         yield from program.run(arguments, folder, "Looking for collisions", 0.9)
-        start, steps, found = program.read_answer(answer, sampled)
+        start, steps, *found = program.read_answer(answer, sampled)
     for each in sampled:
         each.expect_unedited()
-    contacts.store(scene, sampled, found, times)
+    contacts.store(scene, sampled, *found, times)
     frame_of = [frames[k // parts] for k in range(len(times))]
     return _mark(scene, sampled, start, steps, frame_of, times, poses, settings.pairs) + left_out
 

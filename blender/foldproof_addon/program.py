@@ -72,11 +72,16 @@ class _Triangles:
 def read_answer(path, sampled):
     """Reads the crossings of the first frame, as (number of pairs, crossing triangles per object), the steps with
     collisions, as (step, number of collisions, earliest toi, colliding triangles per object), and the contacts, as they
-    are in the report."""
+    are in the report, and the number of frames of which it is not known what crosses."""
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise Problem("The program gave no answer: see in Preferences > Add-ons > Foldproof that it is foldproof") from None
+    if "contacts" not in report:
+        raise Problem(
+            "The program foldproof is too old for this add-on: install its version, or say where that is in"
+            " Preferences > Add-ons > Foldproof"
+        )
     objects = [_Triangles(each.triangles, each.vertex_count) for each in sampled]
     steps = []
     for number, step in enumerate(report["steps"]):
@@ -95,7 +100,7 @@ def read_answer(path, sampled):
             faces[b].append(face_b)
         marked = [each.around(*found) for each, *found in zip(objects, faces, vertices, edges)]
         steps.append((number, count, step["earliest_toi"], marked))
-    return _start_of(report, len(objects)), steps, report["contacts"]
+    return _start_of(report, len(objects)), steps, report["contacts"], report["totals"]["contacts"]["unknown_frames"]
 
 
 def _start_of(report, objects):

@@ -1,7 +1,7 @@
 // Foldproof for JavaScript: every collision of deforming triangle meshes, continuously in time.
 import createEngine, { type Engine } from './engine.js';
 import { Memory, answerOf, succeed } from './memory.js';
-import { Meshes, sized } from './meshes.js';
+import { Meshes, requireObject, sized } from './meshes.js';
 import { kCheckDefaults, kStepDefaults, settingsJson } from './settings.js';
 import { FoldproofError, type CheckResult, type CheckSettings, type Contact, type Mesh, type Motion, type Rows, type StaticResult, type StepPlace, type StepResult, type StepSettings } from './types.js';
 
@@ -40,7 +40,9 @@ const stepsOf = (frames: number, settings: CheckSettings): number => (settings.s
  */
 export async function check(motions: Motion | readonly Motion[], settings: CheckSettings & { static: true }): Promise<CheckResult<StaticResult>>;
 export async function check(motions: Motion | readonly Motion[], settings?: CheckSettings): Promise<CheckResult>;
-export async function check(motions: Motion | readonly Motion[], { onProgress, signal, ...settings }: CheckSettings = {}): Promise<CheckResult | CheckResult<StaticResult>> {
+export async function check(motions: Motion | readonly Motion[], given: CheckSettings = {}): Promise<CheckResult | CheckResult<StaticResult>> {
+  requireObject(given, 'settings', 'settings by name');
+  const { onProgress, signal, ...settings } = given;
   const json = settingsJson(kCheckDefaults, settings);
   signal?.throwIfAborted();
   const engine = await load();
@@ -49,6 +51,7 @@ export async function check(motions: Motion | readonly Motion[], { onProgress, s
   let handle = 0;
   try {
     const list = listOf(motions);
+    if (settings.within === false && list.length === 1) throw new FoldproofError('within', 'is off, but there is only one motion, so nothing would be tested', 'leave it on, or give more motions');
     let frames = 0;
     for (let k = 0; k < list.length; ++k) frames = await meshes.add(list[k]!, nameOf(list, k, 'motion'));
     succeed(engine, engine._foldproof_open_check(meshes.handle, memory.text(json)));
@@ -120,6 +123,7 @@ export class StepChecker {
       const list = listOf(meshes);
       list.forEach((mesh, k) => {
         const where = nameOf(list, k, 'mesh');
+        requireObject(mesh, where, 'faces and positions');
         gathered.start(mesh, where);
         gathered.frame(mesh.positions, `${where}.positions`);
       });
@@ -141,7 +145,7 @@ export class StepChecker {
 
   /** Every two triangles that cross in this pose. */
   checkStatic(x: Rows | readonly Rows[], settings: StepSettings = {}): StaticResult {
-    return this.ask(settings, (held, json) => held.engine._foldproof_check_pose(held.handle, this.put(held, x, this.x0, 'x'), json)) as StaticResult;
+    return this.ask(settings, (held, json) => held.engine._foldproof_check_pose(held.handle, this.put(held, x, this.x0, 'x'), json), 'checkStatic') as StaticResult;
   }
 
   /** Gives its memory back at once; otherwise that happens some time after the last use. */
@@ -152,12 +156,12 @@ export class StepChecker {
     this.held = undefined;
   }
 
-  private ask(settings: StepSettings, call: (held: Held, json: number) => number): unknown {
+  private ask(settings: StepSettings, call: (held: Held, json: number) => number, poses = ''): unknown {
     if (!this.held) throw new FoldproofError('StepChecker', 'has been freed', 'make another one');
     const { engine } = this.held;
     const memory = new Memory(engine);
     try {
-      succeed(engine, call(this.held, memory.text(settingsJson(kStepDefaults, { ...settings }))));
+      succeed(engine, call(this.held, memory.text(settingsJson(kStepDefaults, { ...settings }, poses))));
       return answerOf(engine);
     } finally {
       memory.free();

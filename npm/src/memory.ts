@@ -20,6 +20,9 @@ export function flat(rows: Rows, where: string): ArrayLike<number> {
   return all;
 }
 
+/** With replacement characters for halves of surrogate pairs, which UTF-8 does not have. */
+export const wellFormed = (text: string): string => text.replace(/\p{Surrogate}/gu, '\ufffd');
+
 /** Memory of the engine that ends with `free`. */
 export class Memory {
   private readonly blocks: number[] = [];
@@ -33,7 +36,8 @@ export class Memory {
     return at;
   }
 
-  text(text: string): number {
+  text(given: string): number {
+    const text = wellFormed(given);
     const bytes = this.engine.lengthBytesUTF8(text) + 1;
     const at = this.bytes(bytes);
     this.engine.stringToUTF8(text, at, bytes);
@@ -85,5 +89,5 @@ export function answerOf(engine: Engine): unknown {
 export function succeed(engine: Engine, status: number): number {
   if (status >= 0) return status;
   const { where, problem, remedy } = answerOf(engine) as FoldproofError;
-  throw new FoldproofError(where, problem, remedy);
+  throw new FoldproofError(where, problem, remedy.replace('--steps-only', 'stepsOnly')); // an option of the program
 }

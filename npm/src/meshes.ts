@@ -1,6 +1,6 @@
 // Meshes and their frames, as the engine takes them.
 import type { Engine } from './engine.js';
-import { Memory, flat, succeed } from './memory.js';
+import { Memory, flat, succeed, wellFormed } from './memory.js';
 import { FoldproofError, type Mesh, type Motion, type Rows } from './types.js';
 
 /** The names of parts, each one once, and the part of each triangle. */
@@ -9,11 +9,16 @@ function partsOf(parts: ArrayLike<string>, triangles: number, where: string): { 
   const ids = new Map<string, number>();
   const ofTriangle = new Uint32Array(triangles);
   for (let k = 0; k < triangles; ++k) {
-    const name = String(parts[k]);
+    const name = wellFormed(String(parts[k]));
     if (!ids.has(name)) ids.set(name, ids.size);
     ofTriangle[k] = ids.get(name)!;
   }
   return { names: [...ids.keys()], ofTriangle };
+}
+
+/** Throws a TypeError for what is no object. */
+export function requireObject(value: unknown, where: string, members: string): void {
+  if (typeof value !== 'object' || value === null) throw new TypeError(`${where}: expected an object with ${members}, not ${String(value)}`);
 }
 
 /** Motions or meshes that are gathered in the engine; `drop` ends them. */
@@ -30,7 +35,9 @@ export class Meshes {
   }
 
   /** Adds a mesh; its number of frames. */
-  async add({ faces, frames, name, parts }: Motion, where: string): Promise<number> {
+  async add(motion: Motion, where: string): Promise<number> {
+    requireObject(motion, where, 'faces and frames');
+    const { faces, frames, name, parts } = motion;
     let count = 0;
     if (typeof frames !== 'object' || frames === null) throw new FoldproofError(`${where}.frames`, 'is missing', 'give the positions of every frame');
     for await (const rows of frames) {

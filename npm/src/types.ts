@@ -156,7 +156,7 @@ export interface Contact {
   /** Colliding pairs of features, over all steps. */
   pairs: number;
   depth: number | null;
-  /** Time of the worst frame; null where it only touches between frames. */
+  /** Time of the worst frame; null where it only touches between frames, or it is not known what crosses (unknownFrames). */
   worst: number | null;
   /** Where it is in the worst frame, the box of what takes part, and the direction out. */
   point: [number, number, number];
@@ -173,6 +173,8 @@ export interface CheckResult<Step = StepResult> {
   clean: boolean;
   /** Pairs that collide, over all steps. */
   collisions: number;
+  /** How many of them are listed, and can be in contacts: fewer where maxListed left some out. */
+  listed: number;
   /** Pairs of triangles that cross in the first frame; null with stepsOnly or static. */
   startsCrossing: number | null;
   startCrossings: Crossings | null;

@@ -135,6 +135,31 @@ test('takes several objects, names, parts, and generators', async () => {
   assert.equal(checker.check([triangles.frames[0], falling.frames[0]], [triangles.frames[1], falling.frames[1]], { between: false }).clean, true);
 });
 
+test('says how many pairs contacts can join', async () => {
+  const at = (k, frame) => frame.map(([x, y, z]) => [x + 10 * k, y, z]);
+  const both = [0, 1].map((frame) => [0, 1, 2].flatMap((k) => [...at(k, triangles.frames[frame]), ...at(k, falling.frames[frame])]));
+  const motion = { faces: Uint32Array.from({ length: 18 }, (_, k) => k), frames: both };
+  const [whole, cut] = [await foldproof.check(motion), await foldproof.check(motion, { maxListed: 1 })];
+  assert.deepEqual([whole.contacts.length, whole.listed], [3, whole.collisions]);
+  assert.equal(cut.collisions, whole.collisions);
+  assert.equal(cut.listed, cut.steps[0].vertexFace.toi.length + cut.steps[0].edgeEdge.toi.length);
+  assert.ok(cut.listed < cut.collisions && cut.contacts.length < 3);
+});
+
+test('names need not be well-formed', async () => {
+  const found = await foldproof.check([{ ...triangles, name: 'floor\ud800' }, { ...falling, parts: ['\ud83d\ude00\udc00'] }]);
+  assert.deepEqual(found.contacts[0].sides.map(({ name }) => name), ['floor\ufffd', '\ud83d\ude00\ufffd']);
+});
+
+test('the engine says why it failed', async () => {
+  const { default: createEngine } = await import(pathToFileURL(join(project, 'node_modules/foldproof/engine.js')));
+  const { succeed } = await import(pathToFileURL(join(project, 'node_modules/foldproof/memory.js')));
+  const engine = await createEngine();
+  const json = engine._malloc(2);
+  engine.stringToUTF8('{', json, 2);
+  assert.throws(() => succeed(engine, engine._foldproof_open_check(engine._foldproof_meshes(), json)), { name: 'FoldproofError', message: /^foldproof: failed: .*parse error.*; report this/ });
+});
+
 test('one call within another', async () => {
   async function* frames() {
     for (const frame of triangles.frames) {
@@ -186,10 +211,21 @@ test('says what it refuses, and why', async () => {
   await refused(check(triangles, { thickness: Infinity }), /thickness: is Infinity/);
   await refused(check(triangles, { substeps: 0 }), /substeps: is 0; give a whole number/);
   await refused(check(triangles, { maxListed: 1.5 }), /maxListed: is 1.5/);
+  for (const setting of [{ thickness: 1 }, { tolerance: 1 }, { substeps: 2 }, { stepsOnly: true }]) await refused(check(triangles, { ...setting, static: true }), new RegExp(`^${Object.keys(setting)[0]}: does not go with static; omit`));
+  assert.equal((await check(triangles, { static: true, substeps: 1, thickness: 0 })).clean, true);
+  await refused(check(triangles, { within: false }), /^within: is off, but there is only one motion/);
+  await refused(check({ faces, frames: frames.slice(1) }, { stepsOnly: true }), /check it without stepsOnly/);
+  for (const [call, message] of [
+    [() => check(undefined), /^motion: expected an object with faces and frames, not undefined$/],
+    [() => check([triangles, 7]), /^motion 1: expected an object/],
+    [() => check(triangles, null), /^settings: expected an object/],
+    [() => StepChecker.create(null), /^mesh: expected an object with faces and positions/],
+  ]) await assert.rejects(call, { name: 'TypeError', message });
   const checker = await StepChecker.create({ faces, positions: frames[0] });
   assert.throws(() => checker.check(frames[0], frames[1].slice(1)), { message: /^x1: has 2 vertices instead of 3/ });
   assert.throws(() => checker.check(frames[0], [[0, 0, NaN], [1, 0, 0], [0, 1, 0]]), { message: /not finite/ });
   assert.throws(() => checker.check(frames[0], frames[1], { static: true }), { message: /static: is not a setting/ });
+  assert.throws(() => checker.checkStatic(frames[0], { thickness: 1 }), { message: /^thickness: does not go with checkStatic/ });
 });
 
 test('gives memory back', async () => {

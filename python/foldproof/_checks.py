@@ -155,8 +155,8 @@ def check(
         motions, models=models, frames=frames, static=static, steps_only=steps_only, substeps=substeps, keep=keep,
         contacts=contacts, parts=parts, unit=unit, reports=reports, progress=progress, **settings,
     )  # fmt: skip
-    joined, named_unit, unknown = found.pop("contacts"), found.pop("unit"), found.pop("unknown_frames")
-    listed = None if joined is None else Contacts(joined, named_unit, unknown)
+    joined, *about = (found.pop(name) for name in ("contacts", "unit", "unknown_frames", "unlisted_pairs"))
+    listed = None if joined is None else Contacts(joined, *about)
     return CheckResult(**found, static=static, _contacts=listed)
 
 

@@ -56,7 +56,8 @@ class Contact:
     healed: it ended before the motion did. first_time, last_time: first impact; the last frame in which it crosses, or
     the last impact. pairs: colliding pairs of features, over all steps, that are listed (max_listed). depth: in
     the worst frame; None where nothing has a depth there. worst: time of the worst frame, that with the largest depth (a
-    twentieth of the curves' length stands for a missing one); None where it only touches between frames. point (3), box (2 x 3: low, high), normal (3): in the worst
+    twentieth of the curves' length stands for a missing one); None where it only touches between frames, or it is not
+    known what crosses (Contacts.unknown_frames). point (3), box (2 x 3: low, high), normal (3): in the worst
     frame, the deepest point or the middle of the curves, the box of the triangles, the direction out. frames: structured
     array, a row per frame in which it crosses: time, crossings (pairs of triangles), triangles (that cross or are
     inside), curve_length, closed, area (2, inside, of each side; NaN where there is no region), depth (NaN where there
@@ -96,7 +97,7 @@ class Contact:
 
     @property
     def worst_frame(self) -> np.void | None:
-        """The row of frames that is the worst; None where it only touches between frames."""
+        """The row of frames that is the worst; None where worst is."""
         if self.worst is None:
             return None
         row: np.void = self.frames[np.searchsorted(self.frames["time"], self.worst)]
@@ -105,7 +106,7 @@ class Contact:
     def __repr__(self) -> str:
         worst = self.worst_frame
         if worst is None:
-            what = f"touches, {many(self.pairs, 'pair')}"
+            what = f"collides, {many(self.pairs, 'pair')}"  # and perhaps crosses, in frames that are not known
         elif self.depth is None:
             what = f"worst {self.worst:g}, crosses along {worst['curve_length']:.3g}"
         else:
@@ -117,16 +118,20 @@ class Contacts(Sequence[Contact]):
     """Contacts of a motion, the worst first. A slice is a Contacts, too.
 
     unit: name of the mesh unit; empty where it was not named. unknown_frames: how many frames there are of which it is
-    not known what crosses, because pairs were left out (max_listed) or with steps_only.
+    not known what crosses, because pairs were left out (max_listed) or with steps_only. unlisted_pairs: how many
+    colliding pairs were not listed (max_listed), and are in no contact.
     """
 
     __module__ = "foldproof"
     __hash__ = None  # type: ignore[assignment]
 
-    def __init__(self, contacts: Iterable[Contact], unit: str = "", unknown_frames: int = 0) -> None:
+    def __init__(
+        self, contacts: Iterable[Contact], unit: str = "", unknown_frames: int = 0, unlisted_pairs: int = 0
+    ) -> None:
         self._contacts = tuple(contacts)
         self.unit = unit
         self.unknown_frames = unknown_frames
+        self.unlisted_pairs = unlisted_pairs
 
     def __len__(self) -> int:
         return len(self._contacts)
@@ -137,7 +142,7 @@ class Contacts(Sequence[Contact]):
     def __getitem__(self, index: slice) -> Contacts: ...
     def __getitem__(self, index: int | slice) -> Contact | Contacts:
         if isinstance(index, slice):
-            return Contacts(self._contacts[index], self.unit, self.unknown_frames)
+            return Contacts(self._contacts[index], self.unit, self.unknown_frames, self.unlisted_pairs)
         return self._contacts[index]
 
     def __eq__(self, other: Any) -> bool:
@@ -200,6 +205,8 @@ class Contacts(Sequence[Contact]):
         title = f"{many(len(self), 'contact')}, the worst first" if self._contacts else "no contacts"
         if self.unknown_frames:
             title += f"; of {many(self.unknown_frames, 'frame')} it is not known which triangles cross"
+        if self.unlisted_pairs:
+            title += f"; {many(self.unlisted_pairs, 'pair')} not listed (max_listed), so in no contact"
         return f"{title}:" if self._contacts else title
 
     def _cells(self) -> tuple[list[str], list[list[str]]]:
@@ -207,7 +214,8 @@ class Contacts(Sequence[Contact]):
         named = len({side.name for c in self for side in c.sides}) > 1
         unit = f" ({self.unit})" if self.unit else ""
         header = ["#", "between", "at", "frames", "worst", "triangles", f"depth{unit}", f"curve{unit}", ""]
-        rows = [_cells_of(c) for c in self._contacts[:_SHOWN]]
+        touches = "touches; not known whether it crosses" if self.unknown_frames else "touches"
+        rows = [_cells_of(c, touches) for c in self._contacts[:_SHOWN]]
         if not named:
             header, rows = _without_second(header), [_without_second(row) for row in rows]
         return header, rows
@@ -217,12 +225,12 @@ def _without_second(cells: list[str]) -> list[str]:
     return cells[:1] + cells[2:]
 
 
-def _cells_of(c: Contact) -> list[str]:
+def _cells_of(c: Contact, touches: str) -> list[str]:
     worst = c.worst_frame
     notes = ["from the start"] * c.from_start + ["folded"] * c.folded
     begin = [str(c.number), c.between, f"({', '.join(f'{x:.3g}' for x in c.point)})"]
     if worst is None:
-        notes.insert(0, f"touches: {many(c.pairs, 'pair')}")
+        notes.insert(0, f"{touches}: {many(c.pairs, 'pair')}")
         return [*begin, _when(c).partition(" ")[2], "-", "-", "-", "-", ", ".join(notes)]
     depth = "-" if c.depth is None else f"{c.depth:.3g}"
     return [

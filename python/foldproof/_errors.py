@@ -3,8 +3,20 @@
 from __future__ import annotations
 
 import errno
+import re
 
 _CONTROLS = dict.fromkeys([*range(32), 127], "?")
+# Options of the program, as the library's messages name them, and the arguments that do the same.
+_ARGUMENTS = {
+    "--between": "within=False", "--fps": "fps", "--frames": "frames", "--model": "models=", "--ply": "reports",
+    "--separate": "separate=True", "--steps-only": "steps_only=True", "--weld": "weld=True",
+}  # fmt: skip
+_OPTION = re.compile(rf"(?<![^ (])({'|'.join(_ARGUMENTS)})(?![\w-])")
+
+
+def with_arguments(text: str) -> str:
+    """A message of the library, with arguments instead of options."""
+    return _OPTION.sub(lambda found: _ARGUMENTS[found[0]], text)
 
 
 class Error(ValueError):

@@ -55,10 +55,13 @@ class Page:
         self.close()
 
     def __repr__(self) -> str:
-        return f"<foldproof.Page {self.url if self._close.alive else 'closed'}>"
+        return f"<foldproof.Page {self.url if self._is_served() else 'closed'}>"
+
+    def _is_served(self) -> bool:
+        return self._close.alive and self._process.poll() is None
 
     def _repr_html_(self) -> str:
-        if not self._close.alive:
+        if not self._is_served():
             return repr(self).replace("<", "&lt;")
         return (
             f'<iframe src="{self.url}" width="100%" height="640" style="border: 0" allowfullscreen></iframe>'
@@ -86,8 +89,16 @@ def view(*motions: Motion | _Path, program: _Path = "foldproof", options: tuple[
             paths.append(os.fsdecode(motion))
     in_notebook = ("--no-browser",) if "ipykernel" in sys.modules and "--no-browser" not in options else ()
     command = [found, "view", *paths, *options, *in_notebook]
-    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    return Page(process, folder)
+    process = subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        start_new_session=True,  # a terminal's Ctrl-C is for Python's other work
+    )  # fmt: skip
+    try:
+        return Page(process, folder)
+    except Error as error:
+        if error.where in paths and not os.path.exists(error.where):
+            raise FileMissingError(error.where, error.problem, error.remedy) from None
+        raise
 
 
 def _end(process: subprocess.Popen[str], folder: tempfile.TemporaryDirectory[str]) -> None:

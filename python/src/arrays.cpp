@@ -40,9 +40,11 @@ void translate_errors() {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const Refused& refused) {
       const Error& error = refused.error;
+      const bool is_option = error.where.starts_with("--");  // else perhaps the name of a file
       const py::object made =
           py::module_::import("foldproof._errors")
-              .attr(class_of(error))(text_of(error.where), text_of(error.problem), text_of(error.remedy));
+              .attr(class_of(error))(is_option ? message_of(error.where) : text_of(error.where),
+                                     message_of(error.problem), message_of(error.remedy));
       PyErr_SetObject(py::type::of(made).ptr(), made.ptr());
     }
   });
@@ -115,7 +117,9 @@ std::vector<Triangle> triangles_of(const py::handle& x) {
 std::string path_of(const py::handle& path) {
   PyObject* bytes = nullptr;
   if (PyUnicode_FSConverter(path.ptr(), &bytes) == 0) throw py::error_already_set();
-  return py::reinterpret_steal<py::bytes>(bytes).cast<std::string>();
+  auto name = py::reinterpret_steal<py::bytes>(bytes).cast<std::string>();
+  if (name.empty()) refuse("path", "is empty", "name a file");
+  return name;
 }
 
 py::str text_of(const std::string& text) {
@@ -123,6 +127,25 @@ py::str text_of(const std::string& text) {
       PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "backslashreplace");
   if (decoded == nullptr) throw py::error_already_set();
   return py::reinterpret_steal<py::str>(decoded);
+}
+
+py::object message_of(const std::string& text) {
+  return py::module_::import("foldproof._errors").attr("with_arguments")(text_of(text));
+}
+
+std::uint64_t whole_number(const py::handle& value, const char* what, std::uint64_t least,
+                           std::uint64_t most) {
+  if (PyIndex_Check(value.ptr()) == 0) throw py::type_error(std::string(what) + ": expected an int");
+  const auto number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  if (!number) throw py::error_already_set();
+  const std::uint64_t whole = PyLong_AsUnsignedLongLong(number.ptr());
+  const bool fits = PyErr_Occurred() == nullptr;
+  PyErr_Clear();
+  if (!fits || whole < least || whole > most) {
+    refuse(what, "is " + py::str(number).cast<std::string>(),
+           "give a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+  }
+  return whole;
 }
 
 py::array_t<double> owned(std::vector<double>&& values, std::vector<py::ssize_t> shape) {

@@ -61,11 +61,17 @@ std::vector<std::array<Index, N>> rows_of(const std::vector<Index>& ids) {
 /// T x 3 ids. Refused: other shapes, numbers that are not ids.
 std::vector<Triangle> triangles_of(const py::handle& x);
 
-/// str, bytes or os.PathLike.
+/// str, bytes or os.PathLike. Refused: an empty one.
 std::string path_of(const py::handle& path);
 
 /// Text for messages, with escapes for invalid UTF-8, which file names may contain.
 py::str text_of(const std::string& text);
+/// A message of the library, with Python's arguments where it names options of the program.
+py::object message_of(const std::string& text);
+
+/// TypeError: no whole number. Refused: one out of range.
+std::uint64_t whole_number(const py::handle& value, const char* what, std::uint64_t least = 0,
+                           std::uint64_t most = kNoIndex);
 
 /// A read-only array over memory of `owner`, which it keeps alive.
 template <class T>

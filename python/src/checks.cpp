@@ -238,6 +238,12 @@ Found run(const Request& request, const py::object& progress) {
   return found;
 }
 
+/// Colliding pairs of steps that are in no contact, since they are not listed.
+std::uint64_t unlisted_pairs(const Request& request, const CheckTotals& totals) {
+  if (!totals.contacts_found || request.settings.poses) return 0;
+  return totals.collisions.sum() - totals.listed.sum();
+}
+
 /// What the check left out, a sentence each.
 py::list untested_by(const Request& request, const CheckTotals& totals) {
   const CheckSettings& settings = request.settings;
@@ -249,6 +255,15 @@ py::list untested_by(const Request& request, const CheckTotals& totals) {
     untested.append("pairs of two meshes were not tested");
   if (settings.poses) untested.append("motion between frames was not tested");
   if (settings.step.earliest_only) untested.append("only the earliest pair of each step was looked for");
+  const std::uint64_t found = totals.collisions.sum(), unlisted = unlisted_pairs(request, totals);
+  if (unlisted > 0) {
+    untested.append("contacts join only the " + std::to_string(found - unlisted) + " of " +
+                    std::to_string(found) + " colliding pairs that are listed (max_listed)");
+  }
+  if (totals.contact_unknown_frames > 0 && !settings.steps_only) {
+    untested.append("what crosses is not known in frames with more pairs than max_listed: " +
+                    std::to_string(totals.contact_unknown_frames));
+  }
   return untested;
 }
 
@@ -260,7 +275,8 @@ py::dict fields_of(Found found, const Request& request) {
   d["first_frame"] = totals.first_frame;
   py::list notes;
   for (const auto& motion : request.motions) {
-    for (const std::string& note : motion->notes()) notes.append(text_of(motion->name() + ": " + note));
+    for (const std::string& note : motion->notes())
+      notes.append(text_of(motion->name() + ": ") + message_of(note));
   }
   d["notes"] = notes;
   d["untested"] = untested_by(request, totals);
@@ -282,6 +298,7 @@ py::dict fields_of(Found found, const Request& request) {
   d["contacts"] = totals.contacts_found ? py::object(contacts) : py::none();
   d["unit"] = unit_of(request.motions, request.settings);
   d["unknown_frames"] = totals.contact_unknown_frames;
+  d["unlisted_pairs"] = unlisted_pairs(request, totals);
   return d;
 }
 
@@ -295,7 +312,7 @@ void bind_checks(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(CrossingRow, step, object_a, triangle_a, object_b, triangle_b);
   PYBIND11_NUMPY_DTYPE(StartCrossingRow, object_a, triangle_a, object_b, triangle_b);
   const auto check = [](const py::object& motions, const py::object& models, const py::object& frames,
-                        bool poses, bool steps_only, Index substeps, bool keep, bool contacts,
+                        bool poses, bool steps_only, const py::object& substeps, bool keep, bool contacts,
                         const py::object& parts, const std::string& unit, const py::object& reports,
                         const py::object& progress, const py::kwargs& settings) {
     Request request{motions_of(motions), {}, {}, keep};
@@ -303,7 +320,7 @@ void bind_checks(py::module_& module) {
     request.settings.frames = frames_of(frames);
     request.settings.poses = poses;
     request.settings.steps_only = steps_only;
-    request.settings.substeps = substeps;
+    request.settings.substeps = static_cast<Index>(whole_number(substeps, "substeps", 1));
     request.settings.contacts = contacts;
     request.settings.parts = parts_of(parts, motions, triangle_counts(request.motions));
     request.settings.unit = unit;

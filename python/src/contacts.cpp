@@ -106,6 +106,12 @@ class Finder {
     return unknown_frames_;
   }
 
+  std::uint64_t unlisted_pairs() {
+    const Unlocked unlocked;
+    const std::lock_guard lock(mutex_);
+    return unlisted_pairs_;
+  }
+
   std::size_t open_count() {
     const Unlocked unlocked;
     const std::lock_guard lock(mutex_);
@@ -127,6 +133,8 @@ class Finder {
     } else {
       std::vector<std::span<const double>> last(last_.begin(), last_.end());
       take(checker_.check(last, x, settings_, step_));
+      unlisted_pairs_ +=
+          step_.vertex_face_count + step_.edge_edge_count - step_.vertex_face.size() - step_.edge_edge.size();
       const bool asks = !step_.lists_all() || !finder_->is_known();
       if (asks) take(checker_.check_static(x, settings_, crossings_));
       finder_->step(*time_, time, last, x, step_, asks ? &crossings_ : nullptr);
@@ -162,7 +170,7 @@ class Finder {
   std::mutex mutex_;
   std::vector<std::vector<double>> last_;
   std::optional<double> time_;  // of last_
-  std::uint64_t unknown_frames_ = 0;
+  std::uint64_t unknown_frames_ = 0, unlisted_pairs_ = 0;
   bool finished_ = false;
   StepResult step_;
   StaticResult crossings_;
@@ -258,7 +266,10 @@ void bind_contacts(py::module_& module) {
       .def_property_readonly(
           "unknown_frames", &Finder::unknown_frames,
           "Of how many frames so far it is not known what crosses, because it has more pairs "
-          "than max_listed.");
+          "than max_listed.")
+      .def_property_readonly(
+          "unlisted_pairs", &Finder::unlisted_pairs,
+          "How many colliding pairs so far were not listed (max_listed), and are in no contact.");
 }
 
 }  // namespace foldproof::python

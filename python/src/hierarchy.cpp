@@ -8,13 +8,14 @@ namespace foldproof::python {
 namespace {
 
 std::shared_ptr<Hierarchy> build(const py::handle& triangles, const py::handle& positions,
-                                 Index leaf_triangles) {
+                                 const py::handle& leaf_triangles) {
   const Numbers x = numbers_of(positions, "positions", {-1, 3}, "V x 3");
   auto list = triangles_of(triangles);
+  const auto leaf = static_cast<Index>(whole_number(leaf_triangles, "leaf_triangles"));
   const Unlocked unlocked;
   auto topology = take(Topology::make(static_cast<Index>(x.shape(0)), std::move(list)));
   return std::make_shared<Hierarchy>(
-      take(Hierarchy::build(std::move(topology), span_of(x), {.leaf_triangles = leaf_triangles})));
+      take(Hierarchy::build(std::move(topology), span_of(x), {.leaf_triangles = leaf})));
 }
 
 template <std::size_t N>

@@ -16,13 +16,13 @@ double to_double(const py::handle& value) { return value.cast<double>(); }
 void set(TrainSettings& s, const std::string& name, const py::handle& value) {
   LearnSettings& learning = s.learning;
   if (name == "references") {
-    s.references = value.cast<Index>();
+    s.references = static_cast<Index>(whole_number(value, "references"));
   } else if (name == "random_poses") {
-    s.random_poses = value.cast<Index>();
+    s.random_poses = static_cast<Index>(whole_number(value, "random_poses"));
   } else if (name == "learn") {
     s.learn = value.cast<bool>();
   } else if (name == "modes") {
-    learning.size.modes = value.cast<Index>();
+    learning.size.modes = static_cast<Index>(whole_number(value, "modes"));
   } else if (name == "energy") {
     learning.size.energy = to_double(value);
   } else if (name == "key_points") {
@@ -84,8 +84,9 @@ void save(const Model& model, const py::object& path) {
 
 const Learned& learned_of(const Model& model) {
   if (model.learned) return *model.learned;
-  refuse(model.name.empty() ? "model" : model.name, "has learned no shapes",
-         model.not_learned.empty() ? "train it anew with at least 3 poses that differ" : model.not_learned);
+  refuse(model.name.empty() ? "model" : model.name,
+         "has learned no shapes" + (model.not_learned.empty() ? "" : ": " + model.not_learned),
+         "train it again with learn=True, from at least 3 poses that differ");
 }
 
 py::ssize_t vertices_of(const Model& model) { return model.hierarchy()->topology().vertex_count(); }

@@ -178,7 +178,7 @@ py::object parts_of_motion(const SharedMotion& motion) {
 
 py::list notes_of_motion(const SharedMotion& motion) {
   py::list notes;
-  for (const std::string& note : motion.notes()) notes.append(text_of(note));
+  for (const std::string& note : motion.notes()) notes.append(message_of(note));
   return notes;
 }
 
@@ -272,16 +272,17 @@ void bind_motions(py::module_& module) {
            "slice: a Motion of these frames, which are read on demand.\n\n"
            "Error: the frame cannot be read; the slice selects none. IndexError: the frame does not exist.");
   module.def("open_motion", &open_one, py::arg("fps") = 24.0, py::arg("weld") = false,
-             "Opens one motion: a mesh (with .pc2 or .mdd); several meshes as a directory, a glob or a name with %d; "
-             "glTF, GLB, NPZ, PVD; a pair of .npy.\n\n"
+             "Opens one motion: a mesh (with .pc2 or .mdd); several meshes as a directory, a glob or a name "
+             "with %d; glTF, GLB, NPZ, PVD; a pair of .npy.\n\n"
              "fps: sampling rate of animated glTF. weld: merge vertices that coincide in the first frame. "
              "Error: as for the program (docs/formats.md).");
-  module.def("open_motions", &open_list, py::arg("fps") = 24.0, py::arg("weld") = false,
-             py::arg("separate") = false, py::arg("still") = false,
-             "Opens any number of motions: a list.\n\n"
-             "separate: mesh files whose names differ only in a number are motions of their own, not frames "
-             "of one. still: motions of a single frame stand still as long as the longest of the others lasts. "
-             "Otherwise as open_motion.");
+  module.def(
+      "open_motions", &open_list, py::arg("fps") = 24.0, py::arg("weld") = false, py::arg("separate") = false,
+      py::arg("still") = false,
+      "Opens any number of motions: a list.\n\n"
+      "separate: mesh files whose names differ only in a number are motions of their own, not frames "
+      "of one. still: motions of a single frame stand still as long as the longest of the others lasts. "
+      "Otherwise as open_motion.");
   module.def(
       "write_motion",
       [](const py::object& path, SharedMotion& motion) {
@@ -290,8 +291,8 @@ void bind_motions(py::module_& module) {
         take(write_motion(name, motion));
       },
       py::arg("path"), py::arg("motion"),
-      "Writes .npz, .obj (with a .pc2 beside it for several frames) or .ply (one frame; with %d in the name, a file "
-      "per frame).\n\n"
+      "Writes .npz, .obj (with a .pc2 beside it for several frames) or .ply (one frame; with %d in the name, "
+      "a file per frame).\n\n"
       "The file appears complete or not at all. Error: it cannot be written.");
 }
 

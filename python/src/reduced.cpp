@@ -52,7 +52,8 @@ std::vector<ReducedCenter> centers_of(const Learned& learned, const py::object& 
 std::unique_ptr<Shape> build(const Model& model, const py::object& centers, double clearance,
                              const py::object& progress) {
   if (!model.learned)
-    refuse("model", "has learned no shapes", "train it again with at least 3 poses that differ");
+    refuse("model", "has learned no shapes",
+           "train it again with learn=True, from at least 3 poses that differ");
   if (!(clearance >= 0) || !std::isfinite(clearance))
     refuse("clearance", "is not a finite number, at least 0", "give another");
   auto list = centers_of(*model.learned, centers);
@@ -231,11 +232,11 @@ void bind_reduced(py::module_& module) {
           py::arg("center") = 0,
           "No p closer to the center makes the surface touch itself, except perhaps in the pairs of patches "
           "that certified() lists.")
-      .def(
-          "certified", &certified, py::arg("center") = 0, py::arg("at_least") = 0.0,
-          "(radius, uncertified): the radius, and the pairs of patches that it says nothing about, a "
-          "structured array of leaf_a, leaf_b, touches, radius. Pairs of leaves with a radius below at_least are "
-          "among them. The radius can be smaller than at_least, where pairs of larger regions limit it.")
+      .def("certified", &certified, py::arg("center") = 0, py::arg("at_least") = 0.0,
+           "(radius, uncertified): the radius, and the pairs of patches that it says nothing about, a "
+           "structured array of leaf_a, leaf_b, touches, radius. Pairs of leaves with a radius below "
+           "at_least are among them. The radius can be smaller than at_least, where pairs of larger regions "
+           "limit it.")
       .def(
           "distance",
           [](const Shape& s, const py::object& p, std::int64_t c) {

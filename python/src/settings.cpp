@@ -21,12 +21,6 @@ constexpr Number kNumbers[] = {{"thickness", &StepSettings::thickness},
                                {"tolerance", &StepSettings::tolerance},
                                {"miss_rate", &StepSettings::miss_rate}};
 
-std::uint64_t count_of(const py::handle& value) {
-  const unsigned long long count = PyLong_AsUnsignedLongLong(value.ptr());
-  if (PyErr_Occurred() != nullptr) throw py::error_already_set();
-  return count;
-}
-
 bool truth_of(const py::handle& value) {
   const int truth = PyObject_IsTrue(value.ptr());
   if (truth < 0) throw py::error_already_set();
@@ -54,7 +48,7 @@ StepSettings step_settings(const py::kwargs& settings) {
     const auto name = key.cast<std::string>();
     bool known = name == "mode" || name == "max_listed";
     if (name == "mode") s.mode = mode_of(value);
-    if (name == "max_listed") s.max_listed = count_of(value);
+    if (name == "max_listed") s.max_listed = whole_number(value, "max_listed", 0, UINT64_MAX);
     for (const auto& [flag, member] : kFlags) {
       if (name == flag) known = true, s.*member = truth_of(value);
     }
@@ -93,9 +87,11 @@ std::string settings_documentation() {
          "  earliest_only=False  find only the pair with the earliest time of impact\n"
          "  max_listed=10000000  list at most so many pairs of each kind in a step, those with the smallest "
          "ids; all are counted\n"
-         "  explain=False        steps of a checker: report what certificates proved (StepResult.explanation)\n"
+         "  explain=False        steps of a checker: report what certificates proved "
+         "(StepResult.explanation)\n"
          "  mode='proven'        or 'paper', which is STATISTICAL and can miss collisions\n"
-         "  miss_rate=0.01       mode 'paper': the share of wrong predictions of 'free' that is accepted in training";
+         "  miss_rate=0.01       mode 'paper': the share of wrong predictions of 'free' that is accepted in "
+         "training";
 }
 
 std::string with_settings(const char* doc) { return std::string(doc) + "\n\n" + settings_documentation(); }

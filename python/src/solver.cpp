@@ -29,12 +29,13 @@ std::vector<std::array<Index, N>> optional_rows(const py::object& x, const char*
 
 std::shared_ptr<CollisionMesh> make_mesh(const py::object& rest_positions, const py::object& edges,
                                          const py::object& faces, const py::object& groups,
-                                         const py::object& excluded, bool points, Index leaf_triangles) {
+                                         const py::object& excluded, bool points,
+                                         const py::object& leaf_triangles) {
   const Numbers x = numbers_of(rest_positions, "rest_positions", {-1, 3}, "V x 3");
   CollisionMeshSettings settings;
   settings.filter = filter_of(groups, excluded);
   settings.points = points;
-  settings.hierarchy.leaf_triangles = leaf_triangles;
+  settings.hierarchy.leaf_triangles = static_cast<Index>(whole_number(leaf_triangles, "leaf_triangles"));
   auto edge_rows = optional_rows<2>(edges, "edges", "E x 2 vertex ids");
   auto face_rows = optional_rows<3>(faces, "faces", "F x 3 vertex ids");
   const Unlocked unlocked;

@@ -90,8 +90,6 @@ def test_reports_are_written_whole(motion, tmp_path):
 
 
 def test_checks_that_would_test_nothing_are_refused(motion):
-    with pytest.raises(foldproof.Error, match="substeps: must not be 0"):
-        foldproof.check(motion, substeps=0)
     with pytest.raises(foldproof.Error, match="nothing would be tested"):
         foldproof.check(motion, within=False, between=False)
 
@@ -131,6 +129,27 @@ def test_the_text_says_what_was_left_out(motion):
         found = foldproof.check([motion, motion], frames=slice(0, 2), **settings)
         assert found.untested == untested and all(each in repr(found) for each in untested)
     assert foldproof.check(motion, frames=slice(0, 2), between=False).untested == []  # there is no second mesh
+
+
+def test_the_text_says_how_many_pairs_contacts_join():
+    # Six needles, each of which passes through a triangle of its own between the frames.
+    floor, needle = np.array([[-2, -2, 0], [2, -2, 0], [0, 3, 0]]), np.array([[0, 0, 1], [0.1, 0, 1], [0, 0.1, 1]])
+    at = [np.concatenate([np.concatenate([floor, needle - [0, 0, down]]) + [10 * k, 0, 0] for k in range(6)]) for down in (0, 2)]
+    motion = foldproof.Motion(np.arange(36).reshape(12, 3), at)
+    whole, cut = foldproof.check(motion), foldproof.check(motion, max_listed=1)
+    assert (whole.untested, len(whole.contacts), whole.contacts.unlisted_pairs) == ([], 6, 0)
+    listed = len(cut.vertex_face) + len(cut.edge_edge)
+    text = f"contacts join only the {listed} of {whole.collisions} colliding pairs that are listed (max_listed)"
+    assert cut.untested == [text] and text in repr(cut) and len(cut.contacts) == 1
+    assert cut.contacts[:1].unlisted_pairs == whole.collisions - listed
+    assert f"{whole.collisions - listed} pairs not listed (max_listed), so in no contact" in str(cut.contacts)
+    assert foldproof.check(motion, max_listed=1, contacts=False).untested == []
+    crossing = foldproof.check(foldproof.Motion(motion.triangles, np.stack(at).mean(axis=0)), max_listed=2)
+    text = "what crosses is not known in frames with more pairs than max_listed: 1"
+    assert crossing.starts_crossing == 6 and crossing.untested[-1] == text and text in repr(crossing)
+    assert foldproof.check(motion, frames="0", static=True, max_listed=0).untested == ["motion between frames was not tested"]
+    poses = foldproof.check(foldproof.Motion(motion.triangles, np.stack(at).mean(axis=0)), static=True, max_listed=2)
+    assert poses.untested[1:] == [text] and poses.contacts.unlisted_pairs == 0
 
 
 def test_reports_replace_neither_each_other_nor_what_is_read(motion, tmp_path, monkeypatch):

@@ -137,7 +137,7 @@ def test_a_file_name_need_not_be_text(tmp_path):
 def test_wrong_calls_are_type_errors(motion, triangles, frames, model):
     checker = foldproof.StepChecker(foldproof.Hierarchy(triangles, frames[0]))
     for call in (lambda: checker.check(frames[0], frames[1], thicknes=1), lambda: foldproof.check(frames),
-                 lambda: foldproof.check(motion, thickness="x"), lambda: foldproof.train(motion, modes=-1),
+                 lambda: foldproof.check(motion, thickness="x"), lambda: foldproof.train(motion, modes="x"),
                  lambda: foldproof.train(motion, mode=1), lambda: foldproof.StepChecker(frames),
                  lambda: foldproof.check(motion, frames=1.5), lambda: foldproof.check(motion, models=[motion])):
         with pytest.raises(TypeError):
@@ -156,9 +156,50 @@ def test_wrong_calls_are_type_errors(motion, triangles, frames, model):
         foldproof.ReducedShape(model).radius(99)
 
 
+@pytest.mark.parametrize("name, call", [
+    ("substeps", lambda motion, n: foldproof.check(motion, substeps=n)),
+    ("max_listed", lambda motion, n: foldproof.check(motion, max_listed=n)),
+    ("modes", lambda motion, n: foldproof.train(motion, modes=n)),
+    ("references", lambda motion, n: foldproof.train(motion, references=n)),
+    ("random_poses", lambda motion, n: foldproof.train(motion, random_poses=n)),
+    ("leaf_triangles", lambda motion, n: foldproof.Hierarchy(motion.triangles, motion[0], n)),
+    ("leaf_triangles", lambda motion, n: foldproof.CollisionMesh(motion[0], leaf_triangles=n)),
+])
+def test_whole_numbers_out_of_range_are_named(motion, name, call):
+    for number in (-1, 2**64, *[0] * (name == "substeps"), *[2**32] * (name != "max_listed")):
+        with pytest.raises(foldproof.Error, match=f"^{name}: is {number}; give a whole number from [01] to [0-9]+$"):
+            call(motion, number)
+    for wrong in (1.5, "1", None):
+        with pytest.raises(TypeError, match=f"{name}: expected an int"):
+            call(motion, wrong)
+
+
+def test_messages_name_arguments(motion, tmp_path):
+    tripled = foldproof.Motion(motion.triangles, motion[0])
+    for call, text in (
+        (lambda: foldproof.check(motion, frames="0:0"), "frames: selects 0 of 12 frames"),
+        (lambda: foldproof.check(motion, frames=99), "frames: selects 0 of 12 frames"),
+        (lambda: foldproof.check(motion, frames="--frames"), "frames: '--frames' is not A:B"),
+        (lambda: foldproof.check(motion, within=False), "or leave within=False out; .* unless separate=True$"),
+        (lambda: foldproof.check(motion, mode="paper"), "; give models= one trained on at least 3"),
+        (lambda: foldproof.check(tripled, steps_only=True), "; check it without steps_only=True: "),
+        (lambda: foldproof.check(motion, reports=tmp_path / "%x.ply"), "reports: '.*%x.ply' has a '%'"),
+        (lambda: foldproof.check(motion, reports=""), "path: is empty; name a file"),
+        (lambda: foldproof.open_motion(""), "path: is empty; name a file"),
+    ):
+        with pytest.raises(foldproof.Error, match=text) as refused:
+            call()
+        assert not refused.value.where.startswith("--")
+    with pytest.raises(foldproof.FileMissingError) as missing:
+        foldproof.open_motion(tmp_path / "a --weld b.npz")
+    assert missing.value.filename == str(tmp_path / "a --weld b.npz")
+
+
 def test_without_learning_shapes_are_refused(triangles, frames):
     plain = foldproof.train(foldproof.Motion(triangles, frames[:3]), learn=False)
     assert not plain.learned
+    with pytest.raises(foldproof.Error, match="shapes: not requested; train it again with learn=True, from at least 3"):
+        plain.basis
     for call in (lambda: plain.mean, lambda: plain.predict(np.zeros((1, 3))), lambda: foldproof.ReducedShape(plain)):
         with pytest.raises(foldproof.Error, match="has learned no shapes"):
             call()
@@ -205,6 +246,16 @@ def test_files_come_back(motion, frames, tmp_path):
     assert len(foldproof.open_motions(tmp_path / "a.npz", str(tmp_path / "a.npz"))) == 2
     with pytest.raises(foldproof.Error, match="are 2 motions"):
         foldproof.open_motion(tmp_path / "a.npz", tmp_path / "a.npz")
+
+
+def test_motions_of_one_frame_can_stand_still(motion, tmp_path):
+    paths = [tmp_path / "floor.obj", tmp_path / "roll.npz"]
+    foldproof.write_motion(paths[0], motion[:1])
+    foldproof.write_motion(paths[1], motion)
+    assert [len(read) for read in foldproof.open_motions(*paths)] == [1, 12]
+    floor, roll = foldproof.open_motions(*paths, still=True)
+    assert len(floor) == len(roll) == 12 and np.array_equal(floor[11], floor[0]) and roll == motion
+    assert foldproof.check([floor, roll], within=False).steps.shape == (11,)
 
 
 def test_numbered_meshes_are_frames_unless_separate(motion, frames, tmp_path):

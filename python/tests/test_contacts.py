@@ -65,7 +65,8 @@ def test_many_contacts_are_cut_and_what_touches_says_so(found):
                                 thickness=0.2, within=False).contacts
     assert touching.worst is None and touching.depth is None and touching.worst_frame is None
     many = foldproof.Contacts([*found.contacts, touching] * 15, "", 2)
-    assert str(many).endswith("and 10 more") and "touches: " in str(many)
+    assert str(many).endswith("and 10 more") and "touches; not known whether it crosses: " in str(many)
+    assert "  touches: " in str(foldproof.Contacts([touching])) and "touches" not in repr(touching)
     assert str(many).startswith("30 contacts, the worst first; of 2 frames it is not known which triangles cross:\n")
     assert "and 10 more" in many._repr_html_() and many._repr_html_().count("<tr>") == 21
     assert np.isnan(many.table["depth"][1]) and len(many[::2].frames) == 15 * 3
@@ -162,6 +163,7 @@ def test_frame_by_frame_is_the_whole_check(dip, found):
     of_listed = [contact for x in zip_frames() for contact in cut.add(x)]
     assert of_listed == list(foldproof.find_contacts(objects, zip_frames(), max_listed=1))
     assert 0 < of_listed[0].pairs < unnamed.pairs and cut.unknown_frames == 3  # frames 2 to 4
+    assert cut.unlisted_pairs == unnamed.pairs - of_listed[0].pairs
 
 
 def zip_frames():
@@ -182,7 +184,7 @@ def test_contacts_come_when_they_end(dip, found):
         with pytest.raises(foldproof.Error, match="time: is not finite"):
             foldproof.ContactFinder(objects).add([BELOW[0], ABOVE[0]], time=time)
     assert finder.finish() == []
-    assert finder.unknown_frames == 0
+    assert finder.unknown_frames == finder.unlisted_pairs == 0
     for call in (finder.finish, lambda: finder.add([BELOW[0], ABOVE[0]])):
         with pytest.raises(foldproof.Error, match="has finished"):
             call()

@@ -111,10 +111,19 @@ def test_ctrl_c(tmp_path, call):
     assert os.listdir(tmp_path) == []
 
 
-def test_progress_rises_and_its_exceptions_come_out(large):
+def test_progress_rises_to_one_and_its_exceptions_come_out(large, motion, model):
     seen = []
     foldproof.check(large, frames="0:6", substeps=4, progress=seen.append)
-    assert seen == sorted(seen) and all(0 < part <= 1 for part in seen)
+    assert seen == sorted(seen) and all(0 < part <= 1 for part in seen) and seen.count(1) == 1
+    for short in (lambda call: foldproof.check(motion, frames="0:2", progress=call),
+                  lambda call: foldproof.train(motion, frames="0:3", progress=call),
+                  lambda call: model.predict(model.mean[model.key_points], progress=call),
+                  lambda call: foldproof.ReducedShape(model, progress=call)):
+        seen.clear()
+        short(seen.append)
+        assert seen[-1] == 1
+        with pytest.raises(ZeroDivisionError):
+            short(lambda part: 1 / (part - 1))
 
     def stop(part):
         raise RuntimeError("enough")
@@ -128,12 +137,9 @@ def test_progress_cannot_undo_what_is_done(motion, tmp_path):
         if part == 1:
             raise RuntimeError("enough")
 
-    raised = False
-    try:
+    with pytest.raises(RuntimeError, match="enough"):
         foldproof.check(motion, progress=stop, reports=tmp_path / "a.json")
-    except RuntimeError:
-        raised = True
-    assert raised != (tmp_path / "a.json").exists()
+    assert os.listdir(tmp_path) == []
 
 
 EXIT = """

@@ -1,6 +1,9 @@
 """foldproof.view: the page of the program, which ends with its Page."""
 import os
+import signal
+import subprocess
 import sys
+import time
 import urllib.request
 
 import pytest
@@ -50,6 +53,45 @@ def test_a_page_ends_with_python_or_its_program(tmp_path, motion):
     assert not os.path.exists(os.path.dirname(written))
 
 
+CTRL_C = """
+import os, signal, sys, time
+import foldproof
+page = foldproof.view("walk.glb", program=sys.argv[1])
+try:
+    os.killpg(0, signal.SIGINT)  # as a terminal does
+    time.sleep(60)
+except KeyboardInterrupt:
+    pass
+time.sleep(0.2)
+print(page, flush=True)
+print("waits", flush=True)
+page.wait()
+print(page)
+"""
+
+
+def test_ctrl_c_is_for_other_work_until_wait(tmp_path):
+    program = stand_in(tmp_path / "serves", f'echo $$ > {tmp_path}/pid\n'
+                                            'echo "http://127.0.0.1:7/ (Ctrl-C ends it)"; exec sleep 60')
+    python = subprocess.Popen([sys.executable, "-c", CTRL_C, program], stdout=subprocess.PIPE, text=True, start_new_session=True)
+    try:
+        assert [python.stdout.readline() for _ in range(2)] == ["<foldproof.Page http://127.0.0.1:7/>\n", "waits\n"]
+        time.sleep(0.5)  # until it waits
+        os.killpg(python.pid, signal.SIGINT)
+        assert python.communicate(timeout=30) == ("<foldproof.Page closed>\n", None) and python.returncode == 0
+        with pytest.raises(ProcessLookupError):
+            os.kill(int((tmp_path / "pid").read_text()), 0)
+    finally:
+        python.kill()
+        python.wait()
+
+
+def test_a_page_whose_program_ended_is_closed(tmp_path):
+    with foldproof.view("walk.glb", program=stand_in(tmp_path / "ends", 'echo "http://127.0.0.1:7/ (Ctrl-C ends it)"')) as page:
+        page.wait()
+        assert repr(page) == "<foldproof.Page closed>" and "iframe" not in page._repr_html_()
+
+
 def test_a_notebook_shows_the_page_itself(tmp_path, motion, monkeypatch):
     monkeypatch.setitem(sys.modules, "ipykernel", sys)
     program = stand_in(tmp_path / "serves", f'echo "$@" > {tmp_path}/arguments; echo "http://127.0.0.1:7/ (Ctrl-C ends it)"')
@@ -63,6 +105,12 @@ def test_what_the_program_refuses_is_an_error(tmp_path):
         foldproof.view("nowhere.npz", program=refuses)
     assert (refused.value.where, refused.value.problem, refused.value.remedy) == (
         "nowhere.npz", "cannot be read", "check the path")
+    assert isinstance(refused.value, foldproof.FileMissingError)
+    (tmp_path / "there.npz").touch()
+    for arguments, where in (((tmp_path / "there.npz",), ""), ((), "--no-browser")):
+        with pytest.raises(foldproof.Error, match=where) as refused:
+            foldproof.view(*arguments, program=refuses, options=("--no-browser",))
+        assert type(refused.value) is foldproof.Error
     with pytest.raises(foldproof.Error, match="view: ended without a message"):
         foldproof.view("a.npz", program=stand_in(tmp_path / "silent", "exit 1"))
     with pytest.raises(FileNotFoundError, match="no-such-program: is not a program in PATH; install foldproof"):

@@ -213,7 +213,10 @@ ReducedProof ReducedShape::Impl::find_unproven(std::span<const double> p0, std::
   const ReducedProof free =
       never_certified.empty() ? ReducedProof::Free : ReducedProof::FreeExceptUncertified;
   Nearest nearest;
-  if (p0.size() == modes && p1.size() == modes) nearest = nearest_centers(*this, p0, p1);
+  // R5: the clearance covers the rounding of two points, sqrt(3) each.
+  if (p0.size() == modes && p1.size() == modes &&
+      4 * std::max(motion->rounding(p0), motion->rounding(p1)) <= clearance)
+    nearest = nearest_centers(*this, p0, p1);
   if (!(nearest.distance[0] < std::numeric_limits<float>::infinity())) {
     scratch.unproven.push_back({0, 0});
     return ReducedProof::Unproven;

@@ -20,9 +20,11 @@ bool ContactFilter::crossing(Index triangle_a, Index triangle_b) const {
   const auto in = [](const Triangle& t, Index v) { return v == t[0] || v == t[1] || v == t[2]; };
   const bool codim = element(triangle_a) != Element::Face && element(triangle_b) != Element::Face;
   if (codim && share_vertex(a, b)) return false;
+  // Vertices that both have do not count, unless there are no others.
+  const bool same = in(b, a[0]) && in(b, a[1]) && in(b, a[2]) && in(a, b[0]) && in(a, b[1]) && in(a, b[2]);
   for (const Index i : a) {
     for (const Index j : b) {
-      if (in(b, i) && in(a, j)) continue;
+      if (same ? i == j : in(b, i) && in(a, j)) continue;
       if (mesh_.filter()(i, j)) return true;
     }
   }

@@ -55,33 +55,37 @@ std::vector<double> strip(int length, double turn) {
 
 constexpr int kLength = 400;
 
-Topology strip_topology() {
+Topology strip_topology(Index length = kLength) {
   std::vector<Triangle> triangles;
-  for (Index i = 0; i < kLength; ++i) {
+  for (Index i = 0; i < length; ++i) {
     triangles.push_back({2 * i, 2 * i + 1, 2 * i + 2});
     triangles.push_back({2 * i + 1, 2 * i + 3, 2 * i + 2});
   }
-  return Topology::make(2 * kLength + 2, triangles).value();
+  return Topology::make(2 * length + 2, triangles).value();
 }
 
-StepChecker checker_of_strip() {
-  auto tree = Hierarchy::build(strip_topology(), strip(kLength, 5)).value();
+StepChecker checker_of_strip_of(int length) {
+  auto tree = Hierarchy::build(strip_topology(static_cast<Index>(length)), strip(length, 5)).value();
   return StepChecker({std::make_shared<const Hierarchy>(std::move(tree))});
 }
 
+StepChecker checker_of_strip() { return checker_of_strip_of(kLength); }
+
 TEST(StepChecker, AllocatesNothingFromTheSecondStepOn) {
   const ThreadLimit one(1);
-  const auto x0 = strip(kLength, 5), x1 = strip(kLength, 8);
-  StepChecker checker = checker_of_strip();
-  StepResult step;
-  StepSettings settings;
-  settings.certificates = false;
-  const std::span<const double> from[] = {x0}, to[] = {x1};
-  ASSERT_TRUE(checker.check(from, to, settings, step));
-  ASSERT_FALSE(step.clean());
-  const long before = allocations;
-  ASSERT_TRUE(checker.check(from, to, settings, step));
-  EXPECT_EQ(allocations - before, 0);
+  for (const int length : {kLength / 2, kLength}) {  // hierarchies with an even and an odd number of levels
+    const auto x0 = strip(length, 5), x1 = strip(length, 8);
+    StepChecker checker = checker_of_strip_of(length);
+    StepResult step;
+    StepSettings settings;
+    settings.certificates = false;
+    const std::span<const double> from[] = {x0}, to[] = {x1};
+    ASSERT_TRUE(checker.check(from, to, settings, step));
+    ASSERT_FALSE(step.clean());
+    const long before = allocations;
+    ASSERT_TRUE(checker.check(from, to, settings, step));
+    EXPECT_EQ(allocations - before, 0);
+  }
 }
 
 // Charts are drawn on the way, and drawn anew as the strip goes on turning; when everything has had its turn,

@@ -226,6 +226,7 @@ TEST_F(Reduced, RefusesInOneLine) {
       {{"check", "--reduced", "poses.npz", "p.csv"}, "poses.npz"},
       {{"radius", "poses.npz"}, "poses.npz"},
       {{"radius", "cloth.model", "--sample", "3"}, "--sample: goes with -o"},
+      {{"radius", "cloth.model", "--sample", "3", "-o", "s.obj"}, "s.obj: would have a point cache"},
       {{"radius", "cloth.model", "--clearance", "-1"}, "--clearance"}};
   for (const auto& [arguments, said] : mistakes) expect_one_line_error(run(arguments), said);
 }

@@ -150,6 +150,14 @@ def program_says(objects, frames):
     return [sum(step["collisions"].values()) for step in json.loads(report.read_text())["steps"]]
 
 
+def stand_in(script):
+    """A program that does this instead."""
+    path = WORK / "stand-in"
+    path.write_text(f"#!/bin/sh\n{script}\n")
+    path.chmod(0o755)
+    return str(path)
+
+
 def marked(made):
     return [i for i, each in enumerate(made.data.attributes["foldproof_collides"].data) if each.value]
 
@@ -340,6 +348,14 @@ class Addon(unittest.TestCase):
         contact, = self.settings.contacts
         self.assertEqual((contact.frames(), contact.how_bad(self.scene.unit_settings)), ("6.25", "touches"))
 
+    def test_a_contact_that_may_cross_says_so(self):
+        ball_in_box()
+        preferences = bpy.context.preferences.addons[NAME].preferences
+        preferences.program = stand_in(f'exec "{PROGRAM}" "$@" --limit 1')
+        bpy.ops.foldproof.check()
+        contact = self.settings.contacts[0]
+        self.assertEqual(contact.how_bad(self.scene.unit_settings), "touches, may cross")
+
     def test_a_rig_and_a_model_trained_from_its_keys(self):
         tube = bending_tube()
         expected = program_says([tube], range(1, 12))
@@ -401,6 +417,8 @@ class Addon(unittest.TestCase):
         os.environ["PATH"] = path
         preferences.program = "/bin/false"
         self.fails(bpy.ops.foldproof.check, "The program gave no answer")
+        preferences.program = stand_in('while [ "$1" != --json ]; do shift; done; echo \'{"steps": []}\' > "$2"')
+        self.fails(bpy.ops.foldproof.check, "The program foldproof is too old for this add-on: install its version")
         preferences.program = ""
 
         self.settings.pairs = "BETWEEN"

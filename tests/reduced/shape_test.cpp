@@ -192,6 +192,27 @@ TEST(ReducedShape, ProvesNothingFromInvalidCoordinates) {
   EXPECT_EQ(shape.proven_free({}, {}, scratch), ReducedProof::Unproven);
 }
 
+// A mode that only moves the shape, far: no distance limits it, only the rounding of positions, which the
+// clearance covers.
+TEST(ReducedShape, ProvesNothingWhereRoundingExceedsTheClearance) {
+  ReducedMesh mesh = waving_cloth(6);
+  mesh.subspace.mean = Eigen::Map<const Eigen::VectorXd>(mesh.rest.data(), mesh.subspace.mean.size());
+  mesh.subspace.basis = Eigen::MatrixXd::Constant(mesh.subspace.mean.size(), 1, 0x1p-4);
+  mesh.subspace.deviations = Eigen::VectorXd::Constant(1, 0x1p30);
+  const auto motion = mesh.motion();
+  const auto shape = ReducedShape::build(motion, {{zeros(*motion)}}).value();
+  ReducedShape::Scratch scratch;
+  int free = 0;
+  for (double p = 1; p < 0x1p60; p *= 2) {
+    const std::vector<double> far{p};
+    const bool proven = shape.proven_free(far, far, scratch) != ReducedProof::Unproven;
+    if (!proven) continue;
+    EXPECT_LE(4 * motion->rounding(far), shape.clearance()) << p;
+    ++free;
+  }
+  EXPECT_GT(free, 10);
+}
+
 TEST(ReducedShape, RefusesInvalidInput) {
   const ReducedMesh mesh = waving_cloth(6);
   const auto motion = mesh.motion();

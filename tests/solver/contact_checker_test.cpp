@@ -228,6 +228,12 @@ TEST(ContactChecker, NeighborsFoldOnFacesAndNotOnRods) {
   EXPECT_TRUE(checker_of(fold).has_intersections(fold.x0).is_yes());
   EXPECT_TRUE(
       checker_of(fold, CollisionFilter::patches({0, 0, 0, 0}).value()).has_intersections(fold.x0).is_no());
+  Soup twice;  // one triangle as two faces
+  twice.faces = {{0, 1, 2}, {2, 1, 0}};
+  twice.x0 = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  EXPECT_TRUE(checker_of(twice).has_intersections(twice.x0).is_yes());
+  EXPECT_TRUE(
+      checker_of(twice, CollisionFilter::patches({0, 0, 0}).value()).has_intersections(twice.x0).is_no());
   Soup rod;  // two edges folded onto each other
   rod.edges = {{0, 1}, {1, 2}};
   rod.x0 = {0, 0, 0, 1, 0, 0, 0.5, 0, 0};
