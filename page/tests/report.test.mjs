@@ -85,6 +85,19 @@ test('claims nothing about untested crossings', async () => {
   assert.equal(kind, 'run');
   assert.equal(await page.locator('.free').count(), 0, 'nothing is green');
   await close();
+  const touching = await read(reportOf('touching', makeTube('touching', { frames: 24 }), '--steps-only'));
+  assert.match(touching.text, /with itself\s+touches; not known whether it crosses/);
+  await touching.close();
+});
+
+test('says which pairs contacts leave out', async () => {
+  const tube = makeTube('limited', { frames: 24 });
+  const { page, close } = await read(reportOf('limited', tube, '--limit', '1'));
+  assert.match(await page.locator('.contacts').innerText(), /^(The contact|\d+ contacts, the worst first)\s+Contacts join only the \d+ of [\d,]+ colliding pairs that are listed \(--limit\)\./);
+  await close();
+  const whole = await read(reportOf('unlimited', tube));
+  assert.doesNotMatch(whole.text, /Contacts join only/);
+  await whole.close();
 });
 
 test('says what the reader of a motion left out', async () => {

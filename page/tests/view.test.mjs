@@ -156,6 +156,14 @@ test('moves sliders and distinguishes inside from outside', () =>
     assert.match(await textOf(page, '.badge'), /Outside the certified radius/);
   }));
 
+test('proves nothing at the certified radius itself', () =>
+  visit(withModel, async (page) => {
+    await page.route('**/model/radius', (route) => route.fulfill({ json: { state: 'done', radius: 0, share: 0 } }));
+    await page.click('#tab-shapes');
+    await until(page, (s) => s.radius?.state === 'done', 'a radius');
+    assert.match(await textOf(page, '.badge'), /^Outside the certified radius \(0 σ from the mean, proven below 0 σ\)/);
+  }));
+
 test('ties charts to the timeline', () =>
   visit(withModel, async (page) => {
     await page.click('#tab-charts');
@@ -406,10 +414,57 @@ test('reports a free motion', () =>
     assert.doesNotMatch(await textOf(page, '.legend'), /cross/);
   }));
 
+/** What the tab of contacts says, once they are known. */
+async function contactsText(page) {
+  await until(page, (s) => s.contacts !== null, 'contacts');
+  return textOf(page, '.contacts');
+}
+
 test('says that it skips frames', () =>
   withPage([...makeSpheres('stride', { frames: 6, distance: 2.5 }), '--frames', '::5'], async (page) => {
     assert.equal((await verdict(page)).text, 'Proven free of collisions: frame 0 and the step from it; only every 5th frame was checked');
+    assert.match(await contactsText(page), /^No contacts\s+No contacts among what was tested\.$/);
   }));
+
+for (const option of ['--within', '--between', '--steps-only']) {
+  test(`claims nothing about what ${option} leaves out`, () =>
+    withPage([...makeSpheres(`one${option}`, { frames: 2, distance: 2.5 }), ...makeSpheres(`other${option}`, { frames: 2, distance: 2.5, far: 9 }), option], async (page) => {
+      assert.match(await contactsText(page), /^No contacts\s+(What crosses is not known in 2 frames: too many pairs, or not tested\. )?No contacts among what was tested\.$/);
+    }));
+}
+
+test('says which pairs contacts leave out', async () => {
+  const tube = makeTube('limited', { frames: 24 });
+  await withPage([...tube, '--limit', '0'], async (page) => {
+    assert.match(await contactsText(page), /^Contacts\s+Contacts join only the 0 of [\d,]+ colliding pairs that are listed \(--limit\)\. What crosses is not known in \d+ frames: too many pairs, or not tested\.$/);
+  });
+  await withPage([...tube, '--limit', '1'], async (page) => {
+    assert.match(await contactsText(page), /^\d+ contacts?, the worst first\s+Contacts join only the \d+ of [\d,]+ colliding pairs that are listed \(--limit\)\./);
+  });
+  await withPage([...tube, '--limit', '1', '--static'], async (page) => {
+    assert.match(await contactsText(page), /Contacts join only the \d+ of [\d,]+ crossing pairs that are listed \(--limit\)\./);
+  });
+});
+
+test('says which crossings from the start are not listed', () =>
+  withPage([...makeSpheres('listed', { frames: 3 }), '--limit', '5'], async (page) => {
+    assert.doesNotMatch(await contactsText(page), /No contacts|No collisions/);
+    await page.keyboard.press('Home');
+    await page.click('#tab-collisions');
+    await page.locator('.pair:visible .kind.tt').nth(4).waitFor();
+    assert.match(await textOf(page, '.collisions'), /^Frame 0 starts with [\d,]+ crossing pairs of triangles\. Only 5 are marked; --limit N marks more\.\s/);
+    assert.equal(await page.locator('.pair:visible').count(), 5);
+  }));
+
+test('tells what is within one object from what is between two of one name', async () => {
+  const spheres = makeSpheres('twins', { frames: 2, distance: 2.5 });
+  await withPage([...spheres, ...spheres, '--between'], async (page) => {
+    assert.match(await contactsText(page), /twins\.obj with another/);
+  });
+  await withPage([...makeSpheres('bound', { frames: 2 }), ...spheres], async (page) => {
+    assert.match(await contactsText(page), /bound\.obj with itself/);
+  });
+});
 
 test('says what the reader of a motion left out', () =>
   withPage(makeGap('gap'), async (page) => {

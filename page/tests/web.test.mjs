@@ -157,6 +157,42 @@ test('unpacks archives, joins frames, and says what it cannot read', () =>
     await checked(page);
   }, phone));
 
+/** A page whose script is changed before it runs, in a browser that logs errors of workers. */
+async function visitChanged(change, body) {
+  const context = await browser.newContext({ ...laptop, reducedMotion: 'reduce', serviceWorkers: 'block' });
+  const page = await context.newPage();
+  try {
+    await page.route('**/assets/*.js', async (route) => {
+      const script = await (await route.fetch()).text();
+      const changed = change(script);
+      assert.notEqual(changed, script);
+      await route.fulfill({ body: changed, contentType: 'text/javascript' });
+    });
+    await page.goto(address);
+    await page.getByText('Try the sample').click();
+    await body(page);
+  } finally {
+    await context.close();
+  }
+}
+
+test('says it when the engine breaks off', () =>
+  visitChanged(
+    // Three turns, then none until the page is open.
+    (script) => script.replace(/\w+\._foldproof_advance\(\)/, '((self.turns=(self.turns??0)+1)<4?$&:self.turns<40?0:new WebAssembly.Instance(0))'),
+    async (page) => {
+      await until(page, (s) => s.state === 'failed', 'the end of the check', 60_000);
+      assert.match(await page.locator('.status .text').innerText(), /^Stopped at \d of 24 steps/);
+      assert.match(await page.locator('.banner').innerText(), /^the check: failed: .*WebAssembly.*; please report this/);
+    },
+  ));
+
+test('says it when the worker breaks off', () =>
+  visitChanged(
+    (script) => script.replace('new MessageChannel', '(new WebAssembly.Instance(0),new MessageChannel)'),
+    (page) => page.getByRole('alert').getByText(/the check: failed: .*WebAssembly/).waitFor(),
+  ));
+
 test('is small', () => {
   const bytes = ['index.html', ...readFileSync(join(site, 'offline.js'), 'utf8').match(/assets\/[^"]+/g)].reduce((sum, name) => sum + gzipSync(readFileSync(join(site, name))).length, 0);
   assert.ok(bytes < 3_000_000, `${bytes} bytes, compressed`);

@@ -29,7 +29,8 @@ Json step_json(const StepRecord& s) {
 }
 
 Json start_json(const StartRecord& s) {
-  return {{"frame", s.frame}, {"crossings", s.crossings}, {"ms", to_json(s.milliseconds)}};
+  return {
+      {"frame", s.frame}, {"crossings", s.crossings}, {"listed", s.listed}, {"ms", to_json(s.milliseconds)}};
 }
 
 Json contact_json(const ContactPoint& c) {

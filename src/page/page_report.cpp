@@ -82,7 +82,7 @@ class PageReport final : public ReportWriter {
   }
 
   Result<void> start(const CheckedStep& pose) override {
-    start_ = start_json({pose.index.frame, pose.collisions.triangle_triangle, pose.milliseconds});
+    start_ = start_json(start_of(pose));
     return {};
   }
 

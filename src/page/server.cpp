@@ -101,7 +101,8 @@ bool is_this_machine(const httplib::Request& request, int port) {
   if (request.get_header_value_count("Host") != 1) return false;
   const std::string host = request.get_header_value("Host");
   for (const char* name : {"127.0.0.1", "localhost", "[::1]"}) {
-    if (host == fmt::format("{}:{}", name, port)) return true;
+    // Browsers leave out port 80.
+    if (host == fmt::format("{}:{}", name, port) || (port == 80 && host == name)) return true;
   }
   return false;
 }

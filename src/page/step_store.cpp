@@ -104,6 +104,11 @@ StepRecord record_of(const CheckedStep& step) {
           .milliseconds = step.milliseconds};
 }
 
+StartRecord start_of(const CheckedStep& pose) {
+  return {pose.index.frame, pose.collisions.triangle_triangle, pose.listed().triangle_triangle,
+          pose.milliseconds};
+}
+
 Result<std::unique_ptr<StepStore>> StepStore::open(Motions motions) {
   auto entries = FOLDPROOF_TRY(io::Spool::open(kWhere));
   auto details = FOLDPROOF_TRY(io::Spool::open(kWhere));
@@ -130,8 +135,7 @@ Result<void> StepStore::start(const CheckedStep& pose) {
     const std::vector<std::uint8_t> faces = colliding_faces(motions_[i]->topology(), i, *pose.pose);
     FOLDPROOF_TRY(append(bytes_of(std::span<const std::uint8_t>(faces))));
   }
-  start_listed_ = crossings.size();
-  start_ = {pose.index.frame, pose.collisions.triangle_triangle, pose.milliseconds};
+  start_ = start_of(pose);
   started_.store(true, std::memory_order_release);
   return {};
 }
@@ -142,8 +146,8 @@ std::optional<StartRecord> StepStore::started() const {
 }
 
 Result<std::vector<ContactPoint>> StepStore::crossings(std::uint64_t offset, std::uint64_t limit) const {
-  offset = std::min(offset, start_listed_);
-  std::vector<ContactPoint> crossings(std::min(limit, start_listed_ - offset));
+  offset = std::min(offset, start_.listed);
+  std::vector<ContactPoint> crossings(std::min(limit, start_.listed - offset));
   if (!details_.read_at(offset * sizeof(ContactPoint), bytes_of(crossings))) return unreadable();
   return crossings;
 }

@@ -26,8 +26,11 @@ StepRecord record_of(const CheckedStep& step);
 struct StartRecord {
   Index frame = 0;
   std::uint64_t crossings = 0;  ///< Pairs of triangles.
+  std::uint64_t listed = 0;     ///< Crossings that the answer lists.
   StageTimes milliseconds;
 };
+
+StartRecord start_of(const CheckedStep& pose);
 
 enum class PairKind : std::uint8_t { VertexFace, EdgeEdge, Triangles };
 
@@ -98,8 +101,8 @@ class StepStore {
   io::Spool entries_, details_;
   std::uint64_t details_size_ = 0;
   std::atomic<std::uint64_t> count_{0};
-  StartRecord start_;                                    // valid once started_
-  std::uint64_t start_listed_ = 0, start_faces_at_ = 0;  // its crossings are at 0 in details_
+  StartRecord start_;                 // valid once started_
+  std::uint64_t start_faces_at_ = 0;  // its crossings are at 0 in details_
   std::atomic<bool> started_{false};
 };
 

@@ -68,7 +68,9 @@ TEST(PageCrossings, WhatIsNotListedOfTheStartIsCounted) {
   check.step.max_listed = 5;
   Served served(page_of(sphere_pair(2), check));
   const std::uint64_t count = crossings_of(sphere_pair(2)).crossing_count;
-  EXPECT_EQ(served.all_steps()["start"]["crossings"], count);
+  const Json start = served.all_steps()["start"];
+  EXPECT_EQ(start["crossings"], count);
+  EXPECT_EQ(start["listed"], 5);
   const Json answer = served.json("/api/start/crossings?offset=3");
   EXPECT_EQ(answer["total"], count);
   EXPECT_THAT(answer["items"], SizeIs(2));

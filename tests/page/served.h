@@ -43,8 +43,8 @@ std::vector<T> numbers_in(const std::string& body) {
 /// Serves a page until it is destroyed.
 class Served {
  public:
-  explicit Served(std::unique_ptr<Page> page) : page_(std::move(page)) {
-    auto server = PageServer::open(*page_, kStubPage);
+  explicit Served(std::unique_ptr<Page> page, int port = 0) : page_(std::move(page)) {
+    auto server = PageServer::open(*page_, kStubPage, port);
     EXPECT_TRUE(server) << server.error().line();
     server_ = std::make_unique<PageServer>(std::move(*server));
     client_ = std::make_unique<httplib::Client>("127.0.0.1", server_->port());

@@ -67,6 +67,16 @@ TEST(PageServer, IsForThisMachineOnly) {
   EXPECT_FALSE(elsewhere.Get("/"));
 }
 
+TEST(PageServer, IsForBrowsersThatLeaveOutPort80) {
+  auto page = page_of(list(colliding_tube(3)));
+  if (!PageServer::open(*page, kStubPage, 80)) GTEST_SKIP() << "port 80 is taken, or not ours to take";
+  Served served(std::move(page), 80);
+  for (const char* host : {"127.0.0.1", "localhost", "[::1]", "127.0.0.1:80"})
+    EXPECT_EQ(served.get("/api/scene", {{"Host", host}}).status, 200) << host;
+  for (const char* host : {"evil.example", "evil.example:80", "127.0.0.1.evil.example", "127.0.0.1:81", ""})
+    EXPECT_EQ(served.get("/api/scene", {{"Host", host}}).status, 403) << host;
+}
+
 TEST(PageServer, SendsSecurityHeaders) {
   Served served(page_of(list(colliding_tube(3))));
   for (const char* path : {"/", "/api/scene", "/api/objects/0/triangles", "/nothing"}) {

@@ -1,5 +1,5 @@
 // What goes through what: a lane for each contact over the frames, and a card with its picture.
-import { placeText, worstOf, type Contact } from '../shared/contact';
+import { namesText, placeText, touchText, worstOf, type Contact } from '../shared/contact';
 import { el } from '../shared/dom';
 import { counted, grouped, short } from '../shared/format';
 
@@ -8,10 +8,12 @@ export interface PicturedContact extends Contact {
   picture?: string | null;
 }
 
-/** How lengths are written, and the frames at both ends. */
+/** How contacts are written, and the frames at both ends. */
 export interface Scale {
   unit: string;
   poses: boolean; // with no motion between them
+  single: boolean; // only one frame
+  unknownFrames: number; // of which is not known what crosses
   low: number;
   high: number;
 }
@@ -27,25 +29,18 @@ function when({ frames, first_time, last_time }: Contact): string {
   return first === last ? `frame ${time(first)}` : `frames ${time(first)} to ${time(last)}`;
 }
 
-
 /** How large it is, in a few words. */
 function size(contact: Contact, scale: Scale): string {
   const frame = worstOf(contact);
-  if (!frame) return 'touches';
+  if (!frame) return touchText(scale.unknownFrames, scale.single);
   return frame.depth === null ? `crosses along ${length(frame.curve_length, scale)}` : `${length(frame.depth, scale)} deep`;
-}
-
-function names({ sides }: Contact): string {
-  const [a, b] = [sides[0]!, sides[1]!];
-  if (a.name !== b.name) return `${a.name} – ${b.name}`;
-  return a.object === b.object ? `${a.name} with itself` : `${a.name} with another`;
 }
 
 /** The sides in the colors of the picture. */
 function title(contact: Contact): HTMLElement {
   const [a, b] = [contact.sides[0]!, contact.sides[1]!];
   const side = (name: string, color: string) => el('span', { className: 'side' }, el('span', { className: 'swatch', style: { background: color } }), name);
-  const both = a.name === b.name ? [el('span', {}, names(contact))] : [side(a.name, 'var(--side-a)'), side(b.name, 'var(--side-b)')];
+  const both = a.name === b.name ? [el('span', {}, namesText(contact))] : [side(a.name, 'var(--side-a)'), side(b.name, 'var(--side-b)')];
   return el('h3', {}, el('span', { className: 'number' }, `#${contact.number}`), ...both);
 }
 
@@ -67,7 +62,7 @@ function facts(contact: Contact, scale: Scale): [string, string][] {
 function card(contact: PicturedContact, scale: Scale): HTMLElement {
   const list = el('dl', {});
   for (const [key, value] of facts(contact, scale)) list.append(el('dt', {}, key), el('dd', {}, value));
-  const pictured = contact.picture ? el('img', { src: contact.picture, alt: `Contact ${contact.number}: ${names(contact)}, ${when(contact)}` }) : null;
+  const pictured = contact.picture ? el('img', { src: contact.picture, alt: `Contact ${contact.number}: ${namesText(contact)}, ${when(contact)}` }) : null;
   return el('article', { className: 'contact', id: `contact-${contact.number}` }, el('header', {}, title(contact), el('b', {}, size(contact, scale))), pictured, list);
 }
 
@@ -82,7 +77,7 @@ function lanes(contacts: Contact[], scale: Scale): HTMLElement {
     const share = deepest > 0 ? (contact.depth ?? 0) / deepest : 0;
     const bar = el('i', { className: 'bar', style: { left: at(from), width: `${(100 * (contact.last_time - from)) / span}%`, opacity: String(0.35 + 0.65 * share) } });
     const worst = contact.worst === null ? null : el('i', { className: 'worst', style: { left: at(contact.worst) } });
-    const text = `Contact ${contact.number}: ${names(contact)}, ${when(contact)}, ${size(contact, scale)}`;
+    const text = `Contact ${contact.number}: ${namesText(contact)}, ${when(contact)}, ${size(contact, scale)}`;
     box.append(el('a', { href: `#contact-${contact.number}`, title: text, 'aria-label': text }, el('span', { className: 'label' }, `#${contact.number}`), el('span', { className: 'track' }, bar, worst)));
   }
   box.append(el('div', { className: 'axis' }, el('span', {}, `frame ${time(scale.low)}`), el('span', {}, time(scale.high))));
@@ -92,12 +87,12 @@ function lanes(contacts: Contact[], scale: Scale): HTMLElement {
 /** Contacts without a picture, in a table. */
 function rest(contacts: Contact[], scale: Scale): HTMLElement | null {
   if (contacts.length === 0) return null;
-  const row = (contact: Contact) => el('tr', { id: `contact-${contact.number}` }, el('td', { className: 'number' }, `#${contact.number}`), el('td', {}, names(contact)), el('td', {}, when(contact)), el('td', { className: 'number' }, size(contact, scale)));
+  const row = (contact: Contact) => el('tr', { id: `contact-${contact.number}` }, el('td', { className: 'number' }, `#${contact.number}`), el('td', {}, namesText(contact)), el('td', {}, when(contact)), el('td', { className: 'number' }, size(contact, scale)));
   return el('div', { className: 'wide' }, el('table', {}, el('tbody', {}, ...contacts.map(row))));
 }
 
-/** All contacts, the worst first; null if there are none. `count`: of all, also those that are not listed. */
-export function contactsSection(contacts: PicturedContact[], count: number, scale: Scale): HTMLElement | null {
+/** All contacts, the worst first; null if there are none. `count`: of all, also those that are not listed. `unlisted`: what they leave out, if anything. */
+export function contactsSection(contacts: PicturedContact[], count: number, unlisted: string | undefined, scale: Scale): HTMLElement | null {
   if (contacts.length === 0) return null;
   const pictured = contacts.filter(({ picture }) => picture);
   const cards = pictured.length > 0 ? pictured : contacts.slice(0, 1);
@@ -107,6 +102,7 @@ export function contactsSection(contacts: PicturedContact[], count: number, scal
     'section',
     { className: 'contacts' },
     el('h2', {}, count === 1 ? 'The contact' : `${grouped(count)} contacts, the worst first`),
+    unlisted && el('p', { className: 'note' }, unlisted),
     scale.high > scale.low ? lanes(contacts, scale) : null,
     el('div', { className: 'cards' }, ...cards.map((contact) => card(contact, scale))),
     rest(others, scale),

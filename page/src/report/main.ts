@@ -1,9 +1,10 @@
 // The report: the program embeds this script, its style and the data in one file that opens anywhere, offline.
 import '../shared/base.css';
 import './report.css';
-import { contactsSection, type PicturedContact } from './contacts';
+import { contactsSection, type PicturedContact, type Scale } from './contacts';
 import { Charts } from '../shared/charts';
 import { css, kReasons } from '../shared/colors';
+import { unlistedText } from '../shared/contact';
 import { append, el, notesOfReaders } from '../shared/dom';
 import { counted, grouped, milliseconds, percent, short, toiText } from '../shared/format';
 import { collisionsOf, spanOf, stepText, type Step } from '../shared/steps';
@@ -37,7 +38,8 @@ interface Data {
     milliseconds: { total: number; update: number; traverse: number; narrow: number };
     work: Record<string, number>;
     missed?: number;
-    contacts?: { count: number };
+    listed?: Counts; // if it is fewer than all collisions
+    contacts?: { count: number; unknown_frames: number };
   };
   steps: Step[];
   contacts: PicturedContact[];
@@ -212,6 +214,7 @@ function makeCharts(data: Data, substeps: number): { charts: Charts; box: HTMLEl
 
 function build(data: Data): void {
   const substeps = Number(data.settings['substeps'] ?? 1) || 1;
+  const { listed, collisions, contacts } = data.totals;
   const { verdict, text, kind } = summary(data, substeps);
   document.title = `${data.objects.map(({ name }) => name).join(', ')} – ${data.program} report`;
   const charts = data.steps.length > 0 && !isSingle(data) ? makeCharts(data, substeps) : null;
@@ -223,7 +226,7 @@ function build(data: Data): void {
     el('p', { className: 'lead' }, text),
     ...notesOfReaders(data.objects),
     ...data.notes.map((note) => el('p', { className: 'note' }, note)),
-    contactsSection(data.contacts, data.totals.contacts?.count ?? 0, scaleOf(data)),
+    contactsSection(data.contacts, contacts?.count ?? 0, listed && unlistedText(total(listed), total(collisions), isStatic(data.settings)), scaleOf(data)),
     tests(data),
     firstFrame(data),
     section(
@@ -249,9 +252,10 @@ function build(data: Data): void {
   window.addEventListener('afterprint', applyTheme);
 }
 
-function scaleOf({ settings, steps }: Data) {
+function scaleOf(data: Data): Scale {
+  const { settings, steps, totals } = data;
   const [first, last] = [steps[0], steps.at(-1)];
-  return { unit: String(settings['unit'] ?? ''), poses: isStatic(settings), low: first?.frame ?? 0, high: last?.next_frame ?? 0 };
+  return { unit: String(settings['unit'] ?? ''), poses: isStatic(settings), single: isSingle(data), unknownFrames: totals.contacts?.unknown_frames ?? 0, low: first?.frame ?? 0, high: last?.next_frame ?? 0 };
 }
 
 /** What was checked, if there is no contact to show. */

@@ -1,4 +1,7 @@
 // Contacts, as the program writes them.
+import { grouped } from './format';
+import { wordsOf } from './words';
+
 export interface ContactFrame {
   time: number;
   crossings: number;
@@ -32,6 +35,13 @@ export function worstOf(contact: Contact): ContactFrame | undefined {
   return contact.frames.find(({ time }) => time === contact.worst);
 }
 
+/** The names of the two sides as one. */
+export function namesText({ sides }: Contact): string {
+  const [a, b] = [sides[0]!, sides[1]!];
+  if (a.name !== b.name) return `${a.name} – ${b.name}`;
+  return a.object === b.object ? `${a.name} with itself` : `${a.name} with another`;
+}
+
 /** Where a contact is, to a tenth of its size. */
 export function placeText({ point, box: [low, high] }: Contact): string {
   const places = Math.ceil(Math.log10(Math.max(...point.map(Math.abs)) / Math.hypot(...high.map((value, axis) => value - low[axis]!))));
@@ -41,3 +51,6 @@ export function placeText({ point, box: [low, high] }: Contact): string {
 
 /** What a contact does that crosses in no frame, as far as is known. */
 export const touchText = (unknownFrames: number, single: boolean): string => (unknownFrames > 0 ? 'touches; not known whether it crosses' : single ? 'touches' : 'touches between frames');
+
+/** What contacts leave out where not all pairs are listed. */
+export const unlistedText = (listed: number, pairs: number, poses: boolean): string => `Contacts join only the ${grouped(listed)} of ${grouped(pairs)} ${wordsOf(poses).colliding} pairs that are listed (--limit).`;

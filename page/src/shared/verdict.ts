@@ -6,6 +6,7 @@ import { kStartNotTested, wordsOf } from './words';
 export interface Start {
   frame: number;
   crossings: number; // pairs of triangles
+  listed: number; // of them, listed and marked
   ms: { total: number };
 }
 

@@ -21,6 +21,7 @@ export class Check {
   total = 0;
   done = 0;
   pairs = 0;
+  listed = 0; // of the pairs
   colliding = 0;
   start: Start | null = null;
   /** The bounds at the end of each step. */
@@ -92,6 +93,7 @@ export class Check {
         this.steps.push(step);
         this.bounds.push({ low: step.low, high: step.high });
         this.pairs += collisionsOf(step);
+        this.listed += step.listed;
         if (collisionsOf(step) > 0) ++this.colliding;
         else if (this.colliding === 0) ++this.contactFree;
       }

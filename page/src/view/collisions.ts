@@ -13,6 +13,14 @@ const kRowHeight = 44;
 const kNone: Pair[] = [];
 const kKinds = { vf: ['VF', 'vertex–face'], ee: ['EE', 'edge–edge'], tt: ['TT', 'crossing triangles'] } as const;
 
+/** Which of the pairs are not marked, or not in the list. */
+function leftOut(marked: number, total: number, pairs: PairsOfStep | undefined): string[] {
+  const parts: string[] = [];
+  if (marked < total) parts.push(`Only ${grouped(marked)} ${marked === 1 ? 'is' : 'are'} marked; --limit N marks more.`);
+  if (pairs?.complete && pairs.items.length < marked) parts.push(`The first ${grouped(pairs.items.length)} are listed; foldproof check --csv writes all.`);
+  return parts;
+}
+
 export class CollisionPanel {
   readonly element: HTMLElement;
   private readonly start: HTMLButtonElement;
@@ -58,7 +66,7 @@ export class CollisionPanel {
 
   /** Shows a step; `step` is undefined while it is not checked. `crossings`: those of the first frame, if they are listed. */
   show(step: Step | undefined, pairs: PairsOfStep | undefined, crossings: PairsOfStep | undefined): void {
-    if (!this.check.poses) this.showStart();
+    if (!this.check.poses) this.showStart(crossings);
     if (step) this.showStep(step, pairs);
     else this.say(this.check.state === 'running' ? 'Not checked yet' : 'Not checked', '', this.check.state === 'running' ? '' : `${stoppedText(this.check.found())}.`);
     // Green is for a check that finds nothing at all.
@@ -67,12 +75,12 @@ export class CollisionPanel {
     this.listPairs(crossings?.items ?? kNone, step && pairs?.step === step.number ? pairs.items : kNone);
   }
 
-  private showStart(): void {
+  private showStart(crossings: PairsOfStep | undefined): void {
     const { check } = this;
     const first = this.scene.frame_numbers[0] ?? 0;
     this.start.classList.toggle('hit', check.startsCrossing);
     this.start.disabled = !check.startsCrossing;
-    if (check.start) setText(this.startText, `${startText(check.start, this.scene.frames === 1)}.`);
+    if (check.start) setText(this.startText, [`${startText(check.start, this.scene.frames === 1)}.`, ...leftOut(check.start.listed, check.start.crossings, crossings)].join(' '));
     else if (check.found().stepsOnly) setText(this.startText, `${capital(kStartNotTested)}.`);
     else setText(this.startText, check.state === 'running' ? `Frame ${first} is not checked yet.` : `Frame ${first} was not checked.`);
   }
@@ -105,17 +113,11 @@ export class CollisionPanel {
   }
 
   private details(step: Step, pairs: PairsOfStep | undefined): string {
-    const { poses } = this.check;
-    if (this.scene.frames === 1 && !poses) return 'Closer than or as close as the thickness, without moving.';
-    const parts: string[] = [];
-    if (!poses) {
-      parts.push(`First contact ${toiText(step.toi)} of the way. ${counted(step.vertex_face, 'vertex–face pair')}, ${grouped(step.edge_edge)} edge–edge`);
-      if (step.undecided > 0) parts.push(`, ${grouped(step.undecided)} of them undecided and counted as collisions`);
-      parts.push('. ');
-    }
-    if (step.listed < collisionsOf(step)) parts.push(`Only ${grouped(step.listed)} are marked; --limit N marks more. `);
-    if (pairs?.complete && pairs.items.length < step.listed) parts.push(`The first ${grouped(pairs.items.length)} are listed; foldproof check --csv writes all. `);
-    return parts.join('');
+    const left = leftOut(step.listed, collisionsOf(step), pairs);
+    if (this.check.poses) return left.join(' ');
+    if (this.scene.frames === 1) return 'Closer than or as close as the thickness, without moving.';
+    const undecided = step.undecided > 0 ? `, ${grouped(step.undecided)} of them undecided and counted as collisions` : '';
+    return [`First contact ${toiText(step.toi)} of the way. ${counted(step.vertex_face, 'vertex–face pair')}, ${grouped(step.edge_edge)} edge–edge${undecided}.`, ...left].join(' ');
   }
 
   private say(title: string, where: string, note: string): void {

@@ -1,7 +1,7 @@
 // A card per contact, the worst first.
 import { counted, grouped } from '../shared/format';
 import { el, setText } from '../shared/dom';
-import { worstOf, type Contact } from '../shared/contact';
+import { unlistedText, worstOf, type Contact } from '../shared/contact';
 import { kBetweenNotTested, wordsOf } from '../shared/words';
 import type { SceneInfo } from './api';
 import type { Check } from './check';
@@ -55,10 +55,13 @@ export class ContactPanel {
     const notes: string[] = [];
     let title = 'Contacts';
     if (state === 'known') {
-      title = total === 0 ? 'No contacts' : `${this.shown < this.cards.size ? `${grouped(this.shown)} of ` : ''}${counted(total, 'contact')}, the worst first`;
+      const hit = check.pairs > 0 || check.startsCrossing;
+      if (total === 0 && !hit) title = 'No contacts';
+      if (total > 0) title = `${this.shown < this.cards.size ? `${grouped(this.shown)} of ` : ''}${counted(total, 'contact')}, the worst first`;
       if (total > contacts.items.length) notes.push(`The worst ${grouped(contacts.items.length)} are listed; foldproof check --contacts prints all.`);
+      if (check.listed < check.pairs) notes.push(unlistedText(check.listed, check.pairs, check.poses));
       if (unknownFrames > 0) notes.push(`What crosses is not known in ${counted(unknownFrames, 'frame')}: too many pairs, or not tested.`);
-      if (total === 0) notes.push(check.verdict().kind !== 'free' ? `No ${collisions} were found.` : check.poses ? 'Nothing crosses in any frame.' : 'Nothing touches or crosses at any time.');
+      if (total === 0 && !hit) notes.push(this.nothing());
     } else if (state === 'none') {
       notes.push(this.scene.settings['mode'] === 'paper' ? 'The statistical mode finds no contacts.' : 'Contacts are found when a check has ended. This one did not reach its end; see the pairs.');
     } else if (check.state === 'running') {
@@ -69,6 +72,13 @@ export class ContactPanel {
     if (check.poses) notes.push(kBetweenNotTested);
     if (this.head.textContent !== title) this.head.replaceChildren(el('strong', {}, title));
     setText(this.note, notes.join(' '));
+  }
+
+  /** What it means that nothing was found. */
+  private nothing(): string {
+    const { check } = this;
+    if (check.verdict().kind !== 'free' || check.found().untested !== '') return 'No contacts among what was tested.';
+    return check.poses ? 'Nothing crosses in any frame.' : 'Nothing touches or crosses at any time.';
   }
 
   private build(): void {

@@ -1,6 +1,6 @@
 // The contacts that the check found, the worst first. They are known when it has ended.
 import { short } from '../shared/format';
-import { placeText, touchText, worstOf, type Contact, type ContactFrame } from '../shared/contact';
+import { namesText, placeText, touchText, worstOf, type Contact, type ContactFrame } from '../shared/contact';
 import { ApiError, getJson, type ContactsAnswer, type SceneInfo } from './api';
 
 const kPage = 1000;
@@ -95,11 +95,11 @@ export class Contacts {
     return names[0] === names[1] ? ['First side', 'Second side'] : names;
   }
 
-  /** The names of the two sides as one; what is within one object is named by its place. */
+  /** The names of the two sides as one; what is within the only object is named by its place. */
   title(contact: Contact): string {
-    const [a, b] = [contact.sides[0]!.name, contact.sides[1]!.name];
-    if (a !== b) return `${a} – ${b}`;
-    return this.scene.objects.length > 1 || this.scene.objects[0]!.name !== a ? `within ${a}` : `at ${placeText(contact)}`;
+    const { objects } = this.scene;
+    const within = contact.sides.every(({ name }) => name === objects[0]!.name);
+    return objects.length === 1 && within ? `at ${placeText(contact)}` : namesText(contact);
   }
 }
 

@@ -163,7 +163,7 @@ export class ShapePanel {
   }
 
   get inside(): boolean | null {
-    return this.radius?.state === 'done' ? this.norm <= (this.radius.radius ?? 0) : null;
+    return this.radius?.state === 'done' ? this.norm < (this.radius.radius ?? 0) : null;
   }
 
   private describe(): void {
@@ -191,7 +191,7 @@ export class ShapePanel {
     if (!radius) return { text: 'Requesting the certified radius…', kind: 'open' };
     if (radius.state === 'computing') return { text: `Computing the certified radius: ${percent(radius.progress ?? 0)}`, kind: 'open' };
     if (radius.state === 'failed') return { text: `No certified radius: ${radius.error ?? 'it failed'}`, kind: 'open' };
-    if (!this.inside) return { text: `Outside the certified radius (${short(this.norm)} σ from the mean, proven up to ${short(radius.radius ?? 0)} σ): no part is proven here. ${this.farthest()}`, kind: 'outside' };
+    if (!this.inside) return { text: `Outside the certified radius (${short(this.norm)} σ from the mean, proven below ${short(radius.radius ?? 0)} σ): no part is proven here. ${this.farthest()}`, kind: 'outside' };
     const uncertified = radius.uncertified ?? 0;
     return {
       text: `Inside the certified radius: proven not to touch itself${uncertified > 0 ? `, but for ${counted(uncertified, 'pair')} of patches` : ''}`,

@@ -7,20 +7,24 @@ type Unnumbered = Request extends infer R ? (R extends Request ? Omit<R, 'id'> :
 
 export class Engine {
   private readonly worker = new EngineWorker();
-  private readonly waiting = new Map<number, (answer: Answer) => void>();
+  private readonly waiting = new Map<number, { resolve: (answer: Answer) => void; reject: (error: Error) => void }>();
   private asked = 0;
 
   constructor() {
     this.worker.onmessage = ({ data }: MessageEvent<Answer>) => {
-      this.waiting.get(data.id)?.(data);
+      this.waiting.get(data.id)?.resolve(data);
       this.waiting.delete(data.id);
+    };
+    this.worker.onerror = ({ message }) => {
+      for (const { reject } of this.waiting.values()) reject(new Error(`the check: failed: ${message}; please report this`));
+      this.waiting.clear();
     };
   }
 
   private ask(request: Unnumbered): Promise<Answer> {
     const id = ++this.asked;
-    return new Promise((resolve) => {
-      this.waiting.set(id, resolve);
+    return new Promise((resolve, reject) => {
+      this.waiting.set(id, { resolve, reject });
       this.worker.postMessage({ ...request, id });
     });
   }

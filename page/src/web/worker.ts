@@ -10,8 +10,10 @@ const kReport = '/report.html'; // there from the end of the check on
 
 const engine = createFoldproof({ deflate: zlibSync });
 const turns = new MessageChannel(); // lets requests in between two steps
+let failed: Error | null = null; // what broke off the check; from then on the engine answers nothing else
 
 const bytesOf = (text: string): ArrayBuffer => new TextEncoder().encode(text).buffer as ArrayBuffer;
+const messageOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 const failure = (id: number, line: string): Answer => ({ id, status: 500, body: bytesOf(JSON.stringify({ error: line })) });
 
 /** The arrays of an NPZ. */
@@ -44,10 +46,12 @@ async function open(engine: Engine, files: InputFile[], settings: Settings): Pro
 }
 
 function turn(): void {
-  void engine.then((engine) => {
-    if (engine._foldproof_advance() > 0) turns.port2.postMessage(null);
-    else setTimeout(turn, kIdleMs);
-  });
+  void engine
+    .then((engine) => {
+      if (engine._foldproof_advance() > 0) turns.port2.postMessage(null);
+      else setTimeout(turn, kIdleMs);
+    })
+    .catch((error: unknown) => (failed = new Error(`the check: failed: ${messageOf(error)}; please report this`)));
 }
 
 function answered(engine: Engine, id: number, status: number): Answer {
@@ -58,6 +62,7 @@ function answered(engine: Engine, id: number, status: number): Answer {
 
 async function answer(request: Request): Promise<Answer> {
   const loaded = await engine;
+  if (failed) throw failed;
   switch (request.kind) {
     case 'open':
       return answered(loaded, request.id, await open(loaded, request.files, request.settings));
@@ -79,7 +84,7 @@ self.onmessage = async ({ data: request }: MessageEvent<Request>) => {
   try {
     answer_ = await answer(request);
   } catch (error) {
-    answer_ = failure(request.id, error instanceof Error ? error.message : String(error));
+    answer_ = failure(request.id, messageOf(error));
   }
   self.postMessage(answer_, { transfer: [answer_.body] });
 };
