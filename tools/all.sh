@@ -188,8 +188,9 @@ machine() {
 write_quality() {
   local k result counts seconds commit
   {
-    printf '# Quality\n\nWhat `./dev all` found. It writes this page. Each row has the commit that was checked. From there to the\n'
-    printf 'commit named first, no file that the check reads has changed, unless in lines that are comments.\n\n'
+    printf '# Quality\n\nWhat `./dev all` found. It writes this page. Each row has the commit that was\n'
+    printf 'checked. From there to the commit named first, no file that the check reads has changed, unless in\n'
+    printf 'lines that are comments.\n\n'
     printf '* Commit: %s\n* Last run: %s\n* Machine: %s\n* State: %s\n' "$all_commit" "$all_date" "$(machine)" "$1"
     printf '* Lengths: `--minutes %s`; in full it is `--minutes %s`\n' "$minutes" "$full_minutes"
     printf '\n| check | what | result | counts | min:s | commit |\n|---|---|---|---|---|---|\n'
