@@ -99,8 +99,8 @@ struct StageTimes {
 enum class Reason : std::uint8_t {
   /// They were not tested: certificates or boxes prove each pair of leaves separated.
   Certified,
-  /// No chart has been tried yet, neither of the patch nor of one that contains it. Without a model, always so
-  /// in a checker's first step.
+  /// No chart has been tried yet, neither of the patch nor of one that contains it. Without a model, always
+  /// so in a checker's first step.
   NotBuilt,
   /// The patch or one that contains it has charts, but none of them holds in this step.
   TestFailed,

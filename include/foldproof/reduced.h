@@ -132,9 +132,8 @@ class ReducedShape {
   /// The pairs that radius() says nothing about. Ascending.
   std::span<const UncertifiedPair> uncertified(Index center) const;
   /// The radius when pairs of leaves with a ball smaller than `at_least` count as uncertified too. So a few
-  /// pairs that nearly touch do not limit the radius of the whole shape. The radius may exceed `at_least`, and
-  /// be smaller, where pairs of inner nodes limit it.
-  /// Cost: O(pairs of nodes).
+  /// pairs that nearly touch do not limit the radius of the whole shape. The radius may exceed `at_least`,
+  /// and be smaller, where pairs of inner nodes limit it. Cost: O(pairs of nodes).
   CertifiedRadius certified(Index center, double at_least) const;
   /// Pairs of leaves that are certified around no center; queries always test them.
   std::span<const std::array<Index, 2>> never_certified() const;
@@ -146,10 +145,10 @@ class ReducedShape {
     std::uint64_t visited = 0;                   ///< Nodes of the pair tree that the last call visited.
     std::uint64_t proven = 0;                    ///< How many of them a ball proved.
   };
-  /// Whether a step from p0 to p1 is free while all vertices move straight, as ReducedMotion::positions rounds
-  /// them. Coordinates that are not finite, or too few, prove nothing, nor do those so large that this rounding
-  /// is not far below the clearance. Cost: two norms per center, then two comparisons per pair of nodes visited:
-  /// a single pair inside a root's ball. Allocates nothing once the scratch has its size.
+  /// Whether a step from p0 to p1 is free while all vertices move straight, as ReducedMotion::positions
+  /// rounds them. Coordinates that are not finite, or too few, prove nothing, nor do those so large that this
+  /// rounding is not far below the clearance. Cost: two norms per center, then two comparisons per pair of
+  /// nodes visited: a single pair inside a root's ball. Allocates nothing once the scratch has its size.
   ReducedProof proven_free(std::span<const double> p0, std::span<const double> p1, Scratch& scratch) const;
   /// The same answer. The pairs of nodes that stay unproven are in scratch.unproven; never_certified() is not
   /// among them.

@@ -146,7 +146,9 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
   if (info.poses) file.add("<p>Only the frames were checked: motion between them was not tested.</p>\n");
   if (!info.frames.empty())
     file.add("<p>Only the frames {} of each motion were checked.</p>\n", html(info.frames));
-  if (const auto cut = std::ranges::count(records, true, &SweepRecord::contacts_cut); cut > 0) {
+  if (const auto cut =
+          std::count_if(records.begin(), records.end(), [](const auto& r) { return r.contacts_cut; });
+      cut > 0) {
     file.add("<p>Contacts do not join all pairs of {} motion{}: ", cut, cut == 1 ? "" : "s");
     file.add("more than a million of a kind in a step or frame.</p>\n");
   }
