@@ -156,7 +156,7 @@ TEST(ReducedChecker, AllocatesNothingFromTheSecondStepOn) {
   };
   ASSERT_LT(1.05 * shape->radius(0), 1);
   for (const double distance : {0.5 * shape->radius(0), 1.05 * shape->radius(0)}) run(distance, 1);
-  run(1, 400);  // certificates rest and are tried again meanwhile
+  run(1, 100);  // certificates rest and are tried again meanwhile
   EXPECT_GT(pairs, 0u);
   EXPECT_GT(free, 0u);
 }
