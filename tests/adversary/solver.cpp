@@ -201,9 +201,6 @@ std::string SolverCheck::Impl::intersections(const Pose& x, Tally& tally) {
       const bool shared = std::any_of(a.begin(), a.end(),
                                       [&](Index v) { return std::find(b.begin(), b.end(), v) != b.end(); });
       if (shared && a.size() < 3 && b.size() < 3) continue;
-      // Of the same face twice there is no pair of vertices that the filter could be asked about.
-      const auto same = [&](Index v) { return std::find(b.begin(), b.end(), v) != b.end(); };
-      if (a.size() == b.size() && std::all_of(a.begin(), a.end(), same)) continue;
       bool cross = false;
       if (shared) {
         const Triangle s = {a[0], a[1], a.size() > 2 ? a[2] : a[1]},
