@@ -214,8 +214,8 @@ class ContactChecker {
 
   /// Whether two elements (faces, codimensional edges, codimensional points) have a point in common, decided
   /// exactly. For neighbors see StepChecker::check_static; codimensional elements with a common vertex never
-  /// count. The filter is called for all pairs of their vertices that are not both common to them; of two faces
-  /// with the same three vertices, for all pairs of different ones.
+  /// count. The filter is called for all pairs of their vertices that are not both common to them; of two
+  /// faces with the same three vertices, for all pairs of different ones.
   Verdict has_intersections(std::span<const double> x);
 
   /// The smallest distance of all relevant pairs if it is <= bound, else infinity. Mesh units. It is too
