@@ -17,8 +17,7 @@ namespace {
 
 constexpr const char* kCheckFooter =
     R"(  pose.obj                        a single frame, checked as a motion of one step without movement
-Several motions are several objects, and need equally many frames. Those of a single frame
-stand still.
+Several motions are several objects. They need equally many frames, or a single one, which stands still.
 With --reduced, instead of motions: MODEL COORDINATES for each object, coordinates of the model's subspace by frame:
   p.csv                           a row per frame: one number per mode, then maybe a placement: a quaternion w x y z
                                   and a translation x y z

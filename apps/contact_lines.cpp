@@ -89,8 +89,7 @@ std::string contact_lines(Motions motions, const CheckSettings& settings, const 
     text +=
         fmt::format("and {} more (--contacts lists all)\n", grouped(totals.contacts.size() - lines.size()));
   }
-  if (totals.listed.sum() < totals.collisions.sum())
-    text += "Contacts join the listed pairs only (--limit).\n";
+  if (!totals.lists_all()) text += "Contacts join the listed pairs only (--limit).\n";
   if (totals.contact_unknown_frames > 0) {
     text += fmt::format("In {} it is not known which triangles cross{}.\n",
                         counted(totals.contact_unknown_frames, "frame"),

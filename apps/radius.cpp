@@ -19,12 +19,12 @@ constexpr const char* kRadiusFooter =
     R"(Within the radius of a center no combination of modes makes the surface touch itself: proven, not sampled. Distances are
 in standard deviations of the training poses (Mahalanobis). The radius says nothing about regions that touch in the center's
 own pose, or come closer to themselves than the clearance; these are listed. A region that nearly touches makes the radius
-of the whole mesh small. With --at-least pairs of leaves with a smaller radius are listed too, each with its own, and limit
-nothing; larger regions still can.
+of the whole mesh small. With --at-least, pairs of leaves with a smaller radius are listed too, each with its own, and do
+not limit the radius; larger regions still do.
 
 Examples:
   foldproof radius body.model                        the radius around the mean, and around each cluster
-  foldproof radius body.model --at-least 0.5         without the pairs of leaves below 0.5, which it lists
+  foldproof radius body.model --at-least 0.5         the radius without pairs of leaves below 0.5, which it lists
   foldproof radius body.model --sample 20 -o s.npz   twenty certified shapes, as a motion
   foldproof radius body.model --ply mean.ply         the mean, with uncertified triangles marked 1)";
 

@@ -254,10 +254,12 @@ Result<void> color_error(const RenderArguments& a, const Objects& motions, Index
     return fail(ErrorCode::InvalidArgument, "--truth", "is another mesh",
                 "give a motion with the same vertices in the same order");
   const Index frames = truth[0]->frame_count();
-  if (frames > 1 && frame >= frames)
+  if (frames == 1) frame = 0;
+  if (frame >= frames)
     return fail(ErrorCode::InvalidArgument, "--truth", fmt::format("has no frame {}, only {}", frame, frames),
                 "give a motion with as many frames, or a single pose");
-  const auto expected = FOLDPROOF_TRY(read(truth, frames > 1 ? frame : 0));
+  const auto expected = FOLDPROOF_TRY(read(truth, frame));
+
   std::vector<double> errors;
   double sum = 0, worst = 0;
   for (std::size_t k = 0; k < expected.objects[0].size(); k += 3) {

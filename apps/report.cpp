@@ -11,8 +11,7 @@ namespace foldproof {
 namespace {
 
 constexpr const char* kReportFooter =
-    R"(Several motions are several objects, and need equally many frames. Those of a single frame
-stand still.
+    R"(Several motions are several objects. They need equally many frames, or a single one, which stands still.
 
 The report is one file that opens in any browser, offline. It shows the contacts, the worst first, with pictures; what
 crosses in the first frame, what collides and when; charts of every step; what was proven and why not the rest; the

@@ -204,11 +204,8 @@ std::string closing(const SweepArguments& a, const SweepInput& input, const Swee
   if (a.poses) text += "motion between frames   not tested (--static)\n";
   if (!settings.check.frames.selects_all())
     text += fmt::format("frames                  only {} of each motion (--frames)\n", a.motion.frames);
-  if (const auto cut = std::ranges::count(records, true, &SweepRecord::contacts_cut); cut > 0) {
-    text += fmt::format("contacts                do not join all pairs of {}: ",
-                        counted(static_cast<std::uint64_t>(cut), "motion")) +
-            "more than a million of a kind in a step or frame\n";
-  }
+  if (const std::string cut = contacts_cut(records); !cut.empty())
+    text += fmt::format("contacts                {}\n", cut);
   for (const auto& model : settings.models) {
     const bool used =
         std::any_of(records.begin(), records.end(), [&](const auto& r) { return r.model == model->name; });

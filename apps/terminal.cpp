@@ -292,7 +292,7 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
       settings.poses ? grouped(found.sum()) + "  (triangles that cross)"
                      : fmt::format("{}  (vertex-face {}, edge-edge {})", grouped(found.sum()),
                                    grouped(found.vertex_face), grouped(found.edge_edge)));
-  if (totals.listed.sum() < found.sum()) {
+  if (!totals.lists_all()) {
     add("  listed", fmt::format("{} of {}  (those with the smallest ids; more with --limit)",
                                 grouped(totals.listed.sum()), grouped(found.sum())));
   }

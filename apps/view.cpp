@@ -15,8 +15,7 @@ namespace foldproof {
 namespace {
 
 constexpr const char* kViewFooter = R"(  pose.obj                        a single pose: what crosses in it
-Several motions are several objects, and need equally many frames. Those of a single frame
-stand still.
+Several motions are several objects. They need equally many frames, or a single one, which stands still.
 
 The page shows the motion at once, while the check runs: it first finds what crosses in the first frame, then what
 collides in each step. With --static, frames are no motion but poses of their own, and it finds what crosses in each.

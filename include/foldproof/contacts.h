@@ -98,9 +98,10 @@ class ContactFinder {
   /// The first frame, with all triangles that cross in it; before any step. Without this call, or when not
   /// all of them are listed, what crosses is not known, and contacts have no frames, until a step says it.
   void start(double time, Positions x, const StaticResult& crossings);
-  /// The next step, from the time of the last call (or `begin`, without one) to `end`. `step`: its answer, in
-  /// Mode::Proven and without earliest_only. `crossings`: what crosses at its end, where that cannot follow
-  /// from what is known: when it was not known before, or not all pairs of the step are listed.
+  /// The next step, from the time of the last call (or `begin`, without one) to `end`; the same time only
+  /// where nothing moves, as with a single pose. `step`: its answer, in Mode::Proven and without
+  /// earliest_only. `crossings`: what crosses at its end, where that cannot follow from what is known: when
+  /// it was not known before, or not all pairs of the step are listed.
   void step(double begin, double end, Positions x0, Positions x1, const StepResult& step,
             const StaticResult* crossings = nullptr);
   /// Whether it is known which triangles cross in the last frame.

@@ -147,8 +147,8 @@ class ReducedShape {
   };
   /// Whether a step from p0 to p1 is free while all vertices move straight, as ReducedMotion::positions
   /// rounds them. Coordinates that are not finite, or too few, prove nothing, nor do those so large that this
-  /// rounding is not far below the clearance. Cost: two norms per center, then two comparisons per pair of
-  /// nodes visited: a single pair inside a root's ball. Allocates nothing once the scratch has its size.
+  /// rounding exceeds a quarter of the clearance. Cost: two norms per center, then two comparisons per pair
+  /// of nodes visited: a single pair inside a root's ball. Allocates nothing once the scratch has its size.
   ReducedProof proven_free(std::span<const double> p0, std::span<const double> p1, Scratch& scratch) const;
   /// The same answer. The pairs of nodes that stay unproven are in scratch.unproven; never_certified() is not
   /// among them.

@@ -1,5 +1,5 @@
 // Models: training, files, and shapes from key points.
-#include "foldproof/model.h"
+#include "models.h"
 
 #include "arrays.h"
 #include "long_call.h"
@@ -80,13 +80,6 @@ void save(const Model& model, const py::object& path) {
   const std::string name = path_of(path);
   const Unlocked unlocked;
   take(save_model(model, name));
-}
-
-const Learned& learned_of(const Model& model) {
-  if (model.learned) return *model.learned;
-  refuse(model.name.empty() ? "model" : model.name,
-         "has learned no shapes" + (model.not_learned.empty() ? "" : ": " + model.not_learned),
-         "train it again with learn=True, from at least 3 poses that differ");
 }
 
 py::ssize_t vertices_of(const Model& model) { return model.hierarchy()->topology().vertex_count(); }
@@ -204,6 +197,13 @@ void bind_learned(py::class_<Model, std::shared_ptr<Model>>& model) {
 }
 
 }  // namespace
+
+const Learned& learned_of(const Model& model) {
+  if (model.learned) return *model.learned;
+  refuse(model.name.empty() ? "model" : model.name,
+         "has learned no shapes" + (model.not_learned.empty() ? "" : ": " + model.not_learned),
+         "train it again with learn=True, from at least 3 poses that differ");
+}
 
 void bind_models(py::module_& module) {
   py::class_<Model, std::shared_ptr<Model>> model(

@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "long_call.h"
+#include "models.h"
 #include "module.h"
 #include "steps.h"
 #include "unlocked.h"
@@ -51,12 +52,10 @@ std::vector<ReducedCenter> centers_of(const Learned& learned, const py::object& 
 
 std::unique_ptr<Shape> build(const Model& model, const py::object& centers, double clearance,
                              const py::object& progress) {
-  if (!model.learned)
-    refuse("model", "has learned no shapes",
-           "train it again with learn=True, from at least 3 poses that differ");
+  const Learned& learned = learned_of(model);
   if (!(clearance >= 0) || !std::isfinite(clearance))
     refuse("clearance", "is not a finite number, at least 0", "give another");
-  auto list = centers_of(*model.learned, centers);
+  auto list = centers_of(learned, centers);
   auto made = std::make_unique<Shape>();
   made->charts = model.charts;
   run_long(progress, [&](LongCall& call) {

@@ -90,8 +90,8 @@ std::string settings_documentation() {
          "  explain=False        steps of a checker: report what certificates proved "
          "(StepResult.explanation)\n"
          "  mode='proven'        or 'paper', which is STATISTICAL and can miss collisions\n"
-         "  miss_rate=0.01       mode 'paper': the share of wrong predictions of 'free' that is accepted in "
-         "training";
+         "  miss_rate=0.01       mode 'paper': at most this share of what is unproven in training is still "
+         "predicted free; new motions miss more";
 }
 
 std::string with_settings(const char* doc) { return std::string(doc) + "\n\n" + settings_documentation(); }

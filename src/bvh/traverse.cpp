@@ -60,7 +60,7 @@ void DescendOnce(const Traversal& traversal, std::vector<NodePair>& front, std::
                  TraversalResult& out) {
   scratch.clear();
   for (const NodePair pair : front) Visit(traversal, pair, scratch, out);
-  front.swap(scratch);
+  swap_levels(front, scratch);
 }
 
 void Traverse(const Traversal& traversal, std::span<const NodePair> starts, std::vector<NodePair>& stack,

@@ -47,6 +47,16 @@ inline void push_children(std::span<const Hierarchy::Node> nodes_a, std::span<co
   }
 }
 
+/// Swaps a level of a descent with the next one. Both get the larger capacity, so that a later descent like
+/// this one allocates nothing, whichever of the two it begins with.
+template <class T>
+void swap_levels(std::vector<T>& level, std::vector<T>& next) {
+  level.swap(next);
+  const std::size_t capacity = std::max(level.capacity(), next.capacity());
+  level.reserve(capacity);
+  next.reserve(capacity);
+}
+
 /// Replaces every pair in `front` by its children; drops separated pairs and moves pairs of leaves to `out`.
 /// Cuts a traversal into tasks. `scratch` is overwritten.
 void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std::vector<NodePair>& scratch,

@@ -154,12 +154,8 @@ const Culling::SelfPairs& Culling::cull_self_pairs(const StepMotion& motion, Ind
         next_level_.push_back(node.right);
       }
     }
-    level_.swap(next_level_);
+    swap_levels(level_, next_level_);
   }
-  // The next step may begin with the other one: a step like this one allocates nothing.
-  const std::size_t capacity = std::max(level_.capacity(), next_level_.capacity());
-  level_.reserve(capacity);
-  next_level_.reserve(capacity);
   return self_pairs_;
 }
 

@@ -30,7 +30,7 @@ class ContactsCsv : public ReportWriter {
   Result<void> step(const CheckedStep&) override { return {}; }
 
   Result<void> finish(const CheckTotals& totals) override {
-    if (totals.listed.sum() < totals.collisions.sum())
+    if (!totals.lists_all())
       file_.add("# contacts join the {} listed of {} pairs\n", totals.listed.sum(), totals.collisions.sum());
     for (const Contact& contact : totals.contacts) {
       const auto names = side_names(contact, motions_, settings_);

@@ -138,7 +138,7 @@ Json totals_json(const CheckTotals& totals, bool poses, bool statistical) {
                {"tolerance", totals.tolerance},
                {"milliseconds", to_json(totals.milliseconds)},
                {"work", to_json(totals.work)}};
-  if (totals.listed.sum() < totals.collisions.sum()) json["listed"] = to_json(totals.listed, poses);
+  if (!totals.lists_all()) json["listed"] = to_json(totals.listed, poses);
   if (statistical) add_misses(json, totals.missed, totals.proven_milliseconds);
   if (totals.contacts_found) {
     std::optional<double> deepest;

@@ -62,7 +62,7 @@ Result<void> MotionContacts::step(const CheckedStep& step) {
   if (step.index.number == 0) last_time_ = step.index.frame;
   const double end = end_of(step.index);
   finder_.step(last_time_, end, step.x0, step.x1, *step.step, asks ? &crossings_ : nullptr);
-  unknown_frames_ += !started_ && step.index.number == 0;
+  unknown_frames_ += !started_ && step.index.number == 0;  // the first frame, with steps_only
   unknown_frames_ += !finder_.is_known() && end != last_time_;
   last_time_ = end;
   collect();

@@ -152,6 +152,8 @@ struct CheckTotals {
   bool clean() const {
     return !cancelled && collisions.sum() == 0 && missed == 0 && starts_crossing.value_or(0) == 0;
   }
+  /// Whether the steps' answers list all that they count.
+  bool lists_all() const { return listed.sum() == collisions.sum(); }
   /// Adds the crossings of the first frame.
   void start(const CheckedStep& pose);
   /// Adds a step; steps come in order.

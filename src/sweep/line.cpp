@@ -16,7 +16,7 @@
 namespace foldproof {
 namespace {
 
-// Per step; contacts need pairs, and more than these would cost more than the check.
+// Per step; contacts need pairs, and more than these would cost more than the check. contacts_cut() says it.
 constexpr std::uint64_t kMaxListed = 1'000'000;
 // Raise it with every change after which an answer may differ: lines of other revisions are checked again.
 constexpr int kAnswerRevision = 1;
@@ -174,6 +174,15 @@ std::string failed_sweep_line(const SweepMotion& motion, const SweepSettings& se
   Json line = head_of(motion, settings);
   set_failed(line, error);
   return dump(line);
+}
+
+std::string contacts_cut(std::span<const SweepRecord> records) {
+  static_assert(kMaxListed == 1'000'000);
+  const auto cut =
+      std::count_if(records.begin(), records.end(), [](const auto& r) { return r.contacts_cut; });
+  if (cut == 0) return "";
+  return fmt::format("leave out pairs in {} motion{}: more than a million of a kind in a step or frame", cut,
+                     cut == 1 ? "" : "s");
 }
 
 Result<SweepRecord> read_sweep_line(const std::string& line) {

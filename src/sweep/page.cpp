@@ -146,12 +146,7 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
   if (info.poses) file.add("<p>Only the frames were checked: motion between them was not tested.</p>\n");
   if (!info.frames.empty())
     file.add("<p>Only the frames {} of each motion were checked.</p>\n", html(info.frames));
-  if (const auto cut =
-          std::count_if(records.begin(), records.end(), [](const auto& r) { return r.contacts_cut; });
-      cut > 0) {
-    file.add("<p>Contacts do not join all pairs of {} motion{}: ", cut, cut == 1 ? "" : "s");
-    file.add("more than a million of a kind in a step or frame.</p>\n");
-  }
+  if (const std::string cut = contacts_cut(records); !cut.empty()) file.add("<p>Contacts {}.</p>\n", cut);
   file.add("<details><summary>How this was made</summary><p>Foldproof {}, {:.1f} s of checking.</p>",
            version(), seconds);
   file.add("<p><code>{}</code></p></details>\n", html(info.command));

@@ -88,6 +88,26 @@ TEST(StepChecker, AllocatesNothingFromTheSecondStepOn) {
   }
 }
 
+// Each descends from the roots of both; how many levels depends on the sizes.
+TEST(StepChecker, AllocatesNothingForTwoObjectsFromTheSecondStepOn) {
+  const ThreadLimit one(1);
+  for (int length = 1; length <= kLength; length *= 2) {
+    const auto tree = std::make_shared<const Hierarchy>(
+        Hierarchy::build(strip_topology(static_cast<Index>(length)), strip(length, 5)).value());
+    StepChecker checker({tree, tree});
+    StepResult step;
+    StepSettings settings;
+    settings.certificates = settings.within = false;
+    const auto x0 = strip(length, 5), x1 = strip(length, 5.1);
+    const std::span<const double> from[] = {x0, x1}, to[] = {x1, x0};
+    ASSERT_TRUE(checker.check(from, to, settings, step));
+    ASSERT_FALSE(step.clean());
+    const long before = allocations;
+    ASSERT_TRUE(checker.check(from, to, settings, step));
+    EXPECT_EQ(allocations - before, 0) << length;
+  }
+}
+
 // Charts are drawn on the way, and drawn anew as the strip goes on turning; when everything has had its turn,
 // all buffers have their size.
 TEST(StepChecker, AllocatesNothingForChartsOnceTheyHaveSettled) {

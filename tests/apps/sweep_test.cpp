@@ -108,7 +108,7 @@ TEST(Sweep, SaysWhatWasNotTested) {
   lines[lines.find(total) + total.size() - 1] = '1';
   write_file(library / "r.jsonl", lines);
   EXPECT_THAT(library.sweep({}).out,
-              HasSubstr("\ncontacts                do not join all pairs of 1 motion: more than a million "));
+              HasSubstr("\ncontacts                leave out pairs in 1 motion: more than a million "));
 }
 
 TEST(Sweep, TakesNumberedMeshesAsSingleOnesIfAsked) {

@@ -227,6 +227,20 @@ class Inputs(unittest.TestCase):
                     if found:  # else a header that the build makes
                         self.assertTrue(found[0].resolve() in files, f"{check} leaves out {name}, which {file} includes")
 
+    def test_lines_that_count_as_comments_are_comments(self):
+        """Not text in a raw string, nor a line of a language with other comments."""
+        if not (TOOLS.parent / ".git").exists():
+            self.skipTest("not a checkout")
+        listed = subprocess.run(["git", "ls-files"], cwd=TOOLS.parent, capture_output=True, text=True, check=True).stdout
+        for name in listed.splitlines():
+            if name.endswith((".fbs", ".js", ".md", ".mjs", ".ts", "/defects")) or not (TOOLS.parent / name).is_file():
+                continue
+            text = (TOOLS.parent / name).read_bytes()
+            if name.endswith((".cpp", ".h", ".hpp")):
+                text = b"".join(found[0] for found in re.finditer(rb'R"(\w*)\(.*?\)\1"', text, re.DOTALL))
+            if b"\0" not in text:
+                self.assertIsNone(re.search(rb"^ *//(|.*[^\\\n])$", text, re.MULTILINE), name)
+
 
 if __name__ == "__main__":
     unittest.main()

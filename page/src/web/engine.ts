@@ -1,6 +1,6 @@
 // The worker that reads and checks a motion.
 import type { Source } from '../view/api';
-import type { Answer, InputFile, Request, Settings } from './messages';
+import { checkFailed, type Answer, type InputFile, type Request, type Settings } from './messages';
 import EngineWorker from './worker?worker&inline';
 
 type Unnumbered = Request extends infer R ? (R extends Request ? Omit<R, 'id'> : never) : never;
@@ -16,7 +16,7 @@ export class Engine {
       this.waiting.delete(data.id);
     };
     this.worker.onerror = ({ message }) => {
-      for (const { reject } of this.waiting.values()) reject(new Error(`the check: failed: ${message}; please report this`));
+      for (const { reject } of this.waiting.values()) reject(checkFailed(message));
       this.waiting.clear();
     };
   }

@@ -24,3 +24,6 @@ export interface Answer {
   status: number;
   body: ArrayBuffer;
 }
+
+/** The error of a check that cannot go on. */
+export const checkFailed = (message: string): Error => new Error(`the check: failed: ${message}; please report this`);

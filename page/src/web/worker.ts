@@ -2,7 +2,7 @@
 import createFoldproof, { type Engine } from 'foldproof-engine';
 import { unzipSync, zlibSync } from 'fflate';
 import { argumentsOf } from './arguments';
-import type { Answer, InputFile, Request, Settings } from './messages';
+import { checkFailed, type Answer, type InputFile, type Request, type Settings } from './messages';
 
 const kIdleMs = 100;
 const kFolder = '/motion';
@@ -51,7 +51,7 @@ function turn(): void {
       if (engine._foldproof_advance() > 0) turns.port2.postMessage(null);
       else setTimeout(turn, kIdleMs);
     })
-    .catch((error: unknown) => (failed = new Error(`the check: failed: ${messageOf(error)}; please report this`)));
+    .catch((error: unknown) => (failed = checkFailed(messageOf(error))));
 }
 
 function answered(engine: Engine, id: number, status: number): Answer {
