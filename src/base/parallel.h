@@ -165,6 +165,7 @@ auto isolated(const Body& body) {
 template <class Value, class Body, class Combine>
 Value parallel_reduce(IndexRange range, std::size_t grain, const Value& identity, const Body& body,
                       const Combine& combine) {
+  const PlainArithmetic plain;
   if (range.size() <= grain || thread_count() == 1) return body(range, identity);
   std::vector<Value> values((range.size() + grain - 1) / grain, identity);
   parallel_for(range, grain, [&](IndexRange block) {
