@@ -12,6 +12,7 @@ guarded_by_address=(
 )
 guarded_by_thread=(
   'test_base Parallel*:PerThread*:ThreadLimit*'
+  'test_arithmetic Modes*'
   'test_bvh *'
   'test_solver *'
 )
