@@ -37,6 +37,7 @@ inputs_of() {
   local built='CMakeLists.txt CMakePresets.json src/CMakeLists.txt' query models
   local tests="$built tests/CMakeLists.txt tests/tools/fallback.cmake tests/base/callers.h"
   [[ $1 != lint_* ]] || tests+=' .clang-tidy tests/.clang-tidy'
+  [[ $1 != thread_* ]] || tests+=' tools/tsan.supp'
   # shellcheck disable=SC2086  # lists of words
   query=$(sources_of $query_modules) models=$(sources_of $model_modules contacts report picture)
   # shellcheck disable=SC2086

@@ -80,7 +80,7 @@ guard_address() {
 }
 
 guard_thread() {
-  export TSAN_OPTIONS=halt_on_error=1
+  export TSAN_OPTIONS=$tsan_options
   run_guarded tsan "${guarded_by_thread[@]}"
 }
 

@@ -119,13 +119,15 @@ TEST(PageConnections, UnreadAnswersDoNotBlockOthersAndMemoryIsBounded) {
   ASSERT_TRUE(server);
   std::atomic<bool> stop = false;
   std::thread thread([&] { EXPECT_TRUE(server->serve(stop)); });
-  const std::size_t before = memory();
+  [[maybe_unused]] const std::size_t before = memory();
   const std::string words = head(server->port(), "GET / HTTP/1.1", "Connection: close\r\n");
   const std::vector<Raw> lazy = crowd(server->port(), 120, words);
   // It follows all earlier answers, half a GB, on a machine that may be busy.
   expect_quick_answer(server->port(), 20s);
+#ifndef __SANITIZE_THREAD__  // which keeps several bytes for each of the process
   ::malloc_trim(0);
   EXPECT_LT(memory(), before + Connections::kMaxUnsent * 5 / 4);
+#endif
   expect_quick_answer(server->port());
   EXPECT_LT(lazy.front().all().size(), large.size()) << "the oldest is dropped";
   EXPECT_GT(lazy.back().all().size(), large.size());

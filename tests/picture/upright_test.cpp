@@ -23,7 +23,8 @@ Vec3 vector_of(const json& values, std::size_t first = 0) {
 }
 
 TEST(Upright, GuessesTheAxisThatPointsUp) {
-  for (const json& motion : cases()["motions"]) {
+  const json all = cases();
+  for (const json& motion : all["motions"]) {
     std::vector<Eigen::AlignedBox3d> poses;
     for (const json& box : motion["poses"]) poses.emplace_back(vector_of(box), vector_of(box, 3));
     EXPECT_EQ(guess_up(poses), up_of(motion)) << motion["name"];
