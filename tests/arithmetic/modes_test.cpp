@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <thread>
 #include <tuple>
 #include <utility>
@@ -255,6 +256,23 @@ TEST(Modes, DoNotApplyToTasks) {
     }).join();
     EXPECT_EQ(tasks, 1000);
     EXPECT_EQ(wrong, 0);
+  }
+}
+
+// A range of one block, which no other thread takes a part of.
+TEST(Modes, DoNotApplyToASingleBlock) {
+  for (const Mode& mode : kModes) {
+    SCOPED_TRACE(mode.name);
+    int plain = 0;
+    std::thread([&] {
+      const InMode in_mode(mode);
+      in_own_arena([&] {
+        plain = parallel_reduce(
+            IndexRange{0, 1}, 1, 0, [](IndexRange, int) { return is_plain() ? 1 : 0; }, std::plus<>());
+      });
+      EXPECT_TRUE(in_mode.is_unchanged());
+    }).join();
+    EXPECT_EQ(plain, 1);
   }
 }
 
