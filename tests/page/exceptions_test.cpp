@@ -1,6 +1,8 @@
 // What is thrown ends neither the server nor a check that is done. This file replaces operator new.
+#include <algorithm>
 #include <cstdlib>
 #include <new>
+#include <utility>
 
 #include "page/served.h"
 #include "report/needle.h"
@@ -13,6 +15,9 @@ thread_local bool next_fails = false;
   void* p = std::exchange(next_fails, false) ? nullptr : std::malloc(std::max<std::size_t>(size, 1));
   if (p == nullptr) throw std::bad_alloc();
   return p;
+}
+[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return std::malloc(std::max<std::size_t>(size, 1));
 }
 [[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
 [[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
