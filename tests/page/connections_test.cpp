@@ -300,7 +300,7 @@ TEST(PageConnections, ReportsWhenListeningFails) {
 
 TEST(PageConnections, ReportsWhenThereAreNoMoreSockets) {
   const auto page = page_of(list(colliding_tube(3)));
-  // With sockets it opens. A sanitizer of types needs file descriptors at its first check, which is this.
+  // While there are sockets it opens. UBSan checks its type here first, which takes file descriptors.
   ASSERT_TRUE(PageServer::open(*page, kStubPage));
   std::vector<int> all;
   for (int taken; (taken = ::dup(STDERR_FILENO)) >= 0 && all.size() < 100'000;) all.push_back(taken);

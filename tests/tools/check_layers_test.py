@@ -74,6 +74,11 @@ class CheckLayers(unittest.TestCase):
         self.refuses({path: text for path in paths},
                      *(f"{path}:{line}: includes tbb" for path in paths for line in range(1, 6)))
 
+    def test_only_tests_use_regular_expressions(self):
+        self.accepts({"tests/page/a.cpp": "#include <regex>\nstd::regex r;\n", "src/page/a.cpp": "int regex;\n"})
+        for path in ("src/page/a.cpp", "apps/a.cpp", "include/foldproof/io.h"):
+            self.refuses({path: "#include <regex>\n\nstd::regex_match(a, b);\n"}, f"{path}:1: uses std::regex", f"{path}:3:")
+
     def test_algorithms_are_there_for_the_page(self):
         offered = {"web/standard_library.h": "using ::ranges::sort;\n"}
         self.accepts({"src/mesh/a.cpp": "void f() { std::ranges::sort(x); }\n", **offered})
