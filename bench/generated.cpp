@@ -188,7 +188,8 @@ std::unique_ptr<Motion> ball_heap() {
   constexpr double kApart = 2.5;
   Rest rest;
   for (Index place = 0; place < kAcross * kAcross * kAcross; ++place) {
-    const Vec3 center = kApart * Vec3(place % kAcross, place / kAcross % kAcross, place / kAcross / kAcross);
+    const Index x = place % kAcross, y = place / kAcross % kAcross, z = place / kAcross / kAcross;
+    const Vec3 center = kApart * Vec3(x, y, z);
     const Eigen::Matrix3d turn =
         Eigen::AngleAxisd(0.7 * place, Vec3(1, 0.3 * place, 2).normalized()).toRotationMatrix();
     const auto first = static_cast<Index>(rest.points.size());

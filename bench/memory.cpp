@@ -96,6 +96,7 @@ std::vector<std::string> arguments_for(const MemoryTask& task) {
 /// parent's threads and heap must not be there.
 Result<std::string> output_of_self(std::vector<std::string> arguments) {
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   int ends[2];

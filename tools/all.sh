@@ -35,6 +35,7 @@ tests_of() {
 # and check whole motions.
 inputs_of() {
   local built='CMakeLists.txt CMakePresets.json src/CMakeLists.txt' query models
+  local not_compiled=':!tests/mutants :!tests/tools/*.py'
   local tests="$built tests/CMakeLists.txt tests/tools/fallback.cmake tests/base/callers.h"
   [[ $1 != lint_* ]] || tests+=' .clang-tidy tests/.clang-tidy'
   [[ $1 != thread_* ]] || tests+=' tools/tsan.supp'
@@ -51,7 +52,8 @@ inputs_of() {
     frames) echo "$tests $query $models $(tests_of check contacts oracle bvh io model reduced report)" ;;
     mutants) echo "$tests $query $models tools/mutants $(tests_of mutants adversary search oracle bvh ccd check certificate solver allocation reduced arithmetic contacts model) tests/io/support.h tests/report/needle.h" ;;
     bench) echo 'CMakeLists.txt CMakePresets.json src include bench examples/solver tools/bench_tables' ;;
-    arm64 | s390x | compilers) echo 'dev CMakeLists.txt CMakePresets.json cmake src include apps examples tests :!tests/mutants :!tests/tools/*.py tools/cross_root tools/demo_poses.cpp' ;;
+    arm64 | s390x) echo "dev $built cmake src include tests $not_compiled :!tests/apps :!tests/bench :!tests/page :!tests/sweep tools/cross_root" ;;
+    compilers) echo "dev $built cmake src include apps bench examples tests $not_compiled tools/demo_poses.cpp" ;;
     test) echo '. :!docs/quality.md :!docs/benchmarks :!CHANGELOG.md :!CONTRIBUTING.md' ;;
     *) echo '. :!docs :!CHANGELOG.md :!CONTRIBUTING.md' ;;
   esac

@@ -11,13 +11,13 @@ namespace {
 thread_local bool next_fails = false;
 }
 
+[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return std::exchange(next_fails, false) ? nullptr : std::malloc(std::max<std::size_t>(size, 1));
+}
 [[gnu::noinline]] void* operator new(std::size_t size) {
-  void* p = std::exchange(next_fails, false) ? nullptr : std::malloc(std::max<std::size_t>(size, 1));
+  void* p = operator new(size, std::nothrow);
   if (p == nullptr) throw std::bad_alloc();
   return p;
-}
-[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  return std::malloc(std::max<std::size_t>(size, 1));
 }
 [[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
 [[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }

@@ -7,7 +7,6 @@ namespace foldproof {
 namespace {
 
 using namespace foldproof::testing;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
