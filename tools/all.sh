@@ -32,7 +32,7 @@ tests_of() {
 }
 
 # inputs_of CHECK: the files whose change makes it run again, as git's pathspecs. Tests of the query read motions and models,
-# and check whole motions.
+# and check whole motions. Tests of the program, the benchmarks, the page and sweep are not compiled for other machines.
 inputs_of() {
   local built='CMakeLists.txt CMakePresets.json src/CMakeLists.txt' query models
   local not_compiled=':!tests/mutants :!tests/tools/*.py'

@@ -213,6 +213,7 @@ class Inputs(unittest.TestCase):
     def files_of(self, check):
         inputs = subprocess.run(["bash", "-c", f"set -euo pipefail\nsource tools/all.sh\ninputs_of {check}"],
                                 cwd=TOOLS.parent, capture_output=True, text=True, check=True).stdout.split()
+
         def files_at(names):
             paths = [path for name in names for path in TOOLS.parent.glob(name)]
             return {file for path in paths for file in ([path] if path.is_file() else path.rglob("*")) if file.is_file()}
@@ -221,7 +222,7 @@ class Inputs(unittest.TestCase):
         return files_at(name for name in inputs if not name.startswith(":!")) - files_at(excluded)
 
     def test_hold_what_they_include(self):
-        places = [TOOLS.parent / name for name in ("src", "tests", "include")]
+        places = [TOOLS.parent / name for name in ("src", "tests", "include", "bench")]
         for check in self.CHECKS:
             files = self.files_of(check)
             self.assertGreater(len(files), 100, check)
