@@ -47,7 +47,7 @@ inputs_of() {
     lint_models | address_models | thread_models) echo "$tests $query $models $(tests_of $query_tests $model_modules report)" ;;
     fuzz) echo "$tests $query $models $(tests_of fuzz adversary oracle certificate solver)" ;;
     search) echo "$tests $query $models $(tests_of adversary search oracle certificate solver)" ;;
-    floats) echo "$tests $query include/foldproof/io.h $(tests_of arithmetic oracle)" ;;
+    floats) echo "$tests $query include/foldproof/io.h $(tests_of arithmetic oracle) :!tests/oracle/judge.*" ;;
     proofs) echo "$built $query tools/proofs proofs docs/soundness.md" ;;
     frames) echo "$tests $query $models $(tests_of check contacts oracle bvh io model reduced report)" ;;
     mutants) echo "$tests $query $models tools/mutants $(tests_of mutants adversary search oracle bvh ccd check certificate solver allocation reduced arithmetic contacts model) tests/io/support.h tests/report/needle.h" ;;

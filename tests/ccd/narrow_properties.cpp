@@ -83,7 +83,7 @@ TEST_P(NarrowPhase, IsSeparatedBeyondTheTolerance) {
       const Case c = GetParam().make(kind, rng);
       CcdSettings settings;
       settings.tolerance = size_of(c) * 0x1p-30;
-      const double bound = allowed_tolerance(c.x0, c.x1, settings);
+      const double bound = allowed_tolerance(kind, c.x0, c.x1, settings);
       if (bound == 0 || approach(kind, c.x0, c.x1, bound, bound / 8) != Approach::Beyond) continue;
       ++separated;
       EXPECT_EQ(narrow_phase(kind, c.x0, c.x1, settings).answer, Answer::Separated)
@@ -256,6 +256,27 @@ TEST(CcdResolution, IsSmallAndGrowsWithTheExtent) {
   EXPECT_LE(ccd_resolution(1), ccd_resolution(2));
   EXPECT_LE(ccd_resolution(0x1p500), 0x1p460);
   EXPECT_LE(ccd_resolution(0x1p-500), 0x1p-540);
+}
+
+// Only differences between the features count: neither how far both move nor which point comes first.
+TEST(Tolerance, FollowsTheLargestDifferenceBetweenTheFeatures) {
+  const FourPoints x = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, -2, 1), Vec3(0, 2, 1)};
+  FourPoints far = x;
+  for (Vec3& p : far) p += Vec3(1000, 0, 0);
+  EXPECT_EQ(allowed_tolerance(Kind::EdgeEdge, x, far, {}), ccd_resolution(2));
+  EXPECT_EQ(allowed_tolerance(Kind::EdgeEdge, far, x, {}), ccd_resolution(2));
+  EXPECT_EQ(allowed_tolerance(Kind::VertexFace, {x[2], x[0], x[1], x[3]}, far, {}), ccd_resolution(4));
+
+  // All points but one meet at t = 1, and the answer is a Hit at a little more than half of its tolerance,
+  // which is that of a difference of 6. From the first point at t = 0 all coordinates are within 3.
+  const Case meeting = {{Vec3(-1, -1, -1), Vec3(-1, -4, -4), Vec3(0, -4, -4), Vec3(-4, -2, -3)},
+                        {Vec3(-3, -2, 2), Vec3(-4, -4, -4), Vec3(-4, -4, -4), Vec3(-4, -4, -4)}};
+  EXPECT_EQ(allowed_tolerance(Kind::EdgeEdge, meeting.x0, meeting.x1, {}), ccd_resolution(6));
+  CcdResult result;
+  expect_sound(Kind::EdgeEdge, meeting, {}, &result);
+  EXPECT_EQ(result.answer, Answer::Hit);
+  const Rational square = squared_distance(Kind::EdgeEdge, meeting.x0, meeting.x1, result.toi);
+  EXPECT_GT(std::sqrt(square.convert_to<double>()), ccd_resolution(3));
 }
 
 TEST(Closest, AgreesWithTheExactDistance) {

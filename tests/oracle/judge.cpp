@@ -8,18 +8,23 @@
 namespace foldproof::oracle {
 namespace {
 
-// Largest coordinate relative to the first vertex at t=0, as the header of ccd_resolution words it.
-double extent(const FourPoints& x0, const FourPoints& x1) {
+// Largest coordinate of the difference of two points, one of each feature, at either end of the step.
+double extent(Kind kind, const FourPoints& x0, const FourPoints& x1) {
+  const int of_first = kind == Kind::VertexFace ? 1 : 2;
   double result = 0;
-  for (int k = 0; k < 4; ++k) {
-    result = std::max({result, (x0[k] - x0[0]).cwiseAbs().maxCoeff(), (x1[k] - x0[0]).cwiseAbs().maxCoeff()});
+  for (const FourPoints* x : {&x0, &x1}) {
+    for (int i = 0; i < of_first; ++i) {
+      for (int k = of_first; k < 4; ++k) {
+        result = std::max(result, ((*x)[i] - (*x)[k]).cwiseAbs().maxCoeff());
+      }
+    }
   }
   return result;
 }
 
 bool in_contact(Kind kind, const FourPoints& x0, const FourPoints& x1, double thickness, const Span& span) {
   if (thickness == 0) return touches(kind, x0, x1, span);
-  const double margin = std::max(std::ldexp(extent(x0, x1), -40), 0x1p-1074);
+  const double margin = std::max(std::ldexp(extent(kind, x0, x1), -40), 0x1p-1074);
   return approach(kind, x0, x1, thickness, margin, span) == Approach::Within;
 }
 
@@ -29,8 +34,8 @@ CcdResult narrow_phase(Kind kind, const FourPoints& x0, const FourPoints& x1, co
   return kind == Kind::VertexFace ? vertex_face_ccd(x0, x1, settings) : edge_edge_ccd(x0, x1, settings);
 }
 
-double allowed_tolerance(const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings) {
-  return std::max(settings.tolerance, ccd_resolution(extent(x0, x1)));
+double allowed_tolerance(Kind kind, const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings) {
+  return std::max(settings.tolerance, ccd_resolution(extent(kind, x0, x1)));
 }
 
 Verdict judge(Kind kind, const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings,
@@ -49,7 +54,7 @@ Verdict judge(Kind kind, const FourPoints& x0, const FourPoints& x1, const CcdSe
     verdict.complaint = fmt::format("late: the features touch before toi {:a}", result.toi);
     return verdict;
   }
-  const double tolerance = allowed_tolerance(x0, x1, settings);
+  const double tolerance = allowed_tolerance(kind, x0, x1, settings);
   const Rational bound = Rational(settings.thickness) + Rational(tolerance);
   if (result.answer == Answer::Hit && !within_distance(kind, x0, x1, result.toi, bound)) {
     const Rational square = squared_distance(kind, x0, x1, result.toi);

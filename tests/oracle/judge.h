@@ -11,8 +11,8 @@ namespace foldproof::oracle {
 CcdResult narrow_phase(Kind kind, const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings);
 
 /// How far beyond the thickness a Hit may be for this pair: the settings' tolerance, raised to the resolution
-/// that the header states.
-double allowed_tolerance(const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings);
+/// that the header states, of the differences between points of one feature and of the other.
+double allowed_tolerance(Kind kind, const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings);
 
 struct Verdict {
   std::string complaint;  ///< What is wrong with the answer; empty when nothing is.
