@@ -7,7 +7,7 @@ source tools/checks.sh
 # Checks of everything go by groups of modules, so that a change of the program does not check the query again.
 all_checks=(test proofs)
 for name in lint address thread; do all_checks+=("${name}_query" "${name}_models" "${name}_rest"); done
-all_checks+=(fuzz search floats frames mutants bench arm64 s390x compilers)
+all_checks+=(fuzz_query fuzz_models search floats frames mutants bench arm64 s390x compilers)
 
 query_modules='base mesh ccd bvh certificate check solver statistics reduced'
 query_tests="$query_modules arithmetic allocation oracle search adversary"
@@ -45,7 +45,8 @@ inputs_of() {
   case $1 in
     lint_query | address_query | thread_query) echo "$tests $query $models $(tests_of $query_tests model) tests/io/support.h tests/report/needle.h" ;;
     lint_models | address_models | thread_models) echo "$tests $query $models $(tests_of $query_tests $model_modules report)" ;;
-    fuzz) echo "$tests $query $models $(tests_of fuzz adversary oracle certificate solver)" ;;
+    fuzz_query) echo "$tests $query $models $(tests_of fuzz adversary oracle certificate solver)" ;;
+    fuzz_models) echo "$tests $query $models $(tests_of fuzz) :!tests/fuzz/fuzz_ccd.cpp :!tests/fuzz/fuzz_query.cpp" ;;
     search) echo "$tests $query $models $(tests_of adversary search oracle certificate solver)" ;;
     floats) echo "$tests $query include/foldproof/io.h $(tests_of arithmetic oracle) :!tests/oracle/judge.*" ;;
     proofs) echo "$built $query tools/proofs proofs docs/soundness.md" ;;
@@ -116,7 +117,12 @@ all_address_rest() { sanitize_group asan rest; }
 all_thread_query() { sanitize_group tsan query; }
 all_thread_models() { sanitize_group tsan models; }
 all_thread_rest() { sanitize_group tsan rest; }
-all_fuzz() { do_fuzz $((60 * minutes)); }
+all_fuzz_query() { do_fuzz $((60 * minutes)) ccd query; }
+all_fuzz_models() {
+  local targets
+  mapfile -t targets < <(fuzz_targets | grep -vx -e ccd -e query)
+  do_fuzz $((60 * minutes)) "${targets[@]}"
+}
 all_search() { do_search $((360 * minutes)); }
 
 all_frames() {
@@ -152,8 +158,8 @@ what_is() {
     lint_*) echo "clang-tidy on $group" ;;
     address_*) echo "tests of $group under the address and undefined-behavior sanitizers" ;;
     thread_*) echo "tests of $group under the thread sanitizer" ;;
-    fuzz) echo "every fuzz target, $minutes min each" ;;
-    fuzz_*) echo "fuzz target ${1#fuzz_}" ;;
+    fuzz_query | fuzz_models) echo "fuzz targets of $group, $minutes min each" ;;
+    fuzz_*) echo "fuzz target ${1##*_}" ;;
     search) echo "search for answers that are wrong, $((13 * minutes)) min of processor time (\`./dev search\`)" ;;
     search_answers*) echo 'small scenes of very different sizes, asked in every way' ;;
     search_*) echo 'meshes moved towards collisions that certificates exclude' ;;
@@ -222,7 +228,7 @@ unchanged_since() {
   local inputs ignore=()
   read -r -a inputs <<<"$(inputs_of "$1")"
   case $1 in
-    address_* | thread_* | fuzz | search | floats | frames | arm64 | s390x | compilers) ignore=(-I '^ *//(|.*[^\\])$') ;;
+    address_* | thread_* | fuzz_* | search | floats | frames | arm64 | s390x | compilers) ignore=(-I '^ *//(|.*[^\\])$') ;;
   esac
   git diff --quiet "${ignore[@]}" "$2" HEAD -- "${inputs[@]}" 2>/dev/null
 }
@@ -284,7 +290,7 @@ do_all() {
     elif [[ " ${only[*]} " == *" $name "* ]]; then
       run_check "$name" "all_$name"
       case $name in
-        fuzz) add_parts fuzz $((60 * minutes)) ;;
+        fuzz_*) add_parts "$name" $((60 * minutes)) ;;
         search) add_parts search $((360 * minutes)) ;;
       esac
     elif take_rows "$name" FAILED; then

@@ -76,9 +76,9 @@ class All(unittest.TestCase):
     SCRIPT = """set -euo pipefail
 say() { :; }; need() { :; }; die() { echo "$*" >&2; exit 2; }
 source tools/all.sh
-all_checks=(test fuzz floats)
+all_checks=(test fuzz_query floats)
 all_test() { echo ran >>ran; echo '[  PASSED  ] 3 tests.'; }
-all_fuzz() {
+all_fuzz_query() {
   echo ran >>ran
   echo 'obj      clean, 12 inputs'
   [[ ! -f broken ]] || { echo 'ply      FAILED; what it printed is in a file'; return 1; }
@@ -124,10 +124,12 @@ do_all""")
                 len(ran.read_text().splitlines()) if ran.exists() else 0)
 
     def test_goes_on_with_what_has_not_passed(self):
-        table = {"test": ("passed", "3 tests, 0 failed, 0 skipped"), "fuzz": ("passed", "2 targets, 42 inputs"),
-                 "fuzz_obj": ("passed", "12 inputs"), "fuzz_ply": ("passed", "30 inputs"), "floats": ("FAILED", "")}
+        table = {"test": ("passed", "3 tests, 0 failed, 0 skipped"), "fuzz_query": ("passed", "2 targets, 42 inputs"),
+                 "fuzz_query_obj": ("passed", "12 inputs"), "fuzz_query_ply": ("passed", "30 inputs"),
+                 "floats": ("FAILED", "")}
         self.assertEqual(self.run_all(), (2, table, 2))
-        (self.folder / "out" / "checks" / "fuzz.log").write_text("obj      clean, 1 inputs\n")  # of a shorter run since
+        log = self.folder / "out" / "checks" / "fuzz_query.log"
+        log.write_text("obj      clean, 1 inputs\n")  # of a shorter run since
         (self.folder / "fixed").touch()
         table["floats"] = ("passed", "every float")
         self.assertEqual(self.run_all(), (0, table, 0))
@@ -136,49 +138,49 @@ do_all""")
     def test_a_part_that_failed_fails_the_check_until_it_passes(self):
         (self.folder / "fixed").touch()
         (self.folder / "broken").touch()
-        parts = {"fuzz_obj": "passed", "fuzz_ply": "FAILED"}
+        parts = {"fuzz_query_obj": "passed", "fuzz_query_ply": "FAILED"}
         for ran, *arguments in ((2,), (1,), (0, "--only", "floats")):
             code, table, runs = self.run_all(*arguments)
             self.assertEqual((code, runs), (2, ran))
-            self.assertEqual(table["fuzz"][0], "FAILED")
+            self.assertEqual(table["fuzz_query"][0], "FAILED")
             self.assertEqual({name: table[name][0] for name in parts}, parts)
         (self.folder / "broken").unlink()
         code, table, _ = self.run_all()
-        self.assertEqual((code, table["fuzz"][0], table["fuzz_ply"][0]), (0, "passed", "passed"))
+        self.assertEqual((code, table["fuzz_query"][0], table["fuzz_query_ply"][0]), (0, "passed", "passed"))
 
     def test_goes_on_where_only_the_page_is(self):
-        self.assertEqual(self.run_all("--only", "fuzz")[2], 1)
+        self.assertEqual(self.run_all("--only", "fuzz_query")[2], 1)
         shutil.rmtree(self.folder / "out")
         self.run_all("--only", "test", killed=True)
-        self.assertEqual(self.run_all("--only", "test")[1]["fuzz_ply"], ("passed", "30 inputs"))
+        self.assertEqual(self.run_all("--only", "test")[1]["fuzz_query_ply"], ("passed", "30 inputs"))
 
     def test_only_a_change_of_what_it_reads_runs_a_check_again(self):
         (self.folder / "tests" / "fuzz").mkdir(parents=True)
         page = self.folder / "docs" / "quality.md"
-        for changed, again in (("apps", ["test"]), ("tests/fuzz/target.cpp", ["test", "fuzz"]), ("docs/page.md", ["test"]),
-                               ("CHANGELOG.md", []),
-                               ("CMakeLists.txt", ["test", "fuzz"])):
+        for changed, again in (("apps", ["test"]), ("tests/fuzz/target.cpp", ["test", "fuzz_query"]),
+                               ("docs/page.md", ["test"]), ("CHANGELOG.md", []),
+                               ("CMakeLists.txt", ["test", "fuzz_query"])):
             with self.subTest(changed):
-                self.run_all("--only", "test,fuzz")
+                self.run_all("--only", "test,fuzz_query")
                 self.commit()
                 (self.folder / changed).write_text("changed")
                 self.commit()
                 old = set(re.findall(r"\| ([0-9a-f]+) \|$", page.read_text(), re.MULTILINE))
-                self.assertEqual(self.run_all("--only", "test,fuzz")[2], len(again))
+                self.assertEqual(self.run_all("--only", "test,fuzz_query")[2], len(again))
                 rows = dict(re.findall(r"^\| (\w+) \|.* \| ([0-9a-f]+) \|$", page.read_text(), re.MULTILINE))
-                self.assertEqual([name for name in ("test", "fuzz") if rows[name] not in old], again)
-                self.assertEqual(rows["fuzz_obj"], rows["fuzz"])
+                self.assertEqual([name for name in ("test", "fuzz_query") if rows[name] not in old], again)
+                self.assertEqual(rows["fuzz_query_obj"], rows["fuzz_query"])
 
     def test_comments_run_no_check_again_that_compiles(self):
         source = self.folder / "src" / "ccd"
         source.parent.mkdir()
-        self.run_all("--only", "test,fuzz")
+        self.run_all("--only", "test,fuzz_query")
         for text, ran in (("int a;\n", 2), ("// Why.\n  /// What.\n//\nint a;\n", 1), ("// Why not.\nint a;\n", 1),
                           ("// Why not. \\\nint a;\n", 2), ("int a;\n", 2), ("int a;  // Why.\n", 2)):
             with self.subTest(text):
                 source.write_text(text)
                 self.commit()
-                self.assertEqual(self.run_all("--only", "test,fuzz")[2], ran)
+                self.assertEqual(self.run_all("--only", "test,fuzz_query")[2], ran)
 
     def test_rows_of_a_commit_that_is_not_here_do_not_count(self):
         self.run_all("--only", "test")
@@ -201,14 +203,14 @@ do_all""")
 
     def test_what_was_not_asked_for_is_said(self):
         self.assertEqual(self.run_all("--only", "test")[:2], (0, {
-            "test": ("passed", "3 tests, 0 failed, 0 skipped"), "fuzz": ("skipped", "not asked for"),
+            "test": ("passed", "3 tests, 0 failed, 0 skipped"), "fuzz_query": ("skipped", "not asked for"),
             "floats": ("skipped", "not asked for")}))
 
 
 class Inputs(unittest.TestCase):
     """A row of ./dev all holds until one of its inputs changes, so what they include belongs to them."""
-    CHECKS = ("lint_query lint_models address_query address_models thread_query thread_models fuzz search floats frames "
-              "mutants proofs arm64 s390x compilers").split()
+    CHECKS = ("lint_query lint_models address_query address_models thread_query thread_models fuzz_query fuzz_models "
+              "search floats frames mutants proofs arm64 s390x compilers").split()
 
     def files_of(self, check):
         inputs = subprocess.run(["bash", "-c", f"set -euo pipefail\nsource tools/all.sh\ninputs_of {check}"],
