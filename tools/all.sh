@@ -12,6 +12,7 @@ all_checks+=(fuzz_query fuzz_models search floats frames mutants bench arm64 s39
 query_modules='base mesh ccd bvh certificate check solver statistics reduced'
 query_tests="$query_modules arithmetic allocation oracle search adversary"
 model_modules='io keypoints learned model'
+query_fuzz_targets='ccd query'
 
 # in_group GROUP FORMAT: a regular expression from the modules of a group of tests; FORMAT has %s in their place.
 in_group() {
@@ -46,7 +47,7 @@ inputs_of() {
     lint_query | address_query | thread_query) echo "$tests $query $models $(tests_of $query_tests model) tests/io/support.h tests/report/needle.h" ;;
     lint_models | address_models | thread_models) echo "$tests $query $models $(tests_of $query_tests $model_modules report)" ;;
     fuzz_query) echo "$tests $query $models $(tests_of fuzz adversary oracle certificate solver)" ;;
-    fuzz_models) echo "$tests $query $models $(tests_of fuzz) :!tests/fuzz/fuzz_ccd.cpp :!tests/fuzz/fuzz_query.cpp" ;;
+    fuzz_models) echo "$tests $query $models $(tests_of fuzz) $(printf ':!tests/fuzz/fuzz_%s.cpp ' $query_fuzz_targets)" ;;
     search) echo "$tests $query $models $(tests_of adversary search oracle certificate solver)" ;;
     floats) echo "$tests $query include/foldproof/io.h $(tests_of arithmetic oracle) :!tests/oracle/judge.*" ;;
     proofs) echo "$built $query tools/proofs proofs docs/soundness.md" ;;
@@ -117,10 +118,11 @@ all_address_rest() { sanitize_group asan rest; }
 all_thread_query() { sanitize_group tsan query; }
 all_thread_models() { sanitize_group tsan models; }
 all_thread_rest() { sanitize_group tsan rest; }
-all_fuzz_query() { do_fuzz $((60 * minutes)) ccd query; }
+# shellcheck disable=SC2086  # a list of words
+all_fuzz_query() { do_fuzz $((60 * minutes)) $query_fuzz_targets; }
 all_fuzz_models() {
   local targets
-  mapfile -t targets < <(fuzz_targets | grep -vx -e ccd -e query)
+  mapfile -t targets < <(fuzz_targets | grep -vxF "${query_fuzz_targets// /$'\n'}")
   do_fuzz $((60 * minutes)) "${targets[@]}"
 }
 all_search() { do_search $((360 * minutes)); }
