@@ -15,7 +15,7 @@
 namespace foldproof::adversary {
 namespace {
 
-// A case takes milliseconds.
+// A question takes milliseconds, or a second where 20,000 pairs collide. A case may ask hundreds of those.
 constexpr long kMaxSeconds = 20;
 
 struct Options {
@@ -33,15 +33,23 @@ void give_up(int signal) {
   const int size = std::snprintf(
       text, sizeof text, "case %llu of seed %llu %s in %s; repeat it with --seed %llu --case %llu\n",
       static_cast<unsigned long long>(now_case), static_cast<unsigned long long>(now_seed),
-      signal == SIGVTALRM ? "does not end" : "crashes", now_doing, static_cast<unsigned long long>(now_seed),
+      signal == SIGVTALRM ? "does not end" : "crashes", question, static_cast<unsigned long long>(now_seed),
       static_cast<unsigned long long>(now_case));
   if (write(STDOUT_FILENO, text, static_cast<std::size_t>(size)) < 0) _exit(2);
   _exit(1);
 }
 
-// Seconds of the processor until a case is given up; 0: never.
-void let_run(long seconds) {
-  const itimerval time = {{0, 0}, {seconds, 0}};
+// Called again and again. Gives up where no other question was asked since the last call.
+void look_for_progress(int signal) {
+  static volatile std::uint64_t last = 0;
+  const std::uint64_t now = questions_asked;
+  if (now == last) give_up(signal);
+  last = now;
+}
+
+// Seconds of the processor between looks; 0: never.
+void look_every(long seconds) {
+  const itimerval time = {{seconds, 0}, {seconds, 0}};
   setitimer(ITIMER_VIRTUAL, &time, nullptr);
 }
 
@@ -91,10 +99,10 @@ int search(const Options& options) {
   const auto seconds = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
   Tally tally;
   now_seed = options.seed;
+  look_every(kMaxSeconds);
   for (std::uint64_t number = options.first;
        options.single ? number == options.first : seconds() < options.seconds; ++number) {
     now_case = number;
-    let_run(kMaxSeconds);
     Source source = numbered(options.seed, number);
     const Case c = make_case(source);
     const std::string scene = run_case(c, tally), wrong = scene.empty() ? ask_touching(source, tally) : scene;
@@ -103,13 +111,13 @@ int search(const Options& options) {
                options.seed, seconds(), wrong, options.seed, number);
     std::fflush(stdout);
     if (scene.empty()) return 1;
-    let_run(0);
+    look_every(0);
     const Case small = cut_down(c);
     Tally unused;
     fmt::print("cut down: {}\n{}", run_case(small, unused), describe(small));
     return 1;
   }
-  let_run(0);
+  look_every(0);
   print(tally, seconds());
   if (worth_while(tally)) return 0;
   fmt::print("the cases do not test what they should: see the shares above\n");
@@ -128,6 +136,7 @@ int main(int argc, char** argv) {
                "repeats one\n");
     return 2;
   }
-  for (const int signal : {SIGVTALRM, SIGSEGV, SIGABRT, SIGFPE}) std::signal(signal, give_up);
+  for (const int signal : {SIGSEGV, SIGABRT, SIGFPE}) std::signal(signal, give_up);
+  std::signal(SIGVTALRM, look_for_progress);
   return search(options);
 }

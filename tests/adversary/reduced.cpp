@@ -36,7 +36,7 @@ Result<Pca> subspace_of(const Case& c) {
 }  // namespace
 
 std::string check_reduced(const Case& c, Tally& tally) {
-  now_doing = "reduced coordinates";
+  now_asking("reduced coordinates");
   const Object& o = c.objects[0];
   const auto hierarchy =
       std::make_shared<const Hierarchy>(Hierarchy::build(Topology::make(o.vertex_count, o.triangles).value(),

@@ -175,7 +175,7 @@ class Player {
     plain.certificates = plain.look_ahead = plain.earliest_only = false;
     const auto all_targets = targets();
     {
-      now_doing = "a step for itself";
+      now_asking("a step for itself");
       const testing::OneTarget only(all_targets[rng_() % all_targets.size()]);
       StepChecker fresh(own_);
       if (std::string wrong = check(fresh, step, plain, full_); !wrong.empty()) return wrong;
@@ -185,7 +185,7 @@ class Player {
     tally_.collisions += full_.vertex_face.size() + full_.edge_edge.size();
     tally_.undecided += full_.work.undecided;
     if (std::string wrong = play_main(step); !wrong.empty()) return wrong;
-    now_doing = "exact arithmetic";
+    now_asking("exact arithmetic");
     if (std::string wrong = check_step(case_, step, full_, rng_, tally_); !wrong.empty()) return wrong;
     return play_checks(step);
   }
@@ -194,7 +194,7 @@ class Player {
     if ((step.checks & kFailure) != 0) {
       if (std::string wrong = fail_once(step); !wrong.empty()) return wrong;
     }
-    now_doing = "the long-lived checker";
+    now_asking("the long-lived checker");
     StepResult result;
     std::string wrong = check(*main_, step, maybe_explained(step.settings), result);
     if (wrong.empty()) wrong = differs(step, result, expected_);
@@ -237,7 +237,7 @@ class Player {
 
   // Twice, as charts are drawn from the second step on.
   std::string play_targets(const Step& step) {
-    now_doing = "instruction sets";
+    now_asking("instruction sets");
     for (const std::int64_t target : targets()) {
       const testing::OneTarget only(target);
       StepChecker fresh(own_);
@@ -255,7 +255,7 @@ class Player {
   }
 
   std::string play_order(const Step& step) {
-    now_doing = "objects the other way round";
+    now_asking("objects the other way round");
     const auto last = static_cast<Index>(case_.objects.size() - 1);
     StepChecker fresh(Objects(own_.rbegin(), own_.rend()));
     Step turned = step;
@@ -286,7 +286,7 @@ class Player {
   }
 
   std::string play_threads(const Step& step) {
-    now_doing = "one thread";
+    now_asking("one thread");
     if (!single_) single_.emplace(own_);
     const ThreadLimit one(1);
     StepResult result;
@@ -296,7 +296,7 @@ class Player {
   }
 
   std::string play_leaves(const Step& step) {
-    now_doing = "other leaves";
+    now_asking("other leaves");
     constexpr std::array<Index, 5> kSizes = {1, 3, 8, 16, 64};
     StepChecker fresh(hierarchies(kSizes[rng_() % kSizes.size()]));
     StepSettings settings = step.settings;
@@ -310,7 +310,7 @@ class Player {
   }
 
   std::string play_pose(const Step& step) {
-    now_doing = "a pose";
+    now_asking("a pose");
     const Poses& x = rng_() % 2 == 0 ? step.x0 : step.x1;
     StaticResult result, other;
     const auto at = spans(x);
@@ -342,7 +342,7 @@ class Player {
 
   // They live as long as the case and see only some of its steps.
   std::string play_searches(const Step& step) {
-    now_doing = "other searches";
+    now_asking("other searches");
     for (int which = 0; which < 2; ++which) {
       std::optional<StepChecker>& checker = which == 0 ? without_ahead_ : without_certificates_;
       if (!checker) checker.emplace(own_);

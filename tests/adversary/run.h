@@ -1,6 +1,8 @@
 /// Plays a case: all the ways to ask for the same answer, and the truth.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -34,7 +36,13 @@ class SolverCheck {
   std::unique_ptr<Impl> impl_;
 };
 
-/// What is being done, for who waits in vain for it.
-inline const char* volatile now_doing = "nothing";
+/// What is asked now, for those who wait in vain for an answer; and how often anything was asked.
+inline const char* volatile question = "nothing";
+inline std::atomic<std::uint64_t> questions_asked{0};
+
+inline void now_asking(const char* what) {
+  question = what;
+  ++questions_asked;
+}
 
 }  // namespace foldproof::adversary

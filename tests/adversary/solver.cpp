@@ -107,7 +107,7 @@ SolverCheck::SolverCheck(const Case& c, std::mt19937_64& rng) : impl_(new Impl) 
 }
 
 std::string SolverCheck::Impl::steps(const Pose& x0, const Pose& x1, double distance, Tally& tally) {
-  now_doing = "is_step_collision_free";
+  now_asking("is_step_collision_free");
   const auto free = checker->is_step_collision_free(x0, x1, distance);
   if (free.is_error()) return "is_step_collision_free is refused: " + free.error().line();
   const std::uint64_t undecided = checker->work().undecided;
@@ -121,7 +121,7 @@ std::string SolverCheck::Impl::steps(const Pose& x0, const Pose& x1, double dist
   if (free.is_no() && pair == nullptr && undecided == 0 && all_beyond(x0, x1, beyond))
     return "is_step_collision_free says no, but all pairs stay beyond the distance and the tolerance";
 
-  now_doing = "collision_free_step_size";
+  now_asking("collision_free_step_size");
   const auto size = checker->collision_free_step_size(x0, x1, distance);
   if (!size) return "collision_free_step_size is refused: " + size.error().line();
   const double share = size->share;
@@ -145,7 +145,7 @@ std::string SolverCheck::Impl::steps(const Pose& x0, const Pose& x1, double dist
 }
 
 std::string SolverCheck::Impl::candidates(const Pose& x0, const Pose& x1, double inflation, Tally& tally) {
-  now_doing = "candidates";
+  now_asking("candidates");
   if (const auto done = checker->candidates(x0, x1, inflation, found); !done)
     return "candidates are refused: " + done.error().line();
   const auto keys = oracle::keys_of(found);
@@ -192,7 +192,7 @@ std::string SolverCheck::Impl::candidates_going_on(Pose x0, Pose x1, double infl
 }
 
 std::string SolverCheck::Impl::intersections(const Pose& x, Tally& tally) {
-  now_doing = "has_intersections";
+  now_asking("has_intersections");
   const auto answer = checker->has_intersections(x);
   if (answer.is_error()) return "has_intersections is refused: " + answer.error().line();
   for (std::size_t i = 0; i < elements.size(); ++i) {
@@ -221,7 +221,7 @@ std::string SolverCheck::Impl::intersections(const Pose& x, Tally& tally) {
 }
 
 std::string SolverCheck::Impl::min_distance(const Pose& x, double bound, Tally& tally) {
-  now_doing = "minimum_distance";
+  now_asking("minimum_distance");
   const auto answer = checker->minimum_distance(x, bound);
   if (!answer) return "minimum_distance is refused: " + answer.error().line();
   // As its header promises: it may be larger beside needles.

@@ -10,8 +10,9 @@ namespace foldproof::oracle {
 /// Calls vertex_face_ccd or edge_edge_ccd.
 CcdResult narrow_phase(Kind kind, const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings);
 
-/// How far beyond the thickness a Hit may be for this pair: the settings' tolerance, raised to the resolution
-/// that the header states, of the differences between points of one feature and of the other.
+/// How far beyond the thickness a Hit may be for this pair: the tolerance of the settings, or the resolution
+/// that ccd.h states if that is larger. The resolution follows the largest difference between a point of one
+/// feature and a point of the other.
 double allowed_tolerance(Kind kind, const FourPoints& x0, const FourPoints& x1, const CcdSettings& settings);
 
 struct Verdict {
