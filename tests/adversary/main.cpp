@@ -15,7 +15,8 @@
 namespace foldproof::adversary {
 namespace {
 
-// A question takes milliseconds, or a second where 20,000 pairs collide. A case may ask hundreds of those.
+// Of processor time, for a question. It takes milliseconds, or a second if 20,000 pairs collide; a case may
+// ask hundreds of questions.
 constexpr long kMaxSeconds = 20;
 
 struct Options {
@@ -39,7 +40,7 @@ void give_up(int signal) {
   _exit(1);
 }
 
-// Called again and again. Gives up where no other question was asked since the last call.
+// Called after every kMaxSeconds. Gives up if no new question was asked since the last call.
 void look_for_progress(int signal) {
   static volatile std::uint64_t last = 0;
   const std::uint64_t now = questions_asked;
@@ -47,7 +48,7 @@ void look_for_progress(int signal) {
   last = now;
 }
 
-// Seconds of the processor between looks; 0: never.
+// Calls look_for_progress whenever so many seconds of processor time have passed; 0: never.
 void look_every(long seconds) {
   const itimerval time = {{seconds, 0}, {seconds, 0}};
   setitimer(ITIMER_VIRTUAL, &time, nullptr);

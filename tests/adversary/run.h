@@ -36,7 +36,8 @@ class SolverCheck {
   std::unique_ptr<Impl> impl_;
 };
 
-/// What is asked now, for those who wait in vain for an answer; and how often anything was asked.
+/// The question that the library has to answer now, named in the message when that does not end or crashes,
+/// and how many it has been asked so far.
 inline const char* volatile question = "nothing";
 inline std::atomic<std::uint64_t> questions_asked{0};
 
