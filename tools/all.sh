@@ -36,7 +36,7 @@ tests_of() {
 # and check whole motions. Tests of the program, the benchmarks, the page and sweep are not compiled for other machines.
 inputs_of() {
   local built='CMakeLists.txt CMakePresets.json src/CMakeLists.txt' query models
-  local not_compiled=':!tests/mutants :!tests/tools/*.py'
+  local not_compiled=':!tests/mutants :!tests/tools/*.py' no_test_programs=':!tests/*/*_test.cpp'
   local tests="$built tests/CMakeLists.txt tests/tools/fallback.cmake tests/base/callers.h"
   [[ $1 != lint_* ]] || tests+=' .clang-tidy tests/.clang-tidy'
   [[ $1 != thread_* ]] || tests+=' tools/tsan.supp'
@@ -46,9 +46,9 @@ inputs_of() {
   case $1 in
     lint_query | address_query | thread_query) echo "$tests $query $models $(tests_of $query_tests model) tests/io/support.h tests/report/needle.h" ;;
     lint_models | address_models | thread_models) echo "$tests $query $models $(tests_of $query_tests $model_modules report)" ;;
-    fuzz_query) echo "$tests $query $models $(tests_of fuzz adversary oracle certificate solver)" ;;
+    fuzz_query) echo "$tests $query $models $(tests_of fuzz adversary oracle certificate solver) $no_test_programs" ;;
     fuzz_models) echo "$tests $query $models $(tests_of fuzz) $(printf ':!tests/fuzz/fuzz_%s.cpp ' $query_fuzz_targets)" ;;
-    search) echo "$tests $query $models $(tests_of adversary search oracle certificate solver)" ;;
+    search) echo "$tests $query $models $(tests_of adversary search oracle certificate solver) $no_test_programs" ;;
     floats) echo "$tests $query include/foldproof/io.h $(tests_of arithmetic oracle) :!tests/oracle/judge.*" ;;
     proofs) echo "$built $query tools/proofs proofs docs/soundness.md" ;;
     frames) echo "$tests $query $models $(tests_of check contacts oracle bvh io model reduced report)" ;;
