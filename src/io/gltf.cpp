@@ -19,6 +19,7 @@ constexpr std::uint64_t kMaxInstanced = std::uint64_t{1} << 27;  // vertices or 
 // Positions, morph targets and joints that evaluating a frame reads. Accessors may share bytes, so the size
 // of the file does not limit them.
 constexpr std::uint64_t kMaxPerFrame = std::uint64_t{1} << 32;
+constexpr std::uint64_t kMaxMorphWeights = std::uint64_t{1} << 26;  // animated, of all nodes
 
 /// A node that instantiates a vertex set.
 struct Instance {
@@ -101,6 +102,18 @@ class GltfMotion final : public Motion {
                     fmt::format("has more than {} morph targets and joints of vertices", kMaxPerFrame),
                     "export fewer copies of its meshes, or fewer morph targets");
       }
+    }
+    std::uint64_t weights = 0;  // of nodes outside the scene, too
+    std::vector<bool> counted(scene_.nodes.size());
+    for (const GltfChannel& channel : scene_.channels) {
+      if (channel.path != GltfPath::Weights || counted[channel.node]) continue;
+      counted[channel.node] = true;
+      weights += scene_.meshes[*scene_.nodes[channel.node].mesh].targets;
+    }
+    if (weights > kMaxMorphWeights) {
+      return fail(ErrorCode::LimitExceeded, name(),
+                  fmt::format("animates more than {} weights of morph targets", kMaxMorphWeights),
+                  "export fewer animated meshes, or fewer morph targets");
     }
     return {};
   }

@@ -27,11 +27,10 @@ std::string material_name(const GltfScene& scene, const std::optional<std::size_
 /// Finds the joint that moves most of a triangle.
 class JointFinder {
  public:
-  JointFinder(const GltfVertexSet& vertices, Index first_vertex, std::size_t joints)
-      : vertices_(vertices), first_vertex_(first_vertex), sums_(joints) {}
+  explicit JointFinder(std::size_t joints) : sums_(joints) {}
 
-  Index find(const Triangle& triangle) {
-    for (const Index v : triangle) add(v - first_vertex_);
+  Index find(const Triangle& triangle, const GltfVertexSet& vertices, Index first_vertex) {
+    for (const Index v : triangle) add(vertices, v - first_vertex);
     Index best = 0;  // that of vertices without weights
     for (const Index joint : seen_) {
       if (sums_[joint] > sums_[best] || (sums_[joint] == sums_[best] && joint < best)) best = joint;
@@ -42,8 +41,8 @@ class JointFinder {
   }
 
  private:
-  void add(std::uint64_t vertex) {
-    for (const auto& [ids, weights] : vertices_.influences) {
+  void add(const GltfVertexSet& vertices, std::uint64_t vertex) {
+    for (const auto& [ids, weights] : vertices.influences) {
       for (int c = 0; c < 4; ++c) {
         const double weight = weights.get(vertex, c);
         const auto joint = static_cast<std::size_t>(ids.get(vertex, c));
@@ -54,8 +53,6 @@ class JointFinder {
     }
   }
 
-  const GltfVertexSet& vertices_;
-  Index first_vertex_;
   std::vector<double> sums_;  // per joint
   std::vector<Index> seen_;   // joints with a sum
 };
@@ -73,10 +70,11 @@ ObjectParts joint_parts(const GltfScene& scene, std::span<const GltfTriangles> r
   for (const std::size_t joint : scene.skins[*node.skin].joints) names.push_back(node_name(scene, joint));
   std::vector<Index> of_triangle;
   of_triangle.reserve(triangles.size());
+  JointFinder finder(names.size());
   for (const GltfTriangles& run : runs) {
-    JointFinder finder(mesh.vertex_sets[run.primitive->vertex_set], run.first_vertex, names.size());
+    const GltfVertexSet& vertices = mesh.vertex_sets[run.primitive->vertex_set];
     for (const Triangle& triangle : triangles.subspan(of_triangle.size(), run.triangles))
-      of_triangle.push_back(finder.find(triangle));
+      of_triangle.push_back(finder.find(triangle, vertices, run.first_vertex));
   }
   return parts_by_name(names, of_triangle);
 }

@@ -306,10 +306,10 @@ class SceneReader {
   /// KHR_animation_pointer can drive whatever has a place in the JSON. Only looks can be left out.
   void check_pointer(const Json& target, const std::string& json_path) {
     static const Json::json_pointer kPointer("/extensions/KHR_animation_pointer/pointer");
-    const Json pointer = target.contains(kPointer) ? target[kPointer] : Json();
-    const std::string text = pointer.is_string() ? pointer.get<std::string>() : "";
+    const std::string* pointer =
+        target.contains(kPointer) ? target[kPointer].get_ptr<const std::string*>() : nullptr;
     for (const char* looks : {"/materials/", "/cameras/", "/extensions/KHR_lights_punctual/"}) {
-      if (text.starts_with(looks)) return;
+      if (pointer != nullptr && pointer->starts_with(looks)) return;
     }
     document_.set_error(json_path, "'KHR_animation_pointer' is not read",
                         "bake the animation to node transforms");

@@ -205,6 +205,38 @@ TEST_F(LinearTest, GltfMorphTargetsThatShareBytes) {
   EXPECT_THAT(open_error({files.write("a.gltf", b.gltf())}), ::testing::HasSubstr("morph targets"));
 }
 
+// Animated weights of nodes that nothing shows.
+TEST_F(LinearTest, GltfMorphWeightsOfManyNodes) {
+  GltfBuilder b;
+  constexpr std::size_t kTargets = 10'000, kNodes = 10'000;
+  b.triangle()["targets"] = std::vector<Json>(kTargets, Json::object());
+  b.json["nodes"] = std::vector<Json>(kNodes, {{"mesh", 0}});
+  const int times = b.floats("SCALAR", {0});
+  const auto values = b.json["accessors"].size();
+  b.json["accessors"].push_back({{"componentType", 5126}, {"count", kTargets}, {"type", "SCALAR"}});
+  Json channels = Json::array();
+  for (std::size_t i = 0; i < kNodes; ++i)
+    channels.push_back({{"sampler", 0}, {"target", {{"node", i}, {"path", "weights"}}}});
+  b.json["animations"] = {{{"samplers", {{{"input", times}, {"output", values}}}}, {"channels", channels}}};
+  EXPECT_THAT(open_error({files.write("a.gltf", b.gltf())}),
+              ::testing::HasSubstr("animates more than 67108864 weights of morph targets"));
+}
+
+// A skin of many joints, which many primitives share.
+TEST_F(LinearTest, GltfJointsOfManyPrimitives) {
+  GltfBuilder b;
+  Json& triangle = b.triangle();
+  triangle["attributes"]["JOINTS_0"] = b.accessor<std::uint8_t>("VEC4", std::vector<std::uint8_t>(12, 0));
+  triangle["attributes"]["WEIGHTS_0"] = b.floats("VEC4", std::vector<float>(12, 0.25f));
+  const Json one = triangle;
+  b.json["meshes"][0]["primitives"] = std::vector<Json>(100'000, one);
+  b.json["nodes"] = {{{"mesh", 0}, {"skin", 0}}, {{"name", "joint"}}};
+  b.json["skins"] = {{{"joints", std::vector<int>(1'000'000, 1)}}};
+  const auto motion = gltf(b);
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(motion->topology().triangles().size(), 100'000u);
+}
+
 // One long animation among many short ones, whose durations must not be recomputed for every comparison.
 TEST_F(LinearTest, GltfAnimationsOfManyChannels) {
   GltfBuilder b;
@@ -235,6 +267,13 @@ TEST_F(LinearTest, GltfThatIsNestedDeeply) {
   EXPECT_EQ(frame(*motion, 0), kTrianglePositions);
   EXPECT_THAT(open_error({files.write("b.gltf", std::string(kDeep, '['))}),
               ::testing::HasSubstr("is not valid JSON here"));
+  // Where an animation names what it drives.
+  text = b.gltf();
+  const std::string pointer = R"({"path":"pointer","extensions":{"KHR_animation_pointer":{"pointer":)" +
+                              std::string(kDeep, '[') + std::string(kDeep, ']') + "}}}";
+  text.insert(1, R"("animations":[{"samplers":[{}],"channels":[{"sampler":0,"target":)" + pointer + "}]}],");
+  EXPECT_THAT(open_error({files.write("d.gltf", text)}),
+              ::testing::HasSubstr("'KHR_animation_pointer' is not read"));
   // A chain of nodes.
   b.json["nodes"] = Json::array();
   for (std::size_t i = 0; i < 200'000; ++i) b.json["nodes"].push_back({{"children", {i + 1}}});
