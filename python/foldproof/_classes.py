@@ -126,6 +126,11 @@ def _text_of_step(step: StepResult) -> str:
     return f"<foldproof.StepResult: {label}{found}, the earliest at {step.earliest_toi:.4g}>"
 
 
+def _text_of_pose(pose: StaticResult) -> str:
+    label = "STATISTICAL: " if pose.statistical else ""
+    return f"<foldproof.StaticResult: {label}{many(pose.crossing_count, 'crossing pair')}{' found' if label else ''}>"
+
+
 def _text_of_hierarchy(hierarchy: Hierarchy) -> str:
     triangles, leaves = len(hierarchy.triangles), hierarchy.leaf_count
     return _line("Hierarchy", "", {"vertices": f"{hierarchy.vertex_count:,}", "triangles": f"{triangles:,}", "leaves": f"{leaves:,}"})
@@ -162,4 +167,4 @@ def complete_classes() -> None:
     )
     _set(Hierarchy, __repr__=_text_of_hierarchy)
     _set(StepResult, __repr__=_text_of_step)
-    _set(StaticResult, __repr__=lambda self: f"<foldproof.StaticResult: {many(self.crossing_count, 'crossing pair')}>")
+    _set(StaticResult, __repr__=_text_of_pose)

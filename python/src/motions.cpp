@@ -186,9 +186,11 @@ py::list notes_of_motion(const SharedMotion& motion) {
 py::tuple state_of(const py::object& self) {
   const auto& motion = self.cast<const SharedMotion&>();
   const ReadOptions& read = motion.read();
+  py::list notes;
+  for (const std::string& note : motion.notes()) notes.append(py::bytes(note));
   return py::make_tuple(triangles_of_motion(self), py::module_::import("numpy").attr("stack")(py::list(self)),
-                        py::bytes(motion.name()), parts_of_motion(motion), py::bytes(motion.unit()),
-                        motion.notes(), read.fps, read.weld, read.separate);
+                        py::bytes(motion.name()), parts_of_motion(motion), py::bytes(motion.unit()), notes,
+                        read.fps, read.weld, read.separate);
 }
 
 std::shared_ptr<SharedMotion> motion_of_state(const py::tuple& state) {

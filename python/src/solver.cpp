@@ -79,6 +79,14 @@ struct Solver {
     const std::lock_guard lock(mutex);
     return take(query(checker));
   }
+
+  /// What is kept of the last call; waits for one of another thread.
+  template <class Read>
+  auto of_last_call(Read read) {
+    const Unlocked unlocked;
+    const std::lock_guard lock(mutex);
+    return read();
+  }
 };
 
 std::unique_ptr<Candidates> candidates_of(Solver& self, const py::object& x0, const py::object& x1,
@@ -174,10 +182,33 @@ void bind_candidates(py::module_& module) {
           "Two codimensional points.");
 }
 
+void bind_last_call(py::class_<Solver>& checker) {
+  checker
+      .def_property_readonly(
+          "limit",
+          [](Solver& self) {
+            return kStepLimitNames[static_cast<std::size_t>(self.of_last_call([&] { return self.limit; }))];
+          },
+          "Why the last step size is not larger: 'none' (it is 1), 'contact' on the way, 'start' (it is 0: "
+          "x0 itself is in contact, or too close), or 'undecided' (it is 0: no share could be proven free).")
+      .def_property_readonly(
+          "work",
+          [](Solver& self) { return work_of(self.of_last_call([&] { return self.checker.work(); })); },
+          "The work of the last call, in numbers.")
+      .def_property_readonly(
+          "milliseconds",
+          [](Solver& self) {
+            return milliseconds_of(self.of_last_call([&] { return self.checker.milliseconds(); }));
+          },
+          "Wall time of the last call: total, update, traverse, narrow.");
+}
+
 void bind_checker(py::module_& module) {
-  py::class_<Solver>(module, "ContactChecker",
-                     "Answers the queries of implicit solvers about one mesh, and reuses the work of earlier "
-                     "calls.\n\nCalls of one checker wait for each other; use one per thread.")
+  py::class_<Solver> checker(
+      module, "ContactChecker",
+      "Answers the queries of implicit solvers about one mesh, and reuses the work of earlier "
+      "calls.\n\nCalls of one checker wait for each other; use one per thread.");
+  checker
       .def(py::init([](std::shared_ptr<CollisionMesh> mesh, bool certificates, double tolerance,
                        double conservative_rescaling) {
              return std::make_unique<Solver>(
@@ -195,11 +226,6 @@ void bind_checker(py::module_& module) {
           "min_distance on the way.\n\n"
           "x0, x1: V x 3, mesh units. limit says why the share is not larger. Error: wrong shapes, numbers "
           "that are not finite.")
-      .def_property_readonly(
-          "limit", [](const Solver& self) { return kStepLimitNames[static_cast<std::size_t>(self.limit)]; },
-          "Why the last step size is not larger: 'none' (it is 1), 'contact' on the way, 'start' (it is 0: "
-          "x0 "
-          "itself is in contact, or too close), or 'undecided' (it is 0: no share could be proven free).")
       .def("is_step_collision_free", &step_is_free, py::arg("x0"), py::arg("x1"),
            py::arg("min_distance") = 0.0,
            "True: proven that no pair comes as close as min_distance while vertices move straight from x0 to "
@@ -225,13 +251,8 @@ void bind_checker(py::module_& module) {
           },
           py::arg("x"), py::arg("bound"),
           "The smallest distance of two features that may collide, mesh units; infinity when it is above "
-          "bound.\n\nx: V x 3, mesh units. Error: as collision_free_step_size.")
-      .def_property_readonly(
-          "work", [](const Solver& self) { return work_of(self.checker.work()); },
-          "The work of the last call, in numbers.")
-      .def_property_readonly(
-          "milliseconds", [](const Solver& self) { return milliseconds_of(self.checker.milliseconds()); },
-          "Wall time of the last call: total, update, traverse, narrow.");
+          "bound.\n\nx: V x 3, mesh units. Error: as collision_free_step_size.");
+  bind_last_call(checker);
 }
 
 py::array_t<double> towards(const py::object& x0, const py::object& x1, double share) {

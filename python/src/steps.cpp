@@ -47,6 +47,7 @@ std::unique_ptr<StaticAnswer> check_static(Checker& self, const py::object& x, c
   const Pose pose = pose_of(x, "x", self.objects);
   auto result = std::make_unique<StaticAnswer>();
   result->objects = self.objects;
+  result->statistical = step.mode == Mode::Paper;
   const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
   take(self.checker->check_static(pose.spans, step, *result));
@@ -85,6 +86,7 @@ template <class Class>
 void bind_answer(Class& answer) {
   using Answer = typename Class::type;
   answer.def_property_readonly("clean", &Answer::clean, "Whether nothing collides.")
+      .def_readonly("statistical", &Answer::statistical, "Mode 'paper', which can miss collisions.")
       .def_property_readonly(
           "work", [](const Answer& a) { return work_of(a.work); },
           "Work counters: node_tests, certificate_tests, certificate_passes, leaf_pairs, candidates_vf, "
@@ -120,7 +122,6 @@ void bind_answers(py::module_& module) {
       .def_readonly("vertex_face_count", &StepResult::vertex_face_count,
                     "The number of vertex-face pairs, listed (max_listed) or not.")
       .def_readonly("edge_edge_count", &StepResult::edge_edge_count, "The number of edge-edge pairs.")
-      .def_readonly("statistical", &StepAnswer::statistical, "Mode 'paper', which can miss collisions.")
       .def_readonly("tolerance", &StepResult::tolerance, "The tolerance used, mesh units.")
       .def_readonly("search_steps", &StepResult::search_steps,
                     "How many steps the search of this step covers, this one included; 0: an earlier search "
@@ -201,8 +202,9 @@ void bind_steps(py::module_& module) {
               "place. Error: wrong shapes, numbers that are not finite.")
               .c_str())
       .def("check_static", &check_static, py::arg("x"),
-           "Every two triangles that cross in the pose x (as in check), exact.\n\n"
-           "settings: within, between, certificates, max_listed, explain. Error: as in check.");
+           "Every two triangles that cross in the pose x (as in check), decided exactly.\n\n"
+           "settings: within, between, certificates, max_listed, explain, and mode ('paper' can miss "
+           "crossings). Error: as in check.");
 }
 
 }  // namespace foldproof::python

@@ -1,6 +1,8 @@
 """What classes have beyond their numbers: text, slices, copies, equality, errors, and meshes of other libraries."""
 import json
+import os
 import pickle
+import shutil
 import types
 
 import numpy as np
@@ -58,6 +60,11 @@ def test_what_readers_leave_out_is_said_and_copied(motion, tmp_path):
     assert note in repr(found) and note in found._repr_html_() and "; " not in repr(foldproof.check(motion)).split("; ", 1)[1]
     copy = pickle.loads(pickle.dumps(read))
     assert copy.notes == [note] and copy.name == read.name
+    (tmp_path / "named").mkdir()
+    for number, name in enumerate((b"a\xff0.obj", b"b1.obj")):
+        shutil.copy(tmp_path / f"f{2 * number}.obj", os.path.join(os.fsencode(tmp_path / "named"), name))
+    named = foldproof.open_motion(tmp_path / "named")
+    assert "\\xff0.obj is followed by b1.obj" in named.notes[0] and pickle.loads(pickle.dumps(named)).notes == named.notes
     foldproof.check(copy, reports=tmp_path / "a.json")
     settings = json.loads((tmp_path / "a.json").read_text())["settings"]
     assert settings["fps"] == 30 and settings["weld"] is True
@@ -82,6 +89,9 @@ def test_a_step_that_may_miss_says_so(motion, model):
     for mode, text in (("proven", "nothing collides"), ("paper", "STATISTICAL: nothing found")):
         found = checker.check(motion[0], motion[1], mode=mode)
         assert found.statistical == (mode == "paper") and text in repr(found)
+    for mode, text in (("proven", " 0 crossing pairs>"), ("paper", "STATISTICAL: 0 crossing pairs found>")):
+        pose = checker.check_static(motion[0], mode=mode)
+        assert pose.statistical == (mode == "paper") and text in repr(pose)
 
 
 def test_text_is_escaped(triangles, frames):
