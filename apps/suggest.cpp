@@ -3,6 +3,7 @@
 #include "base/try.h"
 #include "commands.h"
 #include "foldproof/model.h"
+#include "interruptible_motion.h"
 #include "learned_text.h"
 #include "options.h"
 #include "terminal.h"
@@ -69,7 +70,8 @@ std::string suggestion_table(const std::vector<Suggestion>& suggestions, const M
   return text;
 }
 
-Result<std::vector<Suggestion>> find(const SuggestArguments& a, const Model& model) {
+Result<std::vector<Suggestion>> find(const SuggestArguments& a, const Model& model,
+                                     const std::atomic<bool>& interrupted) {
   if (a.motion.empty()) return suggest_poses(*model.learned, a.count);
   const auto range = FOLDPROOF_TRY(frame_range_of(a.options));
   const auto motion = FOLDPROOF_TRY(open_motion_of(model, a.motion, a.options.read, a.quiet));
@@ -80,7 +82,7 @@ Result<std::vector<Suggestion>> find(const SuggestArguments& a, const Model& mod
   ProgressBar bar(!a.quiet);
   LearnHooks hooks;
   hooks.progress = [&](double share) { bar.show(share, "reading " + counted(frames.size(), "frame")); };
-  hooks.cancel = &watch_for_interrupt();
+  hooks.cancel = &interrupted;
   return suggest_frames(*model.learned, *motion, frames, a.count, hooks);
 }
 
@@ -90,8 +92,9 @@ Result<int> suggest(const SuggestArguments& a) {
   if (a.count < 1) return fail(ErrorCode::InvalidArgument, "--count", "is 0", "give at least 1");
   FOLDPROOF_TRY(a.files.check());
   const auto model = FOLDPROOF_TRY(load_learned_model(a.model));
-  const auto suggestions = find(a, model);
-  if (!suggestions && watch_for_interrupt()) {
+  const std::atomic<bool>& interrupted = watch_for_interrupt();
+  const auto suggestions = find(a, model, interrupted);
+  if (!suggestions && interrupted) {
     print_error({"interrupted", "not all frames were read", "nothing was written"});
     return kExitInterrupted;
   }
@@ -103,7 +106,8 @@ Result<int> suggest(const SuggestArguments& a) {
                   "there is no pose to suggest");
     const auto pose =
         memory_motion("suggestion", model.hierarchy()->topology(), {suggestions->front().positions});
-    FOLDPROOF_TRY(write_motion(a.output, *pose));
+    InterruptibleMotion motion(*pose, interrupted);
+    FOLDPROOF_TRY(write_motion(a.output, motion));
   }
   if (!a.quiet) print_output(suggestion_table(*suggestions, model, !a.motion.empty()));
   return kExitClean;
