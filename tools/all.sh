@@ -7,7 +7,7 @@ source tools/checks.sh
 # Checks of everything go by groups of modules, so that a change of the program does not check the query again.
 all_checks=(test proofs)
 for name in lint address thread; do all_checks+=("${name}_query" "${name}_models" "${name}_rest"); done
-all_checks+=(fuzz_query fuzz_models search floats frames mutants bench arm64 s390x compilers)
+all_checks+=(fuzz_query fuzz_models fuzz_gltf search floats frames mutants bench arm64 s390x compilers)
 
 query_modules='base mesh ccd bvh certificate check solver statistics reduced'
 query_tests="$query_modules arithmetic allocation oracle search adversary"
@@ -33,10 +33,12 @@ tests_of() {
 }
 
 # inputs_of CHECK: the files whose change makes it run again, as git's pathspecs. Tests of the query read motions and models,
-# and check whole motions. Tests of the program, the benchmarks, the page and sweep are not compiled for other machines.
+# and check whole motions, but none is glTF. Tests of the program, the benchmarks, the page and sweep are not compiled for
+# other machines.
 inputs_of() {
   local built='CMakeLists.txt CMakePresets.json src/CMakeLists.txt' query models
   local not_compiled=':!tests/mutants :!tests/tools/*.py' no_test_programs=':!tests/*/*_test.cpp'
+  local no_gltf=':!src/io/gltf* :!tests/io/gltf* :!tests/fuzz/fuzz_gltf.cpp :!tests/fuzz/corpus/gltf'
   local tests="$built tests/CMakeLists.txt tests/tools/fallback.cmake tests/base/callers.h"
   [[ $1 != lint_* ]] || tests+=' .clang-tidy tests/.clang-tidy'
   [[ $1 != thread_* ]] || tests+=' tools/tsan.supp'
@@ -44,15 +46,16 @@ inputs_of() {
   query=$(sources_of $query_modules) models=$(sources_of $model_modules contacts report picture)
   # shellcheck disable=SC2086
   case $1 in
-    lint_query | address_query | thread_query) echo "$tests $query $models $(tests_of $query_tests model) tests/io/support.h tests/report/needle.h" ;;
+    lint_query | address_query | thread_query) echo "$tests $query $models $(tests_of $query_tests model) tests/io/support.h tests/report/needle.h $no_gltf" ;;
     lint_models | address_models | thread_models) echo "$tests $query $models $(tests_of $query_tests $model_modules report)" ;;
-    fuzz_query) echo "$tests $query $models $(tests_of fuzz adversary oracle certificate solver) $no_test_programs" ;;
-    fuzz_models) echo "$tests $query $models $(tests_of fuzz) $(printf ':!tests/fuzz/fuzz_%s.cpp ' $query_fuzz_targets)" ;;
-    search) echo "$tests $query $models $(tests_of adversary search oracle certificate solver) $no_test_programs" ;;
+    fuzz_query) echo "$tests $query $models $(tests_of fuzz adversary oracle certificate solver) $no_test_programs $no_gltf" ;;
+    fuzz_gltf) echo "$tests $query $models tests/fuzz/CMakeLists.txt tests/fuzz/file_target.h tests/fuzz/fuzz_gltf.cpp tests/fuzz/corpus/gltf" ;;
+    fuzz_models) echo "$tests $query $models $(tests_of fuzz) $no_gltf $(printf ':!tests/fuzz/fuzz_%s.cpp ' $query_fuzz_targets)" ;;
+    search) echo "$tests $query $models $(tests_of adversary search oracle certificate solver) $no_test_programs $no_gltf" ;;
     floats) echo "$tests $query include/foldproof/io.h $(tests_of arithmetic oracle) :!tests/oracle/judge.*" ;;
     proofs) echo "$built $query tools/proofs proofs docs/soundness.md" ;;
-    frames) echo "$tests $query $models $(tests_of check contacts oracle bvh io model reduced report)" ;;
-    mutants) echo "$tests $query $models tools/mutants $(tests_of mutants adversary search oracle bvh ccd check certificate solver allocation reduced arithmetic contacts model) tests/io/support.h tests/report/needle.h" ;;
+    frames) echo "$tests $query $models $(tests_of check contacts oracle bvh io model reduced report) :!tests/io/*_test.cpp $no_gltf" ;;
+    mutants) echo "$tests $query $models tools/mutants $(tests_of mutants adversary search oracle bvh ccd check certificate solver allocation reduced arithmetic contacts model) tests/io/support.h tests/report/needle.h $no_gltf" ;;
     bench) echo 'CMakeLists.txt CMakePresets.json src include bench examples/solver tools/bench_tables' ;;
     arm64 | s390x) echo "dev $built cmake src include tests $not_compiled :!tests/apps :!tests/bench :!tests/page :!tests/sweep tools/cross_root" ;;
     compilers) echo "dev $built cmake src include apps bench examples tests $not_compiled tools/demo_poses.cpp" ;;
@@ -122,9 +125,10 @@ all_thread_rest() { sanitize_group tsan rest; }
 all_fuzz_query() { do_fuzz $((60 * minutes)) $query_fuzz_targets; }
 all_fuzz_models() {
   local targets
-  mapfile -t targets < <(fuzz_targets | grep -vxF "${query_fuzz_targets// /$'\n'}")
+  mapfile -t targets < <(fuzz_targets | grep -vxF "${query_fuzz_targets// /$'\n'}"$'\n'gltf)
   do_fuzz $((60 * minutes)) "${targets[@]}"
 }
+all_fuzz_gltf() { do_fuzz $((60 * minutes)) gltf; }
 all_search() { do_search $((360 * minutes)); }
 
 all_frames() {
@@ -292,7 +296,7 @@ do_all() {
     elif [[ " ${only[*]} " == *" $name "* ]]; then
       run_check "$name" "all_$name"
       case $name in
-        fuzz_*) add_parts "$name" $((60 * minutes)) ;;
+        fuzz_query | fuzz_models) add_parts "$name" $((60 * minutes)) ;;
         search) add_parts search $((360 * minutes)) ;;
       esac
     elif take_rows "$name" FAILED; then

@@ -70,7 +70,7 @@ counts_of() {
       if (ran + page) {
         printf "%d tests, %d failed, %d skipped", ran + page, ran_failed + page_failed, ran_skipped + page_skipped
       } else if (targets) {
-        printf "%d targets, %d inputs", targets, inputs
+        printf "%d target%s, %d inputs", targets, targets == 1 ? "" : "s", inputs
       } else {
         gsub(/\033\[[0-9;]*m/, "", last)
         printf "%s", substr(last, 1, 120)

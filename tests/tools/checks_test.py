@@ -210,7 +210,7 @@ do_all""")
 class Inputs(unittest.TestCase):
     """A row of ./dev all holds until one of its inputs changes, so what they include belongs to them."""
     CHECKS = ("lint_query lint_models address_query address_models thread_query thread_models fuzz_query fuzz_models "
-              "search floats frames mutants proofs arm64 s390x compilers").split()
+              "fuzz_gltf search floats frames mutants proofs arm64 s390x compilers").split()
 
     def files_of(self, check):
         inputs = subprocess.run(["bash", "-c", f"set -euo pipefail\nsource tools/all.sh\ninputs_of {check}"],
@@ -233,6 +233,16 @@ class Inputs(unittest.TestCase):
                     found = [path for place in (file.parent, *places) if (path := place / name).is_file()]
                     if found:  # else a header that the build makes
                         self.assertTrue(found[0].resolve() in files, f"{check} leaves out {name}, which {file} includes")
+
+    def test_read_no_gltf_where_its_reader_is_left_out(self):
+        reader = TOOLS.parent / "src" / "io" / "gltf.cpp"
+        without = [check for check in self.CHECKS if reader not in self.files_of(check)]
+        self.assertEqual(without, ["lint_query", "address_query", "thread_query", "fuzz_query", "fuzz_models", "search",
+                                   "floats", "frames", "mutants", "proofs"])
+        for check in without:
+            for file in self.files_of(check):
+                if TOOLS.parent / "tests" in file.parents and file.suffix in (".cpp", ".h"):
+                    self.assertNotRegex(file.read_text(), r"(?i)gltf|\.glb", f"{check} runs {file}")
 
     def test_lines_that_count_as_comments_are_comments(self):
         """Not text in a raw string, nor a line of a language with other comments."""
