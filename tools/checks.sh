@@ -52,7 +52,7 @@ stop_checks() {
 
 clock() { printf '%d:%02d' $(($1 / 60)) $(($1 % 60)); }
 
-# counts_of LOG: tests run, inputs tried; or else the last line.
+# counts_of LOG: tests run, inputs tried, cases searched; or else the last line.
 counts_of() {
   awk '
     /tests failed out of [0-9]+$/ { ran += $NF; ran_failed += $4 }
@@ -64,6 +64,8 @@ counts_of() {
     /^(#|ℹ) fail [0-9]+$/ { page_failed += $3 }
     /^(#|ℹ) skipped [0-9]+$/ { page_skipped += $3 }
     / clean, [0-9]+ inputs$/ { inputs += $(NF - 1); targets++ }
+    / clean, [0-9]+ cases, / { cases += $3 }
+    / clean, [0-9]+ attacks, / { attacks += $3 }
     /[^[:space:]]/ { last = $0 }
     END {
       if (!ran) { ran = here; ran_failed = here_failed; ran_skipped = here_skipped }  # else a part of what ctest ran
@@ -71,6 +73,8 @@ counts_of() {
         printf "%d tests, %d failed, %d skipped", ran + page, ran_failed + page_failed, ran_skipped + page_skipped
       } else if (targets) {
         printf "%d target%s, %d inputs", targets, targets == 1 ? "" : "s", inputs
+      } else if (cases + attacks) {
+        printf "%d cases, %d attacks on certificates", cases, attacks
       } else {
         gsub(/\033\[[0-9;]*m/, "", last)
         printf "%s", substr(last, 1, 120)

@@ -45,10 +45,15 @@ class Checks(unittest.TestCase):
                      "echo '75% tests passed, 2 tests failed out of 8'; echo '# tests 5'; echo '# fail 1'; echo '# skipped 2'; return 8",
             "gtest": "echo '[  PASSED  ] 7 tests.'; echo '[  SKIPPED ] 2 tests, listed below:'; echo '[  PASSED  ] 1 test.'",
             "fuzz": "echo 'obj      clean, 12 inputs'; echo 'ply      clean, 30 inputs'",
+            "one": "echo 'obj      clean, 12 inputs'",
+            "search": "echo 'answers_1      clean, 12 cases, 99 steps in 3 s'; echo 'answers_2      clean, 30 cases, 9 steps in 3 s'\n"
+                      "echo 'certificates   clean, 7 attacks, 90 of 99 moves accepted'",
         })
         self.assertEqual(table, {"ctest": ("FAILED", "13 tests, 3 failed, 3 skipped"),
                                  "gtest": ("passed", "10 tests, 0 failed, 2 skipped"),
-                                 "fuzz": ("passed", "2 targets, 42 inputs")})
+                                 "fuzz": ("passed", "2 targets, 42 inputs"),
+                                 "one": ("passed", "1 target, 12 inputs"),
+                                 "search": ("passed", "42 cases, 7 attacks on certificates")})
 
     def test_an_interrupt_ends_what_runs_and_leaves_the_table(self):
         script = BEGIN + ("trap 'stop_checks; print_checks; exit 130' INT TERM\n"
