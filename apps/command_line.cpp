@@ -147,6 +147,10 @@ template Option Subcommand::add_option(const std::string&, std::uint64_t&, const
 Option Subcommand::add_flag(const std::string& names, bool& value, const std::string& description) const {
   return Option(app_->add_flag(names, value, description));
 }
+Option Subcommand::add_flag(const std::string& names, const std::function<void()>& set,
+                            const std::string& description) const {
+  return Option(app_->add_flag_callback(names, set, description));
+}
 Option Subcommand::option(const char* name) const { return Option(app_->get_option(name)); }
 void Subcommand::footer(const std::string& text) const { app_->footer(text); }
 void Subcommand::hide() const { app_->group(""); }

@@ -2,6 +2,7 @@
 /// compile than most of what uses it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -62,6 +63,9 @@ class Subcommand {
   Option add_option(const std::string& names, T& value, const std::string& description) const;
   /// Adds an option without a value that sets `value` to true.
   Option add_flag(const std::string& names, bool& value, const std::string& description) const;
+  /// The same, and `set` is called where it is given.
+  Option add_flag(const std::string& names, const std::function<void()>& set,
+                  const std::string& description) const;
   /// One that was added.
   Option option(const char* name) const;
   /// What the help text ends with.

@@ -14,9 +14,7 @@ class InterruptibleMotion final : public Motion {
       : motion_(motion), interrupted_(interrupted) {}
   const std::string& name() const override { return motion_.name(); }
   const Topology& topology() const override { return motion_.topology(); }
-  const ObjectParts& parts() const override { return motion_.parts(); }
-  std::string unit() const override { return motion_.unit(); }
-  std::vector<std::string> notes() const override { return motion_.notes(); }
+  const MotionInfo& info() const override { return motion_.info(); }
   Index frame_count() const override { return motion_.frame_count(); }
   Result<void> read_frame(Index k, std::span<double> out) override {
     if (interrupted_) {

@@ -59,12 +59,14 @@ void add_motion_options(const Subcommand& command, MotionOptions& options) {
       .type_name("RATE")
       .group(kMotionGroup);
   command
-      .add_flag("--weld", options.read.weld,
-                "Merge vertices that coincide in the first frame (changes vertex numbers)")
+      .add_flag(
+          "--weld", [&] { options.read.weld = Weld::Always; },
+          "Merge vertices that coincide in the first frame (changes vertex numbers)")
       .group(kMotionGroup);
   command
-      .add_flag("--separate", options.read.separate,
-                "Numbered mesh files are motions of their own, not frames of one")
+      .add_flag(
+          "--separate", [&] { options.read.mesh_files = MeshFiles::Separate; },
+          "Numbered mesh files are motions of their own, not frames of one")
       .group(kMotionGroup);
 }
 

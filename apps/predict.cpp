@@ -49,8 +49,8 @@ Result<bool> are_tracks(const std::vector<std::string>& arguments) {
 }
 
 bool selects_or_reads_otherwise(const MotionOptions& motion) {
-  return !motion.frames.empty() || motion.read.weld || motion.read.separate ||
-         motion.read.fps != ReadOptions().fps;
+  return !motion.frames.empty() || motion.read.weld != Weld::ByFormat ||
+         motion.read.mesh_files != MeshFiles::ByName || motion.read.fps != ReadOptions().fps;
 }
 
 struct PredictInput {

@@ -43,7 +43,7 @@ std::string frames_hint(Motions motions) {
 std::string notes_of(Motions motions) {
   std::string text;
   for (const auto& motion : motions) {
-    for (const std::string& note : motion->notes())
+    for (const std::string& note : motion->info().notes)
       text += fmt::format("\n{}: {}\n", cell(motion->name()), printable(note));
   }
   return text;

@@ -225,7 +225,7 @@ Result<void> require_sense(const SweepArguments& a) {
 }
 
 Result<SweepInput> find_some(const SweepArguments& a) {
-  auto input = find_motions(a.motions, a.poses, a.motion.read.separate);
+  auto input = find_motions(a.motions, a.poses, a.motion.read.mesh_files == MeshFiles::Separate);
   if (input && input->motions.empty()) {
     return fail(ErrorCode::InvalidArgument, a.motions[0],
                 fmt::format("holds no motions, and {}", left_out(*input)),

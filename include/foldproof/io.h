@@ -16,6 +16,27 @@ struct ObjectParts {
   std::vector<Index> of_triangle;  ///< An index into names for each triangle; empty: there are no parts.
 };
 
+/// What a reader knows of a motion besides its triangles and frames.
+struct MotionInfo {
+  /// The parts that the file names, such as the groups of an OBJ (docs/formats.md). None where it names fewer
+  /// than two.
+  ObjectParts parts = {};
+  /// What a mesh unit is, where the format defines it: "m" for glTF. Empty: not known.
+  std::string unit = {};
+  /// What the file holds and this motion leaves out, or what was assumed: one sentence each, for the user.
+  std::vector<std::string> notes = {};
+  /// What files were taken for where they might mean something else, to be named in the verdict: "3 frames of
+  /// one mesh". Empty: nothing was assumed.
+  std::string taken_as = {};
+  /// What of the file is not checked, to be named in the verdict: "5 vertices in no face were not checked".
+  std::vector<std::string> unchecked = {};
+  /// Per vertex, the one that triangles name in its place: itself, or the one that it was merged into. Empty:
+  /// none was merged.
+  std::vector<Index> merged = {};
+  /// The motion is a single pose that stands still as long as others move (ReadOptions::still).
+  bool still = false;
+};
+
 /// One topology and its frames, read one at a time; memory holds a frame or two, never the sequence.
 class Motion {
  public:
@@ -23,13 +44,8 @@ class Motion {
   /// The file or directory it came from, for messages.
   virtual const std::string& name() const = 0;
   virtual const Topology& topology() const = 0;
-  /// The parts that the file names, such as the groups of an OBJ (docs/formats.md). None where it names fewer
-  /// than two.
-  virtual const ObjectParts& parts() const;
-  /// What a mesh unit is, where the format defines it: "m" for glTF. Empty: not known.
-  virtual std::string unit() const { return {}; }
-  /// What the file holds and this motion leaves out, or what was assumed: one sentence each, for the user.
-  virtual std::vector<std::string> notes() const { return {}; }
+  /// Empty unless a reader has something to say.
+  virtual const MotionInfo& info() const;
   /// At least 1.
   virtual Index frame_count() const = 0;
   /// Fills `out` (vertex_count x 3, row-major, mesh units) with frame `k` < frame_count(). Frames may be read
@@ -38,11 +54,24 @@ class Motion {
   virtual Result<void> read_frame(Index k, std::span<double> out) = 0;
 };
 
+/// Which vertices become one. Only triangles change: vertices keep their numbers (MotionInfo::merged).
+enum class Weld : std::uint8_t {
+  ByFormat,  ///< Those that are one by construction: the seams of glTF and STL (docs/formats.md).
+  Always,    ///< All that are at exactly one place in the first frame. Where they part later: an error.
+  Never,
+};
+
+/// What several mesh files are.
+enum class MeshFiles : std::uint8_t {
+  ByName,    ///< Frames of one motion if their names differ in nothing but one number; else bodies.
+  Sequence,  ///< Frames of one motion.
+  Separate,  ///< Bodies, each a motion of its own.
+};
+
 struct ReadOptions {
-  double fps = 24;    ///< Sampling rate for animated glTF, frames per second.
-  bool weld = false;  ///< Merge vertices at exactly one place in the first frame. Where they part: an error.
-  /// Mesh files whose names differ only in a number are motions of their own, not frames of one.
-  bool separate = false;
+  double fps = 24;  ///< Sampling rate for animated glTF, frames per second.
+  Weld weld = Weld::ByFormat;
+  MeshFiles mesh_files = MeshFiles::ByName;
   /// Motions of a single frame stand still as long as the longest of the others lasts.
   bool still = false;
 };

@@ -12,7 +12,11 @@ using Triangle = std::array<Index, 3>;
 /// Two vertex ids, the smaller first.
 using Edge = std::array<Index, 2>;
 
-/// Triangles over `vertex_count` vertices, with their edges. Immutable once made.
+/// What a triangle of a topology stands for.
+enum class Element : std::uint8_t { Face, Line, Point };
+
+/// Triangles over `vertex_count` vertices, with their edges. Immutable once made. Lines and points that
+/// belong to no face are triangles, too: a line is (a, b, b), a point is (p, p, p).
 ///
 /// Any triangle soup is valid: open borders, non-manifold edges, duplicate triangles, several components,
 /// vertices in no triangle. A triangle that names a vertex twice is the segment or point that it degenerates
@@ -25,10 +29,22 @@ class Topology {
   /// Error when a triangle names a vertex >= vertex_count, or there are no triangles, or more than
   /// kMaxTriangles.
   /// Cost: one pass; a vertex with many edges sorts them.
-  static Result<Topology> make(Index vertex_count, std::vector<Triangle> triangles);
+  static Result<Topology> make(Index vertex_count, std::vector<Triangle> faces);
+  /// With lines, which name two different vertices, and points. The triangles are the faces, then the lines,
+  /// then the points, each in the given order; they count towards kMaxTriangles.
+  static Result<Topology> make(Index vertex_count, std::vector<Triangle> faces, std::span<const Edge> lines,
+                               std::span<const Index> points);
 
   Index vertex_count() const { return vertex_count_; }
   std::span<const Triangle> triangles() const { return triangles_; }
+  /// How many of the triangles are faces; they come first. Then there are line_count() lines, then points.
+  Index face_count() const { return face_count_; }
+  Index line_count() const { return line_count_; }
+  Index point_count() const { return static_cast<Index>(triangles_.size()) - face_count_ - line_count_; }
+  Element element(Index triangle) const {
+    if (triangle < face_count_) return Element::Face;
+    return triangle < face_count_ + line_count_ ? Element::Line : Element::Point;
+  }
 
   /// Every undirected edge once, in lexicographic order.
   std::span<const Edge> edges() const { return edges_; }
@@ -36,15 +52,16 @@ class Topology {
   /// Per triangle, the ids of its edges (0,1), (1,2), (2,0); kNoIndex where both ends are the same vertex.
   std::span<const std::array<Index, 3>> triangle_edges() const { return triangle_edges_; }
 
-  /// Same vertex count and the same triangles in the same order.
+  /// Same vertex count and the same faces, lines and points in the same order.
   bool operator==(const Topology& other) const {
-    return vertex_count_ == other.vertex_count_ && triangles_ == other.triangles_;
+    return vertex_count_ == other.vertex_count_ && face_count_ == other.face_count_ &&
+           line_count_ == other.line_count_ && triangles_ == other.triangles_;
   }
 
  private:
   void find_edges();
 
-  Index vertex_count_ = 0;
+  Index vertex_count_ = 0, face_count_ = 0, line_count_ = 0;
   std::vector<Triangle> triangles_;
   std::vector<Edge> edges_;
   std::vector<std::array<Index, 3>> triangle_edges_;

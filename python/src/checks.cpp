@@ -119,12 +119,14 @@ void add_models(const py::object& models, Request& request) {
   }
 }
 
-/// Of the first motion; `weld`: of any.
+/// Of the first motion; `weld`: of the first that differs from the default.
 ReadOptions read_options(const Request& request) {
   const auto read_of = [](const auto& motion) { return static_cast<const SharedMotion&>(*motion).read(); };
   ReadOptions read;
   if (!request.motions.empty()) read = read_of(request.motions.front());
-  read.weld = std::ranges::any_of(request.motions, [&](const auto& motion) { return read_of(motion).weld; });
+  for (const auto& motion : request.motions) {
+    if (read.weld == Weld::ByFormat) read.weld = read_of(motion).weld;
+  }
   return read;
 }
 
@@ -275,7 +277,7 @@ py::dict fields_of(Found found, const Request& request) {
   d["first_frame"] = totals.first_frame;
   py::list notes;
   for (const auto& motion : request.motions) {
-    for (const std::string& note : motion->notes())
+    for (const std::string& note : motion->info().notes)
       notes.append(text_of(motion->name() + ": ") + message_of(note));
   }
   d["notes"] = notes;

@@ -17,24 +17,16 @@ namespace {
 /// A motion whose frames are an array of the caller, used in place.
 class ArrayMotion final : public Motion {
  public:
-  /// What is not known of an array alone.
-  struct Origin {
-    std::string unit = {};
-    std::vector<std::string> notes = {};
-  };
-  ArrayMotion(std::string name, Topology topology, Numbers frames, ObjectParts parts, Origin origin)
+  ArrayMotion(std::string name, Topology topology, Numbers frames, MotionInfo info)
       : name_(std::move(name)),
         topology_(std::move(topology)),
         frames_(std::move(frames)),
-        parts_(std::move(parts)),
-        origin_(std::move(origin)) {
+        info_(std::move(info)) {
     positions_ = span_of(frames_);
   }
   const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
-  const ObjectParts& parts() const override { return parts_; }
-  std::string unit() const override { return origin_.unit; }
-  std::vector<std::string> notes() const override { return origin_.notes; }
+  const MotionInfo& info() const override { return info_; }
   Index frame_count() const override {
     return static_cast<Index>(positions_.size() / topology_.vertex_count() / 3);
   }
@@ -54,8 +46,7 @@ class ArrayMotion final : public Motion {
   std::string name_;
   Topology topology_;
   Numbers frames_;
-  ObjectParts parts_;
-  Origin origin_;
+  MotionInfo info_;
   std::span<const double> positions_;
 };
 
@@ -66,9 +57,7 @@ class SlicedMotion final : public Motion {
       : whole_(std::move(whole)), begin_(begin), step_(step), count_(count) {}
   const std::string& name() const override { return whole_.name(); }
   const Topology& topology() const override { return whole_.topology(); }
-  const ObjectParts& parts() const override { return whole_.parts(); }
-  std::string unit() const override { return whole_.unit(); }
-  std::vector<std::string> notes() const override { return whole_.notes(); }
+  const MotionInfo& info() const override { return whole_.info(); }
   Index frame_count() const override { return static_cast<Index>(count_); }
   Result<void> read_frame(Index k, std::span<double> out) override {
     return whole_.read_frame(static_cast<Index>(begin_ + static_cast<py::ssize_t>(k) * step_), out);
@@ -80,8 +69,7 @@ class SlicedMotion final : public Motion {
 };
 
 std::unique_ptr<Motion> motion_of_arrays(const py::handle& triangles, const py::handle& frames,
-                                         std::string name, const py::object& parts,
-                                         ArrayMotion::Origin origin) {
+                                         std::string name, const py::object& parts, MotionInfo info) {
   py::object array = py::reinterpret_borrow<py::object>(frames);
   if (py::isinstance<py::array>(array) && array.attr("ndim").cast<int>() == 2)
     array = array[py::make_tuple(py::none(), py::ellipsis())];  // a single pose
@@ -89,9 +77,9 @@ std::unique_ptr<Motion> motion_of_arrays(const py::handle& triangles, const py::
   if (numbers.size() == 0) refuse("frames", "are empty", "give at least one frame of one vertex");
   require_finite(numbers, "frames");
   Topology topology = take(Topology::make(static_cast<Index>(numbers.shape(1)), triangles_of(triangles)));
-  ObjectParts named = object_parts(parts, topology.triangles().size(), "parts");
+  info.parts = object_parts(parts, topology.triangles().size(), "parts");
   return std::make_unique<ArrayMotion>(std::move(name), std::move(topology), std::move(numbers),
-                                       std::move(named), std::move(origin));
+                                       std::move(info));
 }
 
 std::shared_ptr<SharedMotion> array_motion(const py::handle& triangles, const py::handle& frames,
@@ -119,13 +107,16 @@ std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, const
 
 py::list open_list(const py::args& paths, double fps, bool weld, bool separate, bool still) {
   py::list list;
-  for (auto& motion : open_all(paths, {.fps = fps, .weld = weld, .separate = separate, .still = still}))
+  for (auto& motion : open_all(paths, {.fps = fps,
+                                      .weld = weld ? Weld::Always : Weld::ByFormat,
+                                      .mesh_files = separate ? MeshFiles::Separate : MeshFiles::ByName,
+                                      .still = still}))
     list.append(std::move(motion));
   return list;
 }
 
 std::shared_ptr<SharedMotion> open_one(const py::args& paths, double fps, bool weld) {
-  auto motions = open_all(paths, {.fps = fps, .weld = weld});
+  auto motions = open_all(paths, {.fps = fps, .weld = weld ? Weld::Always : Weld::ByFormat});
   if (motions.size() != 1)
     refuse("paths", "are " + std::to_string(motions.size()) + " motions", "give one, or use open_motions");
   return std::move(motions.front());
@@ -169,7 +160,7 @@ py::array triangles_of_motion(const py::object& self) {
 }
 
 py::object parts_of_motion(const SharedMotion& motion) {
-  const ObjectParts& parts = motion.parts();
+  const ObjectParts& parts = motion.info().parts;
   if (parts.of_triangle.empty()) return py::none();
   py::list names;
   for (const std::string& name : parts.names) names.append(text_of(name));
@@ -178,7 +169,7 @@ py::object parts_of_motion(const SharedMotion& motion) {
 
 py::list notes_of_motion(const SharedMotion& motion) {
   py::list notes;
-  for (const std::string& note : motion.notes()) notes.append(message_of(note));
+  for (const std::string& note : motion.info().notes) notes.append(message_of(note));
   return notes;
 }
 
@@ -187,19 +178,20 @@ py::tuple state_of(const py::object& self) {
   const auto& motion = self.cast<const SharedMotion&>();
   const ReadOptions& read = motion.read();
   py::list notes;
-  for (const std::string& note : motion.notes()) notes.append(py::bytes(note));
+  for (const std::string& note : motion.info().notes) notes.append(py::bytes(note));
   return py::make_tuple(triangles_of_motion(self), py::module_::import("numpy").attr("stack")(py::list(self)),
-                        py::bytes(motion.name()), parts_of_motion(motion), py::bytes(motion.unit()), notes,
-                        read.fps, read.weld, read.separate);
+                        py::bytes(motion.name()), parts_of_motion(motion), py::bytes(motion.info().unit),
+                        notes, read.fps, static_cast<int>(read.weld), static_cast<int>(read.mesh_files));
 }
 
 std::shared_ptr<SharedMotion> motion_of_state(const py::tuple& state) {
   if (state.size() != 9) refuse("motion", "was pickled by another version", "pickle it again");
-  ArrayMotion::Origin origin{state[4].cast<std::string>(), state[5].cast<std::vector<std::string>>()};
-  const ReadOptions read{
-      .fps = state[6].cast<double>(), .weld = state[7].cast<bool>(), .separate = state[8].cast<bool>()};
+  MotionInfo info{.unit = state[4].cast<std::string>(), .notes = state[5].cast<std::vector<std::string>>()};
+  const ReadOptions read{.fps = state[6].cast<double>(),
+                         .weld = static_cast<Weld>(state[7].cast<int>()),
+                         .mesh_files = static_cast<MeshFiles>(state[8].cast<int>())};
   return std::make_shared<SharedMotion>(
-      motion_of_arrays(state[0], state[1], state[2].cast<std::string>(), state[3], std::move(origin)), read);
+      motion_of_arrays(state[0], state[1], state[2].cast<std::string>(), state[3], std::move(info)), read);
 }
 
 }  // namespace
@@ -260,7 +252,7 @@ void bind_motions(py::module_& module) {
       .def_property_readonly("parts", &parts_of_motion,
                              "T names, the part of each triangle; None where the file names none.")
       .def_property_readonly(
-          "unit", [](const SharedMotion& m) { return text_of(m.unit()); },
+          "unit", [](const SharedMotion& m) { return text_of(m.info().unit); },
           "What a mesh unit is, where the format defines it ('m' for glTF); else empty.")
       .def_property_readonly("notes", &notes_of_motion,
                              "What the reader left out or assumed, a line each; empty if nothing.")

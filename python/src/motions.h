@@ -26,9 +26,7 @@ class SharedMotion final : public Motion {
 
   const std::string& name() const override { return state_->motion->name(); }
   const Topology& topology() const override { return state_->motion->topology(); }
-  const ObjectParts& parts() const override { return state_->motion->parts(); }
-  std::string unit() const override { return state_->motion->unit(); }
-  std::vector<std::string> notes() const override { return state_->motion->notes(); }
+  const MotionInfo& info() const override { return state_->motion->info(); }
   Index frame_count() const override { return state_->motion->frame_count(); }
   Result<void> read_frame(Index k, std::span<double> out) override {
     const std::lock_guard lock(state_->mutex);

@@ -47,11 +47,11 @@ class ArrayMotion final : public Motion {
 
   /// Error: the arrays are no motion.
   Result<void> open(NpyArray& faces);
-  void set_parts(ObjectParts parts) { parts_ = std::move(parts); }
+  void set_parts(ObjectParts parts) { info_.parts = std::move(parts); }
 
   const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
-  const ObjectParts& parts() const override { return parts_; }
+  const MotionInfo& info() const override { return info_; }
   Index frame_count() const override { return frames_; }
   Result<void> read_frame(Index k, std::span<double> out) override;
 
@@ -65,7 +65,7 @@ class ArrayMotion final : public Motion {
   std::uint64_t vertex_count_ = 0;
   Index frames_ = 0;
   Topology topology_;
-  ObjectParts parts_;
+  MotionInfo info_;
   std::vector<char> buffer_;
 };
 

@@ -39,9 +39,10 @@ class GltfMotion final : public Motion {
                   fmt::format("{} seconds at {} frames a second are too many frames", scene_.duration, fps_),
                   "choose a lower --fps");
     }
-    notes_ = scene_.notes;
+    info_.unit = "m";
+    info_.notes = scene_.notes;
     if (std::string note = note_on_keys(scene_, fps_, kMaxFrames); !note.empty())
-      notes_.push_back(std::move(note));
+      info_.notes.push_back(std::move(note));
     FOLDPROOF_TRY(check_size());
     std::vector<Triangle> triangles;
     std::vector<GltfTriangles> runs;
@@ -51,16 +52,14 @@ class GltfMotion final : public Motion {
     if (triangles.empty())
       return fail(ErrorCode::InvalidFile, name(), "shows no triangles",
                   "export a scene with triangle meshes");
-    parts_ = gltf_parts(scene_, runs, triangles);
+    info_.parts = gltf_parts(scene_, runs, triangles);
     topology_ = FOLDPROOF_TRY(Topology::make(static_cast<Index>(vertex_count_), std::move(triangles)));
     return {};
   }
 
   const std::string& name() const override { return document_.path(); }
   const Topology& topology() const override { return topology_; }
-  const ObjectParts& parts() const override { return parts_; }
-  std::string unit() const override { return "m"; }
-  std::vector<std::string> notes() const override { return notes_; }
+  const MotionInfo& info() const override { return info_; }
   Index frame_count() const override { return static_cast<Index>(frames_.count()); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
@@ -308,11 +307,10 @@ class GltfMotion final : public Motion {
   GltfScene scene_;
   double fps_;
   GltfFrames frames_;
-  std::vector<std::string> notes_;
   std::size_t vertex_count_ = 0;
   std::vector<Instance> instances_;
   Topology topology_;
-  ObjectParts parts_;
+  MotionInfo info_;
   std::vector<GltfNode> posed_nodes_;
   std::vector<Eigen::Matrix4d> world_;
   std::vector<std::vector<Affine>> joints_;  // per skin; empty until needed in this frame

@@ -186,7 +186,7 @@ Result<std::vector<std::unique_ptr<Motion>>> open_all(std::span<const std::strin
   std::vector<std::unique_ptr<Motion>> motions;
   for (std::size_t i = 0; i < arguments.size();) {
     const auto rest = arguments.subspan(i);
-    const std::size_t numbered = options.separate ? 1 : count_numbered(rest);
+    const std::size_t numbered = options.mesh_files == MeshFiles::Separate ? 1 : count_numbered(rest);
     Result<std::unique_ptr<Motion>> motion;
     if (is_mesh(rest[0]) && rest.size() > 1 && is_point_cache(rest[1])) {
       motion = format_of(rest[1])->open_cache(rest[0], rest[1], progress);
@@ -204,7 +204,7 @@ Result<std::vector<std::unique_ptr<Motion>>> open_all(std::span<const std::strin
       motion = open_one(rest[0], options, progress);
       ++i;
     }
-    if (motion && options.weld) motion = weld(std::move(*motion));
+    if (motion && options.weld == Weld::Always) motion = weld(std::move(*motion));
     if (!motion) return tl::unexpected(motion.error());
     motions.push_back(std::move(*motion));
   }

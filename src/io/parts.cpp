@@ -6,8 +6,8 @@
 
 namespace foldproof {
 
-const ObjectParts& Motion::parts() const {
-  static const ObjectParts kNone;
+const MotionInfo& Motion::info() const {
+  static const MotionInfo kNone;
   return kNone;
 }
 

@@ -22,13 +22,13 @@ class PointCache final : public Motion {
   PointCache(std::string name, InputFile file, Layout layout, Topology topology, ObjectParts parts)
       : name_(std::move(name)),
         topology_(std::move(topology)),
-        parts_(std::move(parts)),
+        info_{.parts = std::move(parts)},
         file_(std::move(file)),
         layout_(layout) {}
 
   const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
-  const ObjectParts& parts() const override { return parts_; }
+  const MotionInfo& info() const override { return info_; }
   Index frame_count() const override { return static_cast<Index>(layout_.frames); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
@@ -44,7 +44,7 @@ class PointCache final : public Motion {
  private:
   std::string name_;
   Topology topology_;
-  ObjectParts parts_;
+  MotionInfo info_;
   InputFile file_;
   Layout layout_;
   std::vector<char> buffer_;

@@ -16,6 +16,8 @@ struct MeshData {
   std::vector<Triangle> triangles;
   std::vector<Index> faces;  ///< The file's face of each triangle; empty if every face is a triangle.
   ObjectParts parts;         ///< Those that the file names.
+  std::vector<Edge> lines;  ///< In no face, of two different vertices; polylines are cut into their segments.
+  std::vector<Index> points;  ///< That the file names as such, in no face and no line, each once.
 
   Index vertex_count() const { return static_cast<Index>(positions.size() / 3); }
   /// At least three vertices.

@@ -14,21 +14,22 @@ namespace {
 class MeshSequence final : public Motion {
  public:
   MeshSequence(std::string name, std::vector<std::string> paths, std::vector<std::string> notes)
-      : name_(std::move(name)), paths_(std::move(paths)), notes_(std::move(notes)) {}
+      : name_(std::move(name)), paths_(std::move(paths)) {
+    info_.notes = std::move(notes);
+  }
 
   Result<void> open(const ReadProgress& progress) {
     for (const std::string& path : paths_) modified_.push_back(time_of(path));
     auto first = FOLDPROOF_TRY(read(0, progress));
     topology_ = FOLDPROOF_TRY(Topology::make(first.vertex_count(), std::move(first.triangles)));
     first_ = std::move(first.positions);
-    parts_ = std::move(first.parts);
+    info_.parts = std::move(first.parts);
     return {};
   }
 
   const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
-  const ObjectParts& parts() const override { return parts_; }
-  std::vector<std::string> notes() const override { return notes_; }
+  const MotionInfo& info() const override { return info_; }
   Index frame_count() const override { return static_cast<Index>(paths_.size()); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
@@ -102,11 +103,11 @@ class MeshSequence final : public Motion {
   }
 
   std::string name_;
-  std::vector<std::string> paths_, notes_;
+  std::vector<std::string> paths_;
   std::vector<std::filesystem::file_time_type> modified_;  // when the motion was opened
   std::filesystem::path directory_ = current_directory();  // the same
   Topology topology_;
-  ObjectParts parts_;
+  MotionInfo info_;
   std::vector<double> first_;  // positions of frame 0, which open() reads
 };
 

@@ -7,13 +7,14 @@ namespace {
 
 class StillMotion final : public Motion {
  public:
-  StillMotion(std::unique_ptr<Motion> pose, Index frames) : pose_(std::move(pose)), frames_(frames) {}
+  StillMotion(std::unique_ptr<Motion> pose, Index frames)
+      : pose_(std::move(pose)), info_(pose_->info()), frames_(frames) {
+    info_.still = true;
+  }
 
   const std::string& name() const override { return pose_->name(); }
   const Topology& topology() const override { return pose_->topology(); }
-  const ObjectParts& parts() const override { return pose_->parts(); }
-  std::string unit() const override { return pose_->unit(); }
-  std::vector<std::string> notes() const override { return pose_->notes(); }
+  const MotionInfo& info() const override { return info_; }
   Index frame_count() const override { return frames_; }
   Result<void> read_frame(Index k, std::span<double> out) override {
     FOLDPROOF_TRY(check_request(*this, k, out));
@@ -22,6 +23,7 @@ class StillMotion final : public Motion {
 
  private:
   std::unique_ptr<Motion> pose_;
+  MotionInfo info_;
   Index frames_;
 };
 

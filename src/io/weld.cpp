@@ -17,9 +17,7 @@ class WeldedMotion final : public Motion {
 
   const std::string& name() const override { return motion_->name(); }
   const Topology& topology() const override { return topology_; }
-  const ObjectParts& parts() const override { return motion_->parts(); }
-  std::string unit() const override { return motion_->unit(); }
-  std::vector<std::string> notes() const override { return motion_->notes(); }
+  const MotionInfo& info() const override { return motion_->info(); }
   Index frame_count() const override { return motion_->frame_count(); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {

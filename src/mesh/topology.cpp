@@ -6,7 +6,22 @@
 
 namespace foldproof {
 
-Result<Topology> Topology::make(Index vertex_count, std::vector<Triangle> triangles) {
+Result<Topology> Topology::make(Index vertex_count, std::vector<Triangle> faces) {
+  return make(vertex_count, std::move(faces), {}, {});
+}
+
+Result<Topology> Topology::make(Index vertex_count, std::vector<Triangle> triangles,
+                                std::span<const Edge> lines, std::span<const Index> points) {
+  const std::size_t face_count = triangles.size();
+  triangles.reserve(face_count + lines.size() + points.size());
+  for (const auto& [a, b] : lines) {
+    if (a == b) {
+      return fail(ErrorCode::InvalidMesh, fmt::format("line {}", triangles.size() - face_count),
+                  fmt::format("goes from vertex {} to itself", a), "leave it out");
+    }
+    triangles.push_back({a, b, b});
+  }
+  for (const Index p : points) triangles.push_back({p, p, p});
   if (triangles.empty())
     return fail(ErrorCode::InvalidMesh, "mesh", "has no triangles", "give a mesh with at least one face");
   if (triangles.size() > kMaxTriangles) {
@@ -24,6 +39,8 @@ Result<Topology> Topology::make(Index vertex_count, std::vector<Triangle> triang
   }
   Topology mesh;
   mesh.vertex_count_ = vertex_count;
+  mesh.face_count_ = static_cast<Index>(face_count);
+  mesh.line_count_ = static_cast<Index>(lines.size());
   mesh.triangles_ = std::move(triangles);
   mesh.find_edges();
   return mesh;

@@ -68,7 +68,7 @@ Json SceneData::json() const {
                        {"vertices", object->motion->topology().vertex_count()},
                        {"triangles", object->motion->topology().triangles().size()},
                        {"levels", object->levels},
-                       {"notes", object->motion->notes()},
+                       {"notes", object->motion->info().notes},
                        {"model", model_json(object->model.get())}});
   }
   const StepSettings& s = settings_.step;

@@ -87,13 +87,14 @@ Result<ObjectParts> read_parts(const std::string& path, const Topology& topology
 }
 
 const ObjectParts& parts_of(Index object, Motions motions, const CheckSettings& settings) {
-  return settings.parts.empty() ? motions[object]->parts() : settings.parts[object];
+  return settings.parts.empty() ? motions[object]->info().parts : settings.parts[object];
 }
 
 std::string unit_of(Motions motions, const CheckSettings& settings) {
   if (!settings.unit.empty() || motions.empty()) return settings.unit;
-  const std::string unit = motions.front()->unit();
-  const bool all = std::ranges::all_of(motions, [&](const auto& motion) { return motion->unit() == unit; });
+  const std::string unit = motions.front()->info().unit;
+  const bool all =
+      std::ranges::all_of(motions, [&](const auto& motion) { return motion->info().unit == unit; });
   return all ? unit : "";
 }
 

@@ -39,7 +39,7 @@ Json objects_json(Motions motions, const CheckSettings& settings) {
                        {"triangles", motion.topology().triangles().size()},
                        {"frames", motion.frame_count()},
                        {"model", model ? Json(model->name) : Json(nullptr)}});
-    if (const auto notes = motion.notes(); !notes.empty()) objects.back()["notes"] = notes;
+    if (const auto& notes = motion.info().notes; !notes.empty()) objects.back()["notes"] = notes;
   }
   return objects;
 }
@@ -60,7 +60,7 @@ Json settings_json(const ReportInfo& info, Motions motions) {
                {"first", settings.step.earliest_only},
                {"limit", settings.step.max_listed},
                {"certificates", settings.step.certificates},
-               {"weld", info.read.weld},
+               {"weld", info.read.weld == Weld::Always},
                {"fps", info.read.fps}};
   if (const std::string unit = unit_of(motions, settings); !unit.empty()) json["unit"] = unit;
   if (settings.step.mode == Mode::Paper) {

@@ -30,7 +30,7 @@ Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const Rea
   }
   auto opened =
       io::open_sequence(motion.path, motion.files, {}, FOLDPROOF_TRY(io::notes_on_order(motion.files)));
-  if (opened && options.weld) opened = io::weld(std::move(*opened));
+  if (opened && options.weld == Weld::Always) opened = io::weld(std::move(*opened));
   return opened;
 }
 
@@ -148,7 +148,7 @@ std::string settings_hash(const SweepSettings& settings) {
                     {"substeps", check.substeps},
                     {"thickness", check.step.thickness},
                     {"tolerance", check.step.tolerance},
-                    {"weld", settings.read.weld},
+                    {"weld", settings.read.weld == Weld::Always},
                     {"fps", settings.read.fps}};
   Hash hash;
   hash.add(dump(all));

@@ -43,13 +43,13 @@ inline void open_and_read(const std::vector<std::string>& arguments, bool weld) 
     }
     return result.has_value();
   };
-  auto motions = open_motions(arguments, {.weld = weld});
+  auto motions = open_motions(arguments, {.weld = weld ? Weld::Always : Weld::Never});
   if (!motions) {
     check(tl::unexpected(motions.error()));
     return;
   }
   Motion& motion = *motions->front();
-  const ObjectParts& parts = motion.parts();
+  const ObjectParts& parts = motion.info().parts;
   if (!parts.names.empty() && parts.of_triangle.size() != motion.topology().triangles().size()) std::abort();
   for (const Index part : parts.of_triangle) {
     if (part >= parts.names.size()) std::abort();

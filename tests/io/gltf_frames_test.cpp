@@ -38,7 +38,7 @@ TEST_F(GltfFramesTest, KeysAreFramesAlthoughTheirTimesAreRounded) {
     ASSERT_TRUE(motion);
     ASSERT_EQ(motion->frame_count(), 500u);
     for (Index k = 0; k < 500; ++k) ASSERT_EQ(frame(*motion, k)[0], k % 7) << k;
-    EXPECT_THAT(motion->notes(), IsEmpty());
+    EXPECT_THAT(motion->info().notes, IsEmpty());
   }
 }
 
@@ -85,7 +85,7 @@ TEST_F(GltfFramesTest, NotesHowManyKeysLieBetweenFrames) {
     const int output = b.floats("VEC3", std::vector<float>(3 * times.size(), 1));
     b.animate(0, "translation", input, output);
     b.animate(0, "scale", again, output);
-    return gltf(b, fps)->notes();
+    return gltf(b, fps)->info().notes;
   };
   const auto every = [](double seconds, int count) {
     std::vector<float> times;
@@ -120,7 +120,7 @@ TEST_F(GltfFramesTest, NotesWhichClipsAreNotShown) {
     b.animate(0, path, times, values);
     if (!name.empty()) b.json["animations"].back()["name"] = name;
   };
-  const auto notes = [&] { return gltf(b)->notes(); };
+  const auto notes = [&] { return gltf(b)->info().notes; };
   clip("idle", "translation", longer);
   clip("grow", "scale", brief);
   EXPECT_THAT(notes(), IsEmpty()) << "clips that drive different properties play together";
@@ -144,7 +144,7 @@ TEST_F(GltfFramesTest, NotesWhichClipsAreShownInPart) {
   wave["channels"].push_back(wave["channels"][0]);
   wave["channels"].back()["target"]["path"] = "translation";
   b.animate(0, "translation", b.floats("SCALAR", {0, 2}), values);
-  EXPECT_THAT(gltf(b)->notes(),
+  EXPECT_THAT(gltf(b)->info().notes,
               ::testing::ElementsAre("clip 'wave' is not shown in full: it drives some of what animations[1] "
                                      "drives, which is as long or longer; export it alone to check it"));
 }

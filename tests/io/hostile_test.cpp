@@ -120,7 +120,7 @@ class HostileTest : public IoTest {
       read = motion.read_frame(0, positions);
       if (read) read = motion.read_frame(motion.frame_count() - 1, positions);
       for (const double x : positions) EXPECT_TRUE(!read || std::isfinite(x));
-      const ObjectParts& parts = motion.parts();
+      const ObjectParts& parts = motion.info().parts;
       EXPECT_EQ(parts.of_triangle.size(), parts.names.empty() ? 0 : motion.topology().triangles().size());
       for (const Index part : parts.of_triangle) EXPECT_LT(part, parts.names.size());
     } else {

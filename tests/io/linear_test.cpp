@@ -86,7 +86,7 @@ TEST_F(LinearTest, CsvOfManyColumnsAndOfManyFrames) {
 TEST_F(LinearTest, WeldedVerticesAtOnePosition) {
   std::string text = repeated("v 1 2 3\n", 300'000) + "v 1 0 0\nv 0 1 0\n";
   for (int i = 1; i <= 300'000; ++i) text += fmt::format("f {} 300001 300002\n", i);
-  const auto motion = open({files.write("a.obj", text)}, {.weld = true});
+  const auto motion = open({files.write("a.obj", text)}, {.weld = Weld::Always});
   ASSERT_TRUE(motion);
   EXPECT_EQ(motion->topology().vertex_count(), 3u);
 }

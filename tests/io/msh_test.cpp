@@ -70,8 +70,8 @@ TEST_F(MshTest, ReadsBothVersionsInTextAndBinary) {
     ASSERT_TRUE(motion) << bytes;
     EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 2}, {0, 1, 3}, {0, 3, 2}}));
     EXPECT_EQ(frame(*motion, 0), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.5}));
-    EXPECT_THAT(motion->parts().names, ElementsAre("left wing", "right"));
-    EXPECT_THAT(motion->parts().of_triangle, ElementsAre(0, 1, 1));
+    EXPECT_THAT(motion->info().parts.names, ElementsAre("left wing", "right"));
+    EXPECT_THAT(motion->info().parts.of_triangle, ElementsAre(0, 1, 1));
   }
 }
 

@@ -106,7 +106,7 @@ TEST_F(OpenTest, NumberedMeshesAreTheFramesOfOneMotion) {
   EXPECT_THAT(heights(*(*motions)[0]), ::testing::ElementsAre(1, 2, 10));
   EXPECT_EQ((*motions)[0]->name(), files.path("run/f1.obj") + " to " + files.path("run/f10.obj"));
   EXPECT_EQ((*motions)[1]->name(), files.path("other.obj"));
-  EXPECT_EQ(open_motions(expanded, {.separate = true})->size(), 4u);
+  EXPECT_EQ(open_motions(expanded, {.mesh_files = MeshFiles::Separate})->size(), 4u);
 
   const auto pattern = open({files.path("run/f%02d.obj")});
   ASSERT_TRUE(pattern);
@@ -193,7 +193,7 @@ TEST_F(OpenTest, NumbersThatAreLeftOutAreNoted) {
   const auto notes = [&](const std::vector<std::string>& names, const std::string& argument = "") {
     std::filesystem::remove_all(files.path("run"));
     for (const std::string& name : names) files.write("run/" + name, obj_at(1));
-    return open({files.path("run" + argument)}, {.still = true})->notes();
+    return open({files.path("run" + argument)}, {.still = true})->info().notes;
   };
   const std::string gap = "frame numbers jump from 2 to 4: the step between them was not in the files";
   for (const char* argument : {"", "/*.obj", "/f%d.obj"}) {
@@ -208,8 +208,9 @@ TEST_F(OpenTest, NumbersThatAreLeftOutAreNoted) {
   EXPECT_THAT(notes({"a.obj", "b.obj", "c.obj"}), IsEmpty()) << "nothing is numbered";
   EXPECT_THAT(notes({"d99999999999999999998.obj", "d99999999999999999999.obj"}), IsEmpty());
   const auto shell = open({files.write("s1.obj", obj_at(1)), files.write("s3.obj", obj_at(1))});
-  EXPECT_EQ(shell->notes().size(), 1u);
-  EXPECT_EQ(open({files.path("s1.obj"), files.path("s3.obj")}, {.weld = true})->notes().size(), 1u);
+  EXPECT_EQ(shell->info().notes.size(), 1u);
+  EXPECT_EQ(open({files.path("s1.obj"), files.path("s3.obj")}, {.weld = Weld::Always})->info().notes.size(),
+            1u);
 }
 
 TEST_F(OpenTest, NamesThatDoNotContinueTheNumberingAreNoted) {
@@ -217,7 +218,7 @@ TEST_F(OpenTest, NamesThatDoNotContinueTheNumberingAreNoted) {
   const auto notes = [&](const std::vector<std::string>& names, const std::string& argument = "run") {
     std::filesystem::remove_all(files.path("run"));
     for (const std::string& name : names) files.write("run/" + name, obj_at(1));
-    return open({files.path(argument)})->notes();
+    return open({files.path(argument)})->info().notes;
   };
   EXPECT_THAT(
       notes({"left_1.obj", "left_2.obj", "right_1.obj", "right_2.obj"}),
@@ -257,14 +258,14 @@ TEST_F(OpenTest, NegativeAndFractionalNumbersAreNotPutInAWrongOrder) {
     std::vector<std::string> named;
     for (const std::string& name : names) named.push_back(files.path("run/" + name));
     EXPECT_EQ(open_error(named), error);
-    EXPECT_EQ(open_error(named, {.separate = true}), "no error");
+    EXPECT_EQ(open_error(named, {.mesh_files = MeshFiles::Separate}), "no error");
   };
   const auto accepted = [&](const std::vector<std::string>& names) {
     fill(names);
     const auto motion = open({files.path("run")});
     ASSERT_TRUE(motion);
     for (Index k = 0; k < motion->frame_count(); ++k) EXPECT_EQ(frame(*motion, k)[2], k) << names[k];
-    EXPECT_THAT(motion->notes(), ElementsAre());
+    EXPECT_THAT(motion->info().notes, ElementsAre());
   };
   refused({"f.-0002.obj", "f.-0001.obj", "f.0000.obj"}, "f.-0001.obj", "f.-0002.obj", "negative");
   refused({"f_-2.obj", "f_-1.obj"}, "f_-1.obj", "f_-2.obj", "negative");
@@ -343,7 +344,7 @@ TEST_F(OpenTest, WeldMergesEqualVerticesOfTheFirstFrame) {
   files.write("run/0.obj", "v 9 9 9\nv 1 0 0\nv 0 1 0\nv 1 -0 0\nv 1 1 0\nv 0 1 -0\nv 5 5 5\n" + faces);
   files.write("run/1.obj", "v 8 8 8\nv 2 0 0\nv 0 2 0\nv 2 0 0\nv 2 2 0\nv -0 2 0\nv 4 4 4\n" + faces);
   files.write("run/2.obj", "v 8 8 8\nv 2 0 0\nv 0 2 0\nv 2 0 0\nv 2 2 0\nv 0 2 1e-9\nv 4 4 4\n" + faces);
-  const auto motion = open({files.path("run")}, {.weld = true});
+  const auto motion = open({files.path("run")}, {.weld = Weld::Always});
   ASSERT_TRUE(motion);
   EXPECT_EQ(motion->topology().vertex_count(), 5u);
   EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}}));

@@ -17,7 +17,7 @@ class PartsTest : public IoTest {
     const auto motion = open(arguments, options);
     std::vector<std::string> names;
     if (!motion) return names;
-    const ObjectParts& parts = motion->parts();
+    const ObjectParts& parts = motion->info().parts;
     EXPECT_TRUE(parts.names.empty() || parts.of_triangle.size() == motion->topology().triangles().size());
     for (const Index part : parts.of_triangle) names.push_back(parts.names.at(part));
     return names;
@@ -53,7 +53,7 @@ TEST_F(PartsTest, OfSequencesAndCachesAreThoseOfTheFirstMesh) {
   files.write("run/f1.obj", text);
   files.write("run/f2.obj", "v 0 0 1\nv 1 0 1\nv 0 1 1\nv 0 0 1\nf 1 2 3\nf 4 2 3\n");
   EXPECT_THAT(parts({files.path("run")}), ElementsAre("a", "b"));
-  EXPECT_THAT(parts({files.path("run")}, {.weld = true}), ElementsAre("a", "b"));
+  EXPECT_THAT(parts({files.path("run")}, {.weld = Weld::Always}), ElementsAre("a", "b"));
   const auto motion = open({files.path("run")});
   const std::string mdd = files.write(
       "a.mdd", bytes_of(1, std::endian::big) + bytes_of(4, std::endian::big) + std::string(4 + 48, '\0'));
@@ -119,9 +119,9 @@ TEST_F(PartsTest, OfGltfAreNodesWithTheirMeshesTriangles) {
   b.json["scenes"] = {{{"nodes", {1, 0, 2}}}};
   const std::string file = files.write("a.gltf", b.gltf());
   EXPECT_THAT(parts({file}), ElementsAre("leg", "arm", "mesh"));
-  EXPECT_THAT(parts({file}, {.weld = true}), ElementsAre("leg", "arm", "mesh"));
-  EXPECT_EQ(open({file})->unit(), "m");
-  EXPECT_EQ(open({file}, {.weld = true})->unit(), "m");
+  EXPECT_THAT(parts({file}, {.weld = Weld::Always}), ElementsAre("leg", "arm", "mesh"));
+  EXPECT_EQ(open({file})->info().unit, "m");
+  EXPECT_EQ(open({file}, {.weld = Weld::Always})->info().unit, "m");
 }
 
 TEST_F(PartsTest, OfOneGltfNodeAreMaterials) {
@@ -163,7 +163,7 @@ TEST_F(PartsTest, NamesSayWhatANumberIs) {
 }
 
 TEST_F(PartsTest, OtherFormatsDefineNoUnit) {
-  EXPECT_EQ(open({files.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")})->unit(), "");
+  EXPECT_EQ(open({files.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")})->info().unit, "");
 }
 
 }  // namespace

@@ -73,8 +73,8 @@ TEST_F(StlTest, BinaryIsExactAndAsciiIsRoundedToDoubles) {
 
 TEST_F(StlTest, SolidsAreParts) {
   const auto motion = open({files.write("a.stl", ascii({kTwo[0]}, "left hand") + ascii({kTwo[1]}))});
-  EXPECT_THAT(motion->parts().names, ElementsAre("left hand", "default"));
-  EXPECT_THAT(motion->parts().of_triangle, ElementsAre(0, 1));
+  EXPECT_THAT(motion->info().parts.names, ElementsAre("left hand", "default"));
+  EXPECT_THAT(motion->info().parts.of_triangle, ElementsAre(0, 1));
 }
 
 TEST_F(StlTest, SequencesNeedTheSameWelding) {

@@ -89,8 +89,8 @@ TEST_F(VtkTest, LabelsOfCellsAreParts) {
   const auto motion = vtp(polygons("<CellData>" + ascii("mark", "Int32", "1 2 3 4") +
                                    ascii("group", "Int32", "9 7 5 7") + "</CellData>"));
   ASSERT_TRUE(motion);
-  EXPECT_THAT(motion->parts().names, ElementsAre("group 7", "group 5"));
-  EXPECT_THAT(motion->parts().of_triangle, ElementsAre(0, 0, 1, 0, 0));
+  EXPECT_THAT(motion->info().parts.names, ElementsAre("group 7", "group 5"));
+  EXPECT_THAT(motion->info().parts.of_triangle, ElementsAre(0, 0, 1, 0, 0));
 }
 
 constexpr std::endian kOrder = std::endian::big;
