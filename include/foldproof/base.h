@@ -28,6 +28,7 @@ enum class ErrorCode : std::uint8_t {
   LimitExceeded,      ///< More than a limit that is stated, or than memory, allows.
   NotLearned,         ///< A model lacks what is asked of it, or poses are too few or too alike to learn it.
   Interrupted,        ///< The caller cancelled.
+  Ambiguous,          ///< Files that may mean two things; the caller has to say which.
 };
 
 /// Why a file, mesh or argument was rejected. `line()` is the message for people.

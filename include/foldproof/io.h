@@ -33,6 +33,8 @@ struct MotionInfo {
   /// Per vertex, the one that triangles name in its place: itself, or the one that it was merged into. Empty:
   /// none was merged.
   std::vector<Index> merged = {};
+  /// The clips of a glTF, as ReadOptions::clip takes them.
+  std::vector<std::string> clips = {};
   /// The motion is a single pose that stands still as long as others move (ReadOptions::still).
   bool still = false;
 };
@@ -61,10 +63,14 @@ enum class Weld : std::uint8_t {
   Never,
 };
 
-/// What several mesh files are.
+/// What several mesh files are: those of a directory, glob or numbered name, and those that are named one
+/// after the other.
 enum class MeshFiles : std::uint8_t {
-  ByName,    ///< Frames of one motion if their names differ in nothing but one number; else bodies.
-  Sequence,  ///< Frames of one motion.
+  /// Frames of one motion if their names differ in nothing but one number, else bodies. Where the frames look
+  /// like bodies: an error of the code Ambiguous (docs/formats.md).
+  ByName,
+  Poses,     ///< Poses of one mesh where one argument names them; else by name. Nothing is doubted.
+  Sequence,  ///< Frames of one motion. Of arguments, those without a number are one motion, too.
   Separate,  ///< Bodies, each a motion of its own.
 };
 
@@ -72,18 +78,21 @@ struct ReadOptions {
   double fps = 24;  ///< Sampling rate for animated glTF, frames per second.
   Weld weld = Weld::ByFormat;
   MeshFiles mesh_files = MeshFiles::ByName;
-  /// Motions of a single frame stand still as long as the longest of the others lasts.
+  /// Motions of a single frame stand still as long as the longest of the others lasts. With
+  /// MeshFiles::ByName, files that are more or fewer than the others have frames are bodies.
   bool still = false;
+  /// The clip of a glTF that is read: its name, or "animations[1]". Empty: the longest.
+  std::string clip = {};
 };
 
 /// A path's extension in lower case, with its dot; empty when it has none.
 std::string extension_of(const std::string& path);
 
 /// Opens the motions that a command line names (docs/formats.md). A mesh file followed by its .pc2 or .mdd is
-/// one motion; so are mesh files one after the other whose names differ only in a number (unless
-/// ReadOptions::separate). Every other argument is a motion of its own: a mesh file (one frame); a directory
-/// or quoted glob of mesh files, or a name with "%d" or "%04d" for their number (a frame each, in natural
-/// order); or a .gltf, .glb, .npz or .pvd file.
+/// one motion. What other mesh files are, those of a directory, a quoted glob or a name with "%d" or "%04d"
+/// for their number, or several one after the other, ReadOptions::mesh_files decides; frames are in natural
+/// order. Every other argument is a motion of its own: a mesh file (one frame), or a .gltf, .glb, .npz or
+/// .pvd file.
 Result<std::vector<std::unique_ptr<Motion>>> open_motions(std::span<const std::string> arguments,
                                                           const ReadOptions& options = {});
 
