@@ -78,7 +78,7 @@ TEST_F(MshTest, ReadsBothVersionsInTextAndBinary) {
 TEST_F(MshTest, WithoutGroupsPartsAreEntities) {
   std::string bytes = kOld;
   for (const char* group : {" 2 7 1 ", " 2 8 2 "}) bytes[bytes.find(group) + 3] = '0';
-  EXPECT_THAT(open({files.write("a.msh", bytes)})->parts().names, ElementsAre("surface 1", "surface 2"));
+  EXPECT_THAT(open({files.write("a.msh", bytes)})->info().parts.names, ElementsAre("surface 1", "surface 2"));
 }
 
 TEST_F(MshTest, OfVolumesOnlyTheBoundaryIsLeft) {
