@@ -172,7 +172,7 @@ TEST_F(VtkTest, ReadsWhatVtkWrites) {
     ASSERT_TRUE(polygons && grid) << encoding;
     EXPECT_EQ(triangles(*polygons), (std::vector<Triangle>{{0, 1, 3}, {0, 3, 2}, {0, 1, 3}}));
     EXPECT_EQ(frame(*polygons, 0), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.5}));
-    EXPECT_THAT(polygons->parts().names, ElementsAre("group 5", "group 6"));
+    EXPECT_THAT(polygons->info().parts.names, ElementsAre("group 5", "group 6"));
     EXPECT_EQ(grid->topology().triangles().size(), 6u);
     EXPECT_EQ(grid->topology().vertex_count(), 5u);
   }
