@@ -72,7 +72,7 @@ class Sampled:
             self._faces = faces_of(mesh)
             self.vertex_count = len(mesh.vertices)
         self._own_faces = faces_of(scene_object.data)
-        self._archive = zipfile.ZipFile(path, "w")
+        self._archive = zipfile.ZipFile(path, "x")  # never the file of another object
         with self._archive.open("faces.npy", "w") as member:
             np.lib.format.write_array(member, self.triangles)
         # First the header with the shape, then frame by frame, so that memory holds one frame.
@@ -117,11 +117,17 @@ def refuse_instances(objects):
 
 
 def file_names(objects):
-    """A valid file name for each object; the program's messages show it."""
-    names = []
+    """A valid file name for each object, which no other has, also where case does not count; the program's messages
+    show it."""
+    names, taken = [], set()
     for scene_object in objects:
-        name = bpy.path.clean_name(scene_object.name)
-        names.append(f"{name}_{len(names)}" if name in names else name)
+        base = name = bpy.path.clean_name(scene_object.name)
+        number = 1
+        while name.casefold() in taken:
+            number += 1
+            name = f"{base}_{number}"
+        taken.add(name.casefold())
+        names.append(name)
     return names
 
 

@@ -356,6 +356,19 @@ class Addon(unittest.TestCase):
         contact = self.settings.contacts[0]
         self.assertEqual(contact.how_bad(self.scene.unit_settings), "touches, may cross")
 
+    def test_every_object_has_a_file_of_its_own(self):
+        square = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        upright = [(0.5, 0.5, -1), (0.5, 2, -1), (0.5, 2, 1), (0.5, 0.5, 1)]
+        harmless = [new_object(name, square, [(0, 1, 2, 3)]) for name in ("Cube.001", "Cube.001_2")]
+        crossing = new_object("Cube_001", square + upright, [(0, 1, 2, 3), (4, 5, 6, 7)])
+        same = [new_object(name, square, [(0, 1, 2, 3)]) for name in ("cube/001", "CUBE_001", "Cube_001_3")]
+        names = addon("motion").file_names([*harmless, crossing, *same])
+        self.assertEqual(len({name.lower() for name in names}), 6, names)
+        self.settings.kind, self.settings.pairs = "POSES", "WITHIN"
+        bpy.ops.foldproof.check()
+        self.assertEqual(marked(crossing), [0, 1])
+        self.assertIn("Foldproof: Cube_001", markers()[1])
+
     def test_a_rig_and_a_model_trained_from_its_keys(self):
         tube = bending_tube()
         expected = program_says([tube], range(1, 12))
