@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "nearest_name.h"
+#include "base/nearest_name.h"
 
 namespace foldproof {
 namespace {

@@ -76,6 +76,9 @@ struct TriangleCrossing {
 /// earlier steps; never on the machine or the number of threads, except `undecided` with `earliest_only`.
 /// Where an earlier search covers the step (StepResult::search_steps), only candidates are counted.
 struct Work {
+  /// Hierarchies whose boxes were refitted: in a search those of all objects, none in a step that an earlier
+  /// search covers. A ReducedChecker refits where it computes all vertices of an object, to check it alone.
+  std::uint64_t refits = 0;
   std::uint64_t node_tests = 0;          ///< Pairs of nodes visited.
   std::uint64_t certificate_tests = 0;   ///< Certificates evaluated.
   std::uint64_t certificate_passes = 0;  ///< Certificates that proved their pair separated.

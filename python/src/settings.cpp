@@ -98,6 +98,7 @@ std::string with_settings(const char* doc) { return std::string(doc) + "\n\n" + 
 
 py::dict work_of(const Work& work) {
   py::dict d;
+  d["refits"] = work.refits;
   d["node_tests"] = work.node_tests;
   d["certificate_tests"] = work.certificate_tests;
   d["certificate_passes"] = work.certificate_passes;

@@ -89,8 +89,8 @@ void bind_answer(Class& answer) {
       .def_readonly("statistical", &Answer::statistical, "Mode 'paper', which can miss collisions.")
       .def_property_readonly(
           "work", [](const Answer& a) { return work_of(a.work); },
-          "Work counters: node_tests, certificate_tests, certificate_passes, leaf_pairs, candidates_vf, "
-          "candidates_ee, undecided.")
+          "Work counters: refits, node_tests, certificate_tests, certificate_passes, leaf_pairs, "
+          "candidates_vf, candidates_ee, undecided.")
       .def_property_readonly(
           "milliseconds", [](const Answer& a) { return milliseconds_of(a.milliseconds); },
           "Wall time: total, update, traverse, narrow.")

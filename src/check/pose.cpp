@@ -120,6 +120,7 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
   out.milliseconds = {};
   FOLDPROOF_TRY(check_settings(settings, pipeline.motion.size()));
   FOLDPROOF_TRY(pipeline.motion.update(x, x));
+  out.work.refits = pipeline.motion.size();
   out.milliseconds.update = watch.lap();
   FOLDPROOF_TRY(pipeline.find_leaf_pairs(x, x, settings, 0, out.work));
   out.milliseconds.traverse = watch.lap();

@@ -21,6 +21,7 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
       look_ahead != nullptr ? look_ahead->plan(motion, x0, x1, settings) : LookAhead::Plan{};
   const bool cache_hit = plan.is_cache_hit();
   FOLDPROOF_TRY(cache_hit ? motion.check_isolated_vertices(x0, x1) : motion.update(x0, x1, plan.steps));
+  out.work.refits = cache_hit ? 0 : motion.size();
   out.search_steps = cache_hit ? 0 : motion.steps();
   out.tolerance = tolerance_for(settings, cache_hit ? plan.extent : motion.step_extent());
   const double distance = settings.thickness + out.tolerance;

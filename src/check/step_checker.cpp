@@ -29,6 +29,7 @@ std::vector<std::shared_ptr<const DistinctTriangles>> remove_copies(std::vector<
 }  // namespace
 
 Work& Work::operator+=(const Work& more) {
+  refits += more.refits;
   node_tests += more.node_tests;
   certificate_tests += more.certificate_tests;
   certificate_passes += more.certificate_passes;

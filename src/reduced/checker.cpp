@@ -145,6 +145,7 @@ Result<void> ReducedChecker::Impl::traverse_vertices(Index task, double distance
   const std::span<const double> x0[] = {objects[object].positions(0)}, x1[] = {objects[object].positions(1)};
   const StepSettings within{.between = false, .certificates = settings.certificates};
   FOLDPROOF_TRY(pipeline->motion.update(x0, x1));
+  ++work.refits;
   FOLDPROOF_TRY(pipeline->find_leaf_pairs(x0, x1, within, distance, work));
   for (const LeafPair& pair : pipeline->broad_phase.leaf_pairs()) {
     tasks[task].traversal = pipeline->broad_phase.tasks()[pair.task].traversal;

@@ -20,7 +20,8 @@ Json to_json(const StageTimes& times) {
 }
 
 Json to_json(const Work& work) {
-  return {{"node_tests", work.node_tests},
+  return {{"refits", work.refits},
+          {"node_tests", work.node_tests},
           {"certificate_tests", work.certificate_tests},
           {"certificate_passes", work.certificate_passes},
           {"leaf_pairs", work.leaf_pairs},

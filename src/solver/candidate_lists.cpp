@@ -359,6 +359,7 @@ void CandidateLists<Ends>::update(const std::array<const double*, Ends>& x, doub
   required_ = inflation * (1 + 0x1p-40) + std::numeric_limits<double>::min();
   node_tests_ = front_.size();
   set_positions(x);
+  ++work.refits;
   if (!reuse_ || front_.size() + neighbor_count_ > kMaxGrowth * rebuilt_size_ + kGrain) {
     rebuild_front();
     rebuilt_size_ = front_.size() + neighbor_count_;

@@ -46,7 +46,7 @@ inline void expect_same(const StaticResult& with, const StaticResult& without) {
 }
 
 inline bool same_counts(const Work& a, const Work& b) {
-  return a.node_tests == b.node_tests && a.certificate_tests == b.certificate_tests &&
+  return a.refits == b.refits && a.node_tests == b.node_tests && a.certificate_tests == b.certificate_tests &&
          a.certificate_passes == b.certificate_passes && a.leaf_pairs == b.leaf_pairs &&
          a.candidates_vf == b.candidates_vf && a.candidates_ee == b.candidates_ee &&
          a.undecided == b.undecided;

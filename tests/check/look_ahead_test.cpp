@@ -249,6 +249,7 @@ TEST(LookAhead, SearchesAStraightMotionSeldom) {
     StepResult result;
     ASSERT_TRUE(checker.check(x0, x1, {}, result));
     searches += result.search_steps != 0;
+    EXPECT_EQ(result.work.refits, result.search_steps != 0 ? 1u : 0u);
     if (result.search_steps == 0) {
       EXPECT_EQ(result.work.node_tests, 0u);
     }

@@ -94,6 +94,7 @@ void expect_bits_equal(const StepResult& a, const StepResult& b, bool same_work)
   EXPECT_EQ(a.earliest_toi, b.earliest_toi);
   EXPECT_EQ(a.tolerance, b.tolerance);
   if (!same_work) return;
+  EXPECT_EQ(a.work.refits, b.work.refits);
   EXPECT_EQ(a.work.node_tests, b.work.node_tests);
   EXPECT_EQ(a.work.leaf_pairs, b.work.leaf_pairs);
   EXPECT_EQ(a.work.candidates_vf, b.work.candidates_vf);

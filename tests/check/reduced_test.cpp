@@ -130,6 +130,7 @@ TEST(ReducedChecker, TestsOnePairOfNodesInsideTheRootsBall) {
   settings.between = false;
   const StepResult answer = expect_same_answer(shapes, step, settings);
   EXPECT_EQ(answer.work.certificate_tests, 1u);
+  EXPECT_EQ(answer.work.refits, 0u);
   EXPECT_EQ(answer.work.node_tests, 0u);
   EXPECT_EQ(answer.work.leaf_pairs, 0u);
 }

@@ -64,7 +64,7 @@ TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
     EXPECT_THAT(keys(step["milliseconds"]), ElementsAre("narrow", "total", "traverse", "update"));
     EXPECT_THAT(keys(step["work"]),
                 ElementsAre("candidates_ee", "candidates_vf", "certificate_passes", "certificate_tests",
-                            "leaf_pairs", "node_tests", "undecided"));
+                            "leaf_pairs", "node_tests", "refits", "undecided"));
     EXPECT_THAT(keys(step["pairs"]), ElementsAre("ee", "vf"));
   }
   const json& hit = report["steps"][1];

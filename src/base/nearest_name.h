@@ -6,10 +6,10 @@
 #include <string>
 #include <string_view>
 
-namespace foldproof {
+namespace foldproof::inline internal {
 
 /// The name that differs from `word` in the fewest letters (inserted, omitted, replaced, or two neighbors
 /// exchanged), the first of several. None, if more than a third of the letters differ, and more than one.
 std::optional<std::string> nearest_name(std::string_view word, std::span<const std::string> names);
 
-}  // namespace foldproof
+}  // namespace foldproof::inline internal

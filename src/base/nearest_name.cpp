@@ -1,9 +1,9 @@
-#include "nearest_name.h"
+#include "base/nearest_name.h"
 
 #include <algorithm>
 #include <vector>
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 /// Optimal string alignment distance (Boytsov 2011, section 2.2).
@@ -37,4 +37,4 @@ std::optional<std::string> nearest_name(std::string_view word, std::span<const s
   return nearest;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal
