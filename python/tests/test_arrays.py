@@ -125,7 +125,7 @@ def test_errors_have_parts_and_are_value_errors(tmp_path):
         foldproof.load(missing)
     error = refused.value
     assert isinstance(error, foldproof.Error)
-    assert error.where == str(missing) and "No such file" in error.problem and error.remedy
+    assert error.where == str(missing) and "does not exist" in error.problem and error.remedy
     assert str(error) == f"{error.where}: {error.problem}; {error.remedy}"
 
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/try.h"
+#include "io/recognize.h"
 
 namespace foldproof::io {
 namespace {
@@ -24,6 +25,7 @@ Result<InputFile> InputFile::open(const std::string& path) {
   // Without O_NONBLOCK, opening a named pipe would block until another process opens it.
   file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file.descriptor_ < 0) {
+    if (errno == ENOENT || errno == ENOTDIR) return does_not_exist(path);
     return fail(ErrorCode::FileAccess, path, "cannot be opened: " + reason(errno),
                 "check the name and the permissions");
   }
@@ -38,7 +40,15 @@ Result<InputFile> InputFile::open(const std::string& path) {
   }
   file.size_ = static_cast<std::uint64_t>(status.st_size);
   file.modified_ = status.st_mtim;
+  std::array<char, kRecognizedBytes> buffer;
+  const auto start = std::span(buffer).first(std::min<std::uint64_t>(file.size_, buffer.size()));
+  FOLDPROOF_TRY(file.read_at(0, start));
+  FOLDPROOF_TRY(check_is_data(path, {start.data(), start.size()}));
   return file;
+}
+
+tl::unexpected<Error> does_not_exist(const std::string& path) {
+  return fail(ErrorCode::FileAccess, path, "does not exist", "check the name");
 }
 
 InputFile::InputFile(InputFile&& other) noexcept

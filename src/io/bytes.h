@@ -15,6 +15,7 @@ namespace foldproof::io {
 /// A regular file, open for reading at any offset.
 class InputFile {
  public:
+  /// Error: it cannot be opened, or is not data (recognize.h), whatever the format.
   static Result<InputFile> open(const std::string& path);
   InputFile(InputFile&& other) noexcept;
   InputFile& operator=(InputFile&& other) noexcept;
@@ -34,6 +35,9 @@ class InputFile {
   std::uint64_t size_ = 0;
   std::timespec modified_{};
 };
+
+/// The error for a path at which there is nothing.
+tl::unexpected<Error> does_not_exist(const std::string& path);
 
 /// Reads a whole regular file.
 Result<std::vector<char>> read_file(const std::string& path, const ReadProgress& progress = {});

@@ -9,7 +9,9 @@
 #include <optional>
 #include <system_error>
 
+#include "base/nearest_name.h"
 #include "base/try.h"
+#include "io/bytes.h"
 #include "io/formats.h"
 #include "io/numbered.h"
 #include "io/text.h"
@@ -131,12 +133,28 @@ Result<std::unique_ptr<Motion>> open_glob(const std::string& pattern, const Read
 
 /// What to do about a format that is not read.
 std::string remedy_for(std::string_view extension) {
-  if (extension == ".vtk") return "save it as .vtp or .vtu";
   for (const char* scene : {".abc", ".blend", ".dae", ".fbx", ".usd", ".usda", ".usdc", ".usdz"}) {
     if (extension == scene) return "open it in Blender, and export it as .glb or .obj";
   }
   return fmt::format("give {}, {}, or a mesh followed by its {}", extensions_of(FileKind::Mesh),
                      extensions_of(FileKind::Animation), extensions_of(FileKind::PointCache));
+}
+
+/// The error for a name at which there is nothing; says which name beside it is like it.
+tl::unexpected<Error> missing(const std::string& argument) {
+  constexpr std::size_t kCompared = 1000;
+  const fs::path path(argument);
+  std::vector<std::string> names;
+  std::error_code status;
+  fs::directory_iterator at(path.has_parent_path() ? path.parent_path() : ".", status);
+  for (const fs::directory_iterator end; !status && at != end && names.size() < kCompared;
+       at.increment(status))
+    names.push_back(at->path().filename().string());
+  std::ranges::sort(names);
+  auto error = does_not_exist(argument);
+  const auto near = nearest_name(path.filename().string(), names);
+  if (near) error.value().remedy = fmt::format("did you mean '{}'?", (path.parent_path() / *near).string());
+  return error;
 }
 
 Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const ReadOptions& options,
@@ -161,6 +179,7 @@ Result<std::unique_ptr<Motion>> open_one(const std::string& argument, const Read
     }
     return open_frames(argument, std::move(files), progress);
   }
+  if (status.type() == fs::file_type::not_found) return missing(argument);
   const FileFormat* format = format_of(argument);
   if (format == nullptr)
     return fail(ErrorCode::UnsupportedFormat, argument, "is not a format that is read here",

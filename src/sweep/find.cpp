@@ -200,7 +200,7 @@ Result<SweepInput> find_motions(std::span<const std::string> directories, bool p
     while (directory.size() > 1 && directory.back() == '/') directory.pop_back();
     std::error_code status;
     if (!fs::exists(directory, status))
-      return fail(ErrorCode::FileAccess, directory, "is not there", "check its name");
+      return fail(ErrorCode::FileAccess, directory, "does not exist", "check the name");
     if (!fs::is_directory(directory, status)) {
       return fail(ErrorCode::FileAccess, directory, "is no directory",
                   "name the directory that it lies in, or check it alone with 'foldproof check'");

@@ -143,7 +143,7 @@ TEST(Sweep, SaysWhatIsWrongInOneLine) {
   const auto run = [&](std::vector<std::string> arguments) {
     return run_program(std::move(arguments), {.directory = library.path()});
   };
-  expect_one_line_error(run({"sweep", "nowhere", "-o", "r.jsonl"}), "nowhere: is not there");
+  expect_one_line_error(run({"sweep", "nowhere", "-o", "r.jsonl"}), "nowhere: does not exist");
   expect_one_line_error(run({"sweep", "lib/broken.glb", "-o", "r.jsonl"}), "is no directory");
   expect_one_line_error(run({"sweep", "lib", "-o", "no/r.jsonl"}), "no/r.jsonl: cannot be written");
   expect_one_line_error(run({"sweep", "lib", "-o", "/dev/null"}), "is not a regular file");
@@ -255,7 +255,7 @@ TEST(SweepByMpi, SaysOnceWhatIsWrong) {
   const Outcome found = run_program(by_ranks("2", {"sweep", "nowhere", "-o", "r.jsonl"}),
                                     {.directory = library.path(), .program = FOLDPROOF_MPIRUN});
   EXPECT_EQ(found.code, 2);
-  const std::string said = "foldproof: nowhere: is not there; check its name\n";
+  const std::string said = "foldproof: nowhere: does not exist; check the name\n";
   EXPECT_THAT(found.err, HasSubstr(said));
   EXPECT_EQ(found.err.find("foldproof: ", found.err.find(said) + said.size()), std::string::npos)
       << found.err;

@@ -131,7 +131,8 @@ TEST_F(OpenTest, ReportsWhatIsNotAMotion) {
   files.write("cached/a.obj", obj_at(1));
   files.write("cached/a.pc2", "POINTCACHE2");
   const std::string no_mesh =
-      ": holds no .obj, .off, .ply, .stl, .vtp, .vtu or .msh files; name mesh files, or a directory that "
+      ": holds no .obj, .off, .ply, .stl, .vtp, .vtu, .vtk or .msh files; name mesh files, or a directory "
+      "that "
       "holds them";
   const std::string one = "; name one of them, or keep one format in a directory";
   EXPECT_EQ(open_error({files.path("empty")}), "empty" + no_mesh);
@@ -142,16 +143,18 @@ TEST_F(OpenTest, ReportsWhatIsNotAMotion) {
             "mixed/?.*: mixes formats: mixed/a.obj and mixed/b.ply" + one);
   EXPECT_EQ(open_error({files.path("cached")}), "cached: mixes formats: cached/a.obj and cached/a.pc2" + one);
   EXPECT_EQ(open_error({files.path("none/*.obj")}), "none/*.obj: matches no files; check the pattern");
-  const std::string check =
-      ": cannot be opened: No such file or directory; check the name and the permissions";
+  const std::string check = ": does not exist; check the name";
   EXPECT_EQ(open_error({files.path("none.obj")}), "none.obj" + check);
   EXPECT_EQ(open_error({files.path("none.gltf")}), "none.gltf" + check);
   EXPECT_EQ(open_error({files.path("none.npz")}), "none.npz" + check);
   EXPECT_EQ(open_error({files.write("a.xyz", "0 0 0")}),
-            "a.xyz: is not a format that is read here; give .obj, .off, .ply, .stl, .vtp, .vtu or "
-            ".msh, .npz, .pvd, .gltf or .glb, or a mesh followed by its .pc2 or .mdd");
-  EXPECT_EQ(open_error({files.write("a.vtk", "")}),
-            "a.vtk: is not a format that is read here; save it as .vtp or .vtu");
+            "a.xyz: is not a format that is read here; give .obj, .off, .ply, .stl, .vtp, .vtu, .vtk "
+            "or .msh, .npz, .pvd, .gltf or .glb, or a mesh followed by its .pc2 or .mdd");
+  for (const char* missing : {"none", "none.xyz", "only/none.fbx", "a.xyz/none.obj"})
+    EXPECT_EQ(open_error({files.path(missing)}), missing + check);
+  EXPECT_EQ(open_error({files.path("mixde")}), "mixde: does not exist; did you mean 'mixed'?");
+  EXPECT_EQ(open_error({files.path("mixed/a.objj")}),
+            "mixed/a.objj: does not exist; did you mean 'mixed/a.obj'?");
   EXPECT_EQ(open_error({files.write("a.FBX", "")}),
             "a.FBX: is not a format that is read here; open it in Blender, and export it as .glb or .obj");
   EXPECT_EQ(open_error({}), "arguments: no motion is named; name a mesh file or a directory");
@@ -333,9 +336,7 @@ TEST_F(OpenTest, NamesTheFirstFaceThatChanges) {
             "run/7.obj:1 (frame 7): coordinate z of vertex 1 is not finite; "
             "export the mesh without NaN or infinite coordinates");
   std::filesystem::remove(files.path("run/7.obj"));
-  EXPECT_EQ(
-      frame_error(*motion, 7),
-      "run/7.obj (frame 7): cannot be opened: No such file or directory; check the name and the permissions");
+  EXPECT_EQ(frame_error(*motion, 7), "run/7.obj (frame 7): does not exist; check the name");
 }
 
 TEST_F(OpenTest, WeldMergesEqualVerticesOfTheFirstFrame) {

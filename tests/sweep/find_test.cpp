@@ -183,7 +183,7 @@ TEST(FindMotions, SeesThatABufferOfAGltfChanged) {
 
 TEST(FindMotions, SaysWhatIsNoDirectory) {
   const Library library({"walk.glb"});
-  for (const auto& [name, said] : {std::pair("walk.glb", "is no directory"), {"none", "is not there"}}) {
+  for (const auto& [name, said] : {std::pair("walk.glb", "is no directory"), {"none", "does not exist"}}) {
     const std::string directories[] = {library / name};
     const auto found = find_motions(directories);
     ASSERT_FALSE(found);
