@@ -26,7 +26,7 @@ inline constexpr const char* kMotionHelp = R"(A MOTION is one topology and its f
   walk.pvd                        the VTK files of a ParaView collection
   frames/  'frames/*.ply'         a directory or a quoted glob of meshes, a frame each, in natural order
   walk_%04d.obj  walk_*.obj       numbered meshes, a frame each; --separate makes them motions of their own
-Meshes are OBJ, OFF, PLY, STL, VTP, VTU and MSH.
+Meshes are OBJ, OFF, PLY, STL, VTP, VTU, VTK and MSH.
 )";
 
 /// Adds --frames, --fps, --weld and --separate.

@@ -1,7 +1,10 @@
 #include "io/cells.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 namespace foldproof::io {
 namespace {
@@ -32,6 +35,38 @@ const Volume& volume(CellShape shape) {
       return kPyramid;
   }
 }
+
+std::optional<CellShape> shape_of(std::int64_t vtk_type) {
+  switch (vtk_type) {
+    case 1:  // vertex
+    case 2:  // several
+      return CellShape::Points;
+    case 3:  // line
+    case 4:  // several
+      return CellShape::Polyline;
+    case 5:  // triangle
+    case 7:  // polygon
+    case 9:  // quad
+      return CellShape::Polygon;
+    case 6:
+      return CellShape::Strip;
+    case 8:
+      return CellShape::Pixel;
+    case 10:
+      return CellShape::Tetrahedron;
+    case 11:
+      return CellShape::Voxel;
+    case 12:
+      return CellShape::Hexahedron;
+    case 13:
+      return CellShape::Wedge;
+    case 14:
+      return CellShape::Pyramid;
+    default:
+      return std::nullopt;
+  }
+}
+constexpr std::int64_t kEmptyCell = 0;
 
 /// The indices of `values` in ascending order of these; of equal ones, the first comes first.
 template <class T>
@@ -81,6 +116,12 @@ void CellCollector::add_polygon(std::span<const Index> vertices, std::int64_t pa
 }
 
 bool CellCollector::add(CellShape shape, std::span<const Index> vertices, std::int64_t part) {
+  if (shape == CellShape::Points || shape == CellShape::Polyline) {
+    if (vertices.empty()) return false;
+    if (shape == CellShape::Polyline) mesh_.add_polyline(vertices);
+    if (shape == CellShape::Points) mesh_.points.insert(mesh_.points.end(), vertices.begin(), vertices.end());
+    return true;
+  }
   if (shape == CellShape::Pixel) {
     if (vertices.size() != 4) return false;
     add_polygon(std::array{vertices[0], vertices[1], vertices[3], vertices[2]}, part);
@@ -107,6 +148,31 @@ bool CellCollector::add(CellShape shape, std::span<const Index> vertices, std::i
   }
   volumes_.push_back(sorted);
   return true;
+}
+
+std::string CellCollector::add(const VtkCells& cells, VertexRange vertices,
+                               std::span<const std::int64_t> labels) {
+  std::vector<Index> cell;
+  std::int64_t begin = 0;
+  for (std::size_t i = 0; i < cells.ends.size(); ++i) {
+    const auto wrong = [&](const std::string& problem) { return fmt::format("cell {} {}", i, problem); };
+    if (cells.ends[i] < begin || static_cast<std::uint64_t>(cells.ends[i]) > cells.ids.size())
+      return wrong("has an offset that is not within its vertices");
+    cell.clear();
+    for (; begin < cells.ends[i]; ++begin) {
+      const std::int64_t id = cells.ids[static_cast<std::size_t>(begin)];
+      if (id < 0 || id >= vertices.count)
+        return wrong(
+            fmt::format("refers to vertex {}, but there are {} (counting from 0)", id, vertices.count));
+      cell.push_back(vertices.first + static_cast<Index>(id));
+    }
+    if (cells.types[i] == kEmptyCell) continue;
+    const auto shape = shape_of(cells.types[i]);
+    if (!shape) return wrong(fmt::format("is of VTK's type {}, which is not read", cells.types[i]));
+    if (!add(*shape, cell, i < labels.size() ? labels[i] : 0))
+      return wrong(fmt::format("has {} vertices", cell.size()));
+  }
+  return {};
 }
 
 /// Of every volume, the first one that has its corners.

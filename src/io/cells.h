@@ -7,16 +7,42 @@
 
 namespace foldproof::io {
 
-enum class CellShape : std::uint8_t { Polygon, Strip, Pixel, Tetrahedron, Voxel, Hexahedron, Wedge, Pyramid };
+/// Points and polylines have one vertex or more.
+enum class CellShape : std::uint8_t {
+  Points,
+  Polyline,
+  Polygon,
+  Strip,
+  Pixel,
+  Tetrahedron,
+  Voxel,
+  Hexahedron,
+  Wedge,
+  Pyramid
+};
+
+/// Cells as VTK's files store them.
+struct VtkCells {
+  std::vector<std::int64_t> ends;   ///< Per cell, where its vertices end among all.
+  std::vector<std::int64_t> ids;    ///< The vertices of all cells, one after the other.
+  std::vector<std::int64_t> types;  ///< Per cell, VTK's number of its shape.
+};
+
+/// The vertices that the ids of cells count.
+struct VertexRange {
+  Index first = 0, count = 0;
+};
 
 /// Collects cells.
 class CellCollector {
  public:
   explicit CellCollector(MeshData& mesh) : mesh_(mesh) {}
 
-  /// `vertices`: in VTK's order. `part`: a number that the cell's triangles get. False: the shape has another
-  /// number of vertices.
+  /// `vertices`: in VTK's order. `part`: a number that the cell's triangles get; lines and points have none.
+  /// False: the shape has another number of vertices.
   bool add(CellShape shape, std::span<const Index> vertices, std::int64_t part);
+  /// `labels`: the parts of cells, 0 where there are none. Returns what is wrong with them, else nothing.
+  std::string add(const VtkCells& cells, VertexRange vertices, std::span<const std::int64_t> labels);
   /// Adds the faces that only one volume has, in their order, without the triangles that are there already,
   /// as files often hold both. Volumes with the same corners are one. Returns the part of each triangle.
   std::vector<std::int64_t> finish();

@@ -28,6 +28,7 @@ constexpr FileFormat kFormats[] = {
     {.extension = ".stl", .kind = FileKind::Mesh, .parse_mesh = parse_stl},
     {.extension = ".vtp", .kind = FileKind::Mesh, .parse_mesh = parse_vtp},
     {.extension = ".vtu", .kind = FileKind::Mesh, .parse_mesh = parse_vtu},
+    {.extension = ".vtk", .kind = FileKind::Mesh, .parse_mesh = parse_vtk},
     {.extension = ".msh", .kind = FileKind::Mesh, .parse_mesh = parse_msh},
     {.extension = ".pc2", .kind = FileKind::PointCache, .open_cache = open_pc2},
     {.extension = ".mdd", .kind = FileKind::PointCache, .open_cache = open_mdd},

@@ -26,6 +26,17 @@ Result<void> check_mesh(const std::string& path, const MeshData& mesh) {
 
 }  // namespace
 
+void MeshData::add_polyline(std::span<const Index> polyline) {
+  if (polyline.size() == 1) points.push_back(polyline[0]);
+  for (std::size_t k = 1; k < polyline.size(); ++k) {
+    if (polyline[k] == polyline[k - 1]) {
+      points.push_back(polyline[k]);
+    } else {
+      lines.push_back({polyline[k - 1], polyline[k]});
+    }
+  }
+}
+
 void MeshData::add_polygon(std::span<const Index> polygon) {
   if (polygon.size() > 3 && faces.empty()) {
     faces.resize(triangles.size());

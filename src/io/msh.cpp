@@ -1,11 +1,10 @@
-// Gmsh meshes, versions 2.2 and 4.1, ASCII and binary. A parser of our own: Gmsh's library is GPL.
+// Gmsh meshes, versions 2.2, 4.0 and 4.1, ASCII and binary. A parser of our own: Gmsh's library is GPL.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
-#include <optional>
 
 #include "base/try.h"
 #include "io/bytes.h"
@@ -16,15 +15,16 @@
 namespace foldproof::io {
 namespace {
 
+constexpr std::size_t kMaxName = 100;  // of a section: searching for its end takes time in proportion to it
 constexpr const char* kSaveAgain = "save the mesh again as Gmsh 4.1 or 2.2";
 
 struct ElementType {
   int number;
   std::size_t vertices;
-  std::optional<CellShape> shape;  ///< None: it bounds nothing.
+  CellShape shape;
 };
-constexpr std::array<ElementType, 8> kElementTypes{{{15, 1, std::nullopt},
-                                                    {1, 2, std::nullopt},
+constexpr std::array<ElementType, 8> kElementTypes{{{15, 1, CellShape::Points},
+                                                    {1, 2, CellShape::Polyline},
                                                     {2, 3, CellShape::Polygon},
                                                     {3, 4, CellShape::Polygon},
                                                     {4, 4, CellShape::Tetrahedron},
@@ -64,13 +64,18 @@ class MshSource {
     skip_blanks();
     return line() == text;
   }
-  /// Moves behind the line `text`; false when there is none.
+  /// Moves behind the next line that ends with `text`, which may follow binary data at once; false when there
+  /// is none.
   bool skip_behind(const std::string& text) {
-    const std::size_t found = bytes_.find("\n" + text, at_ == 0 ? 0 : at_ - 1);
-    if (found == bytes_.npos) return false;
-    at_ = found + 1;
-    line();
-    return true;
+    for (std::size_t at = bytes_.find(text, at_); at != bytes_.npos; at = bytes_.find(text, at + 1)) {
+      const std::size_t end = at + text.size();
+      if (end != bytes_.size() && std::string_view(" \r\n").find(bytes_[end]) == std::string_view::npos)
+        continue;
+      at_ = end;
+      line();
+      return true;
+    }
+    return false;
   }
 
   std::int64_t integer() { return binary_ ? stored<std::int32_t>() : text_integer(); }
@@ -136,6 +141,7 @@ class MshParser {
     while (!in_.at_end()) {
       const std::string section(in_.line());
       if (!section.starts_with('$')) continue;
+      if (section.size() > kMaxName) return error("the name of a section is too long");
       const std::string end = "$End" + section.substr(1);
       const bool is_read = FOLDPROOF_TRY(read_section(section));
       if (is_read && in_.skip_line(end)) continue;
@@ -146,6 +152,9 @@ class MshParser {
   }
 
  private:
+  enum class Version : std::uint8_t { None, V2, V40, V41 };
+  using Key = std::pair<std::int64_t, std::int64_t>;  // dimension and tag
+
   tl::unexpected<Error> error(std::string problem) const {
     return fail(ErrorCode::InvalidFile, in_.where(), std::move(problem), kSaveAgain);
   }
@@ -154,8 +163,12 @@ class MshParser {
   Result<void> read_format() {
     if (in_.line() != "$MeshFormat") return error("does not start with $MeshFormat");
     const std::string_view version = in_.line();
-    is_new_ = version.starts_with("4.1 ");
-    if ((!is_new_ && !version.starts_with("2.2 ") && !version.starts_with("2 ")) || version.size() < 5) {
+    for (const auto& [name, known] :
+         {std::pair("2 ", Version::V2), std::pair("2.2 ", Version::V2), std::pair("4 ", Version::V40),
+          std::pair("4.0 ", Version::V40), std::pair("4.1 ", Version::V41)}) {
+      if (version.starts_with(name)) version_ = known;
+    }
+    if (version_ == Version::None || version.size() < 5) {
       return fail(ErrorCode::UnsupportedFormat, in_.where(),
                   fmt::format("Gmsh's format '{}' is not read", version), kSaveAgain);
     }
@@ -177,9 +190,9 @@ class MshParser {
     } else if (section == "$Entities") {
       read = read_entities();
     } else if (section == "$Nodes") {
-      read = is_new_ ? read_nodes() : read_old_nodes();
+      read = version_ == Version::V2 ? read_old_nodes() : read_nodes();
     } else if (section == "$Elements") {
-      read = is_new_ ? read_elements() : read_old_elements();
+      read = version_ == Version::V2 ? read_old_elements() : read_elements();
     } else {
       return false;
     }
@@ -208,7 +221,7 @@ class MshParser {
     for (std::size_t dimension = 0; dimension < 4; ++dimension) {
       for (std::uint64_t i = 0; i < counts[dimension] && !in_.failed(); ++i) {
         const std::int64_t tag = in_.integer();
-        in_.skip_reals(dimension == 0 ? 3 : 6);
+        in_.skip_reals(dimension == 0 && version_ == Version::V41 ? 3 : 6);
         const std::uint64_t physical = in_.count(in_.size());
         for (std::uint64_t k = 0; k < physical && !in_.failed(); ++k) {
           const std::int64_t group = in_.integer();
@@ -266,18 +279,30 @@ class MshParser {
     return sort_nodes();
   }
 
-  Result<void> read_nodes() {
+  /// The number of blocks of a section; other counts follow it.
+  std::uint64_t block_count() {
     const std::uint64_t blocks = in_.count(in_.size());
-    for (int i = 0; i < 3; ++i) in_.size();
+    for (int i = 0; i < (version_ == Version::V41 ? 3 : 1); ++i) in_.size();
+    return blocks;
+  }
+  /// Dimension and tag of a block's entity.
+  Key entity() {
+    const std::int64_t first = in_.integer(), second = in_.integer();
+    return version_ == Version::V41 ? Key{first, second} : Key{second, first};
+  }
+
+  Result<void> read_nodes() {
+    const std::uint64_t blocks = block_count();
     std::vector<std::int64_t> tags;
     for (std::uint64_t b = 0; b < blocks; ++b) {
-      const std::int64_t dimension = in_.integer();
-      in_.integer();
+      const std::int64_t dimension = entity().first;
       const bool parametric = in_.integer() != 0;
       tags.resize(in_.count(in_.size()));
-      for (std::int64_t& tag : tags) tag = in_.size();
+      for (std::int64_t& tag : tags) tag = version_ == Version::V41 ? in_.size() : 0;
       if (in_.failed() || dimension < 0 || dimension > 3) return damaged();
-      for (const std::int64_t tag : tags) {
+      for (std::int64_t tag : tags) {
+        if (version_ == Version::V40) tag = in_.integer();  // beside its coordinates
+        if (in_.failed()) return damaged();
         FOLDPROOF_TRY(read_node(tag));
         if (parametric) in_.skip_reals(static_cast<std::uint64_t>(dimension));
       }
@@ -295,11 +320,14 @@ class MshParser {
                 "save the mesh with elements of the first order");
   }
 
+  /// A tag of an element or of one of its nodes.
+  std::int64_t element_number() { return version_ == Version::V41 ? in_.size() : in_.integer(); }
+
   /// The next element's vertices become a cell.
   Result<void> read_element(const ElementType& type, std::int64_t part) {
     std::array<Index, 8> vertices;
     for (std::size_t k = 0; k < type.vertices; ++k) {
-      const std::int64_t tag = is_new_ ? in_.size() : in_.integer();
+      const std::int64_t tag = element_number();
       if (in_.failed()) return damaged();
       vertices[k] = find_node(tag);
       if (vertices[k] == kNoIndex)
@@ -309,7 +337,7 @@ class MshParser {
       std::swap(vertices[1], vertices[2]);
       std::swap(vertices[4], vertices[5]);
     }
-    if (type.shape) cells_.add(*type.shape, std::span(vertices).first(type.vertices), part);
+    cells_.add(type.shape, std::span(vertices).first(type.vertices), part);
     return {};
   }
 
@@ -339,18 +367,18 @@ class MshParser {
   }
 
   Result<void> read_elements() {
-    const std::uint64_t blocks = in_.count(in_.size());
-    for (int i = 0; i < 3; ++i) in_.size();
+    const std::uint64_t blocks = block_count();
     for (std::uint64_t b = 0; b < blocks; ++b) {
-      const std::int64_t dimension = in_.integer(), entity = in_.integer(), number = in_.integer();
+      const Key key = entity();
+      const std::int64_t number = in_.integer();
       const std::uint64_t count = in_.count(in_.size());
       if (in_.failed()) return damaged();
       const ElementType* type = type_of(number);
       if (!type) return unknown_type(number);
-      const auto group = groups_.find({dimension, entity});
-      const std::int64_t part = part_of(*type, group == groups_.end() ? 0 : group->second, entity);
+      const auto group = groups_.find(key);
+      const std::int64_t part = part_of(*type, group == groups_.end() ? 0 : group->second, key.second);
       for (std::uint64_t i = 0; i < count; ++i) {
-        in_.size();
+        element_number();
         FOLDPROOF_TRY(read_element(*type, part));
       }
     }
@@ -379,10 +407,9 @@ class MshParser {
     return std::move(mesh_);
   }
 
-  using Key = std::pair<std::int64_t, std::int64_t>;  // dimension and tag
-  using Node = std::pair<std::int64_t, Index>;        // tag and vertex
+  using Node = std::pair<std::int64_t, Index>;  // tag and vertex
   MshSource in_;
-  bool is_new_ = false;  // version 4.1
+  Version version_ = Version::None;
   MeshData mesh_;
   CellCollector cells_{mesh_};
   std::vector<Node> nodes_;

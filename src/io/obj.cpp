@@ -1,10 +1,12 @@
 // Wavefront OBJ. A parser of our own: available libraries report errors without a line number and reject
 // indices of vertices that follow later.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 
+#include "base/try.h"
 #include "io/parts.h"
 #include "io/readers.h"
 #include "io/text.h"
@@ -12,13 +14,17 @@
 namespace foldproof::io {
 namespace {
 
-/// Statements that add no surface: texture coordinates, normals, points, lines, grouping, display, and what
-/// describes curves and surfaces, which "curv" and "surf" would add.
-constexpr std::array<std::string_view, 30> kWithoutFaces{
-    "vt",     "vn",     "vp",     "p",      "l",        "s",        "mg",         "bevel",
-    "lod",    "mtllib", "usemap", "maplib", "c_interp", "d_interp", "shadow_obj", "trace_obj",
-    "cstype", "deg",    "bmat",   "step",   "parm",     "trim",     "hole",       "scrv",
-    "sp",     "end",    "con",    "ctech",  "stech",    "curv2"};
+/// Statements that add what is not read: free-form curves and surfaces (older ones of fixed sizes, too), and
+/// other files.
+constexpr std::array<std::string_view, 7> kGeometry{"surf", "curv", "bsp", "bzp", "cdc", "cdp", "call"};
+
+/// Statements that add no surface: texture coordinates, normals, grouping, display, and what describes the
+/// free-form curves and surfaces.
+constexpr std::array<std::string_view, 28> kWithoutFaces{
+    "vt",     "vn",     "vp",     "s",        "mg",       "bevel",      "lod",
+    "mtllib", "usemap", "maplib", "c_interp", "d_interp", "shadow_obj", "trace_obj",
+    "cstype", "deg",    "bmat",   "step",     "parm",     "trim",       "hole",
+    "scrv",   "sp",     "end",    "con",      "ctech",    "stech",      "curv2"};
 
 class ObjParser {
  public:
@@ -33,6 +39,12 @@ class ObjParser {
         read = read_vertex();
       } else if (keyword == "f" || keyword == "fo") {  // "fo" is an obsolete form of "f"
         read = read_face();
+      } else if (keyword == "l") {
+        read = read_ids("line");
+        mesh_.add_polyline(ids_);
+      } else if (keyword == "p") {
+        read = read_ids("point");
+        mesh_.points.insert(mesh_.points.end(), ids_.begin(), ids_.end());
       } else if (keyword == "o") {
         objects_.begin(mesh_.triangles.size(), cursor_.rest_of_line());
       } else if (keyword == "g") {
@@ -40,19 +52,18 @@ class ObjParser {
       } else if (keyword == "usemtl") {
         materials_.begin(mesh_.triangles.size(), cursor_.rest_of_line());
       } else if (std::ranges::find(kWithoutFaces, keyword) == kWithoutFaces.end()) {
-        read = fail(ErrorCode::UnsupportedFormat, at_line(path_, cursor_.line()),
-                    fmt::format("the statement '{}' is not read, and may add faces", keyword.substr(0, 20)),
-                    "export the mesh as polygons");
+        count_skipped(keyword);
       }
       if (!read) return tl::unexpected(read.error());
       while (!cursor_.at_line_end()) cursor_.word();  // on lines that continue this one, too
     }
     if (highest_.index >= mesh_.vertex_count()) {
-      return fail(
-          ErrorCode::InvalidFile, at_line(path_, highest_.line),
-          fmt::format("face refers to vertex {}, but there are {}", highest_.index + 1, mesh_.vertex_count()),
-          "export the mesh again");
+      return fail(ErrorCode::InvalidFile, at_line(path_, highest_.line),
+                  fmt::format("{} refers to vertex {}, but there are {}", highest_.element,
+                              highest_.index + 1, mesh_.vertex_count()),
+                  "export the mesh again");
     }
+    name_skipped();
     for (const NameRuns* names : {&objects_, &groups_, &materials_}) {
       if (mesh_.parts.names.empty()) mesh_.parts = names->parts(mesh_.triangles.size());
     }
@@ -74,47 +85,92 @@ class ObjParser {
     return {};
   }
 
-  Result<void> read_face() {
-    polygon_.clear();
+  /// The vertices that the rest of the line names, for a face, a line or points.
+  Result<void> read_ids(const char* element) {
+    ids_.clear();
     const std::uint64_t line = cursor_.line();
     while (!cursor_.at_line_end()) {
       std::int64_t number;
       if (const Scan scan = cursor_.leading_integer(number); scan != Scan::Ok) {
-        return tl::unexpected(scan_error(scan, at_line(path_, cursor_.line()), "a vertex of the face"));
+        return tl::unexpected(not_a_vertex(scan, element));
       }
       // A texture coordinate or a normal may follow, after a slash.
-      if (const std::string_view tail = cursor_.tail(); !tail.empty() && tail[0] != '/') {
-        return tl::unexpected(
-            scan_error(Scan::Malformed, at_line(path_, cursor_.line()), "a vertex of the face"));
-      }
+      if (const std::string_view tail = cursor_.tail(); !tail.empty() && tail[0] != '/')
+        return tl::unexpected(not_a_vertex(Scan::Malformed, element));
       const auto count = static_cast<std::int64_t>(mesh_.positions.size() / 3);
       const std::int64_t index = number < 0 ? count + number : number - 1;
       if (number == 0 || index < 0 || index > static_cast<std::int64_t>(kMaxVertices)) {
         return fail(ErrorCode::InvalidFile, at_line(path_, cursor_.line()),
-                    fmt::format("face refers to vertex {}, but there are {}", number, count),
+                    fmt::format("{} refers to vertex {}, but there are {}", element, number, count),
                     "export the mesh again");
       }
-      if (highest_.line == 0 || index > highest_.index) highest_ = {index, line};
-      polygon_.push_back(static_cast<Index>(index));
+      if (highest_.line == 0 || index > highest_.index) highest_ = {index, line, element};
+      ids_.push_back(static_cast<Index>(index));
     }
-    if (polygon_.size() < 3) {
+    return {};
+  }
+
+  Error not_a_vertex(Scan scan, const char* element) const {
+    return scan_error(scan, at_line(path_, cursor_.line()), fmt::format("a vertex of the {}", element));
+  }
+
+  Result<void> read_face() {
+    const std::uint64_t line = cursor_.line();
+    FOLDPROOF_TRY(read_ids("face"));
+    if (ids_.size() < 3) {
       return fail(ErrorCode::InvalidFile, at_line(path_, line),
-                  fmt::format("face has {} vertices", polygon_.size()),
+                  fmt::format("face has {} vertices", ids_.size()),
                   "remove faces with fewer than three vertices");
     }
-    mesh_.add_polygon(polygon_);
+    mesh_.add_polygon(ids_);
     return {};
+  }
+
+  void count_skipped(std::string_view keyword) {
+    const auto geometry = std::ranges::find(kGeometry, keyword);
+    if (geometry != kGeometry.end()) {
+      ++geometry_[static_cast<std::size_t>(geometry - kGeometry.begin())];
+      return;
+    }
+    ++unknown_;
+    constexpr std::size_t kNamed = 3;
+    const std::string name(keyword.substr(0, 20));
+    if (std::ranges::find(names_, name) != names_.end()) return;
+    if (names_.size() < kNamed) {
+      names_.push_back(name);
+    } else {
+      has_more_names_ = true;
+    }
+  }
+
+  void name_skipped() {
+    for (std::size_t i = 0; i < kGeometry.size(); ++i) {
+      if (geometry_[i] == 0) continue;
+      const bool one = geometry_[i] == 1;
+      mesh_.unchecked.push_back(fmt::format("{} {} '{}' {} not checked", geometry_[i],
+                                            one ? "statement" : "statements", kGeometry[i],
+                                            one ? "was" : "were"));
+    }
+    if (unknown_ == 0) return;
+    mesh_.notes.push_back(fmt::format(
+        "{} {} not known and {} skipped: '{}'{}", unknown_, unknown_ == 1 ? "statement is" : "statements are",
+        unknown_ == 1 ? "was" : "were", fmt::join(names_, "', '"), has_more_names_ ? " and others" : ""));
   }
 
   const std::string& path_;
   TextCursor cursor_;
   MeshData mesh_;
-  std::vector<Index> polygon_;
+  std::array<std::uint64_t, kGeometry.size()> geometry_{};  // how many of each
+  std::uint64_t unknown_ = 0;
+  std::vector<std::string> names_;  // of unknown statements, the first few
+  bool has_more_names_ = false;
+  std::vector<Index> ids_;  // that the statement names
   NameRuns objects_, groups_, materials_;
   // Faces may precede their vertices, so the highest index is checked at the end.
   struct {
     std::int64_t index = -1;
     std::uint64_t line = 0;
+    const char* element = "";
   } highest_;
 };
 

@@ -100,6 +100,7 @@ class OffParser {
     }
     polygon_.clear();
     for (std::int64_t i = 0; i < corners; ++i) {
+      cursor_.skip_to_content();  // a face may take several lines
       std::int64_t v;
       if (const Scan scan = cursor_.integer(v); scan != Scan::Ok) {
         return tl::unexpected(scan_error(scan, here(), fmt::format("vertex {} of face {}", i, face)));

@@ -34,7 +34,7 @@ std::optional<PlyType> ply_type(std::string_view name) {
 }
 
 /// The role of a property in the mesh. The values of X, Y and Z are the coordinate's index.
-enum class Role : std::uint8_t { X, Y, Z, Polygon, Part, None };
+enum class Role : std::uint8_t { X, Y, Z, Start, End, Polygon, Part, None };
 
 struct Property {
   PlyType type;
@@ -51,6 +51,7 @@ struct Element {
     return std::any_of(properties.begin(), properties.end(),
                        [=](const Property& p) { return p.role == role; });
   }
+  bool is_edge() const { return has(Role::Start) && has(Role::End); }
 };
 
 enum class Encoding : std::uint8_t { Ascii, Little, Big };
@@ -156,6 +157,10 @@ class HeaderParser {
       property.role = Role::Part;
       header_.part_kind = part_kind(name);
     }
+    if (element.name == "edge" && !property.count && !value->is_float) {
+      if (name == "vertex1") property.role = Role::Start;
+      if (name == "vertex2") property.role = Role::End;
+    }
     if (property.role != Role::None && element.has(property.role)) {
       return error(fmt::format("property '{}' is declared twice", name));
     }
@@ -170,13 +175,14 @@ class HeaderParser {
                   "header declares triangle strips, which are not read",
                   "export the mesh as PLY with its faces");
     }
-    bool positions = false, polygons = false;
+    bool positions = false, faces = false;
     for (const Element& e : header_.elements) {
       if (e.name == "vertex") positions = e.has(Role::X) && e.has(Role::Y) && e.has(Role::Z);
-      if (e.name == "face") polygons = e.has(Role::Polygon);
+      if (e.name == "face") faces |= e.has(Role::Polygon);
+      faces |= e.is_edge();
     }
     if (!positions) return error("header declares no vertices with x, y and z");
-    if (!polygons) {
+    if (!faces) {
       return fail(ErrorCode::InvalidFile, at_line(path_, cursor_.line()),
                   "header declares no faces with vertex_indices", "export the mesh with its faces");
     }
@@ -305,6 +311,10 @@ class BodyParser {
                                 element.count, element.name),
                     "copy or export the mesh again");
       }
+      if (element.name == "edge" && element.count > 0 && !element.is_edge()) {
+        mesh_.unchecked.push_back(
+            fmt::format("{} edges without vertex1 and vertex2 were not checked", element.count));
+      }
       if (element.name == "vertex") mesh_.positions.reserve(element.count * 3);
       if (element.name == "face") mesh_.triangles.reserve(element.count);
       for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -326,7 +336,7 @@ class BodyParser {
   }
 
   Result<void> read_record(const Element& element, std::uint64_t record) {
-    std::array<double, 3> position{};
+    std::array<double, 5> values{};  // of the roles before Polygon
     std::optional<std::int64_t> part;
     if (!source_.begin_record()) return error(Scan::Missing, element, record);
     for (const Property& property : element.properties) {
@@ -341,7 +351,7 @@ class BodyParser {
       if (property.role == Role::Part) {
         part = static_cast<std::int64_t>(std::clamp(value, -0x1p53, 0x1p53));  // text may exceed the type
       } else if (used) {
-        position[static_cast<std::size_t>(property.role)] = value;
+        values[static_cast<std::size_t>(property.role)] = value;
       }
     }
     if (!source_.end_record()) {
@@ -350,10 +360,22 @@ class BodyParser {
                   "export the mesh again");
     }
     if (element.name == "vertex") {
-      mesh_.positions.insert(mesh_.positions.end(), position.begin(), position.end());
+      mesh_.positions.insert(mesh_.positions.end(), values.begin(), values.begin() + 3);
+    }
+    if (element.is_edge()) {
+      const Index a = FOLDPROOF_TRY(vertex("edge", record, values[3]));
+      mesh_.add_polyline(std::array{a, FOLDPROOF_TRY(vertex("edge", record, values[4]))});
     }
     if (part) parts_.resize(mesh_.triangles.size(), *part);
     return {};
+  }
+
+  Result<Index> vertex(const char* element, std::uint64_t record, double id) const {
+    if (id >= 0 && id < static_cast<double>(header_.vertices)) return static_cast<Index>(id);
+    return fail(ErrorCode::InvalidFile, source_.where(),
+                fmt::format("{} {} refers to vertex {}, but there are {} (counting from 0)", element, record,
+                            id, header_.vertices),
+                "export the mesh again");
   }
 
   Result<void> read_list(const Element& element, const Property& property, std::uint64_t record) {
@@ -372,13 +394,7 @@ class BodyParser {
       const Scan item = source_.value(property.type, value);
       if (item != Scan::Ok && (polygon || item != Scan::NotFinite)) return error(item, element, record);
       if (!polygon) continue;
-      if (value < 0 || value >= static_cast<double>(header_.vertices)) {
-        return fail(ErrorCode::InvalidFile, source_.where(),
-                    fmt::format("face {} refers to vertex {}, but there are {} (counting from 0)", record,
-                                value, header_.vertices),
-                    "export the mesh again");
-      }
-      polygon_.push_back(static_cast<Index>(value));
+      polygon_.push_back(FOLDPROOF_TRY(vertex("face", record, value)));
     }
     if (polygon) mesh_.add_polygon(polygon_);
     return {};

@@ -16,12 +16,17 @@ struct MeshData {
   std::vector<Triangle> triangles;
   std::vector<Index> faces;  ///< The file's face of each triangle; empty if every face is a triangle.
   ObjectParts parts;         ///< Those that the file names.
-  std::vector<Edge> lines;  ///< In no face, of two different vertices; polylines are cut into their segments.
-  std::vector<Index> points;  ///< That the file names as such, in no face and no line, each once.
+  /// As the file has them, of two different vertices each; some may be edges of triangles, or copies.
+  std::vector<Edge> lines;
+  std::vector<Index> points;           ///< That the file names as such; some may be in triangles and lines.
+  std::vector<std::string> notes;      ///< As MotionInfo has them.
+  std::vector<std::string> unchecked;  ///< The same.
 
   Index vertex_count() const { return static_cast<Index>(positions.size() / 3); }
   /// At least three vertices.
   void add_polygon(std::span<const Index> polygon);
+  /// Its segments become lines; a single vertex, and a segment from a vertex to itself, becomes a point.
+  void add_polyline(std::span<const Index> polyline);
   /// The file's face that triangle `i` came from.
   Index face_of(Index i) const { return faces.empty() ? i : faces[i]; }
 };
@@ -40,6 +45,8 @@ Result<MeshData> parse_stl(const std::string& path, std::string_view bytes);
 /// VTK's polygons, and cells: surfaces and the boundary of volumes.
 Result<MeshData> parse_vtp(const std::string& path, std::string_view bytes);
 Result<MeshData> parse_vtu(const std::string& path, std::string_view bytes);
+/// VTK's legacy files, of polygons or cells.
+Result<MeshData> parse_vtk(const std::string& path, std::string_view bytes);
 /// Gmsh's surfaces and the boundary of its volumes.
 Result<MeshData> parse_msh(const std::string& path, std::string_view bytes);
 /// Reads and parses a mesh file, by its extension. On success it also has vertices and triangles, no more

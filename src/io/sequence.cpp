@@ -24,6 +24,8 @@ class MeshSequence final : public Motion {
     topology_ = FOLDPROOF_TRY(Topology::make(first.vertex_count(), std::move(first.triangles)));
     first_ = std::move(first.positions);
     info_.parts = std::move(first.parts);
+    info_.notes.insert(info_.notes.end(), first.notes.begin(), first.notes.end());
+    info_.unchecked = std::move(first.unchecked);
     return {};
   }
 

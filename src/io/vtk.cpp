@@ -18,34 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 using pugi::xml_node;
 
-std::optional<CellShape> shape_of(std::int64_t vtk_type) {
-  switch (vtk_type) {
-    case 5:  // triangle
-    case 7:  // polygon
-    case 9:  // quad
-      return CellShape::Polygon;
-    case 6:
-      return CellShape::Strip;
-    case 8:
-      return CellShape::Pixel;
-    case 10:
-      return CellShape::Tetrahedron;
-    case 11:
-      return CellShape::Voxel;
-    case 12:
-      return CellShape::Hexahedron;
-    case 13:
-      return CellShape::Wedge;
-    case 14:
-      return CellShape::Pyramid;
-    default:
-      return std::nullopt;
-  }
-}
-
-/// Vertices, edges and chains of them bound nothing.
-bool is_surface(std::int64_t vtk_type) { return vtk_type < 0 || vtk_type > 4; }
-
 class VtkMesh {
  public:
   explicit VtkMesh(VtkFile file) : file_(std::move(file)) {}
@@ -88,10 +60,8 @@ class VtkMesh {
     }
     FOLDPROOF_TRY(read_labels(piece.child("CellData")));
     std::uint64_t first_cell = 0;
-    for (const char* section : {"Verts", "Lines"}) {
-      first_cell += FOLDPROOF_TRY(count(piece, section));
-    }
-    for (const auto& [section, type] : {std::pair("Polys", 7), std::pair("Strips", 6)}) {
+    for (const auto& [section, type] :
+         {std::pair("Verts", 2), std::pair("Lines", 4), std::pair("Polys", 7), std::pair("Strips", 6)}) {
       const std::uint64_t cells = FOLDPROOF_TRY(count(piece, section));
       if (cells == 0) continue;
       FOLDPROOF_TRY(read_cells(piece.child(section), cells, first_cell, type));
@@ -117,36 +87,19 @@ class VtkMesh {
   /// `type`: of all cells; none: the file says it for each.
   Result<void> read_cells(xml_node section, std::uint64_t count, std::uint64_t first_cell,
                           std::optional<std::int64_t> type) {
-    const auto ends = FOLDPROOF_TRY(file_.values<std::int64_t>(array(section, "offsets")));
-    const auto ids = FOLDPROOF_TRY(file_.values<std::int64_t>(array(section, "connectivity")));
-    std::vector<std::int64_t> types;
-    if (!type) types = FOLDPROOF_TRY(file_.values<std::int64_t>(array(section, "types")));
-    if (ends.size() != count || (!type && types.size() != count))
-      return file_.error(section, fmt::format("has {} offsets for {} cells", ends.size(), count));
-    std::vector<Index> cell;
-    std::int64_t begin = 0;
-    for (std::uint64_t i = 0; i < count; ++i) {
-      const auto wrong = [&](std::string problem) {
-        return file_.error(section, fmt::format("cell {} {}", i, std::move(problem)));
-      };
-      if (ends[i] < begin || static_cast<std::uint64_t>(ends[i]) > ids.size())
-        return wrong("has an offset that is not within its vertices");
-      cell.clear();
-      for (; begin < ends[i]; ++begin) {
-        const std::int64_t id = ids[static_cast<std::size_t>(begin)];
-        if (id < 0 || id >= vertex_count_)
-          return wrong(
-              fmt::format("refers to vertex {}, but there are {} (counting from 0)", id, vertex_count_));
-        cell.push_back(first_vertex_ + static_cast<Index>(id));
-      }
-      const std::int64_t kind = type ? *type : types[i];
-      if (!is_surface(kind)) continue;
-      const auto shape = shape_of(kind);
-      if (!shape) return wrong(fmt::format("is of VTK's type {}, which is not read", kind));
-      const std::uint64_t label = first_cell + i;
-      if (!cells_.add(*shape, cell, label < labels_.size() ? labels_[label] : 0))
-        return wrong(fmt::format("has {} vertices", cell.size()));
+    VtkCells cells;
+    cells.ends = FOLDPROOF_TRY(file_.values<std::int64_t>(array(section, "offsets")));
+    cells.ids = FOLDPROOF_TRY(file_.values<std::int64_t>(array(section, "connectivity")));
+    if (type) {
+      cells.types.assign(cells.ends.size(), *type);
+    } else {
+      cells.types = FOLDPROOF_TRY(file_.values<std::int64_t>(array(section, "types")));
     }
+    if (cells.ends.size() != count || cells.types.size() != count)
+      return file_.error(section, fmt::format("has {} offsets for {} cells", cells.ends.size(), count));
+    const auto labels = std::span(labels_).subspan(std::min<std::uint64_t>(first_cell, labels_.size()));
+    if (std::string problem = cells_.add(cells, {first_vertex_, vertex_count_}, labels); !problem.empty())
+      return file_.error(section, std::move(problem));
     return {};
   }
 

@@ -8,6 +8,7 @@
 
 #include "base/try.h"
 #include "io/base64.h"
+#include "io/number_type.h"
 #include "io/text.h"
 
 namespace foldproof::io {
@@ -15,40 +16,6 @@ namespace {
 
 constexpr const char* kWriteAgain = "write the file again";
 constexpr std::uint64_t kMaxPerByte = 1032;  // what deflate can expand a byte to
-
-enum class Kind : std::uint8_t { Signed, Unsigned, Float };
-struct NumberType {
-  const char* name;
-  Kind kind;
-  std::size_t bytes;
-};
-constexpr std::array<NumberType, 10> kTypes{{{"Int8", Kind::Signed, 1},
-                                             {"UInt8", Kind::Unsigned, 1},
-                                             {"Int16", Kind::Signed, 2},
-                                             {"UInt16", Kind::Unsigned, 2},
-                                             {"Int32", Kind::Signed, 4},
-                                             {"UInt32", Kind::Unsigned, 4},
-                                             {"Int64", Kind::Signed, 8},
-                                             {"UInt64", Kind::Unsigned, 8},
-                                             {"Float32", Kind::Float, 4},
-                                             {"Float64", Kind::Float, 8}}};
-
-template <class T>
-T load_as(const NumberType& type, const char* bytes, std::endian order) {
-  const auto get = [&]<class Stored>(Stored) { return static_cast<T>(load<Stored>(bytes, order)); };
-  if (type.kind == Kind::Float) return type.bytes == 4 ? get(float{}) : get(double{});
-  const bool is_signed = type.kind == Kind::Signed;
-  switch (type.bytes) {
-    case 1:
-      return is_signed ? get(std::int8_t{}) : get(std::uint8_t{});
-    case 2:
-      return is_signed ? get(std::int16_t{}) : get(std::uint16_t{});
-    case 4:
-      return is_signed ? get(std::int32_t{}) : get(std::uint32_t{});
-    default:
-      return is_signed ? get(std::int64_t{}) : get(std::uint64_t{});
-  }
-}
 
 }  // namespace
 
@@ -169,9 +136,9 @@ Result<std::vector<char>> VtkFile::unpack(pugi::xml_node array, std::string_view
 template <class T>
 Result<std::vector<T>> VtkFile::values(pugi::xml_node array) {
   const std::string_view name = array.attribute("type").value();
-  const auto* type = std::ranges::find_if(kTypes, [&](const NumberType& t) { return t.name == name; });
+  const NumberType type = xml_number_type(name);
   constexpr bool kInteger = std::is_same_v<T, std::int64_t>;
-  if (type == kTypes.end() || (kInteger && type->kind == Kind::Float))
+  if (type.bytes == 0 || (kInteger && type.kind == NumberType::Kind::Float))
     return error(array, kInteger ? "does not hold integers" : "does not hold numbers");
   std::vector<T> values;
   if (std::string_view(array.attribute("format").value()) == "ascii") {
@@ -191,10 +158,10 @@ Result<std::vector<T>> VtkFile::values(pugi::xml_node array) {
     return values;
   }
   const auto bytes = FOLDPROOF_TRY(binary(array));
-  if (bytes.size() % type->bytes != 0) return error(array, "ends within a value");
-  values.reserve(bytes.size() / type->bytes);
-  for (std::size_t at = 0; at < bytes.size(); at += type->bytes)
-    values.push_back(load_as<T>(*type, bytes.data() + at, order_));
+  if (bytes.size() % type.bytes != 0) return error(array, "ends within a value");
+  values.reserve(bytes.size() / type.bytes);
+  for (std::size_t at = 0; at < bytes.size(); at += type.bytes)
+    values.push_back(load_as<T>(type, bytes.data() + at, order_));
   return values;
 }
 

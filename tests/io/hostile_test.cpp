@@ -60,6 +60,20 @@ const char* const kVtu =
     "<DataArray type=\"Int64\" Name=\"offsets\" format=\"binary\">CAAAAAQAAAAAAAAA</DataArray>"
     "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10</DataArray>"
     "</Cells></Piece></UnstructuredGrid></VTKFile>";
+const char* const kVtk =
+    "# vtk DataFile Version 5.1\na\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 "
+    "1\n"
+    "CELLS 2 4\nOFFSETS vtktypeint64\n0 4\nCONNECTIVITY vtktypeint64\n0 1 2 3\nCELL_TYPES 1\n10\n"
+    "CELL_DATA 1\nFIELD FieldData 1\ngroup 1 1 int\n7\n";
+
+std::string binary_vtk() {
+  std::string bytes = "# vtk DataFile Version 3.0\na\nBINARY\nDATASET POLYDATA\nPOINTS 3 double\n";
+  for (const double x : kTrianglePositions) bytes += bytes_of(x, std::endian::big);
+  bytes += "\nPOLYGONS 1 4\n";
+  for (const std::int32_t x : {3, 0, 1, 2}) bytes += bytes_of(x, std::endian::big);
+  return bytes;
+}
+
 const char* const kMsh =
     "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 3 1 3\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 "
     "0\n$EndNodes\n"
@@ -96,6 +110,8 @@ std::vector<Sample> samples() {
            "", true},
           {"a.vtp", vtp(), "", false},
           {"a.vtu", kVtu, "", false},
+          {"a.vtk", kVtk, "", true},
+          {"b.vtk", binary_vtk(), "", false},
           {"a.msh", kMsh, "", true},
           {"a.npy", npy("<f8", "4, 3", array(still)),
            npy("<i4", "2, 3", array<std::int32_t>({0, 1, 2, 1, 3, 2})), false},
@@ -198,6 +214,11 @@ TEST_F(HostileTest, FalseHeadersUseNoMemory) {
       {"a.npy", npy("<f8", "1152921504606846976, 3", ""), npy("<i4", "1, 3", array<std::int32_t>({0, 1, 2}))},
       {"a.vtp", vtp().replace(vtp().find("\"3\""), 3, "\"4000000000\""), ""},
       {"a.vtp", vtp().replace(vtp().find('_') + 1, 4, "\xff\xff\xff\xff"), ""},
+      {"a.vtk", "# vtk DataFile Version 3.0\na\nBINARY\nDATASET POLYDATA\nPOINTS 4000000000 double\n", ""},
+      {"a.vtk",
+       "# vtk DataFile Version 3.0\na\nASCII\nFIELD f 1\na 4000000000 4000000000 int\n1 2\nDATASET "
+       "POLYDATA\n",
+       ""},
       {"a.pc2",
        std::string("POINTCACHE2\0", 12) + bytes_of(1, little) + bytes_of(3) + bytes_of(0.f) + bytes_of(1.f) +
            bytes_of(2147483647),

@@ -52,6 +52,29 @@ TEST_F(LinearTest, ObjLinesOfOneWordAndMixedFaces) {
   EXPECT_EQ(motion->topology().triangles().size(), 900'000u);
 }
 
+TEST_F(LinearTest, ManyLinesAndPoints) {
+  std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (int i = 0; i < 300'000; ++i) text += fmt::format("v {} 1 0\nl -1 1 -1\nl 1 -1 -2\np -1 -2\n", i);
+  const auto motion = open({files.write("a.obj", text + repeated("f 1 2 3\nf 1 2 4\n", 300'000))});
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(motion->topology().face_count(), 600'000u);
+}
+
+TEST_F(LinearTest, ObjStatementsThatAreNotKnown) {
+  std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  for (int i = 0; i < 1'000'000; ++i) text += fmt::format("a{}\n", i);
+  EXPECT_TRUE(open({files.write("a.obj", text)}));
+}
+
+TEST_F(LinearTest, SectionsOfGmshThatDoNotEnd) {
+  const std::string head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
+  EXPECT_THAT(open_error({files.write("a.msh", head + "$A\n" + repeated("$EndAA", 1'000'000))}),
+              ::testing::HasSubstr("the file ends within $A;"));
+  EXPECT_THAT(open_error({files.write(
+                  "a.msh", head + "$" + repeated("$End", 500'000) + "\n" + repeated("$End", 500'000))}),
+              ::testing::HasSubstr("the name of a section is too long"));
+}
+
 // Comparing each name with all before takes 10^12 steps.
 TEST_F(LinearTest, PlyElementsAndProperties) {
   const std::string vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";

@@ -32,7 +32,7 @@ TEST_F(NumbersTest, CsvWithAndWithoutNames) {
 }
 
 TEST_F(NumbersTest, BadCsvIsNamedByItsLine) {
-  EXPECT_THAT(csv_error(""), HasSubstr("a.csv: holds no numbers; "));
+  EXPECT_THAT(csv_error("\n"), HasSubstr("a.csv: holds no numbers; "));
   EXPECT_THAT(csv_error("x,y\n"), HasSubstr("a.csv: holds no numbers; "));
   EXPECT_THAT(csv_error("1,2\n\n3\n"), HasSubstr("a.csv:3: has 1 numbers, and the first line has 2; "));
   EXPECT_THAT(csv_error("1,2\n3,4,\n"), HasSubstr("a.csv:2: has 3 numbers"));

@@ -34,11 +34,18 @@ TEST_F(OffTest, CutsPolygonsIntoFans) {
   EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 3}, {0, 1, 2}, {0, 2, 3}}));
 }
 
+TEST_F(OffTest, FacesMayTakeSeveralLines) {
+  const auto motion = open({files.write(
+      "a.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0\n1 # one\n\n2\n3 255 0 0\n3\n0 1\n3\n")});
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 1, 3}}));
+}
+
 TEST_F(OffTest, ReportsLineAndRemedy) {
   const std::string head = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n";
   const std::string again = "; export the mesh again";
-  EXPECT_EQ(off_error(""),
-            "a.off:1: does not start with OFF (or COFF, NOFF, STOFF); export the mesh as OFF again");
+  EXPECT_EQ(off_error("\n"),
+            "a.off:2: does not start with OFF (or COFF, NOFF, STOFF); export the mesh as OFF again");
   EXPECT_EQ(off_error("4OFF\n"),
             "a.off:1: does not start with OFF (or COFF, NOFF, STOFF); export the mesh as OFF again");
   EXPECT_EQ(off_error("OFF BINARY\n"),
@@ -66,7 +73,9 @@ TEST_F(OffTest, ReportsLineAndRemedy) {
             "a.off:6: face 0 refers to vertex 3, but there are 3 (counting from 0)" + again);
   EXPECT_EQ(off_error(head + "3 0 1 -1\n"),
             "a.off:6: face 0 refers to vertex -1, but there are 3 (counting from 0)" + again);
-  EXPECT_EQ(off_error(head + "3 0 1\n\n\n"), "a.off:6: vertex 2 of face 0 is missing" + again);
+  EXPECT_EQ(off_error(head + "3 0 1\n\n\n"), "a.off:9: vertex 2 of face 0 is missing" + again);
+  EXPECT_EQ(off_error(head + "3 0\n1 3\n"),
+            "a.off:7: face 0 refers to vertex 3, but there are 3 (counting from 0)" + again);
   EXPECT_EQ(off_error(head + "3 0 1 b\n"), "a.off:6: vertex 2 of face 0 is not a number" + again);
   EXPECT_EQ(off_error(head + "2 0 1  \n"),
             "a.off:6: face 0 has 2 vertices; remove faces with fewer than three vertices");

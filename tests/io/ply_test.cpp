@@ -145,7 +145,7 @@ TEST_F(PlyTest, NamesPlaceAndMendInAscii) {
 TEST_F(PlyTest, NamesPlaceAndMendInHeaders) {
   const std::string again = "; export the mesh as PLY again", start = "ply\nformat ascii 1.0\n";
   const std::string vertex = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
-  EXPECT_EQ(ply_error(""), "a.ply:1: does not start with the line 'ply'" + again);
+  EXPECT_EQ(ply_error("\n"), "a.ply:1: does not start with the line 'ply'" + again);
   EXPECT_EQ(ply_error("plywood\n"), "a.ply:1: does not start with the line 'ply'" + again);
   EXPECT_EQ(
       ply_error(start + vertex +

@@ -94,7 +94,7 @@ TEST_F(StlTest, BadFilesAreOneLineErrors) {
   const auto error = [&](const std::string& bytes) { return open_error({files.write("a.stl", bytes)}); };
   const std::string good = binary(kTwo);
   EXPECT_EQ(
-      error(""),
+      error("solit"),
       "a.stl: is too short for a binary STL, and does not begin with 'solid'; export the mesh as STL again");
   EXPECT_EQ(error(good.substr(0, 100)),
             "a.stl, byte 80: header announces 2 facets of 50 bytes, but 16 bytes follow it; copy or export "

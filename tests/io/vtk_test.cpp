@@ -45,7 +45,8 @@ std::string polygons(const std::string& cell_data = "") {
   return "<Piece NumberOfPoints=\"4\" NumberOfVerts=\"1\" NumberOfPolys=\"2\" NumberOfStrips=\"1\">\n" +
          cell_data + "<Points>" +
          array("Points", "Float64", "NumberOfComponents=\"3\" format=\"ascii\"", text(kSquare)) +
-         "</Points>\n<Polys>" + ascii("connectivity", "Int64", "0 1 2 3 0 1 3") +
+         "</Points>\n<Verts>" + ascii("connectivity", "Int64", "3") + ascii("offsets", "Int64", "1") +
+         "</Verts><Polys>" + ascii("connectivity", "Int64", "0 1 2 3 0 1 3") +
          ascii("offsets", "Int64", "4 7") + "</Polys><Strips>" + ascii("connectivity", "Int32", "0 1 2 3") +
          ascii("offsets", "Int32", "4") + "</Strips></Piece>\n";
 }
@@ -280,8 +281,8 @@ TEST_F(VtkTest, CollectionsAreFramesInTheOrderOfTheirTimes) {
 
 TEST_F(VtkTest, BadFilesAreOneLineErrors) {
   const std::string again = "; write the file again";
-  EXPECT_EQ(open_error({files.write("a.vtp", "")}),
-            "a.vtp, byte 0: is not XML: No document element found" + again);
+  EXPECT_EQ(open_error({files.write("a.vtp", " ")}),
+            "a.vtp, byte 1: is not XML: No document element found" + again);
   EXPECT_THAT(open_error({files.write("a.vtp", "<a></b>")}), HasSubstr("a.vtp, byte "));
   EXPECT_THAT(open_error({files.write("a.vtp", "<a/>")}), HasSubstr("a.vtp: is not a VTK XML file; "));
   EXPECT_THAT(open_error({files.write("a.vtu", file("PolyData", ""))}),

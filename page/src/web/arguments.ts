@@ -1,6 +1,6 @@
 // Which of the dropped files are motions, in the order in which the engine takes them.
 
-const kMeshes = ['.obj', '.off', '.ply', '.stl', '.msh'];
+const kMeshes = ['.obj', '.off', '.ply', '.stl', '.vtk', '.msh'];
 const kCaches = ['.pc2', '.mdd'];
 const kAnimations = ['.glb', '.gltf', '.npz'];
 const kModels = ['.model'];
