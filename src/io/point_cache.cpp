@@ -19,10 +19,10 @@ struct Layout {
 
 class PointCache final : public Motion {
  public:
-  PointCache(std::string name, InputFile file, Layout layout, Topology topology, ObjectParts parts)
+  PointCache(std::string name, InputFile file, Layout layout, Topology topology, MotionInfo info)
       : name_(std::move(name)),
         topology_(std::move(topology)),
-        info_{.parts = std::move(parts)},
+        info_(std::move(info)),
         file_(std::move(file)),
         layout_(layout) {}
 
@@ -129,8 +129,7 @@ Result<std::unique_ptr<Motion>> open_cache(const std::string& mesh_path, const s
   auto mesh = FOLDPROOF_TRY(read_mesh(mesh_path, progress));
   FOLDPROOF_TRY(check_layout(file, layout, mesh.vertex_count(), mesh_path));
   auto topology = FOLDPROOF_TRY(Topology::make(mesh.vertex_count(), std::move(mesh.triangles)));
-  return std::make_unique<PointCache>(mesh_path, std::move(file), layout, std::move(topology),
-                                      std::move(mesh.parts));
+  return std::make_unique<PointCache>(mesh_path, std::move(file), layout, std::move(topology), mesh.info());
 }
 
 }  // namespace

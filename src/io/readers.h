@@ -22,6 +22,8 @@ struct MeshData {
   std::vector<std::string> notes;      ///< As MotionInfo has them.
   std::vector<std::string> unchecked;  ///< The same.
 
+  /// What a motion says of it.
+  MotionInfo info() const { return {.parts = parts, .notes = notes, .unchecked = unchecked}; }
   Index vertex_count() const { return static_cast<Index>(positions.size() / 3); }
   /// At least three vertices.
   void add_polygon(std::span<const Index> polygon);

@@ -101,6 +101,8 @@ class MeshSequence final : public Motion {
       return different(
           fmt::format("has {} triangles, but the first frame has {}", found.size(), expected.size()));
     }
+    if (mesh.unchecked != info_.unchecked)
+      return different("has other things than the first frame that are not checked");
     return {};
   }
 

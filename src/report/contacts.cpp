@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <fstream>
 #include <unordered_map>
 
 #include "base/try.h"
+#include "io/bytes.h"
 #include "report/report.h"
 #include "report/text_file.h"
 
@@ -62,7 +64,8 @@ class ContactsCsv : public ReportWriter {
 
 Result<ObjectParts> read_parts(const std::string& path, const Topology& topology) {
   std::ifstream file(path);
-  if (!file) return fail(ErrorCode::FileAccess, path, "cannot be read", "check the path");
+  if (!file && errno == ENOENT) return io::does_not_exist(path);
+  if (!file) return fail(ErrorCode::FileAccess, path, "cannot be read", "check the permissions");
   ObjectParts parts;
   std::unordered_map<std::string, Index> known;
   const std::size_t count = topology.triangles().size();

@@ -71,6 +71,27 @@ TEST_F(LooseTest, PlyHasEdges) {
   EXPECT_THAT(other.unchecked, ElementsAre("2 edges without vertex1 and vertex2 were not checked"));
 }
 
+TEST_F(LooseTest, EveryFrameLeavesOutTheSame) {
+  const std::string mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nsurf 0 1\nseam 1\n";
+  files.write("run/1.obj", mesh);
+  files.write("run/2.obj", mesh + "seam 2\n");
+  files.write("run/3.obj", mesh + "surf 0 1\n");
+  const auto motion = open({files.path("run")});
+  ASSERT_TRUE(motion);
+  EXPECT_THAT(motion->info().notes, ElementsAre("1 statement is not known and was skipped: 'seam'"));
+  EXPECT_THAT(motion->info().unchecked, ElementsAre("1 statement 'surf' was not checked"));
+  EXPECT_EQ(frame_error(*motion, 1), "no error");
+  EXPECT_THAT(frame_error(*motion, 2),
+              ::testing::HasSubstr(
+                  "run/3.obj (frame 2): has other things than the first frame that are not checked; "));
+  const std::string mdd = files.write(
+      "a.mdd", bytes_of(1, std::endian::big) + bytes_of(3, std::endian::big) + std::string(4 + 36, '\0'));
+  const auto cached = open({files.path("run/1.obj"), mdd});
+  ASSERT_TRUE(cached);
+  EXPECT_EQ(cached->info().notes, motion->info().notes);
+  EXPECT_EQ(cached->info().unchecked, motion->info().unchecked);
+}
+
 TEST_F(LooseTest, VtpHasVertsAndLines) {
   const auto array = [](const std::string& type, const std::string& name, const std::string& values) {
     return "<DataArray type=\"" + type + "\" Name=\"" + name + "\" format=\"ascii\">" + values +
