@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _core
-from ._core import Hierarchy, Model, Motion, StaticResult, StepResult, load
+from ._core import (
+    Candidates, CollisionMesh, ContactChecker, Hierarchy, Model, Motion, ReducedShape, StaticResult, StepResult, load,
+)  # fmt: skip
 from ._errors import Error
 from ._text import html_table, many
 
@@ -136,6 +138,28 @@ def _text_of_hierarchy(hierarchy: Hierarchy) -> str:
     return _line("Hierarchy", "", {"vertices": f"{hierarchy.vertex_count:,}", "triangles": f"{triangles:,}", "leaves": f"{leaves:,}"})
 
 
+def _text_of_mesh(mesh: CollisionMesh) -> str:
+    counts = {"vertices": mesh.vertex_count, "edges": len(mesh.edges), "faces": len(mesh.faces)}
+    return _line("CollisionMesh", "", {noun: f"{count:,}" for noun, count in counts.items()})
+
+
+def _text_of_candidates(found: Candidates) -> str:
+    kinds = ("vertex_face", "edge_edge", "edge_vertex", "vertex_vertex")
+    counts = {kind.replace("_", "-"): len(getattr(found, kind)) for kind in kinds}
+    text = ", ".join(f"{count:,} {kind}" for kind, count in counts.items() if count)
+    return f"<foldproof.Candidates: {text or 'no'} pairs>"
+
+
+def _text_of_solver(checker: ContactChecker) -> str:
+    mesh = checker.mesh
+    return f"<foldproof.ContactChecker of {mesh.vertex_count:,} vertices and {len(mesh.faces):,} faces>"
+
+
+def _text_of_shape(shape: ReducedShape) -> str:
+    radius = f"radius {shape.radius():.4g} around the first of {many(len(shape.centers), 'center')}"
+    return f"<foldproof.ReducedShape: {many(shape.modes, 'mode')}, clearance {shape.clearance:.3g}, {radius}>"
+
+
 def _set(made: type, **members: Any) -> None:
     for name, member in members.items():
         setattr(made, name, member)
@@ -166,5 +190,9 @@ def complete_classes() -> None:
         __reduce_ex__=lambda self, _protocol: (_model_of, (_bytes_of(self),)),
     )
     _set(Hierarchy, __repr__=_text_of_hierarchy)
+    _set(CollisionMesh, __repr__=_text_of_mesh)
+    _set(Candidates, __repr__=_text_of_candidates)
+    _set(ContactChecker, __repr__=_text_of_solver)
+    _set(ReducedShape, __repr__=_text_of_shape)
     _set(StepResult, __repr__=_text_of_step)
     _set(StaticResult, __repr__=_text_of_pose)

@@ -326,7 +326,9 @@ void bind_checks(py::module_& module) {
     request.settings.contacts = contacts;
     request.settings.parts = parts_of(parts, motions, triangle_counts(request.motions));
     request.settings.unit = unit;
-    request.settings.step = step_settings(settings);
+    request.settings.step =
+        step_settings(settings, {"models", "frames", "static", "steps_only", "substeps", "keep", "contacts",
+                                 "parts", "unit", "reports", "progress"});
     for (const auto& path : items_of(reports)) request.reports.push_back(path_of(path));
     require_kind_fits(request);
     require_reports_apart(request);

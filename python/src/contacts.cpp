@@ -248,7 +248,7 @@ void bind_contacts(py::module_& module) {
       "Finds contacts while frames come, with memory for the meshes, one step and the contacts "
       "that have not ended.\n\nCalls of one finder wait for each other.")
       .def(py::init([](const py::object& objects, const py::object& parts, const py::kwargs& settings) {
-             return std::make_unique<Finder>(objects, parts, step_settings(settings));
+             return std::make_unique<Finder>(objects, parts, step_settings(settings, {"parts"}));
            }),
            py::arg("objects"), py::kw_only(), py::arg("parts") = py::none(),
            "objects: a Hierarchy, a Model, or a list of them. parts: names for the sides, one per triangle; "

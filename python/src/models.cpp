@@ -5,6 +5,7 @@
 #include "long_call.h"
 #include "module.h"
 #include "motions.h"
+#include "steps.h"
 #include "unlocked.h"
 
 namespace foldproof::python {
@@ -34,7 +35,9 @@ void set(TrainSettings& s, const std::string& name, const py::handle& value) {
       refuse("subspace", "'" + kind + "' is not known", "give 'pca' or 'kernel-pca'");
     learning.subspace = kind == "pca" ? SubspaceKind::Pca : SubspaceKind::KernelPca;
   } else {
-    throw py::type_error("'" + name + "' is no setting of train");
+    refuse_keyword(name, "train",
+                   {"references", "random_poses", "learn", "modes", "energy", "key_points", "subspace",
+                    "frames", "progress"});
   }
 }
 

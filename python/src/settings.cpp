@@ -1,3 +1,4 @@
+#include "base/nearest_name.h"
 #include "steps.h"
 
 namespace foldproof::python {
@@ -40,9 +41,22 @@ Mode mode_of(const py::handle& value) {
   refuse("mode", "'" + name + "' is not known", "give 'proven' or 'paper'");
 }
 
+std::vector<std::string> setting_names() {
+  std::vector<std::string> names{"mode", "max_listed"};
+  for (const Flag& flag : kFlags) names.emplace_back(flag.name);
+  for (const Number& number : kNumbers) names.emplace_back(number.name);
+  return names;
+}
+
 }  // namespace
 
-StepSettings step_settings(const py::kwargs& settings) {
+void refuse_keyword(const std::string& name, const char* of, const std::vector<std::string>& names) {
+  const auto near = nearest_name(name, names);
+  throw py::type_error("'" + name + "' is not a setting of " + of +
+                       (near ? "; did you mean '" + *near + "'?" : ""));
+}
+
+StepSettings step_settings(const py::kwargs& settings, const std::vector<std::string>& others) {
   StepSettings s;
   for (const auto& [key, value] : settings) {
     const auto name = key.cast<std::string>();
@@ -55,7 +69,11 @@ StepSettings step_settings(const py::kwargs& settings) {
     for (const auto& [number, member] : kNumbers) {
       if (name == number) known = true, s.*member = number_of(value);
     }
-    if (!known) throw py::type_error("'" + name + "' is not a setting of a check");
+    if (!known) {
+      std::vector<std::string> names = setting_names();
+      names.insert(names.end(), others.begin(), others.end());
+      refuse_keyword(name, "a check", names);
+    }
   }
   if (!s.within && !s.between)
     refuse("within and between", "are both off, so nothing would be tested", "leave one of them on");

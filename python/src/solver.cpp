@@ -185,6 +185,8 @@ void bind_candidates(py::module_& module) {
 void bind_last_call(py::class_<Solver>& checker) {
   checker
       .def_property_readonly(
+          "mesh", [](const Solver& self) { return self.mesh; }, "The CollisionMesh that it answers about.")
+      .def_property_readonly(
           "limit",
           [](Solver& self) {
             return kStepLimitNames[static_cast<std::size_t>(self.of_last_call([&] { return self.limit; }))];

@@ -13,8 +13,13 @@
 
 namespace foldproof::python {
 
-/// Converts keyword arguments. TypeError: an unknown one.
-StepSettings step_settings(const py::kwargs& settings);
+/// Converts keyword arguments. TypeError: an unknown one, with the name that was meant: of a setting, or of
+/// another keyword of the function, in `others`.
+StepSettings step_settings(const py::kwargs& settings, const std::vector<std::string>& others = {});
+
+/// Raises TypeError for an unknown keyword. `of`: what it is no setting of; `names`: those that are known.
+[[noreturn]] void refuse_keyword(const std::string& name, const char* of,
+                                 const std::vector<std::string>& names);
 
 /// An answer, and what it is about.
 template <class Answer>

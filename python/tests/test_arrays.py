@@ -265,3 +265,15 @@ def test_numbered_meshes_are_frames_unless_separate(motion, frames, tmp_path):
     assert [len(read) for read in foldproof.open_motions(*paths)] == [2]
     separate = foldproof.open_motions(*paths, separate=True)
     assert [len(read) for read in separate] == [1, 1] and np.array_equal(separate[1][0], frames[1])
+
+
+def test_unknown_keywords_suggest_what_was_meant(motion, hierarchy, frames):
+    checker = foldproof.StepChecker(hierarchy)
+    for call, meant in ((lambda: foldproof.check(motion, thicknes=1), "thickness"),
+                        (lambda: foldproof.check(motion, step_only=True), "steps_only"),
+                        (lambda: checker.check(frames[0], frames[1], tolerence=1), "tolerance"),
+                        (lambda: foldproof.train(motion, keypoints=0.1), "key_points")):
+        with pytest.raises(TypeError, match=f"did you mean '{meant}'"):
+            call()
+    with pytest.raises(TypeError, match="'color' is not a setting of a check$"):
+        foldproof.check(motion, color=1)

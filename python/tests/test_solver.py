@@ -109,6 +109,22 @@ def test_refuses():
             bad()
     with pytest.raises(TypeError):
         foldproof.ContactChecker(None)
+    with pytest.raises(foldproof.Error, match="^min_distance: is not a length"):
+        checker.is_step_collision_free(x, x, -1)
+    with pytest.raises(foldproof.Error, match="correct the face matrix"):
+        foldproof.CollisionMesh(x, faces=[[0, 1, len(x)]])
+
+
+def test_classes_say_what_they_are():
+    x, edges, faces = cloth_and_points(np.random.default_rng(4))
+    mesh = foldproof.CollisionMesh(x, edges, faces)
+    checker = foldproof.ContactChecker(mesh)
+    assert checker.mesh is mesh
+    counts = f"{len(x)} vertices, {len(mesh.edges)} edges, {len(faces)} faces"
+    assert repr(mesh) == f"<foldproof.CollisionMesh: {counts}>"
+    assert repr(checker) == f"<foldproof.ContactChecker of {len(x)} vertices and {len(faces)} faces>"
+    found = checker.candidates(x, inflation=10)
+    assert f"{len(found.vertex_face):,} vertex-face, " in repr(found) and repr(found).endswith(" pairs>")
 
 
 def test_many_threads_may_ask_one_checker(triangles):

@@ -16,12 +16,6 @@ void append_pairs(const std::vector<Pair>& from, std::vector<Pair>& to) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-Result<void> check_length(const char* name, double value) {
-  if (!(value >= 0) || !std::isfinite(value))
-    return fail(ErrorCode::InvalidArgument, name, "is not a length", "give a number of at least 0");
-  return {};
-}
-
 // minimum_distance starts its search with this share of the bound, and enlarges it by this factor.
 constexpr double kFirstShare = 1.0 / 256, kGrowth = 4;
 

@@ -42,7 +42,16 @@ Result<void> check_edges(Index vertex_count, std::span<const Edge> edges) {
   return {};
 }
 
-Result<void> check_faces(std::span<const Triangle> faces) {
+Result<void> check_faces(Index vertex_count, std::span<const Triangle> faces) {
+  const auto highest = [](const Triangle& t) { return std::max({t[0], t[1], t[2]}); };
+  const auto beyond =
+      std::ranges::find_if(faces, [&](const Triangle& t) { return highest(t) >= vertex_count; });
+  if (beyond != faces.end()) {
+    return fail(
+        ErrorCode::InvalidMesh, fmt::format("face {}", beyond - faces.begin()),
+        fmt::format("names vertex {}, but there are {} (counting from 0)", highest(*beyond), vertex_count),
+        "correct the face matrix");
+  }
   const auto point =
       std::ranges::find_if(faces, [](const Triangle& t) { return t[0] == t[1] && t[1] == t[2]; });
   if (point == faces.end()) return {};
@@ -102,7 +111,7 @@ Result<CollisionMesh> CollisionMesh::make(std::span<const double> rest_positions
     return fail(ErrorCode::LimitExceeded, "mesh", "has too many vertices, edges and faces to number them",
                 "split it");
   FOLDPROOF_TRY(check_parts(rest_positions.size(), edges, settings.filter));
-  FOLDPROOF_TRY(check_faces(faces));
+  FOLDPROOF_TRY(check_faces(count, faces));
   CollisionMesh mesh;
   mesh.filter_ = std::move(settings.filter);
   mesh.face_count_ = static_cast<Index>(faces.size());

@@ -15,6 +15,12 @@ constexpr int kMaxTrials = 16;
 
 }  // namespace
 
+Result<void> internal::check_length(const char* name, double value) {
+  if (!(value >= 0) || !std::isfinite(value))
+    return fail(ErrorCode::InvalidArgument, name, "is not a length", "give a number of at least 0");
+  return {};
+}
+
 bool ContactFilter::crossing(Index triangle_a, Index triangle_b) const {
   const Triangle &a = triangles_[triangle_a], &b = triangles_[triangle_b];
   const auto in = [](const Triangle& t, Index v) { return v == t[0] || v == t[1] || v == t[2]; };
@@ -42,6 +48,7 @@ StepSettings ContactChecker::Impl::step_settings(double distance) const {
 
 Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0, std::span<const double> x1,
                                                       double min_distance) {
+  FOLDPROOF_TRY(check_length("min_distance", min_distance));
   const std::span<const double> from[] = {x0}, to[] = {x1};
   FOLDPROOF_TRY(run([&](Pipeline& used) {
     return check_step({used, nullptr, &filter}, from, to, step_settings(min_distance), step);

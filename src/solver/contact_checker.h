@@ -4,6 +4,13 @@
 #include "check/step.h"
 #include "solver/candidate_lists.h"
 
+namespace foldproof::inline internal {
+
+/// Error: the argument `name` is no length.
+Result<void> check_length(const char* name, double value);
+
+}  // namespace foldproof::inline internal
+
 namespace foldproof {
 
 struct ContactChecker::Impl {

@@ -274,6 +274,22 @@ TEST(CollisionMesh, RefusesAFaceThatIsAPoint) {
   EXPECT_TRUE(CollisionMesh::make(x, {{1, 2}}, {{0, 1, 2}, {0, 0, 1}}));
 }
 
+TEST(CollisionMesh, RefusesAFaceOfVerticesThatAreNotThere) {
+  const std::vector<double> x{0, 0, 1, -1, 0, 0, 1, 0, 0};
+  EXPECT_EQ(CollisionMesh::make(x, {}, {{0, 1, 2}, {0, 1, 3}}).error().line(),
+            "face 1: names vertex 3, but there are 3 (counting from 0); correct the face matrix");
+}
+
+TEST(ContactChecker, CallsTheMinimumDistanceByItsName) {
+  Soup soup;
+  soup.faces = {{0, 1, 2}};
+  soup.x0 = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  ContactChecker checker = checker_of(soup);
+  const std::string line = "min_distance: is not a length; give a number of at least 0";
+  EXPECT_EQ(checker.collision_free_step_size(soup.x0, soup.x0, -1).error().line(), line);
+  EXPECT_EQ(checker.is_step_collision_free(soup.x0, soup.x0, std::nan("")).result().error().line(), line);
+}
+
 TEST(ContactChecker, RefusesInvalidInput) {
   Soup soup;
   soup.faces = {{0, 1, 2}};
