@@ -15,6 +15,8 @@ namespace foldproof {
 namespace {
 
 constexpr const char* kHelp = "help";
+/// Between what is wrong with a value and what to do about it.
+constexpr std::string_view kRemedy = "; ";
 
 std::vector<std::string> names_of(const CLI::Option& option) {
   std::vector<std::string> names;
@@ -72,7 +74,9 @@ Error parse_error(const CLI::App& program, const CLI::ParseError& error) {
     return unknown_word(command, unknown.front());
   std::string problem = error.what();
   while (!problem.empty() && problem.back() == '\n') problem.pop_back();
-  return command_line_error(command, problem);
+  const std::size_t end = problem.find(kRemedy);
+  if (end == std::string::npos) return command_line_error(command, problem);
+  return command_line_error(command, problem.substr(0, end), problem.substr(end + kRemedy.size()));
 }
 
 /// What `help` and these words print.
@@ -97,6 +101,22 @@ std::string range_problem(const std::string& text) {
   return errno == ERANGE ? text + " is out of range" : "";
 }
 
+template <class T>
+std::string number_problem(const std::string& text) {
+  T number{};
+  if (CLI::detail::lexical_cast(text, number)) return "";
+  return fmt::format("'{}' is not a {}number{}give one", text, std::is_integral_v<T> ? "whole " : "",
+                     kRemedy);
+}
+
+std::string choice_problem(const std::string& text, const std::vector<std::string>& values) {
+  if (std::ranges::find(values, text) != values.end()) return "";
+  const auto near = nearest_name(text, values);
+  return fmt::format(
+      "'{}' is not known{}{}", text, kRemedy,
+      near ? fmt::format("did you mean '{}'?", *near) : fmt::format("give {}", fmt::join(values, " or ")));
+}
+
 /// Omits the notes on which options exclude each other, which obscure the descriptions.
 struct HelpFormatter : CLI::Formatter {
   std::string make_option_opts(const CLI::Option* option) const override {
@@ -114,7 +134,7 @@ Option Option::required() const { return Option(option_->required()); }
 bool Option::is_required() const { return option_->get_required(); }
 Option Option::excludes(Option other) const { return Option(option_->excludes(other.option_)); }
 Option Option::one_of(const std::vector<std::string>& values) const {
-  return Option(option_->check(CLI::IsMember(values).description(""))
+  return Option(option_->check([values](const std::string& text) { return choice_problem(text, values); })
                     ->type_name(fmt::format("{}", fmt::join(values, "|"))));
 }
 Option Option::between(double least, double most) const {
@@ -130,7 +150,9 @@ std::vector<std::string> Option::values() const { return option_->results(); }
 template <class T>
 Option Subcommand::add_option(const std::string& names, T& value, const std::string& description) const {
   CLI::Option* option = app_->add_option(names, value, description);
-  if constexpr (std::is_integral_v<T>) option->check(range_problem<T>);
+  if constexpr (std::is_integral_v<T>) option->check(range_problem<T>)->check(number_problem<T>);
+  if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>>)
+    option->check(number_problem<double>);
   return Option(option);
 }
 template Option Subcommand::add_option(const std::string&, std::string&, const std::string&) const;

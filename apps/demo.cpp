@@ -9,6 +9,7 @@
 #include "io/bytes.h"
 #include "io/new_directory.h"
 #include "options.h"
+#include "progress_bar.h"
 #include "terminal.h"
 #include "write_glb.h"
 

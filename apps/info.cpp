@@ -98,6 +98,10 @@ std::string overview(const Model& model, const ModelSummary& s, std::uint64_t by
   row("charts", grouped(model.charts->charts().size()));
   row("poses", fmt::format("{}  ({})", grouped(model.poses.size()), counted(s.references, "reference")));
   row("proven", fmt::format("{:.1f} %", 100 * s.proven));
+  if (model.balls) {
+    row("balls kept", fmt::format("{} of nodes, clearance {:.3g}", counted(model.balls->pairs.size(), "pair"),
+                                  model.balls->clearance));
+  }
   return text + learned_summary(model);
 }
 
@@ -178,6 +182,9 @@ Json to_json(const Model& model, const ModelSummary& s, std::uint64_t bytes) {
           {"levels", levels},
           {"pairs", to_json(s.pairs)},
           {"hard_leaves", hard},
+          {"balls", model.balls
+                        ? Json({{"clearance", model.balls->clearance}, {"pairs", model.balls->pairs.size()}})
+                        : Json(nullptr)},
           {"learned", learned_json(model)}};
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/try.h"
 #include "io/progress.h"
+#include "progress_bar.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -124,11 +125,14 @@ Result<void> limit_threads(int threads, std::optional<ThreadLimit>& limit) {
 }
 
 Result<void> require_number(const char* option, double value, bool zero_allowed) {
-  if (std::isfinite(value) && (value > 0 || (zero_allowed && value == 0))) return {};
-  return fail(
-      ErrorCode::InvalidArgument, option,
-      fmt::format("{} is not a {} number", value, zero_allowed ? "finite, not negative" : "finite, positive"),
-      "give another");
+  if (!std::isfinite(value)) {
+    return fail(ErrorCode::InvalidArgument, option, fmt::format("{} is not a finite number", value),
+                "give another");
+  }
+  if (value > 0 || (zero_allowed && value == 0)) return {};
+  return fail(ErrorCode::InvalidArgument, option,
+              fmt::format("{} is {}", value, value < 0 ? "below 0" : "not above 0"),
+              zero_allowed ? "give a number of at least 0" : "give a number above 0");
 }
 
 }  // namespace foldproof

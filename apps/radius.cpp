@@ -10,6 +10,7 @@
 #include "foldproof/model.h"
 #include "foldproof/reduced.h"
 #include "options.h"
+#include "progress_bar.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -26,6 +27,7 @@ Examples:
   foldproof radius body.model                        the radius around the mean, and around each cluster
   foldproof radius body.model --at-least 0.5         the radius without pairs of leaves below 0.5, which it lists
   foldproof radius body.model --sample 20 -o s.npz   twenty certified shapes, as a motion
+  foldproof radius body.model --save                 keep the proofs in the model, for 'radius' and 'check --reduced'
   foldproof radius body.model --ply mean.ply         the mean, with uncertified triangles marked 1)";
 
 struct RadiusArguments {
@@ -33,30 +35,20 @@ struct RadiusArguments {
   Index samples = 0;
   double clearance = 0, at_least = 0;
   int threads = 0;
-  bool quiet = false;
+  bool save = false, quiet = false;
   FileArguments files;
 };
 
 struct Centers {
-  std::vector<ReducedCenter> list;
   std::vector<std::string> names;
   std::vector<CertifiedRadius> certified;
 };
 
-// The mean, and the clusters if there are several. Balls are large enough for all training poses.
-Centers centers_of(const Learned& learned, const ReducedMotion& motion) {
+Centers centers_of(const ReducedShape& shape, double at_least) {
   Centers centers;
-  const auto add = [&](std::string name, const Eigen::VectorXd& p) {
-    double max_radius = std::sqrt(motion.modes()) + 4.0;
-    for (Eigen::Index k = 0; k < learned.coordinates.cols(); ++k)
-      max_radius = std::max(max_radius, 1.1 * learned.pca.mahalanobis(learned.coordinates.col(k) - p));
-    centers.list.push_back({{p.data(), p.data() + p.size()}, max_radius});
-    centers.names.push_back(std::move(name));
-  };
-  add("mean", Eigen::VectorXd::Zero(motion.modes()));
-  if (learned.clusters.count() > 1) {
-    for (Index c = 0; c < learned.clusters.count(); ++c)
-      add(fmt::format("cluster {}", c), learned.clusters.centers.col(c));
+  for (Index c = 0; c < shape.centers().size(); ++c) {
+    centers.names.push_back(c == 0 ? "mean" : fmt::format("cluster {}", c - 1));
+    centers.certified.push_back(shape.certified(c, at_least));
   }
   return centers;
 }
@@ -73,10 +65,10 @@ std::string radius_table(const ReducedShape& shape, const Centers& centers, cons
   Index in_any = 0;
   for (Eigen::Index k = 0; k < poses; ++k) {
     bool any = false;
-    for (Index c = 0; c < centers.list.size() && !any; ++c) any = inside(c, k);
+    for (Index c = 0; c < centers.names.size() && !any; ++c) any = inside(c, k);
     in_any += any;
   }
-  for (Index c = 0; c < centers.list.size(); ++c) {
+  for (Index c = 0; c < centers.names.size(); ++c) {
     Index count = 0;
     for (Eigen::Index k = 0; k < poses; ++k) count += inside(c, k);
     const auto& [radius, uncertified] = centers.certified[c];
@@ -137,11 +129,11 @@ std::string region_list(const ReducedShape& shape, const Centers& centers) {
   constexpr std::size_t kMaxListed = 12;
   const Hierarchy& h = *shape.motion()->hierarchy();
   std::string text;
-  for (Index c = 0; c < centers.list.size(); ++c) {
+  for (Index c = 0; c < centers.names.size(); ++c) {
     const auto regions = regions_of(centers.certified[c].uncertified, h.leaf_count());
     if (regions.empty()) continue;
     std::vector<double> x(3 * std::size_t{h.topology().vertex_count()});
-    shape.motion()->positions(centers.list[c].p, x);
+    shape.motion()->positions(shape.centers()[c].p, x);
     text += fmt::format("\nUncertified around {}: the radius says nothing about contact inside these {}.\n",
                         centers.names[c], counted(regions.size(), "region"));
     for (std::size_t k = 0; k < std::min(kMaxListed, regions.size()); ++k) {
@@ -206,6 +198,36 @@ Result<void> write_samples(const RadiusArguments& a, const ReducedShape& shape, 
   return write_motion(a.output, *sampled);
 }
 
+// Those that the model keeps, unless others are asked for.
+Result<std::shared_ptr<const ReducedShape>> balls_of(const RadiusArguments& a, const Model& model,
+                                                     const std::atomic<bool>& interrupted) {
+  const bool fit = model.balls && (a.clearance == 0 || a.clearance == model.balls->clearance);
+  if (fit && !a.save) return kept_balls(model);
+  ProgressBar bar(!a.quiet);
+  bar.begin("proving balls");
+  ReducedHooks hooks;
+  hooks.progress = [&](double part) { bar.show(part, "proving balls"); };
+  hooks.cancel = &interrupted;
+  return prove_balls(model, a.clearance, hooks);
+}
+
+Result<int> report_radius(const RadiusArguments& a, const Model& model, const ReducedShape& shape) {
+  const Centers centers = centers_of(shape, a.at_least);
+  if (!a.ply.empty()) {
+    FOLDPROOF_TRY(write_uncertified(a.ply, shape, centers));
+  }
+  if (a.samples > 0) {
+    FOLDPROOF_TRY(write_samples(a, shape, centers));
+  }
+  if (!a.quiet) {
+    print_output(fmt::format("{}: {}, {}; farther apart than {:.3g} mesh units\n", cell(a.model),
+                             counted(shape.motion()->modes(), "mode"),
+                             counted(model.hierarchy()->triangles().size(), "triangle"), shape.clearance()) +
+                 radius_table(shape, centers, *model.learned) + region_list(shape, centers));
+  }
+  return kExitClean;
+}
+
 Result<int> radius(const RadiusArguments& a) {
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
@@ -216,36 +238,19 @@ Result<int> radius(const RadiusArguments& a) {
   if (a.samples > 1 && extension_of(a.output) == ".obj" && a.output.find('%') == std::string::npos)
     return fail(a.output, "would have a point cache, whose rounding may make certified shapes touch",
                 "name it .npz, or put %04d into the name");
-  const auto model = FOLDPROOF_TRY(load_learned_model(a.model));
-  auto motion = FOLDPROOF_TRY(ReducedMotion::make(model.hierarchy(), model.learned->pca));
-  Centers centers = centers_of(*model.learned, motion);
-  ProgressBar bar(!a.quiet);
-  ReducedHooks hooks;
-  hooks.progress = [&](double part) { bar.show(part, "proving"); };
-  hooks.cancel = &watch_for_interrupt();
-  const auto shape = ReducedShape::build(std::make_shared<const ReducedMotion>(std::move(motion)),
-                                         centers.list, {.clearance = a.clearance}, hooks);
-  bar.clear();
+  auto model = FOLDPROOF_TRY(load_learned_model(a.model));
+  const std::atomic<bool>& interrupted = watch_for_interrupt();
+  const auto shape = balls_of(a, model, interrupted);
   if (!shape) {
-    if (!*hooks.cancel) return tl::unexpected(shape.error());
+    if (!interrupted) return tl::unexpected(shape.error());
     print_error({"interrupted", "while proving", "nothing was written"});
     return kExitInterrupted;
   }
-  for (Index c = 0; c < centers.list.size(); ++c)
-    centers.certified.push_back(shape->certified(c, a.at_least));
-  if (!a.ply.empty()) {
-    FOLDPROOF_TRY(write_uncertified(a.ply, *shape, centers));
+  if (a.save) {
+    model.balls = std::make_shared<const ReducedBalls>((*shape)->balls());
+    FOLDPROOF_TRY(save_model(model, a.model));
   }
-  if (a.samples > 0) {
-    FOLDPROOF_TRY(write_samples(a, *shape, centers));
-  }
-  if (!a.quiet) {
-    print_output(fmt::format("{}: {}, {}; farther apart than {:.3g} mesh units\n", cell(a.model),
-                             counted(shape->motion()->modes(), "mode"),
-                             counted(model.hierarchy()->triangles().size(), "triangle"), shape->clearance()) +
-                 radius_table(*shape, centers, *model.learned) + region_list(*shape, centers));
-  }
-  return kExitClean;
+  return report_radius(a, model, **shape);
 }
 
 }  // namespace
@@ -277,6 +282,8 @@ Command add_radius(CommandLine& program) {
       .add_option("--at-least", a->at_least,
                   "List pairs of leaves with a smaller radius than R as uncertified, too [0]")
       .type_name("R");
+  command.add_flag("--save", a->save,
+                   "Prove anew, and keep the balls in MODEL, so that they need not be proven each time");
   add_threads_option(command, a->threads, "At most N threads [all cores]");
   command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");
   return [a] { return radius(*a); };

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <map>
 
+#include "base/stopwatch.h"
 #include "base/try.h"
 #include "options.h"
+#include "progress_bar.h"
 #include "report/reduced_track.h"
 #include "terminal.h"
 
@@ -125,24 +127,28 @@ Result<Frames> read_frames(const std::string& path, const Learned& learned) {
   return tracked ? from_tracks(path, learned) : from_csv(path, modes);
 }
 
-// Balls around the mean, and around the clusters if there are several.
-Result<std::shared_ptr<const ReducedShape>> shape_of(const Model& model, double thickness,
-                                                     const ReducedHooks& hooks) {
-  auto motion = FOLDPROOF_TRY(ReducedMotion::make(model.hierarchy(), model.learned->pca));
-  std::vector<ReducedCenter> centers{{std::vector<double>(motion.modes(), 0.0)}};
-  const Clusters& clusters = model.learned->clusters;
-  for (Index c = 0; clusters.count() > 1 && c < clusters.count(); ++c) {
-    const auto center = clusters.centers.col(c);
-    centers.push_back({{center.data(), center.data() + center.size()}});
-  }
-  // Enough for the thickness and the tolerance.
-  ReducedSettings settings;
-  if (thickness > 0) settings.clearance = thickness * 1.001 + model.learned->size * 0x1p-24;
-  auto shape = ReducedShape::build(std::make_shared<const ReducedMotion>(std::move(motion)),
-                                   std::move(centers), settings, hooks);
+// Those that the model keeps, if they are enough for the thickness and the tolerance; else proves some.
+Result<std::shared_ptr<const ReducedShape>> shape_of(const Model& model, double thickness, ProgressBar& bar) {
+  const double size = model.learned->size;
+  if (model.balls && model.balls->clearance >= thickness * 1.001 + size * 0x1p-26) return kept_balls(model);
+  const std::string text = "proving the balls of " + cell(model.name);
+  bar.begin(text);
+  ReducedHooks hooks;
+  hooks.progress = [&](double part) { bar.show(part, text); };
+  hooks.cancel = &watch_for_interrupt();
+  const double clearance = thickness > 0 ? thickness * 1.001 + size * 0x1p-24 : 0;
+  auto shape = prove_balls(model, clearance, hooks);
+  bar.clear();
   if (!shape && *hooks.cancel)
     return fail(ErrorCode::Interrupted, "interrupted", "while proving balls", "no report was written");
-  return std::make_shared<const ReducedShape>(FOLDPROOF_TRY(std::move(shape)));
+  return shape;
+}
+
+// How to have them at once the next time.
+std::string keep_hint(const Model& model, double clearance, double thickness) {
+  return fmt::format(
+      "Keep the balls of {0}, and the next check has them at once: foldproof radius {0} {1}--save\n",
+      printable(model.name), thickness > 0 ? fmt::format("--clearance {:.6g} ", clearance * (1 + 1e-5)) : "");
 }
 
 }  // namespace
@@ -152,10 +158,8 @@ Result<std::vector<std::unique_ptr<Motion>>> open_reduced(const std::vector<std:
   if (files.size() % 2 != 0)
     return fail(ErrorCode::InvalidArgument, "--reduced", "takes a model and coordinates for each object",
                 "give MODEL COORDINATES in turn");
+  constexpr double kLong = 2000;  // milliseconds
   ProgressBar bar(!quiet);
-  ReducedHooks hooks;
-  hooks.progress = [&](double part) { bar.show(part, "proving balls"); };
-  hooks.cancel = &watch_for_interrupt();
   std::vector<std::unique_ptr<Motion>> motions;
   for (std::size_t i = 0; i < files.size(); i += 2) {
     const std::string& coordinates = files[i + 1];
@@ -163,7 +167,12 @@ Result<std::vector<std::unique_ptr<Motion>>> open_reduced(const std::vector<std:
     auto frames = FOLDPROOF_TRY(read_frames(coordinates, *model->learned));
     if (frames.p.empty())
       return fail(ErrorCode::InvalidFile, coordinates, "has no frames", "give at least one");
-    auto shape = FOLDPROOF_TRY(shape_of(*model, settings.step.thickness, hooks));
+    Stopwatch watch;
+    auto shape = FOLDPROOF_TRY(shape_of(*model, settings.step.thickness, bar));
+    const double milliseconds = watch.lap();
+    settings.ball_milliseconds += milliseconds;
+    if (!quiet && milliseconds > kLong)
+      print_notice(keep_hint(*model, shape->clearance(), settings.step.thickness));
     auto track = std::make_unique<ReducedTrack>(
         coordinates, ReducedChecker::Object{std::move(shape), model->charts}, std::move(frames));
     settings.reduced.push_back(track.get());

@@ -8,6 +8,7 @@
 #include "contact_lines.h"
 #include "io/readers.h"
 #include "options.h"
+#include "progress_bar.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -60,6 +61,7 @@ Result<int> run_and_summarize(Motions motions, const CheckSettings& settings, Wr
              fmt::format("{} of {} {}s, {} with collisions", totals.steps, expected,
                          settings.poses ? "frame" : "step", totals.steps_with_collisions));
   };
+  hooks.stage = [&](const char* what) { bar.begin(what); };
   hooks.cancel = &watch_for_interrupt();
   const auto totals = run_check(motions, settings, writers, hooks);
   bar.clear();

@@ -5,6 +5,7 @@
 #include "foldproof/model.h"
 #include "interruptible_motion.h"
 #include "options.h"
+#include "progress_bar.h"
 #include "terminal.h"
 
 namespace foldproof {

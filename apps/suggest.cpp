@@ -6,6 +6,7 @@
 #include "interruptible_motion.h"
 #include "learned_text.h"
 #include "options.h"
+#include "progress_bar.h"
 #include "terminal.h"
 
 namespace foldproof {

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "base/try.h"
 #include "commands.h"
+#include "progress_bar.h"
 #include "step_options.h"
 #include "sweep/sweep.h"
 #include "sweep_ranks.h"

@@ -14,6 +14,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "base/duration.h"
+
 namespace foldproof {
 
 namespace {
@@ -65,29 +67,6 @@ Result<void> flush_output() {
               "check where it goes and the free space");
 }
 
-ProgressBar::ProgressBar(bool enabled) : enabled_(enabled && ::isatty(STDERR_FILENO) == 1) {}
-
-void ProgressBar::show(double part, const std::string& text) {
-  if (!enabled_) return;
-  const Clock::time_point now = Clock::now();
-  const bool completes = shown_ && part >= 1;
-  if (now - last_ < kPause && !completes) return;
-  last_ = now;
-  constexpr int kWidth = 30;
-  const double spent = std::chrono::duration<double>(now - start_).count();
-  const std::int64_t remaining = std::llround(spent / part - spent);
-  const int filled = static_cast<int>(part * kWidth);
-  std::string line = fmt::format("\r\x1b[K[{:#<{}}{:.<{}}] {}", "", filled, "", kWidth - filled, text);
-  if (part < 1) line += fmt::format(", {}:{:02} left", remaining / 60, remaining % 60);
-  std::fwrite(line.data(), 1, line.size(), stderr);
-  shown_ = true;
-}
-
-void ProgressBar::clear() {
-  if (shown_) std::fputs("\r\x1b[K", stderr);
-  shown_ = false;
-}
-
 std::string grouped(std::uint64_t number) {
   std::string digits = std::to_string(number);
   for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, 1, ',');
@@ -110,15 +89,16 @@ std::string printable(std::string text) {
 }
 
 std::string cell(std::string name) {
-  constexpr std::size_t kLongest = 48;
+  constexpr std::size_t kLongest = 48, kBegin = 15, kEnd = kLongest - kBegin - 3;
+  const auto continues_character = [&](std::size_t at) {  // inside a UTF-8 sequence
+    return (static_cast<unsigned char>(name[at]) & 0xc0) == 0x80;
+  };
   name = printable(std::move(name));
-  if (name.size() > kLongest) {
-    std::size_t from = name.size() - (kLongest - 3);
-    while (from < name.size() && (static_cast<unsigned char>(name[from]) & 0xc0) == 0x80)
-      ++from;  // inside a UTF-8 sequence
-    name = "..." + name.substr(from);
-  }
-  return name;
+  if (name.size() <= kLongest) return name;
+  std::size_t begin = kBegin, end = name.size() - kEnd;
+  while (begin > 0 && continues_character(begin)) --begin;
+  while (end < name.size() && continues_character(end)) ++end;
+  return name.substr(0, begin) + "..." + name.substr(end);
 }
 
 namespace {
@@ -248,6 +228,21 @@ std::string frames_checked(const CheckSettings& settings, const CheckTotals& tot
                      skips_frames(settings, totals) ? ", " + every_nth_frame(settings.frames.step) : "");
 }
 
+/// What took time besides the steps; without what nobody notices.
+std::string other_times(const CheckSettings& settings, const CheckTotals& totals) {
+  constexpr double kNoticed = 0.5;  // milliseconds
+  const std::pair<const char*, double> parts[] = {
+      {"proving balls", settings.ball_milliseconds},    {"building the hierarchy", totals.build_milliseconds},
+      {"first frame", totals.start_milliseconds.total}, {"contacts", totals.contact_milliseconds},
+      {"reading frames", totals.read_milliseconds},     {"writing reports", totals.write_milliseconds}};
+  std::string text;
+  for (const auto& [what, milliseconds] : parts) {
+    if (milliseconds < kNoticed) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", what, duration(milliseconds));
+  }
+  return text;
+}
+
 /// What the mode paper missed, and what the proven answer costs.
 std::string paper_rows(const CheckSettings& settings, const CheckTotals& totals) {
   const std::uint64_t all = totals.collisions.sum() + totals.missed;
@@ -256,7 +251,7 @@ std::string paper_rows(const CheckSettings& settings, const CheckTotals& totals)
              fmt::format("{} of the {} in the proven answer ({:.3g} %)", grouped(totals.missed), grouped(all),
                          all ? 100.0 * static_cast<double>(totals.missed) / static_cast<double>(all) : 0.0)) +
          row("proven answer",
-             fmt::format("{:.3g} ms per {}, {:.2f} times as long", totals.proven_milliseconds / steps,
+             fmt::format("{} per {}, {:.2f} times as long", duration(totals.proven_milliseconds / steps),
                          settings.poses ? "frame" : "step",
                          totals.proven_milliseconds / std::max(1e-9, totals.milliseconds.total)));
 }
@@ -313,11 +308,10 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
     add("tolerance", fmt::format("{:.3g} mesh units", totals.tolerance));
   }
   if (settings.step.explain) add("certified", certified_share(totals.leaf_pairs));
-  if (totals.starts_crossing)
-    add("time, first frame", fmt::format("{:.3g} ms", totals.start_milliseconds.total));
   add(settings.poses ? "time per frame" : "time per step",
-      fmt::format("{:.3g} ms, the slowest {:.3g} ms  (reading files not counted)",
-                  totals.milliseconds.total / steps, totals.slowest_step));
+      fmt::format("{}, the slowest {}", duration(totals.milliseconds.total / steps),
+                  duration(totals.slowest_step)));
+  if (const std::string other = other_times(settings, totals); !other.empty()) add("other time", other);
   const Tone tone = settings.step.mode == Mode::Paper ? Tone::Doubtful
                     : totals.clean()                  ? Tone::Good
                                                       : Tone::Bad;

@@ -1,7 +1,6 @@
 /// Output on a terminal.
 #pragma once
 
-#include <chrono>
 #include <string>
 
 #include "report/report.h"
@@ -29,27 +28,6 @@ std::string colored(const std::string& text, Tone tone);
 /// Error: standard output could not be written. A closed pipe is no error.
 Result<void> flush_output();
 
-/// A progress bar with the remaining time on standard error; silent if that is not a terminal.
-class ProgressBar {
- public:
-  explicit ProgressBar(bool enabled);
-  ~ProgressBar() { clear(); }
-  ProgressBar(const ProgressBar&) = delete;
-  ProgressBar& operator=(const ProgressBar&) = delete;
-
-  /// `part`: the share of the work that is done, in (0,1]; `text`: the same in words. Nothing appears in the
-  /// first half second.
-  void show(double part, const std::string& text);
-  /// Erases the bar, so that other text can follow.
-  void clear();
-
- private:
-  using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::milliseconds kDelay{500}, kPause{100};
-  bool enabled_, shown_ = false;
-  Clock::time_point start_ = Clock::now(), last_ = start_ + kDelay - kPause;
-};
-
 /// 1234567 -> "1,234,567".
 std::string grouped(std::uint64_t number);
 
@@ -62,7 +40,8 @@ std::string row(const char* label, const std::string& value);
 /// Replaces control characters.
 std::string printable(std::string text);
 
-/// Shortens a name for a table cell to its end, which distinguishes files, and replaces control characters.
+/// Shortens a name for a table cell: the middle is left out, as beginning and end distinguish files. Replaces
+/// control characters.
 std::string cell(std::string name);
 
 /// Whether a check was of one frame, in which no time passes.

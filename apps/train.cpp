@@ -1,13 +1,15 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <filesystem>
 #include <optional>
 
+#include "base/duration.h"
+#include "base/stopwatch.h"
 #include "base/try.h"
 #include "commands.h"
 #include "learned_text.h"
 #include "options.h"
+#include "progress_bar.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -52,7 +54,7 @@ struct TrainArguments {
   FileArguments files;
 };
 
-std::string summary(const TrainArguments& a, const Model& model, double seconds) {
+std::string summary(const TrainArguments& a, const Model& model, double milliseconds) {
   const ModelSummary s = summarize(model);
   std::error_code unknown;
   const auto bytes = static_cast<double>(std::filesystem::file_size(a.model, unknown));
@@ -68,7 +70,7 @@ std::string summary(const TrainArguments& a, const Model& model, double seconds)
     row("size", fmt::format("{:.3g} MB  ({:.3g} bytes per triangle and reference)", bytes / 1e6,
                             bytes / static_cast<double>(triangles) / s.references));
   }
-  row("time", fmt::format("{:.3g} s", seconds));
+  row("time", duration(milliseconds));
   row("proven in these poses",
       fmt::format("{:.1f} % of leaves and of pairs of neighboring leaves", 100 * s.proven));
   return text + learned_summary(model);
@@ -116,7 +118,7 @@ Result<TrainSettings> train_settings_of(const TrainArguments& a) {
 }
 
 Result<int> train(const TrainArguments& a) {
-  const auto start = std::chrono::steady_clock::now();
+  Stopwatch watch;
   const auto range = FOLDPROOF_TRY(frame_range_of(a.motion));
   const auto settings = FOLDPROOF_TRY(train_settings_of(a));
   std::optional<ThreadLimit> limit;
@@ -128,8 +130,15 @@ Result<int> train(const TrainArguments& a) {
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   ProgressBar bar(!a.quiet);
   TrainHooks hooks;
+  std::string stage;
+  double done = 0;
+  hooks.stage = [&](const std::string& what) {
+    stage = what;
+    done > 0 ? bar.show(done, stage) : bar.begin(stage);
+  };
   hooks.progress = [&](double share) {
-    bar.show(share, fmt::format("training on {}", counted(poses.size(), "pose")));
+    done = share;
+    bar.show(done, stage);
   };
   hooks.cancel = &interrupted;
   const auto model = train_model(poses, settings, hooks);
@@ -140,8 +149,7 @@ Result<int> train(const TrainArguments& a) {
   }
   if (!model) return tl::unexpected(model.error());
   FOLDPROOF_TRY(save_model(*model, a.model));
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  if (!a.quiet) print_output(summary(a, *model, seconds.count()));
+  if (!a.quiet) print_output(summary(a, *model, watch.lap()));
   return kExitClean;
 }
 

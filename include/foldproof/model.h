@@ -1,7 +1,8 @@
 /// Models: what training finds out about a mesh, stored in a file. A model holds a hierarchy, charts
 /// (certificate.h) built in reference poses, so that checks have certificates from their first step on, and
 /// what was learned about the mesh's shapes (learned.h). No model, whatever it holds, changes an answer:
-/// charts are validated exactly when a file is read.
+/// charts are validated exactly when a file is read. Only balls (reduced.h) that a file keeps are taken on
+/// trust, once they are found undamaged and this model's.
 #pragma once
 
 #include <atomic>
@@ -14,6 +15,7 @@
 #include "foldproof/certificate.h"
 #include "foldproof/io.h"
 #include "foldproof/learned.h"
+#include "foldproof/reduced.h"
 
 namespace foldproof {
 
@@ -59,6 +61,7 @@ struct Model {
   std::vector<HardLeaf> hard_leaves;           ///< By leaf, ascending.
   std::shared_ptr<const ChartLibrary> charts;  ///< Never null. A chart's source is the index of its pose.
   std::shared_ptr<const Learned> learned;      ///< Null when nothing was learned.
+  std::shared_ptr<const ReducedBalls> balls;   ///< Around ball_centers, to be kept in the file; or null.
   std::string not_learned;  ///< For messages: why training learned nothing. Not stored in the file.
 
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return charts->slots()->hierarchy(); }
@@ -82,6 +85,8 @@ struct TrainPose {
 struct TrainHooks {
   std::function<void(double)> progress = {};  ///< Called with the share of the work that is done.
   const std::atomic<bool>* cancel = nullptr;  ///< Polled before every pose; true ends training with an error.
+  /// Called when another part of the work begins: "building charts in pose 3 of 16".
+  std::function<void(const std::string&)> stage = {};
 };
 
 /// Builds charts and learns what learned.h describes. The same input gives the same model for any number of
@@ -113,6 +118,17 @@ struct Samples {
 /// cancelled, more than 1000 draws of which less than one in a hundred is free.
 Result<Samples> sample_shapes(const Model& model, const SampleSettings& settings,
                               const TrainHooks& hooks = {});
+
+/// The mean of the poses, and the center of each cluster if there are several. Their balls may grow as large
+/// as the farthest training pose.
+std::vector<ReducedCenter> ball_centers(const Learned& learned);
+
+/// Proves the balls around ball_centers. Precondition: model.learned. Error and cost: as ReducedShape::build.
+Result<std::shared_ptr<const ReducedShape>> prove_balls(const Model& model, double clearance = 0,
+                                                        const ReducedHooks& hooks = {});
+
+/// The shape of Model::balls, in little time. Precondition: model.learned and model.balls.
+Result<std::shared_ptr<const ReducedShape>> kept_balls(const Model& model);
 
 /// Writes a file (docs/model.md), which appears whole or not at all. Error: it cannot be written, or would
 /// exceed 2 GB.

@@ -88,6 +88,19 @@ struct ReducedHooks {
   const std::atomic<bool>* cancel = nullptr;  ///< true ends the work in an error.
 };
 
+/// The balls of a ReducedShape, to keep them: proving them again takes long. Whoever brings them back vouches
+/// for them, as no radius can be checked in less time than it takes to prove it (docs/soundness.md, R9).
+struct ReducedBalls {
+  struct Pair {
+    Index a, b;       ///< Nodes of the hierarchy, a == b for one with itself.
+    Index begin = 0;  ///< The first of the pairs that it splits into, which are consecutive and follow it.
+    Index count = 0;  ///< Of these: 0, 2 or 3.
+  };
+  double clearance = 0;      ///< Mesh units.
+  std::vector<Pair> pairs;   ///< A tree; first the root with itself.
+  std::vector<float> radii;  ///< Per pair and center; 0: no ball.
+};
+
 /// Two leaves, or one with itself, that no ball around a center certifies: they touch there, or come closer
 /// than the clearance.
 struct UncertifiedPair {
@@ -119,6 +132,12 @@ class ReducedShape {
   static Result<ReducedShape> build(std::shared_ptr<const ReducedMotion> motion,
                                     std::vector<ReducedCenter> centers, const ReducedSettings& settings = {},
                                     const ReducedHooks& hooks = {});
+
+  /// The shape that had these balls, in little time. Trusts their radii. Error: as build; balls of another
+  /// hierarchy or another number of centers, radii that are no distances.
+  static Result<ReducedShape> from_balls(std::shared_ptr<const ReducedMotion> motion,
+                                         std::vector<ReducedCenter> centers, ReducedBalls balls);
+  const ReducedBalls& balls() const;
 
   const std::shared_ptr<const ReducedMotion>& motion() const;
   std::span<const ReducedCenter> centers() const;

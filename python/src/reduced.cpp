@@ -36,13 +36,6 @@ ReducedCenter center_at(const Learned& learned, const Eigen::VectorXd& p) {
 std::vector<ReducedCenter> centers_of(const Learned& learned, const py::object& given) {
   const Index modes = learned.pca.modes();
   std::vector<ReducedCenter> centers;
-  if (given.is_none()) {
-    centers.push_back(center_at(learned, Eigen::VectorXd::Zero(modes)));
-    const Clusters& clusters = learned.clusters;
-    for (Index c = 0; clusters.count() > 1 && c < clusters.count(); ++c)
-      centers.push_back(center_at(learned, clusters.centers.col(c)));
-    return centers;
-  }
   const std::string layout = "C x M with M = " + std::to_string(modes) + " modes";
   const Numbers p = numbers_of(given, "centers", {-1, modes}, layout.c_str());
   for (py::ssize_t c = 0; c < p.shape(0); ++c)
@@ -55,10 +48,16 @@ std::unique_ptr<Shape> build(const Model& model, const py::object& centers, doub
   const Learned& learned = learned_of(model);
   if (!(clearance >= 0) || !std::isfinite(clearance))
     refuse("clearance", "is not a finite number, at least 0", "give another");
-  auto list = centers_of(learned, centers);
   auto made = std::make_unique<Shape>();
   made->charts = model.charts;
+  const bool kept =
+      centers.is_none() && model.balls && (clearance == 0 || clearance == model.balls->clearance);
+  auto list = centers.is_none() ? ball_centers(learned) : centers_of(learned, centers);
   run_long(progress, [&](LongCall& call) {
+    if (kept) {
+      made->shape = take(kept_balls(model));
+      return;
+    }
     auto motion = std::make_shared<const ReducedMotion>(
         take(ReducedMotion::make(model.hierarchy(), model.learned->pca)));
     made->shape = std::make_shared<const ReducedShape>(
@@ -220,7 +219,9 @@ void bind_reduced(py::module_& module) {
           "centers: C x M coordinates, the centers of the balls; None: the mean, and the centers of the "
           "clusters of poses if there are several. clearance: mesh units; features that are proven separated "
           "are farther apart than this; 0: 2^-24 of the mesh's size. progress: called with the share of work "
-          "done.\n\nTakes about 20 microseconds per triangle and center. Ctrl-C ends it. Error: wrong "
+          "done.\n\nTakes about 20 microseconds per triangle and center, and next to nothing where the model "
+          "keeps "
+          "the balls (foldproof radius --save). Ctrl-C ends it. Error: wrong "
           "shapes, a model that learned no shapes.")
       .def_property_readonly("modes", &Shape::modes, "M.")
       .def_property_readonly(

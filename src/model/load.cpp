@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/try.h"
 #include "io/bytes.h"
+#include "model/balls_file.h"
 #include "model/format.h"
 #include "model/learned_file.h"
 #include "model/limits.h"
@@ -32,6 +33,7 @@ class Reader {
       model.learned =
           FOLDPROOF_TRY(read_learned(*file_.learned(), *model.hierarchy(), model.poses.size(), path_));
     }
+    if (file_.balls()) model.balls = FOLDPROOF_TRY(read_balls(*file_.balls(), model, path_));
     return model;
   }
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "base/try.h"
+#include "model/balls_file.h"
 #include "model/format.h"
 #include "model/learned_file.h"
 #include "model/limits.h"
@@ -59,6 +60,7 @@ std::uint64_t size_bound(const Model& model) {
   }
   for (const TrainedPose& pose : model.poses) bytes += pose.name.size() + 32;
   if (model.learned) bytes += bound_of_learned_bytes(*model.learned);
+  if (model.balls) bytes += bound_of_ball_bytes(*model.balls);
   return bytes + sizeof(file::HardLeaf) * model.hard_leaves.size() +
          16 * model.hierarchy()->triangles().size() + 4 * model.hierarchy()->nodes().size();
 }
@@ -89,6 +91,8 @@ void build(FlatBufferBuilder& builder, const Model& model) {
   const auto sizes = builder.CreateVector(leaf_sizes);
   const auto hard_vector = builder.CreateVectorOfStructs(hard);
   const auto learned = model.learned ? write_learned(builder, *model.learned) : 0;
+  const bool keeps_balls = model.learned && model.balls;
+  const auto balls = keeps_balls ? write_balls(builder, model) : 0;
   file::ModelBuilder root(builder);
   root.add_version(kModelVersion);
   root.add_program(program);
@@ -108,6 +112,7 @@ void build(FlatBufferBuilder& builder, const Model& model) {
   root.add_heights(charts.heights);
   root.add_scaffold(charts.scaffold);
   if (model.learned) root.add_learned(learned);
+  if (keeps_balls) root.add_balls(balls);
   builder.FinishSizePrefixed(root.Finish(), file::ModelIdentifier());
 }
 

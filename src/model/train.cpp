@@ -112,6 +112,7 @@ class Training {
   Result<Model> run() {
     const Motion& first = *poses_[0].motion;
     positions_.resize(std::size_t{3} * first.topology().vertex_count());
+    begin("building the hierarchy");
     FOLDPROOF_TRY(read_pose(0));
     auto hierarchy = FOLDPROOF_TRY(Hierarchy::build(first.topology(), positions_));
     FOLDPROOF_TRY(require_few_neighbors(hierarchy, first.name()));
@@ -133,6 +134,10 @@ class Training {
     return poses_[pose].motion->read_frame(poses_[pose].frame, positions_);
   }
 
+  void begin(const std::string& what) {
+    if (hooks_.stage) hooks_.stage(what);
+  }
+
   void finish(std::size_t work) {
     finished_work_ += work;
     if (hooks_.progress) {
@@ -146,6 +151,7 @@ class Training {
       for (Index k = 0; k < poses_.size(); ++k) chosen.push_back(k);
       return chosen;
     }
+    begin(fmt::format("comparing {} poses", poses_.size()));
     const BendDescriptor descriptor(slots);
     std::vector<std::vector<float>> descriptors;
     for (Index k = 0; k < poses_.size(); ++k) {
@@ -160,12 +166,15 @@ class Training {
     Trainer trainer(slots, settings_);
     Model model;
     for (const TrainPose& pose : poses_) model.poses.push_back({name_of(pose), false, 0});
-    for (const Index k : references) {
+    for (std::size_t i = 0; i < references.size(); ++i) {
+      const Index k = references[i];
+      begin(fmt::format("building charts in pose {} of {}", i + 1, references.size()));
       FOLDPROOF_TRY(read_pose(k));
       trainer.learn(k, positions_);
       model.poses[k].reference = true;
       finish(kBuildWork);
     }
+    begin(fmt::format("testing charts in {} pose{}", poses_.size(), poses_.size() == 1 ? "" : "s"));
     if (collector_) collector_->begin(trainer.charts());
     for (Index k = 0; k < poses_.size(); ++k) {
       FOLDPROOF_TRY(read_pose(k));
@@ -189,6 +198,7 @@ class Training {
     std::mt19937_64 random(1);
     for (Index k = 0; k < settings_.random_poses; ++k) {
       FOLDPROOF_TRY(check_cancelled());
+      begin(fmt::format("building charts in random pose {} of {}", k + 1, settings_.random_poses));
       Eigen::VectorXd p = subspace.deviations;
       for (double& coordinate : p) {
         double sum = -2;
@@ -210,6 +220,7 @@ class Training {
       model.not_learned = settings_.learn ? "too few poses" : "not requested";
       return {};
     }
+    begin(fmt::format("learning from {} poses", collector_->count()));
     LearnHooks hooks;
     hooks.cancel = hooks_.cancel;
     const std::size_t before = finished_work_, work = collector_->count() * kLearningWork;

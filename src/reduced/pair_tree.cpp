@@ -1,6 +1,8 @@
 #include "reduced/pair_tree.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <queue>
 
 #include "base/parallel.h"
@@ -19,39 +21,67 @@ constexpr std::size_t kRefinedPerLeaf = 2;
 // this multiple of it.
 constexpr std::size_t kUrgentBudgets = 4;
 
-class TreeBuilder {
+using Pair = ReducedBalls::Pair;
+
+bool is_leaf_pair(std::span<const Hierarchy::Node> nodes, const Pair& pair) {
+  return nodes[pair.a].is_leaf() && nodes[pair.b].is_leaf();
+}
+
+std::array<Index, 2> leaves_of(std::span<const Hierarchy::Node> nodes, const Pair& pair) {
+  const auto [first, second] = std::minmax(nodes[pair.a].leaf_begin, nodes[pair.b].leaf_begin);
+  return {first, second};
+}
+
+// The pairs that have all features of a pair between them (R4). Precondition: one of its nodes has children.
+std::span<const NodePairIds> split_pair(std::span<const Hierarchy::Node> nodes, NodePairIds pair,
+                                        std::array<NodePairIds, 3>& parts) {
+  const auto [a, b] = pair;
+  const auto size = [&](Index node) { return nodes[node].leaf_end - nodes[node].leaf_begin; };
+  if (a == b) {
+    parts = {{{a + 1, a + 1}, {nodes[a].right, nodes[a].right}, {a + 1, nodes[a].right}}};
+    return parts;
+  }
+  if (size(a) >= size(b)) {
+    parts = {{{a + 1, b}, {nodes[a].right, b}}};
+  } else {
+    parts = {{{a, b + 1}, {a, nodes[b].right}}};
+  }
+  return std::span(parts).first(2);
+}
+
+class BallBuilder {
  public:
-  TreeBuilder(const BallInput& input, std::span<const ReducedCenter> centers)
+  BallBuilder(const BallInput& input, std::span<const ReducedCenter> centers)
       : input_(input),
         centers_(centers),
         nodes_(input.motion.hierarchy()->nodes()),
         pair_balls_([&] { return PairBalls(input); }) {
-    tree_.centers = static_cast<Index>(centers.size());
+    balls_.clearance = input.gap;
   }
 
-  Result<void> build(std::size_t max_pairs, const ReducedHooks& hooks) {
+  Result<ReducedBalls> build(std::size_t max_pairs, const ReducedHooks& hooks) {
     const std::size_t max_refined = kRefinedPerLeaf * std::size_t{input_.motion.hierarchy()->leaf_count()};
-    add({0, 0});
+    balls_.pairs.push_back({0, 0});
     measure(0);
     std::size_t refined = 0;
     while (!queue_.empty()) {
-      const bool urgent = queue_.top().share == 0 && tree_.nodes.size() < kUrgentBudgets * max_pairs;
-      const bool may_split = urgent || tree_.nodes.size() < max_pairs;
+      const bool urgent = queue_.top().share == 0 && balls_.pairs.size() < kUrgentBudgets * max_pairs;
+      const bool may_split = urgent || balls_.pairs.size() < max_pairs;
       const bool may_refine = urgent || refined < max_refined;
       if (!may_split && !may_refine) break;
       if (hooks.cancel != nullptr && *hooks.cancel)
         return fail(ErrorCode::Interrupted, "cancelled", "the work was ended", "start again");
       if (hooks.progress)
-        hooks.progress(std::min(1.0, static_cast<double>(tree_.nodes.size() + refined) /
+        hooks.progress(std::min(1.0, static_cast<double>(balls_.pairs.size() + refined) /
                                          static_cast<double>(max_pairs + max_refined)));
       to_split_.clear();
       to_refine_.clear();
       while (!queue_.empty() && to_split_.size() + to_refine_.size() < kBatch) {
         const Index pair = queue_.top().pair;
         queue_.pop();
-        (is_leaf_pair(tree_.nodes[pair]) ? to_refine_ : to_split_).push_back(pair);
+        (is_leaf_pair(nodes_, balls_.pairs[pair]) ? to_refine_ : to_split_).push_back(pair);
       }
-      const std::size_t first = tree_.nodes.size();
+      const std::size_t first = balls_.pairs.size();
       if (may_split) {
         for (const Index pair : to_split_) split(pair);
         measure(first);
@@ -59,10 +89,8 @@ class TreeBuilder {
       if (may_refine) refine();
       refined += to_refine_.size();
     }
-    return {};
+    return std::move(balls_);
   }
-
-  PairTreeResult finish();
 
  private:
   struct Queued {
@@ -73,73 +101,52 @@ class TreeBuilder {
     }
   };
 
-  bool is_leaf_pair(const PairTree::Node& n) const { return nodes_[n.a].is_leaf() && nodes_[n.b].is_leaf(); }
-  std::array<Index, 2> leaves_of(const PairTree::Node& n) const {
-    const auto [first, second] = std::minmax(nodes_[n.a].leaf_begin, nodes_[n.b].leaf_begin);
-    return {first, second};
-  }
-  void add(NodePairIds pair) { tree_.nodes.push_back({pair[0], pair[1]}); }
   void split(Index pair);
   void measure(std::size_t first);
   void refine();
-  bool is_proven(std::size_t node) const {
-    const float* own = &tree_.balls[node * centers_.size()];
-    return std::any_of(own, own + centers_.size(), [](float ball) { return ball > 0; });
-  }
-  PairTreeResult::AtCenter at_center(Index center) const;
 
   const BallInput& input_;
   std::span<const ReducedCenter> centers_;
   std::span<const Hierarchy::Node> nodes_;
   PerThread<PairBalls> pair_balls_;
-  PairTree tree_;
+  ReducedBalls balls_;
   std::priority_queue<Queued> queue_;  // pairs with a ball below max_radius
   std::vector<Index> to_split_, to_refine_;
 };
 
-void TreeBuilder::split(Index pair) {
-  const auto begin = static_cast<Index>(tree_.nodes.size());
-  const auto [a, b] = std::pair(tree_.nodes[pair].a, tree_.nodes[pair].b);
-  const auto size = [&](Index node) { return nodes_[node].leaf_end - nodes_[node].leaf_begin; };
-  if (a == b) {
-    add({a + 1, a + 1});
-    add({nodes_[a].right, nodes_[a].right});
-    add({a + 1, nodes_[a].right});
-  } else if (size(a) >= size(b)) {
-    add({a + 1, b});
-    add({nodes_[a].right, b});
-  } else {
-    add({a, b + 1});
-    add({a, nodes_[b].right});
-  }
-  tree_.nodes[pair].begin = begin;
-  tree_.nodes[pair].count = static_cast<Index>(tree_.nodes.size()) - begin;
+void BallBuilder::split(Index pair) {
+  const auto begin = static_cast<Index>(balls_.pairs.size());
+  std::array<NodePairIds, 3> parts;
+  for (const auto& [a, b] : split_pair(nodes_, {balls_.pairs[pair].a, balls_.pairs[pair].b}, parts))
+    balls_.pairs.push_back({a, b});
+  balls_.pairs[pair].begin = begin;
+  balls_.pairs[pair].count = static_cast<Index>(balls_.pairs.size()) - begin;
 }
 
 // Finds the balls of the pairs from `first` on, and queues those that fall short of max_radius.
-void TreeBuilder::measure(std::size_t first) {
-  const std::size_t count = tree_.nodes.size(), width = centers_.size();
-  tree_.balls.resize(count * width);
+void BallBuilder::measure(std::size_t first) {
+  const std::size_t count = balls_.pairs.size(), width = centers_.size();
+  balls_.radii.resize(count * width);
   parallel_for(first, count, [&](std::size_t i) {
-    const NodePairIds pair{tree_.nodes[i].a, tree_.nodes[i].b};
+    const NodePairIds pair{balls_.pairs[i].a, balls_.pairs[i].b};
     for (Index c = 0; c < width; ++c)
-      tree_.balls[i * width + c] = round_down(pair_balls_.local().radius(pair, c, centers_[c].max_radius));
+      balls_.radii[i * width + c] = round_down(pair_balls_.local().radius(pair, c, centers_[c].max_radius));
   });
   for (std::size_t i = first; i < count; ++i) {
     float share = 1;
     for (std::size_t c = 0; c < width; ++c)
-      share = std::min(share, tree_.balls[i * width + c] / static_cast<float>(centers_[c].max_radius));
+      share = std::min(share, balls_.radii[i * width + c] / static_cast<float>(centers_[c].max_radius));
     if (share < 1) queue_.push({share, static_cast<Index>(i)});
   }
 }
 
 // Pairs of leaves cannot be split; their features are tested one by one.
-void TreeBuilder::refine() {
+void BallBuilder::refine() {
   const std::size_t width = centers_.size();
   parallel_for(std::size_t{0}, to_refine_.size(), [&](std::size_t i) {
-    const NodePairIds pair{tree_.nodes[to_refine_[i]].a, tree_.nodes[to_refine_[i]].b};
+    const NodePairIds pair{balls_.pairs[to_refine_[i]].a, balls_.pairs[to_refine_[i]].b};
     for (Index c = 0; c < width; ++c) {
-      float& ball = tree_.balls[to_refine_[i] * width + c];
+      float& ball = balls_.radii[to_refine_[i] * width + c];
       if (ball >= centers_[c].max_radius) continue;
       const double found = pair_balls_.local().feature_radius(pair, c, ball, centers_[c].max_radius);
       ball = std::max(ball, round_down(found));
@@ -147,57 +154,88 @@ void TreeBuilder::refine() {
   });
 }
 
-// As finish(), but for one center alone and without all pairs of leaves that this center does not prove.
-PairTreeResult::AtCenter TreeBuilder::at_center(Index center) const {
+// As make_pair_tree, but for one center alone and without all pairs of leaves that this center does not
+// prove.
+PairTreeResult::AtCenter at_center(const Hierarchy& hierarchy, std::span<const ReducedCenter> centers,
+                                   const ReducedBalls& balls, Index center) {
   PairTreeResult::AtCenter result;
-  const std::size_t width = centers_.size();
-  std::vector<float> radius(tree_.nodes.size());
-  for (std::size_t i = tree_.nodes.size(); i-- > 0;) {
-    const PairTree::Node& node = tree_.nodes[i];
-    radius[i] = tree_.balls[i * width + center];
-    if (node.count > 0) {
-      const auto children = radius.begin() + node.begin;
-      radius[i] = std::max(radius[i], *std::min_element(children, children + node.count));
-    } else if (radius[i] == 0 && is_leaf_pair(node)) {
+  const std::size_t width = centers.size();
+  std::vector<float> radius(balls.pairs.size());
+  for (std::size_t i = balls.pairs.size(); i-- > 0;) {
+    const Pair& pair = balls.pairs[i];
+    radius[i] = balls.radii[i * width + center];
+    if (pair.count > 0) {
+      const auto children = radius.begin() + pair.begin;
+      radius[i] = std::max(radius[i], *std::min_element(children, children + pair.count));
+    } else if (radius[i] == 0 && is_leaf_pair(hierarchy.nodes(), pair)) {
       radius[i] = std::numeric_limits<float>::infinity();
-      result.uncertified.push_back(leaves_of(node));
+      result.uncertified.push_back(leaves_of(hierarchy.nodes(), pair));
     }
   }
   std::sort(result.uncertified.begin(), result.uncertified.end());
-  result.radius = std::min(double{radius[0]}, centers_[center].max_radius);
-  return result;
-}
-
-PairTreeResult TreeBuilder::finish() {
-  PairTreeResult result;
-  const std::size_t width = centers_.size();
-  for (Index c = 0; c < width; ++c) result.at_center.push_back(at_center(c));
-  // Children come after their parents: one sweep from the back counts them in.
-  for (std::size_t i = tree_.nodes.size(); i-- > 0;) {
-    const PairTree::Node& node = tree_.nodes[i];
-    if (node.count == 0 && !is_proven(i) && is_leaf_pair(node)) {
-      result.never_certified.push_back(leaves_of(node));
-      std::fill_n(&tree_.balls[i * width], width, std::numeric_limits<float>::infinity());
-    }
-    for (std::size_t c = 0; c < width && node.count > 0; ++c) {
-      float smallest = std::numeric_limits<float>::infinity();
-      for (Index child = node.begin; child < node.begin + node.count; ++child)
-        smallest = std::min(smallest, tree_.balls[child * width + c]);
-      tree_.balls[i * width + c] = std::max(tree_.balls[i * width + c], smallest);
-    }
-  }
-  std::sort(result.never_certified.begin(), result.never_certified.end());
-  result.tree = std::move(tree_);
+  result.radius = std::min(double{radius[0]}, centers[center].max_radius);
   return result;
 }
 
 }  // namespace
 
-Result<PairTreeResult> build_pair_tree(const BallInput& input, std::span<const ReducedCenter> centers,
-                                       std::size_t max_pairs, const ReducedHooks& hooks) {
-  TreeBuilder builder(input, centers);
-  FOLDPROOF_TRY(builder.build(max_pairs, hooks));
-  return builder.finish();
+Result<ReducedBalls> build_balls(const BallInput& input, std::span<const ReducedCenter> centers,
+                                 std::size_t max_pairs, const ReducedHooks& hooks) {
+  return BallBuilder(input, centers).build(max_pairs, hooks);
+}
+
+bool are_balls_of(const Hierarchy& hierarchy, std::size_t centers, const ReducedBalls& balls) {
+  const auto nodes = hierarchy.nodes();
+  const auto& pairs = balls.pairs;
+  if (pairs.empty() || pairs[0].a != 0 || pairs[0].b != 0) return false;
+  if (balls.radii.size() % pairs.size() != 0 || balls.radii.size() / pairs.size() != centers) return false;
+  if (!(balls.clearance > 0) || !std::isfinite(balls.clearance)) return false;
+  // Each pair is a part of one before it, and compared with it: so its nodes are in range.
+  std::vector<bool> is_part(pairs.size(), false);
+  is_part[0] = true;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Pair& pair = pairs[i];
+    if (!is_part[i]) return false;
+    if (pair.count == 0) continue;
+    if (is_leaf_pair(nodes, pair)) return false;
+    std::array<NodePairIds, 3> parts;
+    const auto expected = split_pair(nodes, {pair.a, pair.b}, parts);
+    if (pair.count != expected.size() || pair.begin <= i || pair.begin >= pairs.size() ||
+        expected.size() > pairs.size() - pair.begin)
+      return false;
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+      const Pair& part = pairs[pair.begin + k];
+      if (part.a != expected[k][0] || part.b != expected[k][1] || is_part[pair.begin + k]) return false;
+      is_part[pair.begin + k] = true;
+    }
+  }
+  return std::ranges::all_of(balls.radii, [](float radius) { return radius >= 0; });
+}
+
+PairTreeResult make_pair_tree(const Hierarchy& hierarchy, std::span<const ReducedCenter> centers,
+                              const ReducedBalls& balls) {
+  PairTreeResult result;
+  const std::size_t width = centers.size();
+  for (Index c = 0; c < width; ++c) result.at_center.push_back(at_center(hierarchy, centers, balls, c));
+  result.radii = balls.radii;
+  // Children come after their parents: one sweep from the back counts them in.
+  for (std::size_t i = balls.pairs.size(); i-- > 0;) {
+    const Pair& pair = balls.pairs[i];
+    const auto own = std::span(result.radii).subspan(i * width, width);
+    const bool proven = std::ranges::any_of(own, [](float radius) { return radius > 0; });
+    if (pair.count == 0 && !proven && is_leaf_pair(hierarchy.nodes(), pair)) {
+      result.never_certified.push_back(leaves_of(hierarchy.nodes(), pair));
+      std::fill(own.begin(), own.end(), std::numeric_limits<float>::infinity());
+    }
+    for (std::size_t c = 0; c < width && pair.count > 0; ++c) {
+      float smallest = std::numeric_limits<float>::infinity();
+      for (Index child = pair.begin; child < pair.begin + pair.count; ++child)
+        smallest = std::min(smallest, result.radii[child * width + c]);
+      own[c] = std::max(own[c], smallest);
+    }
+  }
+  std::sort(result.never_certified.begin(), result.never_certified.end());
+  return result;
 }
 
 }  // namespace foldproof::internal

@@ -59,47 +59,75 @@ double size_of(const CenterPose& pose) {
   return (high - low).maxCoeff();
 }
 
+// All but the balls. Error: centers or numbers that do not fit.
+Result<std::shared_ptr<ReducedShape::Impl>> start_shape(std::shared_ptr<const ReducedMotion> motion,
+                                                        std::vector<ReducedCenter> centers,
+                                                        std::vector<CenterPose>& poses) {
+  FOLDPROOF_TRY(check_centers(*motion, centers));
+  poses.reserve(centers.size());
+  for (const ReducedCenter& center : centers) poses.emplace_back(*motion, center.p);
+  FOLDPROOF_TRY(check_range(*motion, poses));
+  auto impl = std::make_shared<ReducedShape::Impl>();
+  impl->nodes = std::make_shared<const NodeMotions>(*motion, poses);
+  for (const double deviation : motion->deviations()) impl->inverse_deviations.push_back(1 / deviation);
+  impl->centers = std::move(centers);
+  impl->motion = std::move(motion);
+  return impl;
+}
+
 }  // namespace
+
+void ReducedShape::Impl::use(ReducedBalls given, std::span<const CenterPose> poses) {
+  balls = std::move(given);
+  const std::shared_ptr<const Hierarchy>& hierarchy = motion->hierarchy();
+  auto tree = make_pair_tree(*hierarchy, centers, balls);
+  for (std::size_t c = 0; c < centers.size(); ++c) {
+    const TouchTest test(*hierarchy, poses[c]);
+    auto& pairs = uncertified.emplace_back();
+    for (const auto& [a, b] : tree.at_center[c].uncertified) pairs.push_back({a, b, test.leaves_touch(a, b)});
+    radius.push_back(tree.at_center[c].radius);
+  }
+  radii = std::move(tree.radii);
+  never_certified = std::move(tree.never_certified);
+}
 
 Result<ReducedShape> ReducedShape::build(std::shared_ptr<const ReducedMotion> motion,
                                          std::vector<ReducedCenter> centers, const ReducedSettings& settings,
                                          const ReducedHooks& hooks) {
   const PlainArithmetic plain;
-  FOLDPROOF_TRY(check_centers(*motion, centers));
   if (!(settings.clearance >= 0) || !std::isfinite(settings.clearance))
     return fail(ErrorCode::InvalidArgument, "clearance", "is not a length", "give a number of at least 0");
-  auto impl = std::make_shared<Impl>();
-  const std::shared_ptr<const Hierarchy>& hierarchy = motion->hierarchy();
   std::vector<CenterPose> poses;
-  poses.reserve(centers.size());
-  for (const ReducedCenter& center : centers) poses.emplace_back(*motion, center.p);
-  FOLDPROOF_TRY(check_range(*motion, poses));
-  impl->clearance = settings.clearance > 0 ? settings.clearance : size_of(poses[0]) * 0x1p-24;
-  impl->nodes = std::make_shared<const NodeMotions>(*motion, poses);
-  for (const double deviation : motion->deviations()) impl->inverse_deviations.push_back(1 / deviation);
+  const auto impl = FOLDPROOF_TRY(start_shape(std::move(motion), std::move(centers), poses));
+  const double clearance = settings.clearance > 0 ? settings.clearance : size_of(poses[0]) * 0x1p-24;
+  const std::shared_ptr<const Hierarchy>& hierarchy = impl->motion->hierarchy();
   const PatchSlots slots(hierarchy);
-  const BallInput input{*motion, *impl->nodes, slots, poses, impl->clearance, settings.max_triangles};
+  const BallInput input{*impl->motion, *impl->nodes, slots, poses, clearance, settings.max_triangles};
   const std::size_t budget = 64 + std::size_t{settings.pairs_per_leaf} * hierarchy->leaf_count();
-  auto built = FOLDPROOF_TRY(build_pair_tree(input, centers, budget, hooks));
-  for (std::size_t c = 0; c < centers.size(); ++c) {
-    const PairTreeResult::AtCenter& at_center = built.at_center[c];
-    const TouchTest test(*hierarchy, poses[c]);
-    auto& uncertified = impl->uncertified.emplace_back();
-    for (const auto& [a, b] : at_center.uncertified) uncertified.push_back({a, b, test.leaves_touch(a, b)});
-    impl->radius.push_back(at_center.radius);
-  }
-  impl->tree = std::move(built.tree);
-  impl->never_certified = std::move(built.never_certified);
-  impl->centers = std::move(centers);
-  impl->motion = std::move(motion);
+  impl->use(FOLDPROOF_TRY(build_balls(input, impl->centers, budget, hooks)), poses);
   ReducedShape shape;
-  shape.impl_ = std::move(impl);
+  shape.impl_ = impl;
   return shape;
 }
 
+Result<ReducedShape> ReducedShape::from_balls(std::shared_ptr<const ReducedMotion> motion,
+                                              std::vector<ReducedCenter> centers, ReducedBalls balls) {
+  const PlainArithmetic plain;
+  std::vector<CenterPose> poses;
+  const auto impl = FOLDPROOF_TRY(start_shape(std::move(motion), std::move(centers), poses));
+  if (!are_balls_of(*impl->motion->hierarchy(), impl->centers.size(), balls))
+    return fail(ErrorCode::InvalidArgument, "balls", "are not of this hierarchy and these centers",
+                "prove them again");
+  impl->use(std::move(balls), poses);
+  ReducedShape shape;
+  shape.impl_ = impl;
+  return shape;
+}
+
+const ReducedBalls& ReducedShape::balls() const { return impl_->balls; }
 const std::shared_ptr<const ReducedMotion>& ReducedShape::motion() const { return impl_->motion; }
 std::span<const ReducedCenter> ReducedShape::centers() const { return impl_->centers; }
-double ReducedShape::clearance() const { return impl_->clearance; }
+double ReducedShape::clearance() const { return impl_->balls.clearance; }
 double ReducedShape::radius(Index center) const { return impl_->radius[center]; }
 std::span<const UncertifiedPair> ReducedShape::uncertified(Index center) const {
   return impl_->uncertified[center];
@@ -109,13 +137,14 @@ std::span<const std::array<Index, 2>> ReducedShape::never_certified() const { re
 // A ball in the tree is the larger of the pair's own and the smallest below it. Without some pairs the
 // smallest below may be larger. The larger of this one and the ball in the tree is again a ball.
 CertifiedRadius ReducedShape::certified(Index center, double at_least) const {
-  const PairTree& tree = impl_->tree;
+  const auto& pairs = impl_->balls.pairs;
+  const std::size_t width = impl_->centers.size();
   const auto nodes = impl_->motion->hierarchy()->nodes();
   CertifiedRadius result{0, impl_->uncertified[center]};
-  std::vector<float> radius(tree.nodes.size());
-  for (std::size_t i = tree.nodes.size(); i-- > 0;) {
-    const PairTree::Node& node = tree.nodes[i];
-    radius[i] = tree.balls[i * tree.centers + center];
+  std::vector<float> radius(pairs.size());
+  for (std::size_t i = pairs.size(); i-- > 0;) {
+    const ReducedBalls::Pair& node = pairs[i];
+    radius[i] = impl_->radii[i * width + center];
     if (node.count > 0) {
       const auto children = radius.begin() + node.begin;
       radius[i] = std::max(radius[i], *std::min_element(children, children + node.count));
@@ -202,20 +231,20 @@ ReducedProof ReducedShape::proven_free(std::span<const double> p0, std::span<con
 ReducedProof ReducedShape::find_unproven(std::span<const double> p0, std::span<const double> p1,
                                          Scratch& scratch) const {
   const PlainArithmetic plain;
-  return impl_->find_unproven(p0, p1, impl_->tree.nodes.size(), scratch);
+  return impl_->find_unproven(p0, p1, impl_->balls.pairs.size(), scratch);
 }
 
 ReducedProof ReducedShape::Impl::find_unproven(std::span<const double> p0, std::span<const double> p1,
                                                std::size_t max_unproven, Scratch& scratch) const {
   scratch.unproven.clear();
   scratch.visited = scratch.proven = 0;
-  const std::size_t modes = inverse_deviations.size(), width = tree.centers;
+  const std::size_t modes = inverse_deviations.size(), width = centers.size();
   const ReducedProof free =
       never_certified.empty() ? ReducedProof::Free : ReducedProof::FreeExceptUncertified;
   Nearest nearest;
   // R5: the clearance covers the rounding of two points, sqrt(3) each.
   if (p0.size() == modes && p1.size() == modes &&
-      4 * std::max(motion->rounding(p0), motion->rounding(p1)) <= clearance)
+      4 * std::max(motion->rounding(p0), motion->rounding(p1)) <= balls.clearance)
     nearest = nearest_centers(*this, p0, p1);
   if (!(nearest.distance[0] < std::numeric_limits<float>::infinity())) {
     scratch.unproven.push_back({0, 0});
@@ -224,16 +253,16 @@ ReducedProof ReducedShape::Impl::find_unproven(std::span<const double> p0, std::
   // Eq. 8, for the two nearest centers.
   const auto is_free = [&](Index pair) {
     ++scratch.visited;
-    const float* balls = &tree.balls[pair * width];
+    const float* own = &radii[pair * width];
     const bool inside =
-        nearest.distance[0] < balls[nearest.center[0]] || nearest.distance[1] < balls[nearest.center[1]];
+        nearest.distance[0] < own[nearest.center[0]] || nearest.distance[1] < own[nearest.center[1]];
     scratch.proven += inside;
     return inside;
   };
   if (is_free(0)) return free;
   scratch.stack.assign(1, 0);
   while (!scratch.stack.empty()) {
-    const PairTree::Node& node = tree.nodes[scratch.stack.back()];
+    const ReducedBalls::Pair& node = balls.pairs[scratch.stack.back()];
     scratch.stack.pop_back();
     if (node.count == 0) {
       scratch.unproven.push_back({node.a, node.b});

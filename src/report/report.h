@@ -59,6 +59,7 @@ struct CheckSettings {
   /// The motions themselves, if coordinates of a subspace describe them: steps are checked in these
   /// coordinates. Else empty. Not with `poses`, Mode::Paper, explain and substeps.
   std::vector<const ReducedTrack*> reduced;
+  double ball_milliseconds = 0;  ///< For the summary: how long the balls of `reduced` took to prove.
 };
 
 using Motions = std::span<const std::unique_ptr<Motion>>;
@@ -147,6 +148,8 @@ struct CheckTotals {
   /// CheckSettings::steps_only.
   std::uint64_t contact_unknown_frames = 0;
   double contact_milliseconds = 0;  ///< Time to find contacts; not in `milliseconds`.
+  /// More that is not in `milliseconds`: building hierarchies and checkers, reading frames, writing reports.
+  double build_milliseconds = 0, read_milliseconds = 0, write_milliseconds = 0;
 
   /// The check is complete and found nothing. With starts_crossing: no two triangles intersect at any time.
   bool clean() const {
@@ -178,6 +181,8 @@ using Writers = std::span<const std::unique_ptr<ReportWriter>>;
 struct CheckHooks {
   /// Called after every step with the totals so far and the expected number of steps.
   std::function<void(const CheckTotals&, std::uint64_t)> progress;
+  /// Called before what may take long and is no step, and before the first step, with MotionCheck::next().
+  std::function<void(const char*)> stage = {};
   /// Read before every step; true stops the check without finishing the writers.
   const std::atomic<bool>* cancel = nullptr;
 };
@@ -199,6 +204,8 @@ class MotionCheck {
   /// contacts and finishes the writers. False after that; do not call it again. Error: a frame that cannot be
   /// read, a writer's error.
   Result<bool> advance();
+  /// What the next call of advance() does: "building the hierarchy", "checking the first step".
+  const char* next() const;
   /// Of what is done so far.
   CheckTotals& totals();
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/stopwatch.h"
 #include "base/try.h"
 #include "check/answer.h"
 #include "report/motion_contacts.h"
@@ -109,11 +110,28 @@ class MotionCheck::Impl {
 
   CheckTotals& totals() { return totals_; }
 
-  Result<bool> advance() {
+  const char* next() const {
     switch (stage_) {
       case Stage::FirstFrame:
-        FOLDPROOF_TRY(from_.read(motions_, frames_[0]));
+        return "building the hierarchy";
+      case Stage::Crossings:
+        return "finding what crosses in the first frame";
+      case Stage::Steps:
+        return settings_.poses ? "checking frames" : "checking steps";
+      case Stage::End:
+        return writers_.empty() ? "joining contacts" : "joining contacts and writing reports";
+    }
+    return "";
+  }
+
+  Result<bool> advance() {
+    Stopwatch watch;
+    switch (stage_) {
+      case Stage::FirstFrame:
+        FOLDPROOF_TRY(read(from_, frames_[0]));
+        watch.lap();
         FOLDPROOF_TRY(prepare());
+        totals_.build_milliseconds = watch.lap();
         stage_ = settings_.poses || settings_.steps_only ? Stage::Steps : Stage::Crossings;
         return true;
       case Stage::Crossings:
@@ -128,14 +146,23 @@ class MotionCheck::Impl {
         break;
     }
     if (contacts_) contacts_->finish(totals_);
+    watch.lap();
     for (const auto& writer : writers_) {
       FOLDPROOF_TRY(writer->finish(totals_));
     }
+    totals_.write_milliseconds += watch.lap();
     return false;
   }
 
  private:
   enum class Stage : std::uint8_t { FirstFrame, Crossings, Steps, End };
+
+  Result<void> read(Pose& pose, Index frame) {
+    Stopwatch watch;
+    FOLDPROOF_TRY(pose.read(motions_, frame));
+    totals_.read_milliseconds += watch.lap();
+    return {};
+  }
 
   Result<void> step(std::uint64_t number) {
     if (settings_.poses) return pose(number);
@@ -144,7 +171,7 @@ class MotionCheck::Impl {
 
   Result<void> pose(std::uint64_t number) {
     const Index frame = frames_[number];
-    if (number > 0) FOLDPROOF_TRY(from_.read(motions_, frame));
+    if (number > 0) FOLDPROOF_TRY(read(from_, frame));
     StaticResult& result = static_result_;
     FOLDPROOF_TRY(checker_->check_static(from_.positions(), settings_.step, result));
     if (proven_) {
@@ -172,7 +199,7 @@ class MotionCheck::Impl {
     const std::uint64_t i = number / settings_.substeps;
     const auto part = static_cast<Index>(number % settings_.substeps);
     const bool first = part == 0, last = part + 1 == settings_.substeps;
-    if (first) FOLDPROOF_TRY(to_.read(motions_, frames_[i + 1]));
+    if (first) FOLDPROOF_TRY(read(to_, frames_[i + 1]));
     if (!last) part_end_->blend(from_, to_, static_cast<double>(part + 1) / settings_.substeps);
     FOLDPROOF_TRY(check({number, frames_[i], frames_[i + 1], part}, first ? from_ : *part_start_,
                         last ? to_ : *part_end_));
@@ -188,8 +215,8 @@ class MotionCheck::Impl {
     FOLDPROOF_TRY(reduced_checker_->check(reduced_poses(index.frame), reduced_poses(index.next_frame),
                                           settings_.step, result_));
     if (reads_positions()) {
-      FOLDPROOF_TRY(from_.read(motions_, index.frame));
-      FOLDPROOF_TRY(to_.read(motions_, index.next_frame));
+      FOLDPROOF_TRY(read(from_, index.frame));
+      FOLDPROOF_TRY(read(to_, index.next_frame));
     }
     return answer(index, from_, to_);
   }
@@ -299,9 +326,11 @@ class MotionCheck::Impl {
 
   Result<void> deliver(const CheckedStep& step) {
     totals_.add(step);
+    Stopwatch watch;
     for (const auto& writer : writers_) {
       FOLDPROOF_TRY(writer->step(step));
     }
+    totals_.write_milliseconds += watch.lap();
     return {};
   }
 
@@ -404,16 +433,20 @@ Result<MotionCheck> MotionCheck::make(Motions motions, const CheckSettings& sett
 }
 
 Result<bool> MotionCheck::advance() { return impl_->advance(); }
+const char* MotionCheck::next() const { return impl_->next(); }
 CheckTotals& MotionCheck::totals() { return impl_->totals(); }
 
 Result<CheckTotals> run_check(Motions motions, const CheckSettings& settings, Writers writers,
                               const CheckHooks& hooks) {
   auto check = FOLDPROOF_TRY(MotionCheck::make(motions, settings, writers));
   CheckTotals& totals = check.totals();
+  const char* stage = nullptr;  // of the last call
   for (bool more = true; more;) {
     totals.cancelled = hooks.cancel && hooks.cancel->load(std::memory_order_relaxed);
     if (totals.cancelled) break;
     const std::uint64_t steps = totals.steps;
+    const char* const last = std::exchange(stage, check.next());
+    if (hooks.stage && stage != last) hooks.stage(stage);
     more = FOLDPROOF_TRY(check.advance());
     if (hooks.progress && totals.steps > steps) hooks.progress(totals, totals.steps_expected);
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/duration.h"
 #include "base/try.h"
 #include "report/json_values.h"
 #include "report/text_file.h"
@@ -147,8 +148,8 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
   if (!info.frames.empty())
     file.add("<p>Only the frames {} of each motion were checked.</p>\n", html(info.frames));
   if (const std::string cut = contacts_cut(records); !cut.empty()) file.add("<p>Contacts {}.</p>\n", cut);
-  file.add("<details><summary>How this was made</summary><p>Foldproof {}, {:.1f} s of checking.</p>",
-           version(), seconds);
+  file.add("<details><summary>How this was made</summary><p>Foldproof {}, {} of checking.</p>", version(),
+           duration(1000 * seconds));
   file.add("<p><code>{}</code></p></details>\n", html(info.command));
 }
 

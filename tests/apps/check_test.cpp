@@ -54,6 +54,13 @@ TEST(Check, NotesOfAReaderAreShownWhole) {
   EXPECT_FALSE(scene.report("b.json")["objects"][0].contains("notes"));
 }
 
+TEST(Check, LongNamesAreCutInTheMiddle) {
+  const Scene scene;
+  std::filesystem::rename(scene / "clean", scene / ("begin_" + std::string(60, 'x') + "_end"));
+  const Outcome checked = check_in(scene, {"begin_" + std::string(60, 'x') + "_end"});
+  EXPECT_THAT(checked.out, HasSubstr("\nbegin_xxxxxxxxx...xxxxxxxxxxxxxxxxxxxxxxxxxx_end  "));
+}
+
 TEST(Check, SummaryHasTheMainResults) {
   const Scene scene;
   const Outcome found = check_in(scene, {"sink"});

@@ -67,6 +67,20 @@ TEST(CommandLine, MistakesAreAnsweredWithWhatWasMeant) {
   for (const auto& [arguments, said] : mistakes) expect_one_line_error(scene.run(arguments), said);
 }
 
+TEST(CommandLine, WrongValuesAreAnsweredWithWhatIsRight) {
+  const auto error = [](std::vector<std::string> words) { return run_program(std::move(words)).err; };
+  EXPECT_EQ(error({"check", "a.glb", "--thickness", "abc"}),
+            "foldproof: command line: --thickness: 'abc' is not a number; give one\n");
+  EXPECT_EQ(error({"check", "a.glb", "--substeps", "1.5"}),
+            "foldproof: command line: --substeps: '1.5' is not a whole number; give one\n");
+  EXPECT_EQ(error({"check", "a.glb", "--mode", "papre"}),
+            "foldproof: command line: --mode: 'papre' is not known; did you mean 'paper'?\n");
+  EXPECT_EQ(error({"check", "a.glb", "--mode", "xyz"}),
+            "foldproof: command line: --mode: 'xyz' is not known; give proven or paper\n");
+  EXPECT_EQ(error({"radius", "a.model", "--clearance", "-1"}),
+            "foldproof: --clearance: -1 is below 0; give a number of at least 0\n");
+}
+
 TEST(CommandLine, AReportOnStandardOutputLeavesTheSummaryToStandardError) {
   const Sinking scene;
   const Outcome check = scene.run({"check", "sink.npz", "--json", "-", "--csv", "a.csv"});

@@ -90,6 +90,46 @@ TEST(ReadingProgress, IsShownOnATerminal) {
   EXPECT_THAT(last, HasSubstr("is not valid JSON here"));
 }
 
+/// What `foldproof` prints on a terminal if it is stopped for a second, some milliseconds after it has begun.
+std::string shown_when_slow(const std::string& directory, std::vector<std::string> arguments, int after) {
+  const Terminal terminal;
+  const auto stop = [after](pid_t process) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(after));
+    ::kill(process, SIGSTOP);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+    ::kill(process, SIGCONT);
+  };
+  run_program(std::move(arguments),
+              {.directory = directory, .error = terminal.program(), .while_it_runs = stop});
+  return terminal.shown();
+}
+
+/// A sheet of so many triangles that all takes a while; what it is stopped in differs from attempt to
+/// attempt.
+TEST(StageProgress, SaysWhatIsDoneThoughItGivesNoSign) {
+  const TemporaryDirectory directory;
+  std::string mesh = "OFF\n250000 498002 0\n";
+  for (int i = 0; i < 500; ++i) {
+    for (int k = 0; k < 500; ++k) mesh += std::to_string(i) + " " + std::to_string(k) + " 0\n";
+  }
+  for (int i = 0; i + 1 < 500; ++i) {
+    for (int k = 0; k + 1 < 500; ++k) {
+      const int a = 500 * i + k;
+      mesh += "3 " + std::to_string(a) + " " + std::to_string(a + 1) + " " + std::to_string(a + 501) + "\n";
+      mesh += "3 " + std::to_string(a) + " " + std::to_string(a + 501) + " " + std::to_string(a + 500) + "\n";
+    }
+  }
+  write_file(directory / "sheet.off", mesh);
+  std::string shown;
+  for (int attempt = 0; attempt < 20 && shown.find("the hierarchy, 0:0") == std::string::npos &&
+                        shown.find("in the first frame, 0:0") == std::string::npos;
+       ++attempt)
+    shown = shown_when_slow(directory.path(), {"check", "sheet.off"}, 100 + 50 * attempt);
+  EXPECT_THAT(shown, ::testing::AnyOf(HasSubstr("building the hierarchy, 0:0"),
+                                      HasSubstr("finding what crosses in the first frame, 0:0")));
+  EXPECT_EQ(shown_when_slow(directory.path(), {"check", "sheet.off", "-q"}, 400), "");
+}
+
 TEST(ReadingProgress, IsNotShownIfQuiet) {
   EXPECT_THAT(shown_for_slow_file({"-q"}),
               ::testing::AllOf(HasSubstr("is not valid JSON"), Not(HasSubstr("reading"))));

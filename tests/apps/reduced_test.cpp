@@ -62,6 +62,37 @@ TEST_F(Reduced, RadiusSaysHowFarAndItsSamplesAreFree) {
   EXPECT_TRUE(std::ifstream(directory_ / "left.ply").good());
 }
 
+TEST_F(Reduced, RadiusKeepsItsBallsInTheModel) {
+  const Outcome before = run({"radius", "cloth.model"});
+  const Outcome saves = run({"radius", "cloth.model", "--save"});
+  ASSERT_EQ(saves.code, 0) << saves.err;
+  EXPECT_EQ(saves.out, before.out);
+  EXPECT_EQ(run({"radius", "cloth.model"}).out, before.out);
+  EXPECT_NE(run({"info", "cloth.model"}).out.find("\nballs kept "), std::string::npos);
+  // Balls of radius 0, which no proof gives, show who reads them.
+  Model marked = load_model(directory_ / "cloth.model").value();
+  ASSERT_TRUE(marked.balls);
+  ReducedBalls none = *marked.balls;
+  std::ranges::fill(none.radii, 0.f);
+  marked.balls = std::make_shared<const ReducedBalls>(std::move(none));
+  ASSERT_TRUE(save_model(marked, directory_ / "marked.model"));
+  const auto mean = [](const Outcome& said) {
+    const std::string row = said.out.substr(said.out.find("\nmean ") + 6);
+    return std::stod(row);
+  };
+  EXPECT_GT(mean(before), 0);
+  EXPECT_EQ(mean(run({"radius", "marked.model"})), 0);
+  EXPECT_GT(mean(run({"radius", "marked.model", "--clearance", "1e-7"})), 0) << "other balls";
+  write_coordinates("p.csv", {0, 0.5, -0.5});
+  const auto proofs = [&](const std::string& model) {
+    const Outcome said = run({"check", "--reduced", model, "p.csv", "--json", "-"});
+    EXPECT_EQ(said.code, 0) << said.err;
+    return nlohmann::json::parse(said.out)["totals"]["work"]["certificate_passes"].get<int>();
+  };
+  EXPECT_GT(proofs("cloth.model"), 0);
+  EXPECT_EQ(proofs("marked.model"), 0);
+}
+
 TEST_F(Reduced, CheckFollowsCoordinatesAndPlacements) {
   write_coordinates("p.csv", {0, 0.5, -0.5});
   const Outcome alone = run({"check", "--reduced", "cloth.model", "p.csv"});

@@ -11,10 +11,10 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-std::string golden_path(int version) {
-  return std::string(FOLDPROOF_SOURCE_DIR) + "/tests/model/golden/version" + std::to_string(version) +
-         ".model";
+std::string golden_path(const std::string& version) {
+  return std::string(FOLDPROOF_SOURCE_DIR) + "/tests/model/golden/version" + version + ".model";
 }
+std::string golden_path(int version) { return golden_path(std::to_string(version)); }
 
 /// Byte offset of the format version, the root table's first field.
 std::size_t version_at(const std::string& bytes) {
@@ -203,8 +203,93 @@ TEST_F(ModelFileTest, WhatWasLearnedIsCheckedNumberByNumber) {
   EXPECT_THAT(error_of([](L, C c) { c.balanced_accuracy = 1.5; }), HasSubstr("learned certificates"));
 }
 
+Model with_balls(Model model) {
+  const auto shape = prove_balls(model);
+  EXPECT_TRUE(shape) << shape.error().line();
+  model.balls = std::make_shared<const ReducedBalls>((*shape)->balls());
+  return model;
+}
+
+TEST_F(ModelFileTest, BallsReadBack) {
+  const Model model = with_balls(small_learned_model());
+  const std::string bytes = saved(model);
+  const auto read = loaded(bytes);
+  ASSERT_TRUE(read) << read.error().line();
+  ASSERT_TRUE(read->balls);
+  EXPECT_EQ(read->balls->clearance, model.balls->clearance);
+  EXPECT_EQ(read->balls->radii, model.balls->radii);
+  EXPECT_EQ(saved(*read), bytes);
+  const auto proven = prove_balls(model).value(), kept = kept_balls(*read).value();
+  ASSERT_GT(proven->radius(0), 0);
+  EXPECT_EQ(kept->radius(0), proven->radius(0));
+  EXPECT_EQ(kept->uncertified(0).size(), proven->uncertified(0).size());
+}
+
+/// Balls are proofs that nobody repeats when they are read.
+TEST_F(ModelFileTest, BallsOfAnotherModelAreRefused) {
+  const Model model = with_balls(small_learned_model());
+  const std::string bytes = saved(model);
+  Eigen::VectorXd mean = model.learned->pca.mean;
+  const auto bytes_of_mean = [&] {
+    return std::string_view(reinterpret_cast<const char*>(mean.data()),
+                            8 * static_cast<std::size_t>(mean.size()));
+  };
+  const std::size_t at = bytes.find(bytes_of_mean());
+  ASSERT_NE(at, std::string::npos);
+  mean[5] += 1e-9;  // a model that is as good as this one
+  std::string other = bytes;
+  other.replace(at, bytes_of_mean().size(), bytes_of_mean());
+  EXPECT_EQ(load_error(other),
+            "b.model, balls: are damaged, or of another model; copy the model again, or train it anew");
+}
+
+TEST_F(ModelFileTest, DamagedBallsAreRefused) {
+  const Model model = with_balls(small_learned_model());
+  const std::string bytes = saved(model);
+  std::size_t refused = 0, tries = 0;
+  const auto& numbers = model.balls->radii;
+  const std::string_view content(reinterpret_cast<const char*>(numbers.data()), 4 * numbers.size());
+  const std::size_t radii = bytes.find(content);
+  ASSERT_NE(radii, std::string::npos);
+  for (std::size_t at = 0; at < content.size(); at += 7) {
+    std::string damaged = bytes;
+    damaged[radii + at] = static_cast<char>(damaged[radii + at] ^ (1 << at % 8));
+    ++tries;
+    refused += load_error(damaged) ==
+               "b.model, balls: are damaged, or of another model; copy the model again, or train it anew";
+  }
+  EXPECT_EQ(refused, tries);
+}
+
+TEST_F(ModelFileTest, BallsOfOtherProofsAreProvenAnew) {
+  const Model model = with_balls(small_learned_model());
+  std::string bytes = saved(model);
+  // The version is the number before the clearance's row of the table: found by what loading then says.
+  std::size_t found = 0;
+  for (std::size_t at = 0; at + 4 <= bytes.size(); at += 4) {
+    if (bytes.compare(at, 4, std::string_view("\1\0\0\0", 4)) != 0) continue;
+    std::string other = bytes;
+    other[at] = 2;
+    const auto read = loaded(other);
+    found += read && !read->balls && read->learned;
+  }
+  EXPECT_GE(found, 1u);
+}
+
 TEST_F(ModelFileTest, DISABLED_WriteGolden) {
   ASSERT_TRUE(save_model(small_learned_model(SubspaceKind::KernelPca), golden_path(2)));
+  ASSERT_TRUE(save_model(with_balls(small_learned_model()), golden_path("2-balls")));
+}
+
+TEST_F(ModelFileTest, GoldenBallsAreStillRead) {
+  const auto model = load_model(golden_path("2-balls"));
+  ASSERT_TRUE(model) << model.error().line();
+  ASSERT_TRUE(model->balls);
+  EXPECT_EQ(saved(*model), read_bytes(golden_path("2-balls")));
+  const auto kept = kept_balls(*model), proven = prove_balls(*model);
+  ASSERT_TRUE(kept && proven);
+  EXPECT_GT((*kept)->radius(0), 0);
+  EXPECT_NEAR((*kept)->radius(0), (*proven)->radius(0), 1e-5 * (*proven)->radius(0));
 }
 
 TEST_F(ModelFileTest, GoldenVersion2IsStillRead) {

@@ -160,8 +160,53 @@ TEST(ReducedShape, IsTheSameForAnyNumberOfThreads) {
     return ReducedShape::build(motion, {{zeros(*motion)}}).value();
   };
   const auto one = build(1), four = build(4);
-  EXPECT_EQ(one.impl().tree.balls, four.impl().tree.balls);
-  EXPECT_EQ(one.impl().tree.nodes.size(), four.impl().tree.nodes.size());
+  EXPECT_EQ(one.impl().radii, four.impl().radii);
+  EXPECT_EQ(one.balls().radii, four.balls().radii);
+  EXPECT_EQ(one.balls().pairs.size(), four.balls().pairs.size());
+}
+
+TEST(ReducedShape, ComesBackFromItsBalls) {
+  const auto motion = bending_tube(12, 24, 0.4).motion();
+  std::vector<ReducedCenter> centers{{zeros(*motion)}, {zeros(*motion)}};
+  centers[1].p[0] = motion->deviations()[0];
+  const auto shape = ReducedShape::build(motion, centers).value();
+  const auto back = ReducedShape::from_balls(motion, centers, shape.balls()).value();
+  EXPECT_EQ(back.impl().radii, shape.impl().radii);
+  EXPECT_EQ(back.clearance(), shape.clearance());
+  EXPECT_TRUE(std::ranges::equal(back.never_certified(), shape.never_certified()));
+  for (const Index c : {0, 1}) {
+    EXPECT_EQ(back.radius(c), shape.radius(c));
+    EXPECT_EQ(back.uncertified(c).size(), shape.uncertified(c).size());
+    EXPECT_EQ(back.certified(c, 0.1).radius, shape.certified(c, 0.1).radius);
+  }
+}
+
+TEST(ReducedShape, RefusesBallsOfAnotherHierarchyOrThatAreNone) {
+  const auto motion = bending_tube(12, 24, 0.4).motion(), other = bending_tube(12, 12, 0.4).motion();
+  const std::vector<ReducedCenter> centers{{zeros(*motion)}};
+  const ReducedBalls good = ReducedShape::build(motion, centers).value().balls();
+  ASSERT_TRUE(ReducedShape::from_balls(motion, centers, good));
+  EXPECT_FALSE(ReducedShape::from_balls(other, centers, good));
+  EXPECT_FALSE(ReducedShape::from_balls(motion, {centers[0], centers[0]}, good));
+  EXPECT_FALSE(ReducedShape::from_balls(motion, centers, {}));
+  const auto refused = [&](auto change) {
+    ReducedBalls balls = good;
+    change(balls);
+    const auto shape = ReducedShape::from_balls(motion, centers, balls);
+    return !shape && shape.error().where == "balls";
+  };
+  using B = ReducedBalls&;
+  ASSERT_GT(good.pairs[0].count, 0u);
+  EXPECT_TRUE(refused([](B b) { b.radii[3] = -1; }));
+  EXPECT_TRUE(refused([](B b) { b.radii[3] = NAN; }));
+  EXPECT_TRUE(refused([](B b) { b.radii.pop_back(); }));
+  EXPECT_TRUE(refused([](B b) { b.clearance = 0; }));
+  EXPECT_TRUE(refused([](B b) { b.pairs[0].begin = 0; }));               // a circle
+  EXPECT_TRUE(refused([](B b) { b.pairs[0].begin = 0xffffffff; }));      // beyond the end
+  EXPECT_TRUE(refused([](B b) { b.pairs[0].count = 0; }));               // parts of nothing
+  EXPECT_TRUE(refused([](B b) { b.pairs[0].count = 2; }));               // a part is missing
+  EXPECT_TRUE(refused([](B b) { std::swap(b.pairs[1], b.pairs[2]); }));  // of other nodes
+  EXPECT_TRUE(refused([](B b) { b.pairs[1].a = 0xffffffff; }));
 }
 
 TEST(ReducedShape, WorksWithOneMode) {

@@ -1,0 +1,107 @@
+#include "progress_bar.h"
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+
+namespace foldproof {
+namespace {
+
+/// Signals are for the thread that watches for them.
+class SignalsBlocked {
+ public:
+  SignalsBlocked() {
+    ::sigset_t all;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  SignalsBlocked(const SignalsBlocked&) = delete;
+  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+  ~SignalsBlocked() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+ private:
+  ::sigset_t before_;
+};
+
+std::string clock_text(double seconds) {
+  const std::int64_t whole = std::llround(seconds);
+  return fmt::format("{}:{:02}", whole / 60, whole % 60);
+}
+
+}  // namespace
+
+ProgressBar::ProgressBar(bool enabled) : enabled_(enabled && ::isatty(STDERR_FILENO) == 1) {
+  if (!enabled_) return;
+  const SignalsBlocked blocked;  // inherited by the thread
+  thread_ = std::thread([this] { run(); });
+}
+
+ProgressBar::~ProgressBar() {
+  clear();
+  if (!enabled_) return;
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  wake_.notify_one();
+  thread_.join();
+}
+
+void ProgressBar::run() {
+  std::unique_lock lock(mutex_);
+  while (!ends_) {
+    wake_.wait_for(lock, kTick);
+    const Clock::time_point now = Clock::now();
+    if (!ends_ && active_ && now - begin_ >= kDelay && now - last_ >= kTick) draw(now);
+  }
+}
+
+void ProgressBar::begin(const std::string& text) {
+  if (!enabled_) return;
+  const std::lock_guard lock(mutex_);
+  begin_ = Clock::now();
+  last_ = begin_ + kDelay - kPause;
+  part_ = 0;
+  text_ = text;
+  active_ = true;
+}
+
+void ProgressBar::show(double part, const std::string& text) {
+  if (!enabled_) return;
+  const std::lock_guard lock(mutex_);
+  part_ = part;
+  text_ = text;
+  active_ = true;
+  const Clock::time_point now = Clock::now();
+  const bool completes = shown_ && part >= 1;
+  if (now - last_ >= kPause || completes) draw(now);
+}
+
+void ProgressBar::draw(Clock::time_point now) {
+  constexpr int kWidth = 30;
+  last_ = now;
+  const double spent = std::chrono::duration<double>(now - begin_).count();
+  std::string line = "\r\x1b[K";
+  if (part_ > 0) {
+    const int filled = static_cast<int>(part_ * kWidth);
+    line += fmt::format("[{:#<{}}{:.<{}}] {}", "", filled, "", kWidth - filled, text_);
+    if (part_ < 1) line += fmt::format(", {} left", clock_text(spent / part_ - spent));
+  } else {
+    line += fmt::format("{}, {}", text_, clock_text(spent));
+  }
+  std::fwrite(line.data(), 1, line.size(), stderr);
+  shown_ = true;
+}
+
+void ProgressBar::clear() {
+  if (!enabled_) return;
+  const std::lock_guard lock(mutex_);
+  if (shown_) std::fputs("\r\x1b[K", stderr);
+  shown_ = active_ = false;
+}
+
+}  // namespace foldproof
