@@ -31,8 +31,14 @@ export function brief(value: number): string {
   return String(Number(value.toPrecision(3)));
 }
 
-export const milliseconds = (value: number): string =>
-  value >= 1000 ? `${(value / 1000).toPrecision(3)} s` : `${value < 1 ? value.toFixed(2) : value.toPrecision(3)} ms`;
+export const milliseconds = (value: number): string => {
+  if (value < 999.5) return `${value < 1 ? value.toFixed(2) : value.toPrecision(3)} ms`;
+  if (value < 119_500) return `${(value / 1000).toPrecision(3)} s`;
+  const seconds = Math.round(value / 1000);
+  if (seconds < 7200) return `${Math.floor(seconds / 60)} min ${seconds % 60} s`;
+  const minutes = Math.round(seconds / 60);
+  return `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+};
 
 export const percent = (share: number): string => {
   if (share > 0 && share < 0.001) return '< 0.1 %';
