@@ -267,8 +267,8 @@ def test_numbered_meshes_are_frames_unless_separate(motion, frames, tmp_path):
     assert [len(read) for read in separate] == [1, 1] and np.array_equal(separate[1][0], frames[1])
 
 
-def test_unknown_keywords_suggest_what_was_meant(motion, hierarchy, frames):
-    checker = foldproof.StepChecker(hierarchy)
+def test_unknown_keywords_suggest_what_was_meant(motion, triangles, frames):
+    checker = foldproof.StepChecker(foldproof.Hierarchy(triangles, frames[0]))
     for call, meant in ((lambda: foldproof.check(motion, thicknes=1), "thickness"),
                         (lambda: foldproof.check(motion, step_only=True), "steps_only"),
                         (lambda: checker.check(frames[0], frames[1], tolerence=1), "tolerance"),

@@ -71,7 +71,7 @@ def test_line_search_never_intersects(triangles, certificates):
         assert checker.is_step_collision_free(x0, x1, 0.01) == (share == 1)
         assert not checker.has_intersections(x)
         assert checker.minimum_distance(x, 1) > 0.01
-        assert checker.work["refits"] == 1 and checker.work["node_tests"] > 0 and checker.milliseconds["total"] > 0
+        assert checker.work["refits"] >= 1 and checker.work["node_tests"] > 0 and checker.milliseconds["total"] > 0
         shares.append(share)
     assert min(shares) < 1 == max(shares)
 

@@ -395,7 +395,7 @@ TEST_F(ModelFileTest, EveryByteMayBeDamaged) {
 }
 
 TEST_F(ModelFileTest, ForeignFilesAreRefused) {
-  EXPECT_THAT(load_error(""), HasSubstr("is not a Foldproof model; make one with 'foldproof train'"));
+  EXPECT_THAT(load_error(""), HasSubstr("is empty"));
   EXPECT_THAT(load_error("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), HasSubstr("is not a Foldproof model"));
   EXPECT_THAT(load_error(std::string(5000, '\0')), HasSubstr("is not a Foldproof model"));
   EXPECT_THAT(load_error(std::string("\4\0\0\0\4\0\0\0FPMD", 12)), HasSubstr("is damaged or cut off"));
