@@ -100,7 +100,7 @@ struct StageTimes {
 
 /// Why the features of a leaf were tested. If several reasons apply, the last one in this list.
 enum class Reason : std::uint8_t {
-  /// They were not tested: certificates or boxes prove each pair of leaves separated.
+  /// They were not tested: certificates or boxes prove each pair of leaves separated, or it is ignored.
   Certified,
   /// No chart has been tried yet, neither of the patch nor of one that contains it. Without a model, always
   /// so in a checker's first step.
@@ -235,6 +235,32 @@ class Object {
   std::shared_ptr<const NodePredictor> predictor_;
 };
 
+/// Which pairs a checker tests; the others are ignored, and cost nothing where whole nodes are. Nodes and ids
+/// are those of Object::hierarchy; two of one object come in either order. Never changes. Several threads
+/// call it at once; it does not throw.
+class PairFilter {
+ public:
+  virtual ~PairFilter() = default;
+  /// Asked first: whether any pair of a feature or triangle below one node with one below the other is
+  /// tested. A node with itself: any pair below it. May be true where none is.
+  virtual bool nodes(Index object_a, Index node_a, Index object_b, Index node_b) const = 0;
+  virtual bool vertex_face(Index vertex_object, Index vertex, Index face_object, Index face) const = 0;
+  virtual bool edge_edge(Index object_a, const Edge& a, Index object_b, const Edge& b) const = 0;
+  /// Two triangles of a pose.
+  virtual bool crossing(Index object_a, Index triangle_a, Index object_b, Index triangle_b) const = 0;
+  /// Triangles of an object with the same vertices in the same order are tested as one where this is the same
+  /// for them; all answers above must then be, too.
+  virtual Index kind(Index /*object*/, Index triangle) const { return triangle; }
+};
+
+/// Ignores pairs of labels, each in both orders; {g, g}: within label g. `labels`: per object one per
+/// triangle, or a single one for the whole object; objects may have labels in common. A pair of triangles is
+/// ignored if its labels are; a pair of features only if every pair of triangles that they belong to is, so a
+/// vertex on the border of two parts belongs to both. Error: another number of labels, one above 10,000.
+Result<std::shared_ptr<const PairFilter>> ignore_labels(std::span<const Object> objects,
+                                                        std::span<const std::vector<Index>> labels,
+                                                        std::span<const std::array<Index, 2>> ignored);
+
 /// Answers queries on a fixed set of objects. Keeps its scratch, so a second step of the same size does not
 /// allocate; with certificates, once no more charts are built and searches that look ahead find no more
 /// candidates than before. A call that throws, for want of memory, makes the next one start afresh. Use one
@@ -242,7 +268,8 @@ class Object {
 /// arena of your own. A task group of yours that is cancelled does not end a query.
 class StepChecker {
  public:
-  explicit StepChecker(std::vector<Object> objects);
+  /// `filter`: null tests all pairs.
+  explicit StepChecker(std::vector<Object> objects, std::shared_ptr<const PairFilter> filter = nullptr);
   ~StepChecker();
   StepChecker(StepChecker&&) noexcept;
   StepChecker& operator=(StepChecker&&) noexcept;

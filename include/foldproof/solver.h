@@ -35,6 +35,8 @@ class CollisionFilter {
   bool operator()(Index i, Index j) const;
   /// Whether some vertex of `a` and another of `b` may collide.
   bool allows_any(std::span<const Index> a, std::span<const Index> b) const;
+  /// The group of each vertex; empty where there are none.
+  std::span<const Index> vertex_groups() const;
   /// The number of vertices that the filter was made for; kNoIndex: any.
   Index vertex_count() const;
 

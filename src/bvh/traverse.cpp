@@ -33,6 +33,7 @@ HWY_INLINE bool Separated(const KineticBox& a, const KineticBox& b, float margin
 // Visits one pair: drops it, emits it, or pushes its children.
 HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<NodePair>& children,
                       TraversalResult& out) {
+  if (out.filter != nullptr && !out.filter->visits(pair)) return;
   const auto nodes_a = traversal.a->hierarchy->nodes(), nodes_b = traversal.b->hierarchy->nodes();
   ++out.node_tests;
   if (traversal.a == traversal.b && pair.a == pair.b) {

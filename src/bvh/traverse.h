@@ -16,10 +16,18 @@ struct Traversal {
   float margin;  ///< See separation_margin.
 };
 
+/// Which pairs of nodes a traversal visits. Others are as good as separated for ever: they are in no front.
+class NodeFilter {
+ public:
+  virtual ~NodeFilter() = default;
+  virtual bool visits(NodePair nodes) const = 0;
+};
+
 /// What a traversal finds; appended to. Reuse it: its buffers are kept.
 struct TraversalResult {
   std::vector<NodePair> leaf_pairs;
   std::uint64_t node_tests = 0;
+  const NodeFilter* filter = nullptr;  ///< Null: all pairs are visited.
   /// If not null: receives the separated pairs at which the traversal stopped. Together with the pairs of
   /// leaves they cover all pairs below the starts, so the next step may start from them.
   std::vector<NodePair>* front = nullptr;

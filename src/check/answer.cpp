@@ -39,7 +39,7 @@ const DistinctTriangles* copies_in(DistinctObjects distinct, Index object) {
 // Adds a collision with every copy of its face.
 void add_copies(const NarrowStep& step, VertexFaceCollision found,
                 SmallestK<VertexFaceCollision, Before>& list, StepResult& out) {
-  const DistinctTriangles* distinct = copies_in(step.distinct, found.face_object);
+  const DistinctTriangles* distinct = copies_in(step.filter.distinct, found.face_object);
   if (distinct == nullptr) {
     ++out.vertex_face_count;
     list.add(found);

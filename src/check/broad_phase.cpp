@@ -74,6 +74,10 @@ BroadPhase::TaskData& BroadPhase::add_task(const StepMotion& motion, Index a, In
   data.culled.clear();
   data.found.node_tests = 0;
   data.found.front = front_of(a, b) != nullptr ? &data.front.pairs : nullptr;
+  data.filter.filter = filter_;
+  data.filter.object_a = a;
+  data.filter.object_b = b;
+  data.found.filter = filter_->asks_nodes() ? &data.filter : nullptr;
   return data;
 }
 
@@ -217,18 +221,23 @@ void BroadPhase::store_fronts() {
   }
 }
 
-void BroadPhase::find(const StepMotion& motion, Culling& culling, const StepSettings& settings,
-                      double distance, Work& work) {
+void BroadPhase::find(const StepMotion& motion, Culling& culling, const Filter& filter,
+                      const StepSettings& settings, double distance, Work& work) {
   const float margin = separation_margin(motion.frame(), distance);
+  filter_ = &filter;
   ++steps_;
   uses_fronts_ = culling.may_cull_later();
   tasks_.clear();
   if (settings.within) {
-    for (Index object = 0; object < motion.size(); ++object)
-      make_self_tasks(motion, object, culling.cull_self_pairs(motion, object, work), margin);
+    for (Index object = 0; object < motion.size(); ++object) {
+      if (filter.nodes(object, 0, object, 0))
+        make_self_tasks(motion, object, culling.cull_self_pairs(motion, object, filter, work), margin);
+    }
   }
   if (settings.between) {
-    for (const auto& [a, b] : near_objects(motion, margin)) make_pair_tasks(motion, a, b, margin);
+    for (const auto& [a, b] : near_objects(motion, margin)) {
+      if (filter.nodes(a, 0, b, 0)) make_pair_tasks(motion, a, b, margin);
+    }
   }
   const auto count = static_cast<Index>(tasks_.size());
   parallel_for(Index{0}, count, [&](Index k) { run_task(k, culling); });
@@ -246,28 +255,35 @@ void BroadPhase::find(const StepMotion& motion, Culling& culling, const StepSett
   culling.end_step(motion, node_tests, leaf_pairs_.size(), work);
 }
 
-std::uint64_t BroadPhase::count_near_leaves(const StepMotion& motion, const StepSettings& settings,
-                                            double distance) {
+std::uint64_t BroadPhase::count_near_leaves(const StepMotion& motion, const Filter& filter,
+                                            const StepSettings& settings, double distance) {
   const float margin = separation_margin(motion.frame(), distance);
   std::atomic<std::uint64_t> count{0};
-  const auto count_below = [&](const Traversal& traversal, NodePair start) {
+  const auto count_below = [&](Index a, Index b, NodePair start) {
+    TaskFilter visited;
+    visited.filter = &filter;
+    visited.object_a = a;
+    visited.object_b = b;
     Local& local = locals_.local();
     local.counted.leaf_pairs.clear();
-    traverse(traversal, start, local.stack, local.counted);
+    local.counted.filter = &visited;
+    traverse({&motion.bvhs()[a], &motion.bvhs()[b], margin}, start, local.stack, local.counted);
     count += local.counted.leaf_pairs.size();
   };
   for (Index a = 0; settings.within && a < motion.size(); ++a) {
     const auto nodes = motion.hierarchy(a).nodes();
-    count += motion.hierarchy(a).leaf_count();
-    const Traversal traversal{&motion.bvhs()[a], &motion.bvhs()[a], margin};
     parallel_for(Index{0}, static_cast<Index>(nodes.size()), [&](Index n) {
-      if (!nodes[n].is_leaf()) count_below(traversal, {n + 1, nodes[n].right});
+      if (nodes[n].is_leaf()) {
+        count += static_cast<std::uint64_t>(filter.nodes(a, n, a, n));
+      } else {
+        count_below(a, a, {n + 1, nodes[n].right});
+      }
     });
   }
   if (settings.between) {
     const auto near = near_objects(motion, margin);
     parallel_for(std::size_t{0}, near.size(), [&](std::size_t k) {
-      count_below({&motion.bvhs()[near[k][0]], &motion.bvhs()[near[k][1]], margin}, {0, 0});
+      count_below(near[k][0], near[k][1], {0, 0});
     });
   }
   return count;

@@ -17,14 +17,15 @@ class BroadPhase {
 
   /// Finds the pairs of leaves that come within `distance`, mesh units, and that remain after culling. Adds
   /// to `work`. Precondition: Culling::begin_step.
-  void find(const StepMotion& motion, Culling& culling, const StepSettings& settings, double distance,
-            Work& work);
+  void find(const StepMotion& motion, Culling& culling, const Filter& filter, const StepSettings& settings,
+            double distance, Work& work);
   /// The result, in an order that depends on the input only.
   std::span<const LeafPair> leaf_pairs() const { return leaf_pairs_; }
   std::span<const TraversalTask> tasks() const { return tasks_; }
 
   /// The number of pairs of leaves without culling.
-  std::uint64_t count_near_leaves(const StepMotion& motion, const StepSettings& settings, double distance);
+  std::uint64_t count_near_leaves(const StepMotion& motion, const Filter& filter,
+                                  const StepSettings& settings, double distance);
 
  private:
   // The front of the traversal of one object with itself, or of two objects: where it stopped in the last
@@ -58,6 +59,7 @@ class BroadPhase {
     std::vector<WorkItem> items;
     std::vector<NodePair> starts;  // of two objects
     Front front;                   // where the traversal stopped
+    TaskFilter filter;
     TraversalResult found;
     Culling::Culled culled;
     TaskData();
@@ -80,6 +82,7 @@ class BroadPhase {
   void run_task(Index task, Culling& culling);
 
   std::size_t objects_;
+  const Filter* filter_ = nullptr;  // of the present call
   std::size_t steps_ = 0;
   SweepAndPrune sweep_;
   std::vector<SweptBox> object_boxes_;

@@ -124,7 +124,8 @@ void Culling::prove_nodes(const StepMotion& motion, Index object) {
   }
 }
 
-const Culling::SelfPairs& Culling::cull_self_pairs(const StepMotion& motion, Index object, Work& work) {
+const Culling::SelfPairs& Culling::cull_self_pairs(const StepMotion& motion, Index object,
+                                                   const Filter& filter, Work& work) {
   ChartCache& charts = *charts_[object];
   const auto nodes = motion.hierarchy(object).nodes();
   auto& leaf_proofs = leaf_proofs_[object];
@@ -133,6 +134,12 @@ const Culling::SelfPairs& Culling::cull_self_pairs(const StepMotion& motion, Ind
   self_pairs_.unproven_leaves.clear();
   level_.assign(nodes.empty() ? 0 : 1, 0);
   for (Index depth = 0; !level_.empty(); ++depth) {
+    if (filter.asks_nodes()) {
+      std::erase_if(level_, [&](Index self) {
+        self_pairs_.proven[self] = !filter.nodes(object, self, object, self);
+        return self_pairs_.proven[self] != 0;
+      });
+    }
     work.node_tests += level_.size();
     prove_nodes(motion, object);
     next_level_.clear();

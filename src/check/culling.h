@@ -5,6 +5,7 @@
 #include "certificate/chart_cache.h"
 #include "certificate/separating_plane.h"
 #include "check/culling_policy.h"
+#include "check/filter.h"
 #include "check/motion.h"
 
 namespace foldproof::inline internal {
@@ -25,10 +26,10 @@ class Culling {
   /// The pairs of an object's nodes with themselves, from the root down to proven ones. Valid until the next
   /// call.
   struct SelfPairs {
-    std::vector<std::uint8_t> proven;    ///< Per node; unspecified below a proven node.
+    std::vector<std::uint8_t> proven;    ///< Per node, or ignored; unspecified below such a node.
     std::vector<Index> unproven_leaves;  ///< Leaves that remain paired with themselves.
   };
-  const SelfPairs& cull_self_pairs(const StepMotion& motion, Index object, Work& work);
+  const SelfPairs& cull_self_pairs(const StepMotion& motion, Index object, const Filter& filter, Work& work);
 
   /// The result for the pairs of leaves of one task.
   struct Culled {

@@ -6,33 +6,33 @@
 
 namespace foldproof::internal {
 
-DistinctTriangles::DistinctTriangles(std::shared_ptr<const Hierarchy> all) : hierarchy_(std::move(all)) {
-  const Topology& topology = hierarchy_->topology();
-  if (find_copies(topology.triangles(), topology.vertex_count())) drop_copies(*hierarchy_);
+DistinctTriangles::DistinctTriangles(std::shared_ptr<const Hierarchy> all, std::span<const Index> kinds)
+    : hierarchy_(std::move(all)) {
+  if (find_copies(hierarchy_->topology(), kinds)) drop_copies(*hierarchy_);
 }
 
 // Fills first_, ids_ and repeated_. Returns false, and leaves them empty, when there are no copies. Buckets
 // triangles by their first vertex and sorts each bucket.
-bool DistinctTriangles::find_copies(std::span<const Triangle> triangles, Index vertex_count) {
-  std::vector<Index> end(vertex_count + std::size_t{1}, 0), order(triangles.size());
+bool DistinctTriangles::find_copies(const Topology& topology, std::span<const Index> kinds) {
+  const auto triangles = topology.triangles();
+  std::vector<Index> end(topology.vertex_count() + std::size_t{1}, 0), order(triangles.size());
   for (const Triangle& t : triangles) ++end[t[0] + std::size_t{1}];
   std::partial_sum(end.begin(), end.end(), end.begin());
   // Before this, end[v] is where bucket v begins; after it, where it ends.
   for (Index i = 0; i < triangles.size(); ++i) order[end[triangles[i][0]]++] = i;
-  const auto less = [&](Index a, Index b) {
-    return triangles[a] != triangles[b] ? triangles[a] < triangles[b] : a < b;
-  };
+  const auto key = [&](Index t) { return std::pair(triangles[t], kinds.empty() ? 0 : kinds[t]); };
+  const auto less = [&](Index a, Index b) { return std::pair(key(a), a) < std::pair(key(b), b); };
   bool any = false;
   std::ptrdiff_t begin = 0;
-  for (Index v = 0; v < vertex_count; begin = end[v++]) {
+  for (Index v = 0; v < topology.vertex_count(); begin = end[v++]) {
     std::sort(order.begin() + begin, order.begin() + end[v], less);
-    for (std::ptrdiff_t k = begin + 1; k < end[v]; ++k) any |= triangles[order[k]] == triangles[order[k - 1]];
+    for (std::ptrdiff_t k = begin + 1; k < end[v]; ++k) any |= key(order[k]) == key(order[k - 1]);
   }
   if (!any) return false;
 
   std::vector<Index> original(triangles.size());  // of every triangle, its first copy
   for (std::size_t k = 0; k < order.size(); ++k) {
-    const bool copy = k > 0 && triangles[order[k]] == triangles[order[k - 1]];
+    const bool copy = k > 0 && key(order[k]) == key(order[k - 1]);
     original[order[k]] = copy ? original[order[k - 1]] : order[k];
   }
   std::vector<Index> count(triangles.size(), 0), number(triangles.size(), kNoIndex);
@@ -80,11 +80,10 @@ void DistinctTriangles::drop_copies(const Hierarchy& all) {
   }
   std::vector<Index> leaf_sizes;
   for (std::size_t n = 0; n < nodes.size(); ++n) {
-    if (nodes[n].is_leaf()) {
-      if (owned[n] > 0) leaf_sizes.push_back(owned[n]);
-    } else if (owned[n + 1] > 0 && owned[nodes[n].right] > 0) {
-      leaf_sizes.push_back(0);
-    }
+    const bool leaf = nodes[n].is_leaf();
+    if (leaf ? owned[n] == 0 : owned[n + 1] == 0 || owned[nodes[n].right] == 0) continue;
+    leaf_sizes.push_back(leaf ? owned[n] : 0);
+    node_ids_.push_back(static_cast<Index>(n));
   }
   auto topology = Topology::make(all.topology().vertex_count(), std::move(distinct));
   assert(topology);

@@ -86,7 +86,7 @@ class CandidateTester {
   void add_edges(const Side& a, const Edge& edge_a, const Side& b, const Edge& edge_b) {
     // In the order of their ids, so that the answer does not depend on the hierarchy.
     if (a.object == b.object && edge_b < edge_a) return add_edges(b, edge_b, a, edge_a);
-    if (step_.filter != nullptr && !step_.filter->edge_edge(edge_a, edge_b)) return;
+    if (!step_.filter.edge_edge(a.object, edge_a, b.object, edge_b)) return;
     for (int k = 0; k < 2; ++k) {
       set_point(k, a, edge_a[k]);
       set_point(2 + k, b, edge_b[k]);
@@ -96,7 +96,7 @@ class CandidateTester {
 
   void add_face(const Side& a, Index vertex, const Side& b, Index face) {
     const Index face_id = b.hierarchy->triangle_ids()[face];
-    if (step_.filter != nullptr && !step_.filter->vertex_face(vertex, face_id)) return;
+    if (!step_.filter.vertex_face(a.object, vertex, b.object, face_id)) return;
     set_point(0, a, vertex);
     for (int k = 0; k < 3; ++k) set_point(1 + k, b, b.vertex(b.hierarchy->triangles()[face][k]));
     lanes_.add({a.object, vertex, b.object, face_id, 1, Answer::Separated});

@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
-#include "check/distinct.h"
+#include "check/filter.h"
 #include "check/motion.h"
 
 namespace foldproof::inline internal {
@@ -47,19 +47,6 @@ void in_rounds(std::span<const LeafPair> pairs, std::vector<Chunk>& chunks, Roun
   }
 }
 
-/// Which pairs of features are tested, by the user's ids. Called by several threads concurrently.
-class PairFilter {
- public:
-  virtual ~PairFilter() = default;
-  virtual bool vertex_face(Index vertex, Index face) const = 0;
-  virtual bool edge_edge(const Edge& a, const Edge& b) const = 0;
-  /// Two triangles of a pose.
-  virtual bool crossing(Index triangle_a, Index triangle_b) const = 0;
-};
-
-/// Per object, which triangles are copies of others. Empty: there are none.
-using DistinctObjects = std::span<const std::shared_ptr<const DistinctTriangles>>;
-
 /// Input of the narrow phase. Precondition: the features of the leaves to be tested are filled; x0 and x1
 /// have at least their vertices.
 struct NarrowStep {
@@ -79,10 +66,9 @@ struct NarrowStep {
   std::span<const TraversalTask> tasks;
   Positions x0, x1;
   CcdSettings ccd;
-  std::atomic<double>* earliest;       ///< Null unless StepSettings::earliest_only.
-  std::uint64_t max_listed;            ///< StepSettings::max_listed.
-  const PairFilter* filter = nullptr;  ///< Null: all pairs are tested.
-  DistinctObjects distinct = {};
+  std::atomic<double>* earliest;  ///< Null unless StepSettings::earliest_only.
+  std::uint64_t max_listed;       ///< StepSettings::max_listed.
+  Filter filter = {};
   const Hierarchy& hierarchy(Index object) const { return *bvhs[object].hierarchy; }
 
  private:

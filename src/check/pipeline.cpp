@@ -7,7 +7,7 @@ namespace foldproof::internal {
 Result<void> Pipeline::find_leaf_pairs(Positions x0, Positions x1, const StepSettings& settings,
                                        double distance, Work& work) {
   FOLDPROOF_TRY(culling.begin_step(motion, x0, x1, settings, distance));
-  broad_phase.find(motion, culling, settings, distance, work);
+  broad_phase.find(motion, culling, filter, settings, distance, work);
   motion.fill_features(broad_phase.tasks(), broad_phase.leaf_pairs());
   return {};
 }
@@ -16,7 +16,7 @@ void Pipeline::explain(const StepSettings& settings, double distance, Explanatio
   culling.explain(motion, broad_phase.tasks(), broad_phase.leaf_pairs(), out);
   if (!settings.certificates) return;  // no pair is certified
   out.leaf_pairs[static_cast<std::size_t>(Reason::Certified)] =
-      broad_phase.count_near_leaves(motion, settings, distance) - broad_phase.leaf_pairs().size();
+      broad_phase.count_near_leaves(motion, filter, settings, distance) - broad_phase.leaf_pairs().size();
 }
 
 }  // namespace foldproof::internal

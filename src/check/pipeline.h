@@ -10,9 +10,9 @@
 namespace foldproof::inline internal {
 
 struct Pipeline {
-  explicit Pipeline(const std::vector<Object>& objects) : Pipeline(std::span(objects)) {}
-  explicit Pipeline(std::span<const Object> objects)
-      : motion(objects), culling(objects), broad_phase(motion) {}
+  /// `pair_filter` is fixed, because fronts and candidates are kept from step to step.
+  explicit Pipeline(std::span<const Object> objects, Filter pair_filter = {})
+      : filter(pair_filter), motion(objects), culling(objects), broad_phase(motion) {}
 
   /// Stages 2 and 3, after an update of the motion: finds the pairs of leaves that come within `distance` and
   /// that no certificate separates, and fills their features. Adds to `work`. Error: as Culling::begin_step.
@@ -21,6 +21,7 @@ struct Pipeline {
   /// Explains the last find_leaf_pairs, which must have had the same settings and distance.
   void explain(const StepSettings& settings, double distance, Explanation& out);
 
+  const Filter filter;
   StepMotion motion;
   Culling culling;
   BroadPhase broad_phase;

@@ -19,13 +19,13 @@ struct Pose {
   Positions x;
 };
 
-void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pair pair,
-               const PairFilter* filter, std::vector<TriangleCrossing>& out) {
+void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pair pair, const Filter& filter,
+               std::vector<TriangleCrossing>& out) {
   Index object_a = task.object_a, object_b = task.object_b;
   const Hierarchy &ha = pose.motion.hierarchy(object_a), &hb = pose.motion.hierarchy(object_b);
   Index a = ha.triangle_ids()[pair.a], b = hb.triangle_ids()[pair.b];
   if (object_a == object_b && b < a) std::swap(a, b);
-  if (filter != nullptr && !filter->crossing(a, b)) return;
+  if (!filter.crossing(object_a, a, object_b, b)) return;
   const Triangle &s = ha.topology().triangles()[a], &t = hb.topology().triangles()[b];
   const bool cross = object_a == object_b
                          ? triangles_cross(pose.x[object_a], s, t)
@@ -97,11 +97,13 @@ class Crossings {
 };
 
 // Adds the crossings of triangles with their own copies.
-void add_all_copies(const Pose& pose, DistinctObjects distinct, Crossings& out) {
-  for (Index object = 0; object < distinct.size(); ++object) {
-    for (const Index t : distinct[object]->repeated()) {
-      if (copies_cross(pose.motion.hierarchy(object).topology().triangles()[t]))
-        out.add_copies(object, distinct[object]->copies(t));
+void add_all_copies(const Pose& pose, const Filter& filter, Crossings& out) {
+  for (Index object = 0; object < filter.distinct.size(); ++object) {
+    const DistinctTriangles& distinct = *filter.distinct[object];
+    for (const Index t : distinct.repeated()) {
+      if (filter.crossing(object, t, object, t) &&
+          copies_cross(pose.motion.hierarchy(object).topology().triangles()[t]))
+        out.add_copies(object, distinct.copies(t));
     }
   }
 }
@@ -127,7 +129,7 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
 
   const Pose pose{pipeline.motion, x};
   const BroadPhase& found = pipeline.broad_phase;
-  Crossings crossings(query.distinct, settings.max_listed, out);
+  Crossings crossings(pipeline.filter.distinct, settings.max_listed, out);
   in_rounds(found.leaf_pairs(), chunks, [&](std::size_t count) {
     parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       Chunk& chunk = chunks[i];
@@ -137,7 +139,7 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
         const TraversalTask& task = found.tasks()[pair.task];
         find_face_pairs(task.traversal, pair.leaves, chunk.candidates);
         for (; done < chunk.candidates.face_face.size(); ++done) {
-          test_pair(pose, task, chunk.candidates.face_face[done], query.filter, chunk.crossings);
+          test_pair(pose, task, chunk.candidates.face_face[done], pipeline.filter, chunk.crossings);
         }
       }
     });
@@ -146,13 +148,13 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
       chunks[i].crossings.clear();
     }
   });
-  if (settings.within) add_all_copies(pose, query.distinct, crossings);
+  if (settings.within) add_all_copies(pose, pipeline.filter, crossings);
   crossings.finish();
   out.milliseconds.narrow = watch.lap();
   out.milliseconds.total = total.lap();
   if (settings.explain) {
     pipeline.explain(settings, 0, out.explanation);
-    explain_copies(query.distinct, out.explanation);
+    explain_copies(pipeline.filter.distinct, out.explanation);
   }
   out.complete = true;
   return {};

@@ -37,8 +37,7 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
   // Narrow phase: finds which of their features collide.
   const BroadPhase& found = pipeline.broad_phase;
   NarrowStep narrow(settings, out.tolerance, motion.bvhs(), found.tasks(), x0, x1);
-  narrow.filter = query.filter;
-  narrow.distinct = query.distinct;
+  narrow.filter = pipeline.filter;
   if (look_ahead != nullptr) {
     look_ahead->test(narrow, pipeline, watch, out);
   } else {
@@ -49,7 +48,7 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
   out.milliseconds.total = total.lap();
   if (settings.explain) {
     pipeline.explain(settings, distance, out.explanation);
-    explain_copies(query.distinct, out.explanation);
+    explain_copies(pipeline.filter.distinct, out.explanation);
   }
   out.complete = true;
   return {};

@@ -8,9 +8,7 @@ namespace foldproof::inline internal {
 /// The objects of a query and its scratch.
 struct Query {
   Pipeline& pipeline;
-  LookAhead* look_ahead = nullptr;     ///< Null: every step has a search of its own.
-  const PairFilter* filter = nullptr;  ///< Null: all pairs are tested.
-  DistinctObjects distinct = {};       ///< Of the pipeline's objects. Empty: no triangle has copies.
+  LookAhead* look_ahead = nullptr;  ///< Null: every step has a search of its own.
 };
 
 /// StepChecker::check.

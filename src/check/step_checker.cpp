@@ -5,11 +5,21 @@
 namespace foldproof {
 namespace {
 
+using Distinct = std::shared_ptr<const DistinctTriangles>;
+
+// Of an object that has copies: only those that the filter treats alike are one.
+Distinct distinct_in(Index object, const std::shared_ptr<const Hierarchy>& hierarchy,
+                     const PairFilter& filter) {
+  std::vector<Index> kinds(hierarchy->topology().triangles().size());
+  for (Index t = 0; t < kinds.size(); ++t) kinds[t] = filter.kind(object, t);
+  return std::make_shared<const DistinctTriangles>(hierarchy, kinds);
+}
+
 // Replaces hierarchies by those of their distinct triangles. Trained objects keep theirs, to which the charts
 // belong. Empty when no triangle has copies. Objects that share a hierarchy share its distinct triangles.
-std::vector<std::shared_ptr<const DistinctTriangles>> remove_copies(std::vector<Object>& objects) {
-  std::map<const Hierarchy*, std::shared_ptr<const DistinctTriangles>> distinct_of;
-  std::vector<std::shared_ptr<const DistinctTriangles>> all;
+std::vector<Distinct> remove_copies(std::vector<Object>& objects, const PairFilter* filter) {
+  std::map<const Hierarchy*, Distinct> distinct_of;
+  std::vector<Distinct> all;
   bool any_copies = false;
   for (Object& object : objects) {
     const bool trained = object.charts() || object.predictor();
@@ -17,9 +27,11 @@ std::vector<std::shared_ptr<const DistinctTriangles>> remove_copies(std::vector<
     if (!distinct)
       distinct = trained ? std::make_shared<const DistinctTriangles>()
                          : std::make_shared<const DistinctTriangles>(object.hierarchy());
-    all.push_back(distinct);
-    if (!distinct->has_copies()) continue;
-    object = distinct->hierarchy();
+    const auto number = static_cast<Index>(all.size());
+    const bool by_kind = filter != nullptr && distinct->has_copies();
+    all.push_back(by_kind ? distinct_in(number, object.hierarchy(), *filter) : distinct);
+    if (!all.back()->has_copies()) continue;
+    object = all.back()->hierarchy();
     any_copies = true;
   }
   if (!any_copies) all.clear();
@@ -57,24 +69,30 @@ Object::Object(std::shared_ptr<const ChartLibrary> charts, std::shared_ptr<const
 
 struct StepChecker::Impl {
   struct Memory {
-    explicit Memory(const std::vector<Object>& objects) : pipeline(objects) {}
+    Memory(const std::vector<Object>& objects, const Filter& filter) : pipeline(objects, filter) {}
     Pipeline pipeline;
     LookAhead look_ahead;
   };
 
-  explicit Impl(std::vector<Object> given) : distinct(remove_copies(given)), objects(std::move(given)) {}
+  Impl(std::vector<Object> given, std::shared_ptr<const PairFilter> pairs)
+      : filter(std::move(pairs)), distinct(remove_copies(given, filter.get())), objects(std::move(given)) {}
   template <class Run>
   Result<void> run(Run run) {
     return run_on(
-        memory, [&] { return std::make_unique<Memory>(objects); }, run);
+        memory, [&] { return make_memory(); }, run);
+  }
+  std::unique_ptr<Memory> make_memory() const {
+    return std::make_unique<Memory>(objects, Filter{filter.get(), distinct});
   }
 
-  std::vector<std::shared_ptr<const DistinctTriangles>> distinct;
+  std::shared_ptr<const PairFilter> filter;
+  std::vector<Distinct> distinct;
   std::vector<Object> objects;  // without copies
-  std::unique_ptr<Memory> memory = std::make_unique<Memory>(objects);
+  std::unique_ptr<Memory> memory = make_memory();
 };
 
-StepChecker::StepChecker(std::vector<Object> objects) : impl_(new Impl(std::move(objects))) {}
+StepChecker::StepChecker(std::vector<Object> objects, std::shared_ptr<const PairFilter> filter)
+    : impl_(new Impl(std::move(objects), std::move(filter))) {}
 StepChecker::~StepChecker() = default;
 StepChecker::StepChecker(StepChecker&&) noexcept = default;
 StepChecker& StepChecker::operator=(StepChecker&&) noexcept = default;
@@ -82,7 +100,7 @@ StepChecker& StepChecker::operator=(StepChecker&&) noexcept = default;
 Result<void> StepChecker::check(Positions x0, Positions x1, const StepSettings& settings, StepResult& out) {
   out.complete = false;
   return impl_->run([&](Impl::Memory& memory) {
-    return check_step({memory.pipeline, &memory.look_ahead, nullptr, impl_->distinct}, x0, x1, settings, out);
+    return check_step({memory.pipeline, &memory.look_ahead}, x0, x1, settings, out);
   });
 }
 
@@ -90,7 +108,7 @@ Result<void> StepChecker::check_static(Positions x, const StepSettings& settings
   out.complete = false;
   return impl_->run([&](Impl::Memory& memory) {
     memory.look_ahead.invalidate();
-    return check_pose({memory.pipeline, nullptr, nullptr, impl_->distinct}, x, settings, out);
+    return check_pose({memory.pipeline}, x, settings, out);
   });
 }
 

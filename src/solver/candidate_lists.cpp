@@ -267,7 +267,7 @@ void CandidateLists<Ends>::list_vertices(double distance, const Near& with_verti
   visit_near_pairs(distance, scratch.pairs, [&](Index v, Index t) {
     const Index element = elements_[t - triangles_begin_];
     if (share_vertex(std::array{v}, hierarchy_.triangles()[t - triangles_begin_])) return;
-    if (!(allows_all_ && element == t) && !filter_.vertex_face(ids_[v], ids_[t])) return;
+    if (!(allows_all_ && element == t) && !filter_.vertex_face(0, ids_[v], 0, ids_[t])) return;
     const bool edge = element >= edges_begin_ && element < triangles_begin_;
     scratch.list.push_back(edge ? BoxPair{element, v} : BoxPair{v, element});
   });
@@ -281,7 +281,7 @@ void CandidateLists<Ends>::list_edges(bool self, double distance, Scratch& scrat
   }
   visit_near_pairs(distance, scratch.pairs, [&](Index e, Index g) {
     if (share_vertex(hierarchy_.edges()[e - edges_begin_], hierarchy_.edges()[g - edges_begin_])) return;
-    if (allows_all_ || filter_.edge_edge(mesh_.edges()[ids_[e]], mesh_.edges()[ids_[g]]))
+    if (allows_all_ || filter_.edge_edge(0, mesh_.edges()[ids_[e]], 0, mesh_.edges()[ids_[g]]))
       scratch.list.push_back({e, g});
   });
 }

@@ -21,7 +21,24 @@ Result<void> internal::check_length(const char* name, double value) {
   return {};
 }
 
-bool ContactFilter::crossing(Index triangle_a, Index triangle_b) const {
+ContactFilter::ContactFilter(const CollisionMesh& mesh)
+    : mesh_(mesh),
+      triangles_(mesh.hierarchy()->topology().triangles()),
+      faces_(static_cast<Index>(mesh.faces().size())),
+      faces_and_edges_(faces_ + static_cast<Index>(mesh.codim_edges().size())) {
+  const auto groups = mesh.filter().vertex_groups();
+  if (groups.empty()) return;
+  std::vector<Index> first(*std::ranges::max_element(groups) + std::size_t{1}, kNoIndex);  // vertex of each
+  for (Index v = 0; v < groups.size(); ++v) first[groups[v]] = std::min(first[groups[v]], v);
+  const Hierarchy& hierarchy = *mesh.hierarchy();
+  nodes_ = NodeLabels(hierarchy, [&](Index leaf, std::vector<Index>& out) {
+    for (Index k = hierarchy.leaves()[leaf].triangles; k < hierarchy.leaves()[leaf + 1].triangles; ++k) {
+      for (const Index v : triangles_[hierarchy.triangle_ids()[k]]) out.push_back(first[groups[v]]);
+    }
+  });
+}
+
+bool ContactFilter::crossing(Index, Index triangle_a, Index, Index triangle_b) const {
   const Triangle &a = triangles_[triangle_a], &b = triangles_[triangle_b];
   const auto in = [](const Triangle& t, Index v) { return v == t[0] || v == t[1] || v == t[2]; };
   const bool codim = element(triangle_a) != Element::Face && element(triangle_b) != Element::Face;
@@ -50,9 +67,8 @@ Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0
                                                       double min_distance) {
   FOLDPROOF_TRY(check_length("min_distance", min_distance));
   const std::span<const double> from[] = {x0}, to[] = {x1};
-  FOLDPROOF_TRY(run([&](Pipeline& used) {
-    return check_step({used, nullptr, &filter}, from, to, step_settings(min_distance), step);
-  }));
+  FOLDPROOF_TRY(
+      run([&](Pipeline& used) { return check_step({used}, from, to, step_settings(min_distance), step); }));
   work += step.work;
   milliseconds += step.milliseconds;
   return step.clean() ? std::numeric_limits<double>::infinity() : step.earliest_toi;
@@ -108,9 +124,7 @@ Verdict ContactChecker::has_intersections(std::span<const double> x) {
   const std::span<const double> pose[] = {x};
   StepSettings settings = m.step_settings(0);
   settings.max_listed = 0;  // whether there is one is all that matters
-  const auto done = m.run([&](Pipeline& used) {
-    return check_pose({used, nullptr, &m.filter}, pose, settings, m.pose);
-  });
+  const auto done = m.run([&](Pipeline& used) { return check_pose({used}, pose, settings, m.pose); });
   if (!done) return Result<bool>(tl::unexpected(done.error()));
   m.work = m.pose.work;
   m.milliseconds = m.pose.milliseconds;

@@ -22,7 +22,8 @@ struct ContactChecker::Impl {
         step_lists(*mesh, filter) {}
 
   std::unique_ptr<Pipeline> make_pipeline() const {
-    return std::make_unique<Pipeline>(std::vector<Object>{mesh->hierarchy()});
+    return std::make_unique<Pipeline>(std::vector<Object>{mesh->hierarchy()},
+                                      Filter{&filter, {}, filter.ignores_nodes()});
   }
   template <class Run>
   Result<void> run(Run run) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "check/narrow_phase.h"
+#include "check/node_labels.h"
 #include "foldproof/solver.h"
 
 namespace foldproof::inline internal {
@@ -11,18 +12,20 @@ enum class Element : std::uint8_t { Face, Edge, Point };
 
 class ContactFilter final : public PairFilter {
  public:
-  explicit ContactFilter(const CollisionMesh& mesh)
-      : mesh_(mesh),
-        triangles_(mesh.hierarchy()->topology().triangles()),
-        faces_(static_cast<Index>(mesh.faces().size())),
-        faces_and_edges_(faces_ + static_cast<Index>(mesh.codim_edges().size())) {}
+  explicit ContactFilter(const CollisionMesh& mesh);
 
   Element element(Index triangle) const {
     if (triangle < faces_) return Element::Face;
     return triangle < faces_and_edges_ ? Element::Edge : Element::Point;
   }
 
-  bool vertex_face(Index vertex, Index triangle) const override {
+  /// Whether any pair of nodes is ignored: by the groups of CollisionFilter only.
+  bool ignores_nodes() const { return !nodes_.empty(); }
+  bool nodes(Index, Index node_a, Index, Index node_b) const override {
+    return nodes_.empty() || nodes_.any(node_a, node_b, mesh_.filter());
+  }
+
+  bool vertex_face(Index, Index vertex, Index, Index triangle) const override {
     switch (element(triangle)) {
       case Element::Face:
         break;
@@ -38,10 +41,12 @@ class ContactFilter final : public PairFilter {
     return mesh_.filter().allows_any(std::span(&vertex, 1), triangles_[triangle]);
   }
 
-  bool edge_edge(const Edge& a, const Edge& b) const override { return mesh_.filter().allows_any(a, b); }
+  bool edge_edge(Index, const Edge& a, Index, const Edge& b) const override {
+    return mesh_.filter().allows_any(a, b);
+  }
 
   /// Whether two triangles that intersect count as an intersection.
-  bool crossing(Index triangle_a, Index triangle_b) const override;
+  bool crossing(Index, Index triangle_a, Index, Index triangle_b) const override;
 
   /// The row of the codimensional edge that a triangle represents.
   Index codim_edge(Index triangle) const { return mesh_.codim_edges()[triangle - faces_]; }
@@ -50,6 +55,7 @@ class ContactFilter final : public PairFilter {
   const CollisionMesh& mesh_;
   std::span<const Triangle> triangles_;
   Index faces_, faces_and_edges_;
+  NodeLabels nodes_;  // per node, a vertex of each group; empty: the filter has no groups
 };
 
 }  // namespace foldproof::internal

@@ -75,6 +75,10 @@ bool CollisionFilter::allows_any(std::span<const Index> a, std::span<const Index
   return false;
 }
 
+std::span<const Index> CollisionFilter::vertex_groups() const {
+  return groups_ == nullptr ? std::span<const Index>() : std::span<const Index>(groups_->of_vertex);
+}
+
 Index CollisionFilter::vertex_count() const {
   return groups_ == nullptr ? kNoIndex : static_cast<Index>(groups_->of_vertex.size());
 }
