@@ -89,8 +89,10 @@ using Parts = std::vector<std::span<const Index>>;
 class ContactFinder {
  public:
   /// `topologies`: one per object, which the finder keeps a reference to. `parts`: one per object, or empty.
-  /// Precondition: they outlive the finder. Error: more than 2^32 - 2 vertices or triangles in all.
-  static Result<ContactFinder> make(std::vector<const Topology*> topologies, Parts parts = {});
+  /// `filter`: the checker's, null for none. Precondition: topologies and parts outlive the finder. Error:
+  /// more than 2^32 - 2 vertices or triangles in all.
+  static Result<ContactFinder> make(std::vector<const Topology*> topologies, Parts parts = {},
+                                    std::shared_ptr<const PairFilter> filter = nullptr);
   ~ContactFinder();
   ContactFinder(ContactFinder&&) noexcept;
   ContactFinder& operator=(ContactFinder&&) noexcept;
@@ -149,10 +151,10 @@ struct MotionFrame {
 /// the end of the motion then. `next` returns the frames in order and none after the last. Where a step or a
 /// pose has more pairs than settings.max_listed, those listed are joined. Memory: the meshes, two frames, one
 /// answer and the contacts that have not ended. Error: what `next` or StepChecker returns; Mode::Paper and
-/// earliest_only, whose answers are not complete; those of ContactFinder::make.
+/// earliest_only, whose answers are not complete; those of ContactFinder::make. `filter`: as of StepChecker.
 Result<void> find_contacts(const std::vector<Object>& objects,
                            const std::function<Result<std::optional<MotionFrame>>()>& next,
                            const std::function<void(Contact)>& ended, const StepSettings& settings = {},
-                           Parts parts = {});
+                           Parts parts = {}, std::shared_ptr<const PairFilter> filter = nullptr);
 
 }  // namespace foldproof

@@ -27,7 +27,7 @@ class KeptPositions {
 Result<void> find_contacts(const std::vector<Object>& objects,
                            const std::function<Result<std::optional<MotionFrame>>()>& next,
                            const std::function<void(Contact)>& ended, const StepSettings& settings,
-                           Parts parts) {
+                           Parts parts, std::shared_ptr<const PairFilter> filter) {
   if (settings.mode == Mode::Paper || settings.earliest_only) {
     return fail(ErrorCode::InvalidArgument, "settings", "do not ask for all collisions",
                 "leave Mode::Paper and earliest_only out to find contacts");
@@ -35,10 +35,10 @@ Result<void> find_contacts(const std::vector<Object>& objects,
   std::vector<const Topology*> topologies;
   topologies.reserve(objects.size());
   for (const Object& object : objects) topologies.push_back(&object.hierarchy()->topology());
-  auto finder = FOLDPROOF_TRY(ContactFinder::make(std::move(topologies), std::move(parts)));
+  auto finder = FOLDPROOF_TRY(ContactFinder::make(std::move(topologies), std::move(parts), filter));
   const auto first = FOLDPROOF_TRY(next());
   if (!first) return {};
-  StepChecker checker(objects);
+  StepChecker checker(objects, std::move(filter));
   StaticResult crossings;
   FOLDPROOF_TRY(checker.check_static(first->x, settings, crossings));
   finder.start(first->time, first->x, crossings);

@@ -85,9 +85,10 @@ bool is_worse(const Contact& a, const Contact& b) {
 }
 
 struct ContactFinder::Impl {
-  Impl(std::vector<const Topology*> topologies, Parts all_parts)
+  Impl(std::vector<const Topology*> topologies, Parts all_parts, std::shared_ptr<const PairFilter> pairs)
       : surfaces(std::move(topologies)),
         parts(std::move(all_parts)),
+        filter(std::move(pairs)),
         measurers([this] { return FrameMeasurer(surfaces); }) {}
 
   void set_crossings(const StaticResult& all);
@@ -110,6 +111,7 @@ struct ContactFinder::Impl {
 
   Surfaces surfaces;
   Parts parts;
+  std::shared_ptr<const PairFilter> filter;
   Joiner joiner;
   PerThread<FrameMeasurer> measurers;
 
@@ -396,7 +398,8 @@ void ContactFinder::Impl::slice(double begin, double end, Positions x0, Position
   begun = true;
 }
 
-Result<ContactFinder> ContactFinder::make(std::vector<const Topology*> topologies, Parts parts) {
+Result<ContactFinder> ContactFinder::make(std::vector<const Topology*> topologies, Parts parts,
+                                          std::shared_ptr<const PairFilter> filter) {
   std::uint64_t vertices = 0, triangles = 0;
   for (const Topology* topology : topologies) {
     vertices += topology->vertex_count();
@@ -411,7 +414,7 @@ Result<ContactFinder> ContactFinder::make(std::vector<const Topology*> topologie
                   "have not one number per triangle of object " + std::to_string(i),
                   "give a part for each triangle, or none");
   }
-  return ContactFinder(std::make_unique<Impl>(std::move(topologies), std::move(parts)));
+  return ContactFinder(std::make_unique<Impl>(std::move(topologies), std::move(parts), std::move(filter)));
 }
 
 ContactFinder::ContactFinder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -432,7 +435,7 @@ void ContactFinder::Impl::step(double begin, double end, Positions x0, Positions
   if (all) {
     set_crossings(*all);
   } else if (known) {
-    follow_crossings(surfaces, step, x1, tested, crossings);
+    follow_crossings(surfaces, filter.get(), step, x1, tested, crossings);
   } else {
     crossings.clear();
   }

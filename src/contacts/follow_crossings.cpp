@@ -15,7 +15,8 @@ TriangleCrossing ordered(Index object_a, Index a, Index object_b, Index b) {
 }
 
 // The pairs of triangles that have a colliding pair of features, each once, sorted.
-void list_pairs(const Surfaces& surfaces, const StepResult& step, std::vector<TriangleCrossing>& out) {
+void list_pairs(const Surfaces& surfaces, const PairFilter* filter, const StepResult& step,
+                std::vector<TriangleCrossing>& out) {
   out.clear();
   for (const VertexFaceCollision& c : step.vertex_face) {
     for (const Index t : surfaces.triangles_at(c.vertex_object, c.vertex))
@@ -28,6 +29,11 @@ void list_pairs(const Surfaces& surfaces, const StepResult& step, std::vector<Tr
     for (const Index a : at_a) {
       for (const Index b : at_b) out.push_back(ordered(c.object_a, a, c.object_b, b));
     }
+  }
+  if (filter != nullptr) {
+    std::erase_if(out, [&](const TriangleCrossing& c) {
+      return !filter->crossing(c.object_a, c.triangle_a, c.object_b, c.triangle_b);
+    });
   }
   std::sort(out.begin(), out.end(), is_before);
   const auto same = [](const TriangleCrossing& a, const TriangleCrossing& b) {
@@ -50,9 +56,10 @@ bool is_before(const TriangleCrossing& a, const TriangleCrossing& b) {
          std::tie(b.object_a, b.triangle_a, b.object_b, b.triangle_b);
 }
 
-void follow_crossings(const Surfaces& surfaces, const StepResult& step, Positions x1,
-                      std::vector<TriangleCrossing>& tested, std::vector<TriangleCrossing>& crossings) {
-  list_pairs(surfaces, step, tested);
+void follow_crossings(const Surfaces& surfaces, const PairFilter* filter, const StepResult& step,
+                      Positions x1, std::vector<TriangleCrossing>& tested,
+                      std::vector<TriangleCrossing>& crossings) {
+  list_pairs(surfaces, filter, step, tested);
   if (tested.empty()) return;
   std::vector<TriangleCrossing> kept;
   std::set_difference(crossings.begin(), crossings.end(), tested.begin(), tested.end(),

@@ -10,9 +10,10 @@ bool is_before(const TriangleCrossing& a, const TriangleCrossing& b);
 
 /// Replaces `crossings`, those at the begin of a step, sorted, by those at its end, sorted. Only pairs of
 /// triangles with a colliding pair of features are tested, exactly; others cross at the end if and only if
-/// they do at the begin (docs/soundness.md, corollary of Theorem 3). `step` lists all of its pairs. `tested`
-/// is scratch.
-void follow_crossings(const Surfaces& surfaces, const StepResult& step, Positions x1,
-                      std::vector<TriangleCrossing>& tested, std::vector<TriangleCrossing>& crossings);
+/// they do at the begin (docs/soundness.md, corollary of Theorem 3). `step` lists all of its pairs; pairs of
+/// triangles that `filter` ignores, unless it is null, are left out. `tested` is scratch.
+void follow_crossings(const Surfaces& surfaces, const PairFilter* filter, const StepResult& step,
+                      Positions x1, std::vector<TriangleCrossing>& tested,
+                      std::vector<TriangleCrossing>& crossings);
 
 }  // namespace foldproof::inline internal

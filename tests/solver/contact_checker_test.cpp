@@ -290,6 +290,55 @@ TEST(ContactChecker, CallsTheMinimumDistanceByItsName) {
   EXPECT_EQ(checker.is_step_collision_free(soup.x0, soup.x0, std::nan("")).result().error().line(), line);
 }
 
+// Groups are asked for nodes, a function only for features: the answers are the same, the work is not.
+TEST(ContactChecker, GroupsAnswerAsAFunctionDoes) {
+  int shortened = 0, intersect = 0;
+  std::uint64_t nodes[2] = {0, 0};
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    Rng rng(seed);
+    const Soup soup = random_soup(rng, 12, 12, 6, 0.2, seed % 2 == 0 ? 0x1p-20 : 1.0 / 32);
+    std::vector<Index> group(soup.vertex_count());
+    for (Index v = 0; v < group.size(); ++v)
+      group[v] = static_cast<Index>(
+          rng() % 4 == 0 ? rng() % 6 : static_cast<std::uint64_t>(3 * std::abs(soup.x0[3 * v])) % 6);
+    std::vector<std::array<Index, 2>> excluded;
+    for (Index a = 0; a < 6; ++a) {
+      for (Index b = a; b < 6; ++b) {
+        if (rng() % 3 != 0 && std::ranges::count(group, a) > 0 && std::ranges::count(group, b) > 0)
+          excluded.push_back({a, b});
+      }
+    }
+    const auto may = [&](Index i, Index j) {
+      return std::ranges::none_of(excluded, [&](const auto& e) {
+        return e == std::array{group[i], group[j]} || e == std::array{group[j], group[i]};
+      });
+    };
+    ContactChecker by_group = checker_of(soup, CollisionFilter::groups(group, excluded).value());
+    ContactChecker by_function = checker_of(soup, CollisionFilter(may));
+    const auto a = by_group.collision_free_step_size(soup.x0, soup.x1).value();
+    nodes[0] += by_group.work().node_tests;
+    const auto b = by_function.collision_free_step_size(soup.x0, soup.x1).value();
+    nodes[1] += by_function.work().node_tests;
+    EXPECT_EQ(a.share, b.share) << seed;
+    EXPECT_EQ(a.limit, b.limit) << seed;
+    EXPECT_EQ(by_group.has_intersections(soup.x0).is_yes(), by_function.has_intersections(soup.x0).is_yes())
+        << seed;
+    shortened += a.share < 1 && a.share > 0;
+    intersect += by_group.has_intersections(soup.x0).is_yes();
+  }
+  EXPECT_GT(shortened, 3);
+  EXPECT_GT(intersect, 3);
+  EXPECT_LT(nodes[0], nodes[1]);
+
+  Rng rng(7);
+  const Soup soup = random_soup(rng, 30, 0, 0, 0.2, 0x1p-20);
+  const std::array<Index, 2> all{0, 0};
+  const std::vector<Index> one(soup.vertex_count(), 0);
+  ContactChecker none = checker_of(soup, CollisionFilter::groups(one, std::span(&all, 1)).value());
+  EXPECT_TRUE(none.is_step_collision_free(soup.x0, soup.x1).is_yes());
+  EXPECT_EQ(none.work().node_tests + none.work().leaf_pairs + none.work().candidates_ee, 0u);
+}
+
 TEST(ContactChecker, RefusesInvalidInput) {
   Soup soup;
   soup.faces = {{0, 1, 2}};

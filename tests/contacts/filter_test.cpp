@@ -1,0 +1,55 @@
+// Contacts of a checker with a filter: no triangles cross that are ignored, also where a vertex on the border
+// of two parts collides for the sake of one of them.
+#include <gtest/gtest.h>
+
+#include "contacts/scenes.h"
+#include "foldproof/contacts.h"
+
+namespace foldproof {
+namespace {
+
+using namespace oracle;
+
+class FilteredContacts : public ::testing::TestWithParam<FilmFamily> {};
+
+TEST_P(FilteredContacts, CrossAsFilteredStaticQueriesSay) {
+  Rng rng(31);
+  const Film film = GetParam().make(rng);
+  const auto objects = hierarchies(film, 16);
+  std::vector<std::vector<Index>> labels;
+  std::vector<const Topology*> topologies;
+  for (const Topology& topology : film.topologies) {
+    topologies.push_back(&topology);
+    auto& of = labels.emplace_back();
+    for (const Triangle& t : topology.triangles()) of.push_back(t[0] / 5 % 3);
+  }
+  const std::array<Index, 2> ignored[] = {{0, 1}, {2, 2}};
+  const auto filter = ignore_labels(objects, labels, ignored).value();
+  StepChecker checker(objects, filter), fresh(objects, filter), all(objects);
+  auto finder = ContactFinder::make(topologies, {}, filter).value();
+  StaticResult crossings, unfiltered;
+  StepResult step;
+  ASSERT_TRUE(checker.check_static(spans(film.poses[0]), {}, crossings));
+  finder.start(0, spans(film.poses[0]), crossings);
+  std::size_t kept = 0, left_out = 0;
+  for (std::size_t k = 1; k < film.poses.size(); ++k) {
+    const auto x0 = spans(film.poses[k - 1]), x1 = spans(film.poses[k]);
+    ASSERT_TRUE(checker.check(x0, x1, {}, step));
+    finder.step(double(k) - 1, double(k), x0, x1, step);
+    ASSERT_TRUE(fresh.check_static(x1, {.certificates = false}, crossings));
+    ASSERT_TRUE(all.check_static(x1, {.certificates = false}, unfiltered));
+    StaticResult got;
+    got.crossings.assign(finder.crossings().begin(), finder.crossings().end());
+    ASSERT_EQ(got.crossings.size(), crossings.crossings.size()) << "frame " << k;
+    ASSERT_NO_FATAL_FAILURE(expect_same(got, crossings)) << "frame " << k;
+    kept += crossings.crossings.size();
+    left_out += unfiltered.crossings.size() - crossings.crossings.size();
+  }
+  if (left_out > 100) EXPECT_GT(kept, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Films, FilteredContacts, ::testing::ValuesIn(generated_films()),
+                         [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace foldproof
