@@ -168,13 +168,14 @@ Result<void> require_mode_fits(const CheckArguments& a) {
 // Refuses options that --reduced does not support.
 Result<void> require_reduced_fits(const CheckArguments& a) {
   const bool other = a.poses || a.substeps != 1 || !a.models.empty() || !a.explain.empty() ||
-                     a.mode == "paper" || a.motion.read.weld != Weld::ByFormat ||
+                     a.mode == "paper" || !a.ignore.empty() || a.motion.read.weld != Weld::ByFormat ||
                      a.motion.read.mesh_files != MeshFiles::ByName || a.motion.read.fps != ReadOptions().fps;
   if (!a.reduced || !other) return {};
-  return fail(ErrorCode::InvalidArgument, "--reduced",
-              "does not go with --static, --substeps, --model, --explain, --mode paper, --weld, --fps or "
-              "--separate",
-              "leave them out, or check the motion that 'foldproof predict' writes");
+  return fail(
+      ErrorCode::InvalidArgument, "--reduced",
+      "does not go with --static, --substeps, --model, --explain, --mode paper, --ignore, --weld, --fps or "
+      "--separate",
+      "leave them out, or check the motion that 'foldproof predict' writes");
 }
 
 Result<CheckSettings> check_settings_of(const CheckArguments& a) {

@@ -158,6 +158,8 @@ Option Subcommand::add_option(const std::string& names, T& value, const std::str
 template Option Subcommand::add_option(const std::string&, std::string&, const std::string&) const;
 template Option Subcommand::add_option(const std::string&, std::vector<std::string>&,
                                        const std::string&) const;
+template Option Subcommand::add_option(const std::string&, std::vector<std::pair<std::string, std::string>>&,
+                                       const std::string&) const;
 template Option Subcommand::add_option(const std::string&, double&, const std::string&) const;
 template Option Subcommand::add_option(const std::string&, int&, const std::string&) const;
 template Option Subcommand::add_option(const std::string&, std::optional<double>&, const std::string&) const;

@@ -24,6 +24,11 @@ void add_step_options(const Subcommand& command, StepArguments& a) {
   command.add_flag("--between", a.between, "Only collisions between objects").group(group).excludes(within);
   add_setting_options(command, a);
   command
+      .add_flag("--still-pairs", a.still_pairs,
+                "Count what objects of a single frame, which stand still beside those that move, cross among "
+                "themselves, and test them in every step")
+      .group(group);
+  command
       .add_option(
           "--limit", a.limit,
           fmt::format("List and mark at most N pairs of each kind in a step, those with the smallest ids; "
@@ -47,6 +52,14 @@ void add_setting_options(const Subcommand& command, StepArguments& a) {
       .type_name("D")
       .group(group);
 
+  command
+      .add_option(
+          "--ignore", a.ignore,
+          "Leave out pairs of two objects or parts, by name; of one with itself: --ignore A A. Several "
+          "times for several pairs")
+      .type_name("A B")
+      .one_value_each_time()
+      .group(group);
   command
       .add_flag("--steps-only", a.steps_only,
                 "Find only contacts between frames: do not test for crossings in the first frame")
@@ -90,6 +103,8 @@ Result<CheckSettings> step_settings(const StepArguments& a) {
   settings.poses = a.poses;
   settings.substeps = a.substeps;
   settings.steps_only = a.steps_only;
+  settings.still_pairs = a.still_pairs;
+  for (const auto& [first, second] : a.ignore) settings.ignore.push_back({first, second});
   settings.step = {.within = !a.between,
                    .between = !a.within,
                    .thickness = a.thickness,

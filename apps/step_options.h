@@ -9,11 +9,13 @@ struct StepArguments {
   StepArguments() { motion.read.still = true; }
 
   std::vector<std::string> motions, models;
+  std::vector<std::pair<std::string, std::string>> ignore;
   MotionOptions motion;
   Index substeps = 1;
   double thickness = 0, tolerance = 0;
   std::uint64_t limit = StepSettings().max_listed;
   bool within = false, between = false, no_certificates = false, steps_only = false, poses = false;
+  bool still_pairs = false;
   int threads = 0;
   FileArguments files;
 };

@@ -207,6 +207,15 @@ std::string closing(const SweepArguments& a, const SweepInput& input, const Swee
     text += fmt::format("frames                  only {} of each motion (--frames)\n", a.motion.frames);
   if (const std::string cut = contacts_cut(records); !cut.empty())
     text += fmt::format("contacts                {}\n", cut);
+  for (const auto& pair : settings.check.ignore) {
+    const auto motions = std::count_if(records.begin(), records.end(), [&](const SweepRecord& r) {
+      return std::ranges::find(r.ignored, pair) != r.ignored.end();
+    });
+    text +=
+        fmt::format("ignored                 {}, in {}\n",
+                    printable(pair[0] == pair[1] ? pair[0] + " with itself" : pair[0] + " and " + pair[1]),
+                    counted(static_cast<std::uint64_t>(motions), "motion"));
+  }
   for (const auto& model : settings.models) {
     const bool used =
         std::any_of(records.begin(), records.end(), [&](const auto& r) { return r.model == model->name; });

@@ -218,8 +218,34 @@ std::string closing_sentence(Motions motions, const CheckSettings& settings, con
                        grouped(totals.collisions.sum()),
                        counted(totals.collisions.sum() + totals.missed, "colliding pair"));
   }
-  return (totals.clean() ? clean_sentence(settings, totals) : found_sentence(settings, totals)) +
-         untested_sentences(motions, settings, totals);
+  std::string text = totals.clean() ? clean_sentence(settings, totals) : found_sentence(settings, totals);
+  if (const std::string ignored = printable(ignored_pairs(settings)); !ignored.empty()) {
+    text.pop_back();
+    text += "; " + ignored + ".";
+  }
+  if (const std::string still = printable(still_pairs(motions, settings, totals)); !still.empty())
+    text += " " + still + " (--still-pairs counts them).";
+  return text + untested_sentences(motions, settings, totals);
+}
+
+/// What crosses in the first frame.
+std::string first_frame_rows(const CheckSettings& settings, const CheckTotals& totals) {
+  std::string text;
+  const auto add = [&](const char* label, const std::string& value) { text += row(label, value); };
+  if (totals.still_crossing.value_or(0) > 0)
+    add("cross standing still", grouped(*totals.still_crossing) + " pairs of triangles  (not counted)");
+  if (totals.starts_crossing) {
+    add("first frame", starts_crossing(totals)
+                           ? start_of(totals)
+                           : fmt::format("no triangles cross in frame {}", totals.first_frame));
+    if (totals.start_listed < *totals.starts_crossing) {
+      add("  listed", fmt::format("{} of {}  (those with the smallest ids; more with --limit)",
+                                  grouped(totals.start_listed), grouped(*totals.starts_crossing)));
+    }
+  } else if (!settings.poses) {
+    add("first frame", "not tested for crossings (--steps-only)");
+  }
+  return text;
 }
 
 /// "(frames 0 to 8, every 2nd frame)"
@@ -268,17 +294,7 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
                             "new motions miss more)",
                             100 * settings.step.miss_rate));
   }
-  if (totals.starts_crossing) {
-    add("first frame", starts_crossing(totals)
-                           ? start_of(totals)
-                           : fmt::format("no triangles cross in frame {}", totals.first_frame));
-    if (totals.start_listed < *totals.starts_crossing) {
-      add("  listed", fmt::format("{} of {}  (those with the smallest ids; more with --limit)",
-                                  grouped(totals.start_listed), grouped(*totals.starts_crossing)));
-    }
-  } else if (!settings.poses) {
-    add("first frame", "not tested for crossings (--steps-only)");
-  }
+  text += first_frame_rows(settings, totals);
   add(settings.poses ? "frames checked" : "steps checked",
       grouped(totals.steps) + "  " + frames_checked(settings, totals));
   add("  with collisions", grouped(totals.steps_with_collisions));

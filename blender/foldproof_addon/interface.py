@@ -40,6 +40,8 @@ class FoldproofSettings(bpy.types.PropertyGroup):
             ("BETWEEN", "Between", "Different meshes with each other"),
         ],
     )
+    ignore_a: PointerProperty(name="Ignore", description="Pairs of this object and the next are not tested", type=bpy.types.Object)
+    ignore_b: PointerProperty(name="With", description="The same object twice: not with itself", type=bpy.types.Object)
     thickness: FloatProperty(
         name="Thickness", description="Anything closer than this counts as a collision", min=0, unit="LENGTH", precision=4
     )
@@ -237,6 +239,8 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
         layout.use_property_split = True
         layout.prop(settings, "kind")
         layout.prop(settings, "pairs")
+        layout.prop(settings, "ignore_a")
+        layout.prop(settings, "ignore_b")
         if settings.kind == "MOTION":
             layout.prop(settings, "thickness")
             layout.prop(settings, "samples")

@@ -48,6 +48,22 @@ def _models(settings, objects):
     return existing
 
 
+def _ignored(settings, objects):
+    """The two objects whose pairs are ignored; none if none are."""
+    pair = [each for each in (settings.ignore_a, settings.ignore_b) if each]
+    if len(pair) == 1:
+        raise Problem("Ignore names one object of a pair: choose the other one, or empty it")
+    missing = [each.name for each in pair if each not in objects]
+    if missing:
+        raise Problem(f"{missing[0]} is to be ignored and not selected: select it, or empty Ignore")
+    return pair
+
+
+def _ignored_paths(pair, sampled):
+    path_of = {each.object: str(each.path) for each in sampled}
+    return ["--ignore", *(path_of[each] for each in pair)] if pair else []
+
+
 def check(context, executable):
     """Checks the selected meshes over the scene's frames, and marks faces and frames."""
     scene, settings = context.scene, context.scene.foldproof
@@ -57,6 +73,7 @@ def check(context, executable):
     parts = 1 if poses else settings.samples
     if settings.pairs == "BETWEEN" and len(objects) < 2:
         raise Problem("One mesh is selected, so there is nothing between meshes: select two, or check all")
+    ignored = _ignored(settings, objects)
     models = _models(settings, objects)
     times = [frames[0] + k * scene.frame_step / parts for k in range((len(frames) - 1) * parts + 1)]
     with tempfile.TemporaryDirectory(prefix="foldproof-") as name:
@@ -72,13 +89,18 @@ def check(context, executable):
             arguments += ["--thickness", repr(settings.thickness)]
         if settings.pairs != "ALL":
             arguments.append("--within" if settings.pairs == "WITHIN" else "--between")
+        arguments += _ignored_paths(ignored, sampled)
         yield from program.run(arguments, folder, "Looking for collisions", 0.9)
         start, steps, *found = program.read_answer(answer, sampled)
     for each in sampled:
         each.expect_unedited()
     contacts.store(scene, sampled, *found, times)
     frame_of = [frames[k // parts] for k in range(len(times))]
-    return _mark(scene, sampled, start, steps, frame_of, times, poses, settings.pairs) + left_out
+    text = _mark(scene, sampled, start, steps, frame_of, times, poses, settings.pairs) + left_out
+    if not ignored:
+        return text
+    a, b = ignored
+    return text + f"; pairs of {a.name} " + ("with itself" if a == b else f"and {b.name}") + " were ignored"
 
 
 def _mark(scene, sampled, start, steps, frame_of, times, poses, pairs):

@@ -37,7 +37,8 @@ class CheckResult:
     work, milliseconds: sums over the steps, as in StepResult. first_frame: the first that was checked. notes: what the
     readers of the motions left out or assumed (Motion.notes), after the motion's name. untested: what the settings left
     out, a sentence each. static: whether frames were checked, not steps. statistical: mode 'paper', which can miss
-    collisions.
+    collisions. still_crossing: the number of pairs of triangles that cross in the first frame among objects that stand
+    still, which do not count as collisions; None if there are none, or with still_pairs or steps_only.
     """
 
     clean: bool
@@ -47,6 +48,7 @@ class CheckResult:
     edge_edge: _Rows
     crossings: _Rows
     starts_crossing: int | None
+    still_crossing: int | None
     start_crossings: _Rows
     missed: int
     tolerance: float
@@ -90,7 +92,7 @@ class CheckResult:
         return all(same(a, b) for a, b in zip(self._found(), other._found()))
 
     def _found(self) -> Iterable[Any]:
-        yield from (self.clean, self.collisions, self.starts_crossing, self.missed, self.tolerance, self.static)
+        yield from (self.clean, self.collisions, self.starts_crossing, self.still_crossing, self.missed, self.tolerance, self.static)
         yield from (self.untested, self.statistical)
         yield from (self.steps[name] for name in self.steps.dtype.names or () if name != "milliseconds")
         yield from (self.vertex_face, self.edge_edge, self.crossings, self.start_crossings, self._contacts)
@@ -135,6 +137,8 @@ def check(
     parts: _Parts = None,
     unit: str = "",
     reports: _Path | Sequence[_Path] = (),
+    ignore: Sequence[tuple[str, str]] = (),
+    still_pairs: bool = False,
     progress: _Progress = None,
     **settings: Unpack[_StepSettings],
 ) -> CheckResult:
@@ -148,12 +152,16 @@ def check(
     for their sides, one per triangle; for a list of motions a list with an entry for each, which may be None; without
     it, those that files name. unit: name of a mesh unit, for tables and reports; without it, the files'. reports:
     path or paths to write, .json, .csv or .ply (with mode='paper' only .json), which appear complete or not at all.
+    ignore: pairs of objects (Motion.name) or parts, by name, that are not tested; ('a', 'a') ignores a with itself.
+    still_pairs: motions opened with still=True that stand still beside others are tested against themselves and each
+    other in the first frame only, and what crosses is still_crossing; with True they are tested as all others.
     progress: called with the share that is done. Ctrl-C cancels it. Error: motions that do not fit together, frames that
     cannot be read, a report that cannot be written.
     """
     found = _core.check(
         motions, models=models, frames=frames, static=static, steps_only=steps_only, substeps=substeps, keep=keep,
-        contacts=contacts, parts=parts, unit=unit, reports=reports, progress=progress, **settings,
+        contacts=contacts, parts=parts, unit=unit, reports=reports, ignore=ignore, still_pairs=still_pairs,
+        progress=progress, **settings,
     )  # fmt: skip
     joined, *about = (found.pop(name) for name in ("contacts", "unit", "unknown_frames", "unlisted_pairs"))
     listed = None if joined is None else Contacts(joined, *about)

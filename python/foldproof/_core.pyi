@@ -309,6 +309,8 @@ def check(
     parts: _Parts,
     unit: str,
     reports: _Path | Sequence[_Path],
+    ignore: Sequence[tuple[str, str]],
+    still_pairs: bool,
     progress: _Progress,
     **settings: Unpack[_StepSettings],
 ) -> dict[str, Any]: ...

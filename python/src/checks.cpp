@@ -130,6 +130,18 @@ ReadOptions read_options(const Request& request) {
   return read;
 }
 
+/// Pairs of names from a list of tuples.
+std::vector<std::array<std::string, 2>> name_pairs(const py::object& pairs) {
+  std::vector<std::array<std::string, 2>> out;
+  for (const auto& pair : pairs) {
+    if (py::isinstance<py::str>(pair) || !py::isinstance<py::sequence>(pair) || py::len(pair) != 2)
+      throw py::type_error("ignore: expected a list of pairs of names, such as [('coat', 'body')]");
+    const auto names = py::reinterpret_borrow<py::sequence>(pair);
+    out.push_back({names[0].cast<std::string>(), names[1].cast<std::string>()});
+  }
+  return out;
+}
+
 /// Refused: settings without effect on the poses of frames, and, as by the program, what does not go with a
 /// statistical answer.
 void require_kind_fits(const Request& request) {
@@ -255,6 +267,10 @@ py::list untested_by(const Request& request, const CheckTotals& totals) {
   if (!settings.step.within) untested.append("pairs within one mesh were not tested");
   if (!settings.step.between && request.motions.size() > 1)
     untested.append("pairs of two meshes were not tested");
+  if (const std::string ignored = ignored_pairs(settings); !ignored.empty())
+    untested.append(message_of(ignored));
+  if (const std::string still = still_pairs(request.motions, settings, totals); !still.empty())
+    untested.append(message_of(still));
   if (settings.poses) untested.append("motion between frames was not tested");
   if (settings.step.earliest_only) untested.append("only the earliest pair of each step was looked for");
   const std::uint64_t found = totals.collisions.sum(), unlisted = unlisted_pairs(request, totals);
@@ -284,6 +300,7 @@ py::dict fields_of(Found found, const Request& request) {
   d["untested"] = untested_by(request, totals);
   d["statistical"] = request.settings.step.mode == Mode::Paper;
   d["starts_crossing"] = totals.starts_crossing;
+  d["still_crossing"] = totals.still_crossing;
   d["start_crossings"] = owned_rows(std::move(found.start_crossings));
   d["steps"] = owned_rows(std::move(found.steps));
   d["vertex_face"] = owned_rows(std::move(found.vertex_face));
@@ -316,7 +333,8 @@ void bind_checks(py::module_& module) {
   const auto check = [](const py::object& motions, const py::object& models, const py::object& frames,
                         bool poses, bool steps_only, const py::object& substeps, bool keep, bool contacts,
                         const py::object& parts, const std::string& unit, const py::object& reports,
-                        const py::object& progress, const py::kwargs& settings) {
+                        const py::object& ignore, bool still_pairs, const py::object& progress,
+                        const py::kwargs& settings) {
     Request request{motions_of(motions), {}, {}, keep};
     add_models(models, request);
     request.settings.frames = frames_of(frames);
@@ -326,9 +344,11 @@ void bind_checks(py::module_& module) {
     request.settings.contacts = contacts;
     request.settings.parts = parts_of(parts, motions, triangle_counts(request.motions));
     request.settings.unit = unit;
+    request.settings.ignore = name_pairs(ignore);
+    request.settings.still_pairs = still_pairs;
     request.settings.step =
         step_settings(settings, {"models", "frames", "static", "steps_only", "substeps", "keep", "contacts",
-                                 "parts", "unit", "reports", "progress"});
+                                 "parts", "unit", "reports", "ignore", "still_pairs", "progress"});
     for (const auto& path : items_of(reports)) request.reports.push_back(path_of(path));
     require_kind_fits(request);
     require_reports_apart(request);
@@ -338,7 +358,8 @@ void bind_checks(py::module_& module) {
   module.attr("SETTINGS") = settings_documentation();
   module.def("check", check, py::arg("motions"), py::kw_only(), py::arg("models"), py::arg("frames"),
              py::arg("static"), py::arg("steps_only"), py::arg("substeps"), py::arg("keep"),
-             py::arg("contacts"), py::arg("parts"), py::arg("unit"), py::arg("reports"), py::arg("progress"));
+             py::arg("contacts"), py::arg("parts"), py::arg("unit"), py::arg("reports"), py::arg("ignore"),
+             py::arg("still_pairs"), py::arg("progress"));
 }
 
 }  // namespace foldproof::python

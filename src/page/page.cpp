@@ -73,6 +73,7 @@ struct Page::Impl {
   mutable std::mutex mutex;          // guards the following
   State state = State::Running;
   std::string failure;
+  std::string still;                           // what crosses among what stands still
   std::shared_ptr<const FoundContacts> found;  // null before the end of the check
 
   // The numbers in a path, in order.
@@ -243,7 +244,7 @@ PageAnswer Page::Impl::steps(Numbers, const PageQuery& query) const {
   {
     // Read the state before the count: once it is "done", all steps are in the store.
     const std::lock_guard lock(mutex);
-    json = {{"state", kStates[static_cast<std::size_t>(state)]}, {"error", failure}};
+    json = {{"state", kStates[static_cast<std::size_t>(state)]}, {"error", failure}, {"still", still}};
   }
   const std::uint64_t done = store->count();
   const auto start = store->started();
@@ -352,6 +353,7 @@ bool Page::Impl::advance(const std::atomic<bool>& stop) {
     auto all = std::make_shared<const FoundContacts>(check->totals(), scene->motions(), scene->settings());
     const std::lock_guard lock(mutex);
     found = std::move(all);
+    still = still_pairs(scene->motions(), scene->settings(), check->totals());
     state = State::Done;
   }
   check.reset();

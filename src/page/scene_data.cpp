@@ -92,6 +92,7 @@ Json SceneData::json() const {
             {"between", s.between},
             {"certificates", s.certificates},
             {"steps_only", settings_.steps_only},
+            {"ignore", settings_.ignore},
             {"unit", unit_of(motions_, settings_)},
             {"mode", s.mode == Mode::Paper ? "paper" : "proven"}}},
           {"reasons", kReasonNames}};

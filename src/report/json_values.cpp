@@ -61,6 +61,8 @@ Json settings_json(const ReportInfo& info, Motions motions) {
                {"first", settings.step.earliest_only},
                {"limit", settings.step.max_listed},
                {"certificates", settings.step.certificates},
+               {"ignore", settings.ignore},
+               {"still_pairs", settings.still_pairs},
                {"weld", info.read.weld == Weld::Always},
                {"fps", info.read.fps}};
   if (const std::string unit = unit_of(motions, settings); !unit.empty()) json["unit"] = unit;
@@ -127,6 +129,20 @@ Json contact_json(const Contact& contact, const std::array<std::string, 2>& name
   return json;
 }
 
+namespace {
+
+// What crosses among what stands still.
+Json still_json(const CheckTotals& totals) {
+  Json pairs = Json::array();
+  for (const auto& [a, b, crossings] : totals.still_crossings)
+    pairs.push_back({{"objects", {a, b}}, {"crossings", crossings}});
+  return {{"objects", totals.still},
+          {"crossings", totals.still_crossing ? Json(*totals.still_crossing) : Json(nullptr)},
+          {"pairs", pairs}};
+}
+
+}  // namespace
+
 Json totals_json(const CheckTotals& totals, bool poses, bool statistical) {
   Json json = {{"steps", totals.steps},
                {"steps_expected", totals.steps_expected},
@@ -134,6 +150,7 @@ Json totals_json(const CheckTotals& totals, bool poses, bool statistical) {
                {"steps_with_collisions", totals.steps_with_collisions},
                {"collisions", to_json(totals.collisions, poses)},
                {"starts_crossing", totals.starts_crossing ? Json(*totals.starts_crossing) : Json(nullptr)},
+               {"still", still_json(totals)},
                {"earliest", nullptr},
                {"worst", nullptr},
                {"tolerance", totals.tolerance},

@@ -17,7 +17,8 @@ double milliseconds_since(Clock::time_point begin) {
 }  // namespace
 
 Result<std::unique_ptr<MotionContacts>> MotionContacts::make(Motions motions, const CheckSettings& settings,
-                                                             const std::vector<Object>& objects) {
+                                                             const std::vector<Object>& objects,
+                                                             std::shared_ptr<const PairFilter> filter) {
   if (!settings.contacts || settings.step.mode == Mode::Paper || settings.step.earliest_only) return nullptr;
   std::vector<const Topology*> topologies;
   topologies.reserve(motions.size());
@@ -25,8 +26,9 @@ Result<std::unique_ptr<MotionContacts>> MotionContacts::make(Motions motions, co
   Parts parts;
   parts.reserve(motions.size());
   for (Index i = 0; i < motions.size(); ++i) parts.emplace_back(parts_of(i, motions, settings).of_triangle);
-  auto finder = FOLDPROOF_TRY(ContactFinder::make(std::move(topologies), std::move(parts)));
-  return std::unique_ptr<MotionContacts>(new MotionContacts(settings, objects, std::move(finder)));
+  auto finder = FOLDPROOF_TRY(ContactFinder::make(std::move(topologies), std::move(parts), filter));
+  return std::unique_ptr<MotionContacts>(
+      new MotionContacts(settings, objects, std::move(filter), std::move(finder)));
 }
 
 double MotionContacts::end_of(const StepIndex& index) const {
@@ -56,7 +58,7 @@ Result<void> MotionContacts::step(const CheckedStep& step) {
   const auto begin = Clock::now();
   const bool asks = started_ && (!step.step->lists_all() || !finder_.is_known());
   if (asks) {
-    if (!static_checker_) static_checker_.emplace(objects_);
+    if (!static_checker_) static_checker_.emplace(objects_, filter_);
     FOLDPROOF_TRY(static_checker_->check_static(step.x1, settings_.step, crossings_));
   }
   if (step.index.number == 0) last_time_ = step.index.frame;

@@ -8,10 +8,11 @@ namespace foldproof::inline internal {
 /// One check's contacts. Times are frames, with fractions between them.
 class MotionContacts {
  public:
-  /// Keeps references to all arguments. Null when the settings leave contacts out, or the answers are not
-  /// complete: Mode::Paper, earliest_only.
+  /// Keeps references to all arguments. `filter`: the checkers'. Null when the settings leave contacts out,
+  /// or the answers are not complete: Mode::Paper, earliest_only.
   static Result<std::unique_ptr<MotionContacts>> make(Motions motions, const CheckSettings& settings,
-                                                      const std::vector<Object>& objects);
+                                                      const std::vector<Object>& objects,
+                                                      std::shared_ptr<const PairFilter> filter);
 
   /// The first frame of a motion, or the next one of poses.
   void pose(const CheckedStep& pose);
@@ -23,13 +24,15 @@ class MotionContacts {
   void finish(CheckTotals& totals);
 
  private:
-  MotionContacts(const CheckSettings& settings, const std::vector<Object>& objects, ContactFinder finder)
-      : settings_(settings), objects_(objects), finder_(std::move(finder)) {}
+  MotionContacts(const CheckSettings& settings, const std::vector<Object>& objects,
+                 std::shared_ptr<const PairFilter> filter, ContactFinder finder)
+      : settings_(settings), objects_(objects), filter_(std::move(filter)), finder_(std::move(finder)) {}
   void collect();
   double end_of(const StepIndex& index) const;
 
   const CheckSettings& settings_;
   const std::vector<Object>& objects_;
+  std::shared_ptr<const PairFilter> filter_;
   ContactFinder finder_;
   std::optional<StepChecker> static_checker_;
   StaticResult crossings_;

@@ -49,6 +49,11 @@ struct CheckSettings {
   bool contacts = true;
   std::vector<ObjectParts> parts;  ///< One per motion; or empty: those that the files name.
   std::string unit;                ///< Name of a mesh unit, for reports; empty: the files'.
+  /// Pairs of objects or parts, by name, that are not tested; {a, a}: within a (docs/reports.md).
+  std::vector<std::array<std::string, 2>> ignore;
+  /// Test motions that stand still (MotionInfo::still) among themselves as all others. Else that is done in
+  /// the first frame only: CheckTotals::still_crossing. Where nothing moves, everything is tested.
+  bool still_pairs = false;
   FrameRange frames;
   /// Linear parts that each step between two frames is divided into; at least 1. The poses in between are
   /// rounded to doubles, and what is checked is the path through them.
@@ -123,7 +128,16 @@ struct CheckTotals {
   /// Pairs of triangles that cross in the first frame. None if not tested: CheckSettings::poses or
   /// steps_only, or cancelled before.
   std::optional<std::uint64_t> starts_crossing;
-  StageTimes start_milliseconds;  ///< Times of that test; `milliseconds` excludes them.
+  /// Objects that stand still and were tested among each other, and with themselves, in the first frame only.
+  std::vector<Index> still;
+  /// Pairs of triangles that cross among them; not in starts_crossing. None if not tested: steps_only.
+  std::optional<std::uint64_t> still_crossing;
+  struct StillCrossing {
+    Index object_a, object_b;
+    std::uint64_t crossings;
+  };
+  std::vector<StillCrossing> still_crossings;  ///< Of each two objects, by ids; those that are listed.
+  StageTimes start_milliseconds;               ///< Times of that test; `milliseconds` excludes them.
   CollisionCounts collisions;
   std::uint64_t start_listed = 0;  ///< Of starts_crossing, those that the first frame's answer lists.
   CollisionCounts listed;          ///< Collisions that the steps' answers list.
@@ -151,7 +165,8 @@ struct CheckTotals {
   /// More that is not in `milliseconds`: building hierarchies and checkers, reading frames, writing reports.
   double build_milliseconds = 0, read_milliseconds = 0, write_milliseconds = 0;
 
-  /// The check is complete and found nothing. With starts_crossing: no two triangles intersect at any time.
+  /// The check is complete and found nothing. With starts_crossing: no two triangles intersect at any time,
+  /// apart from those that were ignored, and those among `still`.
   bool clean() const {
     return !cancelled && collisions.sum() == 0 && missed == 0 && starts_crossing.value_or(0) == 0;
   }
@@ -162,6 +177,12 @@ struct CheckTotals {
   /// Adds a step; steps come in order.
   void add(const CheckedStep& step);
 };
+
+/// What was ignored by name: "pairs of coat and body were ignored"; empty: nothing.
+std::string ignored_pairs(const CheckSettings& settings);
+/// What is known about pairs of what stands still: "s1.obj and s2.obj stand still and cross each other at 18
+/// pairs of triangles"; empty where they neither cross nor could collide.
+std::string still_pairs(Motions motions, const CheckSettings& settings, const CheckTotals& totals);
 
 /// Whether frames between the first and the last were left out.
 bool skips_frames(const CheckSettings& settings, const CheckTotals& totals);
@@ -194,7 +215,8 @@ struct CheckHooks {
 /// frames per object (four with substeps) and one answer.
 class MotionCheck {
  public:
-  /// All arguments must outlive the check. Error: those of frames_to_check, a model of another mesh.
+  /// All arguments must outlive the check. Error: those of frames_to_check, a model of another mesh, a name
+  /// in CheckSettings::ignore that nothing has.
   static Result<MotionCheck> make(Motions motions, const CheckSettings& settings, Writers writers);
   MotionCheck(MotionCheck&&) noexcept;
   MotionCheck& operator=(MotionCheck&&) noexcept;

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/stopwatch.h"
 #include "base/try.h"
 #include "check/answer.h"
+#include "report/ignored.h"
 #include "report/motion_contacts.h"
 #include "report/reduced_track.h"
 #include "report/report.h"
@@ -106,6 +108,7 @@ class MotionCheck::Impl {
     totals_.first_frame = frames_.front();
     totals_.last_frame = frames_.back();
     totals_.steps_expected = expected_steps();
+    totals_.still = still_objects(motions, settings, frames_.size());
   }
 
   CheckTotals& totals() { return totals_; }
@@ -132,6 +135,7 @@ class MotionCheck::Impl {
         watch.lap();
         FOLDPROOF_TRY(prepare());
         totals_.build_milliseconds = watch.lap();
+        FOLDPROOF_TRY(test_still());
         stage_ = settings_.poses || settings_.steps_only ? Stage::Steps : Stage::Crossings;
         return true;
       case Stage::Crossings:
@@ -240,10 +244,11 @@ class MotionCheck::Impl {
 
   Result<void> prepare() {
     objects_ = FOLDPROOF_TRY(make_objects(motions_, settings_, from_));
-    contacts_ = FOLDPROOF_TRY(MotionContacts::make(motions_, settings_, objects_));
+    filter_ = FOLDPROOF_TRY(filter_for(motions_, settings_, objects_, totals_.still, TestedPairs::Moving));
+    contacts_ = FOLDPROOF_TRY(MotionContacts::make(motions_, settings_, objects_, filter_));
     prepare_comparison();
     if (settings_.reduced.empty()) {
-      checker_.emplace(objects_);
+      checker_.emplace(objects_, filter_);
     } else {
       std::vector<ReducedChecker::Object> objects;
       for (const ReducedTrack* track : settings_.reduced) objects.push_back(track->object());
@@ -256,13 +261,35 @@ class MotionCheck::Impl {
     return {};
   }
 
-  // Exact in every mode. It has a checker of its own, so that the work of the steps is counted separately.
-  Result<void> start() {
+  // What crosses in the first frame, exactly and in every mode. It has a checker of its own, so that the work
+  // of the steps is counted separately.
+  Result<StaticResult> first_crossings(std::shared_ptr<const PairFilter> filter,
+                                       std::uint64_t max_listed) const {
     StepSettings exact = settings_.step;
     exact.mode = Mode::Proven;
     exact.explain = false;
+    exact.max_listed = max_listed;
     StaticResult result;
-    FOLDPROOF_TRY(StepChecker(objects_).check_static(from_.positions(), exact, result));
+    FOLDPROOF_TRY(StepChecker(objects_, std::move(filter)).check_static(from_.positions(), exact, result));
+    return result;
+  }
+
+  Result<void> test_still() {
+    if (totals_.still.empty() || (settings_.steps_only && !settings_.poses)) return {};
+    auto filter =
+        FOLDPROOF_TRY(filter_for(motions_, settings_, objects_, totals_.still, TestedPairs::AmongStill));
+    const auto result = FOLDPROOF_TRY(first_crossings(std::move(filter), StepSettings().max_listed));
+    totals_.still_crossing = result.crossing_count;
+    still_milliseconds_ = result.milliseconds;
+    std::map<std::pair<Index, Index>, std::uint64_t> counts;
+    for (const TriangleCrossing& c : result.crossings) ++counts[{c.object_a, c.object_b}];
+    for (const auto& [objects, count] : counts)
+      totals_.still_crossings.push_back({objects.first, objects.second, count});
+    return {};
+  }
+
+  Result<void> start() {
+    const auto result = FOLDPROOF_TRY(first_crossings(filter_, settings_.step.max_listed));
     CheckedStep pose{.index = {0, frames_[0], frames_[0], 0},
                      .collisions = {.triangle_triangle = result.crossing_count},
                      .work = result.work,
@@ -271,6 +298,7 @@ class MotionCheck::Impl {
                      .x1 = from_.positions(),
                      .pose = &result};
     totals_.start(pose);
+    totals_.start_milliseconds += still_milliseconds_;
     if (contacts_) {
       contacts_->pose(pose);
       pose.contacts = &contacts_->finder();
@@ -316,7 +344,7 @@ class MotionCheck::Impl {
     proven_settings_ = settings_.step;
     proven_settings_.mode = Mode::Proven;
     proven_settings_.max_listed = 0;
-    proven_.emplace(objects_);
+    proven_.emplace(objects_, filter_);
   }
 
   template <class Answer>
@@ -342,6 +370,7 @@ class MotionCheck::Impl {
   Pose from_, to_;
   std::optional<Pose> part_start_, part_end_;  // with substeps
   std::vector<Object> objects_;
+  std::shared_ptr<const PairFilter> filter_;  // null: all pairs are tested
   std::unique_ptr<MotionContacts> contacts_;  // null: not looked for
   std::optional<StepChecker> checker_;
   std::optional<ReducedChecker> reduced_checker_;  // in place of checker_
@@ -349,6 +378,7 @@ class MotionCheck::Impl {
   StaticResult static_result_, proven_static_result_;
   std::optional<StepChecker> proven_;  // Mode::Paper
   StepSettings proven_settings_;
+  StageTimes still_milliseconds_;
   CheckTotals totals_;
 };
 
@@ -368,6 +398,9 @@ Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings&
                 "name a second motion, or leave --between out; numbered meshes are one, unless --separate");
   }
   FOLDPROOF_TRY(check_settings(settings.step, motions.size()));
+  if (!settings.reduced.empty() && !settings.ignore.empty())
+    return fail(ErrorCode::InvalidArgument, "ignore", "does not go with coordinates of a subspace",
+                "leave it out, or check the motion that 'foldproof predict' writes");
   if (settings.substeps == 0)
     return fail(ErrorCode::InvalidArgument, "substeps", "must not be 0", "give 1 or more");
   std::vector<Index> frames = select_frames(settings.frames, count);
@@ -429,6 +462,7 @@ Result<MotionCheck> MotionCheck::make(Motions motions, const CheckSettings& sett
   auto frames = FOLDPROOF_TRY(frames_to_check(motions, settings));
   FOLDPROOF_TRY(require_models_of(motions, settings));
   FOLDPROOF_TRY(require_predictions(motions, settings));
+  FOLDPROOF_TRY(check_names(motions, settings));
   return MotionCheck(std::make_unique<Impl>(motions, settings, writers, std::move(frames)));
 }
 

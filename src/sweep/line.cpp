@@ -10,6 +10,7 @@
 #include "io/formats.h"
 #include "io/numbered.h"
 #include "report/contact_pictures.h"
+#include "report/ignored.h"
 #include "report/json_values.h"
 #include "sweep/sweep.h"
 
@@ -68,11 +69,13 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
   CheckSettings check = settings.check;
   check.step.max_listed = kMaxListed;
   check.contacts = !check.poses;
+  check.ignore = known_pairs(std::span(&motion, 1), check);  // others are of other motions
   if (model != settings.models.end()) check.models = {*model};
   const Json object = objects_json(std::span(&motion, 1), check)[0];
   for (const char* key : {"vertices", "triangles", "frames", "model"}) line[key] = object[key];
   line["frames_checked"] = settings_json({check, settings.read}, std::span(&motion, 1))["frames"];
   if (object.contains("notes")) line["notes"] = object["notes"];
+  if (!check.ignore.empty()) line["ignored"] = check.ignore;
   if (!check.poses && check.steps_only && motion->frame_count() == 1) {
     line["state"] = name_of(SweepState::Still);
     return true;
@@ -152,6 +155,7 @@ std::string settings_hash(const SweepSettings& settings) {
                     {"fps", settings.read.fps}};
   Hash hash;
   hash.add(dump(all));
+  if (!check.ignore.empty()) hash.add(dump(Json(check.ignore)));
   return hash.text();
 }
 
@@ -199,6 +203,7 @@ Result<SweepRecord> read_sweep_line(const std::string& line) {
     record.state = FOLDPROOF_TRY(state_of(json.at("state").get<std::string>()));
     if (json.contains("error")) json.at("error").get_to(record.error);
     if (json.contains("notes")) json.at("notes").get_to(record.notes);
+    if (json.contains("ignored")) json.at("ignored").get_to(record.ignored);
     if (json.contains("vertices")) {
       json.at("vertices").get_to(record.vertices);
       json.at("triangles").get_to(record.triangles);

@@ -78,7 +78,8 @@ struct SweepRecord {
   std::uint64_t bytes = 0;
   std::int64_t modified = 0;
   double seconds = 0;
-  std::vector<std::string> notes;  ///< Motion::notes().
+  std::vector<std::string> notes;                   ///< Motion::notes().
+  std::vector<std::array<std::string, 2>> ignored;  ///< Pairs of names that it has and that were ignored.
   std::uint64_t vertices = 0, triangles = 0, frames = 0;
   std::uint64_t steps = 0, steps_with_collisions = 0, collisions = 0;
   std::optional<std::uint64_t> starts_crossing;           ///< CheckTotals::starts_crossing.

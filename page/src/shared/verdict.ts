@@ -61,9 +61,16 @@ function single(start: Start, pairs: number): Verdict {
   return crosses ? { text: startText(start, true), kind: 'hit' } : { text: `Proven free: nothing crosses in frame ${start.frame}`, kind: 'free' };
 }
 
-/** What was left out when only some frames, only pairs within meshes, or only those between them, were tested. */
+/** What was ignored by name. */
+function ignoredText({ ignore }: Record<string, unknown>): string {
+  const pairs = Array.isArray(ignore) ? (ignore as [string, string][]) : [];
+  const named = pairs.map(([a, b]) => `of ${a === b ? `${a} with itself` : `${a} and ${b}`}`);
+  return named.length > 0 ? `; pairs ${named.join(', ')} were ignored` : '';
+}
+
+/** What was left out when pairs were ignored, or only some frames, only pairs within meshes, or only those between them, were tested. */
 export function untestedText(settings: Record<string, unknown>, objects: number, stride: number): string {
-  const skipped = stride > 1 ? `; only every ${ordinal(stride)} frame was checked` : '';
+  const skipped = ignoredText(settings) + (stride > 1 ? `; only every ${ordinal(stride)} frame was checked` : '');
   if (settings['within'] === false) return `${skipped}; pairs within one mesh were not tested`;
   return settings['between'] === false && objects > 1 ? `${skipped}; pairs of two meshes were not tested` : skipped;
 }

@@ -48,6 +48,7 @@ export interface StepsAnswer {
   state: 'running' | 'done' | 'stopped' | 'failed';
   error?: string | null;
   start: Start | null; // null if not tested, or not yet
+  still: string; // what crosses among what stands still, at the end
   done: number;
   total: number;
   steps: (Step & Bounds)[];

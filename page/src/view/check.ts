@@ -18,6 +18,7 @@ export class Check {
   readonly steps: Step[] = [];
   state: Found['state'] = 'running';
   error = '';
+  still = '';
   total = 0;
   done = 0;
   pairs = 0;
@@ -70,7 +71,7 @@ export class Check {
     const { mode, steps_only } = this.scene.settings;
     const [first = 0, second = first] = this.scene.frame_numbers;
     const { state, done, pairs, colliding, start } = this;
-    return { state, done, total: this.scene.steps, pairs, colliding, start, stepsOnly: steps_only === true, statistical: mode === 'paper', single: this.scene.frames === 1, poses: this.poses, untested: untestedText(this.scene.settings, this.scene.objects.length, second - first) };
+    return { state, done, total: this.scene.steps, pairs, colliding, start, stepsOnly: steps_only === true, statistical: mode === 'paper', single: this.scene.frames === 1, poses: this.poses, untested: untestedText(this.scene.settings, this.scene.objects.length, second - first) + (this.still && `; ${this.still}`) };
   }
 
   /** The next step with collisions in a direction, or kStart; null if there is none. */
@@ -101,6 +102,7 @@ export class Check {
       // The program may be done while the last thousand steps are still to be fetched.
       this.state = answer.state === 'done' && this.steps.length < answer.done ? 'running' : answer.state;
       this.error = answer.error ?? '';
+      this.still = answer.still;
       this.total = answer.total;
       this.done = Math.max(answer.done, this.steps.length);
       this.changed(from);
