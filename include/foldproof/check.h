@@ -229,10 +229,16 @@ class Object {
   const std::shared_ptr<const ChartLibrary>& charts() const { return charts_; }
   const std::shared_ptr<const NodePredictor>& predictor() const { return predictor_; }
 
+  /// Whether its faces with the same three vertices are layers of one surface, such as its two sides: then
+  /// they do not cross each other in a static query. Default: they do.
+  bool is_layered() const { return layered_; }
+  void set_layered(bool layered) { layered_ = layered; }
+
  private:
   std::shared_ptr<const Hierarchy> hierarchy_;
   std::shared_ptr<const ChartLibrary> charts_;
   std::shared_ptr<const NodePredictor> predictor_;
+  bool layered_ = false;
 };
 
 /// Which pairs a checker tests; the others are ignored, and cost nothing where whole nodes are. Nodes and ids
@@ -284,8 +290,8 @@ class StepChecker {
   /// edges. Decided with exact arithmetic; `thickness`, `tolerance` and `earliest_only` do not apply. Two
   /// triangles with a common edge cross when they are folded flat onto each other; with one common vertex,
   /// when the side opposite to it meets the other triangle, also in another vertex at the same position; with
-  /// the same three vertices, always. Of triangles with the same vertices in the same order only one is
-  /// tested, so many copies cost little; an Explanation is the same for all of them.
+  /// the same three vertices, always, unless Object::is_layered. Of triangles with the same vertices in the
+  /// same order only one is tested, so many copies cost little; an Explanation is the same for all of them.
   [[nodiscard]] Result<void> check_static(Positions x, const StepSettings& settings, StaticResult& out);
 
  private:

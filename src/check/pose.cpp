@@ -17,6 +17,8 @@ namespace {
 struct Pose {
   const StepMotion& motion;
   Positions x;
+  std::span<const Object> objects;
+  bool is_layered(Index object) const { return !objects.empty() && objects[object].is_layered(); }
 };
 
 void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pair pair, const Filter& filter,
@@ -30,7 +32,8 @@ void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pai
   const bool cross = object_a == object_b
                          ? triangles_cross(pose.x[object_a], s, t)
                          : triangles_intersect(corners(pose.x[object_a], s), corners(pose.x[object_b], t));
-  if (cross) out.push_back({object_a, a, object_b, b});
+  if (!cross || (object_a == object_b && pose.is_layered(object_a) && have_same_vertices(s, t))) return;
+  out.push_back({object_a, a, object_b, b});
 }
 
 struct ById {
@@ -99,6 +102,7 @@ class Crossings {
 // Adds the crossings of triangles with their own copies.
 void add_all_copies(const Pose& pose, const Filter& filter, Crossings& out) {
   for (Index object = 0; object < filter.distinct.size(); ++object) {
+    if (pose.is_layered(object)) continue;
     const DistinctTriangles& distinct = *filter.distinct[object];
     for (const Index t : distinct.repeated()) {
       if (filter.crossing(object, t, object, t) &&
@@ -127,7 +131,7 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
   FOLDPROOF_TRY(pipeline.find_leaf_pairs(x, x, settings, 0, out.work));
   out.milliseconds.traverse = watch.lap();
 
-  const Pose pose{pipeline.motion, x};
+  const Pose pose{pipeline.motion, x, query.objects};
   const BroadPhase& found = pipeline.broad_phase;
   Crossings crossings(pipeline.filter.distinct, settings.max_listed, out);
   in_rounds(found.leaf_pairs(), chunks, [&](std::size_t count) {

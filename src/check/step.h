@@ -8,7 +8,8 @@ namespace foldproof::inline internal {
 /// The objects of a query and its scratch.
 struct Query {
   Pipeline& pipeline;
-  LookAhead* look_ahead = nullptr;  ///< Null: every step has a search of its own.
+  LookAhead* look_ahead = nullptr;       ///< Null: every step has a search of its own.
+  std::span<const Object> objects = {};  ///< The pipeline's. Empty: none is layered.
 };
 
 /// StepChecker::check.

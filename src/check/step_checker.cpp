@@ -31,7 +31,9 @@ std::vector<Distinct> remove_copies(std::vector<Object>& objects, const PairFilt
     const bool by_kind = filter != nullptr && distinct->has_copies();
     all.push_back(by_kind ? distinct_in(number, object.hierarchy(), *filter) : distinct);
     if (!all.back()->has_copies()) continue;
+    const bool layered = object.is_layered();
     object = all.back()->hierarchy();
+    object.set_layered(layered);
     any_copies = true;
   }
   if (!any_copies) all.clear();
@@ -108,7 +110,7 @@ Result<void> StepChecker::check_static(Positions x, const StepSettings& settings
   out.complete = false;
   return impl_->run([&](Impl::Memory& memory) {
     memory.look_ahead.invalidate();
-    return check_pose({memory.pipeline}, x, settings, out);
+    return check_pose({memory.pipeline, nullptr, impl_->objects}, x, settings, out);
   });
 }
 

@@ -4,6 +4,12 @@
 
 namespace foldproof::internal {
 
+bool have_same_vertices(Triangle a, Triangle b) {
+  std::ranges::sort(a);
+  std::ranges::sort(b);
+  return a == b;
+}
+
 bool copies_cross(const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }
 
 bool triangles_cross(std::span<const double> x, const Triangle& s, const Triangle& t) {

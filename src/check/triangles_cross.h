@@ -11,6 +11,9 @@ inline std::array<Vec3, 3> corners(std::span<const double> x, const Triangle& t)
   return {position(x, t[0]), position(x, t[1]), position(x, t[2])};
 }
 
+/// Whether the vertices of two triangles are the same, in any order.
+bool have_same_vertices(Triangle a, Triangle b);
+
 /// Whether two triangles with the same vertices cross: always, even without an area, because they cross as
 /// soon as they have one. Not when they name a vertex twice: they are a shared edge or vertex.
 bool copies_cross(const Triangle& t);

@@ -228,6 +228,45 @@ TEST(Copies, AnswersEqualBruteForce) {
   EXPECT_GT(hits, 1000u);
 }
 
+// Layers: what crosses in a layered object is what crosses in others, but for faces with the same vertices.
+TEST(Copies, LayersOfOneSurfaceDoNotCross) {
+  oracle::Rng rng(79);
+  std::uint64_t layers = 0, crossings = 0;
+  for (const oracle::MeshFamily& family : oracle::mesh_families()) {
+    SCOPED_TRACE(family.name);
+    Scene scene = scene_of({&family, &family}, rng);
+    for (Topology& topology : scene.topologies) {
+      std::vector<Triangle> triangles(topology.triangles().begin(), topology.triangles().end());
+      triangles.resize(std::min<std::size_t>(triangles.size(), 60));
+      for (std::size_t i = 0, once = triangles.size(); i < once; ++i) {
+        const Triangle t = triangles[i];
+        if (i % 3 != 0) triangles.push_back(i % 3 == 1 ? t : Triangle{t[1], t[0], t[2]});
+      }
+      topology = *Topology::make(topology.vertex_count(), triangles);
+    }
+    std::vector<Object> objects = scene.hierarchies(12);
+    objects[0].set_layered(true);
+    StaticResult found;
+    const auto x = scene.spans0();
+    ASSERT_TRUE(StepChecker(objects).check_static(x, {}, found));
+    std::vector<TriangleCrossing> expected;
+    for (const TriangleCrossing& c : pose(scene, {}).crossings) {
+      Triangle a = scene.topologies[c.object_a].triangles()[c.triangle_a];
+      Triangle b = scene.topologies[c.object_b].triangles()[c.triangle_b];
+      std::ranges::sort(a);
+      std::ranges::sort(b);
+      const bool layered = c.object_a == 0 && c.object_b == 0 && a == b;
+      layers += layered;
+      if (!layered) expected.push_back(c);
+    }
+    EXPECT_EQ(keys(found.crossings), keys(expected));
+    EXPECT_EQ(found.crossing_count, expected.size());
+    crossings += expected.size();
+  }
+  EXPECT_GT(layers, 100u);
+  EXPECT_GT(crossings, 100u);
+}
+
 // A fan of a polygon that repeats three vertices: every third triangle has an area.
 Scene fan(Index corners) {
   Scene scene;
