@@ -33,6 +33,8 @@ struct MotionInfo {
   /// Per vertex, the one that triangles name in its place: itself, or the one that it was merged into. Empty:
   /// none was merged.
   std::vector<Index> merged = {};
+  /// Faces with the same three vertices are layers of one surface, such as its two sides, and do not cross.
+  bool layered = false;
   /// The clips of a glTF, as ReadOptions::clip takes them.
   std::vector<std::string> clips = {};
   /// The motion is a single pose that stands still as long as others move (ReadOptions::still).

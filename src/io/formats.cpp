@@ -14,7 +14,7 @@ Result<std::unique_ptr<Motion>> open_archive(const std::string& path, const Read
 }
 Result<std::unique_ptr<Motion>> open_scene(const std::string& path, const ReadOptions& options,
                                            const ReadProgress& progress) {
-  return open_gltf(path, options.fps, progress);
+  return open_gltf(path, options, progress);
 }
 Result<std::unique_ptr<Motion>> open_collection(const std::string& path, const ReadOptions&,
                                                 const ReadProgress& progress) {

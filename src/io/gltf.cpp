@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
 
 #include "base/try.h"
 #include "io/gltf_frames.h"
@@ -30,8 +33,12 @@ struct Instance {
 
 class GltfMotion final : public Motion {
  public:
-  GltfMotion(GltfDocument document, GltfScene scene, double fps)
-      : document_(std::move(document)), scene_(std::move(scene)), fps_(fps), frames_(fps, scene_.duration) {}
+  GltfMotion(GltfDocument document, GltfScene scene, const ReadOptions& options)
+      : document_(std::move(document)),
+        scene_(std::move(scene)),
+        fps_(options.fps),
+        weld_(options.weld),
+        frames_(fps_, scene_.duration) {}
 
   Result<void> open() {
     if (!(frames_.count() <= kMaxFrames)) {
@@ -44,16 +51,29 @@ class GltfMotion final : public Motion {
     if (std::string note = note_on_keys(scene_, fps_, kMaxFrames); !note.empty())
       info_.notes.push_back(std::move(note));
     FOLDPROOF_TRY(check_size());
-    std::vector<Triangle> triangles;
-    std::vector<GltfTriangles> runs;
+    GltfElements found;
     for (const std::size_t node : scene_.mesh_nodes) {
-      FOLDPROOF_TRY(add_node(node, triangles, runs));
+      FOLDPROOF_TRY(add_node(node, found));
     }
-    if (triangles.empty())
-      return fail(ErrorCode::InvalidFile, name(), "shows no triangles",
-                  "export a scene with triangle meshes");
-    info_.parts = gltf_parts(scene_, runs, triangles);
-    topology_ = FOLDPROOF_TRY(Topology::make(static_cast<Index>(vertex_count_), std::move(triangles)));
+    MeshElements elements = found.finish();
+    if (elements.values.empty())
+      return fail(ErrorCode::InvalidFile, name(), "shows no triangles, lines or points",
+                  "export a scene with meshes");
+    info_.parts = gltf_parts(scene_, found.runs(), elements);
+    const std::vector<Index> run_of = std::exchange(elements.values, std::move(info_.parts.of_triangle));
+    if (weld_ == Weld::ByFormat) {
+      info_.layered = true;
+      info_.merged = find_seams();
+      if (!info_.merged.empty()) elements.merge(info_.merged);
+      add_notes(
+          count_layers(elements.faces, static_cast<Index>(vertex_count_),
+                       gltf_surfaces(scene_, found.runs(), std::span(run_of).first(elements.faces.size()))),
+          info_);
+    }
+    elements.drop_covered();
+    info_.parts.of_triangle = std::move(elements.values);
+    topology_ = FOLDPROOF_TRY(Topology::make(static_cast<Index>(vertex_count_), std::move(elements.faces),
+                                             elements.lines, elements.points));
     return {};
   }
 
@@ -128,19 +148,15 @@ class GltfMotion final : public Motion {
       size.vertices += set.position.count();
       size.values += set.position.count() * (1 + set.targets.size() + set.influences.size());
     }
-    for (const GltfPrimitive& primitive : mesh.primitives)
-      size.corners += std::max<std::uint64_t>(1, corner_count(mesh, primitive));
+    for (const GltfPrimitive& primitive : mesh.primitives) {
+      size.corners += std::max<std::uint64_t>(
+          1, corner_count(primitive, mesh.vertex_sets[primitive.vertex_set].position.count()));
+    }
     return size;
   }
 
-  static std::uint64_t corner_count(const GltfMesh& mesh, const GltfPrimitive& primitive) {
-    return primitive.indices ? primitive.indices->count()
-                             : mesh.vertex_sets[primitive.vertex_set].position.count();
-  }
-
-  /// Adds the vertices and triangles of a node's mesh.
-  Result<void> add_node(std::size_t node, std::vector<Triangle>& triangles,
-                        std::vector<GltfTriangles>& runs) {
+  /// Adds the vertices and elements of a node's mesh.
+  Result<void> add_node(std::size_t node, GltfElements& elements) {
     const std::size_t mesh_index = *scene_.nodes[node].mesh;
     const GltfMesh& mesh = scene_.meshes[mesh_index];
     std::vector<std::size_t> first_vertex;
@@ -151,45 +167,31 @@ class GltfMotion final : public Motion {
     }
     for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
       const GltfPrimitive& primitive = mesh.primitives[p];
-      const std::uint64_t vertices = mesh.vertex_sets[primitive.vertex_set].position.count();
-      const std::uint64_t corners = corner_count(mesh, primitive);
-      const std::string where = fmt::format("{}, meshes[{}].primitives[{}]", name(), mesh_index, p);
-      if (primitive.mode == 4 ? corners % 3 != 0 : corners < 3) {
-        return fail(ErrorCode::InvalidFile, where,
-                    fmt::format("has {} corners, which are not whole triangles", corners),
-                    "export the file again");
-      }
-      const std::uint64_t count = primitive.mode == 4 ? corners / 3 : corners - 2;
-      const auto offset = static_cast<Index>(first_vertex[primitive.vertex_set]);
-      runs.push_back({node, &primitive, static_cast<std::size_t>(count), offset});
-      for (std::uint64_t i = 0; i < count; ++i) {
-        Triangle triangle;
-        const auto corner = triangle_corners(primitive.mode, i);
-        for (std::size_t c = 0; c < 3; ++c) {
-          const std::uint64_t v = primitive.indices ? index_at(*primitive.indices, corner[c]) : corner[c];
-          if (v >= vertices) {
-            return fail(ErrorCode::InvalidFile, where,
-                        fmt::format("triangle {} refers to vertex {}, but there are {} (counting from 0)", i,
-                                    v, vertices),
-                        "export the file again");
-          }
-          triangle[c] = static_cast<Index>(offset + v);
-        }
-        triangles.push_back(triangle);
-      }
+      FOLDPROOF_TRY(elements.add({node, &primitive, static_cast<Index>(first_vertex[primitive.vertex_set])},
+                                 mesh.vertex_sets[primitive.vertex_set].position.count(),
+                                 fmt::format("{}, meshes[{}].primitives[{}]", name(), mesh_index, p)));
     }
     return {};
   }
 
-  /// The corners of the primitive that form triangle `i`. A strip flips the winding of every other triangle.
-  static std::array<std::uint64_t, 3> triangle_corners(std::uint64_t mode, std::uint64_t i) {
-    if (mode == 4) return {3 * i, 3 * i + 1, 3 * i + 2};
-    if (mode == 5) return {i, i + 1 + i % 2, i + 2 - i % 2};
-    return {i + 1, i + 2, 0};
-  }
-
-  static std::uint64_t index_at(const GltfAccessor& indices, std::uint64_t i) {
-    return static_cast<std::uint64_t>(indices.get(i, 0));
+  /// MotionInfo::merged: vertices that are one by construction, within the mesh of each node.
+  std::vector<Index> find_seams() const {
+    std::vector<Index> merged(vertex_count_);
+    std::iota(merged.begin(), merged.end(), Index{0});
+    std::map<std::size_t, std::vector<Index>> seams;  // per mesh
+    std::size_t first = 0;                            // vertex of the node
+    bool any = false;
+    for (const std::size_t node : scene_.mesh_nodes) {
+      const std::size_t number = *scene_.nodes[node].mesh;
+      const auto [of_mesh, is_new] = seams.try_emplace(number);
+      if (is_new) of_mesh->second = gltf_seams(scene_.meshes[number]);
+      for (std::size_t v = 0; v < of_mesh->second.size(); ++v) {
+        merged[first + v] = static_cast<Index>(first + of_mesh->second[v]);
+        any |= of_mesh->second[v] != v;
+      }
+      for (const GltfVertexSet& set : scene_.meshes[number].vertex_sets) first += set.position.count();
+    }
+    return any ? merged : std::vector<Index>();
   }
 
   /// Evaluates transforms and morph weights at a time.
@@ -228,12 +230,15 @@ class GltfMotion final : public Motion {
     const GltfVertexSet& set = *instance.vertices;
     const std::size_t count = set.position.count();
     for (std::size_t v = 0; v < count; ++v) {
-      for (int c = 0; c < 3; ++c) positions[3 * v + static_cast<std::size_t>(c)] = set.position.get(v, c);
+      // -0 becomes 0, so that vertices that differ in this alone stay equal to the last bit.
+      for (int c = 0; c < 3; ++c)
+        positions[3 * v + static_cast<std::size_t>(c)] = set.position.get(v, c) + 0.0;
     }
     const GltfNode& node = posed_nodes_[instance.node];
     const std::vector<double>& weights =
         node.weights.empty() ? scene_.meshes[*node.mesh].weights : node.weights;
-    for (std::size_t t = 0; t < weights.size(); ++t) {
+    // Lines and points may have fewer targets than the faces of their mesh.
+    for (std::size_t t = 0; t < std::min(weights.size(), set.targets.size()); ++t) {
       if (weights[t] == 0) continue;
       const GltfAccessor& target = set.targets[t];
       // Without a buffer, only the replaced elements are nonzero.
@@ -306,6 +311,7 @@ class GltfMotion final : public Motion {
   GltfDocument document_;
   GltfScene scene_;
   double fps_;
+  Weld weld_;
   GltfFrames frames_;
   std::size_t vertex_count_ = 0;
   std::vector<Instance> instances_;
@@ -318,14 +324,15 @@ class GltfMotion final : public Motion {
 
 }  // namespace
 
-Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps, const ReadProgress& progress) {
-  if (!(fps > 0) || !std::isfinite(fps)) {
-    return fail(ErrorCode::InvalidArgument, "--fps", fmt::format("{} is not a sampling rate", fps),
+Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, const ReadOptions& options,
+                                          const ReadProgress& progress) {
+  if (!(options.fps > 0) || !std::isfinite(options.fps)) {
+    return fail(ErrorCode::InvalidArgument, "--fps", fmt::format("{} is not a sampling rate", options.fps),
                 "give a number above zero");
   }
   auto document = FOLDPROOF_TRY(GltfDocument::read(path, progress));
   auto scene = FOLDPROOF_TRY(read_gltf_scene(document));
-  auto motion = std::make_unique<GltfMotion>(std::move(document), std::move(scene), fps);
+  auto motion = std::make_unique<GltfMotion>(std::move(document), std::move(scene), options);
   FOLDPROOF_TRY(motion->open());
   return motion;
 }

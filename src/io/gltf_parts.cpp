@@ -24,13 +24,13 @@ std::string material_name(const GltfScene& scene, const std::optional<std::size_
   return has_name ? scene.materials[*i] : fmt::format("material {}", *i);
 }
 
-/// Finds the joint that moves most of a triangle.
+/// Finds the joint that moves most of an element.
 class JointFinder {
  public:
   explicit JointFinder(std::size_t joints) : sums_(joints) {}
 
-  Index find(const Triangle& triangle, const GltfVertexSet& vertices, Index first_vertex) {
-    for (const Index v : triangle) add(vertices, v - first_vertex);
+  Index find(std::span<const Index> corners, const GltfVertexSet& vertices, Index first_vertex) {
+    for (const Index v : corners) add(vertices, v - first_vertex);
     Index best = 0;  // that of vertices without weights
     for (const Index joint : seen_) {
       if (sums_[joint] > sums_[best] || (sums_[joint] == sums_[best] && joint < best)) best = joint;
@@ -58,45 +58,45 @@ class JointFinder {
 };
 
 /// Precondition: all runs are of one node, which has a skin.
-ObjectParts joint_parts(const GltfScene& scene, std::span<const GltfTriangles> runs,
-                        std::span<const Triangle> triangles) {
+ObjectParts joint_parts(const GltfScene& scene, std::span<const GltfRun> runs, const MeshElements& elements) {
   const GltfNode& node = scene.nodes[runs.front().node];
   const GltfMesh& mesh = scene.meshes[*node.mesh];
+  const auto vertices_of = [&](Index run) -> const GltfVertexSet& {
+    return mesh.vertex_sets[runs[run].primitive->vertex_set];
+  };
   std::uint64_t weights = 0;
-  for (const GltfTriangles& run : runs)
-    weights += 12 * run.triangles * mesh.vertex_sets[run.primitive->vertex_set].influences.size();
+  for (const Index run : elements.values) weights += 12 * vertices_of(run).influences.size();
   if (weights > kMaxWeights) return {};
   std::vector<std::string> names;
   for (const std::size_t joint : scene.skins[*node.skin].joints) names.push_back(node_name(scene, joint));
-  std::vector<Index> of_triangle;
-  of_triangle.reserve(triangles.size());
+  std::vector<Index> of_element;
+  of_element.reserve(elements.values.size());
   JointFinder finder(names.size());
-  for (const GltfTriangles& run : runs) {
-    const GltfVertexSet& vertices = mesh.vertex_sets[run.primitive->vertex_set];
-    for (const Triangle& triangle : triangles.subspan(of_triangle.size(), run.triangles))
-      of_triangle.push_back(finder.find(triangle, vertices, run.first_vertex));
-  }
-  return parts_by_name(names, of_triangle);
+  const auto add = [&](std::span<const Index> corners) {
+    const Index run = elements.values[of_element.size()];
+    of_element.push_back(finder.find(corners, vertices_of(run), runs[run].first_vertex));
+  };
+  for (const Triangle& face : elements.faces) add(face);
+  for (const Edge& line : elements.lines) add(line);
+  for (const Index& point : elements.points) add({&point, 1});
+  return parts_by_name(names, of_element);
 }
 
 }  // namespace
 
-ObjectParts gltf_parts(const GltfScene& scene, std::span<const GltfTriangles> runs,
-                       std::span<const Triangle> triangles) {
-  NameRuns nodes, materials;
-  std::size_t begin = 0;
-  for (const GltfTriangles& run : runs) {
-    nodes.begin(begin, node_name(scene, run.node));
-    materials.begin(begin, material_name(scene, run.primitive->material));
-    begin += run.triangles;
+ObjectParts gltf_parts(const GltfScene& scene, std::span<const GltfRun> runs, const MeshElements& elements) {
+  std::vector<std::string> nodes, materials;
+  for (const GltfRun& run : runs) {
+    nodes.push_back(node_name(scene, run.node));
+    materials.push_back(material_name(scene, run.primitive->material));
   }
-  for (const NameRuns* names : {&nodes, &materials}) {
-    ObjectParts parts = names->parts(triangles.size());
+  for (const auto* names : {&nodes, &materials}) {
+    ObjectParts parts = parts_by_name(*names, elements.values);
     if (!parts.names.empty()) return parts;
   }
   const bool one =
-      std::ranges::all_of(runs, [&](const GltfTriangles& run) { return run.node == runs.front().node; });
-  return one && scene.nodes[runs.front().node].skin ? joint_parts(scene, runs, triangles) : ObjectParts();
+      std::ranges::all_of(runs, [&](const GltfRun& run) { return run.node == runs.front().node; });
+  return one && scene.nodes[runs.front().node].skin ? joint_parts(scene, runs, elements) : ObjectParts();
 }
 
 }  // namespace foldproof::io

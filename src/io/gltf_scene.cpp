@@ -84,6 +84,23 @@ class SceneReader {
     return order;
   }
 
+  /// Exporters also list nodes below others, which are shown once, where their parents put them. Call when
+  /// parents_first is there.
+  std::vector<std::size_t> without_descendants(const std::vector<std::size_t>& listed) const {
+    std::vector<bool> is_listed(scene_.nodes.size()), is_below(scene_.nodes.size());
+    for (const std::size_t i : listed) is_listed[i] = true;
+    for (const std::size_t i : scene_.parents_first) {
+      const auto parent = scene_.nodes[i].parent;
+      is_below[i] = parent && (is_listed[*parent] || is_below[*parent]);
+    }
+    std::vector<std::size_t> kept;
+    for (const std::size_t i : listed) {
+      if (is_listed[i] && !is_below[i]) kept.push_back(i);
+      is_listed[i] = false;  // may be listed twice
+    }
+    return kept;
+  }
+
   void order_nodes() {
     std::vector<std::size_t> roots;
     for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
@@ -97,18 +114,12 @@ class SceneReader {
     std::vector<std::size_t> scene_nodes = scene_.parents_first;
     if (const auto index = document_.optional_index(document_.json(), "scene", "scenes", "file")) {
       const std::string json_path = fmt::format("scenes[{}]", *index);
-      std::set<std::size_t> scene_roots;
       roots.clear();
       for (const Json& root : document_.list(document_.list("scenes")[*index], "nodes", json_path)) {
-        const std::size_t r = document_.checked_index(root, "nodes", json_path);
+        roots.push_back(document_.checked_index(root, "nodes", json_path));
         if (failed()) return;
-        if (scene_.nodes[r].parent || !scene_roots.insert(r).second) {
-          document_.set_error(json_path, fmt::format("nodes[{}] is not a root, or is named twice", r));
-          return;
-        }
-        roots.push_back(r);
       }
-      scene_nodes = depth_first(roots);
+      scene_nodes = depth_first(without_descendants(roots));
     }
     for (const std::size_t i : scene_nodes) {
       if (scene_.nodes[i].mesh) scene_.mesh_nodes.push_back(i);
@@ -136,11 +147,10 @@ class SceneReader {
                       std::map<std::vector<std::size_t>, std::size_t>& sets) {
     GltfPrimitive primitive;
     primitive.mode = document_.optional_count(json, "mode", json_path).value_or(4);
-    if (primitive.mode < 4) return;  // points and lines
     if (primitive.mode > 6) document_.set_error(json_path, "'mode' is not known");
     const auto attributes = json.find("attributes");
     if (attributes == json.end() || !attributes->contains("POSITION")) {
-      document_.set_error(json_path, "has no positions");
+      if (primitive.has_faces()) document_.set_error(json_path, "has no positions");
       return;
     }
     // Primitives that name the same accessors share their vertices: meshes are often split by material only.
@@ -160,10 +170,10 @@ class SceneReader {
     }
     primitive.material = document_.optional_count(json, "material", json_path);
     const std::size_t targets = mesh.vertex_sets[primitive.vertex_set].targets.size();
-    if (!mesh.primitives.empty() && targets != mesh.targets) {
+    const bool after_faces = std::ranges::any_of(mesh.primitives, &GltfPrimitive::has_faces);
+    if (primitive.has_faces() && after_faces && targets != mesh.targets)
       document_.set_error(json_path, "has another number of morph targets than the primitive before");
-    }
-    mesh.targets = targets;
+    if (primitive.has_faces() || mesh.primitives.empty()) mesh.targets = targets;
     mesh.primitives.push_back(std::move(primitive));
   }
 
@@ -239,10 +249,11 @@ class SceneReader {
   }
 
   void check_mesh_nodes() {
-    std::vector<bool> bindable;  // per mesh, whether all of its vertices have joints
+    std::vector<bool> bindable;  // per mesh, whether all vertices of its faces have joints
     for (const GltfMesh& mesh : scene_.meshes) {
-      bindable.push_back(std::none_of(mesh.vertex_sets.begin(), mesh.vertex_sets.end(),
-                                      [](const GltfVertexSet& set) { return set.influences.empty(); }));
+      bindable.push_back(std::ranges::none_of(mesh.primitives, [&](const GltfPrimitive& primitive) {
+        return primitive.has_faces() && mesh.vertex_sets[primitive.vertex_set].influences.empty();
+      }));
     }
     for (const std::size_t i : scene_.mesh_nodes) {
       const GltfNode& node = scene_.nodes[i];
@@ -271,7 +282,47 @@ class SceneReader {
         clip.duration = std::max(clip.duration, channel.times.get(channel.times.count() - 1, 0));
       clips.push_back(std::move(clip));
     }
-    if (!failed()) play_together(std::move(clips), scene_);
+    if (failed()) return;
+    play_together(std::move(clips), scene_);
+    split_animated_matrices();
+  }
+
+  /// The specification forbids to animate a node that has a matrix. Viewers split it, and so what is not
+  /// animated stays.
+  void split_animated_matrices() {
+    std::size_t split = 0, sheared = 0;
+    for (const GltfChannel& channel : scene_.channels) {
+      GltfNode& node = scene_.nodes[channel.node];
+      if (channel.path == GltfPath::Weights || !node.matrix) continue;
+      ++split;
+      sheared += !split_matrix(node);
+    }
+    if (split == 0) return;
+    scene_.notes.push_back(fmt::format(
+        "{} {} a matrix and {} animated, which glTF forbids: {} split into translation, rotation and scale, "
+        "as viewers do{}",
+        split, split == 1 ? "node has" : "nodes have", split == 1 ? "is" : "are",
+        split == 1 ? "it was" : "they were", sheared == 0 ? "" : ", which leaves out a shear"));
+  }
+
+  /// False where the three do not make up the matrix.
+  static bool split_matrix(GltfNode& node) {
+    const Eigen::Matrix3d linear = node.matrix->topLeftCorner<3, 3>();
+    node.translation = node.matrix->topRightCorner<3, 1>();
+    node.scale = linear.colwise().norm().transpose();
+    if (linear.determinant() < 0) node.scale.x() = -node.scale.x();
+    Eigen::Matrix3d rotation = linear;
+    for (int k = 0; k < 3; ++k) {
+      if (node.scale[k] != 0) rotation.col(k) /= node.scale[k];
+    }
+    for (int k = 0; k < 3; ++k) {  // a flat axis
+      if (node.scale[k] == 0) rotation.col(k) = rotation.col((k + 1) % 3).cross(rotation.col((k + 2) % 3));
+    }
+    node.rotation = rotation.determinant() > 0 ? Eigen::Quaterniond(rotation).normalized()
+                                               : Eigen::Quaterniond::Identity();
+    node.matrix.reset();
+    const Eigen::Matrix3d made = node.rotation.toRotationMatrix() * node.scale.asDiagonal();
+    return (made - linear).norm() <= 1e-6 * linear.norm();
   }
 
   std::vector<GltfChannel> read_animation(const Json& json, const std::string& json_path) {
@@ -340,10 +391,6 @@ class SceneReader {
                                         weights ? "SCALAR" : (rotation ? "VEC4" : "VEC3"), json_path);
     if (failed()) return;
     const GltfNode& node = scene_.nodes[channel.node];
-    if (node.matrix && !weights) {
-      document_.set_error(json_path, "moves a node that has a matrix");
-      return;
-    }
     const std::uint64_t values_per_key = (channel.interpolation == GltfInterpolation::CubicSpline ? 3 : 1) *
                                          (weights ? scene_.meshes[*node.mesh].targets : 1);
     if (channel.times.base.bytes == nullptr || channel.times.count() == 0 ||

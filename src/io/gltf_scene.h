@@ -29,16 +29,17 @@ struct GltfVertexSet {
 struct GltfPrimitive {
   std::size_t vertex_set = 0;
   std::optional<GltfAccessor> indices;
-  std::uint64_t mode = 4;  ///< 4 triangles, 5 strip, 6 fan.
+  std::uint64_t mode = 4;  ///< 0 points; 1 lines, 2 loop, 3 strip; 4 triangles, 5 strip, 6 fan.
+  bool has_faces() const { return mode >= 4; }
   std::optional<std::size_t> material;
 };
 
 struct GltfMesh {
   std::string name;
   std::vector<GltfVertexSet> vertex_sets;
-  std::vector<GltfPrimitive> primitives;  ///< Of triangles only.
+  std::vector<GltfPrimitive> primitives;
   std::vector<double> weights;
-  std::size_t targets = 0;
+  std::size_t targets = 0;  ///< Of all vertices of faces; others may have fewer, and no influences.
 };
 
 struct GltfSkin {

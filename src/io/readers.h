@@ -82,14 +82,15 @@ Result<std::vector<std::string>> pvd_files(const std::string& path);
 Result<std::unique_ptr<Motion>> open_pvd(const std::string& path, const ReadProgress& progress);
 /// The files beside a .gltf that its buffers name, as paths; none where it cannot be read.
 std::vector<std::string> gltf_files(const std::string& path);
-/// glTF or GLB, sampled at `fps`.
-Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, double fps, const ReadProgress& progress);
+/// glTF or GLB, sampled at ReadOptions::fps; merges the vertices of seams unless ReadOptions::weld says so.
+Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, const ReadOptions& options,
+                                          const ReadProgress& progress);
 
-/// Merges vertices that have exactly the same position in the first frame. The first of each set is kept; the
-/// order stays. A frame in which merged vertices part is an error.
+/// Merges vertices that have exactly the same position in the first frame into the first of them, in the
+/// corners of triangles only (MotionInfo::merged). A frame in which merged vertices part is an error.
 Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion);
-/// How many vertices that would merge into others.
-Result<Index> count_weldable(Motion& motion);
+/// Of every vertex, the first one at exactly its position; 0 and -0 are the same.
+std::vector<Index> first_at_same_place(std::span<const double> positions);
 
 /// Motions of one frame get as many as the longest has, all the same.
 void stand_still(std::span<std::unique_ptr<Motion>> motions);

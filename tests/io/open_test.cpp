@@ -339,24 +339,6 @@ TEST_F(OpenTest, NamesTheFirstFaceThatChanges) {
   EXPECT_EQ(frame_error(*motion, 7), "run/7.obj (frame 7): does not exist; check the name");
 }
 
-TEST_F(OpenTest, WeldMergesEqualVerticesOfTheFirstFrame) {
-  // Two separate triangles: vertices 3 and 5 repeat 1 and 2, as -0 equals 0. Vertex 6 is unused.
-  const std::string faces = "f 1 2 3\nf 4 5 6\n";
-  files.write("run/0.obj", "v 9 9 9\nv 1 0 0\nv 0 1 0\nv 1 -0 0\nv 1 1 0\nv 0 1 -0\nv 5 5 5\n" + faces);
-  files.write("run/1.obj", "v 8 8 8\nv 2 0 0\nv 0 2 0\nv 2 0 0\nv 2 2 0\nv -0 2 0\nv 4 4 4\n" + faces);
-  files.write("run/2.obj", "v 8 8 8\nv 2 0 0\nv 0 2 0\nv 2 0 0\nv 2 2 0\nv 0 2 1e-9\nv 4 4 4\n" + faces);
-  const auto motion = open({files.path("run")}, {.weld = Weld::Always});
-  ASSERT_TRUE(motion);
-  EXPECT_EQ(motion->topology().vertex_count(), 5u);
-  EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}}));
-  EXPECT_EQ(frame(*motion, 0), (std::vector<double>{9, 9, 9, 1, 0, 0, 0, 1, 0, 1, 1, 0, 5, 5, 5}));
-  EXPECT_EQ(frame(*motion, 1), (std::vector<double>{8, 8, 8, 2, 0, 0, 0, 2, 0, 2, 2, 0, 4, 4, 4}));
-  EXPECT_EQ(frame_error(*motion, 2),
-            "run: vertices 2 and 5, which --weld merged, part in frame 2; check without --weld");
-  const auto plain = open({files.path("run")});
-  EXPECT_EQ(plain->topology().vertex_count(), 7u) << "only on request";
-}
-
 TEST_F(OpenTest, MemoryMotionReturnsItsFrames) {
   auto topology = Topology::make(3, {{0, 1, 2}});
   const auto motion =
