@@ -50,6 +50,16 @@ const std::atomic<bool>& watch_for_interrupt() {
   return interrupted;
 }
 
+Option add_weld_options(const Subcommand& command, ReadOptions& options) {
+  const Option never = command.add_flag(
+      "--no-weld", [&] { options.weld = Weld::Never; }, "Keep the seams of glTF: merge no vertices");
+  return command
+      .add_flag(
+          "--weld", [&] { options.weld = Weld::Always; },
+          "Merge all vertices that coincide in the first frame; without it, the seams of glTF and STL")
+      .excludes(never);
+}
+
 void add_motion_options(const Subcommand& command, MotionOptions& options) {
   command
       .add_option("--frames", options.frames,
@@ -59,11 +69,9 @@ void add_motion_options(const Subcommand& command, MotionOptions& options) {
   command.add_option("--fps", options.read.fps, "Sampling rate for animated glTF, frames per second [24]")
       .type_name("RATE")
       .group(kMotionGroup);
-  command
-      .add_flag(
-          "--weld", [&] { options.read.weld = Weld::Always; },
-          "Merge vertices that coincide in the first frame (changes vertex numbers)")
-      .group(kMotionGroup);
+  const Option weld = add_weld_options(command, options.read);
+  weld.group(kMotionGroup);
+  command.option("--no-weld").group(kMotionGroup);
   command
       .add_flag(
           "--separate", [&] { options.read.mesh_files = MeshFiles::Separate; },
@@ -111,7 +119,7 @@ Result<std::unique_ptr<Motion>> open_motion_of(const Model& model, const std::ve
                 fmt::format("and the following arguments are {} motions", motions.size()), "give one");
   }
   const Motion& motion = *motions.front();
-  FOLDPROOF_TRY(require_model_of(model, motion.topology(), motion.name()));
+  FOLDPROOF_TRY(require_model_of(model, motion.topology(), motion.name(), motion.info().merged));
   return std::move(motions.front());
 }
 

@@ -29,7 +29,10 @@ inline constexpr const char* kMotionHelp = R"(A MOTION is one topology and its f
 Meshes are OBJ, OFF, PLY, STL, VTP, VTU, VTK and MSH.
 )";
 
-/// Adds --frames, --fps, --weld and --separate.
+/// Adds --weld, which is returned, and --no-weld; not both go together.
+Option add_weld_options(const Subcommand& command, ReadOptions& options);
+
+/// Adds --frames, --fps, --weld, --no-weld and --separate.
 void add_motion_options(const Subcommand& command, MotionOptions& options);
 
 /// The frames that --frames selects. Error: --frames or --fps is invalid.

@@ -437,8 +437,7 @@ Command add_render(CommandLine& program) {
   command.add_flag("--flat", a->flat, "Flat shading");
   command.add_option("--fps", a->read.fps, "Sampling rate for animated glTF, frames per second [24]")
       .type_name("RATE");
-  command.add_flag(
-      "--weld", [a] { a->read.weld = Weld::Always; }, "Merge vertices that coincide in the first frame");
+  add_weld_options(command, a->read);
   command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");
   return [a] { return render(*a); };
 }

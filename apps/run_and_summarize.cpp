@@ -6,7 +6,6 @@
 
 #include "commands.h"
 #include "contact_lines.h"
-#include "io/readers.h"
 #include "options.h"
 #include "progress_bar.h"
 #include "terminal.h"
@@ -14,17 +13,11 @@
 namespace foldproof {
 namespace {
 
-/// Exporters double vertices at seams, where triangles then touch.
-std::string weld_hint(Motions motions) {
+/// What to know before the contacts.
+std::string notices_of(Motions motions, const CheckTotals& totals) {
   std::string text;
-  for (const auto& motion : motions) {
-    const Index count = io::count_weldable(*motion).value_or(0);
-    if (count == 0) continue;
-    text += fmt::format(
-        "\nOf the {} vertices of {}, {} lie exactly where others do, and so their triangles touch.\n"
-        "If they belong to one surface, check it with --weld.\n",
-        grouped(motion->topology().vertex_count()), cell(motion->name()), grouped(count));
-  }
+  for (const auto& [object, notice] : totals.notices)
+    text += fmt::format("\n{}: {}\n", cell(motions[object]->name()), printable(notice));
   return text;
 }
 
@@ -75,9 +68,9 @@ Result<int> run_and_summarize(Motions motions, const CheckSettings& settings, Wr
     return kExitInterrupted;
   }
   if (!quiet) {
-    print_output(summary(motions, settings, *totals) + contact_lines(motions, settings, *totals, contacts) +
-                 (totals->clean() || !settings.reduced.empty() ? "" : weld_hint(motions)) +
-                 frames_hint(motions) + notes_of(motions));
+    print_output(summary(motions, settings, *totals) + notices_of(motions, *totals) +
+                 contact_lines(motions, settings, *totals, contacts) + frames_hint(motions) +
+                 notes_of(motions));
   }
   return exit_code(totals->clean());
 }

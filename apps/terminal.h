@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "base/grouped.h"
 #include "report/report.h"
 
 namespace foldproof {
@@ -27,9 +28,6 @@ std::string colored(const std::string& text, Tone tone);
 
 /// Error: standard output could not be written. A closed pipe is no error.
 Result<void> flush_output();
-
-/// 1234567 -> "1,234,567".
-std::string grouped(std::uint64_t number);
 
 /// "1 step", "2 steps".
 std::string counted(std::uint64_t number, const char* noun);

@@ -32,6 +32,8 @@ Result<void> open(const Json& request) {
   const std::vector<std::string> files = request["files"], models = request["models"];
   PageInput input;
   input.read.fps = request["fps"];
+  const std::string seams = request.value("seams", "by_format");
+  if (seams != "by_format") input.read.weld = seams == "always" ? Weld::Always : Weld::Never;
   input.read.still = true;
   input.motions = FOLDPROOF_TRY(open_motions(files, input.read));
   input.check.substeps = request["substeps"];
@@ -65,7 +67,7 @@ int answer_with(Make make) {
 extern "C" {
 
 /// `request`: the arguments of `foldproof view`: {"files": ["walk.glb"], "models": [], "thickness": 0,
-/// "substeps": 1, "static": false, "fps": 24, "command": "what the report names"}.
+/// "substeps": 1, "static": false, "fps": 24, "seams": "by_format", "command": "what the report names"}.
 int foldproof_open(const char* request) {
   using namespace foldproof;
   page.reset();

@@ -74,7 +74,8 @@ std::uint64_t topology_hash(const Topology& topology);
 
 /// Error when the model is of another mesh: another vertex count, or other triangles or another order of
 /// them. It says how they differ; `mesh` is the mesh's name.
-Result<void> require_model_of(const Model& model, const Topology& topology, const std::string& mesh);
+Result<void> require_model_of(const Model& model, const Topology& topology, const std::string& mesh,
+                              std::span<const Index> merged = {});
 
 /// A frame of a motion to learn from.
 struct TrainPose {

@@ -9,7 +9,8 @@ _CONTROLS = dict.fromkeys([*range(32), 127], "?")
 # Options of the program, as the library's messages name them, and the arguments that do the same.
 _ARGUMENTS = {
     "--between": "within=False", "--fps": "fps", "--frames": "frames", "--model": "models=", "--ply": "reports",
-    "--separate": "separate=True", "--still-pairs": "still_pairs=True", "--steps-only": "steps_only=True", "--weld": "weld=True",
+    "--no-weld": "weld=False", "--separate": "separate=True", "--still-pairs": "still_pairs=True",
+    "--steps-only": "steps_only=True", "--weld": "weld=True",
 }  # fmt: skip
 _OPTION = re.compile(rf"(?<![^ (])({'|'.join(_ARGUMENTS)})(?![\w-])")
 

@@ -292,6 +292,8 @@ py::dict fields_of(Found found, const Request& request) {
   d["clean"] = totals.clean();
   d["first_frame"] = totals.first_frame;
   py::list notes;
+  for (const auto& [object, text] : totals.notices)
+    notes.append(text_of(request.motions[object]->name() + ": ") + message_of(text));
   for (const auto& motion : request.motions) {
     for (const std::string& note : motion->info().notes)
       notes.append(text_of(motion->name() + ": ") + message_of(note));

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
+#include <optional>
 
 #include "arrays.h"
 #include "contacts.h"
@@ -105,18 +107,24 @@ std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, const
   return shared;
 }
 
-py::list open_list(const py::args& paths, double fps, bool weld, bool separate, bool still) {
+/// None: by the format.
+Weld weld_of(std::optional<bool> weld) {
+  if (!weld) return Weld::ByFormat;
+  return *weld ? Weld::Always : Weld::Never;
+}
+
+py::list open_list(const py::args& paths, double fps, std::optional<bool> weld, bool separate, bool still) {
   py::list list;
   for (auto& motion : open_all(paths, {.fps = fps,
-                                      .weld = weld ? Weld::Always : Weld::ByFormat,
+                                      .weld = weld_of(weld),
                                       .mesh_files = separate ? MeshFiles::Separate : MeshFiles::ByName,
                                       .still = still}))
     list.append(std::move(motion));
   return list;
 }
 
-std::shared_ptr<SharedMotion> open_one(const py::args& paths, double fps, bool weld) {
-  auto motions = open_all(paths, {.fps = fps, .weld = weld ? Weld::Always : Weld::ByFormat});
+std::shared_ptr<SharedMotion> open_one(const py::args& paths, double fps, std::optional<bool> weld) {
+  auto motions = open_all(paths, {.fps = fps, .weld = weld_of(weld)});
   if (motions.size() != 1)
     refuse("paths", "are " + std::to_string(motions.size()) + " motions", "give one, or use open_motions");
   return std::move(motions.front());
@@ -173,6 +181,15 @@ py::list notes_of_motion(const SharedMotion& motion) {
   return notes;
 }
 
+py::array merged_of_motion(const SharedMotion& motion) {
+  std::vector<Index> merged = motion.info().merged;
+  if (merged.empty()) {
+    merged.resize(motion.topology().vertex_count());
+    std::iota(merged.begin(), merged.end(), Index{0});
+  }
+  return owned_rows(std::move(merged));
+}
+
 /// What pickle keeps: all frames, and how they were read.
 py::tuple state_of(const py::object& self) {
   const auto& motion = self.cast<const SharedMotion&>();
@@ -181,12 +198,17 @@ py::tuple state_of(const py::object& self) {
   for (const std::string& note : motion.info().notes) notes.append(py::bytes(note));
   return py::make_tuple(triangles_of_motion(self), py::module_::import("numpy").attr("stack")(py::list(self)),
                         py::bytes(motion.name()), parts_of_motion(motion), py::bytes(motion.info().unit),
-                        notes, read.fps, static_cast<int>(read.weld), static_cast<int>(read.mesh_files));
+                        notes, read.fps, static_cast<int>(read.weld), static_cast<int>(read.mesh_files),
+                        owned_rows(std::vector<Index>(motion.info().merged)), motion.info().layered);
 }
 
 std::shared_ptr<SharedMotion> motion_of_state(const py::tuple& state) {
-  if (state.size() != 9) refuse("motion", "was pickled by another version", "pickle it again");
-  MotionInfo info{.unit = state[4].cast<std::string>(), .notes = state[5].cast<std::vector<std::string>>()};
+  if (state.size() != 11) refuse("motion", "was pickled by another version", "pickle it again");
+  const auto merged = state[9].cast<py::array_t<Index>>();
+  MotionInfo info{.unit = state[4].cast<std::string>(),
+                  .notes = state[5].cast<std::vector<std::string>>(),
+                  .merged = std::vector<Index>(merged.data(), merged.data() + merged.size()),
+                  .layered = state[10].cast<bool>()};
   const ReadOptions read{.fps = state[6].cast<double>(),
                          .weld = static_cast<Weld>(state[7].cast<int>()),
                          .mesh_files = static_cast<MeshFiles>(state[8].cast<int>())};
@@ -233,6 +255,38 @@ FrameRange frames_of(const py::handle& frames) {
   return range;
 }
 
+namespace {
+
+void bind_files(py::module_& module) {
+  module.def("open_motion", &open_one, py::arg("fps") = 24.0, py::arg("weld") = py::none(),
+             "Opens one motion: a mesh (with .pc2 or .mdd); several meshes as a directory, a glob or a name "
+             "with %d; glTF, GLB, NPZ, PVD; a pair of .npy.\n\n"
+             "fps: sampling rate of animated glTF. weld: which vertices become one, in the triangles alone: "
+             "None for the seams of glTF and STL, True for all that coincide in the first frame, False for "
+             "none. "
+             "Error: as for the program (docs/formats.md).");
+  module.def(
+      "open_motions", &open_list, py::arg("fps") = 24.0, py::arg("weld") = py::none(),
+      py::arg("separate") = false, py::arg("still") = false,
+      "Opens any number of motions: a list.\n\n"
+      "separate: mesh files whose names differ only in a number are motions of their own, not frames "
+      "of one. still: motions of a single frame stand still as long as the longest of the others lasts. "
+      "Otherwise as open_motion.");
+  module.def(
+      "write_motion",
+      [](const py::object& path, SharedMotion& motion) {
+        const std::string name = path_of(path);
+        const Unlocked unlocked;
+        take(write_motion(name, motion));
+      },
+      py::arg("path"), py::arg("motion"),
+      "Writes .npz, .obj (with a .pc2 beside it for several frames) or .ply (one frame; with %d in the name, "
+      "a file per frame).\n\n"
+      "The file appears complete or not at all. Error: it cannot be written.");
+}
+
+}  // namespace
+
 void bind_motions(py::module_& module) {
   py::class_<SharedMotion, std::shared_ptr<SharedMotion>>(
       module, "Motion",
@@ -256,6 +310,10 @@ void bind_motions(py::module_& module) {
           "What a mesh unit is, where the format defines it ('m' for glTF); else empty.")
       .def_property_readonly("notes", &notes_of_motion,
                              "What the reader left out or assumed, a line each; empty if nothing.")
+      .def_property_readonly(
+          "merged", &merged_of_motion,
+          "Per vertex, the one that triangles name in its place, uint32: itself, or the one "
+          "that it was merged into.")
       .def_property_readonly("triangles", &triangles_of_motion, "T x 3 vertex ids, uint32; read-only.")
       .def_property_readonly(
           "vertex_count", [](const SharedMotion& m) { return m.topology().vertex_count(); }, "V.")
@@ -265,29 +323,7 @@ void bind_motions(py::module_& module) {
            "A frame: V x 3 float64, a new array, in mesh units; negative numbers count from the end. For a "
            "slice: a Motion of these frames, which are read on demand.\n\n"
            "Error: the frame cannot be read; the slice selects none. IndexError: the frame does not exist.");
-  module.def("open_motion", &open_one, py::arg("fps") = 24.0, py::arg("weld") = false,
-             "Opens one motion: a mesh (with .pc2 or .mdd); several meshes as a directory, a glob or a name "
-             "with %d; glTF, GLB, NPZ, PVD; a pair of .npy.\n\n"
-             "fps: sampling rate of animated glTF. weld: merge vertices that coincide in the first frame. "
-             "Error: as for the program (docs/formats.md).");
-  module.def(
-      "open_motions", &open_list, py::arg("fps") = 24.0, py::arg("weld") = false, py::arg("separate") = false,
-      py::arg("still") = false,
-      "Opens any number of motions: a list.\n\n"
-      "separate: mesh files whose names differ only in a number are motions of their own, not frames "
-      "of one. still: motions of a single frame stand still as long as the longest of the others lasts. "
-      "Otherwise as open_motion.");
-  module.def(
-      "write_motion",
-      [](const py::object& path, SharedMotion& motion) {
-        const std::string name = path_of(path);
-        const Unlocked unlocked;
-        take(write_motion(name, motion));
-      },
-      py::arg("path"), py::arg("motion"),
-      "Writes .npz, .obj (with a .pc2 beside it for several frames) or .ply (one frame; with %d in the name, "
-      "a file per frame).\n\n"
-      "The file appears complete or not at all. Error: it cannot be written.");
+  bind_files(module);
 }
 
 }  // namespace foldproof::python

@@ -1,4 +1,5 @@
 """What classes have beyond their numbers: text, slices, copies, equality, errors, and meshes of other libraries."""
+import base64
 import json
 import os
 import pickle
@@ -68,6 +69,32 @@ def test_what_readers_leave_out_is_said_and_copied(motion, tmp_path):
     foldproof.check(copy, reports=tmp_path / "a.json")
     settings = json.loads((tmp_path / "a.json").read_text())["settings"]
     assert settings["fps"] == 30 and settings["weld"] is True
+
+
+def test_seams_are_merged_as_asked(tmp_path):
+    square = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], "<f4")
+    data = "data:application/octet-stream;base64," + base64.b64encode(square.tobytes()).decode()
+    (tmp_path / "a.gltf").write_text(json.dumps({
+        "asset": {"version": "2.0"}, "buffers": [{"byteLength": 72, "uri": data}],
+        "bufferViews": [{"buffer": 0, "byteLength": 72}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 6, "type": "VEC3"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],
+    }))  # fmt: skip
+    for weld, corner, seams in ((None, 1, "by_format"), (True, 1, "always"), (False, 3, "never")):
+        read = foldproof.open_motion(tmp_path / "a.gltf", weld=weld)
+        assert read.vertex_count == 6 and read.triangles[1].tolist() == [corner, 4, 2 if corner == 1 else 5]
+        assert read.merged.tolist() == ([0, 1, 2, 1, 4, 2] if corner == 1 else [*range(6)])
+        copy = pickle.loads(pickle.dumps(read))
+        assert copy == read and copy.notes == read.notes and (copy.merged == read.merged).all()
+        found = foldproof.check(read, reports=tmp_path / "a.json")
+        settings = json.loads((tmp_path / "a.json").read_text())["settings"]
+        assert settings["seams"] == seams and settings["weld"] is (weld is True)
+        assert found.clean == (weld is not False)
+        if weld is False:
+            assert found.notes == [f"{read.name}: 2 of 6 vertices lie exactly where others do, and so triangles touch there; "
+                                   "if they are of one surface, check it with weld=True"]
+        else:
+            assert found.notes == [f"{read.name}: 2 of 6 vertices lie on seams and were merged; what meets there counts as neighbors"]
 
 
 def test_text(motion, model, triangles, frames):

@@ -23,9 +23,31 @@ std::uint64_t topology_hash(const Topology& topology) {
   return hash;
 }
 
-Result<void> require_model_of(const Model& model, const Topology& topology, const std::string& mesh) {
+namespace {
+
+/// Whether `merged` turns the one's triangles into the other's.
+bool becomes(const Topology& one, const Topology& other, std::span<const Index> merged) {
+  if (one.vertex_count() != merged.size()) return false;
+  const auto from = one.triangles(), to = other.triangles();
+  return std::equal(from.begin(), from.end(), to.begin(), to.end(),
+                    [&](const Triangle& s, const Triangle& t) {
+                      return merged[s[0]] == t[0] && merged[s[1]] == t[1] && merged[s[2]] == t[2];
+                    });
+}
+
+}  // namespace
+
+Result<void> require_model_of(const Model& model, const Topology& topology, const std::string& mesh,
+                              std::span<const Index> merged) {
   const Topology& own = model.hierarchy()->topology();
   if (own == topology) return {};
+  const std::string name = model.name.empty() ? "model" : model.name;
+  if (becomes(own, topology, merged)) {
+    return fail(
+        ErrorCode::InvalidMesh, name,
+        fmt::format("was trained on triangles whose seams were not merged, and those of {} are", mesh),
+        "check with --no-weld, or train it again");
+  }
   const auto size = [](const Topology& t) {
     return fmt::format("{} triangles over {} vertices", t.triangles().size(), t.vertex_count());
   };
@@ -38,8 +60,7 @@ Result<void> require_model_of(const Model& model, const Topology& topology, cons
     problem = fmt::format("is a model of another mesh: triangle {} of {} has other vertices",
                           mine - own.triangles().begin(), mesh);
   }
-  return fail(ErrorCode::InvalidMesh, model.name.empty() ? "model" : model.name, problem,
-              "train a model on this one");
+  return fail(ErrorCode::InvalidMesh, name, problem, "train a model on this one");
 }
 
 double chart_kappa(const ChartLibrary& library, const ChartLibrary::Chart& chart) {

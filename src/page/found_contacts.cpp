@@ -9,6 +9,7 @@ FoundContacts::FoundContacts(CheckTotals& totals, Motions motions, const CheckSe
       unknown_frames(totals.contact_unknown_frames),
       contacts(std::move(totals.contacts)) {
   names.reserve(contacts.size());
+  for (const auto& [object, text] : totals.notices) notices.push_back(motions[object]->name() + ": " + text);
   for (const Contact& contact : contacts) names.push_back(side_names(contact, motions, settings));
 }
 
@@ -19,6 +20,7 @@ Json FoundContacts::json(std::uint64_t offset, std::uint64_t limit) const {
   for (std::uint64_t k = begin; k < end; ++k) items.push_back(contact_json(contacts[k], names[k], false));
   return {{"searched", searched},
           {"unknown_frames", unknown_frames},
+          {"notices", notices},
           {"total", contacts.size()},
           {"items", std::move(items)}};
 }

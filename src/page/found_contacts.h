@@ -14,8 +14,9 @@ struct FoundContacts {
   /// One of the list, with triangles and curves. Precondition: k < contacts.size().
   Json json(std::uint64_t k) const;
 
-  bool searched;                 ///< Whether the check looked for contacts.
-  std::uint64_t unknown_frames;  ///< Frames of which is not known what crosses.
+  bool searched;                     ///< Whether the check looked for contacts.
+  std::uint64_t unknown_frames;      ///< Frames of which is not known what crosses.
+  std::vector<std::string> notices;  ///< To be read before the contacts.
   std::vector<Contact> contacts;
   std::vector<std::array<std::string, 2>> names;  ///< Of the sides of each.
 };

@@ -99,6 +99,8 @@ class PageReport final : public ReportWriter {
     const Json first_frame = totals.contacts.empty()
                                  ? picture_url([](ContactPictures& p) { return p.draw_first_frame(kFormat); })
                                  : Json();
+    for (const auto& [object, text] : totals.notices)
+      notes_.push_back(motions_[object]->name() + ": " + text);
     if (const std::string still = still_pairs(motions_, settings_, totals); !still.empty())
       notes_.push_back(still + ".");
     if (!*pictures_) notes_.push_back("Pictures are missing: " + pictures_->error().line());

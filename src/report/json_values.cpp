@@ -30,6 +30,22 @@ Json to_json(const Work& work) {
           {"undecided", work.undecided}};
 }
 
+const char* name_of(Weld weld) {
+  if (weld == Weld::ByFormat) return "by_format";
+  return weld == Weld::Always ? "always" : "never";
+}
+
+namespace {
+
+std::uint64_t merged_count(const Motion& motion) {
+  const auto& merged = motion.info().merged;
+  std::uint64_t count = 0;
+  for (std::size_t v = 0; v < merged.size(); ++v) count += merged[v] != v;
+  return count;
+}
+
+}  // namespace
+
 Json objects_json(Motions motions, const CheckSettings& settings) {
   Json objects = Json::array();
   for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -39,6 +55,7 @@ Json objects_json(Motions motions, const CheckSettings& settings) {
                        {"vertices", motion.topology().vertex_count()},
                        {"triangles", motion.topology().triangles().size()},
                        {"frames", motion.frame_count()},
+                       {"merged", merged_count(motion)},
                        {"model", model ? Json(model->name) : Json(nullptr)}});
     if (const auto& notes = motion.info().notes; !notes.empty()) objects.back()["notes"] = notes;
   }
@@ -64,6 +81,7 @@ Json settings_json(const ReportInfo& info, Motions motions) {
                {"ignore", settings.ignore},
                {"still_pairs", settings.still_pairs},
                {"weld", info.read.weld == Weld::Always},
+               {"seams", name_of(info.read.weld)},
                {"fps", info.read.fps}};
   if (const std::string unit = unit_of(motions, settings); !unit.empty()) json["unit"] = unit;
   if (settings.step.mode == Mode::Paper) {
@@ -156,6 +174,8 @@ Json totals_json(const CheckTotals& totals, bool poses, bool statistical) {
                {"tolerance", totals.tolerance},
                {"milliseconds", to_json(totals.milliseconds)},
                {"work", to_json(totals.work)}};
+  for (const auto& [object, text] : totals.notices)
+    json["notices"].push_back({{"object", object}, {"text", text}});
   if (!totals.lists_all()) json["listed"] = to_json(totals.listed, poses);
   if (statistical) add_misses(json, totals.missed, totals.proven_milliseconds);
   if (totals.contacts_found) {

@@ -15,6 +15,8 @@ std::string dump(const Json& json);
 Json to_json(const CollisionCounts& counts, bool poses);
 Json to_json(const StageTimes& times);
 Json to_json(const Work& work);
+/// "by_format", "always" or "never".
+const char* name_of(Weld weld);
 Json objects_json(Motions motions, const CheckSettings& settings);
 Json settings_json(const ReportInfo& info, Motions motions);
 /// Adds the fields of statistical answers.

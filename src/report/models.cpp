@@ -35,7 +35,8 @@ Result<void> require_models_of(Motions motions, const CheckSettings& settings) {
   }
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (!settings.models[i]) continue;
-    FOLDPROOF_TRY(require_model_of(*settings.models[i], motions[i]->topology(), motions[i]->name()));
+    FOLDPROOF_TRY(require_model_of(*settings.models[i], motions[i]->topology(), motions[i]->name(),
+                                   motions[i]->info().merged));
   }
   return {};
 }

@@ -165,6 +165,13 @@ struct CheckTotals {
   /// More that is not in `milliseconds`: building hierarchies and checkers, reading frames, writing reports.
   double build_milliseconds = 0, read_milliseconds = 0, write_milliseconds = 0;
 
+  /// What to know before the contacts, found during the check. Complete at its end.
+  struct Notice {
+    Index object;
+    std::string text;  ///< For users, without the object's name.
+  };
+  std::vector<Notice> notices;
+
   /// The check is complete and found nothing. With starts_crossing: no two triangles intersect at any time,
   /// apart from those that were ignored, and those among `still`.
   bool clean() const {

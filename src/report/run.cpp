@@ -7,6 +7,7 @@
 #include "base/stopwatch.h"
 #include "base/try.h"
 #include "check/answer.h"
+#include "report/coincidences.h"
 #include "report/ignored.h"
 #include "report/motion_contacts.h"
 #include "report/reduced_track.h"
@@ -71,6 +72,7 @@ Result<std::vector<Object>> make_objects(Motions motions, const CheckSettings& s
     }
     objects.emplace_back(std::move(*hierarchy));
   }
+  for (std::size_t i = 0; i < motions.size(); ++i) objects[i].set_layered(motions[i]->info().layered);
   return objects;
 }
 
@@ -104,7 +106,8 @@ class MotionCheck::Impl {
         writers_(writers),
         frames_(std::move(frames)),
         from_(motions),
-        to_(motions) {
+        to_(motions),
+        coincidences_(motions) {
     totals_.first_frame = frames_.front();
     totals_.last_frame = frames_.back();
     totals_.steps_expected = expected_steps();
@@ -150,6 +153,7 @@ class MotionCheck::Impl {
         break;
     }
     if (contacts_) contacts_->finish(totals_);
+    totals_.notices = coincidences_.notices();
     watch.lap();
     for (const auto& writer : writers_) {
       FOLDPROOF_TRY(writer->finish(totals_));
@@ -354,12 +358,23 @@ class MotionCheck::Impl {
 
   Result<void> deliver(const CheckedStep& step) {
     totals_.add(step);
+    look_for_coincidences(step);
     Stopwatch watch;
     for (const auto& writer : writers_) {
       FOLDPROOF_TRY(writer->step(step));
     }
     totals_.write_milliseconds += watch.lap();
     return {};
+  }
+
+  // They collide in the first frame, if at all.
+  void look_for_coincidences(const CheckedStep& step) {
+    if (step.index.number == 0)
+      follows_coincidences_ = settings_.step.within && settings_.reduced.empty() && !totals_.clean();
+    if (!follows_coincidences_) return;
+    if (step.index.number == 0 || step.pose) coincidences_.add(step.index.frame, step.x0);
+    if (!step.pose && step.index.substep + 1 == settings_.substeps)
+      coincidences_.add(step.index.next_frame, step.x1);
   }
 
   Motions motions_;
@@ -380,6 +395,8 @@ class MotionCheck::Impl {
   StepSettings proven_settings_;
   StageTimes still_milliseconds_;
   CheckTotals totals_;
+  Coincidences coincidences_;
+  bool follows_coincidences_ = false;
 };
 
 Result<std::vector<Index>> frames_to_check(Motions motions, const CheckSettings& settings) {

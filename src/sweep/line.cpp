@@ -20,7 +20,7 @@ namespace {
 // Per step; contacts need pairs, and more than these would cost more than the check. contacts_cut() says it.
 constexpr std::uint64_t kMaxListed = 1'000'000;
 // Raise it with every change after which an answer may differ: lines of other revisions are checked again.
-constexpr int kAnswerRevision = 1;
+constexpr int kAnswerRevision = 2;
 constexpr ContactPictures::Format kThumbnail{160, 120, false};
 
 Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const ReadOptions& options) {
@@ -72,7 +72,7 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
   check.ignore = known_pairs(std::span(&motion, 1), check);  // others are of other motions
   if (model != settings.models.end()) check.models = {*model};
   const Json object = objects_json(std::span(&motion, 1), check)[0];
-  for (const char* key : {"vertices", "triangles", "frames", "model"}) line[key] = object[key];
+  for (const char* key : {"vertices", "triangles", "frames", "merged", "model"}) line[key] = object[key];
   line["frames_checked"] = settings_json({check, settings.read}, std::span(&motion, 1))["frames"];
   if (object.contains("notes")) line["notes"] = object["notes"];
   if (!check.ignore.empty()) line["ignored"] = check.ignore;
@@ -83,6 +83,7 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
   const auto totals = FOLDPROOF_TRY(run_check(std::span(&motion, 1), check, {}, hooks));
   line["state"] = name_of(totals.clean() ? SweepState::Clean : SweepState::Collides);
   line["totals"] = totals_json(totals, check.poses, false);
+  for (const auto& notice : totals.notices) line["notes"].push_back(notice.text);
   if (!totals.cancelled) add_thumbnail(line, std::span(&motion, 1), check, totals);
   return !totals.cancelled;
 }
@@ -151,7 +152,7 @@ std::string settings_hash(const SweepSettings& settings) {
                     {"substeps", check.substeps},
                     {"thickness", check.step.thickness},
                     {"tolerance", check.step.tolerance},
-                    {"weld", settings.read.weld == Weld::Always},
+                    {"seams", name_of(settings.read.weld)},
                     {"fps", settings.read.fps}};
   Hash hash;
   hash.add(dump(all));

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "apps/program.h"
+#include "io/gltf_builder.h"
 #include "report/spheres.h"
 
 namespace foldproof {
@@ -168,12 +169,20 @@ TEST(Check, HintsAtDoubledVerticesAndAtFramesThatAreNotOneMotion) {
   const Scene scene;
   write_file(scene / "seam.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 4 6 5\n");
   const std::string doubled =
-      "Of the 6 vertices of seam.obj, 2 lie exactly where others do, and so their triangles touch.\n"
-      "If they belong to one surface, check it with --weld.\n";
-  EXPECT_THAT(check_in(scene, {"seam.obj"}).out, HasSubstr(doubled));
-  const Outcome welded = check_in(scene, {"seam.obj", "--weld"});
+      "2 of 6 vertices lie exactly where others do, and so triangles touch there; if they are of one "
+      "surface, "
+      "check it with --weld";
+  const std::string found = check_in(scene, {"seam.obj", "--json", "a.json"}).out;
+  EXPECT_THAT(found, HasSubstr("\nseam.obj: " + doubled + "\n"));
+  EXPECT_LT(found.find(doubled), found.find("1 contact")) << found;
+  EXPECT_EQ(scene.report("a.json")["totals"]["notices"], json::array({{{"object", 0}, {"text", doubled}}}));
+  const Outcome welded = check_in(scene, {"seam.obj", "--weld", "--json", "b.json"});
   EXPECT_EQ(welded.code, 0);
   EXPECT_THAT(welded.out, Not(HasSubstr("--weld")));
+  EXPECT_THAT(welded.out, HasSubstr("2 of 6 vertices lie on seams and were merged"));
+  EXPECT_EQ(scene.report("b.json")["objects"][0]["merged"], 2);
+  EXPECT_EQ(scene.report("b.json")["objects"][0]["vertices"], 6);
+  EXPECT_FALSE(scene.report("b.json")["totals"].contains("notices"));
   EXPECT_THAT(check_in(scene, {"sink"}).out, Not(HasSubstr("--weld")));
 
   for (const char* name : {"one side.obj", "two sides.obj", "no sides.obj"})
@@ -181,6 +190,79 @@ TEST(Check, HintsAtDoubledVerticesAndAtFramesThatAreNotOneMotion) {
   EXPECT_THAT(check_in(scene, {"one side.obj", "two sides.obj", "no sides.obj"}).out,
               HasSubstr("All 3 meshes have the same triangles. If they are frames of one motion"));
   EXPECT_THAT(check_in(scene, {"one side.obj", "two sides.obj"}).out, Not(HasSubstr("the same triangles")));
+}
+
+/// A cube whose faces have vertices of their own, as exporters of glTF write them.
+GltfBuilder cube_of_24_vertices() {
+  GltfBuilder b;
+  std::vector<float> positions;
+  std::vector<std::uint16_t> indices;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const float side : {0.0f, 1.0f}) {
+      const auto first = static_cast<std::uint16_t>(positions.size() / 3);
+      for (const auto& [u, v] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}}) {
+        float x[3];
+        x[axis] = side;
+        x[(axis + 1) % 3] = static_cast<float>(u);
+        x[(axis + 2) % 3] = static_cast<float>(v);
+        positions.insert(positions.end(), x, x + 3);
+      }
+      for (const int corner : {0, 1, 2, 0, 2, 3})
+        indices.push_back(static_cast<std::uint16_t>(first + corner));
+    }
+  }
+  b.json["meshes"] = {{{"primitives",
+                        {{{"attributes", {{"POSITION", b.floats("VEC3", positions)}}},
+                          {"indices", b.accessor("SCALAR", indices)}}}}}};
+  b.json["nodes"] = {{{"mesh", 0}}};
+  return b;
+}
+
+TEST(Check, SeamsOfAGltfAreMergedUnlessToldOtherwise) {
+  const Scene scene;
+  write_file(scene / "cube.gltf", cube_of_24_vertices().gltf());
+  const Outcome merged = check_in(scene, {"cube.gltf", "--json", "a.json"});
+  EXPECT_EQ(merged.code, 0) << merged.out;
+  EXPECT_THAT(merged.out,
+              HasSubstr("\ncube.gltf: 16 of 24 vertices lie on seams and were merged; what meets there "
+                        "counts as neighbors\n"));
+  EXPECT_EQ(scene.report("a.json")["settings"]["seams"], "by_format");
+  EXPECT_EQ(scene.report("a.json")["settings"]["weld"], false);
+  EXPECT_EQ(scene.report("a.json")["objects"][0]["merged"], 16);
+  const Outcome kept = check_in(scene, {"cube.gltf", "--no-weld", "--json", "b.json"});
+  EXPECT_EQ(kept.code, 1);
+  EXPECT_EQ(scene.report("b.json")["settings"]["seams"], "never");
+  EXPECT_EQ(scene.report("b.json")["objects"][0]["merged"], 0);
+  const std::string notice = "16 of 24 vertices lie exactly where others do";
+  EXPECT_LT(kept.out.find(notice), kept.out.find(" contacts")) << kept.out;
+  const Outcome both = check_in(scene, {"cube.gltf", "--no-weld", "--weld"});
+  EXPECT_EQ(both.code, 2);
+  EXPECT_THAT(both.err, HasSubstr("--no-weld"));
+}
+
+// A leaf of two sides with vertices of their own: merged, their faces have the same three vertices.
+TEST(Check, SidesOfOneSurfaceDoNotCross) {
+  const Scene scene;
+  GltfBuilder b;
+  const int front = b.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0});
+  const int back = b.floats("VEC3", {0, 0, 0, 0, 1, 0, 1, 0, 0});
+  b.json["meshes"] = {{{"primitives",
+                        {{{"attributes", {{"POSITION", front}}}, {"material", 0}},
+                         {{"attributes", {{"POSITION", back}}}, {"material", 1}}}}}};
+  b.json["nodes"] = {{{"mesh", 0}}};
+  b.json["materials"] = {{{"name", "leaf front"}}, {{"name", "leaf back"}}};
+  write_file(scene / "leaf.gltf", b.gltf());
+  b.json["materials"][1]["name"] = "stone";
+  write_file(scene / "stone.gltf", b.gltf());
+  for (const char* kind : {"--static", "--quiet"}) {
+    EXPECT_EQ(check_in(scene, {"leaf.gltf", kind}).code, 0) << kind;
+    EXPECT_EQ(check_in(scene, {"leaf.gltf", kind, "--no-weld"}).code, 1) << kind;
+  }
+  const Outcome stone = check_in(scene, {"stone.gltf"});
+  EXPECT_EQ(stone.code, 0);
+  EXPECT_THAT(stone.out,
+              HasSubstr("\nstone.gltf: 1 face lies on another, turned around; that is not counted as "
+                        "contact, and --no-weld counts it\n"));
 }
 
 TEST(Check, QuietPrintsNothing) {
@@ -254,7 +336,7 @@ TEST(Check, OptionsReachTheQuery) {
       all,
       json::parse(
           R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,"steps_only":false,"within":false,
-      "between":true,"thickness":0.5,"tolerance":0.001,"first":true,"limit":10000000,"certificates":true,"weld":true,"fps":30.0})"));
+      "between":true,"thickness":0.5,"tolerance":0.001,"first":true,"limit":10000000,"certificates":true,"ignore":[],"still_pairs":false,"weld":true,"seams":"always","fps":30.0})"));
   EXPECT_EQ(settings({"sink", "--static", "--within"})["static"], true);
   EXPECT_EQ(settings({"sink", "--within"})["between"], false);
   EXPECT_EQ(settings({"sink", "--frames", "-3:"})["frames"], json::parse(R"({"first":2,"last":4,"step":1})"));

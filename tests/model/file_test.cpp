@@ -1,6 +1,9 @@
 // Models as files: what is written reads back, and damaged files are refused or harmless.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <numeric>
+
 #include "foldproof/check.h"
 #include "io/support.h"
 #include "model/cylinder.h"
@@ -456,6 +459,28 @@ TEST_F(ModelFileTest, LeavesNoFileBehindWhenWritingFails) {
   EXPECT_FALSE(save_model(small_model(), files.path("no/where.model")));
   EXPECT_FALSE(save_model(small_model(), "/dev/full"));
   EXPECT_TRUE(std::filesystem::is_empty(files.path("")));
+}
+
+TEST_F(ModelFileTest, AModelOfUnmergedTrianglesSaysSo) {
+  Model model = small_model();
+  model.name = "tube.model";
+  const Topology& own = model.hierarchy()->topology();
+  std::vector<Index> merged(own.vertex_count());
+  std::iota(merged.begin(), merged.end(), Index{0});
+  merged[7] = 3;
+  std::vector<Triangle> triangles(own.triangles().begin(), own.triangles().end());
+  for (Triangle& t : triangles) std::ranges::replace(t, Index{7}, Index{3});
+  const auto other = require_model_of(model, *Topology::make(own.vertex_count(), triangles), "a.glb", merged);
+  ASSERT_FALSE(other);
+  EXPECT_EQ(
+      other.error().line(),
+      "tube.model: was trained on triangles whose seams were not merged, and those of a.glb are; check with "
+      "--no-weld, or train it again");
+  std::swap(triangles[5][0], triangles[5][1]);
+  const auto another =
+      require_model_of(model, *Topology::make(own.vertex_count(), triangles), "a.glb", merged);
+  ASSERT_FALSE(another);
+  EXPECT_THAT(another.error().line(), HasSubstr("is a model of another mesh"));
 }
 
 TEST_F(ModelFileTest, AModelOfAnotherMeshSaysSo) {

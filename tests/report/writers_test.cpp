@@ -54,7 +54,7 @@ TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
   EXPECT_EQ(report["foldproof"], version());
   EXPECT_EQ(
       report["objects"],
-      json::parse(R"([{"name":"name with \"quotes\"","vertices":6,"triangles":2,"frames":5,"model":null}])"));
+      json::parse(R"([{"name":"name with \"quotes\"","vertices":6,"triangles":2,"frames":5,"merged":0,"model":null}])"));
   EXPECT_EQ(report["clean"], false);
   ASSERT_EQ(report["steps"].size(), 4u);
   for (const json& step : report["steps"]) {
@@ -118,7 +118,7 @@ TEST(JsonReport, SaysWithWhatSettingsItWasMade) {
       report["settings"],
       json::parse(R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,"steps_only":false,
       "within":false,"between":true,"thickness":0.25,"tolerance":0.0,"first":false,"limit":10000000,"certificates":true,
-      "ignore":[],"still_pairs":false,"weld":false,"fps":24.0})"));
+      "ignore":[],"still_pairs":false,"weld":false,"seams":"by_format","fps":24.0})"));
   EXPECT_EQ(report["steps"][2]["substep"], 2);
 }
 

@@ -57,6 +57,7 @@ export interface StepsAnswer {
 export interface ContactsAnswer {
   searched: boolean;
   unknown_frames: number;
+  notices: string[]; // to be read before the contacts
   total: number;
   items: Contact[];
 }

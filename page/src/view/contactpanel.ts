@@ -52,7 +52,7 @@ export class ContactPanel {
     const { contacts, check } = this;
     const { step, collisions, colliding } = wordsOf(check.poses);
     const { state, total, unknownFrames } = contacts;
-    const notes: string[] = [];
+    const notes: string[] = [...contacts.notices];
     let title = 'Contacts';
     if (state === 'known') {
       const hit = check.pairs > 0 || check.startsCrossing;

@@ -9,6 +9,7 @@ export class Contacts {
   items: Contact[] = [];
   total = 0;
   unknownFrames = 0;
+  notices: string[] = []; // to be read before the list
   state: 'waiting' | 'loading' | 'known' | 'none' = 'waiting'; // none: not looked for, or the check was stopped
   private readonly details = new Map<number, Contact>();
 
@@ -23,10 +24,11 @@ export class Contacts {
     if (this.state !== 'waiting') return;
     this.state = 'loading';
     try {
-      const { searched, unknown_frames, total, items } = await getJson<ContactsAnswer>(`contacts?limit=${kPage}`);
+      const { searched, unknown_frames, notices, total, items } = await getJson<ContactsAnswer>(`contacts?limit=${kPage}`);
       this.items = items;
       this.total = total;
       this.unknownFrames = unknown_frames;
+      this.notices = notices;
       this.state = searched ? 'known' : 'none';
     } catch (error) {
       this.state = error instanceof ApiError ? 'none' : 'waiting';

@@ -11,6 +11,7 @@ export interface Settings {
   substeps: number;
   static: boolean; // each frame by itself
   fps: number; // glTF: frames per second
+  seams: 'by_format' | 'always' | 'never'; // which vertices become one
 }
 
 export type Request =

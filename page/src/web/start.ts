@@ -19,6 +19,7 @@ export class StartPage {
   private readonly substeps = el('input', { type: 'number', required: true, min: '1', max: '1000', value: '1', id: 'substeps' });
   private readonly poses = el('input', { type: 'checkbox', id: 'poses' });
   private readonly fps = el('input', { type: 'number', required: true, min: '1', max: '1000', value: '24', id: 'fps' });
+  private readonly seams = el('select', { id: 'seams' }, ...[['by_format', 'As the format says'], ['always', 'Merge all at one place'], ['never', 'Merge none']].map(([value = '', text = '']) => el('option', { value }, text)));
   private readonly alert = el('p', { className: 'alert', role: 'alert', hidden: true });
   private readonly zone: HTMLElement;
   readonly element: HTMLElement;
@@ -69,7 +70,7 @@ export class StartPage {
     this.poses.addEventListener('change', () => {
       for (const input of [this.thickness, this.substeps]) input.disabled = this.poses.checked;
     });
-    const row = (input: HTMLInputElement, text: string, note: string) => el('label', { htmlFor: input.id }, el('span', {}, text), input, el('small', {}, note));
+    const row = (input: HTMLInputElement | HTMLSelectElement, text: string, note: string) => el('label', { htmlFor: input.id }, el('span', {}, text), input, el('small', {}, note));
     return el(
       'details',
       {},
@@ -78,13 +79,14 @@ export class StartPage {
       row(this.substeps, 'Parts of a step', 'Straight parts that each step between two frames is divided into'),
       row(this.poses, 'Poses', 'The frames are single poses, not a motion: find what crosses in each'),
       row(this.fps, 'Frames per second', 'How glTF animations are sampled'),
+      row(this.seams, 'Seams', 'Which vertices at one place are one; without a choice those of glTF and STL'),
     );
   }
 
   private take(files: InputFile[]): void {
     const poses = this.poses.checked;
     for (const input of [this.thickness, this.substeps, this.fps]) if (!input.reportValidity()) return;
-    if (files.length > 0) this.open(files, { thickness: poses ? 0 : this.thickness.valueAsNumber, substeps: poses ? 1 : this.substeps.valueAsNumber, static: poses, fps: this.fps.valueAsNumber });
+    if (files.length > 0) this.open(files, { thickness: poses ? 0 : this.thickness.valueAsNumber, substeps: poses ? 1 : this.substeps.valueAsNumber, static: poses, fps: this.fps.valueAsNumber, seams: this.seams.value as Settings['seams'] });
   }
 
   warn(text: string): void {
