@@ -54,7 +54,8 @@ TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
   EXPECT_EQ(report["foldproof"], version());
   EXPECT_EQ(
       report["objects"],
-      json::parse(R"([{"name":"name with \"quotes\"","vertices":6,"triangles":2,"frames":5,"merged":0,"model":null}])"));
+      json::parse(
+          R"([{"name":"name with \"quotes\"","vertices":6,"triangles":2,"frames":5,"merged":0,"model":null}])"));
   EXPECT_EQ(report["clean"], false);
   ASSERT_EQ(report["steps"].size(), 4u);
   for (const json& step : report["steps"]) {
