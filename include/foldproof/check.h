@@ -228,9 +228,7 @@ class Object {
   /// Null when untrained.
   const std::shared_ptr<const ChartLibrary>& charts() const { return charts_; }
   const std::shared_ptr<const NodePredictor>& predictor() const { return predictor_; }
-
-  /// Whether its faces with the same three vertices are layers of one surface, such as its two sides: then
-  /// they do not cross each other in a static query. Default: they do.
+  /// Its faces with the same three vertices are layers, such as the sides of one surface: they do not cross.
   bool is_layered() const { return layered_; }
   void set_layered(bool layered) { layered_ = layered; }
 
