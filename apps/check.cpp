@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "file_watch.h"
 #include "reduced_motions.h"
+#include "report/json_reports.h"
 #include "run_and_summarize.h"
 #include "step_options.h"
 #include "terminal.h"
@@ -130,6 +131,8 @@ void add_report_options(const Subcommand& check, CheckArguments& a) {
 
 void add_check_options(const Subcommand& check, CheckArguments& a) {
   add_step_options(check, a);
+  check.option("--clip").description(
+      "The animation of a glTF, by its name, or as 'animations[1]'; all: one after the other [the longest]");
   check.add_flag("--reduced", a.reduced, "Coordinates of a model's subspace instead of motions (see below)");
   check.add_flag("--watch", a.watch, "Check again each time that a file has changed, until Ctrl-C");
   add_query_options(check, a);
@@ -169,12 +172,13 @@ Result<void> require_mode_fits(const CheckArguments& a) {
 Result<void> require_reduced_fits(const CheckArguments& a) {
   const bool other = a.poses || a.substeps != 1 || !a.models.empty() || !a.explain.empty() ||
                      a.mode == "paper" || !a.ignore.empty() || a.motion.read.weld != Weld::ByFormat ||
-                     a.motion.read.mesh_files != MeshFiles::ByName || a.motion.read.fps != ReadOptions().fps;
+                     a.motion.read.mesh_files != MeshFiles::ByName || !a.motion.read.clip.empty() ||
+                     a.motion.read.fps != ReadOptions().fps;
   if (!a.reduced || !other) return {};
   return fail(
       ErrorCode::InvalidArgument, "--reduced",
-      "does not go with --static, --substeps, --model, --explain, --mode paper, --ignore, --weld, --fps or "
-      "--separate",
+      "does not go with --static, --substeps, --model, --explain, --mode paper, --ignore, --weld, --fps, "
+      "--separate, --sequence or --clip",
       "leave them out, or check the motion that 'foldproof predict' writes");
 }
 
@@ -192,14 +196,25 @@ Result<CheckSettings> check_settings_of(const CheckArguments& a) {
 
 using WriterList = std::vector<std::unique_ptr<ReportWriter>>;
 
+constexpr const char* kAllClips = "all";
+
+/// One of the checks that --clip all asks for.
+struct OneOfClips {
+  const std::string& clip;
+  JsonReports* json;  ///< Where its report goes; null: nowhere.
+};
+
 Result<void> append(WriterList& writers, Result<std::unique_ptr<ReportWriter>> writer) {
   writers.push_back(FOLDPROOF_TRY(std::move(writer)));
   return {};
 }
 
-Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& settings, Motions motions) {
+Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& settings, Motions motions,
+                                const OneOfClips* one) {
   WriterList writers;
-  if (!a.json.empty()) {
+  if (one != nullptr && one->json != nullptr) {
+    writers.push_back(one->json->add(one->clip, motions, {settings, a.motion.read, a.pairs}));
+  } else if (!a.json.empty()) {
     FOLDPROOF_TRY(append(writers, json_report(a.json, motions, {settings, a.motion.read, a.pairs})));
   }
   if (!a.csv.empty()) {
@@ -234,7 +249,8 @@ Result<std::vector<ObjectParts>> read_all_parts(std::span<const std::string> pat
   return parts;
 }
 
-Result<int> check_once(const CheckArguments& a) {
+/// `one`: null unless this is one of several clips.
+Result<int> check_motions(const CheckArguments& a, const OneOfClips* one = nullptr) {
   auto settings = FOLDPROOF_TRY(check_settings_of(a));
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
@@ -250,9 +266,60 @@ Result<int> check_once(const CheckArguments& a) {
   settings.unit = a.unit;
   // From here on an interrupt must not leave incomplete files behind.
   watch_for_interrupt();
-  const auto writers = FOLDPROOF_TRY(open_writers(a, settings, motions));
+  const auto writers = FOLDPROOF_TRY(open_writers(a, settings, motions, one));
   return run_and_summarize(motions, settings, writers, a.quiet,
                            a.all_contacts ? std::numeric_limits<std::size_t>::max() : kFewContacts);
+}
+
+/// The clips of the only file that has some.
+Result<std::vector<std::string>> clips_of(const CheckArguments& a) {
+  const auto refuse = [](std::string problem, std::string remedy) {
+    return fail(ErrorCode::InvalidArgument, "--clip all", std::move(problem), std::move(remedy));
+  };
+  for (const auto& [option, file] :
+       std::initializer_list<std::pair<const char*, const std::string&>>{{"--csv", a.csv},
+                                                                         {"--contacts-csv", a.contacts_csv},
+                                                                         {"--ply", a.ply},
+                                                                         {"--vtk", a.vtk},
+                                                                         {"--explain", a.explain}}) {
+    if (!file.empty())
+      return refuse(fmt::format("does not go with {}, which is about one check", option),
+                    "name a clip; --json lists all");
+  }
+  ReadOptions read = a.motion.read;
+  read.clip.clear();
+  const auto motions = FOLDPROOF_TRY(read_motions(a.motions, read, a.quiet));
+  std::vector<std::string> clips;
+  for (const auto& motion : motions) {
+    if (!clips.empty() && !motion->info().clips.empty())
+      return refuse("is about one file, but several have animations",
+                    "check them one at a time, or name a clip");
+    if (clips.empty()) clips = motion->info().clips;
+  }
+  if (clips.empty())
+    return refuse("is given, but no file has animations", "leave it out; only .gltf and .glb have them");
+  return clips;
+}
+
+/// Checks one clip after the other. The exit code is the worst.
+Result<int> check_all_clips(CheckArguments a) {
+  FOLDPROOF_TRY(check_settings_of(a));
+  const auto clips = FOLDPROOF_TRY(clips_of(a));
+  std::optional<JsonReports> json;
+  if (!a.json.empty()) json = FOLDPROOF_TRY(JsonReports::open(a.json));
+  int worst = kExitClean;
+  for (const std::string& clip : clips) {
+    a.motion.read.clip = clip;
+    const OneOfClips one{clip, json ? &*json : nullptr};
+    worst = std::max(worst, FOLDPROOF_TRY(check_motions(a, &one)));
+    if (worst == kExitInterrupted) return worst;
+  }
+  if (json) FOLDPROOF_TRY(json->finish(worst == kExitClean));
+  return worst;
+}
+
+Result<int> check_once(const CheckArguments& a) {
+  return a.motion.read.clip == kAllClips ? check_all_clips(a) : check_motions(a);
 }
 
 Result<int> check_and_watch(const CheckArguments& a) {

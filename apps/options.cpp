@@ -72,10 +72,21 @@ void add_motion_options(const Subcommand& command, MotionOptions& options) {
   const Option weld = add_weld_options(command, options.read);
   weld.group(kMotionGroup);
   command.option("--no-weld").group(kMotionGroup);
+  const Option separate = command
+                              .add_flag(
+                                  "--separate", [&] { options.read.mesh_files = MeshFiles::Separate; },
+                                  "Several mesh files are bodies, also if their names are those of frames")
+                              .group(kMotionGroup);
   command
       .add_flag(
-          "--separate", [&] { options.read.mesh_files = MeshFiles::Separate; },
-          "Numbered mesh files are motions of their own, not frames of one")
+          "--sequence", [&] { options.read.mesh_files = MeshFiles::Sequence; },
+          "Several mesh files are frames of one motion, also if they look like bodies")
+      .group(kMotionGroup)
+      .excludes(separate);
+  command
+      .add_option("--clip", options.read.clip,
+                  "The animation of a glTF that is read, by its name, or as 'animations[1]' [the longest]")
+      .type_name("NAME")
       .group(kMotionGroup);
 }
 

@@ -16,6 +16,9 @@ struct MotionOptions {
   ReadOptions read;
 };
 
+/// Of commands for which frames are poses.
+inline MotionOptions pose_options() { return {.frames = {}, .read = {.mesh_files = MeshFiles::Poses}}; }
+
 inline constexpr const char* kMotionGroup = "Which part of the motion";
 
 /// Describes motions, for the footer of a help text.
@@ -24,15 +27,17 @@ inline constexpr const char* kMotionHelp = R"(A MOTION is one topology and its f
   x.npy faces.npy                 the same as two files
   walk.obj walk.pc2               a mesh followed by its point cache (.pc2, .mdd)
   walk.pvd                        the VTK files of a ParaView collection
-  frames/  'frames/*.ply'         a directory or a quoted glob of meshes, a frame each, in natural order
-  walk_%04d.obj  walk_*.obj       numbered meshes, a frame each; --separate makes them motions of their own
+  frames/  'frames/*.ply'         a directory or a quoted glob of meshes: frames, in natural order, if their names differ
+                                  in nothing but one number, as f01.obj and f02.obj do; else a body each
+  walk_%04d.obj  walk_*.obj       numbered meshes, a frame each; the second as the shell expands it
+Where frames look like bodies, a check asks for --sequence or --separate, which hold for all of these.
 Meshes are OBJ, OFF, PLY, STL, VTP, VTU, VTK and MSH.
 )";
 
 /// Adds --weld, which is returned, and --no-weld; not both go together.
 Option add_weld_options(const Subcommand& command, ReadOptions& options);
 
-/// Adds --frames, --fps, --weld, --no-weld and --separate.
+/// Adds --frames, --fps, --weld, --no-weld, --separate, --sequence and --clip.
 void add_motion_options(const Subcommand& command, MotionOptions& options);
 
 /// The frames that --frames selects. Error: --frames or --fps is invalid.

@@ -34,7 +34,7 @@ Examples:
 struct PredictArguments {
   std::string model, output;
   std::vector<std::string> key_points, truth;
-  MotionOptions motion;
+  MotionOptions motion = pose_options();
   bool list = false, quiet = false;
   int threads = 0;
   FileArguments files;
@@ -50,7 +50,8 @@ Result<bool> are_tracks(const std::vector<std::string>& arguments) {
 
 bool selects_or_reads_otherwise(const MotionOptions& motion) {
   return !motion.frames.empty() || motion.read.weld != Weld::ByFormat ||
-         motion.read.mesh_files != MeshFiles::ByName || motion.read.fps != ReadOptions().fps;
+         motion.read.mesh_files != pose_options().read.mesh_files || motion.read.fps != ReadOptions().fps ||
+         !motion.read.clip.empty();
 }
 
 struct PredictInput {
@@ -69,7 +70,7 @@ Result<PredictInput> read_input(const PredictArguments& a, const Model& model) {
   }
   const auto& whole = tracked ? a.truth : a.key_points;
   if (whole.empty() && selects_or_reads_otherwise(a.motion)) {
-    return fail(ErrorCode::InvalidArgument, "--frames, --fps, --weld and --separate",
+    return fail(ErrorCode::InvalidArgument, "--frames, --fps, --weld, --separate, --sequence and --clip",
                 "are about a whole motion, and there is none", "leave them out, or give --truth");
   }
   if (!whole.empty()) {

@@ -43,7 +43,10 @@ Examples:
   foldproof render walk.glb --view 1,0.5,1 --size 600x900 -o w.png  from the upper front right)";
 
 struct RenderArguments {
-  RenderArguments() { read.still = true; }
+  RenderArguments() {
+    read.still = true;
+    read.mesh_files = MeshFiles::Poses;  // a frame of them is drawn
+  }
 
   std::vector<std::string> motions, models;
   std::string picture, truth, key_points, color = "plain", view = "auto", up = "auto", size = "1200x900";
@@ -437,6 +440,8 @@ Command add_render(CommandLine& program) {
   command.add_flag("--flat", a->flat, "Flat shading");
   command.add_option("--fps", a->read.fps, "Sampling rate for animated glTF, frames per second [24]")
       .type_name("RATE");
+  command.add_option("--clip", a->read.clip, "The animation of a glTF, by its name [the longest]")
+      .type_name("NAME");
   add_weld_options(command, a->read);
   command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");
   return [a] { return render(*a); };

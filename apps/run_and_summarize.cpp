@@ -21,15 +21,15 @@ std::string notices_of(Motions motions, const CheckTotals& totals) {
   return text;
 }
 
-/// A shell expands the names of frames to meshes of their own where their numbers are not last.
+/// Frames whose names are not numbered are bodies.
 std::string frames_hint(Motions motions) {
   const auto is_frame = [&](const auto& motion) {
     return motion->frame_count() == 1 && motion->topology() == motions[0]->topology();
   };
   if (motions.size() < 3 || !std::ranges::all_of(motions, is_frame)) return "";
   return fmt::format(
-      "\nAll {} meshes have the same triangles. If they are frames of one motion, name their directory "
-      "instead.\n",
+      "\nAll {} meshes have the same triangles. If they are frames of one motion, check them with "
+      "--sequence.\n",
       motions.size());
 }
 

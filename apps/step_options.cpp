@@ -11,6 +11,12 @@ namespace {
 
 constexpr const char* kCollisionGroup = "What is a collision";
 
+void check_poses(StepArguments& a) {
+  a.poses = true;
+  // A directory holds poses, which may be far from each other.
+  if (a.motion.read.mesh_files == MeshFiles::ByName) a.motion.read.mesh_files = MeshFiles::Poses;
+}
+
 }  // namespace
 
 void add_step_options(const Subcommand& command, StepArguments& a) {
@@ -64,9 +70,11 @@ void add_setting_options(const Subcommand& command, StepArguments& a) {
       .add_flag("--steps-only", a.steps_only,
                 "Find only contacts between frames: do not test for crossings in the first frame")
       .group(group);
-  const Option poses =
-      command.add_flag("--static", a.poses, "Find triangles that cross in each frame instead, exactly")
-          .group(group);
+  const Option poses = command
+                           .add_flag(
+                               "--static", [&a] { check_poses(a); },
+                               "Find triangles that cross in each frame instead, exactly")
+                           .group(group);
 
   add_motion_options(command, a.motion);
   command

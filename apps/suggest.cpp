@@ -33,7 +33,7 @@ Examples:
 struct SuggestArguments {
   std::string model, output;
   std::vector<std::string> motion;
-  MotionOptions options;
+  MotionOptions options = pose_options();
   Index count = 3;
   int threads = 0;
   bool quiet = false;

@@ -18,14 +18,16 @@ constexpr const char* kSweepFooter = R"(Below each DIR these are motions:
   .glb .gltf .npz .pvd            each file
   walk.pc2  walk.mdd              with the mesh of the same stem, or the only one beside it
   a_vertices.npy a_faces.npy      two whose names differ in the last word only, or vertices.npy and faces.npy
-  run001.obj run002.obj ...       two meshes or more whose names differ in their last number only: frames of one motion
+  run001.obj run002.obj ...       two meshes or more whose names differ in nothing but one number: frames of one motion
 Each is one object, checked against itself. Single meshes are skipped, except with --static.
 
 RESULTS gets a line of JSON as soon as a motion is done. Ctrl-C, or a crash, loses only the motion that is being checked:
 the same command continues from there. It checks again only motions that changed, or were checked with other settings.
-A file that cannot be read gets a line too, and does not stop the sweep.
+A file that cannot be read gets a line too, and does not stop the sweep. So do numbered meshes that look like bodies:
+they are 'unclear' until --sequence or --separate says what they are.
 
-Exit code: 0 no collision and no crossing in a first frame, 1 these or files that could not be read, 2 error.
+Exit code: 0 no collision and no crossing in a first frame, 1 these, or files that could not be read or are unclear,
+2 error.
 
 Examples:
   foldproof sweep library -o results.jsonl                        check everything below library/
@@ -53,6 +55,7 @@ void add_sweep_options(const Subcommand& sweep, SweepArguments& a) {
       .description("Find triangles that cross in each frame instead, exactly; also in single meshes");
   sweep.option("--separate")
       .description("Numbered mesh files are single meshes (see --static), not frames of one motion");
+  sweep.option("--sequence").description("Numbered mesh files are frames, also if they look like bodies");
 
   const char* group = "Output";
   a.files
@@ -165,7 +168,7 @@ std::string list_of(const std::vector<SweepRecord>& records, SweepState state, c
   std::size_t count = 0;
   for (const SweepRecord& r : records) {
     if (r.state != state || ++count > kMaxShown) continue;
-    if (state == SweepState::Failed) {
+    if (state == SweepState::Failed || state == SweepState::Unclear) {
       text += "  " + r.error + '\n';
     } else {
       text += fmt::format("  {}: {}\n", Error{r.path, "", ""}.where, found_in(r, a));
@@ -173,7 +176,10 @@ std::string list_of(const std::vector<SweepRecord>& records, SweepState state, c
   }
   if (count > kMaxShown) text += fmt::format("  and {} more, in {}\n", count - kMaxShown, a.output);
   if (count == 0) return "";
-  return (state == SweepState::Failed ? "\nCould not be read:\n" : "\nCollide:\n") + text;
+  const char* heading = state == SweepState::Failed    ? "\nCould not be read:\n"
+                        : state == SweepState::Unclear ? "\nUnclear:\n"
+                                                       : "\nCollide:\n";
+  return heading + text;
 }
 
 /// "2 single mesh files and 1 single .npy file"
@@ -197,6 +203,8 @@ std::string closing(const SweepArguments& a, const SweepInput& input, const Swee
   text += fmt::format("\n  {:<22}{}\n  collide               {}\n  could not be read     {}\n",
                       a.steps_only ? "no contact in steps" : "clean", count(SweepState::Clean),
                       count(SweepState::Collides), count(SweepState::Failed));
+  if (count(SweepState::Unclear) != "0")
+    text += fmt::format("  unclear               {}\n", count(SweepState::Unclear));
   if (count(SweepState::Still) != "0")
     text += fmt::format("  a single pose         {}\n", count(SweepState::Still));
   if (input.single_meshes + input.single_arrays > 0)
@@ -222,7 +230,8 @@ std::string closing(const SweepArguments& a, const SweepInput& input, const Swee
     if (!used)
       text += fmt::format("not used                {}: of none of these meshes\n", cell(model->name));
   }
-  text += list_of(records, SweepState::Collides, a) + list_of(records, SweepState::Failed, a);
+  for (const SweepState state : {SweepState::Collides, SweepState::Failed, SweepState::Unclear})
+    text += list_of(records, state, a);
   return text;
 }
 

@@ -15,6 +15,7 @@
 #include <system_error>
 
 #include "base/duration.h"
+#include "report/assumed.h"
 
 namespace foldproof {
 
@@ -168,51 +169,59 @@ std::string untested_sentences(Motions motions, const CheckSettings& settings, c
 }
 
 /// The closing sentence if nothing was found. It claims freedom only if everything was tested.
-std::string clean_sentence(const CheckSettings& settings, const CheckTotals& totals) {
+std::string clean_sentence(const CheckSettings& settings, const CheckTotals& totals,
+                           const std::string& subject) {
   const std::string all = totals.steps == 1 ? "the one step" : "all " + counted(totals.steps, "step");
   if (settings.poses) {
-    return fmt::format("No triangles cross in {}, proven. Motion between frames was not tested.",
+    return fmt::format("No triangles cross in {}{}, proven. Motion between frames was not tested.",
                        totals.steps == 1 ? fmt::format("frame {}", totals.first_frame)
-                                         : "any of " + counted(totals.steps, "frame"));
+                                         : "any of " + counted(totals.steps, "frame"),
+                       subject);
   }
   if (!totals.starts_crossing) {
     return fmt::format(
-        "No contact begins in {}, proven. Crossings from frame {} on were not tested (--steps-only).", all,
-        totals.first_frame);
+        "No contact begins in {}{}, proven. Crossings from frame {} on were not tested (--steps-only).", all,
+        subject, totals.first_frame);
   }
-  const std::string start = fmt::format("No collisions: no triangles cross in frame {}", totals.first_frame);
+  const std::string start =
+      fmt::format("No collisions{}: no triangles cross in frame {}", subject, totals.first_frame);
   if (!is_single_frame(totals))
     return start + fmt::format(", and {} {} proven free.", all, totals.steps == 1 ? "is" : "are");
   return start + (settings.step.thickness > 0 ? ", and all is farther apart than the thickness, proven."
                                               : ", proven.");
 }
 
-std::string found_sentence(const CheckSettings& settings, const CheckTotals& totals) {
+std::string found_sentence(const CheckSettings& settings, const CheckTotals& totals,
+                           const std::string& subject) {
   std::string text;
   if (starts_crossing(totals)) {
     text = "F" + start_of(totals).substr(1);
     if (totals.collisions.sum() == 0)
-      return text + (is_single_frame(totals) ? "." : "; no other contact begins in the steps.");
+      return text + (is_single_frame(totals) ? "" : "; no other contact begins in the steps") + subject + ".";
     text += ". ";
   }
   if (!settings.poses && is_single_frame(totals)) {
-    return text + fmt::format("{} in frame {} as close as the thickness and the tolerance.",
-                              counted(totals.collisions.sum(), "pair"), totals.first_frame);
+    return text + fmt::format("{} in frame {}{} as close as the thickness and the tolerance.",
+                              counted(totals.collisions.sum(), "pair"), totals.first_frame, subject);
   }
   std::string when = step_name(*totals.earliest, settings);
   if (!settings.poses) when += fmt::format(", {:.4g} of the way", totals.earliest_toi);
-  return text + fmt::format("Collisions in {} of {}, the first in {}.", grouped(totals.steps_with_collisions),
-                            counted(totals.steps, settings.poses ? "frame" : "step"), when);
+  return text + fmt::format("Collisions in {} of {}{}, the first in {}.",
+                            grouped(totals.steps_with_collisions),
+                            counted(totals.steps, settings.poses ? "frame" : "step"), subject, when);
 }
 
 std::string closing_sentence(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
+  // One frame is none of several.
+  const std::string subject = assumed(motions, settings.poses || is_single_frame(totals));
   if (settings.step.mode == Mode::Paper) {
-    return fmt::format("{}STATISTICAL: the mode paper found {} of {}. Omit --mode for the proven answer.",
+    return fmt::format("{}STATISTICAL: the mode paper found {} of {}{}. Omit --mode for the proven answer.",
                        starts_crossing(totals) ? "F" + start_of(totals).substr(1) + ". " : "",
                        grouped(totals.collisions.sum()),
-                       counted(totals.collisions.sum() + totals.missed, "colliding pair"));
+                       counted(totals.collisions.sum() + totals.missed, "colliding pair"), subject);
   }
-  std::string text = totals.clean() ? clean_sentence(settings, totals) : found_sentence(settings, totals);
+  std::string text =
+      totals.clean() ? clean_sentence(settings, totals, subject) : found_sentence(settings, totals, subject);
   if (const std::string ignored = printable(ignored_pairs(settings)); !ignored.empty()) {
     text.pop_back();
     text += "; " + ignored + ".";

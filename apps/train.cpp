@@ -43,7 +43,7 @@ Examples:
 struct TrainArguments {
   std::vector<std::string> poses;
   std::string model;
-  MotionOptions motion;
+  MotionOptions motion = pose_options();
   Index references = 0, random_poses = 0;
   LearnSettings learning;
   std::string subspace = "pca";

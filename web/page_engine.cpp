@@ -28,6 +28,13 @@ PageQuery query_of(std::string_view text) {
   return query;
 }
 
+MeshFiles mesh_files_of(const Json& request) {
+  const std::string meshes = request.value("meshes", "names");
+  if (meshes == "sequence") return MeshFiles::Sequence;
+  if (meshes == "separate") return MeshFiles::Separate;
+  return request["static"] ? MeshFiles::Poses : MeshFiles::ByName;
+}
+
 Result<void> open(const Json& request) {
   const std::vector<std::string> files = request["files"], models = request["models"];
   PageInput input;
@@ -35,6 +42,8 @@ Result<void> open(const Json& request) {
   const std::string seams = request.value("seams", "by_format");
   if (seams != "by_format") input.read.weld = seams == "always" ? Weld::Always : Weld::Never;
   input.read.still = true;
+  input.read.clip = request.value("clip", "");
+  input.read.mesh_files = mesh_files_of(request);
   input.motions = FOLDPROOF_TRY(open_motions(files, input.read));
   input.check.substeps = request["substeps"];
   input.check.step.thickness = request["thickness"];
@@ -67,7 +76,8 @@ int answer_with(Make make) {
 extern "C" {
 
 /// `request`: the arguments of `foldproof view`: {"files": ["walk.glb"], "models": [], "thickness": 0,
-/// "substeps": 1, "static": false, "fps": 24, "seams": "by_format", "command": "what the report names"}.
+/// "substeps": 1, "static": false, "fps": 24, "seams": "by_format", "clip": "", "meshes": "names", "command":
+/// "what the report names"}.
 int foldproof_open(const char* request) {
   using namespace foldproof;
   page.reset();

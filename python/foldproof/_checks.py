@@ -36,9 +36,9 @@ class CheckResult:
     'paper', collisions of the proven answer that it misses, over all steps. tolerance: the largest of a step, mesh units.
     work, milliseconds: sums over the steps, as in StepResult. first_frame: the first that was checked. notes: what the
     readers of the motions left out or assumed (Motion.notes), after the motion's name. untested: what the settings left
-    out, a sentence each. static: whether frames were checked, not steps. statistical: mode 'paper', which can miss
-    collisions. still_crossing: the number of pairs of triangles that cross in the first frame among objects that stand
-    still, which do not count as collisions; None if there are none, or with still_pairs or steps_only.
+    out, a sentence each. assumed: what files were taken for, such as ' between 3 frames of one mesh'; empty if nothing.
+    static: whether frames were checked, not steps. statistical: mode 'paper', which can miss collisions. still_crossing:
+    the number of pairs of triangles that cross in the first frame among objects that stand still, which do not count as collisions; None if there are none, or with still_pairs or steps_only.
     """
 
     clean: bool
@@ -57,6 +57,7 @@ class CheckResult:
     first_frame: int
     notes: list[str]
     untested: list[str]
+    assumed: str
     statistical: bool
     static: bool
     _contacts: Contacts | None
@@ -113,7 +114,7 @@ class CheckResult:
         """'12 collisions in 3 of 32 steps, 2 contacts; frame 0 starts with 4 crossing pairs of triangles'."""
         colliding = np.count_nonzero(self.steps["vertex_face"] + self.steps["edge_edge"] + self.steps["crossings"])
         noun = "frame" if self.static else "step"
-        text = f"{many(self.collisions, 'collision')} in {colliding:,} of {many(len(self.steps), noun)}"
+        text = f"{many(self.collisions, 'collision')} in {colliding:,} of {many(len(self.steps), noun)}{self.assumed}"
         if self._contacts:
             text += f", {many(len(self._contacts), 'contact')}"
         if self.static:

@@ -8,8 +8,9 @@ import re
 _CONTROLS = dict.fromkeys([*range(32), 127], "?")
 # Options of the program, as the library's messages name them, and the arguments that do the same.
 _ARGUMENTS = {
-    "--between": "within=False", "--fps": "fps", "--frames": "frames", "--model": "models=", "--ply": "reports",
-    "--no-weld": "weld=False", "--separate": "separate=True", "--still-pairs": "still_pairs=True",
+    "--between": "within=False", "--clip": "clip=", "--fps": "fps", "--frames": "frames", "--model": "models=",
+    "--no-weld": "weld=False", "--ply": "reports", "--separate": "separate=True", "--sequence": "sequence=True",
+    "--still-pairs": "still_pairs=True",
     "--steps-only": "steps_only=True", "--weld": "weld=True",
 }  # fmt: skip
 _OPTION = re.compile(rf"(?<![^ (])({'|'.join(_ARGUMENTS)})(?![\w-])")

@@ -12,6 +12,7 @@
 #include "long_call.h"
 #include "module.h"
 #include "motions.h"
+#include "report/assumed.h"
 #include "steps.h"
 
 namespace foldproof::python {
@@ -300,6 +301,7 @@ py::dict fields_of(Found found, const Request& request) {
   }
   d["notes"] = notes;
   d["untested"] = untested_by(request, totals);
+  d["assumed"] = message_of(assumed(request.motions, request.settings.poses));
   d["statistical"] = request.settings.step.mode == Mode::Paper;
   d["starts_crossing"] = totals.starts_crossing;
   d["still_crossing"] = totals.still_crossing;

@@ -113,20 +113,30 @@ Weld weld_of(std::optional<bool> weld) {
   return *weld ? Weld::Always : Weld::Never;
 }
 
-py::list open_list(const py::args& paths, double fps, std::optional<bool> weld, bool separate, bool still) {
+MeshFiles mesh_files_of(bool sequence, bool separate) {
+  if (sequence && separate) refuse("sequence", "does not go with separate", "leave one of them out");
+  return sequence ? MeshFiles::Sequence : separate ? MeshFiles::Separate : MeshFiles::ByName;
+}
+
+py::list open_list(const py::args& paths, double fps, std::optional<bool> weld, bool sequence, bool separate,
+                   bool still, const std::string& clip) {
   py::list list;
   for (auto& motion : open_all(paths, {.fps = fps,
                                       .weld = weld_of(weld),
-                                      .mesh_files = separate ? MeshFiles::Separate : MeshFiles::ByName,
-                                      .still = still}))
+                                      .mesh_files = mesh_files_of(sequence, separate),
+                                      .still = still,
+                                      .clip = clip}))
     list.append(std::move(motion));
   return list;
 }
 
-std::shared_ptr<SharedMotion> open_one(const py::args& paths, double fps, std::optional<bool> weld) {
-  auto motions = open_all(paths, {.fps = fps, .weld = weld_of(weld)});
+std::shared_ptr<SharedMotion> open_one(const py::args& paths, double fps, std::optional<bool> weld,
+                                       bool sequence, const std::string& clip) {
+  auto motions = open_all(
+      paths, {.fps = fps, .weld = weld_of(weld), .mesh_files = mesh_files_of(sequence, false), .clip = clip});
   if (motions.size() != 1)
-    refuse("paths", "are " + std::to_string(motions.size()) + " motions", "give one, or use open_motions");
+    refuse("paths", "are " + std::to_string(motions.size()) + " motions",
+           "give one, sequence=True if they are its frames, or use open_motions");
   return std::move(motions.front());
 }
 
@@ -199,14 +209,16 @@ py::tuple state_of(const py::object& self) {
   return py::make_tuple(triangles_of_motion(self), py::module_::import("numpy").attr("stack")(py::list(self)),
                         py::bytes(motion.name()), parts_of_motion(motion), py::bytes(motion.info().unit),
                         notes, read.fps, static_cast<int>(read.weld), static_cast<int>(read.mesh_files),
-                        owned_rows(std::vector<Index>(motion.info().merged)), motion.info().layered);
+                        owned_rows(std::vector<Index>(motion.info().merged)), motion.info().layered,
+                        py::bytes(motion.info().taken_as));
 }
 
 std::shared_ptr<SharedMotion> motion_of_state(const py::tuple& state) {
-  if (state.size() != 11) refuse("motion", "was pickled by another version", "pickle it again");
+  if (state.size() != 12) refuse("motion", "was pickled by another version", "pickle it again");
   const auto merged = state[9].cast<py::array_t<Index>>();
   MotionInfo info{.unit = state[4].cast<std::string>(),
                   .notes = state[5].cast<std::vector<std::string>>(),
+                  .taken_as = state[11].cast<std::string>(),
                   .merged = std::vector<Index>(merged.data(), merged.data() + merged.size()),
                   .layered = state[10].cast<bool>()};
   const ReadOptions read{.fps = state[6].cast<double>(),
@@ -258,20 +270,25 @@ FrameRange frames_of(const py::handle& frames) {
 namespace {
 
 void bind_files(py::module_& module) {
-  module.def("open_motion", &open_one, py::arg("fps") = 24.0, py::arg("weld") = py::none(),
-             "Opens one motion: a mesh (with .pc2 or .mdd); several meshes as a directory, a glob or a name "
-             "with %d; glTF, GLB, NPZ, PVD; a pair of .npy.\n\n"
-             "fps: sampling rate of animated glTF. weld: which vertices become one, in the triangles alone: "
-             "None for the seams of glTF and STL, True for all that coincide in the first frame, False for "
-             "none. "
-             "Error: as for the program (docs/formats.md).");
+  module.def(
+      "open_motion", &open_one, py::arg("fps") = 24.0, py::arg("weld") = py::none(),
+      py::arg("sequence") = false, py::arg("clip") = "",
+      "Opens one motion: a mesh (with .pc2 or .mdd); several meshes as a directory, a glob or a name "
+      "with %d; glTF, GLB, NPZ, PVD; a pair of .npy.\n\n"
+      "fps: sampling rate of animated glTF. weld: which vertices become one, in the triangles alone: "
+      "None for the seams of glTF and STL, True for all that coincide in the first frame, False for none. "
+      "sequence: several meshes are its frames, whatever their names and places are; without it, frames "
+      "have names that differ in nothing but one number, and an Error asks where they look like bodies. "
+      "clip: the animation of a glTF, one of Motion.clips, or 'animations[1]'; the longest without it. "
+      "Error: as for the program (docs/formats.md).");
   module.def(
       "open_motions", &open_list, py::arg("fps") = 24.0, py::arg("weld") = py::none(),
-      py::arg("separate") = false, py::arg("still") = false,
+      py::arg("sequence") = false, py::arg("separate") = false, py::arg("still") = false,
+      py::arg("clip") = "",
       "Opens any number of motions: a list.\n\n"
-      "separate: mesh files whose names differ only in a number are motions of their own, not frames "
-      "of one. still: motions of a single frame stand still as long as the longest of the others lasts. "
-      "Otherwise as open_motion.");
+      "separate: several mesh files are bodies, each a motion of its own, whatever their names are. still: "
+      "motions of a single frame stand still as long as the longest of the others lasts, and files that are "
+      "more or fewer than the others have frames are bodies. Otherwise as open_motion.");
   module.def(
       "write_motion",
       [](const py::object& path, SharedMotion& motion) {
@@ -308,6 +325,18 @@ void bind_motions(py::module_& module) {
       .def_property_readonly(
           "unit", [](const SharedMotion& m) { return text_of(m.info().unit); },
           "What a mesh unit is, where the format defines it ('m' for glTF); else empty.")
+      .def_property_readonly(
+          "taken_as", [](const SharedMotion& m) { return message_of(m.info().taken_as); },
+          "What its files were taken for, where they may mean something else: '3 frames of one mesh'; else "
+          "empty.")
+      .def_property_readonly(
+          "clips",
+          [](const SharedMotion& m) {
+            py::list clips;
+            for (const std::string& clip : m.info().clips) clips.append(text_of(clip));
+            return clips;
+          },
+          "Names of the file's animations, as open_motion(clip=) takes them; empty if it has none.")
       .def_property_readonly("notes", &notes_of_motion,
                              "What the reader left out or assumed, a line each; empty if nothing.")
       .def_property_readonly(

@@ -1,6 +1,9 @@
 """Arrays in and out: in place where they can be, refused with our words where they cannot, alive as long as needed."""
+import base64
 import gc
+import json
 import pathlib
+import pickle
 
 import numpy as np
 import pytest
@@ -277,3 +280,47 @@ def test_unknown_keywords_suggest_what_was_meant(motion, triangles, frames):
             call()
     with pytest.raises(TypeError, match="'color' is not a setting of a check$"):
         foldproof.check(motion, color=1)
+
+
+def test_frames_that_look_like_bodies_are_asked_for(tmp_path):
+    triangles, tetrahedron = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)], np.vstack([np.zeros(3), np.eye(3)])
+    for name, x in (("body1", 0), ("body2", 0.5), ("left", 0), ("right", 0.1)):
+        folder = tmp_path / ("bodies" if name[-1].isdigit() else "lr")
+        folder.mkdir(exist_ok=True)
+        foldproof.write_motion(folder / f"{name}.obj", foldproof.Motion(triangles, tetrahedron + [x, 0, 0]))
+    bodies, lr = tmp_path / "bodies", tmp_path / "lr"
+    with pytest.raises(foldproof.Error, match="2 bodies: .*; say which it is: sequence=True or separate=True$"):
+        foldproof.open_motion(bodies)
+    assert [len(read) for read in foldproof.open_motions(bodies, separate=True)] == [1, 1]
+    frames = foldproof.open_motion(bodies, sequence=True)
+    assert len(frames) == 2 and frames.taken_as == pickle.loads(pickle.dumps(frames)).taken_as == "2 frames of one mesh"
+    assert "0 collisions in 0 of 1 step between 2 frames of one mesh;" in repr(foldproof.check(frames))
+    assert [read.taken_as for read in foldproof.open_motions(lr)] == ["", ""]
+    assert len(foldproof.open_motion(lr, sequence=True)) == 2
+    with pytest.raises(foldproof.Error, match="are 2 motions; give one, sequence=True if they are its frames"):
+        foldproof.open_motion(lr)
+    with pytest.raises(foldproof.Error, match="sequence: does not go with separate"):
+        foldproof.open_motions(lr, sequence=True, separate=True)
+
+
+def test_a_clip_of_a_gltf_is_chosen_by_name(tmp_path):
+    numbers = np.array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 2, 0, 0, 0, 1, 1, 1, 2, 2, 2], dtype="<f4").tobytes()
+    views = [(0, 3, "VEC3"), (36, 2, "SCALAR"), (36, 3, "SCALAR"), (48, 2, "VEC3"), (48, 3, "VEC3")]
+    clip = lambda times, values: {"samplers": [{"input": times, "output": values}],
+                                  "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}
+    (tmp_path / "a.gltf").write_text(json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "animations": [{"name": "walk", **clip(1, 3)}, {"name": "run", **clip(2, 4)}],
+        "accessors": [{"bufferView": k, "componentType": 5126, "count": count, "type": kind}
+                      for k, (_, count, kind) in enumerate(views)],
+        "bufferViews": [{"buffer": 0, "byteOffset": start, "byteLength": 4 * count * (3 if kind == "VEC3" else 1)}
+                        for start, count, kind in views],
+        "buffers": [{"byteLength": len(numbers),
+                     "uri": "data:application/octet-stream;base64," + base64.b64encode(numbers).decode()}]}))
+    longest, walk = foldproof.open_motion(tmp_path / "a.gltf", fps=1), foldproof.open_motion(tmp_path / "a.gltf", fps=1, clip="walk")
+    assert longest.clips == walk.clips == ["walk", "run"] and (len(longest), len(walk)) == (3, 2)
+    assert longest.taken_as == "clip 'run', the longest of 2" and walk.taken_as == "clip 'walk'"
+    assert "in clip 'run', the longest of 2" in repr(foldproof.check(longest))
+    with pytest.raises(foldproof.Error, match="has no clip 'wlk'; did you mean 'walk'"):
+        foldproof.open_motions(tmp_path / "a.gltf", clip="wlk")

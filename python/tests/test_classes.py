@@ -64,7 +64,7 @@ def test_what_readers_leave_out_is_said_and_copied(motion, tmp_path):
     (tmp_path / "named").mkdir()
     for number, name in enumerate((b"a\xff0.obj", b"b1.obj")):
         shutil.copy(tmp_path / f"f{2 * number}.obj", os.path.join(os.fsencode(tmp_path / "named"), name))
-    named = foldproof.open_motion(tmp_path / "named")
+    named = foldproof.open_motion(tmp_path / "named", sequence=True)
     assert "\\xff0.obj is followed by b1.obj" in named.notes[0] and pickle.loads(pickle.dumps(named)).notes == named.notes
     foldproof.check(copy, reports=tmp_path / "a.json")
     settings = json.loads((tmp_path / "a.json").read_text())["settings"]

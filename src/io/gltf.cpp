@@ -48,6 +48,9 @@ class GltfMotion final : public Motion {
     }
     info_.unit = "m";
     info_.notes = scene_.notes;
+    info_.clips = scene_.clips;
+    info_.taken_as = scene_.taken_as;
+    if (!scene_.unchecked.empty()) info_.unchecked.push_back(scene_.unchecked);
     if (std::string note = note_on_keys(scene_, fps_, kMaxFrames); !note.empty())
       info_.notes.push_back(std::move(note));
     FOLDPROOF_TRY(check_size());
@@ -331,7 +334,7 @@ Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, const ReadOpt
                 "give a number above zero");
   }
   auto document = FOLDPROOF_TRY(GltfDocument::read(path, progress));
-  auto scene = FOLDPROOF_TRY(read_gltf_scene(document));
+  auto scene = FOLDPROOF_TRY(read_gltf_scene(document, options.clip));
   auto motion = std::make_unique<GltfMotion>(std::move(document), std::move(scene), options);
   FOLDPROOF_TRY(motion->open());
   return motion;

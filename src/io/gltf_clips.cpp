@@ -1,70 +1,74 @@
 #include "io/gltf_clips.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <map>
 #include <set>
+
+#include "base/nearest_name.h"
 
 namespace foldproof::io {
 namespace {
 
-/// Clips that lose all or some of what they drive, and those that win it, by index.
-struct Losers {
-  std::set<std::size_t> clips, winners;
-};
+std::string number_of(std::size_t clip) { return fmt::format("animations[{}]", clip); }
 
-/// "'a'", "'a' and 'b'", "'a', 'b', 'c' and 9 more".
-std::string enumerate(std::span<const GltfClip> clips, const std::set<std::size_t>& which) {
-  constexpr std::size_t kShown = 4;
+/// What ReadOptions::clip calls each: their names where these are unique.
+std::vector<std::string> names_of(std::span<const GltfClip> clips) {
   std::vector<std::string> names;
-  for (const std::size_t i : which) {
-    if (names.size() + 1 == kShown && which.size() > kShown) {
-      names.push_back(fmt::format("{} more", which.size() - names.size()));
-      break;
-    }
-    names.push_back(clips[i].name);
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    const std::string& name = clips[i].name;
+    const bool unique = std::ranges::count_if(clips, [&](const GltfClip& c) { return c.name == name; }) == 1;
+    names.push_back(unique && !name.empty() && name != "all" ? name : number_of(i));
   }
-  if (names.size() == 1) return names[0];
-  return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
+  return names;
 }
 
-std::string note_on(const Losers& losers, std::span<const GltfClip> clips, bool whole) {
-  const bool one = losers.clips.size() == 1;
-  return fmt::format(
-      "{} {} {} not shown{}: {} {}what {} {} as long or longer; export {} alone to check it",
-      one ? "clip" : "clips", enumerate(clips, losers.clips), one ? "is" : "are", whole ? "" : " in full",
-      one ? "it drives" : "they drive", whole ? "" : "some of ", enumerate(clips, losers.winners),
-      losers.winners.size() == 1 ? "drives, which is" : "drive, which are", one ? "it" : "each");
+/// "'a'", "'a' and 'b'", "'a', 'b', 'c' and 9 more".
+std::string enumerate(std::span<const std::string> names) {
+  constexpr std::size_t kShown = 4;
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i + 1 == kShown && names.size() > kShown) return text + fmt::format(" and {} more", names.size() - i);
+    text += fmt::format("{}'{}'", i == 0 ? "" : i + 1 == names.size() ? " and " : ", ", names[i]);
+  }
+  return text;
+}
+
+tl::unexpected<Error> no_such_clip(std::span<const std::string> names, const std::string& name,
+                                   const std::string& file) {
+  const auto nearest = nearest_name(name, names);
+  return fail(ErrorCode::InvalidArgument, file, fmt::format("has no clip '{}'", name),
+              (nearest ? fmt::format("did you mean '{}'? it has ", *nearest) : "it has ") + enumerate(names));
 }
 
 }  // namespace
 
-void play_together(std::vector<GltfClip> clips, GltfScene& scene) {
-  std::ranges::stable_sort(clips, std::greater(), &GltfClip::duration);
-  std::map<std::pair<std::size_t, GltfPath>, std::size_t> drivers;  // clips, by node and property
-  Losers not_shown, shown_in_part;
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    scene.duration = std::max(scene.duration, clips[i].duration);
-    std::set<std::size_t> winners;
-    bool shown = false;
-    for (GltfChannel& channel : clips[i].channels) {
-      const auto [driver, wins] = drivers.emplace(std::pair(channel.node, channel.path), i);
-      if (wins) {
-        scene.channels.push_back(std::move(channel));
-        shown = true;
-      } else if (driver->second != i) {
-        winners.insert(driver->second);
-      }
-    }
-    if (winners.empty()) continue;
-    Losers& losers = shown ? shown_in_part : not_shown;
-    losers.clips.insert(i);
-    losers.winners.merge(winners);
+Result<void> show_clip(std::vector<GltfClip> clips, const std::string& name, const std::string& file,
+                       GltfScene& scene) {
+  if (clips.empty()) return {};
+  scene.clips = names_of(clips);
+  std::size_t shown = 0;
+  if (name.empty()) {
+    shown =
+        static_cast<std::size_t>(std::ranges::max_element(clips, {}, &GltfClip::duration) - clips.begin());
+  } else {
+    while (shown < clips.size() && name != scene.clips[shown] && name != number_of(shown)) ++shown;
+    if (shown == clips.size()) return no_such_clip(scene.clips, name, file);
   }
-  if (!not_shown.clips.empty()) scene.notes.push_back(note_on(not_shown, clips, true));
-  if (!shown_in_part.clips.empty()) scene.notes.push_back(note_on(shown_in_part, clips, false));
+  GltfClip& clip = clips[shown];
+  scene.duration = clip.duration;
+  std::set<std::pair<std::size_t, GltfPath>> driven;
+  for (GltfChannel& channel : clip.channels) {
+    if (driven.emplace(channel.node, channel.path).second) scene.channels.push_back(std::move(channel));
+  }
+  if (clips.size() == 1) return {};
+  scene.taken_as = fmt::format("clip '{}'", scene.clips[shown]);
+  if (!name.empty()) return {};
+  scene.taken_as += fmt::format(", the longest of {}", clips.size());
+  scene.unchecked = clips.size() == 2
+                        ? "the other clip was not checked (--clip)"
+                        : fmt::format("{} other clips were not checked (--clip)", clips.size() - 1);
+  return {};
 }
 
 }  // namespace foldproof::io

@@ -1,4 +1,4 @@
-/// Which channels of a file's animations are shown together.
+/// Which of a file's animations is shown.
 #pragma once
 
 #include "io/gltf_scene.h"
@@ -7,14 +7,15 @@ namespace foldproof::io {
 
 /// An animation of a glTF file.
 struct GltfClip {
-  std::string name;  ///< As it is shown to users: "'walk'", or "animations[0]".
+  std::string name;  ///< As the file names it; may be empty.
   std::vector<GltfChannel> channels;
   double duration = 0;  ///< Time of the last key of any channel, seconds.
 };
 
-/// Gives the scene the channels of all clips, its duration, and notes on clips that are left out: all clips
-/// play together from time 0. Where two drive the same property, as clips of one character do, the longest
-/// wins; the first of those that are equally long.
-void play_together(std::vector<GltfClip> clips, GltfScene& scene);
+/// Gives the scene the channels of the clip of a name, or of "animations[1]", its duration, and what it says
+/// of it; without a name, of the longest, the first of those that are equally long. A scene without clips
+/// stays as it is. Error, about `file`: no clip has this name.
+Result<void> show_clip(std::vector<GltfClip> clips, const std::string& name, const std::string& file,
+                       GltfScene& scene);
 
 }  // namespace foldproof::io

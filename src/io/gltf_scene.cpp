@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "base/try.h"
 #include "io/gltf_clips.h"
 
 namespace foldproof::io {
@@ -18,7 +19,7 @@ class SceneReader {
  public:
   explicit SceneReader(GltfDocument& document) : document_(document) {}
 
-  Result<GltfScene> read() {
+  Result<GltfScene> read(const std::string& clip) {
     read_nodes();
     for (const Json& material : document_.list("materials"))
       scene_.materials.push_back(document_.text(material, "name", ""));
@@ -26,8 +27,11 @@ class SceneReader {
     if (!failed()) read_meshes();
     if (!failed()) read_skins();
     if (!failed()) check_mesh_nodes();
-    if (!failed()) read_animations();
+    std::vector<GltfClip> clips;
+    if (!failed()) clips = read_animations();
     if (failed()) return tl::unexpected(*document_.error());
+    FOLDPROOF_TRY(show_clip(std::move(clips), clip, document_.path(), scene_));
+    split_animated_matrices();
     return std::move(scene_);
   }
 
@@ -270,21 +274,18 @@ class SceneReader {
     }
   }
 
-  void read_animations() {
+  std::vector<GltfClip> read_animations() {
     const Json& animations = document_.list("animations");
     std::vector<GltfClip> clips;
     for (std::size_t i = 0; i < animations.size() && !failed(); ++i) {
       const std::string json_path = fmt::format("animations[{}]", i);
       const std::string name = document_.text(animations[i], "name", "");
-      GltfClip clip{name.empty() ? json_path : fmt::format("'{}'", name),
-                    read_animation(animations[i], json_path)};
+      GltfClip clip{name, read_animation(animations[i], json_path)};
       for (const GltfChannel& channel : clip.channels)
         clip.duration = std::max(clip.duration, channel.times.get(channel.times.count() - 1, 0));
       clips.push_back(std::move(clip));
     }
-    if (failed()) return;
-    play_together(std::move(clips), scene_);
-    split_animated_matrices();
+    return clips;
   }
 
   /// The specification forbids to animate a node that has a matrix. Viewers split it, and so what is not
@@ -423,6 +424,8 @@ class SceneReader {
 
 }  // namespace
 
-Result<GltfScene> read_gltf_scene(GltfDocument& document) { return SceneReader(document).read(); }
+Result<GltfScene> read_gltf_scene(GltfDocument& document, const std::string& clip) {
+  return SceneReader(document).read(clip);
+}
 
 }  // namespace foldproof::io

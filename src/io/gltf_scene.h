@@ -67,11 +67,13 @@ struct GltfScene {
   std::vector<std::string> materials;  ///< Names.
   std::vector<GltfChannel> channels;   ///< At most one per path of a node.
   double duration = 0;                 ///< Time of the last key of any channel, seconds.
-  std::vector<std::string> notes;      ///< On what was left out of it, as in Motion::notes.
+  std::vector<std::string> notes;      ///< On what was left out of it, as in MotionInfo.
+  std::vector<std::string> clips;      ///< As in MotionInfo.
+  std::string taken_as, unchecked;     ///< The same, where there are several clips.
 };
 
-/// Error: the document's first error.
-Result<GltfScene> read_gltf_scene(GltfDocument& document);
+/// `clip`: ReadOptions::clip. Error: the document's first error; there is no such clip.
+Result<GltfScene> read_gltf_scene(GltfDocument& document, const std::string& clip);
 
 /// Interpolates the `out.size()` numbers of a channel at a time, without normalization. A time that differs
 /// from a key's by no more than rounding takes the key (is_time_of_key).

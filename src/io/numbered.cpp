@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <map>
+#include <numeric>
 
 #include "io/formats.h"
 #include "io/text.h"
@@ -76,6 +78,34 @@ std::optional<std::uint64_t> value_of(std::string_view number) {
   return status == std::errc() ? std::optional(value) : std::nullopt;
 }
 
+/// Around the number that `place` others follow in the file's name; none: there is no such number.
+std::optional<AroundNumber> around_number(const std::string& path, std::size_t place) {
+  const std::size_t name = file_name_of(path);
+  std::size_t first = path.size(), last = 0;
+  for (std::size_t found = 0; found <= place; ++found) {
+    last = first == 0 ? path.npos : path.find_last_of(kDigits, first - 1);
+    if (last == path.npos || last < name) return std::nullopt;
+    first = path.find_last_not_of(kDigits, last) + 1;
+  }
+  first = std::max(first, name);
+  if (first > name && path[first - 1] == '-') --first;
+  std::string after = path.substr(last + 1);
+  const std::string extension = extension_of(path);  // in lower case
+  if (after.size() >= extension.size())
+    after.replace(after.size() - extension.size(), extension.size(), extension);
+  return AroundNumber{path.substr(0, first), std::move(after)};
+}
+
+/// The number, counted from the end, that is all in which the names of two files differ; none: they differ
+/// otherwise.
+std::optional<std::size_t> place_of_difference(const std::string& a, const std::string& b) {
+  for (std::size_t place = 0;; ++place) {
+    const auto around = around_number(a, place);
+    if (!around) return std::nullopt;
+    if (around == around_number(b, place)) return place;
+  }
+}
+
 }  // namespace
 
 std::string NumberPattern::name(std::uint64_t number) const {
@@ -113,12 +143,32 @@ std::vector<std::string> numbered_files(const NumberPattern& pattern, std::error
   return files;
 }
 
-std::optional<AroundNumber> around_number(const std::string& path) {
-  const std::size_t name = file_name_of(path), last = path.find_last_of(kDigits);
-  if (last == path.npos || last < name) return std::nullopt;
-  std::size_t first = path.find_last_not_of(kDigits, last) + 1;
-  if (first > name && path[first - 1] == '-') --first;
-  return AroundNumber{path.substr(0, first), path.substr(last + 1)};
+std::vector<NumberedFiles> split_by_number(std::span<const std::string> paths) {
+  std::vector<std::size_t> single(paths.size());
+  std::iota(single.begin(), single.end(), std::size_t{0});
+  std::vector<bool> is_single(paths.size(), true);
+  std::map<std::size_t, NumberedFiles> sets;  // by their first files
+  for (std::size_t place = 0;; ++place) {
+    std::map<AroundNumber, std::vector<std::size_t>> alike;
+    for (const std::size_t i : single) {
+      if (const auto around = around_number(paths[i], place)) alike[*around].push_back(i);
+    }
+    if (alike.empty()) break;
+    for (const auto& [around, members] : alike) {
+      if (members.size() < 2) continue;
+      NumberedFiles& set = sets[members[0]];
+      set.around = around;
+      for (const std::size_t i : members) {
+        set.files.push_back(paths[i]);
+        is_single[i] = false;
+      }
+    }
+    std::erase_if(single, [&](std::size_t i) { return !is_single[i]; });
+  }
+  for (const std::size_t i : single) sets[i].files = {paths[i]};
+  std::vector<NumberedFiles> all;
+  for (auto& [first, set] : sets) all.push_back(std::move(set));
+  return all;
 }
 
 Result<std::vector<std::string>> notes_on_order(std::span<const std::string> paths) {
@@ -159,10 +209,12 @@ Result<std::vector<std::string>> notes_on_order(std::span<const std::string> pat
 
 std::size_t count_numbered(std::span<const std::string> arguments) {
   const auto is_mesh = [](const std::string& path) { return is_kind(path, FileKind::Mesh); };
-  const auto first = around_number(arguments[0]);
-  if (!first || !is_mesh(arguments[0])) return 1;
-  std::size_t count = 1;
-  while (count < arguments.size() && around_number(arguments[count]) == first) ++count;
+  if (arguments.size() < 2 || !is_mesh(arguments[0])) return 1;
+  const auto place = place_of_difference(arguments[0], arguments[1]);
+  if (!place) return 1;
+  const auto first = around_number(arguments[0], *place);
+  std::size_t count = 2;
+  while (count < arguments.size() && around_number(arguments[count], *place) == first) ++count;
   const bool ends_before_cache = count < arguments.size() && is_kind(arguments[count], FileKind::PointCache);
   return ends_before_cache ? std::max<std::size_t>(1, count - 1) : count;
 }

@@ -62,10 +62,16 @@ Result<void> check_request(const Motion& motion, Index frame, std::span<const do
 
 /// Natural order, frame9 before frame10: runs of digits compare as numbers, the rest byte by byte.
 bool natural_less(const std::string& a, const std::string& b);
-/// Mesh files as the frames of a motion, in the given order. `notes`: the motion's.
+/// Mesh files as the frames of a motion, in the given order. `info`: the motion's, to which it adds.
 Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths,
-                                              const ReadProgress& progress = {},
-                                              std::vector<std::string> notes = {});
+                                              const ReadProgress& progress = {}, MotionInfo info = {});
+/// The same of files that are frames by their names, in natural order, with notes on what their numbers leave
+/// out. Error: notes_on_order's; they have different formats.
+Result<std::unique_ptr<Motion>> open_numbered(std::string name, std::vector<std::string> files,
+                                              const ReadProgress& progress);
+/// Error, of the code Ambiguous: the frames, which are files in this order, look like bodies: every one is
+/// far from the one before (docs/formats.md). Frames that cannot be read say nothing.
+Result<void> require_frames(Motion& motion, std::span<const std::string> files);
 /// A mesh and its point cache.
 Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, const std::string& cache_path,
                                          const ReadProgress& progress);
@@ -82,7 +88,8 @@ Result<std::vector<std::string>> pvd_files(const std::string& path);
 Result<std::unique_ptr<Motion>> open_pvd(const std::string& path, const ReadProgress& progress);
 /// The files beside a .gltf that its buffers name, as paths; none where it cannot be read.
 std::vector<std::string> gltf_files(const std::string& path);
-/// glTF or GLB, sampled at ReadOptions::fps; merges the vertices of seams unless ReadOptions::weld says so.
+/// A glTF or GLB, the clip ReadOptions::clip, sampled at ReadOptions::fps; merges the vertices of seams
+/// unless ReadOptions::weld says so.
 Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, const ReadOptions& options,
                                           const ReadProgress& progress);
 

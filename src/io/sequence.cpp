@@ -13,10 +13,8 @@ namespace {
 
 class MeshSequence final : public Motion {
  public:
-  MeshSequence(std::string name, std::vector<std::string> paths, std::vector<std::string> notes)
-      : name_(std::move(name)), paths_(std::move(paths)) {
-    info_.notes = std::move(notes);
-  }
+  MeshSequence(std::string name, std::vector<std::string> paths, MotionInfo info)
+      : name_(std::move(name)), paths_(std::move(paths)), info_(std::move(info)) {}
 
   Result<void> open(const ReadProgress& progress) {
     for (const std::string& path : paths_) modified_.push_back(time_of(path));
@@ -118,8 +116,8 @@ class MeshSequence final : public Motion {
 }  // namespace
 
 Result<std::unique_ptr<Motion>> open_sequence(std::string name, std::vector<std::string> paths,
-                                              const ReadProgress& progress, std::vector<std::string> notes) {
-  auto motion = std::make_unique<MeshSequence>(std::move(name), std::move(paths), std::move(notes));
+                                              const ReadProgress& progress, MotionInfo info) {
+  auto motion = std::make_unique<MeshSequence>(std::move(name), std::move(paths), std::move(info));
   FOLDPROOF_TRY(motion->open(progress));
   return motion;
 }

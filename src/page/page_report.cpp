@@ -6,6 +6,7 @@
 #include "base/try.h"
 #include "page/page.h"
 #include "page/page_json.h"
+#include "report/assumed.h"
 #include "report/contact_pictures.h"
 #include "report/text_file.h"
 
@@ -77,6 +78,7 @@ class PageReport final : public ReportWriter {
               embedded(version()));
     file_.add("\"made\":{},\"command\":{},", embedded(now()), embedded(info.command));
     file_.add("\"objects\":{},", embedded(objects_json(motions, info.check.settings)));
+    file_.add("\"assumed\":{},", embedded(assumed(motions, info.check.settings.poses)));
     file_.add("\"settings\":{},\n\"steps\":[", embedded(settings_json(info.check, motions)));
     script_ = files.at(kScript);
   }

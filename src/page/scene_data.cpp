@@ -5,6 +5,7 @@
 
 #include "base/try.h"
 #include "learned/certificates.h"
+#include "report/assumed.h"
 
 namespace foldproof {
 
@@ -80,6 +81,7 @@ Json SceneData::json() const {
           {"fps", read_.fps},
           {"substeps", settings_.substeps},
           {"steps", steps()},
+          {"assumed", assumed(motions_, settings_.poses)},
           {"objects", std::move(objects)},
           {"center", {center().x(), center().y(), center().z()}},
           {"low", {low_.x(), low_.y(), low_.z()}},

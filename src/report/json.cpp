@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "base/try.h"
+#include "report/json_reports.h"
 #include "report/json_values.h"
 #include "report/text_file.h"
 
@@ -9,14 +10,20 @@ namespace {
 
 class JsonReport : public ReportWriter {
  public:
-  JsonReport(FileWriter file, Motions motions, const ReportInfo& info)
-      : file_(std::move(file)),
+  /// `clip`: of one of several reports in the file, which then is not committed; null: there is no other.
+  JsonReport(std::shared_ptr<TextFile> file, Motions motions, const ReportInfo& info,
+             const std::string* clip = nullptr)
+      : shared_file_(std::move(file)),
+        file_(*shared_file_),
         motions_(motions),
         settings_(info.settings),
         pairs_(info.pairs),
         poses_(info.settings.poses),
-        statistical_(info.settings.step.mode == Mode::Paper) {
-    file_.add("{{\"foldproof\":{},\n\"objects\":{},\n\"settings\":{},\n", dump(version()),
+        statistical_(info.settings.step.mode == Mode::Paper),
+        is_whole_(clip == nullptr) {
+    file_.add("{{");
+    if (clip != nullptr) file_.add("\"clip\":{},\n", dump(*clip));
+    file_.add("\"foldproof\":{},\n\"objects\":{},\n\"settings\":{},\n", dump(version()),
               dump(objects_json(motions, info.settings)), dump(settings_json(info, motions)));
   }
 
@@ -67,7 +74,7 @@ class JsonReport : public ReportWriter {
       FOLDPROOF_TRY(add_contacts(totals));
     }
     file_.add("\"totals\":{},\n\"clean\":{}}}\n", dump(json), totals.clean());
-    return file_.commit();
+    return is_whole_ ? file_.commit() : Result<void>{};
   }
 
  private:
@@ -126,10 +133,11 @@ class JsonReport : public ReportWriter {
     return {};
   }
 
-  TextFile file_;
+  std::shared_ptr<TextFile> shared_file_;
+  TextFile& file_;
   Motions motions_;
   const CheckSettings settings_;
-  bool pairs_, poses_, statistical_, steps_begun_ = false;
+  bool pairs_, poses_, statistical_, is_whole_, steps_begun_ = false;
 };
 
 }  // namespace
@@ -137,7 +145,34 @@ class JsonReport : public ReportWriter {
 Result<std::unique_ptr<ReportWriter>> json_report(const std::string& path, Motions motions,
                                                   const ReportInfo& info) {
   auto file = FOLDPROOF_TRY(FileWriter::open(path));
-  return std::make_unique<JsonReport>(std::move(file), motions, info);
+  return std::make_unique<JsonReport>(std::make_shared<TextFile>(std::move(file)), motions, info);
+}
+
+struct JsonReports::State {
+  std::shared_ptr<TextFile> file;
+  bool is_empty = true;
+};
+
+JsonReports::JsonReports(std::unique_ptr<State> state) : state_(std::move(state)) {}
+JsonReports::JsonReports(JsonReports&&) noexcept = default;
+JsonReports& JsonReports::operator=(JsonReports&&) noexcept = default;
+JsonReports::~JsonReports() = default;
+
+Result<JsonReports> JsonReports::open(const std::string& path) {
+  auto file = std::make_shared<TextFile>(FOLDPROOF_TRY(FileWriter::open(path)));
+  file->add("{{\"foldproof\":{},\n\"clips\":[\n", dump(version()));
+  return JsonReports(std::make_unique<State>(State{std::move(file)}));
+}
+
+std::unique_ptr<ReportWriter> JsonReports::add(const std::string& clip, Motions motions,
+                                               const ReportInfo& info) {
+  if (!std::exchange(state_->is_empty, false)) state_->file->add(",\n");
+  return std::make_unique<JsonReport>(state_->file, motions, info, &clip);
+}
+
+Result<void> JsonReports::finish(bool clean) {
+  state_->file->add("],\n\"clean\":{}}}\n", clean);
+  return state_->file->commit();
 }
 
 }  // namespace foldproof

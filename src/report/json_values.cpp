@@ -58,6 +58,8 @@ Json objects_json(Motions motions, const CheckSettings& settings) {
                        {"merged", merged_count(motion)},
                        {"model", model ? Json(model->name) : Json(nullptr)}});
     if (const auto& notes = motion.info().notes; !notes.empty()) objects.back()["notes"] = notes;
+    if (const auto& taken_as = motion.info().taken_as; !taken_as.empty())
+      objects.back()["taken_as"] = taken_as;
   }
   return objects;
 }

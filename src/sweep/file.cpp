@@ -82,9 +82,10 @@ class LineFilter {
     const auto found = by_path_.find(record.path);
     if (found == by_path_.end()) return !lies_below(record.path, written_directories_);
     const SweepMotion& motion = input_.motions[found->second];
-    // What failed may have failed for want of memory, space or permissions, which come back.
+    // What failed may have failed for want of memory, space or permissions, which come back. What was unclear
+    // may be clear now (--sequence).
     const bool same = record.status == motion.status && record.settings == hash_ && !again_ &&
-                      record.state != SweepState::Failed;
+                      record.state != SweepState::Failed && record.state != SweepState::Unclear;
     if (!same || !done.insert(found->second).second) return false;
     records.push_back(std::move(record));
     return true;

@@ -166,12 +166,13 @@ class Finder {
   }
 
   void find_series(const std::string& path, const std::vector<std::string>& meshes) {
-    std::map<io::AroundNumber, std::vector<std::string>> series;
-    for (const std::string& mesh : meshes) {
-      const auto around = separate_ ? std::nullopt : io::around_number(mesh);
-      series[around.value_or(io::AroundNumber{mesh, ""})].push_back(mesh);
+    std::vector<io::NumberedFiles> series;
+    if (separate_) {
+      for (const std::string& mesh : meshes) series.push_back({{mesh}, {}});
+    } else {
+      series = io::split_by_number(meshes);
     }
-    for (const auto& [around, frames] : series) {
+    for (const auto& [frames, around] : series) {
       if (frames.size() > 1) {
         const auto& [before, after] = around;
         const char* number = frames[0][before.size()] == '-' ? "-*" : "*";

@@ -26,12 +26,14 @@ constexpr ContactPictures::Format kThumbnail{160, 120, false};
 Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const ReadOptions& options) {
   const bool frames = motion.files.size() > 1 && io::is_kind(motion.files.back(), io::FileKind::Mesh);
   if (!frames) {
-    auto opened = FOLDPROOF_TRY(open_motions(motion.files, options));
+    ReadOptions read = options;
+    if (!extension_of(motion.files[0]).starts_with(".gl")) read.clip.clear();  // others have none
+    auto opened = FOLDPROOF_TRY(open_motions(motion.files, read));
     return std::move(opened.front());
   }
-  auto opened =
-      io::open_sequence(motion.path, motion.files, {}, FOLDPROOF_TRY(io::notes_on_order(motion.files)));
-  if (opened && options.weld == Weld::Always) opened = io::weld(std::move(*opened));
+  auto opened = FOLDPROOF_TRY(io::open_numbered(motion.path, motion.files, {}));
+  if (options.mesh_files == MeshFiles::ByName) FOLDPROOF_TRY(io::require_frames(*opened, motion.files));
+  if (options.weld == Weld::Always) opened = FOLDPROOF_TRY(io::weld(std::move(opened)));
   return opened;
 }
 
@@ -46,7 +48,7 @@ Json head_of(const SweepMotion& motion, const SweepSettings& settings) {
 }
 
 void set_failed(Json& line, const Error& error) {
-  line["state"] = name_of(SweepState::Failed);
+  line["state"] = name_of(error.code == ErrorCode::Ambiguous ? SweepState::Unclear : SweepState::Failed);
   line["error"] = error.line();
 }
 
@@ -89,8 +91,8 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
 }
 
 Result<SweepState> state_of(const std::string& name) {
-  for (const SweepState state :
-       {SweepState::Clean, SweepState::Collides, SweepState::Failed, SweepState::Still}) {
+  for (const SweepState state : {SweepState::Clean, SweepState::Collides, SweepState::Failed,
+                                 SweepState::Unclear, SweepState::Still}) {
     if (name == name_of(state)) return state;
   }
   return fail(ErrorCode::InvalidFile, name, "is no state", "remove the line");
@@ -132,6 +134,8 @@ const char* name_of(SweepState state) {
       return "collides";
     case SweepState::Still:
       return "still";
+    case SweepState::Unclear:
+      return "unclear";
     case SweepState::Failed:
       break;
   }
@@ -143,17 +147,18 @@ std::string Hash::text() const { return fmt::format("{:016x}", value_); }
 std::string settings_hash(const SweepSettings& settings) {
   const CheckSettings& check = settings.check;
   const auto end = [](const std::optional<std::int64_t>& e) { return e ? Json(*e) : Json(nullptr); };
-  const Json all = {{"version", version()},
-                    {"revision", kAnswerRevision},
-                    {"static", check.poses},
-                    {"start", !check.poses && !check.steps_only},
-                    {"contacts", !check.poses},
-                    {"frames", {end(check.frames.begin), end(check.frames.end), check.frames.step}},
-                    {"substeps", check.substeps},
-                    {"thickness", check.step.thickness},
-                    {"tolerance", check.step.tolerance},
-                    {"seams", name_of(settings.read.weld)},
-                    {"fps", settings.read.fps}};
+  Json all = {{"version", version()},
+              {"revision", kAnswerRevision},
+              {"static", check.poses},
+              {"start", !check.poses && !check.steps_only},
+              {"contacts", !check.poses},
+              {"frames", {end(check.frames.begin), end(check.frames.end), check.frames.step}},
+              {"substeps", check.substeps},
+              {"thickness", check.step.thickness},
+              {"tolerance", check.step.tolerance},
+              {"seams", name_of(settings.read.weld)},
+              {"fps", settings.read.fps}};
+  if (!settings.read.clip.empty()) all["clip"] = settings.read.clip;
   Hash hash;
   hash.add(dump(all));
   if (!check.ignore.empty()) hash.add(dump(Json(check.ignore)));

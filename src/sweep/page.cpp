@@ -45,10 +45,10 @@ th[aria-sort=descending]::after { content: " \25be"; }
 th:first-child, td:first-child { text-align: left; overflow-wrap: anywhere; }
 td img { display: block; width: 120px; height: 90px; object-fit: contain; }
 .collides { color: #c22; font-weight: 600; }
-.failed { color: #b60; font-weight: 600; }
+.failed, .unclear { color: #b60; font-weight: 600; }
 .starts { color: #a3457f; font-weight: 600; }
 @media (max-width: 60rem) { table { display: block; overflow-x: auto; } th { position: static; } }
-@media (prefers-color-scheme: dark) { .collides { color: #f77; } .failed { color: #fb5; } .starts { color: #e79bc8; } }
+@media (prefers-color-scheme: dark) { .collides { color: #f77; } .failed, .unclear { color: #fb5; } .starts { color: #e79bc8; } }
 )";
 
 /// Escapes text for HTML. Invalid UTF-8 becomes U+FFFD.
@@ -96,12 +96,14 @@ int rank_of(SweepState state) {
       return 0;
     case SweepState::Failed:
       return 1;
-    case SweepState::Clean:
+    case SweepState::Unclear:
       return 2;
+    case SweepState::Clean:
+      return 3;
     case SweepState::Still:
       break;
   }
-  return 3;
+  return 4;
 }
 
 void add_row(TextFile& file, const SweepRecord& r) {
@@ -131,7 +133,7 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
   for (const std::string& directory : info.directories) where += (where.empty() ? "" : ", ") + directory;
   file.add("<title>{0} - Foldproof sweep</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n",
            html(where), kStyle);
-  std::array<std::size_t, 4> counts{};
+  std::array<std::size_t, 5> counts{};
   double seconds = 0;
   for (const SweepRecord& r : records) {
     ++counts.at(static_cast<std::size_t>(rank_of(r.state)));
@@ -139,9 +141,10 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
   }
   file.add("<p><b>{} motions</b>: <span{}>{} collide</span>, ", records.size(),
            counts[0] > 0 ? " class=\"collides\"" : "", counts[0]);
-  file.add("<span{}>{} failed</span>, {} {}, {} of a single pose.</p>\n",
-           counts[1] > 0 ? " class=\"failed\"" : "", counts[1], counts[2],
-           info.steps_only ? "in whose steps no contact begins" : "clean", counts[3]);
+  file.add("<span{}>{} failed</span>, ", counts[1] > 0 ? " class=\"failed\"" : "", counts[1]);
+  if (counts[2] > 0) file.add("<span class=\"unclear\">{} unclear</span>, ", counts[2]);
+  file.add("{} {}, {} of a single pose.</p>\n", counts[3],
+           info.steps_only ? "in whose steps no contact begins" : "clean", counts[4]);
   if (info.steps_only)
     file.add("<p>Only the steps were checked: crossings from the first frame on were not tested.</p>\n");
   if (info.poses) file.add("<p>Only the frames were checked: motion between them was not tested.</p>\n");

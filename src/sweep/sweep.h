@@ -64,11 +64,12 @@ std::string settings_hash(const SweepSettings& settings);
 enum class SweepState : std::uint8_t {
   Clean,  ///< With CheckSettings::steps_only: no contact begins in a step.
   Collides,
-  Failed,  ///< A frame could not be read.
-  Still,   ///< A single pose with CheckSettings::steps_only: nothing to check.
+  Failed,   ///< A frame could not be read.
+  Unclear,  ///< Its files may be frames or bodies: ErrorCode::Ambiguous.
+  Still,    ///< A single pose with CheckSettings::steps_only: nothing to check.
 };
 
-/// "clean", "collides", "failed", "still".
+/// "clean", "collides", "failed", "unclear", "still".
 const char* name_of(SweepState state);
 
 /// The content of a line of results.

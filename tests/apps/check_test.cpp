@@ -68,12 +68,14 @@ TEST(Check, SummaryHasTheMainResults) {
   for (const char* part :
        {"object", "vertices", "triangles", "frames", "sink", "steps checked", "vertex-face 3, edge-edge 0",
         "frames 2 to 3: 2 pairs", "frames 1 to 2, time of impact 0.", "undecided", "time per step",
-        "Collisions in 2 of 4 steps, the first in frames 1 to 2, 0."}) {
+        "Collisions in 2 of 4 steps between 5 frames of one mesh, the first in frames 1 to 2, 0."}) {
     EXPECT_THAT(found.out, HasSubstr(part));
   }
   EXPECT_EQ(found.err, "");  // not a terminal: no progress bar
-  EXPECT_THAT(check_in(scene, {"clean"}).out,
-              HasSubstr("No collisions: no triangles cross in frame 0, and all 2 steps are proven free.\n"));
+  EXPECT_THAT(
+      check_in(scene, {"clean"}).out,
+      HasSubstr("No collisions between 3 frames of one mesh: no triangles cross in frame 0, and all 2 "
+                "steps are proven free.\n"));
 }
 
 TEST(Check, SaysThatItSkipsFrames) {
@@ -156,8 +158,8 @@ TEST(Check, ASingleFrameIsAStepWithoutMotion) {
 TEST(Check, ASingleFrameStandsStillBesideAMotion) {
   const Scene scene;
   std::filesystem::copy_file(scene / "floor/frame0.obj", scene / "ground.obj");
-  const Outcome moved = check_in(scene, {"tip", "floor", "--json", "moved.json"});
-  const Outcome still = check_in(scene, {"tip", "ground.obj", "--json", "still.json"});
+  const Outcome moved = check_in(scene, {"tip", "floor", "--sequence", "--json", "moved.json"});
+  const Outcome still = check_in(scene, {"tip", "ground.obj", "--sequence", "--json", "still.json"});
   EXPECT_EQ(moved.code, 1);
   EXPECT_EQ(still.code, 1) << still.err;
   EXPECT_EQ(scene.report("still.json")["totals"]["collisions"],
@@ -188,7 +190,8 @@ TEST(Check, HintsAtDoubledVerticesAndAtFramesThatAreNotOneMotion) {
   for (const char* name : {"one side.obj", "two sides.obj", "no sides.obj"})
     std::filesystem::copy_file(scene / "clean/frame0.obj", scene / name);
   EXPECT_THAT(check_in(scene, {"one side.obj", "two sides.obj", "no sides.obj"}).out,
-              HasSubstr("All 3 meshes have the same triangles. If they are frames of one motion"));
+              HasSubstr("All 3 meshes have the same triangles. If they are frames of one motion, check "
+                        "them with --sequence."));
   EXPECT_THAT(check_in(scene, {"one side.obj", "two sides.obj"}).out, Not(HasSubstr("the same triangles")));
 }
 
@@ -291,7 +294,7 @@ TEST(Check, PairsWithoutAFileAreListed) {
   const Scene scene;
   EXPECT_THAT(check_in(scene, {"sink", "--pairs"}).out,
               HasSubstr("frame 1 substep 0\n  vertex 3 meets face 0 at 0."));
-  EXPECT_THAT(check_in(scene, {"floor", "tip", "--pairs"}).out,
+  EXPECT_THAT(check_in(scene, {"floor", "tip", "--sequence", "--pairs"}).out,
               HasSubstr("vertex 0 of object 1 meets face 0 of object 0 at 0."));
   EXPECT_THAT(check_in(scene, {"pose.obj", "--static", "--pairs"}).out, HasSubstr("face 0 crosses face 1"));
 }
@@ -329,9 +332,9 @@ TEST(Check, OptionsReachTheQuery) {
     EXPECT_NE(check_in(scene, options).code, 2);
     return scene.report("a.json")["settings"];
   };
-  const json all =
-      settings({"floor", "tip", "--between", "--frames=-4:-1:2", "--substeps", "3", "--thickness", "0.5",
-                "--tolerance", "1e-3", "--first", "--weld", "--fps", "30", "--threads", "1"});
+  const json all = settings({"floor", "tip", "--sequence", "--between", "--frames=-4:-1:2", "--substeps", "3",
+                             "--thickness", "0.5", "--tolerance", "1e-3", "--first", "--weld", "--fps", "30",
+                             "--threads", "1"});
   EXPECT_EQ(
       all,
       json::parse(
@@ -344,9 +347,9 @@ TEST(Check, OptionsReachTheQuery) {
 
 TEST(Check, WithinAndBetween) {
   const Scene scene;
-  EXPECT_EQ(check_in(scene, {"floor", "tip"}).code, 1);
-  EXPECT_EQ(check_in(scene, {"floor", "tip", "--between"}).code, 1);
-  const Outcome within = check_in(scene, {"floor", "tip", "--within"});
+  EXPECT_EQ(check_in(scene, {"floor", "tip", "--sequence"}).code, 1);
+  EXPECT_EQ(check_in(scene, {"floor", "tip", "--sequence", "--between"}).code, 1);
+  const Outcome within = check_in(scene, {"floor", "tip", "--sequence", "--within"});
   EXPECT_EQ(within.code, 0);
   EXPECT_THAT(within.out, HasSubstr("Pairs of two meshes were not tested (--within)."));
   EXPECT_THAT(check_in(scene, {"sink", "--within"}).out, Not(HasSubstr("were not tested")));

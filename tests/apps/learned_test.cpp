@@ -162,7 +162,7 @@ TEST(LearnedProgram, MistakesGetOneLineAndLeaveNoFile) {
       {{"predict", "tube.model", "run.npz", "-o", "a.ply"}, "a.ply: is PLY, which holds one frame"},
       {{"predict", "tube.model", "run.npz", "--frames", "9:"}, "--frames: selects none"},
       {{"predict", "tube.model", "short.csv", "-o", "a.npz", "--weld"},
-       "--frames, --fps, --weld and --separate"},
+       "--frames, --fps, --weld, --separate, --sequence and --clip"},
       {{"suggest", "bare.model"}, "bare.model: has learned no shapes"},
       {{"suggest", "tube.model", "other.npz"}, "tube.model: is a model of another mesh"},
       {{"suggest", "tube.model", "--count", "0"}, "--count: is 0"},

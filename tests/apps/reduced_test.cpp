@@ -253,6 +253,8 @@ TEST_F(Reduced, RefusesInOneLine) {
       {{"check", "--reduced", "cloth.model", "p.csv", "--static"}, "--static"},
       {{"check", "--reduced", "cloth.model", "p.csv", "--fps", "30"}, "does not go with --static"},
       {{"check", "--reduced", "cloth.model", "p.csv", "--separate"}, "does not go with --static"},
+      {{"check", "--reduced", "cloth.model", "p.csv", "--sequence"}, "--sequence or --clip"},
+      {{"check", "--reduced", "cloth.model", "p.csv", "--clip", "a"}, "--sequence or --clip"},
       {{"check", "--reduced", "poses.npz", "p.csv"}, "poses.npz"},
       {{"radius", "poses.npz"}, "poses.npz"},
       {{"radius", "cloth.model", "--sample", "3"}, "--sample: goes with -o"},

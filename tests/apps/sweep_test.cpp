@@ -127,6 +127,25 @@ TEST(Sweep, TakesNumberedMeshesAsSingleOnesIfAsked) {
   expect_one_line_error(run({"--separate"}), "holds no motions, and 2 single mesh files");
 }
 
+TEST(Sweep, AsksForFramesThatLookLikeBodies) {
+  const Library library;
+  std::filesystem::create_directory(library / "lib/far");
+  for (const int k : {0, 1})
+    write_file(library / fmt::format("lib/far/b{}.obj", k),
+               fmt::format("v {0} 0 0\nv {1} 0 0\nv {0} 1 0\nf 1 2 3\n", 5 * k, 5 * k + 1));
+  const Outcome asked = library.sweep({"--summary", "page.html"});
+  EXPECT_EQ(asked.code, 1);
+  EXPECT_THAT(asked.out,
+              AllOf(HasSubstr("\n  unclear               1\n"),
+                    HasSubstr("\nUnclear:\n  lib/far: may be 2 frames of one mesh or 2 bodies: ")));
+  EXPECT_THAT(states(library / "r.jsonl"), ::testing::Contains("lib/far unclear"));
+  EXPECT_THAT(read_file(library / "page.html"), HasSubstr("<span class=\"unclear\">1 unclear</span>"));
+  // The same line is checked again where that is clear.
+  library.sweep({"--sequence"});
+  EXPECT_THAT(states(library / "r.jsonl"), ::testing::Contains("lib/far clean"));
+  expect_one_line_error(library.sweep({"--sequence", "--separate"}), "--separate");
+}
+
 TEST(Sweep, UsesModelsWhereTheyFit) {
   const Library library;
   ASSERT_EQ(run_program({"train", "lib/sink", "-o", "n.model"}, {.directory = library.path()}).code, 0);

@@ -66,6 +66,20 @@ class GltfBuilder {
     return json["animations"].back()["samplers"][0];
   }
 
+  /// Makes one clip of all animations.
+  void play_together() {
+    Json& whole = json["animations"][0];
+    for (std::size_t i = 1; i < json["animations"].size(); ++i) {
+      const Json& clip = json["animations"][i];
+      for (Json channel : clip["channels"]) {
+        channel["sampler"] = channel["sampler"].get<std::size_t>() + whole["samplers"].size();
+        whole["channels"].push_back(channel);
+      }
+      for (const Json& sampler : clip["samplers"]) whole["samplers"].push_back(sampler);
+    }
+    json["animations"].erase(json["animations"].begin() + 1, json["animations"].end());
+  }
+
   static std::string base64(const std::string& bytes) {
     const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string text;

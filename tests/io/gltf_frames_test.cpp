@@ -112,41 +112,65 @@ TEST_F(GltfFramesTest, NotesHowManyKeysLieBetweenFrames) {
   EXPECT_THAT(notes({0, 1, 2, 2.00002f}, 1), ElementsAre(HasSubstr("1 key lies between frames")));
 }
 
-TEST_F(GltfFramesTest, NotesWhichClipsAreNotShown) {
-  GltfBuilder b = still();
-  const int brief = b.floats("SCALAR", {0, 1}), longer = b.floats("SCALAR", {0, 2});
-  const int values = b.floats("VEC3", {0, 0, 0, 1, 0, 0});
-  const auto clip = [&](const std::string& name, const std::string& path, int times) {
-    b.animate(0, path, times, values);
-    if (!name.empty()) b.json["animations"].back()["name"] = name;
+/// Clips of one node: 'idle' and 'attack' drive its place, one without a name its size.
+GltfBuilder clips() {
+  GltfBuilder b;
+  b.triangle();
+  b.json["nodes"] = {{{"mesh", 0}}};
+  const auto clip = [&](const char* path, float seconds, float x) {
+    b.animate(0, path, b.floats("SCALAR", {0, seconds}), b.floats("VEC3", {x, x, x, x, x, x}));
+    return &b.json["animations"].back();
   };
-  const auto notes = [&] { return gltf(b)->info().notes; };
-  clip("idle", "translation", longer);
-  clip("grow", "scale", brief);
-  EXPECT_THAT(notes(), IsEmpty()) << "clips that drive different properties play together";
-  clip("attack", "translation", brief);
-  EXPECT_THAT(notes(), ElementsAre("clip 'attack' is not shown: it drives what 'idle' drives, which is as "
-                                   "long or longer; export it alone to check it"));
-  clip("", "scale", brief);
-  EXPECT_THAT(notes(), ElementsAre("clips 'attack' and animations[3] are not shown: they drive what 'idle' "
-                                   "and 'grow' drive, which are as long or longer; export each alone to "
-                                   "check it"));
-  for (const char* name : {"a", "b", "c"}) clip(name, "translation", longer);
-  EXPECT_THAT(notes(), ElementsAre(::testing::StartsWith("clips 'a', 'b', 'c' and 2 more are not shown: ")));
+  (*clip("translation", 1, 3))["name"] = "idle";
+  (*clip("translation", 2, 5))["name"] = "attack";
+  clip("scale", 2, 7);
+  return b;
 }
 
-TEST_F(GltfFramesTest, NotesWhichClipsAreShownInPart) {
-  GltfBuilder b = still();
-  const int values = b.floats("VEC3", {0, 0, 0, 1, 0, 0});
-  b.animate(0, "scale", b.floats("SCALAR", {0, 1}), values);
-  Json& wave = b.json["animations"].back();
-  wave["name"] = "wave";
-  wave["channels"].push_back(wave["channels"][0]);
-  wave["channels"].back()["target"]["path"] = "translation";
-  b.animate(0, "translation", b.floats("SCALAR", {0, 2}), values);
-  EXPECT_THAT(gltf(b)->info().notes,
-              ::testing::ElementsAre("clip 'wave' is not shown in full: it drives some of what animations[1] "
-                                     "drives, which is as long or longer; export it alone to check it"));
+TEST_F(GltfFramesTest, TheLongestClipIsShown) {
+  GltfBuilder b = clips();
+  const auto motion = gltf(b, 1);
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(motion->frame_count(), 3u);
+  EXPECT_THAT(frame(*motion, 0), ElementsAre(5, 5, 5, 6, 5, 5, 5, 6, 5)) << "no other clip plays with it";
+  const MotionInfo& info = motion->info();
+  EXPECT_THAT(info.clips, ElementsAre("idle", "attack", "animations[2]"));
+  EXPECT_EQ(info.taken_as, "clip 'attack', the longest of 3");
+  EXPECT_THAT(info.unchecked, ElementsAre("2 other clips were not checked (--clip)"));
+  EXPECT_THAT(info.notes, IsEmpty());
+  b.json["animations"].erase(1);
+  EXPECT_THAT(gltf(b, 1)->info().unchecked, ElementsAre("the other clip was not checked (--clip)"));
+  b.json["animations"].erase(0);
+  EXPECT_EQ(gltf(b, 1)->info().taken_as, "") << "there is no other";
+}
+
+TEST_F(GltfFramesTest, AClipIsChosenByName) {
+  GltfBuilder b = clips();
+  const std::string file = files.write("a.gltf", b.gltf());
+  const auto x = [&](const std::string& clip) {
+    const auto motion = open({file}, {.fps = 1, .clip = clip});
+    EXPECT_EQ(motion->info().taken_as, "clip '" + clip + "'");
+    EXPECT_THAT(motion->info().unchecked, IsEmpty()) << "what was asked for is checked";
+    return frame(*motion, 0)[3];
+  };
+  EXPECT_EQ(x("idle"), 4);
+  EXPECT_EQ(x("attack"), 6);
+  EXPECT_EQ(x("animations[2]"), 7);
+  EXPECT_EQ(
+      open_error({file}, {.clip = "attak"}),
+      "a.gltf: has no clip 'attak'; did you mean 'attack'? it has 'idle', 'attack' and 'animations[2]'");
+  EXPECT_EQ(open_error({file}, {.clip = "run"}),
+            "a.gltf: has no clip 'run'; it has 'idle', 'attack' and 'animations[2]'");
+  // Names that do not tell clips apart are none.
+  b.json["animations"][0]["name"] = "attack";
+  const auto twice = open({files.write("b.gltf", b.gltf())});
+  EXPECT_THAT(twice->info().clips, ElementsAre("animations[0]", "animations[1]", "animations[2]"));
+
+  GltfBuilder none = still();
+  const std::string plain = files.write("c.gltf", none.gltf());
+  EXPECT_EQ(open_error({plain}, {.clip = "idle"}),
+            "--clip: is given, but no file has animations; leave it out; only .gltf and .glb have them");
+  EXPECT_EQ(open_motions(std::vector{file, plain}, {.clip = "idle"})->size(), 2u) << "one has it";
 }
 
 }  // namespace

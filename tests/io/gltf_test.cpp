@@ -293,6 +293,7 @@ TEST_F(GltfTest, StepHoldsAndSplinesFollowTheirTangents) {
   b.animate(0, "translation", times,
             b.floats("VEC3", {99, 99, 99, 0, 0, 0, 1, 0, 0, 4, 0, 0, 8, 0, 0, 99, 99, 99}))["interpolation"] =
       "CUBICSPLINE";
+  b.play_together();
   const auto motion = gltf(b, 2);
   ASSERT_TRUE(motion);
   ASSERT_EQ(motion->frame_count(), 5u);
@@ -374,21 +375,6 @@ TEST_F(GltfTest, SkinsFollowTheirJoints) {
   ASSERT_TRUE(bad);
   EXPECT_EQ(frame_error(*bad, 0),
             "a.gltf, frame 0, vertex 1: refers to joint 1, but the skin has 1; export the file again");
-}
-
-TEST_F(GltfTest, AnimationsPlayTogetherAndTheLongestWins) {
-  GltfBuilder b;
-  b.triangle();
-  b.json["nodes"] = {{{"mesh", 0}}};
-  const int brief = b.floats("SCALAR", {0, 1}), longer = b.floats("SCALAR", {0, 2});
-  b.animate(0, "translation", brief, b.floats("VEC3", {0, 0, 0, 100, 0, 0}));
-  b.animate(0, "translation", longer, b.floats("VEC3", {0, 0, 0, 2, 0, 0}));
-  b.animate(0, "scale", brief, b.floats("VEC3", {1, 1, 1, 3, 3, 3}));
-  const auto motion = gltf(b, 1);
-  ASSERT_TRUE(motion);
-  ASSERT_EQ(motion->frame_count(), 3u);
-  expect_frame(*motion, 1, {1, 0, 0, 4, 0, 0, 1, 3, 0});
-  expect_frame(*motion, 2, {2, 0, 0, 5, 0, 0, 2, 3, 0});
 }
 
 TEST_F(GltfTest, RefusesNormalizedIndicesAndJoints) {

@@ -77,7 +77,7 @@ TEST_F(OpenTest, FramesAreInNaturalOrder) {
   for (const std::string& argument :
        {files.path("run"), files.path("run/"), files.path("run/*.obj"), files.path("ru?/*.[o]bj")}) {
     SCOPED_TRACE(argument);
-    const auto motion = open({argument});
+    const auto motion = open({argument}, {.mesh_files = MeshFiles::Sequence});
     ASSERT_TRUE(motion);
     EXPECT_EQ(motion->name(), argument);
     ASSERT_EQ(motion->frame_count(), names.size());
@@ -196,7 +196,9 @@ TEST_F(OpenTest, NumbersThatAreLeftOutAreNoted) {
   const auto notes = [&](const std::vector<std::string>& names, const std::string& argument = "") {
     std::filesystem::remove_all(files.path("run"));
     for (const std::string& name : names) files.write("run/" + name, obj_at(1));
-    return open({files.path("run" + argument)}, {.still = true})->info().notes;
+    return open({files.path("run" + argument)}, {.mesh_files = MeshFiles::Poses, .still = true})
+        ->info()
+        .notes;
   };
   const std::string gap = "frame numbers jump from 2 to 4: the step between them was not in the files";
   for (const char* argument : {"", "/*.obj", "/f%d.obj"}) {
@@ -221,7 +223,7 @@ TEST_F(OpenTest, NamesThatDoNotContinueTheNumberingAreNoted) {
   const auto notes = [&](const std::vector<std::string>& names, const std::string& argument = "run") {
     std::filesystem::remove_all(files.path("run"));
     for (const std::string& name : names) files.write("run/" + name, obj_at(1));
-    return open({files.path(argument)})->info().notes;
+    return open({files.path(argument)}, {.mesh_files = MeshFiles::Sequence})->info().notes;
   };
   EXPECT_THAT(
       notes({"left_1.obj", "left_2.obj", "right_1.obj", "right_2.obj"}),

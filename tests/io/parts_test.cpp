@@ -51,7 +51,7 @@ TEST_F(PartsTest, AreAtLeastTwo) {
 TEST_F(PartsTest, OfSequencesAndCachesAreThoseOfTheFirstMesh) {
   const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\ng a\nf 1 2 3\ng b\nf 4 2 3\n";
   files.write("run/f1.obj", text);
-  files.write("run/f2.obj", "v 0 0 1\nv 1 0 1\nv 0 1 1\nv 0 0 1\nf 1 2 3\nf 4 2 3\n");
+  files.write("run/f2.obj", "v 0 0 .1\nv 1 0 .1\nv 0 1 .1\nv 0 0 .1\nf 1 2 3\nf 4 2 3\n");
   EXPECT_THAT(parts({files.path("run")}), ElementsAre("a", "b"));
   EXPECT_THAT(parts({files.path("run")}, {.weld = Weld::Always}), ElementsAre("a", "b"));
   const auto motion = open({files.path("run")});

@@ -44,6 +44,7 @@ interface Data {
   steps: Step[];
   contacts: PicturedContact[];
   picture: string | null; // of the first frame, if there are no contacts
+  assumed: string; // what files were taken for
   notes: string[];
 }
 
@@ -72,7 +73,7 @@ function append_<T extends HTMLElement>(parent: T, children: HTMLElement[]): T {
 
 const total = (counts: number | Counts): number => (typeof counts === 'number' ? counts : counts.vf + counts.ee + (counts.tt ?? 0));
 
-function foundIn({ settings, objects, start, totals }: Data, single: boolean): Found {
+function foundIn({ settings, objects, assumed, start, totals }: Data, single: boolean): Found {
   return {
     state: totals.stopped ? 'stopped' : 'done',
     done: totals.steps,
@@ -84,6 +85,7 @@ function foundIn({ settings, objects, start, totals }: Data, single: boolean): F
     statistical: settings['mode'] === 'paper',
     single,
     poses: isStatic(settings),
+    assumed,
     untested: untestedText(settings, objects.length, single ? 1 : strideOf(settings)),
   };
 }

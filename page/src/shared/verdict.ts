@@ -21,6 +21,7 @@ export interface Found {
   statistical: boolean;
   single: boolean; // one frame, whose only step has no motion
   poses: boolean; // a static check, whose steps are poses
+  assumed: string; // what files were taken for, ' between 3 frames of one mesh'; it follows what was checked
   untested: string; // pairs of meshes and frames that were left out, for the end of the verdict
 }
 
@@ -36,7 +37,7 @@ export const startText = ({ frame, crossings }: Start, single = false): string =
 
 const pairsText = ({ pairs, poses }: Found): string => counted(pairs, `${wordsOf(poses).colliding} pair`) + (poses ? ' of triangles' : '');
 
-const stepsText = ({ poses, total }: Found): string => counted(total, wordsOf(poses).step);
+const stepsText = ({ poses, total, assumed }: Found): string => counted(total, wordsOf(poses).step) + assumed;
 
 export const stoppedText = (found: Found): string => `Stopped at ${grouped(found.done)} of ${stepsText(found)}`;
 
@@ -94,5 +95,5 @@ function verdictOfTested(found: Found): Verdict {
   if (pairs > 0) return { text: `${can}${contacts}${start ? '' : `; ${kStartNotTested}`}`, kind: 'hit' };
   if (!start) return { text: `${can}${can ? 'no' : 'No'} contact in ${steps}; ${kStartNotTested}`, kind: 'run' };
   if (found.statistical) return { text: `${can}no collision found in ${steps}`, kind: 'run' };
-  return { text: `Proven free of collisions: frame ${start.frame} and ${found.total === 1 ? 'the step from it' : `all ${steps}`}`, kind: 'free' };
+  return { text: `Proven free of collisions${found.assumed}: frame ${start.frame} and ${found.total === 1 ? 'the step from it' : `all ${counted(found.total, 'step')}`}`, kind: 'free' };
 }

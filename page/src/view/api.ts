@@ -30,6 +30,7 @@ export interface SceneInfo {
   fps: number;
   substeps: number;
   steps: number;
+  assumed: string; // what files were taken for, to follow what was checked in the verdict
   objects: ObjectInfo[];
   center: number[]; // positions of vertices are relative to it
   low: number[];

@@ -12,6 +12,8 @@ export interface Settings {
   static: boolean; // each frame by itself
   fps: number; // glTF: frames per second
   seams: 'by_format' | 'always' | 'never'; // which vertices become one
+  clip: string; // glTF: the animation; empty: the longest
+  meshes: string; // what several meshes are: 'sequence', 'separate', or 'names', by which they are either
 }
 
 export type Request =

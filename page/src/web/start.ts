@@ -20,6 +20,14 @@ export class StartPage {
   private readonly poses = el('input', { type: 'checkbox', id: 'poses' });
   private readonly fps = el('input', { type: 'number', required: true, min: '1', max: '1000', value: '24', id: 'fps' });
   private readonly seams = el('select', { id: 'seams' }, ...[['by_format', 'As the format says'], ['always', 'Merge all at one place'], ['never', 'Merge none']].map(([value = '', text = '']) => el('option', { value }, text)));
+  private readonly clip = el('input', { type: 'text', id: 'clip' });
+  private readonly meshes = el(
+    'select',
+    { id: 'meshes' },
+    el('option', { value: 'names' }, 'frames if numbered'),
+    el('option', { value: 'sequence' }, 'frames (--sequence)'),
+    el('option', { value: 'separate' }, 'bodies (--separate)'),
+  );
   private readonly alert = el('p', { className: 'alert', role: 'alert', hidden: true });
   private readonly zone: HTMLElement;
   readonly element: HTMLElement;
@@ -78,15 +86,17 @@ export class StartPage {
       row(this.thickness, 'Thickness', 'A distance up to this is a collision, in mesh units'),
       row(this.substeps, 'Parts of a step', 'Straight parts that each step between two frames is divided into'),
       row(this.poses, 'Poses', 'The frames are single poses, not a motion: find what crosses in each'),
+      row(this.meshes, 'Several meshes', 'Frames of one motion, or bodies'),
       row(this.fps, 'Frames per second', 'How glTF animations are sampled'),
       row(this.seams, 'Seams', 'Which vertices at one place are one; without a choice those of glTF and STL'),
+      row(this.clip, 'Clip', 'The name of the glTF animation; the longest if empty'),
     );
   }
 
   private take(files: InputFile[]): void {
     const poses = this.poses.checked;
     for (const input of [this.thickness, this.substeps, this.fps]) if (!input.reportValidity()) return;
-    if (files.length > 0) this.open(files, { thickness: poses ? 0 : this.thickness.valueAsNumber, substeps: poses ? 1 : this.substeps.valueAsNumber, static: poses, fps: this.fps.valueAsNumber, seams: this.seams.value as Settings['seams'] });
+    if (files.length > 0) this.open(files, { thickness: poses ? 0 : this.thickness.valueAsNumber, substeps: poses ? 1 : this.substeps.valueAsNumber, static: poses, fps: this.fps.valueAsNumber, seams: this.seams.value as Settings['seams'], clip: this.clip.value.trim(), meshes: this.meshes.value });
   }
 
   warn(text: string): void {
