@@ -46,6 +46,10 @@ std::string when(const Contact& contact, const CheckTotals& totals) {
 
 std::string how_bad(const Contact& contact, const std::string& unit, const CheckTotals& totals) {
   if (contact.frames.empty()) {
+    if (contact.pierces) {
+      return fmt::format("pierces{}, {}", is_single_frame(totals) ? "" : " between frames",
+                         counted(contact.pairs, "pair"));
+    }
     const char* touches = totals.contact_unknown_frames > 0 ? "touches; not known whether it crosses"
                           : is_single_frame(totals)         ? "touches"
                                                             : "touches between frames";
@@ -53,10 +57,15 @@ std::string how_bad(const Contact& contact, const std::string& unit, const Check
   }
   const ContactFrame& frame = contact.frames[contact.worst];
   const std::string space = unit.empty() ? "" : " " + unit;
+  const std::string start = contact.from_start ? ", from the start" : "";
+  if (contact.pierces) {
+    return fmt::format("worst {}: pierces in {}{}", time_name(frame.time), counted(frame.crossings, "place"),
+                       start);
+  }
   std::string text = fmt::format("worst {}: {}", time_name(frame.time), counted(frame.triangles, "triangle"));
   text += frame.depth ? fmt::format(", {:.3g}{} deep", *frame.depth, space)
                       : fmt::format(", no region: crosses along {:.3g}{}", frame.curve_length, space);
-  return text + (contact.from_start ? ", from the start" : "");
+  return text + start;
 }
 
 }  // namespace

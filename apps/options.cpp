@@ -88,6 +88,8 @@ void add_motion_options(const Subcommand& command, MotionOptions& options) {
                   "The animation of a glTF that is read, by its name, or as 'animations[1]' [the longest]")
       .type_name("NAME")
       .group(kMotionGroup);
+  command.add_flag("--points", options.read.points, "Check vertices in no face and no line as points")
+      .group(kMotionGroup);
 }
 
 Result<FrameRange> frame_range_of(const MotionOptions& options) {

@@ -443,6 +443,7 @@ Command add_render(CommandLine& program) {
   command.add_option("--clip", a->read.clip, "The animation of a glTF, by its name [the longest]")
       .type_name("NAME");
   add_weld_options(command, a->read);
+  command.add_flag("--points", a->read.points, "Vertices in no face and no line are points");
   command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");
   return [a] { return render(*a); };
 }

@@ -119,8 +119,14 @@ std::string objects_table(Motions motions) {
       fmt::format("\n{:<{}}  {:>12}  {:>12}  {:>8}\n", "object", width, "vertices", "triangles", "frames");
   for (const auto& motion : motions) {
     fmt::format_to(Text(text), "{:<{}}  {:>12}  {:>12}  {:>8}\n", cell(motion->name()), width,
-                   grouped(motion->topology().vertex_count()), grouped(motion->topology().triangles().size()),
+                   grouped(motion->topology().vertex_count()), grouped(motion->topology().face_count()),
                    grouped(motion->frame_count()));
+  }
+  for (const auto& motion : motions) {
+    const Topology& t = motion->topology();
+    if (t.face_count() == t.triangles().size()) continue;
+    fmt::format_to(Text(text), "{}: {} and {} in no face\n", cell(motion->name()),
+                   counted(t.line_count(), "line"), counted(t.point_count(), "point"));
   }
   return text;
 }
@@ -157,15 +163,12 @@ std::string start_of(const CheckTotals& totals) {
                      counted(*totals.starts_crossing, "crossing pair"));
 }
 
-/// The frames and the pairs that were left out.
-std::string untested_sentences(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
-  std::string text;
-  if (skips_frames(settings, totals))
-    text = " Only " + every_nth_frame(settings.frames.step) + " was checked.";
-  if (!settings.step.within) return text + " Pairs within one mesh were not tested (--between).";
-  if (!settings.step.between && motions.size() > 1)
-    return text + " Pairs of two meshes were not tested (--within).";
-  return text;
+/// A sentence that also says what was not tested.
+std::string with_untested(std::string sentence, std::span<const std::string> untested) {
+  if (untested.empty()) return sentence;
+  sentence.pop_back();  // the full stop
+  for (const std::string& part : untested) sentence += "; " + printable(part);
+  return sentence + ".";
 }
 
 /// The closing sentence if nothing was found. It claims freedom only if everything was tested.
@@ -220,15 +223,12 @@ std::string closing_sentence(Motions motions, const CheckSettings& settings, con
                        grouped(totals.collisions.sum()),
                        counted(totals.collisions.sum() + totals.missed, "colliding pair"), subject);
   }
-  std::string text =
-      totals.clean() ? clean_sentence(settings, totals, subject) : found_sentence(settings, totals, subject);
-  if (const std::string ignored = printable(ignored_pairs(settings)); !ignored.empty()) {
-    text.pop_back();
-    text += "; " + ignored + ".";
-  }
+  std::string text = with_untested(
+      totals.clean() ? clean_sentence(settings, totals, subject) : found_sentence(settings, totals, subject),
+      untested(motions, settings, totals));
   if (const std::string still = printable(still_pairs(motions, settings, totals)); !still.empty())
     text += " " + still + " (--still-pairs counts them).";
-  return text + untested_sentences(motions, settings, totals);
+  return text;
 }
 
 /// What crosses in the first frame.
@@ -365,8 +365,8 @@ class PairListing : public ReportWriter {
       return {};
     }
     for (const VertexFaceCollision& c : step.step->vertex_face) {
-      print_output(fmt::format("  vertex {}{} meets face {}{} at {:.6g}\n", c.vertex, of(c.vertex_object),
-                               c.face, of(c.face_object), c.toi));
+      print_output(fmt::format("  vertex {}{} meets {} at {:.6g}\n", c.vertex, of(c.vertex_object),
+                               triangle(c.face_object, c.face), c.toi));
     }
     for (const EdgeEdgeCollision& c : step.step->edge_edge) {
       print_output(fmt::format("  edge {}-{}{} meets edge {}-{}{} at {:.6g}\n", c.a[0], c.a[1],
@@ -380,9 +380,23 @@ class PairListing : public ReportWriter {
  private:
   void list(const StaticResult& pose) const {
     for (const TriangleCrossing& c : pose.crossings) {
-      print_output(fmt::format("  face {}{} crosses face {}{}\n", c.triangle_a, of(c.object_a), c.triangle_b,
-                               of(c.object_b)));
+      print_output(fmt::format("  {} crosses {}\n", triangle(c.object_a, c.triangle_a),
+                               triangle(c.object_b, c.triangle_b)));
     }
+  }
+
+  /// "face 7", "line 0 of object 1"; a point is its vertex.
+  std::string triangle(Index object, Index id) const {
+    const Topology& t = motions_[object]->topology();
+    switch (t.element(id)) {
+      case Element::Face:
+        break;
+      case Element::Line:
+        return fmt::format("line {}{}", id - t.face_count(), of(object));
+      case Element::Point:
+        return fmt::format("point {}{}", t.triangles()[id][0], of(object));
+    }
+    return fmt::format("face {}{}", id, of(object));
   }
 
   /// Names the object only if there are several.

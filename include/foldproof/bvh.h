@@ -17,6 +17,9 @@ struct HierarchySettings {
 /// left to right and own consecutive runs of triangles, edges and vertices in *leaf order*; so a subtree owns
 /// a consecutive run of each as well. Every triangle, every edge and every vertex that a triangle uses has
 /// exactly one owner, so each feature pair appears once.
+///
+/// Faces, lines and points lie in leaves of their own, in this order. So a leaf of lines owns no vertex or
+/// edge of a face, and a leaf of points only vertices of neither.
 class Hierarchy {
  public:
   struct Node {
@@ -38,7 +41,7 @@ class Hierarchy {
 
   /// Restores a hierarchy from its stored parts: its triangle_ids(), and for every node in depth-first order
   /// the number of triangles that it owns as a leaf, 0 for an inner node. Error: they do not form a hierarchy
-  /// of this topology, or one of more than 1,024 levels.
+  /// of this topology, leaves of faces, lines and points are mixed, or there are more than 1,024 levels.
   static Result<Hierarchy> from_parts(Topology topology, std::vector<Index> triangle_ids,
                                       std::span<const Index> leaf_sizes);
 
@@ -46,6 +49,8 @@ class Hierarchy {
   std::span<const Node> nodes() const { return nodes_; }
   std::span<const Leaf> leaves() const { return leaves_; }
   Index leaf_count() const { return leaves_.empty() ? 0 : static_cast<Index>(leaves_.size()) - 1; }
+  /// What all triangles of a leaf are.
+  Element element(Index leaf) const { return topology_.element(leaves_[leaf].triangles); }
 
   /// Leaf order -> the user's id.
   std::span<const Index> vertex_ids() const { return vertex_ids_; }
@@ -59,6 +64,7 @@ class Hierarchy {
 
  private:
   bool build_nodes(std::span<const Index> leaf_sizes);
+  bool elements_are_apart() const;
   void compute_leaf_ranges();
   void assign_owners();
 

@@ -10,7 +10,7 @@
 
 namespace foldproof {
 
-/// What a contact is in one frame in which triangles cross.
+/// What a contact is in one frame in which triangles cross. Only faces have curves, areas and depth.
 struct ContactFrame {
   double time = 0;              ///< The frame's time, as the caller gave it.
   std::uint64_t crossings = 0;  ///< Pairs of triangles that cross.
@@ -50,6 +50,8 @@ struct Contact {
   /// The two sides are one piece of surface, folded onto itself.
   bool folded = false;
 
+  /// A line or a point goes through faces, and no two faces meet.
+  bool pierces = false;
   bool from_start = false;  ///< It was there when the motion began.
   bool healed = false;      ///< It ended before the motion did.
   double first_time = 0;    ///< First impact; the motion's begin with from_start.

@@ -13,7 +13,8 @@ namespace foldproof {
 /// Parts of a mesh, by name.
 struct ObjectParts {
   std::vector<std::string> names;
-  std::vector<Index> of_triangle;  ///< An index into names for each triangle; empty: there are no parts.
+  /// An index into names for each triangle, lines and points included; empty: there are no parts.
+  std::vector<Index> of_triangle;
 };
 
 /// What a reader knows of a motion besides its triangles and frames.
@@ -83,6 +84,8 @@ struct ReadOptions {
   /// Motions of a single frame stand still as long as the longest of the others lasts. With
   /// MeshFiles::ByName, files that are more or fewer than the others have frames are bodies.
   bool still = false;
+  /// Vertices in no face and no line are checked as points. Off: they are named in MotionInfo::unchecked.
+  bool points = false;
   /// The clip of a glTF that is read: its name, or "animations[1]". Empty: the longest.
   std::string clip = {};
 };
@@ -98,7 +101,8 @@ std::string extension_of(const std::string& path);
 Result<std::vector<std::unique_ptr<Motion>>> open_motions(std::span<const std::string> arguments,
                                                           const ReadOptions& options = {});
 
-/// A motion that is already in memory: `frames`, each vertex_count x 3.
+/// A motion that is already in memory: `frames`, each vertex_count x 3. MotionInfo::unchecked names vertices
+/// in no triangle.
 std::unique_ptr<Motion> memory_motion(std::string name, Topology topology,
                                       std::vector<std::vector<double>> frames);
 
@@ -126,12 +130,12 @@ class FileWriter {
   std::unique_ptr<State> state_;
 };
 
-/// Binary little-endian PLY with double positions and, per face, one unsigned byte property `mark`
-/// (`marks` may be empty: no property).
+/// Binary little-endian PLY with double positions and, per face and line, one unsigned byte property `mark`
+/// (`marks`: per triangle; may be empty: no property). Lines become PLY's edges; points are left out.
 Result<void> write_ply(const std::string& path, const Topology& topology, std::span<const double> positions,
                        std::span<const std::uint8_t> marks);
 
-/// A PLY property of faces: one value per triangle. The PLY type is that of the values.
+/// A PLY property of faces and edges: one value per triangle. The PLY type is that of the values.
 struct FaceProperty {
   const char* name;
   std::variant<std::span<const std::uint8_t>, std::span<const std::int8_t>, std::span<const std::int32_t>,
@@ -151,11 +155,13 @@ Result<void> write_obj(const std::string& path, const Topology& topology, std::s
 Result<void> write_obj_pc2(const std::string& obj_path, const std::string& pc2_path, Motion& motion);
 
 /// NPZ with `faces` (triangles x 3, int32) and `vertices` (frames x n x 3, float64), streamed from `motion`.
+/// Error: lines or points, which it does not hold.
 Result<void> write_npz(const std::string& path, Motion& motion);
 
 /// Writes a motion in the format that the extension names: .npz; .obj, with the frames in a .pc2 beside it
 /// when there are several; .ply, for one frame. "%d" or "%04d" in the name of an .obj or .ply: a file per
-/// frame, numbered from 0; an error removes those that it has written.
+/// frame, numbered from 0; an error removes those that it has written. .ply leaves
+/// points out.
 Result<void> write_motion(const std::string& path, Motion& motion);
 
 /// Finite numbers from a file.

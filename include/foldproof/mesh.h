@@ -9,10 +9,12 @@ namespace foldproof {
 
 /// Three vertex ids, in the order the user gave them.
 using Triangle = std::array<Index, 3>;
-/// Two vertex ids, the smaller first.
+/// Two vertex ids.
 using Edge = std::array<Index, 2>;
 
-/// What a triangle of a topology stands for.
+/// What a triangle of a topology stands for. Faces meet all others. Of lines and points, those pairs of
+/// features are tested that suffice: two edges, a vertex and a face, a point and a line, two points
+/// (docs/soundness.md, V2). Lines and points of one topology that have a vertex in common never cross.
 enum class Element : std::uint8_t { Face, Line, Point };
 
 /// Triangles over `vertex_count` vertices, with their edges. Immutable once made. Lines and points that
@@ -30,8 +32,9 @@ class Topology {
   /// kMaxTriangles.
   /// Cost: one pass; a vertex with many edges sorts them.
   static Result<Topology> make(Index vertex_count, std::vector<Triangle> faces);
-  /// With lines, which name two different vertices, and points. The triangles are the faces, then the lines,
-  /// then the points, each in the given order; they count towards kMaxTriangles.
+  /// With lines, which name two different vertices in either order, and points. The triangles are the faces,
+  /// then the lines, then the points, each in the given order; they count towards kMaxTriangles. A point
+  /// on a face or a line is an error: it would meet nothing that these do not meet.
   static Result<Topology> make(Index vertex_count, std::vector<Triangle> faces, std::span<const Edge> lines,
                                std::span<const Index> points);
 
@@ -41,12 +44,15 @@ class Topology {
   Index face_count() const { return face_count_; }
   Index line_count() const { return line_count_; }
   Index point_count() const { return static_cast<Index>(triangles_.size()) - face_count_ - line_count_; }
+  std::span<const Triangle> faces() const { return triangles().first(face_count_); }
+  std::vector<Edge> lines() const;
+  std::vector<Index> points() const;
   Element element(Index triangle) const {
     if (triangle < face_count_) return Element::Face;
     return triangle < face_count_ + line_count_ ? Element::Line : Element::Point;
   }
 
-  /// Every undirected edge once, in lexicographic order.
+  /// Every undirected edge once, the smaller vertex first, in lexicographic order.
   std::span<const Edge> edges() const { return edges_; }
 
   /// Per triangle, the ids of its edges (0,1), (1,2), (2,0); kNoIndex where both ends are the same vertex.
@@ -69,5 +75,7 @@ class Topology {
 
 /// True when two triangles name a common vertex.
 bool share_vertex(const Triangle& a, const Triangle& b);
+/// Whether two triangles of one topology may cross in a pose: all but lines and points with a common vertex.
+bool may_cross(const Topology& topology, Index a, Index b);
 
 }  // namespace foldproof

@@ -71,27 +71,25 @@ class CollisionMesh {
   /// The given edges as they were; then the missing edges of faces in lexicographic order, the smaller vertex
   /// first.
   std::span<const Edge> edges() const { return edges_; }
-  std::span<const Triangle> faces() const { return hierarchy_->topology().triangles().first(face_count_); }
+  std::span<const Triangle> faces() const {
+    return hierarchy_->topology().triangles().first(hierarchy_->topology().face_count());
+  }
   /// Edges in no face, ascending.
   std::span<const Index> codim_edges() const { return codim_edges_; }
   /// Vertices in no edge and no face, ascending; empty when CollisionMeshSettings::points is off.
   std::span<const Index> codim_points() const { return codim_points_; }
   const CollisionFilter& filter() const { return filter_; }
 
-  /// One hierarchy over everything: triangles are the faces, then each edge of codim_edges() as (a, b, b),
-  /// then each point of codim_points() as (p, p, p).
+  /// One hierarchy over everything: the faces, codim_edges() as lines, codim_points() as points.
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return hierarchy_; }
-  bool is_codim_point(Index vertex) const { return is_point_[vertex] != 0; }
   /// The row in edges() of edge number `edge` of the topology.
   Index edge_row(Index edge) const { return edge_rows_[edge]; }
 
  private:
   std::shared_ptr<const Hierarchy> hierarchy_;
   CollisionFilter filter_;
-  Index face_count_ = 0;
   std::vector<Edge> edges_;
   std::vector<Index> codim_edges_, codim_points_, edge_rows_;
-  std::vector<std::uint8_t> is_point_;
 };
 
 struct VertexFaceCandidate {

@@ -52,8 +52,8 @@ class Contact:
     Times are frames, with fractions between them; lengths are mesh units.
 
     number, joined: its number, in the order in which contacts begin, and those of contacts that became a part of it.
-    sides: two of ContactSide. folded: both are the same piece of a surface. from_start: it was there in the first frame.
-    healed: it ended before the motion did. first_time, last_time: first impact; the last frame in which it crosses, or
+    sides: two of ContactSide. folded: both are the same piece of a surface. pierces: a line or a point goes through
+    faces, and no two faces meet. from_start: it was there in the first frame. healed: it ended before the motion did. first_time, last_time: first impact; the last frame in which it crosses, or
     the last impact. pairs: colliding pairs of features, over all steps, that are listed (max_listed). depth: in
     the worst frame; None where nothing has a depth there. worst: time of the worst frame, that with the largest depth (a
     twentieth of the curves' length stands for a missing one); None where it only touches between frames, or it is not
@@ -68,6 +68,7 @@ class Contact:
     joined: tuple[int, ...]
     sides: tuple[ContactSide, ContactSide]
     folded: bool
+    pierces: bool
     from_start: bool
     healed: bool
     first_time: float
@@ -153,7 +154,7 @@ class Contacts(Sequence[Contact]):
         """Structured array, a row per contact: its numbers and names. worst and depth are NaN where there are none."""
         kinds: list[Any] = [
             ("number", "u4"), ("object_a", "u4"), ("object_b", "u4"), ("name_a", "O"), ("name_b", "O"), ("folded", "?"),
-            ("from_start", "?"), ("healed", "?"), ("first_time", "f8"), ("last_time", "f8"), ("pairs", "u8"),
+            ("pierces", "?"), ("from_start", "?"), ("healed", "?"), ("first_time", "f8"), ("last_time", "f8"), ("pairs", "u8"),
             ("worst", "f8"), ("depth", "f8"), ("triangles", "u8"), ("curve_length", "f8"), ("point", "f8", 3),
             ("normal", "f8", 3),
         ]  # fmt: skip
@@ -163,8 +164,8 @@ class Contacts(Sequence[Contact]):
             worst = c.worst_frame
             triangles, length = (0, 0.0) if worst is None else (worst["triangles"], worst["curve_length"])
             rows[k] = (
-                c.number, a.object, b.object, a.name, b.name, c.folded, c.from_start, c.healed, c.first_time, c.last_time,
-                c.pairs, _or_nan(c.worst), _or_nan(c.depth), triangles, length, c.point, c.normal,
+                c.number, a.object, b.object, a.name, b.name, c.folded, c.pierces, c.from_start, c.healed, c.first_time,
+                c.last_time, c.pairs, _or_nan(c.worst), _or_nan(c.depth), triangles, length, c.point, c.normal,
             )  # fmt: skip
         return rows
 
@@ -230,8 +231,9 @@ def _cells_of(c: Contact, touches: str) -> list[str]:
     notes = ["from the start"] * c.from_start + ["folded"] * c.folded
     begin = [str(c.number), c.between, f"({', '.join(f'{x:.3g}' for x in c.point)})"]
     if worst is None:
-        notes.insert(0, f"{touches}: {many(c.pairs, 'pair')}")
+        notes.insert(0, f"{'pierces' if c.pierces else touches}: {many(c.pairs, 'pair')}")
         return [*begin, _when(c).partition(" ")[2], "-", "-", "-", "-", ", ".join(notes)]
+    notes += ["pierces"] * c.pierces
     depth = "-" if c.depth is None else f"{c.depth:.3g}"
     return [
         *begin, _when(c).partition(" ")[2], f"{c.worst:g}", f"{worst['triangles']:,}", depth,

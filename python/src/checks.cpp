@@ -263,13 +263,8 @@ std::uint64_t unlisted_pairs(const Request& request, const CheckTotals& totals) 
 py::list untested_by(const Request& request, const CheckTotals& totals) {
   const CheckSettings& settings = request.settings;
   py::list untested;
-  if (skips_frames(settings, totals))
-    untested.append("only " + every_nth_frame(settings.frames.step) + " was checked");
-  if (!settings.step.within) untested.append("pairs within one mesh were not tested");
-  if (!settings.step.between && request.motions.size() > 1)
-    untested.append("pairs of two meshes were not tested");
-  if (const std::string ignored = ignored_pairs(settings); !ignored.empty())
-    untested.append(message_of(ignored));
+  for (const std::string& part : foldproof::untested(request.motions, settings, totals))
+    untested.append(message_of(part));
   if (const std::string still = still_pairs(request.motions, settings, totals); !still.empty())
     untested.append(message_of(still));
   if (settings.poses) untested.append("motion between frames was not tested");

@@ -226,6 +226,7 @@ py::object contact_of(const Contact& contact, const std::array<std::string, 2>& 
   fields["joined"] = py::tuple(py::cast(contact.joined));
   fields["sides"] = py::tuple(sides);
   fields["folded"] = contact.folded;
+  fields["pierces"] = contact.pierces;
   fields["from_start"] = contact.from_start;
   fields["healed"] = contact.healed;
   fields["first_time"] = contact.first_time;

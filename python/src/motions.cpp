@@ -10,6 +10,7 @@
 
 #include "arrays.h"
 #include "contacts.h"
+#include "io/readers.h"
 #include "module.h"
 #include "unlocked.h"
 
@@ -80,6 +81,8 @@ std::unique_ptr<Motion> motion_of_arrays(const py::handle& triangles, const py::
   require_finite(numbers, "frames");
   Topology topology = take(Topology::make(static_cast<Index>(numbers.shape(1)), triangles_of(triangles)));
   info.parts = object_parts(parts, topology.triangles().size(), "parts");
+  if (const auto loose = io::loose_vertices(topology, info.merged); !loose.empty())
+    info.unchecked.push_back(io::unchecked_vertices(topology, loose.size()));
   return std::make_unique<ArrayMotion>(std::move(name), std::move(topology), std::move(numbers),
                                        std::move(info));
 }

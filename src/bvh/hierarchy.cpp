@@ -37,6 +37,36 @@ bool is_shallow(std::span<const Hierarchy::Node> nodes) {
   return true;
 }
 
+// Appends what describes a hierarchy to Hierarchy::from_parts.
+void append_parts(const Hierarchy& tree, Index first_triangle, std::vector<Index>& triangle_ids,
+                  std::vector<Index>& leaf_sizes) {
+  for (const Index id : tree.triangle_ids()) triangle_ids.push_back(first_triangle + id);
+  const auto leaves = tree.leaves();
+  for (const Hierarchy::Node& node : tree.nodes()) {
+    const Index leaf = node.leaf_begin;
+    leaf_sizes.push_back(node.is_leaf() ? leaves[leaf + 1].triangles - leaves[leaf].triangles : 0);
+  }
+}
+
+// Faces, lines and points have trees of their own below common nodes, because a leaf with an element that has
+// no area gets no chart.
+Result<Hierarchy> build_joined(Topology all, std::span<const double> positions,
+                               const HierarchySettings& settings) {
+  std::vector<Index> triangle_ids, leaf_sizes;
+  const auto triangles = all.triangles();
+  const Index faces = all.face_count(), lines = all.line_count();
+  std::vector<std::span<const Triangle>> parts{triangles.first(faces), triangles.subspan(faces, lines),
+                                               triangles.subspan(faces + lines)};
+  std::erase_if(parts, [](const auto& part) { return part.empty(); });
+  for (const auto& part : parts) {
+    if (part.data() != parts.back().data()) leaf_sizes.push_back(0);
+    auto topology = FOLDPROOF_TRY(Topology::make(all.vertex_count(), {part.begin(), part.end()}));
+    const auto tree = FOLDPROOF_TRY(Hierarchy::build(std::move(topology), positions, settings));
+    append_parts(tree, static_cast<Index>(part.data() - triangles.data()), triangle_ids, leaf_sizes);
+  }
+  return Hierarchy::from_parts(std::move(all), std::move(triangle_ids), leaf_sizes);
+}
+
 }  // namespace
 
 Result<Hierarchy> Hierarchy::build(Topology topology, std::span<const double> positions,
@@ -46,6 +76,8 @@ Result<Hierarchy> Hierarchy::build(Topology topology, std::span<const double> po
   if (count == 0)
     return fail(ErrorCode::InvalidMesh, "mesh", "has no triangles", "give a mesh with at least one face");
   FOLDPROOF_TRY(check_positions(topology, positions));
+  if (topology.element(0) != topology.element(count - 1))
+    return build_joined(std::move(topology), positions, settings);
   Hierarchy tree;
   tree.topology_ = std::move(topology);
   SplitSurface split =
@@ -73,6 +105,8 @@ Result<Hierarchy> Hierarchy::from_parts(Topology topology, std::vector<Index> tr
   tree.triangle_ids_ = std::move(triangle_ids);
   if (!tree.build_nodes(leaf_sizes))
     return fail(ErrorCode::InvalidMesh, "nodes", "do not form a tree over the triangles", "build it again");
+  if (!tree.elements_are_apart())
+    return fail(ErrorCode::InvalidMesh, "leaves", "mix faces, lines and points", "build it again");
   if (!is_shallow(tree.nodes_))
     return fail(ErrorCode::LimitExceeded, "nodes", fmt::format("have more than {} levels", kMaxLevels),
                 "build it again");
@@ -107,6 +141,15 @@ bool Hierarchy::build_nodes(std::span<const Index> leaf_sizes) {
   if (nodes_.empty() || !open.empty() || triangles_before != count || leaf_sizes.back() == 0) return false;
   leaves_.push_back({static_cast<Index>(count), 0, 0});
   compute_leaf_ranges();
+  return true;
+}
+
+bool Hierarchy::elements_are_apart() const {
+  for (Index leaf = 0; leaf < leaf_count(); ++leaf) {
+    for (Index k = leaves_[leaf].triangles; k < leaves_[leaf + 1].triangles; ++k) {
+      if (topology_.element(triangle_ids_[k]) != element(leaf)) return false;
+    }
+  }
   return true;
 }
 

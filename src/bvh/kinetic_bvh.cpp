@@ -299,6 +299,8 @@ KineticBvh::KineticBvh(std::shared_ptr<const Hierarchy> tree) : hierarchy(std::m
       h.leaf_count(), [&](Index leaf) { return leaves[leaf].triangles; },
       [&](Index t) { return h.triangles()[t]; });
   find_leaves();
+  has_thin_faces = std::ranges::any_of(
+      h.topology().faces(), [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
 }
 
 void KineticBvh::find_leaves() {

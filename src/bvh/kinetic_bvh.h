@@ -139,6 +139,7 @@ struct KineticBvh {
   FeatureBlocks<1> vertex_blocks;
   FeatureBlocks<2> edge_blocks;
   FeatureBlocks<3> face_blocks;
+  bool has_thin_faces = false;  ///< Faces that name a vertex twice.
 
  private:
   void find_leaves();

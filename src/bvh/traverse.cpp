@@ -193,6 +193,22 @@ HWY_INLINE void TestFeatures(const LeafSide& a, const FeatureBlocks<NA>& fa, con
   }
 }
 
+// Two points come as each other's vertex and triangle. Of one object the vertex with the smaller id is taken,
+// of two the first object's, whatever the hierarchy.
+void FindPointPairs(const LeafSide& a, const LeafSide& b, const LeafTest& test,
+                    std::vector<CandidateBuffer::Pair>& out) {
+  const std::size_t begin = out.size();
+  TestFeatures(a, a.bvh.vertex_blocks, b, b.bvh.face_blocks, test, out);
+  if (&a.bvh != &b.bvh) return;
+  if (a.leaf != b.leaf) TestFeatures(b, b.bvh.vertex_blocks, a, a.bvh.face_blocks, test, out);
+  const Hierarchy& h = *a.bvh.hierarchy;
+  const auto comes_twice = [&](const CandidateBuffer::Pair& pair) {
+    return h.vertex_ids()[h.triangles()[pair.b][0]] < h.vertex_ids()[pair.a];
+  };
+  out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(begin), out.end(), comes_twice),
+            out.end());
+}
+
 void FindCandidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
   const KineticBvh &ta = *traversal.a, &tb = *traversal.b;
   const float margin = ClampedMargin(traversal);
@@ -201,9 +217,15 @@ void FindCandidates(const Traversal& traversal, NodePair leaves, CandidateBuffer
   const bool same_object = &ta == &tb, same_leaf = same_object && leaves.a == leaves.b;
   const bool incident = same_object && ShareVertex(ta.leaf_vertices(leaves.a), tb.leaf_vertices(leaves.b));
   const LeafTest test{margin, incident, false}, edge_test{margin, incident, same_leaf};
-  TestFeatures(a, ta.vertex_blocks, b, tb.face_blocks, test, out.vertex_face);
+  const Element of_a = ta.hierarchy->element(leaves.a), of_b = tb.hierarchy->element(leaves.b);
+  const auto tests = [](const KineticBvh& vertices, Element of_vertices, Element of_triangles) {
+    return tests_vertices(of_vertices, of_triangles) ||
+           (vertices.has_thin_faces && of_vertices == Element::Face && of_triangles == Element::Line);
+  };
+  if (of_a == Element::Point && of_b == Element::Point) return FindPointPairs(a, b, test, out.vertex_face);
+  if (tests(ta, of_a, of_b)) TestFeatures(a, ta.vertex_blocks, b, tb.face_blocks, test, out.vertex_face);
   TestFeatures(a, ta.edge_blocks, b, tb.edge_blocks, edge_test, out.edge_edge);
-  if (same_leaf) return;
+  if (same_leaf || !tests(tb, of_b, of_a)) return;
   auto& other = same_object ? out.vertex_face : out.face_vertex;
   const std::size_t begin = other.size();
   TestFeatures(b, tb.vertex_blocks, a, ta.face_blocks, test, other);

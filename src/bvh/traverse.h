@@ -101,6 +101,14 @@ struct CandidateBuffer {
   }
 };
 
+/// Whether vertices of a leaf of `vertices` are tested against the triangles of a leaf of `triangles`. Other
+/// vertices than points need no test against a line or point: they have edges, and those who are on a line or
+/// point are tested against their faces (docs/soundness.md, V2). Where faces name a vertex twice, their
+/// vertices are tested against lines (KineticBvh::has_thin_faces).
+inline bool tests_vertices(Element vertices, Element triangles) {
+  return triangles == Element::Face || vertices == Element::Point;
+}
+
 /// Tests vertices against faces and edges against edges of two leaves whose features have been filled, or of
 /// a leaf with itself.
 void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <numeric>
+#include <tuple>
 
 namespace foldproof::internal {
 
@@ -20,7 +21,10 @@ bool DistinctTriangles::find_copies(const Topology& topology, std::span<const In
   std::partial_sum(end.begin(), end.end(), end.begin());
   // Before this, end[v] is where bucket v begins; after it, where it ends.
   for (Index i = 0; i < triangles.size(); ++i) order[end[triangles[i][0]]++] = i;
-  const auto key = [&](Index t) { return std::pair(triangles[t], kinds.empty() ? 0 : kinds[t]); };
+  // A line is no copy of a face that names a vertex twice, which meets more.
+  const auto key = [&](Index t) {
+    return std::tuple(triangles[t], topology.element(t), kinds.empty() ? 0 : kinds[t]);
+  };
   const auto less = [&](Index a, Index b) { return std::pair(key(a), a) < std::pair(key(b), b); };
   bool any = false;
   std::ptrdiff_t begin = 0;
@@ -53,16 +57,29 @@ bool DistinctTriangles::find_copies(const Topology& topology, std::span<const In
 // Removes copies from the tree, and nodes that no longer own any triangle.
 void DistinctTriangles::drop_copies(const Hierarchy& all) {
   const auto triangles = all.topology().triangles();
-  std::vector<Triangle> distinct;
-  std::vector<Index> number(triangles.size());
-  for (Index t = 0; t + 1 < first_.size(); ++t) {
-    distinct.push_back(triangles[ids_[first_[t]]]);
+  std::vector<Triangle> faces;
+  std::vector<Edge> lines;
+  std::vector<Index> points, number(triangles.size());
+  const auto count = static_cast<Index>(first_.size() - 1);
+  for (Index t = 0; t < count; ++t) {
+    const auto& [a, b, c] = triangles[ids_[first_[t]]];
+    switch (all.topology().element(ids_[first_[t]])) {
+      case Element::Face:
+        faces.push_back({a, b, c});
+        break;
+      case Element::Line:
+        lines.push_back({a, b});
+        break;
+      case Element::Point:
+        points.push_back(a);
+        break;
+    }
     for (const Index id : copies(t)) number[id] = t;
   }
   // The first copy in leaf order stays in its leaf.
   const auto nodes = all.nodes();
   const auto leaves = all.leaves();
-  std::vector<bool> placed(distinct.size(), false);
+  std::vector<bool> placed(count, false);
   std::vector<Index> order, owned(nodes.size(), 0);  // owned: triangles that remain, per node
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     if (!nodes[n].is_leaf()) continue;
@@ -85,7 +102,7 @@ void DistinctTriangles::drop_copies(const Hierarchy& all) {
     leaf_sizes.push_back(leaf ? owned[n] : 0);
     node_ids_.push_back(static_cast<Index>(n));
   }
-  auto topology = Topology::make(all.topology().vertex_count(), std::move(distinct));
+  auto topology = Topology::make(all.topology().vertex_count(), std::move(faces), lines, points);
   assert(topology);
   auto distinct_hierarchy = Hierarchy::from_parts(std::move(*topology), std::move(order), leaf_sizes);
   assert(distinct_hierarchy);

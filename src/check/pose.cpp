@@ -27,6 +27,7 @@ void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pai
   const Hierarchy &ha = pose.motion.hierarchy(object_a), &hb = pose.motion.hierarchy(object_b);
   Index a = ha.triangle_ids()[pair.a], b = hb.triangle_ids()[pair.b];
   if (object_a == object_b && b < a) std::swap(a, b);
+  if (object_a == object_b && !may_cross(ha.topology(), a, b)) return;
   if (!filter.crossing(object_a, a, object_b, b)) return;
   const Triangle &s = ha.topology().triangles()[a], &t = hb.topology().triangles()[b];
   const bool cross = object_a == object_b

@@ -60,7 +60,13 @@ class Tracer {
  public:
   Tracer(const Surfaces& surfaces, std::span<const CrossingPair> pairs, Positions x, Curves& out)
       : surfaces_(surfaces), x_(pairs, surfaces, x), out_(out), pairs_(out.pairs) {
-    pairs_.assign(pairs.begin(), pairs.end());
+    pairs_.clear();
+    out_.pierced.clear();
+    for (const CrossingPair& pair : pairs) {
+      const bool face[] = {is_face(pair, 0), is_face(pair, 1)};
+      if (face[0] && face[1]) pairs_.push_back(pair);
+      if (face[0] != face[1]) add_pierced(pair, face[0] ? 1 : 0);
+    }
   }
 
   void trace() {
@@ -90,10 +96,27 @@ class Tracer {
     return {pair.object(0), pair.triangle(0), pair.object(1), pair.triangle(1)};
   }
 
+  bool is_face(const CrossingPair& pair, int side) const {
+    return surfaces_.is_face(pair.object(side), pair.triangle(side));
+  }
+
+  // Where the line or point of `side` meets the face of the other.
+  void add_pierced(const CrossingPair& pair, int side) {
+    const Index object = pair.object(side), other = pair.object(1 - side);
+    const Triangle &line = surfaces_.topology(object).triangles()[pair.triangle(side)],
+                   &f = surfaces_.topology(other).triangles()[pair.triangle(1 - side)];
+    const Vec3 p = x_.at(object, line[0]), q = x_.at(object, line[1]), corner = x_.at(other, f[0]);
+    const Vec3 normal = (x_.at(other, f[1]) - corner).cross(x_.at(other, f[2]) - corner);
+    const double from = dot(normal, p - corner), to = dot(normal, q - corner);
+    const double share = from == to ? 0 : std::clamp(from / (from - to), 0.0, 1.0);
+    out_.pierced.push_back(p + share * (q - p));
+  }
+
   // A curve that leaves the pair's triangle of `side` through an edge goes on in the other triangles there.
   void add_next_pairs(CrossingPair pair, int side, const Edge& edge) {
     surfaces_.triangles_with_edge(pair.object(side), edge, at_edge_);
     for (const Index t : at_edge_) {
+      if (!surfaces_.is_face(pair.object(side), t)) continue;
       ((side == 0) != pair.reversed ? pair.triangles.triangle_a : pair.triangles.triangle_b) = t;
       const PairKey key = key_of(pair);
       if (std::binary_search(given_.begin(), given_.end(), key) || !added_.insert(key).second) continue;

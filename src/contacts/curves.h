@@ -26,12 +26,14 @@ struct Piercing {
 };
 
 struct Curves {
-  /// The pairs that cross where they are displaced: those that were given, and what continues their curves.
+  /// The pairs of faces that cross where they are displaced: those that were given, and what continues their
+  /// curves. Lines and points have no curves.
   std::vector<CrossingPair> pairs;
   std::vector<Piercing> piercings;        ///< Each once, sorted by side, edge and face.
   std::vector<std::vector<Index>> lines;  ///< Piercings along each curve; a closed one repeats the first.
   bool closed = true;                     ///< All of them.
   double length = 0;                      ///< Mesh units.
+  std::vector<Vec3> pierced;              ///< Where lines go through faces.
 };
 
 /// Traces the curves. Which edges pierce which triangles is decided exactly, for positions that are displaced

@@ -21,6 +21,7 @@ struct Open {
   bool crosses = false;                                           // in the last frame
   double first_impact = std::numeric_limits<double>::infinity();  // whose place `point` is without frames
   std::array<std::map<Index, std::uint64_t>, 2> votes;            // triangles per part
+  bool of_faces = false, pierces = false;  // two faces meet; a face and a line or point
 };
 
 // A contact in a frame.
@@ -99,6 +100,7 @@ struct ContactFinder::Impl {
   void add_element(std::array<Index, 2> objects, std::span<const Index> a, std::span<const Index> b,
                    const Impact& impact);
   void name_groups(const Joiner::Groups& groups);
+  std::array<bool, 2> faces_of(std::size_t element, const StepResult& step) const;
   void note_elements(const Joiner::Groups& groups, const StepResult& step);
   void vote(Open& open, int side, Index object, Index triangle);
   void measure_frame(double now, Positions x);
@@ -242,6 +244,8 @@ void ContactFinder::Impl::join(Label a, Label b) {
   c.first_time = std::min(c.first_time, other.first_time);
   c.last_time = std::max(c.last_time, other.last_time);
   c.pairs += other.pairs;
+  into.of_faces |= from.of_faces;
+  into.pierces |= from.pierces;
   for (int side = 0; side < 2; ++side) {
     for (const auto& [part, count] : from.votes[side]) into.votes[side][part] += count;
   }
@@ -291,6 +295,20 @@ void ContactFinder::Impl::vote(Open& to, int side, Index object, Index triangle)
   if (object < parts.size() && !parts[object].empty()) ++to.votes[side][parts[object][triangle]];
 }
 
+// Whether the features or triangles of an element are of faces.
+std::array<bool, 2> ContactFinder::Impl::faces_of(std::size_t element, const StepResult& step) const {
+  if (element < vertex_faces) {
+    const VertexFaceCollision& c = step.vertex_face[element];
+    return {surfaces.is_of_face(c.vertex_object, c.vertex), surfaces.is_face(c.face_object, c.face)};
+  }
+  if (element < vertex_faces + edge_edges) {
+    const EdgeEdgeCollision& c = step.edge_edge[element - vertex_faces];
+    return {surfaces.is_of_face(c.object_a, c.a), surfaces.is_of_face(c.object_b, c.b)};
+  }
+  const TriangleCrossing& c = crossings[element - vertex_faces - edge_edges];
+  return {surfaces.is_face(c.object_a, c.triangle_a), surfaces.is_face(c.object_b, c.triangle_b)};
+}
+
 void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const StepResult& step) {
   numbers.resize(impacts.size());
   for (std::size_t e = 0; e < impacts.size(); ++e) {
@@ -309,6 +327,9 @@ void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const Step
       c.first_time = c.from_start ? c.first_time : std::min(c.first_time, impacts[e].time);
       c.last_time = std::max(c.last_time, impacts[e].time);
     }
+    const std::array<bool, 2> face = faces_of(e, step);
+    to.of_faces |= face[0] && face[1];
+    to.pierces |= face[0] != face[1];
     if (e < vertex_faces) {
       const VertexFaceCollision& pair = step.vertex_face[e];
       vote(to, first, pair.vertex_object, surfaces.triangles_at(pair.vertex_object, pair.vertex).front());
@@ -374,6 +395,7 @@ void ContactFinder::Impl::end_contacts(bool all) {
       continue;
     }
     it.contact.healed = !(all && it.crosses);
+    it.contact.pierces = it.pierces && !it.of_faces;
     for (int side = 0; side < 2; ++side) {
       std::uint64_t most = 0;
       for (const auto& [part, count] : it.votes[side]) {

@@ -45,7 +45,10 @@ void list_pairs(const Surfaces& surfaces, const PairFilter* filter, const StepRe
 bool cross(const Surfaces& surfaces, Positions x, const TriangleCrossing& c) {
   const Triangle &s = surfaces.topology(c.object_a).triangles()[c.triangle_a],
                  &t = surfaces.topology(c.object_b).triangles()[c.triangle_b];
-  if (c.object_a == c.object_b) return triangles_cross(x[c.object_a], s, t);
+  if (c.object_a == c.object_b) {
+    return may_cross(surfaces.topology(c.object_a), c.triangle_a, c.triangle_b) &&
+           triangles_cross(x[c.object_a], s, t);
+  }
   return triangles_intersect(corners(x[c.object_a], s), corners(x[c.object_b], t));
 }
 

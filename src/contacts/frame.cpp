@@ -49,6 +49,7 @@ void FrameMeasurer::list_other_surface(int side, Positions x) {
   const Index object = objects_[other];
   const auto triangles = surfaces_.topology(object).triangles();
   other_ = crossing_[other];
+  std::erase_if(other_, [&](Index t) { return !surfaces_.is_face(object, t); });
   if (region_[other]) {
     other_.insert(other_.end(), region_[other]->triangles.begin(), region_[other]->triangles.end());
   } else {
@@ -67,6 +68,7 @@ void FrameMeasurer::list_other_surface(int side, Positions x) {
     for (std::size_t i = 0; i < other_.size(); ++i) {
       for (const Index v : triangles[other_[i]]) {
         for (const Index t : surfaces_.triangles_at(object, v)) {
+          if (!surfaces_.is_face(object, t)) break;  // faces come first
           if (seen_[t] == now_) continue;
           seen_[t] = now_;
           if (!is_near(t)) continue;
@@ -161,6 +163,9 @@ void FrameMeasurer::describe(std::span<const CrossingPair> pairs, Positions x, C
     auto& points = out.curves.emplace_back();
     for (const Index n : line) points.push_back(curves_.piercings[n].position);
     for (const Vec3& p : points) sum += p, ++count;
+  }
+  if (count == 0) {
+    for (const Vec3& p : curves_.pierced) sum += p, ++count;
   }
   out.point = count > 0 ? Vec3(sum / static_cast<double>(count)) : Vec3((low + high) / 2);
   Vec3 normal = Vec3::Zero();

@@ -75,6 +75,7 @@ void RegionFinder::visit(Index component) {
   const Index vertex = components_[component].vertices[components_[component].visited++];
   const auto triangles = surfaces_.topology(object_).triangles();
   for (const Index t : surfaces_.triangles_at(object_, vertex)) {
+    if (!surfaces_.is_face(object_, t)) break;  // faces come first
     for (const Index w : triangles[t]) {
       if (w == vertex || is_cut(vertex, w)) continue;
       const Index other = component_of(w);
@@ -193,6 +194,7 @@ Region RegionFinder::region(const Curves& curves, std::span<const Index> crossin
   const auto triangles = surfaces_.topology(object_).triangles();
   for (const Index v : out.vertices) {
     for (const Index t : surfaces_.triangles_at(object_, v)) {
+      if (!surfaces_.is_face(object_, t)) break;
       if (std::all_of(triangles[t].begin(), triangles[t].end(), is_inside)) out.triangles.push_back(t);
     }
   }

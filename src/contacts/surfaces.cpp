@@ -46,4 +46,15 @@ void Surfaces::triangles_with_edge(Index object, const Edge& edge, std::vector<I
   }
 }
 
+bool Surfaces::is_of_face(Index object, const Edge& edge) const {
+  const Topology& topology = *topologies_[object];
+  if (topology.face_count() == topology.triangles().size()) return true;
+  const auto has_edge = [&](Index t) {
+    const Triangle& corners = topology.triangles()[t];
+    return std::find(corners.begin(), corners.end(), edge[1]) != corners.end();
+  };
+  const auto at = triangles_at(object, edge[0]);
+  return is_face(object, *std::find_if(at.begin(), at.end(), has_edge));
+}
+
 }  // namespace foldproof::internal

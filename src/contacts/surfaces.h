@@ -19,6 +19,13 @@ class Surfaces {
 
   Index vertex(Index object, Index local) const { return vertex_offsets_[object] + local; }
   Index triangle(Index object, Index local) const { return triangle_offsets_[object] + local; }
+  /// Whether a triangle is a face: the contacts of others have no curves, regions and depth.
+  bool is_face(Index object, Index triangle) const { return triangle < topologies_[object]->face_count(); }
+  /// Whether a vertex or an edge is one of a face.
+  bool is_of_face(Index object, Index vertex) const {
+    return is_face(object, triangles_at(object, vertex).front());
+  }
+  bool is_of_face(Index object, const Edge& edge) const;
   /// The corners of a triangle, as global ids.
   Triangle corners(Index object, Index triangle) const {
     Triangle t = topologies_[object]->triangles()[triangle];

@@ -11,10 +11,14 @@ namespace {
 class MemoryMotion final : public Motion {
  public:
   MemoryMotion(std::string name, Topology topology, std::vector<std::vector<double>> frames)
-      : name_(std::move(name)), topology_(std::move(topology)), frames_(std::move(frames)) {}
+      : name_(std::move(name)), topology_(std::move(topology)), frames_(std::move(frames)) {
+    const std::size_t loose = io::loose_vertices(topology_, {}).size();
+    if (loose > 0) info_.unchecked.push_back(io::unchecked_vertices(topology_, loose));
+  }
 
   const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
+  const MotionInfo& info() const override { return info_; }
   Index frame_count() const override { return static_cast<Index>(frames_.size()); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
@@ -33,6 +37,7 @@ class MemoryMotion final : public Motion {
  private:
   std::string name_;
   Topology topology_;
+  MotionInfo info_;
   std::vector<std::vector<double>> frames_;
 };
 

@@ -12,14 +12,15 @@ namespace {
 
 // Error: the mesh is empty, or too large for 32-bit ids.
 Result<void> check_mesh(const std::string& path, const MeshData& mesh) {
-  if (mesh.positions.size() / 3 > kMaxVertices || mesh.triangles.size() > kMaxTriangles) {
+  if (mesh.positions.size() / 3 > kMaxVertices ||
+      mesh.triangles.size() + mesh.lines.size() + mesh.points.size() > kMaxTriangles) {
     return fail(ErrorCode::LimitExceeded, path,
                 fmt::format("has more than {} vertices or {} triangles", kMaxVertices, kMaxTriangles),
                 "split the mesh");
   }
   if (mesh.positions.empty())
     return fail(ErrorCode::InvalidFile, path, "has no vertices", "export the mesh again");
-  if (mesh.triangles.empty())
+  if (mesh.triangles.empty() && mesh.lines.empty() && mesh.points.empty())
     return fail(ErrorCode::InvalidFile, path, "has no faces", "export the mesh with its faces");
   return {};
 }

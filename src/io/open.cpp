@@ -208,7 +208,7 @@ class Opener {
       if (!opened.frames_by_name.empty())
         FOLDPROOF_TRY(require_frames(*opened.motion, opened.frames_by_name));
       if (options_.weld == Weld::Always) opened.motion = FOLDPROOF_TRY(weld(std::move(opened.motion)));
-      motions.push_back(std::move(opened.motion));
+      motions.push_back(FOLDPROOF_TRY(with_loose_vertices(std::move(opened.motion), options_.points)));
     }
     if (options_.still) stand_still(motions);
     return motions;

@@ -128,8 +128,11 @@ Result<std::unique_ptr<Motion>> open_cache(const std::string& mesh_path, const s
   const auto layout = FOLDPROOF_TRY(read_header(file));
   auto mesh = FOLDPROOF_TRY(read_mesh(mesh_path, progress));
   FOLDPROOF_TRY(check_layout(file, layout, mesh.vertex_count(), mesh_path));
-  auto topology = FOLDPROOF_TRY(Topology::make(mesh.vertex_count(), std::move(mesh.triangles)));
-  return std::make_unique<PointCache>(mesh_path, std::move(file), layout, std::move(topology), mesh.info());
+  MotionInfo info = mesh.info();
+  auto topology = FOLDPROOF_TRY(
+      make_topology(mesh.vertex_count(), std::move(mesh.triangles), mesh.lines, mesh.points, info.parts));
+  return std::make_unique<PointCache>(mesh_path, std::move(file), layout, std::move(topology),
+                                      std::move(info));
 }
 
 }  // namespace

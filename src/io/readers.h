@@ -93,6 +93,20 @@ std::vector<std::string> gltf_files(const std::string& path);
 Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, const ReadOptions& options,
                                           const ReadProgress& progress);
 
+/// The topology of faces, lines and points. Lines that are sides of faces, points on faces or lines, and
+/// copies of both add nothing to a check, so they are left out. `parts`: those of all three, or of the faces
+/// alone; then others get the parts "lines" and "points".
+Result<Topology> make_topology(Index vertex_count, std::vector<Triangle> faces, std::span<const Edge> lines,
+                               std::span<const Index> points, ObjectParts& parts);
+/// Gives lines and points parts where only the faces have them.
+void add_parts(const Topology& topology, ObjectParts& parts);
+/// The vertices in no triangle. `merged`: MotionInfo::merged; those that were merged away are none.
+std::vector<Index> loose_vertices(const Topology& topology, std::span<const Index> merged);
+/// "5 vertices in no face were not checked"
+std::string unchecked_vertices(const Topology& topology, std::size_t count);
+/// The motion with its loose vertices as points, or named in MotionInfo::unchecked.
+Result<std::unique_ptr<Motion>> with_loose_vertices(std::unique_ptr<Motion> motion, bool as_points);
+
 /// Merges vertices that have exactly the same position in the first frame into the first of them, in the
 /// corners of triangles only (MotionInfo::merged). A frame in which merged vertices part is an error.
 Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion);

@@ -19,11 +19,14 @@ class MeshSequence final : public Motion {
   Result<void> open(const ReadProgress& progress) {
     for (const std::string& path : paths_) modified_.push_back(time_of(path));
     auto first = FOLDPROOF_TRY(read(0, progress));
-    topology_ = FOLDPROOF_TRY(Topology::make(first.vertex_count(), std::move(first.triangles)));
-    first_ = std::move(first.positions);
     info_.parts = std::move(first.parts);
     info_.notes.insert(info_.notes.end(), first.notes.begin(), first.notes.end());
     info_.unchecked = std::move(first.unchecked);
+    topology_ = FOLDPROOF_TRY(make_topology(first.vertex_count(), std::move(first.triangles), first.lines,
+                                            first.points, info_.parts));
+    first_ = std::move(first.positions);
+    lines_ = std::move(first.lines);
+    points_ = std::move(first.points);
     return {};
   }
 
@@ -85,7 +88,7 @@ class MeshSequence final : public Motion {
       return different(fmt::format("has {} vertices, but the first frame has {}", mesh.vertex_count(),
                                    topology_.vertex_count()));
     }
-    const auto expected = topology_.triangles();
+    const auto expected = topology_.faces();
     const std::span<const Triangle> found = mesh.triangles;
     for (Index i = 0; i < std::min(found.size(), expected.size()); ++i) {
       if (found[i] == expected[i]) continue;
@@ -101,6 +104,8 @@ class MeshSequence final : public Motion {
     }
     if (mesh.unchecked != info_.unchecked)
       return different("has other things than the first frame that are not checked");
+    if (mesh.lines != lines_ || mesh.points != points_)
+      return different("has other lines or points than the first frame");
     return {};
   }
 
@@ -111,6 +116,8 @@ class MeshSequence final : public Motion {
   Topology topology_;
   MotionInfo info_;
   std::vector<double> first_;  // positions of frame 0, which open() reads
+  std::vector<Edge> lines_;    // of frame 0, as the file has them
+  std::vector<Index> points_;
 };
 
 }  // namespace

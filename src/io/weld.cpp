@@ -82,8 +82,8 @@ Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion) {
   const Layers layers =
       count_layers(elements.faces, topology.vertex_count(), surfaces_of(info.parts, elements.faces.size()));
   add_notes(layers, info);
-  auto welded = FOLDPROOF_TRY(
-      Topology::make(topology.vertex_count(), std::move(elements.faces), elements.lines, elements.points));
+  auto welded = FOLDPROOF_TRY(make_topology(topology.vertex_count(), std::move(elements.faces),
+                                            elements.lines, elements.points, info.parts));
   return std::make_unique<WeldedMotion>(std::move(motion), std::move(welded), std::move(info));
 }
 

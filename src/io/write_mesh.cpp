@@ -46,8 +46,10 @@ Result<void> write_obj_text(FileWriter& file, const Topology& topology, std::spa
   for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
     text += fmt::format("v {} {} {}\n", positions[i], positions[i + 1], positions[i + 2]);
   }
-  for (const Triangle& t : topology.triangles())
+  for (const Triangle& t : topology.faces())
     text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  for (const auto& [a, b] : topology.lines()) text += fmt::format("l {} {}\n", a + 1, b + 1);
+  for (const Index p : topology.points()) text += fmt::format("p {}\n", p + 1);
   return file.write(text);
 }
 
@@ -85,21 +87,31 @@ Result<void> write_ply_properties(const std::string& path, const Topology& topol
                                   std::span<const double> positions,
                                   std::span<const FaceProperty> properties) {
   const auto triangles = topology.triangles();
+  const std::size_t faces = topology.face_count(), lines = topology.line_count();
   FOLDPROOF_TRY(require_sizes(path, topology, positions, properties));
   auto file = FOLDPROOF_TRY(FileWriter::open(path));
+  const char* id_type = topology.vertex_count() <= kMaxSigned ? "int" : "uint";
   std::string header = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
       "property double z\nelement face {}\nproperty list uchar {} vertex_indices\n",
-      topology.vertex_count(), triangles.size(), topology.vertex_count() <= kMaxSigned ? "int" : "uint");
-  for (const FaceProperty& p : properties) header += fmt::format("property {} {}\n", ply_name(p), p.name);
+      topology.vertex_count(), faces, id_type);
+  const auto declare_properties = [&] {
+    for (const FaceProperty& p : properties) header += fmt::format("property {} {}\n", ply_name(p), p.name);
+  };
+  declare_properties();
+  if (lines > 0) {
+    header +=
+        fmt::format("element edge {}\nproperty {} vertex1\nproperty {} vertex2\n", lines, id_type, id_type);
+    declare_properties();
+  }
   FOLDPROOF_TRY(file.write(header + "end_header\n"));
   std::vector<char> bytes;
   for (const double x : positions) append(bytes, x);
   FOLDPROOF_TRY(file.write(bytes));
   bytes.clear();
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    bytes.push_back(3);
-    for (const Index v : triangles[i]) append(bytes, v);
+  for (std::size_t i = 0; i < faces + lines; ++i) {
+    if (i < faces) bytes.push_back(3);
+    for (const Index v : std::span(triangles[i]).first(i < faces ? 3 : 2)) append(bytes, v);
     for (const FaceProperty& p : properties)
       std::visit([&](const auto& values) { append(bytes, values[i]); }, p.values);
   }

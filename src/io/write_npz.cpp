@@ -13,7 +13,7 @@ using io::append;
 using io::ZipWriter;
 
 Result<void> write_faces(ZipWriter& zip, const Topology& topology) {
-  const auto triangles = topology.triangles();
+  const auto triangles = topology.faces();
   const std::array<std::uint64_t, 2> shape{triangles.size(), 3};
   const std::string header = io::npy_header("<i4", shape);
   std::vector<char> bytes(header.begin(), header.end());
@@ -47,6 +47,10 @@ Result<void> write_npz(const std::string& path, Motion& motion) {
   if (motion.topology().vertex_count() > 0x7fffffff) {
     return fail(ErrorCode::LimitExceeded, path, "the motion has more vertices than int32 can count",
                 "split the mesh");
+  }
+  if (motion.topology().face_count() < motion.topology().triangles().size()) {
+    return fail(ErrorCode::UnsupportedFormat, path,
+                "is NPZ, which holds faces alone, and there are lines or points", "name it .obj");
   }
   auto file = FOLDPROOF_TRY(FileWriter::open(path));
   ZipWriter zip(file);

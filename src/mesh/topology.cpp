@@ -2,9 +2,32 @@
 
 #include <algorithm>
 
+#include "base/try.h"
 #include "foldproof/mesh.h"
 
 namespace foldproof {
+namespace {
+
+std::string name_of(std::size_t triangle, std::size_t faces, std::size_t lines) {
+  if (triangle < faces) return fmt::format("triangle {}", triangle);
+  if (triangle < faces + lines) return fmt::format("line {}", triangle - faces);
+  return fmt::format("point {}", triangle - faces - lines);
+}
+
+Result<void> require_loose(std::span<const Index> points, std::span<const Triangle> others,
+                           Index vertex_count) {
+  if (points.empty()) return {};
+  std::vector<bool> used(vertex_count, false);
+  for (const Triangle& t : others) {
+    for (const Index v : t) used[v] = true;
+  }
+  const auto bad = std::ranges::find_if(points, [&](Index p) { return used[p]; });
+  if (bad == points.end()) return {};
+  return fail(ErrorCode::InvalidMesh, fmt::format("point {}", bad - points.begin()),
+              fmt::format("is vertex {}, which is on a face or a line", *bad), "leave it out");
+}
+
+}  // namespace
 
 Result<Topology> Topology::make(Index vertex_count, std::vector<Triangle> faces) {
   return make(vertex_count, std::move(faces), {}, {});
@@ -31,12 +54,13 @@ Result<Topology> Topology::make(Index vertex_count, std::vector<Triangle> triang
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (const Index v : triangles[i]) {
       if (v >= vertex_count) {
-        return fail(ErrorCode::InvalidMesh, fmt::format("triangle {}", i),
+        return fail(ErrorCode::InvalidMesh, name_of(i, face_count, lines.size()),
                     fmt::format("names vertex {}, but there are {} (counting from 0)", v, vertex_count),
                     "export the mesh again");
       }
     }
   }
+  FOLDPROOF_TRY(require_loose(points, std::span(triangles).first(face_count + lines.size()), vertex_count));
   Topology mesh;
   mesh.vertex_count_ = vertex_count;
   mesh.face_count_ = static_cast<Index>(face_count);
@@ -82,11 +106,28 @@ void Topology::find_edges() {
   edges_.shrink_to_fit();
 }
 
+std::vector<Edge> Topology::lines() const {
+  std::vector<Edge> lines;
+  for (const auto& [a, b, c] : triangles().subspan(face_count_, line_count_)) lines.push_back({a, b});
+  return lines;
+}
+
+std::vector<Index> Topology::points() const {
+  std::vector<Index> points;
+  for (const auto& [a, b, c] : triangles().subspan(face_count_ + line_count_)) points.push_back(a);
+  return points;
+}
+
 bool share_vertex(const Triangle& a, const Triangle& b) {
   for (const Index v : a) {
     if (v == b[0] || v == b[1] || v == b[2]) return true;
   }
   return false;
+}
+
+bool may_cross(const Topology& topology, Index a, Index b) {
+  return topology.element(a) == Element::Face || topology.element(b) == Element::Face ||
+         !share_vertex(topology.triangles()[a], topology.triangles()[b]);
 }
 
 }  // namespace foldproof

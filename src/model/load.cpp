@@ -47,22 +47,38 @@ class Reader {
     return vector ? vector->size() : 0;
   }
 
-  Result<std::shared_ptr<const Hierarchy>> read_hierarchy() const {
+  Result<Topology> read_topology() const {
     std::vector<Triangle> triangles;
     triangles.reserve(size(file_.triangles()));
     for (std::size_t k = 0; k < size(file_.triangles()); ++k) {
       const file::Triangle& t = *file_.triangles()->Get(k);
       triangles.push_back({t.a(), t.b(), t.c()});
     }
-    auto topology = Topology::make(file_.vertex_count(), std::move(triangles));
+    const std::uint64_t lines = file_.line_count(), points = file_.point_count();
+    if (lines + points > triangles.size()) return bad("lines and points", "are more than the triangles");
+    std::vector<Edge> line_list;
+    std::vector<Index> point_list;
+    const std::size_t faces = triangles.size() - lines - points;
+    for (std::size_t k = faces; k < triangles.size(); ++k) {
+      const auto& [a, b, c] = triangles[k];
+      const bool line = k < faces + lines;
+      if (b != c || (!line && a != b)) return bad("lines and points", "have three vertices");
+      line ? line_list.push_back({a, b}) : point_list.push_back(a);
+    }
+    triangles.resize(faces);
+    auto topology = Topology::make(file_.vertex_count(), std::move(triangles), line_list, point_list);
     if (!topology) return bad(topology.error().where, topology.error().problem);
-    if (topology_hash(*topology) != file_.topology_hash())
-      return bad("triangles", "are not those trained on");
-    FOLDPROOF_TRY(require_few_loose_vertices(*topology, path_));
+    return topology;
+  }
+
+  Result<std::shared_ptr<const Hierarchy>> read_hierarchy() const {
+    auto topology = FOLDPROOF_TRY(read_topology());
+    if (topology_hash(topology) != file_.topology_hash()) return bad("triangles", "are not those trained on");
+    FOLDPROOF_TRY(require_few_loose_vertices(topology, path_));
     std::vector<Index> order, sizes;
     if (file_.triangle_order()) order.assign(file_.triangle_order()->begin(), file_.triangle_order()->end());
     if (file_.leaf_sizes()) sizes.assign(file_.leaf_sizes()->begin(), file_.leaf_sizes()->end());
-    auto hierarchy = Hierarchy::from_parts(std::move(*topology), std::move(order), sizes);
+    auto hierarchy = Hierarchy::from_parts(std::move(topology), std::move(order), sizes);
     if (!hierarchy) return bad(hierarchy.error().where, hierarchy.error().problem);
     FOLDPROOF_TRY(require_few_neighbors(*hierarchy, path_));
     return std::make_shared<const Hierarchy>(std::move(*hierarchy));

@@ -20,6 +20,10 @@ std::uint64_t topology_hash(const Topology& topology) {
   for (const Triangle& t : topology.triangles()) {
     for (const Index v : t) mix(v);
   }
+  if (topology.line_count() > 0 || topology.point_count() > 0) {
+    mix(topology.line_count());
+    mix(topology.point_count());
+  }
   return hash;
 }
 
@@ -49,7 +53,10 @@ Result<void> require_model_of(const Model& model, const Topology& topology, cons
         "check with --no-weld, or train it again");
   }
   const auto size = [](const Topology& t) {
-    return fmt::format("{} triangles over {} vertices", t.triangles().size(), t.vertex_count());
+    const std::string others = t.face_count() == t.triangles().size()
+                                   ? ""
+                                   : fmt::format(", {} lines and {} points", t.line_count(), t.point_count());
+    return fmt::format("{} triangles{} over {} vertices", t.face_count(), others, t.vertex_count());
   };
   std::string problem =
       fmt::format("is a model of another mesh: {}, but {} has {}", size(own), mesh, size(topology));
@@ -57,8 +64,10 @@ Result<void> require_model_of(const Model& model, const Topology& topology, cons
       own.triangles().size() == topology.triangles().size()) {
     const auto [mine, theirs] =
         std::mismatch(own.triangles().begin(), own.triangles().end(), topology.triangles().begin());
-    problem = fmt::format("is a model of another mesh: triangle {} of {} has other vertices",
-                          mine - own.triangles().begin(), mesh);
+    if (mine != own.triangles().end()) {
+      problem = fmt::format("is a model of another mesh: triangle {} of {} has other vertices",
+                            mine - own.triangles().begin(), mesh);
+    }
   }
   return fail(ErrorCode::InvalidMesh, name, problem, "train a model on this one");
 }

@@ -113,6 +113,8 @@ void build(FlatBufferBuilder& builder, const Model& model) {
   root.add_scaffold(charts.scaffold);
   if (model.learned) root.add_learned(learned);
   if (keeps_balls) root.add_balls(balls);
+  root.add_line_count(h.topology().line_count());
+  root.add_point_count(h.topology().point_count());
   builder.FinishSizePrefixed(root.Finish(), file::ModelIdentifier());
 }
 

@@ -70,6 +70,7 @@ Json SceneData::json() const {
                        {"triangles", object->motion->topology().triangles().size()},
                        {"levels", object->levels},
                        {"notes", object->motion->info().notes},
+                       {"unchecked", object->motion->info().unchecked},
                        {"model", model_json(object->model.get())}});
   }
   const StepSettings& s = settings_.step;

@@ -149,7 +149,7 @@ Result<std::vector<Scene>> make_scenes(std::span<const Panel> panels, const Pict
   for (std::size_t k = 0; k < panels.size(); ++k) {
     const Vec3 size = settings.same_scale ? largest : boxes[k].sizes();
     const Camera camera(panels[k].view, axes[k], boxes[k].center(), 0.5 * size, areas[k], settings.samples);
-    scenes.push_back(make_scene(panels[k], areas[k], camera, size.maxCoeff()));
+    scenes.push_back(make_scene(panels[k], areas[k], camera, size.maxCoeff(), settings.samples));
   }
   return scenes;
 }

@@ -1,5 +1,7 @@
 #include "picture/scene.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace foldproof::picture {
@@ -7,7 +9,7 @@ namespace {
 
 class SceneBuilder {
  public:
-  explicit SceneBuilder(Scene& scene) : scene_(scene) {}
+  SceneBuilder(Scene& scene, Index samples) : scene_(scene), samples_(samples) {}
 
   void add(const PictureMesh& mesh) {
     const auto first_vertex = static_cast<Index>(scene_.vertices.size());
@@ -23,11 +25,17 @@ class SceneBuilder {
     const Index first_normal = add_normals(mesh);
     for (Index t = 0; t < triangles.size(); ++t) {
       Face face;
+      const auto color_of = [&](Index vertex) {
+        return first_color + (!mesh.vertex_colors.empty() ? vertex : !mesh.face_colors.empty() ? t : 0);
+      };
+      if (topology.element(t) != Element::Face) {
+        add_stroke(first_vertex + triangles[t][0], first_vertex + triangles[t][1], color_of(triangles[t][0]));
+        continue;
+      }
       for (Index k = 0; k < 3; ++k) {
         const Index vertex = triangles[t][k];
-        const Index color = !mesh.vertex_colors.empty() ? vertex : !mesh.face_colors.empty() ? t : 0;
         face.vertices[k] = first_vertex + vertex;
-        face.colors[k] = first_color + color;
+        face.colors[k] = color_of(vertex);
         face.normals[k] = first_normal + (mesh.smooth ? 3 * t + k : t);
       }
       scene_.faces.push_back(face);
@@ -44,6 +52,29 @@ class SceneBuilder {
   }
 
  private:
+  // A line or, between a vertex and itself, a point: two triangles that face the eye.
+  void add_stroke(Index from, Index to, Index color) {
+    constexpr double kWidth = 1.0 / 400;  // of the panel
+    const ScreenPoint a = scene_.vertices[from], b = scene_.vertices[to];
+    const double half = std::max(scene_.area.width, scene_.area.height) * kWidth / 2 * samples_;
+    const double length = std::hypot(b.x - a.x, b.y - a.y);
+    const double along_x = length > 0 ? (b.x - a.x) / length : 1,
+                 along_y = length > 0 ? (b.y - a.y) / length : 0;
+    const auto first = static_cast<Index>(scene_.vertices.size());
+    for (const auto& [p, end] : {std::pair(a, -half), std::pair(b, half)}) {
+      for (const double side : {-half, half}) {
+        scene_.vertices.push_back(
+            {p.x + end * along_x - side * along_y, p.y + end * along_y + side * along_x, p.reversed_depth});
+      }
+    }
+    const auto normal = static_cast<Index>(scene_.normals.size());
+    scene_.normals.emplace_back(0.0f, 0.0f, 1.0f);
+    for (const Index k : {Index{0}, Index{1}}) {
+      scene_.faces.push_back(
+          {{first + k, first + k + 1, first + k + 2}, {color, color, color}, {normal, normal, normal}});
+    }
+  }
+
   static Vec3 position(const PictureMesh& mesh, Index vertex) {
     return Eigen::Map<const Vec3>(&mesh.positions[3 * std::size_t{vertex}]);
   }
@@ -98,13 +129,15 @@ class SceneBuilder {
   }
 
   Scene& scene_;
+  Index samples_;  // across a pixel
 };
 
 }  // namespace
 
-Scene make_scene(const Panel& panel, const PixelRect& area, const Camera& camera, double extent) {
+Scene make_scene(const Panel& panel, const PixelRect& area, const Camera& camera, double extent,
+                 Index samples) {
   Scene scene(area, camera);
-  SceneBuilder builder(scene);
+  SceneBuilder builder(scene, samples);
   for (const PictureMesh& mesh : panel.meshes) builder.add(mesh);
   for (const PicturePoints& points : panel.points) builder.add(points, extent);
   return scene;

@@ -33,8 +33,10 @@ struct Scene {
   std::vector<Sphere> spheres;
 };
 
-/// `extent`: the length that PicturePoints::size is relative to. Precondition: the panel is valid.
-Scene make_scene(const Panel& panel, const PixelRect& area, const Camera& camera, double extent);
+/// `extent`: the length that PicturePoints::size is relative to. `samples`: across a pixel. Precondition: the
+/// panel is valid.
+Scene make_scene(const Panel& panel, const PixelRect& area, const Camera& camera, double extent,
+                 Index samples);
 
 /// Draws the rows [rows[0], rows[1]) of the scene's area into the image. `faces` and `spheres`: all that may
 /// overlap these rows.

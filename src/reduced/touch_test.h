@@ -15,7 +15,6 @@ class TouchTest {
 
  private:
   bool triangles_touch(const Triangle& s, const Triangle& t) const;
-  bool folds(const Triangle& s, const Triangle& t) const;
 
   const Hierarchy& h_;
   const CenterPose& pose_;

@@ -7,6 +7,7 @@
 
 #include "base/try.h"
 #include "io/bytes.h"
+#include "io/readers.h"
 #include "report/report.h"
 #include "report/text_file.h"
 
@@ -26,7 +27,7 @@ class ContactsCsv : public ReportWriter {
       : file_(std::move(file)), motions_(motions), settings_(settings) {
     file_.add(
         "contact,side_a,side_b,from_start,healed,first_time,last_time,pairs,time,crossings,triangles,"
-        "curve_length,closed,area_a,area_b,depth\n");
+        "curve_length,closed,area_a,area_b,depth,pierces\n");
   }
 
   Result<void> step(const CheckedStep&) override { return {}; }
@@ -39,11 +40,11 @@ class ContactsCsv : public ReportWriter {
       const std::string begin = fmt::format("{},{},{},{:d},{:d},{},{},{}", contact.number, quoted(names[0]),
                                             quoted(names[1]), contact.from_start, contact.healed,
                                             contact.first_time, contact.last_time, contact.pairs);
-      if (contact.frames.empty()) file_.add("{},,,,,,,,\n", begin);
+      if (contact.frames.empty()) file_.add("{},,,,,,,,,{:d}\n", begin, contact.pierces);
       for (const ContactFrame& frame : contact.frames) {
-        file_.add("{},{},{},{},{},{:d},{},{},{}\n", begin, frame.time, frame.crossings, frame.triangles,
+        file_.add("{},{},{},{},{},{:d},{},{},{},{:d}\n", begin, frame.time, frame.crossings, frame.triangles,
                   frame.curve_length, frame.closed, number(frame.area[0]), number(frame.area[1]),
-                  number(frame.depth));
+                  number(frame.depth), contact.pierces);
       }
       FOLDPROOF_TRY(file_.flush_if_large());
     }
@@ -68,7 +69,7 @@ Result<ObjectParts> read_parts(const std::string& path, const Topology& topology
   if (!file) return fail(ErrorCode::FileAccess, path, "cannot be read", "check the permissions");
   ObjectParts parts;
   std::unordered_map<std::string, Index> known;
-  const std::size_t count = topology.triangles().size();
+  const std::size_t count = topology.face_count();
   std::string line;
   std::size_t lines = 0;
   while (std::getline(file, line)) {
@@ -86,6 +87,7 @@ Result<ObjectParts> read_parts(const std::string& path, const Topology& topology
     return fail(ErrorCode::InvalidFile, path, fmt::format("has {} lines for {} triangles", lines, count),
                 "write one name per triangle; polygons are cut into triangles as fans");
   }
+  io::add_parts(topology, parts);
   return parts;
 }
 

@@ -78,6 +78,24 @@ std::string every_nth_frame(Index n) {
   return fmt::format("every {}{} frame", n, kEndings[irregular ? n % 10 : 0]);
 }
 
+std::vector<std::string> untested(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
+  std::vector<std::string> sentences;
+  if (std::string ignored = ignored_pairs(settings); !ignored.empty())
+    sentences.push_back(std::move(ignored));
+  if (skips_frames(settings, totals))
+    sentences.push_back("only " + every_nth_frame(settings.frames.step) + " was checked");
+  if (!settings.step.within) {
+    sentences.emplace_back("pairs within one mesh were not tested");
+  } else if (!settings.step.between && motions.size() > 1) {
+    sentences.emplace_back("pairs of two meshes were not tested");
+  }
+  for (const auto& motion : motions) {
+    for (const std::string& unchecked : motion->info().unchecked)
+      sentences.push_back(motions.size() > 1 ? motion->name() + ": " + unchecked : unchecked);
+  }
+  return sentences;
+}
+
 bool skips_frames(const CheckSettings& settings, const CheckTotals& totals) {
   return settings.frames.step > 1 && totals.first_frame != totals.last_frame;
 }

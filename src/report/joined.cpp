@@ -15,13 +15,14 @@ void JoinedMesh::pose(const CheckedStep& step, double t, std::vector<double>& ou
   }
 }
 
-void mark_faces(Motions motions, const CheckedStep& step, std::vector<std::uint8_t>& out) {
+void mark_faces(const JoinedMesh& joined, Motions motions, const CheckedStep& step,
+                std::vector<std::uint8_t>& out) {
   out.clear();
   for (Index object = 0; object < motions.size(); ++object) {
     const Topology& topology = motions[object]->topology();
     const auto marks = step.pose ? colliding_faces(topology, object, *step.pose)
                                  : colliding_faces(topology, object, *step.step);
-    out.insert(out.end(), marks.begin(), marks.end());
+    joined.put(object, marks, out);
   }
 }
 
@@ -32,7 +33,7 @@ void ContactMarks::update(const JoinedMesh& joined, const CheckedStep& step) {
   depth.assign(number.size(), 0);
   if (!contacts.is_known()) return;
   const auto mark = [&](Index object, Index triangle, Index contact) {
-    const std::size_t face = joined.first_face[object] + triangle;
+    const std::size_t face = joined.triangle(object, triangle);
     number[face] = static_cast<std::int32_t>(contact);
     depth[face] = static_cast<float>(contacts.depth_now(contact).value_or(0));
   };
@@ -47,22 +48,31 @@ void ContactMarks::update(const JoinedMesh& joined, const CheckedStep& step) {
 
 Result<JoinedMesh> join(Motions motions, const char* option) {
   JoinedMesh joined;
-  std::size_t vertices = 0;
-  std::vector<Triangle> triangles;
+  std::uint64_t vertices = 0;
+  std::vector<Triangle> faces;
+  std::vector<Edge> lines;
+  std::vector<Index> points;
   for (const auto& motion : motions) {
+    const Topology& topology = motion->topology();
     joined.first_vertex.push_back(vertices);
-    joined.first_face.push_back(triangles.size());
+    joined.places.push_back(
+        {{faces.size(), lines.size(), points.size()}, topology.face_count(), topology.line_count()});
     const auto offset = static_cast<Index>(vertices);
-    for (const Triangle& t : motion->topology().triangles()) {
-      triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-    }
-    vertices += motion->topology().vertex_count();
-    if (vertices >= kNoIndex || triangles.size() >= kNoIndex) {
+    for (const Triangle& t : topology.faces()) faces.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+    for (const auto& [a, b] : topology.lines()) lines.push_back({a + offset, b + offset});
+    for (const Index p : topology.points()) points.push_back(p + offset);
+    vertices += topology.vertex_count();
+    if (vertices >= kNoIndex || faces.size() + lines.size() + points.size() >= kNoIndex) {
       return fail(ErrorCode::LimitExceeded, option, "all objects together are too large for one mesh",
                   "check fewer objects at a time");
     }
   }
-  joined.topology = FOLDPROOF_TRY(Topology::make(static_cast<Index>(vertices), std::move(triangles)));
+  for (auto& [first, own_faces, own_lines] : joined.places) {
+    first[1] += faces.size();
+    first[2] += faces.size() + lines.size();
+  }
+  joined.topology =
+      FOLDPROOF_TRY(Topology::make(static_cast<Index>(vertices), std::move(faces), lines, points));
   return joined;
 }
 

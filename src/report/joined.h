@@ -6,15 +6,35 @@
 namespace foldproof {
 
 struct JoinedMesh {
-  Topology topology;
-  std::vector<std::size_t> first_vertex, first_face;  ///< Per object.
+  Topology topology;                      ///< The faces of all objects, then their lines, then their points.
+  std::vector<std::size_t> first_vertex;  ///< Per object.
+  /// Per object, where its first face, line and point are, and how many faces and lines it has.
+  struct Place {
+    std::array<std::size_t, 3> first;
+    std::size_t faces, lines;
+  };
+  std::vector<Place> places;
+
+  /// A triangle of an object.
+  std::size_t triangle(Index object, std::size_t own) const {
+    const auto& [first, faces, lines] = places[object];
+    if (own < faces) return first[0] + own;
+    return own < faces + lines ? first[1] + own - faces : first[2] + own - faces - lines;
+  }
+  /// Puts values per triangle of an object to their places in `out`, which has all.
+  template <class Values, class T>
+  void put(Index object, const Values& values, std::vector<T>& out) const {
+    out.resize(topology.triangles().size());
+    for (std::size_t own = 0; own < values.size(); ++own) out[triangle(object, own)] = values[own];
+  }
 
   /// Fills `out` with the pose at `t` of the step.
   void pose(const CheckedStep& step, double t, std::vector<double>& out) const;
 };
 
 /// Per face of the joined mesh, 1 when it collides in the step.
-void mark_faces(Motions motions, const CheckedStep& step, std::vector<std::uint8_t>& out);
+void mark_faces(const JoinedMesh& joined, Motions motions, const CheckedStep& step,
+                std::vector<std::uint8_t>& out);
 
 /// The contacts of the joined mesh's faces in a frame. Empty where they are not looked for.
 struct ContactMarks {

@@ -53,13 +53,18 @@ Json objects_json(Motions motions, const CheckSettings& settings) {
     const Model* model = i < settings.models.size() ? settings.models[i].get() : nullptr;
     objects.push_back({{"name", motion.name()},
                        {"vertices", motion.topology().vertex_count()},
-                       {"triangles", motion.topology().triangles().size()},
+                       {"triangles", motion.topology().face_count()},
                        {"frames", motion.frame_count()},
                        {"merged", merged_count(motion)},
                        {"model", model ? Json(model->name) : Json(nullptr)}});
+    const Topology& topology = motion.topology();
+    if (topology.line_count() > 0) objects.back()["lines"] = topology.line_count();
+    if (topology.point_count() > 0) objects.back()["points"] = topology.point_count();
     if (const auto& notes = motion.info().notes; !notes.empty()) objects.back()["notes"] = notes;
     if (const auto& taken_as = motion.info().taken_as; !taken_as.empty())
       objects.back()["taken_as"] = taken_as;
+    if (const auto& unchecked = motion.info().unchecked; !unchecked.empty())
+      objects.back()["unchecked"] = unchecked;
   }
   return objects;
 }
@@ -84,6 +89,7 @@ Json settings_json(const ReportInfo& info, Motions motions) {
                {"still_pairs", settings.still_pairs},
                {"weld", info.read.weld == Weld::Always},
                {"seams", name_of(info.read.weld)},
+               {"points", info.read.points},
                {"fps", info.read.fps}};
   if (const std::string unit = unit_of(motions, settings); !unit.empty()) json["unit"] = unit;
   if (settings.step.mode == Mode::Paper) {
@@ -128,6 +134,7 @@ Json contact_json(const Contact& contact, const std::array<std::string, 2>& name
                {"joined", contact.joined},
                {"sides", sides},
                {"folded", contact.folded},
+               {"pierces", contact.pierces},
                {"from_start", contact.from_start},
                {"healed", contact.healed},
                {"first_time", contact.first_time},

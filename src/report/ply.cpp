@@ -33,7 +33,7 @@ class PlyReport : public ReportWriter {
 
   /// The first frame is also what is written when no step collides.
   Result<void> start(const CheckedStep& pose) override {
-    mark_faces(motions_, pose, crosses_);
+    mark_faces(joined_, motions_, pose, crosses_);
     contacts_.update(joined_, pose);
     kept_contacts_ = contacts_;
     joined_.pose(pose, 0, positions_);
@@ -75,7 +75,7 @@ class PlyReport : public ReportWriter {
     kept_contacts_ = contacts_;
     joined_.pose(step, step.collisions.sum() > 0 ? step.earliest_toi : 0, positions_);
     std::vector<std::uint8_t> collides;
-    mark_faces(motions_, step, collides);
+    mark_faces(joined_, motions_, step, collides);
     mark(collides);
   }
 

@@ -178,6 +178,11 @@ std::string still_pairs(Motions motions, const CheckSettings& settings, const Ch
 /// Whether frames between the first and the last were left out.
 bool skips_frames(const CheckSettings& settings, const CheckTotals& totals);
 
+/// What was not tested, by the settings or because readers left it out, for the end of the verdict: "pairs of
+/// two meshes were not tested", "5 vertices in no face were not checked". With several objects their names
+/// come first.
+std::vector<std::string> untested(Motions motions, const CheckSettings& settings, const CheckTotals& totals);
+
 /// Receives the answers of steps in order. A file appears only after `finish`.
 class ReportWriter {
  public:

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -66,7 +67,7 @@ std::string declare(std::span<const Array> arrays, std::uint64_t& offset) {
 }
 
 struct Mesh {
-  std::size_t points, polygons;
+  std::size_t points, polygons, lines, verts;
   std::span<const Array> fields, arrays;
 };
 
@@ -80,7 +81,10 @@ Result<void> write_vtp(const std::string& path, const Mesh& mesh) {
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
       "<PolyData>\n";
   xml += declare(mesh.fields, offset);
-  xml += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfPolys=\"{}\">\n", mesh.points, mesh.polygons);
+  xml += fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfPolys=\"{}\"", mesh.points, mesh.polygons);
+  if (mesh.lines > 0) xml += fmt::format(" NumberOfLines=\"{}\"", mesh.lines);
+  if (mesh.verts > 0) xml += fmt::format(" NumberOfVerts=\"{}\"", mesh.verts);
+  xml += ">\n";
   xml += declare(mesh.arrays, offset);
   xml += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
   FOLDPROOF_TRY(file.write(xml));
@@ -125,15 +129,20 @@ class VtkReport : public ReportWriter {
     const Topology& topology = joined_.topology;
     for (std::size_t i = 0; i < motions.size(); ++i)
       object_.insert(object_.end(), motions[i]->topology().vertex_count(), static_cast<std::int32_t>(i));
-    for (std::size_t i = 0; i < topology.triangles().size(); ++i)
-      polygon_ends_.push_back(static_cast<std::int32_t>(3 * i + 3));
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(topology.face_count()); ++i)
+      polygon_ends_.push_back(3 * i + 3);
+    lines_ = topology.lines();
+    points_ = topology.points();
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(lines_.size()); ++i)
+      line_ends_.push_back(2 * i + 2);
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(points_.size()); ++i) point_ends_.push_back(i + 1);
     collection_.add(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
         "<Collection>\n");
   }
 
   Result<void> start(const CheckedStep& pose) override {
-    mark_faces(motions_, pose, crosses_);
+    mark_faces(joined_, motions_, pose, crosses_);
     contacts_.update(joined_, pose);
     return {};
   }
@@ -159,7 +168,7 @@ class VtkReport : public ReportWriter {
  private:
   void describe(const CheckedStep& step) {
     joined_.pose(step, 0, positions_);
-    mark_faces(motions_, step, collides_);
+    mark_faces(joined_, motions_, step, collides_);
     joined_.pose(step, 1, end_);
     displacement_.resize(end_.size());
     for (std::size_t k = 0; k < end_.size(); ++k) displacement_[k] = end_[k] - positions_[k];
@@ -167,10 +176,11 @@ class VtkReport : public ReportWriter {
     margin_.clear();
     reason_.clear();
     if (!step.explanation) return;
-    for (const Explanation::Object& object : step.explanation->objects) {
-      level_.insert(level_.end(), object.level.begin(), object.level.end());
-      margin_.insert(margin_.end(), object.margin.begin(), object.margin.end());
-      reason_.insert(reason_.end(), object.reason.begin(), object.reason.end());
+    const auto& objects = step.explanation->objects;
+    for (Index i = 0; i < objects.size(); ++i) {
+      joined_.put(i, objects[i].level, level_);
+      joined_.put(i, objects[i].margin, margin_);
+      joined_.put(i, objects[i].reason, reason_);
     }
   }
 
@@ -188,6 +198,18 @@ class VtkReport : public ReportWriter {
     none.index = {last_->number + 1, last_->next_frame, last_->next_frame, 0};
     none.earliest_toi = 1;
     return write(none);
+  }
+
+  /// Values per triangle as VTK numbers its cells: points, lines, faces. `copy` holds them where they are not
+  /// in this order.
+  template <class T>
+  std::span<const char> in_vtk_order(const std::vector<T>& values, std::vector<char>& copy) const {
+    const auto all = bytes_of(values);
+    const std::size_t faces = sizeof(T) * joined_.topology.face_count(), lines = sizeof(T) * lines_.size();
+    if (all.size() == faces) return all;
+    for (const auto& part : {all.subspan(faces + lines), all.subspan(faces, lines), all.first(faces)})
+      copy.insert(copy.end(), part.begin(), part.end());
+    return copy;
   }
 
   /// Writes what is described, and adds it to the collection.
@@ -208,24 +230,35 @@ class VtkReport : public ReportWriter {
     std::vector<Array> arrays{
         {"PointData", "Int32", "object", 1, bytes_of(object_)},
         {"PointData", "Float64", "displacement", 3, bytes_of(displacement_)},
-        {"CellData", "UInt8", "collides", 1, bytes_of(collides_)},
     };
-    if (!crosses_.empty()) arrays.push_back({"CellData", "UInt8", "starts_crossing", 1, bytes_of(crosses_)});
+    std::deque<std::vector<char>> cells;
+    const auto add_cells = [&](const char* type, const char* array, const auto& values) {
+      arrays.push_back({"CellData", type, array, 1, in_vtk_order(values, cells.emplace_back())});
+    };
+    add_cells("UInt8", "collides", collides_);
+    if (!crosses_.empty()) add_cells("UInt8", "starts_crossing", crosses_);
     if (!contacts_.number.empty()) {
-      arrays.push_back({"CellData", "Int32", "contact", 1, bytes_of(contacts_.number)});
-      arrays.push_back({"CellData", "Float32", "contact_depth", 1, bytes_of(contacts_.depth)});
+      add_cells("Int32", "contact", contacts_.number);
+      add_cells("Float32", "contact_depth", contacts_.depth);
     }
     if (!level_.empty()) {
-      arrays.push_back({"CellData", "Int8", "level", 1, bytes_of(level_)});
-      arrays.push_back({"CellData", "Float32", "margin", 1, bytes_of(margin_)});
-      arrays.push_back({"CellData", "UInt8", "reason", 1, bytes_of(reason_)});
+      add_cells("Int8", "level", level_);
+      add_cells("Float32", "margin", margin_);
+      add_cells("UInt8", "reason", reason_);
     }
     arrays.push_back({"Points", "Float64", "Points", 3, bytes_of(positions_)});
-    arrays.push_back({"Polys", "Int32", "connectivity", 1, bytes_of(topology.triangles())});
-    arrays.push_back({"Polys", "Int32", "offsets", 1, bytes_of(polygon_ends_)});
+    const auto add_topology = [&](const char* section, std::span<const char> corners, const auto& ends) {
+      if (ends.empty()) return;
+      arrays.push_back({section, "Int32", "connectivity", 1, corners});
+      arrays.push_back({section, "Int32", "offsets", 1, bytes_of(ends)});
+    };
+    add_topology("Verts", bytes_of(points_), point_ends_);
+    add_topology("Lines", bytes_of(lines_), line_ends_);
+    add_topology("Polys", bytes_of(topology.faces()), polygon_ends_);
     const std::string name = fmt::format("step{:06}.vtp", index.number);
-    FOLDPROOF_TRY(write_vtp((directory_.path() / name).string(),
-                            {topology.vertex_count(), topology.triangles().size(), fields, arrays}));
+    FOLDPROOF_TRY(write_vtp(
+        (directory_.path() / name).string(),
+        {topology.vertex_count(), topology.face_count(), lines_.size(), points_.size(), fields, arrays}));
     const double part = static_cast<double>(index.substep) / substeps_;
     collection_.add("<DataSet timestep=\"{}\" part=\"0\" file=\"{}/{}\"/>\n",
                     index.frame + part * (index.next_frame - index.frame), folder_, name);
@@ -238,7 +271,9 @@ class VtkReport : public ReportWriter {
   Motions motions_;
   JoinedMesh joined_;
   Index substeps_;
-  std::vector<std::int32_t> object_, polygon_ends_;
+  std::vector<Edge> lines_;
+  std::vector<Index> points_;
+  std::vector<std::int32_t> object_, polygon_ends_, line_ends_, point_ends_;
   std::vector<double> positions_, end_, displacement_;  // of the step
   std::optional<StepIndex> last_;                       // the last step with motion
   std::vector<std::uint8_t> collides_, crosses_;

@@ -55,12 +55,12 @@ CandidateLists<Ends>::CandidateLists(const CollisionMesh& mesh, const ContactFil
   for (Index t = 0; t < hierarchy_.triangles().size(); ++t) {
     const Index triangle = hierarchy_.triangle_ids()[t];
     ids_.push_back(triangle);
-    switch (filter.element(triangle)) {
+    switch (hierarchy_.topology().element(triangle)) {
       case Element::Face:
         elements_.push_back(triangles_begin_ + t);
         break;
-      case Element::Edge:
-        elements_.push_back(edges_begin_ + edge_of_row[filter.codim_edge(triangle)]);
+      case Element::Line:
+        elements_.push_back(edges_begin_ + edge_of_row[mesh.codim_edges()[triangle - mesh.faces().size()]]);
         break;
       case Element::Point:
         elements_.push_back(hierarchy_.triangles()[t][0]);
@@ -267,7 +267,9 @@ void CandidateLists<Ends>::list_vertices(double distance, const Near& with_verti
   visit_near_pairs(distance, scratch.pairs, [&](Index v, Index t) {
     const Index element = elements_[t - triangles_begin_];
     if (share_vertex(std::array{v}, hierarchy_.triangles()[t - triangles_begin_])) return;
-    if (!(allows_all_ && element == t) && !filter_.vertex_face(0, ids_[v], 0, ids_[t])) return;
+    // Two points come as each other's vertex and triangle.
+    if (element < edges_begin_ && ids_[v] > ids_[element]) return;
+    if (!allows_all_ && !filter_.vertex_face(0, ids_[v], 0, ids_[t])) return;
     const bool edge = element >= edges_begin_ && element < triangles_begin_;
     scratch.list.push_back(edge ? BoxPair{element, v} : BoxPair{v, element});
   });
@@ -299,8 +301,10 @@ void CandidateLists<Ends>::rebuild_list(Index node, Neighbor& neighbor, Scratch&
   const Near &a = scratch.near[0], &b = scratch.near[self ? 0 : 1];
   find_near(node, boxes_[neighbor.node], distance, scratch.near[0]);
   if (!self) find_near(neighbor.node, boxes_[node], distance, scratch.near[1]);
-  list_vertices(distance, a, b, scratch);
-  if (!self) list_vertices(distance, b, a, scratch);
+  const Element of_a = hierarchy_.element(hierarchy_.nodes()[node].leaf_begin);
+  const Element of_b = hierarchy_.element(hierarchy_.nodes()[neighbor.node].leaf_begin);
+  if (tests_vertices(of_a, of_b)) list_vertices(distance, a, b, scratch);
+  if (!self && tests_vertices(of_b, of_a)) list_vertices(distance, b, a, scratch);
   list_edges(self, distance, scratch);
   neighbor.min_separation = distance;
 }

@@ -74,34 +74,6 @@ Result<void> check_parts(std::size_t numbers, std::span<const Edge> edges, const
   return check_edges(count, edges);
 }
 
-// Appends what describes a hierarchy to Hierarchy::from_parts.
-void append_parts(const Hierarchy& tree, Index first_triangle, std::vector<Index>& triangle_ids,
-                  std::vector<Index>& leaf_sizes) {
-  for (const Index id : tree.triangle_ids()) triangle_ids.push_back(first_triangle + id);
-  const auto leaves = tree.leaves();
-  for (const Hierarchy::Node& node : tree.nodes()) {
-    const Index leaf = node.leaf_begin;
-    leaf_sizes.push_back(node.is_leaf() ? leaves[leaf + 1].triangles - leaves[leaf].triangles : 0);
-  }
-}
-
-// Faces and codimensional elements have trees of their own below a common root, because a leaf with an
-// element that has no area gets no chart.
-Result<Hierarchy> build_joined(Topology all, Index face_count, std::span<const double> positions,
-                               const HierarchySettings& settings) {
-  std::vector<Index> triangle_ids, leaf_sizes;
-  const auto triangles = all.triangles();
-  const std::span<const Triangle> parts[] = {triangles.first(face_count), triangles.subspan(face_count)};
-  if (!parts[0].empty() && !parts[1].empty()) leaf_sizes.push_back(0);
-  for (const auto part : parts) {
-    if (part.empty()) continue;
-    auto topology = FOLDPROOF_TRY(Topology::make(all.vertex_count(), {part.begin(), part.end()}));
-    const auto tree = FOLDPROOF_TRY(Hierarchy::build(std::move(topology), positions, settings));
-    append_parts(tree, static_cast<Index>(part.data() - triangles.data()), triangle_ids, leaf_sizes);
-  }
-  return Hierarchy::from_parts(std::move(all), std::move(triangle_ids), leaf_sizes);
-}
-
 }  // namespace
 
 Result<CollisionMesh> CollisionMesh::make(std::span<const double> rest_positions, std::vector<Edge> edges,
@@ -114,17 +86,15 @@ Result<CollisionMesh> CollisionMesh::make(std::span<const double> rest_positions
   FOLDPROOF_TRY(check_faces(count, faces));
   CollisionMesh mesh;
   mesh.filter_ = std::move(settings.filter);
-  mesh.face_count_ = static_cast<Index>(faces.size());
-  mesh.is_point_.assign(count, settings.points ? 1 : 0);
-  for (const Edge& e : edges) mesh.is_point_[e[0]] = mesh.is_point_[e[1]] = 0;
+  std::vector<bool> is_point(count, settings.points);
+  for (const Edge& e : edges) is_point[e[0]] = is_point[e[1]] = false;
 
-  std::vector<Triangle> elements = std::move(faces);
-  std::vector<Edge> face_edges;
-  if (!elements.empty()) {
-    const auto surface = FOLDPROOF_TRY(Topology::make(count, elements));
+  std::vector<Edge> face_edges, lines;
+  if (!faces.empty()) {
+    const auto surface = FOLDPROOF_TRY(Topology::make(count, faces));
     face_edges.assign(surface.edges().begin(), surface.edges().end());
-    for (const Triangle& t : surface.triangles()) {
-      for (const Index v : t) mesh.is_point_[v] = 0;
+    for (const Triangle& t : faces) {
+      for (const Index v : t) is_point[v] = false;
     }
   }
   std::vector<bool> given(face_edges.size(), false);
@@ -135,27 +105,24 @@ Result<CollisionMesh> CollisionMesh::make(std::span<const double> rest_positions
       continue;
     }
     mesh.codim_edges_.push_back(i);
-    elements.push_back({edges[i][0], edges[i][1], edges[i][1]});
+    lines.push_back(edges[i]);
   }
   mesh.edges_ = std::move(edges);
   for (std::size_t k = 0; k < face_edges.size(); ++k) {
     if (!given[k]) mesh.edges_.push_back(face_edges[k]);
   }
   for (Index v = 0; v < count; ++v) {
-    if (mesh.is_point_[v] == 0) continue;
-    mesh.codim_points_.push_back(v);
-    elements.push_back({v, v, v});
+    if (is_point[v]) mesh.codim_points_.push_back(v);
   }
-  if (elements.empty())
+  if (faces.empty() && lines.empty() && mesh.codim_points_.empty())
     return fail(ErrorCode::InvalidMesh, "collision mesh", "has nothing that could collide",
                 "give faces, edges or points");
 
-  auto all = FOLDPROOF_TRY(Topology::make(count, std::move(elements)));
+  auto all = FOLDPROOF_TRY(Topology::make(count, std::move(faces), lines, mesh.codim_points_));
   mesh.edge_rows_.resize(all.edges().size());
   for (Index row = 0; row < mesh.edges_.size(); ++row)
     mesh.edge_rows_[find_edge(all.edges(), sorted(mesh.edges_[row]))] = row;
-  auto tree =
-      FOLDPROOF_TRY(build_joined(std::move(all), mesh.face_count_, rest_positions, settings.hierarchy));
+  auto tree = FOLDPROOF_TRY(Hierarchy::build(std::move(all), rest_positions, settings.hierarchy));
   mesh.hierarchy_ = std::make_shared<const Hierarchy>(std::move(tree));
   return mesh;
 }

@@ -22,10 +22,7 @@ Result<void> internal::check_length(const char* name, double value) {
 }
 
 ContactFilter::ContactFilter(const CollisionMesh& mesh)
-    : mesh_(mesh),
-      triangles_(mesh.hierarchy()->topology().triangles()),
-      faces_(static_cast<Index>(mesh.faces().size())),
-      faces_and_edges_(faces_ + static_cast<Index>(mesh.codim_edges().size())) {
+    : filter_(mesh.filter()), triangles_(mesh.hierarchy()->topology().triangles()) {
   const auto groups = mesh.filter().vertex_groups();
   if (groups.empty()) return;
   std::vector<Index> first(*std::ranges::max_element(groups) + std::size_t{1}, kNoIndex);  // vertex of each
@@ -41,14 +38,12 @@ ContactFilter::ContactFilter(const CollisionMesh& mesh)
 bool ContactFilter::crossing(Index, Index triangle_a, Index, Index triangle_b) const {
   const Triangle &a = triangles_[triangle_a], &b = triangles_[triangle_b];
   const auto in = [](const Triangle& t, Index v) { return v == t[0] || v == t[1] || v == t[2]; };
-  const bool codim = element(triangle_a) != Element::Face && element(triangle_b) != Element::Face;
-  if (codim && share_vertex(a, b)) return false;
   // Vertices that both have do not count, unless there are no others.
   const bool same = in(b, a[0]) && in(b, a[1]) && in(b, a[2]) && in(a, b[0]) && in(a, b[1]) && in(a, b[2]);
   for (const Index i : a) {
     for (const Index j : b) {
       if (same ? i == j : in(b, i) && in(a, j)) continue;
-      if (mesh_.filter()(i, j)) return true;
+      if (filter_(i, j)) return true;
     }
   }
   return false;

@@ -34,6 +34,7 @@ Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const Rea
   auto opened = FOLDPROOF_TRY(io::open_numbered(motion.path, motion.files, {}));
   if (options.mesh_files == MeshFiles::ByName) FOLDPROOF_TRY(io::require_frames(*opened, motion.files));
   if (options.weld == Weld::Always) opened = FOLDPROOF_TRY(io::weld(std::move(opened)));
+  opened = FOLDPROOF_TRY(io::with_loose_vertices(std::move(opened), options.points));
   return opened;
 }
 
@@ -76,7 +77,9 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
   const Json object = objects_json(std::span(&motion, 1), check)[0];
   for (const char* key : {"vertices", "triangles", "frames", "merged", "model"}) line[key] = object[key];
   line["frames_checked"] = settings_json({check, settings.read}, std::span(&motion, 1))["frames"];
-  if (object.contains("notes")) line["notes"] = object["notes"];
+  for (const char* key : {"lines", "points", "notes", "unchecked"}) {
+    if (object.contains(key)) line[key] = object[key];
+  }
   if (!check.ignore.empty()) line["ignored"] = check.ignore;
   if (!check.poses && check.steps_only && motion->frame_count() == 1) {
     line["state"] = name_of(SweepState::Still);
@@ -157,6 +160,7 @@ std::string settings_hash(const SweepSettings& settings) {
               {"thickness", check.step.thickness},
               {"tolerance", check.step.tolerance},
               {"seams", name_of(settings.read.weld)},
+              {"points", settings.read.points},
               {"fps", settings.read.fps}};
   if (!settings.read.clip.empty()) all["clip"] = settings.read.clip;
   Hash hash;
@@ -210,6 +214,8 @@ Result<SweepRecord> read_sweep_line(const std::string& line) {
     if (json.contains("error")) json.at("error").get_to(record.error);
     if (json.contains("notes")) json.at("notes").get_to(record.notes);
     if (json.contains("ignored")) json.at("ignored").get_to(record.ignored);
+    for (const Json& unchecked : json.value("unchecked", Json::array()))
+      record.notes.push_back(unchecked.get<std::string>());
     if (json.contains("vertices")) {
       json.at("vertices").get_to(record.vertices);
       json.at("triangles").get_to(record.triangles);

@@ -252,5 +252,50 @@ TEST(Hierarchy, HandlesTheLargestDoubles) {
   EXPECT_EQ(build(mesh, 4).triangle_ids().size(), 128u);
 }
 
+// No chart fails for the sake of a line, and whole leaves are left out of tests of vertices.
+TEST(Hierarchy, FacesLinesAndPointsHaveLeavesOfTheirOwn) {
+  const Mesh cloth = testing::cloth(12);
+  const Index n = cloth.topology.vertex_count();
+  std::vector<double> positions = cloth.positions;
+  std::vector<Edge> lines;
+  std::vector<Index> points;
+  for (Index k = 0; k < 40; ++k) {
+    lines.push_back({k, n + k});  // hairs
+    points.push_back(n + 40 + k);
+  }
+  for (Index k = 0; k < 80; ++k) positions.insert(positions.end(), {0.001 * k, 0.5, 0.5 + 0.0001 * k});
+  const auto faces = cloth.topology.triangles();
+  const Hierarchy alone = build(cloth, 8);
+  for (const bool with_faces : {true, false}) {
+    for (const bool with_points : {true, false}) {
+      auto topology = Topology::make(
+          n + 80, with_faces ? std::vector(faces.begin(), faces.end()) : std::vector<Triangle>(), lines,
+          with_points ? points : std::vector<Index>());
+      const Hierarchy tree = Hierarchy::build(*topology, positions, {8}).value();
+      std::array<Index, 3> leaves{};
+      for (Index leaf = 0; leaf < tree.leaf_count(); ++leaf) {
+        const Element element = tree.element(leaf);
+        ++leaves[static_cast<std::size_t>(element)];
+        for (Index t = tree.leaves()[leaf].triangles; t < tree.leaves()[leaf + 1].triangles; ++t)
+          EXPECT_EQ(topology->element(tree.triangle_ids()[t]), element);
+      }
+      EXPECT_EQ(leaves[0] > 0, with_faces);
+      EXPECT_GT(leaves[1], 1u);
+      EXPECT_EQ(leaves[2] > 0, with_points);
+      if (with_faces) {  // the tree of the faces is that which they have alone
+        EXPECT_TRUE(std::ranges::equal(alone.triangle_ids(), tree.triangle_ids().first(faces.size())));
+        EXPECT_EQ(leaves[0], alone.leaf_count());
+      }
+    }
+  }
+}
+
+TEST(Hierarchy, RefusesPartsThatMixElements) {
+  const auto topology = *Topology::make(5, {{0, 1, 2}}, std::vector<Edge>{{3, 4}}, {});
+  EXPECT_TRUE(Hierarchy::from_parts(topology, {0, 1}, std::vector<Index>{0, 1, 1}));
+  EXPECT_FALSE(Hierarchy::from_parts(topology, {0, 1}, std::vector<Index>{2}));
+  EXPECT_FALSE(Hierarchy::from_parts(topology, {1, 0}, std::vector<Index>{0, 1, 1}));
+}
+
 }  // namespace
 }  // namespace foldproof

@@ -85,6 +85,8 @@ class CgalPose {
       const Index f = a.info(), g = b.info();
       if ((flat[f] || flat[g]) != degenerate_ones) return;
       const Triangle &s = topology_.triangles()[f], &t = topology_.triangles()[g];
+      const bool face = topology_.element(f) == Element::Face || topology_.element(g) == Element::Face;
+      if (!face && std::find_first_of(s.begin(), s.end(), t.begin(), t.end()) != s.end()) return;
       if (degenerate_ones ? triangles_cross(s, t, x_) : cross(s, t)) result.insert(ordered(f, g));
     });
     return result;

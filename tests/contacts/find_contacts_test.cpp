@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "contacts/scenes.h"
 
 namespace foldproof {
@@ -114,6 +116,55 @@ TEST(FindContacts, PassesOnAnErrorOfTheFrames) {
       },
       [](const Contact&) {});
   EXPECT_FALSE(done);
+}
+
+// A sphere, a hair that goes in and out of it, and a hair that sweeps through it between frames.
+TEST(FindContacts, ALinePiercesFaces) {
+  const Mesh ball = unit_sphere(8);
+  Mesh hair;
+  hair.positions = {-3, 0.01, 0.02, 3, 0.03, 0.01};
+  hair.lines = {{0, 1}};
+  hair.vertex_count = 2;
+  Film film;
+  film.topologies = {ball.topology(), hair.topology()};
+  for (const double y : {3.0, 0.0, -3.0}) film.poses.push_back({ball.positions, placed(hair, 1, {0, y, 0})});
+  auto found = found_in(film).value();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(found[0].pierces);
+  ASSERT_EQ(found[0].frames.size(), 1u);
+  EXPECT_EQ(found[0].frames[0].crossings, 2u);  // in and out
+  EXPECT_FALSE(found[0].depth());
+  EXPECT_FALSE(found[0].frames[0].area[0]);
+  EXPECT_TRUE(found[0].curves.empty());
+  EXPECT_LT(found[0].point.norm(), 0.1);  // the middle of both holes
+  film.poses.erase(film.poses.begin() + 1);
+  found = found_in(film).value();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(found[0].pierces);
+  EXPECT_TRUE(found[0].frames.empty());
+}
+
+// Hairs change nothing about the depth of the surfaces that they are on.
+TEST(FindContacts, HairsDoNotChangeADepth) {
+  Film film = passing_balls();
+  const auto bald = found_in(film).value();
+  Mesh hairy = unit_sphere(8);
+  const Index n = hairy.vertex_count;
+  for (Index v = 0; v < n; ++v) {
+    hairy.lines.push_back({v, n + v});
+    for (int k = 0; k < 3; ++k) hairy.positions.push_back(1.3 * hairy.positions[3 * v + k]);
+  }
+  hairy.vertex_count *= 2;
+  for (Index v = 0; v + 1 < n; ++v) hairy.lines.push_back({n + v, n + v + 1});  // joins all, inside or not
+  film.topologies[0] = hairy.topology();
+  for (auto& pose : film.poses) pose[0] = hairy.positions;
+  const auto found = found_in(film).value();
+  ASSERT_EQ(bald.size(), 1u);
+  const auto deepest =
+      std::ranges::max_element(found, {}, [](const Contact& c) { return c.depth().value_or(-1); });
+  ASSERT_NE(deepest, found.end());
+  EXPECT_FALSE(deepest->pierces);
+  EXPECT_NEAR(deepest->depth().value_or(0), bald[0].depth().value(), 1e-12);
 }
 
 }  // namespace

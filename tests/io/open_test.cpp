@@ -1,11 +1,15 @@
 // Opening motions: directories, globs, the order of frames, mixed formats, welding.
 #include "io/formats.h"
+#include "io/readers.h"
 #include "io/support.h"
 
 namespace foldproof::testing {
 namespace {
 
 std::string obj_at(double z) { return "v 0 0 " + std::to_string(z) + "\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"; }
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 using OpenTest = IoTest;
 
@@ -351,6 +355,49 @@ TEST_F(OpenTest, MemoryMotionReturnsItsFrames) {
   EXPECT_EQ(frame(*motion, 1)[0], 9);
   EXPECT_EQ(frame_error(*motion, 2),
             "mine, frame 2: holds 3 numbers instead of 9; give every frame vertex_count x 3 numbers");
+}
+
+// --- Vertices in no face
+
+std::string two_loose() { return "v 0 0 0\nv 9 9 9\nv 1 0 0\nv 0 1 0\nv 8 8 8\nf 1 3 4\n"; }
+
+TEST_F(OpenTest, VerticesInNoFaceAreNamed) {
+  const auto motion = open({files.write("a.obj", two_loose())});
+  ASSERT_TRUE(motion);
+  EXPECT_THAT(motion->info().unchecked, ElementsAre("2 vertices in no face were not checked"));
+  EXPECT_EQ(motion->topology().point_count(), 0u);
+  EXPECT_EQ(frame(*motion, 0).size(), 15u);
+  const auto memory = memory_motion("m", *Topology::make(4, {{0, 1, 2}}), {std::vector<double>(12)});
+  EXPECT_THAT(memory->info().unchecked, ElementsAre("1 vertex in no face was not checked"));
+  const auto none = open({files.write("b.obj", obj_at(0))});
+  EXPECT_THAT(none->info().unchecked, IsEmpty());
+}
+
+TEST_F(OpenTest, VerticesInNoFaceArePointsIfAskedFor) {
+  const std::vector<std::string> arguments{files.write("a.obj", two_loose())};
+  const auto motions = open_motions(arguments, {.points = true});
+  ASSERT_TRUE(motions);
+  const Motion& motion = *motions->front();
+  EXPECT_THAT(motion.info().unchecked, IsEmpty());
+  EXPECT_THAT(motion.topology().points(), ElementsAre(1, 4));
+  EXPECT_EQ(motion.topology().face_count(), 1u);
+}
+
+TEST_F(OpenTest, LinesAndPointsThatAddNothingAreLeftOut) {
+  ObjectParts parts{{"body", "arm"}, {0, 1}};
+  const std::vector<Edge> lines{{1, 0}, {3, 4}, {4, 3}, {3, 4}, {0, 4}};
+  const std::vector<Index> points{6, 0, 4, 5, 6};
+  const auto topology = io::make_topology(8, {{0, 1, 2}, {2, 1, 3}}, lines, points, parts);
+  ASSERT_TRUE(topology);
+  EXPECT_THAT(topology->lines(), ElementsAre(Edge{3, 4}, Edge{0, 4}));
+  EXPECT_THAT(topology->points(), ElementsAre(6, 5));
+  EXPECT_THAT(parts.names, ElementsAre("body", "arm", "lines", "points"));
+  EXPECT_THAT(parts.of_triangle, ElementsAre(0, 1, 2, 2, 3, 3));
+  EXPECT_THAT(io::loose_vertices(*topology, {}), ElementsAre(7));
+  EXPECT_THAT(io::loose_vertices(*topology, std::vector<Index>{0, 1, 2, 3, 4, 5, 6, 0}), IsEmpty());
+  EXPECT_EQ(io::unchecked_vertices(*topology, 1), "1 vertex in no face and no line was not checked");
+  EXPECT_FALSE(io::make_topology(4, {{0, 1, 2}}, std::vector<Edge>{{0, 7}}, {}, parts));
+  EXPECT_FALSE(io::make_topology(4, {{0, 1, 2}}, {}, std::vector<Index>{7}, parts));
 }
 
 }  // namespace

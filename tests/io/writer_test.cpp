@@ -146,6 +146,27 @@ TEST_F(WriterTest, PlyKeepsPositionsTrianglesAndMarks) {
   EXPECT_FALSE(std::filesystem::exists(files.path("b.ply")));
 }
 
+TEST_F(WriterTest, LinesAreWrittenWhereTheFormatHasThem) {
+  const auto topology = *Topology::make(6, {{0, 1, 2}}, std::vector<Edge>{{4, 3}}, std::vector<Index>{5});
+  const std::vector<double> positions(18, 0.5);
+  const std::vector<std::uint8_t> marks{7, 8, 9};
+  ASSERT_TRUE(write_obj(files.path("a.obj"), topology, positions));
+  EXPECT_TRUE(read_bytes(files.path("a.obj")).ends_with("f 1 2 3\nl 5 4\np 6\n"));
+  ASSERT_TRUE(write_ply(files.path("a.ply"), topology, positions, marks));
+  const std::string ply = read_bytes(files.path("a.ply"));
+  EXPECT_NE(
+      ply.find("element face 1\nproperty list uchar int vertex_indices\nproperty uchar mark\n"
+               "element edge 1\nproperty int vertex1\nproperty int vertex2\nproperty uchar mark\nend_header"),
+      ply.npos);
+  const char edge[] = {'\x07', 4, 0, 0, 0, 3, 0, 0, 0, 8};  // the face's mark, then the edge
+  EXPECT_TRUE(ply.ends_with(std::string(edge, sizeof edge)));
+  const auto motion = memory_motion("m", topology, {positions});
+  const auto npz = write_npz(files.path("a.npz"), *motion);
+  ASSERT_FALSE(npz);
+  EXPECT_EQ(shown(npz.error()),
+            "a.npz: is NPZ, which holds faces alone, and there are lines or points; name it .obj");
+}
+
 TEST_F(WriterTest, AFilePerFrameWhereTheNameHasANumber) {
   const auto topology = *Topology::make(3, {{0, 1, 2}});
   std::vector<std::vector<double>> frames{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 0.1, 1, 0, 0, 0, 1, 0}};

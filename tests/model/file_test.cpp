@@ -501,5 +501,26 @@ TEST_F(ModelFileTest, AModelOfAnotherMeshSaysSo) {
   EXPECT_NE(topology_hash(tube(12, 8)), topology_hash(*Topology::make(108, turned)));
 }
 
+TEST_F(ModelFileTest, KeepsLinesAndPoints) {
+  const Topology skin = tube(6, 8);
+  const Index n = skin.vertex_count();
+  const auto faces = skin.faces();
+  const auto hairy = *Topology::make(n + 2, {faces.begin(), faces.end()}, std::vector<Edge>{{0, n}},
+                                     std::vector<Index>{n + 1});
+  std::vector<double> pose = bent(6, 8, 0.5);
+  pose.insert(pose.end(), {0, 2, 0, 0, -2, 0});
+  const auto motion = memory_motion("hairy", hairy, {pose});
+  const TrainPose poses[] = {{motion.get(), 0}};
+  const auto model = train_model(poses, {});
+  ASSERT_TRUE(model) << model.error().line();
+  const auto read = loaded(saved(*model));
+  ASSERT_TRUE(read) << read.error().line();
+  EXPECT_TRUE(read->hierarchy()->topology() == hairy);
+  EXPECT_TRUE(require_model_of(*read, hairy, "hairy"));
+  const auto triangles = hairy.triangles();
+  const auto as_faces = *Topology::make(n + 2, {triangles.begin(), triangles.end()});
+  EXPECT_FALSE(require_model_of(*read, as_faces, "other"));
+}
+
 }  // namespace
 }  // namespace foldproof::testing

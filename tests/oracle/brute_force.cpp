@@ -19,6 +19,46 @@ bool wanted(std::size_t object_a, std::size_t object_b, const StepSettings& sett
   return object_a == object_b ? settings.within : settings.between;
 }
 
+// Per vertex, whether it is a point and on no face or line.
+std::vector<bool> only_points(const Topology& topology) {
+  std::vector<bool> is_point(topology.vertex_count(), false);
+  for (int pass = 0; pass < 2; ++pass) {
+    for (Index t = 0; t < topology.triangles().size(); ++t) {
+      const bool point = topology.element(t) == Element::Point;
+      if (point != (pass == 0)) continue;
+      for (const Index v : topology.triangles()[t]) is_point[v] = point;
+    }
+  }
+  return is_point;
+}
+
+// Whether a mesh has faces that name a vertex twice, and the vertex is in a face.
+bool may_lack_edges(const Topology& topology, Index vertex) {
+  bool in_face = false, thin = false;
+  for (Index t = 0; t < topology.triangles().size() && topology.element(t) == Element::Face; ++t) {
+    const auto& [a, b, c] = topology.triangles()[t];
+    in_face = in_face || vertex == a || vertex == b || vertex == c;
+    thin = thin || a == b || b == c || c == a;
+  }
+  return in_face && thin;
+}
+
+// Lines and points meet vertices that are nothing but points, two points once; and vertices of faces that may
+// be points or segments themselves.
+bool tested(const Scene& scene, const VertexFaceCollision& pair, const std::vector<bool>& is_point) {
+  const Topology& topology = scene.topologies[pair.face_object];
+  switch (topology.element(pair.face)) {
+    case Element::Face:
+      return true;
+    case Element::Line:
+      return is_point[pair.vertex] || may_lack_edges(scene.topologies[pair.vertex_object], pair.vertex);
+    case Element::Point:
+      break;
+  }
+  return is_point[pair.vertex] && std::pair(pair.vertex_object, pair.vertex) <
+                                      std::pair(pair.face_object, topology.triangles()[pair.face][0]);
+}
+
 class StepSweep {
  public:
   StepSweep(const Scene& scene, const StepSettings& settings, double tolerance)
@@ -46,11 +86,13 @@ class StepSweep {
  private:
   void vertices_and_faces(Index a, Index b) {
     const auto triangles = scene_.topologies[b].triangles();
+    const std::vector<bool> is_point = only_points(scene_.topologies[a]);
     for (const Index v : used_vertices(scene_.topologies[a])) {
       for (Index f = 0; f < triangles.size(); ++f) {
         const Triangle& t = triangles[f];
         if (a == b && (v == t[0] || v == t[1] || v == t[2])) continue;
         VertexFaceCollision pair{a, v, b, f, 1, Answer::Separated};
+        if (!tested(scene_, pair, is_point)) continue;
         const PairPoints p = points_of(pair, scene_);
         const CcdResult r = vertex_face_ccd(p.x0, p.x1, narrow_);
         if (r.answer == Answer::Separated) continue;
@@ -175,6 +217,10 @@ StaticResult brute_force_static(const Scene& scene, const StepSettings& settings
         for (Index j = a == b ? i + 1 : 0; j < tb.size(); ++j) {
           const std::array<Vec3, 3> p = corners(ta[i], scene.x0[a]), q = corners(tb[j], scene.x0[b]);
           if (boxes_apart(p, q)) continue;
+          // Lines and points with a common vertex are neighbors, however they lie.
+          const bool face = scene.topologies[a].element(i) == Element::Face ||
+                            scene.topologies[b].element(j) == Element::Face;
+          if (a == b && !face && !split(ta[i], ta[j], true).empty()) continue;
           const bool cross = a == b ? triangles_cross(ta[i], tb[j], scene.x0[a]) : hulls_intersect(p, q);
           if (cross) result.crossings.push_back({a, i, b, j});
         }

@@ -146,7 +146,34 @@ Mesh damaged(Rng& rng) {
   return mesh;
 }
 
-constexpr std::array<MeshFamily, 7> kMeshFamilies = {{
+// A sphere with hairs, loose polylines and points around and in it; some of all are listed twice or are there
+// already.
+Mesh hairy(Rng& rng) {
+  Mesh mesh = sphere(rng);
+  const Index n = mesh.vertex_count;
+  const auto anywhere = [&] {
+    return add_vertex(mesh, uniform(rng, -0.7, 0.7), uniform(rng, -0.7, 0.7), uniform(rng, -0.7, 0.7));
+  };
+  for (int i = 0; i < 20; ++i) {
+    Index from = i < 12 ? below(rng, n) : anywhere();
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 p = Eigen::Map<const Vec3>(&mesh.positions[3 * from]) +
+                     Vec3(uniform(rng, -0.3, 0.3), uniform(rng, -0.3, 0.3), uniform(rng, -0.3, 0.3));
+      const Index to = add_vertex(mesh, p.x(), p.y(), p.z());
+      mesh.lines.push_back(k == 1 ? Edge{to, from} : Edge{from, to});
+      from = to;
+    }
+  }
+  for (int i = 0; i < 25; ++i) mesh.points.push_back(anywhere());
+  const Triangle& face = mesh.triangles[below(rng, 50)];
+  mesh.lines.insert(mesh.lines.end(),
+                    {{face[0], face[1]}, mesh.lines[3], {mesh.lines[5][1], mesh.lines[5][0]}});
+  mesh.points.push_back(mesh.points[4]);
+  mesh.triangles.push_back({mesh.lines[8][0], mesh.lines[8][1], mesh.lines[8][1]});
+  return mesh;
+}
+
+constexpr std::array<MeshFamily, 8> kMeshFamilies = {{
     {"sphere", sphere},
     {"cylinder", cylinder},
     {"folded_cloth", folded_cloth},
@@ -154,12 +181,13 @@ constexpr std::array<MeshFamily, 7> kMeshFamilies = {{
     {"non_manifold", non_manifold},
     {"several_components", several_components},
     {"damaged", damaged},
+    {"hairy", hairy},
 }};
 
 }  // namespace
 
 Topology Mesh::topology() const {
-  Result<Topology> made = Topology::make(vertex_count, triangles);
+  Result<Topology> made = Topology::make(vertex_count, triangles, lines, points);
   if (!made) throw std::runtime_error(made.error().line());
   return *made;
 }

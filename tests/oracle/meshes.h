@@ -14,6 +14,8 @@ namespace foldproof::oracle {
 struct Mesh {
   Index vertex_count = 0;
   std::vector<Triangle> triangles;
+  std::vector<Edge> lines;        ///< After the triangles.
+  std::vector<Index> points;      ///< After the lines.
   std::vector<double> positions;  ///< vertex_count x 3.
 
   Topology topology() const;
@@ -28,7 +30,7 @@ struct MeshFamily {
 inline void PrintTo(const MeshFamily& family, std::ostream* out) { *out << family.name; }
 
 /// Sphere, cylinder, folded cloth, soup, non-manifold, several components, degenerate triangles and
-/// duplicates.
+/// duplicates, lines and points.
 std::span<const MeshFamily> mesh_families();
 
 /// A smooth random deformation of size `amplitude` and a jitter of a tenth of it. When `grid` is not zero,

@@ -49,7 +49,7 @@ TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
   for (const json& contact : report["contacts"]) {
     EXPECT_THAT(keys(contact), ElementsAre("box", "curves", "depth", "first_time", "folded", "frames",
                                            "from_start", "healed", "joined", "last_time", "normal", "number",
-                                           "pairs", "point", "sides", "worst"));
+                                           "pairs", "pierces", "point", "sides", "worst"));
   }
   EXPECT_EQ(report["foldproof"], version());
   EXPECT_EQ(

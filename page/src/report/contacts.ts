@@ -54,7 +54,7 @@ function facts(contact: Contact, scale: Scale): [string, string][] {
   }
   rows.push(['place', placeText(contact)]);
   if (contact.pairs > 0) rows.push(['new contacts', counted(contact.pairs, 'pair')]);
-  const notes = [contact.from_start && !scale.poses && 'there from the start', !contact.healed && !scale.poses && 'there at the end', contact.folded && 'one piece folded onto itself'].filter(Boolean);
+  const notes = [contact.from_start && !scale.poses && 'there from the start', !contact.healed && !scale.poses && 'there at the end', contact.folded && 'one piece folded onto itself', contact.pierces && 'a line or point pierces faces'].filter(Boolean);
   if (notes.length > 0) rows.push(['', notes.join('; ')]);
   return rows;
 }

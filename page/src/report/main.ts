@@ -23,7 +23,7 @@ interface Data {
   version: string;
   made: string;
   command: string;
-  objects: { name: string; vertices: number; triangles: number; frames: number; model: string | null | { name: string }; notes?: string[] }[];
+  objects: { name: string; vertices: number; triangles: number; frames: number; model: string | null | { name: string }; notes?: string[]; unchecked?: string[] }[];
   settings: Record<string, unknown>;
   start: Start | null; // null if it was not tested
   totals: {
@@ -86,7 +86,7 @@ function foundIn({ settings, objects, assumed, start, totals }: Data, single: bo
     single,
     poses: isStatic(settings),
     assumed,
-    untested: untestedText(settings, objects.length, single ? 1 : strideOf(settings)),
+    untested: untestedText(settings, objects, single ? 1 : strideOf(settings)),
   };
 }
 

@@ -17,6 +17,7 @@ export interface Contact {
   joined: number[];
   sides: { object: number; name: string; triangles?: number[]; inside?: number[] }[];
   folded: boolean;
+  pierces?: boolean; // a line or a point goes through faces
   from_start: boolean;
   healed: boolean;
   first_time: number;

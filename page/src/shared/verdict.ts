@@ -22,7 +22,7 @@ export interface Found {
   single: boolean; // one frame, whose only step has no motion
   poses: boolean; // a static check, whose steps are poses
   assumed: string; // what files were taken for, ' between 3 frames of one mesh'; it follows what was checked
-  untested: string; // pairs of meshes and frames that were left out, for the end of the verdict
+  untested: string; // what was left out, for the end of the verdict
 }
 
 export type Kind = 'run' | 'free' | 'hit' | 'stopped';
@@ -69,11 +69,13 @@ function ignoredText({ ignore }: Record<string, unknown>): string {
   return named.length > 0 ? `; pairs ${named.join(', ')} were ignored` : '';
 }
 
-/** What was left out when pairs were ignored, or only some frames, only pairs within meshes, or only those between them, were tested. */
-export function untestedText(settings: Record<string, unknown>, objects: number, stride: number): string {
-  const skipped = ignoredText(settings) + (stride > 1 ? `; only every ${ordinal(stride)} frame was checked` : '');
-  if (settings['within'] === false) return `${skipped}; pairs within one mesh were not tested`;
-  return settings['between'] === false && objects > 1 ? `${skipped}; pairs of two meshes were not tested` : skipped;
+/** What was left out: ignored pairs, frames, pairs within meshes or between them, and what readers could not have checked, such as vertices in no face. */
+export function untestedText(settings: Record<string, unknown>, objects: { name: string; unchecked?: string[] }[], stride: number): string {
+  const parts = stride > 1 ? [`only every ${ordinal(stride)} frame was checked`] : [];
+  if (settings['within'] === false) parts.push('pairs within one mesh were not tested');
+  else if (settings['between'] === false && objects.length > 1) parts.push('pairs of two meshes were not tested');
+  for (const { name, unchecked = [] } of objects) parts.push(...unchecked.map((text) => (objects.length > 1 ? `${name}: ${text}` : text)));
+  return ignoredText(settings) + parts.map((part) => `; ${part}`).join('');
 }
 
 export function verdictOf(found: Found): Verdict {

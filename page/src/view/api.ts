@@ -17,6 +17,7 @@ export interface ObjectInfo {
   vertices: number;
   triangles: number;
   levels: number;
+  unchecked: string[]; // what of it was not checked
   notes: string[]; // on what its reader left out or assumed
   model: ModelInfo | null;
 }

@@ -71,7 +71,7 @@ export class Check {
     const { mode, steps_only } = this.scene.settings;
     const [first = 0, second = first] = this.scene.frame_numbers;
     const { state, done, pairs, colliding, start } = this;
-    return { state, done, total: this.scene.steps, pairs, colliding, start, stepsOnly: steps_only === true, statistical: mode === 'paper', single: this.scene.frames === 1, poses: this.poses, assumed: this.scene.assumed, untested: untestedText(this.scene.settings, this.scene.objects.length, second - first) + (this.still && `; ${this.still}`) };
+    return { state, done, total: this.scene.steps, pairs, colliding, start, stepsOnly: steps_only === true, statistical: mode === 'paper', single: this.scene.frames === 1, poses: this.poses, assumed: this.scene.assumed, untested: untestedText(this.scene.settings, this.scene.objects, second - first) + (this.still && `; ${this.still}`) };
   }
 
   /** The next step with collisions in a direction, or kStart; null if there is none. */

@@ -113,7 +113,7 @@ export class ContactPanel {
     const facts = [framesText(contact)];
     if (worst && contact.frames.length > 1) facts.push(`worst ${worst.time}`);
     if (worst) facts.push(counted(worst.triangles, 'triangle'));
-    const notes = [contact.from_start && !this.check.poses && 'from the start', contact.folded && 'folded onto itself', worst && contact.depth === null && 'no depth: its curve encloses no region'].filter((note) => note !== false && note !== undefined);
+    const notes = [contact.from_start && !this.check.poses && 'from the start', contact.folded && 'folded onto itself', contact.pierces && 'pierces', worst && !contact.pierces && contact.depth === null && 'no depth: its curve encloses no region'].filter((note) => note !== false && note !== undefined);
     return el(
       'button',
       { type: 'button', className: 'contact', role: 'option', 'data-contact': String(contact.number), onclick: () => this.choose(index) },
