@@ -267,7 +267,7 @@ Result<int> check_motions(const CheckArguments& a, const OneOfClips* one = nullp
   // From here on an interrupt must not leave incomplete files behind.
   watch_for_interrupt();
   const auto writers = FOLDPROOF_TRY(open_writers(a, settings, motions, one));
-  return run_and_summarize(motions, settings, writers, a.quiet,
+  return run_and_summarize(motions, a.motion.read, settings, writers, a.quiet,
                            a.all_contacts ? std::numeric_limits<std::size_t>::max() : kFewContacts);
 }
 

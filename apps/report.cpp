@@ -42,7 +42,7 @@ Result<int> report(const ReportArguments& a) {
   watch_for_interrupt();
   const auto writer =
       FOLDPROOF_TRY(page_report(a.output, opened.motions, {{settings, a.motion.read}, a.command}, files));
-  return run_and_summarize(opened.motions, settings, std::span(&writer, 1), a.quiet);
+  return run_and_summarize(opened.motions, a.motion.read, settings, std::span(&writer, 1), a.quiet);
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ std::string notices_of(Motions motions, const CheckTotals& totals) {
 }
 
 /// Frames whose names are not numbered are bodies.
-std::string frames_hint(Motions motions) {
+std::string frames_hint(Motions motions, const ReadOptions& read) {
+  if (read.mesh_files == MeshFiles::Separate) return "";
   const auto is_frame = [&](const auto& motion) {
     return motion->frame_count() == 1 && motion->topology() == motions[0]->topology();
   };
@@ -45,8 +46,8 @@ std::string notes_of(Motions motions) {
 
 }  // namespace
 
-Result<int> run_and_summarize(Motions motions, const CheckSettings& settings, Writers writers, bool quiet,
-                              std::size_t contacts) {
+Result<int> run_and_summarize(Motions motions, const ReadOptions& read, const CheckSettings& settings,
+                              Writers writers, bool quiet, std::size_t contacts) {
   ProgressBar bar(!quiet);
   CheckHooks hooks;
   hooks.progress = [&](const CheckTotals& totals, std::uint64_t expected) {
@@ -69,7 +70,7 @@ Result<int> run_and_summarize(Motions motions, const CheckSettings& settings, Wr
   }
   if (!quiet) {
     print_output(summary(motions, settings, *totals) + notices_of(motions, *totals) +
-                 contact_lines(motions, settings, *totals, contacts) + frames_hint(motions) +
+                 contact_lines(motions, settings, *totals, contacts) + frames_hint(motions, read) +
                  notes_of(motions));
   }
   return exit_code(totals->clean());

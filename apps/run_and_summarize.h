@@ -9,8 +9,9 @@ namespace foldproof {
 inline constexpr std::size_t kFewContacts = 8;
 
 /// Checks the motions with a progress bar, prints the summary and `contacts` contacts unless `quiet`, and
-/// returns the exit code. Ctrl-C ends it before the next step without finishing the writers.
-Result<int> run_and_summarize(Motions motions, const CheckSettings& settings, Writers writers, bool quiet,
-                              std::size_t contacts = kFewContacts);
+/// returns the exit code. Ctrl-C ends it before the next step without finishing the writers. `read`: how the
+/// motions were read.
+Result<int> run_and_summarize(Motions motions, const ReadOptions& read, const CheckSettings& settings,
+                              Writers writers, bool quiet, std::size_t contacts = kFewContacts);
 
 }  // namespace foldproof

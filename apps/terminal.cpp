@@ -124,9 +124,9 @@ std::string objects_table(Motions motions) {
   }
   for (const auto& motion : motions) {
     const Topology& t = motion->topology();
-    if (t.face_count() == t.triangles().size()) continue;
-    fmt::format_to(Text(text), "{}: {} and {} in no face\n", cell(motion->name()),
-                   counted(t.line_count(), "line"), counted(t.point_count(), "point"));
+    std::string more = t.line_count() > 0 ? counted(t.line_count(), "line") : "";
+    if (t.point_count() > 0) more += (more.empty() ? "" : " and ") + counted(t.point_count(), "point");
+    if (!more.empty()) fmt::format_to(Text(text), "{}: {} in no face\n", cell(motion->name()), more);
   }
   return text;
 }

@@ -193,6 +193,8 @@ TEST(Check, HintsAtDoubledVerticesAndAtFramesThatAreNotOneMotion) {
               HasSubstr("All 3 meshes have the same triangles. If they are frames of one motion, check "
                         "them with --sequence."));
   EXPECT_THAT(check_in(scene, {"one side.obj", "two sides.obj"}).out, Not(HasSubstr("the same triangles")));
+  EXPECT_THAT(check_in(scene, {"one side.obj", "two sides.obj", "no sides.obj", "--separate"}).out,
+              Not(HasSubstr("the same triangles")));
 }
 
 /// A cube whose faces have vertices of their own, as exporters of glTF write them.

@@ -27,7 +27,7 @@ TEST(Lines, ALineOfAFilePierces) {
   write_pair(scene, "hair", "v 0 0 1\nv 0 0 2\n", "v 0 0 -2\nv 0 0 -1\n", "l 4 5\n");
   const Outcome found = check_in(scene, {"hair", "--pairs", "--json", "a.json"});
   EXPECT_EQ(found.code, 1);
-  EXPECT_THAT(found.out, HasSubstr("hair: 1 line and 0 points in no face\n"));
+  EXPECT_THAT(found.out, HasSubstr("hair: 1 line in no face\n"));
   EXPECT_THAT(found.out, HasSubstr("pierces between frames, 2 pairs\n"));
   const json report = json::parse(read_file(scene / "a.json"));
   EXPECT_EQ(report["objects"][0]["triangles"], 1);
