@@ -84,7 +84,8 @@ TEST(Bodies, FilesThatAreNoFramesOfTheOthersStandStill) {
     arguments.insert(arguments.end(), {"--json", "a.json"});
     check_in(scene, arguments);
     std::vector<std::string> all;
-    for (const json& object : scene.report()["objects"]) all.push_back(object["name"].get<std::string>());
+    const json report = scene.report();
+    for (const json& object : report["objects"]) all.push_back(object["name"].get<std::string>());
     return all;
   };
   expect_one_line_error(check_in(scene, {"s1.obj", "s2.obj", "two.npz"}),

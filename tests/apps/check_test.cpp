@@ -341,7 +341,7 @@ TEST(Check, OptionsReachTheQuery) {
       all,
       json::parse(
           R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,"steps_only":false,"within":false,
-      "between":true,"thickness":0.5,"tolerance":0.001,"first":true,"limit":10000000,"certificates":true,"ignore":[],"still_pairs":false,"weld":true,"seams":"always","fps":30.0})"));
+      "between":true,"thickness":0.5,"tolerance":0.001,"first":true,"limit":10000000,"certificates":true,"points":false,"ignore":[],"still_pairs":false,"weld":true,"seams":"always","fps":30.0})"));
   EXPECT_EQ(settings({"sink", "--static", "--within"})["static"], true);
   EXPECT_EQ(settings({"sink", "--within"})["between"], false);
   EXPECT_EQ(settings({"sink", "--frames", "-3:"})["frames"], json::parse(R"({"first":2,"last":4,"step":1})"));
@@ -425,7 +425,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Mistake{{"check", "sink", "--miss-rate", "0.2"}, "--miss-rate: goes with --mode paper"},
                       Mistake{{"check", "sink", "--limit", "99999999999999999999"}, "is out of range"},
                       Mistake{{"check", "sink", "--limit", "-1"}, "is below 0"},
-                      Mistake{{"check", "sink", "clean"}, "has 3 frames, but sink has 5"},
+                      Mistake{{"check", "sink", "clean", "--sequence"}, "has 3 frames, but sink has 5"},
                       Mistake{{"check", "sink", "--static", "--steps-only"}, "--static"},
                       Mistake{{"check", "pose.obj", "--steps-only"}, "without --steps-only"}));
 
