@@ -10,7 +10,7 @@
 namespace foldproof::io {
 namespace {
 
-/// In diagonals of the box. Of eleven real motions and five sets of poses, each has a step of less than 0.04;
+/// In diagonals of the box. Of twelve real motions and five sets of poses, each has a step of less than 0.04;
 /// bodies that do not overlap much, if they are no thin layers, are farther apart than this.
 constexpr double kFar = 0.25;
 /// The same where some vertices stay in place, as those of a ground do.
