@@ -9,8 +9,8 @@ _CONTROLS = dict.fromkeys([*range(32), 127], "?")
 # Options of the program, as the library's messages name them, and the arguments that do the same.
 _ARGUMENTS = {
     "--between": "within=False", "--clip": "clip=", "--fps": "fps", "--frames": "frames", "--model": "models=",
-    "--no-weld": "weld=False", "--ply": "reports", "--separate": "separate=True", "--sequence": "sequence=True",
-    "--still-pairs": "still_pairs=True",
+    "--no-weld": "weld=False", "--ply": "reports", "--points": "points=True", "--separate": "separate=True",
+    "--sequence": "sequence=True", "--still-pairs": "still_pairs=True",
     "--steps-only": "steps_only=True", "--weld": "weld=True",
 }  # fmt: skip
 _OPTION = re.compile(rf"(?<![^ (])({'|'.join(_ARGUMENTS)})(?![\w-])")

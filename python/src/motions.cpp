@@ -71,25 +71,41 @@ class SlicedMotion final : public Motion {
   py::ssize_t begin_, step_, count_;
 };
 
+/// How many of the last triangles are lines (a, b, b), then points (p, p, p).
+struct Codimensional {
+  Index lines = 0, points = 0;
+};
+
+Topology topology_of(const py::handle& triangles, py::ssize_t vertex_count, const Codimensional& last) {
+  std::vector<Triangle> faces = triangles_of(triangles);
+  std::vector<Edge> lines;
+  std::vector<Index> points;
+  const std::size_t first_point = faces.size() - last.points, first_line = first_point - last.lines;
+  for (std::size_t t = first_line; t < first_point; ++t) lines.push_back({faces[t][0], faces[t][1]});
+  for (std::size_t t = first_point; t < faces.size(); ++t) points.push_back(faces[t][0]);
+  faces.resize(first_line);
+  return take(Topology::make(static_cast<Index>(vertex_count), std::move(faces), lines, points));
+}
+
 std::unique_ptr<Motion> motion_of_arrays(const py::handle& triangles, const py::handle& frames,
-                                         std::string name, const py::object& parts, MotionInfo info) {
+                                         std::string name, const py::object& parts, MotionInfo info,
+                                         const Codimensional& last = {}) {
   py::object array = py::reinterpret_borrow<py::object>(frames);
   if (py::isinstance<py::array>(array) && array.attr("ndim").cast<int>() == 2)
     array = array[py::make_tuple(py::none(), py::ellipsis())];  // a single pose
   Numbers numbers = numbers_of(array, "frames", {-1, -1, 3}, "F x V x 3, or V x 3 for one");
   if (numbers.size() == 0) refuse("frames", "are empty", "give at least one frame of one vertex");
   require_finite(numbers, "frames");
-  Topology topology = take(Topology::make(static_cast<Index>(numbers.shape(1)), triangles_of(triangles)));
+  Topology topology = topology_of(triangles, numbers.shape(1), last);
   info.parts = object_parts(parts, topology.triangles().size(), "parts");
-  if (const auto loose = io::loose_vertices(topology, info.merged); !loose.empty())
-    info.unchecked.push_back(io::unchecked_vertices(topology, loose.size()));
   return std::make_unique<ArrayMotion>(std::move(name), std::move(topology), std::move(numbers),
                                        std::move(info));
 }
 
 std::shared_ptr<SharedMotion> array_motion(const py::handle& triangles, const py::handle& frames,
                                            std::string name, const py::object& parts) {
-  return std::make_shared<SharedMotion>(motion_of_arrays(triangles, frames, std::move(name), parts, {}));
+  auto motion = motion_of_arrays(triangles, frames, std::move(name), parts, {});
+  return std::make_shared<SharedMotion>(take(io::with_loose_vertices(std::move(motion), false)));
 }
 
 std::vector<std::shared_ptr<SharedMotion>> open_all(const py::args& paths, const ReadOptions& options) {
@@ -122,21 +138,25 @@ MeshFiles mesh_files_of(bool sequence, bool separate) {
 }
 
 py::list open_list(const py::args& paths, double fps, std::optional<bool> weld, bool sequence, bool separate,
-                   bool still, const std::string& clip) {
+                   bool still, const std::string& clip, bool points) {
   py::list list;
   for (auto& motion : open_all(paths, {.fps = fps,
                                       .weld = weld_of(weld),
                                       .mesh_files = mesh_files_of(sequence, separate),
                                       .still = still,
+                                      .points = points,
                                       .clip = clip}))
     list.append(std::move(motion));
   return list;
 }
 
 std::shared_ptr<SharedMotion> open_one(const py::args& paths, double fps, std::optional<bool> weld,
-                                       bool sequence, const std::string& clip) {
-  auto motions = open_all(
-      paths, {.fps = fps, .weld = weld_of(weld), .mesh_files = mesh_files_of(sequence, false), .clip = clip});
+                                       bool sequence, const std::string& clip, bool points) {
+  auto motions = open_all(paths, {.fps = fps,
+                                  .weld = weld_of(weld),
+                                  .mesh_files = mesh_files_of(sequence, false),
+                                  .points = points,
+                                  .clip = clip});
   if (motions.size() != 1)
     refuse("paths", "are " + std::to_string(motions.size()) + " motions",
            "give one, sequence=True if they are its frames, or use open_motions");
@@ -207,28 +227,36 @@ py::array merged_of_motion(const SharedMotion& motion) {
 py::tuple state_of(const py::object& self) {
   const auto& motion = self.cast<const SharedMotion&>();
   const ReadOptions& read = motion.read();
-  py::list notes;
-  for (const std::string& note : motion.info().notes) notes.append(py::bytes(note));
+  const auto bytes_of = [](const std::vector<std::string>& texts) {
+    py::list list;
+    for (const std::string& text : texts) list.append(py::bytes(text));
+    return list;
+  };
   return py::make_tuple(triangles_of_motion(self), py::module_::import("numpy").attr("stack")(py::list(self)),
                         py::bytes(motion.name()), parts_of_motion(motion), py::bytes(motion.info().unit),
-                        notes, read.fps, static_cast<int>(read.weld), static_cast<int>(read.mesh_files),
+                        bytes_of(motion.info().notes), read.fps, static_cast<int>(read.weld),
+                        static_cast<int>(read.mesh_files),
                         owned_rows(std::vector<Index>(motion.info().merged)), motion.info().layered,
-                        py::bytes(motion.info().taken_as));
+                        py::bytes(motion.info().taken_as), bytes_of(motion.info().unchecked),
+                        motion.topology().line_count(), motion.topology().point_count());
 }
 
 std::shared_ptr<SharedMotion> motion_of_state(const py::tuple& state) {
-  if (state.size() != 12) refuse("motion", "was pickled by another version", "pickle it again");
+  if (state.size() != 15) refuse("motion", "was pickled by another version", "pickle it again");
   const auto merged = state[9].cast<py::array_t<Index>>();
   MotionInfo info{.unit = state[4].cast<std::string>(),
                   .notes = state[5].cast<std::vector<std::string>>(),
                   .taken_as = state[11].cast<std::string>(),
+                  .unchecked = state[12].cast<std::vector<std::string>>(),
                   .merged = std::vector<Index>(merged.data(), merged.data() + merged.size()),
                   .layered = state[10].cast<bool>()};
   const ReadOptions read{.fps = state[6].cast<double>(),
                          .weld = static_cast<Weld>(state[7].cast<int>()),
                          .mesh_files = static_cast<MeshFiles>(state[8].cast<int>())};
   return std::make_shared<SharedMotion>(
-      motion_of_arrays(state[0], state[1], state[2].cast<std::string>(), state[3], std::move(info)), read);
+      motion_of_arrays(state[0], state[1], state[2].cast<std::string>(), state[3], std::move(info),
+                       {state[13].cast<Index>(), state[14].cast<Index>()}),
+      read);
 }
 
 }  // namespace
@@ -275,7 +303,7 @@ namespace {
 void bind_files(py::module_& module) {
   module.def(
       "open_motion", &open_one, py::arg("fps") = 24.0, py::arg("weld") = py::none(),
-      py::arg("sequence") = false, py::arg("clip") = "",
+      py::arg("sequence") = false, py::arg("clip") = "", py::arg("points") = false,
       "Opens one motion: a mesh (with .pc2 or .mdd); several meshes as a directory, a glob or a name "
       "with %d; glTF, GLB, NPZ, PVD; a pair of .npy.\n\n"
       "fps: sampling rate of animated glTF. weld: which vertices become one, in the triangles alone: "
@@ -283,11 +311,12 @@ void bind_files(py::module_& module) {
       "sequence: several meshes are its frames, whatever their names and places are; without it, frames "
       "have names that differ in nothing but one number, and an Error asks where they look like bodies. "
       "clip: the animation of a glTF, one of Motion.clips, or 'animations[1]'; the longest without it. "
+      "points: vertices in no face and no line are checked as points; without it they are in 'unchecked'. "
       "Error: as for the program (docs/formats.md).");
   module.def(
       "open_motions", &open_list, py::arg("fps") = 24.0, py::arg("weld") = py::none(),
       py::arg("sequence") = false, py::arg("separate") = false, py::arg("still") = false,
-      py::arg("clip") = "",
+      py::arg("clip") = "", py::arg("points") = false,
       "Opens any number of motions: a list.\n\n"
       "separate: several mesh files are bodies, each a motion of its own, whatever their names are. still: "
       "motions of a single frame stand still as long as the longest of the others lasts, and files that are "
@@ -346,7 +375,24 @@ void bind_motions(py::module_& module) {
           "merged", &merged_of_motion,
           "Per vertex, the one that triangles name in its place, uint32: itself, or the one "
           "that it was merged into.")
-      .def_property_readonly("triangles", &triangles_of_motion, "T x 3 vertex ids, uint32; read-only.")
+      .def_property_readonly(
+          "unchecked",
+          [](const SharedMotion& m) {
+            py::list all;
+            for (const std::string& unchecked : m.info().unchecked) all.append(message_of(unchecked));
+            return all;
+          },
+          "What of it is not checked, a line each: '5 vertices in no face were not checked'.")
+      .def_property_readonly("triangles", &triangles_of_motion,
+                             "T x 3 vertex ids, uint32; read-only. The faces, then line_count lines as (a, "
+                             "b, b), then point_count "
+                             "points as (p, p, p).")
+      .def_property_readonly(
+          "line_count", [](const SharedMotion& m) { return m.topology().line_count(); },
+          "How many lines in no face there are.")
+      .def_property_readonly(
+          "point_count", [](const SharedMotion& m) { return m.topology().point_count(); },
+          "How many points there are, in no face and no line.")
       .def_property_readonly(
           "vertex_count", [](const SharedMotion& m) { return m.topology().vertex_count(); }, "V.")
       .def(py::pickle(&state_of, &motion_of_state))
