@@ -119,7 +119,7 @@ TEST(JsonReport, SaysWithWhatSettingsItWasMade) {
       report["settings"],
       json::parse(R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,"steps_only":false,
       "within":false,"between":true,"thickness":0.25,"tolerance":0.0,"first":false,"limit":10000000,"certificates":true,
-      "ignore":[],"still_pairs":false,"weld":false,"seams":"by_format","fps":24.0})"));
+      "ignore":[],"still_pairs":false,"weld":false,"seams":"by_format","points":false,"fps":24.0})"));
   EXPECT_EQ(report["steps"][2]["substep"], 2);
 }
 
