@@ -208,10 +208,12 @@ py::object parts_of_motion(const SharedMotion& motion) {
   return py::array(names)[owned_rows(parts.of_triangle)];
 }
 
-py::list notes_of_motion(const SharedMotion& motion) {
-  py::list notes;
-  for (const std::string& note : motion.info().notes) notes.append(message_of(note));
-  return notes;
+/// `to_python`: text_of for names, which are given back; message_of for what people read.
+template <class ToPython>
+py::list list_of(const std::vector<std::string>& lines, const ToPython& to_python) {
+  py::list list;
+  for (const std::string& line : lines) list.append(to_python(line));
+  return list;
 }
 
 py::array merged_of_motion(const SharedMotion& motion) {
@@ -334,21 +336,10 @@ void bind_files(py::module_& module) {
       "The file appears complete or not at all. Error: it cannot be written.");
 }
 
-}  // namespace
+using MotionClass = py::class_<SharedMotion, std::shared_ptr<SharedMotion>>;
 
-void bind_motions(py::module_& module) {
-  py::class_<SharedMotion, std::shared_ptr<SharedMotion>>(
-      module, "Motion",
-      "Triangles, and positions of their vertices in every frame; frames are read on demand.\n\n"
-      "motion[k] is frame k, motion[10:20] and motion[::2] are motions of these frames; iterating over a "
-      "motion yields its frames. Motions are equal when triangles and positions are. Thread-safe.")
-      .def(py::init(&array_motion), py::arg("triangles"), py::arg("frames"), py::arg("name") = "array",
-           py::kw_only(), py::arg("parts") = py::none(),
-           "From arrays: triangles T x 3 vertex ids (integers), frames F x V x 3 in mesh units.\n\n"
-           "Float64 in C order is used in place, so do not change it while a call runs; everything else is "
-           "converted once. One pose may be V x 3. parts: a name per triangle, for the sides of contacts. "
-           "Error: "
-           "other shapes, ids beyond V, numbers that are not finite.")
+void bind_properties(MotionClass& motion) {
+  motion
       .def_property_readonly(
           "name", [](const SharedMotion& m) { return text_of(m.name()); },
           "For messages: the file, or 'array'.")
@@ -362,26 +353,17 @@ void bind_motions(py::module_& module) {
           "What its files were taken for, where they may mean something else: '3 frames of one mesh'; else "
           "empty.")
       .def_property_readonly(
-          "clips",
-          [](const SharedMotion& m) {
-            py::list clips;
-            for (const std::string& clip : m.info().clips) clips.append(text_of(clip));
-            return clips;
-          },
+          "clips", [](const SharedMotion& m) { return list_of(m.info().clips, text_of); },
           "Names of the file's animations, as open_motion(clip=) takes them; empty if it has none.")
-      .def_property_readonly("notes", &notes_of_motion,
-                             "What the reader left out or assumed, a line each; empty if nothing.")
+      .def_property_readonly(
+          "notes", [](const SharedMotion& m) { return list_of(m.info().notes, message_of); },
+          "What the reader left out or assumed, a line each; empty if nothing.")
       .def_property_readonly(
           "merged", &merged_of_motion,
           "Per vertex, the one that triangles name in its place, uint32: itself, or the one "
           "that it was merged into.")
       .def_property_readonly(
-          "unchecked",
-          [](const SharedMotion& m) {
-            py::list all;
-            for (const std::string& unchecked : m.info().unchecked) all.append(message_of(unchecked));
-            return all;
-          },
+          "unchecked", [](const SharedMotion& m) { return list_of(m.info().unchecked, message_of); },
           "What of it is not checked, a line each: '5 vertices in no face were not checked'.")
       .def_property_readonly("triangles", &triangles_of_motion,
                              "T x 3 vertex ids, uint32; read-only. The faces, then line_count lines as (a, "
@@ -394,13 +376,32 @@ void bind_motions(py::module_& module) {
           "point_count", [](const SharedMotion& m) { return m.topology().point_count(); },
           "How many points there are, in no face and no line.")
       .def_property_readonly(
-          "vertex_count", [](const SharedMotion& m) { return m.topology().vertex_count(); }, "V.")
+          "vertex_count", [](const SharedMotion& m) { return m.topology().vertex_count(); }, "V.");
+}
+
+}  // namespace
+
+void bind_motions(py::module_& module) {
+  MotionClass motion(
+      module, "Motion",
+      "Triangles, and positions of their vertices in every frame; frames are read on demand.\n\n"
+      "motion[k] is frame k, motion[10:20] and motion[::2] are motions of these frames; iterating over a "
+      "motion yields its frames. Motions are equal when triangles and positions are. Thread-safe.");
+  motion
+      .def(py::init(&array_motion), py::arg("triangles"), py::arg("frames"), py::arg("name") = "array",
+           py::kw_only(), py::arg("parts") = py::none(),
+           "From arrays: triangles T x 3 vertex ids (integers), frames F x V x 3 in mesh units.\n\n"
+           "Float64 in C order is used in place, so do not change it while a call runs; everything else is "
+           "converted once. One pose may be V x 3. parts: a name per triangle, for the sides of contacts. "
+           "Error: "
+           "other shapes, ids beyond V, numbers that are not finite.")
       .def(py::pickle(&state_of, &motion_of_state))
       .def("__len__", &SharedMotion::frame_count)
       .def("__getitem__", &item_of, py::arg("index"),
            "A frame: V x 3 float64, a new array, in mesh units; negative numbers count from the end. For a "
            "slice: a Motion of these frames, which are read on demand.\n\n"
            "Error: the frame cannot be read; the slice selects none. IndexError: the frame does not exist.");
+  bind_properties(motion);
   bind_files(module);
 }
 

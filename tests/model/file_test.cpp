@@ -470,15 +470,15 @@ TEST_F(ModelFileTest, AModelOfUnmergedTrianglesSaysSo) {
   merged[7] = 3;
   std::vector<Triangle> triangles(own.triangles().begin(), own.triangles().end());
   for (Triangle& t : triangles) std::ranges::replace(t, Index{7}, Index{3});
-  const auto other = require_model_of(model, *Topology::make(own.vertex_count(), triangles), "a.glb", merged);
+  const auto other = require_model_of(model, *Topology::make(own.vertex_count(), triangles), "a.npz", merged);
   ASSERT_FALSE(other);
   EXPECT_EQ(
       other.error().line(),
-      "tube.model: was trained on triangles whose seams were not merged, and those of a.glb are; check with "
+      "tube.model: was trained on triangles whose seams were not merged, and those of a.npz are; check with "
       "--no-weld, or train it again");
   std::swap(triangles[5][0], triangles[5][1]);
   const auto another =
-      require_model_of(model, *Topology::make(own.vertex_count(), triangles), "a.glb", merged);
+      require_model_of(model, *Topology::make(own.vertex_count(), triangles), "a.npz", merged);
   ASSERT_FALSE(another);
   EXPECT_THAT(another.error().line(), HasSubstr("is a model of another mesh"));
 }
