@@ -55,11 +55,11 @@ TEST(Ignore, ObjectsAndPartsByName) {
   }
   EXPECT_EQ(check(two, {{"needle", "needle"}, {"floor", "floor"}})->collisions.sum(), 3u);
 
-  const auto one = list(named(needle(kSinking), "scene.glb", {{"floor", "tip"}, {0, 1}}));
+  const auto one = list(named(needle(kSinking), "scene.npz", {{"floor", "tip"}, {0, 1}}));
   EXPECT_EQ(check(one, {{"floor", "floor"}, {"tip", "tip"}})->collisions.sum(), 3u);
   EXPECT_TRUE(check(one, {{"floor", "tip"}})->clean());
   EXPECT_TRUE(check(one, {{"scene", "scene"}})->clean());
-  EXPECT_TRUE(check(one, {{"scene.glb", "tip"}})->clean());
+  EXPECT_TRUE(check(one, {{"scene.npz", "tip"}})->clean());
   CheckSettings poses;
   poses.poses = true;
   EXPECT_FALSE(check(one, {}, poses)->clean());
@@ -67,11 +67,11 @@ TEST(Ignore, ObjectsAndPartsByName) {
 }
 
 TEST(Ignore, UnknownNamesListNearOnes) {
-  const auto motions = list(named(needle(kSinking), "a/scene.glb", {{"floor", "tip"}, {0, 1}}),
-                            named(lone_floor(5), "b/scene.glb"));
+  const auto motions = list(named(needle(kSinking), "a/scene.npz", {{"floor", "tip"}, {0, 1}}),
+                            named(lone_floor(5), "b/scene.npz"));
   const auto line_of = [&](const char* name) { return check(motions, {{name, "tip"}}).error().line(); };
   EXPECT_EQ(line_of("flor"), "'flor': is neither an object nor a part of one; did you mean 'floor'?");
-  EXPECT_THAT(line_of("something"), HasSubstr("give one of 'a/scene.glb', 'scene', 'floor', 'tip'"));
+  EXPECT_THAT(line_of("something"), HasSubstr("give one of 'a/scene.npz', 'scene', 'floor', 'tip'"));
   EXPECT_THAT(line_of("scene"), HasSubstr("is the file name of 2 objects"));
 }
 
@@ -80,7 +80,7 @@ TEST(Ignore, IsNamedInTheVerdictAndInJson) {
   EXPECT_EQ(ignored_pairs(settings), "");
   settings.ignore = {{"floor", "tip"}, {"tip", "tip"}};
   EXPECT_EQ(ignored_pairs(settings), "pairs of floor and tip, of tip with itself were ignored");
-  const auto one = list(named(needle(kSinking), "scene.glb", {{"floor", "tip"}, {0, 1}}));
+  const auto one = list(named(needle(kSinking), "scene.npz", {{"floor", "tip"}, {0, 1}}));
   const TemporaryDirectory directory;
   std::vector<std::unique_ptr<ReportWriter>> writers;
   writers.push_back(json_report(directory / "a.json", one, {settings, {}, false}).value());
