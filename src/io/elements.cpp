@@ -37,6 +37,7 @@ std::vector<std::size_t> lines_beside(std::span<const Triangle> faces, std::span
   const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
   fresh.erase(std::unique(fresh.begin(), fresh.end(), same), fresh.end());
   std::vector<std::size_t> kept;
+  kept.reserve(fresh.size());
   for (const auto& [edge, i] : fresh) kept.push_back(i);
   std::sort(kept.begin(), kept.end());
   return kept;

@@ -357,6 +357,7 @@ class Opener {
     if (longest == nullptr) {
       for (const Opened& opened : opened_) consider(opened);
     }
+    if (longest == nullptr) return {};
     const std::string longest_name = longest->name();
     const Index frames = longest->frame_count();
     for (Opened& opened : std::exchange(opened_, {})) {

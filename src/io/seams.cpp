@@ -44,10 +44,10 @@ Triangle from_smallest(const Triangle& t) {
 std::string note_on_seams(std::span<const Index> merged, std::uint64_t sides) {
   std::uint64_t count = 0;
   for (std::size_t v = 0; v < merged.size(); ++v) count += merged[v] != v;
-  const std::string layers =
-      sides == 0 ? ""
-                 : faces(sides, "face lies on another of its surface and counts as one with it",
-                         "faces lie on others of their surface and count as one with them");
+  std::string layers = sides == 0
+                           ? ""
+                           : faces(sides, "face lies on another of its surface and counts as one with it",
+                                   "faces lie on others of their surface and count as one with them");
   if (count == 0) return layers;
   return fmt::format("{} of {} vertices {} on seams and {} merged; what meets there counts as neighbors{}{}",
                      grouped(count), grouped(merged.size()), count == 1 ? "lies" : "lie",

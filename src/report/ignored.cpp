@@ -183,7 +183,8 @@ std::string ignored_pairs(const CheckSettings& settings) {
   std::string text;
   for (const auto& [a, b] : settings.ignore) {
     text += text.empty() ? "pairs of " : ", of ";
-    text += a == b ? a + " with itself" : a + " and " + b;
+    text += a;
+    text += a == b ? " with itself" : " and " + b;
   }
   return text.empty() ? text : text + " were ignored";
 }
