@@ -11,35 +11,31 @@ namespace {
 
 Edge sorted(const Edge& e) { return {std::min(e[0], e[1]), std::max(e[0], e[1])}; }
 
-std::vector<bool> vertices_of(Index vertex_count, std::span<const Triangle> triangles) {
-  std::vector<bool> used(vertex_count, false);
-  for (const Triangle& t : triangles) {
-    for (const Index v : t) {
-      if (v < vertex_count) used[v] = true;
-    }
-  }
-  return used;
-}
-
 // The numbers of the lines that are no side of a face, the first of each, ascending.
 std::vector<std::size_t> lines_beside(std::span<const Triangle> faces, std::span<const Edge> lines) {
-  std::vector<Edge> known;
+  using Numbered = std::pair<Edge, std::size_t>;
+  // Only lines are sorted: they are few beside the sides of faces.
+  std::vector<Numbered> different;
+  different.reserve(lines.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) different.emplace_back(sorted(lines[i]), i);
+  std::ranges::sort(different);
+  const auto same = [](const Numbered& a, const Numbered& b) { return a.first == b.first; };
+  different.erase(std::unique(different.begin(), different.end(), same), different.end());
+  std::vector<bool> is_side(different.size());
   for (const Triangle& t : faces) {
-    for (std::size_t k = 0; k < 3; ++k) known.push_back(sorted({t[k], t[(k + 1) % 3]}));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Edge side = sorted({t[k], t[(k + 1) % 3]});
+      const auto at = std::ranges::lower_bound(different, side, {}, &Numbered::first);
+      if (at != different.end() && at->first == side)
+        is_side[static_cast<std::size_t>(at - different.begin())] = true;
+    }
   }
-  std::sort(known.begin(), known.end());
-  std::vector<std::pair<Edge, std::size_t>> fresh;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (!std::binary_search(known.begin(), known.end(), sorted(lines[i])))
-      fresh.emplace_back(sorted(lines[i]), i);
-  }
-  std::sort(fresh.begin(), fresh.end());
-  const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
-  fresh.erase(std::unique(fresh.begin(), fresh.end(), same), fresh.end());
   std::vector<std::size_t> kept;
-  kept.reserve(fresh.size());
-  for (const auto& [edge, i] : fresh) kept.push_back(i);
-  std::sort(kept.begin(), kept.end());
+  kept.reserve(different.size());
+  for (std::size_t n = 0; n < different.size(); ++n) {
+    if (!is_side[n]) kept.push_back(different[n].second);
+  }
+  std::ranges::sort(kept);
   return kept;
 }
 
@@ -79,6 +75,16 @@ class WithLooseVertices final : public Motion {
 
 }  // namespace
 
+std::vector<bool> named_vertices(Index vertex_count, std::span<const Triangle> triangles) {
+  std::vector<bool> named(vertex_count);
+  for (const Triangle& t : triangles) {
+    for (const Index v : t) {
+      if (v < vertex_count) named[v] = true;
+    }
+  }
+  return named;
+}
+
 void add_parts(const Topology& topology, ObjectParts& parts) {
   if (parts.names.empty()) return;
   const auto add = [&](const char* name, Index count) {
@@ -109,7 +115,7 @@ Result<Topology> make_topology(Index vertex_count, std::vector<Triangle> faces, 
     }
   }
   if (!points.empty()) {
-    for (const std::size_t i : points_beside(vertices_of(vertex_count, faces), other_lines, points)) {
+    for (const std::size_t i : points_beside(named_vertices(vertex_count, faces), other_lines, points)) {
       other_points.push_back(points[i]);
       keep_part(face_count + lines.size() + i);
     }
@@ -124,10 +130,10 @@ Result<Topology> make_topology(Index vertex_count, std::vector<Triangle> faces, 
 }
 
 std::vector<Index> loose_vertices(const Topology& topology, std::span<const Index> merged) {
-  const std::vector<bool> used = vertices_of(topology.vertex_count(), topology.triangles());
+  const std::vector<bool> named = named_vertices(topology.vertex_count(), topology.triangles());
   std::vector<Index> loose;
-  for (Index v = 0; v < used.size(); ++v) {
-    if (!used[v] && (merged.empty() || merged[v] == v)) loose.push_back(v);
+  for (Index v = 0; v < named.size(); ++v) {
+    if (!named[v] && (merged.empty() || merged[v] == v)) loose.push_back(v);
   }
   return loose;
 }

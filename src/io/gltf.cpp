@@ -73,10 +73,9 @@ class GltfMotion final : public Motion {
                        gltf_surfaces(scene_, found.runs(), std::span(run_of).first(elements.faces.size()))),
           info_);
     }
-    elements.drop_covered();
     info_.parts.of_triangle = std::move(elements.values);
-    topology_ = FOLDPROOF_TRY(Topology::make(static_cast<Index>(vertex_count_), std::move(elements.faces),
-                                             elements.lines, elements.points));
+    topology_ = FOLDPROOF_TRY(make_topology(static_cast<Index>(vertex_count_), std::move(elements.faces),
+                                            elements.lines, elements.points, info_.parts));
     return {};
   }
 

@@ -98,6 +98,8 @@ Result<std::unique_ptr<Motion>> open_gltf(const std::string& path, const ReadOpt
 /// alone; then others get the parts "lines" and "points".
 Result<Topology> make_topology(Index vertex_count, std::vector<Triangle> faces, std::span<const Edge> lines,
                                std::span<const Index> points, ObjectParts& parts);
+/// Which vertices the triangles name. Numbers beyond vertex_count are ignored.
+std::vector<bool> named_vertices(Index vertex_count, std::span<const Triangle> triangles);
 /// Gives lines and points parts where only the faces have them.
 void add_parts(const Topology& topology, ObjectParts& parts);
 /// The vertices in no triangle. `merged`: MotionInfo::merged; those that were merged away are none.

@@ -108,51 +108,6 @@ void MeshElements::merge(std::span<const Index> merged) {
   points.insert(points.begin(), shrunk.begin(), shrunk.end());
 }
 
-void MeshElements::drop_covered() {
-  const bool valued = !values.empty();
-  std::vector<Index> kept_values(values.begin(),
-                                 values.begin() + static_cast<std::ptrdiff_t>(valued ? faces.size() : 0));
-  const auto keep = [&](auto& elements, std::size_t first, const auto& is_covered) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < elements.size(); ++i) {
-      if (is_covered(elements[i])) continue;
-      if (valued) kept_values.push_back(values[first + i]);
-      elements[kept++] = elements[i];
-    }
-    elements.resize(kept);
-  };
-  const std::size_t first_point = faces.size() + lines.size();
-  if (!lines.empty()) {
-    std::vector<std::pair<Edge, bool>> covered;
-    for (const Edge& line : lines) covered.emplace_back(line, false);
-    std::ranges::sort(covered);
-    const auto find = [&](const Edge& line) {
-      return std::ranges::lower_bound(covered, line, {}, &std::pair<Edge, bool>::first);
-    };
-    for (const Triangle& t : faces) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Edge side{std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])};
-        if (const auto at = find(side); at != covered.end() && at->first == side) at->second = true;
-      }
-    }
-    keep(lines, faces.size(), [&](const Edge& line) { return std::exchange(find(line)->second, true); });
-  }
-  if (!points.empty()) {
-    std::vector<bool> covered(std::size_t{*std::ranges::max_element(points)} + 1);
-    const auto cover = [&](Index v) {
-      if (v < covered.size()) covered[v] = true;
-    };
-    for (const Triangle& t : faces) std::for_each(t.begin(), t.end(), cover);
-    for (const Edge& line : lines) std::for_each(line.begin(), line.end(), cover);
-    keep(points, first_point, [&](Index v) {
-      const bool is_covered = covered[v];
-      covered[v] = true;
-      return is_covered;
-    });
-  }
-  values.swap(kept_values);
-}
-
 Layers count_layers(std::span<const Triangle> faces, Index vertices, std::span<const Index> surfaces) {
   struct Face {
     Index low, high;  // of the two larger vertices

@@ -59,9 +59,6 @@ struct MeshElements {
   /// Corners become the vertices that these have been merged into. A line whose ends become one is a point
   /// then.
   void merge(std::span<const Index> merged);
-  /// Drops lines that are sides of faces or repeat others, and points that are in faces or lines or repeat
-  /// others.
-  void drop_covered();
 };
 
 /// Faces that have the same three vertices as earlier ones.

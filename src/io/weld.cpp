@@ -40,13 +40,9 @@ class WeldedMotion final : public Motion {
 };
 
 MeshElements elements_of(const Topology& topology, const ObjectParts& parts) {
-  MeshElements elements;
-  const auto triangles = topology.triangles();
-  const std::size_t faces = topology.face_count(), points = faces + topology.line_count();
-  elements.faces.assign(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(faces));
-  for (std::size_t i = faces; i < points; ++i) elements.lines.push_back({triangles[i][0], triangles[i][1]});
-  for (std::size_t i = points; i < triangles.size(); ++i) elements.points.push_back(triangles[i][0]);
-  if (parts.of_triangle.size() == triangles.size()) elements.values = parts.of_triangle;
+  const auto faces = topology.faces();
+  MeshElements elements{{faces.begin(), faces.end()}, topology.lines(), topology.points(), {}};
+  if (parts.of_triangle.size() == topology.triangles().size()) elements.values = parts.of_triangle;
   return elements;
 }
 

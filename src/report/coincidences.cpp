@@ -8,23 +8,6 @@
 #include "io/readers.h"
 
 namespace foldproof::internal {
-namespace {
-
-/// The vertices that a topology's triangles name, in order.
-std::vector<Index> named_vertices(const Topology& topology) {
-  std::vector<bool> named(topology.vertex_count());
-  for (const Triangle& t : topology.triangles()) {
-    for (const Index v : t) named[v] = true;
-  }
-  std::vector<Index> vertices;
-  for (Index v = 0; v < named.size(); ++v) {
-    if (named[v]) vertices.push_back(v);
-  }
-  return vertices;
-}
-
-}  // namespace
-
 void Coincidences::add(Index frame, Positions x) {
   const bool first_frame = objects_.empty();
   if (first_frame) first_frame_ = frame;
@@ -37,10 +20,15 @@ void Coincidences::add(Index frame, Positions x) {
     };
     Found& found = objects_[i];
     if (first_frame) {
-      const std::vector<Index> vertices = named_vertices(motions_[i]->topology());
+      const Topology& topology = motions_[i]->topology();
+      const std::vector<bool> named = io::named_vertices(topology.vertex_count(), topology.triangles());
+      std::vector<Index> vertices;
       std::vector<double> positions;
-      positions.reserve(3 * vertices.size());
-      for (const Index v : vertices) positions.insert(positions.end(), at(v).begin(), at(v).end());
+      for (Index v = 0; v < named.size(); ++v) {
+        if (!named[v]) continue;
+        vertices.push_back(v);
+        positions.insert(positions.end(), at(v).begin(), at(v).end());
+      }
       const std::vector<Index> first = io::first_at_same_place(positions);
       for (std::size_t k = 0; k < first.size(); ++k) {
         if (first[k] != k) found.pairs.push_back({vertices[k], vertices[first[k]], false});
