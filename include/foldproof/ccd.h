@@ -22,7 +22,7 @@ struct CcdSettings {
 
 struct CcdResult {
   Answer answer = Answer::Separated;
-  double toi = 1;  ///< Proven free of contact on [0, toi); at toi itself see Answer. 1 when Separated.
+  double toi = 1;  ///< Proven free of collision on [0, toi); at toi itself see Answer. 1 when Separated.
 };
 
 /// Positions of the four vertices of a pair at one end of the step, in mesh units.

@@ -33,9 +33,8 @@ struct StepSettings {
   /// Mode::Paper: accept only as many predictions as would have been wrong about at most this share of
   /// unproven nodes in training poses (CertificateMap::CalibrationPoint); new motions miss more. In [0,1].
   double miss_rate = 0.01;
-  /// Use certificates where they pay: they prove pairs of leaves free of contact, which then need no test. A
-  /// checker measures from counts whether they pay, and backs off while they do not. Never changes the
-  /// answer.
+  /// Use certificates where they pay: pairs of leaves that they prove free of collisions need no test. The
+  /// checker estimates from counts whether they pay. Never changes the answer.
   bool certificates = true;
   /// Look ahead: while a motion continues in straight lines, one search covers several steps. It extrapolates
   /// the trajectories and caches the candidates; a later step whose vertices are close enough to the
@@ -52,7 +51,7 @@ struct StepSettings {
 /// Vertex and face, by the user's ids.
 struct VertexFaceCollision {
   Index vertex_object, vertex, face_object, face;
-  double toi;     ///< In [0,1] of the step. Proven free of contact before it.
+  double toi;     ///< In [0,1] of the step. No collision before it, proven.
   Answer answer;  ///< Hit or Undecided.
 };
 
@@ -90,8 +89,8 @@ struct Work {
   Work& operator+=(const Work& more);
 };
 
-/// Wall time of one query and of its stages, in milliseconds. `update`: motion; `traverse`: broad phase,
-/// culling and boxes of features; `narrow`: candidates and narrow phase.
+/// Wall time of one query and of its stages, in milliseconds. `update`: positions and refit; `traverse`:
+/// broad phase, culling and finding candidates; `narrow`: testing them (in a pose also finding them).
 struct StageTimes {
   double total = 0, update = 0, traverse = 0, narrow = 0;
 
@@ -269,7 +268,7 @@ Result<std::shared_ptr<const PairFilter>> ignore_labels(std::span<const Object> 
 /// allocate; with certificates, once no more charts are built and searches that look ahead find no more
 /// candidates than before. A call that throws, for want of memory, makes the next one start afresh. Use one
 /// checker per thread. Threads inside a query come from oneTBB: limit them with tbb::global_control or a task
-/// arena of your own. A task group of yours that is cancelled does not end a query.
+/// arena of your own. A query runs to its end, also inside a task group of yours that is cancelled.
 class StepChecker {
  public:
   /// `filter`: null tests all pairs.
@@ -278,18 +277,19 @@ class StepChecker {
   StepChecker(StepChecker&&) noexcept;
   StepChecker& operator=(StepChecker&&) noexcept;
 
-  /// Reports every vertex-face and edge-edge pair without a common vertex that comes into contact while all
-  /// vertices move from x0 to x1 along straight lines. Soundness: no pair that touches is missing; a reported
-  /// pair comes within thickness + tolerance, unless it is undecided (docs/soundness.md). Error: wrong sizes,
+  /// Reports every vertex-face and edge-edge pair without a common vertex that collides while all vertices
+  /// move from x0 to x1 along straight lines. Soundness: no pair that touches is missing; a reported pair
+  /// comes within thickness + tolerance, unless it is undecided (docs/soundness.md). Error: wrong sizes,
   /// coordinates that are not finite.
   [[nodiscard]] Result<void> check(Positions x0, Positions x1, const StepSettings& settings, StepResult& out);
 
-  /// Reports every pair of triangles that cross: that have a point in common beyond their common vertices and
-  /// edges. Decided with exact arithmetic; `thickness`, `tolerance` and `earliest_only` do not apply. Two
-  /// triangles with a common edge cross when they are folded flat onto each other; with one common vertex,
-  /// when the side opposite to it meets the other triangle, also in another vertex at the same position; with
-  /// the same three vertices, always, unless Object::is_layered. Of triangles with the same vertices in the
-  /// same order only one is tested, so many copies cost little; an Explanation is the same for all of them.
+  /// Reports every pair of triangles that cross, by exact arithmetic. `thickness`, `tolerance` and
+  /// `earliest_only` do not apply. When two triangles cross depends on the vertices that they have in common:
+  /// - none: when they have a point in common;
+  /// - one: when the side opposite to it, of either, meets the other triangle;
+  /// - two: when they are folded flat onto each other;
+  /// - three: always, unless Object::is_layered.
+  /// Copies of a triangle (the same vertices in the same order) are tested as one and share an Explanation.
   [[nodiscard]] Result<void> check_static(Positions x, const StepSettings& settings, StaticResult& out);
 
  private:

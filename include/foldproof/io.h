@@ -160,8 +160,7 @@ Result<void> write_npz(const std::string& path, Motion& motion);
 
 /// Writes a motion in the format that the extension names: .npz; .obj, with the frames in a .pc2 beside it
 /// when there are several; .ply, for one frame. "%d" or "%04d" in the name of an .obj or .ply: a file per
-/// frame, numbered from 0; an error removes those that it has written. .ply leaves
-/// points out.
+/// frame, numbered from 0; an error removes those that it has written. .ply leaves points out.
 Result<void> write_motion(const std::string& path, Motion& motion);
 
 /// Finite numbers from a file.
@@ -172,8 +171,9 @@ struct NumberTable {
 };
 
 /// Reads text with a row per line and commas between numbers; the first line may hold names, all different,
-/// each with a letter, and none a number, NaN, infinity or a word such as "null". Empty lines are skipped,
-/// and those that start with '#', unless a spreadsheet's error does, such as `#N/A`. Shape: rows x columns.
+/// each with a letter, and none a number, NaN, infinity or a word such as "null". Empty lines and comments,
+/// which start with '#', are skipped. A line that starts with a spreadsheet's error value, such as `#N/A`, is
+/// no comment but an error. Shape: rows x columns.
 Result<NumberTable> read_csv(const std::string& path);
 
 /// Reads a float32 or float64 array of any shape from an NPZ into memory.

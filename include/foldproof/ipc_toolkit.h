@@ -232,10 +232,10 @@ class BroadPhase : public detail::NamedBroadPhase {
 /// Thread-safe.
 class NarrowPhaseCCD : public ::ipc::NarrowPhaseCCD {
  public:
-  /// `toi` is this share of the time to contact, in (0,1]. With 1 the next step may start in contact.
+  /// `toi` is this share of the time to collision, in (0,1]. With 1 the next step may start in collision.
   double conservative_rescaling = 0.8;
-  /// Mesh units. Pairs closer than `min_distance` plus this may count as contact. 0: 2^-30 of the largest
-  /// side of the box around the pair during the step.
+  /// Mesh units. Pairs closer than `min_distance` plus this may count as collisions. 0: 2^-30 of the
+  /// largest side of the box around the pair during the step.
   double tolerance = 0;
 
   using Point = detail::Parameter<&::ipc::NarrowPhaseCCD::point_point_ccd>;

@@ -29,7 +29,7 @@ struct TrainSettings {
   LearnSettings learning = {};
 };
 
-/// Why no chart proved a leaf free of contact with itself.
+/// Why no chart proved that a leaf does not touch itself.
 enum class Obstacle : std::uint8_t {
   TooCurved,    ///< There is no plane that all its triangles face, or a triangle has no area.
   Overlapping,  ///< Its projection overlaps itself, is in several pieces, or has a fan of triangles.

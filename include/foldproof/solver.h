@@ -27,7 +27,7 @@ class CollisionFilter {
   /// 10,000.
   static Result<CollisionFilter> groups(std::vector<Index> group_of_vertex,
                                         std::span<const std::array<Index, 2>> excluded);
-  /// Patches may collide with each other, but not with themselves.
+  /// The groups are patches of the surface: each may collide with the others, but not with itself.
   static Result<CollisionFilter> patches(std::vector<Index> patch_of_vertex);
 
   /// Whether any two vertices may collide.
@@ -129,11 +129,11 @@ struct Candidates {
 
 struct ContactSettings {
   bool certificates = true;  ///< Skip what certificates prove: less work, the same answers.
-  /// Mesh units. Pairs closer than the minimum distance plus this may count as contact. 0: 2^-30 of the
+  /// Mesh units. Pairs closer than the minimum distance plus this may count as collisions. 0: 2^-30 of the
   /// largest side of the box around everything during the step.
   double tolerance = 0;
-  /// A step that would come into contact goes this share of the way to contact, in (0,1]. With 1 it could end
-  /// within the tolerance of contact, and the next step would start in contact.
+  /// A step that would collide goes this share of the way to the collision, in (0,1]. With 1 it could end
+  /// within the tolerance of it, and the next step would start in collision.
   double conservative_rescaling = 0.8;
 };
 
@@ -155,14 +155,14 @@ class [[nodiscard]] Verdict {
 
 /// How far a step may go.
 struct StepSize {
-  double share;  ///< In [0,1]; up to here the step is proven free of contact.
+  double share;  ///< In [0,1]; up to here the step is proven free of collisions.
   /// Why the share is not larger.
   enum class Limit : std::uint8_t {
     None,     ///< It is 1.
-    Contact,  ///< There is contact on the way.
-    Start,    ///< It is 0: x0 itself is in contact, or closer than min_distance plus the tolerance.
+    Contact,  ///< Something collides on the way.
+    Start,    ///< It is 0: in x0 a pair is already closer than min_distance plus the tolerance.
     /// It is 0: no step could be proven free, or the first pair that stands in the way at x0 is undecided.
-    /// This happens at needles, or where the tolerance is not far above the rounding of positions.
+    /// This happens to very thin triangles, or where the tolerance is hardly above the rounding of positions.
     Undecided,
   } limit;
 };
@@ -176,8 +176,8 @@ inline constexpr std::array<const char*, 4> kStepLimitNames{"none", "contact", "
 ///
 /// Positions are vertex_count x 3, row-major, mesh units. During a step vertices move straight from x0 to x1.
 /// *Relevant pairs* are a vertex and a face, two edges, a codimensional edge and a codimensional point, and
-/// two codimensional points, if they have no vertex in common and the filter allows them. *Contact*: the
-/// distance of a relevant pair is <= min_distance (0: they touch) at some time of the step. Errors of all
+/// two codimensional points, if they have no vertex in common and the filter allows them. A relevant pair
+/// *collides* if its distance is <= min_distance (0: it touches) at some time of the step. Errors of all
 /// calls: wrong sizes, coordinates or lengths that are not finite, negative lengths. Soundness:
 /// docs/soundness.md, "Solvers".
 class ContactChecker {
@@ -190,15 +190,15 @@ class ContactChecker {
   const CollisionMesh& mesh() const;
   ContactSettings& settings();
 
-  /// A share of the step that is proven free of contact, rounding included: the step to the positions that
+  /// A share of the step that is proven free of collisions, rounding included: the step to the positions that
   /// `step_towards` computes is_step_collision_free. Certificates do not change the answer. Cost: that of a
   /// step, and of a second one when the share is below 1.
   [[nodiscard]] Result<StepSize> collision_free_step_size(std::span<const double> x0,
                                                           std::span<const double> x1,
                                                           double min_distance = 0);
 
-  /// Yes: proven that no relevant pair comes into contact. No: one does, or comes within the tolerance of it,
-  /// or is undecided.
+  /// Yes: proven that no relevant pair collides. No: one does, or comes within the tolerance of it, or is
+  /// undecided.
   Verdict is_step_collision_free(std::span<const double> x0, std::span<const double> x1,
                                  double min_distance = 0);
 
@@ -218,9 +218,9 @@ class ContactChecker {
   /// faces with the same three vertices, for all pairs of different ones.
   Verdict has_intersections(std::span<const double> x);
 
-  /// The smallest distance of all relevant pairs if it is <= bound, else infinity. Mesh units. It is too
-  /// small by less than 64 units in the last place of the pair's largest coordinate difference. It is too
-  /// large by less than that, but at needles and nearly parallel edges by less than 2^-26 of the difference.
+  /// The smallest distance of all relevant pairs if it is <= bound, else infinity. Mesh units. Its error is
+  /// less than 64 units in the last place of the pair's largest coordinate difference; with one exception:
+  /// for very thin triangles and nearly parallel edges it may be too large by up to 2^-26 of that difference.
   /// A face that an edge pierces is not at distance 0: see has_intersections. Cost: as candidates() with the
   /// answer as inflation.
   [[nodiscard]] Result<double> minimum_distance(std::span<const double> x, double bound);

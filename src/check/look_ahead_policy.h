@@ -18,8 +18,8 @@ class LookAheadPolicy {
   /// deviation from the positions predicted for then.
   void note_hit(double deviation, double steps);
   /// A step needs a search: returns how many steps it should cover, this one included, at most `max_steps`.
-  /// `deviation` and `steps` as above, as if the last prediction still held. Negative steps: the motion
-  /// repeats the same step, from which nothing can be learned.
+  /// `deviation` and `steps` as in note_hit; the last prediction is extended to this step. Where the motion
+  /// repeats a step, nothing can be learned: the caller passes -1 for `steps`, and the answer is 1.
   Index choose_steps(double deviation, double steps, double max_steps = 32);
   /// The cost of that search, in any unit.
   void note_cost(double cost);

@@ -108,8 +108,8 @@ TEST(StepChecker, AllocatesNothingForTwoObjectsFromTheSecondStepOn) {
   }
 }
 
-// Charts are drawn on the way, and drawn anew as the strip goes on turning; when everything has had its turn,
-// all buffers have their size.
+// The first 1600 steps build charts and replace them as the strip turns to and fro. By then every buffer has
+// reached its final size.
 TEST(StepChecker, AllocatesNothingForChartsOnceTheyHaveSettled) {
   const ThreadLimit one(1);
   StepChecker checker = checker_of_strip();
