@@ -323,7 +323,7 @@ Result<int> check_once(const CheckArguments& a) {
 }
 
 Result<int> check_and_watch(const CheckArguments& a) {
-  FOLDPROOF_TRY(check_settings_of(a));  // what watching cannot mend
+  FOLDPROOF_TRY(check_settings_of(a));  // what watching cannot cure
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   FileWatch files(a.files, interrupted);
   while (true) {

@@ -1,6 +1,6 @@
 // Prints: walk.obj:12: face refers to vertex 99, but there are 42; export the mesh again
 // Errors are values: a Result holds either what was asked for or an Error that says where, what and how to
-// mend it.
+// fix it.
 #include <cstdio>
 
 #include "foldproof/base.h"

@@ -156,7 +156,7 @@ def test_errors_are_those_of_python(tmp_path, motion):
     with pytest.raises(OSError) as refused:
         foldproof.write_motion(tmp_path / "file" / "out.npz", motion)
     assert isinstance(refused.value, (foldproof.FileError, ValueError))
-    for error in (missing.value, refused.value, foldproof.Error("a\n", "is bad", "mend it")):
+    for error in (missing.value, refused.value, foldproof.Error("a\n", "is bad", "fix it")):
         copy = pickle.loads(pickle.dumps(error))
         assert type(copy) is type(error) and str(copy) == str(error) and copy.remedy == error.remedy
         assert "\n" not in str(error)
