@@ -56,7 +56,7 @@ export interface VertexFacePairs {
   vertex: Uint32Array;
   faceObject: Uint32Array;
   face: Uint32Array;
-  /** Time of impact, in [0, 1] of the step; proven free of contact before. */
+  /** Time of impact, in [0, 1] of the step; no collision before it, proven. */
   toi: Float64Array;
   /** 1 where rounding does not let the pair be called free, and it counts as colliding. */
   undecided: Uint8Array;

@@ -211,7 +211,7 @@ const Learned& learned_of(const Model& model) {
 void bind_models(py::module_& module) {
   py::class_<Model, std::shared_ptr<Model>> model(
       module, "Model",
-      "What training found out about a mesh: charts, which prove parts of it free of contact with "
+      "What training found out about a mesh: charts, which prove that parts of it do not touch "
       "themselves, and its shapes. A model makes checks faster and never changes an answer.");
   model
       .def_property_readonly(

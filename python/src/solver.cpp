@@ -191,8 +191,9 @@ void bind_last_call(py::class_<Solver>& checker) {
           [](Solver& self) {
             return kStepLimitNames[static_cast<std::size_t>(self.of_last_call([&] { return self.limit; }))];
           },
-          "Why the last step size is not larger: 'none' (it is 1), 'contact' on the way, 'start' (it is 0: "
-          "x0 itself is in contact, or too close), or 'undecided' (it is 0: no share could be proven free).")
+          "Why the last step size is not larger: 'none' (it is 1), 'contact' (a collision on the way), "
+          "'start' (it is 0: in x0 a pair is too close already), or 'undecided' (it is 0: no share could be "
+          "proven free).")
       .def_property_readonly(
           "work",
           [](Solver& self) { return work_of(self.of_last_call([&] { return self.checker.work(); })); },

@@ -196,7 +196,7 @@ void bind_steps(py::module_& module) {
       .def(
           "check", &check, py::arg("x0"), py::arg("x1"),
           with_settings(
-              "Every vertex-face and edge-edge pair that comes into contact while all vertices move along "
+              "Every vertex-face and edge-edge pair that collides while all vertices move along "
               "straight lines from x0 to x1. No pair that touches is missing.\n\n"
               "x0, x1: V x 3 in mesh units, or a list of one array per object; float64 in C order is used in "
               "place. Error: wrong shapes, numbers that are not finite.")
