@@ -42,11 +42,15 @@ std::string command_line(std::span<char* const> arguments) {
   return line;
 }
 
-const std::atomic<bool>& watch_for_interrupt() {
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+void on_interrupt(void (*handler)(int)) {
+  std::signal(SIGINT, handler);
+  std::signal(SIGTERM, handler);
   // A closed terminal, unless nohup has disabled the signal.
-  if (std::signal(SIGHUP, interrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+  if (std::signal(SIGHUP, handler) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+}
+
+const std::atomic<bool>& watch_for_interrupt() {
+  on_interrupt(interrupt);
   return interrupted;
 }
 

@@ -53,6 +53,9 @@ void open_browser(const std::string& address) {
   posix_spawn_file_actions_destroy(&quiet);
 }
 
+// At once, whatever is checked and connected. There is nothing to finish: temporary files have no names.
+extern "C" void end(int) { std::_Exit(kExitClean); }
+
 Result<int> view(const ViewArguments& a) {
   FOLDPROOF_TRY(a.files.check());
   const auto files = FOLDPROOF_TRY(require_page_files());
@@ -65,13 +68,13 @@ Result<int> view(const ViewArguments& a) {
   opened.settings.unit = a.unit;
   const auto page =
       FOLDPROOF_TRY(Page::open({std::move(opened.motions), std::move(opened.settings), a.motion.read}));
-  const std::atomic<bool>& stop = watch_for_interrupt();
   auto server = FOLDPROOF_TRY(PageServer::open(*page, files, a.port));
+  on_interrupt(end);
   const std::string address = fmt::format("http://127.0.0.1:{}/", server.port());
   print_output(fmt::format("{} (Ctrl-C ends it)\n", address));
   FOLDPROOF_TRY(flush_output());
   if (!a.no_browser) open_browser(address);
-  FOLDPROOF_TRY(server.serve(stop));
+  FOLDPROOF_TRY(server.serve());
   return kExitClean;
 }
 

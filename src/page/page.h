@@ -94,10 +94,11 @@ class PageServer {
   PageServer& operator=(PageServer&&) noexcept;
 
   int port() const;
-  /// Answers requests and runs Page::work until `stop` is set, then returns after the current step. Slow or
-  /// demanding clients do not delay others (docs/viewer.md lists the limits). Error: listening failed, no
-  /// threads.
-  Result<void> serve(const std::atomic<bool>& stop);
+  /// Answers requests and runs Page::work until `stop` is called, then returns after the current step and the
+  /// timeouts of connections that are still open (docs/viewer.md). Call it once. Error: listening failed.
+  Result<void> serve();
+  /// Ends `serve`, which another thread calls or is about to call.
+  void stop();
 
  private:
   struct Impl;

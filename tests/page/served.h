@@ -48,15 +48,14 @@ class Served {
     EXPECT_TRUE(server) << server.error().line();
     server_ = std::make_unique<PageServer>(std::move(*server));
     client_ = std::make_unique<httplib::Client>("127.0.0.1", server_->port());
-    client_->set_keep_alive(true);
     client_->set_read_timeout(60);  // for busy machines
     thread_ = std::thread([this] {
-      const auto served = server_->serve(stop_);
+      const auto served = server_->serve();
       EXPECT_TRUE(served) << served.error().line();
     });
   }
   ~Served() {
-    stop_ = true;
+    server_->stop();
     thread_.join();
   }
   Served(const Served&) = delete;
@@ -66,9 +65,7 @@ class Served {
   httplib::Client& client() { return *client_; }
 
   httplib::Response get(const std::string& path, const httplib::Headers& headers = {}) {
-    auto result = client_->Get(path, headers);
-    // The server may close an idle connection just when it is used again. Browsers retry, too.
-    if (!result) result = client_->Get(path, headers);
+    const auto result = client_->Get(path, headers);
     EXPECT_TRUE(result) << path;
     return result ? *result : httplib::Response{};
   }
@@ -100,7 +97,6 @@ class Served {
   std::unique_ptr<Page> page_;
   std::unique_ptr<PageServer> server_;
   std::unique_ptr<httplib::Client> client_;
-  std::atomic<bool> stop_{false};
   std::thread thread_;
 };
 
