@@ -176,6 +176,12 @@ Option Subcommand::add_flag(const std::string& names, const std::function<void()
   return Option(app_->add_flag_callback(names, set, description));
 }
 Option Subcommand::option(const char* name) const { return Option(app_->get_option(name)); }
+void Subcommand::exclude_all_but(Option option, std::span<const char* const> names) const {
+  for (CLI::Option* other : app_->get_options()) {
+    const bool goes = std::ranges::any_of(names, [&](const char* name) { return other->check_name(name); });
+    if (!goes && other != option.option_) option.option_->excludes(other);
+  }
+}
 void Subcommand::footer(const std::string& text) const { app_->footer(text); }
 void Subcommand::hide() const { app_->group(""); }
 

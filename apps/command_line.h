@@ -49,6 +49,7 @@ class Option {
   std::vector<std::string> values() const;
 
  private:
+  friend class Subcommand;
   CLI::Option* option_;
 };
 
@@ -68,6 +69,8 @@ class Subcommand {
                   const std::string& description) const;
   /// One that was added.
   Option option(const char* name) const;
+  /// From now on `option` goes with none of those that were added, except these.
+  void exclude_all_but(Option option, std::span<const char* const> names) const;
   /// What the help text ends with.
   void footer(const std::string& text) const;
   /// Leaves it out of the program's help.

@@ -1,14 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
-#include "base/parallel.h"
 #include "base/try.h"
 #include "commands.h"
 #include "progress_bar.h"
 #include "step_options.h"
-#include "sweep/sweep.h"
-#include "sweep_ranks.h"
+#include "sweep/shard.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -26,19 +25,25 @@ the same command continues from there. It checks again only motions that changed
 A file that cannot be read gets a line too, and does not stop the sweep. So do numbered meshes that look like bodies:
 they are 'unclear' until --sequence or --separate says what they are.
 
+Many processes, on one machine or several, share the work with --shard I/N: the I-th of N parts of the motions, each with
+RESULTS of its own. --join makes of these the RESULTS of one sweep. docs/sweep.md shows it with Slurm, Kubernetes and ssh.
+
 Exit code: 0 no collision and no crossing in a first frame, 1 these, or files that could not be read or are unclear,
-2 error.
+2 error. A shard that is finished ends with 0, whatever it found; --join says what that was.
 
 Examples:
   foldproof sweep library -o results.jsonl                        check everything below library/
   foldproof sweep library -o results.jsonl --summary page.html    and write a table of all motions
   foldproof sweep library -o results.jsonl --again                check everything again
   foldproof sweep library cloth -o all.jsonl --model body.model   two folders; the model for motions of its mesh
-  mpirun -n 9 foldproof sweep library -o results.jsonl            eight processes check, one distributes (docs/sweep.md))";
+  foldproof sweep library --shard 1/2 -o shard-1.jsonl            one of two parts
+  foldproof sweep library --shard 2/2 -o shard-2.jsonl            the other one, perhaps on another machine
+  foldproof sweep --join shard-*.jsonl -o results.jsonl           both together)";
 
 struct SweepArguments : StepArguments {
   std::string output, summary, command;
-  double patience = 30;
+  std::vector<std::string> shard;  // one; none if it is not given, unlike ""
+  std::vector<std::string> join;
   bool again = false, quiet = false;
 };
 
@@ -46,8 +51,7 @@ void add_sweep_options(const Subcommand& sweep, SweepArguments& a) {
   a.files
       .reads(sweep.add_option("DIR", a.motions, "Where to look for motions (see below)"),
              FileArguments::Input::Library)
-      .type_name("")
-      .required();
+      .type_name("");
   add_setting_options(sweep, a);
   sweep.option("--model").description(
       "A model from 'foldproof train', used for the motions of its mesh; may be given several times");
@@ -71,12 +75,16 @@ void add_sweep_options(const Subcommand& sweep, SweepArguments& a) {
       .group(group);
   sweep.add_flag("--again", a.again, "Check everything, even motions that have a line").group(group);
   sweep.add_flag("-q,--quiet", a.quiet, "Print nothing but errors").group(group);
-  sweep
-      .add_option(
-          "--patience", a.patience,
-          "With mpirun: a process that has not responded for so long is lost, and others do its work [30]")
-      .type_name("SECONDS")
-      .group("Several machines");
+
+  const char* shards = "Several processes or machines";
+  sweep.add_option("--shard", a.shard, "Check only the I-th of N parts, from 1/N to N/N")
+      .expected(1, 1)
+      .type_name("I/N")
+      .group(shards);
+  const Option join = a.files.reads(sweep.add_option("--join", a.join, "Join the RESULTS of all shards"))
+                          .type_name("FILE...")
+                          .group(shards);
+  sweep.exclude_all_but(join, std::array{"--output", "--summary", "--quiet", "--help"});
 }
 
 Result<SweepSettings> load_settings(const SweepArguments& a) {
@@ -84,31 +92,6 @@ Result<SweepSettings> load_settings(const SweepArguments& a) {
   SweepSettings settings{check, a.motion.read, {}};
   settings.models = FOLDPROOF_TRY(load_models(a.models, {}));
   return settings;
-}
-
-/// Uses all cores, divided among the processes of this sweep on this machine.
-Result<void> share_cores(const SweepArguments& a, const Ranks& ranks, std::optional<ThreadLimit>& limit) {
-  int threads = a.threads;
-  if (threads == 0 && ranks.local_count() > 1) threads = std::max(1, thread_count() / ranks.local_count());
-  return limit_threads(threads, limit);
-}
-
-/// Checks the motions one after the other, each with all threads. False: cancelled.
-Result<bool> check_here(const SweepTask& task) {
-  for (const std::size_t motion : task.todo) {
-    CheckHooks hooks;
-    hooks.cancel = task.cancel;
-    hooks.progress = [&](const CheckTotals& totals, std::uint64_t expected) {
-      const std::pair<std::size_t, double> part{
-          motion, static_cast<double>(totals.steps) / static_cast<double>(expected)};
-      task.progress(std::span(&part, 1));
-    };
-    if (*task.cancel) return false;
-    const auto line = sweep_line(task.motions[motion], task.settings, hooks);
-    if (!line) return false;
-    FOLDPROOF_TRY(task.done(motion, *line));
-  }
-  return true;
 }
 
 /// A progress bar over the remaining motions, weighted by size.
@@ -121,12 +104,12 @@ class SweepBar {
 
   void finish(std::size_t motion) {
     done_ += weight(motion);
-    show({});
+    show(motion, 0);
   }
 
-  void show(std::span<const std::pair<std::size_t, double>> parts) {
-    double sum = done_;
-    for (const auto& [motion, part] : parts) sum += part * weight(motion);
+  /// `part`: how much of the motion is done.
+  void show(std::size_t motion, double part) {
+    const double sum = done_ + part * weight(motion);
     const auto& records = file_.records();
     const auto count = [&](SweepState state) {
       return std::count_if(records.begin(), records.end(), [&](const auto& r) { return r.state == state; });
@@ -150,19 +133,20 @@ class SweepBar {
 };
 
 /// "the first frame starts with 2 crossing pairs; 3 pairs in 1 of 4 steps, the first in frame 2"
-std::string found_in(const SweepRecord& r, const SweepArguments& a) {
+std::string found_in(const SweepRecord& r, bool poses) {
   std::string text;
   if (r.starts_crossing.value_or(0) > 0)
     text = fmt::format("the first frame starts with {}", counted(*r.starts_crossing, "crossing pair"));
   if (r.collisions == 0) return text;
   return (text.empty() ? "" : text + "; ") +
          fmt::format("{} in {} of {}, the first in frame {}", counted(r.collisions, "pair"),
-                     grouped(r.steps_with_collisions), counted(r.steps, a.poses ? "pose" : "step"),
+                     grouped(r.steps_with_collisions), counted(r.steps, poses ? "pose" : "step"),
                      r.first_frame.value_or(0));
 }
 
-/// The first few records with a state, and the number of others.
-std::string list_of(const std::vector<SweepRecord>& records, SweepState state, const SweepArguments& a) {
+/// The first few records with a state, and the number of others, which are in `file`.
+std::string list_of(const std::vector<SweepRecord>& records, SweepState state, bool poses,
+                    const std::string& file) {
   constexpr std::size_t kMaxShown = 10;
   std::string text;
   std::size_t count = 0;
@@ -171,10 +155,10 @@ std::string list_of(const std::vector<SweepRecord>& records, SweepState state, c
     if (state == SweepState::Failed || state == SweepState::Unclear) {
       text += "  " + r.error + '\n';
     } else {
-      text += fmt::format("  {}: {}\n", Error{r.path, "", ""}.where, found_in(r, a));
+      text += fmt::format("  {}: {}\n", Error{r.path, "", ""}.where, found_in(r, poses));
     }
   }
-  if (count > kMaxShown) text += fmt::format("  and {} more, in {}\n", count - kMaxShown, a.output);
+  if (count > kMaxShown) text += fmt::format("  and {} more, in {}\n", count - kMaxShown, file);
   if (count == 0) return "";
   const char* heading = state == SweepState::Failed    ? "\nCould not be read:\n"
                         : state == SweepState::Unclear ? "\nUnclear:\n"
@@ -183,39 +167,44 @@ std::string list_of(const std::vector<SweepRecord>& records, SweepState state, c
 }
 
 /// "2 single mesh files and 1 single .npy file"
-std::string left_out(const SweepInput& input) {
-  std::string meshes = counted(input.single_meshes, "single mesh file");
-  if (input.single_arrays == 0) return meshes;
-  const std::string arrays = counted(input.single_arrays, "single .npy file");
-  return input.single_meshes == 0 ? arrays : meshes + " and " + arrays;
+std::string left_out(std::uint64_t single_meshes, std::uint64_t single_arrays) {
+  std::string meshes = counted(single_meshes, "single mesh file");
+  if (single_arrays == 0) return meshes;
+  const std::string arrays = counted(single_arrays, "single .npy file");
+  return single_meshes == 0 ? arrays : meshes + " and " + arrays;
 }
 
-std::string closing(const SweepArguments& a, const SweepInput& input, const SweepFile& file,
-                    const SweepSettings& settings) {
-  const auto& records = file.records();
+/// How many motions are in which state. `before`: how many of them were checked by an earlier sweep.
+std::string counts_of(const std::vector<SweepRecord>& records, bool steps_only, std::size_t before) {
   const auto count = [&](SweepState state) {
     return grouped(static_cast<std::uint64_t>(
         std::count_if(records.begin(), records.end(), [&](const auto& r) { return r.state == state; })));
   };
   std::string text = fmt::format("motions                 {}", grouped(records.size()));
-  if (const std::size_t before = input.motions.size() - file.remaining().size(); before > 0)
-    text += fmt::format("  ({} of them checked before)", grouped(before));
+  if (before > 0) text += fmt::format("  ({} of them checked before)", grouped(before));
   text += fmt::format("\n  {:<22}{}\n  collide               {}\n  could not be read     {}\n",
-                      a.steps_only ? "no contact in steps" : "clean", count(SweepState::Clean),
+                      steps_only ? "no contact in steps" : "clean", count(SweepState::Clean),
                       count(SweepState::Collides), count(SweepState::Failed));
   if (count(SweepState::Unclear) != "0")
     text += fmt::format("  unclear               {}\n", count(SweepState::Unclear));
   if (count(SweepState::Still) != "0")
     text += fmt::format("  a single pose         {}\n", count(SweepState::Still));
-  if (input.single_meshes + input.single_arrays > 0)
-    text += fmt::format("skipped                 {}\n", left_out(input));
-  if (a.steps_only) text += "first frames            not tested for crossings (--steps-only)\n";
-  if (a.poses) text += "motion between frames   not tested (--static)\n";
-  if (!settings.check.frames.selects_all())
-    text += fmt::format("frames                  only {} of each motion (--frames)\n", a.motion.frames);
+  return text;
+}
+
+/// What was not looked at.
+std::string limits_of(const std::vector<SweepRecord>& records, const SweepScope& scope) {
+  std::string text;
+  if (scope.single_meshes + scope.single_arrays > 0)
+    text += fmt::format("skipped                 {}\n", left_out(scope.single_meshes, scope.single_arrays));
+  if (scope.steps_only) text += "first frames            not tested for crossings (--steps-only)\n";
+  if (scope.poses) text += "motion between frames   not tested (--static)\n";
+  if (!scope.frames.empty())
+    text +=
+        fmt::format("frames                  only {} of each motion (--frames)\n", printable(scope.frames));
   if (const std::string cut = contacts_cut(records); !cut.empty())
     text += fmt::format("contacts                {}\n", cut);
-  for (const auto& pair : settings.check.ignore) {
+  for (const auto& pair : scope.ignore) {
     const auto motions = std::count_if(records.begin(), records.end(), [&](const SweepRecord& r) {
       return std::ranges::find(r.ignored, pair) != r.ignored.end();
     });
@@ -224,82 +213,122 @@ std::string closing(const SweepArguments& a, const SweepInput& input, const Swee
                     printable(pair[0] == pair[1] ? pair[0] + " with itself" : pair[0] + " and " + pair[1]),
                     counted(static_cast<std::uint64_t>(motions), "motion"));
   }
+  return text;
+}
+
+std::string unused_models(const std::vector<SweepRecord>& records, const SweepSettings& settings) {
+  std::string text;
   for (const auto& model : settings.models) {
     const bool used =
         std::any_of(records.begin(), records.end(), [&](const auto& r) { return r.model == model->name; });
     if (!used)
       text += fmt::format("not used                {}: of none of these meshes\n", cell(model->name));
   }
-  for (const SweepState state : {SweepState::Collides, SweepState::Failed, SweepState::Unclear})
-    text += list_of(records, state, a);
   return text;
 }
 
-Result<void> require_sense(const SweepArguments& a) {
-  FOLDPROOF_TRY(a.files.check());
-  if (!(a.patience >= 1))
-    return fail(ErrorCode::InvalidArgument, "--patience",
-                fmt::format("{} s is less than the interval of heartbeats", a.patience), "give 1 or more");
-  return {};
+std::string lists_of(const std::vector<SweepRecord>& records, bool poses, const std::string& file) {
+  std::string text;
+  for (const SweepState state : {SweepState::Collides, SweepState::Failed, SweepState::Unclear})
+    text += list_of(records, state, poses, file);
+  return text;
 }
 
 Result<SweepInput> find_some(const SweepArguments& a) {
   auto input = find_motions(a.motions, a.poses, a.motion.read.mesh_files == MeshFiles::Separate);
   if (input && input->motions.empty()) {
     return fail(ErrorCode::InvalidArgument, a.motions[0],
-                fmt::format("holds no motions, and {}", left_out(*input)),
+                fmt::format("holds no motions, and {}", left_out(input->single_meshes, input->single_arrays)),
                 "'foldproof sweep --help' lists what is found; --static checks single meshes");
   }
   return input;
 }
 
-/// Runs the sweep in rank 0, or in the only process.
-Result<int> lead(const SweepArguments& a, Ranks& ranks) {
-  FOLDPROOF_TRY(require_sense(a));
-  const auto settings = FOLDPROOF_TRY(load_settings(a));
-  const auto input = FOLDPROOF_TRY(find_some(a));
-  const std::atomic<bool>& interrupted = watch_for_interrupt();
-  auto file = FOLDPROOF_TRY(SweepFile::open(a.output, input, settings_hash(settings), a.again));
+SweepScope scope_of(const SweepArguments& a, const SweepInput& input, const CheckSettings& settings) {
+  return {a.command,
+          input.directories,
+          a.poses,
+          a.steps_only,
+          settings.frames.selects_all() ? "" : a.motion.frames,
+          settings.ignore,
+          input.single_meshes,
+          input.single_arrays};
+}
 
-  SweepBar bar(!a.quiet, input, file);
-  const auto done = [&](std::size_t motion, const std::string& line) {
-    auto added = file.add(line);
-    if (added) bar.finish(motion);
-    return added;
-  };
-  const SweepTask task{input.motions, file.remaining(), settings, done, [&](auto parts) { bar.show(parts); },
-                       &interrupted};
-  const auto finished = ranks.alone() ? check_here(task) : ranks.distribute(task);
-  bar.clear();
-  if (!finished) return tl::unexpected(finished.error());
-  const auto& records = file.records();
-  if (!*finished) {
-    print_error({"interrupted",
-                 fmt::format("{} of {} are done", records.size(), counted(input.motions.size(), "motion")),
-                 "the same command continues from there"});
-    return kExitInterrupted;
+/// Checks the remaining motions, one after the other. False: cancelled.
+Result<bool> check_remaining(const SweepInput& input, const SweepSettings& settings, SweepFile& file,
+                             bool quiet) {
+  const std::atomic<bool>& interrupted = watch_for_interrupt();
+  SweepBar bar(!quiet, input, file);
+  for (const std::size_t motion : file.remaining()) {
+    CheckHooks hooks;
+    hooks.cancel = &interrupted;
+    hooks.progress = [&](const CheckTotals& totals, std::uint64_t expected) {
+      bar.show(motion, static_cast<double>(totals.steps) / static_cast<double>(expected));
+    };
+    const auto line = interrupted ? std::nullopt : sweep_line(input.motions[motion], settings, hooks);
+    if (!line) return false;
+    FOLDPROOF_TRY(file.add(*line));
+    bar.finish(motion);
   }
-  if (!a.summary.empty()) {
-    const std::string frames = settings.check.frames.selects_all() ? "" : a.motion.frames;
-    FOLDPROOF_TRY(
-        write_sweep_page(a.summary, records, {a.command, input.directories, a.poses, a.steps_only, frames}));
-  }
-  if (!a.quiet) print_output(closing(a, input, file, settings));
+  return true;
+}
+
+int exit_code_of(const std::vector<SweepRecord>& records) {
   return exit_code(std::all_of(records.begin(), records.end(), [](const SweepRecord& r) {
     return r.state == SweepState::Clean || r.state == SweepState::Still;
   }));
 }
 
-Result<int> sweep(const SweepArguments& a) {
-  auto ranks = FOLDPROOF_TRY(Ranks::join(a.patience));
+Result<int> sweep_all(const SweepArguments& a) {
   std::optional<ThreadLimit> limit;
-  const auto limited = share_cores(a, ranks, limit);
-  if (!ranks.leads()) {
-    return ranks.work([&] { return load_settings(a); }, watch_for_interrupt());
+  FOLDPROOF_TRY(limit_threads(a.threads, limit));
+  const auto settings = FOLDPROOF_TRY(load_settings(a));
+  auto input = FOLDPROOF_TRY(find_some(a));
+  const SweepScope scope = scope_of(a, input, settings.check);
+  const std::string hash = settings_hash(settings);
+  std::optional<ShardHeader> shard;
+  if (!a.shard.empty()) shard = take_shard(input, FOLDPROOF_TRY(parse_shard(a.shard.front())), scope, hash);
+  auto file = FOLDPROOF_TRY(SweepFile::open(a.output, input, hash, a.again, shard ? &*shard : nullptr));
+  const auto& records = file.records();
+  const bool finished = FOLDPROOF_TRY(check_remaining(input, settings, file, a.quiet));
+  if (!finished) {
+    print_error({"interrupted",
+                 fmt::format("{} of {} are done", records.size(), counted(input.motions.size(), "motion")),
+                 "the same command continues from there"});
+    return kExitInterrupted;
   }
-  auto answer = limited ? lead(a, ranks) : tl::unexpected(limited.error());
-  ranks.dismiss();
-  return answer;
+  if (!a.summary.empty()) FOLDPROOF_TRY(write_sweep_page(a.summary, records, scope));
+  if (!a.quiet) {
+    if (shard) print_output(fmt::format("shard                   {}\n", name_of(shard->shard)));
+    print_output(counts_of(records, a.steps_only, input.motions.size() - file.remaining().size()) +
+                 limits_of(records, scope) + unused_models(records, settings) +
+                 lists_of(records, a.poses, a.output));
+  }
+  // A scheduler would repeat what ends with another code.
+  return shard ? kExitClean : exit_code_of(records);
+}
+
+Result<int> join(const SweepArguments& a) {
+  JoinedSweep joined = FOLDPROOF_TRY(join_shards(a.join));
+  auto file = FOLDPROOF_TRY(FileWriter::open(a.output));
+  FOLDPROOF_TRY(file.write(joined.lines));
+  FOLDPROOF_TRY(file.commit());
+  const auto& records = joined.records;
+  joined.scope.command = a.command;
+  if (!a.summary.empty()) FOLDPROOF_TRY(write_sweep_page(a.summary, records, joined.scope));
+  if (!a.quiet)
+    print_output(counts_of(records, joined.scope.steps_only, 0) + limits_of(records, joined.scope) +
+                 lists_of(records, joined.scope.poses, a.output));
+  return exit_code_of(records);
+}
+
+Result<int> sweep(const SweepArguments& a) {
+  FOLDPROOF_TRY(a.files.check());
+  if (!a.join.empty()) return join(a);
+  if (a.motions.empty())
+    return fail(ErrorCode::InvalidArgument, "DIR", "is required", "name a directory, or shards after --join");
+  return sweep_all(a);
 }
 
 }  // namespace

@@ -284,7 +284,7 @@ do_all() {
   all_changed=$(git status --porcelain -- . ':!docs/quality.md')
   [[ -z $all_changed ]] || all_commit+=' and changes'
   # Now, as nobody is there later to type a password.
-  need lib test studio demo python package docs browser mpi fuzz lint bench proofs web arm64 s390x compilers
+  need lib test studio demo python package docs browser fuzz lint bench proofs web arm64 s390x compilers
   trap 'stop_checks; write_quality "stopped before its end"; echo; print_checks; exit 130' INT TERM
   say "everything, whatever fails; docs/quality.md says what came of it, out/checks what was printed"
   local name rows_before=() waiting=("${all_checks[@]}")

@@ -103,7 +103,7 @@ do_guard() {
   for name in "${chosen[@]}"; do
     [[ " ${guard_checks[*]} " == *" $name "* ]] || die "guard has no check '$name'; it has: ${guard_checks[*]}"
   done
-  need lib test python bench mpi fuzz lint
+  need lib test python bench fuzz lint
   trap 'stop_checks; echo; print_checks; exit 130' INT TERM
   say "guarding; what each check prints is in out/checks"
   for name in "${chosen[@]}"; do run_check "$name" "guard_$name"; done

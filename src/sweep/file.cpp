@@ -7,12 +7,12 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <system_error>
 
 #include "base/try.h"
-#include "report/json_values.h"
-#include "sweep/sweep.h"
+#include "sweep/shard.h"
 
 namespace foldproof {
 namespace {
@@ -21,9 +21,6 @@ tl::unexpected<Error> file_error(const std::string& path, const char* what, int 
   return fail(ErrorCode::FileAccess, path, what + (": " + std::generic_category().message(code)),
               "check the directory, its permissions and the free space");
 }
-
-/// A path as it is written in a line: the same, unless it is not valid UTF-8.
-std::string as_written(const std::string& path) { return Json::parse(dump(path)).get<std::string>(); }
 
 bool lies_below(const std::string& path, std::span<const std::string> directories) {
   for (const std::string& directory : directories) {
@@ -39,6 +36,35 @@ bool is_start_of_line(std::string_view text) {
   return text.starts_with(kStart) || kStart.starts_with(text);
 }
 
+/// Removes the first line of a file of results from `text` where it is the header of a shard, and returns it.
+std::optional<ShardHeader> take_header(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  const auto header = read_shard_header(std::string(text.substr(0, end)));
+  if (header) text.remove_prefix(end == text.npos ? text.size() : end + 1);
+  return header;
+}
+
+/// Error: a file that begins with `found` does not hold the shard `wanted`. Null: no shard.
+Result<void> require_same_shard(const std::string& path, const ShardHeader* found,
+                                const ShardHeader* wanted) {
+  const auto refused = [&](const std::string& problem, const std::string& remedy) {
+    return fail(ErrorCode::InvalidArgument, path, problem, remedy);
+  };
+  const char* another = "name another file, a new one for each shard";
+  if (!found && !wanted) return {};
+  if (!found) return refused("does not hold a shard of a sweep", another);
+  const std::string shard = name_of(found->shard);
+  if (!wanted)
+    return refused(
+        fmt::format("holds shard {} of a sweep", shard),
+        fmt::format("continue it with --shard {}, join all shards with --join, or name another file", shard));
+  if (shard != name_of(wanted->shard)) return refused(fmt::format("holds shard {}", shard), another);
+  if (found->scope.directories != wanted->scope.directories)
+    return refused(fmt::format("holds a shard of '{}'", fmt::join(found->scope.directories, "', '")),
+                   "name the same directories, or another file");
+  return {};
+}
+
 /// Decides which lines of an existing file to keep.
 class LineFilter {
  public:
@@ -51,8 +77,9 @@ class LineFilter {
     }
   }
 
-  Result<void> read(const std::string& path, std::string_view text) {
-    for (std::size_t number = 1; !text.empty(); ++number) {
+  /// `number`: of the first line of `text`.
+  Result<void> read(const std::string& path, std::string_view text, std::size_t number) {
+    for (; !text.empty(); ++number) {
       const std::size_t end = text.find('\n');
       const std::string line(text.substr(0, end));
       const bool truncated = end == text.npos;
@@ -172,13 +199,20 @@ const std::vector<std::size_t>& SweepFile::remaining() const { return state_->re
 const std::vector<SweepRecord>& SweepFile::records() const { return state_->records; }
 
 Result<SweepFile> SweepFile::open(const std::string& path, const SweepInput& input,
-                                  const std::string& settings_hash, bool again) {
+                                  const std::string& settings_hash, bool again, const ShardHeader* header) {
   auto state = std::make_unique<State>();
   state->path = path;
   FOLDPROOF_TRY(state->open_and_lock());
-  const auto text = FOLDPROOF_TRY(read_all(path, state->descriptor));
+  const auto all = FOLDPROOF_TRY(read_all(path, state->descriptor));
+  std::string_view text = all;
   LineFilter lines(input, settings_hash, again);
-  FOLDPROOF_TRY(lines.read(path, text));
+  const auto found = take_header(text);
+  if (!all.empty()) FOLDPROOF_TRY(require_same_shard(path, found ? &*found : nullptr, header));
+  if (header) {
+    lines.kept = line_of(*header) + '\n';
+    lines.changed = !all.starts_with(lines.kept);
+  }
+  FOLDPROOF_TRY(lines.read(path, text, found ? 2 : 1));
   if (lines.changed) {
     auto file = FOLDPROOF_TRY(FileWriter::open(path));
     FOLDPROOF_TRY(file.write(lines.kept));

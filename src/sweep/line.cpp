@@ -184,12 +184,6 @@ std::optional<std::string> sweep_line(const SweepMotion& motion, const SweepSett
   return dump(line);
 }
 
-std::string failed_sweep_line(const SweepMotion& motion, const SweepSettings& settings, const Error& error) {
-  Json line = head_of(motion, settings);
-  set_failed(line, error);
-  return dump(line);
-}
-
 std::string contacts_cut(std::span<const SweepRecord> records) {
   static_assert(kMaxListed == 1'000'000);
   const auto cut =

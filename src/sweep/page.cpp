@@ -122,7 +122,7 @@ void add_row(TextFile& file, const SweepRecord& r) {
   file.add("<td data-v=\"{0}\">{0:.2f}</td><td>{1}</td></tr>\n", r.seconds, html(r.model));
 }
 
-void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepPageInfo& info) {
+void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepScope& scope) {
   file.add("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
   file.add("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
   file.add(
@@ -130,7 +130,7 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
       kScriptHash);
   file.add("style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'\">\n");
   std::string where;
-  for (const std::string& directory : info.directories) where += (where.empty() ? "" : ", ") + directory;
+  for (const std::string& directory : scope.directories) where += (where.empty() ? "" : ", ") + directory;
   file.add("<title>{0} - Foldproof sweep</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n",
            html(where), kStyle);
   std::array<std::size_t, 5> counts{};
@@ -144,31 +144,31 @@ void add_head(TextFile& file, std::span<const SweepRecord> records, const SweepP
   file.add("<span{}>{} failed</span>, ", counts[1] > 0 ? " class=\"failed\"" : "", counts[1]);
   if (counts[2] > 0) file.add("<span class=\"unclear\">{} unclear</span>, ", counts[2]);
   file.add("{} {}, {} of a single pose.</p>\n", counts[3],
-           info.steps_only ? "in whose steps no contact begins" : "clean", counts[4]);
-  if (info.steps_only)
+           scope.steps_only ? "in whose steps no contact begins" : "clean", counts[4]);
+  if (scope.steps_only)
     file.add("<p>Only the steps were checked: crossings from the first frame on were not tested.</p>\n");
-  if (info.poses) file.add("<p>Only the frames were checked: motion between them was not tested.</p>\n");
-  if (!info.frames.empty())
-    file.add("<p>Only the frames {} of each motion were checked.</p>\n", html(info.frames));
+  if (scope.poses) file.add("<p>Only the frames were checked: motion between them was not tested.</p>\n");
+  if (!scope.frames.empty())
+    file.add("<p>Only the frames {} of each motion were checked.</p>\n", html(scope.frames));
   if (const std::string cut = contacts_cut(records); !cut.empty()) file.add("<p>Contacts {}.</p>\n", cut);
   file.add("<details><summary>How this was made</summary><p>Foldproof {}, {} of checking.</p>", version(),
            duration(1000 * seconds));
-  file.add("<p><code>{}</code></p></details>\n", html(info.command));
+  file.add("<p><code>{}</code></p></details>\n", html(scope.command));
 }
 
 }  // namespace
 
 Result<void> write_sweep_page(const std::string& path, std::span<const SweepRecord> records,
-                              const SweepPageInfo& info) {
+                              const SweepScope& scope) {
   auto opened = FOLDPROOF_TRY(FileWriter::open(path));
   TextFile file(std::move(opened));
-  add_head(file, records, info);
+  add_head(file, records, scope);
   file.add(
       "<table>\n<thead><tr><th>motion</th><th>state</th><th>contacts</th><th>deepest</th><th>{1}</"
       "th><th>{2}</th><th>colliding {0}</th>",
-      info.poses ? "poses" : "steps", "crossing pairs of the first frame", "colliding pairs");
+      scope.poses ? "poses" : "steps", "crossing pairs of the first frame", "colliding pairs");
   file.add("<th>{}</th><th>first frame</th><th>worst frame</th><th>vertices</th>",
-           info.poses ? "poses" : "steps");
+           scope.poses ? "poses" : "steps");
   file.add("<th>triangles</th><th>frames</th><th>seconds</th><th>model</th></tr></thead>\n<tbody>\n");
   std::vector<const SweepRecord*> sorted;
   for (const SweepRecord& record : records) sorted.push_back(&record);

@@ -1,8 +1,6 @@
 /// Sweeps: check a whole library of motions, with one line of JSON for each (docs/sweep.md).
 #pragma once
 
-#include <deque>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +17,7 @@ class Hash {
   void add(std::string_view bytes) {
     for (const char c : bytes) value_ = (value_ ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
   }
+  std::uint64_t value() const { return value_; }
   /// 16 hexadecimal digits.
   std::string text() const;
 
@@ -102,8 +101,18 @@ Result<SweepRecord> read_sweep_line(const std::string& line);
 std::optional<std::string> sweep_line(const SweepMotion& motion, const SweepSettings& settings,
                                       const CheckHooks& hooks = {});
 
-/// The line of a motion that could not be checked.
-std::string failed_sweep_line(const SweepMotion& motion, const SweepSettings& settings, const Error& error);
+/// What a sweep looked at, and how: what its summaries say besides its records.
+struct SweepScope {
+  std::string command;  ///< The command line.
+  std::vector<std::string> directories;
+  bool poses = false;
+  bool steps_only = false;
+  std::string frames = {};  ///< The frames that were selected, as text; empty: all.
+  std::vector<std::array<std::string, 2>> ignore = {};  ///< CheckSettings::ignore.
+  std::uint64_t single_meshes = 0, single_arrays = 0;   ///< As in SweepInput.
+};
+
+struct ShardHeader;  // sweep/shard.h
 
 /// The file of results: one line per motion, written as they come. Whenever the program ends, the file has
 /// complete lines, and possibly the start of one more, which the next `open` removes.
@@ -111,10 +120,12 @@ class SweepFile {
  public:
   /// Opens or creates the file. Of `input`'s motions it keeps lines with the same bytes, time and settings
   /// and removes the others. It also removes lines of motions that no longer exist below the input's
-  /// directories; lines of other motions stay. `again`: keeps no line of the input's motions. Error: the file
-  /// cannot be written, has other content, or another sweep is writing to it.
+  /// directories; lines of other motions stay. `again`: keeps no line of the input's motions. `header`: that
+  /// of the file, which holds a shard; null: it holds none. Error: the file cannot be written, has other
+  /// content, such as another shard, or another sweep is writing to it.
   static Result<SweepFile> open(const std::string& path, const SweepInput& input,
-                                const std::string& settings_hash, bool again);
+                                const std::string& settings_hash, bool again,
+                                const ShardHeader* header = nullptr);
   SweepFile(SweepFile&&) noexcept;
   SweepFile& operator=(SweepFile&&) noexcept;
   ~SweepFile();
@@ -132,39 +143,9 @@ class SweepFile {
   std::unique_ptr<State> state_;
 };
 
-/// Distributes motions to workers, the largest first.
-class SweepQueue {
- public:
-  /// `todo`: indices of `motions`.
-  SweepQueue(std::span<const SweepMotion> motions, std::vector<std::size_t> todo);
-
-  /// Assigns the next motion to a worker; none when the queue is empty.
-  std::optional<std::size_t> assign(int worker);
-  /// Call it when a worker has answered. False if another worker has answered for this motion before.
-  bool finish(int worker, std::size_t motion);
-  /// Call it when a worker is lost. Its motion returns to the queue. If the motion has lost a second worker,
-  /// it counts as finished, and is returned.
-  std::optional<std::size_t> worker_lost(int worker);
-  bool finished() const { return unfinished_.empty(); }
-
- private:
-  std::deque<std::size_t> queue_;
-  std::map<std::size_t, int> unfinished_;  ///< Motions, and how many workers each has lost.
-  std::map<int, std::size_t> assigned_;    ///< By worker.
-};
-
-/// Input of the summary page besides the records.
-struct SweepPageInfo {
-  std::string command;  ///< The command line.
-  std::vector<std::string> directories;
-  bool poses = false;
-  bool steps_only = false;
-  std::string frames = {};  ///< The frames that were selected, as text; empty: all.
-};
-
 /// Writes a self-contained HTML file: a table of all records, those that collide or failed first, sortable by
 /// column. Names are escaped. Error: it cannot be written.
 Result<void> write_sweep_page(const std::string& path, std::span<const SweepRecord> records,
-                              const SweepPageInfo& info);
+                              const SweepScope& scope);
 
 }  // namespace foldproof

@@ -1,13 +1,15 @@
-// foldproof sweep, on the command line, alone and below mpirun.
+// foldproof sweep, on the command line, whole and in shards.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "apps/program.h"
+#include "sweep/without_times.h"
 
 namespace foldproof {
 namespace {
@@ -230,107 +232,122 @@ TEST(Sweep, MayBeStoppedAtAnyTime) {
   EXPECT_TRUE(std::filesystem::exists(library / "page.html"));
 }
 
-#ifdef FOLDPROOF_MPIRUN
-
-/// Arguments of mpirun, also for machines with fewer cores than ranks.
-std::vector<std::string> by_ranks(const char* count, std::vector<std::string> sweep,
-                                  std::vector<std::string> options = {}) {
-  std::vector<std::string> all = {"--allow-run-as-root", "--oversubscribe", "-n", count};
-  all.insert(all.end(), options.begin(), options.end());
-  all.push_back(FOLDPROOF_PROGRAM);
-  all.insert(all.end(), sweep.begin(), sweep.end());
-  return all;
+TEST(SweepShards, TogetherAreOneSweep) {
+  const Library library;
+  const Outcome plain = library.sweep({"--frames", "0:3"});
+  const auto run = [&](std::vector<std::string> arguments) {
+    return run_program(std::move(arguments), {.directory = library.path()});
+  };
+  const std::string names[] = {"s1.jsonl", "s2.jsonl", "s3.jsonl"};
+  std::size_t motions = 0;
+  for (int shard = 1; shard <= 3; ++shard) {
+    expect_one_line_error(run({"sweep", "--join", "s1.jsonl", "s2.jsonl", "s3.jsonl", "-o", "joined.jsonl"}),
+                          fmt::format("s{}.jsonl: ", shard));
+    const std::string& file = names[shard - 1];
+    const Outcome found =
+        run({"sweep", "lib", "--shard", fmt::format("{}/3", shard), "-o", file, "--frames", "0:3"});
+    EXPECT_EQ(found.code, 0) << "it is finished, whatever it found";
+    EXPECT_THAT(found.out, HasSubstr(fmt::format("shard                   {}/3\nmotions  ", shard)));
+    const std::string lines = read_file(library / file);
+    motions += static_cast<std::size_t>(std::count(lines.begin(), lines.end(), '\n')) - 1;
+  }
+  EXPECT_EQ(motions, 4u);
+  EXPECT_FALSE(std::filesystem::exists(library / "joined.jsonl"));
+  const Outcome joined =
+      run({"sweep", "-o", "joined.jsonl", "--summary", "page.html", "--join", names[2], names[0], names[1]});
+  EXPECT_EQ(joined.code, 1);
+  EXPECT_EQ(joined.out, plain.out);
+  EXPECT_EQ(without_times(read_file(library / "joined.jsonl")),
+            without_times(read_file(library / "r.jsonl")));
+  EXPECT_THAT(
+      read_file(library / "page.html"),
+      AllOf(HasSubstr("<h1>lib</h1>"), HasSubstr("<p>Only the frames 0:3 of each motion were checked.</p>"),
+            HasSubstr("sweep -o joined.jsonl --summary page.html --join s3.jsonl s1.jsonl s2.jsonl")));
 }
 
-/// Kills the process that mpirun started as `rank` in `directory`.
-void kill_rank(const std::string& directory, int rank) {
-  const std::string variable = '\0' + fmt::format("OMPI_COMM_WORLD_RANK={}", rank) + '\0';
+TEST(SweepShards, SayWhatIsWrongInOneLine) {
+  const Library library;
+  const auto run = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "sweep");
+    return run_program(std::move(arguments), {.directory = library.path()});
+  };
+  const std::string count_from_1 =
+      "'0/4' is no shard; give I/N with I from 1 to N, and N up to 1000000; add 1 to";
+  expect_one_line_error(run({"lib", "--shard", "0/4", "-o", "s.jsonl"}), count_from_1);
+  expect_one_line_error(run({"lib", "--shard", "", "-o", "s.jsonl"}), "'' is no shard");
+  expect_one_line_error(run({"-o", "s.jsonl"}), "DIR: is required; name a directory, or shards after --join");
+  EXPECT_FALSE(std::filesystem::exists(library / "s.jsonl"));
+  ASSERT_EQ(run({"lib", "--shard", "1/1", "-o", "s.jsonl"}).code, 0);
+  expect_one_line_error(run({"--join", "s.jsonl", "-o", "s.jsonl"}),
+                        "would write over 's.jsonl', which is read");
+  for (const auto& option : {std::vector<std::string>{"--shard", "1/1"},
+                             {"--steps-only"},
+                             {"--static"},
+                             {"--again"},
+                             {"--threads", "1"}}) {
+    std::vector<std::string> arguments = option;
+    arguments.insert(arguments.end(), {"-o", "j.jsonl", "--join", "s.jsonl"});
+    expect_one_line_error(run(arguments), option[0] + " excludes --join");
+  }
+  expect_one_line_error(run({"lib", "-o", "j.jsonl", "--join", "s.jsonl"}), "DIR excludes --join");
+  EXPECT_FALSE(std::filesystem::exists(library / "j.jsonl"));
+  EXPECT_EQ(run({"-q", "-o", "j.jsonl", "--join", "s.jsonl"}).out, "");
+  EXPECT_THAT(states(library / "j.jsonl"), kAll);
+}
+
+/// Kills every foldproof that runs in `directory`; returns how many.
+int kill_sweeps(const std::string& directory) {
+  int killed = 0;
+  const auto program = std::filesystem::canonical(FOLDPROOF_PROGRAM);
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
     std::error_code status;
-    const auto where = std::filesystem::read_symlink(entry.path() / "cwd", status);
-    if (status || where != std::filesystem::canonical(directory)) continue;
-    if (text_of(entry.path() / "environ").find(variable) == std::string::npos) continue;
-    ::kill(std::stoi(entry.path().filename()), SIGKILL);
-    return;
+    if (std::filesystem::read_symlink(entry.path() / "exe", status) != program || status) continue;
+    if (std::filesystem::read_symlink(entry.path() / "cwd", status) != directory || status) continue;
+    killed += ::kill(std::stoi(entry.path().filename()), SIGKILL) == 0;
   }
-  ADD_FAILURE() << "no rank " << rank;
+  return killed;
 }
 
-TEST(SweepByMpi, AnswersAsOneProcessDoes) {
-  const Library library;
-  ASSERT_EQ(library.sweep({}).code, 1);
-  const Outcome found =
-      run_program(by_ranks("4", {"sweep", "lib", "-o", "mpi.jsonl", "--summary", "page.html"}),
-                  {.directory = library.path(), .program = FOLDPROOF_MPIRUN});
-  EXPECT_EQ(found.code, 1) << found.err;
-  EXPECT_THAT(found.out, HasSubstr("motions                 4\n"));
-  EXPECT_THAT(states(library / "mpi.jsonl"), kAll);
-  EXPECT_EQ(states(library / "r.jsonl"), states(library / "mpi.jsonl"));
-  EXPECT_TRUE(std::filesystem::exists(library / "page.html"));
-}
-
-TEST(SweepByMpi, SaysOnceWhatIsWrong) {
-  const Library library;
-  const Outcome found = run_program(by_ranks("2", {"sweep", "nowhere", "-o", "r.jsonl"}),
-                                    {.directory = library.path(), .program = FOLDPROOF_MPIRUN});
-  EXPECT_EQ(found.code, 2);
-  const std::string said = "foldproof: nowhere: does not exist; check the name\n";
-  EXPECT_THAT(found.err, HasSubstr(said));
-  EXPECT_EQ(found.err.find("foldproof: ", found.err.find(said) + said.size()), std::string::npos)
-      << found.err;
-}
-
-TEST(SweepByMpi, DoesTheWorkOfARankThatIsKilled) {
-  const LongLibrary library(8, 30000);
-  const Outcome found =
-      run_program(by_ranks("4", library.command({"--patience", "2"}), {"--enable-recovery"}),
-                  {.directory = library.path(), .program = FOLDPROOF_MPIRUN, .while_it_runs = [&](pid_t) {
-                     library.wait_for_lines(1);
-                     kill_rank(library.path(), 2);
-                   }});
-  EXPECT_THAT(found.err, HasSubstr("rank 2: has not responded for 2 s; the other ranks do its work"));
-  EXPECT_THAT(found.out, HasSubstr("\n  collide               8\n")) << found.err;
-  EXPECT_EQ(library.lines(), 8u);
-}
-
-TEST(SweepByMpi, LeavesWholeLinesWhenMpirunEndsAllAfterOne) {
-  const LongLibrary library(8, 30000);
-  run_program(by_ranks("4", library.command()),
-              {.directory = library.path(), .program = FOLDPROOF_MPIRUN, .while_it_runs = [&](pid_t) {
-                 library.wait_for_lines(1);
-                 kill_rank(library.path(), 2);
-               }});
-  const std::size_t before = library.lines();
-  EXPECT_GE(before, 1u);
-  EXPECT_LT(before, 8u);
-  const Outcome rest = run_program(by_ranks("4", library.command()),
-                                   {.directory = library.path(), .program = FOLDPROOF_MPIRUN});
-  EXPECT_THAT(rest.out,
-              HasSubstr(fmt::format("motions                 8  ({} of them checked before)\n", before)));
-  EXPECT_EQ(library.lines(), 8u);
-}
-
-#else
-
-TEST(Sweep, SaysThatItWasBuiltWithoutMpi) {
-  const Library library;
-  for (const char* rank : {"0", "3"}) {
-    for (const std::string launcher : {"OMPI_COMM_WORLD_", "PMI_"}) {
-      ::setenv((launcher + "SIZE").c_str(), "4", 1);
-      ::setenv((launcher + "RANK").c_str(), rank, 1);
-      expect_one_line_error(library.sweep({}), "started 4 processes, but this program was built without MPI");
-      ::unsetenv((launcher + "SIZE").c_str());
-      ::unsetenv((launcher + "RANK").c_str());
+/// docs/sweep.md shows this, on several machines.
+TEST(SweepShards, RunByGnuParallelMayBeKilled) {
+  const char* parallel = "/usr/bin/parallel";
+  if (std::system("/usr/bin/parallel --version 2>/dev/null | grep -q GNU") != 0)
+    GTEST_SKIP() << "GNU Parallel is not installed.";
+  const LongLibrary library(8, 20000);
+  const auto run = [&](std::vector<std::string> arguments, RunOptions options = {}) {
+    options.directory = library.path();
+    return run_program(std::move(arguments), options);
+  };
+  const auto run_shards = [&](const std::function<void()>& meanwhile) {
+    return run(
+        {"--will-cite", "-j2", "--joblog", "jobs", "--resume-failed", FOLDPROOF_PROGRAM, "sweep", "lib",
+         "--shard", "{}/3", "-o", "shard-{}.jsonl", "--threads", "1", "--quiet", ":::", "1", "2", "3"},
+        {.program = parallel, .while_it_runs = [&](pid_t) { meanwhile(); }});
+  };
+  const std::vector<std::string> join = {"sweep",         "--join", "shard-1.jsonl", "shard-2.jsonl",
+                                         "shard-3.jsonl", "-o",     "joined.jsonl"};
+  const Outcome killed = run_shards([&] {
+    const auto start = std::chrono::steady_clock::now();
+    const auto has_line = [&](int shard) {
+      const std::string text = text_of(library / fmt::format("shard-{}.jsonl", shard));
+      return std::count(text.begin(), text.end(), '\n') > 1;
+    };
+    while (!(has_line(1) || has_line(2) || has_line(3)) || kill_sweeps(library.path()) == 0) {
+      ASSERT_LT(std::chrono::steady_clock::now() - start, 60s);
+      std::this_thread::sleep_for(1ms);
     }
-  }
-  EXPECT_FALSE(std::filesystem::exists(library / "r.jsonl"));
-  ::setenv("OMPI_COMM_WORLD_SIZE", "1", 1);
-  EXPECT_EQ(library.sweep({}).code, 1);  // what it finds
-  ::unsetenv("OMPI_COMM_WORLD_SIZE");
-  EXPECT_THAT(states(library / "r.jsonl"), kAll);
-}
+  });
+  EXPECT_NE(killed.code, 0);
+  expect_one_line_error(run(join), "shard-");
+  EXPECT_FALSE(std::filesystem::exists(library / "joined.jsonl"));
 
-#endif
+  const Outcome finished = run_shards([] {});
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  EXPECT_EQ(run(join).code, 1);
+  EXPECT_EQ(run({"sweep", "lib", "-o", "plain.jsonl"}).code, 1);
+  EXPECT_EQ(without_times(read_file(library / "joined.jsonl")),
+            without_times(read_file(library / "plain.jsonl")));
+}
 
 }  // namespace
 }  // namespace foldproof

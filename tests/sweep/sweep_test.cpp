@@ -1,4 +1,4 @@
-// Lines of results, the file that holds them, the queue and the page.
+// Lines of results, the file that holds them and the page.
 #include <gmock/gmock.h>
 #include <sys/file.h>
 #include <sys/syscall.h>
@@ -7,9 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "io/npy.h"
-#include "report/needle.h"
 #include "report/spheres.h"
-#include "sweep/sweep.h"
+#include "sweep/library.h"
 
 namespace {
 /// What another sweep does between opening and locking the file.
@@ -33,56 +32,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::StartsWith;
-
-/// Motions as NPZ files and the sweep of them.
-struct Library : TemporaryDirectory {
-  void add(const std::string& name, const std::vector<double>& heights) const {
-    const auto written = write_npz(*this / ("in/" + name), *needle(heights));
-    ASSERT_TRUE(written) << written.error().line();
-  }
-  Library() { std::filesystem::create_directory(*this / "in"); }
-
-  SweepInput input() const {
-    const std::string directories[] = {*this / "in"};
-    return find_motions(directories).value();
-  }
-  std::string results() const { return *this / "results.jsonl"; }
-
-  Result<SweepFile> open(const SweepInput& found, bool again = false) const {
-    return SweepFile::open(results(), found, settings_hash(settings), again);
-  }
-
-  /// Checks the remaining motions; returns their indices.
-  std::vector<std::size_t> sweep(bool again = false) const {
-    const SweepInput found = input();
-    auto file = open(found, again);
-    EXPECT_TRUE(file) << file.error().line();
-    if (!file) return {};
-    const std::vector<std::size_t> remaining = file->remaining();
-    for (const std::size_t motion : remaining) {
-      const auto line = sweep_line(found.motions[motion], settings);
-      EXPECT_TRUE(line && file->add(*line));
-    }
-    EXPECT_EQ(file->records().size(), found.motions.size());
-    return remaining;
-  }
-
-  SweepSettings settings;
-};
-
-struct ThreeNeedles : Library {
-  ThreeNeedles() {
-    add("a.npz", kSinking);
-    add("b.npz", {3, 2, 1});
-    add("c.npz", {1});
-  }
-};
-
-SweepRecord record_of(const std::string& line) {
-  const auto record = read_sweep_line(line);
-  EXPECT_TRUE(record) << line;
-  return record.value_or(SweepRecord{});
-}
 
 TEST(SweepLine, SaysWhatWasFound) {
   const ThreeNeedles library;
@@ -289,8 +238,10 @@ TEST(SweepFile, ChecksAgainWhatFailed) {
   {
     auto file = library.open(found);
     ASSERT_TRUE(file);
-    const Error error{"memory", "there is not enough", "check fewer"};
-    ASSERT_TRUE(file->add(failed_sweep_line(found.motions[1], library.settings, error)));
+    auto line = nlohmann::json::parse(*sweep_line(found.motions[1], library.settings));
+    line["state"] = "failed";
+    line["error"] = "memory: there is not enough; check fewer";
+    ASSERT_TRUE(file->add(line.dump()));
   }
   EXPECT_THAT(library.sweep(), ElementsAre(0, 1, 2));
   EXPECT_THAT(read_file(library.results()), Not(HasSubstr("not enough")));
@@ -392,41 +343,6 @@ TEST(SweepFile, ChecksNamesThatAreNoTextEveryTime) {
   EXPECT_EQ(library.sweep().size(), 2u);
   const std::string text = read_file(library.results());
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
-}
-
-TEST(SweepQueue, HandsOutTheLargestFirst) {
-  const std::vector<SweepMotion> motions = {
-      {"a", {}, 5, 0}, {"b", {}, 9, 0}, {"c", {}, 7, 0}, {"d", {}, 8, 0}};
-  SweepQueue queue(motions, {0, 1, 2});
-  EXPECT_EQ(queue.assign(1), 1u);
-  EXPECT_EQ(queue.assign(2), 2u);
-  EXPECT_EQ(queue.assign(1), 0u);
-  EXPECT_EQ(queue.assign(1), std::nullopt);
-}
-
-TEST(SweepQueue, GivesALostWorkersMotionToAnotherOnce) {
-  const std::vector<SweepMotion> motions = {{"a", {}, 5, 0}, {"b", {}, 9, 0}};
-  SweepQueue queue(motions, {0, 1});
-  EXPECT_EQ(queue.assign(1), 1u);
-  EXPECT_EQ(queue.worker_lost(1), std::nullopt);
-  EXPECT_EQ(queue.worker_lost(1), std::nullopt) << "it had one motion only";
-  EXPECT_EQ(queue.assign(2), 1u);
-  EXPECT_EQ(queue.worker_lost(2), 1u) << "two workers were lost over it";
-  EXPECT_EQ(queue.assign(3), 0u);
-  EXPECT_FALSE(queue.finished());
-  EXPECT_TRUE(queue.finish(3, 0));
-  EXPECT_TRUE(queue.finished());
-}
-
-TEST(SweepQueue, TakesOneAnswerWhenALostWorkerComesBack) {
-  const std::vector<SweepMotion> motions = {{"a", {}, 5, 0}};
-  SweepQueue queue(motions, {0});
-  queue.assign(1);
-  queue.worker_lost(1);
-  EXPECT_TRUE(queue.finish(1, 0));
-  EXPECT_EQ(queue.assign(2), std::nullopt);
-  EXPECT_FALSE(queue.finish(2, 0));
-  EXPECT_TRUE(queue.finished());
 }
 
 TEST(SweepPage, ShowsNamesAsText) {
