@@ -1,6 +1,5 @@
 #include "demo_motions.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -46,7 +45,7 @@ std::vector<double> pose_of_legs(const Stride& stride) {
   for (Index j = 1; j < kAlong; ++j) {
     const double s = 2.0 * j / kAlong - 1, d = 1e-4;
     const Vec3 along = (middle(s + d, stride) - middle(s - d, stride)).normalized();
-    const Vec3 a = Vec3::UnitY().cross(along).normalized(), b = along.cross(a);
+    const Vec3 a = Vec3(0, 1, 0).cross(along).normalized(), b = along.cross(a);
     for (Index i = 0; i < kAround; ++i) {
       const double turn = 2 * pi * i / kAround;
       add_vertex(middle(s, stride) + tube_radius(s) * (std::cos(turn) * a + std::sin(turn) * b), x);

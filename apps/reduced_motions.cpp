@@ -105,7 +105,7 @@ Result<Frames> from_npz(const std::string& path, Index modes) {
       if (numbers == 9) {
         frames.rotation.emplace_back(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(from));
       } else {
-        frames.translation.emplace_back(Eigen::Map<const Vec3>(from));
+        frames.translation.emplace_back(Vec3::load(from));
       }
     }
   }

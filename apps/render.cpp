@@ -266,8 +266,7 @@ Result<void> color_error(const RenderArguments& a, const Objects& motions, Index
   std::vector<double> errors;
   double sum = 0, worst = 0;
   for (std::size_t k = 0; k < expected.objects[0].size(); k += 3) {
-    using Position = Eigen::Map<const Vec3>;
-    errors.push_back((Position(&expected.objects[0][k]) - Position(&out.poses.objects[0][k])).norm());
+    errors.push_back((Vec3::load(&expected.objects[0][k]) - Vec3::load(&out.poses.objects[0][k])).norm());
     sum += errors.back();
     worst = std::max(worst, errors.back());
   }

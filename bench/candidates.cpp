@@ -33,7 +33,7 @@ struct Row {
 
 double mean_edge(std::span<const Edge> edges, std::span<const double> x) {
   double sum = 0;
-  const auto at = [&](Index v) { return Eigen::Map<const Vec3>(&x[3 * std::size_t{v}]); };
+  const auto at = [&](Index v) { return Vec3::load(&x[3 * std::size_t{v}]); };
   for (const Edge& e : edges) sum += (at(e[0]) - at(e[1])).norm();
   return sum / static_cast<double>(edges.size());
 }

@@ -1,4 +1,5 @@
 #include "generated.h"
+#include "foldproof/eigen.h"
 
 #include <algorithm>
 #include <cmath>
@@ -191,13 +192,13 @@ std::unique_ptr<Motion> ball_heap() {
     const Index x = place % kAcross, y = place / kAcross % kAcross, z = place / kAcross / kAcross;
     const Vec3 center = kApart * Vec3(x, y, z);
     const Eigen::Matrix3d turn =
-        Eigen::AngleAxisd(0.7 * place, Vec3(1, 0.3 * place, 2).normalized()).toRotationMatrix();
+        Eigen::AngleAxisd(0.7 * place, Eigen::Vector3d(1, 0.3 * place, 2).normalized()).toRotationMatrix();
     const auto first = static_cast<Index>(rest.points.size());
-    for (const Vec3& p : ball.points) rest.points.push_back(center + turn * p);
+    for (const Vec3& p : ball.points) rest.points.push_back(center + to_vec3(turn * to_eigen(p)));
     for (const auto& [a, b, c] : ball.triangles) rest.triangles.push_back({a + first, b + first, c + first});
   }
   return animate("ball-heap", rest, 25, [=](const Vec3& p, double t) {
-    const Vec3 center = (p / kApart).array().round().matrix();
+    const Vec3 center = to_vec3(to_eigen(p / kApart).array().round().matrix());
     // Pressed from above the balls grow wide; ever more of them overlap, by little.
     const Vec3 radii(1 + 0.1 * t, 1 + 0.1 * t, 1 - 0.2 * t);
     const double spacing = 2 - 0.02 * t;

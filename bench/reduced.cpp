@@ -38,9 +38,9 @@ Eigen::VectorXd tube(Index around, Index along, const Form& form) {
       const double turn = bent * std::tanh(s / 2) / 2;
       const double up = r * std::cos(phi) * std::cos(turn) + (std::cosh(0.2 * s) - 1) * bent;
       const double side = r * std::sin(phi);
-      x.segment<3>(3 * (Eigen::Index{j} * around + i)) =
-          Vec3(s - r * std::cos(phi) * std::sin(turn), up * std::cos(angle) - side * std::sin(angle),
-               up * std::sin(angle) + side * std::cos(angle));
+      x.segment<3>(3 * (Eigen::Index{j} * around + i)) = Eigen::Vector3d(
+          s - r * std::cos(phi) * std::sin(turn), up * std::cos(angle) - side * std::sin(angle),
+          up * std::sin(angle) + side * std::cos(angle));
     }
   }
   return x;

@@ -31,10 +31,11 @@ write_basic_package_version_file(foldproof-config-version.cmake COMPATIBILITY Sa
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/foldproof-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/foldproof-config-version.cmake
   DESTINATION ${CONFIG_DIR} COMPONENT development)
 
-# pkg_config_file(NAME DESCRIPTION REQUIRED LINKED): `LINKED`, what a static library hands on.
+# pkg_config_file(NAME DESCRIPTION REQUIRED LINKED [FLAGS]): `LINKED`, what a static library hands on.
 file(RELATIVE_PATH UP /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 function(pkg_config_file NAME DESCRIPTION REQUIRED LINKED)
   set(THREAD_FLAG)
+  set(FLAGS "${ARGN}")
   if(BUILD_SHARED_LIBS)
     set(REQUIRES "Requires: ${REQUIRED}\nRequires.private: ${LINKED}")
   else()
@@ -50,9 +51,10 @@ set(LINKED "fmt libhwy")
 if(FOLDPROOF_THREADS STREQUAL "tbb")
   string(APPEND LINKED " tbb")
 endif()
-pkg_config_file(foldproof "${PROJECT_DESCRIPTION}" "eigen3" "${LINKED}")
+pkg_config_file(foldproof "${PROJECT_DESCRIPTION}" "" "${LINKED}")
 pkg_config_file(foldproof_io "Files of meshes and motions, for Foldproof" "foldproof = ${PROJECT_VERSION}" "libzip pugixml zlib")
-pkg_config_file(foldproof_model "Models learned from example poses, for Foldproof" "foldproof_io = ${PROJECT_VERSION}" "")
+pkg_config_file(foldproof_model "Models learned from example poses, for Foldproof" "foldproof_io = ${PROJECT_VERSION} eigen3" ""
+  " -DEIGEN_MAX_ALIGN_BYTES=64")
 
 set(CPACK_PACKAGE_NAME foldproof)
 set(CPACK_PACKAGE_CONTACT "Foldproof maintainers <maintainers@foldproof.invalid>")

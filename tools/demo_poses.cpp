@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "foldproof/eigen.h"
 #include "foldproof/io.h"
 
 namespace foldproof {
@@ -172,8 +173,8 @@ Result<std::unique_ptr<Motion>> armadillo(const std::string& path) {
   for (Index k = 0; k < kArmadilloFrames; ++k) {
     const double part = ease(k / (kArmadilloFrames - 1.0));
     for (const Handle& handle : handles) {
-      const Eigen::AngleAxisd turn(part * handle.limb->angle, handle.limb->axis.normalized());
-      const Vec3 p = handle.limb->pivot + turn * (handle.rest - handle.limb->pivot);
+      const Eigen::AngleAxisd turn(part * handle.limb->angle, to_eigen(handle.limb->axis.normalized()));
+      const Vec3 p = handle.limb->pivot + to_vec3(turn * to_eigen(handle.rest - handle.limb->pivot));
       deformation.set_target_position(handle.vertex, Point(p.x(), p.y(), p.z()));
     }
     deformation.deform(kIterations, 0);

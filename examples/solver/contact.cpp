@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "foldproof/eigen.h"
+
 namespace example {
 
 using foldproof::Index;
@@ -43,8 +45,9 @@ std::array<double, 4> vertex_face_weights(const std::array<Vec3, 4>& x) {
     best.consider(weights, x);
   }
   Eigen::Matrix<double, 3, 2> sides;
-  sides << x[2] - x[1], x[3] - x[1];
-  const Eigen::Vector2d st = (sides.transpose() * sides).ldlt().solve(sides.transpose() * (x[0] - x[1]));
+  sides << to_eigen(x[2] - x[1]), to_eigen(x[3] - x[1]);
+  const Eigen::Vector2d st =
+      (sides.transpose() * sides).ldlt().solve(sides.transpose() * to_eigen(x[0] - x[1]));
   if (st.minCoeff() >= 0 && st.sum() <= 1) best.consider({1, st.sum() - 1, -st[0], -st[1]}, x);
   return best.weights;
 }
@@ -74,7 +77,7 @@ void find_contacts(const foldproof::CollisionMesh& mesh, const foldproof::Candid
   out.clear();
   const auto look = [&](const std::array<Index, 4>& vertices, auto weights_of) {
     std::array<Vec3, 4> points;
-    for (int k = 0; k < 4; ++k) points[k] = Eigen::Map<const Vec3>(&x[3 * std::size_t{vertices[k]}]);
+    for (int k = 0; k < 4; ++k) points[k] = Vec3::load(&x[3 * std::size_t{vertices[k]}]);
     Contact contact{vertices, weights_of(points), Vec3::Zero(), 0};
     for (int k = 0; k < 4; ++k) contact.normal += contact.weights[k] * points[k];
     contact.distance = contact.normal.norm();

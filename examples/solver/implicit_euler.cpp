@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "foldproof/eigen.h"
+
 namespace example {
 namespace {
 
@@ -13,7 +15,12 @@ constexpr double kResidual = 1e-3;           // of linear systems, relative: New
 constexpr double kKept = 0.85;               // of its velocity by a vertex in contact: friction, roughly
 constexpr double kStill = 2e-3 * kTimeStep;  // m: a Newton step below it ends the search
 
-Vec3 at(std::span<const double> x, Index v) { return Eigen::Map<const Vec3>(&x[3 * std::size_t{v}]); }
+Vec3 at(std::span<const double> x, Index v) { return Vec3::load(&x[3 * std::size_t{v}]); }
+
+/// n n^T
+Eigen::Matrix3d square_of(const Vec3& n) {
+  return foldproof::to_eigen(n) * foldproof::to_eigen(n).transpose();
+}
 
 }  // namespace
 
@@ -58,7 +65,7 @@ void ImplicitEuler::assemble(std::span<const Contact> contacts) {
   triplets_.clear();
   gradient_.setZero(3 * std::ptrdiff_t{scene_.movable});
   const auto add = [&](Index v, const Vec3& g) {
-    if (v < scene_.movable) gradient_.segment<3>(3 * std::ptrdiff_t{v}) += g;
+    if (v < scene_.movable) gradient_.segment<3>(3 * std::ptrdiff_t{v}) += foldproof::to_eigen(g);
   };
   for (Index v = 0; v < scene_.movable; ++v) {
     add(v, scene_.mass[v] * (at(x_, v) - at(inertial_, v)));
@@ -71,7 +78,7 @@ void ImplicitEuler::assemble(std::span<const Contact> contacts) {
     const Vec3 force = kSquare * s.stiffness * (length - s.rest) * n;
     add(s.a, force);
     add(s.b, -force);
-    const Eigen::Matrix3d nn = n * n.transpose();
+    const Eigen::Matrix3d nn = square_of(n);
     const double sideways = std::max(0.0, 1 - s.rest / length);
     const Eigen::Matrix3d k = kSquare * s.stiffness * (nn + sideways * (Eigen::Matrix3d::Identity() - nn));
     add_block(s.a, s.a, k);
@@ -80,7 +87,7 @@ void ImplicitEuler::assemble(std::span<const Contact> contacts) {
   }
   for (const Contact& c : contacts) {
     const double slope = kSquare * barrier_.slope(c.distance);
-    const Eigen::Matrix3d k = kSquare * barrier_.curvature(c.distance) * (c.normal * c.normal.transpose());
+    const Eigen::Matrix3d k = kSquare * barrier_.curvature(c.distance) * square_of(c.normal);
     for (int i = 0; i < 4; ++i) {
       add(c.vertices[i], slope * c.weights[i] * c.normal);
       for (int j = 0; j < 4; ++j) add_block(c.vertices[i], c.vertices[j], c.weights[i] * c.weights[j] * k);

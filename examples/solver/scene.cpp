@@ -6,15 +6,15 @@
 #include <map>
 #include <utility>
 
+#include "foldproof/eigen.h"
+
 namespace example {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kClothMass = 0.3, kBallMass = 1.5, kBallRadius = 0.22;
 
-Eigen::Map<const Vec3> at(const Scene& scene, Index v) {
-  return Eigen::Map<const Vec3>(&scene.x[3 * std::size_t{v}]);
-}
+Vec3 at(const Scene& scene, Index v) { return Vec3::load(&scene.x[3 * std::size_t{v}]); }
 
 Index add_vertex(Scene& scene, const Vec3& x, double mass) {
   scene.x.insert(scene.x.end(), {x.x(), x.y(), x.z()});
@@ -33,9 +33,10 @@ void add_cloth(Scene& scene, Index n, double height) {
   for (Index i = 0; i < n; ++i) {
     for (Index k = 0; k < n; ++k) {
       // A little askew, so that nothing is parallel to anything by chance.
-      const Vec3 p(i * cell - 0.38, k * cell - 0.43,
-                   height + 0.01 * std::sin(3.0 * i * cell + 5.0 * k * cell));
-      add_vertex(scene, Eigen::AngleAxisd(0.3, Vec3::UnitZ()) * p, kClothMass / (n * n));
+      const Eigen::Vector3d p(i * cell - 0.38, k * cell - 0.43,
+                              height + 0.01 * std::sin(3.0 * i * cell + 5.0 * k * cell));
+      const Eigen::AngleAxisd turn(0.3, Eigen::Vector3d::UnitZ());
+      add_vertex(scene, to_vec3(turn * p), kClothMass / (n * n));
     }
   }
   const auto id = [&](Index i, Index k) { return first + i * n + k; };
@@ -92,7 +93,7 @@ Sphere icosphere(int quartered) {
       if (added) s.points.push_back((s.points[a] + s.points[b]).normalized());
       return at->second;
     };
-    for (Vec3& p : s.points) p.normalize();
+    for (Vec3& p : s.points) p = p.normalized();
     std::vector<foldproof::Triangle> quarters;
     for (const auto& [a, b, c] : s.faces) {
       const Index ab = between(a, b), bc = between(b, c), ca = between(c, a);
@@ -219,11 +220,12 @@ Scene twisted_rod(Index around) {
   for (const Index v : led) scene.mass[v] *= 1e3;
   scene.lead = [led, start = scene.x](double seconds, std::span<double> x) {
     for (const Index v : led) {
-      const Eigen::Map<const Vec3> from(&start[3 * std::size_t{v}]);
+      const Vec3 from = Vec3::load(&start[3 * std::size_t{v}]);
       const double side = from.x() < 0 ? -1 : 1;
       const Vec3 axis(from.x() - side * kNearer * seconds, 0, 1);
-      const Eigen::AngleAxisd turn(side * 2 * kPi * kTurns * seconds, Vec3::UnitX());
-      Eigen::Map<Vec3>(x.data() + 3 * std::size_t{v}) = axis + turn * Vec3(0, from.y(), from.z() - 1);
+      const Eigen::AngleAxisd turn(side * 2 * kPi * kTurns * seconds, Eigen::Vector3d::UnitX());
+      const Vec3 to = axis + to_vec3(turn * Eigen::Vector3d(0, from.y(), from.z() - 1));
+      to.store(&x[3 * std::size_t{v}]);
     }
   };
   return scene;

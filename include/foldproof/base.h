@@ -1,21 +1,19 @@
 /// Basics that every module uses: index type, vectors, errors as values.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <tl/expected.hpp>
 
+#include "foldproof/vec3.h"
+
 namespace foldproof {
 
 /// Id of a vertex, edge, triangle, frame or object; counts from zero.
 using Index = std::uint32_t;
 inline constexpr Index kNoIndex = 0xffffffffu;
-
-/// A position or direction in mesh units.
-using Vec3 = Eigen::Vector3d;
 
 /// What kind of error it is, for callers that branch on it.
 enum class ErrorCode : std::uint8_t {
@@ -52,8 +50,8 @@ inline tl::unexpected<Error> fail(ErrorCode code, std::string where, std::string
   return tl::unexpected<Error>(Error{std::move(where), std::move(problem), std::move(remedy), code});
 }
 /// The same with ErrorCode::InvalidArgument.
-inline tl::unexpected<Error> fail(std::string where, std::string problem, std::string mend) {
-  return fail(ErrorCode::InvalidArgument, std::move(where), std::move(problem), std::move(mend));
+inline tl::unexpected<Error> fail(std::string where, std::string problem, std::string remedy) {
+  return fail(ErrorCode::InvalidArgument, std::move(where), std::move(problem), std::move(remedy));
 }
 
 /// The library's version, "major.minor.patch".

@@ -52,12 +52,12 @@ class Parametrizer {
 
   /// A unit vector that every triangle faces, to project along; zero where none is found. `positions`: one
   /// per vertex of the patch, in any unit.
-  Eigen::Vector3f facing(const Patch& patch, std::span<const std::array<float, 3>> positions);
+  Vec3 facing(const Patch& patch, std::span<const std::array<float, 3>> positions);
   /// Whether a triangle's normal is close enough to a direction for a projection along it.
-  static bool faces(const Eigen::Vector3f& direction, const Eigen::Vector3f (&corners)[3]);
+  static bool faces(const Vec3& direction, const std::array<std::array<float, 3>, 3>& corners);
   /// Projects the patch along `facing` and adds the scaffold. Where it returns Made, chart_is_valid is true.
-  ChartOutcome build(const Patch& patch, std::span<const std::array<float, 3>> positions,
-                     const Eigen::Vector3f& facing, UvMap& out);
+  ChartOutcome build(const Patch& patch, std::span<const std::array<float, 3>> positions, const Vec3& facing,
+                     UvMap& out);
 
  private:
   struct Scratch;

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "foldproof/eigen.h"
 #include "foldproof/solver.h"
 
 namespace foldproof::ipc_toolkit {
@@ -176,11 +177,6 @@ class BroadPhase : public detail::NamedBroadPhase {
     }
   };
 
-  static std::vector<double> positions_of(Vertices vertices) {
-    std::vector<double> x(vertices.size());
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] = vertices(i / 3, i % 3);
-    return x;
-  }
   static std::vector<double> twice(std::vector<double> x) {
     x.reserve(2 * x.size());
     x.insert(x.end(), x.begin(), x.end());
@@ -198,12 +194,8 @@ class BroadPhase : public detail::NamedBroadPhase {
   Index vertex_count() const { return static_cast<Index>(x0_.size() / 3); }
 
   void keep(Elements edges, Elements faces, double inflation_radius) {
-    edges_.resize(edges.rows());
-    for (std::size_t i = 0; i < edges_.size(); ++i)
-      for (int k = 0; k < 2; ++k) edges_[i][k] = static_cast<Index>(edges(i, k));
-    faces_.resize(faces.rows());
-    for (std::size_t i = 0; i < faces_.size(); ++i)
-      for (int k = 0; k < 3; ++k) faces_[i][k] = static_cast<Index>(faces(i, k));
+    edges_ = ids_of<2>(edges);
+    faces_ = ids_of<3>(faces);
     inflation_ = 2 * inflation_radius;
     near_is_found_ = false;
   }
@@ -256,14 +248,14 @@ class NarrowPhaseCCD : public ::ipc::NarrowPhaseCCD {
   bool point_triangle_ccd(Point3 p_t0, Point3 t0_t0, Point3 t1_t0, Point3 t2_t0, Point3 p_t1, Point3 t0_t1,
                           Point3 t1_t1, Point3 t2_t1, double& toi, double min_distance = 0,
                           double tmax = 1) const override {
-    return collide(foldproof::vertex_face_ccd, {p_t0, t0_t0, t1_t0, t2_t0}, {p_t1, t0_t1, t1_t1, t2_t1}, toi,
-                   {min_distance, tolerance, tmax});
+    return collide(foldproof::vertex_face_ccd, points(p_t0, t0_t0, t1_t0, t2_t0),
+                   points(p_t1, t0_t1, t1_t1, t2_t1), toi, {min_distance, tolerance, tmax});
   }
   bool edge_edge_ccd(Point3 ea0_t0, Point3 ea1_t0, Point3 eb0_t0, Point3 eb1_t0, Point3 ea0_t1, Point3 ea1_t1,
                      Point3 eb0_t1, Point3 eb1_t1, double& toi, double min_distance = 0,
                      double tmax = 1) const override {
-    return collide(foldproof::edge_edge_ccd, {ea0_t0, ea1_t0, eb0_t0, eb1_t0},
-                   {ea0_t1, ea1_t1, eb0_t1, eb1_t1}, toi, {min_distance, tolerance, tmax});
+    return collide(foldproof::edge_edge_ccd, points(ea0_t0, ea1_t0, eb0_t0, eb1_t0),
+                   points(ea0_t1, ea1_t1, eb0_t1, eb1_t1), toi, {min_distance, tolerance, tmax});
   }
 
  private:
@@ -271,7 +263,10 @@ class NarrowPhaseCCD : public ::ipc::NarrowPhaseCCD {
     if (p.size() != 3)
       throw std::invalid_argument("foldproof: a point has " + std::to_string(p.size()) +
                                   " coordinates, not 3; keep a narrow phase of ipc-toolkit for 2D");
-    return p;
+    return to_vec3(p);
+  }
+  static FourPoints points(Point3 a, Point3 b, Point3 c, Point3 d) {
+    return {to_vec3(a), to_vec3(b), to_vec3(c), to_vec3(d)};
   }
   bool collide(decltype(vertex_face_ccd)* ccd, const FourPoints& x0, const FourPoints& x1, double& toi,
                CcdSettings settings) const {

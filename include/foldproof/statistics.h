@@ -5,6 +5,7 @@
 /// is positive. Functions are pure; any number of threads may call them.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "foldproof/base.h"

@@ -115,7 +115,7 @@ Placed placed(const Shape& self, const py::handle& item, const char* what) {
     result.pose.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.data());
   }
   if (!translation.is_none())
-    result.pose.translation = Eigen::Map<const Vec3>(numbers_of(translation, "translation", {3}, "3").data());
+    result.pose.translation = Vec3::load(numbers_of(translation, "translation", {3}, "3").data());
   return result;
 }
 

@@ -433,7 +433,7 @@ Frame frame_around(const Vec3& low, const Vec3& high) {
 Frame frame_around(std::span<const double> x) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (std::size_t i = 0; i < x.size(); i += 3) {
-    const Eigen::Map<const Vec3> corner(&x[i]);
+    const Vec3 corner = Vec3::load(&x[i]);
     low = low.cwiseMin(corner);
     high = high.cwiseMax(corner);
   }

@@ -57,7 +57,7 @@ class Centers {
   Vec3 of(Index triangle) const {
     Vec3 sum = Vec3::Zero();
     for (const Index v : triangles_[triangle])
-      sum += Eigen::Map<const Vec3>(&positions_[3 * std::size_t{v}]) * (scale_ / 3);
+      sum += Vec3::load(&positions_[3 * std::size_t{v}]) * (scale_ / 3);
     return sum;
   }
 
@@ -252,8 +252,9 @@ class Splitter {
       low = low.cwiseMin(c.center);
       high = high.cwiseMax(c.center);
     }
-    int axis = 0;
-    (high - low).maxCoeff(&axis);
+    const Vec3 extent = high - low;
+    const auto axis =
+        static_cast<std::size_t>(std::max_element(extent.begin(), extent.end()) - extent.begin());
     std::stable_sort(components.begin(), components.end(),
                      [&](const Component& a, const Component& b) { return a.center[axis] < b.center[axis]; });
     std::size_t rank = 0;

@@ -16,16 +16,17 @@ void ChartBuilder::read_positions(std::span<const MovingVertex> vertices, const 
 
 // The ring: neighbors that face the same way. The charts of two neighboring nodes then overlap, and most
 // pairs of leaves across their boundary are proven.
-void ChartBuilder::add_ring(std::span<const MovingVertex> vertices, const Eigen::Vector3f& facing,
-                            BuiltChart& out) {
+void ChartBuilder::add_ring(std::span<const MovingVertex> vertices, const Vec3& facing, BuiltChart& out) {
   const Hierarchy& h = *slots_.hierarchy();
   const Hierarchy::Node& node = h.nodes()[out.slot];
   ++build_number_;
   const auto faces = [&](Index leaf) {
     for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
-      Eigen::Vector3f corners[3];
-      for (int k = 0; k < 3; ++k)
-        corners[k] = Eigen::Map<const Eigen::Vector3f>(vertices[h.triangles()[t][k]].x);
+      std::array<std::array<float, 3>, 3> corners;
+      for (int k = 0; k < 3; ++k) {
+        const float* x = vertices[h.triangles()[t][k]].x;
+        corners[k] = {x[0], x[1], x[2]};
+      }
       if (!Parametrizer::faces(facing, corners)) return false;
     }
     return true;
@@ -46,9 +47,9 @@ void ChartBuilder::build(std::span<const MovingVertex> vertices, BuiltChart& out
   out.ring.clear();
   reader_.read(out.slot, out.patch);
   read_positions(vertices, out.patch);
-  const Eigen::Vector3f facing = parametrizer_.facing(out.patch, positions_);
+  const Vec3 facing = parametrizer_.facing(out.patch, positions_);
   out.outcome = ChartOutcome::TooCurved;
-  if (facing.isZero()) return;
+  if (facing == Vec3::Zero()) return;
   if (!slots_.is_pair(out.slot)) {
     add_ring(vertices, facing, out);
     read_positions(vertices, out.patch);

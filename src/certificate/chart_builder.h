@@ -24,7 +24,7 @@ class ChartBuilder {
 
  private:
   void read_positions(std::span<const MovingVertex> vertices, const Patch& patch);
-  void add_ring(std::span<const MovingVertex> vertices, const Eigen::Vector3f& facing, BuiltChart& out);
+  void add_ring(std::span<const MovingVertex> vertices, const Vec3& facing, BuiltChart& out);
 
   const PatchSlots& slots_;
   PatchReader reader_;

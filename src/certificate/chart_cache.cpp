@@ -1,7 +1,6 @@
 #include "certificate/chart_cache.h"
 
 #include <Eigen/Geometry>
-
 #include <algorithm>
 #include <numeric>
 
@@ -21,6 +20,8 @@ constexpr std::uint8_t kMaxFailedBuilds = 5;
 constexpr std::uint8_t kMaxFailedTests = 3;
 // The smallest cosine between a leaf's normal and the normal of its node's plane for which a build is tried.
 constexpr float kMinLeafCosine = 0.3f;
+
+using View = Eigen::Map<const Eigen::Vector3f>;
 
 }  // namespace
 
@@ -122,35 +123,37 @@ Index ChartCache::place(const BuiltChart& build) {
   return own_.place(build.slot, step_, oldest, build.patch, build.ring, build.uv_map);
 }
 
-const Eigen::Vector3f& ChartCache::leaf_normal(Index leaf, std::span<const MovingVertex> vertices) {
+const std::array<float, 3>& ChartCache::leaf_normal(Index leaf, std::span<const MovingVertex> vertices) {
   LeafNormal& normal = leaf_normals_[leaf];
   if (normal.step == step_) return normal.direction;
   const Hierarchy& h = *slots().hierarchy();
-  const auto corner = [&](Index v) { return Eigen::Map<const Eigen::Vector3f>(vertices[v].x); };
+  const auto corner = [&](Index v) { return View(vertices[v].x); };
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
     const Triangle& c = h.triangles()[t];
     sum += (corner(c[1]) - corner(c[0])).cross(corner(c[2]) - corner(c[0]));
   }
-  normal = {sum.normalized(), step_};
+  sum.normalize();
+  normal = {{sum.x(), sum.y(), sum.z()}, step_};
   return normal.direction;
 }
 
 // A cheap estimate: whether there is a direction that every leaf of the node faces.
 bool ChartCache::looks_flat(Index node, std::span<const MovingVertex> vertices) {
   const Hierarchy::Node& n = slots().hierarchy()->nodes()[node];
+  const auto normal = [&](Index leaf) { return View(leaf_normals_[leaf].direction.data()); };
   Eigen::Vector3f facing = Eigen::Vector3f::Zero();
-  for (Index leaf = n.leaf_begin; leaf < n.leaf_end; ++leaf) facing += leaf_normal(leaf, vertices);
+  for (Index leaf = n.leaf_begin; leaf < n.leaf_end; ++leaf)
+    facing += View(leaf_normal(leaf, vertices).data());
   for (int round = 2;; ++round) {
     Index worst = n.leaf_begin;
     for (Index leaf = n.leaf_begin; leaf < n.leaf_end; ++leaf) {
-      if (leaf_normals_[leaf].direction.dot(facing) < leaf_normals_[worst].direction.dot(facing))
-        worst = leaf;
+      if (normal(leaf).dot(facing) < normal(worst).dot(facing)) worst = leaf;
     }
-    const float cosine = leaf_normals_[worst].direction.dot(facing.normalized());
+    const float cosine = normal(worst).dot(facing.normalized());
     if (cosine > kMinLeafCosine) return true;
     if (round > 10 || cosine < -0.9f) return false;
-    facing = facing.normalized() + leaf_normals_[worst].direction * (1.2f / static_cast<float>(round));
+    facing = facing.normalized() + normal(worst) * (1.2f / static_cast<float>(round));
   }
 }
 

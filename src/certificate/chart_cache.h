@@ -72,7 +72,7 @@ class ChartCache {
   };
   enum class Cover : std::uint8_t { None, MaybeBuilt, Built };
   struct LeafNormal {
-    Eigen::Vector3f direction;
+    std::array<float, 3> direction{};
     std::uint32_t step = 0;
   };
   void build_nodes(std::span<const MovingVertex> vertices, std::size_t& budget);
@@ -80,7 +80,7 @@ class ChartCache {
   void choose_nodes(std::span<const MovingVertex> vertices, std::size_t& budget);
   void build_pairs(std::span<const MovingVertex> vertices, std::size_t& budget);
   void cover(Index node, Cover value);
-  const Eigen::Vector3f& leaf_normal(Index leaf, std::span<const MovingVertex> vertices);
+  const std::array<float, 3>& leaf_normal(Index leaf, std::span<const MovingVertex> vertices);
   bool looks_flat(Index node, std::span<const MovingVertex> vertices);
   void add_build(Index slot);
   void run_builds(std::span<const MovingVertex> vertices);

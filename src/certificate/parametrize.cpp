@@ -18,6 +18,11 @@ using Vec3f = Eigen::Vector3f;
 
 Vec3f at(const std::array<float, 3>& p) { return {p[0], p[1], p[2]}; }
 
+// Exact where the numbers are floats.
+Vec3f in_floats(const Vec3& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
 }  // namespace
 
 struct Parametrizer::Scratch {
@@ -88,23 +93,24 @@ void project(std::span<const std::array<float, 3>> x, const Vec3f& facing, std::
 
 }  // namespace
 
-Vec3f Parametrizer::facing(const Patch& patch, std::span<const std::array<float, 3>> positions) {
-  return facing_direction(patch, positions, scratch_->normals);
+Vec3 Parametrizer::facing(const Patch& patch, std::span<const std::array<float, 3>> positions) {
+  return Vec3::load(facing_direction(patch, positions, scratch_->normals).data());
 }
 
-bool Parametrizer::faces(const Vec3f& direction, const Vec3f (&corners)[3]) {
-  const Vec3f area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-  return area.dot(direction) > kMinCosine * area.norm();
+bool Parametrizer::faces(const Vec3& direction, const std::array<std::array<float, 3>, 3>& corners) {
+  const Vec3f area = (at(corners[1]) - at(corners[0])).cross(at(corners[2]) - at(corners[0]));
+  return area.dot(in_floats(direction)) > kMinCosine * area.norm();
 }
 
 ChartOutcome Parametrizer::build(const Patch& patch, std::span<const std::array<float, 3>> positions,
-                                 const Vec3f& facing, UvMap& out) {
+                                 const Vec3& facing, UvMap& out) {
   out.uvs.clear();
   out.heights.clear();
   out.scaffold.clear();
   if (patch.vertices.size() > 0xFFF0) return ChartOutcome::TooLarge;
-  if (facing.isZero()) return ChartOutcome::TooCurved;
-  project(positions, facing, scratch_->projected, out);
+  const Vec3f direction = in_floats(facing);
+  if (direction.isZero()) return ChartOutcome::TooCurved;
+  project(positions, direction, scratch_->projected, out);
   if (!scratch_->scaffold.build(patch, out) || !chart_is_valid(patch, out, scratch_->half_edges))
     return ChartOutcome::Overlapping;
   return ChartOutcome::Made;

@@ -154,7 +154,6 @@ Result<void> StepMotion::read(Positions x0, Positions x1) {
 
 StepMotion::StepLocation StepMotion::locate(Positions x0, Positions x1) const {
   constexpr std::size_t kMinStride = 61, kMaxSamples = 4096;
-  using Vector = Eigen::Vector3d;
   // Of each vertex: its displacement during the motion, and the step's ends, relative to the motion's start.
   const auto for_each_sample = [&](auto visit) {
     for (Index i = 0; i < bvhs_.size(); ++i) {
@@ -162,9 +161,9 @@ StepMotion::StepLocation StepMotion::locate(Positions x0, Positions x1) const {
       const std::size_t stride = std::max(kMinStride, ids.size() / kMaxSamples);
       for (std::size_t k = i % stride; k < ids.size(); k += stride) {
         const float* v = bvhs_[i].vertices[k].x;
-        const Vector origin = Eigen::Map<const Eigen::Vector3f>(v).cast<double>();
-        const Vector displacement = Eigen::Map<const Eigen::Vector3f>(v + 4).cast<double>() - origin;
-        const auto relative = [&](std::span<const double> x) -> Vector {
+        const Vec3 origin = Vec3::load(v);
+        const Vec3 displacement = Vec3::load(v + 4) - origin;
+        const auto relative = [&](std::span<const double> x) {
           return (position(x, ids[k]) - frame_.center) * frame_.scale - origin;
         };
         visit(displacement, relative(x0[i]), relative(x1[i]));
@@ -172,7 +171,7 @@ StepMotion::StepLocation StepMotion::locate(Positions x0, Positions x1) const {
     }
   };
   double square = 0, projection[2] = {0, 0}, motion_displacement = 0, step_displacement = 0;
-  for_each_sample([&](const Vector& displacement, const Vector& start, const Vector& end) {
+  for_each_sample([&](const Vec3& displacement, const Vec3& start, const Vec3& end) {
     square += displacement.squaredNorm();
     motion_displacement = std::max(motion_displacement, displacement.cwiseAbs().maxCoeff());
     step_displacement = std::max(step_displacement, (end - start).cwiseAbs().maxCoeff());
@@ -188,7 +187,7 @@ StepMotion::StepLocation StepMotion::locate(Positions x0, Positions x1) const {
     }
   }
   double deviation = 0;
-  for_each_sample([&](const Vector& displacement, const Vector& start, const Vector& end) {
+  for_each_sample([&](const Vec3& displacement, const Vec3& start, const Vec3& end) {
     deviation = std::max({deviation, (start - location.times[0] * displacement).cwiseAbs().maxCoeff(),
                           (end - location.times[1] * displacement).cwiseAbs().maxCoeff()});
   });
@@ -214,8 +213,9 @@ double StepMotion::mean_edge_length() const {
     double sum = 0;
     std::size_t count = 0;
     for (std::size_t k = 0; k < edges.size(); k += edges.size() / kMaxSamples + 1, ++count) {
-      const auto at = [&](Index vertex) { return Eigen::Map<const Eigen::Vector3f>(bvh.vertices[vertex].x); };
-      sum += (at(edges[k][0]) - at(edges[k][1])).norm();
+      const float *a = bvh.vertices[edges[k][0]].x, *b = bvh.vertices[edges[k][1]].x;
+      const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+      sum += std::sqrt(x * x + (y * y + z * z));
     }
     if (sum > 0) min_length = std::min(min_length, sum / static_cast<double>(count));
   }

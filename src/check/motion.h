@@ -10,7 +10,7 @@ namespace foldproof::inline internal {
 double largest_extent(const Bounds& bounds);
 
 inline Vec3 position(std::span<const double> x, Index vertex) {
-  return Eigen::Map<const Vec3>(&x[3 * std::size_t{vertex}]);
+  return Vec3::load(&x[3 * std::size_t{vertex}]);
 }
 
 /// Validated positions in the scene's frame, and kinetic BVHs over them. Either of a step, or of a motion of

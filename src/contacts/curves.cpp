@@ -1,6 +1,5 @@
 #include "contacts/curves.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -8,7 +7,6 @@
 #include <tuple>
 
 #include "check/motion.h"
-#include "contacts/lengths.h"
 #include "foldproof/ccd.h"
 
 namespace foldproof::internal {
@@ -107,7 +105,7 @@ class Tracer {
                    &f = surfaces_.topology(other).triangles()[pair.triangle(1 - side)];
     const Vec3 p = x_.at(object, line[0]), q = x_.at(object, line[1]), corner = x_.at(other, f[0]);
     const Vec3 normal = (x_.at(other, f[1]) - corner).cross(x_.at(other, f[2]) - corner);
-    const double from = dot(normal, p - corner), to = dot(normal, q - corner);
+    const double from = normal.dot(p - corner), to = normal.dot(q - corner);
     const double share = from == to ? 0 : std::clamp(from / (from - to), 0.0, 1.0);
     out_.pierced.push_back(p + share * (q - p));
   }
@@ -148,7 +146,7 @@ class Tracer {
           orient3d(p, q, corners[2], corners[0]) != turn)
         continue;
       const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-      const double from = dot(normal, p - corners[0]), to = dot(normal, q - corners[0]);
+      const double from = normal.dot(p - corners[0]), to = normal.dot(q - corners[0]);
       const double share = from == to ? 0.5 : std::clamp(from / (from - to), 0.0, 1.0);
       ends_.push_back({i,
                        {side, object, edge, surfaces_.triangle(other, pair.triangle(1 - side)), share,
@@ -219,7 +217,7 @@ class Tracer {
     for (Index s = next_segment(n); s != kNoIndex; s = next_segment(n)) {
       used_[s] = 1;
       const Index to = segments_[s][0] == n ? segments_[s][1] : segments_[s][0];
-      out_.length += length(out_.piercings[to].position - out_.piercings[n].position);
+      out_.length += (out_.piercings[to].position - out_.piercings[n].position).norm();
       line.push_back(to);
       n = to;
       if (first_[n + 1] - first_[n] != 2) break;

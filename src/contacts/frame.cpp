@@ -1,11 +1,9 @@
 #include "contacts/frame.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "check/triangles_cross.h"
-#include "contacts/lengths.h"
 
 namespace foldproof::internal {
 namespace {
@@ -55,11 +53,15 @@ void FrameMeasurer::list_other_surface(int side, Positions x) {
   } else {
     Vec3 low = points_[0], high = points_[0];
     for (const Vec3& p : points_) low = low.cwiseMin(p), high = high.cwiseMax(p);
-    const Vec3 around = Vec3::Constant(length(high - low) / 2);
+    const Vec3 around = Vec3::Constant((high - low).norm() / 2);
+    low -= around, high += around;
     const auto is_near = [&](Index t) {
       const auto c = corners(x[object], triangles[t]);
-      return (c[0].cwiseMin(c[1]).cwiseMin(c[2]).array() <= (high + around).array()).all() &&
-             (c[0].cwiseMax(c[1]).cwiseMax(c[2]).array() >= (low - around).array()).all();
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto [least, largest] = std::minmax({c[0][axis], c[1][axis], c[2][axis]});
+        if (!(least <= high[axis] && largest >= low[axis])) return false;
+      }
+      return true;
     };
     const bool within = objects_[0] == objects_[1];
     if (seen_.size() < triangles.size()) seen_.resize(triangles.size(), 0);
@@ -95,9 +97,9 @@ void FrameMeasurer::find_deepest(int side, Positions x) {
   // point.
   Vec3 known = other_corners_[0][0];
   for (const Vec3& p : points_) {
-    if (length(known - p) <= *depth_) continue;
+    if ((known - p).norm() <= *depth_) continue;
     known = tree_.nearest(p, known);
-    const double distance = length(known - p);
+    const double distance = (known - p).norm();
     if (distance <= *depth_) continue;
     depth_ = distance;
     deepest_ = p;
@@ -167,7 +169,7 @@ void FrameMeasurer::describe(std::span<const CrossingPair> pairs, Positions x, C
   if (count == 0) {
     for (const Vec3& p : curves_.pierced) sum += p, ++count;
   }
-  out.point = count > 0 ? Vec3(sum / static_cast<double>(count)) : Vec3((low + high) / 2);
+  out.point = count > 0 ? sum / static_cast<double>(count) : (low + high) / 2;
   Vec3 normal = Vec3::Zero();
   if (depth_ && *depth_ > 0) {
     out.point = deepest_;
@@ -177,11 +179,11 @@ void FrameMeasurer::describe(std::span<const CrossingPair> pairs, Positions x, C
       for (int side = 0; side < 2; ++side) {
         const Index object = pair.object(side);
         const auto c = corners(x[object], surfaces_.topology(object).triangles()[pair.triangle(side)]);
-        normal += (side == 0 ? -1 : 1) * direction((c[1] - c[0]).cross(c[2] - c[0]));
+        normal += (side == 0 ? -1 : 1) * (c[1] - c[0]).cross(c[2] - c[0]).normalized();
       }
     }
   }
-  out.normal = direction(normal);
+  out.normal = normal.normalized();
 }
 
 }  // namespace foldproof::internal

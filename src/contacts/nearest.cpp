@@ -1,10 +1,6 @@
 #include "contacts/nearest.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-
-#include "contacts/lengths.h"
 
 namespace foldproof::internal {
 namespace {
@@ -13,12 +9,12 @@ constexpr Index kLeafSize = 4;
 
 Vec3 nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
-  const double square = square_length(d);
-  return square > 0 ? Vec3(a + std::clamp(dot(p - a, d) / square, 0.0, 1.0) * d) : a;
+  const double square = d.squaredNorm();
+  return square > 0 ? a + std::clamp((p - a).dot(d) / square, 0.0, 1.0) * d : a;
 }
 
 double box_distance2(const Vec3& p, const Vec3& low, const Vec3& high) {
-  return square_length((low - p).cwiseMax(p - high).cwiseMax(0));
+  return (low - p).cwiseMax(p - high).cwiseMax(Vec3::Zero()).squaredNorm();
 }
 
 bool is_less(const Vec3& a, const Vec3& b) {
@@ -29,14 +25,14 @@ bool is_less(const Vec3& a, const Vec3& b) {
 
 Vec3 nearest_on_triangle(const Vec3& p, const std::array<Vec3, 3>& t) {
   const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
-  const double square = square_length(n);
+  const double square = n.squaredNorm();
   bool inside = square > 0;
-  for (int k = 0; k < 3 && inside; ++k) inside = dot(n, (t[(k + 1) % 3] - t[k]).cross(p - t[k])) >= 0;
-  if (inside) return p - dot(n, p - t[0]) / square * n;
+  for (int k = 0; k < 3 && inside; ++k) inside = n.dot((t[(k + 1) % 3] - t[k]).cross(p - t[k])) >= 0;
+  if (inside) return p - n.dot(p - t[0]) / square * n;
   Vec3 best = nearest_on_segment(p, t[0], t[1]);
   for (int k = 1; k < 3; ++k) {
     const Vec3 q = nearest_on_segment(p, t[k], t[(k + 1) % 3]);
-    if (square_length(q - p) < square_length(best - p)) best = q;
+    if ((q - p).squaredNorm() < (best - p).squaredNorm()) best = q;
   }
   return best;
 }
@@ -61,8 +57,8 @@ Index NearestTriangles::build_node(Index begin, Index end) {
   node.end = end;
   nodes_.push_back(node);
   if (end - begin <= kLeafSize) return id;
-  int axis;
-  (node.high - node.low).maxCoeff(&axis);
+  const Vec3 extent = node.high - node.low;
+  const auto axis = static_cast<std::size_t>(std::max_element(extent.begin(), extent.end()) - extent.begin());
   const Index middle = begin + (end - begin) / 2;
   const auto center = [&](const std::array<Vec3, 3>& t) { return t[0][axis] + t[1][axis] + t[2][axis]; };
   std::nth_element(triangles_.begin() + begin, triangles_.begin() + middle, triangles_.begin() + end,
@@ -75,7 +71,7 @@ Index NearestTriangles::build_node(Index begin, Index end) {
 
 Vec3 NearestTriangles::nearest(const Vec3& p, const Vec3& known) const {
   Vec3 best = known;
-  double best2 = square_length(best - p);
+  double best2 = (best - p).squaredNorm();
   std::array<Index, 64> stack;  // the tree is balanced: at most 32 levels
   std::size_t size = 0;
   stack[size++] = 0;
@@ -86,7 +82,7 @@ Vec3 NearestTriangles::nearest(const Vec3& p, const Vec3& known) const {
     if (node.right == 0) {
       for (Index i = node.begin; i < node.end; ++i) {
         const Vec3 q = nearest_on_triangle(p, triangles_[i]);
-        const double q2 = square_length(q - p);
+        const double q2 = (q - p).squaredNorm();
         // Of equally near ones the same in every order.
         if (q2 < best2 || (q2 == best2 && is_less(q, best))) best = q, best2 = q2;
       }

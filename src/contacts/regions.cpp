@@ -1,15 +1,13 @@
 #include "contacts/regions.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "check/motion.h"
-#include "contacts/lengths.h"
 
 namespace foldproof::internal {
 namespace {
 
-double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) { return length((b - a).cross(c - a)) / 2; }
+double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) { return (b - a).cross(c - a).norm() / 2; }
 
 // The area that closed lines enclose, if they lie in a plane.
 double enclosed_area(const Curves& curves) {
@@ -21,7 +19,7 @@ double enclosed_area(const Curves& curves) {
       sum += (curves.piercings[line[i - 1]].position - origin)
                  .cross(curves.piercings[line[i]].position - origin);
     }
-    area += length(sum) / 2;
+    area += sum.norm() / 2;
   }
   return area;
 }

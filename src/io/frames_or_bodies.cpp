@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "base/try.h"
 #include "io/readers.h"
@@ -19,24 +20,36 @@ constexpr double kVeryFar = 0.5;
 constexpr double kInPlace = 1e-3;
 
 struct Pose {
-  Eigen::Matrix3Xd vertices;
-  double size;  // the diagonal of their box
+  std::vector<Vec3> vertices;
+  double size = 0;  // the diagonal of their box
 };
 
 Result<Pose> read_pose(Motion& motion, Index frame) {
-  Eigen::Matrix3Xd x(3, motion.topology().vertex_count());
-  FOLDPROOF_TRY(motion.read_frame(frame, {x.data(), static_cast<std::size_t>(x.size())}));
-  const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
-  return Pose{std::move(x), size};
+  std::vector<double> x(3 * std::size_t{motion.topology().vertex_count()});
+  FOLDPROOF_TRY(motion.read_frame(frame, x));
+  Pose pose;
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (std::size_t i = 0; i < x.size(); i += 3) {
+    const Vec3& v = pose.vertices.emplace_back(Vec3::load(&x[i]));
+    low = low.cwiseMin(v), high = high.cwiseMax(v);
+  }
+  pose.size = (high - low).norm();
+  return pose;
 }
 
 /// How far the means of the vertices are apart, in diagonals, if that speaks against frames; else 0.
 double far_apart(const Pose& a, const Pose& b) {
   const double size = std::max(a.size, b.size);
-  const Eigen::Matrix3Xd moves = b.vertices - a.vertices;
-  const double apart = moves.rowwise().mean().norm() / size;
+  Vec3 sum;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t v = 0; v < a.vertices.size(); ++v) {
+    const Vec3 move = b.vertices[v] - a.vertices[v];
+    sum += move;
+    smallest = std::min(smallest, move.norm());
+  }
+  const double apart = (sum / static_cast<double>(a.vertices.size())).norm() / size;
   if (!(apart >= kFar) || !std::isfinite(apart)) return 0;  // without a size there is nothing to compare
-  const bool some_stay = moves.colwise().norm().minCoeff() <= kInPlace * size;
+  const bool some_stay = smallest <= kInPlace * size;
   return some_stay && apart <= kVeryFar ? 0 : apart;
 }
 

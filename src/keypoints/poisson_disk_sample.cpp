@@ -22,7 +22,7 @@ struct Entry {
 // Vertices sorted into cubes with sides of one radius: all within the radius of a vertex are in 27 cubes.
 class Grid {
  public:
-  Grid(const Points& positions, const Vec3& corner, double radius)
+  Grid(const Points& positions, const Eigen::Vector3d& corner, double radius)
       : positions_(positions), corner_(corner), radius_(radius) {
     entries_.reserve(positions.cols());
     for (Index v = 0; v < positions.cols(); ++v) entries_.push_back({key(cell_of(v)), v});
@@ -58,13 +58,14 @@ class Grid {
   }
 
   const Points& positions_;
-  Vec3 corner_;
+  Eigen::Vector3d corner_;
   double radius_;
   std::vector<Entry> entries_;
 };
 
 // Stops when more than `max_count` are kept.
-std::vector<Index> sample(const Points& positions, const Vec3& corner, double radius, Index max_count) {
+std::vector<Index> sample(const Points& positions, const Eigen::Vector3d& corner, double radius,
+                          Index max_count) {
   const Grid grid(positions, corner, radius);
   std::vector<char> dropped(positions.cols(), 0);
   std::vector<Index> kept;
@@ -81,7 +82,7 @@ std::vector<Index> sample(const Points& positions, const Vec3& corner, double ra
 std::vector<Index> poisson_disk_sample(std::span<const double> positions, Index count) {
   const Points points(positions.data(), 3, static_cast<Eigen::Index>(positions.size() / 3));
   if (points.cols() == 0) return {};
-  const Vec3 corner = points.rowwise().minCoeff();
+  const Eigen::Vector3d corner = points.rowwise().minCoeff();
   const double size = (points.rowwise().maxCoeff() - corner).maxCoeff();
   if (!(size > 0) || count <= 1) return {0};
 

@@ -185,10 +185,10 @@ void evaluate(const CrossValidation& validation, const MatrixXd& margins, Certif
 VectorXd CertificateMap::align(const VectorView& key_positions) const {
   const Eigen::Map<const Eigen::Matrix3Xd> target(anchor.data(), 3, anchor.size() / 3);
   const Eigen::Map<const Eigen::Matrix3Xd> given(key_positions.data(), 3, key_positions.size() / 3);
-  const Vec3 to = target.rowwise().mean(), from = given.rowwise().mean();
+  const Eigen::Vector3d to = target.rowwise().mean(), from = given.rowwise().mean();
   const Eigen::Matrix3d moment = (target.colwise() - to) * (given.colwise() - from).transpose();
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(moment, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vec3 sign = Vec3::Ones();
+  Eigen::Vector3d sign = Eigen::Vector3d::Ones();
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) sign[2] = -1;
   const Eigen::Matrix3d rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
   const Eigen::Matrix3Xd aligned = (rotation * (given.colwise() - from)).colwise() + to;

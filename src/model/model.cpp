@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -82,7 +81,7 @@ double chart_kappa(const ChartLibrary& library, const ChartLibrary::Chart& chart
       return Vec3(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
     };
     const Vec3 normal = side(1).cross(side(2));  // exact: products of numbers below 2^17
-    const double across = normal.head<2>().squaredNorm(), up = normal.z() * normal.z();
+    const double across = normal.x() * normal.x() + normal.y() * normal.y(), up = normal.z() * normal.z();
     steepest = std::max(steepest, across / up);
   }
   return std::sqrt(1 + steepest) * (1 + 0x1p-48);

@@ -1,6 +1,5 @@
 #include "model/references.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -33,14 +32,14 @@ BendDescriptor::BendDescriptor(const PatchSlots& slots) : hierarchy_(slots.hiera
 
 std::vector<float> BendDescriptor::of(std::span<const double> positions) const {
   const Hierarchy& h = *hierarchy_;
-  const auto corner = [&](Index v) { return Eigen::Map<const Vec3>(&positions[3 * std::size_t{v}]); };
+  const auto corner = [&](Index v) { return Vec3::load(&positions[3 * std::size_t{v}]); };
   std::vector<Vec3> normals(h.leaf_count(), Vec3::Zero());
   for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
     for (Index k = h.leaves()[leaf].triangles; k < h.leaves()[leaf + 1].triangles; ++k) {
       const Triangle& t = h.topology().triangles()[h.triangle_ids()[k]];
       normals[leaf] += (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0]));
     }
-    normals[leaf].stableNormalize();
+    normals[leaf] = normals[leaf].stableNormalized();
   }
   std::vector<float> cosines;
   cosines.reserve(pairs_.size());

@@ -1,13 +1,10 @@
 #include "page/contact.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <vector>
-
-#include "contacts/lengths.h"
 
 namespace foldproof {
 namespace {
@@ -28,8 +25,8 @@ struct PositionsAt {
 
 /// The parameter in [0,1] of the point on segment ab that is nearest to `x`.
 double nearest(const Vec3& x, const Vec3& a, const Vec3& b) {
-  const double square = square_length(b - a);
-  return square > 0 ? std::clamp(dot(x - a, b - a) / square, 0.0, 1.0) : 0;
+  const double square = (b - a).squaredNorm();
+  return square > 0 ? std::clamp((x - a).dot(b - a) / square, 0.0, 1.0) : 0;
 }
 
 /// Adds the points where edges of `a` cross `b`.
@@ -37,11 +34,11 @@ void add_crossings(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b, s
   const Vec3 normal = (b[1] - b[0]).cross(b[2] - b[0]);
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 &from = a[k], &to = a[(k + 1) % 3];
-    const double above = dot(normal, from - b[0]), below = dot(normal, to - b[0]);
+    const double above = normal.dot(from - b[0]), below = normal.dot(to - b[0]);
     if (above == below || std::signbit(above) == std::signbit(below)) continue;
     const Vec3 x = from + above / (above - below) * (to - from);
     bool inside = true;
-    for (std::size_t e = 0; e < 3; ++e) inside &= dot(normal, (b[(e + 1) % 3] - b[e]).cross(x - b[e])) >= 0;
+    for (std::size_t e = 0; e < 3; ++e) inside &= normal.dot((b[(e + 1) % 3] - b[e]).cross(x - b[e])) >= 0;
     if (inside) out.push_back(x);
   }
 }
@@ -79,7 +76,7 @@ Vec3 contact_point(Positions x0, Positions x1, const EdgeEdgeCollision& c) {
   double min_distance = std::numeric_limits<double>::infinity();
   const auto consider = [&](double s, double t) {
     const Vec3 on_a = a0 + s * (a1 - a0), on_b = b0 + t * (b1 - b0);
-    const double distance = square_length(on_a - on_b);
+    const double distance = (on_a - on_b).squaredNorm();
     if (!(distance < min_distance)) return;
     min_distance = distance;
     middle = (on_a + on_b) / 2;
@@ -89,10 +86,10 @@ Vec3 contact_point(Positions x0, Positions x1, const EdgeEdgeCollision& c) {
   consider(nearest(b0, a0, a1), 0);
   consider(nearest(b1, a0, a1), 1);
   const Vec3 a = a1 - a0, b = b1 - b0, gap = b0 - a0;
-  const double aa = square_length(a), bb = square_length(b), ab = dot(a, b), det = aa * bb - ab * ab;
+  const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b), det = aa * bb - ab * ab;
   if (det > 0) {
-    const double s = (bb * dot(a, gap) - ab * dot(b, gap)) / det;
-    const double t = (ab * dot(a, gap) - aa * dot(b, gap)) / det;
+    const double s = (bb * a.dot(gap) - ab * b.dot(gap)) / det;
+    const double t = (ab * a.dot(gap) - aa * b.dot(gap)) / det;
     if (s > 0 && s < 1 && t > 0 && t < 1) consider(s, t);
   }
   return middle;

@@ -23,7 +23,7 @@ Result<std::unique_ptr<SceneData>> SceneData::open(PageInput input) {
   FOLDPROOF_TRY(require_models_of(input.motions, settings));
   scene->frames_ = std::move(frames);
   settings.step.explain = true;
-  scene->low_.setConstant(std::numeric_limits<double>::infinity());
+  scene->low_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   scene->high_ = -scene->low_;
   for (auto& motion : input.motions)
     scene->motions_.push_back(std::make_unique<SharedMotion>(std::move(motion)));
@@ -50,9 +50,11 @@ Result<void> SceneData::add(Index i) {
   settings_.hierarchies.push_back(object->hierarchy);
   object->depths = depths_of(*object->hierarchy);
   object->levels = *std::max_element(object->depths.begin(), object->depths.end());
-  const Eigen::Map<const Eigen::Matrix3Xd> x(frame->data(), 3, static_cast<Eigen::Index>(frame->size() / 3));
-  low_ = low_.cwiseMin(x.rowwise().minCoeff());
-  high_ = high_.cwiseMax(x.rowwise().maxCoeff());
+  for (std::size_t i = 0; i < frame->size(); i += 3) {
+    const Vec3 x = Vec3::load(&(*frame)[i]);
+    low_ = low_.cwiseMin(x);
+    high_ = high_.cwiseMax(x);
+  }
   objects_.push_back(std::move(object));
   return {};
 }
@@ -113,7 +115,7 @@ Result<std::vector<float>> SceneData::boxes(Index i, Index k, Index level) const
     const Index end = h.leaves()[node.leaf_end].triangles;
     for (Index t = h.leaves()[node.leaf_begin].triangles; t < end; ++t) {
       for (const Index v : h.topology().triangles()[h.triangle_ids()[t]]) {
-        const Eigen::Map<const Vec3> corner(&(*x)[3 * std::size_t{v}]);
+        const Vec3 corner = Vec3::load(&(*x)[3 * std::size_t{v}]);
         low = low.cwiseMin(corner);
         high = high.cwiseMax(corner);
       }

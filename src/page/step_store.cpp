@@ -33,8 +33,7 @@ std::vector<ContactPoint> crossings_of(const CheckedStep& pose, Motions motions)
   const auto corners = [&](Index object, Index triangle) {
     std::array<Vec3, 3> x;
     const Triangle& t = motions[object]->topology().triangles()[triangle];
-    for (std::size_t k = 0; k < 3; ++k)
-      x[k] = Eigen::Map<const Vec3>(&pose.x0[object][3 * std::size_t{t[k]}]);
+    for (std::size_t k = 0; k < 3; ++k) x[k] = Vec3::load(&pose.x0[object][3 * std::size_t{t[k]}]);
     return x;
   };
   std::vector<ContactPoint> crossings;

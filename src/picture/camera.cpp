@@ -25,20 +25,20 @@ Result<Eigen::Matrix3d> orientation(const View& view) {
                 "needs a direction to the eye and a different up direction", "give another direction");
   }
   Eigen::Matrix3d axes;
-  axes.row(0) = right.normalized();
-  axes.row(1) = back.cross(axes.row(0).transpose());
-  axes.row(2) = back;
+  axes.row(0) = to_eigen(right.normalized());
+  axes.row(1) = to_eigen(back.cross(right.normalized()));
+  axes.row(2) = to_eigen(back);
   return axes;
 }
 
-Camera::Camera(const View& view, const Eigen::Matrix3d& axes, const Vec3& center, const Vec3& half_size,
-               const PixelRect& area, Index samples)
+Camera::Camera(const View& view, const Eigen::Matrix3d& axes, const Eigen::Vector3d& center,
+               const Eigen::Vector3d& half_size, const PixelRect& area, Index samples)
     : axes_(axes), center_(center), perspective_(view.perspective) {
   const double width = 0.5 * area.width * samples, height = 0.5 * area.height * samples;
   x_ = width;
   y_ = height;
   const double min_size = std::max(half_size.maxCoeff() * 1e-3, 1e-300);  // content may have no extent
-  const Vec3 half = half_size.cwiseMax(min_size);
+  const Eigen::Vector3d half = half_size.cwiseMax(min_size);
   if (perspective_) {
     focal_ = std::min(width, height) / std::tan(kHalfAngle);
     const double units_per_sample = std::max(half.x() / width, half.y() / height);
@@ -61,7 +61,7 @@ void Camera::zoom_to(const View::Focus& focus, const PixelRect& area, Index samp
 }
 
 ScreenPoint Camera::project(const Vec3& x) const {
-  const Vec3 local = axes_ * x - center_;
+  const Eigen::Vector3d local = axes_ * to_eigen(x) - center_;
   const double reversed_depth = perspective_ ? 1 / (distance_ - local.z()) : local.z();
   const double scale = perspective_ ? focal_ * reversed_depth : focal_;
   return {x_ + local.x() * scale, y_ - local.y() * scale, reversed_depth};
@@ -83,7 +83,7 @@ Result<View> parse_view(const std::string& text, Up up) {
     valid = valid && number.ec == std::errc{};
     next = number.ptr;
   }
-  if (!valid || next != end || !from.allFinite() || from.isZero(0)) {
+  if (!valid || next != end || !from.allFinite() || from == Vec3::Zero()) {
     return fail(ErrorCode::InvalidArgument, "--view", "'" + text + "' is no view",
                 "give auto, front, back, side, top, or a direction to the eye as x,y,z");
   }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 
+#include "foldproof/eigen.h"
 #include "picture/picture.h"
 
 namespace foldproof::picture {
@@ -27,11 +28,11 @@ Result<Eigen::Matrix3d> orientation(const View& view);
 class Camera {
  public:
   /// Fits a box into `area`: its center and half its size, both in the view's axes.
-  Camera(const View& view, const Eigen::Matrix3d& axes, const Vec3& center, const Vec3& half_size,
-         const PixelRect& area, Index samples);
+  Camera(const View& view, const Eigen::Matrix3d& axes, const Eigen::Vector3d& center,
+         const Eigen::Vector3d& half_size, const PixelRect& area, Index samples);
 
   ScreenPoint project(const Vec3& x) const;
-  Vec3 rotate(const Vec3& direction) const { return axes_ * direction; }
+  Vec3 rotate(const Vec3& direction) const { return to_vec3(axes_ * to_eigen(direction)); }
   bool perspective() const { return perspective_; }
   /// The size on screen of a unit of length at a point, in samples.
   double samples_per_unit(const ScreenPoint& point) const {
@@ -46,7 +47,7 @@ class Camera {
   void zoom_to(const View::Focus& focus, const PixelRect& area, Index samples);
 
   Eigen::Matrix3d axes_;
-  Vec3 center_;
+  Eigen::Vector3d center_;
   bool perspective_;
   double distance_ = 0;   // from the eye to the center
   double focal_ = 1;      // samples per unit of length, in perspective at distance 1

@@ -88,12 +88,12 @@ Box bounds(const Panel& panel, const Eigen::Matrix3d& axes) {
   }
   for (const PictureMesh& mesh : panel.meshes) {
     for (std::size_t k = 0; k < mesh.positions.size(); k += 3)
-      box.extend(axes * Eigen::Map<const Vec3>(&mesh.positions[k]));
+      box.extend(axes * to_eigen(Vec3::load(&mesh.positions[k])));
   }
   for (const PicturePoints& points : panel.points) {
-    for (const Vec3& x : points.positions) box.extend(axes * x);
+    for (const Vec3& x : points.positions) box.extend(axes * to_eigen(x));
   }
-  return box.isEmpty() ? Box(Vec3(Vec3::Zero())) : box;
+  return box.isEmpty() ? Box(Eigen::Vector3d(0, 0, 0)) : box;
 }
 
 /// The number of columns that maximizes the smaller side of a panel.
@@ -134,7 +134,7 @@ Result<std::vector<Scene>> make_scenes(std::span<const Panel> panels, const Pict
   const auto areas = FOLDPROOF_TRY(arrange(static_cast<Index>(panels.size()), settings));
   std::vector<Eigen::Matrix3d> axes;
   std::vector<Box> boxes;
-  Vec3 largest = Vec3::Zero();
+  Eigen::Vector3d largest = Eigen::Vector3d::Zero();
   for (const Panel& panel : panels) {
     FOLDPROOF_TRY(require_panel(panel));
     const auto oriented = FOLDPROOF_TRY(picture::orientation(panel.view));
@@ -147,7 +147,7 @@ Result<std::vector<Scene>> make_scenes(std::span<const Panel> panels, const Pict
   }
   std::vector<Scene> scenes;
   for (std::size_t k = 0; k < panels.size(); ++k) {
-    const Vec3 size = settings.same_scale ? largest : boxes[k].sizes();
+    const Eigen::Vector3d size = settings.same_scale ? largest : boxes[k].sizes();
     const Camera camera(panels[k].view, axes[k], boxes[k].center(), 0.5 * size, areas[k], settings.samples);
     scenes.push_back(make_scene(panels[k], areas[k], camera, size.maxCoeff(), settings.samples));
   }

@@ -76,7 +76,7 @@ class SceneBuilder {
   }
 
   static Vec3 position(const PictureMesh& mesh, Index vertex) {
-    return Eigen::Map<const Vec3>(&mesh.positions[3 * std::size_t{vertex}]);
+    return Vec3::load(&mesh.positions[3 * std::size_t{vertex}]);
   }
 
   /// Adds one normal per corner of a triangle, or one per triangle. Returns the index of the first.
@@ -96,7 +96,7 @@ class SceneBuilder {
   }
 
   void add_normal(const Vec3& normal) {
-    scene_.normals.emplace_back(normal.stableNormalized().cast<float>());
+    scene_.normals.emplace_back(to_eigen(normal.stableNormalized()).cast<float>());
   }
 
   /// A corner's normal: that of the triangles around its vertex, weighted by area, without those that turn

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/try.h"
+#include "foldproof/eigen.h"
 
 namespace foldproof {
 namespace {
@@ -14,7 +15,7 @@ using Box = Eigen::AlignedBox3d;
 int axis_of(Up up) { return up == Up::Y ? 1 : 2; }
 
 /// How far the lowest, or highest, point of the poses moves along each axis.
-Vec3 moved(std::span<const Box> poses, const Vec3& (Box::*end)() const) {
+Eigen::Vector3d moved(std::span<const Box> poses, const Eigen::Vector3d& (Box::*end)() const) {
   Box ends;
   for (const Box& pose : poses) ends.extend((pose.*end)());
   return ends.sizes();
@@ -45,7 +46,7 @@ Box box_of_marked(std::span<const PictureMesh> meshes, std::span<const std::vect
     const auto triangles = meshes[i].topology->triangles();
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       for (const Index v : triangles[t]) {
-        if (marked[i][t]) box.extend(Eigen::Map<const Vec3>(&meshes[i].positions[3 * std::size_t{v}]));
+        if (marked[i][t]) box.extend(to_eigen(Vec3::load(&meshes[i].positions[3 * std::size_t{v}])));
       }
     }
   }
@@ -66,7 +67,7 @@ std::vector<View> views_around(Up up) {
 
 Box box_of(std::span<const double> x) {
   Box box;
-  for (std::size_t k = 0; k < x.size(); k += 3) box.extend(Eigen::Map<const Vec3>(&x[k]));
+  for (std::size_t k = 0; k < x.size(); k += 3) box.extend(to_eigen(Vec3::load(&x[k])));
   return box;
 }
 
@@ -74,7 +75,7 @@ Up guess_up(std::span<const Box> poses) {
   if (poses.empty()) return Up::Y;
   Box motion;
   for (const Box& pose : poses) motion.extend(pose);
-  const Vec3 lowest = moved(poses, &Box::min), highest = moved(poses, &Box::max);
+  const Eigen::Vector3d lowest = moved(poses, &Box::min), highest = moved(poses, &Box::max);
   const double size = motion.sizes().maxCoeff();
   const auto stands_across = [&](int axis, int other) {
     const bool moves = std::max(lowest[axis], highest[axis]) > 1e-3 * size;
@@ -143,7 +144,7 @@ Result<View> view_of(std::span<const PictureMesh> meshes, std::span<const std::v
   const Box box = box_of_marked(meshes, marked);
   if (box.isEmpty()) return best;
   // Small marks would be less than a pixel.
-  const View::Focus near{box.center(), std::max(0.6 * box.diagonal().norm(), 1e-300)};
+  const View::Focus near{to_vec3(box.center()), std::max(0.6 * box.diagonal().norm(), 1e-300)};
 
   // What the preferred views show counts twice.
   std::size_t most = 0;
@@ -156,7 +157,7 @@ Result<View> view_of(std::span<const PictureMesh> meshes, std::span<const std::v
     return {};
   };
   for (const double side : {1.0, -1.0}) {
-    if (normal.isZero(0)) break;
+    if (normal == Vec3::Zero()) break;
     FOLDPROOF_TRY(consider(view_along(side * normal, up), 2));
   }
   for (const View& view : views_around(up)) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "foldproof/eigen.h"
+
 namespace foldproof::internal {
 namespace {
 
@@ -49,14 +51,14 @@ struct Gram {
 // S2 without heights: the chart was built in this pose, so W^T x are its uvs again, but for their rounding.
 // Any W is valid.
 bool ChartBall::pull_back(const CenterPose& pose, const Patch& patch, const Eigen::Vector3f& facing) {
-  const Vec3 normal = facing.cast<double>().normalized();
-  const Vec3 along = normal.unitOrthogonal(), across = normal.cross(along);
+  const Eigen::Vector3d normal = facing.cast<double>().normalized();
+  const Eigen::Vector3d along = normal.unitOrthogonal(), across = normal.cross(along);
   const auto count = static_cast<double>(patch.vertices.size());
   const Vec3 first = pose.at(patch.vertices[0]);
   Eigen::Vector2d mean_x = Eigen::Vector2d::Zero(), mean_y = mean_x;
   Eigen::Matrix2d xx = Eigen::Matrix2d::Zero(), yx = xx;
   for (std::size_t i = 0; i < patch.vertices.size(); ++i) {
-    const Vec3 d = pose.at(patch.vertices[i]) - first;
+    const Eigen::Vector3d d = to_eigen(pose.at(patch.vertices[i]) - first);
     const Eigen::Vector2d x(d.dot(along), d.dot(across));
     mean_x += x / count;
     mean_y += uvs_[i] / count;
@@ -84,13 +86,13 @@ void ChartBall::map_vertices(const ReducedMotion& motion, const CenterPose& pose
   const auto deviations = motion.deviations();
   double extent = 0, moving_extent = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const Vec3 offset = pose.at(patch.vertices[i]) - first;
+    const Eigen::Vector3d offset = to_eigen(pose.at(patch.vertices[i]) - first);
     extent = std::max(extent, offset.cwiseAbs().maxCoeff());
     mapped_[i] = w_ * offset;
     const auto row = motion.row(patch.vertices[i]);
     double* to = &moved_[i * 2 * modes_];
     for (Index k = 0; k < modes_; ++k) {
-      Vec3 d;
+      Eigen::Vector3d d;
       for (int axis = 0; axis < 3; ++axis)
         d[axis] = (double{row[3 * k + axis]} - double{first_row[3 * k + axis]}) * deviations[k];
       moving_extent = std::max(moving_extent, d.cwiseAbs().maxCoeff());

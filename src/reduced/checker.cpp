@@ -71,8 +71,8 @@ Bounds ReducedChecker::Impl::bound() {
     const ReducedBox& root = object.box(0);
     const Vec3 low = root.low[0].cwiseMin(root.low[1]), high = root.high[0].cwiseMax(root.high[1]);
     SweptBox& box = object_boxes.emplace_back();
-    Eigen::Map<Vec3>(box.low.data()) = low;
-    Eigen::Map<Vec3>(box.high.data()) = high;
+    low.store(box.low.data());
+    high.store(box.high.data());
     all = united(all, {low, high, low.allFinite() && high.allFinite()});
   }
   return all;

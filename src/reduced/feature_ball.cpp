@@ -35,12 +35,14 @@ FeatureBall::Feature FeatureBall::feature(const ReducedMotion& motion, const Cen
     double row_size = 0;
     for (Index k = 0; k < motion.modes(); ++k) {
       const Vec3 own = Vec3(row[3 * k], row[3 * k + 1], row[3 * k + 2]) * motion.deviations()[k];
-      square += (own - reference_[k]).cwiseAbs2();
+      const Vec3 relative = own - reference_[k];
+      square += relative.cwiseProduct(relative);
       row_size += own.squaredNorm() + reference_[k].squaredNorm();
     }
     // R5: rounding of the differences.
-    const Vec3 error = Vec3::Constant(kSumError * std::sqrt(row_size));
-    f.growth = f.growth.cwiseMax(square.cwiseSqrt() * (1 + kSumError) + error);
+    const double error = kSumError * std::sqrt(row_size);
+    const Vec3 growth(std::sqrt(square.x()), std::sqrt(square.y()), std::sqrt(square.z()));
+    f.growth = f.growth.cwiseMax(growth * (1 + kSumError) + Vec3::Constant(error));
   }
   return f;
 }

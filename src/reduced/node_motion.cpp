@@ -93,10 +93,10 @@ void NodeMotions::measure(const ReducedMotion& motion, std::span<const CenterPos
     for (Index k = 0; k < modes; ++k) {
       for (int axis = 0; axis < 3; ++axis)
         offset[k][axis] = (double{theirs[3 * k + axis]} - double{own[3 * k + axis]}) * deviations[k];
-      squares += offset[k].cwiseAbs2();
+      squares += offset[k].cwiseProduct(offset[k]);
     }
     growth = growth.cwiseMax(squares);
-    spread = std::max(spread, squares.sum());
+    spread = std::max(spread, squares[0] + squares[1] + squares[2]);
     for (std::size_t c = 0; c < poses.size(); ++c) {
       const Vec3 d = poses[c].at(v) - point_at[c];
       extent[c] = extent[c].cwiseMax(d.cwiseAbs());

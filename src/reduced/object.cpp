@@ -6,6 +6,7 @@
 
 #include "base/plain_arithmetic.h"
 #include "base/try.h"
+#include "foldproof/eigen.h"
 
 namespace foldproof {
 namespace {
@@ -28,8 +29,7 @@ void pose_vertices(const ReducedMotion& motion, const ReducedPose& pose, std::sp
   const PlainArithmetic plain;
   motion.positions(pose.p, out);
   for (std::size_t i = 0; i < out.size(); i += 3) {
-    Eigen::Map<Vec3> x(&out[i]);
-    x = apply(pose, Vec3(x));
+    apply(pose, Vec3::load(&out[i])).store(&out[i]);
   }
 }
 
@@ -117,7 +117,8 @@ void ReducedObject::bound_by_p(Index node, ReducedBox& box) const {
     Vec3 half;
     for (int axis = 0; axis < 3; ++axis)
       half[axis] = double{extent[axis]} + distance_[e] * double{growth[axis]};
-    half = poses_[e].rotation.cwiseAbs() * half * (1 + kSumError) + Vec3::Constant(2 * rounding_[e]);
+    half = to_vec3(poses_[e].rotation.cwiseAbs() * to_eigen(half) * (1 + kSumError) +
+                   Eigen::Vector3d::Constant(2 * rounding_[e]));
     box.low[e] = middle - half;
     box.high[e] = middle + half;
   }
@@ -127,10 +128,10 @@ void ReducedObject::bound_by_p(Index node, ReducedBox& box) const {
 void ReducedObject::fit_leaf(Index leaf, ReducedBox& box) const {
   const ReducedMotion& motion = *shape_->motion();
   for (int e = 0; e < 2; ++e) {
-    box.low[e].setConstant(std::numeric_limits<double>::infinity());
+    box.low[e] = Vec3::Constant(std::numeric_limits<double>::infinity());
     box.high[e] = -box.low[e];
     for (const Index v : motion.leaf_vertices(leaf)) {
-      const Eigen::Map<const Vec3> x(&x_[e][3 * std::size_t{motion.hierarchy()->vertex_ids()[v]}]);
+      const Vec3 x = Vec3::load(&x_[e][3 * std::size_t{motion.hierarchy()->vertex_ids()[v]}]);
       box.low[e] = box.low[e].cwiseMin(x);
       box.high[e] = box.high[e].cwiseMax(x);
     }
@@ -176,8 +177,7 @@ void ReducedObject::compute_leaf(const Frame& frame, Index leaf, KineticBvh& bvh
     for (int e = 0; e < 2 && !known; ++e) {
       double x[3];
       motion.vertex(v, poses_[e].p, x);
-      Eigen::Map<Vec3> world(&x_[e][at]);
-      world = apply(poses_[e], Vec3(x[0], x[1], x[2]));
+      apply(poses_[e], Vec3::load(x)).store(&x_[e][at]);
     }
     bvh.set_vertex(frame, v, &x_[0][at], &x_[1][at]);
   }

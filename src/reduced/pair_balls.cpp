@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "foldproof/eigen.h"
 #include "reduced/touch_test.h"
 
 namespace foldproof::internal {
@@ -100,13 +101,14 @@ double PairBalls::chart_radius(NodePairIds pair, Index center) {
   const Vec3 first = pose.at(patch_.vertices[0]);
   positions_.clear();
   for (const Index v : patch_.vertices) {
-    const Eigen::Vector3f x = (pose.at(v) - first).cast<float>();
-    positions_.push_back({x.x(), x.y(), x.z()});
+    const Vec3 x = pose.at(v) - first;
+    positions_.push_back({static_cast<float>(x.x()), static_cast<float>(x.y()), static_cast<float>(x.z())});
   }
-  const Eigen::Vector3f facing = parametrizer_.facing(patch_, positions_);
-  if (facing.isZero() || parametrizer_.build(patch_, positions_, facing, uv_map_) != ChartOutcome::Made)
+  const Vec3 facing = parametrizer_.facing(patch_, positions_);
+  if (facing == Vec3::Zero() ||
+      parametrizer_.build(patch_, positions_, facing, uv_map_) != ChartOutcome::Made)
     return 0;
-  return chart_.radius(input_.motion, pose, patch_, uv_map_, facing, input_.gap);
+  return chart_.radius(input_.motion, pose, patch_, uv_map_, to_eigen(facing).cast<float>(), input_.gap);
 }
 
 double PairBalls::radius(NodePairIds pair, Index center, double max_radius) {

@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "foldproof/eigen.h"
+
 namespace foldproof::internal {
 namespace {
 
@@ -49,7 +51,7 @@ double largest_rho(double a, double b, double c) {
 // Gilbert's search for the shortest vector between the hulls; keeps the direction with the widest gap.
 bool PlaneBall::find_plane(const CenterPose& pose, const TwoSets& sets) {
   constexpr int kMaxRounds = 16;
-  Vec3 n = sets.direction.isZero() ? Vec3(mean_of(pose, sets.a) - mean_of(pose, sets.b)) : sets.direction;
+  Vec3 n = to_eigen(sets.direction).isZero() ? mean_of(pose, sets.a) - mean_of(pose, sets.b) : sets.direction;
   double widest = 0;
   for (int round = 0; round < kMaxRounds && n.squaredNorm() > 0; ++round) {
     const Vec3 unit = n.normalized();
@@ -92,7 +94,8 @@ void PlaneBall::fit_rotation(const ReducedMotion& motion, const CenterPose& pose
     for (const Index v : set) {
       const Vec3 d = pose.at(v) - mean;
       const auto row = motion.row(v);
-      inertia += weight * (d.squaredNorm() * Eigen::Matrix3d::Identity() - d * d.transpose());
+      const Eigen::Vector3d arm = to_eigen(d);
+      inertia += weight * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
       for (Index k = 0; k < modes; ++k) turn_[k] += d.cross(weight * scaled(motion, row, k));
     }
   }
@@ -100,7 +103,7 @@ void PlaneBall::fit_rotation(const ReducedMotion& motion, const CenterPose& pose
   const Eigen::Matrix3d inverse = inertia.inverse();
   shift_ = mean_;
   for (Index k = 0; k < modes; ++k) {
-    const Vec3 omega = inverse * turn_[k];
+    const Vec3 omega = to_vec3(inverse * to_eigen(turn_[k]));
     turn_[k] = omega.cross(normal_);
     shift_[k] += omega.cross(origin_ - mean);
     if (!turn_[k].allFinite() || !shift_[k].allFinite()) turn_[k] = shift_[k] = Vec3::Zero();
@@ -139,7 +142,7 @@ void PlaneBall::fit_distances(const ReducedMotion& motion, const CenterPose& pos
   for (Index k = 0; k < modes; ++k) {
     const Eigen::Vector4d found = inverse * right_sides_[k];
     const bool finite = found.allFinite();
-    turn_[k] = finite ? Vec3(found.head<3>()) : Vec3::Zero();
+    turn_[k] = finite ? to_vec3(found.head<3>()) : Vec3::Zero();
     shift_[k] = mean_[k] + (finite ? found[3] : 0.0) * normal_;
   }
 }

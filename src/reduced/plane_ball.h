@@ -1,6 +1,8 @@
 /// Balls of separating planes: within them a plane separates two sets of vertices.
 #pragma once
 
+#include <Eigen/Core>
+
 #include "reduced/pose.h"
 
 namespace foldproof::inline internal {

@@ -8,7 +8,7 @@ namespace foldproof::inline internal {
 struct CenterPose {
   CenterPose(const ReducedMotion& motion, std::vector<double> center);
 
-  Vec3 at(Index v) const { return Eigen::Map<const Vec3>(&x[3 * std::size_t{v}]); }
+  Vec3 at(Index v) const { return Vec3::load(&x[3 * std::size_t{v}]); }
 
   std::vector<double> p;
   std::vector<double> x;      ///< The vertices in leaf order.

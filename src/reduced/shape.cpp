@@ -52,7 +52,7 @@ Result<void> check_range(const ReducedMotion& motion, std::span<const CenterPose
 double size_of(const CenterPose& pose) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (std::size_t i = 0; i < pose.x.size(); i += 3) {
-    const Eigen::Map<const Vec3> x(&pose.x[i]);
+    const Vec3 x = Vec3::load(&pose.x[i]);
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
   }

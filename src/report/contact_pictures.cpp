@@ -112,9 +112,9 @@ Result<std::string> ContactPictures::draw(const Contact& contact, const Format& 
   }
   Panel whole{.meshes = meshes()};
   for (std::size_t i = 0; i < motions_.size(); ++i) whole.meshes[i].face_colors = colors[i];
-  whole.view = crosses                    ? FOLDPROOF_TRY(view_of(whole.meshes, marked, contact.normal, up_))
-               : contact.normal.isZero(0) ? default_view(up_)
-                                          : view_along(contact.normal, up_);
+  whole.view = crosses ? FOLDPROOF_TRY(view_of(whole.meshes, marked, contact.normal, up_))
+               : contact.normal == Vec3::Zero() ? default_view(up_)
+                                                : view_along(contact.normal, up_);
   std::vector<Panel> panels{whole};
   const double size = box_.sizes().maxCoeff();
   const auto focus = focus_on(contact, size);

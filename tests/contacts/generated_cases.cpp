@@ -25,7 +25,7 @@ Polyhedron measured(const Mesh& ball) {
   double spacing = 0;  // on the triangles, from any point to the nearest vertex or middle
   for (const Triangle& t : ball.triangles) {
     Vec3 p[3];
-    for (int k = 0; k < 3; ++k) p[k] = Eigen::Map<const Vec3>(&ball.positions[3 * t[k]]);
+    for (int k = 0; k < 3; ++k) p[k] = Vec3::load(&ball.positions[3 * t[k]]);
     const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]);
     out.flattening = std::max(out.flattening, 1 - std::abs(normal.normalized().dot(p[0])));
     const double circumradius =

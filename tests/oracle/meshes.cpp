@@ -157,7 +157,7 @@ Mesh hairy(Rng& rng) {
   for (int i = 0; i < 20; ++i) {
     Index from = i < 12 ? below(rng, n) : anywhere();
     for (int k = 0; k < 3; ++k) {
-      const Vec3 p = Eigen::Map<const Vec3>(&mesh.positions[3 * from]) +
+      const Vec3 p = Vec3::load(&mesh.positions[3 * from]) +
                      Vec3(uniform(rng, -0.3, 0.3), uniform(rng, -0.3, 0.3), uniform(rng, -0.3, 0.3));
       const Index to = add_vertex(mesh, p.x(), p.y(), p.z());
       mesh.lines.push_back(k == 1 ? Edge{to, from} : Edge{from, to});

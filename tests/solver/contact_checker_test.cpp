@@ -209,8 +209,8 @@ TEST(ContactChecker, IntersectionsAreExact) {
         for (std::size_t j = i + 1; j < elements.size(); ++j) {
           if (filtered && !may_collide(elements[i], elements[j], odd)) continue;
           std::vector<Vec3> a, b;
-          for (const Index v : elements[i]) a.push_back(Eigen::Map<const Vec3>(&soup.x0[3 * v]));
-          for (const Index v : elements[j]) b.push_back(Eigen::Map<const Vec3>(&soup.x0[3 * v]));
+          for (const Index v : elements[i]) a.push_back(Vec3::load(&soup.x0[3 * v]));
+          for (const Index v : elements[j]) b.push_back(Vec3::load(&soup.x0[3 * v]));
           expected = expected || hulls_intersect(a, b);
         }
       }
