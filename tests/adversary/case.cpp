@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "adversary/kiss.h"
+#include "oracle/families.h"
 
 namespace foldproof::adversary {
 namespace {
@@ -122,13 +123,11 @@ class Builder {
   void snap() {
     unit_ = std::ldexp(1, -source_.whole(2, 24));
     for (auto& object : motion_.base) {
-      for (Vec3& p : object) p = unit_ * (p / unit_).array().round().matrix();
+      for (Vec3& p : object) p = oracle::nearest_multiple(p, unit_);
     }
   }
 
-  Vec3 rounded(const Vec3& p) const {
-    return unit_ == 0 ? p : Vec3(unit_ * (p / unit_).array().round().matrix());
-  }
+  Vec3 rounded(const Vec3& p) const { return unit_ == 0 ? p : oracle::nearest_multiple(p, unit_); }
 
   void choose_motion() {
     const bool stands = source_.one_in(8), bends = source_.one_in(3), each = source_.one_in(4);

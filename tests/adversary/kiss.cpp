@@ -1,7 +1,5 @@
 #include "adversary/kiss.h"
 
-#include <Eigen/Geometry>
-
 namespace foldproof::adversary {
 namespace {
 
@@ -57,7 +55,8 @@ class Maker {
     const Vec3 corner = std::ldexp(1, -source_.whole(30, 60)) *
                         (source_.sign() * number() * u + source_.sign() * number() * v);
     const auto beyond = [&](double side) -> Vec3 {
-      return source_.whole(-3, 3) * along + side * source_.whole(1, 3) * std::abs(along.sum()) * away;
+      return source_.whole(-3, 3) * along +
+             side * source_.whole(1, 3) * std::abs(along.x() + along.y() + along.z()) * away;
     };
     const double side = source_.sign();
     return {{{-number() * along, number() * along, beyond(side)},
@@ -135,7 +134,7 @@ Contact make_thin_contact(Source& source) {
   const double p = digits(), q = digits(), r = digits(), s = digits();
   Contact made;
   made.points = {Vec3::Zero(), Vec3(x, -(p + r) / 2, -(q + s) / 2), Vec3(-x, p, q), Vec3(-x, r, s)};
-  made.across = Vec3::UnitX();
+  made.across = Vec3(1, 0, 0);
   return made;
 }
 

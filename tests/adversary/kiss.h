@@ -12,7 +12,7 @@ struct Contact {
   oracle::Kind kind = oracle::Kind::VertexFace;
   FourPoints points;
   double thickness = 0;
-  Vec3 across = Vec3::UnitZ();
+  Vec3 across{0, 0, 1};
 };
 /// Integers; exactly `thickness` apart (0: they touch).
 Contact make_contact(Source& source);
@@ -29,7 +29,7 @@ std::array<std::array<Vec3, 3>, 2> make_flat_pair(Source& source);
 struct Kiss {
   std::array<Mesh, 2> objects;
   double thickness = 0;
-  Vec3 across = Vec3::UnitZ();
+  Vec3 across{0, 0, 1};
 };
 Kiss make_kiss(Source& source);
 Kiss make_tiny_kiss(Source& source);

@@ -213,6 +213,8 @@ class StepCheck {
 using Real = long double;
 using Direction = Eigen::Matrix<Real, 3, 1>;
 
+Direction direction_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
 // A plane between two sets of points, with room for its rounding.
 bool plane_between(const Direction& n, std::span<const Direction> a, std::span<const Direction> b,
                    Real size) {
@@ -232,8 +234,8 @@ bool plane_between(const Direction& n, std::span<const Direction> a, std::span<c
 bool surely_apart(std::span<const Vec3> a, std::span<const Vec3> b) {
   std::vector<Direction> p, q, sides[2], axes = {Direction::UnitX(), Direction::UnitY(), Direction::UnitZ()};
   Real size = 0;
-  for (const Vec3& x : a) p.push_back(x.cast<Real>() - a[0].cast<Real>());
-  for (const Vec3& x : b) q.push_back(x.cast<Real>() - a[0].cast<Real>());
+  for (const Vec3& x : a) p.push_back(direction_of(x) - direction_of(a[0]));
+  for (const Vec3& x : b) q.push_back(direction_of(x) - direction_of(a[0]));
   for (const auto* set : {&p, &q}) {
     for (std::size_t k = 0; k < set->size(); ++k) {
       size = std::max(size, (*set)[k].cwiseAbs().maxCoeff());
@@ -271,7 +273,7 @@ bool plainly_clear(const Triangle& a, const Triangle& b, std::span<const double>
     return surely_apart(far_a, corners(b, x)) && surely_apart(far_b, corners(a, x));
   }
   if (common.size() != 2 || only_a.size() != 1 || only_b.size() != 1 || common[0] == common[1]) return false;
-  const auto at = [&](Index v) { return Direction(point(x, v).cast<Real>()); };
+  const auto at = [&](Index v) { return direction_of(point(x, v)); };
   const Direction side = at(common[1]) - at(common[0]), c = at(only_a[0]) - at(common[0]),
                   d = at(only_b[0]) - at(common[0]);
   const Direction across_c = side.cross(c), across_d = side.cross(d);

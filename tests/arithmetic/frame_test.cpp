@@ -6,6 +6,7 @@
 #include "arithmetic/everything.h"
 #include "arithmetic/exact.h"
 #include "bvh/kinetic_bvh.h"
+#include "foldproof/eigen.h"
 
 namespace foldproof::testing {
 namespace {
@@ -70,12 +71,14 @@ TEST(Frame, ScaleIsAPowerOfTwoAndCoordinatesAreBounded) {
   for (const Box& box : boxes()) {
     const Frame frame = frame_around(box.low, box.high);
     int exponent = 0;
-    ASSERT_EQ(std::frexp(frame.scale, &exponent), 0.5) << box.low.transpose() << "; " << box.high.transpose();
-    ASSERT_TRUE(frame.center.allFinite()) << box.low.transpose() << "; " << box.high.transpose();
+    ASSERT_EQ(std::frexp(frame.scale, &exponent), 0.5)
+        << to_eigen(box.low).transpose() << "; " << to_eigen(box.high).transpose();
+    ASSERT_TRUE(frame.center.allFinite())
+        << to_eigen(box.low).transpose() << "; " << to_eigen(box.high).transpose();
     for (int axis = 0; axis < 3; ++axis) {
       for (const double x : {box.low[axis], box.high[axis], box.low[axis] / 2 + box.high[axis] / 2}) {
         ASSERT_TRUE(is_below(in_frame(frame, x, axis), bound))
-            << x << " between " << box.low.transpose() << " and " << box.high.transpose();
+            << x << " between " << to_eigen(box.low).transpose() << " and " << to_eigen(box.high).transpose();
       }
     }
   }
@@ -110,7 +113,7 @@ TEST(Frame, RoundingIsWithinTheBoundOfB2) {
           const double x = (end == 0 ? box.low : box.high)[axis];
           const Dyadic error = Dyadic(double{bvh->vertices[0].x[4 * end + axis]}) - in_frame(frame, x, axis);
           ASSERT_TRUE(is_below(error, bound + Dyadic(1, -1074)))
-              << x << " in the box from " << box.low.transpose();
+              << x << " in the box from " << to_eigen(box.low).transpose();
         }
       }
     }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "foldproof/eigen.h"
 #include "oracle/families.h"
 #include "oracle/oracle.h"
 
@@ -81,7 +82,8 @@ TEST(FilterLimits, OrientationAgreesWithIntegers) {
     const int expected = orientation(p.a, p.b, p.c, p.d);
     ++signs[expected + 1];
     ASSERT_EQ(orient3d(p.a, p.b, p.c, p.d), expected)
-        << p.a.transpose() << "; " << p.b.transpose() << "; " << p.c.transpose() << "; " << p.d.transpose();
+        << to_eigen(p.a).transpose() << "; " << to_eigen(p.b).transpose() << "; " << to_eigen(p.c).transpose()
+        << "; " << to_eigen(p.d).transpose();
   }
   for (const int count : signs) EXPECT_GT(count, 700);
 }
@@ -96,7 +98,8 @@ TEST(FilterLimits, AreaAgreesWithIntegers) {
     const bool expected = !collinear(p.a, p.b, p.c);
     with_area += expected;
     ASSERT_EQ(triangle_has_area(p.a, p.b, p.c), expected)
-        << p.a.transpose() << "; " << p.b.transpose() << "; " << p.c.transpose();
+        << to_eigen(p.a).transpose() << "; " << to_eigen(p.b).transpose() << "; "
+        << to_eigen(p.c).transpose();
   }
   EXPECT_GT(with_area, 2000);
   EXPECT_LT(with_area, 19300);

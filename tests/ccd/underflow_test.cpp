@@ -42,7 +42,7 @@ TEST(Underflow, NormalsOfTinyEdgesAreNoLongerThanOne) {
         const double a = std::ldexp(digits, exponent);
         const FourPoints x0{Vec3(-a, 0, 1.3), Vec3(a, 0, 1.3), Vec3(0, -a, 0), Vec3(0, a, 0)};
         FourPoints x1 = x0;
-        x1[0].z() = x1[1].z() = 1.0;
+        x1[0][2] = x1[1][2] = 1.0;
         CcdSettings settings;
         settings.thickness = 1.1;
         settings.tolerance = 1e-9;

@@ -92,7 +92,10 @@ bool boxes_separated(const Corners& a, const Corners& b, std::span<const Vec3> x
              a_high = x[a[0]].cwiseMax(x[a[1]]).cwiseMax(x[a[2]]);
   const Vec3 b_low = x[b[0]].cwiseMin(x[b[1]]).cwiseMin(x[b[2]]),
              b_high = x[b[0]].cwiseMax(x[b[1]]).cwiseMax(x[b[2]]);
-  return (a_low.array() > b_high.array()).any() || (b_low.array() > a_high.array()).any();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (a_low[axis] > b_high[axis] || b_low[axis] > a_high[axis]) return true;
+  }
+  return false;
 }
 
 }  // namespace

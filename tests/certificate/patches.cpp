@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "foldproof/eigen.h"
+
 namespace foldproof::testing {
 
 double log_uniform(Rng& rng, double low, double high) {
@@ -158,10 +160,10 @@ std::vector<Vec3> deformed(std::span<const Vec3> x, double amplitude, double rou
 }
 
 std::vector<Vec3> moved(std::span<const Vec3> x, double angle, double shift, Rng& rng) {
-  const Eigen::AngleAxisd rotation(angle, random_direction(rng));
+  const Eigen::AngleAxisd rotation(angle, to_eigen(random_direction(rng)));
   const Vec3 translation = shift * random_vector(rng, 0, 1);
   std::vector<Vec3> result;
-  for (const Vec3& p : x) result.push_back(rotation * p + translation);
+  for (const Vec3& p : x) result.push_back(to_vec3(rotation * to_eigen(p)) + translation);
   return result;
 }
 

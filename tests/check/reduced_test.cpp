@@ -259,7 +259,7 @@ TEST(ReducedChecker, AnswersForTwoThousandInstances) {
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const std::size_t column = i % 13, row = i / 13 % 13, layer = i / 169;
     const Vec3 cell(static_cast<double>(column), static_cast<double>(row), static_cast<double>(layer));
-    const Vec3 axis(number(random), number(random), number(random));
+    const Eigen::Vector3d axis(number(random), number(random), number(random));
     step.start[i].rotation = Eigen::AngleAxisd(3 * number(random), axis.normalized()).toRotationMatrix();
     step.end[i].rotation = step.start[i].rotation;
     step.start[i].translation = 9.0 * cell + Vec3(number(random), number(random), number(random));

@@ -6,6 +6,7 @@
 
 #include "check/same_collisions.h"
 #include "foldproof/check.h"
+#include "foldproof/eigen.h"
 #include "reduced/shapes.h"
 
 namespace foldproof::testing {
@@ -118,7 +119,8 @@ TEST(ReducedChecker, AnswersDoNotDependOnTheLastStep) {
       if (k % 3 == 1) at[i].translation = 0.6 * vector();
       next[i] = {moved(motion, at[i].p, 0.1 * distance, random), at[i].rotation,
                  at[i].translation + 0.1 * vector()};
-      if (k % 4 == 3) next[i].rotation = Eigen::AngleAxisd(normal(random), vector().normalized()).matrix();
+      if (k % 4 == 3)
+        next[i].rotation = Eigen::AngleAxisd(normal(random), to_eigen(vector().normalized())).matrix();
     }
     StepSettings settings;
     settings.certificates = k % 5 != 4;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "contacts/scenes.h"
+#include "foldproof/eigen.h"
 
 namespace foldproof {
 namespace {
@@ -146,7 +147,7 @@ TEST(Depth, DoesNotChangeWhenMovedRigidly) {
     const Vec3 shift = 10 * Vec3(uniform(rng), uniform(rng), uniform(rng));
     const auto moved = [&](Pose x) {
       for (std::size_t v = 0; v < x.size() / 3; ++v) {
-        const Vec3 p = turn * Vec3(x[3 * v], x[3 * v + 1], x[3 * v + 2]) + shift;
+        const Vec3 p = to_vec3(turn * to_eigen(Vec3::load(&x[3 * v]))) + shift;
         for (int k = 0; k < 3; ++k) x[3 * v + static_cast<std::size_t>(k)] = p[k];
       }
       return x;

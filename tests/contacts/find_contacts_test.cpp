@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "contacts/scenes.h"
+#include "foldproof/eigen.h"
 
 namespace foldproof {
 namespace {
@@ -79,7 +80,8 @@ TEST(FindContacts, WithoutFramesTheContactIsWhereItBegins) {
     EXPECT_TRUE(found[0].frames.empty());
     EXPECT_GT(found[0].pairs, 1u);
     EXPECT_NEAR(found[0].first_time, 1.0 / 7, 1e-6);
-    EXPECT_LT((found[0].point / scale - Vec3(1.1, 0.1, 1)).norm(), 1e-6) << found[0].point.transpose();
+    EXPECT_LT((found[0].point / scale - Vec3(1.1, 0.1, 1)).norm(), 1e-6)
+        << to_eigen(found[0].point).transpose();
     EXPECT_EQ(found[0].low, found[0].point);
   }
 }

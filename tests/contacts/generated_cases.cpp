@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "contacts/scenes.h"
+#include "foldproof/eigen.h"
 
 namespace foldproof {
 namespace {
@@ -130,7 +131,7 @@ Case make_case(Rng& rng) {
     Ball still{0.8 + 0.4 * uniform(rng), std::vector<Vec3>(kSteps + 1, middle)},
         moving{0.8 + 0.4 * uniform(rng), {}};
     const Vec3 way = Vec3(uniform(rng) - 0.5, uniform(rng) - 0.5, uniform(rng) - 0.5).normalized();
-    const Vec3 aside = way.unitOrthogonal() * (1.3 + 1.2 * uniform(rng));
+    const Vec3 aside = to_vec3(to_eigen(way).unitOrthogonal()) * (1.3 + 1.2 * uniform(rng));
     const double length = 3 + 2 * uniform(rng);
     const bool back = rng() % 3 == 0;
     const int fast = int(rng() % 4);  // 0: it passes in one step

@@ -120,7 +120,7 @@ TEST_F(ChooseTest, TakesTheLargestAndTheMostOpposed) {
 TEST_F(ChooseTest, LaterRoundsUseTheResidual) {
   // Vertex 321 leaves the mesh in a single pose, far outside the five modes.
   MatrixXd torn = poses;
-  torn.col(6).segment<3>(3 * 321) += Vec3(0, 0, 30);
+  torn.col(6).segment<3>(3 * 321) += Eigen::Vector3d(0, 0, 30);
   const KeyPoints chosen = key_points_of(rest, torn, subspace, {0.004, 0.5, 0, 2, 0});
   EXPECT_EQ(chosen.vertices[chosen.round_ends[1]], 321u);
 }

@@ -136,7 +136,10 @@ class StepSweep {
 bool boxes_apart(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
   const Vec3 a_lo = a[0].cwiseMin(a[1]).cwiseMin(a[2]), a_hi = a[0].cwiseMax(a[1]).cwiseMax(a[2]);
   const Vec3 b_lo = b[0].cwiseMin(b[1]).cwiseMin(b[2]), b_hi = b[0].cwiseMax(b[1]).cwiseMax(b[2]);
-  return (a_lo.array() > b_hi.array()).any() || (b_lo.array() > a_hi.array()).any();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (a_lo[axis] > b_hi[axis] || b_lo[axis] > a_hi[axis]) return true;
+  }
+  return false;
 }
 
 std::array<Vec3, 3> corners(const Triangle& t, std::span<const double> x) {

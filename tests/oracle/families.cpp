@@ -1,7 +1,5 @@
 #include "oracle/families.h"
 
-#include <Eigen/Geometry>
-
 #include <array>
 #include <cmath>
 
@@ -196,7 +194,7 @@ Case shared_plane_case(Kind kind, Rng& rng) {
   if (chance(rng, 0.5)) shift_first(kind, contact, flat(2));
   FourPoints motion = integer_motion(rng, 4);
   if (chance(rng, 0.3)) {
-    for (Vec3& m : motion) m.z() = motion[0].z();  // Stays in one plane, which moves.
+    for (Vec3& m : motion) m[2] = motion[0].z();  // Stays in one plane, which moves.
   }
   return through(contact, motion, integer(rng, 0, 1));
 }

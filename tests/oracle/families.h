@@ -1,6 +1,7 @@
 /// Named families of moving pairs, made from a seed. Each mixes hits and misses.
 #pragma once
 
+#include <cmath>
 #include <ostream>
 #include <random>
 #include <span>
@@ -27,5 +28,11 @@ inline void PrintTo(const Family& family, std::ostream* out) { *out << family.na
 /// All families. Between 30 and 70 of 100 cases of each touch, for either kind; the tests of the oracle check
 /// it.
 std::span<const Family> families();
+
+/// The multiple of `unit` that is nearest, in each coordinate.
+inline Vec3 nearest_multiple(const Vec3& p, double unit) {
+  const Vec3 q = p / unit;
+  return unit * Vec3(std::round(q.x()), std::round(q.y()), std::round(q.z()));
+}
 
 }  // namespace foldproof::oracle

@@ -205,11 +205,12 @@ std::vector<double> deformed(std::span<const double> positions, double amplitude
   }
   std::vector<double> result(positions.begin(), positions.end());
   for (std::size_t v = 0; v < result.size() / 3; ++v) {
-    Eigen::Map<Vec3> p(&result[3 * v]);
+    Vec3 p = Vec3::load(&result[3 * v]);
     Vec3 shift(uniform(rng, -0.1, 0.1), uniform(rng, -0.1, 0.1), uniform(rng, -0.1, 0.1));
     for (int k = 0; k < 3; ++k) shift += std::sin(frequency[k].dot(p) + phase[k]) * direction[k];
     p += amplitude * shift;
-    if (grid != 0) p = grid * (p / grid).array().round().matrix();
+    if (grid != 0) p = nearest_multiple(p, grid);
+    p.store(&result[3 * v]);
   }
   return result;
 }

@@ -338,7 +338,7 @@ TEST(Picture, LooksTheSameFarFromTheOrigin) {
 TEST(Picture, IsFittedToABox) {
   const Mesh wall = square(1, 0);
   View view = kFlat;
-  view.fit = Eigen::AlignedBox3d(Vec3(-1, -1, 0), Vec3(3, 1, 0));
+  view.fit = Eigen::AlignedBox3d(Eigen::Vector3d(-1, -1, 0), Eigen::Vector3d(3, 1, 0));
   const Image image =
       draw({{.meshes = {wall.picture(colors::kRed)}, .view = view}}, {.width = 100, .height = 50});
   EXPECT_EQ(at(image, 25, 25), colors::kRed);

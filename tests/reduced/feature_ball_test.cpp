@@ -22,9 +22,9 @@ ReducedMesh shaken(Topology topology, std::vector<double> rest, double amount) {
       bend(i) = normal(random);
     }
     for (Eigen::Index v = 0; v < count; v += 3) {
-      const Vec3 x = mesh.subspace.mean.segment<3>(v);
-      Vec3 own = linear * x + bend * x.cwiseAbs2();
-      if (k == kModes - 1) own = 0.3 * Vec3(normal(random), normal(random), normal(random));
+      const Eigen::Vector3d x = mesh.subspace.mean.segment<3>(v);
+      Eigen::Vector3d own = linear * x + bend * x.cwiseAbs2();
+      if (k == kModes - 1) own = 0.3 * Eigen::Vector3d(normal(random), normal(random), normal(random));
       mesh.subspace.basis.col(k).segment<3>(v) = own;
     }
     mesh.subspace.basis.col(k).normalize();

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <set>
 
+#include "foldproof/eigen.h"
+#include "oracle/families.h"
 #include "oracle/judge.h"
 
 namespace foldproof::search {
@@ -168,7 +170,7 @@ void Attack::move_target(State& state) {
 void Attack::move_all(State& state) {
   const std::size_t end = rng_() % 2;
   const double how_much = log_uniform(rng_, 1e-6, 3);
-  const Vec3 axis = random_direction(rng_);
+  const Eigen::Vector3d axis = to_eigen(random_direction(rng_));
   Eigen::Matrix3d map = Eigen::Matrix3d::Identity();
   switch (rng_() % 4) {
     case 0:
@@ -178,15 +180,14 @@ void Attack::move_all(State& state) {
       map += (std::exp(uniform(rng_, -1, 0.3) * std::min(how_much, 1.0)) - 1) * axis * axis.transpose();
       break;
     case 2:
-      map += std::min(how_much, 1.0) * random_direction(rng_) * axis.transpose();
+      map += std::min(how_much, 1.0) * to_eigen(random_direction(rng_)) * axis.transpose();
       break;
     default:
       break;
   }
   const Vec3 middle = state.x[end][rng_() % state.x[end].size()];
-  const Vec3 shift =
-      rng_() % 4 ? Vec3::Zero().eval() : Vec3(size_ * std::min(how_much, 1.0) * random_direction(rng_));
-  for (Vec3& p : state.x[end]) p = middle + map * (p - middle) + shift;
+  const Vec3 shift = rng_() % 4 ? Vec3::Zero() : size_ * std::min(how_much, 1.0) * random_direction(rng_);
+  for (Vec3& p : state.x[end]) p = middle + to_vec3(map * to_eigen(p - middle)) + shift;
 }
 
 // To a coarse grid, so that features touch, lie in one plane or lose their area exactly.
@@ -195,7 +196,7 @@ void Attack::snap(State& state) {
   const std::size_t end = rng_() % 2, only = rng_() % state.x[end].size();
   const bool all = rng_() % 4 == 0;
   for (std::size_t v = 0; v < state.x[end].size(); ++v) {
-    if (all || v == only) state.x[end][v] = cell * (state.x[end][v] / cell).array().round().matrix();
+    if (all || v == only) state.x[end][v] = oracle::nearest_multiple(state.x[end][v], cell);
   }
 }
 
