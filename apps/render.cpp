@@ -312,7 +312,7 @@ Result<void> add_key_points(const RenderArguments& a, const Objects& motions, co
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (!(model.hierarchy()->topology() == motions[i]->topology())) continue;
     for (const Index v : model.learned->key_points.vertices)
-      points.positions.emplace_back(&poses.objects[i][std::size_t{3} * v]);
+      points.positions.push_back(Vec3::load(&poses.objects[i][std::size_t{3} * v]));
   }
   if (points.positions.empty())
     return fail(ErrorCode::InvalidArgument, a.key_points, "is a model of none of these meshes",

@@ -17,7 +17,7 @@ struct PositionsAt {
     Vec3 x;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t k = 3 * std::size_t{vertex} + axis;
-      x[static_cast<Eigen::Index>(axis)] = std::lerp(x0[object][k], x1[object][k], t);
+      x[axis] = std::lerp(x0[object][k], x1[object][k], t);
     }
     return x;
   }

@@ -36,7 +36,7 @@ PageAnswer float_answer(std::span<const double> values, const Vec3& origin = Vec
   std::vector<float> floats;
   floats.reserve(values.size());
   for (std::size_t k = 0; k < values.size(); ++k)
-    floats.push_back(static_cast<float>(values[k] - origin[static_cast<Eigen::Index>(k % 3)]));
+    floats.push_back(static_cast<float>(values[k] - origin[k % 3]));
   return binary_answer(std::span<const float>(floats));
 }
 PageAnswer vector_answer(const Eigen::Ref<const Eigen::VectorXd>& values, const Vec3& origin = Vec3::Zero()) {

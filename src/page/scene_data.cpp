@@ -122,7 +122,7 @@ Result<std::vector<float>> SceneData::boxes(Index i, Index k, Index level) const
     }
     // Subtraction and rounding are monotonic, so a rounded box still contains its rounded vertices.
     for (const Vec3& corner : {low, high}) {
-      for (Eigen::Index axis = 0; axis < 3; ++axis)
+      for (std::size_t axis = 0; axis < 3; ++axis)
         boxes.push_back(static_cast<float>(corner[axis] - center()[axis]));
     }
   }

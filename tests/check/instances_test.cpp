@@ -64,8 +64,8 @@ struct Crowd {
       const Vec3 by = 0.8 * Vec3(number(random), number(random), number(random));
       auto &from = x0.emplace_back(body.x), &to = x1.emplace_back(body.x);
       for (std::size_t k = 0; k < from.size(); ++k) {
-        from[k] += at[static_cast<Eigen::Index>(k % 3)];
-        to[k] = from[k] + by[static_cast<Eigen::Index>(k % 3)] + 0.05 * number(random);
+        from[k] += at[k % 3];
+        to[k] = from[k] + by[k % 3] + 0.05 * number(random);
       }
     }
   }

@@ -158,7 +158,7 @@ TEST(Depth, DoesNotChangeWhenMovedRigidly) {
     EXPECT_NEAR(contact.frames[0].curve_length, still.frames[0].curve_length, 1e-8);
     EXPECT_EQ(contact.sides[0].inside, still.sides[0].inside);
     EXPECT_EQ(contact.sides[1].inside, still.sides[1].inside);
-    EXPECT_NEAR((contact.normal - turn * still.normal).norm(), 0, 1e-6);
+    EXPECT_NEAR((contact.normal - to_vec3(turn * to_eigen(still.normal))).norm(), 0, 1e-6);
   }
 }
 

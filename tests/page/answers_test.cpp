@@ -51,7 +51,7 @@ class Truth {
     const std::size_t k = 3 * std::size_t{vertex};
     Vec3 x;
     for (std::size_t axis = 0; axis < 3; ++axis)
-      x[static_cast<Eigen::Index>(axis)] = std::lerp(x0_[object][k + axis], x1_[object][k + axis], t);
+      x[axis] = std::lerp(x0_[object][k + axis], x1_[object][k + axis], t);
     return x;
   }
   Motion& motion(Index object) { return *motions_[object]; }
@@ -103,8 +103,8 @@ TEST(PageAnswers, TheSceneDescribesItsObjects) {
   for (const auto& motion : two_tubes()) {
     const std::vector<double> x = frame_of(*motion, 1);
     for (std::size_t k = 0; k < x.size(); ++k) {
-      auto& l = low[static_cast<Eigen::Index>(k % 3)];
-      auto& h = high[static_cast<Eigen::Index>(k % 3)];
+      auto& l = low[k % 3];
+      auto& h = high[k % 3];
       l = std::min(l, x[k]);
       h = std::max(h, x[k]);
     }

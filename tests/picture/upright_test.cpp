@@ -18,7 +18,7 @@ Up up_of(const json& value) { return value["up"] == "z" ? Up::Z : Up::Y; }
 /// Three numbers, from the one at `first` on.
 Vec3 vector_of(const json& values, std::size_t first = 0) {
   Vec3 vector;
-  for (std::size_t k = 0; k < 3; ++k) vector[static_cast<Eigen::Index>(k)] = values[first + k].get<double>();
+  for (std::size_t k = 0; k < 3; ++k) vector[k] = values[first + k].get<double>();
   return vector;
 }
 

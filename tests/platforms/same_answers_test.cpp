@@ -111,8 +111,7 @@ Mesh sphere(Index n) {
 }
 
 std::vector<double> moved(std::vector<double> x, double scale, Vec3 by, double jitter, Numbers& numbers) {
-  for (std::size_t k = 0; k < x.size(); ++k)
-    x[k] = scale * (x[k] + by[static_cast<Eigen::Index>(k % 3)]) + jitter * numbers.next();
+  for (std::size_t k = 0; k < x.size(); ++k) x[k] = scale * (x[k] + by[k % 3]) + jitter * numbers.next();
   return x;
 }
 
