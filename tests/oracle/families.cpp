@@ -116,10 +116,10 @@ Case degenerate_case(Kind kind, Rng& rng) {
   Vec3 u = integer_vector(rng, 2), w = integer_vector(rng, 2);
   switch (integer(rng, 0, 3)) {
     case 0:
-      u.setZero();
+      u = Vec3::Zero();
       break;
     case 1:
-      w.setZero();
+      w = Vec3::Zero();
       break;
     case 2:
       u = w;

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "foldproof/eigen.h"
+
 namespace foldproof {
 namespace {
 
@@ -26,7 +28,8 @@ TEST(Upright, GuessesTheAxisThatPointsUp) {
   const json all = cases();
   for (const json& motion : all["motions"]) {
     std::vector<Eigen::AlignedBox3d> poses;
-    for (const json& box : motion["poses"]) poses.emplace_back(vector_of(box), vector_of(box, 3));
+    for (const json& box : motion["poses"])
+      poses.emplace_back(to_eigen(vector_of(box)), to_eigen(vector_of(box, 3)));
     EXPECT_EQ(guess_up(poses), up_of(motion)) << motion["name"];
   }
   EXPECT_EQ(guess_up({}), Up::Y);
