@@ -6,7 +6,7 @@ Result<std::vector<PageFile>> require_page_files() {
   auto files = page_files();
   if (!files.empty()) return files;
   return fail(ErrorCode::FileAccess, "this build of foldproof", "has no page to show",
-              "build it with './dev build', which makes the page with Node and npm first");
+              "make it with './dev build'");
 }
 
 }  // namespace foldproof

@@ -1,4 +1,4 @@
-# What is installed, and Debian packages of it (`./dev package`): foldproof, the program; libfoldproof-dev, library and headers.
+# What is installed, and Debian packages of it (the target `package`): foldproof, the program; libfoldproof-dev, library and headers.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -10,6 +10,17 @@ if(TARGET foldproof_program)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT program)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/foldproof RENAME copyright COMPONENT program)
 endif()
+
+# What Blender installs. All times in it are one, so that the same sources make the same file.
+file(GLOB ADDON CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/blender blender/foldproof_addon/*.py)
+list(TRANSFORM ADDON PREPEND ${PROJECT_SOURCE_DIR}/blender/ OUTPUT_VARIABLE ADDON_FILES)
+add_custom_command(OUTPUT foldproof_addon.zip DEPENDS ${ADDON_FILES} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/blender
+  COMMAND ${CMAKE_COMMAND} -E tar cf ${PROJECT_BINARY_DIR}/foldproof_addon.zip --format=zip --mtime=2000-01-01 ${ADDON})
+add_custom_target(blender_addon ALL DEPENDS ${PROJECT_BINARY_DIR}/foldproof_addon.zip)
+
+# A page per header, with its example. What Doxygen warns of is an error.
+add_custom_target(docs WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} COMMENT "Writing out/docs"
+  COMMAND ${CMAKE_COMMAND} -E make_directory out COMMAND doxygen docs/Doxyfile)
 
 # With the program lies a shared library; everything else is for those who build with it.
 set(LIBRARIES foldproof foldproof_io foldproof_model)

@@ -1,4 +1,4 @@
-// The library as WebAssembly, which ./dev npm builds (web/package_engine.cpp). Pointers and handles are numbers.
+// The library as WebAssembly, which the preset web builds (web/package_engine.cpp). Pointers and handles are numbers.
 export interface Engine {
   HEAPU8: Uint8Array;
   HEAPU32: Uint32Array;

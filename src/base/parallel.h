@@ -14,11 +14,13 @@
 #include "base/plain_arithmetic.h"
 
 #if defined(FOLDPROOF_THREADS_TBB)
+// NOLINTBEGIN(portability-restrict-system-includes)
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 #include <tbb/task_arena.h>
+// NOLINTEND(portability-restrict-system-includes)
 #elif defined(FOLDPROOF_THREADS_STD) || defined(FOLDPROOF_THREADS_SERIAL)
 #include <deque>
 #include <functional>

@@ -33,8 +33,7 @@ class View : public ::testing::Test {
     const Outcome outcome = scene_.run({"report", "free.npz", "--quiet", "-o", "probe.html"});
     if (outcome.code == 0) return;
     EXPECT_EQ(outcome.err,
-              "foldproof: this build of foldproof: has no page to show; build it with './dev build', which "
-              "makes the page with Node and npm first\n");
+              "foldproof: this build of foldproof: has no page to show; make it with './dev build'\n");
     GTEST_SKIP() << "This build of the program has no page: './dev build' makes one.";
   }
   ViewScene scene_;

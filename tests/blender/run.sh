@@ -1,5 +1,5 @@
 #!/bin/sh
-# run.sh FOLDPROOF SOURCES: the add-on's test in Blender. Exit code 77, which ctest calls skipped, without Blender.
+# run.sh FOLDPROOF SOURCES ADDON: the add-on's test in Blender. Exit code 77, which ctest calls skipped, without Blender.
 set -eu
 if ! command -v blender >/dev/null; then
   echo "skipped: Blender is not installed; Debian's package blender has it"
@@ -8,8 +8,7 @@ fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/home" "$work/files"
-"$2/tools/blender_addon" "$work/addon.zip"
 # Does not read or change the user's own Blender settings.
 HOME=$work/home BLENDER_USER_CONFIG=$work/home BLENDER_USER_SCRIPTS=$work/home \
   blender --background --factory-startup --python-exit-code 1 --python "$2/tests/blender/test_addon.py" \
-  -- "$1" "$work/addon.zip" "$work/files"
+  -- "$1" "$3" "$work/files"

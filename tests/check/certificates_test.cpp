@@ -13,7 +13,6 @@
 #include "base/parallel.h"
 #include "check/films.h"
 #include "foldproof/check.h"
-#include "foldproof/model.h"
 #include "oracle/brute_force.h"
 #include "oracle/data.h"
 #include "oracle/meshes.h"
@@ -67,31 +66,6 @@ TEST_P(Films, SettingsChangeFromStepToStep) {
     ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k + 1], film_.poses[k], settings)) << "step " << k;
   }
   EXPECT_GT(both.sums.passes, 50u);
-}
-
-// Models of a few poses, of all, and of one only.
-TEST_P(Films, TrainedChartsNeverChangeAnAnswer) {
-  for (const std::size_t stride : {4, 13, 1000}) {
-    std::vector<Object> trained, untrained;
-    for (std::size_t object = 0; object < film_.topologies.size(); ++object) {
-      std::vector<Pose> poses;
-      for (std::size_t k = 0; k < film_.poses.size(); k += stride) poses.push_back(film_.poses[k][object]);
-      const auto motion = memory_motion("film", film_.topologies[object], poses);
-      std::vector<TrainPose> chosen;
-      for (Index k = 0; k < motion->frame_count(); ++k) chosen.push_back({motion.get(), k});
-      const Result<Model> model = train_model(chosen, {});
-      ASSERT_TRUE(model) << model.error().line();
-      trained.push_back(model->object());
-      untrained.push_back(model->hierarchy());
-    }
-    Comparison both(trained, untrained);
-    for (std::size_t k = 0; k + 1 < film_.poses.size(); ++k) {
-      ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k], film_.poses[k + 1], {})) << "step " << k;
-      ASSERT_NO_FATAL_FAILURE(both.pose(film_.poses[k])) << "pose " << k;
-    }
-    EXPECT_GT(both.sums.passes, 50u);
-    EXPECT_LT(both.sums.pairs_with, both.sums.pairs_without);
-  }
 }
 
 TEST_P(Films, EarliestOnlyIsTheSameWithCertificates) {
@@ -218,23 +192,6 @@ TEST_P(RealFilms, TenthsOfSteps) {
     }
     report(both);
     EXPECT_EQ(both.sums.covered > 0, ahead);
-  }
-}
-
-TEST_P(RealFilms, FullStepsWithModels) {
-  if (!all_) GTEST_SKIP() << "Training takes long. Set FOLDPROOF_ALL_FRAMES=1 to run this test.";
-  // Trained on every tenth frame; all of them become references, or one.
-  for (const Index references : {0, 1}) {
-    std::vector<TrainPose> chosen;
-    for (Index k = 0; k < motion_->frame_count(); k += 10) chosen.push_back({motion_.get(), k});
-    TrainSettings training;
-    training.references = references;
-    const Result<Model> model = train_model(chosen, training);
-    ASSERT_TRUE(model) << model.error().line();
-    Comparison both({model->object()}, {model->hierarchy()});
-    for (Index k = first_; k < last_; ++k)
-      ASSERT_NO_FATAL_FAILURE(both.step(frame(k), frame(k + 1), {})) << "frame " << k;
-    report(both);
   }
 }
 

@@ -75,9 +75,9 @@ void print(const char* scene, const char* kind, const Count& c) {
       scene, kind, c.listed, c.missed, c.extra, c.extra_true, c.extra_false);
 }
 
-class GroundTruth : public ::testing::TestWithParam<const char*> {};
+class RealGroundTruth : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(GroundTruth, EveryListedCollisionIsReported) {
+TEST_P(RealGroundTruth, EveryListedCollisionIsReported) {
   const auto data = data_directory();
   if (!data) GTEST_SKIP() << kNoData;
   const auto directory = *data / "ccd-ground-truth" / GetParam();
@@ -102,7 +102,7 @@ TEST_P(GroundTruth, EveryListedCollisionIsReported) {
 }
 
 // A sample of the lists compared with the exact oracle, to test the oracle.
-TEST_P(GroundTruth, OracleAgreesWithTheLists) {
+TEST_P(RealGroundTruth, OracleAgreesWithTheLists) {
   const auto data = data_directory();
   if (!data) GTEST_SKIP() << kNoData;
   const auto directory = *data / "ccd-ground-truth" / GetParam();
@@ -122,14 +122,14 @@ TEST_P(GroundTruth, OracleAgreesWithTheLists) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Steps, GroundTruth, ::testing::Values("cloth-ball", "rod-twist", "cloth-funnel"),
+INSTANTIATE_TEST_SUITE_P(Steps, RealGroundTruth, ::testing::Values("cloth-ball", "rod-twist", "cloth-funnel"),
                          [](const auto& instance) {
                            std::string name = instance.param;
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
 
-TEST(GroundTruthQueries, EveryHitIsReported) {
+TEST(RealGroundTruthQueries, EveryHitIsReported) {
   const auto data = data_directory();
   if (!data) GTEST_SKIP() << kNoData;
   int hits = 0, extra = 0, undecided = 0;

@@ -1,15 +1,11 @@
-# include/foldproof/ipc_toolkit.h against a stand-in for the interfaces of each release of ipc-toolkit, as 13 for 1.3. The
-# newest has the name by which `./dev test` finds suites.
+# include/foldproof/ipc_toolkit.h against a stand-in for the interfaces of each release of ipc-toolkit, as 13 for 1.3.
 foreach(RELEASE 13 14 15 16)
   set(PROGRAM test_ipc_toolkit_${RELEASE})
-  if(RELEASE EQUAL 16)
-    set(PROGRAM test_ipc_toolkit)
-  endif()
   add_executable(${PROGRAM} ipc_toolkit/ipc_toolkit_test.cpp ipc_toolkit/stand_in/stand_in.cpp)
   target_compile_definitions(${PROGRAM} PRIVATE IPC_STAND_IN=${RELEASE})
   target_include_directories(${PROGRAM} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ipc_toolkit/stand_in)
   target_link_libraries(${PROGRAM} PRIVATE foldproof foldproof_oracle GTest::gmock GTest::gtest_main)
-  gtest_discover_tests(${PROGRAM} TEST_PREFIX ${RELEASE}. PROPERTIES LABELS ipc_toolkit DISCOVERY_TIMEOUT 60)
+  foldproof_discover(${PROGRAM} ipc_toolkit quick * TEST_PREFIX ${RELEASE}.)
   list(APPEND IPC_TOOLKIT_PROGRAMS ${PROGRAM})
 endforeach()
-foldproof_test_part(ipc_toolkit ${IPC_TOOLKIT_PROGRAMS})
+foldproof_label(ipc_toolkit quick ${IPC_TOOLKIT_PROGRAMS})

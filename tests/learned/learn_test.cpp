@@ -206,7 +206,7 @@ TEST(Suggest, NothingWhenAllIsRepresented) {
   EXPECT_THAT(wrong.error().line(), HasSubstr("has 108 vertices, and the model has 300"));
 }
 
-TEST(Learn, TheHandIsReconstructedFromKeyPoints) {
+TEST(LearnReal, TheHandIsReconstructedFromKeyPoints) {
   const auto data = oracle::data_directory();
   if (!data) GTEST_SKIP() << oracle::kNoData;
   const auto open = [&](const std::string& name) {

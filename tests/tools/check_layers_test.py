@@ -20,10 +20,6 @@ def check(files):
         return run.returncode, run.stdout
 
 
-def function(lines):
-    return "int f() {\n" + "  g();\n" * (lines - 2) + "}\n"
-
-
 class CheckLayers(unittest.TestCase):
     def accepts(self, files):
         code, output = check(files)
@@ -65,20 +61,6 @@ class CheckLayers(unittest.TestCase):
         self.refuses({"src/mesh/a.cpp": '#include "attic/old.h"\n'}, "belongs to no module")
         self.refuses({"src/attic/a.cpp": ""}, "module 'attic' has no level")
 
-    def test_one_file_sees_onetbb(self):
-        self.accepts({"src/base/parallel.h": "#include <tbb/parallel_for.h>\n",
-                      "src/check/a.cpp": '#include "base/parallel.h"\n#include <tbbl.h>\n'})
-        includes = ("<tbb/parallel_for.h>", "<oneapi/tbb/task_arena.h>", "<tbb.h>", '"tbb/tbb.h"', "<oneapi/tbb.h>")
-        text = "".join(f"# include {include}\n" for include in includes)
-        paths = ("src/check/a.cpp", "src/base/a.h", "apps/a.cpp", "python/src/a.cpp", "tests/check/a.cpp", "bench/a.h")
-        self.refuses({path: text for path in paths},
-                     *(f"{path}:{line}: includes tbb" for path in paths for line in range(1, 6)))
-
-    def test_only_tests_use_regular_expressions(self):
-        self.accepts({"tests/page/a.cpp": "#include <regex>\nstd::regex r;\n", "src/page/a.cpp": "int regex;\n"})
-        for path in ("src/page/a.cpp", "apps/a.cpp", "include/foldproof/io.h"):
-            self.refuses({path: "#include <regex>\n\nstd::regex_match(a, b);\n"}, f"{path}:1: uses std::regex", f"{path}:3:")
-
     def test_algorithms_are_there_for_the_page(self):
         offered = {"web/standard_library.h": "using ::ranges::sort;\n"}
         self.accepts({"src/mesh/a.cpp": "void f() { std::ranges::sort(x); }\n", **offered})
@@ -89,46 +71,6 @@ class CheckLayers(unittest.TestCase):
         self.accepts({"src/mesh/a.cpp": "\n" * 600, "include/foldproof/mesh.h": "\n" * 300})
         self.refuses({"src/mesh/a.cpp": "\n" * 601}, "601 lines")
         self.refuses({"include/foldproof/mesh.h": "\n" * 301}, "301 lines")
-
-    def test_function_lengths(self):
-        self.accepts({"src/mesh/a.cpp": "namespace n {\n" + function(60) + function(60) + "}\n"})
-        self.refuses({"src/mesh/a.cpp": "namespace n {\n" + function(3) + function(61) + "}\n"}, "src/mesh/a.cpp:5", "61 lines")
-
-    def test_methods_constructors_and_trailing_returns_are_functions(self):
-        body = "  g();\n" * 60
-        for head in ("int f() const", "explicit C(int a) : a_(a), b_()", "auto f(int a) -> int",
-                     "template <class T>\nint f(T x) noexcept"):
-            self.refuses({"src/mesh/a.cpp": f"class C {{\n{head} {{\n{body}}}\n}};\n"}, "a function of")
-
-    def test_long_classes_and_namespaces_are_not_functions(self):
-        self.accepts({"src/mesh/a.cpp": "namespace n {\nclass C : public B {\n" + "  int f();\n" * 100 + "};\n}\n"})
-
-    def test_braces_in_text_do_not_count(self):
-        self.accepts({"src/mesh/a.cpp": 'void f() {\n  g("{", \'{\');  // {\n  /* { */\n}\n' + function(60)})
-
-    def library(self, **sources):
-        """A tree with sources a and b in one library, given what their unnamed namespaces have."""
-        tree = {"src/CMakeLists.txt": "foldproof_library(foldproof base mesh)\n"}
-        for (name, text), folder in zip(sources.items(), ("base", "mesh")):
-            tree[f"src/{folder}/{name}.cpp"] = f"namespace foldproof {{\nnamespace {{\n\n{text}\n}}  // namespace\n}}  // namespace foldproof\n"
-        return tree
-
-    def test_sources_of_one_library_have_no_names_in_common(self):
-        for text, name in [("int f(int a, std::map<int, int> b) {\n  g();\n}\n", "f() of 2 parameters"),
-                           ("template <class T, class U>\nT f() {}\n", "f() of 0 parameters"), ("constexpr int kMost = 3;\n", "kMost"),
-                           ("struct Side {\n  int x;\n};\n", "Side"), ("std::FILE* output = stdout;\n", "output")]:
-            self.refuses(self.library(a=text, b="int before() { return {}; }\n\n" + text),
-                         "src/mesh/b.cpp: src/base/a.cpp has " + name)
-        self.refuses(self.library(a="using Points = std::vector<int>;\n", b="using Points = std::span<int>;\n"), "Points")
-
-    def test_no_source_of_a_library_uses_a_whole_namespace(self):
-        self.refuses(self.library(a="using namespace io;\n"), "src/base/a.cpp: 'using namespace io;'")
-        self.accepts(self.library(a="using namespace std::chrono_literals;\nvoid f() {\n  using namespace io;\n}\n"))
-
-    def test_names_that_can_be_told_apart_pass(self):
-        self.accepts(self.library(a="int f(int a) {\n  int x = 1;\n}\n", b="int f(int a, int b = 0) {\n  int x = 1;\n}\n"))
-        self.accepts(self.library(a="using V = Eigen::V;\nnamespace fs = std::fs;\nusing Eigen::V;\n",
-                                  b="using V = Eigen::V;\nnamespace fs = std::fs;\nusing Eigen::V;\n"))
 
 
 if __name__ == "__main__":

@@ -29,16 +29,17 @@ target_link_libraries(foldproof_fallback PRIVATE foldproof_model foldproof_threa
 function(foldproof_fallback_tests MODULE FILTER)
   add_executable(test_${MODULE}_fallback $<TARGET_OBJECTS:foldproof_fallback>
     $<FILTER:$<FILTER:$<TARGET_OBJECTS:test_${MODULE}>,EXCLUDE,/ops\\.cpp>,EXCLUDE,/inside\\.cpp>)
-  target_link_libraries(test_${MODULE}_fallback PRIVATE foldproof_app fmt::fmt GTest::gmock GTest::gtest_main hwy ${ARGN})
-  gtest_discover_tests(test_${MODULE}_fallback TEST_PREFIX fallback/ TEST_FILTER ${FILTER}
-    PROPERTIES LABELS ${MODULE}_fallback TIMEOUT 600 DISCOVERY_TIMEOUT 60)
+  target_link_libraries(test_${MODULE}_fallback PRIVATE foldproof_model fmt::fmt GTest::gmock GTest::gtest_main hwy ${ARGN})
+  foldproof_discover(test_${MODULE}_fallback ${MODULE}_fallback quick ${FILTER} TEST_PREFIX fallback/)
   # That it is in use, and alone; and that its answers are those of the other instruction sets.
   add_test(NAME fallback/${MODULE}_agrees COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DPROGRAM=$<TARGET_FILE:test_${MODULE}>
     -DFALLBACK=$<TARGET_FILE:test_${MODULE}_fallback> -P ${CMAKE_CURRENT_SOURCE_DIR}/tools/same_answers.cmake)
-  foldproof_test_part(${MODULE}_fallback test_${MODULE} test_${MODULE}_fallback)
+  foldproof_label(${MODULE}_fallback quick test_${MODULE})
 endfunction()
 
 foldproof_fallback_tests(arithmetic * foldproof_oracle foldproof_threads)
 foldproof_fallback_tests(bvh *:-Hierarchy* foldproof_oracle)
 foldproof_fallback_tests(ccd ConservativeAdvancement* foldproof_oracle CGAL::CGAL)
 foldproof_fallback_tests(certificate *InstructionSets*:*Plane* foldproof_oracle foldproof_threads)
+foldproof_heavy_test(fallback/arithmetic_of_all_floats arithmetic_fallback ${CMAKE_COMMAND} -E env FOLDPROOF_ALL_FLOATS=1
+  $<TARGET_FILE:test_arithmetic_fallback>)

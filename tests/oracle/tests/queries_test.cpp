@@ -7,7 +7,7 @@
 namespace foldproof::oracle {
 namespace {
 
-TEST(Oracle, AgreesWithThePublishedQueries) {
+TEST(RealQueries, AreAnsweredAsPublished) {
   const auto data = data_directory();
   if (!data) GTEST_SKIP() << kNoData;
   const std::vector<Query> queries = read_queries(*data);

@@ -8,7 +8,6 @@
 #include "foldproof/model.h"
 #include "model/cylinder.h"
 #include "oracle/brute_force.h"
-#include "report/report.h"
 
 namespace foldproof::testing {
 namespace {

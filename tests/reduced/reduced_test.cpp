@@ -273,10 +273,10 @@ TEST(ReducedChecker, AnswersForTwoThousandInstances) {
 }
 
 // Single poses of real meshes: a subspace of their shapes, and steps between them.
-class ReducedPoseSets : public ::testing::TestWithParam<const char*> {};
+class ReducedRealPoses : public ::testing::TestWithParam<const char*> {};
 
 // From every pose to the next, and two short steps; only the first pose unless FOLDPROOF_ALL_FRAMES=1.
-TEST_P(ReducedPoseSets, AnswerAsStepChecker) {
+TEST_P(ReducedRealPoses, AnswerAsStepChecker) {
   const auto data = oracle::data_directory();
   if (!data) GTEST_SKIP() << oracle::kNoData;
   const bool every = oracle::all_frames();
@@ -316,7 +316,7 @@ TEST_P(ReducedPoseSets, AnswerAsStepChecker) {
              GetParam(), steps, found, shapes[0]->radius(0));
 }
 
-INSTANTIATE_TEST_SUITE_P(Real, ReducedPoseSets,
+INSTANTIATE_TEST_SUITE_P(Motions, ReducedRealPoses,
                          ::testing::Values("horse_poses", "lion_poses", "hand_poses", "hand_train",
                                            "elephant_poses"),
                          [](const auto& instance) { return std::string(instance.param); });
