@@ -36,7 +36,6 @@ struct Options {
        contacts = false, reduced = false, simulation = false, growth = false, threads = false,
        training = false, everything = false;
   int cpu = -1;
-  double trained_before = NAN;
   Plan plan;
 };
 
@@ -82,10 +81,6 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--verify", plan.verify, "Check that all candidates agree and contain foldproof's answer");
   app.add_flag("--no-memory", options.no_memory, "Do not measure peak memory");
   app.add_flag("--peer-memory", plan.peer_memory, "Measure the peers' peak memory as well");
-  app.add_option(
-         "--trained-before", options.trained_before,
-         "Processor seconds that training on hand-train took before, on this machine, to compare with")
-      ->check(CLI::PositiveNumber);
 }
 
 /// Other tables than the main ones.
@@ -207,7 +202,6 @@ void add_facts(const Options& options, json& results) {
   results["warm_up"] = plan.sampling.warm_up;
   results["peer_steps"] = plan.peer_steps;
   results["leaf_triangles"] = plan.hierarchy.leaf_triangles;
-  results["trained_before"] = options.trained_before;
 }
 
 std::vector<StepSize> sizes_called(const std::string& name) {
