@@ -36,7 +36,7 @@ void add_cloth(Scene& scene, Index n, double height) {
       const Eigen::Vector3d p(i * cell - 0.38, k * cell - 0.43,
                               height + 0.01 * std::sin(3.0 * i * cell + 5.0 * k * cell));
       const Eigen::AngleAxisd turn(0.3, Eigen::Vector3d::UnitZ());
-      add_vertex(scene, to_vec3(turn * p), kClothMass / (n * n));
+      add_vertex(scene, foldproof::to_vec3(turn * p), kClothMass / (n * n));
     }
   }
   const auto id = [&](Index i, Index k) { return first + i * n + k; };
@@ -224,7 +224,7 @@ Scene twisted_rod(Index around) {
       const double side = from.x() < 0 ? -1 : 1;
       const Vec3 axis(from.x() - side * kNearer * seconds, 0, 1);
       const Eigen::AngleAxisd turn(side * 2 * kPi * kTurns * seconds, Eigen::Vector3d::UnitX());
-      const Vec3 to = axis + to_vec3(turn * Eigen::Vector3d(0, from.y(), from.z() - 1));
+      const Vec3 to = axis + foldproof::to_vec3(turn * Eigen::Vector3d(0, from.y(), from.z() - 1));
       to.store(&x[3 * std::size_t{v}]);
     }
   };

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "adversary/kiss.h"
+#include "foldproof/eigen.h"
 #include "oracle/families.h"
 
 namespace foldproof::adversary {
@@ -206,10 +207,10 @@ class Builder {
       const Vec3 turn = s * motion_.turn[k], middle = motion_.base[k].front();
       const double angle = turn.norm();
       const Eigen::Matrix3d matrix =
-          Eigen::AngleAxisd(angle, angle > 0 ? Vec3(turn / angle) : Vec3(0, 0, 1)).toRotationMatrix();
+          Eigen::AngleAxisd(angle, to_eigen(angle > 0 ? turn / angle : Vec3(0, 0, 1))).toRotationMatrix();
       for (std::size_t v = 0; v < motion_.base[k].size(); ++v) {
         Vec3 p = motion_.base[k][v];
-        if (angle > 0) p = middle + matrix * (p - middle);
+        if (angle > 0) p = middle + to_vec3(matrix * to_eigen(p - middle));
         p += s * motion_.way[k][v] + s * s * motion_.bend[k][v];
         if (motion_.shake > 0) p += motion_.shake * random_vector(source_);
         for (int axis = 0; axis < 3; ++axis) {

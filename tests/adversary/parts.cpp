@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "foldproof/eigen.h"
+
 namespace foldproof::adversary {
 namespace {
 
@@ -191,8 +193,9 @@ Mesh make_part(Source& source, double size) {
   if (source.one_in(3)) {
     const double angle = source.real(-3, 3);
     const Eigen::Matrix3d turn =
-        Eigen::AngleAxisd(angle, (random_vector(source) + Vec3(0, 0, 1e-9)).normalized()).toRotationMatrix();
-    for (Vec3& p : mesh.vertices) p = turn * p;
+        Eigen::AngleAxisd(angle, to_eigen((random_vector(source) + Vec3(0, 0, 1e-9)).normalized()))
+            .toRotationMatrix();
+    for (Vec3& p : mesh.vertices) p = to_vec3(turn * to_eigen(p));
   } else if (const int axis = source.whole(0, 2); axis != 0) {
     for (Vec3& p : mesh.vertices) p = axis == 1 ? Vec3(p.z(), p.x(), p.y()) : Vec3(p.y(), p.z(), p.x());
   }

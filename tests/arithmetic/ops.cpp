@@ -1,6 +1,7 @@
 #include "arithmetic/ops.h"
 
 #include <algorithm>
+#include <cstring>
 
 #undef HWY_TARGET_INCLUDE  // Highway compiles this file once per instruction set
 #define HWY_TARGET_INCLUDE "arithmetic/ops.cpp"

@@ -45,7 +45,9 @@ TEST_P(FilteredContacts, CrossAsFilteredStaticQueriesSay) {
     kept += crossings.crossings.size();
     left_out += unfiltered.crossings.size() - crossings.crossings.size();
   }
-  if (left_out > 100) EXPECT_GT(kept, 0u);
+  if (left_out > 100) {
+    EXPECT_GT(kept, 0u);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Films, FilteredContacts, ::testing::ValuesIn(generated_films()),

@@ -1,6 +1,7 @@
 // Two hundred films of balls that pass each other, whose contacts are known: how many, when and how deep.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numeric>
 

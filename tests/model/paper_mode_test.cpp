@@ -91,25 +91,5 @@ TEST_F(PaperMode, NeedsAPredictor) {
   EXPECT_NE(done.error().line().find("at least 3 poses"), std::string::npos) << done.error().line();
 }
 
-TEST_F(PaperMode, IsComparedWithTheProvenAnswer) {
-  std::vector<std::unique_ptr<Motion>> motions;
-  motions.push_back(bending_tube(kShape, {4, 5, 6, 7, 8}));
-  CheckSettings settings;
-  settings.step = paper(1);
-  const auto rejected = run_check(motions, settings, {});
-  ASSERT_FALSE(rejected);
-  EXPECT_NE(rejected.error().line().find("--model"), std::string::npos);
-  settings.models = {model_};
-  const auto predicted = run_check(motions, settings, {});
-  ASSERT_TRUE(predicted) << predicted.error().line();
-  settings.step.mode = Mode::Proven;
-  const auto proven = run_check(motions, settings, {});
-  ASSERT_TRUE(proven);
-  EXPECT_EQ(proven->missed, 0u);
-  EXPECT_GT(proven->collisions.sum(), 0u);
-  EXPECT_EQ(predicted->collisions.sum() + predicted->missed, proven->collisions.sum());
-  EXPECT_GT(predicted->proven_milliseconds, 0);
-}
-
 }  // namespace
 }  // namespace foldproof::testing
