@@ -1,11 +1,11 @@
-/// Where a program that uses oneTBB itself may call the library from. Without oneTBB these only call.
+/// Where a program may call the library from: threads, and loops of a program that uses oneTBB itself.
 #pragma once
 
 #include "base/parallel.h"
 
 namespace foldproof::inline internal {
 
-/// body() in an arena for this many threads, whether or not the machine has them.
+/// body() in an arena for this many threads. Without oneTBB this only calls it.
 template <class Body>
 void in_arena([[maybe_unused]] int threads, const Body& body) {
 #if defined(FOLDPROOF_THREADS_TBB)
@@ -15,7 +15,23 @@ void in_arena([[maybe_unused]] int threads, const Body& body) {
 #endif
 }
 
-/// body() in an iteration of a loop that is cancelled already, as when another iteration has thrown.
+/// body() with this many threads, whether or not the machine has them. With one where the build has no others
+/// (FOLDPROOF_THREADS=serial).
+template <class Body>
+void with_threads(int threads, const Body& body) {
+  const ThreadLimit limit(threads);
+  in_arena(threads, body);
+}
+
+/// Whether the build has threads. Where not, a test that compares numbers of threads could not fail.
+inline bool has_threads() {
+  bool several = false;
+  with_threads(2, [&] { several = thread_count() > 1; });
+  return several;
+}
+
+/// body() in an iteration of a loop that is cancelled already, as when another iteration has thrown. Without
+/// oneTBB this only calls it.
 template <class Body>
 void in_cancelled_loop(const Body& body) {
 #if defined(FOLDPROOF_THREADS_TBB)
