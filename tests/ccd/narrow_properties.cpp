@@ -110,6 +110,7 @@ TEST_P(NarrowPhase, StopsAtTheLatestTime) {
 }
 
 TEST_P(NarrowPhase, AnIterationLimitNeverHidesAContact) {
+  int undecided = 0;
   for (const Kind kind : kKinds) {
     Rng rng(14);
     for (int i = 0; i < kCases / 2 && !HasFailure(); ++i) {
@@ -117,9 +118,12 @@ TEST_P(NarrowPhase, AnIterationLimitNeverHidesAContact) {
       CcdSettings settings;
       settings.max_iterations = 1 + i % 7;
       if (i % 2) settings.latest = std::uniform_real_distribution<double>(0, 1)(rng);
-      expect_sound(kind, c, settings);
+      CcdResult result;
+      expect_sound(kind, c, settings, &result);
+      undecided += result.answer == Answer::Undecided;
     }
   }
+  EXPECT_GT(undecided, 0);
 }
 
 TEST_P(NarrowPhase, ThicknessIsSound) {
@@ -138,6 +142,7 @@ TEST_P(NarrowPhase, ThicknessIsSound) {
     }
   }
   fmt::print("thickness: {}", tally.line(GetParam().name));
+  EXPECT_GT(tally.touched, 10);
   EXPECT_LE(tally.undecided, tally.cases / 100);
 }
 
@@ -234,11 +239,13 @@ INSTANTIATE_TEST_SUITE_P(Families, Invariance, ::testing::ValuesIn(families().be
 TEST(NarrowPhaseScale, PowersOfTwoChangeNothing) {
   for (const Kind kind : kKinds) {
     Rng rng(22);
+    int hits = 0;
     for (int i = 0; i < 500; ++i) {
       const Case c = families()[0].make(kind, rng);
       CcdSettings settings;
       settings.tolerance = 0x1p-20;
       const CcdResult plain = narrow_phase(kind, c.x0, c.x1, settings);
+      hits += plain.answer == Answer::Hit;
       for (const double factor : {0x1p-300, 0x1p-10, 0x1p40, 0x1p600}) {
         const Case scaled = mapped(c, [&](const Vec3& p) { return Vec3(factor * p); });
         settings.tolerance = 0x1p-20 * factor;
@@ -247,6 +254,8 @@ TEST(NarrowPhaseScale, PowersOfTwoChangeNothing) {
         EXPECT_EQ(result.toi, plain.toi) << describe(kind, scaled.x0, scaled.x1, settings);
       }
     }
+    EXPECT_GT(hits, 50);
+    EXPECT_LT(hits, 450);
   }
 }
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "base/parallel.h"
+#include "base/callers.h"
 #include "bvh/meshes.h"
 #include "foldproof/certificate.h"
 #include "foldproof/check.h"
@@ -317,8 +317,7 @@ TEST(Explanation, WithoutCertificatesEverythingIsOff) {
 }
 
 /// Explanations of ten steps of two tubes that cross, and of the pose after each.
-std::vector<Explanation> two_tubes(int threads) {
-  const ThreadLimit limit(threads);
+std::vector<Explanation> two_tubes() {
   const Mesh first = tube(0.5);
   const auto tree = std::make_shared<const Hierarchy>(*Hierarchy::build(first.topology, first.positions));
   StepChecker checker({tree, tree});
@@ -346,7 +345,9 @@ std::vector<Explanation> two_tubes(int threads) {
 }
 
 TEST(Explanation, IsTheSameForAnyNumberOfThreadsAndPerObject) {
-  const auto one = two_tubes(1), many = two_tubes(4);
+  std::vector<Explanation> one, many;
+  with_threads(1, [&] { one = two_tubes(); });
+  with_threads(4, [&] { many = two_tubes(); });
   ASSERT_EQ(one.size(), many.size());
   for (std::size_t i = 0; i < one.size(); ++i) {
     ASSERT_EQ(one[i].objects.size(), 2u);

@@ -170,6 +170,8 @@ TEST_P(FilteredFilms, AnswerAsAllPairsWithoutIgnoredOnes) {
       ASSERT_FALSE(HasFailure()) << "step " << k;
     }
   }
+  EXPECT_GT(steps.kept + poses.kept, 5u);
+  EXPECT_GT(steps.ignored + poses.ignored, 5u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Films, FilteredFilms, ::testing::ValuesIn(generated_films()),

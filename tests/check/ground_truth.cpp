@@ -148,6 +148,7 @@ TEST(RealGroundTruthQueries, EveryHitIsReported) {
       undecided += result.answer == Answer::Undecided;
     }
   }
+  EXPECT_GT(hits, 0);
   fmt::print("{} queries, {} hits, none missed; {} further hits within 2^-30, {} undecided\n", queries.size(),
              hits, extra, undecided);
 }

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "base/parallel.h"
+#include "base/callers.h"
 #include "check/same_collisions.h"
 #include "foldproof/check.h"
 #include "oracle/brute_force.h"
@@ -124,8 +124,7 @@ TEST(Limits, AllAreCountedAndThoseWithTheSmallestIdsAreListed) {
     EXPECT_EQ(all.edge_edge_count, all.edge_edge.size());
     EXPECT_EQ(all_crossings.crossing_count, all_crossings.crossings.size());
     for (const std::uint64_t limit : {0u, 1u, 7u, 100u}) {
-      for (const int threads : {1, 4}) {
-        const ThreadLimit control(threads);
+      const auto test = [&] {
         StepSettings settings;
         settings.max_listed = limit;
         const StepResult some = step(scene, settings);
@@ -145,7 +144,8 @@ TEST(Limits, AllAreCountedAndThoseWithTheSmallestIdsAreListed) {
         EXPECT_EQ(earliest.earliest_toi, all.earliest_toi);
         EXPECT_EQ(earliest.count(), all.clean() ? 0u : 1u);
         EXPECT_EQ(earliest.vertex_face.size() + earliest.edge_edge.size(), earliest.count());
-      }
+      };
+      for (const int threads : {1, 4}) with_threads(threads, test);
     }
   }
   EXPECT_GT(not_listed, 10000u);

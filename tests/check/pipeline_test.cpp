@@ -26,8 +26,7 @@ TEST(RunOn, TakesUpNoOtherTaskOfTheCaller) {
           return ++calls;
         });
   };
-  const ThreadLimit threads(8);
-  in_arena(8, [&] { parallel_for(0, 200, call); });
+  with_threads(8, [&] { parallel_for(0, 200, call); });
   EXPECT_EQ(nested, 0);
 }
 

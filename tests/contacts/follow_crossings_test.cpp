@@ -9,8 +9,8 @@ namespace {
 
 using namespace oracle;
 
-// Every frame of a film, against a checker of its own.
-void expect_followed(const Film& film, const StepSettings& settings) {
+// Every frame of a film, against a checker of its own. Counts the crossings.
+void expect_followed(const Film& film, const StepSettings& settings, std::size_t& crossings) {
   const Found found = contacts_of(film, settings);
   StepSettings plain = settings;
   plain.certificates = false;
@@ -21,6 +21,7 @@ void expect_followed(const Film& film, const StepSettings& settings) {
     got.crossings = found.crossings[k];
     ASSERT_EQ(got.crossings.size(), expected.crossings.size()) << "frame " << k;
     ASSERT_NO_FATAL_FAILURE(expect_same(got, expected)) << "frame " << k;
+    crossings += expected.crossings.size();
   }
 }
 
@@ -29,11 +30,13 @@ class GeneratedFilms : public ::testing::TestWithParam<FilmFamily> {};
 TEST_P(GeneratedFilms, CrossAsStaticQueriesSay) {
   Rng rng(11);
   const Film film = GetParam().make(rng);
+  std::size_t crossings = 0;
   for (const double thickness : {0.0, 0.02}) {
     StepSettings settings;
     settings.thickness = thickness;
-    ASSERT_NO_FATAL_FAILURE(expect_followed(film, settings));
+    ASSERT_NO_FATAL_FAILURE(expect_followed(film, settings, crossings));
   }
+  EXPECT_GT(crossings, 50u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, GeneratedFilms,
@@ -45,6 +48,7 @@ class MeshFamilies : public ::testing::TestWithParam<MeshFamily> {};
 // Small films of several meshes, on a grid too, where triangles touch, are degenerate and lie on each other.
 TEST_P(MeshFamilies, CrossAsStaticQueriesSay) {
   Rng rng(12);
+  std::size_t crossings = 0;
   for (int round = 0; round < 24; ++round) {
     Film film;
     const int objects = 1 + round % 3;
@@ -61,8 +65,9 @@ TEST_P(MeshFamilies, CrossAsStaticQueriesSay) {
     StepSettings settings;
     settings.within = round % 5 != 4 || objects == 1;
     settings.between = round % 7 != 6;
-    ASSERT_NO_FATAL_FAILURE(expect_followed(film, settings)) << "round " << round;
+    ASSERT_NO_FATAL_FAILURE(expect_followed(film, settings, crossings)) << "round " << round;
   }
+  EXPECT_GT(crossings, 50u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, MeshFamilies,
@@ -83,7 +88,8 @@ TEST_P(RealCrossings, CrossAsStaticQueriesSay) {
     pose[0].resize(3 * std::size_t{motion->topology().vertex_count()});
     ASSERT_TRUE(motion->read_frame(k, pose[0]));
   }
-  expect_followed(film, {});
+  std::size_t crossings = 0;
+  expect_followed(film, {}, crossings);
 }
 
 INSTANTIATE_TEST_SUITE_P(Motions, RealCrossings,

@@ -227,10 +227,9 @@ TEST(Candidates, AFilterMayStartLoops) {
   const auto found_in_arena = [&](const CollisionFilter& filter) {
     ContactChecker checker = checker_of(sheet, filter);
     Candidates found;
-    in_arena(8, [&] { EXPECT_TRUE(checker.candidates(sheet.x0, 0.1, found)); });
+    with_threads(8, [&] { EXPECT_TRUE(checker.candidates(sheet.x0, 0.1, found)); });
     return found.size();
   };
-  const ThreadLimit threads(8);
   const std::size_t expected = found_in_arena(CollisionFilter([](Index, Index) { return true; }));
   for (int repetition = 0; repetition < 3; ++repetition) EXPECT_EQ(found_in_arena(loops), expected);
 }
@@ -258,8 +257,7 @@ TEST(Candidates, IterationsOfALoopMayShareTheCheckerOfTheirThread) {
     EXPECT_TRUE(checker.minimum_distance(x0, 0.1));
     --mine;
   };
-  const ThreadLimit threads(8);
-  for (int loop = 0; loop < 12; ++loop) in_arena(8, [&] { parallel_for(0, 16, ask); });
+  for (int loop = 0; loop < 12; ++loop) with_threads(8, [&] { parallel_for(0, 16, ask); });
   EXPECT_EQ(nested, 0);
 }
 
