@@ -1,5 +1,5 @@
-// A second step of the same size allocates nothing, and a call for which memory does not suffice spoils none
-// after it. This file replaces operator new, so it is a program of its own.
+// A second step of the same size allocates nothing, and calls after one that ran out of memory answer as
+// ever. This file replaces operator new, so it is a program of its own.
 
 #include <gtest/gtest.h>
 
@@ -108,8 +108,8 @@ TEST(StepChecker, AllocatesNothingForTwoObjectsFromTheSecondStepOn) {
   }
 }
 
-// The first 1600 steps build charts and replace them as the strip turns to and fro. By then every buffer has
-// reached its final size.
+// In the first 1600 steps, in which the strip rolls up and unrolls, charts are built and replaced. By then
+// every buffer has reached its final size.
 TEST(StepChecker, AllocatesNothingForChartsOnceTheyHaveSettled) {
   const ThreadLimit one(1);
   StepChecker checker = checker_of_strip();
@@ -118,7 +118,7 @@ TEST(StepChecker, AllocatesNothingForChartsOnceTheyHaveSettled) {
   const auto run = [&](int from_step, int to_step) {
     long allocated = 0;
     for (int k = from_step; k < to_step; ++k) {
-      // To and fro, rolled up tightly enough to meet itself.
+      // Always rolled up tightly enough to collide with itself.
       const auto turn = [](int s) { return 6.5 + 0.5 * std::sin(0.05 * s); };
       const auto x0 = strip(kLength, turn(k)), x1 = strip(kLength, turn(k + 1));
       const std::span<const double> from[] = {x0}, to[] = {x1};
@@ -137,7 +137,7 @@ TEST(StepChecker, AllocatesNothingForChartsOnceTheyHaveSettled) {
   EXPECT_GT(pairs, 0u);
 }
 
-// The same strip told by two numbers: how far it is rolled up, and how far it is pulled apart.
+// The same strip with two coordinates: how far it is rolled up, and how large its circles are.
 std::shared_ptr<const ReducedShape> reduced_strip() {
   auto hierarchy =
       std::make_shared<const Hierarchy>(Hierarchy::build(strip_topology(), strip(kLength, 5)).value());
@@ -155,8 +155,8 @@ std::shared_ptr<const ReducedShape> reduced_strip() {
   return std::make_shared<const ReducedShape>(ReducedShape::build(std::move(motion), {{{0.0, 0.0}}}).value());
 }
 
-// Inside a ball, outside with pairs of leaves to look at, and into itself: there all vertices are computed
-// and charts drawn, until they have settled.
+// Steps within a ball, out of it, and into a collision. The last one needs all vertices, and builds charts
+// in its first calls.
 TEST(ReducedChecker, AllocatesNothingFromTheSecondStepOn) {
   const ThreadLimit one(1);
   const auto shape = reduced_strip();
@@ -176,7 +176,7 @@ TEST(ReducedChecker, AllocatesNothingFromTheSecondStepOn) {
   };
   ASSERT_LT(1.05 * shape->radius(0), 1);
   for (const double distance : {0.5 * shape->radius(0), 1.05 * shape->radius(0)}) run(distance, 1);
-  run(1, 100);  // certificates rest and are tried again meanwhile
+  run(1, 100);  // long enough for certificates to back off and be tried again
   EXPECT_GT(pairs, 0u);
   EXPECT_GT(free, 0u);
 }
@@ -221,8 +221,8 @@ TEST(ContactChecker, AllocatesNothingFromTheSecondLineSearchOn) {
   EXPECT_EQ(allocations - before, 0);
 }
 
-// Calls `call` on new checkers of `make` so that its first allocation fails, then a later one, and so on
-// until none fails, each time after `before`. After it the calls of `after` must answer as ever.
+// Lets the first allocation of `call` fail, then a later one, and so on until none fails. Each time on a new
+// checker, between the calls of `before` and those of `after`, which must answer as ever.
 template <class Make, class Call, class After>
 int for_each_failure(Make make, Call before, Call call, After after) {
   const ThreadLimit one(1);
@@ -325,7 +325,7 @@ TEST(ReducedChecker, AnswersAsEverAfterACallWithoutMemory) {
   EXPECT_GT(failures, 20);
 }
 
-// What a filter throws comes through, too.
+// The caller gets what a filter throws.
 TEST(ContactChecker, AnswersAsEverAfterAFilterThatThrows) {
   const auto x0 = strip(kLength, 5), x1 = strip(kLength, 8);
   const auto triangles = strip_topology();
