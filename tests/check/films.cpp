@@ -70,7 +70,7 @@ Film folding(Rng& rng) {
   return film;
 }
 
-// A long strip that is twisted about its axis by several turns.
+// A long strip that is twisted about its axis by several turns, until its windings cross each other.
 Film twisting(Rng&) {
   Film film;
   film.topologies.push_back(sheet(60, 8));
@@ -78,7 +78,8 @@ Film twisting(Rng&) {
     const double turns = 22 * to_and_fro(k, kSteps);
     film.poses.push_back({sheet_pose(60, 8, [&](double u, double v) {
       const double a = turns * u, y = 0.25 * (v - 0.5), squeeze = 1 - 0.0445 * turns;
-      return Vec3(u * squeeze, y * std::cos(a), y * std::sin(a) + 0.03 * std::sin(turns) * std::sin(9 * u));
+      return Vec3(u * squeeze + 0.2 * y, y * std::cos(a),
+                  y * std::sin(a) + 0.03 * std::sin(turns) * std::sin(9 * u));
     })});
   }
   return film;
