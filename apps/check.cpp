@@ -47,11 +47,10 @@ Examples:
                                                   in the first frame 2, both 3
   foldproof check walk.glb --contacts --unit m    what goes through what, in which frames, how deep
   foldproof check walk.glb --watch                checks again each time that the file is exported
-  foldproof check walk.glb --vtk walk.pvd         the motion with its collisions, for ParaView
-  foldproof check walk.glb --explain why.csv      what was proven free, and why not the rest)";
+  foldproof check walk.glb --vtk walk.pvd         the motion with its collisions, for ParaView)";
 
 struct CheckArguments : StepArguments {
-  std::string json, csv, contacts_csv, ply, vtk, explain, mode = "proven";
+  std::string json, csv, contacts_csv, ply, vtk, mode = "proven";
   std::vector<std::string> parts;
   std::string unit;
   double miss_rate = 0.01;
@@ -105,10 +104,6 @@ void add_report_options(const Subcommand& check, CheckArguments& a) {
       "For ParaView: every step's mesh, colliding faces marked; FILE ends in .pvd, the meshes go into a "
       "directory beside it",
       Output::Collection);
-  add("--explain", a.explain,
-      "Which triangles were proven free, or why not: .npz all, .csv counts, .ply a colored mesh of the step "
-      "with most left to test",
-      Output::File, {".npz", ".csv", ".ply"});
   check
       .add_flag("--contacts", a.all_contacts,
                 fmt::format("List all contacts in the summary, not only the {} worst", kFewContacts))
@@ -158,7 +153,6 @@ Result<void> require_mode_fits(const CheckArguments& a) {
   if (!a.contacts_csv.empty()) return conflict("--contacts-csv");
   if (!a.ply.empty()) return conflict("--ply");
   if (!a.vtk.empty()) return conflict("--vtk");
-  if (!a.explain.empty()) return conflict("--explain");
   if (a.pairs && a.json.empty()) return conflict("--pairs without --json");
   if (a.first) return conflict("--first");
   if (a.no_certificates) return conflict("--no-certificates");
@@ -170,16 +164,15 @@ Result<void> require_mode_fits(const CheckArguments& a) {
 
 // Refuses options that --reduced does not support.
 Result<void> require_reduced_fits(const CheckArguments& a) {
-  const bool other = a.poses || a.substeps != 1 || !a.models.empty() || !a.explain.empty() ||
-                     a.mode == "paper" || !a.ignore.empty() || a.motion.read.weld != Weld::ByFormat ||
+  const bool other = a.poses || a.substeps != 1 || !a.models.empty() || a.mode == "paper" ||
+                     !a.ignore.empty() || a.motion.read.weld != Weld::ByFormat ||
                      a.motion.read.mesh_files != MeshFiles::ByName || !a.motion.read.clip.empty() ||
                      a.motion.read.fps != ReadOptions().fps;
   if (!a.reduced || !other) return {};
-  return fail(
-      ErrorCode::InvalidArgument, "--reduced",
-      "does not go with --static, --substeps, --model, --explain, --mode paper, --ignore, --weld, --fps, "
-      "--separate, --sequence or --clip",
-      "leave them out, or check the motion that 'foldproof predict' writes");
+  return fail(ErrorCode::InvalidArgument, "--reduced",
+              "does not go with --static, --substeps, --model, --mode paper, --ignore, --weld, --fps, "
+              "--separate, --sequence or --clip",
+              "leave them out, or check the motion that 'foldproof predict' writes");
 }
 
 Result<CheckSettings> check_settings_of(const CheckArguments& a) {
@@ -190,7 +183,6 @@ Result<CheckSettings> check_settings_of(const CheckArguments& a) {
   settings.step.mode = a.mode == "paper" ? Mode::Paper : Mode::Proven;
   settings.step.miss_rate = a.miss_rate;
   settings.step.earliest_only = a.first;
-  settings.step.explain = !a.explain.empty();
   return settings;
 }
 
@@ -228,9 +220,6 @@ Result<WriterList> open_writers(const CheckArguments& a, const CheckSettings& se
   }
   if (!a.vtk.empty()) {
     FOLDPROOF_TRY(append(writers, vtk_report(a.vtk, motions, settings)));
-  }
-  if (!a.explain.empty()) {
-    FOLDPROOF_TRY(append(writers, explain_report(a.explain, motions, settings)));
   }
   if (a.pairs && a.json.empty() && !a.quiet) writers.push_back(pair_listing(motions));
   return writers;
@@ -276,12 +265,8 @@ Result<std::vector<std::string>> clips_of(const CheckArguments& a) {
   const auto refuse = [](std::string problem, std::string remedy) {
     return fail(ErrorCode::InvalidArgument, "--clip all", std::move(problem), std::move(remedy));
   };
-  for (const auto& [option, file] :
-       std::initializer_list<std::pair<const char*, const std::string&>>{{"--csv", a.csv},
-                                                                         {"--contacts-csv", a.contacts_csv},
-                                                                         {"--ply", a.ply},
-                                                                         {"--vtk", a.vtk},
-                                                                         {"--explain", a.explain}}) {
+  for (const auto& [option, file] : std::initializer_list<std::pair<const char*, const std::string&>>{
+           {"--csv", a.csv}, {"--contacts-csv", a.contacts_csv}, {"--ply", a.ply}, {"--vtk", a.vtk}}) {
     if (!file.empty())
       return refuse(fmt::format("does not go with {}, which is about one check", option),
                     "name a clip; --json lists all");

@@ -30,7 +30,7 @@ Colors of --color:
   contacts      what is inside what in this frame, or crosses it: one side of each contact is red, the other blue; the
                 curves in which they cross are black
   certificates  blue: proven free of contact between this frame and the next, paler for smaller patches; other
-                colors: why not (docs/reports.md, --explain)
+                colors: why not (docs/reports.md)
   error         distance of each vertex from --truth: pale gray is none, then yellow, red, and dark purple for the
                 largest, or for --scale
 

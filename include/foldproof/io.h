@@ -138,9 +138,7 @@ Result<void> write_ply(const std::string& path, const Topology& topology, std::s
 /// A PLY property of faces and edges: one value per triangle. The PLY type is that of the values.
 struct FaceProperty {
   const char* name;
-  std::variant<std::span<const std::uint8_t>, std::span<const std::int8_t>, std::span<const std::int32_t>,
-               std::span<const float>>
-      values;
+  std::variant<std::span<const std::uint8_t>, std::span<const std::int32_t>, std::span<const float>> values;
 };
 
 /// As write_ply, with any properties.

@@ -71,7 +71,7 @@ Result<void> require_sizes(const std::string& path, const Topology& topology,
 }
 
 const char* ply_name(const FaceProperty& property) {
-  static constexpr std::array<const char*, 4> kTypes{"uchar", "char", "int", "float"};  // in variant's order
+  static constexpr std::array<const char*, 3> kTypes{"uchar", "int", "float"};  // in variant's order
   return kTypes[property.values.index()];
 }
 

@@ -270,18 +270,12 @@ Result<std::unique_ptr<ReportWriter>> ply_report(const std::string& path, Motion
                                                  const CheckSettings& settings);
 
 /// For ParaView: `path` ends in .pvd and refers to a mesh per step, stepNNNNNN.vtp in a directory of the same
-/// name without .pvd. All objects are joined, in the pose at the step's start, with `collides`,
-/// `starts_crossing` if tested, and the Explanation per triangle if there is one (docs/reports.md). File and
+/// name without .pvd. All objects are joined, in the pose at the step's start, with `collides` and,
+/// if tested, `starts_crossing` (docs/reports.md). File and
 /// directory appear when the check is finished, and replace older ones. Error: another extension, a directory
 /// with other files in it, more than 2^31 corners.
 Result<std::unique_ptr<ReportWriter>> vtk_report(const std::string& path, Motions motions,
                                                  const CheckSettings& settings);
-
-/// What certificates proved, per triangle and step (docs/reports.md). `path` ends in .npz: everything; .csv:
-/// counts; .ply: the step with most left to test, colored. Error: another extension, or
-/// settings.step.explain is not set.
-Result<std::unique_ptr<ReportWriter>> explain_report(const std::string& path, Motions motions,
-                                                     const CheckSettings& settings);
 
 /// Per face of an object, 1 when it collides, including those around a colliding vertex or edge.
 /// Precondition: `answer` is about an object `object` of this topology.

@@ -172,16 +172,6 @@ class VtkReport : public ReportWriter {
     joined_.pose(step, 1, end_);
     displacement_.resize(end_.size());
     for (std::size_t k = 0; k < end_.size(); ++k) displacement_[k] = end_[k] - positions_[k];
-    level_.clear();
-    margin_.clear();
-    reason_.clear();
-    if (!step.explanation) return;
-    const auto& objects = step.explanation->objects;
-    for (Index i = 0; i < objects.size(); ++i) {
-      joined_.put(i, objects[i].level, level_);
-      joined_.put(i, objects[i].margin, margin_);
-      joined_.put(i, objects[i].reason, reason_);
-    }
   }
 
   /// The pose at the end of the last step, from which no step begins.
@@ -189,9 +179,6 @@ class VtkReport : public ReportWriter {
     positions_ = end_;
     std::fill(displacement_.begin(), displacement_.end(), 0.0);
     std::fill(collides_.begin(), collides_.end(), std::uint8_t{0});
-    std::fill(level_.begin(), level_.end(), std::int8_t{-1});
-    std::fill(margin_.begin(), margin_.end(), 0.0f);
-    std::fill(reason_.begin(), reason_.end(), Reason::Certified);
     const StepResult nothing;
     CheckedStep none;
     none.step = &nothing;
@@ -241,11 +228,6 @@ class VtkReport : public ReportWriter {
       add_cells("Int32", "contact", contacts_.number);
       add_cells("Float32", "contact_depth", contacts_.depth);
     }
-    if (!level_.empty()) {
-      add_cells("Int8", "level", level_);
-      add_cells("Float32", "margin", margin_);
-      add_cells("UInt8", "reason", reason_);
-    }
     arrays.push_back({"Points", "Float64", "Points", 3, bytes_of(positions_)});
     const auto add_topology = [&](const char* section, std::span<const char> corners, const auto& ends) {
       if (ends.empty()) return;
@@ -278,9 +260,6 @@ class VtkReport : public ReportWriter {
   std::optional<StepIndex> last_;                       // the last step with motion
   std::vector<std::uint8_t> collides_, crosses_;
   ContactMarks contacts_;
-  std::vector<std::int8_t> level_;
-  std::vector<float> margin_;
-  std::vector<Reason> reason_;
 };
 
 }  // namespace

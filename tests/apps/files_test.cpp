@@ -71,7 +71,7 @@ TEST(FileArguments, NothingIsWrittenOverWhatIsRead) {
        "--json a.npz: would write over 'a.npz', which is read (MOTION a.npz); name another file to write"},
       {{"check", "a.npz", "--csv", "./a.npz"}, "--csv ./a.npz: would write over 'a.npz'"},
       {{"check", "a.npz", "--vtk", "frames/../a.npz"}, "--vtk frames/../a.npz: would write over 'a.npz'"},
-      {{"check", "./a.npz", "--explain", whole}, "--explain " + whole + ": would write over './a.npz'"},
+      {{"check", "./a.npz", "--csv", whole}, "--csv " + whole + ": would write over './a.npz'"},
       {{"check", "a.npz", "--ply", "soft"}, "--ply soft: would write over 'a.npz'"},
       {{"check", "soft", "--json", "a.npz"}, "--json a.npz: would write over 'soft'"},
       {{"check", "a.npz", "--json", "hard"}, "--json hard: would write over 'a.npz'"},
@@ -115,16 +115,16 @@ TEST(FileArguments, TwoOutputsAreTwoFiles) {
   const auto before = inputs.bytes();
   const std::vector<Words> twice{
       {"check", "a.npz", "--json", "new", "--csv", "./new"},
-      {"check", "a.npz", "--json", "new", "--explain", "frames/../new"},
-      {"check", "a.npz", "--csv", "x.csv", "--explain", "y.csv"},
-      {"check", "plys", "--ply", "f%d.ply", "--explain", "./f%d.ply"},
+      {"check", "a.npz", "--json", "new", "--contacts-csv", "frames/../new"},
+      {"check", "a.npz", "--csv", "x.csv", "--contacts-csv", "y.csv"},
+      {"check", "plys", "--ply", "f%d.ply", "--csv", "./f%d.ply"},
       {"radius", "tube.model", "--sample", "2", "-o", "s.ply", "--ply", "./s.ply"},
       {"sweep", "lib", "-o", "r", "--summary", "./r"},
       {"check", "a.npz", "--json", "v", "--vtk", "v.pvd"},
       {"check", "a.npz", "--vtk", "v.pvd", "--csv", "./v"},
       {"check", "a.npz", "--ply", "plys/worst.ply", "--vtk", "plys.pvd"},
-      {"check", "a.npz", "--ply", "w%d.ply", "--explain", "w9.ply"},
-      {"check", "a.npz", "--ply", "w%04d.ply", "--explain", "frames/../w0.ply"},
+      {"check", "a.npz", "--ply", "w%d.ply", "--csv", "w9.ply"},
+      {"check", "a.npz", "--ply", "w%04d.ply", "--csv", "frames/../w0.ply"},
       {"check", "a.npz", "--json", "-", "--csv", "/dev/stdout"},
   };
   for (const Words& words : twice) expect_one_line_error(inputs.run(words), "is named for two outputs");
@@ -140,7 +140,6 @@ TEST(FileArguments, NoOutputBecomesAFrameOfAnInput) {
                                   {"check", "plys/*.ply", "--ply", "./plys/worst.ply"},
                                   {"check", "plys/*.ply", "--ply", "plys/w%d.ply"},
                                   {"check", "plys/f%d.ply", "--ply", "plys/f12.ply"},
-                                  {"check", "plys/f%d.ply", "--explain", "plys/f003.ply"},
                                   {"check", "plys", "--vtk", "plys/run.pvd"},
                                   {"predict", "tube.model", "frames", "-o", "frames/again.npz"}};
   for (const Words& words : frames)
@@ -184,15 +183,22 @@ TEST(FileArguments, ClosedStandardOutputIsNotTheNextFile) {
 }
 
 /// Commands up to the name of an output. Their inputs do not exist, which is noticed later.
-const std::vector<Words> kOutputs{
-    {"check", "none", "--json"},       {"check", "none", "--csv"},
-    {"check", "none", "--ply"},        {"check", "none", "--vtk"},
-    {"check", "none", "--explain"},    {"check", "--reduced", "none", "none", "--csv"},
-    {"report", "none", "-o"},          {"render", "none", "-o"},
-    {"train", "none", "-o"},           {"predict", "none", "none", "-o"},
-    {"suggest", "none", "none", "-o"}, {"radius", "none", "--sample", "1", "-o"},
-    {"radius", "none", "--ply"},       {"info", "none", "--json"},
-    {"sweep", "none", "-o"},           {"sweep", "none", "-o", "r.jsonl", "--summary"}};
+const std::vector<Words> kOutputs{{"check", "none", "--json"},
+                                  {"check", "none", "--csv"},
+                                  {"check", "none", "--ply"},
+                                  {"check", "none", "--vtk"},
+                                  {"check", "none", "--contacts-csv"},
+                                  {"check", "--reduced", "none", "none", "--csv"},
+                                  {"report", "none", "-o"},
+                                  {"render", "none", "-o"},
+                                  {"train", "none", "-o"},
+                                  {"predict", "none", "none", "-o"},
+                                  {"suggest", "none", "none", "-o"},
+                                  {"radius", "none", "--sample", "1", "-o"},
+                                  {"radius", "none", "--ply"},
+                                  {"info", "none", "--json"},
+                                  {"sweep", "none", "-o"},
+                                  {"sweep", "none", "-o", "r.jsonl", "--summary"}};
 
 TEST(FileArguments, OutputsNameWhatCanBeWrittenBeforeAnythingIsRead) {
   const Inputs inputs;
@@ -296,7 +302,7 @@ TEST(FileArguments, AFullDiskIsAnErrorAndLeavesNothing) {
       {"check", "a.npz", "--json", "/dev/full"},
       {"check", "a.npz", "--csv", "/dev/full"},
       {"check", "a.npz", "--ply", "/dev/full"},
-      {"check", "a.npz", "--explain", "full.npz"},
+      {"check", "a.npz", "--contacts-csv", "/dev/full"},
       {"render", "a.npz", "--size", "40x30", "-o", "full.png"},
       {"train", "a.npz", "-o", "/dev/full"},
       {"predict", "tube.model", "a.npz", "-o", "full.npz"},

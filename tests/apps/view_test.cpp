@@ -95,6 +95,7 @@ TEST_F(View, ReportsWithTheExitCodesOfACheck) {
   const Outcome outcome = scene_.run({"report", "bend.npz", "-o", "it's.html"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("Collisions in "));
+  EXPECT_THAT(outcome.out, HasSubstr("% of leaf pairs"));
   EXPECT_THAT(read_file(scene_ / "it's.html"),
               HasSubstr(R"("command":"foldproof report bend.npz -o 'it'\\''s.html'")"));
   EXPECT_EQ(scene_.run({"report", "bend.npz", "--frames", "0", "--static", "-o", "pose.html"}).code, 0);

@@ -123,7 +123,6 @@ class Vtk(unittest.TestCase):
         self.assertTrue(0 < marked[2] < 144, marked)
         self.expect_meshes(meshes, self.frames()[:-1], self.frames()[1:])
         self.expect_answers(report, meshes)
-        self.assertNotIn("reason", arrays_of(meshes[0].GetCellData()))
         self.expect_meshes([last], self.frames()[-1:], self.frames()[-1:])
         self.assertEqual(arrays_of(last.GetCellData())["collides"].sum(), 0)
         self.assertEqual(arrays_of(last.GetFieldData())["earliest_toi"][0], 1)
@@ -158,15 +157,6 @@ class Vtk(unittest.TestCase):
         report, _, meshes = self.check("--steps-only")
         self.assertNotIn("starts_crossing", arrays_of(meshes[0].GetCellData()))
         self.assertNotIn("contact", arrays_of(meshes[0].GetCellData()))
-
-    def test_explanation(self):
-        _, _, [*meshes, last] = self.check("--explain", "why.npz")
-        why = np.load(self.directory / "why.npz")
-        for i, mesh in enumerate(meshes):
-            cells = arrays_of(mesh.GetCellData())
-            for name in ("level", "margin", "reason"):
-                np.testing.assert_array_equal(cells[name], np.concatenate([why[f"{name}_0"][i], why[f"{name}_1"][i]]))
-        self.assertEqual(set(arrays_of(last.GetCellData())["level"]), {-1})
 
 
 if __name__ == "__main__":
