@@ -21,7 +21,6 @@ Command add_check(CommandLine& program);
 Command add_train(CommandLine& program);
 Command add_info(CommandLine& program);
 Command add_predict(CommandLine& program);
-Command add_suggest(CommandLine& program);
 Command add_render(CommandLine& program);
 Command add_radius(CommandLine& program);
 Command add_sample(CommandLine& program);

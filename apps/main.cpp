@@ -30,7 +30,6 @@ Result<int> run(int argc, char** argv) {
                                                                  {"train", add_train(program)},
                                                                  {"info", add_info(program)},
                                                                  {"predict", add_predict(program)},
-                                                                 {"suggest", add_suggest(program)},
                                                                  {"render", add_render(program)},
                                                                  {"radius", add_radius(program)},
                                                                  {"sample", add_sample(program)},

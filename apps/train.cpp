@@ -37,8 +37,7 @@ Examples:
   foldproof train walk.glb --references 40 -o b.model  a larger model that proves a little more
   foldproof check run.glb --model body.model           use it
   foldproof info body.model                            show what it holds
-  foldproof predict body.model tracks.csv -o run.npz   reconstruct shapes from key points
-  foldproof suggest body.model run.glb                 which pose to add)";
+  foldproof predict body.model tracks.csv -o run.npz   reconstruct shapes from key points)";
 
 struct TrainArguments {
   std::vector<std::string> poses;

@@ -181,29 +181,4 @@ Result<KeyPointTracks> extract_tracks(Motion& motion, std::span<const Index> ver
 std::unique_ptr<Motion> predicted_motion(std::string name, Topology topology,
                                          std::shared_ptr<const Predictor> predictor, KeyPointTracks tracks);
 
-/// A pose that is worth adding to the training poses.
-struct Suggestion {
-  enum class Why : std::uint8_t {
-    Frame,       ///< A frame that the subspace, with the suggestions before it, reconstructs worst.
-    OneExample,  ///< A direction of only one training pose: half way between it and what the others give.
-    OneSided,    ///< A mode along which they go twice as far to one side, or more: equally far to the other.
-  };
-  Why why;
-  Index number;                   ///< Of the frame, the pose in Model::poses, or the mode.
-  VertexDistance distance;        ///< From the nearest shape that is represented without it.
-  double mean_after = 0;          ///< Frame: mean error over the motion once this pose is added.
-  std::vector<double> positions;  ///< The pose, by the user's vertex ids.
-};
-
-/// Suggestions from the training poses alone: directions with a single example, and modes with examples
-/// mostly on one side. At most `count`, largest distance first.
-std::vector<Suggestion> suggest_poses(const Learned& learned, Index count);
-
-/// Frames of a motion, chosen one by one: each is the farthest from the linear subspace that the frames
-/// before it are added to. Fewer than `count` when the others differ only by rounding. Reads the motion count
-/// + 1 times. Error: a motion of another vertex count, a frame that cannot be read, cancelled.
-Result<std::vector<Suggestion>> suggest_frames(const Learned& learned, Motion& motion,
-                                               std::span<const Index> frames, Index count,
-                                               const LearnHooks& hooks = {});
-
 }  // namespace foldproof

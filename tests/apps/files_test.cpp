@@ -98,7 +98,6 @@ TEST(FileArguments, NothingIsWrittenOverWhatIsRead) {
       {{"predict", "tube.model", "a.npz", "-o", "a.npz"}, "(KEYPOINTS a.npz)"},
       {{"predict", "tube.model", "frames/frame0.obj", "walk.pc2", "-o", "walk.obj"}, "'walk.pc2'"},
       {{"predict", "tube.model", "p.csv", "--truth", "a.npz", "-o", "./a.npz"}, "(--truth a.npz)"},
-      {{"suggest", "tube.model", "a.npz", "-o", "a.npz"}, "(MOTION a.npz)"},
       {{"radius", "tube.model", "--ply", "tube.model"}, "(MODEL tube.model)"},
       {{"info", "tube.model", "--json", "tube.model"}, "(MODEL tube.model)"},
       {{"sweep", "lib", "-o", "lib/deep/a.npz"}, "(DIR lib)"},
@@ -193,7 +192,6 @@ const std::vector<Words> kOutputs{{"check", "none", "--json"},
                                   {"render", "none", "-o"},
                                   {"train", "none", "-o"},
                                   {"predict", "none", "none", "-o"},
-                                  {"suggest", "none", "none", "-o"},
                                   {"radius", "none", "--sample", "1", "-o"},
                                   {"radius", "none", "--ply"},
                                   {"info", "none", "--json"},
@@ -220,13 +218,12 @@ TEST(FileArguments, OutputsNameWhatCanBeWrittenBeforeAnythingIsRead) {
     expect_one_line_error(with("p.csv/a.npz"),
                           option + " p.csv/a.npz: cannot be written: 'p.csv' is no directory");
     // With a valid name, the error is about the input.
-    const bool is_motion = words[0] == "predict" || words[0] == "suggest" || words[2] == "--sample";
+    const bool is_motion = words[0] == "predict" || words[2] == "--sample";
     const Outcome outcome = with(is_motion ? "new.npz" : "new");
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.err, StartsWith("foldproof: none")) << ::testing::PrintToString(words);
   }
-  for (const Words& words : {Words{"predict", "none", "none"}, Words{"suggest", "none"},
-                             Words{"radius", "none", "--sample", "1"}}) {
+  for (const Words& words : {Words{"predict", "none", "none"}, Words{"radius", "none", "--sample", "1"}}) {
     Words all = words;
     all.insert(all.end(), {"-o", "a.xyz"});
     expect_one_line_error(inputs.run(all),
@@ -296,7 +293,6 @@ TEST(FileArguments, AFullDiskIsAnErrorAndLeavesNothing) {
   const Inputs inputs;
   for (const char* name : {"full.npz", "full.obj", "full.ply", "full.png"})
     fs::create_symlink("/dev/full", inputs / name);
-  ASSERT_TRUE(write_npz(inputs / "farther.npz", *bending_tube(kSmallTube, {0, 2.5, 3})));
   const auto before = inputs.bytes();
   const std::vector<Words> all{
       {"check", "a.npz", "--json", "/dev/full"},
@@ -306,7 +302,6 @@ TEST(FileArguments, AFullDiskIsAnErrorAndLeavesNothing) {
       {"render", "a.npz", "--size", "40x30", "-o", "full.png"},
       {"train", "a.npz", "-o", "/dev/full"},
       {"predict", "tube.model", "a.npz", "-o", "full.npz"},
-      {"suggest", "tube.model", "farther.npz", "-o", "full.obj"},
       {"radius", "tube.model", "--ply", "/dev/full"},
       {"info", "tube.model", "--json", "/dev/full"},
       {"sweep", "lib", "-o", "r.jsonl", "--summary", "/dev/full"},
@@ -377,7 +372,6 @@ TEST(InterruptedProgram, LeavesNothingAndSaysSo) {
       {{"train", "long.npz", "-o", "a.model"}, "no model was written"},
       {{"check", "--reduced", "tube.model", "long.csv", "--csv", "a.csv"}, "no report was written"},
       {{"predict", "tube.model", "many.npz", "-o", "a.npz"}, "the prediction was not finished"},
-      {{"suggest", "tube.model", "many.npz", "-o", "a.obj"}, "not all frames were read"},
   };
   for (const auto& [words, said] : all) {
     for (const int signal : {SIGINT, SIGTERM}) {

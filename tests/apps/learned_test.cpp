@@ -1,4 +1,4 @@
-// train, info, predict and suggest on the command line to learn shapes.
+// train, info and predict on the command line to learn shapes.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -13,7 +13,6 @@ namespace {
 using namespace foldproof::testing;
 using nlohmann::json;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 /// Poses of a tube, a run of it that goes elsewhere, and another mesh.
 struct Scene : TemporaryDirectory {
@@ -109,35 +108,11 @@ TEST(LearnedProgram, PredictWritesAndComparesWholeMotions) {
   EXPECT_TRUE(open_motions(std::vector<std::string>{scene / "a.ply"}));
 }
 
-TEST(LearnedProgram, SuggestNamesAndWritesThePose) {
-  const Scene scene;
-  const Outcome found = scene.run({"suggest", "tube.model", "run.npz", "-o", "pose.obj"});
-  EXPECT_EQ(found.code, 0) << found.err;
-  EXPECT_THAT(found.out, HasSubstr("frame 1\n"));
-  const auto pose = open_motions(std::vector<std::string>{scene / "pose.obj"});
-  ASSERT_TRUE(pose);
-  const auto run = bending_twice(kSmallTubeToLearn, {{0.1, 1}});
-  EXPECT_EQ(frame_of(*pose->front(), 0), frame_of(*run, 0));
-  // With that frame among the poses nothing as large is left.
-  ASSERT_EQ(scene.run({"train", "poses.npz", "pose.obj", "-o", "more.model", "--quiet"}).code, 0);
-  EXPECT_THAT(scene.run({"suggest", "more.model", "run.npz", "--count", "1"}).out,
-              Not(HasSubstr("frame 1\n")));
-  const Outcome alone = scene.run({"suggest", "tube.model", "--count", "2", "-o", "pose.ply"});
-  EXPECT_EQ(alone.code, 0) << alone.err;
-  EXPECT_THAT(alone.out, HasSubstr("one"));
-  EXPECT_EQ(std::count(alone.out.begin(), alone.out.end(), '\n'), 3);
-  const Outcome known = scene.run({"suggest", "tube.model", "poses.npz"});
-  EXPECT_EQ(known.out, "The model represents every frame.\n");
-  EXPECT_EQ(scene.run({"suggest", "tube.model", "poses.npz", "-o", "pose.obj"}).code, 2);
-}
-
 TEST(LearnedProgram, HelpTeaches) {
   const Scene scene;
-  for (const char* command : {"predict", "suggest"}) {
-    const Outcome help = scene.run({command, "--help"});
-    EXPECT_EQ(help.code, 0);
-    EXPECT_THAT(help.out, HasSubstr("Examples:"));
-  }
+  const Outcome help = scene.run({"predict", "--help"});
+  EXPECT_EQ(help.code, 0);
+  EXPECT_THAT(help.out, HasSubstr("Examples:"));
 }
 
 TEST(LearnedProgram, MistakesGetOneLineAndLeaveNoFile) {
@@ -163,11 +138,8 @@ TEST(LearnedProgram, MistakesGetOneLineAndLeaveNoFile) {
       {{"predict", "tube.model", "run.npz", "--frames", "9:"}, "--frames: selects none"},
       {{"predict", "tube.model", "short.csv", "-o", "a.npz", "--weld"},
        "--frames, --fps, --weld, --separate, --sequence and --clip"},
-      {{"suggest", "bare.model"}, "bare.model: has learned no shapes"},
-      {{"suggest", "tube.model", "other.npz"}, "tube.model: is a model of another mesh"},
-      {{"suggest", "tube.model", "--count", "0"}, "--count: is 0"},
-      {{"suggest", "tube.model", "poses.npz", "-o", "no/where.obj"}, "no/where.obj"},
-      {{"suggest", "missing.model"}, "missing.model"}};
+      {{"predict", "tube.model", "poses.npz", "-o", "no/where.obj"}, "no/where.obj"},
+      {{"predict", "missing.model", "run.npz"}, "missing.model"}};
   for (const auto& [arguments, said] : mistakes) {
     expect_one_line_error(scene.run(arguments), said);
   }

@@ -33,7 +33,6 @@ void use(const foldproof::Model& model) {
   if (const auto& map = model.learned->certificates) {
     if (map->margins(keys).size() != static_cast<Eigen::Index>(map->nodes.size())) std::abort();
   }
-  if (model.learned->poses.size() < 16) suggest_poses(*model.learned, 3);
 }
 
 }  // namespace

@@ -158,55 +158,7 @@ TEST(Learn, ManyPosesAreSubsampled) {
   EXPECT_EQ(model.learned->poses[3].pose, 8u);
 }
 
-TEST(Suggest, FindsTheFrameThatDiffersMostFromThePoses) {
-  const auto poses = bending_twice(kSmallTubeToLearn, {{0, 0}, {0.5, 0}, {1, 0}, {-0.5, 0}, {-1, 0}});
-  const Model model = trained(*poses, all_energy());
-  const auto run = bending_twice(kSmallTubeToLearn, {{0.2, 0}, {0.4, 0.1}, {0.1, 1}, {0.3, 0.6}, {-0.2, 0}});
-  const std::vector<Index> frames = {0, 1, 2, 3, 4};
-  const auto found = suggest_frames(*model.learned, *run, frames, 4);
-  ASSERT_TRUE(found) << found.error().line();
-  ASSERT_GE(found->size(), 1u);
-  EXPECT_EQ(found->front().number, 2u);
-  EXPECT_EQ(found->front().why, Suggestion::Why::Frame);
-  const Eigen::VectorXd x = frame_of(*run, 2);
-  EXPECT_EQ(found->front().positions, std::vector<double>(x.begin(), x.end()));
-  // One pose covers nearly all of the direction.
-  EXPECT_LT(found->front().mean_after, 0.05 * found->front().distance.mean);
-  EXPECT_NEAR(found->front().distance.worst, 1, 0.1);
-}
-
-TEST(Suggest, FindsTheSideThatPosesNeverTake) {
-  const auto poses =
-      bending_twice(kSmallTubeToLearn, {{0, 0}, {0, 0}, {0, 0.5}, {0, -0.5}, {0, 0}, {0, 0}, {0, 0}, {1, 0}});
-  const Model model = trained(*poses, all_energy());
-  const auto found = suggest_poses(*model.learned, 99);
-  ASSERT_FALSE(found.empty());
-  EXPECT_EQ(found[0].why, Suggestion::Why::OneSided);
-  // The suggested pose bends away from where the poses bend.
-  const Eigen::VectorXd far = frame_of(*poses, 7), home = frame_of(*poses, 0);
-  const Eigen::Map<const Eigen::VectorXd> other(found[0].positions.data(), far.size());
-  EXPECT_LT((other - home).dot(far - home), 0);
-  EXPECT_GT((other - home).norm(), 0.5 * (far - home).norm());
-  EXPECT_TRUE(std::any_of(found.begin(), found.end(), [](const Suggestion& s) {
-    return s.why == Suggestion::Why::OneExample && s.number == 7;
-  }));
-  EXPECT_EQ(suggest_poses(*model.learned, 1).size(), 1u);
-}
-
-TEST(Suggest, NothingWhenAllIsRepresented) {
-  const auto poses = bending_twice(kSmallTubeToLearn, kAngles);
-  const Model model = trained(*poses, all_energy());
-  const std::vector<Index> frames = {0, 3, 5};
-  const auto found = suggest_frames(*model.learned, *poses, frames, 3);
-  ASSERT_TRUE(found);
-  EXPECT_THAT(*found, IsEmpty());
-  const auto other = bending_tube(kSmallTube, {0});
-  const auto wrong = suggest_frames(*model.learned, *other, std::vector<Index>{0}, 1);
-  ASSERT_FALSE(wrong);
-  EXPECT_THAT(wrong.error().line(), HasSubstr("has 108 vertices, and the model has 300"));
-}
-
-TEST(LearnReal, TheHandIsReconstructedFromKeyPoints) {
+TEST(Learn, TheHandIsReconstructedFromKeyPoints) {
   const auto data = oracle::data_directory();
   if (!data) GTEST_SKIP() << oracle::kNoData;
   const auto open = [&](const std::string& name) {
