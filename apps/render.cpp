@@ -29,17 +29,11 @@ Colors of --color:
                 faces that cross in this frame already. For the last frame, or a single pose, pink alone
   contacts      what is inside what in this frame, or crosses it: one side of each contact is red, the other blue; the
                 curves in which they cross are black
-  certificates  blue: proven free of contact between this frame and the next, paler for smaller patches; other
-                colors: why not (docs/reports.md)
-  error         distance of each vertex from --truth: pale gray is none, then yellow, red, and dark purple for the
-                largest, or for --scale
 
 Examples:
   foldproof render walk.glb -o walk.png                             frame 0
   foldproof render walk.glb --frame 12 --color collisions -o c.png  what collides on the way to frame 13
   foldproof render walk.glb --frame 12 --color contacts -o c.png    what crosses in frame 12
-  foldproof render body.npz --color certificates --model body.model -o p.png
-  foldproof render run.glb --color error --truth walk.glb --frame 3 -o e.png
   foldproof render walk.glb --view 1,0.5,1 --size 600x900 -o w.png  from the upper front right)";
 
 struct RenderArguments {
@@ -48,10 +42,9 @@ struct RenderArguments {
     read.mesh_files = MeshFiles::Poses;  // a frame of them is drawn
   }
 
-  std::vector<std::string> motions, models;
-  std::string picture, truth, key_points, color = "plain", view = "auto", up = "auto", size = "1200x900";
+  std::vector<std::string> motions;
+  std::string picture, color = "plain", view = "auto", up = "auto", size = "1200x900";
   std::int64_t frame = 0;
-  double scale = 0;
   bool flat = false, quiet = false;
   ReadOptions read;
   FileArguments files;
@@ -66,8 +59,8 @@ struct Poses {
 /// The poses and colors to draw, and a line of text about them.
 struct Colored {
   Poses poses;
-  std::vector<std::vector<Color>> faces, vertices;  ///< Per object; or empty.
-  std::vector<Contact> contacts;                    ///< Of what collides and crosses, the worst first.
+  std::vector<std::vector<Color>> faces;  ///< Per object; or empty.
+  std::vector<Contact> contacts;          ///< Of what collides and crosses, the worst first.
   std::string summary;
 };
 
@@ -109,28 +102,9 @@ Result<std::array<Index, 2>> size_of(const std::string& text) {
               "give pixels as WIDTHxHEIGHT, as in 1200x900");
 }
 
-/// A checker of all objects, with the models of their meshes.
-Result<StepChecker> checker_of(const RenderArguments& a, const Objects& motions, const Poses& poses) {
-  std::vector<std::shared_ptr<const Model>> models(motions.size());
-  for (const std::string& path : a.models) {
-    auto loaded = FOLDPROOF_TRY(load_model(path));
-    const auto model = std::make_shared<const Model>(std::move(loaded));
-    bool used = false;
-    for (std::size_t i = 0; i < motions.size(); ++i) {
-      if (models[i] || !(model->hierarchy()->topology() == motions[i]->topology())) continue;
-      models[i] = model;
-      used = true;
-    }
-    if (!used)
-      return fail(ErrorCode::InvalidArgument, path, "is a model of none of these meshes",
-                  "train a model on one of them");
-  }
+Result<StepChecker> checker_of(const Objects& motions, const Poses& poses) {
   std::vector<Object> objects;
   for (std::size_t i = 0; i < motions.size(); ++i) {
-    if (models[i]) {
-      objects.push_back(models[i]->object());
-      continue;
-    }
     auto built = FOLDPROOF_TRY(Hierarchy::build(motions[i]->topology(), poses.objects[i]));
     objects.emplace_back(std::move(built));
   }
@@ -171,8 +145,8 @@ std::vector<Contact> worst_first(ContactFinder& finder) {
   return contacts;
 }
 
-Result<void> color_contacts(const RenderArguments& a, const Objects& motions, Index frame, Colored& out) {
-  auto checker = FOLDPROOF_TRY(checker_of(a, motions, out.poses));
+Result<void> color_contacts(const Objects& motions, Index frame, Colored& out) {
+  auto checker = FOLDPROOF_TRY(checker_of(motions, out.poses));
   StaticResult answer;
   FOLDPROOF_TRY(checker.check_static(out.poses.spans(), {}, answer));
   auto finder = FOLDPROOF_TRY(finder_of(motions));
@@ -192,8 +166,8 @@ Result<void> color_contacts(const RenderArguments& a, const Objects& motions, In
   return {};
 }
 
-Result<void> color_collisions(const RenderArguments& a, const Objects& motions, Index frame, Colored& out) {
-  auto checker = FOLDPROOF_TRY(checker_of(a, motions, out.poses));
+Result<void> color_collisions(const Objects& motions, Index frame, Colored& out) {
+  auto checker = FOLDPROOF_TRY(checker_of(motions, out.poses));
   const auto crossings = FOLDPROOF_TRY(color_crossings(checker, motions, frame, out));
   auto finder = FOLDPROOF_TRY(finder_of(motions));
   finder.start(frame, out.poses.spans(), crossings);
@@ -219,106 +193,16 @@ Result<void> color_collisions(const RenderArguments& a, const Objects& motions, 
   return {};
 }
 
-/// A checker builds charts over several steps, so the same step is repeated until all are built.
-Result<void> color_certificates(const RenderArguments& a, const Objects& motions, Index frame, Colored& out) {
-  if (frame + 1 == motions[0]->frame_count())
-    return fail(ErrorCode::InvalidArgument, "--color",
-                "certificates are of the step to the next frame, and this is the last one",
-                "give another --frame");
-  const auto next = FOLDPROOF_TRY(read(motions, frame + 1));
-  auto checker = FOLDPROOF_TRY(checker_of(a, motions, out.poses));
-  constexpr int kMaxSteps = 32;
-  constexpr auto kNotBuilt = static_cast<std::size_t>(Reason::NotBuilt);
-  StepResult answer;
-  for (int step = 0; step < kMaxSteps && !watch_for_interrupt(); ++step) {
-    FOLDPROOF_TRY(checker.check(out.poses.spans(), next.spans(), {.explain = true}, answer));
-    if (answer.explanation.leaf_pairs[kNotBuilt] == 0) break;
-  }
-  std::uint64_t proven = 0, faces = 0;
-  for (const Explanation::Object& object : answer.explanation.objects) {
-    std::vector<Color> colors;
-    for (std::size_t t = 0; t < object.level.size(); ++t) {
-      const auto rgb = explanation_color(object.reason[t], object.level[t]);
-      colors.push_back({rgb[0], rgb[1], rgb[2]});
-      proven += object.reason[t] == Reason::Certified;
-    }
-    faces += colors.size();
-    out.faces.push_back(std::move(colors));
-  }
-  out.summary = fmt::format("{} of {} faces proven free of contact", grouped(proven), grouped(faces));
-  return {};
-}
-
-Result<void> color_error(const RenderArguments& a, const Objects& motions, Index frame, Colored& out) {
-  const std::string truth_name[] = {a.truth};
-  const auto truth = FOLDPROOF_TRY(read_motions(truth_name, a.read, a.quiet));
-  const auto vertices = [](const Objects& of) { return of[0]->topology().vertex_count(); };
-  if (motions.size() != 1 || truth.size() != 1 || vertices(truth) != vertices(motions))
-    return fail(ErrorCode::InvalidArgument, "--truth", "is another mesh",
-                "give a motion with the same vertices in the same order");
-  const Index frames = truth[0]->frame_count();
-  if (frames == 1) frame = 0;
-  if (frame >= frames)
-    return fail(ErrorCode::InvalidArgument, "--truth", fmt::format("has no frame {}, only {}", frame, frames),
-                "give a motion with as many frames, or a single pose");
-  const auto expected = FOLDPROOF_TRY(read(truth, frame));
-
-  std::vector<double> errors;
-  double sum = 0, worst = 0;
-  for (std::size_t k = 0; k < expected.objects[0].size(); k += 3) {
-    errors.push_back((Vec3::load(&expected.objects[0][k]) - Vec3::load(&out.poses.objects[0][k])).norm());
-    sum += errors.back();
-    worst = std::max(worst, errors.back());
-  }
-  const double scale = a.scale > 0 ? a.scale : worst;
-  std::vector<Color> colors;
-  colors.reserve(errors.size());
-  for (const double error : errors)
-    colors.push_back(map_color(ColorMap::Error, scale > 0 ? error / scale : 0));
-  out.vertices.push_back(std::move(colors));
-  out.summary = fmt::format("distance mean {:.6g}, largest {:.6g} mesh units; darkest from {:.6g} on",
-                            sum / static_cast<double>(errors.size()), worst, scale);
-  return {};
-}
-
-Result<void> require_options_that_fit(const RenderArguments& a) {
-  if ((a.color == "error") == a.truth.empty()) {
-    return fail(ErrorCode::InvalidArgument, "--truth",
-                a.truth.empty() ? "is missing: errors are distances from it" : "is for --color error only",
-                a.truth.empty() ? "name the motion to compare with" : "leave it out");
-  }
-  if (a.scale != 0 && a.color != "error")
-    return fail(ErrorCode::InvalidArgument, "--scale", "is for --color error only", "leave it out");
-  return require_number("--scale", a.scale, true);
-}
-
 Result<Colored> color(const RenderArguments& a, const Objects& motions) {
   const auto frame = FOLDPROOF_TRY(frame_of(a, motions));
   auto poses = FOLDPROOF_TRY(read(motions, frame));
-  Colored out{.poses = std::move(poses), .faces = {}, .vertices = {}, .contacts = {}, .summary = {}};
-  FOLDPROOF_TRY(a.color == "collisions"     ? color_collisions(a, motions, frame, out)
-                : a.color == "contacts"     ? color_contacts(a, motions, frame, out)
-                : a.color == "certificates" ? color_certificates(a, motions, frame, out)
-                : a.color == "error"        ? color_error(a, motions, frame, out)
-                                            : Result<void>{});
-  return out;
-}
-
-Result<void> add_key_points(const RenderArguments& a, const Objects& motions, const Poses& poses,
-                            Panel& panel) {
-  if (a.key_points.empty()) return {};
-  const auto model = FOLDPROOF_TRY(load_learned_model(a.key_points));
-  PicturePoints points;
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    if (!(model.hierarchy()->topology() == motions[i]->topology())) continue;
-    for (const Index v : model.learned->key_points.vertices)
-      points.positions.push_back(Vec3::load(&poses.objects[i][std::size_t{3} * v]));
+  Colored out{.poses = std::move(poses), .faces = {}, .contacts = {}, .summary = {}};
+  if (a.color == "collisions") {
+    FOLDPROOF_TRY(color_collisions(motions, frame, out));
+  } else if (a.color == "contacts") {
+    FOLDPROOF_TRY(color_contacts(motions, frame, out));
   }
-  if (points.positions.empty())
-    return fail(ErrorCode::InvalidArgument, a.key_points, "is a model of none of these meshes",
-                "train a model on one of them");
-  panel.points.push_back(std::move(points));
-  return {};
+  return out;
 }
 
 /// The meshes of a picture.
@@ -327,7 +211,6 @@ std::vector<PictureMesh> meshes_of(const RenderArguments& a, const Objects& moti
   for (std::size_t i = 0; i < motions.size(); ++i) {
     PictureMesh mesh{.topology = &motions[i]->topology(), .positions = colored.poses.objects[i]};
     if (!colored.faces.empty()) mesh.face_colors = colored.faces[i];
-    if (!colored.vertices.empty()) mesh.vertex_colors = colored.vertices[i];
     mesh.smooth = !a.flat;
     meshes.push_back(mesh);
   }
@@ -381,7 +264,6 @@ Result<int> render(const RenderArguments& a) {
     FOLDPROOF_TRY(parse_view(a.view));
   }
   const auto size = FOLDPROOF_TRY(size_of(a.size));
-  FOLDPROOF_TRY(require_options_that_fit(a));
   FOLDPROOF_TRY(require_number("--fps", a.read.fps, false));
   FOLDPROOF_TRY(a.files.check());
   const auto motions = FOLDPROOF_TRY(read_motions(a.motions, a.read, a.quiet));
@@ -393,7 +275,6 @@ Result<int> render(const RenderArguments& a) {
   Panel panel{.meshes = meshes_of(a, motions, *colored)};
   panel.view = FOLDPROOF_TRY(view_for(a, motions, *colored, panel.meshes));
   if (a.color == "contacts") add_curves(*colored, panel);
-  FOLDPROOF_TRY(add_key_points(a, motions, colored->poses, panel));
   const auto image = FOLDPROOF_TRY(draw_picture(std::span(&panel, 1), {.width = size[0], .height = size[1]}));
   if (interrupted) return report_interrupted();
   FOLDPROOF_TRY(write_png(a.picture, image));
@@ -417,19 +298,7 @@ Command add_render(CommandLine& program) {
       .required();
   command.add_option("--frame", a->frame, "The frame; negative ones count from the end [0]").type_name("K");
   command.add_option("--color", a->color, "What colors say (see below) [plain]")
-      .one_of({"plain", "collisions", "contacts", "certificates", "error"});
-  files.reads(command.add_option("--truth", a->truth, "For --color error: what the mesh should be"))
-      .type_name("MOTION");
-  command
-      .add_option("--scale", a->scale, "For --color error: the darkest distance, in mesh units [the largest]")
-      .type_name("D");
-  files
-      .reads(command.add_option("--model", a->models,
-                                "A model from 'foldproof train', with which more can be proven"))
-      .type_name("FILE")
-      .one_value_each_time();
-  files.reads(command.add_option("--key-points", a->key_points, "A model, whose key points are red balls"))
-      .type_name("FILE");
+      .one_of({"plain", "collisions", "contacts"});
   command
       .add_option("--view", a->view,
                   "auto, front, back, side, top, or the direction to the eye as x,y,z (see below) [auto]")

@@ -33,7 +33,6 @@ class Camera {
 
   ScreenPoint project(const Vec3& x) const;
   Vec3 rotate(const Vec3& direction) const { return to_vec3(axes_ * to_eigen(direction)); }
-  bool perspective() const { return perspective_; }
   /// The size on screen of a unit of length at a point, in samples.
   double samples_per_unit(const ScreenPoint& point) const {
     return perspective_ ? focal_ * point.reversed_depth : focal_;

@@ -26,22 +26,12 @@ inline constexpr Color kWhite{255, 255, 255}, kBlack{0, 0, 0}, kClay{196, 192, 1
     kPink{204, 121, 167};
 }  // namespace colors
 
-enum class ColorMap {
-  Error,  ///< From pale gray over yellow and red to dark purple: 0 looks like a mesh without colors.
-  Level   ///< From dark blue over green to pale yellow.
-};
-
-/// The color for a value, which is clamped to [0,1]; NaN counts as 0. Lightness is linear in the value (in
-/// Oklab, Ottosson 2020), so the order is also visible with color vision deficiency and in grayscale.
-Color map_color(ColorMap map, double value);
-
 /// A mesh in a picture. It refers to the caller's data, which must outlive the call of draw_picture.
 struct PictureMesh {
   const Topology* topology = nullptr;
-  std::span<const double> positions;          ///< vertex_count x 3, row-major, mesh units; finite.
-  Color color = colors::kClay;                ///< If there are none of the following.
-  std::span<const Color> face_colors = {};    ///< None, or one per triangle.
-  std::span<const Color> vertex_colors = {};  ///< None, or one per vertex; not together with face_colors.
+  std::span<const double> positions;        ///< vertex_count x 3, row-major, mesh units; finite.
+  Color color = colors::kClay;              ///< If there are none of the following.
+  std::span<const Color> face_colors = {};  ///< None, or one per triangle.
   /// Normals are interpolated, except across edges where the surface turns by more than 60 degrees; false:
   /// flat shading.
   bool smooth = true;
@@ -88,8 +78,6 @@ struct PictureSettings {
   Index width = 1200, height = 900;                  ///< Pixels, 1 to 16384 each, 2^26 together.
   Index samples = 3;                                 ///< Antialiasing: samples^2 per pixel, 1 to 8.
   std::optional<Color> background = colors::kWhite;  ///< None: transparent.
-  Index columns = 0;       ///< Of panels, which fill rows from the top left. 0: makes panels most square.
-  bool same_scale = true;  ///< All panels without a focus have the same scale.
 };
 
 struct Image {
@@ -98,11 +86,11 @@ struct Image {
   std::vector<std::uint8_t> alpha = {};  ///< Opacity of each pixel; or empty: all are opaque.
 };
 
-/// Draws panels side by side. Shading is two-sided: a triangle that faces the eye has exactly its color,
-/// others are darker. Triangles smaller than the distance of samples may be invisible. The same bytes for any
-/// number of threads; uses the caller's oneTBB arena. Cost: 0.1 to 0.2 s of one core for 70,000 triangles at
-/// 1,200 x 900. Error: sizes out of range or inconsistent, no panels, numbers that are not finite, a view
-/// without a direction.
+/// Draws panels side by side in a row, each with a scale of its own. Shading is two-sided: a triangle that
+/// faces the eye has exactly its color, others are darker. Triangles smaller than the distance of samples may
+/// be invisible. The same bytes for any number of threads; uses the caller's oneTBB arena. Cost: 0.1 to 0.2 s
+/// of one core for 70,000 triangles at 1,200 x 900. Error: sizes out of range or inconsistent, no panels,
+/// numbers that are not finite, a view without a direction.
 Result<Image> draw_picture(std::span<const Panel> panels, const PictureSettings& settings = {});
 
 /// Encodes a PNG (8-bit RGB or RGBA, sRGB). Error: no pixels, or too many.

@@ -44,12 +44,9 @@ Result<void> require_mesh(const PictureMesh& mesh) {
   if (!all_finite(mesh.positions))
     return fail(ErrorCode::NonFinite, "picture", "a mesh has a coordinate that is not finite",
                 "leave that mesh out");
-  const bool faces_fit = mesh.face_colors.empty() || mesh.face_colors.size() == topology.triangles().size();
-  const bool vertices_fit =
-      mesh.vertex_colors.empty() || mesh.vertex_colors.size() == topology.vertex_count();
-  if (!faces_fit || !vertices_fit || (!mesh.face_colors.empty() && !mesh.vertex_colors.empty()))
+  if (!mesh.face_colors.empty() && mesh.face_colors.size() != topology.triangles().size())
     return fail(ErrorCode::InvalidArgument, "picture", "a mesh has colors that do not fit",
-                "give one per face, or one per vertex");
+                "give one per face");
   return {};
 }
 
@@ -96,60 +93,29 @@ Box bounds(const Panel& panel, const Eigen::Matrix3d& axes) {
   return box.isEmpty() ? Box(Eigen::Vector3d(0, 0, 0)) : box;
 }
 
-/// The number of columns that maximizes the smaller side of a panel.
-Index best_columns(Index panels, const PictureSettings& s) {
-  Index best = 1;
-  double best_side = 0;
-  for (Index columns = 1; columns <= panels; ++columns) {
-    const Index rows = (panels + columns - 1) / columns;
-    const double side = std::min(double{1} * s.width / columns, double{1} * s.height / rows);
-    if (side > best_side) {
-      best_side = side;
-      best = columns;
-    }
-  }
-  return best;
-}
-
 Result<std::vector<PixelRect>> arrange(Index panels, const PictureSettings& s) {
-  const Index columns = s.columns ? std::min(s.columns, panels) : best_columns(panels, s);
-  const Index rows = (panels + columns - 1) / columns;
-  if (columns > s.width || rows > s.height)
+  if (panels > s.width)
     return fail(ErrorCode::InvalidArgument, "picture",
                 fmt::format("{} panels do not fit into {} x {} pixels", panels, s.width, s.height),
                 "draw fewer, or a larger picture");
   std::vector<PixelRect> areas;
-  const auto split = [](Index whole, Index part, Index parts) {
-    return static_cast<Index>(std::uint64_t{whole} * part / parts);
-  };
-  for (Index k = 0; k < panels; ++k) {
-    const Index column = k % columns, row = k / columns;
-    const Index x = split(s.width, column, columns), y = split(s.height, row, rows);
-    areas.push_back({x, y, split(s.width, column + 1, columns) - x, split(s.height, row + 1, rows) - y});
-  }
+  const auto left = [&](Index k) { return static_cast<Index>(std::uint64_t{s.width} * k / panels); };
+  for (Index k = 0; k < panels; ++k) areas.push_back({left(k), 0, left(k + 1) - left(k), s.height});
   return areas;
 }
 
 Result<std::vector<Scene>> make_scenes(std::span<const Panel> panels, const PictureSettings& settings) {
   const auto areas = FOLDPROOF_TRY(arrange(static_cast<Index>(panels.size()), settings));
-  std::vector<Eigen::Matrix3d> axes;
-  std::vector<Box> boxes;
-  Eigen::Vector3d largest = Eigen::Vector3d::Zero();
-  for (const Panel& panel : panels) {
-    FOLDPROOF_TRY(require_panel(panel));
-    const auto oriented = FOLDPROOF_TRY(picture::orientation(panel.view));
-    axes.push_back(oriented);
-    boxes.push_back(bounds(panel, oriented));
-    largest = largest.cwiseMax(boxes.back().sizes());
-    if (!(boxes.back().sizes().maxCoeff() < 1e150) || !(boxes.back().center().cwiseAbs().maxCoeff() < 1e150))
-      return fail(ErrorCode::LimitExceeded, "picture", "a mesh is too large for the camera's arithmetic",
-                  "scale it down");
-  }
   std::vector<Scene> scenes;
   for (std::size_t k = 0; k < panels.size(); ++k) {
-    const Eigen::Vector3d size = settings.same_scale ? largest : boxes[k].sizes();
-    const Camera camera(panels[k].view, axes[k], boxes[k].center(), 0.5 * size, areas[k], settings.samples);
-    scenes.push_back(make_scene(panels[k], areas[k], camera, size.maxCoeff(), settings.samples));
+    FOLDPROOF_TRY(require_panel(panels[k]));
+    const auto axes = FOLDPROOF_TRY(picture::orientation(panels[k].view));
+    const Box box = bounds(panels[k], axes);
+    if (!(box.sizes().maxCoeff() < 1e150) || !(box.center().cwiseAbs().maxCoeff() < 1e150))
+      return fail(ErrorCode::LimitExceeded, "picture", "a mesh is too large for the camera's arithmetic",
+                  "scale it down");
+    const Camera camera(panels[k].view, axes, box.center(), 0.5 * box.sizes(), areas[k], settings.samples);
+    scenes.push_back(make_scene(panels[k], areas[k], camera, box.sizes().maxCoeff(), settings.samples));
   }
   return scenes;
 }

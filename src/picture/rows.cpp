@@ -133,28 +133,19 @@ class Rows {
                       &c = scene_.vertices[face.vertices[2]];
     const double area = signed_area2(a, b, c.x, c.y);
     const double sign = area > 0 ? 1 : -1;
-    std::array<double, 3> weight{signed_area2(b, c, x, y), signed_area2(c, a, x, y),
-                                 signed_area2(a, b, x, y)};
-    for (int k = 0; k < 3; ++k) {
-      // A sample at the edge may be outside by EdgeFunction::kOverlap.
-      weight[k] = std::max(sign * weight[k], 1e-12);
-      // Perspective-correct interpolation.
-      if (scene_.camera.perspective()) weight[k] *= scene_.vertices[face.vertices[k]].reversed_depth;
-    }
-    const double sum = weight[0] + weight[1] + weight[2];
-    LinearColor color = LinearColor::Zero();
+    const std::array<double, 3> weight{signed_area2(b, c, x, y), signed_area2(c, a, x, y),
+                                       signed_area2(a, b, x, y)};
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     for (int k = 0; k < 3; ++k) {
-      const auto part = static_cast<float>(weight[k] / sum);
-      color += part * scene_.colors[face.colors[k]];
-      normal += part * scene_.normals[face.normals[k]];
+      // A sample at the edge may be outside by EdgeFunction::kOverlap.
+      normal += static_cast<float>(std::max(sign * weight[k], 1e-12)) * scene_.normals[face.normals[k]];
     }
     // y points down, so a counterclockwise triangle, whose normal points to the eye, has a negative area.
     if (area > 0) normal = -normal;
     normal.normalize();
     // Near the silhouette, interpolated normals may point away from the eye.
     if (normal.z() < 0) normal = Eigen::Vector3f(normal.x(), normal.y(), 0).normalized();
-    return color * brightness(normal);
+    return scene_.colors[face.color] * brightness(normal);
   }
 
   const Scene& scene_;

@@ -17,25 +17,21 @@ class SceneBuilder {
     for (Index v = 0; v < topology.vertex_count(); ++v)
       scene_.vertices.push_back(scene_.camera.project(position(mesh, v)));
     const auto first_color = static_cast<Index>(scene_.colors.size());
-    const auto colors = mesh.vertex_colors.empty() ? mesh.face_colors : mesh.vertex_colors;
-    for (const Color color : colors) scene_.colors.push_back(to_linear(color));
-    if (colors.empty()) scene_.colors.push_back(to_linear(mesh.color));
+    for (const Color color : mesh.face_colors) scene_.colors.push_back(to_linear(color));
+    if (mesh.face_colors.empty()) scene_.colors.push_back(to_linear(mesh.color));
 
     const auto triangles = topology.triangles();
     const Index first_normal = add_normals(mesh);
     for (Index t = 0; t < triangles.size(); ++t) {
       Face face;
-      const auto color_of = [&](Index vertex) {
-        return first_color + (!mesh.vertex_colors.empty() ? vertex : !mesh.face_colors.empty() ? t : 0);
-      };
+      face.color = first_color + (mesh.face_colors.empty() ? 0 : t);
       if (topology.element(t) != Element::Face) {
-        add_stroke(first_vertex + triangles[t][0], first_vertex + triangles[t][1], color_of(triangles[t][0]));
+        add_stroke(first_vertex + triangles[t][0], first_vertex + triangles[t][1], face.color);
         continue;
       }
       for (Index k = 0; k < 3; ++k) {
         const Index vertex = triangles[t][k];
         face.vertices[k] = first_vertex + vertex;
-        face.colors[k] = color_of(vertex);
         face.normals[k] = first_normal + (mesh.smooth ? 3 * t + k : t);
       }
       scene_.faces.push_back(face);

@@ -14,9 +14,9 @@ struct Sphere {
 };
 
 struct Face {
-  // Indices into the arrays of the scene, per corner.
+  // Indices into the arrays of the scene; vertices and normals are those of the corners.
+  Index color;
   Triangle vertices;
-  std::array<Index, 3> colors;
   std::array<Index, 3> normals;  ///< Three times the same for flat shading.
 };
 

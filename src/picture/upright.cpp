@@ -137,7 +137,6 @@ Result<View> view_of(std::span<const PictureMesh> meshes, std::span<const std::v
     for (const std::uint8_t mark : marked[i])
       black_and_white[i].push_back(mark ? colors::kWhite : colors::kBlack);
     shown.meshes[i].face_colors = black_and_white[i];
-    shown.meshes[i].vertex_colors = {};
     shown.meshes[i].smooth = false;
   }
   View best = default_view(up);

@@ -12,12 +12,8 @@ namespace {
 constexpr double kSmallPart = 0.35;
 
 Result<std::string> png_of(std::span<const Panel> panels, const ContactPictures::Format& format) {
-  const auto count = static_cast<Index>(panels.size());
-  const auto image = FOLDPROOF_TRY(draw_picture(panels, {.width = format.width,
-                                                         .height = format.height,
-                                                         .background = std::nullopt,
-                                                         .columns = count,
-                                                         .same_scale = false}));
+  const auto image = FOLDPROOF_TRY(
+      draw_picture(panels, {.width = format.width, .height = format.height, .background = std::nullopt}));
   return png_bytes(image);
 }
 

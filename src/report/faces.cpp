@@ -72,28 +72,4 @@ std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object
   return marks.finish();
 }
 
-std::array<std::uint8_t, 3> explanation_color(Reason reason, int level) {
-  switch (reason) {
-    case Reason::Certified: {
-      if (level < 0) return {221, 221, 221};
-      const int pale = std::min(level, 15) * 12;
-      return {static_cast<std::uint8_t>(pale), static_cast<std::uint8_t>(60 + pale),
-              static_cast<std::uint8_t>(128 + pale * 2 / 3)};
-    }
-    case Reason::NotBuilt:
-      return {240, 228, 66};
-    case Reason::TestFailed:
-      return {230, 159, 0};
-    case Reason::Overlapping:
-      return {0, 158, 115};
-    case Reason::TooCurved:
-      return {204, 121, 167};
-    case Reason::NearOther:
-      return {213, 94, 0};
-    case Reason::Off:
-      break;
-  }
-  return {128, 128, 128};
-}
-
 }  // namespace foldproof

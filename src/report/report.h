@@ -282,9 +282,4 @@ Result<std::unique_ptr<ReportWriter>> vtk_report(const std::string& path, Motion
 std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object, const StepResult& answer);
 std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object, const StaticResult& answer);
 
-/// Red, green and blue for an Explanation's reason and level of a face. Certified is blue, paler for deeper
-/// levels, and pale gray when boxes alone separated everything. The other colors are distinguishable with
-/// color vision deficiency (Okabe and Ito, Color Universal Design, 2008).
-std::array<std::uint8_t, 3> explanation_color(Reason reason, int level);
-
 }  // namespace foldproof

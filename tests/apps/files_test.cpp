@@ -90,10 +90,6 @@ TEST(FileArguments, NothingIsWrittenOverWhatIsRead) {
       {{"check", "--reduced", "tube.model", "p.csv", "--csv", "p.csv"}, "(MOTION p.csv)"},
       {{"report", "a.npz", "-o", "a.npz"}, "-o a.npz: would write over 'a.npz'"},
       {{"render", "a.npz", "-o", "soft"}, "-o soft: would write over 'a.npz'"},
-      {{"render", "a.npz", "--color", "error", "--truth", "walk.obj", "-o", "walk.obj"},
-       "(--truth walk.obj)"},
-      {{"render", "a.npz", "--color", "certificates", "--model", "tube.model", "-o", "tube.model"},
-       "(--model tube.model)"},
       {{"train", "a.npz", "frames", "-o", "frames/frame2.obj"}, "(POSES frames)"},
       {{"predict", "tube.model", "a.npz", "-o", "a.npz"}, "(KEYPOINTS a.npz)"},
       {{"predict", "tube.model", "frames/frame0.obj", "walk.pc2", "-o", "walk.obj"}, "'walk.pc2'"},
@@ -365,8 +361,7 @@ TEST(InterruptedProgram, LeavesNothingAndSaysSo) {
   const Words hang_up{"check", "long.npz", "--substeps", "1000000", "--csv", "a.csv"};
   EXPECT_EQ(interrupted(inputs, hang_up, SIGHUP).code, 130);
   const std::vector<std::pair<Words, std::string>> all{
-      {{"render", "long.npz", "--color", "certificates", "--frame", "8", "--size", "4000x3000", "-o",
-        "a.png"},
+      {{"render", "long.npz", "--color", "contacts", "--frame", "8", "--size", "4000x3000", "-o", "a.png"},
        "the picture was not finished; nothing was written"},
       {{"check", "long.npz", "--substeps", "1000000", "--json", "a.json"}, "no report was written"},
       {{"train", "long.npz", "-o", "a.model"}, "no model was written"},

@@ -12,14 +12,11 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// A tube that bends until it meets itself, and one a little thicker.
+/// A tube that bends until it meets itself, and a motion of two frames.
 struct Scene : TemporaryDirectory {
   Scene() {
     EXPECT_TRUE(write_npz(path() + "/bend.npz", *bending_tube(kTube, {0, 1, 4.5, 6.5})));
     EXPECT_TRUE(write_npz(path() + "/short.npz", *bending_tube(kTube, {0, 1})));
-    std::vector<double> shifted = bent(kTube.around, kTube.along, 1);
-    for (std::size_t k = 0; k < shifted.size(); k += 3) shifted[k] += 0.25 * (k % 2);
-    EXPECT_TRUE(write_obj(path() + "/off.obj", tube(kTube.around, kTube.along), shifted));
   }
   Outcome run(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), "render");
@@ -70,7 +67,7 @@ TEST(RenderProgram, DrawsAFrame) {
   EXPECT_EQ(with("g.png", {"--view", "0,0,2"}), with("h.png", {"--view", "front"}));
 }
 
-TEST(RenderProgram, ColorsCollisionsCertificatesAndErrors) {
+TEST(RenderProgram, ColorsCollisionsAndContacts) {
   const Scene scene;
   const auto output = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"--size", "90x60", "-o", "a.png"});
@@ -87,36 +84,14 @@ TEST(RenderProgram, ColorsCollisionsCertificatesAndErrors) {
   EXPECT_NE(scene.png("a.png"), plain);
   EXPECT_THAT(output({"bend.npz", "--color", "collisions", "--frame", "3"}),
               EndsWith("crossing pairs of triangles in frame 3\n"));
-  EXPECT_THAT(output({"bend.npz", "--color", "certificates"}),
-              EndsWith("of 3,072 faces proven free of contact\n"));
+  EXPECT_EQ(output({"bend.npz", "--color", "contacts"}), "0 contacts in frame 0\n");
+  EXPECT_THAT(output({"bend.npz", "--color", "contacts", "--frame", "3"}), HasSubstr(" in frame 3"));
   EXPECT_EQ(scene.run({"bend.npz", "--color", "collisions", "--frame", "2", "--quiet", "-o", "a.png"}).out,
             "");
-
-  EXPECT_EQ(
-      run_program({"train", "bend.npz", "--quiet", "-o", "tube.model"}, {.directory = scene.path()}).code, 0);
-  output({"bend.npz", "--color", "certificates", "--model", "tube.model"});
-  EXPECT_EQ(output({"bend.npz"}), "");
-  const std::string without = scene.png("a.png");
-  EXPECT_EQ(output({"bend.npz", "--key-points", "tube.model"}), "");
-  EXPECT_NE(scene.png("a.png"), without);
-  EXPECT_TRUE(write_obj(scene / "other.obj", tube(4, 4), bent(4, 4, 0)));
-  expect_one_line_error(scene.run({"other.obj", "--key-points", "tube.model", "-o", "a.png"}),
-                        "tube.model: is a model of none of these meshes");
-
-  EXPECT_THAT(output({"bend.npz", "--frame", "1", "--color", "error", "--truth", "bend.npz"}),
-              StartsWith("distance mean 0, largest 0 mesh units"));
-  EXPECT_THAT(output({"off.obj", "--color", "error", "--truth", "bend.npz"}), HasSubstr("distance mean"));
-  EXPECT_THAT(
-      output({"bend.npz", "--frame", "1", "--color", "error", "--truth", "off.obj", "--scale", "0.5"}),
-      HasSubstr("largest 0.25 mesh units; darkest from 0.5 on"));
-  // The last frame of the shorter motion, not of the other.
-  EXPECT_EQ(output({"short.npz", "--frame", "-1", "--color", "error", "--truth", "bend.npz"}),
-            output({"short.npz", "--frame", "1", "--color", "error", "--truth", "bend.npz"}));
 }
 
 TEST(RenderProgram, ExplainsMistakesInOneLine) {
   const Scene scene;
-  EXPECT_TRUE(write_obj(scene / "other.obj", tube(4, 4), bent(4, 4, 0)));
   const std::vector<std::pair<std::vector<std::string>, const char*>> mistakes{
       {{"bend.npz"}, "--output is required"},
       {{"bend.npz", "-o", "no/a.png"}, "cannot be written"},
@@ -129,15 +104,7 @@ TEST(RenderProgram, ExplainsMistakesInOneLine) {
       {{"bend.npz", "-o", "a.png", "--size", "0x10"}, "'0x10' is no size"},
       {{"bend.npz", "-o", "a.png", "--size", "99999x10"}, "cannot be drawn"},
       {{"bend.npz", "-o", "a.png", "--color", "rainbow"}, "rainbow"},
-      {{"bend.npz", "-o", "a.png", "--color", "error"}, "--truth: is missing"},
-      {{"bend.npz", "-o", "a.png", "--truth", "bend.npz"}, "for --color error only"},
-      {{"bend.npz", "-o", "a.png", "--scale", "2"}, "for --color error only"},
-      {{"bend.npz", "-o", "a.png", "--color", "error", "--truth", "other.obj"}, "is another mesh"},
-      {{"bend.npz", "-o", "a.png", "--color", "certificates", "--frame", "3"}, "this is the last one"},
-      {{"bend.npz", "-o", "a.png", "--frame", "3", "--color", "error", "--truth", "short.npz"},
-       "--truth: has no frame 3, only 2"},
       {{"bend.npz", "short.npz", "-o", "a.png"}, "has 2 frames, but bend.npz has 4"},
-      {{"bend.npz", "-o", "a.png", "--color", "collisions", "--model", "bend.npz"}, "bend.npz"},
   };
   for (const auto& [arguments, problem] : mistakes) {
     expect_one_line_error(scene.run(arguments), problem);

@@ -158,7 +158,7 @@ TEST(Learn, ManyPosesAreSubsampled) {
   EXPECT_EQ(model.learned->poses[3].pose, 8u);
 }
 
-TEST(Learn, TheHandIsReconstructedFromKeyPoints) {
+TEST(LearnReal, TheHandIsReconstructedFromKeyPoints) {
   const auto data = oracle::data_directory();
   if (!data) GTEST_SKIP() << oracle::kNoData;
   const auto open = [&](const std::string& name) {

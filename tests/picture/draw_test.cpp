@@ -167,7 +167,7 @@ TEST(Picture, TrianglesWithACommonEdgeLeaveNoGap) {
   }
 }
 
-TEST(Picture, FaceAndVertexColorsAreUsed) {
+TEST(Picture, FaceColorsAreUsed) {
   const Mesh wall = square(1, 0);
   PictureMesh faces = wall.picture();
   const std::vector<Color> two{colors::kRed, colors::kBlue};
@@ -176,46 +176,6 @@ TEST(Picture, FaceAndVertexColorsAreUsed) {
   const Image image = draw({{.meshes = {faces}, .view = kFlat}}, settings);
   EXPECT_EQ(at(image, 70, 80), colors::kRed);  // the lower right triangle is the first
   EXPECT_EQ(at(image, 30, 20), colors::kBlue);
-
-  PictureMesh vertices = wall.picture();
-  const std::vector<Color> four{{0, 0, 0}, {255, 0, 0}, {255, 255, 0}, {0, 255, 0}};
-  vertices.vertex_colors = four;
-  const Image blend = draw({{.meshes = {vertices}, .view = kFlat}}, settings);
-  for (const Index y : {10u, 50u, 90u}) {
-    for (Index x = 5; x < 90; ++x) EXPECT_LE(at(blend, x, y).red, at(blend, x + 1, y).red);
-  }
-  // Half in linear values is 188 of 255 in sRGB.
-  EXPECT_NEAR(at(blend, 50, 80).red, 188, 3);
-  EXPECT_NEAR(at(blend, 20, 50).green, 188, 3);
-  EXPECT_LT(at(blend, 4, 95).red, 60);
-  EXPECT_GT(at(blend, 95, 5).green, 240);
-}
-
-/// A wall that leans back: the middle of its colors is above the middle of its image.
-TEST(Picture, ColorsOfATiltedWallFollowPerspective) {
-  Mesh wall = square(1, 0);
-  for (int k = 0; k < 4; ++k) wall.x[3 * k + 2] = -5 * wall.x[3 * k + 1];
-  PictureMesh mesh = wall.picture();
-  const std::vector<Color> shades{{0, 0, 0}, {0, 0, 0}, {255, 0, 0}, {255, 0, 0}};
-  mesh.vertex_colors = shades;
-  const auto middle_of = [&](const View& view) {
-    const Image image = draw({{.meshes = {mesh}, .view = view}}, {.width = 200, .height = 200});
-    Index top = 200, bottom = 0;
-    int brightest = 0;
-    for (Index y = 0; y < 200; ++y) {
-      if (at(image, 100, y) == colors::kWhite) continue;
-      top = std::min(top, y), bottom = std::max(bottom, y);
-      brightest = std::max<int>(brightest, at(image, 100, y).red);
-    }
-    for (Index y = bottom; y > top; --y) {
-      if (at(image, 100, y).red > brightest * 0.735) return static_cast<double>(bottom - y) / (bottom - top);
-    }
-    return 0.0;
-  };
-  EXPECT_NEAR(middle_of(kFlat), 0.5, 0.02);
-  const double middle = middle_of({});
-  EXPECT_GT(middle, 0.52);
-  EXPECT_LT(middle, 0.9);
 }
 
 TEST(Picture, SmoothAndFlatDiffer) {
@@ -286,18 +246,10 @@ TEST(Picture, PanelsAreSideBySide) {
   };
   const Image row = draw(panels, {.width = 300, .height = 100});
   EXPECT_NEAR(width_at(row, 50, colors::kBlue), 94, 1);
-  EXPECT_NEAR(width_at(row, 50, colors::kRed), 47, 1);
+  EXPECT_NEAR(width_at(row, 50, colors::kRed), 94, 1) << "each has its own scale";
   EXPECT_EQ(at(row, 50, 50), colors::kRed);
   EXPECT_EQ(at(row, 150, 50), colors::kBlue);
   EXPECT_EQ(at(row, 250, 50), colors::kGreen);
-  const Image own = draw(panels, {.width = 300, .height = 100, .same_scale = false});
-  EXPECT_NEAR(width_at(own, 50, colors::kRed), 94, 1);
-  const Image grid = draw(panels, {.width = 200, .height = 200});
-  EXPECT_EQ(at(grid, 150, 50), colors::kBlue);
-  EXPECT_EQ(at(grid, 50, 150), colors::kGreen);
-  EXPECT_EQ(at(grid, 150, 150), colors::kWhite);
-  const Image column = draw(panels, {.width = 100, .height = 300, .columns = 1});
-  EXPECT_EQ(at(column, 50, 250), colors::kGreen);
 }
 
 /// A cube's faces are flat, though its vertices are shared; a ball is round.
@@ -420,11 +372,8 @@ TEST(Picture, RefusesInvalidInput) {
   bad.x[0] = 1e200;
   EXPECT_THAT(problem({{.meshes = {bad.picture()}}}), HasSubstr("too large"));
   PictureMesh colored = wall.picture();
-  const std::vector<Color> three(3), two(2), four(4);
+  const std::vector<Color> three(3);
   colored.face_colors = three;
-  EXPECT_THAT(problem({{.meshes = {colored}}}), HasSubstr("colors"));
-  colored.face_colors = two;
-  colored.vertex_colors = four;
   EXPECT_THAT(problem({{.meshes = {colored}}}), HasSubstr("colors"));
   EXPECT_THAT(problem({{.meshes = {wall.picture()}, .view = {.from = {0, 0, 0}}}}), HasSubstr("direction"));
   EXPECT_THAT(problem({{.meshes = {wall.picture()}, .view = {.from = {0, 2, 0}}}}), HasSubstr("direction"));
