@@ -183,7 +183,6 @@ void Subcommand::exclude_all_but(Option option, std::span<const char* const> nam
   }
 }
 void Subcommand::footer(const std::string& text) const { app_->footer(text); }
-void Subcommand::hide() const { app_->group(""); }
 
 CommandLine::CommandLine(const std::string& about, const std::string& footer)
     : app_(std::make_unique<CLI::App>(about)) {
@@ -223,25 +222,6 @@ Result<std::optional<std::string>> CommandLine::parse(std::span<char* const> arg
 }
 
 std::string CommandLine::help() const { return app_->help(); }
-
-std::vector<CommandDescription> CommandLine::describe() const {
-  const auto description = [](const CLI::App& app) {
-    CommandDescription command{app.get_name(), app.get_description(), app.get_footer(), {}};
-    for (const CLI::Option* option : app.get_options()) {
-      command.options.push_back(
-          {names_of(*option), option->get_items_expected_max() > 0 ? option->get_type_name() : "",
-           option->get_description(), option->get_group(), option->get_positional(), option->get_required()});
-    }
-    std::stable_partition(command.options.begin(), command.options.end(),
-                          [](const OptionDescription& option) { return option.is_argument; });
-    return command;
-  };
-  std::vector<CommandDescription> commands{description(*app_)};
-  for (const CLI::App* app :
-       app_->get_subcommands([](const CLI::App* app) { return !app->get_group().empty(); }))
-    commands.push_back(description(*app));
-  return commands;
-}
 
 bool CommandLine::chose(const std::string& subcommand) const { return app_->got_subcommand(subcommand); }
 

@@ -73,25 +73,9 @@ class Subcommand {
   void exclude_all_but(Option option, std::span<const char* const> names) const;
   /// What the help text ends with.
   void footer(const std::string& text) const;
-  /// Leaves it out of the program's help.
-  void hide() const;
 
  private:
   CLI::App* app_;
-};
-
-/// An option or argument, in words.
-struct OptionDescription {
-  std::vector<std::string> names;  ///< "-o" and "--output"; of an argument, "MOTION..." or "DIR".
-  std::string value;               ///< What stands for the value: "FILE", "proven|paper"; a flag has none.
-  std::string description, group;
-  bool is_argument, is_required;
-};
-
-/// A subcommand in words, for its manual page and for completion.
-struct CommandDescription {
-  std::string name, description, footer;
-  std::vector<OptionDescription> options;  ///< Arguments first, in order.
 };
 
 class CommandLine {
@@ -105,8 +89,6 @@ class CommandLine {
   Result<std::optional<std::string>> parse(std::span<char* const> arguments);
   /// What --help prints.
   std::string help() const;
-  /// The program, with its own options, then all subcommands that --help lists.
-  std::vector<CommandDescription> describe() const;
   /// Whether the parsed command line names this subcommand.
   bool chose(const std::string& subcommand) const;
 

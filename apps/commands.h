@@ -26,7 +26,6 @@ Command add_radius(CommandLine& program);
 Command add_sample(CommandLine& program);
 Command add_demo(CommandLine& program);
 /// `program` must outlive the returned function.
-Command add_write_share(CommandLine& program);
 Command add_view(CommandLine& program);
 /// `arguments`: the command line, which reports quote.
 Command add_report(CommandLine& program, std::span<char* const> arguments);

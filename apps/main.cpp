@@ -33,8 +33,7 @@ Result<int> run(int argc, char** argv) {
                                                                  {"render", add_render(program)},
                                                                  {"radius", add_radius(program)},
                                                                  {"sample", add_sample(program)},
-                                                                 {"demo", add_demo(program)},
-                                                                 {"write-share", add_write_share(program)}};
+                                                                 {"demo", add_demo(program)}};
 
   const auto text = FOLDPROOF_TRY(program.parse(arguments));
   if (text) {

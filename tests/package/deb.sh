@@ -20,8 +20,7 @@ dpkg-deb --field "$where"/foldproof_*.deb Depends | grep -q "$library" || {
   exit 1
 }
 test -f "$where/root/usr/include/foldproof/check.h"
-for file in man/man1/foldproof-check.1 bash-completion/completions/foldproof zsh/vendor-completions/_foldproof \
-  fish/vendor_completions.d/foldproof.fish; do
+for file in man/man1/foldproof-check.1 bash-completion/completions/foldproof; do
   test -f "$where/root/usr/share/$file"
 done
 test -z "$(find "$where/root" -mindepth 1 -maxdepth 1 ! -name usr)"
