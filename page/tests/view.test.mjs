@@ -364,16 +364,10 @@ test('zooms its timeline, loops a range, goes to a typed frame', () =>
     await until(page, (s) => s.position === 7, 'frame 7');
   }));
 
-test('saves a picture and a video', () =>
+test('saves a picture', () =>
   visit(without, async (page) => {
-    const saved = async (title) => {
-      const [download] = await Promise.all([page.waitForEvent('download'), page.click(`[aria-label="${title}"]`)]);
-      return readFileSync(await download.path());
-    };
-    assert.deepEqual([...(await saved('Save the picture (PNG)')).subarray(1, 4)], [...Buffer.from('PNG')]);
-    await page.click('[aria-label="Record a video (WebM)"]');
-    await page.waitForTimeout(600);
-    assert.deepEqual([...(await saved('Record a video (WebM)')).subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3]);
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click('[aria-label="Save the picture (PNG)"]')]);
+    assert.deepEqual([...readFileSync(await download.path()).subarray(1, 4)], [...Buffer.from('PNG')]);
   }));
 
 test('cuts, turns upright, looks from six sides', () =>

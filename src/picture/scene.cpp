@@ -66,8 +66,7 @@ class SceneBuilder {
     const auto normal = static_cast<Index>(scene_.normals.size());
     scene_.normals.emplace_back(0.0f, 0.0f, 1.0f);
     for (const Index k : {Index{0}, Index{1}}) {
-      scene_.faces.push_back(
-          {{first + k, first + k + 1, first + k + 2}, {color, color, color}, {normal, normal, normal}});
+      scene_.faces.push_back({color, {first + k, first + k + 1, first + k + 2}, {normal, normal, normal}});
     }
   }
 

@@ -7,7 +7,7 @@ import { isDark, onTheme } from '../shared/theme';
 import { guessUp, type Vector } from '../shared/upright';
 import { startText } from '../shared/verdict';
 import { ApiError, getBytes, getIndices, GoneError, type SceneInfo } from './api';
-import { Recorder, savePicture } from './capture';
+import { savePicture } from './capture';
 import { Check, kStart, PairStore } from './check';
 import { Clock } from './clock';
 import { CollisionPanel } from './collisions';
@@ -49,7 +49,6 @@ export class App {
   private readonly cards: ContactPanel;
   private readonly charts: Charts;
   private readonly stage: Stage;
-  private readonly recorder: Recorder;
   private readonly navigator: Navigator;
   private readonly help: HTMLDialogElement;
   private readonly motionBox: THREE.Box3; // of the whole motion, in the scene
@@ -109,7 +108,6 @@ export class App {
     this.motionBox = this.boxOf(scene.low, scene.high, scale);
     this.stage = new Stage(this.layout.stage, scale, () => this.bounds(), () => this.poseBounds() ?? this.bounds());
     this.layout.stage.append(this.stage.gizmo.element);
-    this.recorder = new Recorder(this.stage.canvas, scene.title, (recording) => this.layout.showRecording(recording));
     this.navigator = new Navigator(this.parts(), changed, failed);
     this.optionsChanged(true);
     if (this.link.at !== null) this.clock.seekPosition(this.link.at);
@@ -162,7 +160,6 @@ export class App {
       legend: () => this.layout.legend.classList.toggle('closed'),
       help: () => this.help.showModal(),
       picture: () => void savePicture(this.stage.png(), this.scene.title, this.frameName()),
-      video: () => this.record(),
       first: () => this.navigator.goToFirst(),
       worst: () => void this.navigator.chooseContact(0),
     };
@@ -195,12 +192,6 @@ export class App {
   }
 
   // --- Actions
-
-  private record(): void {
-    if (this.recorder.recording) return this.recorder.stop();
-    if (!this.recorder.start()) return this.layout.warn('This browser cannot record videos.');
-    this.navigator.play(true);
-  }
 
   private frameName(): string {
     return `frame_${Number(this.clock.position.toFixed(2))}`;

@@ -21,7 +21,6 @@ export interface ToolActions {
   legend: () => void;
   help: () => void;
   picture: () => void;
-  video: () => void;
   first: () => void;
   worst: () => void;
 }
@@ -37,7 +36,6 @@ export class Layout {
   private readonly leads = el('span', { className: 'leads', hidden: true });
   private readonly worst: HTMLButtonElement;
   private readonly loading = el('div', { className: 'loading', role: 'status' }, 'Loading the first frame…', el('progress', {}));
-  private readonly video: HTMLButtonElement;
   private readonly progress = el('progress', { max: 1, value: 0, hidden: true });
   private readonly banner = el('div', { className: 'banner', role: 'alert', hidden: true });
   private readonly bannerText = el('span', {});
@@ -57,7 +55,6 @@ export class Layout {
     this.worst = lead('Worst', 'Go to the worst contact', () => actions.worst());
     this.leads.append(lead('First', 'Go to what touches or crosses first', () => actions.first()), this.worst);
     this.status.append(this.contactText, this.statusText, this.progress, this.leads);
-    this.video = this.tool(icon('M4 6h11v12H4zm12.5 4.5L21 7.5v9l-4.5-3z'), 'Record a video (WebM)', () => actions.video());
     this.banner.append(this.bannerText, el('button', { className: 'small', type: 'button', onclick: () => location.reload() }, 'Load again'));
     const tabBar = el('div', { className: 'tabs', role: 'tablist' });
     const body = el('div', { className: 'body' });
@@ -100,17 +97,11 @@ export class Layout {
       tool('−', 'Farther (−)', () => this.actions.zoom(1.25)),
       tool('Legend', 'Legend (L)', () => this.actions.legend()),
       tool(icon('M4 7h4l1.5-2h5L16 7h4v12H4zm8 2.5a3.5 3.5 0 1 0 0 7 3.5 3.5 0 0 0 0-7z'), 'Save the picture (PNG)', () => this.actions.picture()),
-      this.video,
     );
   }
 
   private tool(text: Node | string, title: string, action: () => void): HTMLButtonElement {
     return el('button', { type: 'button', title, 'aria-label': title, onclick: action }, text);
-  }
-
-  showRecording(recording: boolean): void {
-    this.video.classList.toggle('recording', recording);
-    this.video.title = recording ? 'End the video and save it' : 'Record a video (WebM)';
   }
 
   /** The first frame is shown. */
