@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
-#include <random>
 
 #include "base/try.h"
 #include "commands.h"
@@ -26,13 +25,10 @@ not limit the radius; larger regions still do.
 Examples:
   foldproof radius body.model                        the radius around the mean, and around each cluster
   foldproof radius body.model --at-least 0.5         the radius without pairs of leaves below 0.5, which it lists
-  foldproof radius body.model --sample 20 -o s.npz   twenty certified shapes, as a motion
-  foldproof radius body.model --save                 keep the proofs in the model, for 'radius' and 'check --reduced'
-  foldproof radius body.model --ply mean.ply         the mean, with uncertified triangles marked 1)";
+  foldproof radius body.model --save                 keep the proofs in the model, for 'radius' and 'check --reduced')";
 
 struct RadiusArguments {
-  std::string model, output, ply;
-  Index samples = 0;
+  std::string model;
   double clearance = 0, at_least = 0;
   int threads = 0;
   bool save = false, quiet = false;
@@ -152,52 +148,6 @@ std::string region_list(const ReducedShape& shape, const Centers& centers) {
   return text;
 }
 
-Result<void> write_uncertified(const std::string& path, const ReducedShape& shape, const Centers& centers) {
-  const Hierarchy& h = *shape.motion()->hierarchy();
-  std::vector<std::uint8_t> marks(h.triangles().size(), 0);
-  for (const UncertifiedPair& pair : centers.certified[0].uncertified) {
-    for (const Index leaf : {pair.leaf_a, pair.leaf_b}) {
-      for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t)
-        marks[h.triangle_ids()[t]] = 1;
-    }
-  }
-  std::vector<double> x(3 * std::size_t{h.topology().vertex_count()});
-  shape.motion()->positions(shape.centers()[0].p, x);
-  return write_ply(path, h.topology(), x, marks);
-}
-
-// Samples the balls of all centers in turn, uniformly by volume within each; always the same shapes.
-Result<void> write_samples(const RadiusArguments& a, const ReducedShape& shape, const Centers& centers) {
-  const ReducedMotion& motion = *shape.motion();
-  std::vector<Index> usable;
-  for (Index c = 0; c < shape.centers().size(); ++c) {
-    if (centers.certified[c].radius > 0) usable.push_back(c);
-  }
-  if (usable.empty())
-    return fail(ErrorCode::InvalidArgument, a.output, "no shape is certified",
-                "see which regions touch at the centers");
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> normal(0, 1);
-  std::uniform_real_distribution<double> uniform(0, 1);
-  std::vector<std::vector<double>> frames;
-  for (Index k = 0; k < a.samples; ++k) {
-    const Index c = usable[k % usable.size()];
-    std::vector<double> q(motion.modes()), p = shape.centers()[c].p;
-    double square = 0;
-    for (double& z : q) {
-      z = normal(random);
-      square += z * z;
-    }
-    const double radius =
-        0.999 * centers.certified[c].radius * std::pow(uniform(random), 1.0 / motion.modes());
-    for (std::size_t m = 0; m < q.size(); ++m)
-      p[m] += radius * q[m] / std::sqrt(square) * motion.deviations()[m];
-    motion.positions(p, frames.emplace_back(3 * std::size_t{motion.hierarchy()->topology().vertex_count()}));
-  }
-  const auto sampled = memory_motion("samples", motion.hierarchy()->topology(), std::move(frames));
-  return write_motion(a.output, *sampled);
-}
-
 // Those that the model keeps, unless others are asked for.
 Result<std::shared_ptr<const ReducedShape>> balls_of(const RadiusArguments& a, const Model& model,
                                                      const std::atomic<bool>& interrupted) {
@@ -211,21 +161,12 @@ Result<std::shared_ptr<const ReducedShape>> balls_of(const RadiusArguments& a, c
   return prove_balls(model, a.clearance, hooks);
 }
 
-Result<int> report_radius(const RadiusArguments& a, const Model& model, const ReducedShape& shape) {
+void print_radius(const RadiusArguments& a, const Model& model, const ReducedShape& shape) {
   const Centers centers = centers_of(shape, a.at_least);
-  if (!a.ply.empty()) {
-    FOLDPROOF_TRY(write_uncertified(a.ply, shape, centers));
-  }
-  if (a.samples > 0) {
-    FOLDPROOF_TRY(write_samples(a, shape, centers));
-  }
-  if (!a.quiet) {
-    print_output(fmt::format("{}: {}, {}; farther apart than {:.3g} mesh units\n", cell(a.model),
-                             counted(shape.motion()->modes(), "mode"),
-                             counted(model.hierarchy()->triangles().size(), "triangle"), shape.clearance()) +
-                 radius_table(shape, centers, *model.learned) + region_list(shape, centers));
-  }
-  return kExitClean;
+  print_output(fmt::format("{}: {}, {}; farther apart than {:.3g} mesh units\n", cell(a.model),
+                           counted(shape.motion()->modes(), "mode"),
+                           counted(model.hierarchy()->triangles().size(), "triangle"), shape.clearance()) +
+               radius_table(shape, centers, *model.learned) + region_list(shape, centers));
 }
 
 Result<int> radius(const RadiusArguments& a) {
@@ -234,10 +175,6 @@ Result<int> radius(const RadiusArguments& a) {
   FOLDPROOF_TRY(require_number("--clearance", a.clearance, true));
   FOLDPROOF_TRY(require_number("--at-least", a.at_least, true));
   FOLDPROOF_TRY(a.files.check());
-  if ((a.samples > 0) == a.output.empty()) return fail("--sample", "goes with -o", "give both, or neither");
-  if (a.samples > 1 && extension_of(a.output) == ".obj" && a.output.find('%') == std::string::npos)
-    return fail(a.output, "would have a point cache, whose rounding may make certified shapes touch",
-                "name it .npz, or put %04d into the name");
   auto model = FOLDPROOF_TRY(load_learned_model(a.model));
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   const auto shape = balls_of(a, model, interrupted);
@@ -250,7 +187,8 @@ Result<int> radius(const RadiusArguments& a) {
     model.balls = std::make_shared<const ReducedBalls>((*shape)->balls());
     FOLDPROOF_TRY(save_model(model, a.model));
   }
-  return report_radius(a, model, **shape);
+  if (!a.quiet) print_radius(a, model, **shape);
+  return kExitClean;
 }
 
 }  // namespace
@@ -260,20 +198,9 @@ Command add_radius(CommandLine& program) {
       program.add_subcommand("radius", "Prove how far a model's shapes may go without touching themselves");
   command.footer(kRadiusFooter);
   const auto a = std::make_shared<RadiusArguments>();
-  FileArguments& files = a->files;
-  files.reads(command.add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
+  a->files.reads(command.add_option("MODEL", a->model, "A file that 'foldproof train' wrote"))
       .type_name("")
       .required();
-  command.add_option("--sample", a->samples, "Sample N certified shapes, uniformly from the balls")
-      .type_name("N");
-  files
-      .writes(command.add_option("-o,--output", a->output, "Write them as a motion: .npz, .obj or .ply"),
-              FileArguments::Output::Motion)
-      .type_name("FILE");
-  files
-      .writes(command.add_option("--ply", a->ply, "Write the mean with uncertified triangles marked 1"),
-              FileArguments::Output::File, {".ply"})
-      .type_name("FILE");
   command
       .add_option("--clearance", a->clearance,
                   "Prove that features stay farther apart than D, in mesh units [2^-24 of the size]")

@@ -14,8 +14,7 @@ namespace {
 constexpr const char* kSampleFooter =
     R"(The shapes are distributed as the training poses are: each mode of the subspace varies by the standard deviation that was
 learned. A shape in which two triangles cross is refused, and another is drawn. No triangles cross in a shape that is
-written: proven, and for the very numbers in the file. For shapes that are proven together with all between them, see
-'foldproof radius --sample'.
+written: proven, and for the very numbers in the file.
 
 Examples:
   foldproof sample body.model -o shapes.npz                     ten shapes, as the frames of a motion

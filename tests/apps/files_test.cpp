@@ -94,7 +94,6 @@ TEST(FileArguments, NothingIsWrittenOverWhatIsRead) {
       {{"predict", "tube.model", "a.npz", "-o", "a.npz"}, "(KEYPOINTS a.npz)"},
       {{"predict", "tube.model", "frames/frame0.obj", "walk.pc2", "-o", "walk.obj"}, "'walk.pc2'"},
       {{"predict", "tube.model", "p.csv", "--truth", "a.npz", "-o", "./a.npz"}, "(--truth a.npz)"},
-      {{"radius", "tube.model", "--ply", "tube.model"}, "(MODEL tube.model)"},
       {{"info", "tube.model", "--json", "tube.model"}, "(MODEL tube.model)"},
       {{"sweep", "lib", "-o", "lib/deep/a.npz"}, "(DIR lib)"},
       {{"sweep", "lib", "-o", "r.jsonl", "--summary", "lib/deep/a.npz"}, "--summary lib/deep/a.npz"},
@@ -113,7 +112,6 @@ TEST(FileArguments, TwoOutputsAreTwoFiles) {
       {"check", "a.npz", "--json", "new", "--contacts-csv", "frames/../new"},
       {"check", "a.npz", "--csv", "x.csv", "--contacts-csv", "y.csv"},
       {"check", "plys", "--ply", "f%d.ply", "--csv", "./f%d.ply"},
-      {"radius", "tube.model", "--sample", "2", "-o", "s.ply", "--ply", "./s.ply"},
       {"sweep", "lib", "-o", "r", "--summary", "./r"},
       {"check", "a.npz", "--json", "v", "--vtk", "v.pvd"},
       {"check", "a.npz", "--vtk", "v.pvd", "--csv", "./v"},
@@ -188,8 +186,7 @@ const std::vector<Words> kOutputs{{"check", "none", "--json"},
                                   {"render", "none", "-o"},
                                   {"train", "none", "-o"},
                                   {"predict", "none", "none", "-o"},
-                                  {"radius", "none", "--sample", "1", "-o"},
-                                  {"radius", "none", "--ply"},
+                                  {"sample", "none", "-o"},
                                   {"info", "none", "--json"},
                                   {"sweep", "none", "-o"},
                                   {"sweep", "none", "-o", "r.jsonl", "--summary"}};
@@ -214,12 +211,12 @@ TEST(FileArguments, OutputsNameWhatCanBeWrittenBeforeAnythingIsRead) {
     expect_one_line_error(with("p.csv/a.npz"),
                           option + " p.csv/a.npz: cannot be written: 'p.csv' is no directory");
     // With a valid name, the error is about the input.
-    const bool is_motion = words[0] == "predict" || words[2] == "--sample";
+    const bool is_motion = words[0] == "predict" || words[0] == "sample";
     const Outcome outcome = with(is_motion ? "new.npz" : "new");
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.err, StartsWith("foldproof: none")) << ::testing::PrintToString(words);
   }
-  for (const Words& words : {Words{"predict", "none", "none"}, Words{"radius", "none", "--sample", "1"}}) {
+  for (const Words& words : {Words{"predict", "none", "none"}, Words{"sample", "none"}}) {
     Words all = words;
     all.insert(all.end(), {"-o", "a.xyz"});
     expect_one_line_error(inputs.run(all),
@@ -243,8 +240,7 @@ TEST(FileArguments, OutputsEndAsWhatTheyAre) {
       {{"sweep", "plys", "-o", "r.jsonl", "--summary", "a.npz"}, "ends in .npz, not in .html or .htm"},
       {{"render", "frames", "-o", "a.npz"}, "-o a.npz: ends in .npz, not in .png"},
       {{"render", "frames", "-o", "a.jpg"}, "-o a.jpg: ends in .jpg, not in .png"},
-      {{"report", "frames", "-o", "a.pdf"}, "-o a.pdf: ends in .pdf, not in .html or .htm"},
-      {{"radius", "tube.model", "--ply", "walk.obj"}, "ends in .obj, not in .ply"}};
+      {{"report", "frames", "-o", "a.pdf"}, "-o a.pdf: ends in .pdf, not in .html or .htm"}};
   for (const auto& [words, said] : mistakes) expect_one_line_error(inputs.run(words), said);
   EXPECT_EQ(inputs.bytes(), before);
 }
@@ -298,7 +294,6 @@ TEST(FileArguments, AFullDiskIsAnErrorAndLeavesNothing) {
       {"render", "a.npz", "--size", "40x30", "-o", "full.png"},
       {"train", "a.npz", "-o", "/dev/full"},
       {"predict", "tube.model", "a.npz", "-o", "full.npz"},
-      {"radius", "tube.model", "--ply", "/dev/full"},
       {"info", "tube.model", "--json", "/dev/full"},
       {"sweep", "lib", "-o", "r.jsonl", "--summary", "/dev/full"},
   };

@@ -51,15 +51,11 @@ class Reduced : public ::testing::Test {
   double deviation_ = 0;
 };
 
-TEST_F(Reduced, RadiusSaysHowFarAndItsSamplesAreFree) {
-  const Outcome said =
-      run({"radius", "cloth.model", "--sample", "6", "-o", "samples.npz", "--ply", "left.ply"});
+TEST_F(Reduced, RadiusSaysHowFar) {
+  const Outcome said = run({"radius", "cloth.model"});
   ASSERT_EQ(said.code, 0) << said.err;
   EXPECT_NE(said.out.find("\nmean "), std::string::npos) << said.out;
   EXPECT_NE(said.out.find("training poses lie within a radius"), std::string::npos) << said.out;
-  EXPECT_EQ(run({"check", "samples.npz", "--static", "--quiet"}).code, 0);
-  EXPECT_EQ(run({"check", "samples.npz", "--quiet"}).code, 0) << "from shape to shape";
-  EXPECT_TRUE(std::ifstream(directory_ / "left.ply").good());
 }
 
 TEST_F(Reduced, RadiusKeepsItsBallsInTheModel) {
@@ -257,8 +253,6 @@ TEST_F(Reduced, RefusesInOneLine) {
       {{"check", "--reduced", "cloth.model", "p.csv", "--clip", "a"}, "--sequence or --clip"},
       {{"check", "--reduced", "poses.npz", "p.csv"}, "poses.npz"},
       {{"radius", "poses.npz"}, "poses.npz"},
-      {{"radius", "cloth.model", "--sample", "3"}, "--sample: goes with -o"},
-      {{"radius", "cloth.model", "--sample", "3", "-o", "s.obj"}, "s.obj: would have a point cache"},
       {{"radius", "cloth.model", "--clearance", "-1"}, "--clearance"}};
   for (const auto& [arguments, said] : mistakes) expect_one_line_error(run(arguments), said);
 }
