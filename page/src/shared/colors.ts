@@ -1,6 +1,5 @@
-// All colors with a meaning. Reasons and levels have those of explanation_color (src/report/faces.cpp), errors those of
-// map_color (src/picture/color.cpp), so pictures from the command line look the same. Okabe and Ito's colors and even steps
-// of lightness are distinguishable with color vision deficiency.
+// All colors with a meaning. Okabe and Ito's colors and even steps of lightness are distinguishable with color vision
+// deficiency.
 
 export type Rgb = [number, number, number];
 
