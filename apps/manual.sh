@@ -4,6 +4,7 @@ set -eu
 program=$1 directory=$2
 version=$("$program" --version | cut -d ' ' -f 2)
 mkdir -p "$directory"
+rm -f "$directory"/foldproof*.1
 
 # page NAME [COMMAND]
 page() {
