@@ -5,6 +5,7 @@
 #include <array>
 
 #include "foldproof/eigen.h"
+#include "mesh/grid.h"
 
 namespace foldproof::adversary {
 namespace {
@@ -28,14 +29,9 @@ Mesh sheet(Source& source, double size) {
       mesh.vertices.emplace_back(size * u, size * narrow * v, height * std::sin(a * u + b * v + phase));
     }
   }
-  const auto row = static_cast<Index>(nx + 1);
-  for (Index j = 0; j < static_cast<Index>(ny); ++j) {
-    for (Index i = 0; i < static_cast<Index>(nx); ++i) {
-      const Index v = j * row + i;
-      mesh.triangles.push_back({v, v + 1, v + row});
-      mesh.triangles.push_back({v + 1, v + row + 1, v + row});
-    }
-  }
+  using testing::Grid, testing::Diagonal;
+  const auto columns = static_cast<Index>(nx), rows = static_cast<Index>(ny);
+  mesh.triangles = Grid{columns, rows, false, Diagonal::SecondToThird}.triangles();
   return mesh;
 }
 

@@ -7,6 +7,7 @@
 
 #include "apps/program.h"
 #include "io/gltf_builder.h"
+#include "mesh/grid.h"
 #include "report/spheres.h"
 
 namespace foldproof {
@@ -532,14 +533,6 @@ TEST(Check, AFullDiskBehindStandardOutputIsAnError) {
 /// Two wavy sheets that pass through each other, so that many pairs collide.
 std::unique_ptr<Motion> waves(double phase, double direction) {
   constexpr Index kSide = 40;
-  std::vector<Triangle> triangles;
-  for (Index i = 0; i + 1 < kSide; ++i) {
-    for (Index j = 0; j + 1 < kSide; ++j) {
-      const Index v = i * kSide + j;
-      triangles.push_back({v, v + 1, v + kSide});
-      triangles.push_back({v + 1, v + kSide + 1, v + kSide});
-    }
-  }
   std::vector<std::vector<double>> frames(4);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     for (Index i = 0; i < kSide; ++i) {
@@ -550,7 +543,8 @@ std::unique_ptr<Motion> waves(double phase, double direction) {
       }
     }
   }
-  return memory_motion("waves", *Topology::make(kSide * kSide, std::move(triangles)), std::move(frames));
+  return memory_motion("waves", Grid{kSide - 1, kSide - 1, false, Diagonal::SecondToThird}.topology(),
+                       std::move(frames));
 }
 
 /// Removes measured times.

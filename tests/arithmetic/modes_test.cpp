@@ -16,6 +16,7 @@
 #include "base/callers.h"
 #include "foldproof/check.h"
 #include "foldproof/solver.h"
+#include "mesh/grid.h"
 #include "oracle/meshes.h"
 
 namespace foldproof::testing {
@@ -77,14 +78,8 @@ struct Sheets {
 };
 Sheets sheets(double size) {
   constexpr Index kSide = 9;
-  std::vector<Triangle> triangles;
-  for (Index i = 0; i + 1 < kSide; ++i) {
-    for (Index k = 0; k + 1 < kSide; ++k) {
-      const Index v = i * kSide + k;
-      triangles.push_back({v, v + 1, v + kSide});
-      triangles.push_back({v + 1, v + kSide + 1, v + kSide});
-    }
-  }
+  const Topology topology =
+      testing::Grid{kSide - 1, kSide - 1, false, testing::Diagonal::SecondToThird}.topology();
   Sheets s;
   for (int object = 0; object < 2; ++object) {
     std::vector<double> x0, x1;
@@ -96,7 +91,7 @@ Sheets sheets(double size) {
       for (const double c : {x, y + 0.01, z + 0.03 * (object == 0 ? x : -y)}) x1.push_back(size * c);
     }
     s.hierarchies.push_back(std::make_shared<const Hierarchy>(
-        Hierarchy::build(*Topology::make(kSide * kSide, triangles), x0, {8}).value()));
+        Hierarchy::build(topology, x0, {8}).value()));
     s.x0.push_back(x0);
     s.x1.push_back(x1);
   }

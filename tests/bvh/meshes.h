@@ -1,11 +1,13 @@
 /// Small generated meshes for tests of hierarchies.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
 
 #include "foldproof/bvh.h"
+#include "mesh/grid.h"
 
 namespace foldproof::testing {
 
@@ -16,20 +18,8 @@ struct Mesh {
 
 /// A cloth of side x side squares, two triangles each.
 inline Mesh cloth(Index side) {
-  std::vector<Triangle> triangles;
-  std::vector<double> x;
-  const Index row = side + 1;
-  for (Index i = 0; i <= side; ++i) {
-    for (Index j = 0; j <= side; ++j) x.insert(x.end(), {double(i) / side, double(j) / side, 0});
-  }
-  for (Index i = 0; i < side; ++i) {
-    for (Index j = 0; j < side; ++j) {
-      const Index a = i * row + j;
-      triangles.push_back({a, a + 1, a + row});
-      triangles.push_back({a + 1, a + row + 1, a + row});
-    }
-  }
-  return {*Topology::make(row * row, std::move(triangles)), std::move(x)};
+  const Grid grid{side, side, false, Diagonal::SecondToThird};
+  return {grid.topology(), grid.positions([](double u, double v) { return std::array{v, u, 0.0}; })};
 }
 
 /// `count` triangles without common vertices, at random positions in the unit cube.

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "foldproof/eigen.h"
+#include "mesh/grid.h"
 
 namespace foldproof::testing {
 
@@ -34,12 +35,9 @@ PosedPatch sheet(std::string name, int columns, int rows, const Surface& surface
       p.x.push_back(surface(double(i) / columns, double(j) / rows));
     }
   }
-  const auto at = [&](int i, int j) { return static_cast<std::uint16_t>(j * (columns + 1) + i); };
-  for (int j = 0; j < rows; ++j) {
-    for (int i = 0; i < columns; ++i) {
-      p.patch.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      p.patch.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
+  for (const Triangle& t : Grid{static_cast<Index>(columns), static_cast<Index>(rows)}.triangles()) {
+    const auto at = [&](std::size_t corner) { return static_cast<std::uint16_t>(t[corner]); };
+    p.patch.triangles.push_back({at(0), at(1), at(2)});
   }
   return p;
 }

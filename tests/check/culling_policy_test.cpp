@@ -9,6 +9,7 @@
 
 #include "check/motion.h"
 #include "foldproof/check.h"
+#include "mesh/grid.h"
 
 namespace foldproof {
 namespace {
@@ -117,22 +118,7 @@ TEST(CullingPolicy, NoticesWhenTheyStopSaving) {
 
 constexpr Index kCells = 12;
 
-// Sheets above each other.
-Topology stacked_sheets(Index sheets) {
-  std::vector<Triangle> triangles;
-  const Index row = kCells + 1;
-  for (Index s = 0; s < sheets; ++s) {
-    for (Index j = 0; j < kCells; ++j) {
-      for (Index i = 0; i < kCells; ++i) {
-        const Index a = s * row * row + j * row + i;
-        triangles.push_back({a, a + 1, a + row + 1});
-        triangles.push_back({a, a + row + 1, a + row});
-      }
-    }
-  }
-  return Topology::make(sheets * row * row, std::move(triangles)).value();
-}
-
+// Of sheets above each other.
 std::vector<double> positions(Index sheets, double up) {
   std::vector<double> x;
   for (Index s = 0; s < sheets; ++s) {
@@ -151,7 +137,8 @@ struct TwoSteps {
 
 TwoSteps two_steps(Index sheets, const std::vector<double>& x1) {
   const auto x0 = positions(sheets, 0);
-  const auto tree = std::make_shared<const Hierarchy>(Hierarchy::build(stacked_sheets(sheets), x0).value());
+  const auto tree = std::make_shared<const Hierarchy>(
+      Hierarchy::build(testing::Grid{kCells, kCells}.topology(sheets), x0).value());
   StepChecker checker({tree});
   const std::span<const double> from[] = {x0}, to[] = {x1};
   StepSettings settings;
@@ -199,7 +186,7 @@ TEST(CullingPolicy, StartsWhereASheetMovesFar) {
 // As StepSettings::explain documents; tests rely on it. A first step has no charts yet, but requests them.
 TEST(CullingPolicy, ExplainedStepsAlwaysUseThem) {
   const auto x0 = positions(24, 0), x1 = turned_over(24);
-  StepChecker checker({Hierarchy::build(stacked_sheets(24), x0).value()});
+  StepChecker checker({Hierarchy::build(testing::Grid{kCells, kCells}.topology(24), x0).value()});
   StepSettings settings;
   settings.explain = true;
   settings.max_listed = 0;

@@ -1,6 +1,7 @@
 // Explanations of queries on generated meshes whose answer is known.
 #include <gmock/gmock.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -10,6 +11,7 @@
 #include "bvh/meshes.h"
 #include "foldproof/certificate.h"
 #include "foldproof/check.h"
+#include "mesh/grid.h"
 #include "oracle/meshes.h"
 
 namespace foldproof {
@@ -27,25 +29,13 @@ std::size_t count(const std::vector<Reason>& reasons, Reason wanted) {
 
 /// An open tube, bent to an arc.
 Mesh tube(double bend) {
-  constexpr Index kAround = 24, kAlong = 60;
-  std::vector<Triangle> triangles;
-  std::vector<double> x;
-  for (Index j = 0; j <= kAlong; ++j) {
-    for (Index i = 0; i < kAround; ++i) {
-      const double around = 2 * std::numbers::pi * i / kAround, along = 1.0 * j / kAlong - 0.5;
-      const double out = 0.1 * std::cos(around), radius = 1 / bend;
-      x.insert(x.end(), {(radius + out) * std::cos(bend * along) - radius,
-                         (radius + out) * std::sin(bend * along), 0.1 * std::sin(around)});
-    }
-  }
-  for (Index j = 0; j < kAlong; ++j) {
-    for (Index i = 0; i < kAround; ++i) {
-      const Index a = j * kAround + i, b = j * kAround + (i + 1) % kAround;
-      triangles.push_back({a, b, b + kAround});
-      triangles.push_back({a, b + kAround, a + kAround});
-    }
-  }
-  return {*Topology::make(kAround * (kAlong + 1), std::move(triangles)), std::move(x)};
+  const testing::Grid grid{.columns = 24, .rows = 60, .closed = true};
+  return {grid.topology(), grid.positions([&](double u, double v) {
+            const double around = 2 * std::numbers::pi * u, along = v - 0.5;
+            const double out = 0.1 * std::cos(around), radius = 1 / bend;
+            return std::array{(radius + out) * std::cos(bend * along) - radius,
+                              (radius + out) * std::sin(bend * along), 0.1 * std::sin(around)};
+          })};
 }
 
 /// A single object and its steps.

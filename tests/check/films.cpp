@@ -4,34 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "mesh/grid.h"
+
 namespace foldproof::oracle {
 namespace {
 
-// A sheet of columns x rows cells.
-Topology sheet(Index columns, Index rows) {
-  std::vector<Triangle> triangles;
-  for (Index j = 0; j < rows; ++j) {
-    for (Index i = 0; i < columns; ++i) {
-      const Index a = j * (columns + 1) + i, c = a + columns + 1;
-      triangles.push_back({a, a + 1, c + 1});
-      triangles.push_back({a, c + 1, c});
-    }
-  }
-  return Topology::make((columns + 1) * (rows + 1), std::move(triangles)).value();
-}
-
-// Vertices at position(u, v), u and v in [0,1].
-template <class Position>
-Pose sheet_pose(Index columns, Index rows, Position position) {
-  Pose x;
-  for (Index j = 0; j <= rows; ++j) {
-    for (Index i = 0; i <= columns; ++i) {
-      const Vec3 p = position(double(i) / columns, double(j) / rows);
-      x.insert(x.end(), {p.x(), p.y(), p.z()});
-    }
-  }
-  return x;
-}
+using testing::Grid;
 
 // There and back again: 0 .. 1 .. 0.
 double to_and_fro(int step, int steps) { return 0.5 - 0.5 * std::cos(2 * std::numbers::pi * step / steps); }
@@ -41,10 +19,11 @@ constexpr int kSteps = 40;
 // A sheet that is rolled up along its length until it touches itself, and unrolled.
 Film bending(Rng&) {
   Film film;
-  film.topologies.push_back(sheet(60, 12));
+  const Grid sheet{60, 12};
+  film.topologies.push_back(sheet.topology());
   for (int k = 0; k <= kSteps; ++k) {
     const double angle = 0.05 + 7.2 * to_and_fro(k, kSteps);
-    film.poses.push_back({sheet_pose(60, 12, [&](double u, double v) {
+    film.poses.push_back({sheet.positions([&](double u, double v) {
       const double a = angle * (u - 0.5);
       return Vec3(std::sin(a) / angle, (1 - std::cos(a)) / angle + 0.002 * std::sin(20 * v), 0.3 * v);
     })});
@@ -55,13 +34,14 @@ Film bending(Rng&) {
 // A sheet that is folded flat onto itself along a line, and opened.
 Film folding(Rng& rng) {
   Film film;
-  film.topologies.push_back(sheet(40, 16));
+  const Grid sheet{40, 16};
+  film.topologies.push_back(sheet.topology());
   std::vector<double> noise(41 * 17);
   for (double& n : noise) n = 0.004 * std::uniform_real_distribution<double>(-1, 1)(rng);
   for (int k = 0; k <= kSteps; ++k) {
     const double angle = 3.3 * to_and_fro(k, kSteps);
     std::size_t vertex = 0;
-    film.poses.push_back({sheet_pose(40, 16, [&](double u, double v) {
+    film.poses.push_back({sheet.positions([&](double u, double v) {
       const double s = std::max(0.0, u - 0.5), height = noise[vertex++];
       return Vec3(std::min(u, 0.5) + s * std::cos(angle) - height * std::sin(angle) * (s > 0),
                   s * std::sin(angle) + height * (s > 0 ? std::cos(angle) : 1), 0.4 * v);
@@ -73,10 +53,11 @@ Film folding(Rng& rng) {
 // A long strip that is twisted about its axis by several turns, until its windings cross each other.
 Film twisting(Rng&) {
   Film film;
-  film.topologies.push_back(sheet(60, 8));
+  const Grid sheet{60, 8};
+  film.topologies.push_back(sheet.topology());
   for (int k = 0; k <= kSteps; ++k) {
     const double turns = 22 * to_and_fro(k, kSteps);
-    film.poses.push_back({sheet_pose(60, 8, [&](double u, double v) {
+    film.poses.push_back({sheet.positions([&](double u, double v) {
       const double a = turns * u, y = 0.25 * (v - 0.5), squeeze = 1 - 0.0445 * turns;
       return Vec3(u * squeeze + 0.2 * y, y * std::cos(a),
                   y * std::sin(a) + 0.03 * std::sin(turns) * std::sin(9 * u));
@@ -111,9 +92,9 @@ Film several_bodies(Rng& rng) {
 Film jumping(Rng& rng) {
   Film film;
   const Mesh mesh = mesh_families()[rng() % 2].make(rng);
-  film.topologies = {mesh.topology(), sheet(20, 20)};
-  const Pose flat =
-      sheet_pose(20, 20, [](double u, double v) { return Vec3(u - 0.5, v - 0.5, 0.3 * u * v); });
+  const Grid sheet{20, 20};
+  film.topologies = {mesh.topology(), sheet.topology()};
+  const Pose flat = sheet.positions([](double u, double v) { return Vec3(u - 0.5, v - 0.5, 0.3 * u * v); });
   Pose first = mesh.positions, second = flat;
   for (int k = 0; k <= kSteps; ++k) {
     if (k % 7 == 6) {

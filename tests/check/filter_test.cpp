@@ -6,6 +6,7 @@
 
 #include "check/films.h"
 #include "check/same_collisions.h"
+#include "mesh/grid.h"
 
 namespace foldproof::oracle {
 namespace {
@@ -183,15 +184,7 @@ struct Sheets {
   Topology topology;
   Pose x0, x1;
   Sheets() {
-    std::vector<Triangle> triangles;
-    for (Index j = 0; j < kSide; ++j) {
-      for (Index i = 0; i < kSide; ++i) {
-        const Index a = j * (kSide + 1) + i, c = a + kSide + 1;
-        triangles.push_back({a, a + 1, c + 1});
-        triangles.push_back({a, c + 1, c});
-      }
-    }
-    topology = Topology::make((kSide + 1) * (kSide + 1), triangles).value();
+    topology = testing::Grid{kSide, kSide}.topology();
     for (Index j = 0; j <= kSide; ++j) {
       for (Index i = 0; i <= kSide; ++i) {
         x0.insert(x0.end(), {double(i), double(j), 0});

@@ -9,6 +9,7 @@
 #include "check/films.h"
 #include "check/look_ahead.h"
 #include "check/look_ahead_policy.h"
+#include "mesh/grid.h"
 
 namespace foldproof::oracle {
 namespace {
@@ -153,20 +154,7 @@ INSTANTIATE_TEST_SUITE_P(Generated, LookAheadFilms,
 constexpr Index kCells = 12;
 constexpr double kEdge = 1.0 / kCells;
 
-Topology two_sheets() {
-  std::vector<Triangle> triangles;
-  const Index row = kCells + 1, sheet = row * row;
-  for (Index s = 0; s < 2; ++s) {
-    for (Index j = 0; j < kCells; ++j) {
-      for (Index i = 0; i < kCells; ++i) {
-        const Index a = s * sheet + j * row + i;
-        triangles.push_back({a, a + 1, a + row + 1});
-        triangles.push_back({a, a + row + 1, a + row});
-      }
-    }
-  }
-  return Topology::make(2 * sheet, std::move(triangles)).value();
-}
+Topology two_sheets() { return testing::Grid{kCells, kCells}.topology(2); }
 
 // The lower sheet at height 0, the upper one at `gap`; both at `x`.
 Pose sheets_at(double x, double gap) {

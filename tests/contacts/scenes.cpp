@@ -4,6 +4,8 @@
 #include <map>
 #include <numbers>
 
+#include "mesh/grid.h"
+
 namespace foldproof::oracle {
 
 Mesh unit_sphere(Index divisions) {
@@ -55,20 +57,10 @@ Mesh torus(double large, double small, Index around, Index across) {
 }
 
 Mesh square(Index size) {
-  Mesh mesh;
-  mesh.vertex_count = (size + 1) * (size + 1);
-  for (Index j = 0; j <= size; ++j) {
-    for (Index i = 0; i <= size; ++i)
-      mesh.positions.insert(mesh.positions.end(), {2.0 * i / size - 1, 2.0 * j / size - 1, 0});
-  }
-  for (Index j = 0; j < size; ++j) {
-    for (Index i = 0; i < size; ++i) {
-      const Index a = j * (size + 1) + i, c = a + size + 1;
-      mesh.triangles.push_back({a, a + 1, c + 1});
-      mesh.triangles.push_back({a, c + 1, c});
-    }
-  }
-  return mesh;
+  const testing::Grid grid{size, size};
+  return {.vertex_count = grid.vertex_count(),
+          .triangles = grid.triangles(),
+          .positions = grid.positions([](double u, double v) { return Vec3(2 * u - 1, 2 * v - 1, 0); })};
 }
 
 Pose placed(const Mesh& mesh, double scale, const Vec3& shift) {

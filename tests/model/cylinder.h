@@ -7,20 +7,13 @@
 #include <numbers>
 
 #include "foldproof/model.h"
+#include "mesh/grid.h"
 
 namespace foldproof::testing {
 
 /// `around` quads around and `along` quads along, two triangles each.
 inline Topology tube(Index around, Index along) {
-  std::vector<Triangle> triangles;
-  for (Index i = 0; i < along; ++i) {
-    for (Index j = 0; j < around; ++j) {
-      const Index a = i * around + j, b = i * around + (j + 1) % around;
-      triangles.push_back({a, b, b + around});
-      triangles.push_back({a, b + around, a + around});
-    }
-  }
-  return *Topology::make(around * (along + 1), std::move(triangles));
+  return Grid{.columns = around, .rows = along, .closed = true}.topology();
 }
 
 /// The tube, of length 6 and radius 0.5, bent by `angle` in all.

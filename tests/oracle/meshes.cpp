@@ -6,6 +6,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "mesh/grid.h"
+
 namespace foldproof::oracle {
 namespace {
 
@@ -17,33 +19,17 @@ Index add_vertex(Mesh& mesh, double x, double y, double z) {
   return mesh.vertex_count++;
 }
 
-// A grid of (columns + 1) x (rows + 1) vertices and two triangles a cell; `place` maps (u, v) in [0,1]^2 to a
-// point.
-template <class Uv>
-Mesh sheet(Index columns, Index rows, bool closed_in_u, Uv place) {
-  Mesh mesh;
-  const Index width = closed_in_u ? columns : columns + 1;
-  for (Index j = 0; j <= rows; ++j) {
-    for (Index i = 0; i < width; ++i) {
-      const Vec3 p = place(double(i) / columns, double(j) / rows);
-      add_vertex(mesh, p.x(), p.y(), p.z());
-    }
-  }
-  for (Index j = 0; j < rows; ++j) {
-    for (Index i = 0; i < columns; ++i) {
-      const Index a = j * width + i, b = j * width + (i + 1) % width;
-      const Index c = a + width, d = b + width;
-      mesh.triangles.push_back({a, b, d});
-      mesh.triangles.push_back({a, d, c});
-    }
-  }
-  return mesh;
+// `place`: see Grid::positions.
+template <class Place>
+Mesh mesh_of(const testing::Grid& grid, Place place) {
+  return {
+      .vertex_count = grid.vertex_count(), .triangles = grid.triangles(), .positions = grid.positions(place)};
 }
 
 Mesh sphere(Rng&) {
   constexpr double kPi = std::numbers::pi;
   // Not quite to the poles, so that no triangle is degenerate.
-  return sheet(12, 8, true, [](double u, double v) {
+  return mesh_of({12, 8, true}, [](double u, double v) {
     const double polar = kPi * (0.05 + 0.9 * v), around = 2 * kPi * u;
     return Vec3(0.5 * std::sin(polar) * std::cos(around), 0.5 * std::sin(polar) * std::sin(around),
                 0.5 * std::cos(polar));
@@ -51,7 +37,7 @@ Mesh sphere(Rng&) {
 }
 
 Mesh cylinder(Rng&) {
-  return sheet(8, 12, true, [](double u, double v) {
+  return mesh_of({8, 12, true}, [](double u, double v) {
     const double around = 2 * std::numbers::pi * u;
     return Vec3(0.15 * std::cos(around), 0.15 * std::sin(around), v - 0.5);
   });
@@ -59,7 +45,7 @@ Mesh cylinder(Rng&) {
 
 Mesh folded_cloth(Rng& rng) {
   const double gap = uniform(rng, 0.005, 0.1);
-  return sheet(16, 6, false, [gap](double u, double v) {
+  return mesh_of({16, 6}, [gap](double u, double v) {
     // Down one side and back up the other, `gap` apart.
     const double along = std::abs(u - 0.5) * 2, side = u < 0.5 ? -1 : 1;
     return Vec3(along - 0.5, v - 0.5, side * gap * std::min(1.0, 4 * along));

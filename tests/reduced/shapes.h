@@ -7,6 +7,7 @@
 #include <random>
 
 #include "foldproof/reduced.h"
+#include "mesh/grid.h"
 
 namespace foldproof::testing {
 
@@ -24,18 +25,9 @@ struct ReducedMesh {
   }
 };
 
-/// `cells_u` x `cells_v` squares of two triangles; closed in u when `wrap`.
+/// Rows of squares of two triangles; closed in u when `wrap`.
 inline Topology grid(Index cells_u, Index cells_v, bool wrap) {
-  std::vector<Triangle> triangles;
-  const Index columns = wrap ? cells_u : cells_u + 1;
-  for (Index j = 0; j < cells_v; ++j) {
-    for (Index i = 0; i < cells_u; ++i) {
-      const Index a = j * columns + i, b = j * columns + (i + 1) % columns;
-      triangles.push_back({a, b, a + columns});
-      triangles.push_back({b, b + columns, a + columns});
-    }
-  }
-  return *Topology::make(columns * (cells_v + 1), std::move(triangles));
+  return Grid{cells_u, cells_v, wrap, Diagonal::SecondToThird}.topology();
 }
 
 /// A tube of radius 1 and length 10 that bends in two directions, twists and bulges. Its subspace has the
