@@ -1,21 +1,11 @@
 #include <fmt/format.h>
 
-#include <cstring>
-
 #include "adversary/run.h"
 #include "foldproof/reduced.h"
-#include "oracle/brute_force.h"
+#include "oracle/same_answers.h"
 
 namespace foldproof::adversary {
 namespace {
-
-template <class Collision>
-bool same(const std::vector<Collision>& a, const std::vector<Collision>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Collision& c, const Collision& d) {
-    return oracle::key(c) == oracle::key(d) && std::memcmp(&c.toi, &d.toi, sizeof c.toi) == 0 &&
-           c.answer == d.answer;
-  });
-}
 
 // The first object's poses span a space of one or two modes.
 Result<Pca> subspace_of(const Case& c) {
@@ -79,7 +69,7 @@ std::string check_reduced(const Case& c, Tally& tally) {
     if (const auto done = vertices.check(x0, x1, settings, full); !done)
       return "refused: " + done.error().line();
     ++tally.reduced_steps;
-    if (!same(reduced.vertex_face, full.vertex_face) || !same(reduced.edge_edge, full.edge_edge)) {
+    if (!oracle::same_collisions(reduced, full)) {
       return fmt::format("reduced coordinates, round {}: {} and {} pairs, on all vertices {} and {}", round,
                          reduced.vertex_face.size(), reduced.edge_edge.size(), full.vertex_face.size(),
                          full.edge_edge.size());

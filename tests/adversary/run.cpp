@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 #include "base/parallel.h"
@@ -34,9 +33,7 @@ std::string difference(const std::vector<Collision>& a, const std::vector<Collis
       return fmt::format("{} {} {} {} {} {} at {:a} ({})", key[0], key[1], key[2], key[3], key[4], key[5],
                          list[k].toi, int(list[k].answer));
     };
-    const bool same = k < a.size() && k < b.size() && oracle::key(a[k]) == oracle::key(b[k]) &&
-                      std::memcmp(&a[k].toi, &b[k].toi, sizeof a[k].toi) == 0 && a[k].answer == b[k].answer;
-    if (!same)
+    if (k >= a.size() || k >= b.size() || !oracle::same_collision(a[k], b[k]))
       return fmt::format("{} and {} pairs; the first that differ: {} / {}", a.size(), b.size(), text(a),
                          text(b));
   }
@@ -53,11 +50,6 @@ std::string difference(const StepResult& a, const StepResult& b) {
   if (text.empty() && a.tolerance != b.tolerance)
     text = fmt::format("tolerances {:a} and {:a}", a.tolerance, b.tolerance);
   return text;
-}
-
-bool same_crossings(const StaticResult& a, const StaticResult& b) {
-  return std::equal(a.crossings.begin(), a.crossings.end(), b.crossings.begin(), b.crossings.end(),
-                    [](const auto& c, const auto& d) { return oracle::key(c) == oracle::key(d); });
 }
 
 // What is left of a complete answer when only the earliest is wanted.
@@ -326,7 +318,7 @@ class Player {
     for (const std::int64_t target : targets()) {
       const testing::OneTarget only(target);
       StepChecker fresh(own_);
-      if (!fresh.check_static(at, plain, other) || !same_crossings(result, other)) {
+      if (!fresh.check_static(at, plain, other) || !oracle::same_crossings(result, other)) {
         return fmt::format("the crossings of a pose differ with {}: {} and {}", hwy::TargetName(target),
                            result.crossings.size(), other.crossings.size());
       }

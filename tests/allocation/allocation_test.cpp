@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "foldproof/reduced.h"
 #include "foldproof/solver.h"
+#include "oracle/same_answers.h"
 
 namespace {
 std::atomic<long> allocations{0}, failing{-1};  // the latter: so many calls from now
@@ -255,17 +256,6 @@ StepResult answer_of(StepChecker& checker, Turns turns, const StepSettings& sett
   return step;
 }
 
-bool same_collisions(const StepResult& a, const StepResult& b) {
-  return std::equal(a.vertex_face.begin(), a.vertex_face.end(), b.vertex_face.begin(), b.vertex_face.end(),
-                    [](const VertexFaceCollision& x, const VertexFaceCollision& y) {
-                      return x.vertex == y.vertex && x.face == y.face && x.toi == y.toi;
-                    }) &&
-         std::equal(a.edge_edge.begin(), a.edge_edge.end(), b.edge_edge.begin(), b.edge_edge.end(),
-                    [](const EdgeEdgeCollision& x, const EdgeEdgeCollision& y) {
-                      return x.a == y.a && x.b == y.b && x.toi == y.toi;
-                    });
-}
-
 TEST(StepChecker, AnswersAsEverAfterACallWithoutMemory) {
   for (const bool certificates : {false, true}) {
     StepSettings settings;
@@ -281,22 +271,21 @@ TEST(StepChecker, AnswersAsEverAfterACallWithoutMemory) {
     const auto x0 = strip(kLength, later[0].from), x1 = strip(kLength, later[0].to);
     const std::span<const double> from[] = {x0}, to[] = {x1};
     StepResult kept = expected[0];  // of an earlier call that did not fail
-    const int failures =
-        for_each_failure(checker_of_strip, Call([&](StepChecker& checker) {
-                           for (int k = 0; k < 4; ++k)
-                             answer_of(checker, {5 + 0.05 * k, 5.05 + 0.05 * k}, settings);
-                         }),
-                         Call([&](StepChecker& checker) {
-                           kept.complete = true;
-                           EXPECT_TRUE(checker.check(from, to, settings, kept));
-                         }),
-                         [&](StepChecker& checker, int count) {
-                           EXPECT_FALSE(kept.complete) << "allocation " << count;
-                           for (std::size_t k = 0; k < expected.size(); ++k) {
-                             EXPECT_TRUE(same_collisions(answer_of(checker, later[k], settings), expected[k]))
-                                 << "allocation " << count << ", call " << k << " after it";
-                           }
-                         });
+    const int failures = for_each_failure(
+        checker_of_strip, Call([&](StepChecker& checker) {
+          for (int k = 0; k < 4; ++k) answer_of(checker, {5 + 0.05 * k, 5.05 + 0.05 * k}, settings);
+        }),
+        Call([&](StepChecker& checker) {
+          kept.complete = true;
+          EXPECT_TRUE(checker.check(from, to, settings, kept));
+        }),
+        [&](StepChecker& checker, int count) {
+          EXPECT_FALSE(kept.complete) << "allocation " << count;
+          for (std::size_t k = 0; k < expected.size(); ++k) {
+            EXPECT_TRUE(oracle::same_collisions(answer_of(checker, later[k], settings), expected[k]))
+                << "allocation " << count << ", call " << k << " after it";
+          }
+        });
     EXPECT_GT(failures, 20);
   }
 }
@@ -319,8 +308,9 @@ TEST(ReducedChecker, AnswersAsEverAfterACallWithoutMemory) {
   const int failures = for_each_failure(
       make, Call([&](ReducedChecker& checker) { answer(checker, 0, 0.5 * shape->radius(0)); }),
       Call([&](ReducedChecker& checker) { answer(checker, 0, 1); }), [&](ReducedChecker& checker, int count) {
-        EXPECT_TRUE(same_collisions(answer(checker, 0, 1), expected[0])) << "allocation " << count;
-        EXPECT_TRUE(same_collisions(answer(checker, 0.1, 1.05), expected[1])) << "allocation " << count;
+        EXPECT_TRUE(oracle::same_collisions(answer(checker, 0, 1), expected[0])) << "allocation " << count;
+        EXPECT_TRUE(oracle::same_collisions(answer(checker, 0.1, 1.05), expected[1]))
+            << "allocation " << count;
       });
   EXPECT_GT(failures, 20);
 }

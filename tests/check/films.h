@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <span>
 #include <vector>
 
@@ -27,22 +26,14 @@ inline std::vector<std::span<const double>> spans(const std::vector<Pose>& pose)
 }
 
 inline void expect_same(const StepResult& with, const StepResult& without) {
-  const auto same = [](const auto& p, const auto& q) {
-    return key(p) == key(q) && p.answer == q.answer && std::memcmp(&p.toi, &q.toi, sizeof p.toi) == 0;
-  };
-  ASSERT_TRUE(std::equal(with.vertex_face.begin(), with.vertex_face.end(), without.vertex_face.begin(),
-                         without.vertex_face.end(), same));
-  ASSERT_TRUE(std::equal(with.edge_edge.begin(), with.edge_edge.end(), without.edge_edge.begin(),
-                         without.edge_edge.end(), same));
+  ASSERT_TRUE(same_collisions(with, without));
   ASSERT_EQ(with.earliest_toi, without.earliest_toi);
   ASSERT_EQ(with.tolerance, without.tolerance);
   ASSERT_EQ(with.work.undecided, without.work.undecided);
 }
 
 inline void expect_same(const StaticResult& with, const StaticResult& without) {
-  ASSERT_TRUE(std::equal(with.crossings.begin(), with.crossings.end(), without.crossings.begin(),
-                         without.crossings.end(),
-                         [](const auto& p, const auto& q) { return key(p) == key(q); }));
+  ASSERT_TRUE(same_crossings(with, without));
 }
 
 inline bool same_counts(const Work& a, const Work& b) {

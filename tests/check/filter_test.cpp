@@ -11,7 +11,7 @@
 namespace foldproof::oracle {
 namespace {
 
-using foldproof::testing::expect_same;
+using foldproof::testing::expect_same_collisions;
 
 // Labels of all triangles, and which pairs of them are ignored.
 struct Labels {
@@ -95,8 +95,7 @@ struct Found {
 void expect_filtered(const Definition& definition, StepResult all, const StepResult& actual, Found& found) {
   found.ignored += definition.remove_ignored(all.vertex_face) + definition.remove_ignored(all.edge_edge);
   found.kept += all.vertex_face.size() + all.edge_edge.size();
-  expect_same(actual.vertex_face, all.vertex_face);
-  expect_same(actual.edge_edge, all.edge_edge);
+  expect_same_collisions(actual, all);
   EXPECT_EQ(actual.vertex_face_count, all.vertex_face.size());
   EXPECT_EQ(actual.edge_edge_count, all.edge_edge.size());
 }

@@ -84,13 +84,7 @@ void expect_identical(const StepResult& actual, const StepResult& expected) {
 }
 
 void expect_bits_equal(const StepResult& a, const StepResult& b, bool same_work) {
-  const auto same = [](const auto& p, const auto& q) {
-    return key(p) == key(q) && std::memcmp(&p.toi, &q.toi, sizeof p.toi) == 0 && p.answer == q.answer;
-  };
-  EXPECT_TRUE(std::equal(a.vertex_face.begin(), a.vertex_face.end(), b.vertex_face.begin(),
-                         b.vertex_face.end(), same));
-  EXPECT_TRUE(
-      std::equal(a.edge_edge.begin(), a.edge_edge.end(), b.edge_edge.begin(), b.edge_edge.end(), same));
+  EXPECT_TRUE(same_collisions(a, b));
   EXPECT_EQ(a.earliest_toi, b.earliest_toi);
   EXPECT_EQ(a.tolerance, b.tolerance);
   if (!same_work) return;

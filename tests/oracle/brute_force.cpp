@@ -235,8 +235,4 @@ StaticResult brute_force_static(const Scene& scene, const StepSettings& settings
   return result;
 }
 
-PairKey key(const VertexFaceCollision& p) { return {p.vertex_object, p.vertex, p.face_object, p.face, 0, 0}; }
-PairKey key(const EdgeEdgeCollision& p) { return {p.object_a, p.a[0], p.a[1], p.object_b, p.b[0], p.b[1]}; }
-PairKey key(const TriangleCrossing& p) { return {p.object_a, p.triangle_a, p.object_b, p.triangle_b, 0, 0}; }
-
 }  // namespace foldproof::oracle

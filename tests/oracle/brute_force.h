@@ -5,6 +5,7 @@
 
 #include "oracle/families.h"
 #include "oracle/meshes.h"
+#include "oracle/same_answers.h"
 
 namespace foldproof::oracle {
 
@@ -26,11 +27,5 @@ StaticResult brute_force_static(const Scene& scene, const StepSettings& settings
 /// Exactly: do two triangles, given by vertex ids, have a point in common beyond their common vertices and
 /// edges?
 bool triangles_cross(const Triangle& a, const Triangle& b, std::span<const double> positions);
-
-/// Ids in lexicographic order, for sorting and comparing answers.
-using PairKey = std::array<Index, 6>;
-PairKey key(const VertexFaceCollision& pair);
-PairKey key(const EdgeEdgeCollision& pair);
-PairKey key(const TriangleCrossing& pair);
 
 }  // namespace foldproof::oracle

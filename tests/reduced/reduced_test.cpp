@@ -82,8 +82,7 @@ StepResult expect_same_answer(const std::vector<ShapePointer>& shapes, const Ste
   const std::vector<std::span<const double>> from(x0.begin(), x0.end()), to(x1.begin(), x1.end());
   EXPECT_TRUE(checker.check(from, to, settings, expected));
   EXPECT_EQ(answer.tolerance, expected.tolerance);
-  expect_same(answer.vertex_face, expected.vertex_face);
-  expect_same(answer.edge_edge, expected.edge_edge);
+  expect_same_collisions(answer, expected);
   EXPECT_EQ(answer.earliest_toi, expected.earliest_toi);
   return answer;
 }
@@ -107,8 +106,7 @@ TEST(ReducedChecker, AnswersAsStepCheckerWithinOneObject) {
           without.certificates = false;
           StepResult by_boxes;
           ASSERT_TRUE(ReducedChecker(objects_of(shapes)).check(step.start, step.end, without, by_boxes));
-          expect_same(by_boxes.vertex_face, answer.vertex_face);
-          expect_same(by_boxes.edge_edge, answer.edge_edge);
+          expect_same_collisions(by_boxes, answer);
           with_balls += answer.work.leaf_pairs;
           with_boxes += by_boxes.work.leaf_pairs;
         }

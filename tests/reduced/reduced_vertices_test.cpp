@@ -52,8 +52,7 @@ class BothCheckers {
     settings.look_ahead = false;  // work is compared step by step
     const std::vector<std::span<const double>> x0s(x0.begin(), x0.end()), x1s(x1.begin(), x1.end());
     ASSERT_TRUE(full_.check(x0s, x1s, settings, expected));
-    expect_same(answer.vertex_face, expected.vertex_face);
-    expect_same(answer.edge_edge, expected.edge_edge);
+    expect_same_collisions(answer, expected);
     EXPECT_EQ(answer.earliest_toi, expected.earliest_toi);
   }
   StepResult answer, expected;
