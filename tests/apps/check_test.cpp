@@ -9,6 +9,7 @@
 #include "io/gltf_builder.h"
 #include "mesh/grid.h"
 #include "report/spheres.h"
+#include "report/without_times.h"
 
 namespace foldproof {
 namespace {
@@ -21,7 +22,7 @@ using ::testing::Not;
 using ::testing::StartsWith;
 
 /// The needle as OBJ frames in "sink", a clean motion in "clean", a single pose in "pose.obj".
-struct Scene : TemporaryDirectory {
+struct Scene : Workplace {
   Scene() {
     write_frames(path() + "/sink", *needle(kSinking));
     write_frames(path() + "/clean", *needle({3, 2, 1}));
@@ -29,7 +30,6 @@ struct Scene : TemporaryDirectory {
     write_frames(path() + "/tip", *lone_needle(kSinking));
     std::filesystem::copy_file(path() + "/sink/frame2.obj", path() + "/pose.obj");
   }
-  json report(const std::string& name) const { return json::parse(read_file(*this / name)); }
 };
 
 // --- Answers
@@ -370,15 +370,6 @@ TEST(Check, HelpAndVersion) {
 
 // --- Errors
 
-struct Mistake {
-  std::vector<std::string> arguments;
-  const char* said;
-};
-
-void PrintTo(const Mistake& mistake, std::ostream* out) {
-  for (const auto& argument : mistake.arguments) *out << argument << ' ';
-}
-
 class CheckMistakes : public ::testing::TestWithParam<Mistake> {};
 
 TEST_P(CheckMistakes, GetOneLineAndExitCode2) {
@@ -545,15 +536,6 @@ std::unique_ptr<Motion> waves(double phase, double direction) {
   }
   return memory_motion("waves", Grid{kSide - 1, kSide - 1, false, Diagonal::SecondToThird}.topology(),
                        std::move(frames));
-}
-
-/// Removes measured times.
-std::string without_times(std::string text) {
-  const std::string key = "\"milliseconds\":{";
-  for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + key.size())) {
-    text.erase(at + key.size(), text.find('}', at) - at - key.size());
-  }
-  return text;
 }
 
 TEST(Check, TheAnswerIsTheSameForAnyNumberOfThreads) {

@@ -18,10 +18,9 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 // Two spheres in one mesh; they cross from the start and stay so.
-struct Merged : TemporaryDirectory {
+struct Merged : Workplace {
   Merged() { EXPECT_TRUE(write_npz(*this / "merged.npz", *motion)); }
   std::unique_ptr<Motion> motion = two_spheres(1.03);
-  json report(const std::string& name) const { return json::parse(read_file(*this / name)); }
   void write(const std::string& name, const std::string& text) const { std::ofstream(*this / name) << text; }
   // The first half of the triangles is one sphere, the second the other.
   std::string halves() const {

@@ -21,7 +21,7 @@ std::string box(double x) {
 }
 
 /// Two boxes that overlap, a cloth of two frames above them, and a mesh with two groups that cross.
-struct Bodies : TemporaryDirectory {
+struct Bodies : Workplace {
   Bodies() {
     write_file(*this / "s1.obj", box(0));
     write_file(*this / "other.obj", box(0.5));
@@ -30,7 +30,6 @@ struct Bodies : TemporaryDirectory {
                "v -9 -9 0\nv 20 -9 0\nv -9 20 0\nv 0 0 -1\nv 1 0 1\nv 0 1 1\n"
                "g coat\nf 1 2 3\ng body\nf 4 5 6\n");
   }
-  json report(const std::string& name) const { return json::parse(read_file(*this / name)); }
 };
 
 TEST(CheckIgnore, LeavesOutPairsAndSaysSo) {

@@ -15,7 +15,7 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 
 /// Poses of a tube, a run of it that goes elsewhere, and another mesh.
-struct Scene : TemporaryDirectory {
+struct Scene : Workplace {
   Scene() {
     const auto poses =
         bending_twice(kSmallTubeToLearn, {{0, 0}, {0.5, 0}, {1, 0}, {-0.5, 0}, {-1, 0}, {2, 0}});
@@ -24,9 +24,6 @@ struct Scene : TemporaryDirectory {
     EXPECT_TRUE(write_npz(path() + "/run.npz", *run));
     EXPECT_TRUE(write_npz(path() + "/other.npz", *bending_tube(kSmallTube, {0, 1, 2})));
     EXPECT_EQ(this->run({"train", "poses.npz", "-o", "tube.model", "--energy", "1", "--quiet"}).code, 0);
-  }
-  Outcome run(std::vector<std::string> arguments) const {
-    return run_program(std::move(arguments), {.directory = path()});
   }
   /// The model's key points in a motion of this scene, as a table.
   void write_table(const std::string& name, Motion& motion) const {

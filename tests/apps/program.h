@@ -10,6 +10,8 @@
 #include <chrono>
 #include <csignal>
 #include <functional>
+#include <nlohmann/json.hpp>
+#include <ostream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -69,6 +71,25 @@ inline Outcome run_program(std::vector<std::string> arguments, const RunOptions&
   if (options.output < 0) outcome.out = read_file(out_path);
   if (options.error < 0) outcome.err = read_file(err_path);
   return outcome;
+}
+
+/// A directory in which the program runs.
+struct Workplace : TemporaryDirectory {
+  Outcome run(std::vector<std::string> arguments) const {
+    return run_program(std::move(arguments), {.directory = path()});
+  }
+  nlohmann::json report(const std::string& name) const {
+    return nlohmann::json::parse(read_file(*this / name));
+  }
+};
+
+/// A command line, and what the error says of it.
+struct Mistake {
+  std::vector<std::string> arguments;
+  const char* said;
+};
+inline void PrintTo(const Mistake& mistake, std::ostream* out) {
+  for (const auto& argument : mistake.arguments) *out << argument << ' ';
 }
 
 /// Sends a signal to a program that runs, once it handles it.

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "apps/program.h"
-#include "sweep/without_times.h"
+#include "report/without_times.h"
 
 namespace foldproof {
 namespace {
@@ -42,7 +42,7 @@ std::vector<std::string> states(const std::string& path) {
 }
 
 /// Motions of every format and state.
-struct Library : TemporaryDirectory {
+struct Library : Workplace {
   Library() {
     std::filesystem::create_directories(*this / "lib/sub");
     write_frames(*this / "lib/sink", *needle(kSinking));
@@ -161,24 +161,23 @@ TEST(Sweep, UsesModelsWhereTheyFit) {
 
 TEST(Sweep, SaysWhatIsWrongInOneLine) {
   const Library library;
-  const auto run = [&](std::vector<std::string> arguments) {
-    return run_program(std::move(arguments), {.directory = library.path()});
-  };
-  expect_one_line_error(run({"sweep", "nowhere", "-o", "r.jsonl"}), "nowhere: does not exist");
-  expect_one_line_error(run({"sweep", "lib/broken.glb", "-o", "r.jsonl"}), "is no directory");
-  expect_one_line_error(run({"sweep", "lib", "-o", "no/r.jsonl"}), "no/r.jsonl: cannot be written");
-  expect_one_line_error(run({"sweep", "lib", "-o", "/dev/null"}), "is not a regular file");
-  expect_one_line_error(run({"sweep", "lib", "-o", "lib/broken.glb"}), "would write over 'lib/broken.glb'");
+  expect_one_line_error(library.run({"sweep", "nowhere", "-o", "r.jsonl"}), "nowhere: does not exist");
+  expect_one_line_error(library.run({"sweep", "lib/broken.glb", "-o", "r.jsonl"}), "is no directory");
+  expect_one_line_error(library.run({"sweep", "lib", "-o", "no/r.jsonl"}), "no/r.jsonl: cannot be written");
+  expect_one_line_error(library.run({"sweep", "lib", "-o", "/dev/null"}), "is not a regular file");
+  expect_one_line_error(library.run({"sweep", "lib", "-o", "lib/broken.glb"}),
+                        "would write over 'lib/broken.glb'");
   write_file(library / "other.txt", read_file(library / "lib/broken.glb"));
-  expect_one_line_error(run({"sweep", "lib", "-o", "other.txt"}), "other.txt:1: is no result of a sweep");
-  expect_one_line_error(run({"sweep", "lib", "-o", "r", "--summary", "r"}), "named for two outputs");
+  expect_one_line_error(library.run({"sweep", "lib", "-o", "other.txt"}),
+                        "other.txt:1: is no result of a sweep");
+  expect_one_line_error(library.run({"sweep", "lib", "-o", "r", "--summary", "r"}), "named for two outputs");
   std::filesystem::create_directory(library / "empty");
-  expect_one_line_error(run({"sweep", "empty", "-o", "r.jsonl"}), "holds no motions");
+  expect_one_line_error(library.run({"sweep", "empty", "-o", "r.jsonl"}), "holds no motions");
   EXPECT_FALSE(std::filesystem::exists(library / "r.jsonl"));
 }
 
 /// Motions that take long enough to be interrupted: many steps of two triangles.
-struct LongLibrary : TemporaryDirectory {
+struct LongLibrary : Workplace {
   explicit LongLibrary(int motions, std::size_t frames = 40000) {
     std::filesystem::create_directory(*this / "lib");
     std::vector<double> heights(frames, 1);
@@ -235,17 +234,15 @@ TEST(Sweep, MayBeStoppedAtAnyTime) {
 TEST(SweepShards, TogetherAreOneSweep) {
   const Library library;
   const Outcome plain = library.sweep({"--frames", "0:3"});
-  const auto run = [&](std::vector<std::string> arguments) {
-    return run_program(std::move(arguments), {.directory = library.path()});
-  };
   const std::string names[] = {"s1.jsonl", "s2.jsonl", "s3.jsonl"};
   std::size_t motions = 0;
   for (int shard = 1; shard <= 3; ++shard) {
-    expect_one_line_error(run({"sweep", "--join", "s1.jsonl", "s2.jsonl", "s3.jsonl", "-o", "joined.jsonl"}),
-                          fmt::format("s{}.jsonl: ", shard));
+    expect_one_line_error(
+        library.run({"sweep", "--join", "s1.jsonl", "s2.jsonl", "s3.jsonl", "-o", "joined.jsonl"}),
+        fmt::format("s{}.jsonl: ", shard));
     const std::string& file = names[shard - 1];
     const Outcome found =
-        run({"sweep", "lib", "--shard", fmt::format("{}/3", shard), "-o", file, "--frames", "0:3"});
+        library.run({"sweep", "lib", "--shard", fmt::format("{}/3", shard), "-o", file, "--frames", "0:3"});
     EXPECT_EQ(found.code, 0) << "it is finished, whatever it found";
     EXPECT_THAT(found.out, HasSubstr(fmt::format("shard                   {}/3\nmotions  ", shard)));
     const std::string lines = read_file(library / file);
@@ -253,8 +250,8 @@ TEST(SweepShards, TogetherAreOneSweep) {
   }
   EXPECT_EQ(motions, 4u);
   EXPECT_FALSE(std::filesystem::exists(library / "joined.jsonl"));
-  const Outcome joined =
-      run({"sweep", "-o", "joined.jsonl", "--summary", "page.html", "--join", names[2], names[0], names[1]});
+  const Outcome joined = library.run(
+      {"sweep", "-o", "joined.jsonl", "--summary", "page.html", "--join", names[2], names[0], names[1]});
   EXPECT_EQ(joined.code, 1);
   EXPECT_EQ(joined.out, plain.out);
   EXPECT_EQ(without_times(read_file(library / "joined.jsonl")),

@@ -18,17 +18,13 @@ using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 
 /// A tube that bends until it meets itself, poses of it, its model, and the needle.
-struct Scene : TemporaryDirectory {
+struct Scene : Workplace {
   Scene() {
     EXPECT_TRUE(write_npz(path() + "/bend.npz", *bending_tube(kTube, {0, 1, 2, 3, 4.5, 6.5})));
     EXPECT_TRUE(write_npz(path() + "/long.npz", *bending_tube({32, 50}, {0, 1, 2, 3, 4.5, 6.5})));
     write_frames(path() + "/poses", *bending_tube(kTube, {0, 2, 4}));
     write_frames(path() + "/sink", *needle(kSinking));
   }
-  Outcome run(std::vector<std::string> arguments) const {
-    return run_program(std::move(arguments), {.directory = path()});
-  }
-  json report(const std::string& name) const { return json::parse(read_file(*this / name)); }
 };
 
 TEST(TrainProgram, WritesAModelThatCheckUses) {
@@ -141,15 +137,6 @@ TEST(TrainProgram, HelpTeaches) {
     EXPECT_THAT(help.out, HasSubstr("Examples:"));
     EXPECT_THAT(help.out, HasSubstr("body.model"));
   }
-}
-
-struct Mistake {
-  std::vector<std::string> arguments;
-  const char* said;
-};
-
-void PrintTo(const Mistake& mistake, std::ostream* out) {
-  for (const auto& argument : mistake.arguments) *out << argument << ' ';
 }
 
 class TrainMistakes : public ::testing::TestWithParam<Mistake> {};

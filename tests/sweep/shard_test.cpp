@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "report/without_times.h"
 #include "sweep/library.h"
 #include "sweep/shard.h"
-#include "sweep/without_times.h"
 
 namespace foldproof {
 namespace {
