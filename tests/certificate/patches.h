@@ -12,10 +12,8 @@
 namespace foldproof::testing {
 
 using oracle::Rng;
+using oracle::uniform;
 
-inline double uniform(Rng& rng, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(rng);
-}
 /// Evenly spread orders of magnitude.
 double log_uniform(Rng& rng, double low, double high);
 // Compilers evaluate arguments in different orders. So that cases are the same everywhere, what draws from

@@ -6,7 +6,6 @@
 namespace foldproof::oracle {
 namespace {
 
-double uniform(Rng& rng, double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(rng); }
 int integer(Rng& rng, int lo, int hi) { return std::uniform_int_distribution<int>(lo, hi)(rng); }
 bool chance(Rng& rng, double probability) { return uniform(rng, 0, 1) < probability; }
 

@@ -12,6 +12,10 @@ namespace foldproof::oracle {
 
 using Rng = std::mt19937_64;
 
+inline double uniform(Rng& rng, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(rng);
+}
+
 struct Case {
   FourPoints x0, x1;
 };

@@ -11,7 +11,6 @@
 namespace foldproof::oracle {
 namespace {
 
-double uniform(Rng& rng, double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(rng); }
 Index below(Rng& rng, Index n) { return std::uniform_int_distribution<Index>(0, n - 1)(rng); }
 
 Index add_vertex(Mesh& mesh, double x, double y, double z) {
