@@ -10,6 +10,12 @@
 #include "oracle/families.h"
 
 namespace foldproof::adversary {
+
+Vec3 random_vector(Source& source) {
+  const double x = source.real(-1, 1), y = source.real(-1, 1), z = source.real(-1, 1);
+  return {x, y, z};
+}
+
 namespace {
 
 // Everything about a scene but its steps: poses are base + s * way + s^2 * bend, turned by s.
@@ -18,11 +24,6 @@ struct Motion {
   std::vector<Vec3> turn;  // axis times angle; zero keeps integers what they are
   double shake = 0;        // of every coordinate, at every end
 };
-
-Vec3 random_vector(Source& source) {
-  const double x = source.real(-1, 1), y = source.real(-1, 1), z = source.real(-1, 1);
-  return {x, y, z};
-}
 
 double size_of(const std::vector<std::vector<Vec3>>& objects) {
   Vec3 low = Vec3::Constant(1e300), high = -low;

@@ -44,6 +44,9 @@ struct Case {
   std::uint64_t seed = 0;  ///< Of choices that need not be cut down.
 };
 
+/// Each coordinate from -1 to 1.
+Vec3 random_vector(Source& source);
+
 /// The generator: parts that differ in size, height and distance by up to a million, in motion.
 Case make_case(Source& source);
 

@@ -10,11 +10,6 @@
 namespace foldproof::adversary {
 namespace {
 
-Vec3 random_vector(Source& source) {
-  const double x = source.real(-1, 1), y = source.real(-1, 1), z = source.real(-1, 1);
-  return {x, y, z};
-}
-
 // A sheet in x and y that waves in z.
 Mesh sheet(Source& source, double size) {
   const int most = source.one_in(60) ? 16 : 5;
