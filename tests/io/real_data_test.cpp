@@ -2,18 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstdlib>
-#include <filesystem>
 
 #include "foldproof/io.h"
+#include "oracle/data_directory.h"
 
 namespace foldproof {
 namespace {
-
-std::string data_directory() {
-  const char* named = std::getenv("FOLDPROOF_DATA");
-  return named != nullptr ? named : FOLDPROOF_SOURCE_DIR "/../shared/data";
-}
 
 struct Expected {
   std::vector<std::string> files;
@@ -23,13 +17,11 @@ struct Expected {
 class RealData : public ::testing::TestWithParam<Expected> {};
 
 TEST_P(RealData, OpensWithTheDocumentedCounts) {
-  const std::string root = data_directory();
-  if (!std::filesystem::is_directory(root)) {
-    GTEST_SKIP() << "The real motions are not here; set FOLDPROOF_DATA to their directory.";
-  }
+  const auto root = oracle::data_directory();
+  if (!root) GTEST_SKIP() << oracle::kNoData;
   const Expected& expected = GetParam();
   std::vector<std::string> arguments;
-  for (const std::string& file : expected.files) arguments.push_back(root + "/" + file);
+  for (const std::string& file : expected.files) arguments.push_back(*root / file);
   auto motions = open_motions(arguments);
   ASSERT_TRUE(motions) << motions.error().line();
   ASSERT_EQ(motions->size(), 1u);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -44,13 +43,6 @@ void read_query_file(const fs::path& csv, Kind kind, std::vector<Query>& queries
 }
 
 }  // namespace
-
-std::optional<fs::path> data_directory() {
-  const char* named = std::getenv("FOLDPROOF_DATA");
-  const fs::path path = named ? fs::path(named) : fs::path(FOLDPROOF_SOURCE_DIR) / ".." / "shared" / "data";
-  if (!fs::is_directory(path)) return std::nullopt;
-  return path;
-}
 
 std::vector<Query> read_queries(const fs::path& data) {
   std::vector<fs::path> files;

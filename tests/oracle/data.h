@@ -1,4 +1,4 @@
-/// Where the real data is, and its single queries.
+/// The single queries of the real data.
 #pragma once
 
 #include <filesystem>
@@ -7,17 +7,10 @@
 #include <vector>
 
 #include "foldproof/io.h"
+#include "oracle/data_directory.h"
 #include "oracle/oracle.h"
 
 namespace foldproof::oracle {
-
-/// The directory named by FOLDPROOF_DATA, else `../shared/data` beside the source tree; nothing when it is
-/// absent.
-std::optional<std::filesystem::path> data_directory();
-
-/// For GTEST_SKIP when data_directory() is empty.
-inline constexpr const char* kNoData =
-    "The real motions are not here. Set FOLDPROOF_DATA to the directory that holds them to run this test.";
 
 struct Query {
   Kind kind;
