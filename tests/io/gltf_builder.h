@@ -119,4 +119,11 @@ class GltfBuilder {
   std::string buffer;
 };
 
+class GltfIoTest : public IoTest {
+ protected:
+  std::unique_ptr<Motion> gltf(GltfBuilder& b, const ReadOptions& options = {}) {
+    return open({files.write("a.gltf", b.gltf())}, options);
+  }
+};
+
 }  // namespace foldproof::testing

@@ -8,11 +8,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-class GltfFramesTest : public IoTest {
+class GltfFramesTest : public GltfIoTest {
  protected:
-  std::unique_ptr<Motion> gltf(GltfBuilder& b, double fps = 24) {
-    return open({files.write("a.gltf", b.gltf())}, {.fps = fps});
-  }
   /// A triangle without animations.
   static GltfBuilder still() {
     GltfBuilder b;
@@ -64,7 +61,7 @@ TEST_F(GltfFramesTest, TheLastFrameIsTheLastKey) {
     for (std::size_t i = 0; i < times.size(); ++i) values.insert(values.end(), {static_cast<float>(i), 0, 0});
     b.animate(0, "translation", b.floats("SCALAR", times), b.floats("VEC3", values))["interpolation"] =
         "STEP";
-    const auto motion = gltf(b, fps);
+    const auto motion = gltf(b, {.fps = fps});
     std::vector<double> shown;
     for (Index k = 0; k < motion->frame_count(); ++k) shown.push_back(frame(*motion, k)[0]);
     return shown;
@@ -85,7 +82,7 @@ TEST_F(GltfFramesTest, NotesHowManyKeysLieBetweenFrames) {
     const int output = b.floats("VEC3", std::vector<float>(3 * times.size(), 1));
     b.animate(0, "translation", input, output);
     b.animate(0, "scale", again, output);
-    return gltf(b, fps)->info().notes;
+    return gltf(b, {.fps = fps})->info().notes;
   };
   const auto every = [](double seconds, int count) {
     std::vector<float> times;
@@ -129,7 +126,7 @@ GltfBuilder clips() {
 
 TEST_F(GltfFramesTest, TheLongestClipIsShown) {
   GltfBuilder b = clips();
-  const auto motion = gltf(b, 1);
+  const auto motion = gltf(b, {.fps = 1});
   ASSERT_TRUE(motion);
   EXPECT_EQ(motion->frame_count(), 3u);
   EXPECT_THAT(frame(*motion, 0), ElementsAre(5, 5, 5, 6, 5, 5, 5, 6, 5)) << "no other clip plays with it";
@@ -139,9 +136,9 @@ TEST_F(GltfFramesTest, TheLongestClipIsShown) {
   EXPECT_THAT(info.unchecked, ElementsAre("2 other clips were not checked (--clip)"));
   EXPECT_THAT(info.notes, IsEmpty());
   b.json["animations"].erase(1);
-  EXPECT_THAT(gltf(b, 1)->info().unchecked, ElementsAre("the other clip was not checked (--clip)"));
+  EXPECT_THAT(gltf(b, {.fps = 1})->info().unchecked, ElementsAre("the other clip was not checked (--clip)"));
   b.json["animations"].erase(0);
-  EXPECT_EQ(gltf(b, 1)->info().taken_as, "") << "there is no other";
+  EXPECT_EQ(gltf(b, {.fps = 1})->info().taken_as, "") << "there is no other";
 }
 
 TEST_F(GltfFramesTest, AClipIsChosenByName) {

@@ -6,11 +6,8 @@ namespace {
 using ::testing::DoubleNear;
 using ::testing::Pointwise;
 
-class GltfTest : public IoTest {
+class GltfTest : public GltfIoTest {
  protected:
-  std::unique_ptr<Motion> gltf(GltfBuilder& b, double fps = 24) {
-    return open({files.write("a.gltf", b.gltf())}, {.fps = fps});
-  }
   void expect_frame(Motion& motion, Index k, const std::vector<double>& expected) {
     SCOPED_TRACE(k);
     EXPECT_THAT(frame(motion, k), Pointwise(DoubleNear(1e-7), expected));
@@ -195,7 +192,7 @@ TEST_F(GltfTest, SamplesTranslationFromFirstToLastKey) {
   b.json["nodes"] = {{{"mesh", 0}}};
   const int times = b.floats("SCALAR", {0.5f, 1.0f, 1.25f});
   b.animate(0, "translation", times, b.floats("VEC3", {0, 0, 0, 2, 4, 6, 3, 4, 6}));
-  const auto motion = gltf(b, 4);
+  const auto motion = gltf(b, {.fps = 4});
   ASSERT_TRUE(motion);
   ASSERT_EQ(motion->frame_count(), 6u);  // 0, 1/4, ... 5/4 seconds
   const auto shifted = [](double x, double y, double z) {
@@ -208,7 +205,7 @@ TEST_F(GltfTest, SamplesTranslationFromFirstToLastKey) {
   expect_frame(*motion, 2, shifted(0, 0, 0));
   expect_frame(*motion, 3, shifted(1, 2, 3));
   expect_frame(*motion, 4, shifted(2, 4, 6));
-  const auto coarse = gltf(b, 1);
+  const auto coarse = gltf(b, {.fps = 1});
   ASSERT_TRUE(coarse);
   ASSERT_EQ(coarse->frame_count(), 3u) << "the last key is always a frame";
   expect_frame(*coarse, 2, shifted(3, 4, 6));
@@ -244,7 +241,7 @@ TEST_F(GltfTest, SplitsAMatrixThatIsAnimated) {
   // Turns by a quarter about z, doubles x, mirrors z; the animation replaces the translation.
   b.json["nodes"] = {{{"mesh", 0}, {"matrix", {0, 2, 0, 0, -1, 0, 0, 0, 0, 0, -1, 0, 7, 8, 9, 1}}}};
   b.animate(0, "translation", b.floats("SCALAR", {0, 1}), b.floats("VEC3", {0, 0, 0, 1, 1, 1}));
-  auto motion = gltf(b, 1);
+  auto motion = gltf(b, {.fps = 1});
   ASSERT_TRUE(motion);
   expect_frame(*motion, 0, {0, 0, 0, 0, 2, 0, -1, 0, 0});
   expect_frame(*motion, 1, {1, 1, 1, 1, 3, 1, 0, 1, 1});
@@ -254,12 +251,12 @@ TEST_F(GltfTest, SplitsAMatrixThatIsAnimated) {
   EXPECT_EQ(motion->info().notes, std::vector<std::string>{split});
   b.json["nodes"][0]["matrix"][4] = -3;  // the second axis is no longer at right angles
   b.json["nodes"][0]["matrix"][5] = 1;
-  motion = gltf(b, 1);
+  motion = gltf(b, {.fps = 1});
   ASSERT_TRUE(motion);
   EXPECT_EQ(motion->info().notes, std::vector<std::string>{split + ", which leaves out a shear"});
   // A flat axis.
   b.json["nodes"][0]["matrix"] = {0, 2, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0, 7, 8, 9, 1};
-  motion = gltf(b, 1);
+  motion = gltf(b, {.fps = 1});
   ASSERT_TRUE(motion);
   expect_frame(*motion, 0, {0, 0, 0, 0, 2, 0, -1, 0, 0});
 }
@@ -272,7 +269,7 @@ TEST_F(GltfTest, RotationTakesTheShorterWayAtConstantSpeed) {
   const int times = b.floats("SCALAR", {0, 1});
   // The second key is a quarter turn about z, written as its negative, which is the same rotation.
   b.animate(0, "rotation", times, b.floats("VEC4", {0, 0, 0, 1, 0, 0, -h, -h}));
-  const auto motion = gltf(b, 3);
+  const auto motion = gltf(b, {.fps = 3});
   ASSERT_TRUE(motion);
   ASSERT_EQ(motion->frame_count(), 4u);
   for (Index k = 0; k < 4; ++k) {
@@ -294,7 +291,7 @@ TEST_F(GltfTest, StepHoldsAndSplinesFollowTheirTangents) {
             b.floats("VEC3", {99, 99, 99, 0, 0, 0, 1, 0, 0, 4, 0, 0, 8, 0, 0, 99, 99, 99}))["interpolation"] =
       "CUBICSPLINE";
   b.play_together();
-  const auto motion = gltf(b, 2);
+  const auto motion = gltf(b, {.fps = 2});
   ASSERT_TRUE(motion);
   ASSERT_EQ(motion->frame_count(), 5u);
   // Hermite with span 2: at s, x = (s3-2s2+s)*2*1 + (3s2-2s3)*8 + (s3-s2)*2*4.
@@ -331,7 +328,7 @@ TEST_F(GltfTest, MorphTargetsAddUp) {
   ASSERT_TRUE(motion);
   expect_frame(*motion, 0, {0, 0, 2, 6, 10, 19, 0, 1, 6});
   b.animate(0, "weights", b.floats("SCALAR", {0, 1}), b.floats("SCALAR", {0, 0, 0, 1, 1, 1}));
-  motion = gltf(b, 2);
+  motion = gltf(b, {.fps = 2});
   ASSERT_TRUE(motion);
   ASSERT_EQ(motion->frame_count(), 3u);
   expect_frame(*motion, 0, kTrianglePositions);
@@ -362,7 +359,7 @@ TEST_F(GltfTest, SkinsFollowTheirJoints) {
       {{"translation", {1, 0, 0}}}};
   const auto h = static_cast<float>(std::sqrt(0.5));
   b.animate(2, "rotation", b.floats("SCALAR", {0, 1}), b.floats("VEC4", {0, 0, 0, 1, 0, 0, h, h}));
-  const auto motion = gltf(b, 1);
+  const auto motion = gltf(b, {.fps = 1});
   ASSERT_TRUE(motion);
   ASSERT_EQ(motion->frame_count(), 2u);
   expect_frame(*motion, 0, {0, 0, 5, 1, 0, 5, 0, 1, 5});
@@ -566,7 +563,7 @@ TEST_F(GltfTest, NamesFrameAndVertexThatIsNotFinite) {
   b.json["nodes"] = {{{"mesh", 0}}};
   const float infinity = std::numeric_limits<float>::infinity();
   b.animate(0, "scale", b.floats("SCALAR", {0, 1, 2}), b.floats("VEC3", {1, 1, 1, 1, 1, 1, 1, infinity, 1}));
-  const auto motion = gltf(b, 1);
+  const auto motion = gltf(b, {.fps = 1});
   ASSERT_TRUE(motion);
   EXPECT_EQ(frame_error(*motion, 0), "no error");
   EXPECT_THAT(frame_error(*motion, 2),

@@ -8,11 +8,8 @@
 namespace foldproof::testing {
 namespace {
 
-class LinearTest : public IoTest {
+class LinearTest : public GltfIoTest {
  protected:
-  std::unique_ptr<Motion> gltf(GltfBuilder& b, double fps = 24) {
-    return open({files.write("a.gltf", b.gltf())}, {.fps = fps});
-  }
 };
 
 std::string repeated(std::string_view text, std::size_t times) {

@@ -11,11 +11,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-class SeamsTest : public IoTest {
+class SeamsTest : public GltfIoTest {
  protected:
-  std::unique_ptr<Motion> gltf(GltfBuilder& b, Weld weld = Weld::ByFormat) {
-    return open({files.write("a.gltf", b.gltf())}, {.weld = weld});
-  }
   static std::vector<Index> merged(const Motion& motion) { return motion.info().merged; }
   static std::vector<std::string> notes(const Motion& motion) { return motion.info().notes; }
 };
@@ -45,7 +42,7 @@ TEST_F(SeamsTest, OfAMeshAreOneVertex) {
 
 TEST_F(SeamsTest, StayOnRequest) {
   GltfBuilder b = square();
-  const auto motion = gltf(b, Weld::Never);
+  const auto motion = gltf(b, {.weld = Weld::Never});
   ASSERT_TRUE(motion);
   EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 2}, {3, 4, 5}}));
   EXPECT_THAT(merged(*motion), IsEmpty());
@@ -229,7 +226,7 @@ TEST_F(SeamsTest, WeldOfAGltfMergesBetweenNodes) {
   b.triangle();
   b.json["nodes"] = {{{"mesh", 0}}, {{"mesh", 0}}};
   b.json["scenes"] = {{{"nodes", {0, 1}}}};
-  const auto motion = gltf(b, Weld::Always);
+  const auto motion = gltf(b, {.weld = Weld::Always});
   ASSERT_TRUE(motion);
   EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 2}, {0, 1, 2}}));
   EXPECT_THAT(merged(*motion), ElementsAre(0, 1, 2, 0, 1, 2));
