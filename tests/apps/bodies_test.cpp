@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "apps/program.h"
+#include "io/cube.h"
 #include "io/gltf_builder.h"
 
 namespace foldproof {
@@ -18,12 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 std::string cube(double x, double y, double z) {
-  std::string text;
-  for (int v = 0; v < 8; ++v)
-    text += fmt::format("v {} {} {}\n", x + (v & 1), y + (v >> 1 & 1), z + (v >> 2));
-  return text +
-         "f 1 3 2\nf 2 3 4\nf 5 6 7\nf 6 8 7\nf 1 2 5\nf 2 6 5\nf 3 7 4\nf 4 7 8\nf 1 5 3\nf 3 5 7\nf 2 4 6\n"
-         "f 4 8 6\n";
+  return cube_at([&](int i, int j, int k) { return std::array{x + i, y + j, z + k}; });
 }
 
 /// Three cubes in "bodies" that overlap, and two in "lr".

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 
+#include "io/cube.h"
 #include "io/gltf_builder.h"
 #include "io/support.h"
 
@@ -13,17 +14,13 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// A cube of two triangles a side, moved and then stretched along x.
+/// A cube, moved and then stretched along x.
 std::string cube(const Eigen::Isometry3d& place, double stretch = 1) {
-  std::string text;
-  for (int v = 0; v < 8; ++v) {
-    Eigen::Vector3d x = place * Eigen::Vector3d(v & 1, v >> 1 & 1, v >> 2);
-    x[0] *= stretch;
-    text += fmt::format("v {:.6g} {:.6g} {:.6g}\n", x[0], x[1], x[2]);
-  }
-  return text +
-         "f 1 3 2\nf 2 3 4\nf 5 6 7\nf 6 8 7\nf 1 2 5\nf 2 6 5\nf 3 7 4\nf 4 7 8\nf 1 5 3\nf 3 5 7\nf 2 4 6\n"
-         "f 4 8 6\n";
+  return cube_at([&](int x, int y, int z) {
+    Eigen::Vector3d moved = place * Eigen::Vector3d(x, y, z);
+    moved[0] *= stretch;
+    return moved;
+  });
 }
 
 std::string cube(double x, double y, double z, double stretch = 1) {

@@ -8,9 +8,7 @@
 namespace foldproof::testing {
 namespace {
 
-class LinearTest : public GltfIoTest {
- protected:
-};
+class LinearTest : public GltfIoTest {};
 
 std::string repeated(std::string_view text, std::size_t times) {
   std::string all;
