@@ -60,6 +60,8 @@ Mesh square(Index size) {
   const testing::Grid grid{size, size};
   return {.vertex_count = grid.vertex_count(),
           .triangles = grid.triangles(),
+          .lines = {},
+          .points = {},
           .positions = grid.positions([](double u, double v) { return Vec3(2 * u - 1, 2 * v - 1, 0); })};
 }
 

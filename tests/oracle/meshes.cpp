@@ -21,8 +21,11 @@ Index add_vertex(Mesh& mesh, double x, double y, double z) {
 // `place`: see Grid::positions.
 template <class Place>
 Mesh mesh_of(const testing::Grid& grid, Place place) {
-  return {
-      .vertex_count = grid.vertex_count(), .triangles = grid.triangles(), .positions = grid.positions(place)};
+  return {.vertex_count = grid.vertex_count(),
+          .triangles = grid.triangles(),
+          .lines = {},
+          .points = {},
+          .positions = grid.positions(place)};
 }
 
 Mesh sphere(Rng&) {
