@@ -90,8 +90,7 @@ Sheets sheets(double size) {
       for (const double c : {x, y, z}) x0.push_back(size * c);
       for (const double c : {x, y + 0.01, z + 0.03 * (object == 0 ? x : -y)}) x1.push_back(size * c);
     }
-    s.hierarchies.push_back(std::make_shared<const Hierarchy>(
-        Hierarchy::build(topology, x0, {8}).value()));
+    s.hierarchies.push_back(std::make_shared<const Hierarchy>(Hierarchy::build(topology, x0, {8}).value()));
     s.x0.push_back(x0);
     s.x1.push_back(x1);
   }

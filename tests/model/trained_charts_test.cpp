@@ -76,8 +76,8 @@ TEST_P(TrainedRealFilms, HaveTheAnswersOfUntrainedOnes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Motions, TrainedRealFilms,
-                         ::testing::Values("lion_anim", "hand_anim", "horse_gallop", "elephant_gallop", "samba",
-                                           "rumba", "cloth_ball"),
+                         ::testing::Values("lion_anim", "hand_anim", "horse_gallop", "elephant_gallop",
+                                           "samba", "rumba", "cloth_ball"),
                          [](const auto& instance) { return std::string(instance.param); });
 
 }  // namespace
