@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "adversary/kiss.h"
+#include "adversary/touching_pairs.h"
 #include "foldproof/eigen.h"
 #include "oracle/families.h"
 
@@ -42,9 +42,9 @@ class Builder {
 
   Case build() {
     case_.seed = source_.pick(65536);
-    const bool kiss = source_.one_in(5);
-    if (kiss) {
-      take_kiss();
+    const bool touching = source_.one_in(5);
+    if (touching) {
+      take_touching_objects();
     } else {
       take_parts();
     }
@@ -66,19 +66,20 @@ class Builder {
     motion_.base.push_back(mesh.vertices);
   }
 
-  void take_kiss() {
+  void take_touching_objects() {
     const bool tiny = source_.one_in(8);
-    const Kiss kiss = tiny ? make_tiny_kiss(source_) : make_kiss(source_);
+    const TouchingObjects touching =
+        tiny ? make_tiny_touching_objects(source_) : make_touching_objects(source_);
     unit_ = tiny ? 0 : 1;
-    exact_thickness_ = kiss.thickness;
-    if (source_.one_in(2)) press_ = kiss.across;
+    exact_thickness_ = touching.thickness;
+    if (source_.one_in(2)) press_ = touching.across;
     if (source_.one_in(3)) {
-      Mesh both = kiss.objects[0];
-      both.add(kiss.objects[1]);
+      Mesh both = touching.objects[0];
+      both.add(touching.objects[1]);
       add_object(both);
     } else {
-      add_object(kiss.objects[0]);
-      add_object(kiss.objects[1]);
+      add_object(touching.objects[0]);
+      add_object(touching.objects[1]);
     }
   }
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "adversary/kiss.h"
 #include "adversary/run.h"
+#include "adversary/touching_pairs.h"
 #include "oracle/one_target.h"
 
 namespace foldproof::adversary {

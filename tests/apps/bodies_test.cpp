@@ -75,8 +75,8 @@ TEST(Bodies, FilesThatAreNoFramesOfTheOthersStandStill) {
   const Bodies scene;
   write_file(scene / "s1.obj", cube(0, 0, 0));
   write_file(scene / "s2.obj", cube(0.5, 0.5, 0.5));
-  ASSERT_TRUE(write_npz(scene / "two.npz", *lone_needle({9, 8})));
-  ASSERT_TRUE(write_npz(scene / "three.npz", *lone_needle({9, 8, 7})));
+  ASSERT_TRUE(write_npz(scene / "two.npz", *lone_triangle({9, 8})));
+  ASSERT_TRUE(write_npz(scene / "three.npz", *lone_triangle({9, 8, 7})));
   const auto frames = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"--json", "a.json"});
     check_in(scene, arguments);

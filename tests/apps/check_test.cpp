@@ -21,13 +21,13 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-/// The needle as OBJ frames in "sink", a clean motion in "clean", a single pose in "pose.obj".
+/// The sinking triangle as OBJ frames in "sink", a clean motion in "clean", a single pose in "pose.obj".
 struct Scene : Workplace {
   Scene() {
-    write_frames(path() + "/sink", *needle(kSinking));
-    write_frames(path() + "/clean", *needle({3, 2, 1}));
+    write_frames(path() + "/sink", *sinking_triangle(kSinking));
+    write_frames(path() + "/clean", *sinking_triangle({3, 2, 1}));
     write_frames(path() + "/floor", *lone_floor(5));
-    write_frames(path() + "/tip", *lone_needle(kSinking));
+    write_frames(path() + "/tip", *lone_triangle(kSinking));
     std::filesystem::copy_file(path() + "/sink/frame2.obj", path() + "/pose.obj");
   }
 };
@@ -87,7 +87,7 @@ TEST(Check, SaysThatItSkipsFrames) {
   const Outcome poses = check_in(scene, {"sink", "--static", "--frames", "::4"});
   EXPECT_THAT(poses.out, HasSubstr("; only every 4th frame was checked.\n"));
   EXPECT_THAT(check_in(scene, {"clean", "--frames", "1::5"}).out, Not(HasSubstr("every")));
-  ASSERT_TRUE(write_npz(scene / "long.npz", *needle(std::vector<double>(200, 1))));
+  ASSERT_TRUE(write_npz(scene / "long.npz", *sinking_triangle(std::vector<double>(200, 1))));
   for (const auto& [step, name] :
        {std::pair{"11", "11th"}, {"21", "21st"}, {"23", "23rd"}, {"112", "112th"}}) {
     const Outcome found = check_in(scene, {"long.npz", "--frames", "::" + std::string(step)});
@@ -382,7 +382,7 @@ TEST_P(CheckMistakes, GetOneLineAndExitCode2) {
   write_file(scene / "empty.obj", "");
   write_file(scene / "points.obj", "v 0 0 0\n");
   std::filesystem::create_directory(scene / "nobody");
-  write_frames(scene / "changed", *needle({3, 2}));
+  write_frames(scene / "changed", *sinking_triangle({3, 2}));
   write_file(scene / "changed/frame1.obj", read_file(scene / "floor/frame0.obj"));
 
   const Outcome outcome = run_program(GetParam().arguments, {.directory = scene.path()});

@@ -16,7 +16,7 @@ using ::testing::Not;
 using ::testing::StartsWith;
 
 struct Sinking : TemporaryDirectory {
-  Sinking() { EXPECT_TRUE(write_npz(*this / "sink.npz", *needle(kSinking))); }
+  Sinking() { EXPECT_TRUE(write_npz(*this / "sink.npz", *sinking_triangle(kSinking))); }
   Outcome run(std::vector<std::string> arguments) const {
     return run_program(std::move(arguments), {.directory = path()});
   }

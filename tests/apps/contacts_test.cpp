@@ -138,7 +138,7 @@ TEST(Contacts, SayWhatIsNotKnown) {
   EXPECT_THAT(cut.out, Not(HasSubstr("contacts, the worst")));
   EXPECT_THAT(cut.out, HasSubstr("it is not known which triangles cross: too many pairs (--limit).\n"));
   const TemporaryDirectory directory;
-  write_frames(directory.path() + "/sink", *needle(kSinking));
+  write_frames(directory.path() + "/sink", *sinking_triangle(kSinking));
   const Outcome steps = check_in(directory, {"sink", "--steps-only"});
   EXPECT_THAT(steps.out, HasSubstr("it is not known which triangles cross (--steps-only).\n"));
   EXPECT_THAT(steps.out, HasSubstr("touches; not known whether it crosses"));

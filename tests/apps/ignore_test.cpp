@@ -25,7 +25,7 @@ struct Bodies : Workplace {
   Bodies() {
     write_file(*this / "s1.obj", box(0));
     write_file(*this / "other.obj", box(0.5));
-    write_frames(path() + "/cloth", *lone_needle({3, 2.9}));
+    write_frames(path() + "/cloth", *lone_triangle({3, 2.9}));
     write_file(*this / "groups.obj",
                "v -9 -9 0\nv 20 -9 0\nv -9 20 0\nv 0 0 -1\nv 1 0 1\nv 0 1 1\n"
                "g coat\nf 1 2 3\ng body\nf 4 5 6\n");

@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 
 namespace foldproof::testing {
 

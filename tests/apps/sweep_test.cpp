@@ -45,9 +45,9 @@ std::vector<std::string> states(const std::string& path) {
 struct Library : Workplace {
   Library() {
     std::filesystem::create_directories(*this / "lib/sub");
-    write_frames(*this / "lib/sink", *needle(kSinking));
-    EXPECT_TRUE(write_npz(*this / "lib/sub/fall.npz", *needle({5, 4, 3})));
-    EXPECT_TRUE(write_obj_pc2(*this / "lib/sub/n.obj", *this / "lib/sub/n.pc2", *needle(kSinking)));
+    write_frames(*this / "lib/sink", *sinking_triangle(kSinking));
+    EXPECT_TRUE(write_npz(*this / "lib/sub/fall.npz", *sinking_triangle({5, 4, 3})));
+    EXPECT_TRUE(write_obj_pc2(*this / "lib/sub/n.obj", *this / "lib/sub/n.pc2", *sinking_triangle(kSinking)));
     write_file(*this / "lib/broken.glb", "no such thing");
   }
 
@@ -151,7 +151,7 @@ TEST(Sweep, AsksForFramesThatLookLikeBodies) {
 TEST(Sweep, UsesModelsWhereTheyFit) {
   const Library library;
   ASSERT_EQ(run_program({"train", "lib/sink", "-o", "n.model"}, {.directory = library.path()}).code, 0);
-  write_frames(library / "other", *lone_needle({1, 2}));
+  write_frames(library / "other", *lone_triangle({1, 2}));
   ASSERT_EQ(run_program({"train", "other", "-o", "o.model"}, {.directory = library.path()}).code, 0);
   const Outcome found = library.sweep({"--model", "o.model", "--model", "n.model"});
   EXPECT_EQ(found.code, 1);
@@ -183,7 +183,7 @@ struct LongLibrary : Workplace {
     std::vector<double> heights(frames, 1);
     for (std::size_t i = 0; i < frames; i += 2) heights[i] = -1;
     for (int i = 0; i < motions; ++i)
-      EXPECT_TRUE(write_npz(*this / fmt::format("lib/{}.npz", i), *needle(heights)));
+      EXPECT_TRUE(write_npz(*this / fmt::format("lib/{}.npz", i), *sinking_triangle(heights)));
   }
 
   std::size_t lines() const { return states(*this / "r.jsonl").size(); }

@@ -17,13 +17,13 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 
-/// A tube that bends until it meets itself, poses of it, its model, and the needle.
+/// A tube that bends until it meets itself, poses of it, its model, and the sinking triangle.
 struct Scene : Workplace {
   Scene() {
     EXPECT_TRUE(write_npz(path() + "/bend.npz", *bending_tube(kTube, {0, 1, 2, 3, 4.5, 6.5})));
     EXPECT_TRUE(write_npz(path() + "/long.npz", *bending_tube({32, 50}, {0, 1, 2, 3, 4.5, 6.5})));
     write_frames(path() + "/poses", *bending_tube(kTube, {0, 2, 4}));
-    write_frames(path() + "/sink", *needle(kSinking));
+    write_frames(path() + "/sink", *sinking_triangle(kSinking));
   }
 };
 
@@ -104,11 +104,11 @@ TEST(TrainProgram, InfoShowsWhatIsInside) {
 
 TEST(TrainProgram, InfoNamesWhatIsHardToProve) {
   const Scene scene;
-  ASSERT_EQ(scene.run({"train", "sink", "--frames", "0", "-o", "needle.model"}).code, 0);
-  EXPECT_THAT(scene.run({"info", "needle.model"}).out,
+  ASSERT_EQ(scene.run({"train", "sink", "--frames", "0", "-o", "sinking.model"}).code, 0);
+  EXPECT_THAT(scene.run({"info", "sinking.model"}).out,
               HasSubstr("Hard to prove: 1 of 1 leaves in some reference pose, 1 in every one.\n"
                         "     poses  why          triangles\n    1 of 1  overlapping  0 1\n"));
-  ASSERT_EQ(scene.run({"info", "needle.model", "--json", "a.json"}).code, 0);
+  ASSERT_EQ(scene.run({"info", "sinking.model", "--json", "a.json"}).code, 0);
   EXPECT_EQ(scene.report("a.json")["hard_leaves"],
             json::parse(R"([{"references":1,"why":"overlapping","triangles":[0,1]}])"));
 }

@@ -24,8 +24,8 @@ void wait_for(const std::string& path, const std::string& text) {
 
 TEST(Watch, ChecksAgainWhenAFileHasChangedAndIsWholeAgain) {
   const TemporaryDirectory directory;
-  ASSERT_TRUE(write_npz(directory / "a.npz", *needle({3, 2, 1})));
-  ASSERT_TRUE(write_npz(directory / "sink.npz", *needle(kSinking)));
+  ASSERT_TRUE(write_npz(directory / "a.npz", *sinking_triangle({3, 2, 1})));
+  ASSERT_TRUE(write_npz(directory / "sink.npz", *sinking_triangle(kSinking)));
   const std::string sinking = read_file(directory / "sink.npz");
   const auto half = static_cast<std::ptrdiff_t>(sinking.size() / 2);
   const Outcome watched = run_program(
@@ -50,7 +50,7 @@ TEST(Watch, ChecksAgainWhenAFileHasChangedAndIsWholeAgain) {
 TEST(Watch, WaitsForAFileThatCannotBeReadToBeMended) {
   const TemporaryDirectory directory;
   write_file(directory / "a.obj", "v 0 0 zero\n");
-  const auto motion = needle(kSinking);
+  const auto motion = sinking_triangle(kSinking);
   std::vector<double> x(3 * std::size_t{motion->topology().vertex_count()});
   ASSERT_TRUE(motion->read_frame(0, x));
   const std::string said = directory / "said.txt";
@@ -70,7 +70,7 @@ TEST(Watch, WaitsForAFileThatCannotBeReadToBeMended) {
 
 TEST(Watch, NamesAFileThatWasRemoved) {
   const TemporaryDirectory directory;
-  const auto motion = needle({3, 2, 1});
+  const auto motion = sinking_triangle({3, 2, 1});
   std::vector<double> x(3 * std::size_t{motion->topology().vertex_count()});
   for (Index k = 0; k < 3; ++k) {
     ASSERT_TRUE(motion->read_frame(k, x));

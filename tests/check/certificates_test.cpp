@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/callers.h"
-#include "check/films.h"
+#include "check/animations.h"
 #include "foldproof/check.h"
 #include "oracle/brute_force.h"
 #include "oracle/data.h"
@@ -20,23 +20,24 @@
 namespace foldproof::oracle {
 namespace {
 
-class Films : public ::testing::TestWithParam<FilmFamily> {
+class Animations : public ::testing::TestWithParam<AnimationFamily> {
  protected:
   Rng rng_{81};
-  Film film_ = GetParam().make(rng_);
+  Animation animation_ = GetParam().make(rng_);
 };
 
-TEST_P(Films, CertificatesNeverChangeAnAnswer) {
+TEST_P(Animations, CertificatesNeverChangeAnAnswer) {
   std::uint64_t passes = 0, with = 0, without = 0, hits = 0;
   for (const Index leaf : {4, 16}) {
     for (const double thickness : {0.0, 0.004}) {
-      Comparison both(hierarchies(film_, leaf));
+      Comparison both(hierarchies(animation_, leaf));
       StepSettings settings;
       settings.thickness = thickness;
-      for (std::size_t k = 0; k + 1 < film_.poses.size(); ++k) {
-        ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k], film_.poses[k + 1], settings)) << "step " << k;
+      for (std::size_t k = 0; k + 1 < animation_.poses.size(); ++k) {
+        ASSERT_NO_FATAL_FAILURE(both.step(animation_.poses[k], animation_.poses[k + 1], settings))
+            << "step " << k;
         if (k % 3 == 0) {
-          ASSERT_NO_FATAL_FAILURE(both.pose(film_.poses[k])) << "pose " << k;
+          ASSERT_NO_FATAL_FAILURE(both.pose(animation_.poses[k])) << "pose " << k;
         }
       }
       passes += both.sums.passes + both.statics.passes;
@@ -53,30 +54,32 @@ TEST_P(Films, CertificatesNeverChangeAnAnswer) {
 
 // Certificates must prove a gap that grows with tolerance and thickness; and steps may exclude kinds of
 // pairs.
-TEST_P(Films, SettingsChangeFromStepToStep) {
-  Comparison both(hierarchies(film_, 8));
-  for (std::size_t k = 0; k + 1 < film_.poses.size(); ++k) {
+TEST_P(Animations, SettingsChangeFromStepToStep) {
+  Comparison both(hierarchies(animation_, 8));
+  for (std::size_t k = 0; k + 1 < animation_.poses.size(); ++k) {
     StepSettings settings;
     settings.thickness = std::array{0.0, 0.02, 0.0, 0.001}[k % 4];
     settings.tolerance = std::array{0.0, 0.0, 0.01}[k % 3];
-    settings.within = k % 5 != 4 || film_.topologies.size() == 1;
+    settings.within = k % 5 != 4 || animation_.topologies.size() == 1;
     settings.between = k % 7 != 3 || !settings.within;
-    ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k], film_.poses[k + 1], settings)) << "step " << k;
+    ASSERT_NO_FATAL_FAILURE(both.step(animation_.poses[k], animation_.poses[k + 1], settings))
+        << "step " << k;
     // Backwards: the start is not the pose in which charts were built.
-    ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k + 1], film_.poses[k], settings)) << "step " << k;
+    ASSERT_NO_FATAL_FAILURE(both.step(animation_.poses[k + 1], animation_.poses[k], settings))
+        << "step " << k;
   }
   EXPECT_GT(both.sums.passes, 50u);
 }
 
-TEST_P(Films, EarliestOnlyIsTheSameWithCertificates) {
-  const auto objects = hierarchies(film_, 8);
+TEST_P(Animations, EarliestOnlyIsTheSameWithCertificates) {
+  const auto objects = hierarchies(animation_, 8);
   StepChecker with(objects), without(objects);
   std::size_t hits = 0;
-  for (std::size_t k = 0; k + 1 < film_.poses.size(); ++k) {
+  for (std::size_t k = 0; k + 1 < animation_.poses.size(); ++k) {
     StepSettings settings;
     settings.earliest_only = true;
     StepResult a, b;
-    const auto x0 = spans(film_.poses[k]), x1 = spans(film_.poses[k + 1]);
+    const auto x0 = spans(animation_.poses[k]), x1 = spans(animation_.poses[k + 1]);
     ASSERT_TRUE(with.check(x0, x1, settings, a));
     settings.certificates = false;
     ASSERT_TRUE(without.check(x0, x1, settings, b));
@@ -87,15 +90,15 @@ TEST_P(Films, EarliestOnlyIsTheSameWithCertificates) {
   EXPECT_GT(hits, 3u);
 }
 
-TEST_P(Films, ThreadsChangeNeitherAnswersNorWork) {
+TEST_P(Animations, ThreadsChangeNeitherAnswersNorWork) {
   if (!has_threads()) GTEST_SKIP() << "there is one thread";
   std::vector<std::vector<StepResult>> runs;
   for (const int threads : {1, 2, 2}) {
-    StepChecker checker(hierarchies(film_, 4));
-    auto& run = runs.emplace_back(film_.poses.size() - 1);
+    StepChecker checker(hierarchies(animation_, 4));
+    auto& run = runs.emplace_back(animation_.poses.size() - 1);
     with_threads(threads, [&] {
       for (std::size_t k = 0; k < run.size(); ++k) {
-        const auto x0 = spans(film_.poses[k]), x1 = spans(film_.poses[k + 1]);
+        const auto x0 = spans(animation_.poses[k]), x1 = spans(animation_.poses[k + 1]);
         ASSERT_TRUE(checker.check(x0, x1, {}, run[k]));
       }
     });
@@ -108,25 +111,25 @@ TEST_P(Films, ThreadsChangeNeitherAnswersNorWork) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Generated, Films,
-                         ::testing::ValuesIn(generated_films().begin(), generated_films().end()),
+INSTANTIATE_TEST_SUITE_P(Generated, Animations,
+                         ::testing::ValuesIn(generated_animations().begin(), generated_animations().end()),
                          [](const auto& instance) { return std::string(instance.param.name); });
 
 // ---- Real motions.
 
-struct RealFilm {
+struct RealAnimation {
   const char* name;
   Index first;  ///< Where the short run starts: at collisions, if the motion has any.
 };
-void PrintTo(const RealFilm& film, std::ostream* out) { *out << film.name; }
+void PrintTo(const RealAnimation& animation, std::ostream* out) { *out << animation.name; }
 
-const RealFilm kRealFilms[] = {
+const RealAnimation kRealAnimations[] = {
     {"lion_poses", 0},  {"lion_anim", 20},   {"hand_poses", 4},     {"hand_train", 7},       {"hand_anim", 8},
     {"horse_poses", 2}, {"horse_gallop", 3}, {"elephant_poses", 0}, {"elephant_gallop", 10}, {"samba", 40},
     {"rumba", 30},      {"cloth_ball", 0},   {"rod_twist", 0},      {"cloth_funnel", 0},
 };
 
-class RealFilms : public ::testing::TestWithParam<RealFilm> {
+class RealAnimations : public ::testing::TestWithParam<RealAnimation> {
  protected:
   void SetUp() override {
     const auto data = data_directory();
@@ -166,7 +169,7 @@ class RealFilms : public ::testing::TestWithParam<RealFilm> {
   Index first_ = 0, last_ = 0;
 };
 
-TEST_P(RealFilms, FullSteps) {
+TEST_P(RealAnimations, FullSteps) {
   Comparison both = comparison();
   for (Index k = first_; k < last_; ++k)
     ASSERT_NO_FATAL_FAILURE(both.step(frame(k), frame(k + 1), {})) << "frame " << k;
@@ -175,7 +178,7 @@ TEST_P(RealFilms, FullSteps) {
 
 // Once without look-ahead and explained, so that certificates are used also where they do not pay; once with
 // look-ahead.
-TEST_P(RealFilms, TenthsOfSteps) {
+TEST_P(RealAnimations, TenthsOfSteps) {
   for (const bool ahead : {false, true}) {
     Comparison both = comparison();
     // The short run: some tenths of one step.
@@ -200,7 +203,7 @@ TEST_P(RealFilms, TenthsOfSteps) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Motions, RealFilms, ::testing::ValuesIn(kRealFilms),
+INSTANTIATE_TEST_SUITE_P(Motions, RealAnimations, ::testing::ValuesIn(kRealAnimations),
                          [](const auto& instance) { return std::string(instance.param.name); });
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "check/films.h"
+#include "check/animations.h"
 #include "check/same_collisions.h"
 #include "mesh/grid.h"
 
@@ -142,22 +142,22 @@ TEST_P(Filters, AnswerAsBruteForceWithoutIgnoredPairs) {
 INSTANTIATE_TEST_SUITE_P(Families, Filters, ::testing::ValuesIn(mesh_families()),
                          [](const auto& info) { return info.param.name; });
 
-class FilteredFilms : public ::testing::TestWithParam<FilmFamily> {};
+class FilteredAnimations : public ::testing::TestWithParam<AnimationFamily> {};
 
 // With certificates and fronts that are kept from step to step.
-TEST_P(FilteredFilms, AnswerAsAllPairsWithoutIgnoredOnes) {
+TEST_P(FilteredAnimations, AnswerAsAllPairsWithoutIgnoredOnes) {
   Rng rng(72);
-  const Film film = GetParam().make(rng);
+  const Animation animation = GetParam().make(rng);
   Found steps, poses;
   for (int round = 0; round < 3; ++round) {
-    const Labels labels = random_labels(film.topologies, film.poses[0], rng);
-    const Definition definition{film.topologies, labels};
-    const auto own = hierarchies(film, 4);
+    const Labels labels = random_labels(animation.topologies, animation.poses[0], rng);
+    const Definition definition{animation.topologies, labels};
+    const auto own = hierarchies(animation, 4);
     StepChecker all(own), filtered(own, filter_of(own, labels));
     StepResult all_step, step;
     StaticResult all_pose, pose;
-    for (std::size_t k = 0; k + 1 < film.poses.size(); ++k) {
-      const auto x0 = spans(film.poses[k]), x1 = spans(film.poses[k + 1]);
+    for (std::size_t k = 0; k + 1 < animation.poses.size(); ++k) {
+      const auto x0 = spans(animation.poses[k]), x1 = spans(animation.poses[k + 1]);
       const StepSettings settings{.explain = k % 5 == 4};
       ASSERT_TRUE(all.check(x0, x1, {.certificates = false}, all_step));
       ASSERT_TRUE(filtered.check(x0, x1, settings, step));
@@ -174,7 +174,7 @@ TEST_P(FilteredFilms, AnswerAsAllPairsWithoutIgnoredOnes) {
   EXPECT_GT(steps.ignored + poses.ignored, 5u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Films, FilteredFilms, ::testing::ValuesIn(generated_films()),
+INSTANTIATE_TEST_SUITE_P(Animations, FilteredAnimations, ::testing::ValuesIn(generated_animations()),
                          [](const auto& info) { return info.param.name; });
 
 // Two sheets of 1800 triangles that go through each other, and lie on each other.

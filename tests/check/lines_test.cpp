@@ -2,7 +2,7 @@
 // "hairy".
 #include <gtest/gtest.h>
 
-#include "check/films.h"
+#include "check/animations.h"
 #include "foldproof/check.h"
 #include "oracle/meshes.h"
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/callers.h"
-#include "check/films.h"
+#include "check/animations.h"
 #include "check/look_ahead.h"
 #include "check/look_ahead_policy.h"
 #include "mesh/grid.h"
@@ -37,11 +37,12 @@ double random(Rng& rng, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(rng);
 }
 
-// Follows a film in straight pieces like users of the library: continues, repeats a step, goes back, takes
-// larger or smaller steps; exactly, or perturbed by less and by more than the slack.
+// Follows an animation in straight pieces like users of the library: continues, repeats a step, goes back,
+// takes larger or smaller steps; exactly, or perturbed by less and by more than the slack.
 class Walker {
  public:
-  Walker(const Film& film, Comparison& both, Rng& rng) : film_(film), both_(both), rng_(rng) {}
+  Walker(const Animation& animation, Comparison& both, Rng& rng)
+      : animation_(animation), both_(both), rng_(rng) {}
 
   void follow(const Poses& from, const Poses& to, const StepSettings& settings) {
     const int parts = std::uniform_int_distribution<int>(3, 14)(rng_);
@@ -61,8 +62,8 @@ class Walker {
   }
 
   void run(const StepSettings& settings) {
-    for (std::size_t k = 0; k + 1 < film_.poses.size(); k += 1 + rng_() % 4)
-      ASSERT_NO_FATAL_FAILURE(follow(film_.poses[k], film_.poses[k + 1], settings)) << "pose " << k;
+    for (std::size_t k = 0; k + 1 < animation_.poses.size(); k += 1 + rng_() % 4)
+      ASSERT_NO_FATAL_FAILURE(follow(animation_.poses[k], animation_.poses[k + 1], settings)) << "pose " << k;
   }
 
  private:
@@ -79,22 +80,22 @@ class Walker {
     }
   }
 
-  const Film& film_;
+  const Animation& animation_;
   Comparison& both_;
   Rng& rng_;
 };
 
-class LookAheadFilms : public ::testing::TestWithParam<FilmFamily> {};
+class LookAheadAnimations : public ::testing::TestWithParam<AnimationFamily> {};
 
-TEST_P(LookAheadFilms, NeverChangesAnAnswer) {
+TEST_P(LookAheadAnimations, NeverChangesAnAnswer) {
   std::uint64_t covered = 0, hits = 0;
   for (unsigned seed = 1; seed <= 9; ++seed) {
     Rng rng(seed);
-    const Film film = GetParam().make(rng);
+    const Animation animation = GetParam().make(rng);
     StepSettings settings;
     settings.thickness = std::array{0.0, 0.004, 0.0}[seed % 3];
-    Comparison both(hierarchies(film, seed % 2 == 0 ? 16 : 5));
-    ASSERT_NO_FATAL_FAILURE(Walker(film, both, rng).run(settings)) << "seed " << seed;
+    Comparison both(hierarchies(animation, seed % 2 == 0 ? 16 : 5));
+    ASSERT_NO_FATAL_FAILURE(Walker(animation, both, rng).run(settings)) << "seed " << seed;
     covered += both.sums.covered;
     hits += both.sums.hits;
   }
@@ -103,34 +104,34 @@ TEST_P(LookAheadFilms, NeverChangesAnAnswer) {
   EXPECT_GT(hits, 50u);
 }
 
-TEST_P(LookAheadFilms, SettingsMayChangeBetweenSteps) {
+TEST_P(LookAheadAnimations, SettingsMayChangeBetweenSteps) {
   Rng rng(7);
-  const Film film = GetParam().make(rng);
-  Comparison both(hierarchies(film, 8));
+  const Animation animation = GetParam().make(rng);
+  Comparison both(hierarchies(animation, 8));
   for (int k = 0; k < 60; ++k) {
     StepSettings settings;
     settings.thickness = std::array{0.0, 0.0, 0.003}[k / 7 % 3];
     settings.tolerance = k / 11 % 3 == 2 ? 0.001 : 0;
-    settings.within = k / 13 % 4 != 3 || film.topologies.size() == 1;
+    settings.within = k / 13 % 4 != 3 || animation.topologies.size() == 1;
     settings.between = k / 17 % 4 != 3 || !settings.within;
     settings.look_ahead = k / 19 % 3 != 2;
-    const auto at = [&](int step) { return between(film.poses[3], film.poses[4], 0.02 * step); };
+    const auto at = [&](int step) { return between(animation.poses[3], animation.poses[4], 0.02 * step); };
     ASSERT_NO_FATAL_FAILURE(both.step(at(k), at(k + 1), settings)) << "step " << k;
   }
   EXPECT_GT(both.sums.covered, 5u);
 }
 
-TEST_P(LookAheadFilms, ThreadsChangeNeitherAnswersNorWork) {
+TEST_P(LookAheadAnimations, ThreadsChangeNeitherAnswersNorWork) {
   if (!has_threads()) GTEST_SKIP() << "there is one thread";
   std::vector<std::vector<StepResult>> runs;
   for (const int threads : {1, 2, 2}) {
     Rng rng(5);
-    const Film film = GetParam().make(rng);
-    StepChecker checker(hierarchies(film, 4));
+    const Animation animation = GetParam().make(rng);
+    StepChecker checker(hierarchies(animation, 4));
     auto& run = runs.emplace_back(30);
     with_threads(threads, [&] {
       for (int k = 0; k < 30; ++k) {
-        const auto at = [&](int step) { return between(film.poses[3], film.poses[4], 0.1 * step); };
+        const auto at = [&](int step) { return between(animation.poses[3], animation.poses[4], 0.1 * step); };
         const Poses from = at(k), to = at(k + 1);
         ASSERT_TRUE(checker.check(spans(from), spans(to), {}, run[k]));
       }
@@ -145,8 +146,8 @@ TEST_P(LookAheadFilms, ThreadsChangeNeitherAnswersNorWork) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Generated, LookAheadFilms,
-                         ::testing::ValuesIn(generated_films().begin(), generated_films().end()),
+INSTANTIATE_TEST_SUITE_P(Generated, LookAheadAnimations,
+                         ::testing::ValuesIn(generated_animations().begin(), generated_animations().end()),
                          [](const auto& instance) { return std::string(instance.param.name); });
 
 // ---- Two sheets whose gap is smaller than the slack.

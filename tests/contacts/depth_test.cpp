@@ -12,16 +12,16 @@ namespace {
 
 using namespace oracle;
 
-Film film_of(std::vector<Mesh> meshes, std::vector<std::vector<Pose>> poses) {
-  Film film;
-  for (const Mesh& mesh : meshes) film.topologies.push_back(mesh.topology());
-  film.poses = std::move(poses);
-  return film;
+Animation animation_of(std::vector<Mesh> meshes, std::vector<std::vector<Pose>> poses) {
+  Animation animation;
+  for (const Mesh& mesh : meshes) animation.topologies.push_back(mesh.topology());
+  animation.poses = std::move(poses);
+  return animation;
 }
 
 // The one contact of two meshes in one pose.
 Contact contact_of(const Mesh& a, const Pose& at_a, const Mesh& b, const Pose& at_b) {
-  auto found = contacts_of(film_of({a, b}, {{at_a, at_b}}));
+  auto found = contacts_of(animation_of({a, b}, {{at_a, at_b}}));
   EXPECT_EQ(found.contacts.size(), 1u);
   return found.contacts.empty() ? Contact{} : found.contacts[0];
 }
@@ -209,9 +209,10 @@ TEST(Order, ALongCurveWithoutDepthIsWorseThanAShallowContact) {
 // A ball sinks through the middle of a sheet, then over its border, where there is no region.
 TEST(Order, TheWorstFrameMayHaveNoDepth) {
   const Mesh ball = unit_sphere(10), sheet = square(20);
-  const Film film = film_of({ball, sheet}, {{placed(ball, 0.4, {0.013, 0.007, 0.39}), sheet.positions},
-                                            {placed(ball, 0.4, {0.9, 0.007, 0.1}), sheet.positions}});
-  const auto found = contacts_of(film);
+  const Animation animation =
+      animation_of({ball, sheet}, {{placed(ball, 0.4, {0.013, 0.007, 0.39}), sheet.positions},
+                                   {placed(ball, 0.4, {0.9, 0.007, 0.1}), sheet.positions}});
+  const auto found = contacts_of(animation);
   ASSERT_EQ(found.contacts.size(), 1u);
   const Contact& contact = found.contacts[0];
   ASSERT_EQ(contact.frames.size(), 2u);
@@ -232,7 +233,7 @@ TEST(Frames, TwoSpheresThatPassThroughEachOther) {
     // Whole inside: nothing crosses, and the contact goes on when the spheres' surfaces meet again.
     crosses.push_back(distance < 1.69 && distance > 0.31);
   }
-  const Found found = contacts_of(film_of({ball, ball}, poses));
+  const Found found = contacts_of(animation_of({ball, ball}, poses));
   std::vector<double> frames;
   for (const Contact& contact : found.contacts) {
     for (const ContactFrame& frame : contact.frames) frames.push_back(frame.time);

@@ -10,15 +10,15 @@ namespace {
 
 using namespace oracle;
 
-class FilteredContacts : public ::testing::TestWithParam<FilmFamily> {};
+class FilteredContacts : public ::testing::TestWithParam<AnimationFamily> {};
 
 TEST_P(FilteredContacts, CrossAsFilteredStaticQueriesSay) {
   Rng rng(31);
-  const Film film = GetParam().make(rng);
-  const auto objects = hierarchies(film, 16);
+  const Animation animation = GetParam().make(rng);
+  const auto objects = hierarchies(animation, 16);
   std::vector<std::vector<Index>> labels;
   std::vector<const Topology*> topologies;
-  for (const Topology& topology : film.topologies) {
+  for (const Topology& topology : animation.topologies) {
     topologies.push_back(&topology);
     auto& of = labels.emplace_back();
     for (const Triangle& t : topology.triangles()) of.push_back(t[0] / 5 % 3);
@@ -29,11 +29,11 @@ TEST_P(FilteredContacts, CrossAsFilteredStaticQueriesSay) {
   auto finder = ContactFinder::make(topologies, {}, filter).value();
   StaticResult crossings, unfiltered;
   StepResult step;
-  ASSERT_TRUE(checker.check_static(spans(film.poses[0]), {}, crossings));
-  finder.start(0, spans(film.poses[0]), crossings);
+  ASSERT_TRUE(checker.check_static(spans(animation.poses[0]), {}, crossings));
+  finder.start(0, spans(animation.poses[0]), crossings);
   std::size_t kept = 0, left_out = 0;
-  for (std::size_t k = 1; k < film.poses.size(); ++k) {
-    const auto x0 = spans(film.poses[k - 1]), x1 = spans(film.poses[k]);
+  for (std::size_t k = 1; k < animation.poses.size(); ++k) {
+    const auto x0 = spans(animation.poses[k - 1]), x1 = spans(animation.poses[k]);
     ASSERT_TRUE(checker.check(x0, x1, {}, step));
     finder.step(double(k) - 1, double(k), x0, x1, step);
     ASSERT_TRUE(fresh.check_static(x1, {.certificates = false}, crossings));
@@ -49,7 +49,7 @@ TEST_P(FilteredContacts, CrossAsFilteredStaticQueriesSay) {
   EXPECT_GT(left_out, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Films, FilteredContacts, ::testing::ValuesIn(generated_films()),
+INSTANTIATE_TEST_SUITE_P(Animations, FilteredContacts, ::testing::ValuesIn(generated_animations()),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

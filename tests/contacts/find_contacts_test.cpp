@@ -10,47 +10,47 @@ namespace {
 
 using namespace oracle;
 
-// Hands out the frames of a film, each in the same memory.
+// Hands out the frames of an animation, each in the same memory.
 class Frames {
  public:
-  explicit Frames(const Film& film) : film_(film) {}
+  explicit Frames(const Animation& animation) : animation_(animation) {}
   Result<std::optional<MotionFrame>> operator()() {
-    if (next_ == film_.poses.size()) return std::nullopt;
-    pose_ = film_.poses[next_];
+    if (next_ == animation_.poses.size()) return std::nullopt;
+    pose_ = animation_.poses[next_];
     spans_ = spans(pose_);
     return MotionFrame{static_cast<double>(next_++), spans_};
   }
 
  private:
-  const Film& film_;
+  const Animation& animation_;
   std::size_t next_ = 0;
   std::vector<Pose> pose_;
   std::vector<std::span<const double>> spans_;
 };
 
-Film passing_balls() {
+Animation passing_balls() {
   const Mesh ball = unit_sphere(8);
-  Film film;
-  film.topologies = {ball.topology(), ball.topology()};
+  Animation animation;
+  animation.topologies = {ball.topology(), ball.topology()};
   for (int k = 0; k <= 12; ++k)
-    film.poses.push_back({ball.positions, placed(ball, 1, {-3 + 0.5 * k, 1.4, 0.1})});
-  return film;
+    animation.poses.push_back({ball.positions, placed(ball, 1, {-3 + 0.5 * k, 1.4, 0.1})});
+  return animation;
 }
 
-Result<std::vector<Contact>> found_in(const Film& film, const StepSettings& settings = {}) {
+Result<std::vector<Contact>> found_in(const Animation& animation, const StepSettings& settings = {}) {
   std::vector<Contact> contacts;
-  Frames frames(film);
+  Frames frames(animation);
   const auto done = find_contacts(
-      hierarchies(film, 16), std::ref(frames),
+      hierarchies(animation, 16), std::ref(frames),
       [&](Contact contact) { contacts.push_back(std::move(contact)); }, settings);
   if (!done) return tl::unexpected(done.error());
   return contacts;
 }
 
 TEST(FindContacts, FindsWhatTheFinderFinds) {
-  const Film film = passing_balls();
-  const auto found = found_in(film).value();
-  const auto expected = contacts_of(film).contacts;
+  const Animation animation = passing_balls();
+  const auto found = found_in(animation).value();
+  const auto expected = contacts_of(animation).contacts;
   ASSERT_EQ(found.size(), 1u);
   ASSERT_EQ(expected.size(), 1u);
   EXPECT_EQ(found[0].first_time, expected[0].first_time);
@@ -61,16 +61,16 @@ TEST(FindContacts, FindsWhatTheFinderFinds) {
 
 /// The edge of a standing triangle in which a hanging one, that sinks from z = 1.2 to `height`, lands first.
 std::vector<Contact> sinking_triangle(double height, double scale) {
-  Film film;
-  film.topologies = {*Topology::make(3, {{0, 1, 2}}), *Topology::make(3, {{0, 1, 2}})};
+  Animation animation;
+  animation.topologies = {*Topology::make(3, {{0, 1, 2}}), *Topology::make(3, {{0, 1, 2}})};
   for (const double z : {1.2, height}) {
-    film.poses.push_back(
+    animation.poses.push_back(
         {{1, 0.1, 1, 1.2, 0.1, 1, 1.1, 0.1, 0.5}, {1.1, 0, z, 1.1, 0.2, z, 1.1, 0.1, z + 0.3}});
-    for (Pose& pose : film.poses.back()) {
+    for (Pose& pose : animation.poses.back()) {
       for (double& x : pose) x *= scale;
     }
   }
-  return found_in(film).value();
+  return found_in(animation).value();
 }
 
 TEST(FindContacts, WithoutFramesTheContactIsWhereItBegins) {
@@ -88,11 +88,11 @@ TEST(FindContacts, WithoutFramesTheContactIsWhereItBegins) {
 
 // Lists that are cut lose pairs, not what crosses in frames of which all crossings are listed.
 TEST(FindContacts, AsksForPosesWhereListsAreCut) {
-  const Film film = passing_balls();
-  const auto all = found_in(film).value();
+  const Animation animation = passing_balls();
+  const auto all = found_in(animation).value();
   StepSettings few;
   few.max_listed = 60;
-  const auto found = found_in(film, few).value();
+  const auto found = found_in(animation, few).value();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_LT(found[0].pairs, all[0].pairs);
   EXPECT_GT(found[0].frames.size(), 0u);
@@ -108,10 +108,10 @@ TEST(FindContacts, RefusesAnswersThatAreNotComplete) {
 }
 
 TEST(FindContacts, PassesOnAnErrorOfTheFrames) {
-  const Film film = passing_balls();
+  const Animation animation = passing_balls();
   int calls = 0;
   const auto done = find_contacts(
-      hierarchies(film, 16),
+      hierarchies(animation, 16),
       [&]() -> Result<std::optional<MotionFrame>> {
         if (++calls == 2) return tl::unexpected(Error{"frame 1", "is missing", "find it"});
         return MotionFrame{0, Positions()};
@@ -127,10 +127,11 @@ TEST(FindContacts, ALinePiercesFaces) {
   hair.positions = {-3, 0.01, 0.02, 3, 0.03, 0.01};
   hair.lines = {{0, 1}};
   hair.vertex_count = 2;
-  Film film;
-  film.topologies = {ball.topology(), hair.topology()};
-  for (const double y : {3.0, 0.0, -3.0}) film.poses.push_back({ball.positions, placed(hair, 1, {0, y, 0})});
-  auto found = found_in(film).value();
+  Animation animation;
+  animation.topologies = {ball.topology(), hair.topology()};
+  for (const double y : {3.0, 0.0, -3.0})
+    animation.poses.push_back({ball.positions, placed(hair, 1, {0, y, 0})});
+  auto found = found_in(animation).value();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_TRUE(found[0].pierces);
   ASSERT_EQ(found[0].frames.size(), 1u);
@@ -139,8 +140,8 @@ TEST(FindContacts, ALinePiercesFaces) {
   EXPECT_FALSE(found[0].frames[0].area[0]);
   EXPECT_TRUE(found[0].curves.empty());
   EXPECT_LT(found[0].point.norm(), 0.1);  // the middle of both holes
-  film.poses.erase(film.poses.begin() + 1);
-  found = found_in(film).value();
+  animation.poses.erase(animation.poses.begin() + 1);
+  found = found_in(animation).value();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_TRUE(found[0].pierces);
   EXPECT_TRUE(found[0].frames.empty());
@@ -148,8 +149,8 @@ TEST(FindContacts, ALinePiercesFaces) {
 
 // Hairs change nothing about the depth of the surfaces that they are on.
 TEST(FindContacts, HairsDoNotChangeADepth) {
-  Film film = passing_balls();
-  const auto bald = found_in(film).value();
+  Animation animation = passing_balls();
+  const auto bald = found_in(animation).value();
   Mesh hairy = unit_sphere(8);
   const Index n = hairy.vertex_count;
   for (Index v = 0; v < n; ++v) {
@@ -158,9 +159,9 @@ TEST(FindContacts, HairsDoNotChangeADepth) {
   }
   hairy.vertex_count *= 2;
   for (Index v = 0; v + 1 < n; ++v) hairy.lines.push_back({n + v, n + v + 1});  // joins all, inside or not
-  film.topologies[0] = hairy.topology();
-  for (auto& pose : film.poses) pose[0] = hairy.positions;
-  const auto found = found_in(film).value();
+  animation.topologies[0] = hairy.topology();
+  for (auto& pose : animation.poses) pose[0] = hairy.positions;
+  const auto found = found_in(animation).value();
   ASSERT_EQ(bald.size(), 1u);
   const auto deepest =
       std::ranges::max_element(found, {}, [](const Contact& c) { return c.depth().value_or(-1); });

@@ -9,15 +9,15 @@ namespace {
 
 using namespace oracle;
 
-// Every frame of a film, against a checker of its own. Counts the crossings.
-void expect_followed(const Film& film, const StepSettings& settings, std::size_t& crossings) {
-  const Found found = contacts_of(film, settings);
+// Every frame of an animation, against a checker of its own. Counts the crossings.
+void expect_followed(const Animation& animation, const StepSettings& settings, std::size_t& crossings) {
+  const Found found = contacts_of(animation, settings);
   StepSettings plain = settings;
   plain.certificates = false;
-  StepChecker fresh(hierarchies(film, 16));
-  for (std::size_t k = 0; k < film.poses.size(); ++k) {
+  StepChecker fresh(hierarchies(animation, 16));
+  for (std::size_t k = 0; k < animation.poses.size(); ++k) {
     StaticResult expected, got;
-    ASSERT_TRUE(fresh.check_static(spans(film.poses[k]), plain, expected));
+    ASSERT_TRUE(fresh.check_static(spans(animation.poses[k]), plain, expected));
     got.crossings = found.crossings[k];
     ASSERT_EQ(got.crossings.size(), expected.crossings.size()) << "frame " << k;
     ASSERT_NO_FATAL_FAILURE(expect_same(got, expected)) << "frame " << k;
@@ -25,47 +25,48 @@ void expect_followed(const Film& film, const StepSettings& settings, std::size_t
   }
 }
 
-class GeneratedFilms : public ::testing::TestWithParam<FilmFamily> {};
+class GeneratedAnimations : public ::testing::TestWithParam<AnimationFamily> {};
 
-TEST_P(GeneratedFilms, CrossAsStaticQueriesSay) {
+TEST_P(GeneratedAnimations, CrossAsStaticQueriesSay) {
   Rng rng(11);
-  const Film film = GetParam().make(rng);
+  const Animation animation = GetParam().make(rng);
   std::size_t crossings = 0;
   for (const double thickness : {0.0, 0.02}) {
     StepSettings settings;
     settings.thickness = thickness;
-    ASSERT_NO_FATAL_FAILURE(expect_followed(film, settings, crossings));
+    ASSERT_NO_FATAL_FAILURE(expect_followed(animation, settings, crossings));
   }
   EXPECT_GT(crossings, 50u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Families, GeneratedFilms,
-                         ::testing::ValuesIn(generated_films().begin(), generated_films().end()),
+INSTANTIATE_TEST_SUITE_P(Families, GeneratedAnimations,
+                         ::testing::ValuesIn(generated_animations().begin(), generated_animations().end()),
                          [](const auto& info) { return info.param.name; });
 
 class MeshFamilies : public ::testing::TestWithParam<MeshFamily> {};
 
-// Small films of several meshes, on a grid too, where triangles touch, are degenerate and lie on each other.
+// Small animations of several meshes, on a grid too, where triangles touch, are degenerate and lie on each
+// other.
 TEST_P(MeshFamilies, CrossAsStaticQueriesSay) {
   Rng rng(12);
   std::size_t crossings = 0;
   for (int round = 0; round < 24; ++round) {
-    Film film;
+    Animation animation;
     const int objects = 1 + round % 3;
     std::vector<Mesh> meshes;
     for (int i = 0; i < objects; ++i) {
       meshes.push_back(GetParam().make(rng));
-      film.topologies.push_back(meshes.back().topology());
+      animation.topologies.push_back(meshes.back().topology());
     }
     const double grid = round % 2 ? 0.125 : 0.0;
     for (int k = 0; k < 5; ++k) {
-      auto& poses = film.poses.emplace_back();
+      auto& poses = animation.poses.emplace_back();
       for (const Mesh& mesh : meshes) poses.push_back(deformed(mesh.positions, 0.3, grid, rng));
     }
     StepSettings settings;
     settings.within = round % 5 != 4 || objects == 1;
     settings.between = round % 7 != 6;
-    ASSERT_NO_FATAL_FAILURE(expect_followed(film, settings, crossings)) << "round " << round;
+    ASSERT_NO_FATAL_FAILURE(expect_followed(animation, settings, crossings)) << "round " << round;
   }
   EXPECT_GT(crossings, 50u);
 }
@@ -80,16 +81,16 @@ TEST_P(RealCrossings, CrossAsStaticQueriesSay) {
   const auto data = data_directory();
   if (!data) GTEST_SKIP() << kNoData;
   const auto motion = open_real_motion(*data, GetParam());
-  Film film;
-  film.topologies.push_back(motion->topology());
+  Animation animation;
+  animation.topologies.push_back(motion->topology());
   const Index frames = all_frames() ? motion->frame_count() : std::min<Index>(8, motion->frame_count());
   for (Index k = 0; k < frames; ++k) {
-    auto& pose = film.poses.emplace_back(1);
+    auto& pose = animation.poses.emplace_back(1);
     pose[0].resize(3 * std::size_t{motion->topology().vertex_count()});
     ASSERT_TRUE(motion->read_frame(k, pose[0]));
   }
   std::size_t crossings = 0;
-  expect_followed(film, {}, crossings);
+  expect_followed(animation, {}, crossings);
 }
 
 INSTANTIATE_TEST_SUITE_P(Motions, RealCrossings,

@@ -1,4 +1,5 @@
-// Two hundred films of balls that pass each other, whose contacts are known: how many, when and how deep.
+// Two hundred animations of balls that pass each other, whose contacts are known: how many, when and how
+// deep.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -152,15 +153,15 @@ Case make_case(Rng& rng) {
 }
 
 // The order of `of_object` and of vertices and triangles is random.
-Film film_of(const Case& scene, Rng& rng, int objects) {
+Animation animation_of(const Case& scene, Rng& rng, int objects) {
   const Mesh ball = unit_sphere(kDivisions);
   std::vector<std::size_t> order(scene.balls.size());
   std::iota(order.begin(), order.end(), 0u);
   std::shuffle(order.begin(), order.end(), rng);
   std::vector<std::vector<std::size_t>> members(static_cast<std::size_t>(objects));
   for (std::size_t i = 0; i < order.size(); ++i) members[i % members.size()].push_back(order[i]);
-  Film film;
-  film.poses.resize(kSteps + 1, std::vector<Pose>(members.size()));
+  Animation animation;
+  animation.poses.resize(kSteps + 1, std::vector<Pose>(members.size()));
   for (std::size_t object = 0; object < members.size(); ++object) {
     Mesh all;
     for (std::size_t i = 0; i < members[object].size(); ++i) all = together(all, ball);
@@ -171,9 +172,9 @@ Film film_of(const Case& scene, Rng& rng, int objects) {
       for (Index& v : t) v = new_vertex[v];
     }
     std::shuffle(all.triangles.begin(), all.triangles.end(), rng);
-    film.topologies.push_back(all.topology());
+    animation.topologies.push_back(all.topology());
     for (int k = 0; k <= kSteps; ++k) {
-      Pose& x = film.poses[static_cast<std::size_t>(k)][object];
+      Pose& x = animation.poses[static_cast<std::size_t>(k)][object];
       x.resize(all.positions.size());
       for (std::size_t i = 0; i < members[object].size(); ++i) {
         const Ball& member = scene.balls[members[object][i]];
@@ -185,7 +186,7 @@ Film film_of(const Case& scene, Rng& rng, int objects) {
       }
     }
   }
-  return film;
+  return animation;
 }
 
 auto key(const Contact& contact) {
@@ -229,12 +230,12 @@ TEST(GeneratedCases, ContactsAreWhatIsKnown) {
   for (int round = 0; round < 200; ++round) {
     const Case scene = make_case(rng);
     const int balls = int(scene.balls.size()), objects = std::array{1, balls / 2, balls}[round % 3];
-    const auto found = sorted_by_time(contacts_of(film_of(scene, rng, objects)).contacts);
+    const auto found = sorted_by_time(contacts_of(animation_of(scene, rng, objects)).contacts);
     ASSERT_NO_FATAL_FAILURE(expect_known(found, scene.contacts)) << "round " << round;
     contacts += found.size();
     for (const Contact& contact : found) without_frames += contact.frames.empty();
     // Another order of objects, vertices and triangles.
-    const auto again = sorted_by_time(contacts_of(film_of(scene, rng, objects)).contacts);
+    const auto again = sorted_by_time(contacts_of(animation_of(scene, rng, objects)).contacts);
     ASSERT_EQ(again.size(), found.size());
     for (std::size_t i = 0; i < found.size(); ++i) {
       EXPECT_NEAR(again[i].first_time, found[i].first_time, 1e-6);

@@ -44,20 +44,20 @@ std::map<Index, std::uint64_t> pairs_per_contact(const Found& found) {
   return count;
 }
 
-class Joined : public ::testing::TestWithParam<FilmFamily> {
+class Joined : public ::testing::TestWithParam<AnimationFamily> {
  protected:
-  Film film() const {
+  Animation animation() const {
     Rng rng(11);
     return GetParam().make(rng);
   }
 };
 
 TEST_P(Joined, EveryPairHasOneContactAndEveryContactItsPairs) {
-  const Film film = this->film();
-  const Found found = contacts_of(film);
+  const Animation animation = this->animation();
+  const Found found = contacts_of(animation);
   const auto pairs = pairs_per_contact(found);
   std::map<Index, std::uint64_t> crossings;
-  for (std::size_t k = 0; k < film.poses.size(); ++k) {
+  for (std::size_t k = 0; k < animation.poses.size(); ++k) {
     ASSERT_EQ(found.crossing_contacts[k].size(), found.crossings[k].size());
     for (const Index number : found.crossing_contacts[k]) ++crossings[number];
   }
@@ -79,11 +79,12 @@ TEST_P(Joined, EveryPairHasOneContactAndEveryContactItsPairs) {
   for (const auto& [number, count] : pairs) EXPECT_TRUE(numbers.contains(number));
 }
 
-// All pairs and crossings of a film, joined by the definition: those of one slice of time, or of two that
-// follow each other, are connected when they have a vertex of the one side and one of the other in common.
+// All pairs and crossings of an animation, joined by the definition: those of one slice of time, or of two
+// that follow each other, are connected when they have a vertex of the one side and one of the other in
+// common.
 class JoinedByDefinition {
  public:
-  explicit JoinedByDefinition(const Film& film) : film_(film) {}
+  explicit JoinedByDefinition(const Animation& animation) : animation_(animation) {}
 
   void add(std::size_t slice, const std::vector<std::array<Index, 2>>& a,
            const std::vector<std::array<Index, 2>>& b) {
@@ -112,7 +113,7 @@ class JoinedByDefinition {
   std::vector<std::array<Index, 2>> around(Index object, const std::vector<Index>& of) const {
     std::set<std::array<Index, 2>> out;
     for (const Index v : of) out.insert({object, v});
-    for (const Triangle& t : film_.topologies[object].triangles()) {
+    for (const Triangle& t : animation_.topologies[object].triangles()) {
       const auto has = [&](Index v) { return std::find(t.begin(), t.end(), v) != t.end(); };
       if (!std::all_of(of.begin(), of.end(), has)) continue;
       for (const Index v : t) out.insert({object, v});
@@ -131,23 +132,23 @@ class JoinedByDefinition {
   }
   void join(std::size_t a, std::size_t b) { group_[group(a)] = group(b); }
 
-  const Film& film_;
+  const Animation& animation_;
   std::map<std::size_t, std::map<std::pair<std::array<Index, 2>, std::array<Index, 2>>, std::size_t>> first_;
   std::vector<std::size_t> group_;
 };
 
 TEST_P(Joined, ContactsAreWhatTheDefinitionSays) {
-  const Film film = this->film();
-  const Found found = contacts_of(film);
-  JoinedByDefinition expected(film);
+  const Animation animation = this->animation();
+  const Found found = contacts_of(animation);
+  JoinedByDefinition expected(animation);
   std::vector<Index> numbers;
   const auto face = [&](Index object, Index t) {
-    const Triangle& corners = film.topologies[object].triangles()[t];
+    const Triangle& corners = animation.topologies[object].triangles()[t];
     std::set<std::array<Index, 2>> out;
     for (const Index v : corners) out.insert({object, v});
     return std::vector<std::array<Index, 2>>(out.begin(), out.end());
   };
-  for (std::size_t slice = 0; slice < film.poses.size(); ++slice) {
+  for (std::size_t slice = 0; slice < animation.poses.size(); ++slice) {
     if (slice > 0) {
       const StepResult& step = found.steps[slice - 1];
       for (const VertexFaceCollision& c : step.vertex_face)
@@ -178,16 +179,16 @@ TEST_P(Joined, ContactsAreWhatTheDefinitionSays) {
 
 TEST_P(Joined, TheSameForAnyNumberOfThreads) {
   if (!has_threads()) GTEST_SKIP() << "there is one thread";
-  const Film film = this->film();
+  const Animation animation = this->animation();
   Found one, several;
-  with_threads(1, [&] { one = contacts_of(film); });
-  with_threads(4, [&] { several = contacts_of(film); });
+  with_threads(1, [&] { one = contacts_of(animation); });
+  with_threads(4, [&] { several = contacts_of(animation); });
   EXPECT_GT(one.contacts.size(), 0u);
   expect_same_contacts(one, several);
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, Joined,
-                         ::testing::ValuesIn(generated_films().begin(), generated_films().end()),
+                         ::testing::ValuesIn(generated_animations().begin(), generated_animations().end()),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

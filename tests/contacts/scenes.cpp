@@ -82,11 +82,11 @@ Mesh together(const Mesh& a, const Mesh& b) {
   return both;
 }
 
-Found contacts_of(const Film& film, const StepSettings& settings) {
+Found contacts_of(const Animation& animation, const StepSettings& settings) {
   Found found;
-  StepChecker checker(hierarchies(film, 16));
+  StepChecker checker(hierarchies(animation, 16));
   std::vector<const Topology*> topologies;
-  for (const Topology& topology : film.topologies) topologies.push_back(&topology);
+  for (const Topology& topology : animation.topologies) topologies.push_back(&topology);
   auto finder = ContactFinder::make(topologies).value();
   const auto note_frame = [&] {
     EXPECT_TRUE(finder.is_known());
@@ -98,11 +98,11 @@ Found contacts_of(const Film& film, const StepSettings& settings) {
     for (Contact& contact : ended) found.contacts.push_back(std::move(contact));
   };
   StaticResult first;
-  EXPECT_TRUE(checker.check_static(spans(film.poses[0]), settings, first));
-  finder.start(0, spans(film.poses[0]), first);
+  EXPECT_TRUE(checker.check_static(spans(animation.poses[0]), settings, first));
+  finder.start(0, spans(animation.poses[0]), first);
   note_frame();
-  for (std::size_t k = 1; k < film.poses.size(); ++k) {
-    const auto x0 = spans(film.poses[k - 1]), x1 = spans(film.poses[k]);
+  for (std::size_t k = 1; k < animation.poses.size(); ++k) {
+    const auto x0 = spans(animation.poses[k - 1]), x1 = spans(animation.poses[k]);
     StepResult& step = found.steps.emplace_back();
     EXPECT_TRUE(checker.check(x0, x1, settings, step));
     finder.step(double(k - 1), double(k), x0, x1, step);

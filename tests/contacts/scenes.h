@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "check/films.h"
+#include "check/animations.h"
 #include "foldproof/contacts.h"
 
 namespace foldproof::oracle {
@@ -21,7 +21,7 @@ Pose placed(const Mesh& mesh, double scale, const Vec3& shift);
 /// Two meshes as one object.
 Mesh together(const Mesh& a, const Mesh& b);
 
-/// Everything that a finder said about a film, whose frames have the times 0, 1, ...
+/// Everything that a finder said about an animation, whose frames have the times 0, 1, ...
 struct Found {
   std::vector<Contact> contacts;  ///< By number.
   std::vector<StepResult> steps;
@@ -31,6 +31,6 @@ struct Found {
   std::vector<std::vector<Index>> crossing_contacts;     ///< Per frame.
   std::vector<std::vector<TriangleCrossing>> crossings;  ///< Per frame.
 };
-Found contacts_of(const Film& film, const StepSettings& settings = {});
+Found contacts_of(const Animation& animation, const StepSettings& settings = {});
 
 }  // namespace foldproof::oracle

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 
 namespace foldproof::io {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "check/films.h"
+#include "check/animations.h"
 #include "foldproof/check.h"
 #include "foldproof/model.h"
 #include "oracle/data.h"
@@ -13,20 +13,21 @@
 namespace foldproof::oracle {
 namespace {
 
-class TrainedFilms : public ::testing::TestWithParam<FilmFamily> {
+class TrainedAnimations : public ::testing::TestWithParam<AnimationFamily> {
  protected:
   Rng rng_{81};
-  Film film_ = GetParam().make(rng_);
+  Animation animation_ = GetParam().make(rng_);
 };
 
 // Models of a few poses, of all, and of one only.
-TEST_P(TrainedFilms, HaveTheAnswersOfUntrainedOnes) {
+TEST_P(TrainedAnimations, HaveTheAnswersOfUntrainedOnes) {
   for (const std::size_t stride : {4, 13, 1000}) {
     std::vector<Object> trained, untrained;
-    for (std::size_t object = 0; object < film_.topologies.size(); ++object) {
+    for (std::size_t object = 0; object < animation_.topologies.size(); ++object) {
       std::vector<Pose> poses;
-      for (std::size_t k = 0; k < film_.poses.size(); k += stride) poses.push_back(film_.poses[k][object]);
-      const auto motion = memory_motion("film", film_.topologies[object], poses);
+      for (std::size_t k = 0; k < animation_.poses.size(); k += stride)
+        poses.push_back(animation_.poses[k][object]);
+      const auto motion = memory_motion("animation", animation_.topologies[object], poses);
       std::vector<TrainPose> chosen;
       for (Index k = 0; k < motion->frame_count(); ++k) chosen.push_back({motion.get(), k});
       const Result<Model> model = train_model(chosen, {});
@@ -35,22 +36,22 @@ TEST_P(TrainedFilms, HaveTheAnswersOfUntrainedOnes) {
       untrained.push_back(model->hierarchy());
     }
     Comparison both(trained, untrained);
-    for (std::size_t k = 0; k + 1 < film_.poses.size(); ++k) {
-      ASSERT_NO_FATAL_FAILURE(both.step(film_.poses[k], film_.poses[k + 1], {})) << "step " << k;
-      ASSERT_NO_FATAL_FAILURE(both.pose(film_.poses[k])) << "pose " << k;
+    for (std::size_t k = 0; k + 1 < animation_.poses.size(); ++k) {
+      ASSERT_NO_FATAL_FAILURE(both.step(animation_.poses[k], animation_.poses[k + 1], {})) << "step " << k;
+      ASSERT_NO_FATAL_FAILURE(both.pose(animation_.poses[k])) << "pose " << k;
     }
     EXPECT_GT(both.sums.passes, 50u);
     EXPECT_LT(both.sums.pairs_with, both.sums.pairs_without);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Generated, TrainedFilms,
-                         ::testing::ValuesIn(generated_films().begin(), generated_films().end()),
+INSTANTIATE_TEST_SUITE_P(Generated, TrainedAnimations,
+                         ::testing::ValuesIn(generated_animations().begin(), generated_animations().end()),
                          [](const auto& instance) { return std::string(instance.param.name); });
 
-class TrainedRealFilms : public ::testing::TestWithParam<const char*> {};
+class TrainedRealAnimations : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(TrainedRealFilms, HaveTheAnswersOfUntrainedOnes) {
+TEST_P(TrainedRealAnimations, HaveTheAnswersOfUntrainedOnes) {
   const auto data = data_directory();
   if (!data) GTEST_SKIP() << kNoData;
   if (!all_frames()) GTEST_SKIP() << "Training takes long. Set FOLDPROOF_ALL_FRAMES=1 to run this test.";
@@ -75,7 +76,7 @@ TEST_P(TrainedRealFilms, HaveTheAnswersOfUntrainedOnes) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Motions, TrainedRealFilms,
+INSTANTIATE_TEST_SUITE_P(Motions, TrainedRealAnimations,
                          ::testing::Values("lion_anim", "hand_anim", "horse_gallop", "elephant_gallop",
                                            "samba", "rumba", "cloth_ball"),
                          [](const auto& instance) { return std::string(instance.param); });

@@ -305,7 +305,7 @@ TEST(PageAnswers, BoxesAreThoseOfTheHierarchy) {
 TEST(PageAnswers, StepsAreDividedIntoSubsteps) {
   CheckSettings check;
   check.substeps = 5;
-  Served served(page_of(list(needle(kSinking)), check));
+  Served served(page_of(list(sinking_triangle(kSinking)), check));
   const Json all = served.all_steps();
   ASSERT_THAT(all["steps"], SizeIs(20));
   // The tip meets the floor 0.6 of the way from frame 1 to 2: at the end of the third part, or the start of

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "page/served.h"
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 
 namespace {
 thread_local bool next_fails = false;

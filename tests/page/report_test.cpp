@@ -134,11 +134,12 @@ TEST(HtmlReport, ShowsWhatCrossesFromTheStart) {
 
 /// Surfaces that touch on the way from a frame to the next cross in none, but have a picture.
 TEST(HtmlReport, ShowsWhatTouchesBetweenFrames) {
-  std::vector<std::vector<double>> frames{needle_frame(1), needle_frame(-1)};
+  std::vector<std::vector<double>> frames{sinking_frame(1), sinking_frame(-1)};
   CheckSettings settings;
   settings.substeps = 3;
   const Reported reported(
-      list(memory_motion("needle", *Topology::make(6, {{0, 1, 2}, {3, 4, 5}}), std::move(frames))), settings);
+      list(memory_motion("sinking", *Topology::make(6, {{0, 1, 2}, {3, 4, 5}}), std::move(frames))),
+      settings);
   ASSERT_EQ(reported.error, "");
   const Json data = reported.data();
   ASSERT_THAT(data["contacts"], Not(IsEmpty()));
@@ -146,7 +147,7 @@ TEST(HtmlReport, ShowsWhatTouchesBetweenFrames) {
 }
 
 TEST(HtmlReport, IsCompleteWithoutPictures) {
-  std::vector<std::vector<double>> frames{needle_frame(1), needle_frame(-1)};
+  std::vector<std::vector<double>> frames{sinking_frame(1), sinking_frame(-1)};
   for (std::vector<double>& frame : frames) {
     for (double& x : frame) x *= 1e200;
   }
@@ -227,7 +228,7 @@ TEST(HtmlReport, ShowsPosesOfAStaticCheck) {
 }
 
 TEST(HtmlReport, NamesAreEscaped) {
-  std::vector<std::vector<double>> frames{needle_frame(1), needle_frame(-1)};
+  std::vector<std::vector<double>> frames{sinking_frame(1), sinking_frame(-1)};
   const Reported reported(
       list(memory_motion(kNasty, *Topology::make(6, {{0, 1, 2}, {3, 4, 5}}), std::move(frames))));
   ASSERT_EQ(reported.error, "");

@@ -10,7 +10,7 @@
 
 #include "model/cylinder.h"
 #include "page/page.h"
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 
 // Last: system headers in it define macros that Eigen stumbles over.
 #include <httplib.h>

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "picture/picture.h"
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 
 namespace foldproof {
 namespace {

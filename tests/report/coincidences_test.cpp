@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 
 namespace foldproof {
 namespace {
@@ -54,8 +54,8 @@ TEST(Coincidences, AreFollowedFromFrameToFrame) {
 }
 
 TEST(Coincidences, AreNotNamedWhereTheyMakeNoContact) {
-  EXPECT_THAT(notices(list(needle({3, 2, 1}))), IsEmpty());
-  EXPECT_THAT(notices(list(needle(kSinking))), IsEmpty());
+  EXPECT_THAT(notices(list(sinking_triangle({3, 2, 1}))), IsEmpty());
+  EXPECT_THAT(notices(list(sinking_triangle(kSinking))), IsEmpty());
   CheckSettings settings;
   settings.step.within = false;
   EXPECT_THAT(notices(list(square({0, 0}), square({0, 0})), settings), IsEmpty());

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "report/joined.h"
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 #include "report/spheres.h"
 
 namespace foldproof {
@@ -69,8 +69,8 @@ TEST(MotionContacts, TimesAreFramesAndPartsOfThem) {
   CheckSettings settings;
   settings.frames = *parse_frame_range("::2");
   settings.substeps = 4;
-  const CheckTotals whole = check(list(needle(kSinking)), {}, seen),
-                    parts = check(list(needle(kSinking)), settings, seen);
+  const CheckTotals whole = check(list(sinking_triangle(kSinking)), {}, seen),
+                    parts = check(list(sinking_triangle(kSinking)), settings, seen);
   ASSERT_FALSE(whole.contacts.empty());
   ASSERT_FALSE(parts.contacts.empty());
   for (const Contact& contact : parts.contacts) {
@@ -83,10 +83,10 @@ TEST(MotionContacts, AreNotLookedForWhereAnswersAreNotComplete) {
   Marks::Seen seen;
   CheckSettings settings;
   settings.step.earliest_only = true;
-  EXPECT_FALSE(check(list(needle(kSinking)), settings, seen).contacts_found);
+  EXPECT_FALSE(check(list(sinking_triangle(kSinking)), settings, seen).contacts_found);
   settings.step.earliest_only = false;
   settings.contacts = false;
-  EXPECT_FALSE(check(list(needle(kSinking)), settings, seen).contacts_found);
+  EXPECT_FALSE(check(list(sinking_triangle(kSinking)), settings, seen).contacts_found);
   EXPECT_TRUE(seen.number.empty());
 }
 

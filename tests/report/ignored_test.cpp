@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 
 namespace foldproof {
 namespace {
@@ -45,7 +45,7 @@ Result<CheckTotals> check(Motions motions, Pairs ignore, CheckSettings settings 
 
 TEST(Ignore, ObjectsAndPartsByName) {
   const auto two =
-      list(named(lone_needle(kSinking), "scene/needle.obj"), named(lone_floor(5), "scene/floor.obj"));
+      list(named(lone_triangle(kSinking), "scene/needle.obj"), named(lone_floor(5), "scene/floor.obj"));
   EXPECT_EQ(check(two, {})->collisions.sum(), 3u);
   for (const char* needle : {"scene/needle.obj", "needle.obj", "needle"}) {
     for (const char* floor : {"scene/floor.obj", "floor.obj", "floor"}) {
@@ -55,7 +55,7 @@ TEST(Ignore, ObjectsAndPartsByName) {
   }
   EXPECT_EQ(check(two, {{"needle", "needle"}, {"floor", "floor"}})->collisions.sum(), 3u);
 
-  const auto one = list(named(needle(kSinking), "scene.npz", {{"floor", "tip"}, {0, 1}}));
+  const auto one = list(named(sinking_triangle(kSinking), "scene.npz", {{"floor", "tip"}, {0, 1}}));
   EXPECT_EQ(check(one, {{"floor", "floor"}, {"tip", "tip"}})->collisions.sum(), 3u);
   EXPECT_TRUE(check(one, {{"floor", "tip"}})->clean());
   EXPECT_TRUE(check(one, {{"scene", "scene"}})->clean());
@@ -67,7 +67,7 @@ TEST(Ignore, ObjectsAndPartsByName) {
 }
 
 TEST(Ignore, UnknownNamesListNearOnes) {
-  const auto motions = list(named(needle(kSinking), "a/scene.npz", {{"floor", "tip"}, {0, 1}}),
+  const auto motions = list(named(sinking_triangle(kSinking), "a/scene.npz", {{"floor", "tip"}, {0, 1}}),
                             named(lone_floor(5), "b/scene.npz"));
   const auto line_of = [&](const char* name) { return check(motions, {{name, "tip"}}).error().line(); };
   EXPECT_EQ(line_of("flor"), "'flor': is neither an object nor a part of one; did you mean 'floor'?");
@@ -80,7 +80,7 @@ TEST(Ignore, IsNamedInTheVerdictAndInJson) {
   EXPECT_EQ(ignored_pairs(settings), "");
   settings.ignore = {{"floor", "tip"}, {"tip", "tip"}};
   EXPECT_EQ(ignored_pairs(settings), "pairs of floor and tip, of tip with itself were ignored");
-  const auto one = list(named(needle(kSinking), "scene.npz", {{"floor", "tip"}, {0, 1}}));
+  const auto one = list(named(sinking_triangle(kSinking), "scene.npz", {{"floor", "tip"}, {0, 1}}));
   const TemporaryDirectory directory;
   std::vector<std::unique_ptr<ReportWriter>> writers;
   writers.push_back(json_report(directory / "a.json", one, {settings, {}, false}).value());
@@ -89,11 +89,12 @@ TEST(Ignore, IsNamedInTheVerdictAndInJson) {
   EXPECT_EQ(json["settings"]["ignore"], nlohmann::json::parse(R"([["floor","tip"],["tip","tip"]])"));
 }
 
-/// Two needles in a floor, all of which stand still, and a needle that sinks.
+/// Two triangles that stick in a floor and stand still, as it does, and one that sinks.
 std::vector<std::unique_ptr<Motion>> still_scene(const std::vector<double>& heights) {
   const std::vector<double> inside(heights.size(), -0.4);
   return list(named(lone_floor(heights.size()), "floor.obj", {}, true),
-              named(lone_needle(inside), "nail.obj", {}, true), named(lone_needle(heights), "needle.npz"));
+              named(lone_triangle(inside), "nail.obj", {}, true),
+              named(lone_triangle(heights), "needle.npz"));
 }
 
 TEST(StillPairs, AreTestedInTheFirstFrameOnlyAndDoNotFail) {

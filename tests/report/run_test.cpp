@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 
 namespace foldproof {
 namespace {
@@ -67,7 +67,7 @@ CheckSettings with_frames(const std::string& range, CheckSettings settings = {})
 }
 
 TEST(RunCheck, FindsEachVertexThatPassesTheFloorAndWhen) {
-  const auto [totals, log] = check(list(needle(kSinking)));
+  const auto [totals, log] = check(list(sinking_triangle(kSinking)));
   ASSERT_TRUE(totals) << totals.error().line();
   ASSERT_EQ(log.steps.size(), 4u);
   EXPECT_EQ(log.finished, 1);
@@ -80,8 +80,8 @@ TEST(RunCheck, FindsEachVertexThatPassesTheFloorAndWhen) {
     EXPECT_EQ(step.collisions.vertex_face, hits[k]) << k;
     EXPECT_EQ(step.collisions.edge_edge, 0u) << k;
     EXPECT_NEAR(step.earliest_toi, hits[k] ? 0.6 : 1, 1e-6);
-    EXPECT_EQ(step.x0[0], needle_frame(kSinking[k]));
-    EXPECT_EQ(step.x1[0], needle_frame(kSinking[k + 1]));
+    EXPECT_EQ(step.x0[0], sinking_frame(kSinking[k]));
+    EXPECT_EQ(step.x1[0], sinking_frame(kSinking[k + 1]));
   }
   EXPECT_EQ(totals->steps, 4u);
   EXPECT_EQ(totals->steps_with_collisions, 2u);
@@ -96,7 +96,7 @@ TEST(RunCheck, FindsEachVertexThatPassesTheFloorAndWhen) {
 }
 
 TEST(RunCheck, ACleanMotionIsClean) {
-  const auto totals = check(list(needle({3, 2, 1}))).totals;
+  const auto totals = check(list(sinking_triangle({3, 2, 1}))).totals;
   ASSERT_TRUE(totals);
   EXPECT_TRUE(totals->clean());
   EXPECT_FALSE(totals->earliest);
@@ -104,26 +104,26 @@ TEST(RunCheck, ACleanMotionIsClean) {
 }
 
 TEST(RunCheck, ChecksOnlyTheSelectedFrames) {
-  auto log = check(list(needle(kSinking)), with_frames("2:5")).log;
+  auto log = check(list(sinking_triangle(kSinking)), with_frames("2:5")).log;
   ASSERT_EQ(log.steps.size(), 2u);
   EXPECT_EQ(log.steps[0].index.frame, 2u);
   EXPECT_EQ(log.steps[0].index.number, 0u);
 
   // Every second frame: a step goes from frame 0 to 2 and from 2 to 4.
-  log = check(list(needle(kSinking)), with_frames("::2")).log;
+  log = check(list(sinking_triangle(kSinking)), with_frames("::2")).log;
   ASSERT_EQ(log.steps.size(), 2u);
   EXPECT_EQ(log.steps[0].index.next_frame, 2u);
   EXPECT_NEAR(log.steps[0].earliest_toi, 0.8, 1e-6);
-  EXPECT_EQ(log.steps[1].x1[0], needle_frame(kSinking[4]));
+  EXPECT_EQ(log.steps[1].x1[0], sinking_frame(kSinking[4]));
 }
 
 TEST(RunCheck, SubstepsDivideAStepWithoutGaps) {
   CheckSettings settings = with_frames("1:3");
   settings.substeps = 7;
-  const auto log = check(list(needle(kSinking)), settings).log;
+  const auto log = check(list(sinking_triangle(kSinking)), settings).log;
   ASSERT_EQ(log.steps.size(), 7u);
-  EXPECT_EQ(log.steps.front().x0[0], needle_frame(kSinking[1]));
-  EXPECT_EQ(log.steps.back().x1[0], needle_frame(kSinking[2]));
+  EXPECT_EQ(log.steps.front().x0[0], sinking_frame(kSinking[1]));
+  EXPECT_EQ(log.steps.back().x1[0], sinking_frame(kSinking[2]));
   for (Index k = 0; k < 7; ++k) {
     EXPECT_EQ(log.steps[k].index.frame, 1u);
     EXPECT_EQ(log.steps[k].index.substep, k);
@@ -132,7 +132,7 @@ TEST(RunCheck, SubstepsDivideAStepWithoutGaps) {
     }
     EXPECT_NEAR(log.steps[k].x0[0][11], 0.6 - k / 7.0, 1e-12);
     // The floor keeps its exact position.
-    for (int c = 0; c < 9; ++c) EXPECT_EQ(log.steps[k].x0[0][c], needle_frame(0)[c]);
+    for (int c = 0; c < 9; ++c) EXPECT_EQ(log.steps[k].x0[0][c], sinking_frame(0)[c]);
     EXPECT_EQ(log.steps[k].collisions.vertex_face, k == 4 ? 1u : 0u) << k;  // 0.6 is 4.2 of 7 parts
   }
   EXPECT_NEAR(log.steps[4].earliest_toi, 0.2, 1e-6);
@@ -141,7 +141,7 @@ TEST(RunCheck, SubstepsDivideAStepWithoutGaps) {
 TEST(RunCheck, PosesFindCrossingTriangles) {
   CheckSettings settings;
   settings.poses = true;
-  const auto [totals, log] = check(list(needle(kSinking)), settings);
+  const auto [totals, log] = check(list(sinking_triangle(kSinking)), settings);
   ASSERT_TRUE(totals) << totals.error().line();
   ASSERT_EQ(log.steps.size(), 5u);
   std::vector<std::uint64_t> crossings;
@@ -154,14 +154,14 @@ TEST(RunCheck, PosesFindCrossingTriangles) {
 TEST(RunCheck, ASinglePoseNeedsNoSecondFrame) {
   CheckSettings settings;
   settings.poses = true;
-  const auto totals = check(list(needle({-0.4})), settings).totals;
+  const auto totals = check(list(sinking_triangle({-0.4})), settings).totals;
   ASSERT_TRUE(totals);
   EXPECT_EQ(totals->collisions.triangle_triangle, 1u);
 }
 
 TEST(RunCheck, WhatCrossesFromTheStartIsNotFree) {
-  // The needle sticks in the floor all the time, and nothing comes into contact.
-  const auto stuck = list(needle({-0.4, -0.5, -0.45}));
+  // The sinking triangle sticks in the floor all the time, and nothing comes into contact.
+  const auto stuck = list(sinking_triangle({-0.4, -0.5, -0.45}));
   auto [totals, log] = check(stuck);
   ASSERT_TRUE(totals) << totals.error().line();
   EXPECT_EQ(totals->collisions.sum(), 0u);
@@ -174,8 +174,8 @@ TEST(RunCheck, WhatCrossesFromTheStartIsNotFree) {
   EXPECT_EQ(log.starts[0][0].triangle_b, 1u);
 
   // That is the first frame that is checked, not the motion's.
-  EXPECT_EQ(check(list(needle(kSinking))).totals->starts_crossing, 0u);
-  EXPECT_EQ(check(list(needle(kSinking)), with_frames("2:")).totals->starts_crossing, 1u);
+  EXPECT_EQ(check(list(sinking_triangle(kSinking))).totals->starts_crossing, 0u);
+  EXPECT_EQ(check(list(sinking_triangle(kSinking)), with_frames("2:")).totals->starts_crossing, 1u);
 
   // Whoever asks for the steps only is told nothing of it, not that there was nothing.
   CheckSettings only;
@@ -190,14 +190,14 @@ TEST(RunCheck, TheStartAsksWhatTheStepsAsk) {
   CheckSettings within, between;
   within.step.between = false;
   between.step.within = false;
-  const auto objects = list(lone_floor(2), lone_needle({-0.4, -0.4}));
+  const auto objects = list(lone_floor(2), lone_triangle({-0.4, -0.4}));
   EXPECT_EQ(check(objects, within).totals->starts_crossing, 0u);
   EXPECT_EQ(check(objects, between).totals->starts_crossing, 1u);
   EXPECT_EQ(check(objects).totals->starts_crossing, 1u);
 }
 
 TEST(RunCheck, ASingleFrameIsAMotionThatStandsStill) {
-  const auto [totals, log] = check(list(needle({-0.4})));
+  const auto [totals, log] = check(list(sinking_triangle({-0.4})));
   ASSERT_TRUE(totals) << totals.error().line();
   EXPECT_EQ(totals->starts_crossing, 1u);
   EXPECT_EQ(totals->steps, 1u);
@@ -205,14 +205,14 @@ TEST(RunCheck, ASingleFrameIsAMotionThatStandsStill) {
   EXPECT_EQ(totals->collisions.sum(), 0u);
   EXPECT_EQ(log.finished, 1);
   EXPECT_FALSE(totals->clean());
-  EXPECT_TRUE(check(list(needle({0.6}))).totals->clean());
-  EXPECT_EQ(check(list(needle(kSinking)), with_frames("2")).totals->starts_crossing, 1u);
+  EXPECT_TRUE(check(list(sinking_triangle({0.6}))).totals->clean());
+  EXPECT_EQ(check(list(sinking_triangle(kSinking)), with_frames("2")).totals->starts_crossing, 1u);
 
   // What is closer than the thickness counts as it does in a motion.
   CheckSettings thick;
   thick.step.thickness = 0.7;
   thick.substeps = 3;
-  const auto close = check(list(needle({0.6})), thick);
+  const auto close = check(list(sinking_triangle({0.6})), thick);
   ASSERT_TRUE(close.totals);
   EXPECT_EQ(close.totals->steps, 1u);
   EXPECT_EQ(close.totals->steps_expected, 1u);
@@ -220,11 +220,11 @@ TEST(RunCheck, ASingleFrameIsAMotionThatStandsStill) {
   ASSERT_EQ(close.log.steps.size(), 1u);
   EXPECT_EQ(close.log.steps[0].index.next_frame, 0u);
   thick.step.thickness = 0.5;
-  EXPECT_TRUE(check(list(needle({0.6})), thick).totals->clean());
+  EXPECT_TRUE(check(list(sinking_triangle({0.6})), thick).totals->clean());
 
   CheckSettings only;
   only.steps_only = true;
-  const auto refused = check(list(needle({0.6})), only).totals;
+  const auto refused = check(list(sinking_triangle({0.6})), only).totals;
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().line(), HasSubstr("--steps-only"));
 }
@@ -233,39 +233,39 @@ TEST(RunCheck, WithinAndBetweenSelectObjectPairs) {
   CheckSettings within, between;
   within.step.between = false;
   between.step.within = false;
-  const auto objects = list(lone_floor(5), lone_needle(kSinking));
+  const auto objects = list(lone_floor(5), lone_triangle(kSinking));
   EXPECT_EQ(check(objects, within).totals->collisions.sum(), 0u);
   EXPECT_EQ(check(objects, between).totals->collisions.sum(), 3u);
   EXPECT_EQ(check(objects).totals->collisions.sum(), 3u);
-  const auto alone = check(list(needle(kSinking)), between).totals;
+  const auto alone = check(list(sinking_triangle(kSinking)), between).totals;
   ASSERT_FALSE(alone);
   EXPECT_THAT(alone.error().line(), HasSubstr("nothing between"));
 }
 
 TEST(RunCheck, RefusesWhatCannotBeChecked) {
   EXPECT_FALSE(check({}).totals);
-  const auto counts = check(list(lone_floor(4), lone_needle(kSinking))).totals;
+  const auto counts = check(list(lone_floor(4), lone_triangle(kSinking))).totals;
   ASSERT_FALSE(counts);
-  EXPECT_THAT(counts.error().line(), HasSubstr("lone needle: has 5 frames, but lone floor has 4"));
+  EXPECT_THAT(counts.error().line(), HasSubstr("lone triangle: has 5 frames, but lone floor has 4"));
   for (const char* range : {"3:3", "9:"}) {
-    const auto totals = check(list(needle(kSinking)), with_frames(range)).totals;
+    const auto totals = check(list(sinking_triangle(kSinking)), with_frames(range)).totals;
     ASSERT_FALSE(totals) << range;
     EXPECT_THAT(totals.error().line(), HasSubstr("--frames: selects 0 of 5 frames, and one is needed"));
   }
   CheckSettings nothing;
   nothing.step.within = nothing.step.between = false;
-  const auto untested = check(list(needle(kSinking), needle(kSinking)), nothing).totals;
+  const auto untested = check(list(sinking_triangle(kSinking), sinking_triangle(kSinking)), nothing).totals;
   ASSERT_FALSE(untested);
   EXPECT_THAT(untested.error().line(), HasSubstr("nothing would be tested"));
   CheckSettings no_parts;
   no_parts.substeps = 0;
-  const auto parts = check(list(needle(kSinking)), no_parts).totals;
+  const auto parts = check(list(sinking_triangle(kSinking)), no_parts).totals;
   ASSERT_FALSE(parts);
   EXPECT_THAT(parts.error().line(), HasSubstr("substeps: must not be 0"));
   CheckSettings only;
   only.steps_only = true;
   for (const char* range : {"3:3", "3:4", "9:", "2"}) {
-    const auto totals = check(list(needle(kSinking)), with_frames(range, only)).totals;
+    const auto totals = check(list(sinking_triangle(kSinking)), with_frames(range, only)).totals;
     ASSERT_FALSE(totals) << range;
     EXPECT_THAT(totals.error().line(), HasSubstr("two are needed")) << range;
   }
@@ -286,7 +286,7 @@ struct BrokenMotion : Motion {
 
 TEST(RunCheck, AFrameThatCannotBeReadEndsTheCheckUnfinished) {
   const auto [totals, log] =
-      check(list<std::unique_ptr<Motion>>(std::make_unique<BrokenMotion>(needle(kSinking))));
+      check(list<std::unique_ptr<Motion>>(std::make_unique<BrokenMotion>(sinking_triangle(kSinking))));
   ASSERT_FALSE(totals);
   EXPECT_EQ(totals.error().where, "frame 3");
   EXPECT_EQ(log.steps.size(), 2u);
@@ -302,7 +302,7 @@ TEST(RunCheck, AWriterThatFailsEndsTheCheck) {
   };
   std::vector<std::unique_ptr<ReportWriter>> writers;
   writers.push_back(std::make_unique<Full>());
-  const auto totals = run_check(list(needle(kSinking)), {}, writers);
+  const auto totals = run_check(list(sinking_triangle(kSinking)), {}, writers);
   ASSERT_FALSE(totals);
   EXPECT_EQ(totals.error().where, "disk");
 }
@@ -319,7 +319,7 @@ TEST(RunCheck, ReportsProgressAndStopsOnRequest) {
   };
   CheckSettings settings;
   settings.substeps = 2;
-  const auto [totals, log] = check(list(needle(kSinking)), settings, hooks);
+  const auto [totals, log] = check(list(sinking_triangle(kSinking)), settings, hooks);
   ASSERT_TRUE(totals);
   EXPECT_TRUE(totals->cancelled);
   EXPECT_THAT(done, ElementsAre(1, 2, 3));
@@ -330,7 +330,7 @@ TEST(RunCheck, ReportsProgressAndStopsOnRequest) {
   EXPECT_FALSE(totals->clean()) << "unchecked steps are not free";
 
   // Stopped before the first test.
-  const auto nothing = check(list(needle({-0.4, -0.4})), {}, hooks).totals;
+  const auto nothing = check(list(sinking_triangle({-0.4, -0.4})), {}, hooks).totals;
   EXPECT_EQ(nothing->starts_crossing, std::nullopt);
   EXPECT_FALSE(nothing->clean());
 }
@@ -338,14 +338,14 @@ TEST(RunCheck, ReportsProgressAndStopsOnRequest) {
 TEST(RunCheck, OnlyTheEarliestOnRequest) {
   CheckSettings settings = with_frames("2:4");
   settings.step.earliest_only = true;
-  EXPECT_EQ(check(list(needle(kSinking)), settings).totals->collisions.sum(), 1u);
+  EXPECT_EQ(check(list(sinking_triangle(kSinking)), settings).totals->collisions.sum(), 1u);
 }
 
 TEST(RunCheck, ThicknessCountsWhatComesClose) {
   CheckSettings settings = with_frames("0:2");  // the tip comes down to 0.6
-  EXPECT_TRUE(check(list(needle(kSinking)), settings).totals->clean());
+  EXPECT_TRUE(check(list(sinking_triangle(kSinking)), settings).totals->clean());
   settings.step.thickness = 0.7;
-  const auto totals = check(list(needle(kSinking)), settings).totals;
+  const auto totals = check(list(sinking_triangle(kSinking)), settings).totals;
   EXPECT_EQ(totals->collisions.vertex_face, 1u);
   EXPECT_NEAR(totals->earliest_toi, 0.9, 1e-6);
 }

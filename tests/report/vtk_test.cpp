@@ -1,7 +1,7 @@
 // That files appear whole or not at all; tests/studios/vtk_test.py reads what is in them with VTK.
 #include <gmock/gmock.h>
 
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 
 namespace foldproof {
 namespace {
@@ -29,7 +29,7 @@ std::vector<std::string> names_in(const std::string& directory) {
 
 TEST(VtkReport, AFileForEachStepAndTheirTimes) {
   const TemporaryDirectory directory;
-  ASSERT_TRUE(check(directory / "a.b.pvd", list(needle(kSinking))));
+  ASSERT_TRUE(check(directory / "a.b.pvd", list(sinking_triangle(kSinking))));
   EXPECT_THAT(directory.names(), ElementsAre("a.b", "a.b.pvd"));
   EXPECT_THAT(names_in(directory / "a.b"), ElementsAre("step000000.vtp", "step000001.vtp", "step000002.vtp",
                                                        "step000003.vtp", "step000004.vtp"));
@@ -39,8 +39,8 @@ TEST(VtkReport, AFileForEachStepAndTheirTimes) {
 
 TEST(VtkReport, ReadBackItIsTheWholeMotion) {
   const TemporaryDirectory directory;
-  const auto motion = needle(kSinking);
-  ASSERT_TRUE(check(directory / "a.pvd", list(needle(kSinking))));
+  const auto motion = sinking_triangle(kSinking);
+  ASSERT_TRUE(check(directory / "a.pvd", list(sinking_triangle(kSinking))));
   const std::string path = directory / "a.pvd";
   const auto read = open_motions(std::span(&path, 1));
   ASSERT_TRUE(read);
@@ -54,27 +54,27 @@ TEST(VtkReport, ReadBackItIsTheWholeMotion) {
 
 TEST(VtkReport, ASingleFrameIsOneMesh) {
   const TemporaryDirectory directory;
-  ASSERT_TRUE(check(directory / "a.pvd", list(needle({-0.4}))));
+  ASSERT_TRUE(check(directory / "a.pvd", list(sinking_triangle({-0.4}))));
   EXPECT_THAT(names_in(directory / "a"), ElementsAre("step000000.vtp"));
   EXPECT_THAT(read_file(directory / "a.pvd"), HasSubstr("<DataSet timestep=\"0\" part=\"0\" file=\"a/"));
 }
 
 TEST(VtkReport, AnOlderOneIsReplacedAsAWhole) {
   const TemporaryDirectory directory;
-  ASSERT_TRUE(check(directory / "a.pvd", list(needle(kSinking))));
-  ASSERT_TRUE(check(directory / "a.pvd", list(needle({1.6, 0.6}))));
+  ASSERT_TRUE(check(directory / "a.pvd", list(sinking_triangle(kSinking))));
+  ASSERT_TRUE(check(directory / "a.pvd", list(sinking_triangle({1.6, 0.6}))));
   EXPECT_THAT(directory.names(), ElementsAre("a", "a.pvd"));
   EXPECT_THAT(names_in(directory / "a"), ElementsAre("step000000.vtp", "step000001.vtp"));
 }
 
 TEST(VtkReport, ACancelledCheckLeavesWhatWasThere) {
   const TemporaryDirectory directory;
-  ASSERT_TRUE(check(directory / "a.pvd", list(needle({1.6, 0.6}))));
+  ASSERT_TRUE(check(directory / "a.pvd", list(sinking_triangle({1.6, 0.6}))));
   const std::string before = read_file(directory / "a.pvd");
   std::atomic<bool> cancel = false;
   const CheckHooks hooks{.progress = [&](const CheckTotals&, std::uint64_t) { cancel = true; },
                          .cancel = &cancel};
-  const auto totals = check(directory / "a.pvd", list(needle(kSinking)), hooks);
+  const auto totals = check(directory / "a.pvd", list(sinking_triangle(kSinking)), hooks);
   ASSERT_TRUE(totals);
   EXPECT_TRUE(totals->cancelled);
   EXPECT_EQ(totals->steps, 1u);
@@ -86,7 +86,7 @@ TEST(VtkReport, ACancelledCheckLeavesWhatWasThere) {
 TEST(VtkReport, RefusesWhatItCannotOrShouldNotWrite) {
   const TemporaryDirectory directory;
   const auto refusal = [&](const std::string& path) {
-    const auto motions = list(needle(kSinking));
+    const auto motions = list(sinking_triangle(kSinking));
     const auto writer = vtk_report(path, motions, {});
     return writer ? std::string() : writer.error().line();
   };

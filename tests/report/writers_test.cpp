@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 #include "report/spheres.h"
 
 namespace foldproof {
@@ -43,7 +43,7 @@ std::vector<std::string> keys(const json& object) {
 }
 
 TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
-  const json report = json_of(list(needle(kSinking, "name with \"quotes\"")), {}, true);
+  const json report = json_of(list(sinking_triangle(kSinking, "name with \"quotes\"")), {}, true);
   EXPECT_THAT(keys(report), ElementsAre("clean", "contacts", "foldproof", "objects", "settings", "start",
                                         "steps", "totals"));
   for (const json& contact : report["contacts"]) {
@@ -87,20 +87,20 @@ TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
 }
 
 TEST(JsonReport, ListsPairsOnlyWhenAsked) {
-  const json report = json_of(list(needle(kSinking)), {}, false);
+  const json report = json_of(list(sinking_triangle(kSinking)), {}, false);
   ASSERT_EQ(report["steps"].size(), 4u);
   for (const json& step : report["steps"]) EXPECT_FALSE(step.contains("pairs"));
 }
 
 TEST(JsonReport, ACleanCheckHasNoEarliestAndNoWorst) {
-  const json report = json_of(list(needle({3, 2})), {}, true);
+  const json report = json_of(list(sinking_triangle({3, 2})), {}, true);
   EXPECT_EQ(report["clean"], true);
   EXPECT_TRUE(report["totals"]["earliest"].is_null());
   EXPECT_TRUE(report["totals"]["worst"].is_null());
 }
 
 TEST(JsonReport, PosesCountTriangles) {
-  const json report = json_of(list(lone_floor(5), lone_needle(kSinking)), poses(), true);
+  const json report = json_of(list(lone_floor(5), lone_triangle(kSinking)), poses(), true);
   ASSERT_EQ(report["steps"].size(), 5u);
   EXPECT_EQ(report["settings"]["static"], true);
   EXPECT_EQ(report["steps"][2]["collisions"], json::parse(R"({"vf":0,"ee":0,"tt":1})"));
@@ -114,7 +114,7 @@ TEST(JsonReport, SaysWithWhatSettingsItWasMade) {
   settings.substeps = 3;
   settings.step.thickness = 0.25;
   settings.step.within = false;
-  const json report = json_of(list(lone_floor(5), lone_needle(kSinking)), settings, false);
+  const json report = json_of(list(lone_floor(5), lone_triangle(kSinking)), settings, false);
   EXPECT_EQ(
       report["settings"],
       json::parse(R"({"static":false,"frames":{"first":1,"last":3,"step":2},"substeps":3,"steps_only":false,
@@ -124,7 +124,7 @@ TEST(JsonReport, SaysWithWhatSettingsItWasMade) {
 }
 
 TEST(JsonReport, TheStartSaysWhatCrossesInTheFirstFrame) {
-  const auto stuck = list(needle(kSinking));
+  const auto stuck = list(sinking_triangle(kSinking));
   CheckSettings from_two;
   from_two.frames = *parse_frame_range("2:4");
   const json report = json_of(stuck, from_two, true);
@@ -152,7 +152,7 @@ TEST(JsonReport, TheStartSaysWhatCrossesInTheFirstFrame) {
 }
 
 TEST(JsonReport, ANameNeedNotBeUtf8) {
-  const json report = json_of(list(needle(kSinking, "caf\xe9\n.obj")), {}, false);
+  const json report = json_of(list(sinking_triangle(kSinking, "caf\xe9\n.obj")), {}, false);
   EXPECT_EQ(report["objects"][0]["name"], "caf\xef\xbf\xbd\n.obj");
 }
 
@@ -160,7 +160,7 @@ TEST(JsonReport, ANameNeedNotBeUtf8) {
 TEST(Reports, SayWhereALimitLeftSomeOut) {
   CheckSettings settings;
   settings.step.max_listed = 1;
-  const json report = json_of(list(needle(kSinking)), settings, true);
+  const json report = json_of(list(sinking_triangle(kSinking)), settings, true);
   EXPECT_EQ(report["settings"]["limit"], 1);
   EXPECT_FALSE(report["steps"][1].contains("listed"));
   EXPECT_EQ(report["steps"][2]["collisions"], json::parse(R"({"vf":2,"ee":0})"));
@@ -169,7 +169,7 @@ TEST(Reports, SayWhereALimitLeftSomeOut) {
   EXPECT_EQ(report["totals"]["collisions"], json::parse(R"({"vf":3,"ee":0})"));
   EXPECT_EQ(report["totals"]["listed"], json::parse(R"({"vf":2,"ee":0})"));
   const TemporaryDirectory directory;
-  EXPECT_TRUE(run_check(list(needle(kSinking)), settings, one(csv_report(directory / "a.csv"))));
+  EXPECT_TRUE(run_check(list(sinking_triangle(kSinking)), settings, one(csv_report(directory / "a.csv"))));
   const std::string rows = read_file(directory / "a.csv");
   EXPECT_THAT(rows, HasSubstr("\n# frame 2 substep 0: listed 1 of 2\n2,0,vf,"));
   EXPECT_THAT(rows, ::testing::Not(HasSubstr("# frame 1")));
@@ -177,7 +177,7 @@ TEST(Reports, SayWhereALimitLeftSomeOut) {
 
 TEST(Reports, LeaveNoFileUnlessFinished) {
   const TemporaryDirectory directory;
-  const auto motions = list(needle(kSinking));
+  const auto motions = list(sinking_triangle(kSinking));
   {
     WriterList writers;
     writers.push_back(std::move(*json_report(directory / "a.json", motions, {})));
@@ -191,7 +191,7 @@ TEST(Reports, LeaveNoFileUnlessFinished) {
 
 TEST(Reports, LeaveNoneOfTheirFilesUnlessFinished) {
   const TemporaryDirectory directory;
-  const auto motions = list(needle(kSinking));
+  const auto motions = list(sinking_triangle(kSinking));
   {
     std::atomic<bool> stop = false;
     const auto after_collisions = [&](const CheckTotals& totals, std::uint64_t) {
@@ -207,7 +207,7 @@ TEST(Reports, LeaveNoneOfTheirFilesUnlessFinished) {
 }
 
 TEST(Reports, SayAtOnceThatAFileCannotBeWritten) {
-  const auto motions = list(needle(kSinking));
+  const auto motions = list(sinking_triangle(kSinking));
   EXPECT_FALSE(json_report("/nowhere/a.json", motions, {}));
   EXPECT_FALSE(csv_report("/nowhere/a.csv"));
   EXPECT_FALSE(ply_report("/nowhere/a.ply", motions, {}));
@@ -216,7 +216,7 @@ TEST(Reports, SayAtOnceThatAFileCannotBeWritten) {
 
 TEST(CsvReport, HasARowPerCollision) {
   const TemporaryDirectory directory;
-  const auto motions = list(needle(kSinking));
+  const auto motions = list(sinking_triangle(kSinking));
   ASSERT_TRUE(run_check(motions, {}, one(csv_report(directory / "a.csv"))));
   const std::string text = read_file(directory / "a.csv");
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 4);
@@ -231,7 +231,7 @@ TEST(CsvReport, HasARowPerCollision) {
 
 TEST(CsvReport, WhatCrossesInTheFirstFrameComesFirst) {
   const TemporaryDirectory directory;
-  const auto motions = list(needle({-0.4, -1.4}));
+  const auto motions = list(sinking_triangle({-0.4, -1.4}));
   ASSERT_TRUE(run_check(motions, {}, one(csv_report(directory / "a.csv"))));
   EXPECT_THAT(read_file(directory / "a.csv"), HasSubstr("answer\n0,0,tt,0,0,,0,1,,,crossing\n0,0,vf,0,4,"));
 }
@@ -252,7 +252,7 @@ TEST(PlyReport, MarksTheWorstStepInThePoseOfFirstContact) {
   // A third triangle far away takes part in nothing.
   std::vector<std::vector<double>> frames;
   for (const double height : kSinking) {
-    frames.push_back(needle_frame(height));
+    frames.push_back(sinking_frame(height));
     frames.back().insert(frames.back().end(), {99, 0, 0, 99, 1, 0, 99, 0, 1});
   }
   const auto motions =
@@ -300,16 +300,16 @@ TEST(PlyReport, HasTheContactsOfTheFrameAtWhichItsStepStarts) {
 
 TEST(PlyReport, WithoutCollisionsShowsTheFirstPoseUnmarked) {
   const TemporaryDirectory directory;
-  const auto motions = list(needle({3, 2, 1}));
+  const auto motions = list(sinking_triangle({3, 2, 1}));
   ASSERT_TRUE(run_check(motions, {}, one(ply_report(directory / "a.ply", motions, {}))));
   EXPECT_THAT(read_marks(directory / "a.ply", 2), ElementsAre(0, 0));
 }
 
 TEST(PlyReport, MarksWhatCrossesInTheFirstFrameWithAValueOfItsOwn) {
   const TemporaryDirectory directory;
-  // The third triangle comes down on the floor beside the needle, which sticks in it all the time.
+  // The third triangle comes down on the floor beside the sinking triangle, which sticks in it all the time.
   const auto frame = [](double height) {
-    std::vector<double> x = needle_frame(-0.4);
+    std::vector<double> x = sinking_frame(-0.4);
     x.insert(x.end(), {2, 2, height, 2.5, 2, height + 1, 2, 2.5, height + 1});
     return x;
   };
@@ -330,14 +330,14 @@ TEST(PlyReport, MarksWhatCrossesInTheFirstFrameWithAValueOfItsOwn) {
 
 TEST(PlyReport, JoinsObjectsAndMarksTheFacesOfEach) {
   const TemporaryDirectory directory;
-  const auto motions = list(lone_needle({9, 9, 9, 9, 9}), lone_floor(5), lone_needle(kSinking));
+  const auto motions = list(lone_triangle({9, 9, 9, 9, 9}), lone_floor(5), lone_triangle(kSinking));
   ASSERT_TRUE(run_check(motions, poses(), one(ply_report(directory / "a.ply", motions, poses()))));
   EXPECT_THAT(read_marks(directory / "a.ply", 3), ElementsAre(0, 1, 1));
 }
 
 TEST(PlyReport, APercentSignGivesAFilePerStepWithCollisions) {
   const TemporaryDirectory directory;
-  const auto motions = list(needle(kSinking));
+  const auto motions = list(sinking_triangle(kSinking));
   ASSERT_TRUE(run_check(motions, {}, one(ply_report(directory / "a%03d.ply", motions, {}))));
   EXPECT_THAT(directory.names(), ElementsAre("a001.ply", "a002.ply"));
 
@@ -354,7 +354,7 @@ TEST(PlyReport, APercentSignGivesAFilePerStepWithCollisions) {
 }
 
 TEST(PlyReport, RefusesOtherPercentSigns) {
-  const auto motions = list(needle(kSinking));
+  const auto motions = list(sinking_triangle(kSinking));
   for (const char* path :
        {"a%s.ply", "a%", "a%%d.ply", "a%d%d.ply", "a%4d.ply", "a%099d.ply", "a%04.ply", "a%-3d.ply"}) {
     EXPECT_FALSE(ply_report(path, motions, {})) << path;

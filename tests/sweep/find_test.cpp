@@ -1,7 +1,7 @@
 // Finding the motions below a directory.
 #include <gmock/gmock.h>
 
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 #include "sweep/sweep.h"
 
 namespace foldproof {

@@ -1,7 +1,7 @@
 /// Libraries of motions to sweep.
 #pragma once
 
-#include "report/needle.h"
+#include "report/sinking_triangle.h"
 #include "sweep/sweep.h"
 
 namespace foldproof::testing {
@@ -9,7 +9,7 @@ namespace foldproof::testing {
 /// Motions as NPZ files and the sweep of them.
 struct Library : TemporaryDirectory {
   void add(const std::string& name, const std::vector<double>& heights) const {
-    const auto written = write_npz(*this / ("in/" + name), *needle(heights));
+    const auto written = write_npz(*this / ("in/" + name), *sinking_triangle(heights));
     ASSERT_TRUE(written) << written.error().line();
   }
   Library() { std::filesystem::create_directory(*this / "in"); }

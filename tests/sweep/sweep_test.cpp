@@ -45,7 +45,7 @@ TEST(SweepLine, SaysWhatWasFound) {
   EXPECT_EQ(sinking.first_frame, 1u);
   EXPECT_EQ(sinking.worst_frame, 2u);
   EXPECT_EQ(sinking.contacts, 1u);
-  EXPECT_EQ(sinking.depth, std::nullopt);  // the needle's side is open
+  EXPECT_EQ(sinking.depth, std::nullopt);  // the sinking triangle's side is open
   EXPECT_THAT(sinking.thumbnail, StartsWith("data:image/png;base64,"));
   EXPECT_LT(sinking.thumbnail.size(), 20000u);
   EXPECT_EQ(sinking.vertices, 6u);
@@ -93,7 +93,7 @@ TEST(SweepLine, ReadsAPairOfArrays) {
   };
   std::vector<double> frames;
   for (const double height : kSinking) {
-    for (const double x : needle_frame(height)) frames.push_back(x);
+    for (const double x : sinking_frame(height)) frames.push_back(x);
   }
   const std::vector<std::int32_t> faces{0, 1, 2, 3, 4, 5};
   write("faces.npy", "<i4", {2, 3}, io::bytes_of(faces));
@@ -151,10 +151,10 @@ TEST(SweepLine, HasTheTotalsOfTheReport) {
     EXPECT_TRUE(line.at("totals").contains(key)) << key;
 }
 
-/// The sinking needle as the meshes of its five frames.
+/// The sinking triangle as the meshes of its five frames.
 struct Frames : Library {
   Frames() {
-    const auto motion = needle(kSinking);
+    const auto motion = sinking_triangle(kSinking);
     std::vector<double> x(18);
     for (Index frame = 0; frame < 5; ++frame) {
       EXPECT_TRUE(motion->read_frame(frame, x));
@@ -195,11 +195,11 @@ TEST(SweepLine, RefusesNumbersThatMayBeNegative) {
 
 TEST(SweepLine, UsesTheModelOfItsMesh) {
   const ThreeNeedles library;
-  const auto motion = needle(kSinking);
+  const auto motion = sinking_triangle(kSinking);
   const TrainPose poses[] = {{motion.get(), 0}};
   auto model = train_model(poses, {.learn = false});
   ASSERT_TRUE(model);
-  model->name = "needle.model";
+  model->name = "sinking.model";
   const auto other = lone_floor(1);
   const TrainPose floor[] = {{other.get(), 0}};
   auto other_model = train_model(floor, {.learn = false});
@@ -207,7 +207,7 @@ TEST(SweepLine, UsesTheModelOfItsMesh) {
   SweepSettings settings;
   settings.models = {std::make_shared<const Model>(*other_model), std::make_shared<const Model>(*model)};
   const SweepRecord record = record_of(*sweep_line(library.input().motions[0], settings));
-  EXPECT_EQ(record.model, "needle.model");
+  EXPECT_EQ(record.model, "sinking.model");
   EXPECT_EQ(record.collisions, 3u);
   EXPECT_EQ(settings_hash(settings), settings_hash({}));
 }

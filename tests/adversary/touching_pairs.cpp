@@ -1,4 +1,4 @@
-#include "adversary/kiss.h"
+#include "adversary/touching_pairs.h"
 
 namespace foldproof::adversary {
 namespace {
@@ -63,8 +63,8 @@ class Maker {
              {corner, corner + beyond(-side), corner + beyond(-side)}}};
   }
 
-  Kiss kiss() {
-    Kiss made;
+  TouchingObjects objects() {
+    TouchingObjects made;
     auto& [first, second] = made.objects;
     if (source_.one_in(6)) {
       const auto [a, b] = flat_pair();
@@ -140,16 +140,16 @@ Contact make_thin_contact(Source& source) {
 
 std::array<std::array<Vec3, 3>, 2> make_flat_pair(Source& source) { return Maker(source).flat_pair(); }
 
-Kiss make_kiss(Source& source) { return Maker(source).kiss(); }
+TouchingObjects make_touching_objects(Source& source) { return Maker(source).objects(); }
 
-Kiss make_tiny_kiss(Source& source) {
+TouchingObjects make_tiny_touching_objects(Source& source) {
   const Contact c = make_tiny_contact(source);
   const double up = c.points[0].z();
-  Kiss kiss;
-  add_triangle(kiss.objects[0], c.points[1], c.points[2], c.points[3]);
-  add_triangle(kiss.objects[1], c.points[0], Vec3(1, 0, 2 * up), Vec3(0, 1, 2 * up));
-  kiss.thickness = c.thickness;
-  return kiss;
+  TouchingObjects touching;
+  add_triangle(touching.objects[0], c.points[1], c.points[2], c.points[3]);
+  add_triangle(touching.objects[1], c.points[0], Vec3(1, 0, 2 * up), Vec3(0, 1, 2 * up));
+  touching.thickness = c.thickness;
+  return touching;
 }
 
 }  // namespace foldproof::adversary

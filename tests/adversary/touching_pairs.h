@@ -26,12 +26,12 @@ Contact make_thin_contact(Source& source);
 std::array<std::array<Vec3, 3>, 2> make_flat_pair(Source& source);
 
 /// Two objects with such a contact, everything else mostly farther, or with a flat pair.
-struct Kiss {
+struct TouchingObjects {
   std::array<Mesh, 2> objects;
   double thickness = 0;
   Vec3 across{0, 0, 1};
 };
-Kiss make_kiss(Source& source);
-Kiss make_tiny_kiss(Source& source);
+TouchingObjects make_touching_objects(Source& source);
+TouchingObjects make_tiny_touching_objects(Source& source);
 
 }  // namespace foldproof::adversary

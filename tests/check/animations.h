@@ -1,4 +1,4 @@
-/// Films: motions of a few objects, and a comparison of two checkers on the same steps.
+/// Animations: motions of a few objects, and a comparison of two checkers on the same steps.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace foldproof::oracle {
 using Pose = std::vector<double>;
 
 /// Some objects and their poses over time.
-struct Film {
+struct Animation {
   std::vector<Topology> topologies;
   std::vector<std::vector<Pose>> poses;  ///< By time, then by object.
 };
@@ -61,10 +61,10 @@ struct Sums {
   }
 };
 
-inline std::vector<Object> hierarchies(const Film& film, Index leaf_triangles) {
+inline std::vector<Object> hierarchies(const Animation& animation, Index leaf_triangles) {
   Scene scene;
-  scene.topologies = film.topologies;
-  scene.x0 = film.poses[0];
+  scene.topologies = animation.topologies;
+  scene.x0 = animation.poses[0];
   return scene.hierarchies(leaf_triangles);
 }
 
@@ -104,13 +104,13 @@ class Comparison {
   StepChecker with_, without_;
 };
 
-/// Generated films.
-struct FilmFamily {
+/// Generated animations.
+struct AnimationFamily {
   const char* name;
-  Film (*make)(Rng& rng);
+  Animation (*make)(Rng& rng);
 };
-inline void PrintTo(const FilmFamily& family, std::ostream* out) { *out << family.name; }
+inline void PrintTo(const AnimationFamily& family, std::ostream* out) { *out << family.name; }
 
-std::span<const FilmFamily> generated_films();
+std::span<const AnimationFamily> generated_animations();
 
 }  // namespace foldproof::oracle

@@ -15,28 +15,29 @@ namespace foldproof::testing {
 
 /// Vertices 0 1 2 and face 0 are the floor at z = 0; vertex 3 is the tip at `height`, 4 and 5 are one above
 /// it. A step hits exactly the vertices that pass z = 0, all with face 0; no two edges ever meet.
-inline std::vector<double> needle_frame(double height) {
+inline std::vector<double> sinking_frame(double height) {
   return {-9, -9, 0, 20, -9, 0, -9, 20, 0, 0.1, 0.1, height, 0.3, 0.1, height + 1, 0.1, 0.3, height + 1};
 }
 
-inline std::unique_ptr<Motion> needle(const std::vector<double>& heights, std::string name = "needle") {
+inline std::unique_ptr<Motion> sinking_triangle(const std::vector<double>& heights,
+                                                std::string name = "sinking triangle") {
   std::vector<std::vector<double>> frames;
-  for (const double height : heights) frames.push_back(needle_frame(height));
+  for (const double height : heights) frames.push_back(sinking_frame(height));
   return memory_motion(std::move(name), *Topology::make(6, {{0, 1, 2}, {3, 4, 5}}), std::move(frames));
 }
 
-/// The needle without the floor, as an object of its own: its tip is vertex 0.
-inline std::unique_ptr<Motion> lone_needle(const std::vector<double>& heights) {
+/// The sinking triangle without the floor, as an object of its own: its tip is vertex 0.
+inline std::unique_ptr<Motion> lone_triangle(const std::vector<double>& heights) {
   std::vector<std::vector<double>> frames;
   for (const double height : heights) {
-    const std::vector<double> frame = needle_frame(height);
+    const std::vector<double> frame = sinking_frame(height);
     frames.emplace_back(frame.begin() + 9, frame.end());
   }
-  return memory_motion("lone needle", *Topology::make(3, {{0, 1, 2}}), std::move(frames));
+  return memory_motion("lone triangle", *Topology::make(3, {{0, 1, 2}}), std::move(frames));
 }
 
 inline std::unique_ptr<Motion> lone_floor(std::size_t frames) {
-  const std::vector<double> frame = needle_frame(0);
+  const std::vector<double> frame = sinking_frame(0);
   return memory_motion("lone floor", *Topology::make(3, {{0, 1, 2}}),
                        std::vector<std::vector<double>>(frames, {frame.begin(), frame.begin() + 9}));
 }

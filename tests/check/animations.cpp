@@ -1,4 +1,4 @@
-#include "check/films.h"
+#include "check/animations.h"
 
 #include <array>
 #include <cmath>
@@ -17,61 +17,61 @@ double to_and_fro(int step, int steps) { return 0.5 - 0.5 * std::cos(2 * std::nu
 constexpr int kSteps = 40;
 
 // A sheet that is rolled up along its length until it touches itself, and unrolled.
-Film bending(Rng&) {
-  Film film;
+Animation bending(Rng&) {
+  Animation animation;
   const Grid sheet{60, 12};
-  film.topologies.push_back(sheet.topology());
+  animation.topologies.push_back(sheet.topology());
   for (int k = 0; k <= kSteps; ++k) {
     const double angle = 0.05 + 7.2 * to_and_fro(k, kSteps);
-    film.poses.push_back({sheet.positions([&](double u, double v) {
+    animation.poses.push_back({sheet.positions([&](double u, double v) {
       const double a = angle * (u - 0.5);
       return Vec3(std::sin(a) / angle, (1 - std::cos(a)) / angle + 0.002 * std::sin(20 * v), 0.3 * v);
     })});
   }
-  return film;
+  return animation;
 }
 
 // A sheet that is folded flat onto itself along a line, and opened.
-Film folding(Rng& rng) {
-  Film film;
+Animation folding(Rng& rng) {
+  Animation animation;
   const Grid sheet{40, 16};
-  film.topologies.push_back(sheet.topology());
+  animation.topologies.push_back(sheet.topology());
   std::vector<double> noise(41 * 17);
   for (double& n : noise) n = 0.004 * std::uniform_real_distribution<double>(-1, 1)(rng);
   for (int k = 0; k <= kSteps; ++k) {
     const double angle = 3.3 * to_and_fro(k, kSteps);
     std::size_t vertex = 0;
-    film.poses.push_back({sheet.positions([&](double u, double v) {
+    animation.poses.push_back({sheet.positions([&](double u, double v) {
       const double s = std::max(0.0, u - 0.5), height = noise[vertex++];
       return Vec3(std::min(u, 0.5) + s * std::cos(angle) - height * std::sin(angle) * (s > 0),
                   s * std::sin(angle) + height * (s > 0 ? std::cos(angle) : 1), 0.4 * v);
     })});
   }
-  return film;
+  return animation;
 }
 
 // A long strip that is twisted about its axis by several turns, until its windings cross each other.
-Film twisting(Rng&) {
-  Film film;
+Animation twisting(Rng&) {
+  Animation animation;
   const Grid sheet{60, 8};
-  film.topologies.push_back(sheet.topology());
+  animation.topologies.push_back(sheet.topology());
   for (int k = 0; k <= kSteps; ++k) {
     const double turns = 22 * to_and_fro(k, kSteps);
-    film.poses.push_back({sheet.positions([&](double u, double v) {
+    animation.poses.push_back({sheet.positions([&](double u, double v) {
       const double a = turns * u, y = 0.25 * (v - 0.5), squeeze = 1 - 0.0445 * turns;
       return Vec3(u * squeeze + 0.2 * y, y * std::cos(a),
                   y * std::sin(a) + 0.03 * std::sin(turns) * std::sin(9 * u));
     })});
   }
-  return film;
+  return animation;
 }
 
 // Bodies that drift through each other while they grow and shrink.
-Film several_bodies(Rng& rng) {
-  Film film;
+Animation several_bodies(Rng& rng) {
+  Animation animation;
   std::vector<Mesh> meshes;
   for (const int family : {0, 1, 2}) meshes.push_back(mesh_families()[family].make(rng));
-  for (const Mesh& mesh : meshes) film.topologies.push_back(mesh.topology());
+  for (const Mesh& mesh : meshes) animation.topologies.push_back(mesh.topology());
   for (int k = 0; k <= kSteps; ++k) {
     std::vector<Pose> pose;
     for (std::size_t b = 0; b < meshes.size(); ++b) {
@@ -83,17 +83,17 @@ Film several_bodies(Rng& rng) {
             scale * x[i] + 0.5 * std::sin(phase + 1.3 * double(i % 3)) + 0.02 * std::sin(20 * x[i] + phase);
       pose.push_back(std::move(x));
     }
-    film.poses.push_back(std::move(pose));
+    animation.poses.push_back(std::move(pose));
   }
-  return film;
+  return animation;
 }
 
 // Unrelated poses between short stretches of small motion.
-Film jumping(Rng& rng) {
-  Film film;
+Animation jumping(Rng& rng) {
+  Animation animation;
   const Mesh mesh = mesh_families()[rng() % 2].make(rng);
   const Grid sheet{20, 20};
-  film.topologies = {mesh.topology(), sheet.topology()};
+  animation.topologies = {mesh.topology(), sheet.topology()};
   const Pose flat = sheet.positions([](double u, double v) { return Vec3(u - 0.5, v - 0.5, 0.3 * u * v); });
   Pose first = mesh.positions, second = flat;
   for (int k = 0; k <= kSteps; ++k) {
@@ -104,33 +104,33 @@ Film jumping(Rng& rng) {
       first = deformed(first, 0.003, 0, rng);
       second = deformed(second, 0.003, 0, rng);
     }
-    film.poses.push_back({first, second});
+    animation.poses.push_back({first, second});
   }
-  return film;
+  return animation;
 }
 
 // Triangle soups, non-manifold edges, degenerate and double triangles.
-Film damaged(Rng& rng) {
-  Film film;
+Animation damaged(Rng& rng) {
+  Animation animation;
   std::vector<Pose> pose;
   for (const int family : {3, 4, 6}) {
     const Mesh mesh = mesh_families()[family].make(rng);
-    film.topologies.push_back(mesh.topology());
+    animation.topologies.push_back(mesh.topology());
     pose.push_back(mesh.positions);
   }
   for (int k = 0; k <= kSteps; ++k) {
-    film.poses.push_back(pose);
+    animation.poses.push_back(pose);
     for (Pose& x : pose) x = deformed(x, 0.002, k % 10 == 9 ? 1.0 / 256 : 0, rng);
   }
-  return film;
+  return animation;
 }
 
-constexpr FilmFamily kFilms[] = {{"bending", bending},   {"folding", folding},
-                                 {"twisting", twisting}, {"several_bodies", several_bodies},
-                                 {"jumping", jumping},   {"damaged", damaged}};
+constexpr AnimationFamily kAnimations[] = {{"bending", bending},   {"folding", folding},
+                                           {"twisting", twisting}, {"several_bodies", several_bodies},
+                                           {"jumping", jumping},   {"damaged", damaged}};
 
 }  // namespace
 
-std::span<const FilmFamily> generated_films() { return kFilms; }
+std::span<const AnimationFamily> generated_animations() { return kAnimations; }
 
 }  // namespace foldproof::oracle
