@@ -72,6 +72,30 @@ class CheckLayers(unittest.TestCase):
         self.refuses({"src/mesh/a.cpp": "\n" * 601}, "601 lines")
         self.refuses({"include/foldproof/mesh.h": "\n" * 301}, "301 lines")
 
+    def library(self, **sources):
+        """A tree with sources a and b in one library, given what their unnamed namespaces have."""
+        tree = {"src/CMakeLists.txt": "foldproof_library(foldproof base mesh)\n"}
+        for (name, text), folder in zip(sources.items(), ("base", "mesh")):
+            tree[f"src/{folder}/{name}.cpp"] = f"namespace foldproof {{\nnamespace {{\n\n{text}\n}}  // namespace\n}}  // namespace foldproof\n"
+        return tree
+
+    def test_sources_of_one_library_have_no_names_in_common(self):
+        for text, name in [("int f(int a, std::map<int, int> b) {\n  g();\n}\n", "f() of 2 parameters"),
+                           ("template <class T, class U>\nT f() {}\n", "f() of 0 parameters"), ("constexpr int kMost = 3;\n", "kMost"),
+                           ("struct Side {\n  int x;\n};\n", "Side"), ("std::FILE* output = stdout;\n", "output")]:
+            self.refuses(self.library(a=text, b="int before() { return {}; }\n\n" + text),
+                         "src/mesh/b.cpp: src/base/a.cpp has " + name)
+        self.refuses(self.library(a="using Points = std::vector<int>;\n", b="using Points = std::span<int>;\n"), "Points")
+
+    def test_no_source_of_a_library_uses_a_whole_namespace(self):
+        self.refuses(self.library(a="using namespace io;\n"), "src/base/a.cpp: 'using namespace io;'")
+        self.accepts(self.library(a="using namespace std::chrono_literals;\nvoid f() {\n  using namespace io;\n}\n"))
+
+    def test_names_that_can_be_told_apart_pass(self):
+        self.accepts(self.library(a="int f(int a) {\n  int x = 1;\n}\n", b="int f(int a, int b = 0) {\n  int x = 1;\n}\n"))
+        self.accepts(self.library(a="using V = Eigen::V;\nnamespace fs = std::fs;\nusing Eigen::V;\n",
+                                  b="using V = Eigen::V;\nnamespace fs = std::fs;\nusing Eigen::V;\n"))
+
 
 if __name__ == "__main__":
     unittest.main()
