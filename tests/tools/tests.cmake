@@ -23,4 +23,7 @@ if(GAPPA AND COQC)
   add_test(NAME proofs COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/tools/proofs)
 endif()
 
+add_test(NAME dev_refuses COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/dev_test.py)
+add_test(NAME tests_have_labels
+  COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/labels_test.py ${CMAKE_CTEST_COMMAND} ${PROJECT_BINARY_DIR})
 foldproof_label(tools quick)
