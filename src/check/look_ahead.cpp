@@ -65,7 +65,7 @@ LookAhead::Plan LookAhead::plan(const StepMotion& motion, Positions x0, Position
   const bool repeats = !rests && !continues && deviation <= kSlack * edge_length_;
   const double max_steps =
       kMaxExtrapolation * motion.step_extent() * motion.frame().scale / location.step_displacement;
-  const double since_search = repeats ? -1 : std::max(steps, rests ? 1.0 : 0.0);
+  const auto since_search = repeats ? std::nullopt : std::optional(std::max(steps, rests ? 1.0 : 0.0));
   return {policy_.choose_steps(deviation / edge_length_, since_search, max_steps)};
 }
 

@@ -49,15 +49,15 @@ double LookAheadPolicy::expected_straight_steps(double deviation, double steps) 
   return mean_straight_steps_;
 }
 
-Index LookAheadPolicy::choose_steps(double deviation, double steps, double max_steps) {
+Index LookAheadPolicy::choose_steps(double deviation, std::optional<double> steps, double max_steps) {
   if (planned_steps_ > 1) {
     covered_share_ = (covered_share_ + std::min(1.0, covered_steps_ / planned_steps_)) / 2;
   } else {
     covered_share_ += (1 - covered_share_) / 32;
   }
   planned_steps_ = covered_steps_ = 1;
-  if (steps < 0) return 1;
-  const double straight = expected_straight_steps(deviation, steps);
+  if (!steps) return 1;
+  const double straight = expected_straight_steps(deviation, *steps);
   // A curved motion leaves the slack when curvature * steps^2 / 2 is kSlack. Half of that, since the
   // curvature may grow.
   const double within_slack = curvature_ > 0 ? std::sqrt(kSlack / curvature_) : kMaxSteps;

@@ -1,6 +1,8 @@
 /// How many steps a search should cover.
 #pragma once
 
+#include <optional>
+
 #include "foldproof/base.h"
 
 namespace foldproof::inline internal {
@@ -18,9 +20,9 @@ class LookAheadPolicy {
   /// deviation from the positions predicted for then.
   void note_hit(double deviation, double steps);
   /// A step needs a search: returns how many steps it should cover, this one included, at most `max_steps`.
-  /// `deviation` and `steps` as in note_hit; the last prediction is extended to this step. Where the motion
-  /// repeats a step, nothing can be learned: the caller passes -1 for `steps`, and the answer is 1.
-  Index choose_steps(double deviation, double steps, double max_steps = 32);
+  /// `deviation` and `steps` as in note_hit; the last prediction is extended to this step. No `steps`: the
+  /// motion repeats a step, from which nothing can be learned, and the answer is 1.
+  Index choose_steps(double deviation, std::optional<double> steps, double max_steps = 32);
   /// The cost of that search, in any unit.
   void note_cost(double cost);
 

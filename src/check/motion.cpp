@@ -215,7 +215,7 @@ double StepMotion::mean_edge_length() const {
     for (std::size_t k = 0; k < edges.size(); k += edges.size() / kMaxSamples + 1, ++count) {
       const float *a = bvh.vertices[edges[k][0]].x, *b = bvh.vertices[edges[k][1]].x;
       const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
-      sum += std::sqrt(x * x + (y * y + z * z));
+      sum += std::sqrt(x * x + (y * y + z * z));  // in this order, on which the last digit depends
     }
     if (sum > 0) min_length = std::min(min_length, sum / static_cast<double>(count));
   }

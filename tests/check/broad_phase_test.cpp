@@ -104,14 +104,9 @@ Scene two_sheets() {
 Scene folded_strip() {
   constexpr Index kCells = 16;
   Scene scene;
-  add_object(scene, strip_topology(kCells),
-             strip(kCells,
-                   [](double u) {
-                     return std::array{16 * u, 0.0};
-                   }),
-             strip(kCells, [](double u) {
-               return std::array{16 * std::min(u, 1 - u), std::max(0.0, u - 0.5)};
-             }));
+  add_flat_strip(scene, kCells, [](double u) {
+    return std::array{16 * std::min(u, 1 - u), std::max(0.0, u - 0.5)};
+  });
   return scene;
 }
 

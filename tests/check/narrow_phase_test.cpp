@@ -169,15 +169,10 @@ TEST(NarrowPhase, DoesNotTestFeaturesWithACommonVertex) {
 TEST(NarrowPhase, FindsWhatBruteForceFinds) {
   constexpr Index kCells = 12;
   Scene scene;
-  add_object(scene, strip_topology(kCells),
-             strip(kCells,
-                   [](double u) {
-                     return std::array{12 * u, 0.0};
-                   }),
-             strip(kCells, [](double u) {
-               const double height = std::max(0.0, u - 0.5);
-               return std::array{12 * std::min(u, 1 - u) + 0.3 * u, u > 0.8 ? -height : height};
-             }));
+  add_flat_strip(scene, kCells, [](double u) {
+    const double height = std::max(0.0, u - 0.5);
+    return std::array{12 * std::min(u, 1 - u) + 0.3 * u, u > 0.8 ? -height : height};
+  });
   StepSettings settings;
   settings.tolerance = 1e-6;
   for (const Index leaf_triangles : {1u, 6u}) {

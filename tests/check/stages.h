@@ -140,4 +140,11 @@ std::vector<double> strip(Index cells, Point point) {
   return x;
 }
 
+/// A strip of cells that lies flat at the start of the step.
+template <class Point>
+void add_flat_strip(Scene& scene, Index cells, Point end) {
+  const auto flat = [&](double u) { return std::array{cells * u, 0.0}; };
+  add_object(scene, strip_topology(cells), strip(cells, flat), strip(cells, end));
+}
+
 }  // namespace foldproof::oracle
