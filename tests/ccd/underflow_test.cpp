@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/rounds.h"
 #include "foldproof/ccd.h"
 #include "oracle/one_target.h"
 
@@ -83,7 +84,7 @@ struct PlaneX {
 // Visits planes at all distances from the origin, with all units from 2^-1030 on.
 template <class Visit>
 void for_each_plane(Visit visit) {
-  for (int place = -1000; place <= 1000; place += 10) {
+  for (int place = -1000; place <= 1000; place += 10 * testing::kShare) {
     for (int unit = -1030; unit <= 900; unit += 10)
       visit(PlaneX{std::ldexp(1.0, place), std::ldexp(1.0, unit)});
   }

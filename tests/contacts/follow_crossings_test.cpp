@@ -1,6 +1,7 @@
 // What crosses in a frame, from the frame before and the step between, against a static query of the frame.
 #include <gtest/gtest.h>
 
+#include "base/rounds.h"
 #include "contacts/scenes.h"
 #include "oracle/data.h"
 
@@ -50,7 +51,7 @@ class MeshFamilies : public ::testing::TestWithParam<MeshFamily> {};
 TEST_P(MeshFamilies, CrossAsStaticQueriesSay) {
   Rng rng(12);
   std::size_t crossings = 0;
-  for (int round = 0; round < 24; ++round) {
+  for (int round = 0; round < testing::rounds(24); ++round) {
     Animation animation;
     const int objects = 1 + round % 3;
     std::vector<Mesh> meshes;

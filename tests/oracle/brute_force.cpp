@@ -94,6 +94,7 @@ class StepSweep {
         VertexFaceCollision pair{a, v, b, f, 1, Answer::Separated};
         if (!tested(scene_, pair, is_point)) continue;
         const PairPoints p = points_of(pair, scene_);
+        if (boxes_stay_apart(p, 1)) continue;
         const CcdResult r = vertex_face_ccd(p.x0, p.x1, narrow_);
         if (r.answer == Answer::Separated) continue;
         pair.toi = r.toi;
@@ -111,6 +112,7 @@ class StepSweep {
         if (a == b && (e[0] == g[0] || e[0] == g[1] || e[1] == g[0] || e[1] == g[1])) continue;
         EdgeEdgeCollision pair{a, e, b, g, 1, Answer::Separated};
         const PairPoints p = points_of(pair, scene_);
+        if (boxes_stay_apart(p, 2)) continue;
         const CcdResult r = edge_edge_ccd(p.x0, p.x1, narrow_);
         if (r.answer == Answer::Separated) continue;
         pair.toi = r.toi;
@@ -118,6 +120,24 @@ class StepSweep {
         result_.edge_edge.push_back(pair);
       }
     }
+  }
+
+  // Whether the boxes of all that the first points and the others sweep are too far apart for a collision,
+  // which saves most of the time. Twice the distance leaves room for rounding.
+  bool boxes_stay_apart(const PairPoints& p, int first) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      double low[2], high[2];
+      for (const int side : {0, 1}) {
+        low[side] = high[side] = p.x0[side == 0 ? 0 : first][axis];
+        for (int i = side == 0 ? 0 : first; i < (side == 0 ? first : 4); ++i) {
+          low[side] = std::min({low[side], p.x0[i][axis], p.x1[i][axis]});
+          high[side] = std::max({high[side], p.x0[i][axis], p.x1[i][axis]});
+        }
+      }
+      const double far = 2 * (narrow_.thickness + narrow_.tolerance);
+      if (low[1] - high[0] > far || low[0] - high[1] > far) return true;
+    }
+    return false;
   }
 
   void keep_earliest() {
