@@ -5,12 +5,12 @@ namespace foldproof::testing {
 
 // GCC says so; Clang takes no part in these checks.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr int kShare = 6;
+inline constexpr int kShare = 8;
 #else
 inline constexpr int kShare = 1;
 #endif
 
-/// `all`, or a sixth of it under a sanitizer, which takes ten times as long and sees the same code.
+/// `all`, or an eighth of it under a sanitizer, which takes ten times as long and sees the same code.
 constexpr int rounds(int all) { return (all + kShare - 1) / kShare; }
 
 }  // namespace foldproof::testing

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/rounds.h"
 #include "foldproof/check.h"
 #include "oracle/one_target.h"
 
@@ -43,8 +44,8 @@ Pose spike(double x, double ratio) {
 // Ratios at which cells on the leaf's grid exceed 16 bits and more.
 std::vector<double> ratios() {
   std::vector<double> all;
-  for (double r = 100; r < 160; r += 0.125) all.push_back(r);
-  for (double r = 160; r < 1e9; r *= 1.37) all.push_back(r);
+  for (double r = 100; r < 160; r += 0.125 * testing::kShare) all.push_back(r);
+  for (double r = 160; r < 1e9; r *= 1 + 0.37 * testing::kShare) all.push_back(r);
   return all;
 }
 

@@ -32,7 +32,8 @@ TEST_P(GeneratedAnimations, CrossAsStaticQueriesSay) {
   Rng rng(11);
   const Animation animation = GetParam().make(rng);
   std::size_t crossings = 0;
-  for (const double thickness : {0.0, 0.02}) {
+  for (const double thickness : {0.02, 0.0}) {
+    if (thickness == 0 && testing::kShare > 1) break;
     StepSettings settings;
     settings.thickness = thickness;
     ASSERT_NO_FATAL_FAILURE(expect_followed(animation, settings, crossings));

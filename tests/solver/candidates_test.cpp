@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "base/callers.h"
+#include "base/rounds.h"
 #include "oracle/one_target.h"
 #include "soups.h"
 
@@ -133,7 +134,7 @@ void move(Rng& rng, std::vector<double>& x, double grid) {
 // Many calls of the same checker, against the boxes of all pairs.
 TEST(Candidates, AreThePairsWithCloseBoxesWhateverTheEarlierCalls) {
   std::size_t listed = 0, not_listed = 0;
-  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+  for (int seed = 0; seed < testing::rounds(24); ++seed) {
     Rng rng(seed);
     const double grid = seed % 2 == 0 ? 0x1p-5 : 0x1p-30;
     const int faces = seed % 6 == 0 ? 50 : 9;
@@ -257,7 +258,7 @@ TEST(Candidates, IterationsOfALoopMayShareTheCheckerOfTheirThread) {
     EXPECT_TRUE(checker.minimum_distance(x0, 0.1));
     --mine;
   };
-  for (int loop = 0; loop < 12; ++loop) with_threads(8, [&] { parallel_for(0, 16, ask); });
+  for (int loop = 0; loop < testing::rounds(12); ++loop) with_threads(8, [&] { parallel_for(0, 16, ask); });
   EXPECT_EQ(nested, 0);
 }
 
