@@ -22,6 +22,7 @@
 #include "report.h"
 #include "scaling.h"
 #include "simulation.h"
+#include "span.h"
 
 namespace foldproof::bench {
 namespace {
@@ -33,7 +34,7 @@ struct Options {
   std::string size = "all", json = "-", memory_of, command;
   bool list = false, quick = false, no_memory = false, certificates = false, candidates = false,
        contacts = false, reduced = false, simulation = false, growth = false, threads = false,
-       training = false, everything = false;
+       training = false, span = false, everything = false;
   int cpu = -1;
   Plan plan;
 };
@@ -100,12 +101,15 @@ void add_tables(CLI::App& app, Options& options) {
   app.add_option("--growth-largest", options.plan.growth_largest,
                  "Triangles at most, for less memory and time than the largest take (default: no limit)");
   app.add_flag("--thread-scaling", options.threads, "1, 2, 4, ... threads, from 200,000 triangles");
+  app.add_flag(
+      "--span", options.span,
+      "How many times sooner 2 and 16 processors would end a step, from its loops on one (preset span)");
   app.add_flag("--training", options.training, "Training on the sets of poses of the data");
   app.add_flag("--everything", options.everything,
                "The main tables, --growth, --thread-scaling and --training");
   // Each of these is measured alone.
-  const std::vector<std::string> alone = {"--certificates", "--candidates", "--contacts", "--reduced",
-                                          "--simulation"};
+  const std::vector<std::string> alone = {"--certificates", "--candidates", "--contacts",
+                                          "--reduced",      "--simulation", "--span"};
   for (const std::string& name : alone) {
     for (const std::string& other : alone)
       if (name != other) app.get_option(name)->excludes(app.get_option(other));
@@ -180,6 +184,11 @@ Result<void> measure_chosen(const Options& options, json& results) {
     if (options.certificates)
       return keep("certificates", compare_certificates(scenes, {.processor_time = time}));
     return keep("candidates", measure_candidates(scenes, {.peers = plan.peers, .processor_time = time}));
+  }
+  if (options.span) {
+    std::vector<SceneInfo> scenes = FOLDPROOF_TRY(chosen_scenes(options.scenes));
+    if (options.scenes.empty()) scenes.insert(scenes.end(), growth_scenes().begin(), growth_scenes().end());
+    return keep("span", measure_span(scenes, plan));
   }
   if (options.everything || !(options.growth || options.threads || options.training))
     FOLDPROOF_TRY(keep("scenes", measure_main(options)));

@@ -123,18 +123,42 @@ void run_in_parallel(std::size_t count, const std::function<void(std::size_t)>& 
 
 }  // namespace foldproof::internal
 
-#elif defined(FOLDPROOF_THREADS_SERIAL)
+#elif defined(FOLDPROOF_THREADS_SERIAL) || defined(FOLDPROOF_THREADS_RECORD)
+
+#include "base/stopwatch.h"
 
 namespace foldproof::internal {
 
 ThreadLimit::ThreadLimit(int threads) : threads_(threads) {}
 ThreadLimit::~ThreadLimit() = default;
 
+#if defined(FOLDPROOF_THREADS_SERIAL)
+
 int thread_count() { return 1; }
 
 void run_in_parallel(std::size_t count, const std::function<void(std::size_t)>& body) {
   for (std::size_t k = 0; k < count; ++k) body(k);
 }
+
+#else
+
+std::vector<std::vector<double> >* recorded_loops = nullptr;
+
+int thread_count() { return 16; }  // for whoever cuts work by it
+
+void run_in_parallel(std::size_t count, const std::function<void(std::size_t)>& body) {
+  auto* const loops = std::exchange(recorded_loops, nullptr);  // what a piece starts is a part of it
+  std::vector<double> pieces;
+  Stopwatch watch;
+  for (std::size_t k = 0; k < count; ++k) {
+    body(k);
+    if (loops != nullptr) pieces.push_back(watch.lap());
+  }
+  if (loops != nullptr) loops->push_back(std::move(pieces));
+  recorded_loops = loops;
+}
+
+#endif
 
 }  // namespace foldproof::internal
 

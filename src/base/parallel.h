@@ -1,5 +1,6 @@
 /// The project's threading: parallel loops, a value per thread, the number of threads. FOLDPROOF_THREADS
-/// chooses the implementation at build time: oneTBB (tbb), std::thread (std) or none (serial).
+/// chooses the implementation at build time: oneTBB (tbb), std::thread (std), none (serial), or one thread
+/// that records what others could have taken over (record).
 ///
 /// For all loops: iterations run in any order and concurrently; the calling thread takes part. Loops may be
 /// nested. When an iteration throws, running iterations finish, the rest are skipped, and the caller gets one
@@ -21,7 +22,7 @@
 #include <tbb/parallel_reduce.h>
 #include <tbb/task_arena.h>
 // NOLINTEND(portability-restrict-system-includes)
-#elif defined(FOLDPROOF_THREADS_STD) || defined(FOLDPROOF_THREADS_SERIAL)
+#elif defined(FOLDPROOF_THREADS_STD) || defined(FOLDPROOF_THREADS_SERIAL) || defined(FOLDPROOF_THREADS_RECORD)
 #include <deque>
 #include <functional>
 #include <utility>
@@ -135,6 +136,12 @@ class ThreadLimit {
 };
 
 int thread_count();
+
+#if defined(FOLDPROOF_THREADS_RECORD)
+/// Milliseconds of each piece of each outermost loop that ran; null: nobody wants to know. A piece is one
+/// iteration, or a block of `grain`.
+extern std::vector<std::vector<double> >* recorded_loops;
+#endif
 
 /// body(k) for each k below `count`, each on the next free thread.
 void run_in_parallel(std::size_t count, const std::function<void(std::size_t)>& body);
