@@ -180,8 +180,7 @@ Result<CheckSettings> check_settings_of(const CheckArguments& a) {
   FOLDPROOF_TRY(a.files.check());
   FOLDPROOF_TRY(require_mode_fits(a));
   FOLDPROOF_TRY(require_reduced_fits(a));
-  settings.step.mode = a.mode == "paper" ? Mode::Paper : Mode::Proven;
-  settings.step.miss_rate = a.miss_rate;
+  if (a.mode == "paper") settings.paper_miss_rate = a.miss_rate;
   settings.step.earliest_only = a.first;
   return settings;
 }

@@ -217,7 +217,7 @@ std::string found_sentence(const CheckSettings& settings, const CheckTotals& tot
 std::string closing_sentence(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
   // One frame is none of several.
   const std::string subject = assumed(motions, settings.poses || is_single_frame(totals));
-  if (settings.step.mode == Mode::Paper) {
+  if (settings.paper_miss_rate) {
     return fmt::format("{}STATISTICAL: the mode paper found {} of {}{}. Omit --mode for the proven answer.",
                        starts_crossing(totals) ? "F" + start_of(totals).substr(1) + ". " : "",
                        grouped(totals.collisions.sum()),
@@ -292,10 +292,10 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
   const auto add = [&](const char* label, const std::string& value) { text += row(label, value); };
   const CollisionCounts& found = totals.collisions;
   const double steps = static_cast<double>(std::max<std::uint64_t>(totals.steps, 1));
-  if (settings.step.mode == Mode::Paper) {
+  if (settings.paper_miss_rate) {
     add("mode", fmt::format("paper: STATISTICAL, can miss collisions (miss rate {:g} % in training poses; "
                             "new motions miss more)",
-                            100 * settings.step.miss_rate));
+                            100 * *settings.paper_miss_rate));
   }
   text += first_frame_rows(settings, totals);
   add(settings.poses ? "frames checked" : "steps checked",
@@ -310,7 +310,7 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
     add("  listed", fmt::format("{} of {}  (those with the smallest ids; more with --limit)",
                                 grouped(totals.listed.sum()), grouped(found.sum())));
   }
-  if (settings.step.mode == Mode::Paper) text += paper_rows(settings, totals);
+  if (settings.paper_miss_rate) text += paper_rows(settings, totals);
   if (totals.worst) {
     // Of the earliest pairs alone, their number says nothing.
     if (!first_only)
@@ -331,9 +331,7 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
       fmt::format("{}, the slowest {}", duration(totals.milliseconds.total / steps),
                   duration(totals.slowest_step)));
   if (const std::string other = other_times(settings, totals); !other.empty()) add("other time", other);
-  const Tone tone = settings.step.mode == Mode::Paper ? Tone::Doubtful
-                    : totals.clean()                  ? Tone::Good
-                                                      : Tone::Bad;
+  const Tone tone = settings.paper_miss_rate ? Tone::Doubtful : totals.clean() ? Tone::Good : Tone::Bad;
   return text + "\n" + colored(closing_sentence(motions, settings, totals), tone) + "\n";
 }
 

@@ -13,13 +13,6 @@ namespace foldproof {
 class ChartLibrary;  // foldproof/certificate.h
 
 /// How far an answer can be relied on.
-enum class Mode : std::uint8_t {
-  Proven,  ///< No collision is missing.
-  /// STATISTICAL, can miss collisions: certificates of nodes are predicted from key points, as in the paper
-  /// (Eq. 3 and 8), and not verified. Only the boxes' separation is proven. For comparison.
-  Paper,
-};
-
 struct StepSettings {
   bool within = true;    ///< Collisions of each object with itself.
   bool between = true;   ///< Collisions of every two objects. One of the two must be on.
@@ -29,10 +22,6 @@ struct StepSettings {
   /// List at most this many pairs of each kind, those with the smallest ids; all are counted. Limits the
   /// memory of the answer. Does not apply to `earliest_only`.
   std::uint64_t max_listed = 10'000'000;
-  Mode mode = Mode::Proven;
-  /// Mode::Paper: accept only as many predictions as would have been wrong about at most this share of
-  /// unproven nodes in training poses (CertificateMap::CalibrationPoint); new motions miss more. In [0,1].
-  double miss_rate = 0.01;
   /// Use certificates where they pay: pairs of leaves that they prove free of collisions need no test. The
   /// checker estimates from counts whether they pay. Never changes the answer.
   bool certificates = true;
@@ -46,6 +35,13 @@ struct StepSettings {
   /// looks ahead. Takes about as long again as finding the pairs of leaves, which the answer's times do not
   /// include.
   bool explain = false;
+  /// STATISTICAL, may miss collisions; for comparisons with methods that predict. Per object and node of its
+  /// hierarchy, not 0 where the caller declares, without proof, that the node does not touch itself in this
+  /// query. Believed where the object's charts (Object::charts) have one of the node; then nothing else is
+  /// proven but that boxes are apart. Null: nothing is declared.
+  const std::vector<std::vector<std::uint8_t>>* declared_free = nullptr;
+
+  bool operator==(const StepSettings&) const = default;
 };
 
 /// Vertex and face, by the user's ids.
@@ -90,7 +86,8 @@ struct Work {
 };
 
 /// Wall time of one query and of its stages, in milliseconds. `update`: positions and refit; `traverse`:
-/// broad phase, culling and finding candidates; `narrow`: testing them (in a pose also finding them).
+/// broad phase and culling, in a search that looks ahead also finding candidates; `narrow`: finding them and
+/// testing them.
 struct StageTimes {
   double total = 0, update = 0, traverse = 0, narrow = 0;
 
@@ -201,32 +198,19 @@ class Positions {
   std::size_t size_ = 0;
 };
 
-/// Predicts, without proof, which nodes of a hierarchy do not touch themselves during a step. Only
-/// Mode::Paper uses it. `predicted_certificates` (foldproof/learned.h) makes the predictor of the paper.
-class NodePredictor {
- public:
-  virtual ~NodePredictor() = default;
-  /// Sets free[node] to 1 where the node is predicted not to touch itself, else to 0. `miss_rate`: see
-  /// StepSettings. Called by one thread at a time for each checker.
-  virtual void predict(std::span<const double> x0, std::span<const double> x1, double miss_rate,
-                       std::span<std::uint8_t> free) const = 0;
-};
-
 /// One object of a query. Thousands of objects may share a hierarchy and charts. Model::object makes one from
-/// a trained model. Precondition: pointers are not null, except `predictor`.
+/// a trained model. Precondition: pointers are not null.
 class Object {
  public:
   /// Untrained: charts are built during the run.
   Object(std::shared_ptr<const Hierarchy> hierarchy);
   Object(Hierarchy hierarchy);
-  /// With trained charts and their hierarchy. Mode::Paper needs a predictor.
-  Object(std::shared_ptr<const ChartLibrary> charts,
-         std::shared_ptr<const NodePredictor> predictor = nullptr);
+  /// With trained charts and their hierarchy.
+  Object(std::shared_ptr<const ChartLibrary> charts);
 
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return hierarchy_; }
   /// Null when untrained.
   const std::shared_ptr<const ChartLibrary>& charts() const { return charts_; }
-  const std::shared_ptr<const NodePredictor>& predictor() const { return predictor_; }
   /// Its faces with the same three vertices are layers, such as the sides of one surface: they do not cross.
   bool is_layered() const { return layered_; }
   void set_layered(bool layered) { layered_ = layered; }
@@ -234,7 +218,6 @@ class Object {
  private:
   std::shared_ptr<const Hierarchy> hierarchy_;
   std::shared_ptr<const ChartLibrary> charts_;
-  std::shared_ptr<const NodePredictor> predictor_;
   bool layered_ = false;
 };
 

@@ -103,7 +103,7 @@ class ContactFinder {
   /// all of them are listed, what crosses is not known, and contacts have no frames, until a step says it.
   void start(double time, Positions x, const StaticResult& crossings);
   /// The next step, from the time of the last call (or `begin`, without one) to `end`; the same time only
-  /// where nothing moves, as with a single pose. `step`: its answer, in Mode::Proven and without
+  /// where nothing moves, as with a single pose. `step`: its answer, without declared_free and
   /// earliest_only. `crossings`: what crosses at its end, where that cannot follow from what is known: when
   /// it was not known before, or not all pairs of the step are listed.
   void step(double begin, double end, Positions x0, Positions x1, const StepResult& step,
@@ -152,7 +152,7 @@ struct MotionFrame {
 /// Checks a motion frame by frame and passes each contact to `ended` when it has ended, those that last until
 /// the end of the motion then. `next` returns the frames in order and none after the last. Where a step or a
 /// pose has more pairs than settings.max_listed, those listed are joined. Memory: the meshes, two frames, one
-/// answer and the contacts that have not ended. Error: what `next` or StepChecker returns; Mode::Paper and
+/// answer and the contacts that have not ended. Error: what `next` or StepChecker returns; declared_free and
 /// earliest_only, whose answers are not complete; those of ContactFinder::make. `filter`: as of StepChecker.
 Result<void> find_contacts(const std::vector<Object>& objects,
                            const std::function<Result<std::optional<MotionFrame>>()>& next,

@@ -102,10 +102,6 @@ std::vector<Index> badly_represented_poses(const Learned& learned);
 /// The same of Learned::regions.
 std::vector<Index> badly_represented_regions(const Learned& learned);
 
-/// Predicts certificates from the key points at the start and end of a step (paper, Eq. 3), for Mode::Paper.
-/// They prove nothing. Null when no certificates were learned.
-std::shared_ptr<const NodePredictor> predicted_certificates(std::shared_ptr<const Learned> learned);
-
 /// Reconstructs all vertices.
 class Predictor {
  public:

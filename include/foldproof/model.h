@@ -65,8 +65,8 @@ struct Model {
   std::string not_learned;  ///< For messages: why training learned nothing. Not stored in the file.
 
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return charts->slots()->hierarchy(); }
-  /// For a checker: the charts and, when learned, the predictor of certificates.
-  Object object() const { return {charts, predicted_certificates(learned)}; }
+  /// For a checker.
+  Object object() const { return charts; }
 };
 
 /// Identifies a mesh: FNV-1a over the vertex count and the triangles.
@@ -98,6 +98,14 @@ struct TrainHooks {
 /// limits (docs/model.md), a frame that cannot be read, a setting out of range.
 Result<Model> train_model(std::span<const TrainPose> poses, const TrainSettings& settings,
                           const TrainHooks& hooks = {});
+
+/// The mode of the paper (Eq. 3 and 8), STATISTICAL: which nodes the key points at the start and the end of a
+/// step predict not to touch themselves, as StepSettings::declared_free takes it; one model per object.
+/// Accepts only as many predictions as would have been wrong about at most the share `miss_rate`, in [0,1],
+/// of unproven nodes in training poses (CertificateMap::CalibrationPoint); new motions miss more. Error: a
+/// model has learned no certificates, wrong sizes.
+Result<void> predict_free_nodes(std::span<const std::shared_ptr<const Model>> models, Positions x0,
+                                Positions x1, double miss_rate, std::vector<std::vector<std::uint8_t>>& out);
 
 /// Which shapes sample_shapes draws.
 struct SampleSettings {

@@ -152,7 +152,7 @@ void require_kind_fits(const Request& request) {
     refuse_given("static", {{"steps_only", settings.steps_only}, {"substeps", settings.substeps != 1}});
     require_static_fits("static", step);
   }
-  if (step.mode != Mode::Paper) return;
+  if (!settings.paper_miss_rate) return;
   refuse_given("mode='paper'", {{"explain", step.explain},
                                 {"earliest_only", step.earliest_only},
                                 {"certificates=False", !step.certificates}});
@@ -297,7 +297,7 @@ py::dict fields_of(Found found, const Request& request) {
   d["notes"] = notes;
   d["untested"] = untested_by(request, totals);
   d["assumed"] = message_of(assumed(request.motions, request.settings.poses));
-  d["statistical"] = request.settings.step.mode == Mode::Paper;
+  d["statistical"] = request.settings.paper_miss_rate.has_value();
   d["starts_crossing"] = totals.starts_crossing;
   d["still_crossing"] = totals.still_crossing;
   d["start_crossings"] = owned_rows(std::move(found.start_crossings));
@@ -345,9 +345,11 @@ void bind_checks(py::module_& module) {
     request.settings.unit = unit;
     request.settings.ignore = name_pairs(ignore);
     request.settings.still_pairs = still_pairs;
-    request.settings.step =
-        step_settings(settings, {"models", "frames", "static", "steps_only", "substeps", "keep", "contacts",
-                                 "parts", "unit", "reports", "ignore", "still_pairs", "progress"});
+    const Settings asked =
+        settings_of(settings, {"models", "frames", "static", "steps_only", "substeps", "keep", "contacts",
+                               "parts", "unit", "reports", "ignore", "still_pairs", "progress"});
+    request.settings.step = asked.step;
+    request.settings.paper_miss_rate = asked.paper_miss_rate;
     for (const auto& path : items_of(reports)) request.reports.push_back(path_of(path));
     require_kind_fits(request);
     require_reports_apart(request);

@@ -60,9 +60,9 @@ py::array array_of(const Vec3& v) { return owned({v.begin(), v.end()}, {3}); }
 /// Finds contacts frame by frame. Keeps the last frame, since callers may reuse their arrays.
 class Finder {
  public:
-  Finder(const py::object& objects, const py::object& parts, const StepSettings& settings)
-      : objects_(objects_of(objects)), settings_(settings), checker_(objects_) {
-    if (settings.mode == Mode::Paper || settings.earliest_only)
+  Finder(const py::object& objects, const py::object& parts, const Settings& settings)
+      : objects_(objects_of(objects)), settings_(settings.step), checker_(objects_) {
+    if (settings.paper_miss_rate || settings_.earliest_only)
       refuse("settings", "do not ask for all collisions", "omit mode='paper' and earliest_only");
     std::vector<const Topology*> topologies;
     std::vector<std::size_t> triangles;
@@ -249,7 +249,7 @@ void bind_contacts(py::module_& module) {
       "Finds contacts while frames come, with memory for the meshes, one step and the contacts "
       "that have not ended.\n\nCalls of one finder wait for each other.")
       .def(py::init([](const py::object& objects, const py::object& parts, const py::kwargs& settings) {
-             return std::make_unique<Finder>(objects, parts, step_settings(settings, {"parts"}));
+             return std::make_unique<Finder>(objects, parts, settings_of(settings, {"parts"}));
            }),
            py::arg("objects"), py::kw_only(), py::arg("parts") = py::none(),
            "objects: a Hierarchy, a Model, or a list of them. parts: names for the sides, one per triangle; "

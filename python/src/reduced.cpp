@@ -186,8 +186,8 @@ std::vector<Placed> ends_of(const PoseChecker& self, const py::object& given, co
 
 std::unique_ptr<AnswerFor<StepResult>> check_poses(PoseChecker& self, const py::object& start,
                                                    const py::object& end, const py::kwargs& settings) {
-  const StepSettings step = step_settings(settings);
-  refuse_given("ReducedChecker", {{"explain", step.explain}, {"mode='paper'", step.mode == Mode::Paper}});
+  const auto [step, paper_miss_rate] = settings_of(settings);
+  refuse_given("ReducedChecker", {{"explain", step.explain}, {"mode='paper'", paper_miss_rate.has_value()}});
   const auto from = ends_of(self, start, "start"), to = ends_of(self, end, "end");
   const auto poses = [](const std::vector<Placed>& placed) {
     std::vector<ReducedPose> list;

@@ -19,8 +19,7 @@ struct Number {
   double StepSettings::*member;
 };
 constexpr Number kNumbers[] = {{"thickness", &StepSettings::thickness},
-                               {"tolerance", &StepSettings::tolerance},
-                               {"miss_rate", &StepSettings::miss_rate}};
+                               {"tolerance", &StepSettings::tolerance}};
 
 bool truth_of(const py::handle& value) {
   const int truth = PyObject_IsTrue(value.ptr());
@@ -34,15 +33,14 @@ double number_of(const py::handle& value) {
   return x;
 }
 
-Mode mode_of(const py::handle& value) {
+bool is_paper(const py::handle& value) {
   const std::string name = py::str(value).cast<std::string>();
-  if (name == "proven") return Mode::Proven;
-  if (name == "paper") return Mode::Paper;
+  if (name == "proven" || name == "paper") return name == "paper";
   refuse("mode", "'" + name + "' is not known", "give 'proven' or 'paper'");
 }
 
 std::vector<std::string> setting_names() {
-  std::vector<std::string> names{"mode", "max_listed"};
+  std::vector<std::string> names{"mode", "miss_rate", "max_listed"};
   for (const Flag& flag : kFlags) names.emplace_back(flag.name);
   for (const Number& number : kNumbers) names.emplace_back(number.name);
   return names;
@@ -56,12 +54,15 @@ void refuse_keyword(const std::string& name, const char* of, const std::vector<s
                        (near ? "; did you mean '" + *near + "'?" : ""));
 }
 
-StepSettings step_settings(const py::kwargs& settings, const std::vector<std::string>& others) {
+Settings settings_of(const py::kwargs& settings, const std::vector<std::string>& others) {
   StepSettings s;
+  bool paper = false;
+  double miss_rate = 0.01;
   for (const auto& [key, value] : settings) {
     const auto name = key.cast<std::string>();
-    bool known = name == "mode" || name == "max_listed";
-    if (name == "mode") s.mode = mode_of(value);
+    bool known = name == "mode" || name == "miss_rate" || name == "max_listed";
+    if (name == "mode") paper = is_paper(value);
+    if (name == "miss_rate") miss_rate = number_of(value);
     if (name == "max_listed") s.max_listed = whole_number(value, "max_listed", 0, UINT64_MAX);
     for (const auto& [flag, member] : kFlags) {
       if (name == flag) known = true, s.*member = truth_of(value);
@@ -77,7 +78,7 @@ StepSettings step_settings(const py::kwargs& settings, const std::vector<std::st
   }
   if (!s.within && !s.between)
     refuse("within and between", "are both off, so nothing would be tested", "leave one of them on");
-  return s;
+  return {s, paper ? std::optional(miss_rate) : std::nullopt};
 }
 
 void refuse_given(const char* with, std::initializer_list<std::pair<const char*, bool>> settings) {

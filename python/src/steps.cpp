@@ -17,40 +17,52 @@ using StaticAnswer = AnswerFor<StaticResult>;
 /// Objects that move together, with a lock, since checks run without Python's lock.
 struct Checker {
   std::vector<Object> objects;
+  std::vector<std::shared_ptr<const foldproof::Model>> models;  // null for a Hierarchy
   std::optional<StepChecker> checker;
+  std::vector<std::vector<std::uint8_t>> predicted_free;
   std::mutex mutex;
+
+  /// Mode 'paper': for a step, or for a pose.
+  StepSettings predict(const Settings& settings, const Pose& from, const Pose& to) {
+    StepSettings step = settings.step;
+    if (!settings.paper_miss_rate) return step;
+    step.declared_free = &predicted_free;
+    if (step.within)
+      take(predict_free_nodes(models, from.spans, to.spans, *settings.paper_miss_rate, predicted_free));
+    return step;
+  }
 };
 
 std::unique_ptr<Checker> make_checker(const py::object& objects) {
   auto made = std::make_unique<Checker>();
-  made->objects = objects_of(objects);
+  made->objects = objects_of(objects, &made->models);
   made->checker.emplace(made->objects);
   return made;
 }
 
 std::unique_ptr<StepAnswer> check(Checker& self, const py::object& x0, const py::object& x1,
                                   const py::kwargs& settings) {
-  const StepSettings step = step_settings(settings);
+  const Settings asked = settings_of(settings);
   const Pose from = pose_of(x0, "x0", self.objects), to = pose_of(x1, "x1", self.objects);
   auto result = std::make_unique<StepAnswer>();
   result->objects = self.objects;
-  result->statistical = step.mode == Mode::Paper;
+  result->statistical = asked.paper_miss_rate.has_value();
   const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
-  take(self.checker->check(from.spans, to.spans, step, *result));
+  take(self.checker->check(from.spans, to.spans, self.predict(asked, from, to), *result));
   return result;
 }
 
 std::unique_ptr<StaticAnswer> check_static(Checker& self, const py::object& x, const py::kwargs& settings) {
-  const StepSettings step = step_settings(settings);
-  require_static_fits("check_static", step);
+  const Settings asked = settings_of(settings);
+  require_static_fits("check_static", asked.step);
   const Pose pose = pose_of(x, "x", self.objects);
   auto result = std::make_unique<StaticAnswer>();
   result->objects = self.objects;
-  result->statistical = step.mode == Mode::Paper;
+  result->statistical = asked.paper_miss_rate.has_value();
   const Unlocked unlocked;
   const std::lock_guard lock(self.mutex);
-  take(self.checker->check_static(pose.spans, step, *result));
+  take(self.checker->check_static(pose.spans, self.predict(asked, pose, pose), *result));
   return result;
 }
 
@@ -140,13 +152,17 @@ void bind_answers(py::module_& module) {
 
 }  // namespace
 
-std::vector<Object> objects_of(const py::object& objects) {
+std::vector<Object> objects_of(const py::object& objects,
+                               std::vector<std::shared_ptr<const foldproof::Model>>* models) {
   std::vector<Object> all;
   for (const auto& object : items_of(objects)) {
     if (py::isinstance<Model>(object)) {
-      all.push_back(object.cast<std::shared_ptr<Model>>()->object());
+      const auto model = object.cast<std::shared_ptr<Model>>();
+      all.push_back(model->object());
+      if (models != nullptr) models->push_back(model);
     } else if (py::isinstance<Hierarchy>(object)) {
       all.emplace_back(std::shared_ptr<const Hierarchy>(object.cast<std::shared_ptr<Hierarchy>>()));
+      if (models != nullptr) models->push_back(nullptr);
     } else {
       throw py::type_error("objects: expected a foldproof.Hierarchy or a foldproof.Model, or a list of them");
     }

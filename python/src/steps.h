@@ -4,6 +4,7 @@
 #include <pybind11/numpy.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,11 @@ namespace foldproof::python {
 
 /// Converts keyword arguments. TypeError: an unknown one, with the name that was meant: of a setting, or of
 /// another keyword of the function, in `others`.
-StepSettings step_settings(const py::kwargs& settings, const std::vector<std::string>& others = {});
+struct Settings {
+  StepSettings step;
+  std::optional<double> paper_miss_rate;  ///< Mode 'paper'; none: 'proven'.
+};
+Settings settings_of(const py::kwargs& settings, const std::vector<std::string>& others = {});
 
 /// Raises TypeError for an unknown keyword. `of`: what it is no setting of; `names`: those that are known.
 [[noreturn]] void refuse_keyword(const std::string& name, const char* of,
@@ -25,7 +30,7 @@ StepSettings step_settings(const py::kwargs& settings, const std::vector<std::st
 template <class Answer>
 struct AnswerFor : Answer {
   std::vector<Object> objects;
-  bool statistical = false;  ///< Mode::Paper.
+  bool statistical = false;  ///< Mode 'paper'.
 };
 
 /// Refused: settings that are given though they have no effect. `with`: what they do not go with.
@@ -39,8 +44,10 @@ py::dict milliseconds_of(const StageTimes& times);
 /// A list or tuple unchanged, anything else as one item.
 py::list items_of(const py::object& one_or_several);
 
-/// A Hierarchy, a Model, or a list of them. TypeError: anything else. Refused: none.
-std::vector<Object> objects_of(const py::object& objects);
+/// A Hierarchy, a Model, or a list of them. TypeError: anything else. Refused: none. `models`: adds one per
+/// object, null for a Hierarchy.
+std::vector<Object> objects_of(const py::object& objects,
+                               std::vector<std::shared_ptr<const foldproof::Model>>* models = nullptr);
 
 /// Positions of all objects at one time; keeps the arrays.
 struct Pose {

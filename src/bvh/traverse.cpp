@@ -146,10 +146,10 @@ struct LeafTest {
 
 // Appends the pairs of feature a with the lanes of `near`, at least one. There are usually few, so two are
 // written at a time without a branch; the last one may be surplus.
-HWY_INLINE void Append(Index a, Index first_b, std::uint32_t near, std::vector<CandidateBuffer::Pair>& out) {
+HWY_INLINE void Append(Index a, Index first_b, std::uint32_t near, std::vector<CandidatePair>& out) {
   const std::size_t at = out.size(), count = __builtin_popcount(near);
   out.resize(at + count + 2);
-  CandidateBuffer::Pair* next = &out[at];
+  CandidatePair* next = &out[at];
   do {
     for (int k = 0; k < 2; ++k, near &= near - 1)
       *next++ = {a, first_b + static_cast<Index>(__builtin_ctz(near | 1u << 31))};
@@ -162,7 +162,7 @@ HWY_INLINE void Append(Index a, Index first_b, std::uint32_t near, std::vector<C
 template <int NA, int NB>
 HWY_INLINE void TestBlocks(const LeafSide& a, const FeatureBlocks<NA>& fa, Index ia, const LeafSide& b,
                            const FeatureBlocks<NB>& fb, Index ib, const LeafTest& test,
-                           std::vector<CandidateBuffer::Pair>& out) {
+                           std::vector<CandidatePair>& out) {
   ByteBox boxes[kBlock];
   std::uint8_t lanes[kBlock];
   int count = 0;
@@ -186,7 +186,7 @@ HWY_INLINE void TestBlocks(const LeafSide& a, const FeatureBlocks<NA>& fa, Index
 template <int NA, int NB>
 HWY_INLINE void TestFeatures(const LeafSide& a, const FeatureBlocks<NA>& fa, const LeafSide& b,
                              const FeatureBlocks<NB>& fb, const LeafTest& test,
-                             std::vector<CandidateBuffer::Pair>& out) {
+                             std::vector<CandidatePair>& out) {
   for (Index ia = fa.begin[a.leaf]; ia < fa.begin[a.leaf + 1]; ++ia) {
     for (Index ib = test.halve ? ia : fb.begin[b.leaf]; ib < fb.begin[b.leaf + 1]; ++ib)
       TestBlocks(a, fa, ia, b, fb, ib, test, out);
@@ -196,13 +196,13 @@ HWY_INLINE void TestFeatures(const LeafSide& a, const FeatureBlocks<NA>& fa, con
 // Two points come as each other's vertex and triangle. Of one object the vertex with the smaller id is taken,
 // of two the first object's, whatever the hierarchy.
 void FindPointPairs(const LeafSide& a, const LeafSide& b, const LeafTest& test,
-                    std::vector<CandidateBuffer::Pair>& out) {
+                    std::vector<CandidatePair>& out) {
   const std::size_t begin = out.size();
   TestFeatures(a, a.bvh.vertex_blocks, b, b.bvh.face_blocks, test, out);
   if (&a.bvh != &b.bvh) return;
   if (a.leaf != b.leaf) TestFeatures(b, b.bvh.vertex_blocks, a, a.bvh.face_blocks, test, out);
   const Hierarchy& h = *a.bvh.hierarchy;
-  const auto comes_twice = [&](const CandidateBuffer::Pair& pair) {
+  const auto comes_twice = [&](const CandidatePair& pair) {
     return h.vertex_ids()[h.triangles()[pair.b][0]] < h.vertex_ids()[pair.a];
   };
   out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(begin), out.end(), comes_twice),
@@ -222,24 +222,26 @@ void FindCandidates(const Traversal& traversal, NodePair leaves, CandidateBuffer
     return tests_vertices(of_vertices, of_triangles) ||
            (vertices.has_thin_faces && of_vertices == Element::Face && of_triangles == Element::Line);
   };
-  if (of_a == Element::Point && of_b == Element::Point) return FindPointPairs(a, b, test, out.vertex_face);
-  if (tests(ta, of_a, of_b)) TestFeatures(a, ta.vertex_blocks, b, tb.face_blocks, test, out.vertex_face);
-  TestFeatures(a, ta.edge_blocks, b, tb.edge_blocks, edge_test, out.edge_edge);
+  if (of_a == Element::Point && of_b == Element::Point)
+    return FindPointPairs(a, b, test, out[FeaturePair::VertexFace]);
+  if (tests(ta, of_a, of_b))
+    TestFeatures(a, ta.vertex_blocks, b, tb.face_blocks, test, out[FeaturePair::VertexFace]);
+  TestFeatures(a, ta.edge_blocks, b, tb.edge_blocks, edge_test, out[FeaturePair::EdgeEdge]);
   if (same_leaf || !tests(tb, of_b, of_a)) return;
-  auto& other = same_object ? out.vertex_face : out.face_vertex;
+  auto& other = out[same_object ? FeaturePair::VertexFace : FeaturePair::FaceVertex];
   const std::size_t begin = other.size();
   TestFeatures(b, tb.vertex_blocks, a, ta.face_blocks, test, other);
   if (same_object) return;
   for (std::size_t i = begin; i < other.size(); ++i) std::swap(other[i].a, other[i].b);
 }
 
-void FindFacePairs(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
+void FindFacePairs(const Traversal& traversal, NodePair leaves, std::vector<CandidatePair>& out) {
   const KineticBvh &ta = *traversal.a, &tb = *traversal.b;
   const float margin = ClampedMargin(traversal);
   const LeafSide a(ta, leaves.a, tb.boxes[tb.leaf_node(leaves.b)], margin);
   const LeafSide b(tb, leaves.b, ta.boxes[ta.leaf_node(leaves.a)], margin);
   const LeafTest test{margin, false, &ta == &tb && leaves.a == leaves.b};
-  TestFeatures(a, ta.face_blocks, b, tb.face_blocks, test, out.face_face);
+  TestFeatures(a, ta.face_blocks, b, tb.face_blocks, test, out);
 }
 
 // The box of a feature, laid out like MovingVertex.
@@ -295,8 +297,8 @@ HWY_INLINE ContactInterval IntervalOf(const MovingBox& a, const MovingBox& b, fl
           static_cast<std::uint8_t>(std::min(to * kUnits + 2, kUnits))};
 }
 
-void FindContactIntervals(const Traversal& traversal, FeaturePair kind,
-                          std::span<const CandidateBuffer::Pair> pairs, ContactInterval* out) {
+void FindContactIntervals(const Traversal& traversal, FeaturePair kind, std::span<const CandidatePair> pairs,
+                          ContactInterval* out) {
   const Hierarchy &ha = *traversal.a->hierarchy, &hb = *traversal.b->hierarchy;
   const MovingVertex *va = traversal.a->vertices.data(), *vb = traversal.b->vertices.data();
   const float margin = ClampedMargin(traversal);
@@ -378,7 +380,7 @@ void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffe
 }
 
 void find_contact_intervals(const Traversal& traversal, FeaturePair kind,
-                            std::span<const CandidateBuffer::Pair> pairs, ContactInterval* out) {
+                            std::span<const CandidatePair> pairs, ContactInterval* out) {
   HWY_DYNAMIC_DISPATCH(FindContactIntervals)(traversal, kind, pairs, out);
 }
 
@@ -387,7 +389,7 @@ void prefetch_features(const Traversal& traversal, NodePair leaves) {
   if (traversal.a != traversal.b || leaves.a != leaves.b) prefetch_leaf(*traversal.b, leaves.b);
 }
 
-void find_face_pairs(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
+void find_face_pairs(const Traversal& traversal, NodePair leaves, std::vector<CandidatePair>& out) {
   HWY_DYNAMIC_DISPATCH(FindFacePairs)(traversal, leaves, out);
 }
 

@@ -1,12 +1,19 @@
 /// BVH traversal: which pairs of leaves come near each other, and which pairs of their features.
 #pragma once
 
+#include <array>
+
 #include "bvh/kinetic_bvh.h"
 
 namespace foldproof::inline internal {
 
 struct NodePair {
   Index a, b;  ///< Nodes, or leaves in results. a == b within one object: the pair of a node with itself.
+};
+
+/// Two features, as indices in leaf order of their objects.
+struct CandidatePair {
+  Index a, b;
 };
 
 /// What is traversed: one object with itself (a == b), or two objects.
@@ -83,21 +90,24 @@ inline void traverse(const Traversal& traversal, NodePair start, std::vector<Nod
 void test_leaves(const Traversal& traversal, std::span<const NodePair> leaves,
                  std::vector<std::uint8_t>& separated);
 
-/// Feature pairs whose kinetic boxes are not separated, as indices in leaf order of their objects.
-/// Vertex-face and edge-edge pairs that share a vertex are left out.
-struct CandidateBuffer {
-  struct Pair {
-    Index a, b;
-  };
-  std::vector<Pair> vertex_face;  ///< Vertex of a, face of b.
-  std::vector<Pair> face_vertex;  ///< Face of a, vertex of b. Empty within one object: all in vertex_face.
-  std::vector<Pair> edge_edge;    ///< Edge of a, edge of b.
-  std::vector<Pair> face_face;    ///< Face of a, face of b; incident pairs included.
+/// What `a` and `b` of a pair of features are.
+enum class FeaturePair : std::uint8_t { VertexFace, FaceVertex, EdgeEdge };
+inline constexpr std::array kFeaturePairs{FeaturePair::VertexFace, FeaturePair::FaceVertex,
+                                          FeaturePair::EdgeEdge};
+
+/// A value for each of them.
+template <class T>
+struct PerKind : std::array<T, kFeaturePairs.size()> {
+  T& operator[](FeaturePair kind) { return this->at(static_cast<std::size_t>(kind)); }
+  const T& operator[](FeaturePair kind) const { return this->at(static_cast<std::size_t>(kind)); }
+};
+
+/// Feature pairs whose kinetic boxes are not separated, as indices in leaf order of their objects. Pairs that
+/// share a vertex are left out. Within one object no pair is FaceVertex.
+struct CandidateBuffer : PerKind<std::vector<CandidatePair>> {
+  std::size_t size() const { return at(0).size() + at(1).size() + at(2).size(); }
   void clear() {
-    vertex_face.clear();
-    face_face.clear();
-    face_vertex.clear();
-    edge_edge.clear();
+    for (auto& list : *this) list.clear();
   }
 };
 
@@ -121,17 +131,14 @@ struct ContactInterval {
   bool is_empty() const { return begin > end; }
 };
 
-/// What `a` and `b` of a candidate are: see CandidateBuffer.
-enum class FeaturePair : std::uint8_t { VertexFace, FaceVertex, EdgeEdge };
-
 /// Computes the contact interval of each of the candidates, which are of one kind.
 void find_contact_intervals(const Traversal& traversal, FeaturePair kind,
-                            std::span<const CandidateBuffer::Pair> pairs, ContactInterval* out);
+                            std::span<const CandidatePair> pairs, ContactInterval* out);
 
 /// Prefetches what find_candidates will read.
 void prefetch_features(const Traversal& traversal, NodePair leaves);
 
-/// Tests faces against faces, for static queries.
-void find_face_pairs(const Traversal& traversal, NodePair leaves, CandidateBuffer& out);
+/// Adds the pairs of faces whose boxes are not separated, those with common vertices too, for static queries.
+void find_face_pairs(const Traversal& traversal, NodePair leaves, std::vector<CandidatePair>& out);
 
 }  // namespace foldproof::inline internal

@@ -75,24 +75,20 @@ void finish(const StepSettings& settings, StepResult& out) {
   if (settings.earliest_only) keep_earliest(out);
 }
 
-void add_collisions(const NarrowStep& step, Chunk& c, StepResult& out) {
-  out.work.candidates_vf += c.candidates.vertex_face.size() + c.candidates.face_vertex.size();
-  out.work.candidates_ee += c.candidates.edge_edge.size();
-  out.work.undecided += std::exchange(c.undecided, 0);
+void add_collisions(const NarrowStep& step, const Hits& hits, StepResult& out) {
+  out.work += hits.work;
   const bool earliest_only = step.earliest != nullptr;
   auto vertex_face = smallest(out.vertex_face, earliest_only, step.max_listed);
-  for (const VertexFaceCollision& found : c.vertex_face) {
-    out.earliest_toi = std::min(out.earliest_toi, found.toi);
-    add_copies(step, found, vertex_face, out);
+  for (const VertexFaceCollision& hit : hits.vertex_face) {
+    out.earliest_toi = std::min(out.earliest_toi, hit.toi);
+    add_copies(step, hit, vertex_face, out);
   }
   auto edge_edge = smallest(out.edge_edge, earliest_only, step.max_listed);
-  for (const EdgeEdgeCollision& found : c.edge_edge) {
-    out.earliest_toi = std::min(out.earliest_toi, found.toi);
-    edge_edge.add(found);
+  for (const EdgeEdgeCollision& hit : hits.edge_edge) {
+    out.earliest_toi = std::min(out.earliest_toi, hit.toi);
+    edge_edge.add(hit);
   }
-  out.edge_edge_count += c.edge_edge.size();
-  c.vertex_face.clear();
-  c.edge_edge.clear();
+  out.edge_edge_count += hits.edge_edge.size();
 }
 
 void explain_copies(DistinctObjects distinct, Explanation& explanation) {

@@ -11,8 +11,8 @@ Result<void> check_settings(const StepSettings& settings, std::size_t objects);
 double tolerance_for(const StepSettings& settings, double extent);
 
 void clear(StepResult& out);
-/// Moves a chunk's collisions to the answer.
-void add_collisions(const NarrowStep& step, Chunk& chunk, StepResult& out);
+/// Adds the collisions of a chunk to the answer.
+void add_collisions(const NarrowStep& step, const Hits& hits, StepResult& out);
 /// Sorts by ids. With StepSettings::earliest_only, keeps only the earliest.
 void finish(const StepSettings& settings, StepResult& out);
 /// Copies the explanation of distinct triangles to all their copies.

@@ -1,6 +1,7 @@
 #include "check/candidate_cache.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "base/parallel.h"
 #include "check/answer.h"
@@ -16,7 +17,7 @@ class IntervalTightener {
   IntervalTightener(FeaturePair kind, double distance)
       : lanes_(kind == FeaturePair::EdgeEdge, settings(distance), nullptr, Report{}), kind_(kind) {}
 
-  void add(const Traversal& traversal, CandidateBuffer::Pair pair, ContactInterval& interval) {
+  void add(const Traversal& traversal, CandidatePair pair, ContactInterval& interval) {
     const KineticBvh &a = *traversal.a, &b = *traversal.b;
     const Hierarchy &ha = *a.hierarchy, &hb = *b.hierarchy;
     if (kind_ == FeaturePair::EdgeEdge) {
@@ -71,110 +72,88 @@ class IntervalTightener {
   FeaturePair kind_;
 };
 
-// Visits each kind of candidates: the members of CandidateBuffer, ContactIntervals, Lists and Ends.
-template <class Visit>
-void for_each_kind(Visit visit) {
-  visit(FeaturePair::VertexFace, &CandidateBuffer::vertex_face, &Chunk::ContactIntervals::vertex_face,
-        &CandidateCache::Lists::vertex_face, &Chunk::Ends::vertex_face);
-  visit(FeaturePair::FaceVertex, &CandidateBuffer::face_vertex, &Chunk::ContactIntervals::face_vertex,
-        &CandidateCache::Lists::face_vertex, &Chunk::Ends::face_vertex);
-  visit(FeaturePair::EdgeEdge, &CandidateBuffer::edge_edge, &Chunk::ContactIntervals::edge_edge,
-        &CandidateCache::Lists::edge_edge, &Chunk::Ends::edge_edge);
-}
-
-void find_intervals(std::span<const TraversalTask> tasks, double distance, Chunk& chunk) {
-  for_each_kind([&](FeaturePair kind, auto candidates_of, auto intervals_of, auto, auto end_of) {
-    const auto& candidates = chunk.candidates.*candidates_of;
-    auto& intervals = chunk.intervals.*intervals_of;
-    intervals.resize(candidates.size());
-    IntervalTightener tightener(kind, distance);
-    std::size_t k = 0;
-    for (std::size_t i = 0; i < chunk.pairs.size(); ++i) {
-      const Traversal& traversal = tasks[chunk.pairs[i].task].traversal;
-      const std::size_t end = chunk.ends[i].*end_of;
-      find_contact_intervals(traversal, kind, std::span(candidates).subspan(k, end - k),
-                             intervals.data() + k);
-      for (; k < end; ++k) {
-        if (!intervals[k].is_empty()) tightener.add(traversal, candidates[k], intervals[k]);
-      }
-    }
-    tightener.finish();
-  });
-}
-
-// Appends the candidates of a chunk whose intervals are not empty.
-void append(const Chunk& chunk, CandidateCache::Lists& lists) {
-  const std::size_t first = lists.ends.size();
-  lists.ends.resize(first + chunk.ends.size());
-  for_each_kind([&](FeaturePair, auto candidates_of, auto intervals_of, auto list_of, auto end_of) {
-    const auto& candidates = chunk.candidates.*candidates_of;
-    const auto& intervals = chunk.intervals.*intervals_of;
-    auto& list = lists.*list_of;
-    for (std::size_t i = 0, k = 0; i < chunk.ends.size(); ++i) {
-      for (; k < chunk.ends[i].*end_of; ++k) {
-        if (!intervals[k].is_empty()) list.push_back({candidates[k], intervals[k]});
-      }
-      lists.ends[first + i].*end_of = list.size();
-    }
-  });
-}
-
 // A time interval in units of ContactInterval, which may extend beyond the motion.
 struct UnitInterval {
   int begin, end;
+  bool meets(const ContactInterval& other) const { return other.begin <= end && other.end >= begin; }
 };
-
-// Copies the candidates that may touch in the interval to a chunk. `first`: the number of its first pair of
-// leaves.
-void select(const CandidateCache::Lists& lists, std::size_t first, const UnitInterval& interval,
-            Chunk& chunk) {
-  chunk.ends.resize(chunk.pairs.size());
-  for_each_kind([&](FeaturePair, auto candidates_of, auto, auto list_of, auto end_of) {
-    const auto& list = lists.*list_of;
-    auto& selected = chunk.candidates.*candidates_of;
-    std::size_t k = first > 0 ? lists.ends[first - 1].*end_of : 0, count = 0;
-    selected.resize(lists.ends[first + chunk.pairs.size() - 1].*end_of - k);
-    for (std::size_t i = 0; i < chunk.pairs.size(); ++i) {
-      for (; k < lists.ends[first + i].*end_of; ++k) {
-        selected[count] = list[k].pair;
-        count += static_cast<std::size_t>(list[k].interval.begin <= interval.end &&
-                                          list[k].interval.end >= interval.begin);
-      }
-      chunk.ends[i].*end_of = count;
-    }
-    selected.resize(count);
-  });
-}
 
 }  // namespace
 
+void CandidateCache::find_intervals(std::span<const TraversalTask> tasks, double distance, Part& part) {
+  for (const FeaturePair kind : kFeaturePairs)
+    part.intervals[kind].resize(part.found.candidates[kind].size());
+  PerKind<std::optional<IntervalTightener>> tighteners;
+  for (const FeaturePair kind : kFeaturePairs) tighteners[kind].emplace(kind, distance);
+  part.found.for_each(
+      [&](const CandidateRuns::Run& run, FeaturePair kind, std::size_t begin, std::size_t end) {
+        const Traversal& traversal = tasks[run.task].traversal;
+        const std::span pairs = std::span(part.found.candidates[kind]).subspan(begin, end - begin);
+        auto& intervals = part.intervals[kind];
+        find_contact_intervals(traversal, kind, pairs, intervals.data() + begin);
+        for (std::size_t k = begin; k < end; ++k) {
+          if (!intervals[k].is_empty()) tighteners[kind]->add(traversal, pairs[k - begin], intervals[k]);
+        }
+      });
+  for (const FeaturePair kind : kFeaturePairs) tighteners[kind]->finish();
+}
+
+void CandidateCache::drop_empty(Part& part) {
+  for (const FeaturePair kind : kFeaturePairs) {
+    auto& candidates = part.found.candidates[kind];
+    auto& intervals = part.intervals[kind];
+    std::size_t k = 0, kept = 0;
+    for (CandidateRuns::Run& run : part.found.runs) {
+      for (; k < run.ends[kind]; ++k) {
+        candidates[kept] = candidates[k];
+        intervals[kept] = intervals[k];
+        kept += static_cast<std::size_t>(!intervals[k].is_empty());
+      }
+      run.ends[kind] = kept;
+    }
+    candidates.resize(kept);
+    intervals.resize(kept);
+  }
+}
+
 void CandidateCache::fill(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs,
-                          double distance, std::vector<Chunk>& chunks) {
-  pairs_ = pairs;
-  for_each_kind([&](FeaturePair, auto, auto, auto list_of, auto) { (lists_.*list_of).clear(); });
-  lists_.ends.clear();
-  in_rounds(pairs, chunks, [&](std::size_t count) {
-    parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      find_candidates(tasks, chunks[i]);
-      find_intervals(tasks, distance, chunks[i]);
-    });
-    for (const Chunk& chunk : std::span(chunks).first(count)) append(chunk, lists_);
+                          double distance) {
+  count_ = (pairs.size() + kChunk - 1) / kChunk;
+  if (parts_.size() < count_) parts_.resize(count_);
+  parallel_for(std::size_t{0}, count_, [&](std::size_t i) {
+    const std::size_t begin = i * kChunk;
+    find_candidates(tasks, pairs.subspan(begin, std::min(kChunk, pairs.size() - begin)), parts_[i].found);
+    find_intervals(tasks, distance, parts_[i]);
+    drop_empty(parts_[i]);
   });
 }
 
-void CandidateCache::test(const NarrowStep& step, const float (&times)[2], std::vector<Chunk>& chunks,
+void CandidateCache::test(const NarrowStep& step, const float (&times)[2], NarrowScratch& scratch,
                           StepResult& out) const {
   // One unit more at both ends covers the rounding of the times.
   const UnitInterval interval{static_cast<int>(std::min(times[0], times[1]) * ContactInterval::kUnits) - 1,
                               static_cast<int>(std::max(times[0], times[1]) * ContactInterval::kUnits) + 1};
-  in_rounds(pairs_, chunks, [&](std::size_t count) {
-    parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      Chunk& chunk = chunks[i];
-      select(lists_, static_cast<std::size_t>(chunk.pairs.data() - pairs_.data()), interval, chunk);
-      test_candidates(step, chunk);
+  const auto test = [&](std::span<const Part> part, Hits& hits) {
+    CandidateRuns& selected = scratch.candidates.local();
+    selected.clear();
+    const CandidateRuns& found = part[0].found;
+    selected.runs = found.runs;
+    for (const FeaturePair kind : kFeaturePairs)
+      selected.candidates[kind].resize(found.candidates[kind].size());
+    PerKind<std::size_t> counts{};
+    std::size_t list = 0;
+    found.for_each([&](const CandidateRuns::Run&, FeaturePair kind, std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        selected.candidates[kind][counts[kind]] = found.candidates[kind][k];
+        counts[kind] += static_cast<std::size_t>(interval.meets(part[0].intervals[kind][k]));
+      }
+      selected.runs[list++ / kFeaturePairs.size()].ends[kind] = counts[kind];
     });
-    for (Chunk& chunk : std::span(chunks).first(count)) add_collisions(step, chunk, out);
-  });
+    for (const FeaturePair kind : kFeaturePairs) selected.candidates[kind].resize(counts[kind]);
+    test_candidates(step, selected, hits);
+  };
+  in_chunks(std::span(parts_).first(count_), 1, scratch.hits, test,
+            [&](const Hits& hits) { add_collisions(step, hits, out); });
 }
 
 }  // namespace foldproof::internal

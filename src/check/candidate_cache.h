@@ -9,28 +9,24 @@ namespace foldproof::inline internal {
 class CandidateCache {
  public:
   /// Finds the candidates among pairs of leaves whose features are filled. Drops those that stay farther
-  /// apart than `distance`, in the frame, during the whole motion. `chunks` is scratch.
-  void fill(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs, double distance,
-            std::vector<Chunk>& chunks);
+  /// apart than `distance`, in the frame, during the whole motion.
+  void fill(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs, double distance);
 
   /// Runs the narrow phase on the candidates that may touch between two times of the motion, in [0,1]. Adds
   /// to `out`.
-  void test(const NarrowStep& step, const float (&times)[2], std::vector<Chunk>& chunks,
-            StepResult& out) const;
-
-  struct TimedCandidate {
-    CandidateBuffer::Pair pair;
-    ContactInterval interval;
-  };
-  /// Of all pairs of leaves, in their order; those of pair i end at ends[i].
-  struct Lists {
-    std::vector<TimedCandidate> vertex_face, face_vertex, edge_edge;
-    std::vector<Chunk::Ends> ends;
-  };
+  void test(const NarrowStep& step, const float (&times)[2], NarrowScratch& scratch, StepResult& out) const;
 
  private:
-  std::span<const LeafPair> pairs_;
-  Lists lists_;
+  // Of a chunk of pairs of leaves.
+  struct Part {
+    CandidateRuns found;
+    PerKind<std::vector<ContactInterval>> intervals;  // of found.candidates
+  };
+  static void find_intervals(std::span<const TraversalTask> tasks, double distance, Part& part);
+  static void drop_empty(Part& part);
+
+  std::vector<Part> parts_;  // the first count_; the rest keep their buffers
+  std::size_t count_ = 0;
 };
 
 }  // namespace foldproof::inline internal

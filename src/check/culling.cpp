@@ -35,21 +35,17 @@ Culling::Culling(std::span<const Object> objects) {
       slots = std::make_shared<const PatchSlots>(object.hierarchy());
     }
     charts_.push_back(std::make_unique<ChartCache>(slots, object.charts()));
-    predictors_.push_back(object.predictor());
     leaf_proofs_.emplace_back(object.hierarchy()->leaf_count());
   }
 }
 
-Result<void> Culling::predict(Positions x0, Positions x1, const StepSettings& settings) {
-  if (!uses_predictions_ || !settings.within) return {};
-  predicted_free_.resize(predictors_.size());
-  for (std::size_t i = 0; i < predictors_.size(); ++i) {
-    if (!predictors_[i])
-      return fail(ErrorCode::NotLearned, fmt::format("object {}", i),
-                  "has nothing learned that predicts its certificates",
-                  "train a model on at least 3 poses that differ, or leave the mode paper");
-    predicted_free_[i].resize(charts_[i]->slots().hierarchy()->nodes().size());
-    predictors_[i]->predict(x0[i], x1[i], settings.miss_rate, predicted_free_[i]);
+Result<void> Culling::check_declared(const StepMotion& motion) const {
+  if (declared_free_ == nullptr) return {};
+  for (Index i = 0; i < motion.size(); ++i) {
+    const std::size_t nodes = motion.hierarchy(i).nodes().size();
+    if (i < declared_free_->size() && (*declared_free_)[i].size() == nodes) continue;
+    return fail(ErrorCode::InvalidArgument, fmt::format("declared_free, object {}", i),
+                "does not have a number for each node", fmt::format("give {}", nodes));
   }
   return {};
 }
@@ -72,10 +68,9 @@ std::size_t Culling::build_budget() {
       std::max(share * pairs, std::min(kSmallMeshShare * pairs, kSmallMeshBudget)));
 }
 
-Result<void> Culling::begin_step(const StepMotion& motion, Positions x0, Positions x1,
-                                 const StepSettings& settings, double distance) {
-  uses_predictions_ = settings.mode == Mode::Paper;
-  FOLDPROOF_TRY(predict(x0, x1, settings));
+Result<void> Culling::begin_step(const StepMotion& motion, const StepSettings& settings, double distance) {
+  declared_free_ = settings.declared_free;
+  if (settings.within) FOLDPROOF_TRY(check_declared(motion));
   certificates_ = settings.certificates;
   explains_ = settings.explain;
   gap_ = distance * motion.frame().scale * (1 + 0x1p-50);
@@ -88,9 +83,9 @@ Result<void> Culling::begin_step(const StepMotion& motion, Positions x0, Positio
   new_planes_.tests = new_planes_.tests / 2 + tests;
   new_planes_.passes = new_planes_.passes / 2 + passes;
   new_planes_.pay = new_planes_.passes > new_planes_.tests / 4;
-  tests_planes_ = steps_++ > 0 && !uses_predictions_;
+  tests_planes_ = steps_++ > 0 && declared_free_ == nullptr;
 
-  uses_certificates_ = certificates_ && !uses_predictions_;
+  uses_certificates_ = certificates_ && declared_free_ == nullptr;
   updates_policy_ = uses_certificates_ && motion.steps() == 1 && !explains_;
   if (updates_policy_)
     uses_certificates_ = policy_.begin_step(
@@ -108,9 +103,9 @@ Result<void> Culling::begin_step(const StepMotion& motion, Positions x0, Positio
 // Sets level_proofs_ for the nodes of a level.
 void Culling::prove_nodes(const StepMotion& motion, Index object) {
   level_proofs_.assign(level_.size(), {});
-  if (uses_predictions_) {
+  if (declared_free_ != nullptr) {
     for (std::size_t i = 0; i < level_.size(); ++i) {
-      if (predicted_free_[object][level_[i]]) level_proofs_[i] = charts_[object]->trained(level_[i]);
+      if ((*declared_free_)[object][level_[i]]) level_proofs_[i] = charts_[object]->trained(level_[i]);
     }
   } else if (uses_certificates_) {
     parallel_for(IndexRange{0, level_.size()}, 8, [&](IndexRange range) {

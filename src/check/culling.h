@@ -17,9 +17,8 @@ class Culling {
  public:
   explicit Culling(std::span<const Object> objects);
 
-  /// Begins a step, after an update of the motion. Error: Mode::Paper without a predictor.
-  Result<void> begin_step(const StepMotion& motion, Positions x0, Positions x1, const StepSettings& settings,
-                          double distance);
+  /// Begins a step, after an update of the motion. Error: StepSettings::declared_free is not of these nodes.
+  Result<void> begin_step(const StepMotion& motion, const StepSettings& settings, double distance);
   /// Whether later steps may use certificates on the pairs that this one finds.
   bool may_cull_later() const { return certificates_ && (uses_certificates_ || steps_ > 1); }
 
@@ -104,7 +103,7 @@ class Culling {
     Index object, node, level;
     ChartCache::Proof proof;
   };
-  Result<void> predict(Positions x0, Positions x1, const StepSettings& settings);
+  Result<void> check_declared(const StepMotion& motion) const;
   std::size_t build_budget();
   void prove_nodes(const StepMotion& motion, Index object);
   bool is_proven(const TraversalTask& task, const NearLeafPair& pair, Local& local, PlaneNormal& normal);
@@ -113,14 +112,12 @@ class Culling {
   Reason reason_of(const TraversalTask& task, NodePair leaves) const;
 
   std::vector<std::unique_ptr<ChartCache>> charts_;
-  std::vector<std::shared_ptr<const NodePredictor>> predictors_;  // null where there is none
-  std::vector<std::vector<std::uint8_t>> predicted_free_;         // per object and node; Mode::Paper
   CullingPolicy policy_;
-  bool certificates_ = false, explains_ = false;                     // as in the settings
-  bool uses_predictions_ = false;                                    // Mode::Paper
-  bool uses_certificates_ = false, uses_certificates_next_ = false;  // in this step, in the next one
-  bool updates_policy_ = false;                                      // in this step
-  double gap_ = 0;                                                   // to be proven, in the frame
+  bool certificates_ = false, explains_ = false;                           // as in the settings
+  const std::vector<std::vector<std::uint8_t>>* declared_free_ = nullptr;  // as in the settings
+  bool uses_certificates_ = false, uses_certificates_next_ = false;        // in this step, in the next one
+  bool updates_policy_ = false;                                            // in this step
+  double gap_ = 0;                                                         // to be proven, in the frame
   std::size_t steps_ = 0, last_leaf_pairs_ = 0;
   double built_ = 0, useful_ = 0;  // charts built in the last steps, and those of them that held
 

@@ -30,20 +30,21 @@ double cost_of(const Work& work, bool looks_ahead) {
          (looks_ahead ? 3 : 1) * n(work.leaf_pairs) + 0.03 * candidates;
 }
 
-}  // namespace
-
-bool LookAhead::matches_search(const StepSettings& settings) const {
-  return settings.within == settings_.within && settings.between == settings_.between &&
-         settings.thickness == settings_.thickness && settings.tolerance == settings_.tolerance &&
-         settings.look_ahead == settings_.look_ahead && settings.certificates == settings_.certificates &&
-         settings.mode == settings_.mode && !settings.explain;
+// The settings that a search depends on; what only its later steps ask for is as by default.
+StepSettings for_search(StepSettings settings) {
+  const StepSettings usual;
+  settings.max_listed = usual.max_listed;
+  settings.earliest_only = usual.earliest_only;
+  return settings;
 }
+
+}  // namespace
 
 LookAhead::Plan LookAhead::plan(const StepMotion& motion, Positions x0, Positions x1,
                                 const StepSettings& settings) {
   // Invalid until the next search is complete: an update that fails leaves a motion without one.
   const bool was_valid = std::exchange(search_valid_, false);
-  if (!was_valid || !matches_search(settings) || !motion.fits(x0, x1)) return {};
+  if (!was_valid || for_search(settings) != settings_ || !motion.fits(x0, x1)) return {};
   const StepMotion::StepLocation location = motion.locate(x0, x1);
   float deviation = location.deviation;  // of a sample, until all vertices are tested
   for (int end = 0; end < 2; ++end) times_[end] = std::clamp(location.times[end], 0.f, 1.f);
@@ -72,7 +73,7 @@ LookAhead::Plan LookAhead::plan(const StepMotion& motion, Positions x0, Position
 // Returns the distance, mesh units, within which the search must find pairs.
 double LookAhead::begin_search(const StepMotion& motion, const StepSettings& settings, double distance) {
   const double scale = motion.frame().scale, edge_length = motion.mean_edge_length();
-  settings_ = settings;
+  settings_ = for_search(settings);
   edge_length_ = std::max(edge_length * scale, 0x1p-20);
   steps_ = motion.steps();
   distance_ = distance;
@@ -88,22 +89,22 @@ double LookAhead::begin_search(const StepMotion& motion, const StepSettings& set
   return search_distance;
 }
 
-Result<void> LookAhead::search(Pipeline& pipeline, Positions x0, Positions x1, const StepSettings& settings,
-                               double distance, Work& work) {
+Result<void> LookAhead::search(Pipeline& pipeline, const StepSettings& settings, double distance,
+                               Work& work) {
   const double search_distance = begin_search(pipeline.motion, settings, distance);
-  FOLDPROOF_TRY(pipeline.find_leaf_pairs(x0, x1, settings, search_distance, work));
+  FOLDPROOF_TRY(pipeline.find_leaf_pairs(settings, search_distance, work));
   const BroadPhase& found = pipeline.broad_phase;
-  if (slack_ > 0) candidates_.fill(found.tasks(), found.leaf_pairs(), candidate_distance_, pipeline.chunks);
+  if (slack_ > 0) candidates_.fill(found.tasks(), found.leaf_pairs(), candidate_distance_);
   search_valid_ =
-      settings.look_ahead && settings.certificates && settings.mode == Mode::Proven && !settings.explain;
+      settings.look_ahead && settings.certificates && settings.declared_free == nullptr && !settings.explain;
   return {};
 }
 
-void LookAhead::test(const NarrowStep& step, Pipeline& pipeline, Stopwatch& watch, StepResult& out) {
+void LookAhead::test(const NarrowStep& step, Pipeline& pipeline, StepResult& out) {
   if (slack_ > 0) {
-    candidates_.test(step, times_, pipeline.chunks, out);
+    candidates_.test(step, times_, pipeline.narrow, out);
   } else {
-    test_leaf_pairs(step, pipeline.broad_phase.leaf_pairs(), pipeline.chunks, watch, out);
+    test_leaf_pairs(step, pipeline.broad_phase.leaf_pairs(), pipeline.narrow, out);
   }
   if (out.search_steps != 0) policy_.note_cost(cost_of(out.work, steps_ > 1));
 }

@@ -24,21 +24,19 @@ class LookAhead {
 
   /// Searches after an update of the motion with plan().steps. `distance`, mesh units: what the step alone
   /// needs. Error: as Pipeline::find_leaf_pairs.
-  Result<void> search(Pipeline& pipeline, Positions x0, Positions x1, const StepSettings& settings,
-                      double distance, Work& work);
+  Result<void> search(Pipeline& pipeline, const StepSettings& settings, double distance, Work& work);
   /// Runs the narrow phase of a step, after its search or on a cache hit. `out.work` has the search's work.
-  void test(const NarrowStep& step, Pipeline& pipeline, Stopwatch& watch, StepResult& out);
+  void test(const NarrowStep& step, Pipeline& pipeline, StepResult& out);
 
   /// Makes the next step a cache miss.
   void invalidate() { search_valid_ = false; }
 
  private:
-  bool matches_search(const StepSettings& settings) const;
   double begin_search(const StepMotion& motion, const StepSettings& settings, double distance);
 
   bool search_valid_ = false;
   // Of the last search:
-  StepSettings settings_;
+  StepSettings settings_;  // what its later steps alone ask for is as by default
   double steps_ = 1;
   double distance_ = 0;            // thickness + tolerance that its steps may have, mesh units
   double candidate_distance_ = 0;  // distance_ plus slack, in the frame

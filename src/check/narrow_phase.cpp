@@ -113,8 +113,8 @@ class CandidateTester {
 
 // Adds candidates of two objects. `swapped`: their features are of b and a.
 template <class Pair>
-void add_candidates(CandidateTester<Pair>& tester, std::span<const CandidateBuffer::Pair> pairs,
-                    const Side& a, const Side& b, bool swapped = false) {
+void add_candidates(CandidateTester<Pair>& tester, std::span<const CandidatePair> pairs, const Side& a,
+                    const Side& b, bool swapped = false) {
   constexpr std::size_t kPrefetchDistance = 12;
   const Side &first = swapped ? b : a, &second = swapped ? a : b;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -129,57 +129,52 @@ void add_candidates(CandidateTester<Pair>& tester, std::span<const CandidateBuff
 
 }  // namespace
 
-void find_candidates(std::span<const TraversalTask> tasks, Chunk& chunk) {
+void find_candidates(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs,
+                     CandidateRuns& out) {
   constexpr std::size_t kPrefetchDistance = 2;
-  chunk.candidates.clear();
-  chunk.ends.clear();
-  for (std::size_t i = 0; i < chunk.pairs.size(); ++i) {
-    const LeafPair& pair = chunk.pairs[i];
-    if (i + kPrefetchDistance < chunk.pairs.size()) {
-      const LeafPair& later = chunk.pairs[i + kPrefetchDistance];
+  out.clear();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (i + kPrefetchDistance < pairs.size()) {
+      const LeafPair& later = pairs[i + kPrefetchDistance];
       prefetch_features(tasks[later.task].traversal, later.leaves);
     }
-    find_candidates(tasks[pair.task].traversal, pair.leaves, chunk.candidates);
-    chunk.ends.push_back({chunk.candidates.vertex_face.size(), chunk.candidates.face_vertex.size(),
-                          chunk.candidates.edge_edge.size()});
+    const TraversalTask& task = tasks[pairs[i].task];
+    find_candidates(task.traversal, pairs[i].leaves, out.candidates);
+    const bool same_objects = !out.runs.empty() && tasks[out.runs.back().task].object_a == task.object_a &&
+                              tasks[out.runs.back().task].object_b == task.object_b;
+    if (!same_objects) out.runs.push_back({pairs[i].task, {}});
+    for (const FeaturePair kind : kFeaturePairs) out.runs.back().ends[kind] = out.candidates[kind].size();
   }
 }
 
-void test_candidates(const NarrowStep& step, Chunk& chunk) {
-  CandidateTester<VertexFaceCollision> vertex_face(step, chunk.vertex_face, chunk.undecided);
-  CandidateTester<EdgeEdgeCollision> edge_edge(step, chunk.edge_edge, chunk.undecided);
-  const CandidateBuffer& c = chunk.candidates;
-  Chunk::Ends begin{0, 0, 0};
-  for (std::size_t i = 0; i < chunk.pairs.size(); ++i) {
-    const auto objects = [&](std::size_t pair) {
-      const TraversalTask& task = step.tasks[chunk.pairs[pair].task];
-      return std::pair(task.object_a, task.object_b);
-    };
-    // Pairs of leaves of the same objects are tested together.
-    while (i + 1 < chunk.pairs.size() && objects(i + 1) == objects(i)) ++i;
-    const Side a(step, objects(i).first), b(step, objects(i).second);
-    const Chunk::Ends& end = chunk.ends[i];
-    const auto part = [](const auto& list, std::size_t first, std::size_t last) {
-      return std::span(list).subspan(first, last - first);
-    };
-    add_candidates(vertex_face, part(c.vertex_face, begin.vertex_face, end.vertex_face), a, b);
-    add_candidates(vertex_face, part(c.face_vertex, begin.face_vertex, end.face_vertex), a, b, true);
-    add_candidates(edge_edge, part(c.edge_edge, begin.edge_edge, end.edge_edge), a, b);
-    begin = end;
-  }
+void test_candidates(const NarrowStep& step, const CandidateRuns& all, Hits& out) {
+  CandidateTester<VertexFaceCollision> vertex_face(step, out.vertex_face, out.work.undecided);
+  CandidateTester<EdgeEdgeCollision> edge_edge(step, out.edge_edge, out.work.undecided);
+  all.for_each([&](const CandidateRuns::Run& run, FeaturePair kind, std::size_t begin, std::size_t end) {
+    const std::span pairs = std::span(all.candidates[kind]).subspan(begin, end - begin);
+    const TraversalTask& task = step.tasks[run.task];
+    const Side a(step, task.object_a), b(step, task.object_b);
+    if (kind == FeaturePair::EdgeEdge) {
+      add_candidates(edge_edge, pairs, a, b);
+    } else {
+      add_candidates(vertex_face, pairs, a, b, kind == FeaturePair::FaceVertex);
+    }
+  });
   vertex_face.finish();
   edge_edge.finish();
+  const CandidateBuffer& c = all.candidates;
+  out.work.candidates_vf += c[FeaturePair::VertexFace].size() + c[FeaturePair::FaceVertex].size();
+  out.work.candidates_ee += c[FeaturePair::EdgeEdge].size();
 }
 
-void test_leaf_pairs(const NarrowStep& step, std::span<const LeafPair> pairs, std::vector<Chunk>& chunks,
-                     Stopwatch& watch, StepResult& out) {
-  in_rounds(pairs, chunks, [&](std::size_t count) {
-    parallel_for(std::size_t{0}, count, [&](std::size_t i) { find_candidates(step.tasks, chunks[i]); });
-    out.milliseconds.traverse += watch.lap();
-    parallel_for(std::size_t{0}, count, [&](std::size_t i) { test_candidates(step, chunks[i]); });
-    for (Chunk& chunk : std::span(chunks).first(count)) add_collisions(step, chunk, out);
-    out.milliseconds.narrow += watch.lap();
-  });
+void test_leaf_pairs(const NarrowStep& step, std::span<const LeafPair> pairs, NarrowScratch& scratch,
+                     StepResult& out) {
+  const auto test = [&](std::span<const LeafPair> chunk, Hits& hits) {
+    CandidateRuns& candidates = scratch.candidates.local();
+    find_candidates(step.tasks, chunk, candidates);
+    test_candidates(step, candidates, hits);
+  };
+  in_chunks(pairs, kChunk, scratch.hits, test, [&](const Hits& hits) { add_collisions(step, hits, out); });
 }
 
 }  // namespace foldproof::internal

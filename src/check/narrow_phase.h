@@ -3,47 +3,76 @@
 
 #include <algorithm>
 #include <atomic>
+#include <utility>
 
 #include "base/parallel.h"
-#include "base/stopwatch.h"
 #include "check/filter.h"
 #include "check/motion.h"
 
 namespace foldproof::inline internal {
 
-/// Pairs of leaves that one task tests, and its results. Reuse it: its buffers are kept.
-struct Chunk {
-  std::span<const LeafPair> pairs;
-  /// Candidates of all pairs of leaves, in their order; those of pair i end at ends[i].
+/// Candidates of pairs of leaves. Reuse it: its buffers are kept.
+struct CandidateRuns {
+  /// Candidates of the same two objects: in each list those from the end of the run before.
+  struct Run {
+    Index task;
+    PerKind<std::size_t> ends;
+  };
   CandidateBuffer candidates;
-  struct Ends {
-    std::size_t vertex_face, face_vertex, edge_edge;
-  };
-  std::vector<Ends> ends;
-  struct ContactIntervals {
-    std::vector<ContactInterval> vertex_face, face_vertex, edge_edge;
-  };
-  ContactIntervals intervals;  ///< Of the candidates, in a search that looks ahead.
-  std::vector<VertexFaceCollision> vertex_face;
-  std::vector<EdgeEdgeCollision> edge_edge;
-  std::vector<TriangleCrossing> crossings;
-  std::uint64_t undecided = 0;
+  std::vector<Run> runs;
+
+  void clear() {
+    candidates.clear();
+    runs.clear();
+  }
+  /// visit(Run, FeaturePair, first, end) for each list of each run.
+  template <class Visit>
+  void for_each(Visit visit) const {
+    PerKind<std::size_t> begin{};
+    for (const Run& run : runs) {
+      for (const FeaturePair kind : kFeaturePairs)
+        visit(run, kind, std::exchange(begin[kind], run.ends[kind]), run.ends[kind]);
+    }
+  }
 };
 
-/// Distributes pairs of leaves to chunks, a bounded number per round, so that candidates take bounded memory.
-/// `round(count)` processes chunks [0, count).
-template <class Round>
-void in_rounds(std::span<const LeafPair> pairs, std::vector<Chunk>& chunks, Round round) {
-  constexpr std::size_t kPairsPerChunk = 128;
-  const std::size_t chunks_per_round = 8 * static_cast<std::size_t>(std::max(4, thread_count()));
+/// What was found among a chunk of pairs of leaves.
+struct Hits {
+  std::vector<VertexFaceCollision> vertex_face;
+  std::vector<EdgeEdgeCollision> edge_edge;
+  std::vector<TriangleCrossing> crossings;  ///< In a pose.
+  Work work;                                ///< Candidates and undecided pairs.
+  void clear() {
+    vertex_face.clear();
+    edge_edge.clear();
+    crossings.clear();
+    work = {};
+  }
+};
+
+/// Memory of the narrow phase.
+struct NarrowScratch {
+  PerThread<CandidateRuns> candidates;
+  std::vector<Hits> hits;
+};
+
+/// Pairs of leaves per chunk, and chunks whose hits are kept at once, so that they take bounded memory.
+inline constexpr std::size_t kChunk = 128, kRound = 512;
+
+/// Calls test(pairs, hits) for all pairs in chunks, in parallel, and add(hits) for one chunk after the other.
+/// `hits` is scratch.
+template <class Pair, class Test, class Add>
+void in_chunks(std::span<const Pair> pairs, std::size_t chunk, std::vector<Hits>& hits, Test test, Add add) {
   while (!pairs.empty()) {
-    std::size_t count = 0;
-    for (; count < chunks_per_round && !pairs.empty(); ++count) {
-      if (count == chunks.size()) chunks.emplace_back();
-      chunks[count].pairs = pairs.first(std::min(kPairsPerChunk, pairs.size()));
-      pairs = pairs.subspan(chunks[count].pairs.size());
-    }
-    round(count);
+    const std::span<const Pair> round = pairs.first(std::min(pairs.size(), kRound * chunk));
+    pairs = pairs.subspan(round.size());
+    const std::size_t count = (round.size() + chunk - 1) / chunk;
+    if (hits.size() < count) hits.resize(count);
+    parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      hits[i].clear();
+      test(round.subspan(i * chunk, std::min(chunk, round.size() - i * chunk)), hits[i]);
+    });
+    for (const Hits& found : std::span(hits).first(count)) add(found);
   }
 }
 
@@ -75,12 +104,13 @@ struct NarrowStep {
   std::atomic<double> earliest_{1};
 };
 
-/// Finds the candidates of a chunk.
-void find_candidates(std::span<const TraversalTask> tasks, Chunk& chunk);
-/// Finds those candidates of a chunk that collide.
-void test_candidates(const NarrowStep& step, Chunk& chunk);
-/// Both, for all pairs of leaves. Adds to `out`.
-void test_leaf_pairs(const NarrowStep& step, std::span<const LeafPair> pairs, std::vector<Chunk>& chunks,
-                     Stopwatch& watch, StepResult& out);
+/// Finds the candidates of pairs of leaves.
+void find_candidates(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs,
+                     CandidateRuns& out);
+/// Finds those candidates that collide.
+void test_candidates(const NarrowStep& step, const CandidateRuns& all, Hits& out);
+/// Both. Adds to `out`.
+void test_leaf_pairs(const NarrowStep& step, std::span<const LeafPair> pairs, NarrowScratch& scratch,
+                     StepResult& out);
 
 }  // namespace foldproof::inline internal

@@ -4,9 +4,8 @@
 
 namespace foldproof::internal {
 
-Result<void> Pipeline::find_leaf_pairs(Positions x0, Positions x1, const StepSettings& settings,
-                                       double distance, Work& work) {
-  FOLDPROOF_TRY(culling.begin_step(motion, x0, x1, settings, distance));
+Result<void> Pipeline::find_leaf_pairs(const StepSettings& settings, double distance, Work& work) {
+  FOLDPROOF_TRY(culling.begin_step(motion, settings, distance));
   broad_phase.find(motion, culling, filter, settings, distance, work);
   motion.fill_features(broad_phase.tasks(), broad_phase.leaf_pairs());
   return {};

@@ -16,8 +16,7 @@ struct Pipeline {
 
   /// Stages 2 and 3, after an update of the motion: finds the pairs of leaves that come within `distance` and
   /// that no certificate separates, and fills their features. Adds to `work`. Error: as Culling::begin_step.
-  Result<void> find_leaf_pairs(Positions x0, Positions x1, const StepSettings& settings, double distance,
-                               Work& work);
+  Result<void> find_leaf_pairs(const StepSettings& settings, double distance, Work& work);
   /// Explains the last find_leaf_pairs, which must have had the same settings and distance.
   void explain(const StepSettings& settings, double distance, Explanation& out);
 
@@ -25,7 +24,7 @@ struct Pipeline {
   StepMotion motion;
   Culling culling;
   BroadPhase broad_phase;
-  std::vector<Chunk> chunks;  ///< Scratch of the narrow phase.
+  NarrowScratch narrow;
 };
 
 /// Runs a call, isolated, on what a checker remembers from call to call. A call that throws, for want of

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "base/plain_arithmetic.h"
+#include "base/stopwatch.h"
 #include "base/try.h"
 #include "check/answer.h"
 #include "check/smallest_k.h"
@@ -21,7 +22,7 @@ struct Pose {
   bool is_layered(Index object) const { return !objects.empty() && objects[object].is_layered(); }
 };
 
-void test_pair(const Pose& pose, const TraversalTask& task, CandidateBuffer::Pair pair, const Filter& filter,
+void test_pair(const Pose& pose, const TraversalTask& task, CandidatePair pair, const Filter& filter,
                std::vector<TriangleCrossing>& out) {
   Index object_a = task.object_a, object_b = task.object_b;
   const Hierarchy &ha = pose.motion.hierarchy(object_a), &hb = pose.motion.hierarchy(object_b);
@@ -118,7 +119,6 @@ void add_all_copies(const Pose& pose, const Filter& filter, Crossings& out) {
 Result<void> check_pose(const Query& query, Positions x, const StepSettings& settings, StaticResult& out) {
   const PlainArithmetic plain;
   Pipeline& pipeline = query.pipeline;
-  std::vector<Chunk>& chunks = pipeline.chunks;
   Stopwatch total, watch;
   out.complete = false;
   out.crossings.clear();
@@ -129,29 +129,24 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
   FOLDPROOF_TRY(pipeline.motion.update(x, x));
   out.work.refits = pipeline.motion.size();
   out.milliseconds.update = watch.lap();
-  FOLDPROOF_TRY(pipeline.find_leaf_pairs(x, x, settings, 0, out.work));
+  FOLDPROOF_TRY(pipeline.find_leaf_pairs(settings, 0, out.work));
   out.milliseconds.traverse = watch.lap();
 
   const Pose pose{pipeline.motion, x, query.objects};
   const BroadPhase& found = pipeline.broad_phase;
   Crossings crossings(pipeline.filter.distinct, settings.max_listed, out);
-  in_rounds(found.leaf_pairs(), chunks, [&](std::size_t count) {
-    parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      Chunk& chunk = chunks[i];
-      chunk.candidates.clear();
-      std::size_t done = 0;
-      for (const LeafPair& pair : chunk.pairs) {
-        const TraversalTask& task = found.tasks()[pair.task];
-        find_face_pairs(task.traversal, pair.leaves, chunk.candidates);
-        for (; done < chunk.candidates.face_face.size(); ++done) {
-          test_pair(pose, task, chunk.candidates.face_face[done], pipeline.filter, chunk.crossings);
-        }
-      }
-    });
-    for (std::size_t i = 0; i < count; ++i) {
-      for (const TriangleCrossing& crossing : chunks[i].crossings) crossings.add(crossing);
-      chunks[i].crossings.clear();
+  const auto test = [&](std::span<const LeafPair> pairs, Hits& hits) {
+    std::vector<CandidatePair>& faces =
+        pipeline.narrow.candidates.local().candidates[FeaturePair::VertexFace];
+    for (const LeafPair& pair : pairs) {
+      const TraversalTask& task = found.tasks()[pair.task];
+      faces.clear();
+      find_face_pairs(task.traversal, pair.leaves, faces);
+      for (const CandidatePair both : faces) test_pair(pose, task, both, pipeline.filter, hits.crossings);
     }
+  };
+  in_chunks(found.leaf_pairs(), kChunk, pipeline.narrow.hits, test, [&](const Hits& hits) {
+    for (const TriangleCrossing& crossing : hits.crossings) crossings.add(crossing);
   });
   if (settings.within) add_all_copies(pose, pipeline.filter, crossings);
   crossings.finish();

@@ -1,6 +1,7 @@
 #include "check/step.h"
 
 #include "base/plain_arithmetic.h"
+#include "base/stopwatch.h"
 #include "base/try.h"
 #include "check/answer.h"
 
@@ -29,8 +30,8 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
 
   // Broad phase and culling: finds pairs of leaves.
   if (!cache_hit) {
-    FOLDPROOF_TRY(look_ahead != nullptr ? look_ahead->search(pipeline, x0, x1, settings, distance, out.work)
-                                        : pipeline.find_leaf_pairs(x0, x1, settings, distance, out.work));
+    FOLDPROOF_TRY(look_ahead != nullptr ? look_ahead->search(pipeline, settings, distance, out.work)
+                                        : pipeline.find_leaf_pairs(settings, distance, out.work));
   }
   out.milliseconds.traverse = watch.lap();
 
@@ -39,12 +40,12 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
   NarrowStep narrow(settings, out.tolerance, motion.bvhs(), found.tasks(), x0, x1);
   narrow.filter = pipeline.filter;
   if (look_ahead != nullptr) {
-    look_ahead->test(narrow, pipeline, watch, out);
+    look_ahead->test(narrow, pipeline, out);
   } else {
-    test_leaf_pairs(narrow, found.leaf_pairs(), pipeline.chunks, watch, out);
+    test_leaf_pairs(narrow, found.leaf_pairs(), pipeline.narrow, out);
   }
   finish(settings, out);
-  out.milliseconds.narrow += watch.lap();
+  out.milliseconds.narrow = watch.lap();
   out.milliseconds.total = total.lap();
   if (settings.explain) {
     pipeline.explain(settings, distance, out.explanation);

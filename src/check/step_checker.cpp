@@ -22,7 +22,7 @@ std::vector<Distinct> remove_copies(std::vector<Object>& objects, const PairFilt
   std::vector<Distinct> all;
   bool any_copies = false;
   for (Object& object : objects) {
-    const bool trained = object.charts() || object.predictor();
+    const bool trained = object.charts() != nullptr;
     auto& distinct = distinct_of[trained ? nullptr : object.hierarchy().get()];
     if (!distinct)
       distinct = trained ? std::make_shared<const DistinctTriangles>()
@@ -64,10 +64,8 @@ StageTimes& StageTimes::operator+=(const StageTimes& more) {
 
 Object::Object(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(std::move(hierarchy)) {}
 Object::Object(Hierarchy hierarchy) : Object(std::make_shared<const Hierarchy>(std::move(hierarchy))) {}
-Object::Object(std::shared_ptr<const ChartLibrary> charts, std::shared_ptr<const NodePredictor> predictor)
-    : hierarchy_(charts->slots()->hierarchy()),
-      charts_(std::move(charts)),
-      predictor_(std::move(predictor)) {}
+Object::Object(std::shared_ptr<const ChartLibrary> charts)
+    : hierarchy_(charts->slots()->hierarchy()), charts_(std::move(charts)) {}
 
 struct StepChecker::Impl {
   struct Memory {

@@ -28,9 +28,9 @@ Result<void> find_contacts(const std::vector<Object>& objects,
                            const std::function<Result<std::optional<MotionFrame>>()>& next,
                            const std::function<void(Contact)>& ended, const StepSettings& settings,
                            Parts parts, std::shared_ptr<const PairFilter> filter) {
-  if (settings.mode == Mode::Paper || settings.earliest_only) {
+  if (settings.declared_free != nullptr || settings.earliest_only) {
     return fail(ErrorCode::InvalidArgument, "settings", "do not ask for all collisions",
-                "leave Mode::Paper and earliest_only out to find contacts");
+                "leave declared_free and earliest_only out to find contacts");
   }
   std::vector<const Topology*> topologies;
   topologies.reserve(objects.size());

@@ -99,7 +99,7 @@ Json SceneData::json() const {
             {"steps_only", settings_.steps_only},
             {"ignore", settings_.ignore},
             {"unit", unit_of(motions_, settings_)},
-            {"mode", s.mode == Mode::Paper ? "paper" : "proven"}}},
+            {"mode", settings_.paper_miss_rate ? "paper" : "proven"}}},
           {"reasons", kReasonNames}};
 }
 

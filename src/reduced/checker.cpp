@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/plain_arithmetic.h"
+#include "base/stopwatch.h"
 #include "base/try.h"
 #include "check/answer.h"
 #include "check/pipeline.h"
@@ -27,7 +28,7 @@ struct ReducedChecker::Impl {
   SweepAndPrune sweep;
   std::vector<SweptBox> object_boxes;
   std::vector<LeafPair> leaf_pairs;
-  std::vector<Chunk> chunks;
+  NarrowScratch narrow;
   std::vector<NodePair> stack;
   ReducedShape::Scratch scratch;
   std::vector<std::span<const double>> x0, x1;
@@ -146,7 +147,7 @@ Result<void> ReducedChecker::Impl::traverse_vertices(Index task, double distance
   const StepSettings within{.between = false, .certificates = settings.certificates};
   FOLDPROOF_TRY(pipeline->motion.update(x0, x1));
   ++work.refits;
-  FOLDPROOF_TRY(pipeline->find_leaf_pairs(x0, x1, within, distance, work));
+  FOLDPROOF_TRY(pipeline->find_leaf_pairs(within, distance, work));
   for (const LeafPair& pair : pipeline->broad_phase.leaf_pairs()) {
     tasks[task].traversal = pipeline->broad_phase.tasks()[pair.task].traversal;
     leaf_pairs.push_back({task, pair.leaves});
@@ -270,9 +271,9 @@ Result<void> ReducedChecker::Impl::check(std::span<const ReducedPose> start, std
     x1.push_back(object.positions(1));
   }
   const NarrowStep step(settings, out.tolerance, bvhs, tasks, x0, x1);
-  test_leaf_pairs(step, leaf_pairs, chunks, watch, out);
+  test_leaf_pairs(step, leaf_pairs, narrow, out);
   finish(settings, out);
-  out.milliseconds.narrow += watch.lap();
+  out.milliseconds.narrow = watch.lap();
   out.milliseconds.total = out.milliseconds.update + out.milliseconds.traverse + out.milliseconds.narrow;
   return {};
 }

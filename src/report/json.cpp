@@ -19,7 +19,7 @@ class JsonReport : public ReportWriter {
         settings_(info.settings),
         pairs_(info.pairs),
         poses_(info.settings.poses),
-        statistical_(info.settings.step.mode == Mode::Paper),
+        statistical_(info.settings.paper_miss_rate.has_value()),
         is_whole_(clip == nullptr) {
     file_.add("{{");
     if (clip != nullptr) file_.add("\"clip\":{},\n", dump(*clip));

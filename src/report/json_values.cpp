@@ -92,9 +92,9 @@ Json settings_json(const ReportInfo& info, Motions motions) {
                {"points", info.read.points},
                {"fps", info.read.fps}};
   if (const std::string unit = unit_of(motions, settings); !unit.empty()) json["unit"] = unit;
-  if (settings.step.mode == Mode::Paper) {
+  if (settings.paper_miss_rate) {
     json["mode"] = "paper (STATISTICAL: can miss collisions)";
-    json["miss_rate"] = settings.step.miss_rate;
+    json["miss_rate"] = *settings.paper_miss_rate;
   }
   return json;
 }

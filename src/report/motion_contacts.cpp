@@ -19,7 +19,7 @@ double milliseconds_since(Clock::time_point begin) {
 Result<std::unique_ptr<MotionContacts>> MotionContacts::make(Motions motions, const CheckSettings& settings,
                                                              const std::vector<Object>& objects,
                                                              std::shared_ptr<const PairFilter> filter) {
-  if (!settings.contacts || settings.step.mode == Mode::Paper || settings.step.earliest_only) return nullptr;
+  if (!settings.contacts || settings.paper_miss_rate || settings.step.earliest_only) return nullptr;
   std::vector<const Topology*> topologies;
   topologies.reserve(motions.size());
   for (const auto& motion : motions) topologies.push_back(&motion->topology());

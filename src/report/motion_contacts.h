@@ -9,7 +9,7 @@ namespace foldproof::inline internal {
 class MotionContacts {
  public:
   /// Keeps references to all arguments. `filter`: the checkers'. Null when the settings leave contacts out,
-  /// or the answers are not complete: Mode::Paper, earliest_only.
+  /// or the answers are not complete: the mode paper, earliest_only.
   static Result<std::unique_ptr<MotionContacts>> make(Motions motions, const CheckSettings& settings,
                                                       const std::vector<Object>& objects,
                                                       std::shared_ptr<const PairFilter> filter);

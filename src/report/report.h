@@ -23,13 +23,16 @@ Result<ObjectParts> read_parts(const std::string& path, const Topology& topology
 
 struct CheckSettings {
   StepSettings step;
+  /// The mode paper, STATISTICAL: certificates are predicted (predict_free_nodes) at this miss rate. Needs a
+  /// model for each motion. None: every answer is proven.
+  std::optional<double> paper_miss_rate = std::nullopt;
   bool poses = false;  ///< Find crossing triangles of each selected frame, not collisions between frames.
   /// Skip the test for triangles that cross in the first frame. A step without collisions has no new contact,
   /// but triangles that cross at its start may go on crossing. Only both tests together prove that nothing
   /// intersects at any time (docs/soundness.md). Has no effect with `poses`.
   bool steps_only = false;
-  /// Join what collides into contacts. Has no effect in Mode::Paper and with earliest_only, whose answers are
-  /// not complete.
+  /// Join what collides into contacts. Has no effect in the mode paper and with earliest_only, whose answers
+  /// are not complete.
   bool contacts = true;
   std::vector<ObjectParts> parts;  ///< One per motion; or empty: those that the files name.
   std::string unit;                ///< Name of a mesh unit, for reports; empty: the files'.
@@ -46,7 +49,7 @@ struct CheckSettings {
   /// One per motion, for those without a model. Empty: built from the first selected frame.
   std::vector<std::shared_ptr<const Hierarchy>> hierarchies;
   /// The motions themselves, if coordinates of a subspace describe them: steps are checked in these
-  /// coordinates. Else empty. Not with `poses`, Mode::Paper, explain and substeps.
+  /// coordinates. Else empty. Not with `poses`, paper_miss_rate, explain and substeps.
   std::vector<const ReducedTrack*> reduced;
   double ball_milliseconds = 0;  ///< For the summary: how long the balls of `reduced` took to prove.
 };
@@ -96,7 +99,8 @@ struct CheckedStep {
   const StaticResult* pose = nullptr;        ///< Null for a step.
   const Explanation* explanation = nullptr;  ///< Null unless StepSettings::explain is set.
   const ContactFinder* contacts = nullptr;   ///< As of the end of the step; null if they are not found.
-  /// Mode::Paper: collisions of the proven answer that this one misses, and the time of that answer. Else 0.
+  /// With paper_miss_rate: collisions of the proven answer that this one misses, and the time of that answer.
+  /// Else 0.
   std::uint64_t missed = 0;
   double proven_milliseconds = 0;
 
@@ -134,8 +138,8 @@ struct CheckTotals {
   StageTimes milliseconds;         ///< Sums over the steps.
   double slowest_step = 0;         ///< Milliseconds.
   ReasonCounts leaf_pairs{};       ///< Explanation::leaf_pairs, sums over the steps; zeros without explain.
-  std::uint64_t missed = 0;        ///< Mode::Paper: sum over the steps.
-  double proven_milliseconds = 0;  ///< Mode::Paper: sum over the steps.
+  std::uint64_t missed = 0;        ///< With paper_miss_rate: sum over the steps.
+  double proven_milliseconds = 0;  ///< With paper_miss_rate: sum over the steps.
   bool cancelled = false;          ///< Stopped by request; the numbers cover the steps until then.
 
   /// What collides and crosses, joined into contacts, the worst first; their times are frames, with fractions
@@ -207,8 +211,8 @@ struct CheckHooks {
 /// A check of motions whose caller decides when it goes on; run_check does it at once. Passes each answer to
 /// all writers: first the triangles that cross in the first frame, exactly and in every mode, then the
 /// collisions of each step. A single frame has one step without motion, which finds pairs as close as the
-/// thickness. With Mode::Paper every step is checked a second time, proven, to count misses. Memory holds two
-/// frames per object (four with substeps) and one answer.
+/// thickness. With paper_miss_rate every step is checked a second time, proven, to count misses. Memory holds
+/// two frames per object (four with substeps) and one answer.
 class MotionCheck {
  public:
   /// All arguments must outlive the check. Error: those of frames_to_check, a model of another mesh, a name

@@ -78,7 +78,7 @@ Result<std::vector<Object>> make_objects(Motions motions, const CheckSettings& s
 
 // Only models predict certificates.
 Result<void> require_predictions(Motions motions, const CheckSettings& settings) {
-  if (settings.step.mode != Mode::Paper) return {};
+  if (!settings.paper_miss_rate) return {};
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const Model* model = settings.models.empty() ? nullptr : settings.models[i].get();
     if (model && model->learned && model->learned->certificates) continue;
@@ -180,8 +180,9 @@ class MotionCheck::Impl {
   Result<void> pose(std::uint64_t number) {
     const Index frame = frames_[number];
     if (number > 0) FOLDPROOF_TRY(read(from_, frame));
+    FOLDPROOF_TRY(predict(from_, from_));
     StaticResult& result = static_result_;
-    FOLDPROOF_TRY(checker_->check_static(from_.positions(), settings_.step, result));
+    FOLDPROOF_TRY(checker_->check_static(from_.positions(), step_settings_, result));
     if (proven_) {
       FOLDPROOF_TRY(proven_->check_static(from_.positions(), proven_settings_, proven_static_result_));
     }
@@ -270,7 +271,6 @@ class MotionCheck::Impl {
   Result<StaticResult> first_crossings(std::shared_ptr<const PairFilter> filter,
                                        std::uint64_t max_listed) const {
     StepSettings exact = settings_.step;
-    exact.mode = Mode::Proven;
     exact.explain = false;
     exact.max_listed = max_listed;
     StaticResult result;
@@ -314,7 +314,8 @@ class MotionCheck::Impl {
   }
 
   Result<void> check(const StepIndex& index, const Pose& x0, const Pose& x1) {
-    FOLDPROOF_TRY(checker_->check(x0.positions(), x1.positions(), settings_.step, result_));
+    FOLDPROOF_TRY(predict(x0, x1));
+    FOLDPROOF_TRY(checker_->check(x0.positions(), x1.positions(), step_settings_, result_));
     if (proven_) {
       FOLDPROOF_TRY(proven_->check(x0.positions(), x1.positions(), proven_settings_, proven_result_));
     }
@@ -341,14 +342,20 @@ class MotionCheck::Impl {
     return deliver(step);
   }
 
-  // Mode::Paper: makes the checker to compare with. The statistical answer is a subset of the proven one,
+  // The mode paper: makes the checker to compare with. The statistical answer is a subset of the proven one,
   // since both pass the same pairs to the same narrow phase. So counts are enough.
   void prepare_comparison() {
-    if (settings_.step.mode != Mode::Paper) return;
+    if (!settings_.paper_miss_rate) return;
+    step_settings_.declared_free = &predicted_free_;
     proven_settings_ = settings_.step;
-    proven_settings_.mode = Mode::Proven;
     proven_settings_.max_listed = 0;
     proven_.emplace(objects_, filter_);
+  }
+
+  Result<void> predict(const Pose& x0, const Pose& x1) {
+    if (!proven_ || !settings_.step.within) return {};
+    return predict_free_nodes(settings_.models, x0.positions(), x1.positions(), *settings_.paper_miss_rate,
+                              predicted_free_);
   }
 
   template <class Answer>
@@ -391,8 +398,9 @@ class MotionCheck::Impl {
   std::optional<ReducedChecker> reduced_checker_;  // in place of checker_
   StepResult result_, proven_result_;
   StaticResult static_result_, proven_static_result_;
-  std::optional<StepChecker> proven_;  // Mode::Paper
-  StepSettings proven_settings_;
+  std::optional<StepChecker> proven_;  // the mode paper
+  StepSettings step_settings_ = settings_.step, proven_settings_;
+  std::vector<std::vector<std::uint8_t>> predicted_free_;
   StageTimes still_milliseconds_;
   CheckTotals totals_;
   Coincidences coincidences_;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "base/stopwatch.h"
 #include "base/try.h"
 #include "solver/contact_checker.h"
 

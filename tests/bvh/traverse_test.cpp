@@ -98,7 +98,7 @@ double max_cell_size(const Moving& m) {
 // Every pair whose gap is within the distance is found exactly once, no pair that is clearly farther, and no
 // incident pair.
 void expect_complete(const Moving& a, const Moving& b, int corners_a, int corners_b, double distance,
-                     const std::vector<CandidateBuffer::Pair>& found) {
+                     const std::vector<CandidatePair>& found) {
   const bool same = &a == &b;
   const auto fa = features(a, corners_a), fb = features(b, corners_b);
   std::map<std::pair<Index, Index>, int> counts;
@@ -131,9 +131,9 @@ TEST(Traverse, FindsEachNearPairOfFeaturesOnceWithinAnObject) {
       for (const double distance : {0.0, 0.03}) {
         const Moving m = moving(mesh, 0.15, 7, leaf);
         const auto found = all_candidates(m, m, separation_margin({}, distance));
-        EXPECT_TRUE(found.face_vertex.empty());
-        expect_complete(m, m, 1, 3, distance, found.vertex_face);
-        expect_complete(m, m, 2, 2, distance, found.edge_edge);
+        EXPECT_TRUE(found[FeaturePair::FaceVertex].empty());
+        expect_complete(m, m, 1, 3, distance, found[FeaturePair::VertexFace]);
+        expect_complete(m, m, 2, 2, distance, found[FeaturePair::EdgeEdge]);
       }
     }
   }
@@ -142,9 +142,9 @@ TEST(Traverse, FindsEachNearPairOfFeaturesOnceWithinAnObject) {
 TEST(Traverse, FindsEachNearPairOfFeaturesOnceBetweenObjects) {
   const Moving a = moving(testing::cloth(7), 0.2, 1, 4), b = moving(testing::soup(90, 5), 0.2, 2, 16);
   auto found = all_candidates(a, b, separation_margin({}, 0.01));
-  expect_complete(a, b, 1, 3, 0.01, found.vertex_face);
-  expect_complete(a, b, 2, 2, 0.01, found.edge_edge);
-  expect_complete(a, b, 3, 1, 0.01, found.face_vertex);
+  expect_complete(a, b, 1, 3, 0.01, found[FeaturePair::VertexFace]);
+  expect_complete(a, b, 2, 2, 0.01, found[FeaturePair::EdgeEdge]);
+  expect_complete(a, b, 3, 1, 0.01, found[FeaturePair::FaceVertex]);
 }
 
 TEST(Traverse, SeparatesFlatLeaves) {
@@ -160,15 +160,17 @@ TEST(Traverse, SeparatesFlatLeaves) {
   for (Index i = 0; i < a.bvh.hierarchy->leaf_count(); ++i) {
     for (Index k = 0; k < b.bvh.hierarchy->leaf_count(); ++k) find_candidates(traversal, {i, k}, found);
   }
-  EXPECT_TRUE(found.vertex_face.empty() && found.face_vertex.empty() && found.edge_edge.empty());
+  EXPECT_TRUE(found[FeaturePair::VertexFace].empty() && found[FeaturePair::FaceVertex].empty() &&
+              found[FeaturePair::EdgeEdge].empty());
 }
 
 TEST(Traverse, AMarginBeyondTheFrameFindsEverything) {
   const Moving a = moving(testing::cloth(5), 0.1, 1, 4), b = moving(testing::soup(20, 5), 0.1, 2, 16);
   for (const double distance : {3.0, 1e20, 1e300}) {
     const auto found = all_candidates(a, b, separation_margin({}, distance));
-    EXPECT_EQ(found.edge_edge.size(), a.bvh.hierarchy->edges().size() * b.bvh.hierarchy->edges().size());
-    EXPECT_EQ(found.vertex_face.size(),
+    EXPECT_EQ(found[FeaturePair::EdgeEdge].size(),
+              a.bvh.hierarchy->edges().size() * b.bvh.hierarchy->edges().size());
+    EXPECT_EQ(found[FeaturePair::VertexFace].size(),
               a.bvh.hierarchy->vertex_ids().size() * b.bvh.hierarchy->triangles().size());
   }
 }
@@ -178,8 +180,8 @@ TEST(Traverse, AllInstructionSetsFindTheSameCandidates) {
     const Moving m = moving(testing::soup(300, 4), 0.1, 7, 16);
     const auto found = all_candidates(m, m, separation_margin({}, 0.01));
     std::vector<Index> all;
-    for (const auto* list : {&found.vertex_face, &found.edge_edge}) {
-      for (const CandidateBuffer::Pair& pair : *list) all.insert(all.end(), {pair.a, pair.b});
+    for (const auto* list : {&found[FeaturePair::VertexFace], &found[FeaturePair::EdgeEdge]}) {
+      for (const CandidatePair& pair : *list) all.insert(all.end(), {pair.a, pair.b});
     }
     EXPECT_GT(all.size(), 1000u);
     return all;

@@ -24,7 +24,7 @@ struct Stage {
   void find(const Scene& scene, const StepSettings& settings, double distance) {
     const auto x0 = scene.spans0(), x1 = scene.spans1();
     ASSERT_TRUE(motion.update(x0, x1));
-    ASSERT_TRUE(culling.begin_step(motion, x0, x1, settings, distance));
+    ASSERT_TRUE(culling.begin_step(motion, settings, distance));
     broad_phase.find(motion, culling, filter, settings, distance, work);
   }
 

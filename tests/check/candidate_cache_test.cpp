@@ -47,7 +47,7 @@ class CandidateCacheTest : public ::testing::Test {
       for (Index k = 0; k < motion.hierarchy(1).leaf_count(); ++k) pairs.push_back({0, {i, k}});
     }
     motion.fill_features(tasks, pairs);
-    cache.fill(tasks, pairs, 0.01 * motion.frame().scale, chunks);
+    cache.fill(tasks, pairs, 0.01 * motion.frame().scale);
   }
 
   // Tests the part of the motion between two times.
@@ -56,7 +56,7 @@ class CandidateCacheTest : public ::testing::Test {
     const auto x0 = scene.spans0(), x1 = scene.spans1();
     NarrowStep step({}, 0, motion.bvhs(), tasks, x0, x1);
     StepResult out;
-    cache.test(step, {static_cast<float>(begin), static_cast<float>(end)}, chunks, out);
+    cache.test(step, {static_cast<float>(begin), static_cast<float>(end)}, scratch, out);
     finish({}, out);
     return out;
   }
@@ -67,7 +67,7 @@ class CandidateCacheTest : public ::testing::Test {
   StepMotion motion;
   std::vector<TraversalTask> tasks;
   std::vector<LeafPair> pairs;
-  std::vector<Chunk> chunks;
+  NarrowScratch scratch;
   CandidateCache cache;
 };
 

@@ -31,7 +31,7 @@ class Stage {
     found.near = near_leaves(scene, objects, settings, distance);
     const auto x0 = scene.spans0(), x1 = scene.spans1();
     EXPECT_TRUE(motion_.update(x0, x1));
-    EXPECT_TRUE(culling.begin_step(motion_, x0, x1, settings, distance));
+    EXPECT_TRUE(culling.begin_step(motion_, settings, distance));
     const float margin = separation_margin(motion_.frame(), distance);
     std::vector<std::pair<TraversalTask, NodePair>> remaining;
     for (Index a = 0; a < objects.size(); ++a) {
@@ -327,7 +327,7 @@ TEST(Culling, TestsBoxesWhereTheTraversalDidNot) {
   ASSERT_TRUE(motion.update(x0, x1));
   StepSettings settings;
   settings.certificates = false;
-  ASSERT_TRUE(culling.begin_step(motion, x0, x1, settings, 0.1));
+  ASSERT_TRUE(culling.begin_step(motion, settings, 0.1));
   const float margin = separation_margin(motion.frame(), 0.1);
   const TraversalTask task{{&motion.bvhs()[0], &motion.bvhs()[1], margin}, 0, 1};
   const NearLeafPair pair{{0, 0}, kNoIndex};
@@ -373,7 +373,7 @@ TEST(Culling, IgnoredNodesAreAsGoodAsProven) {
   EXPECT_EQ(leaves, right);
 }
 
-TEST(Culling, TheModePaperNeedsAPredictor) {
+TEST(Culling, WhatIsDeclaredIsOfEachNode) {
   const Scene scene = hinged_sheet(0, 0);
   const std::vector<Object> objects = scene.hierarchies(4);
   StepMotion motion(objects);
@@ -381,10 +381,13 @@ TEST(Culling, TheModePaperNeedsAPredictor) {
   const auto x = scene.spans0();
   ASSERT_TRUE(motion.update(x, x));
   StepSettings settings;
-  settings.mode = Mode::Paper;
-  const auto begun = culling.begin_step(motion, x, x, settings, 0);
+  std::vector<std::vector<std::uint8_t>> free;
+  settings.declared_free = &free;
+  const auto begun = culling.begin_step(motion, settings, 0);
   ASSERT_FALSE(begun);
-  EXPECT_EQ(begun.error().where, "object 0");
+  EXPECT_EQ(begun.error().where, "declared_free, object 0");
+  free.emplace_back(objects[0].hierarchy()->nodes().size());
+  EXPECT_TRUE(culling.begin_step(motion, settings, 0));
 }
 
 }  // namespace

@@ -50,8 +50,7 @@ class Stage {
     step.filter = filter;
     step.ccd.max_iterations = max_iterations;
     StepResult out;
-    Stopwatch watch;
-    test_leaf_pairs(step, pairs, chunks_, watch, out);
+    test_leaf_pairs(step, pairs, scratch_, out);
     finish(settings, out);
     return out;
   }
@@ -62,7 +61,7 @@ class Stage {
   StepMotion motion_;
   std::vector<std::span<const double>> x0_, x1_;
   std::vector<TraversalTask> tasks_;
-  std::vector<Chunk> chunks_;
+  NarrowScratch scratch_;
 };
 
 const Topology& triangle() {

@@ -103,7 +103,8 @@ TEST(FindContacts, RefusesAnswersThatAreNotComplete) {
   first.earliest_only = true;
   EXPECT_FALSE(found_in(passing_balls(), first));
   StepSettings paper;
-  paper.mode = Mode::Paper;
+  const std::vector<std::vector<std::uint8_t>> free;
+  paper.declared_free = &free;
   EXPECT_FALSE(found_in(passing_balls(), paper));
 }
 

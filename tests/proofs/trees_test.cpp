@@ -137,10 +137,10 @@ TEST(Trees, EachPairOfFeaturesIsACandidateOnce) {
     traverse(traversal, {0, 0}, stack, found);
     CandidateBuffer candidates;
     for (const NodePair leaves : found.leaf_pairs) find_candidates(traversal, leaves, candidates);
-    ASSERT_TRUE(candidates.face_vertex.empty());
+    ASSERT_TRUE(candidates[FeaturePair::FaceVertex].empty());
     Pairs vertex_face, edge_edge;
-    for (const auto& [v, f] : candidates.vertex_face) ++vertex_face[{v, f}];
-    for (const auto& [a, b] : candidates.edge_edge) count(edge_edge, a, b);
+    for (const auto& [v, f] : candidates[FeaturePair::VertexFace]) ++vertex_face[{v, f}];
+    for (const auto& [a, b] : candidates[FeaturePair::EdgeEdge]) count(edge_edge, a, b);
     for (Index v = 0; v < h->vertex_ids().size(); ++v) {
       for (Index f = 0; f < h->triangles().size(); ++f)
         ASSERT_EQ((vertex_face[{v, f}]), !share(std::array{v}, h->triangles()[f]));

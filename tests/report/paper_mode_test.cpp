@@ -1,4 +1,4 @@
-// A check of a whole motion counts what Mode::Paper misses.
+// A check of a whole motion counts what the mode paper misses.
 #include <gtest/gtest.h>
 
 #include "foldproof/model.h"
@@ -14,15 +14,14 @@ TEST(PaperMode, IsComparedWithTheProvenAnswer) {
   std::vector<std::unique_ptr<Motion>> motions;
   motions.push_back(bending_tube(kShape, {4, 5, 6, 7, 8}));
   CheckSettings settings;
-  settings.step.mode = Mode::Paper;
-  settings.step.miss_rate = 1;
+  settings.paper_miss_rate = 1;
   const auto rejected = run_check(motions, settings, {});
   ASSERT_FALSE(rejected);
   EXPECT_NE(rejected.error().line().find("--model"), std::string::npos);
   settings.models = {std::make_shared<const Model>(*train_model(all_poses(*poses), {}))};
   const auto predicted = run_check(motions, settings, {});
   ASSERT_TRUE(predicted) << predicted.error().line();
-  settings.step.mode = Mode::Proven;
+  settings.paper_miss_rate.reset();
   const auto proven = run_check(motions, settings, {});
   ASSERT_TRUE(proven);
   EXPECT_EQ(proven->missed, 0u);
