@@ -24,11 +24,12 @@ struct alignas(16) ByteBox {
 /// Quantizes the box, enlarged by `margin`. B4 needs the cell to be a monotone function of the coordinate: it
 /// is clamped to [0, 255] as a float, where both conversions are exact on the integer part. Converting first
 /// is not monotone: Highway 1.0.3 converts 32768 to 0 on AVX2.
-template <class T, class Floats = hn::Vec<T>>
-HWY_INLINE void Quantize(T d, Floats lower, Floats upper, float margin, const LeafGrid& grid,
-                         std::size_t lane, ByteBox& out) {
-  const hn::Rebind<std::int32_t, T> di;
-  const hn::Rebind<std::uint8_t, T> d8;
+template <class Floats>
+HWY_INLINE void Quantize(Floats lower, Floats upper, float margin, const LeafGrid& grid, std::size_t lane,
+                         ByteBox& out) {
+  const hn::DFromV<Floats> d;
+  const hn::Rebind<std::int32_t, hn::DFromV<Floats>> di;
+  const hn::Rebind<std::uint8_t, hn::DFromV<Floats>> d8;
   const auto cell = [&](Floats x) {
     const auto steps = hn::Mul(hn::Sub(x, hn::Load(d, grid.origin + lane)), hn::Load(d, grid.scale + lane));
     const auto clamped = hn::Min(hn::Max(steps, hn::Zero(d)), hn::Set(d, 255.0f));
@@ -51,7 +52,7 @@ HWY_INLINE void QuantizeFeature(const MovingVertex* vertices, const IdBlock<N>& 
       lower = hn::Min(lower, p);
       upper = hn::Max(upper, p);
     }
-    Quantize(d, lower, upper, margin, grid, lane, out);
+    Quantize(lower, upper, margin, grid, lane, out);
   }
 }
 
@@ -61,7 +62,7 @@ HWY_INLINE void QuantizeBox(const KineticBox& box, float margin, const LeafGrid&
   for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
     const auto lower = hn::Load(d, box.x[lane / 4][0] + lane % 4);
     const auto upper = hn::Neg(hn::Load(d, box.x[lane / 4][1] + lane % 4));
-    Quantize(d, lower, upper, margin, grid, lane, out);
+    Quantize(lower, upper, margin, grid, lane, out);
   }
 }
 

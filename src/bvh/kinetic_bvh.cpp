@@ -53,11 +53,11 @@ struct alignas(32) BoundsLanes {
   }
 };
 
-// Reads the vertices with these ids at both ends of the step, from axis `lane` on; calls `visit` for each and
-// computes their bounds.
+// Reads the vertices from axis `lane` on; calls `visit` for each and computes their bounds.
 template <class D, class Visit>
-HWY_INLINE void ReadEnds(D d, std::size_t lane, std::span<const Index> ids, std::span<const double> x0,
-                         std::span<const double> x1, BoundsLanes& bounds, Visit visit) {
+HWY_INLINE void ReadEnds(D d, std::size_t lane, const VerticesAtEnds& given, BoundsLanes& bounds,
+                         Visit visit) {
+  const auto& [ids, x0, x1] = given;
   const auto three = hn::FirstN(d, lane < 3 ? 3 - lane : 0);
   const auto read = [&](std::span<const double> x, Index id) {
     const std::size_t at = 3 * std::size_t{id};
@@ -102,15 +102,14 @@ struct ToFrame {
   }
 };
 
-// Reads both ends of the vertices with these ids to the frame; extends the bounds by them.
-void SetPositions(const Frame& frame, std::span<const Index> ids, std::span<const double> x0,
-                  std::span<const double> x1, MovingVertex* vertices, Bounds& bounds) {
+// Reads both ends of vertices to the frame; extends the bounds by them.
+void SetPositions(const Frame& frame, const VerticesAtEnds& given, MovingVertex* vertices, Bounds& bounds) {
   const hn::CappedTag<double, 4> d;
   const hn::Rebind<float, decltype(d)> df;
   BoundsLanes read;
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
     const ToFrame to_frame(d, frame, lane);
-    ReadEnds(d, lane, ids, x0, x1, read, [&](std::size_t i, auto p0, auto p1) HWY_ATTR {
+    ReadEnds(d, lane, given, read, [&](std::size_t i, auto p0, auto p1) HWY_ATTR {
       hn::Store(to_frame(p0), df, vertices[i].x + lane);
       hn::Store(to_frame(p1), df, vertices[i].x + 4 + lane);
     });
@@ -119,9 +118,8 @@ void SetPositions(const Frame& frame, std::span<const Index> ids, std::span<cons
 }
 
 // The same for a motion of `steps` steps that extrapolates this one.
-void SetExtrapolatedPositions(const Frame& frame, std::span<const Index> ids, std::span<const double> x0,
-                              std::span<const double> x1, double steps, MovingVertex* vertices,
-                              Bounds& first_step, Bounds& all_steps) {
+void SetExtrapolatedPositions(const Frame& frame, const VerticesAtEnds& given, double steps,
+                              MovingVertex* vertices, Bounds& first_step, Bounds& all_steps) {
   const hn::CappedTag<double, 4> d;
   const hn::Rebind<float, decltype(d)> df;
   const auto more = hn::Set(d, steps - 1);
@@ -129,7 +127,7 @@ void SetExtrapolatedPositions(const Frame& frame, std::span<const Index> ids, st
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
     const ToFrame to_frame(d, frame, lane);
     auto lowest = hn::Set(d, std::numeric_limits<double>::infinity()), highest = hn::Neg(lowest);
-    ReadEnds(d, lane, ids, x0, x1, read, [&](std::size_t i, auto p0, auto p1) HWY_ATTR {
+    ReadEnds(d, lane, given, read, [&](std::size_t i, auto p0, auto p1) HWY_ATTR {
       const auto p = hn::Add(p1, hn::Mul(more, hn::Sub(p1, p0)));
       lowest = hn::Min(lowest, p);
       highest = hn::Max(highest, p);
@@ -147,9 +145,8 @@ void SetExtrapolatedPositions(const Frame& frame, std::span<const Index> ids, st
 
 // The maximum distance, along any axis, of a step's ends from where the vertices are at two times of their
 // motion.
-float MaxDeviation(const Frame& frame, std::span<const Index> ids, std::span<const double> x0,
-                   std::span<const double> x1, const MovingVertex* vertices, const float (&times)[2],
-                   Bounds& bounds) {
+float MaxDeviation(const Frame& frame, const VerticesAtEnds& given, const MovingVertex* vertices,
+                   const float (&times)[2], Bounds& bounds) {
   const hn::CappedTag<double, 4> d;
   const hn::Rebind<float, decltype(d)> df;
   const auto time0 = hn::Set(df, times[0]), time1 = hn::Set(df, times[1]);
@@ -158,7 +155,7 @@ float MaxDeviation(const Frame& frame, std::span<const Index> ids, std::span<con
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
     const ToFrame to_frame(d, frame, lane);
     auto max = hn::Zero(df);
-    ReadEnds(d, lane, ids, x0, x1, read, [&](std::size_t i, auto p0, auto p1) HWY_ATTR {
+    ReadEnds(d, lane, given, read, [&](std::size_t i, auto p0, auto p1) HWY_ATTR {
       const auto start = hn::Load(df, vertices[i].x + lane);
       const auto displacement = hn::Sub(hn::Load(df, vertices[i].x + 4 + lane), start);
       const auto deviation0 = hn::Sub(to_frame(p0), hn::Add(start, hn::Mul(time0, displacement)));
@@ -332,7 +329,7 @@ Bounds KineticBvh::set_positions(const Frame& frame, std::span<const double> x0,
       IndexRange{0, ids.size()}, kVerticesPerTask, Bounds{},
       [&](IndexRange range, Bounds b) {
         HWY_DYNAMIC_DISPATCH(SetPositions)
-        (frame, ids.subspan(range.begin, range.size()), x0, x1, &vertices[range.begin], b);
+        (frame, {ids.subspan(range.begin, range.size()), x0, x1}, &vertices[range.begin], b);
         return b;
       },
       [](const Bounds& a, const Bounds& b) { return united(a, b); });
@@ -347,7 +344,7 @@ KineticBvh::ExtrapolatedBounds KineticBvh::set_extrapolated_positions(const Fram
       IndexRange{0, ids.size()}, kVerticesPerTask, ExtrapolatedBounds{},
       [&](IndexRange range, ExtrapolatedBounds b) {
         HWY_DYNAMIC_DISPATCH(SetExtrapolatedPositions)
-        (frame, ids.subspan(range.begin, range.size()), x0, x1, steps, &vertices[range.begin], b.first_step,
+        (frame, {ids.subspan(range.begin, range.size()), x0, x1}, steps, &vertices[range.begin], b.first_step,
          b.all_steps);
         return b;
       },
@@ -363,7 +360,7 @@ KineticBvh::Deviation KineticBvh::deviation(const Frame& frame, std::span<const 
       IndexRange{0, ids.size()}, kVerticesPerTask, Deviation{},
       [&](IndexRange range, Deviation d) {
         d.max = std::max(
-            d.max, HWY_DYNAMIC_DISPATCH(MaxDeviation)(frame, ids.subspan(range.begin, range.size()), x0, x1,
+            d.max, HWY_DYNAMIC_DISPATCH(MaxDeviation)(frame, {ids.subspan(range.begin, range.size()), x0, x1},
                                                       &vertices[range.begin], times, d.bounds));
         return d;
       },
@@ -388,7 +385,7 @@ void KineticBvh::refit_boxes() {
 void KineticBvh::set_vertex(const Frame& frame, Index vertex, const double* x0, const double* x1) {
   const Index only = 0;
   Bounds unused;
-  HWY_DYNAMIC_DISPATCH(SetPositions)(frame, {&only, 1}, {x0, 3}, {x1, 3}, &vertices[vertex], unused);
+  HWY_DYNAMIC_DISPATCH(SetPositions)(frame, {{&only, 1}, {x0, 3}, {x1, 3}}, &vertices[vertex], unused);
 }
 
 void KineticBvh::refit_leaf(Index leaf) {

@@ -37,6 +37,12 @@ inline Bounds united(const Bounds& a, const Bounds& b) {
   return {a.low.cwiseMin(b.low), a.high.cwiseMax(b.high), a.finite && b.finite};
 }
 
+/// Vertices by their ids, and the positions of all vertices at both ends of the step.
+struct VerticesAtEnds {
+  std::span<const Index> ids;
+  std::span<const double> x0, x1;
+};
+
 /// A vertex at both ends of the step: x y z 0 at t=0, then x y z 0 at t=1.
 struct alignas(32) MovingVertex {
   float x[8];

@@ -157,39 +157,34 @@ HWY_INLINE void Append(Index a, Index first_b, std::uint32_t near, std::vector<C
   out.resize(at + count);
 }
 
-// Tests a block of features of leaf a against one of leaf b. All masks are computed before any is read, so
-// that no computation waits for a mispredicted branch.
-template <int NA, int NB>
-HWY_INLINE void TestBlocks(const LeafSide& a, const FeatureBlocks<NA>& fa, Index ia, const LeafSide& b,
-                           const FeatureBlocks<NB>& fb, Index ib, const LeafTest& test,
-                           std::vector<CandidatePair>& out) {
-  ByteBox boxes[kBlock];
-  std::uint8_t lanes[kBlock];
-  int count = 0;
-  for (std::uint32_t left = NearLanes(a.other, fa.boxes[ia]) & fa.used[ia]; left != 0; left &= left - 1) {
-    const int lane = __builtin_ctz(left);
-    QuantizeFeature(a.bvh.vertices.data(), fa.ids[ia], lane, test.margin, b.grid(), boxes[count]);
-    lanes[count++] = static_cast<std::uint8_t>(lane);
-  }
-  std::uint32_t near[kBlock];
-  for (int i = 0; i < count; ++i) near[i] = NearLanes(boxes[i], fb.boxes[ib]) & fb.used[ib];
-  if (test.halve && ia == ib) {
-    for (int i = 0; i < count; ++i) near[i] &= ~((2u << lanes[i]) - 1);
-  }
-  for (int i = 0; i < count; ++i) {
-    if (near[i] == 0) continue;
-    if (test.drop_incident) near[i] &= ~IncidentLanes(fa.ids[ia], lanes[i], fb.ids[ib], near[i]);
-    if (near[i] != 0) Append(fa.first[ia] + lanes[i], fb.first[ib], near[i], out);
-  }
-}
-
+// Tests the features of leaf a against those of leaf b, block by block. All masks are computed before any is
+// read, so that no computation waits for a mispredicted branch.
 template <int NA, int NB>
 HWY_INLINE void TestFeatures(const LeafSide& a, const FeatureBlocks<NA>& fa, const LeafSide& b,
                              const FeatureBlocks<NB>& fb, const LeafTest& test,
                              std::vector<CandidatePair>& out) {
+  const auto test_blocks = [&](Index ia, Index ib) {
+    ByteBox boxes[kBlock];
+    std::uint8_t lanes[kBlock];
+    int count = 0;
+    for (std::uint32_t left = NearLanes(a.other, fa.boxes[ia]) & fa.used[ia]; left != 0; left &= left - 1) {
+      const int lane = __builtin_ctz(left);
+      QuantizeFeature(a.bvh.vertices.data(), fa.ids[ia], lane, test.margin, b.grid(), boxes[count]);
+      lanes[count++] = static_cast<std::uint8_t>(lane);
+    }
+    std::uint32_t near[kBlock];
+    for (int i = 0; i < count; ++i) near[i] = NearLanes(boxes[i], fb.boxes[ib]) & fb.used[ib];
+    if (test.halve && ia == ib) {
+      for (int i = 0; i < count; ++i) near[i] &= ~((2u << lanes[i]) - 1);
+    }
+    for (int i = 0; i < count; ++i) {
+      if (near[i] == 0) continue;
+      if (test.drop_incident) near[i] &= ~IncidentLanes(fa.ids[ia], lanes[i], fb.ids[ib], near[i]);
+      if (near[i] != 0) Append(fa.first[ia] + lanes[i], fb.first[ib], near[i], out);
+    }
+  };
   for (Index ia = fa.begin[a.leaf]; ia < fa.begin[a.leaf + 1]; ++ia) {
-    for (Index ib = test.halve ? ia : fb.begin[b.leaf]; ib < fb.begin[b.leaf + 1]; ++ib)
-      TestBlocks(a, fa, ia, b, fb, ib, test, out);
+    for (Index ib = test.halve ? ia : fb.begin[b.leaf]; ib < fb.begin[b.leaf + 1]; ++ib) test_blocks(ia, ib);
   }
 }
 

@@ -39,7 +39,7 @@ bool is_start_of_line(std::string_view text) {
 /// Removes the first line of a file of results from `text` where it is the header of a shard, and returns it.
 std::optional<ShardHeader> take_header(std::string_view& text) {
   const std::size_t end = text.find('\n');
-  const auto header = read_shard_header(std::string(text.substr(0, end)));
+  auto header = read_shard_header(std::string(text.substr(0, end)));
   if (header) text.remove_prefix(end == text.npos ? text.size() : end + 1);
   return header;
 }
