@@ -122,22 +122,21 @@ class StepSweep {
     }
   }
 
-  // Whether the boxes of all that the first points and the others sweep are too far apart for a collision,
+  // Whether what the first points sweep and what the others sweep have boxes too far apart for a collision,
   // which saves most of the time. Twice the distance leaves room for rounding.
   bool boxes_stay_apart(const PairPoints& p, int first) const {
-    for (int axis = 0; axis < 3; ++axis) {
-      double low[2], high[2];
-      for (const int side : {0, 1}) {
-        low[side] = high[side] = p.x0[side == 0 ? 0 : first][axis];
-        for (int i = side == 0 ? 0 : first; i < (side == 0 ? first : 4); ++i) {
-          low[side] = std::min({low[side], p.x0[i][axis], p.x1[i][axis]});
-          high[side] = std::max({high[side], p.x0[i][axis], p.x1[i][axis]});
-        }
+    const auto box = [&](int begin, int end) {
+      Vec3 low = p.x0[begin], high = low;
+      for (int i = begin; i < end; ++i) {
+        low = low.cwiseMin(p.x0[i]).cwiseMin(p.x1[i]);
+        high = high.cwiseMax(p.x0[i]).cwiseMax(p.x1[i]);
       }
-      const double far = 2 * (narrow_.thickness + narrow_.tolerance);
-      if (low[1] - high[0] > far || low[0] - high[1] > far) return true;
-    }
-    return false;
+      return std::pair(low, high);
+    };
+    const auto [low_a, high_a] = box(0, first);
+    const auto [low_b, high_b] = box(first, 4);
+    const double far = 2 * (narrow_.thickness + narrow_.tolerance);
+    return (low_b - high_a).maxCoeff() > far || (low_a - high_b).maxCoeff() > far;
   }
 
   void keep_earliest() {

@@ -18,7 +18,8 @@ PairPoints points_of(const VertexFaceCollision& pair, const Scene& scene);
 PairPoints points_of(const EdgeEdgeCollision& pair, const Scene& scene);
 
 /// What StepChecker::check should answer when its narrow phase uses `tolerance`: the narrow phase called on
-/// every pair that has no vertex in common. Vertices in no triangle take no part.
+/// every pair that has no vertex in common and whose swept boxes are not clearly apart. Vertices in no
+/// triangle take no part.
 StepResult brute_force_step(const Scene& scene, const StepSettings& settings, double tolerance);
 
 /// What StepChecker::check_static should answer at the start of the step, by exact integer arithmetic.
