@@ -270,5 +270,24 @@ TEST_F(ManyPairs, LeavesOutWhatTheFilterIgnores) {
   for (Index k = 0; k < kMany / 2; ++k) ASSERT_EQ(found.vertex_face[k].face, 2 * k);
 }
 
+// Whatever the number of pairs is to that of chunks and rounds.
+TEST(NarrowPhase, ChunksHaveEachPairOnceInTheirOrder) {
+  for (const std::size_t count : {0u, 1u, 2u, 3u, 4u, 1535u, 1536u, 1537u, 3072u, 4000u}) {
+    std::vector<Index> pairs(count);
+    for (Index i = 0; i < count; ++i) pairs[i] = i;
+    std::vector<Hits> scratch;
+    std::vector<Index> seen;
+    const auto test = [](std::span<const Index> chunk, Hits& hits) {
+      EXPECT_LE(chunk.size(), 3u);
+      for (const Index pair : chunk) hits.crossings.push_back({0, pair, 0, 0});
+    };
+    in_chunks(std::span<const Index>(pairs), 3, scratch, test, [&](const Hits& hits) {
+      for (const TriangleCrossing& hit : hits.crossings) seen.push_back(hit.triangle_a);
+    });
+    EXPECT_EQ(seen, pairs) << count;
+    EXPECT_LE(scratch.size(), kRound);
+  }
+}
+
 }  // namespace
 }  // namespace foldproof::oracle
