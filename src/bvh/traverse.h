@@ -98,14 +98,14 @@ inline constexpr std::array kFeaturePairs{FeaturePair::VertexFace, FeaturePair::
 /// A value for each of them.
 template <class T>
 struct PerKind : std::array<T, kFeaturePairs.size()> {
-  T& operator[](FeaturePair kind) { return this->at(static_cast<std::size_t>(kind)); }
-  const T& operator[](FeaturePair kind) const { return this->at(static_cast<std::size_t>(kind)); }
+  using Array = std::array<T, kFeaturePairs.size()>;
+  T& operator[](FeaturePair kind) { return Array::operator[](static_cast<std::size_t>(kind)); }
+  const T& operator[](FeaturePair kind) const { return Array::operator[](static_cast<std::size_t>(kind)); }
 };
 
 /// Feature pairs whose kinetic boxes are not separated, as indices in leaf order of their objects. Pairs that
 /// share a vertex are left out. Within one object no pair is FaceVertex.
 struct CandidateBuffer : PerKind<std::vector<CandidatePair>> {
-  std::size_t size() const { return at(0).size() + at(1).size() + at(2).size(); }
   void clear() {
     for (auto& list : *this) list.clear();
   }

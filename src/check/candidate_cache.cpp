@@ -143,9 +143,13 @@ void CandidateCache::test(const NarrowStep& step, const float (&times)[2], Narro
     PerKind<std::size_t> counts{};
     std::size_t list = 0;
     found.for_each([&](const CandidateRuns::Run&, FeaturePair kind, std::size_t begin, std::size_t end) {
+      const auto& candidates = found.candidates[kind];
+      const auto& intervals = part[0].intervals[kind];
+      auto& kept = selected.candidates[kind];
+      std::size_t& count = counts[kind];
       for (std::size_t k = begin; k < end; ++k) {
-        selected.candidates[kind][counts[kind]] = found.candidates[kind][k];
-        counts[kind] += static_cast<std::size_t>(interval.meets(part[0].intervals[kind][k]));
+        kept[count] = candidates[k];
+        count += static_cast<std::size_t>(interval.meets(intervals[k]));
       }
       selected.runs[list++ / kFeaturePairs.size()].ends[kind] = counts[kind];
     });
