@@ -17,6 +17,10 @@ Eigen::VectorXd margins_at(const Learned& learned, std::span<const double> x) {
 // A node is predicted free when its margin is above the threshold at the start and at the end of the step.
 Result<void> predict_free_nodes(std::span<const std::shared_ptr<const Model>> models, Positions x0,
                                 Positions x1, double miss_rate, std::vector<std::vector<std::uint8_t>>& out) {
+  if (x0.size() != models.size() || x1.size() != models.size())
+    return fail(ErrorCode::InvalidArgument, "positions",
+                fmt::format("given for {} and {} objects", x0.size(), x1.size()),
+                fmt::format("give them for all {}", models.size()));
   out.resize(models.size());
   for (std::size_t i = 0; i < models.size(); ++i) {
     if (!models[i] || !models[i]->learned || !models[i]->learned->certificates)

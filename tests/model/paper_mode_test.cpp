@@ -95,6 +95,7 @@ TEST_F(PaperMode, NeedsLearnedCertificates) {
   EXPECT_NE(done.error().line().find("at least 3 poses"), std::string::npos) << done.error().line();
   const std::vector<double> short_pose(3);
   EXPECT_FALSE(predict_free_nodes(std::span(&model_, 1), short_pose, short_pose, 0.01, free));
+  EXPECT_FALSE(predict_free_nodes(std::span(&model_, 1), Positions(), x, 0.01, free)) << "no object";
 }
 
 }  // namespace
