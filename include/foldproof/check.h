@@ -12,7 +12,6 @@ namespace foldproof {
 
 class ChartLibrary;  // foldproof/certificate.h
 
-/// How far an answer can be relied on.
 struct StepSettings {
   bool within = true;    ///< Collisions of each object with itself.
   bool between = true;   ///< Collisions of every two objects. One of the two must be on.

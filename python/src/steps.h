@@ -14,12 +14,12 @@
 
 namespace foldproof::python {
 
-/// Converts keyword arguments. TypeError: an unknown one, with the name that was meant: of a setting, or of
-/// another keyword of the function, in `others`.
 struct Settings {
   StepSettings step;
   std::optional<double> paper_miss_rate;  ///< Mode 'paper'; none: 'proven'.
 };
+/// Converts keyword arguments. TypeError: an unknown one, with the name that was meant: of a setting, or of
+/// another keyword of the function, in `others`.
 Settings settings_of(const py::kwargs& settings, const std::vector<std::string>& others = {});
 
 /// Raises TypeError for an unknown keyword. `of`: what it is no setting of; `names`: those that are known.

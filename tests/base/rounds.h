@@ -3,7 +3,7 @@
 
 namespace foldproof::testing {
 
-// GCC says so; Clang takes no part in these checks.
+// Defined by GCC, which the presets with sanitizers compile with.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr int kShare = 8;
 #else

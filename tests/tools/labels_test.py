@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Every test has the label of a module and one that says what it takes (two modules are called as that is); the presets rely on it: labels_test.py CTEST BUILD"""
+"""Every test has two labels, of its module and of what it takes, on which the presets rely; the modules fuzz and package have
+the same name as what their tests take. labels_test.py CTEST BUILD"""
 import json
 import subprocess
 import sys
