@@ -197,7 +197,7 @@ void QuantizeAll(const testing::OneGrid& one, std::span<const float> x, std::spa
   for (std::size_t i = 0; i < x.size(); i += 8) {
     for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
       const auto v = hn::LoadU(d, &x[i + lane]);
-      Quantize(d, v, v, one.margin, grid, lane, box);
+      Quantize(v, v, one.margin, grid, lane, box);
     }
     std::copy_n(box.x[0], 8, &lower[i]);
     std::copy_n(box.x[1], 8, &upper[i]);
