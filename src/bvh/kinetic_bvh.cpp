@@ -281,7 +281,8 @@ FeatureBlocks<N> pack_features(Index leaf_count, BeginOf begin_of, VerticesOf ve
 
 }  // namespace
 
-KineticBvh::KineticBvh(std::shared_ptr<const Hierarchy> tree) : hierarchy(std::move(tree)) {
+KineticBvh::KineticBvh(std::shared_ptr<const Hierarchy> tree)
+    : hierarchy(std::move(tree)), subtrees_(*hierarchy, 256) {
   const Hierarchy& h = *hierarchy;
   const auto leaves = h.leaves();
   vertices.resize(h.vertex_ids().size());
@@ -301,13 +302,7 @@ KineticBvh::KineticBvh(std::shared_ptr<const Hierarchy> tree) : hierarchy(std::m
 }
 
 void KineticBvh::find_leaves() {
-  constexpr Index kLeavesPerTask = 256;
   const Hierarchy& h = *hierarchy;
-  for (Index node = 0; node < h.nodes().size();) {
-    const Index leaves = h.nodes()[node].leaf_end - h.nodes()[node].leaf_begin;
-    (leaves <= kLeavesPerTask ? subtree_roots_ : top_nodes_).push_back(node);
-    node += leaves <= kLeavesPerTask ? 2 * leaves - 1 : 1;
-  }
   auto lists = list_leaf_vertices(h);
   leaf_vertex_ids_ = std::move(lists.vertices);
   for (Index node = 0; node < h.nodes().size(); ++node) {
@@ -371,14 +366,14 @@ KineticBvh::Deviation KineticBvh::deviation(const Frame& frame, std::span<const 
 
 void KineticBvh::refit_boxes() {
   const auto nodes = hierarchy->nodes();
-  parallel_for(std::size_t{0}, subtree_roots_.size(), [&](std::size_t k) {
-    const Hierarchy::Node& root = nodes[subtree_roots_[k]];
+  parallel_for(std::size_t{0}, subtrees_.roots.size(), [&](std::size_t k) {
+    const Hierarchy::Node& root = nodes[subtrees_.roots[k]];
     const Index count = root.leaf_end - root.leaf_begin;
     HWY_DYNAMIC_DISPATCH(FitLeaves)
     (vertices.data(), std::span(leaves_).subspan(root.leaf_begin, count), boxes.data());
-    HWY_DYNAMIC_DISPATCH(RefitInnerNodes)(nodes, subtree_roots_[k], 2 * count - 1, boxes.data());
+    HWY_DYNAMIC_DISPATCH(RefitInnerNodes)(nodes, subtrees_.roots[k], 2 * count - 1, boxes.data());
   });
-  for (auto node = top_nodes_.rbegin(); node != top_nodes_.rend(); ++node)
+  for (auto node = subtrees_.top.rbegin(); node != subtrees_.top.rend(); ++node)
     HWY_DYNAMIC_DISPATCH(RefitInnerNodes)(nodes, *node, 1, boxes.data());
 }
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "foldproof/bvh.h"
+#include "bvh/subtrees.h"
 
 namespace foldproof::inline internal {
 
@@ -151,8 +151,7 @@ struct KineticBvh {
   void find_leaves();
   std::vector<Index> leaf_vertex_ids_;
   std::vector<LeafVertices> leaves_;  // spans into leaf_vertex_ids_
-  std::vector<Index> subtree_roots_;  // each subtree is refitted by one task
-  std::vector<Index> top_nodes_;      // the nodes above the subtrees, parents first
+  Subtrees subtrees_;                 // each is refitted by one task
 };
 
 /// Coordinates differ by more than `distance` mesh units when their floats in the frame differ by more than

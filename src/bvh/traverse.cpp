@@ -57,11 +57,21 @@ HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<Nod
   }
 }
 
-void DescendOnce(const Traversal& traversal, std::vector<NodePair>& front, std::vector<NodePair>& scratch,
-                 TraversalResult& out) {
-  scratch.clear();
-  for (const NodePair pair : front) Visit(traversal, pair, scratch, out);
-  swap_levels(front, scratch);
+void FindSubtreePairs(const Traversal& traversal, NodePair start, Index max_leaves,
+                      std::vector<NodePair>& stack, TraversalResult& out) {
+  const auto nodes_a = traversal.a->hierarchy->nodes(), nodes_b = traversal.b->hierarchy->nodes();
+  for (stack.assign(1, start); !stack.empty();) {
+    const NodePair pair = stack.back();
+    stack.pop_back();
+    if (out.filter != nullptr && !out.filter->visits(pair)) continue;
+    ++out.node_tests;
+    if (Separated(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin)) continue;
+    if (std::max(leaf_count(nodes_a[pair.a]), leaf_count(nodes_b[pair.b])) <= max_leaves) {
+      out.leaf_pairs.push_back(pair);
+    } else {
+      push_children(nodes_a, nodes_b, pair, stack);
+    }
+  }
 }
 
 void Traverse(const Traversal& traversal, std::span<const NodePair> starts, std::vector<NodePair>& stack,
@@ -347,16 +357,16 @@ void prefetch_leaf(const KineticBvh& bvh, Index leaf) {
 
 }  // namespace
 
-HWY_EXPORT(DescendOnce);
+HWY_EXPORT(FindSubtreePairs);
 HWY_EXPORT(Traverse);
 HWY_EXPORT(TestLeaves);
 HWY_EXPORT(FindCandidates);
 HWY_EXPORT(FindFacePairs);
 HWY_EXPORT(FindContactIntervals);
 
-void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std::vector<NodePair>& scratch,
-                  TraversalResult& out) {
-  HWY_DYNAMIC_DISPATCH(DescendOnce)(traversal, front, scratch, out);
+void find_subtree_pairs(const Traversal& traversal, NodePair start, Index max_leaves,
+                        std::vector<NodePair>& stack, TraversalResult& out) {
+  HWY_DYNAMIC_DISPATCH(FindSubtreePairs)(traversal, start, max_leaves, stack, out);
 }
 
 void traverse(const Traversal& traversal, std::span<const NodePair> starts, std::vector<NodePair>& stack,

@@ -40,6 +40,8 @@ struct TraversalResult {
   std::vector<NodePair>* front = nullptr;
 };
 
+inline Index leaf_count(const Hierarchy::Node& node) { return node.leaf_end - node.leaf_begin; }
+
 /// Pushes the pairs of children of a node, not a leaf, that is paired with itself.
 inline void push_self_children(std::span<const Hierarchy::Node> nodes, Index self,
                                std::vector<NodePair>& children) {
@@ -53,7 +55,7 @@ inline void push_self_children(std::span<const Hierarchy::Node> nodes, Index sel
 inline void push_children(std::span<const Hierarchy::Node> nodes_a, std::span<const Hierarchy::Node> nodes_b,
                           NodePair pair, std::vector<NodePair>& children) {
   const Hierarchy::Node &a = nodes_a[pair.a], &b = nodes_b[pair.b];
-  if (a.leaf_end - a.leaf_begin >= b.leaf_end - b.leaf_begin) {
+  if (leaf_count(a) >= leaf_count(b)) {
     children.push_back({a.right, pair.b});
     children.push_back({pair.a + 1, pair.b});
   } else {
@@ -72,10 +74,11 @@ void swap_levels(std::vector<T>& level, std::vector<T>& next) {
   next.reserve(capacity);
 }
 
-/// Replaces every pair in `front` by its children; drops separated pairs and moves pairs of leaves to `out`.
-/// Cuts a traversal into tasks. `scratch` is overwritten.
-void descend_once(const Traversal& traversal, std::vector<NodePair>& front, std::vector<NodePair>& scratch,
-                  TraversalResult& out);
+/// Depth-first traversal from the pair of nodes `start`, which are different or of two objects, down to nodes
+/// with at most so many leaves. Appends the pairs of these nodes that are not separated to `out.leaf_pairs`,
+/// as nodes. `stack` is scratch.
+void find_subtree_pairs(const Traversal& traversal, NodePair start, Index max_leaves,
+                        std::vector<NodePair>& stack, TraversalResult& out);
 
 /// Depth-first traversal from each start in turn. `stack` is scratch. The order of `out` depends on the input
 /// only.

@@ -70,13 +70,8 @@ ChartCache::Proof ChartCache::prove(Index slot, std::span<const MovingVertex> ve
   return {};
 }
 
-void ChartCache::request_node(Index node) {
-  if (states_[node].build_from > step_ || slots().triangle_count(node) > kMaxTriangles) return;
-  requested_nodes_.push_back(node);
-}
-
-void ChartCache::request_pair(Index slot) {
-  if (states_[slot].build_from <= step_) requested_pairs_.push_back(slot);
+bool ChartCache::wants_node(Index node) const {
+  return states_[node].build_from <= step_ && slots().triangle_count(node) <= kMaxTriangles;
 }
 
 void ChartCache::back_off(Index slot, ChartOutcome outcome) {

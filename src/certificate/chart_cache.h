@@ -49,9 +49,11 @@ class ChartCache {
   /// The outcome of the last build for a slot without charts; Made when none was tried.
   ChartOutcome last_outcome(Index slot) const { return states_[slot].outcome; }
 
-  /// Requests a chart of a node or of a pair of leaves that was not proven. Not thread-safe.
-  void request_node(Index node);
-  void request_pair(Index slot);
+  /// Whether a node or a pair of leaves that was not proven wants a chart, and requests for all that do.
+  bool wants_node(Index node) const;
+  bool wants_pair(Index slot) const { return states_[slot].build_from <= step_; }
+  void request_nodes(std::span<const Index> nodes) { append(requested_nodes_, nodes); }
+  void request_pairs(std::span<const Index> slots) { append(requested_pairs_, slots); }
 
   /// Begins a step. Builds the charts that were requested in the last step, in the pose halfway through this
   /// one, larger patches first, until their triangles would exceed `budget`.
@@ -75,6 +77,9 @@ class ChartCache {
     std::array<float, 3> direction{};
     std::uint32_t step = 0;
   };
+  static void append(std::vector<Index>& all, std::span<const Index> more) {
+    all.insert(all.end(), more.begin(), more.end());
+  }
   void build_nodes(std::span<const MovingVertex> vertices, std::size_t& budget);
   void sort_requested_nodes();
   void choose_nodes(std::span<const MovingVertex> vertices, std::size_t& budget);

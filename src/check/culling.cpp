@@ -11,8 +11,7 @@
 namespace foldproof::internal {
 namespace {
 
-// After a plane fails, its pair of leaves backs off for 3 steps, then for 7. Cached planes are indexed by a
-// hash of the pair; a collision costs time only.
+// After a plane fails, its pair of leaves backs off for 3 steps, then for 7.
 constexpr std::uint8_t kMaxFailures = 2;
 // While planes rarely separate pairs without a cached one, one in kProbe of such pairs is tested.
 constexpr Index kProbe = 8;
@@ -35,7 +34,9 @@ Culling::Culling(std::span<const Object> objects) {
       slots = std::make_shared<const PatchSlots>(object.hierarchy());
     }
     charts_.push_back(std::make_unique<ChartCache>(slots, object.charts()));
-    leaf_proofs_.emplace_back(object.hierarchy()->leaf_count());
+    objects_.emplace_back();
+    objects_.back().proven.resize(object.hierarchy()->nodes().size());
+    objects_.back().leaves.resize(object.hierarchy()->leaf_count());
   }
 }
 
@@ -94,107 +95,160 @@ Result<void> Culling::begin_step(const StepMotion& motion, const StepSettings& s
   const std::size_t budget = build_budget();
   for (Index i = 0; i < charts_.size(); ++i)
     charts_[i]->begin_step(motion.bvhs()[i].vertices, uses_certificates_ ? budget : 0);
-  if (plane_cache_.empty() && uses_certificates_)
-    plane_cache_.resize(std::bit_ceil(std::max<std::size_t>(16, 4 * motion.leaf_count())));
   proven_nodes_.clear();
   return {};
 }
 
-// Sets level_proofs_ for the nodes of a level.
-void Culling::prove_nodes(const StepMotion& motion, Index object) {
-  level_proofs_.assign(level_.size(), {});
-  if (declared_free_ != nullptr) {
-    for (std::size_t i = 0; i < level_.size(); ++i) {
-      if ((*declared_free_)[object][level_[i]]) level_proofs_[i] = charts_[object]->trained(level_[i]);
-    }
-  } else if (uses_certificates_) {
-    parallel_for(IndexRange{0, level_.size()}, 8, [&](IndexRange range) {
-      Local& local = locals_.local();
-      for (std::size_t i = range.begin; i < range.end; ++i) {
-        level_proofs_[i] =
-            charts_[object]->prove(level_[i], motion.bvhs()[object].vertices, gap_, local.tester);
-        local.passes += static_cast<bool>(level_proofs_[i]);
-      }
-    });
-  }
+// Threads may do different nodes at once.
+ChartCache::Proof Culling::prove(const StepMotion& motion, Index object, Index node, Local& local) {
+  if (declared_free_ != nullptr)
+    return (*declared_free_)[object][node] ? charts_[object]->trained(node) : ChartCache::Proof{};
+  if (!uses_certificates_) return {};
+  const auto proof = charts_[object]->prove(node, motion.bvhs()[object].vertices, gap_, local.tester);
+  local.passes += static_cast<bool>(proof);
+  return proof;
 }
 
-const Culling::SelfPairs& Culling::cull_self_pairs(const StepMotion& motion, Index object,
-                                                   const Filter& filter, Work& work) {
-  ChartCache& charts = *charts_[object];
+// Notes a node that was tested. Returns whether it is proven.
+bool Culling::add_node(Index object, Index node, ChartCache::Proof proof, SubtreeProofs& out) {
+  ++out.node_tests;
+  objects_[object].proven[node] = static_cast<bool>(proof);
+  if (proof) {
+    if (explains_) out.proven.push_back({object, node, proof});
+    for (const Index leaf : proof.ring()) out.rings.push_back({leaf, node});
+    return true;
+  }
+  if ((uses_certificates_ || uses_certificates_next_) && charts_[object]->wants_node(node))
+    out.requests.push_back(node);
+  return false;
+}
+
+// The nodes above the subtrees, level by level.
+void Culling::prove_top(const StepMotion& motion, const Filter& filter, Index object) {
   const auto nodes = motion.hierarchy(object).nodes();
-  auto& leaf_proofs = leaf_proofs_[object];
-  for (LeafProofs& proofs : leaf_proofs) proofs.clear();
-  self_pairs_.proven.assign(nodes.size(), 0);
-  self_pairs_.unproven_leaves.clear();
-  level_.assign(nodes.empty() ? 0 : 1, 0);
-  for (Index depth = 0; !level_.empty(); ++depth) {
-    if (filter.asks_nodes()) {
-      std::erase_if(level_, [&](Index self) {
-        self_pairs_.proven[self] = !filter.nodes(object, self, object, self);
-        return self_pairs_.proven[self] != 0;
-      });
+  const Subtrees& subtrees = motion.subtrees(object);
+  ObjectProofs& proofs = objects_[object];
+  proofs.subtrees.resize(subtrees.roots.size());
+  for (SubtreeProofs& subtree : proofs.subtrees) subtree.is_covered = false;
+  proofs.top.clear();
+  level_.clear();
+  if (!subtrees.top.empty()) level_.push_back(0);
+  const auto cover = [&](Index node, Index patch) {
+    const Index end = node + 2 * leaf_count(nodes[node]) - 1;
+    for (Index k = subtrees.first_from(node); k < subtrees.first_from(end); ++k) {
+      proofs.subtrees[k].is_covered = true;
+      proofs.subtrees[k].patch = patch;
     }
-    work.node_tests += level_.size();
-    prove_nodes(motion, object);
+  };
+  while (!level_.empty()) {
+    std::erase_if(level_, [&](Index node) {
+      if (filter.nodes(object, node, object, node)) return false;
+      proofs.proven[node] = 1;
+      cover(node, kNoIndex);
+      return true;
+    });
+    level_proofs_.resize(level_.size());
+    parallel_for(std::size_t{0}, level_.size(), [&](std::size_t i) {
+      level_proofs_[i] = prove(motion, object, level_[i], locals_.local());
+    });
     next_level_.clear();
     for (std::size_t i = 0; i < level_.size(); ++i) {
-      const Index self = level_[i];
-      const Hierarchy::Node& node = nodes[self];
-      if (const ChartCache::Proof& proof = level_proofs_[i]) {
-        self_pairs_.proven[self] = 1;
-        if (explains_) proven_nodes_.push_back({object, self, depth, proof});
-        for (Index leaf = node.leaf_begin; leaf < node.leaf_end; ++leaf) leaf_proofs[leaf].add(self);
-        for (const Index leaf : proof.ring()) leaf_proofs[leaf].add(self);
+      const Index node = level_[i];
+      if (add_node(object, node, level_proofs_[i], proofs.top)) {
+        cover(node, node);
         continue;
       }
-      if (uses_certificates_ || uses_certificates_next_) charts.request_node(self);
-      if (node.is_leaf()) {
-        self_pairs_.unproven_leaves.push_back(node.leaf_begin);
-      } else {
-        next_level_.push_back(self + 1);
-        next_level_.push_back(node.right);
+      for (const Index child : {node + 1, nodes[node].right}) {
+        if (leaf_count(nodes[child]) > subtrees.max_leaves) next_level_.push_back(child);
       }
     }
     swap_levels(level_, next_level_);
   }
-  return self_pairs_;
 }
 
-Culling::CachedPlane& Culling::cached_plane(const TraversalTask& task, NodePair leaves) {
-  return plane_cache_[hash_of(task, leaves) & (plane_cache_.size() - 1)];
+// A parent comes before everything below it.
+void Culling::prove_subtree(const StepMotion& motion, const Filter& filter, Index object, Index subtree) {
+  const auto nodes = motion.hierarchy(object).nodes();
+  ObjectProofs& proofs = objects_[object];
+  SubtreeProofs& out = proofs.subtrees[subtree];
+  Local& local = locals_.local();
+  out.clear();
+  const Index root = motion.subtrees(object).roots[subtree];
+  for (Index leaf = nodes[root].leaf_begin; leaf < nodes[root].leaf_end; ++leaf) {
+    proofs.leaves[leaf].clear();
+    if (out.is_covered && out.patch != kNoIndex) proofs.leaves[leaf].add(out.patch);
+  }
+  if (out.is_covered) return;
+  const Index end = root + 2 * leaf_count(nodes[root]) - 1;
+  for (Index node = root; node < end;) {
+    const Hierarchy::Node& n = nodes[node];
+    const bool ignored = !filter.nodes(object, node, object, node);
+    if (ignored) proofs.proven[node] = 1;
+    if (ignored || add_node(object, node, prove(motion, object, node, local), out)) {
+      for (Index leaf = n.leaf_begin; !ignored && leaf < n.leaf_end; ++leaf) proofs.leaves[leaf].add(node);
+      node += 2 * leaf_count(n) - 1;
+      continue;
+    }
+    if (n.is_leaf()) out.unproven_leaves.push_back(n.leaf_begin);
+    ++node;
+  }
 }
 
-bool Culling::should_test_plane(const TraversalTask& task, NodePair leaves, const CachedPlane& cached) const {
-  return tests_planes_ && (new_planes_.pay || cached.normal != PlaneNormal{} ||
-                           ((hash_of(task, leaves) >> 24) + steps_) % kProbe == 0);
+// In an order that depends on the hierarchy alone: leaves keep a limited number of patches.
+void Culling::gather(Index object, Work& work) {
+  ObjectProofs& proofs = objects_[object];
+  const auto add = [&](const SubtreeProofs& part) {
+    for (const auto& [leaf, patch] : part.rings) proofs.leaves[leaf].add(patch);
+    charts_[object]->request_nodes(part.requests);
+    proven_nodes_.insert(proven_nodes_.end(), part.proven.begin(), part.proven.end());
+    work.node_tests += part.node_tests;
+  };
+  add(proofs.top);
+  for (const SubtreeProofs& subtree : proofs.subtrees) add(subtree);
 }
 
-// Whether a chart or a plane of their own separates two leaves without a common proven patch. Sets `normal`
-// only when a plane is tested.
-bool Culling::is_proven(const TraversalTask& task, const NearLeafPair& pair, Local& local,
-                        PlaneNormal& normal) {
+void Culling::prove_nodes(const StepMotion& motion, const Filter& filter, Work& work) {
+  all_subtrees_.clear();
+  for (Index object = 0; object < motion.size(); ++object) {
+    prove_top(motion, filter, object);
+    for (Index k = 0; k < objects_[object].subtrees.size(); ++k) all_subtrees_.push_back({object, k});
+  }
+  parallel_for(std::size_t{0}, all_subtrees_.size(), [&](std::size_t i) {
+    prove_subtree(motion, filter, all_subtrees_[i][0], all_subtrees_[i][1]);
+  });
+  for (Index object = 0; object < motion.size(); ++object) gather(object, work);
+}
+
+bool Culling::should_test_plane(std::uint64_t hash, const CachedPlane& cached) const {
+  return tests_planes_ &&
+         (new_planes_.pay || cached.normal != PlaneNormal{} || ((hash >> 24) + steps_) % kProbe == 0);
+}
+
+bool Culling::plane_separates_leaves(const TraversalTask& task, NodePair leaves, CachedPlane& cached,
+                                     Local& local) {
   const KineticBvh &a = *task.traversal.a, &b = *task.traversal.b;
-  if (pair.slot != kNoIndex)
-    return static_cast<bool>(charts_[task.object_a]->prove(pair.slot, a.vertices, gap_, local.tester));
-  const CachedPlane& cached = cached_plane(task, pair.leaves);
-  if (cached.back_off != 0 || !should_test_plane(task, pair.leaves, cached)) return false;
   const bool is_new = cached.normal == PlaneNormal{};
   ++local.tests;
   local.new_planes += is_new;
-  normal = cached.normal;
-  const bool separates = plane_separates(a.vertices, a.leaf_vertices(pair.leaves.a), b.vertices,
-                                         b.leaf_vertices(pair.leaves.b), gap_, &normal);
-  local.new_planes_passed += is_new && separates;
-  local.failed_planes += !separates;
-  return separates;
+  PlaneNormal normal = cached.normal;
+  if (plane_separates(a.vertices, a.leaf_vertices(leaves.a), b.vertices, b.leaf_vertices(leaves.b), gap_,
+                      &normal)) {
+    local.new_planes_passed += is_new;
+    cached = {normal};
+    return true;
+  }
+  ++local.failed_planes;
+  cached.failures = std::min<std::uint8_t>(cached.failures + 1, kMaxFailures);
+  cached.back_off = static_cast<std::uint8_t>((2u << cached.failures) - 1);
+  return false;
 }
 
 // The cheapest test first: common proven patches, then boxes, then charts and planes of the pair's own.
 void Culling::cull_leaves(const TraversalTask& task, std::span<const NearLeafPair> near, bool boxes_overlap,
-                          Culled& out) {
+                          Tile& tile) {
   const bool within = task.object_a == task.object_b;
-  const auto& proofs = leaf_proofs_[task.object_a];
+  const auto& proofs = objects_[task.object_a].leaves;
+  ChartCache& charts = *charts_[task.object_a];
   Local& local = locals_.local();
   local.unproven.clear();
   for (const NearLeafPair& pair : near) {
@@ -209,38 +263,28 @@ void Culling::cull_leaves(const TraversalTask& task, std::span<const NearLeafPai
     local.leaves.clear();
     for (const NearLeafPair& pair : local.unproven) local.leaves.push_back(pair.leaves);
     test_leaves(task.traversal, local.leaves, local.separated);
-    out.node_tests += local.leaves.size();
+    tile.node_tests += local.leaves.size();
   }
+  for (const NearLeafPair& pair : local.unproven) tile.far_pairs += pair.slot == kNoIndex;
+  if (uses_certificates_) tile.planes.reserve(tile.far_pairs);
   for (std::size_t i = 0; i < local.unproven.size(); ++i) {
     if (local.separated[i]) continue;
-    PlaneNormal plane{};
-    if (!uses_certificates_ || !is_proven(task, local.unproven[i], local, plane)) {
-      out.remaining.push_back(local.unproven[i].leaves);
-      continue;
+    const auto& [leaves, slot] = local.unproven[i];
+    bool is_proven = false;
+    if (uses_certificates_ && slot != kNoIndex) {
+      is_proven = static_cast<bool>(charts.prove(slot, task.traversal.a->vertices, gap_, local.tester));
+      if (!is_proven && charts.wants_pair(slot)) tile.requests.push_back(slot);
+    } else if (uses_certificates_) {
+      const std::uint64_t hash = hash_of(task, leaves);
+      CachedPlane& cached = tile.planes.at(hash);
+      if (cached.back_off > 0) {
+        --cached.back_off;
+      } else if (should_test_plane(hash, cached)) {
+        is_proven = plane_separates_leaves(task, leaves, cached, local);
+      }
     }
-    ++local.passes;
-    if (plane != PlaneNormal{}) out.planes.push_back({local.unproven[i].leaves, plane});
-  }
-}
-
-void Culling::cache_planes(const TraversalTask& task, std::span<const Culled::Plane> planes) {
-  for (const auto& [leaves, normal] : planes) cached_plane(task, leaves) = {normal};
-}
-
-void Culling::note_remaining(const TraversalTask& task, NodePair leaves) {
-  if (!uses_certificates_) return;
-  if (task.object_a == task.object_b) {
-    if (leaves.a == leaves.b) return;
-    ChartCache& charts = *charts_[task.object_a];
-    const Index slot = charts.slots().of_leaves(leaves.a, leaves.b);
-    if (slot != kNoIndex) return charts.request_pair(slot);
-  }
-  CachedPlane& cached = cached_plane(task, leaves);
-  if (cached.back_off > 0) {
-    --cached.back_off;
-  } else if (should_test_plane(task, leaves, cached)) {
-    cached.failures = std::min<std::uint8_t>(cached.failures + 1, kMaxFailures);
-    cached.back_off = static_cast<std::uint8_t>((2u << cached.failures) - 1);
+    local.passes += is_proven;
+    if (!is_proven) tile.remaining.push_back(leaves);
   }
 }
 

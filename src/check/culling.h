@@ -3,10 +3,10 @@
 
 #include "base/parallel.h"
 #include "certificate/chart_cache.h"
-#include "certificate/separating_plane.h"
 #include "check/culling_policy.h"
 #include "check/filter.h"
 #include "check/motion.h"
+#include "check/tile.h"
 
 namespace foldproof::inline internal {
 
@@ -22,39 +22,25 @@ class Culling {
   /// Whether later steps may use certificates on the pairs that this one finds.
   bool may_cull_later() const { return certificates_ && (uses_certificates_ || steps_ > 1); }
 
-  /// The pairs of an object's nodes with themselves, from the root down to proven ones. Valid until the next
-  /// call.
-  struct SelfPairs {
-    std::vector<std::uint8_t> proven;    ///< Per node, or ignored; unspecified below such a node.
-    std::vector<Index> unproven_leaves;  ///< Leaves that remain paired with themselves.
-  };
-  const SelfPairs& cull_self_pairs(const StepMotion& motion, Index object, const Filter& filter, Work& work);
+  /// Proves nodes of all objects, from the roots down to proven ones.
+  void prove_nodes(const StepMotion& motion, const Filter& filter, Work& work);
+  /// Per node of an object, whether it was proven or is ignored; unspecified below such a node.
+  std::span<const std::uint8_t> proven(Index object) const { return objects_[object].proven; }
+  /// The leaves of a subtree that remain paired with themselves; empty where a node above it was proven.
+  std::span<const Index> unproven_leaves(Index object, Index subtree) const {
+    return objects_[object].subtrees[subtree].unproven_leaves;
+  }
+  /// Whether a node above a subtree was proven or is ignored.
+  bool is_covered(Index object, Index subtree) const { return objects_[object].subtrees[subtree].is_covered; }
 
-  /// The result for the pairs of leaves of one task.
-  struct Culled {
-    std::vector<NodePair> remaining;  ///< Pairs whose features are to be tested.
-    struct Plane {
-      NodePair leaves;
-      PlaneNormal normal;
-    };
-    std::vector<Plane> planes;  ///< Of the pairs that a plane separates.
-    std::uint64_t node_tests = 0;
-    void clear() {
-      remaining.clear();
-      planes.clear();
-      node_tests = 0;
-    }
-  };
-  /// Adds to `out`. `boxes_overlap`: known from the traversal, so boxes are not tested. Thread-safe, after
-  /// cull_self_pairs of the task's objects.
+  /// Adds those pairs of leaves of a tile that no certificate separates to `remaining` and learns for its
+  /// later steps. `boxes_overlap`: known from the traversal, so boxes are not tested. Threads may do
+  /// different tiles at once.
   void cull_leaves(const TraversalTask& task, std::span<const NearLeafPair> near, bool boxes_overlap,
-                   Culled& out);
+                   Tile& tile);
   const PatchSlots& slots(Index object) const { return charts_[object]->slots(); }
-
-  /// For later steps: caches planes, requests charts for a pair that remains, and backs off from planes that
-  /// fail.
-  void cache_planes(const TraversalTask& task, std::span<const Culled::Plane> planes);
-  void note_remaining(const TraversalTask& task, NodePair leaves);
+  /// Requests charts of pairs that remain.
+  void request_charts(const Tile& tile) { charts_[tile.key.object_a]->request_pairs(tile.requests); }
   /// Ends the step. `leaf_pairs`: the number of pairs that remain. Adds the work of certificates to `work`.
   void end_step(const StepMotion& motion, std::uint64_t node_tests, std::size_t leaf_pairs, Work& work);
 
@@ -93,22 +79,45 @@ class Culling {
     std::vector<NodePair> leaves;
     std::vector<std::uint8_t> separated;
   };
-  // The history of planes between two leaves.
-  struct CachedPlane {
-    PlaneNormal normal{};                     // the last one that separated them
-    std::uint8_t back_off = 0, failures = 0;  // steps until the next test; failures in a row
-  };
-  // A node that a chart proved, for explanations.
+  // A node that a chart proved.
   struct ProvenNode {
-    Index object, node, level;
+    Index object, node;
     ChartCache::Proof proof;
+  };
+  struct OnLeaf {
+    Index leaf, patch;
+  };
+  // What was found in a subtree.
+  struct SubtreeProofs {
+    bool is_covered = false;
+    Index patch = kNoIndex;  // the proven node above it
+    std::vector<Index> unproven_leaves, requests;
+    std::vector<OnLeaf> rings;       // proven patches with leaves of other subtrees
+    std::vector<ProvenNode> proven;  // only when explanations are wanted
+    std::uint64_t node_tests = 0;
+    void clear() {
+      unproven_leaves.clear();
+      requests.clear();
+      rings.clear();
+      proven.clear();
+      node_tests = 0;
+    }
+  };
+  struct ObjectProofs {
+    std::vector<std::uint8_t> proven;  // per node
+    std::vector<LeafProofs> leaves;
+    std::vector<SubtreeProofs> subtrees;
+    SubtreeProofs top;
   };
   Result<void> check_declared(const StepMotion& motion) const;
   std::size_t build_budget();
-  void prove_nodes(const StepMotion& motion, Index object);
-  bool is_proven(const TraversalTask& task, const NearLeafPair& pair, Local& local, PlaneNormal& normal);
-  CachedPlane& cached_plane(const TraversalTask& task, NodePair leaves);
-  bool should_test_plane(const TraversalTask& task, NodePair leaves, const CachedPlane& cached) const;
+  ChartCache::Proof prove(const StepMotion& motion, Index object, Index node, Local& local);
+  bool add_node(Index object, Index node, ChartCache::Proof proof, SubtreeProofs& out);
+  void prove_top(const StepMotion& motion, const Filter& filter, Index object);
+  void prove_subtree(const StepMotion& motion, const Filter& filter, Index object, Index subtree);
+  void gather(Index object, Work& work);
+  bool plane_separates_leaves(const TraversalTask& task, NodePair leaves, CachedPlane& cached, Local& local);
+  bool should_test_plane(std::uint64_t hash, const CachedPlane& cached) const;
   Reason reason_of(const TraversalTask& task, NodePair leaves) const;
 
   std::vector<std::unique_ptr<ChartCache>> charts_;
@@ -121,11 +130,11 @@ class Culling {
   std::size_t steps_ = 0, last_leaf_pairs_ = 0;
   double built_ = 0, useful_ = 0;  // charts built in the last steps, and those of them that held
 
-  SelfPairs self_pairs_;
+  std::vector<ObjectProofs> objects_;
+  std::vector<std::array<Index, 2>> all_subtrees_;  // of all objects: object and subtree
   std::vector<Index> level_, next_level_;
   std::vector<ChartCache::Proof> level_proofs_;
-  std::vector<std::vector<LeafProofs>> leaf_proofs_;  // per object and leaf
-  std::vector<ProvenNode> proven_nodes_;              // only when explanations are wanted
+  std::vector<ProvenNode> proven_nodes_;  // only when explanations are wanted
 
   // Tests of planes without a cached normal, in the last steps.
   struct {
@@ -133,7 +142,6 @@ class Culling {
     bool pay = false;
   } new_planes_;
   bool tests_planes_ = false;  // not in the first step, in which no pair has a history
-  std::vector<CachedPlane> plane_cache_;
   PerThread<Local> locals_;
 };
 

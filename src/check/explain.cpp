@@ -37,6 +37,13 @@ bool ancestor_has_charts(const ChartCache& charts, NodePair leaves) {
   }
 }
 
+Index depth_of(const Hierarchy& h, Index node) {
+  Index depth = 0;
+  for (Index above = 0; above != node; ++depth)
+    above = node < h.nodes()[above].right ? above + 1 : h.nodes()[above].right;
+  return depth;
+}
+
 // Raises the reasons of a leaf's triangles to at least `reason`.
 void raise_reasons(std::span<Reason> reasons, const Hierarchy& h, Index leaf, Reason reason) {
   for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
@@ -70,8 +77,9 @@ void Culling::explain(const StepMotion& motion, std::span<const TraversalTask> t
   }
   // Proven nodes have no triangle in common.
   parallel_for(std::size_t{0}, proven_nodes_.size(), [&](std::size_t k) {
-    const auto& [object, node, level, proof] = proven_nodes_[k];
+    const auto& [object, node, proof] = proven_nodes_[k];
     const Hierarchy& h = motion.hierarchy(object);
+    const Index level = depth_of(h, node);
     const auto capped_level =
         static_cast<std::int8_t>(std::min<Index>(level, std::numeric_limits<std::int8_t>::max()));
     const double margin =

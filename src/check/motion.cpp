@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -14,6 +15,9 @@ namespace {
 
 // F1: beyond this coordinate, in units of the frame, a search does not look ahead.
 constexpr double kMaxExtrapolatedCoordinate = 0x1p28;
+// About as many subtrees as all objects together are cut into, and leaves that one has at most in a small
+// scene.
+constexpr std::size_t kSubtrees = 128, kMinLeaves = 16;
 
 tl::unexpected<Error> not_finite(Index object, std::size_t vertex, const char* end) {
   return fail(ErrorCode::NonFinite, fmt::format("object {}, vertex {}", object, vertex),
@@ -51,6 +55,13 @@ StepMotion::StepMotion(std::span<const Object> objects) {
     if (!isolated) isolated = std::make_shared<const std::vector<Index>>(isolated_vertices(*hierarchy));
     isolated_.push_back(isolated);
     bvhs_.emplace_back(hierarchy);
+  }
+  const auto max_leaves = static_cast<Index>(std::max(kMinLeaves, leaf_count_ / kSubtrees));
+  std::map<const Hierarchy*, std::shared_ptr<const Subtrees>> subtrees_of;
+  for (const Object& object : objects) {
+    auto& subtrees = subtrees_of[object.hierarchy().get()];
+    if (!subtrees) subtrees = std::make_shared<const Subtrees>(*object.hierarchy(), max_leaves);
+    subtrees_.push_back(subtrees);
   }
 }
 
@@ -237,22 +248,29 @@ double StepMotion::swept_extent_ratio() const {
 }
 
 void StepMotion::fill_features(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs) {
-  leaves_to_fill_.clear();
-  const auto need = [&](Index object, Index leaf) {
-    if (leaf_needed_[object][leaf]) return;
-    leaf_needed_[object][leaf] = 1;
-    leaves_to_fill_.emplace_back(object, leaf);
+  // Threads may mark the same leaf.
+  const auto mark = [&](Index object, Index leaf) {
+    std::atomic_ref(leaf_needed_[object][leaf]).store(1, std::memory_order_relaxed);
   };
-  for (const LeafPair& pair : pairs) {
-    need(tasks[pair.task].object_a, pair.leaves.a);
-    need(tasks[pair.task].object_b, pair.leaves.b);
-  }
-  parallel_for(IndexRange{0, leaves_to_fill_.size()}, 256, [&](IndexRange range) {
-    for (std::size_t i = range.begin; i < range.end; ++i) {
-      bvhs_[leaves_to_fill_[i].first].fill_features(leaves_to_fill_[i].second);
+  parallel_for(IndexRange{0, pairs.size()}, 2048, [&](IndexRange range) {
+    for (const LeafPair& pair : pairs.subspan(range.begin, range.size())) {
+      mark(tasks[pair.task].object_a, pair.leaves.a);
+      mark(tasks[pair.task].object_b, pair.leaves.b);
     }
   });
-  for (const auto& [object, leaf] : leaves_to_fill_) leaf_needed_[object][leaf] = 0;
+  const auto fill = [&](Index object, IndexRange leaves) {
+    for (std::size_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
+      if (std::exchange(leaf_needed_[object][leaf], std::uint8_t{0}))
+        bvhs_[object].fill_features(static_cast<Index>(leaf));
+    }
+  };
+  if (pairs.empty()) return;
+  if (size() == 1)
+    return parallel_for(IndexRange{0, leaf_count_}, 64, [&](IndexRange range) { fill(0, range); });
+  parallel_for(Index{0}, size(), [&](Index object) {
+    parallel_for(IndexRange{0, hierarchy(object).leaf_count()}, 64,
+                 [&](IndexRange range) { fill(object, range); });
+  });
 }
 
 }  // namespace foldproof::internal

@@ -24,6 +24,8 @@ class StepMotion {
   std::span<const KineticBvh> bvhs() const { return bvhs_; }
   /// Of all objects.
   std::size_t leaf_count() const { return leaf_count_; }
+  /// An object's hierarchy in parts, of which a single large one has some hundred.
+  const Subtrees& subtrees(Index object) const { return *subtrees_[object]; }
 
   /// Checks sizes and numbers, then refits every object. `steps`: the number of steps of the motion, the
   /// given one included.
@@ -75,8 +77,8 @@ class StepMotion {
   double step_extent_ = 0, motion_extent_ = 0;
   Index steps_ = 1;
   std::size_t leaf_count_ = 0;
+  std::vector<std::shared_ptr<const Subtrees>> subtrees_;
   std::vector<std::vector<std::uint8_t>> leaf_needed_;
-  std::vector<std::pair<Index, Index>> leaves_to_fill_;
 };
 
 }  // namespace foldproof::inline internal

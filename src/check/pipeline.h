@@ -12,7 +12,7 @@ namespace foldproof::inline internal {
 struct Pipeline {
   /// `pair_filter` is fixed, because fronts and candidates are kept from step to step.
   explicit Pipeline(std::span<const Object> objects, Filter pair_filter = {})
-      : filter(pair_filter), motion(objects), culling(objects), broad_phase(motion) {}
+      : filter(pair_filter), motion(objects), culling(objects) {}
 
   /// Stages 2 and 3, after an update of the motion: finds the pairs of leaves that come within `distance` and
   /// that no certificate separates, and fills their features. Adds to `work`. Error: as Culling::begin_step.

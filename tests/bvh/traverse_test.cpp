@@ -188,21 +188,28 @@ TEST(Traverse, AllInstructionSetsFindTheSameCandidates) {
   });
 }
 
-TEST(Traverse, DescendingByLevelsFindsTheSameLeafPairs) {
+TEST(Traverse, SubtreesAndTheirPairsHaveTheSameLeafPairs) {
   const Moving m = moving(testing::cloth(20), 0.05, 3, 4);
   const Traversal traversal{&m.bvh, &m.bvh, separation_margin({}, 0)};
-  std::vector<NodePair> stack, scratch, front{{0, 0}};
-  TraversalResult whole, cut;
+  std::vector<NodePair> stack;
+  TraversalResult whole;
   traverse(traversal, {0, 0}, stack, whole);
-  for (int level = 0; level < 5; ++level) descend_once(traversal, front, scratch, cut);
-  for (const NodePair start : front) traverse(traversal, start, stack, cut);
   const auto sorted = [](const std::vector<NodePair>& pairs) {
     std::multiset<std::pair<Index, Index>> set;
     for (const NodePair p : pairs) set.insert({p.a, p.b});
     return set;
   };
-  EXPECT_EQ(sorted(whole.leaf_pairs), sorted(cut.leaf_pairs));
-  EXPECT_EQ(whole.node_tests, cut.node_tests);
+  for (const Index max_leaves : {1u, 7u, 50u, 10000u}) {
+    const Subtrees subtrees(*m.bvh.hierarchy, max_leaves);
+    EXPECT_EQ(subtrees.top.empty(), max_leaves == 10000);
+    TraversalResult near, cut;
+    for (const Index node : subtrees.top)
+      find_subtree_pairs(traversal, {node + 1, m.bvh.hierarchy->nodes()[node].right}, max_leaves, stack,
+                         near);
+    for (const Index root : subtrees.roots) near.leaf_pairs.push_back({root, root});
+    for (const NodePair start : near.leaf_pairs) traverse(traversal, start, stack, cut);
+    EXPECT_EQ(sorted(whole.leaf_pairs), sorted(cut.leaf_pairs)) << max_leaves;
+  }
 }
 
 // Theorem 1: the kinetic box bounds its vertices at every time, up to the rounding that the margin covers.

@@ -15,11 +15,7 @@ namespace {
 // The broad phase with the stages that it calls.
 struct Stage {
   Stage(const Scene& scene, Index leaf_triangles, Filter pair_filter = {})
-      : objects(scene.hierarchies(leaf_triangles)),
-        filter(pair_filter),
-        motion(objects),
-        culling(objects),
-        broad_phase(motion) {}
+      : objects(scene.hierarchies(leaf_triangles)), filter(pair_filter), motion(objects), culling(objects) {}
 
   void find(const Scene& scene, const StepSettings& settings, double distance) {
     const auto x0 = scene.spans0(), x1 = scene.spans1();

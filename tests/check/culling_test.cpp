@@ -22,8 +22,11 @@ class Stage {
 
   struct Found {
     std::set<Leaves> near, remaining;
-    std::vector<Culling::SelfPairs> self_pairs;  // per object
-    std::size_t planes = 0;                      // that separate two leaves
+    struct SelfPairs {
+      std::vector<std::uint8_t> proven;  // per node
+      std::vector<Index> unproven_leaves;
+    };
+    std::vector<SelfPairs> self_pairs;  // per object
     Work work;
   };
   Found cull(const Scene& scene, const StepSettings& settings, double distance) {
@@ -33,27 +36,31 @@ class Stage {
     EXPECT_TRUE(motion_.update(x0, x1));
     EXPECT_TRUE(culling.begin_step(motion_, settings, distance));
     const float margin = separation_margin(motion_.frame(), distance);
-    std::vector<std::pair<TraversalTask, NodePair>> remaining;
+    culling.prove_nodes(motion_, filter_, found.work);
+    std::size_t remaining = 0;
     for (Index a = 0; a < objects.size(); ++a) {
-      const TraversalTask self{{&motion_.bvhs()[a], &motion_.bvhs()[a], margin}, a, a};
-      found.self_pairs.push_back(culling.cull_self_pairs(motion_, a, filter_, found.work));
-      for (const Index leaf : found.self_pairs[a].unproven_leaves) remaining.push_back({self, {leaf, leaf}});
-    }
-    for (Index a = 0; a < objects.size(); ++a) {
+      const auto proven = culling.proven(a);
+      auto& self = found.self_pairs.emplace_back();
+      self.proven.assign(proven.begin(), proven.end());
+      for (Index k = 0; k < motion_.subtrees(a).roots.size(); ++k) {
+        for (const Index leaf : culling.unproven_leaves(a, k)) self.unproven_leaves.push_back(leaf);
+      }
       for (Index b = a; b < objects.size(); ++b) {
         const TraversalTask task{{&motion_.bvhs()[a], &motion_.bvhs()[b], margin}, a, b};
-        Culling::Culled culled;
-        culling.cull_leaves(task, pairs_of(found.near, a, b), true, culled);
-        culling.cache_planes(task, culled.planes);
-        found.planes += culled.planes.size();
-        for (const NodePair leaves : culled.remaining) remaining.push_back({task, leaves});
+        Tile& tile = tiles_.try_emplace({a, b}, Tile::Key{a, b, 0, 0}).first->second;
+        tile.remaining.clear();
+        tile.requests.clear();
+        culling.cull_leaves(task, pairs_of(found.near, a, b), true, tile);
+        culling.request_charts(tile);
+        if (a == b) {
+          for (const Index leaf : self.unproven_leaves) tile.remaining.push_back({leaf, leaf});
+        }
+        for (const NodePair leaves : tile.remaining)
+          EXPECT_TRUE(found.remaining.insert(leaves_of(task, leaves)).second) << "twice";
+        remaining += tile.remaining.size();
       }
     }
-    for (const auto& [task, leaves] : remaining) {
-      culling.note_remaining(task, leaves);
-      EXPECT_TRUE(found.remaining.insert(leaves_of(task, leaves)).second) << "twice";
-    }
-    culling.end_step(motion_, 0, remaining.size(), found.work);
+    culling.end_step(motion_, 0, remaining, found.work);
     return found;
   }
 
@@ -74,6 +81,7 @@ class Stage {
 
   StepMotion motion_;
   Filter filter_;
+  std::map<std::pair<Index, Index>, Tile> tiles_;
 };
 
 // Uses certificates also where they do not pay, and from the first step on.
@@ -278,7 +286,6 @@ TEST(Culling, APlaneSeparatesTwoObjectsUntilTheyMeet) {
   for (int step = 0; step < 16; ++step) {
     const Stage::Found found = stage.cull(apart, always(), 0.1);
     EXPECT_FALSE(found.remaining.contains(both)) << step;
-    EXPECT_EQ(found.planes, 1u);
   }
   EXPECT_TRUE(stage.cull(through, always(), 0.1).remaining.contains(both));
   EXPECT_LT(steps_until_removed(), 10) << "it does not try again";
@@ -331,7 +338,7 @@ TEST(Culling, TestsBoxesWhereTheTraversalDidNot) {
   const float margin = separation_margin(motion.frame(), 0.1);
   const TraversalTask task{{&motion.bvhs()[0], &motion.bvhs()[1], margin}, 0, 1};
   const NearLeafPair pair{{0, 0}, kNoIndex};
-  Culling::Culled tested, trusted;
+  Tile tested({0, 1, 0, 0}), trusted({0, 1, 0, 0});
   culling.cull_leaves(task, {&pair, 1}, false, tested);
   EXPECT_TRUE(tested.remaining.empty());
   EXPECT_EQ(tested.node_tests, 1u);

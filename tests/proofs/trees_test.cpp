@@ -108,16 +108,19 @@ TEST(Trees, EachFeatureHasOneOwnerThatHasIt) {
   });
 }
 
-TEST(Trees, EachTwoLeavesMeetOnceInAnyNumberOfTasks) {
+TEST(Trees, EachTwoLeavesMeetOnceInSubtreesOfAnySize) {
   for_each_tree([](const std::shared_ptr<const Hierarchy>& h, const std::vector<double>& x) {
     KineticBvh bvh(h);
     bvh.refit({}, x, x);
     const Traversal traversal{&bvh, &bvh, kMargin};
-    for (int rounds = 0; rounds <= 10; ++rounds) {
-      TraversalResult found;
-      std::vector<NodePair> tasks{{0, 0}}, scratch, stack;
-      for (int round = 0; round < rounds; ++round) descend_once(traversal, tasks, scratch, found);
-      for (const NodePair task : tasks) traverse(traversal, task, stack, found);
+    for (Index max_leaves = 1; max_leaves <= 10; ++max_leaves) {
+      const Subtrees subtrees(*h, max_leaves);
+      TraversalResult near, found;
+      std::vector<NodePair> stack;
+      for (const Index node : subtrees.top)
+        find_subtree_pairs(traversal, {node + 1, h->nodes()[node].right}, max_leaves, stack, near);
+      for (const Index root : subtrees.roots) near.leaf_pairs.push_back({root, root});
+      for (const NodePair start : near.leaf_pairs) traverse(traversal, start, stack, found);
       Pairs pairs;
       for (const NodePair pair : found.leaf_pairs) count(pairs, pair.a, pair.b);
       ASSERT_EQ(pairs.size(), h->leaf_count() * (h->leaf_count() + 1) / 2);

@@ -1,0 +1,73 @@
+/// Tiles: what a traversal works on, and what it remembers from step to step.
+#pragma once
+
+#include <bit>
+#include <compare>
+
+#include "certificate/separating_plane.h"
+#include "check/leaf_pairs.h"
+
+namespace foldproof::inline internal {
+
+/// Where a traversal stopped, and the next one resumes. Together it covers all pairs of leaves of the tile.
+struct Front {
+  /// The part below a pair of nodes: from these indices up to those of the next segment.
+  struct Segment {
+    Index node;  ///< Whose children are the pair; of a tile of two subtrees: 0.
+    std::size_t pairs, near;
+  };
+  std::vector<Segment> segments;   ///< Ascending by node.
+  std::vector<NodePair> pairs;     ///< Separated nodes.
+  std::vector<NearLeafPair> near;  ///< Leaves that came near since the segment was made anew.
+  void clear() {
+    segments.clear();
+    pairs.clear();
+    near.clear();
+  }
+};
+
+/// The history of planes between two leaves.
+struct CachedPlane {
+  PlaneNormal normal{};                     ///< The last one that separated them.
+  std::uint8_t back_off = 0, failures = 0;  ///< Steps until the next test; failures in a row.
+};
+
+/// Planes by a hash of their leaves. A collision costs time only.
+class PlaneTable {
+ public:
+  /// Makes room for so many pairs.
+  void reserve(std::size_t pairs) {
+    const std::size_t old = planes_.size(), wanted = std::bit_ceil(pairs);
+    if (pairs == 0 || wanted <= old) return;
+    planes_.resize(wanted);
+    for (std::size_t i = old; old > 0 && i < wanted; ++i)
+      planes_[i] = planes_[i - old];  // hashes have one more bit
+  }
+  CachedPlane& at(std::uint64_t hash) { return planes_[hash & (planes_.size() - 1)]; }
+
+ private:
+  std::vector<CachedPlane> planes_;
+};
+
+/// The pairs of leaves of two subtrees, of one object or two, or within one subtree.
+struct Tile {
+  struct Key {
+    Index object_a, object_b, a, b;  ///< The subtrees' roots; the same: within it.
+    auto operator<=>(const Key&) const = default;
+    bool is_self() const { return object_a == object_b && a == b; }
+  };
+  explicit Tile(const Key& of) : key(of) {}
+
+  Key key;
+  std::size_t last_step = 0;
+  Front front;
+  PlaneTable planes;
+
+  // Of the present step:
+  std::vector<NodePair> remaining;  ///< Leaves whose features are to be tested.
+  std::vector<Index> requests;      ///< Slots of such leaves that want a chart.
+  std::uint64_t node_tests = 0;
+  std::size_t far_pairs = 0;  ///< Near leaves without a common vertex.
+};
+
+}  // namespace foldproof::inline internal
