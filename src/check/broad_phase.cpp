@@ -5,9 +5,10 @@
 namespace foldproof::internal {
 namespace {
 
-// A front only gets finer, so it is made anew after this many steps. Tiles that take no part are kept for as
-// long.
+// A front only gets finer, so it is made anew after this many steps.
 constexpr std::size_t kFrontLifetime = 16;
+// Tiles of earlier steps are kept, unless they are many more than those of this one and older than fronts.
+constexpr std::size_t kMaxTilesPerTile = 4, kMaxTiles = 1024;
 
 }  // namespace
 
@@ -36,7 +37,7 @@ void BroadPhase::list_within(const Step& step, Index object) {
   const Subtrees& subtrees = step.motion.subtrees(object);
   const auto proven = step.culling.proven(object);
   for (Index k = 0; k < subtrees.roots.size(); ++k) {
-    if (!step.culling.is_covered(object, k))
+    if (!step.culling.is_covered(object, k) && !proven[subtrees.roots[k]])
       keys_.push_back({object, object, subtrees.roots[k], subtrees.roots[k]});
   }
   Index next = 0;  // past everything below the last proven node
@@ -52,16 +53,14 @@ void BroadPhase::list_within(const Step& step, Index object) {
 
 // The pairs of subtrees below two nodes that are near each other.
 void BroadPhase::list_pairs(const Step& step, Index a, Index b, NodePair start) {
-  Local& local = locals_.local();
-  local.found = {};
-  local.filter.filter = &step.filter;
-  local.filter.object_a = a;
-  local.filter.object_b = b;
-  if (step.filter.asks_nodes()) local.found.filter = &local.filter;
-  find_subtree_pairs(task(step, a, b).traversal, start, step.motion.subtrees(a).max_leaves, local.stack,
-                     local.found);
-  for (const NodePair pair : local.found.leaf_pairs) keys_.push_back({a, b, pair.a, pair.b});
-  node_tests_ += local.found.node_tests;
+  TaskFilter visited;
+  visited.filter = &step.filter;
+  visited.object_a = a;
+  visited.object_b = b;
+  near_.filter = step.filter.asks_nodes() ? &visited : nullptr;
+  near_.leaf_pairs.clear();
+  find_subtree_pairs(task(step, a, b).traversal, start, step.motion.subtrees(a).max_leaves, stack_, near_);
+  for (const NodePair pair : near_.leaf_pairs) keys_.push_back({a, b, pair.a, pair.b});
 }
 
 // Finds or makes the tiles of this step.
@@ -70,9 +69,10 @@ void BroadPhase::choose_tiles() {
   active_.clear();
   next_tiles_.clear();
   auto old = tiles_.begin();
+  const bool drops = tiles_.size() > kMaxTilesPerTile * keys_.size() + kMaxTiles;
   const auto keep_before = [&](const Tile::Key* key) {
     for (; old != tiles_.end() && (key == nullptr || (*old)->key < *key); ++old) {
-      if ((*old)->last_step + kFrontLifetime >= steps_) next_tiles_.push_back(std::move(*old));
+      if (!drops || (*old)->last_step + kFrontLifetime >= steps_) next_tiles_.push_back(std::move(*old));
     }
   };
   for (const Tile::Key& key : keys_) {
@@ -83,7 +83,7 @@ void BroadPhase::choose_tiles() {
     active_.push_back(next_tiles_.back().get());
   }
   keep_before(nullptr);
-  tiles_.swap(next_tiles_);
+  swap_levels(tiles_, next_tiles_);
 }
 
 // Traverses what is below a pair of nodes, the children of `node`, from where the last traversal stopped.
@@ -99,9 +99,9 @@ void BroadPhase::run_part(const Step& step, const TraversalTask& task, Index nod
     const std::size_t pairs = is_end ? tile.front.pairs.size() : last[1].pairs,
                       near = is_end ? tile.front.near.size() : last[1].near;
     starts = std::span(tile.front.pairs).subspan(last->pairs, pairs - last->pairs);
-    const std::span known = std::span(tile.front.near).subspan(last->near, near - last->near);
-    front.near.insert(front.near.end(), known.begin(), known.end());
-    step.culling.cull_leaves(task, known, false, tile);
+    const std::span were_near = std::span(tile.front.near).subspan(last->near, near - last->near);
+    front.near.insert(front.near.end(), were_near.begin(), were_near.end());
+    step.culling.cull_leaves(task, were_near, false, tile);
   }
   traverse(task.traversal, starts, local.stack, local.found);
   const PatchSlots* slots =
@@ -115,10 +115,7 @@ void BroadPhase::run_part(const Step& step, const TraversalTask& task, Index nod
 
 void BroadPhase::run(const Step& step, const TraversalTask& task, Tile& tile) {
   const auto [object_a, object_b, a, b] = tile.key;
-  tile.remaining.clear();
-  tile.requests.clear();
-  tile.node_tests = 0;
-  tile.far_pairs = 0;
+  tile.begin_step();
   Local& local = locals_.local();
   local.front.clear();
   local.filter.filter = &step.filter;
@@ -126,6 +123,7 @@ void BroadPhase::run(const Step& step, const TraversalTask& task, Tile& tile) {
   local.filter.object_b = object_b;
   local.found.filter = step.filter.asks_nodes() ? &local.filter : nullptr;
   local.found.front = step.keeps_fronts ? &local.front.pairs : nullptr;
+  local.found.leaf_pairs.clear();
   local.found.node_tests = 0;
   const Front::Segment* last = tile.front.segments.data();
   const Front::Segment* const end = last + tile.front.segments.size();
@@ -154,9 +152,7 @@ void BroadPhase::run(const Step& step, const TraversalTask& task, Tile& tile) {
   }
   tile.node_tests += local.found.node_tests;
   if (step.keeps_fronts) {
-    tile.front.segments.assign(local.front.segments.begin(), local.front.segments.end());
-    tile.front.pairs.assign(local.front.pairs.begin(), local.front.pairs.end());
-    tile.front.near.assign(local.front.near.begin(), local.front.near.end());
+    tile.front = local.front;
   } else {
     tile.front.clear();
   }
@@ -168,7 +164,7 @@ void BroadPhase::find(const StepMotion& motion, Culling& culling, const Filter& 
                   culling.may_cull_later()};
   ++steps_;
   keys_.clear();
-  node_tests_ = 0;
+  near_.node_tests = 0;
   if (settings.within) {
     culling.prove_nodes(motion, filter, work);
     for (Index object = 0; object < motion.size(); ++object) list_within(step, object);
@@ -179,9 +175,12 @@ void BroadPhase::find(const StepMotion& motion, Culling& culling, const Filter& 
   choose_tiles();
   tasks_.clear();
   for (const Tile* tile : active_) tasks_.push_back(task(step, tile->key.object_a, tile->key.object_b));
-  parallel_for(std::size_t{0}, active_.size(), [&](std::size_t k) { run(step, tasks_[k], *active_[k]); });
+  parallel_for(std::size_t{0}, active_.size(), [&](std::size_t k) {
+    if (!filter.asks_nodes()) return run(step, tasks_[k], *active_[k]);
+    isolated([&] { run(step, tasks_[k], *active_[k]); });  // the user's filter may start loops
+  });
   leaf_pairs_.clear();
-  std::uint64_t node_tests = node_tests_;
+  std::uint64_t node_tests = near_.node_tests;
   for (Index k = 0; k < active_.size(); ++k) {
     node_tests += active_[k]->node_tests;
     culling.request_charts(*active_[k]);
@@ -202,10 +201,10 @@ std::uint64_t BroadPhase::count_near_leaves(const StepMotion& motion, const Filt
     visited.object_a = a;
     visited.object_b = b;
     Local& local = locals_.local();
-    local.found = {};
-    local.found.filter = &visited;
-    traverse({&motion.bvhs()[a], &motion.bvhs()[b], margin}, start, local.stack, local.found);
-    count += local.found.leaf_pairs.size();
+    local.counted.leaf_pairs.clear();
+    local.counted.filter = &visited;
+    traverse({&motion.bvhs()[a], &motion.bvhs()[b], margin}, start, local.stack, local.counted);
+    count += local.counted.leaf_pairs.size();
   };
   for (Index a = 0; settings.within && a < motion.size(); ++a) {
     const auto nodes = motion.hierarchy(a).nodes();

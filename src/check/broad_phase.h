@@ -31,6 +31,7 @@ class BroadPhase {
     TraversalResult found;
     TaskFilter filter;
     Front front;
+    TraversalResult counted;  // of count_near_leaves
   };
   // A step, as its tiles see it.
   struct Step {
@@ -55,7 +56,8 @@ class BroadPhase {
   std::size_t steps_ = 0;
   SweepAndPrune sweep_;
   std::vector<SweptBox> object_boxes_;
-  std::uint64_t node_tests_ = 0;                           // of subtrees, in this step
+  TraversalResult near_;  // subtrees of one or two objects
+  std::vector<NodePair> stack_;
   std::vector<Tile::Key> keys_;                            // of this step
   std::vector<std::unique_ptr<Tile>> tiles_, next_tiles_;  // ascending by key, some from earlier steps
   std::vector<Tile*> active_;                              // in this step

@@ -16,10 +16,8 @@ constexpr std::uint8_t kMaxFailures = 2;
 // While planes rarely separate pairs without a cached one, one in kProbe of such pairs is tested.
 constexpr Index kProbe = 8;
 
-std::uint64_t hash_of(const TraversalTask& task, NodePair leaves) {
-  std::uint64_t hash = (std::uint64_t{leaves.a} << 32 | leaves.b) * 0x9E3779B97F4A7C15u;
-  hash = (hash ^ (std::uint64_t{task.object_a} << 16 | task.object_b)) * 0x9E3779B97F4A7C15u;
-  return hash >> 20;
+std::uint64_t hash_of(NodePair leaves) {
+  return (std::uint64_t{leaves.a} << 32 | leaves.b) * 0x9E3779B97F4A7C15u >> 20;
 }
 
 }  // namespace
@@ -265,8 +263,8 @@ void Culling::cull_leaves(const TraversalTask& task, std::span<const NearLeafPai
     test_leaves(task.traversal, local.leaves, local.separated);
     tile.node_tests += local.leaves.size();
   }
-  for (const NearLeafPair& pair : local.unproven) tile.far_pairs += pair.slot == kNoIndex;
-  if (uses_certificates_) tile.planes.reserve(tile.far_pairs);
+  for (const NearLeafPair& pair : local.unproven) tile.plane_pairs += pair.slot == kNoIndex;
+  if (uses_certificates_) tile.planes.reserve(tile.plane_pairs);
   for (std::size_t i = 0; i < local.unproven.size(); ++i) {
     if (local.separated[i]) continue;
     const auto& [leaves, slot] = local.unproven[i];
@@ -275,7 +273,7 @@ void Culling::cull_leaves(const TraversalTask& task, std::span<const NearLeafPai
       is_proven = static_cast<bool>(charts.prove(slot, task.traversal.a->vertices, gap_, local.tester));
       if (!is_proven && charts.wants_pair(slot)) tile.requests.push_back(slot);
     } else if (uses_certificates_) {
-      const std::uint64_t hash = hash_of(task, leaves);
+      const std::uint64_t hash = hash_of(leaves);
       CachedPlane& cached = tile.planes.at(hash);
       if (cached.back_off > 0) {
         --cached.back_off;

@@ -92,7 +92,7 @@ class Culling {
     bool is_covered = false;
     Index patch = kNoIndex;  // the proven node above it
     std::vector<Index> unproven_leaves, requests;
-    std::vector<OnLeaf> rings;       // proven patches with leaves of other subtrees
+    std::vector<OnLeaf> rings;       // leaves in the rings of proven nodes
     std::vector<ProvenNode> proven;  // only when explanations are wanted
     std::uint64_t node_tests = 0;
     void clear() {

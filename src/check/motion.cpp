@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -15,9 +14,8 @@ namespace {
 
 // F1: beyond this coordinate, in units of the frame, a search does not look ahead.
 constexpr double kMaxExtrapolatedCoordinate = 0x1p28;
-// About as many subtrees as all objects together are cut into, and leaves that one has at most in a small
-// scene.
-constexpr std::size_t kSubtrees = 128, kMinLeaves = 16;
+// All objects together are cut into about as many subtrees, unless these would be smaller or larger.
+constexpr std::size_t kSubtrees = 128, kMinSubtreeLeaves = 16, kMaxSubtreeLeaves = 512;
 
 tl::unexpected<Error> not_finite(Index object, std::size_t vertex, const char* end) {
   return fail(ErrorCode::NonFinite, fmt::format("object {}, vertex {}", object, vertex),
@@ -49,14 +47,16 @@ StepMotion::StepMotion(std::span<const Object> objects) {
   std::map<const Hierarchy*, std::shared_ptr<const std::vector<Index>>> isolated_of;  // shared by instances
   for (const Object& object : objects) {
     const std::shared_ptr<const Hierarchy>& hierarchy = object.hierarchy();
+    first_leaf_.push_back(leaf_count_);
     leaf_count_ += hierarchy->leaf_count();
-    leaf_needed_.emplace_back(hierarchy->leaf_count(), std::uint8_t{0});
     auto& isolated = isolated_of[hierarchy.get()];
     if (!isolated) isolated = std::make_shared<const std::vector<Index>>(isolated_vertices(*hierarchy));
     isolated_.push_back(isolated);
     bvhs_.emplace_back(hierarchy);
   }
-  const auto max_leaves = static_cast<Index>(std::max(kMinLeaves, leaf_count_ / kSubtrees));
+  leaf_needed_ = std::vector<std::atomic<std::uint8_t>>(leaf_count_);
+  const auto max_leaves =
+      static_cast<Index>(std::clamp(leaf_count_ / kSubtrees, kMinSubtreeLeaves, kMaxSubtreeLeaves));
   std::map<const Hierarchy*, std::shared_ptr<const Subtrees>> subtrees_of;
   for (const Object& object : objects) {
     auto& subtrees = subtrees_of[object.hierarchy().get()];
@@ -248,28 +248,26 @@ double StepMotion::swept_extent_ratio() const {
 }
 
 void StepMotion::fill_features(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs) {
+  if (pairs.empty()) return;
   // Threads may mark the same leaf.
-  const auto mark = [&](Index object, Index leaf) {
-    std::atomic_ref(leaf_needed_[object][leaf]).store(1, std::memory_order_relaxed);
+  const auto needed = [&](Index object, Index leaf) -> auto& {
+    return leaf_needed_[first_leaf_[object] + leaf];
   };
   parallel_for(IndexRange{0, pairs.size()}, 2048, [&](IndexRange range) {
     for (const LeafPair& pair : pairs.subspan(range.begin, range.size())) {
-      mark(tasks[pair.task].object_a, pair.leaves.a);
-      mark(tasks[pair.task].object_b, pair.leaves.b);
+      needed(tasks[pair.task].object_a, pair.leaves.a).store(1, std::memory_order_relaxed);
+      needed(tasks[pair.task].object_b, pair.leaves.b).store(1, std::memory_order_relaxed);
     }
   });
-  const auto fill = [&](Index object, IndexRange leaves) {
-    for (std::size_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
-      if (std::exchange(leaf_needed_[object][leaf], std::uint8_t{0}))
-        bvhs_[object].fill_features(static_cast<Index>(leaf));
+  parallel_for(IndexRange{0, leaf_count_}, 64, [&](IndexRange range) {
+    auto object =
+        static_cast<Index>(std::ranges::upper_bound(first_leaf_, range.begin) - first_leaf_.begin());
+    for (std::size_t k = range.begin; k < range.end; ++k) {
+      while (object < size() && first_leaf_[object] <= k) ++object;
+      if (leaf_needed_[k].load(std::memory_order_relaxed) == 0) continue;
+      leaf_needed_[k].store(0, std::memory_order_relaxed);
+      bvhs_[object - 1].fill_features(static_cast<Index>(k - first_leaf_[object - 1]));
     }
-  };
-  if (pairs.empty()) return;
-  if (size() == 1)
-    return parallel_for(IndexRange{0, leaf_count_}, 64, [&](IndexRange range) { fill(0, range); });
-  parallel_for(Index{0}, size(), [&](Index object) {
-    parallel_for(IndexRange{0, hierarchy(object).leaf_count()}, 64,
-                 [&](IndexRange range) { fill(object, range); });
   });
 }
 

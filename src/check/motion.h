@@ -1,6 +1,8 @@
 /// Stage 1 of the pipeline, motion: positions of all objects during a step.
 #pragma once
 
+#include <atomic>
+
 #include "check/leaf_pairs.h"
 #include "foldproof/check.h"
 
@@ -78,7 +80,8 @@ class StepMotion {
   Index steps_ = 1;
   std::size_t leaf_count_ = 0;
   std::vector<std::shared_ptr<const Subtrees>> subtrees_;
-  std::vector<std::vector<std::uint8_t>> leaf_needed_;
+  std::vector<std::size_t> first_leaf_;  // per object, in a row with the leaves of all of them
+  std::vector<std::atomic<std::uint8_t>> leaf_needed_;
 };
 
 }  // namespace foldproof::inline internal

@@ -37,15 +37,16 @@ class PlaneTable {
  public:
   /// Makes room for so many pairs.
   void reserve(std::size_t pairs) {
-    const std::size_t old = planes_.size(), wanted = std::bit_ceil(pairs);
+    const std::size_t old = planes_.size(), wanted = std::bit_ceil(kEntriesPerPair * pairs);
     if (pairs == 0 || wanted <= old) return;
     planes_.resize(wanted);
-    for (std::size_t i = old; old > 0 && i < wanted; ++i)
-      planes_[i] = planes_[i - old];  // hashes have one more bit
+    // The low bits of a hash chose an old entry.
+    for (std::size_t i = old; old > 0 && i < wanted; ++i) planes_[i] = planes_[i - old];
   }
   CachedPlane& at(std::uint64_t hash) { return planes_[hash & (planes_.size() - 1)]; }
 
  private:
+  static constexpr std::size_t kEntriesPerPair = 4;
   std::vector<CachedPlane> planes_;
 };
 
@@ -57,6 +58,11 @@ struct Tile {
     bool is_self() const { return object_a == object_b && a == b; }
   };
   explicit Tile(const Key& of) : key(of) {}
+  void begin_step() {
+    remaining.clear();
+    requests.clear();
+    node_tests = plane_pairs = 0;
+  }
 
   Key key;
   std::size_t last_step = 0;
@@ -66,8 +72,8 @@ struct Tile {
   // Of the present step:
   std::vector<NodePair> remaining;  ///< Leaves whose features are to be tested.
   std::vector<Index> requests;      ///< Slots of such leaves that want a chart.
-  std::uint64_t node_tests = 0;
-  std::size_t far_pairs = 0;  ///< Near leaves without a common vertex.
+  std::size_t node_tests = 0;
+  std::size_t plane_pairs = 0;  ///< Near leaves without a common vertex.
 };
 
 }  // namespace foldproof::inline internal

@@ -48,8 +48,7 @@ class Stage {
       for (Index b = a; b < objects.size(); ++b) {
         const TraversalTask task{{&motion_.bvhs()[a], &motion_.bvhs()[b], margin}, a, b};
         Tile& tile = tiles_.try_emplace({a, b}, Tile::Key{a, b, 0, 0}).first->second;
-        tile.remaining.clear();
-        tile.requests.clear();
+        tile.begin_step();
         culling.cull_leaves(task, pairs_of(found.near, a, b), true, tile);
         culling.request_charts(tile);
         if (a == b) {
