@@ -30,53 +30,23 @@ HWY_INLINE bool Separated(const KineticBox& a, const KineticBox& b, float margin
   return separated;
 }
 
-// Visits one pair: drops it, emits it, or pushes its children.
-HWY_INLINE void Visit(const Traversal& traversal, NodePair pair, std::vector<NodePair>& children,
-                      TraversalResult& out) {
-  if (out.filter != nullptr && !out.filter->visits(pair)) return;
-  const auto nodes_a = traversal.a->hierarchy->nodes(), nodes_b = traversal.b->hierarchy->nodes();
-  ++out.node_tests;
-  if (traversal.a == traversal.b && pair.a == pair.b) {
-    const Hierarchy::Node& self = nodes_a[pair.a];
-    if (self.is_leaf()) {
-      out.leaf_pairs.push_back({self.leaf_begin, self.leaf_begin});
-    } else {
-      push_self_children(nodes_a, pair.a, children);
-    }
-    return;
-  }
-  if (Separated(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin)) {
-    if (out.front != nullptr) out.front->push_back(pair);
-    return;
-  }
-  const Hierarchy::Node &a = nodes_a[pair.a], &b = nodes_b[pair.b];
-  if (a.is_leaf() && b.is_leaf()) {
-    out.leaf_pairs.push_back({a.leaf_begin, b.leaf_begin});
-  } else {
-    push_children(nodes_a, nodes_b, pair, children);
-  }
-}
-
 void FindSubtreePairs(const Traversal& traversal, NodePair start, Index max_leaves,
                       std::vector<NodePair>& stack, TraversalResult& out) {
-  const auto nodes_a = traversal.a->hierarchy->nodes(), nodes_b = traversal.b->hierarchy->nodes();
-  for (stack.assign(1, start); !stack.empty();) {
-    const NodePair pair = stack.back();
-    stack.pop_back();
-    if (out.filter != nullptr && !out.filter->visits(pair)) continue;
+  const NodePairs nodes = traversal.nodes();
+  stack.assign(1, start);
+  traverse_pairs(nodes, stack, [&](NodePair pair) HWY_ATTR {
+    if (out.filter != nullptr && !out.filter->visits(pair)) return false;
     ++out.node_tests;
-    if (Separated(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin)) continue;
-    if (std::max(leaf_count(nodes_a[pair.a]), leaf_count(nodes_b[pair.b])) <= max_leaves) {
-      out.leaf_pairs.push_back(pair);
-    } else {
-      push_children(nodes_a, nodes_b, pair, stack);
-    }
-  }
+    if (Separated(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin)) return false;
+    if (std::max(leaf_count(nodes.a[pair.a]), leaf_count(nodes.b[pair.b])) > max_leaves) return true;
+    out.leaf_pairs.push_back(pair);
+    return false;
+  });
 }
 
 void Traverse(const Traversal& traversal, std::span<const NodePair> starts, std::vector<NodePair>& stack,
               TraversalResult& out) {
-  stack.clear();
+  const NodePairs nodes = traversal.nodes();
   const KineticBox *boxes_a = traversal.a->boxes.data(), *boxes_b = traversal.b->boxes.data();
   constexpr std::size_t kPrefetchDistance = 8;
   for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -84,12 +54,18 @@ void Traverse(const Traversal& traversal, std::span<const NodePair> starts, std:
       __builtin_prefetch(&boxes_a[starts[i + kPrefetchDistance].a]);
       __builtin_prefetch(&boxes_b[starts[i + kPrefetchDistance].b]);
     }
-    Visit(traversal, starts[i], stack, out);
-    while (!stack.empty()) {
-      const NodePair pair = stack.back();
-      stack.pop_back();
-      Visit(traversal, pair, stack, out);
-    }
+    stack.assign(1, starts[i]);
+    traverse_pairs(nodes, stack, [&](NodePair pair) HWY_ATTR {
+      if (out.filter != nullptr && !out.filter->visits(pair)) return false;
+      ++out.node_tests;
+      if (!nodes.is_self(pair) && Separated(boxes_a[pair.a], boxes_b[pair.b], traversal.margin)) {
+        if (out.front != nullptr) out.front->push_back(pair);
+        return false;
+      }
+      if (!nodes.are_leaves(pair)) return true;
+      out.leaf_pairs.push_back({nodes.a[pair.a].leaf_begin, nodes.b[pair.b].leaf_begin});
+      return false;
+    });
   }
 }
 

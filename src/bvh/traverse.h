@@ -11,6 +11,41 @@ struct NodePair {
   Index a, b;  ///< Nodes, or leaves in results. a == b within one object: the pair of a node with itself.
 };
 
+inline Index leaf_count(const Hierarchy::Node& node) { return node.leaf_end - node.leaf_begin; }
+
+/// The nodes of two objects, or of one (`within`), of which a node may be paired with itself.
+struct NodePairs {
+  std::span<const Hierarchy::Node> a, b;
+  bool within;
+  bool is_self(NodePair pair) const { return within && pair.a == pair.b; }
+  bool are_leaves(NodePair pair) const { return a[pair.a].is_leaf() && b[pair.b].is_leaf(); }
+};
+
+/// Traverses pairs of nodes depth first until the stack is empty. `visit(NodePair)` returns whether to go on
+/// with the pairs of their children; not for two leaves, which have none. Of two nodes the one with more
+/// leaves is split. Inline, because each instruction set has a `visit` of its own.
+template <class Visit>
+[[gnu::always_inline]] inline void traverse_pairs(const NodePairs& nodes, std::vector<NodePair>& stack,
+                                                  Visit visit) {
+  while (!stack.empty()) {
+    const NodePair pair = stack.back();
+    stack.pop_back();
+    if (!visit(pair)) continue;
+    const Hierarchy::Node &a = nodes.a[pair.a], &b = nodes.b[pair.b];
+    if (nodes.is_self(pair)) {
+      stack.push_back({pair.a + 1, a.right});
+      stack.push_back({a.right, a.right});
+      stack.push_back({pair.a + 1, pair.a + 1});
+    } else if (leaf_count(a) >= leaf_count(b)) {
+      stack.push_back({a.right, pair.b});
+      stack.push_back({pair.a + 1, pair.b});
+    } else {
+      stack.push_back({pair.a, b.right});
+      stack.push_back({pair.a, pair.b + 1});
+    }
+  }
+}
+
 /// Two features, as indices in leaf order of their objects.
 struct CandidatePair {
   Index a, b;
@@ -21,6 +56,7 @@ struct Traversal {
   const KineticBvh* a;
   const KineticBvh* b;
   float margin;  ///< See separation_margin.
+  NodePairs nodes() const { return {a->hierarchy->nodes(), b->hierarchy->nodes(), a == b}; }
 };
 
 /// Which pairs of nodes a traversal visits. Others are as good as separated for ever: they are in no front.
@@ -39,40 +75,6 @@ struct TraversalResult {
   /// leaves they cover all pairs below the starts, so the next step may start from them.
   std::vector<NodePair>* front = nullptr;
 };
-
-inline Index leaf_count(const Hierarchy::Node& node) { return node.leaf_end - node.leaf_begin; }
-
-/// Pushes the pairs of children of a node, not a leaf, that is paired with itself.
-inline void push_self_children(std::span<const Hierarchy::Node> nodes, Index self,
-                               std::vector<NodePair>& children) {
-  const Index left = self + 1, right = nodes[self].right;
-  children.push_back({left, right});
-  children.push_back({right, right});
-  children.push_back({left, left});
-}
-
-/// Pushes the children of a pair of nodes that are not both leaves. The node with more leaves is split.
-inline void push_children(std::span<const Hierarchy::Node> nodes_a, std::span<const Hierarchy::Node> nodes_b,
-                          NodePair pair, std::vector<NodePair>& children) {
-  const Hierarchy::Node &a = nodes_a[pair.a], &b = nodes_b[pair.b];
-  if (leaf_count(a) >= leaf_count(b)) {
-    children.push_back({a.right, pair.b});
-    children.push_back({pair.a + 1, pair.b});
-  } else {
-    children.push_back({pair.a, b.right});
-    children.push_back({pair.a, pair.b + 1});
-  }
-}
-
-/// Swaps a level of a descent with the next one. Both get the larger capacity, so that a later descent like
-/// this one allocates nothing, whichever of the two it begins with.
-template <class T>
-void swap_levels(std::vector<T>& level, std::vector<T>& next) {
-  level.swap(next);
-  const std::size_t capacity = std::max(level.capacity(), next.capacity());
-  level.reserve(capacity);
-  next.reserve(capacity);
-}
 
 /// Depth-first traversal from the pair of nodes `start`, which are different or of two objects, down to nodes
 /// with at most so many leaves. Appends the pairs of these nodes that are not separated to `out.leaf_pairs`,

@@ -83,7 +83,7 @@ void BroadPhase::choose_tiles() {
     active_.push_back(next_tiles_.back().get());
   }
   keep_before(nullptr);
-  swap_levels(tiles_, next_tiles_);
+  swap_buffers(tiles_, next_tiles_);
 }
 
 // Traverses what is below a pair of nodes, the children of `node`, from where the last traversal stopped.

@@ -160,7 +160,7 @@ void Culling::prove_top(const StepMotion& motion, const Filter& filter, Index ob
         if (leaf_count(nodes[child]) > subtrees.max_leaves) next_level_.push_back(child);
       }
     }
-    swap_levels(level_, next_level_);
+    swap_buffers(level_, next_level_);
   }
 }
 

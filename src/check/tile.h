@@ -9,6 +9,15 @@
 
 namespace foldproof::inline internal {
 
+/// Swaps two buffers. Both get the larger capacity, so that what fits one of them later allocates nothing.
+template <class T>
+void swap_buffers(std::vector<T>& a, std::vector<T>& b) {
+  a.swap(b);
+  const std::size_t capacity = std::max(a.capacity(), b.capacity());
+  a.reserve(capacity);
+  b.reserve(capacity);
+}
+
 /// Where a traversal stopped, and the next one resumes. Together it covers all pairs of leaves of the tile.
 struct Front {
   /// The part below a pair of nodes: from these indices up to those of the next segment.

@@ -89,31 +89,20 @@ std::uint64_t ReducedChecker::Impl::max_tests(Index task) const {
 bool ReducedChecker::Impl::traverse(Index task, NodePair start, double distance, std::uint64_t test_limit,
                                     Work& work) {
   ReducedObject &object_a = objects[tasks[task].object_a], &object_b = objects[tasks[task].object_b];
-  const bool within = &object_a == &object_b;
-  const auto nodes_a = bvhs[tasks[task].object_a].hierarchy->nodes();
-  const auto nodes_b = bvhs[tasks[task].object_b].hierarchy->nodes();
+  const NodePairs nodes = tasks[task].traversal.nodes();
   stack.assign(1, start);
-  while (!stack.empty()) {
-    const NodePair pair = stack.back();
-    stack.pop_back();
-    const Hierarchy::Node &a = nodes_a[pair.a], &b = nodes_b[pair.b];
-    if (++work.node_tests > test_limit) return false;
-    if (within && pair.a == pair.b) {
-      if (a.is_leaf()) {
-        leaf_pairs.push_back({task, {a.leaf_begin, a.leaf_begin}});
-      } else {
-        push_self_children(nodes_a, pair.a, stack);
-      }
-      continue;
+  traverse_pairs(nodes, stack, [&](NodePair pair) {
+    if (++work.node_tests > test_limit) {
+      stack.clear();
+      return false;
     }
-    if (boxes_separated(object_a.box(pair.a), object_b.box(pair.b), distance)) continue;
-    if (a.is_leaf() && b.is_leaf()) {
-      leaf_pairs.push_back({task, {a.leaf_begin, b.leaf_begin}});
-    } else {
-      push_children(nodes_a, nodes_b, pair, stack);
-    }
-  }
-  return true;
+    if (!nodes.is_self(pair) && boxes_separated(object_a.box(pair.a), object_b.box(pair.b), distance))
+      return false;
+    if (!nodes.are_leaves(pair)) return true;
+    leaf_pairs.push_back({task, {nodes.a[pair.a].leaf_begin, nodes.b[pair.b].leaf_begin}});
+    return false;
+  });
+  return work.node_tests <= test_limit;
 }
 
 // Eq. 8 first, then boxes for the pairs that it leaves unproven. Gives up and returns false when these are

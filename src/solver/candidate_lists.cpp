@@ -201,26 +201,20 @@ void CandidateLists<Ends>::rebuild_front() {
 
 template <int Ends>
 void CandidateLists<Ends>::traverse_pending() {
-  const auto nodes = hierarchy_.nodes();
-  while (!pending_.empty()) {
-    const NodePair pair = pending_.back();
-    pending_.pop_back();
+  const NodePairs nodes{hierarchy_.nodes(), hierarchy_.nodes(), true};
+  traverse_pairs(nodes, pending_, [&](NodePair pair) {
     ++node_tests_;
     if (pair.a != pair.b) {
       const double separation = box_separation(pair.a, pair.b);
       if (separation >= required_) {
         front_.push_back({pair.a, pair.b, separation});
-        continue;
+        return false;
       }
     }
-    if (nodes[pair.a].is_leaf() && nodes[pair.b].is_leaf()) {
-      add_neighbor(pair);
-    } else if (pair.a == pair.b) {
-      push_self_children(nodes, pair.a, pending_);
-    } else {
-      push_children(nodes, nodes, pair, pending_);
-    }
-  }
+    if (!nodes.are_leaves(pair)) return true;
+    add_neighbor(pair);
+    return false;
+  });
 }
 
 template <int Ends>
