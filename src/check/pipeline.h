@@ -4,6 +4,8 @@
 #include <memory>
 
 #include "base/parallel.h"
+#include "base/stopwatch.h"
+#include "base/try.h"
 #include "check/broad_phase.h"
 #include "check/narrow_phase.h"
 
@@ -17,15 +19,38 @@ struct Pipeline {
   /// Stages 2 and 3, after an update of the motion: finds the pairs of leaves that come within `distance` and
   /// that no certificate separates, and fills their features. Adds to `work`. Error: as Culling::begin_step.
   Result<void> find_leaf_pairs(const StepSettings& settings, double distance, Work& work);
-  /// Explains the last find_leaf_pairs, which must have had the same settings and distance.
-  void explain(const StepSettings& settings, double distance, Explanation& out);
+  /// Explains the last find_leaf_pairs, if its settings ask for it.
+  void explain(Explanation& out);
 
   const Filter filter;
   StepMotion motion;
   Culling culling;
   BroadPhase broad_phase;
   NarrowScratch narrow;
+
+ private:
+  StepSettings settings_;  // of the last find_leaf_pairs
+  double distance_ = 0;
 };
+
+/// Runs the stages of a query in turn, until one fails, and adds their times. They return a Result<void>.
+template <class Update, class Search, class Narrow>
+Result<void> run_stages(StageTimes& times, Update update, Search search, Narrow narrow) {
+  const PlainArithmetic plain;
+  Stopwatch watch;
+  const auto take_time = [&](double& stage) {
+    const double ms = watch.lap();
+    stage += ms;
+    times.total += ms;
+  };
+  FOLDPROOF_TRY(update());
+  take_time(times.update);
+  FOLDPROOF_TRY(search());
+  take_time(times.traverse);
+  FOLDPROOF_TRY(narrow());
+  take_time(times.narrow);
+  return {};
+}
 
 /// Runs a call, isolated, on what a checker remembers from call to call. A call that throws, for want of
 /// memory or from a user's filter, may leave anything behind: it loses the memory, and the next one makes it

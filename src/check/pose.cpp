@@ -4,9 +4,6 @@
 #include <tuple>
 
 #include "base/parallel.h"
-#include "base/plain_arithmetic.h"
-#include "base/stopwatch.h"
-#include "base/try.h"
 #include "check/answer.h"
 #include "check/smallest_k.h"
 #include "check/step.h"
@@ -117,45 +114,44 @@ void add_all_copies(const Pose& pose, const Filter& filter, Crossings& out) {
 }  // namespace
 
 Result<void> check_pose(const Query& query, Positions x, const StepSettings& settings, StaticResult& out) {
-  const PlainArithmetic plain;
   Pipeline& pipeline = query.pipeline;
-  Stopwatch total, watch;
+  StepMotion& motion = pipeline.motion;
   out.complete = false;
   out.crossings.clear();
   out.crossing_count = 0;
   out.work = {};
   out.milliseconds = {};
-  FOLDPROOF_TRY(check_settings(settings, pipeline.motion.size()));
-  FOLDPROOF_TRY(pipeline.motion.update(x, x));
-  out.work.refits = pipeline.motion.size();
-  out.milliseconds.update = watch.lap();
-  FOLDPROOF_TRY(pipeline.find_leaf_pairs(settings, 0, out.work));
-  out.milliseconds.traverse = watch.lap();
+  FOLDPROOF_TRY(check_settings(settings, motion.size()));
 
-  const Pose pose{pipeline.motion, x, query.objects};
-  const BroadPhase& found = pipeline.broad_phase;
-  Crossings crossings(pipeline.filter.distinct, settings.max_listed, out);
-  const auto test = [&](std::span<const LeafPair> pairs, Hits& hits) {
-    std::vector<CandidatePair>& faces =
-        pipeline.narrow.candidates.local().candidates[FeaturePair::VertexFace];
-    for (const LeafPair& pair : pairs) {
-      const TraversalTask& task = found.tasks()[pair.task];
-      faces.clear();
-      find_face_pairs(task.traversal, pair.leaves, faces);
-      for (const CandidatePair both : faces) test_pair(pose, task, both, pipeline.filter, hits.crossings);
-    }
+  const auto update = [&]() -> Result<void> {
+    FOLDPROOF_TRY(motion.update(x, x));
+    out.work.refits = motion.size();
+    return {};
   };
-  in_chunks(found.leaf_pairs(), kChunk, pipeline.narrow.hits, test, [&](const Hits& hits) {
-    for (const TriangleCrossing& crossing : hits.crossings) crossings.add(crossing);
-  });
-  if (settings.within) add_all_copies(pose, pipeline.filter, crossings);
-  crossings.finish();
-  out.milliseconds.narrow = watch.lap();
-  out.milliseconds.total = total.lap();
-  if (settings.explain) {
-    pipeline.explain(settings, 0, out.explanation);
-    explain_copies(pipeline.filter.distinct, out.explanation);
-  }
+  const auto search = [&] { return pipeline.find_leaf_pairs(settings, 0, out.work); };
+  const auto narrow = [&]() -> Result<void> {
+    const Pose pose{motion, x, query.objects};
+    const BroadPhase& found = pipeline.broad_phase;
+    Crossings crossings(pipeline.filter.distinct, settings.max_listed, out);
+    const auto test = [&](std::span<const LeafPair> pairs, Hits& hits) {
+      std::vector<CandidatePair>& faces =
+          pipeline.narrow.candidates.local().candidates[FeaturePair::VertexFace];
+      for (const LeafPair& pair : pairs) {
+        const TraversalTask& task = found.tasks()[pair.task];
+        faces.clear();
+        find_face_pairs(task.traversal, pair.leaves, faces);
+        for (const CandidatePair both : faces) test_pair(pose, task, both, pipeline.filter, hits.crossings);
+      }
+    };
+    in_chunks(found.leaf_pairs(), kChunk, pipeline.narrow.hits, test, [&](const Hits& hits) {
+      for (const TriangleCrossing& crossing : hits.crossings) crossings.add(crossing);
+    });
+    if (settings.within) add_all_copies(pose, pipeline.filter, crossings);
+    crossings.finish();
+    return {};
+  };
+  FOLDPROOF_TRY(run_stages(out.milliseconds, update, search, narrow));
+  if (settings.explain) pipeline.explain(out.explanation);
   out.complete = true;
   return {};
 }

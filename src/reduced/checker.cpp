@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/plain_arithmetic.h"
-#include "base/stopwatch.h"
-#include "base/try.h"
 #include "check/answer.h"
 #include "check/pipeline.h"
 #include "reduced/object.h"
@@ -36,6 +33,7 @@ struct ReducedChecker::Impl {
   explicit Impl(const std::vector<ReducedChecker::Object>& given);
   Result<void> check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
                      const StepSettings& settings, StepResult& out);
+  Result<void> start_step(std::span<const ReducedPose> start, std::span<const ReducedPose> end);
   bool traverse_balls(Index object, Index task, double distance, Work& work);
   Result<void> traverse_vertices(Index task, double distance, const StepSettings& settings, Work& work);
   Result<void> traverse_within(Index task, double distance, const StepSettings& settings, Work& work);
@@ -209,7 +207,6 @@ void ReducedChecker::Impl::compute_features(const Frame& frame, double distance)
 
 Result<void> ReducedChecker::check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
                                    const StepSettings& settings, StepResult& out) {
-  const PlainArithmetic plain;
   out.complete = false;
   auto done = run_on(
       impl_, [&] { return std::make_unique<Impl>(objects_); },
@@ -218,11 +215,8 @@ Result<void> ReducedChecker::check(std::span<const ReducedPose> start, std::span
   return done;
 }
 
-Result<void> ReducedChecker::Impl::check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
-                                         const StepSettings& settings, StepResult& out) {
-  Stopwatch watch;
-  clear(out);
-  FOLDPROOF_TRY(check_settings(settings, objects.size()));
+Result<void> ReducedChecker::Impl::start_step(std::span<const ReducedPose> start,
+                                              std::span<const ReducedPose> end) {
   if (start.size() != objects.size() || end.size() != objects.size()) {
     return fail(ErrorCode::InvalidArgument, "poses",
                 fmt::format("are given for {} and {} objects", start.size(), end.size()),
@@ -235,36 +229,46 @@ Result<void> ReducedChecker::Impl::check(std::span<const ReducedPose> start, std
                   "build the shape with the hierarchy that the charts were trained with");
     FOLDPROOF_TRY(objects[i].start_step(i, start[i], end[i]));
   }
-  if (objects.empty()) return {};
-  const Bounds bounds = bound();
-  if (!bounds.finite)
-    return fail(ErrorCode::LimitExceeded, "poses", "have positions beyond the range of double",
-                "make their coordinates smaller");
-  out.tolerance = tolerance_for(settings, largest_extent(bounds));
-  out.milliseconds.update = watch.lap();
-
-  const double distance = settings.thickness + out.tolerance;
-  const Frame frame = frame_around(bounds.low, bounds.high);
-  leaf_pairs.clear();
-  FOLDPROOF_TRY(traverse_objects(frame, distance, settings, out.work));
-  compute_features(frame, distance);
-  out.work.leaf_pairs = leaf_pairs.size();
-  out.milliseconds.traverse = watch.lap();
-  out.milliseconds.total = out.milliseconds.update + out.milliseconds.traverse;
-  if (leaf_pairs.empty()) return {};
-
-  x0.clear();
-  x1.clear();
-  for (const ReducedObject& object : objects) {
-    x0.push_back(object.positions(0));
-    x1.push_back(object.positions(1));
-  }
-  const NarrowStep step(settings, out.tolerance, bvhs, tasks, x0, x1);
-  test_leaf_pairs(step, leaf_pairs, narrow, out);
-  finish(settings, out);
-  out.milliseconds.narrow = watch.lap();
-  out.milliseconds.total = out.milliseconds.update + out.milliseconds.traverse + out.milliseconds.narrow;
   return {};
+}
+
+Result<void> ReducedChecker::Impl::check(std::span<const ReducedPose> start, std::span<const ReducedPose> end,
+                                         const StepSettings& settings, StepResult& out) {
+  clear(out);
+  FOLDPROOF_TRY(check_settings(settings, objects.size()));
+  Bounds bounds;
+  const auto update = [&]() -> Result<void> {
+    FOLDPROOF_TRY(start_step(start, end));
+    bounds = bound();
+    if (!bounds.finite && !objects.empty())
+      return fail(ErrorCode::LimitExceeded, "poses", "have positions beyond the range of double",
+                  "make their coordinates smaller");
+    return {};
+  };
+  const auto search = [&]() -> Result<void> {
+    leaf_pairs.clear();
+    if (objects.empty()) return {};
+    out.tolerance = tolerance_for(settings, largest_extent(bounds));
+    const double distance = settings.thickness + out.tolerance;
+    const Frame frame = frame_around(bounds.low, bounds.high);
+    FOLDPROOF_TRY(traverse_objects(frame, distance, settings, out.work));
+    compute_features(frame, distance);
+    out.work.leaf_pairs = leaf_pairs.size();
+    return {};
+  };
+  const auto test = [&]() -> Result<void> {
+    if (leaf_pairs.empty()) return {};
+    x0.clear();
+    x1.clear();
+    for (const ReducedObject& object : objects) {
+      x0.push_back(object.positions(0));
+      x1.push_back(object.positions(1));
+    }
+    test_leaf_pairs({settings, out.tolerance, bvhs, tasks, x0, x1}, leaf_pairs, narrow, out);
+    finish(settings, out);
+    return {};
+  };
+  return run_stages(out.milliseconds, update, search, test);
 }
 
 }  // namespace foldproof
