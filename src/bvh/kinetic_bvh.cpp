@@ -233,7 +233,7 @@ HWY_INLINE void FillBlocks(const MovingVertex* vertices, const LeafGrid& grid, I
   }
 }
 
-void FillLeafFeatures(KineticBvh& tree, Index leaf) {
+void FillLeafFeatures(KineticBvh& tree, LeafIndex leaf) {
   LeafGrid& grid = tree.grids[leaf];
   FitGrid(tree.boxes[tree.leaf_node(leaf)], grid);
   FillBlocks(tree.vertices.data(), grid, leaf, tree.vertex_blocks);
@@ -308,7 +308,8 @@ void KineticBvh::find_leaves() {
   for (Index node = 0; node < h.nodes().size(); ++node) {
     if (!h.nodes()[node].is_leaf()) continue;
     const Index leaf = h.nodes()[node].leaf_begin, begin = lists.begin[leaf];
-    leaves_.push_back({std::span(leaf_vertex_ids_).subspan(begin, lists.begin[leaf + 1] - begin), node});
+    leaves_.push_back(
+        {std::span(leaf_vertex_ids_).subspan(begin, lists.begin[leaf + 1] - begin), NodeIndex(node)});
   }
 }
 
@@ -383,11 +384,11 @@ void KineticBvh::set_vertex(const Frame& frame, Index vertex, const double* x0, 
   HWY_DYNAMIC_DISPATCH(SetPositions)(frame, {{&only, 1}, {x0, 3}, {x1, 3}}, &vertices[vertex], unused);
 }
 
-void KineticBvh::refit_leaf(Index leaf) {
+void KineticBvh::refit_leaf(LeafIndex leaf) {
   HWY_DYNAMIC_DISPATCH(FitLeaves)(vertices.data(), std::span(leaves_).subspan(leaf, 1), boxes.data());
 }
 
-void KineticBvh::fill_features(Index leaf) { HWY_DYNAMIC_DISPATCH(FillLeafFeatures)(*this, leaf); }
+void KineticBvh::fill_features(LeafIndex leaf) { HWY_DYNAMIC_DISPATCH(FillLeafFeatures)(*this, leaf); }
 
 LeafVertexLists list_leaf_vertices(const Hierarchy& h) {
   LeafVertexLists lists{{0}, {}};

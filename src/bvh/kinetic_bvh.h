@@ -95,7 +95,7 @@ LeafVertexLists list_leaf_vertices(const Hierarchy& hierarchy);
 /// Every vertex of a leaf's triangles, owned by the leaf or not.
 struct LeafVertices {
   std::span<const Index> vertices;
-  Index node;
+  NodeIndex node;
 };
 
 /// A bounding volume hierarchy of kinetic boxes over one object. Made once, refitted every step.
@@ -131,12 +131,12 @@ struct KineticBvh {
   /// The same for a single vertex, an index in leaf order, and a single leaf. Set a leaf's vertices first,
   /// then refit its box, then fill its features.
   void set_vertex(const Frame& frame, Index vertex, const double* x0, const double* x1);
-  void refit_leaf(Index leaf);
+  void refit_leaf(LeafIndex leaf);
   /// Fills the feature boxes of one leaf. Threads may fill different leaves concurrently.
-  void fill_features(Index leaf);
-  Index leaf_node(Index leaf) const { return leaves_[leaf].node; }
+  void fill_features(LeafIndex leaf);
+  NodeIndex leaf_node(LeafIndex leaf) const { return leaves_[leaf].node; }
   /// Every vertex of a leaf's triangles, in leaf order.
-  std::span<const Index> leaf_vertices(Index leaf) const { return leaves_[leaf].vertices; }
+  std::span<const Index> leaf_vertices(LeafIndex leaf) const { return leaves_[leaf].vertices; }
 
   std::shared_ptr<const Hierarchy> hierarchy;
   std::vector<MovingVertex> vertices;  ///< Leaf order.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/typed_index.h"
 #include "foldproof/bvh.h"
 
 namespace foldproof::inline internal {
@@ -13,7 +14,7 @@ struct Subtrees {
     const auto nodes = hierarchy.nodes();
     for (Index node = 0; node < nodes.size();) {
       const Index leaves = nodes[node].leaf_end - nodes[node].leaf_begin;
-      (leaves <= max_leaves ? roots : top).push_back(node);
+      (leaves <= max_leaves ? roots : top).push_back(NodeIndex(node));
       node += leaves <= max_leaves ? 2 * leaves - 1 : 1;
     }
   }
@@ -23,8 +24,8 @@ struct Subtrees {
   }
 
   Index max_leaves;
-  std::vector<Index> roots;  ///< Ascending. Together they have all leaves.
-  std::vector<Index> top;    ///< The nodes above them, ascending, so parents first.
+  std::vector<NodeIndex> roots;  ///< Ascending. Together they have all leaves.
+  std::vector<NodeIndex> top;    ///< The nodes above them, ascending, so parents first.
 };
 
 }  // namespace foldproof::inline internal

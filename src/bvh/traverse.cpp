@@ -39,7 +39,7 @@ void FindSubtreePairs(const Traversal& traversal, NodePair start, Index max_leav
     ++out.node_tests;
     if (Separated(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin)) return false;
     if (std::max(leaf_count(nodes.a[pair.a]), leaf_count(nodes.b[pair.b])) > max_leaves) return true;
-    out.leaf_pairs.push_back(pair);
+    out.subtree_pairs.push_back(pair);
     return false;
   });
 }
@@ -63,15 +63,15 @@ void Traverse(const Traversal& traversal, std::span<const NodePair> starts, std:
         return false;
       }
       if (!nodes.are_leaves(pair)) return true;
-      out.leaf_pairs.push_back({nodes.a[pair.a].leaf_begin, nodes.b[pair.b].leaf_begin});
+      out.leaf_pairs.push_back(nodes.leaves(pair));
       return false;
     });
   }
 }
 
-void TestLeaves(const Traversal& traversal, std::span<const NodePair> leaves, std::uint8_t* separated) {
+void TestLeaves(const Traversal& traversal, std::span<const LeafPair> leaves, std::uint8_t* separated) {
   const KineticBvh &a = *traversal.a, &b = *traversal.b;
-  for (const NodePair pair : leaves)
+  for (const LeafPair pair : leaves)
     *separated++ = Separated(a.boxes[a.leaf_node(pair.a)], b.boxes[b.leaf_node(pair.b)], traversal.margin);
 }
 
@@ -138,7 +138,7 @@ HWY_INLINE void Append(Index a, Index first_b, std::uint32_t near, std::vector<C
   CandidatePair* next = &out[at];
   do {
     for (int k = 0; k < 2; ++k, near &= near - 1)
-      *next++ = {a, first_b + static_cast<Index>(__builtin_ctz(near | 1u << 31))};
+      *next++ = {FeatureIndex(a), FeatureIndex(first_b + static_cast<Index>(__builtin_ctz(near | 1u << 31)))};
   } while (near != 0);
   out.resize(at + count);
 }
@@ -190,7 +190,7 @@ void FindPointPairs(const LeafSide& a, const LeafSide& b, const LeafTest& test,
             out.end());
 }
 
-void FindCandidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
+void FindCandidates(const Traversal& traversal, LeafPair leaves, CandidateBuffer& out) {
   const KineticBvh &ta = *traversal.a, &tb = *traversal.b;
   const float margin = ClampedMargin(traversal);
   const LeafSide a(ta, leaves.a, tb.boxes[tb.leaf_node(leaves.b)], margin);
@@ -216,7 +216,7 @@ void FindCandidates(const Traversal& traversal, NodePair leaves, CandidateBuffer
   for (std::size_t i = begin; i < other.size(); ++i) std::swap(other[i].a, other[i].b);
 }
 
-void FindFacePairs(const Traversal& traversal, NodePair leaves, std::vector<CandidatePair>& out) {
+void FindFacePairs(const Traversal& traversal, LeafPair leaves, std::vector<CandidatePair>& out) {
   const KineticBvh &ta = *traversal.a, &tb = *traversal.b;
   const float margin = ClampedMargin(traversal);
   const LeafSide a(ta, leaves.a, tb.boxes[tb.leaf_node(leaves.b)], margin);
@@ -322,7 +322,7 @@ void prefetch_blocks(const FeatureBlocks<N>& features, Index leaf) {
   __builtin_prefetch(features.first.data() + begin);
 }
 
-void prefetch_leaf(const KineticBvh& bvh, Index leaf) {
+void prefetch_leaf(const KineticBvh& bvh, LeafIndex leaf) {
   prefetch_blocks(bvh.vertex_blocks, leaf);
   prefetch_blocks(bvh.edge_blocks, leaf);
   prefetch_blocks(bvh.face_blocks, leaf);
@@ -350,13 +350,13 @@ void traverse(const Traversal& traversal, std::span<const NodePair> starts, std:
   HWY_DYNAMIC_DISPATCH(Traverse)(traversal, starts, stack, out);
 }
 
-void test_leaves(const Traversal& traversal, std::span<const NodePair> leaves,
+void test_leaves(const Traversal& traversal, std::span<const LeafPair> leaves,
                  std::vector<std::uint8_t>& separated) {
   separated.resize(leaves.size());
   HWY_DYNAMIC_DISPATCH(TestLeaves)(traversal, leaves, separated.data());
 }
 
-void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out) {
+void find_candidates(const Traversal& traversal, LeafPair leaves, CandidateBuffer& out) {
   HWY_DYNAMIC_DISPATCH(FindCandidates)(traversal, leaves, out);
 }
 
@@ -365,12 +365,12 @@ void find_contact_intervals(const Traversal& traversal, FeaturePair kind,
   HWY_DYNAMIC_DISPATCH(FindContactIntervals)(traversal, kind, pairs, out);
 }
 
-void prefetch_features(const Traversal& traversal, NodePair leaves) {
+void prefetch_features(const Traversal& traversal, LeafPair leaves) {
   prefetch_leaf(*traversal.a, leaves.a);
   if (traversal.a != traversal.b || leaves.a != leaves.b) prefetch_leaf(*traversal.b, leaves.b);
 }
 
-void find_face_pairs(const Traversal& traversal, NodePair leaves, std::vector<CandidatePair>& out) {
+void find_face_pairs(const Traversal& traversal, LeafPair leaves, std::vector<CandidatePair>& out) {
   HWY_DYNAMIC_DISPATCH(FindFacePairs)(traversal, leaves, out);
 }
 

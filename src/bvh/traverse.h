@@ -7,8 +7,12 @@
 
 namespace foldproof::inline internal {
 
+/// Within one object a == b is the pair of a node, or of a leaf, with itself.
 struct NodePair {
-  Index a, b;  ///< Nodes, or leaves in results. a == b within one object: the pair of a node with itself.
+  NodeIndex a, b;
+};
+struct LeafPair {
+  LeafIndex a, b;
 };
 
 inline Index leaf_count(const Hierarchy::Node& node) { return node.leaf_end - node.leaf_begin; }
@@ -19,7 +23,15 @@ struct NodePairs {
   bool within;
   bool is_self(NodePair pair) const { return within && pair.a == pair.b; }
   bool are_leaves(NodePair pair) const { return a[pair.a].is_leaf() && b[pair.b].is_leaf(); }
+  LeafPair leaves(NodePair pair) const {
+    return {LeafIndex(a[pair.a].leaf_begin), LeafIndex(b[pair.b].leaf_begin)};
+  }
 };
+
+/// The two children of a node that is no leaf.
+inline NodePair children_of(std::span<const Hierarchy::Node> nodes, NodeIndex node) {
+  return {NodeIndex(node + 1), NodeIndex(nodes[node].right)};
+}
 
 /// Traverses pairs of nodes depth first until the stack is empty. `visit(NodePair)` returns whether to go on
 /// with the pairs of their children; not for two leaves, which have none. Of two nodes the one with more
@@ -31,24 +43,26 @@ template <class Visit>
     const NodePair pair = stack.back();
     stack.pop_back();
     if (!visit(pair)) continue;
-    const Hierarchy::Node &a = nodes.a[pair.a], &b = nodes.b[pair.b];
     if (nodes.is_self(pair)) {
-      stack.push_back({pair.a + 1, a.right});
-      stack.push_back({a.right, a.right});
-      stack.push_back({pair.a + 1, pair.a + 1});
-    } else if (leaf_count(a) >= leaf_count(b)) {
-      stack.push_back({a.right, pair.b});
-      stack.push_back({pair.a + 1, pair.b});
+      const auto [left, right] = children_of(nodes.a, pair.a);
+      stack.push_back({left, right});
+      stack.push_back({right, right});
+      stack.push_back({left, left});
+    } else if (leaf_count(nodes.a[pair.a]) >= leaf_count(nodes.b[pair.b])) {
+      const auto [left, right] = children_of(nodes.a, pair.a);
+      stack.push_back({right, pair.b});
+      stack.push_back({left, pair.b});
     } else {
-      stack.push_back({pair.a, b.right});
-      stack.push_back({pair.a, pair.b + 1});
+      const auto [left, right] = children_of(nodes.b, pair.b);
+      stack.push_back({pair.a, right});
+      stack.push_back({pair.a, left});
     }
   }
 }
 
 /// Two features, as indices in leaf order of their objects.
 struct CandidatePair {
-  Index a, b;
+  FeatureIndex a, b;
 };
 
 /// What is traversed: one object with itself (a == b), or two objects.
@@ -68,7 +82,8 @@ class NodeFilter {
 
 /// What a traversal finds; appended to. Reuse it: its buffers are kept.
 struct TraversalResult {
-  std::vector<NodePair> leaf_pairs;
+  std::vector<LeafPair> leaf_pairs;
+  std::vector<NodePair> subtree_pairs;  ///< Of find_subtree_pairs.
   std::uint64_t node_tests = 0;
   const NodeFilter* filter = nullptr;  ///< Null: all pairs are visited.
   /// If not null: receives the separated pairs at which the traversal stopped. Together with the pairs of
@@ -77,8 +92,8 @@ struct TraversalResult {
 };
 
 /// Depth-first traversal from the pair of nodes `start`, which are different or of two objects, down to nodes
-/// with at most so many leaves. Appends the pairs of these nodes that are not separated to `out.leaf_pairs`,
-/// as nodes. `stack` is scratch.
+/// with at most so many leaves. Appends the pairs of these nodes that are not separated to
+/// `out.subtree_pairs`. `stack` is scratch.
 void find_subtree_pairs(const Traversal& traversal, NodePair start, Index max_leaves,
                         std::vector<NodePair>& stack, TraversalResult& out);
 
@@ -92,7 +107,7 @@ inline void traverse(const Traversal& traversal, NodePair start, std::vector<Nod
 }
 
 /// Tests the boxes of pairs of leaves: one byte per pair, 1 where they are separated, else 0.
-void test_leaves(const Traversal& traversal, std::span<const NodePair> leaves,
+void test_leaves(const Traversal& traversal, std::span<const LeafPair> leaves,
                  std::vector<std::uint8_t>& separated);
 
 /// What `a` and `b` of a pair of features are.
@@ -126,7 +141,7 @@ inline bool tests_vertices(Element vertices, Element triangles) {
 
 /// Tests vertices against faces and edges against edges of two leaves whose features have been filled, or of
 /// a leaf with itself.
-void find_candidates(const Traversal& traversal, NodePair leaves, CandidateBuffer& out);
+void find_candidates(const Traversal& traversal, LeafPair leaves, CandidateBuffer& out);
 
 /// When the boxes of two features are not separated: [begin, end] in units of 1 / kUnits of the motion.
 struct ContactInterval {
@@ -141,9 +156,9 @@ void find_contact_intervals(const Traversal& traversal, FeaturePair kind,
                             std::span<const CandidatePair> pairs, ContactInterval* out);
 
 /// Prefetches what find_candidates will read.
-void prefetch_features(const Traversal& traversal, NodePair leaves);
+void prefetch_features(const Traversal& traversal, LeafPair leaves);
 
 /// Adds the pairs of faces whose boxes are not separated, those with common vertices too, for static queries.
-void find_face_pairs(const Traversal& traversal, NodePair leaves, std::vector<CandidatePair>& out);
+void find_face_pairs(const Traversal& traversal, LeafPair leaves, std::vector<CandidatePair>& out);
 
 }  // namespace foldproof::inline internal

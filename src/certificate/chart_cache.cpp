@@ -41,7 +41,7 @@ bool ChartCache::holds(const ChartLibrary& library, Index chart, std::span<const
 }
 
 // Tests the chart that held last first. Slots whose charts keep failing are tested less and less often.
-ChartCache::Proof ChartCache::prove(Index slot, std::span<const MovingVertex> vertices, double gap,
+ChartCache::Proof ChartCache::prove(SlotIndex slot, std::span<const MovingVertex> vertices, double gap,
                                     ChartTester& tester) {
   SlotState& state = states_[slot];
   if (state.test_from > step_) return {};
@@ -70,18 +70,18 @@ ChartCache::Proof ChartCache::prove(Index slot, std::span<const MovingVertex> ve
   return {};
 }
 
-bool ChartCache::wants_node(Index node) const {
+bool ChartCache::wants_node(NodeIndex node) const {
   return states_[node].build_from <= step_ && slots().triangle_count(node) <= kMaxTriangles;
 }
 
-void ChartCache::back_off(Index slot, ChartOutcome outcome) {
+void ChartCache::back_off(SlotIndex slot, ChartOutcome outcome) {
   SlotState& state = states_[slot];
   state.outcome = outcome;
   state.build_from = step_ + (kBackOff << state.failed_builds);
   state.failed_builds = std::min<std::uint8_t>(state.failed_builds + 1, kMaxFailedBuilds);
 }
 
-void ChartCache::add_build(Index slot) {
+void ChartCache::add_build(SlotIndex slot) {
   if (build_count_ == builds_.size()) builds_.emplace_back();
   builds_[build_count_++].slot = slot;
 }
@@ -101,7 +101,7 @@ void ChartCache::run_builds(std::span<const MovingVertex> vertices) {
 // one run are different, so are their charts.
 Index ChartCache::place(const BuiltChart& build) {
   // Counts as a failure until the chart holds once: one that is built again and again is useless.
-  back_off(build.slot, build.outcome);
+  back_off(SlotIndex(build.slot), build.outcome);
   if (build.outcome != ChartOutcome::Made) return kNoIndex;
   SlotState& state = states_[build.slot];
   state.failed_tests = 0;
@@ -134,7 +134,7 @@ const std::array<float, 3>& ChartCache::leaf_normal(Index leaf, std::span<const 
 }
 
 // A cheap estimate: whether there is a direction that every leaf of the node faces.
-bool ChartCache::looks_flat(Index node, std::span<const MovingVertex> vertices) {
+bool ChartCache::looks_flat(NodeIndex node, std::span<const MovingVertex> vertices) {
   const Hierarchy::Node& n = slots().hierarchy()->nodes()[node];
   const auto normal = [&](Index leaf) { return View(leaf_normals_[leaf].direction.data()); };
   Eigen::Vector3f facing = Eigen::Vector3f::Zero();
@@ -156,11 +156,11 @@ bool ChartCache::looks_flat(Index node, std::span<const MovingVertex> vertices) 
 void ChartCache::sort_requested_nodes() {
   const Index largest = std::min(kMaxTriangles, slots().triangle_count(0));
   size_begin_.assign(largest + 2, 0);
-  const auto rank = [&](Index node) { return largest - slots().triangle_count(node); };
-  for (const Index node : requested_nodes_) ++size_begin_[rank(node) + 1];
+  const auto rank = [&](NodeIndex node) { return largest - slots().triangle_count(node); };
+  for (const NodeIndex node : requested_nodes_) ++size_begin_[rank(node) + 1];
   std::partial_sum(size_begin_.begin(), size_begin_.end(), size_begin_.begin());
   sorted_nodes_.resize(requested_nodes_.size());
-  for (const Index node : requested_nodes_) sorted_nodes_[size_begin_[rank(node)]++] = node;
+  for (const NodeIndex node : requested_nodes_) sorted_nodes_[size_begin_[rank(node)]++] = node;
   requested_nodes_.swap(sorted_nodes_);
 }
 
@@ -176,7 +176,7 @@ void ChartCache::build_nodes(std::span<const MovingVertex> vertices, std::size_t
     if (build_count_ == 0) break;
     run_builds(vertices);
     for (std::size_t i = 0; i < build_count_; ++i) {
-      if (builds_[i].outcome != ChartOutcome::Made) cover(builds_[i].slot, Cover::None);
+      if (builds_[i].outcome != ChartOutcome::Made) cover(NodeIndex(builds_[i].slot), Cover::None);
     }
   }
   requested_nodes_.clear();
@@ -185,7 +185,7 @@ void ChartCache::build_nodes(std::span<const MovingVertex> vertices, std::size_t
 // Adds the builds of a round; keeps the requests of nodes that wait. Nodes that are not below one another and
 // that the budget allows are tested at once; the choice is that of testing one after the other.
 void ChartCache::choose_nodes(std::span<const MovingVertex> vertices, std::size_t& budget) {
-  const auto cost_of = [&](Index node) {
+  const auto cost_of = [&](NodeIndex node) {
     return slots().triangle_count(node) * std::size_t{3} / 2;
   };  // with a ring
   std::size_t kept = 0;
@@ -208,27 +208,28 @@ void ChartCache::choose_nodes(std::span<const MovingVertex> vertices, std::size_
     parallel_for(std::size_t{0}, maybe_flat_.size(),
                  [&](std::size_t k) { is_flat_[k] = looks_flat(maybe_flat_[k], vertices); });
     for (std::size_t k = 0; k < maybe_flat_.size(); ++k) {
-      const Index node = maybe_flat_[k];
+      const NodeIndex node = maybe_flat_[k];
+      const SlotIndex slot(slots().of_node(node));
       cover(node, is_flat_[k] ? Cover::Built : Cover::None);
       if (is_flat_[k]) {
         budget -= cost_of(node);
-        add_build(node);
+        add_build(slot);
       } else {
-        back_off(node, ChartOutcome::TooCurved);
+        back_off(slot, ChartOutcome::TooCurved);
       }
     }
   }
   requested_nodes_.resize(kept);
 }
 
-void ChartCache::cover(Index node, Cover value) {
+void ChartCache::cover(NodeIndex node, Cover value) {
   const Hierarchy::Node& n = slots().hierarchy()->nodes()[node];
   std::fill(covered_.begin() + n.leaf_begin, covered_.begin() + n.leaf_end, value);
 }
 
 void ChartCache::build_pairs(std::span<const MovingVertex> vertices, std::size_t& budget) {
   build_count_ = 0;
-  for (const Index slot : requested_pairs_) {
+  for (const SlotIndex slot : requested_pairs_) {
     const auto [a, b] = slots().leaves_of(slot);
     const std::size_t cost = slots().triangle_count(slot);
     if (cost > budget) break;

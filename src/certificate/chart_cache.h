@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/parallel.h"
+#include "base/typed_index.h"
 #include "certificate/chart_builder.h"
 #include "certificate/chart_holds.h"
 
@@ -30,7 +31,7 @@ class ChartCache {
   };
   /// Tests a slot's charts until one holds in the step of `vertices` (see chart_holds). Threads may call this
   /// at once for different slots.
-  Proof prove(Index slot, std::span<const MovingVertex> vertices, double gap, ChartTester& tester);
+  Proof prove(SlotIndex slot, std::span<const MovingVertex> vertices, double gap, ChartTester& tester);
 
   /// chart_margin of the proof's chart in the step of `vertices`.
   double margin(const Proof& proof, std::span<const MovingVertex> vertices, ChartScratch& scratch) const {
@@ -38,22 +39,22 @@ class ChartCache {
   }
 
   /// The first of a slot's trained charts, untested.
-  Proof trained(Index slot) const {
+  Proof trained(SlotIndex slot) const {
     const Index chart = trained_ ? trained_->first(slot) : kNoIndex;
     return chart == kNoIndex ? Proof{} : Proof{trained_.get(), chart};
   }
 
-  bool has_charts(Index slot) const {
+  bool has_charts(SlotIndex slot) const {
     return own_.first(slot) != kNoIndex || (trained_ && trained_->first(slot) != kNoIndex);
   }
   /// The outcome of the last build for a slot without charts; Made when none was tried.
-  ChartOutcome last_outcome(Index slot) const { return states_[slot].outcome; }
+  ChartOutcome last_outcome(SlotIndex slot) const { return states_[slot].outcome; }
 
   /// Whether a node or a pair of leaves that was not proven wants a chart, and requests for all that do.
-  bool wants_node(Index node) const;
-  bool wants_pair(Index slot) const { return states_[slot].build_from <= step_; }
-  void request_nodes(std::span<const Index> nodes) { append(requested_nodes_, nodes); }
-  void request_pairs(std::span<const Index> slots) { append(requested_pairs_, slots); }
+  bool wants_node(NodeIndex node) const;
+  bool wants_pair(SlotIndex slot) const { return states_[slot].build_from <= step_; }
+  void request_nodes(std::span<const NodeIndex> nodes) { append(requested_nodes_, nodes); }
+  void request_pairs(std::span<const SlotIndex> slots) { append(requested_pairs_, slots); }
 
   /// Begins a step. Builds the charts that were requested in the last step, in the pose halfway through this
   /// one, larger patches first, until their triangles would exceed `budget`.
@@ -77,33 +78,35 @@ class ChartCache {
     std::array<float, 3> direction{};
     std::uint32_t step = 0;
   };
-  static void append(std::vector<Index>& all, std::span<const Index> more) {
+  template <class T>
+  static void append(std::vector<T>& all, std::span<const T> more) {
     all.insert(all.end(), more.begin(), more.end());
   }
   void build_nodes(std::span<const MovingVertex> vertices, std::size_t& budget);
   void sort_requested_nodes();
   void choose_nodes(std::span<const MovingVertex> vertices, std::size_t& budget);
   void build_pairs(std::span<const MovingVertex> vertices, std::size_t& budget);
-  void cover(Index node, Cover value);
+  void cover(NodeIndex node, Cover value);
   const std::array<float, 3>& leaf_normal(Index leaf, std::span<const MovingVertex> vertices);
-  bool looks_flat(Index node, std::span<const MovingVertex> vertices);
-  void add_build(Index slot);
+  bool looks_flat(NodeIndex node, std::span<const MovingVertex> vertices);
+  void add_build(SlotIndex slot);
   void run_builds(std::span<const MovingVertex> vertices);
   Index place(const BuiltChart& build);
-  void back_off(Index slot, ChartOutcome outcome);
+  void back_off(SlotIndex slot, ChartOutcome outcome);
   bool holds(const ChartLibrary& library, Index chart, std::span<const MovingVertex> vertices, double gap,
              ChartTester& tester) const;
 
   std::shared_ptr<const ChartLibrary> trained_;
   ChartLibrary own_;
   std::vector<SlotState> states_;
-  std::vector<Index> requested_nodes_, requested_pairs_;
-  std::vector<Index> sorted_nodes_, size_begin_;  // scratch
-  std::vector<BuiltChart> builds_;                // the first build_count_; the rest keep their buffers
-  std::vector<Index> places_;                     // where the library has their charts; parallel to builds_
+  std::vector<NodeIndex> requested_nodes_, sorted_nodes_;
+  std::vector<SlotIndex> requested_pairs_;
+  std::vector<Index> size_begin_;   // scratch
+  std::vector<BuiltChart> builds_;  // the first build_count_; the rest keep their buffers
+  std::vector<Index> places_;       // where the library has their charts; parallel to builds_
   std::size_t build_count_ = 0, charts_built_ = 0;
   std::vector<Cover> covered_;  // per leaf: whether a chart of a node above it is built in this step
-  std::vector<Index> maybe_flat_;
+  std::vector<NodeIndex> maybe_flat_;
   std::vector<std::uint8_t> is_flat_;  // parallel to maybe_flat_
   std::vector<LeafNormal> leaf_normals_;
   PerThread<ChartBuilder> builders_;

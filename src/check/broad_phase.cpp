@@ -41,12 +41,12 @@ void BroadPhase::list_within(const Step& step, Index object) {
       keys_.push_back({object, object, subtrees.roots[k], subtrees.roots[k]});
   }
   Index next = 0;  // past everything below the last proven node
-  for (const Index node : subtrees.top) {
+  for (const NodeIndex node : subtrees.top) {
     if (node < next) continue;
     if (proven[node]) {
       next = node + 2 * leaf_count(nodes[node]) - 1;
     } else {
-      list_pairs(step, object, object, {node + 1, nodes[node].right});
+      list_pairs(step, object, object, children_of(nodes, node));
     }
   }
 }
@@ -58,9 +58,9 @@ void BroadPhase::list_pairs(const Step& step, Index a, Index b, NodePair start) 
   visited.object_a = a;
   visited.object_b = b;
   near_.filter = step.filter.asks_nodes() ? &visited : nullptr;
-  near_.leaf_pairs.clear();
+  near_.subtree_pairs.clear();
   find_subtree_pairs(task(step, a, b).traversal, start, step.motion.subtrees(a).max_leaves, stack_, near_);
-  for (const NodePair pair : near_.leaf_pairs) keys_.push_back({a, b, pair.a, pair.b});
+  for (const NodePair pair : near_.subtree_pairs) keys_.push_back({a, b, pair.a, pair.b});
 }
 
 // Finds or makes the tiles of this step.
@@ -88,7 +88,7 @@ void BroadPhase::choose_tiles() {
 
 // Traverses what is below a pair of nodes, the children of `node`, from where the last traversal stopped.
 // Then culls the pairs of leaves that were near and those found now.
-void BroadPhase::run_part(const Step& step, const TraversalTask& task, Index node, NodePair start,
+void BroadPhase::run_part(const Step& step, const TraversalTask& task, NodeIndex node, NodePair start,
                           const Front::Segment* last, Tile& tile) {
   Local& local = locals_.local();
   Front& front = local.front;
@@ -107,8 +107,9 @@ void BroadPhase::run_part(const Step& step, const TraversalTask& task, Index nod
   const PatchSlots* slots =
       task.object_a == task.object_b && step.keeps_fronts ? &step.culling.slots(task.object_a) : nullptr;
   const std::size_t known = front.near.size();
-  for (const NodePair leaves : local.found.leaf_pairs)
-    front.near.push_back({leaves, slots != nullptr ? slots->of_leaves(leaves.a, leaves.b) : kNoIndex});
+  for (const LeafPair leaves : local.found.leaf_pairs)
+    front.near.push_back(
+        {leaves, SlotIndex(slots != nullptr ? slots->of_leaves(leaves.a, leaves.b) : kNoIndex)});
   local.found.leaf_pairs.clear();
   step.culling.cull_leaves(task, std::span(front.near).subspan(known), true, tile);
 }
@@ -131,24 +132,24 @@ void BroadPhase::run(const Step& step, const TraversalTask& task, Tile& tile) {
   if (tile.key.is_self()) {
     const auto nodes = step.motion.hierarchy(object_a).nodes();
     const auto proven = step.culling.proven(object_a);
-    for (const Index leaf :
+    for (const LeafIndex leaf :
          step.culling.unproven_leaves(object_a, step.motion.subtrees(object_a).first_from(a)))
       tile.remaining.push_back({leaf, leaf});
     const Index after = a + 2 * leaf_count(nodes[a]) - 1;
-    for (Index node = a; node < after;) {
+    for (NodeIndex node = a; node < after;) {
       if (proven[node]) {
-        node += 2 * leaf_count(nodes[node]) - 1;
+        node = NodeIndex(node + 2 * leaf_count(nodes[node]) - 1);
         continue;
       }
       if (!nodes[node].is_leaf()) {
         while (last != end && last->node < node) ++last;
         const bool resumes = last != end && last->node == node && !is_due(node);
-        run_part(step, task, node, {node + 1, nodes[node].right}, resumes ? last : nullptr, tile);
+        run_part(step, task, node, children_of(nodes, node), resumes ? last : nullptr, tile);
       }
-      ++node;
+      node = NodeIndex(node + 1);
     }
   } else {
-    run_part(step, task, 0, {a, b}, last != end && !is_due(a + b) ? last : nullptr, tile);
+    run_part(step, task, {}, {a, b}, last != end && !is_due(a + b) ? last : nullptr, tile);
   }
   tile.node_tests += local.found.node_tests;
   if (step.keeps_fronts) {
@@ -170,7 +171,7 @@ void BroadPhase::find(const StepMotion& motion, Culling& culling, const Filter& 
     for (Index object = 0; object < motion.size(); ++object) list_within(step, object);
   }
   if (settings.between) {
-    for (const auto& [a, b] : near_objects(motion, step.margin)) list_pairs(step, a, b, {0, 0});
+    for (const auto& [a, b] : near_objects(motion, step.margin)) list_pairs(step, a, b, {});
   }
   choose_tiles();
   tasks_.clear();
@@ -184,7 +185,7 @@ void BroadPhase::find(const StepMotion& motion, Culling& culling, const Filter& 
   for (Index k = 0; k < active_.size(); ++k) {
     node_tests += active_[k]->node_tests;
     culling.request_charts(*active_[k]);
-    for (const NodePair leaves : active_[k]->remaining) leaf_pairs_.push_back({k, leaves});
+    for (const LeafPair leaves : active_[k]->remaining) leaf_pairs_.push_back({k, leaves});
   }
   work.node_tests += node_tests;
   work.leaf_pairs += leaf_pairs_.size();
@@ -212,15 +213,14 @@ std::uint64_t BroadPhase::count_near_leaves(const StepMotion& motion, const Filt
       if (nodes[n].is_leaf()) {
         count += static_cast<std::uint64_t>(filter.nodes(a, n, a, n));
       } else {
-        count_below(a, a, {n + 1, nodes[n].right});
+        count_below(a, a, children_of(nodes, NodeIndex(n)));
       }
     });
   }
   if (settings.between) {
     const auto near = near_objects(motion, margin);
-    parallel_for(std::size_t{0}, near.size(), [&](std::size_t k) {
-      count_below(near[k][0], near[k][1], {0, 0});
-    });
+    parallel_for(std::size_t{0}, near.size(),
+                 [&](std::size_t k) { count_below(near[k][0], near[k][1], {}); });
   }
   return count;
 }

@@ -17,7 +17,7 @@ class BroadPhase {
   void find(const StepMotion& motion, Culling& culling, const Filter& filter, const StepSettings& settings,
             double distance, Work& work);
   /// The result, in an order that depends on the input only.
-  std::span<const LeafPair> leaf_pairs() const { return leaf_pairs_; }
+  std::span<const TaskLeaves> leaf_pairs() const { return leaf_pairs_; }
   std::span<const TraversalTask> tasks() const { return tasks_; }
 
   /// The number of pairs of leaves without culling.
@@ -50,7 +50,7 @@ class BroadPhase {
   void list_pairs(const Step& step, Index a, Index b, NodePair start);
   void choose_tiles();
   void run(const Step& step, const TraversalTask& task, Tile& tile);
-  void run_part(const Step& step, const TraversalTask& task, Index node, NodePair start,
+  void run_part(const Step& step, const TraversalTask& task, NodeIndex node, NodePair start,
                 const Front::Segment* last, Tile& tile);
 
   std::size_t steps_ = 0;
@@ -62,7 +62,7 @@ class BroadPhase {
   std::vector<std::unique_ptr<Tile>> tiles_, next_tiles_;  // ascending by key, some from earlier steps
   std::vector<Tile*> active_;                              // in this step
   std::vector<TraversalTask> tasks_;                       // their objects
-  std::vector<LeafPair> leaf_pairs_;
+  std::vector<TaskLeaves> leaf_pairs_;
   PerThread<Local> locals_;
 };
 

@@ -116,7 +116,7 @@ void CandidateCache::drop_empty(Part& part) {
   }
 }
 
-void CandidateCache::fill(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs,
+void CandidateCache::fill(std::span<const TraversalTask> tasks, std::span<const TaskLeaves> pairs,
                           double distance) {
   count_ = (pairs.size() + kChunk - 1) / kChunk;
   if (parts_.size() < count_) parts_.resize(count_);

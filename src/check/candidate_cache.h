@@ -10,7 +10,7 @@ class CandidateCache {
  public:
   /// Finds the candidates among pairs of leaves whose features are filled. Drops those that stay farther
   /// apart than `distance`, in the frame, during the whole motion.
-  void fill(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs, double distance);
+  void fill(std::span<const TraversalTask> tasks, std::span<const TaskLeaves> pairs, double distance);
 
   /// Runs the narrow phase on the candidates that may touch between two times of the motion, in [0,1]. Adds
   /// to `out`.

@@ -16,7 +16,7 @@ constexpr std::uint8_t kMaxFailures = 2;
 // While planes rarely separate pairs without a cached one, one in kProbe of such pairs is tested.
 constexpr Index kProbe = 8;
 
-std::uint64_t hash_of(NodePair leaves) {
+std::uint64_t hash_of(LeafPair leaves) {
   return (std::uint64_t{leaves.a} << 32 | leaves.b) * 0x9E3779B97F4A7C15u >> 20;
 }
 
@@ -98,22 +98,23 @@ Result<void> Culling::begin_step(const StepMotion& motion, const StepSettings& s
 }
 
 // Threads may do different nodes at once.
-ChartCache::Proof Culling::prove(const StepMotion& motion, Index object, Index node, Local& local) {
+ChartCache::Proof Culling::prove(const StepMotion& motion, Index object, NodeIndex node, Local& local) {
+  const SlotIndex slot(charts_[object]->slots().of_node(node));
   if (declared_free_ != nullptr)
-    return (*declared_free_)[object][node] ? charts_[object]->trained(node) : ChartCache::Proof{};
+    return (*declared_free_)[object][node] ? charts_[object]->trained(slot) : ChartCache::Proof{};
   if (!uses_certificates_) return {};
-  const auto proof = charts_[object]->prove(node, motion.bvhs()[object].vertices, gap_, local.tester);
+  const auto proof = charts_[object]->prove(slot, motion.bvhs()[object].vertices, gap_, local.tester);
   local.passes += static_cast<bool>(proof);
   return proof;
 }
 
 // Notes a node that was tested. Returns whether it is proven.
-bool Culling::add_node(Index object, Index node, ChartCache::Proof proof, SubtreeProofs& out) {
+bool Culling::add_node(Index object, NodeIndex node, ChartCache::Proof proof, SubtreeProofs& out) {
   ++out.node_tests;
   objects_[object].proven[node] = static_cast<bool>(proof);
   if (proof) {
     if (explains_) out.proven.push_back({object, node, proof});
-    for (const Index leaf : proof.ring()) out.rings.push_back({leaf, node});
+    for (const Index leaf : proof.ring()) out.rings.push_back({LeafIndex(leaf), node});
     return true;
   }
   if ((uses_certificates_ || uses_certificates_next_) && charts_[object]->wants_node(node))
@@ -130,7 +131,7 @@ void Culling::prove_top(const StepMotion& motion, const Filter& filter, Index ob
   for (SubtreeProofs& subtree : proofs.subtrees) subtree.is_covered = false;
   proofs.top.clear();
   level_.clear();
-  if (!subtrees.top.empty()) level_.push_back(0);
+  if (!subtrees.top.empty()) level_.emplace_back();
   const auto cover = [&](Index node, Index patch) {
     const Index end = node + 2 * leaf_count(nodes[node]) - 1;
     for (Index k = subtrees.first_from(node); k < subtrees.first_from(end); ++k) {
@@ -139,7 +140,7 @@ void Culling::prove_top(const StepMotion& motion, const Filter& filter, Index ob
     }
   };
   while (!level_.empty()) {
-    std::erase_if(level_, [&](Index node) {
+    std::erase_if(level_, [&](NodeIndex node) {
       if (filter.nodes(object, node, object, node)) return false;
       proofs.proven[node] = 1;
       cover(node, kNoIndex);
@@ -151,12 +152,13 @@ void Culling::prove_top(const StepMotion& motion, const Filter& filter, Index ob
     });
     next_level_.clear();
     for (std::size_t i = 0; i < level_.size(); ++i) {
-      const Index node = level_[i];
+      const NodeIndex node = level_[i];
       if (add_node(object, node, level_proofs_[i], proofs.top)) {
         cover(node, node);
         continue;
       }
-      for (const Index child : {node + 1, nodes[node].right}) {
+      const auto [left, right] = children_of(nodes, node);
+      for (const NodeIndex child : {left, right}) {
         if (leaf_count(nodes[child]) > subtrees.max_leaves) next_level_.push_back(child);
       }
     }
@@ -171,24 +173,24 @@ void Culling::prove_subtree(const StepMotion& motion, const Filter& filter, Inde
   SubtreeProofs& out = proofs.subtrees[subtree];
   Local& local = locals_.local();
   out.clear();
-  const Index root = motion.subtrees(object).roots[subtree];
+  const NodeIndex root = motion.subtrees(object).roots[subtree];
   for (Index leaf = nodes[root].leaf_begin; leaf < nodes[root].leaf_end; ++leaf) {
     proofs.leaves[leaf].clear();
     if (out.is_covered && out.patch != kNoIndex) proofs.leaves[leaf].add(out.patch);
   }
   if (out.is_covered) return;
   const Index end = root + 2 * leaf_count(nodes[root]) - 1;
-  for (Index node = root; node < end;) {
+  for (NodeIndex node = root; node < end;) {
     const Hierarchy::Node& n = nodes[node];
     const bool ignored = !filter.nodes(object, node, object, node);
     if (ignored) proofs.proven[node] = 1;
     if (ignored || add_node(object, node, prove(motion, object, node, local), out)) {
       for (Index leaf = n.leaf_begin; !ignored && leaf < n.leaf_end; ++leaf) proofs.leaves[leaf].add(node);
-      node += 2 * leaf_count(n) - 1;
+      node = NodeIndex(node + 2 * leaf_count(n) - 1);
       continue;
     }
-    if (n.is_leaf()) out.unproven_leaves.push_back(n.leaf_begin);
-    ++node;
+    if (n.is_leaf()) out.unproven_leaves.emplace_back(n.leaf_begin);
+    node = NodeIndex(node + 1);
   }
 }
 
@@ -222,7 +224,7 @@ bool Culling::should_test_plane(std::uint64_t hash, const CachedPlane& cached) c
          (new_planes_.pay || cached.normal != PlaneNormal{} || ((hash >> 24) + steps_) % kProbe == 0);
 }
 
-bool Culling::plane_separates_leaves(const TraversalTask& task, NodePair leaves, CachedPlane& cached,
+bool Culling::plane_separates_leaves(const TraversalTask& task, LeafPair leaves, CachedPlane& cached,
                                      Local& local) {
   const KineticBvh &a = *task.traversal.a, &b = *task.traversal.b;
   const bool is_new = cached.normal == PlaneNormal{};

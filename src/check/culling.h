@@ -27,7 +27,7 @@ class Culling {
   /// Per node of an object, whether it was proven or is ignored; unspecified below such a node.
   std::span<const std::uint8_t> proven(Index object) const { return objects_[object].proven; }
   /// The leaves of a subtree that remain paired with themselves; empty where a node above it was proven.
-  std::span<const Index> unproven_leaves(Index object, Index subtree) const {
+  std::span<const LeafIndex> unproven_leaves(Index object, Index subtree) const {
     return objects_[object].subtrees[subtree].unproven_leaves;
   }
   /// Whether a node above a subtree was proven or is ignored.
@@ -46,7 +46,7 @@ class Culling {
 
   /// Explains the step, except for the number of pairs of leaves that certificates proved.
   void explain(const StepMotion& motion, std::span<const TraversalTask> tasks,
-               std::span<const LeafPair> leaf_pairs, Explanation& out);
+               std::span<const TaskLeaves> leaf_pairs, Explanation& out);
 
  private:
   // The proven patches of this step that contain a leaf. Two leaves with a common patch are proven separated.
@@ -76,22 +76,25 @@ class Culling {
     std::uint64_t tests = 0, passes = 0, failed_planes = 0;
     std::uint64_t new_planes = 0, new_planes_passed = 0;  // tests without a cached normal
     std::vector<NearLeafPair> unproven;                   // pairs of leaves without a common proven patch
-    std::vector<NodePair> leaves;
+    std::vector<LeafPair> leaves;
     std::vector<std::uint8_t> separated;
   };
   // A node that a chart proved.
   struct ProvenNode {
-    Index object, node;
+    Index object;
+    NodeIndex node;
     ChartCache::Proof proof;
   };
   struct OnLeaf {
-    Index leaf, patch;
+    LeafIndex leaf;
+    Index patch;
   };
   // What was found in a subtree.
   struct SubtreeProofs {
     bool is_covered = false;
     Index patch = kNoIndex;  // the proven node above it
-    std::vector<Index> unproven_leaves, requests;
+    std::vector<LeafIndex> unproven_leaves;
+    std::vector<NodeIndex> requests;
     std::vector<OnLeaf> rings;       // leaves in the rings of proven nodes
     std::vector<ProvenNode> proven;  // only when explanations are wanted
     std::uint64_t node_tests = 0;
@@ -111,14 +114,14 @@ class Culling {
   };
   Result<void> check_declared(const StepMotion& motion) const;
   std::size_t build_budget();
-  ChartCache::Proof prove(const StepMotion& motion, Index object, Index node, Local& local);
-  bool add_node(Index object, Index node, ChartCache::Proof proof, SubtreeProofs& out);
+  ChartCache::Proof prove(const StepMotion& motion, Index object, NodeIndex node, Local& local);
+  bool add_node(Index object, NodeIndex node, ChartCache::Proof proof, SubtreeProofs& out);
   void prove_top(const StepMotion& motion, const Filter& filter, Index object);
   void prove_subtree(const StepMotion& motion, const Filter& filter, Index object, Index subtree);
   void gather(Index object, Work& work);
-  bool plane_separates_leaves(const TraversalTask& task, NodePair leaves, CachedPlane& cached, Local& local);
+  bool plane_separates_leaves(const TraversalTask& task, LeafPair leaves, CachedPlane& cached, Local& local);
   bool should_test_plane(std::uint64_t hash, const CachedPlane& cached) const;
-  Reason reason_of(const TraversalTask& task, NodePair leaves) const;
+  Reason reason_of(const TraversalTask& task, LeafPair leaves) const;
 
   std::vector<std::unique_ptr<ChartCache>> charts_;
   CullingPolicy policy_;
@@ -132,7 +135,7 @@ class Culling {
 
   std::vector<ObjectProofs> objects_;
   std::vector<std::array<Index, 2>> all_subtrees_;  // of all objects: object and subtree
-  std::vector<Index> level_, next_level_;
+  std::vector<NodeIndex> level_, next_level_;
   std::vector<ChartCache::Proof> level_proofs_;
   std::vector<ProvenNode> proven_nodes_;  // only when explanations are wanted
 

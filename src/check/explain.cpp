@@ -10,7 +10,7 @@
 namespace foldproof::internal {
 namespace {
 
-Reason reason_of_slot(const ChartCache& charts, Index slot) {
+Reason reason_of_slot(const ChartCache& charts, SlotIndex slot) {
   if (charts.has_charts(slot)) return Reason::TestFailed;
   switch (charts.last_outcome(slot)) {
     case ChartOutcome::TooCurved:
@@ -25,11 +25,11 @@ Reason reason_of_slot(const ChartCache& charts, Index slot) {
 }
 
 // Whether a node with both leaves below it has charts.
-bool ancestor_has_charts(const ChartCache& charts, NodePair leaves) {
+bool ancestor_has_charts(const ChartCache& charts, LeafPair leaves) {
   const auto nodes = charts.slots().hierarchy()->nodes();
   const auto [first, last] = std::minmax(leaves.a, leaves.b);
   for (Index node = 0;;) {
-    if (charts.has_charts(charts.slots().of_node(node))) return true;
+    if (charts.has_charts(SlotIndex(charts.slots().of_node(node)))) return true;
     if (nodes[node].is_leaf()) return false;
     const Index middle = nodes[nodes[node].right].leaf_begin;
     if (first < middle && middle <= last) return false;
@@ -54,20 +54,20 @@ void raise_reasons(std::span<Reason> reasons, const Hierarchy& h, Index leaf, Re
 
 }  // namespace
 
-Reason Culling::reason_of(const TraversalTask& task, NodePair leaves) const {
+Reason Culling::reason_of(const TraversalTask& task, LeafPair leaves) const {
   const Reason no_plane = tests_planes_ ? Reason::NearOther : Reason::NotBuilt;
   if (task.object_a != task.object_b) return no_plane;
   const auto [a, b] = leaves;
   const ChartCache& charts = *charts_[task.object_a];
-  const Index slot =
-      a == b ? charts.slots().of_node(task.traversal.a->leaf_node(a)) : charts.slots().of_leaves(a, b);
+  const SlotIndex slot(a == b ? charts.slots().of_node(task.traversal.a->leaf_node(a))
+                              : charts.slots().of_leaves(a, b));
   if (slot == kNoIndex) return no_plane;
   const Reason reason = reason_of_slot(charts, slot);
   return reason == Reason::NotBuilt && ancestor_has_charts(charts, leaves) ? Reason::TestFailed : reason;
 }
 
 void Culling::explain(const StepMotion& motion, std::span<const TraversalTask> tasks,
-                      std::span<const LeafPair> leaf_pairs, Explanation& out) {
+                      std::span<const TaskLeaves> leaf_pairs, Explanation& out) {
   out.objects.resize(motion.size());
   for (Index i = 0; i < motion.size(); ++i) {
     const std::size_t triangles = motion.hierarchy(i).topology().triangles().size();
@@ -92,7 +92,7 @@ void Culling::explain(const StepMotion& motion, std::span<const TraversalTask> t
     }
   });
   out.leaf_pairs = {};
-  for (const LeafPair& pair : leaf_pairs) {
+  for (const TaskLeaves& pair : leaf_pairs) {
     const TraversalTask& task = tasks[pair.task];
     const Reason reason = certificates_ ? reason_of(task, pair.leaves) : Reason::Off;
     ++out.leaf_pairs[static_cast<std::size_t>(reason)];

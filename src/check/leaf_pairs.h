@@ -12,15 +12,16 @@ struct TraversalTask {
 };
 
 /// A pair of leaves whose features are tested, with its task.
-struct LeafPair {
+struct TaskLeaves {
   Index task;
-  NodePair leaves;
+  LeafPair leaves;
 };
 
 /// A pair of leaves in the front: their boxes overlap, or did in an earlier step.
 struct NearLeafPair {
-  NodePair leaves;
-  Index slot;  ///< Of their patch. kNoIndex when they have no common vertex, or when fronts are not stored.
+  LeafPair leaves;
+  SlotIndex
+      slot;  ///< Of their patch. kNoIndex when they have no common vertex, or when fronts are not stored.
 };
 
 }  // namespace foldproof::inline internal

@@ -237,7 +237,7 @@ double StepMotion::swept_extent_ratio() const {
   double at_start = 0, swept = 0;
   for (const KineticBvh& bvh : bvhs_) {
     for (Index leaf = 0; leaf < bvh.hierarchy->leaf_count(); ++leaf) {
-      const auto& ends = bvh.boxes[bvh.leaf_node(leaf)].x;
+      const auto& ends = bvh.boxes[bvh.leaf_node(LeafIndex(leaf))].x;
       for (int axis = 0; axis < 3; ++axis) {
         at_start -= ends[0][0][axis] + ends[0][1][axis];
         swept -= std::min(ends[0][0][axis], ends[1][0][axis]) + std::min(ends[0][1][axis], ends[1][1][axis]);
@@ -247,14 +247,14 @@ double StepMotion::swept_extent_ratio() const {
   return at_start > 0 ? swept / at_start : 1;
 }
 
-void StepMotion::fill_features(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs) {
+void StepMotion::fill_features(std::span<const TraversalTask> tasks, std::span<const TaskLeaves> pairs) {
   if (pairs.empty()) return;
   // Threads may mark the same leaf.
   const auto needed = [&](Index object, Index leaf) -> auto& {
     return leaf_needed_[first_leaf_[object] + leaf];
   };
   parallel_for(IndexRange{0, pairs.size()}, 2048, [&](IndexRange range) {
-    for (const LeafPair& pair : pairs.subspan(range.begin, range.size())) {
+    for (const TaskLeaves& pair : pairs.subspan(range.begin, range.size())) {
       needed(tasks[pair.task].object_a, pair.leaves.a).store(1, std::memory_order_relaxed);
       needed(tasks[pair.task].object_b, pair.leaves.b).store(1, std::memory_order_relaxed);
     }
@@ -266,7 +266,7 @@ void StepMotion::fill_features(std::span<const TraversalTask> tasks, std::span<c
       while (object < size() && first_leaf_[object] <= k) ++object;
       if (leaf_needed_[k].load(std::memory_order_relaxed) == 0) continue;
       leaf_needed_[k].store(0, std::memory_order_relaxed);
-      bvhs_[object - 1].fill_features(static_cast<Index>(k - first_leaf_[object - 1]));
+      bvhs_[object - 1].fill_features(LeafIndex(k - first_leaf_[object - 1]));
     }
   });
 }

@@ -41,7 +41,7 @@ class StepMotion {
   bool fits(Positions x0, Positions x1) const;
 
   /// Computes the boxes of the features of these leaves.
-  void fill_features(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs);
+  void fill_features(std::span<const TraversalTask> tasks, std::span<const TaskLeaves> pairs);
 
   // Of the last update:
 

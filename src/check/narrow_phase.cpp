@@ -129,13 +129,13 @@ void add_candidates(CandidateTester<Pair>& tester, std::span<const CandidatePair
 
 }  // namespace
 
-void find_candidates(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs,
+void find_candidates(std::span<const TraversalTask> tasks, std::span<const TaskLeaves> pairs,
                      CandidateRuns& out) {
   constexpr std::size_t kPrefetchDistance = 2;
   out.clear();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (i + kPrefetchDistance < pairs.size()) {
-      const LeafPair& later = pairs[i + kPrefetchDistance];
+      const TaskLeaves& later = pairs[i + kPrefetchDistance];
       prefetch_features(tasks[later.task].traversal, later.leaves);
     }
     const TraversalTask& task = tasks[pairs[i].task];
@@ -167,9 +167,9 @@ void test_candidates(const NarrowStep& step, const CandidateRuns& all, Hits& out
   out.work.candidates_ee += c[FeaturePair::EdgeEdge].size();
 }
 
-void test_leaf_pairs(const NarrowStep& step, std::span<const LeafPair> pairs, NarrowScratch& scratch,
+void test_leaf_pairs(const NarrowStep& step, std::span<const TaskLeaves> pairs, NarrowScratch& scratch,
                      StepResult& out) {
-  const auto test = [&](std::span<const LeafPair> chunk, Hits& hits) {
+  const auto test = [&](std::span<const TaskLeaves> chunk, Hits& hits) {
     CandidateRuns& candidates = scratch.candidates.local();
     find_candidates(step.tasks, chunk, candidates);
     test_candidates(step, candidates, hits);

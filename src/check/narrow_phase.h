@@ -105,12 +105,12 @@ struct NarrowStep {
 };
 
 /// Finds the candidates of pairs of leaves.
-void find_candidates(std::span<const TraversalTask> tasks, std::span<const LeafPair> pairs,
+void find_candidates(std::span<const TraversalTask> tasks, std::span<const TaskLeaves> pairs,
                      CandidateRuns& out);
 /// Finds those candidates that collide.
 void test_candidates(const NarrowStep& step, const CandidateRuns& all, Hits& out);
 /// Both. Adds to `out`.
-void test_leaf_pairs(const NarrowStep& step, std::span<const LeafPair> pairs, NarrowScratch& scratch,
+void test_leaf_pairs(const NarrowStep& step, std::span<const TaskLeaves> pairs, NarrowScratch& scratch,
                      StepResult& out);
 
 }  // namespace foldproof::inline internal

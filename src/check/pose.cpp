@@ -133,10 +133,10 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
     const Pose pose{motion, x, query.objects};
     const BroadPhase& found = pipeline.broad_phase;
     Crossings crossings(pipeline.filter.distinct, settings.max_listed, out);
-    const auto test = [&](std::span<const LeafPair> pairs, Hits& hits) {
+    const auto test = [&](std::span<const TaskLeaves> pairs, Hits& hits) {
       std::vector<CandidatePair>& faces =
           pipeline.narrow.candidates.local().candidates[FeaturePair::VertexFace];
-      for (const LeafPair& pair : pairs) {
+      for (const TaskLeaves& pair : pairs) {
         const TraversalTask& task = found.tasks()[pair.task];
         faces.clear();
         find_face_pairs(task.traversal, pair.leaves, faces);

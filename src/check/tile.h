@@ -22,7 +22,7 @@ void swap_buffers(std::vector<T>& a, std::vector<T>& b) {
 struct Front {
   /// The part below a pair of nodes: from these indices up to those of the next segment.
   struct Segment {
-    Index node;  ///< Whose children are the pair; of a tile of two subtrees: 0.
+    NodeIndex node;  ///< Whose children are the pair; of a tile of two subtrees: 0.
     std::size_t pairs, near;
   };
   std::vector<Segment> segments;   ///< Ascending by node.
@@ -62,7 +62,8 @@ class PlaneTable {
 /// The pairs of leaves of two subtrees, of one object or two, or within one subtree.
 struct Tile {
   struct Key {
-    Index object_a, object_b, a, b;  ///< The subtrees' roots; the same: within it.
+    Index object_a, object_b;
+    NodeIndex a, b;  ///< The subtrees' roots; the same: within it.
     auto operator<=>(const Key&) const = default;
     bool is_self() const { return object_a == object_b && a == b; }
   };
@@ -79,8 +80,8 @@ struct Tile {
   PlaneTable planes;
 
   // Of the present step:
-  std::vector<NodePair> remaining;  ///< Leaves whose features are to be tested.
-  std::vector<Index> requests;      ///< Slots of such leaves that want a chart.
+  std::vector<LeafPair> remaining;  ///< Leaves whose features are to be tested.
+  std::vector<SlotIndex> requests;  ///< Slots of such leaves that want a chart.
   std::size_t node_tests = 0;
   std::size_t plane_pairs = 0;  ///< Near leaves without a common vertex.
 };

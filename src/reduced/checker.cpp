@@ -24,7 +24,7 @@ struct ReducedChecker::Impl {
   std::vector<TraversalTask> tasks;  // one per object, then one per two objects near each other
   SweepAndPrune sweep;
   std::vector<SweptBox> object_boxes;
-  std::vector<LeafPair> leaf_pairs;
+  std::vector<TaskLeaves> leaf_pairs;
   NarrowScratch narrow;
   std::vector<NodePair> stack;
   ReducedShape::Scratch scratch;
@@ -97,7 +97,7 @@ bool ReducedChecker::Impl::traverse(Index task, NodePair start, double distance,
     if (!nodes.is_self(pair) && boxes_separated(object_a.box(pair.a), object_b.box(pair.b), distance))
       return false;
     if (!nodes.are_leaves(pair)) return true;
-    leaf_pairs.push_back({task, {nodes.a[pair.a].leaf_begin, nodes.b[pair.b].leaf_begin}});
+    leaf_pairs.push_back({task, nodes.leaves(pair)});
     return false;
   });
   return work.node_tests <= test_limit;
@@ -114,10 +114,10 @@ bool ReducedChecker::Impl::traverse_balls(Index object, Index task, double dista
   if (scratch.unproven.size() > max_unproven) return false;
   const std::uint64_t test_limit = work.node_tests + max_tests(task);
   for (const auto& [a, b] : scratch.unproven) {
-    if (!traverse(task, {a, b}, distance, test_limit, work)) return false;
+    if (!traverse(task, {NodeIndex(a), NodeIndex(b)}, distance, test_limit, work)) return false;
   }
   for (const auto& [a, b] : shape.never_certified()) {
-    const NodePair leaves{bvhs[object].leaf_node(a), bvhs[object].leaf_node(b)};
+    const NodePair leaves{bvhs[object].leaf_node(LeafIndex(a)), bvhs[object].leaf_node(LeafIndex(b))};
     if (!traverse(task, leaves, distance, test_limit, work)) return false;
   }
   return true;
@@ -135,7 +135,7 @@ Result<void> ReducedChecker::Impl::traverse_vertices(Index task, double distance
   FOLDPROOF_TRY(pipeline->motion.update(x0, x1));
   ++work.refits;
   FOLDPROOF_TRY(pipeline->find_leaf_pairs(within, distance, work));
-  for (const LeafPair& pair : pipeline->broad_phase.leaf_pairs()) {
+  for (const TaskLeaves& pair : pipeline->broad_phase.leaf_pairs()) {
     tasks[task].traversal = pipeline->broad_phase.tasks()[pair.task].traversal;
     leaf_pairs.push_back({task, pair.leaves});
   }
@@ -148,7 +148,7 @@ Result<void> ReducedChecker::Impl::traverse_within(Index task, double distance, 
   const std::size_t before = leaf_pairs.size();
   const bool by_balls = settings.certificates && objects[object].balls_apply(distance);
   if (by_balls ? traverse_balls(object, task, distance, work)
-               : traverse(task, {0, 0}, distance, work.node_tests + max_tests(task), work))
+               : traverse(task, {}, distance, work.node_tests + max_tests(task), work))
     return {};
   leaf_pairs.resize(before);
   return traverse_vertices(task, distance, settings, work);
@@ -156,11 +156,11 @@ Result<void> ReducedChecker::Impl::traverse_within(Index task, double distance, 
 
 void ReducedChecker::Impl::traverse_between(Index task, double distance, Work& work) {
   const std::size_t before = leaf_pairs.size();
-  if (traverse(task, {0, 0}, distance, work.node_tests + max_tests(task), work)) return;
+  if (traverse(task, {}, distance, work.node_tests + max_tests(task), work)) return;
   leaf_pairs.resize(before);
   objects[tasks[task].object_a].compute_all();
   objects[tasks[task].object_b].compute_all();
-  traverse(task, {0, 0}, distance, std::numeric_limits<std::uint64_t>::max(), work);
+  traverse(task, {}, distance, std::numeric_limits<std::uint64_t>::max(), work);
 }
 
 Result<void> ReducedChecker::Impl::traverse_objects(const Frame& frame, double distance,
@@ -185,10 +185,10 @@ Result<void> ReducedChecker::Impl::traverse_objects(const Frame& frame, double d
 
 // Drops pairs of leaves whose boxes are separated once their vertices are known.
 void ReducedChecker::Impl::compute_features(const Frame& frame, double distance) {
-  const auto is_in_pipeline = [&](const LeafPair& pair) {
+  const auto is_in_pipeline = [&](const TaskLeaves& pair) {
     return tasks[pair.task].traversal.a != &bvhs[tasks[pair.task].object_a];
   };
-  const auto is_separated = [&](const LeafPair& pair) {
+  const auto is_separated = [&](const TaskLeaves& pair) {
     if (is_in_pipeline(pair)) return false;
     const Index a = tasks[pair.task].object_a, b = tasks[pair.task].object_b;
     objects[a].compute_leaf(frame, pair.leaves.a, bvhs[a]);
@@ -197,7 +197,7 @@ void ReducedChecker::Impl::compute_features(const Frame& frame, double distance)
                            objects[b].box(bvhs[b].leaf_node(pair.leaves.b)), distance);
   };
   leaf_pairs.erase(std::remove_if(leaf_pairs.begin(), leaf_pairs.end(), is_separated), leaf_pairs.end());
-  for (const LeafPair& pair : leaf_pairs) {
+  for (const TaskLeaves& pair : leaf_pairs) {
     if (is_in_pipeline(pair)) continue;
     const Index a = tasks[pair.task].object_a, b = tasks[pair.task].object_b;
     objects[a].compute_features(pair.leaves.a, bvhs[a]);

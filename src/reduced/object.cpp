@@ -164,7 +164,7 @@ bool ReducedObject::balls_apply(double distance) const {
   return distance + rounding <= shape_->clearance() * (1 - 4 * kOrthogonalTolerance);
 }
 
-void ReducedObject::compute_leaf(const Frame& frame, Index leaf, KineticBvh& bvh) {
+void ReducedObject::compute_leaf(const Frame& frame, LeafIndex leaf, KineticBvh& bvh) {
   if (leaf_step_[leaf] == step_) return;
   leaf_step_[leaf] = step_;
   const ReducedMotion& motion = *shape_->motion();
@@ -181,12 +181,12 @@ void ReducedObject::compute_leaf(const Frame& frame, Index leaf, KineticBvh& bvh
     }
     bvh.set_vertex(frame, v, &x_[0][at], &x_[1][at]);
   }
-  const Index node = bvh.leaf_node(leaf);
+  const NodeIndex node = bvh.leaf_node(leaf);
   fit_leaf(leaf, boxes_[node]);
   box_step_[node] = step_;
 }
 
-void ReducedObject::compute_features(Index leaf, KineticBvh& bvh) {
+void ReducedObject::compute_features(LeafIndex leaf, KineticBvh& bvh) {
   if (features_step_[leaf] == step_) return;
   features_step_[leaf] = step_;
   bvh.refit_leaf(leaf);

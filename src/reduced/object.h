@@ -29,9 +29,9 @@ class ReducedObject {
   const ReducedPose& pose(int end) const { return poses_[end]; }
 
   /// Computes the vertices of a leaf, here and in `bvh`, and its box from them; once per step.
-  void compute_leaf(const Frame& frame, Index leaf, KineticBvh& bvh);
+  void compute_leaf(const Frame& frame, LeafIndex leaf, KineticBvh& bvh);
   /// Computes the boxes of a leaf's features in `bvh`, once per step. Precondition: compute_leaf.
-  void compute_features(Index leaf, KineticBvh& bvh);
+  void compute_features(LeafIndex leaf, KineticBvh& bvh);
   /// Computes all vertices, once per step. From then on boxes are those around the vertices.
   void compute_all();
   /// By the user's ids; valid for vertices that were computed in this step.

@@ -167,13 +167,14 @@ void CandidateLists<Ends>::update_front() {
   parallel_for(IndexRange{0, front_.size()}, 64 * kGrain, [&](IndexRange range) {
     for (std::size_t k = range.begin; k < range.end; ++k) {
       SeparatedNodes& pair = front_[k];
-      pair.min_separation = (pair.min_separation - closing_distance(pair.a, pair.b)) * kDown;
-      if (!(pair.min_separation >= required_)) pair.min_separation = box_separation(pair.a, pair.b);
+      pair.min_separation = (pair.min_separation - closing_distance(pair.nodes.a, pair.nodes.b)) * kDown;
+      if (!(pair.min_separation >= required_))
+        pair.min_separation = box_separation(pair.nodes.a, pair.nodes.b);
     }
   });
   std::erase_if(front_, [&](const SeparatedNodes& pair) {
     if (pair.min_separation >= required_) return false;
-    pending_.push_back({pair.a, pair.b});
+    pending_.push_back(pair.nodes);
     return true;
   });
   traverse_pending();
@@ -187,7 +188,7 @@ void CandidateLists<Ends>::rebuild_front() {
   for (Row& row : rows_) {
     for (Neighbor& neighbor : row.neighbors) neighbor.found = false;
   }
-  pending_.assign(hierarchy_.nodes().empty() ? 0 : 1, {0, 0});
+  pending_.resize(hierarchy_.nodes().empty() ? 0 : 1);
   traverse_pending();
   neighbor_count_ = 0;
   for (Row& row : rows_) {
@@ -207,7 +208,7 @@ void CandidateLists<Ends>::traverse_pending() {
     if (pair.a != pair.b) {
       const double separation = box_separation(pair.a, pair.b);
       if (separation >= required_) {
-        front_.push_back({pair.a, pair.b, separation});
+        front_.push_back({pair, separation});
         return false;
       }
     }

@@ -34,7 +34,7 @@ class CandidateLists {
   };
   /// Two separated nodes: the boxes of any two features below them have at least `min_separation`.
   struct SeparatedNodes {
-    Index a, b;
+    NodePair nodes;
     double min_separation;
   };
   /// A leaf that was close to the row's leaf, or is that leaf: the boxes of two features that are not listed

@@ -25,7 +25,7 @@ Moving moving(const Mesh& mesh, double amount, std::uint32_t seed, Index leaf_tr
   Moving m{KineticBvh(std::make_shared<Hierarchy>(std::move(*hierarchy))), mesh.positions,
            testing::perturbed(mesh.positions, amount, seed)};
   m.bvh.refit(frame, m.x0, m.x1);
-  for (Index leaf = 0; leaf < m.bvh.hierarchy->leaf_count(); ++leaf) m.bvh.fill_features(leaf);
+  for (Index leaf = 0; leaf < m.bvh.hierarchy->leaf_count(); ++leaf) m.bvh.fill_features(LeafIndex(leaf));
   return m;
 }
 
@@ -81,9 +81,9 @@ CandidateBuffer all_candidates(const Moving& a, const Moving& b, float margin) {
   const Traversal traversal{&a.bvh, &b.bvh, margin};
   std::vector<NodePair> stack;
   TraversalResult result;
-  traverse(traversal, {0, 0}, stack, result);
+  traverse(traversal, NodePair{}, stack, result);
   EXPECT_GE(result.node_tests, result.leaf_pairs.size());
-  for (const NodePair leaves : result.leaf_pairs) find_candidates(traversal, leaves, found);
+  for (const LeafPair leaves : result.leaf_pairs) find_candidates(traversal, leaves, found);
   return found;
 }
 
@@ -158,7 +158,8 @@ TEST(Traverse, SeparatesFlatLeaves) {
   const Traversal traversal{&a.bvh, &b.bvh, separation_margin({}, 0)};
   CandidateBuffer found;
   for (Index i = 0; i < a.bvh.hierarchy->leaf_count(); ++i) {
-    for (Index k = 0; k < b.bvh.hierarchy->leaf_count(); ++k) find_candidates(traversal, {i, k}, found);
+    for (Index k = 0; k < b.bvh.hierarchy->leaf_count(); ++k)
+      find_candidates(traversal, {LeafIndex(i), LeafIndex(k)}, found);
   }
   EXPECT_TRUE(found[FeaturePair::VertexFace].empty() && found[FeaturePair::FaceVertex].empty() &&
               found[FeaturePair::EdgeEdge].empty());
@@ -193,21 +194,20 @@ TEST(Traverse, SubtreesAndTheirPairsHaveTheSameLeafPairs) {
   const Traversal traversal{&m.bvh, &m.bvh, separation_margin({}, 0)};
   std::vector<NodePair> stack;
   TraversalResult whole;
-  traverse(traversal, {0, 0}, stack, whole);
-  const auto sorted = [](const std::vector<NodePair>& pairs) {
+  traverse(traversal, NodePair{}, stack, whole);
+  const auto sorted = [](const std::vector<LeafPair>& pairs) {
     std::multiset<std::pair<Index, Index>> set;
-    for (const NodePair p : pairs) set.insert({p.a, p.b});
+    for (const LeafPair p : pairs) set.insert({p.a, p.b});
     return set;
   };
   for (const Index max_leaves : {1u, 7u, 50u, 10000u}) {
     const Subtrees subtrees(*m.bvh.hierarchy, max_leaves);
     EXPECT_EQ(subtrees.top.empty(), max_leaves == 10000);
     TraversalResult near, cut;
-    for (const Index node : subtrees.top)
-      find_subtree_pairs(traversal, {node + 1, m.bvh.hierarchy->nodes()[node].right}, max_leaves, stack,
-                         near);
-    for (const Index root : subtrees.roots) near.leaf_pairs.push_back({root, root});
-    for (const NodePair start : near.leaf_pairs) traverse(traversal, start, stack, cut);
+    for (const NodeIndex node : subtrees.top)
+      find_subtree_pairs(traversal, children_of(m.bvh.hierarchy->nodes(), node), max_leaves, stack, near);
+    for (const NodeIndex root : subtrees.roots) near.subtree_pairs.push_back({root, root});
+    for (const NodePair start : near.subtree_pairs) traverse(traversal, start, stack, cut);
     EXPECT_EQ(sorted(whole.leaf_pairs), sorted(cut.leaf_pairs)) << max_leaves;
   }
 }

@@ -27,7 +27,7 @@ struct Stage {
   // As they come.
   std::vector<Leaves> found() const {
     std::vector<Leaves> all;
-    for (const LeafPair& pair : broad_phase.leaf_pairs())
+    for (const TaskLeaves& pair : broad_phase.leaf_pairs())
       all.push_back(leaves_of(broad_phase.tasks()[pair.task], pair.leaves));
     return all;
   }

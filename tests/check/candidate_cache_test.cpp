@@ -44,7 +44,8 @@ class CandidateCacheTest : public ::testing::Test {
     const float margin = separation_margin(motion.frame(), 0.01);
     tasks.push_back({{&motion.bvhs()[0], &motion.bvhs()[1], margin}, 0, 1});
     for (Index i = 0; i < motion.hierarchy(0).leaf_count(); ++i) {
-      for (Index k = 0; k < motion.hierarchy(1).leaf_count(); ++k) pairs.push_back({0, {i, k}});
+      for (Index k = 0; k < motion.hierarchy(1).leaf_count(); ++k)
+        pairs.push_back({0, {LeafIndex(i), LeafIndex(k)}});
     }
     motion.fill_features(tasks, pairs);
     cache.fill(tasks, pairs, 0.01 * motion.frame().scale);
@@ -66,7 +67,7 @@ class CandidateCacheTest : public ::testing::Test {
   const std::vector<Object> objects;
   StepMotion motion;
   std::vector<TraversalTask> tasks;
-  std::vector<LeafPair> pairs;
+  std::vector<TaskLeaves> pairs;
   NarrowScratch scratch;
   CandidateCache cache;
 };

@@ -24,7 +24,7 @@ class Stage {
     std::set<Leaves> near, remaining;
     struct SelfPairs {
       std::vector<std::uint8_t> proven;  // per node
-      std::vector<Index> unproven_leaves;
+      std::vector<LeafIndex> unproven_leaves;
     };
     std::vector<SelfPairs> self_pairs;  // per object
     Work work;
@@ -43,18 +43,18 @@ class Stage {
       auto& self = found.self_pairs.emplace_back();
       self.proven.assign(proven.begin(), proven.end());
       for (Index k = 0; k < motion_.subtrees(a).roots.size(); ++k) {
-        for (const Index leaf : culling.unproven_leaves(a, k)) self.unproven_leaves.push_back(leaf);
+        for (const LeafIndex leaf : culling.unproven_leaves(a, k)) self.unproven_leaves.push_back(leaf);
       }
       for (Index b = a; b < objects.size(); ++b) {
         const TraversalTask task{{&motion_.bvhs()[a], &motion_.bvhs()[b], margin}, a, b};
-        Tile& tile = tiles_.try_emplace({a, b}, Tile::Key{a, b, 0, 0}).first->second;
+        Tile& tile = tiles_.try_emplace({a, b}, Tile::Key{a, b, {}, {}}).first->second;
         tile.begin_step();
         culling.cull_leaves(task, pairs_of(found.near, a, b), true, tile);
         culling.request_charts(tile);
         if (a == b) {
-          for (const Index leaf : self.unproven_leaves) tile.remaining.push_back({leaf, leaf});
+          for (const LeafIndex leaf : self.unproven_leaves) tile.remaining.push_back({leaf, leaf});
         }
-        for (const NodePair leaves : tile.remaining)
+        for (const LeafPair leaves : tile.remaining)
           EXPECT_TRUE(found.remaining.insert(leaves_of(task, leaves)).second) << "twice";
         remaining += tile.remaining.size();
       }
@@ -73,7 +73,7 @@ class Stage {
     for (const auto& [a, b] : near) {
       if (a[0] != object_a || b[0] != object_b || a == b) continue;
       const Index slot = object_a == object_b ? culling.slots(object_a).of_leaves(a[1], b[1]) : kNoIndex;
-      pairs.push_back({{a[1], b[1]}, slot});
+      pairs.push_back({{LeafIndex(a[1]), LeafIndex(b[1])}, SlotIndex(slot)});
     }
     return pairs;
   }
@@ -336,8 +336,8 @@ TEST(Culling, TestsBoxesWhereTheTraversalDidNot) {
   ASSERT_TRUE(culling.begin_step(motion, settings, 0.1));
   const float margin = separation_margin(motion.frame(), 0.1);
   const TraversalTask task{{&motion.bvhs()[0], &motion.bvhs()[1], margin}, 0, 1};
-  const NearLeafPair pair{{0, 0}, kNoIndex};
-  Tile tested({0, 1, 0, 0}), trusted({0, 1, 0, 0});
+  const NearLeafPair pair{{}, SlotIndex(kNoIndex)};
+  Tile tested({0, 1, {}, {}}), trusted({0, 1, {}, {}});
   culling.cull_leaves(task, {&pair, 1}, false, tested);
   EXPECT_TRUE(tested.remaining.empty());
   EXPECT_EQ(tested.node_tests, 1u);
@@ -372,9 +372,9 @@ TEST(Culling, IgnoredNodesAreAsGoodAsProven) {
   EXPECT_FALSE(found.self_pairs[0].proven[0]);
   EXPECT_TRUE(found.self_pairs[0].proven[1]);
   EXPECT_FALSE(found.self_pairs[0].proven[nodes[0].right]);
-  std::vector<Index> leaves = found.self_pairs[0].unproven_leaves, right;
+  std::vector<LeafIndex> leaves = found.self_pairs[0].unproven_leaves, right;
   for (Index leaf = nodes[1].leaf_end; leaf < ignores_left.hierarchy->leaf_count(); ++leaf)
-    right.push_back(leaf);
+    right.emplace_back(leaf);
   std::ranges::sort(leaves);
   EXPECT_EQ(leaves, right);
 }

@@ -29,12 +29,13 @@ class Stage {
 
   const Hierarchy& hierarchy(Index object) const { return motion_.hierarchy(object); }
 
-  std::vector<LeafPair> all_pairs() const {
-    std::vector<LeafPair> pairs;
+  std::vector<TaskLeaves> all_pairs() const {
+    std::vector<TaskLeaves> pairs;
     for (Index task = 0; task < tasks_.size(); ++task) {
       const auto& [traversal, a, b] = tasks_[task];
       for (Index i = 0; i < hierarchy(a).leaf_count(); ++i) {
-        for (Index k = a == b ? i : 0; k < hierarchy(b).leaf_count(); ++k) pairs.push_back({task, {i, k}});
+        for (Index k = a == b ? i : 0; k < hierarchy(b).leaf_count(); ++k)
+          pairs.push_back({task, {LeafIndex(i), LeafIndex(k)}});
       }
     }
     return pairs;
@@ -43,7 +44,7 @@ class Stage {
   StepResult test(const StepSettings& settings = {}, int max_iterations = 100000) {
     return test(all_pairs(), settings, {}, max_iterations);
   }
-  StepResult test(const std::vector<LeafPair>& pairs, const StepSettings& settings, Filter filter = {},
+  StepResult test(const std::vector<TaskLeaves>& pairs, const StepSettings& settings, Filter filter = {},
                   int max_iterations = 100000) {
     motion_.fill_features(tasks_, pairs);
     NarrowStep step(settings, settings.tolerance, motion_.bvhs(), tasks_, x0_, x1_);
@@ -211,7 +212,8 @@ class ManyPairs : public ::testing::Test {
   // In no order that the answer could be in by chance.
   ManyPairs() : limit_(4), stage(row_of_corners(), 1) {
     const Owners floor(stage.hierarchy(0)), row(stage.hierarchy(1));
-    for (Index k = 0; k < kMany; ++k) pairs.push_back({1, {floor.of_triangle.at(k), row.of_triangle.at(k)}});
+    for (Index k = 0; k < kMany; ++k)
+      pairs.push_back({1, {LeafIndex(floor.of_triangle.at(k)), LeafIndex(row.of_triangle.at(k))}});
     std::shuffle(pairs.begin(), pairs.end(), Rng(1));
   }
 
@@ -220,7 +222,7 @@ class ManyPairs : public ::testing::Test {
 
  protected:
   Stage stage;
-  std::vector<LeafPair> pairs;
+  std::vector<TaskLeaves> pairs;
 };
 
 TEST_F(ManyPairs, FindsAllInTheOrderOfTheirIds) {

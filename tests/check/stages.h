@@ -21,7 +21,7 @@ inline Leaves leaves_of(Index object_a, Index leaf_a, Index object_b, Index leaf
   return {std::min(std::array{object_a, leaf_a}, std::array{object_b, leaf_b}),
           std::max(std::array{object_a, leaf_a}, std::array{object_b, leaf_b})};
 }
-inline Leaves leaves_of(const TraversalTask& task, NodePair leaves) {
+inline Leaves leaves_of(const TraversalTask& task, LeafPair leaves) {
   return leaves_of(task.object_a, leaves.a, task.object_b, leaves.b);
 }
 

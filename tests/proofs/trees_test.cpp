@@ -117,12 +117,12 @@ TEST(Trees, EachTwoLeavesMeetOnceInSubtreesOfAnySize) {
       const Subtrees subtrees(*h, max_leaves);
       TraversalResult near, found;
       std::vector<NodePair> stack;
-      for (const Index node : subtrees.top)
-        find_subtree_pairs(traversal, {node + 1, h->nodes()[node].right}, max_leaves, stack, near);
-      for (const Index root : subtrees.roots) near.leaf_pairs.push_back({root, root});
-      for (const NodePair start : near.leaf_pairs) traverse(traversal, start, stack, found);
+      for (const NodeIndex node : subtrees.top)
+        find_subtree_pairs(traversal, children_of(h->nodes(), node), max_leaves, stack, near);
+      for (const NodeIndex root : subtrees.roots) near.subtree_pairs.push_back({root, root});
+      for (const NodePair start : near.subtree_pairs) traverse(traversal, start, stack, found);
       Pairs pairs;
-      for (const NodePair pair : found.leaf_pairs) count(pairs, pair.a, pair.b);
+      for (const LeafPair pair : found.leaf_pairs) count(pairs, pair.a, pair.b);
       ASSERT_EQ(pairs.size(), h->leaf_count() * (h->leaf_count() + 1) / 2);
       for (const auto& [pair, times] : pairs) ASSERT_EQ(times, 1);
     }
@@ -133,13 +133,13 @@ TEST(Trees, EachPairOfFeaturesIsACandidateOnce) {
   for_each_tree([](const std::shared_ptr<const Hierarchy>& h, const std::vector<double>& x) {
     KineticBvh bvh(h);
     bvh.refit({}, x, x);
-    for (Index leaf = 0; leaf < h->leaf_count(); ++leaf) bvh.fill_features(leaf);
+    for (Index leaf = 0; leaf < h->leaf_count(); ++leaf) bvh.fill_features(LeafIndex(leaf));
     const Traversal traversal{&bvh, &bvh, kMargin};
     TraversalResult found;
     std::vector<NodePair> stack;
-    traverse(traversal, {0, 0}, stack, found);
+    traverse(traversal, NodePair{}, stack, found);
     CandidateBuffer candidates;
-    for (const NodePair leaves : found.leaf_pairs) find_candidates(traversal, leaves, candidates);
+    for (const LeafPair leaves : found.leaf_pairs) find_candidates(traversal, leaves, candidates);
     ASSERT_TRUE(candidates[FeaturePair::FaceVertex].empty());
     Pairs vertex_face, edge_edge;
     for (const auto& [v, f] : candidates[FeaturePair::VertexFace]) ++vertex_face[{v, f}];
@@ -167,9 +167,9 @@ TEST(Trees, TwoHierarchiesMeetInEachPairOfLeavesOnce) {
       if (a == b) continue;
       TraversalResult found;
       std::vector<NodePair> stack;
-      traverse({a.get(), b.get(), kMargin}, {0, 0}, stack, found);
+      traverse({a.get(), b.get(), kMargin}, NodePair{}, stack, found);
       std::map<std::pair<Index, Index>, int> pairs;
-      for (const NodePair pair : found.leaf_pairs) ++pairs[{pair.a, pair.b}];
+      for (const LeafPair pair : found.leaf_pairs) ++pairs[{pair.a, pair.b}];
       ASSERT_EQ(pairs.size(), a->hierarchy->leaf_count() * b->hierarchy->leaf_count());
       for (const auto& [pair, times] : pairs) ASSERT_EQ(times, 1);
     }
