@@ -19,12 +19,12 @@
 #include <optional>
 #include <sstream>
 
+#include "base/try.h"
 #include "foldproof/model.h"
 #include "scene.h"
 #if __has_include("foldproof/check.h")
 #include "foldproof/check.h"
 #else  // before 2026-11-24
-#include "base/try.h"
 #include "foldproof/query.h"
 #endif
 

@@ -74,12 +74,12 @@ INSTANTIATE_TEST_SUITE_P(
     Generated, Work,
     ::testing::Values(
         Bound{
-            "bending_cylinder", bending_cylinder, {110402, 610, 12594, 13545}, {213199, 2102, 12697, 13545}},
-        Bound{"folding_cloth", folding_cloth, {343397, 833, 57440, 541511}, {543480, 1855, 57440, 541511}},
+            "bending_cylinder", bending_cylinder, {110402, 610, 12594, 13545}, {247608, 2074, 12725, 13554}},
+        Bound{"folding_cloth", folding_cloth, {354680, 1061, 57213, 541232}, {580749, 2083, 57213, 541232}},
         Bound{"pressed_cloths",
               pressed_cloths,
-              {936550, 96438, 145406, 987960},
-              {2181947, 341220, 267899, 3040632}},
+              {983962, 111104, 131454, 975368},
+              {2291706, 394340, 226203, 2891350}},
         Bound{"ball_heap", ball_heap, {358054, 4753, 55359, 13634}, {1056754, 35206, 87287, 139612}}),
     [](const auto& info) { return info.param.name; });
 
