@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -260,8 +261,8 @@ void StepMotion::fill_features(std::span<const TraversalTask> tasks, std::span<c
     }
   });
   parallel_for(IndexRange{0, leaf_count_}, 64, [&](IndexRange range) {
-    auto object =
-        static_cast<Index>(std::ranges::upper_bound(first_leaf_, range.begin) - first_leaf_.begin());
+    auto object = static_cast<Index>(std::upper_bound(first_leaf_.begin(), first_leaf_.end(), range.begin) -
+                                     first_leaf_.begin());
     for (std::size_t k = range.begin; k < range.end; ++k) {
       while (object < size() && first_leaf_[object] <= k) ++object;
       if (leaf_needed_[k].load(std::memory_order_relaxed) == 0) continue;
