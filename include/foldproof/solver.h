@@ -58,7 +58,8 @@ struct CollisionMeshSettings {
 /// checkers may share it.
 class CollisionMesh {
  public:
-  /// `rest_positions`: vertex_count x 3, row-major; the hierarchy is split by this pose (any will do).
+  /// `rest_positions`: vertex_count x 3, row-major; the hierarchy is split by this pose (any will do), and
+  /// ClosePair::mollifier_threshold depends on its lengths.
   /// `edges`: two vertex ids each, in either order. `faces`: three vertex ids each. Edges of faces that
   /// `edges` lacks are appended, so an empty matrix, or one with only the codimensional edges, is enough.
   /// Error: an id out of range, an edge twice or from a vertex to itself, a face that names one vertex three
@@ -84,12 +85,15 @@ class CollisionMesh {
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return hierarchy_; }
   /// The row in edges() of edge number `edge` of the topology.
   Index edge_row(Index edge) const { return edge_rows_[edge]; }
+  /// Of a row of edges(), in mesh units squared.
+  double squared_rest_length(Index edge) const { return squared_rest_lengths_[edge]; }
 
  private:
   std::shared_ptr<const Hierarchy> hierarchy_;
   CollisionFilter filter_;
   std::vector<Edge> edges_;
   std::vector<Index> codim_edges_, codim_points_, edge_rows_;
+  std::vector<double> squared_rest_lengths_;
 };
 
 struct VertexFaceCandidate {
@@ -126,6 +130,32 @@ struct Candidates {
   bool empty() const { return size() == 0; }
   void clear();
 };
+
+/// Two closest features: what a barrier acts on (docs/solvers.md, "A barrier"). With x_k the positions of
+/// `vertices`, the difference of their closest points is the sum of weights[k] * x_k; it points along
+/// `normal`, and its length is `distance`. So the gradient of the distance at vertex k is weights[k] *
+/// normal.
+struct ClosePair {
+  /// In this order of features: vertices[0] is the vertex; of edges, a and then b.
+  enum class Kind : std::uint8_t { VertexVertex, VertexEdge, VertexFace, EdgeEdge };
+  Kind kind = Kind::VertexVertex;
+  /// How many relevant pairs have these closest features. Incremental potential contact adds their barriers,
+  /// so it multiplies this one's. 1 for VertexFace and EdgeEdge.
+  Index count = 1;
+  std::array<Index, 4> vertices{kNoIndex, kNoIndex, kNoIndex, kNoIndex};  ///< kNoIndex: fewer than four.
+  /// Barycentric: those of the first feature add up to 1, those of the second to -1. Not 0, except where
+  /// edges are nearly parallel.
+  std::array<double, 4> weights{};
+  double distance = 0;  ///< Mesh units.
+  Vec3 normal;          ///< Of length 1, from the second feature to the first; any side at distance 0.
+  /// Edges a and b at rest that are nearly parallel now: 1e-3 |a|^2 |b|^2 of their rest lengths, if the
+  /// present |a x b|^2 is below it. Such a pair stays EdgeEdge wherever its closest points are, as its
+  /// barrier is multiplied by the mollifier. Else 0. Mesh units to the fourth power, so 0 where that
+  /// underflows.
+  double mollifier_threshold = 0;
+};
+inline constexpr std::array<const char*, 4> kClosePairKindNames{"vertex_vertex", "vertex_edge", "vertex_face",
+                                                                "edge_edge"};
 
 struct ContactSettings {
   bool certificates = true;  ///< Skip what certificates prove: less work, the same answers.
@@ -211,6 +241,15 @@ class ContactChecker {
                                         double inflation, Candidates& out);
   /// The same in one pose.
   [[nodiscard]] Result<void> candidates(std::span<const double> x, double inflation, Candidates& out);
+
+  /// All relevant pairs whose distance is <= `distance` (>= 0; infinity: all), each by its closest features,
+  /// and those once. Proven: none is missing, rounding included. A listed pair may be farther away by the
+  /// error of minimum_distance(): its barrier is 0. `active`: none, or vertex_count numbers; pairs that none
+  /// of whose closest features' vertices has one that is not 0 are left out. The order depends on the mesh
+  /// and the pose alone. Error: a distance that is negative or NaN. Cost: about as candidates().
+  [[nodiscard]] Result<void> close_pairs(std::span<const double> x, double distance,
+                                         std::vector<ClosePair>& out,
+                                         std::span<const std::uint8_t> active = {});
 
   /// Whether two elements (faces, codimensional edges, codimensional points) have a point in common, decided
   /// exactly. For neighbors see StepChecker::check_static; codimensional elements with a common vertex never

@@ -90,6 +90,12 @@ double CandidateLists<Ends>::closing_distance(Index node_a, Index node_b) const 
   return -change * kUp;
 }
 
+// What is left of a lower bound of the separation of features below two nodes after the last call.
+template <int Ends>
+double CandidateLists<Ends>::still_separated(double min_separation, Index node_a, Index node_b) const {
+  return (min_separation - closing_distance(node_a, node_b)) * kDown;
+}
+
 // The skin that minimizes the cost of testing listed pairs, which grows with the skin relative to the size of
 // features, plus that of rebuilding lists, which grows with how often the skin is used up.
 template <int Ends>
@@ -167,7 +173,7 @@ void CandidateLists<Ends>::update_front() {
   parallel_for(IndexRange{0, front_.size()}, 64 * kGrain, [&](IndexRange range) {
     for (std::size_t k = range.begin; k < range.end; ++k) {
       SeparatedNodes& pair = front_[k];
-      pair.min_separation = (pair.min_separation - closing_distance(pair.a, pair.b)) * kDown;
+      pair.min_separation = still_separated(pair.min_separation, pair.a, pair.b);
       if (!(pair.min_separation >= required_)) pair.min_separation = box_separation(pair.a, pair.b);
     }
   });
@@ -288,24 +294,33 @@ void CandidateLists<Ends>::list_edges(bool self, double distance, Scratch& scrat
   });
 }
 
-// Appends the list of two leaves, or of one with itself, to the scratch.
+// Appends the pairs of features of two leaves, or of one with itself, within a distance to the scratch; those
+// of two edges come last. Returns where they begin.
+template <int Ends>
+std::size_t CandidateLists<Ends>::list_pairs(Index node_a, Index node_b, double distance,
+                                             Scratch& scratch) const {
+  const bool self = node_a == node_b;
+  const Near &a = scratch.near[0], &b = scratch.near[self ? 0 : 1];
+  find_near(node_a, boxes_[node_b], distance, scratch.near[0]);
+  if (!self) find_near(node_b, boxes_[node_a], distance, scratch.near[1]);
+  const Element of_a = hierarchy_.element(hierarchy_.nodes()[node_a].leaf_begin);
+  const Element of_b = hierarchy_.element(hierarchy_.nodes()[node_b].leaf_begin);
+  if (tests_vertices(of_a, of_b)) list_vertices(distance, a, b, scratch);
+  if (!self && tests_vertices(of_b, of_a)) list_vertices(distance, b, a, scratch);
+  const std::size_t edges = scratch.list.size();
+  list_edges(self, distance, scratch);
+  return edges;
+}
+
 template <int Ends>
 void CandidateLists<Ends>::rebuild_list(Index node, Neighbor& neighbor, Scratch& scratch) const {
-  const bool self = neighbor.node == node;
-  if (!self) {
+  if (neighbor.node != node) {
     neighbor.min_separation = box_separation(node, neighbor.node);
     if (neighbor.min_separation >= required_) return;
   }
   const double distance = required_ + skin_for(node, neighbor.node);
   ++scratch.lists_built;
-  const Near &a = scratch.near[0], &b = scratch.near[self ? 0 : 1];
-  find_near(node, boxes_[neighbor.node], distance, scratch.near[0]);
-  if (!self) find_near(neighbor.node, boxes_[node], distance, scratch.near[1]);
-  const Element of_a = hierarchy_.element(hierarchy_.nodes()[node].leaf_begin);
-  const Element of_b = hierarchy_.element(hierarchy_.nodes()[neighbor.node].leaf_begin);
-  if (tests_vertices(of_a, of_b)) list_vertices(distance, a, b, scratch);
-  if (!self && tests_vertices(of_b, of_a)) list_vertices(distance, b, a, scratch);
-  list_edges(self, distance, scratch);
+  list_pairs(node, neighbor.node, distance, scratch);
   neighbor.min_separation = distance;
 }
 
@@ -315,8 +330,7 @@ void CandidateLists<Ends>::update_row(Index leaf, Scratch& scratch) {
   bool complete = true;
   for (Neighbor& neighbor : row.neighbors) {
     if (reuse_)
-      neighbor.min_separation =
-          (neighbor.min_separation - closing_distance(leaf_nodes_[leaf], neighbor.node)) * kDown;
+      neighbor.min_separation = still_separated(neighbor.min_separation, leaf_nodes_[leaf], neighbor.node);
     complete &= neighbor.min_separation >= required_;
   }
   if (complete) return;
@@ -333,6 +347,17 @@ void CandidateLists<Ends>::update_row(Index leaf, Scratch& scratch) {
     begin = end;
   }
   row.list.assign(scratch.list.begin(), scratch.list.end());
+}
+
+// Lists and separated nodes hold for the positions of the last call; afterwards for the present ones.
+template <int Ends>
+void CandidateLists<Ends>::expire_lists() {
+  for (SeparatedNodes& pair : front_)
+    pair.min_separation = still_separated(pair.min_separation, pair.a, pair.b);
+  for (std::size_t leaf = 0; leaf < rows_.size(); ++leaf) {
+    for (Neighbor& neighbor : rows_[leaf].neighbors)
+      neighbor.min_separation = still_separated(neighbor.min_separation, leaf_nodes_[leaf], neighbor.node);
+  }
 }
 
 template <int Ends>
@@ -371,30 +396,35 @@ void CandidateLists<Ends>::update(const std::array<const double*, Ends>& x, doub
     update_front();
   }
   update_rows();
-  complete_ = true;
+  complete_ = std::isfinite(inflation);  // lists of all pairs would slow down all later calls
   work.node_tests += node_tests_;
   for (Scratch& scratch : scratch_) work.leaf_pairs += std::exchange(scratch.lists_built, 0);
 }
 
 template <int Ends>
-void CandidateLists<Ends>::find(IndexRange rows, std::vector<BoxPair>& scratch, Candidates& out) const {
+void CandidateLists<Ends>::find(IndexRange rows, std::vector<BoxPair>& out) const {
   for (std::size_t k = rows.begin; k < rows.end; ++k) {
-    scratch.resize(rows_[k].list.size());
-    scratch.resize(
-        operations_.keep_near_pairs(feature_boxes_.data(), rows_[k].list, inflation_, scratch.data()));
-    for (const auto [a, b] : scratch) {
-      const Index id_a = ids_[a], id_b = ids_[b];
-      if (a < edges_begin_) {
-        if (b < edges_begin_) {
-          out.vertex_vertex.push_back({id_a, id_b});
-        } else {
-          out.vertex_face.push_back({id_a, id_b});
-        }
-      } else if (b < edges_begin_) {
-        out.edge_vertex.push_back({id_a, id_b});
+    const std::size_t before = out.size();
+    out.resize(before + rows_[k].list.size());
+    out.resize(before + operations_.keep_near_pairs(feature_boxes_.data(), rows_[k].list, inflation_,
+                                                    out.data() + before));
+  }
+}
+
+template <int Ends>
+void CandidateLists<Ends>::append(std::span<const BoxPair> pairs, Candidates& out) const {
+  for (const auto [a, b] : pairs) {
+    const Index id_a = ids_[a], id_b = ids_[b];
+    if (a < edges_begin_) {
+      if (b < edges_begin_) {
+        out.vertex_vertex.push_back({id_a, id_b});
       } else {
-        out.edge_edge.push_back({std::min(id_a, id_b), std::max(id_a, id_b)});
+        out.vertex_face.push_back({id_a, id_b});
       }
+    } else if (b < edges_begin_) {
+      out.edge_vertex.push_back({id_a, id_b});
+    } else {
+      out.edge_edge.push_back({std::min(id_a, id_b), std::max(id_a, id_b)});
     }
   }
 }
