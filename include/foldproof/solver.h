@@ -131,28 +131,31 @@ struct Candidates {
   void clear();
 };
 
-/// Two closest features: what a barrier acts on (docs/solvers.md, "A barrier"). With x_k the positions of
-/// `vertices`, the difference of their closest points is the sum of weights[k] * x_k; it points along
-/// `normal`, and its length is `distance`. So the gradient of the distance at vertex k is weights[k] *
-/// normal.
+/// Two features that are nearest to each other: what a barrier acts on (docs/solvers.md, "A barrier"). With
+/// x_k the positions of `vertices`, the sum of weights[k] * x_k is the difference of their closest points.
+/// Its length is `distance`, its direction `normal`; so weights[k] * normal is the gradient of the distance
+/// at vertex k.
 struct ClosePair {
-  /// In this order of features: vertices[0] is the vertex; of edges, a and then b.
+  /// The first feature is the vertex; of two vertices the one with the smaller id.
   enum class Kind : std::uint8_t { VertexVertex, VertexEdge, VertexFace, EdgeEdge };
   Kind kind = Kind::VertexVertex;
-  /// How many relevant pairs have these closest features. Incremental potential contact adds their barriers,
-  /// so it multiplies this one's. 1 for VertexFace and EdgeEdge.
+  /// How many relevant pairs have these closest features. Incremental potential contact adds up their
+  /// barriers. 1 for VertexFace and EdgeEdge.
   Index count = 1;
-  std::array<Index, 4> vertices{kNoIndex, kNoIndex, kNoIndex, kNoIndex};  ///< kNoIndex: fewer than four.
-  /// Barycentric: those of the first feature add up to 1, those of the second to -1. Not 0, except where
-  /// edges are nearly parallel.
+  /// Of the first feature, then of the second. Where they are fewer than four, the last one is repeated with
+  /// weight 0.
+  std::array<Index, 4> vertices{};
+  /// Barycentric: those of the first feature add up to 1, those of the second to -1. None of a feature's
+  /// weights is 0, except where edges are nearly parallel.
   std::array<double, 4> weights{};
   double distance = 0;  ///< Mesh units.
-  Vec3 normal;          ///< Of length 1, from the second feature to the first; any side at distance 0.
-  /// Edges a and b at rest that are nearly parallel now: 1e-3 |a|^2 |b|^2 of their rest lengths, if the
-  /// present |a x b|^2 is below it. Such a pair stays EdgeEdge wherever its closest points are, as its
-  /// barrier is multiplied by the mollifier. Else 0. Mesh units to the fourth power, so 0 where that
-  /// underflows.
+  Vec3 normal;          ///< Of length 1, from the second feature to the first; at distance 0, either way.
+  /// Not 0 for edges that are nearly parallel: |a x b|^2 is below this, which is 1e-3 |a|^2 |b|^2 with
+  /// lengths at rest (mesh units to the fourth power; none is marked where that underflows). Such a pair
+  /// stays EdgeEdge wherever its closest points are, as the mollifier is a function of both edges.
   double mollifier_threshold = 0;
+
+  bool operator==(const ClosePair&) const = default;
 };
 inline constexpr std::array<const char*, 4> kClosePairKindNames{"vertex_vertex", "vertex_edge", "vertex_face",
                                                                 "edge_edge"};

@@ -35,12 +35,17 @@ HWY_INLINE unsigned MaybeNear(const PairBatch& pairs, double distance) {
   for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(D())) {
     const Corners<N> c = Differences<N>(pairs.x[0], lane);
     const V extent = Extent(c);
-    // Along the line through the features' centers; its length does not matter.
-    const Vector n = N == 4 ? Plus(c.d[0], c.d[N - 1]) : Plus(Plus(c.d[0], c.d[1]), c.d[2]);
-    const V square = Dot(n, n);
-    const V least = hn::Mul(MinProjection(Number(distance), extent), hn::Sqrt(square));
-    const M usual = hn::And(hn::Lt(extent, Number(kLarge)), hn::Ge(square, Number(kMinSquare)));
-    const M far = hn::And(usual, hn::Gt(SmallestProjection(n, c), least));
+    const V least = MinProjection(Number(distance), extent);
+    const Vector center = N == 4 ? Plus(c.d[0], c.d[N - 1]) : Plus(Plus(c.d[0], c.d[1]), c.d[2]);
+    // Along the line between the centers, as far as it is perpendicular to a side.
+    const auto is_beyond = [&](const Vector& side) HWY_ATTR {
+      const Vector n = Minus(center, Times(side, hn::Div(Dot(center, side), Dot(side, side))));
+      const V square = Dot(n, n);
+      return hn::And(hn::Ge(square, Number(kMinSquare)),
+                     hn::Gt(SmallestProjection(n, c), hn::Mul(least, hn::Sqrt(square))));
+    };
+    const M beyond = hn::Or(is_beyond(Minus(c.d[1], c.d[0])), is_beyond(Minus(c.d[2], c.d[0])));
+    const M far = hn::And(beyond, hn::Lt(extent, Number(kLarge)));
     near |= Bits(hn::Not(far)) << lane;
   }
   return near;

@@ -63,6 +63,16 @@ class CandidateLists {
   struct Near {
     std::vector<Index> vertices, edges, triangles;
   };
+  /// Two nodes that may be nearer than what is known; of the same distance the last one found goes first,
+  /// as it is the smallest where boxes overlap.
+  struct OpenPair {
+    double min_distance;
+    std::size_t number;
+    NodePair nodes;
+    bool operator<(const OpenPair& p) const {
+      return min_distance != p.min_distance ? min_distance > p.min_distance : number < p.number;
+    }
+  };
   /// Scratch of one thread.
   struct Scratch {
     std::array<Near, 2> near;
@@ -86,7 +96,9 @@ class CandidateLists {
   void update_rows();
   void expire_lists();
   void update_row(Index leaf, Scratch& scratch);
-  double nearest_of_leaves(NodePair leaves, double bound, Scratch& scratch) const;
+  void open_pair(NodePair pair, double bound) requires(Ends == 1);
+  void take_leaves(std::size_t most, double bound) requires(Ends == 1);
+  double nearest_of_leaves(NodePair leaves, double bound, Scratch& scratch) const requires(Ends == 1);
   std::size_t list_pairs(Index node_a, Index node_b, double distance, Scratch& scratch) const;
   void rebuild_list(Index node, Neighbor& neighbor, Scratch& scratch) const;
   void find_near(Index node, const Box& other, double distance, Near& near) const;
@@ -123,6 +135,12 @@ class CandidateLists {
   std::size_t rebuilt_size_ = 0;    // of the front and the neighbors after the last rebuild
   std::uint64_t node_tests_ = 0;
   PerThread<Scratch> scratch_;
+
+  // Of nearest().
+  std::vector<OpenPair> open_pairs_;  // a heap
+  std::size_t opened_ = 0;
+  std::vector<NodePair> leaves_;  // of this round
+  std::vector<double> distances_;
 };
 
 }  // namespace foldproof::internal

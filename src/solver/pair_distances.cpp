@@ -62,22 +62,6 @@ double mollifier_threshold(const PosedFeatures& features, BoxPair pair) {
 
 }  // namespace
 
-std::array<Index, 4> PosedFeatures::corners(BoxPair pair) const {
-  if (pair.b < edges_begin()) std::swap(pair.a, pair.b);
-  const auto edge = [&](Index feature) { return hierarchy().edges()[feature - edges_begin()]; };
-  if (pair.a >= edges_begin()) {
-    const Edge a = edge(pair.a), b = edge(pair.b);
-    return {a[0], a[1], b[0], b[1]};
-  }
-  if (pair.b >= triangles_begin()) {
-    const Triangle& t = hierarchy().triangles()[pair.b - triangles_begin()];
-    return {pair.a, t[0], t[1], t[2]};
-  }
-  if (pair.b < edges_begin()) return {pair.a, pair.b, pair.b, pair.b};
-  const Edge b = edge(pair.b);
-  return {pair.a, b[0], b[1], b[1]};
-}
-
 ClosePair close_pair(const PosedFeatures& features, BoxPair pair, const NearestBatch& nearest, int lane) {
   const bool edge_edge = features.is_edge_edge(pair);
   const std::array<Index, 4> corners = features.corners(pair);
@@ -112,6 +96,7 @@ ClosePair close_pair(const PosedFeatures& features, BoxPair pair, const NearestB
   }
   sort_support(b);
   close.kind = static_cast<ClosePair::Kind>(b.size - 1);
+  close.vertices.fill(b.vertices[b.size - 1]);
   close.vertices[0] = a.vertices[0];
   close.weights[0] = 1;
   for (int k = 0; k < b.size; ++k) {

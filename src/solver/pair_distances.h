@@ -21,7 +21,22 @@ struct PosedFeatures {
   bool is_edge(Index feature) const { return feature >= edges_begin() && feature < triangles_begin(); }
   bool is_edge_edge(BoxPair pair) const { return is_edge(pair.a) && is_edge(pair.b); }
   /// The four points of a pair, as FourPoints has them. Of an edge and a point, either may be first.
-  std::array<Index, 4> corners(BoxPair pair) const;
+  std::array<Index, 4> corners(BoxPair pair) const {
+    if (is_edge_edge(pair)) {
+      const Edge &a = edge(pair.a), &b = edge(pair.b);
+      return {a[0], a[1], b[0], b[1]};
+    }
+    const auto [vertex, other] = pair.b < edges_begin() ? BoxPair{pair.b, pair.a} : pair;
+    if (other >= triangles_begin()) {
+      const Triangle& t = hierarchy().triangles()[other - triangles_begin()];
+      return {vertex, t[0], t[1], t[2]};
+    }
+    if (other < edges_begin()) return {vertex, other, other, other};
+    return {vertex, edge(other)[0], edge(other)[1], edge(other)[1]};
+  }
+
+ private:
+  const Edge& edge(Index feature) const { return hierarchy().edges()[feature - edges_begin()]; }
 };
 
 /// Calls visit(pair, nearest, lane) for each pair that is not proven farther apart than distance(), which is
@@ -35,25 +50,28 @@ void visit_distances(const PosedFeatures& features, std::span<const BoxPair> pai
   BoxPair near[8];
   NearestBatch nearest;
   int count = 0;
-  const auto load = [&](PairBatch& to, int lane, BoxPair pair) {
-    const std::array<Index, 4> corners = features.corners(pair);
-    for (int k = 0; k < 4; ++k) {
-      for (int axis = 0; axis < 3; ++axis) to.x[0][k][axis][lane] = features.points[corners[k]].x[0][axis];
-    }
-  };
   const auto measure = [&] {
     for (unsigned left = nearest_points(near_batch, count, edge_edge, distance(), nearest); left != 0;
          left &= left - 1)
       visit(near[__builtin_ctz(left)], nearest, __builtin_ctz(left));
     count = 0;
   };
+  const auto load = [](const double* x, int k, int lane, PairBatch& to) {
+    for (int axis = 0; axis < 3; ++axis) to.x[0][k][axis][lane] = x[axis];
+  };
   for (std::size_t first = 0; first < pairs.size(); first += 8) {
     const auto some = pairs.subspan(first, std::min<std::size_t>(8, pairs.size() - first));
-    for (std::size_t k = 0; k < some.size(); ++k) load(batch, static_cast<int>(k), some[k]);
+    for (std::size_t lane = 0; lane < some.size(); ++lane) {
+      const std::array<Index, 4> corners = features.corners(some[lane]);
+      for (int k = 0; k < 4; ++k) load(features.points[corners[k]].x[0], k, static_cast<int>(lane), batch);
+    }
     for (unsigned left = maybe_near(batch, static_cast<int>(some.size()), edge_edge, distance()); left != 0;
          left &= left - 1) {
-      near[count] = some[__builtin_ctz(left)];
-      load(near_batch, count, near[count]);
+      const int lane = __builtin_ctz(left);
+      near[count] = some[lane];
+      for (int k = 0; k < 4; ++k) {
+        for (int axis = 0; axis < 3; ++axis) near_batch.x[0][k][axis][count] = batch.x[0][k][axis][lane];
+      }
       if (++count == 8) measure();
     }
   }
