@@ -211,7 +211,7 @@ inline constexpr std::array<const char*, 4> kStepLimitNames{"none", "contact", "
 /// *Relevant pairs* are a vertex and a face, two edges, a codimensional edge and a codimensional point, and
 /// two codimensional points, if they have no vertex in common and the filter allows them. A relevant pair
 /// *collides* if its distance is <= min_distance (0: it touches) at some time of the step. Errors of all
-/// calls: wrong sizes, coordinates or lengths that are not finite, negative lengths. Soundness:
+/// calls: wrong sizes, coordinates that are not finite, lengths that are negative or not finite. Soundness:
 /// docs/soundness.md, "Solvers".
 class ContactChecker {
  public:
@@ -260,11 +260,11 @@ class ContactChecker {
   /// faces with the same three vertices, for all pairs of different ones.
   Verdict has_intersections(std::span<const double> x);
 
-  /// The smallest distance of all relevant pairs if it is <= bound, else infinity. Mesh units. Its error is
-  /// less than 64 units in the last place of the pair's largest coordinate difference; with one exception:
-  /// for very thin triangles and nearly parallel edges it may be too large by up to 2^-26 of that difference.
-  /// A face that an edge pierces is not at distance 0: see has_intersections. Cost: as candidates() with the
-  /// answer as inflation.
+  /// The smallest distance of all relevant pairs if it is <= bound (>= 0, or infinity), else infinity. Mesh
+  /// units. Its error is less than 64 units in the last place of the pair's largest coordinate difference;
+  /// with one exception: for very thin triangles and nearly parallel edges it may be too large by up to 2^-26
+  /// of that difference. A face that an edge pierces is not at distance 0: see has_intersections. Cost: as
+  /// candidates() with the answer as inflation, whatever the bound, without the lists.
   [[nodiscard]] Result<double> minimum_distance(std::span<const double> x, double bound);
 
   /// Of the last call.

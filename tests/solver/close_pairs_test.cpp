@@ -243,14 +243,25 @@ TEST(ClosePairs, OfDegenerateFeaturesAreComplete) {
   EXPECT_GT(counts.left_out, 1000);
 }
 
-// The smallest doubles above and below the distance of a pair decide.
+// Decided by the last digits: the least double that is not below a pair's distance, and one a little smaller.
 TEST(ClosePairs, TheDistanceItselfIsClose) {
-  Soup soup;
-  soup.x0 = soup.x1 = {0, 0, 0, 3, 4, 0};
-  ContactChecker checker = checker_of(soup);
-  EXPECT_EQ(close_pairs(checker, soup.x0, 5).size(), 1u);
-  EXPECT_EQ(close_pairs(checker, soup.x0, 5 * (1 + 0x1p-52)).size(), 1u);
-  EXPECT_EQ(close_pairs(checker, soup.x0, 5 * (1 - 0x1p-40)).size(), 0u);
+  for (int seed = 0; seed < testing::rounds(2000); ++seed) {
+    Rng rng(static_cast<std::uint64_t>(seed));
+    const bool edges = seed % 2 == 0;
+    Soup soup = edges ? random_soup(rng, 0, 2, 0, 0, 0x1p-40) : random_soup(rng, 1, 0, 1, 0, 0x1p-40);
+    if (edges) soup.edges.resize(2);
+    soup = scaled(std::move(soup), 1, seed % 3 == 0 ? 1000 : 0);
+    ContactChecker checker = checker_of(soup);
+    const auto pairs = all_pairs(soup, checker.mesh().edges(), all_may);
+    ASSERT_EQ(pairs.size(), 1u);
+    const Rational square = exact_square(pairs[0].kind(), pairs[0].vertices, soup.x0);
+    double distance = rounded_root(square);
+    while (Rational(distance) * Rational(distance) < square) distance = std::nextafter(distance, kInfinity);
+    ASSERT_EQ(close_pairs(checker, soup.x0, distance).size(), 1u) << seed;
+    if (distance > 0.01) {
+      ASSERT_EQ(close_pairs(checker, soup.x0, distance * (1 - 0x1p-30)).size(), 0u) << seed;
+    }
+  }
 }
 
 // A point above a corner, an edge and the inside of two triangles.
