@@ -215,7 +215,10 @@ inline constexpr std::array<const char*, 4> kStepLimitNames{"none", "contact", "
 /// docs/soundness.md, "Solvers".
 class ContactChecker {
  public:
-  explicit ContactChecker(std::shared_ptr<const CollisionMesh> mesh, const ContactSettings& settings = {});
+  /// `filter`: beside the mesh's CollisionFilter, for one object, mesh->hierarchy() (foldproof/filters.h);
+  /// null: none.
+  explicit ContactChecker(std::shared_ptr<const CollisionMesh> mesh, const ContactSettings& settings = {},
+                          std::shared_ptr<const PairFilter> filter = nullptr);
   ~ContactChecker();
   ContactChecker(ContactChecker&&) noexcept;
   ContactChecker& operator=(ContactChecker&&) noexcept;

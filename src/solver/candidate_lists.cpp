@@ -37,7 +37,7 @@ CandidateLists<Ends>::CandidateLists(const CollisionMesh& mesh, const ContactFil
     : mesh_(mesh),
       filter_(filter),
       hierarchy_(*mesh.hierarchy()),
-      allows_all_(mesh.filter().allows_all()),
+      allows_all_(filter.allows_all()),
       operations_(box_operations<Ends>()),
       edges_begin_(static_cast<Index>(hierarchy_.vertex_ids().size())),
       triangles_begin_(edges_begin_ + static_cast<Index>(hierarchy_.edge_ids().size())),
@@ -212,6 +212,7 @@ void CandidateLists<Ends>::traverse_pending() {
     const NodePair pair = pending_.back();
     pending_.pop_back();
     ++node_tests_;
+    if (!filter_.nodes(0, pair.a, 0, pair.b)) continue;
     if (pair.a != pair.b) {
       const double separation = box_separation(pair.a, pair.b);
       if (separation >= required_) {
@@ -284,12 +285,15 @@ void CandidateLists<Ends>::list_vertices(double distance, const Near& with_verti
 template <int Ends>
 void CandidateLists<Ends>::list_edges(bool self, double distance, Scratch& scratch) const {
   const auto &a = scratch.near[0].edges, &b = scratch.near[self ? 0 : 1].edges;
+  const auto topology_edge = [&](Index edge) {
+    return hierarchy_.topology().edges()[hierarchy_.edge_ids()[edge - edges_begin_]];
+  };
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t k = self ? i + 1 : 0; k < b.size(); ++k) scratch.pairs.push_back({a[i], b[k]});
   }
   visit_near_pairs(distance, scratch.pairs, [&](Index e, Index g) {
     if (share_vertex(hierarchy_.edges()[e - edges_begin_], hierarchy_.edges()[g - edges_begin_])) return;
-    if (allows_all_ || filter_.edge_edge(0, mesh_.edges()[ids_[e]], 0, mesh_.edges()[ids_[g]]))
+    if (allows_all_ || filter_.edge_edge(0, topology_edge(e), 0, topology_edge(g)))
       scratch.list.push_back({e, g});
   });
 }

@@ -14,10 +14,11 @@ Result<void> check_length(const char* name, double value);
 namespace foldproof {
 
 struct ContactChecker::Impl {
-  Impl(std::shared_ptr<const CollisionMesh> of, const ContactSettings& with)
+  Impl(std::shared_ptr<const CollisionMesh> of, const ContactSettings& with,
+       std::shared_ptr<const PairFilter> pairs)
       : mesh(std::move(of)),
         settings(with),
-        filter(*mesh),
+        filter(*mesh, std::move(pairs)),
         pose_lists(*mesh, filter),
         step_lists(*mesh, filter) {}
 
