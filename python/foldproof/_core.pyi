@@ -191,7 +191,9 @@ class StepChecker:
     def check_static(self, x: ArrayLike | Sequence[ArrayLike], **settings: Unpack[_StepSettings]) -> StaticResult: ...
 
 @final
-class PairFilter: ...
+class PairFilter:
+    @property
+    def object_count(self) -> int: ...
 
 _Objects = Hierarchy | Model | CollisionMesh | Sequence[Hierarchy | Model | CollisionMesh]
 

@@ -16,6 +16,11 @@ bool same_objects(const std::vector<Object>& a, const std::vector<Object>& b) {
   });
 }
 
+void require_filter(const py::handle& filter) {
+  if (!py::isinstance<Filter>(filter))
+    throw py::type_error("filter: expected a foldproof.PairFilter, as foldproof.ignore_sewn makes one");
+}
+
 template <class Make>
 std::unique_ptr<Filter> make_filter(std::vector<Object> objects, Make make) {
   const Unlocked unlocked;
@@ -69,6 +74,7 @@ std::unique_ptr<Filter> touching(const py::object& objects, const py::object& x,
 
 std::unique_ptr<Filter> all_of(const py::args& filters) {
   if (filters.empty()) refuse("filters", "are none", "give at least one");
+  require_filter(filters[0]);
   const auto& objects = filters[0].cast<const Filter&>().objects;
   std::vector<std::shared_ptr<const PairFilter>> pairs;
   for (const auto& filter : filters)
@@ -80,8 +86,7 @@ std::unique_ptr<Filter> all_of(const py::args& filters) {
 
 std::shared_ptr<const PairFilter> filter_for(const py::object& filter, const std::vector<Object>& objects) {
   if (filter.is_none()) return nullptr;
-  if (!py::isinstance<Filter>(filter))
-    throw py::type_error("filter: expected a foldproof.PairFilter, as foldproof.ignore_sewn makes one");
+  require_filter(filter);
   const auto& made = filter.cast<const Filter&>();
   if (!same_objects(made.objects, objects))
     refuse("filter", "was made for other objects", "make one for these");
@@ -101,7 +106,10 @@ void bind_filters(py::module_& module) {
   py::class_<Filter>(module, "PairFilter",
                      "Pairs of objects' features and triangles that a StepChecker, ContactFinder or "
                      "ContactChecker does not test. "
-                     "ignore_sewn and its like make one.");
+                     "ignore_sewn and its like make one.")
+      .def_property_readonly(
+          "object_count", [](const Filter& self) { return self.objects.size(); },
+          "How many objects it is for.");
   const char* objects = "objects: what the checker is given, or the CollisionMesh of a ContactChecker.";
   const auto text = [&](const char* what, const char* arguments) {
     return std::string(what) + "\n\n" + objects + " " + arguments;
