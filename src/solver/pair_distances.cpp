@@ -8,8 +8,8 @@ namespace {
 
 // Vertices with the weights that a feature's closest point gives them, those of weight 0 left out.
 struct Support {
-  Index vertices[3];
-  double weights[3];
+  Index vertices[3] = {};
+  double weights[3] = {};
   int size = 0;
 
   void add(Index vertex, double weight) {
