@@ -82,7 +82,7 @@ class Measured final : public example::CollisionQueries {
       FOLDPROOF_TRY(checker.candidates(x, reach, found_));
       return true;
     });
-    example::find_contacts(*mesh_, found_, x, reach, out);
+    if (const auto done = plain_.close_pairs(x, reach, out); !done) note(done.error());
   }
 
   void note_contact() { in_contact_ = 1; }

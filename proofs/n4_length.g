@@ -2,7 +2,7 @@
 # code src/ccd/lanes.h
 #   const Vector e1 = Minus(c.d[1], c.d[0]), e2 = Minus(c.d[2], c.d[0]);
 #   const M within = N == 4 ? hn::And(hn::Le(beta, across2), hn::Le(gamma, across2)) : hn::Le(hn::Add(beta, gamma), across2);
-#   best.difference = Plus(Plus(c.d[0], Times(e1, hn::Div(beta, across2))), Times(e2, hn::Div(gamma, across2)));
+#   best.difference = Plus(Plus(c.d[0], Times(e1, best.u)), Times(e2, best.v));
 #   best.distance = hn::Sqrt(Dot(best.difference, best.difference));
 #   const Vector candidate = Choose(hn::Lt(s, one), Plus(p, Times(along, s)), q);
 #

@@ -3,7 +3,7 @@
 #   for (double& d : corner) d = std::isfinite(d) ? d - std::abs(d) * kDisplacementRounding : -kInfinity;
 #   change = std::min(change, a[0][axis] + b[1][axis]);
 #   return -change * kUp;
-#   pair.min_separation = (pair.min_separation - closing_distance(pair.a, pair.b)) * kDown;
+#   return (min_separation - closing_distance(node_a, node_b)) * kDown;
 #   return std::min(separation(boxes_[node_a], boxes_[node_b]), std::numeric_limits<double>::max()) * kDown;
 #   required_ = inflation * (1 + 0x1p-40) + std::numeric_limits<double>::min();
 #

@@ -1,21 +1,11 @@
-// Distances of candidate pairs, and a barrier on them.
+// A barrier on the pairs that are close. It has no mollifier for edges that are nearly parallel.
 #pragma once
 
 #include "foldproof/solver.h"
 
 namespace example {
 
-// Two features closer than a barrier reaches: their distance is |sum of weights times vertices|.
-struct Contact {
-  std::array<foldproof::Index, 4> vertices;
-  std::array<double, 4> weights;
-  foldproof::Vec3 normal;  // from the second feature to the first, of length one
-  double distance;
-};
-
-// Of all candidates those closer than `reach`, in the candidates' order.
-void find_contacts(const foldproof::CollisionMesh& mesh, const foldproof::Candidates& candidates,
-                   std::span<const double> x, double reach, std::vector<Contact>& out);
+using Contact = foldproof::ClosePair;
 
 // -stiffness (d/reach - 1)^2 ln(d/reach), as incremental potential contact has it; joules. Zero from reach
 // on, infinite at 0.

@@ -44,7 +44,7 @@ double ImplicitEuler::energy(std::span<const double> x, std::span<const Contact>
     inertia += scene_.mass[v] / 2 * (at(x, v) - at(inertial_, v)).squaredNorm();
   for (const Spring& s : scene_.springs)
     potential += s.stiffness / 2 * std::pow((at(x, s.a) - at(x, s.b)).norm() - s.rest, 2);
-  for (const Contact& c : contacts) potential += barrier_.value(c.distance);
+  for (const Contact& c : contacts) potential += c.count * barrier_.value(c.distance);
   return inertia + kTimeStep * kTimeStep * potential;
 }
 
@@ -86,8 +86,8 @@ void ImplicitEuler::assemble(std::span<const Contact> contacts) {
     add_block(std::max(s.a, s.b), std::min(s.a, s.b), -k);
   }
   for (const Contact& c : contacts) {
-    const double slope = kSquare * barrier_.slope(c.distance);
-    const Eigen::Matrix3d k = kSquare * barrier_.curvature(c.distance) * square_of(c.normal);
+    const double slope = kSquare * c.count * barrier_.slope(c.distance);
+    const Eigen::Matrix3d k = kSquare * c.count * barrier_.curvature(c.distance) * square_of(c.normal);
     for (int i = 0; i < 4; ++i) {
       add(c.vertices[i], slope * c.weights[i] * c.normal);
       for (int j = 0; j < 4; ++j) add_block(c.vertices[i], c.vertices[j], c.weights[i] * c.weights[j] * k);

@@ -40,7 +40,6 @@ class TimedChecker final : public CollisionQueries {
   foldproof::ContactChecker checkers_[2];
   double seconds_[2] = {}, seconds_compared_ = 0;
   int disagreements_ = 0;
-  foldproof::Candidates candidates_;
   std::vector<Contact> other_;
 };
 

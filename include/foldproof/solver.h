@@ -58,7 +58,8 @@ struct CollisionMeshSettings {
 /// checkers may share it.
 class CollisionMesh {
  public:
-  /// `rest_positions`: vertex_count x 3, row-major; the hierarchy is split by this pose (any will do).
+  /// `rest_positions`: vertex_count x 3, row-major; the hierarchy is split by this pose (any will do), and
+  /// ClosePair::mollifier_threshold depends on its lengths.
   /// `edges`: two vertex ids each, in either order. `faces`: three vertex ids each. Edges of faces that
   /// `edges` lacks are appended, so an empty matrix, or one with only the codimensional edges, is enough.
   /// Error: an id out of range, an edge twice or from a vertex to itself, a face that names one vertex three
@@ -84,12 +85,15 @@ class CollisionMesh {
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return hierarchy_; }
   /// The row in edges() of edge number `edge` of the topology.
   Index edge_row(Index edge) const { return edge_rows_[edge]; }
+  /// Of a row of edges(), in mesh units squared.
+  double squared_rest_length(Index edge) const { return squared_rest_lengths_[edge]; }
 
  private:
   std::shared_ptr<const Hierarchy> hierarchy_;
   CollisionFilter filter_;
   std::vector<Edge> edges_;
   std::vector<Index> codim_edges_, codim_points_, edge_rows_;
+  std::vector<double> squared_rest_lengths_;
 };
 
 struct VertexFaceCandidate {
@@ -126,6 +130,35 @@ struct Candidates {
   bool empty() const { return size() == 0; }
   void clear();
 };
+
+/// Two features that are nearest to each other: what a barrier acts on (docs/solvers.md, "A barrier"). With
+/// x_k the positions of `vertices`, the sum of weights[k] * x_k is the difference of their closest points.
+/// Its length is `distance`, its direction `normal`; so weights[k] * normal is the gradient of the distance
+/// at vertex k.
+struct ClosePair {
+  /// The first feature is the vertex; of two vertices the one with the smaller id.
+  enum class Kind : std::uint8_t { VertexVertex, VertexEdge, VertexFace, EdgeEdge };
+  Kind kind = Kind::VertexVertex;
+  /// How many relevant pairs have these closest features. Incremental potential contact adds up their
+  /// barriers. 1 for VertexFace and EdgeEdge.
+  Index count = 1;
+  /// Of the first feature, then of the second. Where they are fewer than four, the last one is repeated with
+  /// weight 0.
+  std::array<Index, 4> vertices{};
+  /// Barycentric: those of the first feature add up to 1, those of the second to -1. None of a feature's
+  /// weights is 0, except where edges are nearly parallel.
+  std::array<double, 4> weights{};
+  double distance = 0;  ///< Mesh units.
+  Vec3 normal;          ///< Of length 1, from the second feature to the first; at distance 0, either way.
+  /// Not 0 for edges that are nearly parallel: |a x b|^2 is below this, which is 1e-3 |a|^2 |b|^2 with
+  /// lengths at rest (mesh units to the fourth power; none is marked where that underflows). Such a pair
+  /// stays EdgeEdge wherever its closest points are, as the mollifier is a function of both edges.
+  double mollifier_threshold = 0;
+
+  bool operator==(const ClosePair&) const = default;
+};
+inline constexpr std::array<const char*, 4> kClosePairKindNames{"vertex_vertex", "vertex_edge", "vertex_face",
+                                                                "edge_edge"};
 
 struct ContactSettings {
   bool certificates = true;  ///< Skip what certificates prove: less work, the same answers.
@@ -178,11 +211,14 @@ inline constexpr std::array<const char*, 4> kStepLimitNames{"none", "contact", "
 /// *Relevant pairs* are a vertex and a face, two edges, a codimensional edge and a codimensional point, and
 /// two codimensional points, if they have no vertex in common and the filter allows them. A relevant pair
 /// *collides* if its distance is <= min_distance (0: it touches) at some time of the step. Errors of all
-/// calls: wrong sizes, coordinates or lengths that are not finite, negative lengths. Soundness:
+/// calls: wrong sizes, coordinates that are not finite, lengths that are negative or not finite. Soundness:
 /// docs/soundness.md, "Solvers".
 class ContactChecker {
  public:
-  explicit ContactChecker(std::shared_ptr<const CollisionMesh> mesh, const ContactSettings& settings = {});
+  /// `filter`: beside the mesh's CollisionFilter, for one object, mesh->hierarchy() (foldproof/filters.h);
+  /// null: none.
+  explicit ContactChecker(std::shared_ptr<const CollisionMesh> mesh, const ContactSettings& settings = {},
+                          std::shared_ptr<const PairFilter> filter = nullptr);
   ~ContactChecker();
   ContactChecker(ContactChecker&&) noexcept;
   ContactChecker& operator=(ContactChecker&&) noexcept;
@@ -212,17 +248,26 @@ class ContactChecker {
   /// The same in one pose.
   [[nodiscard]] Result<void> candidates(std::span<const double> x, double inflation, Candidates& out);
 
+  /// All relevant pairs whose distance is <= `distance` (>= 0; infinity: all), each by its closest features,
+  /// and those once. Proven: none is missing, rounding included. A listed pair may be farther away by the
+  /// error of minimum_distance(): its barrier is 0. `active`: none, or vertex_count numbers; pairs that none
+  /// of whose closest features' vertices has one that is not 0 are left out. The order depends on the mesh
+  /// and the pose alone. Error: a distance that is negative or NaN. Cost: about as candidates().
+  [[nodiscard]] Result<void> close_pairs(std::span<const double> x, double distance,
+                                         std::vector<ClosePair>& out,
+                                         std::span<const std::uint8_t> active = {});
+
   /// Whether two elements (faces, codimensional edges, codimensional points) have a point in common, decided
   /// exactly. For neighbors see StepChecker::check_static; codimensional elements with a common vertex never
   /// count. The filter is called for all pairs of their vertices that are not both common to them; of two
   /// faces with the same three vertices, for all pairs of different ones.
   Verdict has_intersections(std::span<const double> x);
 
-  /// The smallest distance of all relevant pairs if it is <= bound, else infinity. Mesh units. Its error is
-  /// less than 64 units in the last place of the pair's largest coordinate difference; with one exception:
-  /// for very thin triangles and nearly parallel edges it may be too large by up to 2^-26 of that difference.
-  /// A face that an edge pierces is not at distance 0: see has_intersections. Cost: as candidates() with the
-  /// answer as inflation.
+  /// The smallest distance of all relevant pairs if it is <= bound (>= 0, or infinity), else infinity. Mesh
+  /// units. Its error is less than 64 units in the last place of the pair's largest coordinate difference;
+  /// with one exception: for very thin triangles and nearly parallel edges it may be too large by up to 2^-26
+  /// of that difference. A face that an edge pierces is not at distance 0: see has_intersections. Cost: as
+  /// candidates() with the answer as inflation, whatever the bound, without the lists.
   [[nodiscard]] Result<double> minimum_distance(std::span<const double> x, double bound);
 
   /// Of the last call.

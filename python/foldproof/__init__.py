@@ -9,6 +9,7 @@ from ._checks import CheckResult, check
 from ._classes import complete_classes
 from ._contacts import Contact, Contacts, ContactSide, find_contacts
 from ._core import (
+    CLOSE_PAIR_KINDS,
     HIT,
     REASONS,
     UNDECIDED,
@@ -19,12 +20,19 @@ from ._core import (
     Hierarchy,
     Model,
     Motion,
+    PairFilter,
     ReducedChecker,
     ReducedShape,
     StaticResult,
     StepChecker,
     StepResult,
     __version__,
+    ignore_all,
+    ignore_fixed,
+    ignore_length,
+    ignore_rings,
+    ignore_sewn,
+    ignore_touching,
     load,
     open_motion,
     open_motions,
@@ -37,6 +45,7 @@ from ._errors import Error, FileError, FileMissingError
 from ._page import Page, view
 
 __all__ = [
+    "CLOSE_PAIR_KINDS",
     "HIT",
     "REASONS",
     "UNDECIDED",
@@ -55,6 +64,7 @@ __all__ = [
     "Model",
     "Motion",
     "Page",
+    "PairFilter",
     "ReducedChecker",
     "ReducedShape",
     "StaticResult",
@@ -63,6 +73,12 @@ __all__ = [
     "__version__",
     "check",
     "find_contacts",
+    "ignore_all",
+    "ignore_fixed",
+    "ignore_length",
+    "ignore_rings",
+    "ignore_sewn",
+    "ignore_touching",
     "load",
     "open_motion",
     "open_motions",

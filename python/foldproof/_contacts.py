@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from ._core import ContactFinder, Hierarchy, Model
+from ._core import ContactFinder, Hierarchy, Model, PairFilter
 from ._text import html_table, many, same, text_table
 
 if TYPE_CHECKING:
@@ -261,16 +261,17 @@ def find_contacts(
     frames: Iterable[ArrayLike | Sequence[ArrayLike]],
     *,
     parts: _Parts = None,
+    filter: PairFilter | None = None,
     **settings: Unpack[_StepSettings],
 ) -> Iterator[Contact]:
     """Checks frames one after the other, and yields each contact when it has ended.
 
     objects: a Hierarchy, a Model, or a list of them. frames: the positions of each frame, V x 3, or a list of one array
-    per object; any iterable, such as a Motion or a generator, which is read frame by frame. parts and settings: as for
+    per object; any iterable, such as a Motion or a generator, which is read frame by frame. parts, filter and settings: as for
     ContactFinder, which does the work for those who have frames at times of their own. Memory is that of the meshes, one
     step and the contacts that have not ended.
     """
-    finder = ContactFinder(objects, parts=parts, **settings)
+    finder = ContactFinder(objects, parts=parts, filter=filter, **settings)
     for x in frames:
         yield from finder.add(x)
     yield from finder.finish()

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "arrays.h"
+#include "filters.h"
 #include "module.h"
 #include "steps.h"
 #include "unlocked.h"
@@ -60,8 +61,11 @@ py::array array_of(const Vec3& v) { return owned({v.begin(), v.end()}, {3}); }
 /// Finds contacts frame by frame. Keeps the last frame, since callers may reuse their arrays.
 class Finder {
  public:
-  Finder(const py::object& objects, const py::object& parts, const Settings& settings)
-      : objects_(objects_of(objects)), settings_(settings.step), checker_(objects_) {
+  Finder(const py::object& objects, const py::object& parts, const py::object& filter,
+         const Settings& settings)
+      : objects_(objects_of(objects)),
+        settings_(settings.step),
+        checker_(objects_, filter_for(filter, objects_)) {
     if (settings.paper_miss_rate || settings_.earliest_only)
       refuse("settings", "do not ask for all collisions", "omit mode='paper' and earliest_only");
     std::vector<const Topology*> topologies;
@@ -73,7 +77,8 @@ class Finder {
     parts_ = parts_of(parts, objects, triangles);
     Parts of_triangles;
     for (const ObjectParts& each : parts_) of_triangles.emplace_back(each.of_triangle);
-    finder_.emplace(take(ContactFinder::make(std::move(topologies), std::move(of_triangles))));
+    finder_.emplace(take(
+        ContactFinder::make(std::move(topologies), std::move(of_triangles), filter_for(filter, objects_))));
   }
 
   py::list add(const py::object& x, std::optional<double> time) {
@@ -248,12 +253,15 @@ void bind_contacts(py::module_& module) {
       module, "ContactFinder",
       "Finds contacts while frames come, with memory for the meshes, one step and the contacts "
       "that have not ended.\n\nCalls of one finder wait for each other.")
-      .def(py::init([](const py::object& objects, const py::object& parts, const py::kwargs& settings) {
-             return std::make_unique<Finder>(objects, parts, settings_of(settings, {"parts"}));
+      .def(py::init([](const py::object& objects, const py::object& parts, const py::object& filter,
+                       const py::kwargs& settings) {
+             return std::make_unique<Finder>(objects, parts, filter,
+                                             settings_of(settings, {"parts", "filter"}));
            }),
-           py::arg("objects"), py::kw_only(), py::arg("parts") = py::none(),
+           py::arg("objects"), py::kw_only(), py::arg("parts") = py::none(), py::arg("filter") = py::none(),
            "objects: a Hierarchy, a Model, or a list of them. parts: names for the sides, one per triangle; "
-           "for a list of objects a list with an entry for each, which may be None. settings: as in "
+           "for a list of objects a list with an entry for each, which may be None. filter: as in "
+           "StepChecker. settings: as in "
            "StepChecker.check, without mode and earliest_only.")
       .def(
           "add", &Finder::add, py::arg("x"), py::arg("time") = py::none(),

@@ -33,6 +33,7 @@ PYBIND11_MODULE(_core, module) {
   bind_hierarchy(module);
   bind_models(module);
   bind_steps(module);
+  bind_filters(module);
   bind_contacts(module);
   bind_checks(module);
   bind_reduced(module);

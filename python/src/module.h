@@ -9,6 +9,7 @@ void bind_motions(pybind11::module_& module);
 void bind_hierarchy(pybind11::module_& module);
 void bind_models(pybind11::module_& module);
 void bind_steps(pybind11::module_& module);
+void bind_filters(pybind11::module_& module);
 void bind_contacts(pybind11::module_& module);
 void bind_checks(pybind11::module_& module);
 void bind_reduced(pybind11::module_& module);

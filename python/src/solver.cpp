@@ -3,6 +3,7 @@
 
 #include <mutex>
 
+#include "filters.h"
 #include "module.h"
 #include "steps.h"
 #include "unlocked.h"
@@ -64,8 +65,8 @@ struct Solver {
   std::mutex mutex;
   StepSize::Limit limit = StepSize::Limit::None;  ///< Of the last step size.
 
-  Solver(std::shared_ptr<CollisionMesh> of, const ContactSettings& settings)
-      : mesh(std::move(of)), checker(mesh, settings) {}
+  Solver(std::shared_ptr<CollisionMesh> of, const ContactSettings& settings, const py::object& filter)
+      : mesh(std::move(of)), checker(mesh, settings, filter_for(filter, {Object(mesh->hierarchy())})) {}
 
   Numbers positions(const py::object& x, const char* what) const {
     const py::ssize_t vertices = mesh->vertex_count();
@@ -114,6 +115,33 @@ bool step_is_free(Solver& self, const py::object& x0, const py::object& x1, doub
   return self.ask([&](ContactChecker& c) {
     return c.is_step_collision_free(span_of(from), span_of(to), min_distance).result();
   });
+}
+
+/// ClosePair as NumPy has it.
+struct CloseRow {
+  ClosePair::Kind kind;
+  Index count;
+  std::array<Index, 4> vertices;
+  std::array<double, 4> weights;
+  double distance;
+  std::array<double, 3> normal;
+  double mollifier_threshold;
+};
+
+py::array close_pairs_of(Solver& self, const py::object& x, double distance, const py::object& active) {
+  const Numbers pose = self.positions(x, "x");
+  std::vector<std::uint8_t> flags;
+  if (!active.is_none()) flags = flags_of(active, "active", self.mesh->vertex_count());
+  std::vector<ClosePair> found;
+  self.ask([&](ContactChecker& c) { return c.close_pairs(span_of(pose), distance, found, flags); });
+  std::vector<CloseRow> rows;
+  rows.reserve(found.size());
+  for (const ClosePair& p : found) {
+    const auto& n = p.normal;
+    rows.push_back(
+        {p.kind, p.count, p.vertices, p.weights, p.distance, {n[0], n[1], n[2]}, p.mollifier_threshold});
+  }
+  return owned_rows(std::move(rows));
 }
 
 void bind_mesh(py::module_& module) {
@@ -213,15 +241,16 @@ void bind_checker(py::module_& module) {
       "calls.\n\nCalls of one checker wait for each other; use one per thread.");
   checker
       .def(py::init([](std::shared_ptr<CollisionMesh> mesh, bool certificates, double tolerance,
-                       double conservative_rescaling) {
+                       double conservative_rescaling, const py::object& filter) {
              return std::make_unique<Solver>(
-                 std::move(mesh), ContactSettings{certificates, tolerance, conservative_rescaling});
+                 std::move(mesh), ContactSettings{certificates, tolerance, conservative_rescaling}, filter);
            }),
            py::arg("mesh").none(false), py::kw_only(), py::arg("certificates") = true,
            py::arg("tolerance") = 0.0, py::arg("conservative_rescaling") = 0.8,
+           py::arg("filter") = py::none(),
            "certificates: skip what they prove in steps. tolerance: mesh units; 0: 2^-30 of the size of "
            "everything. conservative_rescaling: the share, in (0, 1], of the way to contact that a step may "
-           "go.")
+           "go. filter: a PairFilter for the mesh, of pairs that are not tested, beside those of its groups.")
       .def(
           "collision_free_step_size", &step_size_of, py::arg("x0"), py::arg("x1"),
           py::arg("min_distance") = 0.0,
@@ -237,6 +266,18 @@ void bind_checker(py::module_& module) {
            py::arg("inflation"),
            "Every pair whose distance is <= inflation in the pose x0, or at some time of the step from x0 to "
            "x1, and other close pairs.\n\nx0, x1: V x 3, mesh units. Error: as collision_free_step_size.")
+      .def("close_pairs", &close_pairs_of, py::arg("x"), py::arg("distance"), py::arg("active") = py::none(),
+           "Every pair whose distance is <= distance in the pose x, each once by its closest features: a "
+           "structured array with kind (names in foldproof.CLOSE_PAIR_KINDS), count (of pairs with these "
+           "closest "
+           "features), vertices (4; the last one repeated where they are fewer), weights (4), distance, "
+           "normal "
+           "(from the second feature to the first) and mollifier_threshold (0 unless edges are nearly "
+           "parallel). "
+           "weights[k] * normal is the gradient of the distance at vertices[k].\n\n"
+           "x: V x 3, mesh units. distance: may be infinite. active: V booleans; pairs without an active "
+           "vertex "
+           "are left out. Error: as collision_free_step_size.")
       .def(
           "has_intersections",
           [](Solver& self, const py::object& x) {
@@ -254,7 +295,7 @@ void bind_checker(py::module_& module) {
           },
           py::arg("x"), py::arg("bound"),
           "The smallest distance of two features that may collide, mesh units; infinity when it is above "
-          "bound.\n\nx: V x 3, mesh units. Error: as collision_free_step_size.");
+          "bound, which may be infinite.\n\nx: V x 3, mesh units. Error: as collision_free_step_size.");
   bind_last_call(checker);
 }
 
@@ -269,6 +310,10 @@ py::array_t<double> towards(const py::object& x0, const py::object& x1, double s
 }  // namespace
 
 void bind_solver(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(CloseRow, kind, count, vertices, weights, distance, normal, mollifier_threshold);
+  py::tuple kinds(kClosePairKindNames.size());
+  for (std::size_t k = 0; k < kinds.size(); ++k) kinds[k] = kClosePairKindNames[k];
+  module.attr("CLOSE_PAIR_KINDS") = kinds;
   bind_mesh(module);
   bind_candidates(module);
   bind_checker(module);

@@ -4,6 +4,8 @@
 #include <mutex>
 #include <optional>
 
+#include "filters.h"
+#include "foldproof/solver.h"
 #include "module.h"
 #include "report/report.h"
 #include "unlocked.h"
@@ -33,10 +35,10 @@ struct Checker {
   }
 };
 
-std::unique_ptr<Checker> make_checker(const py::object& objects) {
+std::unique_ptr<Checker> make_checker(const py::object& objects, const py::object& filter) {
   auto made = std::make_unique<Checker>();
   made->objects = objects_of(objects, &made->models);
-  made->checker.emplace(made->objects);
+  made->checker.emplace(made->objects, filter_for(filter, made->objects));
   return made;
 }
 
@@ -163,6 +165,9 @@ std::vector<Object> objects_of(const py::object& objects,
     } else if (py::isinstance<Hierarchy>(object)) {
       all.emplace_back(std::shared_ptr<const Hierarchy>(object.cast<std::shared_ptr<Hierarchy>>()));
       if (models != nullptr) models->push_back(nullptr);
+    } else if (py::isinstance<CollisionMesh>(object)) {
+      all.emplace_back(object.cast<std::shared_ptr<CollisionMesh>>()->hierarchy());
+      if (models != nullptr) models->push_back(nullptr);
     } else {
       throw py::type_error("objects: expected a foldproof.Hierarchy or a foldproof.Model, or a list of them");
     }
@@ -206,9 +211,9 @@ void bind_steps(py::module_& module) {
   py::class_<Checker>(module, "StepChecker",
                       "Checks a fixed set of objects step by step, reusing results of earlier steps.\n\n"
                       "Calls of one checker wait for each other; use one checker per thread.")
-      .def(py::init(&make_checker), py::arg("objects"),
+      .def(py::init(&make_checker), py::arg("objects"), py::kw_only(), py::arg("filter") = py::none(),
            "objects: a Hierarchy, a Model (its certificates are used from the first step on), or a list of "
-           "them.")
+           "them. filter: a PairFilter for them, of pairs that are not tested.")
       .def(
           "check", &check, py::arg("x0"), py::arg("x1"),
           with_settings(

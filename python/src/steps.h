@@ -44,8 +44,8 @@ py::dict milliseconds_of(const StageTimes& times);
 /// A list or tuple unchanged, anything else as one item.
 py::list items_of(const py::object& one_or_several);
 
-/// A Hierarchy, a Model, or a list of them. TypeError: anything else. Refused: none. `models`: adds one per
-/// object, null for a Hierarchy.
+/// A Hierarchy, a Model, a CollisionMesh, or a list of them. TypeError: anything else. Refused: none.
+/// `models`: adds one per object, null where it is no Model.
 std::vector<Object> objects_of(const py::object& objects,
                                std::vector<std::shared_ptr<const foldproof::Model>>* models = nullptr);
 

@@ -42,6 +42,28 @@ def test_candidates_are_all_pairs_when_inflation_is_large():
     assert len(near) == 18 + share + 6 + 3
 
 
+def test_close_pairs_are_the_nearest_points():
+    x, edges, faces = cloth_and_points(np.random.default_rng(5))
+    mesh = foldproof.CollisionMesh(x, edges, faces)
+    checker = foldproof.ContactChecker(mesh)
+    pairs = checker.close_pairs(x, np.inf)
+    assert pairs["count"].sum() == len(checker.candidates(x, inflation=10))
+    difference = np.einsum("pk,pki->pi", pairs["weights"], x[pairs["vertices"]])
+    np.testing.assert_allclose(np.linalg.norm(difference, axis=1), pairs["distance"], atol=1e-15)
+    np.testing.assert_allclose(difference, pairs["distance"][:, None] * pairs["normal"], atol=1e-9)
+    np.testing.assert_allclose(pairs["weights"].sum(axis=1), 0, atol=1e-15)
+    of_points = pairs[(pairs["vertices"] >= 9).all(axis=1)]
+    assert {foldproof.CLOSE_PAIR_KINDS[k] for k in of_points["kind"]} == {"vertex_vertex"} and len(of_points) == 3
+    near = checker.close_pairs(x, np.median(pairs["distance"]))
+    assert 0 < len(near) < len(pairs) and near["distance"].min() == checker.minimum_distance(x, np.inf)
+    active = np.arange(12) == 9
+    assert (checker.close_pairs(x, np.inf, active=active)["vertices"] == 9).any(axis=1).all()
+    assert len(checker.close_pairs(x, np.inf, active)) == (pairs["vertices"] == 9).any(axis=1).sum() > 0
+    for bad in ({"distance": -1}, {"distance": np.nan}, {"distance": 1, "active": np.arange(12)}, {"distance": 1, "active": [True]}):
+        with pytest.raises(foldproof.Error):
+            checker.close_pairs(x, **bad)
+
+
 def test_excluded_groups():
     x, edges, faces = cloth_and_points(np.random.default_rng(3))
     groups = [0] * 6 + [1] * 6

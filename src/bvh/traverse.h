@@ -33,30 +33,35 @@ inline NodePair children_of(std::span<const Hierarchy::Node> nodes, NodeIndex no
   return {NodeIndex(node + 1), NodeIndex(nodes[node].right)};
 }
 
+/// Pushes the pairs of children of a pair that are not two leaves. Of two nodes the one with more leaves is
+/// split.
+inline void push_children(const NodePairs& nodes, NodePair pair, std::vector<NodePair>& stack) {
+  if (nodes.is_self(pair)) {
+    const auto [left, right] = children_of(nodes.a, pair.a);
+    stack.push_back({left, right});
+    stack.push_back({right, right});
+    stack.push_back({left, left});
+  } else if (leaf_count(nodes.a[pair.a]) >= leaf_count(nodes.b[pair.b])) {
+    const auto [left, right] = children_of(nodes.a, pair.a);
+    stack.push_back({right, pair.b});
+    stack.push_back({left, pair.b});
+  } else {
+    const auto [left, right] = children_of(nodes.b, pair.b);
+    stack.push_back({pair.a, right});
+    stack.push_back({pair.a, left});
+  }
+}
+
 /// Traverses pairs of nodes depth first until the stack is empty. `visit(NodePair)` returns whether to go on
-/// with the pairs of their children; not for two leaves, which have none. Of two nodes the one with more
-/// leaves is split. Inline, because each instruction set has a `visit` of its own.
+/// with the pairs of their children; not for two leaves, which have none. Inline, because each instruction
+/// set has a `visit` of its own.
 template <class Visit>
 [[gnu::always_inline]] inline void traverse_pairs(const NodePairs& nodes, std::vector<NodePair>& stack,
                                                   Visit visit) {
   while (!stack.empty()) {
     const NodePair pair = stack.back();
     stack.pop_back();
-    if (!visit(pair)) continue;
-    if (nodes.is_self(pair)) {
-      const auto [left, right] = children_of(nodes.a, pair.a);
-      stack.push_back({left, right});
-      stack.push_back({right, right});
-      stack.push_back({left, left});
-    } else if (leaf_count(nodes.a[pair.a]) >= leaf_count(nodes.b[pair.b])) {
-      const auto [left, right] = children_of(nodes.a, pair.a);
-      stack.push_back({right, pair.b});
-      stack.push_back({left, pair.b});
-    } else {
-      const auto [left, right] = children_of(nodes.b, pair.b);
-      stack.push_back({pair.a, right});
-      stack.push_back({pair.a, left});
-    }
+    if (visit(pair)) push_children(nodes, pair, stack);
   }
 }
 

@@ -15,40 +15,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace foldproof::HWY_NAMESPACE {
 
-HWY_INLINE Vector Load(const double (&x)[3][8], std::size_t lane) {
-  const D d;
-  return {hn::Load(d, x[0] + lane), hn::Load(d, x[1] + lane), hn::Load(d, x[2] + lane)};
-}
-HWY_INLINE void Store(const Vector& v, double (&x)[3][8], std::size_t lane) {
-  const D d;
-  hn::Store(v.x, d, x[0] + lane);
-  hn::Store(v.y, d, x[1] + lane);
-  hn::Store(v.z, d, x[2] + lane);
-}
-template <int N>
-HWY_INLINE Corners<N> Load(const double (&x)[4][3][8], std::size_t lane) {
-  Corners<N> c;
-  for (int k = 0; k < N; ++k) c.d[k] = Load(x[k], lane);
-  return c;
-}
-HWY_INLINE unsigned Bits(M m) {
-  std::uint8_t bits[8] = {};
-  hn::StoreMaskBits(D(), m, bits);
-  return bits[0];
-}
 HWY_INLINE M FromBits(unsigned bits) {
   const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits)};
   return hn::LoadMaskBits(D(), bytes);
-}
-
-template <int N>
-HWY_INLINE Corners<N> Differences(const double (&x)[4][3][8], std::size_t lane) {
-  const Vector p0 = Load(x[0], lane), p1 = Load(x[1], lane), p2 = Load(x[2], lane), p3 = Load(x[3], lane);
-  if constexpr (N == 4) {
-    return {{Minus(p0, p2), Minus(p1, p2), Minus(p0, p3), Minus(p1, p3)}};
-  } else {
-    return {{Minus(p0, p1), Minus(p0, p2), Minus(p0, p3)}};
-  }
 }
 
 // Computes the patches of a batch. Bit k is set when pair k is proven separated at thickness 0.
@@ -320,15 +289,6 @@ HWY_INLINE ConservativeAdvancement::Answers Iterate(ConservativeAdvancement::Lan
   return all;
 }
 
-template <int N>
-HWY_INLINE void NearestPoints(const MinkowskiBatch& patches, NearestBatch& nearest) {
-  for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(D())) {
-    const PatchClosest c = ClosestToOrigin(Load<N>(patches.d[0], lane));
-    hn::Store(c.distance, D(), nearest.distance + lane);
-    Store(c.difference, nearest.difference, lane);
-  }
-}
-
 unsigned MakePatches3(const PairBatch& pairs, MinkowskiBatch& patches) {
   return MakePatches<3>(pairs, patches);
 }
@@ -345,12 +305,6 @@ ConservativeAdvancement::Answers Iterate4(ConservativeAdvancement::Lanes& lanes,
                                           bool use_volume) {
   return Iterate<4>(lanes, busy, use_volume);
 }
-void NearestPoints3(const MinkowskiBatch& patches, NearestBatch& nearest) {
-  NearestPoints<3>(patches, nearest);
-}
-void NearestPoints4(const MinkowskiBatch& patches, NearestBatch& nearest) {
-  NearestPoints<4>(patches, nearest);
-}
 
 }  // namespace foldproof::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -364,8 +318,6 @@ HWY_EXPORT(NeverCoplanar3);
 HWY_EXPORT(NeverCoplanar4);
 HWY_EXPORT(Iterate3);
 HWY_EXPORT(Iterate4);
-HWY_EXPORT(NearestPoints3);
-HWY_EXPORT(NearestPoints4);
 
 namespace {
 
@@ -378,14 +330,13 @@ void copy_lane(const MinkowskiBatch& from, int from_lane, bool edge_edge, Minkow
   to.volume_error[lane] = from.volume_error[from_lane];
 }
 
-// Bit k is set when pair k is proven separated at thickness 0.
+}  // namespace
+
 unsigned make_patches(const PairBatch& pairs, bool edge_edge, MinkowskiBatch& patches) {
   return edge_edge ? HWY_DYNAMIC_DISPATCH(MakePatches4)(pairs, patches)
                    : HWY_DYNAMIC_DISPATCH(MakePatches3)(pairs, patches);
 }
 
-// Scales a pair's differences by a power of two, which is returned, so that products neither overflow nor
-// underflow. Points are not scaled: beside a large common coordinate digits of the others would be lost.
 double scale_differences(const PairBatch& pairs, bool edge_edge, int lane, double thickness,
                          MinkowskiBatch& patches) {
   double scale = 1;
@@ -420,8 +371,6 @@ double scale_differences(const PairBatch& pairs, bool edge_edge, int lane, doubl
   patches.volume_error[lane] = kDetError * (size[0] * size[1] * size[2]) + kDetUnderflow;
   return scale * factor;
 }
-
-}  // namespace
 
 unsigned ConservativeAdvancement::load(const PairBatch& pairs, int count) {
   const unsigned all = (1u << count) - 1;
@@ -478,16 +427,6 @@ unsigned ConservativeAdvancement::iterate() {
   }
   busy_ &= ~done;
   return done;
-}
-
-Closest closest_of_first(const PairBatch& pairs, bool edge_edge) {
-  MinkowskiBatch patches;
-  make_patches(pairs, edge_edge, patches);
-  const double scale = scale_differences(pairs, edge_edge, 0, 0, patches);
-  NearestBatch nearest;
-  (edge_edge ? HWY_DYNAMIC_DISPATCH(NearestPoints4) : HWY_DYNAMIC_DISPATCH(NearestPoints3))(patches, nearest);
-  const auto& d = nearest.difference;
-  return {nearest.distance[0] / scale, Vec3(d[0][0], d[1][0], d[2][0]) / scale};
 }
 
 }  // namespace foldproof::internal

@@ -31,12 +31,6 @@ struct alignas(64) MinkowskiBatch {
   double volume_error[8];  ///< N3
 };
 
-/// How near the features of eight pairs are, and the difference of their nearest points.
-struct alignas(64) NearestBatch {
-  double distance[8];
-  double difference[3][8];  ///< [axis][lane]
-};
-
 /// Conservative advancement (Mirtich 1996) of pairs of one kind through the step.
 class ConservativeAdvancement {
  public:
@@ -77,7 +71,12 @@ class ConservativeAdvancement {
   CcdResult results_[8];
 };
 
-/// A closest pair of points of the first pair of a batch at t=0.
-Closest closest_of_first(const PairBatch& pairs, bool edge_edge);
+/// Computes the patches of a batch. Bit k is set when pair k is proven separated at thickness 0.
+unsigned make_patches(const PairBatch& pairs, bool edge_edge, MinkowskiBatch& patches);
+
+/// Scales a pair's differences by a power of two, which is returned, so that products neither overflow nor
+/// underflow. Points are not scaled: beside a large common coordinate digits of the others would be lost.
+double scale_differences(const PairBatch& pairs, bool edge_edge, int lane, double thickness,
+                         MinkowskiBatch& patches);
 
 }  // namespace foldproof::inline internal

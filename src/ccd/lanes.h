@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "ccd/bounds.h"
+#include "ccd/nearest_points.h"
 
 #if defined(FOLDPROOF_CCD_LANES_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FOLDPROOF_CCD_LANES_H
@@ -62,6 +63,38 @@ HWY_INLINE Corners<N> At(const Corners<N>& a, const Corners<N>& e, V t) {
   return c;
 }
 
+HWY_INLINE Vector Load(const double (&x)[3][8], std::size_t lane) {
+  const D d;
+  return {hn::Load(d, x[0] + lane), hn::Load(d, x[1] + lane), hn::Load(d, x[2] + lane)};
+}
+HWY_INLINE void Store(const Vector& v, double (&x)[3][8], std::size_t lane) {
+  const D d;
+  hn::Store(v.x, d, x[0] + lane);
+  hn::Store(v.y, d, x[1] + lane);
+  hn::Store(v.z, d, x[2] + lane);
+}
+template <int N>
+HWY_INLINE Corners<N> Load(const double (&x)[4][3][8], std::size_t lane) {
+  Corners<N> c;
+  for (int k = 0; k < N; ++k) c.d[k] = Load(x[k], lane);
+  return c;
+}
+HWY_INLINE unsigned Bits(M m) {
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(D(), m, bits);
+  return bits[0];
+}
+
+template <int N>
+HWY_INLINE Corners<N> Differences(const double (&x)[4][3][8], std::size_t lane) {
+  const Vector p0 = Load(x[0], lane), p1 = Load(x[1], lane), p2 = Load(x[2], lane), p3 = Load(x[3], lane);
+  if constexpr (N == 4) {
+    return {{Minus(p0, p2), Minus(p1, p2), Minus(p0, p3), Minus(p1, p3)}};
+  } else {
+    return {{Minus(p0, p1), Minus(p0, p2), Minus(p0, p3)}};
+  }
+}
+
 /// The signed volume that the origin spans with the first three corners while they move from a to e: the
 /// Bernstein coefficients of a cubic over that interval.
 struct Volume {
@@ -91,15 +124,16 @@ struct PatchClosest {
   V distance;         ///< Length of `difference`.
   Vector difference;  ///< The point of the patch nearest to the origin, up to rounding.
   Vector normal;      ///< Unit direction along which the patch is farthest from the origin (N6).
+  V side, u, v;       ///< Where `difference` is: see NearestBatch.
 };
 
 /// The nearest point of the border so far, with its side.
 struct BorderPoint {
   Vector point, from, side;
-  V distance2;
+  V distance2, number, fraction;
   M at_corner;
 
-  HWY_INLINE void Consider(const Vector& p, const Vector& q) {
+  HWY_INLINE void Consider(const Vector& p, const Vector& q, double side_number) {
     const V zero = hn::Zero(D()), one = Number(1);
     const Vector along = Minus(q, p);
     const V length2 = Dot(along, along);
@@ -113,6 +147,8 @@ struct BorderPoint {
     from = Choose(nearer, p, from);
     side = Choose(nearer, along, side);
     distance2 = hn::IfThenElse(nearer, candidate2, distance2);
+    number = hn::IfThenElse(nearer, Number(side_number), number);
+    fraction = hn::IfThenElse(nearer, s, fraction);
     const M ends = hn::Or(hn::Eq(s, zero), hn::Eq(s, one));
     at_corner = hn::Or(hn::And(nearer, ends), hn::AndNot(nearer, at_corner));
   }
@@ -133,11 +169,12 @@ template <int N>
 HWY_INLINE BorderPoint NearestOnBorder(const Corners<N>& c) {
   const V zero = hn::Zero(D());
   const Vector none{zero, zero, zero};
-  BorderPoint best{none, none, none, Number(std::numeric_limits<double>::infinity()), hn::FirstN(D(), 0)};
-  best.Consider(c.d[0], c.d[1]);
-  best.Consider(c.d[0], c.d[2]);
-  best.Consider(c.d[1], c.d[N == 4 ? 3 : 2]);
-  if constexpr (N == 4) best.Consider(c.d[2], c.d[3]);
+  BorderPoint best{
+      none, none, none, Number(std::numeric_limits<double>::infinity()), zero, zero, hn::FirstN(D(), 0)};
+  best.Consider(c.d[0], c.d[1], 0);
+  best.Consider(c.d[0], c.d[2], 1);
+  best.Consider(c.d[1], c.d[N == 4 ? 3 : 2], 2);
+  if constexpr (N == 4) best.Consider(c.d[2], c.d[3], 3);
   return best;
 }
 
@@ -163,7 +200,10 @@ HWY_INLINE PatchClosest ClosestToOrigin(const Corners<N>& c) {
   const M broad = hn::Gt(across2, hn::Mul(hn::Mul(Number(1e-12), Dot(e1, e1)), Dot(e2, e2)));
 
   PatchClosest best;
-  best.difference = Plus(Plus(c.d[0], Times(e1, hn::Div(beta, across2))), Times(e2, hn::Div(gamma, across2)));
+  best.side = Number(kInside);
+  best.u = hn::Div(beta, across2);
+  best.v = hn::Div(gamma, across2);
+  best.difference = Plus(Plus(c.d[0], Times(e1, best.u)), Times(e2, best.v));
   best.distance = hn::Sqrt(Dot(best.difference, best.difference));
   const V sign = hn::IfThenElse(hn::Lt(Dot(across, c.d[0]), zero), Number(-1), Number(1));
   best.normal = Times(across, hn::Div(sign, hn::Sqrt(across2)));
@@ -179,6 +219,8 @@ HWY_INLINE PatchClosest ClosestToOrigin(const Corners<N>& c) {
   best.normal = Choose(hn::Or(on_border, straighter), border_normal, best.normal);
   best.difference = Choose(on_border, border.point, best.difference);
   best.distance = hn::IfThenElse(on_border, border_distance, best.distance);
+  best.side = hn::IfThenElse(on_border, border.number, best.side);
+  best.u = hn::IfThenElse(on_border, border.fraction, best.u);
   return best;
 }
 

@@ -1,10 +1,12 @@
 // Continuous collision of one pair of features: conservative advancement in one lane of a batch.
 
 #include <algorithm>
+#include <limits>
 
 #include "base/plain_arithmetic.h"
 #include "ccd/bounds.h"
 #include "ccd/conservative_advancement.h"
+#include "ccd/nearest_points.h"
 #include "foldproof/ccd.h"
 
 namespace foldproof {
@@ -26,7 +28,10 @@ Closest closest(const FourPoints& x, bool edge_edge) {
   const PlainArithmetic plain;
   PairBatch pairs{};
   pairs.set(0, x, x);
-  return closest_of_first(pairs, edge_edge);
+  NearestBatch nearest;
+  nearest_points(pairs, 1, edge_edge, std::numeric_limits<double>::infinity(), nearest);
+  const auto& d = nearest.difference;
+  return {nearest.distance[0], Vec3(d[0][0], d[1][0], d[2][0])};
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ CandidateLists<Ends>::CandidateLists(const CollisionMesh& mesh, const ContactFil
     : mesh_(mesh),
       filter_(filter),
       hierarchy_(*mesh.hierarchy()),
-      allows_all_(mesh.filter().allows_all()),
+      allows_all_(filter.allows_all()),
       operations_(box_operations<Ends>()),
       edges_begin_(static_cast<Index>(hierarchy_.vertex_ids().size())),
       triangles_begin_(edges_begin_ + static_cast<Index>(hierarchy_.edge_ids().size())),
@@ -88,6 +88,12 @@ double CandidateLists<Ends>::closing_distance(Index node_a, Index node_b) const 
     change = std::min(change, b[0][axis] + a[1][axis]);
   }
   return -change * kUp;
+}
+
+// What is left of a lower bound of the separation of features below two nodes after the last call.
+template <int Ends>
+double CandidateLists<Ends>::still_separated(double min_separation, Index node_a, Index node_b) const {
+  return (min_separation - closing_distance(node_a, node_b)) * kDown;
 }
 
 // The skin that minimizes the cost of testing listed pairs, which grows with the skin relative to the size of
@@ -167,7 +173,7 @@ void CandidateLists<Ends>::update_front() {
   parallel_for(IndexRange{0, front_.size()}, 64 * kGrain, [&](IndexRange range) {
     for (std::size_t k = range.begin; k < range.end; ++k) {
       SeparatedNodes& pair = front_[k];
-      pair.min_separation = (pair.min_separation - closing_distance(pair.nodes.a, pair.nodes.b)) * kDown;
+      pair.min_separation = still_separated(pair.min_separation, pair.nodes.a, pair.nodes.b);
       if (!(pair.min_separation >= required_))
         pair.min_separation = box_separation(pair.nodes.a, pair.nodes.b);
     }
@@ -205,6 +211,7 @@ void CandidateLists<Ends>::traverse_pending() {
   const NodePairs nodes{hierarchy_.nodes(), hierarchy_.nodes(), true};
   traverse_pairs(nodes, pending_, [&](NodePair pair) {
     ++node_tests_;
+    if (!filter_.nodes(0, pair.a, 0, pair.b)) return false;
     if (pair.a != pair.b) {
       const double separation = box_separation(pair.a, pair.b);
       if (separation >= required_) {
@@ -273,34 +280,46 @@ void CandidateLists<Ends>::list_vertices(double distance, const Near& with_verti
 template <int Ends>
 void CandidateLists<Ends>::list_edges(bool self, double distance, Scratch& scratch) const {
   const auto &a = scratch.near[0].edges, &b = scratch.near[self ? 0 : 1].edges;
+  const auto topology_edge = [&](Index edge) {
+    return hierarchy_.topology().edges()[hierarchy_.edge_ids()[edge - edges_begin_]];
+  };
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t k = self ? i + 1 : 0; k < b.size(); ++k) scratch.pairs.push_back({a[i], b[k]});
   }
   visit_near_pairs(distance, scratch.pairs, [&](Index e, Index g) {
     if (share_vertex(hierarchy_.edges()[e - edges_begin_], hierarchy_.edges()[g - edges_begin_])) return;
-    if (allows_all_ || filter_.edge_edge(0, mesh_.edges()[ids_[e]], 0, mesh_.edges()[ids_[g]]))
+    if (allows_all_ || filter_.edge_edge(0, topology_edge(e), 0, topology_edge(g)))
       scratch.list.push_back({e, g});
   });
 }
 
-// Appends the list of two leaves, or of one with itself, to the scratch.
+// Appends the pairs of features of two leaves, or of one with itself, within a distance to the scratch; those
+// of two edges come last. Returns where they begin.
+template <int Ends>
+std::size_t CandidateLists<Ends>::list_pairs(Index node_a, Index node_b, double distance,
+                                             Scratch& scratch) const {
+  const bool self = node_a == node_b;
+  const Near &a = scratch.near[0], &b = scratch.near[self ? 0 : 1];
+  find_near(node_a, boxes_[node_b], distance, scratch.near[0]);
+  if (!self) find_near(node_b, boxes_[node_a], distance, scratch.near[1]);
+  const Element of_a = hierarchy_.element(hierarchy_.nodes()[node_a].leaf_begin);
+  const Element of_b = hierarchy_.element(hierarchy_.nodes()[node_b].leaf_begin);
+  if (tests_vertices(of_a, of_b)) list_vertices(distance, a, b, scratch);
+  if (!self && tests_vertices(of_b, of_a)) list_vertices(distance, b, a, scratch);
+  const std::size_t edges = scratch.list.size();
+  list_edges(self, distance, scratch);
+  return edges;
+}
+
 template <int Ends>
 void CandidateLists<Ends>::rebuild_list(Index node, Neighbor& neighbor, Scratch& scratch) const {
-  const bool self = neighbor.node == node;
-  if (!self) {
+  if (neighbor.node != node) {
     neighbor.min_separation = box_separation(node, neighbor.node);
     if (neighbor.min_separation >= required_) return;
   }
   const double distance = required_ + skin_for(node, neighbor.node);
   ++scratch.lists_built;
-  const Near &a = scratch.near[0], &b = scratch.near[self ? 0 : 1];
-  find_near(node, boxes_[neighbor.node], distance, scratch.near[0]);
-  if (!self) find_near(neighbor.node, boxes_[node], distance, scratch.near[1]);
-  const Element of_a = hierarchy_.element(hierarchy_.nodes()[node].leaf_begin);
-  const Element of_b = hierarchy_.element(hierarchy_.nodes()[neighbor.node].leaf_begin);
-  if (tests_vertices(of_a, of_b)) list_vertices(distance, a, b, scratch);
-  if (!self && tests_vertices(of_b, of_a)) list_vertices(distance, b, a, scratch);
-  list_edges(self, distance, scratch);
+  list_pairs(node, neighbor.node, distance, scratch);
   neighbor.min_separation = distance;
 }
 
@@ -310,8 +329,7 @@ void CandidateLists<Ends>::update_row(Index leaf, Scratch& scratch) {
   bool complete = true;
   for (Neighbor& neighbor : row.neighbors) {
     if (reuse_)
-      neighbor.min_separation =
-          (neighbor.min_separation - closing_distance(leaf_nodes_[leaf], neighbor.node)) * kDown;
+      neighbor.min_separation = still_separated(neighbor.min_separation, leaf_nodes_[leaf], neighbor.node);
     complete &= neighbor.min_separation >= required_;
   }
   if (complete) return;
@@ -328,6 +346,17 @@ void CandidateLists<Ends>::update_row(Index leaf, Scratch& scratch) {
     begin = end;
   }
   row.list.assign(scratch.list.begin(), scratch.list.end());
+}
+
+// Lists and separated nodes hold for the positions of the last call; afterwards for the present ones.
+template <int Ends>
+void CandidateLists<Ends>::expire_lists() {
+  for (SeparatedNodes& pair : front_)
+    pair.min_separation = still_separated(pair.min_separation, pair.nodes.a, pair.nodes.b);
+  for (std::size_t leaf = 0; leaf < rows_.size(); ++leaf) {
+    for (Neighbor& neighbor : rows_[leaf].neighbors)
+      neighbor.min_separation = still_separated(neighbor.min_separation, leaf_nodes_[leaf], neighbor.node);
+  }
 }
 
 template <int Ends>
@@ -366,30 +395,35 @@ void CandidateLists<Ends>::update(const std::array<const double*, Ends>& x, doub
     update_front();
   }
   update_rows();
-  complete_ = true;
+  complete_ = std::isfinite(inflation);  // lists of all pairs would slow down all later calls
   work.node_tests += node_tests_;
   for (Scratch& scratch : scratch_) work.leaf_pairs += std::exchange(scratch.lists_built, 0);
 }
 
 template <int Ends>
-void CandidateLists<Ends>::find(IndexRange rows, std::vector<BoxPair>& scratch, Candidates& out) const {
+void CandidateLists<Ends>::find(IndexRange rows, std::vector<BoxPair>& out) const {
   for (std::size_t k = rows.begin; k < rows.end; ++k) {
-    scratch.resize(rows_[k].list.size());
-    scratch.resize(
-        operations_.keep_near_pairs(feature_boxes_.data(), rows_[k].list, inflation_, scratch.data()));
-    for (const auto [a, b] : scratch) {
-      const Index id_a = ids_[a], id_b = ids_[b];
-      if (a < edges_begin_) {
-        if (b < edges_begin_) {
-          out.vertex_vertex.push_back({id_a, id_b});
-        } else {
-          out.vertex_face.push_back({id_a, id_b});
-        }
-      } else if (b < edges_begin_) {
-        out.edge_vertex.push_back({id_a, id_b});
+    const std::size_t before = out.size();
+    out.resize(before + rows_[k].list.size());
+    out.resize(before + operations_.keep_near_pairs(feature_boxes_.data(), rows_[k].list, inflation_,
+                                                    out.data() + before));
+  }
+}
+
+template <int Ends>
+void CandidateLists<Ends>::append(std::span<const BoxPair> pairs, Candidates& out) const {
+  for (const auto [a, b] : pairs) {
+    const Index id_a = ids_[a], id_b = ids_[b];
+    if (a < edges_begin_) {
+      if (b < edges_begin_) {
+        out.vertex_vertex.push_back({id_a, id_b});
       } else {
-        out.edge_edge.push_back({std::min(id_a, id_b), std::max(id_a, id_b)});
+        out.vertex_face.push_back({id_a, id_b});
       }
+    } else if (b < edges_begin_) {
+      out.edge_vertex.push_back({id_a, id_b});
+    } else {
+      out.edge_edge.push_back({std::min(id_a, id_b), std::max(id_a, id_b)});
     }
   }
 }

@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "solver/contact_filter.h"
 #include "solver/near_boxes.h"
+#include "solver/pair_distances.h"
 
 namespace foldproof::inline internal {
 
@@ -15,14 +16,23 @@ class CandidateLists {
  public:
   CandidateLists(const CollisionMesh& mesh, const ContactFilter& filter);
 
-  /// Makes the lists complete for these positions and this inflation. Adds to `work`. Precondition: positions
-  /// are finite and fit the mesh.
+  /// Makes the lists complete for these positions and this inflation, which may be infinite. Adds to `work`.
+  /// Precondition: positions are finite and fit the mesh.
   void update(const std::array<const double*, Ends>& x, double inflation, Work& work);
 
-  /// After an update: appends to `out` the relevant pairs whose boxes come within the inflation. The result
-  /// and its order depend on the last positions and inflation alone. Threads may do different rows at once.
+  /// After an update: the relevant pairs whose boxes come within the inflation, as features, of a vertex and
+  /// something else or of two edges. The result and its order depend on the last positions and inflation
+  /// alone. Threads may do different rows at once.
   std::size_t row_count() const { return rows_.size(); }
-  void find(IndexRange rows, std::vector<BoxPair>& scratch, Candidates& out) const;
+  void find(IndexRange rows, std::vector<BoxPair>& out) const;
+  /// Appends the ids of such pairs.
+  void append(std::span<const BoxPair> pairs, Candidates& out) const;
+  /// The smallest distance of a relevant pair in a pose if it is <= bound, else infinity. Adds to `work`.
+  /// Lists stay as complete as they are. Precondition: as update().
+  double nearest(const double* x, double bound, Work& work) requires(Ends == 1);
+
+  /// The positions of the last update, as features are numbered here.
+  PosedFeatures features() const requires(Ends == 1) { return {mesh_, points_}; }
 
  private:
   using Point = PointAtEnds<Ends>;
@@ -53,15 +63,27 @@ class CandidateLists {
   struct Near {
     std::vector<Index> vertices, edges, triangles;
   };
+  /// Two nodes that may be nearer than what is known; of the same distance the last one found goes first,
+  /// as it is the smallest where boxes overlap.
+  struct OpenPair {
+    double min_distance;
+    std::size_t number;
+    NodePair nodes;
+    bool operator<(const OpenPair& p) const {
+      return min_distance != p.min_distance ? min_distance > p.min_distance : number < p.number;
+    }
+  };
   /// Scratch of one thread.
   struct Scratch {
     std::array<Near, 2> near;
     std::vector<BoxPair> pairs, list;
     std::uint64_t lists_built = 0;
+    std::uint64_t vertex_pairs = 0, edge_pairs = 0;  ///< Measured for the smallest distance.
   };
 
   double box_separation(Index node_a, Index node_b) const;
   double closing_distance(Index node_a, Index node_b) const;
+  double still_separated(double min_separation, Index node_a, Index node_b) const;
   double skin_for(Index node_a, Index node_b) const;
   void clear();
   void set_positions(const std::array<const double*, Ends>& x);
@@ -72,7 +94,12 @@ class CandidateLists {
   void traverse_pending();
   void add_neighbor(NodePair leaves);
   void update_rows();
+  void expire_lists();
   void update_row(Index leaf, Scratch& scratch);
+  void open_pair(NodePair pair, double bound) requires(Ends == 1);
+  void take_leaves(std::size_t most, double bound) requires(Ends == 1);
+  double nearest_of_leaves(NodePair leaves, double bound, Scratch& scratch) const requires(Ends == 1);
+  std::size_t list_pairs(Index node_a, Index node_b, double distance, Scratch& scratch) const;
   void rebuild_list(Index node, Neighbor& neighbor, Scratch& scratch) const;
   void find_near(Index node, const Box& other, double distance, Near& near) const;
   template <class Visit>
@@ -108,6 +135,12 @@ class CandidateLists {
   std::size_t rebuilt_size_ = 0;    // of the front and the neighbors after the last rebuild
   std::uint64_t node_tests_ = 0;
   PerThread<Scratch> scratch_;
+
+  // Of nearest().
+  std::vector<OpenPair> open_pairs_;  // a heap
+  std::size_t opened_ = 0;
+  std::vector<NodePair> leaves_;  // of this round
+  std::vector<double> distances_;
 };
 
 }  // namespace foldproof::internal

@@ -1,8 +1,9 @@
 // Pairs of features that may be close.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
@@ -13,12 +14,15 @@ namespace foldproof {
 namespace {
 
 template <class Pair>
-void append_pairs(const std::vector<Pair>& from, std::vector<Pair>& to) {
+void append_to(const std::vector<Pair>& from, std::vector<Pair>& to) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-// minimum_distance starts its search with this share of the bound, and enlarges it by this factor.
-constexpr double kFirstShare = 1.0 / 256, kGrowth = 4;
+Result<void> check_bound(const char* name, double value) {
+  if (value >= 0) return {};  // not NaN
+  return fail(ErrorCode::InvalidArgument, name, "is not a length",
+              "give a number of at least 0, or infinity");
+}
 
 }  // namespace
 
@@ -29,64 +33,66 @@ void Candidates::clear() {
   vertex_vertex.clear();
 }
 
-template <class Process, class Merge>
-Result<void> ContactChecker::Impl::find(std::span<const double> x0, std::span<const double> x1,
-                                        double distance, Process process, Merge merge) {
+Result<void> ContactChecker::Impl::check_positions(std::span<const double> x0, std::span<const double> x1) {
+  const std::span<const double> from[] = {x0}, to[] = {x1};
+  return run([&](const Pipeline& used) { return used.motion.check(from, to); });
+}
+
+template <int Ends, class Process, class Merge>
+Result<void> ContactChecker::Impl::find(CandidateLists<Ends>& lists, std::span<const double> x0,
+                                        std::span<const double> x1, double distance, Process process,
+                                        Merge merge) {
   constexpr std::size_t kRowsPerPart = 64, kPartsPerRound = 32;
   const PlainArithmetic plain;
   Stopwatch total, watch;
-  const std::span<const double> from[] = {x0}, to[] = {x1};
-  FOLDPROOF_TRY(run([&](const Pipeline& used) { return used.motion.check(from, to); }));
+  FOLDPROOF_TRY(check_positions(x0, x1));
   milliseconds.update += watch.lap();
-  const auto search = [&](auto& lists, auto ends) {
-    lists.update(ends, distance, work);
-    milliseconds.traverse += watch.lap();
-    for (std::size_t done = 0; done < lists.row_count(); done += kRowsPerPart * kPartsPerRound) {
-      const std::size_t remaining = lists.row_count() - done;
-      const std::size_t count = std::min(kPartsPerRound, (remaining + kRowsPerPart - 1) / kRowsPerPart);
-      parts.resize(std::max(parts.size(), count));
-      parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-        const std::size_t begin = done + k * kRowsPerPart;
-        parts[k].found.clear();
-        lists.find({begin, std::min(begin + kRowsPerPart, lists.row_count())}, parts[k].scratch,
-                   parts[k].found);
-        process(parts[k]);
-      });
-      for (const Part& part : std::span(parts).first(count)) {
-        work.candidates_vf += part.found.size() - part.found.edge_edge.size();
-        work.candidates_ee += part.found.edge_edge.size();
-        merge(part);
-      }
+  std::array<const double*, Ends> ends{x0.data()};
+  ends.back() = x1.data();
+  lists.update(ends, distance, work);
+  milliseconds.traverse += watch.lap();
+  for (std::size_t done = 0; done < lists.row_count(); done += kRowsPerPart * kPartsPerRound) {
+    const std::size_t remaining = lists.row_count() - done;
+    const std::size_t count = std::min(kPartsPerRound, (remaining + kRowsPerPart - 1) / kRowsPerPart);
+    parts.resize(std::max(parts.size(), count));
+    parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+      const std::size_t begin = done + k * kRowsPerPart;
+      parts[k].pairs.clear();
+      lists.find({begin, std::min(begin + kRowsPerPart, lists.row_count())}, parts[k].pairs);
+      process(parts[k]);
+    });
+    for (const Part& part : std::span(parts).first(count)) {
+      work.candidates_vf += part.vertex_pairs;
+      work.candidates_ee += part.edge_pairs;
+      merge(part);
     }
-  };
-  if (x0.data() == x1.data()) {
-    search(pose_lists, std::array{x0.data()});
-  } else {
-    search(step_lists, std::array{x0.data(), x1.data()});
   }
   milliseconds.narrow += watch.lap();
   milliseconds.total += total.lap();
   return {};
 }
 
-double ContactChecker::Impl::min_distance(const Candidates& found, std::span<const double> x) const {
-  double smallest = std::numeric_limits<double>::infinity();
-  const auto at = [&](Index v) { return position(x, v); };
-  const auto near_face = [&](Index v, const Triangle& t) {
-    smallest = std::min(smallest, vertex_face_closest({at(v), at(t[0]), at(t[1]), at(t[2])}).distance);
-  };
-  for (const auto& pair : found.vertex_face) near_face(pair.vertex, mesh->faces()[pair.face]);
-  for (const auto& pair : found.edge_vertex) {
-    const Edge& e = mesh->edges()[pair.edge];
-    near_face(pair.vertex, {e[0], e[1], e[1]});
+void ContactChecker::Impl::measure(Part& part, double distance, std::span<const std::uint8_t> active) const {
+  const PosedFeatures features = pose_lists.features();
+  const auto is_active = [&](Index vertex) { return vertex != kNoIndex && active[vertex] != 0; };
+  const auto in_leaf_order = [&](Index v) { return is_active(mesh->hierarchy()->vertex_ids()[v]); };
+  part.of_kind[0].clear();
+  part.of_kind[1].clear();
+  for (const BoxPair pair : part.pairs) {
+    if (active.empty() || std::ranges::any_of(features.corners(pair), in_leaf_order))
+      part.of_kind[features.is_edge_edge(pair) ? 1 : 0].push_back(pair);
   }
-  for (const auto& pair : found.vertex_vertex)
-    near_face(pair.vertex_a, {pair.vertex_b, pair.vertex_b, pair.vertex_b});
-  for (const auto& pair : found.edge_edge) {
-    const Edge &a = mesh->edges()[pair.edge_a], &b = mesh->edges()[pair.edge_b];
-    smallest = std::min(smallest, edge_edge_closest({at(a[0]), at(a[1]), at(b[0]), at(b[1])}).distance);
+  part.vertex_pairs = part.of_kind[0].size();
+  part.edge_pairs = part.of_kind[1].size();
+  part.close.clear();
+  for (const auto& pairs : part.of_kind) {
+    visit_distances(
+        features, pairs, [&] { return distance; },
+        [&](BoxPair pair, const NearestBatch& nearest, int lane) {
+          const ClosePair close = close_pair(features, pair, nearest, lane);
+          if (active.empty() || std::ranges::any_of(close.vertices, is_active)) part.close.push_back(close);
+        });
   }
-  return smallest;
 }
 
 Result<void> ContactChecker::candidates(std::span<const double> x0, std::span<const double> x1,
@@ -94,34 +100,54 @@ Result<void> ContactChecker::candidates(std::span<const double> x0, std::span<co
   impl_->start_call();
   out.clear();
   FOLDPROOF_TRY(check_length("inflation", inflation));
-  const auto append = [&](const auto& part) {
-    append_pairs(part.found.vertex_face, out.vertex_face);
-    append_pairs(part.found.edge_edge, out.edge_edge);
-    append_pairs(part.found.edge_vertex, out.edge_vertex);
-    append_pairs(part.found.vertex_vertex, out.vertex_vertex);
+  const auto find = [&](auto& lists) {
+    const auto translate = [&](Impl::Part& part) {
+      part.candidates.clear();
+      lists.append(part.pairs, part.candidates);
+      part.edge_pairs = part.candidates.edge_edge.size();
+      part.vertex_pairs = part.candidates.size() - part.edge_pairs;
+    };
+    const auto append = [&](const Impl::Part& part) {
+      append_to(part.candidates.vertex_face, out.vertex_face);
+      append_to(part.candidates.edge_edge, out.edge_edge);
+      append_to(part.candidates.edge_vertex, out.edge_vertex);
+      append_to(part.candidates.vertex_vertex, out.vertex_vertex);
+    };
+    return isolated([&] { return impl_->find(lists, x0, x1, inflation, translate, append); });
   };
-  const auto keep = [](const auto&) {};
-  return isolated([&] { return impl_->find(x0, x1, inflation, keep, append); });
+  const bool pose = x0.data() == x1.data();
+  return pose ? find(impl_->pose_lists) : find(impl_->step_lists);
 }
 
 Result<void> ContactChecker::candidates(std::span<const double> x, double inflation, Candidates& out) {
   return candidates(x, x, inflation, out);
 }
 
+Result<void> ContactChecker::close_pairs(std::span<const double> x, double distance,
+                                         std::vector<ClosePair>& out, std::span<const std::uint8_t> active) {
+  impl_->start_call();
+  out.clear();
+  FOLDPROOF_TRY(check_bound("distance", distance));
+  if (!active.empty() && active.size() != mesh().vertex_count()) {
+    return fail(ErrorCode::InvalidArgument, "active", fmt::format("has {} numbers", active.size()),
+                fmt::format("give one for each of the {} vertices, or none", mesh().vertex_count()));
+  }
+  const auto measure = [&](Impl::Part& part) { impl_->measure(part, distance, active); };
+  const auto append = [&](const Impl::Part& part) { append_to(part.close, out); };
+  FOLDPROOF_TRY(isolated([&] { return impl_->find(impl_->pose_lists, x, x, distance, measure, append); }));
+  merge_close_pairs(out, impl_->close_pair_table);
+  return {};
+}
+
 Result<double> ContactChecker::minimum_distance(std::span<const double> x, double bound) {
   const PlainArithmetic plain;
+  Stopwatch total;
   impl_->start_call();
-  FOLDPROOF_TRY(check_length("bound", bound));
-  // A share of a denormal bound could round to zero, and stay there.
-  const double first = std::min(bound, std::max(bound * kFirstShare, std::numeric_limits<double>::min()));
-  for (double distance = first;; distance = std::min(bound, distance * kGrowth)) {
-    double smallest = std::numeric_limits<double>::infinity();
-    const auto measure = [&](auto& part) { part.min_distance = impl_->min_distance(part.found, x); };
-    const auto take_min = [&](const auto& part) { smallest = std::min(smallest, part.min_distance); };
-    FOLDPROOF_TRY(isolated([&] { return impl_->find(x, x, distance, measure, take_min); }));
-    if (smallest <= distance) return smallest;
-    if (distance >= bound) return std::numeric_limits<double>::infinity();
-  }
+  FOLDPROOF_TRY(check_bound("bound", bound));
+  FOLDPROOF_TRY(impl_->check_positions(x, x));
+  const double distance = isolated([&] { return impl_->pose_lists.nearest(x.data(), bound, impl_->work); });
+  impl_->milliseconds.total = total.lap();
+  return distance;
 }
 
 }  // namespace foldproof

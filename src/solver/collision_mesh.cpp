@@ -122,6 +122,10 @@ Result<CollisionMesh> CollisionMesh::make(std::span<const double> rest_positions
   mesh.edge_rows_.resize(all.edges().size());
   for (Index row = 0; row < mesh.edges_.size(); ++row)
     mesh.edge_rows_[find_edge(all.edges(), sorted(mesh.edges_[row]))] = row;
+  for (const Edge& e : mesh.edges_) {
+    const auto at = [&](Index v) { return Vec3::load(&rest_positions[3 * std::size_t{v}]); };
+    mesh.squared_rest_lengths_.push_back((at(e[1]) - at(e[0])).squaredNorm());
+  }
   auto tree = FOLDPROOF_TRY(Hierarchy::build(std::move(all), rest_positions, settings.hierarchy));
   mesh.hierarchy_ = std::make_shared<const Hierarchy>(std::move(tree));
   return mesh;

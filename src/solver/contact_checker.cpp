@@ -21,8 +21,8 @@ Result<void> internal::check_length(const char* name, double value) {
   return {};
 }
 
-ContactFilter::ContactFilter(const CollisionMesh& mesh)
-    : filter_(mesh.filter()), triangles_(mesh.hierarchy()->topology().triangles()) {
+ContactFilter::ContactFilter(const CollisionMesh& mesh, std::shared_ptr<const PairFilter> pairs)
+    : filter_(mesh.filter()), pairs_(std::move(pairs)), triangles_(mesh.hierarchy()->topology().triangles()) {
   const auto groups = mesh.filter().vertex_groups();
   if (groups.empty()) return;
   std::vector<Index> first(*std::ranges::max_element(groups) + std::size_t{1}, kNoIndex);  // vertex of each
@@ -36,6 +36,7 @@ ContactFilter::ContactFilter(const CollisionMesh& mesh)
 }
 
 bool ContactFilter::crossing(Index, Index triangle_a, Index, Index triangle_b) const {
+  if (pairs_ != nullptr && !pairs_->crossing(0, triangle_a, 0, triangle_b)) return false;
   const Triangle &a = triangles_[triangle_a], &b = triangles_[triangle_b];
   const auto in = [](const Triangle& t, Index v) { return v == t[0] || v == t[1] || v == t[2]; };
   // Vertices that both have do not count, unless there are no others.
@@ -69,8 +70,9 @@ Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0
   return step.clean() ? std::numeric_limits<double>::infinity() : step.earliest_toi;
 }
 
-ContactChecker::ContactChecker(std::shared_ptr<const CollisionMesh> mesh, const ContactSettings& settings)
-    : impl_(new Impl(std::move(mesh), settings)) {}
+ContactChecker::ContactChecker(std::shared_ptr<const CollisionMesh> mesh, const ContactSettings& settings,
+                               std::shared_ptr<const PairFilter> filter)
+    : impl_(new Impl(std::move(mesh), settings, std::move(filter))) {}
 ContactChecker::~ContactChecker() = default;
 ContactChecker::ContactChecker(ContactChecker&&) noexcept = default;
 ContactChecker& ContactChecker::operator=(ContactChecker&&) noexcept = default;

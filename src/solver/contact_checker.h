@@ -14,10 +14,11 @@ Result<void> check_length(const char* name, double value);
 namespace foldproof {
 
 struct ContactChecker::Impl {
-  Impl(std::shared_ptr<const CollisionMesh> of, const ContactSettings& with)
+  Impl(std::shared_ptr<const CollisionMesh> of, const ContactSettings& with,
+       std::shared_ptr<const PairFilter> pairs)
       : mesh(std::move(of)),
         settings(with),
-        filter(*mesh),
+        filter(*mesh, std::move(pairs)),
         pose_lists(*mesh, filter),
         step_lists(*mesh, filter) {}
 
@@ -39,13 +40,24 @@ struct ContactChecker::Impl {
   Result<double> earliest_contact(std::span<const double> x0, std::span<const double> x1,
                                   double min_distance);
 
-  /// Finds the relevant pairs whose boxes come within `distance` at some time of the step, or in a pose if
-  /// both ends are the same array. Calls `process` for parts of them, in several threads at once, then
-  /// `merge` for the same parts in order.
-  template <class Process, class Merge>
-  Result<void> find(std::span<const double> x0, std::span<const double> x1, double distance, Process process,
-                    Merge merge);
-  double min_distance(const Candidates& found, std::span<const double> x) const;
+  Result<void> check_positions(std::span<const double> x0, std::span<const double> x1);
+
+  /// Some of the relevant pairs whose boxes come near each other, and what is made of them.
+  struct Part {
+    std::vector<BoxPair> pairs;
+    std::uint64_t vertex_pairs = 0, edge_pairs = 0;
+    std::vector<BoxPair> of_kind[2];  ///< Those of a vertex, and of two edges, with active vertices.
+    Candidates candidates;
+    std::vector<ClosePair> close;
+  };
+  /// Finds the relevant pairs whose boxes come within `distance` at some time of the step; Ends = 1: in the
+  /// pose x0 = x1. Calls `process` for parts of them, in several threads at once, then `merge` for the same
+  /// parts in order.
+  template <int Ends, class Process, class Merge>
+  Result<void> find(CandidateLists<Ends>& lists, std::span<const double> x0, std::span<const double> x1,
+                    double distance, Process process, Merge merge);
+  /// The close pairs of a part that was found in a pose.
+  void measure(Part& part, double distance, std::span<const std::uint8_t> active) const;
 
   std::shared_ptr<const CollisionMesh> mesh;
   ContactSettings settings;
@@ -53,12 +65,8 @@ struct ContactChecker::Impl {
   std::unique_ptr<Pipeline> pipeline = make_pipeline();  ///< For steps and intersections.
   CandidateLists<1> pose_lists;
   CandidateLists<2> step_lists;
-  struct Part {
-    Candidates found;
-    std::vector<BoxPair> scratch;
-    double min_distance = 0;  ///< The smallest distance of a pair that was found.
-  };
   std::vector<Part> parts;
+  std::vector<Index> close_pair_table;
   StepResult step;
   StaticResult pose;
   std::vector<double> end_positions;  ///< Of a shortened step.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 #include "adversary/run.h"
 #include "oracle/brute_force.h"
@@ -71,6 +72,7 @@ struct SolverCheck::Impl {
 
   std::string steps(const Pose& x0, const Pose& x1, double distance, Tally& tally);
   std::string candidates(const Pose& x0, const Pose& x1, double inflation, Tally& tally);
+  std::string close_pairs(const Pose& x, double distance, Tally& tally);
   std::string candidates_going_on(Pose x0, Pose x1, double inflation, std::mt19937_64& rng, Tally& tally);
   std::string intersections(const Pose& x, Tally& tally);
   std::string min_distance(const Pose& x, double bound, Tally& tally);
@@ -167,6 +169,38 @@ std::string SolverCheck::Impl::candidates(const Pose& x0, const Pose& x1, double
   return known == keys.size() ? "" : "a candidate is no pair that counts";
 }
 
+// A pair that is not listed by any of its features is farther away, and what is listed is near.
+std::string SolverCheck::Impl::close_pairs(const Pose& x, double distance, Tally& tally) {
+  now_asking("close_pairs");
+  std::vector<ClosePair> close;
+  if (const auto done = checker->close_pairs(x, distance, close); !done)
+    return "close_pairs are refused: " + done.error().line();
+  const double needle_room = std::max(0x1p-26 * largest_side(x, x), 0x1p-1060);
+  std::set<std::set<Index>> listed;
+  for (const ClosePair& pair : close) {
+    listed.emplace(pair.vertices.begin(), pair.vertices.end());
+    if (pair.distance > distance + needle_room)
+      return fmt::format("a close pair is {:a} apart instead of {:a}", pair.distance, distance);
+  }
+  int most = 8;
+  for (const FeaturePair& pair : pairs) {
+    bool is_listed = false;
+    for (unsigned some = 1; some < 16 && !is_listed; ++some) {
+      std::set<Index> vertices;
+      for (unsigned k = 0; k < 4; ++k) {
+        if ((some >> k & 1) != 0) vertices.insert(pair.vertices[k]);
+      }
+      is_listed = listed.contains(vertices);
+    }
+    const Features both = moving(pair, x, x);
+    if (is_listed || surely_beyond(both, distance) || --most < 0) continue;
+    ++tally.asked;
+    if (comes_within(both, distance))
+      return fmt::format("not among the close pairs, but within {:a}:\n{}", distance, describe(both));
+  }
+  return {};
+}
+
 // And again for positions that are little different: lists of candidates may hold there, or not quite.
 std::string SolverCheck::Impl::candidates_going_on(Pose x0, Pose x1, double inflation, std::mt19937_64& rng,
                                                    Tally& tally) {
@@ -250,15 +284,19 @@ std::string SolverCheck::check(const Step& step, std::mt19937_64& rng, Tally& ta
   settings.conservative_rescaling = rng() % 4 == 0 ? 1 : 0.8;
   if (impl_->pairs.empty()) return {};
   ++tally.solver_calls;
-  switch (rng() % 4) {
+  switch (rng() % 5) {
     case 0:
       return impl_->candidates_going_on(x0, x1, distance, rng, tally);
     case 1:
       return impl_->intersections(x0, tally);
-    case 2: {
-      const double bounds[] = {0,           side,     distance,
-                               side * 1e-6, 4 * side, 0x1p-1074 * static_cast<double>(1 + rng() % 1000),
-                               1e-300};
+    case 2:
+      return impl_->close_pairs(
+          x0, rng() % 2 == 0 ? distance : side * std::ldexp(1.0, -static_cast<int>(rng() % 40)), tally);
+    case 3: {
+      const double bounds[] = {0,        side,
+                               distance, side * 1e-6,
+                               4 * side, 0x1p-1074 * static_cast<double>(1 + rng() % 1000),
+                               1e-300,   std::numeric_limits<double>::infinity()};
       return impl_->min_distance(x0, bounds[rng() % std::size(bounds)], tally);
     }
     default:

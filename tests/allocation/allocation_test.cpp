@@ -205,12 +205,15 @@ TEST(ContactChecker, AllocatesNothingFromTheSecondLineSearchOn) {
   const auto mesh = CollisionMesh::make(x0, {}, {faces.begin(), faces.end()}).value();
   ContactChecker checker(std::make_shared<const CollisionMesh>(mesh), {.certificates = false});
   Candidates found;
+  std::vector<ClosePair> close;
   double shares = 0;
   const auto search = [&] {
     for (const auto& x1 : targets) {
       shares += checker.collision_free_step_size(x0, x1).value().share;
       EXPECT_TRUE(checker.is_step_collision_free(x0, x0).is_yes());
       EXPECT_TRUE(checker.candidates(x0, x1, 0.01, found));
+      EXPECT_TRUE(checker.close_pairs(x0, 0.3, close));
+      EXPECT_FALSE(close.empty());
       EXPECT_GT(checker.minimum_distance(x0, 0.1).value(), 0);
     }
   };

@@ -151,6 +151,9 @@ TEST(Candidates, AreThePairsWithCloseBoxesWhateverTheEarlierCalls) {
       const double inflation = inflations[rng() % std::size(inflations)];
       const bool pose = rng() % 2 == 0;
       const auto& end = pose ? soup.x0 : soup.x1;
+      if (rng() % 4 == 0) {
+        EXPECT_TRUE(checker.minimum_distance(soup.x1, 0.01));
+      }
       ASSERT_TRUE(checker.candidates(soup.x0, end, inflation, found));
       ASSERT_EQ(keys_of(found).size(), found.size()) << "a pair twice";
       Keys expected;

@@ -260,11 +260,52 @@ TEST(ContactChecker, FindsTheMinimumDistance) {
     for (const FeaturePair& pair : all_pairs(soup, checker.mesh().edges(), all_may))
       smallest = std::min(smallest, squared_distance(pair.kind(), pair.at(soup.x0), pair.at(soup.x0), 0));
     const double expected = std::sqrt(smallest.convert_to<double>());
-    EXPECT_NEAR(checker.minimum_distance(soup.x0, 5).value(), expected, 1e-14) << seed;
+    for (const double bound : {5.0, 1e300, std::numeric_limits<double>::infinity()})
+      EXPECT_NEAR(checker.minimum_distance(soup.x0, bound).value(), expected, 1e-14) << seed;
     EXPECT_NEAR(checker.minimum_distance(soup.x0, expected * 1.0001).value(), expected, 1e-14) << seed;
     if (expected > 1e-9) {
       EXPECT_EQ(checker.minimum_distance(soup.x0, expected * 0.9999).value(),
                 std::numeric_limits<double>::infinity());
+    }
+  }
+}
+
+// Two wavy sheets of 40 x 40 cells, 0.2 apart.
+Soup two_sheets() {
+  constexpr int kCells = 40;
+  Soup soup;
+  for (const double z : {0.0, 0.2}) {
+    for (int i = 0; i <= kCells; ++i) {
+      for (int k = 0; k <= kCells; ++k) {
+        const double u = double(i) / kCells, v = double(k) / kCells;
+        soup.x0.insert(soup.x0.end(), {u, v, z + 0.05 * std::sin(7 * u) * std::cos(5 * v)});
+        if (i == 0 || k == 0) continue;
+        const Index d = soup.vertex_count() - 1, c = d - 1, b = d - kCells - 1, a = b - 1;
+        soup.faces.push_back({a, b, d});
+        soup.faces.push_back({a, d, c});
+      }
+    }
+  }
+  return soup;
+}
+
+// By counts of pairs: never many more than candidates() finds with the answer as inflation.
+TEST(ContactChecker, MinimumDistanceCostsWhatItsAnswerCosts) {
+  const Soup soup = two_sheets();
+  std::vector<Index> sheet(soup.vertex_count(), 0);
+  std::fill(sheet.begin() + soup.vertex_count() / 2, sheet.end(), 1);
+  for (const bool within : {true, false}) {
+    ContactChecker checker =
+        checker_of(soup, within ? CollisionFilter() : CollisionFilter::patches(sheet).value());
+    const double answer = checker.minimum_distance(soup.x0, 1).value();
+    EXPECT_NEAR(answer, within ? 0.0177 : 0.188, 0.001);
+    Candidates near;
+    ASSERT_TRUE(checker.candidates(soup.x0, answer, near));
+    EXPECT_LT(near.size(), 5'000'000u);  // of 100 million pairs
+    for (const double bound : {answer, 1.0, 1000.0, 1e300, std::numeric_limits<double>::infinity()}) {
+      EXPECT_EQ(checker.minimum_distance(soup.x0, bound).value(), answer);
+      EXPECT_LT(checker.work().candidates_vf + checker.work().candidates_ee, near.size() + 10000) << bound;
+      EXPECT_LT(checker.work().node_tests, 100'000u) << bound;
     }
   }
 }
@@ -370,6 +411,8 @@ TEST(ContactChecker, RefusesInvalidInput) {
   EXPECT_FALSE(checker.candidates(soup.x0, -1, found));
   EXPECT_FALSE(checker.candidates(soup.x0, std::numeric_limits<double>::infinity(), found));
   EXPECT_FALSE(checker.minimum_distance(soup.x0, std::nan("")));
+  EXPECT_EQ(checker.minimum_distance(soup.x0, -1).error().line(),
+            "bound: is not a length; give a number of at least 0, or infinity");
   checker.settings().conservative_rescaling = 0;
   const auto refused = checker.collision_free_step_size(soup.x0, soup.x0);
   ASSERT_FALSE(refused);
