@@ -272,4 +272,22 @@ void StepMotion::fill_features(std::span<const TraversalTask> tasks, std::span<c
   });
 }
 
+void StretchEnds::interpolate(Positions x0, Positions x1, const double (&times)[2], const Vec3& drift) {
+  for (int end = 0; end < 2; ++end) {
+    const double t = times[end];
+    auto& spans = end == 0 ? starts_ : ends_;
+    spans.clear();
+    x_[end].resize(x0.size());
+    for (std::size_t i = 0; i < x0.size(); ++i) {
+      auto& out = x_[end][i];
+      out.resize(x0[i].size());
+      parallel_for(IndexRange{0, out.size() / 3}, 4096, [&](IndexRange range) {
+        for (std::size_t k = 3 * range.begin; k < 3 * range.end; ++k)
+          out[k] = x0[i][k] + t * ((x1[i][k] - x0[i][k]) - drift[k % 3]);
+      });
+      spans.emplace_back(out);
+    }
+  }
+}
+
 }  // namespace foldproof::internal

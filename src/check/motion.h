@@ -84,4 +84,18 @@ class StepMotion {
   std::vector<std::atomic<std::uint8_t>> leaf_needed_;
 };
 
+/// Positions at both ends of a stretch of a step. Kept, so that a second long step allocates nothing.
+class StretchEnds {
+ public:
+  /// Interpolates between x0 and x1 at two times. At time t all vertices are taken back by t * drift, so that
+  /// what they have in common does not count as motion.
+  void interpolate(Positions x0, Positions x1, const double (&times)[2], const Vec3& drift);
+  Positions start() const { return starts_; }
+  Positions end() const { return ends_; }
+
+ private:
+  std::vector<std::vector<double>> x_[2];
+  std::vector<std::span<const double>> starts_, ends_;
+};
+
 }  // namespace foldproof::inline internal

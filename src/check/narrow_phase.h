@@ -59,11 +59,12 @@ struct NarrowScratch {
 /// Pairs of leaves per chunk, and chunks whose hits are kept at once, so that they take bounded memory.
 inline constexpr std::size_t kChunk = 128, kRound = 512;
 
-/// Calls test(pairs, hits) for all pairs in chunks, in parallel, and add(hits) for one chunk after the other.
-/// `hits` is scratch.
-template <class Pair, class Test, class Add>
-void in_chunks(std::span<const Pair> pairs, std::size_t chunk, std::vector<Hits>& hits, Test test, Add add) {
-  while (!pairs.empty()) {
+/// Calls test(pairs, hits) for all pairs in chunks, in parallel, and add(hits) for one chunk after the other,
+/// until is_done() after a round. `hits` is scratch.
+template <class Pair, class Test, class Add, class IsDone>
+void in_chunks(std::span<const Pair> pairs, std::size_t chunk, std::vector<Hits>& hits, Test test, Add add,
+               IsDone is_done) {
+  while (!pairs.empty() && !is_done()) {
     const std::span<const Pair> round = pairs.first(std::min(pairs.size(), kRound * chunk));
     pairs = pairs.subspan(round.size());
     const std::size_t count = (round.size() + chunk - 1) / chunk;
@@ -74,6 +75,10 @@ void in_chunks(std::span<const Pair> pairs, std::size_t chunk, std::vector<Hits>
     });
     for (const Hits& found : std::span(hits).first(count)) add(found);
   }
+}
+template <class Pair, class Test, class Add>
+void in_chunks(std::span<const Pair> pairs, std::size_t chunk, std::vector<Hits>& hits, Test test, Add add) {
+  in_chunks(pairs, chunk, hits, test, add, [] { return false; });
 }
 
 /// Input of the narrow phase. Precondition: the features of the leaves to be tested are filled; x0 and x1

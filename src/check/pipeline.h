@@ -27,6 +27,7 @@ struct Pipeline {
   Culling culling;
   BroadPhase broad_phase;
   NarrowScratch narrow;
+  StretchEnds stretch;  ///< Of a long step.
 
  private:
   StepSettings settings_;  // of the last find_leaf_pairs

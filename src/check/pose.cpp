@@ -143,9 +143,11 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
         for (const CandidatePair both : faces) test_pair(pose, task, both, pipeline.filter, hits.crossings);
       }
     };
-    in_chunks(found.leaf_pairs(), kChunk, pipeline.narrow.hits, test, [&](const Hits& hits) {
+    const auto add = [&](const Hits& hits) {
       for (const TriangleCrossing& crossing : hits.crossings) crossings.add(crossing);
-    });
+    };
+    const auto is_done = [&] { return query.any_will_do && out.crossing_count > 0; };
+    in_chunks(found.leaf_pairs(), kChunk, pipeline.narrow.hits, test, add, is_done);
     if (settings.within) add_all_copies(pose, pipeline.filter, crossings);
     crossings.finish();
     return {};

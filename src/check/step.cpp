@@ -1,6 +1,7 @@
 #include "check/step.h"
 
 #include "check/answer.h"
+#include "check/stretches.h"
 
 namespace foldproof::internal {
 
@@ -12,7 +13,7 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
   clear(out);
   FOLDPROOF_TRY(check_settings(settings, motion.size()));
 
-  bool cache_hit = false;
+  bool cache_hit = false, cuts_time = false;
   double distance = 0;
   // Reads and validates positions, refits.
   const auto update = [&]() -> Result<void> {
@@ -24,16 +25,19 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
     out.search_steps = cache_hit ? 0 : motion.steps();
     out.tolerance = tolerance_for(settings, cache_hit ? plan.extent : motion.step_extent());
     distance = settings.thickness + out.tolerance;
+    cuts_time = settings.earliest_only && !settings.explain && settings.declared_free == nullptr &&
+                !cache_hit && motion.steps() == 1 && is_long(motion);
     return {};
   };
   // Broad phase and culling: finds pairs of leaves.
   const auto search = [&]() -> Result<void> {
-    if (cache_hit) return {};
+    if (cache_hit || cuts_time) return {};
     return look_ahead != nullptr ? look_ahead->search(pipeline, settings, distance, out.work)
                                  : pipeline.find_leaf_pairs(settings, distance, out.work);
   };
   // Finds which of their features collide.
   const auto narrow = [&]() -> Result<void> {
+    if (cuts_time) return {};
     const BroadPhase& found = pipeline.broad_phase;
     NarrowStep step(settings, out.tolerance, motion.bvhs(), found.tasks(), x0, x1);
     step.filter = pipeline.filter;
@@ -46,6 +50,7 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
     return {};
   };
   FOLDPROOF_TRY(run_stages(out.milliseconds, update, search, narrow));
+  if (cuts_time) FOLDPROOF_TRY(find_earliest(pipeline, x0, x1, settings, query.any_will_do, out));
   if (settings.explain) pipeline.explain(out.explanation);
   out.complete = true;
   return {};

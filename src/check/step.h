@@ -10,6 +10,8 @@ struct Query {
   Pipeline& pipeline;
   LookAhead* look_ahead = nullptr;       ///< Null: every step has a search of its own.
   std::span<const Object> objects = {};  ///< The pipeline's. Empty: none is layered.
+  /// Whether there is a collision or crossing is all that matters; the answer may have any.
+  bool any_will_do = false;
 };
 
 /// StepChecker::check.

@@ -60,11 +60,12 @@ StepSettings ContactChecker::Impl::step_settings(double distance) const {
 }
 
 Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0, std::span<const double> x1,
-                                                      double min_distance) {
+                                                      double min_distance, bool any_will_do) {
   FOLDPROOF_TRY(check_length("min_distance", min_distance));
   const std::span<const double> from[] = {x0}, to[] = {x1};
-  FOLDPROOF_TRY(
-      run([&](Pipeline& used) { return check_step({used}, from, to, step_settings(min_distance), step); }));
+  FOLDPROOF_TRY(run([&](Pipeline& used) {
+    return check_step({used, nullptr, {}, any_will_do}, from, to, step_settings(min_distance), step);
+  }));
   work += step.work;
   milliseconds += step.milliseconds;
   return step.clean() ? std::numeric_limits<double>::infinity() : step.earliest_toi;
@@ -112,7 +113,7 @@ Result<StepSize> ContactChecker::collision_free_step_size(std::span<const double
 Verdict ContactChecker::is_step_collision_free(std::span<const double> x0, std::span<const double> x1,
                                                double min_distance) {
   impl_->start_call();
-  return impl_->earliest_contact(x0, x1, min_distance).map([](double contact) { return contact > 1; });
+  return impl_->earliest_contact(x0, x1, min_distance, true).map([](double contact) { return contact > 1; });
 }
 
 Verdict ContactChecker::has_intersections(std::span<const double> x) {
@@ -121,7 +122,9 @@ Verdict ContactChecker::has_intersections(std::span<const double> x) {
   const std::span<const double> pose[] = {x};
   StepSettings settings = m.step_settings(0);
   settings.max_listed = 0;  // whether there is one is all that matters
-  const auto done = m.run([&](Pipeline& used) { return check_pose({used}, pose, settings, m.pose); });
+  const auto done = m.run([&](Pipeline& used) {
+    return check_pose({used, nullptr, {}, true}, pose, settings, m.pose);
+  });
   if (!done) return Result<bool>(tl::unexpected(done.error()));
   m.work = m.pose.work;
   m.milliseconds = m.pose.milliseconds;

@@ -217,6 +217,21 @@ const Collision* earliest_of(const std::vector<Collision>& pairs) {
   return it == pairs.end() ? nullptr : &*it;
 }
 
+void expect_earliest(const StepResult& first, const StepResult& all) {
+  ASSERT_EQ(first.vertex_face.size() + first.edge_edge.size(), all.clean() ? 0u : 1u);
+  EXPECT_EQ(first.earliest_toi, all.earliest_toi);
+  if (!first.vertex_face.empty()) {
+    const auto* expected = earliest_of(all.vertex_face);
+    EXPECT_EQ(first.vertex_face[0].toi, all.earliest_toi);
+    EXPECT_EQ(key(first.vertex_face[0]), key(*expected));
+  }
+  if (!first.edge_edge.empty()) {
+    const auto* expected = earliest_of(all.edge_edge);
+    EXPECT_EQ(first.edge_edge[0].toi, all.earliest_toi);
+    EXPECT_EQ(key(first.edge_edge[0]), key(*expected));
+  }
+}
+
 TEST_P(QueryProperties, EarliestOnlyIsTheFirstOfAll) {
   Rng rng(55);
   std::size_t hits = 0;
@@ -226,22 +241,39 @@ TEST_P(QueryProperties, EarliestOnlyIsTheFirstOfAll) {
       const StepResult all = run(scene, settings, 16);
       hits += all.count();
       settings.earliest_only = true;
-      const StepResult first = run(scene, settings, 16);
-      ASSERT_EQ(first.vertex_face.size() + first.edge_edge.size(), all.clean() ? 0u : 1u);
-      EXPECT_EQ(first.earliest_toi, all.earliest_toi);
-      if (!first.vertex_face.empty()) {
-        const auto* expected = earliest_of(all.vertex_face);
-        EXPECT_EQ(first.vertex_face[0].toi, all.earliest_toi);
-        EXPECT_EQ(key(first.vertex_face[0]), key(*expected));
-      }
-      if (!first.edge_edge.empty()) {
-        const auto* expected = earliest_of(all.edge_edge);
-        EXPECT_EQ(first.edge_edge[0].toi, all.earliest_toi);
-        EXPECT_EQ(key(first.edge_edge[0]), key(*expected));
+      ASSERT_NO_FATAL_FAILURE(expect_earliest(run(scene, settings, 16), all));
+    }
+  }
+  EXPECT_GT(hits, 50u);
+}
+
+// A step in which leaves move by several of their sizes is searched in stretches of time, one of a large
+// common motion without it. Objects fall onto each other from some way off.
+TEST_P(QueryProperties, EarliestOnlyIsTheFirstOfAllInLongSteps) {
+  Rng rng(65);
+  std::size_t hits = 0, in_stretches = 0;
+  for (Scene& scene : scenes(rng, 2)) {
+    for (const double drift : {0.0, 1000.0}) {
+      for (const double way : {0.5, 4.0}) {
+        Scene fall = scene;
+        for (std::size_t i = 0; i < fall.x0.size(); ++i) {
+          for (std::size_t k = 0; k < fall.x0[i].size(); ++k) {
+            fall.x0[i][k] += i == 0 && k % 3 == 0 ? 2 : 0;
+            fall.x1[i][k] += (i == 0 && k % 3 == 0 ? 2 - way : 0) + drift;
+          }
+        }
+        StepSettings settings;
+        const StepResult all = run(fall, settings, 4);
+        hits += all.count();
+        settings.earliest_only = true;
+        const StepResult first = run(fall, settings, 4);
+        in_stretches += first.work.refits > 2 * 2;
+        ASSERT_NO_FATAL_FAILURE(expect_earliest(first, all)) << way << ", " << drift;
       }
     }
   }
   EXPECT_GT(hits, 50u);
+  EXPECT_GT(in_stretches, 4u);
 }
 
 // The certificates of a checker depend on earlier steps: that may change its work, never its answer.
