@@ -249,10 +249,11 @@ class ContactChecker {
   [[nodiscard]] Result<void> candidates(std::span<const double> x, double inflation, Candidates& out);
 
   /// All relevant pairs whose distance is <= `distance` (>= 0; infinity: all), each by its closest features,
-  /// and those once. Proven: none is missing, rounding included. A listed pair may be farther away by the
-  /// error of minimum_distance(): its barrier is 0. `active`: none, or vertex_count numbers; pairs that none
-  /// of whose closest features' vertices has one that is not 0 are left out. The order depends on the mesh
-  /// and the pose alone. Error: a distance that is negative or NaN. Cost: about as candidates().
+  /// and those once. Proven: none is missing, rounding included. A pair that is farther away may be listed,
+  /// too, where features are so much closer than large that rounding leaves no proof: its barrier is 0.
+  /// `active`: none, or vertex_count numbers; pairs none of whose closest features' vertices has one that is
+  /// not 0 are left out. The order depends on the mesh and the pose alone. Error: a distance that is negative
+  /// or NaN. Cost: about as candidates().
   [[nodiscard]] Result<void> close_pairs(std::span<const double> x, double distance,
                                          std::vector<ClosePair>& out,
                                          std::span<const std::uint8_t> active = {});

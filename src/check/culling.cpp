@@ -16,8 +16,10 @@ constexpr std::uint8_t kMaxFailures = 2;
 // While planes rarely separate pairs without a cached one, one in kProbe of such pairs is tested.
 constexpr Index kProbe = 8;
 
-std::uint64_t hash_of(LeafPair leaves) {
-  return (std::uint64_t{leaves.a} << 32 | leaves.b) * 0x9E3779B97F4A7C15u >> 20;
+std::uint64_t hash_of(const TraversalTask& task, LeafPair leaves) {
+  std::uint64_t hash = (std::uint64_t{leaves.a} << 32 | leaves.b) * 0x9E3779B97F4A7C15u;
+  hash = (hash ^ (std::uint64_t{task.object_a} << 16 | task.object_b)) * 0x9E3779B97F4A7C15u;
+  return hash >> 20;
 }
 
 }  // namespace
@@ -275,7 +277,7 @@ void Culling::cull_leaves(const TraversalTask& task, std::span<const NearLeafPai
       is_proven = static_cast<bool>(charts.prove(slot, task.traversal.a->vertices, gap_, local.tester));
       if (!is_proven && charts.wants_pair(slot)) tile.requests.push_back(slot);
     } else if (uses_certificates_) {
-      const std::uint64_t hash = hash_of(leaves);
+      const std::uint64_t hash = hash_of(task, leaves);
       CachedPlane& cached = tile.planes.at(hash);
       if (cached.back_off > 0) {
         --cached.back_off;

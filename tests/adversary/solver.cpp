@@ -175,11 +175,12 @@ std::string SolverCheck::Impl::close_pairs(const Pose& x, double distance, Tally
   std::vector<ClosePair> close;
   if (const auto done = checker->close_pairs(x, distance, close); !done)
     return "close_pairs are refused: " + done.error().line();
-  const double needle_room = std::max(0x1p-26 * largest_side(x, x), 0x1p-1060);
+  const double side = largest_side(x, x), needle_room = std::max(0x1p-26 * side, 0x1p-1060);
   std::set<std::set<Index>> listed;
   for (const ClosePair& pair : close) {
     listed.emplace(pair.vertices.begin(), pair.vertices.end());
-    if (pair.distance > distance + needle_room)
+    const double unproven = std::min(1.0, 0x1p-36 * side / pair.distance) * side;  // soundness.md, V5
+    if (pair.distance > distance + std::max(needle_room, unproven))
       return fmt::format("a close pair is {:a} apart instead of {:a}", pair.distance, distance);
   }
   int most = 8;
