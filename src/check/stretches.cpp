@@ -10,9 +10,9 @@ namespace {
 
 // A step is long where leaves' boxes are this many times as large as at its start.
 constexpr double kLongRatio = 4;
-// Stretches become longer by this factor while boxes hardly grow or leaves have few candidates, shorter while
-// they have many.
-constexpr double kGrowth = 3, kShortRatio = 2, kFewCandidates = 48, kManyCandidates = 384;
+// A stretch is too long where boxes are kLongRatio times as large as at its start, or more than kShortRatio
+// times while a leaf has many pairs; the next one is kGrowth times as long.
+constexpr double kShortRatio = 1.5, kManyPairs = 6, kGrowth = 2;
 // F2: positions are interpolated with an error of at most 26 * 2^-53 times the largest coordinate.
 constexpr double kInterpolationRounding = 0x1p-47;
 
@@ -53,20 +53,24 @@ Result<void> find_earliest(Pipeline& pipeline, Positions x0, Positions x1, const
   const Vec3 drift = mean_displacement(motion, x0, x1);
   const double distance =
       settings.thickness + out.tolerance + kInterpolationRounding * largest_coordinate(x0, x1);
-  double from = 0, length = 1, ratio = 1;
+  const auto leaves = static_cast<double>(motion.leaf_count());
+  double from = 0, to = 0, length = 1, ratio = 1;
   bool is_too_long = false;
   const auto update = [&]() -> Result<void> {
-    const double to = std::min({1.0, out.earliest_toi, from + length});
+    to = std::min({1.0, out.earliest_toi, from + length});
     pipeline.stretch.interpolate(x0, x1, {from, to}, drift);
     FOLDPROOF_TRY(motion.update(pipeline.stretch.start(), pipeline.stretch.end()));
     out.work.refits += motion.size();
     ratio = motion.swept_extent_ratio();
-    is_too_long = length == 1 && ratio > kLongRatio;  // the first one: tells how long it may be
-    if (!is_too_long) from = to;
+    is_too_long = ratio > kLongRatio;
     return {};
   };
   const auto search = [&]() -> Result<void> {
-    return is_too_long ? Result<void>{} : pipeline.find_leaf_pairs(settings, distance, out.work);
+    if (is_too_long) return {};
+    FOLDPROOF_TRY(pipeline.find_leaf_pairs(settings, distance, out.work));
+    const auto pairs = static_cast<double>(pipeline.broad_phase.leaf_pairs().size());
+    is_too_long = ratio > kShortRatio && pairs > kManyPairs * leaves;
+    return {};
   };
   const auto narrow = [&]() -> Result<void> {
     if (is_too_long) return {};
@@ -74,20 +78,12 @@ Result<void> find_earliest(Pipeline& pipeline, Positions x0, Positions x1, const
     step.filter = pipeline.filter;
     step.earliest->store(out.earliest_toi, std::memory_order_relaxed);
     test_leaf_pairs(step, pipeline.broad_phase.leaf_pairs(), pipeline.narrow, out);
+    from = to;
     return {};
   };
   while (from < std::min(1.0, out.earliest_toi) && !(any_will_do && out.count() > 0)) {
-    const std::uint64_t before = out.work.candidates_vf + out.work.candidates_ee;
     FOLDPROOF_TRY(run_stages(out.milliseconds, update, search, narrow));
-    const auto candidates = static_cast<double>(out.work.candidates_vf + out.work.candidates_ee - before);
-    const double per_leaf = candidates / static_cast<double>(motion.leaf_count());
-    if (is_too_long) {
-      length = 1 / (ratio - 1);
-    } else if (ratio < kShortRatio || per_leaf < kFewCandidates) {
-      length *= kGrowth;
-    } else if (per_leaf > kManyCandidates) {
-      length /= 2;
-    }
+    length = is_too_long ? (to - from) * (kShortRatio - 1) / (ratio - 1) : kGrowth * length;
   }
   finish(settings, out);
   return {};

@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Bound{
             "bending_cylinder", bending_cylinder, {110402, 610, 12594, 13545}, {247608, 2074, 12725, 13554}},
-        Bound{"folding_cloth", folding_cloth, {354680, 1061, 57213, 541232}, {580749, 2083, 57213, 541232}},
+        Bound{"folding_cloth", folding_cloth, {354680, 1168, 57106, 541229}, {580749, 2083, 57213, 541232}},
         Bound{"pressed_cloths",
               pressed_cloths,
               {983962, 111104, 131454, 975368},

@@ -254,7 +254,7 @@ TEST_P(QueryProperties, EarliestOnlyIsTheFirstOfAllInLongSteps) {
   std::size_t hits = 0, in_stretches = 0;
   for (Scene& scene : scenes(rng, 2)) {
     for (const double drift : {0.0, 1000.0}) {
-      for (const double way : {0.5, 4.0}) {
+      for (const double way : {1.5, 40.0}) {
         Scene fall = scene;
         for (std::size_t i = 0; i < fall.x0.size(); ++i) {
           for (std::size_t k = 0; k < fall.x0[i].size(); ++k) {
@@ -267,7 +267,7 @@ TEST_P(QueryProperties, EarliestOnlyIsTheFirstOfAllInLongSteps) {
         hits += all.count();
         settings.earliest_only = true;
         const StepResult first = run(fall, settings, 4);
-        in_stretches += first.work.refits > 2 * 2;
+        in_stretches += first.work.refits > 2;
         ASSERT_NO_FATAL_FAILURE(expect_earliest(first, all)) << way << ", " << drift;
       }
     }
