@@ -252,6 +252,7 @@ TEST_P(QueryProperties, EarliestOnlyIsTheFirstOfAll) {
 TEST_P(QueryProperties, EarliestOnlyIsTheFirstOfAllInLongSteps) {
   Rng rng(65);
   std::size_t hits = 0, in_stretches = 0;
+  std::uint64_t candidates = 0, candidates_of_all = 0;
   for (Scene& scene : scenes(rng, 2)) {
     for (const double drift : {0.0, 1000.0}) {
       for (const double way : {1.5, 40.0}) {
@@ -268,12 +269,15 @@ TEST_P(QueryProperties, EarliestOnlyIsTheFirstOfAllInLongSteps) {
         settings.earliest_only = true;
         const StepResult first = run(fall, settings, 4);
         in_stretches += first.work.refits > 2;
+        candidates += first.work.candidates_vf + first.work.candidates_ee;
+        candidates_of_all += all.work.candidates_vf + all.work.candidates_ee;
         ASSERT_NO_FATAL_FAILURE(expect_earliest(first, all)) << way << ", " << drift;
       }
     }
   }
   EXPECT_GT(hits, 50u);
   EXPECT_GT(in_stretches, 4u);
+  EXPECT_LT(2 * candidates, candidates_of_all);
 }
 
 // The certificates of a checker depend on earlier steps: that may change its work, never its answer.
