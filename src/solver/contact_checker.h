@@ -37,8 +37,8 @@ struct ContactChecker::Impl {
   }
   StepSettings step_settings(double distance) const;
   /// When the first pair comes into contact; infinity when none does. `any_will_do`: or a later one.
-  Result<double> earliest_contact(std::span<const double> x0, std::span<const double> x1,
-                                  double min_distance, bool any_will_do = false);
+  Result<double> earliest_contact(std::span<const double> x0, std::span<const double> x1, double min_distance,
+                                  bool any_will_do = false);
 
   Result<void> check_positions(std::span<const double> x0, std::span<const double> x1);
 
