@@ -198,6 +198,11 @@ struct StepSize {
     /// This happens to very thin triangles, or where the tolerance is hardly above the rounding of positions.
     Undecided,
   } limit;
+  /// The first collision, of those at the same time that of the smallest ids, vertex and face before edges:
+  /// its time in [0,1], and the pair's closest features at that time, not marked as parallel. Unless the
+  /// limit is None.
+  double contact_time = 1;
+  ClosePair contact = {};
 };
 inline constexpr std::array<const char*, 4> kStepLimitNames{"none", "contact", "start", "undecided"};
 

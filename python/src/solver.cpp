@@ -63,7 +63,7 @@ struct Solver {
   std::shared_ptr<CollisionMesh> mesh;
   ContactChecker checker;
   std::mutex mutex;
-  StepSize::Limit limit = StepSize::Limit::None;  ///< Of the last step size.
+  StepSize size{1, StepSize::Limit::None};  ///< The last one.
 
   Solver(std::shared_ptr<CollisionMesh> of, const ContactSettings& settings, const py::object& filter)
       : mesh(std::move(of)), checker(mesh, settings, filter_for(filter, {Object(mesh->hierarchy())})) {}
@@ -104,7 +104,7 @@ double step_size_of(Solver& self, const py::object& x0, const py::object& x1, do
   return self.ask([&](ContactChecker& c) {
     return c.collision_free_step_size(span_of(from), span_of(to), min_distance)
         .map([&](const StepSize& size) {
-          self.limit = size.limit;
+          self.size = size;
           return size.share;
         });
   });
@@ -128,6 +128,16 @@ struct CloseRow {
   double mollifier_threshold;
 };
 
+CloseRow row_of(const ClosePair& p) {
+  return {p.kind,
+          p.count,
+          p.vertices,
+          p.weights,
+          p.distance,
+          {p.normal[0], p.normal[1], p.normal[2]},
+          p.mollifier_threshold};
+}
+
 py::array close_pairs_of(Solver& self, const py::object& x, double distance, const py::object& active) {
   const Numbers pose = self.positions(x, "x");
   std::vector<std::uint8_t> flags;
@@ -136,11 +146,7 @@ py::array close_pairs_of(Solver& self, const py::object& x, double distance, con
   self.ask([&](ContactChecker& c) { return c.close_pairs(span_of(pose), distance, found, flags); });
   std::vector<CloseRow> rows;
   rows.reserve(found.size());
-  for (const ClosePair& p : found) {
-    const auto& n = p.normal;
-    rows.push_back(
-        {p.kind, p.count, p.vertices, p.weights, p.distance, {n[0], n[1], n[2]}, p.mollifier_threshold});
-  }
+  for (const ClosePair& pair : found) rows.push_back(row_of(pair));
   return owned_rows(std::move(rows));
 }
 
@@ -217,11 +223,23 @@ void bind_last_call(py::class_<Solver>& checker) {
       .def_property_readonly(
           "limit",
           [](Solver& self) {
-            return kStepLimitNames[static_cast<std::size_t>(self.of_last_call([&] { return self.limit; }))];
+            return kStepLimitNames[static_cast<std::size_t>(
+                self.of_last_call([&] { return self.size.limit; }))];
           },
           "Why the last step size is not larger: 'none' (it is 1), 'contact' (a collision on the way), "
           "'start' (it is 0: in x0 a pair is too close already), or 'undecided' (it is 0: no share could be "
           "proven free).")
+      .def_property_readonly(
+          "contact",
+          [](Solver& self) -> py::object {
+            const StepSize size = self.of_last_call([&] { return self.size; });
+            if (size.limit == StepSize::Limit::None) return py::none();
+            return py::make_tuple(size.contact_time,
+                                  owned_rows(std::vector{row_of(size.contact)})[py::int_(0)]);
+          },
+          "The collision that limited the last step size: its time in [0, 1], and its closest features at "
+          "that "
+          "time as a row of close_pairs(). None where limit is 'none'.")
       .def_property_readonly(
           "work",
           [](Solver& self) { return work_of(self.of_last_call([&] { return self.checker.work(); })); },

@@ -101,9 +101,12 @@ def test_line_search_never_intersects(triangles, certificates):
 def test_points_meet_within_the_minimum_distance():
     x0, x1 = np.array([[0, 0, 0], [0, 0.1, 1.0]]), np.array([[0, 0, 0], [0, 0.1, -1.0]])
     checker = foldproof.ContactChecker(foldproof.CollisionMesh(x0), conservative_rescaling=1.0)
-    assert checker.collision_free_step_size(x0, x1) == 1
+    assert checker.collision_free_step_size(x0, x1) == 1 and checker.contact is None
     assert checker.collision_free_step_size(x0, x1, 0.2) == pytest.approx((1 - np.sqrt(0.03)) / 2, abs=1e-6)
-    assert checker.limit == "contact"
+    time, pair = checker.contact
+    assert checker.limit == "contact" and time == pytest.approx((1 - np.sqrt(0.03)) / 2, abs=1e-6)
+    assert foldproof.CLOSE_PAIR_KINDS[pair["kind"]] == "vertex_vertex" and list(pair["vertices"][:2]) == [0, 1]
+    assert pair["distance"] == pytest.approx(0.2, abs=1e-6)
     assert checker.collision_free_step_size(x0, x1, 1.1) == 0 and checker.limit == "start"
     assert checker.minimum_distance(x1, 2) == pytest.approx(np.hypot(1, 0.1), rel=1e-14)
     assert checker.minimum_distance(x1, 0.5) == np.inf

@@ -6,6 +6,7 @@
 
 #include "base/plain_arithmetic.h"
 #include "base/try.h"
+#include "solver/pair_distances.h"
 
 namespace foldproof {
 namespace {
@@ -93,21 +94,48 @@ Result<StepSize> ContactChecker::collision_free_step_size(std::span<const double
                 "give a number above 0 and at most 1");
   double contact = FOLDPROOF_TRY(impl_->earliest_contact(x0, x1, min_distance));
   if (contact > 1) return StepSize{1, StepSize::Limit::None};
-  if (contact == 0) {
-    const StepResult& step = impl_->step;
-    const Answer first = step.vertex_face.empty() ? step.edge_edge[0].answer : step.vertex_face[0].answer;
-    return StepSize{0, first == Answer::Hit ? StepSize::Limit::Start : StepSize::Limit::Undecided};
-  }
+  StepSize size = impl_->limited(x0, x1);
+  if (contact == 0) return size;
   double share = rescaling * contact;
   auto& end = impl_->end_positions;
   end.resize(x0.size());
   for (int i = 0; i < kMaxTrials && share > 0; ++i) {
     step_towards(x0, x1, share, end);
     contact = FOLDPROOF_TRY(impl_->earliest_contact(x0, end, min_distance));
-    if (contact > 1) return StepSize{share, StepSize::Limit::Contact};
+    if (contact > 1) {
+      size.share = share;
+      size.limit = StepSize::Limit::Contact;
+      return size;
+    }
     share *= std::min(0.5, rescaling * contact);
   }
-  return StepSize{0, StepSize::Limit::Undecided};
+  size.limit = StepSize::Limit::Undecided;
+  return size;
+}
+
+StepSize ContactChecker::Impl::limited(std::span<const double> x0, std::span<const double> x1) const {
+  const bool edge_edge = step.vertex_face.empty();
+  const Answer answer = edge_edge ? step.edge_edge[0].answer : step.vertex_face[0].answer;
+  StepSize size{0, answer == Answer::Hit ? StepSize::Limit::Start : StepSize::Limit::Undecided};
+  size.contact_time = step.earliest_toi;
+  std::array<Index, 4> ids;
+  if (edge_edge) {
+    const auto& [a, b] = std::pair(step.edge_edge[0].a, step.edge_edge[0].b);
+    ids = {a[0], a[1], b[0], b[1]};
+  } else {
+    const Triangle& t = mesh->hierarchy()->topology().triangles()[step.vertex_face[0].face];
+    ids = {step.vertex_face[0].vertex, t[0], t[1], t[2]};
+  }
+  PairBatch batch{};
+  for (int k = 0; k < 4; ++k) {
+    const Vec3 from = position(x0, ids[k]);
+    const Vec3 at = from + size.contact_time * (position(x1, ids[k]) - from);
+    for (int axis = 0; axis < 3; ++axis) batch.x[0][k][axis][0] = at[axis];
+  }
+  NearestBatch nearest;
+  nearest_points(batch, 1, edge_edge, std::numeric_limits<double>::infinity(), nearest);
+  size.contact = close_pair(ids, edge_edge, nearest, 0);
+  return size;
 }
 
 Verdict ContactChecker::is_step_collision_free(std::span<const double> x0, std::span<const double> x1,

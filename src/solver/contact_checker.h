@@ -40,6 +40,9 @@ struct ContactChecker::Impl {
   Result<double> earliest_contact(std::span<const double> x0, std::span<const double> x1, double min_distance,
                                   bool any_will_do = false);
 
+  /// The pair that earliest_contact found, and why nothing can move: a step size that it limits.
+  StepSize limited(std::span<const double> x0, std::span<const double> x1) const;
+
   Result<void> check_positions(std::span<const double> x0, std::span<const double> x1);
 
   /// Some of the relevant pairs whose boxes come near each other, and what is made of them.

@@ -62,33 +62,29 @@ double mollifier_threshold(const PosedFeatures& features, BoxPair pair) {
 
 }  // namespace
 
-ClosePair close_pair(const PosedFeatures& features, BoxPair pair, const NearestBatch& nearest, int lane) {
-  const bool edge_edge = features.is_edge_edge(pair);
-  const std::array<Index, 4> corners = features.corners(pair);
-  const auto id = [&](int k) { return features.hierarchy().vertex_ids()[corners[k]]; };
+ClosePair close_pair(const std::array<Index, 4>& ids, bool edge_edge, const NearestBatch& nearest, int lane,
+                     double mollifier_threshold) {
   const std::array<double, 4> weights = weights_of(nearest, lane, edge_edge);
-  const Vec3 normal(nearest.normal[0][lane], nearest.normal[1][lane], nearest.normal[2][lane]);
   ClosePair close;
   close.distance = nearest.distance[lane];
-  close.normal = normal;
-  if (edge_edge) {
-    close.mollifier_threshold = mollifier_threshold(features, pair);
-    if (close.mollifier_threshold > 0 || std::ranges::all_of(weights, [](double w) { return w > 0; })) {
-      close.kind = ClosePair::Kind::EdgeEdge;
-      close.vertices = {id(0), id(1), id(2), id(3)};
-      close.weights = {weights[0], weights[1], -weights[2], -weights[3]};
-      return close;
-    }
+  close.normal = Vec3(nearest.normal[0][lane], nearest.normal[1][lane], nearest.normal[2][lane]);
+  close.mollifier_threshold = mollifier_threshold;
+  if (edge_edge &&
+      (mollifier_threshold > 0 || std::ranges::all_of(weights, [](double w) { return w > 0; }))) {
+    close.kind = ClosePair::Kind::EdgeEdge;
+    close.vertices = ids;
+    close.weights = {weights[0], weights[1], -weights[2], -weights[3]};
+    return close;
   }
   Support a, b;
   if (edge_edge) {
     for (int k = 0; k < 2; ++k) {
-      a.add(id(k), weights[k]);
-      b.add(id(2 + k), weights[2 + k]);
+      a.add(ids[k], weights[k]);
+      b.add(ids[2 + k], weights[2 + k]);
     }
   } else {
-    a.add(id(0), 1);
-    for (int k = 0; k < 3; ++k) b.add(id(1 + k), weights[k]);
+    a.add(ids[0], 1);
+    for (int k = 0; k < 3; ++k) b.add(ids[1 + k], weights[k]);
   }
   if (a.size > 1 || (b.size == 1 && b.vertices[0] < a.vertices[0])) {
     std::swap(a, b);
@@ -104,6 +100,13 @@ ClosePair close_pair(const PosedFeatures& features, BoxPair pair, const NearestB
     close.weights[1 + k] = -b.weights[k];
   }
   return close;
+}
+
+ClosePair close_pair(const PosedFeatures& features, BoxPair pair, const NearestBatch& nearest, int lane) {
+  std::array<Index, 4> ids = features.corners(pair);
+  for (Index& id : ids) id = features.hierarchy().vertex_ids()[id];
+  const bool edge_edge = features.is_edge_edge(pair);
+  return close_pair(ids, edge_edge, nearest, lane, edge_edge ? mollifier_threshold(features, pair) : 0);
 }
 
 void merge_close_pairs(std::vector<ClosePair>& pairs, std::vector<Index>& table) {

@@ -78,7 +78,10 @@ void visit_distances(const PosedFeatures& features, std::span<const BoxPair> pai
   if (count > 0) measure();
 }
 
-/// What is nearest of a pair that visit_distances visits, with a count of 1.
+/// What is nearest of a pair whose four vertices have these ids, with a count of 1.
+ClosePair close_pair(const std::array<Index, 4>& ids, bool edge_edge, const NearestBatch& nearest, int lane,
+                     double mollifier_threshold = 0);
+/// The same of a pair that visit_distances visits.
 ClosePair close_pair(const PosedFeatures& features, BoxPair pair, const NearestBatch& nearest, int lane);
 
 /// Removes pairs whose closest features are those of an earlier one, which counts them. `table` is scratch.

@@ -53,6 +53,31 @@ struct Counts {
   int whole = 0, part = 0, none = 0;
 };
 
+// It names a pair that collides at that time, and its closest points then.
+void expect_limit(const Soup& soup, std::span<const FeaturePair> pairs, const StepSize& size, double time,
+                  double distance) {
+  ASSERT_EQ(size.contact_time, time);
+  const ClosePair& contact = size.contact;
+  const auto is_of = [&](const FeaturePair& pair) {
+    return std::ranges::all_of(contact.vertices, [&](Index v) {
+      return std::ranges::find(pair.vertices, v) != pair.vertices.end();
+    });
+  };
+  ASSERT_TRUE(std::ranges::any_of(pairs, [&](const FeaturePair& pair) {
+    const auto test = pair.kind() == Kind::EdgeEdge ? edge_edge_ccd : vertex_face_ccd;
+    return is_of(pair) && test(pair.at(soup.x0), pair.at(soup.x1), {distance, kTolerance}).toi == time;
+  }));
+  EXPECT_LE(contact.distance, distance + 2 * kTolerance);
+  Vec3 difference;
+  for (int k = 0; k < 4; ++k) {
+    const Vec3 from = Vec3::load(&soup.x0[3 * std::size_t{contact.vertices[k]}]);
+    const Vec3 to = Vec3::load(&soup.x1[3 * std::size_t{contact.vertices[k]}]);
+    difference += contact.weights[k] * (from + time * (to - from));
+  }
+  EXPECT_LT((difference - contact.distance * contact.normal).norm(), 1e-12);
+  EXPECT_NEAR(contact.normal.norm(), 1, 1e-12);
+}
+
 void test_step_sizes(std::uint64_t seed, double distance, double grid, Counts& counts) {
   Rng rng(seed);
   const int few = static_cast<int>(rng() % 4);
@@ -60,7 +85,12 @@ void test_step_sizes(std::uint64_t seed, double distance, double grid, Counts& c
   ContactChecker checker = checker_of(soup);
   const auto pairs = all_pairs(soup, checker.mesh().edges(), all_may);
   const double brute = brute_contact(pairs, soup, distance);
-  const auto [share, limit] = checker.collision_free_step_size(soup.x0, soup.x1, distance).value();
+  const StepSize size = checker.collision_free_step_size(soup.x0, soup.x1, distance).value();
+  const double share = size.share;
+  const StepSize::Limit limit = size.limit;
+  if (brute <= 1) {
+    ASSERT_NO_FATAL_FAILURE(expect_limit(soup, pairs, size, brute, distance)) << seed;
+  }
   ASSERT_EQ(limit == StepSize::Limit::None, brute > 1) << seed;
   ASSERT_EQ(limit == StepSize::Limit::Start, brute == 0) << seed;
   ASSERT_EQ(limit == StepSize::Limit::Contact, brute > 0 && brute <= 1) << seed;
