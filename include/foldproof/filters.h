@@ -13,8 +13,9 @@ struct ObjectVertex {
   Index object, vertex;
 };
 
-/// Ignores what meets at a seam, as if two vertices that are sewn to each other were one: pairs of features
-/// or triangles that contain one each. Sew a vertex on an edge (a T-junction) to both ends of it, one in a
+/// Ignores what meets at a seam: pairs of features or triangles that contain one each of two vertices that
+/// are sewn to each other. In poses such triangles are ignored altogether, folds too. A vertex sewn to itself
+/// changes nothing. Sew a vertex on an edge (a T-junction) to both ends of it, one in a
 /// face to its three corners, three vertices at a place each to each. Error: an object or a vertex out of
 /// range.
 Result<std::shared_ptr<const PairFilter>> ignore_sewn(std::span<const Object> objects,

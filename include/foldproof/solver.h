@@ -192,7 +192,7 @@ struct StepSize {
   /// Why the share is not larger.
   enum class Limit : std::uint8_t {
     None,     ///< It is 1.
-    Contact,  ///< Something collides on the way.
+    Contact,  ///< Something collides on the way, or comes so near that it is undecided.
     Start,    ///< It is 0: in x0 a pair is already closer than min_distance plus the tolerance.
     /// It is 0: no step could be proven free, or the first pair that stands in the way at x0 is undecided.
     /// This happens to very thin triangles, or where the tolerance is hardly above the rounding of positions.

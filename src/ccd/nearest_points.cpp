@@ -114,7 +114,7 @@ unsigned nearest_points(const PairBatch& pairs, int count, bool edge_edge, doubl
                         NearestBatch& out) {
   MinkowskiBatch patches;
   (edge_edge ? HWY_DYNAMIC_DISPATCH(MakeCorners4) : HWY_DYNAMIC_DISPATCH(MakeCorners3))(pairs, patches);
-  double scale[8], scaled_distance[8];
+  alignas(64) double scale[8], scaled_distance[8];
   for (int lane = 0; lane < 8; ++lane) {
     scale[lane] = 1;
     scaled_distance[lane] = distance;

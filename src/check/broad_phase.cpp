@@ -204,7 +204,9 @@ std::uint64_t BroadPhase::count_near_leaves(const StepMotion& motion, const Filt
     Local& local = locals_.local();
     local.counted.leaf_pairs.clear();
     local.counted.filter = &visited;
-    traverse({&motion.bvhs()[a], &motion.bvhs()[b], margin}, start, local.stack, local.counted);
+    isolated([&] {
+      traverse({&motion.bvhs()[a], &motion.bvhs()[b], margin}, start, local.stack, local.counted);
+    });
     count += local.counted.leaf_pairs.size();
   };
   for (Index a = 0; settings.within && a < motion.size(); ++a) {

@@ -272,18 +272,22 @@ void StepMotion::fill_features(std::span<const TraversalTask> tasks, std::span<c
   });
 }
 
-void StretchEnds::interpolate(Positions x0, Positions x1, const double (&times)[2], const Vec3& drift) {
+void StretchEnds::interpolate(const StepMotion& motion, const std::array<Positions, 2>& x,
+                              const double (&times)[2], const Vec3& drift) {
   for (int end = 0; end < 2; ++end) {
     const double t = times[end];
     auto& spans = end == 0 ? starts_ : ends_;
     spans.clear();
-    x_[end].resize(x0.size());
-    for (std::size_t i = 0; i < x0.size(); ++i) {
+    x_[end].resize(motion.size());
+    for (Index i = 0; i < motion.size(); ++i) {
       auto& out = x_[end][i];
-      out.resize(x0[i].size());
-      parallel_for(IndexRange{0, out.size() / 3}, 4096, [&](IndexRange range) {
-        for (std::size_t k = 3 * range.begin; k < 3 * range.end; ++k)
-          out[k] = x0[i][k] + t * ((x1[i][k] - x0[i][k]) - drift[k % 3]);
+      out.resize(x[0][i].size());
+      const auto ids = motion.hierarchy(i).vertex_ids();
+      parallel_for(IndexRange{0, ids.size()}, 4096, [&](IndexRange range) {
+        for (const Index v : ids.subspan(range.begin, range.size())) {
+          const Vec3 from = position(x[0][i], v);
+          (from + t * ((position(x[1][i], v) - from) - drift)).store(&out[3 * std::size_t{v}]);
+        }
       });
       spans.emplace_back(out);
     }

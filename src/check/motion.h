@@ -87,9 +87,10 @@ class StepMotion {
 /// Positions at both ends of a stretch of a step. Kept, so that a second long step allocates nothing.
 class StretchEnds {
  public:
-  /// Interpolates between x0 and x1 at two times. At time t all vertices are taken back by t * drift, so that
-  /// what they have in common does not count as motion.
-  void interpolate(Positions x0, Positions x1, const double (&times)[2], const Vec3& drift);
+  /// Interpolates at two times between the positions at both ends of the step, of vertices of triangles only.
+  /// At time t all are taken back by t * drift, so that what they have in common does not count as motion.
+  void interpolate(const StepMotion& motion, const std::array<Positions, 2>& x, const double (&times)[2],
+                   const Vec3& drift);
   Positions start() const { return starts_; }
   Positions end() const { return ends_; }
 

@@ -60,7 +60,8 @@ struct NarrowScratch {
 inline constexpr std::size_t kChunk = 128, kRound = 512;
 
 /// Calls test(pairs, hits) for all pairs in chunks, in parallel, and add(hits) for one chunk after the other,
-/// until is_done() after a round. `hits` is scratch.
+/// until is_done() after a round. `hits` is scratch. Isolated: a user's filter, which may start loops, is
+/// asked while a thread's scratch is in use.
 template <class Pair, class Test, class Add, class IsDone>
 void in_chunks(std::span<const Pair> pairs, std::size_t chunk, std::vector<Hits>& hits, Test test, Add add,
                IsDone is_done) {
@@ -71,7 +72,7 @@ void in_chunks(std::span<const Pair> pairs, std::size_t chunk, std::vector<Hits>
     if (hits.size() < count) hits.resize(count);
     parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       hits[i].clear();
-      test(round.subspan(i * chunk, std::min(chunk, round.size() - i * chunk)), hits[i]);
+      isolated([&] { test(round.subspan(i * chunk, std::min(chunk, round.size() - i * chunk)), hits[i]); });
     });
     for (const Hits& found : std::span(hits).first(count)) add(found);
   }

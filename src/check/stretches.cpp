@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "check/answer.h"
 
@@ -10,10 +11,11 @@ namespace {
 
 // A step is long where leaves' boxes are this many times as large as at its start.
 constexpr double kLongRatio = 4;
-// A stretch is too long where boxes are kLongRatio times as large as at its start, or more than kShortRatio
-// times while a leaf has many pairs; the next one is kGrowth times as long.
-constexpr double kShortRatio = 1.5, kManyPairs = 6, kGrowth = 2;
-// F2: positions are interpolated with an error of at most 26 * 2^-53 times the largest coordinate.
+// The first stretch is as long as boxes grow by this share. While a leaf has few pairs, or not many more than
+// in the last stretch, the next one is longer by a factor; otherwise it is tried again, shorter by another.
+constexpr double kFirstGrowth = 0.5, kFewPairs = 6, kMorePairs = 2, kLonger = 2, kShorter = 4;
+constexpr double kShortest = 1.0 / 256;  // is tested however many pairs it has
+// F2: distances are off by at most 52 * 2^-53 times the largest coordinate.
 constexpr double kInterpolationRounding = 0x1p-47;
 
 // The mean displacement of all vertices; any will do.
@@ -27,11 +29,12 @@ Vec3 mean_displacement(const StepMotion& motion, Positions x0, Positions x1) {
   return sum / std::max(1.0, count);
 }
 
-double largest_coordinate(Positions x0, Positions x1) {
+double largest_coordinate(const StepMotion& motion, Positions x0, Positions x1) {
   double largest = 0;
-  for (const Positions& x : {x0, x1}) {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      for (const double c : x[i]) largest = std::max(largest, std::abs(c));
+  for (Index i = 0; i < motion.size(); ++i) {
+    for (const Index v : motion.hierarchy(i).vertex_ids()) {
+      for (const Positions& x : {x0, x1})
+        largest = std::max(largest, position(x[i], v).cwiseAbs().maxCoeff());
     }
   }
   return largest;
@@ -49,27 +52,28 @@ bool is_long(const StepMotion& motion) {
 // (docs/soundness.md, F2).
 Result<void> find_earliest(Pipeline& pipeline, Positions x0, Positions x1, const StepSettings& settings,
                            bool any_will_do, StepResult& out) {
+  const PlainArithmetic plain;
   StepMotion& motion = pipeline.motion;
   const Vec3 drift = mean_displacement(motion, x0, x1);
   const double distance =
-      settings.thickness + out.tolerance + kInterpolationRounding * largest_coordinate(x0, x1);
+      settings.thickness + out.tolerance + kInterpolationRounding * largest_coordinate(motion, x0, x1);
   const auto leaves = static_cast<double>(motion.leaf_count());
-  double from = 0, to = 0, length = 1, ratio = 1;
-  bool is_too_long = false;
+  double from = 0, to = 0, length = 1, pairs = 0, last_pairs = 0, ratio = 1;
+  bool is_first = true, is_too_long = false;
   const auto update = [&]() -> Result<void> {
     to = std::min({1.0, out.earliest_toi, from + length});
-    pipeline.stretch.interpolate(x0, x1, {from, to}, drift);
+    pipeline.stretch.interpolate(motion, {x0, x1}, {from, to}, drift);
     FOLDPROOF_TRY(motion.update(pipeline.stretch.start(), pipeline.stretch.end()));
     out.work.refits += motion.size();
     ratio = motion.swept_extent_ratio();
-    is_too_long = ratio > kLongRatio;
+    is_too_long = is_first && ratio > kLongRatio;
     return {};
   };
   const auto search = [&]() -> Result<void> {
     if (is_too_long) return {};
     FOLDPROOF_TRY(pipeline.find_leaf_pairs(settings, distance, out.work));
-    const auto pairs = static_cast<double>(pipeline.broad_phase.leaf_pairs().size());
-    is_too_long = ratio > kShortRatio && pairs > kManyPairs * leaves;
+    pairs = static_cast<double>(pipeline.broad_phase.leaf_pairs().size());
+    is_too_long = length > kShortest && pairs > std::max(kFewPairs * leaves, kMorePairs * last_pairs);
     return {};
   };
   const auto narrow = [&]() -> Result<void> {
@@ -79,11 +83,16 @@ Result<void> find_earliest(Pipeline& pipeline, Positions x0, Positions x1, const
     step.earliest->store(out.earliest_toi, std::memory_order_relaxed);
     test_leaf_pairs(step, pipeline.broad_phase.leaf_pairs(), pipeline.narrow, out);
     from = to;
+    last_pairs = pairs;
     return {};
   };
   while (from < std::min(1.0, out.earliest_toi) && !(any_will_do && out.count() > 0)) {
     FOLDPROOF_TRY(run_stages(out.milliseconds, update, search, narrow));
-    length = is_too_long ? (to - from) * (kShortRatio - 1) / (ratio - 1) : kGrowth * length;
+    if (std::exchange(is_first, false) && is_too_long) {
+      length = std::max(kShortest, kFirstGrowth / (ratio - 1));
+    } else {
+      length = is_too_long ? std::max(kShortest, length / kShorter) : kLonger * length;
+    }
   }
   finish(settings, out);
   return {};

@@ -51,7 +51,7 @@ class VertexFilter final : public PairFilter {
       with_[--begin_[b]] = a;
     }
     for (std::size_t v = 0; v + 1 < begin_.size(); ++v)
-      std::sort(&with_[0] + begin_[v], &with_[0] + begin_[v + 1]);
+      std::sort(with_.data() + begin_[v], with_.data() + begin_[v + 1]);
   }
 
   bool nodes(Index, Index, Index, Index) const override { return true; }
@@ -144,7 +144,8 @@ Result<std::shared_ptr<const PairFilter>> ignore_sewn(std::span<const Object> ob
       }
     }
     const auto& [a, b] = seams[k];
-    pairs.push_back({numbers.first[a.object] + a.vertex, numbers.first[b.object] + b.vertex});
+    const std::array pair{numbers.first[a.object] + a.vertex, numbers.first[b.object] + b.vertex};
+    if (pair[0] != pair[1]) pairs.push_back(pair);
   }
   return std::make_shared<const VertexFilter>(objects, std::move(numbers), pairs);
 }

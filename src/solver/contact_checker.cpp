@@ -128,8 +128,10 @@ StepSize ContactChecker::Impl::limited(std::span<const double> x0, std::span<con
   }
   PairBatch batch{};
   for (int k = 0; k < 4; ++k) {
-    const Vec3 from = position(x0, ids[k]);
-    const Vec3 at = from + size.contact_time * (position(x1, ids[k]) - from);
+    const auto from_first = [&](std::span<const double> x) {
+      return position(x, ids[k]) - position(x, ids[0]);
+    };
+    const Vec3 at = (1 - size.contact_time) * from_first(x0) + size.contact_time * from_first(x1);
     for (int axis = 0; axis < 3; ++axis) batch.x[0][k][axis][0] = at[axis];
   }
   NearestBatch nearest;

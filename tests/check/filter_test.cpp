@@ -2,8 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
 #include <set>
+#include <thread>
 
+#include "base/callers.h"
+#include "base/parallel.h"
+#include "bvh/meshes.h"
 #include "check/animations.h"
 #include "check/same_collisions.h"
 #include "mesh/grid.h"
@@ -335,6 +342,49 @@ TEST(Filter, LabelsThatDoNotFitAreErrors) {
   EXPECT_NE(error_of({{0, 1}}, {0, 0}).find("2 for 1 triangles"), std::string::npos);
   EXPECT_NE(error_of({{10'001}}, {0, 0}).find("10001"), std::string::npos);
   EXPECT_NE(error_of({{0}}, {0, 10'001}).find("10001"), std::string::npos);
+}
+
+// A thread that waits for a loop of the user's filter must not take up another chunk meanwhile. Iterations
+// sleep, so that others take them and this thread waits.
+struct StartsLoops final : PairFilter {
+  mutable std::atomic<int> calls = 0;
+  bool loop() const {
+    if (++calls % 1024 == 0)
+      parallel_for(0, 8, [](int) { std::this_thread::sleep_for(std::chrono::microseconds(200)); });
+    return true;
+  }
+  bool nodes(Index, Index, Index, Index) const override { return loop(); }
+  bool vertex_face(Index, Index, Index, Index) const override { return loop(); }
+  bool edge_edge(Index, const Edge&, Index, const Edge&) const override { return loop(); }
+  bool crossing(Index, Index, Index, Index) const override { return loop(); }
+};
+
+TEST(Filter, MayStartLoops) {
+  if (!has_threads()) GTEST_SKIP() << "there is one thread";
+  const testing::Mesh sheet = testing::cloth(40);
+  Scene scene;
+  for (const double height : {0.0, 0.01}) {
+    scene.topologies.push_back(sheet.topology);
+    scene.x0.push_back(sheet.positions);
+    for (std::size_t i = 2; i < sheet.positions.size(); i += 3)
+      scene.x0.back()[i] += height * std::sin(0.1 * static_cast<double>(i));
+    scene.x1.push_back(scene.x0.back());
+    for (std::size_t i = 2; i < sheet.positions.size(); i += 3) scene.x1.back()[i] += 0.5 * height;
+  }
+  const auto x0 = scene.spans0(), x1 = scene.spans1();
+  with_threads(8, [&] {
+    StepChecker plain(scene.hierarchies(4)), loops(scene.hierarchies(4), std::make_shared<StartsLoops>());
+    StepResult expected, step;
+    StaticResult expected_pose, pose;
+    for (int repeat = 0; repeat < 4; ++repeat) {
+      ASSERT_TRUE(plain.check(x0, x1, {}, expected) && loops.check(x0, x1, {}, step));
+      expect_same_collisions(step, expected);
+    }
+    ASSERT_TRUE(plain.check_static(x0, {}, expected_pose) && loops.check_static(x0, {}, pose));
+    EXPECT_EQ(pose.crossing_count, expected_pose.crossing_count);
+    EXPECT_GT(expected.count(), 100u);
+    EXPECT_GT(expected_pose.crossing_count, 100u);
+  });
 }
 
 }  // namespace

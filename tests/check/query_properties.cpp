@@ -217,6 +217,11 @@ const Collision* earliest_of(const std::vector<Collision>& pairs) {
   return it == pairs.end() ? nullptr : &*it;
 }
 
+Topology with_isolated_vertex(const Topology& t) {
+  const auto faces = t.faces();
+  return Topology::make(t.vertex_count() + 1, {faces.begin(), faces.end()}).value();
+}
+
 void expect_earliest(const StepResult& first, const StepResult& all) {
   ASSERT_EQ(first.vertex_face.size() + first.edge_edge.size(), all.clean() ? 0u : 1u);
   EXPECT_EQ(first.earliest_toi, all.earliest_toi);
@@ -263,6 +268,13 @@ TEST_P(QueryProperties, EarliestOnlyIsTheFirstOfAllInLongSteps) {
             fall.x1[i][k] += (i == 0 && k % 3 == 0 ? 2 - way : 0) + drift;
           }
         }
+        // A vertex of no triangle, of a size of its own, changes nothing.
+        const double far = rng() % 2 == 0 ? 1e300 : 1e20;
+        fall.topologies[0] = with_isolated_vertex(fall.topologies[0]);
+        for (int axis = 0; axis < 3; ++axis) {
+          fall.x0[0].push_back(far);
+          fall.x1[0].push_back(-far);
+        }
         StepSettings settings;
         const StepResult all = run(fall, settings, 4);
         hits += all.count();
@@ -278,6 +290,30 @@ TEST_P(QueryProperties, EarliestOnlyIsTheFirstOfAllInLongSteps) {
   EXPECT_GT(hits, 50u);
   EXPECT_GT(in_stretches, 4u);
   EXPECT_LT(2 * candidates, candidates_of_all);
+}
+
+// However far objects fly apart, there are few stretches.
+TEST(LongSteps, ThatNeverMeetAreQuick) {
+  for (const double way : {1e3, 1e6}) {
+    Scene scene;
+    Rng rng(3);
+    const Mesh mesh = mesh_families()[0].make(rng);
+    for (const double side : {-1.0, 1.0}) {
+      scene.topologies.push_back(mesh.topology());
+      scene.x0.push_back(mesh.positions);
+      scene.x1.push_back(mesh.positions);
+      for (std::size_t i = 0; i < mesh.positions.size(); i += 3) {
+        scene.x0.back()[i] += 10 * side;
+        scene.x1.back()[i] += way * side;
+      }
+    }
+    StepSettings settings;
+    settings.earliest_only = true;
+    settings.tolerance = 1e-4;  // that of the extent is larger than the objects
+    const StepResult found = run(scene, settings, 4);
+    EXPECT_TRUE(found.clean()) << way;
+    EXPECT_LT(found.work.refits, 2u * 40u) << way;
+  }
 }
 
 // The certificates of a checker depend on earlier steps: that may change its work, never its answer.
