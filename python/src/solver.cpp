@@ -28,6 +28,7 @@ std::vector<std::array<Index, N>> optional_rows(const py::object& x, const char*
   return rows_of<N>(ids_of(x, what, "vertex", N, layout));
 }
 
+// NOLINTNEXTLINE(readability-function-size): one parameter for each of Python's
 std::shared_ptr<CollisionMesh> make_mesh(const py::object& rest_positions, const py::object& edges,
                                          const py::object& faces, const py::object& groups,
                                          const py::object& excluded, bool points,
@@ -252,23 +253,8 @@ void bind_last_call(py::class_<Solver>& checker) {
           "Wall time of the last call: total, update, traverse, narrow.");
 }
 
-void bind_checker(py::module_& module) {
-  py::class_<Solver> checker(
-      module, "ContactChecker",
-      "Answers the queries of implicit solvers about one mesh, and reuses the work of earlier "
-      "calls.\n\nCalls of one checker wait for each other; use one per thread.");
+void bind_queries(py::class_<Solver>& checker) {
   checker
-      .def(py::init([](std::shared_ptr<CollisionMesh> mesh, bool certificates, double tolerance,
-                       double conservative_rescaling, const py::object& filter) {
-             return std::make_unique<Solver>(
-                 std::move(mesh), ContactSettings{certificates, tolerance, conservative_rescaling}, filter);
-           }),
-           py::arg("mesh").none(false), py::kw_only(), py::arg("certificates") = true,
-           py::arg("tolerance") = 0.0, py::arg("conservative_rescaling") = 0.8,
-           py::arg("filter") = py::none(),
-           "certificates: skip what they prove in steps. tolerance: mesh units; 0: 2^-30 of the size of "
-           "everything. conservative_rescaling: the share, in (0, 1], of the way to contact that a step may "
-           "go. filter: a PairFilter for the mesh, of pairs that are not tested, beside those of its groups.")
       .def(
           "collision_free_step_size", &step_size_of, py::arg("x0"), py::arg("x1"),
           py::arg("min_distance") = 0.0,
@@ -314,6 +300,25 @@ void bind_checker(py::module_& module) {
           py::arg("x"), py::arg("bound"),
           "The smallest distance of two features that may collide, mesh units; infinity when it is above "
           "bound, which may be infinite.\n\nx: V x 3, mesh units. Error: as collision_free_step_size.");
+}
+
+void bind_checker(py::module_& module) {
+  py::class_<Solver> checker(
+      module, "ContactChecker",
+      "Answers the queries of implicit solvers about one mesh, and reuses the work of earlier "
+      "calls.\n\nCalls of one checker wait for each other; use one per thread.");
+  checker.def(
+      py::init([](std::shared_ptr<CollisionMesh> mesh, bool certificates, double tolerance,
+                  double conservative_rescaling, const py::object& filter) {
+        return std::make_unique<Solver>(
+            std::move(mesh), ContactSettings{certificates, tolerance, conservative_rescaling}, filter);
+      }),
+      py::arg("mesh").none(false), py::kw_only(), py::arg("certificates") = true, py::arg("tolerance") = 0.0,
+      py::arg("conservative_rescaling") = 0.8, py::arg("filter") = py::none(),
+      "certificates: skip what they prove in steps. tolerance: mesh units; 0: 2^-30 of the size of "
+      "everything. conservative_rescaling: the share, in (0, 1], of the way to contact that a step may "
+      "go. filter: a PairFilter for the mesh, of pairs that are not tested, beside those of its groups.");
+  bind_queries(checker);
   bind_last_call(checker);
 }
 

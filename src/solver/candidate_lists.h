@@ -32,7 +32,7 @@ class CandidateLists {
   double nearest(const double* x, double bound, Work& work) requires(Ends == 1);
 
   /// The positions of the last update, as features are numbered here.
-  PosedFeatures features() const requires(Ends == 1) { return {mesh_, points_}; }
+  std::span<const PointAtEnds<Ends>> points() const { return points_; }
 
  private:
   using Point = PointAtEnds<Ends>;

@@ -73,7 +73,7 @@ Result<void> ContactChecker::Impl::find(CandidateLists<Ends>& lists, std::span<c
 }
 
 void ContactChecker::Impl::measure(Part& part, double distance, std::span<const std::uint8_t> active) const {
-  const PosedFeatures features = pose_lists.features();
+  const PosedFeatures features{*mesh, pose_lists.points()};
   const auto is_active = [&](Index vertex) { return vertex != kNoIndex && active[vertex] != 0; };
   const auto in_leaf_order = [&](Index v) { return is_active(mesh->hierarchy()->vertex_ids()[v]); };
   part.of_kind[0].clear();
