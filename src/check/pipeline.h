@@ -37,7 +37,6 @@ struct Pipeline {
 /// Runs the stages of a query in turn, until one fails, and adds their times. They return a Result<void>.
 template <class Update, class Search, class Narrow>
 Result<void> run_stages(StageTimes& times, Update update, Search search, Narrow narrow) {
-  const PlainArithmetic plain;
   Stopwatch watch;
   const auto take_time = [&](double& stage) {
     const double ms = watch.lap();
@@ -53,11 +52,12 @@ Result<void> run_stages(StageTimes& times, Update update, Search search, Narrow 
   return {};
 }
 
-/// Runs a call, isolated, on what a checker remembers from call to call. A call that throws, for want of
-/// memory or from a user's filter, may leave anything behind: it loses the memory, and the next one makes it
-/// anew.
+/// Runs a call, isolated and in plain arithmetic, on what a checker remembers from call to call. A call that
+/// throws, for want of memory or from a user's filter, may leave anything behind: it loses the memory, and
+/// the next one makes it anew.
 template <class Memory, class Make, class Run>
 auto run_on(std::unique_ptr<Memory>& memory, Make make, Run run) {
+  const PlainArithmetic plain;
   std::unique_ptr<Memory> mine = std::move(memory);
   if (!mine) mine = make();
   auto result = isolated([&] { return run(*mine); });

@@ -52,7 +52,6 @@ bool is_long(const StepMotion& motion) {
 // (docs/soundness.md, F2).
 Result<void> find_earliest(Pipeline& pipeline, Positions x0, Positions x1, const StepSettings& settings,
                            bool any_will_do, StepResult& out) {
-  const PlainArithmetic plain;
   StepMotion& motion = pipeline.motion;
   const Vec3 drift = mean_displacement(motion, x0, x1);
   const double distance =

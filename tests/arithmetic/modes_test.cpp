@@ -72,7 +72,7 @@ struct Bits {
 // Two sheets that pass through each other, `size` across: the smallest ones have denormal coordinates.
 struct Sheets {
   std::vector<Object> hierarchies;
-  std::vector<std::vector<double>> x0, x1;
+  std::vector<std::vector<double>> x0, x1, apart;
   std::vector<double> folded;  // the first sheet, folded in half
   double across, thickness;
 };
@@ -96,6 +96,8 @@ Sheets sheets(double size) {
   }
   s.across = s.x0[0][3 * kSide * (kSide - 1)];
   s.thickness = 0.001 * s.across;
+  s.apart = s.x1;
+  for (std::size_t i = 0; i < s.apart[1].size(); i += 3) s.apart[1][i] += 5 * s.across;
   s.folded = s.x0[0];
   for (std::size_t i = 0; i < s.folded.size(); i += 3) s.folded[i] = std::abs(s.folded[i] - s.across / 2);
   return s;
@@ -121,6 +123,16 @@ Bits query_answers(const Sheets& s) {
         bits.add(std::uint64_t{c.a[0]} << 32 | c.b[1]);
       }
     }
+  }
+  // A long step, which is searched in stretches.
+  const std::vector<std::span<const double>> apart(s.apart.begin(), s.apart.end());
+  EXPECT_TRUE(checker.check(apart, x0, {.earliest_only = true}, step).has_value());
+  bits.add(step.earliest_toi);
+  bits.add(step.work.refits);
+  bits.add(step.work.node_tests);
+  EXPECT_TRUE(checker.check(x0, x1, {.explain = true}, step).has_value());
+  for (const auto& object : step.explanation.objects) {
+    for (const float margin : object.margin) bits.add(double{margin});
   }
   StaticResult crossings;
   EXPECT_TRUE(checker.check_static(x1, {}, crossings).has_value());
