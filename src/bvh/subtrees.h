@@ -9,13 +9,20 @@
 
 namespace foldproof::inline internal {
 
+inline Index leaf_count(const Hierarchy::Node& node) { return node.leaf_end - node.leaf_begin; }
+/// The node after all those below one, itself included.
+inline NodeIndex end_below(std::span<const Hierarchy::Node> nodes, NodeIndex node) {
+  return NodeIndex(node + 2 * leaf_count(nodes[node]) - 1);
+}
+
+/// The largest nodes with at most so many leaves.
 struct Subtrees {
   Subtrees(const Hierarchy& hierarchy, Index max_leaves_of_each) : max_leaves(max_leaves_of_each) {
     const auto nodes = hierarchy.nodes();
-    for (Index node = 0; node < nodes.size();) {
-      const Index leaves = nodes[node].leaf_end - nodes[node].leaf_begin;
-      (leaves <= max_leaves ? roots : top).push_back(NodeIndex(node));
-      node += leaves <= max_leaves ? 2 * leaves - 1 : 1;
+    for (NodeIndex node; node < nodes.size();) {
+      const bool is_root = leaf_count(nodes[node]) <= max_leaves;
+      (is_root ? roots : top).push_back(node);
+      node = is_root ? end_below(nodes, node) : NodeIndex(node + 1);
     }
   }
   /// The row of the first root that is not before a node.

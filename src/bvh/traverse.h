@@ -15,8 +15,6 @@ struct LeafPair {
   LeafIndex a, b;
 };
 
-inline Index leaf_count(const Hierarchy::Node& node) { return node.leaf_end - node.leaf_begin; }
-
 /// The nodes of two objects, or of one (`within`), of which a node may be paired with itself.
 struct NodePairs {
   std::span<const Hierarchy::Node> a, b;

@@ -40,11 +40,11 @@ void BroadPhase::list_within(const Step& step, Index object) {
     if (!step.culling.is_covered(object, k) && !proven[subtrees.roots[k]])
       keys_.push_back({object, object, subtrees.roots[k], subtrees.roots[k]});
   }
-  Index next = 0;  // past everything below the last proven node
+  NodeIndex next;  // past everything below the last proven node
   for (const NodeIndex node : subtrees.top) {
     if (node < next) continue;
     if (proven[node]) {
-      next = node + 2 * leaf_count(nodes[node]) - 1;
+      next = end_below(nodes, node);
     } else {
       list_pairs(step, object, object, children_of(nodes, node));
     }
@@ -53,10 +53,7 @@ void BroadPhase::list_within(const Step& step, Index object) {
 
 // The pairs of subtrees below two nodes that are near each other.
 void BroadPhase::list_pairs(const Step& step, Index a, Index b, NodePair start) {
-  TaskFilter visited;
-  visited.filter = &step.filter;
-  visited.object_a = a;
-  visited.object_b = b;
+  const TaskFilter visited(step.filter, a, b);
   near_.filter = step.filter.asks_nodes() ? &visited : nullptr;
   near_.subtree_pairs.clear();
   find_subtree_pairs(task(step, a, b).traversal, start, step.motion.subtrees(a).max_leaves, stack_, near_);
@@ -119,10 +116,8 @@ void BroadPhase::run(const Step& step, const TraversalTask& task, Tile& tile) {
   tile.begin_step();
   Local& local = locals_.local();
   local.front.clear();
-  local.filter.filter = &step.filter;
-  local.filter.object_a = object_a;
-  local.filter.object_b = object_b;
-  local.found.filter = step.filter.asks_nodes() ? &local.filter : nullptr;
+  const TaskFilter visited(step.filter, object_a, object_b);
+  local.found.filter = step.filter.asks_nodes() ? &visited : nullptr;
   local.found.front = step.keeps_fronts ? &local.front.pairs : nullptr;
   local.found.leaf_pairs.clear();
   local.found.node_tests = 0;
@@ -135,10 +130,10 @@ void BroadPhase::run(const Step& step, const TraversalTask& task, Tile& tile) {
     for (const LeafIndex leaf :
          step.culling.unproven_leaves(object_a, step.motion.subtrees(object_a).first_from(a)))
       tile.remaining.push_back({leaf, leaf});
-    const Index after = a + 2 * leaf_count(nodes[a]) - 1;
-    for (NodeIndex node = a; node < after;) {
+    const NodeIndex end_of_tile = end_below(nodes, a);
+    for (NodeIndex node = a; node < end_of_tile;) {
       if (proven[node]) {
-        node = NodeIndex(node + 2 * leaf_count(nodes[node]) - 1);
+        node = end_below(nodes, node);
         continue;
       }
       if (!nodes[node].is_leaf()) {
@@ -197,10 +192,7 @@ std::uint64_t BroadPhase::count_near_leaves(const StepMotion& motion, const Filt
   const float margin = separation_margin(motion.frame(), distance);
   std::atomic<std::uint64_t> count{0};
   const auto count_below = [&](Index a, Index b, NodePair start) {
-    TaskFilter visited;
-    visited.filter = &filter;
-    visited.object_a = a;
-    visited.object_b = b;
+    const TaskFilter visited(filter, a, b);
     Local& local = locals_.local();
     local.counted.leaf_pairs.clear();
     local.counted.filter = &visited;

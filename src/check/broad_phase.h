@@ -29,7 +29,6 @@ class BroadPhase {
   struct Local {
     std::vector<NodePair> stack;
     TraversalResult found;
-    TaskFilter filter;
     Front front;
     TraversalResult counted;  // of count_near_leaves
   };

@@ -134,9 +134,9 @@ void Culling::prove_top(const StepMotion& motion, const Filter& filter, Index ob
   proofs.top.clear();
   level_.clear();
   if (!subtrees.top.empty()) level_.emplace_back();
-  const auto cover = [&](Index node, Index patch) {
-    const Index end = node + 2 * leaf_count(nodes[node]) - 1;
-    for (Index k = subtrees.first_from(node); k < subtrees.first_from(end); ++k) {
+  const auto cover = [&](NodeIndex node, Index patch) {
+    const Index last = subtrees.first_from(end_below(nodes, node));
+    for (Index k = subtrees.first_from(node); k < last; ++k) {
       proofs.subtrees[k].is_covered = true;
       proofs.subtrees[k].patch = patch;
     }
@@ -181,14 +181,14 @@ void Culling::prove_subtree(const StepMotion& motion, const Filter& filter, Inde
     if (out.is_covered && out.patch != kNoIndex) proofs.leaves[leaf].add(out.patch);
   }
   if (out.is_covered) return;
-  const Index end = root + 2 * leaf_count(nodes[root]) - 1;
+  const NodeIndex end = end_below(nodes, root);
   for (NodeIndex node = root; node < end;) {
     const Hierarchy::Node& n = nodes[node];
     const bool ignored = !filter.nodes(object, node, object, node);
     if (ignored) proofs.proven[node] = 1;
     if (ignored || add_node(object, node, prove(motion, object, node, local), out)) {
       for (Index leaf = n.leaf_begin; !ignored && leaf < n.leaf_end; ++leaf) proofs.leaves[leaf].add(node);
-      node = NodeIndex(node + 2 * leaf_count(n) - 1);
+      node = end_below(nodes, node);
       continue;
     }
     if (n.is_leaf()) out.unproven_leaves.emplace_back(n.leaf_begin);

@@ -42,9 +42,11 @@ struct Filter {
 
 /// A filter for the nodes of a traversal.
 struct TaskFilter final : NodeFilter {
-  const Filter* filter = nullptr;
-  Index object_a = 0, object_b = 0;
-  bool visits(NodePair nodes) const override { return filter->nodes(object_a, nodes.a, object_b, nodes.b); }
+  TaskFilter(const Filter& of, Index a, Index b) : filter(of), object_a(a), object_b(b) {}
+  bool visits(NodePair nodes) const override { return filter.nodes(object_a, nodes.a, object_b, nodes.b); }
+
+  const Filter& filter;
+  Index object_a, object_b;
 };
 
 }  // namespace foldproof::inline internal
