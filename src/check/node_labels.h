@@ -27,6 +27,14 @@ class LabelSets {
   std::vector<std::vector<Index>> sets_;
 };
 
+/// Calls visit(vertex id) for each corner of a leaf's triangles.
+template <class Visit>
+void for_each_corner(const Hierarchy& hierarchy, Index leaf, Visit visit) {
+  for (Index k = hierarchy.leaves()[leaf].triangles; k < hierarchy.leaves()[leaf + 1].triangles; ++k) {
+    for (const Index v : hierarchy.topology().triangles()[hierarchy.triangle_ids()[k]]) visit(v);
+  }
+}
+
 /// The labels below each node of a hierarchy, or that they are many.
 class NodeLabels {
  public:

@@ -6,24 +6,21 @@
 
 #include "base/try.h"
 #include "check/node_labels.h"
+#include "filters/by_vertices.h"
 #include "foldproof/filters.h"
 
 namespace foldproof {
 namespace {
 
-class FixedFilter final : public PairFilter {
+class FixedFilter final : public ByVertices {
  public:
   FixedFilter(std::span<const Object> objects, std::span<const std::vector<std::uint8_t>> fixed)
-      : fixed_(fixed.begin(), fixed.end()) {
+      : ByVertices(objects), fixed_(fixed.begin(), fixed.end()) {
     for (const Object& object : objects) {
       const Hierarchy& hierarchy = *object.hierarchy();
-      hierarchies_.push_back(object.hierarchy());
       const auto& of_vertex = fixed_[nodes_.size()];
       nodes_.emplace_back(hierarchy, [&](Index leaf, std::vector<Index>& labels) {
-        for (Index k = hierarchy.leaves()[leaf].triangles; k < hierarchy.leaves()[leaf + 1].triangles; ++k) {
-          for (const Index v : hierarchy.topology().triangles()[hierarchy.triangle_ids()[k]])
-            labels.push_back(of_vertex[v] != 0);
-        }
+        for_each_corner(hierarchy, leaf, [&](Index v) { labels.push_back(of_vertex[v] != 0); });
       });
     }
   }
@@ -32,26 +29,16 @@ class FixedFilter final : public PairFilter {
     return NodeLabels::any(nodes_[object_a], node_a, nodes_[object_b], node_b,
                            [](Index a, Index b) { return a == 0 || b == 0; });
   }
-  bool vertex_face(Index vertex_object, Index vertex, Index face_object, Index face) const override {
-    return moves(vertex_object, std::span(&vertex, 1)) || moves(face_object, triangle(face_object, face));
-  }
-  bool edge_edge(Index object_a, const Edge& a, Index object_b, const Edge& b) const override {
-    return moves(object_a, a) || moves(object_b, b);
-  }
-  bool crossing(Index object_a, Index triangle_a, Index object_b, Index triangle_b) const override {
-    return moves(object_a, triangle(object_a, triangle_a)) || moves(object_b, triangle(object_b, triangle_b));
-  }
-  Index kind(Index, Index) const override { return 0; }
 
  private:
-  const Triangle& triangle(Index object, Index triangle) const {
-    return hierarchies_[object]->topology().triangles()[triangle];
+  bool tests(Index object_a, std::span<const Index> a, Index object_b,
+             std::span<const Index> b) const override {
+    return moves(object_a, a) || moves(object_b, b);
   }
   bool moves(Index object, std::span<const Index> vertices) const {
     return std::ranges::any_of(vertices, [&](Index v) { return fixed_[object][v] == 0; });
   }
 
-  std::vector<std::shared_ptr<const Hierarchy>> hierarchies_;
   std::vector<std::vector<std::uint8_t>> fixed_;  // per object and vertex
   std::vector<NodeLabels> nodes_;                 // per object; 1 for fixed
 };

@@ -10,6 +10,7 @@
 
 #include "base/plain_arithmetic.h"
 #include "base/try.h"
+#include "filters/by_vertices.h"
 #include "foldproof/filters.h"
 
 namespace foldproof {
@@ -32,13 +33,12 @@ struct VertexNumbers {
   }
 };
 
-class VertexFilter final : public PairFilter {
+class VertexFilter final : public ByVertices {
  public:
   // `pairs`: of vertices that belong together; each is taken in both orders.
   VertexFilter(std::span<const Object> objects, VertexNumbers numbers,
                std::span<const std::array<Index, 2>> pairs)
-      : first_(std::move(numbers.first)), begin_(first_.back() + std::size_t{1}) {
-    for (const Object& object : objects) hierarchies_.push_back(object.hierarchy());
+      : ByVertices(objects), first_(std::move(numbers.first)), begin_(first_.back() + std::size_t{1}) {
     for (const auto& [a, b] : pairs) {
       ++begin_[a];
       ++begin_[b];
@@ -55,22 +55,10 @@ class VertexFilter final : public PairFilter {
   }
 
   bool nodes(Index, Index, Index, Index) const override { return true; }
-  bool vertex_face(Index vertex_object, Index vertex, Index face_object, Index face) const override {
-    return is_tested(vertex_object, std::span(&vertex, 1), face_object, triangle(face_object, face));
-  }
-  bool edge_edge(Index object_a, const Edge& a, Index object_b, const Edge& b) const override {
-    return is_tested(object_a, a, object_b, b);
-  }
-  bool crossing(Index object_a, Index triangle_a, Index object_b, Index triangle_b) const override {
-    return is_tested(object_a, triangle(object_a, triangle_a), object_b, triangle(object_b, triangle_b));
-  }
-  Index kind(Index, Index) const override { return 0; }
 
  private:
-  const Triangle& triangle(Index object, Index triangle) const {
-    return hierarchies_[object]->topology().triangles()[triangle];
-  }
-  bool is_tested(Index object_a, std::span<const Index> a, Index object_b, std::span<const Index> b) const {
+  bool tests(Index object_a, std::span<const Index> a, Index object_b,
+             std::span<const Index> b) const override {
     for (const Index i : a) {
       const Index v = first_[object_a] + i;
       const auto begin = with_.begin() + static_cast<std::ptrdiff_t>(begin_[v]),
@@ -82,7 +70,6 @@ class VertexFilter final : public PairFilter {
     return true;
   }
 
-  std::vector<std::shared_ptr<const Hierarchy>> hierarchies_;
   std::vector<Index> first_;        // per object
   std::vector<std::size_t> begin_;  // per vertex: where its part of with_ begins
   std::vector<Index> with_;         // vertices that belong to it, ascending

@@ -30,9 +30,7 @@ ContactFilter::ContactFilter(const CollisionMesh& mesh, std::shared_ptr<const Pa
   for (Index v = 0; v < groups.size(); ++v) first[groups[v]] = std::min(first[groups[v]], v);
   const Hierarchy& hierarchy = *mesh.hierarchy();
   nodes_ = NodeLabels(hierarchy, [&](Index leaf, std::vector<Index>& out) {
-    for (Index k = hierarchy.leaves()[leaf].triangles; k < hierarchy.leaves()[leaf + 1].triangles; ++k) {
-      for (const Index v : triangles_[hierarchy.triangle_ids()[k]]) out.push_back(first[groups[v]]);
-    }
+    for_each_corner(hierarchy, leaf, [&](Index v) { out.push_back(first[groups[v]]); });
   });
 }
 

@@ -108,6 +108,24 @@ std::vector<std::vector<double>> path_lengths(const Topology& topology, std::spa
   return length;
 }
 
+// Ignores features of one object with a path of at most this length between any two vertices.
+Definition neighbors(const Scene& scene, bool unit, double most) {
+  std::vector<std::vector<std::vector<double>>> lengths;
+  for (std::size_t i = 0; i < scene.topologies.size(); ++i)
+    lengths.push_back(path_lengths(scene.topologies[i], scene.x0[i], unit));
+  return any_of([lengths, most](Vertex a, Vertex b) {
+    return a.first == b.first && lengths[a.first][a.second][b.second] <= most;
+  });
+}
+
+// Ignores features all of whose vertices are fixed.
+Definition all_fixed(const std::vector<std::vector<std::uint8_t>>& fixed) {
+  return {[fixed](const Feature& a, const Feature& b) {
+    const auto is_fixed = [&](Vertex v) { return fixed[v.first][v.second] != 0; };
+    return std::ranges::all_of(a, is_fixed) && std::ranges::all_of(b, is_fixed);
+  }};
+}
+
 class Filters : public ::testing::TestWithParam<MeshFamily> {
  protected:
   // Of one or two objects.
@@ -157,14 +175,9 @@ TEST_P(Filters, NeighborsAreWithinRingsOrALength) {
     const auto objects = scene.hierarchies(4);
     const bool unit = seed < 2;
     const double most = unit ? seed : 0.15 * (seed - 1);
-    std::vector<std::vector<std::vector<double>>> lengths;
-    for (std::size_t i = 0; i < objects.size(); ++i)
-      lengths.push_back(path_lengths(scene.topologies[i], scene.x0[i], unit));
-    const auto together = [&](Vertex a, Vertex b) {
-      return a.first == b.first && lengths[a.first][a.second][b.second] <= most;
-    };
     const auto filter = unit ? ignore_rings(objects, seed) : ignore_length(objects, scene.spans0(), most);
-    ASSERT_NO_FATAL_FAILURE(expect_filtered(scene, objects, filter.value(), any_of(together), found_));
+    ASSERT_NO_FATAL_FAILURE(
+        expect_filtered(scene, objects, filter.value(), neighbors(scene, unit, most), found_));
   }
   EXPECT_GT(found_.kept, 5u);
   if (std::string_view(GetParam().name) != "soup") {  // whose triangles have no neighbors
@@ -182,12 +195,8 @@ TEST_P(Filters, FixedVerticesDoNotMeet) {
       for (std::size_t v = 0; v < of.size(); ++v)
         of[v] = seed == 1 ? (i == 0 ? 7 : 0) : scene.x0[i][3 * v] > 0 || rng_() % 4 == 0;
     }
-    const Definition ignores{[&](const Feature& a, const Feature& b) {
-      const auto is_fixed = [&](Vertex v) { return fixed[v.first][v.second] != 0; };
-      return std::ranges::all_of(a, is_fixed) && std::ranges::all_of(b, is_fixed);
-    }};
     ASSERT_NO_FATAL_FAILURE(
-        expect_filtered(scene, objects, ignore_fixed(objects, fixed).value(), ignores, found_));
+        expect_filtered(scene, objects, ignore_fixed(objects, fixed).value(), all_fixed(fixed), found_));
   }
   EXPECT_GT(found_.kept, 5u);
   EXPECT_GT(found_.ignored, 5u);
@@ -260,16 +269,10 @@ TEST_P(Filters, SeveralIgnoreWhatAnyIgnores) {
         of.push_back(of.size() % 3 != 0);
     }
     const auto filter = ignore_all({ignore_fixed(objects, fixed).value(), ignore_rings(objects, 1).value()});
-    std::vector<std::vector<std::vector<double>>> lengths;
-    for (std::size_t i = 0; i < objects.size(); ++i)
-      lengths.push_back(path_lengths(scene.topologies[i], scene.x0[i], true));
-    const auto neighbors = any_of(
-        [&](Vertex a, Vertex b) { return a.first == b.first && lengths[a.first][a.second][b.second] <= 1; });
-    const Definition ignores{[&](const Feature& a, const Feature& b) {
-      const auto is_fixed = [&](Vertex v) { return fixed[v.first][v.second] != 0; };
-      return (std::ranges::all_of(a, is_fixed) && std::ranges::all_of(b, is_fixed)) ||
-             neighbors.features(a, b);
-    }};
+    const Definition ignores{
+        [fixed = all_fixed(fixed), near = neighbors(scene, true, 1)](const Feature& a, const Feature& b) {
+          return fixed.features(a, b) || near.features(a, b);
+        }};
     ASSERT_NO_FATAL_FAILURE(expect_filtered(scene, objects, filter, ignores, found_));
   }
   EXPECT_GT(found_.kept, 5u);
