@@ -115,7 +115,7 @@ void bind_filters(py::module_& module) {
     return std::string(what) + "\n\n" + objects + " " + arguments;
   };
   module.def("ignore_sewn", &sewn, py::arg("objects"), py::arg("seams"),
-             text("Ignores what meets at a seam, as if two vertices that are sewn to each other were one.",
+             text("Ignores what meets at a seam: pairs that contain one each of two vertices sewn to each other.",
                   "seams: K x 2 vertex ids; of several objects K x 4: object, vertex, object, vertex. Sew a "
                   "vertex on an edge "
                   "to both of its ends.")

@@ -12,7 +12,7 @@ bool is_long(const StepMotion& motion);
 /// Finds the earliest collision of a long step, after an update of the motion, which it overwrites: searches
 /// one stretch of the time after the other, each as a step of its own, as far as the first collision. Where
 /// `any_will_do`, ends with the first stretch in which something collides, early or late. Adds to `out`.
-/// Error: as Pipeline::find_leaf_pairs.
+/// Error: as StepMotion::update and Pipeline::find_leaf_pairs.
 Result<void> find_earliest(Pipeline& pipeline, Positions x0, Positions x1, const StepSettings& settings,
                            bool any_will_do, StepResult& out);
 
