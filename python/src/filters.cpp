@@ -114,12 +114,13 @@ void bind_filters(py::module_& module) {
   const auto text = [&](const char* what, const char* arguments) {
     return std::string(what) + "\n\n" + objects + " " + arguments;
   };
-  module.def("ignore_sewn", &sewn, py::arg("objects"), py::arg("seams"),
-             text("Ignores what meets at a seam: pairs that contain one each of two vertices sewn to each other.",
-                  "seams: K x 2 vertex ids; of several objects K x 4: object, vertex, object, vertex. Sew a "
-                  "vertex on an edge "
-                  "to both of its ends.")
-                 .c_str());
+  module.def(
+      "ignore_sewn", &sewn, py::arg("objects"), py::arg("seams"),
+      text("Ignores what meets at a seam: pairs that contain one each of two vertices sewn to each other.",
+           "seams: K x 2 vertex ids; of several objects K x 4: object, vertex, object, vertex. Sew a "
+           "vertex on an edge "
+           "to both of its ends.")
+          .c_str());
   module.def(
       "ignore_rings", &rings, py::arg("objects"), py::arg("rings"),
       text("Ignores neighbors: pairs within an object with a path of at most this many edges between them.",
