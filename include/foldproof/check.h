@@ -263,7 +263,7 @@ class StepChecker {
   /// Reports every vertex-face and edge-edge pair without a common vertex that collides while all vertices
   /// move from x0 to x1 along straight lines. Soundness: no pair that touches is missing; a reported pair
   /// comes within thickness + tolerance, unless it is undecided (docs/soundness.md). Error: wrong sizes,
-  /// coordinates that are not finite.
+  /// coordinates that are not finite, a vertex that moves so far that x1 - x0 overflows.
   [[nodiscard]] Result<void> check(Positions x0, Positions x1, const StepSettings& settings, StepResult& out);
 
   /// Reports every pair of triangles that cross, by exact arithmetic. `thickness`, `tolerance` and

@@ -18,15 +18,22 @@ constexpr double kMaxExtrapolatedCoordinate = 0x1p28;
 // All objects together are cut into about as many subtrees, unless these would be smaller or larger.
 constexpr std::size_t kSubtrees = 128, kMinSubtreeLeaves = 16, kMaxSubtreeLeaves = 512;
 
-tl::unexpected<Error> not_finite(Index object, std::size_t vertex, const char* end) {
+tl::unexpected<Error> not_finite(Index object, Index vertex, const char* end) {
   return fail(ErrorCode::NonFinite, fmt::format("object {}, vertex {}", object, vertex),
               fmt::format("has a coordinate in {} that is not finite", end), "repair the positions");
 }
 
-Result<void> check_numbers(Index object, const char* end, std::span<const double> x) {
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (!std::isfinite(x[i])) return not_finite(object, i / 3, end);
-  }
+Result<void> check_vertex(Index object, Index vertex, Positions x0, Positions x1) {
+  const Vec3 from = position(x0[object], vertex), to = position(x1[object], vertex);
+  if ((to - from).allFinite()) return {};
+  if (!from.allFinite()) return not_finite(object, vertex, "x0");
+  if (!to.allFinite()) return not_finite(object, vertex, "x1");
+  return fail(ErrorCode::NonFinite, fmt::format("object {}, vertex {}", object, vertex),
+              "moves so far from x0 to x1 that the difference overflows", "scale the positions down");
+}
+
+Result<void> check_vertices(Index object, Positions x0, Positions x1) {
+  for (Index v = 0; v < x0[object].size() / 3; ++v) FOLDPROOF_TRY(check_vertex(object, v, x0, x1));
   return {};
 }
 
@@ -96,20 +103,13 @@ Result<void> StepMotion::check_sizes(Positions x0, Positions x1) const {
 
 Result<void> StepMotion::check(Positions x0, Positions x1) const {
   FOLDPROOF_TRY(check_sizes(x0, x1));
-  for (Index i = 0; i < bvhs_.size(); ++i) {
-    FOLDPROOF_TRY(check_numbers(i, "x0", x0[i]));
-    if (x1[i].data() == x0[i].data()) continue;
-    FOLDPROOF_TRY(check_numbers(i, "x1", x1[i]));
-  }
+  for (Index i = 0; i < bvhs_.size(); ++i) FOLDPROOF_TRY(check_vertices(i, x0, x1));
   return {};
 }
 
 Result<void> StepMotion::check_isolated_vertices(Positions x0, Positions x1) const {
   for (Index i = 0; i < bvhs_.size(); ++i) {
-    for (const Index v : *isolated_[i]) {
-      if (!position(x0[i], v).allFinite()) return not_finite(i, v, "x0");
-      if (!position(x1[i], v).allFinite()) return not_finite(i, v, "x1");
-    }
+    for (const Index v : *isolated_[i]) FOLDPROOF_TRY(check_vertex(i, v, x0, x1));
   }
   return {};
 }
@@ -137,10 +137,7 @@ Result<void> StepMotion::read(Positions x0, Positions x1) {
   };
   for (Index i = 0; i < bvhs_.size(); ++i) {
     const KineticBvh::ExtrapolatedBounds bounds = read_object(i);
-    if (!bounds.first_step.finite) {
-      FOLDPROOF_TRY(check_numbers(i, "x0", x0[i]));
-      return check_numbers(i, "x1", x1[i]);
-    }
+    if (!bounds.first_step.finite) return check_vertices(i, x0, x1);
     step = united(step, bounds.first_step);
     motion = united(motion, bounds.all_steps);
   }
@@ -151,6 +148,8 @@ Result<void> StepMotion::read(Positions x0, Positions x1) {
     return read(x0, x1);
   }
   step_extent_ = largest_extent(step);
+  for (Index i = 0; i < bvhs_.size() && step_extent_ == std::numeric_limits<double>::max(); ++i)
+    FOLDPROOF_TRY(check_vertices(i, x0, x1));
   motion_extent_ = largest_extent(motion);
   const Frame frame = frame_around(motion.low, motion.high);
   // Far from the origin the rounding of extrapolated positions would exceed what the slack allows for.

@@ -32,10 +32,10 @@ class StepMotion {
   /// Checks sizes and numbers, then refits every object. `steps`: the number of steps of the motion, the
   /// given one included.
   Result<void> update(Positions x0, Positions x1, Index steps = 1);
-  /// Error: there are not three numbers per vertex, or one is not finite.
+  /// Error: there are not three numbers per vertex, one is not finite, or x1 - x0 overflows.
   Result<void> check(Positions x0, Positions x1) const;
-  /// Error: a vertex of no triangle has coordinates that are not finite. All other vertices are checked when
-  /// they are used. Precondition: fits.
+  /// The same of the numbers of vertices of no triangle; all others are checked when they are used.
+  /// Precondition: fits.
   Result<void> check_isolated_vertices(Positions x0, Positions x1) const;
   /// Whether there are three numbers per vertex of each object.
   bool fits(Positions x0, Positions x1) const;

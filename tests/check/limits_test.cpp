@@ -1,5 +1,6 @@
 // Limits: how many pairs are counted and listed, copies of triangles, unused vertices, and coordinates at the
 // ends of double's range.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -346,6 +347,28 @@ TEST(Unused, AVertexThatIsNotFiniteIsAnError) {
       EXPECT_FALSE(checker.check_static(with_bad, {}, pose));
       EXPECT_TRUE(checker.check(good, good, {}, step));
     }
+  }
+}
+
+TEST(Magnitude, ADisplacementThatOverflowsIsRefused) {
+  // Vertex 6 is in no triangle.
+  const auto topology = *Topology::make(7, {{0, 1, 2}, {3, 4, 5}});
+  const std::vector<double> x{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 5, 5, 5};
+  StepChecker checker({std::make_shared<const Hierarchy>(*Hierarchy::build(topology, x))});
+  for (const std::size_t vertex : {1, 4, 6}) {
+    auto from = x, to = x;
+    from[3 * vertex + 1] = -1e308;
+    to[3 * vertex + 1] = 7e307;
+    const std::span<const double> x0[] = {from}, x1[] = {to};
+    StepResult result;
+    EXPECT_TRUE(checker.check(x0, x1, {}, result));
+    to[3 * vertex + 1] = 1e308;
+    const auto refused = checker.check(x0, x1, {}, result);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().line(),
+              fmt::format("object 0, vertex {}: moves so far from x0 to x1 that the difference overflows; "
+                          "scale the positions down",
+                          vertex));
   }
 }
 
