@@ -2,7 +2,7 @@
 # code src/ccd/conservative_advancement.cpp
 #   hit_ = hn::Add(thickness, hn::Mul(tolerance_, Number(0.5)));
 #   const M hit = hn::And(open_, hn::Le(here.distance, hit_));
-#   lanes_.tolerance[lane] = std::max(std::max(settings_.tolerance, kMinTolerance) * scale_[k], kResolution * std::max(loaded_.extent[k], thickness));
+#   const double tolerance = std::max(std::max(settings_.tolerance, kMinTolerance) * scale_[k], kResolution * std::max(loaded_.extent[k], thickness));
 #
 # In units of max(M, D). The length is wrong by at most 64 u M (n4_length.g).
 

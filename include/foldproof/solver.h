@@ -162,12 +162,18 @@ inline constexpr std::array<const char*, 4> kClosePairKindNames{"vertex_vertex",
 
 struct ContactSettings {
   bool certificates = true;  ///< Skip what certificates prove: less work, the same answers.
-  /// Mesh units. Pairs closer than the minimum distance plus this may count as collisions. 0: 2^-30 of the
-  /// largest side of the box around everything during the step.
+  /// Mesh units. Pairs closer than the minimum distance plus this may count as collisions. 0: for each pair
+  /// 2^-30 of the largest difference of coordinates between its features in x0, and at least what rounding
+  /// needs, 2^-44 of that difference during the step.
   double tolerance = 0;
   /// A step that would collide goes this share of the way to the collision, in (0,1]. With 1 it could end
   /// within the tolerance of it, and the next step would start in collision.
   double conservative_rescaling = 0.8;
+  /// Rescales distances too, as ipc-toolkit does. By its *gap* a pair is farther apart than min_distance. A
+  /// step that would collide then leaves of the gap of every pair in x0 the share
+  /// 1 - conservative_rescaling, or as much as that is of the pair that would collide first, if that is less;
+  /// in either case less twice the tolerance.
+  bool rescale_distance = false;
 };
 
 /// Yes, no, or an error. It does not convert to bool, so `if (checker.has_intersections(x))` does not
@@ -192,15 +198,17 @@ struct StepSize {
   /// Why the share is not larger.
   enum class Limit : std::uint8_t {
     None,     ///< It is 1.
-    Contact,  ///< Something collides on the way, or comes so near that it is undecided.
+    Contact,  ///< It is above 0: something collides on the way, or comes within the tolerance of it.
     Start,    ///< It is 0: in x0 a pair is already closer than min_distance plus the tolerance.
-    /// It is 0: no step could be proven free, or the first pair that stands in the way at x0 is undecided.
-    /// This happens to very thin triangles, or where the tolerance is hardly above the rounding of positions.
+    /// The first pair that stands in the way is undecided, or it is 0 as no step could be proven free. This
+    /// happens to very thin triangles, or where the tolerance is hardly above the rounding of positions.
     Undecided,
   } limit;
   /// The first collision, of those at the same time that of the smallest ids, vertex and face before edges:
-  /// its time in [0,1], and the pair's closest features at that time, not marked as parallel. Unless the
-  /// limit is None.
+  /// its time in [0,1], and the pair's closest features at that time, not marked as parallel. With
+  /// ContactSettings::rescale_distance, the first pair down to its share, if that is what limits the step.
+  /// Unless the limit is None. The time is 0 with a share above 0 where a pair is so close beside its long
+  /// way that only a shorter one can be proven free.
   double contact_time = 1;
   ClosePair contact = {};
 };
@@ -216,8 +224,8 @@ inline constexpr std::array<const char*, 4> kStepLimitNames{"none", "contact", "
 /// *Relevant pairs* are a vertex and a face, two edges, a codimensional edge and a codimensional point, and
 /// two codimensional points, if they have no vertex in common and the filter allows them. A relevant pair
 /// *collides* if its distance is <= min_distance (0: it touches) at some time of the step. Errors of all
-/// calls: wrong sizes, coordinates that are not finite, lengths that are negative or not finite. Soundness:
-/// docs/soundness.md, "Solvers".
+/// calls: wrong sizes, coordinates that are not finite, a vertex that moves so far that x1 - x0 overflows,
+/// lengths that are negative or not finite. Soundness: docs/soundness.md, "Solvers".
 class ContactChecker {
  public:
   /// `filter`: beside the mesh's CollisionFilter, for one object, mesh->hierarchy() (foldproof/filters.h);
@@ -233,7 +241,7 @@ class ContactChecker {
 
   /// A share of the step that is proven free of collisions, rounding included: the step to the positions that
   /// `step_towards` computes is_step_collision_free. Certificates do not change the answer. Cost: that of a
-  /// step, and of a second one when the share is below 1.
+  /// step, and of a second one when the share is below 1; seldom of more.
   [[nodiscard]] Result<StepSize> collision_free_step_size(std::span<const double> x0,
                                                           std::span<const double> x1,
                                                           double min_distance = 0);

@@ -296,6 +296,7 @@ class ContactChecker:
         certificates: bool = True,
         tolerance: float = 0.0,
         conservative_rescaling: float = 0.8,
+        rescale_distance: bool = False,
         filter: PairFilter | None = None,
     ) -> None: ...
     def collision_free_step_size(self, x0: ArrayLike, x1: ArrayLike, min_distance: float = 0.0) -> float: ...

@@ -228,8 +228,8 @@ void bind_last_call(py::class_<Solver>& checker) {
                 self.of_last_call([&] { return self.size.limit; }))];
           },
           "Why the last step size is not larger: 'none' (it is 1), 'contact' (a collision on the way), "
-          "'start' (it is 0: in x0 a pair is too close already), or 'undecided' (it is 0: no share could be "
-          "proven free).")
+          "'start' (it is 0: in x0 a pair is too close already), or 'undecided' (the first pair in the way "
+          "could not be decided, or no share could be proven free).")
       .def_property_readonly(
           "contact",
           [](Solver& self) -> py::object {
@@ -309,15 +309,19 @@ void bind_checker(py::module_& module) {
       "calls.\n\nCalls of one checker wait for each other; use one per thread.");
   checker.def(
       py::init([](std::shared_ptr<CollisionMesh> mesh, bool certificates, double tolerance,
-                  double conservative_rescaling, const py::object& filter) {
+                  double conservative_rescaling, bool rescale_distance, const py::object& filter) {
         return std::make_unique<Solver>(
-            std::move(mesh), ContactSettings{certificates, tolerance, conservative_rescaling}, filter);
+            std::move(mesh),
+            ContactSettings{certificates, tolerance, conservative_rescaling, rescale_distance}, filter);
       }),
       py::arg("mesh").none(false), py::kw_only(), py::arg("certificates") = true, py::arg("tolerance") = 0.0,
-      py::arg("conservative_rescaling") = 0.8, py::arg("filter") = py::none(),
-      "certificates: skip what they prove in steps. tolerance: mesh units; 0: 2^-30 of the size of "
-      "everything. conservative_rescaling: the share, in (0, 1], of the way to contact that a step may "
-      "go. filter: a PairFilter for the mesh, of pairs that are not tested, beside those of its groups.");
+      py::arg("conservative_rescaling") = 0.8, py::arg("rescale_distance") = false,
+      py::arg("filter") = py::none(),
+      "certificates: skip what they prove in steps. tolerance: mesh units; 0: 2^-30 of each pair's "
+      "size. conservative_rescaling: the share, in (0, 1], of the way to contact that a step may "
+      "go; with rescale_distance also of a pair's distance beyond min_distance that it may lose, as in "
+      "ipc-toolkit. filter: a PairFilter for the mesh, of pairs that are not tested, beside those of its "
+      "groups.");
   bind_queries(checker);
   bind_last_call(checker);
 }

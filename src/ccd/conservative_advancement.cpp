@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "ccd/bounds.h"
+#include "ccd/nearest_points.h"
 
 #undef HWY_TARGET_INCLUDE  // Highway compiles this file once per instruction set
 #define HWY_TARGET_INCLUDE "ccd/conservative_advancement.cpp"
@@ -142,6 +144,7 @@ class Iteration {
         error_(Row(lanes.patch.volume_error)),
         now_(At(a_, e_, t_)) {
     const V thickness = Row(lanes.thickness);
+    without_thickness_ = hn::Eq(thickness, hn::Zero(D()));
     min_projection_ = hn::Add(hn::Mul(thickness, Number(1 + 8 * kUnit)),
                               hn::Mul(Number(kDotError), Row(lanes.patch.extent)));
     // A plane is followed to slightly below `hit_`, so that the next iteration decides.
@@ -149,7 +152,7 @@ class Iteration {
     hit_ = hn::Add(thickness, hn::Mul(tolerance_, Number(0.5)));
   }
 
-  // `use_volume`: the thickness is 0, so the sign of the volume is a proof as well.
+  // `use_volume`: where the thickness is 0, the sign of the volume is a proof as well.
   HWY_INLINE ConservativeAdvancement::Answers Iterate(bool use_volume) {
     const PatchClosest here = ClosestToOrigin(now_);
     const M hit = hn::And(open_, hn::Le(here.distance, hit_));
@@ -211,8 +214,9 @@ class Iteration {
   // N3. Advances to just before the volume is zero.
   HWY_INLINE void FollowVolume() {
     const Volume volume(now_, e_);
-    MarkSeparated(hn::And(open_, volume.KeepsSign(error_)));
-    if (!Any(open_)) return;
+    const M able = hn::And(open_, without_thickness_);
+    MarkSeparated(hn::And(able, volume.KeepsSign(error_)));
+    if (!Any(hn::And(open_, able))) return;
     V speed2 = hn::Zero(D());
     for (int k = 0; k < N; ++k) {
       const Vector displacement = Minus(e_.d[k], a_.d[k]);
@@ -222,7 +226,7 @@ class Iteration {
     const V backward = hn::Div(tolerance_, hn::Mul(Number(8), hn::Sqrt(speed2)));
     const V zero = EstimateFirstZero(Cubic(volume.b), open_);
     const V t = hn::Sub(hn::Add(t_, hn::Mul(left_, zero)), backward);
-    const M on = hn::And(open_, hn::And(hn::Gt(t, plane_end_), hn::Lt(t, Number(1))));
+    const M on = hn::And(hn::And(open_, able), hn::And(hn::Gt(t, plane_end_), hn::Lt(t, Number(1))));
     if (Any(on)) Advance(hn::And(on, Volume(now_, At(a_, e_, t)).KeepsSign(error_)), t);
   }
 
@@ -258,13 +262,14 @@ class Iteration {
         free = hn::And(free, hn::Gt(middle, min_projection_));
       }
     }
-    return use_volume ? hn::Or(free, Volume(now_, then).KeepsSign(error_)) : free;
+    if (!use_volume) return free;
+    return hn::Or(free, hn::And(without_thickness_, Volume(now_, then).KeepsSign(error_)));
   }
 
   ConservativeAdvancement::Lanes& lanes_;
   const std::size_t lane_;
   M open_;  // lanes that have not advanced in this iteration
-  M separated_ = hn::FirstN(D(), 0);
+  M separated_ = hn::FirstN(D(), 0), without_thickness_;
   const Corners<N> a_, e_;
   V t_;
   const V left_, tolerance_, error_;
@@ -383,22 +388,48 @@ unsigned ConservativeAdvancement::load(const PairBatch& pairs, int count) {
     scale_[lane] = scale_differences(pairs, edge_edge_, lane, settings_.thickness, loaded_);
     rescaled = true;
   }
+  for (int lane = 0; lane < count; ++lane) thickness_[lane] = settings_.thickness * scale_[lane];
+  if (pairs_.min_gap_share > 0) add_gaps(pairs, count);
   if (settings_.thickness > 0) return all;
   if (rescaled) {
     separated = edge_edge_ ? HWY_DYNAMIC_DISPATCH(NeverCoplanar4)(loaded_)
                            : HWY_DYNAMIC_DISPATCH(NeverCoplanar3)(loaded_);
   }
+  for (int lane = 0; lane < count; ++lane) {
+    if (thickness_[lane] > 0) separated &= ~(1u << lane);
+  }
   return all & ~separated;
+}
+
+double ConservativeAdvancement::tolerance(int k) const {
+  const double thickness = settings_.thickness * scale_[k];
+  const double tolerance = std::max(std::max(settings_.tolerance, kMinTolerance) * scale_[k],
+                                    kResolution * std::max(loaded_.extent[k], thickness));
+  if (pairs_.relative_tolerance == 0) return tolerance;
+  double extent = 0;
+  for (int corner = 0; corner < (edge_edge_ ? 4 : 3); ++corner) {
+    for (int axis = 0; axis < 3; ++axis) extent = std::max(extent, std::abs(loaded_.d[0][corner][axis][k]));
+  }
+  return std::max(tolerance, pairs_.relative_tolerance * extent);
+}
+
+void ConservativeAdvancement::add_gaps(const PairBatch& pairs, int count) {
+  NearestBatch start;
+  nearest_points(pairs, count, edge_edge_, std::numeric_limits<double>::infinity(), start);
+  for (int k = 0; k < count; ++k) {
+    const double gap =
+        std::min(pairs_.min_gap_share * (start.distance[k] - settings_.thickness), pairs_.max_gap);
+    const double scaled = gap * scale_[k];
+    if (scaled > 2 * tolerance(k)) thickness_[k] += scaled - tolerance(k);
+  }
 }
 
 int ConservativeAdvancement::start(int k, double latest) {
   const int lane = __builtin_ctz(~busy_);
   busy_ |= 1u << lane;
   copy_lane(loaded_, k, edge_edge_, lanes_.patch, lane);
-  const double thickness = settings_.thickness * scale_[k];
-  lanes_.thickness[lane] = thickness;
-  lanes_.tolerance[lane] = std::max(std::max(settings_.tolerance, kMinTolerance) * scale_[k],
-                                    kResolution * std::max(loaded_.extent[k], thickness));
+  lanes_.thickness[lane] = thickness_[k];
+  lanes_.tolerance[lane] = tolerance(k);
   lanes_.latest[lane] = latest;
   lanes_.t[lane] = 0;
   lanes_.interval[lane] = 1;

@@ -31,11 +31,21 @@ struct alignas(64) MinkowskiBatch {
   double volume_error[8];  ///< N3
 };
 
+/// What the start of the step adds to the settings of a pair (docs/soundness.md, V3).
+struct PairSettings {
+  /// The tolerance is at least this times the pair's extent at the start.
+  double relative_tolerance = 0;
+  /// Let g be by how much the pair's distance at the start exceeds the thickness. The thickness of the pair
+  /// is larger by the smaller of min_gap_share * g and max_gap, less the tolerance; if that is above twice
+  /// the tolerance.
+  double min_gap_share = 0, max_gap = 0;
+};
+
 /// Conservative advancement (Mirtich 1996) of pairs of one kind through the step.
 class ConservativeAdvancement {
  public:
-  ConservativeAdvancement(bool edge_edge, const CcdSettings& settings)
-      : edge_edge_(edge_edge), settings_(settings) {}
+  ConservativeAdvancement(bool edge_edge, const CcdSettings& settings, const PairSettings& pairs = {})
+      : edge_edge_(edge_edge), settings_(settings), pairs_(pairs) {}
 
   /// Loads the first `count` pairs of a batch, at most eight. Bit k is set unless a first test proves pair k
   /// separated.
@@ -61,10 +71,14 @@ class ConservativeAdvancement {
   };
 
  private:
+  double tolerance(int k) const;
+  void add_gaps(const PairBatch& pairs, int count);
+
   bool edge_edge_;
   CcdSettings settings_;
+  PairSettings pairs_;
   MinkowskiBatch loaded_;
-  double scale_[8];  // of the loaded pairs
+  double scale_[8], thickness_[8];  // of the loaded pairs; the thickness is scaled
   Lanes lanes_ = {};
   int iterations_[8];
   unsigned busy_ = 0;

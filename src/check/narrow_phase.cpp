@@ -42,7 +42,7 @@ template <class Pair>
 class CandidateTester {
  public:
   CandidateTester(const NarrowStep& step, std::vector<Pair>& hits, std::uint64_t& undecided)
-      : step_(step), lanes_(kEdgeEdge, step.ccd, step.earliest, Report{step, hits, undecided}) {}
+      : step_(step), lanes_(kEdgeEdge, step.ccd, step.earliest, Report{step, hits, undecided}, step.pairs) {}
 
   // Adds a vertex of `a` and a face of `b`, or an edge of each, by their indices in leaf order.
   void add(const Side& a, Index index_a, const Side& b, Index index_b) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "ccd/conservative_advancement.h"
 #include "check/filter.h"
 #include "check/motion.h"
 
@@ -101,6 +102,7 @@ struct NarrowStep {
   std::span<const TraversalTask> tasks;
   Positions x0, x1;
   CcdSettings ccd;
+  PairSettings pairs;
   std::atomic<double>* earliest;  ///< Null unless StepSettings::earliest_only.
   std::uint64_t max_listed;       ///< StepSettings::max_listed.
   Filter filter = {};

@@ -14,8 +14,9 @@ class PairLanes {
  public:
   /// `latest`: contacts after this time do not matter; it may decrease during the tests. Null: as in the
   /// settings.
-  PairLanes(bool edge_edge, const CcdSettings& settings, const std::atomic<double>* latest, Report report)
-      : advancement_(edge_edge, settings),
+  PairLanes(bool edge_edge, const CcdSettings& settings, const std::atomic<double>* latest, Report report,
+            const PairSettings& pairs = {})
+      : advancement_(edge_edge, settings, pairs),
         settings_latest_(settings.latest),
         latest_(latest),
         report_(report) {}

@@ -24,7 +24,7 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
     out.work.refits = cache_hit ? 0 : motion.size();
     out.search_steps = cache_hit ? 0 : motion.steps();
     out.tolerance = tolerance_for(settings, cache_hit ? plan.extent : motion.step_extent());
-    distance = settings.thickness + out.tolerance;
+    distance = query.search_distance(settings, out);
     cuts_time = settings.earliest_only && !settings.explain && settings.declared_free == nullptr &&
                 !cache_hit && motion.steps() == 1 && is_long(motion);
     return {};
@@ -40,7 +40,7 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
     if (cuts_time) return {};
     const BroadPhase& found = pipeline.broad_phase;
     NarrowStep step(settings, out.tolerance, motion.bvhs(), found.tasks(), x0, x1);
-    step.filter = pipeline.filter;
+    query.set_pairs(settings, step);
     if (look_ahead != nullptr) {
       look_ahead->test(step, pipeline, out);
     } else {
@@ -50,7 +50,7 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
     return {};
   };
   FOLDPROOF_TRY(run_stages(out.milliseconds, update, search, narrow));
-  if (cuts_time) FOLDPROOF_TRY(find_earliest(pipeline, x0, x1, settings, query.any_will_do, out));
+  if (cuts_time) FOLDPROOF_TRY(find_earliest(query, x0, x1, settings, out));
   if (settings.explain) pipeline.explain(out.explanation);
   out.complete = true;
   return {};

@@ -12,6 +12,21 @@ struct Query {
   std::span<const Object> objects = {};  ///< The pipeline's. Empty: none is layered.
   /// Whether there is a collision or crossing is all that matters; the answer may have any.
   bool any_will_do = false;
+  /// Not null: a pair's tolerance is its own, and that of the settings is the least, 0 for none. It is at
+  /// most that of the scene.
+  const PairSettings* pairs = nullptr;
+
+  /// How far apart pairs need not be tested.
+  double search_distance(const StepSettings& settings, const StepResult& out) const {
+    return settings.thickness + out.tolerance + (pairs != nullptr ? pairs->max_gap : 0);
+  }
+  /// Tells the narrow phase what else the query says about pairs.
+  void set_pairs(const StepSettings& settings, NarrowStep& step) const {
+    step.filter = pipeline.filter;
+    if (pairs == nullptr) return;
+    step.ccd.tolerance = settings.tolerance;
+    step.pairs = *pairs;
+  }
 };
 
 /// StepChecker::check.

@@ -50,12 +50,13 @@ bool is_long(const StepMotion& motion) {
 // Whatever collides until the end of the last stretch is among the pairs that were tested, with the times of
 // the whole step. So a collision that is no later is the earliest one, and later ones need no search
 // (docs/soundness.md, F2).
-Result<void> find_earliest(Pipeline& pipeline, Positions x0, Positions x1, const StepSettings& settings,
-                           bool any_will_do, StepResult& out) {
+Result<void> find_earliest(const Query& query, Positions x0, Positions x1, const StepSettings& settings,
+                           StepResult& out) {
+  Pipeline& pipeline = query.pipeline;
   StepMotion& motion = pipeline.motion;
   const Vec3 drift = mean_displacement(motion, x0, x1);
   const double distance =
-      settings.thickness + out.tolerance + kInterpolationRounding * largest_coordinate(motion, x0, x1);
+      query.search_distance(settings, out) + kInterpolationRounding * largest_coordinate(motion, x0, x1);
   const auto leaves = static_cast<double>(motion.leaf_count());
   double from = 0, to = 0, length = 1, pairs = 0, last_pairs = 0, ratio = 1;
   bool is_first = true, is_too_long = false;
@@ -78,14 +79,14 @@ Result<void> find_earliest(Pipeline& pipeline, Positions x0, Positions x1, const
   const auto narrow = [&]() -> Result<void> {
     if (is_too_long) return {};
     NarrowStep step(settings, out.tolerance, motion.bvhs(), pipeline.broad_phase.tasks(), x0, x1);
-    step.filter = pipeline.filter;
+    query.set_pairs(settings, step);
     step.earliest->store(out.earliest_toi, std::memory_order_relaxed);
     test_leaf_pairs(step, pipeline.broad_phase.leaf_pairs(), pipeline.narrow, out);
     from = to;
     last_pairs = pairs;
     return {};
   };
-  while (from < std::min(1.0, out.earliest_toi) && !(any_will_do && out.count() > 0)) {
+  while (from < std::min(1.0, out.earliest_toi) && !(query.any_will_do && out.count() > 0)) {
     FOLDPROOF_TRY(run_stages(out.milliseconds, update, search, narrow));
     if (std::exchange(is_first, false) && is_too_long) {
       length = std::max(kShortest, kFirstGrowth / (ratio - 1));

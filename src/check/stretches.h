@@ -1,7 +1,7 @@
 /// Long steps, cut in time: the earliest collision first.
 #pragma once
 
-#include "check/pipeline.h"
+#include "check/step.h"
 
 namespace foldproof::inline internal {
 
@@ -11,9 +11,9 @@ bool is_long(const StepMotion& motion);
 
 /// Finds the earliest collision of a long step, after an update of the motion, which it overwrites: searches
 /// one stretch of the time after the other, each as a step of its own, as far as the first collision. Where
-/// `any_will_do`, ends with the first stretch in which something collides, early or late. Adds to `out`.
-/// Error: as StepMotion::update and Pipeline::find_leaf_pairs.
-Result<void> find_earliest(Pipeline& pipeline, Positions x0, Positions x1, const StepSettings& settings,
-                           bool any_will_do, StepResult& out);
+/// `any_will_do` of the query, ends with the first stretch in which something collides, early or late. Adds
+/// to `out`. Error: as StepMotion::update and Pipeline::find_leaf_pairs.
+Result<void> find_earliest(const Query& query, Positions x0, Positions x1, const StepSettings& settings,
+                           StepResult& out);
 
 }  // namespace foldproof::inline internal

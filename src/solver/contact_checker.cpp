@@ -13,6 +13,10 @@ namespace {
 
 // Steps to test at most until one is free with its end rounded (V3).
 constexpr int kMaxTrials = 16;
+// A trial that is not free is followed by one that ends before its contact, the first time by little.
+constexpr double kFirstShorter = 63.0 / 64, kShorter = 1.0 / 2;
+// Where something is too close at once, by one that is much shorter, as then the tolerance is less.
+constexpr double kMuchShorter = 1.0 / 256;
 
 }  // namespace
 
@@ -59,11 +63,13 @@ StepSettings ContactChecker::Impl::step_settings(double distance) const {
 }
 
 Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0, std::span<const double> x1,
-                                                      double min_distance, bool any_will_do) {
-  FOLDPROOF_TRY(check_length("min_distance", min_distance));
+                                                      const Question& question) {
+  FOLDPROOF_TRY(check_length("min_distance", question.min_distance));
   const std::span<const double> from[] = {x0}, to[] = {x1};
+  const PairSettings pairs{settings.tolerance > 0 ? 0 : 0x1p-30, question.min_gap_share, question.max_gap};
   FOLDPROOF_TRY(run([&](Pipeline& used) {
-    return check_step({used, nullptr, {}, any_will_do}, from, to, step_settings(min_distance), step);
+    return check_step({used, nullptr, {}, question.any_will_do, &pairs}, from, to,
+                      step_settings(question.min_distance), step);
   }));
   work += step.work;
   milliseconds += step.milliseconds;
@@ -90,32 +96,57 @@ Result<StepSize> ContactChecker::collision_free_step_size(std::span<const double
   if (!(rescaling > 0 && rescaling <= 1))
     return fail(ErrorCode::InvalidArgument, "conservative_rescaling", "is not a share of the way",
                 "give a number above 0 and at most 1");
-  double contact = FOLDPROOF_TRY(impl_->earliest_contact(x0, x1, min_distance));
+  const double contact = FOLDPROOF_TRY(impl_->earliest_contact(x0, x1, {min_distance}));
   if (contact > 1) return StepSize{1, StepSize::Limit::None};
-  StepSize size = impl_->limited(x0, x1);
-  if (contact == 0) return size;
-  double share = rescaling * contact;
-  auto& end = impl_->end_positions;
-  end.resize(x0.size());
-  for (int i = 0; i < kMaxTrials && share > 0; ++i) {
-    step_towards(x0, x1, share, end);
-    contact = FOLDPROOF_TRY(impl_->earliest_contact(x0, end, min_distance));
+  const StepSize size = impl_->limited(x0, x1);
+  const Impl::Question shorter = impl_->shorter_step(x0, x1, min_distance);
+  // In place a pair's tolerance is the least.
+  if (contact > 0 || FOLDPROOF_TRY(impl_->earliest_contact(x0, x0, {min_distance})) > 1)
+    return impl_->shortened(x0, x1, shorter, size);
+  StepSize none = impl_->limited(x0, x0);
+  if (none.limit == StepSize::Limit::Contact) none.limit = StepSize::Limit::Start;
+  return none;
+}
+
+ContactChecker::Impl::Question ContactChecker::Impl::shorter_step(std::span<const double> x0,
+                                                                  std::span<const double> x1,
+                                                                  double min_distance) const {
+  if (!settings.rescale_distance) return {min_distance};
+  const double share = 1 - settings.conservative_rescaling;
+  return {min_distance, share, share * std::max(0.0, closest(x0, x1, 0).distance - min_distance)};
+}
+
+Result<StepSize> ContactChecker::Impl::shortened(std::span<const double> x0, std::span<const double> x1,
+                                                 const Question& question, StepSize size) {
+  double contact = size.contact_time, share = 1, shorter = settings.conservative_rescaling;
+  end_positions.resize(x0.size());
+  for (int trial = 0; trial < kMaxTrials && share > 0; ++trial) {
+    share *= contact > 0 ? shorter * contact : kMuchShorter;
+    step_towards(x0, x1, share, end_positions);
+    contact = FOLDPROOF_TRY(earliest_contact(x0, end_positions, question));
     if (contact > 1) {
       size.share = share;
-      size.limit = StepSize::Limit::Contact;
       return size;
     }
-    share *= std::min(0.5, rescaling * contact);
+    if (settings.rescale_distance && trial == 0) {  // another pair may come to its share first
+      size = limited(x0, end_positions);
+      size.contact_time *= share;
+    }
+    shorter = trial == 0 ? kFirstShorter : kShorter;
   }
   size.limit = StepSize::Limit::Undecided;
   return size;
 }
 
 StepSize ContactChecker::Impl::limited(std::span<const double> x0, std::span<const double> x1) const {
+  const Answer answer = step.vertex_face.empty() ? step.edge_edge[0].answer : step.vertex_face[0].answer;
+  return {0, answer == Answer::Hit ? StepSize::Limit::Contact : StepSize::Limit::Undecided, step.earliest_toi,
+          closest(x0, x1, step.earliest_toi)};
+}
+
+ClosePair ContactChecker::Impl::closest(std::span<const double> x0, std::span<const double> x1,
+                                        double time) const {
   const bool edge_edge = step.vertex_face.empty();
-  const Answer answer = edge_edge ? step.edge_edge[0].answer : step.vertex_face[0].answer;
-  StepSize size{0, answer == Answer::Hit ? StepSize::Limit::Start : StepSize::Limit::Undecided};
-  size.contact_time = step.earliest_toi;
   std::array<Index, 4> ids;
   if (edge_edge) {
     const auto& [a, b] = std::pair(step.edge_edge[0].a, step.edge_edge[0].b);
@@ -129,19 +160,19 @@ StepSize ContactChecker::Impl::limited(std::span<const double> x0, std::span<con
     const auto from_first = [&](std::span<const double> x) {
       return position(x, ids[k]) - position(x, ids[0]);
     };
-    const Vec3 at = (1 - size.contact_time) * from_first(x0) + size.contact_time * from_first(x1);
+    const Vec3 at = (1 - time) * from_first(x0) + time * from_first(x1);
     for (int axis = 0; axis < 3; ++axis) batch.x[0][k][axis][0] = at[axis];
   }
   NearestBatch nearest;
   nearest_points(batch, 1, edge_edge, std::numeric_limits<double>::infinity(), nearest);
-  size.contact = close_pair(ids, edge_edge, nearest, 0);
-  return size;
+  return close_pair(ids, edge_edge, nearest, 0);
 }
 
 Verdict ContactChecker::is_step_collision_free(std::span<const double> x0, std::span<const double> x1,
                                                double min_distance) {
   impl_->start_call();
-  return impl_->earliest_contact(x0, x1, min_distance, true).map([](double contact) { return contact > 1; });
+  return impl_->earliest_contact(x0, x1, {.min_distance = min_distance, .any_will_do = true})
+      .map([](double contact) { return contact > 1; });
 }
 
 Verdict ContactChecker::has_intersections(std::span<const double> x) {

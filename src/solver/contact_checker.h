@@ -36,12 +36,23 @@ struct ContactChecker::Impl {
     milliseconds = {};
   }
   StepSettings step_settings(double distance) const;
-  /// When the first pair comes into contact; infinity when none does. `any_will_do`: or a later one.
-  Result<double> earliest_contact(std::span<const double> x0, std::span<const double> x1, double min_distance,
-                                  bool any_will_do = false);
-
-  /// The pair that earliest_contact found, and why nothing can move: a step size that it limits.
+  struct Question {
+    double min_distance;
+    double min_gap_share = 0, max_gap = 0;  ///< Of PairSettings.
+    bool any_will_do = false;               ///< Not the first contact, but any.
+  };
+  /// When the first pair comes into contact; infinity when none does.
+  Result<double> earliest_contact(std::span<const double> x0, std::span<const double> x1,
+                                  const Question& question);
+  /// The pair that the last earliest_contact found: a step size of 0 that it limits.
   StepSize limited(std::span<const double> x0, std::span<const double> x1) const;
+  /// Its closest features at a time of the step.
+  ClosePair closest(std::span<const double> x0, std::span<const double> x1, double time) const;
+  /// What is asked of shorter steps, after earliest_contact has found one.
+  Question shorter_step(std::span<const double> x0, std::span<const double> x1, double min_distance) const;
+  /// The step size if there is a contact, which limits `size`: a step that ends before it.
+  Result<StepSize> shortened(std::span<const double> x0, std::span<const double> x1, const Question& question,
+                             StepSize size);
 
   Result<void> check_positions(std::span<const double> x0, std::span<const double> x1);
 

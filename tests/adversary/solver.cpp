@@ -35,9 +35,16 @@ double largest_side(std::span<const double> x0, std::span<const double> x1) {
   return side;
 }
 
-// More than any tolerance that a query chooses for itself.
-double largest_tolerance(const Pose& x0, const Pose& x1, double distance) {
-  return std::max(0x1p-29 * largest_side(x0, x1), 0x1p-40 * distance) + 0x1p-1050;
+Pose corners(const FourPoints& points) {
+  Pose all;
+  for (const Vec3& p : points) all.insert(all.end(), p.data(), p.data() + 3);
+  return all;
+}
+
+// More than the tolerance that a solver's query chooses for the pair itself.
+double largest_tolerance(const Features& pair, double distance) {
+  const Pose x0 = corners(pair.x0), x1 = corners(pair.x1);
+  return 0x1p-29 * largest_side(x0, x0) + 0x1p-43 * largest_side(x0, x1) + 0x1p-40 * distance + 0x1p-1050;
 }
 
 }  // namespace
@@ -64,9 +71,11 @@ struct SolverCheck::Impl {
     }
     return nullptr;
   }
-  bool all_beyond(const Pose& x0, const Pose& x1, double distance) const {
+  // `times` the tolerance counts too.
+  bool all_beyond(const Pose& x0, const Pose& x1, double distance, double times = 0) const {
     return std::all_of(pairs.begin(), pairs.end(), [&](const FeaturePair& pair) {
-      return surely_beyond(moving(pair, x0, x1), distance);
+      const Features of = moving(pair, x0, x1);
+      return surely_beyond(of, distance + times * largest_tolerance(of, distance));
     });
   }
 
@@ -119,8 +128,7 @@ std::string SolverCheck::Impl::steps(const Pose& x0, const Pose& x1, double dist
   if (free.is_yes() && pair != nullptr)
     return "is_step_collision_free says so, but this pair comes into contact:\n" +
            describe(moving(*pair, x0, x1));
-  const double beyond = distance + largest_tolerance(x0, x1, distance);
-  if (free.is_no() && pair == nullptr && undecided == 0 && all_beyond(x0, x1, beyond))
+  if (free.is_no() && pair == nullptr && undecided == 0 && all_beyond(x0, x1, distance, 1))
     return "is_step_collision_free says no, but all pairs stay beyond the distance and the tolerance";
 
   now_asking("collision_free_step_size");
@@ -128,12 +136,15 @@ std::string SolverCheck::Impl::steps(const Pose& x0, const Pose& x1, double dist
   if (!size) return "collision_free_step_size is refused: " + size.error().line();
   const double share = size->share;
   if (!(share >= 0 && share <= 1)) return fmt::format("the step size {} is not in [0,1]", share);
+  const bool contact_or_undecided =
+      size->limit == StepSize::Limit::Contact || size->limit == StepSize::Limit::Undecided;
   if ((share == 1) != free.is_yes() || (share == 1) != (size->limit == StepSize::Limit::None) ||
-      (share > 0 && share < 1) != (size->limit == StepSize::Limit::Contact))
+      (share > 0 && share < 1 && !contact_or_undecided) ||
+      (share == 0 && size->limit == StepSize::Limit::Contact))
     return fmt::format("the step size is {:a}, its limit {}, but collision-free is {}", share,
                        kStepLimitNames[static_cast<std::size_t>(size->limit)], free.is_yes());
   if (share == 0 && undecided == 0 && checker->work().undecided == 0) {
-    return all_beyond(x0, x0, 2 * beyond) && distance == 0 && !contact(x0, x1, 0, kMost, tally)
+    return all_beyond(x0, x0, 0, 2) && distance == 0 && !contact(x0, x1, 0, kMost, tally)
                ? "the step size is 0 where nothing is near"
                : "";
   }

@@ -436,6 +436,17 @@ TEST(ContactChecker, RefusesInvalidInput) {
       EXPECT_TRUE(checker.is_step_collision_free(soup.x0, soup.x0).is_yes());
     }
   }
+  for (const std::size_t at : {4, 11}) {
+    auto from = soup.x0, to = soup.x0;
+    from[at] = -1e308;
+    to[at] = 1e308;
+    const auto share = checker.collision_free_step_size(from, to);
+    ASSERT_FALSE(share);
+    EXPECT_EQ(share.error().where, at == 4 ? "object 0, vertex 1" : "object 0, vertex 3");
+    EXPECT_TRUE(checker.is_step_collision_free(from, to).is_error());
+    EXPECT_FALSE(checker.candidates(from, to, 1, found));
+    EXPECT_TRUE(checker.candidates(from, 1, found));
+  }
   EXPECT_FALSE(checker.collision_free_step_size(std::span(soup.x0).first(3), soup.x0));
   EXPECT_FALSE(checker.collision_free_step_size(soup.x0, soup.x0, -1));
   EXPECT_FALSE(checker.candidates(soup.x0, -1, found));
