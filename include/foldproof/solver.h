@@ -169,10 +169,9 @@ struct ContactSettings {
   /// A step that would collide goes this share of the way to the collision, in (0,1]. With 1 it could end
   /// within the tolerance of it, and the next step would start in collision.
   double conservative_rescaling = 0.8;
-  /// Rescales distances too, as ipc-toolkit does. By its *gap* a pair is farther apart than min_distance. A
-  /// step that would collide then leaves of the gap of every pair in x0 the share
-  /// 1 - conservative_rescaling, or as much as that is of the pair that would collide first, if that is less;
-  /// in either case less twice the tolerance.
+  /// Rescales gaps too, as ipc-toolkit does: distances less min_distance. A step that would collide leaves
+  /// 1 - conservative_rescaling of each pair's gap in x0, or as much as that is of the pair that would
+  /// collide first, if that is less; both less twice the tolerance.
   bool rescale_distance = false;
 };
 
