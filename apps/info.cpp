@@ -95,7 +95,7 @@ std::string overview(const Model& model, const ModelSummary& s, std::uint64_t by
       fmt::format("{:.3g} MB  ({:.3g} bytes per triangle and reference)", static_cast<double>(bytes) / 1e6,
                   static_cast<double>(bytes) / static_cast<double>(mesh.triangles().size()) /
                       std::max<Index>(s.references, 1)));
-  row("charts", grouped(model.charts->charts().size()));
+  row("charts", grouped(model.chart_count()));
   row("poses", fmt::format("{}  ({})", grouped(model.poses.size()), counted(s.references, "reference")));
   row("proven", fmt::format("{:.1f} %", 100 * s.proven));
   if (model.balls) {
@@ -174,7 +174,7 @@ Json to_json(const Model& model, const ModelSummary& s, std::uint64_t bytes) {
           {"triangles", mesh.triangles().size()},
           {"topology_hash", fmt::format("{:016x}", topology_hash(mesh))},
           {"bytes", bytes},
-          {"charts", model.charts->charts().size()},
+          {"charts", model.chart_count()},
           {"leaves", model.hierarchy()->leaf_count()},
           {"references", s.references},
           {"proven", s.proven},

@@ -64,7 +64,7 @@ std::string summary(const TrainArguments& a, const Model& model, double millisec
   };
   row("triangles", grouped(triangles));
   row("poses", fmt::format("{}  ({})", grouped(model.poses.size()), counted(s.references, "reference")));
-  row("charts", grouped(model.charts->charts().size()));
+  row("charts", grouped(model.chart_count()));
   if (!unknown) {
     row("size", fmt::format("{:.3g} MB  ({:.3g} bytes per triangle and reference)", bytes / 1e6,
                             bytes / static_cast<double>(triangles) / s.references));

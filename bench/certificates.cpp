@@ -185,7 +185,7 @@ Result<json> measure_row(const SceneInfo& scene, StepSize size, Training trainin
   auto charts = FOLDPROOF_TRY(trained(scene, *motion, plan, row));
   std::shared_ptr<const Hierarchy> hierarchy;
   if (charts) {
-    hierarchy = charts->slots()->hierarchy();
+    hierarchy = Object(charts).hierarchy();
   } else {
     auto built = FOLDPROOF_TRY(build_hierarchy(*motion, {}));
     hierarchy = std::move(built);

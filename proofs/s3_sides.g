@@ -6,7 +6,7 @@
 # In units of w r + 32000 lambda. Y is pulled back exactly from where the vertex is in the frame, L is lambda p; y is off
 # by s3_pull_back.g. The positions themselves are off by 2^-24 (1 + 2^-28) w more.
 
-# constant include/foldproof/certificate.h: { {{{}, 32000}, {-32000, 32000},
+# constant src/certificate/parametrize.h: { {{{}, 32000}, {-32000, 32000},
 kLargestUv = 32000;
 
 la = mul_rel<24>(margin, pa);

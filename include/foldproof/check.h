@@ -10,7 +10,7 @@
 
 namespace foldproof {
 
-class ChartLibrary;  // foldproof/certificate.h
+class ChartLibrary;  // opaque: what a trained model gives
 
 struct StepSettings {
   bool within = true;    ///< Collisions of each object with itself.

@@ -1,8 +1,9 @@
-/// Models: what training finds out about a mesh, stored in a file. A model holds a hierarchy, charts
-/// (certificate.h) built in reference poses, so that checks have certificates from their first step on, and
-/// what was learned about the mesh's shapes (learned.h). No model, whatever it holds, changes an answer:
-/// charts are validated exactly when a file is read. Only balls (reduced.h) that a file keeps are taken on
-/// trust, once they are found undamaged and this model's.
+/// Models: what training finds out about a mesh, stored in a file. A model holds a hierarchy, charts (proofs
+/// that patches of the surface do not touch themselves: docs/soundness.md, Theorem 2) built in reference
+/// poses, so that checks have certificates from their first step on, and what was learned about the mesh's
+/// shapes (learned.h). No model, whatever it holds, changes an answer: charts are validated exactly when a
+/// file is read. Only balls (reduced.h) that a file keeps are taken on trust, once they are found undamaged
+/// and this model's.
 #pragma once
 
 #include <atomic>
@@ -12,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "foldproof/certificate.h"
+#include "foldproof/check.h"
 #include "foldproof/io.h"
 #include "foldproof/learned.h"
 #include "foldproof/reduced.h"
@@ -64,7 +65,8 @@ struct Model {
   std::shared_ptr<const ReducedBalls> balls;   ///< Around ball_centers, to be kept in the file; or null.
   std::string not_learned;  ///< For messages: why training learned nothing. Not stored in the file.
 
-  const std::shared_ptr<const Hierarchy>& hierarchy() const { return charts->slots()->hierarchy(); }
+  const std::shared_ptr<const Hierarchy>& hierarchy() const;
+  std::size_t chart_count() const;
   /// For a checker.
   Object object() const { return charts; }
 };
@@ -149,10 +151,12 @@ Result<Model> load_model(const std::string& path);
 /// Statistics of a model.
 struct ModelSummary {
   struct Level {
-    Index slots = 0;                         ///< Nodes, or pairs of leaves.
-    Index charted = 0;                       ///< Those with a chart.
-    Index charts = 0;                        ///< All their charts.
-    double kappa_median = 0, kappa_max = 0;  ///< Of these charts (chart_kappa); 0 without any.
+    Index slots = 0;    ///< Nodes, or pairs of leaves.
+    Index charted = 0;  ///< Those with a chart.
+    Index charts = 0;   ///< All their charts.
+    /// Of these charts' steepness in the poses they were built in, rounded up: no path on the surface is
+    /// longer than kappa times the straight line below it in the chart. 0 without any.
+    double kappa_median = 0, kappa_max = 0;
   };
   std::vector<Level> levels;  ///< From the root down.
   Level pairs;                ///< Of pairs of leaves with a common vertex.
@@ -162,9 +166,5 @@ struct ModelSummary {
 
 /// Cost: one pass over all charts.
 ModelSummary summarize(const Model& model);
-
-/// A chart's steepness in the pose it was built in, rounded up: no path on the surface is longer than kappa
-/// times the straight line below it in the chart.
-double chart_kappa(const ChartLibrary& library, const ChartLibrary::Chart& chart);
 
 }  // namespace foldproof

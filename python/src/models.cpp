@@ -224,9 +224,7 @@ void bind_models(py::module_& module) {
       .def_property_readonly(
           "proven", [](const Model& m) { return summarize(m).proven; },
           "Share of neighborhoods proven free in the training poses, in [0, 1].")
-      .def_property_readonly(
-          "chart_count", [](const Model& m) { return m.charts->charts().size(); },
-          "How many charts it holds.")
+      .def_property_readonly("chart_count", &Model::chart_count, "How many charts it holds.")
       .def("save", &save, py::arg("path"),
            "Writes the model; the file appears whole or not at all. Error: it cannot be written.");
   bind_learned(model);

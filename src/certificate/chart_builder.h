@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bvh/kinetic_bvh.h"
-#include "foldproof/certificate.h"
+#include "certificate/library.h"
 
 namespace foldproof::inline internal {
 

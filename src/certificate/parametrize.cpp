@@ -4,7 +4,7 @@
 
 #include "certificate/scaffold.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 // The smallest cosine between a triangle's normal and the direction of projection. Steeper triangles become
@@ -116,4 +116,4 @@ ChartOutcome Parametrizer::build(const Patch& patch, std::span<const std::array<
   return ChartOutcome::Made;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "foldproof/certificate.h"
+#include "certificate/patch.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 
 namespace {
 
@@ -124,4 +124,4 @@ void PatchReader::read(Index slot, Patch& out) {
   }
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "foldproof/certificate.h"
+#include "certificate/parametrize.h"
 
 namespace foldproof::inline internal {
 

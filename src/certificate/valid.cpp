@@ -4,7 +4,7 @@
 
 #include "certificate/plane.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 using Corners = HalfEdgeSet::Corners;
@@ -14,7 +14,7 @@ constexpr std::int64_t kTwiceSquareArea = orient2d(kChartCorners[0], kChartCorne
 
 }  // namespace
 
-bool internal::chart_is_valid(const Patch& patch, const UvMap& uv_map, HalfEdgeSet& half_edges) {
+bool chart_is_valid(const Patch& patch, const UvMap& uv_map, HalfEdgeSet& half_edges) {
   const auto& uvs = uv_map.uvs;
   const std::size_t first_corner = uvs.size(), count = first_corner + kChartCorners.size();
   if (first_corner != patch.vertices.size() || count > 0xFFFF) return false;
@@ -50,4 +50,4 @@ bool chart_is_valid(const Patch& patch, const UvMap& uv_map) {
   return chart_is_valid(patch, uv_map, scratch);
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -4,11 +4,12 @@
 #include <cmath>
 
 #include "base/try.h"
+#include "keypoints/choose.h"
 #include "keypoints/least_squares.h"
 #include "statistics/tall_skinny.h"
 #include "statistics/thin_svd.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 using Eigen::MatrixXd;
@@ -201,4 +202,4 @@ Result<KeyPoints> choose_key_points(std::span<const double> positions, const Mat
   return chooser.release();
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -4,7 +4,7 @@
 #include "keypoints/least_squares.h"
 #include "statistics/tall_skinny.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 using Eigen::MatrixXd;
@@ -42,9 +42,8 @@ MatrixXd error_fields(const MatrixView& samples, const ThinSvd& svd, const Subsp
 
 }  // namespace
 
-std::vector<PoseError> internal::leave_one_out(const MatrixView& samples, const ThinSvd& svd,
-                                               const SubspaceSize& size, std::span<const Index> vertices,
-                                               const ProjectionErrorVisitor& visit) {
+std::vector<PoseError> leave_one_out(const MatrixView& samples, const ThinSvd& svd, const SubspaceSize& size,
+                                     std::span<const Index> vertices, const ProjectionErrorVisitor& visit) {
   // The samples, and every subspace of some of them, lie in the span of the SVD's directions. So only the
   // distances at the end need whole vertices.
   std::vector<PoseErrorSum> sums(static_cast<std::size_t>(samples.cols()));
@@ -65,12 +64,4 @@ std::vector<PoseError> internal::leave_one_out(const MatrixView& samples, const 
   return errors;
 }
 
-Result<std::vector<PoseError>> leave_one_out(const MatrixView& samples, const SubspaceSize& size,
-                                             std::span<const Index> vertices) {
-  FOLDPROOF_TRY(check_columns(samples, "sample"));
-  FOLDPROOF_TRY(check_size(size));
-  if (samples.cols() < 2) return std::vector<PoseError>{};
-  return internal::leave_one_out(samples, thin_svd(samples, kAllModes), size, vertices);
-}
-
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -1,4 +1,4 @@
-/// Leave-one-out errors for callers that have the samples' thin SVD already.
+/// Leave-one-out errors of reconstruction.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,9 @@ namespace foldproof::inline internal {
 using ProjectionErrorVisitor =
     std::function<void(Eigen::Index pose, Index first, const VectorView& distances)>;
 
-/// leave_one_out(samples, size, vertices). `svd`: of the samples, all modes. Precondition: two samples.
+/// The errors of each sample with the subspace (of that size) and key-point map of the other samples. `svd`:
+/// of the samples, all modes: in its coordinates all together cost O(size * samples^2). Precondition: two
+/// samples.
 std::vector<PoseError> leave_one_out(const MatrixView& samples, const ThinSvd& svd, const SubspaceSize& size,
                                      std::span<const Index> vertices,
                                      const ProjectionErrorVisitor& visit = {});

@@ -20,11 +20,4 @@ VectorXd KeyPointMap::coordinates(const VectorView& key_positions) const {
 
 VertexDistance vertex_distance(const VectorView& a, const VectorView& b) { return vertex_lengths(a - b); }
 
-PoseError pose_error(const Pca& subspace, const KeyPointMap& map, const VectorView& x) {
-  const VectorXd best = subspace.reconstruct(subspace.project(x));
-  const VectorXd from_key_points = subspace.reconstruct(map.coordinates(map.gather(x)));
-  return {vertex_distance(x, best), vertex_distance(best, from_key_points),
-          vertex_distance(x, from_key_points)};
-}
-
 }  // namespace foldproof

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "foldproof/keypoints.h"
+#include "keypoints/choose.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 using Points = Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>;
@@ -103,4 +103,4 @@ std::vector<Index> poisson_disk_sample(std::span<const double> positions, Index 
   return best;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -7,6 +7,7 @@
 
 #include "base/try.h"
 #include "statistics/thin_svd.h"
+#include "statistics/training.h"
 
 namespace foldproof {
 namespace {

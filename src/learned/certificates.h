@@ -1,7 +1,7 @@
 /// Learns the map from key points to certificates.
 #pragma once
 
-#include "foldproof/learned.h"
+#include "learned/learn.h"
 
 namespace foldproof::inline internal {
 

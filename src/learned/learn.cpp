@@ -4,10 +4,12 @@
 #include <cmath>
 
 #include "base/try.h"
+#include "keypoints/choose.h"
 #include "keypoints/least_squares.h"
 #include "keypoints/leave_one_out.h"
 #include "learned/certificates.h"
 #include "statistics/tall_skinny.h"
+#include "statistics/training.h"
 
 namespace foldproof {
 namespace {
@@ -214,8 +216,8 @@ std::vector<Index> badly_represented_regions(const Learned& learned) {
   return far_above_median(distances);
 }
 
-Result<Learned> learn(const Hierarchy& hierarchy, const LearnInput& input, const LearnSettings& settings,
-                      const LearnHooks& hooks) {
+Result<Learned> internal::learn(const Hierarchy& hierarchy, const LearnInput& input,
+                                const LearnSettings& settings, const LearnHooks& hooks) {
   if (input.poses.size() < 3) {
     return fail(ErrorCode::NotLearned, "poses",
                 fmt::format("are {}, too few to learn from", input.poses.size()),

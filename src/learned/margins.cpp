@@ -5,9 +5,9 @@
 #include "certificate/chart_holds.h"
 #include "learned/certificates.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 
-std::vector<Index> internal::depths_of(const Hierarchy& hierarchy) {
+std::vector<Index> depths_of(const Hierarchy& hierarchy) {
   const auto nodes = hierarchy.nodes();
   std::vector<Index> depths(nodes.size(), 0);
   for (Index n = 0; n < nodes.size(); ++n) {
@@ -65,4 +65,4 @@ Eigen::VectorXd MarginMeter::measure(std::span<const Index> nodes, std::span<con
   return margins;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "foldproof/certificate.h"
+#include "certificate/patch.h"
 
 namespace foldproof::internal {
 

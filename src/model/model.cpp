@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "certificate/library.h"
 #include "learned/certificates.h"
 #include "model/format.h"
 
 namespace foldproof {
+
+const std::shared_ptr<const Hierarchy>& Model::hierarchy() const { return charts->slots()->hierarchy(); }
+std::size_t Model::chart_count() const { return charts->charts().size(); }
 
 std::uint64_t topology_hash(const Topology& topology) {
   std::uint64_t hash = 0xcbf29ce484222325u;
@@ -71,6 +75,9 @@ Result<void> require_model_of(const Model& model, const Topology& topology, cons
   return fail(ErrorCode::InvalidMesh, name, problem, "train a model on this one");
 }
 
+namespace {
+
+// A chart's steepness in the pose it was built in; see ModelSummary::Level.
 double chart_kappa(const ChartLibrary& library, const ChartLibrary::Chart& chart) {
   const auto points = library.points(chart);
   const auto triangles = library.triangles(chart);
@@ -86,8 +93,6 @@ double chart_kappa(const ChartLibrary& library, const ChartLibrary::Chart& chart
   }
   return std::sqrt(1 + steepest) * (1 + 0x1p-48);
 }
-
-namespace {
 
 /// Kappas of one level's charts.
 struct Kappas {

@@ -1,7 +1,7 @@
 /// The choice of poses to build charts in.
 #pragma once
 
-#include "foldproof/certificate.h"
+#include "certificate/patch.h"
 
 namespace foldproof::inline internal {
 

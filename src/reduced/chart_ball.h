@@ -1,7 +1,7 @@
 /// Balls of charts: within them a chart proves its patch free of contact.
 #pragma once
 
-#include "foldproof/certificate.h"
+#include "certificate/library.h"
 #include "reduced/pose.h"
 
 namespace foldproof::inline internal {

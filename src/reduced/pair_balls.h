@@ -1,7 +1,7 @@
 /// The ball of a pair of nodes by every proof that applies to it, whatever lies below the pair in the tree.
 #pragma once
 
-#include "foldproof/certificate.h"
+#include "certificate/library.h"
 #include "reduced/chart_ball.h"
 #include "reduced/feature_ball.h"
 #include "reduced/node_motion.h"

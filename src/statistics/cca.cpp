@@ -4,6 +4,7 @@
 
 #include "base/try.h"
 #include "statistics/thin_svd.h"
+#include "statistics/training.h"
 
 namespace foldproof {
 namespace {
@@ -23,7 +24,8 @@ VectorXd Cca::predict(const VectorView& x) const {
   return mean_y + loadings * (weights.transpose() * (x - mean_x)).eval();
 }
 
-Result<Cca> cca(const MatrixView& x_samples, const MatrixView& y_samples, Index dimensions, double ridge) {
+Result<Cca> internal::cca(const MatrixView& x_samples, const MatrixView& y_samples, Index dimensions,
+                          double ridge) {
   FOLDPROOF_TRY(check_columns(x_samples, "sample"));
   FOLDPROOF_TRY(check_columns(y_samples, "sample"));
   if (x_samples.cols() != y_samples.cols()) {

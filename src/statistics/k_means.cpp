@@ -5,8 +5,9 @@
 
 #include "base/try.h"
 #include "statistics/thin_svd.h"
+#include "statistics/training.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 using Eigen::MatrixXd;
@@ -185,4 +186,4 @@ Result<Clusters> cluster(const MatrixView& points, Index max_count) {
   return best;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -4,6 +4,7 @@
 
 #include "base/try.h"
 #include "statistics/thin_svd.h"
+#include "statistics/training.h"
 
 namespace foldproof {
 namespace {
@@ -125,7 +126,7 @@ VectorXd KernelPca::reconstruct_coordinates(const VectorView& p) const {
 
 double KernelPca::mahalanobis(const VectorView& p) const { return p.cwiseQuotient(deviations).norm(); }
 
-Result<KernelPca> kernel_pca(const MatrixView& samples, const SubspaceSize& size, double width) {
+Result<KernelPca> internal::kernel_pca(const MatrixView& samples, const SubspaceSize& size, double width) {
   FOLDPROOF_TRY(check_size(size));
   if (!(width >= 0) || !std::isfinite(width)) {
     return fail(ErrorCode::InvalidArgument, "kernel width", "is not a length",

@@ -7,8 +7,9 @@
 
 #include "base/try.h"
 #include "statistics/thin_svd.h"
+#include "statistics/training.h"
 
-namespace foldproof {
+namespace foldproof::internal {
 namespace {
 
 using Eigen::MatrixXd;
@@ -102,4 +103,4 @@ Result<Lda> lda(const MatrixView& points, std::span<const std::uint8_t> is_class
   return result;
 }
 
-}  // namespace foldproof
+}  // namespace foldproof::internal

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "foldproof/certificate.h"
+#include "certificate/library.h"
 #include "oracle/oracle.h"
 
 namespace foldproof::testing {

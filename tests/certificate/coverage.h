@@ -2,7 +2,7 @@
 /// other.
 #pragma once
 
-#include "foldproof/certificate.h"
+#include "certificate/library.h"
 #include "oracle/oracle.h"
 
 namespace foldproof::testing {

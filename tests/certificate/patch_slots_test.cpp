@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "foldproof/certificate.h"
+#include "certificate/patch.h"
 
 namespace foldproof {
 namespace {

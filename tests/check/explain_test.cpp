@@ -9,7 +9,7 @@
 
 #include "base/callers.h"
 #include "bvh/meshes.h"
-#include "foldproof/certificate.h"
+#include "certificate/library.h"
 #include "foldproof/check.h"
 #include "mesh/grid.h"
 #include "oracle/meshes.h"

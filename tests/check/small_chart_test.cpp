@@ -2,7 +2,7 @@
 // corners, which the margin of a chart does not cover there, once hid pairs that touch.
 #include <gtest/gtest.h>
 
-#include "foldproof/certificate.h"
+#include "certificate/library.h"
 #include "foldproof/check.h"
 
 namespace foldproof {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "foldproof/keypoints.h"
+#include "keypoints/choose.h"
 #include "keypoints/surfaces.h"
 
 namespace foldproof {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "foldproof/keypoints.h"
+#include "keypoints/choose.h"
 #include "keypoints/surfaces.h"
 
 namespace foldproof {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "foldproof/keypoints.h"
+#include "keypoints/choose.h"
+#include "keypoints/pose_error.h"
 #include "oracle/data.h"
 
 namespace foldproof {
@@ -28,7 +29,7 @@ TEST(RealData, KeyPointsReconstructTheHand) {
   EXPECT_FALSE(map.rank_deficient());
   double from_all = 0, from_key_points = 0;
   for (Index k = held_out; k < 24; ++k) {
-    const PoseError error = pose_error(*subspace, map, poses.col(k));
+    const PoseError error = testing::pose_error(*subspace, map, poses.col(k));
     from_all += error.projection.mean;
     from_key_points += error.total.mean;
   }

@@ -1,6 +1,7 @@
 // Learning from poses of known shapes.
 #include <gmock/gmock.h>
 
+#include "learned/learn.h"
 #include "learned/scene.h"
 #include "oracle/data.h"
 

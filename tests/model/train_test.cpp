@@ -70,7 +70,7 @@ TEST(Train, BuildsChartsInRandomPosesOfTheSubspace) {
   ASSERT_EQ(more.poses.size(), 15u);
   EXPECT_EQ(more.poses[3].name, "random pose 1 of 12");
   EXPECT_EQ(summarize(more).references, 15u);
-  EXPECT_GT(more.charts->charts().size(), few.charts->charts().size());
+  EXPECT_GT(more.chart_count(), few.chart_count());
   for (const TrainedPose& pose : more.poses) EXPECT_GT(pose.proven, 0.9) << pose.name;
   const auto [on, off] = with_and_without(more, 5, 8);
   ASSERT_GT(off.edge_edge.size(), 50u);

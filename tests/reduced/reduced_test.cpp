@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "certificate/library.h"
 #include "check/same_collisions.h"
-#include "foldproof/certificate.h"
 #include "foldproof/check.h"
 #include "oracle/data.h"
 #include "reduced/shapes.h"

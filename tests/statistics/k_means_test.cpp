@@ -2,8 +2,8 @@
 
 #include <set>
 
-#include "foldproof/statistics.h"
 #include "statistics/samples.h"
+#include "statistics/training.h"
 
 namespace foldproof {
 namespace {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "foldproof/statistics.h"
 #include "statistics/samples.h"
+#include "statistics/training.h"
 
 namespace foldproof {
 namespace {
