@@ -41,7 +41,7 @@ struct CachedPlane {
   std::uint8_t back_off = 0, failures = 0;  ///< Steps until the next test; failures in a row.
 };
 
-/// Planes by a hash of their leaves. A collision costs time only.
+/// Planes by a hash of their leaves. Pairs that share an entry cost time only.
 class PlaneTable {
  public:
   /// Makes room for so many pairs.
