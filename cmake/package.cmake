@@ -23,7 +23,7 @@ add_custom_target(docs WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} COMMENT "Writing 
   COMMAND ${CMAKE_COMMAND} -E make_directory out COMMAND doxygen docs/Doxyfile)
 
 # With the program lies a shared library; everything else is for those who build with it.
-set(LIBRARIES foldproof foldproof_io foldproof_model)
+set(LIBRARIES foldproof foldproof_repair foldproof_io foldproof_model)
 install(TARGETS ${LIBRARIES} EXPORT foldproof-targets
   LIBRARY COMPONENT program NAMELINK_COMPONENT development
   ARCHIVE COMPONENT development)
@@ -63,6 +63,7 @@ if(FOLDPROOF_THREADS STREQUAL "tbb")
   string(APPEND LINKED " tbb")
 endif()
 pkg_config_file(foldproof "${PROJECT_DESCRIPTION}" "" "${LINKED}")
+pkg_config_file(foldproof_repair "Repair of motions, for Foldproof" "foldproof = ${PROJECT_VERSION}" "")
 pkg_config_file(foldproof_io "Files of meshes and motions, for Foldproof" "foldproof = ${PROJECT_VERSION}" "libzip pugixml zlib")
 pkg_config_file(foldproof_model "Models learned from example poses, for Foldproof" "foldproof_io = ${PROJECT_VERSION} eigen3" ""
   " -DEIGEN_MAX_ALIGN_BYTES=64")

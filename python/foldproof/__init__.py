@@ -43,6 +43,7 @@ from ._core import (
 )
 from ._errors import Error, FileError, FileMissingError
 from ._page import Page, view
+from ._repair import RepairResult, repair
 
 __all__ = [
     "CLOSE_PAIR_KINDS",
@@ -67,6 +68,7 @@ __all__ = [
     "PairFilter",
     "ReducedChecker",
     "ReducedShape",
+    "RepairResult",
     "StaticResult",
     "StepChecker",
     "StepResult",
@@ -82,6 +84,7 @@ __all__ = [
     "load",
     "open_motion",
     "open_motions",
+    "repair",
     "set_threads",
     "step_towards",
     "train",

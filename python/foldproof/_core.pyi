@@ -345,6 +345,20 @@ def train(
     **settings: Unpack[_TrainSettings],
 ) -> Model: ...
 def load(path: _Path) -> Model: ...
+def repair(
+    motions: Motion | Sequence[Motion],
+    *,
+    thickness: float,
+    falloff: float,
+    fixed: Sequence[str],
+    only: Sequence[str],
+    ignore: Sequence[tuple[str, str]],
+    frames: _Frames,
+    start: Sequence[float],
+    single_precision: bool,
+    calm: bool,
+    progress: _Progress,
+) -> dict[str, Any]: ...
 def check(
     motions: Motion | Sequence[Motion],
     *,

@@ -36,6 +36,7 @@ PYBIND11_MODULE(_core, module) {
   bind_filters(module);
   bind_contacts(module);
   bind_checks(module);
+  bind_repair(module);
   bind_reduced(module);
   bind_solver(module);
   add_signatures(module);

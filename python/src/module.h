@@ -12,6 +12,7 @@ void bind_steps(pybind11::module_& module);
 void bind_filters(pybind11::module_& module);
 void bind_contacts(pybind11::module_& module);
 void bind_checks(pybind11::module_& module);
+void bind_repair(pybind11::module_& module);
 void bind_reduced(pybind11::module_& module);
 void bind_solver(pybind11::module_& module);
 

@@ -221,4 +221,21 @@ std::string still_pairs(Motions motions, const CheckSettings& settings, const Ch
   return thick ? text + "; among what stands still nothing was tested for the thickness" : text;
 }
 
+Result<std::vector<std::vector<std::uint8_t>>> internal::triangles_named(Motions motions,
+                                                                         const CheckSettings& settings,
+                                                                         std::span<const std::string> names) {
+  std::vector<std::vector<std::uint8_t>> out;
+  for (const auto& motion : motions) out.emplace_back(motion->topology().triangles().size(), 0);
+  for (const std::string& name : names) {
+    const Named named(name, motions, settings);
+    if (!named.found()) return tl::unexpected(named.error());
+    for (Index i = 0; i < motions.size(); ++i) {
+      const auto& parts = parts_of(i, motions, settings).of_triangle;
+      for (std::size_t t = 0; t < out[i].size(); ++t)
+        out[i][t] |= named.is(i, parts.empty() ? kNoIndex : parts[t]);
+    }
+  }
+  return out;
+}
+
 }  // namespace foldproof

@@ -15,6 +15,10 @@ std::vector<std::array<std::string, 2>> known_pairs(Motions motions, const Check
 /// Error: a name in CheckSettings::ignore is neither an object's nor a part's.
 Result<void> check_names(Motions motions, const CheckSettings& settings);
 
+/// Per object and triangle, whether it belongs to an object or a part of these names. Error: as check_names.
+Result<std::vector<std::vector<std::uint8_t>>> triangles_named(Motions motions, const CheckSettings& settings,
+                                                               std::span<const std::string> names);
+
 /// Which pairs are tested, apart from those that are ignored by name.
 enum class TestedPairs : std::uint8_t {
   All,

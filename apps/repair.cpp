@@ -1,0 +1,238 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/try.h"
+#include "commands.h"
+#include "contact_lines.h"
+#include "interruptible_motion.h"
+#include "progress_bar.h"
+#include "report/repair_motions.h"
+#include "step_options.h"
+#include "terminal.h"
+
+namespace foldproof {
+namespace {
+
+constexpr const char* kRepairFooter = R"(
+It writes the nearest motion that touches nothing, at any time while vertices move straight from frame to frame: each
+step is checked as 'foldproof check' does before it is written. What cannot be repaired is listed; then, as when nothing
+is written because no frame is free and none can be made so, the exit code is 1. docs/repair.md says more.
+
+Examples:
+  foldproof repair walk.glb -o fixed.npz
+  foldproof repair body.npz shirt.npz --fixed body.npz -o shirt-fixed.npz     only the shirt moves
+  foldproof repair pose.obj -o fixed.obj
+  foldproof repair walk.glb --thickness 0.002 --falloff 0.05 -o apart.npz)";
+
+struct RepairArguments : StepArguments {
+  std::vector<std::string> outputs, fixed, only, start;
+  double falloff = 0;
+  bool quick = false, keep = false, quiet = false;
+};
+
+bool is_single_precision(const std::string& path, std::size_t frames) {
+  return extension_of(path) == ".obj" && frames > 1 && path.find('%') == std::string::npos;
+}
+
+// An output of a motion with added frames needs their times; other outputs are refused before work starts.
+Result<void> require_outputs_fit(const RepairArguments& a, Motions motions, std::span<const Index> movable) {
+  if (a.outputs.size() != movable.size()) {
+    return fail(ErrorCode::InvalidArgument, "-o",
+                fmt::format("is given {} times, but {} may move", a.outputs.size(),
+                            counted(movable.size(), "object")),
+                "give it once for each of these, in order");
+  }
+  for (std::size_t i = 0; i < movable.size(); ++i) {
+    const Topology& topology = motions[movable[i]]->topology();
+    if (extension_of(a.outputs[i]) == ".npz" && topology.face_count() < topology.triangles().size())
+      return fail(ErrorCode::UnsupportedFormat, a.outputs[i],
+                  "is NPZ, which holds faces alone, and there are lines or points", "name it .obj");
+    if (extension_of(a.outputs[i]) == ".ply" && motions[movable[i]]->frame_count() > 1 &&
+        a.outputs[i].find('%') == std::string::npos)
+      return fail(ErrorCode::UnsupportedFormat, a.outputs[i], "is PLY, which holds one frame",
+                  "name it .npz or .obj, or put %04d into the name for a file per frame");
+  }
+  return {};
+}
+
+Result<std::vector<double>> read_start(const RepairArguments& a, Motions motions) {
+  std::vector<double> start;
+  if (a.start.empty()) return start;
+  if (a.start.size() != motions.size())
+    return fail(ErrorCode::InvalidArgument, "--start",
+                fmt::format("is given {} times for {}", a.start.size(), counted(motions.size(), "object")),
+                "give it once for each object, in order");
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const auto poses = FOLDPROOF_TRY(read_motions({&a.start[i], 1}, a.motion.read, a.quiet));
+    if (poses.size() != 1 || poses[0]->topology() != motions[i]->topology())
+      return fail(ErrorCode::InvalidMesh, a.start[i], "has other triangles than " + motions[i]->name(),
+                  "give a pose of the same mesh");
+    std::vector<double> x(3 * std::size_t{poses[0]->topology().vertex_count()});
+    FOLDPROOF_TRY(poses[0]->read_frame(0, x));
+    start.insert(start.end(), x.begin(), x.end());
+  }
+  return start;
+}
+
+std::string frames_named(const std::vector<RepairedFrame>& frames, Index first,
+                         const std::function<bool(const RepairedFrame&)>& is_meant) {
+  constexpr int kMost = 8;
+  std::string text;
+  int count = 0;
+  for (const RepairedFrame& frame : frames) {
+    if (!is_meant(frame)) continue;
+    if (++count <= kMost) text += fmt::format("{}{:.6g}", count == 1 ? "" : ", ", frame.time + first);
+  }
+  return count > kMost ? text + fmt::format(" and {} more", count - kMost) : text;
+}
+
+std::string summary_of(const RepairArguments& a, Motions motions, const RepairedMotions& done,
+                       CheckSettings& settings) {
+  const RepairReport& report = done.report;
+  const std::string unit = unit_of(motions, settings), space = unit.empty() ? "" : " " + unit;
+  const auto worst = std::ranges::max_element(report.frames, {}, &RepairedFrame::correction);
+  const auto moved = std::ranges::count_if(report.frames, [](const auto& f) { return f.correction > 0; });
+  std::string text = row("contacts before", grouped(report.before.size()));
+  if (report.written && !report.unchanged) {
+    text += row("frames moved", fmt::format("{} of {}", grouped(static_cast<std::uint64_t>(moved)),
+                                            grouped(report.frames.size())));
+    text += row("largest correction", fmt::format("{:.3g}{} in frame {:.6g}", worst->correction, space,
+                                                  worst->time + done.first_frame));
+    text += row("kept apart by", fmt::format("{:.3g}{}", report.clearance + settings.step.thickness, space));
+  }
+  const auto named = [&](auto is_meant) { return frames_named(report.frames, done.first_frame, is_meant); };
+  if (const auto late = named([](const auto& f) { return f.late; }); !late.empty())
+    text += row("behind the motion", "in frames " + late);
+  if (report.interrupted) text += "\nInterrupted: the frames that were finished are written.\n";
+  if (report.unchanged) {
+    text += "\n" + colored("Nothing touches: the motion is as it was.", Tone::Good) + "\n";
+  } else if (report.free) {
+    text += "\n" +
+            colored("Proven: nothing touches, in no frame and at no time between frames.", Tone::Good) + "\n";
+  } else if (report.written) {
+    const auto touching = named([](const auto& f) { return f.limit != RepairLimit::None; });
+    text += "\n" +
+            colored(fmt::format("Not all could be repaired: something touches in frames {}.", touching),
+                    Tone::Bad) +
+            "\n";
+  } else {
+    text +=
+        "\n" + colored("No frame is free and none could be made so: nothing was written.", Tone::Bad) + "\n";
+  }
+  CheckTotals totals;
+  totals.contacts_found = true;
+  totals.contacts = report.remaining;
+  std::ranges::sort(totals.contacts, is_worse);
+  totals.first_frame = done.first_frame;
+  totals.last_frame = done.first_frame + static_cast<Index>(report.frames.size()) - 1;
+  text += contact_lines(motions, settings, totals, std::numeric_limits<std::size_t>::max());
+  const std::string ignored = ignored_pairs(settings);
+  if (!ignored.empty()) text += "\n" + printable(ignored) + ".\n";
+  if (!a.fixed.empty()) text += "What may not move was not tested with itself.\n";
+  return text;
+}
+
+Result<void> write_outputs(const RepairArguments& a, const RepairedMotions& done) {
+  for (std::size_t i = 0; i < done.movable.size(); ++i) {
+    const auto motion = done.motion(done.movable[i]);
+    FOLDPROOF_TRY(write_motion(a.outputs[i], *motion));
+  }
+  return {};
+}
+
+Result<int> run_repair(const RepairArguments& a) {
+  auto settings = FOLDPROOF_TRY(step_settings(a));
+  FOLDPROOF_TRY(require_number("--falloff", a.falloff, true));
+  FOLDPROOF_TRY(a.files.check());
+  std::optional<ThreadLimit> limit;
+  FOLDPROOF_TRY(limit_threads(a.threads, limit));
+  const auto motions = FOLDPROOF_TRY(read_motions(a.motions, a.motion.read, a.quiet));
+  RepairRequest request{settings, {}, a.fixed, a.only};
+  request.repair.falloff = a.falloff;
+  request.repair.calm = !a.quick;
+  request.repair.keep = a.keep;
+  request.repair.start = FOLDPROOF_TRY(read_start(a, motions));
+  const auto movable = FOLDPROOF_TRY(movable_objects(motions, request));
+  FOLDPROOF_TRY(require_outputs_fit(a, motions, movable));
+  const auto frames = FOLDPROOF_TRY(frames_to_check(motions, settings));
+  request.repair.single_precision = std::ranges::any_of(
+      a.outputs, [&](const std::string& path) { return is_single_precision(path, frames.size()); });
+  const std::atomic<bool>& interrupted = watch_for_interrupt();
+  ProgressBar bar(!a.quiet);
+  request.repair.interrupted = [&] { return interrupted.load(); };
+  request.repair.progress = [&](double share) { bar.show(share, "repairing"); };
+  const auto done = repair_motions(motions, request);
+  bar.clear();
+  if (!done) return tl::unexpected(done.error());
+  if (done->report.written) FOLDPROOF_TRY(write_outputs(a, *done));
+  if (!a.quiet) print_output(summary_of(a, motions, *done, settings));
+  if (done->report.interrupted) return kExitInterrupted;
+  return exit_code(done->report.free);
+}
+
+void add_output_options(const Subcommand& command, RepairArguments& a) {
+  a.files
+      .writes(
+          command.add_option("-o,--output", a.outputs,
+                             "The motion to write: .npz, .obj with .pc2, .ply for one frame; once for each "
+                             "object that may move, in order"),
+          FileArguments::Output::Motion)
+      .type_name("FILE")
+      .one_value_each_time()
+      .required();
+  command.add_flag("--keep", a.keep, "After Ctrl-C, write the frames that are finished");
+  command.add_flag("-q,--quiet", a.quiet, "Print nothing but errors");
+}
+
+}  // namespace
+
+Command add_repair(CommandLine& program) {
+  const Subcommand command =
+      program.add_subcommand("repair", "Write the nearest motion that touches nothing, proven");
+  command.footer(std::string(kMotionHelp) + kRepairFooter);
+  const auto a = std::make_shared<RepairArguments>();
+  a->files.reads(command.add_option("MOTION", a->motions, "What to repair (see below)"))
+      .type_name("")
+      .required();
+  add_output_options(command, *a);
+  const char* group = "What may move, and how";
+  command
+      .add_option("--fixed", a->fixed,
+                  "An object or part that may not move, by name; several times for several")
+      .type_name("NAME")
+      .one_value_each_time()
+      .group(group);
+  command.add_option("--only", a->only, "An object or part that may move; then no other may")
+      .type_name("NAME")
+      .one_value_each_time()
+      .group(group);
+  command
+      .add_option("--falloff", a->falloff,
+                  "How far along the surface a correction spreads, in mesh units [a twentieth of the size]")
+      .type_name("D")
+      .group(group);
+  command
+      .add_option("--thickness", a->thickness, "Keep everything farther apart than this, in mesh units [0]")
+      .type_name("D")
+      .group(group);
+  command.add_option("--ignore", a->ignore, "Pairs of two objects or parts that may touch, by name")
+      .type_name("A B")
+      .one_value_each_time()
+      .group(group);
+  a->files
+      .reads(
+          command.add_option("--start", a->start,
+                             "A pose that touches nothing to start from, a mesh file; once for each object"))
+      .type_name("FILE")
+      .one_value_each_time()
+      .group(group);
+  command.add_flag("--quick", a->quick, "Leave out the pass that makes corrections calm in time")
+      .group(group);
+  add_motion_options(command, a->motion);
+  add_threads_option(command, a->threads, "At most N threads [all cores]");
+  return [a] { return run_repair(*a); };
+}
+
+}  // namespace foldproof

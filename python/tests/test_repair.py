@@ -1,0 +1,60 @@
+"""Repair of motions."""
+
+import numpy as np
+import pytest
+
+import foldproof
+
+
+def sheets(gaps, n=9):
+    """Two square sheets above each other, by the height of the second's middle in each frame."""
+    x, y = (c.ravel() for c in np.meshgrid(np.linspace(-1, 1, n), np.linspace(-1, 1, n)))
+    quads = [i * n + k for i in range(n - 1) for k in range(n - 1)]
+    one = np.array([[q, q + 1, q + n] for q in quads] + [[q + 1, q + n + 1, q + n] for q in quads])
+    flat = np.stack([x, y, 0 * x], axis=1)
+    bump = np.exp(-4 * (x**2 + y**2))
+    frames = [np.concatenate([flat, flat * 0.9 + np.stack([0 * x + 0.013, 0 * x, 0.3 + (gap - 0.3) * bump], axis=1)]) for gap in gaps]
+    return foldproof.Motion(np.concatenate([one, one + n * n]), frames, parts=["low"] * len(one) + ["high"] * len(one))
+
+
+def test_what_comes_out_is_free():
+    motion = sheets([0.3, 0.1, -0.1, 0.1, 0.3])
+    assert not foldproof.check(motion).clean
+    done = foldproof.repair(motion)
+    assert done.free and not done.unchanged and len(done.before) == 1 and len(done.remaining) == 0
+    assert foldproof.check(done.motions[0]).clean
+    assert list(done.frames["time"]) == [0, 1, 2, 3, 4]
+    assert 0.05 < done.frames["correction"][2] < 0.1
+    assert repr(done).startswith("<foldproof.RepairResult: free; 1 contact before")
+    again = foldproof.repair(done.motions[0])
+    assert again.unchanged and again.free
+    assert all(np.array_equal(again.motions[0][k], done.motions[0][k]) for k in range(5))
+
+
+def test_what_may_move_and_what_is_ignored():
+    motion = sheets([0.3, -0.1, 0.3])
+    n = 81
+    for fixed, moves in (("low", slice(n, None)), ("high", slice(0, n))):
+        done = foldproof.repair(motion, fixed=[fixed])
+        assert done.free
+        change = np.asarray(done.motions[0][1]) - np.asarray(motion[1])
+        assert np.abs(change[moves]).max() > 0.08
+        change[moves] = 0
+        assert not change.any()
+    assert foldproof.repair(motion, ignore=[("low", "high")]).unchanged
+    kept = foldproof.repair(motion, thickness=0.03)
+    assert foldproof.check(kept.motions[0], thickness=0.03).clean
+
+
+def test_errors_are_said():
+    motion = sheets([0.3, -0.1])
+    with pytest.raises(foldproof.Error, match="more than the gaps of the mesh itself"):
+        foldproof.repair(motion, thickness=1)
+    with pytest.raises(foldproof.Error, match="did you mean 'high'"):
+        foldproof.repair(motion, fixed=["hihg"])
+    with pytest.raises(foldproof.Error, match="nothing may move"):
+        foldproof.repair(motion, fixed=["low", "high"])
+    with pytest.raises(foldproof.Error, match="touches itself"):
+        foldproof.repair(motion, start=motion[1])
+    with pytest.raises(foldproof.Error, match="frames"):
+        foldproof.repair(sheets([0.3, -0.1, 0.3]), frames="0:3:2")

@@ -1,0 +1,62 @@
+/// What touches in a motion: which frames are free, which ways between them, and where it is bad.
+#pragma once
+
+#include "repair/frame_solver.h"
+#include "repair/poses.h"
+
+namespace foldproof::inline internal {
+
+/// Checks a motion frame by frame, in order.
+class Analysis {
+ public:
+  Analysis(const RepairScene& scene, Prover& prover, double thickness)
+      : scene_(&scene), prover_(&prover), thickness_(thickness) {}
+  Result<void> add(double time, std::span<const double> x);
+  /// All contacts of the motion, after its last frame.
+  std::vector<Contact> finish();
+
+  std::size_t frame_count() const { return frames_.size(); }
+  /// Nothing touches in the frame; on the way to it from the frame before.
+  bool is_free(std::size_t k) const { return frames_[k].is_free; }
+  bool is_way_free(std::size_t k) const { return frames_[k].is_way_free; }
+  bool all_free() const;
+  std::uint64_t crossings(std::size_t k) const { return frames_[k].crossings; }
+  /// Per vertex, whether it or a vertex near it touches something in or next to the frame.
+  const std::vector<std::uint8_t>& touched(std::size_t k);
+
+ private:
+  struct Frame {
+    bool is_free = false, is_way_free = false;
+    std::uint64_t crossings = 0;
+    std::vector<Index> touched;
+  };
+  void touch(Frame& frame, const StepResult& step) const;
+  void touch_crossings(Frame& frame) const;
+
+  const RepairScene* scene_;
+  Prover* prover_;
+  double thickness_;
+  std::optional<ContactFinder> finder_;
+  std::vector<double> last_;
+  std::vector<std::span<const double>> views_, last_views_;
+  double last_time_ = 0;
+  std::vector<Frame> frames_;
+  std::vector<Contact> ended_;
+  std::vector<std::uint8_t> mask_;
+  std::size_t mask_of_ = kNoIndex;
+};
+
+/// Marks what is at most `rings` edges away from what is marked.
+void dilate(const RepairScene& scene, std::vector<std::uint8_t>& mask, int rings);
+
+/// Vertices of the contacts of a pose that crosses itself, per vertex the number of its contact; contacts
+/// that are at most `rings` edges apart have one number. 0: in none.
+Result<std::vector<Index>> contact_zones(const RepairScene& scene, Prover& prover, std::span<const double> x,
+                                         int rings);
+
+/// A pose without crossings that differs from `x` around its contacts, which are filled in smoothly, more
+/// rings around them each time until nothing crosses; none where that fails.
+Result<std::optional<std::vector<double>>> untangle(const RepairScene& scene, Prover& prover,
+                                                    std::span<const double> x);
+
+}  // namespace foldproof::inline internal

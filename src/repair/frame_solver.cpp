@@ -1,0 +1,363 @@
+#include "repair/frame_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+
+#include "base/try.h"
+
+namespace foldproof {
+namespace {
+
+constexpr double kStiffness = 30;  // of the barrier, in ranges times edges
+// A change below `move`, in ranges, is none, nor is one of the energy below `energy`. `linear`: of conjugate
+// gradients, in ranges.
+struct Tolerances {
+  double move, energy, linear;
+};
+constexpr Tolerances kRough{0.1, 1e-3, 5e-3}, kFine{0.02, 1e-4, 2e-3};
+constexpr int kMostForAccuracy = 100;  // iterations of Newton's method
+
+Tolerances tolerances_of(const FrameProblem& problem) {
+  const Tolerances& t = problem.rough ? kRough : kFine;
+  return {t.move * problem.accuracy, t.energy * problem.accuracy, t.linear * problem.accuracy};
+}
+
+constexpr double kOverrelaxation = 1.3;  // of steps, as rotations lag behind
+constexpr double kNegligible = 0.01;     // a correction below this, in ranges, is none
+constexpr double kRescaling = 0.8;       // how far to go towards a collision
+constexpr double kReach = 3;             // falloffs along the surface from what is near to what moves
+constexpr int kMaxTrials = 8;            // of shares that are limited around what collides
+constexpr int kMaxHalvings = 10, kMaxMeritHalvings = 3;
+constexpr double kLeastShare = 1e-3;
+constexpr double kTight = 0.05;  // a gap below this, in ranges, may need a stiffer barrier
+constexpr double kMaxStiffening = 1024;
+
+using Queue =
+    std::priority_queue<std::pair<double, Index>, std::vector<std::pair<double, Index>>, std::greater<>>;
+
+}  // namespace
+
+Result<const StepResult*> Prover::check(std::span<const double> x0, std::span<const double> x1) {
+  FOLDPROOF_TRY(checker_.check(scene_->positions(x0, from_), scene_->positions(x1, to_), settings_, step_));
+  return &step_;
+}
+
+Result<const StaticResult*> Prover::check_pose(std::span<const double> x) {
+  FOLDPROOF_TRY(checker_.check_static(scene_->positions(x, from_), settings_, pose_));
+  return &pose_;
+}
+
+Result<bool> Prover::is_free(std::span<const double> x) {
+  if (!FOLDPROOF_TRY(check_pose(x))->clean()) return false;
+  return settings_.thickness == 0 || FOLDPROOF_TRY(check(x, x))->clean();
+}
+
+void FrameSolver::round(std::span<double> x) const {
+  if (!single_precision_) return;
+  for (double& c : x) c = static_cast<float>(c);
+}
+
+// The largest distance of a vertex between two poses.
+double FrameSolver::change(std::span<const double> a, std::span<const double> b) const {
+  double square = 0;
+  for (Index v = 0; v < scene_->vertex_count(); ++v)
+    square = std::max(square, (at(a, v) - at(b, v)).squaredNorm());
+  return std::sqrt(square);
+}
+
+// Vertices that are not active and not yet at the target.
+bool FrameSolver::is_late(std::span<const double> x) const {
+  for (Index v = 0; v < scene_->vertex_count(); ++v) {
+    if (is_active_[v] == 0 && at(x, v) != at(problem_->target, v)) return true;
+  }
+  return false;
+}
+
+// How far a pair may go from y to z. At first y is the start, so that its time of impact tells; else neither
+// way is that from y, and half is a guess where y to z is free.
+double FrameSolver::share_of(const FeaturePair& pair, std::span<const double> z, double toi,
+                             bool first) const {
+  if (first) return kRescaling * toi;
+  const CcdSettings settings{.thickness = problem_->range.thickness};
+  const FourPoints from = points_of(y_, pair), to = points_of(z, pair);
+  const CcdResult ccd = pair.edges ? edge_edge_ccd(from, to, settings) : vertex_face_ccd(from, to, settings);
+  return ccd.answer == Answer::Separated ? 0.5 : std::min(kRescaling * ccd.toi, 0.5 + toi / 2);
+}
+
+// `is_after`: the step is that on to the next frame.
+void FrameSolver::limit_shares(const StepResult& step, std::span<const double> z, bool is_after, bool first) {
+  std::fill(limit_.begin(), limit_.end(), 1);
+  double all = 1;
+  const auto limit = [&](const FeaturePair& pair, double toi) {
+    ways_[is_after ? 1 : 0].insert(pair);
+    const double share = share_of(pair, z, toi, first);
+    const bool waits =
+        std::ranges::all_of(pair.v, [&](Index v) { return scene_->is_movable(v) || at(z, v) == at(y_, v); });
+    if (!waits) all = std::min(all, share);  // what may not move would run into it
+    for (const Index v : pair.v) {
+      if (waits && scene_->is_movable(v)) limit_[v] = std::min(limit_[v], share);
+    }
+  };
+  for (const auto& c : step.vertex_face) limit(scene_->pair_of(c), c.toi);
+  for (const auto& c : step.edge_edge) limit(scene_->pair_of(c), c.toi);
+  all_share_ *= all;
+  spread_shares();
+  for (Index v = 0; v < limit_.size(); ++v) {
+    if (limit_[v] == 1) continue;
+    share_[v] *= limit_[v];
+    if (share_[v] < kLeastShare) share_[v] = 0;
+    is_active_[v] = 1;
+  }
+}
+
+// Limits grow back to 1 along the surface, so that nothing is torn.
+void FrameSolver::spread_shares() {
+  Queue queue;
+  for (Index v = 0; v < limit_.size(); ++v) {
+    if (limit_[v] < 1) queue.emplace(limit_[v], v);
+  }
+  while (!queue.empty()) {
+    const auto [limit, v] = queue.top();
+    queue.pop();
+    if (limit > limit_[v]) continue;
+    for (const Index u : scene_->neighbors()[v]) {
+      const double next = limit + (at(y_, u) - at(y_, v)).norm() / (2 * falloff_);
+      if (!scene_->is_movable(u) || next >= limit_[u]) continue;
+      limit_[u] = next;
+      queue.emplace(next, u);
+    }
+  }
+}
+
+void FrameSolver::place(std::span<const double> whole, std::vector<double>& z) const {
+  for (Index v = 0; v < share_.size(); ++v) {
+    const double share = share_[v] * all_share_;
+    const Vec3 from = at(y_, v), to = at(whole, v);
+    put(z, v, share == 1 ? to : from + share * (to - from));
+  }
+  round(z);
+}
+
+// Whether the ways to z and on from it are free; else limits shares.
+Result<bool> FrameSolver::check_ways(std::span<const double> z, bool first) {
+  if (!problem_->before.empty()) {
+    const StepResult* step = FOLDPROOF_TRY(prover_->check(problem_->before, z));
+    if (!step->clean()) {
+      limit_shares(*step, z, false, first);
+      return false;
+    }
+  }
+  if (problem_->after.empty()) return true;
+  const StepResult* step = FOLDPROOF_TRY(prover_->check(z, problem_->after));
+  if (!step->clean()) limit_shares(*step, z, true, false);
+  return step->clean();
+}
+
+// Moves z back towards y until the ways are free. Returns the share that all vertices went; 0 where nothing
+// moved.
+Result<double> FrameSolver::approach(std::vector<double>& z) {
+  whole_ = z;
+  std::fill(share_.begin(), share_.end(), 1);
+  all_share_ = 1;
+  const bool first = std::equal(y_.begin(), y_.end(), problem_->before.begin(), problem_->before.end());
+  for (int trial = 0; trial < kMaxTrials; ++trial) {
+    if (FOLDPROOF_TRY(check_ways(z, first))) return all_share_;
+    if (all_share_ < kLeastShare) break;
+    place(whole_, z);
+  }
+  for (int k = 0; k < kMaxHalvings; ++k) {
+    const double share = all_share_ /= 2;
+    place(whole_, z);
+    if (FOLDPROOF_TRY(check_ways(z, first))) return all_share_;
+    all_share_ = share;
+  }
+  z = y_;
+  return 0;
+}
+
+// Pairs that are near in x, and those that collided on the ways before, at the times when they did.
+Result<void> FrameSolver::find_pairs(std::span<const double> x, Pairs& out) {
+  FOLDPROOF_TRY(pairs_->find(x, problem_->range, out.near));
+  out.in_pose = out.near.size();
+  add_way_pairs(x, out);
+  return {};
+}
+
+// A pair where it is closest on the way, unless that is at one of its ends.
+std::optional<NearPair> FrameSolver::on_way(const FeaturePair& pair, bool is_after,
+                                            std::span<const double> x) const {
+  const FourPoints here = points_of(x, pair);
+  const FourPoints from = is_after ? here : points_of(problem_->before, pair);
+  const FourPoints to = is_after ? points_of(problem_->after, pair) : here;
+  FourPoints p;
+  const auto square_distance = [&](double time) {
+    for (std::size_t k = 0; k < 4; ++k) p[k] = from[k] + time * (to[k] - from[k]);
+    return closest_weights(pair.edges, p).difference.squaredNorm();
+  };
+  double time = 0, least = std::numeric_limits<double>::infinity();
+  const auto consider = [&](double t) {
+    const double d = square_distance(t);
+    if (d < least * (1 - 1e-7)) least = d, time = t;  // rounding does not choose between equals
+  };
+  constexpr int kSamples = 8, kRefinements = 5;
+  for (int k = 1; k < kSamples; ++k) consider(static_cast<double>(k) / kSamples);
+  double width = 1.0 / kSamples;
+  for (int k = 0; k < kRefinements; ++k) {
+    width /= 2;
+    const double middle = time;
+    consider(middle - width);
+    consider(middle + width);
+  }
+  const double share = is_after ? 1 - time : time;
+  if (share < width || share > 1 - 2 * width) return std::nullopt;
+  square_distance(time);
+  return near_pair(pair, p, problem_->range, share);
+}
+
+void FrameSolver::add_way_pairs(std::span<const double> x, Pairs& out) {
+  out.near.resize(out.in_pose, NearPair{});
+  for (const bool is_after : {false, true}) {
+    for (const FeaturePair& pair : ways_[is_after ? 1 : 0]) {
+      if (const auto near = on_way(pair, is_after, x)) out.near.push_back(*near);
+    }
+  }
+}
+
+std::array<std::vector<FeaturePair>, 2> FrameSolver::ways() const {
+  return {std::vector<FeaturePair>(ways_[0].begin(), ways_[0].end()),
+          std::vector<FeaturePair>(ways_[1].begin(), ways_[1].end())};
+}
+
+void FrameSolver::set_ways(std::span<const FeaturePair> before, std::span<const FeaturePair> after) {
+  ways_ = {std::set<FeaturePair>(before.begin(), before.end()),
+           std::set<FeaturePair>(after.begin(), after.end())};
+}
+
+// Vertices whose correction is not negligible.
+void FrameSolver::start_active() {
+  is_active_.assign(scene_->vertex_count(), 0);
+  along_.assign(scene_->vertex_count(), std::numeric_limits<double>::infinity());
+  for (Index v = 0; v < is_active_.size(); ++v) {
+    if (!scene_->is_movable(v)) continue;
+    const double correction = (at(next_, v) - at(problem_->target, v)).norm();
+    if (correction > kNegligible * problem_->range.range) {
+      is_active_[v] = 1;
+    } else {
+      put(next_, v, at(problem_->target, v));
+    }
+  }
+}
+
+// Makes active what is near a pair, along the surface.
+void FrameSolver::grow_active(std::span<const NearPair> pairs) {
+  const double reach = kReach * falloff_;
+  Queue queue;
+  for (const NearPair& pair : pairs) {
+    for (const Index v : pair.pair.v) {
+      if (along_[v] > 0) queue.emplace(along_[v] = 0, v);
+    }
+  }
+  while (!queue.empty()) {
+    const auto [distance, v] = queue.top();
+    queue.pop();
+    if (distance > along_[v]) continue;
+    if (scene_->is_movable(v)) is_active_[v] = 1;
+    for (const Index u : scene_->neighbors()[v]) {
+      const double next = distance + (at(problem_->target, u) - at(problem_->target, v)).norm();
+      if (next >= reach || next >= along_[u]) continue;
+      along_[u] = next;
+      queue.emplace(next, u);
+    }
+  }
+  std::vector<Index> active;
+  for (Index v = 0; v < is_active_.size(); ++v) {
+    if (is_active_[v] != 0) active.push_back(v);
+  }
+  if (active.size() != surface_->active().size() ||
+      !std::equal(active.begin(), active.end(), surface_->active().begin()))
+    surface_->set_active(std::move(active));
+}
+
+Result<void> FrameSolver::begin(const FrameProblem& problem, std::span<const double> guess) {
+  problem_ = &problem;
+  limit_.assign(scene_->vertex_count(), 1);
+  share_.assign(scene_->vertex_count(), 1);
+  y_.assign(problem.begin.begin(), problem.begin.end());
+  next_.assign(guess.begin(), guess.end());
+  surface_->set_active({});
+  start_active();
+  round(next_);
+  FOLDPROOF_TRY(approach(next_));
+  y_.swap(next_);
+  late_ = is_late(y_);
+  return find_pairs(y_, pairs_of_y_);
+}
+
+// Goes from y towards next, less far while that raises the energy. Returns whether it came to its end.
+Result<bool> FrameSolver::descend(double stiffness) {
+  const double range = problem_->range.range;
+  const double wanted = change(y_, next_);
+  const Tolerances tolerances = tolerances_of(*problem_);
+  for (int halving = 0;; ++halving) {
+    FOLDPROOF_TRY(approach(next_));
+    FOLDPROOF_TRY(find_pairs(next_, pairs_of_next_));
+    const bool next_late = is_late(next_);
+    if (late_ || next_late) {
+      late_ = next_late;
+      return false;
+    }
+    add_way_pairs(y_, pairs_of_y_);
+    const double before = surface_->energy(y_, problem_->target, pairs_of_y_.near, stiffness);
+    const double after = surface_->energy(next_, problem_->target, pairs_of_next_.near, stiffness);
+    if (after > before && halving < kMaxMeritHalvings) {
+      for (std::size_t i = 0; i < next_.size(); ++i) next_[i] = y_[i] + (next_[i] - y_[i]) / 2;
+      round(next_);
+      continue;
+    }
+    const bool limited = all_share_ < 1 || std::ranges::any_of(share_, [](double s) { return s < 1; });
+    return !limited &&
+           (wanted < tolerances.move * range || before - after < tolerances.energy * std::abs(after));
+  }
+}
+
+Result<FrameOutcome> FrameSolver::solve(const FrameProblem& problem, std::vector<double>& x) {
+  FOLDPROOF_TRY(begin(problem, x));
+  const double range = problem.range.range;
+  double stiffness = kStiffness * range * edge_;
+  const double stiffest = kMaxStiffening * stiffness;
+  const double linear = tolerances_of(problem).linear;
+  const int most = problem.accuracy < 1 ? kMostForAccuracy : problem.iterations;
+  FrameOutcome outcome;
+  for (; outcome.iterations < most && !outcome.settled; ++outcome.iterations) {
+    if (interrupted_ && interrupted_())
+      return fail(ErrorCode::Interrupted, "repair", "was interrupted", "run it again");
+    grow_active(pairs_of_y_.near);
+    if (surface_->active().empty() && !late_) {
+      outcome.settled = true;
+      break;
+    }
+    surface_->fit_rotations(y_, problem.target);
+    next_.resize(y_.size());
+    surface_->minimize(y_, problem.target, pairs_of_y_.near, stiffness, linear * range, next_);
+    for (const Index v : surface_->active())
+      put(next_, v, at(y_, v) + kOverrelaxation * (at(next_, v) - at(y_, v)));
+    round(next_);
+    outcome.wanted = change(y_, next_);
+    outcome.settled = FOLDPROOF_TRY(descend(stiffness));
+    y_.swap(next_);
+    std::swap(pairs_of_y_, pairs_of_next_);
+    const bool tight =
+        std::ranges::any_of(pairs_of_y_.near, [](const NearPair& p) { return p.gap < kTight * p.range; });
+    const bool stopped = std::ranges::any_of(share_, [](double s) { return s < 0.5; });
+    if (tight && stopped && stiffness < stiffest) stiffness *= 2;
+  }
+  outcome.arrived = true;
+  for (Index v = 0; v < scene_->vertex_count(); ++v)
+    outcome.arrived &= scene_->is_movable(v) || at(y_, v) == at(problem.target, v);
+  outcome.late = !outcome.settled && outcome.wanted > range;
+  x = y_;
+  return outcome;
+}
+
+}  // namespace foldproof

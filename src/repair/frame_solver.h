@@ -1,0 +1,120 @@
+/// Finds the pose of one frame: near the target, and the straight way to it proven free.
+#pragma once
+
+#include <set>
+
+#include "repair/surface.h"
+
+namespace foldproof::inline internal {
+
+/// Asks StepChecker about straight ways between poses of the scene.
+class Prover {
+ public:
+  Prover(const RepairScene& scene, std::shared_ptr<const PairFilter> filter, double thickness)
+      : scene_(&scene), checker_(scene.objects(), std::move(filter)) {
+    settings_.thickness = thickness;
+    settings_.look_ahead = false;  // ways of one frame do not continue each other
+  }
+  /// The pairs that collide on the way, at most StepSettings::max_listed.
+  Result<const StepResult*> check(std::span<const double> x0, std::span<const double> x1);
+  /// Pairs of triangles that cross.
+  Result<const StaticResult*> check_pose(std::span<const double> x);
+  /// Whether nothing touches: nothing crosses, nothing is within the thickness.
+  Result<bool> is_free(std::span<const double> x);
+
+ private:
+  const RepairScene* scene_;
+  StepChecker checker_;
+  StepSettings settings_;
+  StepResult step_;
+  StaticResult pose_;
+  std::vector<std::span<const double>> from_, to_;
+};
+
+/// What a frame is solved with.
+struct FrameProblem {
+  std::span<const double> before;  ///< A pose from which the way is to be free; empty: there is none.
+  std::span<const double> begin;   ///< A pose to which it is free. Where Newton's method begins.
+  std::span<const double> target;
+  BarrierRange range;
+  std::span<const double> after = {};  ///< A pose to which the way on is to be free, and is; empty: none.
+  double accuracy = 1;                 ///< RepairSettings::accuracy.
+  bool rough = false;                  ///< Another solve follows, which comes closer to the minimum.
+  int iterations = 12;                 ///< Of Newton's method, at most.
+};
+
+struct FrameOutcome {
+  bool arrived = false;  ///< What may not move is at the target; else there is no pose.
+  bool settled = false;  ///< Newton's method came to its end.
+  bool late = false;     ///< More time is needed to get near the target.
+  double wanted = 0;     ///< The last change that Newton's method asked for, mesh units.
+  int iterations = 0;
+};
+
+class FrameSolver {
+ public:
+  /// `edge`, `falloff`: lengths of the mesh, SceneSize::edge and that of `surface`.
+  FrameSolver(const RepairScene& scene, ElasticSurface& surface, NearPairs& pairs, Prover& prover,
+              double edge, double falloff, bool single_precision)
+      : scene_(&scene),
+        surface_(&surface),
+        pairs_(&pairs),
+        prover_(&prover),
+        edge_(edge),
+        falloff_(falloff),
+        single_precision_(single_precision) {}
+  void set_interrupted(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
+
+  /// `x`: a guess, which becomes the pose; the ways are proven free in any case. Error: interrupted.
+  Result<FrameOutcome> solve(const FrameProblem& problem, std::vector<double>& x);
+
+  /// Pairs that collided on the ways of the last solve, or were set before it, and are near there: the
+  /// barrier acts on them. Of the way to the frame, and of that on to the next.
+  std::array<std::vector<FeaturePair>, 2> ways() const;
+  /// For the next solve.
+  void set_ways(std::span<const FeaturePair> before, std::span<const FeaturePair> after);
+
+ private:
+  struct Pairs {
+    std::vector<NearPair> near;
+    std::size_t in_pose = 0;  ///< The first so many; the others are from the way.
+  };
+
+  Result<double> approach(std::vector<double>& z);
+  Result<bool> check_ways(std::span<const double> z, bool first);
+  void limit_shares(const StepResult& step, std::span<const double> z, bool is_after, bool first);
+  double share_of(const FeaturePair& pair, std::span<const double> z, double toi, bool first) const;
+  void spread_shares();
+  void place(std::span<const double> whole, std::vector<double>& z) const;
+  Result<void> begin(const FrameProblem& problem, std::span<const double> guess);
+  Result<bool> descend(double stiffness);
+  Result<void> find_pairs(std::span<const double> x, Pairs& out);
+  std::optional<NearPair> on_way(const FeaturePair& pair, bool is_after, std::span<const double> x) const;
+  void add_way_pairs(std::span<const double> x, Pairs& out);
+  void grow_active(std::span<const NearPair> pairs);
+  void start_active();
+  bool is_late(std::span<const double> x) const;
+  void round(std::span<double> x) const;
+  double change(std::span<const double> a, std::span<const double> b) const;
+
+  const RepairScene* scene_;
+  ElasticSurface* surface_;
+  NearPairs* pairs_;
+  Prover* prover_;
+  double edge_, falloff_;
+  bool single_precision_;
+  std::function<bool()> interrupted_;
+
+  const FrameProblem* problem_ = nullptr;
+  std::vector<double> y_;  // the pose so far; the way to it is free
+  std::vector<double> next_, whole_;
+  Pairs pairs_of_y_, pairs_of_next_;
+  std::array<std::set<FeaturePair>, 2> ways_;  // to the frame, and on from it
+  bool late_ = false;                          // y: see is_late
+  std::vector<double> share_, along_;          // per vertex: share of the way; distance from what is near
+  std::vector<double> limit_;
+  double all_share_ = 1;  // of all vertices
+  std::vector<std::uint8_t> is_active_;
+};
+
+}  // namespace foldproof::inline internal

@@ -1,0 +1,211 @@
+#include "repair/passes.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "base/try.h"
+
+namespace foldproof {
+namespace {
+
+constexpr double kJump = 2;           // a correction that changes by more, in edges, is doubted:
+constexpr double kMaxParts = 8;       // the way is followed in up to so many parts
+constexpr double kMuchBetter = 0.25;  // the square of the correction, where that one is taken
+constexpr int kIterations = 12, kPartIterations = 4, kRelaxIterations = 8;
+constexpr double kSmoothedAway = 1e-3;  // smoothed corrections below this, in clearances, are none
+constexpr int kRelaxations = 2;         // forwards, and back
+
+double square_distance(std::span<const double> a, std::span<const double> b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return sum;
+}
+
+// The largest distance of a vertex's a1 - a0 from its b1 - b0.
+double largest_difference(std::span<const double> a1, std::span<const double> a0, std::span<const double> b1,
+                          std::span<const double> b0) {
+  double largest = 0;
+  for (Index v = 0; v < a1.size() / 3; ++v)
+    largest = std::max(largest, ((at(a1, v) - at(a0, v)) - (at(b1, v) - at(b0, v))).norm());
+  return largest;
+}
+
+std::vector<double> copy(std::span<const double> x) { return {x.begin(), x.end()}; }
+
+}  // namespace
+
+FrameProblem RepairTools::problem(std::span<const double> before, std::span<const double> begin,
+                                  std::span<const double> target, std::span<const double> frame,
+                                  double time) const {
+  const auto& touched = analysis->touched(static_cast<std::size_t>(std::lround(time)));
+  FrameProblem out{before, begin, target, BarrierRange{thickness, range, rest, frame, touched}};
+  out.accuracy = accuracy;
+  out.iterations = kIterations;
+  return out;
+}
+
+// The target is approached in equal parts, with the correction so far as the first guess. The way that is
+// proven begins at `from` in any case.
+Result<FrameOutcome> Passes::follow(std::span<const double> from, std::span<const double> last_target,
+                                    std::span<const double> target, std::span<const double> frame,
+                                    double time, int parts, std::vector<double>& x) {
+  FrameOutcome outcome;
+  x = copy(from);
+  std::vector<double> before = copy(last_target), goal = before, guess;
+  tools_.solver->set_ways({}, {});
+  for (int part = 1; part <= parts; ++part) {
+    for (std::size_t i = 0; i < goal.size(); ++i) {
+      goal[i] = part == parts ? target[i] : last_target[i] + (target[i] - last_target[i]) * part / parts;
+    }
+    guess = goal;
+    for (std::size_t i = 0; i < guess.size(); ++i) {
+      if (x[i] != before[i]) guess[i] += x[i] - before[i];
+    }
+    FrameProblem problem = tools_.problem(from, x, goal, frame, time);
+    problem.rough = rough_ || part < parts;
+    if (part < parts) problem.iterations = kPartIterations;
+    outcome = FOLDPROOF_TRY(tools_.solver->solve(problem, guess));
+    x.swap(guess);
+    before = goal;
+  }
+  return outcome;
+}
+
+// From x, the pose at time `from`, to the time `to`; adds frames between where it is late and `halvings`
+// allow. False: there is no way.
+Result<bool> Passes::advance(double from, double to, std::vector<double>& x, int halvings) {
+  const auto last_target = copy(FOLDPROOF_TRY(tools_.frames->at_time(from)));
+  const auto target = copy(FOLDPROOF_TRY(tools_.frames->at_time(to)));
+  std::vector<double> next;
+  FrameOutcome outcome = FOLDPROOF_TRY(follow(x, last_target, target, target, to, 1, next));
+  const double jump = largest_difference(next, target, x, last_target) / tools_.edge;
+  auto way = tools_.solver->ways()[0];
+  if (jump > kJump) {
+    std::vector<double> other;
+    const int parts = static_cast<int>(std::min(kMaxParts, std::ceil(jump)));
+    const FrameOutcome of_other = FOLDPROOF_TRY(follow(x, last_target, target, target, to, parts, other));
+    if (of_other.arrived &&
+        (!outcome.arrived || square_distance(other, target) < kMuchBetter * square_distance(next, target))) {
+      outcome = of_other;
+      next = std::move(other);
+      way = tools_.solver->ways()[0];
+    }
+  }
+  if ((!outcome.arrived || outcome.late) && halvings > 0) {
+    const double middle = (from + to) / 2;
+    std::vector<double> tried = x;
+    const std::size_t kept = frames_.size();
+    if (FOLDPROOF_TRY(advance(from, middle, tried, halvings - 1)) &&
+        FOLDPROOF_TRY(advance(middle, to, tried, halvings - 1))) {
+      x = std::move(tried);
+      return true;
+    }
+    frames_.resize(kept);
+  }
+  if (!outcome.arrived) return false;
+  frames_.push_back({to, Correction::between(target, next), outcome.late, RepairLimit::None, std::move(way)});
+  x = std::move(next);
+  return true;
+}
+
+Result<void> Passes::sweep(Index from, int direction, std::span<const double> begin) {
+  std::vector<double> x = copy(begin);
+  const int halvings = static_cast<int>(std::bit_width(in_betweens_ + 1)) - 1;
+  bool proven = true;  // x is the end of a way that is free
+  for (std::int64_t k = std::int64_t{from} + direction; k >= 0 && k < tools_.frames->count();
+       k += direction) {
+    const auto now = static_cast<Index>(k), last = static_cast<Index>(k - direction);
+    const bool way_free = tools_.analysis->is_way_free(std::max(now, last));
+    const auto frame = FOLDPROOF_TRY(tools_.frames->at_time(last));
+    const bool moved = !std::equal(x.begin(), x.end(), frame.begin());
+    const bool free = way_free && tools_.analysis->is_free(now) && !moved;
+    if (!(proven && free) && proven && FOLDPROOF_TRY(advance(last, now, x, halvings))) {
+      FOLDPROOF_TRY(tick_());
+      continue;
+    }
+    // The frame as it came in. If it is free, what follows is proven again.
+    x = copy(FOLDPROOF_TRY(tools_.frames->at_time(now)));
+    proven = tools_.analysis->is_free(now);
+    frames_.push_back(
+        {static_cast<double>(now), {}, false, free ? RepairLimit::None : RepairLimit::GivenUp, {}});
+    FOLDPROOF_TRY(tick_());
+  }
+  return {};
+}
+
+Result<void> Passes::follow_motion(Index start, std::span<const double> x, bool rough) {
+  rough_ = rough;
+  frames_.clear();
+  const auto backwards = sweep(start, -1, x);
+  // Ways are to the frame before in time, not in the order in which they were found.
+  std::reverse(frames_.begin(), frames_.end());
+  const auto frame = FOLDPROOF_TRY(tools_.frames->at_time(start));
+  frames_.push_back({static_cast<double>(start), Correction::between(frame, x)});
+  for (std::size_t i = frames_.size(); i-- > 1;) {
+    frames_[i].way = std::move(frames_[i - 1].way);
+  }
+  return backwards ? sweep(start, 1, x) : backwards;
+}
+
+Result<std::vector<double>> Passes::pose(std::size_t i) {
+  std::vector<double> x = copy(FOLDPROOF_TRY(tools_.frames->at_time(frames_[i].time)));
+  frames_[i].correction.apply(x);
+  return x;
+}
+
+Result<void> Passes::relax() {
+  for (int k = 0; k < kRelaxations; ++k) {
+    smooth_.clear();
+    rough_ = k + 1 < kRelaxations;
+    for (const SolvedFrame& frame : frames_) smooth_.push_back(frame.correction);
+    for (std::size_t n = 0; n < frames_.size(); ++n) {
+      FOLDPROOF_TRY(relax_frame(k % 2 == 0 ? n : frames_.size() - 1 - n));
+      FOLDPROOF_TRY(tick_());
+    }
+  }
+  return {};
+}
+
+bool Passes::is_near_correction(std::size_t i) const {
+  const std::size_t begin = i - std::min<std::size_t>(i, Smoother::kRadius);
+  const std::size_t end = std::min(smooth_.size(), i + Smoother::kRadius + 1);
+  return std::any_of(smooth_.begin() + static_cast<std::ptrdiff_t>(begin),
+                     smooth_.begin() + static_cast<std::ptrdiff_t>(end),
+                     [](const Correction& c) { return !c.vertices.empty(); });
+}
+
+// Frame i again, between its neighbors, which stay: near the target with the correction averaged in time.
+Result<void> Passes::relax_frame(std::size_t i) {
+  SolvedFrame& solved = frames_[i];
+  const std::size_t last = i > 0 ? i - 1 : i + 1, next = i + 1 < frames_.size() ? i + 1 : last;
+  if (frames_.size() < 2) return {};
+  const bool is_first = i == 0, is_last = i + 1 == frames_.size();
+  for (const std::size_t k : {last, i, next}) {
+    if (frames_[k].limit != RepairLimit::None) return {};
+  }
+  if (!is_near_correction(i)) return {};
+  const auto before = FOLDPROOF_TRY(pose(last)), after = FOLDPROOF_TRY(pose(next));
+  const auto target = copy(FOLDPROOF_TRY(tools_.frames->at_time(solved.time)));
+  const std::vector<double> begin = FOLDPROOF_TRY(pose(i));
+  std::vector<double> goal = target;
+  smoother_.add(smooth_, i, kSmoothedAway * tools_.range, goal);
+  if (solved.correction.vertices.empty() && goal == target) return {};
+  FrameProblem problem = tools_.problem(before, begin, goal, target, solved.time);
+  if (is_first) problem.before = {};
+  if (!is_last) problem.after = after;
+  problem.rough = rough_;
+  problem.iterations = kRelaxIterations;
+  tools_.solver->set_ways(is_first ? std::vector<FeaturePair>() : solved.way,
+                          is_last ? std::vector<FeaturePair>() : frames_[next].way);
+  std::vector<double> x = begin;
+  const FrameOutcome outcome = FOLDPROOF_TRY(tools_.solver->solve(problem, x));
+  auto ways = tools_.solver->ways();
+  if (!is_first) solved.way = std::move(ways[0]);
+  if (!is_last) frames_[next].way = std::move(ways[1]);
+  solved.correction = Correction::between(target, x);
+  solved.late = outcome.late;
+  return {};
+}
+
+}  // namespace foldproof

@@ -1,0 +1,67 @@
+/// Repairs frame after frame: the first pass follows the motion away from where it begins, the second makes
+/// the corrections calm in time.
+#pragma once
+
+#include "repair/analysis.h"
+
+namespace foldproof::inline internal {
+
+/// A frame and its correction.
+struct SolvedFrame {
+  double time = 0;
+  Correction correction = {};
+  bool late = false;
+  RepairLimit limit = RepairLimit::None;
+  /// Pairs on which the barrier acts on the way to this frame from the one before it in time.
+  std::vector<FeaturePair> way = {};
+};
+
+/// What a repair works with.
+struct RepairTools {
+  const RepairScene* scene;
+  Frames* frames;
+  Analysis* analysis;
+  FrameSolver* solver;
+  double thickness, range, edge, accuracy;
+  std::span<const double> rest;  ///< BarrierRange::rest.
+  FrameProblem problem(std::span<const double> before, std::span<const double> begin,
+                       std::span<const double> target, std::span<const double> frame, double time) const;
+};
+
+class Passes {
+ public:
+  /// `in_betweens`: how many frames may be added between two. `tick`: called once per frame and pass; an
+  /// error ends the pass.
+  Passes(const RepairTools& tools, Index in_betweens, std::function<Result<void>()> tick)
+      : tools_(tools), in_betweens_(in_betweens), tick_(std::move(tick)), smoother_(*tools.scene) {}
+
+  /// From a free pose `x` at a frame to a pose of another that is near its target and proven.
+  Result<FrameOutcome> follow(std::span<const double> from, std::span<const double> last_target,
+                              std::span<const double> target, std::span<const double> frame, double time,
+                              int parts, std::vector<double>& x);
+
+  /// The first pass, from a free pose at a frame forwards, and backwards.
+  /// `rough`: the second pass follows. After an error, frames() are those that are done.
+  Result<void> follow_motion(Index start, std::span<const double> x, bool rough);
+  /// The second pass: each frame again between those before and after it.
+  Result<void> relax();
+
+  std::span<const SolvedFrame> frames() const { return frames_; }
+
+ private:
+  Result<void> sweep(Index from, int direction, std::span<const double> x);
+  Result<bool> advance(double from, double to, std::vector<double>& x, int halvings);
+  Result<void> relax_frame(std::size_t i);
+  bool is_near_correction(std::size_t i) const;
+  Result<std::vector<double>> pose(std::size_t i);
+
+  RepairTools tools_;
+  Index in_betweens_;
+  std::function<Result<void>()> tick_;
+  std::vector<SolvedFrame> frames_;
+  bool rough_ = false;
+  Smoother smoother_;
+  std::vector<Correction> smooth_;  // of the frames before this pass
+};
+
+}  // namespace foldproof::inline internal

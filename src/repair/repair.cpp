@@ -1,0 +1,353 @@
+#include "foldproof/repair.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "base/plain_arithmetic.h"
+#include "base/try.h"
+#include "repair/passes.h"
+
+namespace foldproof {
+namespace {
+
+constexpr double kFalloffOfSize = 0.05, kFalloffInEdges = 4;
+constexpr double kClearanceInEdges = 0.15;
+constexpr int kApproachSteps = 16;  // from a pose that is not a frame to the frame
+constexpr int kZoneRings = 3;
+constexpr double kSingleSteps = 64;  // single precision must hold the clearance in so many steps
+
+/// Where a repair begins.
+struct Start {
+  Index frame = 0;
+  std::vector<double> x;     // a free pose
+  bool is_frame = false;     // it is the frame itself
+  bool knows_gaps = false;   // its gaps are as they should be
+  std::vector<Index> zones;  // of what is exempt; empty: nothing
+};
+
+class Repair {
+ public:
+  Repair(const RepairInput& input, const RepairSettings& settings, const RepairScene& scene)
+      : input_(input),
+        settings_(settings),
+        scene_(scene),
+        frames_(input, scene, settings.single_precision),
+        prover_(std::make_unique<Prover>(scene, scene.filter(), settings.thickness)),
+        analysis_(scene, *prover_, settings.thickness) {}
+
+  Result<RepairReport> run(const std::function<Result<void>(double, std::span<const double>)>& write);
+
+ private:
+  using Write = std::function<Result<void>(double, std::span<const double>)>;
+
+  Result<void> analyze();
+  Result<std::optional<Start>> find_start();
+  Result<std::optional<Start>> given_start();
+  Result<std::optional<Start>> free_frame();
+  Result<std::optional<Start>> untangled_start();
+  Result<std::optional<Start>> exempt_start();
+  Index calmest_frame() const;
+  Result<void> prepare(const Start& start);
+  Result<void> check_precision(std::span<const double> x) const;
+  Result<void> check_edges();
+  Error thickness_error(Index a, Index b, double gap) const;
+  Result<void> check_own_gaps(std::span<const double> x);
+  Result<bool> approach_frame(const Start& start);
+  Result<void> write_all(std::span<const SolvedFrame> frames, const Write& write, bool writes,
+                         RepairReport& report);
+  bool is_interrupted() const { return settings_.interrupted && settings_.interrupted(); }
+  void progress(double share) const {
+    if (settings_.progress) settings_.progress(std::min(1.0, share));
+  }
+  const RepairInput& input_;
+  const RepairSettings& settings_;
+  const RepairScene& scene_;
+  Frames frames_;
+  std::unique_ptr<Prover> prover_;
+  Analysis analysis_;
+  std::optional<ElasticSurface> surface_;
+  std::optional<NearPairs> pairs_;
+  std::optional<Prover> step_prover_;
+  std::optional<FrameSolver> solver_;
+  std::optional<Passes> passes_;
+  SceneSize size_;
+  double falloff_ = 0, range_ = 0;
+  std::vector<double> rest_;  // empty: its gaps are not known
+  std::vector<double> x_;
+  double done_ = 0;  // frames of passes
+};
+
+Result<void> interrupted() {
+  return fail(ErrorCode::Interrupted, "repair", "was interrupted; nothing was written", "run it again");
+}
+
+Error Repair::thickness_error(Index a, Index b, double gap) const {
+  return {
+      "thickness",
+      fmt::format("{:.3g} is more than the gaps of the mesh itself: features at the edge of vertices {} and "
+                  "{} are {:.3g} apart",
+                  settings_.thickness, a, b, gap),
+      fmt::format("give less than {:.3g}", gap)};
+}
+
+// Features at both ends of an edge are at most its length apart. Said before anything that takes long.
+Result<void> Repair::check_edges() {
+  if (settings_.thickness == 0) return {};
+  const auto x = FOLDPROOF_TRY(frames_.at_time(0));
+  for (const auto& [a, b] : scene_.edges()) {
+    const double length = (at(x, a) - at(x, b)).norm();
+    const bool ends = scene_.neighbors()[a].size() < 2 || scene_.neighbors()[b].size() < 2;
+    if (ends || length > settings_.thickness || !(scene_.is_movable(a) || scene_.is_movable(b))) continue;
+    return tl::unexpected(thickness_error(a, b, length));
+  }
+  return {};
+}
+
+Result<void> Repair::analyze() {
+  for (Index k = 0; k < frames_.count(); ++k) {
+    if (is_interrupted()) return interrupted();
+    FOLDPROOF_TRY(analysis_.add(k, FOLDPROOF_TRY(frames_.at_time(k))));
+    progress(0.1 * (k + 1) / frames_.count());
+  }
+  return {};
+}
+
+Result<std::optional<Start>> Repair::given_start() {
+  if (settings_.start.empty()) return std::nullopt;
+  Start start{settings_.start_frame, settings_.start, false, true, {}};
+  if (start.x.size() != scene_.size())
+    return fail(ErrorCode::InvalidArgument, "start",
+                fmt::format("has {} vertices, the objects {}", start.x.size() / 3, scene_.vertex_count()),
+                "give a pose of all objects");
+  if (start.frame >= frames_.count())
+    return fail(ErrorCode::InvalidArgument, "start_frame",
+                fmt::format("is {}, but the motion has {} frames", start.frame, frames_.count()),
+                "name one of them, counting from 0");
+  if (!FOLDPROOF_TRY(prover_->is_free(start.x)))
+    return fail(ErrorCode::InvalidArgument, "start", "touches itself", "give a pose that is free");
+  return start;
+}
+
+Result<std::optional<Start>> Repair::untangled_start() {
+  const Start start{calmest_frame(), {}, false, false, {}};
+  const auto frame = FOLDPROOF_TRY(frames_.at_time(start.frame));
+  auto pose = FOLDPROOF_TRY(untangle(scene_, *prover_, frame));
+  if (!pose) return std::nullopt;
+  return Start{start.frame, std::move(*pose), false, false, {}};
+}
+
+// What crosses in the first frame is exempt.
+Result<std::optional<Start>> Repair::exempt_start() {
+  Start start{calmest_frame(), {}, true, true, {}};
+  const auto found = FOLDPROOF_TRY(frames_.at_time(start.frame));
+  const std::vector<double> frame(found.begin(), found.end());
+  start.zones = FOLDPROOF_TRY(contact_zones(scene_, *prover_, frame, kZoneRings));
+  Prover exempting(scene_, scene_.filter_with(start.zones), settings_.thickness);
+  if (!FOLDPROOF_TRY(exempting.is_free(frame))) return std::nullopt;
+  start.x = frame;
+  return start;
+}
+
+Index Repair::calmest_frame() const {
+  Index calmest = 0;
+  for (Index k = 1; k < frames_.count(); ++k) {
+    if (analysis_.crossings(k) < analysis_.crossings(calmest)) calmest = k;
+  }
+  return calmest;
+}
+
+// A frame that is free, a pose that is given or untangled and from which the frame can be approached, or what
+// crosses is exempt. x_ is then a free pose at the frame.
+
+Result<std::optional<Start>> Repair::find_start() {
+  for (const auto find :
+       {&Repair::given_start, &Repair::free_frame, &Repair::untangled_start, &Repair::exempt_start}) {
+    auto start = FOLDPROOF_TRY((this->*find)());
+    if (!start) continue;
+    FOLDPROOF_TRY(prepare(*start));
+    x_ = start->x;
+    if (start->is_frame || FOLDPROOF_TRY(approach_frame(*start))) return start;
+  }
+  return std::nullopt;
+}
+
+Result<std::optional<Start>> Repair::free_frame() {
+  for (Index k = 0; k < frames_.count(); ++k) {
+    if (!analysis_.is_free(k)) continue;
+    const auto x = FOLDPROOF_TRY(frames_.at_time(k));
+    return Start{k, {x.begin(), x.end()}, true, true, {}};
+  }
+  return std::nullopt;
+}
+
+Result<void> Repair::check_precision(std::span<const double> x) const {
+  if (!settings_.single_precision) return {};
+  double largest = 0;
+  for (const double c : x) largest = std::max(largest, std::abs(c));
+  const double step = largest * std::numeric_limits<float>::epsilon();
+  if (step * kSingleSteps <= range_) return {};
+  return fail(
+      ErrorCode::InvalidArgument, "single precision",
+      fmt::format("is {:.2g} mesh units coarse at coordinates of {:.3g}, but surfaces are kept {:.2g} apart",
+                  step, largest, range_),
+      "write a format with double precision, such as .npz, or move the motion to the origin");
+}
+
+// A thickness that next neighbors of the mesh do not keep would never be free.
+Result<void> Repair::check_own_gaps(std::span<const double> x) {
+  if (settings_.thickness == 0) return {};
+  const StepResult* near = FOLDPROOF_TRY(prover_->check(x, x));
+  const auto check = [&](const FeaturePair& pair) -> Result<void> {
+    const std::size_t n = pair.edges ? 2 : 1;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t k = n; k < 4; ++k) {
+        const auto around = scene_.neighbors()[pair.v[i]];
+        if (std::ranges::find(around, pair.v[k]) == around.end()) continue;
+        const double gap = closest_weights(pair.edges, points_of(x, pair)).difference.norm();
+        return tl::unexpected(thickness_error(pair.v[i], pair.v[k], gap));
+      }
+    }
+    return {};
+  };
+  for (const auto& c : near->vertex_face) FOLDPROOF_TRY(check(scene_.pair_of(c)));
+  for (const auto& c : near->edge_edge) FOLDPROOF_TRY(check(scene_.pair_of(c)));
+  return {};
+}
+
+Result<void> Repair::prepare(const Start& start) {
+  size_ = scene_size(scene_, start.x);
+  if (!(size_.edge > 0))
+    return fail(ErrorCode::InvalidMesh, "repair", "what may move is a single point", "give a mesh");
+  range_ = kClearanceInEdges * size_.edge;
+  falloff_ = settings_.falloff > 0 ? settings_.falloff
+                                   : std::max(kFalloffOfSize * size_.size, kFalloffInEdges * size_.edge);
+  FOLDPROOF_TRY(check_precision(start.x));
+  FOLDPROOF_TRY(check_own_gaps(start.x));
+  const auto filter = start.zones.empty() ? scene_.filter() : scene_.filter_with(start.zones);
+  rest_ = start.knows_gaps ? start.x : std::vector<double>();
+  surface_.emplace(scene_, start.x, falloff_);
+  pairs_ = FOLDPROOF_TRY(NearPairs::make(scene_, start.x));
+  pairs_->set_filter(filter);
+  step_prover_.emplace(scene_, filter, settings_.thickness);
+  solver_.emplace(scene_, *surface_, *pairs_, *step_prover_, size_.edge, falloff_,
+                  settings_.single_precision);
+  solver_->set_interrupted(settings_.interrupted);
+  const RepairTools tools{&scene_, &frames_,   &analysis_,         &*solver_, settings_.thickness,
+                          range_,  size_.edge, settings_.accuracy, rest_};
+  passes_.emplace(tools, settings_.in_betweens, [this]() -> Result<void> {
+    done_ += 1;
+    progress(0.1 + 0.8 * done_ / (frames_.count() * (settings_.calm ? 3 : 1)));
+    return is_interrupted() ? interrupted() : Result<void>();
+  });
+  return {};
+}
+
+// Brings x_ from a pose that is no frame to the frame where the repair begins; false where there is no way.
+Result<bool> Repair::approach_frame(const Start& start) {
+  const auto found = FOLDPROOF_TRY(frames_.at_time(start.frame));
+  const std::vector<double> frame(found.begin(), found.end());
+  std::vector<double> goal(start.x), last_goal, x;
+  for (int step = 1; step <= kApproachSteps; ++step) {
+    last_goal = goal;
+    for (std::size_t i = 0; i < goal.size(); ++i) {
+      goal[i] =
+          step == kApproachSteps ? frame[i] : start.x[i] + (frame[i] - start.x[i]) * step / kApproachSteps;
+    }
+    const auto outcome = FOLDPROOF_TRY(passes_->follow(x_, last_goal, goal, frame, start.frame, 1, x));
+    if (!outcome.arrived) return false;
+    x_.swap(x);
+  }
+  return true;
+}
+
+Result<void> Repair::write_all(std::span<const SolvedFrame> frames, const Write& write, bool writes,
+                               RepairReport& report) {
+  Analysis proof(scene_, *prover_, settings_.thickness);
+  std::vector<double> x;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (is_interrupted() && !report.interrupted) return interrupted();
+    const SolvedFrame& solved = frames[i];
+    const auto frame = FOLDPROOF_TRY(frames_.at_time(solved.time));
+    x.assign(frame.begin(), frame.end());
+    solved.correction.apply(x);
+    scene_.move_copies(x);
+    FOLDPROOF_TRY(proof.add(solved.time, x));
+    RepairedFrame out{solved.time, solved.correction.largest, solved.late, solved.limit};
+    if (proof.is_free(i) && proof.is_way_free(i)) {
+      out.limit = RepairLimit::None;
+    } else if (out.limit == RepairLimit::None) {
+      const bool after_given_up = i > 0 && frames[i - 1].limit == RepairLimit::GivenUp;
+      out.limit = after_given_up ? RepairLimit::GivenUp : RepairLimit::NoFreeStart;
+    }
+    report.frames.push_back(out);
+    if (writes) FOLDPROOF_TRY(write(solved.time, x));
+    progress(0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(frames.size()));
+  }
+  report.free = proof.all_free();
+  report.remaining = proof.finish();
+  report.written = writes;
+  return {};
+}
+
+Result<RepairReport> Repair::run(const Write& write) {
+  RepairReport report;
+  FOLDPROOF_TRY(check_edges());
+  FOLDPROOF_TRY(analyze());
+  report.before = analysis_.finish();
+  std::optional<Start> start;
+  if (analysis_.all_free()) {
+    report.unchanged = true;
+  } else {
+    start = FOLDPROOF_TRY(find_start());
+  }
+  if (!start) {
+    std::vector<SolvedFrame> same(frames_.count());
+    for (Index k = 0; k < frames_.count(); ++k) same[k].time = k;
+    FOLDPROOF_TRY(write_all(same, write, report.unchanged, report));
+    return report;
+  }
+  report.falloff = falloff_;
+  report.clearance = range_;
+  const bool relaxes = settings_.calm && frames_.count() > 1;
+  auto done = passes_->follow_motion(start->frame, x_, relaxes);
+  if (done && relaxes) done = passes_->relax();
+  report.interrupted = !done && done.error().code == ErrorCode::Interrupted && settings_.keep;
+  if (!done && !report.interrupted) return tl::unexpected(std::move(done.error()));
+  const auto frames = passes_->frames();
+  const bool changed =
+      std::ranges::any_of(frames, [](const SolvedFrame& f) { return !f.correction.vertices.empty(); });
+  FOLDPROOF_TRY(write_all(frames, write, changed || report.interrupted, report));
+  return report;
+}
+
+Result<void> check_settings(const RepairInput& input, const RepairSettings& settings) {
+  const auto refuse = [](const char* what, const char* problem) {
+    return fail(ErrorCode::InvalidArgument, what, problem, "give a length of at least 0");
+  };
+  if (input.objects.empty() || input.frame_count == 0)
+    return fail(ErrorCode::InvalidArgument, "repair", "there is nothing to repair",
+                "give an object and a frame");
+  if (!(settings.thickness >= 0) || !std::isfinite(settings.thickness))
+    return refuse("thickness", "is not a length");
+  if (!(settings.accuracy > 0 && settings.accuracy <= 1))
+    return fail(ErrorCode::InvalidArgument, "accuracy", "is not above 0 and at most 1",
+                "give 1, or less to be closer");
+  if (!(settings.falloff >= 0) || !std::isfinite(settings.falloff))
+    return refuse("falloff", "is not a length");
+  return {};
+}
+
+}  // namespace
+
+Result<RepairReport> repair(const RepairInput& input, const RepairSettings& settings,
+                            const std::function<Result<void>(double, std::span<const double>)>& write) {
+  const PlainArithmetic plain;
+  FOLDPROOF_TRY(check_settings(input, settings));
+  const RepairScene scene = FOLDPROOF_TRY(RepairScene::make(input));
+  return Repair(input, settings, scene).run(write);
+}
+
+}  // namespace foldproof

@@ -1,0 +1,76 @@
+/// What is repaired, as one mesh: the objects' vertices, faces and edges one after the other.
+#pragma once
+
+#include "foldproof/eigen.h"
+#include "foldproof/repair.h"
+
+namespace foldproof::inline internal {
+
+/// Lists of numbers, one per vertex.
+struct Lists {
+  std::vector<std::size_t> begin;  ///< And an end.
+  std::vector<Index> items;
+  std::span<const Index> operator[](Index i) const {
+    return std::span(items).subspan(begin[i], begin[i + 1] - begin[i]);
+  }
+};
+
+/// A vertex and a face, or two edges, by vertices of the scene: v f0 f1 f2, or a0 a1 b0 b1. A line stands for
+/// the face (a, b, b), a point for (p, p, p).
+struct FeaturePair {
+  bool edges;
+  std::array<Index, 4> v;
+  auto operator<=>(const FeaturePair&) const = default;
+};
+
+struct RepairSceneObject {
+  Index vertices, triangles;  ///< Where they begin in the scene.
+};
+
+class RepairScene {
+ public:
+  static Result<RepairScene> make(const RepairInput& input);
+
+  Index vertex_count() const { return static_cast<Index>(movable_.size()); }
+  std::size_t size() const { return 3 * movable_.size(); }
+  /// Faces, lines and points, by vertices of the scene.
+  std::span<const Triangle> triangles() const { return triangles_; }
+  std::span<const Edge> edges() const { return edges_; }
+  const Lists& neighbors() const { return neighbors_; }
+  /// Whether triangles name it and it may move.
+  bool is_movable(Index v) const { return movable_[v] != 0; }
+  std::span<const std::uint8_t> movable() const { return movable_; }
+  const std::vector<Object>& objects() const { return objects_; }
+  std::vector<const Topology*> topologies() const;
+  /// The caller's, and pairs that cannot move are ignored.
+  const std::shared_ptr<const PairFilter>& filter() const { return filter_; }
+  /// Ignores pairs whose vertices all lie in one zone as well. `zone`: per vertex; 0: in none.
+  std::shared_ptr<const PairFilter> filter_with(std::vector<Index> zone) const;
+  /// By object; `views` keeps it.
+  Positions positions(std::span<const double> x, std::vector<std::span<const double>>& views) const;
+  /// Object of a vertex, of a triangle.
+  Index object_of_vertex(Index v) const;
+  const RepairSceneObject& begin(Index object) const { return begin_[object]; }
+  /// Moves copies to the vertices that they were merged into.
+  void move_copies(std::span<double> x) const;
+  FeaturePair pair_of(const VertexFaceCollision& c) const;
+  FeaturePair pair_of(const EdgeEdgeCollision& c) const;
+
+ private:
+  std::vector<Object> objects_;
+  std::vector<RepairSceneObject> begin_;  // one more at the end
+  std::vector<Triangle> triangles_;
+  std::vector<Edge> edges_;
+  std::vector<std::uint8_t> movable_;
+  std::vector<std::pair<Index, Index>> copies_;  // and the vertices that they were merged into
+  Lists neighbors_;
+  std::shared_ptr<const PairFilter> inner_filter_, filter_;
+};
+
+inline Vec3 at(std::span<const double> x, Index v) { return Vec3::load(&x[3 * std::size_t{v}]); }
+inline void put(std::span<double> x, Index v, const Vec3& p) { p.store(&x[3 * std::size_t{v}]); }
+inline FourPoints points_of(std::span<const double> x, const FeaturePair& pair) {
+  return {at(x, pair.v[0]), at(x, pair.v[1]), at(x, pair.v[2]), at(x, pair.v[3])};
+}
+
+}  // namespace foldproof::inline internal

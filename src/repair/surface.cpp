@@ -1,0 +1,317 @@
+#include "repair/surface.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/parallel.h"
+
+namespace foldproof {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kLeastCotangent = 0.02, kLargestCotangent = 5;
+constexpr double kLeastArea = 0.2, kLargestArea = 5;     // relative to the mean
+constexpr std::size_t kGrain = 256, kCheapGrain = 4096;  // vertices that a thread takes at once
+constexpr int kMaxIterations = 400;
+
+// Edge weights: half of the sum of the cotangents of opposite angles; 1 for lines.
+std::vector<double> cotangent_weights(const RepairScene& scene, std::span<const double> rest) {
+  const auto edges = scene.edges();
+  std::vector<double> weights(edges.size(), 0);
+  const auto row_of = [&](Index a, Index b) {
+    const Edge e{std::min(a, b), std::max(a, b)};
+    return std::lower_bound(edges.begin(), edges.end(), e) - edges.begin();
+  };
+  for (const Triangle& t : scene.triangles()) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+    const std::array<Vec3, 3> p{at(rest, t[0]), at(rest, t[1]), at(rest, t[2])};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 u = p[(k + 1) % 3] - p[k], v = p[(k + 2) % 3] - p[k];
+      const double sine = u.cross(v).norm();
+      const double cotangent =
+          sine > 0 ? std::clamp(u.dot(v) / sine, kLeastCotangent, kLargestCotangent) : kLargestCotangent;
+      weights[row_of(t[(k + 1) % 3], t[(k + 2) % 3])] += cotangent / 2;
+    }
+  }
+  for (double& w : weights) {
+    if (w == 0) w = 1;
+  }
+  return weights;
+}
+
+// A third of the area of its triangles per vertex, relative to the mean of those that may move.
+std::vector<double> relative_areas(const RepairScene& scene, std::span<const double> rest, double& mean) {
+  std::vector<double> area(scene.vertex_count(), 0);
+  for (const Triangle& t : scene.triangles()) {
+    const Vec3 a = at(rest, t[0]);
+    const double third = (at(rest, t[1]) - a).cross(at(rest, t[2]) - a).norm() / 6;
+    for (const Index v : t) area[v] += third;
+  }
+  double sum = 0;
+  std::size_t count = 0;
+  for (Index v = 0; v < area.size(); ++v) {
+    if (scene.is_movable(v) && area[v] > 0) sum += area[v], ++count;
+  }
+  mean = count > 0 ? sum / static_cast<double>(count) : 0;
+  for (double& a : area) a = mean > 0 ? std::clamp(a / mean, kLeastArea, kLargestArea) : 1.0;
+  return area;
+}
+
+// The rotation R that maximizes trace(R M), from a first guess: Newton's method on rotations, else an SVD.
+Matrix3d fit_rotation(const Matrix3d& m, Matrix3d r) {
+  constexpr int kMaxSteps = 8;
+  constexpr double kDone = 1e-14;  // of the square of an angle
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const Matrix3d s = r * m;
+    const Vector3d gradient(s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0));
+    const Matrix3d hessian = s.trace() * Matrix3d::Identity() - 0.5 * (s + s.transpose());
+    const Eigen::LLT<Matrix3d> llt(hessian);
+    if (llt.info() != Eigen::Success) break;
+    const Vector3d turn = llt.solve(gradient);
+    const double square = turn.squaredNorm();
+    if (!(square < 1)) break;
+    if (square > 0) r = Eigen::AngleAxisd(std::sqrt(square), turn / std::sqrt(square)).toRotationMatrix() * r;
+    if (square < kDone) return r;
+  }
+  const Eigen::JacobiSVD<Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d u = svd.matrixU();
+  if ((svd.matrixV() * u.transpose()).determinant() < 0) u.col(2) *= -1;
+  return svd.matrixV() * u.transpose();
+}
+
+double dot(std::span<const Vec3> a, std::span<const Vec3> b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
+  return sum;
+}
+
+Vec3 times(const Matrix3d& m, const Vec3& v) { return to_vec3(m * to_eigen(v)); }
+
+}  // namespace
+
+SceneSize internal::scene_size(const RepairScene& scene, std::span<const double> x) {
+  std::vector<double> lengths;
+  for (const Edge& e : scene.edges()) {
+    if (scene.is_movable(e[0]) || scene.is_movable(e[1]))
+      lengths.push_back((at(x, e[0]) - at(x, e[1])).norm());
+  }
+  SceneSize out;
+  Vec3 middle;
+  double count = 0;
+  for (Index v = 0; v < scene.vertex_count(); ++v) {
+    if (scene.is_movable(v)) middle += at(x, v), ++count;
+  }
+  middle /= count;
+  for (Index v = 0; v < scene.vertex_count(); ++v) {
+    if (scene.is_movable(v)) out.size = std::max(out.size, 2 * (at(x, v) - middle).norm());
+  }
+  if (!lengths.empty()) {
+    const auto half = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+    std::nth_element(lengths.begin(), half, lengths.end());
+    out.edge = *half;
+  }
+  if (out.edge == 0) out.edge = out.size / 100;  // points, or all edges are points
+  return out;
+}
+
+ElasticSurface::ElasticSurface(const RepairScene& scene, std::span<const double> rest, double falloff)
+    : scene_(&scene) {
+  double mean = 0;
+  mass_ = relative_areas(scene, rest, mean);
+  const auto weights = cotangent_weights(scene, rest);
+  const double scale = mean > 0 ? falloff * falloff / mean : 1;
+  row_begin_.assign(mass_.size() + 1, 0);
+  for (const Edge& e : scene.edges()) {
+    for (const Index v : e) ++row_begin_[v + std::size_t{1}];
+  }
+  for (std::size_t v = 0; v < mass_.size(); ++v) row_begin_[v + 1] += row_begin_[v];
+  rows_.resize(row_begin_.back());
+  auto next = row_begin_;
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    const auto [a, b] = scene.edges()[k];
+    rows_[next[a]++] = {b, scale * weights[k]};
+    rows_[next[b]++] = {a, scale * weights[k]};
+  }
+  place_.assign(mass_.size(), kNoIndex);
+}
+
+void ElasticSurface::set_active(std::vector<Index> active) {
+  for (const Index v : active_) place_[v] = kNoIndex;
+  active_ = std::move(active);
+  for (Index k = 0; k < active_.size(); ++k) place_[active_[k]] = k;
+  build_rows();
+  const std::size_t n = active_.size();
+  rotations_.assign(n, Matrix3d::Zero());
+  inverse_.resize(n);
+  for (auto* vectors : {&turned_, &rhs_, &d_, &r_, &z_, &p_, &q_}) vectors->assign(n, Vec3());
+}
+
+void ElasticSurface::build_rows() {
+  active_begin_.assign(1, 0);
+  active_rows_.clear();
+  for (Index k = 0; k < active_.size(); ++k) {
+    const Index v = active_[k];
+    const std::size_t diagonal = active_rows_.size();
+    active_rows_.push_back({k, mass_[v]});
+    for (std::size_t i = row_begin_[v]; i < row_begin_[v + std::size_t{1}]; ++i) {
+      active_rows_[diagonal].value += rows_[i].value;
+      if (place_[rows_[i].column] != kNoIndex)
+        active_rows_.push_back({place_[rows_[i].column], -rows_[i].value});
+    }
+    active_begin_.push_back(active_rows_.size());
+  }
+}
+
+void ElasticSurface::fit_rotations(std::span<const double> x, std::span<const double> target) {
+  parallel_for(IndexRange{0, active_.size()}, kGrain, [&](IndexRange block) {
+    for (std::size_t k = block.begin; k < block.end; ++k) {
+      const Index v = active_[k];
+      Matrix3d m = Matrix3d::Zero();
+      double size = 0;
+      for (std::size_t i = row_begin_[v]; i < row_begin_[v + std::size_t{1}]; ++i) {
+        const Vector3d t = to_eigen(at(target, v) - at(target, rows_[i].column));
+        m += rows_[i].value * t * to_eigen(at(x, v) - at(x, rows_[i].column)).transpose();
+        size += rows_[i].value * t.squaredNorm();
+      }
+      m.diagonal().array() += 1e-9 * size;
+      rotations_[k] = size > 0 ? fit_rotation(m, rotations_[k] + Matrix3d::Identity()) : Matrix3d::Identity();
+      rotations_[k] -= Matrix3d::Identity();
+    }
+  });
+  parallel_for(IndexRange{0, active_.size()}, kGrain, [&](IndexRange block) {
+    for (std::size_t k = block.begin; k < block.end; ++k) {
+      const Index v = active_[k];
+      Vector3d sum = Vector3d::Zero();
+      for (std::size_t i = row_begin_[v]; i < row_begin_[v + std::size_t{1}]; ++i) {
+        const Index u = rows_[i].column, place = place_[u];
+        Matrix3d both = rotations_[k];
+        if (place != kNoIndex) both += rotations_[place];
+        sum += 0.5 * rows_[i].value * (both * to_eigen(at(target, v) - at(target, u)));
+      }
+      turned_[k] = to_vec3(sum);
+    }
+  });
+}
+
+double ElasticSurface::energy(std::span<const double> x, std::span<const double> target,
+                              std::span<const NearPair> pairs, double stiffness) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < active_.size(); ++k) {
+    const Vec3 d = at(x, active_[k]) - at(target, active_[k]);
+    Vec3 row;
+    for (std::size_t i = active_begin_[k]; i < active_begin_[k + 1]; ++i) {
+      const Index v = active_[active_rows_[i].column];
+      row += active_rows_[i].value * (at(x, v) - at(target, v));
+    }
+    sum += d.dot(0.5 * row - turned_[k]);
+  }
+  for (const NearPair& pair : pairs) sum += stiffness * barrier(pair.gap, pair.range);
+  return sum;
+}
+
+void ElasticSurface::build_contacts(std::span<const double> x, std::span<const double> target,
+                                    std::span<const NearPair> pairs, double stiffness) {
+  contacts_.clear();
+  contact_begin_.assign(active_.size() + 1, 0);
+  for (const NearPair& pair : pairs) {
+    Contact c{stiffness * barrier_curvature(pair.gap, pair.range), 0, pair.normal, {}, pair.w};
+    double change = 0;  // of the gap, if all vertices went to their targets
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Index v = pair.pair.v[k];
+      change += pair.w[k] * pair.normal.dot(at(target, v) - at(x, v));
+      c.place[k] = pair.w[k] != 0 ? place_[v] : kNoIndex;
+      if (c.place[k] != kNoIndex) ++contact_begin_[c.place[k] + std::size_t{1}];
+    }
+    c.force = -(stiffness * barrier_slope(pair.gap, pair.range) + c.curvature * change);
+    contacts_.push_back(c);
+  }
+  for (std::size_t k = 0; k < active_.size(); ++k) contact_begin_[k + 1] += contact_begin_[k];
+  vertex_contacts_.resize(contact_begin_.back());
+  auto next = contact_begin_;
+  for (Index i = 0; i < contacts_.size(); ++i) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (contacts_[i].place[k] != kNoIndex)
+        vertex_contacts_[next[contacts_[i].place[k]]++] = {i, contacts_[i].w[k]};
+    }
+  }
+  along_.resize(contacts_.size());
+  for (std::size_t k = 0; k < active_.size(); ++k) {
+    rhs_[k] = turned_[k];
+    Matrix3d block = active_rows_[active_begin_[k]].value * Matrix3d::Identity();
+    for (std::size_t i = contact_begin_[k]; i < contact_begin_[k + 1]; ++i) {
+      const auto [contact, w] = vertex_contacts_[i];
+      const Contact& c = contacts_[contact];
+      rhs_[k] += c.force * w * c.normal;
+      block += c.curvature * w * w * to_eigen(c.normal) * to_eigen(c.normal).transpose();
+    }
+    inverse_[k] = block.inverse();
+  }
+}
+
+void ElasticSurface::multiply(std::span<const Vec3> u, std::span<Vec3> out) {
+  parallel_for(IndexRange{0, contacts_.size()}, kCheapGrain, [&](IndexRange block) {
+    for (std::size_t i = block.begin; i < block.end; ++i) {
+      const Contact& c = contacts_[i];
+      Vec3 sum;
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (c.place[k] != kNoIndex) sum += c.w[k] * u[c.place[k]];
+      }
+      along_[i] = c.curvature * c.normal.dot(sum);
+    }
+  });
+  parallel_for(IndexRange{0, active_.size()}, kCheapGrain, [&](IndexRange block) {
+    for (std::size_t k = block.begin; k < block.end; ++k) {
+      Vec3 sum;
+      for (std::size_t i = active_begin_[k]; i < active_begin_[k + 1]; ++i)
+        sum += active_rows_[i].value * u[active_rows_[i].column];
+      for (std::size_t i = contact_begin_[k]; i < contact_begin_[k + 1]; ++i) {
+        const auto [contact, w] = vertex_contacts_[i];
+        sum += along_[contact] * w * contacts_[contact].normal;
+      }
+      out[k] = sum;
+    }
+  });
+}
+
+void ElasticSurface::precondition(std::span<const Vec3> r, std::span<Vec3> out) const {
+  for (std::size_t k = 0; k < r.size(); ++k) out[k] = times(inverse_[k], r[k]);
+}
+
+void ElasticSurface::minimize(std::span<const double> x, std::span<const double> target,
+                              std::span<const NearPair> pairs, double stiffness, double tolerance,
+                              std::span<double> out) {
+  std::ranges::copy(target, out.begin());
+  build_contacts(x, target, pairs, stiffness);
+  const std::size_t n = active_.size();
+  for (std::size_t k = 0; k < n; ++k) d_[k] = at(x, active_[k]) - at(target, active_[k]);
+  multiply(d_, q_);
+  for (std::size_t k = 0; k < n; ++k) r_[k] = rhs_[k] - q_[k];
+  precondition(r_, z_);
+  p_ = z_;
+  double rz = dot(r_, z_);
+  const auto is_done = [&] {
+    return std::ranges::all_of(z_, [&](const Vec3& v) { return v.squaredNorm() <= tolerance * tolerance; });
+  };
+  for (int i = 0; i < kMaxIterations && rz > 0 && !is_done(); ++i) {
+    multiply(p_, q_);
+    const double step = rz / dot(p_, q_);
+    for (std::size_t k = 0; k < n; ++k) {
+      d_[k] += step * p_[k];
+      r_[k] -= step * q_[k];
+    }
+    precondition(r_, z_);
+    const double next = dot(r_, z_);
+    for (std::size_t k = 0; k < n; ++k) p_[k] = z_[k] + (next / rz) * p_[k];
+    rz = next;
+  }
+  for (std::size_t k = 0; k < n; ++k) put(out, active_[k], at(target, active_[k]) + d_[k]);
+}
+
+}  // namespace foldproof

@@ -1,0 +1,77 @@
+/// How a surface resists a correction: each vertex holds to its place, and its neighborhood to its shape. The
+/// energy of positions x, relative to target positions t, is
+///   1/2 sum_i a_i |x_i - t_i|^2  +  falloff^2 / 2 sum_ij w_ij |(x_i - x_j) - R_i (t_i - t_j)|^2
+/// with areas a_i and cotangent weights w_ij relative to the mean area, and rotations R_i that minimize it
+/// (Sorkine and Alexa, As-rigid-as-possible surface modeling, 2007).
+#pragma once
+
+#include <Eigen/Core>
+
+#include "repair/barrier.h"
+
+namespace foldproof::inline internal {
+
+class ElasticSurface {
+ public:
+  /// `falloff`: how far a correction spreads along the surface, mesh units. `rest`: gives areas and weights.
+  ElasticSurface(const RepairScene& scene, std::span<const double> rest, double falloff);
+
+  /// Only these vertices are unknown; all others are at the target. Ascending.
+  void set_active(std::vector<Index> active);
+  std::span<const Index> active() const { return active_; }
+
+  /// Fits the rotations of active vertices to x.
+  void fit_rotations(std::span<const double> x, std::span<const double> target);
+  /// Energy of x without the part that no x changes, with rotations as fitted last, and of the barrier.
+  double energy(std::span<const double> x, std::span<const double> target, std::span<const NearPair> pairs,
+                double stiffness) const;
+  /// One step of Newton's method, with rotations as fitted last and normals as in `pairs`: the minimum of the
+  /// energy's quadratic model, by conjugate gradients until no vertex is farther than about `tolerance` from
+  /// it. Fills `out` with the target, active vertices with the minimum.
+  void minimize(std::span<const double> x, std::span<const double> target, std::span<const NearPair> pairs,
+                double stiffness, double tolerance, std::span<double> out);
+
+ private:
+  struct Entry {
+    Index column;
+    double value;
+  };
+  void build_rows();
+  void build_contacts(std::span<const double> x, std::span<const double> target,
+                      std::span<const NearPair> pairs, double stiffness);
+  void multiply(std::span<const Vec3> u, std::span<Vec3> out);
+  void precondition(std::span<const Vec3> r, std::span<Vec3> out) const;
+
+  const RepairScene* scene_;
+  std::vector<double> mass_;                // per vertex
+  std::vector<std::size_t> row_begin_;      // of all vertices
+  std::vector<Entry> rows_;                 // neighbors, with falloff^2 w_ij
+  std::vector<Index> active_, place_;       // place in active_, or kNoIndex
+  std::vector<std::size_t> active_begin_;   // rows of the active ones
+  std::vector<Entry> active_rows_;          // diagonal first
+  std::vector<Eigen::Matrix3d> rotations_;  // minus the identity, by place
+  std::vector<Vec3> turned_;                // right-hand side of the rotations, by place
+
+  // What pairs add to the system: curvature (w n)(w n)^T.
+  struct Contact {
+    double curvature, force;
+    Vec3 normal;
+    std::array<Index, 4> place;
+    std::array<double, 4> w;
+  };
+  std::vector<Contact> contacts_;
+  std::vector<std::size_t> contact_begin_;                 // by place
+  std::vector<std::pair<Index, double>> vertex_contacts_;  // contact and weight
+  std::vector<double> along_;                              // per contact, curvature times change of its gap
+  std::vector<Eigen::Matrix3d> inverse_;                   // of the diagonal blocks
+  std::vector<Vec3> rhs_, d_, r_, z_, p_, q_;
+};
+
+/// Lengths of a scene that do not depend on where it is and how it is turned.
+struct SceneSize {
+  double edge = 0;  ///< The median length of edges that may move.
+  double size = 0;  ///< Twice the largest distance of what may move from its middle.
+};
+SceneSize scene_size(const RepairScene& scene, std::span<const double> x);
+
+}  // namespace foldproof::inline internal

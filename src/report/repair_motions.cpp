@@ -1,0 +1,139 @@
+#include "report/repair_motions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/try.h"
+#include "io/spool.h"
+#include "report/ignored.h"
+
+namespace foldproof {
+
+/// The frames of all objects, one after the other.
+struct RepairedMotions::Store {
+  io::Spool frames;
+  std::vector<std::string> names;
+  std::vector<Topology> topologies;
+  std::vector<std::size_t> begin;  // first number of each object in a frame, and an end
+  Index count = 0;
+};
+
+namespace {
+
+/// An object of the store.
+class StoredMotion final : public Motion {
+ public:
+  StoredMotion(std::shared_ptr<const void> owner, const std::string& name, const Topology& topology,
+               Index count, std::function<bool(Index, std::span<double>)> read)
+      : owner_(std::move(owner)), name_(name), topology_(topology), count_(count), read_(std::move(read)) {}
+  const std::string& name() const override { return name_; }
+  const Topology& topology() const override { return topology_; }
+  Index frame_count() const override { return count_; }
+  Result<void> read_frame(Index k, std::span<double> out) override {
+    if (read_(k, out)) return {};
+    return fail(ErrorCode::FileAccess, "temporary file", "cannot be read", "look whether the disk is full");
+  }
+
+ private:
+  std::shared_ptr<const void> owner_;  // of what is referred to
+  const std::string& name_;
+  const Topology& topology_;
+  Index count_;
+  std::function<bool(Index, std::span<double>)> read_;
+};
+
+// Per object and vertex, whether it may move: those of which a triangle is to, and none may not.
+Result<std::vector<std::vector<std::uint8_t>>> movable_vertices(Motions motions,
+                                                                const RepairRequest& request) {
+  const auto fixed = FOLDPROOF_TRY(triangles_named(motions, request.check, request.fixed));
+  const auto only = FOLDPROOF_TRY(triangles_named(motions, request.check, request.only));
+  std::vector<std::vector<std::uint8_t>> movable;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const Topology& topology = motions[i]->topology();
+    auto& of = movable.emplace_back(topology.vertex_count(), request.only.empty() ? 1 : 0);
+    for (std::size_t t = 0; t < topology.triangles().size(); ++t) {
+      for (const Index v : topology.triangles()[t]) of[v] |= only[i][t];
+    }
+    for (std::size_t t = 0; t < topology.triangles().size(); ++t) {
+      for (const Index v : topology.triangles()[t]) of[v] &= fixed[i][t] == 0;
+    }
+  }
+  return movable;
+}
+
+Result<std::vector<Index>> consecutive_frames(Motions motions, const CheckSettings& settings) {
+  auto frames = FOLDPROOF_TRY(frames_to_check(motions, settings));
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    if (frames[k] != frames[k - 1] + 1)
+      return fail(ErrorCode::InvalidArgument, "--frames", "leaves out frames between others",
+                  "select frames that follow each other");
+  }
+  return frames;
+}
+
+}  // namespace
+
+Result<std::vector<Index>> movable_objects(Motions motions, const RepairRequest& request) {
+  const auto movable = FOLDPROOF_TRY(movable_vertices(motions, request));
+  std::vector<Index> objects;
+  for (Index i = 0; i < movable.size(); ++i) {
+    if (std::ranges::any_of(movable[i], [](std::uint8_t m) { return m != 0; })) objects.push_back(i);
+  }
+  return objects;
+}
+
+std::unique_ptr<Motion> RepairedMotions::motion(Index object) const {
+  const Store* store = store_.get();
+  const std::size_t begin = store->begin[object], size = store->begin.back();
+  const auto read = [store, begin, size](Index k, std::span<double> out) {
+    const std::uint64_t offset = (k * std::uint64_t{size} + begin) * sizeof(double);
+    return store->frames.read_at(offset, {reinterpret_cast<char*>(out.data()), out.size_bytes()});
+  };
+  return std::make_unique<StoredMotion>(store_, store->names[object], store->topologies[object], store->count,
+                                        read);
+}
+
+Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& request) {
+  const auto frames = FOLDPROOF_TRY(consecutive_frames(motions, request.check));
+  const auto movable = FOLDPROOF_TRY(movable_vertices(motions, request));
+  RepairedMotions out;
+  out.movable = FOLDPROOF_TRY(movable_objects(motions, request));
+  out.first_frame = frames[0];
+  out.store_ = std::make_shared<RepairedMotions::Store>(
+      RepairedMotions::Store{FOLDPROOF_TRY(io::Spool::open("repair")), {}, {}, {0}, 0});
+  RepairedMotions::Store& store = *out.store_;
+  RepairInput input;
+  input.frame_count = static_cast<Index>(frames.size());
+  for (Index i = 0; i < motions.size(); ++i) {
+    Motion& motion = *motions[i];
+    std::vector<double> first(3 * std::size_t{motion.topology().vertex_count()});
+    FOLDPROOF_TRY(motion.read_frame(motion.frame_count() == 1 ? 0 : frames[0], first));
+    Object object(FOLDPROOF_TRY(Hierarchy::build(motion.topology(), first)));
+    object.set_layered(motion.info().layered);
+    input.objects.push_back({std::move(object), movable[i], motion.info().merged});
+    store.names.push_back(motion.name());
+    store.topologies.push_back(motion.topology());
+    store.begin.push_back(store.begin.back() + first.size());
+  }
+  input.read = [&](Index k, std::span<double> x) -> Result<void> {
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      const Index frame = motions[i]->frame_count() == 1 ? 0 : frames[k];
+      FOLDPROOF_TRY(
+          motions[i]->read_frame(frame, x.subspan(store.begin[i], store.begin[i + 1] - store.begin[i])));
+    }
+    return {};
+  };
+  std::vector<Object> objects;
+  for (const RepairObject& object : input.objects) objects.push_back(object.object);
+  input.filter = FOLDPROOF_TRY(filter_for(motions, request.check, objects, {}, TestedPairs::All));
+  RepairSettings settings = request.repair;
+  settings.thickness = request.check.step.thickness;
+  out.report = FOLDPROOF_TRY(repair(input, settings, [&](double, std::span<const double> x) -> Result<void> {
+    ++store.count;
+    return store.frames.append({reinterpret_cast<const char*>(x.data()), x.size_bytes()});
+  }));
+  return out;
+}
+
+}  // namespace foldproof

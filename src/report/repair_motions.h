@@ -1,0 +1,40 @@
+/// Repairs motions from files and keeps the result until it is written.
+#pragma once
+
+#include "foldproof/repair.h"
+#include "report/report.h"
+
+namespace foldproof {
+
+struct RepairRequest {
+  /// Thickness, frames, ignored pairs and parts are used.
+  CheckSettings check;
+  /// Its thickness is not used.
+  RepairSettings repair;
+  std::vector<std::string> fixed;  ///< Objects and parts that may not move, by name.
+  std::vector<std::string> only;   ///< Those that may; empty: all but the fixed ones.
+};
+
+/// The objects of which something may move. Error: a name that is neither an object's nor a part's.
+Result<std::vector<Index>> movable_objects(Motions motions, const RepairRequest& request);
+
+class RepairedMotions {
+ public:
+  RepairReport report;
+  std::vector<Index> movable;  ///< The objects of which something may move.
+  Index first_frame = 0;       ///< Of the input; times in the report are relative to it.
+
+  /// An object's motion, read from a temporary file. Precondition: report.written.
+  std::unique_ptr<Motion> motion(Index object) const;
+
+ private:
+  friend Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& request);
+  struct Store;
+  std::shared_ptr<Store> store_;
+};
+
+/// Error: what repair returns; a range that selects no frame, or leaves some out between others; a name that
+/// is neither an object's nor a part's.
+Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& request);
+
+}  // namespace foldproof

@@ -1,0 +1,110 @@
+// repair on the command line.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "apps/program.h"
+
+namespace foldproof {
+namespace {
+
+using namespace foldproof::testing;
+using ::testing::HasSubstr;
+
+/// The demo's motions, and each file's bytes.
+struct Demo : Workplace {
+  Demo() { EXPECT_EQ(run({"demo", "-q", "demo"}).code, 0); }
+  Outcome repair(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "repair");
+    return run_program(std::move(arguments), {.directory = *this / "demo"});
+  }
+  Outcome check(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "check");
+    return run_program(std::move(arguments), {.directory = *this / "demo"});
+  }
+  std::string bytes(const std::string& name) const { return read_file(*this / ("demo/" + name)); }
+  bool exists(const std::string& name) const { return std::filesystem::exists(*this / ("demo/" + name)); }
+};
+
+TEST(RepairProgram, WhatItWritesIsFree) {
+  const Demo demo;
+  ASSERT_EQ(demo.check({"walk.glb"}).code, 1);
+  const Outcome done = demo.repair({"walk.glb", "-o", "fixed.npz"});
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("contacts before         2\n"));
+  EXPECT_THAT(done.out, HasSubstr("Proven: nothing touches, in no frame and at no time between frames."));
+  EXPECT_EQ(demo.check({"fixed.npz"}).code, 0);
+  // Once more, it is as it was.
+  EXPECT_EQ(demo.repair({"fixed.npz", "-o", "again.npz"}).code, 0);
+  EXPECT_EQ(demo.bytes("again.npz"), demo.bytes("fixed.npz"));
+  // On one thread, too.
+  EXPECT_EQ(demo.repair({"walk.glb", "-q", "--threads", "1", "-o", "one.npz"}).code, 0);
+  EXPECT_EQ(demo.bytes("one.npz"), demo.bytes("fixed.npz"));
+}
+
+TEST(RepairProgram, PointCachesAreProvenAsTheyAreRounded) {
+  const Demo demo;
+  EXPECT_EQ(demo.repair({"walk.glb", "-q", "-o", "fixed.obj"}).code, 0);
+  EXPECT_EQ(demo.check({"fixed.obj", "fixed.pc2"}).code, 0);
+  EXPECT_EQ(demo.repair({"pose.obj", "-q", "-o", "pose-fixed.obj"}).code, 0);
+  EXPECT_EQ(demo.check({"pose-fixed.obj"}).code, 0);
+  EXPECT_FALSE(demo.exists("pose-fixed.pc2"));
+}
+
+TEST(RepairProgram, OnlyTheShirtMoves) {
+  const Demo demo;
+  const Outcome done = demo.repair({"body.npz", "shirt.npz", "--fixed", "body.npz", "-o", "shirt-fixed.npz"});
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("What may not move was not tested with itself."));
+  EXPECT_EQ(demo.check({"body.npz", "shirt.npz", "--ignore", "body", "body"}).code, 1);
+  EXPECT_EQ(demo.check({"body.npz", "shirt-fixed.npz", "--ignore", "body", "body"}).code, 0);
+  const Outcome two = demo.repair({"body.npz", "shirt.npz", "-q", "-o", "a.npz", "-o", "b.npz"});
+  EXPECT_EQ(two.code, 0) << two.err;
+  EXPECT_EQ(demo.check({"a.npz", "b.npz"}).code, 0);
+}
+
+TEST(RepairProgram, MistakesAreSaidInOneLineAndAtOnce) {
+  const Demo demo;
+  const std::vector<Mistake> mistakes = {
+      {{"walk.glb", "-o", "a.npz", "-o", "b.npz"}, "-o: is given 2 times, but 1 object may move"},
+      {{"body.npz", "shirt.npz", "-o", "a.npz"}, "-o: is given 1 times, but 2 objects may move"},
+      {{"body.npz", "--fixed", "body", "-o", "a.npz"}, "-o: is given 1 times, but 0 objects may move"},
+      {{"walk.glb", "--only", "nothing", "-o", "a.npz"}, "'nothing': is neither an object nor a part of one"},
+      {{"walk.glb", "--thickness", "1", "-o", "a.npz"},
+       "thickness: 1 is more than the gaps of the mesh itself"},
+      {{"walk.glb", "--thickness", "-1", "-o", "a.npz"}, "--thickness"},
+      {{"walk.glb", "--falloff", "-1", "-o", "a.npz"}, "--falloff"},
+      {{"walk.glb", "-o", "a.ply"}, "a.ply: is PLY, which holds one frame"},
+      {{"body.npz", "-o", "body.npz"}, "body.npz"},
+      {{"body.npz", "--start", "shirt.npz", "-o", "a.npz"}, "shirt.npz: has other triangles than body.npz"},
+      {{"walk.glb"}, "--output"},
+  };
+  for (const Mistake& mistake : mistakes) {
+    SCOPED_TRACE(mistake.said);
+    expect_one_line_error(demo.repair(mistake.arguments), mistake.said);
+  }
+  EXPECT_FALSE(demo.exists("a.npz"));
+}
+
+TEST(RepairProgram, IgnoredPairsAreListedAndDoNotCount) {
+  const Demo demo;
+  ASSERT_EQ(demo.check({"body.npz", "shirt.npz"}).code, 1);
+  const Outcome done = demo.repair({"body.npz", "shirt.npz", "--ignore", "body", "shirt", "--ignore", "body",
+                                    "body", "--ignore", "shirt", "shirt", "-o", "a.npz", "-o", "b.npz"});
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out,
+              HasSubstr("pairs of body and shirt, of body with itself, of shirt with itself were ignored."));
+  EXPECT_EQ(demo.bytes("a.npz"), demo.bytes("body.npz"));
+}
+
+TEST(RepairProgram, InterruptedItLeavesNothing) {
+  const Demo demo;
+  const Outcome done =
+      run_program({"repair", "walk.glb", "-o", "cut.npz"},
+                  {.directory = demo / "demo", .while_it_runs = [](pid_t child) { interrupt(child); }});
+  EXPECT_TRUE(done.code == 130 || done.code == 0) << done.code;  // it may have been done before
+  EXPECT_EQ(demo.exists("cut.npz"), done.code == 0);
+}
+
+}  // namespace
+}  // namespace foldproof

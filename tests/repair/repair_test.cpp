@@ -1,0 +1,421 @@
+// Repair: what is written is free, or said; corrections whose size is known; bad input.
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <random>
+
+#include "base/callers.h"
+#include "base/rounds.h"
+#include "foldproof/eigen.h"
+#include "repair/motions.h"
+
+namespace foldproof::oracle {
+namespace {
+
+using testing::rounds;
+
+void expect_proven(const TestMotion& motion, const Repaired& done, double thickness = 0) {
+  EXPECT_TRUE(done.report.free);
+  EXPECT_TRUE(done.report.written);
+  EXPECT_TRUE(done.report.remaining.empty());
+  ASSERT_EQ(done.frames.size(), motion.frames.size());
+  EXPECT_EQ(touching(motion, done.frames, thickness), 0u);
+}
+
+Index farthest(const TestMotion& motion, const Vec3& direction) {
+  const Mesh& ball = motion.meshes[0];
+  const auto reach = [&](Index v) { return Vec3::load(&ball.positions[3 * std::size_t{v}]).dot(direction); };
+  Index farthest = 0;
+  for (Index v = 0; v < ball.vertex_count; ++v) farthest = reach(v) > reach(farthest) ? v : farthest;
+  return farthest;
+}
+
+TEST(Repair, TwoBallsMoveByHalfOfTheirDepthEach) {
+  for (const double depth : {0.2, 0.3, 0.4}) {
+    SCOPED_TRACE(depth);
+    const TestMotion motion = pressed_balls(depth);
+    ASSERT_GT(touching(motion, motion.frames), 0u);
+    const Repaired done = repaired(motion, {.accuracy = 0.1});
+    expect_proven(motion, done);
+    const Index n = motion.meshes[0].vertex_count;
+    // What is kept apart is in addition.
+    const double half = depth / 2 + done.report.clearance / 4;
+    const Index a = farthest(motion, kAxis),
+                b = n + farthest(motion, -kAxis);  // in the middle of the contact
+    EXPECT_NEAR(done.correction(motion, 6, a).norm(), half, 0.05 * depth);
+    EXPECT_NEAR(done.correction(motion, 6, b).norm(), half, 0.05 * depth);
+    EXPECT_LT(done.largest(motion, 6, 0, 2 * n), 0.7 * depth);
+  }
+}
+
+TEST(Repair, OneBallMovesByAllOfItWhereTheOtherIsFixed) {
+  for (const std::size_t fixed : {0u, 1u}) {
+    TestMotion motion = pressed_balls(0.3);
+    motion.fix(fixed);
+    const Repaired done = repaired(motion);
+    expect_proven(motion, done);
+    const Index n = motion.meshes[0].vertex_count, begin = fixed == 0 ? n : 0;
+    EXPECT_NEAR(done.largest(motion, 6, begin, begin + n), 0.3 + done.report.clearance / 2, 0.05 * 0.3);
+    for (std::size_t k = 0; k < done.frames.size(); ++k)
+      EXPECT_EQ(done.largest(motion, k, n - begin, 2 * n - begin), 0) << k;
+  }
+}
+
+TEST(Repair, AFreeMotionComesBackBitForBit) {
+  TestMotion motion = pressed_balls(-0.05);
+  const Repaired done = repaired(motion);
+  expect_proven(motion, done);
+  EXPECT_TRUE(done.report.unchanged);
+  EXPECT_EQ(done.frames, motion.frames);
+}
+
+TEST(Repair, WhatNeedNotMoveDoesNot) {
+  TestMotion motion = pressed_balls(0.1, 16);
+  const Repaired done = repaired(motion, {.falloff = 0.1, .calm = false});
+  expect_proven(motion, done);
+  // Before they meet, and behind their middles, nothing moves.
+  EXPECT_EQ(done.frames[0], motion.frames[0]);
+  for (Index v = 0; v < motion.meshes[0].vertex_count; ++v) {
+    if (Vec3::load(&motion.meshes[0].positions[3 * std::size_t{v}]).dot(kAxis) < 0) {
+      ASSERT_EQ(done.correction(motion, 6, v), Vec3()) << v;
+    }
+  }
+}
+
+TEST(Repair, ARigidMotionOfTheWholeMovesTheAnswer) {
+  const TestMotion motion = pressed_balls(0.2, 8, 3, true);
+  const RepairSettings settings{.accuracy = 1e-3};
+  const Repaired done = repaired(motion, settings);
+  std::mt19937_64 rng(5);
+  for (int round = 0; round < 3; ++round) {
+    const Eigen::Matrix3d turn = (Eigen::AngleAxisd(uniform(rng, -3, 3), Eigen::Vector3d::UnitX()) *
+                                  Eigen::AngleAxisd(uniform(rng, -3, 3), Eigen::Vector3d::UnitZ()))
+                                     .toRotationMatrix();
+    const Eigen::Vector3d shift(uniform(rng, -3, 3), uniform(rng, -3, 3), uniform(rng, -3, 3));
+    const auto moved = [&](const Pose& x) {
+      Pose out(x.size());
+      for (std::size_t i = 0; i < x.size(); i += 3)
+        to_vec3(turn * to_eigen(Vec3::load(&x[i])) + shift).store(&out[i]);
+      return out;
+    };
+    TestMotion other = motion;
+    for (Pose& x : other.frames) x = moved(x);
+    const Repaired of_other = repaired(other, settings);
+    ASSERT_EQ(of_other.frames.size(), done.frames.size());
+    for (std::size_t k = 0; k < done.frames.size(); ++k) {
+      const Pose expected = moved(done.frames[k]);
+      for (std::size_t i = 0; i < expected.size(); ++i)
+        ASSERT_NEAR(of_other.frames[k][i], expected[i], 1e-6) << "frame " << k;
+    }
+  }
+}
+
+TEST(Repair, ThicknessIsKept) {
+  for (const double thickness : {0.01, 0.04}) {
+    const TestMotion motion = pressed_balls(0.1, 8);
+    const Repaired done = repaired(motion, {.thickness = thickness});
+    expect_proven(motion, done, thickness);
+    EXPECT_GT(done.largest(motion, 6, 0, motion.meshes[0].vertex_count), 0.05 + thickness / 2);
+  }
+}
+
+TEST(Repair, AllScalesAreRepairedAlike) {
+  const TestMotion motion = pressed_balls(0.2, 6, 3);
+  const Repaired done = repaired(motion);
+  for (const double scale : {0x1p-30, 0x1p-10, 0x1p30}) {
+    TestMotion scaled = motion;
+    for (Pose& x : scaled.frames) {
+      for (double& c : x) c *= scale;
+    }
+    const Repaired of_scaled = repaired(scaled);
+    expect_proven(scaled, of_scaled);
+    for (std::size_t i = 0; i < done.frames[3].size(); ++i)
+      ASSERT_NEAR(of_scaled.frames[3][i] / scale, done.frames[3][i], 1e-6);
+  }
+}
+
+TEST(Repair, TheSameOnAnyNumberOfThreads) {
+  if (!has_threads()) GTEST_SKIP() << "the build has no threads";
+  const TestMotion motion = pressed_balls(0.2, 14, 2);
+  std::vector<Pose> one;
+  for (const int threads : {1, 2, 5}) {
+    with_threads(threads, [&] {
+      const Repaired done = repaired(motion);
+      if (one.empty()) one = done.frames;
+      EXPECT_EQ(done.frames, one) << threads;
+    });
+  }
+  EXPECT_NE(one, motion.frames);
+}
+
+TEST(Repair, SinglePrecisionIsProvenAfterRounding) {
+  TestMotion motion = pressed_balls(0.2, 10, 4);
+  const Repaired done = repaired(motion, {.single_precision = true});
+  expect_proven(motion, done);
+  for (const Pose& x : done.frames) {
+    for (const double c : x) ASSERT_EQ(c, static_cast<double>(static_cast<float>(c)));
+  }
+  for (Pose& x : motion.frames) {
+    for (double& c : x) c += 1e6;
+  }
+  EXPECT_THAT(error_of(motion.input(), {.single_precision = true}),
+              ::testing::HasSubstr("single precision: is 0.12 mesh units coarse"));
+}
+
+TEST(Repair, APoseWithoutAFreeFrameIsUntangled) {
+  for (const double depth : {0.1, 0.3}) {
+    TestMotion motion = pressed_balls(depth);
+    motion.frames = {motion.frames[6]};
+    const Repaired done = repaired(motion);
+    expect_proven(motion, done);
+    EXPECT_LT(done.largest(motion, 0, 0, 2 * motion.meshes[0].vertex_count), depth + done.report.clearance);
+  }
+}
+
+TEST(Repair, AGivenPoseIsWhereItStarts) {
+  TestMotion motion = pressed_balls(0.4);
+  const Pose apart = motion.frames[0];
+  motion.frames = {motion.frames[6], motion.frames[5]};
+  const Repaired done = repaired(motion, {.start = apart});
+  expect_proven(motion, done);
+  EXPECT_NEAR(done.largest(motion, 0, 0, motion.meshes[0].vertex_count), 0.2, 0.03);
+  EXPECT_THAT(error_of(motion.input(), {.start = motion.frames[0]}),
+              ::testing::HasSubstr("start: touches itself"));
+  EXPECT_THAT(error_of(motion.input(), {.start = {0, 0, 0}}), ::testing::HasSubstr("start: has 1 vertices"));
+  EXPECT_THAT(error_of(motion.input(), {.start = apart, .start_frame = 7}),
+              ::testing::HasSubstr("but the motion has 2 frames"));
+}
+
+// A sheet that goes through itself along a line in every frame: nothing is free, and smoothing does not help.
+TEST(Repair, WhereNothingHasAFreeStartNothingIsWritten) {
+  TestMotion motion;
+  motion.meshes = {square(4), square(4)};
+  Pose x = motion.meshes[0].positions;
+  for (Index v = 0; v < motion.meshes[1].vertex_count; ++v) {
+    const Vec3 p = Vec3::load(&motion.meshes[1].positions[3 * std::size_t{v}]);
+    x.insert(x.end(), {p.x() * 0.7, p.y() * 0.1 + 0.07, p.x() * 0.3 + p.y() + 0.03});
+  }
+  motion.frames = {x, x};
+  motion.fix(0);
+  motion.fix(1);
+  motion.movable[1][12] = 1;  // its middle only, which cannot help
+  const Repaired done = repaired(motion);
+  EXPECT_FALSE(done.report.free);
+  EXPECT_FALSE(done.report.written);
+  EXPECT_TRUE(done.frames.empty());
+  EXPECT_EQ(done.report.remaining.size(), done.report.before.size());
+  EXPECT_GT(done.report.remaining.size(), 0u);
+}
+
+// Two fixed balls close on a third: the frames in which there is no room are those of the input, and named.
+TEST(Repair, WhereThereIsNoWayFramesAreGivenUp) {
+  TestMotion motion;
+  const Mesh ball = unit_sphere(5);
+  motion.meshes = {ball, ball, ball};
+  for (int k = 0; k < 9; ++k) {
+    const double gap = 0.5 * std::abs(k - 4) - 1.2;  // between the fixed ones, minus the third's size
+    Pose x = placed(ball, 0.5, {0, 0, 0});
+    for (const double side : {-1.0, 1.0}) {
+      const Pose wall = placed(ball, 4, {side * (4.5 + gap / 2), 0, 0});
+      x.insert(x.end(), wall.begin(), wall.end());
+    }
+    motion.frames.push_back(std::move(x));
+  }
+  motion.fix(1);
+  motion.fix(2);
+  const Repaired done = repaired(motion);
+  EXPECT_TRUE(done.report.written);
+  EXPECT_FALSE(done.report.free);
+  EXPECT_FALSE(done.report.remaining.empty());
+  ASSERT_EQ(done.report.frames.size(), 9u);
+  EXPECT_EQ(done.report.frames[4].limit, RepairLimit::GivenUp);
+  EXPECT_EQ(done.frames[4], motion.frames[4]);
+  EXPECT_EQ(done.report.frames[0].limit, RepairLimit::None);
+}
+
+TEST(Repair, IgnoredPairsMayTouch) {
+  TestMotion motion = pressed_balls(0.2, 6, 2);
+  const std::vector<std::vector<Index>> labels{{0}, {1}};
+  const std::array<Index, 2> ignored[] = {{0, 1}};
+  motion.filter = ignore_labels(motion.objects(), labels, ignored).value();
+  const Repaired done = repaired(motion);
+  EXPECT_TRUE(done.report.free);
+  EXPECT_TRUE(done.report.unchanged);
+  EXPECT_EQ(done.frames, motion.frames);
+}
+
+// A ball that is thrown through a thin sheet between two frames: free in both, but not between them.
+TEST(Repair, WhatPassesBetweenFramesIsHeldBack) {
+  TestMotion motion;
+  motion.meshes = {unit_sphere(6), square(12)};
+  for (int k = 0; k < 6; ++k) {
+    Pose x = placed(motion.meshes[0], 0.3, {0.02, 0.03, 1.05 - 0.7 * std::min(k, 3)});
+    x.insert(x.end(), motion.meshes[1].positions.begin(), motion.meshes[1].positions.end());
+    motion.frames.push_back(std::move(x));
+  }
+  motion.fix(1);
+  const Repaired done = repaired(motion);
+  expect_proven(motion, done);
+  // It lies on the sheet, on the side from which it came.
+  for (Index v = 0; v < motion.meshes[0].vertex_count; ++v)
+    EXPECT_GT(done.frames[5][3 * std::size_t{v} + 2], 0) << v;
+}
+
+TEST(Repair, CopiesMoveWithTheirVertices) {
+  TestMotion motion = pressed_balls(0.3, 6, 3);
+  // The last vertex of the first ball's file is a copy of its first, in no triangle.
+  const Index n = motion.meshes[0].vertex_count;
+  Mesh& ball = motion.meshes[0];
+  const Index nearest = farthest(motion, kAxis);
+  ++ball.vertex_count;
+  for (Pose& x : motion.frames) {
+    const std::array<double, 3> p{x[3 * nearest], x[3 * nearest + 1], x[3 * nearest + 2]};
+    x.insert(x.begin() + 3 * n, p.begin(), p.end());
+  }
+  RepairInput input = motion.input();
+  input.objects[0].merged.resize(n + 1);
+  for (Index v = 0; v <= n; ++v) input.objects[0].merged[v] = v == n ? nearest : v;
+  std::size_t moved = 0;
+  const auto report = repair(input, {}, [&](double time, std::span<const double> x) -> Result<void> {
+    for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_EQ(x[3 * n + axis], x[3 * nearest + axis]);
+    moved += x[3 * n] != motion.frames[static_cast<std::size_t>(time)][3 * n];
+    return {};
+  });
+  ASSERT_TRUE(report);
+  EXPECT_TRUE(report->free);
+  EXPECT_GT(moved, 0u);
+}
+
+TEST(Repair, BadInputIsRefusedInOneLine) {
+  const TestMotion motion = pressed_balls(0.2, 6, 1);
+  const auto has = [](const char* text) { return ::testing::HasSubstr(text); };
+  RepairInput input = motion.input();
+  EXPECT_THAT(error_of(input, {.thickness = -1}), has("thickness: is not a length"));
+  EXPECT_THAT(error_of(input, {.thickness = NAN}), has("thickness: is not a length"));
+  EXPECT_THAT(error_of(input, {.falloff = INFINITY}), has("falloff: is not a length"));
+  EXPECT_THAT(error_of(input, {.thickness = 0.5}),
+              has("thickness: 0.5 is more than the gaps of the mesh itself"));
+  input.objects[0].movable = {1, 0};
+  EXPECT_THAT(error_of(input), has("object 0: what may move is for 2 vertices"));
+  for (RepairObject& object : input.objects) object.movable.assign(motion.meshes[0].vertex_count, 0);
+  EXPECT_THAT(error_of(input), has("repair: nothing may move"));
+  input = motion.input();
+  input.objects[1].merged.assign(motion.meshes[1].vertex_count, 10'000);
+  EXPECT_THAT(error_of(input), has("object 1: merged names a vertex beyond its last"));
+  TestMotion nan = motion;
+  nan.frames[1][7] = NAN;
+  EXPECT_THAT(error_of(nan.input()), has("frame 1: has a coordinate that is not finite"));
+  EXPECT_THAT(error_of({}), has("there is nothing to repair"));
+}
+
+TEST(Repair, InterruptedAtAnyTimeItWritesNothing) {
+  const TestMotion motion = pressed_balls(0.2, 5, 2);
+  int calls = 0;
+  RepairSettings settings;
+  settings.interrupted = [&] { return ++calls, false; };
+  repaired(motion, settings);
+  const int all = calls;
+  ASSERT_GT(all, 10);
+  for (int stop = 1; stop < all - 5; stop += 1 + all / 12) {  // the last calls come while frames are written
+    calls = 0;
+    settings.interrupted = [&] { return ++calls >= stop; };
+    int written = 0;
+    const auto report =
+        repair(motion.input(), settings, [&](double, std::span<const double>) -> Result<void> {
+          ++written;
+          return {};
+        });
+    ASSERT_FALSE(report) << stop;
+    EXPECT_EQ(report.error().code, ErrorCode::Interrupted);
+    EXPECT_EQ(written, 0);
+  }
+}
+
+TEST(Repair, InterruptedItKeepsWhatIsFinished) {
+  const TestMotion motion = pressed_balls(0.2, 5, 4);
+  int calls = 0;
+  RepairSettings settings{.keep = true};
+  settings.interrupted = [&] { return ++calls > 25; };
+  const Repaired done = repaired(motion, settings);
+  EXPECT_TRUE(done.report.interrupted);
+  ASSERT_GT(done.frames.size(), 1u);
+  EXPECT_LE(done.frames.size(), motion.frames.size());
+  for (std::size_t k = 0; k < done.times.size(); ++k) EXPECT_EQ(done.times[k], static_cast<double>(k));
+  EXPECT_EQ(touching(motion, done.frames), 0u);
+}
+
+TEST(Repair, AddedFramesAreProvenToo) {
+  TestMotion motion;
+  motion.meshes = {unit_sphere(6), square(12)};
+  for (int k = 0; k < 4; ++k) {
+    Pose x = placed(motion.meshes[0], 0.3, {0.02, 0.03, 1.05 - 0.9 * k});
+    x.insert(x.end(), motion.meshes[1].positions.begin(), motion.meshes[1].positions.end());
+    motion.frames.push_back(std::move(x));
+  }
+  motion.fix(1);
+  const Repaired done = repaired(motion, {.in_betweens = 3});
+  EXPECT_TRUE(done.report.free);
+  EXPECT_EQ(touching(motion, done.frames), 0u);
+  EXPECT_TRUE(std::is_sorted(done.times.begin(), done.times.end()));
+  for (const double whole : {0.0, 1.0, 2.0, 3.0})
+    EXPECT_EQ(std::count(done.times.begin(), done.times.end(), whole), 1) << whole;
+  EXPECT_LE(done.times.size(), 13u);
+}
+
+TEST(Repair, AnErrorOfTheWriterIsReturned) {
+  const TestMotion motion = pressed_balls(0.1, 5, 1);
+  const auto report = repair(motion.input(), {}, [](double, std::span<const double>) -> Result<void> {
+    return fail(ErrorCode::FileAccess, "out.npz", "the disk is full", "make room");
+  });
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().line(), "out.npz: the disk is full; make room");
+}
+
+// Many small motions: bodies of all families fly through each other, some of them fixed. What is written is
+// free, or what is said to remain is what a checker finds.
+class RandomMotions : public ::testing::TestWithParam<int> {};
+
+TEST_P(RandomMotions, AreFreeOrSaid) {
+  std::mt19937_64 rng(static_cast<std::uint64_t>(GetParam()));
+  const auto families = mesh_families();
+  TestMotion motion;
+  for (int i = 0; i < 2; ++i) {
+    Mesh mesh = families[rng() % families.size()].make(rng);
+    motion.meshes.push_back(std::move(mesh));
+  }
+  const double scale = std::pow(10.0, uniform(rng, -9, 9));
+  Vec3 from(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1));
+  from = from.normalized() * 2.5;
+  const Vec3 to = from * uniform(rng, -1, 0.5);
+  for (int k = 0; k < 5; ++k) {
+    Pose x;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Pose placed_there = placed(motion.meshes[i], 1, i == 0 ? Vec3() : from + (to - from) * (k / 4.0));
+      x.insert(x.end(), placed_there.begin(), placed_there.end());
+    }
+    for (double& c : x) c *= scale;
+    motion.frames.push_back(std::move(x));
+  }
+  if (rng() % 3 == 0) motion.fix(rng() % 2);
+  const bool fixed = !motion.movable.empty();
+  const Repaired done = repaired(motion);
+  if (!done.report.written) {
+    EXPECT_FALSE(done.report.free);
+    EXPECT_FALSE(done.report.remaining.empty());
+    return;
+  }
+  ASSERT_EQ(done.frames.size(), motion.frames.size());
+  // Unfiltered, what is fixed may touch itself.
+  if (!fixed) {
+    EXPECT_EQ(done.report.free, touching(motion, done.frames) == 0);
+  }
+  EXPECT_EQ(done.report.free, done.report.remaining.empty());
+  for (const RepairedFrame& frame : done.report.frames) {
+    EXPECT_TRUE(!done.report.free || frame.limit == RepairLimit::None);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomMotions, ::testing::Range(0, rounds(100)));
+
+}  // namespace
+}  // namespace foldproof::oracle
