@@ -5,6 +5,7 @@
 #include <queue>
 
 #include "base/try.h"
+#include "solver/pair_distances.h"
 
 namespace foldproof {
 namespace {
@@ -32,6 +33,35 @@ constexpr int kMaxHalvings = 10, kMaxMeritHalvings = 3;
 constexpr double kLeastShare = 1e-3;
 constexpr double kTight = 0.05;  // a gap below this, in ranges, may need a stiffer barrier
 constexpr double kMaxStiffening = 1024;
+
+// When two features on straight ways are closest, but for kTimeStep: of eight times, and around the best
+// again.
+constexpr int kRefinements = 3;
+constexpr double kTimeStep = 1.0 / 256;
+double time_when_closest(bool edges, const FourPoints& from, const FourPoints& to) {
+  PairBatch batch{};
+  NearestBatch nearest;
+  double time = 0.5, width = 0.5, least = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kRefinements; ++round, width /= 4) {
+    const double middle = time;
+    const auto time_of = [&](int lane) { return std::clamp(middle + width * (2 * lane - 7) / 8, 0.0, 1.0); };
+    for (int lane = 0; lane < 8; ++lane) {
+      for (int k = 0; k < 4; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        const Vec3 p = from[i] + time_of(lane) * (to[i] - from[i]);
+        batch.set(lane, k, p.data(), p.data());
+      }
+    }
+    nearest_points(batch, 8, edges, std::numeric_limits<double>::infinity(), nearest);
+    for (int lane = 0; lane < 8; ++lane) {
+      if (!(nearest.distance[lane] < least * (1 - 1e-7)))
+        continue;  // rounding does not choose between equals
+      least = nearest.distance[lane];
+      time = time_of(lane);
+    }
+  }
+  return time;
+}
 
 using Queue =
     std::priority_queue<std::pair<double, Index>, std::vector<std::pair<double, Index>>, std::greater<>>;
@@ -80,7 +110,7 @@ double FrameSolver::share_of(const FeaturePair& pair, std::span<const double> z,
                              bool first) const {
   if (first) return kRescaling * toi;
   const CcdSettings settings{.thickness = problem_->range.thickness};
-  const FourPoints from = points_of(y_, pair), to = points_of(z, pair);
+  const FourPoints from = points_of(y_, pair.v), to = points_of(z, pair.v);
   const CcdResult ccd = pair.edges ? edge_edge_ccd(from, to, settings) : vertex_face_ccd(from, to, settings);
   return ccd.answer == Answer::Separated ? 0.5 : std::min(kRescaling * ccd.toi, 0.5 + toi / 2);
 }
@@ -178,7 +208,8 @@ Result<double> FrameSolver::approach(std::vector<double>& z) {
 
 // Pairs that are near in x, and those that collided on the ways before, at the times when they did.
 Result<void> FrameSolver::find_pairs(std::span<const double> x, Pairs& out) {
-  FOLDPROOF_TRY(pairs_->find(x, problem_->range, out.near));
+  FOLDPROOF_TRY(
+      pairs_->find(x, problem_->range, late_ ? std::span<const std::uint8_t>() : is_active_, out.near));
   out.in_pose = out.near.size();
   add_way_pairs(x, out);
   return {};
@@ -187,31 +218,14 @@ Result<void> FrameSolver::find_pairs(std::span<const double> x, Pairs& out) {
 // A pair where it is closest on the way, unless that is at one of its ends.
 std::optional<NearPair> FrameSolver::on_way(const FeaturePair& pair, bool is_after,
                                             std::span<const double> x) const {
-  const FourPoints here = points_of(x, pair);
-  const FourPoints from = is_after ? here : points_of(problem_->before, pair);
-  const FourPoints to = is_after ? points_of(problem_->after, pair) : here;
-  FourPoints p;
-  const auto square_distance = [&](double time) {
-    for (std::size_t k = 0; k < 4; ++k) p[k] = from[k] + time * (to[k] - from[k]);
-    return closest_weights(pair.edges, p).difference.squaredNorm();
-  };
-  double time = 0, least = std::numeric_limits<double>::infinity();
-  const auto consider = [&](double t) {
-    const double d = square_distance(t);
-    if (d < least * (1 - 1e-7)) least = d, time = t;  // rounding does not choose between equals
-  };
-  constexpr int kSamples = 8, kRefinements = 5;
-  for (int k = 1; k < kSamples; ++k) consider(static_cast<double>(k) / kSamples);
-  double width = 1.0 / kSamples;
-  for (int k = 0; k < kRefinements; ++k) {
-    width /= 2;
-    const double middle = time;
-    consider(middle - width);
-    consider(middle + width);
-  }
+  const FourPoints here = points_of(x, pair.v);
+  const FourPoints from = is_after ? here : points_of(problem_->before, pair.v);
+  const FourPoints to = is_after ? points_of(problem_->after, pair.v) : here;
+  const double time = time_when_closest(pair.edges, from, to);
   const double share = is_after ? 1 - time : time;
-  if (share < width || share > 1 - 2 * width) return std::nullopt;
-  square_distance(time);
+  if (share < kTimeStep || share > 1 - kTimeStep) return std::nullopt;
+  FourPoints p;
+  for (std::size_t k = 0; k < 4; ++k) p[k] = from[k] + time * (to[k] - from[k]);
   return near_pair(pair, p, problem_->range, share);
 }
 
@@ -254,7 +268,7 @@ void FrameSolver::grow_active(std::span<const NearPair> pairs) {
   const double reach = kReach * falloff_;
   Queue queue;
   for (const NearPair& pair : pairs) {
-    for (const Index v : pair.pair.v) {
+    for (const Index v : pair.vertices) {
       if (along_[v] > 0) queue.emplace(along_[v] = 0, v);
     }
   }
@@ -290,8 +304,10 @@ Result<void> FrameSolver::begin(const FrameProblem& problem, std::span<const dou
   round(next_);
   FOLDPROOF_TRY(approach(next_));
   y_.swap(next_);
+  late_ = true;
+  FOLDPROOF_TRY(find_pairs(y_, pairs_of_y_));
   late_ = is_late(y_);
-  return find_pairs(y_, pairs_of_y_);
+  return {};
 }
 
 // Goes from y towards next, less far while that raises the energy. Returns whether it came to its end.

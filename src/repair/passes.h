@@ -35,6 +35,8 @@ class Passes {
   Passes(const RepairTools& tools, Index in_betweens, std::function<Result<void>()> tick)
       : tools_(tools), in_betweens_(in_betweens), tick_(std::move(tick)), smoother_(*tools.scene) {}
 
+  /// What follow finds is refined later.
+  void set_rough(bool rough) { rough_ = rough; }
   /// From a free pose `x` at a frame to a pose of another that is near its target and proven.
   Result<FrameOutcome> follow(std::span<const double> from, std::span<const double> last_target,
                               std::span<const double> target, std::span<const double> frame, double time,

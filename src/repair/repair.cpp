@@ -206,7 +206,7 @@ Result<void> Repair::check_own_gaps(std::span<const double> x) {
       for (std::size_t k = n; k < 4; ++k) {
         const auto around = scene_.neighbors()[pair.v[i]];
         if (std::ranges::find(around, pair.v[k]) == around.end()) continue;
-        const double gap = closest_weights(pair.edges, points_of(x, pair)).difference.norm();
+        const double gap = pair.distance(points_of(x, pair.v));
         return tl::unexpected(thickness_error(pair.v[i], pair.v[k], gap));
       }
     }
@@ -226,11 +226,10 @@ Result<void> Repair::prepare(const Start& start) {
                                    : std::max(kFalloffOfSize * size_.size, kFalloffInEdges * size_.edge);
   FOLDPROOF_TRY(check_precision(start.x));
   FOLDPROOF_TRY(check_own_gaps(start.x));
-  const auto filter = start.zones.empty() ? scene_.filter() : scene_.filter_with(start.zones);
+  const auto filter = scene_.filter_with(start.zones);
   rest_ = start.knows_gaps ? start.x : std::vector<double>();
   surface_.emplace(scene_, start.x, falloff_);
-  pairs_ = FOLDPROOF_TRY(NearPairs::make(scene_, start.x));
-  pairs_->set_filter(filter);
+  pairs_ = FOLDPROOF_TRY(NearPairs::make(scene_, start.x, start.zones));
   step_prover_.emplace(scene_, filter, settings_.thickness);
   solver_.emplace(scene_, *surface_, *pairs_, *step_prover_, size_.edge, falloff_,
                   settings_.single_precision);
@@ -251,6 +250,7 @@ Result<bool> Repair::approach_frame(const Start& start) {
   const std::vector<double> frame(found.begin(), found.end());
   std::vector<double> goal(start.x), last_goal, x;
   for (int step = 1; step <= kApproachSteps; ++step) {
+    passes_->set_rough(step < kApproachSteps);
     last_goal = goal;
     for (std::size_t i = 0; i < goal.size(); ++i) {
       goal[i] =

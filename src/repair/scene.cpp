@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "base/try.h"
+#include "filters/by_vertices.h"
+#include "foldproof/filters.h"
 
 namespace foldproof {
 namespace {
@@ -36,73 +38,28 @@ std::vector<std::uint8_t> movable_of(const RepairObject& object) {
   return movable;
 }
 
-class RepairFilter final : public PairFilter {
+// Ignores pairs whose vertices all lie in one zone.
+class ZoneFilter final : public ByVertices {
  public:
-  RepairFilter(const RepairScene& scene, std::shared_ptr<const PairFilter> inner, std::vector<Index> zone)
-      : inner_(std::move(inner)),
-        triangles_(scene.triangles().begin(), scene.triangles().end()),
-        movable_(scene.movable().begin(), scene.movable().end()),
-        zone_(std::move(zone)) {
-    for (Index i = 0; i <= scene.objects().size(); ++i) begin_.push_back(scene.begin(i));
-    for (Index i = 0; i < scene.objects().size(); ++i) add_nodes(*scene.objects()[i].hierarchy(), begin_[i]);
+  ZoneFilter(const RepairScene& scene, std::vector<Index> zone)
+      : ByVertices(scene.objects()), zone_(std::move(zone)) {
+    for (Index i = 0; i < scene.objects().size(); ++i) begin_.push_back(scene.begin(i).vertices);
   }
-  bool nodes(Index object_a, Index node_a, Index object_b, Index node_b) const override {
-    return (nodes_[object_a][node_a] != 0 || nodes_[object_b][node_b] != 0) &&
-           (inner_ == nullptr || inner_->nodes(object_a, node_a, object_b, node_b));
-  }
-  bool vertex_face(Index vertex_object, Index vertex, Index face_object, Index face) const override {
-    const Triangle& t = triangle(face_object, face);
-    return tests({begin_[vertex_object].vertices + vertex, t[0], t[1], t[2]}) &&
-           (inner_ == nullptr || inner_->vertex_face(vertex_object, vertex, face_object, face));
-  }
-  bool edge_edge(Index object_a, const Edge& a, Index object_b, const Edge& b) const override {
-    const Index va = begin_[object_a].vertices, vb = begin_[object_b].vertices;
-    return tests({va + a[0], va + a[1], vb + b[0], vb + b[1]}) &&
-           (inner_ == nullptr || inner_->edge_edge(object_a, a, object_b, b));
-  }
-  bool crossing(Index object_a, Index triangle_a, Index object_b, Index triangle_b) const override {
-    const Triangle &a = triangle(object_a, triangle_a), &b = triangle(object_b, triangle_b);
-    return tests({a[0], a[1], a[2], b[0], b[1], b[2]}) &&
-           (inner_ == nullptr || inner_->crossing(object_a, triangle_a, object_b, triangle_b));
-  }
-  // Without another filter, answers depend on vertices alone.
-  Index kind(Index object, Index triangle) const override {
-    return inner_ == nullptr ? 0 : inner_->kind(object, triangle);
-  }
+  bool nodes(Index, Index, Index, Index) const override { return true; }
 
  private:
-  // Whether anything below each node may move.
-  void add_nodes(const Hierarchy& hierarchy, const RepairSceneObject& begin) {
-    const auto nodes = hierarchy.nodes();
-    auto& any = nodes_.emplace_back(nodes.size(), 0);
-    for (std::size_t n = nodes.size(); n-- > 0;) {
-      if (!nodes[n].is_leaf()) {
-        any[n] = any[n + 1] | any[nodes[n].right];
-        continue;
-      }
-      const auto leaves = hierarchy.leaves();
-      for (Index k = leaves[nodes[n].leaf_begin].triangles; k < leaves[nodes[n].leaf_end].triangles; ++k) {
-        for (const Index v : triangles_[begin.triangles + std::size_t{hierarchy.triangle_ids()[k]}])
-          any[n] |= movable_[v];
-      }
-    }
-  }
-  const Triangle& triangle(Index object, Index triangle) const {
-    return triangles_[begin_[object].triangles + std::size_t{triangle}];
-  }
-  // One of the vertices may move, and they are not all in one zone.
-  bool tests(std::initializer_list<Index> vertices) const {
-    if (std::ranges::none_of(vertices, [&](Index v) { return movable_[v] != 0; })) return false;
-    const Index zone = zone_.empty() ? 0 : zone_[*vertices.begin()];
-    return zone == 0 || !std::ranges::all_of(vertices, [&](Index v) { return zone_[v] == zone; });
+  bool tests(Index object_a, std::span<const Index> a, Index object_b,
+             std::span<const Index> b) const override {
+    const Index zone = zone_[begin_[object_a] + a[0]];
+    const auto is_outside = [&](Index object) {
+      return [&, object](Index v) { return zone_[begin_[object] + v] != zone; };
+    };
+    return zone == 0 || std::ranges::any_of(a, is_outside(object_a)) ||
+           std::ranges::any_of(b, is_outside(object_b));
   }
 
-  std::shared_ptr<const PairFilter> inner_;
-  std::vector<Triangle> triangles_;
-  std::vector<std::uint8_t> movable_;
-  std::vector<Index> zone_;
-  std::vector<RepairSceneObject> begin_;
-  std::vector<std::vector<std::uint8_t>> nodes_;
+  std::vector<Index> zone_;   // per vertex of the scene; 0: in none
+  std::vector<Index> begin_;  // per object
 };
 
 Result<void> check_object(const RepairObject& object, std::size_t i) {
@@ -125,6 +82,7 @@ Result<void> check_object(const RepairObject& object, std::size_t i) {
 
 Result<RepairScene> RepairScene::make(const RepairInput& input) {
   RepairScene scene;
+  std::vector<std::vector<std::uint8_t>> fixed;
   std::size_t vertices = 0, triangles = 0;
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const RepairObject& object = input.objects[i];
@@ -143,15 +101,20 @@ Result<RepairScene> RepairScene::make(const RepairInput& input) {
     for (Index v = 0; v < object.merged.size(); ++v) {
       if (object.merged[v] != v) scene.copies_.emplace_back(first + v, first + object.merged[v]);
     }
-    for (const std::uint8_t m : movable_of(object)) scene.movable_.push_back(m);
+    auto& fixed_here = fixed.emplace_back();
+    for (const std::uint8_t m : movable_of(object)) {
+      scene.movable_.push_back(m);
+      fixed_here.push_back(m == 0);
+    }
     scene.objects_.push_back(object.object);
   }
   scene.begin_.push_back({static_cast<Index>(vertices), static_cast<Index>(triangles)});
   if (std::ranges::none_of(scene.movable_, [](std::uint8_t m) { return m != 0; }))
     return fail(ErrorCode::InvalidArgument, "repair", "nothing may move", "leave an object free to move");
   scene.neighbors_ = neighbors_of(scene.vertex_count(), scene.edges_);
-  scene.inner_filter_ = input.filter;
-  scene.filter_ = scene.filter_with({});
+  scene.has_filter_ = input.filter != nullptr;
+  scene.filter_ = FOLDPROOF_TRY(ignore_fixed(scene.objects_, fixed));
+  if (scene.has_filter_) scene.filter_ = ignore_all({scene.filter_, input.filter});
   return scene;
 }
 
@@ -192,7 +155,9 @@ FeaturePair RepairScene::pair_of(const EdgeEdgeCollision& c) const {
 }
 
 std::shared_ptr<const PairFilter> RepairScene::filter_with(std::vector<Index> zone) const {
-  return std::make_shared<RepairFilter>(*this, inner_filter_, std::move(zone));
+  std::vector<std::shared_ptr<const PairFilter>> filters{filter_};
+  if (!zone.empty()) filters.push_back(std::make_shared<ZoneFilter>(*this, std::move(zone)));
+  return filters.size() == 1 ? filter_ : ignore_all(std::move(filters));
 }
 
 }  // namespace foldproof

@@ -21,6 +21,9 @@ struct FeaturePair {
   bool edges;
   std::array<Index, 4> v;
   auto operator<=>(const FeaturePair&) const = default;
+  double distance(const FourPoints& x) const {
+    return (edges ? edge_edge_closest : vertex_face_closest)(x).distance;
+  }
 };
 
 struct RepairSceneObject {
@@ -44,7 +47,10 @@ class RepairScene {
   std::vector<const Topology*> topologies() const;
   /// The caller's, and pairs that cannot move are ignored.
   const std::shared_ptr<const PairFilter>& filter() const { return filter_; }
-  /// Ignores pairs whose vertices all lie in one zone as well. `zone`: per vertex; 0: in none.
+  /// Whether the caller gave one.
+  bool has_filter() const { return has_filter_; }
+  /// Ignores pairs whose vertices all lie in one zone as well. `zone`: per vertex; 0: in none. Empty: none
+  /// is.
   std::shared_ptr<const PairFilter> filter_with(std::vector<Index> zone) const;
   /// By object; `views` keeps it.
   Positions positions(std::span<const double> x, std::vector<std::span<const double>>& views) const;
@@ -64,13 +70,14 @@ class RepairScene {
   std::vector<std::uint8_t> movable_;
   std::vector<std::pair<Index, Index>> copies_;  // and the vertices that they were merged into
   Lists neighbors_;
-  std::shared_ptr<const PairFilter> inner_filter_, filter_;
+  bool has_filter_ = false;
+  std::shared_ptr<const PairFilter> filter_;
 };
 
 inline Vec3 at(std::span<const double> x, Index v) { return Vec3::load(&x[3 * std::size_t{v}]); }
 inline void put(std::span<double> x, Index v, const Vec3& p) { p.store(&x[3 * std::size_t{v}]); }
-inline FourPoints points_of(std::span<const double> x, const FeaturePair& pair) {
-  return {at(x, pair.v[0]), at(x, pair.v[1]), at(x, pair.v[2]), at(x, pair.v[3])};
+inline FourPoints points_of(std::span<const double> x, const std::array<Index, 4>& v) {
+  return {at(x, v[0]), at(x, v[1]), at(x, v[2]), at(x, v[3])};
 }
 
 }  // namespace foldproof::inline internal

@@ -1,6 +1,5 @@
 #include "repair/surface.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -19,7 +18,7 @@ using Eigen::Vector3d;
 constexpr double kLeastCotangent = 0.02, kLargestCotangent = 5;
 constexpr double kLeastArea = 0.2, kLargestArea = 5;     // relative to the mean
 constexpr std::size_t kGrain = 256, kCheapGrain = 4096;  // vertices that a thread takes at once
-constexpr int kMaxIterations = 400;
+constexpr int kMaxIterations = 120;                      // where pairs on ways are stiff, more gain little
 
 // Edge weights: half of the sum of the cotangents of opposite angles; 1 for lines.
 std::vector<double> cotangent_weights(const RepairScene& scene, std::span<const double> rest) {
@@ -67,29 +66,25 @@ std::vector<double> relative_areas(const RepairScene& scene, std::span<const dou
 // The rotation R that maximizes trace(R M), from a first guess: Newton's method on rotations, else an SVD.
 Matrix3d fit_rotation(const Matrix3d& m, Matrix3d r) {
   constexpr int kMaxSteps = 8;
-  constexpr double kDone = 1e-14;  // of the square of an angle
+  constexpr double kDone = 1e-9;  // of the square of an angle: the next one would be that small
   for (int step = 0; step < kMaxSteps; ++step) {
     const Matrix3d s = r * m;
     const Vector3d gradient(s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0));
     const Matrix3d hessian = s.trace() * Matrix3d::Identity() - 0.5 * (s + s.transpose());
-    const Eigen::LLT<Matrix3d> llt(hessian);
-    if (llt.info() != Eigen::Success) break;
-    const Vector3d turn = llt.solve(gradient);
+    const bool is_definite =
+        hessian(0, 0) > 0 && hessian.topLeftCorner<2, 2>().determinant() > 0 && hessian.determinant() > 0;
+    if (!is_definite) break;
+    const Vector3d turn = hessian.inverse() * gradient;
     const double square = turn.squaredNorm();
     if (!(square < 1)) break;
-    if (square > 0) r = Eigen::AngleAxisd(std::sqrt(square), turn / std::sqrt(square)).toRotationMatrix() * r;
+    const Eigen::Quaterniond q(1, turn[0] / 2, turn[1] / 2, turn[2] / 2);
+    r = q.normalized().toRotationMatrix() * r;
     if (square < kDone) return r;
   }
   const Eigen::JacobiSVD<Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Matrix3d u = svd.matrixU();
   if ((svd.matrixV() * u.transpose()).determinant() < 0) u.col(2) *= -1;
   return svd.matrixV() * u.transpose();
-}
-
-double dot(std::span<const Vec3> a, std::span<const Vec3> b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
-  return sum;
 }
 
 Vec3 times(const Matrix3d& m, const Vec3& v) { return to_vec3(m * to_eigen(v)); }
@@ -212,7 +207,7 @@ double ElasticSurface::energy(std::span<const double> x, std::span<const double>
     }
     sum += d.dot(0.5 * row - turned_[k]);
   }
-  for (const NearPair& pair : pairs) sum += stiffness * barrier(pair.gap, pair.range);
+  for (const NearPair& pair : pairs) sum += stiffness * pair.count * barrier(pair.gap, pair.range);
   return sum;
 }
 
@@ -221,15 +216,16 @@ void ElasticSurface::build_contacts(std::span<const double> x, std::span<const d
   contacts_.clear();
   contact_begin_.assign(active_.size() + 1, 0);
   for (const NearPair& pair : pairs) {
-    Contact c{stiffness * barrier_curvature(pair.gap, pair.range), 0, pair.normal, {}, pair.w};
+    const double scale = stiffness * pair.count;
+    Contact c{scale * barrier_curvature(pair.gap, pair.range), 0, pair.normal, {}, pair.w};
     double change = 0;  // of the gap, if all vertices went to their targets
     for (std::size_t k = 0; k < 4; ++k) {
-      const Index v = pair.pair.v[k];
+      const Index v = pair.vertices[k];
       change += pair.w[k] * pair.normal.dot(at(target, v) - at(x, v));
       c.place[k] = pair.w[k] != 0 ? place_[v] : kNoIndex;
       if (c.place[k] != kNoIndex) ++contact_begin_[c.place[k] + std::size_t{1}];
     }
-    c.force = -(stiffness * barrier_slope(pair.gap, pair.range) + c.curvature * change);
+    c.force = -(scale * barrier_slope(pair.gap, pair.range) + c.curvature * change);
     contacts_.push_back(c);
   }
   for (std::size_t k = 0; k < active_.size(); ++k) contact_begin_[k + 1] += contact_begin_[k];
@@ -280,8 +276,21 @@ void ElasticSurface::multiply(std::span<const Vec3> u, std::span<Vec3> out) {
   });
 }
 
-void ElasticSurface::precondition(std::span<const Vec3> r, std::span<Vec3> out) const {
-  for (std::size_t k = 0; k < r.size(); ++k) out[k] = times(inverse_[k], r[k]);
+// Goes `step` along p_, then makes p_ the next direction. Returns r z; `largest`: the square of the largest
+// change that is left at a vertex, as the diagonal blocks have it.
+double ElasticSurface::follow_direction(double step, double rz, double& largest) {
+  double next = 0;
+  largest = 0;
+  for (std::size_t k = 0; k < d_.size(); ++k) {
+    d_[k] += step * p_[k];
+    r_[k] -= step * q_[k];
+    z_[k] = times(inverse_[k], r_[k]);
+    next += r_[k].dot(z_[k]);
+    largest = std::max(largest, z_[k].squaredNorm());
+  }
+  const double share = rz > 0 ? next / rz : 0;
+  for (std::size_t k = 0; k < d_.size(); ++k) p_[k] = z_[k] + share * p_[k];
+  return next;
 }
 
 void ElasticSurface::minimize(std::span<const double> x, std::span<const double> target,
@@ -292,24 +301,16 @@ void ElasticSurface::minimize(std::span<const double> x, std::span<const double>
   const std::size_t n = active_.size();
   for (std::size_t k = 0; k < n; ++k) d_[k] = at(x, active_[k]) - at(target, active_[k]);
   multiply(d_, q_);
-  for (std::size_t k = 0; k < n; ++k) r_[k] = rhs_[k] - q_[k];
-  precondition(r_, z_);
-  p_ = z_;
-  double rz = dot(r_, z_);
-  const auto is_done = [&] {
-    return std::ranges::all_of(z_, [&](const Vec3& v) { return v.squaredNorm() <= tolerance * tolerance; });
-  };
-  for (int i = 0; i < kMaxIterations && rz > 0 && !is_done(); ++i) {
+  for (std::size_t k = 0; k < n; ++k) {
+    r_[k] = rhs_[k] - q_[k];
+    p_[k] = Vec3();
+  }
+  double largest = 0, rz = follow_direction(0, 0, largest);
+  for (int i = 0; i < kMaxIterations && rz > 0 && largest > tolerance * tolerance; ++i) {
     multiply(p_, q_);
-    const double step = rz / dot(p_, q_);
-    for (std::size_t k = 0; k < n; ++k) {
-      d_[k] += step * p_[k];
-      r_[k] -= step * q_[k];
-    }
-    precondition(r_, z_);
-    const double next = dot(r_, z_);
-    for (std::size_t k = 0; k < n; ++k) p_[k] = z_[k] + (next / rz) * p_[k];
-    rz = next;
+    double along = 0;
+    for (std::size_t k = 0; k < n; ++k) along += p_[k].dot(q_[k]);
+    rz = follow_direction(rz / along, rz, largest);
   }
   for (std::size_t k = 0; k < n; ++k) put(out, active_[k], at(target, active_[k]) + d_[k]);
 }

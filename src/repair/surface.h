@@ -40,7 +40,7 @@ class ElasticSurface {
   void build_contacts(std::span<const double> x, std::span<const double> target,
                       std::span<const NearPair> pairs, double stiffness);
   void multiply(std::span<const Vec3> u, std::span<Vec3> out);
-  void precondition(std::span<const Vec3> r, std::span<Vec3> out) const;
+  double follow_direction(double step, double rz, double& largest);
 
   const RepairScene* scene_;
   std::vector<double> mass_;                // per vertex
