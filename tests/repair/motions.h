@@ -107,12 +107,30 @@ inline std::size_t touching(const TestMotion& motion, std::span<const Pose> fram
   return count;
 }
 
+inline void expect_proven(const TestMotion& motion, const Repaired& done, double thickness = 0) {
+  EXPECT_TRUE(done.report.free);
+  EXPECT_TRUE(done.report.written);
+  EXPECT_TRUE(done.report.remaining.empty());
+  ASSERT_EQ(done.frames.size(), motion.frames.size());
+  EXPECT_EQ(touching(motion, done.frames, thickness), 0u);
+}
+
+/// The first of the first mesh's vertices that are farthest along a direction.
+inline Index farthest(const TestMotion& motion, const Vec3& direction) {
+  const Mesh& ball = motion.meshes[0];
+  const auto reach = [&](Index v) { return Vec3::load(&ball.positions[3 * std::size_t{v}]).dot(direction); };
+  Index farthest = 0;
+  for (Index v = 0; v < ball.vertex_count; ++v) farthest = reach(v) > reach(farthest) ? v : farthest;
+  return farthest;
+}
+
 /// Where pressed_balls are pressed.
 inline const Vec3 kAxis = Vec3(1, 0.3, 0.2).normalized();
 
 /// Two balls of radius 1 that approach along an axis until they are `depth` deep, and part again. `turned`:
 /// the second is, so that no edges are parallel.
-inline TestMotion pressed_balls(double depth, Index divisions = 12, int steps = 6, bool turned = false) {
+inline TestMotion pressed_balls(double depth, Index divisions = 12, int steps = 6, bool turned = false,
+                                const Vec3& axis = kAxis) {
   TestMotion motion;
   const Mesh ball = unit_sphere(divisions);
   Mesh other = ball;
@@ -126,7 +144,7 @@ inline TestMotion pressed_balls(double depth, Index divisions = 12, int steps = 
   for (int k = -steps; k <= steps; ++k) {
     const double distance = 2 - depth + (0.3 + depth) * std::abs(k) / steps;
     Pose x = ball.positions;
-    const Pose there = placed(other, 1, kAxis * distance);
+    const Pose there = placed(other, 1, axis * distance);
     x.insert(x.end(), there.begin(), there.end());
     motion.frames.push_back(std::move(x));
   }

@@ -1,65 +1,17 @@
-// Repair: what is written is free, or said; corrections whose size is known; bad input.
+// Repair: what is written is free, or said; starts; bad input.
 #include <gmock/gmock.h>
 
-#include <Eigen/Geometry>
+#include <cstdlib>
 #include <random>
 
 #include "base/callers.h"
 #include "base/rounds.h"
-#include "foldproof/eigen.h"
 #include "repair/motions.h"
 
 namespace foldproof::oracle {
 namespace {
 
 using testing::rounds;
-
-void expect_proven(const TestMotion& motion, const Repaired& done, double thickness = 0) {
-  EXPECT_TRUE(done.report.free);
-  EXPECT_TRUE(done.report.written);
-  EXPECT_TRUE(done.report.remaining.empty());
-  ASSERT_EQ(done.frames.size(), motion.frames.size());
-  EXPECT_EQ(touching(motion, done.frames, thickness), 0u);
-}
-
-Index farthest(const TestMotion& motion, const Vec3& direction) {
-  const Mesh& ball = motion.meshes[0];
-  const auto reach = [&](Index v) { return Vec3::load(&ball.positions[3 * std::size_t{v}]).dot(direction); };
-  Index farthest = 0;
-  for (Index v = 0; v < ball.vertex_count; ++v) farthest = reach(v) > reach(farthest) ? v : farthest;
-  return farthest;
-}
-
-TEST(Repair, TwoBallsMoveByHalfOfTheirDepthEach) {
-  for (const double depth : {0.2, 0.3, 0.4}) {
-    SCOPED_TRACE(depth);
-    const TestMotion motion = pressed_balls(depth);
-    ASSERT_GT(touching(motion, motion.frames), 0u);
-    const Repaired done = repaired(motion, {.accuracy = 0.1});
-    expect_proven(motion, done);
-    const Index n = motion.meshes[0].vertex_count;
-    // What is kept apart is in addition.
-    const double half = depth / 2 + done.report.clearance / 4;
-    const Index a = farthest(motion, kAxis),
-                b = n + farthest(motion, -kAxis);  // in the middle of the contact
-    EXPECT_NEAR(done.correction(motion, 6, a).norm(), half, 0.05 * depth);
-    EXPECT_NEAR(done.correction(motion, 6, b).norm(), half, 0.05 * depth);
-    EXPECT_LT(done.largest(motion, 6, 0, 2 * n), 0.7 * depth);
-  }
-}
-
-TEST(Repair, OneBallMovesByAllOfItWhereTheOtherIsFixed) {
-  for (const std::size_t fixed : {0u, 1u}) {
-    TestMotion motion = pressed_balls(0.3);
-    motion.fix(fixed);
-    const Repaired done = repaired(motion);
-    expect_proven(motion, done);
-    const Index n = motion.meshes[0].vertex_count, begin = fixed == 0 ? n : 0;
-    EXPECT_NEAR(done.largest(motion, 6, begin, begin + n), 0.3 + done.report.clearance / 2, 0.05 * 0.3);
-    for (std::size_t k = 0; k < done.frames.size(); ++k)
-      EXPECT_EQ(done.largest(motion, k, n - begin, 2 * n - begin), 0) << k;
-  }
-}
 
 TEST(Repair, AFreeMotionComesBackBitForBit) {
   TestMotion motion = pressed_balls(-0.05);
@@ -79,43 +31,6 @@ TEST(Repair, WhatNeedNotMoveDoesNot) {
     if (Vec3::load(&motion.meshes[0].positions[3 * std::size_t{v}]).dot(kAxis) < 0) {
       ASSERT_EQ(done.correction(motion, 6, v), Vec3()) << v;
     }
-  }
-}
-
-TEST(Repair, ARigidMotionOfTheWholeMovesTheAnswer) {
-  const TestMotion motion = pressed_balls(0.2, 8, 3, true);
-  const RepairSettings settings{.accuracy = 1e-3};
-  const Repaired done = repaired(motion, settings);
-  std::mt19937_64 rng(5);
-  for (int round = 0; round < 3; ++round) {
-    const Eigen::Matrix3d turn = (Eigen::AngleAxisd(uniform(rng, -3, 3), Eigen::Vector3d::UnitX()) *
-                                  Eigen::AngleAxisd(uniform(rng, -3, 3), Eigen::Vector3d::UnitZ()))
-                                     .toRotationMatrix();
-    const Eigen::Vector3d shift(uniform(rng, -3, 3), uniform(rng, -3, 3), uniform(rng, -3, 3));
-    const auto moved = [&](const Pose& x) {
-      Pose out(x.size());
-      for (std::size_t i = 0; i < x.size(); i += 3)
-        to_vec3(turn * to_eigen(Vec3::load(&x[i])) + shift).store(&out[i]);
-      return out;
-    };
-    TestMotion other = motion;
-    for (Pose& x : other.frames) x = moved(x);
-    const Repaired of_other = repaired(other, settings);
-    ASSERT_EQ(of_other.frames.size(), done.frames.size());
-    for (std::size_t k = 0; k < done.frames.size(); ++k) {
-      const Pose expected = moved(done.frames[k]);
-      for (std::size_t i = 0; i < expected.size(); ++i)
-        ASSERT_NEAR(of_other.frames[k][i], expected[i], 1e-6) << "frame " << k;
-    }
-  }
-}
-
-TEST(Repair, ThicknessIsKept) {
-  for (const double thickness : {0.01, 0.04}) {
-    const TestMotion motion = pressed_balls(0.1, 8);
-    const Repaired done = repaired(motion, {.thickness = thickness});
-    expect_proven(motion, done, thickness);
-    EXPECT_GT(done.largest(motion, 6, 0, motion.meshes[0].vertex_count), 0.05 + thickness / 2);
   }
 }
 
@@ -373,6 +288,8 @@ TEST(Repair, AnErrorOfTheWriterIsReturned) {
 
 // Many small motions: bodies of all families fly through each other, some of them fixed. What is written is
 // free, or what is said to remain is what a checker finds.
+bool all_motions() { return std::getenv("FOLDPROOF_ALL_MOTIONS") != nullptr; }
+
 class RandomMotions : public ::testing::TestWithParam<int> {};
 
 TEST_P(RandomMotions, AreFreeOrSaid) {
@@ -415,7 +332,7 @@ TEST_P(RandomMotions, AreFreeOrSaid) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, RandomMotions, ::testing::Range(0, rounds(100)));
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomMotions, ::testing::Range(0, rounds(all_motions() ? 1000 : 16)));
 
 }  // namespace
 }  // namespace foldproof::oracle
