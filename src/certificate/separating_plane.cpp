@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "certificate/nearest_point.h"
+
 #undef HWY_TARGET_INCLUDE  // Highway compiles this file once per instruction set
 #define HWY_TARGET_INCLUDE "certificate/separating_plane.cpp"
 #include <hwy/foreach_target.h>
@@ -94,7 +96,7 @@ struct Separation {
   float squared_length;  // of the direction
 };
 
-Separation SeparationAlong(const VertexSet& a, const VertexSet& b, const float (&n)[3]) {
+Separation SeparationAlong(const VertexSet& a, const VertexSet& b, const PlaneNormal& n) {
   const float along_a[8] = {n[0], n[1], n[2], 0, n[0], n[1], n[2], 0};
   const float along_b[8] = {-n[0], -n[1], -n[2], 0, -n[0], -n[1], -n[2], 0};
   Separation s{
@@ -110,39 +112,32 @@ bool ExceedsGap(const Separation& s, float gap) {
   return s.squared_length > 1e-30f && s.distance[s.nearer_end] > gap * std::sqrt(s.squared_length);
 }
 
-// Gilbert's algorithm for the point of the Minkowski difference nearest to the origin. It stops as soon as
-// its direction separates the sets at both ends.
+// The support point of the difference of both sets, at the end where they are nearer.
+NearestPoint::Point SupportOfDifference(const VertexSet& a, const VertexSet& b, const Separation& s) {
+  const float* from = a.at(s.a.vertex[s.nearer_end]).x + 4 * s.nearer_end;
+  const float* to = b.at(s.b.vertex[s.nearer_end]).x + 4 * s.nearer_end;
+  return {from[0] - to[0], from[1] - to[1], from[2] - to[2]};
+}
+
+// Searches for the point nearest to the origin in the hull of the Minkowski differences at both ends, from
+// the given normal if there is one. Stops as soon as its direction separates the sets at both ends.
 bool Separates(const VertexSet& a, const VertexSet& b, float gap, PlaneNormal* normal) {
-  // Curved sheets that lie on each other need more than 8. With 24, pairs without a plane cost too much.
-  constexpr int kMaxIterations = 16;
-  float n[3];
-  if (normal != nullptr && *normal != PlaneNormal{}) {
-    std::copy(normal->begin(), normal->end(), n);
-    if (ExceedsGap(SeparationAlong(a, b, n), gap)) return true;
+  constexpr int kMaxIterations = 16;  // hardly ever reached
+  PlaneNormal start{};
+  if (normal != nullptr) start = *normal;
+  if (start == PlaneNormal{}) {
+    const float *from = a.at(0).x, *to = b.at(0).x;
+    for (int axis = 0; axis < 3; ++axis)
+      start[axis] = (from[axis] + from[4 + axis]) / 2 - (to[axis] + to[4 + axis]) / 2;
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    n[axis] = (a.at(0).x[axis] + a.at(0).x[4 + axis]) / 2 - (b.at(0).x[axis] + b.at(0).x[4 + axis]) / 2;
-  }
+  NearestPoint nearest(start);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const Separation s = SeparationAlong(a, b, n);
+    const Separation s = SeparationAlong(a, b, nearest.point());
     if (ExceedsGap(s, gap)) {
-      if (normal != nullptr) *normal = {n[0], n[1], n[2]};
+      if (normal != nullptr) *normal = nearest.point();
       return true;
     }
-    if (!(s.squared_length > 1e-30f)) return false;
-    // The next point: the nearest to the origin on the segment from n to the support point of the difference.
-    const int end = s.nearer_end;
-    const float* from = a.at(s.a.vertex[end]).x + 4 * end;
-    const float* to = b.at(s.b.vertex[end]).x + 4 * end;
-    float segment[3], dot = 0, square = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      segment[axis] = (from[axis] - to[axis]) - n[axis];
-      dot -= n[axis] * segment[axis];
-      square += segment[axis] * segment[axis];
-    }
-    if (!(dot > 0)) return false;  // no point of the segment is nearer than n
-    const float t = std::min(1.f, dot / square);
-    for (int axis = 0; axis < 3; ++axis) n[axis] += t * segment[axis];
+    if (!nearest.add(SupportOfDifference(a, b, s))) return false;
   }
   return false;
 }

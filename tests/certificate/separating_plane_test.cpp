@@ -107,6 +107,34 @@ TEST(PlaneSeparates, WhatIsSeparatedStaysFartherApartThanTheGap) {
   EXPECT_GT(contacts, 50);
 }
 
+// Flat clouds that lie on each other and slide: few normals separate them, and one is found from anywhere.
+TEST(PlaneSeparates, FindsAPlaneBetweenFlatClouds) {
+  Rng rng(54);
+  for (int k = 0; k < 500; ++k) {
+    constexpr double kThickness = 0.003, kGap = 1.9 * kThickness;
+    std::vector<Vec3> x0, x1;
+    std::vector<Index> ids[2];
+    const Vec3 axis = random_direction(rng), other = random_direction(rng);
+    const Vec3 motion = random_vector(rng, 0, 0.3);
+    for (int side = 0; side < 2; ++side) {
+      const Vec3 slide = random_vector(rng, 0, 0.2);
+      for (int i = 0; i < 16; ++i) {
+        const auto above = [&](Vec3 p) {  // the plane between both
+          return p + axis * ((side == 0 ? 1 : -1) * kThickness * uniform(rng, 1, 2) - axis.dot(p));
+        };
+        const Vec3 p = random_vector(rng, 0, 0.3);
+        ids[side].push_back(static_cast<Index>(x0.size()));
+        x0.push_back(above(p));
+        x1.push_back(above(p + slide) + motion);
+      }
+    }
+    const Step step(std::move(x0), std::move(x1));
+    for (PlaneNormal normal : {PlaneNormal{}, PlaneNormal{static_cast<float>(other.x()), 0.1f, 0.2f}}) {
+      ASSERT_TRUE(plane_separates(step.vertices, ids[0], step.vertices, ids[1], kGap, &normal)) << k;
+    }
+  }
+}
+
 // Clouds with a common point are not separated, even with a gap of zero.
 TEST(PlaneSeparates, TouchingCloudsAreNotSeparated) {
   Rng rng(52);
