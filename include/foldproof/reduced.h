@@ -170,7 +170,7 @@ class ReducedShape {
   /// of nodes visited: a single pair inside a root's ball. Allocates nothing once the scratch has its size.
   ReducedProof proven_free(std::span<const double> p0, std::span<const double> p1, Scratch& scratch) const;
   /// The same answer. The pairs of nodes that stay unproven are in scratch.unproven; never_certified() is not
-  /// among them.
+  /// among them. Where no center is near, the pair of the roots stands for all pairs.
   ReducedProof find_unproven(std::span<const double> p0, std::span<const double> p1, Scratch& scratch) const;
 
   struct Impl;  ///< For the library itself: src/reduced/shape.h.

@@ -116,6 +116,8 @@ bool ReducedChecker::Impl::traverse_balls(Index object, Index task, double dista
   for (const auto& [a, b] : scratch.unproven) {
     if (!traverse(task, {NodeIndex(a), NodeIndex(b)}, distance, test_limit, work)) return false;
   }
+  // Where no center is near, the pair of the roots is listed, which has all leaves below it.
+  if (!scratch.unproven.empty() && scratch.unproven.front() == std::array<Index, 2>{0, 0}) return true;
   for (const auto& [a, b] : shape.never_certified()) {
     const NodePair leaves{bvhs[object].leaf_node(LeafIndex(a)), bvhs[object].leaf_node(LeafIndex(b))};
     if (!traverse(task, leaves, distance, test_limit, work)) return false;

@@ -133,6 +133,29 @@ TEST(ReducedChecker, TestsOnePairOfNodesInsideTheRootsBall) {
   EXPECT_EQ(answer.work.leaf_pairs, 0u);
 }
 
+// So far from all centers that no distance to them counts. Of the leaves that are never certified each pair
+// is still listed once.
+TEST(ReducedChecker, ListsPairsOnceFarFromAllCenters) {
+  constexpr double kFar = 3e30;
+  // Two triangles that cross all the time and move along x; a corner of the second moves down, too.
+  ReducedMesh mesh{Topology::make(6, std::vector<Triangle>{{0, 1, 2}, {3, 4, 5}}).value(),
+                   {-1, -1, 0, 1, -1, 0, 0, 1, 0, 0, 0, -1, 0.1, 0, 1, 0, 0.3, 1},
+                   {}};
+  mesh.subspace.mean = Eigen::Map<const Eigen::VectorXd>(mesh.rest.data(), 18);
+  mesh.subspace.basis = Eigen::MatrixXd::Zero(18, 1);
+  for (int v = 0; v < 6; ++v) mesh.subspace.basis(3 * v, 0) = 1 / kFar;
+  mesh.subspace.basis(14, 0) = -2 / kFar;
+  mesh.subspace.deviations = Eigen::VectorXd::Ones(1);
+  const std::vector<ReducedCenter> centers{{{0.0}}, {{kFar}}};
+  const std::vector<ShapePointer> shapes{
+      std::make_shared<const ReducedShape>(ReducedShape::build(mesh.motion(), centers, {}).value())};
+  ASSERT_FALSE(shapes[0]->never_certified().empty());
+  Step step{{{0.0}}, {{kFar}}, {}, {}};
+  step.start.push_back({step.p0[0]});
+  step.end.push_back({step.p1[0]});
+  EXPECT_GT(pairs_in(expect_same_answer(shapes, step, {})), 0u);
+}
+
 TEST(ReducedChecker, OverwritesEarlierAnswers) {
   ReducedChecker checker({});
   StepResult step;
