@@ -41,7 +41,7 @@ Pose corners(const FourPoints& points) {
   return all;
 }
 
-// More than the tolerance that a solver's query chooses for the pair itself.
+// More than the tolerance that a solver's query chooses for the pair itself, unless the settings say more.
 double largest_tolerance(const Features& pair, double distance) {
   const Pose x0 = corners(pair.x0), x1 = corners(pair.x1);
   return 0x1p-29 * largest_side(x0, x0) + 0x1p-43 * largest_side(x0, x1) + 0x1p-40 * distance + 0x1p-1050;
@@ -54,6 +54,7 @@ struct SolverCheck::Impl {
   std::vector<FeaturePair> pairs;
   std::vector<std::vector<Index>> elements;
   std::optional<ContactChecker> checker;
+  double least_tolerance = 0;  // of its settings
   Candidates found;
 
   Features moving(const FeaturePair& pair, const Pose& x0, const Pose& x1) const {
@@ -75,7 +76,8 @@ struct SolverCheck::Impl {
   bool all_beyond(const Pose& x0, const Pose& x1, double distance, double times = 0) const {
     return std::all_of(pairs.begin(), pairs.end(), [&](const FeaturePair& pair) {
       const Features of = moving(pair, x0, x1);
-      return surely_beyond(of, distance + times * largest_tolerance(of, distance));
+      const double tolerance = std::max(largest_tolerance(of, distance), 2 * least_tolerance);
+      return surely_beyond(of, distance + times * tolerance);
     });
   }
 
@@ -93,13 +95,14 @@ SolverCheck::SolverCheck(const Case& c, std::mt19937_64& rng) : impl_(new Impl) 
   Soup& soup = impl_->soup;
   soup.x0 = joined(c.steps[0].x0);
   Index first = 0;
+  // Some triangles become edges without a face, and some leave points alone: few, or every other one.
+  const std::uint64_t one_in = rng() % 2 == 0 ? 8 : 2;
   for (const Object& o : c.objects) {
     for (const Triangle& t : o.triangles) {
       const bool proper = t[0] != t[1] && t[1] != t[2] && t[0] != t[2];
-      // Some become edges without a face, or points.
-      if (proper && rng() % 8 != 0) {
+      if (proper && rng() % one_in != 0) {
         soup.faces.push_back({first + t[0], first + t[1], first + t[2]});
-      } else if (t[0] != t[1]) {
+      } else if (t[0] != t[1] && rng() % 3 != 0) {
         const Index from = first + t[0], to = first + t[1];
         soup.edges.push_back({std::min(from, to), std::max(from, to)});
       }
@@ -292,7 +295,7 @@ std::string SolverCheck::check(const Step& step, std::mt19937_64& rng, Tally& ta
   const double distance = step.settings.thickness, side = largest_side(x0, x1);
   ContactSettings& settings = impl_->checker->settings();
   settings.certificates = rng() % 4 != 0;
-  settings.tolerance = rng() % 4 == 0 ? side * 0x1p-32 : 0;
+  settings.tolerance = impl_->least_tolerance = rng() % 4 == 0 ? side * 0x1p-32 : 0;
   settings.conservative_rescaling = rng() % 4 == 0 ? 1 : 0.8;
   if (impl_->pairs.empty()) return {};
   ++tally.solver_calls;
