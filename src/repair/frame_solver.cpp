@@ -16,7 +16,8 @@ constexpr double kStiffness = 30;  // of the barrier, in ranges times edges
 struct Tolerances {
   double move, energy, linear;
 };
-constexpr Tolerances kRough{0.1, 1e-3, 5e-3}, kFine{0.02, 1e-4, 2e-3};
+constexpr Tolerances kRough{0.1, 1e-3, 5e-3}, kFine{0.05, 5e-4, 5e-3};
+constexpr int kHopelessAfter = 4;      // iterations
 constexpr int kMostForAccuracy = 100;  // iterations of Newton's method
 
 Tolerances tolerances_of(const FrameProblem& problem) {
@@ -363,6 +364,8 @@ Result<FrameOutcome> FrameSolver::solve(const FrameProblem& problem, std::vector
     outcome.settled = FOLDPROOF_TRY(descend(stiffness));
     y_.swap(next_);
     std::swap(pairs_of_y_, pairs_of_next_);
+    if (problem.hopeless > 0 && outcome.iterations >= kHopelessAfter && outcome.wanted > problem.hopeless)
+      break;
     const bool tight =
         std::ranges::any_of(pairs_of_y_.near, [](const NearPair& p) { return p.gap < kTight * p.range; });
     const bool stopped = std::ranges::any_of(share_, [](double s) { return s < 0.5; });

@@ -41,6 +41,7 @@ struct FrameProblem {
   double accuracy = 1;                 ///< RepairSettings::accuracy.
   bool rough = false;                  ///< Another solve follows, which comes closer to the minimum.
   int iterations = 12;                 ///< Of Newton's method, at most.
+  double hopeless = 0;                 ///< Mesh units. It ends where changes stay larger than this; 0: never.
 };
 
 struct FrameOutcome {

@@ -10,11 +10,11 @@ namespace foldproof {
 namespace {
 
 constexpr double kJump = 2;           // a correction that changes by more, in edges, is doubted:
+constexpr double kHopeless = 1;       // of changes, in edges, after a few iterations
 constexpr double kMaxParts = 8;       // the way is followed in up to so many parts
 constexpr double kMuchBetter = 0.25;  // the square of the correction, where that one is taken
 constexpr int kIterations = 12, kPartIterations = 4, kRelaxIterations = 8;
 constexpr double kSmoothedAway = 1e-3;  // smoothed corrections below this, in clearances, are none
-constexpr int kRelaxations = 2;         // forwards, and back
 
 double square_distance(std::span<const double> a, std::span<const double> b) {
   double sum = 0;
@@ -64,6 +64,7 @@ Result<FrameOutcome> Passes::follow(std::span<const double> from, std::span<cons
     }
     FrameProblem problem = tools_.problem(from, x, goal, frame, time);
     problem.rough = rough_ || part < parts;
+    if (parts == 1) problem.hopeless = kHopeless * tools_.edge;
     if (part < parts) problem.iterations = kPartIterations;
     outcome = FOLDPROOF_TRY(tools_.solver->solve(problem, guess));
     x.swap(guess);
@@ -155,14 +156,11 @@ Result<std::vector<double>> Passes::pose(std::size_t i) {
 }
 
 Result<void> Passes::relax() {
-  for (int k = 0; k < kRelaxations; ++k) {
-    smooth_.clear();
-    rough_ = k + 1 < kRelaxations;
-    for (const SolvedFrame& frame : frames_) smooth_.push_back(frame.correction);
-    for (std::size_t n = 0; n < frames_.size(); ++n) {
-      FOLDPROOF_TRY(relax_frame(k % 2 == 0 ? n : frames_.size() - 1 - n));
-      FOLDPROOF_TRY(tick_());
-    }
+  smooth_.clear();
+  for (const SolvedFrame& frame : frames_) smooth_.push_back(frame.correction);
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    FOLDPROOF_TRY(relax_frame(i));
+    FOLDPROOF_TRY(tick_());
   }
   return {};
 }
@@ -194,7 +192,6 @@ Result<void> Passes::relax_frame(std::size_t i) {
   FrameProblem problem = tools_.problem(before, begin, goal, target, solved.time);
   if (is_first) problem.before = {};
   if (!is_last) problem.after = after;
-  problem.rough = rough_;
   problem.iterations = kRelaxIterations;
   tools_.solver->set_ways(is_first ? std::vector<FeaturePair>() : solved.way,
                           is_last ? std::vector<FeaturePair>() : frames_[next].way);

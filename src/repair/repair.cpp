@@ -238,7 +238,7 @@ Result<void> Repair::prepare(const Start& start) {
                           range_,  size_.edge, settings_.accuracy, rest_};
   passes_.emplace(tools, settings_.in_betweens, [this]() -> Result<void> {
     done_ += 1;
-    progress(0.1 + 0.8 * done_ / (frames_.count() * (settings_.calm ? 3 : 1)));
+    progress(0.1 + 0.8 * done_ / (frames_.count() * (settings_.calm ? 2 : 1)));
     return is_interrupted() ? interrupted() : Result<void>();
   });
   return {};
