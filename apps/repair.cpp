@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "contact_lines.h"
 #include "interruptible_motion.h"
+#include "io/write_npz.h"
 #include "progress_bar.h"
 #include "report/repair_motions.h"
 #include "step_options.h"
@@ -29,6 +30,7 @@ Examples:
 struct RepairArguments : StepArguments {
   std::vector<std::string> outputs, fixed, only, start;
   double falloff = 0;
+  Index in_betweens = 0;
   bool quick = false, keep = false, quiet = false;
 };
 
@@ -49,6 +51,9 @@ Result<void> require_outputs_fit(const RepairArguments& a, Motions motions, std:
     if (extension_of(a.outputs[i]) == ".npz" && topology.face_count() < topology.triangles().size())
       return fail(ErrorCode::UnsupportedFormat, a.outputs[i],
                   "is NPZ, which holds faces alone, and there are lines or points", "name it .obj");
+    if (a.in_betweens > 0 && extension_of(a.outputs[i]) != ".npz")
+      return fail(ErrorCode::UnsupportedFormat, a.outputs[i],
+                  "holds no times, which frames that --in-betweens adds need", "name it .npz");
     if (extension_of(a.outputs[i]) == ".ply" && motions[movable[i]]->frame_count() > 1 &&
         a.outputs[i].find('%') == std::string::npos)
       return fail(ErrorCode::UnsupportedFormat, a.outputs[i], "is PLY, which holds one frame",
@@ -98,6 +103,9 @@ std::string summary_of(const RepairArguments& a, Motions motions, const Repaired
   if (report.written && !report.unchanged) {
     text += row("frames moved", fmt::format("{} of {}", grouped(static_cast<std::uint64_t>(moved)),
                                             grouped(report.frames.size())));
+    const auto added = std::ranges::count_if(
+        report.frames, [](const auto& f) { return f.time != static_cast<Index>(f.time); });
+    if (added > 0) text += row("frames added", grouped(static_cast<std::uint64_t>(added)));
     text += row("largest correction", fmt::format("{:.3g}{} in frame {:.6g}", worst->correction, space,
                                                   worst->time + done.first_frame));
     text += row("kept apart by", fmt::format("{:.3g}{}", report.clearance + settings.step.thickness, space));
@@ -135,9 +143,12 @@ std::string summary_of(const RepairArguments& a, Motions motions, const Repaired
 }
 
 Result<void> write_outputs(const RepairArguments& a, const RepairedMotions& done) {
+  std::vector<double> times;
+  for (const RepairedFrame& frame : done.report.frames) times.push_back(frame.time + done.first_frame);
   for (std::size_t i = 0; i < done.movable.size(); ++i) {
     const auto motion = done.motion(done.movable[i]);
-    FOLDPROOF_TRY(write_motion(a.outputs[i], *motion));
+    FOLDPROOF_TRY(a.in_betweens > 0 ? io::write_npz(a.outputs[i], *motion, times)
+                                    : write_motion(a.outputs[i], *motion));
   }
   return {};
 }
@@ -153,6 +164,7 @@ Result<int> run_repair(const RepairArguments& a) {
   request.repair.falloff = a.falloff;
   request.repair.calm = !a.quick;
   request.repair.keep = a.keep;
+  request.repair.in_betweens = a.in_betweens;
   request.repair.start = FOLDPROOF_TRY(read_start(a, motions));
   const auto movable = FOLDPROOF_TRY(movable_objects(motions, request));
   FOLDPROOF_TRY(require_outputs_fit(a, motions, movable));
@@ -227,6 +239,12 @@ Command add_repair(CommandLine& program) {
                              "A pose that touches nothing to start from, a mesh file; once for each object"))
       .type_name("FILE")
       .one_value_each_time()
+      .group(group);
+  command
+      .add_option("--in-betweens", a->in_betweens,
+                  "Add up to N frames between two where a correction cannot keep up; NPZ has their 'times', "
+                  "in frames [0]")
+      .type_name("N")
       .group(group);
   command.add_flag("--quick", a->quick, "Leave out the pass that makes corrections calm in time")
       .group(group);

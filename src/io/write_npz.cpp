@@ -1,10 +1,10 @@
-// Writes a motion as NPZ: two stored members, streamed.
+// Writes a motion as NPZ: stored members, streamed.
+#include "io/write_npz.h"
+
 #include "base/try.h"
 #include "io/bytes.h"
 #include "io/npy.h"
 #include "io/zip_writer.h"
-
-#include "foldproof/io.h"
 
 namespace foldproof {
 namespace {
@@ -21,6 +21,17 @@ Result<void> write_faces(ZipWriter& zip, const Topology& topology) {
     for (const Index v : t) append(bytes, static_cast<std::int32_t>(v));
   }
   FOLDPROOF_TRY(zip.begin("faces.npy", bytes.size()));
+  FOLDPROOF_TRY(zip.data(bytes));
+  return zip.end();
+}
+
+Result<void> write_times(ZipWriter& zip, std::span<const double> times) {
+  if (times.empty()) return {};
+  const std::array<std::uint64_t, 1> shape{times.size()};
+  const std::string header = io::npy_header("<f8", shape);
+  std::vector<char> bytes(header.begin(), header.end());
+  for (const double time : times) append(bytes, time);
+  FOLDPROOF_TRY(zip.begin("times.npy", bytes.size()));
   FOLDPROOF_TRY(zip.data(bytes));
   return zip.end();
 }
@@ -43,7 +54,7 @@ Result<void> write_vertices(ZipWriter& zip, Motion& motion) {
 
 }  // namespace
 
-Result<void> write_npz(const std::string& path, Motion& motion) {
+Result<void> io::write_npz(const std::string& path, Motion& motion, std::span<const double> times) {
   if (motion.topology().vertex_count() > 0x7fffffff) {
     return fail(ErrorCode::LimitExceeded, path, "the motion has more vertices than int32 can count",
                 "split the mesh");
@@ -56,8 +67,11 @@ Result<void> write_npz(const std::string& path, Motion& motion) {
   ZipWriter zip(file);
   FOLDPROOF_TRY(write_faces(zip, motion.topology()));
   FOLDPROOF_TRY(write_vertices(zip, motion));
+  FOLDPROOF_TRY(write_times(zip, times));
   FOLDPROOF_TRY(zip.finish());
   return file.commit();
 }
+
+Result<void> write_npz(const std::string& path, Motion& motion) { return io::write_npz(path, motion, {}); }
 
 }  // namespace foldproof

@@ -77,6 +77,8 @@ TEST(RepairProgram, MistakesAreSaidInOneLineAndAtOnce) {
       {{"walk.glb", "-o", "a.ply"}, "a.ply: is PLY, which holds one frame"},
       {{"body.npz", "-o", "body.npz"}, "body.npz"},
       {{"body.npz", "--start", "shirt.npz", "-o", "a.npz"}, "shirt.npz: has other triangles than body.npz"},
+      {{"walk.glb", "--in-betweens", "3", "-o", "a.obj"}, "a.obj: holds no times"},
+      {{"walk.glb", "--in-betweens", "-1", "-o", "a.npz"}, "--in-betweens"},
       {{"walk.glb"}, "--output"},
   };
   for (const Mistake& mistake : mistakes) {
@@ -95,6 +97,15 @@ TEST(RepairProgram, IgnoredPairsAreListedAndDoNotCount) {
   EXPECT_THAT(done.out,
               HasSubstr("pairs of body and shirt, of body with itself, of shirt with itself were ignored."));
   EXPECT_EQ(demo.bytes("a.npz"), demo.bytes("body.npz"));
+}
+
+TEST(RepairProgram, TimesStandBesideFramesThatMayBeAdded) {
+  const Demo demo;
+  EXPECT_EQ(demo.repair({"walk.glb", "-q", "--fps", "4", "--in-betweens", "3", "-o", "a.npz"}).code, 0);
+  EXPECT_THAT(demo.bytes("a.npz"), HasSubstr("times.npy"));
+  EXPECT_EQ(demo.check({"a.npz"}).code, 0);
+  EXPECT_EQ(demo.repair({"walk.glb", "-q", "-o", "b.npz"}).code, 0);
+  EXPECT_THAT(demo.bytes("b.npz"), ::testing::Not(HasSubstr("times.npy")));
 }
 
 TEST(RepairProgram, InterruptedItLeavesNothing) {
