@@ -146,6 +146,26 @@ inline Soup random_soup(Rng& rng, int faces, int edges, int points, double speed
   return soup;
 }
 
+/// Two wavy sheets of 40 x 40 cells, 0.2 apart, at rest.
+inline Soup two_sheets() {
+  constexpr int kCells = 40;
+  Soup soup;
+  for (const double z : {0.0, 0.2}) {
+    for (int i = 0; i <= kCells; ++i) {
+      for (int k = 0; k <= kCells; ++k) {
+        const double u = double(i) / kCells, v = double(k) / kCells;
+        soup.x0.insert(soup.x0.end(), {u, v, z + 0.05 * std::sin(7 * u) * std::cos(5 * v)});
+        if (i == 0 || k == 0) continue;
+        const Index d = soup.vertex_count() - 1, c = d - 1, b = d - kCells - 1, a = b - 1;
+        soup.faces.push_back({a, b, d});
+        soup.faces.push_back({a, d, c});
+      }
+    }
+  }
+  soup.x1 = soup.x0;
+  return soup;
+}
+
 inline CollisionMesh mesh_of(const Soup& soup, CollisionFilter filter = {}, Index leaf_triangles = 4) {
   CollisionMeshSettings settings;
   settings.filter = std::move(filter);

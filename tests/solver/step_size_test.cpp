@@ -131,6 +131,39 @@ TEST(StepSize, EachPairHasItsOwnTolerance) {
   EXPECT_GT(start, 0);
 }
 
+// F2: also where the positions of stretches are denormal numbers.
+TEST(StepSize, LongStepsAreCutAtAllScales) {
+  Soup soup = two_sheets();
+  for (std::size_t i = soup.x0.size() / 2 + 2; i < soup.x0.size(); i += 3) soup.x1[i] -= 1.5;
+  for (const double scale : {1.0, 0x1p-530, 0x1p-1000, 0x1p-1020, 0x1p530, 0x1p900}) {
+    const Soup here = scaled(soup, scale);
+    ContactChecker checker = checker_of(here);
+    const StepSize size = checker.collision_free_step_size(here.x0, here.x1).value();
+    EXPECT_NEAR(size.contact_time, 0.2 / 1.5, 1e-6) << scale;
+    EXPECT_NEAR(size.share, 0.16 / 1.5, 1e-6) << scale;
+    EXPECT_GT(checker.work().refits, 3u) << scale;
+    EXPECT_LT(checker.work().candidates_vf + checker.work().candidates_ee, 2'000'000u) << scale;
+  }
+}
+
+// V2: segments with a common vertex may fold onto each other; the next ones may not.
+TEST(StepSize, RodsFoldAtAVertexButMeetTheSegmentBeyond) {
+  for (const double tip : {0.5, 1.5}) {
+    Soup rod;
+    rod.edges = {{0, 1}, {1, 2}, {2, 3}};
+    rod.x0 = rod.x1 = {tip, -0.5, 0, 0, 0, 0, 1, 0, 0, 1, 1, 1};
+    rod.x1[1] = 0.5;
+    ContactChecker checker = checker_of(rod);
+    const StepSize size = checker.collision_free_step_size(rod.x0, rod.x1).value();
+    EXPECT_EQ(size.limit, tip < 1 ? Limit::None : Limit::Contact);
+    EXPECT_NEAR(size.share, tip < 1 ? 1 : 0.4, 1e-6);
+    rod.x0[1] = 0;  // folded flat
+    EXPECT_EQ(checker.is_step_collision_free(rod.x0, rod.x0).is_yes(), tip < 1);
+    EXPECT_EQ(checker.has_intersections(rod.x0).is_no(), tip < 1);
+    EXPECT_EQ(checker.minimum_distance(rod.x0, 2).value() > 0, tip < 1);
+  }
+}
+
 ContactSettings rescaling_distance(double rescaling = 0.8) {
   ContactSettings settings;
   settings.conservative_rescaling = rescaling;
