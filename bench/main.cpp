@@ -22,6 +22,7 @@
 #include "report.h"
 #include "scaling.h"
 #include "simulation.h"
+#include "solver.h"
 #include "span.h"
 
 namespace foldproof::bench {
@@ -33,7 +34,7 @@ struct Options {
   std::vector<std::string> scenes, peers;
   std::string size = "all", json = "-", memory_of, command;
   bool list = false, quick = false, no_memory = false, certificates = false, candidates = false,
-       contacts = false, reduced = false, simulation = false, growth = false, threads = false,
+       contacts = false, reduced = false, simulation = false, solver = false, growth = false, threads = false,
        training = false, span = false, everything = false;
   int cpu = -1;
   Plan plan;
@@ -97,6 +98,8 @@ void add_tables(CLI::App& app, Options& options) {
   app.add_flag(
       "--simulation", options.simulation,
       "What an implicit solver asks in the --steps of three simulations: --scene cloth, pile or rod");
+  app.add_flag("--solver", options.solver,
+               "What it asks of two sheets: long steps, bounds, pairs within a distance; and --simulation");
   app.add_flag("--growth", options.growth, "The same shapes from 10,000 to 2,000,000 triangles");
   app.add_option("--growth-largest", options.plan.growth_largest,
                  "Triangles at most, for less memory and time than the largest take (default: no limit)");
@@ -108,8 +111,8 @@ void add_tables(CLI::App& app, Options& options) {
   app.add_flag("--everything", options.everything,
                "The main tables, --growth, --thread-scaling and --training");
   // Each of these is measured alone.
-  const std::vector<std::string> alone = {"--certificates", "--candidates", "--contacts",
-                                          "--reduced",      "--simulation", "--span"};
+  const std::vector<std::string> alone = {"--certificates", "--candidates", "--contacts", "--reduced",
+                                          "--simulation",   "--solver",     "--span"};
   for (const std::string& name : alone) {
     for (const std::string& other : alone)
       if (name != other) app.get_option(name)->excludes(app.get_option(other));
@@ -171,7 +174,8 @@ Result<void> measure_chosen(const Options& options, json& results) {
   };
   const bool time = plan.processor_time;
   if (options.reduced) return keep("reduced", measure_reduced({.processor_time = time}));
-  if (options.simulation)
+  if (options.solver) FOLDPROOF_TRY(keep("solver", measure_solver({.processor_time = time})));
+  if (options.simulation || options.solver)
     return keep("simulation",
                 measure_simulation({.peers = plan.peers,
                                     .steps = plan.sampling.steps,
@@ -236,8 +240,8 @@ Result<void> run(Options& options) {
     print_list();
     return {};
   }
-  if (options.simulation && options.scenes.size() > 1)
-    return fail("--scene", "--simulation takes one scene, or all",
+  if ((options.simulation || options.solver) && options.scenes.size() > 1)
+    return fail("--scene", "a simulation is of one scene, or all",
                 "name one of cloth, pile and rod, or none");
   Plan& plan = options.plan;
   plan.memory = !options.no_memory;

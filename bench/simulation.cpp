@@ -60,12 +60,12 @@ class Measured final : public example::CollisionQueries {
       return checker.collision_free_step_size(x0, x1).map([](const auto& size) { return size.share; });
     };
     Row& row = steps_[in_contact_];
-    if (!is_sampled(row)) return take(row, ask);
+    if (!is_sampled(row)) return take(row, checker_, ask);
     const double start = now();
     const auto without = ask(plain_);
     row.without += now() - start;
     ask_peers(row, peers_, x0, x1);
-    const double share = take(row, ask);
+    const double share = take(row, checker_, ask);
     if (!without || *without != share)
       note(Error{"a step size", "differs without certificates", "report this, please"});
     return share;
@@ -78,19 +78,30 @@ class Measured final : public example::CollisionQueries {
   void contacts(std::span<const double> x, double reach, std::vector<example::Contact>& out) override {
     Row& row = candidates_[in_contact_];
     if (is_sampled(row)) ask_peers(row, peers_near_, x, x);
-    take(row, [&](ContactChecker& checker) -> Result<bool> {
+    take(row, checker_, [&](ContactChecker& checker) -> Result<bool> {
       FOLDPROOF_TRY(checker.candidates(x, reach, found_));
       return true;
     });
-    if (const auto done = plain_.close_pairs(x, reach, out); !done) note(done.error());
+    take(close_pairs_[in_contact_], plain_, [&](ContactChecker& checker) -> Result<bool> {
+      FOLDPROOF_TRY(checker.close_pairs(x, reach, out));
+      return true;
+    });
   }
 
-  void note_contact() { in_contact_ = 1; }
+  void end_step(bool in_contact) {
+    ++steps_taken_[in_contact_];
+    if (in_contact) in_contact_ = 1;
+  }
   const std::optional<Error>& error() const { return error_; }
-  const Rows& steps() const { return steps_; }
-  const Rows& candidates() const { return candidates_; }
+  void report(const json& facts, json& out) const {
+    for (const auto& [question, rows] :
+         {std::pair("step size", &steps_), std::pair("candidates", &candidates_),
+          std::pair("close pairs", &close_pairs_)})
+      add_rows(facts, question, *rows, out);
+  }
 
  private:
+  void add_rows(const json& facts, const char* question, const Rows& rows, json& out) const;
   double now() const { return now_milliseconds(plan_.processor_time); }
   void note(const Error& error) {
     if (!error_) error_ = error;
@@ -107,10 +118,10 @@ class Measured final : public example::CollisionQueries {
   }
 
   template <class Ask>
-  double take(Row& row, Ask ask) {
+  double take(Row& row, ContactChecker& checker, Ask ask) {
     const bool sampled = is_sampled(row);
     const double start = now();
-    auto answer = ask(checker_);
+    auto answer = ask(checker);
     const double took = now() - start;
     ++row.questions;
     row.sum += took;
@@ -127,23 +138,22 @@ class Measured final : public example::CollisionQueries {
   std::shared_ptr<const CollisionMesh> mesh_;
   ContactChecker checker_, plain_;
   std::vector<std::unique_ptr<Peer>> peers_, peers_near_;
-  Rows steps_, candidates_;
+  Rows steps_, candidates_, close_pairs_;
+  std::array<int, 2> steps_taken_{};
   foldproof::Candidates found_;
   std::optional<Error> error_;
   int in_contact_ = 0;
 };
 
-void add_rows(const json& facts, const char* question, const Rows& rows, json& out) {
+void Measured::add_rows(const json& facts, const char* question, const Rows& rows, json& out) const {
   for (int contact = 0; contact < 2; ++contact) {
     const Row& row = rows[contact];
     if (row.questions == 0) continue;
     json sampled = {{"questions", row.sampled}, {"certificates", row.ours}, {"peers", row.peers}};
     if (row.without > 0) sampled["plain"] = row.without;
-    json entry = {{"question", question},
-                  {"contact", contact == 0 ? "before" : "since"},
-                  {"questions", row.questions},
-                  {"milliseconds", row.sum},
-                  {"slowest_milliseconds", row.slowest},
+    json entry = {{"question", question},       {"contact", contact == 0 ? "before" : "since"},
+                  {"questions", row.questions}, {"steps", steps_taken_[contact]},
+                  {"milliseconds", row.sum},    {"slowest_milliseconds", row.slowest},
                   {"sampled", sampled}};
     entry.update(facts);
     out.push_back(std::move(entry));
@@ -162,7 +172,7 @@ Result<void> run(const SceneMaker& maker, const SimulationPlan& plan, json& out)
     const example::StepReport report = solver.step();
     if (measured.error()) break;
     if (!report.collision_free) return fail(maker.name, "has a step that is not free", "report this, please");
-    if (report.contacts > 0) measured.note_contact();
+    measured.end_step(report.contacts > 0);
     if (plan.narrate)
       fmt::print(stderr, "\r\033[K{}: step {} of {}, {} Newton steps, {} contacts", maker.name, step,
                  plan.steps, report.newton_steps, report.contacts);
@@ -170,8 +180,7 @@ Result<void> run(const SceneMaker& maker, const SimulationPlan& plan, json& out)
   if (plan.narrate) fmt::print(stderr, "\r\033[K");
   if (measured.error()) return tl::unexpected(*measured.error());
   const json facts = {{"name", maker.name}, {"triangles", scene.faces.size()}};
-  add_rows(facts, "step size", measured.steps(), out);
-  add_rows(facts, "candidates", measured.candidates(), out);
+  measured.report(facts, out);
   return {};
 }
 

@@ -19,7 +19,8 @@ struct SimulationPlan {
 
 /// The solver of examples/solver runs on a cloth that falls on a soft ball, a pile of soft balls and a rod
 /// that is twisted, 20,000 to 40,000 triangles, and foldproof answers what it asks. Rows: scene and kind of
-/// question, before the first contact and since. Error: a question has no answer, or another one without
+/// question, before the first contact and since; pairs of a barrier are found by both candidates and
+/// close_pairs. Error: a question has no answer, or another one without
 /// certificates.
 Result<nlohmann::json> measure_simulation(const SimulationPlan& plan);
 
