@@ -68,8 +68,8 @@ struct TriangleCrossing {
 
 /// Work counters of a query. They depend on settings and input only, with certificates also on those of
 /// earlier steps; never on the machine or the number of threads, except `undecided` with `earliest_only`.
-/// Where an earlier search covers the step (StepResult::search_steps), only candidates are counted. With
-/// `earliest_only`, a long step is searched in several stretches, and all of them are counted.
+/// Where an earlier search covers the step (StepResult::search_steps), only candidates are counted. A long
+/// step is searched in several stretches of its time, and all of them are counted.
 struct Work {
   /// Hierarchies whose boxes were refitted: in a search those of all objects, none in a step that an earlier
   /// search covers. A ReducedChecker refits where it computes all vertices of an object, to check it alone.

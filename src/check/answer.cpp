@@ -54,6 +54,15 @@ void add_copies(const NarrowStep& step, VertexFaceCollision found,
   }
 }
 
+// Whether an earlier search of the same step has found the pair undecided, too.
+template <class Collision, class Keys>
+bool is_repeated(const Collision& hit, Keys* undecided, Work& work) {
+  if (undecided == nullptr || hit.answer != Answer::Undecided || undecided->insert(key(hit)).second)
+    return false;
+  --work.undecided;
+  return true;
+}
+
 // Keeps only the pair with the smallest time; ties: vertex-face before edge-edge.
 void keep_earliest(StepResult& out) {
   auto& vf = out.vertex_face;
@@ -79,16 +88,19 @@ void add_collisions(const NarrowStep& step, const Hits& hits, StepResult& out) {
   out.work += hits.work;
   const bool earliest_only = step.earliest != nullptr;
   auto vertex_face = smallest(out.vertex_face, earliest_only, step.max_listed);
+  UndecidedPairs* const undecided = step.undecided;
   for (const VertexFaceCollision& hit : hits.vertex_face) {
+    if (is_repeated(hit, undecided != nullptr ? &undecided->vertex_face : nullptr, out.work)) continue;
     out.earliest_toi = std::min(out.earliest_toi, hit.toi);
     add_copies(step, hit, vertex_face, out);
   }
   auto edge_edge = smallest(out.edge_edge, earliest_only, step.max_listed);
   for (const EdgeEdgeCollision& hit : hits.edge_edge) {
+    if (is_repeated(hit, undecided != nullptr ? &undecided->edge_edge : nullptr, out.work)) continue;
     out.earliest_toi = std::min(out.earliest_toi, hit.toi);
+    ++out.edge_edge_count;
     edge_edge.add(hit);
   }
-  out.edge_edge_count += hits.edge_edge.size();
 }
 
 void explain_copies(DistinctObjects distinct, Explanation& explanation) {

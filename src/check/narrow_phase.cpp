@@ -75,6 +75,7 @@ class CandidateTester {
     std::uint64_t& undecided;
     void operator()(const Pair& pair, const CcdResult& result) const {
       if (result.answer == Answer::Separated) return;
+      if (result.answer == Answer::Hit && !(result.toi >= step.from && result.toi < step.to)) return;
       if (step.earliest != nullptr) update_earliest(step, result.toi);
       undecided += result.answer == Answer::Undecided;
       Pair& hit = hits.emplace_back(pair);

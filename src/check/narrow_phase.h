@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
+#include <set>
+#include <tuple>
 #include <utility>
 
 #include "base/parallel.h"
@@ -83,6 +86,12 @@ void in_chunks(std::span<const Pair> pairs, std::size_t chunk, std::vector<Hits>
   in_chunks(pairs, chunk, hits, test, add, [] { return false; });
 }
 
+/// Pairs that are undecided, by their objects and ids.
+struct UndecidedPairs {
+  std::set<std::tuple<Index, Index, Index, Index>> vertex_face;
+  std::set<std::tuple<Index, Edge, Index, Edge>> edge_edge;
+};
+
 /// Input of the narrow phase. Precondition: the features of the leaves to be tested are filled; x0 and x1
 /// have at least their vertices.
 struct NarrowStep {
@@ -105,6 +114,10 @@ struct NarrowStep {
   PairSettings pairs;
   std::atomic<double>* earliest;  ///< Null unless StepSettings::earliest_only.
   std::uint64_t max_listed;       ///< StepSettings::max_listed.
+  /// Of several searches that share a step (docs/soundness.md, F2): hits from `from` on and before `to`
+  /// count.
+  double from = 0, to = std::numeric_limits<double>::infinity();
+  UndecidedPairs* undecided = nullptr;  ///< Those of the searches before. Null: this is the only one.
   Filter filter = {};
   const Hierarchy& hierarchy(Index object) const { return *bvhs[object].hierarchy; }
 

@@ -25,8 +25,8 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
     out.search_steps = cache_hit ? 0 : motion.steps();
     out.tolerance = tolerance_for(settings, cache_hit ? plan.extent : motion.step_extent());
     distance = query.search_distance(settings, out);
-    cuts_time = settings.earliest_only && !settings.explain && settings.declared_free == nullptr &&
-                !cache_hit && motion.steps() == 1 && is_long(motion);
+    cuts_time = !settings.explain && settings.declared_free == nullptr && !cache_hit && motion.steps() == 1 &&
+                is_long(motion);
     return {};
   };
   // Broad phase and culling: finds pairs of leaves.
@@ -50,7 +50,7 @@ Result<void> check_step(const Query& query, Positions x0, Positions x1, const St
     return {};
   };
   FOLDPROOF_TRY(run_stages(out.milliseconds, update, search, narrow));
-  if (cuts_time) FOLDPROOF_TRY(find_earliest(query, x0, x1, settings, out));
+  if (cuts_time) FOLDPROOF_TRY(check_in_stretches(query, x0, x1, settings, out));
   if (settings.explain) pipeline.explain(out.explanation);
   out.complete = true;
   return {};

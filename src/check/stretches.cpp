@@ -48,10 +48,10 @@ bool is_long(const StepMotion& motion) {
 }
 
 // Whatever collides until the end of the last stretch is among the pairs that were tested, with the times of
-// the whole step. So a collision that is no later is the earliest one, and later ones need no search
-// (docs/soundness.md, F2).
-Result<void> find_earliest(const Query& query, Positions x0, Positions x1, const StepSettings& settings,
-                           StepResult& out) {
+// the whole step. So a collision that is no later is the earliest one, and later ones need no search; and
+// each collision is found in the stretch that has its time (docs/soundness.md, F2).
+Result<void> check_in_stretches(const Query& query, Positions x0, Positions x1, const StepSettings& settings,
+                                StepResult& out) {
   Pipeline& pipeline = query.pipeline;
   StepMotion& motion = pipeline.motion;
   const Vec3 drift = mean_displacement(motion, x0, x1);
@@ -60,8 +60,10 @@ Result<void> find_earliest(const Query& query, Positions x0, Positions x1, const
   const auto leaves = static_cast<double>(motion.leaf_count());
   double from = 0, to = 0, length = 1, pairs = 0, last_pairs = 0, ratio = 1;
   bool is_first = true, is_too_long = false;
+  UndecidedPairs undecided;
+  const auto end = [&] { return settings.earliest_only ? std::min(1.0, out.earliest_toi) : 1.0; };
   const auto update = [&]() -> Result<void> {
-    to = std::min({1.0, out.earliest_toi, from + length});
+    to = std::min(end(), from + length);
     pipeline.stretch.interpolate(motion, {x0, x1}, {from, to}, drift);
     FOLDPROOF_TRY(motion.update(pipeline.stretch.start(), pipeline.stretch.end()));
     out.work.refits += motion.size();
@@ -80,13 +82,19 @@ Result<void> find_earliest(const Query& query, Positions x0, Positions x1, const
     if (is_too_long) return {};
     NarrowStep step(settings, out.tolerance, motion.bvhs(), pipeline.broad_phase.tasks(), x0, x1);
     query.set_pairs(settings, step);
-    step.earliest->store(out.earliest_toi, std::memory_order_relaxed);
+    if (settings.earliest_only) {
+      step.earliest->store(out.earliest_toi, std::memory_order_relaxed);
+    } else {
+      step.from = from;
+      if (to < 1) step.to = step.ccd.latest = to;
+      step.undecided = &undecided;
+    }
     test_leaf_pairs(step, pipeline.broad_phase.leaf_pairs(), pipeline.narrow, out);
     from = to;
     last_pairs = pairs;
     return {};
   };
-  while (from < std::min(1.0, out.earliest_toi) && !(query.any_will_do && out.count() > 0)) {
+  while (from < end() && !(query.any_will_do && out.count() > 0)) {
     FOLDPROOF_TRY(run_stages(out.milliseconds, update, search, narrow));
     if (std::exchange(is_first, false) && is_too_long) {
       length = std::max(kShortest, kFirstGrowth / (ratio - 1));

@@ -173,10 +173,13 @@ TEST(CullingPolicy, DoesNotStartWhereSheetsPassThroughEachOther) {
   EXPECT_EQ(steps.second_tested, 0u);
 }
 
+// Not so far that the step is cut in time.
 TEST(CullingPolicy, StartsWhereASheetMovesFar) {
   auto x1 = positions(1, 0);
-  for (std::size_t i = 0; i < x1.size(); ++i) {
-    if (i % 3 < 2) x1[i] = 100 - x1[i];  // every two leaves swap sides
+  for (std::size_t i = 0; i < x1.size(); i += 3) {
+    const double u = x1[i], v = x1[i + 1];
+    x1[i] += 8 * std::sin(0.7 * v);
+    x1[i + 1] += 8 * std::sin(0.7 * u);
   }
   const TwoSteps steps = two_steps(1, x1);
   EXPECT_GT(steps.pairs_per_leaf, 10);
