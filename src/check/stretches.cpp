@@ -13,7 +13,9 @@ namespace {
 constexpr double kLongRatio = 4;
 // The first stretch is as long as boxes grow by this share. While a leaf has few pairs, or not many more than
 // in the last stretch, the next one is longer by a factor; otherwise it is tried again, shorter by another.
+// Where boxes hardly grow, shorter stretches would have as many pairs.
 constexpr double kFirstGrowth = 0.5, kFewPairs = 6, kMorePairs = 2, kLonger = 2, kShorter = 4;
+constexpr double kLeastGrowth = 1.0 / 16;
 constexpr double kShortest = 1.0 / 256;  // is tested however many pairs it has
 // F2: distances are off by at most 52 * 2^-53 times the largest coordinate.
 constexpr double kInterpolationRounding = 0x1p-47;
@@ -75,7 +77,8 @@ Result<void> check_in_stretches(const Query& query, Positions x0, Positions x1, 
     if (is_too_long) return {};
     FOLDPROOF_TRY(pipeline.find_leaf_pairs(settings, distance, out.work));
     pairs = static_cast<double>(pipeline.broad_phase.leaf_pairs().size());
-    is_too_long = length > kShortest && pairs > std::max(kFewPairs * leaves, kMorePairs * last_pairs);
+    is_too_long = length > kShortest && ratio > 1 + kLeastGrowth &&
+                  pairs > std::max(kFewPairs * leaves, kMorePairs * last_pairs);
     return {};
   };
   const auto narrow = [&]() -> Result<void> {
@@ -97,7 +100,7 @@ Result<void> check_in_stretches(const Query& query, Positions x0, Positions x1, 
   while (from < end() && !(query.any_will_do && out.count() > 0)) {
     FOLDPROOF_TRY(run_stages(out.milliseconds, update, search, narrow));
     if (std::exchange(is_first, false) && is_too_long) {
-      length = std::max(kShortest, kFirstGrowth / (ratio - 1));
+      length = std::max(kShortest, std::min(length / kShorter, kFirstGrowth / (ratio - 1)));
     } else {
       length = is_too_long ? std::max(kShortest, length / kShorter) : kLonger * length;
     }

@@ -99,5 +99,24 @@ TEST(Stretches, HaveTheHitsOfASingleSearch) {
   EXPECT_GT(fewer, 10u);
 }
 
+// What all vertices share is no motion, however many pairs are within the thickness: it cannot be cut.
+TEST(Stretches, EndWhereEverythingMovesTogetherAndAllPairsAreClose) {
+  std::mt19937_64 rng(1);
+  Soup soup = random_soup(rng, 0, 0x1p-10);
+  for (std::size_t i = 0; i < soup.x0.size(); ++i) soup.x1[i] = soup.x0[i] + 64;
+  const auto topology = Topology::make(static_cast<Index>(soup.x0.size() / 3), soup.triangles).value();
+  StepChecker checker({Object(Hierarchy::build(topology, soup.x0).value())});
+  for (const bool earliest_only : {false, true}) {
+    StepSettings settings;
+    settings.thickness = 10;
+    settings.earliest_only = earliest_only;
+    StepResult result;
+    ASSERT_TRUE(checker.check(soup.x0, soup.x1, settings, result));
+    EXPECT_EQ(result.earliest_toi, 0);
+    EXPECT_EQ(result.work.refits, 2u);  // the whole step, then without the common motion
+    EXPECT_EQ(result.vertex_face_count, earliest_only ? 1 : 150u * 149 * 3);
+  }
+}
+
 }  // namespace
 }  // namespace foldproof
