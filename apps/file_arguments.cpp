@@ -151,8 +151,31 @@ std::vector<fs::path> replaced(const fs::path& path, Output output) {
   return files;
 }
 
-/// Existing files, and the output that would replace them.
-using Replaceable = std::map<io::FileId, std::string>;
+/// The outputs so far.
+struct Outputs {
+  std::vector<Taken> taken;
+  std::map<io::FileId, std::string> replaceable;  ///< Existing files, and the output that would replace them.
+
+  /// Error: a bad name, or what another output takes.
+  Result<void> add(const Option& option, const std::string& path, Output output);
+};
+
+Result<void> Outputs::add(const Option& option, const std::string& path, Output output) {
+  FOLDPROOF_TRY(require_good_name(option, path, output));
+  const std::string where = fmt::format("{} {}", option.name(), path);
+  const bool is_file = !io::is_standard_output(path);
+  const Taken here = is_file ? taken_by(where, path, output) : Taken{where, {kStandardOutput}, {}, {}};
+  bool twice = std::ranges::any_of(
+      taken, [&](const Taken& other) { return writes_into(here, other) || writes_into(other, here); });
+  taken.push_back(here);
+  if (!is_file) print_to_standard_error();
+  for (const fs::path& file : is_file ? replaced(path, output) : std::vector<fs::path>()) {
+    const auto id = io::file_id(file);
+    twice = twice || (id && !replaceable.emplace(*id, where).second && replaceable[*id] != where);
+  }
+  if (!twice) return {};
+  return fail(ErrorCode::InvalidArgument, where, "is named for two outputs", "give each its own file");
+}
 
 std::vector<fs::path> read_under(const std::string& name, Input input) {
   return io::files_of(name, input == Input::Library);
@@ -160,17 +183,17 @@ std::vector<fs::path> read_under(const std::string& name, Input input) {
 
 /// Error: an output would replace what an input reads, or be read as a part of it the next time.
 Result<void> require_apart(const Option& option, const std::string& name, Input input,
-                           std::span<const Taken> outputs, const Replaceable& replaceable) {
+                           const Outputs& outputs) {
   for (const fs::path& file : read_under(name, input)) {
     const auto id = io::file_id(file);
-    const auto clash = id ? replaceable.find(*id) : replaceable.end();
-    if (clash == replaceable.end()) continue;
+    const auto clash = id ? outputs.replaceable.find(*id) : outputs.replaceable.end();
+    if (clash == outputs.replaceable.end()) continue;
     return fail(
         ErrorCode::InvalidArgument, clash->second,
         fmt::format("would write over '{}', which is read ({} {})", file.string(), option.name(), name),
         "name another file to write");
   }
-  for (const Taken& output : outputs) {
+  for (const Taken& output : outputs.taken) {
     const auto becomes_frame = [&](const std::string& taken) {
       return input == Input::Motion && io::will_read(name, example_of(output, taken));
     };
@@ -211,35 +234,18 @@ Result<void> FileArguments::check() const {
     if (std::find(given.begin(), given.end(), "") != given.end())
       return fail(ErrorCode::InvalidArgument, option.name(), "names nothing", "name what is to be read");
   }
-  std::vector<Taken> all;
-  Replaceable replaceable;
+  Outputs outputs;
   for (const auto& [option, output, endings] : outputs_) {
-    const auto given = option.values();
-    if (given.empty()) continue;
-    const std::string& path = given.back();
-    FOLDPROOF_TRY(require_good_name(option, path, output));
-    const std::string where = fmt::format("{} {}", option.name(), path);
-    const bool is_file = !io::is_standard_output(path);
-    const Taken taken = is_file ? taken_by(where, path, output) : Taken{where, {kStandardOutput}, {}, {}};
-    bool twice = std::ranges::any_of(
-        all, [&](const Taken& other) { return writes_into(taken, other) || writes_into(other, taken); });
-    all.push_back(taken);
-    if (!is_file) print_to_standard_error();
-    for (const fs::path& file : is_file ? replaced(path, output) : std::vector<fs::path>()) {
-      const auto id = io::file_id(file);
-      twice = twice || (id && !replaceable.emplace(*id, where).second && replaceable[*id] != where);
-    }
-    if (twice)
-      return fail(ErrorCode::InvalidArgument, where, "is named for two outputs", "give each its own file");
+    for (const std::string& path : option.values()) FOLDPROOF_TRY(outputs.add(option, path, output));
   }
   for (const auto& [option, input] : inputs_) {
     for (const std::string& name : option.values()) {
-      if (!all.empty()) FOLDPROOF_TRY(require_apart(option, name, input, all, replaceable));
+      if (!outputs.taken.empty()) FOLDPROOF_TRY(require_apart(option, name, input, outputs));
     }
   }
   for (const auto& [option, output, endings] : outputs_) {
-    const auto given = option.values();
-    if (!given.empty()) FOLDPROOF_TRY(require_good_ending(option, given.back(), output, endings));
+    for (const std::string& path : option.values())
+      FOLDPROOF_TRY(require_good_ending(option, path, output, endings));
   }
   return {};
 }

@@ -10,6 +10,7 @@
 #include "io/write_npz.h"
 #include "progress_bar.h"
 #include "report/repair_motions.h"
+#include "run_and_summarize.h"
 #include "step_options.h"
 #include "terminal.h"
 
@@ -31,18 +32,20 @@ struct RepairArguments : StepArguments {
   std::vector<std::string> outputs, fixed, only, start;
   double falloff = 0;
   Index in_betweens = 0;
-  bool quick = false, keep = false, quiet = false;
+  bool quick = false, keep = false, quiet = false, all_contacts = false;
 };
 
 bool is_single_precision(const std::string& path, std::size_t frames) {
   return extension_of(path) == ".obj" && frames > 1 && path.find('%') == std::string::npos;
 }
 
+std::string times(std::size_t count) { return count == 1 ? "once" : fmt::format("{} times", count); }
+
 // An output of a motion with added frames needs their times; other outputs are refused before work starts.
 Result<void> require_outputs_fit(const RepairArguments& a, Motions motions, std::span<const Index> movable) {
   if (a.outputs.size() != movable.size()) {
     return fail(ErrorCode::InvalidArgument, "-o",
-                fmt::format("is given {} times, but {} may move", a.outputs.size(),
+                fmt::format("is given {}, but {} may move", times(a.outputs.size()),
                             counted(movable.size(), "object")),
                 "give it once for each of these, in order");
   }
@@ -67,7 +70,7 @@ Result<std::vector<double>> read_start(const RepairArguments& a, Motions motions
   if (a.start.empty()) return start;
   if (a.start.size() != motions.size())
     return fail(ErrorCode::InvalidArgument, "--start",
-                fmt::format("is given {} times for {}", a.start.size(), counted(motions.size(), "object")),
+                fmt::format("is given {} for {}", times(a.start.size()), counted(motions.size(), "object")),
                 "give it once for each object, in order");
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const auto poses = FOLDPROOF_TRY(read_motions({&a.start[i], 1}, a.motion.read, a.quiet));
@@ -81,22 +84,24 @@ Result<std::vector<double>> read_start(const RepairArguments& a, Motions motions
   return start;
 }
 
-std::string frames_named(const std::vector<RepairedFrame>& frames, Index first,
+// "frame 3", "frames 3, 4 and 7 more".
+std::string frames_named(const std::vector<RepairedFrame>& frames,
                          const std::function<bool(const RepairedFrame&)>& is_meant) {
   constexpr int kMost = 8;
   std::string text;
   int count = 0;
   for (const RepairedFrame& frame : frames) {
     if (!is_meant(frame)) continue;
-    if (++count <= kMost) text += fmt::format("{}{:.6g}", count == 1 ? "" : ", ", frame.time + first);
+    if (++count <= kMost) text += fmt::format("{}{:.6g}", count == 1 ? "" : ", ", frame.time);
   }
-  return count > kMost ? text + fmt::format(" and {} more", count - kMost) : text;
+  if (count == 0) return "";
+  if (count > kMost) text += fmt::format(" and {} more", count - kMost);
+  return (count == 1 ? "frame " : "frames ") + text;
 }
 
-std::string summary_of(const RepairArguments& a, Motions motions, const RepairedMotions& done,
-                       CheckSettings& settings) {
-  const RepairReport& report = done.report;
-  const std::string unit = unit_of(motions, settings), space = unit.empty() ? "" : " " + unit;
+// What was done, in rows.
+std::string rows_of(const RepairReport& report, const std::string& unit, double thickness) {
+  const std::string space = unit.empty() ? "" : " " + unit;
   const auto worst = std::ranges::max_element(report.frames, {}, &RepairedFrame::correction);
   const auto moved = std::ranges::count_if(report.frames, [](const auto& f) { return f.correction > 0; });
   std::string text = row("contacts before", grouped(report.before.size()));
@@ -106,45 +111,59 @@ std::string summary_of(const RepairArguments& a, Motions motions, const Repaired
     const auto added = std::ranges::count_if(
         report.frames, [](const auto& f) { return f.time != static_cast<Index>(f.time); });
     if (added > 0) text += row("frames added", grouped(static_cast<std::uint64_t>(added)));
-    text += row("largest correction", fmt::format("{:.3g}{} in frame {:.6g}", worst->correction, space,
-                                                  worst->time + done.first_frame));
-    text += row("kept apart by", fmt::format("{:.3g}{}", report.clearance + settings.step.thickness, space));
+    text += row("largest correction",
+                fmt::format("{:.3g}{} in frame {:.6g}", worst->correction, space, worst->time));
+    text += row("kept apart by", fmt::format("{:.3g}{}", report.clearance + thickness, space));
   }
-  const auto named = [&](auto is_meant) { return frames_named(report.frames, done.first_frame, is_meant); };
-  if (const auto late = named([](const auto& f) { return f.late; }); !late.empty())
-    text += row("behind the motion", "in frames " + late);
-  if (report.interrupted) text += "\nInterrupted: the frames that were finished are written.\n";
-  if (report.unchanged) {
-    text += "\n" + colored("Nothing touches: the motion is as it was.", Tone::Good) + "\n";
-  } else if (report.free) {
-    text += "\n" +
-            colored("Proven: nothing touches, in no frame and at no time between frames.", Tone::Good) + "\n";
-  } else if (report.written) {
-    const auto touching = named([](const auto& f) { return f.limit != RepairLimit::None; });
-    text += "\n" +
-            colored(fmt::format("Not all could be repaired: something touches in frames {}.", touching),
-                    Tone::Bad) +
-            "\n";
-  } else {
-    text +=
-        "\n" + colored("No frame is free and none could be made so: nothing was written.", Tone::Bad) + "\n";
+  if (const auto late = frames_named(report.frames, [](const auto& f) { return f.late; }); !late.empty())
+    text += row("behind the motion", "in " + late);
+  return text;
+}
+
+// Those of contacts, as what may not move may touch in them as well.
+std::string touching_frames(const RepairReport& report) {
+  return frames_named(report.frames, [](const RepairedFrame& f) { return f.limit != RepairLimit::None; });
+}
+
+std::string sentence_of(const RepairReport& report) {
+  const char* but = report.among_fixed.empty() ? "" : " but what may not move, with itself";
+  if (report.unchanged) return fmt::format("Nothing touches{}: the motion is as it was.", but);
+  if (report.free) {
+    return fmt::format("Proven: nothing touches{}, in no frame and at no time between frames.", but);
   }
+  if (!report.written) return "No frame is free and none could be made so: nothing was written.";
+  return fmt::format("Not all could be repaired: something touches in {}.", touching_frames(report));
+}
+
+std::string summary_of(const RepairArguments& a, Motions motions, const RepairReport& report,
+                       CheckSettings& settings) {
   CheckTotals totals;
   totals.contacts_found = true;
-  totals.contacts = report.remaining;
-  std::ranges::sort(totals.contacts, is_worse);
-  totals.first_frame = done.first_frame;
-  totals.last_frame = done.first_frame + static_cast<Index>(report.frames.size()) - 1;
-  text += contact_lines(motions, settings, totals, std::numeric_limits<std::size_t>::max());
-  const std::string ignored = ignored_pairs(settings);
-  if (!ignored.empty()) text += "\n" + printable(ignored) + ".\n";
-  if (!a.fixed.empty()) text += "What may not move was not tested with itself.\n";
+  totals.first_frame = static_cast<Index>(report.frames.front().time);
+  totals.last_frame = static_cast<Index>(report.frames.back().time);
+  std::string text = rows_of(report, unit_of(motions, settings), settings.step.thickness);
+  if (report.interrupted) text += "\nInterrupted: the frames that were finished are written.\n";
+  auto not_tested = untested(motions, settings, totals);
+  if (settings.step.thickness > 0 && (!a.fixed.empty() || !a.only.empty()))
+    not_tested.emplace_back("what may not move was not tested with itself for the thickness");
+  text += "\n" +
+          colored(with_untested(sentence_of(report), not_tested), report.free ? Tone::Good : Tone::Bad) +
+          "\n";
+  const auto listed = [&](std::vector<Contact> contacts) {
+    std::ranges::sort(contacts, is_worse);
+    totals.contacts = std::move(contacts);
+    return contact_lines(motions, settings, totals,
+                         a.all_contacts ? std::numeric_limits<std::size_t>::max() : kFewContacts);
+  };
+  text += listed(report.remaining);
+  if (!report.among_fixed.empty())
+    text += "\nWhat may not move touches itself, and was left so:\n" + listed(report.among_fixed);
   return text;
 }
 
 Result<void> write_outputs(const RepairArguments& a, const RepairedMotions& done) {
   std::vector<double> times;
-  for (const RepairedFrame& frame : done.report.frames) times.push_back(frame.time + done.first_frame);
+  for (const RepairedFrame& frame : done.report.frames) times.push_back(frame.time);
   for (std::size_t i = 0; i < done.movable.size(); ++i) {
     const auto motion = done.motion(done.movable[i]);
     FOLDPROOF_TRY(a.in_betweens > 0 ? io::write_npz(a.outputs[i], *motion, times)
@@ -179,7 +198,7 @@ Result<int> run_repair(const RepairArguments& a) {
   bar.clear();
   if (!done) return tl::unexpected(done.error());
   if (done->report.written) FOLDPROOF_TRY(write_outputs(a, *done));
-  if (!a.quiet) print_output(summary_of(a, motions, *done, settings));
+  if (!a.quiet) print_output(summary_of(a, motions, done->report, settings));
   if (done->report.interrupted) return kExitInterrupted;
   return exit_code(done->report.free);
 }
@@ -195,6 +214,8 @@ void add_output_options(const Subcommand& command, RepairArguments& a) {
       .one_value_each_time()
       .required();
   command.add_flag("--keep", a.keep, "After Ctrl-C, write the frames that are finished");
+  command.add_flag("--contacts", a.all_contacts,
+                   fmt::format("List all contacts in the summary, not only the {} worst", kFewContacts));
   command.add_flag("-q,--quiet", a.quiet, "Print nothing but errors");
 }
 

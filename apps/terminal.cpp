@@ -163,14 +163,6 @@ std::string start_of(const CheckTotals& totals) {
                      counted(*totals.starts_crossing, "crossing pair"));
 }
 
-/// A sentence that also says what was not tested.
-std::string with_untested(std::string sentence, std::span<const std::string> untested) {
-  if (untested.empty()) return sentence;
-  sentence.pop_back();  // the full stop
-  for (const std::string& part : untested) sentence += "; " + printable(part);
-  return sentence + ".";
-}
-
 /// The closing sentence if nothing was found. It claims freedom only if everything was tested.
 std::string clean_sentence(const CheckSettings& settings, const CheckTotals& totals,
                            const std::string& subject) {
@@ -286,6 +278,13 @@ std::string paper_rows(const CheckSettings& settings, const CheckTotals& totals)
 }
 
 }  // namespace
+
+std::string with_untested(std::string sentence, std::span<const std::string> untested) {
+  if (untested.empty()) return sentence;
+  sentence.pop_back();  // the full stop
+  for (const std::string& part : untested) sentence += "; " + printable(part);
+  return sentence + ".";
+}
 
 std::string summary(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
   std::string text = objects_table(motions) + "\n";

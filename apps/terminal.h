@@ -35,6 +35,9 @@ std::string counted(std::uint64_t number, const char* noun);
 /// A row of a summary: what it is, and its value.
 std::string row(const char* label, const std::string& value);
 
+/// A sentence that also says what was not tested.
+std::string with_untested(std::string sentence, std::span<const std::string> untested);
+
 /// Replaces control characters.
 std::string printable(std::string text);
 

@@ -26,8 +26,10 @@ struct RepairInput {
   /// Fills `x` with frame `k` < frame_count. Called for any frame, any number of times, from the thread that
   /// called repair; an error ends the repair and is returned.
   std::function<Result<void>(Index k, std::span<double> x)> read;
-  /// Pairs that may touch; null: none. Pairs of features that may not move are ignored without it.
+  /// Pairs that may touch; null: none. Pairs of features that may not move are left as they are without it.
   std::shared_ptr<const PairFilter> filter = nullptr;
+  /// For contacts, as ContactFinder takes them.
+  Parts parts = {};
 };
 
 struct RepairSettings {
@@ -74,7 +76,7 @@ struct RepairedFrame {
 
 struct RepairReport {
   /// Proven: nothing that was not ignored touches at any time, while vertices move straight from each frame
-  /// that was written to the next.
+  /// that was written to the next, but maybe what may not move, with itself (among_fixed).
   bool free = false;
   /// The motion came back as it was: it was free.
   bool unchanged = false;
@@ -85,8 +87,11 @@ struct RepairReport {
   std::vector<RepairedFrame> frames;
   std::vector<Contact> before;     ///< Contacts of the input.
   std::vector<Contact> remaining;  ///< Contacts of what was written, or would have been.
-  double falloff = 0;              ///< As used, mesh units.
-  double clearance = 0;            ///< How far apart surfaces are kept beyond the thickness, mesh units.
+  /// Contacts of what may not move with itself, in no other list; without regard to the thickness. Empty: it
+  /// is proven that there are none.
+  std::vector<Contact> among_fixed;
+  double falloff = 0;    ///< As used, mesh units.
+  double clearance = 0;  ///< How far apart surfaces are kept beyond the thickness, mesh units.
 };
 
 /// Writes the motion that is nearest to the input and touches nothing.

@@ -39,7 +39,7 @@ py::dict fields_of(const RepairedMotions& done, Motions motions, const CheckSett
   d["motions"] = repaired;
   std::vector<RepairedRow> rows;
   for (const RepairedFrame& f : done.report.frames)
-    rows.push_back({f.time + done.first_frame, f.correction, f.late, f.limit});
+    rows.push_back({f.time, f.correction, f.late, f.limit});
   d["frames"] = owned_rows(std::move(rows));
   d["falloff"] = done.report.falloff;
   d["clearance"] = done.report.clearance;

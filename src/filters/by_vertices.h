@@ -31,4 +31,8 @@ class ByVertices : public PairFilter {
   std::vector<std::shared_ptr<const Hierarchy>> hierarchies_;
 };
 
+/// Ignores all pairs but those that ignore_fixed ignores. Precondition: its sizes.
+std::shared_ptr<const PairFilter> ignore_all_but_fixed(std::span<const Object> objects,
+                                                       std::span<const std::vector<std::uint8_t>> fixed);
+
 }  // namespace foldproof::inline internal

@@ -12,10 +12,12 @@
 namespace foldproof {
 namespace {
 
+// Tests the pairs all of whose vertices are fixed, or the others.
 class FixedFilter final : public ByVertices {
  public:
-  FixedFilter(std::span<const Object> objects, std::span<const std::vector<std::uint8_t>> fixed)
-      : ByVertices(objects), fixed_(fixed.begin(), fixed.end()) {
+  FixedFilter(std::span<const Object> objects, std::span<const std::vector<std::uint8_t>> fixed,
+              bool tests_fixed)
+      : ByVertices(objects), fixed_(fixed.begin(), fixed.end()), tests_fixed_(tests_fixed) {
     for (const Object& object : objects) {
       const Hierarchy& hierarchy = *object.hierarchy();
       const auto& of_vertex = fixed_[nodes_.size()];
@@ -27,20 +29,21 @@ class FixedFilter final : public ByVertices {
 
   bool nodes(Index object_a, Index node_a, Index object_b, Index node_b) const override {
     return NodeLabels::any(nodes_[object_a], node_a, nodes_[object_b], node_b,
-                           [](Index a, Index b) { return a == 0 || b == 0; });
+                           [&](Index a, Index b) { return (a != 0 && b != 0) == tests_fixed_; });
   }
 
  private:
   bool tests(Index object_a, std::span<const Index> a, Index object_b,
              std::span<const Index> b) const override {
-    return moves(object_a, a) || moves(object_b, b);
+    return (moves(object_a, a) || moves(object_b, b)) != tests_fixed_;
   }
   bool moves(Index object, std::span<const Index> vertices) const {
     return std::ranges::any_of(vertices, [&](Index v) { return fixed_[object][v] == 0; });
   }
 
   std::vector<std::vector<std::uint8_t>> fixed_;  // per object and vertex
-  std::vector<NodeLabels> nodes_;                 // per object; 1 for fixed
+  bool tests_fixed_;
+  std::vector<NodeLabels> nodes_;  // per object; 1 for fixed
 };
 
 // Pairs as their ids, in one order.
@@ -145,7 +148,12 @@ Result<std::shared_ptr<const PairFilter>> ignore_fixed(std::span<const Object> o
                 fmt::format("has {} numbers", fixed[i].size()),
                 fmt::format("give one for each of the {} vertices", vertices));
   }
-  return std::make_shared<const FixedFilter>(objects, fixed);
+  return std::make_shared<const FixedFilter>(objects, fixed, false);
+}
+
+std::shared_ptr<const PairFilter> internal::ignore_all_but_fixed(
+    std::span<const Object> objects, std::span<const std::vector<std::uint8_t>> fixed) {
+  return std::make_shared<const FixedFilter>(objects, fixed, true);
 }
 
 Result<std::shared_ptr<const PairFilter>> ignore_touching(const std::vector<Object>& objects, Positions x,

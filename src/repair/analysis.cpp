@@ -1,8 +1,10 @@
 #include "repair/analysis.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "base/try.h"
+#include "contacts/follow_crossings.h"
 
 namespace foldproof {
 namespace {
@@ -70,6 +72,11 @@ void internal::dilate(const RepairScene& scene, std::vector<std::uint8_t>& mask,
   }
 }
 
+Analysis::Analysis(const RepairScene& scene, Prover& prover, double thickness)
+    : scene_(&scene), prover_(&prover), thickness_(thickness) {
+  if (scene.fixed_filter() != nullptr) fixed_prover_.emplace(scene, scene.fixed_filter(), 0);
+}
+
 void Analysis::touch(Frame& frame, const StepResult& step) const {
   const auto add = [&](const FeaturePair& pair) {
     frame.touched.insert(frame.touched.end(), pair.v.begin(), pair.v.end());
@@ -79,29 +86,101 @@ void Analysis::touch(Frame& frame, const StepResult& step) const {
 }
 
 void Analysis::touch_crossings(Frame& frame) const {
-  for_contact_vertices(*scene_, *finder_, [&](Index, Index v) { frame.touched.push_back(v); });
+  for_contact_vertices(*scene_, *finder_, [&](Index contact, Index v) {
+    if (movable_contacts_.contains(contact)) frame.touched.push_back(v);
+  });
+}
+
+// Both answers as one.
+Result<const StaticResult*> Analysis::all_crossings(std::span<const double> x) {
+  const StaticResult* pose = FOLDPROOF_TRY(prover_->check_pose(x));
+  if (!fixed_prover_) return pose;
+  all_crossings_ = *pose;
+  const StaticResult* fixed = FOLDPROOF_TRY(fixed_prover_->check_pose(x));
+  auto& crossings = all_crossings_.crossings;
+  crossings.insert(crossings.end(), fixed->crossings.begin(), fixed->crossings.end());
+  std::ranges::sort(crossings, is_before);
+  all_crossings_.crossing_count += fixed->crossing_count;
+  return &all_crossings_;
+}
+
+Result<const StepResult*> Analysis::with_fixed(const StepResult& step, std::span<const double> x) {
+  if (!fixed_prover_) return &step;
+  const StepResult* fixed = FOLDPROOF_TRY(fixed_prover_->check(last_, x));
+  all_pairs_ = step;
+  all_pairs_.vertex_face.insert(all_pairs_.vertex_face.end(), fixed->vertex_face.begin(),
+                                fixed->vertex_face.end());
+  all_pairs_.edge_edge.insert(all_pairs_.edge_edge.end(), fixed->edge_edge.begin(), fixed->edge_edge.end());
+  all_pairs_.vertex_face_count += fixed->vertex_face_count;
+  all_pairs_.edge_edge_count += fixed->edge_edge_count;
+  return &all_pairs_;
+}
+
+bool Analysis::moves(const FeaturePair& pair) const {
+  return std::ranges::any_of(pair.v, [&](Index v) { return scene_->is_movable(v); });
+}
+
+bool Analysis::moves(const TriangleCrossing& crossing) const {
+  const auto triangle_moves = [&](Index object, Index triangle) {
+    const Triangle& t = scene_->triangles()[scene_->begin(object).triangles + std::size_t{triangle}];
+    return std::ranges::any_of(t, [&](Index v) { return scene_->is_movable(v); });
+  };
+  return triangle_moves(crossing.object_a, crossing.triangle_a) ||
+         triangle_moves(crossing.object_b, crossing.triangle_b);
+}
+
+// Remembers the contacts in which something that may move takes part now.
+void Analysis::note_movable(const StepResult* step) {
+  std::set<Index> joined;
+  for (const Index number : movable_contacts_) joined.insert(finder_->joined_number(number));
+  movable_contacts_.swap(joined);
+  const auto note = [&](const auto& pairs, std::span<const Index> contacts, const auto& pair_of) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (moves(pair_of(pairs[i]))) movable_contacts_.insert(contacts[i]);
+    }
+  };
+  const auto feature_pair = [&](const auto& c) { return scene_->pair_of(c); };
+  if (step != nullptr) {
+    note(step->vertex_face, finder_->vertex_face_contacts(), feature_pair);
+    note(step->edge_edge, finder_->edge_edge_contacts(), feature_pair);
+  }
+  note(finder_->crossings(), finder_->crossing_contacts(), std::identity());
+}
+
+// `step`: the prover's answer about the way to x; null for the first frame.
+Result<void> Analysis::find_contacts(double time, std::span<const double> x, const StepResult* step) {
+  const Positions positions = scene_->positions(x, views_);
+  if (step == nullptr) {
+    finder_ =
+        FOLDPROOF_TRY(ContactFinder::make(scene_->topologies(), scene_->parts(), scene_->given_filter()));
+    finder_->start(time, positions, *FOLDPROOF_TRY(all_crossings(x)));
+  } else {
+    step = FOLDPROOF_TRY(with_fixed(*step, x));
+    const bool asks = !step->lists_all() || !finder_->is_known();
+    const StaticResult* crossings = asks ? FOLDPROOF_TRY(all_crossings(x)) : nullptr;
+    finder_->step(last_time_, time, scene_->positions(last_, last_views_), positions, *step, crossings);
+  }
+  note_movable(step);
+  return {};
 }
 
 Result<void> Analysis::add(double time, std::span<const double> x) {
   Frame frame;
-  const Positions positions = scene_->positions(x, views_);
-  if (frames_.empty()) {
-    finder_ = FOLDPROOF_TRY(ContactFinder::make(scene_->topologies(), {}, scene_->filter()));
-    finder_->start(time, positions, *FOLDPROOF_TRY(prover_->check_pose(x)));
-    frame.is_way_free = true;
-  } else {
-    const StepResult* step = FOLDPROOF_TRY(prover_->check(last_, x));
-    frame.is_way_free = step->clean();
+  const StepResult* step = nullptr;
+  if (!frames_.empty()) {
+    step = FOLDPROOF_TRY(prover_->check(last_, x));
     touch(frame, *step);
     touch(frames_.back(), *step);
-    const bool asks = !step->lists_all() || !finder_->is_known();
-    const StaticResult* crossings = asks ? FOLDPROOF_TRY(prover_->check_pose(x)) : nullptr;
-    finder_->step(last_time_, time, scene_->positions(last_, last_views_), positions, *step, crossings);
   }
-  frame.crossings = finder_->crossings().size();
+  frame.is_way_free = step == nullptr || step->clean();
+  FOLDPROOF_TRY(find_contacts(time, x, step));
+  frame.crossings = finder_->is_known()
+                        ? static_cast<std::uint64_t>(std::ranges::count_if(
+                              finder_->crossings(), [&](const auto& crossing) { return moves(crossing); }))
+                        : FOLDPROOF_TRY(prover_->check_pose(x))->crossing_count;
   touch_crossings(frame);
   for (Contact& contact : finder_->take_ended()) ended_.push_back(std::move(contact));
-  frame.is_free = frame.crossings == 0 && finder_->is_known();
+  frame.is_free = frame.crossings == 0;
   if (thickness_ > 0 && frame.is_free) {
     const StepResult* near = FOLDPROOF_TRY(prover_->check(x, x));
     frame.is_free = near->clean();
@@ -117,10 +196,15 @@ Result<void> Analysis::add(double time, std::span<const double> x) {
   return {};
 }
 
-std::vector<Contact> Analysis::finish() {
+Analysis::Contacts Analysis::finish() {
   for (Contact& contact : finder_->finish()) ended_.push_back(std::move(contact));
   std::ranges::sort(ended_, {}, &Contact::number);
-  return std::move(ended_);
+  Contacts out;
+  for (Contact& contact : ended_) {
+    const bool moves = movable_contacts_.contains(contact.number);
+    (moves ? out.of_movable : out.among_fixed).push_back(std::move(contact));
+  }
+  return out;
 }
 
 bool Analysis::all_free() const {

@@ -1,19 +1,27 @@
 /// What touches in a motion: which frames are free, which ways between them, and where it is bad.
 #pragma once
 
+#include <set>
+
 #include "repair/frame_solver.h"
 #include "repair/poses.h"
 
 namespace foldproof::inline internal {
 
 /// Checks a motion frame by frame, in order.
+///
+/// Contacts are those of all pairs, so that they are what a check finds; whether a frame is free does not
+/// depend on what may not move with itself.
 class Analysis {
  public:
-  Analysis(const RepairScene& scene, Prover& prover, double thickness)
-      : scene_(&scene), prover_(&prover), thickness_(thickness) {}
+  Analysis(const RepairScene& scene, Prover& prover, double thickness);
   Result<void> add(double time, std::span<const double> x);
-  /// All contacts of the motion, after its last frame.
-  std::vector<Contact> finish();
+  struct Contacts {
+    std::vector<Contact> of_movable;   ///< Something that may move takes part.
+    std::vector<Contact> among_fixed;  ///< All others.
+  };
+  /// All contacts of the motion, by number, after its last frame.
+  Contacts finish();
 
   std::size_t frame_count() const { return frames_.size(); }
   /// Nothing touches in the frame; on the way to it from the frame before.
@@ -30,13 +38,23 @@ class Analysis {
     std::uint64_t crossings = 0;
     std::vector<Index> touched;
   };
+  Result<const StaticResult*> all_crossings(std::span<const double> x);
+  Result<const StepResult*> with_fixed(const StepResult& step, std::span<const double> x);
+  Result<void> find_contacts(double time, std::span<const double> x, const StepResult* step);
+  void note_movable(const StepResult* step);
+  bool moves(const TriangleCrossing& crossing) const;
+  bool moves(const FeaturePair& pair) const;
   void touch(Frame& frame, const StepResult& step) const;
   void touch_crossings(Frame& frame) const;
 
   const RepairScene* scene_;
   Prover* prover_;
+  std::optional<Prover> fixed_prover_;  // of what may not move with itself; none where everything may
   double thickness_;
   std::optional<ContactFinder> finder_;
+  std::set<Index> movable_contacts_;  // numbers
+  StepResult all_pairs_;
+  StaticResult all_crossings_;
   std::vector<double> last_;
   std::vector<std::span<const double>> views_, last_views_;
   double last_time_ = 0;

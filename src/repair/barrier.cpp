@@ -172,7 +172,7 @@ Result<NearPairs> NearPairs::make(const RepairScene& scene, std::span<const doub
   auto triangles = scene_triangles(scene, mesh->hierarchy()->topology().triangles());
   const bool has_others = std::ranges::find(triangles, kNoIndex) != triangles.end();
   std::shared_ptr<const PairFilter> filter;
-  if (scene.has_filter() || !zones.empty() || has_others)
+  if (scene.given_filter() != nullptr || !zones.empty() || has_others)
     filter = std::make_shared<MergedFilter>(scene, scene.filter_with(zones), std::move(triangles));
   NearPairs pairs;
   pairs.checker_ = std::make_unique<ContactChecker>(mesh, ContactSettings(), std::move(filter));

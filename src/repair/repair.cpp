@@ -287,7 +287,9 @@ Result<void> Repair::write_all(std::span<const SolvedFrame> frames, const Write&
     progress(0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(frames.size()));
   }
   report.free = proof.all_free();
-  report.remaining = proof.finish();
+  auto contacts = proof.finish();
+  report.remaining = std::move(contacts.of_movable);
+  report.among_fixed = std::move(contacts.among_fixed);
   report.written = writes;
   return {};
 }
@@ -296,7 +298,7 @@ Result<RepairReport> Repair::run(const Write& write) {
   RepairReport report;
   FOLDPROOF_TRY(check_edges());
   FOLDPROOF_TRY(analyze());
-  report.before = analysis_.finish();
+  report.before = analysis_.finish().of_movable;
   std::optional<Start> start;
   if (analysis_.all_free()) {
     report.unchanged = true;

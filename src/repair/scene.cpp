@@ -112,9 +112,17 @@ Result<RepairScene> RepairScene::make(const RepairInput& input) {
   if (std::ranges::none_of(scene.movable_, [](std::uint8_t m) { return m != 0; }))
     return fail(ErrorCode::InvalidArgument, "repair", "nothing may move", "leave an object free to move");
   scene.neighbors_ = neighbors_of(scene.vertex_count(), scene.edges_);
-  scene.has_filter_ = input.filter != nullptr;
+  scene.parts_ = input.parts;
+  scene.given_filter_ = input.filter;
   scene.filter_ = FOLDPROOF_TRY(ignore_fixed(scene.objects_, fixed));
-  if (scene.has_filter_) scene.filter_ = ignore_all({scene.filter_, input.filter});
+  const auto is_fixed = [&](Index v) { return !scene.is_movable(v); };
+  if (std::ranges::any_of(scene.triangles_,
+                          [&](const Triangle& t) { return std::ranges::any_of(t, is_fixed); }))
+    scene.fixed_filter_ = ignore_all_but_fixed(scene.objects_, fixed);
+  if (input.filter == nullptr) return scene;
+  for (auto* filter : {&scene.filter_, &scene.fixed_filter_}) {
+    if (*filter != nullptr) *filter = ignore_all({*filter, input.filter});
+  }
   return scene;
 }
 

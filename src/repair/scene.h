@@ -45,10 +45,13 @@ class RepairScene {
   std::span<const std::uint8_t> movable() const { return movable_; }
   const std::vector<Object>& objects() const { return objects_; }
   std::vector<const Topology*> topologies() const;
+  const Parts& parts() const { return parts_; }
+  /// The caller's; null: none.
+  const std::shared_ptr<const PairFilter>& given_filter() const { return given_filter_; }
   /// The caller's, and pairs that cannot move are ignored.
   const std::shared_ptr<const PairFilter>& filter() const { return filter_; }
-  /// Whether the caller gave one.
-  bool has_filter() const { return has_filter_; }
+  /// The caller's, and all other pairs are ignored; null: everything may move.
+  const std::shared_ptr<const PairFilter>& fixed_filter() const { return fixed_filter_; }
   /// Ignores pairs whose vertices all lie in one zone as well. `zone`: per vertex; 0: in none. Empty: none
   /// is.
   std::shared_ptr<const PairFilter> filter_with(std::vector<Index> zone) const;
@@ -70,8 +73,8 @@ class RepairScene {
   std::vector<std::uint8_t> movable_;
   std::vector<std::pair<Index, Index>> copies_;  // and the vertices that they were merged into
   Lists neighbors_;
-  bool has_filter_ = false;
-  std::shared_ptr<const PairFilter> filter_;
+  Parts parts_;
+  std::shared_ptr<const PairFilter> given_filter_, filter_, fixed_filter_;
 };
 
 inline Vec3 at(std::span<const double> x, Index v) { return Vec3::load(&x[3 * std::size_t{v}]); }

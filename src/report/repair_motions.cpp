@@ -72,6 +72,18 @@ Result<std::vector<Index>> consecutive_frames(Motions motions, const CheckSettin
   return frames;
 }
 
+// Times count from the first frame that was selected.
+void number_by_input(RepairReport& report, Index first) {
+  for (RepairedFrame& frame : report.frames) frame.time += first;
+  for (auto* contacts : {&report.before, &report.remaining, &report.among_fixed}) {
+    for (Contact& contact : *contacts) {
+      contact.first_time += first;
+      contact.last_time += first;
+      for (ContactFrame& frame : contact.frames) frame.time += first;
+    }
+  }
+}
+
 }  // namespace
 
 Result<std::vector<Index>> movable_objects(Motions motions, const RepairRequest& request) {
@@ -99,7 +111,6 @@ Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& req
   const auto movable = FOLDPROOF_TRY(movable_vertices(motions, request));
   RepairedMotions out;
   out.movable = FOLDPROOF_TRY(movable_objects(motions, request));
-  out.first_frame = frames[0];
   out.store_ = std::make_shared<RepairedMotions::Store>(
       RepairedMotions::Store{FOLDPROOF_TRY(io::Spool::open("repair")), {}, {}, {0}, 0});
   RepairedMotions::Store& store = *out.store_;
@@ -112,6 +123,7 @@ Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& req
     Object object(FOLDPROOF_TRY(Hierarchy::build(motion.topology(), first)));
     object.set_layered(motion.info().layered);
     input.objects.push_back({std::move(object), movable[i], motion.info().merged});
+    input.parts.push_back(parts_of(i, motions, request.check).of_triangle);
     store.names.push_back(motion.name());
     store.topologies.push_back(motion.topology());
     store.begin.push_back(store.begin.back() + first.size());
@@ -133,6 +145,7 @@ Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& req
     ++store.count;
     return store.frames.append({reinterpret_cast<const char*>(x.data()), x.size_bytes()});
   }));
+  number_by_input(out.report, frames[0]);
   return out;
 }
 

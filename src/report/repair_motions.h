@@ -20,9 +20,8 @@ Result<std::vector<Index>> movable_objects(Motions motions, const RepairRequest&
 
 class RepairedMotions {
  public:
-  RepairReport report;
+  RepairReport report;         ///< Times are numbers of the input's frames.
   std::vector<Index> movable;  ///< The objects of which something may move.
-  Index first_frame = 0;       ///< Of the input; times in the report are relative to it.
 
   /// An object's motion, read from a temporary file. Precondition: report.written.
   std::unique_ptr<Motion> motion(Index object) const;

@@ -145,7 +145,40 @@ TEST(Repair, WhereThereIsNoWayFramesAreGivenUp) {
   ASSERT_EQ(done.report.frames.size(), 9u);
   EXPECT_EQ(done.report.frames[4].limit, RepairLimit::GivenUp);
   EXPECT_EQ(done.frames[4], motion.frames[4]);
+  EXPECT_EQ(done.report.among_fixed.size(), 1u);  // the two walls
   EXPECT_EQ(done.report.frames[0].limit, RepairLimit::None);
+}
+
+// Where some vertices of a triangle may move and others not, too.
+TEST(Repair, ContactsAreThoseOfACheckWhateverMayMove) {
+  TestMotion motion = pressed_balls(0.2, 8, 3, true);
+  const std::size_t count = motion.meshes[0].vertex_count;
+  for (const int movable_tenths : {0, 3, 7}) {
+    std::mt19937_64 rng(5);
+    motion.movable.assign(2, std::vector<std::uint8_t>(count, 0));
+    motion.movable[0][farthest(motion, -kAxis)] = 1;
+    for (auto& m : motion.movable[0]) m |= static_cast<int>(rng() % 10) < movable_tenths;
+    const RepairReport report = repaired(motion).report;
+    std::vector<Contact> found, expected;
+    for (const auto* contacts : {&report.before, &report.among_fixed})
+      found.insert(found.end(), contacts->begin(), contacts->end());
+    std::size_t k = 0;
+    std::vector<std::span<const double>> x;
+    const auto next = [&]() -> Result<std::optional<MotionFrame>> {
+      if (k == motion.frames.size()) return std::nullopt;
+      x = motion.spans(motion.frames[k]);
+      return MotionFrame{static_cast<double>(k++), x};
+    };
+    ASSERT_TRUE(find_contacts(motion.objects(), next, [&](Contact c) { expected.push_back(std::move(c)); }));
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      EXPECT_EQ(found[i].first_time, expected[i].first_time);
+      EXPECT_EQ(found[i].last_time, expected[i].last_time);
+      EXPECT_EQ(found[i].frames.size(), expected[i].frames.size());
+      EXPECT_EQ(found[i].pairs, expected[i].pairs);
+    }
+    EXPECT_EQ(report.before.empty(), movable_tenths == 0);
+  }
 }
 
 TEST(Repair, IgnoredPairsMayTouch) {
@@ -314,7 +347,6 @@ TEST_P(RandomMotions, AreFreeOrSaid) {
     motion.frames.push_back(std::move(x));
   }
   if (rng() % 3 == 0) motion.fix(rng() % 2);
-  const bool fixed = !motion.movable.empty();
   const Repaired done = repaired(motion);
   if (!done.report.written) {
     EXPECT_FALSE(done.report.free);
@@ -322,10 +354,7 @@ TEST_P(RandomMotions, AreFreeOrSaid) {
     return;
   }
   ASSERT_EQ(done.frames.size(), motion.frames.size());
-  // Unfiltered, what is fixed may touch itself.
-  if (!fixed) {
-    EXPECT_EQ(done.report.free, touching(motion, done.frames) == 0);
-  }
+  EXPECT_EQ(done.report.free && done.report.among_fixed.empty(), touching(motion, done.frames) == 0);
   EXPECT_EQ(done.report.free, done.report.remaining.empty());
   for (const RepairedFrame& frame : done.report.frames) {
     EXPECT_TRUE(!done.report.free || frame.limit == RepairLimit::None);
