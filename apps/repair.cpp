@@ -126,10 +126,10 @@ std::string touching_frames(const RepairReport& report) {
 }
 
 std::string sentence_of(const RepairReport& report) {
-  const char* but = report.among_fixed.empty() ? "" : " but what may not move, with itself";
-  if (report.unchanged) return fmt::format("Nothing touches{}: the motion is as it was.", but);
+  const char* but = report.among_fixed.empty() ? "" : ", but what may not move, with itself";
+  if (report.unchanged) return fmt::format("The motion is as it was: nothing touches{}.", but);
   if (report.free) {
-    return fmt::format("Proven: nothing touches{}, in no frame and at no time between frames.", but);
+    return fmt::format("Proven: nothing touches, in no frame and at no time between frames{}.", but);
   }
   if (!report.written) return "No frame is free and none could be made so: nothing was written.";
   return fmt::format("Not all could be repaired: something touches in {}.", touching_frames(report));

@@ -24,13 +24,14 @@ LIMITS = ("none", "no_free_start", "given_up")
 class RepairResult:
     """Answer of a repair.
 
-    free: proven that nothing that was not ignored touches, in no frame and at no time between frames. unchanged: the
-    motion was free, and is as it was. motions: the repaired motions, one per object, with all frames that were asked for;
-    empty where there was no free start. frames: structured array, a row per frame: time (the frame's number), correction
-    (the largest distance that a vertex was moved, mesh units), late (the correction could not keep up with the motion),
-    limit (why it is not free, an index into LIMITS). before, remaining: contacts of the input and of the result. falloff:
-    how far corrections spread, clearance: how far apart surfaces are kept beyond the thickness; mesh units, 0 where
-    nothing was repaired.
+    free: proven that nothing that was not ignored touches, in no frame and at no time between frames, but maybe what may
+    not move, with itself: among_fixed has its contacts, which are in no other list. unchanged: the motion was free,
+    and is as it was. motions: the repaired motions, one per object, with all frames that were asked for; empty where
+    there was no free start. frames: structured array, a row per frame: time (the frame's number), correction (the
+    largest distance that a vertex was moved, mesh units), late (the correction could not keep up with the motion),
+    limit (why it is not free, an index into LIMITS). before, remaining: contacts of the input and of the result.
+    falloff: how far corrections spread, clearance: how far apart surfaces are kept beyond the thickness; mesh units,
+    0 where nothing was repaired.
     """
 
     free: bool
@@ -39,6 +40,7 @@ class RepairResult:
     frames: _Rows
     before: Contacts
     remaining: Contacts
+    among_fixed: Contacts
     falloff: float
     clearance: float
 
@@ -82,5 +84,5 @@ def repair(
         frames=frames, start=begin, single_precision=single_precision, calm=calm, progress=progress,
     )  # fmt: skip
     unit = found.pop("unit")
-    before, remaining = (Contacts(found.pop(name), unit) for name in ("before", "remaining"))
-    return RepairResult(**found, before=before, remaining=remaining)
+    contacts = {name: Contacts(found.pop(name), unit) for name in ("before", "remaining", "among_fixed")}
+    return RepairResult(**found, **contacts)

@@ -45,6 +45,7 @@ py::dict fields_of(const RepairedMotions& done, Motions motions, const CheckSett
   d["clearance"] = done.report.clearance;
   d["before"] = contacts_of(done.report.before, motions, settings);
   d["remaining"] = contacts_of(done.report.remaining, motions, settings);
+  d["among_fixed"] = contacts_of(done.report.among_fixed, motions, settings);
   d["unit"] = unit_of(motions, settings);
   return d;
 }
