@@ -38,8 +38,7 @@ py::dict fields_of(const RepairedMotions& done, Motions motions, const CheckSett
     repaired.append(py::cast(std::make_shared<SharedMotion>(done.motion(i))));
   d["motions"] = repaired;
   std::vector<RepairedRow> rows;
-  for (const RepairedFrame& f : done.report.frames)
-    rows.push_back({f.time, f.correction, f.late, f.limit});
+  for (const RepairedFrame& f : done.report.frames) rows.push_back({f.time, f.correction, f.late, f.limit});
   d["frames"] = owned_rows(std::move(rows));
   d["falloff"] = done.report.falloff;
   d["clearance"] = done.report.clearance;
