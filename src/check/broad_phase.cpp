@@ -30,8 +30,8 @@ std::span<const SweepAndPrune::Pair> BroadPhase::near_objects(const StepMotion& 
   return sweep_.pairs(object_boxes_, margin);
 }
 
-// The subtrees of an object that are not proven, and near pairs of subtrees, proven or not, unless a proven node
-// is above both.
+// The subtrees of an object that are not proven, and near pairs of subtrees, proven or not, unless a proven
+// node is above both.
 void BroadPhase::list_within(const Step& step, Index object) {
   const auto nodes = step.motion.hierarchy(object).nodes();
   const Subtrees& subtrees = step.motion.subtrees(object);

@@ -5,6 +5,7 @@
 #include <queue>
 
 #include "base/try.h"
+#include "repair/poses.h"
 #include "solver/pair_distances.h"
 
 namespace foldproof {
@@ -85,8 +86,7 @@ Result<bool> Prover::is_free(std::span<const double> x) {
 }
 
 void FrameSolver::round(std::span<double> x) const {
-  if (!single_precision_) return;
-  for (double& c : x) c = static_cast<float>(c);
+  if (single_precision_) round_to_single(x);
 }
 
 // The largest distance of a vertex between two poses.

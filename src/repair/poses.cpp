@@ -11,6 +11,8 @@ namespace foldproof {
 namespace {
 
 constexpr double kSigma = 1.5;  // of the Gaussian, in frames
+// Corrections are kept in single precision, and squares of lengths added.
+constexpr double kMaxCoordinate = 1e30;
 
 }  // namespace
 
@@ -54,6 +56,10 @@ Result<std::span<const double>> Frames::read(Index k) {
     if (!std::isfinite(c))
       return fail(ErrorCode::NonFinite, fmt::format("frame {}", k), "has a coordinate that is not finite",
                   "export the motion again");
+    if (std::abs(c) > kMaxCoordinate)
+      return fail(ErrorCode::LimitExceeded, fmt::format("frame {}", k),
+                  fmt::format("has a coordinate beyond {:.0e}, too large to repair", kMaxCoordinate),
+                  "make the motion smaller, or move it to the origin");
     if (single_precision_) c = static_cast<float>(c);
   }
   kept.time = k;

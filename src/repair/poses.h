@@ -16,6 +16,11 @@ struct Correction {
   void apply(std::span<double> frame) const;
 };
 
+/// As single precision holds them.
+inline void round_to_single(std::span<double> x) {
+  for (double& c : x) c = static_cast<float>(c);
+}
+
 /// Frames of the input, rounded as they are written; keeps the last ones that were read.
 class Frames {
  public:

@@ -126,6 +126,7 @@ Result<std::optional<Start>> Repair::given_start() {
     return fail(ErrorCode::InvalidArgument, "start_frame",
                 fmt::format("is {}, but the motion has {} frames", start.frame, frames_.count()),
                 "name one of them, counting from 0");
+  if (settings_.single_precision) round_to_single(start.x);
   if (!FOLDPROOF_TRY(prover_->is_free(start.x)))
     return fail(ErrorCode::InvalidArgument, "start", "touches itself", "give a pose that is free");
   return start;
@@ -136,6 +137,10 @@ Result<std::optional<Start>> Repair::untangled_start() {
   const auto frame = FOLDPROOF_TRY(frames_.at_time(start.frame));
   auto pose = FOLDPROOF_TRY(untangle(scene_, *prover_, frame));
   if (!pose) return std::nullopt;
+  if (settings_.single_precision) {
+    round_to_single(*pose);
+    if (!FOLDPROOF_TRY(prover_->is_free(*pose))) return std::nullopt;
+  }
   return Start{start.frame, std::move(*pose), false, false, {}};
 }
 
@@ -272,8 +277,11 @@ Result<void> Repair::write_all(std::span<const SolvedFrame> frames, const Write&
     const SolvedFrame& solved = frames[i];
     const auto frame = FOLDPROOF_TRY(frames_.at_time(solved.time));
     x.assign(frame.begin(), frame.end());
-    solved.correction.apply(x);
-    scene_.move_copies(x);
+    if (!solved.correction.vertices.empty()) {
+      solved.correction.apply(x);
+      scene_.move_copies(x);
+      if (settings_.single_precision) round_to_single(x);
+    }
     FOLDPROOF_TRY(proof.add(solved.time, x));
     RepairedFrame out{solved.time, solved.correction.largest, solved.late, solved.limit};
     if (proof.is_free(i) && proof.is_way_free(i)) {

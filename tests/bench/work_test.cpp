@@ -78,8 +78,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bound{"folding_cloth", folding_cloth, {354680, 1168, 57106, 541229}, {580749, 2083, 57213, 541232}},
         Bound{"pressed_cloths",
               pressed_cloths,
-              {983962, 111104, 131454, 975368},
-              {2291706, 394340, 226203, 2891350}},
+              {983962, 124064, 116075, 925996},
+              {2291706, 434317, 178335, 2365920}},
         Bound{"ball_heap", ball_heap, {358054, 4753, 55359, 13634}, {1056754, 35206, 87287, 139612}}),
     [](const auto& info) { return info.param.name; });
 

@@ -26,8 +26,8 @@ TEST_F(OpenTest, EveryArgumentIsAMotionOfItsOwn) {
 
 // Each row of the table has exactly the reader of its kind, which is called without a null check.
 TEST_F(OpenTest, EveryFormatHasTheReaderOfItsKind) {
-  for (const char* extension : {".obj", ".off", ".ply", ".stl", ".vtk", ".vtp", ".vtu", ".msh", ".pc2", ".mdd",
-                                ".npz", ".pvd", ".npy", ".gltf", ".GLB"}) {
+  for (const char* extension : {".obj", ".off", ".ply", ".stl", ".vtk", ".vtp", ".vtu", ".msh", ".pc2",
+                                ".mdd", ".npz", ".pvd", ".npy", ".gltf", ".GLB"}) {
     const io::FileFormat* format = io::format_of(std::string("run/a") + extension);
     ASSERT_NE(format, nullptr) << extension;
     EXPECT_EQ(format->parse_mesh != nullptr, format->kind == io::FileKind::Mesh) << extension;

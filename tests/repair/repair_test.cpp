@@ -77,6 +77,24 @@ TEST(Repair, SinglePrecisionIsProvenAfterRounding) {
               ::testing::HasSubstr("single precision: is 0.12 mesh units coarse"));
 }
 
+TEST(Repair, AStartIsRoundedToSinglePrecisionToo) {
+  TestMotion motion = pressed_balls(0.4);
+  Pose apart = motion.frames[0];
+  for (double& c : apart) c += 1e-9;
+  motion.frames = {motion.frames[6], motion.frames[5]};
+  const Repaired done = repaired(motion, {.single_precision = true, .start = apart});
+  expect_proven(motion, done);
+  for (const Pose& x : done.frames) {
+    for (const double c : x) ASSERT_EQ(c, static_cast<double>(static_cast<float>(c)));
+  }
+}
+
+TEST(Repair, RefusesCoordinatesThatItCannotComputeWith) {
+  TestMotion motion = pressed_balls(0.4);
+  motion.frames[2][7] = 1e40;
+  EXPECT_THAT(error_of(motion.input(), {}), ::testing::HasSubstr("frame 2: has a coordinate beyond 1e+30"));
+}
+
 TEST(Repair, APoseWithoutAFreeFrameIsUntangled) {
   for (const double depth : {0.1, 0.3}) {
     TestMotion motion = pressed_balls(depth);
