@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
+#include <utility>
 
 #include "base/try.h"
 #include "repair/poses.h"
@@ -294,6 +295,27 @@ void FrameSolver::grow_active(std::span<const NearPair> pairs) {
     surface_->set_active(std::move(active));
 }
 
+// Active vertices that no pair holds, nor others along the surface, go to the target at once: it is where
+// their energy is least, and the linear solver hardly sees a piece that is merely shifted.
+void FrameSolver::release() {
+  std::vector<std::uint8_t> held(is_active_.size(), 0);
+  std::vector<Index> stack;
+  for (const Index v : surface_->active()) {
+    if (along_[v] == 0) stack.push_back(v);
+  }
+  while (!stack.empty()) {
+    const Index v = stack.back();
+    stack.pop_back();
+    if (std::exchange(held[v], 1) != 0) continue;
+    for (const Index u : scene_->neighbors()[v]) {
+      if (is_active_[u] != 0 && held[u] == 0) stack.push_back(u);
+    }
+  }
+  for (const Index v : surface_->active()) {
+    if (held[v] == 0) put(next_, v, at(problem_->target, v));
+  }
+}
+
 Result<void> FrameSolver::begin(const FrameProblem& problem, std::span<const double> guess) {
   problem_ = &problem;
   limit_.assign(scene_->vertex_count(), 1);
@@ -359,6 +381,7 @@ Result<FrameOutcome> FrameSolver::solve(const FrameProblem& problem, std::vector
     surface_->minimize(y_, problem.target, pairs_of_y_.near, stiffness, linear * range, next_);
     for (const Index v : surface_->active())
       put(next_, v, at(y_, v) + kOverrelaxation * (at(next_, v) - at(y_, v)));
+    release();
     round(next_);
     outcome.wanted = change(y_, next_);
     outcome.settled = FOLDPROOF_TRY(descend(stiffness));

@@ -92,6 +92,7 @@ class FrameSolver {
   Result<void> find_pairs(std::span<const double> x, Pairs& out);
   std::optional<NearPair> on_way(const FeaturePair& pair, bool is_after, std::span<const double> x) const;
   void add_way_pairs(std::span<const double> x, Pairs& out);
+  void release();
   void grow_active(std::span<const NearPair> pairs);
   void start_active();
   bool is_late(std::span<const double> x) const;

@@ -77,6 +77,18 @@ TEST(Repair, SinglePrecisionIsProvenAfterRounding) {
               ::testing::HasSubstr("single precision: is 0.12 mesh units coarse"));
 }
 
+// Also where a correction spreads over whole objects, so that they are shifted.
+TEST(Repair, FramesFarFromContactsStayAsTheyWere) {
+  const TestMotion motion = pressed_balls(0.2, 10, 12);
+  for (const double falloff : {0.0, 10.0}) {
+    const Repaired done = repaired(motion, {.falloff = falloff});
+    expect_proven(motion, done);
+    EXPECT_GT(done.report.frames[12].correction, 0.09);
+    EXPECT_EQ(done.frames.front(), motion.frames.front());
+    EXPECT_EQ(done.frames.back(), motion.frames.back());
+  }
+}
+
 TEST(Repair, AStartIsRoundedToSinglePrecisionToo) {
   TestMotion motion = pressed_balls(0.4);
   Pose apart = motion.frames[0];
