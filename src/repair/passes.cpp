@@ -47,9 +47,9 @@ FrameProblem RepairTools::problem(std::span<const double> before, std::span<cons
 
 // The target is approached in equal parts, with the correction so far as the first guess. The way that is
 // proven begins at `from` in any case.
-Result<FrameOutcome> Passes::follow(std::span<const double> from, std::span<const double> last_target,
-                                    std::span<const double> target, std::span<const double> frame,
-                                    double time, int parts, std::vector<double>& x) {
+Result<FrameOutcome> Passes::follow(std::span<const double> from, const Way& way, int parts,
+                                    std::vector<double>& x) {
+  const auto& [last_target, target, frame, time] = way;
   FrameOutcome outcome;
   x = copy(from);
   std::vector<double> before = copy(last_target), goal = before, guess;
@@ -79,13 +79,13 @@ Result<bool> Passes::advance(double from, double to, std::vector<double>& x, int
   const auto last_target = copy(FOLDPROOF_TRY(tools_.frames->at_time(from)));
   const auto target = copy(FOLDPROOF_TRY(tools_.frames->at_time(to)));
   std::vector<double> next;
-  FrameOutcome outcome = FOLDPROOF_TRY(follow(x, last_target, target, target, to, 1, next));
+  FrameOutcome outcome = FOLDPROOF_TRY(follow(x, {last_target, target, target, to}, 1, next));
   const double jump = largest_difference(next, target, x, last_target) / tools_.edge;
   auto way = tools_.solver->ways()[0];
   if (jump > kJump) {
     std::vector<double> other;
     const int parts = static_cast<int>(std::min(kMaxParts, std::ceil(jump)));
-    const FrameOutcome of_other = FOLDPROOF_TRY(follow(x, last_target, target, target, to, parts, other));
+    const FrameOutcome of_other = FOLDPROOF_TRY(follow(x, {last_target, target, target, to}, parts, other));
     if (of_other.arrived &&
         (!outcome.arrived || square_distance(other, target) < kMuchBetter * square_distance(next, target))) {
       outcome = of_other;

@@ -28,6 +28,12 @@ struct RepairTools {
                        std::span<const double> target, std::span<const double> frame, double time) const;
 };
 
+/// From one target to the next, that of the input's frame `frame` at a time.
+struct Way {
+  std::span<const double> last_target, target, frame;
+  double time;
+};
+
 class Passes {
  public:
   /// `in_betweens`: how many frames may be added between two. `tick`: called once per frame and pass; an
@@ -37,10 +43,10 @@ class Passes {
 
   /// What follow finds is refined later.
   void set_rough(bool rough) { rough_ = rough; }
-  /// From a free pose `x` at a frame to a pose of another that is near its target and proven.
-  Result<FrameOutcome> follow(std::span<const double> from, std::span<const double> last_target,
-                              std::span<const double> target, std::span<const double> frame, double time,
-                              int parts, std::vector<double>& x);
+  /// From a free pose near the last target to a pose `x` near the target, on a way that is proven; `parts`:
+  /// in so many parts.
+  Result<FrameOutcome> follow(std::span<const double> from, const Way& way, int parts,
+                              std::vector<double>& x);
 
   /// The first pass, from a free pose at a frame forwards, and backwards.
   /// `rough`: the second pass follows. After an error, frames() are those that are done.

@@ -261,7 +261,8 @@ Result<bool> Repair::approach_frame(const Start& start) {
       goal[i] =
           step == kApproachSteps ? frame[i] : start.x[i] + (frame[i] - start.x[i]) * step / kApproachSteps;
     }
-    const auto outcome = FOLDPROOF_TRY(passes_->follow(x_, last_goal, goal, frame, start.frame, 1, x));
+    const auto outcome =
+        FOLDPROOF_TRY(passes_->follow(x_, {last_goal, goal, frame, static_cast<double>(start.frame)}, 1, x));
     if (!outcome.arrived) return false;
     x_.swap(x);
   }
