@@ -14,7 +14,7 @@ constexpr double kLongRatio = 4;
 // The first stretch is as long as boxes grow by this share. While a leaf has few pairs, or not many more than
 // in the last stretch, the next one is longer by a factor; otherwise it is tried again, shorter by another.
 // Where boxes hardly grow, shorter stretches would have as many pairs.
-constexpr double kFirstGrowth = 0.5, kFewPairs = 6, kMorePairs = 2, kLonger = 2, kShorter = 4;
+constexpr double kFirstGrowth = 0.5, kFewPairs = 4, kMorePairs = 2, kLonger = 2, kShorter = 4;
 constexpr double kLeastGrowth = 1.0 / 16;
 constexpr double kShortest = 1.0 / 256;  // is tested however many pairs it has
 // F2: distances are off by at most 52 * 2^-53 times the largest coordinate.
