@@ -153,6 +153,13 @@ Option Subcommand::add_option(const std::string& names, T& value, const std::str
   if constexpr (std::is_integral_v<T>) option->check(range_problem<T>)->check(number_problem<T>);
   if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>>)
     option->check(number_problem<double>);
+  // Of a pair of which one is missing, CLI11 takes the next option.
+  if constexpr (std::is_same_v<T, std::vector<std::pair<std::string, std::string>>>)
+    option->check([app = app_](const std::string& text) {
+      return app->get_option_no_throw(text) == nullptr
+                 ? ""
+                 : fmt::format("'{}' is an option{}give two names", text, kRemedy);
+    });
   return Option(option);
 }
 template Option Subcommand::add_option(const std::string&, std::string&, const std::string&) const;

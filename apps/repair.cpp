@@ -41,8 +41,18 @@ bool is_single_precision(const std::string& path, std::size_t frames) {
 
 std::string times(std::size_t count) { return count == 1 ? "once" : fmt::format("{} times", count); }
 
+Result<void> nothing_may_move(const RepairArguments& a) {
+  const std::string fixed = fmt::format("--fixed {}", fmt::join(a.fixed, " --fixed "));
+  if (a.only.empty())
+    return fail(ErrorCode::InvalidArgument, fixed, "leaves nothing that may move", "leave one of these out");
+  return fail(ErrorCode::InvalidArgument, fixed, "fixes all that --only lets move",
+              "leave out one or the other");
+}
+
 // An output of a motion with added frames needs their times; other outputs are refused before work starts.
-Result<void> require_outputs_fit(const RepairArguments& a, Motions motions, std::span<const Index> movable) {
+Result<void> require_outputs_fit(const RepairArguments& a, Motions motions, std::span<const Index> movable,
+                                 std::size_t frames) {
+  if (movable.empty()) return nothing_may_move(a);
   if (a.outputs.size() != movable.size()) {
     return fail(ErrorCode::InvalidArgument, "-o",
                 fmt::format("is given {}, but {} may move", times(a.outputs.size()),
@@ -57,8 +67,7 @@ Result<void> require_outputs_fit(const RepairArguments& a, Motions motions, std:
     if (a.in_betweens > 0 && extension_of(a.outputs[i]) != ".npz")
       return fail(ErrorCode::UnsupportedFormat, a.outputs[i],
                   "holds no times, which frames that --in-betweens adds need", "name it .npz");
-    if (extension_of(a.outputs[i]) == ".ply" && motions[movable[i]]->frame_count() > 1 &&
-        a.outputs[i].find('%') == std::string::npos)
+    if (extension_of(a.outputs[i]) == ".ply" && frames > 1 && a.outputs[i].find('%') == std::string::npos)
       return fail(ErrorCode::UnsupportedFormat, a.outputs[i], "is PLY, which holds one frame",
                   "name it .npz or .obj, or put %04d into the name for a file per frame");
   }
@@ -84,18 +93,25 @@ Result<std::vector<double>> read_start(const RepairArguments& a, Motions motions
   return start;
 }
 
-// "frame 3", "frames 3, 4 and 7 more".
+// "frame 3", "frames 3, 5-9 and 7 more".
 std::string frames_named(const std::vector<RepairedFrame>& frames,
                          const std::function<bool(const RepairedFrame&)>& is_meant) {
-  constexpr int kMost = 8;
+  constexpr int kMostRuns = 8;
   std::string text;
-  int count = 0;
-  for (const RepairedFrame& frame : frames) {
-    if (!is_meant(frame)) continue;
-    if (++count <= kMost) text += fmt::format("{}{:.6g}", count == 1 ? "" : ", ", frame.time);
+  std::size_t count = 0, named = 0;
+  int runs = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (!is_meant(frames[i])) continue;
+    const std::size_t first = i;
+    while (i + 1 < frames.size() && is_meant(frames[i + 1])) ++i;
+    count += i + 1 - first;
+    if (++runs > kMostRuns) continue;
+    named = count;
+    text += fmt::format("{}{:.6g}", runs == 1 ? "" : ", ", frames[first].time);
+    if (i > first) text += fmt::format("-{:.6g}", frames[i].time);
   }
   if (count == 0) return "";
-  if (count > kMost) text += fmt::format(" and {} more", count - kMost);
+  if (count > named) text += fmt::format(" and {} more", count - named);
   return (count == 1 ? "frame " : "frames ") + text;
 }
 
@@ -120,19 +136,20 @@ std::string rows_of(const RepairReport& report, const std::string& unit, double 
   return text;
 }
 
-// Those of contacts, as what may not move may touch in them as well.
 std::string touching_frames(const RepairReport& report) {
   return frames_named(report.frames, [](const RepairedFrame& f) { return f.limit != RepairLimit::None; });
 }
 
-std::string sentence_of(const RepairReport& report) {
+std::string sentence_of(const RepairReport& report, bool has_start) {
   const char* but = report.among_fixed.empty() ? "" : ", but what may not move, with itself";
   if (report.unchanged) return fmt::format("The motion is as it was: nothing touches{}.", but);
   if (report.free) {
     return fmt::format("Proven: nothing touches, in no frame and at no time between frames{}.", but);
   }
-  if (!report.written) return "No frame is free and none could be made so: nothing was written.";
-  return fmt::format("Not all could be repaired: something touches in {}.", touching_frames(report));
+  const std::string text = report.written
+                               ? "Not all could be repaired: something touches in " + touching_frames(report)
+                               : "No frame is free and none could be made so: nothing was written";
+  return text + (has_start ? "." : "; a pose that touches nothing may help (--start FILE).");
 }
 
 std::string summary_of(const RepairArguments& a, Motions motions, const RepairReport& report,
@@ -142,12 +159,16 @@ std::string summary_of(const RepairArguments& a, Motions motions, const RepairRe
   totals.first_frame = static_cast<Index>(report.frames.front().time);
   totals.last_frame = static_cast<Index>(report.frames.back().time);
   std::string text = rows_of(report, unit_of(motions, settings), settings.step.thickness);
-  if (report.interrupted) text += "\nInterrupted: the frames that were finished are written.\n";
+  if (report.interrupted) {
+    text += fmt::format("\nInterrupted: {} of the input were finished, and are written.\n",
+                        frames_named(report.frames, [](const auto&) { return true; }));
+  }
   auto not_tested = untested(motions, settings, totals);
   if (settings.step.thickness > 0 && (!a.fixed.empty() || !a.only.empty()))
     not_tested.emplace_back("what may not move was not tested with itself for the thickness");
   text += "\n" +
-          colored(with_untested(sentence_of(report), not_tested), report.free ? Tone::Good : Tone::Bad) +
+          colored(with_untested(sentence_of(report, !a.start.empty()), not_tested),
+                  report.free ? Tone::Good : Tone::Bad) +
           "\n";
   const auto listed = [&](std::vector<Contact> contacts) {
     std::ranges::sort(contacts, is_worse);
@@ -172,6 +193,13 @@ Result<void> write_outputs(const RepairArguments& a, const RepairedMotions& done
   return {};
 }
 
+// The library names its settings.
+Error by_options(Error error, const RepairArguments& a) {
+  if (error.where == "thickness") error.where = "--thickness";
+  if (error.where == "start") error.where = fmt::format("--start {}", fmt::join(a.start, " --start "));
+  return error;
+}
+
 Result<int> run_repair(const RepairArguments& a) {
   auto settings = FOLDPROOF_TRY(step_settings(a));
   FOLDPROOF_TRY(require_number("--falloff", a.falloff, true));
@@ -186,8 +214,8 @@ Result<int> run_repair(const RepairArguments& a) {
   request.repair.in_betweens = a.in_betweens;
   request.repair.start = FOLDPROOF_TRY(read_start(a, motions));
   const auto movable = FOLDPROOF_TRY(movable_objects(motions, request));
-  FOLDPROOF_TRY(require_outputs_fit(a, motions, movable));
   const auto frames = FOLDPROOF_TRY(frames_to_check(motions, settings));
+  FOLDPROOF_TRY(require_outputs_fit(a, motions, movable, frames.size()));
   request.repair.single_precision = std::ranges::any_of(
       a.outputs, [&](const std::string& path) { return is_single_precision(path, frames.size()); });
   const std::atomic<bool>& interrupted = watch_for_interrupt();
@@ -196,7 +224,7 @@ Result<int> run_repair(const RepairArguments& a) {
   request.repair.progress = [&](double share) { bar.show(share, "repairing"); };
   const auto done = repair_motions(motions, request);
   bar.clear();
-  if (!done) return tl::unexpected(done.error());
+  if (!done) return tl::unexpected(by_options(done.error(), a));
   if (done->report.written) FOLDPROOF_TRY(write_outputs(a, *done));
   if (!a.quiet) print_output(summary_of(a, motions, done->report, settings));
   if (done->report.interrupted) return kExitInterrupted;

@@ -16,6 +16,7 @@ struct RepairObject {
   /// Per vertex, the one that triangles name in its place (MotionInfo::merged): both move together. Empty:
   /// none was merged.
   std::vector<Index> merged = {};
+  std::string name = {};  ///< For errors.
 };
 
 /// What comes in. Positions of a frame are those of all objects, one object after the other: vertex_count x 3
@@ -23,6 +24,7 @@ struct RepairObject {
 struct RepairInput {
   std::vector<RepairObject> objects;
   Index frame_count = 1;
+  Index first_frame = 0;  ///< The number of frame 0, for errors.
   /// Fills `x` with frame `k` < frame_count. Called for any frame, any number of times, from the thread that
   /// called repair; an error ends the repair and is returned.
   std::function<Result<void>(Index k, std::span<double> x)> read;
@@ -70,7 +72,9 @@ inline constexpr std::array<const char*, 3> kRepairLimitNames{"none", "no_free_s
 struct RepairedFrame {
   double time = 0;        ///< In frames of the input; added frames have times between.
   double correction = 0;  ///< The largest distance that a vertex was moved, mesh units.
-  bool late = false;      ///< The correction could not keep up: more frames would make it smaller.
+  /// The correction could not keep up: more frames would make it smaller, or the frame is free, but on the
+  /// other side of what the motion goes through.
+  bool late = false;
   RepairLimit limit = RepairLimit::None;  ///< Of the frame and the step before it.
 };
 
@@ -105,9 +109,9 @@ struct RepairReport {
 /// returns. Where nothing has a free start, it is not called. Each step that is written was checked as
 /// StepChecker::check does, rounded; the report says what touches. Bit-identical for any number of threads.
 /// Memory: the meshes, a few frames, and 28 bytes for each vertex of a frame that moves. Cost: 10 to 50 times
-/// that of checking the frames in contact. Error: what `read` and `write` return; wrong sizes, numbers that
-/// are not finite; a thickness that neighboring features of the mesh do not keep; single precision that is
-/// too coarse for the mesh; nothing that may move; Interrupted, without `keep`.
+/// that of checking the frames in contact. Error: what `read` and `write` return; wrong sizes, coordinates
+/// that are not finite or above 1e30; a thickness that neighboring features of the mesh do not keep; single
+/// precision that is too coarse for the mesh; nothing that may move; Interrupted, without `keep`.
 Result<RepairReport> repair(const RepairInput& input, const RepairSettings& settings,
                             const std::function<Result<void>(double time, std::span<const double> x)>& write);
 

@@ -10,6 +10,7 @@ namespace foldproof {
 namespace {
 
 constexpr double kJump = 2;           // a correction that changes by more, in edges, is doubted:
+constexpr double kHeldBack = 1;       // a correction of a free frame, in edges
 constexpr double kHopeless = 1;       // of changes, in edges, after a few iterations
 constexpr double kMaxParts = 8;       // the way is followed in up to so many parts
 constexpr double kMuchBetter = 0.25;  // the square of the correction, where that one is taken
@@ -73,6 +74,13 @@ Result<FrameOutcome> Passes::follow(std::span<const double> from, const Way& way
   return outcome;
 }
 
+// Before corrections are averaged, a frame that is free needs none, unless what it is to go through is in the
+// way.
+bool Passes::is_held_back(double time, const Correction& correction) const {
+  const auto k = static_cast<Index>(time);
+  return time == k && tools_.analysis->is_free(k) && correction.largest > kHeldBack * tools_.edge;
+}
+
 // From x, the pose at time `from`, to the time `to`; adds frames between where it is late and `halvings`
 // allow. False: there is no way.
 Result<bool> Passes::advance(double from, double to, std::vector<double>& x, int halvings) {
@@ -105,7 +113,9 @@ Result<bool> Passes::advance(double from, double to, std::vector<double>& x, int
     frames_.resize(kept);
   }
   if (!outcome.arrived) return false;
-  frames_.push_back({to, Correction::between(target, next), outcome.late, RepairLimit::None, std::move(way)});
+  auto correction = Correction::between(target, next);
+  const bool held_back = is_held_back(to, correction);
+  frames_.push_back({to, std::move(correction), outcome.late, held_back, RepairLimit::None, std::move(way)});
   x = std::move(next);
   return true;
 }
@@ -129,7 +139,7 @@ Result<void> Passes::sweep(Index from, int direction, std::span<const double> be
     x = copy(FOLDPROOF_TRY(tools_.frames->at_time(now)));
     proven = tools_.analysis->is_free(now);
     frames_.push_back(
-        {static_cast<double>(now), {}, false, free ? RepairLimit::None : RepairLimit::GivenUp, {}});
+        {static_cast<double>(now), {}, false, false, free ? RepairLimit::None : RepairLimit::GivenUp, {}});
     FOLDPROOF_TRY(tick_());
   }
   return {};

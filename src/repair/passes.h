@@ -11,6 +11,7 @@ struct SolvedFrame {
   double time = 0;
   Correction correction = {};
   bool late = false;
+  bool held_back = false;  ///< The input's frame is free, and yet it is far from there.
   RepairLimit limit = RepairLimit::None;
   /// Pairs on which the barrier acts on the way to this frame from the one before it in time.
   std::vector<FeaturePair> way = {};
@@ -60,6 +61,7 @@ class Passes {
   Result<void> sweep(Index from, int direction, std::span<const double> x);
   Result<bool> advance(double from, double to, std::vector<double>& x, int halvings);
   Result<void> relax_frame(std::size_t i);
+  bool is_held_back(double time, const Correction& correction) const;
   bool is_near_correction(std::size_t i) const;
   Result<std::vector<double>> pose(std::size_t i);
 

@@ -52,14 +52,17 @@ Result<std::span<const double>> Frames::read(Index k) {
   if (const Kept* kept = find(k)) return std::span<const double>(kept->x);
   Kept& kept = make_room();
   FOLDPROOF_TRY(input_->read(k, kept.x));
-  for (double& c : kept.x) {
-    if (!std::isfinite(c))
-      return fail(ErrorCode::NonFinite, fmt::format("frame {}", k), "has a coordinate that is not finite",
-                  "export the motion again");
-    if (std::abs(c) > kMaxCoordinate)
-      return fail(ErrorCode::LimitExceeded, fmt::format("frame {}", k),
-                  fmt::format("has a coordinate beyond {:.0e}, too large to repair", kMaxCoordinate),
-                  "make the motion smaller, or move it to the origin");
+  for (std::size_t i = 0; i < kept.x.size(); ++i) {
+    double& c = kept.x[i];
+    if (!(std::abs(c) <= kMaxCoordinate)) {
+      const auto vertex = static_cast<Index>(i / 3), object = scene_->object_of_vertex(vertex);
+      return fail(
+          std::isfinite(c) ? ErrorCode::LimitExceeded : ErrorCode::NonFinite,
+          fmt::format("{}, frame {}, vertex {}", scene_->name(object), input_->first_frame + k,
+                      vertex - scene_->begin(object).vertices),
+          fmt::format("has the coordinate {:.3g}, and repair takes at most {:.0e}", c, kMaxCoordinate),
+          "make the motion smaller, or leave the frame out");
+    }
     if (single_precision_) c = static_cast<float>(c);
   }
   kept.time = k;

@@ -17,6 +17,7 @@ constexpr double kFalloffOfSize = 0.05, kFalloffInEdges = 4;
 constexpr double kClearanceInEdges = 0.15;
 constexpr int kApproachSteps = 16;  // from a pose that is not a frame to the frame
 constexpr int kZoneRings = 3;
+constexpr const char* kThickness = "thickness";
 constexpr double kSingleSteps = 64;  // single precision must hold the clearance in so many steps
 
 /// Where a repair begins.
@@ -52,9 +53,11 @@ class Repair {
   Index calmest_frame() const;
   Result<void> prepare(const Start& start);
   Result<void> check_precision(std::span<const double> x) const;
-  Result<void> check_edges();
-  Error thickness_error(Index a, Index b, double gap) const;
-  Result<void> check_own_gaps(std::span<const double> x);
+  struct OwnGap;
+  void measure_edges(std::span<const double> x, Index frame, OwnGap& least) const;
+  Result<void> measure_neighbors(std::span<const double> x, Index frame, OwnGap& least) const;
+  Result<void> check_own_gaps(std::span<const double> x, Index frame, bool only_edges);
+  Result<std::string> what_touches(std::span<const double> x);
   Result<bool> approach_frame(const Start& start);
   Result<void> write_all(std::span<const SolvedFrame> frames, const Write& write, bool writes,
                          RepairReport& report);
@@ -80,30 +83,74 @@ class Repair {
   double done_ = 0;  // frames of passes
 };
 
+// Three digits that are less, by more than a checker's tolerance.
+double below(double length) {
+  const double unit = std::pow(10, std::floor(std::log10(length)) - 2);
+  return (std::ceil((1 - 1e-6) * length / unit) - 1) * unit;
+}
+
 Result<void> interrupted() {
   return fail(ErrorCode::Interrupted, "repair", "was interrupted; nothing was written", "run it again");
 }
 
-Error Repair::thickness_error(Index a, Index b, double gap) const {
-  return {
-      "thickness",
-      fmt::format("{:.3g} is more than the gaps of the mesh itself: features at the edge of vertices {} and "
-                  "{} are {:.3g} apart",
-                  settings_.thickness, a, b, gap),
-      fmt::format("give less than {:.3g}", gap)};
-}
+// The smallest gap of features at the two ends of an edge of which something may move, in all frames, but
+// `least` where that is smaller.
+struct Repair::OwnGap {
+  double gap;
+  std::array<Index, 2> ends{};
+  Index frame = 0;
+};
 
-// Features at both ends of an edge are at most its length apart. Said before anything that takes long.
-Result<void> Repair::check_edges() {
-  if (settings_.thickness == 0) return {};
-  const auto x = FOLDPROOF_TRY(frames_.at_time(0));
+// Features at both ends of an edge are at most its length apart.
+void Repair::measure_edges(std::span<const double> x, Index frame, OwnGap& least) const {
   for (const auto& [a, b] : scene_.edges()) {
     const double length = (at(x, a) - at(x, b)).norm();
     const bool ends = scene_.neighbors()[a].size() < 2 || scene_.neighbors()[b].size() < 2;
-    if (ends || length > settings_.thickness || !(scene_.is_movable(a) || scene_.is_movable(b))) continue;
-    return tl::unexpected(thickness_error(a, b, length));
+    if (ends || length >= least.gap || !(scene_.is_movable(a) || scene_.is_movable(b))) continue;
+    least = {length, {a, b}, frame};
   }
+}
+
+Result<void> Repair::measure_neighbors(std::span<const double> x, Index frame, OwnGap& least) const {
+  Prover prover(scene_, scene_.filter(), least.gap);
+  const StepResult* near = FOLDPROOF_TRY(prover.check(x, x));
+  const auto measure = [&](const FeaturePair& pair) {
+    const std::size_t n = pair.edges ? 2 : 1;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t k = n; k < 4; ++k) {
+        const auto around = scene_.neighbors()[pair.v[i]];
+        if (std::ranges::find(around, pair.v[k]) == around.end()) continue;
+        const double gap = pair.distance(points_of(x, pair.v));
+        if (gap < least.gap) least = {gap, {pair.v[i], pair.v[k]}, frame};
+      }
+    }
+  };
+  for (const auto& c : near->vertex_face) measure(scene_.pair_of(c));
+  for (const auto& c : near->edge_edge) measure(scene_.pair_of(c));
   return {};
+}
+
+// A thickness that next neighbors of the mesh do not keep would never be free. Only where it is refused, all
+// frames are looked at, for the one number that helps.
+Result<void> Repair::check_own_gaps(std::span<const double> x, Index frame, bool only_edges) {
+  if (settings_.thickness == 0) return {};
+  OwnGap least{std::nextafter(settings_.thickness, std::numeric_limits<double>::infinity())};
+  measure_edges(x, frame, least);
+  if (!only_edges) FOLDPROOF_TRY(measure_neighbors(x, frame, least));
+  if (least.gap > settings_.thickness) return {};
+  for (Index k = 0; k < frames_.count(); ++k) {
+    if (is_interrupted()) return interrupted();
+    const auto of_frame = FOLDPROOF_TRY(frames_.at_time(k));
+    measure_edges(of_frame, k, least);
+    FOLDPROOF_TRY(measure_neighbors(of_frame, k, least));
+  }
+  const Index object = scene_.object_of_vertex(least.ends[0]), first = scene_.begin(object).vertices;
+  return fail(ErrorCode::InvalidArgument, kThickness,
+              fmt::format("{:.3g} is more than the gaps of {} itself: in frame {} features at the edge of "
+                          "vertices {} and {} are {:.3g} apart",
+                          settings_.thickness, scene_.name(object), input_.first_frame + least.frame,
+                          least.ends[0] - first, least.ends[1] - first, least.gap),
+              fmt::format("give at most {:.3g}", below(least.gap)));
 }
 
 Result<void> Repair::analyze() {
@@ -128,8 +175,18 @@ Result<std::optional<Start>> Repair::given_start() {
                 "name one of them, counting from 0");
   if (settings_.single_precision) round_to_single(start.x);
   if (!FOLDPROOF_TRY(prover_->is_free(start.x)))
-    return fail(ErrorCode::InvalidArgument, "start", "touches itself", "give a pose that is free");
+    return fail(ErrorCode::InvalidArgument, "start", FOLDPROOF_TRY(what_touches(start.x)),
+                "give a pose that is free");
   return start;
+}
+
+Result<std::string> Repair::what_touches(std::span<const double> x) {
+  const StaticResult* pose = FOLDPROOF_TRY(prover_->check_pose(x));
+  if (pose->clean()) return "comes closer to itself than the thickness";
+  const TriangleCrossing& c = pose->crossings[0];
+  return fmt::format("touches itself: {} pairs of triangles cross, such as {} of {} and {} of {}",
+                     pose->crossing_count, c.triangle_a, scene_.name(c.object_a), c.triangle_b,
+                     scene_.name(c.object_b));
 }
 
 Result<std::optional<Start>> Repair::untangled_start() {
@@ -201,27 +258,6 @@ Result<void> Repair::check_precision(std::span<const double> x) const {
       "write a format with double precision, such as .npz, or move the motion to the origin");
 }
 
-// A thickness that next neighbors of the mesh do not keep would never be free.
-Result<void> Repair::check_own_gaps(std::span<const double> x) {
-  if (settings_.thickness == 0) return {};
-  const StepResult* near = FOLDPROOF_TRY(prover_->check(x, x));
-  const auto check = [&](const FeaturePair& pair) -> Result<void> {
-    const std::size_t n = pair.edges ? 2 : 1;
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t k = n; k < 4; ++k) {
-        const auto around = scene_.neighbors()[pair.v[i]];
-        if (std::ranges::find(around, pair.v[k]) == around.end()) continue;
-        const double gap = pair.distance(points_of(x, pair.v));
-        return tl::unexpected(thickness_error(pair.v[i], pair.v[k], gap));
-      }
-    }
-    return {};
-  };
-  for (const auto& c : near->vertex_face) FOLDPROOF_TRY(check(scene_.pair_of(c)));
-  for (const auto& c : near->edge_edge) FOLDPROOF_TRY(check(scene_.pair_of(c)));
-  return {};
-}
-
 Result<void> Repair::prepare(const Start& start) {
   size_ = scene_size(scene_, start.x);
   if (!(size_.edge > 0))
@@ -230,7 +266,7 @@ Result<void> Repair::prepare(const Start& start) {
   falloff_ = settings_.falloff > 0 ? settings_.falloff
                                    : std::max(kFalloffOfSize * size_.size, kFalloffInEdges * size_.edge);
   FOLDPROOF_TRY(check_precision(start.x));
-  FOLDPROOF_TRY(check_own_gaps(start.x));
+  FOLDPROOF_TRY(check_own_gaps(start.x, start.frame, false));
   const auto filter = scene_.filter_with(start.zones);
   rest_ = start.knows_gaps ? start.x : std::vector<double>();
   surface_.emplace(scene_, start.x, falloff_);
@@ -284,7 +320,7 @@ Result<void> Repair::write_all(std::span<const SolvedFrame> frames, const Write&
       if (settings_.single_precision) round_to_single(x);
     }
     FOLDPROOF_TRY(proof.add(solved.time, x));
-    RepairedFrame out{solved.time, solved.correction.largest, solved.late, solved.limit};
+    RepairedFrame out{solved.time, solved.correction.largest, solved.late || solved.held_back, solved.limit};
     if (proof.is_free(i) && proof.is_way_free(i)) {
       out.limit = RepairLimit::None;
     } else if (out.limit == RepairLimit::None) {
@@ -305,7 +341,8 @@ Result<void> Repair::write_all(std::span<const SolvedFrame> frames, const Write&
 
 Result<RepairReport> Repair::run(const Write& write) {
   RepairReport report;
-  FOLDPROOF_TRY(check_edges());
+  if (settings_.thickness > 0)  // said before anything that takes long
+    FOLDPROOF_TRY(check_own_gaps(FOLDPROOF_TRY(frames_.at_time(0)), 0, true));
   FOLDPROOF_TRY(analyze());
   report.before = analysis_.finish().of_movable;
   std::optional<Start> start;

@@ -107,6 +107,7 @@ Result<RepairScene> RepairScene::make(const RepairInput& input) {
       fixed_here.push_back(m == 0);
     }
     scene.objects_.push_back(object.object);
+    scene.names_.push_back(object.name.empty() ? fmt::format("object {}", i) : object.name);
   }
   scene.begin_.push_back({static_cast<Index>(vertices), static_cast<Index>(triangles)});
   if (std::ranges::none_of(scene.movable_, [](std::uint8_t m) { return m != 0; }))

@@ -46,6 +46,8 @@ class RepairScene {
   const std::vector<Object>& objects() const { return objects_; }
   std::vector<const Topology*> topologies() const;
   const Parts& parts() const { return parts_; }
+  /// For errors.
+  const std::string& name(Index object) const { return names_[object]; }
   /// The caller's; null: none.
   const std::shared_ptr<const PairFilter>& given_filter() const { return given_filter_; }
   /// The caller's, and pairs that cannot move are ignored.
@@ -74,6 +76,7 @@ class RepairScene {
   std::vector<std::pair<Index, Index>> copies_;  // and the vertices that they were merged into
   Lists neighbors_;
   Parts parts_;
+  std::vector<std::string> names_;
   std::shared_ptr<const PairFilter> given_filter_, filter_, fixed_filter_;
 };
 

@@ -115,6 +115,7 @@ Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& req
       RepairedMotions::Store{FOLDPROOF_TRY(io::Spool::open("repair")), {}, {}, {0}, 0});
   RepairedMotions::Store& store = *out.store_;
   RepairInput input;
+  input.first_frame = frames[0];
   input.frame_count = static_cast<Index>(frames.size());
   for (Index i = 0; i < motions.size(); ++i) {
     Motion& motion = *motions[i];
@@ -122,7 +123,7 @@ Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& req
     FOLDPROOF_TRY(motion.read_frame(motion.frame_count() == 1 ? 0 : frames[0], first));
     Object object(FOLDPROOF_TRY(Hierarchy::build(motion.topology(), first)));
     object.set_layered(motion.info().layered);
-    input.objects.push_back({std::move(object), movable[i], motion.info().merged});
+    input.objects.push_back({std::move(object), movable[i], motion.info().merged, motion.name()});
     input.parts.push_back(parts_of(i, motions, request.check).of_triangle);
     store.names.push_back(motion.name());
     store.topologies.push_back(motion.topology());

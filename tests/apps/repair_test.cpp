@@ -100,10 +100,12 @@ TEST(RepairProgram, MistakesAreSaidInOneLineAndAtOnce) {
   const std::vector<Mistake> mistakes = {
       {{"walk.glb", "-o", "a.npz", "-o", "b.npz"}, "-o: is given 2 times, but 1 object may move"},
       {{"body.npz", "shirt.npz", "-o", "a.npz"}, "-o: is given once, but 2 objects may move"},
-      {{"body.npz", "--fixed", "body", "-o", "a.npz"}, "-o: is given once, but 0 objects may move"},
+      {{"body.npz", "--fixed", "body", "-o", "a.npz"},
+       "--fixed body: leaves nothing that may move; leave one of these out"},
       {{"walk.glb", "--only", "nothing", "-o", "a.npz"}, "'nothing': is neither an object nor a part of one"},
       {{"walk.glb", "--thickness", "1", "-o", "a.npz"},
-       "thickness: 1 is more than the gaps of the mesh itself"},
+       "--thickness: 1 is more than the gaps of walk.glb itself: in frame "},
+      {{"body.npz", "--ignore", "body", "-o", "a.npz"}, "'-o' is an option; give two names"},
       {{"walk.glb", "--thickness", "-1", "-o", "a.npz"}, "--thickness"},
       {{"walk.glb", "--falloff", "-1", "-o", "a.npz"}, "--falloff"},
       {{"walk.glb", "-o", "a.ply"}, "a.ply: is PLY, which holds one frame"},
@@ -112,6 +114,8 @@ TEST(RepairProgram, MistakesAreSaidInOneLineAndAtOnce) {
       {{"body.npz", "shirt.npz", "-o", "a.npz", "-o", "a.npz"}, "-o a.npz: is named for two outputs"},
       {{"body.npz", "shirt.npz", "-o", "./../demo/a.npz", "-o", "a.npz"}, "is named for two outputs"},
       {{"body.npz", "--start", "shirt.npz", "-o", "a.npz"}, "shirt.npz: has other triangles than body.npz"},
+      {{"walk.glb", "--start", "walk.glb", "--frames", "9:", "-o", "a.npz"},
+       "--start walk.glb: touches itself: "},
       {{"walk.glb", "--in-betweens", "3", "-o", "a.obj"}, "a.obj: holds no times"},
       {{"walk.glb", "--in-betweens", "-1", "-o", "a.npz"}, "--in-betweens"},
       {{"walk.glb"}, "--output"},
@@ -133,6 +137,33 @@ TEST(RepairProgram, IgnoredPairsAreListedAndDoNotCount) {
               HasSubstr("The motion is as it was: nothing touches; pairs of body and shirt, of body "
                         "with itself, of shirt with itself were ignored."));
   EXPECT_EQ(demo.bytes("a.npz"), demo.bytes("body.npz"));
+}
+
+TEST(RepairProgram, TheThicknessThatARefusalNamesIsNotRefused) {
+  const Demo demo;
+  const Outcome refused = demo.repair({"walk.glb", "--thickness", "0.1", "-o", "a.npz"});
+  const std::string most = "give at most ";
+  const std::size_t at = refused.err.find(most);
+  ASSERT_NE(at, std::string::npos) << refused.err;
+  const std::string length =
+      refused.err.substr(at + most.size(), refused.err.find('\n', at) - at - most.size());
+  const Outcome done =
+      demo.repair({"walk.glb", "--quick", "--frames", "0:2", "--thickness", length, "-o", "a.npz"});
+  EXPECT_EQ(done.err, "");
+  EXPECT_NE(done.code, 2);
+}
+
+TEST(RepairProgram, OneFrameOfSeveralIsAPly) {
+  const Demo demo;
+  EXPECT_EQ(demo.repair({"walk.glb", "--frames", "9:10", "-q", "-o", "a.ply"}).code, 0);
+  EXPECT_EQ(demo.check({"a.ply"}).code, 0);
+}
+
+TEST(RepairProgram, FramesAreNumberedAsInTheInput) {
+  const Demo demo;
+  const Outcome done =
+      demo.repair({"body.npz", "shirt.npz", "--fixed", "body", "--frames", "20:23", "-o", "a.npz"});
+  EXPECT_THAT(done.out, HasSubstr("body.npz with itself  frame 21  worst 21: "));
 }
 
 TEST(RepairProgram, TimesStandBesideFramesThatMayBeAdded) {

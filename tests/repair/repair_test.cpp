@@ -104,7 +104,8 @@ TEST(Repair, AStartIsRoundedToSinglePrecisionToo) {
 TEST(Repair, RefusesCoordinatesThatItCannotComputeWith) {
   TestMotion motion = pressed_balls(0.4);
   motion.frames[2][7] = 1e40;
-  EXPECT_THAT(error_of(motion.input(), {}), ::testing::HasSubstr("frame 2: has a coordinate beyond 1e+30"));
+  EXPECT_THAT(error_of(motion.input(), {}),
+              ::testing::HasSubstr("object 0, frame 2, vertex 2: has the coordinate 1e+40"));
 }
 
 TEST(Repair, APoseWithoutAFreeFrameIsUntangled) {
@@ -211,6 +212,23 @@ TEST(Repair, ContactsAreThoseOfACheckWhateverMayMove) {
   }
 }
 
+// Two balls change places: each comes to where the other was, and stays there.
+TEST(Repair, WhatAMotionGoesThroughIsHeldBackAndNamed) {
+  TestMotion motion = pressed_balls(0.1, 6, 3);
+  const Mesh ball = motion.meshes[0];
+  motion.frames.clear();
+  for (int k = 0; k < 9; ++k) {
+    Pose x = placed(ball, 1, kAxis * (1.6 - 0.4 * k));
+    const Pose other = placed(ball, 1, kAxis * (0.4 * k - 1.6));
+    x.insert(x.end(), other.begin(), other.end());
+    motion.frames.push_back(std::move(x));
+  }
+  const RepairReport report = repaired(motion).report;
+  EXPECT_TRUE(report.free);
+  EXPECT_FALSE(report.frames.front().late);
+  EXPECT_TRUE(report.frames.back().late);
+}
+
 TEST(Repair, IgnoredPairsMayTouch) {
   TestMotion motion = pressed_balls(0.2, 6, 2);
   const std::vector<std::vector<Index>> labels{{0}, {1}};
@@ -272,7 +290,7 @@ TEST(Repair, BadInputIsRefusedInOneLine) {
   EXPECT_THAT(error_of(input, {.thickness = NAN}), has("thickness: is not a length"));
   EXPECT_THAT(error_of(input, {.falloff = INFINITY}), has("falloff: is not a length"));
   EXPECT_THAT(error_of(input, {.thickness = 0.5}),
-              has("thickness: 0.5 is more than the gaps of the mesh itself"));
+              has("thickness: 0.5 is more than the gaps of object 1 itself: in frame 0"));
   input.objects[0].movable = {1, 0};
   EXPECT_THAT(error_of(input), has("object 0: what may move is for 2 vertices"));
   for (RepairObject& object : input.objects) object.movable.assign(motion.meshes[0].vertex_count, 0);
@@ -282,7 +300,7 @@ TEST(Repair, BadInputIsRefusedInOneLine) {
   EXPECT_THAT(error_of(input), has("object 1: merged names a vertex beyond its last"));
   TestMotion nan = motion;
   nan.frames[1][7] = NAN;
-  EXPECT_THAT(error_of(nan.input()), has("frame 1: has a coordinate that is not finite"));
+  EXPECT_THAT(error_of(nan.input()), has("object 0, frame 1, vertex "));
   EXPECT_THAT(error_of({}), has("there is nothing to repair"));
 }
 
