@@ -93,8 +93,7 @@ Result<void> interrupted() {
   return fail(ErrorCode::Interrupted, "repair", "was interrupted; nothing was written", "run it again");
 }
 
-// The smallest gap of features at the two ends of an edge of which something may move, in all frames, but
-// `least` where that is smaller.
+// The smallest gap of features at the two ends of an edge of which something may move.
 struct Repair::OwnGap {
   double gap;
   std::array<Index, 2> ends{};
