@@ -56,7 +56,7 @@ struct RepairSettings {
   bool keep = false;
   /// Asked several times a frame, from the thread that called repair: whether to stop.
   std::function<bool()> interrupted = nullptr;
-  /// Told how much is done, in [0,1].
+  /// Called with the share of the work that is done, in [0,1].
   std::function<void(double)> progress = nullptr;
 };
 

@@ -200,7 +200,7 @@ Result<std::optional<Start>> Repair::untangled_start() {
   return Start{start.frame, std::move(*pose), false, false, {}};
 }
 
-// What crosses in the first frame is exempt.
+// What crosses in the frame with the fewest crossings is exempt.
 Result<std::optional<Start>> Repair::exempt_start() {
   Start start{calmest_frame(), {}, true, true, {}};
   const auto found = FOLDPROOF_TRY(frames_.at_time(start.frame));
@@ -222,7 +222,6 @@ Index Repair::calmest_frame() const {
 
 // A frame that is free, a pose that is given or untangled and from which the frame can be approached, or what
 // crosses is exempt. x_ is then a free pose at the frame.
-
 Result<std::optional<Start>> Repair::find_start() {
   for (const auto find :
        {&Repair::given_start, &Repair::free_frame, &Repair::untangled_start, &Repair::exempt_start}) {

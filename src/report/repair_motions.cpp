@@ -72,6 +72,15 @@ Result<std::vector<Index>> consecutive_frames(Motions motions, const CheckSettin
   return frames;
 }
 
+// Those of which something may move.
+std::vector<Index> objects_of(const std::vector<std::vector<std::uint8_t>>& movable) {
+  std::vector<Index> objects;
+  for (Index i = 0; i < movable.size(); ++i) {
+    if (std::ranges::any_of(movable[i], [](std::uint8_t m) { return m != 0; })) objects.push_back(i);
+  }
+  return objects;
+}
+
 // Times count from the first frame that was selected.
 void number_by_input(RepairReport& report, Index first) {
   for (RepairedFrame& frame : report.frames) frame.time += first;
@@ -87,12 +96,7 @@ void number_by_input(RepairReport& report, Index first) {
 }  // namespace
 
 Result<std::vector<Index>> movable_objects(Motions motions, const RepairRequest& request) {
-  const auto movable = FOLDPROOF_TRY(movable_vertices(motions, request));
-  std::vector<Index> objects;
-  for (Index i = 0; i < movable.size(); ++i) {
-    if (std::ranges::any_of(movable[i], [](std::uint8_t m) { return m != 0; })) objects.push_back(i);
-  }
-  return objects;
+  return objects_of(FOLDPROOF_TRY(movable_vertices(motions, request)));
 }
 
 std::unique_ptr<Motion> RepairedMotions::motion(Index object) const {
@@ -110,7 +114,7 @@ Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& req
   const auto frames = FOLDPROOF_TRY(consecutive_frames(motions, request.check));
   const auto movable = FOLDPROOF_TRY(movable_vertices(motions, request));
   RepairedMotions out;
-  out.movable = FOLDPROOF_TRY(movable_objects(motions, request));
+  out.movable = objects_of(movable);
   out.store_ = std::make_shared<RepairedMotions::Store>(
       RepairedMotions::Store{FOLDPROOF_TRY(io::Spool::open("repair")), {}, {}, {0}, 0});
   RepairedMotions::Store& store = *out.store_;
