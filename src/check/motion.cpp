@@ -148,8 +148,9 @@ Result<void> StepMotion::read(Positions x0, Positions x1) {
     return read(x0, x1);
   }
   step_extent_ = largest_extent(step);
-  for (Index i = 0; i < bvhs_.size() && step_extent_ == std::numeric_limits<double>::max(); ++i)
-    FOLDPROOF_TRY(check_vertices(i, x0, x1));
+  if (step_extent_ == std::numeric_limits<double>::max()) {  // a difference may overflow
+    for (Index i = 0; i < bvhs_.size(); ++i) FOLDPROOF_TRY(check_vertices(i, x0, x1));
+  }
   motion_extent_ = largest_extent(motion);
   const Frame frame = frame_around(motion.low, motion.high);
   // Far from the origin the rounding of extrapolated positions would exceed what the slack allows for.
