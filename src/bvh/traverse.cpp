@@ -350,7 +350,7 @@ void traverse(const Traversal& traversal, std::span<const NodePair> starts, std:
   HWY_DYNAMIC_DISPATCH(Traverse)(traversal, starts, stack, out);
 }
 
-void test_leaves(const Traversal& traversal, std::span<const LeafPair> leaves,
+void test_leaf_boxes(const Traversal& traversal, std::span<const LeafPair> leaves,
                  std::vector<std::uint8_t>& separated) {
   separated.resize(leaves.size());
   HWY_DYNAMIC_DISPATCH(TestLeaves)(traversal, leaves, separated.data());

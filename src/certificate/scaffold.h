@@ -1,7 +1,7 @@
 /// The scaffold of a chart: triangles that fill the square around a parametrized patch.
 #pragma once
 
-#include "certificate/plane.h"
+#include "certificate/chart_plane.h"
 
 namespace foldproof::inline internal {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "certificate/plane.h"
+#include "certificate/chart_plane.h"
 
 namespace foldproof::internal {
 namespace {

@@ -157,7 +157,7 @@ void BroadPhase::run(const Step& step, const TraversalTask& task, Tile& tile) {
 void BroadPhase::find(const StepMotion& motion, Culling& culling, const Filter& filter,
                       const StepSettings& settings, double distance, Work& work) {
   const Step step{motion, culling, filter, separation_margin(motion.frame(), distance),
-                  culling.may_cull_later()};
+                  culling.keeps_fronts()};
   ++steps_;
   keys_.clear();
   near_.node_tests = 0;

@@ -264,7 +264,7 @@ void Culling::cull_leaves(const TraversalTask& task, std::span<const NearLeafPai
   if (!boxes_overlap) {
     local.leaves.clear();
     for (const NearLeafPair& pair : local.unproven) local.leaves.push_back(pair.leaves);
-    test_leaves(task.traversal, local.leaves, local.separated);
+    test_leaf_boxes(task.traversal, local.leaves, local.separated);
     tile.node_tests += local.leaves.size();
   }
   for (const NearLeafPair& pair : local.unproven) tile.plane_pairs += pair.slot == kNoIndex;

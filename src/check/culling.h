@@ -20,7 +20,7 @@ class Culling {
   /// Begins a step, after an update of the motion. Error: StepSettings::declared_free is not of these nodes.
   Result<void> begin_step(const StepMotion& motion, const StepSettings& settings, double distance);
   /// Whether later steps may use certificates on the pairs that this one finds.
-  bool may_cull_later() const { return certificates_ && (uses_certificates_ || steps_ > 1); }
+  bool keeps_fronts() const { return certificates_ && (uses_certificates_ || steps_ > 1); }
 
   /// Proves nodes of all objects, from the roots down to proven ones.
   void prove_nodes(const StepMotion& motion, const Filter& filter, Work& work);

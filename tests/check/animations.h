@@ -44,14 +44,17 @@ inline bool same_counts(const Work& a, const Work& b) {
 }
 
 struct Sums {
-  std::uint64_t steps = 0, covered = 0, passes = 0, pairs_with = 0, pairs_without = 0, hits = 0;
-  // A search that looks ahead finds pairs for later steps as well, so its pairs are not compared.
+  std::uint64_t steps = 0, covered = 0, others = 0, passes = 0, pairs_with = 0, pairs_without = 0, hits = 0;
+  // A search that looks ahead finds pairs for later steps as well, so its pairs are not compared; nor are
+  // those of a long step that certificates cut into other stretches, each of which has pairs of its own.
   void add(const Work& with, const Work& without, std::size_t found, Index search_steps = 1) {
     ++steps;
     covered += search_steps == 0;
     passes += with.certificate_passes;
     hits += found;
-    if (search_steps == 1) {
+    const bool cut_otherwise = with.refits != without.refits;
+    others += cut_otherwise;
+    if (search_steps == 1 && !cut_otherwise) {
       pairs_with += with.leaf_pairs;
       pairs_without += without.leaf_pairs;
       EXPECT_LE(with.leaf_pairs, without.leaf_pairs);

@@ -312,7 +312,7 @@ TEST(Culling, WithoutCertificatesEverythingRemains) {
   for (int step = 0; step < 5; ++step) {
     const Stage::Found found = stage.cull(hinged_sheet(0, 0), settings, 1e-6);
     EXPECT_EQ(found.remaining, found.near);
-    EXPECT_FALSE(stage.culling.may_cull_later());
+    EXPECT_FALSE(stage.culling.keeps_fronts());
   }
 }
 

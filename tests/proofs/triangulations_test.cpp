@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "certificate/plane.h"
+#include "certificate/chart_plane.h"
 
 namespace foldproof {
 namespace {

@@ -1,4 +1,4 @@
-#include "certificate/plane.h"
+#include "certificate/chart_plane.h"
 
 namespace foldproof::internal {
 
