@@ -84,5 +84,7 @@ def repair(
         frames=frames, start=begin, single_precision=single_precision, calm=calm, progress=progress,
     )  # fmt: skip
     unit = found.pop("unit")
-    contacts = {name: Contacts(found.pop(name), unit) for name in ("before", "remaining", "among_fixed")}
-    return RepairResult(**found, **contacts)
+    before, remaining, among_fixed = (
+        Contacts(found.pop(name), unit) for name in ("before", "remaining", "among_fixed")
+    )
+    return RepairResult(**found, before=before, remaining=remaining, among_fixed=among_fixed)

@@ -48,7 +48,7 @@ def test_what_may_move_and_what_is_ignored():
 
 def test_errors_are_said():
     motion = sheets([0.3, -0.1])
-    with pytest.raises(foldproof.Error, match="more than the gaps of the mesh itself"):
+    with pytest.raises(foldproof.Error, match="more than the gaps of array itself: in frame 1 .* give at most 0.159"):
         foldproof.repair(motion, thickness=1)
     with pytest.raises(foldproof.Error, match="did you mean 'high'"):
         foldproof.repair(motion, fixed=["hihg"])
