@@ -1,6 +1,7 @@
 /// Shared by the writer and the reader of the model file.
 #pragma once
 
+#include "certificate/patch.h"
 #include "foldproof/model.h"
 #include "model/model_generated.h"
 
