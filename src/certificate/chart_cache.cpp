@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "base/parallel.h"
@@ -165,8 +166,9 @@ void ChartCache::sort_requested_nodes() {
 }
 
 // Builds from the largest node to the smallest, in rounds. Nodes below one that is being built wait; those
-// whose ancestor fails are tried in the next round.
-void ChartCache::build_nodes(std::span<const MovingVertex> vertices, std::size_t& budget) {
+// whose ancestor fails are tried in the next round, unless a smaller share of triangles than `least_made` got
+// a chart in this one.
+void ChartCache::build_nodes(std::span<const MovingVertex> vertices, std::size_t& budget, double least_made) {
   std::fill(covered_.begin(), covered_.end(), Cover::None);
   if (requested_nodes_.empty()) return;
   sort_requested_nodes();
@@ -175,9 +177,17 @@ void ChartCache::build_nodes(std::span<const MovingVertex> vertices, std::size_t
     choose_nodes(vertices, budget);
     if (build_count_ == 0) break;
     run_builds(vertices);
+    double tried = 0, made = 0;
     for (std::size_t i = 0; i < build_count_; ++i) {
-      if (builds_[i].outcome != ChartOutcome::Made) cover(NodeIndex(builds_[i].slot), Cover::None);
+      const double triangles = slots().triangle_count(builds_[i].slot);
+      tried += triangles;
+      if (builds_[i].outcome == ChartOutcome::Made) {
+        made += triangles;
+      } else {
+        cover(NodeIndex(builds_[i].slot), Cover::None);
+      }
     }
+    if (made < least_made * tried) break;
   }
   requested_nodes_.clear();
 }
@@ -245,8 +255,19 @@ void ChartCache::build_pairs(std::span<const MovingVertex> vertices, std::size_t
 void ChartCache::begin_step(std::span<const MovingVertex> vertices, std::size_t budget) {
   ++step_;
   charts_built_ = 0;
-  build_nodes(vertices, budget);
+  build_nodes(vertices, budget, 0);
   build_pairs(vertices, budget);
+}
+
+void ChartCache::begin_pose(std::span<const MovingVertex> vertices) {
+  constexpr double kLeastMade = 0.5;
+  ++step_;
+  charts_built_ = 0;
+  for (Index node = 0; node < slots().hierarchy()->nodes().size(); ++node) {
+    if (wants_node(NodeIndex(node))) requested_nodes_.emplace_back(node);
+  }
+  std::size_t budget = std::numeric_limits<std::size_t>::max();
+  build_nodes(vertices, budget, kLeastMade);
 }
 
 }  // namespace foldproof::internal

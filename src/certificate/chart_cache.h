@@ -59,6 +59,9 @@ class ChartCache {
   /// Begins a step. Builds the charts that were requested in the last step, in the pose halfway through this
   /// one, larger patches first, until their triangles would exceed `budget`.
   void begin_step(std::span<const MovingVertex> vertices, std::size_t budget);
+  /// Begins a step in which nothing moves. Builds charts that nobody requested, from the root down, as long
+  /// as most of them succeed: they hold at once.
+  void begin_pose(std::span<const MovingVertex> vertices);
   /// Attempts at a chart in this step, failed ones included.
   std::size_t charts_built() const { return charts_built_; }
   bool is_trained() const { return trained_ != nullptr; }
@@ -82,7 +85,7 @@ class ChartCache {
   static void append(std::vector<T>& all, std::span<const T> more) {
     all.insert(all.end(), more.begin(), more.end());
   }
-  void build_nodes(std::span<const MovingVertex> vertices, std::size_t& budget);
+  void build_nodes(std::span<const MovingVertex> vertices, std::size_t& budget, double least_made);
   void sort_requested_nodes();
   void choose_nodes(std::span<const MovingVertex> vertices, std::size_t& budget);
   void build_pairs(std::span<const MovingVertex> vertices, std::size_t& budget);

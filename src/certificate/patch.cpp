@@ -1,6 +1,7 @@
 // The patches of a hierarchy and their contents.
 
 #include <algorithm>
+#include <utility>
 
 #include "certificate/patch.h"
 
@@ -46,6 +47,7 @@ PatchSlots::PatchSlots(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(
   };
   while (pairs() > kNoIndex / 2) most /= 2;
 
+  std::vector<Index> last_neighbor(h.leaf_count(), kNoIndex);  // of which leaf each was listed last
   begin_.push_back(0);
   for (Index leaf = 0; leaf < h.leaf_count(); ++leaf) {
     const auto first = static_cast<std::ptrdiff_t>(neighbor_.size());
@@ -53,12 +55,11 @@ PatchSlots::PatchSlots(std::shared_ptr<const Hierarchy> hierarchy) : hierarchy_(
       for (const Index v : h.triangles()[t]) {
         if (leaves.at(v).size() > most) continue;
         for (const Index other : leaves.at(v)) {
-          if (other != leaf) neighbor_.push_back(other);
+          if (other != leaf && std::exchange(last_neighbor[other], leaf) != leaf) neighbor_.push_back(other);
         }
       }
     }
     std::sort(neighbor_.begin() + first, neighbor_.end());
-    neighbor_.erase(std::unique(neighbor_.begin() + first, neighbor_.end()), neighbor_.end());
     leaf_.resize(neighbor_.size(), leaf);
     begin_.push_back(static_cast<Index>(neighbor_.size()));
   }

@@ -88,13 +88,22 @@ Result<void> Culling::begin_step(const StepMotion& motion, const StepSettings& s
 
   uses_certificates_ = certificates_ && declared_free_ == nullptr;
   updates_policy_ = uses_certificates_ && motion.steps() == 1 && !explains_;
+  // Charts that are built in a pose hold in it, so they pay at once.
+  const bool is_first_pose = updates_policy_ && steps_ == 1 && motion.swept_extent_ratio() == 1;
   if (updates_policy_)
-    uses_certificates_ = policy_.begin_step(
-        std::ranges::any_of(charts_, [](const auto& charts) { return charts->is_trained(); }));
+    uses_certificates_ =
+        policy_.begin_step(is_first_pose || std::ranges::any_of(charts_, [](const auto& charts) {
+                             return charts->is_trained();
+                           }));
   uses_certificates_next_ = updates_policy_ && policy_.uses_next();
   const std::size_t budget = build_budget();
-  for (Index i = 0; i < charts_.size(); ++i)
-    charts_[i]->begin_step(motion.bvhs()[i].vertices, uses_certificates_ ? budget : 0);
+  for (Index i = 0; i < charts_.size(); ++i) {
+    if (is_first_pose && !charts_[i]->is_trained()) {
+      charts_[i]->begin_pose(motion.bvhs()[i].vertices);
+    } else {
+      charts_[i]->begin_step(motion.bvhs()[i].vertices, uses_certificates_ ? budget : 0);
+    }
+  }
   proven_nodes_.clear();
   return {};
 }

@@ -30,9 +30,9 @@ double cost_of(const CullingPolicy::Counts& c) {
 
 }  // namespace
 
-bool CullingPolicy::begin_step(bool trained) {
+bool CullingPolicy::begin_step(bool pay_at_once) {
   const bool first = !std::exchange(begun_, true);
-  used_ = (!first || trained) && back_off_ == 0;
+  used_ = (!first || pay_at_once) && back_off_ == 0;
   if (back_off_ > 0) --back_off_;
   return used_;
 }

@@ -20,9 +20,9 @@ class CullingPolicy {
     std::uint64_t failed_planes = 0;    ///< and those of them that do not separate.
   };
 
-  /// Begins a step; returns whether it should use certificates. The first step does not, unless there are
-  /// trained charts: a single step should not pay for what only later steps would gain.
-  bool begin_step(bool trained);
+  /// Begins a step; returns whether it should use certificates. The first step does not, unless charts
+  /// `pay_at_once`: a single step should not pay for what only later steps would gain.
+  bool begin_step(bool pay_at_once);
   /// Whether the step after this one will use them.
   bool uses_next() const { return back_off_ == 0; }
   /// Whether no step has been measured yet.
