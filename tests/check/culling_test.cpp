@@ -319,9 +319,17 @@ TEST(Culling, WithoutCertificatesEverythingRemains) {
 // A single step should not pay for certificates of later ones.
 TEST(Culling, ANewCheckersFirstStepUsesNone) {
   Stage stage(hinged_sheet(0, 0), 4);
-  const Stage::Found found = stage.cull(hinged_sheet(0, 0), {}, 1e-6);
+  const Stage::Found found = stage.cull(hinged_sheet(0, 0.01), {}, 1e-6);
   EXPECT_EQ(found.work.certificate_tests, 0u);
   EXPECT_EQ(found.remaining, found.near);
+}
+
+// In a pose they pay at once.
+TEST(Culling, ANewCheckersFirstPoseBuildsItsCharts) {
+  Stage stage(hinged_sheet(0, 0), 4);
+  const Stage::Found found = stage.cull(hinged_sheet(0, 0), {}, 1e-6);
+  EXPECT_GT(found.near.size(), 4u);
+  EXPECT_TRUE(found.remaining.empty());
 }
 
 TEST(Culling, TestsBoxesWhereTheTraversalDidNot) {
