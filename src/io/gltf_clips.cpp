@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <string_view>
 
 #include "base/nearest_name.h"
 
@@ -14,11 +16,12 @@ std::string number_of(std::size_t clip) { return fmt::format("animations[{}]", c
 
 /// What ReadOptions::clip calls each: their names where these are unique.
 std::vector<std::string> names_of(std::span<const GltfClip> clips) {
+  std::map<std::string_view, std::size_t> count;
+  for (const GltfClip& clip : clips) ++count[clip.name];
   std::vector<std::string> names;
   for (std::size_t i = 0; i < clips.size(); ++i) {
     const std::string& name = clips[i].name;
-    const bool unique = std::ranges::count_if(clips, [&](const GltfClip& c) { return c.name == name; }) == 1;
-    names.push_back(unique && !name.empty() && name != "all" ? name : number_of(i));
+    names.push_back(count[name] == 1 && !name.empty() && name != "all" ? name : number_of(i));
   }
   return names;
 }
