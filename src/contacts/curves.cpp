@@ -34,6 +34,8 @@ class Displaced {
     scale_ = largest * 0x1p-40;
   }
 
+  double scale() const { return scale_; }
+
   Vec3 at(Index object, Index vertex) const {
     const Vec3 p = position(x_[object], vertex);
     const std::uint64_t seed = (object + 1) * 0x632BE59BD9B4E019u;
@@ -59,26 +61,33 @@ class Tracer {
   Tracer(const Surfaces& surfaces, std::span<const CrossingPair> pairs, Positions x, Curves& out)
       : surfaces_(surfaces), x_(pairs, surfaces, x), out_(out), pairs_(out.pairs) {
     pairs_.clear();
+    out_.rounding = 8 * x_.scale();
     out_.pierced.clear();
     for (const CrossingPair& pair : pairs) {
       const bool face[] = {is_face(pair, 0), is_face(pair, 1)};
       if (face[0] && face[1]) pairs_.push_back(pair);
       if (face[0] != face[1]) add_pierced(pair, face[0] ? 1 : 0);
     }
+    given_count_ = pairs.size();
   }
 
   void trace() {
     for (const CrossingPair& pair : pairs_) given_.push_back(key_of(pair));
     std::sort(given_.begin(), given_.end());
     for (Index i = 0; i < pairs_.size(); ++i) add_ends(i);  // which adds pairs
+    out_.as_given = pairs_.size() == given_count_;
     number_piercings();
     out_.lines.clear();
     out_.closed = !segments_.empty();
+    out_.at_borders = false;
     out_.length = 0;
     link_segments();
     for (Index n = 0; n < out_.piercings.size(); ++n) {
       const Index degree = first_[n + 1] - first_[n];
-      if (degree % 2 != 0) out_.closed = false;
+      if (degree % 2 != 0) {
+        out_.closed = false;
+        out_.at_borders |= out_.piercings[n].face != kNoIndex;
+      }
       if (degree != 2) {
         while (next_segment(n) != kNoIndex) follow(n);
       }
@@ -228,6 +237,7 @@ class Tracer {
   Displaced x_;
   Curves& out_;
   std::vector<CrossingPair>& pairs_;
+  std::size_t given_count_ = 0;
   std::vector<PairKey> given_;  // sorted
   std::set<PairKey> added_;
   std::vector<Index> at_edge_;

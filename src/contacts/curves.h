@@ -29,10 +29,13 @@ struct Curves {
   /// The pairs of faces that cross where they are displaced: those that were given, and what continues their
   /// curves. Lines and points have no curves.
   std::vector<CrossingPair> pairs;
+  bool as_given = false;                  ///< These are the pairs that were given.
   std::vector<Piercing> piercings;        ///< Each once, sorted by side, edge and face.
   std::vector<std::vector<Index>> lines;  ///< Piercings along each curve; a closed one repeats the first.
   bool closed = true;                     ///< All of them.
+  bool at_borders = false;                ///< Some end at a border of a surface.
   double length = 0;                      ///< Mesh units.
+  double rounding = 0;                    ///< What is not deeper may be so by displacement only; mesh units.
   std::vector<Vec3> pierced;              ///< Where lines go through faces.
 };
 

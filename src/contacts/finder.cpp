@@ -108,13 +108,11 @@ struct ContactFinder::Impl {
   void end_contacts(bool all);
   Label resolve(Label label) const;
   void join(Label a, Label b);
-  void star(Index object, Index vertex, std::vector<Index>& out) const;
-  void around_edge(Index object, const Edge& edge, std::vector<Index>& out);
 
   Surfaces surfaces;
   Parts parts;
   std::shared_ptr<const PairFilter> filter;
-  Joiner joiner;
+  Joiner joiner{surfaces};
   PerThread<FrameMeasurer> measurers;
 
   bool begun = false, known = false;
@@ -129,30 +127,10 @@ struct ContactFinder::Impl {
   std::vector<std::array<Index, 2>> objects;
   std::vector<Impact> impacts;
   std::vector<Label> labels;   // per group
+  std::vector<Open*> opens;    // per group
   std::vector<Index> numbers;  // per element
   std::vector<Inside> inside;
-  std::vector<Index> side_a, side_b, at_edge;
 };
-
-// The vertices of the triangles around a vertex.
-void ContactFinder::Impl::star(Index object, Index vertex, std::vector<Index>& out) const {
-  out.assign(1, surfaces.vertex(object, vertex));
-  for (const Index t : surfaces.triangles_at(object, vertex)) {
-    for (const Index v : surfaces.corners(object, t)) {
-      if (std::find(out.begin(), out.end(), v) == out.end()) out.push_back(v);
-    }
-  }
-}
-
-void ContactFinder::Impl::around_edge(Index object, const Edge& edge, std::vector<Index>& out) {
-  out = {surfaces.vertex(object, edge[0]), surfaces.vertex(object, edge[1])};
-  surfaces.triangles_with_edge(object, edge, at_edge);
-  for (const Index t : at_edge) {
-    for (const Index v : surfaces.corners(object, t)) {
-      if (std::find(out.begin(), out.end(), v) == out.end()) out.push_back(v);
-    }
-  }
-}
 
 void ContactFinder::Impl::add_element(std::array<Index, 2> of, std::span<const Index> a,
                                       std::span<const Index> b, const Impact& impact) {
@@ -173,19 +151,18 @@ void ContactFinder::Impl::add_elements(double begin, double end, Positions x0, P
   };
   for (std::size_t i = 0; i < vertex_faces; ++i) {
     const VertexFaceCollision& c = step.vertex_face[i];
-    star(c.vertex_object, c.vertex, side_a);
-    const Triangle face = surfaces.corners(c.face_object, c.face);
-    add_element({c.vertex_object, c.face_object}, side_a, face,
+    const std::array<Index, 1> vertex{surfaces.vertex(c.vertex_object, c.vertex)};
+    add_element({c.vertex_object, c.face_object}, vertex, surfaces.corners(c.face_object, c.face),
                 {begin + c.toi * (end - begin), at(c.vertex_object, c.vertex, c.toi)});
   }
   for (std::size_t i = 0; i < edge_edges; ++i) {
     const EdgeEdgeCollision& c = step.edge_edge[i];
-    around_edge(c.object_a, c.a, side_a);
-    around_edge(c.object_b, c.b, side_b);
+    const Edge a{surfaces.vertex(c.object_a, c.a[0]), surfaces.vertex(c.object_a, c.a[1])},
+        b{surfaces.vertex(c.object_b, c.b[0]), surfaces.vertex(c.object_b, c.b[1])};
     // Quarters, as the sum could overflow.
     const Vec3 middle = at(c.object_a, c.a[0], c.toi) / 4 + at(c.object_a, c.a[1], c.toi) / 4 +
                         at(c.object_b, c.b[0], c.toi) / 4 + at(c.object_b, c.b[1], c.toi) / 4;
-    add_element({c.object_a, c.object_b}, side_a, side_b, {begin + c.toi * (end - begin), middle});
+    add_element({c.object_a, c.object_b}, a, b, {begin + c.toi * (end - begin), middle});
   }
   for (const TriangleCrossing& c : crossings) {
     add_element({c.object_a, c.object_b}, surfaces.corners(c.object_a, c.triangle_a),
@@ -283,9 +260,11 @@ void ContactFinder::Impl::name_groups(const Joiner::Groups& groups) {
     made.contact.from_start = !begun;
     made.contact.first_time = made.contact.last_time = begun ? std::min(first[g], time) : time;
   }
+  opens.resize(count);
   for (std::size_t g = 0; g < count; ++g) {
     if (!groups.labels[g].empty()) labels[g] = resolve(groups.labels[g][0]);
-    Open& it = open.at(labels[g].number);
+    opens[g] = &open.at(labels[g].number);
+    Open& it = *opens[g];
     it.contact.folded |= groups.folded[g] != 0;
     it.continues = true;
   }
@@ -314,7 +293,7 @@ void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const Step
   for (std::size_t e = 0; e < impacts.size(); ++e) {
     const Label& label = labels[groups.group[e]];
     numbers[e] = label.number;
-    Open& to = open.at(label.number);
+    Open& to = *opens[groups.group[e]];
     Contact& c = to.contact;
     const bool reversed = label.reversed != static_cast<bool>(groups.reversed[e]);
     const int first = reversed ? 1 : 0;
@@ -364,14 +343,19 @@ void ContactFinder::Impl::measure_frame(double now, Positions x) {
   for (auto& [number, it] : open) it.crosses = false;
   const Joiner::Groups& groups = joiner.groups();
   const std::size_t begin = vertex_faces + edge_edges;
-  std::map<Index, std::size_t> places;  // in all
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  std::map<Index, std::size_t> places;                      // in all, by number
+  std::vector<std::size_t> place_of(labels.size(), kNone);  // by group
   std::vector<InFrame> all;
   for (std::size_t i = 0; i < crossings.size(); ++i) {
-    const Label& label = labels[groups.group[begin + i]];
-    const auto [place, is_new] = places.try_emplace(label.number, all.size());
-    if (is_new) all.push_back({&open.at(label.number), {}});
-    all[place->second].pairs.push_back(
-        {crossings[i], label.reversed != static_cast<bool>(groups.reversed[begin + i])});
+    const Index group = groups.group[begin + i];
+    if (place_of[group] == kNone) {
+      const auto [place, is_new] = places.try_emplace(labels[group].number, all.size());
+      if (is_new) all.push_back({opens[group], {}});
+      place_of[group] = place->second;
+    }
+    all[place_of[group]].pairs.push_back(
+        {crossings[i], labels[group].reversed != static_cast<bool>(groups.reversed[begin + i])});
   }
   inside.clear();
   if (all.empty()) return;
@@ -411,7 +395,7 @@ void ContactFinder::Impl::slice(double begin, double end, Positions x0, Position
                                 const StepResult& step) {
   add_elements(begin, end, x0, x1, step);
   time = end;
-  const Joiner::Groups& groups = joiner.groups();
+  const Joiner::Groups& groups = joiner.find_groups();
   name_groups(groups);
   note_elements(groups, step);
   joiner.end(labels);

@@ -1,6 +1,7 @@
 #include "contacts/follow_crossings.h"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 
 #include "base/parallel.h"
@@ -9,38 +10,128 @@
 namespace foldproof::internal {
 namespace {
 
-TriangleCrossing ordered(Index object_a, Index a, Index object_b, Index b) {
-  return std::pair(object_b, b) < std::pair(object_a, a) ? TriangleCrossing{object_b, b, object_a, a}
-                                                         : TriangleCrossing{object_a, a, object_b, b};
-}
+// Lists the pairs of triangles that have a colliding pair of features, each once, sorted, as far as they may
+// cross at the end of the step.
+class PairLister {
+ public:
+  PairLister(const Surfaces& surfaces, Positions x1, std::span<const TriangleCrossing> crossings)
+      : surfaces_(surfaces), x1_(x1), crossings_(crossings) {}
 
-// The pairs of triangles that have a colliding pair of features, each once, sorted.
-void list_pairs(const Surfaces& surfaces, const PairFilter* filter, const StepResult& step,
-                std::vector<TriangleCrossing>& out) {
-  out.clear();
-  for (const VertexFaceCollision& c : step.vertex_face) {
-    for (const Index t : surfaces.triangles_at(c.vertex_object, c.vertex))
-      out.push_back(ordered(c.vertex_object, t, c.face_object, c.face));
-  }
-  std::vector<Index> at_a, at_b;
-  for (const EdgeEdgeCollision& c : step.edge_edge) {
-    surfaces.triangles_with_edge(c.object_a, c.a, at_a);
-    surfaces.triangles_with_edge(c.object_b, c.b, at_b);
-    for (const Index a : at_a) {
-      for (const Index b : at_b) out.push_back(ordered(c.object_a, a, c.object_b, b));
+  void list(const StepResult& step, const PairFilter* filter, std::vector<TriangleCrossing>& out) {
+    add_vertex_faces(step);
+    add_edge_edges(step);
+    if (pruned_) {
+      for (const TriangleCrossing& c : crossings_)
+        add({c.object_a, c.triangle_a}, {c.object_b, c.triangle_b});
+    }
+    std::sort(keys_.begin(), keys_.end());
+    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
+    out.clear();
+    for (const std::uint64_t key : keys_) {
+      const auto [object_a, a] = surfaces_.local_triangle(static_cast<Index>(key >> 32));
+      const auto [object_b, b] = surfaces_.local_triangle(static_cast<Index>(key));
+      if (filter == nullptr || filter->crossing(object_a, a, object_b, b))
+        out.push_back({object_a, a, object_b, b});
     }
   }
-  if (filter != nullptr) {
-    std::erase_if(out, [&](const TriangleCrossing& c) {
-      return !filter->crossing(c.object_a, c.triangle_a, c.object_b, c.triangle_b);
-    });
-  }
-  std::sort(out.begin(), out.end(), is_before);
-  const auto same = [](const TriangleCrossing& a, const TriangleCrossing& b) {
-    return !is_before(a, b) && !is_before(b, a);
+
+ private:
+  // A triangle with its object.
+  struct Member {
+    Index object, triangle;
   };
-  out.erase(std::unique(out.begin(), out.end(), same), out.end());
-}
+  // Around so many triangles, pairs are few enough to be tested as they are.
+  static constexpr std::size_t kManyTriangles = 16;
+
+  void add(const Member& a, const Member& b) {
+    const auto [first, second] =
+        std::minmax({surfaces_.triangle(a.object, a.triangle), surfaces_.triangle(b.object, b.triangle)});
+    keys_.push_back(std::uint64_t{first} << 32 | second);
+  }
+
+  void add_vertex_faces(const StepResult& step) {
+    std::vector<const VertexFaceCollision*> many;  // whose vertices have many triangles
+    for (const VertexFaceCollision& c : step.vertex_face) {
+      const auto at = surfaces_.triangles_at(c.vertex_object, c.vertex);
+      if (at.size() > kManyTriangles) {
+        many.push_back(&c);
+        continue;
+      }
+      for (const Index t : at) add({c.vertex_object, t}, {c.face_object, c.face});
+    }
+    const auto vertex = [](const VertexFaceCollision* c) { return std::pair(c->vertex_object, c->vertex); };
+    std::stable_sort(many.begin(), many.end(), [&](auto* a, auto* b) { return vertex(a) < vertex(b); });
+    for (std::size_t i = 0; i < many.size();) {
+      at_a_.clear();
+      at_b_.clear();
+      for (const Index t : surfaces_.triangles_at(many[i]->vertex_object, many[i]->vertex))
+        at_a_.push_back({many[i]->vertex_object, t});
+      for (const auto first = vertex(many[i]); i < many.size() && vertex(many[i]) == first; ++i)
+        at_b_.push_back({many[i]->face_object, many[i]->face});
+      add_overlapping();
+    }
+  }
+
+  void add_edge_edges(const StepResult& step) {
+    std::vector<Index> at_a, at_b;
+    for (const EdgeEdgeCollision& c : step.edge_edge) {
+      surfaces_.triangles_with_edge(c.object_a, c.a, at_a);
+      surfaces_.triangles_with_edge(c.object_b, c.b, at_b);
+      if (at_a.size() <= kManyTriangles && at_b.size() <= kManyTriangles) {
+        for (const Index a : at_a) {
+          for (const Index b : at_b) add({c.object_a, a}, {c.object_b, b});
+        }
+        continue;
+      }
+      at_a_.clear();
+      at_b_.clear();
+      for (const Index t : at_a) at_a_.push_back({c.object_a, t});
+      for (const Index t : at_b) at_b_.push_back({c.object_b, t});
+      add_overlapping();
+    }
+  }
+
+  struct Box {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    void add(const Vec3& p) { low = low.cwiseMin(p), high = high.cwiseMax(p); }
+    bool meets(const Box& o) const { return low.cwiseMin(o.high) == low && high.cwiseMax(o.low) == high; }
+  };
+  Box box_of(const Member& m) const {
+    Box box;
+    for (const Vec3& p : corners(x1_[m.object], surfaces_.topology(m.object).triangles()[m.triangle]))
+      box.add(p);
+    return box;
+  }
+
+  // Leaves those triangles out that do not meet the box of all others.
+  void prune(std::vector<Member>& of, const std::vector<Member>& others) const {
+    Box all;
+    for (const Member& m : others) {
+      const Box box = box_of(m);
+      all.add(box.low), all.add(box.high);
+    }
+    std::erase_if(of, [&](const Member& m) { return !box_of(m).meets(all); });
+  }
+
+  // Adds the pairs of at_a_ and at_b_ whose boxes meet: others do not cross, even if they did before.
+  void add_overlapping() {
+    pruned_ = true;
+    prune(at_a_, at_b_);
+    prune(at_b_, at_a_);
+    for (const Member& a : at_a_) {
+      for (const Member& b : at_b_) {
+        if (box_of(a).meets(box_of(b))) add(a, b);
+      }
+    }
+  }
+
+  const Surfaces& surfaces_;
+  Positions x1_;
+  std::span<const TriangleCrossing> crossings_;
+  std::vector<std::uint64_t> keys_;  // two global triangle ids, the smaller first
+  std::vector<Member> at_a_, at_b_;
+  bool pruned_ = false;  // pairs were left out: those that crossed before are tested again
+};
 
 bool cross(const Surfaces& surfaces, Positions x, const TriangleCrossing& c) {
   const Triangle &s = surfaces.topology(c.object_a).triangles()[c.triangle_a],
@@ -62,7 +153,7 @@ bool is_before(const TriangleCrossing& a, const TriangleCrossing& b) {
 void follow_crossings(const Surfaces& surfaces, const PairFilter* filter, const StepResult& step,
                       Positions x1, std::vector<TriangleCrossing>& tested,
                       std::vector<TriangleCrossing>& crossings) {
-  list_pairs(surfaces, filter, step, tested);
+  PairLister(surfaces, x1, crossings).list(step, filter, tested);
   if (tested.empty()) return;
   std::vector<TriangleCrossing> kept;
   std::set_difference(crossings.begin(), crossings.end(), tested.begin(), tested.end(),

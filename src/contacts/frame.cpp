@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "check/triangles_cross.h"
 
 namespace foldproof::internal {
 namespace {
+
+constexpr std::uint8_t kUnknown = 2;
+constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
 void sort_unique(std::vector<Index>& ids) {
   std::sort(ids.begin(), ids.end());
@@ -17,18 +21,31 @@ bool contains(std::span<const Index> sorted, Index id) {
   return std::binary_search(sorted.begin(), sorted.end(), id);
 }
 
+// A point of one of two triangles that touch where they do: a corner's nearest point.
+Vec3 touching_point(const std::array<Vec3, 3>& s, const std::array<Vec3, 3>& t) {
+  Vec3 best = s[0];
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 6; ++k) {
+    const Vec3& corner = k < 3 ? s[k] : t[k - 3];
+    const Vec3 p = nearest_on_triangle(corner, k < 3 ? t : s);
+    if ((p - corner).squaredNorm() < least) least = (p - corner).squaredNorm(), best = p;
+  }
+  return best;
+}
+
 }  // namespace
 
-// The points of a side that are inside: vertices, and the middles of pieces of edges whose ends are outside.
-void FrameMeasurer::list_inner_points(int side, Positions x) {
+// What is inside: vertices, and the middles of pieces of edges whose ends are outside.
+void FrameMeasurer::list_inner_points(const Region& region, const RegionQuery& query, Positions x) {
   points_.clear();
-  const auto object_x = x[objects_[side]];
-  for (const Index v : region_[side]->vertices) points_.push_back(position(object_x, v));
+  const auto object_x = x[query.object];
+  for (const Index v : region.vertices) points_.push_back(position(object_x, v));
   const auto& all = curves_.piercings;
   for (std::size_t i = 0; i < all.size();) {
     std::size_t end = i + 1;
     while (end < all.size() && all[end].side == all[i].side && all[end].edge == all[i].edge) ++end;
-    if (all[i].side == side && (end - i) % 2 == 0 && !contains(region_[side]->vertices, all[i].edge[0])) {
+    if (query.sides[static_cast<std::size_t>(all[i].side)] && (end - i) % 2 == 0 &&
+        !contains(region.vertices, all[i].edge[0])) {
       std::vector<double> shares;
       for (std::size_t k = i; k < end; ++k) shares.push_back(all[k].share);
       std::sort(shares.begin(), shares.end());
@@ -40,71 +57,279 @@ void FrameMeasurer::list_inner_points(int side, Positions x) {
   }
 }
 
-// The other surface near what is inside: its region where that is known, else what lies around the inner
-// points.
-void FrameMeasurer::list_other_surface(int side, Positions x) {
-  const int other = 1 - side;
-  const Index object = objects_[other];
+// Adds to other_ what is connected to it and not farther from all points, but for what is skipped; the
+// nearest along the surface, as many as `most` in all.
+template <class Skip>
+void FrameMeasurer::add_near(Index object, Positions x, std::span<const Vec3> points, double distance,
+                             std::size_t most, const Skip& skip) {
   const auto triangles = surfaces_.topology(object).triangles();
-  other_ = crossing_[other];
-  std::erase_if(other_, [&](Index t) { return !surfaces_.is_face(object, t); });
-  if (region_[other]) {
-    other_.insert(other_.end(), region_[other]->triangles.begin(), region_[other]->triangles.end());
-  } else {
-    Vec3 low = points_[0], high = points_[0];
-    for (const Vec3& p : points_) low = low.cwiseMin(p), high = high.cwiseMax(p);
-    const Vec3 around = Vec3::Constant((high - low).norm() / 2);
-    low -= around, high += around;
-    const auto is_near = [&](Index t) {
-      const auto c = corners(x[object], triangles[t]);
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto [least, largest] = std::minmax({c[0][axis], c[1][axis], c[2][axis]});
-        if (!(least <= high[axis] && largest >= low[axis])) return false;
-      }
-      return true;
-    };
-    const bool within = objects_[0] == objects_[1];
-    if (seen_.size() < triangles.size()) seen_.resize(triangles.size(), 0);
-    if (++now_ == 0) std::fill(seen_.begin(), seen_.end(), 0), now_ = 1;
-    for (const Index t : other_) seen_[t] = now_;
-    for (std::size_t i = 0; i < other_.size(); ++i) {
-      for (const Index v : triangles[other_[i]]) {
-        for (const Index t : surfaces_.triangles_at(object, v)) {
-          if (!surfaces_.is_face(object, t)) break;  // faces come first
-          if (seen_[t] == now_) continue;
-          seen_[t] = now_;
-          if (!is_near(t)) continue;
-          if (within && (contains(crossing_[side], t) || contains(region_[side]->triangles, t))) continue;
-          other_.push_back(t);
-        }
+  Vec3 low = points[0], high = points[0];
+  for (const Vec3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  low -= Vec3::Constant(distance), high += Vec3::Constant(distance);
+  const auto is_near = [&](Index t) {
+    const auto c = corners(x[object], triangles[t]);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto [least, largest] = std::minmax({c[0][axis], c[1][axis], c[2][axis]});
+      if (!(least <= high[axis] && largest >= low[axis])) return false;
+    }
+    return true;
+  };
+  if (seen_.size() < triangles.size()) seen_.resize(triangles.size(), 0);
+  if (++now_ == 0) std::fill(seen_.begin(), seen_.end(), 0), now_ = 1;
+  for (const Index t : other_) seen_[t] = now_;
+  for (std::size_t i = 0; i < other_.size() && other_.size() < most; ++i) {
+    for (const Index v : triangles[other_[i]]) {
+      for (const Index t : surfaces_.triangles_at(object, v)) {
+        if (!surfaces_.is_face(object, t)) break;  // faces come first
+        if (seen_[t] == now_) continue;
+        seen_[t] = now_;
+        if (is_near(t) && !skip(t)) other_.push_back(t);
       }
     }
   }
-  sort_unique(other_);
-  other_corners_.clear();
-  for (const Index t : other_) other_corners_.push_back(corners(x[object], triangles[t]));
 }
 
-// Raises the depth to the largest distance of an inner point to the other surface.
-void FrameMeasurer::find_deepest(int side, Positions x) {
-  list_inner_points(side, x);
-  if (!depth_) depth_ = 0;
-  if (points_.empty()) return;
-  list_other_surface(side, x);
-  tree_.build(other_corners_);
-  if (tree_.empty()) return;
-  // A point cannot be deeper than its distance to any point of the other surface: the nearest one of the last
-  // point.
-  Vec3 known = other_corners_[0][0];
-  for (const Vec3& p : points_) {
-    if ((known - p).norm() <= *depth_) continue;
-    known = tree_.nearest(p, known);
-    const double distance = (known - p).norm();
-    if (distance <= *depth_) continue;
-    depth_ = distance;
-    deepest_ = p;
-    nearest_ = known;
+// Adds the corners of other_, from `begin` on.
+void FrameMeasurer::add_corners(Index object, Positions x, std::size_t begin) {
+  const auto triangles = surfaces_.topology(object).triangles();
+  for (std::size_t i = begin; i < other_.size(); ++i)
+    other_corners_.push_back(corners(x[object], triangles[other_[i]]));
+}
+
+// The point of `points` that is farthest from the tree's triangles, if that is farther than `least`; one of
+// which is `known`.
+std::optional<FrameMeasurer::Deepest> FrameMeasurer::farthest(std::span<const Vec3> points, const Vec3& known,
+                                                              double least) const {
+  std::optional<Deepest> out;
+  // A point is not farther than any point of the triangles is: the nearest one of the last point.
+  Vec3 nearest = known;
+  for (const Vec3& p : points) {
+    if ((nearest - p).norm() <= least) continue;
+    nearest = tree_.nearest(p, nearest);
+    const double distance = (nearest - p).norm();
+    if (distance > least) out = {distance, p, nearest}, least = distance;
   }
+  return out;
+}
+
+// Raises the depth to the largest distance of points_ to other_corners_.
+void FrameMeasurer::raise_depth() {
+  if (points_.empty() || other_corners_.empty()) return;
+  tree_.build(other_corners_);
+  if (const auto found = farthest(points_, other_corners_[0][0], *deepest_.depth)) deepest_ = *found;
+}
+
+// Raises the depth to the largest distance of points_ to other_corners_, or to the surface around: what is
+// connected to other_, whose corners are those at first.
+template <class Skip>
+void FrameMeasurer::raise_depth_around(Index object, Positions x, std::size_t most, const Skip& skip) {
+  if (points_.empty() || other_corners_.empty()) return;
+  tree_.build(other_corners_);
+  const std::size_t seeds = other_.size(), corners = other_corners_.size();
+  // No point is deeper than the farthest from other_corners_. It may be as deep, and then it is the deepest;
+  // else those matter that may be deeper.
+  const auto bound = farthest(points_, other_corners_[0][0], *deepest_.depth);
+  if (!bound) return;
+  const Vec3 known = other_corners_[0][0];
+  std::vector<Vec3> deep(1, bound->point);
+  add_near(object, x, deep, *bound->depth, most, skip);
+  add_corners(object, x, seeds);
+  Deepest first = *bound;
+  for (std::size_t i = corners; i < other_corners_.size(); ++i) {
+    const Vec3 p = nearest_on_triangle(bound->point, other_corners_[i]);
+    const double distance = (p - bound->point).norm();
+    if (distance < *first.depth) first = {distance, bound->point, p};
+  }
+  if (*first.depth > *deepest_.depth) deepest_ = first;
+  if (*first.depth == *bound->depth) return;
+  Vec3 nearest = bound->nearest;
+  deep.clear();
+  for (const Vec3& p : points_) {
+    if ((nearest - p).norm() <= *deepest_.depth) continue;
+    nearest = tree_.nearest(p, nearest);
+    if ((nearest - p).norm() > *deepest_.depth) deep.push_back(p);
+  }
+  if (deep.empty()) return;
+  other_.resize(seeds);
+  other_corners_.resize(corners);
+  add_near(object, x, deep, *bound->depth, most, skip);
+  add_corners(object, x, seeds);
+  tree_.build(other_corners_);
+  if (const auto found = farthest(deep, known, *deepest_.depth)) deepest_ = *found;
+}
+
+// The same for the other surface around what crosses.
+void FrameMeasurer::raise_depth_around(int side, Positions x, bool all) {
+  const Index object = objects_[1 - side];
+  const bool within = objects_[0] == objects_[1];
+  other_ = crossing_[1 - side];
+  std::erase_if(other_, [&](Index t) { return !surfaces_.is_face(object, t); });
+  other_corners_.clear();
+  add_corners(object, x, 0);
+  raise_depth_around(object, x, all ? kAll : 2 * other_.size() + 256, [&](Index t) {
+    return within &&
+           (contains(crossing_[side], t) || (region_[side] && contains(region_[side]->triangles, t)));
+  });
+}
+
+void FrameMeasurer::find_deepest(int side, Positions x) {
+  list_inner_points(*region_[side], query_[side], x);
+  if (!deepest_.depth) deepest_.depth = 0;
+  if (points_.empty()) return;
+  const int other = 1 - side;
+  if (!region_[other]) return raise_depth_around(side, x, true);
+  other_ = crossing_[other];
+  std::erase_if(other_, [&](Index t) { return !surfaces_.is_face(objects_[other], t); });
+  other_.insert(other_.end(), region_[other]->triangles.begin(), region_[other]->triangles.end());
+  sort_unique(other_);
+  other_corners_.clear();
+  add_corners(objects_[other], x, 0);
+  raise_depth();
+}
+
+// Of a surface that goes into itself, what is nearest is the rest of it: what is outside.
+void FrameMeasurer::find_deepest_of_body(Positions x) {
+  list_inner_points(*body_, body_query_, x);
+  if (points_.empty()) return;
+  deepest_.depth = 0;
+  other_ = body_cut_;
+  other_corners_.clear();
+  for (const Index t : body_cut_) regions_.add_outside(t, x, other_corners_);
+  for (const auto& line : curves_.lines) {
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      const Vec3 p = curves_.piercings[line[i - 1]].position, q = curves_.piercings[line[i]].position;
+      other_corners_.push_back({p, q, q});
+    }
+  }
+  raise_depth_around(body_query_.object, x, kAll, [&](Index t) { return contains(body_->triangles, t); });
+}
+
+// On which side of its faces a surface is outside: 1 in front, -1 behind, 0 nowhere, as it is open where it
+// is crossed.
+int FrameMeasurer::front_of(int side, Positions x) const {
+  const Index object = objects_[side];
+  const Shells& shells = surfaces_.shells(object);
+  const Index shell = shells.of(surfaces_.topology(object).triangles()[cut_[side][0]][0]);
+  const auto& line = curves_.lines[0];
+  const Vec3& p = curves_.piercings[line[line.size() / 2]].position;
+  constexpr double kMostOpen = 0.25;  // then the winding numbers 3/4 and -1/4 are inside and outside
+  if (!shells.is_closed(shell) && !(shells.open_share(shell, x[object], p) < kMostOpen)) return 0;
+  return shells.outward(shell, x[object]);
+}
+
+void FrameMeasurer::find_regions(bool folded, Positions x) {
+  for (int side = 0; side < 2; ++side) {
+    region_[side].reset();
+    cut_[side] = crossing_[side];
+    if (!curves_.as_given) {
+      cut_[side].clear();
+      for (const CrossingPair& pair : curves_.pairs) cut_[side].push_back(pair.triangle(side));
+      sort_unique(cut_[side]);
+    }
+    query_[side] = {objects_[side], {side == 0, side == 1}, cut_[side], 0};
+  }
+  body_.reset();
+  if (curves_.lines.empty()) return;
+  const auto shell = [&](int side) {
+    const Index vertex = surfaces_.topology(objects_[side]).triangles()[cut_[side][0]][0];
+    return surfaces_.shells(objects_[side]).of(vertex);
+  };
+  const bool one_shell = objects_[0] == objects_[1] && shell(0) == shell(1);
+  for (int side = 0; side < 2; ++side) {
+    if (folded || (one_shell && !curves_.closed)) continue;
+    RegionQuery query = query_[side];
+    if (!curves_.closed) {
+      query.behind = front_of(1 - side, x);
+      if (query.behind == 0) continue;
+    }
+    region_[side] = regions_.find(curves_, query, x);
+  }
+  if (!one_shell || curves_.at_borders || region_[0] || region_[1]) return;
+  body_cut_ = cut_[0];
+  body_cut_.insert(body_cut_.end(), cut_[1].begin(), cut_[1].end());
+  sort_unique(body_cut_);
+  body_query_ = {objects_[0], {true, true}, body_cut_, 0};
+  body_ = regions_.find(curves_, body_query_, x);
+}
+
+// How far the smaller part of a surface reaches beyond the other surface, where neither has an inside.
+void FrameMeasurer::find_reach(Positions x) {
+  for (int side = 0; side < 2; ++side) {
+    region_[side] = regions_.find(curves_, query_[side], x);
+    if (region_[side]) find_deepest(side, x);
+    region_[side].reset();
+  }
+  if (deepest_.depth) return;
+  for (int side = 0; side < 2; ++side) find_reach_of_tips(side, x);
+  // Along the curve they come apart, too.
+  if (deepest_.depth) deepest_.depth = std::min(*deepest_.depth, curves_.length);
+}
+
+// The same where curves end within both surfaces.
+void FrameMeasurer::find_reach_of_tips(int side, Positions x) {
+  const auto tips = regions_.find_tips(curves_, query_[side], x);
+  const Deepest before = deepest_;
+  std::optional<Deepest> least;
+  for (const auto& tip : tips) {
+    points_.clear();
+    for (const Index v : tip) points_.push_back(position(x[objects_[side]], v));
+    if (points_.empty()) continue;
+    deepest_.depth = 0;
+    raise_depth_around(side, x, false);
+    if (!least || *deepest_.depth < *least->depth) least = deepest_;
+  }
+  deepest_ = least && *least->depth > before.depth.value_or(-1) ? *least : before;
+}
+
+// Gives what is inside of a surface that goes into itself to the sides whose cut edges are nearest along it.
+void FrameMeasurer::split_body() {
+  const Index object = objects_[0];
+  const auto triangles = surfaces_.topology(object).triangles();
+  side_of_.assign(body_->vertices.size(), kUnknown);
+  if (places_.size() < surfaces_.topology(object).vertex_count())
+    places_.resize(surfaces_.topology(object).vertex_count());
+  for (Index i = 0; i < body_->vertices.size(); ++i) places_[body_->vertices[i]] = i;
+  const auto is_in_body = [&](Index v) {
+    const Index place = places_[v];
+    return place < body_->vertices.size() && body_->vertices[place] == v;
+  };
+  std::vector<Index> queue;
+  const auto take = [&](Index v, int side) {
+    if (side_of_[places_[v]] != kUnknown) return;
+    side_of_[places_[v]] = static_cast<std::uint8_t>(side);
+    queue.push_back(v);
+  };
+  for (const Piercing& p : curves_.piercings) {
+    for (const Index v : p.edge) {
+      if (is_in_body(v)) take(v, p.side);
+    }
+  }
+  for (std::size_t i = 0; i < queue.size(); ++i) {
+    for (const Index t : surfaces_.triangles_at(object, queue[i])) {
+      const Triangle& corners = triangles[t];
+      if (!std::all_of(corners.begin(), corners.end(), is_in_body)) continue;
+      for (const Index w : corners) take(w, side_of_[places_[queue[i]]]);
+    }
+  }
+  std::vector<Index> crossing;
+  std::set_union(crossing_[0].begin(), crossing_[0].end(), crossing_[1].begin(), crossing_[1].end(),
+                 std::back_inserter(crossing));
+  auto next = crossing.begin();
+  for (const Index t : body_->triangles) {
+    while (next != crossing.end() && *next < t) ++next;
+    if (next == crossing.end() || *next != t)
+      inside_[side_of_[places_[triangles[t][0]]] == 1 ? 1 : 0].push_back(t);
+  }
+}
+
+// Whether nothing is inside, beyond rounding.
+void FrameMeasurer::set_touching(ContactFrame& out) {
+  out.touching = curves_.pierced.empty() &&
+                 (curves_.lines.empty() || (deepest_.depth && *deepest_.depth <= curves_.rounding));
+  if (!out.touching) return;
+  deepest_.depth.reset();
+  body_.reset();
+  for (auto& region : region_) region.reset();
 }
 
 void FrameMeasurer::measure(std::span<const CrossingPair> pairs, bool folded, Positions x,
@@ -114,33 +339,57 @@ void FrameMeasurer::measure(std::span<const CrossingPair> pairs, bool folded, Po
     crossing_[side].clear();
     for (const CrossingPair& pair : pairs) crossing_[side].push_back(pair.triangle(side));
     sort_unique(crossing_[side]);
-    region_[side].reset();
   }
   trace_curves(surfaces_, pairs, x, curves_);
-  depth_.reset();
-  deepest_ = nearest_ = Vec3::Zero();
-  for (int side = 0; side < 2 && !folded; ++side) {
-    std::vector<Index> cut;
-    for (const CrossingPair& pair : curves_.pairs) cut.push_back(pair.triangle(side));
-    sort_unique(cut);
-    region_[side] = regions_.find(curves_, side, objects_[side], cut, x);
+  find_regions(folded, x);
+  deepest_ = {};
+  for (int side = 0; side < 2; ++side) {
+    if (region_[side]) find_deepest(side, x);
   }
+  if (body_) find_deepest_of_body(x);
+  out.at_least = false;
+  if (!deepest_.depth && !curves_.lines.empty()) {
+    find_reach(x);
+    out.at_least = deepest_.depth.has_value();
+  }
+  set_touching(out);
+  out.at_least &= !out.touching;
+  out.depth = deepest_.depth;
   out.crossings = pairs.size();
   out.triangles = 0;
   out.curve_length = curves_.length;
   out.closed = curves_.closed;
+  for (auto& triangles : inside_) triangles.clear();
+  if (body_) split_body();
   for (int side = 0; side < 2; ++side) {
     out.area[side].reset();
-    out.triangles += crossing_[side].size();
-    inside_[side].clear();
-    if (!region_[side]) continue;
-    out.area[side] = region_[side]->area;
-    std::set_difference(region_[side]->triangles.begin(), region_[side]->triangles.end(),
-                        crossing_[side].begin(), crossing_[side].end(), std::back_inserter(inside_[side]));
-    out.triangles += inside_[side].size();
-    find_deepest(side, x);
+    if (region_[side]) {
+      out.area[side] = region_[side]->area;
+      std::set_difference(region_[side]->triangles.begin(), region_[side]->triangles.end(),
+                          crossing_[side].begin(), crossing_[side].end(), std::back_inserter(inside_[side]));
+    }
+    out.triangles += crossing_[side].size() + inside_[side].size();
   }
-  out.depth = depth_;
+}
+
+// A point of the curves, or of what touches, in the middle.
+Vec3 FrameMeasurer::middle_of_curves(std::span<const CrossingPair> pairs, Positions x) const {
+  std::vector<Vec3> points = curves_.pierced;
+  for (const auto& line : curves_.lines) {
+    for (const Index n : line) points.push_back(curves_.piercings[n].position);
+  }
+  for (std::size_t i = 0; i < pairs.size() && curves_.lines.empty() && curves_.pierced.empty(); ++i) {
+    const auto at = [&](int side) {
+      const Index object = pairs[i].object(side);
+      return corners(x[object], surfaces_.topology(object).triangles()[pairs[i].triangle(side)]);
+    };
+    points.push_back(touching_point(at(0), at(1)));
+  }
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : points) middle += p / static_cast<double>(points.size());
+  const auto distance = [&](const Vec3& p) { return (p - middle).squaredNorm(); };
+  return *std::min_element(points.begin(), points.end(),
+                           [&](const Vec3& p, const Vec3& q) { return distance(p) < distance(q); });
 }
 
 void FrameMeasurer::describe(std::span<const CrossingPair> pairs, Positions x, Contact& out) const {
@@ -159,22 +408,16 @@ void FrameMeasurer::describe(std::span<const CrossingPair> pairs, Positions x, C
   out.low = low;
   out.high = high;
   out.curves.clear();
-  Vec3 sum = Vec3::Zero();
-  std::size_t count = 0;
   for (const auto& line : curves_.lines) {
     auto& points = out.curves.emplace_back();
     for (const Index n : line) points.push_back(curves_.piercings[n].position);
-    for (const Vec3& p : points) sum += p, ++count;
   }
-  if (count == 0) {
-    for (const Vec3& p : curves_.pierced) sum += p, ++count;
-  }
-  out.point = count > 0 ? sum / static_cast<double>(count) : (low + high) / 2;
   Vec3 normal = Vec3::Zero();
-  if (depth_ && *depth_ > 0) {
-    out.point = deepest_;
-    normal = deepest_ - nearest_;
+  if (deepest_.depth && *deepest_.depth > 0) {
+    out.point = deepest_.point;
+    normal = deepest_.point - deepest_.nearest;
   } else {
+    out.point = middle_of_curves(pairs, x);
     for (const CrossingPair& pair : pairs) {
       for (int side = 0; side < 2; ++side) {
         const Index object = pair.object(side);

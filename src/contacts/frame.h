@@ -13,7 +13,7 @@ class FrameMeasurer {
   explicit FrameMeasurer(const Surfaces& surfaces) : surfaces_(surfaces), regions_(surfaces) {}
 
   /// Measures the pairs of one contact in the pose `x`. Writes what belongs to this frame into `out`, all but
-  /// its time; `folded`: no regions.
+  /// its time; `folded`: the sides are one, so neither has a region of its own.
   void measure(std::span<const CrossingPair> pairs, bool folded, Positions x, ContactFrame& out);
   /// Of the last measured contact: the triangles of a side that lie entirely inside, ascending.
   std::span<const Index> inside(int side) const { return inside_[side]; }
@@ -21,25 +21,53 @@ class FrameMeasurer {
   void describe(std::span<const CrossingPair> pairs, Positions x, Contact& out) const;
 
  private:
+  // The deepest point found so far, and the nearest one of what is outside.
+  struct Deepest {
+    std::optional<double> depth;
+    Vec3 point, nearest;
+  };
+
+  void find_regions(bool folded, Positions x);
+  int front_of(int side, Positions x) const;
   void find_deepest(int side, Positions x);
-  void list_inner_points(int side, Positions x);
-  void list_other_surface(int side, Positions x);
+  void find_deepest_of_body(Positions x);
+  void find_reach(Positions x);
+  void find_reach_of_tips(int side, Positions x);
+  void split_body();
+  void set_touching(ContactFrame& out);
+  void list_inner_points(const Region& region, const RegionQuery& query, Positions x);
+  void add_corners(Index object, Positions x, std::size_t begin);
+  template <class Skip>
+  void add_near(Index object, Positions x, std::span<const Vec3> points, double distance, std::size_t most,
+                const Skip& skip);
+  std::optional<Deepest> farthest(std::span<const Vec3> points, const Vec3& known, double least) const;
+  void raise_depth();
+  void raise_depth_around(int side, Positions x, bool all);
+  template <class Skip>
+  void raise_depth_around(Index object, Positions x, std::size_t most, const Skip& skip);
+  Vec3 middle_of_curves(std::span<const CrossingPair> pairs, Positions x) const;
 
   const Surfaces& surfaces_;
   RegionFinder regions_;
   Curves curves_;
   std::array<Index, 2> objects_{};
   std::array<std::vector<Index>, 2> crossing_;  // triangles, per side
+  std::array<std::vector<Index>, 2> cut_;       // triangles that the curves go through, per side
+  std::array<RegionQuery, 2> query_;
   std::array<std::optional<Region>, 2> region_;
+  std::vector<Index> body_cut_;  // of both sides
+  RegionQuery body_query_;
+  std::optional<Region> body_;                // of a surface that goes into itself: both sides as one
   std::array<std::vector<Index>, 2> inside_;  // the region's triangles that do not cross
   std::vector<Vec3> points_;                  // of one side, inside
   std::vector<Index> other_;
   std::vector<std::array<Vec3, 3>> other_corners_;
-  std::vector<std::uint32_t> seen_;  // per triangle: the last search that saw it
+  std::vector<Index> places_;          // per vertex: where it is in the body's list, if it is there
+  std::vector<std::uint8_t> side_of_;  // per vertex of the body
+  std::vector<std::uint32_t> seen_;    // per triangle: the last search that saw it
   std::uint32_t now_ = 0;
   NearestTriangles tree_;
-  std::optional<double> depth_;
-  Vec3 deepest_, nearest_;
+  Deepest deepest_;
 };
 
 }  // namespace foldproof::inline internal

@@ -16,6 +16,13 @@ std::uint64_t place_of(std::uint64_t key) {
   return (block ^ (block >> 29)) + (key & kNeighbors);
 }
 
+std::uint64_t key_of(Index u, Index w) { return std::uint64_t{std::min(u, w)} << 32 | std::max(u, w); }
+
+// The vertices of a key.
+std::array<Index, 2> vertices_of(std::uint64_t key) {
+  return {static_cast<Index>(key >> 32), static_cast<Index>(key)};
+}
+
 }  // namespace
 
 Index& Joiner::Map::slot(std::uint64_t key) {
@@ -23,6 +30,14 @@ Index& Joiner::Map::slot(std::uint64_t key) {
   std::size_t i = place_of(key) & mask;
   while (slots[i] != kNoIndex && entries[slots[i]].key != key) i = (i + 1) & mask;
   return slots[i];
+}
+
+const Joiner::Entry* Joiner::Map::find(std::uint64_t key) const {
+  if (entries.empty()) return nullptr;
+  const std::size_t mask = slots.size() - 1;
+  std::size_t i = place_of(key) & mask;
+  while (slots[i] != kNoIndex && entries[slots[i]].key != key) i = (i + 1) & mask;
+  return slots[i] == kNoIndex ? nullptr : &entries[slots[i]];
 }
 
 void Joiner::Map::make_room(std::size_t count) {
@@ -87,21 +102,20 @@ void Joiner::fetch_keys() {
 }
 
 // A key of the newest element.
-void Joiner::add_key(std::uint64_t key, bool reversed) {
+void Joiner::add_key(std::uint64_t key, bool reversed, std::array<bool, 2> is_vertex) {
   const auto element = static_cast<Index>(links_.size() - 1);
   Index& slot = now_.slot(key);
   if (slot != kNoIndex) {
-    const Entry& entry = now_.entries[slot];
+    Entry& entry = now_.entries[slot];
+    for (std::size_t k = 0; k < 2; ++k) entry.is_vertex[k] |= is_vertex[k];
     if (entry.element != element) join(entry.element, element, entry.reversed != reversed);
     return;
   }
   slot = static_cast<Index>(now_.entries.size());
-  now_.entries.push_back({key, {}, element, reversed});
-  if (before_.entries.empty()) return;
-  const Index known = before_.slot(key);
-  if (known == kNoIndex) return;
-  const Entry& old = before_.entries[known];
-  const Label label{old.label.number, old.label.reversed != reversed};
+  now_.entries.push_back({key, {}, element, reversed, is_vertex});
+  const Entry* old = before_.find(key);
+  if (old == nullptr) return;
+  const Label label{old->label.number, old->label.reversed != reversed};
   if (found_.empty() || found_.back().first != element || found_.back().second.number != label.number ||
       found_.back().second.reversed != label.reversed)
     found_.emplace_back(element, label);
@@ -111,29 +125,69 @@ void Joiner::add(std::span<const Index> a, std::span<const Index> b) {
   links_.push_back({static_cast<Index>(links_.size()), false});
   folded_.push_back(0);
   // Vertices of both sides do not say which side is which.
-  const auto without = [](std::span<const Index> all, std::span<const Index> other, std::vector<Index>& out) {
-    out.clear();
-    for (const Index v : all) {
-      if (std::find(other.begin(), other.end(), v) == other.end()) out.push_back(v);
-    }
-    if (out.empty()) out.assign(all.begin(), all.end());
+  const auto has = [](std::span<const Index> all, Index v) {
+    return std::find(all.begin(), all.end(), v) != all.end();
   };
-  without(a, b, only_a_);
-  without(b, a, only_b_);
+  const auto only = [&](std::span<const Index> all, std::span<const Index> other, Index v) {
+    return !has(other, v) || std::all_of(all.begin(), all.end(), [&](Index w) { return has(other, w); });
+  };
   keys_.clear();
-  for (const Index u : only_a_) {
-    for (const Index w : only_b_) {
-      if (u != w) keys_.emplace_back(std::uint64_t{std::min(u, w)} << 32 | std::max(u, w), w < u);
+  for (const Index u : a) {
+    if (!only(a, b, u)) continue;
+    for (const Index w : b) {
+      if (u != w && only(b, a, w)) keys_.emplace_back(key_of(u, w), w < u);
     }
   }
   now_.make_room(keys_.size());
   fetch_keys();
-  for (const auto& [key, reversed] : keys_) add_key(key, reversed);
+  for (const auto& [key, reversed] : keys_) {
+    const std::array<bool, 2> side{a.size() == 1 && b.size() == 3, b.size() == 1 && a.size() == 3};
+    add_key(key, reversed, {side[reversed ? 1 : 0], side[reversed ? 0 : 1]});
+  }
 }
 
-const Joiner::Groups& Joiner::groups() {
-  constexpr Index kNone = kNoIndex;
-  groups_.group.assign(links_.size(), kNone);
+// Joins elements of a vertex and a face each whose vertices are neighbors.
+void Joiner::join_neighbors() {
+  for (const Entry& entry : now_.entries) {
+    const std::array<Index, 2> vertices = vertices_of(entry.key);
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (!entry.is_vertex[k]) continue;
+      const Index other = vertices[1 - k];
+      surfaces_.for_each_higher_neighbor(vertices[k], [&](Index neighbor) {
+        if (neighbor == other) return;
+        const Entry* found = now_.find(key_of(neighbor, other));
+        if (found == nullptr || !found->is_vertex[neighbor < other ? 0 : 1]) return;
+        const bool exchanged = (vertices[k] < other) != (neighbor < other);
+        join(entry.element, found->element, (entry.reversed != found->reversed) != exchanged);
+      });
+    }
+  }
+}
+
+// A group that has no key in common with the last slice continues what has a neighboring one.
+void Joiner::continue_neighbors() {
+  if (before_.entries.empty()) return;
+  std::vector<std::uint8_t> is_new(links_.size(), 1);  // per root
+  for (const auto& [element, label] : found_) is_new[find_root(element).parent] = 0;
+  for (const Entry& entry : now_.entries) {
+    if (!is_new[find_root(entry.element).parent]) continue;
+    const std::array<Index, 2> vertices = vertices_of(entry.key);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Index other = vertices[1 - k];
+      surfaces_.for_each_neighbor(vertices[k], [&](Index neighbor) {
+        if (neighbor == other) return;
+        const Entry* old = before_.find(key_of(neighbor, other));
+        if (old == nullptr) return;
+        const bool exchanged = (vertices[k] < other) != (neighbor < other);
+        found_.emplace_back(entry.element,
+                            Label{old->label.number, (old->label.reversed != entry.reversed) != exchanged});
+      });
+    }
+  }
+}
+
+void Joiner::list_groups() {
+  groups_.group.assign(links_.size(), kNoIndex);
   groups_.reversed.assign(links_.size(), 0);
   groups_.labels.clear();
   groups_.folded.clear();
@@ -149,9 +203,17 @@ const Joiner::Groups& Joiner::groups() {
   }
   groups_.labels.resize(groups_.folded.size());
   for (const auto& [element, label] : found_) {
-    groups_.labels[groups_.group[element]].push_back(
-        {label.number, label.reversed != static_cast<bool>(groups_.reversed[element])});
+    const Label seen{label.number, label.reversed != static_cast<bool>(groups_.reversed[element])};
+    auto& labels = groups_.labels[groups_.group[element]];
+    if (labels.empty() || labels.back().number != seen.number || labels.back().reversed != seen.reversed)
+      labels.push_back(seen);
   }
+}
+
+const Joiner::Groups& Joiner::find_groups() {
+  join_neighbors();
+  continue_neighbors();
+  list_groups();
   return groups_;
 }
 
@@ -162,7 +224,5 @@ void Joiner::end(std::span<const Label> labels) {
                    (label.reversed != static_cast<bool>(groups_.reversed[entry.element])) != entry.reversed};
   }
 }
-
-void Joiner::clear() { now_.clear(); }
 
 }  // namespace foldproof::internal

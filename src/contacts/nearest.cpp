@@ -38,34 +38,42 @@ Vec3 nearest_on_triangle(const Vec3& p, const std::array<Vec3, 3>& t) {
 }
 
 void NearestTriangles::build(std::span<const std::array<Vec3, 3>> triangles) {
-  triangles_.assign(triangles.begin(), triangles.end());
   nodes_.clear();
-  if (!triangles_.empty()) build_node(0, static_cast<Index>(triangles_.size()));
+  centers_.clear();
+  for (Index i = 0; i < triangles.size(); ++i) {
+    const auto& [a, b, c] = triangles[i];
+    centers_.push_back({a + b + c, i});
+  }
+  triangles_.resize(triangles.size());
+  if (!triangles.empty()) build_node(triangles, 0, static_cast<Index>(triangles.size()));
 }
 
-Index NearestTriangles::build_node(Index begin, Index end) {
+Index NearestTriangles::build_node(std::span<const std::array<Vec3, 3>> triangles, Index begin, Index end) {
   const auto id = static_cast<Index>(nodes_.size());
-  Node node;
-  node.low = node.high = triangles_[begin][0];
-  for (Index i = begin; i < end; ++i) {
-    for (const Vec3& v : triangles_[i]) {
-      node.low = node.low.cwiseMin(v);
-      node.high = node.high.cwiseMax(v);
+  nodes_.emplace_back();
+  if (end - begin <= kLeafSize) {
+    Node node{triangles[centers_[begin].triangle][0], triangles[centers_[begin].triangle][0], 0, begin, end};
+    for (Index i = begin; i < end; ++i) {
+      triangles_[i] = triangles[centers_[i].triangle];
+      for (const Vec3& v : triangles_[i]) {
+        node.low = node.low.cwiseMin(v);
+        node.high = node.high.cwiseMax(v);
+      }
     }
+    nodes_[id] = node;
+    return id;
   }
-  node.begin = begin;
-  node.end = end;
-  nodes_.push_back(node);
-  if (end - begin <= kLeafSize) return id;
-  const Vec3 extent = node.high - node.low;
+  Vec3 low = centers_[begin].sum, high = low;
+  for (Index i = begin; i < end; ++i)
+    low = low.cwiseMin(centers_[i].sum), high = high.cwiseMax(centers_[i].sum);
+  const Vec3 extent = high - low;
   const auto axis = static_cast<std::size_t>(std::max_element(extent.begin(), extent.end()) - extent.begin());
   const Index middle = begin + (end - begin) / 2;
-  const auto center = [&](const std::array<Vec3, 3>& t) { return t[0][axis] + t[1][axis] + t[2][axis]; };
-  std::nth_element(triangles_.begin() + begin, triangles_.begin() + middle, triangles_.begin() + end,
-                   [&](const auto& a, const auto& b) { return center(a) < center(b); });
-  build_node(begin, middle);
-  const Index right = build_node(middle, end);
-  nodes_[id].right = right;
+  std::nth_element(centers_.begin() + begin, centers_.begin() + middle, centers_.begin() + end,
+                   [&](const Center& a, const Center& b) { return a.sum[axis] < b.sum[axis]; });
+  const Index left = build_node(triangles, begin, middle), right = build_node(triangles, middle, end);
+  nodes_[id] = {nodes_[left].low.cwiseMin(nodes_[right].low), nodes_[left].high.cwiseMax(nodes_[right].high),
+                right, begin, end};
   return id;
 }
 

@@ -20,9 +20,14 @@ class NearestTriangles {
     Index right = 0;  // child; the left one is the next node. 0: a leaf
     Index begin = 0, end = 0;
   };
-  Index build_node(Index begin, Index end);
+  struct Center {
+    Vec3 sum;  // of the corners
+    Index triangle;
+  };
+  Index build_node(std::span<const std::array<Vec3, 3>> triangles, Index begin, Index end);
 
-  std::vector<std::array<Vec3, 3>> triangles_;
+  std::vector<std::array<Vec3, 3>> triangles_;  // in the order of the leaves
+  std::vector<Center> centers_;
   std::vector<Node> nodes_;
 };
 

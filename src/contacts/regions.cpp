@@ -1,6 +1,7 @@
 #include "contacts/regions.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "check/motion.h"
 
@@ -26,19 +27,38 @@ double enclosed_area(const Curves& curves) {
 
 }  // namespace
 
-void RegionFinder::collect_cuts(const Curves& curves, int side) {
+// Which end of a pierced edge is behind the face.
+int RegionFinder::end_behind(const Piercing& p, Positions x) const {
+  const auto [object, triangle] = surfaces_.local_triangle(p.face);
+  const Triangle& f = surfaces_.topology(object).triangles()[triangle];
+  const Vec3 corner = position(x[object], f[0]);
+  const Vec3 normal = (position(x[object], f[1]) - corner).cross(position(x[object], f[2]) - corner);
+  return normal.dot(position(x[p.object], p.edge[1]) - position(x[p.object], p.edge[0])) < 0 ? 1 : 0;
+}
+
+void RegionFinder::collect_cuts(const Curves& curves, const RegionQuery& query, Positions x) {
   cuts_.clear();
-  const auto& all = curves.piercings;
-  for (std::size_t i = 0; i < all.size();) {
+  walls_.clear();
+  for (const Piercing& p : curves.piercings) {
+    if (p.object != query.object) continue;
+    if (p.face == kNoIndex) {
+      walls_.push_back(p.edge[0]);
+    } else if (query.sides[static_cast<std::size_t>(p.side)]) {
+      cuts_.push_back({p.edge, p.share, end_behind(p, x)});
+    }
+  }
+  const auto is_before = [](const Cut& a, const Cut& b) { return a.edge < b.edge; };
+  std::sort(walls_.begin(), walls_.end());
+  if (query.sides[0] && query.sides[1]) std::stable_sort(cuts_.begin(), cuts_.end(), is_before);
+  // An edge that is pierced twice ends where it began.
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < cuts_.size();) {
     std::size_t end = i + 1;
-    while (end < all.size() && all[end].side == all[i].side && all[end].object == all[i].object &&
-           all[end].edge == all[i].edge)
-      ++end;
-    // An edge that is pierced twice ends where it began.
-    if (all[i].side == side && all[i].face != kNoIndex && (end - i) % 2 == 1)
-      cuts_.push_back({all[i].edge, all[i].share});
+    while (end < cuts_.size() && cuts_[end].edge == cuts_[i].edge) ++end;
+    if ((end - i) % 2 == 1) cuts_[count++] = cuts_[i];
     i = end;
   }
+  cuts_.resize(count);
 }
 
 bool RegionFinder::is_cut(Index u, Index w) const {
@@ -47,6 +67,10 @@ bool RegionFinder::is_cut(Index u, Index w) const {
   const auto at = std::lower_bound(cuts_.begin(), cuts_.end(), edge,
                                    [](const Cut& cut, const Edge& e) { return cut.edge < e; });
   return at != cuts_.end() && at->edge == edge;
+}
+
+bool RegionFinder::is_wall(Index vertex) const {
+  return cut_stamps_[vertex] == stamp_ && std::binary_search(walls_.begin(), walls_.end(), vertex);
 }
 
 Index RegionFinder::component_of(Index vertex) {
@@ -75,7 +99,7 @@ void RegionFinder::visit(Index component) {
   for (const Index t : surfaces_.triangles_at(object_, vertex)) {
     if (!surfaces_.is_face(object_, t)) break;  // faces come first
     for (const Index w : triangles[t]) {
-      if (w == vertex || is_cut(vertex, w)) continue;
+      if (w == vertex || is_wall(w) || is_cut(vertex, w)) continue;
       const Index other = component_of(w);
       if (other == kNoIndex) {
         add(component, w);
@@ -101,8 +125,7 @@ void RegionFinder::visit(Index component) {
   }
 }
 
-// Grows all components at the same pace until at most one is not complete.
-void RegionFinder::grow() {
+void RegionFinder::begin_search() {
   components_.clear();
   if (++stamp_ == 0) {
     std::fill(stamps_.begin(), stamps_.end(), 0);
@@ -115,11 +138,19 @@ void RegionFinder::grow() {
     cut_stamps_.resize(vertices, 0);
     component_at_.resize(vertices);
   }
+  for (const Cut& cut : cuts_) {
+    for (const Index v : cut.edge) cut_stamps_[v] = stamp_;
+  }
+  for (const Index v : walls_) cut_stamps_[v] = stamp_;
+}
+
+// Grows all components at the same pace until at most one is not complete.
+void RegionFinder::grow() {
+  begin_search();
   active_.clear();
   for (const Cut& cut : cuts_) {
     for (const Index v : cut.edge) {
-      cut_stamps_[v] = stamp_;
-      if (component_of(v) != kNoIndex) continue;
+      if (is_wall(v) || component_of(v) != kNoIndex) continue;
       const auto component = static_cast<Index>(components_.size());
       components_.push_back({component, {}, 0});
       active_.push_back(component);
@@ -128,29 +159,30 @@ void RegionFinder::grow() {
   }
   while (active_.size() > 1) {
     for (const Index component : active_) {
-      if (root_of(component) == component &&
-          components_[component].visited < components_[component].vertices.size())
-        visit(component);
+      if (root_of(component) == component && !is_complete(component)) visit(component);
     }
-    std::erase_if(active_, [&](Index c) {
-      return root_of(c) != c || components_[c].visited == components_[c].vertices.size();
-    });
+    std::erase_if(active_, [&](Index c) { return root_of(c) != c || is_complete(c); });
   }
 }
 
+bool RegionFinder::is_complete(Index c) const {
+  return components_[c].visited == components_[c].vertices.size();
+}
+
 // Decides which components are inside: those on the other side of a cut from the one that is not complete, or
-// else from the largest one. False if cuts contradict each other.
-bool RegionFinder::assign_parts() {
+// else from the largest one; or what is behind. False if cuts contradict each other.
+bool RegionFinder::assign_parts(int behind) {
   constexpr std::uint8_t kUnknown = 2;
   inside_.assign(components_.size(), kUnknown);
+  group_.assign(components_.size(), kNoIndex);
   std::vector<std::vector<Index>> across(components_.size());
   for (const Cut& cut : cuts_) {
     const Index a = component_of(cut.edge[0]), b = component_of(cut.edge[1]);
+    if (a == kNoIndex || b == kNoIndex) continue;  // a wall
     if (a == b) return false;
     across[a].push_back(b);
     across[b].push_back(a);
   }
-  const auto is_complete = [&](Index c) { return components_[c].visited == components_[c].vertices.size(); };
   std::vector<Index> order, queue;
   for (Index c = 0; c < components_.size(); ++c) {
     if (root_of(c) == c) order.push_back(c);
@@ -164,6 +196,7 @@ bool RegionFinder::assign_parts() {
     inside_[outside] = 0;
     queue.assign(1, outside);
     for (std::size_t i = 0; i < queue.size(); ++i) {
+      group_[queue[i]] = outside;
       for (const Index c : across[queue[i]]) {
         const std::uint8_t part = 1 - inside_[queue[i]];
         if (inside_[c] == kUnknown) {
@@ -175,7 +208,72 @@ bool RegionFinder::assign_parts() {
       }
     }
   }
+  turn_groups(behind);
   return true;
+}
+
+// Exchanges inside and outside where most cuts say so. Where both parts have as many vertices, behind is
+// inside.
+void RegionFinder::turn_groups(int behind) {
+  std::vector<std::ptrdiff_t> votes(components_.size(), 0), size(components_.size(), 0);
+  for (const Cut& cut : cuts_) {
+    const Index c = component_of(cut.edge[static_cast<std::size_t>(cut.behind)]);
+    if (c != kNoIndex) votes[group_[c]] += inside_[c] == 1 ? 1 : -1;
+  }
+  for (Index c = 0; c < components_.size(); ++c) {
+    if (root_of(c) == c && is_complete(c))
+      size[group_[c]] +=
+          (inside_[c] == 1 ? 1 : -1) * static_cast<std::ptrdiff_t>(components_[c].vertices.size());
+    if (root_of(c) == c && !is_complete(c)) size[group_[c]] = std::numeric_limits<std::ptrdiff_t>::min() / 2;
+  }
+  for (Index c = 0; c < components_.size(); ++c) {
+    if (root_of(c) != c) continue;
+    const std::ptrdiff_t vote = votes[group_[c]];
+    if (behind != 0 ? behind * vote < 0 : size[group_[c]] == 0 && vote < 0) inside_[c] = 1 - inside_[c];
+    while (inside_[c] == 1 && !is_complete(c)) visit(c);
+  }
+}
+
+bool RegionFinder::is_inside(Index vertex) {
+  const Index component = component_of(vertex);
+  return component != kNoIndex && inside_[component] == 1;
+}
+
+// The corner that a curve cuts off.
+std::optional<int> RegionFinder::lone_corner(const Triangle& corners) {
+  for (int k = 0; k < 3; ++k) {
+    const Index a = corners[k], b = corners[(k + 1) % 3], c = corners[(k + 2) % 3];
+    const bool inside = is_inside(a);
+    if (inside != is_inside(b) && inside != is_inside(c) && is_cut(a, b) && is_cut(a, c)) return k;
+  }
+  return std::nullopt;
+}
+
+Vec3 RegionFinder::cut_at(Index u, Index w, Positions x) const {
+  const Edge edge{std::min(u, w), std::max(u, w)};
+  const auto cut = std::lower_bound(cuts_.begin(), cuts_.end(), edge,
+                                    [](const Cut& c, const Edge& e) { return c.edge < e; });
+  const Vec3 from = position(x[object_], edge[0]);
+  return from + cut->share * (position(x[object_], edge[1]) - from);
+}
+
+void RegionFinder::add_outside(Index t, Positions x, std::vector<std::array<Vec3, 3>>& out) {
+  const Triangle& corners = surfaces_.topology(object_).triangles()[t];
+  const auto at = [&](Index v) { return position(x[object_], v); };
+  if (std::none_of(corners.begin(), corners.end(), [&](Index v) { return is_inside(v); })) {
+    out.push_back({at(corners[0]), at(corners[1]), at(corners[2])});
+    return;
+  }
+  const auto k = lone_corner(corners);
+  if (!k) return;
+  const Index a = corners[*k], b = corners[(*k + 1) % 3], c = corners[(*k + 2) % 3];
+  const Vec3 to_b = cut_at(a, b, x), to_c = cut_at(a, c, x);
+  if (is_inside(a)) {
+    out.push_back({to_b, at(b), at(c)});
+    out.push_back({to_b, at(c), to_c});
+  } else {
+    out.push_back({at(a), to_b, to_c});
+  }
 }
 
 Region RegionFinder::region(const Curves& curves, std::span<const Index> crossing, Positions x) {
@@ -185,15 +283,12 @@ Region RegionFinder::region(const Curves& curves, std::span<const Index> crossin
       out.vertices.insert(out.vertices.end(), components_[c].vertices.begin(), components_[c].vertices.end());
   }
   std::sort(out.vertices.begin(), out.vertices.end());
-  const auto is_inside = [&](Index v) {
-    const Index component = component_of(v);
-    return component != kNoIndex && inside_[component] == 1;
-  };
   const auto triangles = surfaces_.topology(object_).triangles();
   for (const Index v : out.vertices) {
     for (const Index t : surfaces_.triangles_at(object_, v)) {
       if (!surfaces_.is_face(object_, t)) break;
-      if (std::all_of(triangles[t].begin(), triangles[t].end(), is_inside)) out.triangles.push_back(t);
+      if (std::all_of(triangles[t].begin(), triangles[t].end(), [&](Index w) { return is_inside(w); }))
+        out.triangles.push_back(t);
     }
   }
   std::sort(out.triangles.begin(), out.triangles.end());
@@ -202,34 +297,55 @@ Region RegionFinder::region(const Curves& curves, std::span<const Index> crossin
   for (const Index t : out.triangles)
     out.area += triangle_area(at(triangles[t][0]), at(triangles[t][1]), at(triangles[t][2]));
   // Where a curve cuts one corner off, the corner or the rest is inside.
-  const auto cut_at = [&](Index u, Index w) {
-    const Edge edge{std::min(u, w), std::max(u, w)};
-    const auto cut = std::lower_bound(cuts_.begin(), cuts_.end(), edge,
-                                      [](const Cut& c, const Edge& e) { return c.edge < e; });
-    return Vec3(at(edge[0]) + cut->share * (at(edge[1]) - at(edge[0])));
-  };
   for (const Index t : crossing) {
     const Triangle& corners = triangles[t];
-    for (int k = 0; k < 3; ++k) {
-      const Index a = corners[k], b = corners[(k + 1) % 3], c = corners[(k + 2) % 3];
-      const bool inside = is_inside(a);
-      if (inside == is_inside(b) || inside == is_inside(c) || !is_cut(a, b) || !is_cut(a, c)) continue;
-      const double corner = triangle_area(at(a), cut_at(a, b), cut_at(a, c));
-      out.area += inside ? corner : triangle_area(at(a), at(b), at(c)) - corner;
-    }
+    const auto k = lone_corner(corners);
+    if (!k) continue;
+    const Index a = corners[*k], b = corners[(*k + 1) % 3], c = corners[(*k + 2) % 3];
+    const double corner = triangle_area(at(a), cut_at(a, b, x), cut_at(a, c, x));
+    out.area += is_inside(a) ? corner : triangle_area(at(a), at(b), at(c)) - corner;
   }
   if (out.vertices.empty()) out.area = enclosed_area(curves);
   return out;
 }
 
-std::optional<Region> RegionFinder::find(const Curves& curves, int side, Index object,
-                                         std::span<const Index> crossing, Positions x) {
-  if (!curves.closed) return std::nullopt;
-  object_ = object;
-  collect_cuts(curves, side);
+std::optional<Region> RegionFinder::find(const Curves& curves, const RegionQuery& query, Positions x) {
+  object_ = query.object;
+  collect_cuts(curves, query, x);
   grow();
-  if (!assign_parts()) return std::nullopt;
-  return region(curves, crossing, x);
+  if (!assign_parts(query.behind)) return std::nullopt;
+  return region(curves, query.crossing, x);
+}
+
+std::array<std::vector<Index>, 2> RegionFinder::find_tips(const Curves& curves, const RegionQuery& query,
+                                                          Positions x) {
+  object_ = query.object;
+  collect_cuts(curves, query, x);
+  begin_search();
+  std::array<std::vector<Index>, 2> tips;
+  std::vector<Index> queue;
+  const auto take = [&](Index v, Index tip) {
+    if (is_wall(v) || stamps_[v] == stamp_) return;
+    stamps_[v] = stamp_;
+    component_at_[v] = tip;
+    tips[tip].push_back(v);
+    queue.push_back(v);
+  };
+  for (const Cut& cut : cuts_) {
+    take(cut.edge[static_cast<std::size_t>(1 - cut.behind)], 0);
+    take(cut.edge[static_cast<std::size_t>(cut.behind)], 1);
+  }
+  const auto triangles = surfaces_.topology(object_).triangles();
+  const std::size_t most = 64 + 2 * queue.size();
+  for (std::size_t i = 0; i < queue.size() && queue.size() < most; ++i) {
+    for (const Index t : surfaces_.triangles_at(object_, queue[i])) {
+      if (!surfaces_.is_face(object_, t)) break;  // faces come first
+      for (const Index w : triangles[t]) {
+        if (!is_cut(queue[i], w)) take(w, component_at_[queue[i]]);
+      }
+    }
+  }
+  return tips;
 }
 
 }  // namespace foldproof::internal

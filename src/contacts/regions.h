@@ -7,11 +7,21 @@
 
 namespace foldproof::inline internal {
 
-/// What of one side is inside the other surface.
+/// What of one side, or of a surface that goes into itself, is inside.
 struct Region {
   std::vector<Index> vertices;   ///< Inside, ascending; the object's own ids.
   std::vector<Index> triangles;  ///< With all corners inside, ascending.
   double area = 0;               ///< Mesh units squared; triangles that cross count in part.
+};
+
+/// Which curves divide a surface, and what of it is inside.
+struct RegionQuery {
+  Index object = 0;
+  std::array<bool, 2> sides{};  ///< Whose curves, as they lie on this object: one's, or both.
+  /// The triangles of these sides that cross, ascending.
+  std::span<const Index> crossing;
+  /// Inside is what lies behind (1) or before (-1) the faces of the other surface; 0: the smaller part.
+  int behind = 0;
 };
 
 /// Finds regions (global intersection analysis: Baraff, Witkin and Kass 2003). Keeps scratch.
@@ -19,11 +29,16 @@ class RegionFinder {
  public:
   explicit RegionFinder(const Surfaces& surfaces) : surfaces_(surfaces) {}
 
-  /// The region of a side: of the two parts that the curves divide the surface into, the smaller. None when
-  /// the curves do not divide it. `crossing`: the triangles of this side, of `object`, that cross, each once.
-  /// Cost: in proportion to the region and to the vertices near the curves.
-  std::optional<Region> find(const Curves& curves, int side, Index object, std::span<const Index> crossing,
-                             Positions x);
+  /// One of the two parts that the curves divide the surface into. None when they do not divide it.
+  /// Cost: in proportion to the smaller part and to the vertices near the curves; or to the region.
+  std::optional<Region> find(const Curves& curves, const RegionQuery& query, Positions x);
+  /// What curves that do not divide a surface have on each side of them: the vertices that are nearer, along
+  /// the surface, to the ends of the cut edges before the other surface's faces than to those behind, and the
+  /// others. Only the nearest: some dozens, and some for each cut edge.
+  std::array<std::vector<Index>, 2> find_tips(const Curves& curves, const RegionQuery& query, Positions x);
+  /// Appends what of a triangle that the curves of the last region cut is outside; nothing where they cut it
+  /// in more than two parts.
+  void add_outside(Index triangle, Positions x, std::vector<std::array<Vec3, 3>>& out);
 
  private:
   // Vertices that are connected without crossing a curve, as far as they were visited.
@@ -32,29 +47,40 @@ class RegionFinder {
     std::vector<Index> vertices;
     std::size_t visited = 0;  // of `vertices`
   };
-  void collect_cuts(const Curves& curves, int side);
+  struct Cut {
+    Edge edge;
+    double share;
+    int behind;  // which end of the edge is behind the other surface's face
+  };
+  void collect_cuts(const Curves& curves, const RegionQuery& query, Positions x);
+  int end_behind(const Piercing& piercing, Positions x) const;
+  void begin_search();
   bool is_cut(Index u, Index w) const;
+  bool is_wall(Index vertex) const;
   Index component_of(Index vertex);
   Index root_of(Index component);
   void add(Index component, Index vertex);
   void grow();
   void visit(Index component);
-  bool assign_parts();
+  bool is_complete(Index component) const;
+  bool assign_parts(int behind);
+  void turn_groups(int behind);
+  bool is_inside(Index vertex);
+  std::optional<int> lone_corner(const Triangle& triangle);
+  Vec3 cut_at(Index u, Index w, Positions x) const;
   Region region(const Curves& curves, std::span<const Index> crossing, Positions x);
 
   const Surfaces& surfaces_;
   Index object_ = 0;
-  struct Cut {
-    Edge edge;
-    double share;
-  };
-  std::vector<Cut> cuts_;  // edges that are pierced an odd number of times, sorted
+  std::vector<Cut> cuts_;     // edges that are pierced an odd number of times, sorted
+  std::vector<Index> walls_;  // vertices on a curve, sorted: nothing is connected through them
   std::vector<Component> components_;
   std::vector<Index> active_;
   std::vector<Index> component_at_;  // per vertex of the object, with `stamp_`
   std::vector<std::uint32_t> stamps_, cut_stamps_;
   std::uint32_t stamp_ = 0;
   std::vector<std::uint8_t> inside_;  // per component
+  std::vector<Index> group_;          // per component: those that cuts connect
 };
 
 }  // namespace foldproof::inline internal

@@ -11,15 +11,14 @@ Surfaces::Surfaces(std::vector<const Topology*> topologies) : topologies_(std::m
   triangle_offsets_.push_back(0);
   for (const Topology* topology : topologies_) {
     auto& stars = known[topology];
-    if (!stars) stars = stars_of(*topology);
+    if (!stars) stars = std::make_shared<const Stars>(*topology);
     stars_.push_back(stars);
     vertex_offsets_.push_back(vertex_offsets_.back() + topology->vertex_count());
     triangle_offsets_.push_back(triangle_offsets_.back() + static_cast<Index>(topology->triangles().size()));
   }
 }
 
-std::shared_ptr<const Surfaces::Stars> Surfaces::stars_of(const Topology& topology) {
-  const auto stars = std::make_shared<Stars>();
+Surfaces::Stars::Stars(const Topology& topology) : shells(topology) {
   const auto triangles = topology.triangles();
   const auto for_each_corner = [&](auto visit) {
     for (Index t = 0; t < triangles.size(); ++t) {
@@ -29,13 +28,44 @@ std::shared_ptr<const Surfaces::Stars> Surfaces::stars_of(const Topology& topolo
       if (c != a && c != b) visit(t, c);
     }
   };
-  stars->begin.assign(std::size_t{topology.vertex_count()} + 1, 0);
-  for_each_corner([&](Index, Index v) { ++stars->begin[v + 1]; });
-  for (Index v = 0; v < topology.vertex_count(); ++v) stars->begin[v + 1] += stars->begin[v];
-  stars->triangles.resize(stars->begin.back());
-  std::vector<Index> next(stars->begin.begin(), stars->begin.end() - 1);
-  for_each_corner([&](Index t, Index v) { stars->triangles[next[v]++] = t; });
-  return stars;
+  begin.assign(std::size_t{topology.vertex_count()} + 1, 0);
+  for_each_corner([&](Index, Index v) { ++begin[v + 1]; });
+  for (Index v = 0; v < topology.vertex_count(); ++v) begin[v + 1] += begin[v];
+  this->triangles.resize(begin.back());
+  std::vector<Index> next(begin.begin(), begin.end() - 1);
+  for_each_corner([&](Index t, Index v) { this->triangles[next[v]++] = t; });
+  list_neighbors(topology);
+}
+
+void Surfaces::Stars::list_neighbors(const Topology& topology) {
+  const Index vertices = topology.vertex_count();
+  neighbors_begin.assign(std::size_t{vertices} + 1, 0);
+  for (const Edge& edge : topology.edges()) {
+    for (const Index v : edge) ++neighbors_begin[v + 1];
+  }
+  const auto degree = [&](Index v) { return neighbors_begin[v + 1]; };
+  const auto is_higher = [&](Index v, Index than) {
+    return std::pair(degree(v), v) > std::pair(degree(than), than);
+  };
+  std::vector<Index> lower(vertices, 0);
+  for (const auto& [a, b] : topology.edges()) ++lower[is_higher(a, b) ? a : b];
+  higher_begin.resize(vertices);
+  std::vector<std::uint8_t> b_is_higher;
+  b_is_higher.reserve(topology.edges().size());
+  for (const auto& [a, b] : topology.edges()) b_is_higher.push_back(is_higher(b, a));
+  for (Index v = 0; v < vertices; ++v) {
+    neighbors_begin[v + 1] += neighbors_begin[v];
+    higher_begin[v] = neighbors_begin[v] + lower[v];
+  }
+  neighbors.resize(neighbors_begin.back());
+  std::vector<Index> next_lower(neighbors_begin.begin(), neighbors_begin.end() - 1),
+      next_higher = higher_begin;
+  for (std::size_t i = 0; i < b_is_higher.size(); ++i) {
+    const auto [low, high] = b_is_higher[i] ? std::array{topology.edges()[i][0], topology.edges()[i][1]}
+                                            : std::array{topology.edges()[i][1], topology.edges()[i][0]};
+    neighbors[next_higher[low]++] = high;
+    neighbors[next_lower[high]++] = low;
+  }
 }
 
 void Surfaces::triangles_with_edge(Index object, const Edge& edge, std::vector<Index>& out) const {

@@ -1,9 +1,10 @@
 /// The meshes of a check as one: ids over all objects, and the triangles around each vertex.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 
-#include "foldproof/check.h"
+#include "contacts/shells.h"
 
 namespace foldproof::inline internal {
 
@@ -19,6 +20,12 @@ class Surfaces {
 
   Index vertex(Index object, Index local) const { return vertex_offsets_[object] + local; }
   Index triangle(Index object, Index local) const { return triangle_offsets_[object] + local; }
+  /// The object and its own id of a triangle with a global one.
+  std::array<Index, 2> local_triangle(Index global) const {
+    const auto after = std::upper_bound(triangle_offsets_.begin(), triangle_offsets_.end(), global);
+    return {static_cast<Index>(after - triangle_offsets_.begin() - 1), global - *(after - 1)};
+  }
+  const Shells& shells(Index object) const { return stars_[object]->shells; }
   /// Whether a triangle is a face: the contacts of others have no curves, regions and depth.
   bool is_face(Index object, Index triangle) const { return triangle < topologies_[object]->face_count(); }
   /// Whether a vertex or an edge is one of a face.
@@ -37,14 +44,39 @@ class Surfaces {
     const Stars& s = *stars_[object];
     return std::span(s.triangles).subspan(s.begin[vertex], s.begin[vertex + 1] - s.begin[vertex]);
   }
+  /// Calls visit(neighbor) with the vertices that have an edge with one; global ids.
+  template <class Visit>
+  void for_each_neighbor(Index vertex, const Visit& visit) const {
+    const auto [object, local] = local_vertex(vertex);
+    const Stars& s = *stars_[object];
+    for (Index i = s.neighbors_begin[local]; i < s.neighbors_begin[local + 1]; ++i)
+      visit(vertex - local + s.neighbors[i]);
+  }
+  /// The same for those neighbors only that have more edges, or as many and a larger id. A vertex of many
+  /// edges has few of them: n edges give all vertices at most sqrt(2 n) each.
+  template <class Visit>
+  void for_each_higher_neighbor(Index vertex, const Visit& visit) const {
+    const auto [object, local] = local_vertex(vertex);
+    const Stars& s = *stars_[object];
+    for (Index i = s.higher_begin[local]; i < s.neighbors_begin[local + 1]; ++i)
+      visit(vertex - local + s.neighbors[i]);
+  }
   /// The triangles of an object that have an edge, ascending; all ids are the object's own.
   void triangles_with_edge(Index object, const Edge& edge, std::vector<Index>& out) const;
 
  private:
   struct Stars {
+    explicit Stars(const Topology& topology);
+    void list_neighbors(const Topology& topology);
     std::vector<Index> begin, triangles;
+    std::vector<Index> neighbors_begin, neighbors, higher_begin;  // the higher ones are last
+    Shells shells;
   };
-  static std::shared_ptr<const Stars> stars_of(const Topology& topology);
+  std::array<Index, 2> local_vertex(Index global) const {
+    if (vertex_offsets_.size() == 2) return {0, global};
+    const auto after = std::upper_bound(vertex_offsets_.begin(), vertex_offsets_.end(), global);
+    return {static_cast<Index>(after - vertex_offsets_.begin() - 1), global - *(after - 1)};
+  }
 
   std::vector<const Topology*> topologies_;
   std::vector<std::shared_ptr<const Stars>> stars_;  // objects of one topology share them

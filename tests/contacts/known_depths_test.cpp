@@ -1,0 +1,299 @@
+// Depths that are known, where curves enclose no region of a side: bent arms, open sheets, what only touches.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numbers>
+
+#include "contacts/nearest.h"
+#include "contacts/scenes.h"
+
+namespace foldproof {
+namespace {
+
+using namespace oracle;
+
+constexpr double kScales[] = {1e-6, 1, 1e6};
+
+Contact contact_of(const std::vector<Mesh>& meshes, double scale = 1) {
+  Animation animation;
+  animation.poses.emplace_back();
+  for (const Mesh& mesh : meshes) {
+    animation.topologies.push_back(mesh.topology());
+    animation.poses[0].push_back(placed(mesh, scale, {}));
+  }
+  const Found found = contacts_of(animation);
+  EXPECT_EQ(found.contacts.size(), 1u);
+  return found.contacts.empty() ? Contact{} : found.contacts[0];
+}
+
+double distance_to_surfaces(const std::vector<Mesh>& meshes, const Vec3& p) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Mesh& mesh : meshes) {
+    for (const Triangle& t : mesh.triangles) {
+      std::array<Vec3, 3> corners;
+      for (std::size_t k = 0; k < 3; ++k) corners[k] = Vec3::load(&mesh.positions[3 * t[k]]);
+      least = std::min(least, (nearest_on_triangle(p, corners) - p).norm());
+    }
+  }
+  return least;
+}
+
+void expect_depth(const std::vector<Mesh>& meshes, double depth, bool at_least = false) {
+  for (const double scale : kScales) {
+    SCOPED_TRACE(scale);
+    const Contact contact = contact_of(meshes, scale);
+    ASSERT_EQ(contact.frames.size(), 1u);
+    EXPECT_FALSE(contact.touching());
+    EXPECT_EQ(contact.at_least(), at_least);
+    ASSERT_TRUE(contact.depth());
+    EXPECT_NEAR(*contact.depth() / scale, depth, 0.05 * depth);
+    EXPECT_LT(distance_to_surfaces(meshes, contact.point / scale), 1e-9);
+  }
+}
+
+Mesh scene_mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles) {
+  Mesh mesh;
+  mesh.vertex_count = static_cast<Index>(vertices.size());
+  mesh.triangles = std::move(triangles);
+  for (const Vec3& v : vertices) mesh.positions.insert(mesh.positions.end(), v.begin(), v.end());
+  return mesh;
+}
+
+// From -half to half, each side divided into n^2 squares.
+Mesh box(const Vec3& middle, const Vec3& half, int n) {
+  std::map<std::array<int, 3>, Index> known;
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+  const auto vertex = [&](std::array<int, 3> at) {
+    const auto [place, is_new] = known.try_emplace(at, static_cast<Index>(vertices.size()));
+    if (is_new) {
+      Vec3 p = middle;
+      for (std::size_t k = 0; k < 3; ++k) p[k] += half[k] * (2.0 * at[k] / n - 1);
+      vertices.push_back(p);
+    }
+    return place->second;
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const int end : {0, n}) {
+      for (int i = 0; i < n; ++i) {
+        for (int k = 0; k < n; ++k) {
+          const auto at = [&](int u, int w) {
+            std::array<int, 3> out{};
+            out[axis] = end;
+            out[(axis + 1) % 3] = i + u;
+            out[(axis + 2) % 3] = k + w;
+            return vertex(out);
+          };
+          Triangle s{at(0, 0), at(1, 0), at(1, 1)}, t{at(0, 0), at(1, 1), at(0, 1)};
+          if (end == 0) std::swap(s[0], s[1]), std::swap(t[0], t[1]);
+          triangles.push_back(s);
+          triangles.push_back(t);
+        }
+      }
+    }
+  }
+  return scene_mesh(vertices, triangles);
+}
+
+// A square of side 2 at u, v in [-1,1], by the place of each of its points.
+Mesh sheet(Index size, const std::function<Vec3(double, double)>& place) {
+  Mesh mesh = square(size);
+  for (std::size_t i = 0; i < mesh.positions.size(); i += 3)
+    place(mesh.positions[i], mesh.positions[i + 1]).store(&mesh.positions[i]);
+  return mesh;
+}
+
+// A closed tube of radius 0.3 along x, from -1.5 to 1.5, whose rings nearest to the middle are at -gap and
+// gap. What is right of the middle is turned by an angle, up.
+Mesh bent_arm(double gap, double degrees, int around, int rings) {
+  constexpr double kRadius = 0.3;
+  const double angle = degrees * std::numbers::pi / 180;
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+  const auto add = [&](double x, double y, double z) {
+    vertices.push_back(x < 0 ? Vec3(x, y, z)
+                             : Vec3(x * std::cos(angle) - y * std::sin(angle),
+                                    x * std::sin(angle) + y * std::cos(angle), z));
+  };
+  std::vector<double> places;
+  for (int i = 0; i < rings; ++i) places.push_back(-1.5 + (1.5 - gap) * i / (rings - 1));
+  for (int i = rings; i-- > 0;) places.push_back(-places[static_cast<std::size_t>(i)]);
+  for (const double x : places) {
+    for (int k = 0; k < around; ++k) {
+      const double at = 2 * std::numbers::pi * k / around;
+      add(x, kRadius * std::cos(at), kRadius * std::sin(at));
+    }
+  }
+  const auto id = [&](std::size_t ring, int k) {
+    return static_cast<Index>(ring * std::size_t(around) + std::size_t(k % around));
+  };
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+    for (int k = 0; k < around; ++k) {
+      triangles.push_back({id(i, k), id(i, k + 1), id(i + 1, k + 1)});
+      triangles.push_back({id(i, k), id(i + 1, k + 1), id(i + 1, k)});
+    }
+  }
+  for (const std::size_t ring : {std::size_t{0}, places.size() - 1}) {
+    add(places[ring], 0, 0);
+    const auto tip = static_cast<Index>(vertices.size() - 1);
+    for (int k = 0; k < around; ++k) {
+      Triangle t{tip, id(ring, k + 1), id(ring, k)};
+      if (ring != 0) std::swap(t[1], t[2]);
+      triangles.push_back(t);
+    }
+  }
+  return scene_mesh(vertices, triangles);
+}
+
+// The inner corners of the two halves are deepest in the other half. Its inner line is nearest to them.
+TEST(KnownDepth, ElbowOfABentArm) {
+  for (const double degrees : {45.0, 60.0, 75.0, 90.0}) {
+    const double angle = degrees * std::numbers::pi / 180;
+    for (const double gap : {0.01, 0.05, 0.1}) {
+      for (const int rings : {4, 12, 40}) {
+        SCOPED_TRACE(::testing::Message() << degrees << " degrees, gap " << gap << ", rings " << rings);
+        const double beyond = 0.3 * std::tan(angle / 2) - gap;
+        expect_depth({bent_arm(gap, degrees, 64, rings)}, beyond * std::sin(angle));
+      }
+    }
+  }
+}
+
+TEST(KnownDepth, ElbowIsInsideWhereItIsRed) {
+  const Mesh arm = bent_arm(0.02, 80, 64, 60);
+  const Contact contact = contact_of({arm});
+  for (int side = 0; side < 2; ++side) {
+    EXPECT_GT(contact.sides[side].inside.size(), 20u);
+    for (const Index t : contact.sides[side].inside) {
+      for (const Index v : arm.triangles[t]) {
+        const Vec3 p = Vec3::load(&arm.positions[3 * v]);
+        // Within the straight half that it does not belong to.
+        const double c = std::cos(80 * std::numbers::pi / 180), s = std::sin(80 * std::numbers::pi / 180);
+        const double to_left = std::hypot(p.y(), p.z()), to_right = std::hypot(-p.x() * s + p.y() * c, p.z());
+        EXPECT_LT(std::min(to_left, to_right), 0.3);
+      }
+    }
+  }
+}
+
+TEST(KnownDepth, SphereInSphereOfOneMesh) {
+  const Mesh ball = unit_sphere(40);
+  for (const double sunk : {0.05, 0.2, 0.5}) {
+    Mesh other = ball;
+    other.positions = placed(ball, 0.9, Vec3(1.1, 1.2, 0.7).normalized() * (1.9 - sunk));
+    expect_depth({together(ball, other)}, sunk);
+    expect_depth({ball, other}, sunk);
+  }
+}
+
+TEST(KnownDepth, CornerOfABoxInASheet) {
+  // The tip is the corner at (-1, -1, -1), turned down.
+  Mesh cube = box({}, Vec3::Constant(0.5), 3);
+  for (const double sunk : {0.02, 0.1, 0.3}) {
+    Mesh turned = cube;
+    for (std::size_t i = 0; i < turned.positions.size(); i += 3) {
+      const Vec3 p = Vec3::load(&cube.positions[i]);
+      const double r2 = std::sqrt(2.0), r3 = std::sqrt(3.0), r6 = std::sqrt(6.0);
+      Vec3((p.x() - p.y()) / r2 + 0.013, (p.x() + p.y() - 2 * p.z()) / r6 + 0.017,
+           (p.x() + p.y() + p.z()) / r3 + r3 / 2 - sunk)
+          .store(&turned.positions[i]);
+    }
+    expect_depth({turned, square(31)}, sunk);
+  }
+}
+
+// The sheet's border is in the box: the curve ends there.
+TEST(KnownDepth, BorderOfASheetInABox) {
+  for (const double sunk : {0.05, 0.2, 0.4}) {
+    for (const double half_width : {0.5, 3.0}) {
+      SCOPED_TRACE(::testing::Message() << sunk << " " << half_width);
+      const Mesh cube = box({-0.7 + sunk + 1 + 0.5, 0.011, 0.013}, {0.7, half_width, 0.5}, 5);
+      // The box begins at x = 0.3 + sunk + 0.5, the sheet ends there plus sunk.
+      const double begin = -0.7 + sunk + 1 + 0.5 - 0.7;
+      const Mesh flat = sheet(40, [&](double u, double v) { return Vec3(u - 1 + begin + sunk, v, 0); });
+      expect_depth({cube, flat}, sunk);
+      expect_depth({flat, cube}, sunk);
+    }
+  }
+}
+
+// A bowl, open at the top, is nearly closed where the sheet goes in.
+TEST(KnownDepth, BorderOfASheetInABallWithAHole) {
+  Mesh ball = unit_sphere(40);
+  std::erase_if(ball.triangles, [&](const Triangle& t) { return ball.positions[3 * t[0] + 2] > 0.9; });
+  const Mesh flat =
+      sheet(40, [&](double u, double v) { return Vec3(0.3 * u - 1.1, 0.3 * v + 0.003, 0.007); });
+  const Contact contact = contact_of({ball, flat});
+  ASSERT_TRUE(contact.depth());
+  EXPECT_FALSE(contact.at_least());
+  // Of the two corners inside the box of the sheet, 0.8 from the middle along x.
+  EXPECT_NEAR(*contact.depth(), 0.2, 0.01);
+}
+
+TEST(KnownDepth, SheetsThatPassThroughEachOther) {
+  const Mesh lying = square(12);
+  const Mesh standing = sheet(12, [](double u, double v) { return Vec3(0.03, 0.5 * u + 0.011, v + 0.02); });
+  expect_depth({lying, standing}, 0.98, true);
+  // Two cards, each in a slot of the other.
+  const Mesh card = sheet(12, [](double u, double v) { return Vec3(u + 1.613, 0.011, v + 0.02); });
+  const Contact contact = contact_of({lying, card});
+  EXPECT_TRUE(contact.at_least());
+  ASSERT_TRUE(contact.depth());
+  EXPECT_NEAR(contact.frames[0].curve_length, 0.387, 1e-3);
+  EXPECT_NEAR(*contact.depth(), 0.387, 1e-3);
+}
+
+TEST(Touching, BoxesThatStandOnEachOther) {
+  for (const double scale : kScales) {
+    const std::vector<Mesh> boxes{box({}, Vec3::Constant(0.5), 3),
+                                  box({0.1, 0.2, 1}, Vec3::Constant(0.5), 4)};
+    for (const auto& scene : {boxes, {together(boxes[0], boxes[1])}}) {
+      const Contact contact = contact_of(scene, scale);
+      ASSERT_EQ(contact.frames.size(), 1u);
+      EXPECT_TRUE(contact.touching());
+      EXPECT_FALSE(contact.at_least());
+      EXPECT_FALSE(contact.depth()) << *contact.depth();
+      EXPECT_EQ(contact.frames[0].severity(), 0);
+      EXPECT_LT(distance_to_surfaces(scene, contact.point / scale), 1e-9);
+    }
+  }
+}
+
+// A cube whose sides have vertices of their own touches itself along its edges.
+TEST(Touching, SidesOfACubeWithSeams) {
+  const Mesh cube = box({0.5, 0.5, 0.5}, Vec3::Constant(0.5), 1);
+  Mesh seams;
+  for (std::size_t i = 0; i < cube.triangles.size(); i += 2) {
+    Mesh side;
+    std::map<Index, Index> known;
+    for (const Triangle& t : {cube.triangles[i], cube.triangles[i + 1]}) {
+      Triangle own{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto [at, is_new] = known.try_emplace(t[k], side.vertex_count);
+        if (is_new) {
+          side.positions.insert(side.positions.end(), &cube.positions[3 * t[k]],
+                                &cube.positions[3 * t[k]] + 3);
+          ++side.vertex_count;
+        }
+        own[k] = at->second;
+      }
+      side.triangles.push_back(own);
+    }
+    seams = together(seams, side);
+  }
+  Animation animation;
+  animation.topologies.push_back(seams.topology());
+  animation.poses = {{seams.positions}};
+  const Found found = contacts_of(animation);
+  EXPECT_GT(found.contacts.size(), 0u);
+  for (const Contact& contact : found.contacts) {
+    EXPECT_TRUE(contact.touching());
+    EXPECT_FALSE(contact.depth());
+    EXPECT_LT(distance_to_surfaces({seams}, contact.point), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace foldproof
