@@ -72,9 +72,18 @@ class Tracer {
   }
 
   void trace() {
-    for (const CrossingPair& pair : pairs_) given_.push_back(key_of(pair));
-    std::sort(given_.begin(), given_.end());
-    for (Index i = 0; i < pairs_.size(); ++i) add_ends(i);  // which adds pairs
+    // A curve that leaves a pair's triangle through an edge goes on in the other triangles there.
+    std::size_t done = 0;
+    while (done < pairs_.size()) {
+      const auto sorted = static_cast<std::ptrdiff_t>(ends_.size());
+      for (; done < pairs_.size(); ++done) add_ends(static_cast<Index>(done));
+      const auto is_before = [](const End& a, const End& b) {
+        return identity_of(a.piercing) < identity_of(b.piercing);
+      };
+      std::stable_sort(ends_.begin() + sorted, ends_.end(), is_before);
+      std::inplace_merge(ends_.begin(), ends_.begin() + sorted, ends_.end(), is_before);
+      add_missing_pairs();
+    }
     out_.as_given = pairs_.size() == given_count_;
     number_piercings();
     out_.lines.clear();
@@ -119,15 +128,27 @@ class Tracer {
     out_.pierced.push_back(p + share * (q - p));
   }
 
-  // A curve that leaves the pair's triangle of `side` through an edge goes on in the other triangles there.
-  void add_next_pairs(CrossingPair pair, int side, const Edge& edge) {
-    surfaces_.triangles_with_edge(pair.object(side), edge, at_edge_);
-    for (const Index t : at_edge_) {
-      if (!surfaces_.is_face(pair.object(side), t)) continue;
-      ((side == 0) != pair.reversed ? pair.triangles.triangle_a : pair.triangles.triangle_b) = t;
-      const PairKey key = key_of(pair);
-      if (std::binary_search(given_.begin(), given_.end(), key) || !added_.insert(key).second) continue;
-      pairs_.push_back(pair);
+  // Adds the pairs of triangles at pierced edges that are not there.
+  void add_missing_pairs() {
+    for (std::size_t i = 0; i < ends_.size();) {
+      std::size_t end = i + 1;
+      while (end < ends_.size() && identity_of(ends_[end].piercing) == identity_of(ends_[i].piercing)) ++end;
+      const Piercing& p = ends_[i].piercing;
+      if (p.face != kNoIndex) {
+        surfaces_.triangles_with_edge(p.object, p.edge, at_edge_);
+        for (std::size_t k = 0; k < at_edge_.size() && at_edge_.size() > end - i; ++k) {
+          const Index t = at_edge_[k];
+          const auto has = [&](const End& e) { return pairs_[e.pair].triangle(p.side) == t; };
+          if (!surfaces_.is_face(p.object, t) ||
+              std::any_of(ends_.begin() + static_cast<std::ptrdiff_t>(i),
+                          ends_.begin() + static_cast<std::ptrdiff_t>(end), has))
+            continue;
+          CrossingPair pair = pairs_[ends_[i].pair];
+          ((p.side == 0) != pair.reversed ? pair.triangles.triangle_a : pair.triangles.triangle_b) = t;
+          if (added_.insert(key_of(pair)).second) pairs_.push_back(pair);
+        }
+      }
+      i = end;
     }
   }
 
@@ -160,7 +181,6 @@ class Tracer {
       ends_.push_back({i,
                        {side, object, edge, surfaces_.triangle(other, pair.triangle(1 - side)), share,
                         p + share * (q - p)}});
-      add_next_pairs(pair, side, edge);
     }
   }
 
@@ -183,9 +203,6 @@ class Tracer {
 
   // Lists each piercing once, and the segments by their numbers.
   void number_piercings() {
-    std::stable_sort(ends_.begin(), ends_.end(), [](const End& a, const End& b) {
-      return identity_of(a.piercing) < identity_of(b.piercing);
-    });
     out_.piercings.clear();
     std::vector<std::array<Index, 2>> of_pair(pairs_.size(), {kNoIndex, kNoIndex});
     for (const End& end : ends_) {
@@ -238,7 +255,6 @@ class Tracer {
   Curves& out_;
   std::vector<CrossingPair>& pairs_;
   std::size_t given_count_ = 0;
-  std::vector<PairKey> given_;  // sorted
   std::set<PairKey> added_;
   std::vector<Index> at_edge_;
   std::vector<End> ends_;

@@ -151,9 +151,10 @@ void ContactFinder::Impl::add_elements(double begin, double end, Positions x0, P
   };
   for (std::size_t i = 0; i < vertex_faces; ++i) {
     const VertexFaceCollision& c = step.vertex_face[i];
-    const std::array<Index, 1> vertex{surfaces.vertex(c.vertex_object, c.vertex)};
-    add_element({c.vertex_object, c.face_object}, vertex, surfaces.corners(c.face_object, c.face),
-                {begin + c.toi * (end - begin), at(c.vertex_object, c.vertex, c.toi)});
+    objects.push_back({c.vertex_object, c.face_object});
+    impacts.push_back({begin + c.toi * (end - begin), at(c.vertex_object, c.vertex, c.toi)});
+    joiner.add(surfaces.vertex(c.vertex_object, c.vertex), surfaces.triangle(c.face_object, c.face),
+               surfaces.corners(c.face_object, c.face));
   }
   for (std::size_t i = 0; i < edge_edges; ++i) {
     const EdgeEdgeCollision& c = step.edge_edge[i];

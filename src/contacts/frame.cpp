@@ -35,10 +35,30 @@ Vec3 touching_point(const std::array<Vec3, 3>& s, const std::array<Vec3, 3>& t) 
 
 }  // namespace
 
+void FrameMeasurer::begin_marks(Index object) {
+  const std::size_t count = surfaces_.topology(object).triangles().size();
+  if (seen_.size() < count) seen_.resize(count, 0);
+  if (++now_ == 0) std::fill(seen_.begin(), seen_.end(), 0), now_ = 1;
+}
+
+// The triangles of a side, ascending.
+void FrameMeasurer::list_triangles(std::span<const CrossingPair> pairs, int side, std::vector<Index>& out) {
+  out.clear();
+  begin_marks(pairs[0].object(side));
+  for (const CrossingPair& pair : pairs) {
+    const Index t = pair.triangle(side);
+    if (seen_[t] != now_) out.push_back(t);
+    seen_[t] = now_;
+  }
+  std::sort(out.begin(), out.end());
+}
+
 // What is inside: vertices, and the middles of pieces of edges whose ends are outside.
 void FrameMeasurer::list_inner_points(const Region& region, const RegionQuery& query, Positions x) {
   points_.clear();
   const auto object_x = x[query.object];
+  // What may be deepest comes first: less deep points are then told apart quickly.
+  if (region.last != kNoIndex) points_.push_back(position(object_x, region.last));
   for (const Index v : region.vertices) points_.push_back(position(object_x, v));
   const auto& all = curves_.piercings;
   for (std::size_t i = 0; i < all.size();) {
@@ -74,8 +94,7 @@ void FrameMeasurer::add_near(Index object, Positions x, std::span<const Vec3> po
     }
     return true;
   };
-  if (seen_.size() < triangles.size()) seen_.resize(triangles.size(), 0);
-  if (++now_ == 0) std::fill(seen_.begin(), seen_.end(), 0), now_ = 1;
+  begin_marks(object);
   for (const Index t : other_) seen_[t] = now_;
   for (std::size_t i = 0; i < other_.size() && other_.size() < most; ++i) {
     for (const Index v : triangles[other_[i]]) {
@@ -96,27 +115,42 @@ void FrameMeasurer::add_corners(Index object, Positions x, std::size_t begin) {
     other_corners_.push_back(corners(x[object], triangles[other_[i]]));
 }
 
-// The point of `points` that is farthest from the tree's triangles, if that is farther than `least`; one of
-// which is `known`.
-std::optional<FrameMeasurer::Deepest> FrameMeasurer::farthest(std::span<const Vec3> points, const Vec3& known,
-                                                              double least) const {
-  std::optional<Deepest> out;
-  // A point is not farther than any point of the triangles is: the nearest one of the last point.
-  Vec3 nearest = known;
-  for (const Vec3& p : points) {
-    if ((nearest - p).norm() <= least) continue;
-    nearest = tree_.nearest(p, nearest);
-    const double distance = (nearest - p).norm();
-    if (distance > least) out = {distance, p, nearest}, least = distance;
+// Raises `most` to the point of `points` that is farthest from the tree's triangles, if one is farther; one
+// of the triangles' points is `known`. Changes the order of points.
+void FrameMeasurer::raise_to_farthest(std::span<Vec3> points, Vec3 known, Deepest& most) const {
+  constexpr std::size_t kFew = 4;
+  if (points.size() <= kFew) {
+    for (const Vec3& p : points) {
+      // A point is not farther than any point of the triangles is: the nearest one of the last point.
+      if ((known - p).norm() <= *most.depth) continue;
+      known = tree_.nearest(p, known);
+      if ((known - p).norm() > *most.depth) most = {(known - p).norm(), p, known};
+    }
+    return;
   }
-  return out;
+  Vec3 low = points[0], high = points[0];
+  for (const Vec3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const Vec3 middle = low + (high - low) / 2;
+  double radius2 = 0;
+  for (const Vec3& p : points) radius2 = std::max(radius2, (p - middle).squaredNorm());
+  const double radius = std::sqrt(radius2);
+  if ((known - middle).norm() + radius <= *most.depth) return;
+  known = tree_.nearest(middle, known);
+  if ((known - middle).norm() + radius <= *most.depth) return;
+  const Vec3 extent = high - low;
+  const auto axis = static_cast<std::size_t>(std::max_element(extent.begin(), extent.end()) - extent.begin());
+  const auto half = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
+  std::nth_element(points.begin(), half, points.end(),
+                   [&](const Vec3& p, const Vec3& q) { return p[axis] < q[axis]; });
+  raise_to_farthest({points.begin(), half}, known, most);
+  raise_to_farthest({half, points.end()}, known, most);
 }
 
 // Raises the depth to the largest distance of points_ to other_corners_.
 void FrameMeasurer::raise_depth() {
   if (points_.empty() || other_corners_.empty()) return;
   tree_.build(other_corners_);
-  if (const auto found = farthest(points_, other_corners_[0][0], *deepest_.depth)) deepest_ = *found;
+  raise_to_farthest(points_, other_corners_[0][0], deepest_);
 }
 
 // Raises the depth to the largest distance of points_ to other_corners_, or to the surface around: what is
@@ -128,22 +162,23 @@ void FrameMeasurer::raise_depth_around(Index object, Positions x, std::size_t mo
   const std::size_t seeds = other_.size(), corners = other_corners_.size();
   // No point is deeper than the farthest from other_corners_. It may be as deep, and then it is the deepest;
   // else those matter that may be deeper.
-  const auto bound = farthest(points_, other_corners_[0][0], *deepest_.depth);
-  if (!bound) return;
+  Deepest bound = deepest_;
+  raise_to_farthest(points_, other_corners_[0][0], bound);
+  if (*bound.depth <= *deepest_.depth) return;
   const Vec3 known = other_corners_[0][0];
-  std::vector<Vec3> deep(1, bound->point);
-  add_near(object, x, deep, *bound->depth, most, skip);
+  std::vector<Vec3> deep(1, bound.point);
+  add_near(object, x, deep, *bound.depth, most, skip);
   add_corners(object, x, seeds);
-  Deepest first = *bound;
+  Deepest first = bound;
   for (std::size_t i = corners; i < other_corners_.size(); ++i) {
-    const Vec3 p = nearest_on_triangle(bound->point, other_corners_[i]);
-    const double distance = (p - bound->point).norm();
-    if (distance < *first.depth) first = {distance, bound->point, p};
+    const Vec3 p = nearest_on_triangle(bound.point, other_corners_[i]);
+    const double distance = (p - bound.point).norm();
+    if (distance < *first.depth) first = {distance, bound.point, p};
   }
   if (*first.depth > *deepest_.depth) deepest_ = first;
-  if (*first.depth == *bound->depth) return;
-  Vec3 nearest = bound->nearest;
+  if (*first.depth == *bound.depth) return;
   deep.clear();
+  Vec3 nearest = bound.nearest;
   for (const Vec3& p : points_) {
     if ((nearest - p).norm() <= *deepest_.depth) continue;
     nearest = tree_.nearest(p, nearest);
@@ -152,10 +187,10 @@ void FrameMeasurer::raise_depth_around(Index object, Positions x, std::size_t mo
   if (deep.empty()) return;
   other_.resize(seeds);
   other_corners_.resize(corners);
-  add_near(object, x, deep, *bound->depth, most, skip);
+  add_near(object, x, deep, *bound.depth, most, skip);
   add_corners(object, x, seeds);
   tree_.build(other_corners_);
-  if (const auto found = farthest(deep, known, *deepest_.depth)) deepest_ = *found;
+  raise_to_farthest(deep, known, deepest_);
 }
 
 // The same for the other surface around what crosses.
@@ -221,11 +256,7 @@ void FrameMeasurer::find_regions(bool folded, Positions x) {
   for (int side = 0; side < 2; ++side) {
     region_[side].reset();
     cut_[side] = crossing_[side];
-    if (!curves_.as_given) {
-      cut_[side].clear();
-      for (const CrossingPair& pair : curves_.pairs) cut_[side].push_back(pair.triangle(side));
-      sort_unique(cut_[side]);
-    }
+    if (!curves_.as_given) list_triangles(curves_.pairs, side, cut_[side]);
     query_[side] = {objects_[side], {side == 0, side == 1}, cut_[side], 0};
   }
   body_.reset();
@@ -245,9 +276,9 @@ void FrameMeasurer::find_regions(bool folded, Positions x) {
     region_[side] = regions_.find(curves_, query, x);
   }
   if (!one_shell || curves_.at_borders || region_[0] || region_[1]) return;
-  body_cut_ = cut_[0];
-  body_cut_.insert(body_cut_.end(), cut_[1].begin(), cut_[1].end());
-  sort_unique(body_cut_);
+  body_cut_.clear();
+  std::set_union(cut_[0].begin(), cut_[0].end(), cut_[1].begin(), cut_[1].end(),
+                 std::back_inserter(body_cut_));
   body_query_ = {objects_[0], {true, true}, body_cut_, 0};
   body_ = regions_.find(curves_, body_query_, x);
 }
@@ -336,9 +367,7 @@ void FrameMeasurer::measure(std::span<const CrossingPair> pairs, bool folded, Po
                             ContactFrame& out) {
   for (int side = 0; side < 2; ++side) {
     objects_[side] = pairs[0].object(side);
-    crossing_[side].clear();
-    for (const CrossingPair& pair : pairs) crossing_[side].push_back(pair.triangle(side));
-    sort_unique(crossing_[side]);
+    list_triangles(pairs, side, crossing_[side]);
   }
   trace_curves(surfaces_, pairs, x, curves_);
   find_regions(folded, x);

@@ -27,6 +27,8 @@ class FrameMeasurer {
     Vec3 point, nearest;
   };
 
+  void begin_marks(Index object);
+  void list_triangles(std::span<const CrossingPair> pairs, int side, std::vector<Index>& out);
   void find_regions(bool folded, Positions x);
   int front_of(int side, Positions x) const;
   void find_deepest(int side, Positions x);
@@ -40,7 +42,7 @@ class FrameMeasurer {
   template <class Skip>
   void add_near(Index object, Positions x, std::span<const Vec3> points, double distance, std::size_t most,
                 const Skip& skip);
-  std::optional<Deepest> farthest(std::span<const Vec3> points, const Vec3& known, double least) const;
+  void raise_to_farthest(std::span<Vec3> points, Vec3 known, Deepest& most) const;
   void raise_depth();
   void raise_depth_around(int side, Positions x, bool all);
   template <class Skip>

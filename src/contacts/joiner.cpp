@@ -1,63 +1,27 @@
 #include "contacts/joiner.h"
 
-#include <hwy/cache_control.h>
-
 #include <algorithm>
-#include <bit>
+#include <tuple>
+#include <utility>
 
 namespace foldproof::internal {
-namespace {
 
-// Where a key's slot is looked for first. Keys whose last bits alone differ, which come one after the other,
-// are neighbors.
-std::uint64_t place_of(std::uint64_t key) {
-  constexpr std::uint64_t kNeighbors = 15;
-  const std::uint64_t block = (key & ~kNeighbors) * 0x9E3779B97F4A7C15u;
-  return (block ^ (block >> 29)) + (key & kNeighbors);
-}
-
-std::uint64_t key_of(Index u, Index w) { return std::uint64_t{std::min(u, w)} << 32 | std::max(u, w); }
-
-// The vertices of a key.
-std::array<Index, 2> vertices_of(std::uint64_t key) {
-  return {static_cast<Index>(key >> 32), static_cast<Index>(key)};
-}
-
-}  // namespace
-
-Index& Joiner::Map::slot(std::uint64_t key) {
-  const std::size_t mask = slots.size() - 1;
-  std::size_t i = place_of(key) & mask;
-  while (slots[i] != kNoIndex && entries[slots[i]].key != key) i = (i + 1) & mask;
-  return slots[i];
-}
-
-const Joiner::Entry* Joiner::Map::find(std::uint64_t key) const {
-  if (entries.empty()) return nullptr;
-  const std::size_t mask = slots.size() - 1;
-  std::size_t i = place_of(key) & mask;
-  while (slots[i] != kNoIndex && entries[slots[i]].key != key) i = (i + 1) & mask;
-  return slots[i] == kNoIndex ? nullptr : &entries[slots[i]];
-}
-
-void Joiner::Map::make_room(std::size_t count) {
-  const std::size_t needed = std::bit_ceil(2 * (entries.size() + count));
-  if (needed <= slots.size()) return;
-  slots.assign(std::max<std::size_t>(64, needed), kNoIndex);
-  for (Index i = 0; i < entries.size(); ++i) slot(entries[i].key) = i;
-}
-
-void Joiner::Map::clear() {
-  entries.clear();
-  std::fill(slots.begin(), slots.end(), kNoIndex);
+Index Joiner::Keys::find_row(Index vertex) const {
+  if (vertex >= row_of.size()) return kNoIndex;
+  const Index row = row_of[vertex];
+  return row < rows.size() && rows[row] == vertex ? row : kNoIndex;
 }
 
 void Joiner::begin(std::size_t element_count) {
   std::swap(now_, before_);
-  now_.clear();
+  now_.row_of.resize(surfaces_.vertex_count());
+  now_.rows.clear();
+  unsorted_.clear();
+  vertex_faces_.clear();
   links_.clear();
   links_.reserve(element_count);
-  folded_.clear();
+  unsorted_.reserve(6 * element_count);
+  folded_.assign(element_count, 0);
   found_.clear();
 }
 
@@ -91,97 +55,129 @@ void Joiner::join(Index a, Index b, bool reversed) {
   folded_[root] |= folded_[child];
 }
 
-// Fetches what the newest element's keys will look for, all at once.
-void Joiner::fetch_keys() {
-  const std::size_t mask = now_.slots.size() - 1;
-  for (const auto& [key, reversed] : keys_) hwy::Prefetch(&now_.slots[place_of(key) & mask]);
-  for (const auto& [key, reversed] : keys_) {
-    const Index likely = now_.slots[place_of(key) & mask];
-    if (likely != kNoIndex) hwy::Prefetch(&now_.entries[likely]);
+void Joiner::add_key(Index u, Index w, Index element) {
+  const auto [smaller, larger] = std::minmax(u, w);
+  Index row = now_.find_row(smaller);
+  if (row == kNoIndex) {
+    row = now_.row_of[smaller] = static_cast<Index>(now_.rows.size());
+    now_.rows.push_back(smaller);
+  }
+  unsorted_.push_back({row, {larger, element, w < u}});
+}
+
+void Joiner::add(std::span<const Index> a, std::span<const Index> b) {
+  const auto element = static_cast<Index>(links_.size());
+  links_.push_back({element, false});
+  // Vertices of both sides do not say which side is which.
+  const auto is_in = [](std::span<const Index> all, Index v) {
+    return std::find(all.begin(), all.end(), v) != all.end();
+  };
+  const bool has_own = !std::all_of(a.begin(), a.end(), [&](Index u) { return is_in(b, u); });
+  const bool other_has_own = !std::all_of(b.begin(), b.end(), [&](Index w) { return is_in(a, w); });
+  for (const Index u : a) {
+    if (has_own && is_in(b, u)) continue;
+    for (const Index w : b) {
+      if (u != w && !(other_has_own && is_in(a, w))) add_key(u, w, element);
+    }
   }
 }
 
-// A key of the newest element.
-void Joiner::add_key(std::uint64_t key, bool reversed, std::array<bool, 2> is_vertex) {
-  const auto element = static_cast<Index>(links_.size() - 1);
-  Index& slot = now_.slot(key);
-  if (slot != kNoIndex) {
-    Entry& entry = now_.entries[slot];
-    for (std::size_t k = 0; k < 2; ++k) entry.is_vertex[k] |= is_vertex[k];
-    if (entry.element != element) join(entry.element, element, entry.reversed != reversed);
-    return;
-  }
-  slot = static_cast<Index>(now_.entries.size());
-  now_.entries.push_back({key, {}, element, reversed, is_vertex});
-  const Entry* old = before_.find(key);
-  if (old == nullptr) return;
-  const Label label{old->label.number, old->label.reversed != reversed};
+void Joiner::add(Index vertex, Index face, const Triangle& corners) {
+  vertex_faces_.push_back({face, vertex, static_cast<Index>(links_.size())});
+  add(std::span(&vertex, 1), corners);
+}
+
+// Sorts the keys into rows; in a row they are in the order of their elements.
+void Joiner::sort_keys() {
+  now_.begin.assign(now_.rows.size() + 1, 0);
+  for (const Unsorted& key : unsorted_) ++now_.begin[key.row + 1];
+  for (std::size_t row = 0; row < now_.rows.size(); ++row) now_.begin[row + 1] += now_.begin[row];
+  std::vector<Index> next(now_.begin.begin(), now_.begin.end() - 1);
+  now_.keys.resize(unsorted_.size());
+  for (const Unsorted& key : unsorted_) now_.keys[next[key.row]++] = key.key;
+}
+
+void Joiner::note(Index element, const Label& label) {
   if (found_.empty() || found_.back().first != element || found_.back().second.number != label.number ||
       found_.back().second.reversed != label.reversed)
     found_.emplace_back(element, label);
 }
 
-void Joiner::add(std::span<const Index> a, std::span<const Index> b) {
-  links_.push_back({static_cast<Index>(links_.size()), false});
-  folded_.push_back(0);
-  // Vertices of both sides do not say which side is which.
-  const auto has = [](std::span<const Index> all, Index v) {
-    return std::find(all.begin(), all.end(), v) != all.end();
-  };
-  const auto only = [&](std::span<const Index> all, std::span<const Index> other, Index v) {
-    return !has(other, v) || std::all_of(all.begin(), all.end(), [&](Index w) { return has(other, w); });
-  };
-  keys_.clear();
-  for (const Index u : a) {
-    if (!only(a, b, u)) continue;
-    for (const Index w : b) {
-      if (u != w && only(b, a, w)) keys_.emplace_back(key_of(u, w), w < u);
+// Joins what has a key in common, keeps the first of these keys, and notes labels of the last slice.
+void Joiner::join_rows() {
+  first_now_.resize(surfaces_.vertex_count());
+  first_before_.resize(surfaces_.vertex_count());
+  Index kept = 0;
+  for (std::size_t row = 0; row < now_.rows.size(); ++row) {
+    const Index before = before_.find_row(now_.rows[row]);
+    const Index old_begin = before == kNoIndex ? 0 : before_.begin[before],
+                old_end = before == kNoIndex ? 0 : before_.begin[before + 1];
+    for (Index i = old_begin; i < old_end; ++i) first_before_[before_.keys[i].larger] = i;
+    const Index begin = std::exchange(now_.begin[row], kept), end = now_.begin[row + 1];
+    for (Index i = begin; i < end; ++i) {
+      const Key key = now_.keys[i];
+      const Index first = first_now_[key.larger];
+      if (first >= now_.begin[row] && first < kept && now_.keys[first].larger == key.larger) {
+        join(now_.keys[first].element, key.element, now_.keys[first].reversed != key.reversed);
+        continue;
+      }
+      first_now_[key.larger] = kept;
+      now_.keys[kept++] = key;
+      const Index known = first_before_[key.larger];
+      if (known < old_begin || known >= old_end || before_.keys[known].larger != key.larger) continue;
+      const Key& old = before_.keys[known];
+      const Label& label = before_.labels[old.element];
+      note(key.element, {label.number, (label.reversed != old.reversed) != key.reversed});
     }
   }
-  now_.make_room(keys_.size());
-  fetch_keys();
-  for (const auto& [key, reversed] : keys_) {
-    const std::array<bool, 2> side{a.size() == 1 && b.size() == 3, b.size() == 1 && a.size() == 3};
-    add_key(key, reversed, {side[reversed ? 1 : 0], side[reversed ? 0 : 1]});
-  }
+  now_.begin.back() = kept;
+  now_.keys.resize(kept);
 }
 
-// Joins elements of a vertex and a face each whose vertices are neighbors.
+// Joins neighboring vertices that meet one face.
 void Joiner::join_neighbors() {
-  for (const Entry& entry : now_.entries) {
-    const std::array<Index, 2> vertices = vertices_of(entry.key);
-    for (std::size_t k = 0; k < 2; ++k) {
-      if (!entry.is_vertex[k]) continue;
-      const Index other = vertices[1 - k];
-      surfaces_.for_each_higher_neighbor(vertices[k], [&](Index neighbor) {
-        if (neighbor == other) return;
-        const Entry* found = now_.find(key_of(neighbor, other));
-        if (found == nullptr || !found->is_vertex[neighbor < other ? 0 : 1]) return;
-        const bool exchanged = (vertices[k] < other) != (neighbor < other);
-        join(entry.element, found->element, (entry.reversed != found->reversed) != exchanged);
+  std::sort(vertex_faces_.begin(), vertex_faces_.end(), [](const VertexFace& a, const VertexFace& b) {
+    return std::tie(a.face, a.element) < std::tie(b.face, b.element);
+  });
+  for (std::size_t i = 0; i < vertex_faces_.size();) {
+    std::size_t end = i + 1;
+    while (end < vertex_faces_.size() && vertex_faces_[end].face == vertex_faces_[i].face) ++end;
+    const auto place = [&](Index vertex) { return first_now_[vertex]; };
+    for (std::size_t k = i; k < end; ++k) first_now_[vertex_faces_[k].vertex] = static_cast<Index>(k);
+    for (std::size_t k = i; k < end && end - i > 1; ++k) {
+      surfaces_.for_each_higher_neighbor(vertex_faces_[k].vertex, [&](Index neighbor) {
+        const Index other = place(neighbor);
+        if (other >= i && other < end && vertex_faces_[other].vertex == neighbor)
+          join(vertex_faces_[k].element, vertex_faces_[other].element, false);
       });
     }
+    i = end;
   }
 }
 
 // A group that has no key in common with the last slice continues what has a neighboring one.
 void Joiner::continue_neighbors() {
-  if (before_.entries.empty()) return;
+  if (before_.rows.empty()) return;
   std::vector<std::uint8_t> is_new(links_.size(), 1);  // per root
   for (const auto& [element, label] : found_) is_new[find_root(element).parent] = 0;
-  for (const Entry& entry : now_.entries) {
-    if (!is_new[find_root(entry.element).parent]) continue;
-    const std::array<Index, 2> vertices = vertices_of(entry.key);
-    for (std::size_t k = 0; k < 2; ++k) {
-      const Index other = vertices[1 - k];
-      surfaces_.for_each_neighbor(vertices[k], [&](Index neighbor) {
-        if (neighbor == other) return;
-        const Entry* old = before_.find(key_of(neighbor, other));
-        if (old == nullptr) return;
-        const bool exchanged = (vertices[k] < other) != (neighbor < other);
-        found_.emplace_back(entry.element,
-                            Label{old->label.number, (old->label.reversed != entry.reversed) != exchanged});
-      });
+  for (std::size_t row = 0; row < now_.rows.size(); ++row) {
+    for (Index i = now_.begin[row]; i < now_.begin[row + 1]; ++i) {
+      const Key& key = now_.keys[i];
+      if (!is_new[find_root(key.element).parent]) continue;
+      const auto look_up = [&](Index fixed, Index neighbor) {
+        const Index found = before_.find_row(std::min(fixed, neighbor));
+        if (found == kNoIndex) return;
+        const bool exchanged = (fixed == key.larger) != (neighbor < fixed);
+        for (Index k = before_.begin[found]; k < before_.begin[found + 1]; ++k) {
+          const Key& old = before_.keys[k];
+          if (old.larger != std::max(fixed, neighbor)) continue;
+          const Label& label = before_.labels[old.element];
+          note(key.element, {label.number, ((label.reversed != old.reversed) != key.reversed) != exchanged});
+        }
+      };
+      const Index smaller = now_.rows[row];
+      surfaces_.for_each_neighbor(smaller, [&](Index v) { look_up(key.larger, v); });
+      surfaces_.for_each_neighbor(key.larger, [&](Index v) { look_up(smaller, v); });
     }
   }
 }
@@ -211,6 +207,8 @@ void Joiner::list_groups() {
 }
 
 const Joiner::Groups& Joiner::find_groups() {
+  sort_keys();
+  join_rows();
   join_neighbors();
   continue_neighbors();
   list_groups();
@@ -218,10 +216,10 @@ const Joiner::Groups& Joiner::find_groups() {
 }
 
 void Joiner::end(std::span<const Label> labels) {
-  for (Entry& entry : now_.entries) {
-    const Label& label = labels[groups_.group[entry.element]];
-    entry.label = {label.number,
-                   (label.reversed != static_cast<bool>(groups_.reversed[entry.element])) != entry.reversed};
+  now_.labels.resize(links_.size());
+  for (Index e = 0; e < links_.size(); ++e) {
+    const Label& label = labels[groups_.group[e]];
+    now_.labels[e] = {label.number, label.reversed != static_cast<bool>(groups_.reversed[e])};
   }
 }
 

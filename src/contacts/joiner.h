@@ -12,10 +12,10 @@ struct Label {
 };
 
 /// Elements are pairs of features, one per side: a vertex and a face, two edges, two triangles. A pair of
-/// vertices, one of each side, is a key of the element. Elements are connected that have a key in common; and
-/// those of a vertex and a face each whose keys (u, w) and (v, w) have neighbors u and v, the vertices.
-/// Memory of the last slice of time joins what continues: what has a key in common with it, or else what has
-/// a key with a vertex in common, where the other two vertices are neighbors.
+/// vertices, one of each side, is a key of the element. Elements are connected that have a key in common; so
+/// are two neighboring vertices with one face. Memory of the last slice of time joins what continues: what
+/// has a key in common with it, or else what has a key of which one vertex is in common and the other a
+/// neighbor.
 class Joiner {
  public:
   explicit Joiner(const Surfaces& surfaces) : surfaces_(surfaces) {}
@@ -25,6 +25,8 @@ class Joiner {
   /// Adds the next element by the vertices of its two features, global ids, each once. Two triangles may have
   /// vertices in common.
   void add(std::span<const Index> a, std::span<const Index> b);
+  /// The same for a vertex and a face, a triangle's global id.
+  void add(Index vertex, Index face, const Triangle& corners);
   /// Groups of connected elements. Group ids count from 0 in the order of their first elements.
   struct Groups {
     std::vector<Index> group;  ///< Per element.
@@ -42,42 +44,52 @@ class Joiner {
   void end(std::span<const Label> labels);
 
  private:
-  // Of a key's two vertices, the smaller is the first.
-  struct Entry {
-    std::uint64_t key = 0;
-    Label label;                      // of the last slice
-    Index element = 0;                // in this slice: the first element that has the key
-    bool reversed = false;            // the element has the key's second vertex on its first side
-    std::array<bool, 2> is_vertex{};  // per vertex: that of an element of a vertex and a face
+  // A key of an element, of two vertices. The smaller one is the row that the key is in.
+  struct Key {
+    Index larger;
+    Index element;
+    bool reversed;  // the larger vertex is on the element's first side
   };
-  struct Map {
-    std::vector<Entry> entries;
-    std::vector<Index> slots;        // a hash table of entries, at most half full; kNoIndex: free
-    Index& slot(std::uint64_t key);  // the key's slot, or the free one where it goes
-    const Entry* find(std::uint64_t key) const;
-    void make_room(std::size_t count);  // for so many more
-    void clear();
+  // The keys of a slice, by rows. Rows are in the order in which their vertices came first.
+  struct Keys {
+    std::vector<Index> row_of;  // per vertex; right if that row has the vertex
+    std::vector<Index> rows;    // their vertices
+    std::vector<Index> begin;   // of keys, per row
+    std::vector<Key> keys;
+    std::vector<Label> labels;           // per element, once the slice has ended
+    Index find_row(Index vertex) const;  // kNoIndex if there is none
   };
   struct Link {
     Index parent;
     bool reversed;
   };
+  struct Unsorted {
+    Index row;
+    Key key;
+  };
+  struct VertexFace {
+    Index face, vertex, element;
+  };
 
-  void fetch_keys();
-  void add_key(std::uint64_t key, bool reversed, std::array<bool, 2> is_vertex);
+  void add_key(Index u, Index w, Index element);
+  void sort_keys();
   Link find_root(Index element);
   void join(Index a, Index b, bool reversed);
+  void join_rows();
   void join_neighbors();
   void continue_neighbors();
+  void note(Index element, const Label& label);
   void list_groups();
 
   const Surfaces& surfaces_;
-  Map now_, before_;
+  Keys now_, before_;
+  std::vector<Unsorted> unsorted_;
+  std::vector<VertexFace> vertex_faces_;
   std::vector<Link> links_;  // union-find over the elements
   std::vector<std::uint8_t> folded_;
   std::vector<std::pair<Index, Label>> found_;  // labels of the last slice, per element
-  // Of the newest element; whether its sides are in reverse order.
-  std::vector<std::pair<std::uint64_t, bool>> keys_;
+  // Per vertex: the first key of the row that has it, for this slice and the last one; right if it has it.
+  std::vector<Index> first_now_, first_before_;
   Groups groups_;
 };
 

@@ -28,7 +28,7 @@ double enclosed_area(const Curves& curves) {
 }  // namespace
 
 // Which end of a pierced edge is behind the face.
-int RegionFinder::end_behind(const Piercing& p, Positions x) const {
+std::size_t RegionFinder::end_behind(const Piercing& p, Positions x) const {
   const auto [object, triangle] = surfaces_.local_triangle(p.face);
   const Triangle& f = surfaces_.topology(object).triangles()[triangle];
   const Vec3 corner = position(x[object], f[0]);
@@ -36,7 +36,7 @@ int RegionFinder::end_behind(const Piercing& p, Positions x) const {
   return normal.dot(position(x[p.object], p.edge[1]) - position(x[p.object], p.edge[0])) < 0 ? 1 : 0;
 }
 
-void RegionFinder::collect_cuts(const Curves& curves, const RegionQuery& query, Positions x) {
+void RegionFinder::collect_cuts(const Curves& curves, const RegionQuery& query) {
   cuts_.clear();
   walls_.clear();
   for (const Piercing& p : curves.piercings) {
@@ -44,7 +44,7 @@ void RegionFinder::collect_cuts(const Curves& curves, const RegionQuery& query, 
     if (p.face == kNoIndex) {
       walls_.push_back(p.edge[0]);
     } else if (query.sides[static_cast<std::size_t>(p.side)]) {
-      cuts_.push_back({p.edge, p.share, end_behind(p, x)});
+      cuts_.push_back({p.edge, p.share, &p});
     }
   }
   const auto is_before = [](const Cut& a, const Cut& b) { return a.edge < b.edge; };
@@ -73,6 +73,11 @@ bool RegionFinder::is_wall(Index vertex) const {
   return cut_stamps_[vertex] == stamp_ && std::binary_search(walls_.begin(), walls_.end(), vertex);
 }
 
+// Whether faces connect neighbors.
+bool RegionFinder::is_passable(Index u, Index w) const {
+  return surfaces_.is_of_face(object_, {u, w}) && !is_wall(w) && !is_cut(u, w);
+}
+
 Index RegionFinder::component_of(Index vertex) {
   return stamps_[vertex] == stamp_ ? root_of(component_at_[vertex]) : kNoIndex;
 }
@@ -95,34 +100,33 @@ void RegionFinder::add(Index component, Index vertex) {
 // in.
 void RegionFinder::visit(Index component) {
   const Index vertex = components_[component].vertices[components_[component].visited++];
-  const auto triangles = surfaces_.topology(object_).triangles();
-  for (const Index t : surfaces_.triangles_at(object_, vertex)) {
-    if (!surfaces_.is_face(object_, t)) break;  // faces come first
-    for (const Index w : triangles[t]) {
-      if (w == vertex || is_wall(w) || is_cut(vertex, w)) continue;
-      const Index other = component_of(w);
-      if (other == kNoIndex) {
-        add(component, w);
-      } else if (other != component) {
-        // The larger list stays where it is.
-        Component &into = components_[component], &from = components_[other];
-        const bool swapped = into.vertices.size() < from.vertices.size();
-        if (swapped) std::swap(into.vertices, from.vertices), std::swap(into.visited, from.visited);
-        // Visited vertices first.
-        std::vector<Index> waiting(into.vertices.begin() + static_cast<std::ptrdiff_t>(into.visited),
-                                   into.vertices.end());
-        into.vertices.resize(into.visited);
-        into.vertices.insert(into.vertices.end(), from.vertices.begin(),
-                             from.vertices.begin() + static_cast<std::ptrdiff_t>(from.visited));
-        into.visited += from.visited;
-        into.vertices.insert(into.vertices.end(), waiting.begin(), waiting.end());
-        into.vertices.insert(into.vertices.end(),
-                             from.vertices.begin() + static_cast<std::ptrdiff_t>(from.visited),
-                             from.vertices.end());
-        from = {component, {}, 0};
-      }
+  surfaces_.for_each_neighbor(object_, vertex, [&](Index w) {
+    if (!is_passable(vertex, w)) return;
+    const Index other = component_of(w);
+    if (other == kNoIndex) {
+      add(component, w);
+    } else if (other != component) {
+      unite(component, other);
     }
-  }
+  });
+}
+
+void RegionFinder::unite(Index component, Index other) {
+  // The larger list stays where it is.
+  Component &into = components_[component], &from = components_[other];
+  const bool swapped = into.vertices.size() < from.vertices.size();
+  if (swapped) std::swap(into.vertices, from.vertices), std::swap(into.visited, from.visited);
+  // Visited vertices first.
+  const auto visited = [](Component& c) {
+    return c.vertices.begin() + static_cast<std::ptrdiff_t>(c.visited);
+  };
+  std::vector<Index> waiting(visited(into), into.vertices.end());
+  into.vertices.resize(into.visited);
+  into.vertices.insert(into.vertices.end(), from.vertices.begin(), visited(from));
+  into.visited += from.visited;
+  into.vertices.insert(into.vertices.end(), waiting.begin(), waiting.end());
+  into.vertices.insert(into.vertices.end(), visited(from), from.vertices.end());
+  from = {component, {}, 0};
 }
 
 void RegionFinder::begin_search() {
@@ -155,6 +159,13 @@ void RegionFinder::grow() {
       components_.push_back({component, {}, 0});
       active_.push_back(component);
       add(component, v);
+      // With what is connected to it along the cuts, so that few components have to be united.
+      for (std::size_t i = 0; i < components_[component].vertices.size(); ++i) {
+        const Index u = components_[component].vertices[i];
+        surfaces_.for_each_neighbor(object_, u, [&](Index w) {
+          if (cut_stamps_[w] == stamp_ && stamps_[w] != stamp_ && is_passable(u, w)) add(component, w);
+        });
+      }
     }
   }
   while (active_.size() > 1) {
@@ -171,7 +182,7 @@ bool RegionFinder::is_complete(Index c) const {
 
 // Decides which components are inside: those on the other side of a cut from the one that is not complete, or
 // else from the largest one; or what is behind. False if cuts contradict each other.
-bool RegionFinder::assign_parts(int behind) {
+bool RegionFinder::assign_parts() {
   constexpr std::uint8_t kUnknown = 2;
   inside_.assign(components_.size(), kUnknown);
   group_.assign(components_.size(), kNoIndex);
@@ -208,28 +219,30 @@ bool RegionFinder::assign_parts(int behind) {
       }
     }
   }
-  turn_groups(behind);
   return true;
 }
 
-// Exchanges inside and outside where most cuts say so. Where both parts have as many vertices, behind is
-// inside.
-void RegionFinder::turn_groups(int behind) {
-  std::vector<std::ptrdiff_t> votes(components_.size(), 0), size(components_.size(), 0);
+// Exchanges inside and outside where most cuts say that what is inside is not what they have behind. Without
+// `behind`, they decide only where both parts have as many vertices.
+void RegionFinder::turn_groups(int behind, Positions x) {
+  std::vector<std::ptrdiff_t> more_inside(components_.size(), 0), votes(components_.size(), 0);  // per group
+  for (Index c = 0; c < components_.size(); ++c) {
+    if (root_of(c) != c) continue;
+    const auto size = static_cast<std::ptrdiff_t>(components_[c].vertices.size());
+    more_inside[group_[c]] += inside_[c] == 1 ? size : -size;
+  }
+  const auto is_asked = [&](Index group) {
+    return behind != 0 || (more_inside[group] == 0 && is_complete(group));
+  };
   for (const Cut& cut : cuts_) {
-    const Index c = component_of(cut.edge[static_cast<std::size_t>(cut.behind)]);
+    const Index first = component_of(cut.edge[0]);
+    if (first == kNoIndex || !is_asked(group_[first])) continue;
+    const Index c = component_of(cut.edge[end_behind(*cut.piercing, x)]);
     if (c != kNoIndex) votes[group_[c]] += inside_[c] == 1 ? 1 : -1;
   }
   for (Index c = 0; c < components_.size(); ++c) {
-    if (root_of(c) == c && is_complete(c))
-      size[group_[c]] +=
-          (inside_[c] == 1 ? 1 : -1) * static_cast<std::ptrdiff_t>(components_[c].vertices.size());
-    if (root_of(c) == c && !is_complete(c)) size[group_[c]] = std::numeric_limits<std::ptrdiff_t>::min() / 2;
-  }
-  for (Index c = 0; c < components_.size(); ++c) {
     if (root_of(c) != c) continue;
-    const std::ptrdiff_t vote = votes[group_[c]];
-    if (behind != 0 ? behind * vote < 0 : size[group_[c]] == 0 && vote < 0) inside_[c] = 1 - inside_[c];
+    if (votes[group_[c]] * (behind != 0 ? behind : 1) < 0) inside_[c] = 1 - inside_[c];
     while (inside_[c] == 1 && !is_complete(c)) visit(c);
   }
 }
@@ -278,21 +291,25 @@ void RegionFinder::add_outside(Index t, Positions x, std::vector<std::array<Vec3
 
 Region RegionFinder::region(const Curves& curves, std::span<const Index> crossing, Positions x) {
   Region out;
+  std::size_t most = 0;
   for (Index c = 0; c < components_.size(); ++c) {
-    if (root_of(c) == c && inside_[c] == 1)
-      out.vertices.insert(out.vertices.end(), components_[c].vertices.begin(), components_[c].vertices.end());
+    const auto& vertices = components_[c].vertices;
+    if (root_of(c) != c || inside_[c] != 1) continue;
+    out.vertices.insert(out.vertices.end(), vertices.begin(), vertices.end());
+    if (vertices.size() > most) most = vertices.size(), out.last = vertices.back();
   }
   std::sort(out.vertices.begin(), out.vertices.end());
   const auto triangles = surfaces_.topology(object_).triangles();
   for (const Index v : out.vertices) {
     for (const Index t : surfaces_.triangles_at(object_, v)) {
       if (!surfaces_.is_face(object_, t)) break;
-      if (std::all_of(triangles[t].begin(), triangles[t].end(), [&](Index w) { return is_inside(w); }))
+      const auto& [a, b, c] = triangles[t];
+      // Once, by its smallest corner.
+      if (v == std::min({a, b, c}) && is_inside(a) && is_inside(b) && is_inside(c))
         out.triangles.push_back(t);
     }
   }
   std::sort(out.triangles.begin(), out.triangles.end());
-  out.triangles.erase(std::unique(out.triangles.begin(), out.triangles.end()), out.triangles.end());
   const auto at = [&](Index v) { return position(x[object_], v); };
   for (const Index t : out.triangles)
     out.area += triangle_area(at(triangles[t][0]), at(triangles[t][1]), at(triangles[t][2]));
@@ -311,16 +328,17 @@ Region RegionFinder::region(const Curves& curves, std::span<const Index> crossin
 
 std::optional<Region> RegionFinder::find(const Curves& curves, const RegionQuery& query, Positions x) {
   object_ = query.object;
-  collect_cuts(curves, query, x);
+  collect_cuts(curves, query);
   grow();
-  if (!assign_parts(query.behind)) return std::nullopt;
+  if (!assign_parts()) return std::nullopt;
+  turn_groups(query.behind, x);
   return region(curves, query.crossing, x);
 }
 
 std::array<std::vector<Index>, 2> RegionFinder::find_tips(const Curves& curves, const RegionQuery& query,
                                                           Positions x) {
   object_ = query.object;
-  collect_cuts(curves, query, x);
+  collect_cuts(curves, query);
   begin_search();
   std::array<std::vector<Index>, 2> tips;
   std::vector<Index> queue;
@@ -332,18 +350,16 @@ std::array<std::vector<Index>, 2> RegionFinder::find_tips(const Curves& curves, 
     queue.push_back(v);
   };
   for (const Cut& cut : cuts_) {
-    take(cut.edge[static_cast<std::size_t>(1 - cut.behind)], 0);
-    take(cut.edge[static_cast<std::size_t>(cut.behind)], 1);
+    const std::size_t behind = end_behind(*cut.piercing, x);
+    take(cut.edge[1 - behind], 0);
+    take(cut.edge[behind], 1);
   }
-  const auto triangles = surfaces_.topology(object_).triangles();
   const std::size_t most = 64 + 2 * queue.size();
   for (std::size_t i = 0; i < queue.size() && queue.size() < most; ++i) {
-    for (const Index t : surfaces_.triangles_at(object_, queue[i])) {
-      if (!surfaces_.is_face(object_, t)) break;  // faces come first
-      for (const Index w : triangles[t]) {
-        if (!is_cut(queue[i], w)) take(w, component_at_[queue[i]]);
-      }
-    }
+    const Index v = queue[i];
+    surfaces_.for_each_neighbor(object_, v, [&](Index w) {
+      if (is_passable(v, w)) take(w, component_at_[v]);
+    });
   }
   return tips;
 }

@@ -12,6 +12,7 @@ struct Region {
   std::vector<Index> vertices;   ///< Inside, ascending; the object's own ids.
   std::vector<Index> triangles;  ///< With all corners inside, ascending.
   double area = 0;               ///< Mesh units squared; triangles that cross count in part.
+  Index last = kNoIndex;         ///< A vertex that is far from the curves, along the surface.
 };
 
 /// Which curves divide a surface, and what of it is inside.
@@ -50,21 +51,23 @@ class RegionFinder {
   struct Cut {
     Edge edge;
     double share;
-    int behind;  // which end of the edge is behind the other surface's face
+    const Piercing* piercing;
   };
-  void collect_cuts(const Curves& curves, const RegionQuery& query, Positions x);
-  int end_behind(const Piercing& piercing, Positions x) const;
+  void collect_cuts(const Curves& curves, const RegionQuery& query);
+  std::size_t end_behind(const Piercing& piercing, Positions x) const;
   void begin_search();
   bool is_cut(Index u, Index w) const;
   bool is_wall(Index vertex) const;
+  bool is_passable(Index u, Index w) const;
   Index component_of(Index vertex);
   Index root_of(Index component);
   void add(Index component, Index vertex);
   void grow();
   void visit(Index component);
+  void unite(Index component, Index other);
   bool is_complete(Index component) const;
-  bool assign_parts(int behind);
-  void turn_groups(int behind);
+  bool assign_parts();
+  void turn_groups(int behind, Positions x);
   bool is_inside(Index vertex);
   std::optional<int> lone_corner(const Triangle& triangle);
   Vec3 cut_at(Index u, Index w, Positions x) const;

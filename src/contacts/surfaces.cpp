@@ -71,19 +71,24 @@ void Surfaces::Stars::list_neighbors(const Topology& topology) {
 void Surfaces::triangles_with_edge(Index object, const Edge& edge, std::vector<Index>& out) const {
   out.clear();
   const auto triangles = topologies_[object]->triangles();
-  for (const Index t : triangles_at(object, edge[0])) {
-    if (std::find(triangles[t].begin(), triangles[t].end(), edge[1]) != triangles[t].end()) out.push_back(t);
+  const auto at_0 = triangles_at(object, edge[0]), at_1 = triangles_at(object, edge[1]);
+  const bool first = at_0.size() <= at_1.size();
+  const Index other = edge[first ? 1 : 0];
+  for (const Index t : first ? at_0 : at_1) {
+    if (std::find(triangles[t].begin(), triangles[t].end(), other) != triangles[t].end()) out.push_back(t);
   }
 }
 
 bool Surfaces::is_of_face(Index object, const Edge& edge) const {
   const Topology& topology = *topologies_[object];
   if (topology.face_count() == topology.triangles().size()) return true;
+  const auto at_0 = triangles_at(object, edge[0]), at_1 = triangles_at(object, edge[1]);
+  const auto at = at_0.size() <= at_1.size() ? at_0 : at_1;
   const auto has_edge = [&](Index t) {
     const Triangle& corners = topology.triangles()[t];
-    return std::find(corners.begin(), corners.end(), edge[1]) != corners.end();
+    return std::find(corners.begin(), corners.end(), edge[0]) != corners.end() &&
+           std::find(corners.begin(), corners.end(), edge[1]) != corners.end();
   };
-  const auto at = triangles_at(object, edge[0]);
   return is_face(object, *std::find_if(at.begin(), at.end(), has_edge));
 }
 

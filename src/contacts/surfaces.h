@@ -28,7 +28,7 @@ class Surfaces {
   const Shells& shells(Index object) const { return stars_[object]->shells; }
   /// Whether a triangle is a face: the contacts of others have no curves, regions and depth.
   bool is_face(Index object, Index triangle) const { return triangle < topologies_[object]->face_count(); }
-  /// Whether a vertex or an edge is one of a face.
+  /// Whether a vertex or an edge, whose vertices are in any order, is one of a face.
   bool is_of_face(Index object, Index vertex) const {
     return is_face(object, triangles_at(object, vertex).front());
   }
@@ -48,9 +48,13 @@ class Surfaces {
   template <class Visit>
   void for_each_neighbor(Index vertex, const Visit& visit) const {
     const auto [object, local] = local_vertex(vertex);
+    for_each_neighbor(object, local, [&, first = vertex - local](Index v) { visit(first + v); });
+  }
+  /// The same by the object's own ids.
+  template <class Visit>
+  void for_each_neighbor(Index object, Index vertex, const Visit& visit) const {
     const Stars& s = *stars_[object];
-    for (Index i = s.neighbors_begin[local]; i < s.neighbors_begin[local + 1]; ++i)
-      visit(vertex - local + s.neighbors[i]);
+    for (Index i = s.neighbors_begin[vertex]; i < s.neighbors_begin[vertex + 1]; ++i) visit(s.neighbors[i]);
   }
   /// The same for those neighbors only that have more edges, or as many and a larger id. A vertex of many
   /// edges has few of them: n edges give all vertices at most sqrt(2 n) each.
