@@ -128,8 +128,9 @@ TEST(Depth, NoRegionWhereACurveEndsAtABorder) {
   const Contact contact = contact_of(sheet, sheet.positions, sheet, standing);
   ASSERT_EQ(contact.frames.size(), 1u);
   EXPECT_FALSE(contact.frames[0].closed);
-  EXPECT_FALSE(contact.depth());
   EXPECT_FALSE(contact.frames[0].area[0]);
+  EXPECT_FALSE(contact.frames[0].area[1]);
+  for (const Contact::Side& side : contact.sides) EXPECT_TRUE(side.inside.empty());
   EXPECT_NEAR(contact.frames[0].curve_length, 1.0, 1e-6);
   ASSERT_EQ(contact.curves.size(), 1u);
 }
@@ -206,8 +207,8 @@ TEST(Order, ALongCurveWithoutDepthIsWorseThanAShallowContact) {
   }
 }
 
-// A ball sinks through the middle of a sheet, then over its border, where there is no region.
-TEST(Order, TheWorstFrameMayHaveNoDepth) {
+// A ball sinks through the middle of a sheet, then over its border, where the ball has no region.
+TEST(Order, TheWorstFrameMayHaveOneRegion) {
   const Mesh ball = unit_sphere(10), sheet = square(20);
   const Animation animation =
       animation_of({ball, sheet}, {{placed(ball, 0.4, {0.013, 0.007, 0.39}), sheet.positions},
@@ -217,9 +218,12 @@ TEST(Order, TheWorstFrameMayHaveNoDepth) {
   const Contact& contact = found.contacts[0];
   ASSERT_EQ(contact.frames.size(), 2u);
   EXPECT_LT(contact.frames[0].depth.value_or(1), 0.02);
-  EXPECT_FALSE(contact.frames[1].depth);
   EXPECT_EQ(contact.worst, 1u);
-  EXPECT_FALSE(contact.depth());
+  // The sheet's border is 0.1 from the ball's middle along x, and the sheet 0.1 below it.
+  EXPECT_NEAR(contact.depth().value_or(0), 0.4 - std::hypot(0.1, 0.1), 0.02);
+  EXPECT_FALSE(contact.at_least());
+  EXPECT_FALSE(contact.frames[1].area[0]);
+  EXPECT_TRUE(contact.frames[1].area[1]);
 }
 
 TEST(Frames, TwoSpheresThatPassThroughEachOther) {

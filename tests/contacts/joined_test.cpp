@@ -81,27 +81,69 @@ TEST_P(Joined, EveryPairHasOneContactAndEveryContactItsPairs) {
 
 // All pairs and crossings of an animation, joined by the definition: those of one slice of time, or of two
 // that follow each other, are connected when they have a vertex of the one side and one of the other in
-// common.
+// common; so are neighboring vertices that meet one face. What has nothing in common with the slice before is
+// connected to what has one vertex in common with it and a neighbor of the other.
 class JoinedByDefinition {
  public:
   explicit JoinedByDefinition(const Animation& animation) : animation_(animation) {}
 
-  void add(std::size_t slice, const std::vector<std::array<Index, 2>>& a,
-           const std::vector<std::array<Index, 2>>& b) {
+  using Vertex = std::array<Index, 2>;  // with its object
+  using Vertices = std::vector<Vertex>;
+
+  void add(std::size_t slice, const Vertices& a, const Vertices& b) {
     const std::size_t element = group_.size();
     group_.push_back(element);
+    slices_.resize(std::max(slices_.size(), slice + 1));
     const auto only_a = without(a, b), only_b = without(b, a);
     for (const auto& u : only_a) {
       for (const auto& w : only_b) {
-        if (u == w) continue;
-        const auto key = std::minmax(u, w);
-        first_[slice].try_emplace(key, element);
-        join(first_[slice][key], element);
-        if (slice == 0) continue;
-        const auto before = first_[slice - 1].find(key);
-        if (before != first_[slice - 1].end()) join(before->second, element);
+        if (u != w) slices_[slice].push_back({std::minmax(u, w), element});
       }
     }
+  }
+  void add_vertex_face(std::size_t slice, const Vertex& vertex, const Vertex& face, const Vertices& corners) {
+    for (const auto& [other, other_face, other_slice, element] : vertex_faces_) {
+      if (other_slice == slice && other_face == face && are_neighbors(vertex, other))
+        same_.push_back({element, group_.size()});
+    }
+    vertex_faces_.push_back({vertex, face, slice, group_.size()});
+    add(slice, {vertex}, corners);
+  }
+
+  void join_all() {
+    for (const auto& [a, b] : same_) join(a, b);
+    for (const auto& keys : slices_) {
+      std::map<std::pair<Vertex, Vertex>, std::size_t> first;
+      for (const auto& [key, element] : keys) join(first.try_emplace(key, element).first->second, element);
+    }
+    // Before slices are joined, so that groups are those of one slice.
+    std::vector<std::array<std::size_t, 2>> links;
+    for (std::size_t k = 1; k < slices_.size(); ++k) {
+      std::set<std::size_t> continued;
+      const auto link_all = [&](const auto& are_linked, const std::set<std::size_t>& but) {
+        std::vector<std::array<std::size_t, 2>> found;
+        for (const auto& [key, element] : slices_[k]) {
+          if (but.contains(group(element))) continue;
+          for (const auto& [old, before] : slices_[k - 1]) {
+            if (are_linked(key, old)) found.push_back({element, before});
+          }
+        }
+        return found;
+      };
+      const auto same = link_all([](const auto& p, const auto& q) { return p == q; }, {});
+      for (const auto& [element, before] : same) continued.insert(group(element));
+      const auto near = link_all(
+          [&](const auto& p, const auto& q) {
+            return (p.first == q.first && are_neighbors(p.second, q.second)) ||
+                   (p.first == q.second && are_neighbors(p.second, q.first)) ||
+                   (p.second == q.first && are_neighbors(p.first, q.second)) ||
+                   (p.second == q.second && are_neighbors(p.first, q.first));
+          },
+          continued);
+      links.insert(links.end(), same.begin(), same.end());
+      links.insert(links.end(), near.begin(), near.end());
+    }
+    for (const auto& [a, b] : links) join(a, b);
   }
 
   std::size_t group(std::size_t element) const {
@@ -109,20 +151,7 @@ class JoinedByDefinition {
     return element;
   }
 
-  // The vertices of the triangles that have all of `of`, with their object.
-  std::vector<std::array<Index, 2>> around(Index object, const std::vector<Index>& of) const {
-    std::set<std::array<Index, 2>> out;
-    for (const Index v : of) out.insert({object, v});
-    for (const Triangle& t : animation_.topologies[object].triangles()) {
-      const auto has = [&](Index v) { return std::find(t.begin(), t.end(), v) != t.end(); };
-      if (!std::all_of(of.begin(), of.end(), has)) continue;
-      for (const Index v : t) out.insert({object, v});
-    }
-    return {out.begin(), out.end()};
-  }
-
  private:
-  using Vertices = std::vector<std::array<Index, 2>>;
   static Vertices without(const Vertices& all, const Vertices& other) {
     Vertices out;
     for (const auto& v : all) {
@@ -130,10 +159,22 @@ class JoinedByDefinition {
     }
     return out.empty() ? all : out;
   }
+  bool are_neighbors(const Vertex& a, const Vertex& b) const {
+    if (a[0] != b[0] || a == b) return false;
+    const Edge edge{std::min(a[1], b[1]), std::max(a[1], b[1])};
+    const auto edges = animation_.topologies[a[0]].edges();
+    return std::binary_search(edges.begin(), edges.end(), edge);
+  }
   void join(std::size_t a, std::size_t b) { group_[group(a)] = group(b); }
 
+  struct VertexFace {
+    Vertex vertex, face;
+    std::size_t slice, element;
+  };
   const Animation& animation_;
-  std::map<std::size_t, std::map<std::pair<std::array<Index, 2>, std::array<Index, 2>>, std::size_t>> first_;
+  std::vector<std::vector<std::pair<std::pair<Vertex, Vertex>, std::size_t>>> slices_;  // keys and elements
+  std::vector<VertexFace> vertex_faces_;
+  std::vector<std::array<std::size_t, 2>> same_;
   std::vector<std::size_t> group_;
 };
 
@@ -151,11 +192,13 @@ TEST_P(Joined, ContactsAreWhatTheDefinitionSays) {
   for (std::size_t slice = 0; slice < animation.poses.size(); ++slice) {
     if (slice > 0) {
       const StepResult& step = found.steps[slice - 1];
-      for (const VertexFaceCollision& c : step.vertex_face)
-        expected.add(slice, expected.around(c.vertex_object, {c.vertex}), face(c.face_object, c.face));
+      for (const VertexFaceCollision& c : step.vertex_face) {
+        expected.add_vertex_face(slice, {c.vertex_object, c.vertex}, {c.face_object, c.face},
+                                 face(c.face_object, c.face));
+      }
       for (const EdgeEdgeCollision& c : step.edge_edge) {
-        expected.add(slice, expected.around(c.object_a, {c.a[0], c.a[1]}),
-                     expected.around(c.object_b, {c.b[0], c.b[1]}));
+        expected.add(slice, {{c.object_a, c.a[0]}, {c.object_a, c.a[1]}},
+                     {{c.object_b, c.b[0]}, {c.object_b, c.b[1]}});
       }
       for (const auto* all : {&found.vertex_face[slice - 1], &found.edge_edge[slice - 1]})
         numbers.insert(numbers.end(), all->begin(), all->end());
@@ -165,6 +208,7 @@ TEST_P(Joined, ContactsAreWhatTheDefinitionSays) {
     numbers.insert(numbers.end(), found.crossing_contacts[slice].begin(),
                    found.crossing_contacts[slice].end());
   }
+  expected.join_all();
   std::map<std::size_t, Index> number_of;
   std::set<Index> used;
   for (std::size_t e = 0; e < numbers.size(); ++e) {
