@@ -17,8 +17,8 @@ struct ContactFrame {
   std::uint64_t triangles = 0;  ///< Triangles that cross or are inside, on both sides.
   double curve_length = 0;      ///< Of the curves in which the surfaces cross, mesh units.
   bool closed = false;          ///< Whether all of these curves are closed.
-  /// Per side: the area inside the other surface, mesh units squared. None: there is no region, because a
-  /// curve ends at a border, or does not divide the surface.
+  /// Per side: the area inside the other surface, mesh units squared. None: the side has no region of its
+  /// own, as the curves do not divide it, the other side is open, or both are one surface.
   std::array<std::optional<double>, 2> area;
   /// The surfaces meet, and neither is inside the other: beyond rounding, nothing crosses. No depth.
   bool touching = false;

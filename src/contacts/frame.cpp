@@ -44,7 +44,7 @@ void FrameMeasurer::begin_marks(Index object) {
 // The triangles of a side, ascending.
 void FrameMeasurer::list_triangles(std::span<const CrossingPair> pairs, int side, std::vector<Index>& out) {
   out.clear();
-  begin_marks(pairs[0].object(side));
+  begin_marks(objects_[side]);
   for (const CrossingPair& pair : pairs) {
     const Index t = pair.triangle(side);
     if (seen_[t] != now_) out.push_back(t);
