@@ -23,7 +23,7 @@ struct ContactFrame {
   /// The surfaces meet, and neither is inside the other: beyond rounding, nothing crosses. No depth.
   bool touching = false;
   /// The largest distance of what is inside to the nearest outside, mesh units. None: it only touches, or
-  /// lines or points pierce faces.
+  /// lines or points pierce faces, or it is a fold of a few triangles without a vertex inside.
   std::optional<double> depth;
   /// Both surfaces are open where they cross, so that neither has an inside: they pass through each other,
   /// and `depth` is how far the shorter tip reaches beyond the other surface, at least.

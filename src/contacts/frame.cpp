@@ -236,7 +236,7 @@ void FrameMeasurer::find_deepest_of_body(Positions x) {
       other_corners_.push_back({p, q, q});
     }
   }
-  raise_depth_around(body_query_.object, x, kAll, [&](Index t) { return contains(body_->triangles, t); });
+  raise_depth_around(body_query_.object, x, kAll, [&](Index t) { return regions_.has_corner_inside(t); });
 }
 
 // On which side of its faces a surface is outside: 1 in front, -1 behind, 0 nowhere, as it is open where it
@@ -355,6 +355,11 @@ void FrameMeasurer::split_body() {
 
 // Whether nothing is inside, beyond rounding.
 void FrameMeasurer::set_touching(ContactFrame& out) {
+  // A fold so small that no vertex tells how deep it is.
+  if (body_ && deepest_.depth && *deepest_.depth <= curves_.rounding) {
+    deepest_.depth.reset();
+    body_.reset();
+  }
   out.touching = curves_.pierced.empty() &&
                  (curves_.lines.empty() || (deepest_.depth && *deepest_.depth <= curves_.rounding));
   if (!out.touching) return;

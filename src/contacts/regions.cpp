@@ -39,6 +39,7 @@ std::size_t RegionFinder::end_behind(const Piercing& p, Positions x) const {
 void RegionFinder::collect_cuts(const Curves& curves, const RegionQuery& query) {
   cuts_.clear();
   walls_.clear();
+  passed_.clear();
   for (const Piercing& p : curves.piercings) {
     if (p.object != query.object) continue;
     if (p.face == kNoIndex) {
@@ -55,7 +56,11 @@ void RegionFinder::collect_cuts(const Curves& curves, const RegionQuery& query) 
   for (std::size_t i = 0; i < cuts_.size();) {
     std::size_t end = i + 1;
     while (end < cuts_.size() && cuts_[end].edge == cuts_[i].edge) ++end;
-    if ((end - i) % 2 == 1) cuts_[count++] = cuts_[i];
+    if ((end - i) % 2 == 1) {
+      cuts_[count++] = cuts_[i];
+    } else {
+      passed_.push_back(cuts_[i].edge);
+    }
     i = end;
   }
   cuts_.resize(count);
@@ -270,10 +275,19 @@ Vec3 RegionFinder::cut_at(Index u, Index w, Positions x) const {
   return from + cut->share * (position(x[object_], edge[1]) - from);
 }
 
+bool RegionFinder::has_corner_inside(Index t) {
+  const Triangle& corners = surfaces_.topology(object_).triangles()[t];
+  return std::any_of(corners.begin(), corners.end(), [&](Index v) { return is_inside(v); });
+}
+
 void RegionFinder::add_outside(Index t, Positions x, std::vector<std::array<Vec3, 3>>& out) {
   const Triangle& corners = surfaces_.topology(object_).triangles()[t];
   const auto at = [&](Index v) { return position(x[object_], v); };
-  if (std::none_of(corners.begin(), corners.end(), [&](Index v) { return is_inside(v); })) {
+  if (!has_corner_inside(t)) {
+    for (int k = 0; k < 3; ++k) {
+      const Index a = corners[k], b = corners[(k + 1) % 3];
+      if (std::binary_search(passed_.begin(), passed_.end(), Edge{std::min(a, b), std::max(a, b)})) return;
+    }
     out.push_back({at(corners[0]), at(corners[1]), at(corners[2])});
     return;
   }

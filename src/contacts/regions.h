@@ -37,6 +37,8 @@ class RegionFinder {
   /// the surface, to the ends of the cut edges before the other surface's faces than to those behind, and the
   /// others. Only the nearest: some dozens, and some for each cut edge.
   std::array<std::vector<Index>, 2> find_tips(const Curves& curves, const RegionQuery& query, Positions x);
+  /// Whether a triangle has a corner in the last region.
+  bool has_corner_inside(Index triangle);
   /// Appends what of a triangle that the curves of the last region cut is outside; nothing where they cut it
   /// in more than two parts.
   void add_outside(Index triangle, Positions x, std::vector<std::array<Vec3, 3>>& out);
@@ -76,6 +78,7 @@ class RegionFinder {
   const Surfaces& surfaces_;
   Index object_ = 0;
   std::vector<Cut> cuts_;     // edges that are pierced an odd number of times, sorted
+  std::vector<Edge> passed_;  // edges that are pierced an even number of times, sorted
   std::vector<Index> walls_;  // vertices on a curve, sorted: nothing is connected through them
   std::vector<Component> components_;
   std::vector<Index> active_;
