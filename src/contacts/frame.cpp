@@ -387,7 +387,7 @@ void FrameMeasurer::measure(std::span<const CrossingPair> pairs, bool folded, Po
     out.at_least = deepest_.depth.has_value();
   }
   set_touching(out);
-  out.at_least &= !out.touching;
+  out.at_least &= deepest_.depth.has_value();
   out.depth = deepest_.depth;
   out.crossings = pairs.size();
   out.triangles = 0;
