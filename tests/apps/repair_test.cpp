@@ -115,7 +115,7 @@ TEST(RepairProgram, MistakesAreSaidInOneLineAndAtOnce) {
       {{"body.npz", "shirt.npz", "-o", "./../demo/a.npz", "-o", "a.npz"}, "is named for two outputs"},
       {{"body.npz", "--start", "shirt.npz", "-o", "a.npz"}, "shirt.npz: has other triangles than body.npz"},
       {{"pose.obj", "--start", "pose.obj", "-o", "a.npz"}, "--start pose.obj: touches itself: "},
-      {{"walk.glb", "--in-betweens", "3", "-o", "a.obj"}, "a.obj: holds no times"},
+      {{"walk.glb", "--in-betweens", "3", "-o", "a.ply"}, "a.ply: holds no times"},
       {{"walk.glb", "--in-betweens", "-1", "-o", "a.npz"}, "--in-betweens"},
       {{"walk.glb"}, "--output"},
   };
