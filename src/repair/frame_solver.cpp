@@ -18,13 +18,13 @@ constexpr double kStiffness = 30;  // of the barrier, in ranges times edges
 struct Tolerances {
   double move, energy, linear;
 };
-constexpr Tolerances kRough{0.5, 1e-2, 5e-3}, kFine{0.05, 5e-4, 5e-3};
+constexpr Tolerances kRough{0.1, 1e-3, 5e-3}, kFine{0.05, 5e-4, 5e-3};
 constexpr double kForcing = 0.02;      // LinearTolerance::share
 constexpr int kHopelessAfter = 4;      // iterations
 constexpr int kMostForAccuracy = 100;  // iterations of Newton's method
 
 Tolerances tolerances_of(const FrameProblem& problem) {
-  const Tolerances& t = problem.rough && problem.accuracy == 1 ? kRough : kFine;
+  const Tolerances& t = problem.rough ? kRough : kFine;
   return {t.move * problem.accuracy, t.energy * problem.accuracy, t.linear * problem.accuracy};
 }
 

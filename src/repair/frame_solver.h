@@ -71,6 +71,10 @@ class FrameSolver {
   /// `x`: a guess, which becomes the pose; the ways are proven free in any case. Error: interrupted.
   Result<FrameOutcome> solve(const FrameProblem& problem, std::vector<double>& x);
 
+  /// ElasticSurface::carry.
+  void carry(std::span<const double> from, std::span<const double> to, std::span<double> x) {
+    surface_->carry(from, to, x);
+  }
   /// Proven.
   Result<bool> is_way_free(std::span<const double> from, std::span<const double> to) {
     return FOLDPROOF_TRY(prover_->check(from, to))->clean();

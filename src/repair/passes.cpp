@@ -59,10 +59,8 @@ Result<FrameOutcome> Passes::follow(std::span<const double> from, const Way& way
     for (std::size_t i = 0; i < goal.size(); ++i) {
       goal[i] = part == parts ? target[i] : last_target[i] + (target[i] - last_target[i]) * part / parts;
     }
-    guess = goal;
-    for (std::size_t i = 0; i < guess.size(); ++i) {
-      if (x[i] != before[i]) guess[i] += x[i] - before[i];
-    }
+    guess = x;
+    tools_.solver->carry(before, goal, guess);
     FrameProblem problem = tools_.problem(from, x, goal, frame, time);
     problem.rough = rough_ || part < parts;
     if (parts == 1) problem.hopeless = kHopeless * tools_.edge;

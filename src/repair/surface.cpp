@@ -195,6 +195,24 @@ void ElasticSurface::fit_rotations(std::span<const double> x, std::span<const do
   });
 }
 
+void ElasticSurface::carry(std::span<const double> from, std::span<const double> to, std::span<double> x) {
+  std::vector<Index> moved;
+  for (Index v = 0; v < place_.size(); ++v) {
+    if (at(x, v) != at(from, v))
+      moved.push_back(v);
+    else
+      put(x, v, at(to, v));
+  }
+  set_active(std::move(moved));
+  fit_rotations(to, from);
+  for (std::size_t k = 0; k < active_.size(); ++k) {
+    const Index v = active_[k];
+    const Vec3 d = at(x, v) - at(from, v);
+    put(x, v, at(to, v) + d + times(rotations_[k], d));
+  }
+  set_active({});
+}
+
 double ElasticSurface::energy(std::span<const double> x, std::span<const double> target,
                               std::span<const NearPair> pairs, double stiffness) const {
   double sum = 0;

@@ -27,6 +27,9 @@ class ElasticSurface {
 
   /// Fits the rotations of active vertices to x.
   void fit_rotations(std::span<const double> x, std::span<const double> target);
+  /// Takes the corrections of x, a pose near the target `from`, along to another target: each turns as the
+  /// surface around it does. No vertex is active afterwards.
+  void carry(std::span<const double> from, std::span<const double> to, std::span<double> x);
   /// Energy of x without the part that no x changes, with rotations as fitted last, and of the barrier.
   double energy(std::span<const double> x, std::span<const double> target, std::span<const NearPair> pairs,
                 double stiffness) const;
