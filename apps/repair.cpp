@@ -135,6 +135,7 @@ std::string rows_of(const RepairReport& report, const std::string& unit, double 
   }
   if (const auto late = frames_named(report.frames, [](const auto& f) { return f.late; }); !late.empty())
     text += row("behind the motion", "in " + late);
+  if (report.open_loop) text += row("loop", "the motion ends as it begins, what was written does not");
   return text;
 }
 

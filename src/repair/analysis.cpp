@@ -198,7 +198,9 @@ Result<void> Analysis::add(double time, std::span<const double> x) {
   return {};
 }
 
-Analysis::Contacts Analysis::finish() {
+Result<Analysis::Contacts> Analysis::finish() {
+  if (frames_.size() == 1 && thickness_ > 0)  // no step finds what is closer than the thickness
+    FOLDPROOF_TRY(find_contacts(last_time_, last_, FOLDPROOF_TRY(prover_->check(last_, last_))));
   for (Contact& contact : finder_->finish()) ended_.push_back(std::move(contact));
   std::ranges::sort(ended_, {}, &Contact::number);
   Contacts out;

@@ -24,7 +24,7 @@ class Analysis {
     std::vector<Contact> among_fixed;  ///< All others.
   };
   /// All contacts of the motion, by number, after its last frame.
-  Contacts finish();
+  Result<Contacts> finish();
 
   std::size_t frame_count() const { return frames_.size(); }
   /// Nothing touches in the frame; on the way to it from the frame before.

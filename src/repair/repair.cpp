@@ -211,7 +211,7 @@ Result<std::optional<Start>> Repair::exempt_start() {
     if (is_interrupted()) return tl::unexpected(interrupted().error());
     FOLDPROOF_TRY(again.add(k, FOLDPROOF_TRY(frames_.at_time(k))));
   }
-  again.finish();
+  FOLDPROOF_TRY(again.finish());
   start.exempt = FOLDPROOF_TRY(ignore_sewn(scene_.objects(), again.seams()));
   const auto frame = FOLDPROOF_TRY(frames_.at_time(start.frame));
   start.x.assign(frame.begin(), frame.end());
@@ -341,17 +341,21 @@ Result<bool> Repair::approach_frame(const Start& start) {
 Result<void> Repair::write_all(std::span<const SolvedFrame> frames, const Write& write, bool writes,
                                RepairReport& report) {
   Analysis proof(scene_, *prover_, settings_.thickness);
-  std::vector<double> x;
+  std::vector<double> x, first, first_target;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (is_interrupted() && !report.interrupted) return interrupted();
     const SolvedFrame& solved = frames[i];
     const auto frame = FOLDPROOF_TRY(frames_.at_time(solved.time));
     x.assign(frame.begin(), frame.end());
+    if (i == 0) first_target = x;
+    const bool loops = i > 0 && solved.time == frames_.count() - 1 && x == first_target;
     if (!solved.correction.vertices.empty()) {
       solved.correction.apply(x);
       scene_.move_copies(x);
       if (settings_.single_precision) round_to_single(x);
     }
+    if (i == 0) first = x;
+    report.open_loop = loops && x != first;
     FOLDPROOF_TRY(proof.add(solved.time, x));
     RepairedFrame out{solved.time, solved.correction.largest, solved.late || solved.held_back, solved.limit};
     if (proof.is_free(i) && proof.is_way_free(i)) {
@@ -365,7 +369,7 @@ Result<void> Repair::write_all(std::span<const SolvedFrame> frames, const Write&
     progress(0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(frames.size()));
   }
   report.free = proof.all_free();
-  auto contacts = proof.finish();
+  auto contacts = FOLDPROOF_TRY(proof.finish());
   report.remaining = std::move(contacts.of_movable);
   report.among_fixed = std::move(contacts.among_fixed);
   report.written = writes;
@@ -377,7 +381,7 @@ Result<RepairReport> Repair::run(const Write& write) {
   if (settings_.thickness > 0)  // said before anything that takes long
     FOLDPROOF_TRY(check_own_gaps(FOLDPROOF_TRY(frames_.at_time(0)), 0, true));
   FOLDPROOF_TRY(analyze());
-  report.before = analysis_.finish().of_movable;
+  report.before = FOLDPROOF_TRY(analysis_.finish()).of_movable;
   std::optional<Start> start;
   if (analysis_.all_free()) {
     report.unchanged = true;
