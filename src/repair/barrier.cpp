@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kKept = 0.9;    // a pair that is closer in a good pose keeps this share of its gap there,
 constexpr double kLeast = 1e-3;  // but not less than this share of the range
-constexpr double kSlack = 1;     // of the list, in ranges
+constexpr double kSlack = 0.25;  // of the list, in ranges
 
 // The features of one mesh that stand for those of all objects, in a filter of these.
 class MergedFilter final : public PairFilter {
@@ -189,7 +189,8 @@ bool NearPairs::knows(std::span<const double> x) const {
   if (listed_at_.empty()) return false;
   const double most = kSlack * range_.range / 2;
   for (Index v = 0; v < x.size() / 3; ++v) {
-    if ((at(x, v) - at(listed_at_, v)).squaredNorm() > most * most) return false;
+    const double square = (at(x, v) - at(listed_at_, v)).squaredNorm();
+    if (square > most * most || (square > 0 && may_move_[v] == 0)) return false;
   }
   return true;
 }
@@ -198,13 +199,24 @@ Result<double> NearPairs::smallest_distance(std::span<const double> x, double bo
   return std::min(bound, FOLDPROOF_TRY(checker_->minimum_distance(x, bound)));
 }
 
-Result<void> NearPairs::list(std::span<const double> x) {
+bool NearPairs::was_moved(std::span<const double> x, Index v) const {
+  return range_.target.empty() || range_.touched[v] != 0 || at(x, v) != at(range_.target, v);
+}
+
+Result<void> NearPairs::list(std::span<const double> x, std::span<const std::uint8_t> active) {
+  const bool is_first = listed_at_.empty();  // of the frame; what moved in the last one is likely to move
+  may_move_.resize(x.size() / 3, 0);
+  for (Index v = 0; v < may_move_.size(); ++v) {
+    const bool is_active = !active.empty() && active[v] != 0;
+    may_move_[v] = is_active || was_moved(x, v) || (is_first && may_move_[v] != 0);
+  }
   const double gap = (1 + kSlack) * range_.range;
   FOLDPROOF_TRY(checker_->candidates(x, gap + range_.thickness, found_));
   const CollisionMesh& mesh = checker_->mesh();
   list_.clear();
   const auto add = [&](bool edges, const std::array<Index, 4>& v) {
-    list_.push_back({{edges, v}, 0, std::numeric_limits<double>::infinity()});
+    if (std::ranges::any_of(v, [&](Index i) { return may_move_[i] != 0; }))
+      list_.push_back({{edges, v}, 0, std::numeric_limits<double>::infinity()});
   };
   for (const auto& [v, face] : found_.vertex_face) {
     const Triangle& t = mesh.faces()[face];
@@ -232,7 +244,7 @@ Result<void> NearPairs::list(std::span<const double> x) {
 
 Result<void> NearPairs::find(std::span<const double> x, std::span<const std::uint8_t> active,
                              std::vector<NearPair>& out) {
-  if (!knows(x)) FOLDPROOF_TRY(list(x));
+  if (!knows(x)) FOLDPROOF_TRY(list(x, active));
   out.clear();
   const auto is_active = [&](const Candidate& candidate) {
     return active.empty() || std::ranges::any_of(candidate.pair.v, [&](Index v) { return active[v] != 0; });

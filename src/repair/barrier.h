@@ -72,13 +72,15 @@ class NearPairs {
   void may_touch(std::span<const double> x, std::vector<FeaturePair>& out) const;
 
  private:
-  Result<void> list(std::span<const double> x);
+  Result<void> list(std::span<const double> x, std::span<const std::uint8_t> active);
+  bool was_moved(std::span<const double> x, Index v) const;
 
   std::unique_ptr<ContactChecker> checker_;
   BarrierRange range_;
   Candidates found_;
   std::vector<Candidate> list_;
   std::vector<double> listed_at_;
+  std::vector<std::uint8_t> may_move_;  // per vertex; other pairs are as in the frame, and not listed
 };
 
 }  // namespace foldproof::inline internal
