@@ -248,7 +248,7 @@ Result<bool> FrameSolver::prove() {
     next_.swap(y_);
     y_ = proven_;
     FOLDPROOF_TRY(approach(next_, true));
-    was_free = std::ranges::equal(whole_, next_);
+    was_free = whole_ == next_;
     y_.swap(next_);
     is_proven_ = true;
     if (!was_free) FOLDPROOF_TRY(find_pairs(y_, pairs_of_y_));

@@ -181,7 +181,7 @@ Result<void> Passes::close_loop() {
   const auto first_target = copy(FOLDPROOF_TRY(tools_.frames->at_time(0)));
   const auto last_target = FOLDPROOF_TRY(tools_.frames->at_time(tools_.frames->count() - 1));
   const bool is_free = frames_[0].limit == RepairLimit::None && frames_[last].limit == RepairLimit::None;
-  loops_ = last > 1 && is_free && std::ranges::equal(first_target, last_target);
+  loops_ = last > 1 && is_free && std::equal(first_target.begin(), first_target.end(), last_target.begin());
   if (!loops_ || frames_[0].correction.x == frames_[last].correction.x) return {};
   const auto before = FOLDPROOF_TRY(pose(last - 1)), after = FOLDPROOF_TRY(pose(1));
   const bool first_is_less = frames_[0].correction.largest < frames_[last].correction.largest;
