@@ -106,8 +106,10 @@ struct Taken {
 
 Taken taken_by(const std::string& where, const fs::path& path, Output output) {
   Taken taken{where, {io::canonical(path)}, {}, {}};
-  if (output == Output::Motion && extension_of(path.string()) == ".obj")
-    taken.names.push_back(io::canonical(fs::path(path).replace_extension(".pc2")));
+  if (output == Output::Motion && extension_of(path.string()) == ".obj") {
+    for (const char* cache : {".pc2", ".mdd"})
+      taken.names.push_back(io::canonical(fs::path(path).replace_extension(cache)));
+  }
   if (output == Output::Collection)
     taken.names.push_back(taken.directory = io::canonical(fs::path(path).replace_extension()));
   if (output == Output::Numbered || output == Output::Motion)

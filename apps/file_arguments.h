@@ -15,7 +15,7 @@ class FileArguments {
   enum class Output : std::uint8_t {
     File,
     Text,        ///< A file, or "-": standard output.
-    Motion,      ///< .npz, .obj with a .pc2 beside it, .ply; %d or %04d in the name as below.
+    Motion,      ///< .npz, .obj with a .pc2 or .mdd beside it, .ply; %d or %04d in the name as below.
     Numbered,    ///< %d or %04d in the name is replaced by numbers.
     Collection,  ///< A file, and a directory of its name without the extension.
   };

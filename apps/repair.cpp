@@ -7,7 +7,7 @@
 #include "commands.h"
 #include "contact_lines.h"
 #include "interruptible_motion.h"
-#include "io/write_npz.h"
+#include "io/write_times.h"
 #include "progress_bar.h"
 #include "report/repair_motions.h"
 #include "run_and_summarize.h"
@@ -64,9 +64,11 @@ Result<void> require_outputs_fit(const RepairArguments& a, Motions motions, std:
     if (extension_of(a.outputs[i]) == ".npz" && topology.face_count() < topology.triangles().size())
       return fail(ErrorCode::UnsupportedFormat, a.outputs[i],
                   "is NPZ, which holds faces alone, and there are lines or points", "name it .obj");
-    if (a.in_betweens > 0 && extension_of(a.outputs[i]) != ".npz")
+    if (a.in_betweens > 0 && extension_of(a.outputs[i]) != ".npz" &&
+        !is_single_precision(a.outputs[i], frames))
       return fail(ErrorCode::UnsupportedFormat, a.outputs[i],
-                  "holds no times, which frames that --in-betweens adds need", "name it .npz");
+                  "holds no times, which frames that --in-betweens adds need",
+                  "name it .npz, or .obj, which gets an MDD");
     if (extension_of(a.outputs[i]) == ".ply" && frames > 1 && a.outputs[i].find('%') == std::string::npos)
       return fail(ErrorCode::UnsupportedFormat, a.outputs[i], "is PLY, which holds one frame",
                   "name it .npz or .obj, or put %04d into the name for a file per frame");
@@ -133,6 +135,7 @@ std::string rows_of(const RepairReport& report, const std::string& unit, double 
   }
   if (const auto late = frames_named(report.frames, [](const auto& f) { return f.late; }); !late.empty())
     text += row("behind the motion", "in " + late);
+  if (report.open_loop) text += row("loop", "the motion ends as it begins, what was written does not");
   return text;
 }
 
@@ -146,9 +149,14 @@ std::string sentence_of(const RepairReport& report, bool has_start) {
   if (report.free) {
     return fmt::format("Proven: nothing touches, in no frame and at no time between frames{}.", but);
   }
-  const std::string text = report.written
-                               ? "Not all could be repaired: something touches in " + touching_frames(report)
-                               : "No frame is free and none could be made so: nothing was written";
+  const bool any_free =
+      std::ranges::any_of(report.frames, [](const RepairedFrame& f) { return f.limit == RepairLimit::None; });
+  std::string text = "No frame is free and none could be made so: nothing was written";
+  if (report.written || any_free)
+    text = fmt::format(
+        "{}: something touches in {}",
+        report.written ? "Not all could be repaired" : "Nothing could be repaired, and nothing was written",
+        touching_frames(report));
   return text + (has_start ? "." : "; a pose that touches nothing may help (--start FILE).");
 }
 
@@ -187,8 +195,17 @@ Result<void> write_outputs(const RepairArguments& a, const RepairedMotions& done
   for (const RepairedFrame& frame : done.report.frames) times.push_back(frame.time);
   for (std::size_t i = 0; i < done.movable.size(); ++i) {
     const auto motion = done.motion(done.movable[i]);
-    FOLDPROOF_TRY(a.in_betweens > 0 ? io::write_npz(a.outputs[i], *motion, times)
-                                    : write_motion(a.outputs[i], *motion));
+    const std::string& path = a.outputs[i];
+    if (a.in_betweens == 0) {
+      FOLDPROOF_TRY(write_motion(path, *motion));
+    } else if (extension_of(path) == ".npz") {
+      FOLDPROOF_TRY(io::write_npz(path, *motion, times));
+    } else {
+      std::vector<double> seconds;
+      for (const double time : times) seconds.push_back(time / a.motion.read.fps);
+      const auto cache = std::filesystem::path(path).replace_extension(".mdd");
+      FOLDPROOF_TRY(io::write_obj_mdd(path, cache.string(), *motion, seconds));
+    }
   }
   return {};
 }
@@ -233,11 +250,11 @@ Result<int> run_repair(const RepairArguments& a) {
 
 void add_output_options(const Subcommand& command, RepairArguments& a) {
   a.files
-      .writes(
-          command.add_option("-o,--output", a.outputs,
-                             "The motion to write: .npz, .obj with .pc2, .ply for one frame; once for each "
-                             "object that may move, in order"),
-          FileArguments::Output::Motion)
+      .writes(command.add_option(
+                  "-o,--output", a.outputs,
+                  "The motion to write: .npz, .obj with .pc2, or .mdd with --in-betweens, .ply for "
+                  "one frame; once for each object that may move, in order"),
+              FileArguments::Output::Motion)
       .type_name("FILE")
       .one_value_each_time()
       .required();
@@ -292,7 +309,7 @@ Command add_repair(CommandLine& program) {
   command
       .add_option("--in-betweens", a->in_betweens,
                   "Add up to N frames between two where a correction cannot keep up; NPZ has their 'times', "
-                  "in frames [0]")
+                  "in frames, MDD in seconds [0]")
       .type_name("N")
       .group(group);
   command.add_flag("--quick", a->quick, "Leave out the pass that makes corrections calm in time")

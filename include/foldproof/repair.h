@@ -88,6 +88,8 @@ struct RepairReport {
   bool interrupted = false;
   /// Frames were written. False where there was no free start.
   bool written = false;
+  /// The input ends as it begins, what was written does not: it could not be made so.
+  bool open_loop = false;
   std::vector<RepairedFrame> frames;
   std::vector<Contact> before;     ///< Contacts of the input.
   std::vector<Contact> remaining;  ///< Contacts of what was written, or would have been.

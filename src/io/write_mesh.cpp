@@ -1,4 +1,4 @@
-// Writes PLY with face properties, and OBJ with PC2.
+// Writes PLY with face properties, and OBJ with PC2 or MDD.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -6,6 +6,7 @@
 #include "base/try.h"
 #include "io/bytes.h"
 #include "io/readers.h"
+#include "io/write_times.h"
 
 namespace foldproof {
 namespace {
@@ -15,8 +16,7 @@ using io::append;
 // Most programs use signed 32-bit counts and indices; PC2 has no others.
 constexpr Index kMaxSigned = 0x7fffffff;
 
-Result<void> write_pc2(FileWriter& file, Motion& motion, const std::string& path,
-                       std::vector<double>& positions) {
+std::vector<char> pc2_header(const Motion& motion) {
   std::vector<char> bytes;
   for (const char c : std::string_view("POINTCACHE2\0", 12)) bytes.push_back(c);
   append<std::int32_t>(bytes, 1);
@@ -24,20 +24,15 @@ Result<void> write_pc2(FileWriter& file, Motion& motion, const std::string& path
   append<float>(bytes, 0);  // first frame
   append<float>(bytes, 1);  // frames between samples
   append<std::int32_t>(bytes, static_cast<std::int32_t>(motion.frame_count()));
-  for (Index k = 0; k < motion.frame_count(); ++k) {
-    FOLDPROOF_TRY(motion.read_frame(k, positions));
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-      const auto narrow = static_cast<float>(positions[i]);
-      if (!std::isfinite(narrow)) {
-        return fail(ErrorCode::LimitExceeded, fmt::format("{}, frame {}, vertex {}", path, k, i / 3),
-                    "a coordinate is too large for PC2, which holds 32-bit floats", "write NPZ instead");
-      }
-      append(bytes, narrow);
-    }
-    FOLDPROOF_TRY(file.write(bytes));
-    bytes.clear();
-  }
-  return {};
+  return bytes;
+}
+
+std::vector<char> mdd_header(const Motion& motion, std::span<const double> seconds) {
+  std::vector<char> bytes;
+  append(bytes, static_cast<std::int32_t>(motion.frame_count()), std::endian::big);
+  append(bytes, static_cast<std::int32_t>(motion.topology().vertex_count()), std::endian::big);
+  for (const double time : seconds) append(bytes, static_cast<float>(time), std::endian::big);
+  return bytes;
 }
 
 Result<void> write_obj_text(FileWriter& file, const Topology& topology, std::span<const double> positions) {
@@ -51,6 +46,36 @@ Result<void> write_obj_text(FileWriter& file, const Topology& topology, std::spa
   for (const auto& [a, b] : topology.lines()) text += fmt::format("l {} {}\n", a + 1, b + 1);
   for (const Index p : topology.points()) text += fmt::format("p {}\n", p + 1);
   return file.write(text);
+}
+
+// Writes the mesh, and all frames as 32-bit floats after a header.
+Result<void> write_cache(const std::string& obj_path, const std::string& path, Motion& motion,
+                         std::vector<char> bytes, std::endian order) {
+  if (motion.topology().vertex_count() > kMaxSigned || motion.frame_count() > kMaxSigned) {
+    return fail(ErrorCode::LimitExceeded, path,
+                "the motion has more vertices or frames than a point cache can count", "write NPZ instead");
+  }
+  auto obj = FOLDPROOF_TRY(FileWriter::open(obj_path));
+  auto cache = FOLDPROOF_TRY(FileWriter::open(path));
+  std::vector<double> positions(std::size_t{3} * motion.topology().vertex_count());
+  for (Index k = 0; k < motion.frame_count(); ++k) {
+    FOLDPROOF_TRY(motion.read_frame(k, positions));
+    if (k == 0) FOLDPROOF_TRY(write_obj_text(obj, motion.topology(), positions));
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const auto narrow = static_cast<float>(positions[i]);
+      if (!std::isfinite(narrow)) {
+        return fail(ErrorCode::LimitExceeded, fmt::format("{}, frame {}, vertex {}", path, k, i / 3),
+                    fmt::format("a coordinate is too large for {}, which holds 32-bit floats",
+                                order == std::endian::big ? "MDD" : "PC2"),
+                    "write NPZ instead");
+      }
+      append(bytes, narrow, order);
+    }
+    FOLDPROOF_TRY(cache.write(bytes));
+    bytes.clear();
+  }
+  FOLDPROOF_TRY(cache.commit());
+  return obj.commit();
 }
 
 Result<void> require_sizes(const std::string& path, const Topology& topology,
@@ -127,18 +152,12 @@ Result<void> write_obj(const std::string& path, const Topology& topology, std::s
 }
 
 Result<void> write_obj_pc2(const std::string& obj_path, const std::string& pc2_path, Motion& motion) {
-  if (motion.topology().vertex_count() > kMaxSigned || motion.frame_count() > kMaxSigned) {
-    return fail(ErrorCode::LimitExceeded, pc2_path,
-                "the motion has more vertices or frames than PC2 can count", "write NPZ instead");
-  }
-  auto obj = FOLDPROOF_TRY(FileWriter::open(obj_path));
-  auto pc2 = FOLDPROOF_TRY(FileWriter::open(pc2_path));
-  std::vector<double> positions(std::size_t{3} * motion.topology().vertex_count());
-  FOLDPROOF_TRY(motion.read_frame(0, positions));
-  FOLDPROOF_TRY(write_obj_text(obj, motion.topology(), positions));
-  FOLDPROOF_TRY(write_pc2(pc2, motion, pc2_path, positions));
-  FOLDPROOF_TRY(pc2.commit());
-  return obj.commit();
+  return write_cache(obj_path, pc2_path, motion, pc2_header(motion), std::endian::little);
+}
+
+Result<void> io::write_obj_mdd(const std::string& obj_path, const std::string& mdd_path, Motion& motion,
+                               std::span<const double> seconds) {
+  return write_cache(obj_path, mdd_path, motion, mdd_header(motion, seconds), std::endian::big);
 }
 
 }  // namespace foldproof

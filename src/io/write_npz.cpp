@@ -1,5 +1,5 @@
 // Writes a motion as NPZ: stored members, streamed.
-#include "io/write_npz.h"
+#include "io/write_times.h"
 
 #include "base/try.h"
 #include "io/bytes.h"

@@ -72,8 +72,9 @@ void internal::dilate(const RepairScene& scene, std::vector<std::uint8_t>& mask,
   }
 }
 
-Analysis::Analysis(const RepairScene& scene, Prover& prover, double thickness)
-    : scene_(&scene), prover_(&prover), thickness_(thickness) {
+Analysis::Analysis(const RepairScene& scene, Prover& prover, double thickness,
+                   std::optional<std::size_t> seams_from)
+    : scene_(&scene), prover_(&prover), thickness_(thickness), seams_from_(seams_from) {
   if (scene.fixed_filter() != nullptr) fixed_prover_.emplace(scene, scene.fixed_filter(), 0);
 }
 
@@ -161,6 +162,7 @@ Result<void> Analysis::find_contacts(double time, std::span<const double> x, con
     finder_->step(last_time_, time, scene_->positions(last_, last_views_), positions, *step, crossings);
   }
   note_movable(step);
+  if (seams_from_) note_seams(step);
   return {};
 }
 
@@ -196,7 +198,9 @@ Result<void> Analysis::add(double time, std::span<const double> x) {
   return {};
 }
 
-Analysis::Contacts Analysis::finish() {
+Result<Analysis::Contacts> Analysis::finish() {
+  if (frames_.size() == 1 && thickness_ > 0)  // no step finds what is closer than the thickness
+    FOLDPROOF_TRY(find_contacts(last_time_, last_, FOLDPROOF_TRY(prover_->check(last_, last_))));
   for (Contact& contact : finder_->finish()) ended_.push_back(std::move(contact));
   std::ranges::sort(ended_, {}, &Contact::number);
   Contacts out;
@@ -220,33 +224,51 @@ const std::vector<std::uint8_t>& Analysis::touched(std::size_t k) {
   return mask_;
 }
 
-Result<std::vector<Index>> internal::contact_zones(const RepairScene& scene, Prover& prover,
-                                                   std::span<const double> x, int rings) {
-  const StaticResult* crossings = FOLDPROOF_TRY(prover.check_pose(x));
-  std::vector<std::span<const double>> views;
-  const auto finder = FOLDPROOF_TRY(find_in_pose(scene, *crossings, x, views));
-  std::vector<std::pair<Index, Index>> marks;
-  for_contact_vertices(scene, finder, [&](Index contact, Index v) { marks.emplace_back(contact, v); });
-  std::ranges::sort(marks);
-  std::vector<Index> zone(scene.vertex_count(), 0), joined{0};
-  const auto root = [&](Index i) {
-    while (joined[i] != i) i = joined[i] = joined[joined[i]];
-    return i;
+std::vector<std::array<ObjectVertex, 2>> Analysis::seams() {
+  std::set<Index> exempt;
+  for (const Index contact : contacts_at_start_) exempt.insert(finder_->joined_number(contact));
+  std::vector<std::array<ObjectVertex, 2>> seams;
+  const auto place = [&](Index v) {
+    const Index object = scene_->object_of_vertex(v);
+    return ObjectVertex{object, v - scene_->begin(object).vertices};
   };
-  for (std::size_t i = 0; i < marks.size();) {
-    std::vector<std::uint8_t> mask(zone.size(), 0);
-    const Index contact = marks[i].first, number = static_cast<Index>(joined.size());
-    joined.push_back(number);
-    for (; i < marks.size() && marks[i].first == contact; ++i) mask[marks[i].second] = 1;
-    dilate(scene, mask, rings);
-    for (Index v = 0; v < zone.size(); ++v) {
-      if (mask[v] == 0) continue;
-      if (zone[v] != 0) joined[root(number)] = root(zone[v]);
-      zone[v] = number;
-    }
+  for (const Seam& seam : seams_) {
+    if (exempt.contains(finder_->joined_number(seam.contact)))
+      seams.push_back({place(seam.ends[0]), place(seam.ends[1])});
   }
-  for (Index& z : zone) z = root(z);
-  return zone;
+  return seams;
+}
+
+// Pairs of vertices of what touches now.
+void Analysis::note_seams(const StepResult* step) {
+  const auto note = [&](Index contact, std::span<const Index> a, std::span<const Index> b) {
+    for (const Index u : a) {
+      for (const Index v : b) {
+        if (u != v) seams_.push_back({contact, {std::min(u, v), std::max(u, v)}});
+      }
+    }
+  };
+  const auto note_pair = [&](Index contact, const FeaturePair& pair) {
+    const auto v = std::span(pair.v);
+    note(contact, v.first(pair.edges ? 2 : 1), v.subspan(pair.edges ? 2 : 1));
+  };
+  if (step != nullptr) {
+    for (std::size_t i = 0; i < step->vertex_face.size(); ++i)
+      note_pair(finder_->vertex_face_contacts()[i], scene_->pair_of(step->vertex_face[i]));
+    for (std::size_t i = 0; i < step->edge_edge.size(); ++i)
+      note_pair(finder_->edge_edge_contacts()[i], scene_->pair_of(step->edge_edge[i]));
+  }
+  const auto triangle = [&](Index object, Index t) {
+    return std::span<const Index>(scene_->triangles()[scene_->begin(object).triangles + std::size_t{t}]);
+  };
+  for (std::size_t i = 0; i < finder_->crossings().size(); ++i) {
+    const TriangleCrossing& c = finder_->crossings()[i];
+    const Index contact = finder_->crossing_contacts()[i];
+    note(contact, triangle(c.object_a, c.triangle_a), triangle(c.object_b, c.triangle_b));
+    if (frames_.size() == *seams_from_) contacts_at_start_.insert(contact);
+  }
+  std::ranges::sort(seams_);
+  seams_.erase(std::unique(seams_.begin(), seams_.end()), seams_.end());
 }
 
 Result<std::optional<std::vector<double>>> internal::untangle(const RepairScene& scene, Prover& prover,
@@ -265,7 +287,7 @@ Result<std::optional<std::vector<double>>> internal::untangle(const RepairScene&
     dilate(scene, mask, rings);
     y = fill(scene, mask, x);
   }
-  return FOLDPROOF_TRY(prover.is_free(y)) ? std::optional(std::move(y)) : std::nullopt;
+  return FOLDPROOF_TRY(prover.check_pose(y))->clean() ? std::optional(std::move(y)) : std::nullopt;
 }
 
 }  // namespace foldproof

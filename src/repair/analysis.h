@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "foldproof/filters.h"
 #include "repair/frame_solver.h"
 #include "repair/poses.h"
 
@@ -14,25 +15,34 @@ namespace foldproof::inline internal {
 /// depend on what may not move with itself.
 class Analysis {
  public:
-  Analysis(const RepairScene& scene, Prover& prover, double thickness);
+  /// `seams_from`: a frame of which seams are noted.
+  Analysis(const RepairScene& scene, Prover& prover, double thickness,
+           std::optional<std::size_t> seams_from = std::nullopt);
   Result<void> add(double time, std::span<const double> x);
   struct Contacts {
     std::vector<Contact> of_movable;   ///< Something that may move takes part.
     std::vector<Contact> among_fixed;  ///< All others.
   };
   /// All contacts of the motion, by number, after its last frame.
-  Contacts finish();
+  Result<Contacts> finish();
 
   std::size_t frame_count() const { return frames_.size(); }
   /// Nothing touches in the frame; on the way to it from the frame before.
   bool is_free(std::size_t k) const { return frames_[k].is_free; }
   bool is_way_free(std::size_t k) const { return frames_[k].is_way_free; }
   bool all_free() const;
+  /// Pairs of vertices of what touches, at any time, in the contacts that cross in the frame; after finish().
+  std::vector<std::array<ObjectVertex, 2>> seams();
   std::uint64_t crossings(std::size_t k) const { return frames_[k].crossings; }
   /// Per vertex, whether it or a vertex near it touches something in or next to the frame.
   const std::vector<std::uint8_t>& touched(std::size_t k);
 
  private:
+  struct Seam {
+    Index contact;
+    std::array<Index, 2> ends;
+    auto operator<=>(const Seam&) const = default;
+  };
   struct Frame {
     bool is_free = false, is_way_free = false;
     std::uint64_t crossings = 0;
@@ -42,6 +52,7 @@ class Analysis {
   Result<const StepResult*> with_fixed(const StepResult& step, std::span<const double> x);
   Result<void> find_contacts(double time, std::span<const double> x, const StepResult* step);
   void note_movable(const StepResult* step);
+  void note_seams(const StepResult* step);
   bool moves(const TriangleCrossing& crossing) const;
   bool moves(const FeaturePair& pair) const;
   void touch(Frame& frame, const StepResult& step) const;
@@ -53,6 +64,9 @@ class Analysis {
   double thickness_;
   std::optional<ContactFinder> finder_;
   std::set<Index> movable_contacts_;  // numbers
+  std::optional<std::size_t> seams_from_;
+  std::set<Index> contacts_at_start_;
+  std::vector<Seam> seams_;  // ascending
   StepResult all_pairs_;
   StaticResult all_crossings_;
   std::vector<double> last_;
@@ -66,11 +80,6 @@ class Analysis {
 
 /// Marks what is at most `rings` edges away from what is marked.
 void dilate(const RepairScene& scene, std::vector<std::uint8_t>& mask, int rings);
-
-/// Vertices of the contacts of a pose that crosses itself, per vertex the number of its contact; contacts
-/// that are at most `rings` edges apart have one number. 0: in none.
-Result<std::vector<Index>> contact_zones(const RepairScene& scene, Prover& prover, std::span<const double> x,
-                                         int rings);
 
 /// A pose without crossings that differs from `x` around its contacts, which are filled in smoothly, more
 /// rings around them each time until nothing crosses; none where that fails.

@@ -1,7 +1,9 @@
 #include "repair/barrier.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -13,6 +15,7 @@ namespace {
 
 constexpr double kKept = 0.9;    // a pair that is closer in a good pose keeps this share of its gap there,
 constexpr double kLeast = 1e-3;  // but not less than this share of the range
+constexpr double kSlack = 0.25;  // of the list, in ranges
 
 // The features of one mesh that stand for those of all objects, in a filter of these.
 class MergedFilter final : public PairFilter {
@@ -85,36 +88,38 @@ Result<CollisionMesh> merged_mesh(const RepairScene& scene, std::span<const doub
   return CollisionMesh::make(rest, {lines.begin(), lines.end()}, std::move(faces), settings);
 }
 
-NearPair near_pair_of(const ClosePair& close, const BarrierRange& range) {
-  return {close.vertices,
-          close.weights,
-          close.normal,
-          close.distance - range.thickness,
-          range.range,
-          static_cast<double>(close.count),
-          close.kind == ClosePair::Kind::EdgeEdge};
-}
-
-// Lowers ranges to what is kept of the gaps in the pose x.
-void keep_gaps(const BarrierRange& range, std::span<const double> x, std::vector<NearPair*>& pairs) {
+// Calls visit(pair, nearest, lane) for the pairs that are wanted and, in the pose x, not proven farther
+// apart.
+template <class Wanted, class Visit>
+void measure(std::span<Candidate> pairs, std::span<const double> x, double farthest, const Wanted& wanted,
+             const Visit& visit) {
   PairBatch batch{};
   NearestBatch nearest;
-  const double farthest = range.range / kKept + range.thickness;
-  for (std::size_t first = 0; first < pairs.size(); first += 8) {
-    const auto some = std::span(pairs).subspan(first, std::min<std::size_t>(8, pairs.size() - first));
-    for (std::size_t lane = 0; lane < some.size(); ++lane) {
-      const FourPoints p = points_of(x, some[lane]->vertices);
-      batch.set(static_cast<int>(lane), p, p);
+  std::array<Candidate*, 8> lanes{};
+  int count = 0;
+  const auto flush = [&] {
+    const bool edges = count > 0 && lanes[0]->pair.edges;
+    unsigned left = count > 0 ? maybe_near(batch, count, edges, farthest) : 0;
+    if (left != 0) left &= nearest_points(batch, count, edges, farthest, nearest);
+    for (; left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      visit(*lanes[static_cast<std::size_t>(lane)], nearest, lane);
     }
-    for (unsigned left =
-             nearest_points(batch, static_cast<int>(some.size()), some[0]->edges, farthest, nearest);
-         left != 0; left &= left - 1) {
-      const int lane = __builtin_ctz(left);
-      NearPair& pair = *some[static_cast<std::size_t>(lane)];
-      const double gap = nearest.distance[lane] - range.thickness;
-      pair.range = std::min(pair.range, std::max(kKept * gap, kLeast * range.range));
-    }
+    count = 0;
+  };
+  for (Candidate& candidate : pairs) {
+    if (!wanted(candidate)) continue;
+    if (count == 8 || (count > 0 && lanes[0]->pair.edges != candidate.pair.edges)) flush();
+    const FourPoints p = points_of(x, candidate.pair.v);
+    batch.set(count, p, p);
+    lanes[static_cast<std::size_t>(count++)] = &candidate;
   }
+  flush();
+}
+
+NearPair near_pair_of(const Candidate& candidate, const NearestBatch& nearest, int lane, double thickness) {
+  const ClosePair close = close_pair(candidate.pair.v, candidate.pair.edges, nearest, lane);
+  return {close.vertices, close.weights, close.normal, close.distance - thickness, candidate.range};
 }
 
 }  // namespace
@@ -134,58 +139,137 @@ double internal::barrier_curvature(double gap, double range) {
   return y >= 1 ? 0 : -(2 * std::log(y) + 4 * (y - 1) / y - (y - 1) * (y - 1) / (y * y)) / (range * range);
 }
 
-void BarrierRange::limit(std::vector<NearPair>& pairs) const {
-  const auto is_far = [](const NearPair& pair) { return !(pair.gap > 0 && pair.gap < pair.range); };
-  std::erase_if(pairs, is_far);
-  std::vector<NearPair*> all, good;
-  for (const bool edges : {false, true}) {
-    all.clear();
-    good.clear();
-    for (NearPair& pair : pairs) {
-      if (pair.edges != edges) continue;
-      all.push_back(&pair);
-      if (std::ranges::none_of(pair.vertices, [&](Index v) { return touched[v] != 0; }))
-        good.push_back(&pair);
-    }
-    if (!rest.empty()) keep_gaps(*this, rest, all);
-    if (!target.empty()) keep_gaps(*this, target, good);
-  }
-  std::erase_if(pairs, is_far);
+void BarrierRange::limit(std::span<Candidate> pairs) const {
+  const auto keep_gap = [&](Candidate& pair, const NearestBatch& nearest, int lane) {
+    const double gap = nearest.distance[lane] - thickness;
+    pair.range = std::min(pair.range, std::max(kKept * gap, kLeast * range));
+  };
+  const auto is_good = [&](const Candidate& candidate) {
+    return std::ranges::none_of(candidate.pair.v, [&](Index v) { return touched[v] != 0; });
+  };
+  const double farthest = range / kKept + thickness;
+  for (Candidate& pair : pairs) pair.range = range;
+  if (!rest.empty())
+    measure(
+        pairs, rest, farthest, [](const Candidate&) { return true; }, keep_gap);
+  if (!target.empty()) measure(pairs, target, farthest, is_good, keep_gap);
 }
 
-std::optional<NearPair> internal::near_pair(const FeaturePair& pair, const FourPoints& p,
-                                            const BarrierRange& range, double share) {
+std::optional<NearPair> internal::near_pair(const FeaturePair& pair, const FourPoints& p, double range,
+                                            double thickness, double share) {
   PairBatch batch{};
   NearestBatch nearest;
   batch.set(0, p, p);
-  if (nearest_points(batch, 1, pair.edges, range.range + range.thickness, nearest) == 0) return std::nullopt;
-  std::vector<NearPair> near{near_pair_of(close_pair(pair.v, pair.edges, nearest, 0), range)};
-  range.limit(near);
-  if (near.empty()) return std::nullopt;
-  for (double& w : near[0].w) w *= share;
-  return near[0];
+  if (nearest_points(batch, 1, pair.edges, range + thickness, nearest) == 0) return std::nullopt;
+  NearPair near = near_pair_of({pair, range, 0}, nearest, 0, thickness);
+  if (!(near.gap > 0 && near.gap < near.range)) return std::nullopt;
+  for (double& w : near.w) w *= share;
+  return near;
 }
 
 Result<NearPairs> NearPairs::make(const RepairScene& scene, std::span<const double> rest,
-                                  const std::vector<Index>& zones) {
+                                  const std::shared_ptr<const PairFilter>& filter) {
   const auto mesh = std::make_shared<const CollisionMesh>(FOLDPROOF_TRY(merged_mesh(scene, rest)));
   auto triangles = scene_triangles(scene, mesh->hierarchy()->topology().triangles());
   const bool has_others = std::ranges::find(triangles, kNoIndex) != triangles.end();
-  std::shared_ptr<const PairFilter> filter;
-  if (scene.given_filter() != nullptr || !zones.empty() || has_others)
-    filter = std::make_shared<MergedFilter>(scene, scene.filter_with(zones), std::move(triangles));
+  std::shared_ptr<const PairFilter> merged;
+  if (filter != scene.filter() || scene.given_filter() != nullptr || has_others)
+    merged = std::make_shared<MergedFilter>(scene, filter, std::move(triangles));
   NearPairs pairs;
-  pairs.checker_ = std::make_unique<ContactChecker>(mesh, ContactSettings(), std::move(filter));
+  pairs.checker_ = std::make_unique<ContactChecker>(mesh, ContactSettings(), std::move(merged));
   return pairs;
 }
 
-Result<void> NearPairs::find(std::span<const double> x, const BarrierRange& range,
-                             std::span<const std::uint8_t> active, std::vector<NearPair>& out) {
-  FOLDPROOF_TRY(checker_->close_pairs(x, range.range + range.thickness, close_, active));
-  out.clear();
-  for (const ClosePair& close : close_) out.push_back(near_pair_of(close, range));
-  range.limit(out);
+void NearPairs::start(const BarrierRange& range) {
+  range_ = range;
+  listed_at_.clear();
+}
+
+bool NearPairs::knows(std::span<const double> x) const {
+  if (listed_at_.empty()) return false;
+  const double most = kSlack * range_.range / 2;
+  for (Index v = 0; v < x.size() / 3; ++v) {
+    const double square = (at(x, v) - at(listed_at_, v)).squaredNorm();
+    if (square > most * most || (square > 0 && may_move_[v] == 0)) return false;
+  }
+  return true;
+}
+
+Result<double> NearPairs::smallest_distance(std::span<const double> x, double bound) {
+  return std::min(bound, FOLDPROOF_TRY(checker_->minimum_distance(x, bound)));
+}
+
+bool NearPairs::was_moved(std::span<const double> x, Index v) const {
+  return range_.target.empty() || range_.touched[v] != 0 || at(x, v) != at(range_.target, v);
+}
+
+Result<void> NearPairs::list(std::span<const double> x, std::span<const std::uint8_t> active) {
+  const bool is_first = listed_at_.empty();  // of the frame; what moved in the last one is likely to move
+  may_move_.resize(x.size() / 3, 0);
+  for (Index v = 0; v < may_move_.size(); ++v) {
+    const bool is_active = !active.empty() && active[v] != 0;
+    may_move_[v] = is_active || was_moved(x, v) || (is_first && may_move_[v] != 0);
+  }
+  const double gap = (1 + kSlack) * range_.range;
+  FOLDPROOF_TRY(checker_->candidates(x, gap + range_.thickness, found_));
+  const CollisionMesh& mesh = checker_->mesh();
+  list_.clear();
+  const auto add = [&](bool edges, const std::array<Index, 4>& v) {
+    if (std::ranges::any_of(v, [&](Index i) { return may_move_[i] != 0; }))
+      list_.push_back({{edges, v}, 0, std::numeric_limits<double>::infinity()});
+  };
+  for (const auto& [v, face] : found_.vertex_face) {
+    const Triangle& t = mesh.faces()[face];
+    add(false, {v, t[0], t[1], t[2]});
+  }
+  for (const auto& [edge, v] : found_.edge_vertex) {
+    const Edge& e = mesh.edges()[edge];
+    add(false, {v, e[0], e[1], e[1]});
+  }
+  for (const auto& [a, b] : found_.vertex_vertex) add(false, {a, b, b, b});
+  for (const auto& [a, b] : found_.edge_edge) {
+    const Edge &e = mesh.edges()[a], &f = mesh.edges()[b];
+    add(true, {e[0], e[1], f[0], f[1]});
+  }
+  measure(
+      list_, x, gap + range_.thickness, [](const Candidate&) { return true; },
+      [&](Candidate& candidate, const NearestBatch& nearest, int lane) {
+        candidate.gap = std::max(0.0, nearest.distance[lane] - range_.thickness);
+      });
+  std::erase_if(list_, [&](const Candidate& candidate) { return !(candidate.gap < gap); });
+  range_.limit(list_);
+  listed_at_.assign(x.begin(), x.end());
   return {};
+}
+
+Result<void> NearPairs::find(std::span<const double> x, std::span<const std::uint8_t> active,
+                             std::vector<NearPair>& out) {
+  if (!knows(x)) FOLDPROOF_TRY(list(x, active));
+  out.clear();
+  const auto is_active = [&](const Candidate& candidate) {
+    return active.empty() || std::ranges::any_of(candidate.pair.v, [&](Index v) { return active[v] != 0; });
+  };
+  measure(list_, x, range_.range + range_.thickness, is_active,
+          [&](const Candidate& candidate, const NearestBatch& nearest, int lane) {
+            const NearPair near = near_pair_of(candidate, nearest, lane, range_.thickness);
+            if (near.gap > 0 && near.gap < near.range) out.push_back(near);
+          });
+  return {};
+}
+
+void NearPairs::may_touch(std::span<const double> x, std::vector<FeaturePair>& out) const {
+  const auto moved = [&](Index v) { return at(x, v) - at(listed_at_, v); };
+  for (const Candidate& candidate : list_) {
+    const FeaturePair& pair = candidate.pair;
+    const std::size_t n = pair.edges ? 2 : 1;
+    const double square = candidate.gap * candidate.gap;
+    bool may = false;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t k = n; k < 4; ++k)
+        may |= (moved(pair.v[i]) - moved(pair.v[k])).squaredNorm() >= square;
+    }
+    if (may) out.push_back(pair);
+  }
 }
 
 }  // namespace foldproof

@@ -19,6 +19,7 @@ struct Tolerances {
   double move, energy, linear;
 };
 constexpr Tolerances kRough{0.1, 1e-3, 5e-3}, kFine{0.05, 5e-4, 5e-3};
+constexpr double kForcing = 0.02;      // LinearTolerance::share
 constexpr int kHopelessAfter = 4;      // iterations
 constexpr int kMostForAccuracy = 100;  // iterations of Newton's method
 
@@ -38,12 +39,18 @@ constexpr double kTight = 0.05;  // a gap below this, in ranges, may need a stif
 constexpr double kMaxStiffening = 1024;
 
 // When two features on straight ways are closest, but for kTimeStep: of eight times, and around the best
-// again.
+// again. NaN where they are proven to stay farther apart than `farthest`.
 constexpr int kRefinements = 3;
 constexpr double kTimeStep = 1.0 / 256;
-double time_when_closest(bool edges, const FourPoints& from, const FourPoints& to) {
+double time_when_closest(bool edges, const FourPoints& from, const FourPoints& to, double farthest) {
   PairBatch batch{};
   NearestBatch nearest;
+  double length = 0;  // of the longest relative way
+  const std::size_t n = edges ? 2 : 1;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t k = n; k < 4; ++k)
+      length = std::max(length, ((to[i] - from[i]) - (to[k] - from[k])).norm());
+  }
   double time = 0.5, width = 0.5, least = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kRefinements; ++round, width /= 4) {
     const double middle = time;
@@ -62,6 +69,7 @@ double time_when_closest(bool edges, const FourPoints& from, const FourPoints& t
       least = nearest.distance[lane];
       time = time_of(lane);
     }
+    if (least - width * length / 8 > farthest) return std::numeric_limits<double>::quiet_NaN();
   }
   return time;
 }
@@ -106,23 +114,28 @@ bool FrameSolver::is_late(std::span<const double> x) const {
   return false;
 }
 
+CcdResult FrameSolver::ccd(const FeaturePair& pair, std::span<const double> from,
+                           std::span<const double> to) const {
+  const CcdSettings settings{.thickness = problem_->range.thickness};
+  const FourPoints x0 = points_of(from, pair.v), x1 = points_of(to, pair.v);
+  return pair.edges ? edge_edge_ccd(x0, x1, settings) : vertex_face_ccd(x0, x1, settings);
+}
+
 // How far a pair may go from y to z. At first y is the start, so that its time of impact tells; else neither
 // way is that from y, and half is a guess where y to z is free.
 double FrameSolver::share_of(const FeaturePair& pair, std::span<const double> z, double toi,
                              bool first) const {
   if (first) return kRescaling * toi;
-  const CcdSettings settings{.thickness = problem_->range.thickness};
-  const FourPoints from = points_of(y_, pair.v), to = points_of(z, pair.v);
-  const CcdResult ccd = pair.edges ? edge_edge_ccd(from, to, settings) : vertex_face_ccd(from, to, settings);
-  return ccd.answer == Answer::Separated ? 0.5 : std::min(kRescaling * ccd.toi, 0.5 + toi / 2);
+  const CcdResult from_y = ccd(pair, y_, z);
+  return from_y.answer == Answer::Separated ? 0.5 : std::min(kRescaling * from_y.toi, 0.5 + toi / 2);
 }
 
-// `is_after`: the step is that on to the next frame.
-void FrameSolver::limit_shares(const StepResult& step, std::span<const double> z, bool is_after, bool first) {
+// `is_after`: the collisions are on the step on to the next frame.
+void FrameSolver::limit_shares(std::span<const double> z, bool is_after, bool first) {
   std::fill(limit_.begin(), limit_.end(), 1);
   double all = 1;
-  const auto limit = [&](const FeaturePair& pair, double toi) {
-    ways_[is_after ? 1 : 0].insert(pair);
+  for (const auto& [pair, toi] : collisions_) {
+    ways_[is_after ? 1 : 0].emplace(pair, 0);
     const double share = share_of(pair, z, toi, first);
     const bool waits =
         std::ranges::all_of(pair.v, [&](Index v) { return scene_->is_movable(v) || at(z, v) == at(y_, v); });
@@ -130,9 +143,7 @@ void FrameSolver::limit_shares(const StepResult& step, std::span<const double> z
     for (const Index v : pair.v) {
       if (waits && scene_->is_movable(v)) limit_[v] = std::min(limit_[v], share);
     }
-  };
-  for (const auto& c : step.vertex_face) limit(scene_->pair_of(c), c.toi);
-  for (const auto& c : step.edge_edge) limit(scene_->pair_of(c), c.toi);
+  }
   all_share_ *= all;
   spread_shares();
   for (Index v = 0; v < limit_.size(); ++v) {
@@ -171,83 +182,135 @@ void FrameSolver::place(std::span<const double> whole, std::vector<double>& z) c
   round(z);
 }
 
-// Whether the ways to z and on from it are free; else limits shares.
-Result<bool> FrameSolver::check_ways(std::span<const double> z, bool first) {
-  if (!problem_->before.empty()) {
-    const StepResult* step = FOLDPROOF_TRY(prover_->check(problem_->before, z));
-    if (!step->clean()) {
-      limit_shares(*step, z, false, first);
-      return false;
-    }
-  }
-  if (problem_->after.empty()) return true;
-  const StepResult* step = FOLDPROOF_TRY(prover_->check(z, problem_->after));
-  if (!step->clean()) limit_shares(*step, z, true, false);
-  return step->clean();
+// Collisions of the pairs that collided before, and of those that may touch in a pose.
+void FrameSolver::test_known(std::span<const double> from, std::span<const double> to, bool is_after) {
+  const auto test = [&](const FeaturePair& pair) {
+    const CcdResult answer = ccd(pair, from, to);
+    if (answer.answer != Answer::Separated) collisions_.push_back({pair, answer.toi});
+  };
+  for (const auto& way : ways_[is_after ? 1 : 0]) test(way.first);
+  for (const FeaturePair& pair : may_touch_) test(pair);
 }
 
-// Moves z back towards y until the ways are free. Returns the share that all vertices went; 0 where nothing
-// moved.
-Result<double> FrameSolver::approach(std::vector<double>& z) {
+// Whether the ways to z and on from it are free; else limits shares. First asks the pairs that are known;
+// all, where these do not tell, or to prove it.
+Result<bool> FrameSolver::check_ways(std::span<const double> z, bool first, bool proves) {
+  const bool knows = pairs_->knows(z);
+  may_touch_.clear();
+  if (knows) pairs_->may_touch(z, may_touch_);
+  for (const bool is_after : {false, true}) {
+    const auto other = is_after ? problem_->after : problem_->before;
+    if (other.empty()) continue;
+    const auto from = is_after ? z : other, to = is_after ? other : z;
+    collisions_.clear();
+    if (knows) test_known(from, to, is_after);
+    if (collisions_.empty() && (proves || !knows)) {
+      const StepResult* step = FOLDPROOF_TRY(prover_->check(from, to));
+      for (const auto& c : step->vertex_face) collisions_.push_back({scene_->pair_of(c), c.toi});
+      for (const auto& c : step->edge_edge) collisions_.push_back({scene_->pair_of(c), c.toi});
+    }
+    if (collisions_.empty()) continue;
+    limit_shares(z, is_after, first && !is_after);
+    return false;
+  }
+  is_proven_ = proves || !knows;
+  return true;
+}
+
+// Moves z back towards y until the ways are free, as far as it is known, or proven. Returns the share that
+// all vertices went; 0 where nothing moved.
+Result<double> FrameSolver::approach(std::vector<double>& z, bool proves) {
   whole_ = z;
   std::fill(share_.begin(), share_.end(), 1);
   all_share_ = 1;
   const bool first = std::equal(y_.begin(), y_.end(), problem_->before.begin(), problem_->before.end());
   for (int trial = 0; trial < kMaxTrials; ++trial) {
-    if (FOLDPROOF_TRY(check_ways(z, first))) return all_share_;
+    if (FOLDPROOF_TRY(check_ways(z, first, proves))) return all_share_;
     if (all_share_ < kLeastShare) break;
     place(whole_, z);
   }
   for (int k = 0; k < kMaxHalvings; ++k) {
     const double share = all_share_ /= 2;
     place(whole_, z);
-    if (FOLDPROOF_TRY(check_ways(z, first))) return all_share_;
+    if (FOLDPROOF_TRY(check_ways(z, first, proves))) return all_share_;
     all_share_ = share;
   }
   z = y_;
+  is_proven_ = false;
   return 0;
+}
+
+// Makes y a pose the ways of which are proven, nearer to the last one where they are not free. Returns
+// whether they were.
+Result<bool> FrameSolver::prove() {
+  bool was_free = true;
+  if (!is_proven_) {
+    next_.swap(y_);
+    y_ = proven_;
+    FOLDPROOF_TRY(approach(next_, true));
+    was_free = whole_ == next_;
+    y_.swap(next_);
+    is_proven_ = true;
+    if (!was_free) FOLDPROOF_TRY(find_pairs(y_, pairs_of_y_));
+  }
+  proven_ = y_;
+  return was_free;
 }
 
 // Pairs that are near in x, and those that collided on the ways before, at the times when they did.
 Result<void> FrameSolver::find_pairs(std::span<const double> x, Pairs& out) {
-  FOLDPROOF_TRY(
-      pairs_->find(x, problem_->range, late_ ? std::span<const std::uint8_t>() : is_active_, out.near));
+  FOLDPROOF_TRY(pairs_->find(x, late_ ? std::span<const std::uint8_t>() : is_active_, out.near));
   out.in_pose = out.near.size();
   add_way_pairs(x, out);
   return {};
 }
 
-// A pair where it is closest on the way, unless that is at one of its ends.
-std::optional<NearPair> FrameSolver::on_way(const FeaturePair& pair, bool is_after,
-                                            std::span<const double> x) const {
+// A pair where it is closest on the way, unless that is at one of its ends, and the share of it.
+std::optional<std::pair<FourPoints, double>> FrameSolver::on_way(const FeaturePair& pair, bool is_after,
+                                                                 std::span<const double> x) const {
   const FourPoints here = points_of(x, pair.v);
   const FourPoints from = is_after ? here : points_of(problem_->before, pair.v);
   const FourPoints to = is_after ? points_of(problem_->after, pair.v) : here;
-  const double time = time_when_closest(pair.edges, from, to);
+  const double time =
+      time_when_closest(pair.edges, from, to, problem_->range.range + problem_->range.thickness);
   const double share = is_after ? 1 - time : time;
-  if (share < kTimeStep || share > 1 - kTimeStep) return std::nullopt;
+  if (!(share >= kTimeStep && share <= 1 - kTimeStep)) return std::nullopt;
   FourPoints p;
   for (std::size_t k = 0; k < 4; ++k) p[k] = from[k] + time * (to[k] - from[k]);
-  return near_pair(pair, p, problem_->range, share);
+  return std::pair(p, share);
 }
 
 void FrameSolver::add_way_pairs(std::span<const double> x, Pairs& out) {
   out.near.resize(out.in_pose, NearPair{});
   for (const bool is_after : {false, true}) {
-    for (const FeaturePair& pair : ways_[is_after ? 1 : 0]) {
-      if (const auto near = on_way(pair, is_after, x)) out.near.push_back(*near);
+    for (auto& [pair, range] : ways_[is_after ? 1 : 0]) {
+      const auto place = on_way(pair, is_after, x);
+      if (!place) continue;
+      if (range == 0) range = problem_->range.of(pair);
+      if (const auto near = near_pair(pair, place->first, range, problem_->range.thickness, place->second))
+        out.near.push_back(*near);
     }
   }
 }
 
+// Forgets pairs that are far from each other on their way now.
+void FrameSolver::forget_far_ways(std::span<const double> x) {
+  for (const bool is_after : {false, true})
+    std::erase_if(ways_[is_after ? 1 : 0], [&](const auto& way) { return !on_way(way.first, is_after, x); });
+}
+
 std::array<std::vector<FeaturePair>, 2> FrameSolver::ways() const {
-  return {std::vector<FeaturePair>(ways_[0].begin(), ways_[0].end()),
-          std::vector<FeaturePair>(ways_[1].begin(), ways_[1].end())};
+  std::array<std::vector<FeaturePair>, 2> out;
+  for (const std::size_t i : {0, 1}) {
+    for (const auto& way : ways_[i]) out[i].push_back(way.first);
+  }
+  return out;
 }
 
 void FrameSolver::set_ways(std::span<const FeaturePair> before, std::span<const FeaturePair> after) {
-  ways_ = {std::set<FeaturePair>(before.begin(), before.end()),
-           std::set<FeaturePair>(after.begin(), after.end())};
+  ways_ = {};
+  for (const FeaturePair& pair : before) ways_[0][pair] = 0;
+  for (const FeaturePair& pair : after) ways_[1][pair] = 0;
 }
 
 // Vertices whose correction is not negligible.
@@ -323,11 +386,15 @@ Result<void> FrameSolver::begin(const FrameProblem& problem, std::span<const dou
   y_.assign(problem.begin.begin(), problem.begin.end());
   next_.assign(guess.begin(), guess.end());
   surface_->set_active({});
+  pairs_->start(problem.range);
   start_active();
   round(next_);
-  FOLDPROOF_TRY(approach(next_));
+  FOLDPROOF_TRY(approach(next_, true));
   y_.swap(next_);
+  proven_ = y_;
+  is_proven_ = true;
   late_ = true;
+  forget_far_ways(y_);
   FOLDPROOF_TRY(find_pairs(y_, pairs_of_y_));
   late_ = is_late(y_);
   return {};
@@ -339,7 +406,7 @@ Result<bool> FrameSolver::descend(double stiffness) {
   const double wanted = change(y_, next_);
   const Tolerances tolerances = tolerances_of(*problem_);
   for (int halving = 0;; ++halving) {
-    FOLDPROOF_TRY(approach(next_));
+    FOLDPROOF_TRY(approach(next_, false));
     FOLDPROOF_TRY(find_pairs(next_, pairs_of_next_));
     const bool next_late = is_late(next_);
     if (late_ || next_late) {
@@ -360,35 +427,47 @@ Result<bool> FrameSolver::descend(double stiffness) {
   }
 }
 
+// One iteration of Newton's method.
+Result<void> FrameSolver::iterate(double stiffness, FrameOutcome& outcome) {
+  const FrameProblem& problem = *problem_;
+  grow_active(pairs_of_y_.near);
+  if (surface_->active().empty() && !late_) {
+    outcome.settled = true;
+    return {};
+  }
+  surface_->fit_rotations(y_, problem.target);
+  next_.resize(y_.size());
+  const LinearTolerance tolerance{tolerances_of(problem).linear * problem.range.range,
+                                  kForcing * problem.accuracy};
+  surface_->minimize(y_, problem.target, pairs_of_y_.near, stiffness, tolerance, next_);
+  for (const Index v : surface_->active())
+    put(next_, v, at(y_, v) + kOverrelaxation * (at(next_, v) - at(y_, v)));
+  release();
+  round(next_);
+  outcome.wanted = change(y_, next_);
+  outcome.settled = FOLDPROOF_TRY(descend(stiffness));
+  y_.swap(next_);
+  std::swap(pairs_of_y_, pairs_of_next_);
+  if (is_proven_) proven_ = y_;
+  return {};
+}
+
 Result<FrameOutcome> FrameSolver::solve(const FrameProblem& problem, std::vector<double>& x) {
   FOLDPROOF_TRY(begin(problem, x));
-  const double range = problem.range.range;
-  double stiffness = kStiffness * range * edge_;
+  double stiffness = kStiffness * problem.range.range * edge_;
   const double stiffest = kMaxStiffening * stiffness;
-  const double linear = tolerances_of(problem).linear;
   const int most = problem.accuracy < 1 ? kMostForAccuracy : problem.iterations;
   FrameOutcome outcome;
-  for (; outcome.iterations < most && !outcome.settled; ++outcome.iterations) {
+  for (bool ends = false; !ends;) {
     if (interrupted_ && interrupted_())
       return fail(ErrorCode::Interrupted, "repair", "was interrupted", "run it again");
-    grow_active(pairs_of_y_.near);
-    if (surface_->active().empty() && !late_) {
-      outcome.settled = true;
-      break;
+    FOLDPROOF_TRY(iterate(stiffness, outcome));
+    ends = ++outcome.iterations >= most ||
+           (problem.hopeless > 0 && outcome.iterations > kHopelessAfter && outcome.wanted > problem.hopeless);
+    if (ends || outcome.settled) {
+      outcome.settled &= FOLDPROOF_TRY(prove());
+      ends |= outcome.settled;
     }
-    surface_->fit_rotations(y_, problem.target);
-    next_.resize(y_.size());
-    surface_->minimize(y_, problem.target, pairs_of_y_.near, stiffness, linear * range, next_);
-    for (const Index v : surface_->active())
-      put(next_, v, at(y_, v) + kOverrelaxation * (at(next_, v) - at(y_, v)));
-    release();
-    round(next_);
-    outcome.wanted = change(y_, next_);
-    outcome.settled = FOLDPROOF_TRY(descend(stiffness));
-    y_.swap(next_);
-    std::swap(pairs_of_y_, pairs_of_next_);
-    if (problem.hopeless > 0 && outcome.iterations >= kHopelessAfter && outcome.wanted > problem.hopeless)
-      break;
     const bool tight =
         std::ranges::any_of(pairs_of_y_.near, [](const NearPair& p) { return p.gap < kTight * p.range; });
     const bool stopped = std::ranges::any_of(share_, [](double s) { return s < 0.5; });
@@ -397,7 +476,7 @@ Result<FrameOutcome> FrameSolver::solve(const FrameProblem& problem, std::vector
   outcome.arrived = true;
   for (Index v = 0; v < scene_->vertex_count(); ++v)
     outcome.arrived &= scene_->is_movable(v) || at(y_, v) == at(problem.target, v);
-  outcome.late = !outcome.settled && outcome.wanted > range;
+  outcome.late = !outcome.settled && outcome.wanted > problem.range.range;
   x = y_;
   return outcome;
 }

@@ -1,8 +1,9 @@
 /// Finds the pose of one frame: near the target, and the straight way to it proven free.
 #pragma once
 
-#include <set>
+#include <map>
 
+#include "base/try.h"
 #include "repair/surface.h"
 
 namespace foldproof::inline internal {
@@ -15,6 +16,7 @@ class Prover {
     settings_.thickness = thickness;
     settings_.look_ahead = false;  // ways of one frame do not continue each other
   }
+  void set_thickness(double thickness) { settings_.thickness = thickness; }
   /// The pairs that collide on the way, at most StepSettings::max_listed.
   Result<const StepResult*> check(std::span<const double> x0, std::span<const double> x1);
   /// Pairs of triangles that cross.
@@ -69,6 +71,14 @@ class FrameSolver {
   /// `x`: a guess, which becomes the pose; the ways are proven free in any case. Error: interrupted.
   Result<FrameOutcome> solve(const FrameProblem& problem, std::vector<double>& x);
 
+  /// ElasticSurface::carry.
+  void carry(std::span<const double> from, std::span<const double> to, std::span<double> x) {
+    surface_->carry(from, to, x);
+  }
+  /// Proven.
+  Result<bool> is_way_free(std::span<const double> from, std::span<const double> to) {
+    return FOLDPROOF_TRY(prover_->check(from, to))->clean();
+  }
   /// Pairs that collided on the ways of the last solve, or were set before it, and are near there: the
   /// barrier acts on them. Of the way to the frame, and of that on to the next.
   std::array<std::vector<FeaturePair>, 2> ways() const;
@@ -81,16 +91,28 @@ class FrameSolver {
     std::size_t in_pose = 0;  ///< The first so many; the others are from the way.
   };
 
-  Result<double> approach(std::vector<double>& z);
-  Result<bool> check_ways(std::span<const double> z, bool first);
-  void limit_shares(const StepResult& step, std::span<const double> z, bool is_after, bool first);
+  /// A pair that collides on a way.
+  struct Collision {
+    FeaturePair pair;
+    double toi;
+  };
+
+  Result<double> approach(std::vector<double>& z, bool proves);
+  Result<bool> prove();
+  Result<bool> check_ways(std::span<const double> z, bool first, bool proves);
+  CcdResult ccd(const FeaturePair& pair, std::span<const double> from, std::span<const double> to) const;
+  void test_known(std::span<const double> from, std::span<const double> to, bool is_after);
+  void limit_shares(std::span<const double> z, bool is_after, bool first);
   double share_of(const FeaturePair& pair, std::span<const double> z, double toi, bool first) const;
   void spread_shares();
   void place(std::span<const double> whole, std::vector<double>& z) const;
   Result<void> begin(const FrameProblem& problem, std::span<const double> guess);
+  Result<void> iterate(double stiffness, FrameOutcome& outcome);
   Result<bool> descend(double stiffness);
   Result<void> find_pairs(std::span<const double> x, Pairs& out);
-  std::optional<NearPair> on_way(const FeaturePair& pair, bool is_after, std::span<const double> x) const;
+  std::optional<std::pair<FourPoints, double>> on_way(const FeaturePair& pair, bool is_after,
+                                                      std::span<const double> x) const;
+  void forget_far_ways(std::span<const double> x);
   void add_way_pairs(std::span<const double> x, Pairs& out);
   void release();
   void grow_active(std::span<const NearPair> pairs);
@@ -108,12 +130,17 @@ class FrameSolver {
   std::function<bool()> interrupted_;
 
   const FrameProblem* problem_ = nullptr;
-  std::vector<double> y_;  // the pose so far; the way to it is free
+  std::vector<double> y_;       // the pose so far; the way to it is free, as far as pairs are known
+  std::vector<double> proven_;  // the last one to which it is proven to be
+  bool is_proven_ = false;      // y_ is
   std::vector<double> next_, whole_;
   Pairs pairs_of_y_, pairs_of_next_;
-  std::array<std::set<FeaturePair>, 2> ways_;  // to the frame, and on from it
-  bool late_ = false;                          // y: see is_late
-  std::vector<double> share_, along_;          // per vertex: share of the way; distance from what is near
+  // To the frame, and on from it: pairs and their ranges; 0 where these are not known.
+  std::array<std::map<FeaturePair, double>, 2> ways_;
+  std::vector<FeaturePair> may_touch_;
+  std::vector<Collision> collisions_;
+  bool late_ = false;                  // y: see is_late
+  std::vector<double> share_, along_;  // per vertex: share of the way; distance from what is near
   std::vector<double> limit_;
   double all_share_ = 1;  // of all vertices
   std::vector<std::uint8_t> is_active_;

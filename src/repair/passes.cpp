@@ -59,10 +59,8 @@ Result<FrameOutcome> Passes::follow(std::span<const double> from, const Way& way
     for (std::size_t i = 0; i < goal.size(); ++i) {
       goal[i] = part == parts ? target[i] : last_target[i] + (target[i] - last_target[i]) * part / parts;
     }
-    guess = goal;
-    for (std::size_t i = 0; i < guess.size(); ++i) {
-      if (x[i] != before[i]) guess[i] += x[i] - before[i];
-    }
+    guess = x;
+    tools_.solver->carry(before, goal, guess);
     FrameProblem problem = tools_.problem(from, x, goal, frame, time);
     problem.rough = rough_ || part < parts;
     if (parts == 1) problem.hopeless = kHopeless * tools_.edge;
@@ -156,7 +154,9 @@ Result<void> Passes::follow_motion(Index start, std::span<const double> x, bool 
   for (std::size_t i = frames_.size(); i-- > 1;) {
     frames_[i].way = std::move(frames_[i - 1].way);
   }
-  return backwards ? sweep(start, 1, x) : backwards;
+  if (!backwards) return backwards;
+  FOLDPROOF_TRY(sweep(start, 1, x));
+  return close_loop();
 }
 
 Result<std::vector<double>> Passes::pose(std::size_t i) {
@@ -175,43 +175,59 @@ Result<void> Passes::relax() {
   return {};
 }
 
-bool Passes::is_near_correction(std::size_t i) const {
-  const std::size_t begin = i - std::min<std::size_t>(i, Smoother::kRadius);
-  const std::size_t end = std::min(smooth_.size(), i + Smoother::kRadius + 1);
-  return std::any_of(smooth_.begin() + static_cast<std::ptrdiff_t>(begin),
-                     smooth_.begin() + static_cast<std::ptrdiff_t>(end),
-                     [](const Correction& c) { return !c.vertices.empty(); });
+// Where the motion ends as it begins, one pose stands for both ends: the one that was moved less, if it fits.
+Result<void> Passes::close_loop() {
+  const std::size_t last = frames_.size() - 1;
+  const auto first_target = copy(FOLDPROOF_TRY(tools_.frames->at_time(0)));
+  const auto last_target = FOLDPROOF_TRY(tools_.frames->at_time(tools_.frames->count() - 1));
+  const bool is_free = frames_[0].limit == RepairLimit::None && frames_[last].limit == RepairLimit::None;
+  loops_ = last > 1 && is_free && std::equal(first_target.begin(), first_target.end(), last_target.begin());
+  if (!loops_ || frames_[0].correction.x == frames_[last].correction.x) return {};
+  const auto before = FOLDPROOF_TRY(pose(last - 1)), after = FOLDPROOF_TRY(pose(1));
+  const bool first_is_less = frames_[0].correction.largest < frames_[last].correction.largest;
+  for (const std::size_t end : {first_is_less ? 0 : last, first_is_less ? last : 0}) {
+    const auto x = FOLDPROOF_TRY(pose(end));
+    if (!FOLDPROOF_TRY(tools_.solver->is_way_free(before, x)) ||
+        !FOLDPROOF_TRY(tools_.solver->is_way_free(x, after)))
+      continue;
+    frames_[last - end].correction = frames_[end].correction;
+    return {};
+  }
+  loops_ = false;
+  return {};
 }
 
 // Frame i again, between its neighbors, which stay: near the target with the correction averaged in time.
 Result<void> Passes::relax_frame(std::size_t i) {
-  SolvedFrame& solved = frames_[i];
-  const std::size_t last = i > 0 ? i - 1 : i + 1, next = i + 1 < frames_.size() ? i + 1 : last;
-  if (frames_.size() < 2) return {};
-  const bool is_first = i == 0, is_last = i + 1 == frames_.size();
+  const std::size_t end = frames_.size() - 1;
+  const bool is_first = i == 0 && !loops_, is_last = i == end && !loops_;
+  if (end == 0 || (loops_ && i == end)) return {};
+  const std::size_t last = i > 0 ? i - 1 : loops_ ? end - 1 : 1, next = i < end ? i + 1 : last;
+  SolvedFrame &solved = frames_[i], &arrives = frames_[i == 0 && loops_ ? end : i];
   for (const std::size_t k : {last, i, next}) {
     if (frames_[k].limit != RepairLimit::None) return {};
   }
-  if (!is_near_correction(i)) return {};
-  const auto before = FOLDPROOF_TRY(pose(last)), after = FOLDPROOF_TRY(pose(next));
   const auto target = copy(FOLDPROOF_TRY(tools_.frames->at_time(solved.time)));
-  const std::vector<double> begin = FOLDPROOF_TRY(pose(i));
   std::vector<double> goal = target;
-  smoother_.add(smooth_, i, kSmoothedAway * tools_.range, goal);
+  smoother_.add(smooth_, i, loops_, kSmoothedAway * tools_.range, goal);
   if (solved.correction.vertices.empty() && goal == target) return {};
+  const auto before = FOLDPROOF_TRY(pose(last)), after = FOLDPROOF_TRY(pose(next));
+  const std::vector<double> begin = FOLDPROOF_TRY(pose(i));
   FrameProblem problem = tools_.problem(before, begin, goal, target, solved.time);
   if (is_first) problem.before = {};
   if (!is_last) problem.after = after;
   problem.iterations = kRelaxIterations;
-  tools_.solver->set_ways(is_first ? std::vector<FeaturePair>() : solved.way,
+  tools_.solver->set_ways(is_first ? std::vector<FeaturePair>() : arrives.way,
                           is_last ? std::vector<FeaturePair>() : frames_[next].way);
   std::vector<double> x = begin;
   const FrameOutcome outcome = FOLDPROOF_TRY(tools_.solver->solve(problem, x));
   auto ways = tools_.solver->ways();
-  if (!is_first) solved.way = std::move(ways[0]);
+  if (!is_first) arrives.way = std::move(ways[0]);
   if (!is_last) frames_[next].way = std::move(ways[1]);
   solved.correction = Correction::between(target, x);
   solved.late = outcome.late;
+  arrives.correction = solved.correction;
+  arrives.late = solved.late;
   return {};
 }
 

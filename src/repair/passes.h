@@ -42,6 +42,7 @@ class Passes {
   Passes(const RepairTools& tools, Index in_betweens, std::function<Result<void>()> tick)
       : tools_(tools), in_betweens_(in_betweens), tick_(std::move(tick)), smoother_(*tools.scene) {}
 
+  void set_thickness(double thickness) { tools_.thickness = thickness; }
   /// What follow finds is refined later.
   void set_rough(bool rough) { rough_ = rough; }
   /// From a free pose near the last target to a pose `x` near the target, on a way that is proven; `parts`:
@@ -62,7 +63,7 @@ class Passes {
   Result<bool> advance(double from, double to, std::vector<double>& x, int halvings);
   Result<void> relax_frame(std::size_t i);
   bool is_held_back(double time, const Correction& correction) const;
-  bool is_near_correction(std::size_t i) const;
+  Result<void> close_loop();
   Result<std::vector<double>> pose(std::size_t i);
 
   RepairTools tools_;
@@ -70,6 +71,7 @@ class Passes {
   std::function<Result<void>()> tick_;
   std::vector<SolvedFrame> frames_;
   bool rough_ = false;
+  bool loops_ = false;  // the last frame is the first one
   Smoother smoother_;
   std::vector<Correction> smooth_;  // of the frames before this pass
 };

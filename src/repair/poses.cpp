@@ -83,12 +83,13 @@ Result<std::span<const double>> Frames::at_time(double time) {
   return std::span<const double>(kept.x);
 }
 
-void Smoother::add(std::span<const Correction> corrections, std::size_t k, double negligible,
+void Smoother::add(std::span<const Correction> corrections, std::size_t k, bool loops, double negligible,
                    std::span<double> x) {
   const auto around = [&](int j) -> const Correction& {
     const auto last = static_cast<std::ptrdiff_t>(corrections.size()) - 1;
-    return corrections[static_cast<std::size_t>(
-        std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(k) + j, 0, last))];
+    const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(k) + j;
+    return corrections[static_cast<std::size_t>(loops ? ((i % last) + last) % last
+                                                      : std::clamp<std::ptrdiff_t>(i, 0, last))];
   };
   const auto weight = [](int j) { return std::exp(-0.5 * j * j / (kSigma * kSigma)); };
   double total = 0;

@@ -53,7 +53,9 @@ class Smoother {
   static constexpr int kRadius = 5;  ///< How far it reaches, in frames.
   explicit Smoother(const RepairScene& scene) : sum_(scene.size(), 0.0) {}
   /// Adds to the frame `x` the average of the corrections around number `k`, except below `negligible`.
-  void add(std::span<const Correction> corrections, std::size_t k, double negligible, std::span<double> x);
+  /// `loops`: the last one is the first.
+  void add(std::span<const Correction> corrections, std::size_t k, bool loops, double negligible,
+           std::span<double> x);
 
  private:
   std::vector<double> sum_;

@@ -16,17 +16,16 @@ namespace {
 constexpr double kFalloffOfSize = 0.05, kFalloffInEdges = 4;
 constexpr double kClearanceInEdges = 0.15;
 constexpr int kApproachSteps = 16;  // from a pose that is not a frame to the frame
-constexpr int kZoneRings = 3;
 constexpr const char* kThickness = "thickness";
 constexpr double kSingleSteps = 64;  // single precision must hold the clearance in so many steps
 
 /// Where a repair begins.
 struct Start {
   Index frame = 0;
-  std::vector<double> x;     // a free pose
-  bool is_frame = false;     // it is the frame itself
-  bool knows_gaps = false;   // its gaps are as they should be
-  std::vector<Index> zones;  // of what is exempt; empty: nothing
+  std::vector<double> x;         // a pose in which nothing crosses
+  bool is_frame = false;         // it is the frame itself
+  bool keeps_thickness = false;  // and nothing is closer than the thickness: its gaps are as they should be
+  std::shared_ptr<const PairFilter> exempt = nullptr;  // what may touch; null: nothing
 };
 
 class Repair {
@@ -51,6 +50,9 @@ class Repair {
   Result<std::optional<Start>> untangled_start();
   Result<std::optional<Start>> exempt_start();
   Index calmest_frame() const;
+  std::shared_ptr<const PairFilter> filter_with(const std::shared_ptr<const PairFilter>& exempt) const {
+    return exempt == nullptr ? scene_.filter() : ignore_all({scene_.filter(), exempt});
+  }
   Result<void> prepare(const Start& start);
   Result<void> check_precision(std::span<const double> x) const;
   struct OwnGap;
@@ -59,6 +61,8 @@ class Repair {
   Result<void> check_own_gaps(std::span<const double> x, Index frame, bool only_edges);
   Result<std::string> what_touches(std::span<const double> x);
   Result<bool> approach_frame(const Start& start);
+  void set_thickness(double thickness);
+  Result<bool> widen(Index frame);
   Result<void> write_all(std::span<const SolvedFrame> frames, const Write& write, bool writes,
                          RepairReport& report);
   bool is_interrupted() const { return settings_.interrupted && settings_.interrupted(); }
@@ -163,7 +167,7 @@ Result<void> Repair::analyze() {
 
 Result<std::optional<Start>> Repair::given_start() {
   if (settings_.start.empty()) return std::nullopt;
-  Start start{settings_.start_frame, settings_.start, false, true, {}};
+  Start start{settings_.start_frame, settings_.start, false, true};
   if (start.x.size() != scene_.size())
     return fail(ErrorCode::InvalidArgument, "start",
                 fmt::format("has {} vertices, the objects {}", start.x.size() / 3, scene_.vertex_count()),
@@ -189,26 +193,30 @@ Result<std::string> Repair::what_touches(std::span<const double> x) {
 }
 
 Result<std::optional<Start>> Repair::untangled_start() {
-  const Start start{calmest_frame(), {}, false, false, {}};
-  const auto frame = FOLDPROOF_TRY(frames_.at_time(start.frame));
-  auto pose = FOLDPROOF_TRY(untangle(scene_, *prover_, frame));
-  if (!pose) return std::nullopt;
-  if (settings_.single_precision) {
+  const Index frame = calmest_frame();
+  auto pose = FOLDPROOF_TRY(untangle(scene_, *prover_, FOLDPROOF_TRY(frames_.at_time(frame))));
+  if (pose && settings_.single_precision) {
     round_to_single(*pose);
-    if (!FOLDPROOF_TRY(prover_->is_free(*pose))) return std::nullopt;
+    if (!FOLDPROOF_TRY(prover_->check_pose(*pose))->clean()) pose.reset();
   }
-  return Start{start.frame, std::move(*pose), false, false, {}};
+  if (!pose) return std::nullopt;
+  return Start{frame, std::move(*pose)};
 }
 
-// What crosses in the frame with the fewest crossings is exempt.
+// What crosses in the frame with the fewest crossings is exempt, for as long as these contacts last.
 Result<std::optional<Start>> Repair::exempt_start() {
-  Start start{calmest_frame(), {}, true, true, {}};
-  const auto found = FOLDPROOF_TRY(frames_.at_time(start.frame));
-  const std::vector<double> frame(found.begin(), found.end());
-  start.zones = FOLDPROOF_TRY(contact_zones(scene_, *prover_, frame, kZoneRings));
-  Prover exempting(scene_, scene_.filter_with(start.zones), settings_.thickness);
-  if (!FOLDPROOF_TRY(exempting.is_free(frame))) return std::nullopt;
-  start.x = frame;
+  Start start{calmest_frame(), {}, true, settings_.thickness == 0};
+  Analysis again(scene_, *prover_, settings_.thickness, start.frame);
+  for (Index k = 0; k < frames_.count(); ++k) {
+    if (is_interrupted()) return tl::unexpected(interrupted().error());
+    FOLDPROOF_TRY(again.add(k, FOLDPROOF_TRY(frames_.at_time(k))));
+  }
+  FOLDPROOF_TRY(again.finish());
+  start.exempt = FOLDPROOF_TRY(ignore_sewn(scene_.objects(), again.seams()));
+  const auto frame = FOLDPROOF_TRY(frames_.at_time(start.frame));
+  start.x.assign(frame.begin(), frame.end());
+  Prover exempting(scene_, filter_with(start.exempt), 0);
+  if (!FOLDPROOF_TRY(exempting.check_pose(start.x))->clean()) return std::nullopt;
   return start;
 }
 
@@ -229,18 +237,45 @@ Result<std::optional<Start>> Repair::find_start() {
     if (!start) continue;
     FOLDPROOF_TRY(prepare(*start));
     x_ = start->x;
-    if (start->is_frame || FOLDPROOF_TRY(approach_frame(*start))) return start;
+    set_thickness(start->keeps_thickness ? settings_.thickness : 0);
+    if (!start->is_frame && !FOLDPROOF_TRY(approach_frame(*start))) continue;
+    if (start->keeps_thickness || FOLDPROOF_TRY(widen(start->frame))) return start;
   }
   return std::nullopt;
 }
 
+// Else one in which nothing crosses, though something is closer than the thickness.
 Result<std::optional<Start>> Repair::free_frame() {
-  for (Index k = 0; k < frames_.count(); ++k) {
-    if (!analysis_.is_free(k)) continue;
-    const auto x = FOLDPROOF_TRY(frames_.at_time(k));
-    return Start{k, {x.begin(), x.end()}, true, true, {}};
+  std::optional<Index> best;
+  for (Index k = frames_.count(); k-- > 0;) {
+    const bool is_better = analysis_.is_free(k) || !best || !analysis_.is_free(*best);
+    if (analysis_.crossings(k) == 0 && is_better) best = k;
   }
-  return std::nullopt;
+  if (!best) return std::nullopt;
+  const auto x = FOLDPROOF_TRY(frames_.at_time(*best));
+  return Start{*best, {x.begin(), x.end()}, true, analysis_.is_free(*best)};
+}
+
+void Repair::set_thickness(double thickness) {
+  passes_->set_thickness(thickness);
+  step_prover_->set_thickness(thickness);
+}
+
+// Moves what is closer than the thickness apart, in solves that each keep what the last one reached.
+Result<bool> Repair::widen(Index frame) {
+  constexpr double kKept = 0.9, kLeastGain = 1.02;
+  const auto found = FOLDPROOF_TRY(frames_.at_time(frame));
+  const std::vector<double> target(found.begin(), found.end());
+  std::vector<double> x;
+  for (double kept = 0; kept < settings_.thickness;) {
+    const double smallest = FOLDPROOF_TRY(pairs_->smallest_distance(x_, 2 * settings_.thickness));
+    const double next = std::min(settings_.thickness, kKept * smallest);
+    if (!(next > kLeastGain * kept)) return false;
+    set_thickness(kept = next);
+    FOLDPROOF_TRY(passes_->follow(x_, {target, target, target, static_cast<double>(frame)}, 1, x));
+    x_.swap(x);
+  }
+  return true;
 }
 
 Result<void> Repair::check_precision(std::span<const double> x) const {
@@ -265,10 +300,10 @@ Result<void> Repair::prepare(const Start& start) {
                                    : std::max(kFalloffOfSize * size_.size, kFalloffInEdges * size_.edge);
   FOLDPROOF_TRY(check_precision(start.x));
   FOLDPROOF_TRY(check_own_gaps(start.x, start.frame, false));
-  const auto filter = scene_.filter_with(start.zones);
-  rest_ = start.knows_gaps ? start.x : std::vector<double>();
+  const auto filter = filter_with(start.exempt);
+  rest_ = start.keeps_thickness ? start.x : std::vector<double>();
   surface_.emplace(scene_, start.x, falloff_);
-  pairs_ = FOLDPROOF_TRY(NearPairs::make(scene_, start.x, start.zones));
+  pairs_ = FOLDPROOF_TRY(NearPairs::make(scene_, start.x, filter));
   step_prover_.emplace(scene_, filter, settings_.thickness);
   solver_.emplace(scene_, *surface_, *pairs_, *step_prover_, size_.edge, falloff_,
                   settings_.single_precision);
@@ -306,17 +341,21 @@ Result<bool> Repair::approach_frame(const Start& start) {
 Result<void> Repair::write_all(std::span<const SolvedFrame> frames, const Write& write, bool writes,
                                RepairReport& report) {
   Analysis proof(scene_, *prover_, settings_.thickness);
-  std::vector<double> x;
+  std::vector<double> x, first, first_target;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (is_interrupted() && !report.interrupted) return interrupted();
     const SolvedFrame& solved = frames[i];
     const auto frame = FOLDPROOF_TRY(frames_.at_time(solved.time));
     x.assign(frame.begin(), frame.end());
+    if (i == 0) first_target = x;
+    const bool loops = i > 0 && solved.time == frames_.count() - 1 && x == first_target;
     if (!solved.correction.vertices.empty()) {
       solved.correction.apply(x);
       scene_.move_copies(x);
       if (settings_.single_precision) round_to_single(x);
     }
+    if (i == 0) first = x;
+    report.open_loop = loops && x != first;
     FOLDPROOF_TRY(proof.add(solved.time, x));
     RepairedFrame out{solved.time, solved.correction.largest, solved.late || solved.held_back, solved.limit};
     if (proof.is_free(i) && proof.is_way_free(i)) {
@@ -330,7 +369,7 @@ Result<void> Repair::write_all(std::span<const SolvedFrame> frames, const Write&
     progress(0.9 + 0.1 * static_cast<double>(i + 1) / static_cast<double>(frames.size()));
   }
   report.free = proof.all_free();
-  auto contacts = proof.finish();
+  auto contacts = FOLDPROOF_TRY(proof.finish());
   report.remaining = std::move(contacts.of_movable);
   report.among_fixed = std::move(contacts.among_fixed);
   report.written = writes;
@@ -342,7 +381,7 @@ Result<RepairReport> Repair::run(const Write& write) {
   if (settings_.thickness > 0)  // said before anything that takes long
     FOLDPROOF_TRY(check_own_gaps(FOLDPROOF_TRY(frames_.at_time(0)), 0, true));
   FOLDPROOF_TRY(analyze());
-  report.before = analysis_.finish().of_movable;
+  report.before = FOLDPROOF_TRY(analysis_.finish()).of_movable;
   std::optional<Start> start;
   if (analysis_.all_free()) {
     report.unchanged = true;

@@ -38,30 +38,6 @@ std::vector<std::uint8_t> movable_of(const RepairObject& object) {
   return movable;
 }
 
-// Ignores pairs whose vertices all lie in one zone.
-class ZoneFilter final : public ByVertices {
- public:
-  ZoneFilter(const RepairScene& scene, std::vector<Index> zone)
-      : ByVertices(scene.objects()), zone_(std::move(zone)) {
-    for (Index i = 0; i < scene.objects().size(); ++i) begin_.push_back(scene.begin(i).vertices);
-  }
-  bool nodes(Index, Index, Index, Index) const override { return true; }
-
- private:
-  bool tests(Index object_a, std::span<const Index> a, Index object_b,
-             std::span<const Index> b) const override {
-    const Index zone = zone_[begin_[object_a] + a[0]];
-    const auto is_outside = [&](Index object) {
-      return [&, object](Index v) { return zone_[begin_[object] + v] != zone; };
-    };
-    return zone == 0 || std::ranges::any_of(a, is_outside(object_a)) ||
-           std::ranges::any_of(b, is_outside(object_b));
-  }
-
-  std::vector<Index> zone_;   // per vertex of the scene; 0: in none
-  std::vector<Index> begin_;  // per object
-};
-
 Result<void> check_object(const RepairObject& object, std::size_t i) {
   const Index count = object.object.hierarchy()->topology().vertex_count();
   const auto refuse = [&](const char* what, std::size_t size) {
@@ -161,12 +137,6 @@ FeaturePair RepairScene::pair_of(const VertexFaceCollision& c) const {
 FeaturePair RepairScene::pair_of(const EdgeEdgeCollision& c) const {
   const Index a = begin_[c.object_a].vertices, b = begin_[c.object_b].vertices;
   return {true, {a + c.a[0], a + c.a[1], b + c.b[0], b + c.b[1]}};
-}
-
-std::shared_ptr<const PairFilter> RepairScene::filter_with(std::vector<Index> zone) const {
-  std::vector<std::shared_ptr<const PairFilter>> filters{filter_};
-  if (!zone.empty()) filters.push_back(std::make_shared<ZoneFilter>(*this, std::move(zone)));
-  return filters.size() == 1 ? filter_ : ignore_all(std::move(filters));
 }
 
 }  // namespace foldproof

@@ -54,9 +54,6 @@ class RepairScene {
   const std::shared_ptr<const PairFilter>& filter() const { return filter_; }
   /// The caller's, and all other pairs are ignored; null: everything may move.
   const std::shared_ptr<const PairFilter>& fixed_filter() const { return fixed_filter_; }
-  /// Ignores pairs whose vertices all lie in one zone as well. `zone`: per vertex; 0: in none. Empty: none
-  /// is.
-  std::shared_ptr<const PairFilter> filter_with(std::vector<Index> zone) const;
   /// By object; `views` keeps it.
   Positions positions(std::span<const double> x, std::vector<std::span<const double>>& views) const;
   /// Object of a vertex, of a triangle.

@@ -66,7 +66,7 @@ std::vector<double> relative_areas(const RepairScene& scene, std::span<const dou
 // The rotation R that maximizes trace(R M), from a first guess: Newton's method on rotations, else an SVD.
 Matrix3d fit_rotation(const Matrix3d& m, Matrix3d r) {
   constexpr int kMaxSteps = 8;
-  constexpr double kDone = 1e-9;  // of the square of an angle: the next one would be that small
+  constexpr double kDone = 1e-6;  // of the square of an angle: the next one would be that small
   for (int step = 0; step < kMaxSteps; ++step) {
     const Matrix3d s = r * m;
     const Vector3d gradient(s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0));
@@ -195,6 +195,24 @@ void ElasticSurface::fit_rotations(std::span<const double> x, std::span<const do
   });
 }
 
+void ElasticSurface::carry(std::span<const double> from, std::span<const double> to, std::span<double> x) {
+  std::vector<Index> moved;
+  for (Index v = 0; v < place_.size(); ++v) {
+    if (at(x, v) != at(from, v))
+      moved.push_back(v);
+    else
+      put(x, v, at(to, v));
+  }
+  set_active(std::move(moved));
+  fit_rotations(to, from);
+  for (std::size_t k = 0; k < active_.size(); ++k) {
+    const Index v = active_[k];
+    const Vec3 d = at(x, v) - at(from, v);
+    put(x, v, at(to, v) + d + times(rotations_[k], d));
+  }
+  set_active({});
+}
+
 double ElasticSurface::energy(std::span<const double> x, std::span<const double> target,
                               std::span<const NearPair> pairs, double stiffness) const {
   double sum = 0;
@@ -207,7 +225,7 @@ double ElasticSurface::energy(std::span<const double> x, std::span<const double>
     }
     sum += d.dot(0.5 * row - turned_[k]);
   }
-  for (const NearPair& pair : pairs) sum += stiffness * pair.count * barrier(pair.gap, pair.range);
+  for (const NearPair& pair : pairs) sum += stiffness * barrier(pair.gap, pair.range);
   return sum;
 }
 
@@ -216,8 +234,7 @@ void ElasticSurface::build_contacts(std::span<const double> x, std::span<const d
   contacts_.clear();
   contact_begin_.assign(active_.size() + 1, 0);
   for (const NearPair& pair : pairs) {
-    const double scale = stiffness * pair.count;
-    Contact c{scale * barrier_curvature(pair.gap, pair.range), 0, pair.normal, {}, pair.w};
+    Contact c{stiffness * barrier_curvature(pair.gap, pair.range), 0, pair.normal, {}, pair.w};
     double change = 0;  // of the gap, if all vertices went to their targets
     for (std::size_t k = 0; k < 4; ++k) {
       const Index v = pair.vertices[k];
@@ -225,7 +242,7 @@ void ElasticSurface::build_contacts(std::span<const double> x, std::span<const d
       c.place[k] = pair.w[k] != 0 ? place_[v] : kNoIndex;
       if (c.place[k] != kNoIndex) ++contact_begin_[c.place[k] + std::size_t{1}];
     }
-    c.force = -(scale * barrier_slope(pair.gap, pair.range) + c.curvature * change);
+    c.force = -(stiffness * barrier_slope(pair.gap, pair.range) + c.curvature * change);
     contacts_.push_back(c);
   }
   for (std::size_t k = 0; k < active_.size(); ++k) contact_begin_[k + 1] += contact_begin_[k];
@@ -294,8 +311,8 @@ double ElasticSurface::follow_direction(double step, double rz, double& largest)
 }
 
 void ElasticSurface::minimize(std::span<const double> x, std::span<const double> target,
-                              std::span<const NearPair> pairs, double stiffness, double tolerance,
-                              std::span<double> out) {
+                              std::span<const NearPair> pairs, double stiffness,
+                              const LinearTolerance& tolerance, std::span<double> out) {
   std::ranges::copy(target, out.begin());
   build_contacts(x, target, pairs, stiffness);
   const std::size_t n = active_.size();
@@ -306,7 +323,9 @@ void ElasticSurface::minimize(std::span<const double> x, std::span<const double>
     p_[k] = Vec3();
   }
   double largest = 0, rz = follow_direction(0, 0, largest);
-  for (int i = 0; i < kMaxIterations && rz > 0 && largest > tolerance * tolerance; ++i) {
+  const double done =
+      std::max(tolerance.change * tolerance.change, tolerance.share * tolerance.share * largest);
+  for (int i = 0; i < kMaxIterations && rz > 0 && largest > done; ++i) {
     multiply(p_, q_);
     double along = 0;
     for (std::size_t k = 0; k < n; ++k) along += p_[k].dot(q_[k]);

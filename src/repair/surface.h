@@ -11,6 +11,11 @@
 
 namespace foldproof::inline internal {
 
+/// Where the linear solver ends: at changes below this, or below this share of what is asked for at first.
+struct LinearTolerance {
+  double change, share;
+};
+
 class ElasticSurface {
  public:
   /// `falloff`: how far a correction spreads along the surface, mesh units. `rest`: gives areas and weights.
@@ -22,6 +27,9 @@ class ElasticSurface {
 
   /// Fits the rotations of active vertices to x.
   void fit_rotations(std::span<const double> x, std::span<const double> target);
+  /// Takes the corrections of x, a pose near the target `from`, along to another target: each turns as the
+  /// surface around it does. No vertex is active afterwards.
+  void carry(std::span<const double> from, std::span<const double> to, std::span<double> x);
   /// Energy of x without the part that no x changes, with rotations as fitted last, and of the barrier.
   double energy(std::span<const double> x, std::span<const double> target, std::span<const NearPair> pairs,
                 double stiffness) const;
@@ -29,7 +37,7 @@ class ElasticSurface {
   /// energy's quadratic model, by conjugate gradients until no vertex is farther than about `tolerance` from
   /// it. Fills `out` with the target, active vertices with the minimum.
   void minimize(std::span<const double> x, std::span<const double> target, std::span<const NearPair> pairs,
-                double stiffness, double tolerance, std::span<double> out);
+                double stiffness, const LinearTolerance& tolerance, std::span<double> out);
 
  private:
   struct Entry {

@@ -1,7 +1,9 @@
 // repair on the command line.
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <filesystem>
+#include <thread>
 
 #include "apps/program.h"
 
@@ -115,7 +117,7 @@ TEST(RepairProgram, MistakesAreSaidInOneLineAndAtOnce) {
       {{"body.npz", "shirt.npz", "-o", "./../demo/a.npz", "-o", "a.npz"}, "is named for two outputs"},
       {{"body.npz", "--start", "shirt.npz", "-o", "a.npz"}, "shirt.npz: has other triangles than body.npz"},
       {{"pose.obj", "--start", "pose.obj", "-o", "a.npz"}, "--start pose.obj: touches itself: "},
-      {{"walk.glb", "--in-betweens", "3", "-o", "a.obj"}, "a.obj: holds no times"},
+      {{"walk.glb", "--in-betweens", "3", "-o", "a.ply"}, "a.ply: holds no times"},
       {{"walk.glb", "--in-betweens", "-1", "-o", "a.npz"}, "--in-betweens"},
       {{"walk.glb"}, "--output"},
   };
@@ -172,6 +174,35 @@ TEST(RepairProgram, TimesStandBesideFramesThatMayBeAdded) {
   EXPECT_EQ(demo.check({"a.npz"}).code, 0);
   EXPECT_EQ(demo.repair({"walk.glb", "-q", "-o", "b.npz"}).code, 0);
   EXPECT_THAT(demo.bytes("b.npz"), ::testing::Not(HasSubstr("times.npy")));
+}
+
+TEST(RepairProgram, PointCachesWithTimesHoldFramesThatMayBeAdded) {
+  const Demo demo;
+  EXPECT_EQ(demo.repair({"walk.glb", "-q", "--fps", "4", "--in-betweens", "3", "-o", "a.obj"}).code, 0);
+  EXPECT_FALSE(demo.exists("a.pc2"));
+  EXPECT_EQ(demo.check({"a.obj", "a.mdd"}).code, 0);
+}
+
+// It is interrupted later each time, until it is done before.
+TEST(RepairProgram, InterruptedItKeepsWhatIsFinished) {
+  const Demo demo;
+  int kept = 0;
+  for (int wait = 0, code = 130; code == 130; wait += 10) {
+    const auto later = [&](pid_t child) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(wait));
+      interrupt(child);
+    };
+    std::filesystem::remove(demo / "demo/cut.npz");
+    const Outcome done = run_program({"repair", "walk.glb", "--keep", "--threads", "1", "-o", "cut.npz"},
+                                     {.directory = demo / "demo", .while_it_runs = later});
+    code = done.code;
+    ASSERT_TRUE(code == 130 || code == 0) << done.err;
+    if (code == 0 || !demo.exists("cut.npz")) continue;
+    ++kept;
+    EXPECT_THAT(done.out, HasSubstr("of the input were finished, and are written."));
+    EXPECT_EQ(demo.check({"cut.npz"}).code, 0);
+  }
+  EXPECT_GT(kept, 0);
 }
 
 TEST(RepairProgram, InterruptedItLeavesNothing) {

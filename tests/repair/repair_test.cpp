@@ -118,6 +118,57 @@ TEST(Repair, APoseWithoutAFreeFrameIsUntangled) {
   }
 }
 
+// One frame, in which nothing touches or everything is tangled.
+TEST(Repair, AThicknessThatNoFrameKeepsIsReached) {
+  for (const double depth : {-0.01, 0.1}) {
+    TestMotion motion = pressed_balls(depth);
+    motion.frames = {motion.frames[6]};
+    ASSERT_GT(touching(motion, motion.frames, 0.03), 0u);
+    const Repaired done = repaired(motion, {.thickness = 0.03});
+    expect_proven(motion, done, 0.03);
+    EXPECT_EQ(done.report.before.size(), 1u);
+    EXPECT_LT(done.largest(motion, 0, 0, 2 * motion.meshes[0].vertex_count),
+              depth + 0.03 + done.report.clearance);
+  }
+}
+
+// It begins and ends while the balls are pressed, and they part between.
+TEST(Repair, ALoopCloses) {
+  TestMotion motion = pressed_balls(0.2, 8, 4);
+  std::vector<Pose> turned(motion.frames.begin() + 4, motion.frames.end());
+  turned.insert(turned.end(), motion.frames.begin() + 1, motion.frames.begin() + 5);
+  motion.frames = turned;
+  ASSERT_EQ(motion.frames.front(), motion.frames.back());
+  for (const bool calm : {false, true}) {
+    const Repaired done = repaired(motion, {.calm = calm});
+    expect_proven(motion, done);
+    EXPECT_NE(done.frames.front(), motion.frames.front());
+    EXPECT_EQ(done.frames.front(), done.frames.back());
+    EXPECT_FALSE(done.report.open_loop);
+  }
+}
+
+// Two sheets that cross each other along a line in all frames; a ball is pressed into one of them.
+TEST(Repair, WhatCrossesFromTheStartStaysAndTheRestIsRepaired) {
+  TestMotion motion;
+  motion.meshes = {square(12), square(12), unit_sphere(5)};
+  for (int k = 0; k < 5; ++k) {
+    Pose x = motion.meshes[0].positions;
+    for (Index v = 0; v < motion.meshes[1].vertex_count; ++v) {
+      const Vec3 p = Vec3::load(&motion.meshes[1].positions[3 * std::size_t{v}]);
+      x.insert(x.end(), {0.031 + 0.1 * p.x(), p.y(), p.x() - 0.47});
+    }
+    const Pose ball = placed(motion.meshes[2], 0.1, {0.7, 0.52, 0.15 - 0.02 * k});
+    x.insert(x.end(), ball.begin(), ball.end());
+    motion.frames.push_back(std::move(x));
+  }
+  const Repaired done = repaired(motion);
+  EXPECT_TRUE(done.report.written);
+  ASSERT_EQ(done.report.before.size(), 2u);
+  ASSERT_EQ(done.report.remaining.size(), 1u);
+  EXPECT_EQ(done.report.remaining[0].first_time, 0);
+}
+
 TEST(Repair, AGivenPoseIsWhereItStarts) {
   TestMotion motion = pressed_balls(0.4);
   const Pose apart = motion.frames[0];
