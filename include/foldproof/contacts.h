@@ -20,13 +20,18 @@ struct ContactFrame {
   /// Per side: the area inside the other surface, mesh units squared. None: there is no region, because a
   /// curve ends at a border, or does not divide the surface.
   std::array<std::optional<double>, 2> area;
-  /// The largest distance of what is inside to the other surface, mesh units. None: neither side has a
-  /// region; curve_length says how large the contact is instead.
+  /// The surfaces meet, and neither is inside the other: beyond rounding, nothing crosses. No depth.
+  bool touching = false;
+  /// The largest distance of what is inside to the nearest outside, mesh units. None: it only touches, or
+  /// lines or points pierce faces.
   std::optional<double> depth;
+  /// Both surfaces are open where they cross, so that neither has an inside: they pass through each other,
+  /// and `depth` is how far the shorter tip reaches beyond the other surface, at least.
+  bool at_least = false;
 
   /// How bad it is, as a depth in mesh units: the depth; without one, a twentieth of curve_length, which is
-  /// as deep as contacts with such curves usually are (docs/contacts.md).
-  double severity() const { return depth.value_or(curve_length / 20); }
+  /// as deep as contacts with such curves usually are (docs/contacts.md); 0 where it only touches.
+  double severity() const { return touching ? 0 : depth.value_or(curve_length / 20); }
 };
 
 /// One contact: colliding features and crossing triangles that are connected on both surfaces and in time.
@@ -62,8 +67,8 @@ struct Contact {
   std::vector<ContactFrame> frames;
   /// Index of the worst frame: the one with the largest severity.
   std::size_t worst = 0;
-  /// Where it is, in the worst frame: the deepest point, or the curve's middle; without frames the place of
-  /// first impact.
+  /// Where it is, in the worst frame: the deepest point, or the point of the curves nearest to their middle;
+  /// without frames the place of first impact. It lies on one of the surfaces.
   Vec3 point = Vec3::Zero();
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< Box of what takes part, in the worst frame.
   /// From the other surface to the deepest point, or across both surfaces; a unit vector, or zero where there
@@ -76,6 +81,11 @@ struct Contact {
   std::optional<double> depth() const {
     return frames.empty() ? std::optional<double>() : frames[worst].depth;
   }
+  /// The depth is a lower bound: both surfaces are open, and pass through each other.
+  bool at_least() const { return !frames.empty() && frames[worst].at_least; }
+  /// Nothing of it ever crosses, beyond rounding, in any frame. Without frames, it touches in between; where
+  /// it is not known what crosses (ContactFinder::is_known), perhaps more.
+  bool touching() const { return frames.empty() || frames[worst].touching; }
 };
 
 /// Whether `a` is worse than `b`: more severe in its worst frame, where one that crosses is worse than one

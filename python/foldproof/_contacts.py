@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _SHOWN = 20  # contacts in a table
 _FRAME: list[Any] = [
     ("time", "f8"), ("crossings", "u8"), ("triangles", "u8"), ("curve_length", "f8"), ("closed", "?"), ("area", "f8", 2),
-    ("depth", "f8"),
+    ("depth", "f8"), ("at_least", "?"), ("touching", "?"),
 ]  # fmt: skip
 
 
@@ -55,13 +55,14 @@ class Contact:
     sides: two of ContactSide. folded: both are the same piece of a surface. pierces: a line or a point goes through
     faces, and no two faces meet. from_start: it was there in the first frame. healed: it ended before the motion did. first_time, last_time: first impact; the last frame in which it crosses, or
     the last impact. pairs: colliding pairs of features, over all steps, that are listed (max_listed). depth: in
-    the worst frame; None where nothing has a depth there. worst: time of the worst frame, that with the largest depth (a
-    twentieth of the curves' length stands for a missing one); None where it only touches between frames, or it is not
+    the worst frame; None where it only touches, or pierces. at_least: both surfaces are open and pass through each
+    other, so that the depth is a lower bound. touching: nothing is inside, in any frame. worst: time of the worst
+    frame, that with the largest depth (a twentieth of the curves' length stands for a missing one); None where it only touches between frames, or it is not
     known what crosses (Contacts.unknown_frames). point (3), box (2 x 3: low, high), normal (3): in the worst
     frame, the deepest point or the middle of the curves, the box of the triangles, the direction out. frames: structured
     array, a row per frame in which it crosses: time, crossings (pairs of triangles), triangles (that cross or are
     inside), curve_length, closed, area (2, inside, of each side; NaN where there is no region), depth (NaN where there
-    is none). curves: polylines P x 3 in the worst frame; a closed one repeats its first point.
+    is none), at_least, touching. curves: polylines P x 3 in the worst frame; a closed one repeats its first point.
     """
 
     number: int
@@ -75,6 +76,8 @@ class Contact:
     last_time: float
     pairs: int
     depth: float | None
+    at_least: bool
+    touching: bool
     worst: float | None
     point: _Floats
     box: _Floats
@@ -155,8 +158,8 @@ class Contacts(Sequence[Contact]):
         kinds: list[Any] = [
             ("number", "u4"), ("object_a", "u4"), ("object_b", "u4"), ("name_a", "O"), ("name_b", "O"), ("folded", "?"),
             ("pierces", "?"), ("from_start", "?"), ("healed", "?"), ("first_time", "f8"), ("last_time", "f8"), ("pairs", "u8"),
-            ("worst", "f8"), ("depth", "f8"), ("triangles", "u8"), ("curve_length", "f8"), ("point", "f8", 3),
-            ("normal", "f8", 3),
+            ("worst", "f8"), ("depth", "f8"), ("at_least", "?"), ("touching", "?"), ("triangles", "u8"),
+            ("curve_length", "f8"), ("point", "f8", 3), ("normal", "f8", 3),
         ]  # fmt: skip
         rows = np.zeros(len(self), kinds)
         for k, c in enumerate(self):
@@ -165,7 +168,8 @@ class Contacts(Sequence[Contact]):
             triangles, length = (0, 0.0) if worst is None else (worst["triangles"], worst["curve_length"])
             rows[k] = (
                 c.number, a.object, b.object, a.name, b.name, c.folded, c.pierces, c.from_start, c.healed, c.first_time,
-                c.last_time, c.pairs, _or_nan(c.worst), _or_nan(c.depth), triangles, length, c.point, c.normal,
+                c.last_time, c.pairs, _or_nan(c.worst), _or_nan(c.depth), c.at_least, c.touching, triangles, length,
+                c.point, c.normal,
             )  # fmt: skip
         return rows
 

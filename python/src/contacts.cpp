@@ -25,6 +25,7 @@ struct FrameRow {
   bool closed;
   std::array<double, 2> area;
   double depth;
+  bool at_least, touching;
 };
 
 double number_or_nan(const std::optional<double>& value) {
@@ -45,7 +46,9 @@ py::array frame_array(const Contact& contact) {
                     f.curve_length,
                     f.closed,
                     {number_or_nan(f.area[0]), number_or_nan(f.area[1])},
-                    number_or_nan(f.depth)});
+                    number_or_nan(f.depth),
+                    f.at_least,
+                    f.touching});
   }
   return owned_rows(std::move(rows));
 }
@@ -238,6 +241,8 @@ py::object contact_of(const Contact& contact, const std::array<std::string, 2>& 
   fields["last_time"] = contact.last_time;
   fields["pairs"] = contact.pairs;
   fields["depth"] = none_or(contact.depth());
+  fields["at_least"] = contact.at_least();
+  fields["touching"] = contact.touching();
   fields["worst"] = crosses ? py::object(py::float_(contact.frames[contact.worst].time)) : py::none();
   fields["point"] = array_of(contact.point);
   fields["box"] = points_of({contact.low, contact.high});
@@ -248,7 +253,8 @@ py::object contact_of(const Contact& contact, const std::array<std::string, 2>& 
 }
 
 void bind_contacts(py::module_& module) {
-  PYBIND11_NUMPY_DTYPE(FrameRow, time, crossings, triangles, curve_length, closed, area, depth);
+  PYBIND11_NUMPY_DTYPE(FrameRow, time, crossings, triangles, curve_length, closed, area, depth, at_least,
+                       touching);
   py::class_<Finder>(
       module, "ContactFinder",
       "Finds contacts while frames come, with memory for the meshes, one step and the contacts "

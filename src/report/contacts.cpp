@@ -28,7 +28,7 @@ class ContactsCsv : public ReportWriter {
       : file_(std::move(file)), motions_(motions), settings_(settings) {
     file_.add(
         "contact,side_a,side_b,from_start,healed,first_time,last_time,pairs,time,crossings,triangles,"
-        "curve_length,closed,area_a,area_b,depth,pierces\n");
+        "curve_length,closed,area_a,area_b,depth,pierces,at_least,touching\n");
   }
 
   Result<void> step(const CheckedStep&) override { return {}; }
@@ -41,11 +41,12 @@ class ContactsCsv : public ReportWriter {
       const std::string begin = fmt::format("{},{},{},{:d},{:d},{},{},{}", contact.number, quoted(names[0]),
                                             quoted(names[1]), contact.from_start, contact.healed,
                                             contact.first_time, contact.last_time, contact.pairs);
-      if (contact.frames.empty()) file_.add("{},,,,,,,,,{:d}\n", begin, contact.pierces);
+      if (contact.frames.empty()) file_.add("{},,,,,,,,,{:d},,\n", begin, contact.pierces);
       for (const ContactFrame& frame : contact.frames) {
-        file_.add("{},{},{},{},{},{:d},{},{},{},{:d}\n", begin, frame.time, frame.crossings, frame.triangles,
-                  frame.curve_length, frame.closed, number(frame.area[0]), number(frame.area[1]),
-                  number(frame.depth), contact.pierces);
+        file_.add("{},{},{},{},{},{:d},{},{},{},{:d},{:d},{:d}\n", begin, frame.time, frame.crossings,
+                  frame.triangles, frame.curve_length, frame.closed, number(frame.area[0]),
+                  number(frame.area[1]), number(frame.depth), contact.pierces, frame.at_least,
+                  frame.touching);
       }
       FOLDPROOF_TRY(file_.flush_if_large());
     }

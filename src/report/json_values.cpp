@@ -117,7 +117,9 @@ Json to_json(const ContactFrame& frame) {
           {"curve_length", frame.curve_length},
           {"closed", frame.closed},
           {"area", Json::array({number_or_null(frame.area[0]), number_or_null(frame.area[1])})},
-          {"depth", number_or_null(frame.depth)}};
+          {"depth", number_or_null(frame.depth)},
+          {"at_least", frame.at_least},
+          {"touching", frame.touching}};
 }
 
 }  // namespace
@@ -144,6 +146,8 @@ Json contact_json(const Contact& contact, const std::array<std::string, 2>& name
                {"last_time", contact.last_time},
                {"pairs", contact.pairs},
                {"depth", number_or_null(contact.depth())},
+               {"at_least", contact.at_least()},
+               {"touching", contact.touching()},
                {"worst", contact.frames.empty() ? Json(nullptr) : Json(contact.frames[contact.worst].time)},
                {"point", to_json(contact.point)},
                {"box", Json::array({to_json(contact.low), to_json(contact.high)})},

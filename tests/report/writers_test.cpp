@@ -47,9 +47,10 @@ TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
   EXPECT_THAT(keys(report), ElementsAre("clean", "contacts", "foldproof", "objects", "settings", "start",
                                         "steps", "totals"));
   for (const json& contact : report["contacts"]) {
-    EXPECT_THAT(keys(contact), ElementsAre("box", "curves", "depth", "first_time", "folded", "frames",
-                                           "from_start", "healed", "joined", "last_time", "normal", "number",
-                                           "pairs", "pierces", "point", "sides", "worst"));
+    EXPECT_THAT(keys(contact),
+                ElementsAre("at_least", "box", "curves", "depth", "first_time", "folded", "frames",
+                            "from_start", "healed", "joined", "last_time", "normal", "number", "pairs",
+                            "pierces", "point", "sides", "touching", "worst"));
   }
   EXPECT_EQ(report["foldproof"], version());
   EXPECT_EQ(
