@@ -37,7 +37,8 @@ std::string who(const Contact& contact, Motions motions, const CheckSettings& se
 
 std::string when(std::span<const Contact> contacts, const ContactGroup& group, const CheckTotals& totals) {
   if (is_single_frame(totals)) return fmt::format("frame {}", totals.first_frame);
-  const bool crosses = group.crossing > 0;
+  const bool crosses =
+      std::ranges::any_of(group.contacts, [&](std::size_t k) { return !contacts[k].frames.empty(); });
   double first = std::numeric_limits<double>::infinity(), last = -first;
   for (const std::size_t k : group.contacts) {
     const Contact& contact = contacts[k];
@@ -66,9 +67,11 @@ std::string how_bad(const Contact& contact, const std::string& unit, const Check
     return fmt::format("worst {}: pierces in {}{}", time_name(frame.time), counted(frame.crossings, "place"),
                        start);
   }
+  if (frame.touching) return fmt::format("touches, {}{}", counted(frame.triangles, "triangle"), start);
   return fmt::format("worst {}: {}, {}{}", time_name(frame.time),
-                     frame.depth ? length_text(*frame.depth, unit) + " deep"
-                                 : "no region, along " + length_text(frame.curve_length, unit),
+                     frame.depth
+                         ? (frame.at_least ? "at least " : "") + length_text(*frame.depth, unit) + " deep"
+                         : "no region, along " + length_text(frame.curve_length, unit),
                      counted(frame.triangles, "triangle"), start);
 }
 

@@ -64,7 +64,7 @@ bool are_at_once(std::span<const Contact> contacts, const ContactGroup& group) {
   std::vector<std::array<double, 2>> times;
   for (const std::size_t k : group.contacts) {
     const Contact& contact = contacts[k];
-    if (!contact.frames.empty()) times.push_back({contact.first_time, contact.last_time});
+    if (goes_through(contact)) times.push_back({contact.first_time, contact.last_time});
   }
   std::sort(times.begin(), times.end());
   for (std::size_t k = 1; k < times.size(); ++k) {
@@ -98,7 +98,7 @@ std::vector<ContactGroup> group_contacts(std::span<const Contact> contacts) {
       groups.emplace_back();
     }
     groups[*group].contacts.push_back(k);
-    groups[*group].crossing += !contact.frames.empty();
+    groups[*group].crossing += goes_through(contact);
   }
   for (ContactGroup& group : groups) group.at_once = are_at_once(contacts, group);
   return groups;

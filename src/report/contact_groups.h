@@ -19,6 +19,9 @@ struct ContactGroup {
 /// Whether the sides of a contact have names of their own: two objects, or parts.
 bool has_names(const Contact& contact);
 
+/// Whether something goes through something, as far as is known: else it only touches.
+inline bool goes_through(const Contact& contact) { return contact.pierces || !contact.touching(); }
+
 /// Groups contacts that are sorted, the worst first: by their sides' names; without, by the triangles that
 /// they share on both sides. Groups come in the order of their worst contacts.
 std::vector<ContactGroup> group_contacts(std::span<const Contact> contacts);

@@ -80,7 +80,7 @@ std::string who_does_what(const Contact& worst, Motions motions, const CheckSett
   const auto [a, b] = side_names(worst, motions, settings);
   const bool is_one = worst.within() && a == b;
   std::string text = is_one ? a : a == b ? a + " and another " + b : a + " and " + b;
-  if (!worst.frames.empty()) {
+  if (goes_through(worst)) {
     text += is_one ? " goes through" : " go through";
   } else if (settings.step.thickness > 0 && !settings.poses) {
     text += fmt::format(" come{} within {} of", is_one ? "s" : "",
@@ -93,23 +93,29 @@ std::string who_does_what(const Contact& worst, Motions motions, const CheckSett
 
 /// "6.6 cm at worst"; empty for what only touches or pierces.
 std::string how_bad(const Contact& worst, const std::string& unit, bool several) {
-  if (worst.frames.empty() || worst.pierces) return "";
+  if (worst.touching() || worst.pierces) return "";
   const ContactFrame& frame = worst.frames[worst.worst];
   if (!frame.depth) return "along " + length_text(frame.curve_length, unit) + (several ? " at worst" : "");
-  const std::string depth = length_text(*frame.depth, unit);
+  const std::string depth = (frame.at_least ? "at least " : "") + length_text(*frame.depth, unit);
   return depth + (!several ? " deep" : unit.empty() ? " deep at worst" : " at worst");
 }
 
-/// In which frame, or between which two.
-void add_time(Sentence& out, double time) {
-  if (time == std::floor(time)) {
-    out << "in frame ";
-    out.frame(time);
-  } else {
-    out << "between frames ";
-    out.frame(std::floor(time)) << " and ";
-    out.frame(std::ceil(time));
-  }
+/// In which frame, or between which two; poses have the names of their files.
+void add_time(Sentence& out, double time, std::span<const std::string> names) {
+  const double before = std::floor(time), after = std::ceil(time);
+  const auto add = [&](double frame) {
+    const auto k = static_cast<std::size_t>(frame);
+    if (k < names.size()) {
+      out << "pose " << names[k];
+    } else {
+      (out << "frame ").frame(frame);
+    }
+  };
+  out << (before == after ? "in " : "between ");
+  add(before);
+  if (before == after) return;
+  out << " and ";
+  add(after);
 }
 
 /// What of the contacts is not known, besides what was left out.
@@ -194,7 +200,8 @@ Sentence contact_sentence(Motions motions, const CheckSettings& settings, const 
   const std::string bad = how_bad(worst, unit_of(motions, settings), several);
   if (!bad.empty()) out << ", " + bad;
   out << (often.empty() && bad.empty() ? " " : ", ");
-  add_time(out, worst.frames.empty() ? worst.first_time : worst.frames[worst.worst].time);
+  add_time(out, worst.frames.empty() ? worst.first_time : worst.frames[worst.worst].time,
+           motions[0]->info().frame_names);
   out << assumed(motions, settings.poses || is_single_frame(totals), "of");
   if (const std::size_t more = totals.contacts.size() - told; more > 0)
     out << fmt::format("; {} more contact{}", grouped(more), more == 1 ? "" : "s");

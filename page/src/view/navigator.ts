@@ -155,7 +155,7 @@ export class Navigator {
     cards.reveal(index);
     this.goTo(() => clock.seekPosition(position ?? this.worstPosition(index)));
     try {
-      const contact = await contacts.detail(index);
+      const contact = await contacts.detail(index, stage.camera.axis);
       if (this.contact !== index) return; // Another was chosen meanwhile.
       content.contact.set(contact);
     } catch (error) {

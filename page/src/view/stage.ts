@@ -44,7 +44,7 @@ export class Stage {
     this.renderer.autoClear = false;
     this.camera = new Camera(this.canvas, parent, bounds, () => (this.dirty = true));
     this.gizmo = new Gizmo((side) => this.camera.side(side), () => this.camera.up);
-    this.marker.renderOrder = 9;
+    this.marker.renderOrder = 10;
     this.marker.visible = false;
     this.scene.add(this.ground.grid, this.marker);
     new ResizeObserver(() => this.resize()).observe(parent);
