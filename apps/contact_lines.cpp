@@ -47,7 +47,7 @@ std::string when(std::span<const Contact> contacts, const ContactGroup& group, c
     last = std::max(last, crosses ? contact.frames.back().time : contact.last_time);
   }
   if (first == last) return (crosses ? "frame " : "time ") + time_name(first);
-  return fmt::format(crosses ? "frames {}-{}" : "times {} to {}", time_name(first), time_name(last));
+  return (crosses ? "frames " : "times ") + time_name(first) + (crosses ? "-" : " to ") + time_name(last);
 }
 
 std::string how_bad(const Contact& contact, const std::string& unit, const CheckTotals& totals) {

@@ -2,7 +2,6 @@
 import { css, errorColor, gradient, kBlue, kNothingToProve, kObjectColors, kOrange, kPink, kReasons, kRed, kSky, levelColor, marginColor, timeColor, type Rgb } from '../shared/colors';
 import { el } from '../shared/dom';
 import { grouped, percent, short } from '../shared/format';
-import { capital, wordsOf } from '../shared/words';
 import type { LayerState } from './layers';
 
 /** Numbers of triangles: by reason, and of certified ones by level + 1. */
