@@ -196,7 +196,9 @@ Result<View> view_of(std::span<const PictureMesh> meshes, const ContactMarks& ma
     const auto [first, second, curve] = FOLDPROOF_TRY(visible(shown));
     // Both sides count only together, unless there is one alone.
     const double sides = has[1] && has[2] ? std::sqrt(first * second) : first + second;
-    const double seen = weight * (sides + 2 * curve);
+    // From below, the picture is strange to most.
+    const bool below = view.from.dot(default_view(up).up) < -0.1 * view.from.norm();
+    const double seen = (below ? 0.5 : 1) * weight * (sides + 2 * curve);
     if (seen > most) best = view;
     most = std::max(most, seen);
     return {};

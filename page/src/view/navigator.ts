@@ -161,7 +161,7 @@ export class Navigator {
     } catch (error) {
       return this.failed(error);
     }
-    if (fly) this.arrival = () => stage.camera.approach(content.contact.place, 2.2 * content.contact.radius, content.contact.direction() ?? stage.camera.direction);
+    if (fly) this.arrival = () => stage.camera.approach(content.contact.place, 1.55 * content.contact.radius, content.contact.direction() ?? stage.camera.direction);
     this.changed();
   }
 

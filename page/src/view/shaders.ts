@@ -139,10 +139,11 @@ float solidBefore() {
 void main() {
   if (dot(place, clip.xyz) > clip.w) discard;
   bool stripe = mod(gl_FragCoord.x + gl_FragCoord.y, 9.0) < 4.5;
+  float solid = 1.0;
 #ifdef GLOW
   if (part != 0 && focus.w > 0.0) discard; // What is before the chosen contact is see-through already.
 #else
-  float solid = part == 0 ? solidBefore() : (part + 1) / 2 == nearSide ? 0.5 : 1.0;
+  solid = part == 0 ? solidBefore() : (part + 1) / 2 == nearSide ? 0.65 : 1.0;
   if (seeThrough && marked == 0 && part == 0) solid = min(solid, 0.35);
 #ifdef GHOST
   if (solid > 0.99) discard;
@@ -160,7 +161,7 @@ void main() {
   // Over meaningful colors, marks are striped to distinguish them.
   if (marked != 0) base = surface == 0 || stripe ? (marked == 1 ? red : pink) : vec3(1.0);
   if (part != 0) base = part < 3 ? first : second;
-  if (part == 1 || part == 3) base = mix(base, vec3(1.0), 0.45);
+  if (part == 1 || part == 3) base = mix(base, vec3(1.0), 0.25);
 #ifdef GLOW
   result = vec4(base, 0.4);
   return;

@@ -98,7 +98,7 @@ export class Stage {
       return;
     }
     const at = this.focus.point.clone().applyMatrix4(eye.matrixWorldInverse);
-    focus.value.set(at.x, at.y, at.z, 2.2 * this.focus.radius);
+    focus.value.set(at.x, at.y, at.z, 1.6 * this.focus.radius);
     const [a, b] = this.focus.sides.map((side) => side.clone().applyMatrix4(eye.matrixWorldInverse).z);
     nearSide.value = a! > b! ? 1 : 2;
   }
