@@ -31,7 +31,8 @@ void InsideMarks::update(const JoinedMesh& joined, Motions motions, const Checke
   }
   count = static_cast<std::uint64_t>(std::count(inside.begin(), inside.end(), 1));
   deepest = 0;
-  if (!step.contacts) return;
+  // Where the first frame was not tested, steps do not tell.
+  if (!step.contacts || (step.step && number.empty())) return;
   const ContactFinder& contacts = *step.contacts;
   number.assign(inside.size(), contacts.is_known() ? 0 : -1);
   depth.assign(number.size(), 0);

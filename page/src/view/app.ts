@@ -289,7 +289,7 @@ export class App {
 
   private showVerdict(): void {
     const { check, contacts } = this;
-    this.layout.say(check.verdict(), check.state === 'running' ? check.done / Math.max(1, check.total) : null);
+    this.layout.say(check.verdict(), check.answer?.numbers ?? '', check.state === 'running' ? check.done / Math.max(1, check.total) : null);
     this.layout.lead(contacts.state === 'known' && contacts.total > 0, check.pairs > 0 || check.startsCrossing);
   }
 

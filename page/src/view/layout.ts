@@ -31,6 +31,7 @@ export class Layout {
   readonly verdict = el('div', { className: 'badge', hidden: true });
   private readonly status = el('div', { className: 'status', role: 'status' });
   private readonly statusText = el('span', { className: 'text' });
+  private readonly numbers = el('span', { className: 'numbers', hidden: true });
   private readonly leads = el('span', { className: 'leads', hidden: true });
   private readonly worst: HTMLButtonElement;
   private readonly loading = el('div', { className: 'loading', role: 'status' }, 'Loading the first frame…', el('progress', {}));
@@ -52,8 +53,12 @@ export class Layout {
     const lead = (text: string, title: string, action: () => void) => el('button', { type: 'button', title, onclick: action }, text);
     this.worst = lead('Worst', 'Go to the worst contact', () => actions.worst());
     this.leads.append(lead('First', 'Go to what touches or crosses first', () => actions.first()), this.worst);
-    this.statusText.addEventListener('click', () => this.statusText.classList.toggle('whole'));
-    this.status.append(this.statusText, this.progress, this.leads);
+    // A click shows what it leaves out.
+    this.statusText.addEventListener('click', () => {
+      const whole = this.statusText.classList.toggle('whole');
+      this.numbers.hidden = !whole || this.numbers.textContent === '';
+    });
+    this.status.append(el('span', { className: 'said' }, this.statusText, this.numbers), this.progress, this.leads);
     this.banner.append(this.bannerText, el('button', { className: 'small', type: 'button', onclick: () => location.reload() }, 'Load again'));
     const tabBar = el('div', { className: 'tabs', role: 'tablist' });
     const body = el('div', { className: 'body' });
@@ -134,9 +139,11 @@ export class Layout {
     return this.tab;
   }
 
-  say({ text, kind }: Verdict, share: number | null): void {
+  /** `numbers`: what a click on the text adds. */
+  say({ text, kind }: Verdict, numbers: string, share: number | null): void {
     setText(this.statusText, text);
-    this.statusText.title = text;
+    setText(this.numbers, numbers);
+    this.statusText.title = [text, numbers].filter(Boolean).join('. ');
     this.status.dataset['kind'] = kind;
     this.progress.hidden = share === null;
     if (share !== null) this.progress.value = share;
