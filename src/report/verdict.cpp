@@ -32,7 +32,7 @@ Sentence clean_sentence(const CheckSettings& settings, const CheckTotals& totals
     } else {
       out << "any of " + counted(totals.steps, "frame");
     }
-    return out << subject << ", proven. Motion between frames was not tested";
+    return out << subject << ", proven. What happens between frames was not tested";
   }
   if (!totals.starts_crossing) {
     out << "No contact begins in " << all << subject << ", proven. Crossings from frame ";
@@ -62,7 +62,7 @@ std::string found_sentence(const CheckSettings& settings, const CheckTotals& tot
   }
   std::string when = step_name(*totals.earliest, settings);
   if (!settings.poses) when += fmt::format(", {:.4g} of the way", totals.earliest_toi);
-  return text + fmt::format("Collisions in {} of {}{}, the first in {}.",
+  return text + fmt::format("{} in {} of {}{}, the first in {}.", settings.poses ? "Crossings" : "Collisions",
                             grouped(totals.steps_with_collisions),
                             counted(totals.steps, settings.poses ? "frame" : "step"), subject, when);
 }
