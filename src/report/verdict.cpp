@@ -85,6 +85,8 @@ std::string who_does_what(const Contact& worst, Motions motions, const CheckSett
   } else if (settings.step.thickness > 0 && !settings.poses) {
     text += fmt::format(" come{} within {} of", is_one ? "s" : "",
                         length_text(settings.step.thickness, unit_of(motions, settings)));
+  } else if (worst.frames.empty() && !settings.poses) {
+    text += is_one ? " meets" : " meet";  // and may have passed through
   } else {
     text += is_one ? " touches" : " touch";
   }
@@ -103,15 +105,16 @@ std::string how_bad(const Contact& worst, const std::string& unit, bool several)
 /// In which frame, or between which two; poses have the names of their files.
 void add_time(Sentence& out, double time, std::span<const std::string> names) {
   const double before = std::floor(time), after = std::ceil(time);
+  const bool has_names = after < static_cast<double>(names.size());
   const auto add = [&](double frame) {
-    const auto k = static_cast<std::size_t>(frame);
-    if (k < names.size()) {
-      out << "pose " << names[k];
+    if (has_names) {
+      out << names[static_cast<std::size_t>(frame)];
     } else {
-      (out << "frame ").frame(frame);
+      out.frame(frame);
     }
   };
-  out << (before == after ? "in " : "between ");
+  out << (before == after ? "in " : "between ") << (has_names ? "pose" : "frame")
+      << (before == after ? " " : "s ");
   add(before);
   if (before == after) return;
   out << " and ";
