@@ -50,7 +50,7 @@ export const sayAnswer = ({ text, kind }: Answer): Verdict => ({ text: text.repl
 
 export function verdictOf(found: Found): Verdict {
   const { answer, done, pairs, poses, single, start, state } = found;
-  if (answer) return sayAnswer(answer);
+  if (answer && state === 'done') return sayAnswer(answer);
   const crosses = (start?.crossings ?? 0) > 0;
   const hit = crosses || pairs > 0;
   if (state === 'running' || state === 'done') {

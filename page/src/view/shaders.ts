@@ -171,8 +171,8 @@ void main() {
   normal = size > 0.0 ? normal / size : vec3(0.0, 0.0, 1.0);
   vec3 bent = dot(smoothNormal, smoothNormal) > 0.0 ? normalize(smoothNormal) : normal;
   if (dot(bent, normal) < 0.0) bent = -bent;
-  // Sharp edges stay sharp.
-  if (dot(bent, normal) > 0.7) normal = bent;
+  // Sharp edges stay sharp. The change is gradual: else rims of closed tubes, where it is near, shimmer.
+  normal = normalize(mix(normal, bent, smoothstep(0.6, 0.95, dot(bent, normal))));
   vec3 shaded = base * min(matcap(normal), 1.12);
   if (!gl_FrontFacing) shaded *= 0.72;
   if (edges) {
