@@ -245,7 +245,7 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
                   duration(totals.slowest_step)));
   if (const std::string other = other_times(settings, totals); !other.empty()) add("other time", other);
   const Tone tone = settings.paper_miss_rate ? Tone::Doubtful : totals.clean() ? Tone::Good : Tone::Bad;
-  const Verdict found_in_words = verdict(motions, settings, totals);
+  const CheckVerdict found_in_words = verdict(motions, settings, totals);
   text += "\n" + colored(printable(found_in_words.sentence.text()), tone) + "\n";
   return found_in_words.numbers.empty() ? text : text + printable(found_in_words.numbers) + "\n";
 }

@@ -74,7 +74,7 @@ struct Page::Impl {
   mutable std::mutex mutex;          // guards the following
   State state = State::Running;
   std::string failure;
-  std::optional<Verdict> verdict;                   // none before the end of the check
+  std::optional<CheckVerdict> verdict;              // none before the end of the check
   std::shared_ptr<const FoundContacts> found;       // null before the end of the check
   mutable std::mutex pictures_mutex;                // guards the following
   mutable std::optional<ContactPictures> pictures;  // for their views; none before the first

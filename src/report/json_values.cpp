@@ -163,7 +163,7 @@ Json contact_json(const Contact& contact, const std::array<std::string, 2>& name
   return json;
 }
 
-Json verdict_json(const Verdict& verdict) {
+Json verdict_json(const CheckVerdict& verdict) {
   constexpr std::array<const char*, 3> kKinds{"free", "found", "limited"};
   Json parts = Json::array();
   for (const auto& piece : verdict.sentence.pieces())

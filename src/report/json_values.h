@@ -26,7 +26,7 @@ Json contact_json(const Contact& contact, const std::array<std::string, 2>& name
                   bool lists);
 
 /// The sentence as a text, and in parts: texts and, in turn, frames.
-Json verdict_json(const Verdict& verdict);
+Json verdict_json(const CheckVerdict& verdict);
 Json totals_json(const CheckTotals& totals, bool poses, bool statistical);
 
 }  // namespace foldproof

@@ -130,10 +130,10 @@ std::string unknown_of(const CheckSettings& settings, const CheckTotals& totals)
                      counted(totals.contact_unknown_frames, "frame"));
 }
 
-VerdictKind kind_of(const CheckSettings& settings, const CheckTotals& totals) {
-  if (!totals.clean()) return VerdictKind::Found;
+CheckVerdictKind kind_of(const CheckSettings& settings, const CheckTotals& totals) {
+  if (!totals.clean()) return CheckVerdictKind::Found;
   const bool proven = !settings.paper_miss_rate && (settings.poses || totals.starts_crossing);
-  return proven ? VerdictKind::Free : VerdictKind::Limited;
+  return proven ? CheckVerdictKind::Free : CheckVerdictKind::Limited;
 }
 
 }  // namespace
@@ -211,10 +211,10 @@ Sentence contact_sentence(Motions motions, const CheckSettings& settings, const 
   return out << unknown_of(settings, totals);
 }
 
-Verdict verdict(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
+CheckVerdict verdict(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
   // One frame is none of several.
   const std::string subject = assumed(motions, settings.poses || is_single_frame(totals));
-  Verdict out{.kind = kind_of(settings, totals), .sentence = {}, .numbers = {}};
+  CheckVerdict out{.kind = kind_of(settings, totals), .sentence = {}, .numbers = {}};
   const auto not_tested = untested(motions, settings, totals);
   out.whole = not_tested.empty();
   if (settings.paper_miss_rate) {

@@ -21,14 +21,14 @@ class Sentence {
   std::vector<std::variant<std::string, double>> pieces_;
 };
 
-enum class VerdictKind : std::uint8_t {
+enum class CheckVerdictKind : std::uint8_t {
   Free,     ///< Proven: nothing was found in all that was tested.
   Found,    ///< Something collides or crosses.
   Limited,  ///< Nothing was found, but that proves no freedom: steps_only, or a statistical mode.
 };
 
-struct Verdict {
-  VerdictKind kind = VerdictKind::Limited;
+struct CheckVerdict {
+  CheckVerdictKind kind = CheckVerdictKind::Limited;
   /// Names come from files and may hold any character.
   Sentence sentence;
   /// What the numbers are, in a second sentence: steps, pairs, triangles. Empty where the first says it.
@@ -38,7 +38,7 @@ struct Verdict {
 
 /// The verdict of a check that has ended. It claims freedom only where everything was tested, and names what
 /// was not.
-Verdict verdict(Motions motions, const CheckSettings& settings, const CheckTotals& totals);
+CheckVerdict verdict(Motions motions, const CheckSettings& settings, const CheckTotals& totals);
 
 /// What the contacts are, without the full stop: the worst of them, and how many more there are.
 /// Precondition: there is one.

@@ -70,7 +70,8 @@ TEST(ContactGroups, WithoutPartsThoseAreOneThatShareTrianglesOnBothSides) {
   EXPECT_THAT(group_of_each(group_contacts(contacts)), ElementsAre(0, 0, 1, 2));
 }
 
-Verdict verdict_of(const std::vector<std::unique_ptr<Motion>>& motions, const CheckSettings& settings = {}) {
+CheckVerdict verdict_of(const std::vector<std::unique_ptr<Motion>>& motions,
+                        const CheckSettings& settings = {}) {
   return verdict(motions, settings, run_check(motions, settings, {}).value());
 }
 
@@ -82,8 +83,8 @@ TEST(VerdictText, SaysWhatGoesThroughWhatHowDeepAndWhen) {
   std::fill(parts.of_triangle.begin() + count / 2, parts.of_triangle.end(), 1);
   settings.parts = {parts};
   settings.unit = "m";
-  const Verdict found = verdict_of(motions, settings);
-  EXPECT_EQ(found.kind, VerdictKind::Found);
+  const CheckVerdict found = verdict_of(motions, settings);
+  EXPECT_EQ(found.kind, CheckVerdictKind::Found);
   EXPECT_THAT(found.sentence.text(),
               ::testing::MatchesRegex(
                   "left and right go through each other, [0-9.]+ cm at worst, in frame [0-9]\\."));
@@ -92,16 +93,16 @@ TEST(VerdictText, SaysWhatGoesThroughWhatHowDeepAndWhen) {
   EXPECT_THAT(found.numbers, HasSubstr("Frame 0 starts with "));
   // What was left out stays named.
   settings.frames.step = 2;
-  const Verdict some = verdict_of(motions, settings);
+  const CheckVerdict some = verdict_of(motions, settings);
   EXPECT_FALSE(some.whole);
   EXPECT_THAT(some.sentence.text(), ::testing::EndsWith("; only every 2nd frame was checked."));
 }
 
 TEST(VerdictText, AnObjectIsNamedByItsFileAndNothingIsFoundByProof) {
-  EXPECT_EQ(verdict_of(list(two_spheres(2.5))).kind, VerdictKind::Free);
+  EXPECT_EQ(verdict_of(list(two_spheres(2.5))).kind, CheckVerdictKind::Free);
   CheckSettings steps_only;
   steps_only.steps_only = true;
-  EXPECT_EQ(verdict_of(list(two_spheres(2.5)), steps_only).kind, VerdictKind::Limited);
+  EXPECT_EQ(verdict_of(list(two_spheres(2.5)), steps_only).kind, CheckVerdictKind::Limited);
   const auto named = [](const std::string& name) {
     return memory_motion(name, *Topology::make(3, {{0, 1, 2}}), {{0, 0, 0, 1, 0, 0, 0, 1, 0}});
   };
