@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
+#include "report/verdict.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -33,15 +35,19 @@ std::string who(const Contact& contact, Motions motions, const CheckSettings& se
   return contact.within() ? names[0] + " with itself" : names[0] + " with another";
 }
 
-std::string when(const Contact& contact, const CheckTotals& totals) {
+std::string when(std::span<const Contact> contacts, const ContactGroup& group, const CheckTotals& totals) {
   if (is_single_frame(totals)) return fmt::format("frame {}", totals.first_frame);
-  if (contact.frames.empty()) {
-    const std::string first = time_name(contact.first_time), last = time_name(contact.last_time);
-    return first == last ? "time " + first : fmt::format("times {} to {}", first, last);
+  const bool crosses =
+      std::ranges::any_of(group.contacts, [&](std::size_t k) { return !contacts[k].frames.empty(); });
+  double first = std::numeric_limits<double>::infinity(), last = -first;
+  for (const std::size_t k : group.contacts) {
+    const Contact& contact = contacts[k];
+    if (crosses && contact.frames.empty()) continue;
+    first = std::min(first, crosses ? contact.frames.front().time : contact.first_time);
+    last = std::max(last, crosses ? contact.frames.back().time : contact.last_time);
   }
-  const double first = contact.frames.front().time, last = contact.frames.back().time;
-  return first == last ? "frame " + time_name(first)
-                       : fmt::format("frames {}-{}", time_name(first), time_name(last));
+  if (first == last) return (crosses ? "frame " : "time ") + time_name(first);
+  return (crosses ? "frames " : "times ") + time_name(first) + (crosses ? "-" : " to ") + time_name(last);
 }
 
 std::string how_bad(const Contact& contact, const std::string& unit, const CheckTotals& totals) {
@@ -56,16 +62,17 @@ std::string how_bad(const Contact& contact, const std::string& unit, const Check
     return fmt::format("{}, {}", touches, counted(contact.pairs, "pair"));
   }
   const ContactFrame& frame = contact.frames[contact.worst];
-  const std::string space = unit.empty() ? "" : " " + unit;
   const std::string start = contact.from_start ? ", from the start" : "";
   if (contact.pierces) {
     return fmt::format("worst {}: pierces in {}{}", time_name(frame.time), counted(frame.crossings, "place"),
                        start);
   }
-  std::string text = fmt::format("worst {}: {}", time_name(frame.time), counted(frame.triangles, "triangle"));
-  text += frame.depth ? fmt::format(", {:.3g}{} deep", *frame.depth, space)
-                      : fmt::format(", no region: crosses along {:.3g}{}", frame.curve_length, space);
-  return text + start;
+  if (frame.touching) return fmt::format("touches, {}{}", counted(frame.triangles, "triangle"), start);
+  return fmt::format("worst {}: {}, {}{}", time_name(frame.time),
+                     frame.depth
+                         ? (frame.at_least ? "at least " : "") + length_text(*frame.depth, unit) + " deep"
+                         : "no region, along " + length_text(frame.curve_length, unit),
+                     counted(frame.triangles, "triangle"), start);
 }
 
 }  // namespace
@@ -80,10 +87,15 @@ std::string contact_lines(Motions motions, const CheckSettings& settings, const 
   const std::string unit = unit_of(motions, settings);
   std::vector<Line> lines;
   std::array<std::size_t, 3> width{};
-  for (const Contact& contact : std::span(totals.contacts).first(std::min(count, totals.contacts.size()))) {
-    const Line& line =
-        lines.emplace_back(Line{fmt::format("#{}", contact.number), who(contact, motions, settings),
-                                when(contact, totals), how_bad(contact, unit, totals)});
+  const auto groups = group_contacts(totals.contacts);
+  std::size_t listed = 0;
+  for (const ContactGroup& group : std::span(groups).first(std::min(count, groups.size()))) {
+    const Contact& worst = totals.contacts[group.contacts.front()];
+    const std::string often = how_often(group);
+    const Line& line = lines.emplace_back(Line{
+        fmt::format("#{}", worst.number), who(worst, motions, settings), when(totals.contacts, group, totals),
+        (often.empty() ? "" : often + ", ") + how_bad(worst, unit, totals)});
+    listed += group.contacts.size();
     width[0] = std::max(width[0], line.number.size());
     width[1] = std::max(width[1], line.who.size());
     width[2] = std::max(width[2], line.when.size());
@@ -94,10 +106,8 @@ std::string contact_lines(Motions motions, const CheckSettings& settings, const 
     fmt::format_to(std::back_inserter(text), "{:<{}}  {:<{}}  {:<{}}  {}\n", line.number, width[0], line.who,
                    width[1], line.when, width[2], line.bad);
   }
-  if (lines.size() < totals.contacts.size()) {
-    text +=
-        fmt::format("and {} more (--contacts lists all)\n", grouped(totals.contacts.size() - lines.size()));
-  }
+  if (listed < totals.contacts.size())
+    text += fmt::format("and {} more (--contacts lists all)\n", grouped(totals.contacts.size() - listed));
   if (!totals.lists_all()) text += "Contacts join the listed pairs only (--limit).\n";
   if (totals.contact_unknown_frames > 0) {
     text += fmt::format("In {} it is not known which triangles cross{}.\n",

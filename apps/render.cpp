@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "options.h"
 #include "report/contact_pictures.h"
+#include "report/verdict.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -19,16 +20,16 @@ frames go together. The axis that points up is y for glTF. For other files it is
 a ground across z, else y. --up sets it.
 
 Views of --view:
-  auto          with --color collisions or contacts, the worst contact with the objects around it: along its normal,
-                or from where more of it is visible. Else from the front, slightly from the right and from above
+  auto          with --color collisions or contacts, the worst contact with the objects around it, from the side: from
+                where both of its surfaces and its curve are seen. Else from the front, slightly from the right and above
   front, back, side, top, or the direction from the objects to the eye as x,y,z
 
 Colors of --color:
   plain         none
-  collisions    red: faces that collide between this frame and the next, in the pose of the first contact; pink:
-                faces that cross in this frame already. For the last frame, or a single pose, pink alone
+  collisions    red: faces that cross others or are inside them in this frame; pink: faces that meet others on the way
+                to the next. If there are only those, they are drawn in the pose of the first contact
   contacts      what is inside what in this frame, or crosses it: one side of each contact is red, the other blue; the
-                curves in which they cross are black
+                curves in which they cross are black. If the worst is small, it is also drawn from near
 
 Examples:
   foldproof render walk.glb -o walk.png                             frame 0
@@ -61,6 +62,9 @@ struct Colored {
   Poses poses;
   std::vector<std::vector<Color>> faces;  ///< Per object; or empty.
   std::vector<Contact> contacts;          ///< Of what collides and crosses, the worst first.
+  bool crosses = false;                   ///< In the frame; else they touch on the way to the next.
+  std::uint64_t meets = 0;                ///< Pairs that collide on that way, the first at `toi` of it.
+  double toi = 0;
   std::string summary;
 };
 
@@ -111,32 +115,21 @@ Result<StepChecker> checker_of(const Objects& motions, const Poses& poses) {
   return StepChecker(std::move(objects));
 }
 
-/// Colors the faces that collide in an answer, over previous colors.
-template <class Answer>
-void mark(const Objects& motions, const Answer& answer, Color color, Colored& out) {
-  out.faces.resize(motions.size());
-  for (Index object = 0; object < motions.size(); ++object) {
-    const auto marks = colliding_faces(motions[object]->topology(), object, answer);
-    out.faces[object].resize(marks.size(), colors::kClay);
-    for (std::size_t face = 0; face < marks.size(); ++face)
-      if (marks[face]) out.faces[object][face] = color;
-  }
-}
-
-Result<StaticResult> color_crossings(StepChecker& checker, const Objects& motions, Index frame,
-                                     Colored& out) {
-  StaticResult answer;
-  FOLDPROOF_TRY(checker.check_static(out.poses.spans(), {}, answer));
-  mark(motions, answer, colors::kPink, out);
-  out.summary =
-      fmt::format("{} of triangles in frame {}", counted(answer.crossing_count, "crossing pair"), frame);
-  return answer;
+/// Colors the marked faces of an object, over previous colors.
+void color_faces(std::span<const std::uint8_t> marks, Color color, std::vector<Color>& faces) {
+  faces.resize(marks.size(), colors::kClay);
+  for (std::size_t face = 0; face < marks.size(); ++face)
+    if (marks[face]) faces[face] = color;
 }
 
 Result<ContactFinder> finder_of(const Objects& motions) {
   std::vector<const Topology*> topologies;
-  for (const auto& motion : motions) topologies.push_back(&motion->topology());
-  return ContactFinder::make(std::move(topologies));
+  Parts parts;
+  for (const auto& motion : motions) {
+    topologies.push_back(&motion->topology());
+    parts.emplace_back(motion->info().parts.of_triangle);
+  }
+  return ContactFinder::make(std::move(topologies), std::move(parts));
 }
 
 std::vector<Contact> worst_first(ContactFinder& finder) {
@@ -145,13 +138,26 @@ std::vector<Contact> worst_first(ContactFinder& finder) {
   return contacts;
 }
 
-Result<void> color_contacts(const Objects& motions, Index frame, Colored& out) {
+/// What crosses and is inside in the frame, with which `finder` has begun.
+struct FrameAnswer {
+  StepChecker checker;
+  StaticResult crossings;
+  ContactFinder finder;
+};
+
+Result<FrameAnswer> answer_for(const Objects& motions, Index frame, Colored& out) {
   auto checker = FOLDPROOF_TRY(checker_of(motions, out.poses));
-  StaticResult answer;
-  FOLDPROOF_TRY(checker.check_static(out.poses.spans(), {}, answer));
   auto finder = FOLDPROOF_TRY(finder_of(motions));
-  finder.start(frame, out.poses.spans(), answer);
-  out.contacts = worst_first(finder);
+  FrameAnswer answer{std::move(checker), {}, std::move(finder)};
+  FOLDPROOF_TRY(answer.checker.check_static(out.poses.spans(), {}, answer.crossings));
+  answer.finder.start(frame, out.poses.spans(), answer.crossings);
+  out.crosses = answer.crossings.crossing_count > 0;
+  return answer;
+}
+
+Result<void> color_contacts(const Objects& motions, Index frame, Colored& out) {
+  auto answer = FOLDPROOF_TRY(answer_for(motions, frame, out));
+  out.contacts = worst_first(answer.finder);
   for (const auto& motion : motions)
     out.faces.emplace_back(motion->topology().triangles().size(), colors::kClay);
   for (const Contact& contact : out.contacts) {
@@ -160,48 +166,64 @@ Result<void> color_contacts(const Objects& motions, Index frame, Colored& out) {
         out.faces[contact.sides[side].object][triangle] = kSideColors[side];
     }
   }
-  out.summary = fmt::format("{} in frame {}", counted(out.contacts.size(), "contact"), frame);
-  if (!out.contacts.empty() && out.contacts[0].depth())
-    out.summary += fmt::format(", the worst {:.3g} deep", *out.contacts[0].depth());
   return {};
 }
 
 Result<void> color_collisions(const Objects& motions, Index frame, Colored& out) {
-  auto checker = FOLDPROOF_TRY(checker_of(motions, out.poses));
-  const auto crossings = FOLDPROOF_TRY(color_crossings(checker, motions, frame, out));
-  auto finder = FOLDPROOF_TRY(finder_of(motions));
-  finder.start(frame, out.poses.spans(), crossings);
-  if (frame + 1 == motions[0]->frame_count()) {
-    out.contacts = worst_first(finder);
-    return {};
-  }
-  const auto next = FOLDPROOF_TRY(read(motions, frame + 1));
+  auto [checker, crossings, finder] = FOLDPROOF_TRY(answer_for(motions, frame, out));
+  CheckedStep pose;
+  pose.pose = &crossings;
+  pose.contacts = &finder;
+  std::vector<std::vector<std::uint8_t>> inside;
+  for (Index i = 0; i < motions.size(); ++i) inside.push_back(*inside_faces(motions[i]->topology(), i, pose));
+  out.faces.resize(motions.size());
   StepResult answer;
-  FOLDPROOF_TRY(checker.check(out.poses.spans(), next.spans(), {}, answer));
-  finder.step(frame, frame + 1, out.poses.spans(), next.spans(), answer);
-  out.contacts = worst_first(finder);
-  mark(motions, answer, colors::kRed, out);
-  const std::uint64_t pairs = answer.count();
-  out.summary += fmt::format("; {} on the way to the next", counted(pairs, "colliding pair"));
-  if (pairs == 0) return {};
-  out.summary += fmt::format(", the first {:.4f} of the way", answer.earliest_toi);
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    std::vector<double>& x = out.poses.objects[i];
-    for (std::size_t k = 0; k < x.size(); ++k)
-      x[k] = std::lerp(x[k], next.objects[i][k], answer.earliest_toi);
+  if (frame + 1 < motions[0]->frame_count()) {
+    const auto next = FOLDPROOF_TRY(read(motions, frame + 1));
+    FOLDPROOF_TRY(checker.check(out.poses.spans(), next.spans(), {}, answer));
+    out.meets = answer.count();
+    out.toi = answer.earliest_toi;
+    if (out.meets > 0 && !out.crosses) {
+      finder.step(frame, frame + 1, out.poses.spans(), next.spans(), answer);
+      for (std::size_t i = 0; i < motions.size(); ++i) {
+        std::vector<double>& x = out.poses.objects[i];
+        for (std::size_t k = 0; k < x.size(); ++k)
+          x[k] = std::lerp(x[k], next.objects[i][k], answer.earliest_toi);
+      }
+    }
   }
+  for (Index i = 0; i < motions.size(); ++i) {
+    color_faces(colliding_faces(motions[i]->topology(), i, answer), colors::kPink, out.faces[i]);
+    color_faces(inside[i], colors::kRed, out.faces[i]);
+  }
+  out.contacts = worst_first(finder);
   return {};
+}
+
+/// What is in the picture, in a sentence.
+std::string sentence_about(const Objects& motions, Index frame, const Colored& colored) {
+  CheckTotals totals;
+  totals.first_frame = totals.last_frame = frame;
+  totals.contacts = colored.contacts;
+  std::string text = colored.crosses ? contact_sentence(motions, {}, totals).text()
+                                     : fmt::format("Nothing crosses in frame {}", frame);
+  if (colored.meets > 0)
+    text += fmt::format("; {} on the way to the next, the first {:.4g} of the way",
+                        counted(colored.meets, "colliding pair"), colored.toi);
+  return text + ".";
 }
 
 Result<Colored> color(const RenderArguments& a, const Objects& motions) {
   const auto frame = FOLDPROOF_TRY(frame_of(a, motions));
   auto poses = FOLDPROOF_TRY(read(motions, frame));
   Colored out{.poses = std::move(poses), .faces = {}, .contacts = {}, .summary = {}};
+  if (a.color == "plain") return out;
   if (a.color == "collisions") {
     FOLDPROOF_TRY(color_collisions(motions, frame, out));
   } else if (a.color == "contacts") {
     FOLDPROOF_TRY(color_contacts(motions, frame, out));
   }
+  out.summary = sentence_about(motions, frame, out);
   return out;
 }
 
@@ -220,17 +242,12 @@ std::vector<PictureMesh> meshes_of(const RenderArguments& a, const Objects& moti
 /// The view of the worst contact.
 Result<View> view_of_worst(const Colored& colored, std::span<const PictureMesh> meshes, Up up) {
   const Contact& worst = colored.contacts.front();
-  std::vector<std::vector<std::uint8_t>> marked;
-  for (const auto& faces : colored.faces) {
-    auto& marks = marked.emplace_back(faces.size(), 0);
-    // What only touches has no triangles of its own.
-    for (std::size_t t = 0; worst.frames.empty() && t < faces.size(); ++t)
-      marks[t] = faces[t] != colors::kClay;
+  ContactMarks marks = marks_of(worst, meshes);
+  // What only touches has no triangles of its own.
+  for (std::size_t i = 0; worst.frames.empty() && i < meshes.size(); ++i) {
+    for (std::size_t t = 0; t < marks[i].size(); ++t) marks[i][t] = colored.faces[i][t] != colors::kClay;
   }
-  for (const Contact::Side& side : worst.sides) {
-    for (const Index triangle : side.triangles) marked[side.object][triangle] = 1;
-  }
-  return view_of(meshes, marked, worst.normal, up);
+  return view_of(meshes, marks, worst.curves, worst.normal, up);
 }
 
 Result<View> view_for(const RenderArguments& a, const Objects& motions, const Colored& colored,
@@ -244,14 +261,23 @@ Result<View> view_for(const RenderArguments& a, const Objects& motions, const Co
   return view;
 }
 
-void add_curves(const Colored& colored, Panel& panel) {
+/// The curves, and the worst contact once more, from near, where it is small.
+std::vector<Panel> with_contacts(Panel whole, const Colored& colored, bool near) {
   Eigen::AlignedBox3d box;
   for (const auto& x : colored.poses.objects) box.extend(box_of(x));
-  constexpr double kDot = 0.003;
+  const double size = box.sizes().maxCoeff();
   for (const Contact& contact : colored.contacts) {
-    panel.points.push_back(dots_along(contact, kDot * box.sizes().maxCoeff()));
-    panel.points.back().size = kDot;
+    const double dot = std::min(kDot, thin_dot(contact, size));
+    whole.points.push_back(dots_along(contact, dot * size));
+    whole.points.back().size = dot;
   }
+  std::vector<Panel> panels{whole};
+  const auto focus =
+      near && !colored.contacts.empty() ? focus_on(colored.contacts.front(), size) : std::nullopt;
+  if (!focus) return panels;
+  panels.push_back(std::move(whole));
+  panels.back().view.focus = focus;
+  return panels;
 }
 
 int report_interrupted() {
@@ -274,11 +300,12 @@ Result<int> render(const RenderArguments& a) {
 
   Panel panel{.meshes = meshes_of(a, motions, *colored)};
   panel.view = FOLDPROOF_TRY(view_for(a, motions, *colored, panel.meshes));
-  if (a.color == "contacts") add_curves(*colored, panel);
-  const auto image = FOLDPROOF_TRY(draw_picture(std::span(&panel, 1), {.width = size[0], .height = size[1]}));
+  std::vector<Panel> panels{panel};
+  if (a.color == "contacts") panels = with_contacts(std::move(panel), *colored, a.view == "auto");
+  const auto image = FOLDPROOF_TRY(draw_picture(panels, {.width = size[0], .height = size[1]}));
   if (interrupted) return report_interrupted();
   FOLDPROOF_TRY(write_png(a.picture, image));
-  if (!a.quiet && !colored->summary.empty()) print_output(colored->summary + "\n");
+  if (!a.quiet && !colored->summary.empty()) print_output(printable(colored->summary) + "\n");
   return kExitClean;
 }
 

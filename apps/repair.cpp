@@ -10,6 +10,7 @@
 #include "io/write_times.h"
 #include "progress_bar.h"
 #include "report/repair_motions.h"
+#include "report/verdict.h"
 #include "run_and_summarize.h"
 #include "step_options.h"
 #include "terminal.h"
@@ -175,7 +176,7 @@ std::string summary_of(const RepairArguments& a, Motions motions, const RepairRe
   if (settings.step.thickness > 0 && (!a.fixed.empty() || !a.only.empty()))
     not_tested.emplace_back("what may not move was not tested with itself for the thickness");
   text += "\n" +
-          colored(with_untested(sentence_of(report, !a.start.empty()), not_tested),
+          colored(printable(with_untested(sentence_of(report, !a.start.empty()), not_tested)),
                   report.free ? Tone::Good : Tone::Bad) +
           "\n";
   const auto listed = [&](std::vector<Contact> contacts) {

@@ -132,21 +132,8 @@ class SweepBar {
   double all_ = 0, done_ = 0;
 };
 
-/// "the first frame starts with 2 crossing pairs; 3 pairs in 1 of 4 steps, the first in frame 2"
-std::string found_in(const SweepRecord& r, bool poses) {
-  std::string text;
-  if (r.starts_crossing.value_or(0) > 0)
-    text = fmt::format("the first frame starts with {}", counted(*r.starts_crossing, "crossing pair"));
-  if (r.collisions == 0) return text;
-  return (text.empty() ? "" : text + "; ") +
-         fmt::format("{} in {} of {}, the first in frame {}", counted(r.collisions, "pair"),
-                     grouped(r.steps_with_collisions), counted(r.steps, poses ? "pose" : "step"),
-                     r.first_frame.value_or(0));
-}
-
 /// The first few records with a state, and the number of others, which are in `file`.
-std::string list_of(const std::vector<SweepRecord>& records, SweepState state, bool poses,
-                    const std::string& file) {
+std::string list_of(const std::vector<SweepRecord>& records, SweepState state, const std::string& file) {
   constexpr std::size_t kMaxShown = 10;
   std::string text;
   std::size_t count = 0;
@@ -155,7 +142,7 @@ std::string list_of(const std::vector<SweepRecord>& records, SweepState state, b
     if (state == SweepState::Failed || state == SweepState::Unclear) {
       text += "  " + r.error + '\n';
     } else {
-      text += fmt::format("  {}: {}\n", Error{r.path, "", ""}.where, found_in(r, poses));
+      text += fmt::format("  {}: {}\n", printable(r.path), printable(r.verdict));
     }
   }
   if (count > kMaxShown) text += fmt::format("  and {} more, in {}\n", count - kMaxShown, file);
@@ -227,10 +214,10 @@ std::string unused_models(const std::vector<SweepRecord>& records, const SweepSe
   return text;
 }
 
-std::string lists_of(const std::vector<SweepRecord>& records, bool poses, const std::string& file) {
+std::string lists_of(const std::vector<SweepRecord>& records, const std::string& file) {
   std::string text;
   for (const SweepState state : {SweepState::Collides, SweepState::Failed, SweepState::Unclear})
-    text += list_of(records, state, poses, file);
+    text += list_of(records, state, file);
   return text;
 }
 
@@ -302,8 +289,7 @@ Result<int> sweep_all(const SweepArguments& a) {
   if (!a.quiet) {
     if (shard) print_output(fmt::format("shard                   {}\n", name_of(shard->shard)));
     print_output(counts_of(records, a.steps_only, input.motions.size() - file.remaining().size()) +
-                 limits_of(records, scope) + unused_models(records, settings) +
-                 lists_of(records, a.poses, a.output));
+                 limits_of(records, scope) + unused_models(records, settings) + lists_of(records, a.output));
   }
   // A scheduler would repeat what ends with another code.
   return shard ? kExitClean : exit_code_of(records);
@@ -319,7 +305,7 @@ Result<int> join(const SweepArguments& a) {
   if (!a.summary.empty()) FOLDPROOF_TRY(write_sweep_page(a.summary, records, joined.scope));
   if (!a.quiet)
     print_output(counts_of(records, joined.scope.steps_only, 0) + limits_of(records, joined.scope) +
-                 lists_of(records, joined.scope.poses, a.output));
+                 lists_of(records, a.output));
   return exit_code_of(records);
 }
 

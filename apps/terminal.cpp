@@ -15,7 +15,7 @@
 #include <system_error>
 
 #include "base/duration.h"
-#include "report/assumed.h"
+#include "report/verdict.h"
 
 namespace foldproof {
 
@@ -68,10 +68,6 @@ Result<void> flush_output() {
               "check where it goes and the free space");
 }
 
-std::string counted(std::uint64_t number, const char* noun) {
-  return fmt::format("{} {}{}", grouped(number), noun, number == 1 ? "" : "s");
-}
-
 std::string row(const char* label, const std::string& value) {
   return fmt::format("{:<24}{}\n", label, value);
 }
@@ -99,13 +95,6 @@ std::string cell(std::string name) {
 namespace {
 
 using Text = std::back_insert_iterator<std::string>;
-
-std::string step_name(const StepIndex& index, const CheckSettings& settings) {
-  if (index.frame == index.next_frame) return fmt::format("frame {}", index.frame);
-  std::string name = fmt::format("frames {} to {}", index.frame, index.next_frame);
-  if (settings.substeps > 1) name += fmt::format(", part {} of {}", index.substep + 1, settings.substeps);
-  return name;
-}
 
 std::string objects_table(Motions motions) {
   const auto continues_character = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; };
@@ -155,74 +144,6 @@ std::string certified_share(const ReasonCounts& leaf_pairs) {
   return text;
 }
 
-bool starts_crossing(const CheckTotals& totals) { return totals.starts_crossing.value_or(0) > 0; }
-
-/// "frame 0 starts with 312 crossing pairs of triangles"
-std::string start_of(const CheckTotals& totals) {
-  return fmt::format("frame {} starts with {} of triangles", totals.first_frame,
-                     counted(*totals.starts_crossing, "crossing pair"));
-}
-
-/// The closing sentence if nothing was found. It claims freedom only if everything was tested.
-std::string clean_sentence(const CheckSettings& settings, const CheckTotals& totals,
-                           const std::string& subject) {
-  const std::string all = totals.steps == 1 ? "the one step" : "all " + counted(totals.steps, "step");
-  if (settings.poses) {
-    return fmt::format("No triangles cross in {}{}, proven. Motion between frames was not tested.",
-                       totals.steps == 1 ? fmt::format("frame {}", totals.first_frame)
-                                         : "any of " + counted(totals.steps, "frame"),
-                       subject);
-  }
-  if (!totals.starts_crossing) {
-    return fmt::format(
-        "No contact begins in {}{}, proven. Crossings from frame {} on were not tested (--steps-only).", all,
-        subject, totals.first_frame);
-  }
-  const std::string start =
-      fmt::format("No collisions{}: no triangles cross in frame {}", subject, totals.first_frame);
-  if (!is_single_frame(totals))
-    return start + fmt::format(", and {} {} proven free.", all, totals.steps == 1 ? "is" : "are");
-  return start + (settings.step.thickness > 0 ? ", and all is farther apart than the thickness, proven."
-                                              : ", proven.");
-}
-
-std::string found_sentence(const CheckSettings& settings, const CheckTotals& totals,
-                           const std::string& subject) {
-  std::string text;
-  if (starts_crossing(totals)) {
-    text = "F" + start_of(totals).substr(1);
-    if (totals.collisions.sum() == 0)
-      return text + (is_single_frame(totals) ? "" : "; no other contact begins in the steps") + subject + ".";
-    text += ". ";
-  }
-  if (!settings.poses && is_single_frame(totals)) {
-    return text + fmt::format("{} in frame {}{} as close as the thickness and the tolerance.",
-                              counted(totals.collisions.sum(), "pair"), totals.first_frame, subject);
-  }
-  std::string when = step_name(*totals.earliest, settings);
-  if (!settings.poses) when += fmt::format(", {:.4g} of the way", totals.earliest_toi);
-  return text + fmt::format("Collisions in {} of {}{}, the first in {}.",
-                            grouped(totals.steps_with_collisions),
-                            counted(totals.steps, settings.poses ? "frame" : "step"), subject, when);
-}
-
-std::string closing_sentence(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
-  // One frame is none of several.
-  const std::string subject = assumed(motions, settings.poses || is_single_frame(totals));
-  if (settings.paper_miss_rate) {
-    return fmt::format("{}STATISTICAL: the mode paper found {} of {}{}. Omit --mode for the proven answer.",
-                       starts_crossing(totals) ? "F" + start_of(totals).substr(1) + ". " : "",
-                       grouped(totals.collisions.sum()),
-                       counted(totals.collisions.sum() + totals.missed, "colliding pair"), subject);
-  }
-  std::string text = with_untested(
-      totals.clean() ? clean_sentence(settings, totals, subject) : found_sentence(settings, totals, subject),
-      untested(motions, settings, totals));
-  if (const std::string still = printable(still_pairs(motions, settings, totals)); !still.empty())
-    text += " " + still + " (--still-pairs counts them).";
-  return text;
-}
-
 /// What crosses in the first frame.
 std::string first_frame_rows(const CheckSettings& settings, const CheckTotals& totals) {
   std::string text;
@@ -230,7 +151,7 @@ std::string first_frame_rows(const CheckSettings& settings, const CheckTotals& t
   if (totals.still_crossing.value_or(0) > 0)
     add("cross standing still", grouped(*totals.still_crossing) + " pairs of triangles  (not counted)");
   if (totals.starts_crossing) {
-    add("first frame", starts_crossing(totals)
+    add("first frame", *totals.starts_crossing > 0
                            ? start_of(totals)
                            : fmt::format("no triangles cross in frame {}", totals.first_frame));
     if (totals.start_listed < *totals.starts_crossing) {
@@ -279,13 +200,6 @@ std::string paper_rows(const CheckSettings& settings, const CheckTotals& totals)
 
 }  // namespace
 
-std::string with_untested(std::string sentence, std::span<const std::string> untested) {
-  if (untested.empty()) return sentence;
-  sentence.pop_back();  // the full stop
-  for (const std::string& part : untested) sentence += "; " + printable(part);
-  return sentence + ".";
-}
-
 std::string summary(Motions motions, const CheckSettings& settings, const CheckTotals& totals) {
   std::string text = objects_table(motions) + "\n";
   const auto add = [&](const char* label, const std::string& value) { text += row(label, value); };
@@ -331,7 +245,9 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
                   duration(totals.slowest_step)));
   if (const std::string other = other_times(settings, totals); !other.empty()) add("other time", other);
   const Tone tone = settings.paper_miss_rate ? Tone::Doubtful : totals.clean() ? Tone::Good : Tone::Bad;
-  return text + "\n" + colored(closing_sentence(motions, settings, totals), tone) + "\n";
+  const CheckVerdict found_in_words = verdict(motions, settings, totals);
+  text += "\n" + colored(printable(found_in_words.sentence.text()), tone) + "\n";
+  return found_in_words.numbers.empty() ? text : text + printable(found_in_words.numbers) + "\n";
 }
 
 namespace {

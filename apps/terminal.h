@@ -29,14 +29,8 @@ std::string colored(const std::string& text, Tone tone);
 /// Error: standard output could not be written. A closed pipe is no error.
 Result<void> flush_output();
 
-/// "1 step", "2 steps".
-std::string counted(std::uint64_t number, const char* noun);
-
 /// A row of a summary: what it is, and its value.
 std::string row(const char* label, const std::string& value);
-
-/// A sentence that also says what was not tested.
-std::string with_untested(std::string sentence, std::span<const std::string> untested);
 
 /// Replaces control characters.
 std::string printable(std::string text);
@@ -44,9 +38,6 @@ std::string printable(std::string text);
 /// Shortens a name for a table cell: the middle is left out, as beginning and end distinguish files. Replaces
 /// control characters.
 std::string cell(std::string name);
-
-/// Whether a check was of one frame, in which no time passes.
-inline bool is_single_frame(const CheckTotals& totals) { return totals.first_frame == totals.last_frame; }
 
 /// The tables and the closing sentence of a finished check.
 std::string summary(Motions motions, const CheckSettings& settings, const CheckTotals& totals);

@@ -4,25 +4,29 @@ import math
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
-from . import motion
+from . import marks, motion
 
-PREFIX = "Foldproof: "  # of markers and vertex groups
+PREFIX = marks.PREFIX
+
 LISTED = 50  # contacts that get markers and vertex groups, the worst
 CROSSING = 0.5  # weight of vertices of faces that cross; those of faces that are inside have 1
 
 
 class FoldproofContact(bpy.types.PropertyGroup):
-    """Its name is that of both objects. Times are frames of the scene, with fractions between them."""
+    """What two parts do, once or several times. Its name is that of both. Times are frames of the scene, with fractions
+    between them; depth, place and the worst frame are those of the worst time."""
 
     first: FloatProperty()
     last: FloatProperty()
     worst: FloatProperty()
+    often: StringProperty()  # "4 times"; empty: once
     crosses: BoolProperty()  # else it only touches between frames
     may_cross: BoolProperty()  # it is not known
     has_depth: BoolProperty()
     depth: FloatProperty()
+    at_least: BoolProperty()  # it is a lower bound
     curve_length: FloatProperty()
     point: FloatVectorProperty(size=3)
     size: FloatProperty()  # of its box
@@ -34,41 +38,66 @@ class FoldproofContact(bpy.types.PropertyGroup):
         if not self.crosses:
             return "touches, may cross" if self.may_cross else "touches"
         length = self.depth if self.has_depth else self.curve_length
-        text = bpy.utils.units.to_string(units.system, "LENGTH", length * units.scale_length, precision=4)
-        return f"{text} {'deep' if self.has_depth else 'long'}"
+        text = bpy.utils.units.to_string(units.system, "LENGTH", length * units.scale_length, precision=2)
+        text = f"{text} {'deep' if self.has_depth else 'long'}"
+        return f"at least {text}" if self.at_least else text
 
 
 def store(scene, sampled, found, unknown_frames, times):
     """Replaces the contacts of an earlier check. `found`: as in the report; `unknown_frames`: how many there are of which it
     is not known what crosses; `times`: frame of the scene of each pose."""
     clear(scene)
-    for number, contact in enumerate(found):
+    groups = {}
+    for contact in found:  # the worst first
+        groups.setdefault(contact["group"], []).append(contact)
+    frame = lambda time: float(np.interp(time, range(len(times)), times))
+    for number, each in enumerate(groups.values()):
         made = scene.foldproof.contacts.add()
-        objects = [sampled[side["object"]].object for side in contact["sides"]]
-        made.name = f"{objects[0].name} - {objects[1].name}" if objects[0] != objects[1] else f"{objects[0].name} with itself"
-        crossing = [frame["time"] for frame in contact["frames"]] or [contact["first_time"], contact["last_time"]]
-        worst = contact["first_time"] if contact["worst"] is None else contact["worst"]
-        made.first, made.last, made.worst = np.interp([crossing[0], crossing[-1], worst], range(len(times)), times)
-        made.crosses = bool(contact["frames"])
-        made.may_cross = not made.crosses and unknown_frames > 0
-        made.has_depth = contact["depth"] is not None
-        made.depth = contact["depth"] or 0
-        made.curve_length = max((frame["curve_length"] for frame in contact["frames"]), default=0)
-        made.point = contact["point"]
-        made.size = float(np.ptp(contact["box"], axis=0).max())
+        _describe(made, sampled, each, unknown_frames, frame)
         if number < LISTED:
-            begin = float(np.interp(contact["first_time"], range(len(times)), times))
-            _put_markers(scene, made, begin)
-            _put_groups(sampled, contact, made.name)
+            for contact in each[:LISTED]:
+                _put_markers(scene, made.name, frame(contact["first_time"]), frame(_worst_time(contact)))
+            _put_groups(sampled, each[0], made.name)
 
 
-def _put_markers(scene, contact, begin):
-    first, worst = math.floor(begin), math.floor(contact.worst)
+def _worst_time(contact):
+    return contact["first_time"] if contact["worst"] is None else contact["worst"]
+
+
+def _describe(made, sampled, group, unknown_frames, frame):
+    worst = group[0]
+    made.name = _name_of(worst, sampled)
+    ends = []
+    for contact in group:
+        ends += [f["time"] for f in contact["frames"]] or [contact["first_time"], contact["last_time"]]
+    made.first, made.last, made.worst = frame(min(ends)), frame(max(ends)), frame(_worst_time(worst))
+    made.often = f"{len(group)} times" if len(group) > 1 else ""
+    made.crosses = not worst["touching"]
+    made.may_cross = not worst["frames"] and unknown_frames > 0
+    made.has_depth = worst["depth"] is not None
+    made.depth = worst["depth"] or 0
+    made.at_least = worst["at_least"]
+    made.curve_length = max((f["curve_length"] for f in worst["frames"]), default=0)
+    made.point = worst["point"]
+    made.size = float(np.ptp(worst["box"], axis=0).max())
+
+
+def _name_of(contact, sampled):
+    """The two vertex groups or objects."""
+    a, b = (motion.display_name(side["name"], sampled) for side in contact["sides"])
+    if a != b:
+        return f"{a} - {b}"
+    one = contact["sides"][0]["object"] == contact["sides"][1]["object"]
+    return f"{a} with {'itself' if one else 'another'}"
+
+
+def _put_markers(scene, name, begin, worst):
+    first, worst = math.floor(begin), math.floor(worst)
     if worst == first:
-        scene.timeline_markers.new(f"{PREFIX}{contact.name}", frame=first)
+        scene.timeline_markers.new(f"{PREFIX}{name}", frame=first)
     else:
-        scene.timeline_markers.new(f"{PREFIX}{contact.name}, begins", frame=first)
-        scene.timeline_markers.new(f"{PREFIX}{contact.name}, worst", frame=worst)
+        scene.timeline_markers.new(f"{PREFIX}{name}, begins", frame=first)
+        scene.timeline_markers.new(f"{PREFIX}{name}, worst", frame=worst)
 
 
 def _put_groups(sampled, contact, name):

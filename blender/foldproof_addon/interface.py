@@ -178,7 +178,7 @@ class FOLDPROOF_OT_train(Job, bpy.types.Operator):
 
 
 class FOLDPROOF_OT_select(bpy.types.Operator):
-    """Select the faces that collide at this frame, or cross in the first frame checked"""
+    """Select the faces that are inside something at this frame or cross it, or meet something before the next"""
 
     bl_idname = "foldproof.select"
     bl_label = "Select Colliding Faces"
@@ -192,7 +192,7 @@ class FOLDPROOF_OT_select(bpy.types.Operator):
         for mesh in {o.data for o in context.selected_objects if o.type == "MESH"}:
             for part in (mesh.vertices, mesh.edges, mesh.polygons):
                 part.foreach_set("select", [False] * len(part))
-            for found in (marks.colliding(mesh, context.scene.frame_current), marks.starts_crossing(mesh)):
+            for found in (marks.inside(mesh, context.scene.frame_current), marks.meeting(mesh, context.scene.frame_current)):
                 for polygon in found:
                     mesh.polygons[polygon].select = True
             mesh.update()
@@ -224,7 +224,7 @@ class FOLDPROOF_UL_contacts(bpy.types.UIList):
     def draw_item(self, context, layout, _data, contact, _icon, _active_data, _active_property, _index=0, _flag=0):
         row = layout.split(factor=0.5)
         row.label(text=contact.name)
-        row.label(text=contact.frames())
+        row.label(text=contact.often or contact.frames())
         row.label(text=contact.how_bad(context.scene.unit_settings))
 
 

@@ -1,10 +1,13 @@
 """The jobs behind the buttons. Each is a generator of Progress that returns a sentence for the user; closing it cancels
 the job and leaves nothing behind."""
 
+import math
 import pathlib
+import re
 import tempfile
 
 import bpy
+import numpy as np
 
 from . import contacts, marks, motion, program
 from .problem import Problem
@@ -89,59 +92,58 @@ def check(context, executable):
             arguments += ["--thickness", repr(settings.thickness)]
         if settings.pairs != "ALL":
             arguments.append("--within" if settings.pairs == "WITHIN" else "--between")
-        arguments += _ignored_paths(ignored, sampled)
+        arguments += _ignored_paths(ignored, sampled) + _unit(scene)
         yield from program.run(arguments, folder, "Looking for collisions", 0.9)
-        start, steps, *found = program.read_answer(answer, sampled)
+        found = program.read_answer(answer, sampled)
     for each in sampled:
         each.expect_unedited()
-    contacts.store(scene, sampled, *found, times)
-    frame_of = [frames[k // parts] for k in range(len(times))]
-    text = _mark(scene, sampled, start, steps, frame_of, times, poses, settings.pairs) + left_out
-    if not ignored:
-        return text
-    a, b = ignored
-    return text + f"; pairs of {a.name} " + ("with itself" if a == b else f"and {b.name}") + " were ignored"
+    contacts.store(scene, sampled, found.contacts, found.unknown_frames, times)
+    unknown = _mark(scene, sampled, found, [frames[k // parts] for k in range(len(times))])
+    text = _sentence(found.verdict, sampled, times)
+    return text + left_out + ("; some of it on faces that a modifier made by itself" if unknown else "")
 
 
-def _mark(scene, sampled, start, steps, frame_of, times, poses, pairs):
-    polygons = {each.object.data: {} for each in sampled}  # objects may share a mesh
-    crossing = {each.object.data: set() for each in sampled}
-    unknown = 0
-    _, marked = start
-    for each, triangles in zip(sampled, marked):
-        found = set(each.polygon_of[triangles].tolist())
-        unknown += -1 in found
-        crossing[each.object.data].update(found - {-1})
-    for number, _, _, marked in steps:
-        frame = frame_of[number]
+def _unit(scene):
+    """The unit of lengths, where Blender's has a name."""
+    units = scene.unit_settings
+    names = {1: "m", 0.01: "cm", 0.001: "mm", 1000: "km"}
+    name = next((name for scale, name in names.items() if math.isclose(units.scale_length, scale, rel_tol=1e-5)), None)
+    return ["--unit", name] if units.system == "METRIC" and name else []
+
+
+def _sentence(parts, sampled, times):
+    """The program's verdict with the scene's frames and the objects' names."""
+    frame = lambda pose: f"{np.interp(pose, range(len(times)), times):.4g}"
+    text = "".join(part if isinstance(part, str) else frame(part) for part in parts).removesuffix(".")
+    for each in sampled:
+        text = text.replace(str(each.path), each.object.name)
+        text = re.sub(rf"\b{re.escape(pathlib.Path(each.path).stem)}\b", lambda _: each.object.name, text)
+    return text
+
+
+def _mark(scene, sampled, found, frame_of):
+    """Returns whether there is something on faces that are none of the mesh."""
+    inside = {each.object.data: {} for each in sampled}  # objects may share a mesh
+    meeting = {each.object.data: {} for each in sampled}
+    unknown = False
+
+    def add(to, frame, marked):
+        nonlocal unknown
         for each, triangles in zip(sampled, marked):
-            found = set(each.polygon_of[triangles].tolist())
-            unknown += -1 in found
-            polygons[each.object.data].setdefault(frame, set()).update(found - {-1})
-    for mesh, by_frame in polygons.items():
-        marks.store(mesh, by_frame, crossing[mesh])
+            polygons = set(each.polygon_of[np.array(triangles, np.int64)].tolist())
+            unknown |= -1 in polygons
+            to[each.object.data].setdefault(frame, set()).update(polygons - {-1})
+
+    for pose, marked in enumerate(found.inside[: len(frame_of)]):
+        # Of the poses between two frames none is shown.
+        if marked and (pose == 0 or frame_of[pose] != frame_of[pose - 1]):
+            add(inside, frame_of[pose], marked)
+    for step, marked in found.meeting:
+        add(meeting, frame_of[step], marked)
+    for mesh in inside:
+        marks.store(mesh, inside[mesh], meeting[mesh])
     marks.show(scene)
-    text = _summary(start, steps, times, poses, len({frame_of[number] for number, *_ in steps}))
-    if len(sampled) > 1 and pairs != "ALL":
-        text += "; pairs of two meshes were not tested" if pairs == "WITHIN" else "; pairs within one mesh were not tested"
-    return text + ("; some of them on faces that a modifier made by itself" if unknown else "")
-
-
-def _summary(start, steps, times, poses, frames):
-    crossings, _ = start
-    if not steps and not crossings:
-        # A check of poses tests crossings in them, but not the motion between them.
-        return f"No {'crossing' if poses else 'collision'}, proven, in {_count(times, 'pose', 'poses')}"
-    text = ""
-    if crossings:
-        text = f"Frame {times[0]:g} starts with {crossings:,} crossing {'pair' if crossings == 1 else 'pairs'}"
-        if not steps:
-            return text
-        text += "; collisions"
-    number, _, toi, _ = steps[0]
-    following = times[min(number + 1, len(times) - 1)]
-    first = times[number] + toi * (following - times[number])
-    return f"{text or 'Collisions'} in {frames:,} {'frame' if frames == 1 else 'frames'}, the first at {first:.4g}"
+    return unknown
 
 
 def _left_out(context):

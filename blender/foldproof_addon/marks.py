@@ -6,10 +6,12 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-# A property of a mesh: its number of polygons, those that collide, by frame, and those that cross in the first frame.
+PREFIX = "Foldproof: "  # of markers and vertex groups
+# A property of a mesh: its number of polygons, and by frame those that are inside something or cross it at the frame, and
+# those that meet something before the next.
 RESULTS = "foldproof"
-COLLIDES = "foldproof_collides"  # face attribute, boolean
-STARTS = "foldproof_starts_crossing"  # face attribute, boolean, the same at every frame
+COLLIDES = "foldproof_collides"  # face attribute, boolean: inside now
+MEETS = "foldproof_meets"  # face attribute, boolean: meets something before the next frame
 COLOR = "foldproof_color"  # color attribute
 _RED, _PINK, _GREY = (0.8, 0.05, 0.02, 1.0), (0.6, 0.19, 0.39, 1.0), (0.6, 0.6, 0.6, 1.0)
 _pauses = 0
@@ -26,30 +28,29 @@ def paused():
         _pauses -= 1
 
 
-def store(mesh, polygons_by_frame, crossing):
-    """Stores the polygons that collide between each frame and the next, and those that cross in the first one."""
+def store(mesh, inside, meeting):
+    """Stores the polygons by frame: that are inside or cross, and that meet others before the next one."""
     mesh[RESULTS] = {
         "polygons": len(mesh.polygons),
-        "frames": {str(frame): sorted(polygons) for frame, polygons in polygons_by_frame.items() if polygons},
-        "starts_crossing": sorted(crossing),
+        "inside": {str(frame): sorted(polygons) for frame, polygons in inside.items() if polygons},
+        "meeting": {str(frame): sorted(polygons) for frame, polygons in meeting.items() if polygons},
     }
 
 
-def colliding(mesh, frame):
-    """Indices of the polygons that collide; none if the mesh has changed since the check."""
+def _stored(mesh, name, frame):
+    """Indices of polygons; none if the mesh has changed since the check."""
     results = mesh.get(RESULTS)
-    if not results or results["polygons"] != len(mesh.polygons):
+    if not results or results["polygons"] != len(mesh.polygons) or name not in results:  # as in files of older versions
         return np.empty(0, np.int64)
-    return np.array(list(results["frames"].get(str(frame), [])), np.int64)
+    return np.array(list(results[name].get(str(frame), [])), np.int64)
 
 
-def starts_crossing(mesh):
-    """Indices of the polygons that cross in the first frame checked; none if the mesh has changed since the check."""
-    results = mesh.get(RESULTS)
-    if not results or results["polygons"] != len(mesh.polygons):
-        return np.empty(0, np.int64)
-    # Files of earlier versions lack it.
-    return np.array(list(results.get("starts_crossing", [])), np.int64)
+def inside(mesh, frame):
+    return _stored(mesh, "inside", frame)
+
+
+def meeting(mesh, frame):
+    return _stored(mesh, "meeting", frame)
 
 
 def _set(mesh, name, polygons):
@@ -61,15 +62,15 @@ def _set(mesh, name, polygons):
 
 
 def _show(mesh, frame):
-    crossing = _set(mesh, STARTS, starts_crossing(mesh))
-    marked = _set(mesh, COLLIDES, colliding(mesh, frame))
+    meets = _set(mesh, MEETS, meeting(mesh, frame))
+    marked = _set(mesh, COLLIDES, inside(mesh, frame))
     if COLOR not in mesh.color_attributes:
         mesh.color_attributes.new(COLOR, "BYTE_COLOR", "CORNER")
         mesh.color_attributes.active_color = mesh.color_attributes[COLOR]
     corners = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("loop_total", corners)
     # Corners are in the order of the polygons.
-    by_polygon = np.where(crossing[:, None], np.float32(_PINK), np.float32(_GREY))
+    by_polygon = np.where(meets[:, None], np.float32(_PINK), np.float32(_GREY))
     by_polygon[marked] = _RED
     colors = np.repeat(by_polygon, corners, axis=0)
     mesh.color_attributes[COLOR].data.foreach_set("color", np.ascontiguousarray(colors, np.float32).ravel())
@@ -89,7 +90,7 @@ def show(scene, _depsgraph=None):
 def clear(mesh):
     if RESULTS in mesh:
         del mesh[RESULTS]
-    for name in (COLLIDES, STARTS, COLOR):
+    for name in (COLLIDES, MEETS, COLOR):
         if name in mesh.attributes:
             mesh.attributes.remove(mesh.attributes[name])
     mesh.update()

@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+import pathlib
 import zipfile
 
 import bpy
@@ -55,6 +56,32 @@ def numbered_polygons(meshes):
             mesh.update()
 
 
+def parts_of(scene_object, mesh, triangles):
+    """The name of the vertex group with the most weight in each triangle, of those that bones move if there are such; the
+    object's name where there is none. None: the groups tell nothing apart."""
+    bones = {
+        bone.name
+        for modifier in scene_object.modifiers
+        if modifier.type == "ARMATURE" and modifier.object
+        for bone in modifier.object.data.bones
+    }
+    named = {g.index: g.name for g in scene_object.vertex_groups if not g.name.startswith(marks.PREFIX)}
+    if bones & set(named.values()):
+        named = {index: name for index, name in named.items() if name in bones}
+    if not named:
+        return None
+    column = {index: k for k, index in enumerate(named)}
+    weights = np.zeros((len(mesh.vertices), len(named)), np.float32)
+    for vertex in mesh.vertices:
+        for group in vertex.groups:
+            if group.group in column:
+                weights[vertex.index, column[group.group]] = group.weight
+    sums = sum(weights[triangles[:, k]] for k in range(3))
+    names = np.array([*named.values(), scene_object.name])
+    parts = names[np.where(sums.max(axis=1) > 0, sums.argmax(axis=1), len(named))]
+    return parts if len(set(parts)) > 1 else None
+
+
 class Sampled:
     """One object: its triangles, their polygons in the object's own mesh, and the file that is being written."""
 
@@ -71,10 +98,14 @@ class Sampled:
             self.polygon_of = polygons[numbers(mesh.loop_triangles, "polygon_index")]
             self._faces = faces_of(mesh)
             self.vertex_count = len(mesh.vertices)
+            parts = parts_of(scene_object, mesh, self.triangles)
         self._own_faces = faces_of(scene_object.data)
         self._archive = zipfile.ZipFile(path, "x")  # never the file of another object
         with self._archive.open("faces.npy", "w") as member:
             np.lib.format.write_array(member, self.triangles)
+        if parts is not None:
+            with self._archive.open("parts.npy", "w") as member:
+                np.lib.format.write_array(member, parts)
         # First the header with the shape, then frame by frame, so that memory holds one frame.
         self._vertices = self._archive.open("vertices.npy", "w", force_zip64=True)
         shape = (sample_count, self.vertex_count, 3)
@@ -100,6 +131,11 @@ class Sampled:
     def close(self):
         self._vertices.close()
         self._archive.close()
+
+
+def display_name(name, sampled):
+    """An object's own name for that of its file."""
+    return next((each.object.name for each in sampled if pathlib.Path(each.path).stem == name), name)
 
 
 def set_time(scene, time):

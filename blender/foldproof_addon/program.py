@@ -1,5 +1,6 @@
 """Finds and runs the program foldproof, and reads its answer."""
 
+import dataclasses
 import json
 import os
 import shutil
@@ -69,44 +70,42 @@ class _Triangles:
         return np.flatnonzero(marked)
 
 
+@dataclasses.dataclass
+class Answer:
+    verdict: list  # texts and, in turn, poses
+    contacts: list  # as in the report
+    unknown_frames: int  # of which it is not known what crosses
+    inside: list  # per pose: triangles of each object that cross or are inside; None where that is not known
+    meeting: list  # (step, triangles of each object that meet others in it), only steps with any
+
+
 def read_answer(path, sampled):
-    """Reads the crossings of the first frame, as (number of pairs, crossing triangles per object), the steps with
-    collisions, as (step, number of collisions, earliest toi, colliding triangles per object), and the contacts, as they
-    are in the report, and the number of frames of which it is not known what crosses."""
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise Problem("The program gave no answer: see in Preferences > Add-ons > Foldproof that it is foldproof") from None
-    if "contacts" not in report:
+    if "verdict" not in report:
         raise Problem(
             "The program foldproof is too old for this add-on: install its version, or say where that is in"
             " Preferences > Add-ons > Foldproof"
         )
     objects = [_Triangles(each.triangles, each.vertex_count) for each in sampled]
-    steps = []
-    for number, step in enumerate(report["steps"]):
-        count = sum(step["collisions"].values())
-        if count == 0:
-            continue
-        faces, vertices, edges = ([[] for _ in objects] for _ in range(3))
-        for vertex_object, vertex, face_object, face, _ in step["pairs"]["vf"]:
-            vertices[vertex_object].append(vertex)
-            faces[face_object].append(face)
-        for a, a0, a1, b, b0, b1, _ in step["pairs"]["ee"]:
-            edges[a].append((a0, a1))
-            edges[b].append((b0, b1))
-        for a, face_a, b, face_b in step["pairs"].get("tt", []):
-            faces[a].append(face_a)
-            faces[b].append(face_b)
-        marked = [each.around(*found) for each, *found in zip(objects, faces, vertices, edges)]
-        steps.append((number, count, step["earliest_toi"], marked))
-    return _start_of(report, len(objects)), steps, report["contacts"], report["totals"]["contacts"]["unknown_frames"]
-
-
-def _start_of(report, objects):
-    faces = [set() for _ in range(objects)]
     start = report.get("start")  # none with --static
-    for a, face_a, b, face_b in start["pairs"]["tt"] if start else ():
-        faces[a].add(face_a)
-        faces[b].add(face_b)
-    return start["crossings"] if start else 0, [np.array(sorted(each), np.int64) for each in faces]
+    return Answer(
+        report["verdict"]["parts"],
+        report["contacts"],
+        report["totals"]["contacts"]["unknown_frames"],
+        [each["inside"] for each in ([start] if start else []) + report["steps"]],
+        [(number, _meeting(step["pairs"], objects)) for number, step in enumerate(report["steps"]) if sum(step["collisions"].values())],
+    )
+
+
+def _meeting(pairs, objects):
+    faces, vertices, edges = ([[] for _ in objects] for _ in range(3))
+    for vertex_object, vertex, face_object, face, _ in pairs["vf"]:
+        vertices[vertex_object].append(vertex)
+        faces[face_object].append(face)
+    for a, a0, a1, b, b0, b1, _ in pairs["ee"]:
+        edges[a].append((a0, a1))
+        edges[b].append((b0, b1))
+    return [each.around(*found) for each, *found in zip(objects, faces, vertices, edges)]

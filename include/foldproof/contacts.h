@@ -44,7 +44,7 @@ struct Contact {
   /// One of the two surfaces.
   struct Side {
     Index object = 0;
-    Index part = kNoIndex;  ///< The part of most triangles that took part; kNoIndex where there are no parts.
+    Index part = kNoIndex;  ///< The part of most of its triangles; kNoIndex where there are no parts.
     /// The triangles that cross or are inside in the worst frame, ascending.
     std::vector<Index> triangles;
     std::vector<Index> inside;  ///< Those of them that lie entirely inside, ascending.

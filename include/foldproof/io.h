@@ -36,6 +36,9 @@ struct MotionInfo {
   std::vector<Index> merged = {};
   /// Faces with the same three vertices are layers of one surface, such as its two sides, and do not cross.
   bool layered = false;
+  /// Of poses that are files of different names: these names, without folders and extensions. Empty: frames
+  /// have numbers.
+  std::vector<std::string> frame_names = {};
   /// The clips of a glTF, as ReadOptions::clip takes them.
   std::vector<std::string> clips = {};
   /// The motion is a single pose that stands still as long as others move (ReadOptions::still).

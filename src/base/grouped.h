@@ -13,4 +13,9 @@ inline std::string grouped(std::uint64_t number) {
   return digits;
 }
 
+/// "1 step", "2 steps".
+inline std::string counted(std::uint64_t number, const char* noun) {
+  return grouped(number) + " " + noun + (number == 1 ? "" : "s");
+}
+
 }  // namespace foldproof

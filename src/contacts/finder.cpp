@@ -105,6 +105,7 @@ struct ContactFinder::Impl {
   void vote(Open& open, int side, Index object, Index triangle);
   void measure_frame(double now, Positions x);
   void measure_contact(InFrame& frame, double now, const Scaled& x);
+  void name_part(Open& of, int side) const;
   void end_contacts(bool all);
   Label resolve(Label label) const;
   void join(Label a, Label b);
@@ -371,6 +372,18 @@ void ContactFinder::Impl::measure_frame(double now, Positions x) {
   }
 }
 
+// The part of most triangles of a side in the worst frame; of what only touches, of most that took part.
+void ContactFinder::Impl::name_part(Open& of, int side) const {
+  Contact::Side& it = of.contact.sides[side];
+  if (it.object >= parts.size() || parts[it.object].empty()) return;
+  std::map<Index, std::uint64_t> counts;
+  for (const Index t : it.triangles) ++counts[parts[it.object][t]];
+  std::uint64_t most = 0;
+  for (const auto& [part, count] : counts.empty() ? of.votes[side] : counts) {
+    if (count > most) most = count, it.part = part;
+  }
+}
+
 void ContactFinder::Impl::end_contacts(bool all) {
   for (auto at = open.begin(); at != open.end();) {
     Open& it = at->second;
@@ -381,12 +394,7 @@ void ContactFinder::Impl::end_contacts(bool all) {
     }
     it.contact.healed = !(all && it.crosses);
     it.contact.pierces = it.pierces && !it.of_faces;
-    for (int side = 0; side < 2; ++side) {
-      std::uint64_t most = 0;
-      for (const auto& [part, count] : it.votes[side]) {
-        if (count > most) most = count, it.contact.sides[side].part = part;
-      }
-    }
+    for (int side = 0; side < 2; ++side) name_part(it, side);
     ended.push_back(std::move(it.contact));
     at = open.erase(at);
   }

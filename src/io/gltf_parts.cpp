@@ -11,11 +11,19 @@ namespace {
 /// them.
 constexpr std::uint64_t kMaxWeights = std::uint64_t{1} << 32;
 
+/// The name of a node or of its mesh, else of its nearest ancestor that has one; or empty.
+std::string name_near(const GltfScene& scene, std::size_t i) {
+  for (std::optional<std::size_t> at = i; at; at = scene.nodes[*at].parent) {
+    const GltfNode& node = scene.nodes[*at];
+    if (!node.name.empty()) return node.name;
+    if (node.mesh && !scene.meshes[*node.mesh].name.empty()) return scene.meshes[*node.mesh].name;
+  }
+  return "";
+}
+
 std::string node_name(const GltfScene& scene, std::size_t i) {
-  const GltfNode& node = scene.nodes[i];
-  if (!node.name.empty()) return node.name;
-  const std::string mesh = node.mesh ? scene.meshes[*node.mesh].name : "";
-  return mesh.empty() ? fmt::format("node {}", i) : mesh;
+  const std::string name = name_near(scene, i);
+  return name.empty() ? fmt::format("node {}", i) : name;
 }
 
 std::string material_name(const GltfScene& scene, const std::optional<std::size_t>& i) {
@@ -68,7 +76,10 @@ ObjectParts joint_parts(const GltfScene& scene, std::span<const GltfRun> runs, c
   for (const Index run : elements.values) weights += 12 * vertices_of(run).influences.size();
   if (weights > kMaxWeights) return {};
   std::vector<std::string> names;
-  for (const std::size_t joint : scene.skins[*node.skin].joints) names.push_back(node_name(scene, joint));
+  for (const std::size_t joint : scene.skins[*node.skin].joints) {
+    names.push_back(name_near(scene, joint));
+    if (names.back().empty()) names.back() = node_name(scene, runs.front().node);
+  }
   std::vector<Index> of_element;
   of_element.reserve(elements.values.size());
   JointFinder finder(names.size());

@@ -62,6 +62,9 @@ Result<std::unique_ptr<Motion>> open_numbered(std::string name, std::vector<std:
                 "name frames of one format");
   }
   MotionInfo info{.notes = FOLDPROOF_TRY(notes_on_order(files))};
+  if (split_by_number(files).size() > 1) {
+    for (const std::string& file : files) info.frame_names.push_back(fs::path(file).stem().string());
+  }
   if (files.size() > 1) info.taken_as = fmt::format("{} frames of one mesh", files.size());
   return open_sequence(std::move(name), std::move(files), progress, std::move(info));
 }

@@ -11,13 +11,15 @@ FoundContacts::FoundContacts(CheckTotals& totals, Motions motions, const CheckSe
   names.reserve(contacts.size());
   for (const auto& [object, text] : totals.notices) notices.push_back(motions[object]->name() + ": " + text);
   for (const Contact& contact : contacts) names.push_back(side_names(contact, motions, settings));
+  groups = group_of_each(group_contacts(contacts));
 }
 
 Json FoundContacts::json(std::uint64_t offset, std::uint64_t limit) const {
   Json items = Json::array();
   const std::uint64_t begin = std::min<std::uint64_t>(offset, contacts.size());
   const std::uint64_t end = begin + std::min<std::uint64_t>(limit, contacts.size() - begin);
-  for (std::uint64_t k = begin; k < end; ++k) items.push_back(contact_json(contacts[k], names[k], false));
+  for (std::uint64_t k = begin; k < end; ++k)
+    items.push_back(contact_json(contacts[k], names[k], groups[k], false));
   return {{"searched", searched},
           {"unknown_frames", unknown_frames},
           {"notices", notices},
@@ -25,6 +27,8 @@ Json FoundContacts::json(std::uint64_t offset, std::uint64_t limit) const {
           {"items", std::move(items)}};
 }
 
-Json FoundContacts::json(std::uint64_t k) const { return contact_json(contacts[k], names[k], true); }
+Json FoundContacts::json(std::uint64_t k) const {
+  return contact_json(contacts[k], names[k], groups[k], true);
+}
 
 }  // namespace foldproof

@@ -11,6 +11,7 @@
 #include "page/found_contacts.h"
 #include "page/page_json.h"
 #include "page/radius.h"
+#include "report/contact_pictures.h"
 
 namespace foldproof {
 namespace {
@@ -73,8 +74,10 @@ struct Page::Impl {
   mutable std::mutex mutex;          // guards the following
   State state = State::Running;
   std::string failure;
-  std::string still;                           // what crosses among what stands still
-  std::shared_ptr<const FoundContacts> found;  // null before the end of the check
+  std::optional<CheckVerdict> verdict;              // none before the end of the check
+  std::shared_ptr<const FoundContacts> found;       // null before the end of the check
+  mutable std::mutex pictures_mutex;                // guards the following
+  mutable std::optional<ContactPictures> pictures;  // for their views; none before the first
 
   // The numbers in a path, in order.
   using Numbers = std::span<const std::uint64_t>;
@@ -90,7 +93,6 @@ struct Page::Impl {
   PageAnswer radius(Numbers, const PageQuery&) const;
   PageAnswer steps(Numbers, const PageQuery&) const;
   PageAnswer crossings(Numbers, const PageQuery&) const;
-  PageAnswer crossing_faces(Numbers, const PageQuery&) const;
   PageAnswer collisions(Numbers, const PageQuery&) const;
   PageAnswer faces(Numbers, const PageQuery&) const;
   PageAnswer contacts(Numbers, const PageQuery&) const;
@@ -104,6 +106,7 @@ struct Page::Impl {
   std::optional<PageAnswer> missing_step(std::uint64_t number) const;
   PageAnswer not_yet(const std::string& what) const;
   tl::expected<std::shared_ptr<const FoundContacts>, PageAnswer> contacts_found() const;
+  Result<View> view_of_contact(const Contact& contact, Up up) const;
   bool advance(const std::atomic<bool>& stop);
   void end_check(State end, std::string line);
 };
@@ -244,7 +247,8 @@ PageAnswer Page::Impl::steps(Numbers, const PageQuery& query) const {
   {
     // Read the state before the count: once it is "done", all steps are in the store.
     const std::lock_guard lock(mutex);
-    json = {{"state", kStates[static_cast<std::size_t>(state)]}, {"error", failure}, {"still", still}};
+    json = {{"state", kStates[static_cast<std::size_t>(state)]}, {"error", failure}};
+    json["verdict"] = verdict ? verdict_json(*verdict) : Json(nullptr);
   }
   const std::uint64_t done = store->count();
   const auto start = store->started();
@@ -275,13 +279,6 @@ PageAnswer Page::Impl::crossings(Numbers, const PageQuery& query) const {
   return json_answer({{"total", store->started()->crossings}, {"items", std::move(items)}});
 }
 
-PageAnswer Page::Impl::crossing_faces(Numbers n, const PageQuery&) const {
-  if (auto answer = missing_object(n[0])) return *answer;
-  if (auto answer = missing_start()) return *answer;
-  const auto faces = store->crossing_faces(static_cast<Index>(n[0]));
-  return faces ? binary_answer(std::span<const std::uint8_t>(*faces)) : refuse(faces.error());
-}
-
 PageAnswer Page::Impl::collisions(Numbers n, const PageQuery& query) const {
   if (auto answer = missing_step(n[0])) return *answer;
   const auto part = part_of(query);
@@ -301,7 +298,7 @@ PageAnswer Page::Impl::faces(Numbers n, const PageQuery&) const {
   const auto faces = store->faces(n[0], static_cast<Index>(n[1]));
   if (!faces) return refuse(faces.error());
   PageAnswer answer{200, "application/octet-stream", {}};
-  for (const auto part : {&FaceRecord::colliding, &FaceRecord::reason})
+  for (const auto part : {&FaceRecord::marks, &FaceRecord::reason})
     for (const FaceRecord& face : *faces) answer.body.push_back(static_cast<char>(face.*part));
   for (const FaceRecord& face : *faces) answer.body.push_back(static_cast<char>(face.level));
   for (const FaceRecord& face : *faces) answer.body.push_back(static_cast<char>(face.margin));
@@ -324,12 +321,24 @@ PageAnswer Page::Impl::contacts(Numbers, const PageQuery& query) const {
   return json_answer((*all)->json(part->offset, part->limit));
 }
 
-PageAnswer Page::Impl::contact(Numbers n, const PageQuery&) const {
+PageAnswer Page::Impl::contact(Numbers n, const PageQuery& query) const {
   const auto all = contacts_found();
   if (!all) return all.error();
   const std::size_t count = (*all)->contacts.size();
   if (n[0] >= count) return refuse(404, fmt::format("there is no contact {} among {}", n[0], count));
-  return json_answer((*all)->json(n[0]));
+  Json json = (*all)->json(n[0]);
+  const auto up = query.find("up");
+  const auto view =
+      view_of_contact((*all)->contacts[n[0]], up != query.end() && up->second == "z" ? Up::Z : Up::Y);
+  if (!view) return refuse(view.error());
+  json["view"] = {view->from.x(), view->from.y(), view->from.z()};
+  return json_answer(json);
+}
+
+Result<View> Page::Impl::view_of_contact(const Contact& contact, Up up) const {
+  const std::lock_guard lock(pictures_mutex);
+  if (!pictures) pictures = FOLDPROOF_TRY(ContactPictures::open(scene->motions(), scene->settings()));
+  return pictures->view(contact, up);
 }
 
 void Page::Impl::end_check(State end, std::string line) {
@@ -350,10 +359,11 @@ bool Page::Impl::advance(const std::atomic<bool>& stop) {
   if (!more) {
     end_check(State::Failed, more.error().line());
   } else {
+    auto in_words = foldproof::verdict(scene->motions(), scene->settings(), check->totals());
     auto all = std::make_shared<const FoundContacts>(check->totals(), scene->motions(), scene->settings());
     const std::lock_guard lock(mutex);
     found = std::move(all);
-    still = still_pairs(scene->motions(), scene->settings(), check->totals());
+    verdict = std::move(in_words);
     state = State::Done;
   }
   check.reset();
@@ -392,7 +402,6 @@ PageAnswer Page::get(std::string_view path, const PageQuery& query) const {
       {"/api/objects/#/model/radius", &Impl::radius},
       {"/api/steps", &Impl::steps},
       {"/api/start/crossings", &Impl::crossings},
-      {"/api/start/faces/#", &Impl::crossing_faces},
       {"/api/steps/#/collisions", &Impl::collisions},
       {"/api/steps/#/faces/#", &Impl::faces},
       {"/api/contacts", &Impl::contacts},

@@ -8,6 +8,7 @@
 namespace foldproof {
 
 Json step_json(const StepRecord& s) {
+  const auto number = [](const std::optional<std::uint64_t>& n) { return n ? Json(*n) : Json(nullptr); };
   return {{"number", s.index.number},
           {"frame", s.index.frame},
           {"next_frame", s.index.next_frame},
@@ -16,6 +17,7 @@ Json step_json(const StepRecord& s) {
           {"edge_edge", s.collisions.edge_edge},
           {"crossings", s.collisions.triangle_triangle},
           {"listed", s.listed},
+          {"inside", Json::array({number(s.inside[0]), number(s.inside[1])})},
           {"undecided", s.work.undecided},
           {"toi", s.earliest_toi},
           {"tolerance", s.tolerance},

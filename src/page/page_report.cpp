@@ -6,7 +6,6 @@
 #include "base/try.h"
 #include "page/page.h"
 #include "page/page_json.h"
-#include "report/assumed.h"
 #include "report/contact_pictures.h"
 #include "report/text_file.h"
 
@@ -63,7 +62,7 @@ class PageReport final : public ReportWriter {
  public:
   PageReport(FileWriter file, Motions motions, const PageReportInfo& info,
              const std::map<std::string_view, std::string_view>& files)
-      : file_(std::move(file)), motions_(motions), settings_(info.check.settings) {
+      : file_(std::move(file)), motions_(motions), settings_(info.check.settings), recorder_(motions) {
     file_.add("<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
     file_.add("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
     file_.add(
@@ -78,23 +77,24 @@ class PageReport final : public ReportWriter {
               embedded(version()));
     file_.add("\"made\":{},\"command\":{},", embedded(now()), embedded(info.command));
     file_.add("\"objects\":{},", embedded(objects_json(motions, info.check.settings)));
-    file_.add("\"assumed\":{},", embedded(assumed(motions, info.check.settings.poses)));
     file_.add("\"settings\":{},\n\"steps\":[", embedded(settings_json(info.check, motions)));
     script_ = files.at(kScript);
   }
 
   Result<void> start(const CheckedStep& pose) override {
     start_ = start_json(start_of(pose));
+    recorder_.start(pose);
     return {};
   }
 
   Result<void> step(const CheckedStep& step) override {
-    file_.add("{}\n{}", step.index.number == 0 ? "" : ",", embedded(step_json(record_of(step))));
+    file_.add("{}\n{}", step.index.number == 0 ? "" : ",", embedded(step_json(recorder_.add(step))));
     return file_.flush_if_large();
   }
 
   Result<void> finish(const CheckTotals& totals) override {
-    file_.add("\n],\n\"start\":{},\n\"totals\":{},\n\"contacts\":[", embedded(start_),
+    file_.add("\n],\n\"start\":{},\n\"verdict\":{},\n\"totals\":{},\n\"contacts\":[", embedded(start_),
+              embedded(verdict_json(verdict(motions_, settings_, totals))),
               embedded(totals_json(totals, settings_.poses, false)));
     pictures_.emplace(ContactPictures::open(motions_, settings_));
     FOLDPROOF_TRY(add_contacts(totals));
@@ -103,8 +103,6 @@ class PageReport final : public ReportWriter {
                                  : Json();
     for (const auto& [object, text] : totals.notices)
       notes_.push_back(motions_[object]->name() + ": " + text);
-    if (const std::string still = still_pairs(motions_, settings_, totals); !still.empty())
-      notes_.push_back(still + ".");
     if (!*pictures_) notes_.push_back("Pictures are missing: " + pictures_->error().line());
     if (totals.contact_unknown_frames > 0) {
       notes_.push_back(fmt::format("It is not known which triangles cross in {} of the frames{}.",
@@ -120,10 +118,12 @@ class PageReport final : public ReportWriter {
   /// The worst contacts, the first of them with pictures.
   Result<void> add_contacts(const CheckTotals& totals) {
     const std::size_t count = std::min(totals.contacts.size(), kListed);
+    const auto groups = group_of_each(group_contacts(totals.contacts));
+    std::size_t pictured = 0;  // the worst of each group is
     for (std::size_t i = 0; i < count; ++i) {
       const Contact& contact = totals.contacts[i];
-      Json json = contact_json(contact, side_names(contact, motions_, settings_), false);
-      if (i < kPictures)
+      Json json = contact_json(contact, side_names(contact, motions_, settings_), groups[i], false);
+      if (groups[i] == pictured && ++pictured <= kPictures)
         json["picture"] =
             picture_url([&](ContactPictures& pictures) { return pictures.draw(contact, kFormat); });
       file_.add("{}\n{}", i == 0 ? "" : ",", embedded(json));
@@ -150,6 +150,7 @@ class PageReport final : public ReportWriter {
   TextFile file_;
   Motions motions_;
   const CheckSettings settings_;
+  StepRecorder recorder_;
   std::string_view script_;
   std::optional<Result<ContactPictures>> pictures_;  // from the end of the check on
   Json start_ = nullptr;                             // the answer for the first frame, if there is one

@@ -75,12 +75,17 @@ Json SceneData::json() const {
                        {"unchecked", object->motion->info().unchecked},
                        {"model", model_json(object->model.get())}});
   }
+  Json frame_names = Json::array();
+  const auto& names = motions_.front()->info().frame_names;
+  for (const Index k : frames_)
+    if (k < names.size()) frame_names.push_back(names[k]);
   const StepSettings& s = settings_.step;
   return {{"program", "foldproof"},
           {"version", version()},
           {"title", title_of(motions_)},
           {"frames", frames_.size()},
           {"frame_numbers", frames_},
+          {"frame_names", frame_names},
           {"fps", read_.fps},
           {"substeps", settings_.substeps},
           {"steps", steps()},

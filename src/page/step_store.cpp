@@ -92,15 +92,46 @@ Bounds bounds_of(Positions x) {
 
 }  // namespace
 
-StepRecord record_of(const CheckedStep& step) {
-  return {.index = step.index,
-          .collisions = step.collisions,
-          .listed = step.listed().sum(),
-          .earliest_toi = step.earliest_toi,
-          .tolerance = step.step ? step.step->tolerance : 0,
-          .work = step.work,
-          .leaf_pairs = step.explanation->leaf_pairs,
-          .milliseconds = step.milliseconds};
+StepRecorder::Inside StepRecorder::inside_of(const CheckedStep& step) const {
+  std::vector<std::vector<std::uint8_t>> all;
+  for (Index i = 0; i < motions_.size(); ++i) {
+    auto marks = inside_faces(motions_[i]->topology(), i, step);
+    if (!marks) return std::nullopt;
+    all.push_back(std::move(*marks));
+  }
+  return all;
+}
+
+StepRecord StepRecorder::add(const CheckedStep& step) {
+  StepRecord record{.index = step.index,
+                    .collisions = step.collisions,
+                    .listed = step.listed().sum(),
+                    .earliest_toi = step.earliest_toi,
+                    .tolerance = step.step ? step.step->tolerance : 0,
+                    .work = step.work,
+                    .leaf_pairs = step.explanation->leaf_pairs,
+                    .milliseconds = step.milliseconds};
+  Inside end = inside_of(step);
+  if (step.pose) inside_ = end;
+  marks_.clear();
+  for (Index i = 0; i < motions_.size(); ++i) {
+    const Topology& topology = motions_[i]->topology();
+    marks_.push_back(step.step ? colliding_faces(topology, i, *step.step)
+                               : std::vector<std::uint8_t>(topology.triangles().size(), 0));
+  }
+  for (const std::size_t k : {0, 1}) {
+    const Inside& inside = k == 0 ? inside_ : end;
+    if (!inside) continue;
+    record.inside[k] = 0;
+    for (std::size_t i = 0; i < marks_.size(); ++i) {
+      for (std::size_t t = 0; t < marks_[i].size(); ++t) {
+        marks_[i][t] = static_cast<std::uint8_t>(marks_[i][t] + (2 << k) * (*inside)[i][t]);
+        *record.inside[k] += (*inside)[i][t];
+      }
+    }
+  }
+  inside_ = std::move(end);
+  return record;
 }
 
 StartRecord start_of(const CheckedStep& pose) {
@@ -115,7 +146,11 @@ Result<std::unique_ptr<StepStore>> StepStore::open(Motions motions) {
 }
 
 StepStore::StepStore(Motions motions, io::Spool entries, io::Spool details)
-    : motions_(motions), first_face_{0}, entries_(std::move(entries)), details_(std::move(details)) {
+    : motions_(motions),
+      first_face_{0},
+      entries_(std::move(entries)),
+      details_(std::move(details)),
+      recorder_(motions) {
   for (const auto& motion : motions)
     first_face_.push_back(first_face_.back() + motion->topology().triangles().size());
 }
@@ -129,11 +164,7 @@ Result<void> StepStore::append(std::span<const char> bytes) {
 Result<void> StepStore::start(const CheckedStep& pose) {
   const std::vector<ContactPoint> crossings = crossings_of(pose, motions_);
   FOLDPROOF_TRY(append(bytes_of(std::span(crossings))));
-  start_faces_at_ = details_size_;
-  for (Index i = 0; i < motions_.size(); ++i) {
-    const std::vector<std::uint8_t> faces = colliding_faces(motions_[i]->topology(), i, *pose.pose);
-    FOLDPROOF_TRY(append(bytes_of(std::span<const std::uint8_t>(faces))));
-  }
+  recorder_.start(pose);
   start_ = start_of(pose);
   started_.store(true, std::memory_order_release);
   return {};
@@ -151,26 +182,20 @@ Result<std::vector<ContactPoint>> StepStore::crossings(std::uint64_t offset, std
   return crossings;
 }
 
-Result<std::vector<std::uint8_t>> StepStore::crossing_faces(Index object) const {
-  std::vector<std::uint8_t> faces(first_face_[object + 1] - first_face_[object]);
-  if (!details_.read_at(start_faces_at_ + first_face_[object], bytes_of(faces))) return unreadable();
-  return faces;
-}
-
 Result<void> StepStore::add(const CheckedStep& step) {
-  Entry entry{
-      .record = record_of(step), .contacts_at = details_size_, .faces_at = 0, .bounds = bounds_of(step.x1)};
+  Entry entry{.record = recorder_.add(step),
+              .contacts_at = details_size_,
+              .faces_at = 0,
+              .bounds = bounds_of(step.x1)};
   const std::vector<ContactPoint> contacts = contacts_of(step, motions_);
   FOLDPROOF_TRY(append(bytes_of(std::span(contacts))));
   entry.faces_at = details_size_;
   for (Index i = 0; i < motions_.size(); ++i) {
-    const Topology& topology = motions_[i]->topology();
-    const std::vector<std::uint8_t> colliding =
-        step.pose ? colliding_faces(topology, i, *step.pose) : colliding_faces(topology, i, *step.step);
+    const std::vector<std::uint8_t>& marks = recorder_.marks()[i];
     const Explanation::Object& why = step.explanation->objects[i];
-    std::vector<FaceRecord> faces(colliding.size());
+    std::vector<FaceRecord> faces(marks.size());
     for (std::size_t t = 0; t < faces.size(); ++t) {
-      faces[t] = {colliding[t], static_cast<std::uint8_t>(why.reason[t]), why.level[t],
+      faces[t] = {marks[t], static_cast<std::uint8_t>(why.reason[t]), why.level[t],
                   static_cast<std::uint8_t>(std::lround(255 * why.margin[t]))};
     }
     FOLDPROOF_TRY(append(bytes_of(std::span<const FaceRecord>(faces))));

@@ -18,9 +18,29 @@ struct StepRecord {
   Work work;
   ReasonCounts leaf_pairs{};
   StageTimes milliseconds;
+  /// Triangles that cross or are inside at the step's begin and its end. None: not known.
+  std::array<std::optional<std::uint64_t>, 2> inside{};
 };
 
-StepRecord record_of(const CheckedStep& step);
+/// Makes the records of steps, which come in order.
+class StepRecorder {
+ public:
+  explicit StepRecorder(Motions motions) : motions_(motions) {}
+  /// The first frame, before all steps.
+  void start(const CheckedStep& pose) { inside_ = inside_of(pose); }
+  StepRecord add(const CheckedStep& step);
+  /// Per object and triangle of the last step: 1 if it meets another in it, 2 if it crosses or is inside at
+  /// its begin, 4 at its end, added.
+  const std::vector<std::vector<std::uint8_t>>& marks() const { return marks_; }
+
+ private:
+  using Inside = std::optional<std::vector<std::vector<std::uint8_t>>>;  // per object; none: not known
+  Inside inside_of(const CheckedStep& step) const;
+
+  Motions motions_;
+  Inside inside_;  // at the end of the last step
+  std::vector<std::vector<std::uint8_t>> marks_;
+};
 
 /// The totals of the first frame.
 struct StartRecord {
@@ -46,7 +66,7 @@ struct ContactPoint {
 
 /// The answer for a triangle in a step.
 struct FaceRecord {
-  std::uint8_t colliding;  ///< 0 or 1; in a pose, whether it crosses another.
+  std::uint8_t marks;  ///< StepRecorder::marks().
   std::uint8_t reason;
   std::int8_t level;
   std::uint8_t margin;  ///< 0 to 255 for 0 to 1.
@@ -69,8 +89,6 @@ class StepStore {
   // Preconditions: started(). Error: the temporary file cannot be read.
   /// Sorted by ids; fewer than `limit` at the end.
   Result<std::vector<ContactPoint>> crossings(std::uint64_t offset, std::uint64_t limit) const;
-  /// One per triangle: 1 when it crosses another.
-  Result<std::vector<std::uint8_t>> crossing_faces(Index object) const;
 
   /// Steps come in order. Error: the temporary file cannot be written.
   Result<void> add(const CheckedStep& step);
@@ -101,8 +119,8 @@ class StepStore {
   io::Spool entries_, details_;
   std::uint64_t details_size_ = 0;
   std::atomic<std::uint64_t> count_{0};
-  StartRecord start_;                 // valid once started_
-  std::uint64_t start_faces_at_ = 0;  // its crossings are at 0 in details_
+  StepRecorder recorder_;
+  StartRecord start_;  // valid once started_; its crossings are at 0 in details_
   std::atomic<bool> started_{false};
 };
 

@@ -1,6 +1,7 @@
 #include "picture/upright.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -32,15 +33,20 @@ Result<Box> box_of_frame(std::span<const std::unique_ptr<Motion>> motions, Index
   return box;
 }
 
-/// The number of pixels that are not black.
-Result<std::size_t> visible(const Panel& panel) {
+/// The number of pixels of each side of a contact, red and blue, and of its curves, green.
+Result<std::array<double, 3>> visible(const Panel& panel) {
   const auto image = FOLDPROOF_TRY(draw_picture(
       std::span(&panel, 1), {.width = 200, .height = 175, .samples = 1, .background = colors::kBlack}));
-  return static_cast<std::size_t>(
-      std::count_if(image.pixels.begin(), image.pixels.end(), [](Color c) { return c.red > 0; }));
+  std::array<double, 3> pixels{};
+  for (const Color c : image.pixels) {
+    if (c.red > 0) ++pixels[0];
+    if (c.blue > 0) ++pixels[1];
+    if (c.green > 0) ++pixels[2];
+  }
+  return pixels;
 }
 
-Box box_of_marked(std::span<const PictureMesh> meshes, std::span<const std::vector<std::uint8_t>> marked) {
+Box box_of_marked(std::span<const PictureMesh> meshes, const ContactMarks& marked) {
   Box box;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const auto triangles = meshes[i].topology->triangles();
@@ -61,6 +67,35 @@ std::vector<View> views_around(Up up) {
     views.push_back(upright({.from = {std::sin(angle), k % 2 == 0 ? 0.35 : -0.35, std::cos(angle)}}, up));
   }
   return views;
+}
+
+/// Around a normal, from its sides.
+std::vector<View> views_across(const Vec3& normal, Up up) {
+  std::vector<View> views;
+  if (normal == Vec3::Zero()) return views;
+  const Vec3 n = normal.normalized();
+  Vec3 level = n.cross(default_view(up).up);
+  if (level.norm() < 1e-3) level = n.cross(Vec3(1, 0, 0));
+  const Vec3 u = level.normalized(), v = n.cross(u);
+  for (int k = 0; k < 8; ++k) {
+    const double angle = k * std::numbers::pi / 4;
+    views.push_back(view_along(std::cos(angle) * u + std::sin(angle) * v, up));
+  }
+  return views;
+}
+
+/// The curves as points, at most 200.
+PicturePoints points_on(std::span<const std::vector<Vec3>> curves, double size) {
+  PicturePoints points{.positions = {}, .color = {0, 255, 0}, .size = size};
+  std::size_t count = 0;
+  for (const auto& curve : curves) count += curve.size();
+  const std::size_t stride = 1 + count / 200;
+  std::size_t k = 0;
+  for (const auto& curve : curves) {
+    for (const Vec3& point : curve)
+      if (k++ % stride == 0) points.positions.push_back(point);
+  }
+  return points;
 }
 
 }  // namespace
@@ -129,35 +164,47 @@ View view_along(const Vec3& normal, Up up) {
   return view;
 }
 
-Result<View> view_of(std::span<const PictureMesh> meshes, std::span<const std::vector<std::uint8_t>> marked,
-                     const Vec3& normal, Up up) {
+Result<View> view_of(std::span<const PictureMesh> meshes, const ContactMarks& marks,
+                     std::span<const std::vector<Vec3>> curves, const Vec3& normal, Up up) {
+  constexpr std::array<Color, 3> kOf{colors::kBlack, {255, 0, 0}, {0, 0, 255}};
   Panel shown{.meshes = {meshes.begin(), meshes.end()}};
-  std::vector<std::vector<Color>> black_and_white(meshes.size());
+  std::vector<std::vector<Color>> colors(meshes.size());
+  std::array<bool, 3> has{};
+  Box all;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
-    for (const std::uint8_t mark : marked[i])
-      black_and_white[i].push_back(mark ? colors::kWhite : colors::kBlack);
-    shown.meshes[i].face_colors = black_and_white[i];
+    for (const std::uint8_t mark : marks[i]) {
+      colors[i].push_back(kOf[mark]);
+      has[mark] = true;
+    }
+    shown.meshes[i].face_colors = colors[i];
     shown.meshes[i].smooth = false;
+    all.extend(box_of(meshes[i].positions));
   }
   View best = default_view(up);
-  const Box box = box_of_marked(meshes, marked);
+  const Box box = box_of_marked(meshes, marks);
   if (box.isEmpty()) return best;
   // Small marks would be less than a pixel.
   const View::Focus near{to_vec3(box.center()), std::max(0.6 * box.diagonal().norm(), 1e-300)};
-
-  // What the preferred views show counts twice.
-  std::size_t most = 0;
-  const auto consider = [&](const View& view, std::size_t weight) -> Result<void> {
+  if (!curves.empty()) {
+    const double size = near.radius / 60 / all.sizes().maxCoeff();
+    shown.points.push_back(points_on(curves, std::clamp(size, 1e-9, 1.0)));
+  }
+  double most = 0;
+  const auto consider = [&](View view, double weight) -> Result<void> {
     shown.view = view;
     shown.view.focus = near;
-    const std::size_t pixels = weight * FOLDPROOF_TRY(visible(shown));
-    if (pixels > most) best = view;
-    most = std::max(most, pixels);
+    const auto [first, second, curve] = FOLDPROOF_TRY(visible(shown));
+    // Both sides count only together, unless there is one alone.
+    const double sides = has[1] && has[2] ? std::sqrt(first * second) : first + second;
+    // From below, the picture is strange to most.
+    const bool below = view.from.dot(default_view(up).up) < -0.1 * view.from.norm();
+    const double seen = (below ? 0.5 : 1) * weight * (sides + 2 * curve);
+    if (seen > most) best = view;
+    most = std::max(most, seen);
     return {};
   };
-  for (const double side : {1.0, -1.0}) {
-    if (normal == Vec3::Zero()) break;
-    FOLDPROOF_TRY(consider(view_along(side * normal, up), 2));
+  for (const View& view : views_across(normal, up)) {
+    FOLDPROOF_TRY(consider(view, 1.3));
   }
   for (const View& view : views_around(up)) {
     FOLDPROOF_TRY(consider(view, 1));

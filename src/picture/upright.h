@@ -29,11 +29,13 @@ View default_view(Up up);
 /// Looks along a normal, but from at most 60 degrees above or below, where the picture would not be upright.
 View view_along(const Vec3& normal, Up up);
 
-/// A view in which the marked triangles are visible: along the normal, from either side, unless twice as much
-/// of them is visible from another direction around the mesh. `marked`: 1 or 0 per triangle of each mesh.
-/// `normal`: may be zero. Cost: that of ten pictures of 200 x 175
-/// pixels.
-Result<View> view_of(std::span<const PictureMesh> meshes, std::span<const std::vector<std::uint8_t>> marked,
-                     const Vec3& normal, Up up);
+/// Per mesh and triangle: 1 or 2 on one or the other side of a contact, 0 elsewhere.
+using ContactMarks = std::vector<std::vector<std::uint8_t>>;
+
+/// A view of a contact from the side: of the directions across its normal and around the meshes, that in
+/// which most of both sides and of the curves between them is seen. `normal`: may be zero. Cost: that of 16
+/// pictures of 200 x 175 pixels.
+Result<View> view_of(std::span<const PictureMesh> meshes, const ContactMarks& marks,
+                     std::span<const std::vector<Vec3>> curves, const Vec3& normal, Up up);
 
 }  // namespace foldproof

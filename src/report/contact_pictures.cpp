@@ -17,14 +17,6 @@ Result<std::string> png_of(std::span<const Panel> panels, const ContactPictures:
   return png_bytes(image);
 }
 
-/// The surroundings of a contact; none if they are not much smaller than the whole scene.
-std::optional<View::Focus> focus_on(const Contact& contact, double size) {
-  const double radius = std::max(0.6 * (contact.high - contact.low).norm(), 0.02 * size);
-  if (!(radius < kSmallPart * size)) return std::nullopt;
-  if (contact.frames.empty()) return View::Focus{contact.point, radius};
-  return View::Focus{0.5 * (contact.low + contact.high), radius};
-}
-
 std::string base64(std::string_view bytes) {
   constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
@@ -40,6 +32,27 @@ std::string base64(std::string_view bytes) {
 }
 
 }  // namespace
+
+std::optional<View::Focus> focus_on(const Contact& contact, double size) {
+  const double radius = std::max(0.6 * (contact.high - contact.low).norm(), 0.02 * size);
+  if (!(radius < kSmallPart * size)) return std::nullopt;
+  if (contact.frames.empty()) return View::Focus{contact.point, radius};
+  return View::Focus{0.5 * (contact.low + contact.high), radius};
+}
+
+double thin_dot(const Contact& contact, double size) {
+  return std::max(0.015 * (contact.high - contact.low).norm() / size, 1e-9);
+}
+
+ContactMarks marks_of(const Contact& contact, std::span<const PictureMesh> meshes) {
+  ContactMarks marks;
+  for (const PictureMesh& mesh : meshes) marks.emplace_back(mesh.topology->triangles().size(), 0);
+  for (std::uint8_t side = 0; side < 2; ++side) {
+    for (const Index triangle : contact.sides[side].triangles)
+      marks[contact.sides[side].object][triangle] = static_cast<std::uint8_t>(side + 1);
+  }
+  return marks;
+}
 
 PicturePoints dots_along(const Contact& contact, double spacing) {
   PicturePoints dots{.positions = {}, .color = colors::kBlack};
@@ -90,34 +103,32 @@ std::vector<PictureMesh> ContactPictures::meshes() const {
   return meshes;
 }
 
-Result<std::string> ContactPictures::draw(const Contact& contact, const Format& format) {
+Result<View> ContactPictures::view(const Contact& contact, Up up) {
   const bool crosses = !contact.frames.empty();
   FOLDPROOF_TRY(read(crosses ? contact.frames[contact.worst].time : contact.first_time));
+  const auto shown = meshes();
+  if (crosses) return view_of(shown, marks_of(contact, shown), contact.curves, contact.normal, up);
+  return contact.normal == Vec3::Zero() ? default_view(up) : view_along(contact.normal, up);
+}
+
+Result<std::string> ContactPictures::draw(const Contact& contact, const Format& format) {
+  const View direction = FOLDPROOF_TRY(view(contact, up_));  // reads the pose
+  Panel whole{.meshes = meshes(), .view = direction};
+  const ContactMarks marks = marks_of(contact, whole.meshes);
   std::vector<std::vector<Color>> colors;
-  std::vector<std::vector<std::uint8_t>> marked;
-  for (const auto& motion : motions_) {
-    colors.emplace_back(motion->topology().triangles().size(), colors::kClay);
-    marked.emplace_back(colors.back().size(), 0);
+  for (std::size_t i = 0; i < motions_.size(); ++i) {
+    colors.emplace_back(marks[i].size(), colors::kClay);
+    for (std::size_t t = 0; t < marks[i].size(); ++t)
+      if (marks[i][t]) colors[i][t] = kSideColors[marks[i][t] - 1];
   }
-  for (std::size_t side = 0; side < 2; ++side) {
-    const Contact::Side& s = contact.sides[side];
-    for (const Index triangle : s.triangles) {
-      colors[s.object][triangle] = kSideColors[side];
-      marked[s.object][triangle] = 1;
-    }
-  }
-  Panel whole{.meshes = meshes()};
   for (std::size_t i = 0; i < motions_.size(); ++i) whole.meshes[i].face_colors = colors[i];
-  whole.view = crosses ? FOLDPROOF_TRY(view_of(whole.meshes, marked, contact.normal, up_))
-               : contact.normal == Vec3::Zero() ? default_view(up_)
-                                                : view_along(contact.normal, up_);
   std::vector<Panel> panels{whole};
   const double size = box_.sizes().maxCoeff();
   const auto focus = focus_on(contact, size);
   if (focus && format.near) {
     panels.push_back(whole);
     panels.back().view.focus = focus;
-    if (crosses) {
+    if (!contact.frames.empty()) {
       const double radius = focus->radius / 150;
       panels.back().points.push_back(dots_along(contact, radius));
       panels.back().points.back().size = std::clamp(radius / size, 1e-9, 1.0);

@@ -9,8 +9,18 @@ namespace foldproof {
 /// The colors of a contact's sides.
 inline constexpr std::array<Color, 2> kSideColors{colors::kRed, colors::kBlue};
 
+/// The size of dots on curves, as a share of a scene ...
+inline constexpr double kDot = 0.0025;
+/// ... and that of dots which do not bury a contact in a scene of this size.
+double thin_dot(const Contact& contact, double size);
 /// The curves of a contact as black dots, one at every `spacing`.
 PicturePoints dots_along(const Contact& contact, double spacing);
+
+/// The surroundings of a contact; none if they are not much smaller than the whole scene.
+std::optional<View::Focus> focus_on(const Contact& contact, double size);
+
+/// Which triangles of each mesh are of a contact's sides.
+ContactMarks marks_of(const Contact& contact, std::span<const PictureMesh> meshes);
 
 /// Reads a checked motion again and draws it on a transparent ground, which goes with light and dark pages.
 class ContactPictures {
@@ -26,6 +36,9 @@ class ContactPictures {
   /// A PNG of a contact in its worst frame, or at its first impact if nothing crosses in a frame. Its
   /// sides have kSideColors. Cost: half a second for 70,000 triangles.
   Result<std::string> draw(const Contact& contact, const Format& format);
+  /// The direction from which draw() looks at a contact, if `up` points up.
+  Result<View> view(const Contact& contact, Up up);
+  Up up() const { return up_; }
   /// A PNG of the first frame.
   Result<std::string> draw_first_frame(const Format& format);
 

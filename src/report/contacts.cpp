@@ -10,6 +10,7 @@
 #include "io/readers.h"
 #include "report/report.h"
 #include "report/text_file.h"
+#include "report/verdict.h"
 
 namespace foldproof {
 namespace {
@@ -109,8 +110,8 @@ std::array<std::string, 2> side_names(const Contact& contact, Motions motions,
   std::array<std::string, 2> names;
   for (std::size_t side = 0; side < 2; ++side) {
     const Contact::Side& s = contact.sides[side];
-    names[side] =
-        s.part == kNoIndex ? motions[s.object]->name() : parts_of(s.object, motions, settings).names[s.part];
+    names[side] = s.part == kNoIndex ? short_name(s.object, motions)
+                                     : parts_of(s.object, motions, settings).names[s.part];
   }
   return names;
 }

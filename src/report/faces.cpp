@@ -49,6 +49,21 @@ class FaceMarks {
 
 }  // namespace
 
+std::optional<std::vector<std::uint8_t>> inside_faces(const Topology& topology, Index object,
+                                                      const CheckedStep& step) {
+  if (!step.contacts || !step.contacts->is_known()) {
+    if (step.pose) return colliding_faces(topology, object, *step.pose);
+    return std::nullopt;
+  }
+  FaceMarks marks(topology, object);
+  for (const TriangleCrossing& c : step.contacts->crossings()) {
+    marks.face(c.object_a, c.triangle_a);
+    marks.face(c.object_b, c.triangle_b);
+  }
+  for (const ContactFinder::Inside& in : step.contacts->inside()) marks.face(in.object, in.triangle);
+  return marks.finish();
+}
+
 std::vector<std::uint8_t> colliding_faces(const Topology& topology, Index object, const StepResult& answer) {
   FaceMarks marks(topology, object);
   for (const VertexFaceCollision& c : answer.vertex_face) {

@@ -1,5 +1,6 @@
 #include "report/joined.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/try.h"
@@ -15,27 +16,33 @@ void JoinedMesh::pose(const CheckedStep& step, double t, std::vector<double>& ou
   }
 }
 
-void mark_faces(const JoinedMesh& joined, Motions motions, const CheckedStep& step,
-                std::vector<std::uint8_t>& out) {
-  out.clear();
-  for (Index object = 0; object < motions.size(); ++object) {
-    const Topology& topology = motions[object]->topology();
-    const auto marks = step.pose ? colliding_faces(topology, object, *step.pose)
-                                 : colliding_faces(topology, object, *step.step);
-    joined.put(object, marks, out);
-  }
+void mark_meeting(const JoinedMesh& joined, Motions motions, const CheckedStep& step,
+                  std::vector<std::uint8_t>& out) {
+  out.assign(joined.topology.triangles().size(), 0);
+  for (Index object = 0; step.step && object < motions.size(); ++object)
+    joined.put(object, colliding_faces(motions[object]->topology(), object, *step.step), out);
 }
 
-void ContactMarks::update(const JoinedMesh& joined, const CheckedStep& step) {
-  if (!step.contacts) return;
+void InsideMarks::update(const JoinedMesh& joined, Motions motions, const CheckedStep& step) {
+  inside.assign(joined.topology.triangles().size(), 0);
+  for (Index object = 0; object < motions.size(); ++object) {
+    const auto marks = inside_faces(motions[object]->topology(), object, step);
+    if (marks) joined.put(object, *marks, inside);
+  }
+  count = static_cast<std::uint64_t>(std::count(inside.begin(), inside.end(), 1));
+  deepest = 0;
+  // Where the first frame was not tested, steps do not tell.
+  if (!step.contacts || (step.step && number.empty())) return;
   const ContactFinder& contacts = *step.contacts;
-  number.assign(joined.topology.triangles().size(), contacts.is_known() ? 0 : -1);
+  number.assign(inside.size(), contacts.is_known() ? 0 : -1);
   depth.assign(number.size(), 0);
   if (!contacts.is_known()) return;
   const auto mark = [&](Index object, Index triangle, Index contact) {
     const std::size_t face = joined.triangle(object, triangle);
+    const double now = contacts.depth_now(contact).value_or(0);
     number[face] = static_cast<std::int32_t>(contact);
-    depth[face] = static_cast<float>(contacts.depth_now(contact).value_or(0));
+    depth[face] = static_cast<float>(now);
+    deepest = std::max(deepest, now);
   };
   const auto crossings = contacts.crossings();
   const auto of_crossings = contacts.crossing_contacts();

@@ -32,18 +32,22 @@ struct JoinedMesh {
   void pose(const CheckedStep& step, double t, std::vector<double>& out) const;
 };
 
-/// Per face of the joined mesh, 1 when it collides in the step.
-void mark_faces(const JoinedMesh& joined, Motions motions, const CheckedStep& step,
-                std::vector<std::uint8_t>& out);
+/// Per face of the joined mesh, 1 when it meets another during the step; all 0 for a pose.
+void mark_meeting(const JoinedMesh& joined, Motions motions, const CheckedStep& step,
+                  std::vector<std::uint8_t>& out);
 
-/// The contacts of the joined mesh's faces in a frame. Empty where they are not looked for.
-struct ContactMarks {
-  /// The contact in which the face crosses or is inside, 0 for none; all -1 where that is not known.
+/// What goes through what in a frame, per face of the joined mesh.
+struct InsideMarks {
+  std::vector<std::uint8_t> inside;  ///< 1 where the face crosses or is inside; 0 where that is not known.
+  /// The contact in which it does, 0 for none; all -1 where that is not known. Empty: contacts are not looked
+  /// for.
   std::vector<std::int32_t> number;
   std::vector<float> depth;  ///< The contact's depth in this frame, 0 where it has none.
+  double deepest = 0;        ///< The largest of them.
+  std::uint64_t count = 0;   ///< Of the faces that are inside.
 
-  /// Marks the faces as of the step's end, if there are contacts.
-  void update(const JoinedMesh& joined, const CheckedStep& step);
+  /// Marks the faces as of the step's end.
+  void update(const JoinedMesh& joined, Motions motions, const CheckedStep& step);
 };
 
 /// Error, which names `option`: they are too large together.

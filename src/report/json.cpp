@@ -37,6 +37,7 @@ class JsonReport : public ReportWriter {
       file_.add(",\n\"pairs\":{{");
       FOLDPROOF_TRY(add_triangles(*pose.pose));
       file_.add("}}");
+      FOLDPROOF_TRY(add_inside(pose));
     }
     file_.add("}},\n");
     return {};
@@ -61,6 +62,7 @@ class JsonReport : public ReportWriter {
       auto done = step.pose ? add_pairs(*step.pose) : add_pairs(*step.step);
       if (!done) return done;
       file_.add("}}");
+      FOLDPROOF_TRY(add_inside(step));
     }
     file_.add("}}");
     return file_.flush_if_large();
@@ -73,6 +75,7 @@ class JsonReport : public ReportWriter {
     if (totals.contacts_found) {
       FOLDPROOF_TRY(add_contacts(totals));
     }
+    file_.add("\"verdict\":{},\n", dump(verdict_json(verdict(motions_, settings_, totals))));
     file_.add("\"totals\":{},\n\"clean\":{}}}\n", dump(json), totals.clean());
     return is_whole_ ? file_.commit() : Result<void>{};
   }
@@ -86,13 +89,37 @@ class JsonReport : public ReportWriter {
   Result<void> add_contacts(const CheckTotals& totals) {
     file_.add("\"contacts\":[");
     const char* separator = "\n";
-    for (const Contact& contact : totals.contacts) {
+    const auto groups = group_of_each(group_contacts(totals.contacts));
+    for (std::size_t k = 0; k < groups.size(); ++k) {
+      const Contact& contact = totals.contacts[k];
       file_.add("{}{}", separator,
-                dump(contact_json(contact, side_names(contact, motions_, settings_), pairs_)));
+                dump(contact_json(contact, side_names(contact, motions_, settings_), groups[k], pairs_)));
       separator = ",\n";
       FOLDPROOF_TRY(file_.flush_if_large());
     }
     file_.add("\n],\n");
+    return {};
+  }
+
+  /// Per object, the triangles that cross or are inside at the step's end; null where that is not known.
+  Result<void> add_inside(const CheckedStep& step) {
+    file_.add(",\"inside\":");
+    const char* separator = "[";
+    for (Index object = 0; object < motions_.size(); ++object) {
+      const auto marks = inside_faces(motions_[object]->topology(), object, step);
+      if (!marks) {
+        file_.add("null");
+        return {};
+      }
+      file_.add("{}[", std::exchange(separator, ","));
+      const char* between = "";
+      for (std::size_t t = 0; t < marks->size(); ++t) {
+        if ((*marks)[t]) file_.add("{}{}", std::exchange(between, ","), t);
+      }
+      file_.add("]");
+      FOLDPROOF_TRY(file_.flush_if_large());
+    }
+    file_.add("]");
     return {};
   }
 

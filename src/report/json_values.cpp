@@ -124,7 +124,8 @@ Json to_json(const ContactFrame& frame) {
 
 }  // namespace
 
-Json contact_json(const Contact& contact, const std::array<std::string, 2>& names, bool lists) {
+Json contact_json(const Contact& contact, const std::array<std::string, 2>& names, std::size_t group,
+                  bool lists) {
   Json frames = Json::array(), sides = Json::array(), curves = Json::array();
   for (const ContactFrame& frame : contact.frames) frames.push_back(to_json(frame));
   for (std::size_t side = 0; side < 2; ++side) {
@@ -134,6 +135,8 @@ Json contact_json(const Contact& contact, const std::array<std::string, 2>& name
   }
   Json json = {{"number", contact.number},
                {"joined", contact.joined},
+               {"group", group},
+               {"named", has_names(contact)},
                {"sides", sides},
                {"folded", contact.folded},
                {"pierces", contact.pierces},
@@ -158,6 +161,18 @@ Json contact_json(const Contact& contact, const std::array<std::string, 2>& name
   }
   json["curves"] = std::move(curves);
   return json;
+}
+
+Json verdict_json(const CheckVerdict& verdict) {
+  constexpr std::array<const char*, 3> kKinds{"free", "found", "limited"};
+  Json parts = Json::array();
+  for (const auto& piece : verdict.sentence.pieces())
+    std::visit([&](const auto& each) { parts.push_back(each); }, piece);
+  return {{"text", verdict.sentence.text()},
+          {"parts", parts},
+          {"kind", kKinds[static_cast<std::size_t>(verdict.kind)]},
+          {"numbers", verdict.numbers},
+          {"whole", verdict.whole}};
 }
 
 namespace {

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "report/report.h"
+#include "report/verdict.h"
 
 namespace foldproof {
 
@@ -22,7 +22,11 @@ Json settings_json(const ReportInfo& info, Motions motions);
 /// Adds the fields of statistical answers.
 void add_misses(Json& json, std::uint64_t missed, double proven_milliseconds);
 /// `lists`: with the triangles of both sides and the curves, in the worst frame.
-Json contact_json(const Contact& contact, const std::array<std::string, 2>& names, bool lists);
+Json contact_json(const Contact& contact, const std::array<std::string, 2>& names, std::size_t group,
+                  bool lists);
+
+/// The sentence as a text, and in parts: texts and, in turn, frames.
+Json verdict_json(const CheckVerdict& verdict);
 Json totals_json(const CheckTotals& totals, bool poses, bool statistical);
 
 }  // namespace foldproof

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <system_error>
+#include <tuple>
+#include <utility>
 
 #include "base/try.h"
 #include "io/numbered.h"
@@ -31,66 +33,65 @@ class PlyReport : public ReportWriter {
     for (const std::string& path : unfinished_) std::filesystem::remove(path, ignored);
   }
 
-  /// The first frame is also what is written when no step collides.
   Result<void> start(const CheckedStep& pose) override {
-    mark_faces(joined_, motions_, pose, crosses_);
-    contacts_.update(joined_, pose);
-    kept_contacts_ = contacts_;
-    joined_.pose(pose, 0, positions_);
-    mark({});
-    if (!target_.pattern || pose.collisions.sum() == 0) return {};
-    return write(std::uint64_t{pose.index.frame} * substeps_);
+    now_.update(joined_, motions_, pose);
+    begun_ = true;
+    return {};
   }
 
   Result<void> step(const CheckedStep& step) override {
-    if (step.pose) contacts_.update(joined_, step);
+    // Without an answer for the first frame, nothing is known of it.
+    if (!std::exchange(begun_, true)) now_.inside.assign(joined_.topology.triangles().size(), 0);
+    if (step.pose) now_.update(joined_, motions_, step);
     FOLDPROOF_TRY(add(step));
-    if (!step.pose && !contacts_.number.empty())
-      contacts_.update(joined_, step);  // of the next step's first pose
+    if (step.pose) return {};
+    now_.update(joined_, motions_, step);  // the frame of the next step, or the last one
+    if (step.index.frame == step.index.next_frame) return {};
+    last_number_ = std::uint64_t{step.index.next_frame} * substeps_;
+    joined_.pose(step, 1, end_);
     return {};
   }
 
   Result<void> finish(const CheckTotals&) override {
+    if (last_number_ && (target_.pattern ? now_.count > 0 : is_worse({now_.deepest, now_.count, 0}))) {
+      std::swap(positions_, end_);
+      kept_ = now_;
+      meets_.assign(meets_.size(), 0);
+      if (target_.pattern) FOLDPROOF_TRY(write(*last_number_));
+    }
     if (!target_.pattern) FOLDPROOF_TRY(write(0));
     unfinished_.clear();
     return {};
   }
 
  private:
+  /// How bad a frame is: the depth, how many faces are inside, how many pairs collide before the next.
+  using Badness = std::tuple<double, std::uint64_t, std::uint64_t>;
+  bool is_worse(const Badness& other) const { return positions_.empty() || other > worst_; }
+
+  std::uint64_t number_of(const CheckedStep& step) const {
+    return std::uint64_t{step.index.frame} * substeps_ + step.index.substep;
+  }
+
+  /// The frame at the step's begin, whose marks are those of now_.
   Result<void> add(const CheckedStep& step) {
-    const std::uint64_t collisions = step.collisions.sum();
-    if (target_.pattern) {
-      if (collisions == 0) return {};
-      keep(step);
-      return write(std::uint64_t{step.index.frame} * substeps_ + step.index.substep);
-    }
-    if (positions_.empty() || collisions > max_collisions_) {
-      keep(step);
-      max_collisions_ = collisions;
-    }
-    return {};
-  }
-
-  void keep(const CheckedStep& step) {
-    kept_contacts_ = contacts_;
-    joined_.pose(step, step.collisions.sum() > 0 ? step.earliest_toi : 0, positions_);
-    std::vector<std::uint8_t> collides;
-    mark_faces(joined_, motions_, step, collides);
-    mark(collides);
-  }
-
-  /// Marks each face: bit 0 if it collides, bit 1 if it crosses in the first frame.
-  void mark(std::span<const std::uint8_t> collides) {
-    marks_.assign(joined_.topology.triangles().size(), 0);
-    for (std::size_t i = 0; i < collides.size(); ++i) marks_[i] = collides[i];
-    for (std::size_t i = 0; i < crosses_.size(); ++i)
-      marks_[i] = static_cast<std::uint8_t>(marks_[i] | crosses_[i] << 1);
+    const std::uint64_t collisions = step.pose ? 0 : step.collisions.sum();
+    const Badness badness{now_.deepest, now_.count, collisions};
+    if (target_.pattern ? now_.count == 0 && collisions == 0 : !is_worse(badness)) return {};
+    worst_ = badness;
+    kept_ = now_;
+    joined_.pose(step, now_.count == 0 && collisions > 0 ? step.earliest_toi : 0, positions_);
+    mark_meeting(joined_, motions_, step, meets_);
+    return target_.pattern ? write(number_of(step)) : Result<void>();
   }
 
   Result<void> write(std::uint64_t number) {
+    std::vector<std::uint8_t> marks = kept_.inside;
+    for (std::size_t i = 0; i < marks.size(); ++i)
+      marks[i] = static_cast<std::uint8_t>(marks[i] | meets_[i] << 1);
     const std::array<FaceProperty, 3> properties{
-        {{"mark", marks_}, {"contact", kept_contacts_.number}, {"contact_depth", kept_contacts_.depth}}};
-    const std::size_t count = kept_contacts_.number.empty() ? 1 : 3;
+        {{"mark", marks}, {"contact", kept_.number}, {"contact_depth", kept_.depth}}};
+    const std::size_t count = kept_.number.empty() ? 1 : 3;
     FOLDPROOF_TRY(write_ply_properties(target_.name(number), joined_.topology, positions_,
                                        std::span(properties).first(count)));
     unfinished_.push_back(target_.name(number));
@@ -102,11 +103,15 @@ class PlyReport : public ReportWriter {
   Motions motions_;
   JoinedMesh joined_;
   Index substeps_;
-  std::uint64_t max_collisions_ = 0;
+  bool begun_ = false;
+  InsideMarks now_;  // of the frame at which the next step starts
+  // Of the frame that is written.
+  InsideMarks kept_;
+  Badness worst_;
   std::vector<double> positions_;
-  std::vector<std::uint8_t> marks_, crosses_;
-  ContactMarks contacts_;       // of the frame at which the next step starts
-  ContactMarks kept_contacts_;  // of the pose that is written
+  std::vector<std::uint8_t> meets_;
+  std::optional<std::uint64_t> last_number_;  // of the last frame, if there is motion; its pose is end_
+  std::vector<double> end_;
 };
 
 }  // namespace

@@ -262,24 +262,29 @@ Result<std::unique_ptr<ReportWriter>> csv_report(const std::string& path);
 Result<std::unique_ptr<ReportWriter>> contacts_csv(const std::string& path, Motions motions,
                                                    const CheckSettings& settings);
 
-/// The names of the two sides of a contact: their parts where there are any, else their objects.
+/// The names of the two sides of a contact: their parts where there are any, else their objects (short_name).
 std::array<std::string, 2> side_names(const Contact& contact, Motions motions, const CheckSettings& settings);
 
-/// All objects in one PLY, in the pose of the step's first contact. Mark 1: faces that collide, including
-/// those around a colliding vertex or edge; 2: faces that cross in the first frame; 3: both. Without '%' in
-/// `path`, one file: the worst step, or the first frame when nothing collides. With "%d" or "%04d" in `path`,
-/// one file for every step with collisions, and for a first frame with crossings; the number is
-/// frame x substeps + substep.
+/// All objects in one PLY. Mark 1: faces that cross or are inside in the frame; 2: faces that meet others
+/// before the next, including those around a vertex or edge that does; 3: both. Without '%' in `path`, one
+/// file: the frame in which something is deepest inside; if nothing is in any frame, the pose of the first
+/// contact of the step with the most collisions, or the first frame. With "%d" or "%04d" in `path`, one file
+/// for every frame with marks; the number is frame x substeps + substep.
 Result<std::unique_ptr<ReportWriter>> ply_report(const std::string& path, Motions motions,
                                                  const CheckSettings& settings);
 
 /// For ParaView: `path` ends in .pvd and refers to a mesh per step, stepNNNNNN.vtp in a directory of the same
-/// name without .pvd. All objects are joined, in the pose at the step's start, with `collides` and,
-/// if tested, `starts_crossing` (docs/reports.md). File and
+/// name without .pvd. All objects are joined, in the pose at the step's start, with `collides`: what
+/// crosses or is inside in it, and `meets`: what meets others during the step (docs/reports.md). File and
 /// directory appear when the check is finished, and replace older ones. Error: another extension, a directory
 /// with other files in it, more than 2^31 corners.
 Result<std::unique_ptr<ReportWriter>> vtk_report(const std::string& path, Motions motions,
                                                  const CheckSettings& settings);
+
+/// Per face of an object, 1 when it crosses another or is inside, at the end of a step or in a pose. None:
+/// that is not known.
+std::optional<std::vector<std::uint8_t>> inside_faces(const Topology& topology, Index object,
+                                                      const CheckedStep& step);
 
 /// Per face of an object, 1 when it collides, including those around a colliding vertex or edge.
 /// Precondition: `answer` is about an object `object` of this topology.

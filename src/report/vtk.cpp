@@ -142,17 +142,17 @@ class VtkReport : public ReportWriter {
   }
 
   Result<void> start(const CheckedStep& pose) override {
-    mark_faces(joined_, motions_, pose, crosses_);
-    contacts_.update(joined_, pose);
+    now_.update(joined_, motions_, pose);
     return {};
   }
 
   Result<void> step(const CheckedStep& step) override {
-    if (step.pose) contacts_.update(joined_, step);
+    if (step.pose) now_.update(joined_, motions_, step);
+    if (now_.inside.empty()) now_.inside.assign(joined_.topology.triangles().size(), 0);  // not tested
     describe(step);
     FOLDPROOF_TRY(write(step));
     if (step.index.next_frame == step.index.frame) return {};
-    if (!contacts_.number.empty()) contacts_.update(joined_, step);  // of the next step's first pose
+    now_.update(joined_, motions_, step);  // the next step's first pose
     last_ = step.index;
     return {};
   }
@@ -168,7 +168,7 @@ class VtkReport : public ReportWriter {
  private:
   void describe(const CheckedStep& step) {
     joined_.pose(step, 0, positions_);
-    mark_faces(joined_, motions_, step, collides_);
+    mark_meeting(joined_, motions_, step, meets_);
     joined_.pose(step, 1, end_);
     displacement_.resize(end_.size());
     for (std::size_t k = 0; k < end_.size(); ++k) displacement_[k] = end_[k] - positions_[k];
@@ -178,7 +178,7 @@ class VtkReport : public ReportWriter {
   Result<void> write_last_pose() {
     positions_ = end_;
     std::fill(displacement_.begin(), displacement_.end(), 0.0);
-    std::fill(collides_.begin(), collides_.end(), std::uint8_t{0});
+    std::fill(meets_.begin(), meets_.end(), std::uint8_t{0});
     const StepResult nothing;
     CheckedStep none;
     none.step = &nothing;
@@ -222,11 +222,11 @@ class VtkReport : public ReportWriter {
     const auto add_cells = [&](const char* type, const char* array, const auto& values) {
       arrays.push_back({"CellData", type, array, 1, in_vtk_order(values, cells.emplace_back())});
     };
-    add_cells("UInt8", "collides", collides_);
-    if (!crosses_.empty()) add_cells("UInt8", "starts_crossing", crosses_);
-    if (!contacts_.number.empty()) {
-      add_cells("Int32", "contact", contacts_.number);
-      add_cells("Float32", "contact_depth", contacts_.depth);
+    add_cells("UInt8", "collides", now_.inside);
+    add_cells("UInt8", "meets", meets_);
+    if (!now_.number.empty()) {
+      add_cells("Int32", "contact", now_.number);
+      add_cells("Float32", "contact_depth", now_.depth);
     }
     arrays.push_back({"Points", "Float64", "Points", 3, bytes_of(positions_)});
     const auto add_topology = [&](const char* section, std::span<const char> corners, const auto& ends) {
@@ -258,8 +258,8 @@ class VtkReport : public ReportWriter {
   std::vector<std::int32_t> object_, polygon_ends_, line_ends_, point_ends_;
   std::vector<double> positions_, end_, displacement_;  // of the step
   std::optional<StepIndex> last_;                       // the last step with motion
-  std::vector<std::uint8_t> collides_, crosses_;
-  ContactMarks contacts_;
+  InsideMarks now_;                                     // of the frame at which the next step starts
+  std::vector<std::uint8_t> meets_;
 };
 
 }  // namespace

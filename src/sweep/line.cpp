@@ -20,7 +20,7 @@ namespace {
 // Per step; contacts need pairs, and more than these would cost more than the check. contacts_cut() says it.
 constexpr std::uint64_t kMaxListed = 1'000'000;
 // Raise it with every change after which an answer may differ: lines of other revisions are checked again.
-constexpr int kAnswerRevision = 2;
+constexpr int kAnswerRevision = 3;
 constexpr ContactPictures::Format kThumbnail{160, 120, false};
 
 Result<std::unique_ptr<Motion>> open_motion(const SweepMotion& motion, const ReadOptions& options) {
@@ -71,7 +71,6 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
                                   [&](const auto& m) { return m->hierarchy()->topology() == topology; });
   CheckSettings check = settings.check;
   check.step.max_listed = kMaxListed;
-  check.contacts = !check.poses;
   check.ignore = known_pairs(std::span(&motion, 1), check);  // others are of other motions
   if (model != settings.models.end()) check.models = {*model};
   const Json object = objects_json(std::span(&motion, 1), check)[0];
@@ -87,6 +86,7 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
   }
   const auto totals = FOLDPROOF_TRY(run_check(std::span(&motion, 1), check, {}, hooks));
   line["state"] = name_of(totals.clean() ? SweepState::Clean : SweepState::Collides);
+  line["verdict"] = verdict(std::span(&motion, 1), check, totals).sentence.text();
   line["totals"] = totals_json(totals, check.poses, false);
   for (const auto& notice : totals.notices) line["notes"].push_back(notice.text);
   if (!totals.cancelled) add_thumbnail(line, std::span(&motion, 1), check, totals);
@@ -154,7 +154,7 @@ std::string settings_hash(const SweepSettings& settings) {
               {"revision", kAnswerRevision},
               {"static", check.poses},
               {"start", !check.poses && !check.steps_only},
-              {"contacts", !check.poses},
+              {"contacts", true},
               {"frames", {end(check.frames.begin), end(check.frames.end), check.frames.step}},
               {"substeps", check.substeps},
               {"thickness", check.step.thickness},
@@ -216,6 +216,7 @@ Result<SweepRecord> read_sweep_line(const std::string& line) {
       json.at("frames").get_to(record.frames);
       if (!json.at("model").is_null()) json.at("model").get_to(record.model);
     }
+    if (json.contains("verdict")) json.at("verdict").get_to(record.verdict);
     if (json.contains("thumbnail")) json.at("thumbnail").get_to(record.thumbnail);
     if (json.contains("totals")) read_totals(json.at("totals"), record);
     return record;

@@ -43,6 +43,7 @@ th { position: sticky; top: 0; background: Canvas; cursor: pointer; }
 th[aria-sort=ascending]::after { content: " \25b4"; }
 th[aria-sort=descending]::after { content: " \25be"; }
 th:first-child, td:first-child { text-align: left; overflow-wrap: anywhere; }
+td p { margin: 0; opacity: .75; font-size: 90%; max-width: 40rem; }
 td img { display: block; width: 120px; height: 90px; object-fit: contain; }
 .collides { color: #c22; font-weight: 600; }
 .failed, .unclear { color: #b60; font-weight: 600; }
@@ -110,6 +111,7 @@ void add_row(TextFile& file, const SweepRecord& r) {
   file.add("<tr><td>");
   if (!r.thumbnail.empty()) file.add("<img src=\"{}\" alt=\"\">", html(r.thumbnail));
   file.add("{}", html(r.path));
+  if (!r.verdict.empty() && r.state == SweepState::Collides) file.add("<p>{}</p>", html(r.verdict));
   for (const std::string& note : r.notes)
     file.add("<details><summary>note</summary>{}</details>", html(note));
   if (!r.error.empty()) file.add("<details><summary>why</summary>{}</details>", html(r.error));

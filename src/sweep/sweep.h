@@ -74,6 +74,7 @@ const char* name_of(SweepState state);
 /// The content of a line of results.
 struct SweepRecord {
   std::string path, settings, status, error, model;  ///< Error and model: empty if there is none.
+  std::string verdict;                               ///< In a sentence; empty in lines of older versions.
   SweepState state = SweepState::Failed;
   std::uint64_t bytes = 0;
   std::int64_t modified = 0;

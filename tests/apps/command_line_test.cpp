@@ -116,7 +116,7 @@ TEST(CommandLine, ColorIsForTerminals) {
   const Sinking scene;
   EXPECT_THAT(scene.run({"check", "sink.npz"}).out, Not(HasSubstr("\x1b[")));
   EXPECT_THAT(scene.on_terminal("TERM=xterm NO_COLOR=", "check sink.npz"),
-              HasSubstr("\x1b[1;31mCollisions in 2"));
+              HasSubstr("\x1b[1;31msink goes through itself, "));
   EXPECT_THAT(scene.on_terminal("TERM=xterm NO_COLOR=", "check none.npz"), HasSubstr("\x1b[1;31mfoldproof:"));
   for (const char* plain : {"TERM=xterm NO_COLOR=1", "TERM=dumb NO_COLOR="})
     EXPECT_THAT(scene.on_terminal(plain, "check sink.npz"), Not(HasSubstr("\x1b[")));

@@ -162,6 +162,10 @@ def marked(made):
     return [i for i, each in enumerate(made.data.attributes["foldproof_collides"].data) if each.value]
 
 
+def meeting(made):
+    return [i for i, each in enumerate(made.data.attributes["foldproof_meets"].data) if each.value]
+
+
 def markers():
     return {m.frame: m.name for m in bpy.context.scene.timeline_markers}
 
@@ -196,13 +200,14 @@ class Addon(unittest.TestCase):
         self.assertEqual(bpy.ops.foldproof.check(), {"FINISHED"})
         self.assertEqual(self.scene.frame_current, 4)
         self.assertEqual(markers(), {3: "mine", 6: "Foldproof: Floor - Strip"})
-        self.assertEqual(self.settings.message, "Collisions in 1 frame, the first at 6.25")
+        self.assertEqual(self.settings.message, "Floor and Strip meet each other between frames 6 and 7")
         for frame, floor_faces, strip_faces in ((5, [], []), (6, [10, 11], [0, 1]), (7, [], [])):
             self.scene.frame_set(frame)
-            self.assertEqual((marked(floor), marked(strip)), (floor_faces, strip_faces), frame)
+            self.assertEqual((meeting(floor), meeting(strip)), (floor_faces, strip_faces), frame)
+            self.assertEqual((marked(floor), marked(strip)), ([], []), frame)
         self.scene.frame_set(6)
-        red = [c.color[1] < 0.3 for c in floor.data.color_attributes["foldproof_color"].data]
-        self.assertEqual(red, [face in (10, 11) for face in range(16) for _ in range(4)])
+        pink = [c.color[1] < 0.3 < c.color[2] for c in floor.data.color_attributes["foldproof_color"].data]
+        self.assertEqual(pink, [face in (10, 11) for face in range(16) for _ in range(4)])
         self.assertEqual(floor.data.color_attributes.active_color.name, "foldproof_color")
         bpy.ops.foldproof.select()
         self.assertEqual([p.index for p in floor.data.polygons if p.select], [10, 11])
@@ -220,9 +225,9 @@ class Addon(unittest.TestCase):
         key(needle, "location", {1: (0, 0, 1.5), 11: (0, 0, 0)})
         self.settings.samples = 4
         bpy.ops.foldproof.check()
-        self.assertEqual(self.settings.message, "Collisions in 1 frame, the first at 7.667")
+        self.assertRegex(self.settings.message, "^Floor and Needle .* in frame ")
         self.scene.frame_set(7)
-        self.assertEqual((marked(floor), marked(needle)), ([10], [0]))
+        self.assertEqual((meeting(floor), meeting(needle)), ([10], [0]))
 
     def test_edges_that_meet_mark_the_faces_along_them(self):
         floor, strip = two_planes()
@@ -234,7 +239,7 @@ class Addon(unittest.TestCase):
         key(blade, "location", {1: (0, 0, 1.5), 11: (0, 0, 0)})
         bpy.ops.foldproof.check()
         self.scene.frame_set(7)
-        self.assertEqual((marked(floor), marked(blade)), ([15], [0]))
+        self.assertEqual((meeting(floor), meeting(blade)), ([15], [0]))
 
     def test_faces_that_modifiers_make_are_those_of_the_mesh(self):
         floor, strip = two_planes()
@@ -242,7 +247,7 @@ class Addon(unittest.TestCase):
         strip.modifiers.new("Mirror", "MIRROR")
         self.assertEqual(bpy.ops.foldproof.check(), {"FINISHED"})
         self.scene.frame_set(6)
-        self.assertEqual((marked(floor), marked(strip)), ([8, 9, 10, 11], [0, 1]))
+        self.assertEqual((meeting(floor), meeting(strip)), ([8, 9, 10, 11], [0, 1]))
 
     def test_parts_of_frames_thickness_and_poses(self):
         floor, strip = two_planes()
@@ -250,44 +255,57 @@ class Addon(unittest.TestCase):
         self.settings.samples = 3
         bpy.ops.foldproof.check()
         self.assertEqual(markers(), {})
-        self.assertEqual(self.settings.message, "No collision, proven, in 31 poses")
+        self.assertEqual(self.settings.message, "No collisions: no triangles cross in frame 1, and all 30 steps are proven free")
         self.settings.thickness = 0.02
         bpy.ops.foldproof.check()
         self.assertEqual(list(markers()), [10])
         self.settings.kind = "POSES"
         bpy.ops.foldproof.check()
         self.assertEqual(markers(), {})
-        self.assertEqual(self.settings.message, "No crossing, proven, in 11 poses")
+        self.assertEqual(self.settings.message, "No triangles cross in any of 11 frames, proven. What happens between frames was not tested")
         strip.rotation_euler.y = 0.3  # now it stands in the floor at frame 10, and below it at frame 11
         bpy.ops.foldproof.check()
         self.assertEqual(list(markers()), [10])
 
-    def test_crossings_from_the_start_have_their_own_color_and_text(self):
+    def test_what_is_inside_is_red_at_every_frame(self):
         floor, strip = two_planes()
         strip.animation_data_clear()
         strip.location.z, strip.rotation_euler.y = 0.6, 0.3  # it stands in the floor at every frame
         bpy.ops.foldproof.check()
-        self.assertRegex(self.settings.message, r"^Frame 1 starts with \d+ crossing pairs$")
+        self.assertRegex(self.settings.message, r"^Floor and Strip go through each other, .* in frame 1$")
         self.assertEqual(list(markers()), [1])
-        for frame in (1, 7):
+        for frame in (1, 7, 11):
             self.scene.frame_set(frame)
-            self.assertEqual((marked(floor), marked(strip)), ([], []))
-            starts = [i for i, each in enumerate(floor.data.attributes["foldproof_starts_crossing"].data) if each.value]
-            self.assertTrue(starts and set(starts) <= {10, 11}, starts)
-            pink = {i // 4 for i, c in enumerate(floor.data.color_attributes["foldproof_color"].data)
-                      if c.color[1] < 0.3 < c.color[2]}
-            self.assertEqual(pink, set(starts))
+            inside = marked(floor)
+            self.assertTrue(inside and set(inside) <= {10, 11}, inside)
+            self.assertEqual(meeting(floor), [])
+            red = {i // 4 for i, c in enumerate(floor.data.color_attributes["foldproof_color"].data)
+                      if c.color[1] < 0.3 and c.color[2] < 0.3}
+            self.assertEqual(red, set(inside))
         bpy.ops.foldproof.select()
-        self.assertEqual([p.index for p in floor.data.polygons if p.select], starts)
+        self.assertEqual([p.index for p in floor.data.polygons if p.select], inside)
 
         self.scene.frame_end = 1  # a single frame stands still
         bpy.ops.foldproof.check()
-        self.assertRegex(self.settings.message, "^Frame 1 starts with")
+        self.assertRegex(self.settings.message, "^Floor and Strip go through each other, .* in frame 1$")
+        self.scene.frame_set(1)
+        self.assertEqual(marked(floor), inside)
         strip.location.z = 2
         bpy.ops.foldproof.check()
-        self.assertEqual(self.settings.message, "No collision, proven, in 1 pose")
+        self.assertEqual(self.settings.message, "No collisions: no triangles cross in frame 1, proven")
         bpy.ops.foldproof.clear()
         self.assertEqual([a.name for a in floor.data.attributes if a.name.startswith("foldproof")], [])
+
+    def test_vertex_groups_are_parts(self):
+        """The group with the most weight in a face; those of no bone do not count where there are bones."""
+        tube = bending_tube()
+        tube.vertex_groups.new(name="pinned").add(list(range(60)), 1, "REPLACE")
+        bpy.ops.foldproof.check()
+        self.assertEqual({each.name for each in self.settings.contacts}, {"lower - upper"})
+        self.assertRegex(self.settings.message, "^(lower and upper|upper and lower) go through each other")
+        self.assertIn("Foldproof: ", " ".join(g.name for g in tube.vertex_groups))
+        bpy.ops.foldproof.check()  # the add-on's own groups are no parts
+        self.assertEqual({each.name for each in self.settings.contacts}, {"lower - upper"})
 
     def test_contacts_are_listed_marked_and_shown(self):
         box, ball = ball_in_box()
@@ -298,6 +316,7 @@ class Addon(unittest.TestCase):
         self.assertEqual(contact.worst, 6)
         self.assertAlmostEqual(contact.depth, 0.4, delta=0.05)
         self.assertEqual(contact.how_bad(self.scene.unit_settings), "40 cm deep")
+        self.assertRegex(self.settings.message, "^Ball and Box go through each other, 40 cm at worst, in frame 6$")
         self.assertEqual(markers(), {3: "Foldproof: Ball - Box, begins", 6: "Foldproof: Ball - Box, worst"})
         self.assertEqual([g.name for g in box.vertex_groups], ["Foldproof: Ball - Box"])  # its top crosses
         group = ball.vertex_groups["Foldproof: Ball - Box"]
@@ -339,7 +358,7 @@ class Addon(unittest.TestCase):
         tube = bending_tube()
         bpy.ops.foldproof.check()
         worst = self.settings.contacts[0]
-        self.assertEqual(worst.name, "Tube with itself")
+        self.assertEqual(worst.name, "lower - upper")
         self.assertTrue(worst.crosses and worst.first <= worst.worst <= worst.last <= 11)
         self.assertEqual(worst.worst % 0.5, 0)
         bpy.data.objects.remove(tube)
@@ -376,9 +395,9 @@ class Addon(unittest.TestCase):
         self.assertTrue(colliding and colliding[0] > 3, expected)
         bpy.ops.foldproof.check()
         kept = tube.data["foldproof"].to_dict()
-        self.assertEqual(sorted(map(int, kept["frames"])), colliding)
-        self.assertEqual(markers()[colliding[0]].removesuffix(", begins"), "Foldproof: Tube with itself")
-        self.assertGreater(len(kept["frames"][str(colliding[-1])]), 2)
+        self.assertEqual(sorted(map(int, kept["meeting"])), colliding)
+        self.assertEqual(markers()[colliding[0]].removesuffix(", begins"), "Foldproof: lower - upper")
+        self.assertGreater(len(kept["meeting"][str(colliding[-1])]), 2)
 
         self.fails(bpy.ops.foldproof.train, "has no name yet: save it")
         self.settings.folder = str(WORK / "models")
@@ -405,7 +424,7 @@ class Addon(unittest.TestCase):
         cache = tube.modifiers.new("Cache", "MESH_CACHE")
         cache.cache_format, cache.filepath, cache.frame_start = "PC2", str(WORK / "tube.pc2"), 1
         bpy.ops.foldproof.check()
-        self.assertEqual(sorted(map(int, tube.data["foldproof"]["frames"].keys())), expected)
+        self.assertEqual(sorted(map(int, tube.data["foldproof"]["meeting"].keys())), expected)
 
     def test_marks_stay_in_the_file(self):
         two_planes()
@@ -414,9 +433,9 @@ class Addon(unittest.TestCase):
         bpy.ops.wm.save_as_mainfile(filepath=path)
         bpy.ops.wm.open_mainfile(filepath=path)
         bpy.context.scene.frame_set(6)
-        self.assertEqual(marked(bpy.data.objects["Floor"]), [10, 11])
+        self.assertEqual(meeting(bpy.data.objects["Floor"]), [10, 11])
         bpy.context.scene.frame_set(5)
-        self.assertEqual(marked(bpy.data.objects["Floor"]), [])
+        self.assertEqual(meeting(bpy.data.objects["Floor"]), [])
 
     def test_says_what_is_wrong(self):
         preferences = bpy.context.preferences.addons[NAME].preferences
@@ -450,7 +469,7 @@ class Addon(unittest.TestCase):
         _, strip = two_planes()
         key(strip, "location", {1: (0, 0, 7), 11: (0, 0, 6)})
         bpy.ops.foldproof.check()
-        self.assertEqual(self.settings.message, "No collision, proven, in 11 poses")
+        self.assertEqual(self.settings.message, "No collisions: no triangles cross in frame 1, and all 10 steps are proven free")
         tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
         tree.inputs.new("NodeSocketGeometry", "Geometry")
         tree.outputs.new("NodeSocketGeometry", "Geometry")
@@ -467,7 +486,7 @@ class Addon(unittest.TestCase):
         tree.links.new(join.outputs[0], realize.inputs[0])
         tree.links.new(realize.outputs[0], out.inputs[0])
         bpy.ops.foldproof.check()
-        self.assertIn("collisions in 10 frames", self.settings.message)  # 1-unit cubes, which cross each other, too
+        self.assertIn(" go through ", self.settings.message)  # 1-unit cubes, which cross each other, too
 
         strip.modifiers.clear()
         child = new_object("Child", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
@@ -481,7 +500,7 @@ class Addon(unittest.TestCase):
         bpy.data.objects["Strip"].location.z = 9
         bpy.data.objects["Strip"].animation_data_clear()
         bpy.ops.foldproof.check()
-        self.assertEqual(self.settings.message, "No collision, proven, in 3 poses; only every 5th frame was checked")
+        self.assertEqual(self.settings.message, "No collisions: no triangles cross in frame 1, and all 2 steps are proven free; only every 5th frame was checked")
         for step, name in ((1, ""), (2, "2nd"), (3, "3rd"), (11, "11th"), (21, "21st"), (112, "112th")):
             self.scene.frame_step = step
             self.assertEqual(addon("jobs")._left_out(bpy.context), name and f"; only every {name} frame was checked")
@@ -491,7 +510,7 @@ class Addon(unittest.TestCase):
             bpy.context.collection.objects.link(curve)
             curve.select_set(True)
             bpy.ops.foldproof.check()
-            self.assertEqual(self.settings.message, f"No collision, proven, in 11 poses; {text} not checked")
+            self.assertEqual(self.settings.message, f"No collisions: no triangles cross in frame 1, and all 10 steps are proven free; {text} not checked")
 
     def test_a_mesh_that_was_edited_meanwhile_gets_no_marks(self):
         floor, _ = two_planes()

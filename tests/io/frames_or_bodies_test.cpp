@@ -76,6 +76,15 @@ TEST_F(FramesOrBodiesTest, CopiesThatAreFarApartAreAskedFor) {
   EXPECT_EQ((*open_motions(list, separate))[0]->info().taken_as, "");
 }
 
+TEST_F(FramesOrBodiesTest, PosesOfOtherNamesKeepThem) {
+  files.write("poses/squat.obj", cube(0, 0, 0));
+  files.write("poses/jump.obj", cube(0, 0, 1));
+  EXPECT_THAT(open({files.path("poses")}, poses)->info().frame_names, ElementsAre("jump", "squat"));
+  files.write("run/f1.obj", cube(0, 0, 0));
+  files.write("run/f2.obj", cube(0, 0, 0.1));
+  EXPECT_THAT(open({files.path("run")}, poses)->info().frame_names, IsEmpty());
+}
+
 TEST_F(FramesOrBodiesTest, BodiesMayBeTurnedAndDiffer) {
   const Eigen::AngleAxisd turn(1, Eigen::Vector3d(1, 2, 3).normalized());
   const auto found_with = [&](const std::string& second) {

@@ -151,7 +151,14 @@ TEST_F(PartsTest, OfOneGltfNodeOfOneMaterialAreTheJointsWithTheLargestWeights) {
   b.json["nodes"] = {
       {{"name", "body"}, {"mesh", 0}, {"skin", 0}}, {{"name", "hip"}}, {{"name", "knee"}}, Json::object()};
   // Sums of (hip, knee, node 3): (0.8, 0.8, 0.75), (1.4, 1.2, 0), (0, 0, 2.25); joint 9 does not exist.
-  EXPECT_THAT(parts({files.write("a.gltf", b.gltf())}), ElementsAre("hip", "hip", "node 3"));
+  // A joint without a name has that of the mesh, or of the nearest joint above it that has one.
+  EXPECT_THAT(parts({files.write("a.gltf", b.gltf())}), ElementsAre("hip", "hip", "body"));
+  b.json["nodes"][1]["children"] = {4};
+  b.json["nodes"].push_back({{"children", {3}}});
+  EXPECT_THAT(parts({files.write("b.gltf", b.gltf())}), ElementsAre());
+  b.json["nodes"][2]["children"] = {4};
+  b.json["nodes"][1].erase("children");
+  EXPECT_THAT(parts({files.write("c.gltf", b.gltf())}), ElementsAre("hip", "hip", "knee"));
 }
 
 TEST_F(PartsTest, NamesSayWhatANumberIs) {

@@ -26,6 +26,11 @@ TEST(PageContacts, AreListedAtTheEndOfTheCheck) {
   EXPECT_EQ(contact["depth"], item["depth"]);
   EXPECT_THAT(contact["curves"], SizeIs(1));
   EXPECT_FALSE(contact["sides"][1]["inside"].empty());
+  EXPECT_THAT(contact["view"], SizeIs(3));
+  EXPECT_EQ(contact["group"], 0);
+  const Json verdict = served.json("/api/steps")["verdict"];
+  EXPECT_EQ(verdict["kind"], "found");
+  EXPECT_THAT(verdict["text"].get<std::string>(), HasSubstr("left and right go through each other, "));
   EXPECT_THAT(served.json("/api/contacts/1", 404)["error"], HasSubstr("no contact 1 among 1"));
   EXPECT_THAT(served.json("/api/contacts?offset=1")["items"], SizeIs(0));
   served.json("/api/contacts?limit=1001", 400);

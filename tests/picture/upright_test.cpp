@@ -77,19 +77,36 @@ struct Wall {
                         -1, -1, 0.2, 1, -1, 0.2, 1, 1, 0.2, -1, 1, 0.2};
   View seen(std::vector<std::uint8_t> marked, const Vec3& normal, Up up = Up::Y) const {
     const PictureMesh mesh{.topology = &topology, .positions = x};
-    const std::vector<std::vector<std::uint8_t>> marks{std::move(marked)};
-    return *view_of(std::span(&mesh, 1), marks, normal, up);
+    const ContactMarks marks{std::move(marked)};
+    return *view_of(std::span(&mesh, 1), marks, {}, normal, up);
   }
 };
 
 TEST(Upright, ShowsWhatIsMarked) {
   const Wall wall;
-  EXPECT_EQ(wall.seen({0, 0, 1, 0}, {0, 0, 1}).from, Vec3(0, 0, 1));
-  EXPECT_EQ(wall.seen({1, 0, 0, 0}, {0, 0, 1}).from, Vec3(0, 0, -1));  // from the front, it is hidden
+  EXPECT_GT(wall.seen({0, 0, 1, 0}, {0, 0, 1}).from.z(), 0.5);
+  EXPECT_LT(wall.seen({1, 0, 0, 0}, {0, 0, 1}).from.z(), -0.5);  // from the front, it is hidden
   EXPECT_LT(wall.seen({1, 0, 0, 0}, {0, 0, 0}).from.z(), 0);
-  // The normal along the wall shows nothing of it.
+  // Views across this normal show the wall itself.
   EXPECT_GT(wall.seen({0, 0, 1, 1}, {1, 0, 0}).from.z(), 0.5);
   EXPECT_EQ(wall.seen({0, 0, 0, 0}, {0, 0, 0}, Up::Z).from, default_view(Up::Z).from);
+}
+
+// A floor through which a wall goes. Their normals show only one of them; from the side both are seen.
+TEST(Upright, ShowsBothSidesOfAContactAndItsCurve) {
+  const Topology topology = *Topology::make(8, {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}});
+  const std::vector<double> x{-1, 0, -1, 1, 0, -1, 1, 0, 1, -1, 0, 1, 0, -1, -1, 0, -1, 1, 0, 1, 1, 0, 1, -1};
+  const std::vector<std::vector<Vec3>> curves{{Vec3(0, 0, -1), Vec3(0, 0, 0), Vec3(0, 0, 1)}};
+  const PictureMesh mesh{.topology = &topology, .positions = x};
+  for (const std::uint8_t floor : {1, 2}) {
+    const auto wall = static_cast<std::uint8_t>(3 - floor);
+    const ContactMarks marks{{floor, floor, wall, wall}};
+    for (const Vec3& normal : {Vec3(0, 1, 0), Vec3(1, 0, 0), Vec3(0, 0, 0)}) {
+      const Vec3 from = view_of(std::span(&mesh, 1), marks, curves, normal, Up::Y)->from.normalized();
+      EXPECT_GT(from.y(), 0.2) << normal.x() << normal.y();  // of the floor, and from above
+      EXPECT_GT(std::abs(from.x()), 0.2) << normal.x() << normal.y();
+    }
+  }
 }
 
 }  // namespace

@@ -17,18 +17,19 @@ struct Marks : ReportWriter {
     std::vector<std::vector<std::int32_t>> number;
     std::vector<std::vector<float>> depth;
   };
-  Marks(Motions motions, Seen& seen) : joined(*join(motions, "test")), seen(seen) {}
+  Marks(Motions motions, Seen& seen) : motions(motions), joined(*join(motions, "test")), seen(seen) {}
   Result<void> start(const CheckedStep& pose) override { return step(pose); }
   Result<void> step(const CheckedStep& step) override {
     if (!step.contacts) return {};
-    ContactMarks marks;
-    marks.update(joined, step);
+    marks.update(joined, motions, step);
     seen.number.push_back(marks.number);
     seen.depth.push_back(marks.depth);
     return {};
   }
   Result<void> finish(const CheckTotals&) override { return {}; }
+  Motions motions;
   JoinedMesh joined;
+  InsideMarks marks;
   Seen& seen;
 };
 

@@ -103,8 +103,9 @@ class Vtk(unittest.TestCase):
     def expect_answers(self, report, meshes):
         triangles_of = [triangles for triangles, _ in self.motions]
         for step, mesh in zip(report["steps"], meshes, strict=True):
-            collides = arrays_of(mesh.GetCellData())["collides"]
-            np.testing.assert_array_equal(collides, faces_of(step["pairs"], triangles_of))
+            cells = arrays_of(mesh.GetCellData())
+            pairs = {**step["pairs"], "tt": []}
+            np.testing.assert_array_equal(cells["meets"], faces_of(pairs, triangles_of))
             field = arrays_of(mesh.GetFieldData())
             self.assertEqual(field["frame"][0], step["frame"])
             self.assertEqual(field["substep"][0], step["substep"])
@@ -118,13 +119,18 @@ class Vtk(unittest.TestCase):
         report, times, meshes = self.check()
         self.assertEqual(times, [0, 1, 2, 3])
         *meshes, last = meshes
-        marked = [arrays_of(mesh.GetCellData())["collides"].sum() for mesh in meshes]
+        marked = [arrays_of(mesh.GetCellData())["meets"].sum() for mesh in meshes]
         self.assertEqual(marked[0], 0)
         self.assertTrue(0 < marked[2] < 144, marked)
         self.expect_meshes(meshes, self.frames()[:-1], self.frames()[1:])
         self.expect_answers(report, meshes)
         self.expect_meshes([last], self.frames()[-1:], self.frames()[-1:])
-        self.assertEqual(arrays_of(last.GetCellData())["collides"].sum(), 0)
+        self.assertEqual(arrays_of(last.GetCellData())["meets"].sum(), 0)
+        for mesh, each in zip([*meshes, last], [report["start"], *report["steps"]], strict=True):
+            inside = np.zeros(144, np.uint8)
+            for triangles, offset in zip(each["inside"], (0, 72)):
+                inside[np.array(triangles, int) + offset] = 1
+            np.testing.assert_array_equal(arrays_of(mesh.GetCellData())["collides"], inside)
         self.assertEqual(arrays_of(last.GetFieldData())["earliest_toi"][0], 1)
 
     def test_parts_of_steps_and_ranges(self):
@@ -144,18 +150,19 @@ class Vtk(unittest.TestCase):
     def test_what_crosses_in_the_first_frame(self):
         """From frame 2 on the sheets intersect."""
         report, _, meshes = self.check()
-        self.assertFalse(any(arrays_of(mesh.GetCellData())["starts_crossing"].any() for mesh in meshes))
+        self.assertFalse(any(arrays_of(mesh.GetCellData())["collides"].any() for mesh in meshes[:2]))
         report, times, meshes = self.check("--frames", "3")
         self.assertEqual(times, [3])
-        crosses = arrays_of(meshes[0].GetCellData())["starts_crossing"]
+        crosses = arrays_of(meshes[0].GetCellData())["collides"]
         pairs = {"vf": [], "ee": [], "tt": report["start"]["pairs"]["tt"]}
-        np.testing.assert_array_equal(crosses, faces_of(pairs, [triangles for triangles, _ in self.motions]))
+        crossing = faces_of(pairs, [triangles for triangles, _ in self.motions])
+        self.assertTrue(np.all(crosses[crossing != 0] == 1))
         self.assertTrue(0 < crosses.sum() < 144)
         contact = arrays_of(meshes[0].GetCellData())["contact"]
         self.assertTrue(np.all(contact[crosses != 0] > 0))
         self.assertEqual(set(contact) - {0}, {c["number"] for c in report["contacts"]})
         report, _, meshes = self.check("--steps-only")
-        self.assertNotIn("starts_crossing", arrays_of(meshes[0].GetCellData()))
+        self.assertFalse(any(arrays_of(mesh.GetCellData())["collides"].any() for mesh in meshes))
         self.assertNotIn("contact", arrays_of(meshes[0].GetCellData()))
 
 

@@ -1,7 +1,7 @@
 // What goes through what: a lane for each contact over the frames, and a card with its picture.
-import { namesText, placeText, touchText, worstOf, type Contact } from '../shared/contact';
+import { depthText, groupsOf, namesText, placeText, touchText, worstOf, type Contact, type Group } from '../shared/contact';
 import { el } from '../shared/dom';
-import { counted, grouped, short } from '../shared/format';
+import { counted, grouped, lengthText } from '../shared/format';
 
 /** A contact and its picture. */
 export interface PicturedContact extends Contact {
@@ -19,21 +19,21 @@ export interface Scale {
 }
 
 const kLaneLimit = 30;
+const kOccurrences = 12; // listed on a card
 
 const time = (value: number): string => String(Number(value.toPrecision(6)));
-const length = (value: number, { unit }: Scale): string => (unit ? `${short(value)} ${unit}` : short(value));
 
-function when({ frames, first_time, last_time }: Contact): string {
-  if (frames.length === 0) return first_time === last_time ? `time ${time(first_time)}` : `times ${time(first_time)} to ${time(last_time)}`;
-  const [first, last] = [frames[0]!.time, frames.at(-1)!.time];
-  return first === last ? `frame ${time(first)}` : `frames ${time(first)} to ${time(last)}`;
+function when(contacts: Contact[]): string {
+  const crossing = contacts.filter(({ frames }) => frames.length > 0);
+  const [noun, spans] = crossing.length > 0 ? ['frame', crossing.map(({ frames }) => [frames[0]!.time, frames.at(-1)!.time])] : ['time', contacts.map(({ first_time, last_time }) => [first_time, last_time])];
+  const [first, last] = [Math.min(...spans.map(([from]) => from!)), Math.max(...spans.map(([, to]) => to!))];
+  return first === last ? `${noun} ${time(first)}` : `${noun}s ${time(first)} to ${time(last)}`;
 }
 
 /** How large it is, in a few words. */
 function size(contact: Contact, scale: Scale): string {
   const frame = worstOf(contact);
-  if (!frame) return touchText(scale.unknownFrames, scale.single);
-  return frame.depth === null ? `crosses along ${length(frame.curve_length, scale)}` : `${length(frame.depth, scale)} deep`;
+  return frame ? depthText(frame, scale.unit) : touchText(scale.unknownFrames, scale.single);
 }
 
 /** The sides in the colors of the picture. */
@@ -41,16 +41,17 @@ function title(contact: Contact): HTMLElement {
   const [a, b] = [contact.sides[0]!, contact.sides[1]!];
   const side = (name: string, color: string) => el('span', { className: 'side' }, el('span', { className: 'swatch', style: { background: color } }), name);
   const both = a.name === b.name ? [el('span', {}, namesText(contact))] : [side(a.name, 'var(--side-a)'), side(b.name, 'var(--side-b)')];
-  return el('h3', {}, el('span', { className: 'number' }, `#${contact.number}`), ...both);
+  return el('h3', {}, ...both);
 }
 
-function facts(contact: Contact, scale: Scale): [string, string][] {
+function facts({ contacts }: Group, scale: Scale): [string, string][] {
+  const contact = contacts[0]!;
   const frame = worstOf(contact);
-  const rows: [string, string][] = [[contact.frames.length > 0 ? 'crosses in' : 'touches at', when(contact)]];
+  const rows: [string, string][] = [[contact.frames.length > 0 ? 'crosses in' : 'touches at', when(contacts)]];
+  if (contacts.length > 1) rows.push(['in all', contacts.map((each) => `${when([each])}: ${size(each, scale)}`).slice(0, kOccurrences).join('; ') + (contacts.length > kOccurrences ? `; and ${contacts.length - kOccurrences} more` : '')]);
   if (frame) {
     rows.push(['worst frame', `${time(frame.time)}: ${counted(frame.triangles, 'triangle')}`]);
-    rows.push(frame.depth === null ? ['depth', 'none: no region lies inside'] : ['depth', length(frame.depth, scale)]);
-    rows.push(['curves', `${length(frame.curve_length, scale)} long${frame.closed ? ', closed' : ', open'}`]);
+    rows.push(['curves', `${lengthText(frame.curve_length, scale.unit)} long${frame.closed ? ', closed' : ', open'}`]);
   }
   rows.push(['place', placeText(contact)]);
   if (contact.pairs > 0) rows.push(['new contacts', counted(contact.pairs, 'pair')]);
@@ -59,53 +60,60 @@ function facts(contact: Contact, scale: Scale): [string, string][] {
   return rows;
 }
 
-function card(contact: PicturedContact, scale: Scale): HTMLElement {
+function card(group: Group, scale: Scale): HTMLElement {
+  const contact = group.contacts[0]! as PicturedContact;
   const list = el('dl', {});
-  for (const [key, value] of facts(contact, scale)) list.append(el('dt', {}, key), el('dd', {}, value));
-  const pictured = contact.picture ? el('img', { src: contact.picture, alt: `Contact ${contact.number}: ${namesText(contact)}, ${when(contact)}` }) : null;
-  return el('article', { className: 'contact', id: `contact-${contact.number}` }, el('header', {}, title(contact), el('b', {}, size(contact, scale))), pictured, list);
+  for (const [key, value] of facts(group, scale)) list.append(el('dt', {}, key), el('dd', {}, value));
+  const pictured = contact.picture ? el('img', { src: contact.picture, alt: `${namesText(contact)}, ${when([contact])}` }) : null;
+  return el('article', { className: 'contact', id: `contact-${contact.number}` }, el('header', {}, title(contact), el('b', {}, [group.often, size(contact, scale)].filter(Boolean).join(', '))), pictured, list);
 }
 
-/** Where in the motion each contact is, the darker the deeper. */
-function lanes(contacts: Contact[], scale: Scale): HTMLElement {
+/** Where in the motion the contacts of each group are, the darker the deeper. */
+function lanes(groups: Group[], scale: Scale): HTMLElement {
   const box = el('div', { className: 'lanes' });
   const span = Math.max(scale.high - scale.low, 1);
   const at = (value: number) => `${(100 * (value - scale.low)) / span}%`;
-  const deepest = Math.max(...contacts.map(({ depth }) => depth ?? 0));
-  for (const contact of contacts.slice(0, kLaneLimit)) {
+  const deepest = Math.max(...groups.map(({ contacts }) => contacts[0]!.depth ?? 0));
+  const bar = (contact: Contact) => {
     const from = Math.min(contact.first_time, contact.frames[0]?.time ?? contact.first_time);
     const share = deepest > 0 ? (contact.depth ?? 0) / deepest : 0;
-    const bar = el('i', { className: 'bar', style: { left: at(from), width: `${(100 * (contact.last_time - from)) / span}%`, opacity: String(0.35 + 0.65 * share) } });
-    const worst = contact.worst === null ? null : el('i', { className: 'worst', style: { left: at(contact.worst) } });
-    const text = `Contact ${contact.number}: ${namesText(contact)}, ${when(contact)}, ${size(contact, scale)}`;
-    box.append(el('a', { href: `#contact-${contact.number}`, title: text, 'aria-label': text }, el('span', { className: 'label' }, `#${contact.number}`), el('span', { className: 'track' }, bar, worst)));
+    return el('i', { className: 'bar', style: { left: at(from), width: `${(100 * (contact.last_time - from)) / span}%`, opacity: String(0.35 + 0.65 * share) } });
+  };
+  for (const { contacts, often } of groups.slice(0, kLaneLimit)) {
+    const worst = contacts[0]!;
+    const mark = worst.worst === null ? null : el('i', { className: 'worst', style: { left: at(worst.worst) } });
+    const text = `${namesText(worst)}, ${when(contacts)}, ${[often, size(worst, scale)].filter(Boolean).join(', ')}`;
+    box.append(el('a', { href: `#contact-${worst.number}`, title: text, 'aria-label': text }, el('span', { className: 'label' }, worst.named ? namesText(worst) : `#${worst.number}`), el('span', { className: 'track' }, ...contacts.map(bar), mark)));
   }
   box.append(el('div', { className: 'axis' }, el('span', {}, `frame ${time(scale.low)}`), el('span', {}, time(scale.high))));
   return box;
 }
 
 /** Contacts without a picture, in a table. */
-function rest(contacts: Contact[], scale: Scale): HTMLElement | null {
-  if (contacts.length === 0) return null;
-  const row = (contact: Contact) => el('tr', { id: `contact-${contact.number}` }, el('td', { className: 'number' }, `#${contact.number}`), el('td', {}, namesText(contact)), el('td', {}, when(contact)), el('td', { className: 'number' }, size(contact, scale)));
-  return el('div', { className: 'wide' }, el('table', {}, el('tbody', {}, ...contacts.map(row))));
+function rest(groups: Group[], scale: Scale): HTMLElement | null {
+  if (groups.length === 0) return null;
+  const row = ({ contacts, often }: Group) => {
+    const worst = contacts[0]!;
+    return el('tr', { id: `contact-${worst.number}` }, el('td', {}, worst.named ? namesText(worst) : `#${worst.number}`), el('td', {}, when(contacts)), el('td', {}, often), el('td', { className: 'number' }, size(worst, scale)));
+  };
+  return el('div', { className: 'wide' }, el('table', {}, el('tbody', {}, ...groups.map(row))));
 }
 
 /** All contacts, the worst first; null if there are none. `count`: of all, also those that are not listed. `unlisted`: what they leave out, if anything. */
 export function contactsSection(contacts: PicturedContact[], count: number, unlisted: string | undefined, scale: Scale): HTMLElement | null {
   if (contacts.length === 0) return null;
-  const pictured = contacts.filter(({ picture }) => picture);
-  const cards = pictured.length > 0 ? pictured : contacts.slice(0, 1);
-  const others = contacts.filter((contact) => !cards.includes(contact));
+  const groups = groupsOf(contacts);
+  const pictured = groups.filter((group) => (group.contacts[0] as PicturedContact).picture);
+  const cards = pictured.length > 0 ? pictured : groups.slice(0, 1);
   const more = count - contacts.length;
   return el(
     'section',
     { className: 'contacts' },
     el('h2', {}, count === 1 ? 'The contact' : `${grouped(count)} contacts, the worst first`),
     unlisted && el('p', { className: 'note' }, unlisted),
-    scale.high > scale.low ? lanes(contacts, scale) : null,
-    el('div', { className: 'cards' }, ...cards.map((contact) => card(contact, scale))),
-    rest(others, scale),
+    scale.high > scale.low ? lanes(groups, scale) : null,
+    el('div', { className: 'cards' }, ...cards.map((group) => card(group, scale))),
+    rest(groups.filter((group) => !cards.includes(group)), scale),
     more > 0 ? el('p', { className: 'note' }, `${counted(more, 'more contact')} in the table of foldproof check --contacts-csv.`) : null,
   );
 }

@@ -9,7 +9,7 @@ import { append, el, notesOfReaders } from '../shared/dom';
 import { counted, grouped, milliseconds, percent, short, toiText } from '../shared/format';
 import { collisionsOf, spanOf, stepText, type Step } from '../shared/steps';
 import { applyTheme, onTheme, startTheme, themeButton } from '../shared/theme';
-import { startText, untestedText, verdictOf, type Found, type Kind, type Start } from '../shared/verdict';
+import { sayAnswer, startText, type Answer, type Kind, type Start } from '../shared/verdict';
 import { capital, isStatic, kBetweenNotTested, kStartNotTested, wordsOf } from '../shared/words';
 
 interface Counts {
@@ -44,7 +44,7 @@ interface Data {
   steps: Step[];
   contacts: PicturedContact[];
   picture: string | null; // of the first frame, if there are no contacts
-  assumed: string; // what files were taken for
+  verdict: Answer;
   notes: string[];
 }
 
@@ -73,55 +73,38 @@ function append_<T extends HTMLElement>(parent: T, children: HTMLElement[]): T {
 
 const total = (counts: number | Counts): number => (typeof counts === 'number' ? counts : counts.vf + counts.ee + (counts.tt ?? 0));
 
-function foundIn({ settings, objects, assumed, start, totals }: Data, single: boolean): Found {
-  return {
-    state: totals.stopped ? 'stopped' : 'done',
-    done: totals.steps,
-    total: totals.steps_expected,
-    pairs: total(totals.collisions),
-    colliding: totals.steps_with_collisions,
-    start,
-    stepsOnly: settings['steps_only'] === true,
-    statistical: settings['mode'] === 'paper',
-    single,
-    poses: isStatic(settings),
-    assumed,
-    untested: untestedText(settings, objects, single ? 1 : strideOf(settings)),
-  };
-}
-
 /** What the answer is based on. */
-function kindOfProof(data: Data, found: Found): string {
-  if (found.statistical) return 'The answer for the steps is statistical and can miss collisions.';
-  if (found.state !== 'done') return `The check was stopped: nothing is known about ${wordsOf(found.poses).step}s that are not listed.`;
-  if (found.poses) return `The answer is exact. ${kBetweenNotTested}`;
-  if (found.single) return 'The answer is exact.';
+function kindOfProof(data: Data): string {
+  if (data.settings['mode'] !== undefined) return 'The answer for the steps is statistical and can miss collisions.';
+  if (isStatic(data.settings)) return `The answer is exact. ${kBetweenNotTested}`;
+  if (isSingle(data)) return 'The answer is exact.';
   const steps = 'Nothing is sampled: between frames every vertex moves along a straight line, and a step with no pair listed is proven to have no contact.';
   if (data.start === null) return `${steps} A step finds only new contacts: ${kStartNotTested}, so parts may be inside each other without being listed.`;
   if (data.start.crossings > 0) return `${steps} Triangles that cross from the start can go on crossing without any contact.`;
   return steps;
 }
 
-/** The results, in sentences. */
-function summary(data: Data, substeps: number): { verdict: string; text: string; kind: Kind } {
+/** What the verdict leaves out, in sentences. */
+function summary(data: Data, substeps: number): string {
   const { totals } = data;
-  const found = foundIn(data, isSingle(data));
-  const verdict = verdictOf(found);
+  const poses = isStatic(data.settings);
+  const single = isSingle(data);
   const triangles = data.objects.reduce((sum, object) => sum + object.triangles, 0);
-  const what = found.single ? 'A single frame' : counted(totals.steps, wordsOf(found.poses).step);
+  const what = single ? 'A single frame' : counted(totals.steps, wordsOf(poses).step);
   const time = totals.milliseconds.total + (data.start?.ms.total ?? 0);
-  const parts = [`${what} of ${counted(data.objects.length, 'object')} with ${counted(triangles, 'triangle')} ${found.single || totals.steps === 1 ? 'was' : 'were'} checked in ${milliseconds(time)}.`];
-  parts.push(...(found.poses ? posesText(data) : stepsText(data, found, substeps)), kindOfProof(data, found));
-  return { verdict: verdict.text, text: parts.join(' '), kind: verdict.kind };
+  const parts = [`${what} of ${counted(data.objects.length, 'object')} with ${counted(triangles, 'triangle')} ${single || totals.steps === 1 ? 'was' : 'were'} checked in ${milliseconds(time)}.`];
+  if (data.verdict.numbers) parts.push(data.verdict.numbers);
+  parts.push(...(poses ? posesText(data) : stepsText(data, single, substeps)), kindOfProof(data));
+  return parts.join(' ');
 }
 
 /** What the steps of a motion found. */
-function stepsText({ totals }: Data, found: Found, substeps: number): string[] {
+function stepsText({ totals }: Data, single: boolean, substeps: number): string[] {
   const parts: string[] = [];
   const where = (step: { frame: number; substep: number }) => `frame ${step.frame}${substeps > 1 ? `, part ${step.substep + 1} of ${substeps}` : ''}`;
-  if (found.pairs > 0) parts.push(`${counted(found.pairs, 'pair')} of features ${found.pairs === 1 ? 'collides' : 'collide'}: ${counted(totals.collisions.vf, 'vertex–face pair')} and ${grouped(totals.collisions.ee)} edge–edge.`);
-  if (totals.earliest && !found.single) parts.push(`The first contact comes ${toiText(totals.earliest.toi)} of the way from ${where(totals.earliest)}.`);
-  if (totals.worst && !found.single) parts.push(`The worst step starts at ${where(totals.worst)}, with ${counted(total(totals.worst.collisions), 'pair')}.`);
+  const pairs = total(totals.collisions);
+  if (pairs > 0) parts.push(`${counted(pairs, 'pair')} of features ${pairs === 1 ? 'collides' : 'collide'}: ${counted(totals.collisions.vf, 'vertex–face pair')} and ${grouped(totals.collisions.ee)} edge–edge.`);
+  if (totals.worst && !single) parts.push(`The step with the most starts at ${where(totals.worst)}, with ${counted(total(totals.worst.collisions), 'pair')}.`);
   const undecided = totals.work['undecided'] ?? 0;
   if (undecided > 0) parts.push(`${counted(undecided, 'pair')} could not be decided within the iteration limit and ${undecided === 1 ? 'is' : 'are'} counted as collisions.`);
   return parts;
@@ -137,21 +120,21 @@ const isSingle = ({ steps }: Data): boolean => steps.length === 1 && steps[0]!.f
 
 /** The two tests of a motion, which only together prove that nothing intersects; or that of all poses. */
 function tests(data: Data): HTMLElement {
-  const { start, totals } = data;
-  const found = foundIn(data, isSingle(data));
+  const { settings, start, totals } = data;
+  const single = isSingle(data);
+  const poses = isStatic(settings);
+  const found = total(totals.collisions);
   const first = data.steps[0]?.frame ?? start?.frame ?? 0;
   const last = data.steps.at(-1)?.next_frame ?? first;
   const answer = (text: string, kind: Kind) => el('span', { className: `answer ${kind}` }, text);
   const crossings = start === null ? answer('not tested (--steps-only)', 'run') : start.crossings === 0 ? answer('none', 'free') : answer(counted(start.crossings, 'pair'), 'hit');
-  const { step } = wordsOf(found.poses);
-  const pairs = found.pairs > 0 ? `${counted(found.pairs, 'pair')}${found.single ? '' : ` in ${grouped(found.colliding)} of ${counted(totals.steps, step)}`}` : 'none';
-  const unchecked = found.state === 'done' ? '' : `; ${grouped(totals.steps_expected - totals.steps)} of ${counted(totals.steps_expected, step)} not checked`;
-  const proves = !found.statistical && (found.poses || start?.crossings === 0);
-  const contacts = answer(pairs + unchecked, found.pairs > 0 ? 'hit' : unchecked ? 'stopped' : proves ? 'free' : 'run');
-  const second = found.single ? `Pairs in contact in frame ${first}` : `Contacts in the steps from frame ${first} to ${last}`;
+  const { step } = wordsOf(poses);
+  const pairs = found > 0 ? `${counted(found, 'pair')}${single ? '' : ` in ${grouped(totals.steps_with_collisions)} of ${counted(totals.steps, step)}`}` : 'none';
+  const contacts = answer(pairs, found > 0 ? 'hit' : poses || start?.crossings === 0 ? 'free' : 'run');
+  const second = single ? `Pairs in contact in frame ${first}` : `Contacts in the steps from frame ${first} to ${last}`;
   const startRow = [`Triangles that cross in frame ${first}`, crossings, start === null ? '–' : milliseconds(start.ms.total)];
-  const stepsRow = [found.poses ? `Triangles that cross in ${found.single ? `frame ${first}` : `frames ${first} to ${last}`}` : second, contacts, milliseconds(totals.milliseconds.total)];
-  return section('Results', table(['test', 'result', 'time'], found.poses ? [stepsRow] : [startRow, stepsRow], [false, false, true]));
+  const stepsRow = [poses ? `Triangles that cross in ${single ? `frame ${first}` : `frames ${first} to ${last}`}` : second, contacts, milliseconds(totals.milliseconds.total)];
+  return section('Results', table(['test', 'result', 'time'], poses ? [stepsRow] : [startRow, stepsRow], [false, false, true]));
 }
 
 function reasonsTable(data: Data): HTMLElement | null {
@@ -217,15 +200,15 @@ function makeCharts(data: Data, substeps: number): { charts: Charts; box: HTMLEl
 function build(data: Data): void {
   const substeps = Number(data.settings['substeps'] ?? 1) || 1;
   const { listed, collisions, contacts } = data.totals;
-  const { verdict, text, kind } = summary(data, substeps);
+  const verdict = sayAnswer(data.verdict);
   document.title = `${data.objects.map(({ name }) => name).join(', ')} – ${data.program} report`;
   const charts = data.steps.length > 0 && !isSingle(data) ? makeCharts(data, substeps) : null;
   const model = (value: Data['objects'][number]['model']) => (value === null ? 'none' : typeof value === 'string' ? value : value.name);
   const page = el(
     'main',
     { className: 'report' },
-    el('header', {}, el('div', {}, el('p', { className: 'brand' }, 'Foldproof report'), el('h1', { className: kind }, verdict)), themeButton()),
-    el('p', { className: 'lead' }, text),
+    el('header', {}, el('div', {}, el('p', { className: 'brand' }, 'Foldproof report'), el('h1', { className: verdict.kind }, verdict.text)), themeButton()),
+    el('p', { className: 'lead' }, summary(data, substeps)),
     ...notesOfReaders(data.objects),
     ...data.notes.map((note) => el('p', { className: 'note' }, note)),
     contactsSection(data.contacts, contacts?.count ?? 0, listed && unlistedText(total(listed), total(collisions), isStatic(data.settings)), scaleOf(data)),

@@ -29,6 +29,7 @@ const kCrossings: Series[] = [{ label: 'pairs of triangles', color: '--c-vf', va
 
 // The parts of a stack are listed from the bottom up.
 const chartsOf = (poses: boolean, { step, collisions } = wordsOf(poses)): Chart[] => [
+  { id: 'inside', title: 'Inside or crossing', unit: 'triangles', stacked: false, series: [{ label: 'triangles', color: '--c-vf', value: (s) => Math.max(s.inside[0] ?? 0, s.inside[1] ?? 0) }] },
   { id: 'collisions', title: capital(collisions), unit: `pairs per ${step}`, stacked: true, series: poses ? kCrossings : kPairs },
   {
     id: 'time',

@@ -11,7 +11,6 @@ export const kGreen: Rgb = [0, 158, 115];
 export const kYellow: Rgb = [240, 228, 66];
 export const kOrange: Rgb = [230, 159, 0];
 export const kPink: Rgb = [204, 121, 167];
-export const kPurple: Rgb = [88, 28, 76];
 export const kGray: Rgb = [128, 128, 128];
 export const kNothingToProve: Rgb = [221, 221, 221];
 

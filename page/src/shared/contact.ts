@@ -1,5 +1,5 @@
 // Contacts, as the program writes them.
-import { grouped } from './format';
+import { grouped, lengthText } from './format';
 import { wordsOf } from './words';
 
 export interface ContactFrame {
@@ -8,13 +8,17 @@ export interface ContactFrame {
   triangles: number;
   curve_length: number;
   closed: boolean;
+  touching: boolean; // nothing is inside
   depth: number | null;
+  at_least: boolean; // it is a lower bound: both surfaces are open
 }
 
 /** What goes through what (docs/contacts.md). Times are frames of the motion. */
 export interface Contact {
   number: number;
   joined: number[];
+  group: number; // of contacts of the same two parts, by their worst ones
+  named: boolean; // its sides are parts or two objects
   sides: { object: number; name: string; triangles?: number[]; inside?: number[] }[];
   folded: boolean;
   pierces?: boolean; // a line or a point goes through faces
@@ -24,12 +28,46 @@ export interface Contact {
   last_time: number;
   pairs: number;
   depth: number | null;
+  touching: boolean;
   worst: number | null; // the time of the worst frame
   point: [number, number, number];
   box: [number[], number[]];
   normal: number[];
   frames: ContactFrame[];
   curves?: number[][][];
+  view?: [number, number, number]; // from where its sides and its curve are seen
+}
+
+/** Contacts of the same two parts: one thing that happens several times. */
+export interface Group {
+  contacts: Contact[]; // the worst first
+  often: string; // "4 times", "in 3 places"; empty for one
+}
+
+/** Whether something goes through something, as far as is known. */
+export const goesThrough = ({ pierces, touching }: Contact): boolean => Boolean(pierces) || !touching;
+
+export function groupsOf(contacts: Contact[]): Group[] {
+  const groups: Contact[][] = [];
+  for (const contact of contacts) (groups[contact.group] ??= []).push(contact);
+  return groups.filter(Boolean).map((all) => ({ contacts: all, often: howOften(all) }));
+}
+
+/** In other words: how_often() of the program. */
+function howOften(contacts: Contact[]): string {
+  const crossing = contacts.filter(goesThrough);
+  const count = crossing.length || contacts.length;
+  const times = crossing.map(({ first_time, last_time }) => [first_time, last_time] as const).sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  if (count < 2) return '';
+  if (times.some(([first], k) => k > 0 && first <= times[k - 1]![1])) return `in ${count} places`;
+  return count === 2 ? 'twice' : `${count} times`;
+}
+
+/** "6.6 cm deep", "at least 2 cm", or how long the curve is where there is no depth */
+export function depthText(frame: ContactFrame, unit: string): string {
+  if (frame.touching) return 'touches';
+  if (frame.depth === null) return `along ${lengthText(frame.curve_length, unit)}`;
+  return `${frame.at_least ? 'at least ' : ''}${lengthText(frame.depth, unit)} deep`;
 }
 
 export function worstOf(contact: Contact): ContactFrame | undefined {

@@ -47,3 +47,22 @@ export const percent = (share: number): string => {
 };
 
 export const toiText = (toi: number): string => toi.toFixed(4);
+
+const kMetric = [['km', 1e3], ['m', 1], ['cm', 1e-2], ['mm', 1e-3], ['um', 1e-6], ['nm', 1e-9]] as const;
+
+/** Two digits, without an exponent where that is short. */
+function twoDigits(value: number): string {
+  const size = Math.abs(value);
+  if (size === 0) return '0';
+  if (size >= 1e6 || size < 1e-4) return value.toExponential(1).replace('.0e', 'e');
+  return String(Number(value.toPrecision(2)));
+}
+
+/** A length in the metric unit that fits it, or in `unit`: length_text() of the program. */
+export function lengthText(length: number, unit: string): string {
+  const known = kMetric.find(([name]) => name === unit);
+  if (!known) return twoDigits(length) + (unit ? ` ${unit}` : '');
+  const meters = length * known[1];
+  const [name, size] = length > 0 ? (kMetric.find(([, each]) => meters >= 0.995 * each) ?? kMetric.at(-1)!) : known;
+  return `${twoDigits(meters / size)} ${name}`;
+}

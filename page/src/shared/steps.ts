@@ -10,6 +10,8 @@ export interface Step {
   edge_edge: number;
   /** Pairs of triangles, in a pose. */
   crossings: number;
+  /** Triangles that cross or are inside at its begin and its end; null where that is not known. */
+  inside: [number | null, number | null];
   /** How many collisions are listed and marked. */
   listed: number;
   undecided: number;

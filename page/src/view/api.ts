@@ -1,7 +1,7 @@
 // The program's HTTP interface, documented in docs/viewer.md.
 import type { Contact } from '../shared/contact';
 import type { Step } from '../shared/steps';
-import type { Start } from '../shared/verdict';
+import type { Answer, Start } from '../shared/verdict';
 
 export interface ModelInfo {
   name: string;
@@ -28,6 +28,7 @@ export interface SceneInfo {
   title: string;
   frames: number;
   frame_numbers: number[];
+  frame_names: string[]; // of poses, whose files have names; else empty
   fps: number;
   substeps: number;
   steps: number;
@@ -50,7 +51,7 @@ export interface StepsAnswer {
   state: 'running' | 'done' | 'stopped' | 'failed';
   error?: string | null;
   start: Start | null; // null if not tested, or not yet
-  still: string; // what crosses among what stands still, at the end
+  verdict: Answer | null; // at the end
   done: number;
   total: number;
   steps: (Step & Bounds)[];
@@ -135,11 +136,6 @@ export async function getJson<T>(path: string, signal?: AbortSignal): Promise<T>
 export async function getFloats(path: string, signal?: AbortSignal): Promise<Float32Array> {
   const response = await get(path, signal);
   return new Float32Array(await body(response.arrayBuffer()));
-}
-
-export async function getBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
-  const response = await get(path);
-  return new Uint8Array(await body(response.arrayBuffer()));
 }
 
 export async function getIndices(path: string): Promise<Uint32Array> {

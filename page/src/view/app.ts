@@ -6,7 +6,7 @@ import { collisionsOf, spanOf } from '../shared/steps';
 import { isDark, onTheme } from '../shared/theme';
 import { guessUp, type Vector } from '../shared/upright';
 import { startText } from '../shared/verdict';
-import { ApiError, getBytes, getIndices, GoneError, type SceneInfo } from './api';
+import { ApiError, getIndices, GoneError, type SceneInfo } from './api';
 import { savePicture } from './capture';
 import { Check, kStart, PairStore } from './check';
 import { Clock } from './clock';
@@ -62,10 +62,10 @@ export class App {
   private last = 0;
   private waiting = false;
   private shaping = false; // the tab of the model's shapes is open
+  private framed = false; // and its shape is in the picture
   private followed: THREE.Vector3 | null = null;
   private shownStep = -1;
   private stepSince = 0;
-  private crossingsRequested = false;
   private legendKey = '';
   private chartsDirty = true;
   private readonly spent = { script: 0, drawing: 0, pictures: 0, started: performance.now(), firstPicture: 0 };
@@ -126,7 +126,6 @@ export class App {
     this.content = this.navigator.content = new Content(this.scene, this.stage, this.data, triangles);
     this.inspector = new Inspector(this.stage, this.content.surfaces, this.scene, this.layout.card, (point, size) => this.stage.camera.approach(point.multiplyScalar(this.stage.scale), 5 * size * this.stage.scale));
     this.navigator.onDeselect = () => this.inspector?.close();
-    this.requestCrossings();
     this.beginAtContact();
     this.restyle();
     Object.defineProperty(window, 'foldproof', { value: { state: () => this.report() } });
@@ -183,8 +182,11 @@ export class App {
       layout.refuse('shapes', any ? 'The model has learned no shapes: train it on more poses (foldproof train POSES... -o body.model).' : 'Shapes come from a model. Make one with foldproof train POSES... -o body.model and start with --model body.model.');
     }
     layout.onTab = (tab: Tab) => {
+      const left = this.shaping && tab !== 'shapes';
       if (this.shaping !== (tab === 'shapes')) this.navigator.deselect(); // also what a shape marks
       this.shaping = tab === 'shapes';
+      this.framed = false;
+      if (left) this.stage.camera.showAll();
       if (this.shaping) this.shapes?.open();
       this.chartsDirty = true;
       this.dirty = true;
@@ -273,7 +275,6 @@ export class App {
     this.grow(from);
     this.layout.warn(check.state === 'failed' ? `The check stopped: ${check.error}` : '');
     this.showVerdict();
-    this.requestCrossings();
     if (check.state === 'running' || check.state === 'gone' || this.contacts.state !== 'waiting') return;
     this.guessUp();
     void this.contacts.load();
@@ -288,8 +289,8 @@ export class App {
 
   private showVerdict(): void {
     const { check, contacts } = this;
-    this.layout.say(check.verdict(), check.state === 'running' ? check.done / Math.max(1, check.total) : null);
-    this.layout.lead(contacts.state === 'known' ? contacts.total : null, check.pairs > 0 || check.startsCrossing);
+    this.layout.say(check.verdict(), check.answer?.numbers ?? '', check.state === 'running' ? check.done / Math.max(1, check.total) : null);
+    this.layout.lead(contacts.state === 'known' && contacts.total > 0, check.pairs > 0 || check.startsCrossing);
   }
 
   private contactsKnown(): void {
@@ -312,26 +313,6 @@ export class App {
     const { at, camera } = this.link;
     await this.navigator.chooseContact(index, camera === null);
     if (at !== null) this.navigator.goTo(() => this.clock.seekPosition(at));
-  }
-
-  /** Fetches the triangles that cross in the first frame, once, if there are any. */
-  private requestCrossings(): void {
-    const { content } = this;
-    if (this.crossingsRequested || !this.check.startsCrossing || !content) return;
-    this.crossingsRequested = true;
-    content.surfaces.forEach((surface, i) => {
-      getBytes(`start/faces/${i}`).then(
-        (faces) => {
-          surface.setCrossingFaces(faces);
-          content.shownFaces = -1; // Recomputes `both`.
-          this.dirty = true;
-        },
-        (error: unknown) => {
-          this.crossingsRequested = false;
-          this.fail(error);
-        },
-      );
-    });
   }
 
   private fail(error: unknown): void {
@@ -408,6 +389,10 @@ export class App {
     if (!content) return;
     const shaping = this.shaping && this.shapes !== null;
     if (shaping) content.showShape(this.shapes!, this.shapeObject, this.layers.state);
+    if (shaping && this.shapes!.ready && !this.framed) {
+      this.framed = true;
+      this.stage.camera.showAll();
+    }
     this.waiting = !shaping && !content.showFrame(clock, this.layers.state);
     if (!this.waiting && !shaping) this.follow(content);
     this.showFaces(content, shaping);
@@ -471,14 +456,13 @@ export class App {
     const { check, scene } = this;
     const layers = this.layers.state;
     const error = content.errors.at(this.clock.frame);
-    const faces = content.surfaces.map(({ crossingFaces }) => crossingFaces);
-    const start = check.start && check.startsCrossing ? { frame: check.start.frame, faces: faces.some((n) => n === null) ? null : faces.reduce<number>((sum, n) => sum + n!, 0) } : null;
-    const key = JSON.stringify([layers, start, check.free > 0, check.calm, content.both, shaping, content.shownFaces, boxFrame, this.navigator.chosen !== null, this.navigator.contact, error]);
+    const end = this.clock.t >= 0.5;
+    const key = JSON.stringify([layers, end, check.free > 0, check.calm, shaping, content.shownFaces, boxFrame, this.navigator.chosen !== null, this.navigator.contact, error]);
     if (key === this.legendKey) return;
     this.legendKey = key;
     const contact = this.navigator.contact === null ? null : this.contacts.sideNames(this.contacts.items[this.navigator.contact]!);
     this.layout.legend.replaceChildren(
-      ...legendItems({ layers, poses: check.poses, shapes: shaping, start, free: check.free > 0, calm: check.calm, both: content.both, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: content.counts, boxFrame, chosen: this.navigator.chosen !== null, contact, error }),
+      ...legendItems({ layers, poses: check.poses, shapes: shaping, end, free: check.free > 0, calm: check.calm, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: content.counts, boxFrame, chosen: this.navigator.chosen !== null, contact, error }),
     );
   }
 
@@ -512,7 +496,8 @@ export class App {
       contact: this.navigator.contact === null ? null : this.contacts.items[this.navigator.contact]!.number,
       curve: content?.contact.group.visible ?? false,
       start: this.check.start,
-      crossingFaces: content?.surfaces.map(({ crossingFaces }) => crossingFaces) ?? [],
+      inside: content?.counts?.inside ?? null,
+      meets: content?.counts?.meets ?? null,
       pictures: spent.pictures,
       scriptMs: spent.script,
       drawMs: spent.drawing,

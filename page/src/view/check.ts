@@ -1,6 +1,6 @@
 // The progress of the check: its steps, and the pairs of the current step.
 import { collisionsOf, type Step } from '../shared/steps';
-import { untestedText, verdictOf, type Found, type Start, type Verdict } from '../shared/verdict';
+import { verdictOf, type Answer, type Found, type Start, type Verdict } from '../shared/verdict';
 import { isStatic } from '../shared/words';
 import { ApiError, getJson, GoneError, type Bounds, type Pair, type SceneInfo, type StepsAnswer } from './api';
 
@@ -11,25 +11,28 @@ const kMaxListed = 10_000; // More than anyone reads; check --csv writes all.
 const kMaxCached = 48; // steps
 export const kStart = -1; // the first frame, in place of a step's number
 
-/** The result of a step: it collides; it and, in a motion, all before it is proven free; or it only has no new contact. */
+/** The result of a step: something is inside something at its begin or end, or meets it between; it is proven free; or it only has no new contact, and it is not known what is inside. */
 export type StepKind = 'hit' | 'free' | 'calm';
+
+/** How many triangles cross or are inside at the begin or the end of a step, whichever are more. */
+export const insideOf = ({ inside: [begin, end] }: Step): number => Math.max(begin ?? 0, end ?? 0);
 
 export class Check {
   readonly steps: Step[] = [];
   state: Found['state'] = 'running';
   error = '';
-  still = '';
+  answer: Answer | null = null; // at the end
   total = 0;
   done = 0;
   pairs = 0;
   listed = 0; // of the pairs
-  colliding = 0;
+  free = 0; // the number of steps that are proven free
+  calm = false; // some step has no contact but is not proven free
   start: Start | null = null;
   /** The bounds at the end of each step. */
   readonly bounds: Bounds[] = [];
   /** Steps are poses, each checked by itself. */
   readonly poses: boolean;
-  private contactFree = 0; // the number of steps from the first one on without collisions
 
   constructor(
     private readonly scene: SceneInfo,
@@ -47,20 +50,10 @@ export class Check {
     return (this.start?.crossings ?? 0) > 0;
   }
 
-  /** The number of steps that are proven free: in a motion the first ones, if its first frame is free. */
-  get free(): number {
-    if (this.poses) return this.steps.length - this.colliding;
-    return this.start?.crossings === 0 ? this.contactFree : 0;
-  }
-
-  /** Whether some step has no contact but is not proven free. */
-  get calm(): boolean {
-    return this.steps.length > this.colliding + this.free;
-  }
-
   kindOf(step: Step): StepKind {
-    if (collisionsOf(step) > 0) return 'hit';
-    return this.poses || step.number < this.free ? 'free' : 'calm';
+    if (collisionsOf(step) > 0 || insideOf(step) > 0) return 'hit';
+    // Nothing crosses at its begin and no pair meets: so it is free throughout.
+    return this.poses || step.inside[0] === 0 ? 'free' : 'calm';
   }
 
   verdict(): Verdict {
@@ -68,10 +61,8 @@ export class Check {
   }
 
   found(): Found {
-    const { mode, steps_only } = this.scene.settings;
-    const [first = 0, second = first] = this.scene.frame_numbers;
-    const { state, done, pairs, colliding, start } = this;
-    return { state, done, total: this.scene.steps, pairs, colliding, start, stepsOnly: steps_only === true, statistical: mode === 'paper', single: this.scene.frames === 1, poses: this.poses, assumed: this.scene.assumed, untested: untestedText(this.scene.settings, this.scene.objects, second - first) + (this.still && `; ${this.still}`) };
+    const { answer, done, pairs, start, state } = this;
+    return { state, done, total: this.scene.steps, pairs, start, single: this.scene.frames === 1, poses: this.poses, assumed: this.scene.assumed, answer };
   }
 
   /** The next step with collisions in a direction, or kStart; null if there is none. */
@@ -95,14 +86,15 @@ export class Check {
         this.bounds.push({ low: step.low, high: step.high });
         this.pairs += collisionsOf(step);
         this.listed += step.listed;
-        if (collisionsOf(step) > 0) ++this.colliding;
-        else if (this.colliding === 0) ++this.contactFree;
+        const kind = this.kindOf(step);
+        if (kind === 'free') ++this.free;
+        if (kind === 'calm') this.calm = true;
       }
       this.start = answer.start;
       // The program may be done while the last thousand steps are still to be fetched.
       this.state = answer.state === 'done' && this.steps.length < answer.done ? 'running' : answer.state;
       this.error = answer.error ?? '';
-      this.still = answer.still;
+      this.answer = answer.verdict;
       this.total = answer.total;
       this.done = Math.max(answer.done, this.steps.length);
       this.changed(from);

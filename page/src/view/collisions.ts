@@ -69,9 +69,8 @@ export class CollisionPanel {
     if (!this.check.poses) this.showStart(crossings);
     if (step) this.showStep(step, pairs);
     else this.say(this.check.state === 'running' ? 'Not checked yet' : 'Not checked', '', this.check.state === 'running' ? '' : `${stoppedText(this.check.found())}.`);
-    // Green is for a check that finds nothing at all.
     const kind = step ? this.check.kindOf(step) : 'open';
-    this.head.dataset['kind'] = kind === 'free' && this.check.verdict().kind !== 'free' ? 'calm' : kind;
+    this.head.dataset['kind'] = kind;
     this.listPairs(crossings?.items ?? kNone, step && pairs?.step === step.number ? pairs.items : kNone);
   }
 
@@ -81,7 +80,7 @@ export class CollisionPanel {
     this.start.classList.toggle('hit', check.startsCrossing);
     this.start.disabled = !check.startsCrossing;
     if (check.start) setText(this.startText, [`${startText(check.start, this.scene.frames === 1)}.`, ...leftOut(check.start.listed, check.start.crossings, crossings)].join(' '));
-    else if (check.found().stepsOnly) setText(this.startText, `${capital(kStartNotTested)}.`);
+    else if (this.scene.settings['steps_only'] === true) setText(this.startText, `${capital(kStartNotTested)}.`);
     else setText(this.startText, check.state === 'running' ? `Frame ${first} is not checked yet.` : `Frame ${first} was not checked.`);
   }
 
@@ -91,15 +90,9 @@ export class CollisionPanel {
     const single = this.scene.frames === 1 && !poses;
     const where = stepText(step, this.scene.substeps);
     const kind = this.check.kindOf(step);
-    if (kind === 'free') this.say(single || poses ? 'Nothing crosses' : 'Nothing collides up to here', where, '');
-    else if (kind === 'hit') this.say(single ? counted(count, 'pair in contact', 'pairs in contact') : counted(count, `${wordsOf(poses).colliding} pair`), where, this.details(step, pairs));
-    else this.say(single ? 'No other contact' : 'No new contact in this step', where, single ? '' : this.whyNotFree());
-  }
-
-  /** Why a step without a contact is not free of collisions. */
-  private whyNotFree(): string {
-    if (this.check.startsCrossing) return 'A step finds new contacts. Triangles that cross from the start can go on crossing without any.';
-    return this.check.start ? 'A step finds new contacts. Parts that collided before may be inside each other now.' : 'A step finds new contacts. Crossings from the start were not tested.';
+    if (kind === 'free') this.say(single || poses ? 'Nothing crosses' : 'Nothing is inside and nothing meets', where, '');
+    else if (count > 0) this.say(single ? counted(count, 'pair in contact', 'pairs in contact') : counted(count, `${wordsOf(poses).colliding} pair`), where, this.details(step, pairs));
+    else this.say(single ? 'No other contact' : 'No new contact in this step', where, single ? '' : kind === 'hit' ? 'What is inside stays there: see Contacts.' : 'It is not known whether parts are inside each other.');
   }
 
   private listPairs(crossings: Pair[], contacts: Pair[]): void {

@@ -1,11 +1,13 @@
-// A card per contact, the worst first.
+// A card for contacts of the same two parts, the worst first.
 import { counted, grouped } from '../shared/format';
 import { el, setText } from '../shared/dom';
-import { unlistedText, worstOf, type Contact } from '../shared/contact';
+import { unlistedText, worstOf, type Contact, type Group } from '../shared/contact';
 import { kBetweenNotTested, wordsOf } from '../shared/words';
 import type { SceneInfo } from './api';
 import type { Check } from './check';
 import { framesText, type Contacts } from './contacts';
+
+const kTimes = 24; // listed on a card
 
 type Kind = 'all' | 'deep' | 'curve' | 'touch';
 const kKinds: [Kind, string][] = [
@@ -15,7 +17,7 @@ const kKinds: [Kind, string][] = [
   ['touch', 'only touching'],
 ];
 
-const kindOf = (contact: Contact): Kind => (contact.frames.length === 0 ? 'touch' : contact.depth === null ? 'curve' : 'deep');
+const kindOf = (contact: Contact): Kind => (contact.touching ? 'touch' : contact.depth === null ? 'curve' : 'deep');
 const sidesOf = (contact: Contact): string => contact.sides.map(({ name }) => name).join(' – ');
 
 export class ContactPanel {
@@ -27,7 +29,7 @@ export class ContactPanel {
   private readonly sides = el('select', { 'aria-label': 'Between which' });
   private readonly kinds = el('select', { 'aria-label': 'Of which kind' });
   private readonly list = el('div', { className: 'cards', role: 'listbox', 'aria-label': 'Contacts' });
-  private cards = new Map<number, HTMLElement>();
+  private cards = new Map<Group, HTMLElement>();
   private listed: Contact[] | null = null;
 
   constructor(
@@ -45,7 +47,11 @@ export class ContactPanel {
   show(chosen: number | null): void {
     if (this.contacts.items !== this.listed) this.build();
     else this.showHead();
-    for (const [index, card] of this.cards) card.setAttribute('aria-selected', String(index === chosen));
+    const group = chosen === null ? null : this.contacts.groupOf(this.contacts.items[chosen]!);
+    for (const [each, card] of this.cards) {
+      card.setAttribute('aria-selected', String(each === group));
+      for (const one of card.querySelectorAll<HTMLElement>('[data-index]')) one.setAttribute('aria-pressed', String(Number(one.dataset['index']) === chosen));
+    }
   }
 
   private showHead(): void {
@@ -57,7 +63,7 @@ export class ContactPanel {
     if (state === 'known') {
       const hit = check.pairs > 0 || check.startsCrossing;
       if (total === 0 && !hit) title = 'No contacts';
-      if (total > 0) title = `${this.shown < this.cards.size ? `${grouped(this.shown)} of ` : ''}${counted(total, 'contact')}, the worst first`;
+      if (total > 0) title = `${this.shown < this.listed!.length ? `${grouped(this.shown)} of ` : ''}${counted(total, 'contact')}, the worst first`;
       if (total > contacts.items.length) notes.push(`The worst ${grouped(contacts.items.length)} are listed; foldproof check --contacts prints all.`);
       if (check.listed < check.pairs) notes.push(unlistedText(check.listed, check.pairs, check.poses));
       if (unknownFrames > 0) notes.push(`What crosses is not known in ${counted(unknownFrames, 'frame')}: too many pairs, or not tested.`);
@@ -77,56 +83,82 @@ export class ContactPanel {
   /** What it means that nothing was found. */
   private nothing(): string {
     const { check } = this;
-    if (check.verdict().kind !== 'free' || check.found().untested !== '') return 'No contacts among what was tested.';
+    if (check.answer?.kind !== 'free' || !check.answer.whole) return 'No contacts among what was tested.';
     return check.poses ? 'Nothing crosses in any frame.' : 'Nothing touches or crosses at any time.';
   }
 
   private build(): void {
     this.listed = this.contacts.items;
     const options = (label: string, names: string[]) => el('optgroup', { label }, ...[...new Set(names)].sort().map((name) => el('option', { value: name }, name)));
-    const pairs = this.listed.map(sidesOf);
+    const pairs = this.contacts.groups.map(({ contacts }) => sidesOf(contacts[0]!));
     this.sides.replaceChildren(
       el('option', { value: '' }, 'between all'),
       options('of', this.listed.flatMap(({ sides }) => sides.map(({ name }) => name))),
       options('between', pairs),
     );
     this.sides.hidden = new Set(pairs).size < 2;
-    this.filters.hidden = this.listed.length < 3;
-    this.cards = new Map(this.listed.map((contact, index) => [index, this.card(contact, index)]));
+    this.filters.hidden = this.contacts.groups.length < 3;
+    this.cards = new Map(this.contacts.groups.map((group) => [group, this.card(group)]));
     this.filter();
   }
 
   private filter(): void {
-    const shown = [...this.cards].filter(([index]) => {
-      const contact = this.listed![index]!;
+    const shown = [...this.cards].filter(([{ contacts }]) => {
+      const contact = contacts[0]!;
       const between = ['', sidesOf(contact), ...contact.sides.map(({ name }) => name)];
       return between.includes(this.sides.value) && ['all', kindOf(contact)].includes(this.kinds.value);
     });
-    this.shown = shown.length;
+    this.shown = shown.reduce((sum, [{ contacts }]) => sum + contacts.length, 0);
     this.list.replaceChildren(...shown.map(([, card]) => card));
     this.showHead();
     if (shown.length === 0 && this.cards.size > 0) this.list.append(el('p', { className: 'note' }, 'None is like that.'));
   }
 
-  private card(contact: Contact, index: number): HTMLElement {
+  private card(group: Group): HTMLElement {
+    const { contacts, often } = group;
+    const contact = contacts[0]!;
+    const index = this.contacts.items.indexOf(contact);
     const worst = worstOf(contact);
-    const facts = [framesText(contact)];
-    if (worst && contact.frames.length > 1) facts.push(`worst ${worst.time}`);
+    const facts = [often || framesText(contact)];
+    if (worst && (often || contact.frames.length > 1)) facts.push(`worst in frame ${worst.time}`);
     if (worst) facts.push(counted(worst.triangles, 'triangle'));
-    const notes = [contact.from_start && !this.check.poses && 'from the start', contact.folded && 'folded onto itself', contact.pierces && 'pierces', worst && !contact.pierces && contact.depth === null && 'no depth: its curve encloses no region'].filter((note) => note !== false && note !== undefined);
-    return el(
-      'button',
-      { type: 'button', className: 'contact', role: 'option', 'data-contact': String(contact.number), onclick: () => this.choose(index) },
-      el('span', { className: 'number' }, `#${contact.number}`),
-      el('b', { className: 'size' }, this.contacts.sizeText(contact)),
+    const notes = [contact.from_start && !this.check.poses && 'from the start', contact.folded && 'folded onto itself', contact.pierces && 'pierces'].filter((note) => note !== false && note !== undefined);
+    const card = el(
+      'div',
+      { className: 'contact', role: 'option', tabIndex: 0, 'data-contact': String(contact.number), onclick: () => this.choose(index) },
       el('strong', {}, this.contacts.title(contact)),
+      el('b', { className: 'size' }, this.contacts.sizeText(contact)),
       el('span', { className: 'facts' }, facts.join(' · ')),
       notes.length > 0 && el('small', {}, notes.join(', ')),
+      contacts.length > 1 && this.occurrences(contacts),
     );
+    card.addEventListener('keydown', (event) => {
+      if (event.target !== card || (event.key !== 'Enter' && event.key !== ' ')) return;
+      event.preventDefault();
+      event.stopPropagation();
+      this.choose(index);
+    });
+    return card;
+  }
+
+  /** A button for each time that two parts meet, in order. */
+  private occurrences(contacts: Contact[]): HTMLElement {
+    const box = el('span', { className: 'times' });
+    const shown = [...contacts].sort((a, b) => a.first_time - b.first_time).slice(0, kTimes);
+    for (const contact of shown) {
+      const index = this.contacts.items.indexOf(contact);
+      const choose = (event: Event) => {
+        event.stopPropagation();
+        this.choose(index);
+      };
+      box.append(el('button', { type: 'button', 'data-index': String(index), title: `${framesText(contact)}: ${this.contacts.sizeText(contact)}`, onclick: choose }, framesText(contact).replace(/^frames? /, '')));
+    }
+    if (contacts.length > kTimes) box.append(el('small', {}, `and ${contacts.length - kTimes} more`));
+    return box;
   }
 
   /** Brings a card into sight. */
   reveal(index: number): void {
-    this.cards.get(index)?.scrollIntoView({ block: 'nearest' });
+    this.cards.get(this.contacts.groupOf(this.contacts.items[index]!))?.scrollIntoView({ block: 'nearest' });
   }
 }

@@ -1,17 +1,19 @@
 // The contacts that the check found, the worst first. They are known when it has ended.
 import { short } from '../shared/format';
-import { namesText, placeText, touchText, worstOf, type Contact, type ContactFrame } from '../shared/contact';
+import { depthText, groupsOf, namesText, placeText, touchText, worstOf, type Contact, type ContactFrame, type Group } from '../shared/contact';
+import type { Up } from '../shared/upright';
 import { ApiError, getJson, type ContactsAnswer, type SceneInfo } from './api';
 
 const kPage = 1000;
 
 export class Contacts {
   items: Contact[] = [];
+  groups: Group[] = []; // of the items, by the same two parts
   total = 0;
   unknownFrames = 0;
   notices: string[] = []; // to be read before the list
   state: 'waiting' | 'loading' | 'known' | 'none' = 'waiting'; // none: not looked for, or the check was stopped
-  private readonly details = new Map<number, Contact>();
+  private readonly details = new Map<string, Contact>();
 
   constructor(
     private readonly scene: SceneInfo,
@@ -26,6 +28,7 @@ export class Contacts {
     try {
       const { searched, unknown_frames, notices, total, items } = await getJson<ContactsAnswer>(`contacts?limit=${kPage}`);
       this.items = items;
+      this.groups = groupsOf(items);
       this.total = total;
       this.unknownFrames = unknown_frames;
       this.notices = notices;
@@ -37,12 +40,13 @@ export class Contacts {
     this.changed();
   }
 
-  /** A contact of the list with its triangles and curves. */
-  async detail(index: number): Promise<Contact> {
-    let contact = this.details.get(index);
+  /** A contact of the list with its triangles, its curves and the direction from which it is seen. */
+  async detail(index: number, up: Up): Promise<Contact> {
+    const key = `${index}?up=${up}`;
+    let contact = this.details.get(key);
     if (!contact) {
-      contact = await getJson<Contact>(`contacts/${index}`);
-      this.details.set(index, contact);
+      contact = await getJson<Contact>(`contacts/${key}`);
+      this.details.set(key, contact);
     }
     return contact;
   }
@@ -79,16 +83,20 @@ export class Contacts {
     return found;
   }
 
-  private get unit(): string {
-    const unit = this.scene.settings['unit'];
-    return typeof unit === 'string' && unit !== '' ? ` ${unit}` : '';
-  }
-
-  /** "0.0843 cm deep", or how long the curve is where there is no depth. */
+  /** How large it is, in a few words. */
   sizeText(contact: Contact, frame = worstOf(contact)): string {
     if (!frame) return touchText(this.unknownFrames, this.scene.frames === 1);
-    if (frame.depth !== null) return `${short(frame.depth)}${this.unit} deep`;
-    return `curve ${short(frame.curve_length)}${this.unit} long`;
+    return depthText(frame, String(this.scene.settings['unit'] ?? ''));
+  }
+
+  groupOf(contact: Contact): Group {
+    return this.groups.find(({ contacts }) => contacts.includes(contact))!;
+  }
+
+  /** The contact of a group that is at a position, else the nearest one. */
+  nearest({ contacts }: Group, position: number): number {
+    const away = ({ first_time, last_time }: Contact) => Math.max(0, this.positionOf(first_time) - position, position - this.positionOf(last_time));
+    return this.items.indexOf(contacts.reduce((best, contact) => (away(contact) < away(best) ? contact : best)));
   }
 
   /** The names of the two sides, where they differ. */
@@ -99,9 +107,7 @@ export class Contacts {
 
   /** The names of the two sides as one; what is within the only object is named by its place. */
   title(contact: Contact): string {
-    const { objects } = this.scene;
-    const within = contact.sides.every(({ name }) => name === objects[0]!.name);
-    return objects.length === 1 && within ? `at ${placeText(contact)}` : namesText(contact);
+    return this.scene.objects.length === 1 && !contact.named ? `at ${placeText(contact)}` : namesText(contact);
   }
 }
 

@@ -58,7 +58,7 @@ export class ContactView {
     }
     if (points.length === 0) return;
     // White with a dark rim is seen on every color.
-    for (const [color, width, order] of [[0x14191d, 5, 5], [0xffffff, 2.2, 6]] as const) {
+    for (const [color, width, order] of [[0x14191d, 3.6, 8], [0xffffff, 1.6, 9]] as const) {
       const material = new LineMaterial({ color, linewidth: width, depthTest: false, transparent: true });
       const line = new LineSegments2(new LineSegmentsGeometry().setPositions(points), material);
       line.frustumCulled = false;
@@ -105,12 +105,9 @@ export class ContactView {
     stage.focus = { point: place, radius: this.radius, sides: [a!, b!] };
   }
 
-  /** The direction to look from: along its normal, from the side on which the camera is. Null without a normal. */
+  /** The direction to look from: the program's, from which both sides and the curve are seen. */
   direction(): THREE.Vector3 | null {
-    const normal = new THREE.Vector3(...(this.contact!.normal as [number, number, number]));
-    if (normal.lengthSq() === 0) return null;
-    const { axis, direction } = this.stage.camera;
-    if (normal.dot(direction) < 0) normal.negate();
-    return new THREE.Vector3(...directionAlong(normal.toArray(), axis)).normalize();
+    const { view } = this.contact!;
+    return view ? new THREE.Vector3(...directionAlong(view, this.stage.camera.axis)).normalize() : null;
   }
 }

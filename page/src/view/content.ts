@@ -24,7 +24,6 @@ export class Content {
   /** The step whose answer for the triangles is shown; -1 for none. */
   shownFaces = -1;
   counts: FaceCounts | null = null;
-  both = false; // a triangle collides and crosses
   private readonly boxes: Boxes[] = [];
   private readonly keys: (THREE.Group | null)[] = [];
   private readonly points: ContactPoints;
@@ -99,7 +98,7 @@ export class Content {
     this.surfaces[object]!.pose(pose, pose, 0);
     this.surfaces.forEach((surface, i) => {
       surface.mesh.visible = i === object;
-      surface.paint({ ...layers, paint: 'plain', collisions: false, crossings: false, errorScale: 1, edgeColor: edgeColor() });
+      surface.paint({ ...layers, paint: 'plain', collisions: false, meets: false, errorScale: 1, edgeColor: edgeColor() });
     });
   }
 
@@ -124,6 +123,7 @@ export class Content {
         this.errors.measure(k, i, a.parts[i]!, pa!.parts[i]!);
       }
       surface.pose(shown[0], shown[1], clock.blend);
+      surface.showEnd(clock.t >= 0.5);
       surface.mesh.visible = state.visible[i]!;
       const paint = state.paint === 'error' && !hasPrediction ? 'plain' : state.paint;
       surface.paint({ ...state, paint, errorScale: this.errors.scale, edgeColor: edgeColor() });
@@ -138,7 +138,6 @@ export class Content {
     this.shownFaces = parts ? step : -1;
     if (!parts) this.counts = null;
     else if (changed || !this.counts) this.counts = countFaces(parts, this.scene.objects.map(({ triangles }) => triangles));
-    if (changed || !parts) this.both = parts !== null && this.surfaces.some((surface, i) => parts[i]!.subarray(0, surface.info.triangles).some((collides, face) => collides !== 0 && surface.crosses(face)));
   }
 
   showPoints(pairs: PairsOfStep | undefined, visible: boolean, clock: Clock): void {

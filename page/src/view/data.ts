@@ -1,7 +1,7 @@
 // All streamed data: frames, predictions, answers per triangle, boxes. Its size is bounded.
 import { collisionsOf } from '../shared/steps';
 import { getFloats, GoneError, type SceneInfo } from './api';
-import type { Check } from './check';
+import { insideOf, type Check } from './check';
 import type { LayerState } from './layers';
 import { Ring } from './ring';
 import { faceBytesOf, floatsOf } from './surface';
@@ -61,8 +61,8 @@ export class Data {
   needsFaces(step: number): boolean {
     const answer = this.check.steps[step];
     if (!answer) return false;
-    const { paint, collisions } = this.layers();
-    return paint === 'level' || paint === 'margin' || (collisions && collisionsOf(answer) > 0);
+    const { paint, collisions, meets } = this.layers();
+    return paint === 'level' || paint === 'margin' || (collisions && insideOf(answer) > 0) || (meets && collisionsOf(answer) > 0);
   }
 
   bytes(): number {

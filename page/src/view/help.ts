@@ -18,7 +18,7 @@ const keysOf = (poses: boolean, { step, collisions, orStart } = wordsOf(poses)):
   ['W A S D with Shift', 'orbit'],
   ['+ −', 'zoom'],
   ['V', 'next color of the surface'],
-  poses ? ['C K B E X', 'crossings, key points, boxes, edges, see through'] : ['C O T K B E X', 'collisions, crossings of the start, contact points, key points, boxes, edges, see through'],
+  poses ? ['C K B E X', 'what is inside, key points, boxes, edges, see through'] : ['C M T K B E X', 'what is inside now, what meets in the step, contact points, key points, boxes, edges, see through'],
   ['D', 'light or dark'],
   ['L', 'legend'],
   ['?', 'this help'],
@@ -26,7 +26,7 @@ const keysOf = (poses: boolean, { step, collisions, orStart } = wordsOf(poses)):
 
 const kMotionHelp = [
   'Between two frames every vertex moves along a straight line; this motion is checked and shown. A time of impact is a share of the step: 0 at its start, 1 at its end.',
-  'A step finds new contacts. Triangles that cross in the first frame and move together make none. So the first frame is tested for crossing triangles, and a step is green only if that frame is free and nothing has collided since.',
+  'Red is what goes through something, or is inside it, at the time that is shown: it is known exactly for every frame, and between two frames that of the nearer one is shown. Pink is what meets during the step. A step is green if nothing is inside at its begin and nothing meets in it.',
 ];
 const kPosesHelp = [`${kBetweenNotTested} A frame is green if no two triangles cross in it; this is decided exactly.`];
 

@@ -1,5 +1,6 @@
 // A card over the timeline: the frame under the pointer, its contacts, and a small picture.
 import { el } from '../shared/dom';
+import { namesText, type Contact } from '../shared/contact';
 import { counted } from '../shared/format';
 import { collisionsOf } from '../shared/steps';
 import { wordsOf } from '../shared/words';
@@ -29,7 +30,7 @@ export class HoverCard {
 
   show(position: number, x: number, width: number, lane: number | null): void {
     const frame = Math.round(position);
-    this.text.replaceChildren(el('strong', {}, `frame ${this.scene.frame_numbers[frame] ?? frame}`), ...this.lines(frame, lane));
+    this.text.replaceChildren(el('strong', {}, this.scene.frame_names[frame] ?? `frame ${this.scene.frame_numbers[frame] ?? frame}`), ...this.lines(frame, lane));
     this.element.hidden = false;
     this.element.style.left = `${Math.min(Math.max(0, x - kWidth / 2), Math.max(0, width - kWidth - 16))}px`;
     clearTimeout(this.timer);
@@ -53,9 +54,9 @@ export class HoverCard {
       const all = parts.every((step) => step !== undefined);
       return [el('span', {}, pairs > 0 ? counted(pairs, `${wordsOf(poses).colliding} pair`) : all ? none : 'not checked')];
     }
-    const first = found.filter(({ index }) => index === lane);
-    const listed = [...first, ...found.filter(({ index }) => index !== lane)].slice(0, kMaxLines);
-    const lines = listed.map(({ contact, frame }) => el('span', {}, `#${contact.number} ${this.contacts.sizeText(contact, frame ?? undefined)}`));
+    const ofLane = ({ contact }: { contact: Contact }) => contact.group === lane;
+    const listed = [...found.filter(ofLane), ...found.filter((each) => !ofLane(each))].slice(0, kMaxLines);
+    const lines = listed.map(({ contact, frame }) => el('span', {}, `${contact.named ? namesText(contact) : `#${contact.number}`}: ${this.contacts.sizeText(contact, frame ?? undefined)}`));
     if (found.length > kMaxLines) lines.push(el('span', {}, `and ${found.length - kMaxLines} more`));
     return lines;
   }

@@ -71,8 +71,7 @@ export class Inspector {
     this.card.hidden = this.chosen === null;
     if (!this.chosen) return;
     const { object, face } = this.chosen;
-    const crosses = this.surfaces[object]!.crosses(face);
-    const key = `${object}/${face}/${step}/${faces !== null}/${crosses}`;
+    const key = `${object}/${face}/${step}/${faces !== null}`;
     if (key === this.shown && !this.changed) return;
     this.shown = key;
     this.changed = false;
@@ -82,7 +81,6 @@ export class Inspector {
       el('button', { className: 'quiet close', type: 'button', title: 'Close (Escape)', 'aria-label': 'Close', onclick: () => this.close() }, '×'),
       el('strong', {}, `Triangle ${face}${this.scene.objects.length > 1 ? ` of ${info.name}` : ''}`),
       el('span', {}, `vertices ${corners} `, copyButton(`triangle ${face}, vertices ${corners}`)),
-      ...(crosses ? [el('span', {}, `Crosses another triangle in frame ${this.scene.frame_numbers[0] ?? 0}.`)] : []),
       el('span', {}, faces ? this.proof(faces[object]!, face, info.triangles) : `Choose a proof color or a ${this.words.step} with ${this.words.collisions} to see what is known of it`),
     );
   }
@@ -90,8 +88,10 @@ export class Inspector {
   private proof(data: Uint8Array, face: number, n: number): string {
     const reason = kReasons[this.scene.reasons[data[n + face]!] ?? ''];
     const level = (data[2 * n + face]! << 24) >> 24;
-    const { step, collisions, collides } = this.words;
-    const parts = [`${data[face] !== 0 ? capital(collides) : `No ${collisions}`} in this ${step}.`, `${reason?.title ?? 'Unknown'}${level >= 0 ? `, level ${level}` : ''}`];
+    const { step, collisions } = this.words;
+    const marks = data[face]!;
+    const does = [marks & 6 && 'is inside or crosses', marks & 1 && 'meets another'].filter(Boolean).join(' and ');
+    const parts = [`${does ? capital(does) : `No ${collisions}`} in this ${step}.`, `${reason?.title ?? 'Unknown'}${level >= 0 ? `, level ${level}` : ''}`];
     if (level >= 0) parts.push(`margin ${(data[3 * n + face]! / 255).toFixed(2)}`);
     return `${parts[0]} ${parts.slice(1).join(', ')}.`;
   }

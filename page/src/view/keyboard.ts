@@ -48,7 +48,7 @@ export function keyActions({ clock, help, layers, layout, navigator, options, st
     '+': () => camera.zoom(0.85), '=': () => camera.zoom(0.85), '-': () => camera.zoom(1.18),
     z: () => options.turn(options.state.up === 'y' ? 'z' : 'y'),
     v: () => layers.cyclePaint(),
-    c: () => layers.toggle('collisions'), o: () => layers.toggle('crossings'), t: () => layers.toggle('contacts'), k: () => layers.toggle('keyPoints'),
+    c: () => layers.toggle('collisions'), m: () => layers.toggle('meets'), t: () => layers.toggle('contacts'), k: () => layers.toggle('keyPoints'),
     b: () => layers.toggle('boxes'), e: () => layers.toggle('edges'), x: () => layers.toggle('seeThrough'),
     d: toggleTheme, l: () => layout.legend.classList.toggle('closed'), '?': () => help.showModal(),
   };

@@ -9,7 +9,7 @@ export type ShapeSource = 'motion' | 'prediction';
 export interface LayerState {
   paint: Paint;
   collisions: boolean;
-  crossings: boolean;
+  meets: boolean;
   contacts: boolean;
   keyPoints: boolean;
   boxes: boolean;
@@ -20,23 +20,23 @@ export interface LayerState {
   visible: boolean[];
 }
 
-type Switch = 'collisions' | 'crossings' | 'contacts' | 'keyPoints' | 'boxes' | 'edges' | 'seeThrough';
+type Switch = 'collisions' | 'meets' | 'contacts' | 'keyPoints' | 'boxes' | 'edges' | 'seeThrough';
 
 const kSwitches: [Switch, string, string, string][] = [
-  ['collisions', 'Collisions', 'C', 'triangles that take part in a collision, red; hidden ones shine through'],
-  ['crossings', 'Crossings from the start', 'O', 'triangles that cross in the first frame, hatched pink'],
+  ['collisions', 'Inside now', 'C', 'triangles that cross others or are inside them at this time, red; hidden ones shine through'],
+  ['meets', 'Meets in this step', 'M', 'triangles that meet others during the step, pink'],
   ['contacts', 'Contact points', 'T', 'where pairs touch, colored by time of impact; seen from near'],
   ['keyPoints', 'Key points', 'K', 'the vertices that determine the shape'],
   ['boxes', 'Boxes of the hierarchy', 'B', 'the bounding boxes that the broad phase tests'],
   ['edges', 'Edges of triangles', 'E', ''],
-  ['seeThrough', 'See through', 'X', 'collisions and crossings stay solid'],
+  ['seeThrough', 'See through', 'X', 'what is red or pink stays solid'],
 ];
 
 /** Those of poses: no pose follows from the first, and nothing in it moves into contact. */
 const kPoseSwitches: typeof kSwitches = [
-  ['collisions', 'Crossings', 'C', 'triangles that cross in this frame, red; hidden ones shine through'],
+  ['collisions', 'Inside', 'C', 'triangles that cross others or are inside them in this frame, red; hidden ones shine through'],
   ...kSwitches.filter(([name]) => name === 'keyPoints' || name === 'boxes' || name === 'edges'),
-  ['seeThrough', 'See through', 'X', 'crossings stay solid'],
+  ['seeThrough', 'See through', 'X', 'what is red stays solid'],
 ];
 
 const kPaints: [Paint, string, string][] = [
@@ -47,14 +47,13 @@ const kPaints: [Paint, string, string][] = [
 ];
 
 /** Why layers are unavailable; empty if they are available. */
-export function whyNot(scene: SceneInfo): { keyPoints: string; error: string; crossings: string } {
+export function whyNot(scene: SceneInfo): { keyPoints: string; error: string } {
   const model = scene.objects.some((object) => object.model);
   const learned = scene.objects.some((object) => (object.model?.key_points.length ?? 0) > 0);
   const missing = model ? 'The model has learned no key points; train one with foldproof train.' : 'Needs a model: start with --model FILE (foldproof train makes one).';
   return {
     keyPoints: learned ? '' : missing,
     error: learned ? '' : missing,
-    crossings: scene.settings['steps_only'] === true ? 'Not tested: start without --steps-only.' : '',
   };
 }
 
@@ -76,7 +75,7 @@ export class LayerPanel {
     this.state = {
       paint: 'plain',
       collisions: true,
-      crossings: true,
+      meets: !this.poses,
       contacts: !this.poses,
       keyPoints: false,
       boxes: false,
@@ -103,7 +102,7 @@ export class LayerPanel {
     }
     const marks = el('fieldset', {}, el('legend', {}, 'Shown'));
     for (const [name, title, key, help] of this.poses ? kPoseSwitches : kSwitches) {
-      const reason = name === 'keyPoints' ? why.keyPoints : name === 'crossings' ? why.crossings : '';
+      const reason = name === 'keyPoints' ? why.keyPoints : '';
       const input = el('input', { type: 'checkbox', checked: this.state[name], disabled: reason !== '', 'data-layer': name });
       input.addEventListener('change', () => this.set(name, input.checked));
       this.switches.set(name, input);

@@ -1,6 +1,5 @@
 // The layout of the page.
 import { append, el, icon, setText } from '../shared/dom';
-import { counted } from '../shared/format';
 import { themeButton } from '../shared/theme';
 import type { Verdict } from '../shared/verdict';
 import type { SceneInfo } from './api';
@@ -32,7 +31,7 @@ export class Layout {
   readonly verdict = el('div', { className: 'badge', hidden: true });
   private readonly status = el('div', { className: 'status', role: 'status' });
   private readonly statusText = el('span', { className: 'text' });
-  private readonly contactText = el('b', { className: 'count', hidden: true });
+  private readonly numbers = el('span', { className: 'numbers', hidden: true });
   private readonly leads = el('span', { className: 'leads', hidden: true });
   private readonly worst: HTMLButtonElement;
   private readonly loading = el('div', { className: 'loading', role: 'status' }, 'Loading the first frame…', el('progress', {}));
@@ -54,7 +53,12 @@ export class Layout {
     const lead = (text: string, title: string, action: () => void) => el('button', { type: 'button', title, onclick: action }, text);
     this.worst = lead('Worst', 'Go to the worst contact', () => actions.worst());
     this.leads.append(lead('First', 'Go to what touches or crosses first', () => actions.first()), this.worst);
-    this.status.append(this.contactText, this.statusText, this.progress, this.leads);
+    // A click shows what it leaves out.
+    this.statusText.addEventListener('click', () => {
+      const whole = this.statusText.classList.toggle('whole');
+      this.numbers.hidden = !whole || this.numbers.textContent === '';
+    });
+    this.status.append(el('span', { className: 'said' }, this.statusText, this.numbers), this.progress, this.leads);
     this.banner.append(this.bannerText, el('button', { className: 'small', type: 'button', onclick: () => location.reload() }, 'Load again'));
     const tabBar = el('div', { className: 'tabs', role: 'tablist' });
     const body = el('div', { className: 'body' });
@@ -109,10 +113,8 @@ export class Layout {
     this.loading.hidden = true;
   }
 
-  /** How many contacts there are, null if that is not known, and whether there is a first thing to go to. */
-  lead(contacts: number | null, any: boolean): void {
-    this.contactText.hidden = !contacts;
-    setText(this.contactText, contacts ? counted(contacts, 'contact') : '');
+  /** Whether there is a worst contact, and a first thing, to go to. */
+  lead(contacts: boolean, any: boolean): void {
     this.leads.hidden = !any;
     this.worst.disabled = !contacts;
   }
@@ -137,9 +139,11 @@ export class Layout {
     return this.tab;
   }
 
-  say({ text, kind }: Verdict, share: number | null): void {
+  /** `numbers`: what a click on the text adds. */
+  say({ text, kind }: Verdict, numbers: string, share: number | null): void {
     setText(this.statusText, text);
-    this.statusText.title = text;
+    setText(this.numbers, numbers);
+    this.statusText.title = [text, numbers].filter(Boolean).join('. ');
     this.status.dataset['kind'] = kind;
     this.progress.hidden = share === null;
     if (share !== null) this.progress.value = share;

@@ -2,24 +2,27 @@
 import { css, errorColor, gradient, kBlue, kNothingToProve, kObjectColors, kOrange, kPink, kReasons, kRed, kSky, levelColor, marginColor, timeColor, type Rgb } from '../shared/colors';
 import { el } from '../shared/dom';
 import { grouped, percent, short } from '../shared/format';
-import { capital, wordsOf } from '../shared/words';
 import type { LayerState } from './layers';
 
 /** Numbers of triangles: by reason, and of certified ones by level + 1. */
 export interface FaceCounts {
   triangles: number;
-  colliding: number;
+  inside: [number, number]; // at the step's begin and its end
+  meets: number;
   reasons: number[];
   levels: number[];
 }
 
 export function countFaces(parts: Uint8Array[], triangles: number[]): FaceCounts {
-  const counts: FaceCounts = { triangles: 0, colliding: 0, reasons: new Array<number>(8).fill(0), levels: new Array<number>(129).fill(0) };
+  const counts: FaceCounts = { triangles: 0, inside: [0, 0], meets: 0, reasons: new Array<number>(8).fill(0), levels: new Array<number>(129).fill(0) };
   parts.forEach((data, i) => {
     const n = triangles[i]!;
     counts.triangles += n;
     for (let f = 0; f < n; ++f) {
-      if (data[f] !== 0) ++counts.colliding;
+      const marks = data[f]!;
+      if (marks & 1) ++counts.meets;
+      if (marks & 2) ++counts.inside[0];
+      if (marks & 4) ++counts.inside[1];
       const reason = data[n + f]!;
       counts.reasons[Math.min(reason, 7)]! += 1;
       if (reason === 0) counts.levels[((data[2 * n + f]! << 24) >> 24) + 1]! += 1;
@@ -32,8 +35,7 @@ export interface LegendState {
   layers: LayerState;
   poses: boolean; // steps are poses
   shapes: boolean; // a shape of the model is shown instead of the motion
-  start: { frame: number; faces: number | null } | null; // if something crosses in the first frame
-  both: boolean; // a triangle collides and crosses
+  end: boolean; // nearer to the step's end than to its begin
   free: boolean; // some step is proven free
   calm: boolean; // some step has no contact but is not proven free
   reasons: string[];
@@ -81,24 +83,20 @@ const mark = (kind: string, text: string): HTMLElement => el('span', { className
 /** The legend's lines for what is switched on. */
 export function legendItems(state: LegendState): HTMLElement[] {
   const { layers } = state;
-  const { step, colliding, collides } = wordsOf(state.poses);
-  const items: HTMLElement[] = [];
+    const items: HTMLElement[] = [];
   if (state.shapes) return [el('li', {}, 'A shape of the model: without motion there are no collisions or proofs of steps')];
   if (layers.source === 'prediction') items.push(el('li', {}, 'The shape is the prediction from key points'));
   if (layers.paint === 'plain' && state.objects.length > 1) {
     state.objects.forEach((name, i) => items.push(item(swatch(kObjectColors[i % kObjectColors.length]!), name)));
   }
   const striped = layers.paint !== 'plain';
-  if (layers.collisions) items.push(item(swatch(kRed, striped ? 'striped' : ''), `${capital(colliding)} triangles in this ${step}`, state.counts ? grouped(state.counts.colliding) : ''));
-  if (state.start && layers.crossings) {
-    items.push(item(swatch(kPink, 'crossing'), `Triangles that cross in frame ${state.start.frame}`, state.start.faces === null ? '' : grouped(state.start.faces)));
-    if (layers.collisions && state.both) items.push(item(swatch(kRed, 'both'), 'Both'));
-  }
+  if (layers.collisions) items.push(item(swatch(kRed, striped ? 'striped' : ''), state.poses ? 'Inside or crossing' : 'Inside or crossing now', state.counts ? grouped(state.counts.inside[state.end ? 1 : 0]) : ''));
+  if (layers.meets && !state.poses) items.push(item(swatch(kPink, striped ? 'striped' : ''), 'Meets in this step', state.counts ? grouped(state.counts.meets) : ''));
   if (layers.contacts) {
     items.push(scale(timeColor, 'Contact points, time of impact', ['0 start of step', '1 end']));
     items.push(el('li', { className: 'marks' }, 'Seen from near:', mark('diamond', 'first'), mark('square', 'last'), mark('later', 'still to come')));
   }
-  if (state.contact) items.push(...state.contact.map((name, k) => item(swatch(k === 0 ? kOrange : kBlue), `${name}, inside; pale where it crosses`)), item(el('span', { className: 'swatch curve' }), 'Where the surfaces cross, in the worst frame'));
+  if (state.contact) items.push(...state.contact.map((name, k) => item(swatch(k === 0 ? kRed : kBlue), `${name}, inside; pale where it crosses`)), item(el('span', { className: 'swatch curve' }), 'Where the surfaces cross, in the worst frame'));
   if (state.chosen) items.push(item(swatch(kOrange), 'Chosen pair: vertex, first edge or triangle'), item(swatch(kBlue), 'Chosen pair: face, second edge or triangle'));
   if (layers.paint === 'level' || layers.paint === 'margin') items.push(...proofItems(state));
   if (layers.paint === 'error' && state.error) {
@@ -107,10 +105,9 @@ export function legendItems(state: LegendState): HTMLElement[] {
   }
   if (layers.keyPoints) items.push(item(swatch(kSky, 'round'), 'Key points'));
   if (layers.boxes && state.boxFrame !== null) items.push(item(swatch(kBlue, 'box'), `Boxes, level ${layers.level}, frame ${state.boxFrame}`));
-  const marks = [mark('hit', collides), mark('open', 'unchecked')];
+  const marks = [mark('hit', 'how much is inside'), mark('meets', 'something meets'), mark('open', 'unchecked')];
   if (state.calm) marks.unshift(mark('calm', 'no new contact'));
   if (state.free) marks.unshift(mark('free', 'free'));
-  if (state.start) marks.unshift(mark('crossing', 'starts crossing'));
   items.push(el('li', { className: 'marks' }, 'Timeline:', ...marks));
   return items;
 }

@@ -27,7 +27,7 @@ function pointLayer(geometry: THREE.BufferGeometry, uniforms: Record<string, THR
     });
     const points = new THREE.Points(geometry, material);
     points.frustumCulled = false;
-    points.renderOrder = hidden ? 1 : 2;
+    points.renderOrder = hidden ? 4 : 5;
     group.add(points);
   }
   return group;
@@ -157,7 +157,7 @@ export class PairLines {
       });
       const mesh = new THREE.Mesh(geometry, material);
       mesh.frustumCulled = false;
-      mesh.renderOrder = rim ? 3 : 4;
+      mesh.renderOrder = rim ? 6 : 7;
       this.group.add(mesh);
     }
   }

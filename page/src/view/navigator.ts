@@ -155,13 +155,13 @@ export class Navigator {
     cards.reveal(index);
     this.goTo(() => clock.seekPosition(position ?? this.worstPosition(index)));
     try {
-      const contact = await contacts.detail(index);
+      const contact = await contacts.detail(index, stage.camera.axis);
       if (this.contact !== index) return; // Another was chosen meanwhile.
       content.contact.set(contact);
     } catch (error) {
       return this.failed(error);
     }
-    if (fly) this.arrival = () => stage.camera.approach(content.contact.place, 2.2 * content.contact.radius, content.contact.direction() ?? stage.camera.direction);
+    if (fly) this.arrival = () => stage.camera.approach(content.contact.place, 1.55 * content.contact.radius, content.contact.direction() ?? stage.camera.direction);
     this.changed();
   }
 

@@ -18,15 +18,19 @@ vec3 vertexPosition(int vertex) {
 }
 `;
 
-// GLOW: the second pass, which draws marked triangles that are hidden.
+// GLOW: a pass that draws marked triangles that are hidden. GHOST: the passes that draw what is see-through, over all that is
+// solid: first its depth, then its nearest layer, blended. So it is smooth, and the order of triangles does not matter.
+const kBiasText = '0.00002'; // in depth: what is marked lies before what coincides with it
 export const kSurfaceVertex = /* glsl */ `
 ${kFetch}
 in uint vertex;
 uniform sampler2D refA, refB, normalA, normalB;
-uniform usampler2D faces, crosses, contact;
+uniform usampler2D faces, contact;
 uniform int triangles;
 uniform int surface;       // 0 plain, 1 level, 2 margin, 3 error
-uniform bool hasFaces, showCollisions, showCrossings, showContact;
+uniform float order;        // in [0,1), another for each object
+uniform bool hasFaces, showInside, showMeets, showContact;
+uniform uint insideBit;     // 2 at the step's begin, 4 at its end
 uniform float errorScale;
 uniform vec3 plain, red;
 uniform vec3 reasonColors[8];
@@ -38,7 +42,7 @@ out vec3 smoothNormal;
 out vec3 corner;
 out float distanceRatio;
 flat out vec3 color;
-flat out int marked;         // 1 collides in the step, 2 crosses in the first frame, 3 both
+flat out int marked;         // 1 is inside now, 2 meets in the step
 flat out int part;           // of the chosen contact: 1 and 2 the first side, crossing and inside, 3 and 4 the second; 0 none
 
 uint faceMark(usampler2D marks, int face) {
@@ -66,8 +70,10 @@ void main() {
   color = plain;
   marked = 0;
   distanceRatio = 0.0;
+  uint marks = hasFaces ? faceData(0, face) : 0u;
+  if (showMeets && (marks & 1u) != 0u) marked = 2;
+  if (showInside && (marks & insideBit) != 0u) marked = 1;
   if (hasFaces && surface != 3) {
-    if (showCollisions && faceData(0, face) != 0u) marked = 1;
     if (surface == 1 || surface == 2) {
       int reason = int(faceData(1, face));
       int level = int(faceData(2, face));
@@ -84,12 +90,14 @@ void main() {
   if (surface == 3) {
     vec3 other = mix(at(refA, v), at(refB, v), blend) * scale;
     distanceRatio = length(p - other) / (scale * max(errorScale, 1e-30));
-    if (hasFaces && showCollisions && faceData(0, face) != 0u) marked = 1;
   }
-  if (showCrossings && faceMark(crosses, face) != 0u) marked += 2;
-  part = showContact ? int(faceMark(contact, face)) : 0;
+  // The sides of the chosen contact, where they are inside now.
+  part = showContact && (!hasFaces || (marks & insideBit) != 0u) ? int(faceMark(contact, face)) : 0;
   gl_Position = projectionMatrix * seen;
+  // Where surfaces coincide, what is marked is seen, else always the same one; and nothing shines through itself.
+  gl_Position.z -= ${kBiasText} * gl_Position.w * (marked != 0 || part != 0 ? 2.0 : order);
 #ifdef GLOW
+  gl_Position.z -= ${kBiasText} * gl_Position.w * 2.0;
   if (marked == 0 && part == 0) gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // outside of the picture
 #endif
 }
@@ -107,7 +115,7 @@ flat in vec3 color;
 flat in int marked;
 flat in int part;
 uniform int surface;
-uniform vec3 red, pink, purple, first, second;
+uniform vec3 red, pink, first, second;
 uniform vec4 focus;          // the chosen contact: its place before the eye and its radius; radius 0: none
 uniform int nearSide;        // its side that is nearer to the eye, 1 or 2
 uniform vec4 clip;           // what is beyond this plane is cut away
@@ -122,13 +130,6 @@ float matcap(vec3 n) {
   float rim = pow(1.0 - abs(n.z), 3.0);
   return 0.42 + 0.5 * key + 0.1 * n.y + 0.1 * pow(key, 24.0) + 0.1 * rim;
 }
-/** Keeps a share of the pixels in an ordered pattern, so that surfaces behind are visible in any drawing order. */
-bool kept(float share) {
-  ivec2 at = ivec2(gl_FragCoord.xy) & 3;
-  int low = (at.x & 1) ^ (at.y & 1), high = (at.x >> 1) ^ (at.y >> 1);
-  int rank = 8 * low + 4 * (at.y & 1) + 2 * high + (at.y >> 1);
-  return (float(rank) + 0.5) / 16.0 < share;
-}
 /** How solid what is between the eye and the chosen contact is: least before its middle. */
 float solidBefore() {
   if (focus.w == 0.0 || eye.z < focus.z) return 1.0;
@@ -138,12 +139,18 @@ float solidBefore() {
 void main() {
   if (dot(place, clip.xyz) > clip.w) discard;
   bool stripe = mod(gl_FragCoord.x + gl_FragCoord.y, 9.0) < 4.5;
+  float solid = 1.0;
 #ifdef GLOW
   if (part != 0 && focus.w > 0.0) discard; // What is before the chosen contact is see-through already.
 #else
-  if (part == 0 && !kept(solidBefore())) discard;
-  if (part != 0 && (part + 1) / 2 == nearSide && !kept(0.5)) discard;
-  if (seeThrough && marked == 0 && part == 0 && !kept(0.5)) discard;
+  solid = part == 0 ? solidBefore() : (part + 1) / 2 == nearSide ? 0.65 : 1.0;
+  if (seeThrough && marked == 0 && part == 0) solid = min(solid, 0.35);
+#ifdef GHOST
+  if (solid > 0.99) discard;
+#else
+  if (solid <= 0.99) discard;
+  solid = 1.0;
+#endif
 #endif
   vec3 base = color;
   if (surface == 3) {
@@ -151,12 +158,10 @@ void main() {
     int k = min(int(e), 7);
     base = mix(errorRamp[k], errorRamp[k + 1], e - float(k));
   }
-  // Over meaningful colors, collisions are striped to distinguish them.
-  if (marked == 1) base = surface == 0 || stripe ? red : vec3(1.0);
-  // Crossings from the start are hatched the other way and dark, which distinguishes them from collisions in a step.
-  if (marked >= 2) base = mod(gl_FragCoord.x - gl_FragCoord.y, 10.0) < 4.0 ? purple : marked == 2 ? pink : red;
+  // Over meaningful colors, marks are striped to distinguish them.
+  if (marked != 0) base = surface == 0 || stripe ? (marked == 1 ? red : pink) : vec3(1.0);
   if (part != 0) base = part < 3 ? first : second;
-  if (part == 1 || part == 3) base = mix(base, vec3(1.0), 0.45);
+  if (part == 1 || part == 3) base = mix(base, vec3(1.0), 0.25);
 #ifdef GLOW
   result = vec4(base, 0.4);
   return;
@@ -166,8 +171,8 @@ void main() {
   normal = size > 0.0 ? normal / size : vec3(0.0, 0.0, 1.0);
   vec3 bent = dot(smoothNormal, smoothNormal) > 0.0 ? normalize(smoothNormal) : normal;
   if (dot(bent, normal) < 0.0) bent = -bent;
-  // Sharp edges stay sharp.
-  if (dot(bent, normal) > 0.7) normal = bent;
+  // Sharp edges stay sharp. The change is gradual: else rims of closed tubes, where it is near, shimmer.
+  normal = normalize(mix(normal, bent, smoothstep(0.6, 0.95, dot(bent, normal))));
   vec3 shaded = base * min(matcap(normal), 1.12);
   if (!gl_FrontFacing) shaded *= 0.72;
   if (edges) {
@@ -178,7 +183,7 @@ void main() {
     float strength = 1.0 - smoothstep(0.15, 0.6, max(width.x, max(width.y, width.z)));
     shaded = mix(shaded, edgeColor, 0.75 * line * strength);
   }
-  result = vec4(min(shaded, 1.0), 1.0);
+  result = vec4(min(shaded, 1.0), solid);
 }
 `;
 

@@ -44,7 +44,7 @@ export class Stage {
     this.renderer.autoClear = false;
     this.camera = new Camera(this.canvas, parent, bounds, () => (this.dirty = true));
     this.gizmo = new Gizmo((side) => this.camera.side(side), () => this.camera.up);
-    this.marker.renderOrder = 9;
+    this.marker.renderOrder = 10;
     this.marker.visible = false;
     this.scene.add(this.ground.grid, this.marker);
     new ResizeObserver(() => this.resize()).observe(parent);
@@ -98,7 +98,7 @@ export class Stage {
       return;
     }
     const at = this.focus.point.clone().applyMatrix4(eye.matrixWorldInverse);
-    focus.value.set(at.x, at.y, at.z, 2.2 * this.focus.radius);
+    focus.value.set(at.x, at.y, at.z, 1.6 * this.focus.radius);
     const [a, b] = this.focus.sides.map((side) => side.clone().applyMatrix4(eye.matrixWorldInverse).z);
     nearSide.value = a! > b! ? 1 : 2;
   }

@@ -1,6 +1,6 @@
 // One object's surface. Positions and data of triangles are in textures, see shaders.ts.
 import * as THREE from 'three';
-import { errorColor, kBlue, kClay, kGray, kNothingToProve, kObjectColors, kOrange, kPink, kPurple, kReasons, kRed, marginColor, type Rgb } from '../shared/colors';
+import { errorColor, kBlue, kClay, kGray, kNothingToProve, kObjectColors, kPink, kReasons, kRed, marginColor, type Rgb } from '../shared/colors';
 import type { ObjectInfo } from './api';
 import { vertexNormals } from './normals';
 import { kSurfaceFragment, kSurfaceVertex } from './shaders';
@@ -98,6 +98,8 @@ export class Surface {
   readonly mesh: THREE.Mesh;
   /** Marked triangles that are hidden, shining through. */
   readonly glow: THREE.Mesh;
+  /** What is see-through: its depth, then its nearest layer. */
+  private readonly ghosts: THREE.Mesh[];
   /** Uniforms that give vertex positions, shared with marks at vertices of this object. */
   readonly positionUniforms: Record<'posA' | 'posB' | 'blend' | 'scale', THREE.IUniform>;
   private readonly material: THREE.ShaderMaterial;
@@ -105,9 +107,7 @@ export class Surface {
   private other: FramePair | null = null;
   private readonly faces: THREE.DataTexture;
   private faceSource: Uint8Array<ArrayBuffer> | null = null;
-  private readonly crossTexture = markTexture();
   private readonly contactTexture = markTexture();
-  private crossing: Uint8Array<ArrayBuffer> | null = null;
 
   constructor(
     readonly info: ObjectInfo,
@@ -139,20 +139,19 @@ export class Surface {
         refB: { value: this.shown.b.texture },
         contact: { value: this.contactTexture },
         showContact: { value: false },
-        first: { value: vec3(kOrange) },
+        first: { value: vec3(kRed) },
         second: { value: vec3(kBlue) },
         faces: { value: this.faces },
         triangles: { value: info.triangles },
         surface: { value: 0 },
         hasFaces: { value: false },
-        showCollisions: { value: true },
-        crosses: { value: this.crossTexture },
-        showCrossings: { value: false },
+        showInside: { value: true },
+        showMeets: { value: true },
+        insideBit: { value: 2 },
         errorScale: { value: 1 },
         plain: { value: vec3(kObjectColors[index % kObjectColors.length] ?? kClay) },
         red: { value: vec3(kRed) },
         pink: { value: vec3(kPink) },
-        purple: { value: vec3(kPurple) },
         nothing: { value: vec3(kNothingToProve) },
         reasonColors: { value: Array.from({ length: 8 }, (_, k) => vec3(kReasons[reasons[k] ?? '']?.color ?? kGray)) },
         marginRamp: { value: rampOf(marginColor) },
@@ -160,6 +159,7 @@ export class Surface {
         edges: { value: false },
         edgeColor: { value: new THREE.Vector3(0.08, 0.1, 0.12) },
         seeThrough: { value: false },
+        order: { value: (index % 8) / 8 },
       },
     });
     const geometry = new THREE.BufferGeometry();
@@ -183,6 +183,20 @@ export class Surface {
     this.glow.frustumCulled = false;
     this.glow.renderOrder = 1;
     this.mesh.add(this.glow); // so that both are shown or hidden together
+    this.ghosts = [false, true].map((blended) => {
+      const material = new THREE.ShaderMaterial({ glslVersion: THREE.GLSL3, vertexShader: kSurfaceVertex, fragmentShader: kSurfaceFragment, defines: { GHOST: 1 }, uniforms: this.material.uniforms, side: THREE.DoubleSide, transparent: true, colorWrite: blended, depthWrite: !blended });
+      const ghost = new THREE.Mesh(geometry, material);
+      ghost.frustumCulled = false;
+      ghost.renderOrder = blended ? 3 : 2;
+      this.mesh.add(ghost);
+      return ghost;
+    });
+  }
+
+  /** Something is see-through only if all is, or around a chosen contact. */
+  private showGhosts(): void {
+    const { seeThrough, showContact } = this.material.uniforms;
+    for (const ghost of this.ghosts) ghost.visible = seeThrough!.value || showContact!.value;
   }
 
   private set(name: string, value: unknown): boolean {
@@ -202,6 +216,11 @@ export class Surface {
     this.positionUniforms.blend.value = blend;
   }
 
+  /** Whether to show what is inside at the end of the step rather than at its begin. */
+  showEnd(end: boolean): void {
+    this.set('insideBit', end ? 4 : 2);
+  }
+
   /** Sets the two poses from which errors are measured. */
   reference(a: Poses, b: Poses): void {
     this.other ??= new FramePair(floatsOf(this.info.vertices), null);
@@ -213,8 +232,8 @@ export class Surface {
   /** Sets the data of the triangles in the current step; null if there is none (yet). */
   setFaces(data: Uint8Array<ArrayBuffer> | null, changed: boolean): void {
     this.set('hasFaces', data !== null);
-    const { hasFaces, showCollisions, showCrossings, showContact } = this.material.uniforms;
-    this.glow.visible = (hasFaces!.value && showCollisions!.value) || showCrossings!.value || showContact!.value;
+    const { hasFaces, showInside, showMeets, showContact } = this.material.uniforms;
+    this.glow.visible = (hasFaces!.value && (showInside!.value || showMeets!.value)) || showContact!.value;
     if (data === null || (data === this.faceSource && !changed)) return;
     this.faceSource = data;
     if (this.faces.image.height !== data.length / kRow) this.faces.dispose();
@@ -222,32 +241,20 @@ export class Surface {
     this.faces.needsUpdate = true;
   }
 
-  /** Sets which triangles cross others in the first frame, one byte each. */
-  setCrossingFaces(data: Uint8Array<ArrayBuffer>): void {
-    this.crossing = data;
-    this.crossingFaces = data.reduce((sum, one) => sum + one, 0);
-    setMarks(this.crossTexture, data);
-  }
-
   /** Sets which part of the chosen contact each triangle is (shaders.ts); null without one. */
   setContact(marks: Uint8Array | null): void {
     this.set('showContact', marks !== null);
+    this.showGhosts();
     if (marks) setMarks(this.contactTexture, marks);
   }
 
-  crosses(face: number): boolean {
-    return this.crossing !== null && this.crossing[face] !== 0;
-  }
-
-  /** The number of triangles that cross in the first frame; null until known. */
-  crossingFaces: number | null = null;
-
-  paint(options: { paint: Paint; collisions: boolean; crossings: boolean; edges: boolean; seeThrough: boolean; errorScale: number; edgeColor: Rgb }): void {
+  paint(options: { paint: Paint; collisions: boolean; meets: boolean; edges: boolean; seeThrough: boolean; errorScale: number; edgeColor: Rgb }): void {
     this.set('surface', kPaints.indexOf(options.paint));
-    this.set('showCollisions', options.collisions);
-    this.set('showCrossings', options.crossings && this.crossing !== null);
+    this.set('showInside', options.collisions);
+    this.set('showMeets', options.meets);
     this.set('edges', options.edges);
     this.set('seeThrough', options.seeThrough);
+    this.showGhosts();
     this.set('errorScale', options.errorScale);
     (this.material.uniforms['edgeColor']!.value as THREE.Vector3).copy(vec3(options.edgeColor));
   }

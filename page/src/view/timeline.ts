@@ -97,7 +97,8 @@ export class Timeline {
     const from = scene.frame_numbers[clock.frame] ?? 0;
     const to = scene.frame_numbers[Math.min(clock.frame + 1, scene.frames - 1)] ?? from;
     const unchecked = { frame: from, next_frame: to, substep: clock.step % clock.substeps } as Step;
-    const text = clock.still ? `frame ${from}` : `${stepText(step ?? unchecked, clock.substeps)}, ${clock.t.toFixed(3)} of the way`;
+    const name = scene.frame_names[clock.frame];
+    const text = name && clock.blend === 0 ? name : clock.still ? `frame ${from}` : `${stepText(step ?? unchecked, clock.substeps)}, ${clock.t.toFixed(3)} of the way`;
     setText(this.where, waiting ? `loading ${text}` : text);
     if (document.activeElement !== this.number) this.number.value = String(from + Math.round((to - from) * clock.blend * 100) / 100);
     this.track.element.setAttribute('aria-valuenow', clock.position.toFixed(3));

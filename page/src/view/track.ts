@@ -1,9 +1,10 @@
-// What the timeline draws: a ruler of frames, the answers of all steps, and a lane per contact. The wheel zooms; dragging the
+// What the timeline draws: a ruler of frames, the answers of all steps, and a lane for contacts of the same two parts. The wheel zooms; dragging the
 // ruler marks a range to loop.
 import { el } from '../shared/dom';
+import { namesText } from '../shared/contact';
 import { collisionsOf } from '../shared/steps';
 import type { SceneInfo } from './api';
-import type { Check } from './check';
+import { insideOf, type Check } from './check';
 import type { Clock } from './clock';
 import type { Contacts } from './contacts';
 
@@ -11,12 +12,12 @@ const kRuler = 18;
 const kStrip = 26;
 const kLane = 17;
 const kMaxLanes = 200;
-const kStartWidth = 9;
+const kMeets = 4; // at the bottom of the strip
 const kStillPixels = 3;
 
 export interface TrackActions {
   seek: (position: number) => void;
-  choose: (index: number) => void;
+  choose: (index: number) => void; // a contact
   hover: (position: number, x: number, lane: number | null) => void;
   leave: () => void;
 }
@@ -96,7 +97,7 @@ export class Track {
     element.addEventListener('pointerleave', () => this.actions.leave());
     element.addEventListener('click', (event) => {
       const lane = this.laneAt(event);
-      if (lane !== null) this.actions.choose(lane);
+      if (lane !== null) this.actions.choose(this.contacts.nearest(this.contacts.groups[lane]!, this.positionAt(event.clientX)));
     });
     element.addEventListener('dblclick', () => this.zoomTo(...this.ends));
     element.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
@@ -105,7 +106,7 @@ export class Track {
   private laneAt(event: MouseEvent): number | null {
     if (event.target !== this.lanes) return null;
     const lane = Math.floor((event.clientY - this.lanes.getBoundingClientRect().top) / kLane);
-    return lane < this.contacts.items.length ? lane : null;
+    return lane < this.contacts.groups.length ? lane : null;
   }
 
   private wheel(event: WheelEvent): void {
@@ -138,11 +139,13 @@ export class Track {
     this.paint();
   }
 
+  /** Marks the lane of a contact. */
   choose(index: number | null): void {
-    if (this.chosen === index) return;
-    this.chosen = index;
+    const lane = index === null ? null : this.contacts.groups.indexOf(this.contacts.groupOf(this.contacts.items[index]!));
+    if (this.chosen === lane) return;
+    this.chosen = lane;
     this.paint();
-    if (index !== null && index < kMaxLanes) this.lanesBox.scrollTop = Math.max(0, (index - 1) * kLane);
+    if (lane !== null && lane < kMaxLanes) this.lanesBox.scrollTop = Math.max(0, (lane - 1) * kLane);
   }
 
   showCursor(): void {
@@ -209,7 +212,7 @@ export class Track {
     g.stroke();
   }
 
-  /** Hatched until checked; green where everything is proven free; gray where only new contacts are ruled out; red bars for numbers of collisions, linear. Crossings in the first frame are marked at the start. */
+  /** Hatched until checked; green where it is proven free; red as high as much is inside, frame by frame; pink below where something meets. Gray is only what is not known. */
   private paintSteps(g: CanvasRenderingContext2D, color: Color): void {
     const { width } = this;
     g.fillStyle = color('--stage');
@@ -224,54 +227,55 @@ export class Track {
     const { check } = this;
     const { steps } = check;
     const xOf = (step: number) => this.toX(step / this.clock.substeps - this.margin);
-    const isFree = (step: number) => check.kindOf(steps[step]!) === 'free';
     for (let from = 0, to = 0; from < steps.length; from = to) {
-      const free = isFree(from);
-      while (to < steps.length && isFree(to) === free) ++to;
-      g.fillStyle = color(free ? '--free' : '--calm');
+      const name = this.groundOf(from);
+      while (to < steps.length && this.groundOf(to) === name) ++to;
+      g.fillStyle = color(name);
       g.fillRect(xOf(from), 0, xOf(to) - xOf(from), kStrip);
     }
-    let maxCount = 1;
-    for (const step of steps) maxCount = Math.max(maxCount, collisionsOf(step));
-    if (check.startsCrossing) this.paintStart(g, xOf(0), this.clock.still ? width : kStartWidth, color);
+    this.paintInside(g, color, xOf);
+    g.fillStyle = color('--meets');
+    for (const step of steps) {
+      if (!check.poses && collisionsOf(step) > 0) g.fillRect(xOf(step.number), kStrip - kMeets, Math.max(2, xOf(1) - xOf(0) + 0.4), kMeets);
+    }
+  }
+
+  private groundOf(number: number): string {
+    const { check } = this;
+    const step = check.steps[number]!;
+    const kind = check.kindOf(step);
+    return kind === 'free' ? '--free' : insideOf(step) > 0 ? '--inside' : kind === 'hit' ? '--touched' : '--calm';
+  }
+
+  /** A line through the numbers of triangles that are inside in each frame; of poses, a bar for each. */
+  private paintInside(g: CanvasRenderingContext2D, color: Color, xOf: (step: number) => number): void {
+    const { steps } = this.check;
+    const most = Math.max(1, ...steps.map(insideOf));
+    const room = kStrip - kMeets - 2;
+    const y = (count: number) => kStrip - kMeets - (count === 0 ? 0 : Math.max(3, (count / most) * room));
     g.fillStyle = color('--bar');
     for (const step of steps) {
-      const count = collisionsOf(step);
-      if (count === 0) continue;
-      const height = Math.max(3, (count / maxCount) * (kStrip - 2));
-      g.fillRect(xOf(step.number), kStrip - height, Math.max(2, xOf(1) - xOf(0) + 0.4), height);
+      if (insideOf(step) === 0) continue;
+      const [begin, end] = step.inside.map((count) => count ?? 0) as [number, number];
+      const [left, right] = [xOf(step.number), Math.max(xOf(step.number + 1), xOf(step.number) + 2)];
+      g.beginPath();
+      g.moveTo(left, kStrip - kMeets);
+      g.lineTo(left, y(begin));
+      g.lineTo(right, y(end));
+      g.lineTo(right, kStrip - kMeets);
+      g.fill();
     }
   }
 
-  private paintStart(g: CanvasRenderingContext2D, x: number, width: number, color: Color): void {
-    g.save();
-    g.beginPath();
-    g.rect(x, 0, width, kStrip);
-    g.clip();
-    g.fillStyle = color('--cross');
-    g.fillRect(x, 0, width, kStrip);
-    g.strokeStyle = color('--cross-dark');
-    g.lineWidth = 2.5;
-    g.beginPath();
-    for (let at = x; at < x + width + kStrip; at += 6.5) {
-      g.moveTo(at, 0);
-      g.lineTo(at - kStrip, kStrip);
-    }
-    g.stroke();
-    g.restore();
-    g.fillStyle = color('--cross-dark');
-    g.fillRect(x + width - 1.5, 0, 1.5, kStrip);
-  }
-
-  /** A lane per contact: from its first to its last time, as high as it is deep; without a depth, as its curve is long. */
+  /** A lane for contacts of the same two parts: each from its first to its last time, as high as it is deep; without a depth, as its curve is long. */
   private paintLanes(color: Color): void {
-    const items = this.contacts.items.slice(0, kMaxLanes);
-    this.lanesBox.hidden = items.length === 0 || this.clock.frames === 1;
+    const groups = this.contacts.groups.slice(0, kMaxLanes);
+    this.lanesBox.hidden = groups.length === 0 || this.clock.frames === 1;
     if (this.lanesBox.hidden) return;
-    this.lanes.style.height = `${items.length * kLane}px`;
-    const g = this.prepare(this.lanes, items.length * kLane);
+    this.lanes.style.height = `${groups.length * kLane}px`;
+    const g = this.prepare(this.lanes, groups.length * kLane);
     const max = { depth: 1e-30, curve: 1e-30 };
-    for (const { frames } of items) {
+    for (const { frames } of this.contacts.items) {
       for (const frame of frames) {
         if (frame.depth !== null) max.depth = Math.max(max.depth, frame.depth);
         else max.curve = Math.max(max.curve, frame.curve_length);
@@ -279,9 +283,10 @@ export class Track {
     }
     g.font = '600 10px system-ui, sans-serif';
     g.textBaseline = 'middle';
-    items.forEach((contact, k) => {
+    const x = (time: number) => this.toX(this.contacts.positionOf(time));
+    const wide = Math.max(2, (this.toX(1) - this.toX(0)) * 0.9);
+    groups.forEach(({ contacts }, k) => {
       const bottom = (k + 1) * kLane - 1;
-      const x = (time: number) => this.toX(this.contacts.positionOf(time));
       if (k === this.chosen) {
         g.fillStyle = color('--wash');
         g.fillRect(0, bottom + 1 - kLane, this.width, kLane);
@@ -289,15 +294,17 @@ export class Track {
       g.fillStyle = color('--line');
       g.fillRect(0, bottom, this.width, 1);
       g.fillStyle = color('--bar');
-      g.fillRect(x(contact.first_time), bottom - 2, Math.max(contact.frames.length > 0 ? 0 : 3, x(contact.last_time) - x(contact.first_time)), 2);
-      const wide = Math.max(2, (this.toX(1) - this.toX(0)) * 0.9);
-      for (const frame of contact.frames) {
-        g.globalAlpha = frame.depth === null ? 0.45 : 1;
-        const height = frame.depth === null ? (frame.curve_length / max.curve) * (kLane - 3) : (frame.depth / max.depth) * (kLane - 3);
-        g.fillRect(x(frame.time) - wide / 2, bottom - height, wide, height);
+      for (const contact of contacts) {
+        g.fillRect(x(contact.first_time), bottom - 2, Math.max(contact.frames.length > 0 ? 0 : 3, x(contact.last_time) - x(contact.first_time)), 2);
+        for (const frame of contact.frames) {
+          g.globalAlpha = frame.depth === null ? 0.45 : 1;
+          const height = frame.depth === null ? (frame.curve_length / max.curve) * (kLane - 3) : (frame.depth / max.depth) * (kLane - 3);
+          g.fillRect(x(frame.time) - wide / 2, bottom - height, wide, height);
+        }
+        g.globalAlpha = 1;
       }
-      g.globalAlpha = 1;
-      this.paintLabel(g, color, `#${contact.number}`, [x(contact.first_time) - wide / 2, x(contact.last_time) + wide / 2], bottom - kLane / 2 + 1);
+      const ends = [Math.min(...contacts.map(({ first_time }) => x(first_time))) - wide / 2, Math.max(...contacts.map(({ last_time }) => x(last_time))) + wide / 2] as [number, number];
+      this.paintLabel(g, color, contacts[0]!.named ? namesText(contacts[0]!) : `#${contacts[0]!.number}`, ends, bottom - kLane / 2 + 1);
     });
   }
 

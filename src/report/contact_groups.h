@@ -1,0 +1,37 @@
+/// Contacts of the same two parts, as a person would speak of them: one thing that happens several times.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "foldproof/contacts.h"
+
+namespace foldproof {
+
+struct ContactGroup {
+  std::vector<std::size_t> contacts;  ///< Indices of the grouped contacts, the worst first.
+  std::size_t crossing = 0;           ///< How many of them cross; the others only touch.
+  /// Two that cross do so at one time: there are several places rather than several times.
+  bool at_once = false;
+};
+
+/// Whether the sides of a contact have names of their own: two objects, or parts.
+bool has_names(const Contact& contact);
+
+/// Whether something goes through something, as far as is known: else it only touches.
+inline bool goes_through(const Contact& contact) { return contact.pierces || !contact.touching(); }
+
+/// Groups contacts that are sorted, the worst first: by their sides' names; without, by the triangles that
+/// they share on both sides. Groups come in the order of their worst contacts.
+std::vector<ContactGroup> group_contacts(std::span<const Contact> contacts);
+/// The group of each contact.
+std::vector<std::size_t> group_of_each(std::span<const ContactGroup> groups);
+
+/// "4 times", "in 3 places"; empty for one.
+std::string how_often(const ContactGroup& group);
+
+/// A length in the metric unit that fits it, or in `unit`, with two digits: "6.6 cm".
+std::string length_text(double length, const std::string& unit);
+
+}  // namespace foldproof
