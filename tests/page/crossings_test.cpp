@@ -127,7 +127,9 @@ TEST(PageCrossings, AStepOfAStaticCheckIsAPose) {
       const auto crossing = colliding_faces(motions[i]->topology(), i, truth);
       for (std::size_t t = 0; t < faces.size(); ++t)
         EXPECT_TRUE(faces[t] == 6 || (faces[t] == 0 && crossing[t] == 0)) << t;
-      if (k == 1) EXPECT_THAT(faces, ::testing::Each(0));
+      if (k == 1) {
+        EXPECT_THAT(faces, ::testing::Each(0));
+      }
     }
   }
   const Json contacts = served.json("/api/contacts");
