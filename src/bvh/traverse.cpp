@@ -351,7 +351,7 @@ void traverse(const Traversal& traversal, std::span<const NodePair> starts, std:
 }
 
 void test_leaf_boxes(const Traversal& traversal, std::span<const LeafPair> leaves,
-                 std::vector<std::uint8_t>& separated) {
+                     std::vector<std::uint8_t>& separated) {
   separated.resize(leaves.size());
   HWY_DYNAMIC_DISPATCH(TestLeaves)(traversal, leaves, separated.data());
 }

@@ -111,7 +111,7 @@ inline void traverse(const Traversal& traversal, NodePair start, std::vector<Nod
 
 /// Tests the boxes of pairs of leaves: one byte per pair, 1 where they are separated, else 0.
 void test_leaf_boxes(const Traversal& traversal, std::span<const LeafPair> leaves,
-                 std::vector<std::uint8_t>& separated);
+                     std::vector<std::uint8_t>& separated);
 
 /// What `a` and `b` of a pair of features are.
 enum class FeaturePair : std::uint8_t { VertexFace, FaceVertex, EdgeEdge };

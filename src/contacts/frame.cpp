@@ -246,7 +246,11 @@ int FrameMeasurer::front_of(int side, Positions x) const {
   const Shells& shells = surfaces_.shells(object);
   const Index shell = shells.of(surfaces_.topology(object).triangles()[cut_[side][0]][0]);
   const auto& line = curves_.lines[0];
-  const Vec3& p = curves_.piercings[line[line.size() / 2]].position;
+  // Within faces of both sides: on a border, the share that is open depends on rounding.
+  const std::size_t middle = line.size() / 2;
+  const Vec3 p = (curves_.piercings[line[middle]].position +
+                  curves_.piercings[line[middle > 0 ? middle - 1 : 0]].position) /
+                 2;
   constexpr double kMostOpen = 0.25;  // then the winding numbers 3/4 and -1/4 are inside and outside
   if (!shells.is_closed(shell) && !(shells.open_share(shell, x[object], p) < kMostOpen)) return 0;
   return shells.outward(shell, x[object]);

@@ -245,6 +245,20 @@ TEST(KnownDepth, SheetsThatPassThroughEachOther) {
   EXPECT_NEAR(*contact.depth(), 0.387, 1e-3);
 }
 
+// Where the curve ends on the border of one of them, by rounding on this side of it or that.
+TEST(KnownDepth, TriangleWhoseTipReachesThroughATriangle) {
+  for (const double tip : {0.2, double{0.2f}, 0.1, 0.3}) {
+    const Mesh floor{3, {{0, 1, 2}}, {}, {}, {0, 0, 0, 1, 0, 0, 0, 1, 0}};
+    const Mesh triangle{3, {{0, 1, 2}}, {}, {}, {tip, tip, -1, tip + 0.1, tip, 1, tip, tip + 0.1, 1}};
+    for (const double scale : kScales) {
+      const Contact contact = contact_of({floor, triangle}, scale);
+      ASSERT_TRUE(contact.depth()) << tip << ", " << scale;
+      EXPECT_NEAR(*contact.depth() / scale, 1, 1e-6);
+      EXPECT_TRUE(contact.at_least());
+    }
+  }
+}
+
 TEST(Touching, BoxesThatStandOnEachOther) {
   for (const double scale : kScales) {
     const std::vector<Mesh> boxes{box({}, Vec3::Constant(0.5), 3),
