@@ -190,7 +190,7 @@ Result<View> view_of(std::span<const PictureMesh> meshes, const ContactMarks& ma
     shown.points.push_back(points_on(curves, std::clamp(size, 1e-9, 1.0)));
   }
   double most = 0;
-  const auto consider = [&](View view, double weight) -> Result<void> {
+  const auto consider = [&](const View& view, double weight) -> Result<void> {
     shown.view = view;
     shown.view.focus = near;
     const auto [first, second, curve] = FOLDPROOF_TRY(visible(shown));

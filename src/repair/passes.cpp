@@ -146,7 +146,7 @@ Result<void> Passes::sweep(Index from, int direction, std::span<const double> be
 Result<void> Passes::follow_motion(Index start, std::span<const double> x, bool rough) {
   rough_ = rough;
   frames_.clear();
-  const auto backwards = sweep(start, -1, x);
+  auto backwards = sweep(start, -1, x);
   // Ways are to the frame before in time, not in the order in which they were found.
   std::reverse(frames_.begin(), frames_.end());
   const auto frame = FOLDPROOF_TRY(tools_.frames->at_time(start));
