@@ -83,11 +83,11 @@ struct SweepRecord {
   std::vector<std::array<std::string, 2>> ignored;  ///< Pairs of names that it has and that were ignored.
   std::uint64_t vertices = 0, triangles = 0, frames = 0;
   std::uint64_t steps = 0, steps_with_collisions = 0, collisions = 0;
-  std::optional<std::uint64_t> starts_crossing;           ///< CheckTotals::starts_crossing.
-  std::optional<std::uint64_t> contacts;                  ///< None if they were not looked for.
-  std::optional<double> depth;                            ///< Of the deepest contact, mesh units.
-  bool contacts_cut = false;                              ///< They leave out pairs, which were too many.
-  std::string thumbnail;                                  ///< A data URL; empty: there is none.
+  std::optional<std::uint64_t> starts_crossing;  ///< CheckTotals::starts_crossing.
+  std::optional<std::uint64_t> contacts;         ///< None if they were not looked for.
+  std::optional<double> depth;  ///< Of the deepest contact, mesh units; a lower bound between open surfaces.
+  bool contacts_cut = false;    ///< They leave out pairs, which were too many.
+  std::string thumbnail;        ///< A data URL; empty: there is none.
   std::optional<std::uint64_t> first_frame, worst_frame;  ///< Of the first and the worst colliding step.
 };
 
