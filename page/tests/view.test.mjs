@@ -168,8 +168,8 @@ test('proves nothing at the certified radius itself', () =>
 test('ties charts to the timeline', () =>
   visit(withModel, async (page) => {
     await page.click('#tab-charts');
-    await page.locator('.chart .u-over').nth(3).waitFor();
-    assert.equal(await page.locator('.chart').count(), 4);
+    await page.locator('.chart .u-over').nth(4).waitFor();
+    assert.equal(await page.locator('.chart').count(), 5);
     const box = await page.locator('.chart[data-chart=time] .u-over').boundingBox();
     await page.mouse.click(box.x + box.width / 4, box.y + box.height / 2);
     const { position } = await state(page);
