@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/try.h"
+#include "report/contact_groups.h"
 #include "report/json_values.h"
 #include "report/report.h"
 
@@ -161,8 +162,11 @@ class AnswerWriter final : public ReportWriter {
   }
   Result<void> finish(const CheckTotals& totals) override {
     Json contacts = Json::array();
-    for (const Contact& contact : totals.contacts)
-      contacts.push_back(contact_json(contact, side_names(contact, motions_, settings_), true));
+    const auto groups = group_of_each(group_contacts(totals.contacts));
+    for (std::size_t k = 0; k < groups.size(); ++k) {
+      const Contact& contact = totals.contacts[k];
+      contacts.push_back(contact_json(contact, side_names(contact, motions_, settings_), groups[k], true));
+    }
     answer = {{"end",
                {{"clean", totals.clean()},
                 {"collisions", totals.collisions.sum()},
