@@ -147,6 +147,10 @@ export interface Contact {
   /** Numbers of contacts that became a part of it. */
   joined: number[];
   sides: [ContactSide, ContactSide];
+  /** Contacts of the same two parts or objects have one group; the worst is 0. */
+  group: number;
+  /** Its sides are two objects, or parts. */
+  named: boolean;
   /** Both sides are the same piece of a surface. */
   folded: boolean;
   fromStart: boolean;
@@ -156,6 +160,10 @@ export interface Contact {
   /** Colliding pairs of features, over all steps. */
   pairs: number;
   depth: number | null;
+  /** The depth is a lower bound, as both surfaces are open. */
+  atLeast: boolean;
+  /** In the worst frame it only touches. */
+  touching: boolean;
   /** Time of the worst frame; null where it only touches between frames, or it is not known what crosses (unknownFrames). */
   worst: number | null;
   /** Where it is in the worst frame, the box of what takes part, and the direction out. */
