@@ -35,7 +35,8 @@ class CheckResult:
     which do not test it. start_crossings: these pairs, as StaticResult.crossings; empty with keep=False. missed: mode
     'paper', collisions of the proven answer that it misses, over all steps. tolerance: the largest of a step, mesh units.
     work, milliseconds: sums over the steps, as in StepResult. first_frame: the first that was checked. notes: what the
-    readers of the motions left out or assumed (Motion.notes), after the motion's name. untested: what the settings left
+    readers of the motions left out or assumed (Motion.notes), after the motion's name. verdict: what the program says,
+    a sentence that claims freedom only where everything was tested, and names what was not. untested: what the settings left
     out, a sentence each. assumed: what files were taken for, such as ' between 3 frames of one mesh'; empty if nothing.
     static: whether frames were checked, not steps. statistical: mode 'paper', which can miss collisions. still_crossing:
     the number of pairs of triangles that cross in the first frame among objects that stand still, which do not count as collisions; None if there are none, or with still_pairs or steps_only.
@@ -56,6 +57,7 @@ class CheckResult:
     milliseconds: dict[str, float]
     first_frame: int
     notes: list[str]
+    verdict: str
     untested: list[str]
     assumed: str
     statistical: bool

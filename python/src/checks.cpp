@@ -13,6 +13,7 @@
 #include "module.h"
 #include "motions.h"
 #include "report/assumed.h"
+#include "report/verdict.h"
 #include "steps.h"
 
 namespace foldproof::python {
@@ -295,6 +296,7 @@ py::dict fields_of(Found found, const Request& request) {
       notes.append(text_of(motion->name() + ": ") + message_of(note));
   }
   d["notes"] = notes;
+  d["verdict"] = message_of(verdict(request.motions, request.settings, totals).sentence.text());
   d["untested"] = untested_by(request, totals);
   d["assumed"] = message_of(assumed(request.motions, request.settings.poses));
   d["statistical"] = request.settings.paper_miss_rate.has_value();
