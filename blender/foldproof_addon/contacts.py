@@ -71,7 +71,7 @@ def _describe(made, sampled, group, unknown_frames, frame):
     for contact in group:
         ends += [f["time"] for f in contact["frames"]] or [contact["first_time"], contact["last_time"]]
     made.first, made.last, made.worst = frame(min(ends)), frame(max(ends)), frame(_worst_time(worst))
-    made.often = f"{len(group)} times" if len(group) > 1 else ""
+    made.often = worst["often"]
     made.crosses = not worst["touching"]
     made.may_cross = not worst["frames"] and unknown_frames > 0
     made.has_depth = worst["depth"] is not None
@@ -84,7 +84,8 @@ def _describe(made, sampled, group, unknown_frames, frame):
 
 def _name_of(contact, sampled):
     """The two vertex groups or objects."""
-    a, b = (motion.display_name(side["name"], sampled) for side in contact["sides"])
+    names = motion.display_names(sampled)
+    a, b = (names.get(side["name"], side["name"]) for side in contact["sides"])
     if a != b:
         return f"{a} - {b}"
     one = contact["sides"][0]["object"] == contact["sides"][1]["object"]

@@ -115,10 +115,10 @@ def _sentence(parts, sampled, times):
     """The program's verdict with the scene's frames and the objects' names."""
     frame = lambda pose: f"{np.interp(pose, range(len(times)), times):.4g}"
     text = "".join(part if isinstance(part, str) else frame(part) for part in parts).removesuffix(".")
-    for each in sampled:
-        text = text.replace(str(each.path), each.object.name)
-        text = re.sub(rf"\b{re.escape(pathlib.Path(each.path).stem)}\b", lambda _: each.object.name, text)
-    return text
+    names = motion.display_names(sampled)
+    longest_first = sorted(map(re.escape, names), key=len, reverse=True)
+    # All at once: the name of one object may be that of another's file.
+    return re.sub(rf"(?<!\w)({'|'.join(longest_first)})(?!\w)", lambda found: names[found[0]], text)
 
 
 def _mark(scene, sampled, found, frame_of):

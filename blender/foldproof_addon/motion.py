@@ -133,9 +133,9 @@ class Sampled:
         self._archive.close()
 
 
-def display_name(name, sampled):
-    """An object's own name for that of its file."""
-    return next((each.object.name for each in sampled if pathlib.Path(each.path).stem == name), name)
+def display_names(sampled):
+    """The objects' own names, by those of their files, without and with folder and extension."""
+    return {name: each.object.name for each in sampled for name in (pathlib.Path(each.path).stem, str(each.path))}
 
 
 def set_time(scene, time):

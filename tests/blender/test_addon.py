@@ -388,6 +388,15 @@ class Addon(unittest.TestCase):
         self.assertEqual(marked(crossing), [0, 1])
         self.assertIn("Foldproof: Cube_001", markers()[1])
 
+    def test_a_file_may_have_the_name_of_another_object(self):
+        class Sampled:
+            def __init__(self, file, name):
+                self.path, self.object = pathlib.Path(file), type("Object", (), {"name": name})
+
+        sampled = [Sampled("/tmp/a.npz", "b"), Sampled("/tmp/b.npz", "c"), Sampled("/tmp/c.d.npz", "e.f")]
+        said = ["a and b go through each other in frame ", 0.5, "; /tmp/a.npz, ab, c.d"]
+        self.assertEqual(addon("jobs")._sentence(said, sampled, [10, 20]), "b and c go through each other in frame 15; b, ab, e.f")
+
     def test_a_rig_and_a_model_trained_from_its_keys(self):
         tube = bending_tube()
         expected = program_says([tube], range(1, 12))
