@@ -68,11 +68,8 @@ std::string how_bad(const Contact& contact, const std::string& unit, const Check
                        start);
   }
   if (frame.touching) return fmt::format("touches, {}{}", counted(frame.triangles, "triangle"), start);
-  return fmt::format("worst {}: {}, {}{}", time_name(frame.time),
-                     frame.depth
-                         ? (frame.at_least ? "at least " : "") + length_text(*frame.depth, unit) + " deep"
-                         : "no region, along " + length_text(frame.curve_length, unit),
-                     counted(frame.triangles, "triangle"), start);
+  return fmt::format("worst {}: {}{}, {}{}", time_name(frame.time), depth_text(frame, unit),
+                     frame.depth ? " deep" : "", counted(frame.triangles, "triangle"), start);
 }
 
 }  // namespace

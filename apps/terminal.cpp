@@ -245,9 +245,9 @@ std::string summary(Motions motions, const CheckSettings& settings, const CheckT
                   duration(totals.slowest_step)));
   if (const std::string other = other_times(settings, totals); !other.empty()) add("other time", other);
   const Tone tone = settings.paper_miss_rate ? Tone::Doubtful : totals.clean() ? Tone::Good : Tone::Bad;
-  const CheckVerdict found_in_words = verdict(motions, settings, totals);
-  text += "\n" + colored(printable(found_in_words.sentence.text()), tone) + "\n";
-  return found_in_words.numbers.empty() ? text : text + printable(found_in_words.numbers) + "\n";
+  const CheckVerdict result = verdict(motions, settings, totals);
+  text += "\n" + colored(printable(result.sentence.text()), tone) + "\n";
+  return result.numbers.empty() ? text : text + printable(result.numbers) + "\n";
 }
 
 namespace {

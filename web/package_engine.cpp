@@ -162,7 +162,7 @@ class AnswerWriter final : public ReportWriter {
   }
   Result<void> finish(const CheckTotals& totals) override {
     Json contacts = Json::array();
-    const auto groups = group_of_each(group_contacts(totals.contacts));
+    const auto groups = groups_of(totals.contacts);
     for (std::size_t k = 0; k < groups.size(); ++k) {
       const Contact& contact = totals.contacts[k];
       contacts.push_back(contact_json(contact, side_names(contact, motions_, settings_), groups[k], true));

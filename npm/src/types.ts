@@ -149,6 +149,8 @@ export interface Contact {
   sides: [ContactSide, ContactSide];
   /** Contacts of the same two parts or objects have one group; the worst is 0. */
   group: number;
+  /** How often the group occurs: "4 times", "in 3 places"; empty for once. */
+  often: string;
   /** Its sides are two objects, or parts. */
   named: boolean;
   /** Both sides are the same piece of a surface. */

@@ -11,7 +11,7 @@ FoundContacts::FoundContacts(CheckTotals& totals, Motions motions, const CheckSe
   names.reserve(contacts.size());
   for (const auto& [object, text] : totals.notices) notices.push_back(motions[object]->name() + ": " + text);
   for (const Contact& contact : contacts) names.push_back(side_names(contact, motions, settings));
-  groups = group_of_each(group_contacts(contacts));
+  groups = groups_of(contacts);
 }
 
 Json FoundContacts::json(std::uint64_t offset, std::uint64_t limit) const {

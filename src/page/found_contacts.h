@@ -19,7 +19,7 @@ struct FoundContacts {
   std::vector<std::string> notices;  ///< To be read before the contacts.
   std::vector<Contact> contacts;
   std::vector<std::array<std::string, 2>> names;  ///< Of the sides of each.
-  std::vector<std::size_t> groups;                ///< Of each.
+  std::vector<GroupOfContact> groups;             ///< Of each.
 };
 
 }  // namespace foldproof

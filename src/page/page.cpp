@@ -359,11 +359,11 @@ bool Page::Impl::advance(const std::atomic<bool>& stop) {
   if (!more) {
     end_check(State::Failed, more.error().line());
   } else {
-    auto in_words = foldproof::verdict(scene->motions(), scene->settings(), check->totals());
+    auto result = foldproof::verdict(scene->motions(), scene->settings(), check->totals());
     auto all = std::make_shared<const FoundContacts>(check->totals(), scene->motions(), scene->settings());
     const std::lock_guard lock(mutex);
     found = std::move(all);
-    verdict = std::move(in_words);
+    verdict = std::move(result);
     state = State::Done;
   }
   check.reset();

@@ -118,12 +118,12 @@ class PageReport final : public ReportWriter {
   /// The worst contacts, the first of them with pictures.
   Result<void> add_contacts(const CheckTotals& totals) {
     const std::size_t count = std::min(totals.contacts.size(), kListed);
-    const auto groups = group_of_each(group_contacts(totals.contacts));
+    const auto groups = groups_of(totals.contacts);
     std::size_t pictured = 0;  // the worst of each group is
     for (std::size_t i = 0; i < count; ++i) {
       const Contact& contact = totals.contacts[i];
       Json json = contact_json(contact, side_names(contact, motions_, settings_), groups[i], false);
-      if (groups[i] == pictured && ++pictured <= kPictures)
+      if (groups[i].number == pictured && ++pictured <= kPictures)
         json["picture"] =
             picture_url([&](ContactPictures& pictures) { return pictures.draw(contact, kFormat); });
       file_.add("{}\n{}", i == 0 ? "" : ",", embedded(json));

@@ -104,21 +104,25 @@ std::vector<ContactGroup> group_contacts(std::span<const Contact> contacts) {
   return groups;
 }
 
-std::vector<std::size_t> group_of_each(std::span<const ContactGroup> groups) {
-  std::size_t count = 0;
-  for (const ContactGroup& group : groups) count += group.contacts.size();
-  std::vector<std::size_t> of_each(count);
-  for (std::size_t k = 0; k < groups.size(); ++k) {
-    for (const std::size_t contact : groups[k].contacts) of_each[contact] = k;
-  }
-  return of_each;
-}
-
 std::string how_often(const ContactGroup& group) {
   const std::size_t count = group.crossing > 0 ? group.crossing : group.contacts.size();
   if (count < 2) return "";
   if (group.at_once) return fmt::format("in {} places", count);
   return count == 2 ? "twice" : fmt::format("{} times", count);
+}
+
+std::vector<GroupOfContact> groups_of(std::span<const Contact> contacts) {
+  const auto groups = group_contacts(contacts);
+  std::vector<GroupOfContact> of_each(contacts.size());
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    for (const std::size_t contact : groups[k].contacts) of_each[contact] = {k, how_often(groups[k])};
+  }
+  return of_each;
+}
+
+std::string depth_text(const ContactFrame& frame, const std::string& unit) {
+  if (!frame.depth) return "along " + length_text(frame.curve_length, unit);
+  return (frame.at_least ? "at least " : "") + length_text(*frame.depth, unit);
 }
 
 std::string length_text(double length, const std::string& unit) {

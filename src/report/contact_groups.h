@@ -25,11 +25,19 @@ inline bool goes_through(const Contact& contact) { return contact.pierces || !co
 /// Groups contacts that are sorted, the worst first: by their sides' names; without, by the triangles that
 /// they share on both sides. Groups come in the order of their worst contacts.
 std::vector<ContactGroup> group_contacts(std::span<const Contact> contacts);
-/// The group of each contact.
-std::vector<std::size_t> group_of_each(std::span<const ContactGroup> groups);
-
 /// "4 times", "in 3 places"; empty for one.
 std::string how_often(const ContactGroup& group);
+
+/// The group of a contact, as lists name it.
+struct GroupOfContact {
+  std::size_t number = 0;
+  std::string often;  ///< how_often() of the group.
+};
+/// Of each contact. They are sorted, the worst first.
+std::vector<GroupOfContact> groups_of(std::span<const Contact> contacts);
+
+/// "at least 6.6 cm", of how deep something is; "along 6.6 cm" where there is no depth.
+std::string depth_text(const ContactFrame& frame, const std::string& unit);
 
 /// A length in the metric unit that fits it, or in `unit`, with two digits: "6.6 cm".
 std::string length_text(double length, const std::string& unit);

@@ -89,7 +89,7 @@ class JsonReport : public ReportWriter {
   Result<void> add_contacts(const CheckTotals& totals) {
     file_.add("\"contacts\":[");
     const char* separator = "\n";
-    const auto groups = group_of_each(group_contacts(totals.contacts));
+    const auto groups = groups_of(totals.contacts);
     for (std::size_t k = 0; k < groups.size(); ++k) {
       const Contact& contact = totals.contacts[k];
       file_.add("{}{}", separator,

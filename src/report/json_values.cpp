@@ -124,8 +124,8 @@ Json to_json(const ContactFrame& frame) {
 
 }  // namespace
 
-Json contact_json(const Contact& contact, const std::array<std::string, 2>& names, std::size_t group,
-                  bool lists) {
+Json contact_json(const Contact& contact, const std::array<std::string, 2>& names,
+                  const GroupOfContact& group, bool lists) {
   Json frames = Json::array(), sides = Json::array(), curves = Json::array();
   for (const ContactFrame& frame : contact.frames) frames.push_back(to_json(frame));
   for (std::size_t side = 0; side < 2; ++side) {
@@ -135,7 +135,8 @@ Json contact_json(const Contact& contact, const std::array<std::string, 2>& name
   }
   Json json = {{"number", contact.number},
                {"joined", contact.joined},
-               {"group", group},
+               {"group", group.number},
+               {"often", group.often},
                {"named", has_names(contact)},
                {"sides", sides},
                {"folded", contact.folded},

@@ -22,8 +22,8 @@ Json settings_json(const ReportInfo& info, Motions motions);
 /// Adds the fields of statistical answers.
 void add_misses(Json& json, std::uint64_t missed, double proven_milliseconds);
 /// `lists`: with the triangles of both sides and the curves, in the worst frame.
-Json contact_json(const Contact& contact, const std::array<std::string, 2>& names, std::size_t group,
-                  bool lists);
+Json contact_json(const Contact& contact, const std::array<std::string, 2>& names,
+                  const GroupOfContact& group, bool lists);
 
 /// The sentence as a text, and in parts: texts and, in turn, frames.
 Json verdict_json(const CheckVerdict& verdict);

@@ -97,9 +97,8 @@ std::string who_does_what(const Contact& worst, Motions motions, const CheckSett
 std::string how_bad(const Contact& worst, const std::string& unit, bool several) {
   if (worst.touching() || worst.pierces) return "";
   const ContactFrame& frame = worst.frames[worst.worst];
-  if (!frame.depth) return "along " + length_text(frame.curve_length, unit) + (several ? " at worst" : "");
-  const std::string depth = (frame.at_least ? "at least " : "") + length_text(*frame.depth, unit);
-  return depth + (!several ? " deep" : unit.empty() ? " deep at worst" : " at worst");
+  const bool says_deep = frame.depth && (!several || unit.empty());
+  return depth_text(frame, unit) + (says_deep ? " deep" : "") + (several ? " at worst" : "");
 }
 
 /// In which frame, or between which two; poses have the names of their files.
@@ -194,19 +193,19 @@ Sentence contact_sentence(Motions motions, const CheckSettings& settings, const 
   const auto groups = group_contacts(totals.contacts);
   const ContactGroup& group = groups.front();
   const Contact& worst = totals.contacts[group.contacts.front()];
-  const std::size_t told = group.crossing > 0 ? group.crossing : group.contacts.size();
+  const std::size_t about = group.crossing > 0 ? group.crossing : group.contacts.size();
   Sentence out;
   out << who_does_what(worst, motions, settings, worst.frames.empty() && totals.contact_unknown_frames > 0);
   const std::string often = how_often(group);
   if (!often.empty()) out << " " + often;
-  const bool several = told > 1 || worst.frames.size() > 1;
+  const bool several = about > 1 || worst.frames.size() > 1;
   const std::string bad = how_bad(worst, unit_of(motions, settings), several);
   if (!bad.empty()) out << ", " + bad;
   out << (often.empty() && bad.empty() ? " " : ", ");
   add_time(out, worst.frames.empty() ? worst.first_time : worst.frames[worst.worst].time,
            motions[0]->info().frame_names);
   out << assumed(motions, settings.poses || is_single_frame(totals), "of");
-  if (const std::size_t more = totals.contacts.size() - told; more > 0)
+  if (const std::size_t more = totals.contacts.size() - about; more > 0)
     out << fmt::format("; {} more contact{}", grouped(more), more == 1 ? "" : "s");
   return out << unknown_of(settings, totals);
 }

@@ -41,6 +41,22 @@ Contact contact_of(Index part_a, Index part_b, double first, double last, double
   return contact;
 }
 
+std::vector<std::size_t> numbers_of(const std::vector<GroupOfContact>& groups) {
+  std::vector<std::size_t> numbers;
+  for (const GroupOfContact& group : groups) numbers.push_back(group.number);
+  return numbers;
+}
+
+TEST(DepthText, SaysWhatIsKnown) {
+  ContactFrame frame;
+  frame.curve_length = 0.5;
+  EXPECT_EQ(depth_text(frame, "m"), "along 50 cm");
+  frame.depth = 0.066;
+  EXPECT_EQ(depth_text(frame, "m"), "6.6 cm");
+  frame.at_least = true;
+  EXPECT_EQ(depth_text(frame, ""), "at least 0.066");
+}
+
 TEST(ContactGroups, JoinTheSameTwoPartsInEitherOrder) {
   const std::vector<Contact> contacts{contact_of(0, 1, 1, 3, 9), contact_of(2, 1, 0, 9, 8),
                                       contact_of(1, 0, 5, 7, 7), contact_of(0, 1, 8, 9, 0)};
@@ -49,7 +65,8 @@ TEST(ContactGroups, JoinTheSameTwoPartsInEitherOrder) {
   EXPECT_THAT(groups[0].contacts, ElementsAre(0, 2, 3));
   EXPECT_EQ(how_often(groups[0]), "twice");  // the last only touches
   EXPECT_EQ(how_often(groups[1]), "");
-  EXPECT_THAT(group_of_each(groups), ElementsAre(0, 1, 0, 0));
+  EXPECT_THAT(numbers_of(groups_of(contacts)), ElementsAre(0, 1, 0, 0));
+  EXPECT_EQ(groups_of(contacts)[3].often, "twice");
 }
 
 TEST(ContactGroups, AtOneTimeTheyAreInSeveralPlaces) {
@@ -67,7 +84,7 @@ TEST(ContactGroups, WithoutPartsThoseAreOneThatShareTrianglesOnBothSides) {
     for (std::size_t k = 0; k < 2; ++k) contacts.back().sides[k].triangles = sides[k];
   }
   // The second meets the first the other way round; the others share one side only.
-  EXPECT_THAT(group_of_each(group_contacts(contacts)), ElementsAre(0, 0, 1, 2));
+  EXPECT_THAT(numbers_of(groups_of(contacts)), ElementsAre(0, 0, 1, 2));
 }
 
 CheckVerdict verdict_of(const std::vector<std::unique_ptr<Motion>>& motions,

@@ -51,7 +51,7 @@ TEST(JsonReport, HasTheFieldsThatReadersRelyOn) {
     EXPECT_THAT(keys(contact),
                 ElementsAre("at_least", "box", "curves", "depth", "first_time", "folded", "frames",
                             "from_start", "group", "healed", "joined", "last_time", "named", "normal",
-                            "number", "pairs", "pierces", "point", "sides", "touching", "worst"));
+                            "number", "often", "pairs", "pierces", "point", "sides", "touching", "worst"));
   }
   EXPECT_EQ(report["foldproof"], version());
   EXPECT_EQ(

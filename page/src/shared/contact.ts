@@ -18,6 +18,7 @@ export interface Contact {
   number: number;
   joined: number[];
   group: number; // of contacts of the same two parts, by their worst ones
+  often: string; // how often that is found: "4 times", "in 3 places"; empty for one
   named: boolean; // its sides are parts or two objects
   sides: { object: number; name: string; triangles?: number[]; inside?: number[] }[];
   folded: boolean;
@@ -40,27 +41,14 @@ export interface Contact {
 
 /** Contacts of the same two parts: one thing that happens several times. */
 export interface Group {
-  contacts: Contact[]; // the worst first
-  often: string; // "4 times", "in 3 places"; empty for one
+  contacts: Contact[]; // those that are listed, the worst first
+  often: string; // of all of them
 }
-
-/** Whether something goes through something, as far as is known. */
-export const goesThrough = ({ pierces, touching }: Contact): boolean => Boolean(pierces) || !touching;
 
 export function groupsOf(contacts: Contact[]): Group[] {
-  const groups: Contact[][] = [];
-  for (const contact of contacts) (groups[contact.group] ??= []).push(contact);
-  return groups.filter(Boolean).map((all) => ({ contacts: all, often: howOften(all) }));
-}
-
-/** In other words: how_often() of the program. */
-function howOften(contacts: Contact[]): string {
-  const crossing = contacts.filter(goesThrough);
-  const count = crossing.length || contacts.length;
-  const times = crossing.map(({ first_time, last_time }) => [first_time, last_time] as const).sort((a, b) => a[0] - b[0] || a[1] - b[1]);
-  if (count < 2) return '';
-  if (times.some(([first], k) => k > 0 && first <= times[k - 1]![1])) return `in ${count} places`;
-  return count === 2 ? 'twice' : `${count} times`;
+  const groups: Group[] = [];
+  for (const contact of contacts) (groups[contact.group] ??= { contacts: [], often: contact.often }).contacts.push(contact);
+  return groups.filter(Boolean);
 }
 
 /** "6.6 cm deep", "at least 2 cm", or how long the curve is where there is no depth */
