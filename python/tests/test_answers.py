@@ -130,7 +130,7 @@ def test_the_text_says_what_was_left_out(motion):
         assert found.untested == untested and all(each in repr(found) for each in untested)
         assert found.verdict.endswith(".") and all(each in found.verdict for each in untested if each in (within, between))
     assert foldproof.check(motion, frames=slice(0, 2), between=False).untested == []  # there is no second mesh
-    assert "(steps_only)" in foldproof.check(motion, frames=slice(0, 2), steps_only=True).verdict
+    assert "(steps_only=True)" in foldproof.check(motion, frames=slice(0, 2), steps_only=True).verdict
 
 
 def test_the_text_says_how_many_pairs_contacts_join():
