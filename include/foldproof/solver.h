@@ -245,6 +245,15 @@ class ContactChecker {
                                                           std::span<const double> x1,
                                                           double min_distance = 0);
 
+  /// A share of the step for each vertex (vertex_count numbers in [0,1]), so that one contact does not stop a
+  /// scene: vertices go all the way but those of islands, sets of vertices that collide on the way, directly
+  /// or by others; an island goes one share. Proven: while every vertex moves straight to the position that
+  /// `step_towards` computes with its share, no relevant pair collides but those that are already closer than
+  /// min_distance plus the tolerance in x0; the islands of such pairs have the share 0. rescale_distance does
+  /// not apply. Cost: a complete step (StepChecker::check) and one more for each round in which islands meet.
+  [[nodiscard]] Result<void> collision_free_step_sizes(std::span<const double> x0, std::span<const double> x1,
+                                                       std::vector<double>& shares, double min_distance = 0);
+
   /// Yes: proven that no relevant pair collides. No: one does, or comes within the tolerance of it, or is
   /// undecided.
   Verdict is_step_collision_free(std::span<const double> x0, std::span<const double> x1,
@@ -295,6 +304,9 @@ class ContactChecker {
 /// The positions at a share of the step, as collision_free_step_size assumes them: x0 + share * (x1 - x0),
 /// one rounding per operation, and x1 itself for 1. Precondition: equal sizes. `out` may be x0 or x1.
 void step_towards(std::span<const double> x0, std::span<const double> x1, double share,
+                  std::span<double> out);
+/// With a share for each vertex.
+void step_towards(std::span<const double> x0, std::span<const double> x1, std::span<const double> shares,
                   std::span<double> out);
 
 }  // namespace foldproof

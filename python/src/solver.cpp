@@ -111,6 +111,16 @@ double step_size_of(Solver& self, const py::object& x0, const py::object& x1, do
   });
 }
 
+py::array_t<double> step_sizes_of(Solver& self, const py::object& x0, const py::object& x1,
+                                  double min_distance) {
+  const Numbers from = self.positions(x0, "x0"), to = self.positions(x1, "x1");
+  std::vector<double> shares;
+  self.ask([&](ContactChecker& c) {
+    return c.collision_free_step_sizes(span_of(from), span_of(to), shares, min_distance);
+  });
+  return py::array_t<double>(static_cast<py::ssize_t>(shares.size()), shares.data());
+}
+
 bool step_is_free(Solver& self, const py::object& x0, const py::object& x1, double min_distance) {
   const Numbers from = self.positions(x0, "x0"), to = self.positions(x1, "x1");
   return self.ask([&](ContactChecker& c) {
@@ -262,6 +272,13 @@ void bind_queries(py::class_<Solver>& checker) {
           "min_distance on the way.\n\n"
           "x0, x1: V x 3, mesh units. limit says why the share is not larger. Error: wrong shapes, numbers "
           "that are not finite.")
+      .def(
+          "collision_free_step_sizes", &step_sizes_of, py::arg("x0"), py::arg("x1"),
+          py::arg("min_distance") = 0.0,
+          "A share of the step for each vertex (V,), so that one contact does not stop a scene: 1, but for "
+          "islands of vertices that collide on the way; each goes one share.\n\n"
+          "step_towards(x0, x1, shares) is proven free but for pairs that are too close in x0, whose islands "
+          "have the share 0. Error: as collision_free_step_size.")
       .def("is_step_collision_free", &step_is_free, py::arg("x0"), py::arg("x1"),
            py::arg("min_distance") = 0.0,
            "True: proven that no pair comes as close as min_distance while vertices move straight from x0 to "
@@ -326,11 +343,17 @@ void bind_checker(py::module_& module) {
   bind_last_call(checker);
 }
 
-py::array_t<double> towards(const py::object& x0, const py::object& x1, double share) {
+py::array_t<double> towards(const py::object& x0, const py::object& x1, const py::object& share) {
   const Numbers from = numbers_of(x0, "x0", {-1, 3}, "V x 3");
   const Numbers to = numbers_of(x1, "x1", {from.shape(0), 3}, "V x 3 like x0");
   py::array_t<double> out({from.shape(0), py::ssize_t{3}});
-  step_towards(span_of(from), span_of(to), share, {out.mutable_data(), static_cast<std::size_t>(out.size())});
+  const std::span<double> into(out.mutable_data(), static_cast<std::size_t>(out.size()));
+  if (PyFloat_Check(share.ptr()) || PyLong_Check(share.ptr())) {
+    step_towards(span_of(from), span_of(to), share.cast<double>(), into);
+  } else {
+    const Numbers shares = numbers_of(share, "share", {from.shape(0)}, "a number, or V of them");
+    step_towards(span_of(from), span_of(to), span_of(shares), into);
+  }
   return out;
 }
 
@@ -347,7 +370,8 @@ void bind_solver(py::module_& module) {
   module.def("step_towards", &towards, py::arg("x0"), py::arg("x1"), py::arg("share"),
              "The positions at a share of the step from x0 to x1, rounded as "
              "ContactChecker.collision_free_step_size "
-             "assumes them; x1 itself for 1.\n\nx0, x1: V x 3.");
+             "assumes them; x1 itself for 1.\n\nx0, x1: V x 3. share: one for all, or V of them, as of "
+             "collision_free_step_sizes.");
 }
 
 }  // namespace foldproof::python

@@ -112,6 +112,18 @@ def test_points_meet_within_the_minimum_distance():
     assert checker.minimum_distance(x1, 0.5) == np.inf
 
 
+def test_one_contact_does_not_stop_the_others():
+    x0 = np.array([[0.0, 0, 0], [2, 0, 0], [9, 0, 0]])
+    x1 = x0 + [[1, 0, 0], [-1, 0, 0], [1, 0, 0]]
+    checker = foldproof.ContactChecker(foldproof.CollisionMesh(x0))
+    shares = checker.collision_free_step_sizes(x0, x1)
+    assert shares == pytest.approx([0.8, 0.8, 1], abs=1e-6) and shares[2] == 1
+    x = foldproof.step_towards(x0, x1, shares)
+    assert (x[0] == x0[0] + shares[0] * (x1[0] - x0[0])).all() and checker.is_step_collision_free(x0, x)
+    with pytest.raises(foldproof.Error, match="share"):
+        foldproof.step_towards(x0, x1, shares[:1])
+
+
 def test_steps_go_towards_what_was_proven():
     x0, x1 = np.array([[0.1, 0.2, 0.3]]), np.array([[1.1, -7.0, 0.3]])
     assert (foldproof.step_towards(x0, x1, 0.3) == x0 + 0.3 * (x1 - x0)).all()

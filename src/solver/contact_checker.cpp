@@ -92,10 +92,7 @@ Result<StepSize> ContactChecker::collision_free_step_size(std::span<const double
                                                           std::span<const double> x1, double min_distance) {
   const PlainArithmetic plain;
   impl_->start_call();
-  const double rescaling = impl_->settings.conservative_rescaling;
-  if (!(rescaling > 0 && rescaling <= 1))
-    return fail(ErrorCode::InvalidArgument, "conservative_rescaling", "is not a share of the way",
-                "give a number above 0 and at most 1");
+  FOLDPROOF_TRY(impl_->check_rescaling());
   const double contact = FOLDPROOF_TRY(impl_->earliest_contact(x0, x1, {min_distance}));
   if (contact > 1) return StepSize{1, StepSize::Limit::None};
   const StepSize size = impl_->limited(x0, x1);
@@ -106,6 +103,13 @@ Result<StepSize> ContactChecker::collision_free_step_size(std::span<const double
   StepSize none = impl_->limited(x0, x0);
   if (none.limit == StepSize::Limit::Contact) none.limit = StepSize::Limit::Start;
   return none;
+}
+
+Result<void> ContactChecker::Impl::check_rescaling() const {
+  const double rescaling = settings.conservative_rescaling;
+  if (rescaling > 0 && rescaling <= 1) return {};
+  return fail(ErrorCode::InvalidArgument, "conservative_rescaling", "is not a share of the way",
+              "give a number above 0 and at most 1");
 }
 
 ContactChecker::Impl::Question ContactChecker::Impl::shorter_step(std::span<const double> x0,

@@ -1,0 +1,116 @@
+// Step sizes by islands (V6): what collides on the way, directly or by others, goes one share of it.
+#include <algorithm>
+#include <numeric>
+
+#include "base/plain_arithmetic.h"
+#include "base/try.h"
+#include "solver/contact_checker.h"
+
+namespace foldproof {
+namespace {
+
+/// Rounds to try at most; then all vertices go the same share.
+constexpr int kMaxRounds = 32;
+
+/// Sets of vertices, each with its share of the step, that only grow.
+class Islands {
+ public:
+  explicit Islands(std::size_t vertices) : parent_(vertices), share_(vertices, 1.0) {
+    std::iota(parent_.begin(), parent_.end(), Index{0});
+  }
+
+  double share(Index vertex) { return share_[root(vertex)]; }
+
+  /// The island of all of them has at most this share, and at most what each had.
+  void join(std::span<const Index> vertices, double share) {
+    const Index into = root(vertices[0]);
+    for (const Index v : vertices) {
+      const Index from = root(v);
+      share = std::min(share, share_[from]);
+      parent_[from] = into;
+    }
+    share_[into] = share;
+  }
+
+ private:
+  Index root(Index v) {
+    for (; parent_[v] != v; v = parent_[v]) parent_[v] = parent_[parent_[v]];
+    return v;
+  }
+
+  std::vector<Index> parent_;
+  std::vector<double> share_;  ///< Of roots.
+};
+
+/// The share of the vertices of a pair that collides at `time` of the steps of these shares. If they differ,
+/// the least of them: if all go it, the pair is free until there, or it has collided before. Else it is
+/// `before` of the way to the collision.
+double share_of_pair(std::span<const Index> vertices, double time, std::span<const double> shares,
+                     double before) {
+  double least = 1, most = 0;
+  for (const Index v : vertices) {
+    least = std::min(least, shares[v]);
+    most = std::max(most, shares[v]);
+  }
+  return least == most ? least * before * time : least;
+}
+
+}  // namespace
+
+Result<void> ContactChecker::Impl::all_contacts(std::span<const double> x0, std::span<const double> x1,
+                                                double min_distance) {
+  FOLDPROOF_TRY(internal::check_length("min_distance", min_distance));
+  const std::span<const double> from[] = {x0}, to[] = {x1};
+  const PairSettings pairs{settings.tolerance > 0 ? 0 : 0x1p-30, 0, 0};
+  StepSettings all = step_settings(min_distance);
+  all.earliest_only = false;
+  all.max_listed = ~std::uint64_t{0};
+  FOLDPROOF_TRY(run([&](Pipeline& used) {
+    return check_step({used, nullptr, {}, false, &pairs}, from, to, all, step);
+  }));
+  work += step.work;
+  milliseconds += step.milliseconds;
+  return {};
+}
+
+Result<void> ContactChecker::collision_free_step_sizes(std::span<const double> x0, std::span<const double> x1,
+                                                       std::vector<double>& shares, double min_distance) {
+  const PlainArithmetic plain;
+  Impl& m = *impl_;
+  m.start_call();
+  FOLDPROOF_TRY(m.check_rescaling());
+  FOLDPROOF_TRY(m.check_positions(x0, x1));
+  const double before = m.settings.conservative_rescaling;
+  const auto triangles = m.mesh->hierarchy()->topology().triangles();
+  Islands islands(m.mesh->vertex_count());
+  shares.assign(m.mesh->vertex_count(), 1.0);
+  m.end_positions.assign(x1.begin(), x1.end());
+  for (int round = 0; round < kMaxRounds; ++round) {
+    FOLDPROOF_TRY(m.all_contacts(x0, m.end_positions, min_distance));
+    bool moves = false;  // something that collides
+    const auto join = [&](const std::array<Index, 4>& vertices, double time) {
+      for (const Index v : vertices) moves = moves || shares[v] > 0;
+      islands.join(vertices, share_of_pair(vertices, time, shares, before));
+    };
+    for (const VertexFaceCollision& hit : m.step.vertex_face) {
+      const Triangle& face = triangles[hit.face];
+      join({hit.vertex, face[0], face[1], face[2]}, hit.toi);
+    }
+    for (const EdgeEdgeCollision& hit : m.step.edge_edge)
+      join({hit.a[0], hit.a[1], hit.b[0], hit.b[1]}, hit.toi);
+    if (!moves) return {};
+    for (Index v = 0; v < shares.size(); ++v) shares[v] = islands.share(v);
+    step_towards(x0, x1, shares, m.end_positions);
+  }
+  const StepSize size = FOLDPROOF_TRY(collision_free_step_size(x0, x1, min_distance));
+  shares.assign(shares.size(), size.share);
+  return {};
+}
+
+void step_towards(std::span<const double> x0, std::span<const double> x1, std::span<const double> shares,
+                  std::span<double> out) {
+  for (std::size_t v = 0; v < shares.size(); ++v)
+    step_towards(x0.subspan(3 * v, 3), x1.subspan(3 * v, 3), shares[v], out.subspan(3 * v, 3));
+}
+
+}  // namespace foldproof
