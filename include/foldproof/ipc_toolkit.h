@@ -5,6 +5,7 @@
 /// std::invalid_argument for bad input, std::logic_error for what is not supported. They say what to do.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <ipc/broad_phase/broad_phase.hpp>
 #include <ipc/ccd/narrow_phase_ccd.hpp>
@@ -43,6 +44,19 @@ class NamedBroadPhase : public ::ipc::BroadPhase {
   virtual std::string name() const { return "Foldproof"; }  // NOLINT(modernize-use-override)
 };
 
+/// A class whose `conservative_rescaling` is that of `Base` where it has one, as since 1.6, and does not set
+/// it.
+template <class Base, class = void>
+class Rescaling : public Base {
+ public:
+  double conservative_rescaling = 0.8;
+};
+template <class Base>
+class Rescaling<Base, std::void_t<decltype(Base::conservative_rescaling)>> : public Base {
+ public:
+  Rescaling() { this->conservative_rescaling = 0.8; }
+};
+
 /// The value, or the error as an exception.
 template <class T>
 T value_of(Result<T> result) {
@@ -52,20 +66,21 @@ T value_of(Result<T> result) {
 
 }  // namespace detail
 
-/// Finds candidates by ContactChecker::candidates with twice the radius of inflation: every pair of features
-/// whose distance is at most that at some time of the step, or in the pose, if ipc-toolkit's filters allow
-/// it. Filters are asked when candidates are listed. 3D only. Keep it: from build to build it reuses its
-/// lists while edges and faces stay the same. One thread at a time.
+/// Finds every pair of features whose distance is at most twice the radius of inflation at some time of the
+/// step, or in the pose, if ipc-toolkit's filters allow it, and few others: edge-edge and face-vertex
+/// candidates of a step are what StepChecker::check finds, edge-face candidates of a pose those that cross by
+/// StepChecker::check_static. So what certificates prove costs nothing. Filters are asked when candidates are
+/// listed. 3D only. Keep it: from build to build it reuses certificates and lists while edges and faces stay
+/// the same. One thread at a time.
 class BroadPhase : public detail::NamedBroadPhase {
  public:
   using Vertices = std::tuple_element_t<0, detail::Build>;
   using Elements = std::tuple_element_t<1, detail::Build>;
   using ::ipc::BroadPhase::build;
 
-  /// One pose. Here as below, the filters of ipc-toolkit need what its own function keeps.
+  /// One pose. Here as below, no box is made: ipc-toolkit's own function is not called.
   void build(Vertices vertices, Elements edges, Elements faces, double inflation_radius = 0) override {
     require_3d(vertices);
-    ::ipc::BroadPhase::build(vertices, edges, faces, inflation_radius);
     keep(edges, faces, inflation_radius);
     x0_ = positions_of(vertices);
     x1_.clear();
@@ -75,7 +90,6 @@ class BroadPhase : public detail::NamedBroadPhase {
              double inflation_radius = 0) override {
     require_3d(vertices_t0);
     require_3d(vertices_t1);
-    ::ipc::BroadPhase::build(vertices_t0, vertices_t1, edges, faces, inflation_radius);
     keep(edges, faces, inflation_radius);
     x0_ = positions_of(vertices_t0);
     x1_ = positions_of(vertices_t1);
@@ -118,23 +132,15 @@ class BroadPhase : public detail::NamedBroadPhase {
       if (can_face_vertex_collide(face, vertex)) candidates.emplace_back(int(face), int(vertex));
     }
   }
-  /// In one pose, as ipc::has_intersections asks: a point that moves from one end of an edge to the other
-  /// comes near a face at rest exactly if the edge is near it.
+  /// Those that cross in one pose, decided exactly: what ipc::has_intersections asks for.
   void detect_edge_face_candidates(
       detail::Parameter<&::ipc::BroadPhase::detect_edge_face_candidates> candidates) const override {
     require_positions();
     if (!x1_.empty())
       throw std::logic_error("foldproof: edge-face candidates are those of one pose; build with one pose");
     if (edges_.empty() || faces_.empty()) return;
-    const Index n = vertex_count();
-    std::vector<double> from = x0_, to = x0_;
-    for (const auto& [a, b] : edges_) {
-      from.insert(from.end(), &x0_[3 * a], &x0_[3 * a] + 3);
-      to.insert(to.end(), &x0_[3 * b], &x0_[3 * b] + 3);
-    }
-    faces_and_points_.find({.faces = faces_, .others = n}, from, to, *inflation_);
-    for (const auto& [point, face] : faces_and_points_.found.vertex_face) {
-      if (can_edge_face_collide(point - n, face)) candidates.emplace_back(int(point - n), int(face));
+    for (const auto& [edge, face] : steps_.crossings({.edges = edges_, .faces = faces_}, x0_)) {
+      if (can_edge_face_collide(edge, face)) candidates.emplace_back(edge, face);
     }
   }
   void detect_face_face_candidates(
@@ -142,7 +148,34 @@ class BroadPhase : public detail::NamedBroadPhase {
     throw std::logic_error("foldproof: no face-face candidates; ask another broad phase, as ipc::BruteForce");
   }
 
+ protected:
+  // As in ipc-toolkit, which asks its boxes for the vertices.
+  bool can_edge_vertex_collide(std::size_t edge, std::size_t vertex) const override {
+    return can_collide(edges_[edge], std::array{static_cast<Index>(vertex)});
+  }
+  bool can_edges_collide(std::size_t a, std::size_t b) const override {
+    return can_collide(edges_[a], edges_[b]);
+  }
+  bool can_face_vertex_collide(std::size_t face, std::size_t vertex) const override {
+    return can_collide(faces_[face], std::array{static_cast<Index>(vertex)});
+  }
+  bool can_edge_face_collide(std::size_t edge, std::size_t face) const override {
+    return can_collide(edges_[edge], faces_[face]);
+  }
+
  private:
+  /// Whether some of their vertices may, and they have none in common.
+  bool can_collide(std::span<const Index> a, std::span<const Index> b) const {
+    bool any = false;
+    for (const Index i : a) {
+      for (const Index j : b) {
+        if (i == j) return false;
+        any = any || can_vertices_collide(i, j);
+      }
+    }
+    return any;
+  }
+
   struct Mesh {
     std::vector<Edge> edges = {};
     std::vector<Triangle> faces = {};
@@ -177,6 +210,73 @@ class BroadPhase : public detail::NamedBroadPhase {
     }
   };
 
+  /// A checker of all elements, kept while they stay the same.
+  struct Steps {
+    Mesh mesh;
+    std::shared_ptr<const Hierarchy> hierarchy;
+    std::vector<std::pair<Edge, Index>> rows;  ///< Of edges, the smaller vertex first, ascending.
+    std::optional<StepChecker> checker;
+    StepResult step;
+    StaticResult pose;
+
+    /// What comes within `distance`: vertices and faces, and edges.
+    void find(Mesh wanted, std::span<const double> x0, std::span<const double> x1, double distance,
+              Candidates& out) {
+      prepare(std::move(wanted), x0);
+      detail::value_of(
+          checker->check(x0, x1, {.thickness = distance, .max_listed = ~std::uint64_t{0}}, step));
+      for (const VertexFaceCollision& hit : step.vertex_face) {
+        if (hit.face < mesh.faces.size())  // behind them are edges and points without a face
+          out.vertex_face.push_back({hit.vertex, hit.face});
+      }
+      for (const EdgeEdgeCollision& hit : step.edge_edge) {
+        const auto a = row_of(hit.a), b = row_of(hit.b);
+        if (a && b) out.edge_edge.push_back({*a, *b});
+      }
+    }
+    /// The edges and faces that cross, and some that are beside a crossing, ascending.
+    std::vector<std::pair<int, int>> crossings(Mesh wanted, std::span<const double> x) {
+      prepare(std::move(wanted), x);
+      detail::value_of(checker->check_static(x, {.max_listed = ~std::uint64_t{0}}, pose));
+      std::vector<std::pair<int, int>> found;
+      const auto add = [&](Index element, Index face) {
+        if (face >= mesh.faces.size()) return;
+        const Triangle& corners = hierarchy->topology().triangles()[element];
+        for (int k = 0; k < 3; ++k) {
+          if (const auto row = row_of({corners[k], corners[(k + 1) % 3]})) found.emplace_back(*row, face);
+        }
+      };
+      for (const TriangleCrossing& crossing : pose.crossings) {
+        add(crossing.triangle_a, crossing.triangle_b);
+        add(crossing.triangle_b, crossing.triangle_a);
+      }
+      std::sort(found.begin(), found.end());
+      found.erase(std::unique(found.begin(), found.end()), found.end());
+      return found;
+    }
+
+   private:
+    void prepare(Mesh wanted, std::span<const double> x0) {
+      wanted.vertex_count = static_cast<Index>(x0.size() / 3);
+      if (checker && mesh == wanted) return;
+      hierarchy = detail::value_of(CollisionMesh::make(x0, wanted.edges, wanted.faces)).hierarchy();
+      rows.clear();
+      for (Index k = 0; k < wanted.edges.size(); ++k) rows.emplace_back(ascending(wanted.edges[k]), k);
+      std::sort(rows.begin(), rows.end());
+      checker.emplace(std::vector<Object>{hierarchy});
+      mesh = std::move(wanted);
+    }
+    static Edge ascending(const Edge& edge) {
+      return {std::min(edge[0], edge[1]), std::max(edge[0], edge[1])};
+    }
+    /// None: the simulator did not give it.
+    std::optional<Index> row_of(const Edge& edge) const {
+      const auto row = std::lower_bound(rows.begin(), rows.end(), std::pair(ascending(edge), Index{0}));
+      if (row == rows.end() || row->first != ascending(edge)) return std::nullopt;
+      return row->second;
+    }
+  };
+
   static std::vector<double> twice(std::vector<double> x) {
     x.reserve(2 * x.size());
     x.insert(x.end(), x.begin(), x.end());
@@ -193,7 +293,14 @@ class BroadPhase : public detail::NamedBroadPhase {
   }
   Index vertex_count() const { return static_cast<Index>(x0_.size() / 3); }
 
+  template <class Kept>
+  static void set_dimension(Kept& kept) {
+    if constexpr (requires { kept.dim; })
+      kept.dim = 3;  // as since 1.5 detect_collision_candidates wants to know
+  }
   void keep(Elements edges, Elements faces, double inflation_radius) {
+    clear();
+    set_dimension(*this);
     edges_ = ids_of<2>(edges);
     faces_ = ids_of<3>(faces);
     inflation_ = 2 * inflation_radius;
@@ -201,12 +308,16 @@ class BroadPhase : public detail::NamedBroadPhase {
   }
   const Candidates& near() const {
     require_positions();
-    if (!near_is_found_) {
-      near_.found.clear();
-      if (!edges_.empty() || !faces_.empty())
-        near_.find({.edges = edges_, .faces = faces_}, x0_, x1_, *inflation_);
-      near_is_found_ = true;
+    if (near_is_found_) return near_.found;
+    near_.found.clear();
+    Mesh all{.edges = edges_, .faces = faces_};
+    if (edges_.empty() && faces_.empty()) {  // nothing collides
+    } else if (x1_.empty()) {
+      near_.find(std::move(all), x0_, {}, *inflation_);
+    } else {
+      steps_.find(std::move(all), x0_, x1_, *inflation_, near_.found);
     }
+    near_is_found_ = true;
     return near_.found;
   }
 
@@ -214,7 +325,8 @@ class BroadPhase : public detail::NamedBroadPhase {
   std::vector<Edge> edges_;
   std::vector<Triangle> faces_;
   std::optional<double> inflation_;  ///< None: nothing is built.
-  mutable Query near_, vertices_, edges_and_points_, faces_and_points_;
+  mutable Query near_, vertices_, edges_and_points_;
+  mutable Steps steps_;
   mutable bool near_is_found_ = false;
 };
 
@@ -222,10 +334,15 @@ class BroadPhase : public detail::NamedBroadPhase {
 /// 0 to `tmax`. True: `toi` is a time up to which the pair is proven farther, and not above `tmax`; it is 0
 /// if the pair starts too close. An undecided pair counts as true. `toi` is set with true only. 3D only.
 /// Thread-safe.
-class NarrowPhaseCCD : public ::ipc::NarrowPhaseCCD {
+class NarrowPhaseCCD : public detail::Rescaling<::ipc::NarrowPhaseCCD> {
  public:
-  /// `toi` is this share of the time to collision, in (0,1]. With 1 the next step may start in collision.
-  double conservative_rescaling = 0.8;
+  // conservative_rescaling, 0.8: `toi` is this share of the time to collision, in (0,1]. With 1 the next step
+  // may start in collision.
+
+  /// Rescales gaps, as ipc-toolkit's own do: `toi` is the time at which 1 - conservative_rescaling of the
+  /// pair's gap at the start is left, of its distance less min_distance. A pair that comes no closer than
+  /// that does not collide. Where that cannot be proven, the time is rescaled.
+  bool rescale_distance = false;
   /// Mesh units. Pairs closer than `min_distance` plus this may count as collisions. 0: 2^-30 of the
   /// largest side of the box around the pair during the step.
   double tolerance = 0;
@@ -285,6 +402,18 @@ class NarrowPhaseCCD : public ::ipc::NarrowPhaseCCD {
           "foldproof: give finite positions, min_distance and tolerance finite and >= 0, tmax in [0,1], "
           "conservative_rescaling in (0,1]");
     if (settings.tolerance == 0) settings.tolerance = 0x1p-30 * (high - low).maxCoeff();
+    if (rescale_distance) {
+      const auto& closest = ccd == foldproof::vertex_face_ccd ? vertex_face_closest : edge_edge_closest;
+      const double gap = closest(x0).distance - settings.thickness;
+      CcdSettings kept = settings;
+      kept.thickness += (1 - conservative_rescaling) * std::max(gap, 0.0);
+      const CcdResult result = ccd(x0, x1, kept);
+      if (result.answer == Answer::Separated) return false;
+      if (result.toi > 0) {
+        toi = result.toi;
+        return true;
+      }
+    }
     const CcdResult result = ccd(x0, x1, settings);
     if (result.answer == Answer::Separated) return false;
     toi = conservative_rescaling * result.toi;

@@ -104,6 +104,14 @@ TEST(IpcToolkit, CandidatesAreComplete) {
         const Keys keys = keys_of(found);
         EXPECT_EQ(keys.size(), found.size()) << "a pair twice";
         within += expect_complete(keys, pairs, scene.soup.x0, scene.soup.x1, 2 * radius);
+        for (const FeaturePair& pair : pairs) {  // and few others
+          const Features features = pair.key().first;
+          if (features != Features::VertexFace && features != Features::EdgeEdge) continue;
+          if (!keys.contains(pair.key())) continue;
+          EXPECT_NE(
+              approach(pair.kind(), pair.at(scene.soup.x0), pair.at(scene.soup.x1), 2 * radius + 1e-6, 1e-4),
+              Approach::Beyond);
+        }
 
         found.build(scene.mesh, scene.x0, radius, &broad_phase);
         within += expect_complete(keys_of(found), pairs, scene.soup.x0, scene.soup.x0, 2 * radius);
@@ -263,6 +271,34 @@ TEST(IpcToolkit, TimesAreSharesOfTheTimeToContact) {
   EXPECT_TRUE(ccd.point_edge_ccd(p0, a, b, p1, a, b, toi));
   EXPECT_TRUE(ccd.point_triangle_ccd(p0, a, b, c, p1, a, b, c, toi));
   EXPECT_FALSE(ccd.point_triangle_ccd(p0, a, b, c, p0, a, b, c, toi));
+}
+
+TEST(IpcToolkit, TheShareBelongsToTheBaseWhereItHasOne) {
+  const ipc_toolkit::NarrowPhaseCCD ccd;  // compiles
+  EXPECT_EQ(ccd.conservative_rescaling, 0.8);
+#if IPC_STAND_IN >= 16
+  EXPECT_EQ(static_cast<const ipc::NarrowPhaseCCD&>(ccd).conservative_rescaling, 0.8);
+#endif
+}
+
+TEST(IpcToolkit, RescaledGaps) {
+  ipc_toolkit::NarrowPhaseCCD ccd;
+  ccd.rescale_distance = true;
+  const Eigen::Vector3d start(0, 0, 1), far(0, 0, -4), q(0, 0, 0);
+  double toi = 7;
+  EXPECT_TRUE(ccd.point_point_ccd(start, q, far, q, toi));  // 0.2 of the gap is left
+  EXPECT_NEAR(toi, 0.16, 1e-6);
+  EXPECT_TRUE(ccd.point_point_ccd(start, q, far, q, toi, 0.5));  // 0.1 of 0.5
+  EXPECT_NEAR(toi, 0.4 / 5, 1e-6);
+  const Eigen::Vector3d near(0, 0, 0.25);
+  EXPECT_FALSE(ccd.point_point_ccd(start, q, near, q, toi)) << "keeps its share";
+  const Eigen::Vector3d nearer(0, 0, 0.15);
+  EXPECT_TRUE(ccd.point_point_ccd(start, q, nearer, q, toi));
+  const Eigen::Vector3d a(-1, 0, 0), b(1, -1, 0), c(0, 1, 0);
+  EXPECT_TRUE(ccd.point_triangle_ccd(start, a, b, c, far, a, b, c, toi));
+  EXPECT_NEAR(toi, 0.16, 1e-6);
+  EXPECT_TRUE(ccd.point_point_ccd(q, q, far, q, toi));
+  EXPECT_EQ(toi, 0) << "starts in contact";
 }
 
 template <class F>

@@ -20,6 +20,10 @@ class NarrowPhaseCCD {
   virtual bool edge_edge_ccd(Point3 ea0_t0, Point3 ea1_t0, Point3 eb0_t0, Point3 eb1_t0, Point3 ea0_t1,
                              Point3 ea1_t1, Point3 eb0_t1, Point3 eb1_t1, double& toi,
                              double min_distance = 0, double tmax = 1) const = 0;
+
+#if IPC_STAND_IN >= 16
+  double conservative_rescaling;  // which derived classes set
+#endif
 };
 
 }  // namespace ipc
