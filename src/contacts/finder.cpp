@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <tuple>
 
 #include "base/parallel.h"
 #include "base/plain_arithmetic.h"
@@ -45,7 +46,9 @@ void swap_sides(Open& open) {
 }
 
 bool is_worse_frame(const ContactFrame& a, const ContactFrame& b) {
-  const auto key = [](const ContactFrame& f) { return std::pair(f.severity(), f.curve_length); };
+  const auto key = [](const ContactFrame& f) {
+    return std::tuple(f.severity(), !f.touching, f.curve_length);
+  };
   return key(a) > key(b);
 }
 
@@ -79,7 +82,7 @@ std::vector<ContactFrame> joined_frames(const std::vector<ContactFrame>& a,
 
 bool is_worse(const Contact& a, const Contact& b) {
   const auto key = [](const Contact& c) {
-    return std::pair(c.frames.empty() ? -1.0 : c.frames[c.worst].severity(), c.pairs);
+    return std::tuple(c.frames.empty() ? -1.0 : c.frames[c.worst].severity(), !c.touching(), c.pairs);
   };
   if (key(a) != key(b)) return key(a) > key(b);
   return a.number < b.number;

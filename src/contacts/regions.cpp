@@ -66,12 +66,13 @@ void RegionFinder::collect_cuts(const Curves& curves, const RegionQuery& query) 
   cuts_.resize(count);
 }
 
-bool RegionFinder::is_cut(Index u, Index w) const {
-  if (cut_stamps_[u] != stamp_ || cut_stamps_[w] != stamp_) return false;
+// The cut of an edge, whose vertices are in any order; null if there is none.
+const RegionFinder::Cut* RegionFinder::find_cut(Index u, Index w) const {
+  if (cut_stamps_[u] != stamp_ || cut_stamps_[w] != stamp_) return nullptr;
   const Edge edge{std::min(u, w), std::max(u, w)};
   const auto at = std::lower_bound(cuts_.begin(), cuts_.end(), edge,
                                    [](const Cut& cut, const Edge& e) { return cut.edge < e; });
-  return at != cuts_.end() && at->edge == edge;
+  return at != cuts_.end() && at->edge == edge ? &*at : nullptr;
 }
 
 bool RegionFinder::is_wall(Index vertex) const {
@@ -268,11 +269,9 @@ std::optional<int> RegionFinder::lone_corner(const Triangle& corners) {
 }
 
 Vec3 RegionFinder::cut_at(Index u, Index w, Positions x) const {
-  const Edge edge{std::min(u, w), std::max(u, w)};
-  const auto cut = std::lower_bound(cuts_.begin(), cuts_.end(), edge,
-                                    [](const Cut& c, const Edge& e) { return c.edge < e; });
-  const Vec3 from = position(x[object_], edge[0]);
-  return from + cut->share * (position(x[object_], edge[1]) - from);
+  const Cut* cut = find_cut(u, w);
+  const Vec3 from = position(x[object_], cut->edge[0]);
+  return from + cut->share * (position(x[object_], cut->edge[1]) - from);
 }
 
 bool RegionFinder::has_corner_inside(Index t) {

@@ -58,7 +58,8 @@ class RegionFinder {
   void collect_cuts(const Curves& curves, const RegionQuery& query);
   std::size_t end_behind(const Piercing& piercing, Positions x) const;
   void begin_search();
-  bool is_cut(Index u, Index w) const;
+  const Cut* find_cut(Index u, Index w) const;
+  bool is_cut(Index u, Index w) const { return find_cut(u, w) != nullptr; }
   bool is_wall(Index vertex) const;
   bool is_passable(Index u, Index w) const;
   Index component_of(Index vertex);

@@ -76,6 +76,8 @@ class Surfaces {
     std::vector<Index> neighbors_begin, neighbors, higher_begin;  // the higher ones are last
     Shells shells;
   };
+  template <class Visit>
+  void for_each_with_edge(Index object, const Edge& edge, const Visit& visit) const;
   std::array<Index, 2> local_vertex(Index global) const {
     if (vertex_offsets_.size() == 2) return {0, global};
     const auto after = std::upper_bound(vertex_offsets_.begin(), vertex_offsets_.end(), global);
