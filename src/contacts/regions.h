@@ -85,6 +85,8 @@ class RegionFinder {
   std::vector<Index> active_;
   std::vector<Index> component_at_;  // per vertex of the object, with `stamp_`
   std::vector<std::uint32_t> stamps_, cut_stamps_;
+  // Per vertex, with cut_stamps_: which of cuts_ have it as their edge's first.
+  std::vector<std::array<Index, 2>> cuts_from_;
   std::uint32_t stamp_ = 0;
   std::vector<std::uint8_t> inside_;  // per component
   std::vector<Index> group_;          // per component: those that cuts connect
