@@ -54,7 +54,9 @@ struct End {
   Piercing piercing;
 };
 
-auto identity_of(const Piercing& p) { return std::tie(p.side, p.object, p.edge, p.face); }
+// What a piercing is: its side, whose edges are all of one object, edge and face.
+using Identity = std::tuple<int, Edge, Index>;
+Identity identity_of(const Piercing& p) { return {p.side, p.edge, p.face}; }
 
 class Tracer {
  public:
@@ -77,11 +79,10 @@ class Tracer {
     while (done < pairs_.size()) {
       const auto sorted = static_cast<std::ptrdiff_t>(ends_.size());
       for (; done < pairs_.size(); ++done) add_ends(static_cast<Index>(done));
-      const auto is_before = [](const End& a, const End& b) {
-        return identity_of(a.piercing) < identity_of(b.piercing);
-      };
-      std::stable_sort(ends_.begin() + sorted, ends_.end(), is_before);
-      std::inplace_merge(ends_.begin(), ends_.begin() + sorted, ends_.end(), is_before);
+      for (auto i = static_cast<Index>(sorted); i < ends_.size(); ++i)
+        order_.emplace_back(identity_of(ends_[i].piercing), i);
+      std::sort(order_.begin() + sorted, order_.end());
+      std::inplace_merge(order_.begin(), order_.begin() + sorted, order_.end());
       add_missing_pairs();
     }
     out_.as_given = pairs_.size() == given_count_;
@@ -130,20 +131,21 @@ class Tracer {
 
   // Adds the pairs of triangles at pierced edges that are not there.
   void add_missing_pairs() {
-    for (std::size_t i = 0; i < ends_.size();) {
+    for (std::size_t i = 0; i < order_.size();) {
       std::size_t end = i + 1;
-      while (end < ends_.size() && identity_of(ends_[end].piercing) == identity_of(ends_[i].piercing)) ++end;
-      const Piercing& p = ends_[i].piercing;
+      while (end < order_.size() && order_[end].first == order_[i].first) ++end;
+      const End& first = ends_[order_[i].second];
+      const Piercing& p = first.piercing;
       if (p.face != kNoIndex) {
         surfaces_.triangles_with_edge(p.object, p.edge, at_edge_);
         for (std::size_t k = 0; k < at_edge_.size() && at_edge_.size() > end - i; ++k) {
           const Index t = at_edge_[k];
-          const auto has = [&](const End& e) { return pairs_[e.pair].triangle(p.side) == t; };
+          const auto has = [&](const auto& e) { return pairs_[ends_[e.second].pair].triangle(p.side) == t; };
           if (!surfaces_.is_face(p.object, t) ||
-              std::any_of(ends_.begin() + static_cast<std::ptrdiff_t>(i),
-                          ends_.begin() + static_cast<std::ptrdiff_t>(end), has))
+              std::any_of(order_.begin() + static_cast<std::ptrdiff_t>(i),
+                          order_.begin() + static_cast<std::ptrdiff_t>(end), has))
             continue;
-          CrossingPair pair = pairs_[ends_[i].pair];
+          CrossingPair pair = pairs_[first.pair];
           ((p.side == 0) != pair.reversed ? pair.triangles.triangle_a : pair.triangles.triangle_b) = t;
           if (added_.insert(key_of(pair)).second) pairs_.push_back(pair);
         }
@@ -158,8 +160,7 @@ class Tracer {
     const Index object = pair.object(side), other = pair.object(1 - side);
     const Triangle &t = surfaces_.topology(object).triangles()[pair.triangle(side)],
                    &f = surfaces_.topology(other).triangles()[pair.triangle(1 - side)];
-    const std::array<Vec3, 3> corners{x_.at(other, f[0]), x_.at(other, f[1]), x_.at(other, f[2])};
-    const std::array<Vec3, 3> own{x_.at(object, t[0]), x_.at(object, t[1]), x_.at(object, t[2])};
+    const std::array<Vec3, 3>&own = corners_[side], &corners = corners_[1 - side];
     std::array<int, 3> above{};  // 0 for a common vertex
     for (int k = 0; k < 3; ++k) {
       if (object != other || std::find(f.begin(), f.end(), t[k]) == f.end())
@@ -187,6 +188,12 @@ class Tracer {
   void add_ends(Index i) {
     const CrossingPair pair = pairs_[i];
     const std::size_t before = ends_.size();
+    for (int side = 0; side < 2; ++side) {
+      if (i > 0 && pairs_[i - 1].triangle(side) == pair.triangle(side)) continue;  // as they are
+      const Index object = pair.object(side);
+      const Triangle& t = surfaces_.topology(object).triangles()[pair.triangle(side)];
+      corners_[side] = {x_.at(object, t[0]), x_.at(object, t[1]), x_.at(object, t[2])};
+    }
     add_piercings(i, 0);
     add_piercings(i, 1);
     if (pair.object(0) != pair.object(1)) return;
@@ -205,9 +212,9 @@ class Tracer {
   void number_piercings() {
     out_.piercings.clear();
     std::vector<std::array<Index, 2>> of_pair(pairs_.size(), {kNoIndex, kNoIndex});
-    for (const End& end : ends_) {
-      if (out_.piercings.empty() || identity_of(out_.piercings.back()) != identity_of(end.piercing))
-        out_.piercings.push_back(end.piercing);
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      const End& end = ends_[order_[i].second];
+      if (i == 0 || order_[i].first != order_[i - 1].first) out_.piercings.push_back(end.piercing);
       auto& both = of_pair[end.pair];
       (both[0] == kNoIndex ? both[0] : both[1]) = static_cast<Index>(out_.piercings.size() - 1);
     }
@@ -257,9 +264,11 @@ class Tracer {
   std::size_t given_count_ = 0;
   std::set<PairKey> added_;
   std::vector<Index> at_edge_;
+  std::array<std::array<Vec3, 3>, 2> corners_{};  // of the last pair of ends_, per side
   std::vector<End> ends_;
-  std::vector<std::array<Index, 2>> segments_;  // two piercings each
-  std::vector<Index> first_, at_, next_;        // segments at each piercing
+  std::vector<std::pair<Identity, Index>> order_;  // of ends_
+  std::vector<std::array<Index, 2>> segments_;     // two piercings each
+  std::vector<Index> first_, at_, next_;           // segments at each piercing
   std::vector<std::uint8_t> used_;
 };
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <tuple>
 
 #include "base/parallel.h"
 #include "base/plain_arithmetic.h"
@@ -31,10 +32,11 @@ struct InFrame {
   std::array<std::vector<Index>, 2> inside = {};  // triangles, per side
 };
 
-// What an element adds to its contact.
-struct Impact {
-  double time = std::numeric_limits<double>::infinity();  // infinity: none, it crosses
-  Vec3 point = Vec3::Zero();
+// A step, or the first frame, for which begin is end.
+struct Slice {
+  double begin, end;
+  Positions x0, x1;
+  const StepResult& step;
 };
 
 void swap_sides(Open& open) {
@@ -45,7 +47,9 @@ void swap_sides(Open& open) {
 }
 
 bool is_worse_frame(const ContactFrame& a, const ContactFrame& b) {
-  const auto key = [](const ContactFrame& f) { return std::pair(f.severity(), f.curve_length); };
+  const auto key = [](const ContactFrame& f) {
+    return std::tuple(f.severity(), !f.touching, f.curve_length);
+  };
   return key(a) > key(b);
 }
 
@@ -79,7 +83,7 @@ std::vector<ContactFrame> joined_frames(const std::vector<ContactFrame>& a,
 
 bool is_worse(const Contact& a, const Contact& b) {
   const auto key = [](const Contact& c) {
-    return std::pair(c.frames.empty() ? -1.0 : c.frames[c.worst].severity(), c.pairs);
+    return std::tuple(c.frames.empty() ? -1.0 : c.frames[c.worst].severity(), !c.touching(), c.pairs);
   };
   if (key(a) != key(b)) return key(a) > key(b);
   return a.number < b.number;
@@ -95,13 +99,14 @@ struct ContactFinder::Impl {
   void set_crossings(const StaticResult& all);
   void step(double begin, double end, Positions x0, Positions x1, const StepResult& step,
             const StaticResult* all);
-  void slice(double begin, double end, Positions x0, Positions x1, const StepResult& step);
-  void add_elements(double begin, double end, Positions x0, Positions x1, const StepResult& step);
-  void add_element(std::array<Index, 2> objects, std::span<const Index> a, std::span<const Index> b,
-                   const Impact& impact);
-  void name_groups(const Joiner::Groups& groups);
+  void run(const Slice& slice);
+  void add_elements(const StepResult& step);
+  std::array<Index, 2> objects_of(std::size_t element, const StepResult& step) const;
+  double time_of(std::size_t element, const Slice& slice) const;
+  Vec3 place_of(std::size_t element, const Slice& slice) const;
+  void name_groups(const Joiner::Groups& groups, const Slice& slice);
   std::array<bool, 2> faces_of(std::size_t element, const StepResult& step) const;
-  void note_elements(const Joiner::Groups& groups, const StepResult& step);
+  void note_elements(const Joiner::Groups& groups, const Slice& slice);
   void vote(Open& open, int side, Index object, Index triangle);
   void measure_frame(double now, Positions x);
   void measure_contact(InFrame& frame, double now, const Scaled& x);
@@ -125,51 +130,63 @@ struct ContactFinder::Impl {
 
   // Of this slice, per element: vertex-face, then edge-edge pairs, then crossings.
   std::size_t vertex_faces = 0, edge_edges = 0;
-  std::vector<std::array<Index, 2>> objects;
-  std::vector<Impact> impacts;
   std::vector<Label> labels;   // per group
   std::vector<Open*> opens;    // per group
   std::vector<Index> numbers;  // per element
   std::vector<Inside> inside;
 };
 
-void ContactFinder::Impl::add_element(std::array<Index, 2> of, std::span<const Index> a,
-                                      std::span<const Index> b, const Impact& impact) {
-  objects.push_back(of);
-  impacts.push_back(impact);
-  joiner.add(a, b);
-}
-
-void ContactFinder::Impl::add_elements(double begin, double end, Positions x0, Positions x1,
-                                       const StepResult& step) {
-  objects.clear();
-  impacts.clear();
+void ContactFinder::Impl::add_elements(const StepResult& step) {
   vertex_faces = step.vertex_face.size();
   edge_edges = step.edge_edge.size();
-  joiner.begin(vertex_faces + edge_edges + crossings.size());
-  const auto at = [&](Index object, Index vertex, double toi) -> Vec3 {
-    return (1 - toi) * position(x0[object], vertex) + toi * position(x1[object], vertex);
-  };
-  for (std::size_t i = 0; i < vertex_faces; ++i) {
-    const VertexFaceCollision& c = step.vertex_face[i];
-    objects.push_back({c.vertex_object, c.face_object});
-    impacts.push_back({begin + c.toi * (end - begin), at(c.vertex_object, c.vertex, c.toi)});
+  numbers.resize(vertex_faces + edge_edges + crossings.size());
+  joiner.begin(numbers.size());
+  for (const VertexFaceCollision& c : step.vertex_face) {
     joiner.add(surfaces.vertex(c.vertex_object, c.vertex), surfaces.triangle(c.face_object, c.face),
                surfaces.corners(c.face_object, c.face));
   }
-  for (std::size_t i = 0; i < edge_edges; ++i) {
-    const EdgeEdgeCollision& c = step.edge_edge[i];
+  for (const EdgeEdgeCollision& c : step.edge_edge) {
     const Edge a{surfaces.vertex(c.object_a, c.a[0]), surfaces.vertex(c.object_a, c.a[1])},
         b{surfaces.vertex(c.object_b, c.b[0]), surfaces.vertex(c.object_b, c.b[1])};
-    // Quarters, as the sum could overflow.
-    const Vec3 middle = at(c.object_a, c.a[0], c.toi) / 4 + at(c.object_a, c.a[1], c.toi) / 4 +
-                        at(c.object_b, c.b[0], c.toi) / 4 + at(c.object_b, c.b[1], c.toi) / 4;
-    add_element({c.object_a, c.object_b}, a, b, {begin + c.toi * (end - begin), middle});
+    joiner.add(a, b);
   }
   for (const TriangleCrossing& c : crossings) {
-    add_element({c.object_a, c.object_b}, surfaces.corners(c.object_a, c.triangle_a),
-                surfaces.corners(c.object_b, c.triangle_b), {});
+    joiner.add(surfaces.corners(c.object_a, c.triangle_a), surfaces.corners(c.object_b, c.triangle_b));
   }
+}
+
+std::array<Index, 2> ContactFinder::Impl::objects_of(std::size_t element, const StepResult& step) const {
+  if (element < vertex_faces)
+    return {step.vertex_face[element].vertex_object, step.vertex_face[element].face_object};
+  if (element < vertex_faces + edge_edges) {
+    const EdgeEdgeCollision& c = step.edge_edge[element - vertex_faces];
+    return {c.object_a, c.object_b};
+  }
+  const TriangleCrossing& c = crossings[element - vertex_faces - edge_edges];
+  return {c.object_a, c.object_b};
+}
+
+// Of its first impact; infinity for a crossing.
+double ContactFinder::Impl::time_of(std::size_t element, const Slice& slice) const {
+  if (element >= vertex_faces + edge_edges) return std::numeric_limits<double>::infinity();
+  const double toi = element < vertex_faces ? slice.step.vertex_face[element].toi
+                                            : slice.step.edge_edge[element - vertex_faces].toi;
+  return slice.begin + toi * (slice.end - slice.begin);
+}
+
+// Where the first impact of two features is.
+Vec3 ContactFinder::Impl::place_of(std::size_t element, const Slice& slice) const {
+  const auto at = [&](Index object, Index vertex, double toi) -> Vec3 {
+    return (1 - toi) * position(slice.x0[object], vertex) + toi * position(slice.x1[object], vertex);
+  };
+  if (element < vertex_faces) {
+    const VertexFaceCollision& c = slice.step.vertex_face[element];
+    return at(c.vertex_object, c.vertex, c.toi);
+  }
+  const EdgeEdgeCollision& c = slice.step.edge_edge[element - vertex_faces];
+  // Quarters, as the sum could overflow.
+  return at(c.object_a, c.a[0], c.toi) / 4 + at(c.object_a, c.a[1], c.toi) / 4 +
+         at(c.object_b, c.b[0], c.toi) / 4 + at(c.object_b, c.b[1], c.toi) / 4;
 }
 
 Label ContactFinder::Impl::resolve(Label label) const {
@@ -232,14 +249,14 @@ void ContactFinder::Impl::join(Label a, Label b) {
 }
 
 // Gives every group the contact that it continues, or a new one.
-void ContactFinder::Impl::name_groups(const Joiner::Groups& groups) {
+void ContactFinder::Impl::name_groups(const Joiner::Groups& groups, const Slice& slice) {
   const std::size_t count = groups.labels.size();
   labels.assign(count, {});
   std::vector<double> first(count, std::numeric_limits<double>::infinity());
-  std::vector<std::size_t> first_element(count, impacts.size());
-  for (std::size_t e = impacts.size(); e-- > 0;) {
+  std::vector<std::size_t> first_element(count, numbers.size());
+  for (std::size_t e = numbers.size(); e-- > 0;) {
     const Index g = groups.group[e];
-    first[g] = std::min(first[g], impacts[e].time);
+    first[g] = std::min(first[g], time_of(e, slice));
     first_element[g] = e;
   }
   std::vector<std::size_t> fresh;
@@ -252,7 +269,7 @@ void ContactFinder::Impl::name_groups(const Joiner::Groups& groups) {
                    [&](std::size_t a, std::size_t b) { return first[a] < first[b]; });
   for (const std::size_t g : fresh) {
     const auto number = static_cast<Index>(joined.size());
-    const std::array<Index, 2>& of = objects[first_element[g]];
+    const std::array<Index, 2> of = objects_of(first_element[g], slice.step);
     const bool reversed = of[1] < of[0];
     joined.push_back({number, false});
     labels[g] = {number, reversed};
@@ -290,9 +307,9 @@ std::array<bool, 2> ContactFinder::Impl::faces_of(std::size_t element, const Ste
   return {surfaces.is_face(c.object_a, c.triangle_a), surfaces.is_face(c.object_b, c.triangle_b)};
 }
 
-void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const StepResult& step) {
-  numbers.resize(impacts.size());
-  for (std::size_t e = 0; e < impacts.size(); ++e) {
+void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const Slice& slice) {
+  const StepResult& step = slice.step;
+  for (std::size_t e = 0; e < numbers.size(); ++e) {
     const Label& label = labels[groups.group[e]];
     numbers[e] = label.number;
     Open& to = *opens[groups.group[e]];
@@ -301,12 +318,13 @@ void ContactFinder::Impl::note_elements(const Joiner::Groups& groups, const Step
     const int first = reversed ? 1 : 0;
     if (e < vertex_faces + edge_edges) {
       ++c.pairs;
-      if (c.frames.empty() && impacts[e].time < to.first_impact) {
-        to.first_impact = impacts[e].time;
-        c.point = c.low = c.high = impacts[e].point;
+      const double impact = time_of(e, slice);
+      if (c.frames.empty() && impact < to.first_impact) {
+        to.first_impact = impact;
+        c.point = c.low = c.high = place_of(e, slice);
       }
-      c.first_time = c.from_start ? c.first_time : std::min(c.first_time, impacts[e].time);
-      c.last_time = std::max(c.last_time, impacts[e].time);
+      c.first_time = c.from_start ? c.first_time : std::min(c.first_time, impact);
+      c.last_time = std::max(c.last_time, impact);
     }
     const std::array<bool, 2> face = faces_of(e, step);
     to.of_faces |= face[0] && face[1];
@@ -400,15 +418,14 @@ void ContactFinder::Impl::end_contacts(bool all) {
   }
 }
 
-void ContactFinder::Impl::slice(double begin, double end, Positions x0, Positions x1,
-                                const StepResult& step) {
-  add_elements(begin, end, x0, x1, step);
-  time = end;
+void ContactFinder::Impl::run(const Slice& slice) {
+  add_elements(slice.step);
+  time = slice.end;
   const Joiner::Groups& groups = joiner.find_groups();
-  name_groups(groups);
-  note_elements(groups, step);
+  name_groups(groups, slice);
+  note_elements(groups, slice);
   joiner.end(labels);
-  measure_frame(end, x1);
+  measure_frame(slice.end, slice.x1);
   end_contacts(false);
   begun = true;
 }
@@ -454,13 +471,13 @@ void ContactFinder::Impl::step(double begin, double end, Positions x0, Positions
   } else {
     crossings.clear();
   }
-  slice(begin, end, x0, x1, step);
+  run({begin, end, x0, x1, step});
 }
 
 void ContactFinder::start(double time, Positions x, const StaticResult& crossings) {
   const PlainArithmetic plain;
   impl_->set_crossings(crossings);
-  isolated([&] { impl_->slice(time, time, x, x, StepResult()); });
+  isolated([&] { impl_->run({time, time, x, x, StepResult()}); });
 }
 
 void ContactFinder::step(double begin, double end, Positions x0, Positions x1, const StepResult& step,

@@ -74,8 +74,11 @@ class PairLister {
 
   void add_edge_edges(const StepResult& step) {
     std::vector<Index> at_a, at_b;
+    const EdgeEdgeCollision* last = nullptr;
     for (const EdgeEdgeCollision& c : step.edge_edge) {
-      surfaces_.triangles_with_edge(c.object_a, c.a, at_a);
+      if (last == nullptr || last->a != c.a || last->object_a != c.object_a)
+        surfaces_.triangles_with_edge(c.object_a, c.a, at_a);
+      last = &c;
       surfaces_.triangles_with_edge(c.object_b, c.b, at_b);
       if (at_a.size() <= kManyTriangles && at_b.size() <= kManyTriangles) {
         for (const Index a : at_a) {

@@ -57,7 +57,7 @@ void FrameMeasurer::list_triangles(std::span<const CrossingPair> pairs, int side
 void FrameMeasurer::list_inner_points(const Region& region, const RegionQuery& query, Positions x) {
   points_.clear();
   const auto object_x = x[query.object];
-  // What may be deepest comes first: less deep points are then told apart quickly.
+  // What may be deepest comes first: points that are less deep are then ruled out quickly.
   if (region.last != kNoIndex) points_.push_back(position(object_x, region.last));
   for (const Index v : region.vertices) points_.push_back(position(object_x, v));
   const auto& all = curves_.piercings;
@@ -193,13 +193,18 @@ void FrameMeasurer::raise_depth_around(Index object, Positions x, std::size_t mo
   raise_to_farthest(deep, known, deepest_);
 }
 
+// The faces of a side that cross, as other_.
+void FrameMeasurer::begin_other(int side) {
+  other_ = crossing_[side];
+  std::erase_if(other_, [&](Index t) { return !surfaces_.is_face(objects_[side], t); });
+  other_corners_.clear();
+}
+
 // The same for the other surface around what crosses.
 void FrameMeasurer::raise_depth_around(int side, Positions x, bool all) {
   const Index object = objects_[1 - side];
   const bool within = objects_[0] == objects_[1];
-  other_ = crossing_[1 - side];
-  std::erase_if(other_, [&](Index t) { return !surfaces_.is_face(object, t); });
-  other_corners_.clear();
+  begin_other(1 - side);
   add_corners(object, x, 0);
   raise_depth_around(object, x, all ? kAll : 2 * other_.size() + 256, [&](Index t) {
     return within &&
@@ -213,11 +218,9 @@ void FrameMeasurer::find_deepest(int side, Positions x) {
   if (points_.empty()) return;
   const int other = 1 - side;
   if (!region_[other]) return raise_depth_around(side, x, true);
-  other_ = crossing_[other];
-  std::erase_if(other_, [&](Index t) { return !surfaces_.is_face(objects_[other], t); });
+  begin_other(other);
   other_.insert(other_.end(), region_[other]->triangles.begin(), region_[other]->triangles.end());
   sort_unique(other_);
-  other_corners_.clear();
   add_corners(objects_[other], x, 0);
   raise_depth();
 }

@@ -38,6 +38,7 @@ class FrameMeasurer {
   void split_body();
   void set_touching(ContactFrame& out);
   void list_inner_points(const Region& region, const RegionQuery& query, Positions x);
+  void begin_other(int side);
   void add_corners(Index object, Positions x, std::size_t begin);
   template <class Skip>
   void add_near(Index object, Positions x, std::span<const Vec3> points, double distance, std::size_t most,

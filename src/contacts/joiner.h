@@ -44,52 +44,59 @@ class Joiner {
   void end(std::span<const Label> labels);
 
  private:
-  // A key of an element, of two vertices. The smaller one is the row that the key is in.
+  // A key of an element, of two vertices.
   struct Key {
-    Index larger;
-    Index element;
+    Index smaller, larger;
+    Index element;  // the first that has it
     bool reversed;  // the larger vertex is on the element's first side
   };
-  // The keys of a slice, by rows. Rows are in the order in which their vertices came first.
-  struct Keys {
-    std::vector<Index> row_of;  // per vertex; right if that row has the vertex
-    std::vector<Index> rows;    // their vertices
-    std::vector<Index> begin;   // of keys, per row
-    std::vector<Key> keys;
-    std::vector<Label> labels;           // per element, once the slice has ended
-    Index find_row(Index vertex) const;  // kNoIndex if there is none
+  // The keys of a slice, each once, in the order in which they came.
+  class Keys {
+   public:
+    void clear(std::size_t expected);
+    std::span<const Key> all() const { return keys_; }
+    const Key* find(Index u, Index w) const;   // null if there is none
+    std::pair<Key, bool> add(const Key& key);  // the key that is there now, and whether it is new
+    std::vector<Label> labels;                 // per element, once the slice has ended
+
+   private:
+    std::size_t slot_of(Index smaller, Index larger) const;
+    void resize(std::size_t least);
+    std::vector<Key> keys_;
+    std::vector<Index> slots_;  // a hash table of their places; kNoIndex: free
+    int shift_ = 0;
   };
   struct Link {
     Index parent;
     bool reversed;
   };
-  struct Unsorted {
-    Index row;
-    Key key;
+  // The last run that has keys of a vertex, and the element that has them.
+  struct Seen {
+    Index run = 0, element = 0;
   };
   struct VertexFace {
     Index face, vertex, element;
   };
 
+  void add_apart(std::span<const Index> a, std::span<const Index> b, Index element);
   void add_key(Index u, Index w, Index element);
-  void sort_keys();
   Link find_root(Index element);
   void join(Index a, Index b, bool reversed);
-  void join_rows();
   void join_neighbors();
   void continue_neighbors();
-  void note(Index element, const Label& label);
+  void note(const Key& key, const Key& old, bool exchanged);
   void list_groups();
 
   const Surfaces& surfaces_;
   Keys now_, before_;
-  std::vector<Unsorted> unsorted_;
+  std::vector<Index> run_of_;  // the first feature of the elements of the run
+  Index run_ = 0;
+  std::vector<Seen> seen_;  // per vertex
   std::vector<VertexFace> vertex_faces_;
   std::vector<Link> links_;  // union-find over the elements
   std::vector<std::uint8_t> folded_;
   std::vector<std::pair<Index, Label>> found_;  // labels of the last slice, per element
-  // Per vertex: the first key of the row that has it, for this slice and the last one; right if it has it.
-  std::vector<Index> first_now_, first_before_;
+  std::vector<Index> place_;                    // per vertex: in vertex_faces_; right if that has it
   Groups groups_;
 };
 

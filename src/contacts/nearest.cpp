@@ -5,7 +5,7 @@
 namespace foldproof::internal {
 namespace {
 
-constexpr Index kLeafSize = 4;
+constexpr Index kLeafSize = 8;
 
 Vec3 nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 d = b - a;
@@ -89,6 +89,8 @@ Vec3 NearestTriangles::nearest(const Vec3& p, const Vec3& known) const {
     if (box_distance2(p, node.low, node.high) > best2) continue;
     if (node.right == 0) {
       for (Index i = node.begin; i < node.end; ++i) {
+        const auto& [a, b, c] = triangles_[i];
+        if (box_distance2(p, a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)) > best2) continue;
         const Vec3 q = nearest_on_triangle(p, triangles_[i]);
         const double q2 = (q - p).squaredNorm();
         // Of equally near ones the same in every order.

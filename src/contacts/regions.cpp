@@ -66,12 +66,13 @@ void RegionFinder::collect_cuts(const Curves& curves, const RegionQuery& query) 
   cuts_.resize(count);
 }
 
-bool RegionFinder::is_cut(Index u, Index w) const {
-  if (cut_stamps_[u] != stamp_ || cut_stamps_[w] != stamp_) return false;
-  const Edge edge{std::min(u, w), std::max(u, w)};
-  const auto at = std::lower_bound(cuts_.begin(), cuts_.end(), edge,
-                                   [](const Cut& cut, const Edge& e) { return cut.edge < e; });
-  return at != cuts_.end() && at->edge == edge;
+// The cut of an edge, whose vertices are in any order; null if there is none.
+const RegionFinder::Cut* RegionFinder::find_cut(Index u, Index w) const {
+  if (cut_stamps_[u] != stamp_ || cut_stamps_[w] != stamp_) return nullptr;
+  const auto [begin, end] = cuts_from_[std::min(u, w)];
+  const auto at = std::lower_bound(cuts_.begin() + begin, cuts_.begin() + end, std::max(u, w),
+                                   [](const Cut& cut, Index vertex) { return cut.edge[1] < vertex; });
+  return at != cuts_.begin() + end && at->edge[1] == std::max(u, w) ? &*at : nullptr;
 }
 
 bool RegionFinder::is_wall(Index vertex) const {
@@ -106,11 +107,11 @@ void RegionFinder::add(Index component, Index vertex) {
 void RegionFinder::visit(Index component) {
   const Index vertex = components_[component].vertices[components_[component].visited++];
   surfaces_.for_each_neighbor(object_, vertex, [&](Index w) {
-    if (!is_passable(vertex, w)) return;
     const Index other = component_of(w);
+    if (other == component || !is_passable(vertex, w)) return;
     if (other == kNoIndex) {
       add(component, w);
-    } else if (other != component) {
+    } else {
       unite(component, other);
     }
   });
@@ -146,11 +147,20 @@ void RegionFinder::begin_search() {
     stamps_.resize(vertices, 0);
     cut_stamps_.resize(vertices, 0);
     component_at_.resize(vertices);
+    cuts_from_.resize(vertices);
   }
-  for (const Cut& cut : cuts_) {
-    for (const Index v : cut.edge) cut_stamps_[v] = stamp_;
+  const auto mark = [&](Index v) {
+    if (cut_stamps_[v] != stamp_) cuts_from_[v] = {0, 0};
+    cut_stamps_[v] = stamp_;
+  };
+  for (Index i = 0; i < cuts_.size(); ++i) {
+    const auto& [first, second] = cuts_[i].edge;
+    mark(first);
+    mark(second);
+    auto& from = cuts_from_[first];
+    from = {from[1] == 0 ? i : from[0], i + 1};
   }
-  for (const Index v : walls_) cut_stamps_[v] = stamp_;
+  for (const Index v : walls_) mark(v);
 }
 
 // Grows all components at the same pace until at most one is not complete.
@@ -173,9 +183,11 @@ void RegionFinder::grow() {
       }
     }
   }
+  constexpr int kAtOnce = 16;
   while (active_.size() > 1) {
     for (const Index component : active_) {
-      if (root_of(component) == component && !is_complete(component)) visit(component);
+      for (int i = 0; i < kAtOnce && root_of(component) == component && !is_complete(component); ++i)
+        visit(component);
     }
     std::erase_if(active_, [&](Index c) { return root_of(c) != c || is_complete(c); });
   }
@@ -268,11 +280,9 @@ std::optional<int> RegionFinder::lone_corner(const Triangle& corners) {
 }
 
 Vec3 RegionFinder::cut_at(Index u, Index w, Positions x) const {
-  const Edge edge{std::min(u, w), std::max(u, w)};
-  const auto cut = std::lower_bound(cuts_.begin(), cuts_.end(), edge,
-                                    [](const Cut& c, const Edge& e) { return c.edge < e; });
-  const Vec3 from = position(x[object_], edge[0]);
-  return from + cut->share * (position(x[object_], edge[1]) - from);
+  const Cut* cut = find_cut(u, w);
+  const Vec3 from = position(x[object_], cut->edge[0]);
+  return from + cut->share * (position(x[object_], cut->edge[1]) - from);
 }
 
 bool RegionFinder::has_corner_inside(Index t) {

@@ -58,7 +58,8 @@ class RegionFinder {
   void collect_cuts(const Curves& curves, const RegionQuery& query);
   std::size_t end_behind(const Piercing& piercing, Positions x) const;
   void begin_search();
-  bool is_cut(Index u, Index w) const;
+  const Cut* find_cut(Index u, Index w) const;
+  bool is_cut(Index u, Index w) const { return find_cut(u, w) != nullptr; }
   bool is_wall(Index vertex) const;
   bool is_passable(Index u, Index w) const;
   Index component_of(Index vertex);
@@ -84,6 +85,8 @@ class RegionFinder {
   std::vector<Index> active_;
   std::vector<Index> component_at_;  // per vertex of the object, with `stamp_`
   std::vector<std::uint32_t> stamps_, cut_stamps_;
+  // Per vertex, with cut_stamps_: which of cuts_ have it as their edge's first.
+  std::vector<std::array<Index, 2>> cuts_from_;
   std::uint32_t stamp_ = 0;
   std::vector<std::uint8_t> inside_;  // per component
   std::vector<Index> group_;          // per component: those that cuts connect

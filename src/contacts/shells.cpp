@@ -47,6 +47,12 @@ Shells::Shells(const Topology& topology) : topology_(topology) {
     const Index root = root_of(parent, v);  // the smallest vertex, which has its number already
     shell_[v] = root == v ? count++ : shell_[root];
   }
+  faces_begin_.assign(std::size_t{count} + 1, 0);
+  for (const Triangle& t : topology.faces()) ++faces_begin_[shell_[t[0]] + 1];
+  std::partial_sum(faces_begin_.begin(), faces_begin_.end(), faces_begin_.begin());
+  std::vector<std::size_t> next(faces_begin_.begin(), faces_begin_.end() - 1);
+  faces_.resize(topology.face_count());
+  for (Index t = 0; t < faces_.size(); ++t) faces_[next[shell_[topology.faces()[t][0]]]++] = t;
   begin_.assign(std::size_t{count} + 1, 0);
   find_borders();
 }
@@ -109,8 +115,9 @@ int Shells::outward(Index shell, std::span<const double> x) const {
     if (!origin) origin = a;
     volume += (a - *origin).dot((b - *origin).cross(c - *origin));
   };
-  for (const Triangle& t : topology_.faces()) {
-    if (shell_[t[0]] == shell) add(position(x, t[0]), position(x, t[1]), position(x, t[2]));
+  for (std::size_t i = faces_begin_[shell]; i < faces_begin_[shell + 1]; ++i) {
+    const auto& [p, q, r] = topology_.faces()[faces_[i]];
+    add(position(x, p), position(x, q), position(x, r));
   }
   for_each_cap(shell, x, add);
   return volume < 0 ? -1 : 1;

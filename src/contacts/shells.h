@@ -20,7 +20,7 @@ class Shells {
   /// this share below 0 on the other. Cost: that of the borders.
   double open_share(Index shell, std::span<const double> x, const Vec3& p) const;
   /// 1 where the shell, with its holes covered, has its faces' fronts outside; -1 inside. Cost: that of the
-  /// mesh.
+  /// shell.
   int outward(Index shell, std::span<const double> x) const;
 
  private:
@@ -33,9 +33,11 @@ class Shells {
   void find_borders();
 
   const Topology& topology_;
-  std::vector<Index> shell_;        // per vertex
-  std::vector<Border> borders_;     // by shell, then loop
-  std::vector<std::size_t> begin_;  // of borders_, per shell
+  std::vector<Index> shell_;              // per vertex
+  std::vector<Index> faces_;              // by shell
+  std::vector<std::size_t> faces_begin_;  // of faces_, per shell
+  std::vector<Border> borders_;           // by shell, then loop
+  std::vector<std::size_t> begin_;        // of borders_, per shell
 };
 
 }  // namespace foldproof::inline internal

@@ -43,16 +43,14 @@ void Surfaces::Stars::list_neighbors(const Topology& topology) {
   for (const Edge& edge : topology.edges()) {
     for (const Index v : edge) ++neighbors_begin[v + 1];
   }
-  const auto degree = [&](Index v) { return neighbors_begin[v + 1]; };
-  const auto is_higher = [&](Index v, Index than) {
-    return std::pair(degree(v), v) > std::pair(degree(than), than);
-  };
+  const auto rank = [&](Index v) { return std::pair(neighbors_begin[v + 1], v); };
+  std::vector<Edge> edges(topology.edges().begin(), topology.edges().end());  // the lower vertex first
   std::vector<Index> lower(vertices, 0);
-  for (const auto& [a, b] : topology.edges()) ++lower[is_higher(a, b) ? a : b];
+  for (auto& [low, high] : edges) {
+    if (rank(high) < rank(low)) std::swap(low, high);
+    ++lower[high];
+  }
   higher_begin.resize(vertices);
-  std::vector<std::uint8_t> b_is_higher;
-  b_is_higher.reserve(topology.edges().size());
-  for (const auto& [a, b] : topology.edges()) b_is_higher.push_back(is_higher(b, a));
   for (Index v = 0; v < vertices; ++v) {
     neighbors_begin[v + 1] += neighbors_begin[v];
     higher_begin[v] = neighbors_begin[v] + lower[v];
@@ -60,36 +58,35 @@ void Surfaces::Stars::list_neighbors(const Topology& topology) {
   neighbors.resize(neighbors_begin.back());
   std::vector<Index> next_lower(neighbors_begin.begin(), neighbors_begin.end() - 1),
       next_higher = higher_begin;
-  for (std::size_t i = 0; i < b_is_higher.size(); ++i) {
-    const auto [low, high] = b_is_higher[i] ? std::array{topology.edges()[i][0], topology.edges()[i][1]}
-                                            : std::array{topology.edges()[i][1], topology.edges()[i][0]};
+  for (const auto& [low, high] : edges) {
     neighbors[next_higher[low]++] = high;
     neighbors[next_lower[high]++] = low;
   }
 }
 
-void Surfaces::triangles_with_edge(Index object, const Edge& edge, std::vector<Index>& out) const {
-  out.clear();
+// Calls visit(triangle) with the triangles that have an edge, ascending, until it returns false.
+template <class Visit>
+void Surfaces::for_each_with_edge(Index object, const Edge& edge, const Visit& visit) const {
   const auto triangles = topologies_[object]->triangles();
   const auto at_0 = triangles_at(object, edge[0]), at_1 = triangles_at(object, edge[1]);
   const bool first = at_0.size() <= at_1.size();
   const Index other = edge[first ? 1 : 0];
   for (const Index t : first ? at_0 : at_1) {
-    if (std::find(triangles[t].begin(), triangles[t].end(), other) != triangles[t].end()) out.push_back(t);
+    const auto& [a, b, c] = triangles[t];
+    if ((a == other || b == other || c == other) && !visit(t)) return;
   }
+}
+
+void Surfaces::triangles_with_edge(Index object, const Edge& edge, std::vector<Index>& out) const {
+  out.clear();
+  for_each_with_edge(object, edge, [&](Index t) { return out.push_back(t), true; });
 }
 
 bool Surfaces::is_of_face(Index object, const Edge& edge) const {
   const Topology& topology = *topologies_[object];
-  if (topology.face_count() == topology.triangles().size()) return true;
-  const auto at_0 = triangles_at(object, edge[0]), at_1 = triangles_at(object, edge[1]);
-  const auto at = at_0.size() <= at_1.size() ? at_0 : at_1;
-  const auto has_edge = [&](Index t) {
-    const Triangle& corners = topology.triangles()[t];
-    return std::find(corners.begin(), corners.end(), edge[0]) != corners.end() &&
-           std::find(corners.begin(), corners.end(), edge[1]) != corners.end();
-  };
-  return is_face(object, *std::find_if(at.begin(), at.end(), has_edge));
+  bool is = topology.face_count() == topology.triangles().size();
+  if (!is) for_each_with_edge(object, edge, [&](Index t) { return is = is_face(object, t), false; });
+  return is;
 }
 
 }  // namespace foldproof::internal

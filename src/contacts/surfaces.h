@@ -44,6 +44,12 @@ class Surfaces {
     const Stars& s = *stars_[object];
     return std::span(s.triangles).subspan(s.begin[vertex], s.begin[vertex + 1] - s.begin[vertex]);
   }
+  /// How many vertices have an edge with one; a global id.
+  std::size_t neighbor_count(Index vertex) const {
+    const auto [object, local] = local_vertex(vertex);
+    const Stars& s = *stars_[object];
+    return s.neighbors_begin[local + 1] - s.neighbors_begin[local];
+  }
   /// Calls visit(neighbor) with the vertices that have an edge with one; global ids.
   template <class Visit>
   void for_each_neighbor(Index vertex, const Visit& visit) const {
@@ -76,6 +82,8 @@ class Surfaces {
     std::vector<Index> neighbors_begin, neighbors, higher_begin;  // the higher ones are last
     Shells shells;
   };
+  template <class Visit>
+  void for_each_with_edge(Index object, const Edge& edge, const Visit& visit) const;
   std::array<Index, 2> local_vertex(Index global) const {
     if (vertex_offsets_.size() == 2) return {0, global};
     const auto after = std::upper_bound(vertex_offsets_.begin(), vertex_offsets_.end(), global);

@@ -150,6 +150,33 @@ TEST(FindContacts, ALinePiercesFaces) {
   EXPECT_TRUE(found[0].frames.empty());
 }
 
+// A box stands on another; then it is lifted, and only its hair goes into the one below.
+TEST(FindContacts, WhatOnlyTouchesNeverGoesThrough) {
+  const Mesh below = box({}, Vec3::Constant(0.5), 3);
+  Mesh above = box({0.125, 0.125, 0.75}, Vec3::Constant(0.25), 2);
+  // Above the corner that stands next to where the hair goes in: what is joined has neighboring vertices.
+  const Vec3 root(-0.125, -0.125, 0.75);
+  const auto at_root = [&](Index v) { return Vec3::load(&above.positions[3 * v]) == root; };
+  Index first = 0;
+  while (!at_root(first)) ++first;
+  above.lines = {{first, above.vertex_count++}};
+  Animation animation = {{below.topology(), above.topology()}, {}};
+  for (const double lift : {0.0, 0.1}) {
+    Pose pose = placed(above, 1, {0, 0, lift});
+    const Vec3 tip = root + (lift == 0 ? Vec3(-0.1, -0.11, 0.2) : Vec3(-0.02, -0.03, -0.4));
+    pose.insert(pose.end(), {tip.x(), tip.y(), tip.z()});
+    animation.poses.push_back({below.positions, pose});
+  }
+  const auto found = found_in(animation).value();
+  ASSERT_EQ(found.size(), 1u);
+  ASSERT_EQ(found[0].frames.size(), 2u);
+  EXPECT_TRUE(found[0].frames[0].touching);
+  EXPECT_GT(found[0].frames[0].curve_length, 0);
+  EXPECT_EQ(found[0].frames[1].severity(), 0);
+  EXPECT_EQ(found[0].worst, 1u);
+  EXPECT_FALSE(found[0].touching());
+}
+
 // Hairs change nothing about the depth of the surfaces that they are on.
 TEST(FindContacts, HairsDoNotChangeADepth) {
   Animation animation = passing_balls();

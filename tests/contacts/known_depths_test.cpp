@@ -53,50 +53,6 @@ void expect_depth(const std::vector<Mesh>& meshes, double depth, bool at_least =
   }
 }
 
-Mesh scene_mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles) {
-  Mesh mesh;
-  mesh.vertex_count = static_cast<Index>(vertices.size());
-  mesh.triangles = std::move(triangles);
-  for (const Vec3& v : vertices) mesh.positions.insert(mesh.positions.end(), v.begin(), v.end());
-  return mesh;
-}
-
-// From -half to half, each side divided into n^2 squares.
-Mesh box(const Vec3& middle, const Vec3& half, int n) {
-  std::map<std::array<int, 3>, Index> known;
-  std::vector<Vec3> vertices;
-  std::vector<Triangle> triangles;
-  const auto vertex = [&](std::array<int, 3> at) {
-    const auto [place, is_new] = known.try_emplace(at, static_cast<Index>(vertices.size()));
-    if (is_new) {
-      Vec3 p = middle;
-      for (std::size_t k = 0; k < 3; ++k) p[k] += half[k] * (2.0 * at[k] / n - 1);
-      vertices.push_back(p);
-    }
-    return place->second;
-  };
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (const int end : {0, n}) {
-      for (int i = 0; i < n; ++i) {
-        for (int k = 0; k < n; ++k) {
-          const auto at = [&](int u, int w) {
-            std::array<int, 3> out{};
-            out[axis] = end;
-            out[(axis + 1) % 3] = i + u;
-            out[(axis + 2) % 3] = k + w;
-            return vertex(out);
-          };
-          Triangle s{at(0, 0), at(1, 0), at(1, 1)}, t{at(0, 0), at(1, 1), at(0, 1)};
-          if (end == 0) std::swap(s[0], s[1]), std::swap(t[0], t[1]);
-          triangles.push_back(s);
-          triangles.push_back(t);
-        }
-      }
-    }
-  }
-  return scene_mesh(vertices, triangles);
-}
-
 // A square of side 2 at u, v in [-1,1], by the place of each of its points.
 Mesh sheet(Index size, const std::function<Vec3(double, double)>& place) {
   Mesh mesh = square(size);

@@ -16,6 +16,10 @@ Mesh torus(double large, double small, Index around, Index across);
 /// A square with side 2 in the plane z = 0, of 2 size^2 triangles.
 Mesh square(Index size);
 
+Mesh scene_mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles);
+/// A box from middle - half to middle + half, each side divided into n^2 squares.
+Mesh box(const Vec3& middle, const Vec3& half, int n);
+
 /// The mesh's positions, scaled, then moved.
 Pose placed(const Mesh& mesh, double scale, const Vec3& shift);
 /// Two meshes as one object.
