@@ -30,6 +30,12 @@ HWY_INLINE bool Separated(const KineticBox& a, const KineticBox& b, float margin
   return separated;
 }
 
+// By boxes, or else by what the traversal has beside them.
+HWY_INLINE bool SeparatedNodes(const Traversal& traversal, NodePair pair, const TraversalResult& out) {
+  return Separated(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin) ||
+         (out.certificate != nullptr && out.certificate->separates(pair));
+}
+
 void FindSubtreePairs(const Traversal& traversal, NodePair start, Index max_leaves,
                       std::vector<NodePair>& stack, TraversalResult& out) {
   const NodePairs nodes = traversal.nodes();
@@ -37,7 +43,7 @@ void FindSubtreePairs(const Traversal& traversal, NodePair start, Index max_leav
   traverse_pairs(nodes, stack, [&](NodePair pair) HWY_ATTR {
     if (out.filter != nullptr && !out.filter->visits(pair)) return false;
     ++out.node_tests;
-    if (Separated(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin)) return false;
+    if (SeparatedNodes(traversal, pair, out)) return false;
     if (std::max(leaf_count(nodes.a[pair.a]), leaf_count(nodes.b[pair.b])) > max_leaves) return true;
     out.subtree_pairs.push_back(pair);
     return false;
@@ -58,7 +64,7 @@ void Traverse(const Traversal& traversal, std::span<const NodePair> starts, std:
     traverse_pairs(nodes, stack, [&](NodePair pair) HWY_ATTR {
       if (out.filter != nullptr && !out.filter->visits(pair)) return false;
       ++out.node_tests;
-      if (!nodes.is_self(pair) && Separated(boxes_a[pair.a], boxes_b[pair.b], traversal.margin)) {
+      if (!nodes.is_self(pair) && SeparatedNodes(traversal, pair, out)) {
         if (out.front != nullptr) out.front->push_back(pair);
         return false;
       }
