@@ -196,6 +196,24 @@ void FindPointPairs(const LeafSide& a, const LeafSide& b, const LeafTest& test,
             out.end());
 }
 
+void FindContactIntervals(const Traversal& traversal, FeaturePair kind, std::span<const CandidatePair> pairs,
+                          ContactInterval* out);
+
+// Of a leaf with itself: if there are many, drops those pairs from `begin` on whose boxes are separated.
+// Where triangles are thin, the cells of the grid are wider than they are.
+void DropSeparated(const Traversal& traversal, FeaturePair kind, std::size_t begin,
+                   std::vector<CandidatePair>& pairs) {
+  constexpr std::size_t kMany = 32;
+  if (pairs.size() - begin < kMany) return;
+  const auto is_separated = [&](const CandidatePair& pair) {
+    ContactInterval interval;
+    FindContactIntervals(traversal, kind, {&pair, 1}, &interval);
+    return interval.is_empty();
+  };
+  pairs.erase(std::remove_if(pairs.begin() + static_cast<std::ptrdiff_t>(begin), pairs.end(), is_separated),
+              pairs.end());
+}
+
 void FindCandidates(const Traversal& traversal, LeafPair leaves, CandidateBuffer& out) {
   const KineticBvh &ta = *traversal.a, &tb = *traversal.b;
   const float margin = ClampedMargin(traversal);
@@ -211,9 +229,14 @@ void FindCandidates(const Traversal& traversal, LeafPair leaves, CandidateBuffer
   };
   if (of_a == Element::Point && of_b == Element::Point)
     return FindPointPairs(a, b, test, out[FeaturePair::VertexFace]);
-  if (tests(ta, of_a, of_b))
-    TestFeatures(a, ta.vertex_blocks, b, tb.face_blocks, test, out[FeaturePair::VertexFace]);
-  TestFeatures(a, ta.edge_blocks, b, tb.edge_blocks, edge_test, out[FeaturePair::EdgeEdge]);
+  auto &faces = out[FeaturePair::VertexFace], &edges = out[FeaturePair::EdgeEdge];
+  const std::size_t first_face = faces.size(), first_edge = edges.size();
+  if (tests(ta, of_a, of_b)) TestFeatures(a, ta.vertex_blocks, b, tb.face_blocks, test, faces);
+  TestFeatures(a, ta.edge_blocks, b, tb.edge_blocks, edge_test, edges);
+  if (same_leaf) {
+    DropSeparated(traversal, FeaturePair::VertexFace, first_face, faces);
+    DropSeparated(traversal, FeaturePair::EdgeEdge, first_edge, edges);
+  }
   if (same_leaf || !tests(tb, of_b, of_a)) return;
   auto& other = out[same_object ? FeaturePair::VertexFace : FeaturePair::FaceVertex];
   const std::size_t begin = other.size();
