@@ -12,13 +12,13 @@ namespace {
 
 std::vector<Index> intersection(std::span<const Index> a, std::span<const Index> b) {
   std::vector<Index> both;
-  std::ranges::set_intersection(a, b, std::back_inserter(both));
+  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
   return both;
 }
 
 std::vector<Index> merged(std::span<const Index> a, std::span<const Index> b) {
   std::vector<Index> all;
-  std::ranges::set_union(a, b, std::back_inserter(all));
+  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(all));
   return all;
 }
 
@@ -85,11 +85,12 @@ bool HubPlanes::find_sides(NodePair nodes) {
   hubs_->list_vertices(nodes.a, all_a_);
   hubs_->list_vertices(nodes.b, all_b_);
   common_.clear();
-  std::ranges::set_intersection(all_a_, all_b_, std::back_inserter(common_));
+  std::set_intersection(all_a_.begin(), all_a_.end(), all_b_.begin(), all_b_.end(),
+                        std::back_inserter(common_));
   if (common_.size() > kMaxCommon) return false;
   const auto arrange = [&](const std::vector<Index>& all, std::vector<Index>& side) {
     side.assign(common_.begin(), common_.begin() + !common_.empty());
-    std::ranges::set_difference(all, common_, std::back_inserter(side));
+    std::set_difference(all.begin(), all.end(), common_.begin(), common_.end(), std::back_inserter(side));
     if (common_.size() == 2) side.push_back(common_.back());
     return all.size() > common_.size();
   };
