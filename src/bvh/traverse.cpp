@@ -196,19 +196,50 @@ void FindPointPairs(const LeafSide& a, const LeafSide& b, const LeafTest& test,
             out.end());
 }
 
-void FindContactIntervals(const Traversal& traversal, FeaturePair kind, std::span<const CandidatePair> pairs,
-                          ContactInterval* out);
+// The box of a feature, laid out like MovingVertex.
+struct alignas(32) MovingBox {
+  float lower[8], upper[8];
+};
+
+template <std::size_t N>
+HWY_INLINE MovingBox BoxOf(const MovingVertex* vertices, const std::array<Index, N>& feature) {
+  const hn::CappedTag<float, 8> d;
+  MovingBox box;
+  for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
+    auto lower = hn::Load(d, vertices[feature[0]].x + lane), upper = lower;
+    for (std::size_t k = 1; k < N; ++k) {
+      const auto p = hn::Load(d, vertices[feature[k]].x + lane);
+      lower = hn::Min(lower, p);
+      upper = hn::Max(upper, p);
+    }
+    hn::Store(lower, d, box.lower + lane);
+    hn::Store(upper, d, box.upper + lane);
+  }
+  return box;
+}
+
+// Theorem 1: one side of one axis separates the boxes at both ends. B2: one rounding per gap.
+HWY_INLINE bool AreSeparated(const MovingBox& a, const MovingBox& b, float margin) {
+  const auto is_above = [&](const MovingBox& above, const MovingBox& below, int at) {
+    return above.lower[at] - below.upper[at] > margin && above.lower[4 + at] - below.upper[4 + at] > margin;
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    if (is_above(a, b, axis) || is_above(b, a, axis)) return true;
+  }
+  return false;
+}
 
 // Of a leaf with itself: if there are many, drops those pairs from `begin` on whose boxes are separated.
 // Where triangles are thin, the cells of the grid are wider than they are.
-void DropSeparated(const Traversal& traversal, FeaturePair kind, std::size_t begin,
+template <class FeatureA, class FeatureB>
+void DropSeparated(const Traversal& traversal, FeatureA feature_a, FeatureB feature_b, std::size_t begin,
                    std::vector<CandidatePair>& pairs) {
   constexpr std::size_t kMany = 32;
   if (pairs.size() - begin < kMany) return;
-  const auto is_separated = [&](const CandidatePair& pair) {
-    ContactInterval interval;
-    FindContactIntervals(traversal, kind, {&pair, 1}, &interval);
-    return interval.is_empty();
+  const MovingVertex* vertices = traversal.a->vertices.data();
+  const auto is_separated = [&](const CandidatePair& pair) HWY_ATTR {
+    return AreSeparated(BoxOf(vertices, feature_a(pair.a)), BoxOf(vertices, feature_b(pair.b)),
+                        traversal.margin);
   };
   pairs.erase(std::remove_if(pairs.begin() + static_cast<std::ptrdiff_t>(begin), pairs.end(), is_separated),
               pairs.end());
@@ -234,8 +265,11 @@ void FindCandidates(const Traversal& traversal, LeafPair leaves, CandidateBuffer
   if (tests(ta, of_a, of_b)) TestFeatures(a, ta.vertex_blocks, b, tb.face_blocks, test, faces);
   TestFeatures(a, ta.edge_blocks, b, tb.edge_blocks, edge_test, edges);
   if (same_leaf) {
-    DropSeparated(traversal, FeaturePair::VertexFace, first_face, faces);
-    DropSeparated(traversal, FeaturePair::EdgeEdge, first_edge, edges);
+    const auto vertex = [](Index v) { return std::array<Index, 1>{v}; };
+    const auto face = [&](Index t) { return ta.hierarchy->triangles()[t]; };
+    const auto edge = [&](Index e) { return ta.hierarchy->edges()[e]; };
+    DropSeparated(traversal, vertex, face, first_face, faces);
+    DropSeparated(traversal, edge, edge, first_edge, edges);
   }
   if (same_leaf || !tests(tb, of_b, of_a)) return;
   auto& other = out[same_object ? FeaturePair::VertexFace : FeaturePair::FaceVertex];
@@ -252,28 +286,6 @@ void FindFacePairs(const Traversal& traversal, LeafPair leaves, std::vector<Cand
   const LeafSide b(tb, leaves.b, ta.boxes[ta.leaf_node(leaves.a)], margin);
   const LeafTest test{margin, false, &ta == &tb && leaves.a == leaves.b};
   TestFeatures(a, ta.face_blocks, b, tb.face_blocks, test, out);
-}
-
-// The box of a feature, laid out like MovingVertex.
-struct alignas(32) MovingBox {
-  float lower[8], upper[8];
-};
-
-template <std::size_t N>
-HWY_INLINE MovingBox BoxOf(const MovingVertex* vertices, const std::array<Index, N>& feature) {
-  const hn::CappedTag<float, 8> d;
-  MovingBox box;
-  for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
-    auto lower = hn::Load(d, vertices[feature[0]].x + lane), upper = lower;
-    for (std::size_t k = 1; k < N; ++k) {
-      const auto p = hn::Load(d, vertices[feature[k]].x + lane);
-      lower = hn::Min(lower, p);
-      upper = hn::Max(upper, p);
-    }
-    hn::Store(lower, d, box.lower + lane);
-    hn::Store(upper, d, box.upper + lane);
-  }
-  return box;
 }
 
 // On each side of each axis the gap between the boxes changes linearly from `first` to `last`; they are
