@@ -16,6 +16,7 @@
 #include "candidates.h"
 #include "certificates.h"
 #include "contacts.h"
+#include "families.h"
 #include "machine.h"
 #include "memory.h"
 #include "reduced.h"
@@ -100,7 +101,8 @@ void add_tables(CLI::App& app, Options& options) {
       "What an implicit solver asks in the --steps of three simulations: --scene cloth, pile or rod");
   app.add_flag("--solver", options.solver,
                "What it asks of two sheets: long steps, bounds, pairs within a distance; and --simulation");
-  app.add_flag("--growth", options.growth, "The same shapes from 10,000 to 2,000,000 triangles");
+  app.add_flag("--growth", options.growth,
+               "The same shapes from 10,000 to 2,000,000 triangles, and families of many at one place");
   app.add_option("--growth-largest", options.plan.growth_largest,
                  "Triangles at most, for less memory and time than the largest take (default: no limit)");
   app.add_flag("--thread-scaling", options.threads, "1, 2, 4, ... threads, from 200,000 triangles");
@@ -196,7 +198,10 @@ Result<void> measure_chosen(const Options& options, json& results) {
   }
   if (options.everything || !(options.growth || options.threads || options.training))
     FOLDPROOF_TRY(keep("scenes", measure_main(options)));
-  if (options.everything || options.growth) FOLDPROOF_TRY(keep("growth", measure_growth(plan)));
+  if (options.everything || options.growth) {
+    FOLDPROOF_TRY(keep("growth", measure_growth(plan)));
+    FOLDPROOF_TRY(keep("families", measure_families(time)));
+  }
   if (options.everything || options.training) FOLDPROOF_TRY(keep("training", measure_training()));
   return {};
 }

@@ -17,6 +17,8 @@ constexpr Index kPiecePerTask = 1 << 14;
 constexpr int kMaxRepairs = 4;
 // Each half has at least 1 / kMaxImbalance of a piece's triangles.
 constexpr Index kMaxImbalance = 32;
+// Edges with so many triangles have them in the order of their angles.
+constexpr Index kManyAtEdge = 16;
 constexpr std::size_t kBuckets = 64;
 constexpr float kFar = std::numeric_limits<float>::max();
 
@@ -60,6 +62,8 @@ class Centers {
       sum += Vec3::load(&positions_[3 * std::size_t{v}]) * (scale_ / 3);
     return sum;
   }
+  /// A vertex, scaled in the same way.
+  Vec3 vertex(Index v) const { return Vec3::load(&positions_[3 * std::size_t{v}]) * scale_; }
 
  private:
   std::span<const Triangle> triangles_;
@@ -316,14 +320,19 @@ class Splitter {
 // however the user numbered them.
 class SurfaceOrder {
  public:
-  explicit SurfaceOrder(const Topology& topology) : sides_(topology.triangle_edges()) {
+  SurfaceOrder(const Topology& topology, const Centers& centers) : sides_(topology.triangle_edges()) {
     std::vector<Index>& begin = edge_begin_;
     begin.assign(topology.edges().size() + 1, 0);
-    for_each_side([&](Index e, Index) { ++begin[e + 1]; });
+    for_each_side([&](Index e, Side) { ++begin[e + 1]; });
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    edge_triangles_.resize(begin.back());
+    at_edges_.resize(begin.back());
     std::vector<Index> fill(begin.begin(), begin.end() - 1);
-    for_each_side([&](Index e, Index t) { edge_triangles_[fill[e]++] = t; });
+    for_each_side([&](Index e, Side side) { at_edges_[fill[e]++] = side; });
+    for (Index e = 0; e < topology.edges().size(); ++e) {
+      if (begin[e + 1] - begin[e] >= kManyAtEdge) sort_by_angle(topology.edges()[e], at_edge(e), centers);
+    }
+    places_.resize(sides_.size());
+    for (Index k = 0; k < at_edges_.size(); ++k) places_[at_edges_[k].triangle][at_edges_[k].number] = k;
   }
 
   std::vector<Index> order() const {
@@ -348,35 +357,68 @@ class SurfaceOrder {
   // At an edge of many triangles each has two neighbors: the previous and the next one.
   template <class Visit>
   void for_each_neighbor(Index t, Visit visit) const {
-    for (const Index e : sides_[t]) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index e = sides_[t][k];
       if (e == kNoIndex) continue;
-      const auto first = edge_triangles_.begin() + edge_begin_[e],
-                 end = edge_triangles_.begin() + edge_begin_[e + 1];
-      const auto self = std::lower_bound(first, end, t);
-      if (self != first && *(self - 1) != t) visit(*(self - 1));
-      if (self + 1 != end && *(self + 1) != t) visit(*(self + 1));
+      const Index self = places_[t][k];
+      const auto visit_other = [&](Index other) {
+        if (at_edges_[other].triangle != t) visit(at_edges_[other].triangle);
+      };
+      if (self != edge_begin_[e]) visit_other(self - 1);
+      if (self + 1 != edge_begin_[e + 1]) visit_other(self + 1);
     }
   }
 
  private:
+  struct Side {
+    Index triangle;
+    Index number;  // 0 to 2
+  };
+
   template <class Visit>
   void for_each_side(Visit visit) const {
     for (Index t = 0; t < sides_.size(); ++t) {
-      for (const Index e : sides_[t]) {
-        if (e != kNoIndex) visit(e, t);
+      for (Index k = 0; k < 3; ++k) {
+        if (sides_[t][k] != kNoIndex) visit(sides_[t][k], Side{t, k});
       }
     }
   }
+  std::span<Side> at_edge(Index e) {
+    return std::span(at_edges_).subspan(edge_begin_[e], edge_begin_[e + 1] - edge_begin_[e]);
+  }
+
+  // Around the edge, so that halves of what is at it lie on different sides of a plane.
+  static void sort_by_angle(const Edge& edge, std::span<Side> sides, const Centers& centers) {
+    const Vec3 start = centers.vertex(edge[0]), along = (centers.vertex(edge[1]) - start).normalized();
+    const auto away = [&](Index t) {
+      const Vec3 out = centers.of(t) - start;
+      return out - along * along.dot(out);
+    };
+    const Vec3 x = away(sides[0].triangle), y = along.cross(x);
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      // Grows with the angle, from 0 to 4, and is computed alike on all machines.
+      const Vec3 out = away(sides[k].triangle);
+      const double a = x.dot(out), b = y.dot(out), size = std::abs(a) + std::abs(b);
+      const double quarter = size > 0 && size <= std::numeric_limits<double>::max() ? b / size : 0;
+      order.emplace_back(a < 0 ? 2 - quarter : b < 0 ? 4 + quarter : quarter, k);
+    }
+    std::ranges::sort(order);
+    const std::vector<Side> old(sides.begin(), sides.end());
+    for (std::size_t k = 0; k < sides.size(); ++k) sides[k] = old[order[k].second];
+  }
 
   std::span<const std::array<Index, 3>> sides_;
-  std::vector<Index> edge_begin_, edge_triangles_;  // per edge: its triangles, ascending
+  std::vector<Index> edge_begin_;             // per edge: its first side, in at_edges_
+  std::vector<Side> at_edges_;                // of one edge: by triangle, or by angle
+  std::vector<std::array<Index, 3>> places_;  // of a triangle's sides, in at_edges_
 };
 
 // The surface, and a buffer of the same size for its halves.
 std::array<Surface, 2> surface_of(const Topology& topology, const Centers& centers) {
   std::array<Surface, 2> both;
   Surface& surface = both[0];
-  const SurfaceOrder surface_order(topology);
+  const SurfaceOrder surface_order(topology, centers);
   surface.ids = surface_order.order();
   std::vector<Index> number(surface.ids.size());
   for (Index k = 0; k < number.size(); ++k) number[surface.ids[k]] = k;

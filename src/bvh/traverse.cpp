@@ -30,6 +30,12 @@ HWY_INLINE bool Separated(const KineticBox& a, const KineticBox& b, float margin
   return separated;
 }
 
+// By boxes, or else by what the traversal has beside them.
+HWY_INLINE bool SeparatedNodes(const Traversal& traversal, NodePair pair, const TraversalResult& out) {
+  return Separated(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin) ||
+         (out.certificate != nullptr && out.certificate->separates(pair));
+}
+
 void FindSubtreePairs(const Traversal& traversal, NodePair start, Index max_leaves,
                       std::vector<NodePair>& stack, TraversalResult& out) {
   const NodePairs nodes = traversal.nodes();
@@ -37,7 +43,7 @@ void FindSubtreePairs(const Traversal& traversal, NodePair start, Index max_leav
   traverse_pairs(nodes, stack, [&](NodePair pair) HWY_ATTR {
     if (out.filter != nullptr && !out.filter->visits(pair)) return false;
     ++out.node_tests;
-    if (Separated(traversal.a->boxes[pair.a], traversal.b->boxes[pair.b], traversal.margin)) return false;
+    if (SeparatedNodes(traversal, pair, out)) return false;
     if (std::max(leaf_count(nodes.a[pair.a]), leaf_count(nodes.b[pair.b])) > max_leaves) return true;
     out.subtree_pairs.push_back(pair);
     return false;
@@ -58,7 +64,7 @@ void Traverse(const Traversal& traversal, std::span<const NodePair> starts, std:
     traverse_pairs(nodes, stack, [&](NodePair pair) HWY_ATTR {
       if (out.filter != nullptr && !out.filter->visits(pair)) return false;
       ++out.node_tests;
-      if (!nodes.is_self(pair) && Separated(boxes_a[pair.a], boxes_b[pair.b], traversal.margin)) {
+      if (!nodes.is_self(pair) && SeparatedNodes(traversal, pair, out)) {
         if (out.front != nullptr) out.front->push_back(pair);
         return false;
       }
@@ -190,41 +196,6 @@ void FindPointPairs(const LeafSide& a, const LeafSide& b, const LeafTest& test,
             out.end());
 }
 
-void FindCandidates(const Traversal& traversal, LeafPair leaves, CandidateBuffer& out) {
-  const KineticBvh &ta = *traversal.a, &tb = *traversal.b;
-  const float margin = ClampedMargin(traversal);
-  const LeafSide a(ta, leaves.a, tb.boxes[tb.leaf_node(leaves.b)], margin);
-  const LeafSide b(tb, leaves.b, ta.boxes[ta.leaf_node(leaves.a)], margin);
-  const bool same_object = &ta == &tb, same_leaf = same_object && leaves.a == leaves.b;
-  const bool incident = same_object && ShareVertex(ta.leaf_vertices(leaves.a), tb.leaf_vertices(leaves.b));
-  const LeafTest test{margin, incident, false}, edge_test{margin, incident, same_leaf};
-  const Element of_a = ta.hierarchy->element(leaves.a), of_b = tb.hierarchy->element(leaves.b);
-  const auto tests = [](const KineticBvh& vertices, Element of_vertices, Element of_triangles) {
-    return tests_vertices(of_vertices, of_triangles) ||
-           (vertices.has_thin_faces && of_vertices == Element::Face && of_triangles == Element::Line);
-  };
-  if (of_a == Element::Point && of_b == Element::Point)
-    return FindPointPairs(a, b, test, out[FeaturePair::VertexFace]);
-  if (tests(ta, of_a, of_b))
-    TestFeatures(a, ta.vertex_blocks, b, tb.face_blocks, test, out[FeaturePair::VertexFace]);
-  TestFeatures(a, ta.edge_blocks, b, tb.edge_blocks, edge_test, out[FeaturePair::EdgeEdge]);
-  if (same_leaf || !tests(tb, of_b, of_a)) return;
-  auto& other = out[same_object ? FeaturePair::VertexFace : FeaturePair::FaceVertex];
-  const std::size_t begin = other.size();
-  TestFeatures(b, tb.vertex_blocks, a, ta.face_blocks, test, other);
-  if (same_object) return;
-  for (std::size_t i = begin; i < other.size(); ++i) std::swap(other[i].a, other[i].b);
-}
-
-void FindFacePairs(const Traversal& traversal, LeafPair leaves, std::vector<CandidatePair>& out) {
-  const KineticBvh &ta = *traversal.a, &tb = *traversal.b;
-  const float margin = ClampedMargin(traversal);
-  const LeafSide a(ta, leaves.a, tb.boxes[tb.leaf_node(leaves.b)], margin);
-  const LeafSide b(tb, leaves.b, ta.boxes[ta.leaf_node(leaves.a)], margin);
-  const LeafTest test{margin, false, &ta == &tb && leaves.a == leaves.b};
-  TestFeatures(a, ta.face_blocks, b, tb.face_blocks, test, out);
-}
-
 // The box of a feature, laid out like MovingVertex.
 struct alignas(32) MovingBox {
   float lower[8], upper[8];
@@ -245,6 +216,76 @@ HWY_INLINE MovingBox BoxOf(const MovingVertex* vertices, const std::array<Index,
     hn::Store(upper, d, box.upper + lane);
   }
   return box;
+}
+
+// Theorem 1: one side of one axis separates the boxes at both ends. B2: one rounding per gap.
+HWY_INLINE bool AreSeparated(const MovingBox& a, const MovingBox& b, float margin) {
+  const auto is_above = [&](const MovingBox& above, const MovingBox& below, int at) {
+    return above.lower[at] - below.upper[at] > margin && above.lower[4 + at] - below.upper[4 + at] > margin;
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    if (is_above(a, b, axis) || is_above(b, a, axis)) return true;
+  }
+  return false;
+}
+
+// Of a leaf with itself: if there are many, drops those pairs from `begin` on whose boxes are separated.
+// Where triangles are thin, the cells of the grid are wider than they are.
+template <class FeatureA, class FeatureB>
+void DropSeparated(const Traversal& traversal, FeatureA feature_a, FeatureB feature_b, std::size_t begin,
+                   std::vector<CandidatePair>& pairs) {
+  constexpr std::size_t kMany = 32;
+  if (pairs.size() - begin < kMany) return;
+  const MovingVertex* vertices = traversal.a->vertices.data();
+  const auto is_separated = [&](const CandidatePair& pair) HWY_ATTR {
+    return AreSeparated(BoxOf(vertices, feature_a(pair.a)), BoxOf(vertices, feature_b(pair.b)),
+                        traversal.margin);
+  };
+  pairs.erase(std::remove_if(pairs.begin() + static_cast<std::ptrdiff_t>(begin), pairs.end(), is_separated),
+              pairs.end());
+}
+
+void FindCandidates(const Traversal& traversal, LeafPair leaves, CandidateBuffer& out) {
+  const KineticBvh &ta = *traversal.a, &tb = *traversal.b;
+  const float margin = ClampedMargin(traversal);
+  const LeafSide a(ta, leaves.a, tb.boxes[tb.leaf_node(leaves.b)], margin);
+  const LeafSide b(tb, leaves.b, ta.boxes[ta.leaf_node(leaves.a)], margin);
+  const bool same_object = &ta == &tb, same_leaf = same_object && leaves.a == leaves.b;
+  const bool incident = same_object && ShareVertex(ta.leaf_vertices(leaves.a), tb.leaf_vertices(leaves.b));
+  const LeafTest test{margin, incident, false}, edge_test{margin, incident, same_leaf};
+  const Element of_a = ta.hierarchy->element(leaves.a), of_b = tb.hierarchy->element(leaves.b);
+  const auto tests = [](const KineticBvh& vertices, Element of_vertices, Element of_triangles) {
+    return tests_vertices(of_vertices, of_triangles) ||
+           (vertices.has_thin_faces && of_vertices == Element::Face && of_triangles == Element::Line);
+  };
+  if (of_a == Element::Point && of_b == Element::Point)
+    return FindPointPairs(a, b, test, out[FeaturePair::VertexFace]);
+  auto &faces = out[FeaturePair::VertexFace], &edges = out[FeaturePair::EdgeEdge];
+  const std::size_t first_face = faces.size(), first_edge = edges.size();
+  if (tests(ta, of_a, of_b)) TestFeatures(a, ta.vertex_blocks, b, tb.face_blocks, test, faces);
+  TestFeatures(a, ta.edge_blocks, b, tb.edge_blocks, edge_test, edges);
+  if (same_leaf) {
+    const auto vertex = [](Index v) { return std::array<Index, 1>{v}; };
+    const auto face = [&](Index t) { return ta.hierarchy->triangles()[t]; };
+    const auto edge = [&](Index e) { return ta.hierarchy->edges()[e]; };
+    DropSeparated(traversal, vertex, face, first_face, faces);
+    DropSeparated(traversal, edge, edge, first_edge, edges);
+  }
+  if (same_leaf || !tests(tb, of_b, of_a)) return;
+  auto& other = out[same_object ? FeaturePair::VertexFace : FeaturePair::FaceVertex];
+  const std::size_t begin = other.size();
+  TestFeatures(b, tb.vertex_blocks, a, ta.face_blocks, test, other);
+  if (same_object) return;
+  for (std::size_t i = begin; i < other.size(); ++i) std::swap(other[i].a, other[i].b);
+}
+
+void FindFacePairs(const Traversal& traversal, LeafPair leaves, std::vector<CandidatePair>& out) {
+  const KineticBvh &ta = *traversal.a, &tb = *traversal.b;
+  const float margin = ClampedMargin(traversal);
+  const LeafSide a(ta, leaves.a, tb.boxes[tb.leaf_node(leaves.b)], margin);
+  const LeafSide b(tb, leaves.b, ta.boxes[ta.leaf_node(leaves.a)], margin);
+  const LeafTest test{margin, false, &ta == &tb && leaves.a == leaves.b};
+  TestFeatures(a, ta.face_blocks, b, tb.face_blocks, test, out);
 }
 
 // On each side of each axis the gap between the boxes changes linearly from `first` to `last`; they are

@@ -83,12 +83,20 @@ class NodeFilter {
   virtual bool visits(NodePair nodes) const = 0;
 };
 
+/// What separates nodes whose boxes are not separated.
+class NodeCertificate {
+ public:
+  virtual ~NodeCertificate() = default;
+  virtual bool separates(NodePair nodes) = 0;
+};
+
 /// What a traversal finds; appended to. Reuse it: its buffers are kept.
 struct TraversalResult {
   std::vector<LeafPair> leaf_pairs;
   std::vector<NodePair> subtree_pairs;  ///< Of find_subtree_pairs.
   std::uint64_t node_tests = 0;
-  const NodeFilter* filter = nullptr;  ///< Null: all pairs are visited.
+  const NodeFilter* filter = nullptr;      ///< Null: all pairs are visited.
+  NodeCertificate* certificate = nullptr;  ///< Null: only boxes separate nodes.
   /// If not null: receives the separated pairs at which the traversal stopped. Together with the pairs of
   /// leaves they cover all pairs below the starts, so the next step may start from them.
   std::vector<NodePair>* front = nullptr;

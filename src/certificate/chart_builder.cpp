@@ -15,11 +15,13 @@ void ChartBuilder::read_positions(std::span<const MovingVertex> vertices, const 
 }
 
 // The ring: neighbors that face the same way. The charts of two neighboring nodes then overlap, and most
-// pairs of leaves across their boundary are proven.
+// pairs of leaves across their boundary are proven. Around a vertex with many triangles all leaves are
+// neighbors: with so many there is no ring, or each of the charts would have all triangles.
 void ChartBuilder::add_ring(std::span<const MovingVertex> vertices, const Vec3& facing, BuiltChart& out) {
   const Hierarchy& h = *slots_.hierarchy();
   const Hierarchy::Node& node = h.nodes()[out.slot];
   ++build_number_;
+  Index left = 16 + 4 * (node.leaf_end - node.leaf_begin);
   const auto faces = [&](Index leaf) {
     for (Index t = h.leaves()[leaf].triangles; t < h.leaves()[leaf + 1].triangles; ++t) {
       std::array<std::array<float, 3>, 3> corners;
@@ -36,6 +38,11 @@ void ChartBuilder::add_ring(std::span<const MovingVertex> vertices, const Vec3& 
       const bool own = node.leaf_begin <= other && other < node.leaf_end;
       if (own || last_build_[other] == build_number_) continue;
       last_build_[other] = build_number_;
+      if (left-- == 0) {
+        out.ring.clear();
+        reader_.read(out.slot, out.patch);
+        return;
+      }
       if (!faces(other)) continue;
       out.ring.push_back(other);
       reader_.add_leaf(other, out.patch);

@@ -56,7 +56,9 @@ void BroadPhase::list_pairs(const Step& step, Index a, Index b, NodePair start) 
   const TaskFilter visited(step.filter, a, b);
   near_.filter = step.filter.asks_nodes() ? &visited : nullptr;
   near_.subtree_pairs.clear();
-  find_subtree_pairs(task(step, a, b).traversal, start, step.motion.subtrees(a).max_leaves, stack_, near_);
+  const TraversalTask both = task(step, a, b);
+  near_.certificate = step.culling.hub_planes(both);
+  find_subtree_pairs(both.traversal, start, step.motion.subtrees(a).max_leaves, stack_, near_);
   for (const NodePair pair : near_.subtree_pairs) keys_.push_back({a, b, pair.a, pair.b});
 }
 
@@ -118,6 +120,7 @@ void BroadPhase::run(const Step& step, const TraversalTask& task, Tile& tile) {
   local.front.clear();
   const TaskFilter visited(step.filter, object_a, object_b);
   local.found.filter = step.filter.asks_nodes() ? &visited : nullptr;
+  local.found.certificate = step.culling.hub_planes(task);
   local.found.front = step.keeps_fronts ? &local.front.pairs : nullptr;
   local.found.leaf_pairs.clear();
   local.found.node_tests = 0;

@@ -26,7 +26,11 @@ std::uint64_t hash_of(const TraversalTask& task, LeafPair leaves) {
 
 Culling::Culling(std::span<const Object> objects) {
   std::map<const Hierarchy*, std::shared_ptr<const PatchSlots>> slots_of;  // one for all instances of a mesh
+  std::map<const Hierarchy*, std::shared_ptr<const Hubs>> hubs_of;
   for (const Object& object : objects) {
+    auto& hubs = hubs_of[object.hierarchy().get()];
+    if (!hubs) hubs = std::make_shared<const Hubs>(*object.hierarchy());
+    hubs_.push_back(hubs);
     auto& slots = slots_of[object.hierarchy().get()];
     if (object.charts()) {
       slots = object.charts()->slots();
@@ -78,6 +82,7 @@ Result<void> Culling::begin_step(const StepMotion& motion, const StepSettings& s
   double tests = 0, passes = 0;
   for (Local& local : locals_) {
     local.tests = local.passes = local.failed_planes = local.tester.tests = local.tester.triangles = 0;
+    local.hub_planes.tests = local.hub_planes.passes = 0;
     tests += static_cast<double>(std::exchange(local.new_planes, 0));
     passes += static_cast<double>(std::exchange(local.new_planes_passed, 0));
   }
@@ -254,6 +259,15 @@ bool Culling::plane_separates_leaves(const TraversalTask& task, LeafPair leaves,
   return false;
 }
 
+NodeCertificate* Culling::hub_planes(const TraversalTask& task) {
+  const Hubs& hubs = *hubs_[task.object_a];
+  if (task.object_a != task.object_b || hubs.empty() || !certificates_ || declared_free_ != nullptr)
+    return nullptr;
+  HubPlanes& planes = locals_.local().hub_planes;
+  planes.begin(hubs, task.traversal.a->vertices, gap_);
+  return &planes;
+}
+
 // The cheapest test first: common proven patches, then boxes, then charts and planes of the pair's own.
 void Culling::cull_leaves(const TraversalTask& task, std::span<const NearLeafPair> near, bool boxes_overlap,
                           Tile& tile) {
@@ -307,8 +321,8 @@ void Culling::end_step(const StepMotion& motion, std::uint64_t node_tests, std::
   counts.leaf_pairs = leaf_pairs;
   counts.leaves = motion.leaf_count();
   for (const Local& local : locals_) {
-    work.certificate_tests += local.tests + local.tester.tests;
-    work.certificate_passes += local.passes;
+    work.certificate_tests += local.tests + local.tester.tests + local.hub_planes.tests;
+    work.certificate_passes += local.passes + local.hub_planes.passes;
     counts.chart_triangles += local.tester.triangles;
     counts.planes += local.tests;
     counts.failed_planes += local.failed_planes;

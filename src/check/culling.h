@@ -5,6 +5,7 @@
 #include "certificate/chart_cache.h"
 #include "check/culling_policy.h"
 #include "check/filter.h"
+#include "check/hubs.h"
 #include "check/motion.h"
 #include "check/tile.h"
 
@@ -38,6 +39,9 @@ class Culling {
   /// different tiles at once.
   void cull_leaves(const TraversalTask& task, std::span<const NearLeafPair> near, bool boxes_overlap,
                    Tile& tile);
+  /// What separates nodes around a hub in this step; null where the objects have none in common. Of the
+  /// calling thread, until it asks again.
+  NodeCertificate* hub_planes(const TraversalTask& task);
   const PatchSlots& slots(Index object) const { return charts_[object]->slots(); }
   /// Requests charts of pairs that remain.
   void request_charts(const Tile& tile) { charts_[tile.key.object_a]->request_pairs(tile.requests); }
@@ -73,6 +77,7 @@ class Culling {
   // Scratch of one thread.
   struct Local {
     ChartTester tester;
+    HubPlanes hub_planes;
     std::uint64_t tests = 0, passes = 0, failed_planes = 0;
     std::uint64_t new_planes = 0, new_planes_passed = 0;  // tests without a cached normal
     std::vector<NearLeafPair> unproven;                   // pairs of leaves without a common proven patch
@@ -124,6 +129,7 @@ class Culling {
   Reason reason_of(const TraversalTask& task, LeafPair leaves) const;
 
   std::vector<std::unique_ptr<ChartCache>> charts_;
+  std::vector<std::shared_ptr<const Hubs>> hubs_;
   CullingPolicy policy_;
   bool certificates_ = false, explains_ = false;                           // as in the settings
   const std::vector<std::vector<std::uint8_t>>* declared_free_ = nullptr;  // as in the settings

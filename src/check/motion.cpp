@@ -219,6 +219,7 @@ KineticBvh::Deviation StepMotion::deviation(Positions x0, Positions x1, const fl
 
 double StepMotion::mean_edge_length() const {
   constexpr std::size_t kMaxSamples = 256;
+  std::array<double, kMaxSamples> lengths;
   double min_length = std::numeric_limits<double>::infinity();
   for (const KineticBvh& bvh : bvhs_) {
     const auto edges = bvh.hierarchy->edges();
@@ -227,9 +228,14 @@ double StepMotion::mean_edge_length() const {
     for (std::size_t k = 0; k < edges.size(); k += edges.size() / kMaxSamples + 1, ++count) {
       const float *a = bvh.vertices[edges[k][0]].x, *b = bvh.vertices[edges[k][1]].x;
       const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
-      sum += std::sqrt(x * x + (y * y + z * z));  // in this order, on which the last digit depends
+      lengths[count] = std::sqrt(x * x + (y * y + z * z));  // in this order, on which the last digit depends
+      sum += lengths[count];
     }
-    if (sum > 0) min_length = std::min(min_length, sum / static_cast<double>(count));
+    if (!(sum > 0)) continue;
+    const auto quarter = lengths.begin() + static_cast<std::ptrdiff_t>(count / 4);
+    std::nth_element(lengths.begin(), quarter, lengths.begin() + static_cast<std::ptrdiff_t>(count));
+    const double mean = sum / static_cast<double>(count);
+    min_length = std::min(min_length, *quarter > 0 ? std::min(mean, 8 * *quarter) : mean);
   }
   return std::isfinite(min_length) ? min_length / frame_.scale : 0;
 }

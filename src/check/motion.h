@@ -51,7 +51,8 @@ class StepMotion {
   /// The largest side of the scene's bounding box, mesh units: during the first step, and during all of them.
   double step_extent() const { return step_extent_; }
   double motion_extent() const { return motion_extent_; }
-  /// The mean edge length of the object with the shortest edges at the start, mesh units. From a sample.
+  /// The mean edge length of the object with the shortest edges at the start, mesh units. From a sample. At
+  /// most eight times what a quarter of the edges do not exceed: every second edge of a fan is short.
   double mean_edge_length() const;
   /// By how much the leaves' boxes grow when they bound the whole motion instead of its start: the ratio of
   /// the sums of their sides.
