@@ -244,12 +244,14 @@ Result<std::optional<Start>> Repair::find_start() {
   return std::nullopt;
 }
 
-// Else one in which nothing crosses, though something is closer than the thickness.
+// The first one; or the first in which nothing crosses, though something is closer than the thickness.
 Result<std::optional<Start>> Repair::free_frame() {
   std::optional<Index> best;
-  for (Index k = frames_.count(); k-- > 0;) {
-    const bool is_better = analysis_.is_free(k) || !best || !analysis_.is_free(*best);
-    if (analysis_.crossings(k) == 0 && is_better) best = k;
+  for (Index k = 0; k < frames_.count() && !best; ++k) {
+    if (analysis_.is_free(k)) best = k;
+  }
+  for (Index k = 0; k < frames_.count() && !best; ++k) {
+    if (analysis_.crossings(k) == 0) best = k;
   }
   if (!best) return std::nullopt;
   const auto x = FOLDPROOF_TRY(frames_.at_time(*best));
