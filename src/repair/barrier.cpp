@@ -128,7 +128,7 @@ std::optional<NearPair> internal::near_pair(const FeaturePair& pair, const FourP
   NearestBatch nearest;
   batch.set(0, p, p);
   if (nearest_points(batch, 1, pair.edges, range + thickness, nearest) == 0) return std::nullopt;
-  NearPair near = near_pair_of({pair, range}, nearest, 0, thickness);
+  NearPair near = near_pair_of({pair, range, 0}, nearest, 0, thickness);
   if (!(near.gap > 0 && near.gap < near.range)) return std::nullopt;
   for (double& w : near.w) w *= share;
   return near;
@@ -197,7 +197,7 @@ Result<bool> NearPairs::list(std::span<const double> x, std::span<const std::uin
   const CollisionMesh& mesh = checker_->mesh();
   std::vector<Candidate> found;
   const auto add = [&](bool edges, const std::array<Index, 4>& v) {
-    const Candidate candidate{{edges, v}, 0};
+    const Candidate candidate{{edges, v}, 0, 0};
     if (std::ranges::any_of(v, [&](Index i) { return may_move_[i] != 0; }) && !is_ignored(candidate.pair))
       found.push_back(candidate);
   };
@@ -217,16 +217,30 @@ Result<bool> NearPairs::list(std::span<const double> x, std::span<const std::uin
   list_.clear();
   measure(
       found, x, distance, [](const Candidate&) { return true; },
-      [&](const Candidate& candidate, const NearestBatch&, int) { list_.push_back(candidate); });
+      [&](Candidate& candidate, const NearestBatch& nearest, int lane) {
+        candidate.gap = std::max(0.0, nearest.distance[lane] - range_.thickness);
+        list_.push_back(candidate);
+      });
   range_.limit(list_);
   listed_at_.assign(x.begin(), x.end());
   return true;
 }
 
 void NearPairs::find_collisions(std::span<const double> from, std::span<const double> to,
-                                std::vector<Collision>& out) {
-  const auto all = [](const Candidate&) { return true; };
-  in_batches(list_, from, to, all, [&](const PairBatch& batch, const auto& lanes, int count) {
+                                std::span<const double> x, std::vector<Collision>& out) {
+  if (listed_at_.empty()) return;
+  const auto moved = [&](Index v) { return at(x, v) - at(listed_at_, v); };
+  const bool is_where_listed = std::equal(x.begin(), x.end(), listed_at_.begin());
+  const auto may_touch = [&](const Candidate& candidate) {
+    const auto& [edges, v] = candidate.pair;
+    double square = 0;
+    for (std::size_t i = 0, n = edges ? 2 : 1; i < n; ++i) {
+      for (std::size_t k = n; k < 4; ++k)
+        square = std::max(square, (moved(v[i]) - moved(v[k])).squaredNorm());
+    }
+    return is_where_listed || square >= candidate.gap * candidate.gap;
+  };
+  in_batches(list_, from, to, may_touch, [&](const PairBatch& batch, const auto& lanes, int count) {
     ConservativeAdvancement advancement(lanes[0]->pair.edges, {.thickness = range_.thickness});
     for (unsigned left = advancement.load(batch, count); left != 0; left &= left - 1) {
       const FeaturePair& pair = lanes[static_cast<std::size_t>(std::countr_zero(left))]->pair;

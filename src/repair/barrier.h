@@ -27,6 +27,7 @@ double barrier_curvature(double gap, double range);
 struct Candidate {
   FeaturePair pair;
   double range;  ///< As in NearPair.
+  double gap;    ///< Where it was listed.
 };
 
 /// A pair that collides on a way.
@@ -48,7 +49,7 @@ struct BarrierRange {
   void limit(std::span<Candidate> pairs) const;
   /// That of one.
   double of(const FeaturePair& pair) const {
-    Candidate candidate{pair, 0};
+    Candidate candidate{pair, 0, 0};
     limit({&candidate, 1});
     return candidate.range;
   }
@@ -75,8 +76,10 @@ class NearPairs {
   /// All pairs of a pose within range that are not ignored. `active`: per vertex; pairs without a vertex that
   /// is not 0 are left out; empty: none is. Precondition: the list is complete at x.
   void find(std::span<const double> x, std::span<const std::uint8_t> active, std::vector<NearPair>& out);
-  /// Appends pairs of the list that collide on a way.
-  void find_collisions(std::span<const double> from, std::span<const double> to, std::vector<Collision>& out);
+  /// Appends pairs of the list that collide on a way of which one end is x: of all, where x was listed, or of
+  /// those that may touch between that pose and x.
+  void find_collisions(std::span<const double> from, std::span<const double> to, std::span<const double> x,
+                       std::vector<Collision>& out);
 
  private:
   explicit NearPairs(const RepairScene& scene) : scene_(&scene) {}

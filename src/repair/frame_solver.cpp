@@ -175,7 +175,7 @@ Result<void> FrameSolver::find_collisions(std::span<const double> z, bool is_aft
     for (const auto& c : step->edge_edge) collisions_.push_back({scene_->pair_of(c), c.toi});
     return {};
   }
-  pairs_->find_collisions(from, to, collisions_);
+  pairs_->find_collisions(from, to, z, collisions_);
   for (const auto& [pair, range] : ways_[is_after ? 1 : 0]) {
     const CcdResult answer = ccd_of(pair, from, to, problem_->range.thickness);
     if (answer.answer != Answer::Separated) collisions_.push_back({pair, answer.toi});
