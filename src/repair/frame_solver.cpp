@@ -31,8 +31,7 @@ Tolerances tolerances_of(const FrameProblem& problem) {
 constexpr double kOverrelaxation = 1.3;  // of steps, as rotations lag behind
 constexpr double kNegligible = 0.01;     // a correction below this, in ranges, is none
 constexpr double kRescaling = 0.8;       // how far to go towards a collision
-constexpr double kReach = 2.5;           // falloffs along the surface from what is near to what moves
-constexpr double kFar = 1;               // of a step, in edges, that may go through something
+constexpr double kReach = 3;             // falloffs along the surface from what is near to what moves
 constexpr int kMaxTrials = 8;            // of shares that are limited around what collides
 constexpr int kMaxMeritHalvings = 3;
 constexpr double kLeastShare = 1e-3;
@@ -187,9 +186,10 @@ Result<void> FrameSolver::find_collisions(std::span<const double> z, bool is_aft
 // limits shares. Pairs that were listed before are asked first, as it takes longer to list others.
 Result<bool> FrameSolver::check_ways(std::span<const double> z, bool first, bool proves) {
   enum class Ask { Known, Near, All };
+  bool is_new = false;  // the list: what is not on it may be in the way
   for (const Ask ask : {Ask::Known, Ask::Near, Ask::All}) {
-    if (ask == Ask::Near && !FOLDPROOF_TRY(pairs_->list(z, is_active_))) continue;
-    if (ask == Ask::All && !proves) continue;
+    if (ask == Ask::Near && !(is_new = FOLDPROOF_TRY(pairs_->list(z, is_active_)))) continue;
+    if (ask == Ask::All && !(proves || is_new)) continue;
     for (const bool is_after : {false, true}) {
       FOLDPROOF_TRY(find_collisions(z, is_after, ask == Ask::All));
       if (collisions_.empty()) continue;
@@ -366,7 +366,7 @@ Result<bool> FrameSolver::descend(double stiffness) {
   const double wanted = change(y_, next_);
   const Tolerances tolerances = tolerances_of(*problem_);
   for (int halving = 0;; ++halving) {
-    FOLDPROOF_TRY(approach(next_, wanted > kFar * edge_));
+    FOLDPROOF_TRY(approach(next_, false));
     FOLDPROOF_TRY(find_pairs(next_, pairs_of_next_));
     const bool next_late = is_late(next_);
     if (late_ || next_late) {

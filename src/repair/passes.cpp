@@ -14,7 +14,7 @@ constexpr double kHeldBack = 1;       // a correction of a free frame, in edges
 constexpr double kHopeless = 1;       // of changes, in edges, after a few iterations
 constexpr double kMaxParts = 8;       // the way is followed in up to so many parts
 constexpr double kMuchBetter = 0.25;  // the square of the correction, where that one is taken
-constexpr int kIterations = 12, kPartIterations = 4, kRelaxIterations = 6;
+constexpr int kIterations = 12, kPartIterations = 4, kRelaxIterations = 8;
 constexpr double kSmoothedAway = 1e-3;  // smoothed corrections below this, in clearances, are none
 
 double square_distance(std::span<const double> a, std::span<const double> b) {
