@@ -36,8 +36,11 @@ struct RepairArguments : StepArguments {
   bool quick = false, keep = false, quiet = false, all_contacts = false;
 };
 
-bool is_single_precision(const std::string& path, std::size_t frames) {
-  return extension_of(path) == ".obj" && frames > 1 && path.find('%') == std::string::npos;
+// A file per frame.
+bool is_pattern(const std::string& path) { return path.find('%') != std::string::npos; }
+
+bool has_point_cache(const std::string& path, std::size_t frames) {
+  return extension_of(path) == ".obj" && frames > 1 && !is_pattern(path);
 }
 
 std::string times(std::size_t count) { return count == 1 ? "once" : fmt::format("{} times", count); }
@@ -65,12 +68,13 @@ Result<void> require_outputs_fit(const RepairArguments& a, Motions motions, std:
     if (extension_of(a.outputs[i]) == ".npz" && topology.face_count() < topology.triangles().size())
       return fail(ErrorCode::UnsupportedFormat, a.outputs[i],
                   "is NPZ, which holds faces alone, and there are lines or points", "name it .obj");
-    if (a.in_betweens > 0 && extension_of(a.outputs[i]) != ".npz" &&
-        !is_single_precision(a.outputs[i], frames))
+    if (a.in_betweens > 0 && extension_of(a.outputs[i]) != ".npz" && !has_point_cache(a.outputs[i], frames))
       return fail(ErrorCode::UnsupportedFormat, a.outputs[i],
                   "holds no times, which frames that --in-betweens adds need",
-                  "name it .npz, or .obj, which gets an MDD");
-    if (extension_of(a.outputs[i]) == ".ply" && frames > 1 && a.outputs[i].find('%') == std::string::npos)
+                  frames == 1                ? "leave out --in-betweens: there is one frame"
+                  : is_pattern(a.outputs[i]) ? "name it .npz, or .obj without %, which gets an MDD"
+                                             : "name it .npz, or .obj, which gets an MDD");
+    if (extension_of(a.outputs[i]) == ".ply" && frames > 1 && !is_pattern(a.outputs[i]))
       return fail(ErrorCode::UnsupportedFormat, a.outputs[i], "is PLY, which holds one frame",
                   "name it .npz or .obj, or put %04d into the name for a file per frame");
   }
@@ -235,7 +239,7 @@ Result<int> run_repair(const RepairArguments& a) {
   const auto frames = FOLDPROOF_TRY(frames_to_check(motions, settings));
   FOLDPROOF_TRY(require_outputs_fit(a, motions, movable, frames.size()));
   request.repair.single_precision = std::ranges::any_of(
-      a.outputs, [&](const std::string& path) { return is_single_precision(path, frames.size()); });
+      a.outputs, [&](const std::string& path) { return has_point_cache(path, frames.size()); });
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   ProgressBar bar(!a.quiet);
   request.repair.interrupted = [&] { return interrupted.load(); };

@@ -117,7 +117,9 @@ TEST(RepairProgram, MistakesAreSaidInOneLineAndAtOnce) {
       {{"body.npz", "shirt.npz", "-o", "./../demo/a.npz", "-o", "a.npz"}, "is named for two outputs"},
       {{"body.npz", "--start", "shirt.npz", "-o", "a.npz"}, "shirt.npz: has other triangles than body.npz"},
       {{"pose.obj", "--start", "pose.obj", "-o", "a.npz"}, "--start pose.obj: touches itself: "},
-      {{"walk.glb", "--in-betweens", "3", "-o", "a.ply"}, "a.ply: holds no times"},
+      {{"walk.glb", "--in-betweens", "3", "-o", "a.ply"}, "name it .npz, or .obj, which gets an MDD"},
+      {{"walk.glb", "--in-betweens", "3", "-o", "a%04d.obj"}, "name it .npz, or .obj without %, which"},
+      {{"pose.obj", "--in-betweens", "3", "-o", "a.obj"}, "leave out --in-betweens: there is one frame"},
       {{"walk.glb", "--in-betweens", "-1", "-o", "a.npz"}, "--in-betweens"},
       {{"walk.glb"}, "--output"},
   };
