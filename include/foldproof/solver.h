@@ -1,9 +1,7 @@
 /// Queries of implicit solvers: step sizes, candidates and intersections for Newton steps.
 ///
-/// The terms are those of incremental potential contact, the conventions those of ipc-toolkit: a collision
-/// mesh with edges and faces as index matrices, edges without a face and points without an edge, a filter of
-/// the vertices that may collide, candidates by index for barriers, step sizes for line searches
-/// (docs/solvers.md maps the names).
+/// The terms are those of incremental potential contact, the conventions those of ipc-toolkit, whose names
+/// docs/solvers.md maps.
 #pragma once
 
 #include <functional>
@@ -21,10 +19,9 @@ class CollisionFilter {
   /// Two vertices may collide if the function returns true. It is symmetric and does not throw. Several
   /// threads call it at once, a few times per pair of features whose boxes come close.
   explicit CollisionFilter(std::function<bool(Index, Index)> can_collide);
-  /// The cheap form. `group_of_vertex`: any small numbers, one per vertex. Two vertices may collide unless
-  /// their groups, in either order, are a pair in `excluded`; {g, g} excludes collisions within group g.
-  /// Memory: a bit per pair of groups. Error: a group in `excluded` that no vertex has; a group number above
-  /// 10,000.
+  /// The cheap form. `group_of_vertex`: numbers up to 10,000. Two vertices may collide unless their groups,
+  /// in either order, are a pair in `excluded`; {g, g} excludes collisions within group g. Error: a group in
+  /// `excluded` that no vertex has; a larger number.
   static Result<CollisionFilter> groups(std::vector<Index> group_of_vertex,
                                         std::span<const std::array<Index, 2>> excluded);
   /// The groups are patches of the surface: each may collide with the others, but not with itself.
@@ -37,7 +34,7 @@ class CollisionFilter {
   bool allows_any(std::span<const Index> a, std::span<const Index> b) const;
   /// The group of each vertex; empty where there are none.
   std::span<const Index> vertex_groups() const;
-  /// The number of vertices that the filter was made for; kNoIndex: any.
+  /// That the filter was made for; kNoIndex: any.
   Index vertex_count() const;
 
  private:
@@ -48,8 +45,7 @@ class CollisionFilter {
 
 struct CollisionMeshSettings {
   CollisionFilter filter;
-  /// Vertices in no edge and no face collide as points. Off: they are ignored, as the inside of a volume
-  /// should be.
+  /// Vertices in no edge and no face collide as points; else they are ignored, as the inside of a volume.
   bool points = true;
   HierarchySettings hierarchy;
 };
@@ -62,9 +58,8 @@ class CollisionMesh {
   /// ClosePair::mollifier_threshold depends on its lengths.
   /// `edges`: two vertex ids each, in either order. `faces`: three vertex ids each. Edges of faces that
   /// `edges` lacks are appended, so an empty matrix, or one with only the codimensional edges, is enough.
-  /// Error: an id out of range, an edge twice or from a vertex to itself, a face that names one vertex three
-  /// times, nothing that could collide, a filter for another number of vertices, positions that are not
-  /// finite. Cost: as Hierarchy::build.
+  /// Error: an id out of range, an edge twice or of one vertex, a face of one vertex, nothing that could
+  /// collide, a filter for another number of vertices, positions that are not finite.
   static Result<CollisionMesh> make(std::span<const double> rest_positions, std::vector<Edge> edges,
                                     std::vector<Triangle> faces, CollisionMeshSettings settings = {});
 
@@ -75,9 +70,8 @@ class CollisionMesh {
   std::span<const Triangle> faces() const {
     return hierarchy_->topology().triangles().first(hierarchy_->topology().face_count());
   }
-  /// Edges in no face, ascending.
+  /// Edges in no face, and vertices in neither (none when CollisionMeshSettings::points is off), ascending.
   std::span<const Index> codim_edges() const { return codim_edges_; }
-  /// Vertices in no edge and no face, ascending; empty when CollisionMeshSettings::points is off.
   std::span<const Index> codim_points() const { return codim_points_; }
   const CollisionFilter& filter() const { return filter_; }
 
@@ -85,7 +79,6 @@ class CollisionMesh {
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return hierarchy_; }
   /// The row in edges() of edge number `edge` of the topology.
   Index edge_row(Index edge) const { return edge_rows_[edge]; }
-  /// Of a row of edges(), in mesh units squared.
   double squared_rest_length(Index edge) const { return squared_rest_lengths_[edge]; }
 
  private:
@@ -116,8 +109,8 @@ struct VertexVertexCandidate {
   auto operator<=>(const VertexVertexCandidate&) const = default;
 };
 
-/// Pairs of features that may be close. No list holds a pair twice. Their order is that of the mesh's
-/// hierarchy and does not depend on earlier calls. Reuse it: it keeps its buffers.
+/// Pairs of features that may be close, none twice, in an order that does not depend on earlier calls. Reuse
+/// it.
 struct Candidates {
   std::vector<VertexFaceCandidate> vertex_face;
   std::vector<EdgeEdgeCandidate> edge_edge;
@@ -175,8 +168,7 @@ struct ContactSettings {
   bool rescale_distance = false;
 };
 
-/// Yes, no, or an error. It does not convert to bool, so `if (checker.has_intersections(x))` does not
-/// compile; a Result would be true for both answers.
+/// Yes, no, or an error. It does not convert to bool, as a Result would be true for both answers.
 class [[nodiscard]] Verdict {
  public:
   Verdict(Result<bool> answer) : answer_(std::move(answer)) {}
@@ -194,7 +186,6 @@ class [[nodiscard]] Verdict {
 /// How far a step may go.
 struct StepSize {
   double share;  ///< In [0,1]; up to here the step is proven free of collisions.
-  /// Why the share is not larger.
   enum class Limit : std::uint8_t {
     None,     ///< It is 1.
     Contact,  ///< It is above 0: something collides on the way, or comes within the tolerance of it.
@@ -202,22 +193,21 @@ struct StepSize {
     /// The first pair that stands in the way is undecided, or it is 0 as no step could be proven free. This
     /// happens to very thin triangles, or where the tolerance is hardly above the rounding of positions.
     Undecided,
-  } limit;
-  /// The first collision, of those at the same time that of the smallest ids, vertex and face before edges:
-  /// its time in [0,1], and the pair's closest features at that time, not marked as parallel. With
-  /// ContactSettings::rescale_distance, the first pair down to its share, if that is what limits the step.
-  /// Unless the limit is None. The time is 0 with a share above 0 where a pair is so close beside its long
-  /// way that only a shorter one can be proven free.
+  } limit;  ///< Why the share is not larger.
+  /// Unless the limit is None: the first collision, of those at the same time that of the smallest ids,
+  /// vertex and face before edges; its time in [0,1], and the pair's closest features then, not marked as
+  /// parallel. With rescale_distance, the first pair down to its share, if that limits the step. The time is
+  /// 0 with a share above 0 where a pair is so close beside its long way that only a shorter one can be
+  /// proven free.
   double contact_time = 1;
   ClosePair contact = {};
 };
 inline constexpr std::array<const char*, 4> kStepLimitNames{"none", "contact", "start", "undecided"};
 
-/// Answers a solver's queries about one collision mesh. It keeps its front, charts, Verlet lists and scratch
-/// between calls. So calls with the same x0, or with poses that follow each other, are cheap, and calls of
-/// the same kind and size allocate nothing. A call that throws, for want of memory or from a filter, makes
-/// the next one start afresh. One checker per thread. A call uses several threads through oneTBB
-/// and may be made in the iterations of a oneTBB loop.
+/// Answers a solver's queries about one collision mesh. It keeps what it learned between calls: with the same
+/// x0, or with poses that follow each other, they are cheap, and allocate nothing. A call that throws, for
+/// want of memory or from a filter, makes the next one start afresh. One checker per thread. A call uses
+/// several threads through oneTBB and may be made in the iterations of a oneTBB loop.
 ///
 /// Positions are vertex_count x 3, row-major, mesh units. During a step vertices move straight from x0 to x1.
 /// *Relevant pairs* are a vertex and a face, two edges, a codimensional edge and a codimensional point, and
@@ -245,12 +235,11 @@ class ContactChecker {
                                                           std::span<const double> x1,
                                                           double min_distance = 0);
 
-  /// A share of the step for each vertex (vertex_count numbers in [0,1]), so that one contact does not stop a
-  /// scene: vertices go all the way but those of islands, sets of vertices that collide on the way, directly
-  /// or by others; an island goes one share. Proven: while every vertex moves straight to the position that
-  /// `step_towards` computes with its share, no relevant pair collides but those that are already closer than
-  /// min_distance plus the tolerance in x0; the islands of such pairs have the share 0. rescale_distance does
-  /// not apply. Cost: a complete step (StepChecker::check) and one more for each round in which islands meet.
+  /// A share for each vertex, so that one contact does not stop a scene: vertices that collide on the way,
+  /// directly or by others, are an island and go one share, all others 1. Proven: on the way to what
+  /// `step_towards` computes no relevant pair collides, but those closer than min_distance plus the tolerance
+  /// in x0, whose islands have the share 0. rescale_distance does not apply. Cost: a complete step, and
+  /// one more for each round in which islands meet.
   [[nodiscard]] Result<void> collision_free_step_sizes(std::span<const double> x0, std::span<const double> x1,
                                                        std::vector<double>& shares, double min_distance = 0);
 
@@ -262,8 +251,8 @@ class ContactChecker {
   /// Every relevant pair whose distance is <= inflation at some time of the step, and others: all pairs whose
   /// moving boxes no axis separates by more than the inflation, on the same side at both ends. The result
   /// does not depend on earlier calls. (ipc-toolkit inflates each of two boxes: its radius is half of this.)
-  /// Cost: the first call traverses the hierarchy and builds Verlet lists. Later calls rebuild the lists of
-  /// leaves that moved relative to each other, and test the listed pairs.
+  /// Cost: later calls rebuild the lists of leaves that moved relative to each other, and test what is
+  /// listed.
   [[nodiscard]] Result<void> candidates(std::span<const double> x0, std::span<const double> x1,
                                         double inflation, Candidates& out);
   /// The same in one pose.
@@ -273,8 +262,7 @@ class ContactChecker {
   /// and those once. Proven: none is missing, rounding included. A pair that is farther away may be listed,
   /// too, where features are so much closer than large that rounding leaves no proof: its barrier is 0.
   /// `active`: none, or vertex_count numbers; pairs none of whose closest features' vertices has one that is
-  /// not 0 are left out. The order depends on the mesh and the pose alone. Error: a distance that is negative
-  /// or NaN. Cost: about as candidates().
+  /// not 0 are left out. The order depends on the mesh and the pose alone. Cost: about as candidates().
   [[nodiscard]] Result<void> close_pairs(std::span<const double> x, double distance,
                                          std::vector<ClosePair>& out,
                                          std::span<const std::uint8_t> active = {});
@@ -287,9 +275,9 @@ class ContactChecker {
 
   /// The smallest distance of all relevant pairs if it is <= bound (>= 0, or infinity), else infinity. Mesh
   /// units. Its error is less than 64 units in the last place of the pair's largest coordinate difference;
-  /// with one exception: for very thin triangles and nearly parallel edges it may be too large by up to 2^-26
-  /// of that difference. A face that an edge pierces is not at distance 0: see has_intersections. Cost: as
-  /// candidates() with the answer as inflation, whatever the bound, without the lists.
+  /// for very thin triangles and nearly parallel edges it may be too large by up to 2^-26 of that. A face
+  /// that an edge pierces is not at distance 0: see has_intersections. Cost: as candidates() with the answer
+  /// as inflation.
   [[nodiscard]] Result<double> minimum_distance(std::span<const double> x, double bound);
 
   /// Of the last call.
