@@ -4,11 +4,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
-#include <utility>
 
 #include "base/try.h"
-#include "ccd/conservative_advancement.h"
 #include "solver/pair_distances.h"
 
 namespace foldproof {
@@ -16,13 +15,52 @@ namespace {
 
 constexpr double kKept = 0.9;    // a pair that is closer in a good pose keeps this share of its gap there,
 constexpr double kLeast = 1e-3;  // but not less than this share of the range
-constexpr double kSlack = 0.5;   // of the list, in ranges
+constexpr double kSlack = 0.25;  // of the list, in ranges
 
-// Names a triangle by its vertices, in whatever order; a line and a point, too.
-Triangle key_of(Triangle t) {
-  std::ranges::sort(t);
-  if (t[0] == t[1]) t[1] = t[2];
-  return t;
+// The features of one mesh that stand for those of all objects, in a filter of these.
+class MergedFilter final : public PairFilter {
+ public:
+  MergedFilter(const RepairScene& scene, std::shared_ptr<const PairFilter> filter,
+               std::vector<Index> triangles)
+      : scene_(scene), filter_(std::move(filter)), triangles_(std::move(triangles)) {}
+
+  bool nodes(Index, Index, Index, Index) const override { return true; }
+  bool vertex_face(Index, Index vertex, Index, Index face) const override {
+    const Index triangle = triangles_[face];
+    if (triangle == kNoIndex) return false;  // a vertex of no triangle
+    const Index a = scene_.object_of_vertex(vertex),
+                b = scene_.object_of_vertex(scene_.triangles()[triangle][0]);
+    return filter_->vertex_face(a, vertex - scene_.begin(a).vertices, b,
+                                triangle - scene_.begin(b).triangles);
+  }
+  bool edge_edge(Index, const Edge& p, Index, const Edge& q) const override {
+    const Index a = scene_.object_of_vertex(p[0]), b = scene_.object_of_vertex(q[0]);
+    const Index va = scene_.begin(a).vertices, vb = scene_.begin(b).vertices;
+    return filter_->edge_edge(a, {p[0] - va, p[1] - va}, b, {q[0] - vb, q[1] - vb});
+  }
+  bool crossing(Index, Index, Index, Index) const override { return true; }
+
+ private:
+  const RepairScene& scene_;
+  std::shared_ptr<const PairFilter> filter_;
+  std::vector<Index> triangles_;  // of the scene, by triangle of the merged mesh
+};
+
+// The scene's number of each triangle of a merged mesh; kNoIndex where it has none.
+std::vector<Index> scene_triangles(const RepairScene& scene, std::span<const Triangle> merged) {
+  const auto key = [](Triangle t) {
+    std::ranges::sort(t);
+    if (t[0] == t[1]) t[1] = t[2];
+    return t;
+  };
+  std::map<Triangle, Index> numbers;
+  for (Index t = 0; t < scene.triangles().size(); ++t) numbers.emplace(key(scene.triangles()[t]), t);
+  std::vector<Index> out;
+  for (const Triangle& t : merged) {
+    const auto found = numbers.find(key(t));
+    out.push_back(found != numbers.end() ? found->second : kNoIndex);
+  }
+  return out;
 }
 
 // Lines and points are other lists than faces there.
@@ -50,38 +88,33 @@ Result<CollisionMesh> merged_mesh(const RepairScene& scene, std::span<const doub
   return CollisionMesh::make(rest, {lines.begin(), lines.end()}, std::move(faces), settings);
 }
 
-// Calls test(batch, pairs, count) for the pairs that are wanted, up to eight of a kind at once.
-template <class Wanted, class Test>
-void in_batches(std::span<Candidate> pairs, std::span<const double> from, std::span<const double> to,
-                const Wanted& wanted, const Test& test) {
-  PairBatch batch{};
-  std::array<Candidate*, 8> lanes{};
-  int count = 0;
-  for (Candidate& candidate : pairs) {
-    if (!wanted(candidate)) continue;
-    if (count == 8 || (count > 0 && lanes[0]->pair.edges != candidate.pair.edges))
-      test(batch, lanes, std::exchange(count, 0));
-    batch.set(count, points_of(from, candidate.pair.v), points_of(to, candidate.pair.v));
-    lanes[static_cast<std::size_t>(count++)] = &candidate;
-  }
-  if (count > 0) test(batch, lanes, count);
-}
-
 // Calls visit(pair, nearest, lane) for the pairs that are wanted and, in the pose x, not proven farther
 // apart.
 template <class Wanted, class Visit>
 void measure(std::span<Candidate> pairs, std::span<const double> x, double farthest, const Wanted& wanted,
              const Visit& visit) {
+  PairBatch batch{};
   NearestBatch nearest;
-  in_batches(pairs, x, x, wanted, [&](const PairBatch& batch, const auto& lanes, int count) {
-    const bool edges = lanes[0]->pair.edges;
-    unsigned left = maybe_near(batch, count, edges, farthest);
+  std::array<Candidate*, 8> lanes{};
+  int count = 0;
+  const auto flush = [&] {
+    const bool edges = count > 0 && lanes[0]->pair.edges;
+    unsigned left = count > 0 ? maybe_near(batch, count, edges, farthest) : 0;
     if (left != 0) left &= nearest_points(batch, count, edges, farthest, nearest);
     for (; left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
       visit(*lanes[static_cast<std::size_t>(lane)], nearest, lane);
     }
-  });
+    count = 0;
+  };
+  for (Candidate& candidate : pairs) {
+    if (!wanted(candidate)) continue;
+    if (count == 8 || (count > 0 && lanes[0]->pair.edges != candidate.pair.edges)) flush();
+    const FourPoints p = points_of(x, candidate.pair.v);
+    batch.set(count, p, p);
+    lanes[static_cast<std::size_t>(count++)] = &candidate;
+  }
+  flush();
 }
 
 NearPair near_pair_of(const Candidate& candidate, const NearestBatch& nearest, int lane, double thickness) {
@@ -134,37 +167,17 @@ std::optional<NearPair> internal::near_pair(const FeaturePair& pair, const FourP
   return near;
 }
 
-CcdResult internal::ccd_of(const FeaturePair& pair, std::span<const double> from, std::span<const double> to,
-                           double thickness) {
-  const CcdSettings settings{.thickness = thickness};
-  const FourPoints x0 = points_of(from, pair.v), x1 = points_of(to, pair.v);
-  return pair.edges ? edge_edge_ccd(x0, x1, settings) : vertex_face_ccd(x0, x1, settings);
-}
-
 Result<NearPairs> NearPairs::make(const RepairScene& scene, std::span<const double> rest,
                                   const std::shared_ptr<const PairFilter>& filter) {
-  NearPairs pairs(scene);
   const auto mesh = std::make_shared<const CollisionMesh>(FOLDPROOF_TRY(merged_mesh(scene, rest)));
-  pairs.checker_ = std::make_unique<ContactChecker>(mesh);
-  // Its points may be vertices of no triangle.
-  if (filter == scene.filter() && scene.given_filter() == nullptr && mesh->codim_points().empty())
-    return pairs;
-  pairs.filter_ = filter;
-  for (Index t = 0; t < scene.triangles().size(); ++t)
-    pairs.triangles_.emplace(key_of(scene.triangles()[t]), t);
+  auto triangles = scene_triangles(scene, mesh->hierarchy()->topology().triangles());
+  const bool has_others = std::ranges::find(triangles, kNoIndex) != triangles.end();
+  std::shared_ptr<const PairFilter> merged;
+  if (filter != scene.filter() || scene.given_filter() != nullptr || has_others)
+    merged = std::make_shared<MergedFilter>(scene, filter, std::move(triangles));
+  NearPairs pairs;
+  pairs.checker_ = std::make_unique<ContactChecker>(mesh, ContactSettings(), std::move(merged));
   return pairs;
-}
-
-bool NearPairs::is_ignored(const FeaturePair& pair) const {
-  if (filter_ == nullptr) return false;
-  const auto& [a0, a1, b0, b1] = pair.v;
-  const Index a = scene_->object_of_vertex(a0), first_a = scene_->begin(a).vertices;
-  const Index b = scene_->object_of_vertex(b0), first_b = scene_->begin(b).vertices;
-  if (pair.edges)
-    return !filter_->edge_edge(a, {a0 - first_a, a1 - first_a}, b, {b0 - first_b, b1 - first_b});
-  const auto face = triangles_.find(key_of({a1, b0, b1}));
-  return face == triangles_.end() ||
-         !filter_->vertex_face(a, a0 - first_a, b, face->second - scene_->begin(b).triangles);
 }
 
 void NearPairs::start(const BarrierRange& range) {
@@ -182,24 +195,28 @@ bool NearPairs::knows(std::span<const double> x) const {
   return true;
 }
 
+Result<double> NearPairs::smallest_distance(std::span<const double> x, double bound) {
+  return std::min(bound, FOLDPROOF_TRY(checker_->minimum_distance(x, bound)));
+}
+
 bool NearPairs::was_moved(std::span<const double> x, Index v) const {
   return range_.target.empty() || range_.touched[v] != 0 || at(x, v) != at(range_.target, v);
 }
 
-Result<bool> NearPairs::list(std::span<const double> x, std::span<const std::uint8_t> active) {
-  if (knows(x)) return false;
+Result<void> NearPairs::list(std::span<const double> x, std::span<const std::uint8_t> active) {
   const bool is_first = listed_at_.empty();  // of the frame; what moved in the last one is likely to move
   may_move_.resize(x.size() / 3, 0);
-  for (Index v = 0; v < may_move_.size(); ++v)
-    may_move_[v] = active[v] != 0 || was_moved(x, v) || (is_first && may_move_[v] != 0);
-  const double distance = (1 + kSlack) * range_.range + range_.thickness;
-  FOLDPROOF_TRY(checker_->candidates(x, distance, found_));
+  for (Index v = 0; v < may_move_.size(); ++v) {
+    const bool is_active = !active.empty() && active[v] != 0;
+    may_move_[v] = is_active || was_moved(x, v) || (is_first && may_move_[v] != 0);
+  }
+  const double gap = (1 + kSlack) * range_.range;
+  FOLDPROOF_TRY(checker_->candidates(x, gap + range_.thickness, found_));
   const CollisionMesh& mesh = checker_->mesh();
-  std::vector<Candidate> found;
+  list_.clear();
   const auto add = [&](bool edges, const std::array<Index, 4>& v) {
-    const Candidate candidate{{edges, v}, 0, 0};
-    if (std::ranges::any_of(v, [&](Index i) { return may_move_[i] != 0; }) && !is_ignored(candidate.pair))
-      found.push_back(candidate);
+    if (std::ranges::any_of(v, [&](Index i) { return may_move_[i] != 0; }))
+      list_.push_back({{edges, v}, 0, std::numeric_limits<double>::infinity()});
   };
   for (const auto& [v, face] : found_.vertex_face) {
     const Triangle& t = mesh.faces()[face];
@@ -214,44 +231,20 @@ Result<bool> NearPairs::list(std::span<const double> x, std::span<const std::uin
     const Edge &e = mesh.edges()[a], &f = mesh.edges()[b];
     add(true, {e[0], e[1], f[0], f[1]});
   }
-  list_.clear();
   measure(
-      found, x, distance, [](const Candidate&) { return true; },
+      list_, x, gap + range_.thickness, [](const Candidate&) { return true; },
       [&](Candidate& candidate, const NearestBatch& nearest, int lane) {
         candidate.gap = std::max(0.0, nearest.distance[lane] - range_.thickness);
-        list_.push_back(candidate);
       });
+  std::erase_if(list_, [&](const Candidate& candidate) { return !(candidate.gap < gap); });
   range_.limit(list_);
   listed_at_.assign(x.begin(), x.end());
-  return true;
+  return {};
 }
 
-void NearPairs::find_collisions(std::span<const double> from, std::span<const double> to,
-                                std::span<const double> x, std::vector<Collision>& out) {
-  if (listed_at_.empty()) return;
-  const auto moved = [&](Index v) { return at(x, v) - at(listed_at_, v); };
-  const bool is_where_listed = std::equal(x.begin(), x.end(), listed_at_.begin());
-  const auto may_touch = [&](const Candidate& candidate) {
-    const auto& [edges, v] = candidate.pair;
-    double square = 0;
-    for (std::size_t i = 0, n = edges ? 2 : 1; i < n; ++i) {
-      for (std::size_t k = n; k < 4; ++k)
-        square = std::max(square, (moved(v[i]) - moved(v[k])).squaredNorm());
-    }
-    return is_where_listed || square >= candidate.gap * candidate.gap;
-  };
-  in_batches(list_, from, to, may_touch, [&](const PairBatch& batch, const auto& lanes, int count) {
-    ConservativeAdvancement advancement(lanes[0]->pair.edges, {.thickness = range_.thickness});
-    for (unsigned left = advancement.load(batch, count); left != 0; left &= left - 1) {
-      const FeaturePair& pair = lanes[static_cast<std::size_t>(std::countr_zero(left))]->pair;
-      const CcdResult answer = ccd_of(pair, from, to, range_.thickness);
-      if (answer.answer != Answer::Separated) out.push_back({pair, answer.toi});
-    }
-  });
-}
-
-void NearPairs::find(std::span<const double> x, std::span<const std::uint8_t> active,
-                     std::vector<NearPair>& out) {
+Result<void> NearPairs::find(std::span<const double> x, std::span<const std::uint8_t> active,
+                             std::vector<NearPair>& out) {
+  if (!knows(x)) FOLDPROOF_TRY(list(x, active));
   out.clear();
   const auto is_active = [&](const Candidate& candidate) {
     return active.empty() || std::ranges::any_of(candidate.pair.v, [&](Index v) { return active[v] != 0; });
@@ -261,6 +254,22 @@ void NearPairs::find(std::span<const double> x, std::span<const std::uint8_t> ac
             const NearPair near = near_pair_of(candidate, nearest, lane, range_.thickness);
             if (near.gap > 0 && near.gap < near.range) out.push_back(near);
           });
+  return {};
+}
+
+void NearPairs::may_touch(std::span<const double> x, std::vector<FeaturePair>& out) const {
+  const auto moved = [&](Index v) { return at(x, v) - at(listed_at_, v); };
+  for (const Candidate& candidate : list_) {
+    const FeaturePair& pair = candidate.pair;
+    const std::size_t n = pair.edges ? 2 : 1;
+    const double square = candidate.gap * candidate.gap;
+    bool may = false;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t k = n; k < 4; ++k)
+        may |= (moved(pair.v[i]) - moved(pair.v[k])).squaredNorm() >= square;
+    }
+    if (may) out.push_back(pair);
+  }
 }
 
 }  // namespace foldproof

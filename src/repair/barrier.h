@@ -1,7 +1,6 @@
 /// Pairs of features that are close, and the barrier that keeps them apart.
 #pragma once
 
-#include <map>
 #include <optional>
 
 #include "foldproof/solver.h"
@@ -30,12 +29,6 @@ struct Candidate {
   double gap;    ///< Where it was listed.
 };
 
-/// A pair that collides on a way.
-struct Collision {
-  FeaturePair pair;
-  double toi;
-};
-
 /// How close pairs may come before the barrier acts. A pair that is closer in a pose that is good keeps
 /// nearly that distance.
 struct BarrierRange {
@@ -59,9 +52,6 @@ struct BarrierRange {
 std::optional<NearPair> near_pair(const FeaturePair& pair, const FourPoints& x, double range,
                                   double thickness, double share);
 
-CcdResult ccd_of(const FeaturePair& pair, std::span<const double> from, std::span<const double> to,
-                 double thickness);
-
 /// Finds the pairs of poses, from a Verlet list: all pairs that are at most a slack farther apart than the
 /// range in one pose, which is complete until a vertex has moved by half of the slack.
 class NearPairs {
@@ -70,27 +60,22 @@ class NearPairs {
                                 const std::shared_ptr<const PairFilter>& filter);
   /// Another frame: all ranges change.
   void start(const BarrierRange& range);
-  /// Makes the list complete at x. `active`: per vertex, not 0 where it is going to move. Returns whether it
-  /// was not.
-  Result<bool> list(std::span<const double> x, std::span<const std::uint8_t> active);
   /// All pairs of a pose within range that are not ignored. `active`: per vertex; pairs without a vertex that
-  /// is not 0 are left out; empty: none is. Precondition: the list is complete at x.
-  void find(std::span<const double> x, std::span<const std::uint8_t> active, std::vector<NearPair>& out);
-  /// Appends pairs of the list that collide on a way of which one end is x: of all, where x was listed, or of
-  /// those that may touch between that pose and x.
-  void find_collisions(std::span<const double> from, std::span<const double> to, std::span<const double> x,
-                       std::vector<Collision>& out);
+  /// is not 0 are left out; empty: none is.
+  Result<void> find(std::span<const double> x, std::span<const std::uint8_t> active,
+                    std::vector<NearPair>& out);
+  /// The smallest distance of a pair that is not ignored, or `bound`.
+  Result<double> smallest_distance(std::span<const double> x, double bound);
+  /// Whether the list is complete at x.
+  bool knows(std::span<const double> x) const;
+  /// The pairs on the list that may touch between the pose where it was made and x, where it is complete.
+  void may_touch(std::span<const double> x, std::vector<FeaturePair>& out) const;
 
  private:
-  explicit NearPairs(const RepairScene& scene) : scene_(&scene) {}
-  bool knows(std::span<const double> x) const;
+  Result<void> list(std::span<const double> x, std::span<const std::uint8_t> active);
   bool was_moved(std::span<const double> x, Index v) const;
-  bool is_ignored(const FeaturePair& pair) const;
 
-  const RepairScene* scene_;
   std::unique_ptr<ContactChecker> checker_;
-  std::shared_ptr<const PairFilter> filter_;  // null: the checker's mesh ignores what is ignored
-  std::map<Triangle, Index> triangles_;       // of the scene, by key_of; with a filter
   BarrierRange range_;
   Candidates found_;
   std::vector<Candidate> list_;

@@ -33,7 +33,7 @@ constexpr double kNegligible = 0.01;     // a correction below this, in ranges, 
 constexpr double kRescaling = 0.8;       // how far to go towards a collision
 constexpr double kReach = 3;             // falloffs along the surface from what is near to what moves
 constexpr int kMaxTrials = 8;            // of shares that are limited around what collides
-constexpr int kMaxMeritHalvings = 3;
+constexpr int kMaxHalvings = 10, kMaxMeritHalvings = 3;
 constexpr double kLeastShare = 1e-3;
 constexpr double kTight = 0.05;  // a gap below this, in ranges, may need a stiffer barrier
 constexpr double kMaxStiffening = 1024;
@@ -74,7 +74,25 @@ double time_when_closest(bool edges, const FourPoints& from, const FourPoints& t
   return time;
 }
 
+using Queue =
+    std::priority_queue<std::pair<double, Index>, std::vector<std::pair<double, Index>>, std::greater<>>;
+
 }  // namespace
+
+Result<const StepResult*> Prover::check(std::span<const double> x0, std::span<const double> x1) {
+  FOLDPROOF_TRY(checker_.check(scene_->positions(x0, from_), scene_->positions(x1, to_), settings_, step_));
+  return &step_;
+}
+
+Result<const StaticResult*> Prover::check_pose(std::span<const double> x) {
+  FOLDPROOF_TRY(checker_.check_static(scene_->positions(x, from_), settings_, pose_));
+  return &pose_;
+}
+
+Result<bool> Prover::is_free(std::span<const double> x) {
+  if (!FOLDPROOF_TRY(check_pose(x))->clean()) return false;
+  return settings_.thickness == 0 || FOLDPROOF_TRY(check(x, x))->clean();
+}
 
 void FrameSolver::round(std::span<double> x) const {
   if (single_precision_) round_to_single(x);
@@ -96,12 +114,19 @@ bool FrameSolver::is_late(std::span<const double> x) const {
   return false;
 }
 
+CcdResult FrameSolver::ccd(const FeaturePair& pair, std::span<const double> from,
+                           std::span<const double> to) const {
+  const CcdSettings settings{.thickness = problem_->range.thickness};
+  const FourPoints x0 = points_of(from, pair.v), x1 = points_of(to, pair.v);
+  return pair.edges ? edge_edge_ccd(x0, x1, settings) : vertex_face_ccd(x0, x1, settings);
+}
+
 // How far a pair may go from y to z. At first y is the start, so that its time of impact tells; else neither
 // way is that from y, and half is a guess where y to z is free.
 double FrameSolver::share_of(const FeaturePair& pair, std::span<const double> z, double toi,
                              bool first) const {
   if (first) return kRescaling * toi;
-  const CcdResult from_y = ccd_of(pair, y_, z, problem_->range.thickness);
+  const CcdResult from_y = ccd(pair, y_, z);
   return from_y.answer == Answer::Separated ? 0.5 : std::min(kRescaling * from_y.toi, 0.5 + toi / 2);
 }
 
@@ -120,11 +145,7 @@ void FrameSolver::limit_shares(std::span<const double> z, bool is_after, bool fi
     }
   }
   all_share_ *= all;
-  std::vector<Index> limited;
-  for (Index v = 0; v < limit_.size(); ++v) {
-    if (limit_[v] < 1) limited.push_back(v);
-  }
-  spread(limited, y_, 2 * falloff_, limit_);  // they grow back to 1, so that nothing is torn
+  spread_shares();
   for (Index v = 0; v < limit_.size(); ++v) {
     if (limit_[v] == 1) continue;
     share_[v] *= limit_[v];
@@ -133,21 +154,21 @@ void FrameSolver::limit_shares(std::span<const double> z, bool is_after, bool fi
   }
 }
 
-// Lowers values of what may move to those of others and their distance along the surface in x, in units.
-// Values have changed at `from`.
-void FrameSolver::spread(std::span<const Index> from, std::span<const double> x, double unit,
-                         std::vector<double>& values) const {
-  using Entry = std::pair<double, Index>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  for (const Index v : from) queue.emplace(values[v], v);
+// Limits grow back to 1 along the surface, so that nothing is torn.
+void FrameSolver::spread_shares() {
+  Queue queue;
+  for (Index v = 0; v < limit_.size(); ++v) {
+    if (limit_[v] < 1) queue.emplace(limit_[v], v);
+  }
   while (!queue.empty()) {
-    const auto [value, v] = queue.top();
+    const auto [limit, v] = queue.top();
     queue.pop();
-    if (value > values[v]) continue;
+    if (limit > limit_[v]) continue;
     for (const Index u : scene_->neighbors()[v]) {
-      const double next = value + (at(x, u) - at(x, v)).norm() / unit;
-      if (!scene_->is_movable(u) || next >= values[u]) continue;
-      queue.emplace(values[u] = next, u);
+      const double next = limit + (at(y_, u) - at(y_, v)).norm() / (2 * falloff_);
+      if (!scene_->is_movable(u) || next >= limit_[u]) continue;
+      limit_[u] = next;
+      queue.emplace(next, u);
     }
   }
 }
@@ -161,77 +182,84 @@ void FrameSolver::place(std::span<const double> whole, std::vector<double>& z) c
   round(z);
 }
 
-// Collisions on the way to z, or on from it: of pairs that are listed, and of those that collided before; or
-// all.
-Result<void> FrameSolver::find_collisions(std::span<const double> z, bool is_after, bool all) {
-  collisions_.clear();
-  const auto other = is_after ? problem_->after : problem_->before;
-  if (other.empty()) return {};
-  const auto from = is_after ? z : other, to = is_after ? other : z;
-  if (all) {
-    const StepResult* step = FOLDPROOF_TRY(prover_->check(from, to));
-    for (const auto& c : step->vertex_face) collisions_.push_back({scene_->pair_of(c), c.toi});
-    for (const auto& c : step->edge_edge) collisions_.push_back({scene_->pair_of(c), c.toi});
-    return {};
-  }
-  pairs_->find_collisions(from, to, z, collisions_);
-  for (const auto& [pair, range] : ways_[is_after ? 1 : 0]) {
-    const CcdResult answer = ccd_of(pair, from, to, problem_->range.thickness);
+// Collisions of the pairs that collided before, and of those that may touch in a pose.
+void FrameSolver::test_known(std::span<const double> from, std::span<const double> to, bool is_after) {
+  const auto test = [&](const FeaturePair& pair) {
+    const CcdResult answer = ccd(pair, from, to);
     if (answer.answer != Answer::Separated) collisions_.push_back({pair, answer.toi});
-  }
-  return {};
+  };
+  for (const auto& way : ways_[is_after ? 1 : 0]) test(way.first);
+  for (const FeaturePair& pair : may_touch_) test(pair);
 }
 
-// Whether the ways to z and on from it are free, as far as pairs tell that are near in z, or proven. Else
-// limits shares. Pairs that were listed before are asked first, as it takes longer to list others.
+// Whether the ways to z and on from it are free; else limits shares. First asks the pairs that are known;
+// all, where these do not tell, or to prove it.
 Result<bool> FrameSolver::check_ways(std::span<const double> z, bool first, bool proves) {
-  enum class Ask { Known, Near, All };
-  bool is_new = false;  // the list: what is not on it may be in the way
-  for (const Ask ask : {Ask::Known, Ask::Near, Ask::All}) {
-    if (ask == Ask::Near && !(is_new = FOLDPROOF_TRY(pairs_->list(z, is_active_)))) continue;
-    if (ask == Ask::All && !(proves || is_new)) continue;
-    for (const bool is_after : {false, true}) {
-      FOLDPROOF_TRY(find_collisions(z, is_after, ask == Ask::All));
-      if (collisions_.empty()) continue;
-      limit_shares(z, is_after, first && !is_after);
-      return false;
+  const bool knows = pairs_->knows(z);
+  may_touch_.clear();
+  if (knows) pairs_->may_touch(z, may_touch_);
+  for (const bool is_after : {false, true}) {
+    const auto other = is_after ? problem_->after : problem_->before;
+    if (other.empty()) continue;
+    const auto from = is_after ? z : other, to = is_after ? other : z;
+    collisions_.clear();
+    if (knows) test_known(from, to, is_after);
+    if (collisions_.empty() && (proves || !knows)) {
+      const StepResult* step = FOLDPROOF_TRY(prover_->check(from, to));
+      for (const auto& c : step->vertex_face) collisions_.push_back({scene_->pair_of(c), c.toi});
+      for (const auto& c : step->edge_edge) collisions_.push_back({scene_->pair_of(c), c.toi});
     }
+    if (collisions_.empty()) continue;
+    limit_shares(z, is_after, first && !is_after);
+    return false;
   }
+  is_proven_ = proves || !knows;
   return true;
 }
 
-// Moves z back towards y until the ways are free: what collides, and in the end all. Returns whether they
-// were before.
-Result<bool> FrameSolver::approach(std::vector<double>& z, bool proves) {
+// Moves z back towards y until the ways are free, as far as it is known, or proven. Returns the share that
+// all vertices went; 0 where nothing moved.
+Result<double> FrameSolver::approach(std::vector<double>& z, bool proves) {
   whole_ = z;
   std::fill(share_.begin(), share_.end(), 1);
   all_share_ = 1;
   const bool first = std::equal(y_.begin(), y_.end(), problem_->before.begin(), problem_->before.end());
-  for (int trial = 1; all_share_ >= kLeastShare; ++trial) {
-    if (FOLDPROOF_TRY(check_ways(z, first, proves))) return trial == 1;
-    if (trial >= kMaxTrials) all_share_ /= 2;
+  for (int trial = 0; trial < kMaxTrials; ++trial) {
+    if (FOLDPROOF_TRY(check_ways(z, first, proves))) return all_share_;
+    if (all_share_ < kLeastShare) break;
     place(whole_, z);
   }
+  for (int k = 0; k < kMaxHalvings; ++k) {
+    const double share = all_share_ /= 2;
+    place(whole_, z);
+    if (FOLDPROOF_TRY(check_ways(z, first, proves))) return all_share_;
+    all_share_ = share;
+  }
   z = y_;
-  return false;
+  is_proven_ = false;
+  return 0;
 }
 
 // Makes y a pose the ways of which are proven, nearer to the last one where they are not free. Returns
 // whether they were.
 Result<bool> FrameSolver::prove() {
-  next_.swap(y_);
-  y_ = proven_;
-  const bool was_free = FOLDPROOF_TRY(approach(next_, true));
-  y_.swap(next_);
-  if (!was_free) FOLDPROOF_TRY(find_pairs(y_, pairs_of_y_));
+  bool was_free = true;
+  if (!is_proven_) {
+    next_.swap(y_);
+    y_ = proven_;
+    FOLDPROOF_TRY(approach(next_, true));
+    was_free = whole_ == next_;
+    y_.swap(next_);
+    is_proven_ = true;
+    if (!was_free) FOLDPROOF_TRY(find_pairs(y_, pairs_of_y_));
+  }
   proven_ = y_;
   return was_free;
 }
 
 // Pairs that are near in x, and those that collided on the ways before, at the times when they did.
 Result<void> FrameSolver::find_pairs(std::span<const double> x, Pairs& out) {
-  FOLDPROOF_TRY(pairs_->list(x, is_active_));
-  pairs_->find(x, late_ ? std::span<const std::uint8_t>() : is_active_, out.near);
+  FOLDPROOF_TRY(pairs_->find(x, late_ ? std::span<const std::uint8_t>() : is_active_, out.near));
   out.in_pose = out.near.size();
   add_way_pairs(x, out);
   return {};
@@ -288,7 +316,7 @@ void FrameSolver::set_ways(std::span<const FeaturePair> before, std::span<const 
 // Vertices whose correction is not negligible.
 void FrameSolver::start_active() {
   is_active_.assign(scene_->vertex_count(), 0);
-  along_.assign(scene_->vertex_count(), kReach);
+  along_.assign(scene_->vertex_count(), std::numeric_limits<double>::infinity());
   for (Index v = 0; v < is_active_.size(); ++v) {
     if (!scene_->is_movable(v)) continue;
     const double correction = (at(next_, v) - at(problem_->target, v)).norm();
@@ -302,16 +330,27 @@ void FrameSolver::start_active() {
 
 // Makes active what is near a pair, along the surface.
 void FrameSolver::grow_active(std::span<const NearPair> pairs) {
-  std::vector<Index> from;
+  const double reach = kReach * falloff_;
+  Queue queue;
   for (const NearPair& pair : pairs) {
     for (const Index v : pair.vertices) {
-      if (std::exchange(along_[v], 0) > 0) from.push_back(v);
+      if (along_[v] > 0) queue.emplace(along_[v] = 0, v);
     }
   }
-  spread(from, problem_->target, falloff_, along_);
+  while (!queue.empty()) {
+    const auto [distance, v] = queue.top();
+    queue.pop();
+    if (distance > along_[v]) continue;
+    if (scene_->is_movable(v)) is_active_[v] = 1;
+    for (const Index u : scene_->neighbors()[v]) {
+      const double next = distance + (at(problem_->target, u) - at(problem_->target, v)).norm();
+      if (next >= reach || next >= along_[u]) continue;
+      along_[u] = next;
+      queue.emplace(next, u);
+    }
+  }
   std::vector<Index> active;
   for (Index v = 0; v < is_active_.size(); ++v) {
-    if (along_[v] < kReach && scene_->is_movable(v)) is_active_[v] = 1;
     if (is_active_[v] != 0) active.push_back(v);
   }
   if (active.size() != surface_->active().size() ||
@@ -353,6 +392,7 @@ Result<void> FrameSolver::begin(const FrameProblem& problem, std::span<const dou
   FOLDPROOF_TRY(approach(next_, true));
   y_.swap(next_);
   proven_ = y_;
+  is_proven_ = true;
   late_ = true;
   forget_far_ways(y_);
   FOLDPROOF_TRY(find_pairs(y_, pairs_of_y_));
@@ -408,6 +448,7 @@ Result<void> FrameSolver::iterate(double stiffness, FrameOutcome& outcome) {
   outcome.settled = FOLDPROOF_TRY(descend(stiffness));
   y_.swap(next_);
   std::swap(pairs_of_y_, pairs_of_next_);
+  if (is_proven_) proven_ = y_;
   return {};
 }
 

@@ -8,6 +8,31 @@
 
 namespace foldproof::inline internal {
 
+/// Asks StepChecker about straight ways between poses of the scene.
+class Prover {
+ public:
+  Prover(const RepairScene& scene, std::shared_ptr<const PairFilter> filter, double thickness)
+      : scene_(&scene), checker_(scene.objects(), std::move(filter)) {
+    settings_.thickness = thickness;
+    settings_.look_ahead = false;  // ways of one frame do not continue each other
+  }
+  void set_thickness(double thickness) { settings_.thickness = thickness; }
+  /// The pairs that collide on the way, at most StepSettings::max_listed.
+  Result<const StepResult*> check(std::span<const double> x0, std::span<const double> x1);
+  /// Pairs of triangles that cross.
+  Result<const StaticResult*> check_pose(std::span<const double> x);
+  /// Whether nothing touches: nothing crosses, nothing is within the thickness.
+  Result<bool> is_free(std::span<const double> x);
+
+ private:
+  const RepairScene* scene_;
+  StepChecker checker_;
+  StepSettings settings_;
+  StepResult step_;
+  StaticResult pose_;
+  std::vector<std::span<const double>> from_, to_;
+};
+
 /// What a frame is solved with.
 struct FrameProblem {
   std::span<const double> before;  ///< A pose from which the way is to be free; empty: there is none.
@@ -66,14 +91,20 @@ class FrameSolver {
     std::size_t in_pose = 0;  ///< The first so many; the others are from the way.
   };
 
-  Result<bool> approach(std::vector<double>& z, bool proves);
+  /// A pair that collides on a way.
+  struct Collision {
+    FeaturePair pair;
+    double toi;
+  };
+
+  Result<double> approach(std::vector<double>& z, bool proves);
   Result<bool> prove();
-  Result<void> find_collisions(std::span<const double> z, bool is_after, bool all);
   Result<bool> check_ways(std::span<const double> z, bool first, bool proves);
+  CcdResult ccd(const FeaturePair& pair, std::span<const double> from, std::span<const double> to) const;
+  void test_known(std::span<const double> from, std::span<const double> to, bool is_after);
   void limit_shares(std::span<const double> z, bool is_after, bool first);
   double share_of(const FeaturePair& pair, std::span<const double> z, double toi, bool first) const;
-  void spread(std::span<const Index> from, std::span<const double> x, double unit,
-              std::vector<double>& values) const;
+  void spread_shares();
   void place(std::span<const double> whole, std::vector<double>& z) const;
   Result<void> begin(const FrameProblem& problem, std::span<const double> guess);
   Result<void> iterate(double stiffness, FrameOutcome& outcome);
@@ -99,16 +130,17 @@ class FrameSolver {
   std::function<bool()> interrupted_;
 
   const FrameProblem* problem_ = nullptr;
-  std::vector<double> y_;       // the pose so far; the ways are free, as far as it is known
-  std::vector<double> proven_;  // the last one of which the ways are proven to be
+  std::vector<double> y_;       // the pose so far; the way to it is free, as far as pairs are known
+  std::vector<double> proven_;  // the last one to which it is proven to be
+  bool is_proven_ = false;      // y_ is
   std::vector<double> next_, whole_;
   Pairs pairs_of_y_, pairs_of_next_;
   // To the frame, and on from it: pairs and their ranges; 0 where these are not known.
   std::array<std::map<FeaturePair, double>, 2> ways_;
+  std::vector<FeaturePair> may_touch_;
   std::vector<Collision> collisions_;
-  bool late_ = false;  // y: see is_late
-  std::vector<double> share_,
-      along_;  // per vertex: share of the way; distance from what is near, in falloffs
+  bool late_ = false;                  // y: see is_late
+  std::vector<double> share_, along_;  // per vertex: share of the way; distance from what is near
   std::vector<double> limit_;
   double all_share_ = 1;  // of all vertices
   std::vector<std::uint8_t> is_active_;
