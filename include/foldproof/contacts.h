@@ -65,7 +65,7 @@ struct Contact {
 
   /// The frames in which triangles cross, ascending. Empty: surfaces touch between frames only.
   std::vector<ContactFrame> frames;
-  /// Index of the worst frame: the one with the largest severity; of those, rather one that crosses.
+  /// Index of the worst frame: the one with the largest severity; of those, one that crosses.
   std::size_t worst = 0;
   /// Where it is, in the worst frame: the deepest point, or the point of the curves nearest to their middle;
   /// without frames the place of first impact. It lies on one of the surfaces.

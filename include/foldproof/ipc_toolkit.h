@@ -33,11 +33,11 @@ class NamedBroadPhase : public ::ipc::BroadPhase {
 }  // namespace detail
 
 /// Finds every pair of features whose distance is at most twice the radius of inflation at some time of the
-/// step, or in the pose, if ipc-toolkit's filters allow it, and few others: edge-edge and face-vertex
-/// candidates of a step are what StepChecker::check finds, edge-face candidates of a pose those that cross by
-/// StepChecker::check_static. So what certificates prove costs nothing. Filters are asked when candidates are
-/// listed. 3D only. Keep it: from build to build it reuses certificates and lists while edges and faces stay
-/// the same. One thread at a time.
+/// step, or in the pose, if ipc-toolkit's filters allow it, and few others; of edges and faces only those
+/// that cross. Edge-edge and face-vertex candidates of a step are what StepChecker::check finds, edge-face
+/// candidates of a pose come from StepChecker::check_static. So what certificates prove costs nothing.
+/// Filters are asked when candidates are listed. 3D only. Keep it: from build to build it reuses certificates
+/// and lists while edges and faces stay the same. One thread at a time.
 class BroadPhase : public detail::NamedBroadPhase {
  public:
   using Vertices = std::tuple_element_t<0, detail::Build>;

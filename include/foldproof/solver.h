@@ -34,7 +34,7 @@ class CollisionFilter {
   bool allows_any(std::span<const Index> a, std::span<const Index> b) const;
   /// The group of each vertex; empty where there are none.
   std::span<const Index> vertex_groups() const;
-  /// That the filter was made for; kNoIndex: any.
+  /// How many vertices the filter was made for; kNoIndex: any number.
   Index vertex_count() const;
 
  private:
@@ -79,6 +79,7 @@ class CollisionMesh {
   const std::shared_ptr<const Hierarchy>& hierarchy() const { return hierarchy_; }
   /// The row in edges() of edge number `edge` of the topology.
   Index edge_row(Index edge) const { return edge_rows_[edge]; }
+  /// Of a row of edges(), in mesh units squared.
   double squared_rest_length(Index edge) const { return squared_rest_lengths_[edge]; }
 
  private:
@@ -205,8 +206,8 @@ struct StepSize {
 inline constexpr std::array<const char*, 4> kStepLimitNames{"none", "contact", "start", "undecided"};
 
 /// Answers a solver's queries about one collision mesh. It keeps what it learned between calls: with the same
-/// x0, or with poses that follow each other, they are cheap, and allocate nothing. A call that throws, for
-/// want of memory or from a filter, makes the next one start afresh. One checker per thread. A call uses
+/// x0, or with poses that follow each other, they are cheap, and most allocate nothing. A call that throws,
+/// for want of memory or from a filter, makes the next one start afresh. One checker per thread. A call uses
 /// several threads through oneTBB and may be made in the iterations of a oneTBB loop.
 ///
 /// Positions are vertex_count x 3, row-major, mesh units. During a step vertices move straight from x0 to x1.
@@ -235,16 +236,15 @@ class ContactChecker {
                                                           std::span<const double> x1,
                                                           double min_distance = 0);
 
-  /// A share for each vertex, so that one contact does not stop a scene: vertices that collide on the way,
-  /// directly or by others, are an island and go one share, all others 1. Proven: on the way to what
-  /// `step_towards` computes no relevant pair collides, but those closer than min_distance plus the tolerance
-  /// in x0, whose islands have the share 0. rescale_distance does not apply. Cost: a complete step, and
-  /// one more for each round in which islands meet.
+  /// `shares`: one in [0,1] for each vertex, so that one contact does not stop a scene. Moving vertices that
+  /// collide on the way, directly or by others, are an island and go one share, all others 1. Proven: on the
+  /// way to what `step_towards` computes no relevant pair collides, but those that collide or are undecided
+  /// at rest in x0; their islands have the share 0. No gap is rescaled. Cost: two complete steps, and one for
+  /// each time that islands meet; after 32 times all go one share.
   [[nodiscard]] Result<void> collision_free_step_sizes(std::span<const double> x0, std::span<const double> x1,
                                                        std::vector<double>& shares, double min_distance = 0);
 
-  /// Yes: proven that no relevant pair collides. No: one does, or comes within the tolerance of it, or is
-  /// undecided.
+  /// Yes: proven that no relevant pair collides. No: one does within the tolerance, or is undecided.
   Verdict is_step_collision_free(std::span<const double> x0, std::span<const double> x1,
                                  double min_distance = 0);
 
@@ -255,14 +255,14 @@ class ContactChecker {
   /// listed.
   [[nodiscard]] Result<void> candidates(std::span<const double> x0, std::span<const double> x1,
                                         double inflation, Candidates& out);
-  /// The same in one pose.
   [[nodiscard]] Result<void> candidates(std::span<const double> x, double inflation, Candidates& out);
 
   /// All relevant pairs whose distance is <= `distance` (>= 0; infinity: all), each by its closest features,
   /// and those once. Proven: none is missing, rounding included. A pair that is farther away may be listed,
   /// too, where features are so much closer than large that rounding leaves no proof: its barrier is 0.
   /// `active`: none, or vertex_count numbers; pairs none of whose closest features' vertices has one that is
-  /// not 0 are left out. The order depends on the mesh and the pose alone. Cost: about as candidates().
+  /// not 0 are left out. The order depends on the mesh and the pose alone. Error: a distance that is negative
+  /// or NaN. Cost: about as candidates().
   [[nodiscard]] Result<void> close_pairs(std::span<const double> x, double distance,
                                          std::vector<ClosePair>& out,
                                          std::span<const std::uint8_t> active = {});

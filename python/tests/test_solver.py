@@ -127,6 +127,7 @@ def test_one_contact_does_not_stop_the_others():
 def test_steps_go_towards_what_was_proven():
     x0, x1 = np.array([[0.1, 0.2, 0.3]]), np.array([[1.1, -7.0, 0.3]])
     assert (foldproof.step_towards(x0, x1, 0.3) == x0 + 0.3 * (x1 - x0)).all()
+    assert (foldproof.step_towards(x0, x1, np.float32(0.5)) == foldproof.step_towards(x0, x1, 0.5)).all()
     assert (foldproof.step_towards(x0, x1, 1) == x1).all()  # though x0 + (x1 - x0) may be another number
     with pytest.raises(foldproof.Error):
         foldproof.step_towards(x0, x1[:0], 0.5)

@@ -244,7 +244,7 @@ Result<std::optional<Start>> Repair::find_start() {
   return std::nullopt;
 }
 
-// The first one; or the first in which nothing crosses, though something is closer than the thickness.
+// The first free frame; or the first in which nothing crosses, though something is closer than the thickness.
 Result<std::optional<Start>> Repair::free_frame() {
   std::optional<Index> best;
   for (Index k = 0; k < frames_.count() && !best; ++k) {

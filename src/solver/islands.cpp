@@ -1,4 +1,4 @@
-// Step sizes by islands (V6): what collides on the way, directly or by others, goes one share of it.
+// Step sizes by islands (V3b): what collides on the way, directly or by others, goes one share of it.
 #include <algorithm>
 #include <numeric>
 
@@ -9,8 +9,8 @@
 namespace foldproof {
 namespace {
 
-/// Rounds to try at most; then all vertices go the same share.
-constexpr int kMaxRounds = 32;
+/// After so many rounds all that still moves goes one share.
+constexpr int kManyRounds = 32;
 
 /// Sets of vertices, each with its share of the step, that only grow.
 class Islands {
@@ -85,12 +85,17 @@ Result<void> ContactChecker::collision_free_step_sizes(std::span<const double> x
   Islands islands(m.mesh->vertex_count());
   shares.assign(m.mesh->vertex_count(), 1.0);
   m.end_positions.assign(x1.begin(), x1.end());
-  for (int round = 0; round < kMaxRounds; ++round) {
+  const auto at_rest = [&](Index v) { return position(x0, v) == position(x1, v); };
+  for (int round = 0; round < 2 * kManyRounds; ++round) {
     FOLDPROOF_TRY(m.all_contacts(x0, m.end_positions, min_distance));
     bool moves = false;  // something that collides
-    const auto join = [&](const std::array<Index, 4>& vertices, double time) {
-      for (const Index v : vertices) moves = moves || shares[v] > 0;
-      islands.join(vertices, share_of_pair(vertices, time, shares, before));
+    const auto join = [&](std::array<Index, 4> vertices, double time) {
+      // What rests joins nothing: others may stop at it, too.
+      const auto end = std::remove_if(vertices.begin(), vertices.end(), at_rest);
+      if (end == vertices.begin()) return;
+      const std::span<const Index> moving(vertices.begin(), end);
+      for (const Index v : moving) moves = moves || shares[v] > 0;
+      islands.join(moving, share_of_pair(moving, time, shares, before));
     };
     for (const VertexFaceCollision& hit : m.step.vertex_face) {
       const Triangle& face = triangles[hit.face];
@@ -100,10 +105,16 @@ Result<void> ContactChecker::collision_free_step_sizes(std::span<const double> x
       join({hit.a[0], hit.a[1], hit.b[0], hit.b[1]}, hit.toi);
     if (!moves) return {};
     for (Index v = 0; v < shares.size(); ++v) shares[v] = islands.share(v);
+    if (round == kManyRounds) {
+      double least = 1;
+      for (const double share : shares) least = share > 0 ? std::min(least, share) : least;
+      for (Index v = 0; v < shares.size(); ++v) {
+        if (shares[v] > 0) islands.join({&v, 1}, shares[v] = least);
+      }
+    }
     step_towards(x0, x1, shares, m.end_positions);
   }
-  const StepSize size = FOLDPROOF_TRY(collision_free_step_size(x0, x1, min_distance));
-  shares.assign(shares.size(), size.share);
+  shares.assign(shares.size(), 0.0);
   return {};
 }
 

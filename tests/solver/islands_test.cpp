@@ -52,6 +52,31 @@ TEST(Islands, ThoseThatMeetWhereOneStopsBecomeOne) {
   EXPECT_EQ(far[3], 1);
 }
 
+TEST(Islands, WhatRestsJoinsNothing) {
+  // One lies on the floor already, two fall on it from different heights.
+  Soup soup;
+  soup.x0 = {-9, 0, -9, 9, 0, -9, 0, 0, 9, 0, 0, 0, 1, 1, 0, 2, 2, 0};
+  soup.x1 = soup.x0;
+  for (const Index v : {3u, 4u, 5u}) soup.x1[3 * v + 1] = -2;
+  soup.faces = {{0, 1, 2}};
+  const auto shares = shares_of(soup);
+  EXPECT_EQ(shares[3], 0);
+  EXPECT_NEAR(shares[4], 0.8 / 3, 1e-6);
+  EXPECT_NEAR(shares[5], 0.8 / 2, 1e-6);
+}
+
+TEST(Islands, LongQueuesGoOneShare) {
+  Soup soup;
+  for (int k = 0; k < 80; ++k) {
+    soup.x0.insert(soup.x0.end(), {2.0 * k, 0, 0});
+    soup.x1.insert(soup.x1.end(), {k == 0 ? 1.0 : 2.0 * k - 1.9, 0, 0});
+  }
+  soup.x0.insert(soup.x0.end(), {0, 5, 0});
+  soup.x1.insert(soup.x1.end(), {0, 5, 0});
+  const auto shares = shares_of(soup);
+  for (int k = 0; k < 80; ++k) EXPECT_GT(shares[k], 0.3) << k;
+}
+
 TEST(Islands, WhatIsTooCloseAtTheStartStays) {
   const auto shares = shares_of(beads({{0, 1}, {0, 2}, {5, 6}}));
   EXPECT_EQ(shares, (std::vector<double>{0, 0, 1}));
