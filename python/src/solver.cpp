@@ -348,7 +348,7 @@ py::array_t<double> towards(const py::object& x0, const py::object& x1, const py
   const Numbers to = numbers_of(x1, "x1", {from.shape(0), 3}, "V x 3 like x0");
   py::array_t<double> out({from.shape(0), py::ssize_t{3}});
   const std::span<double> into(out.mutable_data(), static_cast<std::size_t>(out.size()));
-  if (py::array::ensure(share).ndim() == 0) {
+  if (py::array(share).ndim() == 0) {
     step_towards(span_of(from), span_of(to), py::float_(share).cast<double>(), into);
   } else {
     const Numbers shares = numbers_of(share, "share", {from.shape(0)}, "a number, or V of them");

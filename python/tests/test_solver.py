@@ -122,6 +122,8 @@ def test_one_contact_does_not_stop_the_others():
     assert (x[0] == x0[0] + shares[0] * (x1[0] - x0[0])).all() and checker.is_step_collision_free(x0, x)
     with pytest.raises(foldproof.Error, match="share"):
         foldproof.step_towards(x0, x1, shares[:1])
+    with pytest.raises(ValueError):
+        foldproof.step_towards(x0, x1, [[1], [1, 2]])  # no array
 
 
 def test_steps_go_towards_what_was_proven():
