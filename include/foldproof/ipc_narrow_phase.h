@@ -1,6 +1,6 @@
 /// Foldproof in simulators that use ipc-toolkit: a narrow phase behind its interface.
 ///
-/// As foldproof/ipc_toolkit.h, which includes it.
+/// See foldproof/ipc_toolkit.h, which includes it.
 #pragma once
 
 #include <algorithm>
@@ -27,8 +27,7 @@ struct Signature<Answer (Class::*)(First, Others...) const> {
 template <auto member>
 using Parameter = typename Signature<decltype(member)>::Parameter;
 
-/// A class whose `conservative_rescaling` is that of `Base` where it has one, as since 1.6, and does not set
-/// it.
+/// Adds `conservative_rescaling` to a class that lacks it; since 1.6 there is one, which nobody sets.
 template <class Base, class = void>
 class Rescaling : public Base {
  public:

@@ -36,7 +36,7 @@ struct GroupOfContact {
 /// Of each contact. They are sorted, the worst first.
 std::vector<GroupOfContact> groups_of(std::span<const Contact> contacts);
 
-/// "at least 6.6 cm", of how deep something is; "along 6.6 cm" where there is no depth.
+/// How deep: "6.6 cm", "at least 6.6 cm"; without a depth how long the curves are, "along 6.6 cm".
 std::string depth_text(const ContactFrame& frame, const std::string& unit);
 
 /// A length in the metric unit that fits it, or in `unit`, with two digits: "6.6 cm".

@@ -62,17 +62,22 @@ StepSettings ContactChecker::Impl::step_settings(double distance) const {
   return step;
 }
 
-Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0, std::span<const double> x1,
-                                                      const Question& question) {
+Result<void> ContactChecker::Impl::find_contacts(std::span<const double> x0, std::span<const double> x1,
+                                                 const StepSettings& with, const Question& question) {
   FOLDPROOF_TRY(check_length("min_distance", question.min_distance));
   const std::span<const double> from[] = {x0}, to[] = {x1};
   const PairSettings pairs{settings.tolerance > 0 ? 0 : 0x1p-30, question.min_gap_share, question.max_gap};
   FOLDPROOF_TRY(run([&](Pipeline& used) {
-    return check_step({used, nullptr, {}, question.any_will_do, &pairs}, from, to,
-                      step_settings(question.min_distance), step);
+    return check_step({used, nullptr, {}, question.any_will_do, &pairs}, from, to, with, step);
   }));
   work += step.work;
   milliseconds += step.milliseconds;
+  return {};
+}
+
+Result<double> ContactChecker::Impl::earliest_contact(std::span<const double> x0, std::span<const double> x1,
+                                                      const Question& question) {
+  FOLDPROOF_TRY(find_contacts(x0, x1, step_settings(question.min_distance), question));
   return step.clean() ? std::numeric_limits<double>::infinity() : step.earliest_toi;
 }
 

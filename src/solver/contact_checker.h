@@ -44,8 +44,9 @@ struct ContactChecker::Impl {
   /// When the first pair comes into contact; infinity when none does.
   Result<double> earliest_contact(std::span<const double> x0, std::span<const double> x1,
                                   const Question& question);
-  /// Finds all pairs that come into contact.
-  Result<void> all_contacts(std::span<const double> x0, std::span<const double> x1, double min_distance);
+  /// Finds the pairs that come into contact: `step`.
+  Result<void> find_contacts(std::span<const double> x0, std::span<const double> x1, const StepSettings& with,
+                             const Question& question);
   Result<void> check_rescaling() const;
   /// The pair that the last earliest_contact found: a step size of 0 that it limits.
   StepSize limited(std::span<const double> x0, std::span<const double> x1) const;

@@ -57,22 +57,6 @@ double share_of_pair(std::span<const Index> vertices, double time, std::span<con
 
 }  // namespace
 
-Result<void> ContactChecker::Impl::all_contacts(std::span<const double> x0, std::span<const double> x1,
-                                                double min_distance) {
-  FOLDPROOF_TRY(internal::check_length("min_distance", min_distance));
-  const std::span<const double> from[] = {x0}, to[] = {x1};
-  const PairSettings pairs{settings.tolerance > 0 ? 0 : 0x1p-30, 0, 0};
-  StepSettings all = step_settings(min_distance);
-  all.earliest_only = false;
-  all.max_listed = ~std::uint64_t{0};
-  FOLDPROOF_TRY(run([&](Pipeline& used) {
-    return check_step({used, nullptr, {}, false, &pairs}, from, to, all, step);
-  }));
-  work += step.work;
-  milliseconds += step.milliseconds;
-  return {};
-}
-
 Result<void> ContactChecker::collision_free_step_sizes(std::span<const double> x0, std::span<const double> x1,
                                                        std::vector<double>& shares, double min_distance) {
   const PlainArithmetic plain;
@@ -80,6 +64,9 @@ Result<void> ContactChecker::collision_free_step_sizes(std::span<const double> x
   m.start_call();
   FOLDPROOF_TRY(m.check_rescaling());
   FOLDPROOF_TRY(m.check_positions(x0, x1));
+  StepSettings all = m.step_settings(min_distance);
+  all.earliest_only = false;
+  all.max_listed = ~std::uint64_t{0};
   const double before = m.settings.conservative_rescaling;
   const auto triangles = m.mesh->hierarchy()->topology().triangles();
   Islands islands(m.mesh->vertex_count());
@@ -87,7 +74,7 @@ Result<void> ContactChecker::collision_free_step_sizes(std::span<const double> x
   m.end_positions.assign(x1.begin(), x1.end());
   const auto at_rest = [&](Index v) { return position(x0, v) == position(x1, v); };
   for (int round = 0; round < 2 * kManyRounds; ++round) {
-    FOLDPROOF_TRY(m.all_contacts(x0, m.end_positions, min_distance));
+    FOLDPROOF_TRY(m.find_contacts(x0, m.end_positions, all, {min_distance}));
     bool moves = false;  // something that collides
     const auto join = [&](std::array<Index, 4> vertices, double time) {
       // What rests joins nothing: others may stop at it, too.
