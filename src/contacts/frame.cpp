@@ -60,18 +60,21 @@ void FrameMeasurer::list_inner_points(const Region& region, const RegionQuery& q
   // What may be deepest comes first: points that are less deep are then ruled out quickly.
   if (region.last != kNoIndex) points_.push_back(position(object_x, region.last));
   for (const Index v : region.vertices) points_.push_back(position(object_x, v));
-  const auto& all = curves_.piercings;
-  for (std::size_t i = 0; i < all.size();) {
+  // An edge may be cut by the curves of both sides: where a fold is narrow, every edge across it is.
+  cuts_.clear();
+  for (const Piercing& p : curves_.piercings) {
+    if (p.face != kNoIndex && query.sides[static_cast<std::size_t>(p.side)])
+      cuts_.emplace_back(p.edge, p.share);
+  }
+  std::sort(cuts_.begin(), cuts_.end());
+  for (std::size_t i = 0; i < cuts_.size();) {
+    const Edge edge = cuts_[i].first;
     std::size_t end = i + 1;
-    while (end < all.size() && all[end].side == all[i].side && all[end].edge == all[i].edge) ++end;
-    if (query.sides[static_cast<std::size_t>(all[i].side)] && (end - i) % 2 == 0 &&
-        !contains(region.vertices, all[i].edge[0])) {
-      std::vector<double> shares;
-      for (std::size_t k = i; k < end; ++k) shares.push_back(all[k].share);
-      std::sort(shares.begin(), shares.end());
-      const Vec3 p = position(object_x, all[i].edge[0]), q = position(object_x, all[i].edge[1]);
-      for (std::size_t k = 0; k + 1 < shares.size(); k += 2)
-        points_.push_back(p + (shares[k] + shares[k + 1]) / 2 * (q - p));
+    while (end < cuts_.size() && cuts_[end].first == edge) ++end;
+    if ((end - i) % 2 == 0 && !contains(region.vertices, edge[0])) {
+      const Vec3 p = position(object_x, edge[0]), q = position(object_x, edge[1]);
+      for (std::size_t k = i; k < end; k += 2)
+        points_.push_back(p + (cuts_[k].second + cuts_[k + 1].second) / 2 * (q - p));
     }
     i = end;
   }

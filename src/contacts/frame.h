@@ -62,6 +62,7 @@ class FrameMeasurer {
   RegionQuery body_query_;
   std::optional<Region> body_;                // of a surface that goes into itself: both sides as one
   std::array<std::vector<Index>, 2> inside_;  // the region's triangles that do not cross
+  std::vector<std::pair<Edge, double>> cuts_;  // of inner points: edge and share
   std::vector<Vec3> points_;                  // of one side, inside
   std::vector<Index> other_;
   std::vector<std::array<Vec3, 3>> other_corners_;
