@@ -162,7 +162,7 @@ std::string sentence_of(const RepairReport& report, bool has_start) {
         "{}: something touches in {}",
         report.written ? "Not all could be repaired" : "Nothing could be repaired, and nothing was written",
         touching_frames(report));
-  return text + (has_start ? "." : "; a pose that touches nothing may help (--start FILE).");
+  return text + (has_start ? "." : "; a pose that touches nothing may help (--start FILE, or --model).");
 }
 
 std::string summary_of(const RepairArguments& a, Motions motions, const RepairReport& report,
@@ -229,6 +229,7 @@ Result<int> run_repair(const RepairArguments& a) {
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
   const auto motions = FOLDPROOF_TRY(read_motions(a.motions, a.motion.read, a.quiet));
+  settings.models = FOLDPROOF_TRY(load_models(a.models, motions));
   RepairRequest request{settings, {}, a.fixed, a.only};
   request.repair.falloff = a.falloff;
   request.repair.calm = !a.quick;
@@ -308,6 +309,13 @@ Command add_repair(CommandLine& program) {
       .reads(
           command.add_option("--start", a->start,
                              "A pose that touches nothing to start from, a mesh file; once for each object"))
+      .type_name("FILE")
+      .one_value_each_time()
+      .group(group);
+  a->files
+      .reads(command.add_option("--model", a->models,
+                                "A model from 'foldproof train': where no frame is free, start in one of its "
+                                "poses; one for all objects of its mesh, or one for each object, in order"))
       .type_name("FILE")
       .one_value_each_time()
       .group(group);

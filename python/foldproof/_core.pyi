@@ -356,6 +356,7 @@ def repair(
     ignore: Sequence[tuple[str, str]],
     frames: _Frames,
     start: Sequence[float],
+    models: Model | Sequence[Model | None] | None,
     single_precision: bool,
     calm: bool,
     progress: _Progress,

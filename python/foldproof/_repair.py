@@ -15,7 +15,7 @@ from ._text import many
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from ._core import Motion, _Frames, _Progress, _Rows
+    from ._core import Model, Motion, _Frames, _Progress, _Rows
 
 LIMITS = ("none", "no_free_start", "given_up")
 
@@ -62,6 +62,7 @@ def repair(
     ignore: Sequence[tuple[str, str]] = (),
     frames: _Frames = None,
     start: ArrayLike | None = None,
+    models: Model | Sequence[Model | None] | None = None,
     single_precision: bool = False,
     calm: bool = True,
     progress: _Progress = None,
@@ -73,15 +74,16 @@ def repair(
     objects (Motion.name) or parts that may not move. only: those that may; then no others do. ignore: pairs of names that
     may touch; ('a', 'a'): a with itself. frames: a slice or 'A:B', without gaps; None for all. start: positions (V x 3, of
     all objects one after the other) that touch nothing, from which the first frame is approached; None: a frame that is
-    free, or one that can be untangled. single_precision: positions are rounded to float32 before they are proven, for
+    free, or one that can be untangled. models: one per motion (foldproof.train), None for motions without one: where no
+    frame is free, it may start in one of their training poses. single_precision: positions are rounded to float32 before they are proven, for
     files that hold no more. calm: a second pass makes corrections calm in time. progress: called with the share that is
     done. Ctrl-C cancels it. Error: motions that do not fit together, a thickness that the mesh itself does not keep,
-    nothing that may move, a start that touches itself.
+    nothing that may move, a start that touches itself, a model of another mesh or that has learned no shapes.
     """
     begin = [] if start is None else np.asarray(start, dtype=float).ravel().tolist()
     found = _core.repair(
         motions, thickness=thickness, falloff=falloff, fixed=list(fixed), only=list(only), ignore=list(ignore),
-        frames=frames, start=begin, single_precision=single_precision, calm=calm, progress=progress,
+        frames=frames, start=begin, models=models, single_precision=single_precision, calm=calm, progress=progress,
     )  # fmt: skip
     unit = found.pop("unit")
     before, remaining, among_fixed = (

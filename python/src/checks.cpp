@@ -106,22 +106,6 @@ struct Request {
   bool keep;
 };
 
-void add_models(const py::object& models, Request& request) {
-  if (models.is_none()) return;
-  for (const auto& model : items_of(models)) {
-    if (!model.is_none() && !py::isinstance<Model>(model))
-      throw py::type_error("models: expected a foldproof.Model or None, or a list with one per motion");
-    request.settings.models.push_back(model.is_none() ? nullptr : model.cast<std::shared_ptr<Model>>());
-  }
-  if (request.settings.models.size() != request.motions.size()) {
-    refuse("models",
-           "are " + std::to_string(request.settings.models.size()) + " for " +
-               std::to_string(request.motions.size()) + " motions",
-           "give one per motion, or None for motions without one");
-  }
-}
-
-/// Of the first motion; `weld`: of the first that differs from the default.
 ReadOptions read_options(const Request& request) {
   const auto read_of = [](const auto& motion) { return static_cast<const SharedMotion&>(*motion).read(); };
   ReadOptions read;
@@ -337,7 +321,7 @@ void bind_checks(py::module_& module) {
                         const py::object& ignore, bool still_pairs, const py::object& progress,
                         const py::kwargs& settings) {
     Request request{motions_of(motions), {}, {}, keep};
-    add_models(models, request);
+    request.settings.models = models_of(models, request.motions.size());
     request.settings.frames = frames_of(frames);
     request.settings.poses = poses;
     request.settings.steps_only = steps_only;

@@ -208,6 +208,21 @@ const Learned& learned_of(const Model& model) {
          "train it again with learn=True, from at least 3 poses that differ");
 }
 
+std::vector<std::shared_ptr<const Model>> models_of(const py::object& models, std::size_t motions) {
+  std::vector<std::shared_ptr<const Model>> out;
+  if (models.is_none()) return out;
+  for (const auto& model : items_of(models)) {
+    if (!model.is_none() && !py::isinstance<Model>(model))
+      throw py::type_error("models: expected a foldproof.Model or None, or a list with one per motion");
+    out.push_back(model.is_none() ? nullptr : model.cast<std::shared_ptr<Model>>());
+  }
+  if (out.size() != motions) {
+    refuse("models", "are " + std::to_string(out.size()) + " for " + std::to_string(motions) + " motions",
+           "give one per motion, or None for motions without one");
+  }
+  return out;
+}
+
 void bind_models(py::module_& module) {
   py::class_<Model, std::shared_ptr<Model>> model(
       module, "Model",

@@ -7,6 +7,7 @@
 #include "arrays.h"
 #include "contacts.h"
 #include "long_call.h"
+#include "models.h"
 #include "module.h"
 #include "motions.h"
 #include "report/repair_motions.h"
@@ -56,13 +57,14 @@ void bind_repair(py::module_& module) {
   const auto repair = [](const py::object& motions, double thickness, double falloff,
                          std::vector<std::string> fixed, std::vector<std::string> only,
                          std::vector<std::array<std::string, 2>> ignore, const py::object& frames,
-                         std::vector<double> start, bool single_precision, bool calm,
-                         const py::object& progress) {
+                         std::vector<double> start, const py::object& models, bool single_precision,
+                         bool calm, const py::object& progress) {
     const auto all = motions_of(motions);
     RepairRequest request;
     request.check.frames = frames_of(frames);
     request.check.step.thickness = thickness;
     request.check.ignore = std::move(ignore);
+    request.check.models = models_of(models, all.size());
     request.repair.falloff = falloff;
     request.repair.start = std::move(start);
     request.repair.single_precision = single_precision;
@@ -80,7 +82,7 @@ void bind_repair(py::module_& module) {
   // foldproof.repair has the documentation.
   module.def("repair", repair, py::arg("motions"), py::kw_only(), py::arg("thickness"), py::arg("falloff"),
              py::arg("fixed"), py::arg("only"), py::arg("ignore"), py::arg("frames"), py::arg("start"),
-             py::arg("single_precision"), py::arg("calm"), py::arg("progress"));
+             py::arg("models"), py::arg("single_precision"), py::arg("calm"), py::arg("progress"));
 }
 
 }  // namespace foldproof::python

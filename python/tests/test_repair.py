@@ -46,6 +46,16 @@ def test_what_may_move_and_what_is_ignored():
     assert foldproof.check(kept.motions[0], thickness=0.03).clean
 
 
+def test_a_model_knows_where_to_start():
+    model = foldproof.train(sheets([0.3, 0.2, 0.1, 0.15]))
+    crossing = sheets([-0.1, -0.12])
+    done = foldproof.repair(crossing, models=model)
+    assert done.free
+    assert not np.array_equal(done.motions[0][0], foldproof.repair(crossing).motions[0][0])
+    with pytest.raises(foldproof.Error, match="give one per motion"):
+        foldproof.repair(crossing, models=[model, None])
+
+
 def test_errors_are_said():
     motion = sheets([0.3, -0.1])
     with pytest.raises(foldproof.Error, match="more than the gaps of array itself: in frame 1 .* give at most 0.159"):

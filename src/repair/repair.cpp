@@ -47,6 +47,7 @@ class Repair {
   Result<std::optional<Start>> find_start();
   Result<std::optional<Start>> given_start();
   Result<std::optional<Start>> free_frame();
+  Result<std::optional<Start>> known_pose();
   Result<std::optional<Start>> untangled_start();
   Result<std::optional<Start>> exempt_start();
   Index calmest_frame() const;
@@ -192,6 +193,17 @@ Result<std::string> Repair::what_touches(std::span<const double> x) {
                      scene_.name(c.object_b));
 }
 
+Result<std::optional<Start>> Repair::known_pose() {
+  for (std::vector<double> x : settings_.poses) {
+    if (x.size() != scene_.size())
+      return fail(ErrorCode::InvalidArgument, "poses", "have another size than the objects",
+                  "give poses of all objects");
+    if (settings_.single_precision) round_to_single(x);
+    if (FOLDPROOF_TRY(prover_->is_free(x))) return Start{calmest_frame(), std::move(x), false, true};
+  }
+  return std::nullopt;
+}
+
 Result<std::optional<Start>> Repair::untangled_start() {
   const Index frame = calmest_frame();
   auto pose = FOLDPROOF_TRY(untangle(scene_, *prover_, FOLDPROOF_TRY(frames_.at_time(frame))));
@@ -228,11 +240,11 @@ Index Repair::calmest_frame() const {
   return calmest;
 }
 
-// A frame that is free, a pose that is given or untangled and from which the frame can be approached, or what
-// crosses is exempt. x_ is then a free pose at the frame.
+// A frame that is free, a pose that is given, known or untangled and from which the frame can be approached, or
+// what crosses is exempt. x_ is then a free pose at the frame.
 Result<std::optional<Start>> Repair::find_start() {
-  for (const auto find :
-       {&Repair::given_start, &Repair::free_frame, &Repair::untangled_start, &Repair::exempt_start}) {
+  for (const auto find : {&Repair::given_start, &Repair::free_frame, &Repair::known_pose,
+                          &Repair::untangled_start, &Repair::exempt_start}) {
     auto start = FOLDPROOF_TRY((this->*find)());
     if (!start) continue;
     FOLDPROOF_TRY(prepare(*start));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "base/try.h"
@@ -81,6 +82,58 @@ std::vector<Index> objects_of(const std::vector<std::vector<std::uint8_t>>& mova
   return objects;
 }
 
+constexpr std::size_t kKnownPoses = 8;  // of an object, where the repair may start
+
+// Lays a pose over the frame, by a rigid motion. Returns the sum of squared distances that remain.
+double lay_over(Eigen::VectorXd& pose, std::span<const double> frame) {
+  const auto count = static_cast<Eigen::Index>(frame.size() / 3);
+  const Eigen::Map<const Eigen::Matrix3Xd> to(frame.data(), 3, count);
+  Eigen::Map<Eigen::Matrix3Xd> x(pose.data(), 3, count);
+  const Eigen::Matrix4d rigid = Eigen::umeyama(x, to, false);
+  x = ((rigid.topLeftCorner<3, 3>() * x).colwise() + rigid.topRightCorner<3, 1>()).eval();
+  return (x - to).squaredNorm();
+}
+
+// The training poses of a model, as they are in its subspace, that are nearest to the frame, and laid over it.
+std::vector<Eigen::VectorXd> nearest_poses(const Model& model, std::span<const double> frame) {
+  const Predictor predictor(model.learned);
+  std::vector<std::pair<double, Eigen::Index>> order;
+  for (Eigen::Index k = 0; k < model.learned->coordinates.cols(); ++k) {
+    Eigen::VectorXd x = predictor.from_coordinates(model.learned->coordinates.col(k));
+    order.emplace_back(lay_over(x, frame), k);
+  }
+  std::ranges::sort(order);
+  order.resize(std::min(order.size(), kKnownPoses));
+  std::vector<Eigen::VectorXd> poses;
+  for (const auto& [distance, k] : order) {
+    lay_over(poses.emplace_back(predictor.from_coordinates(model.learned->coordinates.col(k))), frame);
+  }
+  return poses;
+}
+
+// Poses of all objects, from their models; an object without one is as in the frame.
+Result<std::vector<std::vector<double>>> known_poses(Motions motions, const CheckSettings& settings,
+                                                     Index frame) {
+  FOLDPROOF_TRY(require_models_of(motions, settings));
+  std::vector<std::vector<double>> poses(settings.models.empty() ? 0 : kKnownPoses);
+  for (std::size_t i = 0; i < settings.models.size(); ++i) {
+    const Model* model = settings.models[i].get();
+    std::vector<double> x(3 * std::size_t{motions[i]->topology().vertex_count()});
+    FOLDPROOF_TRY(motions[i]->read_frame(motions[i]->frame_count() == 1 ? 0 : frame, x));
+    if (model != nullptr && model->learned == nullptr)
+      return fail(ErrorCode::InvalidArgument, model->name, "has learned no shapes to start from",
+                  "train it on at least 3 different poses");
+    const auto known = model == nullptr ? std::vector<Eigen::VectorXd>{Eigen::Map<Eigen::VectorXd>(
+                                              x.data(), static_cast<Eigen::Index>(x.size()))}
+                                        : nearest_poses(*model, x);
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      const auto& pose = known[std::min(k, known.size() - 1)];
+      poses[k].insert(poses[k].end(), pose.begin(), pose.end());
+    }
+  }
+  return poses;
+}
+
 // Times count from the first frame that was selected.
 void number_by_input(RepairReport& report, Index first) {
   for (RepairedFrame& frame : report.frames) frame.time += first;
@@ -146,6 +199,7 @@ Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& req
   input.filter = FOLDPROOF_TRY(filter_for(motions, request.check, objects, {}, TestedPairs::All));
   RepairSettings settings = request.repair;
   settings.thickness = request.check.step.thickness;
+  settings.poses = FOLDPROOF_TRY(known_poses(motions, request.check, frames[0]));
   out.report = FOLDPROOF_TRY(repair(input, settings, [&](double, std::span<const double> x) -> Result<void> {
     ++store.count;
     return store.frames.append({reinterpret_cast<const char*>(x.data()), x.size_bytes()});

@@ -7,7 +7,8 @@
 namespace foldproof {
 
 struct RepairRequest {
-  /// Thickness, frames, ignored pairs and parts are used.
+  /// Thickness, frames, ignored pairs, parts and models are used. Training poses of the models are where the
+  /// repair may start (RepairSettings::poses).
   CheckSettings check;
   /// Its thickness is not used.
   RepairSettings repair;
@@ -33,7 +34,7 @@ class RepairedMotions {
 };
 
 /// Error: what repair returns; a range that selects no frame, or leaves some out between others; a name that
-/// is neither an object's nor a part's.
+/// is neither an object's nor a part's; a model of another mesh, or one that has learned no shapes.
 Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& request);
 
 }  // namespace foldproof

@@ -53,6 +53,16 @@ TEST(RepairProgram, PointCachesAreProvenAsTheyAreRounded) {
   EXPECT_FALSE(demo.exists("pose-fixed.pc2"));
 }
 
+// It starts in a training pose of the model, which is free, instead of one in which what crosses was smoothed.
+TEST(RepairProgram, AModelKnowsWhereToStart) {
+  const Demo demo;
+  const Outcome done = demo.repair({"pose.obj", "--model", "body.model", "-o", "fixed.npz"});
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(demo.check({"fixed.npz"}).code, 0);
+  EXPECT_EQ(demo.repair({"pose.obj", "-q", "-o", "untangled.npz"}).code, 0);
+  EXPECT_NE(demo.bytes("fixed.npz"), demo.bytes("untangled.npz"));
+}
+
 TEST(RepairProgram, OnlyTheShirtMoves) {
   const Demo demo;
   const Outcome done = demo.repair({"body.npz", "shirt.npz", "--fixed", "body.npz", "-o", "shirt-fixed.npz"});
@@ -117,6 +127,7 @@ TEST(RepairProgram, MistakesAreSaidInOneLineAndAtOnce) {
       {{"body.npz", "shirt.npz", "-o", "./../demo/a.npz", "-o", "a.npz"}, "is named for two outputs"},
       {{"body.npz", "--start", "shirt.npz", "-o", "a.npz"}, "shirt.npz: has other triangles than body.npz"},
       {{"pose.obj", "--start", "pose.obj", "-o", "a.npz"}, "--start pose.obj: touches itself: "},
+      {{"shirt.npz", "--model", "body.model", "-o", "a.npz"}, "body.model: "},
       {{"walk.glb", "--in-betweens", "3", "-o", "a.ply"}, "name it .npz, or .obj, which gets an MDD"},
       {{"walk.glb", "--in-betweens", "3", "-o", "a%04d.obj"}, "name it .npz, or .obj without %, which"},
       {{"pose.obj", "--in-betweens", "3", "-o", "a.obj"}, "leave out --in-betweens: there is one frame"},

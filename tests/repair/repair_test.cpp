@@ -183,6 +183,20 @@ TEST(Repair, AGivenPoseIsWhereItStarts) {
               ::testing::HasSubstr("but the motion has 2 frames"));
 }
 
+TEST(Repair, WhereNoFrameIsFreeItStartsInAKnownPoseThatIs) {
+  TestMotion motion = pressed_balls(0.4);
+  const Pose apart = motion.frames[0];
+  const std::vector<Pose> known = {motion.frames[6], apart};
+  const Repaired without = repaired(motion, {.poses = known});  // its first frame is free
+  EXPECT_EQ(without.frames, repaired(motion).frames);
+  motion.frames = {motion.frames[6], motion.frames[5]};
+  const Repaired done = repaired(motion, {.poses = known});
+  expect_proven(motion, done);
+  EXPECT_EQ(done.frames, repaired(motion, {.start = apart, .start_frame = 1}).frames);
+  EXPECT_NE(done.frames, repaired(motion).frames);
+  EXPECT_THAT(error_of(motion.input(), {.poses = {{0, 0, 0}}}), ::testing::HasSubstr("poses: have another size"));
+}
+
 // A sheet that goes through itself along a line in every frame: nothing is free, and smoothing does not help.
 TEST(Repair, WhereNothingHasAFreeStartNothingIsWritten) {
   TestMotion motion;
