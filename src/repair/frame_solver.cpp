@@ -79,21 +79,6 @@ using Queue =
 
 }  // namespace
 
-Result<const StepResult*> Prover::check(std::span<const double> x0, std::span<const double> x1) {
-  FOLDPROOF_TRY(checker_.check(scene_->positions(x0, from_), scene_->positions(x1, to_), settings_, step_));
-  return &step_;
-}
-
-Result<const StaticResult*> Prover::check_pose(std::span<const double> x) {
-  FOLDPROOF_TRY(checker_.check_static(scene_->positions(x, from_), settings_, pose_));
-  return &pose_;
-}
-
-Result<bool> Prover::is_free(std::span<const double> x) {
-  if (!FOLDPROOF_TRY(check_pose(x))->clean()) return false;
-  return settings_.thickness == 0 || FOLDPROOF_TRY(check(x, x))->clean();
-}
-
 void FrameSolver::round(std::span<double> x) const {
   if (single_precision_) round_to_single(x);
 }

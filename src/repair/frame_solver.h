@@ -8,31 +8,6 @@
 
 namespace foldproof::inline internal {
 
-/// Asks StepChecker about straight ways between poses of the scene.
-class Prover {
- public:
-  Prover(const RepairScene& scene, std::shared_ptr<const PairFilter> filter, double thickness)
-      : scene_(&scene), checker_(scene.objects(), std::move(filter)) {
-    settings_.thickness = thickness;
-    settings_.look_ahead = false;  // ways of one frame do not continue each other
-  }
-  void set_thickness(double thickness) { settings_.thickness = thickness; }
-  /// The pairs that collide on the way, at most StepSettings::max_listed.
-  Result<const StepResult*> check(std::span<const double> x0, std::span<const double> x1);
-  /// Pairs of triangles that cross.
-  Result<const StaticResult*> check_pose(std::span<const double> x);
-  /// Whether nothing touches: nothing crosses, nothing is within the thickness.
-  Result<bool> is_free(std::span<const double> x);
-
- private:
-  const RepairScene* scene_;
-  StepChecker checker_;
-  StepSettings settings_;
-  StepResult step_;
-  StaticResult pose_;
-  std::vector<std::span<const double>> from_, to_;
-};
-
 /// What a frame is solved with.
 struct FrameProblem {
   std::span<const double> before;  ///< A pose from which the way is to be free; empty: there is none.

@@ -206,13 +206,7 @@ Result<std::optional<Start>> Repair::untangled_start() {
 // What crosses in the frame with the fewest crossings is exempt, for as long as these contacts last.
 Result<std::optional<Start>> Repair::exempt_start() {
   Start start{calmest_frame(), {}, true, settings_.thickness == 0};
-  Analysis again(scene_, *prover_, settings_.thickness, start.frame);
-  for (Index k = 0; k < frames_.count(); ++k) {
-    if (is_interrupted()) return tl::unexpected(interrupted().error());
-    FOLDPROOF_TRY(again.add(k, FOLDPROOF_TRY(frames_.at_time(k))));
-  }
-  FOLDPROOF_TRY(again.finish());
-  start.exempt = FOLDPROOF_TRY(ignore_sewn(scene_.objects(), again.seams()));
+  start.exempt = FOLDPROOF_TRY(ignore_sewn(scene_.objects(), analysis_.seams(start.frame)));
   const auto frame = FOLDPROOF_TRY(frames_.at_time(start.frame));
   start.x.assign(frame.begin(), frame.end());
   Prover exempting(scene_, filter_with(start.exempt), 0);
