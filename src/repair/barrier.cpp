@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kKept = 0.9;    // a pair that is closer in a good pose keeps this share of its gap there,
 constexpr double kLeast = 1e-3;  // but not less than this share of the range
-constexpr double kSlack = 0.25;  // of the list, in ranges
+constexpr double kSlack = 0.5;   // of the list, in ranges
 
 // The features of one mesh that stand for those of all objects, in a filter of these.
 class MergedFilter final : public PairFilter {
