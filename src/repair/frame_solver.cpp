@@ -180,7 +180,7 @@ void FrameSolver::test_known(std::span<const double> from, std::span<const doubl
 // Whether the ways to z and on from it are free; else limits shares. First asks the pairs that are known;
 // all, where these do not tell, or to prove it.
 Result<bool> FrameSolver::check_ways(std::span<const double> z, bool first, bool proves) {
-  const bool knows = pairs_->knows(z);
+  const bool knows = pairs_->knows_touching(z);
   may_touch_.clear();
   if (knows) pairs_->may_touch(z, may_touch_);
   for (const bool is_after : {false, true}) {

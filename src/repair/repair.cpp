@@ -254,8 +254,12 @@ Result<bool> Repair::widen(Index frame) {
   constexpr double kKept = 0.9, kLeastGain = 1.02;
   const auto target = FOLDPROOF_TRY(frames_.read(frame));
   std::vector<double> x;
+  std::vector<FeaturePair> near;
   for (double kept = 0; kept < settings_.thickness;) {
-    const double smallest = FOLDPROOF_TRY(pairs_->smallest_distance(x_, 2 * settings_.thickness));
+    double smallest = 2 * settings_.thickness;
+    near.clear();
+    FOLDPROOF_TRY(step_prover_->find_near(x_, x_, smallest, near));
+    for (const FeaturePair& pair : near) smallest = std::min(smallest, pair.distance(points_of(x_, pair.v)));
     const double next = std::min(settings_.thickness, kKept * smallest);
     if (!(next > kLeastGain * kept)) return false;
     set_thickness(kept = next);
