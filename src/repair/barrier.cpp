@@ -220,10 +220,12 @@ Result<void> NearPairs::find(std::span<const double> x, std::span<const std::uin
                              std::vector<NearPair>& out) {
   if (!is_near(x, kSlack)) FOLDPROOF_TRY(list(x, active));
   out.clear();
-  const auto is_active = [&](const Candidate& candidate) {
+  const bool is_where_listed = std::equal(x.begin(), x.end(), listed_at_.begin());
+  const auto may_be_near = [&](const Candidate& candidate) {
+    if (is_where_listed && candidate.gap >= candidate.range) return false;
     return active.empty() || std::ranges::any_of(candidate.pair.v, [&](Index v) { return active[v] != 0; });
   };
-  measure(list_, x, range_.range + range_.thickness, is_active,
+  measure(list_, x, range_.range + range_.thickness, may_be_near,
           [&](const Candidate& candidate, const NearestBatch& nearest, int lane) {
             const NearPair near = near_pair_of(candidate, nearest, lane, range_.thickness);
             if (near.gap > 0 && near.gap < near.range) out.push_back(near);
