@@ -1,7 +1,6 @@
 #include "repair/analysis.h"
 
 #include <algorithm>
-#include <functional>
 
 #include "base/try.h"
 #include "contacts/follow_crossings.h"
@@ -10,6 +9,11 @@ namespace foldproof {
 namespace {
 
 constexpr int kTouchedRings = 3;
+
+template <class Item>
+void append(const std::vector<Item>& from, std::vector<Item>& to) {
+  to.insert(to.end(), from.begin(), from.end());
+}
 
 // The contacts of a pose; the prover's last answer was about it.
 Result<ContactFinder> find_in_pose(const RepairScene& scene, const StaticResult& crossings,
@@ -23,8 +27,7 @@ Result<ContactFinder> find_in_pose(const RepairScene& scene, const StaticResult&
 template <class Mark>
 void for_contact_vertices(const RepairScene& scene, const ContactFinder& finder, const Mark& mark) {
   const auto mark_triangle = [&](Index contact, Index object, Index triangle) {
-    for (const Index v : scene.triangles()[scene.begin(object).triangles + std::size_t{triangle}])
-      mark(contact, v);
+    for (const Index v : scene.triangle(object, triangle)) mark(contact, v);
   };
   const auto crossings = finder.crossings();
   for (std::size_t i = 0; i < crossings.size(); ++i) {
@@ -72,18 +75,16 @@ void internal::dilate(const RepairScene& scene, std::vector<std::uint8_t>& mask,
   }
 }
 
-Analysis::Analysis(const RepairScene& scene, Prover& prover, double thickness,
-                   std::optional<std::size_t> seams_from)
-    : scene_(&scene), prover_(&prover), thickness_(thickness), seams_from_(seams_from) {
+Analysis::Analysis(const RepairScene& scene, Prover& prover, double thickness)
+    : scene_(&scene), prover_(&prover), thickness_(thickness) {
   if (scene.fixed_filter() != nullptr) fixed_prover_.emplace(scene, scene.fixed_filter(), 0);
 }
 
 void Analysis::touch(Frame& frame, const StepResult& step) const {
-  const auto add = [&](const FeaturePair& pair) {
+  std::vector<FeaturePair> pairs;
+  scene_->pairs_of(step, pairs);
+  for (const FeaturePair& pair : pairs)
     frame.touched.insert(frame.touched.end(), pair.v.begin(), pair.v.end());
-  };
-  for (const auto& c : step.vertex_face) add(scene_->pair_of(c));
-  for (const auto& c : step.edge_edge) add(scene_->pair_of(c));
 }
 
 void Analysis::touch_crossings(Frame& frame) const {
@@ -98,9 +99,8 @@ Result<const StaticResult*> Analysis::all_crossings(std::span<const double> x) {
   if (!fixed_prover_) return pose;
   all_crossings_ = *pose;
   const StaticResult* fixed = FOLDPROOF_TRY(fixed_prover_->check_pose(x));
-  auto& crossings = all_crossings_.crossings;
-  crossings.insert(crossings.end(), fixed->crossings.begin(), fixed->crossings.end());
-  std::ranges::sort(crossings, is_before);
+  append(fixed->crossings, all_crossings_.crossings);
+  std::ranges::sort(all_crossings_.crossings, is_before);
   all_crossings_.crossing_count += fixed->crossing_count;
   return &all_crossings_;
 }
@@ -109,25 +109,38 @@ Result<const StepResult*> Analysis::with_fixed(const StepResult& step, std::span
   if (!fixed_prover_) return &step;
   const StepResult* fixed = FOLDPROOF_TRY(fixed_prover_->check(last_, x));
   all_pairs_ = step;
-  all_pairs_.vertex_face.insert(all_pairs_.vertex_face.end(), fixed->vertex_face.begin(),
-                                fixed->vertex_face.end());
-  all_pairs_.edge_edge.insert(all_pairs_.edge_edge.end(), fixed->edge_edge.begin(), fixed->edge_edge.end());
+  append(fixed->vertex_face, all_pairs_.vertex_face);
+  append(fixed->edge_edge, all_pairs_.edge_edge);
   all_pairs_.vertex_face_count += fixed->vertex_face_count;
   all_pairs_.edge_edge_count += fixed->edge_edge_count;
   return &all_pairs_;
 }
 
-bool Analysis::moves(const FeaturePair& pair) const {
-  return std::ranges::any_of(pair.v, [&](Index v) { return scene_->is_movable(v); });
+bool Analysis::moves(std::span<const Index> a, std::span<const Index> b) const {
+  const auto moves = [&](Index v) { return scene_->is_movable(v); };
+  return std::ranges::any_of(a, moves) || std::ranges::any_of(b, moves);
 }
 
-bool Analysis::moves(const TriangleCrossing& crossing) const {
-  const auto triangle_moves = [&](Index object, Index triangle) {
-    const Triangle& t = scene_->triangles()[scene_->begin(object).triangles + std::size_t{triangle}];
-    return std::ranges::any_of(t, [&](Index v) { return scene_->is_movable(v); });
+// Calls visit(contact, a, b), with the vertices of two features or triangles, for what touches on the step,
+// which may be null, and what crosses at its end.
+template <class Visit>
+void Analysis::for_touching(const StepResult* step, const Visit& visit) const {
+  const auto of_pairs = [&](const auto& pairs, std::span<const Index> contacts) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const FeaturePair pair = scene_->pair_of(pairs[i]);
+      const std::size_t n = pair.edges ? 2 : 1;
+      visit(contacts[i], std::span(pair.v).first(n), std::span(pair.v).subspan(n));
+    }
   };
-  return triangle_moves(crossing.object_a, crossing.triangle_a) ||
-         triangle_moves(crossing.object_b, crossing.triangle_b);
+  if (step != nullptr) {
+    of_pairs(step->vertex_face, finder_->vertex_face_contacts());
+    of_pairs(step->edge_edge, finder_->edge_edge_contacts());
+  }
+  for (std::size_t i = 0; i < finder_->crossings().size(); ++i) {
+    const TriangleCrossing& c = finder_->crossings()[i];
+    visit(finder_->crossing_contacts()[i], scene_->triangle(c.object_a, c.triangle_a),
+          scene_->triangle(c.object_b, c.triangle_b));
+  }
 }
 
 // Remembers the contacts in which something that may move takes part now.
@@ -135,17 +148,9 @@ void Analysis::note_movable(const StepResult* step) {
   std::set<Index> joined;
   for (const Index number : movable_contacts_) joined.insert(finder_->joined_number(number));
   movable_contacts_.swap(joined);
-  const auto note = [&](const auto& pairs, std::span<const Index> contacts, const auto& pair_of) {
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (moves(pair_of(pairs[i]))) movable_contacts_.insert(contacts[i]);
-    }
-  };
-  const auto feature_pair = [&](const auto& c) { return scene_->pair_of(c); };
-  if (step != nullptr) {
-    note(step->vertex_face, finder_->vertex_face_contacts(), feature_pair);
-    note(step->edge_edge, finder_->edge_edge_contacts(), feature_pair);
-  }
-  note(finder_->crossings(), finder_->crossing_contacts(), std::identity());
+  for_touching(step, [&](Index contact, std::span<const Index> a, std::span<const Index> b) {
+    if (moves(a, b)) movable_contacts_.insert(contact);
+  });
 }
 
 // `step`: the prover's answer about the way to x; null for the first frame.
@@ -162,7 +167,7 @@ Result<void> Analysis::find_contacts(double time, std::span<const double> x, con
     finder_->step(last_time_, time, scene_->positions(last_, last_views_), positions, *step, crossings);
   }
   note_movable(step);
-  if (seams_from_) note_seams(step);
+  if (notes_seams_) note_seams(step);
   return {};
 }
 
@@ -176,11 +181,13 @@ Result<void> Analysis::add(double time, std::span<const double> x) {
   }
   frame.is_way_free = step == nullptr || step->clean();
   FOLDPROOF_TRY(find_contacts(time, x, step));
-  frame.crossings = finder_->is_known()
-                        ? static_cast<std::uint64_t>(std::ranges::count_if(
-                              finder_->crossings(), [&](const auto& crossing) { return moves(crossing); }))
-                        : FOLDPROOF_TRY(prover_->check_pose(x))->crossing_count;
+  for_touching(nullptr, [&](Index contact, std::span<const Index> a, std::span<const Index> b) {
+    frame.contacts.insert(contact);
+    if (moves(a, b)) ++frame.crossings;
+  });
+  if (!finder_->is_known()) frame.crossings = FOLDPROOF_TRY(prover_->check_pose(x))->crossing_count;
   touch_crossings(frame);
+  if (frame.crossings == 0) notes_seams_ = false, seams_.clear();
   for (Contact& contact : finder_->take_ended()) ended_.push_back(std::move(contact));
   frame.is_free = frame.crossings == 0;
   if (thickness_ > 0 && frame.is_free) {
@@ -224,9 +231,9 @@ const std::vector<std::uint8_t>& Analysis::touched(std::size_t k) {
   return mask_;
 }
 
-std::vector<std::array<ObjectVertex, 2>> Analysis::seams() {
+std::vector<std::array<ObjectVertex, 2>> Analysis::seams(std::size_t k) {
   std::set<Index> exempt;
-  for (const Index contact : contacts_at_start_) exempt.insert(finder_->joined_number(contact));
+  for (const Index contact : frames_[k].contacts) exempt.insert(finder_->joined_number(contact));
   std::vector<std::array<ObjectVertex, 2>> seams;
   const auto place = [&](Index v) {
     const Index object = scene_->object_of_vertex(v);
@@ -241,32 +248,13 @@ std::vector<std::array<ObjectVertex, 2>> Analysis::seams() {
 
 // Pairs of vertices of what touches now.
 void Analysis::note_seams(const StepResult* step) {
-  const auto note = [&](Index contact, std::span<const Index> a, std::span<const Index> b) {
+  for_touching(step, [&](Index contact, std::span<const Index> a, std::span<const Index> b) {
     for (const Index u : a) {
       for (const Index v : b) {
         if (u != v) seams_.push_back({contact, {std::min(u, v), std::max(u, v)}});
       }
     }
-  };
-  const auto note_pair = [&](Index contact, const FeaturePair& pair) {
-    const auto v = std::span(pair.v);
-    note(contact, v.first(pair.edges ? 2 : 1), v.subspan(pair.edges ? 2 : 1));
-  };
-  if (step != nullptr) {
-    for (std::size_t i = 0; i < step->vertex_face.size(); ++i)
-      note_pair(finder_->vertex_face_contacts()[i], scene_->pair_of(step->vertex_face[i]));
-    for (std::size_t i = 0; i < step->edge_edge.size(); ++i)
-      note_pair(finder_->edge_edge_contacts()[i], scene_->pair_of(step->edge_edge[i]));
-  }
-  const auto triangle = [&](Index object, Index t) {
-    return std::span<const Index>(scene_->triangles()[scene_->begin(object).triangles + std::size_t{t}]);
-  };
-  for (std::size_t i = 0; i < finder_->crossings().size(); ++i) {
-    const TriangleCrossing& c = finder_->crossings()[i];
-    const Index contact = finder_->crossing_contacts()[i];
-    note(contact, triangle(c.object_a, c.triangle_a), triangle(c.object_b, c.triangle_b));
-    if (frames_.size() == *seams_from_) contacts_at_start_.insert(contact);
-  }
+  });
   std::ranges::sort(seams_);
   seams_.erase(std::unique(seams_.begin(), seams_.end()), seams_.end());
 }

@@ -15,9 +15,7 @@ namespace foldproof::inline internal {
 /// depend on what may not move with itself.
 class Analysis {
  public:
-  /// `seams_from`: a frame of which seams are noted.
-  Analysis(const RepairScene& scene, Prover& prover, double thickness,
-           std::optional<std::size_t> seams_from = std::nullopt);
+  Analysis(const RepairScene& scene, Prover& prover, double thickness);
   Result<void> add(double time, std::span<const double> x);
   struct Contacts {
     std::vector<Contact> of_movable;   ///< Something that may move takes part.
@@ -32,7 +30,8 @@ class Analysis {
   bool is_way_free(std::size_t k) const { return frames_[k].is_way_free; }
   bool all_free() const;
   /// Pairs of vertices of what touches, at any time, in the contacts that cross in the frame; after finish().
-  std::vector<std::array<ObjectVertex, 2>> seams();
+  /// None where a frame has no crossings.
+  std::vector<std::array<ObjectVertex, 2>> seams(std::size_t k);
   std::uint64_t crossings(std::size_t k) const { return frames_[k].crossings; }
   /// Per vertex, whether it or a vertex near it touches something in or next to the frame.
   const std::vector<std::uint8_t>& touched(std::size_t k);
@@ -47,14 +46,16 @@ class Analysis {
     bool is_free = false, is_way_free = false;
     std::uint64_t crossings = 0;
     std::vector<Index> touched;
+    std::set<Index> contacts;  // numbers of those that cross
   };
   Result<const StaticResult*> all_crossings(std::span<const double> x);
   Result<const StepResult*> with_fixed(const StepResult& step, std::span<const double> x);
   Result<void> find_contacts(double time, std::span<const double> x, const StepResult* step);
   void note_movable(const StepResult* step);
   void note_seams(const StepResult* step);
-  bool moves(const TriangleCrossing& crossing) const;
-  bool moves(const FeaturePair& pair) const;
+  bool moves(std::span<const Index> a, std::span<const Index> b) const;
+  template <class Visit>
+  void for_touching(const StepResult* step, const Visit& visit) const;
   void touch(Frame& frame, const StepResult& step) const;
   void touch_crossings(Frame& frame) const;
 
@@ -64,8 +65,7 @@ class Analysis {
   double thickness_;
   std::optional<ContactFinder> finder_;
   std::set<Index> movable_contacts_;  // numbers
-  std::optional<std::size_t> seams_from_;
-  std::set<Index> contacts_at_start_;
+  bool notes_seams_ = true;
   std::vector<Seam> seams_;  // ascending
   StepResult all_pairs_;
   StaticResult all_crossings_;

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <set>
 
 #include "base/try.h"
@@ -15,52 +14,13 @@ namespace {
 
 constexpr double kKept = 0.9;    // a pair that is closer in a good pose keeps this share of its gap there,
 constexpr double kLeast = 1e-3;  // but not less than this share of the range
-constexpr double kSlack = 0.25;  // of the list, in ranges
+constexpr double kSlack = 0.5;   // of the list, in ranges
 
-// The features of one mesh that stand for those of all objects, in a filter of these.
-class MergedFilter final : public PairFilter {
- public:
-  MergedFilter(const RepairScene& scene, std::shared_ptr<const PairFilter> filter,
-               std::vector<Index> triangles)
-      : scene_(scene), filter_(std::move(filter)), triangles_(std::move(triangles)) {}
-
-  bool nodes(Index, Index, Index, Index) const override { return true; }
-  bool vertex_face(Index, Index vertex, Index, Index face) const override {
-    const Index triangle = triangles_[face];
-    if (triangle == kNoIndex) return false;  // a vertex of no triangle
-    const Index a = scene_.object_of_vertex(vertex),
-                b = scene_.object_of_vertex(scene_.triangles()[triangle][0]);
-    return filter_->vertex_face(a, vertex - scene_.begin(a).vertices, b,
-                                triangle - scene_.begin(b).triangles);
-  }
-  bool edge_edge(Index, const Edge& p, Index, const Edge& q) const override {
-    const Index a = scene_.object_of_vertex(p[0]), b = scene_.object_of_vertex(q[0]);
-    const Index va = scene_.begin(a).vertices, vb = scene_.begin(b).vertices;
-    return filter_->edge_edge(a, {p[0] - va, p[1] - va}, b, {q[0] - vb, q[1] - vb});
-  }
-  bool crossing(Index, Index, Index, Index) const override { return true; }
-
- private:
-  const RepairScene& scene_;
-  std::shared_ptr<const PairFilter> filter_;
-  std::vector<Index> triangles_;  // of the scene, by triangle of the merged mesh
-};
-
-// The scene's number of each triangle of a merged mesh; kNoIndex where it has none.
-std::vector<Index> scene_triangles(const RepairScene& scene, std::span<const Triangle> merged) {
-  const auto key = [](Triangle t) {
-    std::ranges::sort(t);
-    if (t[0] == t[1]) t[1] = t[2];
-    return t;
-  };
-  std::map<Triangle, Index> numbers;
-  for (Index t = 0; t < scene.triangles().size(); ++t) numbers.emplace(key(scene.triangles()[t]), t);
-  std::vector<Index> out;
-  for (const Triangle& t : merged) {
-    const auto found = numbers.find(key(t));
-    out.push_back(found != numbers.end() ? found->second : kNoIndex);
-  }
-  return out;
+// Names a triangle by its vertices, in whatever order; a line and a point, too.
+Triangle key_of(Triangle t) {
+  std::ranges::sort(t);
+  if (t[0] == t[1]) t[1] = t[2];
+  return t;
 }
 
 // Lines and points are other lists than faces there.
@@ -170,14 +130,27 @@ std::optional<NearPair> internal::near_pair(const FeaturePair& pair, const FourP
 Result<NearPairs> NearPairs::make(const RepairScene& scene, std::span<const double> rest,
                                   const std::shared_ptr<const PairFilter>& filter) {
   const auto mesh = std::make_shared<const CollisionMesh>(FOLDPROOF_TRY(merged_mesh(scene, rest)));
-  auto triangles = scene_triangles(scene, mesh->hierarchy()->topology().triangles());
-  const bool has_others = std::ranges::find(triangles, kNoIndex) != triangles.end();
-  std::shared_ptr<const PairFilter> merged;
-  if (filter != scene.filter() || scene.given_filter() != nullptr || has_others)
-    merged = std::make_shared<MergedFilter>(scene, filter, std::move(triangles));
-  NearPairs pairs;
-  pairs.checker_ = std::make_unique<ContactChecker>(mesh, ContactSettings(), std::move(merged));
+  NearPairs pairs(scene);
+  pairs.checker_ = std::make_unique<ContactChecker>(mesh);
+  // Its points may be vertices of no triangle.
+  if (filter == scene.filter() && scene.given_filter() == nullptr && mesh->codim_points().empty())
+    return pairs;
+  pairs.filter_ = filter;
+  for (Index t = 0; t < scene.triangles().size(); ++t)
+    pairs.triangles_.emplace(key_of(scene.triangles()[t]), t);
   return pairs;
+}
+
+bool NearPairs::is_ignored(const FeaturePair& pair) const {
+  if (filter_ == nullptr) return false;
+  const auto& [a0, a1, b0, b1] = pair.v;
+  const Index a = scene_->object_of_vertex(a0), first_a = scene_->begin(a).vertices;
+  const Index b = scene_->object_of_vertex(b0), first_b = scene_->begin(b).vertices;
+  if (pair.edges)
+    return !filter_->edge_edge(a, {a0 - first_a, a1 - first_a}, b, {b0 - first_b, b1 - first_b});
+  const auto face = triangles_.find(key_of({a1, b0, b1}));
+  return face == triangles_.end() ||
+         !filter_->vertex_face(a, a0 - first_a, b, face->second - scene_->begin(b).triangles);
 }
 
 void NearPairs::start(const BarrierRange& range) {
@@ -185,9 +158,10 @@ void NearPairs::start(const BarrierRange& range) {
   listed_at_.clear();
 }
 
-bool NearPairs::knows(std::span<const double> x) const {
+// Whether no vertex was moved by more than half of a length, in ranges, since the list was made.
+bool NearPairs::is_near(std::span<const double> x, double length) const {
   if (listed_at_.empty()) return false;
-  const double most = kSlack * range_.range / 2;
+  const double most = length * range_.range / 2;
   for (Index v = 0; v < x.size() / 3; ++v) {
     const double square = (at(x, v) - at(listed_at_, v)).squaredNorm();
     if (square > most * most || (square > 0 && may_move_[v] == 0)) return false;
@@ -195,9 +169,7 @@ bool NearPairs::knows(std::span<const double> x) const {
   return true;
 }
 
-Result<double> NearPairs::smallest_distance(std::span<const double> x, double bound) {
-  return std::min(bound, FOLDPROOF_TRY(checker_->minimum_distance(x, bound)));
-}
+bool NearPairs::knows_touching(std::span<const double> x) const { return is_near(x, 1 + kSlack); }
 
 bool NearPairs::was_moved(std::span<const double> x, Index v) const {
   return range_.target.empty() || range_.touched[v] != 0 || at(x, v) != at(range_.target, v);
@@ -236,7 +208,9 @@ Result<void> NearPairs::list(std::span<const double> x, std::span<const std::uin
       [&](Candidate& candidate, const NearestBatch& nearest, int lane) {
         candidate.gap = std::max(0.0, nearest.distance[lane] - range_.thickness);
       });
-  std::erase_if(list_, [&](const Candidate& candidate) { return !(candidate.gap < gap); });
+  std::erase_if(list_, [&](const Candidate& candidate) {
+    return !(candidate.gap < gap) || is_ignored(candidate.pair);
+  });
   range_.limit(list_);
   listed_at_.assign(x.begin(), x.end());
   return {};
@@ -244,12 +218,14 @@ Result<void> NearPairs::list(std::span<const double> x, std::span<const std::uin
 
 Result<void> NearPairs::find(std::span<const double> x, std::span<const std::uint8_t> active,
                              std::vector<NearPair>& out) {
-  if (!knows(x)) FOLDPROOF_TRY(list(x, active));
+  if (!is_near(x, kSlack)) FOLDPROOF_TRY(list(x, active));
   out.clear();
-  const auto is_active = [&](const Candidate& candidate) {
+  const bool is_where_listed = std::equal(x.begin(), x.end(), listed_at_.begin());
+  const auto may_be_near = [&](const Candidate& candidate) {
+    if (is_where_listed && candidate.gap >= candidate.range) return false;
     return active.empty() || std::ranges::any_of(candidate.pair.v, [&](Index v) { return active[v] != 0; });
   };
-  measure(list_, x, range_.range + range_.thickness, is_active,
+  measure(list_, x, range_.range + range_.thickness, may_be_near,
           [&](const Candidate& candidate, const NearestBatch& nearest, int lane) {
             const NearPair near = near_pair_of(candidate, nearest, lane, range_.thickness);
             if (near.gap > 0 && near.gap < near.range) out.push_back(near);

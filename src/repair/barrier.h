@@ -1,6 +1,7 @@
 /// Pairs of features that are close, and the barrier that keeps them apart.
 #pragma once
 
+#include <map>
 #include <optional>
 
 #include "foldproof/solver.h"
@@ -64,18 +65,22 @@ class NearPairs {
   /// is not 0 are left out; empty: none is.
   Result<void> find(std::span<const double> x, std::span<const std::uint8_t> active,
                     std::vector<NearPair>& out);
-  /// The smallest distance of a pair that is not ignored, or `bound`.
-  Result<double> smallest_distance(std::span<const double> x, double bound);
-  /// Whether the list is complete at x.
-  bool knows(std::span<const double> x) const;
-  /// The pairs on the list that may touch between the pose where it was made and x, where it is complete.
+  /// Whether all pairs are listed that may touch between the pose where the list was made and x.
+  bool knows_touching(std::span<const double> x) const;
+  /// Those, where it knows them.
   void may_touch(std::span<const double> x, std::vector<FeaturePair>& out) const;
 
  private:
+  explicit NearPairs(const RepairScene& scene) : scene_(&scene) {}
   Result<void> list(std::span<const double> x, std::span<const std::uint8_t> active);
+  bool is_near(std::span<const double> x, double length) const;
   bool was_moved(std::span<const double> x, Index v) const;
+  bool is_ignored(const FeaturePair& pair) const;
 
+  const RepairScene* scene_;
   std::unique_ptr<ContactChecker> checker_;
+  std::shared_ptr<const PairFilter> filter_;  // null: the checker's mesh ignores what is ignored
+  std::map<Triangle, Index> triangles_;       // of the scene, by key_of; with a filter
   BarrierRange range_;
   Candidates found_;
   std::vector<Candidate> list_;

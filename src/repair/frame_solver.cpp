@@ -33,7 +33,7 @@ constexpr double kNegligible = 0.01;     // a correction below this, in ranges, 
 constexpr double kRescaling = 0.8;       // how far to go towards a collision
 constexpr double kReach = 3;             // falloffs along the surface from what is near to what moves
 constexpr int kMaxTrials = 8;            // of shares that are limited around what collides
-constexpr int kMaxHalvings = 10, kMaxMeritHalvings = 3;
+constexpr int kMaxMeritHalvings = 3;
 constexpr double kLeastShare = 1e-3;
 constexpr double kTight = 0.05;  // a gap below this, in ranges, may need a stiffer barrier
 constexpr double kMaxStiffening = 1024;
@@ -74,25 +74,7 @@ double time_when_closest(bool edges, const FourPoints& from, const FourPoints& t
   return time;
 }
 
-using Queue =
-    std::priority_queue<std::pair<double, Index>, std::vector<std::pair<double, Index>>, std::greater<>>;
-
 }  // namespace
-
-Result<const StepResult*> Prover::check(std::span<const double> x0, std::span<const double> x1) {
-  FOLDPROOF_TRY(checker_.check(scene_->positions(x0, from_), scene_->positions(x1, to_), settings_, step_));
-  return &step_;
-}
-
-Result<const StaticResult*> Prover::check_pose(std::span<const double> x) {
-  FOLDPROOF_TRY(checker_.check_static(scene_->positions(x, from_), settings_, pose_));
-  return &pose_;
-}
-
-Result<bool> Prover::is_free(std::span<const double> x) {
-  if (!FOLDPROOF_TRY(check_pose(x))->clean()) return false;
-  return settings_.thickness == 0 || FOLDPROOF_TRY(check(x, x))->clean();
-}
 
 void FrameSolver::round(std::span<double> x) const {
   if (single_precision_) round_to_single(x);
@@ -145,7 +127,11 @@ void FrameSolver::limit_shares(std::span<const double> z, bool is_after, bool fi
     }
   }
   all_share_ *= all;
-  spread_shares();
+  std::vector<Index> limited;
+  for (Index v = 0; v < limit_.size(); ++v) {
+    if (limit_[v] < 1) limited.push_back(v);
+  }
+  spread(limited, y_, 2 * falloff_, limit_);  // they grow back to 1, so that nothing is torn
   for (Index v = 0; v < limit_.size(); ++v) {
     if (limit_[v] == 1) continue;
     share_[v] *= limit_[v];
@@ -154,21 +140,20 @@ void FrameSolver::limit_shares(std::span<const double> z, bool is_after, bool fi
   }
 }
 
-// Limits grow back to 1 along the surface, so that nothing is torn.
-void FrameSolver::spread_shares() {
-  Queue queue;
-  for (Index v = 0; v < limit_.size(); ++v) {
-    if (limit_[v] < 1) queue.emplace(limit_[v], v);
-  }
+// Lowers values of what may move to those of others and their distance along the surface in x, in units.
+// Values have changed at `from`.
+void FrameSolver::spread(std::span<const Index> from, std::span<const double> x, double unit,
+                         std::vector<double>& values) const {
+  using Entry = std::pair<double, Index>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  for (const Index v : from) queue.emplace(values[v], v);
   while (!queue.empty()) {
-    const auto [limit, v] = queue.top();
+    const auto [value, v] = queue.top();
     queue.pop();
-    if (limit > limit_[v]) continue;
+    if (value > values[v]) continue;
     for (const Index u : scene_->neighbors()[v]) {
-      const double next = limit + (at(y_, u) - at(y_, v)).norm() / (2 * falloff_);
-      if (!scene_->is_movable(u) || next >= limit_[u]) continue;
-      limit_[u] = next;
-      queue.emplace(next, u);
+      const double next = value + (at(x, u) - at(x, v)).norm() / unit;
+      if (scene_->is_movable(u) && next < values[u]) queue.emplace(values[u] = next, u);
     }
   }
 }
@@ -195,7 +180,7 @@ void FrameSolver::test_known(std::span<const double> from, std::span<const doubl
 // Whether the ways to z and on from it are free; else limits shares. First asks the pairs that are known;
 // all, where these do not tell, or to prove it.
 Result<bool> FrameSolver::check_ways(std::span<const double> z, bool first, bool proves) {
-  const bool knows = pairs_->knows(z);
+  const bool knows = pairs_->knows_touching(z);
   may_touch_.clear();
   if (knows) pairs_->may_touch(z, may_touch_);
   for (const bool is_after : {false, true}) {
@@ -217,27 +202,21 @@ Result<bool> FrameSolver::check_ways(std::span<const double> z, bool first, bool
   return true;
 }
 
-// Moves z back towards y until the ways are free, as far as it is known, or proven. Returns the share that
-// all vertices went; 0 where nothing moved.
-Result<double> FrameSolver::approach(std::vector<double>& z, bool proves) {
+// Moves z back towards y until the ways are free, as far as it is known, or proven: what collides, and in the
+// end all. Returns whether they were before.
+Result<bool> FrameSolver::approach(std::vector<double>& z, bool proves) {
   whole_ = z;
   std::fill(share_.begin(), share_.end(), 1);
   all_share_ = 1;
   const bool first = std::equal(y_.begin(), y_.end(), problem_->before.begin(), problem_->before.end());
-  for (int trial = 0; trial < kMaxTrials; ++trial) {
-    if (FOLDPROOF_TRY(check_ways(z, first, proves))) return all_share_;
-    if (all_share_ < kLeastShare) break;
+  for (int trial = 1; all_share_ >= kLeastShare; ++trial) {
+    if (FOLDPROOF_TRY(check_ways(z, first, proves))) return trial == 1;
+    if (trial >= kMaxTrials) all_share_ /= 2;
     place(whole_, z);
-  }
-  for (int k = 0; k < kMaxHalvings; ++k) {
-    const double share = all_share_ /= 2;
-    place(whole_, z);
-    if (FOLDPROOF_TRY(check_ways(z, first, proves))) return all_share_;
-    all_share_ = share;
   }
   z = y_;
   is_proven_ = false;
-  return 0;
+  return false;
 }
 
 // Makes y a pose the ways of which are proven, nearer to the last one where they are not free. Returns
@@ -247,8 +226,7 @@ Result<bool> FrameSolver::prove() {
   if (!is_proven_) {
     next_.swap(y_);
     y_ = proven_;
-    FOLDPROOF_TRY(approach(next_, true));
-    was_free = whole_ == next_;
+    was_free = FOLDPROOF_TRY(approach(next_, true));
     y_.swap(next_);
     is_proven_ = true;
     if (!was_free) FOLDPROOF_TRY(find_pairs(y_, pairs_of_y_));
@@ -316,7 +294,7 @@ void FrameSolver::set_ways(std::span<const FeaturePair> before, std::span<const 
 // Vertices whose correction is not negligible.
 void FrameSolver::start_active() {
   is_active_.assign(scene_->vertex_count(), 0);
-  along_.assign(scene_->vertex_count(), std::numeric_limits<double>::infinity());
+  along_.assign(scene_->vertex_count(), kReach);
   for (Index v = 0; v < is_active_.size(); ++v) {
     if (!scene_->is_movable(v)) continue;
     const double correction = (at(next_, v) - at(problem_->target, v)).norm();
@@ -330,27 +308,16 @@ void FrameSolver::start_active() {
 
 // Makes active what is near a pair, along the surface.
 void FrameSolver::grow_active(std::span<const NearPair> pairs) {
-  const double reach = kReach * falloff_;
-  Queue queue;
+  std::vector<Index> from;
   for (const NearPair& pair : pairs) {
     for (const Index v : pair.vertices) {
-      if (along_[v] > 0) queue.emplace(along_[v] = 0, v);
+      if (std::exchange(along_[v], 0) > 0) from.push_back(v);
     }
   }
-  while (!queue.empty()) {
-    const auto [distance, v] = queue.top();
-    queue.pop();
-    if (distance > along_[v]) continue;
-    if (scene_->is_movable(v)) is_active_[v] = 1;
-    for (const Index u : scene_->neighbors()[v]) {
-      const double next = distance + (at(problem_->target, u) - at(problem_->target, v)).norm();
-      if (next >= reach || next >= along_[u]) continue;
-      along_[u] = next;
-      queue.emplace(next, u);
-    }
-  }
+  spread(from, problem_->target, falloff_, along_);
   std::vector<Index> active;
   for (Index v = 0; v < is_active_.size(); ++v) {
+    if (along_[v] < kReach && scene_->is_movable(v)) is_active_[v] = 1;
     if (is_active_[v] != 0) active.push_back(v);
   }
   if (active.size() != surface_->active().size() ||

@@ -8,31 +8,6 @@
 
 namespace foldproof::inline internal {
 
-/// Asks StepChecker about straight ways between poses of the scene.
-class Prover {
- public:
-  Prover(const RepairScene& scene, std::shared_ptr<const PairFilter> filter, double thickness)
-      : scene_(&scene), checker_(scene.objects(), std::move(filter)) {
-    settings_.thickness = thickness;
-    settings_.look_ahead = false;  // ways of one frame do not continue each other
-  }
-  void set_thickness(double thickness) { settings_.thickness = thickness; }
-  /// The pairs that collide on the way, at most StepSettings::max_listed.
-  Result<const StepResult*> check(std::span<const double> x0, std::span<const double> x1);
-  /// Pairs of triangles that cross.
-  Result<const StaticResult*> check_pose(std::span<const double> x);
-  /// Whether nothing touches: nothing crosses, nothing is within the thickness.
-  Result<bool> is_free(std::span<const double> x);
-
- private:
-  const RepairScene* scene_;
-  StepChecker checker_;
-  StepSettings settings_;
-  StepResult step_;
-  StaticResult pose_;
-  std::vector<std::span<const double>> from_, to_;
-};
-
 /// What a frame is solved with.
 struct FrameProblem {
   std::span<const double> before;  ///< A pose from which the way is to be free; empty: there is none.
@@ -97,14 +72,15 @@ class FrameSolver {
     double toi;
   };
 
-  Result<double> approach(std::vector<double>& z, bool proves);
+  Result<bool> approach(std::vector<double>& z, bool proves);
   Result<bool> prove();
   Result<bool> check_ways(std::span<const double> z, bool first, bool proves);
   CcdResult ccd(const FeaturePair& pair, std::span<const double> from, std::span<const double> to) const;
   void test_known(std::span<const double> from, std::span<const double> to, bool is_after);
   void limit_shares(std::span<const double> z, bool is_after, bool first);
   double share_of(const FeaturePair& pair, std::span<const double> z, double toi, bool first) const;
-  void spread_shares();
+  void spread(std::span<const Index> from, std::span<const double> x, double unit,
+              std::vector<double>& values) const;
   void place(std::span<const double> whole, std::vector<double>& z) const;
   Result<void> begin(const FrameProblem& problem, std::span<const double> guess);
   Result<void> iterate(double stiffness, FrameOutcome& outcome);
@@ -139,8 +115,9 @@ class FrameSolver {
   std::array<std::map<FeaturePair, double>, 2> ways_;
   std::vector<FeaturePair> may_touch_;
   std::vector<Collision> collisions_;
-  bool late_ = false;                  // y: see is_late
-  std::vector<double> share_, along_;  // per vertex: share of the way; distance from what is near
+  bool late_ = false;  // y: see is_late
+  // Per vertex: the share of the way; the distance from what is near, in falloffs.
+  std::vector<double> share_, along_;
   std::vector<double> limit_;
   double all_share_ = 1;  // of all vertices
   std::vector<std::uint8_t> is_active_;

@@ -32,8 +32,6 @@ double largest_difference(std::span<const double> a1, std::span<const double> a0
   return largest;
 }
 
-std::vector<double> copy(std::span<const double> x) { return {x.begin(), x.end()}; }
-
 }  // namespace
 
 FrameProblem RepairTools::problem(std::span<const double> before, std::span<const double> begin,
@@ -52,8 +50,8 @@ Result<FrameOutcome> Passes::follow(std::span<const double> from, const Way& way
                                     std::vector<double>& x) {
   const auto& [last_target, target, frame, time] = way;
   FrameOutcome outcome;
-  x = copy(from);
-  std::vector<double> before = copy(last_target), goal = before, guess;
+  x.assign(from.begin(), from.end());
+  std::vector<double> before(last_target.begin(), last_target.end()), goal = before, guess;
   tools_.solver->set_ways({}, {});
   for (int part = 1; part <= parts; ++part) {
     for (std::size_t i = 0; i < goal.size(); ++i) {
@@ -82,8 +80,8 @@ bool Passes::is_held_back(double time, const Correction& correction) const {
 // From x, the pose at time `from`, to the time `to`; adds frames between where it is late and `halvings`
 // allow. False: there is no way.
 Result<bool> Passes::advance(double from, double to, std::vector<double>& x, int halvings) {
-  const auto last_target = copy(FOLDPROOF_TRY(tools_.frames->at_time(from)));
-  const auto target = copy(FOLDPROOF_TRY(tools_.frames->at_time(to)));
+  const auto last_target = FOLDPROOF_TRY(tools_.frames->at_time(from));
+  const auto target = FOLDPROOF_TRY(tools_.frames->at_time(to));
   std::vector<double> next;
   FrameOutcome outcome = FOLDPROOF_TRY(follow(x, {last_target, target, target, to}, 1, next));
   const double jump = largest_difference(next, target, x, last_target) / tools_.edge;
@@ -119,7 +117,7 @@ Result<bool> Passes::advance(double from, double to, std::vector<double>& x, int
 }
 
 Result<void> Passes::sweep(Index from, int direction, std::span<const double> begin) {
-  std::vector<double> x = copy(begin);
+  std::vector<double> x(begin.begin(), begin.end());
   const int halvings = static_cast<int>(std::bit_width(in_betweens_ + 1)) - 1;
   bool proven = true;  // x is the end of a way that is free
   for (std::int64_t k = std::int64_t{from} + direction; k >= 0 && k < tools_.frames->count();
@@ -127,14 +125,14 @@ Result<void> Passes::sweep(Index from, int direction, std::span<const double> be
     const auto now = static_cast<Index>(k), last = static_cast<Index>(k - direction);
     const bool way_free = tools_.analysis->is_way_free(std::max(now, last));
     const auto frame = FOLDPROOF_TRY(tools_.frames->at_time(last));
-    const bool moved = !std::equal(x.begin(), x.end(), frame.begin());
+    const bool moved = x != frame;
     const bool free = way_free && tools_.analysis->is_free(now) && !moved;
     if (!(proven && free) && proven && FOLDPROOF_TRY(advance(last, now, x, halvings))) {
       FOLDPROOF_TRY(tick_());
       continue;
     }
     // The frame as it came in. If it is free, what follows is proven again.
-    x = copy(FOLDPROOF_TRY(tools_.frames->at_time(now)));
+    x = FOLDPROOF_TRY(tools_.frames->at_time(now));
     proven = tools_.analysis->is_free(now);
     frames_.push_back(
         {static_cast<double>(now), {}, false, false, free ? RepairLimit::None : RepairLimit::GivenUp, {}});
@@ -160,7 +158,7 @@ Result<void> Passes::follow_motion(Index start, std::span<const double> x, bool 
 }
 
 Result<std::vector<double>> Passes::pose(std::size_t i) {
-  std::vector<double> x = copy(FOLDPROOF_TRY(tools_.frames->at_time(frames_[i].time)));
+  std::vector<double> x = FOLDPROOF_TRY(tools_.frames->at_time(frames_[i].time));
   frames_[i].correction.apply(x);
   return x;
 }
@@ -178,10 +176,10 @@ Result<void> Passes::relax() {
 // Where the motion ends as it begins, one pose stands for both ends: the one that was moved less, if it fits.
 Result<void> Passes::close_loop() {
   const std::size_t last = frames_.size() - 1;
-  const auto first_target = copy(FOLDPROOF_TRY(tools_.frames->at_time(0)));
+  const auto first_target = FOLDPROOF_TRY(tools_.frames->at_time(0));
   const auto last_target = FOLDPROOF_TRY(tools_.frames->at_time(tools_.frames->count() - 1));
   const bool is_free = frames_[0].limit == RepairLimit::None && frames_[last].limit == RepairLimit::None;
-  loops_ = last > 1 && is_free && std::equal(first_target.begin(), first_target.end(), last_target.begin());
+  loops_ = last > 1 && is_free && first_target == last_target;
   if (!loops_ || frames_[0].correction.x == frames_[last].correction.x) return {};
   const auto before = FOLDPROOF_TRY(pose(last - 1)), after = FOLDPROOF_TRY(pose(1));
   const bool first_is_less = frames_[0].correction.largest < frames_[last].correction.largest;
@@ -207,9 +205,9 @@ Result<void> Passes::relax_frame(std::size_t i) {
   for (const std::size_t k : {last, i, next}) {
     if (frames_[k].limit != RepairLimit::None) return {};
   }
-  const auto target = copy(FOLDPROOF_TRY(tools_.frames->at_time(solved.time)));
+  const auto target = FOLDPROOF_TRY(tools_.frames->at_time(solved.time));
   std::vector<double> goal = target;
-  smoother_.add(smooth_, i, loops_, kSmoothedAway * tools_.range, goal);
+  add_average(smooth_, i, loops_, kSmoothedAway * tools_.range, goal);
   if (solved.correction.vertices.empty() && goal == target) return {};
   const auto before = FOLDPROOF_TRY(pose(last)), after = FOLDPROOF_TRY(pose(next));
   const std::vector<double> begin = FOLDPROOF_TRY(pose(i));

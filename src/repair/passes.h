@@ -40,7 +40,7 @@ class Passes {
   /// `in_betweens`: how many frames may be added between two. `tick`: called once per frame and pass; an
   /// error ends the pass.
   Passes(const RepairTools& tools, Index in_betweens, std::function<Result<void>()> tick)
-      : tools_(tools), in_betweens_(in_betweens), tick_(std::move(tick)), smoother_(*tools.scene) {}
+      : tools_(tools), in_betweens_(in_betweens), tick_(std::move(tick)) {}
 
   void set_thickness(double thickness) { tools_.thickness = thickness; }
   /// What follow finds is refined later.
@@ -71,8 +71,7 @@ class Passes {
   std::function<Result<void>()> tick_;
   std::vector<SolvedFrame> frames_;
   bool rough_ = false;
-  bool loops_ = false;  // the last frame is the first one
-  Smoother smoother_;
+  bool loops_ = false;              // the last frame is the first one
   std::vector<Correction> smooth_;  // of the frames before this pass
 };
 

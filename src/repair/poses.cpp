@@ -33,80 +33,51 @@ void Correction::apply(std::span<double> frame) const {
   for (std::size_t i = 0; i < vertices.size(); ++i) put(frame, vertices[i], Vec3::load(&x[3 * i]));
 }
 
-Frames::Kept* Frames::find(double time) {
-  const auto found = std::ranges::find(kept_, time, &Kept::time);
-  if (found == kept_.end()) return nullptr;
-  found->used = ++uses_;
-  return &*found;
-}
-
-Frames::Kept& Frames::make_room() {
-  Kept& kept = *std::ranges::min_element(kept_, {}, &Kept::used);
-  kept.time = -1;
-  kept.used = ++uses_;
-  kept.x.resize(scene_->size());
-  return kept;
-}
-
-Result<std::span<const double>> Frames::read(Index k) {
-  if (const Kept* kept = find(k)) return std::span<const double>(kept->x);
-  Kept& kept = make_room();
-  FOLDPROOF_TRY(input_->read(k, kept.x));
-  for (std::size_t i = 0; i < kept.x.size(); ++i) {
-    double& c = kept.x[i];
-    if (!(std::abs(c) <= kMaxCoordinate)) {
-      const auto vertex = static_cast<Index>(i / 3), object = scene_->object_of_vertex(vertex);
-      return fail(
-          std::isfinite(c) ? ErrorCode::LimitExceeded : ErrorCode::NonFinite,
-          fmt::format("{}, frame {}, vertex {}", scene_->name(object), input_->first_frame + k,
-                      vertex - scene_->begin(object).vertices),
-          fmt::format("has the coordinate {:.3g}, and repair takes at most {:.0e}", c, kMaxCoordinate),
-          "make the motion smaller, or leave the frame out");
-    }
-    if (single_precision_) c = static_cast<float>(c);
+Result<std::vector<double>> Frames::read(Index k) const {
+  std::vector<double> x(scene_->size());
+  FOLDPROOF_TRY(input_->read(k, x));
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (std::abs(x[i]) <= kMaxCoordinate) continue;
+    const auto vertex = static_cast<Index>(i / 3), object = scene_->object_of_vertex(vertex);
+    return fail(
+        std::isfinite(x[i]) ? ErrorCode::LimitExceeded : ErrorCode::NonFinite,
+        fmt::format("{}, frame {}, vertex {}", scene_->name(object), input_->first_frame + k,
+                    vertex - scene_->begin(object).vertices),
+        fmt::format("has the coordinate {:.3g}, and repair takes at most {:.0e}", x[i], kMaxCoordinate),
+        "make the motion smaller, or leave the frame out");
   }
-  kept.time = k;
-  return std::span<const double>(kept.x);
+  if (single_precision_) round_to_single(x);
+  return x;
 }
 
-Result<std::span<const double>> Frames::at_time(double time) {
+Result<std::vector<double>> Frames::at_time(double time) const {
   const auto before = static_cast<Index>(time);
-  if (time == before) return read(before);
-  if (const Kept* kept = find(time)) return std::span<const double>(kept->x);
-  const auto from = FOLDPROOF_TRY(read(before)), to = FOLDPROOF_TRY(read(before + 1));
-  Kept& kept = make_room();
-  for (std::size_t i = 0; i < kept.x.size(); ++i) {
-    kept.x[i] = from[i] + (time - before) * (to[i] - from[i]);
-    if (single_precision_) kept.x[i] = static_cast<float>(kept.x[i]);
-  }
-  kept.time = time;
-  return std::span<const double>(kept.x);
+  auto x = FOLDPROOF_TRY(read(before));
+  if (time == before) return x;
+  const auto to = FOLDPROOF_TRY(read(before + 1));
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += (time - before) * (to[i] - x[i]);
+  if (single_precision_) round_to_single(x);
+  return x;
 }
 
-void Smoother::add(std::span<const Correction> corrections, std::size_t k, bool loops, double negligible,
-                   std::span<double> x) {
-  const auto around = [&](int j) -> const Correction& {
-    const auto last = static_cast<std::ptrdiff_t>(corrections.size()) - 1;
-    const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(k) + j;
-    return corrections[static_cast<std::size_t>(loops ? ((i % last) + last) % last
-                                                      : std::clamp<std::ptrdiff_t>(i, 0, last))];
-  };
+void internal::add_average(std::span<const Correction> corrections, std::size_t k, bool loops,
+                           double negligible, std::span<double> x) {
+  const auto last = static_cast<std::ptrdiff_t>(corrections.size()) - 1;
   const auto weight = [](int j) { return std::exp(-0.5 * j * j / (kSigma * kSigma)); };
   double total = 0;
-  for (int j = -kRadius; j <= kRadius; ++j) total += weight(j);
-  for (int j = -kRadius; j <= kRadius; ++j) {
-    const Correction& c = around(j);
-    for (std::size_t i = 0; i < c.vertices.size(); ++i) {
-      const Index v = c.vertices[i];
-      put(sum_, v, at(sum_, v) + weight(j) / total * Vec3::load(&c.moved[3 * i]));
+  for (int j = -kSmoothingRadius; j <= kSmoothingRadius; ++j) total += weight(j);
+  std::vector<double> sum(x.size());
+  for (int j = -kSmoothingRadius; j <= kSmoothingRadius; ++j) {
+    const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(k) + j;
+    const auto around = loops ? ((i % last) + last) % last : std::clamp<std::ptrdiff_t>(i, 0, last);
+    const Correction& c = corrections[static_cast<std::size_t>(around)];
+    for (std::size_t n = 0; n < c.vertices.size(); ++n) {
+      const Index v = c.vertices[n];
+      put(sum, v, at(sum, v) + weight(j) / total * Vec3::load(&c.moved[3 * n]));
     }
   }
-  for (int j = -kRadius; j <= kRadius; ++j) {
-    for (const Index v : around(j).vertices) {
-      const Vec3 d = at(sum_, v);
-      if (d.norm() > negligible) put(x, v, at(x, v) + d);
-      put(sum_, v, Vec3());
-    }
+  for (Index v = 0; v < x.size() / 3; ++v) {
+    if (const Vec3 d = at(sum, v); d.norm() > negligible) put(x, v, at(x, v) + d);
   }
 }
 

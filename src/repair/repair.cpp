@@ -57,8 +57,7 @@ class Repair {
   Result<void> prepare(const Start& start);
   Result<void> check_precision(std::span<const double> x) const;
   struct OwnGap;
-  void measure_edges(std::span<const double> x, Index frame, OwnGap& least) const;
-  Result<void> measure_neighbors(std::span<const double> x, Index frame, OwnGap& least) const;
+  Result<void> measure_own_gaps(std::span<const double> x, Index frame, bool only_edges, OwnGap& least);
   Result<void> check_own_gaps(std::span<const double> x, Index frame, bool only_edges);
   Result<std::string> what_touches(std::span<const double> x);
   Result<bool> approach_frame(const Start& start);
@@ -105,20 +104,20 @@ struct Repair::OwnGap {
   Index frame = 0;
 };
 
-// Features at both ends of an edge are at most its length apart.
-void Repair::measure_edges(std::span<const double> x, Index frame, OwnGap& least) const {
+// `only_edges`: features at both ends of an edge are at most its length apart; those that are closer are left
+// out.
+Result<void> Repair::measure_own_gaps(std::span<const double> x, Index frame, bool only_edges,
+                                      OwnGap& least) {
   for (const auto& [a, b] : scene_.edges()) {
     const double length = (at(x, a) - at(x, b)).norm();
     const bool ends = scene_.neighbors()[a].size() < 2 || scene_.neighbors()[b].size() < 2;
     if (ends || length >= least.gap || !(scene_.is_movable(a) || scene_.is_movable(b))) continue;
     least = {length, {a, b}, frame};
   }
-}
-
-Result<void> Repair::measure_neighbors(std::span<const double> x, Index frame, OwnGap& least) const {
-  Prover prover(scene_, scene_.filter(), least.gap);
-  const StepResult* near = FOLDPROOF_TRY(prover.check(x, x));
-  const auto measure = [&](const FeaturePair& pair) {
+  if (only_edges) return {};
+  std::vector<FeaturePair> near;
+  FOLDPROOF_TRY(prover_->find_near(x, x, least.gap, near));
+  for (const FeaturePair& pair : near) {
     const std::size_t n = pair.edges ? 2 : 1;
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t k = n; k < 4; ++k) {
@@ -128,9 +127,7 @@ Result<void> Repair::measure_neighbors(std::span<const double> x, Index frame, O
         if (gap < least.gap) least = {gap, {pair.v[i], pair.v[k]}, frame};
       }
     }
-  };
-  for (const auto& c : near->vertex_face) measure(scene_.pair_of(c));
-  for (const auto& c : near->edge_edge) measure(scene_.pair_of(c));
+  }
   return {};
 }
 
@@ -139,14 +136,11 @@ Result<void> Repair::measure_neighbors(std::span<const double> x, Index frame, O
 Result<void> Repair::check_own_gaps(std::span<const double> x, Index frame, bool only_edges) {
   if (settings_.thickness == 0) return {};
   OwnGap least{std::nextafter(settings_.thickness, std::numeric_limits<double>::infinity())};
-  measure_edges(x, frame, least);
-  if (!only_edges) FOLDPROOF_TRY(measure_neighbors(x, frame, least));
+  FOLDPROOF_TRY(measure_own_gaps(x, frame, only_edges, least));
   if (least.gap > settings_.thickness) return {};
   for (Index k = 0; k < frames_.count(); ++k) {
     if (is_interrupted()) return interrupted();
-    const auto of_frame = FOLDPROOF_TRY(frames_.at_time(k));
-    measure_edges(of_frame, k, least);
-    FOLDPROOF_TRY(measure_neighbors(of_frame, k, least));
+    FOLDPROOF_TRY(measure_own_gaps(FOLDPROOF_TRY(frames_.read(k)), k, false, least));
   }
   const Index object = scene_.object_of_vertex(least.ends[0]), first = scene_.begin(object).vertices;
   return fail(ErrorCode::InvalidArgument, kThickness,
@@ -160,7 +154,7 @@ Result<void> Repair::check_own_gaps(std::span<const double> x, Index frame, bool
 Result<void> Repair::analyze() {
   for (Index k = 0; k < frames_.count(); ++k) {
     if (is_interrupted()) return interrupted();
-    FOLDPROOF_TRY(analysis_.add(k, FOLDPROOF_TRY(frames_.at_time(k))));
+    FOLDPROOF_TRY(analysis_.add(k, FOLDPROOF_TRY(frames_.read(k))));
     progress(0.1 * (k + 1) / frames_.count());
   }
   return {};
@@ -206,7 +200,7 @@ Result<std::optional<Start>> Repair::known_pose() {
 
 Result<std::optional<Start>> Repair::untangled_start() {
   const Index frame = calmest_frame();
-  auto pose = FOLDPROOF_TRY(untangle(scene_, *prover_, FOLDPROOF_TRY(frames_.at_time(frame))));
+  auto pose = FOLDPROOF_TRY(untangle(scene_, *prover_, FOLDPROOF_TRY(frames_.read(frame))));
   if (pose && settings_.single_precision) {
     round_to_single(*pose);
     if (!FOLDPROOF_TRY(prover_->check_pose(*pose))->clean()) pose.reset();
@@ -218,15 +212,8 @@ Result<std::optional<Start>> Repair::untangled_start() {
 // What crosses in the frame with the fewest crossings is exempt, for as long as these contacts last.
 Result<std::optional<Start>> Repair::exempt_start() {
   Start start{calmest_frame(), {}, true, settings_.thickness == 0};
-  Analysis again(scene_, *prover_, settings_.thickness, start.frame);
-  for (Index k = 0; k < frames_.count(); ++k) {
-    if (is_interrupted()) return tl::unexpected(interrupted().error());
-    FOLDPROOF_TRY(again.add(k, FOLDPROOF_TRY(frames_.at_time(k))));
-  }
-  FOLDPROOF_TRY(again.finish());
-  start.exempt = FOLDPROOF_TRY(ignore_sewn(scene_.objects(), again.seams()));
-  const auto frame = FOLDPROOF_TRY(frames_.at_time(start.frame));
-  start.x.assign(frame.begin(), frame.end());
+  start.exempt = FOLDPROOF_TRY(ignore_sewn(scene_.objects(), analysis_.seams(start.frame)));
+  start.x = FOLDPROOF_TRY(frames_.read(start.frame));
   Prover exempting(scene_, filter_with(start.exempt), 0);
   if (!FOLDPROOF_TRY(exempting.check_pose(start.x))->clean()) return std::nullopt;
   return start;
@@ -266,8 +253,7 @@ Result<std::optional<Start>> Repair::free_frame() {
     if (analysis_.crossings(k) == 0) best = k;
   }
   if (!best) return std::nullopt;
-  const auto x = FOLDPROOF_TRY(frames_.at_time(*best));
-  return Start{*best, {x.begin(), x.end()}, true, analysis_.is_free(*best)};
+  return Start{*best, FOLDPROOF_TRY(frames_.read(*best)), true, analysis_.is_free(*best)};
 }
 
 void Repair::set_thickness(double thickness) {
@@ -278,11 +264,14 @@ void Repair::set_thickness(double thickness) {
 // Moves what is closer than the thickness apart, in solves that each keep what the last one reached.
 Result<bool> Repair::widen(Index frame) {
   constexpr double kKept = 0.9, kLeastGain = 1.02;
-  const auto found = FOLDPROOF_TRY(frames_.at_time(frame));
-  const std::vector<double> target(found.begin(), found.end());
+  const auto target = FOLDPROOF_TRY(frames_.read(frame));
   std::vector<double> x;
+  std::vector<FeaturePair> near;
   for (double kept = 0; kept < settings_.thickness;) {
-    const double smallest = FOLDPROOF_TRY(pairs_->smallest_distance(x_, 2 * settings_.thickness));
+    double smallest = 2 * settings_.thickness;
+    near.clear();
+    FOLDPROOF_TRY(step_prover_->find_near(x_, x_, smallest, near));
+    for (const FeaturePair& pair : near) smallest = std::min(smallest, pair.distance(points_of(x_, pair.v)));
     const double next = std::min(settings_.thickness, kKept * smallest);
     if (!(next > kLeastGain * kept)) return false;
     set_thickness(kept = next);
@@ -334,8 +323,7 @@ Result<void> Repair::prepare(const Start& start) {
 
 // Brings x_ from a pose that is no frame to the frame where the repair begins; false where there is no way.
 Result<bool> Repair::approach_frame(const Start& start) {
-  const auto found = FOLDPROOF_TRY(frames_.at_time(start.frame));
-  const std::vector<double> frame(found.begin(), found.end());
+  const auto frame = FOLDPROOF_TRY(frames_.read(start.frame));
   std::vector<double> goal(start.x), last_goal, x;
   for (int step = 1; step <= kApproachSteps; ++step) {
     passes_->set_rough(step < kApproachSteps);
@@ -359,8 +347,7 @@ Result<void> Repair::write_all(std::span<const SolvedFrame> frames, const Write&
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (is_interrupted() && !report.interrupted) return interrupted();
     const SolvedFrame& solved = frames[i];
-    const auto frame = FOLDPROOF_TRY(frames_.at_time(solved.time));
-    x.assign(frame.begin(), frame.end());
+    x = FOLDPROOF_TRY(frames_.at_time(solved.time));
     if (i == 0) first_target = x;
     const bool loops = i > 0 && solved.time == frames_.count() - 1 && x == first_target;
     if (!solved.correction.vertices.empty()) {
@@ -393,7 +380,7 @@ Result<void> Repair::write_all(std::span<const SolvedFrame> frames, const Write&
 Result<RepairReport> Repair::run(const Write& write) {
   RepairReport report;
   if (settings_.thickness > 0)  // said before anything that takes long
-    FOLDPROOF_TRY(check_own_gaps(FOLDPROOF_TRY(frames_.at_time(0)), 0, true));
+    FOLDPROOF_TRY(check_own_gaps(FOLDPROOF_TRY(frames_.read(0)), 0, true));
   FOLDPROOF_TRY(analyze());
   report.before = FOLDPROOF_TRY(analysis_.finish()).of_movable;
   std::optional<Start> start;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/try.h"
 #include "filters/by_vertices.h"
@@ -130,13 +131,42 @@ void RepairScene::move_copies(std::span<double> x) const {
 }
 
 FeaturePair RepairScene::pair_of(const VertexFaceCollision& c) const {
-  const Triangle& t = triangles_[begin_[c.face_object].triangles + std::size_t{c.face}];
+  const Triangle& t = triangle(c.face_object, c.face);
   return {false, {begin_[c.vertex_object].vertices + c.vertex, t[0], t[1], t[2]}};
 }
 
 FeaturePair RepairScene::pair_of(const EdgeEdgeCollision& c) const {
   const Index a = begin_[c.object_a].vertices, b = begin_[c.object_b].vertices;
   return {true, {a + c.a[0], a + c.a[1], b + c.b[0], b + c.b[1]}};
+}
+
+void RepairScene::pairs_of(const StepResult& step, std::vector<FeaturePair>& out) const {
+  for (const auto& c : step.vertex_face) out.push_back(pair_of(c));
+  for (const auto& c : step.edge_edge) out.push_back(pair_of(c));
+}
+
+Result<const StepResult*> Prover::check(std::span<const double> x0, std::span<const double> x1) {
+  FOLDPROOF_TRY(checker_.check(scene_->positions(x0, from_), scene_->positions(x1, to_), settings_, step_));
+  return &step_;
+}
+
+Result<void> Prover::find_near(std::span<const double> x0, std::span<const double> x1, double distance,
+                               std::vector<FeaturePair>& out) {
+  const double thickness = std::exchange(settings_.thickness, distance);
+  const auto near = check(x0, x1);
+  settings_.thickness = thickness;
+  scene_->pairs_of(*FOLDPROOF_TRY(near), out);
+  return {};
+}
+
+Result<const StaticResult*> Prover::check_pose(std::span<const double> x) {
+  FOLDPROOF_TRY(checker_.check_static(scene_->positions(x, from_), settings_, pose_));
+  return &pose_;
+}
+
+Result<bool> Prover::is_free(std::span<const double> x) {
+  if (!FOLDPROOF_TRY(check_pose(x))->clean()) return false;
+  return settings_.thickness == 0 || FOLDPROOF_TRY(check(x, x))->clean();
 }
 
 }  // namespace foldproof

@@ -38,6 +38,9 @@ class RepairScene {
   std::size_t size() const { return 3 * movable_.size(); }
   /// Faces, lines and points, by vertices of the scene.
   std::span<const Triangle> triangles() const { return triangles_; }
+  const Triangle& triangle(Index object, Index triangle) const {
+    return triangles_[begin_[object].triangles + std::size_t{triangle}];
+  }
   std::span<const Edge> edges() const { return edges_; }
   const Lists& neighbors() const { return neighbors_; }
   /// Whether triangles name it and it may move.
@@ -63,6 +66,8 @@ class RepairScene {
   void move_copies(std::span<double> x) const;
   FeaturePair pair_of(const VertexFaceCollision& c) const;
   FeaturePair pair_of(const EdgeEdgeCollision& c) const;
+  /// Appends all pairs that collide.
+  void pairs_of(const StepResult& step, std::vector<FeaturePair>& out) const;
 
  private:
   std::vector<Object> objects_;
@@ -75,6 +80,34 @@ class RepairScene {
   Parts parts_;
   std::vector<std::string> names_;
   std::shared_ptr<const PairFilter> given_filter_, filter_, fixed_filter_;
+};
+
+/// Asks StepChecker about straight ways between poses of the scene.
+class Prover {
+ public:
+  Prover(const RepairScene& scene, std::shared_ptr<const PairFilter> filter, double thickness)
+      : scene_(&scene), checker_(scene.objects(), std::move(filter)) {
+    settings_.thickness = thickness;
+    settings_.look_ahead = false;  // ways of one frame do not continue each other
+  }
+  void set_thickness(double thickness) { settings_.thickness = thickness; }
+  /// The pairs that collide on the way, at most StepSettings::max_listed.
+  Result<const StepResult*> check(std::span<const double> x0, std::span<const double> x1);
+  /// Appends the pairs that come within a distance on the way.
+  Result<void> find_near(std::span<const double> x0, std::span<const double> x1, double distance,
+                         std::vector<FeaturePair>& out);
+  /// Pairs of triangles that cross.
+  Result<const StaticResult*> check_pose(std::span<const double> x);
+  /// Whether nothing touches: nothing crosses, nothing is within the thickness.
+  Result<bool> is_free(std::span<const double> x);
+
+ private:
+  const RepairScene* scene_;
+  StepChecker checker_;
+  StepSettings settings_;
+  StepResult step_;
+  StaticResult pose_;
+  std::vector<std::span<const double>> from_, to_;
 };
 
 inline Vec3 at(std::span<const double> x, Index v) { return Vec3::load(&x[3 * std::size_t{v}]); }

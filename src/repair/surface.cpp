@@ -116,181 +116,138 @@ SceneSize internal::scene_size(const RepairScene& scene, std::span<const double>
   return out;
 }
 
-ElasticSurface::ElasticSurface(const RepairScene& scene, std::span<const double> rest, double falloff)
-    : scene_(&scene) {
+ElasticSurface::ElasticSurface(const RepairScene& scene, std::span<const double> rest, double falloff) {
   double mean = 0;
-  mass_ = relative_areas(scene, rest, mean);
+  diagonal_ = relative_areas(scene, rest, mean);
   const auto weights = cotangent_weights(scene, rest);
   const double scale = mean > 0 ? falloff * falloff / mean : 1;
-  row_begin_.assign(mass_.size() + 1, 0);
+  const std::size_t n = diagonal_.size();
+  begin_.assign(n + 1, 0);
   for (const Edge& e : scene.edges()) {
-    for (const Index v : e) ++row_begin_[v + std::size_t{1}];
+    for (const Index v : e) ++begin_[v + std::size_t{1}];
   }
-  for (std::size_t v = 0; v < mass_.size(); ++v) row_begin_[v + 1] += row_begin_[v];
-  rows_.resize(row_begin_.back());
-  auto next = row_begin_;
+  for (std::size_t v = 0; v < n; ++v) begin_[v + 1] += begin_[v];
+  neighbors_.resize(begin_.back());
+  auto next = begin_;
   for (std::size_t k = 0; k < weights.size(); ++k) {
     const auto [a, b] = scene.edges()[k];
-    rows_[next[a]++] = {b, scale * weights[k]};
-    rows_[next[b]++] = {a, scale * weights[k]};
+    const double weight = scale * weights[k];
+    neighbors_[next[a]++] = {b, weight};
+    neighbors_[next[b]++] = {a, weight};
+    diagonal_[a] += weight;
+    diagonal_[b] += weight;
   }
-  place_.assign(mass_.size(), kNoIndex);
-}
-
-void ElasticSurface::set_active(std::vector<Index> active) {
-  for (const Index v : active_) place_[v] = kNoIndex;
-  active_ = std::move(active);
-  for (Index k = 0; k < active_.size(); ++k) place_[active_[k]] = k;
-  build_rows();
-  const std::size_t n = active_.size();
+  is_active_.assign(n, 0);
   rotations_.assign(n, Matrix3d::Zero());
   inverse_.resize(n);
   for (auto* vectors : {&turned_, &rhs_, &d_, &r_, &z_, &p_, &q_}) vectors->assign(n, Vec3());
 }
 
-void ElasticSurface::build_rows() {
-  active_begin_.assign(1, 0);
-  active_rows_.clear();
-  for (Index k = 0; k < active_.size(); ++k) {
-    const Index v = active_[k];
-    const std::size_t diagonal = active_rows_.size();
-    active_rows_.push_back({k, mass_[v]});
-    for (std::size_t i = row_begin_[v]; i < row_begin_[v + std::size_t{1}]; ++i) {
-      active_rows_[diagonal].value += rows_[i].value;
-      if (place_[rows_[i].column] != kNoIndex)
-        active_rows_.push_back({place_[rows_[i].column], -rows_[i].value});
-    }
-    active_begin_.push_back(active_rows_.size());
+void ElasticSurface::set_active(std::vector<Index> active) {
+  for (const Index v : active_) is_active_[v] = 0;
+  for (const Index v : active) is_active_[v] = 1;
+  for (const Index v : active_) {
+    if (is_active_[v] == 0) rotations_[v].setZero(), d_[v] = p_[v] = Vec3();
   }
+  active_ = std::move(active);
 }
 
 void ElasticSurface::fit_rotations(std::span<const double> x, std::span<const double> target) {
   parallel_for(IndexRange{0, active_.size()}, kGrain, [&](IndexRange block) {
-    for (std::size_t k = block.begin; k < block.end; ++k) {
-      const Index v = active_[k];
+    for (const Index v : std::span(active_).subspan(block.begin, block.size())) {
       Matrix3d m = Matrix3d::Zero();
       double size = 0;
-      for (std::size_t i = row_begin_[v]; i < row_begin_[v + std::size_t{1}]; ++i) {
-        const Vector3d t = to_eigen(at(target, v) - at(target, rows_[i].column));
-        m += rows_[i].value * t * to_eigen(at(x, v) - at(x, rows_[i].column)).transpose();
-        size += rows_[i].value * t.squaredNorm();
+      for (const auto& [u, weight] : neighbors(v)) {
+        const Vector3d t = to_eigen(at(target, v) - at(target, u));
+        m += weight * t * to_eigen(at(x, v) - at(x, u)).transpose();
+        size += weight * t.squaredNorm();
       }
       m.diagonal().array() += 1e-9 * size;
-      rotations_[k] = size > 0 ? fit_rotation(m, rotations_[k] + Matrix3d::Identity()) : Matrix3d::Identity();
-      rotations_[k] -= Matrix3d::Identity();
+      rotations_[v] = size > 0 ? fit_rotation(m, rotations_[v] + Matrix3d::Identity()) : Matrix3d::Identity();
+      rotations_[v] -= Matrix3d::Identity();
     }
   });
   parallel_for(IndexRange{0, active_.size()}, kGrain, [&](IndexRange block) {
-    for (std::size_t k = block.begin; k < block.end; ++k) {
-      const Index v = active_[k];
-      Vector3d sum = Vector3d::Zero();
-      for (std::size_t i = row_begin_[v]; i < row_begin_[v + std::size_t{1}]; ++i) {
-        const Index u = rows_[i].column, place = place_[u];
-        Matrix3d both = rotations_[k];
-        if (place != kNoIndex) both += rotations_[place];
-        sum += 0.5 * rows_[i].value * (both * to_eigen(at(target, v) - at(target, u)));
-      }
-      turned_[k] = to_vec3(sum);
+    for (const Index v : std::span(active_).subspan(block.begin, block.size())) {
+      turned_[v] = Vec3();
+      for (const auto& [u, weight] : neighbors(v))
+        turned_[v] += 0.5 * weight * times(rotations_[v] + rotations_[u], at(target, v) - at(target, u));
     }
   });
 }
 
 void ElasticSurface::carry(std::span<const double> from, std::span<const double> to, std::span<double> x) {
   std::vector<Index> moved;
-  for (Index v = 0; v < place_.size(); ++v) {
+  for (Index v = 0; v < is_active_.size(); ++v) {
     if (at(x, v) != at(from, v))
       moved.push_back(v);
     else
       put(x, v, at(to, v));
   }
+  set_active({});
   set_active(std::move(moved));
   fit_rotations(to, from);
-  for (std::size_t k = 0; k < active_.size(); ++k) {
-    const Index v = active_[k];
+  for (const Index v : active_) {
     const Vec3 d = at(x, v) - at(from, v);
-    put(x, v, at(to, v) + d + times(rotations_[k], d));
+    put(x, v, at(to, v) + d + times(rotations_[v], d));
   }
   set_active({});
+}
+
+// Of the system without contacts, times values of vertices.
+template <class Value>
+Vec3 ElasticSurface::row(Index v, const Value& value) const {
+  Vec3 sum = diagonal_[v] * value(v);
+  for (const auto& [u, weight] : neighbors(v)) sum -= weight * value(u);
+  return sum;
 }
 
 double ElasticSurface::energy(std::span<const double> x, std::span<const double> target,
                               std::span<const NearPair> pairs, double stiffness) const {
   double sum = 0;
-  for (std::size_t k = 0; k < active_.size(); ++k) {
-    const Vec3 d = at(x, active_[k]) - at(target, active_[k]);
-    Vec3 row;
-    for (std::size_t i = active_begin_[k]; i < active_begin_[k + 1]; ++i) {
-      const Index v = active_[active_rows_[i].column];
-      row += active_rows_[i].value * (at(x, v) - at(target, v));
-    }
-    sum += d.dot(0.5 * row - turned_[k]);
-  }
+  const auto correction = [&](Index v) { return at(x, v) - at(target, v); };
+  for (const Index v : active_) sum += correction(v).dot(0.5 * row(v, correction) - turned_[v]);
   for (const NearPair& pair : pairs) sum += stiffness * barrier(pair.gap, pair.range);
   return sum;
 }
 
 void ElasticSurface::build_contacts(std::span<const double> x, std::span<const double> target,
                                     std::span<const NearPair> pairs, double stiffness) {
+  for (const Index v : active_) {
+    rhs_[v] = turned_[v];
+    inverse_[v] = diagonal_[v] * Matrix3d::Identity();
+  }
   contacts_.clear();
-  contact_begin_.assign(active_.size() + 1, 0);
   for (const NearPair& pair : pairs) {
-    Contact c{stiffness * barrier_curvature(pair.gap, pair.range), 0, pair.normal, {}, pair.w};
+    Contact c{stiffness * barrier_curvature(pair.gap, pair.range), pair.normal, pair.vertices, pair.w};
     double change = 0;  // of the gap, if all vertices went to their targets
     for (std::size_t k = 0; k < 4; ++k) {
       const Index v = pair.vertices[k];
       change += pair.w[k] * pair.normal.dot(at(target, v) - at(x, v));
-      c.place[k] = pair.w[k] != 0 ? place_[v] : kNoIndex;
-      if (c.place[k] != kNoIndex) ++contact_begin_[c.place[k] + std::size_t{1}];
+      if (is_active_[v] == 0) c.w[k] = 0;
     }
-    c.force = -(stiffness * barrier_slope(pair.gap, pair.range) + c.curvature * change);
+    const double force = -(stiffness * barrier_slope(pair.gap, pair.range) + c.curvature * change);
+    const Matrix3d block = c.curvature * to_eigen(c.normal) * to_eigen(c.normal).transpose();
+    for (std::size_t k = 0; k < 4; ++k) {
+      rhs_[c.vertices[k]] += force * c.w[k] * c.normal;
+      inverse_[c.vertices[k]] += c.w[k] * c.w[k] * block;
+    }
     contacts_.push_back(c);
   }
-  for (std::size_t k = 0; k < active_.size(); ++k) contact_begin_[k + 1] += contact_begin_[k];
-  vertex_contacts_.resize(contact_begin_.back());
-  auto next = contact_begin_;
-  for (Index i = 0; i < contacts_.size(); ++i) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (contacts_[i].place[k] != kNoIndex)
-        vertex_contacts_[next[contacts_[i].place[k]]++] = {i, contacts_[i].w[k]};
-    }
-  }
-  along_.resize(contacts_.size());
-  for (std::size_t k = 0; k < active_.size(); ++k) {
-    rhs_[k] = turned_[k];
-    Matrix3d block = active_rows_[active_begin_[k]].value * Matrix3d::Identity();
-    for (std::size_t i = contact_begin_[k]; i < contact_begin_[k + 1]; ++i) {
-      const auto [contact, w] = vertex_contacts_[i];
-      const Contact& c = contacts_[contact];
-      rhs_[k] += c.force * w * c.normal;
-      block += c.curvature * w * w * to_eigen(c.normal) * to_eigen(c.normal).transpose();
-    }
-    inverse_[k] = block.inverse();
-  }
+  for (const Index v : active_) inverse_[v] = Matrix3d(inverse_[v].inverse());
 }
 
-void ElasticSurface::multiply(std::span<const Vec3> u, std::span<Vec3> out) {
-  parallel_for(IndexRange{0, contacts_.size()}, kCheapGrain, [&](IndexRange block) {
-    for (std::size_t i = block.begin; i < block.end; ++i) {
-      const Contact& c = contacts_[i];
-      Vec3 sum;
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (c.place[k] != kNoIndex) sum += c.w[k] * u[c.place[k]];
-      }
-      along_[i] = c.curvature * c.normal.dot(sum);
-    }
-  });
+void ElasticSurface::multiply(std::span<const Vec3> u, std::span<Vec3> out) const {
   parallel_for(IndexRange{0, active_.size()}, kCheapGrain, [&](IndexRange block) {
-    for (std::size_t k = block.begin; k < block.end; ++k) {
-      Vec3 sum;
-      for (std::size_t i = active_begin_[k]; i < active_begin_[k + 1]; ++i)
-        sum += active_rows_[i].value * u[active_rows_[i].column];
-      for (std::size_t i = contact_begin_[k]; i < contact_begin_[k + 1]; ++i) {
-        const auto [contact, w] = vertex_contacts_[i];
-        sum += along_[contact] * w * contacts_[contact].normal;
-      }
-      out[k] = sum;
-    }
+    for (const Index v : std::span(active_).subspan(block.begin, block.size()))
+      out[v] = row(v, [&](Index i) { return u[i]; });
   });
+  for (const Contact& c : contacts_) {
+    Vec3 sum;
+    for (std::size_t k = 0; k < 4; ++k) sum += c.w[k] * u[c.vertices[k]];
+    const Vec3 along = c.curvature * c.normal.dot(sum) * c.normal;
+    for (std::size_t k = 0; k < 4; ++k) out[c.vertices[k]] += c.w[k] * along;
+  }
 }
 
 // Goes `step` along p_, then makes p_ the next direction. Returns r z; `largest`: the square of the largest
@@ -298,15 +255,15 @@ void ElasticSurface::multiply(std::span<const Vec3> u, std::span<Vec3> out) {
 double ElasticSurface::follow_direction(double step, double rz, double& largest) {
   double next = 0;
   largest = 0;
-  for (std::size_t k = 0; k < d_.size(); ++k) {
-    d_[k] += step * p_[k];
-    r_[k] -= step * q_[k];
-    z_[k] = times(inverse_[k], r_[k]);
-    next += r_[k].dot(z_[k]);
-    largest = std::max(largest, z_[k].squaredNorm());
+  for (const Index v : active_) {
+    d_[v] += step * p_[v];
+    r_[v] -= step * q_[v];
+    z_[v] = times(inverse_[v], r_[v]);
+    next += r_[v].dot(z_[v]);
+    largest = std::max(largest, z_[v].squaredNorm());
   }
   const double share = rz > 0 ? next / rz : 0;
-  for (std::size_t k = 0; k < d_.size(); ++k) p_[k] = z_[k] + share * p_[k];
+  for (const Index v : active_) p_[v] = z_[v] + share * p_[v];
   return next;
 }
 
@@ -315,12 +272,11 @@ void ElasticSurface::minimize(std::span<const double> x, std::span<const double>
                               const LinearTolerance& tolerance, std::span<double> out) {
   std::ranges::copy(target, out.begin());
   build_contacts(x, target, pairs, stiffness);
-  const std::size_t n = active_.size();
-  for (std::size_t k = 0; k < n; ++k) d_[k] = at(x, active_[k]) - at(target, active_[k]);
+  for (const Index v : active_) d_[v] = at(x, v) - at(target, v);
   multiply(d_, q_);
-  for (std::size_t k = 0; k < n; ++k) {
-    r_[k] = rhs_[k] - q_[k];
-    p_[k] = Vec3();
+  for (const Index v : active_) {
+    r_[v] = rhs_[v] - q_[v];
+    p_[v] = Vec3();
   }
   double largest = 0, rz = follow_direction(0, 0, largest);
   const double done =
@@ -328,10 +284,10 @@ void ElasticSurface::minimize(std::span<const double> x, std::span<const double>
   for (int i = 0; i < kMaxIterations && rz > 0 && largest > done; ++i) {
     multiply(p_, q_);
     double along = 0;
-    for (std::size_t k = 0; k < n; ++k) along += p_[k].dot(q_[k]);
+    for (const Index v : active_) along += p_[v].dot(q_[v]);
     rz = follow_direction(rz / along, rz, largest);
   }
-  for (std::size_t k = 0; k < n; ++k) put(out, active_[k], at(target, active_[k]) + d_[k]);
+  for (const Index v : active_) put(out, v, at(target, v) + d_[v]);
 }
 
 }  // namespace foldproof

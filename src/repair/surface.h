@@ -40,39 +40,40 @@ class ElasticSurface {
                 double stiffness, const LinearTolerance& tolerance, std::span<double> out);
 
  private:
-  struct Entry {
-    Index column;
-    double value;
+  struct Neighbor {
+    Index vertex;
+    double weight;  // falloff^2 w_ij
   };
-  void build_rows();
+  // What a pair adds to the system: curvature (w n)(w n)^T.
+  struct Contact {
+    double curvature;
+    Vec3 normal;
+    std::array<Index, 4> vertices;
+    std::array<double, 4> w;  // 0 where it is not active
+  };
+  std::span<const Neighbor> neighbors(Index v) const {
+    return std::span(neighbors_).subspan(begin_[v], begin_[v + std::size_t{1}] - begin_[v]);
+  }
   void build_contacts(std::span<const double> x, std::span<const double> target,
                       std::span<const NearPair> pairs, double stiffness);
-  void multiply(std::span<const Vec3> u, std::span<Vec3> out);
+  template <class Value>
+  Vec3 row(Index v, const Value& value) const;
+  void multiply(std::span<const Vec3> u, std::span<Vec3> out) const;
   double follow_direction(double step, double rz, double& largest);
 
-  const RepairScene* scene_;
-  std::vector<double> mass_;                // per vertex
-  std::vector<std::size_t> row_begin_;      // of all vertices
-  std::vector<Entry> rows_;                 // neighbors, with falloff^2 w_ij
-  std::vector<Index> active_, place_;       // place in active_, or kNoIndex
-  std::vector<std::size_t> active_begin_;   // rows of the active ones
-  std::vector<Entry> active_rows_;          // diagonal first
-  std::vector<Eigen::Matrix3d> rotations_;  // minus the identity, by place
-  std::vector<Vec3> turned_;                // right-hand side of the rotations, by place
-
-  // What pairs add to the system: curvature (w n)(w n)^T.
-  struct Contact {
-    double curvature, force;
-    Vec3 normal;
-    std::array<Index, 4> place;
-    std::array<double, 4> w;
-  };
+  std::vector<double> diagonal_;  // the area, and all weights
+  std::vector<std::size_t> begin_;
+  std::vector<Neighbor> neighbors_;
+  std::vector<Index> active_;
+  // All below by vertex. Of those that are not active, these are 0:
+  std::vector<std::uint8_t> is_active_;
+  std::vector<Eigen::Matrix3d> rotations_;  // minus the identity
+  std::vector<Vec3> d_, p_;
+  // and these are not used:
+  std::vector<Vec3> turned_;              // right-hand side of the rotations
+  std::vector<Eigen::Matrix3d> inverse_;  // of the diagonal blocks
+  std::vector<Vec3> rhs_, r_, z_, q_;
   std::vector<Contact> contacts_;
-  std::vector<std::size_t> contact_begin_;                 // by place
-  std::vector<std::pair<Index, double>> vertex_contacts_;  // contact and weight
-  std::vector<double> along_;                              // per contact, curvature times change of its gap
-  std::vector<Eigen::Matrix3d> inverse_;                   // of the diagonal blocks
-  std::vector<Vec3> rhs_, d_, r_, z_, p_, q_;
 };
 
 /// Lengths of a scene that do not depend on where it is and how it is turned.

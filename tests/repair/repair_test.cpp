@@ -294,6 +294,39 @@ TEST(Repair, WhatAMotionGoesThroughIsHeldBackAndNamed) {
   EXPECT_TRUE(report.frames.back().late);
 }
 
+// Two legs, hung side by side and `depth` too close to each other, swing past each other like scissors.
+// `length`: half of a leg's. `late`: how many frames later than at the first one the swing begins.
+TestMotion swinging_legs(double depth, double angle, int frames, double late, double length) {
+  TestMotion motion;
+  const Mesh ball = unit_sphere(16);
+  motion.meshes = {ball, ball};
+  for (int k = 0; k < frames; ++k) {
+    const double swing = angle * (1 - 2 * (k + late) / (frames - 1));
+    Pose& x = motion.frames.emplace_back();
+    for (const int side : {-1, 1}) {
+      const double c = std::cos(swing), s = side * std::sin(swing);
+      for (Index v = 0; v < ball.vertex_count; ++v) {
+        const Vec3 p = Vec3::load(&ball.positions[3 * std::size_t{v}]);
+        const double along = p.x() / 2, down = length * (p.z() - 1);
+        x.insert(x.end(), {c * along - s * down, p.y() / 2 + side * (1 - depth) / 2, s * along + c * down});
+      }
+    }
+  }
+  return motion;
+}
+
+// Feet move by twenty edges a frame; a repair that takes a leg around the wrong side of the other moves it by
+// ten times the depth.
+TEST(Repair, CoarseMotionsAreMovedByLittleMoreThanTheyAreDeep) {
+  const auto expect_near = [](const TestMotion& motion, double depth) {
+    const Repaired done = repaired(motion);
+    expect_proven(motion, done);
+    for (const RepairedFrame& frame : done.report.frames) EXPECT_LT(frame.correction, 2.5 * depth);
+  };
+  expect_near(swinging_legs(0.2, 0.8, 5, 0.7, 1.25), 0.2);
+  expect_near(swinging_legs(0.15, 0.92, 5, 0.16, 1.86), 0.15);
+}
+
 TEST(Repair, IgnoredPairsMayTouch) {
   TestMotion motion = pressed_balls(0.2, 6, 2);
   const std::vector<std::vector<Index>> labels{{0}, {1}};
