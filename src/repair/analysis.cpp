@@ -262,6 +262,8 @@ void Analysis::note_seams(const StepResult* step) {
 Result<std::optional<std::vector<double>>> internal::untangle(const RepairScene& scene, Prover& prover,
                                                               std::span<const double> x) {
   constexpr int kMaxRounds = 8, kFirstRings = 2;
+  constexpr std::uint64_t kMostGrowth = 4;  // of crossings: beyond it, surfaces are filled into each other
+  std::uint64_t most = 0;
   std::vector<double> y(x.begin(), x.end());
   std::vector<std::uint8_t> bad(scene.vertex_count(), 0);
   std::vector<std::span<const double>> views;
@@ -269,6 +271,8 @@ Result<std::optional<std::vector<double>>> internal::untangle(const RepairScene&
   for (int round = 0; round < kMaxRounds; ++round, rings = std::max(rings + 1, rings * 7 / 5)) {
     const StaticResult* crossings = FOLDPROOF_TRY(prover.check_pose(y));
     if (crossings->clean()) return y;
+    if (round == 0) most = kMostGrowth * crossings->crossing_count;
+    if (crossings->crossing_count > most) return std::nullopt;
     const auto finder = FOLDPROOF_TRY(find_in_pose(scene, *crossings, y, views));
     for_contact_vertices(scene, finder, [&](Index, Index v) { bad[v] = 1; });
     auto mask = bad;
