@@ -52,8 +52,8 @@ struct RepairSettings {
   /// approached. Empty: a frame that is free, or one that can be untangled.
   std::vector<double> start = {};
   Index start_frame = 0;
-  /// Poses of the same form that may touch nothing, such as a model's: where no frame is free, it starts in the
-  /// first of these that is.
+  /// Poses of the same form that may touch nothing, such as a model's: where no frame is free, it starts in
+  /// the first of these that is.
   std::vector<std::vector<double>> poses = {};
   /// When interrupted, write the frames that are finished so far.
   bool keep = false;

@@ -60,10 +60,10 @@ class FrameMeasurer {
   std::array<std::optional<Region>, 2> region_;
   std::vector<Index> body_cut_;  // of both sides
   RegionQuery body_query_;
-  std::optional<Region> body_;                // of a surface that goes into itself: both sides as one
-  std::array<std::vector<Index>, 2> inside_;  // the region's triangles that do not cross
+  std::optional<Region> body_;                 // of a surface that goes into itself: both sides as one
+  std::array<std::vector<Index>, 2> inside_;   // the region's triangles that do not cross
   std::vector<std::pair<Edge, double>> cuts_;  // of inner points: edge and share
-  std::vector<Vec3> points_;                  // of one side, inside
+  std::vector<Vec3> points_;                   // of one side, inside
   std::vector<Index> other_;
   std::vector<std::array<Vec3, 3>> other_corners_;
   std::vector<Index> places_;          // per vertex: where it is in the body's list, if it is there

@@ -227,8 +227,8 @@ Index Repair::calmest_frame() const {
   return calmest;
 }
 
-// A frame that is free, a pose that is given, known or untangled and from which the frame can be approached, or
-// what crosses is exempt. x_ is then a free pose at the frame.
+// A frame that is free, a pose that is given, known or untangled and from which the frame can be approached,
+// or what crosses is exempt. x_ is then a free pose at the frame.
 Result<std::optional<Start>> Repair::find_start() {
   for (const auto find : {&Repair::given_start, &Repair::free_frame, &Repair::known_pose,
                           &Repair::untangled_start, &Repair::exempt_start}) {

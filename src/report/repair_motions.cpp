@@ -94,7 +94,8 @@ double lay_over(Eigen::VectorXd& pose, std::span<const double> frame) {
   return (x - to).squaredNorm();
 }
 
-// The training poses of a model, as they are in its subspace, that are nearest to the frame, and laid over it.
+// The training poses of a model, as they are in its subspace, that are nearest to the frame, and laid over
+// it.
 std::vector<Eigen::VectorXd> nearest_poses(const Model& model, std::span<const double> frame) {
   const Predictor predictor(model.learned);
   std::vector<std::pair<double, Eigen::Index>> order;

@@ -53,7 +53,8 @@ TEST(RepairProgram, PointCachesAreProvenAsTheyAreRounded) {
   EXPECT_FALSE(demo.exists("pose-fixed.pc2"));
 }
 
-// It starts in a training pose of the model, which is free, instead of one in which what crosses was smoothed.
+// It starts in a training pose of the model, which is free, instead of one in which what crosses was
+// smoothed.
 TEST(RepairProgram, AModelKnowsWhereToStart) {
   const Demo demo;
   const Outcome done = demo.repair({"pose.obj", "--model", "body.model", "-o", "fixed.npz"});

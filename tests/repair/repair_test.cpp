@@ -194,7 +194,8 @@ TEST(Repair, WhereNoFrameIsFreeItStartsInAKnownPoseThatIs) {
   expect_proven(motion, done);
   EXPECT_EQ(done.frames, repaired(motion, {.start = apart, .start_frame = 1}).frames);
   EXPECT_NE(done.frames, repaired(motion).frames);
-  EXPECT_THAT(error_of(motion.input(), {.poses = {{0, 0, 0}}}), ::testing::HasSubstr("poses: have another size"));
+  EXPECT_THAT(error_of(motion.input(), {.poses = {{0, 0, 0}}}),
+              ::testing::HasSubstr("poses: have another size"));
 }
 
 // A sheet that goes through itself along a line in every frame: nothing is free, and smoothing does not help.
