@@ -10,6 +10,7 @@
 #include "io/named_files.h"
 #include "io/numbered.h"
 #include "long_call.h"
+#include "models.h"
 #include "module.h"
 #include "motions.h"
 #include "report/assumed.h"
