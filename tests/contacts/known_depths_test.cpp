@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <numbers>
+#include <random>
 
 #include "contacts/nearest.h"
 #include "contacts/scenes.h"
@@ -132,6 +133,25 @@ TEST(KnownDepth, ElbowIsInsideWhereItIsRed) {
       }
     }
   }
+}
+
+// Crumpled balls fold in few triangles. An edge across such a fold is cut by the curves of both of its sides.
+TEST(KnownDepth, NarrowFoldsInWhichNoVertexIsInside) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> noise(-1, 1);
+  int folds = 0;
+  for (int round = 0; round < 100; ++round) {
+    Mesh ball = unit_sphere(4 + round % 6);
+    for (double& c : ball.positions) c += 0.15 * noise(random);
+    Animation animation;
+    animation.topologies.push_back(ball.topology());
+    animation.poses = {{ball.positions}};
+    for (const Contact& contact : contacts_of(animation).contacts) {
+      const bool narrow = contact.sides[0].inside.empty() && contact.sides[1].inside.empty();
+      if (narrow && contact.depth() && !contact.at_least() && !contact.frames[0].closed) ++folds;
+    }
+  }
+  EXPECT_GT(folds, 100);
 }
 
 TEST(KnownDepth, SphereInSphereOfOneMesh) {
