@@ -207,6 +207,7 @@ Result<void> write_outputs(const RepairArguments& a, const RepairedMotions& done
       FOLDPROOF_TRY(io::write_npz(path, *motion, times));
     } else {
       std::vector<double> seconds;
+      seconds.reserve(times.size());
       for (const double time : times) seconds.push_back(time / a.motion.read.fps);
       const auto cache = std::filesystem::path(path).replace_extension(".mdd");
       FOLDPROOF_TRY(io::write_obj_mdd(path, cache.string(), *motion, seconds));

@@ -1,8 +1,9 @@
 /// What other parts of the module ask of models.
 #pragma once
 
+#include <pybind11/pybind11.h>
+
 #include "foldproof/model.h"
-#include "module.h"
 
 namespace foldproof::python {
 
@@ -10,6 +11,6 @@ namespace foldproof::python {
 const Learned& learned_of(const Model& model);
 
 /// One per motion, null for none; none at all for None. Refused: anything else.
-std::vector<std::shared_ptr<const Model>> models_of(const py::object& models, std::size_t motions);
+std::vector<std::shared_ptr<const Model>> models_of(const pybind11::object& models, std::size_t motions);
 
 }  // namespace foldproof::python
